@@ -1,0 +1,121 @@
+/**
+ * Every error that the engine throws on purpose. Each names the thing, what was found and what to do about it;
+ * `code` is stable and meant for programs, `message` for people.
+ */
+export class WebSplatterError extends Error {
+  readonly code: string;
+
+  constructor(code: string, message: string, options?: ErrorOptions) {
+    super(message, options);
+    this.name = new.target.name;
+    this.code = code;
+  }
+}
+
+/** Where in a file something was found: any part may be unknown. */
+export interface FilePlace {
+  /** Offset from the file's start, in bytes. */
+  readonly byte?: number;
+  /** Element name as in the file's header, e.g. `vertex`. */
+  readonly element?: string;
+  /** Property name, e.g. `f_dc_0`. */
+  readonly property?: string;
+  /** Row of the element, from 0. */
+  readonly row?: number;
+  /** Line of a text header or text body, from 1. */
+  readonly line?: number;
+}
+
+export type SplatFileErrorCode =
+  /** The bytes are not of any format that is read here. */
+  | 'unknown-format'
+  /** The header is malformed. */
+  | 'bad-header'
+  /** A property has a type or a place that it cannot have. */
+  | 'bad-property'
+  /** A point cloud or mesh, not splats: rotation, scale or colour are missing. */
+  | 'not-splats'
+  /** The file ends before all that its header promises. */
+  | 'truncated'
+  /** A value in a text body cannot be read as a number. */
+  | 'bad-value'
+  /** More splats than can be held. */
+  | 'too-large'
+  /** No splats in the file. */
+  | 'empty';
+
+/** A file cannot be read as splats. Nothing of it has been kept. */
+export class SplatFileError extends WebSplatterError {
+  declare readonly code: SplatFileErrorCode;
+  /** File name or URL, as far as it is known. */
+  readonly file: string;
+  readonly place: FilePlace;
+
+  constructor(code: SplatFileErrorCode, file: string, message: string, place: FilePlace = {}, options?: ErrorOptions) {
+    super(code, `${file}: ${message}${describePlace(place)}`, options);
+    this.file = file;
+    this.place = place;
+  }
+}
+
+/** A source could not be fetched or read (network, permission, missing file). */
+export class SplatSourceError extends WebSplatterError {
+  readonly file: string;
+  /** HTTP status, where there was one. */
+  readonly status: number | undefined;
+
+  constructor(file: string, message: string, status?: number, options?: ErrorOptions) {
+    super('unreadable-source', `${file}: ${message}`, options);
+    this.file = file;
+    this.status = status;
+  }
+}
+
+/** No usable WebGPU here. */
+export class WebGpuUnavailableError extends WebSplatterError {
+  constructor(message: string, options?: ErrorOptions) {
+    super('webgpu-unavailable', message, options);
+  }
+}
+
+/** A cloud or a view does not fit the device's limits; thrown before anything is allocated. */
+export class GpuLimitError extends WebSplatterError {
+  readonly limit: string;
+  readonly neededBytes: number;
+  readonly availableBytes: number;
+
+  constructor(limit: string, neededBytes: number, availableBytes: number, message: string) {
+    super('gpu-limit', message);
+    this.limit = limit;
+    this.neededBytes = neededBytes;
+    this.availableBytes = availableBytes;
+  }
+}
+
+/** An argument, option or setting has a value that it cannot have. */
+export class InvalidArgumentError extends WebSplatterError {
+  /** Name of the argument or setting. */
+  readonly argument: string;
+
+  constructor(argument: string, message: string) {
+    super('invalid-argument', message);
+    this.argument = argument;
+  }
+}
+
+/** The device was lost, or the object has been destroyed. */
+export class DestroyedError extends WebSplatterError {
+  constructor(what: string, why: string) {
+    super('destroyed', `${what} can no longer be used: ${why}.`);
+  }
+}
+
+function describePlace(place: FilePlace): string {
+  const parts: string[] = [];
+  if (place.line !== undefined) parts.push(`line ${place.line}`);
+  if (place.element !== undefined) parts.push(`element ${place.element}`);
+  if (place.row !== undefined) parts.push(`row ${place.row}`);
+  if (place.property !== undefined) parts.push(`property ${place.property}`);
+  if (place.byte !== undefined) parts.push(`byte ${place.byte}`);
+  return parts.length === 0 ? '' : ` (${parts.join(', ')})`;
+}

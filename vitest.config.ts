@@ -1,0 +1,52 @@
+import { defaultClientConditions } from 'vite';
+import { defineConfig } from 'vitest/config';
+
+// Tests run on the sources, not on dist: every workspace package exports its src under this condition.
+const conditions = ['@websplatter/source', ...defaultClientConditions];
+const resolve = { conditions };
+const ssr = { resolve: { conditions, externalConditions: conditions } };
+
+export default defineConfig({
+  test: {
+    reporters: ['default', './packages/tools/plain-line-reporter.ts'],
+    projects: [
+      {
+        resolve,
+        ssr,
+        test: {
+          name: 'unit',
+          environment: 'node',
+          include: ['packages/*/src/**/*.test.ts', 'apps/*/src/**/*.test.ts', 'apps/*/src/**/*.test.tsx'],
+          exclude: ['**/*.gpu.test.ts'],
+        },
+      },
+      {
+        resolve,
+        ssr,
+        test: {
+          // Dawn keeps one device per process; a process per file (forks) and one file at a time keep two cores honest.
+          name: 'gpu',
+          environment: 'node',
+          include: ['packages/*/src/**/*.gpu.test.ts'],
+          pool: 'forks',
+          fileParallelism: false,
+          testTimeout: 120_000,
+          hookTimeout: 120_000,
+        },
+      },
+      {
+        resolve,
+        ssr,
+        test: {
+          name: 'e2e',
+          environment: 'node',
+          include: ['e2e/**/*.test.ts'],
+          pool: 'forks',
+          fileParallelism: false,
+          testTimeout: 180_000,
+          hookTimeout: 180_000,
+        },
+      },
+    ],
+  },
+});
