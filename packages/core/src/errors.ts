@@ -51,7 +51,13 @@ export class SplatFileError extends WebSplatterError {
   readonly file: string;
   readonly place: FilePlace;
 
-  constructor(code: SplatFileErrorCode, file: string, message: string, place: FilePlace = {}, options?: ErrorOptions) {
+  constructor(
+    code: SplatFileErrorCode,
+    file: string,
+    message: string,
+    place: FilePlace = {},
+    options?: ErrorOptions,
+  ) {
     super(code, `${file}: ${message}${describePlace(place)}`, options);
     this.file = file;
     this.place = place;

@@ -1,3 +1,5 @@
+import type { ShRest } from '../layout/sh-rest.ts';
+
 /** Degree of the spherical harmonics that a set of splats carries. */
 export type ShDegree = 0 | 1 | 2 | 3;
 
@@ -5,7 +7,12 @@ export type ShDegree = 0 | 1 | 2 | 3;
 export const SH_REST_COEFFICIENTS: Readonly<Record<ShDegree, number>> = { 0: 0, 1: 3, 2: 8, 3: 15 };
 
 /** Why a reader left splats out. */
-export type DropReason = 'non-finite-position' | 'non-finite-scale' | 'non-finite-rotation' | 'non-finite-opacity' | 'non-finite-color';
+export type DropReason =
+  | 'non-finite-position'
+  | 'non-finite-scale'
+  | 'non-finite-rotation'
+  | 'non-finite-opacity'
+  | 'non-finite-color';
 
 /** How many splats were left out, by reason; reasons that did not occur are absent. */
 export type DropCounts = Partial<Record<DropReason, number>>;
@@ -18,7 +25,6 @@ export type DropCounts = Partial<Record<DropReason, number>>;
 export interface SplatSet {
   /** Number of splats, N. */
   readonly count: number;
-  readonly shDegree: ShDegree;
   /** Scene-space point that positions are relative to, in float64: large coordinates keep their precision. */
   readonly origin: readonly [number, number, number];
   /** 3N: x, y, z relative to `origin`. */
@@ -31,11 +37,8 @@ export interface SplatSet {
   readonly opacityLogits: Float32Array;
   /** 3N: spherical-harmonics coefficient of degree 0 for r, g, b. */
   readonly colorDc: Float32Array;
-  /**
-   * 3N·K with K = SH_REST_COEFFICIENTS[shDegree]: per splat the K coefficients in ascending (degree, order), each as
-   * r, g, b. Empty at degree 0.
-   */
-  readonly shRest: Float32Array;
+  /** Coefficients above degree 0, already in the precision that the GPU will read: they are most of a scene's bytes. */
+  readonly shRest: ShRest;
   /** N: each splat's row in its file, 0-based; what picking returns. */
   readonly fileIndices: Uint32Array;
   /** Rows of the file that are not here, by reason. */

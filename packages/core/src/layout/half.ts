@@ -1,0 +1,33 @@
+const f32 = new Float32Array(1);
+const u32 = new Uint32Array(f32.buffer);
+
+/** Largest finite binary16 value. */
+export const HALF_MAX = 65504;
+
+/**
+ * Bits of the binary16 nearest to `value`, ties to even; beyond ±65504 the bits of ±65504, so that packing never
+ * makes an infinity. `value` is finite.
+ */
+export function toHalfBits(value: number): number {
+  f32[0] = Math.max(-HALF_MAX, Math.min(HALF_MAX, value));
+  const bits = u32[0];
+  const sign = (bits >>> 16) & 0x8000;
+  const magnitude = bits & 0x7fffffff;
+  if (magnitude < 0x38800000) {
+    // Below 2^-14 binary16 is subnormal: multiples of 2^-24. Adding 0.5 to a float32 below 2^-14 rounds to just that grid.
+    f32[0] = Math.abs(f32[0]) + 0.5;
+    return sign | (u32[0] - 0x3f000000);
+  }
+  const roundedToEven = magnitude + 0xfff + ((magnitude >>> 13) & 1);
+  return sign | ((roundedToEven - 0x38000000) >>> 13);
+}
+
+/** Value of binary16 bits. */
+export function fromHalfBits(bits: number): number {
+  const exponent = (bits >>> 10) & 0x1f;
+  const mantissa = bits & 0x3ff;
+  const sign = bits & 0x8000 ? -1 : 1;
+  if (exponent === 0) return sign * mantissa * 2 ** -24;
+  if (exponent === 31) return mantissa === 0 ? sign * Number.POSITIVE_INFINITY : Number.NaN;
+  return sign * (1 + mantissa / 1024) * 2 ** (exponent - 15);
+}

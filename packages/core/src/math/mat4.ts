@@ -1,0 +1,75 @@
+/** A 4×4 matrix of float64, column-major: element (row r, column c) is at 4c + r. */
+export type Mat4 = Float64Array;
+
+export type Vec3 = readonly [number, number, number];
+
+export function identity4(): Mat4 {
+  return Float64Array.of(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);
+}
+
+/** a·b. */
+export function multiply4(a: ArrayLike<number>, b: ArrayLike<number>): Mat4 {
+  const product = new Float64Array(16);
+  for (let c = 0; c < 4; c++) {
+    for (let r = 0; r < 4; r++) {
+      let sum = 0;
+      for (let k = 0; k < 4; k++) sum += a[4 * k + r] * b[4 * c + k];
+      product[4 * c + r] = sum;
+    }
+  }
+  return product;
+}
+
+/** Translation by `offset` applied before `m`: m·T(offset). */
+export function translated4(m: ArrayLike<number>, offset: Vec3): Mat4 {
+  const result = Float64Array.from(m);
+  for (let r = 0; r < 4; r++) {
+    result[12 + r] = m[r] * offset[0] + m[4 + r] * offset[1] + m[8 + r] * offset[2] + m[12 + r];
+  }
+  return result;
+}
+
+/** Upper left 3×3 of `m`, column-major. */
+export function linearPart(m: ArrayLike<number>): Float64Array {
+  return Float64Array.of(m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]);
+}
+
+/** Inverse of a 3×3 matrix, or null where it is singular (or not finite). */
+export function invert3(m: ArrayLike<number>): Float64Array | null {
+  // Scaled first, so that the determinant neither overflows nor underflows.
+  let largest = 0;
+  for (let i = 0; i < 9; i++) largest = Math.max(largest, Math.abs(m[i]));
+  if (!(largest > 0) || !Number.isFinite(largest)) return null;
+  const [a, b, c, d, e, f, g, h, i] = Array.from({ length: 9 }, (_, k) => m[k] / largest);
+  const cofactors = [e * i - f * h, c * h - b * i, b * f - c * e];
+  const determinant = a * cofactors[0] + d * cofactors[1] + g * cofactors[2];
+  if (Math.abs(determinant) < 1e-30) return null;
+  const scale = 1 / (determinant * largest);
+  return Float64Array.of(
+    cofactors[0] * scale,
+    cofactors[1] * scale,
+    cofactors[2] * scale,
+    (f * g - d * i) * scale,
+    (a * i - c * g) * scale,
+    (c * d - a * f) * scale,
+    (d * h - e * g) * scale,
+    (b * g - a * h) * scale,
+    (a * e - b * d) * scale,
+  );
+}
+
+/** m·v for a column-major 3×3 matrix. */
+export function transform3(m: ArrayLike<number>, v: ArrayLike<number>): [number, number, number] {
+  return [
+    m[0] * v[0] + m[3] * v[1] + m[6] * v[2],
+    m[1] * v[0] + m[4] * v[1] + m[7] * v[2],
+    m[2] * v[0] + m[5] * v[1] + m[8] * v[2],
+  ];
+}
+
+/** Upper bound of the factor by which a column-major 3×3 matrix can lengthen a vector (its Frobenius norm). */
+export function stretchBound(m: ArrayLike<number>): number {
+  let sum = 0;
+  for (let i = 0; i < 9; i++) sum += m[i] * m[i];
+  return Math.sqrt(sum);
+}

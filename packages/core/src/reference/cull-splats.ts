@@ -1,0 +1,87 @@
+import type { Projection } from '../camera.ts';
+import type { CloudView } from '../scene/cloud-view.ts';
+import type { SplatSet } from '../scene/splat-set.ts';
+import { rotationMatrix, type ScreenCovariance, screenCovariance, screenRows } from './covariance.ts';
+
+/** Cutoffs that decide which splats are drawn and how far each reaches. */
+export interface CullSettings {
+  /** Opacity under which a splat or a fragment is left out. */
+  readonly alphaCutoff: number;
+  /** Variance added to both screen axes, px². */
+  readonly dilationPx2: number;
+}
+
+/** A splat that reaches into the picture. */
+export interface VisibleSplat {
+  /** View depth of the centre, world units. */
+  readonly depthView: number;
+  readonly centerPx: readonly [number, number];
+  readonly covariance: ScreenCovariance;
+  /** Peak opacity, 0…1. */
+  readonly opacity: number;
+  /** Half extents of the box around all pixels where the opacity reaches the cutoff, px. */
+  readonly extentPx: readonly [number, number];
+}
+
+/** Twin of the GPU's cull-splats for splat `index`: what it looks like, or null where nothing of it is drawn. */
+export function cullSplat(
+  set: SplatSet,
+  index: number,
+  view: CloudView,
+  projection: Projection,
+  settings: CullSettings,
+): VisibleSplat | null {
+  const opacity = 1 / (1 + Math.exp(-set.opacityLogits[index]));
+  if (opacity < settings.alphaCutoff) return null;
+
+  const centerView = toView(view, set.positions, index);
+  const depthView = -centerView[2];
+  if (!(depthView > projection.near && depthView <= projection.far)) return null;
+
+  const centerPx = toPixels(projection, centerView);
+  const rotation = rotationMatrix(
+    set.rotations[4 * index],
+    set.rotations[4 * index + 1],
+    set.rotations[4 * index + 2],
+    set.rotations[4 * index + 3],
+  );
+  const rows = screenRows(
+    projection,
+    view.linear,
+    centerView,
+    rotation,
+    set.logScales.subarray(3 * index, 3 * index + 3),
+  );
+  const covariance = screenCovariance(rows, settings.dilationPx2);
+  // opacity·exp(−½ xᵀΣ⁻¹x) = cutoff at xᵀΣ⁻¹x = 2·ln(opacity/cutoff); that ellipse's box is √ of Σ's diagonal times that.
+  const reach = Math.sqrt(2 * Math.log(opacity / settings.alphaCutoff));
+  const extentPx = [reach * Math.sqrt(covariance.a), reach * Math.sqrt(covariance.c)] as const;
+  const isInside =
+    centerPx[0] + extentPx[0] > 0 &&
+    centerPx[0] - extentPx[0] < projection.widthPx &&
+    centerPx[1] + extentPx[1] > 0 &&
+    centerPx[1] - extentPx[1] < projection.heightPx;
+  return isInside ? { depthView, centerPx, covariance, opacity, extentPx } : null;
+}
+
+function toView(
+  { linear, translation }: CloudView,
+  positions: Float32Array,
+  index: number,
+): [number, number, number] {
+  const [x, y, z] = [positions[3 * index], positions[3 * index + 1], positions[3 * index + 2]];
+  return [
+    linear[0] * x + linear[3] * y + linear[6] * z + translation[0],
+    linear[1] * x + linear[4] * y + linear[7] * z + translation[1],
+    linear[2] * x + linear[5] * y + linear[8] * z + translation[2],
+  ];
+}
+
+function toPixels(projection: Projection, centerView: ArrayLike<number>): [number, number] {
+  const { isOrthographic, focalPx, centerPx } = projection;
+  const divisor = isOrthographic ? 1 : -centerView[2];
+  return [
+    centerPx[0] + (focalPx[0] * centerView[0]) / divisor,
+    centerPx[1] - (focalPx[1] * centerView[1]) / divisor,
+  ];
+}

@@ -1,0 +1,39 @@
+import { MAX_FRAGMENT_ALPHA } from '../accuracy.ts';
+import type { VisibleSplat } from './cull-splats.ts';
+
+/** Premultiplied RGBA in float64, top row first. */
+export interface ReferenceImage {
+  readonly widthPx: number;
+  readonly heightPx: number;
+  /** 4·width·height values. */
+  readonly data: Float64Array;
+}
+
+/** Twin of the GPU's rasterize: blends one splat over what `image` holds. Pixel centres are at half-integers. */
+export function rasterizeSplat(
+  image: ReferenceImage,
+  { centerPx, covariance: { a, b, c, determinant }, opacity, extentPx }: VisibleSplat,
+  color: readonly [number, number, number],
+  alphaCutoff: number,
+): void {
+  const { widthPx, heightPx, data } = image;
+  const left = Math.max(0, Math.ceil(centerPx[0] - extentPx[0] - 0.5));
+  const right = Math.min(widthPx - 1, Math.floor(centerPx[0] + extentPx[0] - 0.5));
+  const top = Math.max(0, Math.ceil(centerPx[1] - extentPx[1] - 0.5));
+  const bottom = Math.min(heightPx - 1, Math.floor(centerPx[1] + extentPx[1] - 0.5));
+  for (let row = top; row <= bottom; row++) {
+    const y = row + 0.5 - centerPx[1];
+    for (let column = left; column <= right; column++) {
+      const x = column + 0.5 - centerPx[0];
+      const distance2 = (c * x * x - 2 * b * x * y + a * y * y) / determinant;
+      const alpha = Math.min(MAX_FRAGMENT_ALPHA, opacity * Math.exp(-0.5 * distance2));
+      if (alpha < alphaCutoff) continue;
+      const at = 4 * (row * widthPx + column);
+      const through = 1 - alpha;
+      data[at] = color[0] * alpha + data[at] * through;
+      data[at + 1] = color[1] * alpha + data[at + 1] * through;
+      data[at + 2] = color[2] * alpha + data[at + 2] * through;
+      data[at + 3] = alpha + data[at + 3] * through;
+    }
+  }
+}

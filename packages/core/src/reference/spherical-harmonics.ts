@@ -1,0 +1,61 @@
+import type { ShDegree } from '../scene/splat-set.ts';
+
+const C0 = Math.sqrt(1 / (4 * Math.PI));
+const C1 = Math.sqrt(3 / (4 * Math.PI));
+const C2_XY = Math.sqrt(15 / (4 * Math.PI));
+const C2_ZZ = Math.sqrt(5 / (16 * Math.PI));
+const C3_XXX = Math.sqrt(35 / (32 * Math.PI));
+const C3_XYZ = Math.sqrt(105 / (4 * Math.PI));
+const C3_XZZ = Math.sqrt(21 / (32 * Math.PI));
+const C3_ZZZ = Math.sqrt(7 / (16 * Math.PI));
+
+/** Real spherical harmonics of degrees 1 to `degree` at the unit vector x, y, z, with the signs that scenes are trained with. */
+export function shRestBasis(degree: ShDegree, x: number, y: number, z: number): number[] {
+  const basis: number[] = [];
+  if (degree >= 1) basis.push(-C1 * y, C1 * z, -C1 * x);
+  if (degree >= 2) {
+    basis.push(
+      C2_XY * x * y,
+      -C2_XY * y * z,
+      C2_ZZ * (2 * z * z - x * x - y * y),
+      -C2_XY * x * z,
+      (C2_XY / 2) * (x * x - y * y),
+    );
+  }
+  if (degree >= 3) {
+    basis.push(
+      -C3_XXX * y * (3 * x * x - y * y),
+      C3_XYZ * x * y * z,
+      -C3_XZZ * y * (4 * z * z - x * x - y * y),
+      C3_ZZZ * z * (2 * z * z - 3 * x * x - 3 * y * y),
+      -C3_XZZ * x * (4 * z * z - x * x - y * y),
+      (C3_XYZ / 2) * z * (x * x - y * y),
+      -C3_XXX * x * (x * x - 3 * y * y),
+    );
+  }
+  return basis;
+}
+
+/**
+ * Colour seen along the unit vector `direction`, from the camera to the splat, both in the cloud's own space.
+ *
+ * @param dc three coefficients of degree 0.
+ * @param rest 3K coefficients above degree 0, each as r, g, b.
+ * @returns r, g, b in the space the scene was trained in (sRGB-encoded), not negative, not limited above.
+ */
+export function shColor(
+  degree: ShDegree,
+  dc: ArrayLike<number>,
+  rest: ArrayLike<number>,
+  direction: readonly [number, number, number],
+): [number, number, number] {
+  const basis = shRestBasis(degree, ...direction);
+  const color: [number, number, number] = [0, 0, 0];
+  for (let channel = 0; channel < 3; channel++) {
+    let sum = 0.5 + C0 * dc[channel];
+    for (let k = 0; k < basis.length; k++) sum += basis[k] * rest[3 * k + channel];
+    // A negative radiance has no meaning, and would darken what is behind it.
+    color[channel] = Math.max(0, sum);
+  }
+  return color;
+}

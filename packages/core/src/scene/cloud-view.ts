@@ -1,0 +1,52 @@
+import { invert3, linearPart, multiply4, transform3, translated4, type Vec3 } from '../math/mat4.ts';
+
+/** How a cloud stands to the camera, all in float64 and relative to the cloud's origin. */
+export interface CloudView {
+  /** Linear part of cloud space to view space, column-major 3×3. */
+  readonly linear: Float64Array;
+  /** The cloud's origin in view space. */
+  readonly translation: readonly [number, number, number];
+  /**
+   * The camera in cloud space, relative to the cloud's origin; null where the model matrix cannot be inverted, or for
+   * an orthographic camera, whose directions are all `direction`.
+   */
+  readonly camera: readonly [number, number, number] | null;
+  /** Direction in which the camera looks, in cloud space, not normalised. */
+  readonly direction: readonly [number, number, number];
+}
+
+/**
+ * Where colours are seen from when nothing says it: the camera stands at the splat's centre, or the model matrix is
+ * singular.
+ */
+export const FALLBACK_DIRECTION: Vec3 = [0, 0, 1];
+
+/**
+ * Spherical harmonics are evaluated along the line of sight in the cloud's own space, which for a scaled, mirrored or
+ * sheared cloud is the inverse of the whole linear part, not of its rotation alone: a mirrored cloud then looks like
+ * the cloud in a mirror.
+ */
+export function cloudView(
+  viewMatrix: ArrayLike<number>,
+  modelMatrix: ArrayLike<number>,
+  origin: Vec3,
+  isOrthographic: boolean,
+): CloudView {
+  // The product is taken in float64 about the origin: far from the world's origin, float32 would lose millimetres here.
+  const modelView = translated4(multiply4(viewMatrix, modelMatrix), origin);
+  const linear = linearPart(modelView);
+  const translation = [modelView[12], modelView[13], modelView[14]] as const;
+  const inverse = invert3(linear);
+  return {
+    linear,
+    translation,
+    camera:
+      inverse && !isOrthographic
+        ? transform3(
+            inverse,
+            translation.map((v) => -v),
+          )
+        : null,
+    direction: inverse ? transform3(inverse, [0, 0, -1]) : FALLBACK_DIRECTION,
+  };
+}
