@@ -1,0 +1,51 @@
+import { expect, test } from 'vitest';
+import { type VulkanSurroundings, vulkanRoutes } from './vulkan-routes.ts';
+
+const SWIFTSHADER = '/usr/lib/chromium/vk_swiftshader_icd.json';
+const CHROMIUM_LOADER = '/usr/lib/chromium/libvulkan.so.1';
+const NVIDIA = '/usr/local/nvidia/share/vulkan/icd.d/nvidia_icd.json';
+
+function machine(files: string[], env: Record<string, string> = {}): VulkanSurroundings {
+  return {
+    env,
+    fileExists: (path) => files.includes(path),
+    listDirectory: (path) =>
+      files.filter((file) => file.startsWith(`${path}/`)).map((file) => file.slice(path.length + 1)),
+  };
+}
+
+test('a bare machine has no way to a driver', () => {
+  expect(vulkanRoutes(machine([]))).toEqual([]);
+});
+
+test('with only Chromium, SwiftShader is reached through Chromium’s own loader', () => {
+  expect(vulkanRoutes(machine([SWIFTSHADER, CHROMIUM_LOADER]))).toEqual([
+    { loaders: ['libvulkan.so.1', CHROMIUM_LOADER], driverFile: SWIFTSHADER, isSoftware: true },
+  ]);
+});
+
+test('an installed driver comes before SwiftShader, and is left out where software is asked for', () => {
+  const desktop = machine([SWIFTSHADER, '/usr/share/vulkan/icd.d/radeon_icd.x86_64.json']);
+  expect(vulkanRoutes(desktop).map((route) => route.driverFile)).toEqual([null, SWIFTSHADER]);
+  expect(vulkanRoutes(desktop, true).map((route) => route.driverFile)).toEqual([SWIFTSHADER]);
+});
+
+test('NVIDIA’s container mount is used where the user has chosen no driver', () => {
+  expect(vulkanRoutes(machine([NVIDIA, SWIFTSHADER])).map((route) => route.driverFile)).toEqual([
+    NVIDIA,
+    SWIFTSHADER,
+  ]);
+  const chosen = machine([NVIDIA, SWIFTSHADER], { VK_DRIVER_FILES: '/opt/driver.json' });
+  expect(vulkanRoutes(chosen).map((route) => route.driverFile)).toEqual([null, SWIFTSHADER]);
+});
+
+test('WEBSPLATTER_VK_ICD replaces the places where SwiftShader is looked for, the loader beside it included', () => {
+  const files = [SWIFTSHADER, CHROMIUM_LOADER, '/opt/sw/icd.json', '/opt/sw/libvulkan.so.1'];
+  expect(vulkanRoutes(machine(files, { WEBSPLATTER_VK_ICD: '/opt/sw/icd.json' }))).toEqual([
+    {
+      loaders: ['libvulkan.so.1', '/opt/sw/libvulkan.so.1', CHROMIUM_LOADER],
+      driverFile: '/opt/sw/icd.json',
+      isSoftware: true,
+    },
+  ]);
+});
