@@ -1,1 +1,186 @@
-// placeholder until written
+// Builds the packages that run outside of this repository into their dist folders: JavaScript by Vite, declarations by
+// tsc. A package is left alone while nothing that it is built from has changed. Part of `npm ci` (the prepare script).
+import { spawnSync } from 'node:child_process';
+import { createHash } from 'node:crypto';
+import {
+  cpSync,
+  existsSync,
+  mkdirSync,
+  readdirSync,
+  readFileSync,
+  rmSync,
+  statSync,
+  writeFileSync,
+} from 'node:fs';
+import { basename, isAbsolute, join, relative } from 'node:path';
+import { pathToFileURL } from 'node:url';
+import { repositoryRoot } from './setup.mjs';
+
+/**
+ * In order of dependence. `entries`: what may be imported, and the workers, which must be files of their own.
+ * `inputs`: what goes into the bundle besides the package's own sources.
+ */
+const PACKAGES = [
+  {
+    name: 'core',
+    entries: {
+      index: 'src/index.ts',
+      reference: 'src/reference/index.ts',
+      'load-worker': 'src/io/load-worker.ts',
+    },
+    inputs: ['shaders'],
+    hasDeclarations: true,
+  },
+  { name: 'node', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
+  { name: 'scenes', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
+  { name: 'cli', entries: { main: 'src/main.ts' }, inputs: [], hasDeclarations: false },
+];
+
+const cacheFolder = join(repositoryRoot, 'node_modules/.cache/websplatter-build');
+
+/** Builds what has changed. */
+export async function build() {
+  let hash = hashOf([
+    'packages/tools/build.mjs',
+    'packages/tools/tsconfig.library.json',
+    'tsconfig.json',
+    'node_modules/vite/package.json',
+    'node_modules/typescript/package.json',
+  ]);
+  for (const item of PACKAGES) {
+    const folder = `packages/${item.name}`;
+    const sources = [
+      `${folder}/src`,
+      `${folder}/package.json`,
+      `${folder}/tsconfig.build.json`,
+      ...item.inputs,
+    ];
+    // Declarations are checked against those of the packages before, so that a change there counts here.
+    hash = hashOf(sources, hash);
+    if (isBuilt(item, hash)) continue;
+    const startedMs = performance.now();
+    await buildPackage(item);
+    mkdirSync(cacheFolder, { recursive: true });
+    writeFileSync(stampPath(item), hash);
+    console.log(
+      `Built @websplatter/${item.name} in ${((performance.now() - startedMs) / 1000).toFixed(1)} s`,
+    );
+  }
+}
+
+function isBuilt(item, hash) {
+  if (!existsSync(stampPath(item)) || readFileSync(stampPath(item), 'utf8') !== hash) return false;
+  return Object.keys(item.entries).every((entry) =>
+    existsSync(join(repositoryRoot, 'packages', item.name, 'dist', `${entry}.js`)),
+  );
+}
+
+async function buildPackage(item) {
+  const folder = join(repositoryRoot, 'packages', item.name);
+  // Built aside: a build that fails leaves the dist of the one before.
+  const aside = join(cacheFolder, `${item.name}-${process.pid}`);
+  try {
+    await bundle(item, folder, aside);
+    if (item.hasDeclarations) emitDeclarations(folder, aside);
+    rmSync(join(folder, 'dist'), { recursive: true, force: true });
+    cpSync(aside, join(folder, 'dist'), { recursive: true });
+  } finally {
+    rmSync(aside, { recursive: true, force: true });
+  }
+}
+
+async function bundle(item, folder, outDir) {
+  const vite = await import('vite');
+  const input = Object.fromEntries(
+    Object.entries(item.entries).map(([name, path]) => [name, join(folder, path)]),
+  );
+  await vite.build({
+    configFile: false,
+    root: folder,
+    logLevel: 'warn',
+    // Vite's build for Node leaves `new URL(…, import.meta.url)` alone; its build for browsers would make the worker's
+    // address one that only a web server's root can resolve.
+    build: {
+      ssr: true,
+      target: 'es2022',
+      outDir,
+      emptyOutDir: true,
+      minify: false,
+      sourcemap: true,
+      rolldownOptions: {
+        input,
+        external: (id) => !id.startsWith('.') && !id.startsWith('\0') && !isAbsolute(id),
+        output: { format: 'es', entryFileNames: '[name].js', chunkFileNames: '[name]-[hash].js' },
+      },
+    },
+    plugins: [workerFiles(item.entries)],
+  });
+}
+
+/**
+ * Names the built file in `new URL('./some-worker.ts', import.meta.url)`. All built files lie in one folder, so the
+ * expression stays one that other bundlers know as a worker.
+ */
+function workerFiles(entries) {
+  return {
+    name: 'websplatter:worker-files',
+    enforce: 'pre',
+    transform(code, id) {
+      if (!/\.tsx?$/.test(id) || !code.includes('import.meta.url')) return null;
+      const replaced = code.replace(
+        /new URL\((['"])(\.[^'"]*\.ts)\1, import\.meta\.url\)/g,
+        (_, quote, path) => {
+          const name = basename(path, '.ts');
+          if (!Object.hasOwn(entries, name))
+            this.error(`${id}: ${path} is not among the entries of packages/tools/build.mjs`);
+          return `new URL(${quote}./${name}.js${quote}, import.meta.url)`;
+        },
+      );
+      // No line moves, so that the source map of the step before still holds.
+      return { code: replaced, map: null };
+    },
+  };
+}
+
+function emitDeclarations(folder, outDir) {
+  const tsc = join(repositoryRoot, 'node_modules/typescript/bin/tsc');
+  const config = join(folder, 'tsconfig.build.json');
+  const { status } = spawnSync(process.execPath, [tsc, '-p', config, '--outDir', outDir], {
+    stdio: 'inherit',
+  });
+  if (status !== 0) throw new Error(`No declarations for ${relative(repositoryRoot, folder)}: tsc failed.`);
+  for (const path of filesIn(outDir).filter((file) => file.endsWith('.d.ts'))) {
+    // tsc leaves the sources' extension in import specifiers, where consumers look for one that can be imported.
+    const text = readFileSync(path, 'utf8');
+    writeFileSync(
+      path,
+      text.replace(/((?:from|import|import\()\s*)(['"])(\.[^'"]*)\.tsx?\2/g, '$1$2$3.js$2'),
+    );
+  }
+}
+
+/** Hash over the contents of files and folders (repository-relative), tests left out. */
+function hashOf(paths, seed = '') {
+  const hash = createHash('sha256').update(seed);
+  for (const path of paths.flatMap((each) => filesIn(join(repositoryRoot, each)))) {
+    if (/\.test\.tsx?$/.test(path)) continue;
+    hash.update(relative(repositoryRoot, path)).update('\0').update(readFileSync(path)).update('\0');
+  }
+  return hash.digest('hex');
+}
+
+/** All files at or below `path`, in a fixed order; none where there is nothing. */
+function filesIn(path) {
+  if (!existsSync(path)) return [];
+  if (statSync(path).isFile()) return [path];
+  return readdirSync(path)
+    .filter((name) => name !== 'node_modules' && name !== 'dist')
+    .sort()
+    .flatMap((name) => filesIn(join(path, name)));
+}
+
+function stampPath(item) {
+  return join(cacheFolder, `${item.name}.hash`);
+}
+
+if (process.argv[1] && import.meta.url === pathToFileURL(process.argv[1]).href) await build();

@@ -1,0 +1,40 @@
+import type { Reporter, SerializedError, TestModule, TestRunEndReason, Vitest } from 'vitest/node';
+
+/**
+ * Ends a run with the line `N passed, N failed, N skipped`, for machines. What fails outside of a test (a file that
+ * does not load, a hook of a suite, an unhandled rejection, an interrupted run) counts as a failure.
+ */
+export default class PlainLineReporter implements Reporter {
+  private isWatching = false;
+  private line = '';
+
+  onInit(vitest: Vitest): void {
+    this.isWatching = vitest.config.watch;
+    if (this.isWatching) return;
+    // Other reporters, and Vitest while it closes, print later than onTestRunEnd.
+    process.once('exit', () => console.log(this.line || plainLine({ passed: 0, failed: 1, skipped: 0 })));
+  }
+
+  onTestRunEnd(
+    testModules: readonly TestModule[],
+    unhandledErrors: readonly SerializedError[],
+    reason: TestRunEndReason,
+  ): void {
+    const counts = { passed: 0, failed: unhandledErrors.length, skipped: 0 };
+    for (const testModule of testModules) {
+      for (const test of testModule.children.allTests()) {
+        const { state } = test.result();
+        counts[state === 'pending' ? 'skipped' : state]++;
+      }
+      const containers = [testModule, ...testModule.children.allSuites()];
+      counts.failed += containers.filter((container) => container.errors().length > 0).length;
+    }
+    if (reason !== 'passed' && counts.failed === 0) counts.failed = 1;
+    this.line = plainLine(counts);
+    if (this.isWatching) console.log(this.line);
+  }
+}
+
+function plainLine({ passed, failed, skipped }: { passed: number; failed: number; skipped: number }): string {
+  return `${passed} passed, ${failed} failed, ${skipped} skipped`;
+}

@@ -1,0 +1,83 @@
+// Runs before anything is installed: only node's own modules may be imported here.
+import { spawnSync } from 'node:child_process';
+import { existsSync, statSync } from 'node:fs';
+import { delimiter, join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+export const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
+
+const OLDEST_NODE = [20, 19];
+
+/** Exits with one line where this Node is too old for the tools. */
+export function checkNodeVersion() {
+  const [major, minor] = process.versions.node.split('.').map(Number);
+  if (major > OLDEST_NODE[0] || (major === OLDEST_NODE[0] && minor >= OLDEST_NODE[1])) return;
+  fail(
+    `Node ${process.versions.node} is too old: ${OLDEST_NODE.join('.')} or newer is needed (https://nodejs.org).`,
+  );
+}
+
+/** Runs `npm ci` where node_modules is missing or older than package-lock.json. */
+export function ensureInstalled() {
+  checkNodeVersion();
+  // npm writes this file at the end of an installation.
+  const installed = join(repositoryRoot, 'node_modules/.package-lock.json');
+  const lock = join(repositoryRoot, 'package-lock.json');
+  if (existsSync(installed) && statSync(installed).mtimeMs >= statSync(lock).mtimeMs) return;
+  console.log('Installing dependencies (npm ci) …');
+  const npm = process.env.npm_execpath;
+  const { status } = npm
+    ? spawnSync(process.execPath, [npm, 'ci'], { cwd: repositoryRoot, stdio: 'inherit' })
+    : spawnSync('npm ci', { cwd: repositoryRoot, stdio: 'inherit', shell: true });
+  if (status !== 0) fail('npm ci failed; its messages are above.');
+}
+
+/**
+ * Path of a Chromium for the end-to-end tests; its package also brings SwiftShader, on which GPU tests run where there
+ * is no GPU. Installs it where that can be done without asking, else says how and exits.
+ */
+export function ensureChromium() {
+  const found = findChromium();
+  if (found) return found;
+  if (process.env.CHROMIUM_PATH) fail(`CHROMIUM_PATH is ${process.env.CHROMIUM_PATH}, which does not exist.`);
+  const isDebianRoot = existsSync('/etc/debian_version') && process.getuid?.() === 0;
+  if (!isDebianRoot) {
+    const command =
+      process.platform === 'darwin'
+        ? 'brew install --cask chromium'
+        : 'sudo apt-get update && sudo apt-get install -y chromium';
+    fail(`The tests need Chromium. Install it with\n  ${command}\nor set CHROMIUM_PATH to the program.`);
+  }
+  console.log('Installing Chromium (apt-get) …');
+  const { status } = spawnSync('apt-get update && apt-get install -y chromium', {
+    shell: true,
+    stdio: ['ignore', 'inherit', 'inherit'],
+    env: { ...process.env, DEBIAN_FRONTEND: 'noninteractive' },
+  });
+  const installed = findChromium();
+  if (status !== 0 || !installed) fail('Chromium could not be installed; apt-get’s messages are above.');
+  return installed;
+}
+
+function findChromium() {
+  if (process.env.CHROMIUM_PATH)
+    return existsSync(process.env.CHROMIUM_PATH) ? process.env.CHROMIUM_PATH : undefined;
+  const names = ['chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable'];
+  const onPath = (process.env.PATH ?? '')
+    .split(delimiter)
+    .flatMap((folder) => names.map((name) => join(folder, name)));
+  const elsewhere = [
+    '/usr/bin/chromium',
+    '/opt/google/chrome/chrome',
+    '/Applications/Chromium.app/Contents/MacOS/Chromium',
+    '/Applications/Google Chrome.app/Contents/MacOS/Google Chrome',
+    'C:\\Program Files\\Google\\Chrome\\Application\\chrome.exe',
+  ];
+  return [...onPath, ...elsewhere].find((path) => existsSync(path));
+}
+
+/** Prints `message` and ends the process with status 1. */
+export function fail(message) {
+  console.error(message);
+  process.exit(1);
+}

@@ -1,0 +1,16 @@
+// `npm test`: everything that a fresh clone needs, then all tests. `--full` (npm run test:full) also runs the slow ones;
+// other arguments go to Vitest, e.g. `npm test -- packages/cli`.
+import { join } from 'node:path';
+import { runTool } from './run-tool.mjs';
+import { ensureChromium, ensureInstalled, repositoryRoot } from './setup.mjs';
+
+ensureInstalled();
+const chromiumPath = ensureChromium();
+const { build } = await import('./build.mjs');
+await build();
+
+const args = process.argv.slice(2).filter((arg) => arg !== '--full');
+const env = { ...process.env, CHROMIUM_PATH: chromiumPath, WEBSPLATTER_REQUIRE_GPU: '1' };
+if (process.argv.includes('--full')) env.WEBSPLATTER_FULL = '1';
+const vitest = join(repositoryRoot, 'node_modules/vitest/vitest.mjs');
+process.exit(await runTool(vitest, ['run', ...args], { cwd: repositoryRoot, env }));
