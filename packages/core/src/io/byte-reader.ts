@@ -1,0 +1,203 @@
+import { SplatSourceError, WebSplatterError } from '../errors.ts';
+import type { OpenedSource } from './open-source.ts';
+
+/** Bytes held at once, unless one item needs more: bounds both memory and the work between two pauses. */
+const WINDOW_BYTES = 1 << 20;
+/** Longest time a page's thread is kept busy before its event loop gets a turn. */
+const MAX_BUSY_MS = 16;
+
+const NO_BYTES = new Uint8Array(0);
+
+/**
+ * A stream as a window of contiguous bytes that moves forward. Chunks are copied into the window, at most `WINDOW_BYTES`
+ * at a time, so that items which straddle chunks need no special case and a huge chunk is never doubled.
+ *
+ * Rejections: the signal's reason once it aborts; `SplatSourceError` where the stream fails or gives no bytes.
+ */
+export class ByteReader {
+  /** The window's memory; valid from `start` on for `available` bytes, until the next `fill` or `skip`. */
+  bytes: Uint8Array<ArrayBuffer> = new Uint8Array(WINDOW_BYTES);
+  /** The same memory as `bytes`. */
+  view = new DataView(this.bytes.buffer);
+  /** Index in `bytes` of the next byte. */
+  start = 0;
+
+  readonly #name: string;
+  readonly #signal: AbortSignal | undefined;
+  readonly #reader: ReadableStreamDefaultReader<Uint8Array>;
+  readonly #onAbort = () => this.#cancel(this.#signal?.reason);
+  #end = 0;
+  /** Offset in the file of `bytes[0]`. */
+  #base = 0;
+  /** What of the last chunk has not been copied yet. */
+  #pending: Uint8Array = NO_BYTES;
+  #lastPauseMs = performance.now();
+
+  constructor(source: Pick<OpenedSource, 'name' | 'stream'>, signal?: AbortSignal) {
+    this.#name = source.name;
+    this.#signal = signal;
+    signal?.throwIfAborted();
+    if (source.stream.locked) throw lockedStreamError(source.name);
+    this.#reader = source.stream.getReader();
+    // Cancelling ends a pending read at once, even one on a stream that would never deliver.
+    signal?.addEventListener('abort', this.#onAbort, { once: true });
+  }
+
+  /** Bytes at hand from `start` on. */
+  get available(): number {
+    return this.#end - this.start;
+  }
+
+  /** Offset in the file of the next byte. */
+  get byteOffset(): number {
+    return this.#base + this.start;
+  }
+
+  advance(byteCount: number): void {
+    this.start += byteCount;
+  }
+
+  /** Makes at least `byteCount` bytes available, the first of them at `bytes[0]` if any had to be read; false if the stream ends before. */
+  async fill(byteCount: number): Promise<boolean> {
+    if (this.available >= byteCount) return true;
+    this.#makeRoom(byteCount);
+    while (this.available < byteCount) {
+      if (this.#pending.length === 0 && !(await this.#readChunk())) return false;
+      const part = this.#pending.subarray(0, this.bytes.length - this.#end);
+      this.bytes.set(part, this.#end);
+      this.#end += part.length;
+      this.#pending = this.#pending.subarray(part.length);
+    }
+    await this.pause();
+    return true;
+  }
+
+  /** Passes over `byteCount` bytes without holding them; false if the stream ends before. */
+  async skip(byteCount: number): Promise<boolean> {
+    let left = byteCount;
+    for (;;) {
+      const step = Math.min(left, this.available);
+      this.advance(step);
+      left -= step;
+      if (left === 0) return true;
+      if (!(await this.fill(1))) return false;
+    }
+  }
+
+  /** Gives the event loop a turn if it has waited long, and stops if aborted. */
+  async pause(): Promise<void> {
+    this.#signal?.throwIfAborted();
+    if (performance.now() - this.#lastPauseMs < MAX_BUSY_MS) return;
+    await nextTask();
+    this.#lastPauseMs = performance.now();
+    this.#signal?.throwIfAborted();
+  }
+
+  /** Moves the next byte to `bytes[0]`, so that rows of 4-byte values stay aligned. */
+  align(): void {
+    this.bytes.copyWithin(0, this.start, this.#end);
+    this.#base += this.start;
+    this.#end -= this.start;
+    this.start = 0;
+  }
+
+  /** A stream of all that has not been passed over; this reader is not to be used afterwards. */
+  rest(): ReadableStream<Uint8Array> {
+    const parts = [this.bytes.slice(this.start, this.#end), this.#pending].filter((part) => part.length > 0);
+    return new ReadableStream<Uint8Array>(
+      {
+        pull: async (controller) => {
+          const held = parts.shift();
+          if (held) controller.enqueue(held);
+          else if (await this.#readChunk()) controller.enqueue(this.#pending);
+          else controller.close();
+        },
+        cancel: (reason) => this.#cancel(reason),
+      },
+      { highWaterMark: 0 },
+    );
+  }
+
+  /** Lets go of the stream; whatever has not been read is cancelled. */
+  close(): void {
+    this.#cancel(undefined);
+  }
+
+  #cancel(reason: unknown): void {
+    this.#signal?.removeEventListener('abort', this.#onAbort);
+    // A stream that has failed already rejects here with the error that its read has reported.
+    this.#reader.cancel(reason).catch(() => {});
+  }
+
+  #makeRoom(byteCount: number): void {
+    if (byteCount <= this.bytes.length) {
+      // Without anything to move this costs nothing, so reading byte by byte stays linear.
+      if (this.start > 0) this.align();
+      return;
+    }
+    const larger = new Uint8Array(Math.max(byteCount, 2 * this.bytes.length));
+    larger.set(this.bytes.subarray(this.start, this.#end));
+    this.#base += this.start;
+    this.#end -= this.start;
+    this.start = 0;
+    this.bytes = larger;
+    this.view = new DataView(larger.buffer);
+  }
+
+  /** False at the stream's end. */
+  async #readChunk(): Promise<boolean> {
+    for (;;) {
+      this.#signal?.throwIfAborted();
+      const chunk = await this.#read();
+      this.#signal?.throwIfAborted();
+      if (chunk === undefined) return false;
+      if (!ArrayBuffer.isView(chunk) || !('subarray' in chunk) || chunk.BYTES_PER_ELEMENT !== 1) {
+        throw new SplatSourceError(
+          this.#name,
+          `the stream gave ${describeChunk(chunk)}; it must give Uint8Array chunks`,
+        );
+      }
+      this.#pending = chunk;
+      if (chunk.length > 0) return true;
+    }
+  }
+
+  async #read(): Promise<Uint8Array | undefined> {
+    try {
+      return (await this.#reader.read()).value;
+    } catch (cause) {
+      this.#signal?.throwIfAborted();
+      if (cause instanceof WebSplatterError) throw cause;
+      throw new SplatSourceError(this.#name, `reading stopped: ${messageOf(cause)}`, undefined, { cause });
+    }
+  }
+}
+
+export function lockedStreamError(name: string): SplatSourceError {
+  return new SplatSourceError(
+    name,
+    'the stream is locked: something else is reading it, or has. Pass a fresh stream, or the Blob or URL itself.',
+  );
+}
+
+export function messageOf(cause: unknown): string {
+  return cause instanceof Error ? cause.message : String(cause);
+}
+
+function describeChunk(chunk: unknown): string {
+  return typeof chunk === 'object' && chunk !== null
+    ? `a chunk of ${chunk.constructor?.name}`
+    : `a ${typeof chunk}`;
+}
+
+/** Resolves in a new task. A message, since timers are held back to 4 ms in pages and to 1 s in hidden ones. */
+function nextTask(): Promise<void> {
+  return new Promise((resolve) => {
+    const { port1, port2 } = new MessageChannel();
+    port1.onmessage = () => {
+      port1.close();
+      resolve();
+    };
+    port2.postMessage(null);
+  });
+}

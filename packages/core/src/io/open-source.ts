@@ -1,0 +1,137 @@
+import { InvalidArgumentError, SplatSourceError } from '../errors.ts';
+import { ByteReader, lockedStreamError, messageOf } from './byte-reader.ts';
+import type { ReadOptions, SplatSource } from './splat-source.ts';
+
+/** A source as a stream that has not been read from. */
+export interface OpenedSource {
+  /** For messages: the option, the file's name or the URL. */
+  readonly name: string;
+  /** Size in bytes, undefined where it is not known. */
+  readonly totalBytes: number | undefined;
+  /**
+   * Whether `totalBytes` is what the stream will really give. False for answers from another origin: a page sees their
+   * Content-Length, which is that of the compressed bytes, but not their Content-Encoding. Good for a progress bar only.
+   */
+  readonly totalBytesCertain: boolean;
+  readonly stream: ReadableStream<Uint8Array>;
+}
+
+/** Memory is streamed in pieces of this size, so that reading it does not block a page. */
+const PIECE_BYTES = 1 << 20;
+/** Longest name shown in messages: data URLs can be megabytes. */
+const MAX_NAME_LENGTH = 200;
+
+/**
+ * Opens anything that splats can be read from as a stream of bytes. Memory is not copied.
+ *
+ * Rejects with `SplatSourceError` (network, HTTP status, a stream already in use), with `InvalidArgumentError` for what
+ * is no source, and with the signal's reason.
+ */
+export async function openSource(source: SplatSource, options: ReadOptions = {}): Promise<OpenedSource> {
+  options.signal?.throwIfAborted();
+  if (typeof source === 'string' || source instanceof URL) return openUrl(String(source), options);
+  if (isStream(source)) {
+    const name = options.name ?? 'stream';
+    if (source.locked) throw lockedStreamError(name);
+    return { name, totalBytes: undefined, totalBytesCertain: false, stream: source };
+  }
+  if (isBlob(source)) {
+    const name = options.name ?? (source as Partial<File>).name ?? 'blob';
+    return { name, totalBytes: source.size, totalBytesCertain: true, stream: source.stream() };
+  }
+  const bytes = bytesOf(source);
+  const name = options.name ?? 'buffer';
+  return { name, totalBytes: bytes.length, totalBytesCertain: true, stream: streamOfBytes(bytes) };
+}
+
+/** Reads ahead: the first `byteCount` bytes (fewer if there are no more) and the same source, still whole. */
+export async function peekSource(
+  source: OpenedSource,
+  byteCount: number,
+  signal?: AbortSignal,
+): Promise<{ firstBytes: Uint8Array; source: OpenedSource }> {
+  const reader = new ByteReader(source, signal);
+  await reader.fill(byteCount);
+  const firstBytes = reader.bytes.slice(reader.start, reader.start + Math.min(byteCount, reader.available));
+  return { firstBytes, source: { ...source, stream: reader.rest() } };
+}
+
+/** What a source is called in messages unless the caller names it. */
+export function shortName(text: string): string {
+  return text.length <= MAX_NAME_LENGTH ? text : `${text.slice(0, MAX_NAME_LENGTH)}…`;
+}
+
+export function isStream(source: unknown): source is ReadableStream<Uint8Array> {
+  return typeof (source as Partial<ReadableStream>)?.getReader === 'function';
+}
+
+export function isBlob(source: unknown): source is Blob {
+  const blob = source as Partial<Blob> | null;
+  return typeof blob?.stream === 'function' && typeof blob.size === 'number';
+}
+
+/** The bytes of a buffer or of the part that a view shows, not copied. */
+export function bytesOf(source: ArrayBuffer | ArrayBufferView): Uint8Array {
+  if (ArrayBuffer.isView(source)) return new Uint8Array(source.buffer, source.byteOffset, source.byteLength);
+  // By its tag, since a buffer may come from another realm (an iframe, a test runner).
+  const tag = Object.prototype.toString.call(source);
+  if (tag === '[object ArrayBuffer]' || tag === '[object SharedArrayBuffer]') return new Uint8Array(source);
+  throw new InvalidArgumentError(
+    'source',
+    `source is ${tag.slice(8, -1)}; it must be a URL, Blob, File, ArrayBuffer, view or ReadableStream.`,
+  );
+}
+
+async function openUrl(url: string, { name = shortName(url), signal }: ReadOptions): Promise<OpenedSource> {
+  const response = await fetchOrThrow(url, name, signal);
+  if (!response.ok) {
+    response.body?.cancel().catch(() => {});
+    const reason = response.statusText === '' ? '' : ` ${response.statusText}`;
+    throw new SplatSourceError(name, `the server answered ${response.status}${reason}`, response.status);
+  }
+  return {
+    name,
+    totalBytes: contentLength(response.headers),
+    totalBytesCertain: response.type !== 'cors',
+    stream: response.body ?? streamOfBytes(new Uint8Array(0)),
+  };
+}
+
+async function fetchOrThrow(url: string, name: string, signal: AbortSignal | undefined): Promise<Response> {
+  try {
+    return await fetch(url, { signal });
+  } catch (cause) {
+    signal?.throwIfAborted();
+    throw new SplatSourceError(name, `cannot be fetched: ${fetchFailure(url, cause)}`, undefined, { cause });
+  }
+}
+
+function fetchFailure(url: string, cause: unknown): string {
+  if (typeof document === 'undefined' && (!URL.canParse(url) || url.startsWith('file:'))) {
+    return 'outside a page only absolute http, https, data and blob URLs can be; read a local file yourself and pass its Blob or bytes';
+  }
+  // Node says only "fetch failed", with the reason one level down.
+  const reason = cause instanceof Error && cause.cause instanceof Error ? cause.cause : cause;
+  return `${messageOf(reason)} (offline, blocked by CORS, or no such host?)`;
+}
+
+function contentLength(headers: Headers): number | undefined {
+  const encoding = headers.get('content-encoding');
+  if (encoding !== null && encoding !== 'identity') return undefined;
+  const length = headers.get('content-length');
+  return length !== null && /^\d+$/.test(length) ? Number(length) : undefined;
+}
+
+function streamOfBytes(bytes: Uint8Array): ReadableStream<Uint8Array> {
+  let offset = 0;
+  return new ReadableStream<Uint8Array>(
+    {
+      pull(controller) {
+        if (offset >= bytes.length) return controller.close();
+        controller.enqueue(bytes.subarray(offset, offset + PIECE_BYTES));
+        offset += PIECE_BYTES;
+      },
+    },
+    { highWaterMark: 0 },
+  );
+}

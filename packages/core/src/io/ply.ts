@@ -1,0 +1,207 @@
+import { SplatFileError } from '../errors.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../scene/splat-set.ts';
+import { ByteReader } from './byte-reader.ts';
+import type { OpenedSource } from './open-source.ts';
+import { readAsciiRows } from './ply-ascii.ts';
+import { readBinaryRows } from './ply-binary.ts';
+import {
+  clip,
+  type PlyBody,
+  type PlyElement,
+  type PlyHeader,
+  readPlyHeader,
+  TYPE_BYTES,
+} from './ply-header.ts';
+import { ReadProgress } from './progress.ts';
+import type { SplatFormat, SplatFormatOptions } from './splat-format.ts';
+import { MAX_SPLATS, ROW_SLOT, SplatSetBuilder } from './splat-set-builder.ts';
+
+/** PLY as written by 3D Gaussian Splatting and its descendants; also the file that `encodePly` writes. */
+export const plyFormat: SplatFormat = {
+  name: 'ply',
+  sniff: (bytes) => /^ply\s/.test(String.fromCharCode(...bytes.subarray(0, 4))),
+  read: readPly,
+};
+
+const SLOT_OF_CORE_PROPERTY = new Map<string, number>([
+  ...['x', 'y', 'z'].map((name, i): [string, number] => [name, ROW_SLOT.position + i]),
+  ...[0, 1, 2].map((i): [string, number] => [`scale_${i}`, ROW_SLOT.logScale + i]),
+  ...[0, 1, 2, 3].map((i): [string, number] => [`rot_${i}`, ROW_SLOT.rotation + i]),
+  ['opacity', ROW_SLOT.opacity],
+  ...[0, 1, 2].map((i): [string, number] => [`f_dc_${i}`, ROW_SLOT.colorDc + i]),
+]);
+
+const SH_DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
+const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
+
+/**
+ * Reads splats from a PLY: ascii or binary of either byte order, properties in any order and of any scalar type, further
+ * properties and elements passed over. Memory grows with the rows that arrive, not with what the header promises; what
+ * comes after the splats is not read.
+ *
+ * In the file: x y z; scale_0…2 (natural logarithms); rot_0…3 (w x y z); opacity (logit); f_dc_0…2; f_rest_0…3K−1, all K
+ * of red, then green, then blue, K = 0, 3, 8 or 15. Integer types are read as plain numbers.
+ *
+ * Rejects with `SplatFileError` (every code but 'unknown-format' except for compressed PLY), `SplatSourceError`, or the
+ * signal's reason.
+ */
+export async function readPly(source: OpenedSource, options: SplatFormatOptions): Promise<SplatSet> {
+  const reader = new ByteReader(source, options.signal);
+  try {
+    const header = await readPlyHeader(reader, source.name);
+    const vertexIndex = findVertex(header, source.name);
+    const vertex = header.elements[vertexIndex];
+    const shDegree = shDegreeOf(vertex, source.name);
+    const body: PlyBody = {
+      file: source.name,
+      header,
+      vertexIndex,
+      slots: slotsOf(vertex, shDegree, source.name),
+    };
+    const sizeIsKnown = checkCounts(source, header, vertexIndex, reader.byteOffset);
+    const builder = new SplatSetBuilder({
+      file: source.name,
+      shDegree,
+      shPrecision: options.shPrecision,
+      widePositions: vertex.properties.some(
+        ({ name, type }) => /^[xyz]$/.test(name) && WIDE_TYPES.includes(type),
+      ),
+      expectedCount: sizeIsKnown ? vertex.count : 0,
+    });
+    const progress = new ReadProgress(source.totalBytes, options.onProgress);
+    const readRows = header.format === 'ascii' ? readAsciiRows : readBinaryRows;
+    await readRows(reader, body, builder, progress);
+    progress.finish(reader.byteOffset, builder.count);
+    return builder.finish();
+  } finally {
+    reader.close();
+  }
+}
+
+/** Index of the element that holds splats; throws where there is none. */
+function findVertex(header: PlyHeader, file: string): number {
+  const index = header.elements.findIndex((element) => element.name === 'vertex');
+  const vertex = header.elements[index];
+  const names = new Set(vertex?.properties.map((property) => property.name));
+  if (names.has('packed_position')) {
+    const advice = 'convert it to the standard layout, for example with splat-transform';
+    throw new SplatFileError(
+      'unknown-format',
+      file,
+      `this is a compressed PLY (it has packed_position), which is not read yet; ${advice}.`,
+      { element: 'vertex', property: 'packed_position' },
+    );
+  }
+  const missing = [...SLOT_OF_CORE_PROPERTY.keys()].filter((name) => !names.has(name));
+  if (missing.length > 0) throw notSplatsError(header, vertex, missing, file);
+  return index;
+}
+
+function notSplatsError(
+  header: PlyHeader,
+  vertex: PlyElement | undefined,
+  missing: readonly string[],
+  file: string,
+): SplatFileError {
+  if (vertex === undefined) {
+    const found = header.elements.map((element) => clip(element.name)).join(', ') || 'none';
+    return new SplatFileError('not-splats', file, `there is no element vertex; elements found: ${found}.`);
+  }
+  const list = `its vertices lack ${missing.join(', ')}`;
+  const message = `${describeKind(header, missing)}: ${list}. Splats come from Gaussian-splatting training.`;
+  return new SplatFileError('not-splats', file, message, { element: 'vertex' });
+}
+
+function describeKind(header: PlyHeader, missing: readonly string[]): string {
+  const lacksShape = ['scale_0', 'rot_0', 'f_dc_0'].every((name) => missing.includes(name));
+  if (!lacksShape) return 'these are not complete splats';
+  const faces = header.elements.find(
+    ({ name, count }) => (name === 'face' || name === 'tristrips') && count > 0,
+  );
+  return faces
+    ? `this is a mesh (${faces.count} ${faces.name} rows), not splats`
+    : 'this is a plain point cloud, not splats';
+}
+
+function shDegreeOf(vertex: PlyElement, file: string): ShDegree {
+  const count = vertex.properties.filter(({ name }) => /^f_rest_\d+$/.test(name)).length;
+  const degree = SH_DEGREES.find((candidate) => 3 * SH_REST_COEFFICIENTS[candidate] === count);
+  if (degree !== undefined) return degree;
+  throw new SplatFileError(
+    'bad-property',
+    file,
+    `there are ${count} f_rest properties; spherical harmonics of degree 0, 1, 2 or 3 have 0, 9, 24 or 45.`,
+    { element: 'vertex' },
+  );
+}
+
+/** Per property of `vertex` its place in a builder's row, -1 for those not needed. */
+function slotsOf(vertex: PlyElement, shDegree: ShDegree, file: string): number[] {
+  const slotOf = new Map(SLOT_OF_CORE_PROPERTY);
+  const coefficients = SH_REST_COEFFICIENTS[shDegree];
+  for (let channel = 0; channel < 3; channel++) {
+    for (let k = 0; k < coefficients; k++) {
+      slotOf.set(`f_rest_${channel * coefficients + k}`, ROW_SLOT.shRest + 3 * k + channel);
+    }
+  }
+  const fail = (property: string, message: string): never => {
+    throw new SplatFileError('bad-property', file, message, { element: 'vertex', property });
+  };
+  const seen = new Set<string>();
+  for (const { name, countType } of vertex.properties) {
+    if (!slotOf.has(name)) continue;
+    if (countType !== undefined) fail(name, `${name} is a list; it must be one number.`);
+    if (seen.has(name)) fail(name, `${name} is declared twice.`);
+    seen.add(name);
+  }
+  const missing = [...slotOf.keys()].find((name) => !seen.has(name));
+  if (missing !== undefined) fail(missing, `${missing} is missing though others of its kind are there.`);
+  return vertex.properties.map(({ name }) => slotOf.get(name) ?? -1);
+}
+
+/** Throws where the promised rows cannot be; returns whether the source is known to be large enough for them. */
+function checkCounts(
+  source: OpenedSource,
+  header: PlyHeader,
+  vertexIndex: number,
+  bodyStart: number,
+): boolean {
+  const vertex = header.elements[vertexIndex];
+  if (vertex.count === 0) {
+    throw new SplatFileError('empty', source.name, 'the header promises 0 splats.', { element: 'vertex' });
+  }
+  const isKnown = source.totalBytes !== undefined && source.totalBytesCertain;
+  if (isKnown) {
+    const elements = header.elements.slice(0, vertexIndex + 1);
+    const neededBytes = elements.reduce(
+      (sum, element) => sum + element.count * leastRowBytes(element, header),
+      0,
+    );
+    // A text body's last line may go without its line end.
+    const availableBytes = source.totalBytes - bodyStart + (header.format === 'ascii' ? 1 : 0);
+    if (neededBytes > availableBytes) {
+      throw new SplatFileError(
+        'truncated',
+        source.name,
+        `${vertex.count} splats need at least ${neededBytes} bytes after the header, the file has ${availableBytes}. ` +
+          'Download or export it again.',
+        { element: 'vertex', byte: source.totalBytes },
+      );
+    }
+  }
+  if (vertex.count > MAX_SPLATS) {
+    throw new SplatFileError(
+      'too-large',
+      source.name,
+      `the header promises ${vertex.count} splats; at most ${MAX_SPLATS} can be numbered. Split the file.`,
+      { element: 'vertex' },
+    );
+  }
+  return isKnown;
+}
+
+/** Least bytes of one row: lists are empty; in text each number is a digit and a separator. */
+function leastRowBytes(element: PlyElement, header: PlyHeader): number {
+  if (header.format === 'ascii') return 2 * element.properties.length;
+  return element.properties.reduce((sum, { type, countType }) => sum + TYPE_BYTES[countType ?? type], 0);
+}

@@ -1,0 +1,19 @@
+import type { ShPrecision } from '../layout/sh-rest.ts';
+import type { SplatSet } from '../scene/splat-set.ts';
+import type { OpenedSource } from './open-source.ts';
+import type { ReadOptions } from './splat-source.ts';
+
+export interface SplatFormatOptions extends Pick<ReadOptions, 'signal' | 'onProgress'> {
+  /** Precision to store the spherical harmonics above degree 0 in. */
+  readonly shPrecision: ShPrecision;
+}
+
+/** A file format: one object of this kind in a file of its own, and an entry in `FORMATS`. */
+export interface SplatFormat {
+  /** Short lower-case name. */
+  readonly name: string;
+  /** Whether a file that starts with these bytes (`SNIFF_BYTES` of them, or all there are) is of this format. */
+  sniff(firstBytes: Uint8Array): boolean;
+  /** Reads the whole; rejects with a `WebSplatterError` or the signal's reason. */
+  read(source: OpenedSource, options: SplatFormatOptions): Promise<SplatSet>;
+}

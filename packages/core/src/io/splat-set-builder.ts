@@ -1,0 +1,222 @@
+import { SplatFileError } from '../errors.ts';
+import { packShRest, type ShPrecision, shRestValues, shRestWordsPerSplat } from '../layout/sh-rest.ts';
+import type { DropCounts, DropReason, ShDegree, SplatSet } from '../scene/splat-set.ts';
+
+/** Index of each property's first component in `SplatSetBuilder.row`. */
+export const ROW_SLOT = {
+  /** x, y, z in the scene's space. */
+  position: 0,
+  /** 3 natural logarithms. */
+  logScale: 3,
+  /** w, x, y, z. */
+  rotation: 6,
+  /** Logit. */
+  opacity: 10,
+  /** r, g, b. */
+  colorDc: 11,
+  /** 3K values in ascending (degree, order), each as r, g, b. */
+  shRest: 14,
+} as const;
+
+/** Most splats whose row in the file fits `SplatSet.fileIndices`. */
+export const MAX_SPLATS = 2 ** 32 - 1;
+
+const FIRST_CAPACITY = 4096;
+
+interface Columns {
+  positions: Float32Array | Float64Array;
+  logScales: Float32Array;
+  rotations: Float32Array;
+  opacityLogits: Float32Array;
+  colorDc: Float32Array;
+  shWords: Uint32Array;
+  fileIndices: Uint32Array;
+}
+
+export interface SplatSetBuilderOptions {
+  /** For messages. */
+  readonly file: string;
+  readonly shDegree: ShDegree;
+  readonly shPrecision: ShPrecision;
+  /** Whether positions come in more than float32, which is then kept until the origin is known. */
+  readonly widePositions: boolean;
+  /** Rows to make room for at once; pass only what the source is known to hold. */
+  readonly expectedCount: number;
+}
+
+/** Collects splats row by row: fill `row`, call `push`. Rows that are not finite in float32 are left out and counted. */
+export class SplatSetBuilder {
+  /** The next splat's values, by `ROW_SLOT`. */
+  readonly row: Float64Array;
+  readonly #options: SplatSetBuilderOptions;
+  readonly #shRow: Float64Array;
+  readonly #wordsPerSplat: number;
+  readonly #dropped: DropCounts = {};
+  #columns: Columns;
+  #capacity = 0;
+  #count = 0;
+
+  constructor(options: SplatSetBuilderOptions) {
+    this.#options = options;
+    this.row = new Float64Array(ROW_SLOT.shRest + shRestValues(options.shDegree));
+    this.#shRow = this.row.subarray(ROW_SLOT.shRest);
+    this.#wordsPerSplat = shRestWordsPerSplat(options.shDegree, options.shPrecision);
+    this.#columns = {
+      positions: new (options.widePositions ? Float64Array : Float32Array)(0),
+      logScales: new Float32Array(0),
+      rotations: new Float32Array(0),
+      opacityLogits: new Float32Array(0),
+      colorDc: new Float32Array(0),
+      shWords: new Uint32Array(0),
+      fileIndices: new Uint32Array(0),
+    };
+    this.#setCapacity(Math.max(FIRST_CAPACITY, options.expectedCount));
+  }
+
+  /** Splats kept so far. */
+  get count(): number {
+    return this.#count;
+  }
+
+  /** Takes the splat in `row`, which is row `fileIndex` of its file. */
+  push(fileIndex: number): void {
+    const { row } = this;
+    const reason = reasonToDrop(row);
+    if (reason !== undefined) {
+      this.#dropped[reason] = (this.#dropped[reason] ?? 0) + 1;
+      return;
+    }
+    if (this.#count === this.#capacity) this.#setCapacity(2 * this.#capacity);
+    const index = this.#count++;
+    const { positions, logScales, rotations, opacityLogits, colorDc, shWords, fileIndices } = this.#columns;
+    for (let i = 0; i < 3; i++) {
+      positions[3 * index + i] = row[ROW_SLOT.position + i];
+      logScales[3 * index + i] = row[ROW_SLOT.logScale + i];
+      colorDc[3 * index + i] = row[ROW_SLOT.colorDc + i];
+    }
+    for (let i = 0; i < 4; i++) rotations[4 * index + i] = row[ROW_SLOT.rotation + i];
+    opacityLogits[index] = row[ROW_SLOT.opacity];
+    fileIndices[index] = fileIndex;
+    packShRest(
+      this.#options.shDegree,
+      this.#options.shPrecision,
+      this.#shRow,
+      shWords,
+      index * this.#wordsPerSplat,
+    );
+  }
+
+  /** The finished set; throws `SplatFileError` 'empty' if no row was kept. */
+  finish(): SplatSet {
+    if (this.#count === 0) throw this.#emptyError();
+    this.#setCapacity(this.#count);
+    const { positions, shWords, ...columns } = this.#columns;
+    const origin = chooseOrigin(positions);
+    return {
+      ...columns,
+      count: this.#count,
+      origin,
+      positions: positionsFrom(positions, origin),
+      shRest: {
+        degree: this.#options.shDegree,
+        precision: this.#options.shPrecision,
+        wordsPerSplat: this.#wordsPerSplat,
+        words: shWords,
+      },
+      dropped: this.#dropped,
+    };
+  }
+
+  #setCapacity(capacity: number): void {
+    if (capacity === this.#capacity) return;
+    const columns = this.#columns;
+    try {
+      // One after the other, so that only one column at a time exists twice.
+      columns.positions = resized(columns.positions, 3 * capacity);
+      columns.logScales = resized(columns.logScales, 3 * capacity);
+      columns.rotations = resized(columns.rotations, 4 * capacity);
+      columns.opacityLogits = resized(columns.opacityLogits, capacity);
+      columns.colorDc = resized(columns.colorDc, 3 * capacity);
+      columns.shWords = resized(columns.shWords, this.#wordsPerSplat * capacity);
+      columns.fileIndices = resized(columns.fileIndices, capacity);
+    } catch (cause) {
+      if (!(cause instanceof RangeError)) throw cause;
+      const { file, shPrecision } = this.#options;
+      const advice =
+        shPrecision === 'u8'
+          ? 'Read a smaller scene'
+          : `Read it with shPrecision u8 instead of ${shPrecision}`;
+      throw new SplatFileError(
+        'too-large',
+        file,
+        `no memory for ${capacity} splats. ${advice}.`,
+        {},
+        { cause },
+      );
+    }
+    this.#capacity = capacity;
+  }
+
+  #emptyError(): SplatFileError {
+    const counts = Object.entries(this.#dropped).map(([reason, count]) => `${count} ${reason}`);
+    const why = counts.length === 0 ? 'it has none' : `all were left out: ${counts.join(', ')}`;
+    return new SplatFileError('empty', this.#options.file, `no splats to show: ${why}.`);
+  }
+}
+
+function resized<T extends Float32Array | Float64Array | Uint32Array>(column: T, length: number): T {
+  const result = new (column.constructor as new (length: number) => T)(length);
+  result.set(column.subarray(0, length));
+  return result;
+}
+
+function reasonToDrop(row: Float64Array): DropReason | undefined {
+  if (!isFiniteFloat32(row, ROW_SLOT.position, 3)) return 'non-finite-position';
+  if (!isFiniteFloat32(row, ROW_SLOT.logScale, 3)) return 'non-finite-scale';
+  if (!isFiniteFloat32(row, ROW_SLOT.rotation, 4)) return 'non-finite-rotation';
+  if (Number.isNaN(row[ROW_SLOT.opacity])) return 'non-finite-opacity';
+  if (!isFiniteFloat32(row, ROW_SLOT.colorDc, row.length - ROW_SLOT.colorDc)) return 'non-finite-color';
+  return undefined;
+}
+
+/** In float32, since a finite double can still be beyond what a column holds. */
+function isFiniteFloat32(values: Float64Array, from: number, count: number): boolean {
+  for (let i = from; i < from + count; i++) if (!Number.isFinite(Math.fround(values[i]))) return false;
+  return true;
+}
+
+/**
+ * The point that positions are stored relative to: 0 on an axis unless the bounds lie so far out that float32 would lose
+ * precision there, that is unless |centre| > 4 · half the bounds' largest side; then the centre, as a float32.
+ *
+ * Most files thus keep their coordinates as they are. Where an origin is taken from float32 coordinates, all lie within
+ * a quarter of it, so `p − origin` is exact in float32 (Sterbenz) and adding it again restores every bit.
+ */
+function chooseOrigin(positions: Float32Array | Float64Array): [number, number, number] {
+  const min = [Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
+  const max = [Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY];
+  for (let i = 0; i < positions.length; i += 3) {
+    for (let axis = 0; axis < 3; axis++) {
+      const value = positions[i + axis];
+      if (value < min[axis]) min[axis] = value;
+      if (value > max[axis]) max[axis] = value;
+    }
+  }
+  const halfExtent = Math.max(max[0] - min[0], max[1] - min[1], max[2] - min[2]) / 2;
+  const originOf = (axis: number) => {
+    const centre = (min[axis] + max[axis]) / 2;
+    return Math.abs(centre) <= 4 * halfExtent ? 0 : Math.fround(centre);
+  };
+  return [originOf(0), originOf(1), originOf(2)];
+}
+
+function positionsFrom(
+  positions: Float32Array | Float64Array,
+  origin: readonly [number, number, number],
+): Float32Array {
+  const unmoved = origin.every((value) => value === 0);
+  if (unmoved) return positions instanceof Float32Array ? positions : Float32Array.from(positions);
+  const relative = positions instanceof Float32Array ? positions : new Float32Array(positions.length);
+  for (let i = 0; i < positions.length; i++) relative[i] = positions[i] - origin[i % 3];
+  return relative;
+}
