@@ -70,16 +70,22 @@ export function isBlob(source: unknown): source is Blob {
   return typeof blob?.stream === 'function' && typeof blob.size === 'number';
 }
 
-/** The bytes of a buffer or of the part that a view shows, not copied. */
+/** The bytes of a buffer or of the part that a view shows, not copied. Throws `InvalidArgumentError` for anything else. */
 export function bytesOf(source: ArrayBuffer | ArrayBufferView): Uint8Array {
-  if (ArrayBuffer.isView(source)) return new Uint8Array(source.buffer, source.byteOffset, source.byteLength);
   // By its tag, since a buffer may come from another realm (an iframe, a test runner).
-  const tag = Object.prototype.toString.call(source);
-  if (tag === '[object ArrayBuffer]' || tag === '[object SharedArrayBuffer]') return new Uint8Array(source);
-  throw new InvalidArgumentError(
-    'source',
-    `source is ${tag.slice(8, -1)}; it must be a URL, Blob, File, ArrayBuffer, view or ReadableStream.`,
-  );
+  const tag = Object.prototype.toString.call(source).slice(8, -1);
+  try {
+    if (ArrayBuffer.isView(source))
+      return new Uint8Array(source.buffer, source.byteOffset, source.byteLength);
+    if (tag === 'ArrayBuffer' || tag === 'SharedArrayBuffer') return new Uint8Array(source);
+  } catch {
+    throw new InvalidArgumentError(
+      'source',
+      `source is a ${tag} that has been transferred away; pass it before, or a copy.`,
+    );
+  }
+  const expected = 'it must be a URL, Blob, File, ArrayBuffer, view or ReadableStream';
+  throw new InvalidArgumentError('source', `source is ${tag}; ${expected}.`);
 }
 
 async function openUrl(url: string, { name = shortName(url), signal }: ReadOptions): Promise<OpenedSource> {

@@ -1,0 +1,81 @@
+import {
+  type FilePlace,
+  InvalidArgumentError,
+  SplatFileError,
+  type SplatFileErrorCode,
+  SplatSourceError,
+  WebSplatterError,
+} from '../errors.ts';
+import type { ShPrecision } from '../layout/sh-rest.ts';
+import type { PackedCloud } from '../scene/packed-cloud.ts';
+import type { LoadProgress, SplatSource } from './splat-source.ts';
+
+/** What a load is besides its source: all of it can be posted. */
+export interface LoadSettings {
+  readonly name: string | undefined;
+  readonly shPrecision: ShPrecision;
+  readonly geometryPrecision: 'f32' | 'packed';
+}
+
+/** Page to worker: the one job of its life. */
+export interface LoadRequest {
+  readonly source: SplatSource;
+  readonly settings: LoadSettings;
+}
+
+/** Worker to page. */
+export type LoadReply =
+  /** The worker's script runs; only now the job may be posted, since a stream that is posted cannot be taken back. */
+  | { readonly kind: 'ready' }
+  | { readonly kind: 'progress'; readonly progress: LoadProgress }
+  | { readonly kind: 'cloud'; readonly cloud: PackedCloud }
+  | { readonly kind: 'error'; readonly error: PostedError };
+
+/** An error as plain data: structured clone keeps neither classes nor fields. */
+export interface PostedError {
+  readonly className: string;
+  readonly message: string;
+  readonly code?: string;
+  readonly file?: string;
+  readonly place?: FilePlace;
+  readonly status?: number;
+  readonly argument?: string;
+  /** The cause's message. */
+  readonly cause?: string;
+}
+
+export function toPostedError(error: unknown): PostedError {
+  if (!(error instanceof Error)) return { className: 'Error', message: String(error) };
+  const cause = error.cause === undefined ? undefined : String(error.cause);
+  const common = { className: error.name, message: error.message, cause };
+  if (error instanceof SplatFileError)
+    return { ...common, code: error.code, file: error.file, place: error.place };
+  if (error instanceof SplatSourceError) return { ...common, file: error.file, status: error.status };
+  if (error instanceof InvalidArgumentError) return { ...common, argument: error.argument };
+  if (error instanceof WebSplatterError) return { ...common, code: error.code };
+  return common;
+}
+
+/** The error again, of its own class. */
+export function fromPostedError(posted: PostedError): Error {
+  const error = emptyError(posted, posted.cause === undefined ? {} : { cause: posted.cause });
+  // Constructors put file and place around a message; this one has them already.
+  error.message = posted.message;
+  return error;
+}
+
+function emptyError(
+  { className, code, file = '', place, status, argument = '' }: PostedError,
+  options: ErrorOptions,
+): Error {
+  switch (className) {
+    case 'SplatFileError':
+      return new SplatFileError(code as SplatFileErrorCode, file, '', place, options);
+    case 'SplatSourceError':
+      return new SplatSourceError(file, '', status, options);
+    case 'InvalidArgumentError':
+      return new InvalidArgumentError(argument, '');
+    default:
+      return code === undefined ? new Error('', options) : new WebSplatterError(code, '', options);
+  }
+}

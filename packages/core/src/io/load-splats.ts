@@ -1,0 +1,162 @@
+import { WebSplatterError } from '../errors.ts';
+import type { PackedCloud } from '../scene/packed-cloud.ts';
+import { lockedStreamError } from './byte-reader.ts';
+import { fromPostedError, type LoadReply, type LoadRequest, type LoadSettings } from './load-messages.ts';
+import { bytesOf, isBlob, isStream, shortName } from './open-source.ts';
+import { readAndPack } from './read-and-pack.ts';
+import type { ReadSplatsOptions } from './read-splats.ts';
+import type { ReadOptions, SplatSource } from './splat-source.ts';
+
+export interface LoadSplatsOptions extends ReadSplatsOptions {
+  /** How positions, rotations and scales are stored; default `packed`. */
+  readonly geometryPrecision?: 'f32' | 'packed';
+}
+
+type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
+
+/**
+ * Reads splats and arranges them as the GPU takes them: in a worker where there are workers, in the calling thread
+ * elsewhere (Node) and where none can start (a content security policy). Buffers are copied to the worker, so that the
+ * caller's stay usable; a stream is used up.
+ *
+ * Rejects as `readSplats` does; with `WebSplatterError` 'worker-failed' if the worker dies, mostly for lack of memory;
+ * and with the signal's reason, in which case the worker is stopped at once.
+ */
+export async function loadSplats(source: SplatSource, options: LoadSplatsOptions = {}): Promise<PackedCloud> {
+  const { shPrecision = 'u8', geometryPrecision = 'packed', signal, onProgress } = options;
+  signal?.throwIfAborted();
+  const isUrl = typeof source === 'string' || source instanceof URL;
+  const name = options.name ?? (isUrl ? shortName(String(source)) : undefined);
+  const settings: LoadSettings = { name, shPrecision, geometryPrecision };
+  const worker = await startWorker(signal);
+  if (worker === undefined) return readAndPack(source, settings, { signal, onProgress });
+  // Aborted at the end whatever it was: a terminated worker lets no stream know that nobody reads it any more.
+  const stop = new AbortController();
+  const onAbort = () => stop.abort(signal?.reason);
+  signal?.addEventListener('abort', onAbort, { once: true });
+  try {
+    return await loadInWorker(worker, source, settings, { signal: stop.signal, onProgress });
+  } finally {
+    signal?.removeEventListener('abort', onAbort);
+    worker.terminate();
+    stop.abort();
+  }
+}
+
+/** A worker whose script runs, undefined where there can be none. */
+async function startWorker(signal: AbortSignal | undefined): Promise<Worker | undefined> {
+  const worker = newWorker();
+  if (worker === undefined) return undefined;
+  return new Promise((resolve, reject) => {
+    const onAbort = () => {
+      worker.terminate();
+      reject(signal?.reason);
+    };
+    signal?.addEventListener('abort', onAbort, { once: true });
+    worker.onmessage = () => {
+      signal?.removeEventListener('abort', onAbort);
+      resolve(worker);
+    };
+    worker.onerror = (event) => {
+      event.preventDefault();
+      signal?.removeEventListener('abort', onAbort);
+      worker.terminate();
+      resolve(undefined);
+    };
+  });
+}
+
+function newWorker(): Worker | undefined {
+  if (typeof Worker === 'undefined') return undefined;
+  try {
+    // In one piece, since this is the form that bundlers recognise.
+    return new Worker(new URL('./load-worker.ts', import.meta.url), { type: 'module' });
+  } catch {
+    return undefined;
+  }
+}
+
+/** Takes up to `watch.signal`, which stops a stream as well. */
+function loadInWorker(
+  worker: Worker,
+  source: SplatSource,
+  settings: LoadSettings,
+  watch: Watch & { signal: AbortSignal },
+): Promise<PackedCloud> {
+  return new Promise((resolve, reject) => {
+    watch.signal.addEventListener('abort', () => reject(watch.signal.reason), { once: true });
+    const fail = (event: Partial<ErrorEvent>) => {
+      const detail = event.message ? `: ${event.message}` : ', perhaps for lack of memory';
+      reject(
+        new WebSplatterError(
+          'worker-failed',
+          `${settings.name ?? 'source'}: the loading worker stopped${detail}.`,
+        ),
+      );
+    };
+    worker.onerror = fail;
+    worker.onmessageerror = fail;
+    worker.onmessage = ({ data }: MessageEvent<LoadReply>) => {
+      if (data.kind === 'cloud') resolve(data.cloud);
+      else if (data.kind === 'error') reject(fromPostedError(data.error));
+      else if (data.kind === 'progress') callOrReject(() => watch.onProgress?.(data.progress), reject);
+    };
+    callOrReject(() => {
+      const unposted = post(worker, source, settings, watch.signal);
+      if (unposted) resolve(readAndPack(unposted, settings, watch));
+    }, reject);
+  });
+}
+
+function callOrReject(call: () => void, reject: (reason: unknown) => void): void {
+  try {
+    call();
+  } catch (error) {
+    reject(error);
+  }
+}
+
+/** Posts the job; returns what is to be read here instead, where it cannot be posted. */
+function post(
+  worker: Worker,
+  source: SplatSource,
+  settings: LoadSettings,
+  signal: AbortSignal,
+): SplatSource | undefined {
+  const send = (posted: SplatSource, transfer: Transferable[]) => {
+    worker.postMessage({ source: posted, settings } satisfies LoadRequest, transfer);
+  };
+  if (typeof source === 'string' || source instanceof URL) send(absoluteUrl(String(source)), []);
+  else if (isBlob(source)) send(source, []);
+  else if (isStream(source)) return postStream(source, settings, signal, send);
+  else {
+    const copy = bytesOf(source).slice();
+    send(copy, [copy.buffer]);
+  }
+  return undefined;
+}
+
+function postStream(
+  source: ReadableStream<Uint8Array>,
+  settings: LoadSettings,
+  signal: AbortSignal,
+  send: (posted: SplatSource, transfer: Transferable[]) => void,
+): SplatSource | undefined {
+  if (source.locked) throw lockedStreamError(settings.name ?? 'stream');
+  // A pipe of our own in between, since a posted stream can no longer be cancelled from here.
+  const piped = source.pipeThrough(new TransformStream<Uint8Array, Uint8Array>(), { signal });
+  try {
+    send(piped, [piped]);
+    return undefined;
+  } catch (error) {
+    // Safari cannot transfer streams; the attempt leaves the stream as it was.
+    if (error instanceof DOMException && error.name === 'DataCloneError') return piped;
+    throw error;
+  }
+}
+
+/** A worker resolves relative URLs against its own script, the caller means the page. */
+function absoluteUrl(url: string): string {
+  const base = typeof document === 'undefined' ? globalThis.location?.href : document.baseURI;
+  return URL.canParse(url, base) ? new URL(url, base).href : url;
+}

@@ -1,0 +1,3 @@
+import { type LoadPort, serveLoad } from './serve-load.ts';
+
+serveLoad(self as unknown as LoadPort);

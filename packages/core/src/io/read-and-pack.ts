@@ -1,0 +1,26 @@
+import { type PackedCloud, packCloud } from '../scene/packed-cloud.ts';
+import type { LoadSettings } from './load-messages.ts';
+import { readSplats } from './read-splats.ts';
+import type { LoadProgress, ReadOptions, SplatSource } from './splat-source.ts';
+
+/** The whole of a load, in the calling thread. */
+export async function readAndPack(
+  source: SplatSource,
+  { name, shPrecision, geometryPrecision }: LoadSettings,
+  { signal, onProgress }: Pick<ReadOptions, 'signal' | 'onProgress'>,
+): Promise<PackedCloud> {
+  let last: LoadProgress | undefined;
+  const set = await readSplats(source, {
+    name,
+    shPrecision,
+    signal,
+    onProgress: (progress) => {
+      last = progress;
+      onProgress?.(progress);
+    },
+  });
+  if (last) onProgress?.({ ...last, phase: 'arrange' });
+  // Packing does not pause: this is the last chance to stop before it.
+  signal?.throwIfAborted();
+  return packCloud(set, { geometryPrecision });
+}

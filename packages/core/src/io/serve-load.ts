@@ -1,0 +1,24 @@
+import { transferablesOf } from '../scene/packed-cloud.ts';
+import { type LoadReply, type LoadRequest, toPostedError } from './load-messages.ts';
+import { readAndPack } from './read-and-pack.ts';
+
+/** What is used of a worker's global scope; a MessagePort has the same. */
+export interface LoadPort {
+  onmessage: ((event: MessageEvent<LoadRequest>) => void) | null;
+  postMessage(reply: LoadReply, transfer: Transferable[]): void;
+}
+
+/** Does the one load that the page asks for and posts its progress and outcome. */
+export function serveLoad(port: LoadPort): void {
+  port.onmessage = async ({ data: { source, settings } }) => {
+    try {
+      const cloud = await readAndPack(source, settings, {
+        onProgress: (progress) => port.postMessage({ kind: 'progress', progress }, []),
+      });
+      port.postMessage({ kind: 'cloud', cloud }, transferablesOf(cloud));
+    } catch (error) {
+      port.postMessage({ kind: 'error', error: toPostedError(error) }, []);
+    }
+  };
+  port.postMessage({ kind: 'ready' }, []);
+}
