@@ -1,0 +1,38 @@
+import type { SplatSet } from '../../core/src/scene/splat-set.ts';
+import { STILL_LIFE_SPLATS, stillLife } from './still-life.ts';
+
+export { type SceneCamera, stillLifeCameras } from './cameras.ts';
+export {
+  STILL_LIFE_MAX_SPLATS,
+  STILL_LIFE_MIN_SPLATS,
+  type StillLifeOptions,
+  stillLife,
+} from './still-life.ts';
+
+/** A scene that is made by code. */
+export interface BuiltinScene {
+  /** Identifier for command lines and addresses. */
+  readonly name: string;
+  /** What to show a person. */
+  readonly title: string;
+  /** Number of splats that {@link make} returns. */
+  readonly splats: number;
+  make(): SplatSet;
+}
+
+const SMALL_SPLATS = 10_000;
+
+export const builtinScenes: readonly BuiltinScene[] = [
+  {
+    name: 'still-life',
+    title: 'Still life',
+    splats: STILL_LIFE_SPLATS,
+    make: () => stillLife(),
+  },
+  {
+    name: 'still-life-small',
+    title: 'Still life, small',
+    splats: SMALL_SPLATS,
+    make: () => stillLife({ splats: SMALL_SPLATS }),
+  },
+];

@@ -1,0 +1,273 @@
+/** The table and what is made by hand: glazed vase, jade bowl, glass bottle, steel ball, loaf. */
+import {
+  BALL,
+  BALL_RADIUS,
+  BOTTLE,
+  BOTTLE_PROFILE,
+  BOWL,
+  BOWL_PROFILE,
+  GROUND_Y,
+  LOAF,
+  LOAF_PROFILE,
+  VASE,
+  VASE_PROFILE,
+} from './arrangement.ts';
+import { clamp01, fractalNoise, latticeHash, mix, smoothstep, valueNoise } from './noise.ts';
+import { type Part, surfacePart } from './part.ts';
+import { pose } from './pose.ts';
+import type { Finish } from './shading.ts';
+import { DiscSurface, type Profile, type SurfacePoint, TurnedSurface } from './surface-sampling.ts';
+
+/** Mirror reflectance at normal incidence of glaze, varnish, glass and skins: a refractive index of 1.5. */
+const DIELECTRIC = 0.04;
+
+const PLANK_WIDTH_M = 0.118;
+/** Dark line between planks, half its width. */
+const PLANK_GAP_M = 0.0022;
+const WOOD_LIGHT = [0.4, 0.215, 0.098] as const;
+const WOOD_DARK = [0.17, 0.078, 0.034] as const;
+
+function woodFinish(along: number, across: number, finish: Finish): void {
+  const plank = Math.floor(across / PLANK_WIDTH_M);
+  const tone = latticeHash(plank, 5, 0);
+  const shift = 7 * tone;
+  const warp = 0.012 * valueNoise(along * 3 + shift, across * 9, plank);
+  // Broad early-wood bands that meander, and fine pores drawn out along the plank.
+  const bands = 0.5 + 0.5 * Math.sin((across + warp) * 330 + 2 * valueNoise(along * 2.2, across * 20, shift));
+  const pores = fractalNoise(along * 9 + shift, across * 260, plank, 2);
+  finish.mixAlbedo(WOOD_LIGHT, WOOD_DARK, clamp01(0.22 + 0.3 * bands * (0.5 + 0.5 * tone) + 0.3 * pores));
+  finish.scaleAlbedo(0.8 + 0.4 * tone);
+  const toEdge = Math.min(across - plank * PLANK_WIDTH_M, (plank + 1) * PLANK_WIDTH_M - across);
+  const gap = 1 - smoothstep(0.5 * PLANK_GAP_M, 1.6 * PLANK_GAP_M, toEdge);
+  finish.scaleAlbedo(1 - 0.75 * gap);
+  finish.cavity = 1 - 0.6 * gap;
+  finish.setMirror(DIELECTRIC * (1 - gap));
+  finish.roughness = 0.4;
+}
+
+const TABLE_UNDERSIDE_PROFILE: Profile = [
+  [0.02, GROUND_Y + 0.03],
+  [0.2, GROUND_Y + 0.028],
+  [0.265, GROUND_Y + 0.018],
+  [0.27, GROUND_Y],
+  [0.268, GROUND_Y + 0.022],
+  [0.18, GROUND_Y + 0.045],
+  [0.075, GROUND_Y + 0.09],
+  [0.05, GROUND_Y + 0.16],
+  [0.062, GROUND_Y + 0.25],
+  [0.045, GROUND_Y + 0.36],
+  [0.042, -0.24],
+  [0.06, -0.14],
+  [0.13, -0.075],
+  [0.26, -0.048],
+  [0.56, -0.042],
+  [0.59, -0.038],
+];
+
+const TABLE_RIM_PROFILE: Profile = [
+  [0.58, -0.039],
+  [0.595, -0.036],
+  [0.6, -0.028],
+  [0.601, -0.018],
+  [0.599, -0.006],
+  [0.594, -0.001],
+  [0.584, 0],
+];
+
+const GLAZE = [0.028, 0.17, 0.19] as const;
+const GLAZE_POOL = [0.012, 0.075, 0.105] as const;
+const GLAZE_BREAK = [0.3, 0.36, 0.27] as const;
+const STONEWARE = [0.36, 0.2, 0.12] as const;
+
+function vaseFinish({ localX, localY, localZ, normalX, normalZ }: SurfacePoint, finish: Finish): void {
+  const angle = Math.atan2(localZ, localX);
+  const runs = 0.014 * valueNoise(Math.cos(angle) * 3, Math.sin(angle) * 3, 2) + 0.006 * Math.sin(angle * 9);
+  const glazed = smoothstep(0.046 + runs, 0.05 + runs, localY);
+  const inside = localX * normalX + localZ * normalZ < -0.005 * Math.hypot(localX, localZ) ? 1 : 0;
+  // Glaze runs thin over the shoulder and pools at its lower edge.
+  const pooled = 1 - smoothstep(0.05 + runs, 0.085 + runs, localY);
+  const mottle = fractalNoise(localX * 38, localY * 26, localZ * 38, 2);
+  finish.mixAlbedo(GLAZE, GLAZE_POOL, Math.min(1, 0.75 * pooled + 0.5 * Math.max(0, mottle)));
+  const rim =
+    smoothstep(0.288, 0.3, localY) + 0.5 * smoothstep(0.19, 0.228, localY) * Math.max(0, mottle + 0.3);
+  finish.blendAlbedo(GLAZE_BREAK, Math.min(0.85, 0.7 * rim));
+  finish.blendAlbedo(STONEWARE, 1 - glazed);
+  const grit = fractalNoise(localX * 300, localY * 300, localZ * 300, 2);
+  finish.scaleAlbedo(1 + (1 - glazed) * 0.4 * grit);
+  finish.setMirror(mix(0.0, 0.055, glazed));
+  finish.roughness = mix(0.8, 0.06, glazed);
+  if (inside && localY > 0.2) finish.cavity = mix(0.08, 0.8, smoothstep(0.24, 0.3, localY));
+  finish.opacityLow = 0.9;
+}
+
+const JADE = [0.42, 0.62, 0.4] as const;
+const JADE_VEIN = [0.16, 0.36, 0.22] as const;
+const JADE_CLOUD = [0.72, 0.78, 0.6] as const;
+
+function bowlFinish({ localX, localY, localZ }: SurfacePoint, finish: Finish): void {
+  const veins = Math.abs(fractalNoise(localX * 14 + 3, localY * 14, localZ * 14, 3));
+  const clouds = fractalNoise(localX * 9, localY * 22 + 5, localZ * 9, 2);
+  finish.mixAlbedo(JADE, JADE_CLOUD, Math.max(0, 1.2 * clouds));
+  finish.blendAlbedo(JADE_VEIN, 0.85 * (1 - smoothstep(0.0, 0.12, veins)));
+  finish.setMirror(0.05);
+  finish.roughness = 0.12;
+  finish.scatter.set([0.55, 0.65, 0.5]);
+  finish.through.set([0.3, 0.42, 0.24]);
+  // Stone that light enters: the wall is two veils, denser at the thick foot.
+  const foot = 1 - smoothstep(0.012, 0.045, localY);
+  finish.opacityLow = mix(0.4, 0.85, foot);
+  finish.opacityHigh = mix(0.6, 0.97, foot);
+}
+
+const GLASS = [0.05, 0.11, 0.045] as const;
+
+function bottleFinish({ localY }: SurfacePoint, finish: Finish): void {
+  finish.setAlbedo(GLASS);
+  finish.setMirror(DIELECTRIC * 1.6);
+  finish.roughness = 0.05;
+  finish.through.set([0.5, 0.9, 0.35]);
+  const thick = 1 - smoothstep(0.004, 0.018, localY) + smoothstep(0.284, 0.292, localY);
+  finish.opacityLow = mix(0.09, 0.35, thick);
+  finish.opacityHigh = mix(0.16, 0.65, thick);
+}
+
+const STEEL = [0.9, 0.88, 0.84] as const;
+
+function ballFinish({ localX, localY, localZ }: SurfacePoint, finish: Finish): void {
+  finish.mirror.set(STEEL);
+  const tarnish = smoothstep(0.1, 0.5, fractalNoise(localX * 50, localY * 50, localZ * 50, 3));
+  for (let k = 0; k < 3; k++) finish.mirror[k] *= 1 - 0.12 * tarnish;
+  finish.roughness = 0.03 + 0.08 * tarnish;
+  finish.opacityLow = 0.93;
+}
+
+function ballProfile(radius: number): Profile {
+  const points = 9;
+  return Array.from({ length: points }, (_, i) => {
+    const angle = Math.PI * (i / (points - 1) - 0.5);
+    return [Math.max(0, radius * Math.cos(angle)), radius * Math.sin(angle)] as const;
+  });
+}
+
+const CRUST = [0.4, 0.19, 0.07] as const;
+const CRUST_DARK = [0.17, 0.068, 0.025] as const;
+const CRUMB = [0.74, 0.55, 0.33] as const;
+const FLOUR = [0.85, 0.8, 0.7] as const;
+
+/** Depth below the crust's surface of the baker's two crossed cuts, 0 to 1. */
+function loafCut(x: number, y: number, z: number): number {
+  if (y < 0.03) return 0;
+  const wobble = 0.004 * valueNoise(x * 40, 3, z * 40);
+  const u = 0.8 * x + 0.6 * z;
+  const v = -0.6 * x + 0.8 * z;
+  const cut = (across: number, along: number) =>
+    (1 - smoothstep(0.006, 0.013, Math.abs(across + wobble))) *
+    (1 - smoothstep(0.06, 0.082, Math.abs(along)));
+  return Math.max(cut(u, v), cut(v, u)) * smoothstep(0.03, 0.05, y);
+}
+
+function loafRelief(x: number, y: number, z: number): number {
+  const rise = 0.004 * fractalNoise(x * 26, y * 26, z * 26, 2);
+  const crackle = 0.0022 * fractalNoise(x * 130, y * 130, z * 130, 2);
+  return rise + crackle - 0.008 * loafCut(x, y, z);
+}
+
+function loafFinish({ localX: x, localY: y, localZ: z }: SurfacePoint, finish: Finish): void {
+  const blotch = fractalNoise(x * 30 + 9, y * 30, z * 30, 3);
+  finish.mixAlbedo(CRUST, CRUST_DARK, smoothstep(-0.3, 0.5, blotch));
+  const cut = loafCut(x, y, z);
+  finish.blendAlbedo(CRUMB, 0.85 * cut);
+  const dust = fractalNoise(x * 160, y * 160, z * 160, 2) + 0.6 * fractalNoise(x * 18, 4, z * 18, 2);
+  finish.blendAlbedo(FLOUR, 0.75 * smoothstep(0.02, 0.4, dust) * smoothstep(0.03, 0.07, y) * (1 - cut));
+  finish.blendAlbedo(CRUST_DARK, 0.5 * (1 - smoothstep(0.002, 0.02, y)));
+  finish.scatter.set([0.25, 0.15, 0.08]);
+  finish.cavity =
+    0.8 + 0.2 * smoothstep(-0.4, 0.3, fractalNoise(x * 130, y * 130, z * 130, 2)) - 0.25 * cut * (1 - cut);
+  finish.sheen = 0.25;
+  finish.roughness = 0.9;
+}
+
+export const tablewareParts: readonly Part[] = [
+  surfacePart({
+    name: 'table-top',
+    weight: 27_000,
+    surface: new DiscSurface(0.59),
+    owner: 'table',
+    finish: (point, finish) => {
+      woodFinish(point.x, point.z, finish);
+      finish.grainAspect = 3.4;
+      finish.opacityLow = 0.86;
+    },
+  }),
+  surfacePart({
+    name: 'table-underside',
+    weight: 5_000,
+    surface: new TurnedSurface(TABLE_UNDERSIDE_PROFILE),
+    owner: 'table',
+    finish: ({ x, y, z }, finish) => {
+      const angle = Math.atan2(z, x);
+      woodFinish(y < -0.05 ? y : x, y < -0.05 ? 0.06 * angle : z, finish);
+      finish.scaleAlbedo(0.85);
+      // Under the top it is darker than light marched over a few decimetres tells.
+      finish.cavity *= 1 - 0.6 * smoothstep(-0.5, -0.05, y);
+    },
+  }),
+  surfacePart({
+    name: 'table-rim',
+    weight: 4_500,
+    surface: new TurnedSurface(TABLE_RIM_PROFILE),
+    owner: 'table',
+    finish: ({ x, y, z }, finish) => {
+      woodFinish(x + 0.4 * y, z, finish);
+      finish.grainAspect = 2.2;
+      finish.grainX = -z;
+      finish.grainZ = x;
+      finish.cavity *= mix(0.55, 1, smoothstep(-0.04, -0.02, y));
+    },
+  }),
+  surfacePart({
+    name: 'vase',
+    weight: 14_000,
+    surface: new TurnedSurface(VASE_PROFILE),
+    pose: pose(VASE[0], VASE[1], VASE[2], 35),
+    owner: 'vase',
+    finish: vaseFinish,
+  }),
+  surfacePart({
+    name: 'bowl',
+    weight: 13_000,
+    surface: new TurnedSurface(BOWL_PROFILE),
+    pose: pose(BOWL[0], BOWL[1], BOWL[2]),
+    owner: 'bowl',
+    coverage: 0.72,
+    faintShare: 0,
+    finish: bowlFinish,
+  }),
+  surfacePart({
+    name: 'bottle',
+    weight: 5_000,
+    surface: new TurnedSurface(BOTTLE_PROFILE),
+    pose: pose(BOTTLE[0], BOTTLE[1], BOTTLE[2]),
+    owner: 'bottle',
+    coverage: 0.85,
+    faintShare: 0,
+    finish: bottleFinish,
+  }),
+  surfacePart({
+    name: 'ball',
+    weight: 5_500,
+    surface: new TurnedSurface(ballProfile(BALL_RADIUS)),
+    pose: pose(BALL[0], BALL[1], BALL[2]),
+    owner: 'ball',
+    finish: ballFinish,
+  }),
+  surfacePart({
+    name: 'loaf',
+    weight: 9_000,
+    surface: new TurnedSurface(LOAF_PROFILE),
+    pose: pose(LOAF[0], LOAF[1], LOAF[2], 25),
+    owner: 'loaf',
+    relief: loafRelief,
+    finish: loafFinish,
+  }),
+];
