@@ -1,0 +1,65 @@
+import { readFileSync } from 'node:fs';
+import { expect, test } from 'vitest';
+import { runMain, TestFolder, threeSplats } from './test-folder.ts';
+
+test('info describes a file', async () => {
+  const scene = new TestFolder().scene();
+  const { status, out, err } = await runMain('info', scene, '--json');
+  expect([status, err]).toEqual([0, '']);
+  expect(JSON.parse(out)).toMatchObject({
+    scene,
+    count: 3,
+    bounds: { min: [-1, 0, 0], max: [1, 0, 0.5] },
+    shDegree: 1,
+    shBands: [{ band: 1, rms: 0.5 }],
+    droppedCount: 0,
+    dropped: {},
+    gpuBytes: { reference: 3 * (64 + 36), high: 3 * (64 + 20), balanced: 3 * (32 + 12) },
+  });
+});
+
+test('info counts what was left out, by reason', async () => {
+  const set = threeSplats();
+  set.positions[3] = Number.NaN;
+  const { out } = await runMain('info', new TestFolder().scene('nan.ply', set), '--json');
+  expect(JSON.parse(out)).toMatchObject({ count: 2, droppedCount: 1, dropped: { 'non-finite-position': 1 } });
+});
+
+test('without --json it is a table', async () => {
+  const { status, out } = await runMain('info', new TestFolder().scene());
+  expect(status).toBe(0);
+  expect(out).toMatch(/^splats +3$/m);
+  expect(out).toMatch(/^SH band 1 +0\.500 rms$/m);
+});
+
+test('built-in scenes have names', async () => {
+  const { out } = await runMain('info', 'builtin:still-life-small', '--json');
+  expect(JSON.parse(out).count).toBeGreaterThan(1000);
+  const { status, err } = await runMain('info', 'builtin:garden');
+  expect(status).toBe(2);
+  expect(err).toMatch(/^websplatter: there is no scene builtin:garden; there are builtin:still-life/);
+});
+
+test.each([
+  [['info', 'no-such.ply'], 'websplatter: no-such.ply: cannot be read: there is no such file or folder'],
+  [['info', '.'], 'websplatter: .: it is a folder, not a file'],
+  [['info', 'package.json'], 'websplatter: package.json: '],
+  [['info'], 'websplatter: info needs one SCENE, found 0 (see websplatter --help)'],
+  [['info', 'a', '--yaml'], "websplatter: Unknown option '--yaml' (see websplatter --help)"],
+  [['accuracy', 'a'], 'websplatter: there is no command accuracy (see websplatter --help)'],
+  [[], 'websplatter: no command (see websplatter --help)'],
+])('%j fails in one line with status 2', async (args, line) => {
+  const { status, out, err } = await runMain(...args);
+  expect([status, out]).toEqual([2, '']);
+  expect(err).toMatch(/^[^\n]+\n$/);
+  expect(err.startsWith(line), err).toBe(true);
+});
+
+test('a file that ends too early is named with the place', async () => {
+  const folder = new TestFolder();
+  const whole = readFileSync(folder.scene());
+  const cut = folder.write('cut.ply', whole.subarray(0, whole.length - 10));
+  const { status, err } = await runMain('info', cut);
+  expect(status).toBe(2);
+  expect(err).toMatch(/cut\.ply: .*\(.*(row|byte) \d+.*\)\n$/);
+});

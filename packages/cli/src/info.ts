@@ -1,0 +1,87 @@
+import type { DropCounts, ShDegree, SplatSet } from '@websplatter/core';
+import type { Console } from './console.ts';
+import { gpuBytesPerPreset } from './gpu-bytes.ts';
+import { UsageError } from './input-error.ts';
+import { parseStrictly } from './render-options.ts';
+import { findScene, readScene } from './scene-source.ts';
+import { type ShBand, shEnergyPerBand } from './sh-energy.ts';
+
+type Point = [number, number, number];
+
+/** What `websplatter info --json` prints. */
+export interface SceneInfo {
+  readonly scene: string;
+  readonly count: number;
+  /** Of the splats' centres, in scene coordinates. */
+  readonly bounds: { readonly min: Point; readonly max: Point };
+  /** Point that stored positions are relative to. */
+  readonly origin: readonly [number, number, number];
+  readonly shDegree: ShDegree;
+  readonly shBands: readonly ShBand[];
+  /** Splats of the file that were left out. */
+  readonly droppedCount: number;
+  readonly dropped: DropCounts;
+  readonly gpuBytes: Readonly<Record<string, number>>;
+}
+
+/** `websplatter info SCENE [--json]`. */
+export async function info(args: readonly string[], console: Console): Promise<void> {
+  const { values, positionals } = parseStrictly(args, { json: { type: 'boolean', default: false } });
+  if (positionals.length !== 1) {
+    throw new UsageError('SCENE', `info needs one SCENE, found ${positionals.length}`);
+  }
+  const scene = await findScene(positionals[0]);
+  const found = describeScene(scene.name, await readScene(scene, 'f32'));
+  console.out(values.json ? `${JSON.stringify(found, null, 2)}\n` : table(found));
+}
+
+export function describeScene(scene: string, set: SplatSet): SceneInfo {
+  const { count, dropped, origin, shRest } = set;
+  return {
+    scene,
+    count,
+    bounds: boundsOfCenters(set),
+    origin,
+    shDegree: shRest.degree,
+    shBands: shEnergyPerBand(set),
+    droppedCount: Object.values(dropped).reduce((sum, each) => sum + each, 0),
+    dropped,
+    gpuBytes: gpuBytesPerPreset(count, shRest.degree),
+  };
+}
+
+function boundsOfCenters({ count, positions, origin }: SplatSet): { min: Point; max: Point } {
+  const min: Point = [Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
+  const max: Point = [Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY];
+  for (let i = 0; i < 3 * count; i++) {
+    const axis = i % 3;
+    const value = origin[axis] + positions[i];
+    if (value < min[axis]) min[axis] = value;
+    if (value > max[axis]) max[axis] = value;
+  }
+  return { min, max };
+}
+
+function table(found: SceneInfo): string {
+  const point = (values: readonly number[]) => values.map((value) => Number(value.toPrecision(7))).join('  ');
+  const drops = Object.entries(found.dropped).map(([reason, count]) => `${count} ${reason}`);
+  const rows: [string, string][] = [
+    ['scene', found.scene],
+    ['splats', found.count.toLocaleString('en')],
+    ['left out', drops.length === 0 ? 'none' : drops.join(', ')],
+    ['bounds min', point(found.bounds.min)],
+    ['bounds max', point(found.bounds.max)],
+    ['origin', point(found.origin)],
+    ['SH degree', String(found.shDegree)],
+    ...found.shBands.map(({ band, rms }): [string, string] => [
+      `SH band ${band}`,
+      `${rms.toPrecision(3)} rms`,
+    ]),
+    ...Object.entries(found.gpuBytes).map(([preset, bytes]): [string, string] => [
+      `GPU, ${preset}`,
+      `${(bytes / 2 ** 20).toFixed(1)} MiB`,
+    ]),
+  ];
+  const width = Math.max(...rows.map(([name]) => name.length));
+  return rows.map(([name, value]) => `${name.padEnd(width)}  ${value}\n`).join('');
+}

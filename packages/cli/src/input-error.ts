@@ -1,0 +1,35 @@
+import { InvalidArgumentError, WebSplatterError } from '@websplatter/core';
+
+/** A file given on the command line cannot be used; the message names it, the cause and the place. */
+export class InputFileError extends WebSplatterError {
+  constructor(file: string, cause: string, place?: string, options?: ErrorOptions) {
+    super('bad-input-file', `${file}: ${cause}${place === undefined ? '' : ` (${place})`}`, options);
+  }
+}
+
+/** The command line itself cannot be understood. */
+export class UsageError extends InvalidArgumentError {
+  constructor(argument: string, message: string) {
+    super(argument, `${message} (see websplatter --help)`);
+  }
+}
+
+/** What a failed system call says, for people: `there is no such file`. */
+export function describeSystemError(error: unknown): string {
+  const code = (error as NodeJS.ErrnoException | null)?.code;
+  switch (code) {
+    case 'ENOENT':
+      return 'there is no such file or folder';
+    case 'EACCES':
+    case 'EPERM':
+      return 'permission denied';
+    case 'EISDIR':
+      return 'it is a folder, not a file';
+    case 'ENOTDIR':
+      return 'a part of the path is a file, not a folder';
+    case 'ENOSPC':
+      return 'the disk is full';
+    default:
+      return error instanceof Error ? error.message : String(error);
+  }
+}

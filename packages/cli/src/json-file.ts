@@ -1,0 +1,36 @@
+import { readFile } from 'node:fs/promises';
+import { describeSystemError, InputFileError } from './input-error.ts';
+
+/** Contents of a JSON file; `kind` says in messages what the file is for. */
+export async function readJsonFile(file: string, kind: string): Promise<unknown> {
+  let text: string;
+  try {
+    text = await readFile(file, 'utf8');
+  } catch (error) {
+    throw new InputFileError(file, `the ${kind} cannot be read: ${describeSystemError(error)}`, undefined, {
+      cause: error,
+    });
+  }
+  try {
+    return JSON.parse(text);
+  } catch (error) {
+    throw new InputFileError(file, `the ${kind} is not JSON: ${(error as Error).message}`, undefined, {
+      cause: error,
+    });
+  }
+}
+
+/** A value in a message: short, on one line. */
+export function shown(value: unknown): string {
+  const text = value === undefined ? 'nothing' : JSON.stringify(value);
+  return text.length > 60 ? `${text.slice(0, 57)}…` : text;
+}
+
+export function isObject(value: unknown): value is Record<string, unknown> {
+  return typeof value === 'object' && value !== null && !Array.isArray(value);
+}
+
+/** Whether `value` is an array of `length` finite numbers. */
+export function isNumbers(value: unknown, length: number): value is number[] {
+  return Array.isArray(value) && value.length === length && value.every((each) => Number.isFinite(each));
+}

@@ -1,0 +1,56 @@
+import { WebSplatterError } from '@websplatter/core';
+import packageJson from '../package.json' with { type: 'json' };
+import type { Console } from './console.ts';
+import { info } from './info.ts';
+import { UsageError } from './input-error.ts';
+import { render } from './render.ts';
+import { USAGE } from './usage.ts';
+
+/** A command does its work or throws. */
+type Command = (args: readonly string[], console: Console) => Promise<void>;
+
+const COMMANDS: Readonly<Record<string, Command>> = { render, info };
+
+/** Codes of errors that are not the input's fault. */
+const FAILURE_CODES = new Set(['webgpu-unavailable', 'destroyed', 'frames-differ']);
+
+/** Runs one command line and returns its exit status: 0, 2 on bad input, 1 on any other failure. */
+export async function main(args: readonly string[], console: Console): Promise<number> {
+  try {
+    await dispatch(args, console);
+    return 0;
+  } catch (error) {
+    console.err(`${oneLine(error)}\n`);
+    if (process.env.WEBSPLATTER_DEBUG === '1' && error instanceof Error) console.err(`${error.stack}\n`);
+    return error instanceof WebSplatterError && !FAILURE_CODES.has(error.code) ? 2 : 1;
+  }
+}
+
+/** Runs `args` on this process's own streams and ends it. */
+export async function run(args: readonly string[]): Promise<never> {
+  const status = await main(args, {
+    out: (text) => process.stdout.write(text),
+    err: (text) => process.stderr.write(text),
+  });
+  for (const stream of [process.stdout, process.stderr]) {
+    await new Promise<void>((resolve) => stream.write('', () => resolve()));
+  }
+  // Dawn's threads can keep a process that has nothing left to do from ending.
+  process.exit(status);
+}
+
+async function dispatch([name, ...args]: readonly string[], console: Console): Promise<void> {
+  if (name === undefined) throw new UsageError('command', 'no command');
+  if (name === '--version') return console.out(`${packageJson.version}\n`);
+  if (name === '--help' || name === '-h' || args.includes('--help') || args.includes('-h'))
+    return console.out(USAGE);
+  if (!Object.hasOwn(COMMANDS, name)) throw new UsageError('command', `there is no command ${name}`);
+  await COMMANDS[name](args, console);
+}
+
+function oneLine(error: unknown): string {
+  const message = error instanceof Error ? error.message : String(error);
+  const text = message.replace(/\s+/g, ' ').trim();
+  const isExpected = error instanceof WebSplatterError;
+  return `websplatter: ${isExpected ? text : `failed: ${text} (WEBSPLATTER_DEBUG=1 shows where)`}`;
+}

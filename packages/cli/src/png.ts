@@ -1,0 +1,36 @@
+import type { Vec3 } from '@websplatter/core';
+import { encode } from 'fast-png';
+
+/** Pixels as the renderers give them: premultiplied RGBA in the blending (sRGB-encoded) space, top row first. */
+export interface Picture {
+  readonly widthPx: number;
+  readonly heightPx: number;
+  readonly data: Float32Array | Float64Array;
+}
+
+/** An opaque 8-bit RGB image of `picture` over `background` (0…1, in the space of the pixels). */
+export function toRgb8(picture: Picture, background: Vec3): Uint8Array {
+  const { data } = picture;
+  const rgb = new Uint8Array((data.length / 4) * 3);
+  for (let from = 0, to = 0; from < data.length; from += 4, to += 3) {
+    const transmittance = 1 - data[from + 3];
+    for (let channel = 0; channel < 3; channel++) {
+      const value = data[from + channel] + transmittance * background[channel];
+      rgb[to + channel] = Math.round(Math.min(1, Math.max(0, value)) * 255);
+    }
+  }
+  return rgb;
+}
+
+export function encodePng(picture: Picture, background: Vec3): Uint8Array {
+  const { widthPx: width, heightPx: height } = picture;
+  return encode({ width, height, data: toRgb8(picture, background), channels: 3, depth: 8 });
+}
+
+/** W×H×4 float32, little-endian, top row first. */
+export function encodeRaw(picture: Picture): Uint8Array {
+  const bytes = new Uint8Array(picture.data.length * 4);
+  const view = new DataView(bytes.buffer);
+  for (let i = 0; i < picture.data.length; i++) view.setFloat32(i * 4, picture.data[i], true);
+  return bytes;
+}

@@ -1,0 +1,67 @@
+import { ACCURACY_PRESETS } from '@websplatter/core';
+import { expect, test } from 'vitest';
+import { parseRenderArguments } from './render-options.ts';
+
+const MINIMUM = ['scene.ply', '--camera', 'cam.json', '--size', '320x200', '--out', 'a.png'];
+
+test('the shortest command has the defaults', () => {
+  expect(parseRenderArguments(MINIMUM)).toEqual({
+    scenes: ['scene.ply'],
+    camera: 'cam.json',
+    models: [],
+    widthPx: 320,
+    heightPx: 200,
+    out: 'a.png',
+    raw: undefined,
+    renderer: 'gpu',
+    accuracy: ACCURACY_PRESETS.balanced,
+    accuracyLabel: 'balanced',
+    background: [0, 0, 0],
+    frames: 1,
+    timings: undefined,
+  });
+});
+
+test('settings change a preset, and a number may be a fraction', () => {
+  const settings = [
+    '--accuracy',
+    'high',
+    '--set',
+    'alphaCutoff=1/512',
+    '--set',
+    'shDegree=1',
+    '--set',
+    'sort=x',
+  ];
+  expect(() => parseRenderArguments([...MINIMUM, ...settings])).toThrow(
+    'There is no accuracy setting "sort"',
+  );
+  expect(parseRenderArguments([...MINIMUM, ...settings.slice(0, -2)]).accuracy).toEqual({
+    ...ACCURACY_PRESETS.high,
+    alphaCutoff: 1 / 512,
+    shDegree: 1,
+  });
+});
+
+test.each([
+  [['--camera', 'c', '--size', '1x1', '--out', 'o'], 'render needs a SCENE'],
+  [['s', '--size', '1x1', '--out', 'o'], 'render needs --camera'],
+  [['s', '--camera', 'c', '--out', 'o'], 'render needs --size'],
+  [['s', '--camera', 'c', '--size', '1x1'], 'render needs --out image.png or --raw image.f32'],
+  [['--size', '256'], '--size is 256; it must be WIDTHxHEIGHT'],
+  [['--size', '0x5'], '--size is 0x5'],
+  [['--size', '20000x5'], 'each 1 to 16384'],
+  [['--background', '255,0,0'], '--background is 255,0,0; it must be r,g,b, each 0 to 1'],
+  [['--background', '1,,0'], '--background is 1,,0'],
+  [['--frames', '0'], '--frames is 0'],
+  [['--frames', '1.5'], '--frames is 1.5'],
+  [['--renderer', 'cpu'], '--renderer is cpu; it must be gpu or reference'],
+  [['--accuracy', 'best'], 'There is no accuracy preset "best"; there are reference, high, balanced'],
+  [['--set', 'alphaCutoff'], '--set is alphaCutoff; it must be name=value'],
+  [['--set', 'alphaCutoff=small'], 'alphaCutoff is small; it must lie in'],
+  [['--model', 'a.json', '--model', 'b.json'], '2 --model for 1 scene; give one for each'],
+  [['--colour', 'red'], "Unknown option '--colour' (see websplatter --help)"],
+])('%j is refused', (args, message) => {
+  const complete = args[0].startsWith('--') && args[0] !== '--camera' ? [...MINIMUM, ...args] : args;
+  expect(() => parseRenderArguments(complete)).toThrow(message);
+});

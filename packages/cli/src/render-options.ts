@@ -1,0 +1,153 @@
+import { type ParseArgsConfig, parseArgs } from 'node:util';
+import {
+  ACCURACY_SETTINGS,
+  type Accuracy,
+  type AccuracySettings,
+  DEFAULT_ACCURACY,
+  resolveAccuracy,
+  type Vec3,
+} from '@websplatter/core';
+import { UsageError } from './input-error.ts';
+
+/** What `websplatter render` was asked for. */
+export interface RenderOptions {
+  readonly scenes: readonly string[];
+  readonly camera: string;
+  /** A model matrix file per scene, or none at all. */
+  readonly models: readonly string[];
+  readonly widthPx: number;
+  readonly heightPx: number;
+  readonly out: string | undefined;
+  readonly raw: string | undefined;
+  readonly renderer: 'gpu' | 'reference';
+  /** The settings, and how they were asked for. */
+  readonly accuracy: AccuracySettings;
+  readonly accuracyLabel: string;
+  /** sRGB, 0…1. */
+  readonly background: Vec3;
+  readonly frames: number;
+  readonly timings: string | undefined;
+}
+
+/** Beyond this no GPU has a texture. */
+const MAX_SIZE_PX = 16384;
+
+/** @throws UsageError or InvalidArgumentError naming the argument. */
+export function parseRenderArguments(args: readonly string[]): RenderOptions {
+  const { values, positionals } = parseStrictly(args, {
+    camera: { type: 'string' },
+    model: { type: 'string', multiple: true, default: [] },
+    size: { type: 'string' },
+    out: { type: 'string' },
+    raw: { type: 'string' },
+    renderer: { type: 'string', default: 'gpu' },
+    accuracy: { type: 'string' },
+    set: { type: 'string', multiple: true, default: [] },
+    background: { type: 'string', default: '0,0,0' },
+    frames: { type: 'string', default: '1' },
+    timings: { type: 'string' },
+  });
+  if (positionals.length === 0)
+    throw new UsageError('SCENE', 'render needs a SCENE: a file, a URL or builtin:still-life');
+  if (values.camera === undefined) throw new UsageError('--camera', 'render needs --camera CAM.json');
+  if (values.size === undefined) throw new UsageError('--size', 'render needs --size WIDTHxHEIGHT');
+  if (values.out === undefined && values.raw === undefined) {
+    throw new UsageError('--out', 'render needs --out image.png or --raw image.f32, or both');
+  }
+  if (values.model.length !== 0 && values.model.length !== positionals.length) {
+    const found = `${values.model.length} --model for ${positionals.length} scene${positionals.length === 1 ? '' : 's'}`;
+    throw new UsageError('--model', `${found}; give one for each, in the order of the scenes, or none`);
+  }
+  const { renderer } = values;
+  if (renderer !== 'gpu' && renderer !== 'reference') {
+    throw new UsageError('--renderer', `--renderer is ${renderer}; it must be gpu or reference`);
+  }
+  const [widthPx, heightPx] = parseSize(values.size);
+  const accuracy = {
+    ...(values.accuracy && { preset: values.accuracy }),
+    ...parseSettings(values.set),
+  } as Accuracy;
+  return {
+    scenes: positionals,
+    camera: values.camera,
+    models: values.model,
+    widthPx,
+    heightPx,
+    out: values.out,
+    raw: values.raw,
+    renderer,
+    accuracy: resolveAccuracy(accuracy),
+    accuracyLabel: [values.accuracy ?? DEFAULT_ACCURACY, ...values.set].join(' '),
+    background: parseBackground(values.background),
+    frames: parseFrames(values.frames),
+    timings: values.timings,
+  };
+}
+
+/** `parseArgs` with a one-line message for what it does not know. */
+export function parseStrictly<Options extends NonNullable<ParseArgsConfig['options']>>(
+  args: readonly string[],
+  options: Options,
+) {
+  try {
+    return parseArgs({ args: [...args], options, allowPositionals: true, strict: true });
+  } catch (error) {
+    const [firstSentence] = (error as Error).message.split(/\. |\n/);
+    throw new UsageError('arguments', firstSentence.replace(/\.$/, ''));
+  }
+}
+
+function parseSize(text: string): [number, number] {
+  const match = /^(\d+)[x×](\d+)$/i.exec(text);
+  const size = match && [Number(match[1]), Number(match[2])];
+  if (!size?.every((px) => px >= 1 && px <= MAX_SIZE_PX)) {
+    throw new UsageError(
+      '--size',
+      `--size is ${text}; it must be WIDTHxHEIGHT in pixels, each 1 to ${MAX_SIZE_PX}`,
+    );
+  }
+  return size as [number, number];
+}
+
+function parseBackground(text: string): Vec3 {
+  const parts = text.split(',');
+  const numbers = parts.map((part) => (part.trim() === '' ? Number.NaN : Number(part)));
+  if (numbers.length !== 3 || !numbers.every((value) => value >= 0 && value <= 1)) {
+    throw new UsageError('--background', `--background is ${text}; it must be r,g,b, each 0 to 1`);
+  }
+  return numbers as [number, number, number];
+}
+
+function parseFrames(text: string): number {
+  if (!/^[1-9]\d{0,5}$/.test(text))
+    throw new UsageError('--frames', `--frames is ${text}; it must be a whole number from 1 on`);
+  return Number(text);
+}
+
+function parseSettings(assignments: readonly string[]): Record<string, unknown> {
+  const settings: Record<string, unknown> = {};
+  for (const assignment of assignments) {
+    const [name, value] = splitOnce(assignment, '=');
+    if (value === undefined) throw new UsageError('--set', `--set is ${assignment}; it must be name=value`);
+    settings[name] = isNumeric(name) ? parseNumber(value) : value;
+  }
+  return settings;
+}
+
+function isNumeric(name: string): boolean {
+  if (!Object.hasOwn(ACCURACY_SETTINGS, name)) return false;
+  const { values } = ACCURACY_SETTINGS[name as keyof AccuracySettings];
+  return 'min' in values || typeof values[0] === 'number';
+}
+
+/** A number or a fraction such as 1/255; other text stays as it is, for the setting's own check to show. */
+function parseNumber(text: string): number | string {
+  const [numerator, denominator = '1'] = splitOnce(text, '/');
+  const value = Number(numerator) / Number(denominator);
+  return numerator.trim() !== '' && Number.isFinite(value) ? value : text;
+}
+
+function splitOnce(text: string, separator: string): [string, string | undefined] {
+  const at = text.indexOf(separator);
+  return at < 0 ? [text, undefined] : [text.slice(0, at), text.slice(at + 1)];
+}

@@ -1,0 +1,52 @@
+import type { Camera, SplatSet, StageTimings } from '@websplatter/core';
+import { renderReference } from '@websplatter/core/reference';
+import type { RenderOptions } from './render-options.ts';
+import { differingPixels, type Rendered } from './rendered.ts';
+import { readScene, type SceneSource } from './scene-source.ts';
+
+/** Renders in float64 on the CPU. */
+export async function renderOnReference(
+  scenes: readonly SceneSource[],
+  models: readonly Float64Array[],
+  camera: Camera,
+  { widthPx, heightPx, accuracy, frames }: RenderOptions,
+): Promise<Rendered> {
+  const sets: SplatSet[] = [];
+  for (const scene of scenes) sets.push(await readScene(scene, 'f32'));
+  const clouds = sets.map((set, i) => ({ set, modelMatrix: models[i] }));
+  const { alphaCutoff, shDegree } = accuracy;
+  const draw = () =>
+    renderReference({ clouds, camera, widthPx, heightPx, settings: { alphaCutoff, shDegree } });
+
+  const timings: StageTimings[] = [];
+  let first: ReturnType<typeof draw> | undefined;
+  let picture: ReturnType<typeof draw> | undefined;
+  let firstDifference: Rendered['firstDifference'] = null;
+  for (let frame = 1; frame <= frames; frame++) {
+    const startedMs = performance.now();
+    picture = draw();
+    timings.push(wallClock(performance.now() - startedMs));
+    first ??= picture;
+    const pixels = differingPixels(first.data, picture.data);
+    if (pixels > 0) firstDifference ??= { frame, pixels };
+  }
+  return {
+    picture: picture!,
+    visibleSplats: picture!.visibleSplats,
+    splatsPerScene: sets.map(({ count }) => count),
+    timings,
+    label: 'reference renderer, float64 on the CPU',
+    notices: [],
+    firstDifference,
+  };
+}
+
+function wallClock(totalMs: number): StageTimings {
+  return {
+    source: 'wall-clock',
+    preprocessMs: Number.NaN,
+    sortMs: Number.NaN,
+    rasterizeMs: Number.NaN,
+    totalMs,
+  };
+}

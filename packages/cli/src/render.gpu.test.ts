@@ -1,0 +1,38 @@
+import { readFileSync } from 'node:fs';
+import { compareImages } from '@websplatter/core/reference';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { expect } from 'vitest';
+import { runMain, TestFolder } from './test-folder.ts';
+
+const readRaw = (path: string) => new Float32Array(readFileSync(path).buffer.slice(0));
+
+gpuTest('the GPU draws what the reference draws, every frame the same bits', async () => {
+  const folder = new TestFolder();
+  const [onGpu, onReference, timings] = ['gpu.f32', 'reference.f32', 't.json'].map((name) =>
+    folder.file(name),
+  );
+  const scene = folder.scene();
+  const size = { widthPx: 64, heightPx: 48 };
+  const common = ['render', scene, scene, '--camera', folder.camera(), '--size', '64x48'];
+  const model = folder.write('m.json', [0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0.25, 1]);
+  common.push(
+    '--model',
+    model,
+    '--model',
+    folder.write('m1.json', [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]),
+  );
+
+  const gpu = await runMain(
+    ...[...common, '--accuracy', 'reference', '--frames', '3', '--raw', onGpu, '--timings', timings],
+  );
+  expect(gpu.err).toMatch(/^(note: [^\n]+\n)?$/);
+  expect(gpu.status).toBe(0);
+  expect(gpu.out).toContain('6 of 6 splats');
+  const reference = await runMain(...common, '--renderer', 'reference', '--raw', onReference);
+  expect(reference.status).toBe(0);
+  expect(compareImages(readRaw(onGpu), readRaw(onReference), size).psnrDb).toBeGreaterThan(60);
+
+  const report = JSON.parse(readFileSync(timings, 'utf8'));
+  expect(report).toMatchObject({ frames: 3, measuredFrames: 3, framesIdentical: true, visibleSplats: 6 });
+  expect(report.stages.totalMs.median).toBeGreaterThan(0);
+});

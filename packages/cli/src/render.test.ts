@@ -1,0 +1,100 @@
+import { existsSync, readdirSync, readFileSync } from 'node:fs';
+import { decode } from 'fast-png';
+import { expect, test } from 'vitest';
+import { runMain, TestFolder } from './test-folder.ts';
+
+const SIZE = ['--size', '48x32'];
+const REFERENCE = ['--renderer', 'reference'];
+
+function readRaw(path: string): Float32Array {
+  return new Float32Array(readFileSync(path).buffer.slice(0));
+}
+
+/** Index of a pixel's red in a 48-wide RGBA picture. */
+const at = (x: number, y: number) => 4 * (48 * y + x);
+
+test('the reference renderer writes an image, raw pixels and timings that agree', async () => {
+  const folder = new TestFolder();
+  const [png, raw, timings] = ['a.png', 'a.f32', 't.json'].map((name) => folder.file(name));
+  const outputs = [
+    '--out',
+    png,
+    '--raw',
+    raw,
+    '--timings',
+    timings,
+    '--frames',
+    '2',
+    '--background',
+    '0,0,1',
+  ];
+  const { status, out, err } = await runMain(
+    ...['render', folder.scene(), '--camera', folder.camera(), ...SIZE, ...REFERENCE, ...outputs],
+  );
+  expect([status, err]).toEqual([0, '']);
+  expect(out).toContain('48×32, 3 of 3 splats');
+
+  const pixels = readRaw(raw);
+  expect(pixels.length).toBe(48 * 32 * 4);
+  const image = decode(readFileSync(png));
+  expect([image.width, image.height]).toEqual([48, 32]);
+  for (let i = 0; i < 48 * 32; i++) {
+    const blue = pixels[4 * i + 2] + (1 - pixels[4 * i + 3]);
+    expect(Math.abs(image.data[3 * i + 2] - 255 * Math.min(1, blue))).toBeLessThanOrEqual(0.5001);
+  }
+  // x = −1 (red) is left of the centre (green).
+  const red = pixels.subarray(at(17, 16), at(18, 16));
+  expect(red[0]).toBeGreaterThan(red[1]);
+  expect(pixels[at(24, 16) + 1]).toBeGreaterThan(pixels[at(24, 16)]);
+
+  expect(JSON.parse(readFileSync(timings, 'utf8'))).toMatchObject({
+    source: 'wall-clock',
+    stages: { preprocessMs: null, totalMs: { median: expect.any(Number), p99: expect.any(Number) } },
+    frames: 2,
+    framesIdentical: true,
+    scenes: [{ splats: 3 }],
+    widthPx: 48,
+    renderer: 'reference',
+    machine: { node: process.versions.node },
+  });
+});
+
+test('model matrices move scenes, in order', async () => {
+  const folder = new TestFolder();
+  const moved = (x: number, y: number) => [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, y, 0, 1];
+  const models = [folder.write('m0.json', moved(0, 1)), folder.write('m1.json', { matrix: moved(0, -1) })];
+  const raw = folder.file('a.f32');
+  const scene = folder.scene();
+  const { status } = await runMain(
+    ...['render', scene, scene, '--model', models[0], '--model', models[1]],
+    ...['--camera', folder.camera(), ...SIZE, ...REFERENCE, '--raw', raw],
+  );
+  expect(status).toBe(0);
+  const pixels = readRaw(raw);
+  const alphas = [9, 16, 23].map((y) => pixels[at(24, y) + 3]);
+  expect(alphas[0]).toBeGreaterThan(0.5);
+  expect(alphas[1]).toBeLessThan(0.1);
+  expect(alphas[2]).toBeGreaterThan(0.5);
+});
+
+test('bad input gives one line, status 2 and no file', async () => {
+  const folder = new TestFolder();
+  const out = folder.file('a.png');
+  const scene = folder.scene();
+  const camera = folder.camera();
+  const cases = [
+    [scene, '--camera', folder.write('broken.json', '{'), ...SIZE, '--out', out],
+    [scene, '--camera', folder.camera('wide.json', { fovYDegrees: 180 }), ...SIZE, '--out', out],
+    [scene, '--camera', camera, '--model', folder.write('m.json', [1]), ...SIZE, '--out', out],
+    [folder.write('text.ply', 'hello'), '--camera', camera, ...SIZE, ...REFERENCE, '--out', out],
+    [folder.file('none.ply'), '--camera', camera, ...SIZE, '--out', out],
+    [scene, '--camera', camera, ...SIZE, ...REFERENCE, '--out', out, '--raw', folder.file('no/a.f32')],
+  ];
+  for (const args of cases) {
+    const { status, out: printed, err } = await runMain('render', ...args);
+    expect([status, printed]).toEqual([2, '']);
+    expect(err).toMatch(/^websplatter: [^\n]+: [^\n]+\n$/);
+    expect(existsSync(out)).toBe(false);
+  }
+  expect(readdirSync(folder.path).filter((name) => name.startsWith('.'))).toEqual([]);
+});

@@ -1,0 +1,63 @@
+import { constants, createReadStream, openAsBlob } from 'node:fs';
+import { access, stat } from 'node:fs/promises';
+import { Readable } from 'node:stream';
+import { fileURLToPath } from 'node:url';
+import {
+  readSplats,
+  type ShPrecision,
+  type SplatSet,
+  type SplatSource,
+  SplatSourceError,
+} from '@websplatter/core';
+import { builtinScenes } from '@websplatter/scenes';
+import { describeSystemError, UsageError } from './input-error.ts';
+
+/** A scene named on the command line, not yet read. */
+export interface SceneSource {
+  /** As given; what messages call it. */
+  readonly name: string;
+  /** Splats of a built-in scene, or what is to be read. */
+  readonly content: { readonly make: () => SplatSet } | { readonly source: SplatSource };
+}
+
+const BUILTIN_PREFIX = 'builtin:';
+
+/**
+ * Finds what `scene` means: `builtin:NAME`, the NAME of a built-in scene, a URL (http, https, file) or a path.
+ *
+ * @throws SplatSourceError where there is no such file; UsageError where there is no such built-in scene.
+ */
+export async function findScene(scene: string): Promise<SceneSource> {
+  const builtinName = scene.startsWith(BUILTIN_PREFIX) ? scene.slice(BUILTIN_PREFIX.length) : scene;
+  const builtin = builtinScenes.find(({ name }) => name === builtinName);
+  if (builtin) return { name: scene, content: { make: () => builtin.make() } };
+  if (scene.startsWith(BUILTIN_PREFIX)) {
+    const names = builtinScenes.map(({ name }) => `${BUILTIN_PREFIX}${name}`).join(', ');
+    throw new UsageError('SCENE', `there is no scene ${scene}; there are ${names}`);
+  }
+  if (/^(https?|data):/.test(scene)) return { name: scene, content: { source: new URL(scene) } };
+  return { name: scene, content: { source: await openFile(scene) } };
+}
+
+/** Reads the splats of a scene into memory. */
+export async function readScene(scene: SceneSource, shPrecision: ShPrecision): Promise<SplatSet> {
+  if ('make' in scene.content) return scene.content.make();
+  return readSplats(scene.content.source, { name: scene.name, shPrecision });
+}
+
+async function openFile(scene: string): Promise<SplatSource> {
+  try {
+    const path = scene.startsWith('file:') ? fileURLToPath(scene) : scene;
+    const found = await stat(path);
+    if (found.isDirectory()) throw new SplatSourceError(scene, 'it is a folder, not a file');
+    await access(path, constants.R_OK);
+    // A pipe can only be streamed; a Blob also says how many bytes are to come.
+    if (found.isFile()) return await openAsBlob(path);
+    return Readable.toWeb(createReadStream(path)) as ReadableStream<Uint8Array>;
+  } catch (error) {
+    if (error instanceof SplatSourceError) throw error;
+    throw new SplatSourceError(scene, `cannot be read: ${describeSystemError(error)}`, undefined, {
+      cause: error,
+    });
+  }
+}

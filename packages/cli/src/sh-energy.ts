@@ -1,0 +1,31 @@
+import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet, unpackShRest } from '@websplatter/core';
+
+export interface ShBand {
+  /** 1, 2 or 3. */
+  readonly band: number;
+  /** Root mean square of the band's coefficients over all splats and colour channels. */
+  readonly rms: number;
+}
+
+/** How much each band of spherical harmonics above 0 carries. */
+export function shEnergyPerBand({ count, shRest }: SplatSet): ShBand[] {
+  const degrees = Array.from({ length: shRest.degree }, (_, i) => (i + 1) as ShDegree);
+  const squares = degrees.map(() => 0);
+  const values = new Float64Array(3 * SH_REST_COEFFICIENTS[shRest.degree]);
+  for (let splat = 0; splat < count && shRest.degree > 0; splat++) {
+    unpackShRest(shRest, splat, values);
+    degrees.forEach((degree, i) => {
+      const [from, to] = bandRange(degree);
+      for (let value = from; value < to; value++) squares[i] += values[value] ** 2;
+    });
+  }
+  return degrees.map((degree, i) => {
+    const [from, to] = bandRange(degree);
+    return { band: degree, rms: count === 0 ? 0 : Math.sqrt(squares[i] / (count * (to - from))) };
+  });
+}
+
+/** Where band `degree`'s values lie among the 3K values of a splat. */
+function bandRange(degree: ShDegree): [number, number] {
+  return [3 * SH_REST_COEFFICIENTS[(degree - 1) as ShDegree], 3 * SH_REST_COEFFICIENTS[degree]];
+}

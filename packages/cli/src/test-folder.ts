@@ -1,0 +1,68 @@
+import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { encodePly, type SplatSet } from '@websplatter/core';
+import { onTestFinished } from 'vitest';
+import { main } from './main.ts';
+
+/** A folder that lasts as long as the test, with what commands need in it. */
+export class TestFolder {
+  readonly path = mkdtempSync(join(tmpdir(), 'websplatter-'));
+
+  constructor() {
+    onTestFinished(() => rmSync(this.path, { recursive: true, force: true }));
+  }
+
+  file(name: string): string {
+    return join(this.path, name);
+  }
+
+  write(name: string, content: Uint8Array | string | object): string {
+    const isContent = typeof content === 'string' || content instanceof Uint8Array;
+    writeFileSync(this.file(name), isContent ? content : JSON.stringify(content));
+    return this.file(name);
+  }
+
+  /** A PLY of the splats of `threeSplats`. */
+  scene(name = 'scene.ply', set: SplatSet = threeSplats()): string {
+    return this.write(name, encodePly(set));
+  }
+
+  /** A camera that sees them. */
+  camera(name = 'camera.json', changes: object = {}): string {
+    return this.write(name, { position: [0, 0, 4], target: [0, 0, 0], fovYDegrees: 60, ...changes });
+  }
+}
+
+/** Red, green and blue blobs in a row, with spherical harmonics of degree 1. */
+export function threeSplats(): SplatSet {
+  const shRest = { degree: 1, precision: 'f32', wordsPerSplat: 9, words: new Uint32Array(27) } as const;
+  new Float32Array(shRest.words.buffer).fill(0.5);
+  return {
+    count: 3,
+    origin: [0, 0, 0],
+    positions: Float32Array.of(-1, 0, 0, 0, 0, 0.5, 1, 0, 0),
+    logScales: new Float32Array(9).fill(Math.log(0.2)),
+    rotations: Float32Array.of(1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0),
+    opacityLogits: new Float32Array(3).fill(3),
+    colorDc: Float32Array.of(1.5, -1.5, -1.5, -1.5, 1.5, -1.5, -1.5, -1.5, 1.5),
+    shRest,
+    fileIndices: Uint32Array.of(0, 1, 2),
+    dropped: {},
+  };
+}
+
+/** Runs a command line in this process. */
+export async function runMain(...args: string[]): Promise<{ status: number; out: string; err: string }> {
+  let out = '';
+  let err = '';
+  const status = await main(args, {
+    out: (text) => {
+      out += text;
+    },
+    err: (text) => {
+      err += text;
+    },
+  });
+  return { status, out, err };
+}

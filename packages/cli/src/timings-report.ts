@@ -1,0 +1,29 @@
+import { currentCommit, describeMachine } from './machine.ts';
+import type { RenderOptions } from './render-options.ts';
+import type { Rendered } from './rendered.ts';
+import { spreadOf } from './statistics.ts';
+
+const STAGES = ['preprocessMs', 'sortMs', 'rasterizeMs', 'totalMs'] as const;
+
+/** What `--timings` writes. */
+export function timingsReport(options: RenderOptions, rendered: Rendered) {
+  const { timings, splatsPerScene } = rendered;
+  return {
+    source: timings[0]?.source ?? null,
+    /** Milliseconds; null where a stage was not measured by itself. */
+    stages: Object.fromEntries(STAGES.map((stage) => [stage, spreadOf(timings.map((each) => each[stage]))])),
+    frames: options.frames,
+    measuredFrames: timings.length,
+    framesIdentical: rendered.firstDifference === null,
+    scenes: options.scenes.map((name, i) => ({ name, splats: splatsPerScene[i] })),
+    visibleSplats: rendered.visibleSplats,
+    widthPx: options.widthPx,
+    heightPx: options.heightPx,
+    renderer: options.renderer,
+    adapter: rendered.label,
+    accuracy: { label: options.accuracyLabel, ...options.accuracy },
+    notices: rendered.notices,
+    commit: currentCommit(),
+    machine: describeMachine(),
+  };
+}
