@@ -57,7 +57,7 @@ export class ByteReader {
     this.start += byteCount;
   }
 
-  /** Makes at least `byteCount` bytes available, the first of them at `bytes[0]` if any had to be read; false if the stream ends before. */
+  /** Makes at least `byteCount` bytes available; false if the stream ends before. */
   async fill(byteCount: number): Promise<boolean> {
     if (this.available >= byteCount) return true;
     this.#makeRoom(byteCount);
@@ -93,14 +93,6 @@ export class ByteReader {
     this.#signal?.throwIfAborted();
   }
 
-  /** Moves the next byte to `bytes[0]`, so that rows of 4-byte values stay aligned. */
-  align(): void {
-    this.bytes.copyWithin(0, this.start, this.#end);
-    this.#base += this.start;
-    this.#end -= this.start;
-    this.start = 0;
-  }
-
   /** A stream of all that has not been passed over; this reader is not to be used afterwards. */
   rest(): ReadableStream<Uint8Array> {
     const parts = [this.bytes.slice(this.start, this.#end), this.#pending].filter((part) => part.length > 0);
@@ -129,19 +121,20 @@ export class ByteReader {
     this.#reader.cancel(reason).catch(() => {});
   }
 
+  /** Moves what is at hand to the window's start, so that `byteCount` bytes fit. */
   #makeRoom(byteCount: number): void {
-    if (byteCount <= this.bytes.length) {
-      // Without anything to move this costs nothing, so reading byte by byte stays linear.
-      if (this.start > 0) this.align();
-      return;
+    if (byteCount > this.bytes.length) {
+      const larger = new Uint8Array(Math.max(byteCount, 2 * this.bytes.length));
+      larger.set(this.bytes.subarray(this.start, this.#end));
+      this.bytes = larger;
+      this.view = new DataView(larger.buffer);
+    } else if (this.start > 0) {
+      // Only then: reading on byte by byte must not move all that is held each time.
+      this.bytes.copyWithin(0, this.start, this.#end);
     }
-    const larger = new Uint8Array(Math.max(byteCount, 2 * this.bytes.length));
-    larger.set(this.bytes.subarray(this.start, this.#end));
     this.#base += this.start;
     this.#end -= this.start;
     this.start = 0;
-    this.bytes = larger;
-    this.view = new DataView(larger.buffer);
   }
 
   /** False at the stream's end. */
@@ -164,8 +157,11 @@ export class ByteReader {
 
   async #read(): Promise<Uint8Array | undefined> {
     try {
-      return (await this.#reader.read()).value;
+      const { done, value } = await this.#reader.read();
+      if (done) this.#signal?.removeEventListener('abort', this.#onAbort);
+      return value;
     } catch (cause) {
+      this.#signal?.removeEventListener('abort', this.#onAbort);
       this.#signal?.throwIfAborted();
       if (cause instanceof WebSplatterError) throw cause;
       throw new SplatSourceError(this.#name, `reading stopped: ${messageOf(cause)}`, undefined, { cause });

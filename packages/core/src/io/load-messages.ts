@@ -1,3 +1,4 @@
+import type { GeometryPrecision } from '../accuracy.ts';
 import {
   type FilePlace,
   InvalidArgumentError,
@@ -14,7 +15,7 @@ import type { LoadProgress, SplatSource } from './splat-source.ts';
 export interface LoadSettings {
   readonly name: string | undefined;
   readonly shPrecision: ShPrecision;
-  readonly geometryPrecision: 'f32' | 'packed';
+  readonly geometryPrecision: GeometryPrecision;
 }
 
 /** Page to worker: the one job of its life. */

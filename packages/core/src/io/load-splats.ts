@@ -1,3 +1,4 @@
+import type { GeometryPrecision } from '../accuracy.ts';
 import { WebSplatterError } from '../errors.ts';
 import type { PackedCloud } from '../scene/packed-cloud.ts';
 import { lockedStreamError } from './byte-reader.ts';
@@ -9,7 +10,7 @@ import type { ReadOptions, SplatSource } from './splat-source.ts';
 
 export interface LoadSplatsOptions extends ReadSplatsOptions {
   /** How positions, rotations and scales are stored; default `packed`. */
-  readonly geometryPrecision?: 'f32' | 'packed';
+  readonly geometryPrecision?: GeometryPrecision;
 }
 
 type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;

@@ -1,7 +1,7 @@
 import { existsSync, readFileSync } from 'node:fs';
 import { resolve } from 'node:path';
 import fc from 'fast-check';
-import { describe, expect, test } from 'vitest';
+import { describe, expect, test, vi } from 'vitest';
 import { SplatFileError, WebSplatterError } from '../errors.ts';
 import { unpackShRest } from '../layout/sh-rest.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../scene/splat-set.ts';
@@ -18,6 +18,9 @@ import {
 } from './ply-fixture.ts';
 import { readSplats } from './read-splats.ts';
 import { encodePly } from './write-ply.ts';
+
+// Properties run hundreds of reads, on machines that may be busy with other tests.
+vi.setConfig({ testTimeout: 60_000 });
 
 const FORMATS = ['ascii', 'binary_little_endian', 'binary_big_endian'] as const;
 const LE = 'binary_little_endian';

@@ -6,8 +6,8 @@ import type { SplatSet } from '../scene/splat-set.ts';
  * green, then blue), opacity, scale, rot; no normals. Rows in the set's order; `fileIndices` and `dropped` are not kept.
  *
  * Where the origin is not 0, x y z are doubles with the origin added, since float32 could not hold them. Read again at
- * shPrecision f32, a set that came from a file gives the same bits. At most 2^32 bytes or what an ArrayBuffer can hold;
- * a RangeError beyond.
+ * shPrecision f32, a set that came from a file gives the same bits. Throws RangeError where no
+ * ArrayBuffer can be that large.
  */
 export function encodePly(set: SplatSet): Uint8Array<ArrayBuffer> {
   const shValues = shRestValues(set.shRest.degree);

@@ -1,0 +1,198 @@
+import { MessageChannel, type MessagePort } from 'node:worker_threads';
+import { afterEach, describe, expect, test, vi } from 'vitest';
+import { InvalidArgumentError, SplatFileError, SplatSourceError, WebSplatterError } from '../errors.ts';
+import { fromPostedError, type LoadRequest, toPostedError } from './load-messages.ts';
+import { loadSplats } from './load-splats.ts';
+import { chunked, plyBytes, splatElement } from './ply-fixture.ts';
+import { type LoadPort, serveLoad } from './serve-load.ts';
+import type { LoadProgress, SplatSource } from './splat-source.ts';
+
+const ply = plyBytes({ format: 'binary_little_endian', elements: [splatElement(300, 1)] });
+
+type Behaviour = 'works' | 'throws' | 'does not start' | 'never starts' | 'dies' | 'takes no streams';
+
+/** A worker in this thread behind a real message channel: what crosses is cloned or transferred as between threads. */
+class FakeWorker {
+  static behaviour: Behaviour = 'works';
+  static started: FakeWorker[] = [];
+  static requests: LoadRequest[] = [];
+  onmessage: ((event: MessageEvent) => void) | null = null;
+  onerror: ((event: Partial<ErrorEvent>) => void) | null = null;
+  onmessageerror: (() => void) | null = null;
+  isTerminated = false;
+  readonly #page: MessagePort;
+  readonly #inside: MessagePort;
+
+  constructor(url: URL, options: WorkerOptions) {
+    expect(url.pathname).toMatch(/load-worker/);
+    expect(options.type).toBe('module');
+    if (FakeWorker.behaviour === 'throws') throw new DOMException('not allowed here', 'SecurityError');
+    FakeWorker.started.push(this);
+    const { port1, port2 } = new MessageChannel();
+    this.#page = port1;
+    this.#inside = port2;
+    port1.on('message', (data) => this.onmessage?.({ data } as MessageEvent));
+    if (FakeWorker.behaviour === 'does not start') setTimeout(() => this.onerror?.({ preventDefault() {} }));
+    else if (FakeWorker.behaviour !== 'never starts') this.#serve(port2);
+  }
+
+  postMessage(request: LoadRequest, transfer: Transferable[]): void {
+    const isStream = request.source instanceof ReadableStream;
+    if (FakeWorker.behaviour === 'takes no streams' && isStream) {
+      throw new DOMException('cannot be cloned', 'DataCloneError');
+    }
+    FakeWorker.requests.push(request);
+    if (FakeWorker.behaviour === 'dies') setTimeout(() => this.onerror?.({ message: 'out of memory' }));
+    else this.#page.postMessage(request, transfer as never);
+  }
+
+  terminate(): void {
+    this.isTerminated = true;
+    this.#page.close();
+  }
+
+  #serve(inside: MessagePort): void {
+    const port: LoadPort = {
+      onmessage: null,
+      postMessage: (reply, transfer) => this.#inside.postMessage(reply, transfer as never),
+    };
+    inside.on('message', (data) => port.onmessage?.({ data } as MessageEvent<LoadRequest>));
+    serveLoad(port);
+  }
+}
+
+function useWorkers(behaviour: Behaviour): void {
+  FakeWorker.behaviour = behaviour;
+  FakeWorker.started = [];
+  FakeWorker.requests = [];
+  vi.stubGlobal('Worker', FakeWorker);
+}
+
+afterEach(() => {
+  for (const worker of FakeWorker.started) expect(worker.isTerminated).toBe(true);
+  FakeWorker.started = [];
+  vi.unstubAllGlobals();
+});
+
+const failure = async (promise: Promise<unknown>): Promise<Error> =>
+  promise.then(
+    () => expect.fail('should have been rejected'),
+    (reason) => reason,
+  );
+
+const sources: { name: string; make: () => SplatSource }[] = [
+  { name: 'ArrayBuffer', make: () => ply.buffer },
+  { name: 'view', make: () => new Uint8Array([0, 0, ...ply]).subarray(2) },
+  { name: 'Blob', make: () => new Blob([ply]) },
+  { name: 'stream', make: () => chunked(ply, [1000]) },
+  { name: 'data URL', make: () => `data:;base64,${Buffer.from(ply).toString('base64')}` },
+];
+
+describe.each<Behaviour>(['works', 'throws', 'does not start', 'takes no streams'])(
+  'a worker that %s',
+  (behaviour) => {
+    test.each(sources)('$name', async ({ make }) => {
+      const here = await loadSplats(make());
+      useWorkers(behaviour);
+      const reports: LoadProgress[] = [];
+      const cloud = await loadSplats(make(), { onProgress: (progress) => reports.push(progress) });
+      expect(cloud).toEqual(here);
+      expect(cloud.count).toBe(300);
+      expect(reports.map(({ phase }) => phase)).toContain('read');
+      expect(reports.at(-1)).toMatchObject({ phase: 'arrange', loadedBytes: ply.length, splats: 300 });
+      // The caller's memory is still the caller's.
+      expect(ply.length).toBeGreaterThan(0);
+    });
+
+    test('settings cross', async () => {
+      useWorkers(behaviour);
+      const { shRest } = await loadSplats(ply, { shPrecision: 'f16', geometryPrecision: 'f32' });
+      expect(shRest.precision).toBe('f16');
+    });
+
+    test('typed errors cross', async () => {
+      useWorkers(behaviour);
+      const error = await failure(loadSplats(ply.slice(0, ply.length - 5), { name: 'cut.ply' }));
+      expect(error).toBeInstanceOf(SplatFileError);
+      expect(error).toMatchObject({ code: 'truncated', file: 'cut.ply', place: { element: 'vertex' } });
+      expect(error.message).toMatch(/^cut\.ply: 300 splats need .* \(element vertex, byte \d+\)$/);
+      const wrong = await failure(loadSplats({} as unknown as SplatSource));
+      expect(wrong).toBeInstanceOf(InvalidArgumentError);
+      const locked = chunked(ply, [10]);
+      locked.getReader();
+      expect(await failure(loadSplats(locked))).toBeInstanceOf(SplatSourceError);
+    });
+  },
+);
+
+test('URLs are resolved against the page, not the worker, and keep the name that was given', async () => {
+  useWorkers('works');
+  vi.stubGlobal('document', { baseURI: 'http://127.0.0.1:1/app/page.html' });
+  const error = await failure(loadSplats('scenes/garden.ply'));
+  expect(FakeWorker.requests[0].source).toBe('http://127.0.0.1:1/app/scenes/garden.ply');
+  expect(error).toBeInstanceOf(SplatSourceError);
+  expect(error).toMatchObject({ file: 'scenes/garden.ply' });
+});
+
+test('a worker that dies', async () => {
+  useWorkers('dies');
+  const error = await failure(loadSplats(ply));
+  expect(error).toBeInstanceOf(WebSplatterError);
+  expect(error).toMatchObject({ code: 'worker-failed' });
+  expect(error.message).toContain('out of memory');
+});
+
+describe('abort', () => {
+  test('before anything', async () => {
+    useWorkers('works');
+    await expect(loadSplats(ply, { signal: AbortSignal.abort(new Error('no')) })).rejects.toThrow('no');
+    expect(FakeWorker.started).toHaveLength(0);
+  });
+
+  test('while the worker starts', async () => {
+    useWorkers('never starts');
+    const controller = new AbortController();
+    setTimeout(() => controller.abort(new Error('too slow')), 5);
+    await expect(loadSplats(ply, { signal: controller.signal })).rejects.toThrow('too slow');
+  });
+
+  test.each<Behaviour>(['works', 'takes no streams', 'throws'])(
+    'of a stalled stream, with a worker that %s',
+    async (behaviour) => {
+      useWorkers(behaviour);
+      let cancelled: unknown;
+      const stalled = new ReadableStream<Uint8Array>({
+        start: (controller) => controller.enqueue(ply.slice(0, 3000)),
+        cancel: (reason) => {
+          cancelled = reason;
+        },
+      });
+      const controller = new AbortController();
+      setTimeout(() => controller.abort(new Error('enough')), 20);
+      await expect(loadSplats(stalled, { signal: controller.signal })).rejects.toThrow('enough');
+      await vi.waitFor(() => expect(cancelled).toMatchObject({ message: 'enough' }));
+    },
+  );
+
+  test('a callback that throws ends the load', async () => {
+    useWorkers('works');
+    const onProgress = () => {
+      throw new Error('bad callback');
+    };
+    await expect(loadSplats(ply, { onProgress })).rejects.toThrow('bad callback');
+  });
+});
+
+test.each([
+  new SplatFileError('bad-value', 'a.ply', 'x.', { line: 3, property: 'y' }, { cause: new Error('why') }),
+  new SplatSourceError('a.ply', 'gone', 404),
+  new InvalidArgumentError('source', 'wrong'),
+  new WebSplatterError('something', 'else'),
+  new Error('plain'),
+])('%s survives being posted', (error) => {
+  const back = fromPostedError(structuredClone(toPostedError(error)));
+  expect(back.constructor).toBe(error.constructor);
+  expect({ ...back, cause: String(back.cause) }).toEqual({ ...error, cause: String(error.cause) });
+  expect(back.message).toBe(error.message);
+  expect(back.name).toBe(error.name);
+});
