@@ -1,6 +1,6 @@
 import { SplatFileError } from '../errors.ts';
 import type { ByteReader } from './byte-reader.ts';
-import { type PlyBody, type PlyElement, type PlyType, TYPE_BYTES } from './ply-header.ts';
+import { clip, type PlyBody, type PlyElement, type PlyType, TYPE_BYTES } from './ply-header.ts';
 import type { ReadProgress } from './progress.ts';
 import type { SplatSetBuilder } from './splat-set-builder.ts';
 
@@ -141,6 +141,6 @@ function truncatedError(
   row?: number,
 ): SplatFileError {
   const byte = reader.byteOffset + reader.available;
-  const message = `the file ends within ${element.count} rows of ${element.name}. Download or export it again.`;
+  const message = `the file ends before its ${element.count} rows of ${clip(element.name)} do. Download or export it again.`;
   return new SplatFileError('truncated', body.file, message, { element: element.name, row, byte });
 }
