@@ -42,11 +42,13 @@ export async function renderOnReference(
 }
 
 function wallClock(totalMs: number): StageTimings {
+  const unknown = Number.NaN;
   return {
     source: 'wall-clock',
-    preprocessMs: Number.NaN,
-    sortMs: Number.NaN,
-    rasterizeMs: Number.NaN,
+    preprocessMs: unknown,
+    sortMs: unknown,
+    rasterizeMs: unknown,
     totalMs,
+    wallClockMs: totalMs,
   };
 }

@@ -3,7 +3,7 @@ import type { RenderOptions } from './render-options.ts';
 import type { Rendered } from './rendered.ts';
 import { spreadOf } from './statistics.ts';
 
-const STAGES = ['preprocessMs', 'sortMs', 'rasterizeMs', 'totalMs'] as const;
+const STAGES = ['preprocessMs', 'sortMs', 'rasterizeMs', 'totalMs', 'wallClockMs'] as const;
 
 /** What `--timings` writes. */
 export function timingsReport(options: RenderOptions, rendered: Rendered) {
