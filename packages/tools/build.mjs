@@ -14,7 +14,7 @@ import {
 } from 'node:fs';
 import { basename, isAbsolute, join, relative } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { repositoryRoot } from './setup.mjs';
+import { fail, repositoryRoot } from './setup.mjs';
 
 /**
  * In order of dependence. `entries`: what may be imported, and the workers, which must be files of their own.
@@ -183,4 +183,6 @@ function stampPath(item) {
   return join(cacheFolder, `${item.name}.hash`);
 }
 
-if (process.argv[1] && import.meta.url === pathToFileURL(process.argv[1]).href) await build();
+if (process.argv[1] && import.meta.url === pathToFileURL(process.argv[1]).href) {
+  await build().catch((error) => fail(error.message));
+}

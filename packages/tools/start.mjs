@@ -1,11 +1,11 @@
 // `npm start`: from a fresh clone to the running viewer. Arguments go to Vite, e.g. `npm start -- --port 4000 --host`.
 import { join } from 'node:path';
 import { runTool } from './run-tool.mjs';
-import { ensureInstalled, repositoryRoot } from './setup.mjs';
+import { ensureInstalled, fail, repositoryRoot } from './setup.mjs';
 
 ensureInstalled();
 const { build } = await import('./build.mjs');
-await build();
+await build().catch((error) => fail(error.message));
 
 const args = process.argv.slice(2);
 const hasScreen = process.platform !== 'linux' || Boolean(process.env.DISPLAY || process.env.WAYLAND_DISPLAY);

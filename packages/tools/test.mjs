@@ -2,12 +2,12 @@
 // other arguments go to Vitest, e.g. `npm test -- packages/cli`.
 import { join } from 'node:path';
 import { runTool } from './run-tool.mjs';
-import { ensureChromium, ensureInstalled, repositoryRoot } from './setup.mjs';
+import { ensureChromium, ensureInstalled, fail, repositoryRoot } from './setup.mjs';
 
 ensureInstalled();
 const chromiumPath = ensureChromium();
 const { build } = await import('./build.mjs');
-await build();
+await build().catch((error) => fail(error.message));
 
 const args = process.argv.slice(2).filter((arg) => arg !== '--full');
 const env = { ...process.env, CHROMIUM_PATH: chromiumPath, WEBSPLATTER_REQUIRE_GPU: '1' };

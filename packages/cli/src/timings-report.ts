@@ -8,6 +8,8 @@ const STAGES = ['preprocessMs', 'sortMs', 'rasterizeMs', 'totalMs', 'wallClockMs
 /** What `--timings` writes. */
 export function timingsReport(options: RenderOptions, rendered: Rendered) {
   const { timings, splatsPerScene } = rendered;
+  const { accuracy } = options;
+  const { alphaCutoff, shDegree } = accuracy;
   return {
     source: timings[0]?.source ?? null,
     /** Milliseconds; null where a stage was not measured by itself. */
@@ -21,7 +23,10 @@ export function timingsReport(options: RenderOptions, rendered: Rendered) {
     heightPx: options.heightPx,
     renderer: options.renderer,
     adapter: rendered.label,
-    accuracy: { label: options.accuracyLabel, ...options.accuracy },
+    accuracy:
+      options.renderer === 'reference'
+        ? { alphaCutoff, shDegree }
+        : { label: options.accuracyLabel, ...accuracy },
     notices: rendered.notices,
     commit: currentCommit(),
     machine: describeMachine(),
