@@ -11,4 +11,5 @@ const args = process.argv.slice(2);
 const hasScreen = process.platform !== 'linux' || Boolean(process.env.DISPLAY || process.env.WAYLAND_DISPLAY);
 if (hasScreen && !process.env.CI && !args.some((arg) => arg.startsWith('--open'))) args.push('--open');
 const vite = join(repositoryRoot, 'node_modules/vite/bin/vite.js');
-process.exit(await runTool(vite, args, { cwd: join(repositoryRoot, 'apps/viewer') }));
+const { status, wasAskedToEnd } = await runTool(vite, args, { cwd: join(repositoryRoot, 'apps/viewer') });
+process.exit(wasAskedToEnd ? 0 : (status ?? 1));

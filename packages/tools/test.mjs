@@ -13,4 +13,5 @@ const args = process.argv.slice(2).filter((arg) => arg !== '--full');
 const env = { ...process.env, CHROMIUM_PATH: chromiumPath, WEBSPLATTER_REQUIRE_GPU: '1' };
 if (process.argv.includes('--full')) env.WEBSPLATTER_FULL = '1';
 const vitest = join(repositoryRoot, 'node_modules/vitest/vitest.mjs');
-process.exit(await runTool(vitest, ['run', ...args], { cwd: repositoryRoot, env }));
+const { status } = await runTool(vitest, ['run', ...args], { cwd: repositoryRoot, env });
+process.exit(status ?? 1);
