@@ -12,7 +12,7 @@ type Command = (args: readonly string[], console: Console) => Promise<void>;
 const COMMANDS: Readonly<Record<string, Command>> = { render, info };
 
 /** Codes of errors that are not the input's fault. */
-const FAILURE_CODES = new Set(['webgpu-unavailable', 'destroyed', 'frames-differ']);
+const FAILURE_CODES = new Set(['webgpu-unavailable', 'destroyed', 'frames-differ', 'gpu-error']);
 
 /** Runs one command line and returns its exit status: 0, 2 on bad input, 1 on any other failure. */
 export async function main(args: readonly string[], console: Console): Promise<number> {

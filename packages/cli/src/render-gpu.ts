@@ -4,6 +4,7 @@ import {
   type SplatCloud,
   SplatEngine,
   type SplatView,
+  WebSplatterError,
 } from '@websplatter/core';
 import { createNodeGpu } from '@websplatter/node';
 import type { Picture } from './png.ts';
@@ -21,17 +22,23 @@ export async function renderOnGpu(
   camera: Camera,
   options: RenderOptions,
 ): Promise<Rendered> {
-  const { gpu, adapter, label, notice } = await createNodeGpu();
+  const { gpu, adapter, notice } = await createNodeGpu();
   const engine = await SplatEngine.create({ gpu, adapter, accuracy: options.accuracy });
+  const gpuErrors: string[] = [];
+  engine.device.addEventListener('uncapturederror', (event) => {
+    event.preventDefault();
+    gpuErrors.push(event.error.message);
+  });
   try {
     const clouds: SplatCloud[] = [];
     for (const scene of scenes) clouds.push(await addScene(engine, scene));
     const view = engine.createView();
     const frames = await renderFrames(view, clouds, models, camera, options);
+    if (gpuErrors.length > 0) throw new WebSplatterError('gpu-error', `the GPU refused: ${gpuErrors[0]}`);
     return {
       ...frames,
       splatsPerScene: clouds.map(({ count }) => count),
-      label,
+      label: engine.adapterLabel,
       notices: [...(notice === null ? [] : [notice]), ...engine.notices],
     };
   } finally {
@@ -51,42 +58,26 @@ async function renderFrames(
   { widthPx, heightPx, frames }: RenderOptions,
 ): Promise<Pick<Rendered, 'picture' | 'visibleSplats' | 'timings' | 'firstDifference'>> {
   const placed = clouds.map((cloud, i) => ({ cloud, modelMatrix: models[i] }));
-  const elsewhere = besideThePicture(camera);
   const statistics: FrameStatistics[] = [];
   view.onStatistics = (each) => statistics.push(each);
-  let drawn = 0;
-  const asked = new Set<number>();
 
   let first: Picture | undefined;
   let picture: Picture | undefined;
   let firstDifference: Rendered['firstDifference'] = null;
   for (let frame = 1; frame <= frames; frame++) {
-    if (frame > 1 && view.render({ camera: elsewhere, clouds: placed, widthPx, heightPx })) drawn++;
-    if (view.render({ camera, clouds: placed, widthPx, heightPx })) asked.add(++drawn);
+    view.render({ camera, clouds: placed, widthPx, heightPx, force: true });
     picture = await view.readPixels();
     first ??= picture;
     const pixels = differingPixels(first.data, picture.data);
     if (pixels > 0) firstDifference ??= { frame, pixels };
   }
-  const measured = () => statistics.filter(({ frame }) => asked.has(frame));
-  await waitUntil(() => measured().length >= asked.size, STATISTICS_TIMEOUT_MS);
+  await waitUntil(() => statistics.length >= frames, STATISTICS_TIMEOUT_MS);
   return {
     picture: picture!,
-    visibleSplats: measured().at(-1)?.visibleSplats ?? 0,
-    timings: measured().map(({ timing }) => timing),
+    visibleSplats: statistics.at(-1)?.visibleSplats ?? 0,
+    timings: statistics.map(({ timing }) => timing),
     firstDifference,
   };
-}
-
-/**
- * The same camera with its picture moved far to the side, where it sees nothing. Drawn between two frames, it makes the
- * second do all its work again, at next to no cost of its own: depths, and with them all buffers, stay as they are.
- */
-function besideThePicture(camera: Camera): Camera {
-  const projectionMatrix = Float64Array.from(camera.projectionMatrix);
-  const isOrthographic = projectionMatrix[11] === 0;
-  projectionMatrix[isOrthographic ? 12 : 8] += 1e6;
-  return { ...camera, projectionMatrix };
 }
 
 /** Resolves when `isDone` is, or after `timeoutMs`. */
