@@ -30,17 +30,15 @@ const MAX_NAME_LENGTH = 200;
 export async function openSource(source: SplatSource, options: ReadOptions = {}): Promise<OpenedSource> {
   options.signal?.throwIfAborted();
   if (typeof source === 'string' || source instanceof URL) return openUrl(String(source), options);
+  const { name = sourceName(source) } = options;
   if (isStream(source)) {
-    const name = options.name ?? 'stream';
     if (source.locked) throw lockedStreamError(name);
     return { name, totalBytes: undefined, totalBytesCertain: false, stream: source };
   }
   if (isBlob(source)) {
-    const name = options.name ?? (source as Partial<File>).name ?? 'blob';
     return { name, totalBytes: source.size, totalBytesCertain: true, stream: source.stream() };
   }
   const bytes = bytesOf(source);
-  const name = options.name ?? 'buffer';
   return { name, totalBytes: bytes.length, totalBytesCertain: true, stream: streamOfBytes(bytes) };
 }
 
@@ -57,6 +55,14 @@ export async function peekSource(
 }
 
 /** What a source is called in messages unless the caller names it. */
+export function sourceName(source: SplatSource): string {
+  if (typeof source === 'string' || source instanceof URL) return shortName(String(source));
+  if (isStream(source)) return 'stream';
+  if (isBlob(source)) return (source as Partial<File>).name ?? 'blob';
+  return 'buffer';
+}
+
+/** `text`, cut off where it is long. */
 export function shortName(text: string): string {
   return text.length <= MAX_NAME_LENGTH ? text : `${text.slice(0, MAX_NAME_LENGTH)}…`;
 }

@@ -1,7 +1,5 @@
 import type { Projection } from '../camera.ts';
-
-/** Log scales are clamped to ± this before they are exponentiated: float32 squares overflow near 44. */
-export const LOG_SCALE_LIMIT = 40;
+import { clampLogScale } from '../layout/geometry.ts';
 
 /** Covariance of a splat on the screen, in px², y down: [[a, b], [b, c]], and its determinant in px⁴. */
 export interface ScreenCovariance {
@@ -58,7 +56,7 @@ export function screenRows(
   const tangentY = isOrthographic ? 0 : clamp(centerView[1] / depth, clampY);
   const rows = new Array<number>(6);
   for (let axis = 0; axis < 3; axis++) {
-    const scale = Math.exp(Math.max(-LOG_SCALE_LIMIT, Math.min(LOG_SCALE_LIMIT, logScales[axis])));
+    const scale = Math.exp(clampLogScale(logScales[axis]));
     const [x, y, z] = [0, 1, 2].map(
       (r) =>
         scale *

@@ -1,4 +1,5 @@
 import type { Projection } from '../camera.ts';
+import { opacityOf } from '../layout/geometry.ts';
 import type { CloudView } from '../scene/cloud-view.ts';
 import type { SplatSet } from '../scene/splat-set.ts';
 import { rotationMatrix, type ScreenCovariance, screenCovariance, screenRows } from './covariance.ts';
@@ -31,7 +32,7 @@ export function cullSplat(
   projection: Projection,
   settings: CullSettings,
 ): VisibleSplat | null {
-  const opacity = 1 / (1 + Math.exp(-set.opacityLogits[index]));
+  const opacity = opacityOf(set.opacityLogits[index]);
   if (opacity < settings.alphaCutoff) return null;
 
   const centerView = toView(view, set.positions, index);

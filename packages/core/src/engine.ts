@@ -1,0 +1,152 @@
+import { type Accuracy, type AccuracySettings, resolveAccuracy } from './accuracy.ts';
+import { adapterLabel, type DeviceOptions, requestSplatDevice } from './device.ts';
+import { DestroyedError, InvalidArgumentError } from './errors.ts';
+import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
+import { Pipelines } from './gpu/pipelines.ts';
+import { loadSplats } from './io/load-splats.ts';
+import { sourceName } from './io/open-source.ts';
+import type { ReadOptions, SplatSource } from './io/splat-source.ts';
+import { repackShRest } from './layout/sh-rest.ts';
+import { type PackedCloud, packCloud } from './scene/packed-cloud.ts';
+import { SplatCloud } from './scene/splat-cloud.ts';
+import type { SplatSet } from './scene/splat-set.ts';
+import { SplatView, type ViewContext } from './view.ts';
+
+export interface EngineOptions extends DeviceOptions {
+  /** A device to work on; by default one is made, with all that its adapter offers. */
+  readonly device?: GPUDevice;
+  /** Default `balanced`. */
+  readonly accuracy?: Accuracy;
+  /** Most workgroups in one dimension of a dispatch; by default the device's limit. For tests of large dispatches. */
+  readonly maxWorkgroupsPerDimension?: number;
+}
+
+/** Draws Gaussian splats on one WebGPU device. */
+export class SplatEngine {
+  readonly device: GPUDevice;
+  readonly accuracy: AccuracySettings;
+  /** What the device could not do as asked, in words. */
+  readonly notices: readonly string[];
+  /** What a person would call the adapter. */
+  readonly adapterLabel: string;
+  /** Whether stages are timed by the GPU itself. */
+  readonly hasGpuTimestamps: boolean;
+  /** Resolves when the device is lost, on purpose or not. */
+  readonly lost: Promise<GPUDeviceLostInfo>;
+  readonly #memory: GpuMemory;
+  readonly #pipelines: Pipelines;
+  readonly #ownsDevice: boolean;
+  readonly #dispatchRow: number;
+  readonly #views = new Set<SplatView>();
+  #destroyedBecause: string | null = null;
+
+  private constructor(device: GPUDevice, ownsDevice: boolean, options: EngineOptions) {
+    const asked = resolveAccuracy(options.accuracy);
+    const [accuracy, notices] = possibleOn(device, asked);
+    this.device = device;
+    this.accuracy = accuracy;
+    this.notices = notices;
+    this.adapterLabel = adapterLabel(device.adapterInfo);
+    this.hasGpuTimestamps = device.features.has('timestamp-query');
+    this.#memory = new GpuMemory(device);
+    this.#pipelines = new Pipelines(device);
+    this.#ownsDevice = ownsDevice;
+    const limit = device.limits.maxComputeWorkgroupsPerDimension;
+    this.#dispatchRow = Math.min(options.maxWorkgroupsPerDimension ?? limit, limit);
+    this.lost = device.lost.then((info) => {
+      this.#destroyedBecause ??= `the GPU device was lost (${info.message || info.reason})`;
+      return info;
+    });
+  }
+
+  /**
+   * An engine on `options.device`, or on a device of its own.
+   *
+   * @throws WebGpuUnavailableError where there is no WebGPU, InvalidArgumentError for unknown accuracy settings.
+   */
+  static async create(options: EngineOptions = {}): Promise<SplatEngine> {
+    // Before a device is made for nothing.
+    resolveAccuracy(options.accuracy);
+    const device = options.device ?? (await requestSplatDevice(options));
+    return new SplatEngine(device, options.device === undefined, options);
+  }
+
+  /**
+   * Reads splats, in a worker where there are any, and uploads them.
+   *
+   * @throws SplatFileError, SplatSourceError, GpuLimitError; the signal's reason where it aborts. Nothing is kept then.
+   */
+  async load(source: SplatSource, options: ReadOptions = {}): Promise<SplatCloud> {
+    this.#checkUsable();
+    const { geometryPrecision, shPrecision } = this.accuracy;
+    const packed = await loadSplats(source, { ...options, geometryPrecision, shPrecision });
+    return this.addPacked(packed, { name: options.name ?? sourceName(source) });
+  }
+
+  /** Packs and uploads splats that are in memory already, in any order. */
+  add(set: SplatSet, options: { readonly name?: string } = {}): SplatCloud {
+    const { geometryPrecision, shPrecision } = this.accuracy;
+    const repacked = { ...set, shRest: repackShRest(set.shRest, set.count, shPrecision) };
+    return this.addPacked(packCloud(repacked, { geometryPrecision }), options);
+  }
+
+  /**
+   * Uploads what `packCloud` made, on this thread or another.
+   *
+   * @throws InvalidArgumentError where it was packed for another accuracy than the engine's, GpuLimitError.
+   */
+  addPacked(packed: PackedCloud, options: { readonly name?: string } = {}): SplatCloud {
+    this.#checkUsable();
+    const { geometryPrecision } = this.accuracy;
+    if (packed.geometry.precision !== geometryPrecision) {
+      const message = `The cloud's geometry is ${packed.geometry.precision} and the engine's ${geometryPrecision}; pack it for the engine.`;
+      throw new InvalidArgumentError('packed', message);
+    }
+    return new SplatCloud(this.#memory, this.device.limits, packed, options.name ?? 'splats');
+  }
+
+  /** A view that draws on `canvas`, or one whose pictures are read back. */
+  createView(options: { readonly canvas?: HTMLCanvasElement | OffscreenCanvas } = {}): SplatView {
+    this.#checkUsable();
+    const context: ViewContext = {
+      device: this.device,
+      pipelines: this.#pipelines,
+      memory: this.#memory,
+      accuracy: this.accuracy,
+      dispatchRow: this.#dispatchRow,
+      destroyedBecause: () => this.#destroyedBecause,
+    };
+    const format = globalThis.navigator?.gpu?.getPreferredCanvasFormat() ?? 'rgba8unorm';
+    const view = new SplatView(context, options.canvas ?? null, format);
+    this.#views.add(view);
+    return view;
+  }
+
+  /** What the engine holds on the GPU at this moment. */
+  memory(): GpuMemoryReport {
+    return this.#memory.report();
+  }
+
+  /** Frees everything that the engine made, the device too where it made it. */
+  destroy(): void {
+    if (this.#destroyedBecause === 'the engine was destroyed') return;
+    this.#destroyedBecause = 'the engine was destroyed';
+    for (const view of this.#views) view.destroy();
+    this.#memory.destroyAll();
+    if (this.#ownsDevice) this.device.destroy();
+  }
+
+  #checkUsable(): void {
+    if (this.#destroyedBecause !== null) throw new DestroyedError('This engine', this.#destroyedBecause);
+  }
+}
+
+/** The settings that come closest to `asked` on this device, and what had to give way. */
+function possibleOn(device: GPUDevice, asked: AccuracySettings): [AccuracySettings, string[]] {
+  if (asked.colorTarget === 'rgba32float' && !device.features.has('float32-blendable' as GPUFeatureName)) {
+    const notice =
+      'This device cannot blend rgba32float (float32-blendable); pictures are blended in rgba16float.';
+    return [{ ...asked, colorTarget: 'rgba16float' }, [notice]];
+  }
+  return [asked, []];
+}

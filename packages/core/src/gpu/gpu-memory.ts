@@ -1,0 +1,99 @@
+import { GpuLimitError } from '../errors.ts';
+
+/** What the engine holds on the GPU. */
+export interface GpuMemoryReport {
+  readonly totalBytes: number;
+  /** Largest `totalBytes` since the engine was made. */
+  readonly peakBytes: number;
+  /** Buffers and textures, largest first. */
+  readonly resources: readonly { readonly label: string; readonly bytes: number }[];
+}
+
+const BYTES_PER_PIXEL: Partial<Record<GPUTextureFormat, number>> = {
+  rgba8unorm: 4,
+  rgba16float: 8,
+  rgba32float: 16,
+};
+
+/** The one place that makes buffers and textures, so that every byte is labelled and counted. */
+export class GpuMemory {
+  readonly #device: GPUDevice;
+  readonly #bytes = new Map<GPUBuffer | GPUTexture, number>();
+  #totalBytes = 0;
+  #peakBytes = 0;
+
+  constructor(device: GPUDevice) {
+    this.#device = device;
+  }
+
+  /** @throws GpuLimitError, before anything is allocated, where the buffer would pass the device's limits. */
+  createBuffer(label: string, bytes: number, usage: GPUBufferUsageFlags): GPUBuffer {
+    // WebGPU binds no empty buffers, and copies whole words.
+    const size = Math.max(4, Math.ceil(bytes / 4) * 4);
+    this.#check(label, size, usage);
+    return this.#counted(this.#device.createBuffer({ label, size, usage }), size);
+  }
+
+  /** A storage buffer holding `words`. */
+  createFilledBuffer(label: string, words: Uint32Array): GPUBuffer {
+    const usage = GPUBufferUsage.STORAGE;
+    const size = Math.max(4, words.byteLength);
+    this.#check(label, size, usage);
+    // Mapped at creation: the data goes straight to the driver's staging memory, without a second copy here.
+    const buffer = this.#device.createBuffer({ label, size, usage, mappedAtCreation: true });
+    new Uint32Array(buffer.getMappedRange()).set(words);
+    buffer.unmap();
+    return this.#counted(buffer, size);
+  }
+
+  createTexture(
+    descriptor: GPUTextureDescriptor & { readonly size: { width: number; height: number } },
+  ): GPUTexture {
+    const { width, height } = descriptor.size;
+    return this.#counted(
+      this.#device.createTexture(descriptor),
+      width * height * (BYTES_PER_PIXEL[descriptor.format] ?? 4),
+    );
+  }
+
+  destroy(resource: GPUBuffer | GPUTexture): void {
+    this.#totalBytes -= this.#bytes.get(resource) ?? 0;
+    this.#bytes.delete(resource);
+    resource.destroy();
+  }
+
+  destroyAll(): void {
+    for (const resource of [...this.#bytes.keys()]) this.destroy(resource);
+  }
+
+  report(): GpuMemoryReport {
+    const resources = [...this.#bytes].map(([{ label }, bytes]) => ({ label, bytes }));
+    resources.sort((a, b) => b.bytes - a.bytes);
+    return { totalBytes: this.#totalBytes, peakBytes: this.#peakBytes, resources };
+  }
+
+  #counted<Resource extends GPUBuffer | GPUTexture>(resource: Resource, bytes: number): Resource {
+    this.#bytes.set(resource, bytes);
+    this.#totalBytes += bytes;
+    this.#peakBytes = Math.max(this.#peakBytes, this.#totalBytes);
+    return resource;
+  }
+
+  #check(label: string, bytes: number, usage: GPUBufferUsageFlags): void {
+    const { maxBufferSize, maxStorageBufferBindingSize } = this.#device.limits;
+    const isStorage = (usage & GPUBufferUsage.STORAGE) !== 0;
+    const limit =
+      isStorage && maxStorageBufferBindingSize < maxBufferSize
+        ? 'maxStorageBufferBindingSize'
+        : 'maxBufferSize';
+    const availableBytes = this.#device.limits[limit];
+    if (bytes <= availableBytes) return;
+    throw new GpuLimitError(
+      limit,
+      bytes,
+      availableBytes,
+      `${label} needs ${bytes} bytes in one buffer and this device allows ${availableBytes} (${limit}). ` +
+        'Load fewer splats, or let the engine make its own device, which asks for all that the adapter has.',
+    );
+  }
+}

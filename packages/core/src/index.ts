@@ -1,0 +1,51 @@
+export {
+  ACCURACY_PRESETS,
+  ACCURACY_SETTINGS,
+  type Accuracy,
+  type AccuracyPreset,
+  type AccuracySetting,
+  type AccuracySettings,
+  type ColorTarget,
+  DEFAULT_ACCURACY,
+  type GeometryPrecision,
+  type RecordPrecision,
+  resolveAccuracy,
+} from './accuracy.ts';
+export {
+  type Camera,
+  cameraFromMatrices,
+  cameraPosition,
+  type LookAtOptions,
+  orthographicCamera,
+  perspectiveCamera,
+} from './camera.ts';
+export { adapterLabel, type DeviceOptions, requestSplatDevice } from './device.ts';
+export { type EngineOptions, SplatEngine } from './engine.ts';
+export * from './errors.ts';
+export type { GpuMemoryReport } from './gpu/gpu-memory.ts';
+export type { TextureImage } from './gpu/read-texture.ts';
+export { type LoadSplatsOptions, loadSplats } from './io/load-splats.ts';
+export { readSplats } from './io/read-splats.ts';
+export type { LoadProgress, ReadOptions, SplatSource } from './io/splat-source.ts';
+export { encodePly } from './io/write-ply.ts';
+export { GEOMETRY_WORDS } from './layout/geometry.ts';
+export {
+  packShRest,
+  repackShRest,
+  type ShPrecision,
+  type ShRest,
+  shRestWordsPerSplat,
+  unpackShRest,
+} from './layout/sh-rest.ts';
+export type { Vec3 } from './math/mat4.ts';
+export { type Bounds, type PackedCloud, packCloud, transferablesOf } from './scene/packed-cloud.ts';
+export type { CloudPage, SplatCloud } from './scene/splat-cloud.ts';
+export {
+  type DropCounts,
+  type DropReason,
+  SH_REST_COEFFICIENTS,
+  type ShDegree,
+  type SplatSet,
+} from './scene/splat-set.ts';
+export type { FrameStatistics, StageTimings } from './timing/frame-statistics.ts';
+export type { CloudInstance, SplatView, ViewFrame } from './view.ts';

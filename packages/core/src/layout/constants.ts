@@ -1,0 +1,18 @@
+/** Splats per chunk: one workgroup culls one chunk. */
+export const CHUNK_SPLATS = 256;
+
+/** Constants that shaders import by these names (`import constants::CHUNK_SPLATS;`); 256 threads is WebGPU's default limit. */
+export const SHADER_CONSTANTS = {
+  CHUNK_SPLATS,
+  /** Words of a chunk's visibility mask, a bit per splat. */
+  MASK_WORDS: CHUNK_SPLATS / 32,
+  CHUNK_WORKGROUP: 64,
+  PROJECT_WORKGROUP: 256,
+  PLAN_WORKGROUP: 64,
+  SCAN_WORKGROUP: 256,
+  /** Counts per thread of a scan. */
+  SCAN_ITEMS: 8,
+} as const;
+
+/** Counts that one workgroup scans. */
+export const SCAN_BLOCK = SHADER_CONSTANTS.SCAN_WORKGROUP * SHADER_CONSTANTS.SCAN_ITEMS;

@@ -1,0 +1,84 @@
+/** WGSL types that GPU structs are made of: size and alignment in bytes, and 32-bit components. */
+const TYPES = {
+  f32: { bytes: 4, alignment: 4, components: 1, scalar: 'f32' },
+  u32: { bytes: 4, alignment: 4, components: 1, scalar: 'u32' },
+  vec2f: { bytes: 8, alignment: 8, components: 2, scalar: 'f32' },
+  vec2u: { bytes: 8, alignment: 8, components: 2, scalar: 'u32' },
+  vec3f: { bytes: 12, alignment: 16, components: 3, scalar: 'f32' },
+  vec4f: { bytes: 16, alignment: 16, components: 4, scalar: 'f32' },
+  /** Columns are padded to 16 bytes. */
+  mat3x3f: { bytes: 48, alignment: 16, components: 9, scalar: 'f32' },
+  'array<vec4f, 6>': { bytes: 96, alignment: 16, components: 24, scalar: 'f32' },
+} as const;
+
+export type GpuType = keyof typeof TYPES;
+
+type ScalarType = { [T in GpuType]: (typeof TYPES)[T]['components'] extends 1 ? T : never }[GpuType];
+type FieldValue<T extends GpuType> = T extends ScalarType ? number : ArrayLike<number>;
+
+export type GpuFields = Readonly<Record<string, GpuType>>;
+export type GpuValues<Fields extends GpuFields> = {
+  readonly [Name in keyof Fields]: FieldValue<Fields[Name]>;
+};
+
+/** A struct that the GPU and the CPU share: defined here once, its WGSL text is made from it. */
+export interface GpuStruct<Fields extends GpuFields> {
+  readonly name: string;
+  readonly fields: Fields;
+  /** Offset of each field, in bytes. */
+  readonly offsets: { readonly [Name in keyof Fields]: number };
+  /** Size and array stride, in bytes. */
+  readonly bytes: number;
+  readonly wgsl: string;
+  /** Writes `values` at `byteOffset`. */
+  write(target: ArrayBuffer, values: GpuValues<Fields>, byteOffset?: number): void;
+}
+
+/** Lays out a struct by WGSL's rules, which for these types are the same for uniform and storage buffers. */
+export function gpuStruct<const Fields extends GpuFields>(name: string, fields: Fields): GpuStruct<Fields> {
+  const offsets: Record<string, number> = {};
+  let end = 0;
+  let alignment = 4;
+  for (const [field, type] of Object.entries(fields)) {
+    offsets[field] = roundUp(end, TYPES[type].alignment);
+    end = offsets[field] + TYPES[type].bytes;
+    alignment = Math.max(alignment, TYPES[type].alignment);
+  }
+  const lines = Object.entries(fields).map(([field, type]) => `  ${field}: ${type},`);
+  return {
+    name,
+    fields,
+    offsets: offsets as { [Name in keyof Fields]: number },
+    bytes: roundUp(end, alignment),
+    wgsl: `struct ${name} {\n${lines.join('\n')}\n}`,
+    write(target, values, byteOffset = 0) {
+      for (const [field, type] of Object.entries(fields)) {
+        writeField(target, byteOffset + offsets[field], type, values[field]);
+      }
+    },
+  };
+}
+
+export function roundUp(value: number, multiple: number): number {
+  return Math.ceil(value / multiple) * multiple;
+}
+
+function writeField(
+  target: ArrayBuffer,
+  byteOffset: number,
+  type: GpuType,
+  value: number | ArrayLike<number>,
+): void {
+  const { components, scalar, bytes } = TYPES[type];
+  const view =
+    scalar === 'f32'
+      ? new Float32Array(target, byteOffset, bytes / 4)
+      : new Uint32Array(target, byteOffset, bytes / 4);
+  if (typeof value === 'number') {
+    view[0] = value;
+    return;
+  }
+  if (value.length !== components)
+    throw new RangeError(`${type} takes ${components} values, not ${value.length}.`);
+  for (let i = 0; i < components; i++) view[type === 'mat3x3f' ? i + Math.floor(i / 3) : i] = value[i];
+}

@@ -1,0 +1,116 @@
+import { type GpuStruct, gpuStruct } from './gpu-struct.ts';
+
+/** The camera and the picture, as the per-splat stages see them. Units as in `Projection`. */
+export const View = gpuStruct('View', {
+  sizePx: 'vec2f',
+  focalPx: 'vec2f',
+  centerPx: 'vec2f',
+  clampX: 'vec2f',
+  clampY: 'vec2f',
+  near: 'f32',
+  far: 'f32',
+  alphaCutoff: 'f32',
+  dilationPx2: 'f32',
+  /** Workgroups per row of a dispatch. */
+  dispatchRow: 'u32',
+});
+
+/** What one page of splats (a part of one cloud that fits one binding) needs to be seen by one camera. */
+export const Page = gpuStruct('Page', {
+  /** Cloud space to view space, about the cloud's origin. */
+  linear: 'mat3x3f',
+  /** The cloud's origin in view space. */
+  translation: 'vec3f',
+  /** The camera in cloud space, about the cloud's origin. */
+  camera: 'vec3f',
+  /** 1 where directions come from the camera's place, 0 where they are all `direction`. */
+  cameraWeight: 'f32',
+  direction: 'vec3f',
+  /** Smallest log scale of the cloud, and the step of its unorm16 ones. */
+  logScales: 'vec2f',
+  /** Left, right, bottom, top, near, far in cloud space: a point is inside where dot(xyz, point) + w ≥ 0. */
+  frustum: 'array<vec4f, 6>',
+  /** x: how far past the plane a splat still reaches, per unit of its largest standard deviation. */
+  frustumReach: 'array<vec4f, 6>',
+  /** Number of this page in the frame. */
+  index: 'u32',
+  /** First chunk, counting through all pages of the frame. */
+  chunkStart: 'u32',
+  chunkCount: 'u32',
+  splatCount: 'u32',
+});
+
+/** Bounds of a chunk, about the cloud's origin: of the centres, and the largest standard deviation along any axis. */
+export const Chunk = gpuStruct('Chunk', {
+  minPosition: 'vec3f',
+  maxScale: 'f32',
+  maxPosition: 'vec3f',
+  padding: 'f32',
+});
+
+/** What the GPU finds out about a page during a frame. */
+export const PagePlan = gpuStruct('PagePlan', {
+  chunkStart: 'u32',
+  chunkEnd: 'u32',
+  /** First visible chunk of the page in the list of all visible chunks, and how many there are. */
+  slotStart: 'u32',
+  slotCount: 'u32',
+  /** First drawn splat of the page in the list of all drawn splats, and how many there are. */
+  survivorStart: 'u32',
+  survivorCount: 'u32',
+});
+
+/** Sizes of a frame that the host knows. */
+export const FrameParameters = gpuStruct('FrameParameters', {
+  chunkCount: 'u32',
+  pageCount: 'u32',
+  dispatchRow: 'u32',
+});
+
+/** One level of a prefix scan. */
+export const ScanParameters = gpuStruct('ScanParameters', { blockCount: 'u32', dispatchRow: 'u32' });
+
+/** One pass of the sort. */
+export const SortParameters = gpuStruct('SortParameters', {
+  digitShift: 'u32',
+  radix: 'u32',
+  capacity: 'u32',
+  dispatchRow: 'u32',
+});
+
+/** What the GPU finds out about a sort. */
+export const SortPlan = gpuStruct('SortPlan', { keyCount: 'u32', tileCount: 'u32' });
+
+/** A splat as it is drawn; lengths in pixels, y down. Axes are at √2 standard deviations. 32 bytes. */
+export const ProjectedSplat = gpuStruct('ProjectedSplat', {
+  centerPx: 'vec2f',
+  majorPx: 'vec2f',
+  minorLengthPx: 'f32',
+  depthView: 'f32',
+  /** r, g, b and opacity as four float16. */
+  color: 'vec2u',
+});
+
+/** The same at `recordPrecision: 'f32'`. 48 bytes. */
+export const ProjectedSplatF32 = gpuStruct('ProjectedSplat', {
+  centerPx: 'vec2f',
+  majorPx: 'vec2f',
+  minorLengthPx: 'f32',
+  depthView: 'f32',
+  color: 'vec4f',
+});
+
+export const CompositeParameters = gpuStruct('CompositeParameters', { background: 'vec3f' });
+
+/** Structs that shaders import by their names (`import layout::View;`). */
+export const SHADER_STRUCTS: readonly Pick<GpuStruct<never>, 'name' | 'wgsl'>[] = [
+  View,
+  Page,
+  Chunk,
+  PagePlan,
+  FrameParameters,
+  ScanParameters,
+  SortParameters,
+  SortPlan,
+  CompositeParameters,
+];

@@ -1,0 +1,46 @@
+import type { Camera } from '../camera.ts';
+import { identity4, multiply4 } from '../math/mat4.ts';
+import type { CloudInstance } from '../view.ts';
+
+const f32 = new Float32Array(1);
+const u32 = new Uint32Array(f32.buffer);
+
+/** Twin of shaders/lib/depth-key.wgsl: bits of a float32 in the order of the numbers. */
+export function orderedBits(depthView: number): number {
+  f32[0] = depthView + 0;
+  return (u32[0] & 0x80000000 ? ~u32[0] : u32[0] | 0x80000000) >>> 0;
+}
+
+/**
+ * How many bits the depth keys of a frame can differ in, from what the CPU knows of it: near, far and the clouds'
+ * bounds. Depths within a factor of 2^k of each other differ in fewer than 23 + k bits (each power of two holds 2^23
+ * floats), so most scenes need fewer passes than 32 bits would.
+ *
+ * @returns 16, 24, 27 or 32: as many bits as sorts are made for.
+ */
+export function keyBitsFor(camera: Camera, clouds: readonly CloudInstance[]): number {
+  let farthest = Number.NEGATIVE_INFINITY;
+  let nearest = Number.POSITIVE_INFINITY;
+  for (const { cloud, modelMatrix = identity4() } of clouds) {
+    const modelView = multiply4(camera.viewMatrix, modelMatrix);
+    const { min, max } = cloud.bounds;
+    let low = -modelView[14];
+    let high = low;
+    let magnitude = Math.abs(low);
+    for (let axis = 0; axis < 3; axis++) {
+      const row = -modelView[4 * axis + 2];
+      low += Math.min(row * min[axis], row * max[axis]);
+      high += Math.max(row * min[axis], row * max[axis]);
+      magnitude += Math.abs(row) * Math.max(Math.abs(min[axis]), Math.abs(max[axis]));
+    }
+    // The GPU's depths are float32, computed from float32 terms.
+    const rounding = 1e-5 * magnitude;
+    nearest = Math.min(nearest, low - rounding);
+    farthest = Math.max(farthest, high + rounding);
+  }
+  nearest = Math.max(nearest, camera.near);
+  farthest = Math.min(farthest, camera.far);
+  if (!(farthest > nearest)) return 16;
+  const range = orderedBits(farthest) - orderedBits(nearest);
+  return [16, 24, 27].find((bits) => range < 2 ** bits) ?? 32;
+}

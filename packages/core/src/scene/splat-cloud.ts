@@ -1,0 +1,120 @@
+import { GpuLimitError } from '../errors.ts';
+import type { GpuMemory } from '../gpu/gpu-memory.ts';
+import { CHUNK_SPLATS } from '../layout/constants.ts';
+import { GEOMETRY_WORDS, type LogScaleRange } from '../layout/geometry.ts';
+import type { ShPrecision } from '../layout/sh-rest.ts';
+import { Chunk } from '../layout/structs.ts';
+import type { Vec3 } from '../math/mat4.ts';
+import { type Bounds, chunkCountOf, type PackedCloud } from './packed-cloud.ts';
+import type { DropCounts, ShDegree } from './splat-set.ts';
+
+/** A part of a cloud that fits the device's bindings. */
+export interface CloudPage {
+  readonly splatCount: number;
+  readonly chunkCount: number;
+  readonly geometry: GPUBuffer;
+  /** Null at degree 0. */
+  readonly shRest: GPUBuffer | null;
+  readonly chunks: GPUBuffer;
+}
+
+/** Splats on the GPU. */
+export class SplatCloud {
+  /** For messages and labels. */
+  readonly name: string;
+  readonly count: number;
+  readonly shDegree: ShDegree;
+  readonly shPrecision: ShPrecision;
+  /** Scene-space point, in float64, that positions are stored relative to. */
+  readonly origin: Vec3;
+  /** Bounds of the centres, scene space. */
+  readonly bounds: Bounds;
+  /** Rows of the file that were left out, by reason. */
+  readonly dropped: DropCounts;
+  /** Each stored splat's row in its file. */
+  readonly fileIndices: Uint32Array;
+  /** @internal */
+  readonly logScaleRange: LogScaleRange;
+  /** @internal */
+  readonly pages: readonly CloudPage[];
+  readonly #memory: GpuMemory;
+  #isDestroyed = false;
+
+  /**
+   * Uploads `packed`.
+   *
+   * @throws GpuLimitError, before anything is allocated, where it cannot be bound.
+   */
+  constructor(memory: GpuMemory, limits: GPUSupportedLimits, packed: PackedCloud, name: string) {
+    this.name = name;
+    this.count = packed.count;
+    this.shDegree = packed.shRest.degree;
+    this.shPrecision = packed.shRest.precision;
+    this.origin = packed.origin;
+    this.bounds = packed.bounds;
+    this.dropped = packed.dropped;
+    this.fileIndices = packed.fileIndices;
+    this.logScaleRange = packed.geometry.logScaleRange;
+    this.#memory = memory;
+    this.pages = upload(memory, packed, pageSplats(limits, packed, name), name);
+  }
+
+  get isDestroyed(): boolean {
+    return this.#isDestroyed;
+  }
+
+  /** Frees the GPU memory; pictures already submitted are not affected. */
+  destroy(): void {
+    if (this.#isDestroyed) return;
+    this.#isDestroyed = true;
+    for (const { geometry, shRest, chunks } of this.pages) {
+      this.#memory.destroy(geometry);
+      this.#memory.destroy(chunks);
+      if (shRest) this.#memory.destroy(shRest);
+    }
+  }
+}
+
+/** Splats per page: whole chunks, as many as fit one binding. */
+function pageSplats(limits: GPUSupportedLimits, { geometry, shRest }: PackedCloud, name: string): number {
+  const bytesPerSplat = 4 * Math.max(GEOMETRY_WORDS[geometry.precision], shRest.wordsPerSplat);
+  const bindingBytes = Math.min(limits.maxStorageBufferBindingSize, limits.maxBufferSize);
+  const chunks = Math.floor(bindingBytes / (bytesPerSplat * CHUNK_SPLATS));
+  if (chunks < 1) {
+    const needed = bytesPerSplat * CHUNK_SPLATS;
+    const message = `${name} needs bindings of at least ${needed} bytes and this device allows ${bindingBytes}.`;
+    throw new GpuLimitError('maxStorageBufferBindingSize', needed, bindingBytes, message);
+  }
+  return chunks * CHUNK_SPLATS;
+}
+
+function upload(memory: GpuMemory, packed: PackedCloud, splatsPerPage: number, name: string): CloudPage[] {
+  const { geometry, shRest, chunks, count } = packed;
+  const geometryWords = GEOMETRY_WORDS[geometry.precision];
+  const chunkWords = Chunk.bytes / 4;
+  const chunkData = new Uint32Array(chunks);
+  const pages: CloudPage[] = [];
+  for (let start = 0; start < count; start += splatsPerPage) {
+    const end = Math.min(count, start + splatsPerPage);
+    const firstChunk = start / CHUNK_SPLATS;
+    const chunkCount = chunkCountOf(end - start);
+    const part = (what: string, words: Uint32Array, from: number, to: number) =>
+      memory.createFilledBuffer(`${name} ${what} ${pages.length}`, words.subarray(from, to));
+    pages.push({
+      splatCount: end - start,
+      chunkCount,
+      geometry: part('geometry', geometry.words, start * geometryWords, end * geometryWords),
+      shRest:
+        shRest.wordsPerSplat > 0
+          ? part(
+              'spherical harmonics',
+              shRest.words,
+              start * shRest.wordsPerSplat,
+              end * shRest.wordsPerSplat,
+            )
+          : null,
+      chunks: part('chunks', chunkData, firstChunk * chunkWords, (firstChunk + chunkCount) * chunkWords),
+    });
+  }
+  return pages;
+}

@@ -1,0 +1,15 @@
+import type { StageDefinition } from '../gpu/pipelines.ts';
+
+/** Lists the splats to draw in storage order. */
+export const compactSplats = {
+  stage: 'compact-splats',
+  entryPoint: 'compactSplats',
+  bindings: {
+    frame: [0, 'uniform'],
+    chunkOffsets: [1, 'read'],
+    visibleChunks: [2, 'read'],
+    visibilityMasks: [3, 'read'],
+    splatOffsets: [4, 'read'],
+    survivors: [5, 'read-write'],
+  },
+} as const satisfies StageDefinition;

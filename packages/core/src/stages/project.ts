@@ -1,0 +1,49 @@
+import type { GeometryPrecision, RecordPrecision } from '../accuracy.ts';
+import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
+import { type ShPrecision, shRestWordsPerSplat } from '../layout/sh-rest.ts';
+import type { ShDegree } from '../scene/splat-set.ts';
+
+/** What the project stage is linked for. */
+export interface ProjectVariant {
+  readonly isOrthographic: boolean;
+  readonly geometryPrecision: GeometryPrecision;
+  readonly recordPrecision: RecordPrecision;
+  readonly shPrecision: ShPrecision;
+  /** Degree that the splats are stored with. */
+  readonly storedShDegree: ShDegree;
+  /** Degree that is evaluated, at most the stored one. */
+  readonly shDegree: ShDegree;
+}
+
+/** Writes the record and the sort key of each of one page's visible splats. */
+export function project(variant: ProjectVariant): StageDefinition {
+  const { shDegree, shPrecision } = variant;
+  const bindings: Record<string, readonly [number, BindingKind]> = {
+    view: [0, 'uniform'],
+    page: [1, 'uniform'],
+    pagePlans: [2, 'read'],
+    survivors: [3, 'read'],
+    depthRange: [4, 'read'],
+    geometry: [5, 'read'],
+    projected: [6, 'read-write'],
+    keys: [7, 'read-write'],
+  };
+  if (shDegree >= 1) bindings.shRest = [8, 'read'];
+  return {
+    stage: 'project',
+    entryPoint: 'project',
+    conditions: {
+      ORTHOGRAPHIC: variant.isOrthographic,
+      GEOMETRY_F32: variant.geometryPrecision === 'f32',
+      RECORD_F32: variant.recordPrecision === 'f32',
+      SH_1: shDegree >= 1,
+      SH_2: shDegree >= 2,
+      SH_3: shDegree >= 3,
+      SH_F32: shDegree >= 1 && shPrecision === 'f32',
+      SH_F16: shDegree >= 1 && shPrecision === 'f16',
+      SH_U8: shDegree >= 1 && shPrecision === 'u8',
+    },
+    constants: shDegree >= 1 ? { SH_WORDS: shRestWordsPerSplat(variant.storedShDegree, shPrecision) } : {},
+    bindings,
+  };
+}

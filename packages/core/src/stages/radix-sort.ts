@@ -1,0 +1,177 @@
+import type { GpuMemory } from '../gpu/gpu-memory.ts';
+import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
+import { SortParameters, SortPlan } from '../layout/structs.ts';
+import { planSort } from './plan-sort.ts';
+import { PrefixScan, prefixScanStages } from './prefix-scan.ts';
+import { sortHistogram } from './sort-histogram.ts';
+import { sortScatter } from './sort-scatter.ts';
+
+/** How keys are cut into digits and tiles. */
+export interface SortShape {
+  /** Bits per pass. */
+  readonly digitBits: number;
+  readonly passes: number;
+  /** Threads per workgroup. */
+  readonly workgroup: number;
+  /** Keys per thread; a tile has workgroup · itemsPerThread keys. */
+  readonly itemsPerThread: number;
+}
+
+/**
+ * The shape for keys below 2^keyBits: as few passes as that takes. Masks of the scatter pass take 2^digitBits bits per
+ * thread, so nine-bit digits go with fewer threads to stay within WebGPU's 16 KiB of workgroup memory.
+ */
+export function sortShapeFor(keyBits: number): SortShape {
+  if (keyBits <= 24)
+    return { digitBits: 8, passes: Math.max(1, Math.ceil(keyBits / 8)), workgroup: 256, itemsPerThread: 8 };
+  if (keyBits <= 27) return { digitBits: 9, passes: 3, workgroup: 128, itemsPerThread: 16 };
+  return { digitBits: 8, passes: 4, workgroup: 256, itemsPerThread: 8 };
+}
+
+/** All stages that a sort of this shape runs. */
+export function radixSortStages(shape: SortShape): StageDefinition[] {
+  return [
+    ...prefixScanStages,
+    planSort(shape.workgroup * shape.itemsPerThread),
+    sortHistogram(shape),
+    ...Array.from({ length: shape.passes }, (_, pass) => scatterOf(shape, pass)),
+  ];
+}
+
+interface SortPass {
+  readonly scatter: StageDefinition;
+  readonly histogramGroup: GPUBindGroup;
+  readonly scatterGroup: GPUBindGroup;
+}
+
+/**
+ * A stable least-significant-digit radix sort, reduce-then-scan: per pass a histogram of each tile, a scan over all of
+ * them, and a scatter. No workgroup waits for another, and the number of keys never leaves the GPU.
+ *
+ * Source: the paper, "A Wait-Free Radix Sort".
+ */
+export class RadixSort {
+  readonly shape: SortShape;
+  /** Where the keys are to be written; sorting overwrites them. */
+  readonly keys: GPUBuffer;
+  /** After `record`: the index of each key in ascending order of keys, equal keys in their given order. */
+  readonly order: GPUBuffer;
+  readonly #pipelines: Pipelines;
+  readonly #memory: GpuMemory;
+  readonly #buffers: GPUBuffer[] = [];
+  readonly #scan: PrefixScan;
+  readonly #planGroup: GPUBindGroup;
+  readonly #tileDispatch: GPUBuffer;
+  readonly #passes: SortPass[];
+
+  /**
+   * @param capacity most keys there may be.
+   * @param keyCount one word on the GPU: how many keys there are.
+   * @param dispatchRow most workgroups in one dimension of a dispatch.
+   */
+  constructor(
+    device: GPUDevice,
+    pipelines: Pipelines,
+    memory: GpuMemory,
+    options: { shape: SortShape; capacity: number; keyCount: GPUBuffer; dispatchRow: number },
+  ) {
+    const { shape, capacity, keyCount, dispatchRow } = options;
+    this.shape = shape;
+    this.#pipelines = pipelines;
+    this.#memory = memory;
+    const radix = 1 << shape.digitBits;
+    const tileKeys = shape.workgroup * shape.itemsPerThread;
+    const maxDigitCounts = radix * Math.ceil(capacity / tileKeys);
+
+    const keys = [0, 1].map((i) => this.#buffer(`sort keys ${i}`, 4 * capacity));
+    const payloads = [0, 1].map((i) => this.#buffer(`sort payloads ${i}`, 4 * capacity));
+    const digitCounts = this.#buffer('sort digit counts', 4 * (maxDigitCounts + 1));
+    const digitCountCount = this.#buffer('sort digit count count', 4);
+    const plan = this.#buffer('sort plan', SortPlan.bytes);
+    this.#tileDispatch = this.#buffer('sort tile dispatch', 12, GPUBufferUsage.INDIRECT);
+    this.keys = keys[0];
+    this.order = payloads[shape.passes % 2];
+
+    this.#scan = new PrefixScan(device, pipelines, memory, {
+      label: 'sort',
+      values: digitCounts,
+      inputCount: digitCountCount,
+      maxCount: maxDigitCounts,
+      dispatchRow,
+    });
+    const parameters = Array.from({ length: shape.passes }, (_, pass) => {
+      const buffer = this.#buffer(
+        `sort pass ${pass} parameters`,
+        SortParameters.bytes,
+        GPUBufferUsage.UNIFORM,
+      );
+      const contents = new ArrayBuffer(SortParameters.bytes);
+      SortParameters.write(contents, { digitShift: pass * shape.digitBits, radix, capacity, dispatchRow });
+      device.queue.writeBuffer(buffer, 0, contents);
+      return buffer;
+    });
+    this.#planGroup = pipelines.bindGroup(planSort(tileKeys), {
+      parameters: parameters[0],
+      keyCount,
+      plan,
+      digitCountCount,
+      tileDispatch: this.#tileDispatch,
+    });
+    this.#passes = parameters.map((passParameters, pass) => {
+      const [from, to] = [pass % 2, (pass + 1) % 2];
+      const scatter = scatterOf(shape, pass);
+      return {
+        scatter,
+        histogramGroup: pipelines.bindGroup(sortHistogram(shape), {
+          parameters: passParameters,
+          plan,
+          keys: keys[from],
+          digitCounts,
+        }),
+        scatterGroup: pipelines.bindGroup(scatter, {
+          parameters: passParameters,
+          plan,
+          digitOffsets: digitCounts,
+          keysIn: keys[from],
+          payloadsOut: payloads[to],
+          payloadsIn: payloads[from],
+          keysOut: keys[to],
+        }),
+      };
+    });
+  }
+
+  record(pass: GPUComputePassEncoder): void {
+    pass.setPipeline(this.#pipelines.compute(planSort(this.shape.workgroup * this.shape.itemsPerThread))!);
+    pass.setBindGroup(0, this.#planGroup);
+    pass.dispatchWorkgroups(1);
+    for (const { scatter, histogramGroup, scatterGroup } of this.#passes) {
+      pass.setPipeline(this.#pipelines.compute(sortHistogram(this.shape))!);
+      pass.setBindGroup(0, histogramGroup);
+      pass.dispatchWorkgroupsIndirect(this.#tileDispatch, 0);
+      this.#scan.record(pass);
+      pass.setPipeline(this.#pipelines.compute(scatter)!);
+      pass.setBindGroup(0, scatterGroup);
+      pass.dispatchWorkgroupsIndirect(this.#tileDispatch, 0);
+    }
+  }
+
+  destroy(): void {
+    this.#scan.destroy();
+    for (const buffer of this.#buffers) this.#memory.destroy(buffer);
+  }
+
+  #buffer(label: string, bytes: number, usage: GPUBufferUsageFlags = 0): GPUBuffer {
+    const buffer = this.#memory.createBuffer(
+      label,
+      bytes,
+      usage | GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC,
+    );
+    this.#buffers.push(buffer);
+    return buffer;
+  }
+}
+
+function scatterOf(shape: SortShape, pass: number): StageDefinition {
+  return sortScatter(shape, pass === 0, pass === shape.passes - 1);
+}

@@ -1,0 +1,28 @@
+/** Milliseconds of one picture. */
+export interface StageTimings {
+  /**
+   * `gpu-timestamps`: measured by the GPU at the ends of its passes. `wall-clock`: this device has no timestamps, so
+   * only `totalMs` is known, from submission to completion, and the stages are NaN.
+   */
+  readonly source: 'gpu-timestamps' | 'wall-clock';
+  /** Cull, project, colours. */
+  readonly preprocessMs: number;
+  readonly sortMs: number;
+  /** Drawing the splats and putting them over the background. */
+  readonly rasterizeMs: number;
+  readonly totalMs: number;
+  /** From submission to completion as the CPU saw it: includes waiting for earlier pictures and for the browser. */
+  readonly wallClockMs: number;
+}
+
+/** What is known of one picture, some frames after it was drawn. */
+export interface FrameStatistics {
+  /** Number of the picture, from 1. */
+  readonly frame: number;
+  readonly loadedSplats: number;
+  /** Splats in the chunks that can reach into the picture. */
+  readonly candidateSplats: number;
+  /** Splats drawn. */
+  readonly visibleSplats: number;
+  readonly timing: StageTimings;
+}

@@ -1,0 +1,144 @@
+import type { GpuMemory } from '../gpu/gpu-memory.ts';
+import { CHUNK_SPLATS } from '../layout/constants.ts';
+import type { FrameStatistics, StageTimings } from './frame-statistics.ts';
+
+/** Passes that are timed, in the order in which a frame runs them. */
+export const TIMED_PASSES = ['preprocess', 'sort', 'rasterize', 'composite'] as const;
+export type TimedPass = (typeof TIMED_PASSES)[number];
+
+/** Read-backs that may be under way at once; a frame that finds none free goes unmeasured and does not wait. */
+const RING_SIZE = 4;
+
+const TIMESTAMP_BYTES = 8 * 2 * TIMED_PASSES.length;
+/** Visible chunks and visible splats, a word each, behind the timestamps. */
+const READBACK_BYTES = TIMESTAMP_BYTES + 8;
+
+/** Where the counts of a frame are on the GPU. */
+export interface FrameCounts {
+  readonly slotCount: GPUBuffer;
+  readonly visibleCount: GPUBuffer;
+}
+
+/** Measures frames without ever waiting for the GPU: results come back through a ring of buffers, frames later. */
+export class GpuTimer {
+  readonly #memory: GpuMemory;
+  readonly #queue: GPUQueue;
+  readonly #querySet: GPUQuerySet | null;
+  readonly #resolved: GPUBuffer | null;
+  readonly #free: GPUBuffer[];
+  #measuring: GPUBuffer | null = null;
+  #isDestroyed = false;
+
+  constructor(device: GPUDevice, memory: GpuMemory) {
+    this.#memory = memory;
+    this.#queue = device.queue;
+    const hasTimestamps = device.features.has('timestamp-query');
+    this.#querySet = hasTimestamps
+      ? device.createQuerySet({ type: 'timestamp', count: 2 * TIMED_PASSES.length })
+      : null;
+    this.#resolved = hasTimestamps
+      ? memory.createBuffer(
+          'timestamps',
+          TIMESTAMP_BYTES,
+          GPUBufferUsage.QUERY_RESOLVE | GPUBufferUsage.COPY_SRC,
+        )
+      : null;
+    this.#free = Array.from({ length: RING_SIZE }, (_, i) =>
+      memory.createBuffer(
+        `statistics ${i}`,
+        READBACK_BYTES,
+        GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST,
+      ),
+    );
+  }
+
+  /** Call first in a frame. */
+  begin(): void {
+    this.#measuring = this.#free.pop() ?? null;
+  }
+
+  /** For the descriptor of a pass; undefined where this frame or device is not timed. */
+  writes(pass: TimedPass): GPUComputePassTimestampWrites | undefined {
+    if (!this.#querySet || !this.#measuring) return undefined;
+    const first = 2 * TIMED_PASSES.indexOf(pass);
+    return { querySet: this.#querySet, beginningOfPassWriteIndex: first, endOfPassWriteIndex: first + 1 };
+  }
+
+  /** Call after the last pass, before the encoder is finished. */
+  record(encoder: GPUCommandEncoder, counts: FrameCounts): void {
+    const target = this.#measuring;
+    if (!target) return;
+    if (this.#querySet && this.#resolved) {
+      encoder.resolveQuerySet(this.#querySet, 0, 2 * TIMED_PASSES.length, this.#resolved, 0);
+      encoder.copyBufferToBuffer(this.#resolved, 0, target, 0, TIMESTAMP_BYTES);
+    }
+    encoder.copyBufferToBuffer(counts.slotCount, 0, target, TIMESTAMP_BYTES, 4);
+    encoder.copyBufferToBuffer(counts.visibleCount, 0, target, TIMESTAMP_BYTES + 4, 4);
+  }
+
+  /**
+   * Call after submitting. Answers when the frame is done, or null where it was not measured.
+   *
+   * @param hasComposite whether the frame ran the composite pass: its queries are stale otherwise.
+   */
+  async read(frame: number, loadedSplats: number, hasComposite: boolean): Promise<FrameStatistics | null> {
+    const buffer = this.#measuring;
+    this.#measuring = null;
+    if (!buffer) return null;
+    const submittedMs = performance.now();
+    try {
+      const mapped = buffer.mapAsync(GPUMapMode.READ);
+      await this.#queue.onSubmittedWorkDone();
+      const wallClockMs = performance.now() - submittedMs;
+      await mapped;
+      const contents = buffer.getMappedRange().slice(0);
+      buffer.unmap();
+      const [slots, visibleSplats] = new Uint32Array(contents, TIMESTAMP_BYTES);
+      const candidateSplats = Math.min(loadedSplats, slots * CHUNK_SPLATS);
+      const timing = this.#querySet
+        ? timingsOf(new BigUint64Array(contents, 0, 2 * TIMED_PASSES.length), hasComposite, wallClockMs)
+        : wallClockTimings(wallClockMs);
+      return { frame, loadedSplats, candidateSplats, visibleSplats, timing };
+    } catch (error) {
+      // Destroyed or lost while the read-back was under way: nobody waits for the numbers any more.
+      if (this.#isDestroyed || buffer.mapState === 'unmapped') return null;
+      throw error;
+    } finally {
+      if (!this.#isDestroyed) this.#free.push(buffer);
+    }
+  }
+
+  destroy(): void {
+    this.#isDestroyed = true;
+    for (const buffer of this.#free) this.#memory.destroy(buffer);
+    if (this.#resolved) this.#memory.destroy(this.#resolved);
+    this.#querySet?.destroy();
+  }
+}
+
+function timingsOf(nanoseconds: BigUint64Array, hasComposite: boolean, wallClockMs: number): StageTimings {
+  const at = (index: number) => Number(nanoseconds[index] - nanoseconds[0]) / 1e6;
+  // Some drivers have been seen to write an end before its beginning, or nothing at all.
+  const span = (from: number, to: number) => Math.max(0, at(to) - at(from));
+  const last = hasComposite ? 7 : 5;
+  return {
+    source: 'gpu-timestamps',
+    preprocessMs: span(0, 1),
+    sortMs: span(2, 3),
+    rasterizeMs: span(4, last),
+    totalMs: span(0, last),
+    wallClockMs,
+  };
+}
+
+function wallClockTimings(wallClockMs: number): StageTimings {
+  const unknown = Number.NaN;
+  return {
+    source: 'wall-clock',
+    preprocessMs: unknown,
+    sortMs: unknown,
+    rasterizeMs: unknown,
+    totalMs: wallClockMs,
+    wallClockMs,
+  };
+}

@@ -1,0 +1,380 @@
+import { type AccuracySettings, DILATION_PX2 } from './accuracy.ts';
+import { type Camera, type Projection, projectionOf } from './camera.ts';
+import { DestroyedError, GpuLimitError, InvalidArgumentError } from './errors.ts';
+import { frameStages, recordFrame } from './frame.ts';
+import { FrameResources, type FrameShape, PAGE_STRIDE_BYTES } from './frame-resources.ts';
+import type { GpuMemory } from './gpu/gpu-memory.ts';
+import type { Pipelines, RenderState, StageDefinition } from './gpu/pipelines.ts';
+import { readTexture, type TextureImage } from './gpu/read-texture.ts';
+import { CompositeParameters, Page, View } from './layout/structs.ts';
+import { identity4, type Vec3 } from './math/mat4.ts';
+import { cloudView } from './scene/cloud-view.ts';
+import { cullPlanes } from './scene/frustum.ts';
+import { keyBitsFor } from './scene/key-bits.ts';
+import type { SplatCloud } from './scene/splat-cloud.ts';
+import { composite, compositeState } from './stages/composite.ts';
+import type { FrameStatistics } from './timing/frame-statistics.ts';
+import { GpuTimer } from './timing/gpu-timer.ts';
+
+/** A cloud and where it stands. */
+export interface CloudInstance {
+  readonly cloud: SplatCloud;
+  /** Scene to world, 16 numbers, column-major, read in float64; default the identity. */
+  readonly modelMatrix?: ArrayLike<number>;
+}
+
+/** One picture. */
+export interface ViewFrame {
+  readonly camera: Camera;
+  /** In the order in which equal depths are drawn. */
+  readonly clouds: readonly CloudInstance[];
+  /** Size in physical pixels, whole numbers; nothing is drawn where one is 0. */
+  readonly widthPx: number;
+  readonly heightPx: number;
+  /** What is behind the splats on a canvas, sRGB-encoded, 0…1; default black. */
+  readonly background?: Vec3;
+  /** Draw even where nothing has changed, as a benchmark needs it. */
+  readonly force?: boolean;
+}
+
+/** What a view needs of its engine. */
+export interface ViewContext {
+  readonly device: GPUDevice;
+  readonly pipelines: Pipelines;
+  readonly memory: GpuMemory;
+  readonly accuracy: AccuracySettings;
+  readonly dispatchRow: number;
+  /** Why nothing can be drawn any more, or null. */
+  readonly destroyedBecause: () => string | null;
+}
+
+/** One picture of some clouds, drawn again whenever something has changed: on a canvas, or to be read back. */
+export class SplatView {
+  /** Called some frames after each picture that was measured. */
+  onStatistics: ((statistics: FrameStatistics) => void) | null = null;
+  readonly #context: ViewContext;
+  readonly #canvas: GPUCanvasContext | null;
+  readonly #canvasFormat: GPUTextureFormat;
+  readonly #timer: GpuTimer;
+  readonly #compositeParameters: GPUBuffer;
+  #frame: FrameResources | null = null;
+  #layer: GPUTexture | null = null;
+  #compositeGroup: GPUBindGroup | null = null;
+  #drawnKey = '';
+  #waiting: ViewFrame | null = null;
+  #whenDrawn: Promise<void> = Promise.resolve();
+  #statistics: FrameStatistics | null = null;
+  #frameNumber = 0;
+  #isDestroyed = false;
+
+  /** @internal Use `engine.createView`. */
+  constructor(
+    context: ViewContext,
+    canvas: HTMLCanvasElement | OffscreenCanvas | null,
+    canvasFormat: GPUTextureFormat,
+  ) {
+    this.#context = context;
+    this.#canvasFormat = canvasFormat;
+    this.#canvas = canvas && configure(canvas, context.device, canvasFormat);
+    this.#timer = new GpuTimer(context.device, context.memory);
+    this.#compositeParameters = context.memory.createBuffer(
+      'composite parameters',
+      CompositeParameters.bytes,
+      GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST,
+    );
+  }
+
+  /** The newest measurement, or null before the first. */
+  get statistics(): FrameStatistics | null {
+    return this.#statistics;
+  }
+
+  /**
+   * Draws `frame`: submits the GPU's work and returns at once. Where camera, clouds, size and background are those of
+   * the last picture nothing is submitted. Where a shader is still being compiled, the picture follows by itself when
+   * it is ready; `whenDrawn` waits for that.
+   *
+   * @returns whether anything was, or will be, submitted.
+   * @throws InvalidArgumentError, GpuLimitError, DestroyedError.
+   */
+  render(frame: ViewFrame): boolean {
+    this.#checkUsable();
+    checkFrame(frame);
+    const key = keyOf(frame);
+    if (key === this.#drawnKey && !frame.force) return false;
+    if (frame.widthPx === 0 || frame.heightPx === 0) return false;
+    if (this.#waiting) {
+      this.#waiting = frame;
+      return true;
+    }
+    const shape = shapeOf(frame, this.#context);
+    const stages = this.#stagesFor(shape);
+    if (!this.#areCompiled(stages)) {
+      this.#waiting = frame;
+      this.#whenDrawn = this.#drawWhenCompiled(stages);
+      // Who does not wait for the picture still hears of a shader that does not compile, once, by the device's own error.
+      this.#whenDrawn.catch(() => {});
+      return true;
+    }
+    this.#draw(frame, shape);
+    this.#drawnKey = key;
+    return true;
+  }
+
+  /** Resolves when the last picture asked for has been submitted; rejects where its shaders do not compile. */
+  whenDrawn(): Promise<void> {
+    return this.#whenDrawn;
+  }
+
+  /**
+   * The last picture, without its background: premultiplied RGBA in the space it was blended in (sRGB-encoded), top row
+   * first, 4·width·height values.
+   */
+  async readPixels(): Promise<TextureImage> {
+    await this.#whenDrawn;
+    this.#checkUsable();
+    if (!this.#layer)
+      throw new InvalidArgumentError('readPixels', 'There is no picture yet: call render first.');
+    return readTexture(this.#context.device, this.#layer);
+  }
+
+  /** Frees what the view holds on the GPU; the clouds stay. */
+  destroy(): void {
+    if (this.#isDestroyed) return;
+    this.#isDestroyed = true;
+    this.#waiting = null;
+    this.#canvas?.unconfigure();
+    this.#frame?.destroy();
+    if (this.#layer) this.#context.memory.destroy(this.#layer);
+    this.#context.memory.destroy(this.#compositeParameters);
+    this.#timer.destroy();
+  }
+
+  async #drawWhenCompiled(stages: ReturnType<typeof frameStages>): Promise<void> {
+    try {
+      await this.#context.pipelines.prepare(stages);
+    } catch (error) {
+      this.#waiting = null;
+      throw error;
+    }
+    const frame = this.#waiting;
+    this.#waiting = null;
+    const canDraw = !this.#isDestroyed && this.#context.destroyedBecause() === null;
+    // Meanwhile the clouds may have gone, or others come that need other shaders: render decides anew.
+    if (!frame || !canDraw || frame.clouds.some(({ cloud }) => cloud.isDestroyed)) return;
+    this.render(frame);
+    await this.#whenNextDrawn();
+  }
+
+  /** render may have found yet another shader to wait for, and then has replaced the promise. */
+  async #whenNextDrawn(): Promise<void> {
+    while (this.#waiting) await new Promise((resolve) => setTimeout(resolve, 1));
+  }
+
+  #draw(viewFrame: ViewFrame, shape: FrameShape): void {
+    const { device, pipelines, memory } = this.#context;
+    const { camera, widthPx, heightPx } = viewFrame;
+    this.#resize(widthPx, heightPx);
+    if (!this.#frame || !isSameShape(this.#frame.shape, shape)) {
+      // The new one first: where it does not fit, the old picture stays.
+      const next = new FrameResources(device, pipelines, memory, shape);
+      this.#frame?.destroy();
+      this.#frame = next;
+    }
+    const frame = this.#frame;
+    const projection = projectionOf(camera, widthPx, heightPx);
+    frame.writeUniforms(viewUniforms(projection, shape), pageUniforms(viewFrame, projection, frame));
+
+    this.#timer.begin();
+    const encoder = device.createCommandEncoder({ label: 'websplatter frame' });
+    recordFrame(encoder, pipelines, frame, this.#layer!.createView(), this.#timer);
+    if (this.#canvas) this.#recordComposite(encoder, this.#canvas, viewFrame.background ?? [0, 0, 0]);
+    this.#timer.record(encoder, frame);
+    device.queue.submit([encoder.finish()]);
+    void this.#measure(frame.totalSplats);
+  }
+
+  async #measure(loadedSplats: number): Promise<void> {
+    const statistics = await this.#timer.read(++this.#frameNumber, loadedSplats, this.#canvas !== null);
+    if (!statistics || this.#isDestroyed) return;
+    this.#statistics = statistics;
+    this.onStatistics?.(statistics);
+  }
+
+  #recordComposite(encoder: GPUCommandEncoder, canvas: GPUCanvasContext, background: Vec3): void {
+    const { device, pipelines } = this.#context;
+    const parameters = new ArrayBuffer(CompositeParameters.bytes);
+    CompositeParameters.write(parameters, { background });
+    device.queue.writeBuffer(this.#compositeParameters, 0, parameters);
+    this.#compositeGroup ??= pipelines.bindGroup(composite, {
+      parameters: this.#compositeParameters,
+      layer: this.#layer!.createView(),
+    });
+    const pass = encoder.beginRenderPass({
+      label: 'composite',
+      colorAttachments: [
+        { view: canvas.getCurrentTexture().createView(), loadOp: 'clear', storeOp: 'store' },
+      ],
+      timestampWrites: this.#timer.writes('composite'),
+    });
+    pass.setPipeline(pipelines.render(composite, compositeState(this.#canvasFormat))!);
+    pass.setBindGroup(0, this.#compositeGroup);
+    pass.draw(3);
+    pass.end();
+  }
+
+  #resize(widthPx: number, heightPx: number): void {
+    if (this.#layer?.width === widthPx && this.#layer.height === heightPx) return;
+    const { device, memory, accuracy } = this.#context;
+    const limit = device.limits.maxTextureDimension2D;
+    if (Math.max(widthPx, heightPx) > limit) {
+      const message = `A picture of ${widthPx}×${heightPx} px is larger than this device's ${limit} px (maxTextureDimension2D).`;
+      throw new GpuLimitError('maxTextureDimension2D', Math.max(widthPx, heightPx), limit, message);
+    }
+    if (this.#layer) memory.destroy(this.#layer);
+    this.#compositeGroup = null;
+    this.#layer = memory.createTexture({
+      label: 'splat layer',
+      size: { width: widthPx, height: heightPx },
+      format: accuracy.colorTarget,
+      usage: GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_SRC,
+    });
+    if (this.#canvas) {
+      this.#canvas.canvas.width = widthPx;
+      this.#canvas.canvas.height = heightPx;
+    }
+  }
+
+  #stagesFor(shape: FrameShape): ReturnType<typeof frameStages> {
+    const stages = frameStages(shape);
+    if (this.#canvas) stages.push([composite, compositeState(this.#canvasFormat)]);
+    return stages;
+  }
+
+  #areCompiled(stages: readonly (StageDefinition | readonly [StageDefinition, RenderState])[]): boolean {
+    const { pipelines } = this.#context;
+    return stages.every((entry) =>
+      'bindings' in entry ? pipelines.compute(entry) : pipelines.render(...entry),
+    );
+  }
+
+  #checkUsable(): void {
+    const reason = this.#isDestroyed ? 'it was destroyed' : this.#context.destroyedBecause();
+    if (reason !== null) throw new DestroyedError('This view', reason);
+  }
+}
+
+function configure(canvas: HTMLCanvasElement | OffscreenCanvas, device: GPUDevice, format: GPUTextureFormat) {
+  const context = canvas.getContext('webgpu') as GPUCanvasContext | null;
+  if (!context) {
+    throw new InvalidArgumentError(
+      'canvas',
+      'The canvas already has a context of another kind; give the view one of its own.',
+    );
+  }
+  context.configure({ device, format, alphaMode: 'opaque' });
+  return context;
+}
+
+function checkFrame({ clouds, widthPx, heightPx }: ViewFrame): void {
+  if (!(Number.isInteger(widthPx) && Number.isInteger(heightPx) && widthPx >= 0 && heightPx >= 0)) {
+    throw new InvalidArgumentError(
+      'widthPx',
+      `The picture is ${widthPx}×${heightPx}; it takes whole numbers of pixels.`,
+    );
+  }
+  for (const { cloud, modelMatrix } of clouds) {
+    if (cloud.isDestroyed) throw new DestroyedError(`The cloud ${cloud.name}`, 'it was destroyed');
+    if (
+      modelMatrix &&
+      !(modelMatrix.length === 16 && Array.prototype.every.call(modelMatrix, Number.isFinite))
+    ) {
+      const message = `The model matrix of ${cloud.name} must be 16 finite numbers, column-major.`;
+      throw new InvalidArgumentError('modelMatrix', message);
+    }
+  }
+}
+
+const cloudNumbers = new WeakMap<SplatCloud, number>();
+let cloudsSeen = 0;
+
+/** Everything that the picture depends on, as text. */
+function keyOf({ camera, clouds, widthPx, heightPx, background }: ViewFrame): string {
+  const parts: unknown[] = [widthPx, heightPx, background, camera.near, camera.far];
+  parts.push(Array.from(camera.viewMatrix), Array.from(camera.projectionMatrix));
+  for (const { cloud, modelMatrix } of clouds) {
+    if (!cloudNumbers.has(cloud)) cloudNumbers.set(cloud, ++cloudsSeen);
+    parts.push(cloudNumbers.get(cloud), modelMatrix && Array.from(modelMatrix));
+  }
+  return JSON.stringify(parts);
+}
+
+function shapeOf({ camera, clouds }: ViewFrame, { accuracy, dispatchRow }: ViewContext): FrameShape {
+  return {
+    clouds: clouds.map(({ cloud }) => cloud),
+    isOrthographic: camera.projectionMatrix[11] === 0,
+    accuracy,
+    dispatchRow,
+    keyBits: keyBitsFor(camera, clouds),
+  };
+}
+
+function isSameShape(a: FrameShape, b: FrameShape): boolean {
+  return (
+    a.isOrthographic === b.isOrthographic &&
+    a.keyBits === b.keyBits &&
+    a.accuracy === b.accuracy &&
+    a.clouds.length === b.clouds.length &&
+    a.clouds.every((cloud, i) => cloud === b.clouds[i])
+  );
+}
+
+function viewUniforms(projection: Projection, { accuracy, dispatchRow }: FrameShape): ArrayBuffer {
+  const { widthPx, heightPx, focalPx, centerPx, clampX, clampY, near, far } = projection;
+  const contents = new ArrayBuffer(View.bytes);
+  View.write(contents, {
+    sizePx: [widthPx, heightPx],
+    focalPx,
+    centerPx,
+    clampX,
+    clampY,
+    near,
+    // Shaders may assume that there are no infinities: the largest float32 is as good.
+    far: Math.min(far, 3.4028234663852886e38),
+    alphaCutoff: accuracy.alphaCutoff,
+    dilationPx2: DILATION_PX2,
+    dispatchRow,
+  });
+  return contents;
+}
+
+function pageUniforms(
+  { camera, clouds }: ViewFrame,
+  projection: Projection,
+  frame: FrameResources,
+): ArrayBuffer {
+  const opacityReach = Math.sqrt(2 * Math.log(1 / frame.shape.accuracy.alphaCutoff));
+  const perCloud = clouds.map(({ cloud, modelMatrix = identity4() }) => {
+    const view = cloudView(camera.viewMatrix, modelMatrix, cloud.origin, projection.isOrthographic);
+    const planes = cullPlanes(view, projection, opacityReach, DILATION_PX2);
+    return {
+      linear: view.linear,
+      translation: view.translation,
+      camera: view.camera ?? [0, 0, 0],
+      cameraWeight: view.camera ? 1 : 0,
+      direction: view.direction,
+      logScales: [cloud.logScaleRange.min, cloud.logScaleRange.step],
+      frustum: planes.flatMap(({ normal, offset }) => [...normal, offset]),
+      frustumReach: planes.flatMap(({ reach }) => [reach, 0, 0, 0]),
+    };
+  });
+  const contents = new ArrayBuffer(PAGE_STRIDE_BYTES * frame.pages.length);
+  for (const [index, { cloudIndex, chunkStart, chunkCount, splatCount }] of frame.pages.entries()) {
+    Page.write(
+      contents,
+      { ...perCloud[cloudIndex], index, chunkStart, chunkCount, splatCount },
+      index * PAGE_STRIDE_BYTES,
+    );
+  }
+  return contents;
+}

@@ -1,0 +1,86 @@
+// How a splat's Gaussian appears on the screen, stable by construction. Twin: reference/covariance.ts.
+import layout::View;
+
+/// Covariance on the screen in units of unitPx², [[a, b], [b, c]], dilation included.
+struct ScreenCovariance {
+  a: f32,
+  b: f32,
+  c: f32,
+  /// In units of unitPx⁴.
+  determinant: f32,
+  /// A power of two.
+  unitPx: f32,
+}
+
+/// Half axes at √2 standard deviations, where the Gaussian has fallen to 1/e; the minor one is perpendicular.
+struct ScreenAxes {
+  majorPx: vec2f,
+  minorLengthPx: f32,
+}
+
+/// Rotation matrix of the unit quaternion w, x, y, z (in that order in `q`).
+fn rotationMatrix(q: vec4f) -> mat3x3f {
+  let w = q.x;
+  let v = q.yzw;
+  let wv = 2.0 * w * v;
+  let vv = 2.0 * v * v;
+  let xy = 2.0 * v.x * v.y;
+  let xz = 2.0 * v.x * v.z;
+  let yz = 2.0 * v.y * v.z;
+  return mat3x3f(
+    1.0 - vv.y - vv.z, xy + wv.z, xz - wv.y,
+    xy - wv.z, 1.0 - vv.x - vv.z, yz + wv.x,
+    xz + wv.y, yz - wv.x, 1.0 - vv.x - vv.y,
+  );
+}
+
+/// Covariance on the screen of a splat at `centerView` whose local axes, one standard deviation long, are the columns
+/// of `axesView` in view space.
+fn screenCovariance(view: View, centerView: vec3f, axesView: mat3x3f) -> ScreenCovariance {
+  let axesRows = transpose(axesView);
+  @if(ORTHOGRAPHIC) let rowX = view.focalPx.x * axesRows[0];
+  @if(ORTHOGRAPHIC) let rowY = -view.focalPx.y * axesRows[1];
+  // The affine approximation is not taken further outside the picture than the clamp: it grows without bound there.
+  @if(!ORTHOGRAPHIC) let inverseDepth = -1.0 / centerView.z;
+  @if(!ORTHOGRAPHIC) let tangentX = clamp(centerView.x * inverseDepth, view.clampX.x, view.clampX.y);
+  @if(!ORTHOGRAPHIC) let tangentY = clamp(centerView.y * inverseDepth, view.clampY.x, view.clampY.y);
+  @if(!ORTHOGRAPHIC) let rowX = (view.focalPx.x * inverseDepth) * (axesRows[0] + tangentX * axesRows[2]);
+  @if(!ORTHOGRAPHIC) let rowY = (-view.focalPx.y * inverseDepth) * (axesRows[1] + tangentY * axesRows[2]);
+
+  // The determinant is a fourth power and overflows long before a length does: measure in a power of two of pixels.
+  let largest = max(max3(abs(rowX)), max3(abs(rowY)));
+  let unitPx = bitcast<f32>(bitcast<u32>(max(1.0, largest)) & 0x7f800000u);
+  let x = rowX / unitPx;
+  let y = rowY / unitPx;
+  let dilation = view.dilationPx2 / unitPx / unitPx;
+  let xx = dot(x, x);
+  let yy = dot(y, y);
+  // By Lagrange's identity the determinant is a sum of terms that are not negative: nothing cancels.
+  let normal = cross(x, y);
+  let determinant = dot(normal, normal) + dilation * (xx + yy) + dilation * dilation;
+  return ScreenCovariance(xx + dilation, dot(x, y), yy + dilation, determinant, unitPx);
+}
+
+fn screenAxes(covariance: ScreenCovariance) -> ScreenAxes {
+  let a = covariance.a;
+  let b = covariance.b;
+  let c = covariance.c;
+  let halfDifference = 0.5 * (a - c);
+  let larger = 0.5 * (a + c) + sqrt(halfDifference * halfDifference + b * b);
+  let smaller = covariance.determinant / larger;
+  // Both are eigenvectors for the larger eigenvalue; the longer one is the better conditioned.
+  let first = vec2f(b, larger - a);
+  let second = vec2f(larger - c, b);
+  let direction = select(second, first, dot(first, first) > dot(second, second));
+  let length2 = dot(direction, direction);
+  // Both vanish for a circle, whose axes may point anywhere.
+  let unit = select(vec2f(1.0, 0.0), direction * inverseSqrt(max(length2, 1e-37)), length2 > 1e-37);
+  return ScreenAxes(
+    unit * (sqrt(2.0 * larger) * covariance.unitPx),
+    sqrt(2.0 * smaller) * covariance.unitPx,
+  );
+}
+
+fn max3(v: vec3f) -> f32 {
+  return max(v.x, max(v.y, v.z));
+}

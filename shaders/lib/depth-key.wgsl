@@ -1,0 +1,14 @@
+// Depths as unsigned integers in the same order. Twin: reference/depth-key.ts.
+
+/// Bits of `depthView` (finite) such that a < b exactly where orderedBits(a) < orderedBits(b), negative depths (of an
+/// orthographic camera) included.
+fn orderedBits(depthView: f32) -> u32 {
+  // Adding +0 turns −0 into +0, so that both give one key.
+  let bits = bitcast<u32>(depthView + 0.0);
+  return bits ^ select(0x80000000u, 0xffffffffu, (bits & 0x80000000u) != 0u);
+}
+
+/// Sort key: far first, 0 for the farthest splat in the picture.
+fn depthKey(depthView: f32, farthestBits: u32) -> u32 {
+  return farthestBits - orderedBits(depthView);
+}

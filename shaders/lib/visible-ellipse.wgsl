@@ -1,0 +1,37 @@
+// Where a splat lands in the picture, and how far it reaches: shared by cull-splats, which decides whether it is drawn,
+// and project, which writes what is drawn. Twin: reference/cull-splats.ts.
+import layout::View;
+import package::lib::covariance::ScreenCovariance;
+import package::lib::covariance::rotationMatrix;
+import package::lib::covariance::screenCovariance;
+import package::lib::packing::Splat;
+
+struct ScreenSplat {
+  centerPx: vec2f,
+  depthView: f32,
+  covariance: ScreenCovariance,
+}
+
+fn isInDepthRange(view: View, depthView: f32) -> bool {
+  return depthView > view.near && depthView <= view.far;
+}
+
+/// For a splat in the depth range; `linear` takes cloud space to view space.
+fn screenSplat(view: View, linear: mat3x3f, splat: Splat, centerView: vec3f) -> ScreenSplat {
+  let rotation = rotationMatrix(splat.rotation);
+  let axes = mat3x3f(rotation[0] * splat.scale.x, rotation[1] * splat.scale.y, rotation[2] * splat.scale.z);
+  let covariance = screenCovariance(view, centerView, linear * axes);
+  @if(ORTHOGRAPHIC) let offset = view.focalPx * centerView.xy;
+  @if(!ORTHOGRAPHIC) let offset = view.focalPx * centerView.xy / -centerView.z;
+  return ScreenSplat(view.centerPx + vec2f(offset.x, -offset.y), -centerView.z, covariance);
+}
+
+/// Distance, in units of the axes at √2 standard deviations, at which `opacity` has fallen to the cutoff.
+fn reachInAxes(opacity: f32, alphaCutoff: f32) -> f32 {
+  return sqrt(max(0.0, log(opacity / alphaCutoff)));
+}
+
+/// Half extents, px, of the box around all that is drawn of the splat.
+fn extentPx(covariance: ScreenCovariance, reach: f32) -> vec2f {
+  return (reach * covariance.unitPx) * sqrt(2.0 * vec2f(covariance.a, covariance.c));
+}

@@ -1,0 +1,27 @@
+// Lists the splats to draw in storage order, by a scan and not by atomics: one workgroup per visible chunk. A splat's
+// number counts through all chunks of the frame.
+import constants::CHUNK_SPLATS;
+import constants::MASK_WORDS;
+import layout::FrameParameters;
+import package::lib::dispatch::linearWorkgroup;
+
+@group(0) @binding(0) var<uniform> frame: FrameParameters;
+@group(0) @binding(1) var<storage, read> chunkOffsets: array<u32>;
+@group(0) @binding(2) var<storage, read> visibleChunks: array<u32>;
+@group(0) @binding(3) var<storage, read> visibilityMasks: array<u32>;
+@group(0) @binding(4) var<storage, read> splatOffsets: array<u32>;
+@group(0) @binding(5) var<storage, read_write> survivors: array<u32>;
+
+@compute @workgroup_size(CHUNK_SPLATS)
+fn compactSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
+  let slot = linearWorkgroup(workgroup, frame.dispatchRow);
+  if (slot >= chunkOffsets[frame.chunkCount]) { return; }
+  let masks = slot * MASK_WORDS;
+  let word = lane / 32u;
+  let bits = visibilityMasks[masks + word];
+  let bit = 1u << (lane % 32u);
+  if ((bits & bit) == 0u) { return; }
+  var rank = countOneBits(bits & (bit - 1u));
+  for (var before = 0u; before < word; before++) { rank += countOneBits(visibilityMasks[masks + before]); }
+  survivors[splatOffsets[slot] + rank] = visibleChunks[slot] * CHUNK_SPLATS + lane;
+}

@@ -1,0 +1,69 @@
+// Which splats of the visible chunks are drawn: one workgroup per visible chunk, one thread per splat, per page.
+// Writes a bit per splat, a count per chunk and the range of depths; leaves before the covariance where the opacity or
+// the depth decides.
+import constants::CHUNK_SPLATS;
+import constants::MASK_WORDS;
+import layout::View;
+import layout::Page;
+import layout::PagePlan;
+import package::lib::depth_key::orderedBits;
+import package::lib::dispatch::linearWorkgroup;
+import package::lib::packing::GEOMETRY_VECTORS;
+import package::lib::packing::unpackSplat;
+import package::lib::visible_ellipse::extentPx;
+import package::lib::visible_ellipse::isInDepthRange;
+import package::lib::visible_ellipse::reachInAxes;
+import package::lib::visible_ellipse::screenSplat;
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<uniform> page: Page;
+@group(0) @binding(2) var<storage, read> pagePlans: array<PagePlan>;
+@group(0) @binding(3) var<storage, read> visibleChunks: array<u32>;
+@group(0) @binding(4) var<storage, read> geometry: array<array<vec4u, GEOMETRY_VECTORS>>;
+@group(0) @binding(5) var<storage, read_write> visibilityMasks: array<u32>;
+@group(0) @binding(6) var<storage, read_write> splatOffsets: array<u32>;
+/// Ordered bits of the farthest and, inverted, of the nearest depth: both grow from 0. Atomic, but of integers: the
+/// result does not depend on the order.
+@group(0) @binding(7) var<storage, read_write> depthRange: array<atomic<u32>, 2>;
+
+var<workgroup> mask: array<atomic<u32>, MASK_WORDS>;
+var<workgroup> farthest: atomic<u32>;
+var<workgroup> nearestInverted: atomic<u32>;
+
+@compute @workgroup_size(CHUNK_SPLATS)
+fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
+  let plan = pagePlans[page.index];
+  let slotInPage = linearWorkgroup(workgroup, view.dispatchRow);
+  let slot = plan.slotStart + slotInPage;
+  let isSlot = slotInPage < plan.slotCount;
+  var splatIndex = 0xffffffffu;
+  if (isSlot) { splatIndex = (visibleChunks[slot] - page.chunkStart) * CHUNK_SPLATS + lane; }
+
+  if (splatIndex < page.splatCount) {
+    let splat = unpackSplat(geometry[splatIndex], page.logScales);
+    let centerView = page.linear * splat.position + page.translation;
+    let depthView = -centerView.z;
+    if (splat.opacity >= view.alphaCutoff && isInDepthRange(view, depthView)) {
+      let onScreen = screenSplat(view, page.linear, splat, centerView);
+      let extent = extentPx(onScreen.covariance, reachInAxes(splat.opacity, view.alphaCutoff));
+      if (all(onScreen.centerPx + extent > vec2f(0.0)) && all(onScreen.centerPx - extent < view.sizePx)) {
+        let bits = orderedBits(depthView);
+        atomicOr(&mask[lane / 32u], 1u << (lane % 32u));
+        atomicMax(&farthest, bits);
+        atomicMax(&nearestInverted, ~bits);
+      }
+    }
+  }
+  workgroupBarrier();
+
+  if (isSlot && lane < MASK_WORDS) { visibilityMasks[slot * MASK_WORDS + lane] = atomicLoad(&mask[lane]); }
+  if (isSlot && lane == 0u) {
+    var count = 0u;
+    for (var word = 0u; word < MASK_WORDS; word++) { count += countOneBits(atomicLoad(&mask[word])); }
+    splatOffsets[slot] = count;
+    if (count > 0u) {
+      atomicMax(&depthRange[0], atomicLoad(&farthest));
+      atomicMax(&depthRange[1], atomicLoad(&nearestInverted));
+    }
+  }
+}

@@ -1,0 +1,37 @@
+// Sizes what follows cull-splats, on the GPU: how many splats of each page are projected, and how many are drawn in all.
+// One workgroup.
+import constants::PLAN_WORKGROUP;
+import constants::PROJECT_WORKGROUP;
+import layout::FrameParameters;
+import layout::PagePlan;
+import package::lib::dispatch::dispatchSize;
+
+@group(0) @binding(0) var<uniform> frame: FrameParameters;
+@group(0) @binding(1) var<storage, read> splatOffsets: array<u32>;
+@group(0) @binding(2) var<storage, read> slotCount: u32;
+@group(0) @binding(3) var<storage, read_write> pagePlans: array<PagePlan>;
+@group(0) @binding(4) var<storage, read_write> visibleCount: u32;
+/// Three words per page.
+@group(0) @binding(5) var<storage, read_write> projectDispatches: array<u32>;
+/// Vertices, instances, first vertex, first instance.
+@group(0) @binding(6) var<storage, read_write> drawArguments: array<u32, 4>;
+
+@compute @workgroup_size(PLAN_WORKGROUP)
+fn planProject(@builtin(local_invocation_index) lane: u32) {
+  for (var page = lane; page < frame.pageCount; page += PLAN_WORKGROUP) {
+    let slotStart = pagePlans[page].slotStart;
+    let start = splatOffsets[slotStart];
+    let end = splatOffsets[slotStart + pagePlans[page].slotCount];
+    pagePlans[page].survivorStart = start;
+    pagePlans[page].survivorCount = end - start;
+    let size = dispatchSize((end - start + PROJECT_WORKGROUP - 1u) / PROJECT_WORKGROUP, frame.dispatchRow);
+    projectDispatches[3u * page] = size.x;
+    projectDispatches[3u * page + 1u] = size.y;
+    projectDispatches[3u * page + 2u] = size.z;
+  }
+  if (lane == 0u) {
+    let visible = splatOffsets[slotCount];
+    visibleCount = visible;
+    drawArguments = array<u32, 4>(4u, visible, 0u, 0u);
+  }
+}

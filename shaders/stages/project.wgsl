@@ -1,0 +1,104 @@
+// The record of every splat that is drawn: where, how large, which colour, and its sort key. One thread per splat,
+// dispatched per page; a page's splats all have the same degree of spherical harmonics, known when this is linked.
+import constants::CHUNK_SPLATS;
+import constants::PROJECT_WORKGROUP;
+import constants::SH_WORDS;
+import layout::Page;
+import layout::PagePlan;
+import layout::ProjectedSplat;
+import layout::View;
+import package::lib::covariance::screenAxes;
+import package::lib::depth_key::depthKey;
+import package::lib::dispatch::linearWorkgroup;
+import package::lib::packing::GEOMETRY_VECTORS;
+import package::lib::packing::unpackSplat;
+import package::lib::spherical_harmonics::shBase;
+import package::lib::spherical_harmonics::shBasis1;
+import package::lib::spherical_harmonics::shBasis2;
+import package::lib::spherical_harmonics::shBasis3;
+import package::lib::visible_ellipse::screenSplat;
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<uniform> page: Page;
+@group(0) @binding(2) var<storage, read> pagePlans: array<PagePlan>;
+@group(0) @binding(3) var<storage, read> survivors: array<u32>;
+@group(0) @binding(4) var<storage, read> depthRange: array<u32, 2>;
+@group(0) @binding(5) var<storage, read> geometry: array<array<vec4u, GEOMETRY_VECTORS>>;
+@group(0) @binding(6) var<storage, read_write> projected: array<ProjectedSplat>;
+@group(0) @binding(7) var<storage, read_write> keys: array<u32>;
+@if(SH_1) @group(0) @binding(8) var<storage, read> shRest: array<u32>;
+
+@compute @workgroup_size(PROJECT_WORKGROUP)
+fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
+  let plan = pagePlans[page.index];
+  let indexInPage = linearWorkgroup(workgroup, view.dispatchRow) * PROJECT_WORKGROUP + lane;
+  if (indexInPage >= plan.survivorCount) { return; }
+  let index = plan.survivorStart + indexInPage;
+  let splatIndex = survivors[index] - page.chunkStart * CHUNK_SPLATS;
+
+  let splat = unpackSplat(geometry[splatIndex], page.logScales);
+  let onScreen = screenSplat(view, page.linear, splat, page.linear * splat.position + page.translation);
+  let axes = screenAxes(onScreen.covariance);
+
+  var color = shBase(splat.colorDc);
+  @if(SH_1) { color += shAboveBase(splatIndex, viewDirection(splat.position)); }
+  // A negative radiance has no meaning, and would darken what is behind it.
+  let rgba = vec4f(max(color, vec3f(0.0)), splat.opacity);
+
+  var record: ProjectedSplat;
+  record.centerPx = onScreen.centerPx;
+  record.majorPx = axes.majorPx;
+  record.minorLengthPx = axes.minorLengthPx;
+  record.depthView = onScreen.depthView;
+  @if(RECORD_F32) record.color = rgba;
+  @if(!RECORD_F32) record.color = vec2u(pack2x16float(min(rgba.xy, vec2f(65504.0))), pack2x16float(min(rgba.zw, vec2f(65504.0))));
+  projected[index] = record;
+  keys[index] = depthKey(onScreen.depthView, depthRange[0]);
+}
+
+/// Unit vector in the cloud's space from the camera to the splat; without a length, page.direction.
+@if(SH_1)
+fn viewDirection(position: vec3f) -> vec3f {
+  // A camera infinitely far away has weight 0: all directions are page.direction.
+  let toward = (position - page.camera) * page.cameraWeight + page.direction * (1.0 - page.cameraWeight);
+  // Scaled first: the square of a length in a very large or very small scene leaves float32's range.
+  let largest = max(abs(toward.x), max(abs(toward.y), abs(toward.z)));
+  if (!(largest > 1e-37)) { return vec3f(0.0, 0.0, 1.0); }
+  return normalize(toward / largest);
+}
+
+@if(SH_1)
+fn shAboveBase(splatIndex: u32, direction: vec3f) -> vec3f {
+  let first = splatIndex * SH_WORDS;
+  var color = vec3f(0.0);
+  let basis1 = shBasis1(direction);
+  for (var k = 0u; k < 3u; k++) { color += basis1[k] * shCoefficient(first, k); }
+  @if(SH_2) let basis2 = shBasis2(direction);
+  @if(SH_2) for (var k = 0u; k < 5u; k++) { color += basis2[k] * shCoefficient(first, k + 3u); }
+  @if(SH_3) let basis3 = shBasis3(direction);
+  @if(SH_3) for (var k = 0u; k < 7u; k++) { color += basis3[k] * shCoefficient(first, k + 8u); }
+  @if(SH_U8) color *= unpack2x16float(shRest[first]).x / 127.0;
+  return color;
+}
+
+/// Coefficient `k` above degree 0, r, g, b, of the splat whose words start at `first`; at u8 still to be scaled.
+@if(SH_1)
+fn shCoefficient(first: u32, k: u32) -> vec3f {
+  return vec3f(shValue(first, 3u * k), shValue(first, 3u * k + 1u), shValue(first, 3u * k + 2u));
+}
+
+@if(SH_1 && SH_F32)
+fn shValue(first: u32, i: u32) -> f32 {
+  return bitcast<f32>(shRest[first + i]);
+}
+
+@if(SH_1 && SH_F16)
+fn shValue(first: u32, i: u32) -> f32 {
+  return unpack2x16float(shRest[first + i / 2u] >> (16u * (i % 2u))).x;
+}
+
+@if(SH_1 && SH_U8)
+fn shValue(first: u32, i: u32) -> f32 {
+  // The splat's scale takes the first two bytes.
+  return f32(extractBits(bitcast<i32>(shRest[first + (i + 2u) / 4u]), 8u * ((i + 2u) % 4u), 8u));
+}

@@ -1,0 +1,72 @@
+// Draws every visible splat as one quad, back to front, blended "over" with premultiplied colours in the space that
+// scenes are trained in. The quad reaches as far as the splat's opacity stays above the cutoff; the fragment's place in
+// the Gaussian comes from the interpolators alone.
+import layout::ProjectedSplat;
+import layout::View;
+import constants::MAX_FRAGMENT_ALPHA;
+import package::lib::visible_ellipse::reachInAxes;
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<storage, read> order: array<u32>;
+@group(0) @binding(2) var<storage, read> projected: array<ProjectedSplat>;
+
+struct Varyings {
+  @builtin(position) position: vec4f,
+  /// Offset from the centre in units of the axes at √2 standard deviations: the Gaussian is exp(−|local|²).
+  @location(0) local: vec2f,
+  @if(RECORD_F32) @location(1) @interpolate(flat, either) color: vec4f,
+  @if(!RECORD_F32) @location(1) @interpolate(flat, either) color: vec2u,
+}
+
+/// Corners lie on this grid, the coarsest on which WebGPU's rasterisers are known to snap them (1/16 px): the local
+/// coordinate of a corner then belongs to where the corner really is.
+const SNAP_PX = 0.0625;
+/// No corner lies further from the picture than this: fixed-point rasterisers have a limited range.
+const GUARD_BAND_PX = 4096.0;
+
+@vertex
+fn vertexMain(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Varyings {
+  let splat = projected[order[instance]];
+  @if(RECORD_F32) let opacity = splat.color.w;
+  @if(!RECORD_F32) let opacity = unpack2x16float(splat.color.y).y;
+  let reach = reachInAxes(opacity, view.alphaCutoff);
+  let side = vec2f(f32(vertex & 1u), f32(vertex >> 1u)) * 2.0 - 1.0;
+
+  let majorLengthPx = length(splat.majorPx);
+  let majorUnit = splat.majorPx / majorLengthPx;
+  let minorUnit = vec2f(-majorUnit.y, majorUnit.x);
+  // One step of the grid more, so that snapping never cuts a covered pixel off.
+  let halfSizePx = reach * vec2f(majorLengthPx, splat.minorLengthPx) + SNAP_PX;
+
+  // The part of the ellipse's box that is in the picture, for splats of which it is the smaller quad.
+  let extent = sqrt(
+    (majorUnit * halfSizePx.x) * (majorUnit * halfSizePx.x) + (minorUnit * halfSizePx.y) * (minorUnit * halfSizePx.y),
+  );
+  let boxLow = max(splat.centerPx - extent, vec2f(0.0));
+  let boxHigh = min(splat.centerPx + extent, view.sizePx);
+  let boxSize = max(boxHigh - boxLow, vec2f(0.0));
+  let isBox = boxSize.x * boxSize.y < 4.0 * halfSizePx.x * halfSizePx.y
+    || any(splat.centerPx - extent < vec2f(-GUARD_BAND_PX))
+    || any(splat.centerPx + extent > view.sizePx + GUARD_BAND_PX);
+
+  let oriented = splat.centerPx + side.x * halfSizePx.x * majorUnit + side.y * halfSizePx.y * minorUnit;
+  let box = select(floor(boxLow), ceil(boxHigh), side > vec2f(0.0));
+  let cornerPx = select(round(oriented / SNAP_PX) * SNAP_PX, box, isBox);
+
+  let offset = cornerPx - splat.centerPx;
+  var varyings: Varyings;
+  let ndc = cornerPx / view.sizePx * 2.0 - 1.0;
+  varyings.position = vec4f(ndc.x, -ndc.y, 0.0, 1.0);
+  varyings.local = vec2f(dot(offset, majorUnit) / majorLengthPx, dot(offset, minorUnit) / splat.minorLengthPx);
+  varyings.color = splat.color;
+  return varyings;
+}
+
+@fragment
+fn fragmentMain(varyings: Varyings) -> @location(0) vec4f {
+  @if(RECORD_F32) let color = varyings.color;
+  @if(!RECORD_F32) let color = vec4f(unpack2x16float(varyings.color.x), unpack2x16float(varyings.color.y));
+  let alpha = min(MAX_FRAGMENT_ALPHA, color.w * exp(-dot(varyings.local, varyings.local)));
+  // Blending nothing over leaves the target as it is, bit for bit, and unlike `discard` keeps early tests possible.
+  return select(vec4f(0.0), vec4f(color.rgb * alpha, alpha), alpha >= view.alphaCutoff);
+}

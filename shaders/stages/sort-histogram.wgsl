@@ -1,0 +1,34 @@
+// First step of a radix pass: how often each digit occurs in each tile of keys. One workgroup per tile.
+import constants::DIGIT_BITS;
+import constants::SORT_ITEMS;
+import constants::SORT_TILE;
+import constants::SORT_WORKGROUP;
+import layout::SortParameters;
+import layout::SortPlan;
+import package::lib::dispatch::linearWorkgroup;
+
+const RADIX = 1u << DIGIT_BITS;
+
+@group(0) @binding(0) var<uniform> parameters: SortParameters;
+@group(0) @binding(1) var<storage, read> plan: SortPlan;
+@group(0) @binding(2) var<storage, read> keys: array<u32>;
+/// All tiles of digit 0, then all tiles of digit 1, …: scanned in this order the counts become places.
+@group(0) @binding(3) var<storage, read_write> digitCounts: array<u32>;
+
+var<workgroup> counts: array<atomic<u32>, RADIX>;
+
+@compute @workgroup_size(SORT_WORKGROUP)
+fn sortHistogram(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
+  let tile = linearWorkgroup(workgroup, parameters.dispatchRow);
+  if (tile >= plan.tileCount) { return; }
+  for (var item = 0u; item < SORT_ITEMS; item++) {
+    let index = tile * SORT_TILE + item * SORT_WORKGROUP + lane;
+    if (index < plan.keyCount) {
+      atomicAdd(&counts[extractBits(keys[index], parameters.digitShift, DIGIT_BITS)], 1u);
+    }
+  }
+  workgroupBarrier();
+  for (var digit = lane; digit < RADIX; digit += SORT_WORKGROUP) {
+    digitCounts[digit * plan.tileCount + tile] = atomicLoad(&counts[digit]);
+  }
+}
