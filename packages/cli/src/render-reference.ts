@@ -34,6 +34,7 @@ export async function renderOnReference(
     picture: picture!,
     visibleSplats: picture!.visibleSplats,
     splatsPerScene: sets.map(({ count }) => count),
+    warmUpFrames: 0,
     timings,
     label: 'reference renderer, float64 on the CPU',
     notices: [],

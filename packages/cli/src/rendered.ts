@@ -7,6 +7,8 @@ export interface Rendered {
   readonly picture: Picture;
   readonly visibleSplats: number;
   readonly splatsPerScene: readonly number[];
+  /** Frames drawn beforehand, neither measured nor compared. */
+  readonly warmUpFrames: number;
   /** One per frame that was measured. */
   readonly timings: readonly StageTimings[];
   /** What drew: a GPU's label, or the reference renderer. */

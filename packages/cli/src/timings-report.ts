@@ -15,6 +15,7 @@ export function timingsReport(options: RenderOptions, rendered: Rendered) {
     /** Milliseconds; null where a stage was not measured by itself. */
     stages: Object.fromEntries(STAGES.map((stage) => [stage, spreadOf(timings.map((each) => each[stage]))])),
     frames: options.frames,
+    warmUpFrames: rendered.warmUpFrames,
     measuredFrames: timings.length,
     framesIdentical: rendered.firstDifference === null,
     scenes: options.scenes.map((name, i) => ({ name, splats: splatsPerScene[i] })),
