@@ -1,5 +1,5 @@
 import { afterEach, test } from 'vitest';
-import { createNodeGpu, type NodeGpu } from './node-gpu.ts';
+import { createNodeGpu } from './node-gpu.ts';
 
 /**
  * `test` for tests that need a GPU. Without an adapter they are skipped with a printed reason, or, in CI and under
@@ -24,12 +24,7 @@ export async function createTestDevice(
   return device;
 }
 
-/** A fresh adapter, for tests that make their own device; pass the device to `watchDevice`. */
-export async function createTestGpu(): Promise<NodeGpu> {
-  return createNodeGpu();
-}
-
-/** Makes errors and loss of `device` fail the test in which they happen. */
+/** Makes errors and loss of `device`, made by a test itself, fail the test in which they happen. */
 export function watchDevice(device: GPUDevice): void {
   const errors: string[] = [];
   watched.set(device, errors);
