@@ -3,6 +3,7 @@ import { WebGpuUnavailableError } from './errors.ts';
 /** Where WebGPU is to be had; `navigator.gpu` in a browser. */
 export interface DeviceOptions {
   readonly gpu?: GPU;
+  /** An adapter that no device has been requested of yet: each gives one. */
   readonly adapter?: GPUAdapter;
   readonly powerPreference?: GPUPowerPreference;
 }
@@ -30,12 +31,8 @@ export async function requestSplatDevice(options: DeviceOptions = {}): Promise<G
   try {
     return await adapter.requestDevice({ label: 'websplatter', requiredFeatures, requiredLimits });
   } catch (cause) {
-    throw new WebGpuUnavailableError(
-      'The WebGPU adapter gave no device; its driver may have just been lost. Try again.',
-      {
-        cause,
-      },
-    );
+    const message = `The WebGPU adapter gave no device: ${(cause as Error).message}`;
+    throw new WebGpuUnavailableError(message, { cause });
   }
 }
 

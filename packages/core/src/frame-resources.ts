@@ -32,6 +32,8 @@ export interface FrameShape {
   readonly accuracy: AccuracySettings;
   /** Most workgroups in one dimension of a dispatch. */
   readonly dispatchRow: number;
+  /** Most splats that may be visible: buffers for visible splats have room for as many. */
+  readonly visibleCapacity: number;
   /** Bits that the depth keys of this frame may differ in, at most 32. */
   readonly keyBits: number;
 }
@@ -43,45 +45,89 @@ export interface FramePage extends CloudPage {
   readonly chunkStart: number;
 }
 
-interface PageGroups {
-  readonly cullChunks: GPUBindGroup;
-  readonly cullSplats: GPUBindGroup;
-  readonly project: GPUBindGroup;
+interface FrameGroups {
+  readonly planCull: GPUBindGroup;
+  readonly compactChunks: GPUBindGroup;
+  readonly planProject: GPUBindGroup;
+  readonly compactSplats: GPUBindGroup;
+  readonly rasterize: GPUBindGroup;
+  readonly pages: readonly {
+    readonly cullChunks: GPUBindGroup;
+    readonly cullSplats: GPUBindGroup;
+    readonly project: GPUBindGroup;
+  }[];
 }
 
 /** Uniform buffers are bound at multiples of this many bytes. */
 export const PAGE_STRIDE_BYTES = roundUp(Page.bytes, 256);
 
+/** Names and sizes of a frame's buffers; stages are bound to them by these names. */
+function bufferTable(shape: FrameShape, pageCount: number, chunkCount: number): BufferTable {
+  const { STORAGE, UNIFORM, INDIRECT } = GPUBufferUsage;
+  const record = shape.accuracy.recordPrecision === 'f32' ? ProjectedSplatF32 : ProjectedSplat;
+  return {
+    view: [View.bytes, UNIFORM],
+    pageUniforms: [PAGE_STRIDE_BYTES * pageCount, UNIFORM],
+    frame: [FrameParameters.bytes, UNIFORM],
+    chunkCount: [4, STORAGE],
+    /** Per chunk 1 where it is visible, then the number of visible chunks before it. */
+    chunkOffsets: [4 * (chunkCount + 1), STORAGE],
+    visibleChunks: [4 * chunkCount, STORAGE],
+    /** Number of visible chunks: their slots are numbered in storage order. */
+    slotCount: [4, STORAGE],
+    /** Per slot a bit per splat. */
+    visibilityMasks: [(CHUNK_SPLATS / 8) * chunkCount, STORAGE],
+    /** Per slot its number of visible splats, then the number of them before it. */
+    splatOffsets: [4 * (chunkCount + 1), STORAGE],
+    pagePlans: [PagePlan.bytes * pageCount, STORAGE],
+    depthRange: [8, STORAGE],
+    visibleCount: [4, STORAGE],
+    cullDispatches: [12 * (pageCount + 1), STORAGE | INDIRECT],
+    projectDispatches: [12 * pageCount, STORAGE | INDIRECT],
+    drawArguments: [16, STORAGE | INDIRECT],
+    /** The visible splats in storage order. */
+    survivors: [4 * shape.visibleCapacity, STORAGE],
+    projected: [record.bytes * shape.visibleCapacity, STORAGE],
+  };
+}
+
+type BufferName =
+  | 'view'
+  | 'pageUniforms'
+  | 'frame'
+  | 'chunkCount'
+  | 'chunkOffsets'
+  | 'visibleChunks'
+  | 'slotCount'
+  | 'visibilityMasks'
+  | 'splatOffsets'
+  | 'pagePlans'
+  | 'depthRange'
+  | 'visibleCount'
+  | 'cullDispatches'
+  | 'projectDispatches'
+  | 'drawArguments'
+  | 'survivors'
+  | 'projected';
+type BufferTable = Readonly<Record<BufferName, readonly [bytes: number, usage: GPUBufferUsageFlags]>>;
+
 /** The buffers and bind groups of one view of some clouds. Only frame.ts runs stages on them. */
 export class FrameResources {
   readonly shape: FrameShape;
   readonly pages: readonly FramePage[];
-  readonly totalSplats: number;
-  /** Visible chunks. */
-  readonly slotCount: GPUBuffer;
-  readonly visibleCount: GPUBuffer;
-  readonly #memory: GpuMemory;
-  readonly #queue: GPUQueue;
-  readonly #buffers: GPUBuffer[] = [];
+  /** Chunks of all pages. */
   readonly chunkCount: number;
-  readonly #view: GPUBuffer;
-  readonly #pageUniforms: GPUBuffer;
-  readonly cullDispatches: GPUBuffer;
-  readonly projectDispatches: GPUBuffer;
-  readonly drawArguments: GPUBuffer;
+  /** Splats of all clouds. */
+  readonly totalSplats: number;
+  readonly buffers = {} as Record<BufferName, GPUBuffer>;
   readonly chunkScan: PrefixScan;
   readonly splatScan: PrefixScan;
   readonly sort: RadixSort;
-  readonly groups: {
-    readonly planCull: GPUBindGroup;
-    readonly compactChunks: GPUBindGroup;
-    readonly planProject: GPUBindGroup;
-    readonly compactSplats: GPUBindGroup;
-    readonly rasterize: GPUBindGroup;
-    readonly pages: readonly PageGroups[];
-  };
+  readonly groups: FrameGroups;
+  readonly #memory: GpuMemory;
+  readonly #queue: GPUQueue;
 
-  /** @throws GpuLimitError where a buffer would pass the device's limits; nothing stays allocated. */
+  /** @throws GpuLimitError where a buffer would pass the device's limits; nothing stays allocated then. */
   constructor(device: GPUDevice, pipelines: Pipelines, memory: GpuMemory, shape: FrameShape) {
     this.shape = shape;
     this.#memory = memory;
@@ -89,117 +135,32 @@ export class FrameResources {
     this.pages = pagesOf(shape.clouds);
     this.chunkCount = this.pages.reduce((sum, page) => sum + page.chunkCount, 0);
     this.totalSplats = shape.clouds.reduce((sum, cloud) => sum + cloud.count, 0);
-    const { STORAGE, UNIFORM, INDIRECT } = GPUBufferUsage;
-    const record = shape.accuracy.recordPrecision === 'f32' ? ProjectedSplatF32 : ProjectedSplat;
-    const pageCount = this.pages.length;
+    const { dispatchRow } = shape;
+    const { buffers, chunkCount } = this;
     try {
-      this.#view = this.#buffer('view', View.bytes, UNIFORM);
-      this.#pageUniforms = this.#buffer('pages', PAGE_STRIDE_BYTES * pageCount, UNIFORM);
-      const frame = this.#buffer('frame parameters', FrameParameters.bytes, UNIFORM);
-      const chunkCount = this.#buffer('chunk count', 4, STORAGE);
-      const chunkOffsets = this.#buffer('chunk offsets', 4 * (this.chunkCount + 1), STORAGE);
-      const visibleChunks = this.#buffer('visible chunks', 4 * this.chunkCount, STORAGE);
-      const visibilityMasks = this.#buffer('visibility masks', (CHUNK_SPLATS / 8) * this.chunkCount, STORAGE);
-      const splatOffsets = this.#buffer('splat offsets', 4 * (this.chunkCount + 1), STORAGE);
-      const pagePlans = this.#buffer('page plans', PagePlan.bytes * pageCount, STORAGE);
-      const depthRange = this.#buffer('depth range', 8, STORAGE);
-      const survivors = this.#buffer('visible splats', 4 * this.totalSplats, STORAGE);
-      const projected = this.#buffer('projected splats', record.bytes * this.totalSplats, STORAGE);
-      this.slotCount = this.#buffer('visible chunk count', 4, STORAGE);
-      this.visibleCount = this.#buffer('visible splat count', 4, STORAGE);
-      this.cullDispatches = this.#buffer('cull dispatches', 12 * (pageCount + 1), STORAGE | INDIRECT);
-      this.projectDispatches = this.#buffer('project dispatches', 12 * pageCount, STORAGE | INDIRECT);
-      this.drawArguments = this.#buffer('draw arguments', 16, STORAGE | INDIRECT);
-
-      const { dispatchRow } = shape;
-      this.chunkScan = new PrefixScan(device, pipelines, memory, {
-        label: 'chunks',
-        values: chunkOffsets,
-        inputCount: chunkCount,
-        maxCount: this.chunkCount,
-        dispatchRow,
-      });
-      this.splatScan = new PrefixScan(device, pipelines, memory, {
-        label: 'splats',
-        values: splatOffsets,
-        inputCount: this.slotCount,
-        maxCount: this.chunkCount,
-        dispatchRow,
-      });
+      const table = bufferTable(shape, this.pages.length, chunkCount);
+      for (const [name, [bytes, usage]] of Object.entries(table)) {
+        const flags = usage | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;
+        buffers[name as BufferName] = memory.createBuffer(`frame ${name}`, bytes, flags);
+      }
+      const scan = (values: GPUBuffer, inputCount: GPUBuffer) =>
+        new PrefixScan(device, pipelines, memory, {
+          label: values.label,
+          values,
+          inputCount,
+          maxCount: chunkCount,
+          dispatchRow,
+        });
+      this.chunkScan = scan(buffers.chunkOffsets, buffers.chunkCount);
+      this.splatScan = scan(buffers.splatOffsets, buffers.slotCount);
       this.sort = new RadixSort(device, pipelines, memory, {
         shape: sortShapeFor(shape.keyBits),
-        capacity: this.totalSplats,
-        keyCount: this.visibleCount,
+        capacity: shape.visibleCapacity,
+        keyCount: buffers.visibleCount,
         dispatchRow,
       });
-
-      const parameters = new ArrayBuffer(FrameParameters.bytes);
-      FrameParameters.write(parameters, { chunkCount: this.chunkCount, pageCount, dispatchRow });
-      device.queue.writeBuffer(frame, 0, parameters);
-      device.queue.writeBuffer(chunkCount, 0, Uint32Array.of(this.chunkCount));
-      this.#writePagePlans(pagePlans);
-
-      this.groups = {
-        planCull: pipelines.bindGroup(planCull, {
-          frame,
-          chunkOffsets,
-          pagePlans,
-          slotCount: this.slotCount,
-          cullDispatches: this.cullDispatches,
-          depthRange,
-        }),
-        compactChunks: pipelines.bindGroup(compactChunks, { frame, chunkOffsets, visibleChunks }),
-        planProject: pipelines.bindGroup(planProject, {
-          frame,
-          splatOffsets,
-          slotCount: this.slotCount,
-          pagePlans,
-          visibleCount: this.visibleCount,
-          projectDispatches: this.projectDispatches,
-          drawArguments: this.drawArguments,
-        }),
-        compactSplats: pipelines.bindGroup(compactSplats, {
-          frame,
-          chunkOffsets,
-          visibleChunks,
-          visibilityMasks,
-          splatOffsets,
-          survivors,
-        }),
-        rasterize: pipelines.bindGroup(rasterize(shape.accuracy.recordPrecision), {
-          view: this.#view,
-          order: this.sort.order,
-          projected,
-        }),
-        pages: this.pages.map(({ chunks, geometry, shRest, cloudIndex }, index) => {
-          const view = this.#view;
-          const page = { buffer: this.#pageUniforms, offset: index * PAGE_STRIDE_BYTES, size: Page.bytes };
-          return {
-            cullChunks: pipelines.bindGroup(cullChunks, { view, page, chunks, chunkOffsets }),
-            cullSplats: pipelines.bindGroup(cullSplatsStage(shape), {
-              view,
-              page,
-              pagePlans,
-              visibleChunks,
-              geometry,
-              visibilityMasks,
-              splatOffsets,
-              depthRange,
-            }),
-            project: pipelines.bindGroup(projectStage(shape, shape.clouds[cloudIndex]), {
-              view,
-              page,
-              pagePlans,
-              survivors,
-              depthRange,
-              geometry,
-              projected,
-              keys: this.sort.keys,
-              ...(shRest ? { shRest } : {}),
-            }),
-          };
-        }),
-      };
+      this.#writeConstants();
+      this.groups = this.#bind(pipelines);
     } catch (error) {
       this.destroy();
       throw error;
@@ -208,39 +169,57 @@ export class FrameResources {
 
   /** @param view one `View`; @param pages a `Page` per page, PAGE_STRIDE_BYTES apart. */
   writeUniforms(view: ArrayBuffer, pages: ArrayBuffer): void {
-    this.#queue.writeBuffer(this.#view, 0, view);
-    this.#queue.writeBuffer(this.#pageUniforms, 0, pages);
+    this.#queue.writeBuffer(this.buffers.view, 0, view);
+    this.#queue.writeBuffer(this.buffers.pageUniforms, 0, pages);
   }
 
   destroy(): void {
     this.chunkScan?.destroy();
     this.splatScan?.destroy();
     this.sort?.destroy();
-    for (const buffer of this.#buffers) this.#memory.destroy(buffer);
-    this.#buffers.length = 0;
+    for (const buffer of Object.values(this.buffers)) this.#memory.destroy(buffer);
   }
 
-  #writePagePlans(target: GPUBuffer): void {
-    const plans = new ArrayBuffer(PagePlan.bytes * this.pages.length);
-    for (const [index, { chunkStart, chunkCount }] of this.pages.entries()) {
+  #writeConstants(): void {
+    const { buffers, chunkCount, pages } = this;
+    const parameters = new ArrayBuffer(FrameParameters.bytes);
+    FrameParameters.write(parameters, {
+      chunkCount,
+      pageCount: pages.length,
+      dispatchRow: this.shape.dispatchRow,
+    });
+    this.#queue.writeBuffer(buffers.frame, 0, parameters);
+    this.#queue.writeBuffer(buffers.chunkCount, 0, Uint32Array.of(chunkCount));
+    const plans = new ArrayBuffer(PagePlan.bytes * pages.length);
+    for (const [index, page] of pages.entries()) {
       const found = { slotStart: 0, slotCount: 0, survivorStart: 0, survivorCount: 0 };
-      PagePlan.write(
-        plans,
-        { chunkStart, chunkEnd: chunkStart + chunkCount, ...found },
-        index * PagePlan.bytes,
-      );
+      const chunks = { chunkStart: page.chunkStart, chunkEnd: page.chunkStart + page.chunkCount };
+      PagePlan.write(plans, { ...chunks, ...found }, index * PagePlan.bytes);
     }
-    this.#queue.writeBuffer(target, 0, plans);
+    this.#queue.writeBuffer(buffers.pagePlans, 0, plans);
   }
 
-  #buffer(label: string, bytes: number, usage: GPUBufferUsageFlags): GPUBuffer {
-    const buffer = this.#memory.createBuffer(
-      label,
-      bytes,
-      usage | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC,
-    );
-    this.#buffers.push(buffer);
-    return buffer;
+  #bind(pipelines: Pipelines): FrameGroups {
+    const { buffers, sort, shape } = this;
+    return {
+      planCull: pipelines.bindGroup(planCull, buffers),
+      compactChunks: pipelines.bindGroup(compactChunks, buffers),
+      planProject: pipelines.bindGroup(planProject, buffers),
+      compactSplats: pipelines.bindGroup(compactSplats, buffers),
+      rasterize: pipelines.bindGroup(rasterize(shape.accuracy.recordPrecision), {
+        ...buffers,
+        order: sort.order,
+      }),
+      pages: this.pages.map(({ chunks, geometry, shRest, cloudIndex }, index) => {
+        const page = { buffer: buffers.pageUniforms, offset: index * PAGE_STRIDE_BYTES, size: Page.bytes };
+        const own = { ...buffers, page, chunks, geometry, keys: sort.keys, ...(shRest && { shRest }) };
+        return {
+          cullChunks: pipelines.bindGroup(cullChunks, own),
+          cullSplats: pipelines.bindGroup(cullSplatsStage(shape), own),
+          project: pipelines.bindGroup(projectStage(shape, shape.clouds[cloudIndex]), own),
+        };
+      }),
+    };
   }
 }
 

@@ -64,16 +64,16 @@ export function recordFrame(
   preprocess.dispatchWorkgroups(1);
   for (const index of pages.keys()) {
     use(preprocess, cullSplatsStage(shape), groups.pages[index].cullSplats);
-    preprocess.dispatchWorkgroupsIndirect(frame.cullDispatches, 12 * index);
+    preprocess.dispatchWorkgroupsIndirect(frame.buffers.cullDispatches, 12 * index);
   }
   frame.splatScan.record(preprocess);
   use(preprocess, planProject, groups.planProject);
   preprocess.dispatchWorkgroups(1);
   use(preprocess, compactSplats, groups.compactSplats);
-  preprocess.dispatchWorkgroupsIndirect(frame.cullDispatches, 12 * pages.length);
+  preprocess.dispatchWorkgroupsIndirect(frame.buffers.cullDispatches, 12 * pages.length);
   for (const [index, { cloudIndex }] of pages.entries()) {
     use(preprocess, projectStage(shape, shape.clouds[cloudIndex]), groups.pages[index].project);
-    preprocess.dispatchWorkgroupsIndirect(frame.projectDispatches, 12 * index);
+    preprocess.dispatchWorkgroupsIndirect(frame.buffers.projectDispatches, 12 * index);
   }
   preprocess.end();
 
@@ -90,6 +90,6 @@ export function recordFrame(
     pipelines.render(rasterize(shape.accuracy.recordPrecision), rasterizeState(shape.accuracy.colorTarget))!,
   );
   raster.setBindGroup(0, groups.rasterize);
-  raster.drawIndirect(frame.drawArguments, 0);
+  raster.drawIndirect(frame.buffers.drawArguments, 0);
   raster.end();
 }

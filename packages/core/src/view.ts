@@ -12,6 +12,7 @@ import { cloudView } from './scene/cloud-view.ts';
 import { cullPlanes } from './scene/frustum.ts';
 import { keyBitsFor } from './scene/key-bits.ts';
 import type { SplatCloud } from './scene/splat-cloud.ts';
+import { visibleCapacity } from './scene/visible-capacity.ts';
 import { composite, compositeState } from './stages/composite.ts';
 import type { FrameStatistics } from './timing/frame-statistics.ts';
 import { GpuTimer } from './timing/gpu-timer.ts';
@@ -107,7 +108,7 @@ export class SplatView {
       this.#waiting = frame;
       return true;
     }
-    const shape = shapeOf(frame, this.#context);
+    const shape = shapeOf(frame, this.#context, this.#frame?.shape);
     const stages = this.#stagesFor(shape);
     if (!this.#areCompiled(stages)) {
       this.#waiting = frame;
@@ -189,7 +190,7 @@ export class SplatView {
     const encoder = device.createCommandEncoder({ label: 'websplatter frame' });
     recordFrame(encoder, pipelines, frame, this.#layer!.createView(), this.#timer);
     if (this.#canvas) this.#recordComposite(encoder, this.#canvas, viewFrame.background ?? [0, 0, 0]);
-    this.#timer.record(encoder, frame);
+    this.#timer.record(encoder, frame.buffers);
     device.queue.submit([encoder.finish()]);
     void this.#measure(frame.totalSplats);
   }
@@ -309,13 +310,23 @@ function keyOf({ camera, clouds, widthPx, heightPx, background }: ViewFrame): st
   return JSON.stringify(parts);
 }
 
-function shapeOf({ camera, clouds }: ViewFrame, { accuracy, dispatchRow }: ViewContext): FrameShape {
+/** @param current shape of the last picture: its buffers are kept as long as they are large enough. */
+function shapeOf(
+  frame: ViewFrame,
+  { accuracy, dispatchRow }: ViewContext,
+  current: FrameShape | undefined,
+): FrameShape {
+  const { camera } = frame;
+  const clouds = frame.clouds.map(({ cloud }) => cloud);
+  const isSameClouds =
+    clouds.length === current?.clouds.length && clouds.every((cloud, i) => cloud === current.clouds[i]);
   return {
-    clouds: clouds.map(({ cloud }) => cloud),
+    clouds,
     isOrthographic: camera.projectionMatrix[11] === 0,
     accuracy,
     dispatchRow,
-    keyBits: keyBitsFor(camera, clouds),
+    visibleCapacity: visibleCapacity(frame, accuracy.alphaCutoff, isSameClouds ? current.visibleCapacity : 0),
+    keyBits: keyBitsFor(camera, frame.clouds),
   };
 }
 
@@ -323,6 +334,7 @@ function isSameShape(a: FrameShape, b: FrameShape): boolean {
   return (
     a.isOrthographic === b.isOrthographic &&
     a.keyBits === b.keyBits &&
+    a.visibleCapacity === b.visibleCapacity &&
     a.accuracy === b.accuracy &&
     a.clouds.length === b.clouds.length &&
     a.clouds.every((cloud, i) => cloud === b.clouds[i])
@@ -353,10 +365,10 @@ function pageUniforms(
   projection: Projection,
   frame: FrameResources,
 ): ArrayBuffer {
-  const opacityReach = Math.sqrt(2 * Math.log(1 / frame.shape.accuracy.alphaCutoff));
+  const { alphaCutoff } = frame.shape.accuracy;
   const perCloud = clouds.map(({ cloud, modelMatrix = identity4() }) => {
     const view = cloudView(camera.viewMatrix, modelMatrix, cloud.origin, projection.isOrthographic);
-    const planes = cullPlanes(view, projection, opacityReach, DILATION_PX2);
+    const planes = cullPlanes(view, projection, alphaCutoff, DILATION_PX2);
     return {
       linear: view.linear,
       translation: view.translation,

@@ -64,8 +64,9 @@ export function packShRest(
   if (scale === 0) return;
   for (let i = 0; i < count; i++) {
     // Not Math.round and Math.min: reading a scene spends most of its time here, and this takes two thirds of theirs.
-    const nearest = Math.floor((values[i] / scale) * 127 + 0.5);
-    const byte = nearest < -127 ? -127 : nearest > 127 ? 127 : nearest;
+    let byte = Math.floor((values[i] / scale) * 127 + 0.5);
+    if (byte < -127) byte = -127;
+    else if (byte > 127) byte = 127;
     const place = i + 2;
     words[wordOffset + (place >> 2)] |= (byte & 0xff) << (8 * (place & 3));
   }

@@ -18,16 +18,18 @@ const MARGIN_PX = 0.5;
  * exact for the affine projection: an ellipse reaches past the edge of the picture where, linearly in the centre,
  * |x| − depth·tan(edge) is less than what the splat's extent and dilation add. At near and far the centre decides.
  *
- * @param opacityReach how many standard deviations a splat of opacity 1 reaches.
+ * @param alphaCutoff opacity at which a splat is taken to end.
  */
 export function cullPlanes(
   view: CloudView,
   projection: Projection,
-  opacityReach: number,
+  alphaCutoff: number,
   dilationPx2: number,
 ): readonly CullPlane[] {
   const { isOrthographic, focalPx, edgesX, edgesY, clampX, clampY, near, far } = projection;
   const stretch = stretchBound(view.linear);
+  // How many standard deviations a splat of opacity 1 reaches.
+  const opacityReach = Math.sqrt(2 * Math.log(1 / alphaCutoff));
   const marginPx = opacityReach * Math.sqrt(dilationPx2) + MARGIN_PX;
   // In view space every plane is (x, y, z, w): the sides as multiples of x or y and of depth = −z.
   const side = (

@@ -37,6 +37,8 @@ export class SplatCloud {
   readonly logScaleRange: LogScaleRange;
   /** @internal */
   readonly pages: readonly CloudPage[];
+  /** @internal One `Chunk` struct per chunk. */
+  readonly chunks: ArrayBuffer;
   readonly #memory: GpuMemory;
   #isDestroyed = false;
 
@@ -55,6 +57,7 @@ export class SplatCloud {
     this.dropped = packed.dropped;
     this.fileIndices = packed.fileIndices;
     this.logScaleRange = packed.geometry.logScaleRange;
+    this.chunks = packed.chunks;
     this.#memory = memory;
     this.pages = upload(memory, packed, pageSplats(limits, packed, name), name);
   }
