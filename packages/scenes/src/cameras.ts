@@ -25,7 +25,7 @@ function camera(
 
 /** Good views of the still life; the first is where a viewer starts. */
 export const stillLifeCameras: readonly SceneCamera[] = [
-  camera('front', [0.12, 0.44, 1.36], [0.01, 0.22, 0], 40),
+  camera('front', [0.12, 0.45, 1.44], [0.0, 0.245, 0], 40),
   camera('left', [-1.3, 0.5, 0.55], [0, 0.16, 0], 42),
   camera('right', [1.25, 0.42, 0.6], [0, 0.2, 0], 42),
   camera('back', [0.25, 0.55, -1.5], [0, 0.18, 0], 42),

@@ -36,6 +36,13 @@ function ridge(distance: number, width: number): number {
   return Math.exp(-((distance / width) ** 2));
 }
 
+/** How far inside the runner's outline a point of the table lies, in metres; negative outside. */
+export function clothInset(x: number, z: number): number {
+  const a = (x - CENTER_X) * Math.cos(ASKEW) - (z - CENTER_Z) * Math.sin(ASKEW);
+  const b = (x - CENTER_X) * Math.sin(ASKEW) + (z - CENTER_Z) * Math.cos(ASKEW);
+  return Math.min(WIDTH_M / 2 - Math.abs(a), LENGTH_M / 2 - Math.abs(b));
+}
+
 /** Writes the place of the runner's point (a, b): on the table inside its edge, hanging outside it. */
 export function placeCloth(a: number, b: number, out: Float64Array): void {
   const x = CENTER_X + a * Math.cos(ASKEW) + b * Math.sin(ASKEW);
@@ -59,7 +66,7 @@ export function placeCloth(a: number, b: number, out: Float64Array): void {
   out[2] = (z / fromMiddle) * radius;
 }
 
-const LINEN = [0.7, 0.64, 0.53] as const;
+export const LINEN = [0.7, 0.64, 0.53] as const;
 const INDIGO = [0.09, 0.14, 0.27] as const;
 
 function stripe(a: number): number {

@@ -9,7 +9,7 @@ import {
   PEAR,
   PEAR_PROFILE,
 } from './arrangement.ts';
-import { fractalNoise, latticeHash, mix, smoothstep, valueNoise } from './noise.ts';
+import { clamp01, fractalNoise, latticeHash, mix, smoothstep, valueNoise } from './noise.ts';
 import { type Part, surfacePart } from './part.ts';
 import type { Finish } from './shading.ts';
 import { type SurfacePoint, TurnedSurface } from './surface-sampling.ts';
@@ -31,7 +31,7 @@ function dimples(x: number, y: number, z: number, depth: number): number {
 
 function orangeSkin({ localX: x, localY: y, localZ: z }: SurfacePoint, finish: Finish): void {
   const patches = fractalNoise(x * 40, y * 40, z * 40, 2);
-  finish.mixAlbedo(ORANGE_SKIN, ORANGE_SKIN_DEEP, smoothstep(-0.4, 0.5, patches));
+  finish.mixAlbedo(ORANGE_SKIN, ORANGE_SKIN_DEEP, 0.55 * smoothstep(-0.5, 0.6, patches));
   finish.scaleAlbedo(1 + dimples(x, y, z, 0.22));
   finish.blendAlbedo(STEM_SCAR, 1 - smoothstep(0.003, 0.0055, Math.hypot(x, z) + (y < 0 ? 1 : 0)));
   finish.setMirror(SKIN_MIRROR);
@@ -39,12 +39,11 @@ function orangeSkin({ localX: x, localY: y, localZ: z }: SurfacePoint, finish: F
   finish.scatter.set([0.38, 0.2, 0.06]);
 }
 
-/** Half-angle of the pale wall between segments, over the radius. */
 const SEGMENTS = 10;
 
 function halfOrangeFinish(point: SurfacePoint, finish: Finish): void {
-  const { localX: x, localY: y, localZ: z } = point;
-  if (y < -0.0008) {
+  const { localX: x, localY: y, localZ: z, spacing } = point;
+  if (y < -0.0012) {
     orangeSkin(point, finish);
     return;
   }
@@ -55,7 +54,8 @@ function halfOrangeFinish(point: SurfacePoint, finish: Finish): void {
   // Juice sacs are drops that point at the middle.
   const sacs = valueNoise(x * 160 + 40 * segment, 2, z * 160) + 0.6 * valueNoise(x * 420, 5, z * 420);
   finish.mixAlbedo(FLESH, FLESH_DEEP, smoothstep(-0.6, 0.8, sacs) * 0.75 + 0.2 * segment);
-  const wall = 1 - smoothstep(0.0005, 0.0013, fromWall);
+  // Walls are drawn as far as splats are fine enough for them.
+  const wall = (1 - smoothstep(0.0005, 0.0013, fromWall)) * clamp01((0.003 / spacing) ** 2);
   const rind = smoothstep(0.0325, 0.0335, radius);
   const core = 1 - smoothstep(0.0025, 0.0045, radius);
   finish.blendAlbedo(PITH, Math.max(0.8 * wall, rind, core));

@@ -1,4 +1,4 @@
-import type { SplatSet } from '../../core/src/scene/splat-set.ts';
+import type { SplatSet } from '@websplatter/core';
 import { STILL_LIFE_SPLATS, stillLife } from './still-life.ts';
 
 export { type SceneCamera, stillLifeCameras } from './cameras.ts';

@@ -15,7 +15,7 @@ import {
 import { type Part, type Studio, surfacePart, writeFrame } from './part.ts';
 import { fibonacciDirections } from './sh-fit.ts';
 import type { Finish } from './shading.ts';
-import type { Surface, SurfacePoint } from './surface-sampling.ts';
+import { GOLDEN_RATIO_CONJUGATE, type Surface, type SurfacePoint } from './surface-sampling.ts';
 
 /** The paved terrace ends here, metres from the table's middle. */
 const TERRACE_RADIUS = 3.4;
@@ -23,13 +23,17 @@ const MEADOW_RADIUS = 70;
 /** Below this radius the ground's splats stop getting smaller. */
 const GROUND_CORE_RADIUS = 1.3;
 
-/** Ground whose splats grow in proportion to their distance from the table, as a camera near it sees them. */
+/** How fast splats thin out with distance: splats beyond a radius go as its power -0.7, so sizes as its power 1.35. */
+const GROUND_THINNING = 0.7;
+
+/** Ground whose splats grow a little faster than their distance from the table: sharp paving, soft meadow. */
 class GroundSurface implements Surface {
   readonly area = Math.PI * MEADOW_RADIUS ** 2;
-  readonly #growth = Math.log(1 + MEADOW_RADIUS / GROUND_CORE_RADIUS);
+  readonly #within = 1 - (1 + MEADOW_RADIUS / GROUND_CORE_RADIUS) ** -GROUND_THINNING;
 
   sample(u: number, v: number, point: SurfacePoint): number {
-    const radius = GROUND_CORE_RADIUS * (Math.exp(this.#growth * u) - 1);
+    const stretch = (1 - u * this.#within) ** (-1 / GROUND_THINNING);
+    const radius = GROUND_CORE_RADIUS * (stretch - 1);
     point.x = radius * Math.cos(2 * Math.PI * v);
     point.z = radius * Math.sin(2 * Math.PI * v);
     // Beyond the terrace the meadow rolls gently.
@@ -41,7 +45,9 @@ class GroundSurface implements Surface {
     point.localX = point.x;
     point.localY = 0;
     point.localZ = point.z;
-    return 2 * Math.PI * radius * this.#growth * (radius + GROUND_CORE_RADIUS);
+    const radiusPerU =
+      (this.#within / GROUND_THINNING) * GROUND_CORE_RADIUS * stretch ** (1 + GROUND_THINNING);
+    return 2 * Math.PI * radius * radiusPerU;
   }
 }
 
@@ -78,6 +84,15 @@ function groundFinish({ x, z, spacing }: SurfacePoint, finish: Finish): void {
 const HAZE_DISTANCE_M = 210;
 /** What the air adds at the horizon, linear. */
 const HAZE_COLOR: Rgb = [0.66, 0.66, 0.68];
+
+/** The same towards the sun, which lights the air from behind. */
+const HAZE_SUNLIT: Rgb = [1.15, 0.88, 0.62];
+
+/** Colour of the air in a horizontal direction. */
+function hazeColor(cos: number, sin: number, channel: number): number {
+  const towardsKey = clamp01(0.5 + 0.6 * (cos * KEY_DIRECTION[0] + sin * KEY_DIRECTION[2]));
+  return mix(HAZE_COLOR[channel], HAZE_SUNLIT[channel], towardsKey * towardsKey);
+}
 
 function hazeShare(distance: number): number {
   return 1 - Math.exp(-distance / HAZE_DISTANCE_M);
@@ -129,7 +144,7 @@ function emitRidge(ridge: Ridge, count: number, { builder, shader, prng }: Studi
   const angleStep = 0.01;
   for (let i = 0; i < count; i++) {
     const rise = (i + 0.5) / count;
-    const angle = 2 * Math.PI * ((i * 0.618033988749895) % 1);
+    const angle = 2 * Math.PI * ((i * GOLDEN_RATIO_CONJUGATE) % 1);
     const height = ridgeHeight(ridge, angle);
     const slopeAlong = (ridgeHeight(ridge, angle + angleStep) - height) / (angleStep * ridge.radius);
     const steep = Math.hypot(height + 1, RIDGE_DEPTH_M);
@@ -151,6 +166,7 @@ function emitRidge(ridge: Ridge, count: number, { builder, shader, prng }: Studi
     const field = FIELD_COLORS[Math.floor(patch.id * FIELD_COLORS.length)];
     const woods = smoothstep(0.02, 0.3, fractalNoise(x * 0.1, ridge.seed, z * 0.1, 3));
     const share = hazeShare(radius * 1.25);
+    const tone = 1 + 0.12 * prng.gaussian();
     const color = [0, 0, 0];
     for (let k = 0; k < 3; k++) {
       const albedo = mix(
@@ -159,7 +175,7 @@ function emitRidge(ridge: Ridge, count: number, { builder, shader, prng }: Studi
         Math.max(woods, 0.5 * (1 - smoothstep(0, 0.08, patch.border))),
       );
       const lit = albedo * (KEY_RADIANCE[k] * Math.max(0.08, facing) + 0.55);
-      color[k] = mix(lit * (1 + 0.12 * prng.gaussian()), HAZE_COLOR[k], share);
+      color[k] = mix(lit * tone, hazeColor(cos, sin, k), share);
     }
     shader.setFlat(color[0], color[1], color[2]);
     const spacing = Math.sqrt((2 * Math.PI * radius * steep) / count);
@@ -172,46 +188,47 @@ function emitRidge(ridge: Ridge, count: number, { builder, shader, prng }: Studi
   }
 }
 
-const TREE_SPLATS = 26;
+const TREE_SPLATS = 30;
+const GROVE_TREES = 5;
 const CYPRESS: Rgb = [0.028, 0.042, 0.02];
 
-/** A cypress or a round-headed tree as a handful of upright ellipsoids. */
+/** Cypresses in groves of five, each a handful of upright ellipsoids. */
 function emitTrees(count: number, { builder, shader, prng }: Studio): void {
   const frame = new Float64Array(9);
   const scales = new Float64Array(3);
   for (let i = 0; i < count; i++) {
     const tree = Math.floor(i / TREE_SPLATS);
-    const grove = Math.floor(tree / 5);
-    const angle = 2 * Math.PI * latticeHash(grove, 1, 9) + 0.11 * (tree % 5) * latticeHash(grove, 2, 9);
+    const inGrove = tree % GROVE_TREES;
+    const grove = Math.floor(tree / GROVE_TREES);
+    const angle =
+      2 * Math.PI * ((grove * GOLDEN_RATIO_CONJUGATE + 0.67) % 1) + 0.11 * inGrove * latticeHash(grove, 2, 9);
     const distance = mix(17, 36, latticeHash(grove, 3, 9)) + 1.3 * latticeHash(tree, 4, 9);
-    const tall = mix(2.2, 4.4, latticeHash(tree, 5, 9));
-    const round = latticeHash(grove, 6, 9) < 0.35;
-    const width = round ? 0.3 * tall : 0.11 * tall;
+    const height = mix(2.2, 4.6, latticeHash(tree, 5, 9));
+    const width = height * mix(0.1, 0.15, latticeHash(tree, 6, 9));
     const rise = ((i % TREE_SPLATS) + 0.5) / TREE_SPLATS;
-    const outline = round
-      ? Math.sqrt(clamp01(4 * rise * (1 - rise)))
-      : Math.sin(Math.PI * rise ** 0.6) ** 0.7;
+    const outline = Math.sin(Math.PI * rise ** 0.6) ** 0.7;
     const turn = 2 * Math.PI * prng.next();
     const aside = width * outline * 0.6 * Math.sqrt(prng.next());
     const x = distance * Math.cos(angle) + aside * Math.cos(turn);
+    const y = GROUND_Y - 0.3 + height * rise;
     const z = distance * Math.sin(angle) + aside * Math.sin(turn);
-    const y = GROUND_Y - 0.3 + (round ? 0.35 * tall + 0.65 * tall * rise : tall * rise);
-    const facing = (Math.cos(turn) * KEY_DIRECTION[0] + Math.sin(turn) * KEY_DIRECTION[2]) / 0.83;
+    const facing = Math.cos(turn) * KEY_DIRECTION[0] + Math.sin(turn) * KEY_DIRECTION[2];
+    const sun = Math.max(0.1, 0.3 + facing + 0.5 * rise);
     const share = hazeShare(distance * 0.9);
     const tone = 0.75 + 0.5 * prng.next();
-    const lit = [0, 1, 2].map((k) =>
+    const [red, green, blue] = CYPRESS.map((albedo, k) =>
       mix(
-        CYPRESS[k] * tone * (KEY_RADIANCE[k] * (0.5 + 0.8 * facing + 0.4 * rise) + 0.8),
-        HAZE_COLOR[k],
+        albedo * tone * (KEY_RADIANCE[k] * sun + 0.7),
+        hazeColor(Math.cos(angle), Math.sin(angle), k),
         share,
       ),
     );
-    shader.setFlat(lit[0], lit[1], lit[2]);
+    shader.setFlat(red, green, blue);
     writeFrame(0, 1, 0, Math.cos(turn), 0, Math.sin(turn), frame);
-    const size = (round ? 0.16 : 0.1) * tall * (0.4 + 0.6 * outline) * Math.exp(0.15 * prng.gaussian());
-    scales[0] = size * (round ? 0.8 : 1.1);
-    scales[1] = size * (round ? 0.8 : 0.5);
-    scales[2] = size * (round ? 0.5 : 0.35);
+    const size = 0.1 * height * (0.4 + 0.6 * outline) * Math.exp(0.15 * prng.gaussian());
+    scales[0] = 1.1 * size;
+    scales[1] = 0.5 * size;
+    scales[2] = 0.35 * size;
     builder.add(x, y, z, frame, scales, prng.range(0.75, 0.97), shader.coefficients);
   }
 }
@@ -269,24 +286,25 @@ function emitHaze(count: number, { builder, shader, prng }: Studio): void {
   const frame = new Float64Array(9);
   const scales = new Float64Array(3);
   for (let i = 0; i < count; i++) {
-    const angle = 2 * Math.PI * ((i * 0.618033988749895) % 1);
+    const angle = 2 * Math.PI * ((i * GOLDEN_RATIO_CONJUGATE) % 1);
     const distance = prng.range(24, 52);
-    const x = distance * Math.cos(angle);
-    const z = distance * Math.sin(angle);
-    const towardsKey = clamp01(
-      0.5 + 0.5 * (Math.cos(angle) * KEY_DIRECTION[0] + Math.sin(angle) * KEY_DIRECTION[2]),
-    );
-    shader.setFlat(
-      HAZE_COLOR[0] * (1 + 0.5 * towardsKey),
-      HAZE_COLOR[1] * (1 + 0.25 * towardsKey),
-      HAZE_COLOR[2] * (1 + 0.05 * towardsKey),
-    );
-    writeFrame(-Math.sin(angle), 0, Math.cos(angle), -Math.cos(angle), 0, -Math.sin(angle), frame);
+    const cos = Math.cos(angle);
+    const sin = Math.sin(angle);
+    shader.setFlat(hazeColor(cos, sin, 0), hazeColor(cos, sin, 1), hazeColor(cos, sin, 2));
+    writeFrame(-sin, 0, cos, -cos, 0, -sin, frame);
     scales[0] = prng.range(3, 7);
     scales[1] = prng.range(0.4, 1.1);
     scales[2] = 0.5;
     const y = GROUND_Y + prng.range(0.2, 2.2);
-    builder.add(x, y, z, frame, scales, prng.range(0.01, 0.06), shader.coefficients);
+    builder.add(
+      distance * cos,
+      y,
+      distance * sin,
+      frame,
+      scales,
+      prng.range(0.01, 0.06),
+      shader.coefficients,
+    );
   }
 }
 
@@ -322,7 +340,7 @@ const BLADE_SEGMENTS = 2;
 
 function placeBlade(blade: number, t: number, out: Float64Array): void {
   const clump = Math.floor(blade / 7);
-  const angle = 2 * Math.PI * ((clump * 0.618033988749895) % 1);
+  const angle = 2 * Math.PI * ((clump * GOLDEN_RATIO_CONJUGATE) % 1);
   const distance = TERRACE_RADIUS + 0.1 + 3.5 * latticeHash(clump, 2, 3) ** 2;
   const length = mix(0.07, 0.3, latticeHash(blade, 3, 3) ** 1.5);
   const lean = 0.75 * (latticeHash(blade, 4, 3) - 0.5);
@@ -337,17 +355,19 @@ function placeBlade(blade: number, t: number, out: Float64Array): void {
 }
 
 export const landscapeParts: readonly Part[] = [
-  { name: 'sky', weight: 5_000, emit: emitSky },
+  { name: 'sky', weight: 5_500, role: 'backdrop', emit: emitSky },
   ...RIDGES.map((ridge, index) => ({
     name: `ridge-${index}`,
-    weight: 2_200,
+    weight: 2_800,
+    role: 'backdrop' as const,
     emit: (count: number, studio: Studio) => emitRidge(ridge, count, studio),
   })),
-  { name: 'trees', weight: 70 * TREE_SPLATS, emit: emitTrees },
-  { name: 'haze', weight: 500, emit: emitHaze },
+  { name: 'trees', weight: 70 * TREE_SPLATS, role: 'backdrop', emit: emitTrees },
+  { name: 'haze', weight: 500, role: 'ground', emit: emitHaze },
   surfacePart({
     name: 'ground',
-    weight: 19_000,
+    weight: 24_000,
+    role: 'ground',
     surface: new GroundSurface(),
     owner: 'ground',
     coverage: 0.8,
@@ -356,6 +376,7 @@ export const landscapeParts: readonly Part[] = [
   {
     name: 'meadow-grass',
     weight: 9_000,
+    role: 'ground',
     emit: (count, studio) => {
       emitFibres(count, studio, {
         segments: BLADE_SEGMENTS,

@@ -28,8 +28,8 @@ const KEY_HALF_WIDTH = 0.26;
 const KEY_HALF_HEIGHT = 0.31;
 /** Solid angle of the key light, in steradians. */
 const KEY_SOLID_ANGLE = 4 * KEY_HALF_WIDTH * KEY_HALF_HEIGHT;
-/** The disc that a mirror shows: the same light concentrated into its solid angle. */
-const KEY_DISC_GAIN = Math.PI / KEY_SOLID_ANGLE;
+/** The disc that a mirror shows: the same light concentrated into its solid angle, and its heart twice as bright. */
+const KEY_DISC_GAIN = (2 * Math.PI) / KEY_SOLID_ANGLE;
 
 const KEY_RIGHT = normalize(KEY_DIRECTION[2], 0, -KEY_DIRECTION[0]);
 const KEY_UP = [
@@ -63,8 +63,7 @@ export function keyDisc(x: number, y: number, z: number, blur: number): number {
   const up = Math.abs(x * KEY_UP[0] + y * KEY_UP[1] + z * KEY_UP[2]);
   const edge = 0.05 + 0.75 * blur * blur;
   // Spreading the disc over a larger solid angle lowers it, so that the light in it stays the same.
-  const spread =
-    (KEY_SOLID_ANGLE / (4 * (KEY_HALF_WIDTH + 0.5 * edge) * (KEY_HALF_HEIGHT + 0.5 * edge))) ** 0.7;
+  const spread = KEY_SOLID_ANGLE / (4 * (KEY_HALF_WIDTH + 0.5 * edge) * (KEY_HALF_HEIGHT + 0.5 * edge));
   const width = 1 - smoothstep(KEY_HALF_WIDTH - 0.5 * edge, KEY_HALF_WIDTH + edge, across);
   const height = 1 - smoothstep(KEY_HALF_HEIGHT - 0.5 * edge, KEY_HALF_HEIGHT + edge, up);
   return KEY_DISC_GAIN * spread * width * height;

@@ -114,6 +114,8 @@ const AMBIENT_DIRECTIONS = 20;
 const AMBIENT_TAPS_M = [0.012, 0.04, 0.11, 0.28];
 /** A ray's cone: an occluder closer than this times the distance gone counts as being in the way. */
 const AMBIENT_CONE = 0.55;
+/** Furthest that an ambient ray looks, its cone included. */
+const AMBIENT_REACH_M = 0.28 * (1 + AMBIENT_CONE);
 /** Share of a shaded neighbour's own skylight in what it bounces. */
 const BOUNCE_AMBIENT = 0.3;
 /** Share of sunlight that an average point of an object's surface receives. */
@@ -207,6 +209,7 @@ export class OcclusionField {
     let blue = 0;
     let open = 0;
     let total = 0;
+    const clearance = this.#distance(x, y, z, owner, AMBIENT_REACH_M);
     for (let i = 0; i < AMBIENT_DIRECTIONS; i++) {
       const dx = this.#directions[3 * i];
       const dy = this.#directions[3 * i + 1];
@@ -218,6 +221,8 @@ export class OcclusionField {
       let blocker: Occluder | undefined;
       for (const t of AMBIENT_TAPS_M) {
         const cone = AMBIENT_CONE * t;
+        // Nothing that near: most taps of an open surface need no look.
+        if (clearance >= t + cone) continue;
         const distance = this.#distance(x + dx * t, y + dy * t, z + dz * t, owner, cone);
         const seen = clamp01(0.5 + (0.5 * distance) / cone);
         if (seen < visibility) {

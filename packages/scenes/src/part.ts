@@ -14,11 +14,19 @@ export interface Studio {
   readonly fibreWidening: number;
 }
 
+/**
+ * What a part is in the picture. Small scenes spend the same share on the subject, less on the ground, whose texture
+ * they cannot show anyway, and more on the backdrop, whose few splats would otherwise melt into one another.
+ */
+export type PartRole = 'subject' | 'ground' | 'backdrop';
+
 /** A part of a scene that can be made of any number of splats. */
 export interface Part {
   readonly name: string;
   /** Splats in the scene at its full size; other sizes scale all parts alike. */
   readonly weight: number;
+  /** How the part's share changes in small scenes; `subject` where absent. */
+  readonly role?: PartRole;
   /** Adds exactly `count` splats. */
   emit(count: number, studio: Studio): void;
 }
@@ -27,6 +35,7 @@ export interface Part {
 export interface SurfacePart {
   readonly name: string;
   readonly weight: number;
+  readonly role?: PartRole;
   readonly surface: Surface;
   readonly pose?: Pose;
   /** Object that the surface belongs to; it does not occlude itself. */
@@ -61,7 +70,8 @@ const FAINT_WIDENING = 1.35;
 const RELIEF_STEP_M = 2.5e-4;
 
 export function surfacePart(part: SurfacePart): Part {
-  return { name: part.name, weight: part.weight, emit: (count, studio) => emitSurface(part, count, studio) };
+  const { name, weight, role } = part;
+  return { name, weight, role, emit: (count, studio) => emitSurface(part, count, studio) };
 }
 
 function emitSurface(part: SurfacePart, count: number, { builder, shader, prng }: Studio): void {

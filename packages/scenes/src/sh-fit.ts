@@ -2,7 +2,7 @@
  * Fits radiance as a function of the viewing direction into real spherical harmonics, in the basis and with the signs
  * that Gaussian-splat scenes are trained in: colour = max(0, 0.5 + Σ c·Y(d)), d from the camera to the splat.
  */
-import type { ShDegree } from '../../core/src/scene/splat-set.ts';
+import type { ShDegree } from '@websplatter/core';
 
 const C0 = 0.28209479177387814;
 const C1 = 0.4886025119029199;
@@ -73,8 +73,14 @@ export function fibonacciDirections(count: number, lowestZ: number): Float64Arra
 /**
  * (BᵀB/n + ridge)⁻¹Bᵀ/n as size × n, row by row, for the n directions' basis B. The ridge grows as (l(l+1))²
  * (the smoothness penalty of the sphere's Laplacian), so that detail is only spent where the samples ask for it.
+ * In the `calm` directions, where there are no samples, everything but the mean is held near zero.
  */
-function pseudoInverse(degree: ShDegree, directions: Float64Array, ridge: number): Float64Array {
+function pseudoInverse(
+  degree: ShDegree,
+  directions: Float64Array,
+  ridge: number,
+  calm: Float64Array,
+): Float64Array {
   const size = shBasisSize(degree);
   const count = directions.length / 3;
   const basis = new Float64Array(size);
@@ -90,6 +96,13 @@ function pseudoInverse(degree: ShDegree, directions: Float64Array, ridge: number
   for (let j = 0; j < size; j++) {
     const band = Math.floor(Math.sqrt(j));
     normal[j * size + j] += ridge * (band * (band + 1)) ** 2;
+  }
+  for (let i = 0; i < calm.length / 3; i++) {
+    evaluateShBasis(degree, calm[3 * i], calm[3 * i + 1], calm[3 * i + 2], basis);
+    const weight = (3 * CALM_WEIGHT) / calm.length;
+    for (let j = 1; j < size; j++) {
+      for (let k = 1; k < size; k++) normal[j * size + k] += weight * basis[j] * basis[k];
+    }
   }
   const inverse = invertPositiveDefinite(normal, size);
   const result = new Float64Array(size * count);
@@ -129,8 +142,17 @@ function invertPositiveDefinite(matrix: Float64Array, size: number): Float64Arra
 /** Samples per fit: four per coefficient of degree 3, enough to average a highlight's edge. */
 export const FIT_DIRECTIONS = 64;
 
-/** Weakest ridge that keeps the half of the sphere that is never seen from running away. */
+/** Weak smoothing: highlights are to stay as sharp as degree 3 allows. */
 const FIT_RIDGE = 2e-5;
+
+/**
+ * Weight of the hemisphere behind a surface against its front. Free there, the fit runs to several times white, which
+ * then gleams through the gaps of whatever hides the surface's back.
+ */
+const CALM_WEIGHT = 0.015;
+const CALM_DIRECTIONS = 40;
+/** Calm from a little behind the last sample on. */
+const CALM_LOWEST_Z = 0.25;
 
 /** A little over the hemisphere: a splat's neighbours' normals differ, so that it is seen from just behind too. */
 const HEMISPHERE_LOWEST_Z = -0.12;
@@ -158,9 +180,11 @@ export class ShFit {
     this.degree = degree;
     this.views = fibonacciDirections(FIT_DIRECTIONS, side === 'front' ? HEMISPHERE_LOWEST_Z : -1);
     const directions = this.views.map((component) => -component);
-    this.#inverse = pseudoInverse(degree, directions, FIT_RIDGE);
+    // Directions are camera → splat: seen from behind the surface they lie around +z.
+    const calm = side === 'front' ? fibonacciDirections(CALM_DIRECTIONS, CALM_LOWEST_Z) : new Float64Array(0);
+    this.#inverse = pseudoInverse(degree, directions, FIT_RIDGE, calm);
     this.#resampleDirections = fibonacciDirections(RESAMPLE_DIRECTIONS, -1);
-    this.#resampleInverse = pseudoInverse(degree, this.#resampleDirections, 0);
+    this.#resampleInverse = pseudoInverse(degree, this.#resampleDirections, 0, new Float64Array(0));
     this.#size = shBasisSize(degree);
     this.#local = new Float64Array(3 * this.#size);
     this.#basis = new Float64Array(this.#size);

@@ -1,5 +1,5 @@
 /** Bakes light into a splat: outgoing radiance over viewing directions, tone-mapped and fitted by harmonics. */
-import type { ShDegree } from '../../core/src/scene/splat-set.ts';
+import type { ShDegree } from '@websplatter/core';
 import {
   displayValue,
   highlightOvershoot,
@@ -94,7 +94,7 @@ export interface ReflectedTable {
 }
 
 /** Reflections at and above this roughness are too blurred to show a neighbour. */
-const ROUGHEST_REFLECTED_NEIGHBOUR = 0.4;
+const ROUGHEST_REFLECTED_NEIGHBOUR = 0.2;
 /** Light on a surface that a reflection shows, as a share of full sun and sky. */
 const REFLECTED_LIGHT = 0.6;
 /** Part of the key light's reflection that remains in shadow: the shadow is soft and the disc large. */

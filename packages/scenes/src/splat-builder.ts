@@ -1,5 +1,4 @@
-import { packShRest, shRestWordsPerSplat } from '../../core/src/layout/sh-rest.ts';
-import type { ShDegree, SplatSet } from '../../core/src/scene/splat-set.ts';
+import { packShRest, type ShDegree, type SplatSet, shRestWordsPerSplat } from '@websplatter/core';
 
 /** Fills the columns of a {@link SplatSet}, a splat at a time, in storage order. */
 export class SplatBuilder {

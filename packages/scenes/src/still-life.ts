@@ -1,9 +1,9 @@
-import type { ShDegree, SplatSet } from '../../core/src/scene/splat-set.ts';
+import type { ShDegree, SplatSet } from '@websplatter/core';
 import { makeOcclusionField, REFLECTED_BALLS, TABLE_RADIUS, TABLE_TINT } from './arrangement.ts';
 import { clothParts } from './cloth.ts';
 import { fruitParts } from './fruit.ts';
 import { landscapeParts } from './landscape.ts';
-import type { Part } from './part.ts';
+import type { Part, PartRole } from './part.ts';
 import { plumeParts } from './plumes.ts';
 import { Prng, seedFor } from './prng.ts';
 import { Shader } from './shading.ts';
@@ -28,6 +28,9 @@ export interface StillLifeOptions {
 
 /** Every part gets at least this many splats, so that none vanishes from the smallest scenes. */
 const MIN_PART_SPLATS = 6;
+
+/** A part's share at `splats` over that at full size goes as this power of `splats` over the full number. */
+const ROLE_EXPONENT: Readonly<Record<PartRole, number>> = { subject: 0, ground: 0.35, backdrop: -0.3 };
 
 const PARTS: readonly Part[] = [
   ...landscapeParts,
@@ -56,9 +59,10 @@ export function stillLife(options: StillLifeOptions = {}): SplatSet {
     radius: TABLE_RADIUS,
     color: TABLE_TINT,
   });
+  const size = Math.min(1, splats / STILL_LIFE_SPLATS);
   const counts = apportion(
     splats,
-    PARTS.map((part) => part.weight),
+    PARTS.map((part) => part.weight * size ** ROLE_EXPONENT[part.role ?? 'subject']),
     MIN_PART_SPLATS,
   );
   const fibreWidening = (STILL_LIFE_SPLATS / splats) ** 0.5;

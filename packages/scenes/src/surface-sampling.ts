@@ -1,7 +1,8 @@
 /** Surfaces that can be covered evenly with splats, and the even covering. */
 import { clamp01 } from './noise.ts';
 
-const GOLDEN_RATIO_CONJUGATE = (Math.sqrt(5) - 1) / 2;
+/** The fraction that multiples of spread most evenly modulo 1. */
+export const GOLDEN_RATIO_CONJUGATE = (Math.sqrt(5) - 1) / 2;
 
 /** A point on a surface; one object is reused for all points of a surface. Metres. */
 export class SurfacePoint {

@@ -12,6 +12,8 @@ import {
   VASE,
   VASE_PROFILE,
 } from './arrangement.ts';
+import { clothInset, LINEN } from './cloth.ts';
+import { emitFibres } from './fibres.ts';
 import { clamp01, fractalNoise, latticeHash, mix, smoothstep, valueNoise } from './noise.ts';
 import { type Part, surfacePart } from './part.ts';
 import { pose } from './pose.ts';
@@ -22,8 +24,8 @@ import { DiscSurface, type Profile, type SurfacePoint, TurnedSurface } from './s
 const DIELECTRIC = 0.04;
 
 const PLANK_WIDTH_M = 0.118;
-/** Dark line between planks, half its width. */
-const PLANK_GAP_M = 0.0022;
+/** Boards end this far from the line between them; splats that draw the line fill the rest. */
+const PLANK_GAP_M = 0.0035;
 const WOOD_LIGHT = [0.4, 0.215, 0.098] as const;
 const WOOD_DARK = [0.17, 0.078, 0.034] as const;
 
@@ -37,20 +39,60 @@ function woodFinish(along: number, across: number, finish: Finish): void {
   const pores = fractalNoise(along * 9 + shift, across * 260, plank, 2);
   finish.mixAlbedo(WOOD_LIGHT, WOOD_DARK, clamp01(0.22 + 0.3 * bands * (0.5 + 0.5 * tone) + 0.3 * pores));
   finish.scaleAlbedo(0.8 + 0.4 * tone);
-  const toEdge = Math.min(across - plank * PLANK_WIDTH_M, (plank + 1) * PLANK_WIDTH_M - across);
-  const gap = 1 - smoothstep(0.5 * PLANK_GAP_M, 1.6 * PLANK_GAP_M, toEdge);
-  finish.scaleAlbedo(1 - 0.75 * gap);
-  finish.cavity = 1 - 0.6 * gap;
-  finish.setMirror(DIELECTRIC * (1 - gap));
+  finish.setMirror(DIELECTRIC);
   finish.roughness = 0.4;
 }
 
+/**
+ * The table's top, its splats kept clear of the lines between planks: a splat of a board that reaches across would
+ * cut a line into dashes.
+ */
+class PlankedDisc extends DiscSurface {
+  override sample(u: number, v: number, point: SurfacePoint): number {
+    const area = super.sample(u, v, point);
+    const middle = (Math.floor(point.z / PLANK_WIDTH_M) + 0.5) * PLANK_WIDTH_M;
+    point.z = middle + (point.z - middle) * (1 - (2 * PLANK_GAP_M) / PLANK_WIDTH_M);
+    if (clothInset(point.x, point.z) > 0.004) point.y -= UNDER_CLOTH_M;
+    return area;
+  }
+}
+
+const WOOD_ASPECT = 3.4;
+
+/** Less stretch towards the ends of the boards, so that no splat reaches out over the table's edge. */
+function grainInsideEdge({ x, z, spacing }: SurfacePoint): number {
+  const toEnd = Math.sqrt(Math.max(0, TOP_RADIUS_M ** 2 - z * z)) - Math.abs(x);
+  return Math.max(1, Math.min(WOOD_ASPECT, ((0.8 * toEnd) / spacing) ** 2));
+}
+
+/** Wood under the runner lies lower than it would: sorted by its centre, a splat of it could show above the linen. */
+const UNDER_CLOTH_M = 0.006;
+
+const TOP_RADIUS_M = 0.59;
+const GAP_SEGMENTS = 12;
+const GAP_COLOR = [0.035, 0.017, 0.009] as const;
+
+/** Lines between planks inside the table's edge. */
+const GAP_LINES = Array.from(
+  { length: 2 * Math.floor(TOP_RADIUS_M / PLANK_WIDTH_M) + 1 },
+  (_, i) => (i - Math.floor(TOP_RADIUS_M / PLANK_WIDTH_M)) * PLANK_WIDTH_M,
+);
+
+/** The `fibre`-th stretch of the lines between planks: lines in turn, each cut into `cuts` stretches. */
+function placeGap(fibre: number, cuts: number, segments: number, t: number, out: Float64Array): void {
+  const z = GAP_LINES[fibre % GAP_LINES.length];
+  // Ends are drawn in by half a splat, which reaches that far beyond its middle's stretch.
+  const halfLength = Math.sqrt(TOP_RADIUS_M ** 2 - z * z) * (1 - 0.5 / (cuts * segments));
+  const place = (Math.floor(fibre / GAP_LINES.length) + t) / cuts;
+  out[0] = halfLength * (2 * place - 1);
+  out[1] = clothInset(out[0], z) > -0.004 ? -2 * UNDER_CLOTH_M : 0.0004;
+  out[2] = z;
+}
+
 const TABLE_UNDERSIDE_PROFILE: Profile = [
-  [0.02, GROUND_Y + 0.03],
-  [0.2, GROUND_Y + 0.028],
-  [0.265, GROUND_Y + 0.018],
-  [0.27, GROUND_Y],
-  [0.268, GROUND_Y + 0.022],
+  [0.264, GROUND_Y],
+  [0.27, GROUND_Y + 0.01],
+  [0.26, GROUND_Y + 0.024],
   [0.18, GROUND_Y + 0.045],
   [0.075, GROUND_Y + 0.09],
   [0.05, GROUND_Y + 0.16],
@@ -60,8 +102,8 @@ const TABLE_UNDERSIDE_PROFILE: Profile = [
   [0.06, -0.14],
   [0.13, -0.075],
   [0.26, -0.048],
-  [0.56, -0.042],
-  [0.59, -0.038],
+  [0.52, -0.043],
+  [0.57, -0.04],
 ];
 
 const TABLE_RIM_PROFILE: Profile = [
@@ -79,7 +121,10 @@ const GLAZE_POOL = [0.012, 0.075, 0.105] as const;
 const GLAZE_BREAK = [0.3, 0.36, 0.27] as const;
 const STONEWARE = [0.36, 0.2, 0.12] as const;
 
-function vaseFinish({ localX, localY, localZ, normalX, normalZ }: SurfacePoint, finish: Finish): void {
+function vaseFinish(
+  { spacing, x, z, localX, localY, localZ, normalX, normalZ }: SurfacePoint,
+  finish: Finish,
+): void {
   const angle = Math.atan2(localZ, localX);
   const runs = 0.014 * valueNoise(Math.cos(angle) * 3, Math.sin(angle) * 3, 2) + 0.006 * Math.sin(angle * 9);
   const glazed = smoothstep(0.046 + runs, 0.05 + runs, localY);
@@ -94,17 +139,27 @@ function vaseFinish({ localX, localY, localZ, normalX, normalZ }: SurfacePoint, 
   finish.blendAlbedo(STONEWARE, 1 - glazed);
   const grit = fractalNoise(localX * 300, localY * 300, localZ * 300, 2);
   finish.scaleAlbedo(1 + (1 - glazed) * 0.4 * grit);
-  finish.setMirror(mix(0.0, 0.055, glazed));
+  finish.setMirror(mix(0.0, 0.065, glazed));
   finish.roughness = mix(0.8, 0.06, glazed);
   if (inside && localY > 0.2) finish.cavity = mix(0.08, 0.8, smoothstep(0.24, 0.3, localY));
   finish.opacityLow = 0.9;
+  if (localY > 0.285) grainAround(x - VASE[0], z - VASE[2], spacing, finish);
+}
+
+/** Draws splats out around a rim: across it they would stand out from its narrow curve like bristles. */
+function grainAround(fromAxisX: number, fromAxisZ: number, spacing: number, finish: Finish): void {
+  // Straight splats must stay short of the circle's own curve.
+  const longest = (0.75 * Math.hypot(fromAxisX, fromAxisZ)) / spacing;
+  finish.grainAspect = Math.max(1, Math.min(4, longest * longest));
+  finish.grainX = -fromAxisZ;
+  finish.grainZ = fromAxisX;
 }
 
 const JADE = [0.42, 0.62, 0.4] as const;
 const JADE_VEIN = [0.16, 0.36, 0.22] as const;
 const JADE_CLOUD = [0.72, 0.78, 0.6] as const;
 
-function bowlFinish({ localX, localY, localZ }: SurfacePoint, finish: Finish): void {
+function bowlFinish({ spacing, x, z, localX, localY, localZ }: SurfacePoint, finish: Finish): void {
   const veins = Math.abs(fractalNoise(localX * 14 + 3, localY * 14, localZ * 14, 3));
   const clouds = fractalNoise(localX * 9, localY * 22 + 5, localZ * 9, 2);
   finish.mixAlbedo(JADE, JADE_CLOUD, Math.max(0, 1.2 * clouds));
@@ -113,6 +168,8 @@ function bowlFinish({ localX, localY, localZ }: SurfacePoint, finish: Finish): v
   finish.roughness = 0.12;
   finish.scatter.set([0.55, 0.65, 0.5]);
   finish.through.set([0.3, 0.42, 0.24]);
+  finish.twoSided = true;
+  if (localY > 0.09) grainAround(x - BOWL[0], z - BOWL[2], spacing, finish);
   // Stone that light enters: the wall is two veils, denser at the thick foot.
   const foot = 1 - smoothstep(0.012, 0.045, localY);
   finish.opacityLow = mix(0.4, 0.85, foot);
@@ -121,11 +178,14 @@ function bowlFinish({ localX, localY, localZ }: SurfacePoint, finish: Finish): v
 
 const GLASS = [0.05, 0.11, 0.045] as const;
 
-function bottleFinish({ localY }: SurfacePoint, finish: Finish): void {
+function bottleFinish({ spacing, x, z, localY }: SurfacePoint, finish: Finish): void {
   finish.setAlbedo(GLASS);
-  finish.setMirror(DIELECTRIC * 1.6);
+  // More than glass has, for the faint splats to show it.
+  finish.setMirror(DIELECTRIC * 3);
   finish.roughness = 0.05;
   finish.through.set([0.5, 0.9, 0.35]);
+  finish.twoSided = true;
+  if (localY > 0.28) grainAround(x - BOTTLE[0], z - BOTTLE[2], spacing, finish);
   const thick = 1 - smoothstep(0.004, 0.018, localY) + smoothstep(0.284, 0.292, localY);
   finish.opacityLow = mix(0.09, 0.35, thick);
   finish.opacityHigh = mix(0.16, 0.65, thick);
@@ -191,14 +251,33 @@ export const tablewareParts: readonly Part[] = [
   surfacePart({
     name: 'table-top',
     weight: 27_000,
-    surface: new DiscSurface(0.59),
+    surface: new PlankedDisc(TOP_RADIUS_M),
     owner: 'table',
     finish: (point, finish) => {
       woodFinish(point.x, point.z, finish);
-      finish.grainAspect = 3.4;
+      // Wood under the runner takes the linen's colour, as little of it as may shine through.
+      if (clothInset(point.x, point.z) > 0.004) finish.setAlbedo(LINEN);
+      finish.grainAspect = grainInsideEdge(point);
       finish.opacityLow = 0.86;
     },
   }),
+  {
+    name: 'plank-gaps',
+    weight: 900,
+    emit: (count, studio) => {
+      const cuts = Math.max(1, Math.floor(count / GAP_SEGMENTS / GAP_LINES.length));
+      const segments = Math.ceil(count / (cuts * GAP_LINES.length));
+      emitFibres(count, studio, {
+        segments,
+        radius: 0.0013,
+        color: GAP_COLOR,
+        gloss: 0,
+        opacity: [0.75, 0.95],
+        owner: 'table',
+        place: (fibre, t, out) => placeGap(fibre, cuts, segments, t, out),
+      });
+    },
+  },
   surfacePart({
     name: 'table-underside',
     weight: 5_000,
@@ -214,12 +293,13 @@ export const tablewareParts: readonly Part[] = [
   }),
   surfacePart({
     name: 'table-rim',
-    weight: 4_500,
+    weight: 5_500,
     surface: new TurnedSurface(TABLE_RIM_PROFILE),
     owner: 'table',
     finish: ({ x, y, z }, finish) => {
       woodFinish(x + 0.4 * y, z, finish);
-      finish.grainAspect = 2.2;
+      if (clothInset(x, z) > 0.01) finish.setAlbedo(LINEN);
+      finish.grainAspect = 3;
       finish.grainX = -z;
       finish.grainZ = x;
       finish.cavity *= mix(0.55, 1, smoothstep(-0.04, -0.02, y));
