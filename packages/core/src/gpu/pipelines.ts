@@ -72,7 +72,7 @@ export class Pipelines {
   /** Resources for all of the stage's bindings; others are ignored. */
   bindGroup<Binding extends string>(
     stage: StageDefinition<Binding>,
-    bindings: Bindings<Binding>,
+    bindings: Bindings<NoInfer<Binding>>,
   ): GPUBindGroup {
     const names = Object.keys(stage.bindings) as Binding[];
     return this.#device.createBindGroup({
