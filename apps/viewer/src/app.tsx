@@ -1,0 +1,60 @@
+import { useEffect, useMemo, useRef } from 'react';
+import { useStore } from 'zustand';
+import { createCommands, listenToKeys } from './commands.ts';
+import { DropZone } from './drop-zone.tsx';
+import { type DropDecision, decideFiles } from './dropped-files.ts';
+import { ErrorPanel } from './error-panel.tsx';
+import { Help } from './help.tsx';
+import { Hud } from './hud.tsx';
+import { LoadPanel } from './load-panel.tsx';
+import { Notice } from './notice.tsx';
+import { SceneCaption } from './scene-caption.tsx';
+import { LostPage, UnavailablePage } from './status-pages.tsx';
+import type { ViewerStore } from './store.ts';
+import { Toolbar } from './toolbar.tsx';
+import type { Viewer } from './viewer.ts';
+import { Viewport } from './viewport.tsx';
+
+export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
+  const status = useStore(store, (state) => state.status);
+  const fileInput = useRef<HTMLInputElement>(null);
+  const run = useMemo(() => createCommands(viewer, store, () => fileInput.current?.click()), [viewer, store]);
+  useEffect(() => listenToKeys(viewer, store, run), [viewer, store, run]);
+
+  const follow = ({ file, notice }: DropDecision) => {
+    if (file) viewer.open({ kind: 'file', file });
+    if (notice) store.setState({ notice });
+  };
+
+  if (status === 'unavailable') return <UnavailablePage store={store} />;
+  return (
+    <>
+      <Viewport store={store} viewer={viewer} />
+      <div className="overlay">
+        <Hud store={store} />
+        <Toolbar store={store} run={run} />
+        <SceneCaption store={store} />
+        <div className="messages">
+          <Notice store={store} />
+          <ErrorPanel store={store} />
+          <LoadPanel store={store} onCancel={() => viewer.cancelLoad()} />
+        </div>
+      </div>
+      <input
+        ref={fileInput}
+        type="file"
+        accept=".ply"
+        hidden
+        data-testid="file-input"
+        onChange={(event) => {
+          follow(decideFiles([...(event.target.files ?? [])]));
+          // So that choosing the same file again is a change.
+          event.target.value = '';
+        }}
+      />
+      <DropZone onDrop={follow} />
+      <Help store={store} />
+      {status === 'lost' && <LostPage store={store} onRecover={() => viewer.recover()} />}
+    </>
+  );
+}

@@ -1,0 +1,35 @@
+import type { AccuracySettings, PackedCloud } from '@websplatter/core';
+import { type BuiltinScene, builtinScenes } from '@websplatter/scenes';
+import type { SceneRequest } from './builtin-scene.worker.ts';
+
+export function findBuiltinScene(name: string): BuiltinScene | undefined {
+  return builtinScenes.find((scene) => scene.name === name);
+}
+
+/** A software rasteriser would need seconds per frame for the full scene. */
+export function defaultSceneName(isSoftwareAdapter: boolean): string {
+  return isSoftwareAdapter ? 'still-life-small' : 'still-life';
+}
+
+/** Computes and packs the scene for `accuracy` in a worker of its own, which an abort ends at once. */
+export function makeBuiltinScene(
+  name: string,
+  { geometryPrecision, shPrecision }: AccuracySettings,
+  signal: AbortSignal,
+): Promise<PackedCloud> {
+  return new Promise((resolve, reject) => {
+    signal.throwIfAborted();
+    const worker = new Worker(new URL('./builtin-scene.worker.ts', import.meta.url), { type: 'module' });
+    const finish = (settle: () => void) => {
+      worker.terminate();
+      signal.removeEventListener('abort', abort);
+      settle();
+    };
+    const abort = () => finish(() => reject(signal.reason));
+    signal.addEventListener('abort', abort);
+    worker.onmessage = ({ data }: MessageEvent<PackedCloud>) => finish(() => resolve(data));
+    worker.onerror = (event) =>
+      finish(() => reject(new Error(event.message || 'The worker could not be started.')));
+    worker.postMessage({ name, geometryPrecision, shPrecision } satisfies SceneRequest);
+  });
+}

@@ -1,0 +1,51 @@
+export interface CanvasSize {
+  readonly widthPx: number;
+  readonly heightPx: number;
+}
+
+/**
+ * Reports the size of `element` in device pixels, now and whenever it changes: by layout, by zoom, or by moving to a
+ * screen of another density. Returns what stops that.
+ */
+export function observeDevicePixelSize(element: Element, onSize: (size: CanvasSize) => void): () => void {
+  let lastCss = { width: 0, height: 0 };
+  const report = (width: number, height: number) =>
+    onSize({ widthPx: Math.max(1, Math.round(width)), heightPx: Math.max(1, Math.round(height)) });
+  const reportScaled = () => report(lastCss.width * devicePixelRatio, lastCss.height * devicePixelRatio);
+  let hasDevicePixelBox = true;
+  const observer = new ResizeObserver((entries) => {
+    const entry = entries.at(-1);
+    if (!entry) return;
+    const box = entry.devicePixelContentBoxSize?.[0];
+    hasDevicePixelBox = box !== undefined;
+    lastCss = entry.contentRect;
+    // The exact size: with fractional scales, rounding the CSS size would make the browser resample the picture.
+    if (box) report(box.inlineSize, box.blockSize);
+    else reportScaled();
+  });
+  try {
+    observer.observe(element, { box: 'device-pixel-content-box' });
+  } catch {
+    // Safari knows the other boxes only.
+    hasDevicePixelBox = false;
+    observer.observe(element);
+  }
+
+  // Without that box a change of density alone goes unnoticed; a query matches one density, so it is made anew.
+  const stop = new AbortController();
+  const watchDensity = () => {
+    matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener(
+      'change',
+      () => {
+        if (!hasDevicePixelBox) reportScaled();
+        watchDensity();
+      },
+      { once: true, signal: stop.signal },
+    );
+  };
+  watchDensity();
+  return () => {
+    observer.disconnect();
+    stop.abort();
+  };
+}

@@ -1,0 +1,59 @@
+import type { ViewerStore } from './store.ts';
+import type { Viewer } from './viewer.ts';
+
+export type CommandName = 'open' | 'flip' | 'reset' | 'frame' | 'hud' | 'help';
+
+export interface Command {
+  readonly name: CommandName;
+  readonly label: string;
+  /** Compared with `KeyboardEvent.key`, lower case. */
+  readonly key: string;
+}
+
+/** What a button and a key do alike; the keys that move the camera belong to the controls. */
+export const COMMANDS: readonly Command[] = [
+  { name: 'open', label: 'Open a file', key: 'o' },
+  { name: 'frame', label: 'Frame the scene', key: 'f' },
+  { name: 'reset', label: 'Reset the view', key: 'r' },
+  { name: 'flip', label: 'Turn upside down', key: 'u' },
+  { name: 'hud', label: 'Show or hide figures', key: 'h' },
+  { name: 'help', label: 'Keys and gestures', key: '?' },
+];
+
+export type RunCommand = (name: CommandName) => void;
+
+export function createCommands(viewer: Viewer, store: ViewerStore, chooseFile: () => void): RunCommand {
+  const run: Record<CommandName, () => void> = {
+    open: chooseFile,
+    flip: () => viewer.toggleFlip(),
+    reset: () => viewer.controls.reset(),
+    frame: () => viewer.frameScene(),
+    hud: () => store.setState(({ isHudVisible }) => ({ isHudVisible: !isHudVisible })),
+    help: () => store.setState(({ isHelpVisible }) => ({ isHelpVisible: !isHelpVisible })),
+  };
+  return (name) => run[name]();
+}
+
+/** Listens to the whole window's keys; returns what stops that. */
+export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand): () => void {
+  const onKeyDown = (event: KeyboardEvent) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || isTyping(event.target)) return;
+    const { isHelpVisible, error, status } = store.getState();
+    if (event.key === 'Escape' && error && !isHelpVisible) store.setState({ error: null });
+    if (status !== 'running') return;
+    const command = COMMANDS.find(({ key }) => key === event.key.toLowerCase());
+    // A held key repeats; that is right for moving and wrong for switching.
+    if (command && !event.repeat && (!isHelpVisible || command.name === 'help')) run(command.name);
+    else if (command || isHelpVisible || !viewer.controls.handleKey(event)) return;
+    event.preventDefault();
+  };
+  window.addEventListener('keydown', onKeyDown);
+  return () => window.removeEventListener('keydown', onKeyDown);
+}
+
+function isTyping(target: EventTarget | null): boolean {
+  return (
+    target instanceof HTMLElement &&
+    (target.isContentEditable || /^(input|textarea|select)$/i.test(target.tagName))
+  );
+}

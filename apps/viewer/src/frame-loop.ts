@@ -1,0 +1,68 @@
+/** Frames that may be on their way to the GPU: one being drawn and one ready to follow. More would only add delay. */
+const MAX_FRAMES_IN_FLIGHT = 2;
+
+export interface FrameLoopOptions {
+  /** Draws what stands `elapsedMs` after the frame before; the work's completion, or null where nothing had changed and so nothing was submitted. */
+  readonly draw: (elapsedMs: number) => Promise<unknown> | null;
+  /** A frame has been drawn. */
+  readonly onDrawn: (completedMs: number) => void;
+  /** Everything asked for has been drawn; no callback is pending until the next request. */
+  readonly onIdle: () => void;
+}
+
+/** Calls `draw` at the screen's pace while frames are requested, never without a request. */
+export class FrameLoop {
+  readonly #options: FrameLoopOptions;
+  #handle = 0;
+  #framesInFlight = 0;
+  #isWanted = false;
+  #lastMs: number | null = null;
+
+  constructor(options: FrameLoopOptions) {
+    this.#options = options;
+  }
+
+  request(): void {
+    this.#isWanted = true;
+    if (this.#handle === 0 && this.#framesInFlight < MAX_FRAMES_IN_FLIGHT) {
+      this.#handle = requestAnimationFrame((nowMs) => this.#run(nowMs));
+    }
+  }
+
+  stop(): void {
+    cancelAnimationFrame(this.#handle);
+    this.#handle = 0;
+    this.#isWanted = false;
+  }
+
+  #run(nowMs: number): void {
+    this.#handle = 0;
+    this.#isWanted = false;
+    const elapsedMs = this.#lastMs === null ? NOMINAL_FRAME_MS : nowMs - this.#lastMs;
+    this.#lastMs = nowMs;
+    const completion = this.#options.draw(elapsedMs);
+    if (!completion) {
+      this.#settle();
+      return;
+    }
+    this.#framesInFlight++;
+    const done = () => {
+      this.#framesInFlight--;
+      this.#options.onDrawn(performance.now());
+      if (this.#isWanted) this.request();
+      this.#settle();
+    };
+    // A lost device rejects; that is reported where the device is owned.
+    completion.then(done, done);
+  }
+
+  #settle(): void {
+    if (this.#isWanted || this.#framesInFlight > 0) return;
+    // The pause until the next request is not part of any movement.
+    this.#lastMs = null;
+    this.#options.onIdle();
+  }
+}
+
+/** What the first frame after a pause counts as, for movements that take time. */
+const NOMINAL_FRAME_MS = 1000 / 60;

@@ -1,0 +1,35 @@
+export interface FrameRate {
+  /** Mean time between frames of the newest run. */
+  readonly frameMs: number;
+  readonly framesPerSecond: number;
+}
+
+/** Frames that the mean is taken over. */
+const WINDOW_FRAMES = 30;
+/** A longer mean would lag behind what is felt. */
+const WINDOW_MS = 1000;
+
+/**
+ * Measures the pace of frames that are drawn only on demand: the pause between two runs is not a slow frame.
+ * All times are in milliseconds of one clock.
+ */
+export class FrameMeter {
+  #completedMs: number[] = [];
+
+  /** The last frame has been drawn and no other is wanted: the next one starts a new run. */
+  pause(): void {
+    this.#completedMs = [];
+  }
+
+  /** A frame has been drawn at `completedMs`; null where it is the first of its run, which has no pace yet. */
+  add(completedMs: number): FrameRate | null {
+    const times = this.#completedMs;
+    times.push(completedMs);
+    // Two frames are kept however slow they are.
+    while (times.length > 2 && (times.length > WINDOW_FRAMES + 1 || completedMs - times[0] > WINDOW_MS)) {
+      times.shift();
+    }
+    const frameMs = (completedMs - times[0]) / (times.length - 1);
+    return frameMs > 0 ? { frameMs, framesPerSecond: 1000 / frameMs } : null;
+  }
+}

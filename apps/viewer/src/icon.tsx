@@ -1,0 +1,30 @@
+/** Line drawings on a 20 × 20 grid, in the colour of the text around them. */
+const PATHS = {
+  open: 'M2.5 5.5v9.5a1 1 0 0 0 1 1h12l2-7.5h-12l-2 6.5M2.5 5.5a1 1 0 0 1 1-1h3.6l1.8 2h5.6a1 1 0 0 1 1 1v1',
+  frame:
+    'M3 7V4a1 1 0 0 1 1-1h3M13 3h3a1 1 0 0 1 1 1v3M17 13v3a1 1 0 0 1-1 1h-3M7 17H4a1 1 0 0 1-1-1v-3M7.5 10a2.5 2.5 0 1 0 5 0 2.5 2.5 0 1 0-5 0',
+  reset: 'M4 10a6.2 6.2 0 1 0 2-4.5M4 3.2v3.3h3.3',
+  flip: 'M2.5 10h15M6 6.8 10 3l4 3.8M6 13.2l4 3.8 4-3.8',
+  hud: 'M4 16.5v-5M8 16.5V7M12 16.5v-7M16 16.5v-13',
+  help: 'M7.4 7.4a2.7 2.7 0 1 1 4 2.4c-.9.5-1.4 1.1-1.4 2.1M10 14.6v.2M10 2.5a7.5 7.5 0 1 0 0 15 7.5 7.5 0 1 0 0-15',
+  close: 'm5.5 5.5 9 9m0-9-9 9',
+  warning: 'M10 3.2 18 16.8H2zM10 8.2v4M10 14.4v.2',
+} as const;
+
+export function Icon({ name }: { name: keyof typeof PATHS }) {
+  return (
+    <svg
+      viewBox="0 0 20 20"
+      width="20"
+      height="20"
+      fill="none"
+      stroke="currentColor"
+      strokeWidth="1.6"
+      strokeLinecap="round"
+      strokeLinejoin="round"
+      aria-hidden="true"
+    >
+      <path d={PATHS[name]} />
+    </svg>
+  );
+}

@@ -1,0 +1,395 @@
+/**
+ * Orbit, pan and dolly around a target, by mouse, touch, trackpad and keyboard. Plain TypeScript: it knows of a DOM
+ * element's events, not of a renderer; whoever draws asks for `pose` and `lookAt(pose)`.
+ */
+export type Vec3 = readonly [number, number, number];
+
+/** A camera that looks at `target` from `distance` away. */
+export interface OrbitPose {
+  readonly target: Vec3;
+  /** World units from the camera to the target, above 0. */
+  readonly distance: number;
+  /** Radians around `up`; not wrapped, so that turning past a full circle keeps its direction. */
+  readonly azimuth: number;
+  /** Radians from `up`: near 0 the camera is above the target, near π below it. */
+  readonly polar: number;
+  /** Unit vector. */
+  readonly up: Vec3;
+}
+
+export interface LookAt {
+  readonly position: Vec3;
+  readonly target: Vec3;
+  readonly up: Vec3;
+}
+
+/** Distances that the camera may have from its target, in world units. */
+export interface DistanceRange {
+  readonly min: number;
+  readonly max: number;
+}
+
+/** Short of the poles, where the camera would have no sideways direction. */
+const POLAR_MARGIN = 0.01;
+/** Dragging over the element's whole height turns half a circle. */
+const ORBIT_RADIANS_PER_HEIGHT = Math.PI;
+const KEY_ORBIT_RADIANS = Math.PI / 36;
+/** Part of the element's height by which one key press pans. */
+const KEY_PAN_HEIGHTS = 0.05;
+const KEY_DOLLY_FACTOR = 1.1;
+/** Part of the distance to the target by which one key press moves the camera and the target. */
+const KEY_MOVE_DISTANCES = 0.06;
+/** A mouse wheel's notch is about 100 px: a seventh nearer. */
+const WHEEL_DOLLY_PER_PX = 0.0015;
+/** Browsers report a trackpad pinch as a wheel with Ctrl and small deltas. */
+const PINCH_DOLLY_PER_PX = 0.01;
+const WHEEL_LINE_PX = 16;
+/** Time in which keyboard and wheel steps come within 1/e of their goal; short enough to feel direct. */
+const DAMPING_MS = 55;
+
+/** The three axes of an orbit around `up`: `up` itself and two directions across it. */
+function orbitAxes(up: Vec3): { x: Vec3; z: Vec3 } {
+  const across: Vec3 = Math.abs(up[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0];
+  const x = normalize(cross(up, across));
+  return { x, z: cross(x, up) };
+}
+
+/** Camera axes in world space: right, up and back (from the target to the camera). */
+export function cameraAxes(pose: OrbitPose): { right: Vec3; above: Vec3; back: Vec3 } {
+  const { x, z } = orbitAxes(pose.up);
+  const sinPolar = Math.sin(pose.polar);
+  const cosPolar = Math.cos(pose.polar);
+  const outward = add(scale(x, Math.sin(pose.azimuth)), scale(z, Math.cos(pose.azimuth)));
+  const back = add(scale(outward, sinPolar), scale(pose.up, cosPolar));
+  const right = subtract(scale(x, Math.cos(pose.azimuth)), scale(z, Math.sin(pose.azimuth)));
+  return { right, above: cross(back, right), back };
+}
+
+export function lookAt(pose: OrbitPose): LookAt {
+  const { back } = cameraAxes(pose);
+  return { position: add(pose.target, scale(back, pose.distance)), target: pose.target, up: pose.up };
+}
+
+/** The pose of a camera at `position` that looks at `target`. */
+export function poseFromLookAt({ position, target, up }: LookAt): OrbitPose {
+  const upUnit = normalize(up);
+  const { x, z } = orbitAxes(upUnit);
+  const offset = subtract(position, target);
+  const distance = Math.hypot(...offset);
+  if (!(distance > 0)) throw new RangeError('The camera and its target are the same point.');
+  return {
+    target,
+    distance,
+    azimuth: Math.atan2(dot(offset, x), dot(offset, z)),
+    polar: clampPolar(Math.acos(clamp(dot(offset, upUnit) / distance, -1, 1))),
+    up: upUnit,
+  };
+}
+
+/** Turned around the target; the poles are not passed. */
+export function orbited(pose: OrbitPose, azimuthBy: number, polarBy: number): OrbitPose {
+  return { ...pose, azimuth: pose.azimuth + azimuthBy, polar: clampPolar(pose.polar + polarBy) };
+}
+
+/** Moved by `offset` along the camera's right, up and back axes, in world units. */
+export function moved(pose: OrbitPose, offset: Vec3): OrbitPose {
+  const { right, above, back } = cameraAxes(pose);
+  const by = add(add(scale(right, offset[0]), scale(above, offset[1])), scale(back, offset[2]));
+  return { ...pose, target: add(pose.target, by) };
+}
+
+/**
+ * Moved so that what is at the target's depth follows a pointer that went `dxPx`, `dyPx` (y down)
+ * over a picture of height `heightPx`.
+ */
+export function panned(
+  pose: OrbitPose,
+  dxPx: number,
+  dyPx: number,
+  heightPx: number,
+  fovYDegrees: number,
+): OrbitPose {
+  const worldPerPx = (2 * pose.distance * Math.tan((fovYDegrees * Math.PI) / 360)) / heightPx;
+  return moved(pose, [-dxPx * worldPerPx, dyPx * worldPerPx, 0]);
+}
+
+/** `factor` times as far from the target, within `range`. */
+export function dollied(pose: OrbitPose, factor: number, range: DistanceRange): OrbitPose {
+  return { ...pose, distance: clamp(pose.distance * factor, range.min, range.max) };
+}
+
+/** Between two poses with the same `up`: linear in angles and target, geometric in distance. */
+export function mixed(from: OrbitPose, to: OrbitPose, part: number): OrbitPose {
+  return {
+    target: add(scale(from.target, 1 - part), scale(to.target, part)),
+    distance: from.distance ** (1 - part) * to.distance ** part,
+    azimuth: from.azimuth + (to.azimuth - from.azimuth) * part,
+    polar: from.polar + (to.polar - from.polar) * part,
+    up: to.up,
+  };
+}
+
+/** `pose` with its azimuth shifted by whole turns to be nearest to `azimuth`. */
+export function unwound(pose: OrbitPose, azimuth: number): OrbitPose {
+  const turns = Math.round((azimuth - pose.azimuth) / (2 * Math.PI));
+  return { ...pose, azimuth: pose.azimuth + turns * 2 * Math.PI };
+}
+
+export interface OrbitControlsOptions {
+  /** Called when the pose has changed or will: draw a frame. */
+  readonly onChange: () => void;
+  /** True where steps must not glide, e.g. `prefers-reduced-motion`; asked at each step. */
+  readonly isMotionReduced?: () => boolean;
+}
+
+interface Pointer {
+  readonly x: number;
+  readonly y: number;
+}
+
+export class OrbitControls {
+  /** Vertical field of view of the camera that shows the pose. */
+  fovYDegrees = 60;
+  distanceRange: DistanceRange = { min: 1e-3, max: 1e5 };
+
+  readonly #onChange: () => void;
+  readonly #isMotionReduced: () => boolean;
+  readonly #pointers = new Map<number, Pointer>();
+  #shown: OrbitPose = { target: [0, 0, 0], distance: 1, azimuth: 0, polar: Math.PI / 2, up: [0, 1, 0] };
+  #goal: OrbitPose = this.#shown;
+  #home: OrbitPose = this.#shown;
+  #heightPx = 1;
+  #isPanning = false;
+  #gestureScale = 1;
+
+  constructor({ onChange, isMotionReduced = () => false }: OrbitControlsOptions) {
+    this.#onChange = onChange;
+    this.#isMotionReduced = isMotionReduced;
+  }
+
+  /** What is to be drawn now. */
+  get pose(): OrbitPose {
+    return this.#shown;
+  }
+
+  /** Where `reset` goes. */
+  get home(): OrbitPose {
+    return this.#home;
+  }
+
+  /** Goes to `pose` at once. */
+  setPose(pose: OrbitPose, home: OrbitPose = pose): void {
+    this.#home = home;
+    this.#shown = pose;
+    this.#goal = pose;
+    this.#onChange();
+  }
+
+  /** Back to the pose that the scene opened with. */
+  reset(): void {
+    this.glideTo(this.#home);
+  }
+
+  /** Goes to `pose`, by the shorter way round. */
+  glideTo(pose: OrbitPose): void {
+    const isSameUp = pose.up.every((value, axis) => value === this.#shown.up[axis]);
+    if (isSameUp) this.#step(unwound(pose, this.#shown.azimuth));
+    else this.setPose(pose, this.#home);
+  }
+
+  /**
+   * Lets the shown pose come `elapsedMs` nearer to its goal.
+   * Returns whether it has not arrived, so that another frame is needed.
+   */
+  update(elapsedMs: number): boolean {
+    if (this.#shown === this.#goal) return false;
+    const next = mixed(this.#shown, this.#goal, 1 - Math.exp(-elapsedMs / DAMPING_MS));
+    this.#shown = isClose(next, this.#goal) ? this.#goal : next;
+    return this.#shown !== this.#goal;
+  }
+
+  /**
+   * Listens on `element`, which needs `touch-action: none`; keys are given to `handleKey` by whoever has them.
+   * Returns what stops listening.
+   */
+  attach(element: HTMLElement): () => void {
+    const listeners = new AbortController();
+    const { signal } = listeners;
+    const listen = <E extends Event>(type: string, handler: (event: E) => void) =>
+      element.addEventListener(type, handler as (event: Event) => void, { signal, passive: false });
+    listen<PointerEvent>('pointerdown', (event) => this.#pointerDown(element, event));
+    listen<PointerEvent>('pointermove', (event) => this.#pointerMove(event));
+    listen<PointerEvent>('pointerup', (event) => this.#pointers.delete(event.pointerId));
+    listen<PointerEvent>('pointercancel', (event) => this.#pointers.delete(event.pointerId));
+    listen<PointerEvent>('lostpointercapture', (event) => this.#pointers.delete(event.pointerId));
+    listen<WheelEvent>('wheel', (event) => this.#wheel(element, event));
+    listen<Event>('contextmenu', (event) => event.preventDefault());
+    // Safari reports a trackpad pinch by events of its own, with a scale since the gesture's start.
+    listen<Event>('gesturestart', (event) => {
+      event.preventDefault();
+      this.#gestureScale = 1;
+    });
+    listen<Event & { scale: number }>('gesturechange', (event) => {
+      event.preventDefault();
+      // On a touch screen the same fingers arrive as pointers.
+      if (this.#pointers.size === 0)
+        this.#drag(dollied(this.#goal, this.#gestureScale / event.scale, this.distanceRange));
+      this.#gestureScale = event.scale;
+    });
+    return () => {
+      listeners.abort();
+      this.#pointers.clear();
+    };
+  }
+
+  /** Moves by the key that was pressed; returns whether the key means anything here. */
+  handleKey(event: Pick<KeyboardEvent, 'key' | 'shiftKey' | 'ctrlKey' | 'metaKey' | 'altKey'>): boolean {
+    if (event.ctrlKey || event.metaKey || event.altKey) return false;
+    const next = this.#poseAfterKey(event.key, event.shiftKey);
+    if (!next) return false;
+    this.#step(next);
+    return true;
+  }
+
+  #poseAfterKey(key: string, isShift: boolean): OrbitPose | null {
+    const goal = this.#goal;
+    const arrow = ARROWS[key];
+    if (arrow) {
+      const [right, down] = arrow;
+      if (!isShift) return orbited(goal, right * KEY_ORBIT_RADIANS, down * KEY_ORBIT_RADIANS);
+      // The camera, not the scene, goes where the arrow points.
+      return panned(goal, -right * KEY_PAN_HEIGHTS, -down * KEY_PAN_HEIGHTS, 1, this.fovYDegrees);
+    }
+    const step = MOVES[key.toLowerCase()];
+    if (step) return moved(goal, scale(step, goal.distance * KEY_MOVE_DISTANCES));
+    if (key === '+' || key === '=') return dollied(goal, 1 / KEY_DOLLY_FACTOR, this.distanceRange);
+    if (key === '-' || key === '_') return dollied(goal, KEY_DOLLY_FACTOR, this.distanceRange);
+    return key === 'Home' || key.toLowerCase() === 'r' ? unwound(this.#home, goal.azimuth) : null;
+  }
+
+  #pointerDown(element: HTMLElement, event: PointerEvent): void {
+    // A third finger has no meaning; it would only make the picture jump.
+    if (this.#pointers.size === 2) return;
+    if (event.pointerType === 'mouse' && event.button > 2) return;
+    if (this.#pointers.size === 0) this.#isPanning = event.button !== 0 || event.shiftKey;
+    this.#heightPx = Math.max(1, element.clientHeight);
+    this.#pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    element.setPointerCapture(event.pointerId);
+    // The middle button would start the browser's own scrolling. Focus, which this also prevents, is asked for.
+    event.preventDefault();
+    element.focus({ preventScroll: true });
+  }
+
+  #pointerMove(event: PointerEvent): void {
+    const before = [...this.#pointers.values()];
+    const last = this.#pointers.get(event.pointerId);
+    if (!last) return;
+    this.#pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    const dx = event.clientX - last.x;
+    const dy = event.clientY - last.y;
+    if (before.length === 2) {
+      const after = [...this.#pointers.values()];
+      const factor = spread(before) / spread(after);
+      // One finger's way moves the middle of both by half of it.
+      const pose = panned(this.#goal, dx / 2, dy / 2, this.#heightPx, this.fovYDegrees);
+      this.#drag(dollied(pose, Number.isFinite(factor) && factor > 0 ? factor : 1, this.distanceRange));
+    } else if (this.#isPanning) {
+      this.#drag(panned(this.#goal, dx, dy, this.#heightPx, this.fovYDegrees));
+    } else {
+      const radiansPerPx = ORBIT_RADIANS_PER_HEIGHT / this.#heightPx;
+      this.#drag(orbited(this.#goal, -dx * radiansPerPx, -dy * radiansPerPx));
+    }
+  }
+
+  #wheel(element: HTMLElement, event: WheelEvent): void {
+    event.preventDefault();
+    const pxPerUnit = [1, WHEEL_LINE_PX, element.clientHeight][event.deltaMode] ?? 1;
+    // Some mice send several notches at once; more than a factor of two in one event only disorients.
+    const exponent = clamp(
+      event.deltaY * pxPerUnit * (event.ctrlKey ? PINCH_DOLLY_PER_PX : WHEEL_DOLLY_PER_PX),
+      -Math.LN2,
+      Math.LN2,
+    );
+    const pose = dollied(this.#goal, Math.exp(exponent), this.distanceRange);
+    if (event.ctrlKey) this.#drag(pose);
+    else this.#step(pose);
+  }
+
+  /** Follows a hand: exactly, at once. */
+  #drag(pose: OrbitPose): void {
+    this.#goal = pose;
+    this.#shown = pose;
+    this.#onChange();
+  }
+
+  /** A step without a hand to follow: glides, where motion is wanted. */
+  #step(pose: OrbitPose): void {
+    this.#goal = pose;
+    if (this.#isMotionReduced()) this.#shown = pose;
+    this.#onChange();
+  }
+}
+
+/** Right and down. */
+const ARROWS: Readonly<Record<string, readonly [number, number]>> = {
+  ArrowLeft: [-1, 0],
+  ArrowRight: [1, 0],
+  ArrowUp: [0, -1],
+  ArrowDown: [0, 1],
+};
+
+/** Right, up and back. */
+const MOVES: Readonly<Record<string, Vec3>> = {
+  w: [0, 0, -1],
+  s: [0, 0, 1],
+  a: [-1, 0, 0],
+  d: [1, 0, 0],
+  q: [0, -1, 0],
+  e: [0, 1, 0],
+};
+
+/** Near enough that the last step could not be seen: a hundredth of a pixel on a large screen. */
+function isClose(a: OrbitPose, b: OrbitPose): boolean {
+  return (
+    Math.abs(a.azimuth - b.azimuth) < 1e-5 &&
+    Math.abs(a.polar - b.polar) < 1e-5 &&
+    Math.abs(a.distance / b.distance - 1) < 1e-5 &&
+    Math.hypot(...subtract(a.target, b.target)) < 1e-5 * b.distance
+  );
+}
+
+function clampPolar(polar: number): number {
+  return clamp(polar, POLAR_MARGIN, Math.PI - POLAR_MARGIN);
+}
+
+function spread([a, b]: readonly Pointer[]): number {
+  return Math.hypot(a.x - b.x, a.y - b.y);
+}
+
+function clamp(value: number, min: number, max: number): number {
+  return Math.min(max, Math.max(min, value));
+}
+
+function add(a: Vec3, b: Vec3): Vec3 {
+  return [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+}
+
+function subtract(a: Vec3, b: Vec3): Vec3 {
+  return [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+}
+
+function scale(a: Vec3, by: number): Vec3 {
+  return [a[0] * by, a[1] * by, a[2] * by];
+}
+
+function dot(a: Vec3, b: Vec3): number {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+function cross(a: Vec3, b: Vec3): Vec3 {
+  return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+}
+
+function normalize(a: Vec3): Vec3 {
+  return scale(a, 1 / Math.hypot(...a));
+}

@@ -1,0 +1,48 @@
+import { describe, expect, it } from 'vitest';
+import {
+  createViewerStore,
+  documentState,
+  documentTitle,
+  mirrorToDocument,
+  type ViewerState,
+} from './store.ts';
+
+const scene = { title: 'Garden', splats: 3, shDegree: 0, droppedSplats: 0 };
+const load = { title: 'b.ply', phase: 'read', loadedBytes: 0, totalBytes: undefined, splats: 0 } as const;
+const error = { title: 'x', message: 'y', advice: '', isFault: false };
+
+function stateWith(changes: Partial<ViewerState>): ViewerState {
+  return { ...createViewerStore().getState(), ...changes };
+}
+
+describe('store', () => {
+  it.each([
+    [{}, 'starting'],
+    [{ status: 'running', scene }, 'ready'],
+    [{ status: 'running', scene, load }, 'loading'],
+    [{ status: 'running', scene, error }, 'error'],
+    [{ status: 'running', scene, error, load }, 'loading'],
+    [{ status: 'lost', scene, load }, 'lost'],
+    [{ status: 'unavailable' }, 'unavailable'],
+  ] as const)('sums %o up as %s', (changes, word) => expect(documentState(stateWith(changes))).toBe(word));
+
+  it('names the scene in the title', () => {
+    expect(documentTitle(stateWith({}))).toBe('WebSplatter');
+    expect(documentTitle(stateWith({ scene }))).toBe('Garden · WebSplatter');
+  });
+
+  it('mirrors state and title to the document until told to stop', () => {
+    const target = { title: '', documentElement: { dataset: {} as DOMStringMap } };
+    const store = createViewerStore();
+    const stop = mirrorToDocument(store, target as unknown as Document);
+    expect(target.documentElement.dataset.state).toBe('starting');
+    store.setState({ status: 'running', scene });
+    expect(target).toMatchObject({
+      title: 'Garden · WebSplatter',
+      documentElement: { dataset: { state: 'ready' } },
+    });
+    stop();
+    store.setState({ status: 'lost' });
+    expect(target.documentElement.dataset.state).toBe('ready');
+  });
+});

@@ -1,0 +1,104 @@
+import type { FrameStatistics, LoadProgress } from '@websplatter/core';
+import { createStore, type StoreApi } from 'zustand/vanilla';
+import type { ErrorReport } from './error-report.ts';
+import type { FrameRate } from './frame-meter.ts';
+
+/** The scene that is on the screen. */
+export interface SceneSummary {
+  /** For people: a built-in scene's title, a file's name. */
+  readonly title: string;
+  readonly splats: number;
+  readonly shDegree: number;
+  /** Rows of the file that could not be drawn. */
+  readonly droppedSplats: number;
+}
+
+/** A scene on its way. */
+export interface LoadState {
+  readonly title: string;
+  /** `make` for built-in scenes, which are computed instead of read. */
+  readonly phase: LoadProgress['phase'] | 'make';
+  readonly loadedBytes: number;
+  readonly totalBytes: number | undefined;
+  readonly splats: number;
+}
+
+export type ViewerStatus =
+  /** Asking for a GPU. */
+  | 'starting'
+  | 'running'
+  /** There is no WebGPU here. */
+  | 'unavailable'
+  /** The GPU was taken away: nothing can be drawn until it is asked for again. */
+  | 'lost';
+
+export interface ViewerState {
+  readonly status: ViewerStatus;
+  /** Why the status is `unavailable` or `lost`, as the browser says it. */
+  readonly statusReason: string;
+  readonly scene: SceneSummary | null;
+  readonly load: LoadState | null;
+  readonly error: ErrorReport | null;
+  /** One sentence that needs no answer. */
+  readonly notice: string | null;
+  readonly isFlipped: boolean;
+  readonly isHudVisible: boolean;
+  readonly isHelpVisible: boolean;
+  readonly adapterLabel: string;
+  readonly widthPx: number;
+  readonly heightPx: number;
+  readonly statistics: FrameStatistics | null;
+  /** Pace of the newest run of frames; null where that was a single one. */
+  readonly frameRate: FrameRate | null;
+  /** Nothing changes, so nothing is drawn. */
+  readonly isIdle: boolean;
+}
+
+export type ViewerStore = StoreApi<ViewerState>;
+
+export function createViewerStore(): ViewerStore {
+  return createStore<ViewerState>(() => ({
+    status: 'starting',
+    statusReason: '',
+    scene: null,
+    load: null,
+    error: null,
+    notice: null,
+    isFlipped: false,
+    isHudVisible: true,
+    isHelpVisible: false,
+    adapterLabel: '',
+    widthPx: 0,
+    heightPx: 0,
+    statistics: null,
+    frameRate: null,
+    isIdle: true,
+  }));
+}
+
+/** The viewer's state in one word, for style sheets and for tests (`data-state` of the document's element). */
+export type DocumentState = 'starting' | 'loading' | 'ready' | 'error' | 'unavailable' | 'lost';
+
+export function documentState(state: ViewerState): DocumentState {
+  if (state.status === 'unavailable' || state.status === 'lost') return state.status;
+  if (state.load) return 'loading';
+  if (state.error) return 'error';
+  return state.status === 'running' && state.scene ? 'ready' : 'starting';
+}
+
+export function documentTitle({ scene }: ViewerState): string {
+  return scene ? `${scene.title} · WebSplatter` : 'WebSplatter';
+}
+
+/** Keeps the document's state and title in step with the store; returns what stops that. */
+export function mirrorToDocument(store: ViewerStore, target: Document): () => void {
+  const write = (state: ViewerState) => {
+    const word = documentState(state);
+    const title = documentTitle(state);
+    // Written only on change: the store changes with every frame.
+    if (target.documentElement.dataset.state !== word) target.documentElement.dataset.state = word;
+    if (target.title !== title) target.title = title;
+  };
+  write(store.getState());
+  return store.subscribe(write);
+}

@@ -1,0 +1,33 @@
+import { useStore } from 'zustand';
+import { COMMANDS, type CommandName, type RunCommand } from './commands.ts';
+import { Icon } from './icon.tsx';
+import type { ViewerStore } from './store.ts';
+
+export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand }) {
+  const isFlipped = useStore(store, (state) => state.isFlipped);
+  const isHudVisible = useStore(store, (state) => state.isHudVisible);
+  const hasScene = useStore(store, (state) => state.scene !== null);
+  const pressed: Partial<Record<CommandName, boolean>> = { flip: isFlipped, hud: isHudVisible };
+  const needsScene: readonly CommandName[] = ['flip', 'reset', 'frame'];
+  return (
+    <div className="panel toolbar" role="toolbar" aria-label="Viewer">
+      {COMMANDS.map(({ name, label, key }) => (
+        <button
+          key={name}
+          type="button"
+          className={name === 'open' ? 'text-button open' : 'icon-button'}
+          aria-label={label}
+          aria-keyshortcuts={key.toUpperCase()}
+          aria-pressed={pressed[name]}
+          title={`${label} (${key.toUpperCase()})`}
+          data-testid={`command-${name}`}
+          disabled={!hasScene && needsScene.includes(name)}
+          onClick={() => run(name)}
+        >
+          <Icon name={name} />
+          {name === 'open' && <span aria-hidden="true">Open</span>}
+        </button>
+      ))}
+    </div>
+  );
+}
