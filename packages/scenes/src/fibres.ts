@@ -14,7 +14,7 @@ export interface FibreBundle {
   /** Lowest and highest opacity. */
   readonly opacity: readonly [number, number];
   readonly owner: string;
-  /** Writes the position of a fibre at `t`, in metres. */
+  /** Writes the position of a fibre at `t`, in metres; no two `t` may give the same place. */
   place(fibre: number, t: number, out: Float64Array): void;
   /** How exposed the fibre is to light, 0 deep in a tuft to 1; 1 where absent. */
   exposure?(fibre: number, t: number): number;
@@ -44,7 +44,7 @@ export function emitFibres(count: number, studio: Studio, bundle: FibreBundle): 
     let dx = to[0] - from[0];
     let dy = to[1] - from[1];
     let dz = to[2] - from[2];
-    const length = Math.max(Math.hypot(dx, dy, dz), 1e-6);
+    const length = Math.hypot(dx, dy, dz);
     dx /= length;
     dy /= length;
     dz /= length;

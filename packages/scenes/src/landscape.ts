@@ -19,12 +19,13 @@ import { GOLDEN_RATIO_CONJUGATE, type Surface, type SurfacePoint } from './surfa
 
 /** The paved terrace ends here, metres from the table's middle. */
 const TERRACE_RADIUS = 3.4;
-const MEADOW_RADIUS = 70;
+/** Behind the crest of the nearest hills. */
+const MEADOW_RADIUS = 48;
 /** Below this radius the ground's splats stop getting smaller. */
 const GROUND_CORE_RADIUS = 1.3;
 
-/** How fast splats thin out with distance: splats beyond a radius go as its power -0.7, so sizes as its power 1.35. */
-const GROUND_THINNING = 0.7;
+/** How fast splats thin out with distance: splats beyond a radius go as its power -0.5, so sizes as its power 1.25. */
+const GROUND_THINNING = 0.5;
 
 /** Ground whose splats grow a little faster than their distance from the table: sharp paving, soft meadow. */
 class GroundSurface implements Surface {

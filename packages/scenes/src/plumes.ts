@@ -49,7 +49,7 @@ class StrandPlacer {
     const open = mix(0.62, 0.3, along) * (0.45 + 0.75 * latticeHash(strand, 3, 1));
     const direction = normalized(tangent[0] + sideX * open, tangent[1], tangent[2] + sideZ * open);
     this.#direction.set(direction);
-    const profile = Math.sqrt(clamp01(along * 6)) * mix(1, 0.42, along * along);
+    const profile = mix(0.35, 1, Math.sqrt(clamp01(along * 6))) * mix(1, 0.42, along * along);
     this.#length = STRAND_LENGTH_M * profile * (0.7 + 0.6 * latticeHash(strand, 4, 1));
     this.#droop = this.#length * 0.4 * latticeHash(strand, 5, 1);
     this.towardsKey = 0.5 + 0.5 * (sideX * KEY_DIRECTION[0] + sideZ * KEY_DIRECTION[2]);

@@ -72,11 +72,13 @@ const TOP_RADIUS_M = 0.59;
 const GAP_SEGMENTS = 12;
 const GAP_COLOR = [0.035, 0.017, 0.009] as const;
 
-/** Lines between planks inside the table's edge. */
+const PLANKS_PER_SIDE = Math.ceil(TOP_RADIUS_M / PLANK_WIDTH_M);
+
+/** Where lines between planks are, along z; those that would only graze the table's edge are left out. */
 const GAP_LINES = Array.from(
-  { length: 2 * Math.floor(TOP_RADIUS_M / PLANK_WIDTH_M) + 1 },
-  (_, i) => (i - Math.floor(TOP_RADIUS_M / PLANK_WIDTH_M)) * PLANK_WIDTH_M,
-);
+  { length: 2 * PLANKS_PER_SIDE + 1 },
+  (_, i) => (i - PLANKS_PER_SIDE) * PLANK_WIDTH_M,
+).filter((z) => Math.abs(z) < TOP_RADIUS_M - 0.25 * PLANK_WIDTH_M);
 
 /** The `fibre`-th stretch of the lines between planks: lines in turn, each cut into `cuts` stretches. */
 function placeGap(fibre: number, cuts: number, segments: number, t: number, out: Float64Array): void {
