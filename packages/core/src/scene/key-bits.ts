@@ -1,15 +1,7 @@
 import type { Camera } from '../camera.ts';
+import { orderedBits } from '../layout/depth-key.ts';
 import { identity4, multiply4 } from '../math/mat4.ts';
 import type { CloudInstance } from '../view.ts';
-
-const f32 = new Float32Array(1);
-const u32 = new Uint32Array(f32.buffer);
-
-/** Twin of shaders/lib/depth-key.wgsl: bits of a float32 in the order of the numbers. */
-export function orderedBits(depthView: number): number {
-  f32[0] = depthView + 0;
-  return (u32[0] & 0x80000000 ? ~u32[0] : u32[0] | 0x80000000) >>> 0;
-}
 
 /**
  * How many bits the depth keys of a frame can differ in, from what the CPU knows of it: near, far and the clouds'

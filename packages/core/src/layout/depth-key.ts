@@ -1,0 +1,16 @@
+const f32 = new Float32Array(1);
+const u32 = new Uint32Array(f32.buffer);
+
+/**
+ * Bits of the float32 nearest to `depthView`, as an unsigned integer in the order of the numbers: a < b exactly where
+ * orderedBits(a) < orderedBits(b). −0 counts as 0. Twin of shaders/lib/depth-key.wgsl.
+ */
+export function orderedBits(depthView: number): number {
+  f32[0] = depthView + 0;
+  return (u32[0] & 0x80000000 ? ~u32[0] : u32[0] | 0x80000000) >>> 0;
+}
+
+/** Sort key: far first, 0 for the farthest splat in the picture and whatever is beyond it. */
+export function depthKey(depthView: number, farthestBits: number): number {
+  return farthestBits - Math.min(farthestBits, orderedBits(depthView));
+}

@@ -1,0 +1,21 @@
+/** Which bits of a key one pass of a radix sort looks at, and how many keys one workgroup takes. */
+export interface SortPass {
+  readonly digitShift: number;
+  readonly digitBits: number;
+  readonly tileKeys: number;
+}
+
+export function digitOf(key: number, { digitShift, digitBits }: SortPass): number {
+  // Shader and twin agree beyond the key's top too: extractBits takes only the bits that are there.
+  return (key >>> digitShift) & ((1 << digitBits) - 1);
+}
+
+/** Twin of the GPU's sort-histogram: how often each digit occurs in each tile; all tiles of digit 0, then of digit 1, … */
+export function sortHistogram(keys: ArrayLike<number>, pass: SortPass): Uint32Array {
+  const tileCount = Math.ceil(keys.length / pass.tileKeys);
+  const counts = new Uint32Array(tileCount << pass.digitBits);
+  for (let i = 0; i < keys.length; i++) {
+    counts[digitOf(keys[i], pass) * tileCount + Math.floor(i / pass.tileKeys)]++;
+  }
+  return counts;
+}
