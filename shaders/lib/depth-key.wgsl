@@ -1,4 +1,4 @@
-// Depths as unsigned integers in the same order. Twin: reference/depth-key.ts.
+// Depths as unsigned integers in the same order. Twin: packages/core/src/layout/depth-key.ts.
 
 /// Bits of `depthView` (finite) such that a < b exactly where orderedBits(a) < orderedBits(b), negative depths (of an
 /// orthographic camera) included.
@@ -8,7 +8,8 @@ fn orderedBits(depthView: f32) -> u32 {
   return bits ^ select(0x80000000u, 0xffffffffu, (bits & 0x80000000u) != 0u);
 }
 
-/// Sort key: far first, 0 for the farthest splat in the picture.
+/// Sort key: far first, 0 for the farthest splat in the picture. Two shaders may compute one depth an ulp apart (either
+/// may be compiled to fused operations): what is beyond the farthest must not wrap around to the nearest.
 fn depthKey(depthView: f32, farthestBits: u32) -> u32 {
-  return farthestBits - orderedBits(depthView);
+  return farthestBits - min(farthestBits, orderedBits(depthView));
 }
