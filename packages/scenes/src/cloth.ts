@@ -69,21 +69,25 @@ export function placeCloth(a: number, b: number, out: Float64Array): void {
 export const LINEN = [0.7, 0.64, 0.53] as const;
 const INDIGO = [0.09, 0.14, 0.27] as const;
 
-function stripe(a: number): number {
+/** Splats further apart than this are too long for the bend at the table's edge if stretched. */
+const COARSE_WEAVE_M = 0.01;
+
+/** Share of indigo, 0 to 1; stripes fade where splats are too far apart to keep their edges. */
+function stripe(a: number, spacing: number): number {
   const fromSide = WIDTH_M / 2 - Math.abs(a);
   const broad = smoothstep(0.028, 0.03, fromSide) * (1 - smoothstep(0.046, 0.048, fromSide));
   const narrow = smoothstep(0.054, 0.0555, fromSide) * (1 - smoothstep(0.059, 0.0605, fromSide));
-  return Math.max(broad, narrow);
+  return Math.max(broad * clamp01(0.018 / spacing), narrow * clamp01(0.007 / spacing));
 }
 
-function clothFinish({ localX: a, localZ: b, y, normalY }: SurfacePoint, finish: Finish): void {
+function clothFinish({ spacing, localX: a, localZ: b, y, normalY }: SurfacePoint, finish: Finish): void {
   const weave = valueNoise(a * 900, 1, b * 70) + valueNoise(a * 70, 2, b * 900);
   const slubs = valueNoise(a * 30, 3, b * 420);
   finish.setAlbedo(LINEN);
-  finish.blendAlbedo(INDIGO, 0.88 * stripe(a));
+  finish.blendAlbedo(INDIGO, 0.88 * stripe(a, spacing));
   finish.scaleAlbedo(1 + 0.05 * weave + 0.06 * slubs);
   // Threads along the length keep the stripes' edges crisp.
-  finish.grainAspect = 2.4;
+  finish.grainAspect = y > -0.004 && spacing < COARSE_WEAVE_M ? 2.4 : 1.3;
   finish.grainX = Math.sin(ASKEW);
   finish.grainZ = Math.cos(ASKEW);
   finish.sheen = 0.35;
@@ -94,7 +98,7 @@ function clothFinish({ localX: a, localZ: b, y, normalY }: SurfacePoint, finish:
   finish.cavity = y > 0 ? clamp01(0.86 + 14 * (y - THICKNESS_M)) * (0.75 + 0.25 * normalY) : 0.9;
 }
 
-/** Fringe threads per metre of hem, at any splat count. */
+/** Length of the fringe, which varies by a fifth. */
 const FRINGE_LENGTH_M = 0.035;
 const FRINGE_SEGMENTS = 2;
 

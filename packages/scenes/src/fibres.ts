@@ -8,6 +8,8 @@ export interface FibreBundle {
   readonly segments: number;
   /** Standard deviation across a fibre at its root, in metres, in the full scene; tips are half of it. */
   readonly radius: number;
+  /** Whether smaller scenes' fewer fibres are wider, to fill the same tuft; true where absent. */
+  readonly widens?: boolean;
   readonly color: Rgb | ((fibre: number, t: number, out: Float64Array) => void);
   /** Strength of the highlight along the fibre. */
   readonly gloss: number;
@@ -33,6 +35,7 @@ export function emitFibres(count: number, studio: Studio, bundle: FibreBundle): 
   const color = new Float64Array(3);
   const frame = new Float64Array(9);
   const scales = new Float64Array(3);
+  const widening = bundle.widens === false ? 1 : studio.fibreWidening;
   if (typeof bundle.color !== 'function') color.set(bundle.color);
   for (let i = 0; i < count; i++) {
     const fibre = Math.floor(i / bundle.segments);
@@ -57,7 +60,7 @@ export function emitFibres(count: number, studio: Studio, bundle: FibreBundle): 
     else writeFrame(dx, dy, dz, 0, dz / flat, -dy / flat, frame);
     const along = SEGMENT_OVERLAP * length * Math.exp(0.08 * prng.gaussian());
     const taper = 1 - 0.5 * t;
-    const radius = bundle.radius * studio.fibreWidening * taper * Math.exp(0.2 * prng.gaussian());
+    const radius = bundle.radius * widening * taper * Math.exp(0.2 * prng.gaussian());
     scales[0] = along;
     scales[1] = Math.min(Math.max(radius, along / LARGEST_ASPECT), along);
     scales[2] = scales[1] * prng.range(0.6, 1);

@@ -56,7 +56,7 @@ function halfOrangeFinish(point: SurfacePoint, finish: Finish): void {
   finish.mixAlbedo(FLESH, FLESH_DEEP, smoothstep(-0.6, 0.8, sacs) * 0.75 + 0.2 * segment);
   // Walls are drawn as far as splats are fine enough for them.
   const wall = (1 - smoothstep(0.0005, 0.0013, fromWall)) * clamp01((0.003 / spacing) ** 2);
-  const rind = smoothstep(0.0325, 0.0335, radius);
+  const rind = smoothstep(0.0325, 0.0335, radius) * clamp01(0.005 / spacing);
   const core = 1 - smoothstep(0.0025, 0.0045, radius);
   finish.blendAlbedo(PITH, Math.max(0.8 * wall, rind, core));
   finish.blendAlbedo(ORANGE_SKIN, smoothstep(0.0362, 0.037, radius));

@@ -189,6 +189,8 @@ function emitRidge(ridge: Ridge, count: number, { builder, shader, prng }: Studi
   }
 }
 
+const TREES = 70;
+/** Splats of a tree in the full scene; larger scenes make finer trees, smaller ones fewer. */
 const TREE_SPLATS = 30;
 const GROVE_TREES = 5;
 const CYPRESS: Rgb = [0.028, 0.042, 0.02];
@@ -197,8 +199,10 @@ const CYPRESS: Rgb = [0.028, 0.042, 0.02];
 function emitTrees(count: number, { builder, shader, prng }: Studio): void {
   const frame = new Float64Array(9);
   const scales = new Float64Array(3);
+  const treeSplats = Math.max(TREE_SPLATS, Math.ceil(count / TREES));
+  const finer = Math.cbrt(TREE_SPLATS / treeSplats);
   for (let i = 0; i < count; i++) {
-    const tree = Math.floor(i / TREE_SPLATS);
+    const tree = Math.floor(i / treeSplats);
     const inGrove = tree % GROVE_TREES;
     const grove = Math.floor(tree / GROVE_TREES);
     const angle =
@@ -206,7 +210,7 @@ function emitTrees(count: number, { builder, shader, prng }: Studio): void {
     const distance = mix(17, 36, latticeHash(grove, 3, 9)) + 1.3 * latticeHash(tree, 4, 9);
     const height = mix(2.2, 4.6, latticeHash(tree, 5, 9));
     const width = height * mix(0.1, 0.15, latticeHash(tree, 6, 9));
-    const rise = ((i % TREE_SPLATS) + 0.5) / TREE_SPLATS;
+    const rise = ((i % treeSplats) + 0.5) / treeSplats;
     const outline = Math.sin(Math.PI * rise ** 0.6) ** 0.7;
     const turn = 2 * Math.PI * prng.next();
     const aside = width * outline * 0.6 * Math.sqrt(prng.next());
@@ -226,7 +230,7 @@ function emitTrees(count: number, { builder, shader, prng }: Studio): void {
     );
     shader.setFlat(red, green, blue);
     writeFrame(0, 1, 0, Math.cos(turn), 0, Math.sin(turn), frame);
-    const size = 0.1 * height * (0.4 + 0.6 * outline) * Math.exp(0.15 * prng.gaussian());
+    const size = 0.1 * finer * height * (0.4 + 0.6 * outline) * Math.exp(0.15 * prng.gaussian());
     scales[0] = 1.1 * size;
     scales[1] = 0.5 * size;
     scales[2] = 0.35 * size;
@@ -282,10 +286,13 @@ function emitSky(count: number, { builder, shader, prng }: Studio): void {
   }
 }
 
+const HAZE_SPLATS = 500;
+
 /** Large faint veils in the valley between the meadow and the hills. */
 function emitHaze(count: number, { builder, shader, prng }: Studio): void {
   const frame = new Float64Array(9);
   const scales = new Float64Array(3);
+  const widening = Math.min(1.5, Math.sqrt(HAZE_SPLATS / count));
   for (let i = 0; i < count; i++) {
     const angle = 2 * Math.PI * ((i * GOLDEN_RATIO_CONJUGATE) % 1);
     const distance = prng.range(24, 52);
@@ -293,8 +300,8 @@ function emitHaze(count: number, { builder, shader, prng }: Studio): void {
     const sin = Math.sin(angle);
     shader.setFlat(hazeColor(cos, sin, 0), hazeColor(cos, sin, 1), hazeColor(cos, sin, 2));
     writeFrame(-sin, 0, cos, -cos, 0, -sin, frame);
-    scales[0] = prng.range(3, 7);
-    scales[1] = prng.range(0.4, 1.1);
+    scales[0] = widening * prng.range(3, 7);
+    scales[1] = widening * prng.range(0.4, 1.1);
     scales[2] = 0.5;
     const y = GROUND_Y + prng.range(0.2, 2.2);
     builder.add(
@@ -309,6 +316,8 @@ function emitHaze(count: number, { builder, shader, prng }: Studio): void {
   }
 }
 
+/** Contact-shadow splats in the full scene; other numbers of them cover the same area. */
+const CONTACT_SPLATS = 400;
 const CONTACT_COLOR: Rgb = [0.035, 0.018, 0.01];
 
 /** Faint dark discs where objects touch the table, finer than the marched shade. */
@@ -316,12 +325,13 @@ function emitContactShadows(count: number, { builder, shader, prng }: Studio): v
   const frame = new Float64Array(9);
   const scales = new Float64Array(3);
   writeFrame(1, 0, 0, 0, 1, 0, frame);
+  const widening = Math.min(1.5, Math.sqrt(CONTACT_SPLATS / count));
   for (let i = 0; i < count; i++) {
     const footprint = FOOTPRINTS[i % FOOTPRINTS.length];
     const angle = prng.range(0, 2 * Math.PI);
     const radius = footprint.radius * prng.range(0.6, 1.12);
     shader.setFlat(CONTACT_COLOR[0], CONTACT_COLOR[1], CONTACT_COLOR[2]);
-    const size = footprint.radius * prng.range(0.16, 0.3);
+    const size = footprint.radius * widening * prng.range(0.16, 0.3);
     scales[0] = size;
     scales[1] = size * prng.range(0.6, 1);
     scales[2] = 0.0012;
@@ -356,15 +366,15 @@ function placeBlade(blade: number, t: number, out: Float64Array): void {
 }
 
 export const landscapeParts: readonly Part[] = [
-  { name: 'sky', weight: 5_500, role: 'backdrop', emit: emitSky },
+  { name: 'sky', weight: 5_500, role: 'sparse', emit: emitSky },
   ...RIDGES.map((ridge, index) => ({
     name: `ridge-${index}`,
     weight: 2_800,
-    role: 'backdrop' as const,
+    role: 'sparse' as const,
     emit: (count: number, studio: Studio) => emitRidge(ridge, count, studio),
   })),
-  { name: 'trees', weight: 70 * TREE_SPLATS, role: 'backdrop', emit: emitTrees },
-  { name: 'haze', weight: 500, role: 'ground', emit: emitHaze },
+  { name: 'trees', weight: TREES * TREE_SPLATS, role: 'sparse', emit: emitTrees },
+  { name: 'haze', weight: HAZE_SPLATS, role: 'ground', emit: emitHaze },
   surfacePart({
     name: 'ground',
     weight: 24_000,
@@ -372,6 +382,8 @@ export const landscapeParts: readonly Part[] = [
     surface: new GroundSurface(),
     owner: 'ground',
     coverage: 0.8,
+    // A large splat as thick as others are would rise above the paving as fog.
+    thickest: 0.012,
     finish: groundFinish,
   }),
   {
@@ -394,5 +406,5 @@ export const landscapeParts: readonly Part[] = [
       });
     },
   },
-  { name: 'contact-shadows', weight: 400, emit: emitContactShadows },
+  { name: 'contact-shadows', weight: CONTACT_SPLATS, emit: emitContactShadows },
 ];

@@ -16,9 +16,9 @@ export interface Studio {
 
 /**
  * What a part is in the picture. Small scenes spend the same share on the subject, less on the ground, whose texture
- * they cannot show anyway, and more on the backdrop, whose few splats would otherwise melt into one another.
+ * they cannot show anyway, and more on what is sparse and would no longer be recognised: hills, sky, trees, plumes.
  */
-export type PartRole = 'subject' | 'ground' | 'backdrop';
+export type PartRole = 'subject' | 'ground' | 'sparse';
 
 /** A part of a scene that can be made of any number of splats. */
 export interface Part {
@@ -44,6 +44,8 @@ export interface SurfacePart {
   readonly finish: (point: SurfacePoint, finish: Finish) => void;
   /** Standard deviation of a disc over its spacing; {@link COVERAGE} where absent. */
   readonly coverage?: number;
+  /** Largest standard deviation along the normal, in metres; unlimited where absent. */
+  readonly thickest?: number;
   /** Share of faint, wider splats; {@link FAINT_SHARE} where absent. */
   readonly faintShare?: number;
   /** Relief along the normal, in metres, over the object's own frame. */
@@ -79,7 +81,7 @@ function emitSurface(part: SurfacePart, count: number, { builder, shader, prng }
   const finish = new Finish();
   const frame = new Float64Array(9);
   const scales = new Float64Array(3);
-  const { coverage = COVERAGE, faintShare = FAINT_SHARE } = part;
+  const { coverage = COVERAGE, faintShare = FAINT_SHARE, thickest = Number.POSITIVE_INFINITY } = part;
   for (let i = 0; i < count; i++) {
     sampleLattice(part.surface, i, count, point);
     if (part.relief !== undefined) applyRelief(part.relief, point);
@@ -104,7 +106,8 @@ function emitSurface(part: SurfacePart, count: number, { builder, shader, prng }
     }
     scales[0] = size * Math.sqrt(aspect);
     scales[1] = size / Math.sqrt(aspect);
-    scales[2] = Math.min(scales[0], scales[1]) / FLATNESS_LOW / (FLATNESS_HIGH / FLATNESS_LOW) ** prng.next();
+    const flatness = FLATNESS_LOW * (FLATNESS_HIGH / FLATNESS_LOW) ** prng.next();
+    scales[2] = Math.min(Math.min(scales[0], scales[1]) / flatness, thickest);
     shader.shadeSurface(x, y, z, frame, finish, part.owner);
     builder.add(x, y, z, frame, scales, opacity, shader.coefficients);
   }

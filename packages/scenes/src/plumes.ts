@@ -104,6 +104,7 @@ export const plumeParts: readonly Part[] = [
   {
     name: 'plumes',
     weight: 24_000,
+    role: 'sparse',
     emit: (count, studio) => {
       const strand = new StrandPlacer();
       emitFibres(count, studio, {

@@ -15,10 +15,16 @@ import {
 import { clothInset, LINEN } from './cloth.ts';
 import { emitFibres } from './fibres.ts';
 import { clamp01, fractalNoise, latticeHash, mix, smoothstep, valueNoise } from './noise.ts';
-import { type Part, surfacePart } from './part.ts';
+import { type Part, type Studio, surfacePart } from './part.ts';
 import { pose } from './pose.ts';
 import type { Finish } from './shading.ts';
-import { DiscSurface, type Profile, type SurfacePoint, TurnedSurface } from './surface-sampling.ts';
+import {
+  apportion,
+  DiscSurface,
+  type Profile,
+  type SurfacePoint,
+  TurnedSurface,
+} from './surface-sampling.ts';
 
 /** Mirror reflectance at normal incidence of glaze, varnish, glass and skins: a refractive index of 1.5. */
 const DIELECTRIC = 0.04;
@@ -69,26 +75,66 @@ function grainInsideEdge({ x, z, spacing }: SurfacePoint): number {
 const UNDER_CLOTH_M = 0.006;
 
 const TOP_RADIUS_M = 0.59;
-const GAP_SEGMENTS = 12;
+/** Just above the boards, whose splats would otherwise win half of the draws. */
+const GAP_HEIGHT_M = 0.0004;
 const GAP_COLOR = [0.035, 0.017, 0.009] as const;
 
 const PLANKS_PER_SIDE = Math.ceil(TOP_RADIUS_M / PLANK_WIDTH_M);
 
-/** Where lines between planks are, along z; those that would only graze the table's edge are left out. */
-const GAP_LINES = Array.from(
-  { length: 2 * PLANKS_PER_SIDE + 1 },
-  (_, i) => (i - PLANKS_PER_SIDE) * PLANK_WIDTH_M,
-).filter((z) => Math.abs(z) < TOP_RADIUS_M - 0.25 * PLANK_WIDTH_M);
+/** A straight stretch of a line between planks. */
+interface GapStretch {
+  readonly z: number;
+  readonly fromX: number;
+  readonly toX: number;
+}
 
-/** The `fibre`-th stretch of the lines between planks: lines in turn, each cut into `cuts` stretches. */
-function placeGap(fibre: number, cuts: number, segments: number, t: number, out: Float64Array): void {
-  const z = GAP_LINES[fibre % GAP_LINES.length];
-  // Ends are drawn in by half a splat, which reaches that far beyond its middle's stretch.
-  const halfLength = Math.sqrt(TOP_RADIUS_M ** 2 - z * z) * (1 - 0.5 / (cuts * segments));
-  const place = (Math.floor(fibre / GAP_LINES.length) + t) / cuts;
-  out[0] = halfLength * (2 * place - 1);
-  out[1] = clothInset(out[0], z) > -0.004 ? -2 * UNDER_CLOTH_M : 0.0004;
-  out[2] = z;
+/** The lines between planks as far as they are seen: inside the table's edge and not under the runner. */
+function gapStretches(): GapStretch[] {
+  const stretches: GapStretch[] = [];
+  const stepM = 0.002;
+  for (let line = -PLANKS_PER_SIDE; line <= PLANKS_PER_SIDE; line++) {
+    const z = line * PLANK_WIDTH_M;
+    // A line that would only graze the edge is left out.
+    if (Math.abs(z) > TOP_RADIUS_M - 0.25 * PLANK_WIDTH_M) continue;
+    const end = Math.sqrt(TOP_RADIUS_M ** 2 - z * z);
+    let start: number | undefined;
+    for (let x = -end; x <= end + stepM; x += stepM) {
+      const seen = x <= end && clothInset(x, z) < 0;
+      if (seen) start ??= x;
+      else if (start !== undefined) {
+        stretches.push({ z, fromX: start, toX: x - stepM });
+        start = undefined;
+      }
+    }
+  }
+  return stretches.filter(({ fromX, toX }) => toX - fromX > 10 * stepM);
+}
+
+const GAP_STRETCHES = gapStretches();
+
+/** Dark needles end to end along every stretch. */
+function emitGaps(count: number, studio: Studio): void {
+  const lengths = GAP_STRETCHES.map(({ fromX, toX }) => toX - fromX);
+  const shares = apportion(count, lengths, 0);
+  GAP_STRETCHES.forEach(({ z, fromX, toX }, index) => {
+    const segments = shares[index];
+    // Ends are drawn in by the length that a splat reaches beyond its stretch.
+    const inset = (0.5 * (toX - fromX)) / (segments + 1);
+    emitFibres(segments, studio, {
+      segments,
+      radius: 0.0013,
+      widens: false,
+      color: GAP_COLOR,
+      gloss: 0,
+      opacity: [0.75, 0.95],
+      owner: 'table',
+      place: (_, t, out) => {
+        out[0] = mix(fromX + inset, toX - inset, t);
+        out[1] = GAP_HEIGHT_M;
+        out[2] = z;
+      },
+    });
+  });
 }
 
 const TABLE_UNDERSIDE_PROFILE: Profile = [
@@ -266,19 +312,7 @@ export const tablewareParts: readonly Part[] = [
   {
     name: 'plank-gaps',
     weight: 900,
-    emit: (count, studio) => {
-      const cuts = Math.max(1, Math.floor(count / GAP_SEGMENTS / GAP_LINES.length));
-      const segments = Math.ceil(count / (cuts * GAP_LINES.length));
-      emitFibres(count, studio, {
-        segments,
-        radius: 0.0013,
-        color: GAP_COLOR,
-        gloss: 0,
-        opacity: [0.75, 0.95],
-        owner: 'table',
-        place: (fibre, t, out) => placeGap(fibre, cuts, segments, t, out),
-      });
-    },
+    emit: emitGaps,
   },
   surfacePart({
     name: 'table-underside',
@@ -289,6 +323,12 @@ export const tablewareParts: readonly Part[] = [
       const angle = Math.atan2(z, x);
       woodFinish(y < -0.05 ? y : x, y < -0.05 ? 0.06 * angle : z, finish);
       finish.scaleAlbedo(0.85);
+      // Splats along the foot's edge, not across it.
+      if (y < GROUND_Y + 0.03) {
+        finish.grainAspect = 2.5;
+        finish.grainX = -z;
+        finish.grainZ = x;
+      }
       // Under the top it is darker than light marched over a few decimetres tells.
       finish.cavity *= 1 - 0.6 * smoothstep(-0.5, -0.05, y);
     },
