@@ -3,6 +3,11 @@ export interface CanvasSize {
   readonly heightPx: number;
 }
 
+/** Chromium gives the box in CSS pixels where the density is emulated (developer tools, tests). */
+function isPlausible(boxPx: number, cssPx: number): boolean {
+  return Math.abs(boxPx - cssPx * devicePixelRatio) <= 1;
+}
+
 /**
  * Reports the size of `element` in device pixels, now and whenever it changes: by layout, by zoom, or by moving to a
  * screen of another density. Returns what stops that.
@@ -20,7 +25,7 @@ export function observeDevicePixelSize(element: Element, onSize: (size: CanvasSi
     hasDevicePixelBox = box !== undefined;
     lastCss = entry.contentRect;
     // The exact size: with fractional scales, rounding the CSS size would make the browser resample the picture.
-    if (box) report(box.inlineSize, box.blockSize);
+    if (box && isPlausible(box.inlineSize, lastCss.width)) report(box.inlineSize, box.blockSize);
     else reportScaled();
   });
   try {

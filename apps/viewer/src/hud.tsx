@@ -45,14 +45,13 @@ export const Hud = memo(function Hud({ store }: { store: ViewerStore }) {
           </div>
         ))}
         <div className="hud-total">
-          <dt>
-            Total <small className="hud-source" data-figure="source" data-testid="timing-source" />
-          </dt>
+          <dt>Total</dt>
           <dd>
             <span data-figure="total" data-testid="total-ms" /> <small>ms</small>
           </dd>
         </div>
       </dl>
+      <p className="hud-source" data-figure="source" data-testid="timing-source" />
       <dl>
         <div>
           <dt>Visible</dt>

@@ -1,0 +1,64 @@
+import { existsSync, realpathSync } from 'node:fs';
+import { dirname, join } from 'node:path';
+import { type Browser, type BrowserContextOptions, chromium, type Page } from 'playwright-core';
+
+const executablePath = process.env.CHROMIUM_PATH ?? '/usr/bin/chromium';
+
+/** WebGPU on SwiftShader, with canvases on Vulkan too: without that the first `getCurrentTexture` ends WebGPU. */
+const SWIFTSHADER_ARGS = [
+  '--headless=new',
+  '--no-sandbox',
+  '--enable-unsafe-webgpu',
+  '--use-webgpu-adapter=swiftshader',
+  '--disable-background-networking',
+  '--disable-component-update',
+  '--disable-sync',
+  '--use-gl=angle',
+  '--use-angle=vulkan',
+  '--use-vulkan=swiftshader',
+  // Without it Chromium 156 finds no shared image that both WebGPU and the compositor can use.
+  '--enable-features=Vulkan',
+];
+
+/**
+ * ANGLE asks the system's Vulkan loader for a driver, whatever --use-vulkan says; without a GPU there is none but the
+ * SwiftShader that comes with Chromium, which the loader has to be told of.
+ */
+function vulkanEnvironment(): Record<string, string> {
+  const folders = [dirname(realpathSync(executablePath)), '/usr/lib/chromium'];
+  const driver = folders.map((folder) => join(folder, 'vk_swiftshader_icd.json')).find(existsSync);
+  return driver ? { VK_ICD_FILENAMES: driver, VK_DRIVER_FILES: driver } : {};
+}
+
+export function launchBrowser(): Promise<Browser> {
+  const env = { ...process.env, ...vulkanEnvironment() } as Record<string, string>;
+  return chromium.launch({ executablePath, args: SWIFTSHADER_ARGS, env });
+}
+
+/** A page and everything that it complained about; a test passes only where that is nothing. */
+export interface WatchedPage {
+  readonly page: Page;
+  readonly problems: readonly string[];
+}
+
+/** Chrome reports some WebGPU failures as warnings only. */
+const WEBGPU_WARNING = /webgpu|\bGPU|Instance reference|WGSL/i;
+
+export async function newWatchedPage(browser: Browser, options: BrowserContextOptions): Promise<WatchedPage> {
+  const context = await browser.newContext({
+    viewport: { width: 480, height: 320 },
+    // Steps that glide would make the number of frames depend on the machine's speed.
+    reducedMotion: 'reduce',
+    ...options,
+  });
+  const page = await context.newPage();
+  const problems: string[] = [];
+  page.on('pageerror', (error) => problems.push(`page error: ${error.stack ?? error.message}`));
+  page.on('crash', () => problems.push('the page crashed'));
+  page.on('console', (message) => {
+    const isProblem =
+      message.type() === 'error' || (message.type() === 'warning' && WEBGPU_WARNING.test(message.text()));
+    if (isProblem) problems.push(`console ${message.type()}: ${message.text()}`);
+  });
+  return { page, problems };
+}

@@ -1,0 +1,76 @@
+import { mkdtemp, rm } from 'node:fs/promises';
+import type { ServerResponse } from 'node:http';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { build, type Plugin, preview } from 'vite';
+
+const configFile = fileURLToPath(new URL('../apps/viewer/vite.config.ts', import.meta.url));
+
+export interface ViewerServer {
+  /** Address of the viewer, with a slash at its end. */
+  readonly url: string;
+  /** Resolves when a browser has broken off a request for a file that never ends. */
+  readonly whenEndlessFileIsDropped: () => Promise<void>;
+  readonly close: () => Promise<void>;
+}
+
+/**
+ * Builds the viewer, as it is shipped, into a folder of its own and serves it on a free port. `endless.ply` there begins
+ * like a splat file and then stays silent.
+ */
+export async function startViewerServer(): Promise<ViewerServer> {
+  const outDir = await mkdtemp(join(tmpdir(), 'websplatter-viewer-'));
+  await build({ configFile, logLevel: 'error', build: { outDir, emptyOutDir: true } });
+  let dropped = withResolvers();
+  const endlessFile: Plugin = {
+    name: 'endless-file',
+    configurePreviewServer(server) {
+      server.middlewares.use('/endless.ply', (_request, response: ServerResponse) => {
+        dropped = withResolvers();
+        response.on('close', dropped.resolve);
+        response.writeHead(200, {
+          'content-type': 'application/octet-stream',
+          'content-length': 100_000_000,
+        });
+        response.write(endlessHeader(400_000));
+        response.write(new Uint8Array(1_000_000));
+      });
+    },
+  };
+  const server = await preview({
+    configFile,
+    logLevel: 'error',
+    build: { outDir },
+    plugins: [endlessFile],
+    // Port 0: the system picks a free one.
+    preview: { host: '127.0.0.1', port: 0 },
+  });
+  const url = server.resolvedUrls?.local[0];
+  if (!url) throw new Error('The preview server has no address.');
+  return {
+    url,
+    whenEndlessFileIsDropped: () => dropped.promise,
+    close: async () => {
+      await server.close();
+      await rm(outDir, { recursive: true, force: true });
+    },
+  };
+}
+
+function endlessHeader(splats: number): string {
+  const names = ['x', 'y', 'z', 'f_dc_0', 'f_dc_1', 'f_dc_2', 'opacity'];
+  for (let i = 0; i < 3; i++) names.push(`scale_${i}`);
+  for (let i = 0; i < 4; i++) names.push(`rot_${i}`);
+  const properties = names.map((name) => `property float ${name}\n`).join('');
+  return `ply\nformat binary_little_endian 1.0\nelement vertex ${splats}\n${properties}end_header\n`;
+}
+
+/** Promise.withResolvers, which Node 20 does not have. */
+function withResolvers(): { promise: Promise<void>; resolve: () => void } {
+  let resolve = () => {};
+  const promise = new Promise<void>((settle) => {
+    resolve = settle;
+  });
+  return { promise, resolve };
+}

@@ -1,0 +1,55 @@
+import { packShRest, type ShRest, type SplatSet, shRestWordsPerSplat } from '@websplatter/core';
+
+const COUNT = 400;
+const SH_DEGREE = 1;
+
+/**
+ * A small cloud of colourful splats that looks the same from no two sides: many more of them, larger and redder, to one
+ * side. Deterministic; off the origin, so that turning about the wrong point shows.
+ */
+export function testScene(): SplatSet {
+  const random = randomNumbers(7);
+  const positions = new Float32Array(3 * COUNT);
+  const logScales = new Float32Array(3 * COUNT);
+  const rotations = new Float32Array(4 * COUNT);
+  const opacityLogits = new Float32Array(COUNT);
+  const colorDc = new Float32Array(3 * COUNT);
+  const wordsPerSplat = shRestWordsPerSplat(SH_DEGREE, 'f32');
+  const words = new Uint32Array(COUNT * wordsPerSplat);
+  for (let i = 0; i < COUNT; i++) {
+    const along = random() ** 2;
+    positions.set([4 * along - 1, 1 + along * (random() - 0.5) * 2, random() * 2 - 1], 3 * i);
+    for (let axis = 0; axis < 3; axis++)
+      logScales[3 * i + axis] = Math.log(0.02 + 0.2 * random() * (0.3 + along));
+    for (let axis = 0; axis < 4; axis++) rotations[4 * i + axis] = random() - 0.5;
+    opacityLogits[i] = 6 * random() - 2;
+    colorDc.set([2.5 * along - 0.5, 2 * random() - 1, 1.5 - 2.5 * along], 3 * i);
+    const rest = Array.from({ length: 9 }, () => 0.4 * (random() - 0.5));
+    packShRest(SH_DEGREE, 'f32', rest, words, i * wordsPerSplat);
+  }
+  const shRest: ShRest = { degree: SH_DEGREE, precision: 'f32', wordsPerSplat, words };
+  const fileIndices = Uint32Array.from({ length: COUNT }, (_, i) => i);
+  return {
+    count: COUNT,
+    origin: [0, 0, 0],
+    positions,
+    logScales,
+    rotations,
+    opacityLogits,
+    colorDc,
+    shRest,
+    fileIndices,
+    dropped: {},
+  };
+}
+
+/** Uniform in 0…1: mulberry32. */
+function randomNumbers(seed: number): () => number {
+  let state = seed;
+  return () => {
+    state = (state + 0x6d2b79f5) | 0;
+    let t = Math.imul(state ^ (state >>> 15), 1 | state);
+    t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
+    return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
+  };
+}
