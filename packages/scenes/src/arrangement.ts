@@ -95,7 +95,7 @@ export const LOAF_PROFILE: Profile = [
   [0, 0.089],
 ];
 
-export const ORANGE_RADIUS = 0.038;
+const ORANGE_RADIUS = 0.038;
 export const ORANGE_PROFILE: Profile = [
   [0, -0.037],
   [0.0145, -0.0345],
@@ -151,7 +151,7 @@ export const PEAR_PROFILE: Profile = [
 ];
 
 /** A posed copy of a fruit. */
-export interface Placement {
+interface Placement {
   readonly name: string;
   readonly pose: Pose;
 }
@@ -186,7 +186,7 @@ export const TABLE_TINT: Rgb = [0.42, 0.27, 0.15];
 const PLUME_TINT: Rgb = [0.6, 0.48, 0.34];
 
 /** Base, direction and length of the plumes that stand in the vase. */
-export interface Plume {
+interface Plume {
   readonly base: Point;
   readonly direction: Point;
   /** How far the tip sags sideways and down, metres. */
@@ -225,7 +225,7 @@ export function plumeStem({ base, direction, sag, length }: Plume, t: number, ou
 export const PLUME_BARE = 0.42;
 
 /** Objects' footprints on the table, for contact shadows and for the cloth to lie flat under. */
-export interface Footprint {
+interface Footprint {
   readonly x: number;
   readonly z: number;
   readonly radius: number;

@@ -44,7 +44,7 @@ export function clothInset(x: number, z: number): number {
 }
 
 /** Writes the place of the runner's point (a, b): on the table inside its edge, hanging outside it. */
-export function placeCloth(a: number, b: number, out: Float64Array): void {
+function placeCloth(a: number, b: number, out: Float64Array): void {
   const x = CENTER_X + a * Math.cos(ASKEW) + b * Math.sin(ASKEW);
   const z = CENTER_Z - a * Math.sin(ASKEW) + b * Math.cos(ASKEW);
   const fromMiddle = Math.hypot(x, z);

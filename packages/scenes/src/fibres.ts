@@ -3,7 +3,7 @@ import type { Rgb } from './lighting.ts';
 import { type Studio, writeFrame } from './part.ts';
 
 /** A bundle of fibres, each a curve from t = 0 (root) to t = 1 (tip). */
-export interface FibreBundle {
+interface FibreBundle {
   /** Splats along one fibre. */
   readonly segments: number;
   /** Standard deviation across a fibre at its root, in metres, in the full scene; tips are half of it. */

@@ -374,7 +374,7 @@ export const landscapeParts: readonly Part[] = [
     emit: (count: number, studio: Studio) => emitRidge(ridge, count, studio),
   })),
   { name: 'trees', weight: TREES * TREE_SPLATS, role: 'sparse', emit: emitTrees },
-  { name: 'haze', weight: HAZE_SPLATS, role: 'ground', emit: emitHaze },
+  { name: 'haze', weight: HAZE_SPLATS, role: 'detail', emit: emitHaze },
   surfacePart({
     name: 'ground',
     weight: 24_000,
@@ -389,7 +389,7 @@ export const landscapeParts: readonly Part[] = [
   {
     name: 'meadow-grass',
     weight: 9_000,
-    role: 'ground',
+    role: 'detail',
     emit: (count, studio) => {
       emitFibres(count, studio, {
         segments: BLADE_SEGMENTS,

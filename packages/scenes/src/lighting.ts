@@ -76,7 +76,7 @@ const EXPOSURE = 0.62;
 const DISPLAY_TABLE_SIZE = 4096;
 const displayTable = makeDisplayTable();
 
-/** The rational filmic curve fitted by Narkowicz to ACES; 0.8 of it is middle grey's slope, 1 its limit. */
+/** The rational curve that Narkowicz fitted to the ACES film response: a toe, a shoulder, white at 1. */
 function filmic(x: number): number {
   return clamp01((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14));
 }

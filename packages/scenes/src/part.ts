@@ -15,15 +15,16 @@ export interface Studio {
 }
 
 /**
- * What a part is in the picture. Small scenes spend the same share on the subject, less on the ground, whose texture
- * they cannot show anyway, and more on what is sparse and would no longer be recognised: hills, sky, trees, plumes.
+ * What a part is in the picture. Small scenes spend the same share on the subject and less on scattered detail; more
+ * on what would no longer be recognised (hills, sky, trees, plumes); and somewhat more on the ground, whose splats
+ * a camera above them would see as fog if they grew as large as their number alone makes them.
  */
-export type PartRole = 'subject' | 'ground' | 'sparse';
+export type PartRole = 'subject' | 'detail' | 'sparse' | 'ground';
 
 /** A part of a scene that can be made of any number of splats. */
 export interface Part {
   readonly name: string;
-  /** Splats in the scene at its full size; other sizes scale all parts alike. */
+  /** Share in the full scene, about in splats. */
   readonly weight: number;
   /** How the part's share changes in small scenes; `subject` where absent. */
   readonly role?: PartRole;
@@ -32,7 +33,7 @@ export interface Part {
 }
 
 /** A part that covers a surface with discs. */
-export interface SurfacePart {
+interface SurfacePart {
   readonly name: string;
   readonly weight: number;
   readonly role?: PartRole;

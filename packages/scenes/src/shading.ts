@@ -88,7 +88,7 @@ export interface ReflectedBall {
 }
 
 /** What reflections going down land on: the table top at y = 0, up to this far from the middle. */
-export interface ReflectedTable {
+interface ReflectedTable {
   readonly radius: number;
   readonly color: Rgb;
 }
@@ -103,7 +103,6 @@ const SHADOWED_DISC = 0.12;
 const BRIGHTEST_SAMPLE = 12;
 
 export class Shader {
-  readonly degree: ShDegree;
   readonly field: OcclusionField;
   /** r, g, b per basis function; the last shading's result. */
   readonly coefficients: Float64Array;
@@ -122,7 +121,6 @@ export class Shader {
     balls: readonly ReflectedBall[],
     table: ReflectedTable,
   ) {
-    this.degree = degree;
     this.field = field;
     this.#front = new ShFit(degree, 'front');
     this.#both = new ShFit(degree, 'both');
@@ -164,7 +162,7 @@ export class Shader {
         (KEY_RADIANCE[k] * shadow * (direct * (0.5 + 0.5 * finish.cavity) + behind) +
           ambient[k] * finish.cavity);
     }
-    if (this.degree === 0 || (finish.mirror[1] === 0 && finish.sheen === 0)) {
+    if (finish.mirror[1] === 0 && finish.sheen === 0) {
       this.setFlat(diffuse[0], diffuse[1], diffuse[2]);
       return;
     }
@@ -307,18 +305,6 @@ export class Shader {
         );
       }
     }
-    if (this.degree === 0) {
-      this.#averageSamples();
-      return;
-    }
     this.#both.fit(samples, frame, this.coefficients);
-  }
-
-  #averageSamples(): void {
-    for (let k = 0; k < 3; k++) {
-      let sum = 0;
-      for (let i = 0; i < FIT_DIRECTIONS; i++) sum += this.#samples[3 * i + k];
-      this.coefficients[k] = (sum / FIT_DIRECTIONS - 0.5) / SH_C0;
-    }
   }
 }

@@ -94,6 +94,12 @@ describe('stillLife', () => {
     expect(shRest.words.length).toBe(1_000 * shRestWordsPerSplat(shDegree, 'f32'));
   });
 
+  it('keeps metal bright without harmonics, by what it reflects on average', () => {
+    const flat = stillLife({ splats: SMALL, shDegree: 0 });
+    const meanOf = (set: SplatSet) => set.colorDc.reduce((sum, value) => sum + value, 0) / set.colorDc.length;
+    expect(Math.abs(meanOf(flat) - meanOf(small))).toBeLessThan(0.15);
+  });
+
   it('has only finite values', () => {
     const { positions, logScales, rotations, opacityLogits, colorDc, shRest } = small;
     const rest = new Float32Array(shRest.words.buffer);

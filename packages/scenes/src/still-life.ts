@@ -30,7 +30,12 @@ export interface StillLifeOptions {
 const MIN_PART_SPLATS = 6;
 
 /** A part's share at `splats` over that at full size goes as this power of `splats` over the full number. */
-const ROLE_EXPONENT: Readonly<Record<PartRole, number>> = { subject: 0, ground: 0.2, sparse: -0.3 };
+const ROLE_EXPONENT: Readonly<Record<PartRole, number>> = {
+  subject: 0,
+  detail: 0.3,
+  sparse: -0.3,
+  ground: -0.12,
+};
 
 const PARTS: readonly Part[] = [
   ...landscapeParts,
