@@ -26,12 +26,12 @@ function camera(
 /** Good views of the still life; the first is where a viewer starts. */
 export const stillLifeCameras: readonly SceneCamera[] = [
   camera('front', [0.12, 0.45, 1.44], [0.0, 0.245, 0], 40),
-  camera('left', [-1.3, 0.5, 0.55], [0, 0.16, 0], 42),
-  camera('right', [1.25, 0.42, 0.6], [0, 0.2, 0], 42),
-  camera('back', [0.25, 0.55, -1.5], [0, 0.18, 0], 42),
+  camera('left', [-1.45, 0.5, 0.62], [0, 0.235, 0], 42),
+  camera('right', [1.35, 0.44, 0.66], [0, 0.25, 0], 42),
+  camera('back', [0.25, 0.55, -1.65], [0, 0.255, 0], 42),
   camera('above', [0.02, 1.65, 0.5], [0.02, 0, 0.04], 42),
   camera('bowl', [0.36, 0.27, 0.5], [0.19, 0.07, 0.02], 40),
   camera('ball', [-0.16, 0.17, 0.56], [0, 0.06, 0.16], 38),
   camera('plumes', [-0.55, 0.62, 0.45], [-0.22, 0.52, -0.13], 40),
-  camera('terrace', [2.6, 0.85, 3.4], [0, 0, 0], 45),
+  camera('terrace', [2.6, 0.85, 3.4], [0, -0.02, 0], 34),
 ];
