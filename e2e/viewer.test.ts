@@ -19,11 +19,11 @@ import {
 } from './viewer-page.ts';
 
 /**
- * Least PSNR of a screenshot against float64. Packed geometry, 8-bit spherical harmonics, half-float blending and the
- * screen's 8 bits together cost some decibels below the 58.9 dB of rounding alone; a picture that is shifted by one
- * pixel, upside down or of another scene stays well below this.
+ * Least PSNR of a screenshot against float64, both rounded to the screen's 8 bits. Packed geometry, 8-bit spherical
+ * harmonics and half-float blending flip the rounding of single pixels: 68 dB were measured on SwiftShader. Another GPU
+ * may filter and round otherwise, hence the margin; the same scene the other way up reaches 15 dB.
  */
-const MIN_PSNR_DB = 30;
+const MIN_PSNR_DB = 45;
 
 let browser: Browser;
 let server: ViewerServer;

@@ -16,37 +16,23 @@ export interface ErrorReport {
   readonly isFault: boolean;
 }
 
-const FILE_PROBLEMS: Readonly<Record<SplatFileErrorCode, { title: string; advice: string }>> = {
-  'unknown-format': {
-    title: 'Unknown file format',
-    advice: 'Open a Gaussian-splat scene as a PLY file, as training tools write it.',
-  },
-  'bad-header': {
-    title: 'The file’s header cannot be read',
-    advice: 'Export the scene again, or check how it was edited.',
-  },
-  'bad-property': {
-    title: 'The file has an unusable property',
-    advice: 'Export the scene again with the standard properties.',
-  },
-  'not-splats': {
-    title: 'Not a Gaussian-splat scene',
-    advice:
-      'This is a point cloud or a mesh. Open the PLY that training wrote, with scale_*, rot_*, f_dc_* and opacity.',
-  },
-  truncated: { title: 'The file is incomplete', advice: 'Copy or download it again: its end is missing.' },
-  'bad-value': {
-    title: 'The file holds a value that is no number',
-    advice: 'Export the scene again, as binary if possible.',
-  },
-  'too-large': { title: 'Too many splats', advice: 'Reduce the scene, or split it into several files.' },
-  empty: { title: 'The file has no splats', advice: 'Check the export: the file is well formed but empty.' },
+/** The engine's message says the rest: where in the file, and what to do. */
+const FILE_PROBLEMS: Readonly<Record<SplatFileErrorCode, string>> = {
+  'unknown-format': 'Unknown file format',
+  'bad-header': 'The file’s header cannot be read',
+  'bad-property': 'The file has an unusable property',
+  'not-splats': 'Not a Gaussian-splat scene',
+  truncated: 'The file is incomplete',
+  'bad-value': 'The file holds a value that is no number',
+  'too-large': 'Too many splats',
+  empty: 'The file has no splats',
 };
 
 /** What to tell about `error`, which arose while `title` was being opened. */
 export function reportError(error: unknown, title: string): ErrorReport {
-  if (error instanceof SplatFileError)
-    return { ...FILE_PROBLEMS[error.code], message: error.message, isFault: false };
+  if (error instanceof SplatFileError) {
+    return { title: FILE_PROBLEMS[error.code], message: error.message, advice: '', isFault: false };
+  }
   if (error instanceof SplatSourceError) {
     const advice =
       error.status === undefined
@@ -56,9 +42,11 @@ export function reportError(error: unknown, title: string): ErrorReport {
   }
   if (error instanceof GpuLimitError) {
     const sizes = `${formatBytes(error.neededBytes)} needed, ${formatBytes(error.availableBytes)} available`;
+    // Limits of textures are in pixels, whatever the fields are called.
+    const isLength = error.limit.includes('Dimension');
     return {
       title: 'Too large for this GPU',
-      message: `${error.message} (${sizes})`,
+      message: isLength ? error.message : `${error.message} (${sizes})`,
       advice: 'Open a smaller scene, or use a GPU with larger limits.',
       isFault: false,
     };

@@ -29,9 +29,12 @@ export function UnavailablePage({ store }: { store: ViewerStore }) {
         If yours is among them, check that hardware acceleration is on and that the graphics driver is up to
         date.
       </p>
-      <p className="particulars" data-testid="status-reason">
-        {reason}
-      </p>
+      {/* Where there is no WebGPU at all the reason repeats the above. */}
+      {navigator.gpu !== undefined && (
+        <p className="particulars" data-testid="status-reason">
+          {reason}
+        </p>
+      )}
     </main>
   );
 }
