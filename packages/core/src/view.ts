@@ -341,7 +341,8 @@ function isSameShape(a: FrameShape, b: FrameShape): boolean {
   );
 }
 
-function viewUniforms(projection: Projection, { accuracy, dispatchRow }: FrameShape): ArrayBuffer {
+/** Contents of a frame's `view` buffer. */
+export function viewUniforms(projection: Projection, { accuracy, dispatchRow }: FrameShape): ArrayBuffer {
   const { widthPx, heightPx, focalPx, centerPx, clampX, clampY, near, far } = projection;
   const contents = new ArrayBuffer(View.bytes);
   View.write(contents, {
@@ -360,7 +361,8 @@ function viewUniforms(projection: Projection, { accuracy, dispatchRow }: FrameSh
   return contents;
 }
 
-function pageUniforms(
+/** Contents of a frame's `pageUniforms` buffer. */
+export function pageUniforms(
   { camera, clouds }: ViewFrame,
   projection: Projection,
   frame: FrameResources,

@@ -1,0 +1,58 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
+import { Pipelines } from '../gpu/pipelines.ts';
+import { FrameParameters } from '../layout/structs.ts';
+import { compactSplats as compactTwin } from '../reference/compact-splats.ts';
+import { prefixScan } from '../reference/prefix-scan.ts';
+import { readWords, runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
+import { seededRandom } from '../testing/seeded-random.ts';
+import { compactSplats } from './compact-splats.ts';
+import { dispatchSize } from './dispatch.ts';
+
+describe('compact-splats', () => {
+  gpuTest('lists the splats to draw in storage order', async () => {
+    const device = await createTestDevice();
+    const pipelines = new Pipelines(device);
+    for (const [slots, chunkCount] of [
+      [0, 3],
+      [1, 1],
+      [1, 9],
+      [40, 100],
+    ]) {
+      const random = seededRandom(slots);
+      const visibleChunks = Array.from({ length: slots }, (_, slot) => 2 * slot + (slots === 40 ? 1 : 0));
+      // Empty words, full words and everything between.
+      const masks = Uint32Array.from({ length: 8 * chunkCount }, (_, i) =>
+        i >= 8 * slots ? 0xffffffff : [0, 0xffffffff, random() * 2 ** 32][i % 3],
+      );
+      const expected = compactTwin(visibleChunks, masks);
+      const counts = visibleChunks.map(
+        (_, slot) => compactTwin([0], masks.subarray(8 * slot, 8 * slot + 8)).length,
+      );
+      const parameters = new ArrayBuffer(FrameParameters.bytes);
+      FrameParameters.write(parameters, { chunkCount, pageCount: 1, dispatchRow: 7 });
+      const chunkOffsets = new Uint32Array(chunkCount + 1);
+      chunkOffsets[chunkCount] = slots;
+      const survivors = storageBuffer(device, new Uint32Array(256 * chunkCount).fill(0xffffffff));
+      await runStage(
+        device,
+        pipelines,
+        compactSplats,
+        {
+          frame: uniformBuffer(device, parameters),
+          chunkOffsets: storageBuffer(device, chunkOffsets),
+          visibleChunks: storageBuffer(device, visibleChunks, 4 * chunkCount),
+          visibilityMasks: storageBuffer(device, masks),
+          splatOffsets: storageBuffer(device, prefixScan(counts), 4 * (chunkCount + 1)),
+          survivors,
+        },
+        // A workgroup too many has nothing to do.
+        dispatchSize(slots + 1, 7),
+      );
+      const words = await readWords(device, survivors);
+      expect(words.subarray(0, expected.length)).toEqual(Uint32Array.from(expected));
+      expect(words.subarray(expected.length).every((word) => word === 0xffffffff)).toBe(true);
+    }
+    device.destroy();
+  });
+});

@@ -1,0 +1,72 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
+import { Pipelines } from '../gpu/pipelines.ts';
+import { SortParameters } from '../layout/structs.ts';
+import { prefixScan } from '../reference/prefix-scan.ts';
+import { sortHistogram as histogramTwin } from '../reference/sort-histogram.ts';
+import { sortScatter as scatterTwin } from '../reference/sort-scatter.ts';
+import { readWords, runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
+import { seededRandom } from '../testing/seeded-random.ts';
+import { dispatchSize } from './dispatch.ts';
+import { sortShapeFor } from './radix-sort.ts';
+import { sortScatter } from './sort-scatter.ts';
+
+describe('sort-scatter', () => {
+  for (const [bits, isFirst, isLast] of [
+    [24, true, false],
+    [24, false, false],
+    [24, false, true],
+    [16, true, true],
+    [27, false, false],
+  ] as const) {
+    const name = `${isFirst ? 'first' : 'later'} pass, ${isLast ? 'last' : 'not last'}, of ${bits} bits`;
+    gpuTest(`${name}: keys and payloads go where the twin puts them`, async () => {
+      const device = await createTestDevice();
+      const pipelines = new Pipelines(device);
+      const random = seededRandom(4);
+      const shape = sortShapeFor(bits);
+      const tileKeys = shape.workgroup * shape.itemsPerThread;
+      const dispatchRow = 2;
+      const count = 3 * tileKeys + 1234;
+      const pass = { digitShift: shape.digitBits, digitBits: shape.digitBits, tileKeys };
+      // Few digits in the first half, so that ranks within a round are large, all of them in the second.
+      const keys = Uint32Array.from(
+        { length: count },
+        (_, i) => random() * (i < count / 2 ? 2 ** (shape.digitBits + 2) : 2 ** bits),
+      );
+      const payloads = Uint32Array.from(keys, (_, i) => (isFirst ? i : Math.floor(random() * 2 ** 32)));
+      const tileCount = Math.ceil(count / tileKeys);
+      const digitOffsets = prefixScan(histogramTwin(keys, pass));
+      const parameters = new ArrayBuffer(SortParameters.bytes);
+      const radix = 1 << shape.digitBits;
+      SortParameters.write(parameters, {
+        digitShift: pass.digitShift,
+        radix,
+        capacity: count,
+        dispatchRow,
+      });
+      const keysOut = storageBuffer(device, [], 4 * count);
+      const payloadsOut = storageBuffer(device, [], 4 * count);
+      const bindings = {
+        parameters: uniformBuffer(device, parameters),
+        plan: storageBuffer(device, [count, tileCount]),
+        digitOffsets: storageBuffer(device, digitOffsets),
+        keysIn: storageBuffer(device, keys),
+        payloadsIn: storageBuffer(device, payloads),
+        payloadsOut,
+        keysOut,
+      };
+      await runStage(
+        device,
+        pipelines,
+        sortScatter(shape, isFirst, isLast),
+        bindings,
+        dispatchSize(tileCount, dispatchRow),
+      );
+      const expected = scatterTwin(keys, payloads, digitOffsets, pass);
+      expect(await readWords(device, payloadsOut)).toEqual(expected.payloads);
+      expect(await readWords(device, keysOut)).toEqual(isLast ? new Uint32Array(count) : expected.keys);
+      device.destroy();
+    });
+  }
+});

@@ -1,0 +1,73 @@
+import { packShRest, type ShPrecision, shRestValues, shRestWordsPerSplat } from '../layout/sh-rest.ts';
+import type { Vec3 } from '../math/mat4.ts';
+import type { ShDegree, SplatSet } from '../scene/splat-set.ts';
+import { seededRandom } from './seeded-random.ts';
+
+export interface RandomSplatOptions {
+  readonly count: number;
+  /** Default 1. */
+  readonly seed?: number;
+  /** Default 3. */
+  readonly shDegree?: ShDegree;
+  /** Default f32. */
+  readonly shPrecision?: ShPrecision;
+  /** Centres lie within ± this of the origin on each axis; default 1. */
+  readonly halfExtent?: number;
+  /** Default 0, 0, 0. */
+  readonly origin?: Vec3;
+  /** Range of the log scales; default −5…−2. */
+  readonly logScales?: readonly [min: number, max: number];
+  /** Range of the opacity's logit; default −4…4. */
+  readonly opacityLogits?: readonly [min: number, max: number];
+}
+
+/** Splats at random in a cube, every column filled; the same for the same options. */
+export function randomSplats(options: RandomSplatOptions): SplatSet {
+  const { count, seed = 1, shDegree = 3, shPrecision = 'f32', halfExtent = 1, origin = [0, 0, 0] } = options;
+  const { logScales = [-5, -2], opacityLogits = [-4, 4] } = options;
+  const random = seededRandom(seed);
+  const column = (length: number, min: number, max: number) =>
+    Float32Array.from({ length }, () => min + (max - min) * random());
+  const wordsPerSplat = shRestWordsPerSplat(shDegree, shPrecision);
+  const words = new Uint32Array(count * wordsPerSplat);
+  for (let i = 0; i < count; i++) {
+    packShRest(shDegree, shPrecision, column(shRestValues(shDegree), -0.3, 0.3), words, i * wordsPerSplat);
+  }
+  return {
+    count,
+    origin,
+    positions: column(3 * count, -halfExtent, halfExtent),
+    logScales: column(3 * count, ...logScales),
+    rotations: column(4 * count, -1, 1),
+    opacityLogits: column(count, ...opacityLogits),
+    colorDc: column(3 * count, -1.5, 1.5),
+    shRest: { degree: shDegree, precision: shPrecision, wordsPerSplat, words },
+    fileIndices: Uint32Array.from({ length: count }, (_, i) => i),
+    dropped: {},
+  };
+}
+
+/** One splat's properties; what is left out is a round, opaque, grey splat at the origin. */
+export interface SplatValues {
+  readonly position?: readonly number[];
+  readonly logScales?: readonly number[];
+  readonly rotation?: readonly number[];
+  readonly opacityLogit?: number;
+  readonly colorDc?: readonly number[];
+}
+
+/** Splats given one by one, of degree 0. */
+export function splatsOf(splats: readonly SplatValues[]): SplatSet {
+  return {
+    count: splats.length,
+    origin: [0, 0, 0],
+    positions: Float32Array.from(splats.flatMap(({ position = [0, 0, 0] }) => position)),
+    logScales: Float32Array.from(splats.flatMap(({ logScales = [-2, -2, -2] }) => logScales)),
+    rotations: Float32Array.from(splats.flatMap(({ rotation = [1, 0, 0, 0] }) => rotation)),
+    opacityLogits: Float32Array.from(splats, ({ opacityLogit = Number.POSITIVE_INFINITY }) => opacityLogit),
+    colorDc: Float32Array.from(splats.flatMap(({ colorDc = [0, 0, 0] }) => colorDc)),
+    shRest: { degree: 0, precision: 'f32', wordsPerSplat: 0, words: new Uint32Array() },
+    fileIndices: Uint32Array.from(splats, (_, i) => i),
+    dropped: {},
+  };
+}

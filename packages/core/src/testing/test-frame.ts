@@ -1,0 +1,188 @@
+import { type AccuracySettings, DILATION_PX2, resolveAccuracy } from '../accuracy.ts';
+import { type Camera, type Projection, projectionOf } from '../camera.ts';
+import { frameStages, recordFrame } from '../frame.ts';
+import { FrameResources } from '../frame-resources.ts';
+import { GpuMemory } from '../gpu/gpu-memory.ts';
+import { Pipelines } from '../gpu/pipelines.ts';
+import { readTexture, type TextureImage } from '../gpu/read-texture.ts';
+import { GEOMETRY_WORDS } from '../layout/geometry.ts';
+import { repackShRest } from '../layout/sh-rest.ts';
+import { identity4 } from '../math/mat4.ts';
+import { unpackSplat } from '../reference/packing.ts';
+import { type CloudView, cloudView } from '../scene/cloud-view.ts';
+import { type CullPlane, cullPlanes } from '../scene/frustum.ts';
+import { mortonOrder, permuteSplats } from '../scene/morton-order.ts';
+import { type PackedCloud, packCloud } from '../scene/packed-cloud.ts';
+import { SplatCloud } from '../scene/splat-cloud.ts';
+import type { SplatSet } from '../scene/splat-set.ts';
+import { GpuTimer } from '../timing/gpu-timer.ts';
+import { pageUniforms, type ViewFrame, viewUniforms } from '../view.ts';
+import { readWords } from './gpu-buffers.ts';
+
+export interface TestFrameOptions {
+  readonly clouds: readonly {
+    readonly set: SplatSet;
+    readonly modelMatrix?: ArrayLike<number>;
+    /** Uploads the cloud in pages of at most so many splats, a multiple of CHUNK_SPLATS. */
+    readonly splatsPerPage?: number;
+  }[];
+  readonly camera: Camera;
+  readonly widthPx: number;
+  readonly heightPx: number;
+  /** Default the preset `reference`, blended in rgba16float. */
+  readonly accuracy?: Partial<AccuracySettings>;
+  readonly dispatchRow?: number;
+  /** Default 32. At 8 the sort is one pass, which leaves the keys as `project` wrote them. */
+  readonly keyBits?: number;
+}
+
+/** What is not tested through these frames need not be as exact as it can be; every device blends this format. */
+const DEFAULTS = { colorTarget: 'rgba16float' } as const;
+
+/** One cloud of a test frame as the float64 twins take it. */
+export interface TestCloud {
+  /** In storage order, with the values that the GPU unpacks. */
+  readonly stored: SplatSet;
+  readonly packed: PackedCloud;
+  readonly view: CloudView;
+  readonly planes: readonly CullPlane[];
+}
+
+/** The buffers of one frame after all stages have run on them, and what the twins need to make the same. */
+export class TestFrame {
+  readonly resources: FrameResources;
+  readonly clouds: readonly TestCloud[];
+  readonly projection: Projection;
+  readonly accuracy: AccuracySettings;
+  readonly image: TextureImage;
+  readonly #device: GPUDevice;
+  readonly #memory: GpuMemory;
+
+  private constructor(
+    device: GPUDevice,
+    memory: GpuMemory,
+    made: Pick<TestFrame, 'resources' | 'clouds' | 'projection' | 'accuracy' | 'image'>,
+  ) {
+    this.#device = device;
+    this.#memory = memory;
+    this.resources = made.resources;
+    this.clouds = made.clouds;
+    this.projection = made.projection;
+    this.accuracy = made.accuracy;
+    this.image = made.image;
+  }
+
+  static async draw(device: GPUDevice, options: TestFrameOptions): Promise<TestFrame> {
+    const { camera, widthPx, heightPx } = options;
+    const accuracy = { ...resolveAccuracy('reference'), ...DEFAULTS, ...options.accuracy };
+    const memory = new GpuMemory(device);
+    const pipelines = pipelinesOf(device);
+    const projection = projectionOf(camera, widthPx, heightPx);
+    const sets = options.clouds.map(({ set }) => ({
+      ...set,
+      shRest: repackShRest(set.shRest, set.count, accuracy.shPrecision),
+    }));
+    const packed = sets.map((set) => packCloud(set, { geometryPrecision: accuracy.geometryPrecision }));
+    const instances = options.clouds.map(({ modelMatrix, splatsPerPage }, i) => ({
+      cloud: new SplatCloud(memory, limitsFor(device, packed[i], splatsPerPage), packed[i], `cloud ${i}`),
+      modelMatrix,
+    }));
+    const viewFrame: ViewFrame = { camera, clouds: instances, widthPx, heightPx };
+    const shape = {
+      clouds: instances.map(({ cloud }) => cloud),
+      isOrthographic: projection.isOrthographic,
+      accuracy,
+      dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,
+      visibleCapacity: packed.reduce((sum, { count }) => sum + count, 0),
+      keyBits: options.keyBits ?? 32,
+    };
+    await pipelines.prepare(frameStages(shape));
+    const resources = new FrameResources(device, pipelines, memory, shape);
+    resources.writeUniforms(viewUniforms(projection, shape), pageUniforms(viewFrame, projection, resources));
+    const target = device.createTexture({
+      size: [widthPx, heightPx],
+      format: accuracy.colorTarget,
+      usage: GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC,
+    });
+    const encoder = device.createCommandEncoder();
+    recordFrame(encoder, pipelines, resources, target.createView(), new GpuTimer(device, memory));
+    device.queue.submit([encoder.finish()]);
+    const image = await readTexture(device, target);
+    target.destroy();
+
+    const clouds = options.clouds.map(({ modelMatrix = identity4() }, i) => {
+      const stored = permuteSplats(sets[i], mortonOrder(sets[i].positions, sets[i].count));
+      const view = cloudView(camera.viewMatrix, modelMatrix, stored.origin, projection.isOrthographic);
+      return {
+        stored: accuracy.geometryPrecision === 'f32' ? stored : unpackedSet(stored, packed[i]),
+        packed: packed[i],
+        view,
+        planes: cullPlanes(view, projection, accuracy.alphaCutoff, DILATION_PX2),
+      };
+    });
+    return new TestFrame(device, memory, { resources, clouds, projection, accuracy, image });
+  }
+
+  destroy(): void {
+    this.#memory.destroyAll();
+  }
+
+  /** Contents of one of the frame's buffers. */
+  words(name: keyof FrameResources['buffers']): Promise<Uint32Array<ArrayBuffer>> {
+    return readWords(this.#device, this.resources.buffers[name]);
+  }
+
+  /** Contents of the sort's keys or order, as far as there are visible splats. */
+  async sorted(name: 'keys' | 'order'): Promise<Uint32Array> {
+    const words = await readWords(this.#device, this.resources.sort[name]);
+    return words.subarray(0, await this.visibleCount());
+  }
+
+  async visibleCount(): Promise<number> {
+    return (await this.words('visibleCount'))[0];
+  }
+
+  /** Cloud and index in storage of splat `number`, which counts through all chunks of the frame. */
+  locate(number: number): { readonly cloud: TestCloud; readonly index: number } {
+    const { pages } = this.resources;
+    const chunk = Math.floor(number / 256);
+    const page = pages.findLast(({ chunkStart }) => chunkStart <= chunk)!;
+    const firstPage = pages.find(({ cloudIndex }) => cloudIndex === page.cloudIndex)!;
+    return { cloud: this.clouds[page.cloudIndex], index: number - 256 * firstPage.chunkStart };
+  }
+}
+
+const pipelinesByDevice = new WeakMap<GPUDevice, Pipelines>();
+
+/** One per device: frames share what is compiled. */
+function pipelinesOf(device: GPUDevice): Pipelines {
+  let pipelines = pipelinesByDevice.get(device);
+  if (!pipelines) {
+    pipelines = new Pipelines(device);
+    pipelinesByDevice.set(device, pipelines);
+  }
+  return pipelines;
+}
+
+/** Limits under which a cloud is cut into pages of `splatsPerPage`, or the device's own. */
+function limitsFor(
+  device: GPUDevice,
+  { geometry, shRest }: PackedCloud,
+  splatsPerPage: number | undefined,
+): GPUSupportedLimits {
+  if (splatsPerPage === undefined) return device.limits;
+  const bytes = 4 * Math.max(GEOMETRY_WORDS[geometry.precision], shRest.wordsPerSplat) * splatsPerPage;
+  return { maxStorageBufferBindingSize: bytes, maxBufferSize: bytes } as GPUSupportedLimits;
+}
+
+/** `stored` with the values that packing left of it. */
+function unpackedSet(stored: SplatSet, { geometry }: PackedCloud): SplatSet {
+  const splats = Array.from({ length: stored.count }, (_, i) => unpackSplat(geometry, i));
+  return {
+    ...stored,
+    rotations: Float32Array.from(splats.flatMap(({ rotation }) => rotation)),
+    logScales: Float32Array.from(splats.flatMap(({ scale }) => scale.map(Math.log))),
+    opacityLogits: Float32Array.from(splats, ({ opacity }) => Math.log(opacity / (1 - opacity))),
+    colorDc: Float32Array.from(splats.flatMap(({ colorDc }) => colorDc)),
+  };
+}
