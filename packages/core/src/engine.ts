@@ -115,6 +115,7 @@ export class SplatEngine {
       accuracy: this.accuracy,
       dispatchRow: this.#dispatchRow,
       destroyedBecause: () => this.#destroyedBecause,
+      onDestroyed: (view) => this.#views.delete(view),
     };
     const format = globalThis.navigator?.gpu?.getPreferredCanvasFormat() ?? 'rgba8unorm';
     const view = new SplatView(context, options.canvas ?? null, format);
@@ -131,7 +132,7 @@ export class SplatEngine {
   destroy(): void {
     if (this.#destroyedBecause === 'the engine was destroyed') return;
     this.#destroyedBecause = 'the engine was destroyed';
-    for (const view of this.#views) view.destroy();
+    for (const view of [...this.#views]) view.destroy();
     this.#memory.destroyAll();
     if (this.#ownsDevice) this.device.destroy();
   }

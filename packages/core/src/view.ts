@@ -47,6 +47,8 @@ export interface ViewContext {
   readonly dispatchRow: number;
   /** Why nothing can be drawn any more, or null. */
   readonly destroyedBecause: () => string | null;
+  /** Called when the view has been destroyed. */
+  readonly onDestroyed: (view: SplatView) => void;
 }
 
 /** One picture of some clouds, drawn again whenever something has changed: on a canvas, or to be read back. */
@@ -101,9 +103,8 @@ export class SplatView {
   render(frame: ViewFrame): boolean {
     this.#checkUsable();
     checkFrame(frame);
-    const key = keyOf(frame);
-    if (key === this.#drawnKey && !frame.force) return false;
     if (frame.widthPx === 0 || frame.heightPx === 0) return false;
+    if (!frame.force && !this.#waiting && keyOf(frame) === this.#drawnKey) return false;
     if (this.#waiting) {
       this.#waiting = frame;
       return true;
@@ -112,13 +113,12 @@ export class SplatView {
     const stages = this.#stagesFor(shape);
     if (!this.#areCompiled(stages)) {
       this.#waiting = frame;
-      this.#whenDrawn = this.#drawWhenCompiled(stages);
+      this.#whenDrawn = this.#drawWaiting();
       // Who does not wait for the picture still hears of a shader that does not compile, once, by the device's own error.
       this.#whenDrawn.catch(() => {});
       return true;
     }
     this.#draw(frame, shape);
-    this.#drawnKey = key;
     return true;
   }
 
@@ -149,39 +149,44 @@ export class SplatView {
     if (this.#layer) this.#context.memory.destroy(this.#layer);
     this.#context.memory.destroy(this.#compositeParameters);
     this.#timer.destroy();
+    this.#context.onDestroyed(this);
   }
 
-  async #drawWhenCompiled(stages: ReturnType<typeof frameStages>): Promise<void> {
+  /** Compiles what the waiting frame needs, which may be another one by then, and draws it. */
+  async #drawWaiting(): Promise<void> {
     try {
-      await this.#context.pipelines.prepare(stages);
-    } catch (error) {
+      while (this.#waiting && this.#canStillDraw(this.#waiting)) {
+        const frame = this.#waiting;
+        const shape = shapeOf(frame, this.#context, this.#frame?.shape);
+        const stages = this.#stagesFor(shape);
+        if (this.#areCompiled(stages)) {
+          this.#waiting = null;
+          this.#draw(frame, shape);
+        } else {
+          await this.#context.pipelines.prepare(stages);
+        }
+      }
+    } finally {
       this.#waiting = null;
-      throw error;
     }
-    const frame = this.#waiting;
-    this.#waiting = null;
-    const canDraw = !this.#isDestroyed && this.#context.destroyedBecause() === null;
-    // Meanwhile the clouds may have gone, or others come that need other shaders: render decides anew.
-    if (!frame || !canDraw || frame.clouds.some(({ cloud }) => cloud.isDestroyed)) return;
-    this.render(frame);
-    await this.#whenNextDrawn();
   }
 
-  /** render may have found yet another shader to wait for, and then has replaced the promise. */
-  async #whenNextDrawn(): Promise<void> {
-    while (this.#waiting) await new Promise((resolve) => setTimeout(resolve, 1));
+  #canStillDraw({ clouds }: ViewFrame): boolean {
+    const isUsable = !this.#isDestroyed && this.#context.destroyedBecause() === null;
+    return isUsable && clouds.every(({ cloud }) => !cloud.isDestroyed);
   }
 
   #draw(viewFrame: ViewFrame, shape: FrameShape): void {
     const { device, pipelines, memory } = this.#context;
     const { camera, widthPx, heightPx } = viewFrame;
-    this.#resize(widthPx, heightPx);
+    this.#checkSize(widthPx, heightPx);
     if (!this.#frame || !isSameShape(this.#frame.shape, shape)) {
       // The new one first: where it does not fit, the old picture stays.
       const next = new FrameResources(device, pipelines, memory, shape);
       this.#frame?.destroy();
       this.#frame = next;
     }
+    this.#resize(widthPx, heightPx);
     const frame = this.#frame;
     const projection = projectionOf(camera, widthPx, heightPx);
     frame.writeUniforms(viewUniforms(projection, shape), pageUniforms(viewFrame, projection, frame));
@@ -192,6 +197,7 @@ export class SplatView {
     if (this.#canvas) this.#recordComposite(encoder, this.#canvas, viewFrame.background ?? [0, 0, 0]);
     this.#timer.record(encoder, frame.buffers);
     device.queue.submit([encoder.finish()]);
+    this.#drawnKey = keyOf(viewFrame);
     void this.#measure(frame.totalSplats);
   }
 
@@ -224,14 +230,17 @@ export class SplatView {
     pass.end();
   }
 
-  #resize(widthPx: number, heightPx: number): void {
-    if (this.#layer?.width === widthPx && this.#layer.height === heightPx) return;
-    const { device, memory, accuracy } = this.#context;
-    const limit = device.limits.maxTextureDimension2D;
+  #checkSize(widthPx: number, heightPx: number): void {
+    const limit = this.#context.device.limits.maxTextureDimension2D;
     if (Math.max(widthPx, heightPx) > limit) {
       const message = `A picture of ${widthPx}×${heightPx} px is larger than this device's ${limit} px (maxTextureDimension2D).`;
       throw new GpuLimitError('maxTextureDimension2D', Math.max(widthPx, heightPx), limit, message);
     }
+  }
+
+  #resize(widthPx: number, heightPx: number): void {
+    if (this.#layer?.width === widthPx && this.#layer.height === heightPx) return;
+    const { memory, accuracy } = this.#context;
     if (this.#layer) memory.destroy(this.#layer);
     this.#compositeGroup = null;
     this.#layer = memory.createTexture({
@@ -277,19 +286,25 @@ function configure(canvas: HTMLCanvasElement | OffscreenCanvas, device: GPUDevic
   return context;
 }
 
-function checkFrame({ clouds, widthPx, heightPx }: ViewFrame): void {
+function isMatrix(values: ArrayLike<number>): boolean {
+  return values.length === 16 && Array.prototype.every.call(values, Number.isFinite);
+}
+
+function checkFrame({ camera, clouds, widthPx, heightPx }: ViewFrame): void {
   if (!(Number.isInteger(widthPx) && Number.isInteger(heightPx) && widthPx >= 0 && heightPx >= 0)) {
     throw new InvalidArgumentError(
       'widthPx',
       `The picture is ${widthPx}×${heightPx}; it takes whole numbers of pixels.`,
     );
   }
+  for (const name of ['viewMatrix', 'projectionMatrix'] as const) {
+    if (!isMatrix(camera[name])) {
+      throw new InvalidArgumentError(name, `The camera's ${name} must be 16 finite numbers, column-major.`);
+    }
+  }
   for (const { cloud, modelMatrix } of clouds) {
     if (cloud.isDestroyed) throw new DestroyedError(`The cloud ${cloud.name}`, 'it was destroyed');
-    if (
-      modelMatrix &&
-      !(modelMatrix.length === 16 && Array.prototype.every.call(modelMatrix, Number.isFinite))
-    ) {
+    if (modelMatrix && !isMatrix(modelMatrix)) {
       const message = `The model matrix of ${cloud.name} must be 16 finite numbers, column-major.`;
       throw new InvalidArgumentError('modelMatrix', message);
     }

@@ -25,6 +25,7 @@ export class GpuTimer {
   readonly #queue: GPUQueue;
   readonly #querySet: GPUQuerySet | null;
   readonly #resolved: GPUBuffer | null;
+  readonly #ring: readonly GPUBuffer[];
   readonly #free: GPUBuffer[];
   #measuring: GPUBuffer | null = null;
   #isDestroyed = false;
@@ -43,13 +44,14 @@ export class GpuTimer {
           GPUBufferUsage.QUERY_RESOLVE | GPUBufferUsage.COPY_SRC,
         )
       : null;
-    this.#free = Array.from({ length: RING_SIZE }, (_, i) =>
+    this.#ring = Array.from({ length: RING_SIZE }, (_, i) =>
       memory.createBuffer(
         `statistics ${i}`,
         READBACK_BYTES,
         GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST,
       ),
     );
+    this.#free = [...this.#ring];
   }
 
   /** Call first in a frame. */
@@ -110,7 +112,7 @@ export class GpuTimer {
 
   destroy(): void {
     this.#isDestroyed = true;
-    for (const buffer of this.#free) this.#memory.destroy(buffer);
+    for (const buffer of this.#ring) this.#memory.destroy(buffer);
     if (this.#resolved) this.#memory.destroy(this.#resolved);
     this.#querySet?.destroy();
   }
