@@ -61,7 +61,11 @@ fn screenCovariance(view: View, centerView: vec3f, axesView: mat3x3f) -> ScreenC
   return ScreenCovariance(xx + dilation, dot(x, y), yy + dilation, determinant, unitPx);
 }
 
-fn screenAxes(covariance: ScreenCovariance) -> ScreenAxes {
+/// Axes are no longer than this: across any picture such a Gaussian is constant in float32, and the squares of lengths
+/// stay in its range.
+const LONGEST_AXIS_PX = 1e18;
+
+fn screenAxes(covariance: ScreenCovariance, dilationPx2: f32) -> ScreenAxes {
   let a = covariance.a;
   let b = covariance.b;
   let c = covariance.c;
@@ -75,9 +79,11 @@ fn screenAxes(covariance: ScreenCovariance) -> ScreenAxes {
   let length2 = dot(direction, direction);
   // Both vanish for a circle, whose axes may point anywhere.
   let unit = select(vec2f(1.0, 0.0), direction * inverseSqrt(max(length2, 1e-37)), length2 > 1e-37);
+  // No axis is shorter than dilation makes it; where unitPx² leaves float32's range, the determinant forgets that.
+  let shortestPx = sqrt(2.0 * dilationPx2);
   return ScreenAxes(
-    unit * (sqrt(2.0 * larger) * covariance.unitPx),
-    sqrt(2.0 * smaller) * covariance.unitPx,
+    unit * min(sqrt(2.0 * larger) * covariance.unitPx, LONGEST_AXIS_PX),
+    clamp(sqrt(2.0 * smaller) * covariance.unitPx, shortestPx, LONGEST_AXIS_PX),
   );
 }
 

@@ -38,7 +38,7 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
 
   let splat = unpackSplat(geometry[splatIndex], page.logScales);
   let onScreen = screenSplat(view, page.linear, splat, page.linear * splat.position + page.translation);
-  let axes = screenAxes(onScreen.covariance);
+  let axes = screenAxes(onScreen.covariance, view.dilationPx2);
 
   var color = shBase(splat.colorDc);
   @if(SH_1) { color += shAboveBase(splatIndex, viewDirection(splat.position)); }
