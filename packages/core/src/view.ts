@@ -1,6 +1,6 @@
 import { type AccuracySettings, DILATION_PX2 } from './accuracy.ts';
 import { type Camera, type Projection, projectionOf } from './camera.ts';
-import { DestroyedError, GpuLimitError, InvalidArgumentError } from './errors.ts';
+import { DestroyedError, InvalidArgumentError } from './errors.ts';
 import { frameStages, recordFrame } from './frame.ts';
 import { FrameResources, type FrameShape, PAGE_STRIDE_BYTES } from './frame-resources.ts';
 import type { GpuMemory } from './gpu/gpu-memory.ts';
@@ -234,7 +234,7 @@ export class SplatView {
     const limit = this.#context.device.limits.maxTextureDimension2D;
     if (Math.max(widthPx, heightPx) > limit) {
       const message = `A picture of ${widthPx}×${heightPx} px is larger than this device's ${limit} px (maxTextureDimension2D).`;
-      throw new GpuLimitError('maxTextureDimension2D', Math.max(widthPx, heightPx), limit, message);
+      throw new InvalidArgumentError('widthPx', message);
     }
   }
 
