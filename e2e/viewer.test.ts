@@ -131,6 +131,38 @@ describe('viewer', () => {
     expect(psnrAgainstReference(await screenshot(page), flipped)).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
+  it('keeps the old scene on the screen, and movable, while a file is loading', async () => {
+    const page = await newPage();
+    await page.addInitScript(() => {
+      const target = window as unknown as { isHolding: boolean; release: () => void };
+      const post = Worker.prototype.postMessage;
+      // Holds the loading worker's job back for as long as the test likes.
+      Worker.prototype.postMessage = function (this: Worker, ...message: unknown[]) {
+        const send = () => Reflect.apply(post, this, message);
+        if (target.isHolding) target.release = send;
+        else send();
+      };
+    });
+    await page.goto(`${server.url}?scene=still-life-small`);
+    await waitForPicture(page);
+    await page.evaluate(() => Object.assign(window, { isHolding: true }));
+    await dropFiles(page, [{ name: 'later.ply', bytes: encodePly(testScene()) }]);
+    await page.waitForFunction(() => 'release' in window);
+    expect(await page.getByTestId('load').isVisible()).toBe(true);
+
+    const before = await screenshot(page);
+    const frames = await frameCount(page);
+    await page.keyboard.press('ArrowRight');
+    await waitForFrameAfter(page, frames);
+    expect(changedPart(before, await screenshot(page))).toBeGreaterThan(0.05);
+    expect(await textOf(page, 'scene-title')).toContain('Still life');
+    await waitForState(page, 'loading');
+
+    await page.evaluate(() => (window as unknown as { release: () => void }).release());
+    await waitForState(page, 'ready');
+    expect(await textOf(page, 'scene-title')).toBe('later.ply');
+  });
+
   it('opens the first PLY of several and says so', async () => {
     const page = await openViewer();
     const bytes = encodePly(testScene());
@@ -317,8 +349,9 @@ describe('viewer', () => {
     await page.keyboard.press('Escape');
     await page.getByTestId('help').waitFor({ state: 'hidden' });
     await page.keyboard.press('h');
-    expect(await page.getByTestId('hud').count()).toBe(0);
+    await page.getByTestId('hud').waitFor({ state: 'detached' });
     await page.keyboard.press('h');
+    await page.getByTestId('hud').waitFor();
     expect(await textOf(page, 'loaded-splats')).toBe('10,000');
   });
 });

@@ -39,7 +39,11 @@ export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand
   const onKeyDown = (event: KeyboardEvent) => {
     if (event.ctrlKey || event.metaKey || event.altKey || isTyping(event.target)) return;
     const { isHelpVisible, error, status } = store.getState();
-    if (event.key === 'Escape' && error && !isHelpVisible) store.setState({ error: null });
+    if (event.key === 'Escape') {
+      // The dialog closes itself too, but tells later: a key pressed meanwhile would be taken for one over the help.
+      store.setState(isHelpVisible ? { isHelpVisible: false } : error ? { error: null } : {});
+      return;
+    }
     if (status !== 'running') return;
     const command = COMMANDS.find(({ key }) => key === event.key.toLowerCase());
     // A held key repeats; that is right for moving and wrong for switching.

@@ -78,7 +78,11 @@ export function bindHud(root: HTMLElement, store: ViewerStore): () => void {
       if (text.data !== texts[name]) text.data = texts[name];
     }
     const shares: Record<string, number> = stageShares(state);
-    for (const bar of bars) bar.style.flexGrow = String(shares[bar.dataset.share ?? '']);
+    for (const bar of bars) {
+      const share = shares[bar.dataset.share ?? ''];
+      bar.hidden = share === 0;
+      bar.style.flexGrow = String(share);
+    }
   };
   write();
   const unsubscribe = store.subscribe(() => {
