@@ -79,7 +79,8 @@ function bufferTable(shape: FrameShape, pageCount: number, chunkCount: number): 
     visibilityMasks: [(CHUNK_SPLATS / 8) * chunkCount, STORAGE],
     /** Per slot its number of visible splats, then the number of them before it. */
     splatOffsets: [4 * (chunkCount + 1), STORAGE],
-    pagePlans: [PagePlan.bytes * pageCount, STORAGE],
+    // A binding holds at least one element, also where there is nothing to draw.
+    pagePlans: [PagePlan.bytes * Math.max(1, pageCount), STORAGE],
     depthRange: [8, STORAGE],
     visibleCount: [4, STORAGE],
     cullDispatches: [12 * (pageCount + 1), STORAGE | INDIRECT],
@@ -87,7 +88,7 @@ function bufferTable(shape: FrameShape, pageCount: number, chunkCount: number): 
     drawArguments: [16, STORAGE | INDIRECT],
     /** The visible splats in storage order. */
     survivors: [4 * shape.visibleCapacity, STORAGE],
-    projected: [record.bytes * shape.visibleCapacity, STORAGE],
+    projected: [record.bytes * Math.max(1, shape.visibleCapacity), STORAGE],
   };
 }
 

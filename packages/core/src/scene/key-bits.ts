@@ -14,6 +14,8 @@ export function keyBitsFor(camera: Camera, clouds: readonly CloudInstance[]): nu
   let farthest = Number.NEGATIVE_INFINITY;
   let nearest = Number.POSITIVE_INFINITY;
   for (const { cloud, modelMatrix = identity4() } of clouds) {
+    // Without splats there are no bounds.
+    if (cloud.count === 0) continue;
     const modelView = multiply4(camera.viewMatrix, modelMatrix);
     const { min, max } = cloud.bounds;
     let low = -modelView[14];

@@ -90,6 +90,8 @@ export class GpuTimer {
     const submittedMs = performance.now();
     try {
       const mapped = buffer.mapAsync(GPUMapMode.READ);
+      // Destroying the view rejects this while the line below still waits: it is looked at after that.
+      mapped.catch(() => {});
       await this.#queue.onSubmittedWorkDone();
       const wallClockMs = performance.now() - submittedMs;
       await mapped;

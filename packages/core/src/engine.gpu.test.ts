@@ -1,0 +1,481 @@
+import { existsSync, readFileSync } from 'node:fs';
+import { fileURLToPath } from 'node:url';
+import { createNodeGpu } from '@websplatter/node';
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import type { Accuracy, AccuracyPreset } from './accuracy.ts';
+import { type Camera, cameraFromMatrices, perspectiveCamera } from './camera.ts';
+import { SplatEngine } from './engine.ts';
+import { DestroyedError, GpuLimitError, InvalidArgumentError } from './errors.ts';
+import { GpuMemory } from './gpu/gpu-memory.ts';
+import { readSplats } from './io/read-splats.ts';
+import { type Mat4, translated4 } from './math/mat4.ts';
+import { compareImages, renderReference } from './reference/index.ts';
+import { packCloud } from './scene/packed-cloud.ts';
+import { SplatCloud } from './scene/splat-cloud.ts';
+import type { SplatSet } from './scene/splat-set.ts';
+import { randomSplats, splatsOf } from './testing/random-splats.ts';
+import { TEST_MODELS, testCameras } from './testing/test-cameras.ts';
+import type { FrameStatistics } from './timing/frame-statistics.ts';
+import type { SplatView, ViewFrame } from './view.ts';
+
+/** What each preset must reach against the float64 reference, dB on the target's own values. */
+const MIN_PSNR_DB: Readonly<Record<AccuracyPreset, number>> = { reference: 60, high: 50, balanced: 45 };
+const PRESETS = Object.keys(MIN_PSNR_DB) as AccuracyPreset[];
+const SIZE = { widthPx: 64, heightPx: 64 };
+const CAMERAS = testCameras(1);
+const CAMERA = CAMERAS.perspective;
+
+let device: GPUDevice;
+let canBlendFloat32: boolean;
+/** One per preset on one device: what is compiled is compiled once. */
+const engines = {} as Record<AccuracyPreset, SplatEngine>;
+
+beforeAll(async () => {
+  const { adapter } = await createNodeGpu();
+  const offered = ['float32-blendable', 'timestamp-query'] as GPUFeatureName[];
+  const requiredFeatures = offered.filter((feature) => adapter.features.has(feature));
+  canBlendFloat32 = requiredFeatures.includes('float32-blendable' as GPUFeatureName);
+  device = await createTestDevice({ requiredFeatures });
+  for (const accuracy of PRESETS) engines[accuracy] = await SplatEngine.create({ device, accuracy });
+});
+afterAll(() => {
+  for (const engine of Object.values(engines)) engine.destroy();
+  device?.destroy();
+});
+
+interface Scene {
+  readonly clouds: readonly { readonly set: SplatSet; readonly modelMatrix?: ArrayLike<number> }[];
+  readonly camera: Camera;
+}
+
+async function draw(view: SplatView, frame: ViewFrame): Promise<Float32Array> {
+  view.render(frame);
+  return (await view.readPixels()).data;
+}
+
+/** Draws `scene` with a view of its own and frees everything again. */
+async function drawScene(engine: SplatEngine, { clouds, camera }: Scene, size = SIZE): Promise<Float32Array> {
+  const view = engine.createView();
+  const instances = clouds.map(({ set, modelMatrix }) => ({ cloud: engine.add(set), modelMatrix }));
+  try {
+    return await draw(view, { camera, clouds: instances, ...size });
+  } finally {
+    view.destroy();
+    for (const { cloud } of instances) cloud.destroy();
+  }
+}
+
+async function expectAccurate(scene: Scene, size = SIZE, presets = PRESETS): Promise<void> {
+  const reference = renderReference({ ...scene, ...size });
+  expect(reference.visibleSplats).toBeGreaterThan(20);
+  for (const preset of presets) {
+    const image = await drawScene(engines[preset], scene, size);
+    const { psnrDb } = compareImages(image, reference.data, size);
+    expect(psnrDb, preset).toBeGreaterThanOrEqual(MIN_PSNR_DB[preset]);
+  }
+}
+
+const smallScene: Scene = { clouds: [{ set: randomSplats({ count: 600 }) }], camera: CAMERA };
+
+describe('pictures against the float64 reference', () => {
+  for (const [name, camera] of Object.entries(CAMERAS)) {
+    gpuTest(`${name} camera`, () => expectAccurate({ ...smallScene, camera }));
+  }
+
+  for (const shDegree of [0, 1, 2, 3] as const) {
+    gpuTest(`harmonics of degree ${shDegree}`, () =>
+      expectAccurate({ clouds: [{ set: randomSplats({ count: 600, shDegree }) }], camera: CAMERA }),
+    );
+  }
+
+  const first = randomSplats({ count: 400, seed: 2 });
+  const second = randomSplats({
+    count: 300,
+    seed: 3,
+    shDegree: 1,
+    halfExtent: 0.6,
+    origin: [0.2, 0.1, -0.3],
+  });
+  for (const [name, modelMatrix] of Object.entries(TEST_MODELS)) {
+    gpuTest(`two clouds that pass through each other, one of them ${name}`, () =>
+      expectAccurate({ clouds: [{ set: first, modelMatrix }, { set: second }], camera: CAMERA }),
+    );
+  }
+
+  gpuTest('6,400 km from the origin of the world', () => {
+    const far = [6.4e6, -3.2e6, 1.7e6] as const;
+    const moved = (matrix: ArrayLike<number>, by: readonly number[]): Mat4 => {
+      const result = Float64Array.from(matrix);
+      for (const axis of [0, 1, 2]) result[12 + axis] += by[axis];
+      return result;
+    };
+    const viewMatrix = translated4(CAMERA.viewMatrix, [-far[0], -far[1], -far[2]]);
+    return expectAccurate({
+      clouds: [
+        { set: first, modelMatrix: moved(TEST_MODELS.moved, far) },
+        // Here the coordinates of the file are the large ones, and the model matrix is none.
+        { set: { ...second, origin: far } },
+      ],
+      camera: cameraFromMatrices(viewMatrix, CAMERA.projectionMatrix),
+    });
+  });
+
+  gpuTest('a splat larger than the picture in front of the others', () => {
+    const large = splatsOf([
+      { position: [0.4, 0.2, 0.5], logScales: [1, 0, -3], rotation: [0.9, 0.1, 0.3, 0.2], opacityLogit: 0 },
+    ]);
+    return expectAccurate({ clouds: [...smallScene.clouds, { set: large }], camera: CAMERA });
+  });
+
+  gpuTest('equal depths are drawn in the order of storage, clouds in the order given', () => {
+    const camera = perspectiveCamera({ position: [0, 0, 2], target: [0, 0, 0], fovYDegrees: 60, aspect: 1 });
+    const row = (colorDc: number[], shift: number) =>
+      splatsOf(
+        Array.from({ length: 30 }, (_, i) => ({
+          position: [(i - 15) / 16 + shift, (i % 5) / 8, 0],
+          colorDc: colorDc.map((c) => c * (1 + i / 30)),
+          opacityLogit: 1,
+        })),
+      );
+    return expectAccurate({
+      clouds: [{ set: row([1, -1, 0], 0) }, { set: row([-1, 0, 1], 0.03125) }],
+      camera,
+    });
+  });
+
+  gpuTest('a scanned robot from ../shared/scenes, 256×256', async ({ skip }) => {
+    const path = fileURLToPath(new URL('../../../../shared/scenes/playbot-lod3.ply', import.meta.url));
+    if (!existsSync(path)) skip('../shared/scenes/playbot-lod3.ply is not here');
+    const set = await readSplats(readFileSync(path), { shPrecision: 'f32' });
+    const camera = perspectiveCamera({
+      position: [1.6, -1, 2.2],
+      target: [0, 0, 0],
+      up: [0, -1, 0],
+      fovYDegrees: 50,
+      aspect: 1,
+    });
+    await expectAccurate({ clouds: [{ set }], camera }, { widthPx: 256, heightPx: 256 });
+  });
+});
+
+describe('a view', () => {
+  gpuTest('is used for other clouds, cameras and sizes as if it were new', async () => {
+    const engine = engines.balanced;
+    const view = engine.createView();
+    const clouds = [1, 2, 3].map((seed) => engine.add(randomSplats({ count: 200 * seed, seed })));
+    const frames: ViewFrame[] = [
+      { camera: CAMERA, clouds: [{ cloud: clouds[0] }], ...SIZE },
+      { camera: CAMERA, clouds: [{ cloud: clouds[1] }, { cloud: clouds[2] }], ...SIZE },
+      { camera: CAMERAS.orthographic, clouds: [{ cloud: clouds[2] }], ...SIZE },
+      {
+        camera: CAMERA,
+        clouds: [{ cloud: clouds[2] }, { cloud: clouds[2], modelMatrix: TEST_MODELS.moved }],
+        ...SIZE,
+      },
+      { camera: CAMERA, clouds: [{ cloud: clouds[0] }], widthPx: 31, heightPx: 7 },
+      { camera: CAMERAS.inside, clouds: [{ cloud: clouds[0] }], widthPx: 100, heightPx: 3 },
+      { camera: CAMERA, clouds: [{ cloud: clouds[0] }], ...SIZE },
+    ];
+    for (const [i, frame] of frames.entries()) {
+      const fresh = engine.createView();
+      const expected = await draw(fresh, frame);
+      fresh.destroy();
+      view.render(frame);
+      const { data, widthPx, heightPx } = await view.readPixels();
+      expect([widthPx, heightPx]).toEqual([frame.widthPx, frame.heightPx]);
+      expect(data, `frame ${i}`).toEqual(expected);
+      expect(Math.max(...data)).toBeGreaterThan(0);
+    }
+    view.destroy();
+    for (const cloud of clouds) cloud.destroy();
+  });
+
+  gpuTest('draws 100 times the very same picture, and so does another engine', async () => {
+    const view = engines.balanced.createView();
+    const cloud = engines.balanced.add(randomSplats({ count: 500 }));
+    const frame = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
+    const first = await draw(view, frame);
+    for (let i = 1; i < 100; i++) expect(await draw(view, { ...frame, force: true })).toEqual(first);
+    view.destroy();
+    cloud.destroy();
+
+    const other = await SplatEngine.create({ device, accuracy: 'balanced' });
+    const scene = { clouds: [{ set: randomSplats({ count: 500 }) }], camera: CAMERA };
+    expect(await drawScene(other, scene)).toEqual(first);
+    other.destroy();
+  });
+
+  gpuTest('submits nothing where nothing has changed, or where there is no pixel', async () => {
+    const view = engines.balanced.createView();
+    const cloud = engines.balanced.add(randomSplats({ count: 300 }));
+    const frame = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
+    const picture = await draw(view, frame);
+    const { queue } = device;
+    const submit = queue.submit;
+    let submissions = 0;
+    queue.submit = (commands) => {
+      submissions++;
+      submit.call(queue, commands);
+    };
+    try {
+      // The same again, in other objects.
+      expect(view.render({ ...frame, camera: { ...CAMERA }, clouds: [{ cloud }] })).toBe(false);
+      for (const [widthPx, heightPx] of [
+        [0, 0],
+        [0, 64],
+        [64, 0],
+      ]) {
+        expect(view.render({ ...frame, widthPx, heightPx })).toBe(false);
+      }
+      expect(submissions).toBe(0);
+      expect(view.render({ ...frame, camera: CAMERAS.inside })).toBe(true);
+      expect(view.render({ ...frame, camera: CAMERAS.inside })).toBe(false);
+      expect(view.render({ ...frame, camera: CAMERAS.inside, force: true })).toBe(true);
+      expect(submissions).toBe(2);
+      expect(view.render(frame)).toBe(true);
+    } finally {
+      queue.submit = submit;
+    }
+    expect((await view.readPixels()).data).toEqual(picture);
+    view.destroy();
+    cloud.destroy();
+  });
+
+  gpuTest('of no clouds, of an empty cloud and of clouds out of sight is empty', async () => {
+    const engine = engines.balanced;
+    const view = engine.createView();
+    const cloud = engine.add(randomSplats({ count: 300 }));
+    const empty = engine.add(randomSplats({ count: 0 }));
+    const away = Float64Array.of(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 500, 1);
+    const full = await draw(view, { camera: CAMERA, clouds: [{ cloud }], ...SIZE });
+    expect(Math.max(...full)).toBeGreaterThan(0);
+    for (const clouds of [[], [{ cloud: empty }], [{ cloud, modelMatrix: away }]]) {
+      const picture = await draw(view, { camera: CAMERA, clouds, ...SIZE });
+      expect(picture.every((value) => value === 0)).toBe(true);
+    }
+    // An empty cloud beside another one changes nothing of it.
+    expect(await draw(view, { camera: CAMERA, clouds: [{ cloud: empty }, { cloud }], ...SIZE })).toEqual(
+      full,
+    );
+    for (const thing of [view, cloud, empty]) thing.destroy();
+  });
+
+  gpuTest('refuses what cannot be drawn, and says what', async () => {
+    const engine = engines.balanced;
+    const view = engine.createView();
+    const cloud = engine.add(randomSplats({ count: 10 }), { name: 'garden' });
+    const frame = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
+    await expect(view.readPixels()).rejects.toThrow(InvalidArgumentError);
+    expect(() => view.render({ ...frame, widthPx: 1.5 })).toThrow(InvalidArgumentError);
+    expect(() => view.render({ ...frame, heightPx: -1 })).toThrow(InvalidArgumentError);
+    expect(() => view.render({ ...frame, clouds: [{ cloud, modelMatrix: [1, 2, 3] }] })).toThrow(/garden/);
+    const widthPx = device.limits.maxTextureDimension2D + 1;
+    await draw(view, frame);
+    expect(() => view.render({ ...frame, widthPx })).toThrow(InvalidArgumentError);
+    cloud.destroy();
+    cloud.destroy();
+    expect(() => view.render({ ...frame, force: true })).toThrow(DestroyedError);
+    view.destroy();
+    view.destroy();
+    expect(() => view.render({ ...frame, clouds: [] })).toThrow(DestroyedError);
+    await expect(view.readPixels()).rejects.toThrow(DestroyedError);
+  });
+});
+
+describe('large clouds', () => {
+  for (const maxWorkgroupsPerDimension of [undefined, 7]) {
+    const rows = maxWorkgroupsPerDimension ? `rows of ${maxWorkgroupsPerDimension} workgroups` : 'one row';
+    gpuTest(`in four pages give the very picture of one page: ${rows}`, async () => {
+      const set = randomSplats({ count: 256 * 19 + 77 });
+      const packed = packCloud(set, { geometryPrecision: 'f32' });
+      const engine = await SplatEngine.create({ device, accuracy: 'reference', maxWorkgroupsPerDimension });
+      const memory = new GpuMemory(device);
+      // Five chunks of degree 3 in float32 to a page.
+      const maxBufferSize = 5 * 256 * 4 * packed.shRest.wordsPerSplat;
+      const limits = { maxBufferSize, maxStorageBufferBindingSize: maxBufferSize } as GPUSupportedLimits;
+      const paged = new SplatCloud(memory, limits, packed, 'paged');
+      expect(paged.pages.map(({ splatCount }) => splatCount)).toEqual([1280, 1280, 1280, 1101]);
+      const view = engine.createView();
+      const inPages = await draw(view, { camera: CAMERA, clouds: [{ cloud: paged }], ...SIZE });
+      const expected = await drawScene(engines.reference, { clouds: [{ set }], camera: CAMERA });
+      expect(inPages).toEqual(expected);
+      memory.destroyAll();
+      engine.destroy();
+    });
+  }
+
+  gpuTest('that fit no binding fail before anything is allocated', async () => {
+    const small = withLimits(device, { maxStorageBufferBindingSize: 10_000, maxBufferSize: 10_000 });
+    const engine = await SplatEngine.create({ device: small, accuracy: 'reference' });
+    const before = engine.memory().totalBytes;
+    const add = () => engine.add(randomSplats({ count: 10 }), { name: 'garden' });
+    expect(add).toThrow(GpuLimitError);
+    expect(add).toThrow(/garden.*46080.*10000/);
+    expect(engine.memory().totalBytes).toBe(before);
+    engine.destroy();
+  });
+
+  gpuTest('whose frame does not fit leave nothing behind, and the last picture stays', async () => {
+    // Room for the cloud in pages, but not for the records of what is visible.
+    const small = withLimits(device, { maxStorageBufferBindingSize: 60_000, maxBufferSize: 60_000 });
+    const engine = await SplatEngine.create({ device: small, accuracy: 'balanced' });
+    const view = engine.createView();
+    const few = engine.add(randomSplats({ count: 100 }));
+    const many = engine.add(randomSplats({ count: 5000 }));
+    const frame = { camera: CAMERA, clouds: [{ cloud: few }], ...SIZE };
+    const picture = await draw(view, frame);
+    const before = engine.memory().totalBytes;
+    expect(() => view.render({ ...frame, clouds: [{ cloud: many }] })).toThrow(GpuLimitError);
+    expect(engine.memory().totalBytes).toBe(before);
+    expect((await view.readPixels()).data).toEqual(picture);
+    engine.destroy();
+  });
+});
+
+describe('an engine', () => {
+  gpuTest('counts its memory, and returns to the start when clouds and views are gone', async () => {
+    const engine = await SplatEngine.create({ device });
+    expect(engine.memory().totalBytes).toBe(0);
+    const view = engine.createView();
+    const cloud = engine.add(randomSplats({ count: 1000 }), { name: 'garden' });
+    view.render({ camera: CAMERA, clouds: [{ cloud }], ...SIZE });
+    await view.whenDrawn();
+    const { totalBytes, resources } = engine.memory();
+    expect(resources.reduce((sum, { bytes }) => sum + bytes, 0)).toBe(totalBytes);
+    expect(resources.find(({ label }) => label === 'garden geometry 0')?.bytes).toBe(32 * 1000);
+    expect(resources.find(({ label }) => label === 'splat layer')?.bytes).toBe(8 * 64 * 64);
+    // While measurements are still under way.
+    view.destroy();
+    cloud.destroy();
+    await device.queue.onSubmittedWorkDone();
+    await expect.poll(() => engine.memory().totalBytes).toBe(0);
+    expect(engine.memory()).toMatchObject({ peakBytes: totalBytes, resources: [] });
+    engine.destroy();
+  });
+
+  gpuTest('leaves a device that it was given, and destroys one of its own', async () => {
+    const given = await createTestDevice();
+    (await SplatEngine.create({ device: given })).destroy();
+    let isLost = false;
+    void given.lost.then(() => {
+      isLost = true;
+    });
+    const buffer = given.createBuffer({ size: 16, usage: GPUBufferUsage.COPY_DST });
+    given.queue.writeBuffer(buffer, 0, new Uint32Array(4));
+    await given.queue.onSubmittedWorkDone();
+    expect(isLost).toBe(false);
+    given.destroy();
+
+    const { gpu } = await createNodeGpu();
+    const engine = await SplatEngine.create({ gpu });
+    engine.destroy();
+    expect((await engine.lost).reason).toBe('destroyed');
+  });
+
+  gpuTest('that was destroyed, or whose device was lost, says so', async () => {
+    const lostDevice = await createTestDevice();
+    for (const end of ['engine', 'device'] as const) {
+      const engine = await SplatEngine.create({ device: lostDevice });
+      const view = engine.createView();
+      if (end === 'engine') {
+        engine.destroy();
+        engine.destroy();
+      } else {
+        lostDevice.destroy();
+        await engine.lost;
+      }
+      expect(() => engine.createView()).toThrow(DestroyedError);
+      expect(() => engine.add(smallScene.clouds[0].set)).toThrow(DestroyedError);
+      expect(() => view.render({ camera: CAMERA, clouds: [], ...SIZE })).toThrow(DestroyedError);
+      await expect(engine.load(new Uint8Array())).rejects.toThrow(DestroyedError);
+    }
+  });
+
+  gpuTest('on a plain device: default limits, no features, wall-clock times and a notice', async () => {
+    const plain = await createTestDevice();
+    const engine = await SplatEngine.create({ device: plain, accuracy: 'reference' });
+    expect(engine.hasGpuTimestamps).toBe(false);
+    expect(engine.accuracy.colorTarget).toBe('rgba16float');
+    expect(engine.notices).toEqual([expect.stringContaining('float32-blendable')]);
+    const { image, statistics } = await drawMeasured(engine, smallScene);
+    expect(statistics.timing).toMatchObject({
+      source: 'wall-clock',
+      preprocessMs: Number.NaN,
+      sortMs: Number.NaN,
+      rasterizeMs: Number.NaN,
+    });
+    expect(statistics.timing.totalMs).toBeGreaterThan(0);
+    const reference = renderReference({ ...smallScene, ...SIZE });
+    expect(compareImages(image, reference.data, SIZE).psnrDb).toBeGreaterThanOrEqual(MIN_PSNR_DB.high);
+    engine.destroy();
+    plain.destroy();
+  });
+
+  gpuTest('blends in float32 where the device can', ({ skip }) => {
+    if (!canBlendFloat32) skip('this adapter has no float32-blendable');
+    expect(engines.reference.accuracy.colorTarget).toBe('rgba32float');
+    expect(engines.reference.notices).toEqual([]);
+  });
+
+  gpuTest('counts what it draws', async () => {
+    for (const camera of [CAMERA, CAMERAS.inside, CAMERAS.telephoto]) {
+      const set = randomSplats({ count: 2000, halfExtent: 3 });
+      const { statistics } = await drawMeasured(engines.reference, { clouds: [{ set }], camera });
+      const { visibleSplats } = renderReference({ clouds: [{ set }], camera, ...SIZE });
+      expect(statistics.loadedSplats).toBe(2000);
+      // Two, at most, lie so close to an edge that rounding decides.
+      expect(Math.abs(statistics.visibleSplats - visibleSplats)).toBeLessThanOrEqual(2);
+      expect(statistics.candidateSplats).toBeGreaterThanOrEqual(statistics.visibleSplats);
+      expect(statistics.candidateSplats).toBeLessThanOrEqual(2000);
+    }
+  });
+
+  gpuTest('times its stages where the device has timestamps', async ({ skip }) => {
+    if (!device.features.has('timestamp-query')) skip('this adapter has no timestamp-query');
+    const { statistics } = await drawMeasured(engines.balanced, smallScene);
+    const { source, preprocessMs, sortMs, rasterizeMs, totalMs } = statistics.timing;
+    expect(source).toBe('gpu-timestamps');
+    for (const ms of [preprocessMs, sortMs, rasterizeMs]) expect(ms).toBeGreaterThanOrEqual(0);
+    expect(totalMs).toBeGreaterThan(0);
+    expect(preprocessMs + sortMs + rasterizeMs).toBeLessThanOrEqual(totalMs * 1.001 + 1e-6);
+  });
+
+  gpuTest('refuses clouds packed for another accuracy, and unknown settings', async () => {
+    const packed = packCloud(randomSplats({ count: 10 }), { geometryPrecision: 'f32' });
+    expect(() => engines.balanced.addPacked(packed)).toThrow(InvalidArgumentError);
+    const accuracy = 'perfect' as unknown as Accuracy;
+    await expect(SplatEngine.create({ device, accuracy })).rejects.toThrow(InvalidArgumentError);
+  });
+});
+
+/** Draws until a picture has been measured: the first, which compiles shaders, may not be. */
+async function drawMeasured(
+  engine: SplatEngine,
+  { clouds, camera }: Scene,
+): Promise<{ image: Float32Array; statistics: FrameStatistics }> {
+  const view = engine.createView();
+  const instances = clouds.map(({ set, modelMatrix }) => ({ cloud: engine.add(set), modelMatrix }));
+  const frame = { camera, clouds: instances, ...SIZE };
+  await draw(view, frame);
+  const image = await draw(view, { ...frame, force: true });
+  await expect.poll(() => view.statistics).not.toBeNull();
+  const statistics = view.statistics!;
+  view.destroy();
+  for (const { cloud } of instances) cloud.destroy();
+  return { image, statistics };
+}
+
+/** `device` as it would be with other limits: WebGPU gives none below its defaults. */
+function withLimits(whole: GPUDevice, limits: Partial<Record<keyof GPUSupportedLimits, number>>): GPUDevice {
+  const limited = new Proxy(whole.limits, {
+    get: (target, name) => limits[name as keyof GPUSupportedLimits] ?? Reflect.get(target, name),
+  });
+  return new Proxy(whole, {
+    get(target, name) {
+      if (name === 'limits') return limited;
+      const value = Reflect.get(target, name);
+      return typeof value === 'function' ? value.bind(target) : value;
+    },
+  });
+}
