@@ -4,16 +4,12 @@ import { defaultClientConditions, defineConfig } from 'vite';
 
 const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
 
-// The loading worker tells the page the class of an error by name, which a minifier would change differently in each.
-const rolldownOptions = { output: { keepNames: true } };
-
 export default defineConfig({
   root: fileURLToPath(new URL('.', import.meta.url)),
   plugins: [react()],
   // The engine and the scenes run from their sources, so that editing them reloads the page.
   resolve: { conditions: ['@websplatter/source', ...defaultClientConditions] },
-  worker: { format: 'es', rolldownOptions },
-  build: { rolldownOptions },
+  worker: { format: 'es' },
   server: { fs: { allow: [repositoryRoot] } },
   // Found up front: a dependency that turns up late makes the development server reload the page.
   optimizeDeps: {

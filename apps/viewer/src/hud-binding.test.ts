@@ -11,7 +11,14 @@ function stateWith(timing: object, changes: Partial<ViewerState> = {}): ViewerSt
   };
 }
 
-const MEASURED = { source: 'gpu-timestamps', preprocessMs: 1, sortMs: 2, rasterizeMs: 5, totalMs: 8 };
+const MEASURED = {
+  source: 'gpu-timestamps',
+  preprocessMs: 1,
+  sortMs: 2,
+  rasterizeMs: 5,
+  totalMs: 8,
+  wallClockMs: 9,
+};
 const WALL_CLOCK = {
   source: 'wall-clock',
   preprocessMs: Number.NaN,
@@ -31,6 +38,11 @@ describe('HUD', () => {
       visible: '1,200',
     });
     expect(text.source).toBe('GPU timestamps');
+  });
+
+  it('says so where timestamps cannot be true', () => {
+    const { source } = hudText(stateWith({ ...MEASURED, wallClockMs: 250 }));
+    expect(source).toBe('GPU timestamps; the clock says 250 ms');
   });
 
   it('leaves open what the wall clock cannot tell', () => {

@@ -1,3 +1,4 @@
+import { isPlausible, type StageTimings } from '@websplatter/core';
 import { formatCount, formatMs, formatRate, UNKNOWN } from './format.ts';
 import type { ViewerState, ViewerStore } from './store.ts';
 
@@ -33,12 +34,19 @@ export function hudText(state: ViewerState): Record<HudFigure, string> {
     sort: formatMs(timing?.sortMs ?? Number.NaN),
     rasterize: formatMs(timing?.rasterizeMs ?? Number.NaN),
     total: formatMs(timing?.totalMs ?? Number.NaN),
-    source: timing ? (timing.source === 'gpu-timestamps' ? 'GPU timestamps' : 'wall clock') : '',
+    source: timing ? sourceText(timing) : '',
     visible: formatCount(statistics?.visibleSplats ?? Number.NaN),
     loaded: formatCount(scene?.splats ?? Number.NaN),
     resolution: widthPx > 0 ? `${widthPx} × ${heightPx}` : UNKNOWN,
     adapter: adapterLabel || UNKNOWN,
   };
+}
+
+function sourceText(timing: StageTimings): string {
+  if (timing.source === 'wall-clock') return 'wall clock';
+  return isPlausible(timing)
+    ? 'GPU timestamps'
+    : `GPU timestamps; the clock says ${formatMs(timing.wallClockMs)} ms`;
 }
 
 /** Each stage's part of the three together, 0…1; all 0 where they are not measured. */

@@ -45,8 +45,10 @@ interface ShownScene {
   readonly session: Session;
   readonly source: SceneSource;
   readonly cloud: SplatCloud;
-  /** Where the splats are, unflipped. */
+  /** Where the scene is, but for stray splats; unflipped. */
   readonly sphere: Sphere;
+  /** Where all splats are, unflipped. */
+  readonly extent: Sphere;
   /** Field of view over the picture's shorter side. */
   readonly fovDegrees: number;
   /** Fixed depths, where the scene comes with them. */
@@ -299,13 +301,14 @@ export class Viewer {
   #show(session: Session, source: SceneSource, cloud: SplatCloud): void {
     const previous = this.#scene;
     const isReopened = previous?.source === source;
-    const sphere = boundingSphere(cloud.bounds);
+    const sphere = boundingSphere(cloud.robustBounds);
     const camera = source.kind === 'builtin' ? stillLifeCameras[0] : null;
     const scene: ShownScene = {
       session,
       source,
       cloud,
       sphere,
+      extent: boundingSphere(cloud.bounds),
       fovDegrees: camera?.fovYDegrees ?? FIRST_FOV_DEGREES,
       depths: camera && { near: camera.near, far: camera.far },
     };
@@ -399,7 +402,7 @@ export class Viewer {
   #camera(scene: ShownScene): Camera {
     const { pose, fovYDegrees } = this.controls;
     const sphere = this.#placed(scene.sphere);
-    const depths = scene.depths ?? depthRange(pose, sphere, sphere);
+    const depths = scene.depths ?? depthRange(pose, sphere, this.#placed(scene.extent));
     return perspectiveCamera({ ...lookAt(pose), fovYDegrees, aspect: this.#aspect(), ...depths });
   }
 

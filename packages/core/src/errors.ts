@@ -3,11 +3,12 @@
  * `code` is stable and meant for programs, `message` for people.
  */
 export class WebSplatterError extends Error {
+  // Written out in every class: a class's own name does not survive minifiers.
+  override readonly name: string = 'WebSplatterError';
   readonly code: string;
 
   constructor(code: string, message: string, options?: ErrorOptions) {
     super(message, options);
-    this.name = new.target.name;
     this.code = code;
   }
 }
@@ -46,6 +47,7 @@ export type SplatFileErrorCode =
 
 /** A file cannot be read as splats. Nothing of it has been kept. */
 export class SplatFileError extends WebSplatterError {
+  override readonly name = 'SplatFileError';
   declare readonly code: SplatFileErrorCode;
   /** File name or URL, as far as it is known. */
   readonly file: string;
@@ -66,6 +68,7 @@ export class SplatFileError extends WebSplatterError {
 
 /** A source could not be fetched or read (network, permission, missing file). */
 export class SplatSourceError extends WebSplatterError {
+  override readonly name = 'SplatSourceError';
   readonly file: string;
   /** HTTP status, where there was one. */
   readonly status: number | undefined;
@@ -79,6 +82,7 @@ export class SplatSourceError extends WebSplatterError {
 
 /** No usable WebGPU here. */
 export class WebGpuUnavailableError extends WebSplatterError {
+  override readonly name = 'WebGpuUnavailableError';
   constructor(message: string, options?: ErrorOptions) {
     super('webgpu-unavailable', message, options);
   }
@@ -86,6 +90,7 @@ export class WebGpuUnavailableError extends WebSplatterError {
 
 /** A cloud or a view does not fit the device's limits; thrown before anything is allocated. */
 export class GpuLimitError extends WebSplatterError {
+  override readonly name = 'GpuLimitError';
   readonly limit: string;
   readonly neededBytes: number;
   readonly availableBytes: number;
@@ -100,6 +105,7 @@ export class GpuLimitError extends WebSplatterError {
 
 /** An argument, option or setting has a value that it cannot have. */
 export class InvalidArgumentError extends WebSplatterError {
+  override readonly name = 'InvalidArgumentError';
   /** Name of the argument or setting. */
   readonly argument: string;
 
@@ -111,6 +117,7 @@ export class InvalidArgumentError extends WebSplatterError {
 
 /** The device was lost, or the object has been destroyed. */
 export class DestroyedError extends WebSplatterError {
+  override readonly name = 'DestroyedError';
   constructor(what: string, why: string) {
     super('destroyed', `${what} can no longer be used: ${why}.`);
   }

@@ -47,5 +47,5 @@ export {
   type ShDegree,
   type SplatSet,
 } from './scene/splat-set.ts';
-export type { FrameStatistics, StageTimings } from './timing/frame-statistics.ts';
+export { type FrameStatistics, isPlausible, type StageTimings } from './timing/frame-statistics.ts';
 export type { CloudInstance, SplatView, ViewFrame } from './view.ts';

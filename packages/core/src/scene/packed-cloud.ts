@@ -20,6 +20,8 @@ export interface PackedCloud {
   readonly origin: Vec3;
   /** Bounds of the centres, in scene space. */
   readonly bounds: Bounds;
+  /** Bounds of the centres but for the outermost two in a hundred on either side of each axis: where the scene is. */
+  readonly robustBounds: Bounds;
   readonly geometry: PackedGeometry;
   readonly shRest: ShRest;
   /** One `Chunk` struct per chunk. */
@@ -36,10 +38,12 @@ export function packCloud(
 ): PackedCloud {
   const stored = permuteSplats(set, mortonOrder(set.positions, set.count));
   const chunks = chunkBounds(stored);
+  const bounds = totalBounds(chunks, stored.origin);
   return {
     count: stored.count,
     origin: stored.origin,
-    bounds: totalBounds(chunks, stored.origin),
+    bounds,
+    robustBounds: stored.count > 0 ? quantileBounds(stored, OUTER_PART) : bounds,
     geometry: packGeometry(stored, options.geometryPrecision),
     shRest: stored.shRest,
     chunks,
@@ -105,4 +109,23 @@ function totalBounds(chunks: ArrayBuffer, origin: Vec3): Bounds {
     }
   }
   return { min, max };
+}
+
+/** Captures scatter a few splats far around the scene; this part on either side is taken to be such. */
+const OUTER_PART = 0.02;
+/** Splats that the quantiles are taken from, evenly spread over the storage order and so over space. */
+const SAMPLES = 1 << 16;
+
+function quantileBounds({ count, positions, origin }: SplatSet, outerPart: number): Bounds {
+  const step = Math.max(1, Math.floor(count / SAMPLES));
+  const sampleCount = Math.ceil(count / step);
+  const [x, y, z] = [0, 1, 2].map((axis) => {
+    const sorted = Float32Array.from(
+      { length: sampleCount },
+      (_, i) => positions[3 * i * step + axis],
+    ).sort();
+    const low = Math.floor(outerPart * (sampleCount - 1));
+    return [sorted[low] + origin[axis], sorted[sampleCount - 1 - low] + origin[axis]];
+  });
+  return { min: [x[0], y[0], z[0]], max: [x[1], y[1], z[1]] };
 }

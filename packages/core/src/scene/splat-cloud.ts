@@ -29,6 +29,8 @@ export class SplatCloud {
   readonly origin: Vec3;
   /** Bounds of the centres, scene space. */
   readonly bounds: Bounds;
+  /** Bounds without the outermost splats, scene space: what a camera should show of the cloud. */
+  readonly robustBounds: Bounds;
   /** Rows of the file that were left out, by reason. */
   readonly dropped: DropCounts;
   /** Each stored splat's row in its file. */
@@ -54,6 +56,7 @@ export class SplatCloud {
     this.shPrecision = packed.shRest.precision;
     this.origin = packed.origin;
     this.bounds = packed.bounds;
+    this.robustBounds = packed.robustBounds;
     this.dropped = packed.dropped;
     this.fileIndices = packed.fileIndices;
     this.logScaleRange = packed.geometry.logScaleRange;

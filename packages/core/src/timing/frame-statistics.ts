@@ -15,6 +15,19 @@ export interface StageTimings {
   readonly wallClockMs: number;
 }
 
+/** Beyond this factor and this time apart, timestamps and wall clock do not tell of the same work. */
+const PLAUSIBLE_FACTOR = 3;
+const PLAUSIBLE_DIFFERENCE_MS = 20;
+
+/**
+ * Whether GPU timestamps fit what the CPU saw. Some browsers have been seen to report a hundredth of the true time; a
+ * few milliseconds more on the wall clock are the browser's own.
+ */
+export function isPlausible({ totalMs, wallClockMs }: StageTimings): boolean {
+  const ratio = Math.max(totalMs, wallClockMs) / Math.min(totalMs, wallClockMs);
+  return ratio <= PLAUSIBLE_FACTOR || Math.abs(totalMs - wallClockMs) <= PLAUSIBLE_DIFFERENCE_MS;
+}
+
 /** What is known of one picture, some frames after it was drawn. */
 export interface FrameStatistics {
   /** Number of the picture, from 1. */
