@@ -1,0 +1,153 @@
+import { beforeAll, describe, expect, test } from 'vitest';
+
+import type { BindingKind, StageDefinition } from './gpu/pipelines.ts';
+import type { GpuFields, GpuStruct } from './layout/gpu-struct.ts';
+import * as structs from './layout/structs.ts';
+import { linkShader, SHADER_STAGES } from './shaders.ts';
+import { project } from './stages/project.ts';
+import { allStageVariants } from './testing/stage-variants.ts';
+import { ResourceType, reflectWgsl, type WgslReflection } from './testing/wgsl-reflect.ts';
+
+interface Linked {
+  readonly stage: StageDefinition;
+  readonly wgsl: string;
+  readonly reflection: WgslReflection;
+}
+
+const linked: Linked[] = [];
+beforeAll(async () => {
+  for (const stage of allStageVariants()) {
+    const wgsl = await linkShader(stage);
+    linked.push({ stage, wgsl, reflection: reflectWgsl(wgsl) });
+  }
+}, 60_000);
+
+const describeVariant = ({ stage, conditions }: StageDefinition) =>
+  `${stage} ${Object.keys(conditions ?? {}).filter((name) => conditions![name])}`;
+
+describe('linked shaders', () => {
+  test('there are variants of every stage', () => {
+    expect(new Set(linked.map(({ stage }) => stage.stage))).toEqual(new Set(SHADER_STAGES));
+  });
+
+  test('have the entry points that their stages name', () => {
+    for (const { stage, reflection } of linked) {
+      const { compute, vertex, fragment } = reflection.entry;
+      if (stage.entryPoint) expect(compute.map(({ name }) => name)).toContain(stage.entryPoint);
+      else expect([vertex[0].name, fragment[0].name]).toEqual(['vertexMain', 'fragmentMain']);
+    }
+  });
+
+  test('bind what their stages declare: names, numbers and kinds', () => {
+    for (const { stage, reflection } of linked) {
+      const found: Record<string, readonly [number, BindingKind]> = {};
+      for (const resource of reflection.getBindGroups().flat()) {
+        if (!resource) continue;
+        expect(resource.group).toBe(0);
+        const isStorage = resource.resourceType === ResourceType.Storage;
+        const isTexture = resource.resourceType === ResourceType.Texture;
+        const storageKind = resource.access === 'read_write' ? 'read-write' : 'read';
+        found[resource.name] = [
+          resource.binding,
+          isTexture ? 'texture' : isStorage ? storageKind : 'uniform',
+        ];
+      }
+      expect(found, describeVariant(stage)).toEqual(stage.bindings);
+    }
+  });
+
+  test('lay out every struct as the host does: every offset and the size', () => {
+    const unseen = new Set(Object.values(structs).flatMap((value) => ('wgsl' in value ? [value.name] : [])));
+    for (const { stage, reflection } of linked) {
+      const isF32 = stage.conditions?.RECORD_F32 ?? false;
+      const known: Record<string, GpuStruct<GpuFields>> = {
+        ...(structs as unknown as Record<string, GpuStruct<GpuFields>>),
+        ProjectedSplat: (isF32 ? structs.ProjectedSplatF32 : structs.ProjectedSplat) as never,
+      };
+      for (const { name, size, members } of reflection.structs) {
+        // Structs of functions' own never reach a buffer.
+        if (!(name in known)) continue;
+        unseen.delete(name);
+        const expected = known[name];
+        expect(size, `size of ${name} in ${describeVariant(stage)}`).toBe(expected.bytes);
+        const offsets = Object.fromEntries(members.map((member) => [member.name, member.offset]));
+        expect(offsets, `${name} in ${describeVariant(stage)}`).toEqual(expected.offsets);
+      }
+    }
+    expect([...unseen]).toEqual([]);
+  });
+
+  test('carry nothing of a condition that is not met', async () => {
+    const variant = (changes: Partial<Parameters<typeof project>[0]>) =>
+      linkShader(
+        project({
+          isOrthographic: false,
+          geometryPrecision: 'packed',
+          recordPrecision: 'f16',
+          shPrecision: 'u8',
+          storedShDegree: 3,
+          shDegree: 3,
+          ...changes,
+        }),
+      );
+    const full = await variant({});
+    for (const word of [
+      'shRest',
+      'shBasis1',
+      'shBasis2',
+      'shBasis3',
+      'unpackRotation',
+      'clampX, view.clampX',
+    ])
+      expect(full.includes(word.split(',')[0])).toBe(true);
+    const none = await variant({ shDegree: 0 });
+    for (const word of ['shRest', 'shBasis', 'viewDirection', 'shAboveBase', 'shValue'])
+      expect(none).not.toContain(word);
+    expect(await variant({ shDegree: 1 })).not.toMatch(/shBasis[23]/);
+    expect(await variant({ shDegree: 2 })).not.toContain('shBasis3');
+    expect(await variant({ geometryPrecision: 'f32' })).not.toContain('unpackRotation');
+    expect(await variant({ recordPrecision: 'f32' })).not.toContain('pack2x16float');
+    expect(full).not.toContain('bitcast<f32>(shRest');
+    // The orthographic Jacobian is constant: no tangents, nothing to clamp.
+    expect(full).toContain('tangentX');
+    expect(await variant({ isOrthographic: true })).not.toContain('tangentX');
+    // At degree 0 it makes no difference how the coefficients that nobody reads are stored.
+    expect(await variant({ shDegree: 0, shPrecision: 'f32' })).toBe(none);
+    for (const { wgsl } of linked) expect(wgsl).not.toMatch(/@(if|else|elif)\b|\bimport\b/);
+  });
+
+  test('end: every loop counts up to, or down from, what cannot change while it runs', () => {
+    for (const { stage, wgsl } of linked) {
+      expect(wgsl, `${describeVariant(stage)} has an open loop`).not.toMatch(/\b(while|loop)\b/);
+      for (const flaw of openLoops(wgsl)) expect.fail(`${describeVariant(stage)}: ${flaw}`);
+    }
+  });
+
+  test('the check of loops finds what it is there for', () => {
+    const loop = (header: string) => openLoops(`fn f() { for (${header}) { } }`).length;
+    expect(loop('var i = 0u; i < 4u; i++')).toBe(0);
+    expect(loop('var i = lane; i < frame.pageCount; i += STEP')).toBe(0);
+    expect(loop('var i = STEP / 2u; i > 0u; i >>= 1u')).toBe(0);
+    expect(loop('var i = 0u; i < atomicLoad(&flag); i++')).toBe(1);
+    expect(loop('var i = 0u; flags[i] == 0u; i++')).toBe(1);
+    expect(loop('var i = 0u; i < counts[0]; i++')).toBe(1);
+    expect(loop('; ; ')).toBe(1);
+    expect(loop('var i = 0u; i < 4u; j++')).toBe(1);
+  });
+});
+
+/**
+ * Loops whose end could depend on memory that another workgroup writes: all but those whose own counter is compared with
+ * a number, a constant, a local value or a member of a uniform (by name: an index, a call or a pointer is none), and is
+ * moved by such a step.
+ */
+function openLoops(wgsl: string): string[] {
+  const operand = String.raw`(?:\d+u?|[A-Za-z_]\w*(?:\.\w+)?)(?:\s*\/\s*\d+u?)?`;
+  const header = new RegExp(
+    String.raw`^var (\w+) = ${operand}; \1 (?:<|>|<=|>=) ${operand}; \1(?:\+\+|--| (?:\+|-|>>|<<)= ${operand})$`,
+  );
+  // Headers hold no parentheses where they are of that kind, and do not match where they do.
+  return [...wgsl.matchAll(/\bfor\s*\(((?:[^()]|\([^()]*\))*)\)\s*\{/g)]
+    .map(([, text]) => text.replace(/\s+/g, ' ').trim())
+    .filter((text) => !header.test(text));
+}

@@ -1,0 +1,54 @@
+import type { StageDefinition } from '../gpu/pipelines.ts';
+import type { ShPrecision } from '../layout/sh-rest.ts';
+import type { ShDegree } from '../scene/splat-set.ts';
+import { compactChunks } from '../stages/compact-chunks.ts';
+import { compactSplats } from '../stages/compact-splats.ts';
+import { composite } from '../stages/composite.ts';
+import { cullChunks } from '../stages/cull-chunks.ts';
+import { cullSplats } from '../stages/cull-splats.ts';
+import { planCull } from '../stages/plan-cull.ts';
+import { planProject } from '../stages/plan-project.ts';
+import { prefixScanStages } from '../stages/prefix-scan.ts';
+import { project } from '../stages/project.ts';
+import { radixSortStages, sortShapeFor } from '../stages/radix-sort.ts';
+import { rasterize } from '../stages/rasterize.ts';
+
+const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
+const SH_PRECISIONS: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
+const GEOMETRY = ['f32', 'packed'] as const;
+const RECORD = ['f32', 'f16'] as const;
+
+/** Every stage in every variant that a frame may run. */
+export function allStageVariants(): StageDefinition[] {
+  const stages: StageDefinition[] = [
+    cullChunks,
+    compactChunks,
+    compactSplats,
+    planCull,
+    planProject,
+    composite,
+    ...prefixScanStages,
+    ...RECORD.map(rasterize),
+    ...[8, 16, 24, 27, 32].flatMap((keyBits) => radixSortStages(sortShapeFor(keyBits))),
+  ];
+  for (const isOrthographic of [false, true]) {
+    for (const geometryPrecision of GEOMETRY) {
+      stages.push(cullSplats(isOrthographic, geometryPrecision));
+      for (const recordPrecision of RECORD) {
+        for (const shPrecision of SH_PRECISIONS) {
+          for (const storedShDegree of DEGREES) {
+            for (const shDegree of DEGREES.filter((degree) => degree <= storedShDegree)) {
+              const precisions = { geometryPrecision, recordPrecision, shPrecision };
+              stages.push(project({ isOrthographic, ...precisions, storedShDegree, shDegree }));
+            }
+          }
+        }
+      }
+    }
+  }
+  return uniqueByText(stages);
+}
+
+function uniqueByText(stages: readonly StageDefinition[]): StageDefinition[] {
+  return [...new Map(stages.map((stage) => [JSON.stringify(stage), stage])).values()];
+}
