@@ -91,26 +91,18 @@ describe('linked shaders', () => {
         }),
       );
     const full = await variant({});
-    for (const word of [
-      'shRest',
-      'shBasis1',
-      'shBasis2',
-      'shBasis3',
-      'unpackRotation',
-      'clampX, view.clampX',
-    ])
-      expect(full.includes(word.split(',')[0])).toBe(true);
+    for (const word of ['shRest', 'shBasis1', 'shBasis2', 'shBasis3', 'unpackRotation', 'view.clampX'])
+      expect(full).toContain(word);
     const none = await variant({ shDegree: 0 });
     for (const word of ['shRest', 'shBasis', 'viewDirection', 'shAboveBase', 'shValue'])
       expect(none).not.toContain(word);
     expect(await variant({ shDegree: 1 })).not.toMatch(/shBasis[23]/);
     expect(await variant({ shDegree: 2 })).not.toContain('shBasis3');
     expect(await variant({ geometryPrecision: 'f32' })).not.toContain('unpackRotation');
-    expect(await variant({ recordPrecision: 'f32' })).not.toContain('pack2x16float');
+    expect(await variant({ recordPrecision: 'f32' })).not.toMatch(/\bpack2x16float/);
     expect(full).not.toContain('bitcast<f32>(shRest');
     // The orthographic Jacobian is constant: no tangents, nothing to clamp.
-    expect(full).toContain('tangentX');
-    expect(await variant({ isOrthographic: true })).not.toContain('tangentX');
+    expect(await variant({ isOrthographic: true })).not.toMatch(/tangentX|view\.clampX/);
     // At degree 0 it makes no difference how the coefficients that nobody reads are stored.
     expect(await variant({ shDegree: 0, shPrecision: 'f32' })).toBe(none);
     for (const { wgsl } of linked) expect(wgsl).not.toMatch(/@(if|else|elif)\b|\bimport\b/);

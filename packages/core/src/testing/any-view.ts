@@ -1,0 +1,39 @@
+import fc from 'fast-check';
+import { type Camera, cameraFromMatrices, orthographicCamera, perspectiveCamera } from '../camera.ts';
+import { multiply4 } from '../math/mat4.ts';
+
+const coordinate = (limit: number) => fc.double({ min: -limit, max: limit, noNaN: true });
+const point = (limit: number) => fc.tuple(coordinate(limit), coordinate(limit), coordinate(limit));
+
+/** Cameras of all kinds around and inside the unit cube: narrow, wide, orthographic, off-centre, mirrored. */
+export const anyCamera: fc.Arbitrary<Camera> = fc
+  .record({
+    position: point(3),
+    target: point(1),
+    fovYDegrees: fc.oneof(fc.double({ min: 1, max: 170, noNaN: true }), fc.constant(60)),
+    height: fc.double({ min: 0.01, max: 10, noNaN: true }),
+    aspect: fc.double({ min: 0.2, max: 5, noNaN: true }),
+    isOrthographic: fc.boolean(),
+    isMirrored: fc.boolean(),
+    shift: fc.oneof(fc.constant([0, 0]), fc.tuple(coordinate(1.5), coordinate(1.5))),
+    near: fc.constantFrom(0.001, 0.1, 1),
+    far: fc.constantFrom(4, 1000, Number.POSITIVE_INFINITY),
+  })
+  .filter(({ position, target }) => Math.hypot(position[0] - target[0], position[2] - target[2]) > 0.01)
+  .map(({ isOrthographic, isMirrored, shift, near, far, ...options }) => {
+    const camera = isOrthographic
+      ? orthographicCamera({ ...options, near: near - 1, far })
+      : perspectiveCamera({ ...options, near, far });
+    const projection = Float64Array.from(camera.projectionMatrix);
+    projection[isOrthographic ? 12 : 8] += shift[0];
+    projection[isOrthographic ? 13 : 9] += shift[1];
+    const mirror = Float64Array.of(isMirrored ? -1 : 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);
+    return cameraFromMatrices(camera.viewMatrix, multiply4(mirror, projection), camera);
+  });
+
+/** Affine model matrices, most of them neither rigid nor uniform, some of them nearly singular. */
+export const anyModel: fc.Arbitrary<Float64Array> = fc
+  .tuple(fc.array(coordinate(2), { minLength: 9, maxLength: 9 }), point(1))
+  .map(([[a, b, c, d, e, f, g, h, i], [x, y, z]]) =>
+    Float64Array.of(a, b, c, 0, d, e, f, 0, g, h, i, 0, x, y, z, 1),
+  );
