@@ -2,6 +2,7 @@ import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
 import { perspectiveCamera } from '../camera.ts';
 import { orderedBits } from '../layout/depth-key.ts';
+import { identity4 } from '../math/mat4.ts';
 import { anyCamera, anyModel } from '../testing/any-view.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import type { CloudInstance } from '../view.ts';
@@ -49,24 +50,34 @@ describe('keyBitsFor', () => {
     );
   });
 
-  test('positions far from the origin they are relative to', () => {
-    // The cloud lies at the world's origin, its own origin does not: rounding is that of the large terms.
-    const camera = perspectiveCamera({
-      position: [0, 0, 1e-3],
-      target: [0, 0, 0],
-      fovYDegrees: 60,
-      aspect: 1,
-      near: 1e-7,
-    });
-    const origin = [0, 0, 1000] as const;
-    const set = randomSplats({ count: 200, shDegree: 0, halfExtent: 1e-4, origin });
-    for (let i = 0; i < set.count; i++) set.positions[3 * i + 2] -= 1000;
-    const model = Float64Array.of(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);
-    const keys = depthsOf(set, camera.viewMatrix, model)
-      .filter((depth) => depth > camera.near)
-      .map(orderedBits);
-    const bits = keyBitsFor(camera, [instance(set)]);
-    expect(Math.max(...keys) - Math.min(...keys)).toBeLessThan(2 ** bits);
+  test('positions far from the origin that they are relative to: rounding is that of the large terms', () => {
+    const coordinate = fc.double({ min: -1, max: 1, noNaN: true });
+    const direction = fc
+      .tuple(coordinate, coordinate, coordinate)
+      .filter((d) => Math.hypot(d[0], d[2]) > 0.1);
+    const distance = fc.double({ min: 1e-4, max: 1e-2, noNaN: true });
+    fc.assert(
+      fc.property(direction, distance, fc.nat(), (d, far, seed) => {
+        const position = [d[0] * far, d[1] * far, d[2] * far] as const;
+        const camera = perspectiveCamera({
+          position,
+          target: [0, 0, 0],
+          fovYDegrees: 60,
+          aspect: 1,
+          near: 1e-7,
+        });
+        // The splats lie at the world's origin, but their own origin does not.
+        const origin = [700, -1000, 900] as const;
+        const set = randomSplats({ count: 100, shDegree: 0, halfExtent: 1e-4, origin, seed });
+        for (let i = 0; i < 3 * set.count; i++) set.positions[i] -= origin[i % 3];
+        const keys = depthsOf(set, camera.viewMatrix, identity4())
+          .filter((depth) => depth > Math.fround(camera.near))
+          .map(orderedBits);
+        const bits = keyBitsFor(camera, [instance(set)]);
+        if (keys.length > 0) expect(Math.max(...keys) - Math.min(...keys)).toBeLessThan(2 ** bits);
+      }),
+      { numRuns: 500 },
+    );
   });
 
   test('most scenes need no more than 27 bits, shallow ones fewer', () => {

@@ -17,17 +17,25 @@ export function keyBitsFor(camera: Camera, clouds: readonly CloudInstance[]): nu
     // Without splats there are no bounds.
     if (cloud.count === 0) continue;
     const modelView = multiply4(camera.viewMatrix, modelMatrix);
-    const { min, max } = cloud.bounds;
-    let low = -modelView[14];
-    let high = low;
-    let magnitude = Math.abs(low);
+    const { origin, bounds } = cloud;
+    const originDepth = -(
+      modelView[2] * origin[0] +
+      modelView[6] * origin[1] +
+      modelView[10] * origin[2] +
+      modelView[14]
+    );
+    let low = originDepth;
+    let high = originDepth;
+    let magnitude = Math.abs(originDepth);
     for (let axis = 0; axis < 3; axis++) {
       const row = -modelView[4 * axis + 2];
-      low += Math.min(row * min[axis], row * max[axis]);
-      high += Math.max(row * min[axis], row * max[axis]);
-      magnitude += Math.abs(row) * Math.max(Math.abs(min[axis]), Math.abs(max[axis]));
+      const from = bounds.min[axis] - origin[axis];
+      const to = bounds.max[axis] - origin[axis];
+      low += Math.min(row * from, row * to);
+      high += Math.max(row * from, row * to);
+      magnitude += Math.abs(row) * Math.max(Math.abs(from), Math.abs(to));
     }
-    // The GPU's depths are float32, computed from float32 terms.
+    // The GPU's depths are float32, computed from float32 terms about the cloud's origin.
     const rounding = 1e-5 * magnitude;
     nearest = Math.min(nearest, low - rounding);
     farthest = Math.max(farthest, high + rounding);
