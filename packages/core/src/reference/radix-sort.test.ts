@@ -1,0 +1,38 @@
+import fc from 'fast-check';
+import { describe, expect, test } from 'vitest';
+import { compactChunks } from './compact-chunks.ts';
+import { compactSplats } from './compact-splats.ts';
+import { prefixScan } from './prefix-scan.ts';
+import { radixSort } from './radix-sort.ts';
+
+describe('the integer twins', () => {
+  test('the radix sort is a stable sort', () => {
+    const shape = fc.constantFrom(
+      { digitBits: 8, passes: 4, tileKeys: 7 },
+      { digitBits: 9, passes: 4, tileKeys: 1000 },
+      { digitBits: 4, passes: 8, tileKeys: 1 },
+    );
+    const key = fc.oneof(fc.nat(3), fc.integer({ min: 0, max: 2 ** 32 - 1 }));
+    fc.assert(
+      fc.property(fc.array(key, { maxLength: 200 }), shape, (keys, options) => {
+        const expected = keys.map((_, i) => i).sort((a, b) => keys[a] - keys[b] || a - b);
+        expect(Array.from(radixSort(keys, options))).toEqual(expected);
+      }),
+    );
+  });
+
+  test('the scan has one sum more than counts, and wraps at 2^32', () => {
+    expect(Array.from(prefixScan([]))).toEqual([0]);
+    expect(Array.from(prefixScan([3, 0, 5]))).toEqual([0, 3, 3, 8]);
+    expect(Array.from(prefixScan([2 ** 32 - 1, 2]))).toEqual([0, 2 ** 32 - 1, 1]);
+  });
+
+  test('compaction keeps the order of storage', () => {
+    expect(compactChunks([0, 1, 1, 0, 1])).toEqual([1, 2, 4]);
+    const masks = new Uint32Array(16);
+    masks[0] = 0b101;
+    masks[7] = 0x80000000;
+    masks[9] = 1;
+    expect(compactSplats([2, 5], masks)).toEqual([512, 514, 767, 1280 + 32]);
+  });
+});
