@@ -69,7 +69,5 @@ export function transform3(m: ArrayLike<number>, v: ArrayLike<number>): [number,
 
 /** Upper bound of the factor by which a column-major 3×3 matrix can lengthen a vector (its Frobenius norm). */
 export function stretchBound(m: ArrayLike<number>): number {
-  let sum = 0;
-  for (let i = 0; i < 9; i++) sum += m[i] * m[i];
-  return Math.sqrt(sum);
+  return Math.hypot(...Array.from(m));
 }
