@@ -31,9 +31,13 @@ export const anyCamera: fc.Arbitrary<Camera> = fc
     return cameraFromMatrices(camera.viewMatrix, multiply4(mirror, projection), camera);
   });
 
-/** Affine model matrices, most of them neither rigid nor uniform, some of them nearly singular. */
+/** Affine model matrices, most of them neither rigid nor uniform, some of them nearly flat or nearly a line. */
 export const anyModel: fc.Arbitrary<Float64Array> = fc
-  .tuple(fc.array(coordinate(2), { minLength: 9, maxLength: 9 }), point(1))
-  .map(([[a, b, c, d, e, f, g, h, i], [x, y, z]]) =>
-    Float64Array.of(a, b, c, 0, d, e, f, 0, g, h, i, 0, x, y, z, 1),
+  .tuple(
+    fc.array(coordinate(2), { minLength: 9, maxLength: 9 }),
+    point(1),
+    fc.constantFrom([1, 1], [1, 0.01], [0.01, 0.01]),
+  )
+  .map(([[a, b, c, d, e, f, g, h, i], [x, y, z], [p, q]]) =>
+    Float64Array.of(a, b, c, 0, d * p, e * p, f * p, 0, g * q, h * q, i * q, 0, x, y, z, 1),
   );
