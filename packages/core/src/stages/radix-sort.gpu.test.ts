@@ -1,3 +1,4 @@
+import { createNodeGpu } from '@websplatter/node';
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
 import { beforeAll, describe, expect } from 'vitest';
@@ -11,6 +12,9 @@ import { RadixSort, radixSortStages, type SortShape, sortShapeFor } from './radi
 let device: GPUDevice;
 let pipelines: Pipelines;
 
+/** Workgroups that every device takes in one dimension of a dispatch. */
+const MAX_ROW = 65_535;
+
 /** Every shape that frames use, by the number of bits its keys may differ in. */
 const KEY_BITS = [8, 16, 24, 27, 32];
 
@@ -21,7 +25,7 @@ beforeAll(async () => {
 });
 
 /** Sorts in a buffer that has room for `capacity` keys, with garbage behind the given ones. */
-async function sortOnGpu(keys: Uint32Array, shape: SortShape, capacity = keys.length, dispatchRow = 65_535) {
+async function sortOnGpu(keys: Uint32Array, shape: SortShape, capacity = keys.length, dispatchRow = MAX_ROW) {
   const memory = new GpuMemory(device);
   const keyCount = storageBuffer(device, [keys.length]);
   const sort = new RadixSort(device, pipelines, memory, { shape, capacity, keyCount, dispatchRow });
@@ -130,6 +134,21 @@ describe('radix sort', () => {
         expect(flaw(keys, await sortOnGpu(keys, sortShapeFor(bits))), `${pattern}, ${bits} bits`).toBeNull();
       }
     }
+  });
+
+  gpuTest('more tiles than one dimension of a dispatch takes, at true size (full mode)', async ({ skip }) => {
+    const { adapter, isSoftware } = await createNodeGpu();
+    if (!process.env.WEBSPLATTER_FULL) skip('set WEBSPLATTER_FULL=1');
+    if (isSoftware) skip('needs a GPU: minutes and gigabytes in software');
+    const shape = sortShapeFor(32);
+    const count = (MAX_ROW + 1) * shape.workgroup * shape.itemsPerThread + 1;
+    const { maxBufferSize, maxStorageBufferBindingSize } = adapter.limits;
+    if (maxStorageBufferBindingSize < 4 * count) skip(`needs bindings of ${4 * count} bytes`);
+    device = await createTestDevice({ requiredLimits: { maxBufferSize, maxStorageBufferBindingSize } });
+    pipelines = new Pipelines(device);
+    await pipelines.prepare(radixSortStages(shape));
+    const keys = keysOf('random', count, 32);
+    expect(flaw(keys, await sortOnGpu(keys, shape))).toBeNull();
   });
 
   gpuTest('the checker finds a swapped pair, a lost key and an unstable pair', () => {
