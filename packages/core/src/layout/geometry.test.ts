@@ -3,11 +3,11 @@ import { describe, expect, test } from 'vitest';
 import { rotationMatrix } from '../reference/covariance.ts';
 import { unpackSplat } from '../reference/packing.ts';
 import { type SplatValues, splatsOf } from '../testing/random-splats.ts';
+import { uniform } from '../testing/uniform.ts';
 import { LOG_SCALE_LIMIT, opacityOf, packGeometry } from './geometry.ts';
 import { HALF_MAX } from './half.ts';
 
-const finite = (limit: number) =>
-  fc.float({ min: Math.fround(-limit), max: Math.fround(limit), noNaN: true, noDefaultInfinity: true });
+const finite = (limit: number) => uniform(-limit, limit).map(Math.fround);
 const triple = (value: fc.Arbitrary<number>) => fc.array(value, { minLength: 3, maxLength: 3 });
 
 const anySplat: fc.Arbitrary<SplatValues> = fc.record({

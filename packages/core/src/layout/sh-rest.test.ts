@@ -1,6 +1,7 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
 import type { ShDegree } from '../scene/splat-set.ts';
+import { uniform } from '../testing/uniform.ts';
 import { HALF_MAX } from './half.ts';
 import {
   packShRest,
@@ -18,9 +19,9 @@ const PRECISIONS: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
 /** Splats of one degree whose coefficients span many orders of magnitude, and of which some are exactly zero. */
 function splats(degree: ShDegree) {
   const value = fc.oneof(
-    fc.float({ min: -4, max: 4, noNaN: true }),
-    fc.float({ min: Math.fround(-1e4), max: Math.fround(1e4), noNaN: true }),
-    fc.float({ min: Math.fround(-1e-4), max: Math.fround(1e-4), noNaN: true }),
+    uniform(-4, 4).map(Math.fround),
+    uniform(-1e4, 1e4).map(Math.fround),
+    uniform(-1e-4, 1e-4).map(Math.fround),
     fc.constant(0),
   );
   const row = fc.array(value, { minLength: shRestValues(degree), maxLength: shRestValues(degree) });

@@ -1,8 +1,9 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
+import { uniform } from '../testing/uniform.ts';
 import { identity4, invert3, linearPart, multiply4, stretchBound, transform3, translated4 } from './mat4.ts';
 
-const number = fc.double({ min: -100, max: 100, noNaN: true });
+const number = uniform(-100, 100);
 const matrix4 = fc.array(number, { minLength: 16, maxLength: 16 });
 const matrix3 = fc.array(number, { minLength: 9, maxLength: 9 });
 const vector3 = fc.tuple(number, number, number);

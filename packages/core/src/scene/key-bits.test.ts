@@ -5,7 +5,8 @@ import { orderedBits } from '../layout/depth-key.ts';
 import { identity4 } from '../math/mat4.ts';
 import { anyCamera, anyModel } from '../testing/any-view.ts';
 import { randomSplats } from '../testing/random-splats.ts';
-import type { CloudInstance } from '../view.ts';
+import { uniform } from '../testing/uniform.ts';
+import type { CloudInstance } from './view-frame.ts';
 import { cloudView } from './cloud-view.ts';
 import { keyBitsFor } from './key-bits.ts';
 import { packCloud } from './packed-cloud.ts';
@@ -30,7 +31,7 @@ function depthsOf(set: SplatSet, viewMatrix: ArrayLike<number>, modelMatrix: Arr
 
 describe('keyBitsFor', () => {
   test('keys of whatever lies in the depth range differ in no more bits', () => {
-    const coordinate = fc.double({ min: -50, max: 50, noNaN: true });
+    const coordinate = uniform(-50, 50);
     const scene = fc.record({
       seed: fc.nat(),
       halfExtent: fc.constantFrom(1e-4, 0.01, 1, 30),
@@ -51,11 +52,11 @@ describe('keyBitsFor', () => {
   });
 
   test('positions far from the origin that they are relative to: rounding is that of the large terms', () => {
-    const coordinate = fc.double({ min: -1, max: 1, noNaN: true });
+    const coordinate = uniform(-1, 1);
     const direction = fc
       .tuple(coordinate, coordinate, coordinate)
       .filter((d) => Math.hypot(d[0], d[2]) > 0.1);
-    const distance = fc.double({ min: 1e-4, max: 1e-2, noNaN: true });
+    const distance = uniform(1e-4, 1e-2);
     fc.assert(
       fc.property(direction, distance, fc.nat(), (d, far, seed) => {
         const position = [d[0] * far, d[1] * far, d[2] * far] as const;

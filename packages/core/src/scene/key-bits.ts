@@ -1,7 +1,7 @@
 import type { Camera } from '../camera.ts';
 import { orderedBits } from '../layout/depth-key.ts';
 import { identity4, multiply4 } from '../math/mat4.ts';
-import type { CloudInstance } from '../view.ts';
+import type { CloudInstance } from './view-frame.ts';
 
 /**
  * How many bits the depth keys of a frame can differ in, from what the CPU knows of it: near, far and the clouds'

@@ -6,7 +6,7 @@ import { cullSplat } from '../reference/cull-splats.ts';
 import { anyCamera } from '../testing/any-view.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { TEST_MODELS } from '../testing/test-cameras.ts';
-import type { ViewFrame } from '../view.ts';
+import type { ViewFrame } from './view-frame.ts';
 import { cloudView } from './cloud-view.ts';
 import { packCloud } from './packed-cloud.ts';
 import type { SplatCloud } from './splat-cloud.ts';

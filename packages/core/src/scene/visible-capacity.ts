@@ -3,7 +3,7 @@ import { projectionOf } from '../camera.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { Chunk } from '../layout/structs.ts';
 import { identity4 } from '../math/mat4.ts';
-import type { ViewFrame } from '../view.ts';
+import type { ViewFrame } from './view-frame.ts';
 import { cloudView } from './cloud-view.ts';
 import { type CullPlane, cullPlanes } from './frustum.ts';
 

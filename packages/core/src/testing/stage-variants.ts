@@ -10,7 +10,8 @@ import { planCull } from '../stages/plan-cull.ts';
 import { planProject } from '../stages/plan-project.ts';
 import { prefixScanStages } from '../stages/prefix-scan.ts';
 import { project } from '../stages/project.ts';
-import { radixSortStages, sortShapeFor } from '../stages/radix-sort.ts';
+import { radixSortStages } from '../stages/radix-sort.ts';
+import { sortShapeFor } from '../stages/sort-shape.ts';
 import { rasterize } from '../stages/rasterize.ts';
 
 const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];

@@ -16,7 +16,8 @@ import { type PackedCloud, packCloud } from '../scene/packed-cloud.ts';
 import { SplatCloud } from '../scene/splat-cloud.ts';
 import type { SplatSet } from '../scene/splat-set.ts';
 import { GpuTimer } from '../timing/gpu-timer.ts';
-import { pageUniforms, type ViewFrame, viewUniforms } from '../view.ts';
+import { pageUniforms, viewUniforms } from '../frame-uniforms.ts';
+import type { ViewFrame } from '../scene/view-frame.ts';
 import { readWords } from './gpu-buffers.ts';
 
 export interface TestFrameOptions {
