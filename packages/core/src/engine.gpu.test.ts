@@ -14,10 +14,11 @@ import { compareImages, renderReference } from './reference/index.ts';
 import { packCloud } from './scene/packed-cloud.ts';
 import { SplatCloud } from './scene/splat-cloud.ts';
 import type { SplatSet } from './scene/splat-set.ts';
+import type { ViewFrame } from './scene/view-frame.ts';
 import { randomSplats, splatsOf } from './testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from './testing/test-cameras.ts';
 import type { FrameStatistics } from './timing/frame-statistics.ts';
-import type { SplatView, ViewFrame } from './view.ts';
+import type { SplatView } from './view.ts';
 
 /** What each preset must reach against the float64 reference, dB on the target's own values. */
 const MIN_PSNR_DB: Readonly<Record<AccuracyPreset, number>> = { reference: 60, high: 50, balanced: 45 };

@@ -21,8 +21,9 @@ import { planCull } from './stages/plan-cull.ts';
 import { planProject } from './stages/plan-project.ts';
 import { PrefixScan } from './stages/prefix-scan.ts';
 import { project } from './stages/project.ts';
-import { RadixSort, sortShapeFor } from './stages/radix-sort.ts';
+import { RadixSort } from './stages/radix-sort.ts';
 import { rasterize } from './stages/rasterize.ts';
+import { sortShapeFor } from './stages/sort-shape.ts';
 
 /** Everything that decides which shaders a frame runs and how large its buffers are. */
 export interface FrameShape {

@@ -9,8 +9,9 @@ import { dispatchSize } from './stages/dispatch.ts';
 import { planCull } from './stages/plan-cull.ts';
 import { planProject } from './stages/plan-project.ts';
 import { prefixScanStages } from './stages/prefix-scan.ts';
-import { radixSortStages, sortShapeFor } from './stages/radix-sort.ts';
+import { radixSortStages } from './stages/radix-sort.ts';
 import { rasterize, rasterizeState } from './stages/rasterize.ts';
+import { sortShapeFor } from './stages/sort-shape.ts';
 import type { GpuTimer } from './timing/gpu-timer.ts';
 
 /** All that `recordFrame` runs for a frame of this shape: to be compiled before. */

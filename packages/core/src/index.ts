@@ -47,5 +47,6 @@ export {
   type ShDegree,
   type SplatSet,
 } from './scene/splat-set.ts';
+export type { CloudInstance, ViewFrame } from './scene/view-frame.ts';
 export { type FrameStatistics, isPlausible, type StageTimings } from './timing/frame-statistics.ts';
-export type { CloudInstance, SplatView, ViewFrame } from './view.ts';
+export type { SplatView } from './view.ts';

@@ -1,42 +1,21 @@
-import { type AccuracySettings, DILATION_PX2 } from './accuracy.ts';
-import { type Camera, type Projection, projectionOf } from './camera.ts';
+import type { AccuracySettings } from './accuracy.ts';
+import { projectionOf } from './camera.ts';
 import { DestroyedError, InvalidArgumentError } from './errors.ts';
 import { frameStages, recordFrame } from './frame.ts';
-import { FrameResources, type FrameShape, PAGE_STRIDE_BYTES } from './frame-resources.ts';
+import { FrameResources, type FrameShape } from './frame-resources.ts';
+import { pageUniforms, viewUniforms } from './frame-uniforms.ts';
 import type { GpuMemory } from './gpu/gpu-memory.ts';
 import type { Pipelines, RenderState, StageDefinition } from './gpu/pipelines.ts';
 import { readTexture, type TextureImage } from './gpu/read-texture.ts';
-import { CompositeParameters, Page, View } from './layout/structs.ts';
-import { identity4, type Vec3 } from './math/mat4.ts';
-import { cloudView } from './scene/cloud-view.ts';
-import { cullPlanes } from './scene/frustum.ts';
+import { CompositeParameters } from './layout/structs.ts';
+import type { Vec3 } from './math/mat4.ts';
 import { keyBitsFor } from './scene/key-bits.ts';
 import type { SplatCloud } from './scene/splat-cloud.ts';
+import type { ViewFrame } from './scene/view-frame.ts';
 import { visibleCapacity } from './scene/visible-capacity.ts';
 import { composite, compositeState } from './stages/composite.ts';
 import type { FrameStatistics } from './timing/frame-statistics.ts';
 import { GpuTimer } from './timing/gpu-timer.ts';
-
-/** A cloud and where it stands. */
-export interface CloudInstance {
-  readonly cloud: SplatCloud;
-  /** Scene to world, 16 numbers, column-major, read in float64; default the identity. */
-  readonly modelMatrix?: ArrayLike<number>;
-}
-
-/** One picture. */
-export interface ViewFrame {
-  readonly camera: Camera;
-  /** In the order in which equal depths are drawn. */
-  readonly clouds: readonly CloudInstance[];
-  /** Size in physical pixels, whole numbers; nothing is drawn where one is 0. */
-  readonly widthPx: number;
-  readonly heightPx: number;
-  /** What is behind the splats on a canvas, sRGB-encoded, 0…1; default black. */
-  readonly background?: Vec3;
-  /** Draw even where nothing has changed, as a benchmark needs it. */
-  readonly force?: boolean;
-}
 
 /** What a view needs of its engine. */
 export interface ViewContext {
@@ -354,56 +333,4 @@ function isSameShape(a: FrameShape, b: FrameShape): boolean {
     a.clouds.length === b.clouds.length &&
     a.clouds.every((cloud, i) => cloud === b.clouds[i])
   );
-}
-
-/** Contents of a frame's `view` buffer. */
-export function viewUniforms(projection: Projection, { accuracy, dispatchRow }: FrameShape): ArrayBuffer {
-  const { widthPx, heightPx, focalPx, centerPx, clampX, clampY, near, far } = projection;
-  const contents = new ArrayBuffer(View.bytes);
-  View.write(contents, {
-    sizePx: [widthPx, heightPx],
-    focalPx,
-    centerPx,
-    clampX,
-    clampY,
-    near,
-    // Shaders may assume that there are no infinities: the largest float32 is as good.
-    far: Math.min(far, 3.4028234663852886e38),
-    alphaCutoff: accuracy.alphaCutoff,
-    dilationPx2: DILATION_PX2,
-    dispatchRow,
-  });
-  return contents;
-}
-
-/** Contents of a frame's `pageUniforms` buffer. */
-export function pageUniforms(
-  { camera, clouds }: ViewFrame,
-  projection: Projection,
-  frame: FrameResources,
-): ArrayBuffer {
-  const { alphaCutoff } = frame.shape.accuracy;
-  const perCloud = clouds.map(({ cloud, modelMatrix = identity4() }) => {
-    const view = cloudView(camera.viewMatrix, modelMatrix, cloud.origin, projection.isOrthographic);
-    const planes = cullPlanes(view, projection, alphaCutoff, DILATION_PX2);
-    return {
-      linear: view.linear,
-      translation: view.translation,
-      camera: view.camera ?? [0, 0, 0],
-      cameraWeight: view.camera ? 1 : 0,
-      direction: view.direction,
-      logScales: [cloud.logScaleRange.min, cloud.logScaleRange.step],
-      frustum: planes.flatMap(({ normal, offset }) => [...normal, offset]),
-      frustumReach: planes.flatMap(({ reach }) => [reach, 0, 0, 0]),
-    };
-  });
-  const contents = new ArrayBuffer(PAGE_STRIDE_BYTES * frame.pages.length);
-  for (const [index, { cloudIndex, chunkStart, chunkCount, splatCount }] of frame.pages.entries()) {
-    Page.write(
-      contents,
-      { ...perCloud[cloudIndex], index, chunkStart, chunkCount, splatCount },
-      index * PAGE_STRIDE_BYTES,
-    );
-  }
-  return contents;
 }

@@ -1,5 +1,5 @@
 import { SplatSourceError, WebSplatterError } from '../errors.ts';
-import type { OpenedSource } from './open-source.ts';
+import type { OpenedSource } from './splat-source.ts';
 
 /** Bytes held at once, unless one item needs more: bounds both memory and the work between two pauses. */
 const WINDOW_BYTES = 1 << 20;

@@ -1,20 +1,6 @@
 import { InvalidArgumentError, SplatSourceError } from '../errors.ts';
 import { ByteReader, lockedStreamError, messageOf } from './byte-reader.ts';
-import type { ReadOptions, SplatSource } from './splat-source.ts';
-
-/** A source as a stream that has not been read from. */
-export interface OpenedSource {
-  /** For messages: the option, the file's name or the URL. */
-  readonly name: string;
-  /** Size in bytes, undefined where it is not known. */
-  readonly totalBytes: number | undefined;
-  /**
-   * Whether `totalBytes` is what the stream will really give. False for answers from another origin: a page sees their
-   * Content-Length, which is that of the compressed bytes, but not their Content-Encoding. Good for a progress bar only.
-   */
-  readonly totalBytesCertain: boolean;
-  readonly stream: ReadableStream<Uint8Array>;
-}
+import type { OpenedSource, ReadOptions, SplatSource } from './splat-source.ts';
 
 /** Memory is streamed in pieces of this size, so that reading it does not block a page. */
 const PIECE_BYTES = 1 << 20;

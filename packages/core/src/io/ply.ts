@@ -1,7 +1,6 @@
 import { SplatFileError } from '../errors.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../scene/splat-set.ts';
 import { ByteReader } from './byte-reader.ts';
-import type { OpenedSource } from './open-source.ts';
 import { readAsciiRows } from './ply-ascii.ts';
 import { readBinaryRows } from './ply-binary.ts';
 import {
@@ -15,6 +14,7 @@ import {
 import { ReadProgress } from './progress.ts';
 import type { SplatFormat, SplatFormatOptions } from './splat-format.ts';
 import { MAX_SPLATS, ROW_SLOT, SplatSetBuilder } from './splat-set-builder.ts';
+import type { OpenedSource } from './splat-source.ts';
 
 /** PLY as written by 3D Gaussian Splatting and its descendants; also the file that `encodePly` writes. */
 export const plyFormat: SplatFormat = {

@@ -1,7 +1,6 @@
 import type { ShPrecision } from '../layout/sh-rest.ts';
 import type { SplatSet } from '../scene/splat-set.ts';
-import type { OpenedSource } from './open-source.ts';
-import type { ReadOptions } from './splat-source.ts';
+import type { OpenedSource, ReadOptions } from './splat-source.ts';
 
 export interface SplatFormatOptions extends Pick<ReadOptions, 'signal' | 'onProgress'> {
   /** Precision to store the spherical harmonics above degree 0 in. */

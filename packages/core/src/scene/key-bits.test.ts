@@ -6,12 +6,12 @@ import { identity4 } from '../math/mat4.ts';
 import { anyCamera, anyModel } from '../testing/any-view.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { uniform } from '../testing/uniform.ts';
-import type { CloudInstance } from './view-frame.ts';
 import { cloudView } from './cloud-view.ts';
 import { keyBitsFor } from './key-bits.ts';
 import { packCloud } from './packed-cloud.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 import type { SplatSet } from './splat-set.ts';
+import type { CloudInstance } from './view-frame.ts';
 
 function instance(set: SplatSet, modelMatrix?: ArrayLike<number>): CloudInstance {
   return { cloud: packCloud(set, { geometryPrecision: 'f32' }) as unknown as SplatCloud, modelMatrix };

@@ -6,10 +6,10 @@ import { cullSplat } from '../reference/cull-splats.ts';
 import { anyCamera } from '../testing/any-view.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { TEST_MODELS } from '../testing/test-cameras.ts';
-import type { ViewFrame } from './view-frame.ts';
 import { cloudView } from './cloud-view.ts';
 import { packCloud } from './packed-cloud.ts';
 import type { SplatCloud } from './splat-cloud.ts';
+import type { ViewFrame } from './view-frame.ts';
 import { visibleCapacity } from './visible-capacity.ts';
 
 const ALPHA_CUTOFF = 1 / 255;

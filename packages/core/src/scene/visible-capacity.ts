@@ -3,9 +3,9 @@ import { projectionOf } from '../camera.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { Chunk } from '../layout/structs.ts';
 import { identity4 } from '../math/mat4.ts';
-import type { ViewFrame } from './view-frame.ts';
 import { cloudView } from './cloud-view.ts';
 import { type CullPlane, cullPlanes } from './frustum.ts';
+import type { ViewFrame } from './view-frame.ts';
 
 /** Up to here room for all splats costs less (about 15 MB) than it is worth to find out how many are visible. */
 const ALWAYS_ROOM_FOR = 1 << 18;

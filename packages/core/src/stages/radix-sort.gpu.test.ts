@@ -7,7 +7,8 @@ import { Pipelines } from '../gpu/pipelines.ts';
 import { radixSort } from '../reference/radix-sort.ts';
 import { readWords, storageBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
-import { RadixSort, radixSortStages, type SortShape, sortShapeFor } from './radix-sort.ts';
+import { RadixSort, radixSortStages } from './radix-sort.ts';
+import { type SortShape, sortShapeFor } from './sort-shape.ts';
 
 let device: GPUDevice;
 let pipelines: Pipelines;

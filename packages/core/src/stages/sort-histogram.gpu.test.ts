@@ -6,8 +6,8 @@ import { sortHistogram as histogramTwin } from '../reference/sort-histogram.ts';
 import { readWords, runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { dispatchSize } from './dispatch.ts';
-import { sortShapeFor } from './radix-sort.ts';
 import { sortHistogram } from './sort-histogram.ts';
+import { sortShapeFor } from './sort-shape.ts';
 
 describe('sort-histogram', () => {
   gpuTest('counts the digits of each tile as the twin does, in every pass', async () => {

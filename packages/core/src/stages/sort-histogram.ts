@@ -1,5 +1,5 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
-import type { SortShape } from './radix-sort.ts';
+import type { SortShape } from './sort-shape.ts';
 
 /** Counts the digits of each tile of keys. */
 export function sortHistogram({ digitBits, workgroup, itemsPerThread }: SortShape) {

@@ -8,8 +8,8 @@ import { sortScatter as scatterTwin } from '../reference/sort-scatter.ts';
 import { readWords, runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { dispatchSize } from './dispatch.ts';
-import { sortShapeFor } from './radix-sort.ts';
 import { sortScatter } from './sort-scatter.ts';
+import { sortShapeFor } from './sort-shape.ts';
 
 describe('sort-scatter', () => {
   for (const [bits, isFirst, isLast] of [

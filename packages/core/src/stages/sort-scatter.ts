@@ -1,5 +1,5 @@
 import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
-import type { SortShape } from './radix-sort.ts';
+import type { SortShape } from './sort-shape.ts';
 
 /** Moves keys and payloads to their places; the first pass makes the payloads, the last leaves the keys behind. */
 export function sortScatter(

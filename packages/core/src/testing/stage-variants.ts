@@ -11,8 +11,8 @@ import { planProject } from '../stages/plan-project.ts';
 import { prefixScanStages } from '../stages/prefix-scan.ts';
 import { project } from '../stages/project.ts';
 import { radixSortStages } from '../stages/radix-sort.ts';
-import { sortShapeFor } from '../stages/sort-shape.ts';
 import { rasterize } from '../stages/rasterize.ts';
+import { sortShapeFor } from '../stages/sort-shape.ts';
 
 const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
 const SH_PRECISIONS: readonly ShPrecision[] = ['f32', 'f16', 'u8'];

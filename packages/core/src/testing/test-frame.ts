@@ -2,6 +2,7 @@ import { type AccuracySettings, DILATION_PX2, resolveAccuracy } from '../accurac
 import { type Camera, type Projection, projectionOf } from '../camera.ts';
 import { frameStages, recordFrame } from '../frame.ts';
 import { FrameResources } from '../frame-resources.ts';
+import { pageUniforms, viewUniforms } from '../frame-uniforms.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readTexture, type TextureImage } from '../gpu/read-texture.ts';
@@ -15,9 +16,8 @@ import { mortonOrder, permuteSplats } from '../scene/morton-order.ts';
 import { type PackedCloud, packCloud } from '../scene/packed-cloud.ts';
 import { SplatCloud } from '../scene/splat-cloud.ts';
 import type { SplatSet } from '../scene/splat-set.ts';
-import { GpuTimer } from '../timing/gpu-timer.ts';
-import { pageUniforms, viewUniforms } from '../frame-uniforms.ts';
 import type { ViewFrame } from '../scene/view-frame.ts';
+import { GpuTimer } from '../timing/gpu-timer.ts';
 import { readWords } from './gpu-buffers.ts';
 
 export interface TestFrameOptions {

@@ -1,0 +1,60 @@
+import { DILATION_PX2 } from './accuracy.ts';
+import type { Projection } from './camera.ts';
+import { type FrameResources, type FrameShape, PAGE_STRIDE_BYTES } from './frame-resources.ts';
+import { Page, View } from './layout/structs.ts';
+import { identity4 } from './math/mat4.ts';
+import { cloudView } from './scene/cloud-view.ts';
+import { cullPlanes } from './scene/frustum.ts';
+import type { ViewFrame } from './scene/view-frame.ts';
+
+/** Contents of a frame's `view` buffer. */
+export function viewUniforms(projection: Projection, { accuracy, dispatchRow }: FrameShape): ArrayBuffer {
+  const { widthPx, heightPx, focalPx, centerPx, clampX, clampY, near, far } = projection;
+  const contents = new ArrayBuffer(View.bytes);
+  View.write(contents, {
+    sizePx: [widthPx, heightPx],
+    focalPx,
+    centerPx,
+    clampX,
+    clampY,
+    near,
+    // Shaders may assume that there are no infinities: the largest float32 is as good.
+    far: Math.min(far, 3.4028234663852886e38),
+    alphaCutoff: accuracy.alphaCutoff,
+    dilationPx2: DILATION_PX2,
+    dispatchRow,
+  });
+  return contents;
+}
+
+/** Contents of a frame's `pageUniforms` buffer. */
+export function pageUniforms(
+  { camera, clouds }: ViewFrame,
+  projection: Projection,
+  frame: FrameResources,
+): ArrayBuffer {
+  const { alphaCutoff } = frame.shape.accuracy;
+  const perCloud = clouds.map(({ cloud, modelMatrix = identity4() }) => {
+    const view = cloudView(camera.viewMatrix, modelMatrix, cloud.origin, projection.isOrthographic);
+    const planes = cullPlanes(view, projection, alphaCutoff, DILATION_PX2);
+    return {
+      linear: view.linear,
+      translation: view.translation,
+      camera: view.camera ?? [0, 0, 0],
+      cameraWeight: view.camera ? 1 : 0,
+      direction: view.direction,
+      logScales: [cloud.logScaleRange.min, cloud.logScaleRange.step],
+      frustum: planes.flatMap(({ normal, offset }) => [...normal, offset]),
+      frustumReach: planes.flatMap(({ reach }) => [reach, 0, 0, 0]),
+    };
+  });
+  const contents = new ArrayBuffer(PAGE_STRIDE_BYTES * frame.pages.length);
+  for (const [index, { cloudIndex, chunkStart, chunkCount, splatCount }] of frame.pages.entries()) {
+    Page.write(
+      contents,
+      { ...perCloud[cloudIndex], index, chunkStart, chunkCount, splatCount },
+      index * PAGE_STRIDE_BYTES,
+    );
+  }
+  return contents;
+}

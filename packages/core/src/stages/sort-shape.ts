@@ -1,0 +1,21 @@
+/** How keys are cut into digits and tiles. */
+export interface SortShape {
+  /** Bits per pass. */
+  readonly digitBits: number;
+  readonly passes: number;
+  /** Threads per workgroup. */
+  readonly workgroup: number;
+  /** Keys per thread; a tile has workgroup · itemsPerThread keys. */
+  readonly itemsPerThread: number;
+}
+
+/**
+ * The shape for keys below 2^keyBits: as few passes as that takes. Masks of the scatter pass take 2^digitBits bits per
+ * thread, so nine-bit digits go with fewer threads to stay within WebGPU's 16 KiB of workgroup memory.
+ */
+export function sortShapeFor(keyBits: number): SortShape {
+  if (keyBits <= 24)
+    return { digitBits: 8, passes: Math.max(1, Math.ceil(keyBits / 8)), workgroup: 256, itemsPerThread: 8 };
+  if (keyBits <= 27) return { digitBits: 9, passes: 3, workgroup: 128, itemsPerThread: 16 };
+  return { digitBits: 8, passes: 4, workgroup: 256, itemsPerThread: 8 };
+}
