@@ -9,7 +9,7 @@ export const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
 const OLDEST_NODE = [20, 19];
 
 /** Exits with one line where this Node is too old for the tools. */
-export function checkNodeVersion() {
+function checkNodeVersion() {
   const [major, minor] = process.versions.node.split('.').map(Number);
   if (major > OLDEST_NODE[0] || (major === OLDEST_NODE[0] && minor >= OLDEST_NODE[1])) return;
   fail(

@@ -442,7 +442,7 @@ async function loadCloud(
   return engine.load(source.kind === 'file' ? source.file : source.url, { name, signal, onProgress: report });
 }
 
-export function titleOf(source: SceneSource): string {
+function titleOf(source: SceneSource): string {
   if (source.kind === 'builtin') return source.scene.title;
   return source.kind === 'file' ? source.file.name : baseName(source.url.href);
 }

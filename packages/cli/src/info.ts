@@ -35,7 +35,7 @@ export async function info(args: readonly string[], console: Console): Promise<v
   console.out(values.json ? `${JSON.stringify(found, null, 2)}\n` : table(found));
 }
 
-export function describeScene(scene: string, set: SplatSet): SceneInfo {
+function describeScene(scene: string, set: SplatSet): SceneInfo {
   const { count, dropped, origin, shRest } = set;
   return {
     scene,

@@ -3,7 +3,7 @@ import { plyFormat } from './ply.ts';
 import type { SplatFormat } from './splat-format.ts';
 
 /** Every format that is read. Adding one: its file, and its entry here. */
-export const FORMATS: readonly SplatFormat[] = [plyFormat];
+const FORMATS: readonly SplatFormat[] = [plyFormat];
 
 /** How many of a file's first bytes `detectFormat` wants. */
 export const SNIFF_BYTES = 512;

@@ -4,7 +4,7 @@ import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../scene/spl
 import { shColor } from './spherical-harmonics.ts';
 
 /** Unit vector, in cloud space, along which the camera sees splat `index`. */
-export function viewDirection(set: SplatSet, index: number, view: CloudView): [number, number, number] {
+function viewDirection(set: SplatSet, index: number, view: CloudView): [number, number, number] {
   const toward = view.camera
     ? [0, 1, 2].map((axis) => set.positions[3 * index + axis] - view.camera![axis])
     : view.direction;

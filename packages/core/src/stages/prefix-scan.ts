@@ -14,9 +14,9 @@ const scanStage = {
   },
 } as const;
 
-export const reduceBlocks = { ...scanStage, entryPoint: 'reduceBlocks' } as const satisfies StageDefinition;
-export const scanBlocks = { ...scanStage, entryPoint: 'scanBlocks' } as const satisfies StageDefinition;
-export const scanSingleBlock = {
+const reduceBlocks = { ...scanStage, entryPoint: 'reduceBlocks' } as const satisfies StageDefinition;
+const scanBlocks = { ...scanStage, entryPoint: 'scanBlocks' } as const satisfies StageDefinition;
+const scanSingleBlock = {
   ...scanStage,
   entryPoint: 'scanSingleBlock',
 } as const satisfies StageDefinition;

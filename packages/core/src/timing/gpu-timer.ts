@@ -3,7 +3,7 @@ import { CHUNK_SPLATS } from '../layout/constants.ts';
 import type { FrameStatistics, StageTimings } from './frame-statistics.ts';
 
 /** Passes that are timed, in the order in which a frame runs them. */
-export const TIMED_PASSES = ['preprocess', 'sort', 'rasterize', 'composite'] as const;
+const TIMED_PASSES = ['preprocess', 'sort', 'rasterize', 'composite'] as const;
 export type TimedPass = (typeof TIMED_PASSES)[number];
 
 /** Read-backs that may be under way at once; a frame that finds none free goes unmeasured and does not wait. */
