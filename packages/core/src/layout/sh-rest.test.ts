@@ -24,7 +24,10 @@ function splats(degree: ShDegree) {
     uniform(-1e-4, 1e-4).map(Math.fround),
     fc.constant(0),
   );
-  const row = fc.array(value, { minLength: shRestValues(degree), maxLength: shRestValues(degree) });
+  const rowOf = (values: fc.Arbitrary<number>) =>
+    fc.array(values, { minLength: shRestValues(degree), maxLength: shRestValues(degree) });
+  // Rows of which even the largest value is among binary16's subnormals, where its steps are coarse, or below them.
+  const row = fc.oneof(rowOf(value), rowOf(uniform(-1e-6, 1e-6).map(Math.fround)));
   return fc.array(row, { minLength: 1, maxLength: 5 });
 }
 
