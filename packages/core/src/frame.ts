@@ -43,8 +43,9 @@ export function recordFrame(
 ): void {
   const { shape, groups, pages } = frame;
   const { dispatchRow } = shape;
+  // Of no chunks too: Dawn warns of dispatches of nothing.
   const chunkWorkgroups = (chunks: number) =>
-    dispatchSize(Math.ceil(chunks / SHADER_CONSTANTS.CHUNK_WORKGROUP), dispatchRow);
+    dispatchSize(Math.max(1, Math.ceil(chunks / SHADER_CONSTANTS.CHUNK_WORKGROUP)), dispatchRow);
   const use = (pass: GPUComputePassEncoder, stage: StageDefinition, group: GPUBindGroup) => {
     pass.setPipeline(pipelines.compute(stage)!);
     pass.setBindGroup(0, group);
