@@ -26,6 +26,7 @@ const PACKAGES = [
     entries: {
       index: 'src/index.ts',
       reference: 'src/reference/index.ts',
+      inspect: 'src/inspect/index.ts',
       'load-worker': 'src/io/load-worker.ts',
     },
     inputs: ['shaders'],
@@ -33,6 +34,7 @@ const PACKAGES = [
   },
   { name: 'node', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   { name: 'scenes', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
+  { name: 'hardcases', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   { name: 'cli', entries: { main: 'src/main.ts' }, inputs: [], hasDeclarations: false },
 ];
 

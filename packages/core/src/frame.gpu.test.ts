@@ -1,16 +1,16 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
+import { InspectedFrame } from './inspect/inspected-frame.ts';
 import { PagePlan } from './layout/structs.ts';
 import { dispatchSize } from './stages/dispatch.ts';
 import { randomSplats } from './testing/random-splats.ts';
 import { testCameras } from './testing/test-cameras.ts';
-import { TestFrame } from './testing/test-frame.ts';
 
 describe('a frame', () => {
   gpuTest('plans on the GPU what each page has to do, and lists it without gaps', async () => {
     const device = await createTestDevice();
     const dispatchRow = 3;
-    const frame = await TestFrame.draw(device, {
+    const frame = await InspectedFrame.draw(device, {
       clouds: [
         { set: randomSplats({ count: 256 * 14 + 9, shDegree: 0, halfExtent: 3 }), splatsPerPage: 256 * 4 },
         { set: randomSplats({ count: 10, shDegree: 0, seed: 2, opacityLogits: [-9, -8] }) },

@@ -1,10 +1,11 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
+import { readWords } from '../gpu/read-buffer.ts';
 import { FrameParameters } from '../layout/structs.ts';
 import { compactSplats as compactTwin } from '../reference/compact-splats.ts';
 import { prefixScan } from '../reference/prefix-scan.ts';
-import { readWords, runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
+import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { compactSplats } from './compact-splats.ts';
 import { dispatchSize } from './dispatch.ts';

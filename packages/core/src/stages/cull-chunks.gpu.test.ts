@@ -1,10 +1,10 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
+import { InspectedFrame } from '../inspect/inspected-frame.ts';
 import { Chunk } from '../layout/structs.ts';
 import { chunkClearance } from '../reference/cull-chunks.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
-import { TestFrame } from '../testing/test-frame.ts';
 
 /**
  * The shader keeps what fails a plane by less than 1e-5 of its terms, and its own rounding of about ten operations on
@@ -24,7 +24,7 @@ describe('cull-chunks', () => {
           { set, modelMatrix, splatsPerPage: 256 * 25 },
           { set: randomSplats({ count: 300, shDegree: 0, seed: 2 }) },
         ];
-        const frame = await TestFrame.draw(device, {
+        const frame = await InspectedFrame.draw(device, {
           clouds,
           camera,
           widthPx: 24,

@@ -2,13 +2,13 @@ import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { type AccuracySettings, DILATION_PX2 } from '../accuracy.ts';
 import type { Projection } from '../camera.ts';
+import { FLOAT32_ROUNDING, projectionErrors } from '../inspect/error-bounds.ts';
+import { type InspectedCloud, InspectedFrame, type InspectOptions } from '../inspect/inspected-frame.ts';
 import { orderedBits } from '../layout/depth-key.ts';
 import { ProjectedSplatF32 } from '../layout/structs.ts';
 import { cullSplat } from '../reference/cull-splats.ts';
-import { FLOAT32_ROUNDING, projectionErrors } from '../testing/error-bounds.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
-import { type TestCloud, TestFrame, type TestFrameOptions } from '../testing/test-frame.ts';
 
 let device: GPUDevice;
 beforeAll(async () => {
@@ -24,7 +24,7 @@ const SPLATS = 1500;
  * the picture's edges moved by what float32 may err, once against the splat and once for it.
  */
 function verdict(
-  { stored, view }: TestCloud,
+  { stored, view }: InspectedCloud,
   index: number,
   projection: Projection,
   { alphaCutoff }: AccuracySettings,
@@ -49,8 +49,8 @@ function verdict(
 }
 
 /** Draws the frame and compares every splat's fate; answers how many were drawn and how many left to rounding. */
-async function check(options: Omit<TestFrameOptions, 'widthPx' | 'heightPx' | 'keyBits'>) {
-  const frame = await TestFrame.draw(device, { ...options, ...SIZE, keyBits: 8 });
+async function check(options: Omit<InspectOptions, 'widthPx' | 'heightPx' | 'keyBits'>) {
+  const frame = await InspectedFrame.draw(device, { ...options, ...SIZE, keyBits: 8 });
   const visibleCount = await frame.visibleCount();
   const survivors = (await frame.words('survivors')).subarray(0, visibleCount);
   const drawn = new Set(survivors);

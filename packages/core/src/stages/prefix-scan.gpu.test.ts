@@ -2,9 +2,10 @@ import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
+import { readWords } from '../gpu/read-buffer.ts';
 import { SCAN_BLOCK } from '../layout/constants.ts';
 import { prefixScan } from '../reference/prefix-scan.ts';
-import { readWords, storageBuffer } from '../testing/gpu-buffers.ts';
+import { storageBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { PrefixScan, prefixScanStages } from './prefix-scan.ts';
 

@@ -2,6 +2,8 @@ import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { DILATION_PX2 } from '../accuracy.ts';
 import { perspectiveCamera } from '../camera.ts';
+import { FLOAT32_ROUNDING, projectionErrors } from '../inspect/error-bounds.ts';
+import { type InspectedCloud, InspectedFrame, type InspectOptions } from '../inspect/inspected-frame.ts';
 import { depthKey } from '../layout/depth-key.ts';
 import { fromHalfBits } from '../layout/half.ts';
 import { unpackShRest } from '../layout/sh-rest.ts';
@@ -11,10 +13,8 @@ import { cullSplat } from '../reference/cull-splats.ts';
 import { splatColor } from '../reference/project.ts';
 import { radixSort } from '../reference/radix-sort.ts';
 import type { ShDegree } from '../scene/splat-set.ts';
-import { FLOAT32_ROUNDING, projectionErrors } from '../testing/error-bounds.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
-import { type TestCloud, TestFrame, type TestFrameOptions } from '../testing/test-frame.ts';
 
 let device: GPUDevice;
 beforeAll(async () => {
@@ -35,7 +35,7 @@ interface Record {
   readonly color: readonly number[];
 }
 
-async function readRecords(frame: TestFrame, count: number): Promise<Record[]> {
+async function readRecords(frame: InspectedFrame, count: number): Promise<Record[]> {
   const words = await frame.words('projected');
   const floats = new Float32Array(words.buffer);
   const { bytes, offsets } = frame.accuracy.recordPrecision === 'f32' ? ProjectedSplatF32 : ProjectedSplat;
@@ -63,7 +63,12 @@ async function readRecords(frame: TestFrame, count: number): Promise<Record[]> {
 }
 
 /** Every field of one record with what it should be and how far it may be from it. */
-function compareRecord(record: Record, frame: TestFrame, { stored, view }: TestCloud, index: number) {
+function compareRecord(
+  record: Record,
+  frame: InspectedFrame,
+  { stored, view }: InspectedCloud,
+  index: number,
+) {
   const { projection, accuracy } = frame;
   // Nothing but the splat's own values decides here: whatever the GPU kept must look as the twin says.
   const everywhere = { ...projection, near: Number.NEGATIVE_INFINITY, far: Number.POSITIVE_INFINITY };
@@ -128,8 +133,8 @@ function compareRecord(record: Record, frame: TestFrame, { stored, view }: TestC
   return fields;
 }
 
-async function check(options: Omit<TestFrameOptions, 'widthPx' | 'heightPx' | 'keyBits'>) {
-  const frame = await TestFrame.draw(device, { ...options, ...SIZE, keyBits: 8 });
+async function check(options: Omit<InspectOptions, 'widthPx' | 'heightPx' | 'keyBits'>) {
+  const frame = await InspectedFrame.draw(device, { ...options, ...SIZE, keyBits: 8 });
   const count = await frame.visibleCount();
   expect(count).toBeGreaterThan(SPLATS / 50);
   const survivors = await frame.words('survivors');

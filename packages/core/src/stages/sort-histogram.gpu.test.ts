@@ -1,9 +1,10 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
+import { readWords } from '../gpu/read-buffer.ts';
 import { SortParameters } from '../layout/structs.ts';
 import { sortHistogram as histogramTwin } from '../reference/sort-histogram.ts';
-import { readWords, runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
+import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { dispatchSize } from './dispatch.ts';
 import { sortHistogram } from './sort-histogram.ts';

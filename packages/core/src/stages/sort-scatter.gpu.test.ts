@@ -1,11 +1,12 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
+import { readWords } from '../gpu/read-buffer.ts';
 import { SortParameters } from '../layout/structs.ts';
 import { prefixScan } from '../reference/prefix-scan.ts';
 import { sortHistogram as histogramTwin } from '../reference/sort-histogram.ts';
 import { sortScatter as scatterTwin } from '../reference/sort-scatter.ts';
-import { readWords, runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
+import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { dispatchSize } from './dispatch.ts';
 import { sortScatter } from './sort-scatter.ts';

@@ -20,20 +20,6 @@ export function uniformBuffer(device: GPUDevice, contents: ArrayBuffer): GPUBuff
   return storageBuffer(device, new Uint32Array(contents), 0, GPUBufferUsage.UNIFORM);
 }
 
-export async function readWords(device: GPUDevice, buffer: GPUBuffer): Promise<Uint32Array<ArrayBuffer>> {
-  const target = device.createBuffer({
-    size: buffer.size,
-    usage: GPUBufferUsage.COPY_DST | GPUBufferUsage.MAP_READ,
-  });
-  const encoder = device.createCommandEncoder();
-  encoder.copyBufferToBuffer(buffer, 0, target, 0, buffer.size);
-  device.queue.submit([encoder.finish()]);
-  await target.mapAsync(GPUMapMode.READ);
-  const words = new Uint32Array(target.getMappedRange().slice(0));
-  target.destroy();
-  return words;
-}
-
 /** Compiles one compute stage and runs it once. */
 export async function runStage<Binding extends string>(
   device: GPUDevice,

@@ -5,6 +5,7 @@ import { FrameResources } from '../frame-resources.ts';
 import { pageUniforms, viewUniforms } from '../frame-uniforms.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
+import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture, type TextureImage } from '../gpu/read-texture.ts';
 import { GEOMETRY_WORDS } from '../layout/geometry.ts';
 import { repackShRest } from '../layout/sh-rest.ts';
@@ -18,9 +19,8 @@ import { SplatCloud } from '../scene/splat-cloud.ts';
 import type { SplatSet } from '../scene/splat-set.ts';
 import type { ViewFrame } from '../scene/view-frame.ts';
 import { GpuTimer } from '../timing/gpu-timer.ts';
-import { readWords } from './gpu-buffers.ts';
 
-export interface TestFrameOptions {
+export interface InspectOptions {
   readonly clouds: readonly {
     readonly set: SplatSet;
     readonly modelMatrix?: ArrayLike<number>;
@@ -41,7 +41,7 @@ export interface TestFrameOptions {
 const DEFAULTS = { colorTarget: 'rgba16float' } as const;
 
 /** One cloud of a test frame as the float64 twins take it. */
-export interface TestCloud {
+export interface InspectedCloud {
   /** In storage order, with the values that the GPU unpacks. */
   readonly stored: SplatSet;
   readonly packed: PackedCloud;
@@ -50,9 +50,9 @@ export interface TestCloud {
 }
 
 /** The buffers of one frame after all stages have run on them, and what the twins need to make the same. */
-export class TestFrame {
+export class InspectedFrame {
   readonly resources: FrameResources;
-  readonly clouds: readonly TestCloud[];
+  readonly clouds: readonly InspectedCloud[];
   readonly projection: Projection;
   readonly accuracy: AccuracySettings;
   readonly image: TextureImage;
@@ -62,7 +62,7 @@ export class TestFrame {
   private constructor(
     device: GPUDevice,
     memory: GpuMemory,
-    made: Pick<TestFrame, 'resources' | 'clouds' | 'projection' | 'accuracy' | 'image'>,
+    made: Pick<InspectedFrame, 'resources' | 'clouds' | 'projection' | 'accuracy' | 'image'>,
   ) {
     this.#device = device;
     this.#memory = memory;
@@ -73,7 +73,7 @@ export class TestFrame {
     this.image = made.image;
   }
 
-  static async draw(device: GPUDevice, options: TestFrameOptions): Promise<TestFrame> {
+  static async draw(device: GPUDevice, options: InspectOptions): Promise<InspectedFrame> {
     const { camera, widthPx, heightPx } = options;
     const accuracy = { ...resolveAccuracy('reference'), ...DEFAULTS, ...options.accuracy };
     const memory = new GpuMemory(device);
@@ -121,7 +121,7 @@ export class TestFrame {
         planes: cullPlanes(view, projection, accuracy.alphaCutoff, DILATION_PX2),
       };
     });
-    return new TestFrame(device, memory, { resources, clouds, projection, accuracy, image });
+    return new InspectedFrame(device, memory, { resources, clouds, projection, accuracy, image });
   }
 
   destroy(): void {
@@ -144,7 +144,7 @@ export class TestFrame {
   }
 
   /** Cloud and index in storage of splat `number`, which counts through all chunks of the frame. */
-  locate(number: number): { readonly cloud: TestCloud; readonly index: number } {
+  locate(number: number): { readonly cloud: InspectedCloud; readonly index: number } {
     const { pages } = this.resources;
     const chunk = Math.floor(number / 256);
     const page = pages.findLast(({ chunkStart }) => chunkStart <= chunk)!;
