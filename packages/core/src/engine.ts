@@ -10,6 +10,7 @@ import { repackShRest } from './layout/sh-rest.ts';
 import { type PackedCloud, packCloud } from './scene/packed-cloud.ts';
 import { SplatCloud } from './scene/splat-cloud.ts';
 import type { SplatSet } from './scene/splat-set.ts';
+import type { ShaderMutation } from './shaders.ts';
 import { SplatView, type ViewContext } from './view.ts';
 
 export interface EngineOptions extends DeviceOptions {
@@ -19,6 +20,8 @@ export interface EngineOptions extends DeviceOptions {
   readonly accuracy?: Accuracy;
   /** Most workgroups in one dimension of a dispatch; by default the device's limit. For tests of large dispatches. */
   readonly maxWorkgroupsPerDimension?: number;
+  /** @internal For tests alone: see ShaderMutation. */
+  readonly mutation?: ShaderMutation;
 }
 
 /** Draws Gaussian splats on one WebGPU device. */
@@ -49,7 +52,7 @@ export class SplatEngine {
     this.adapterLabel = adapterLabel(device.adapterInfo);
     this.hasGpuTimestamps = device.features.has('timestamp-query');
     this.#memory = new GpuMemory(device);
-    this.#pipelines = new Pipelines(device);
+    this.#pipelines = new Pipelines(device, options.mutation);
     this.#ownsDevice = ownsDevice;
     const limit = device.limits.maxComputeWorkgroupsPerDimension;
     this.#dispatchRow = Math.min(options.maxWorkgroupsPerDimension ?? limit, limit);

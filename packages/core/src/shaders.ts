@@ -23,6 +23,18 @@ export interface ShaderVariant {
   readonly constants?: Readonly<Record<string, number>>;
 }
 
+/**
+ * One line of a shader replaced by another, to show that tests notice: with a remedy switched off, the case that it is
+ * for has to fail. Never used outside of tests.
+ */
+export interface ShaderMutation {
+  /** File below shaders/ without its ending, e.g. `lib/covariance`. */
+  readonly file: string;
+  /** Text that occurs exactly once in the file. */
+  readonly find: string;
+  readonly replace: string;
+}
+
 /** Names of all stages in shaders/stages. */
 export const SHADER_STAGES: readonly string[] = Object.keys(files)
   .map((path) => /\/stages\/(.*)\.wgsl$/.exec(path)?.[1])
@@ -44,11 +56,14 @@ const NO_CONDITIONS: Conditions = {
 };
 
 /** WGSL of one stage with everything that it imports. */
-export async function linkShader({ stage, conditions = {}, constants = {} }: ShaderVariant): Promise<string> {
+export async function linkShader(
+  { stage, conditions = {}, constants = {} }: ShaderVariant,
+  mutation?: ShaderMutation,
+): Promise<string> {
   const record = conditions.RECORD_F32 ? ProjectedSplatF32 : ProjectedSplat;
   const structs = [...SHADER_STRUCTS, record].map((struct) => struct.wgsl).join('\n\n');
   const linked = await link({
-    weslSrc: modules,
+    weslSrc: mutation ? mutated(mutation) : modules,
     rootModuleName: `package::stages::${stage.replaceAll('-', '_')}`,
     conditions: { ...NO_CONDITIONS, ...conditions },
     constants: { ...SHADER_CONSTANTS, MAX_FRAGMENT_ALPHA, ...constants },
@@ -57,4 +72,12 @@ export async function linkShader({ stage, conditions = {}, constants = {} }: Sha
     sourceMap: false,
   });
   return linked.dest;
+}
+
+function mutated({ file, find, replace }: ShaderMutation): Record<string, string> {
+  const path = `${file.replaceAll('-', '_')}.wgsl`;
+  const parts = modules[path]?.split(find);
+  if (parts?.length !== 2)
+    throw new RangeError(`"${find}" does not occur exactly once in shaders/${file}.wgsl.`);
+  return { ...modules, [path]: parts.join(replace) };
 }

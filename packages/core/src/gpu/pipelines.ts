@@ -1,4 +1,4 @@
-import { linkShader, type ShaderVariant } from '../shaders.ts';
+import { linkShader, type ShaderMutation, type ShaderVariant } from '../shaders.ts';
 
 /** How a shader sees a resource. */
 export type BindingKind = 'uniform' | 'read' | 'read-write' | 'texture';
@@ -30,13 +30,16 @@ type Pipeline = GPUComputePipeline | GPURenderPipeline;
  */
 export class Pipelines {
   readonly #device: GPUDevice;
+  readonly #mutation: ShaderMutation | undefined;
   readonly #layouts = new Map<string, GPUBindGroupLayout>();
   readonly #modules = new Map<string, Promise<GPUShaderModule>>();
   readonly #compiling = new Map<string, Promise<Pipeline>>();
   readonly #compiled = new Map<string, Pipeline>();
 
-  constructor(device: GPUDevice) {
+  /** @param mutation for tests alone: see ShaderMutation. */
+  constructor(device: GPUDevice, mutation?: ShaderMutation) {
     this.#device = device;
+    this.#mutation = mutation;
   }
 
   /** The pipeline, or undefined while it is compiling. */
@@ -116,7 +119,7 @@ export class Pipelines {
     const key = variantKey(stage);
     let module = this.#modules.get(key);
     if (!module) {
-      module = linkShader(stage).then((code) =>
+      module = linkShader(stage, this.#mutation).then((code) =>
         this.#device.createShaderModule({ label: stage.stage, code }),
       );
       this.#modules.set(key, module);
