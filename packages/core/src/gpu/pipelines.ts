@@ -24,22 +24,33 @@ export type Bindings<Binding extends string> = Readonly<
 
 type Pipeline = GPUComputePipeline | GPURenderPipeline;
 
+/** What has been made on one device, by what it was made of: engines on the same device compile nothing twice. */
+interface DeviceCache {
+  readonly layouts: Map<string, GPUBindGroupLayout>;
+  /** By WGSL text. */
+  readonly modules: Map<string, GPUShaderModule>;
+  readonly pipelines: Map<string, Promise<Pipeline>>;
+}
+
+const caches = new WeakMap<GPUDevice, DeviceCache>();
+
 /**
- * Links, compiles and keeps pipelines: each variant once. Compiling never blocks: `get` answers undefined until the
- * pipeline is there, and `ready` waits for it.
+ * Links, compiles and keeps pipelines: each variant once. Compiling never blocks: `compute` and `render` answer undefined
+ * until the pipeline is there, and `prepare` waits for it.
  */
 export class Pipelines {
   readonly #device: GPUDevice;
   readonly #mutation: ShaderMutation | undefined;
-  readonly #layouts = new Map<string, GPUBindGroupLayout>();
-  readonly #modules = new Map<string, Promise<GPUShaderModule>>();
-  readonly #compiling = new Map<string, Promise<Pipeline>>();
+  readonly #cache: DeviceCache;
+  readonly #linked = new Map<string, Promise<string>>();
   readonly #compiled = new Map<string, Pipeline>();
 
   /** @param mutation for tests alone: see ShaderMutation. */
   constructor(device: GPUDevice, mutation?: ShaderMutation) {
     this.#device = device;
     this.#mutation = mutation;
+    this.#cache = caches.get(device) ?? { layouts: new Map(), modules: new Map(), pipelines: new Map() };
+    caches.set(device, this.#cache);
   }
 
   /** The pipeline, or undefined while it is compiling. */
@@ -51,23 +62,13 @@ export class Pipelines {
     return this.#compiled.get(keyOf(stage, state)) as GPURenderPipeline | undefined;
   }
 
-  /** Compiles what is not compiled yet. */
+  /** Compiles what is not compiled yet. What fails is tried again at the next call. */
   async prepare(stages: Iterable<StageDefinition | readonly [StageDefinition, RenderState]>): Promise<void> {
     await Promise.all(
-      Array.from(stages, (entry) => {
+      Array.from(stages, async (entry) => {
         const [stage, state] = 'bindings' in entry ? [entry, undefined] : entry;
         const key = keyOf(stage, state);
-        let compiling = this.#compiling.get(key);
-        if (!compiling) {
-          compiling = this.#compile(stage, state);
-          this.#compiling.set(key, compiling);
-          compiling.then(
-            (pipeline) => this.#compiled.set(key, pipeline),
-            // A later call tries again.
-            () => this.#compiling.delete(key),
-          );
-        }
-        return compiling;
+        if (!this.#compiled.has(key)) this.#compiled.set(key, await this.#pipeline(stage, state));
       }),
     );
   }
@@ -88,8 +89,34 @@ export class Pipelines {
     });
   }
 
-  async #compile(stage: StageDefinition, state: RenderState | undefined): Promise<Pipeline> {
-    const module = await this.#module(stage);
+  async #pipeline(stage: StageDefinition, state: RenderState | undefined): Promise<Pipeline> {
+    const code = await this.#link(stage);
+    const key = JSON.stringify([code, stage.entryPoint, state, layoutKey(stage)]);
+    const { pipelines } = this.#cache;
+    let pipeline = pipelines.get(key);
+    if (!pipeline) {
+      pipeline = this.#compile(stage, state, this.#module(stage, code));
+      pipelines.set(key, pipeline);
+      pipeline.catch(() => pipelines.delete(key));
+    }
+    return pipeline;
+  }
+
+  #link(stage: StageDefinition): Promise<string> {
+    const key = variantKey(stage);
+    let linked = this.#linked.get(key);
+    if (!linked) {
+      linked = linkShader(stage, this.#mutation);
+      this.#linked.set(key, linked);
+    }
+    return linked;
+  }
+
+  #compile(
+    stage: StageDefinition,
+    state: RenderState | undefined,
+    module: GPUShaderModule,
+  ): Promise<Pipeline> {
     const layout = this.#device.createPipelineLayout({
       label: stage.stage,
       bindGroupLayouts: [this.#layout(stage)],
@@ -115,32 +142,36 @@ export class Pipelines {
     });
   }
 
-  #module(stage: StageDefinition): Promise<GPUShaderModule> {
-    const key = variantKey(stage);
-    let module = this.#modules.get(key);
-    if (!module) {
-      module = linkShader(stage, this.#mutation).then((code) =>
-        this.#device.createShaderModule({ label: stage.stage, code }),
-      );
-      this.#modules.set(key, module);
-    }
+  #module({ stage }: StageDefinition, code: string): GPUShaderModule {
+    const { modules } = this.#cache;
+    const module = modules.get(code) ?? this.#device.createShaderModule({ label: stage, code });
+    modules.set(code, module);
     return module;
   }
 
   #layout(stage: StageDefinition): GPUBindGroupLayout {
-    const entries = Object.values(stage.bindings);
-    const isRender = stage.entryPoint === undefined;
-    const key = JSON.stringify([entries, isRender]);
-    let layout = this.#layouts.get(key);
+    const { layouts } = this.#cache;
+    const key = layoutKey(stage);
+    let layout = layouts.get(key);
     if (!layout) {
       layout = this.#device.createBindGroupLayout({
         label: stage.stage,
-        entries: entries.map(([binding, kind]) => layoutEntry(binding, kind, isRender)),
+        entries: Object.values(stage.bindings).map(([binding, kind]) =>
+          layoutEntry(binding, kind, isRenderStage(stage)),
+        ),
       });
-      this.#layouts.set(key, layout);
+      layouts.set(key, layout);
     }
     return layout;
   }
+}
+
+function isRenderStage({ entryPoint }: StageDefinition): boolean {
+  return entryPoint === undefined;
+}
+
+function layoutKey(stage: StageDefinition): string {
+  return JSON.stringify([Object.values(stage.bindings), isRenderStage(stage)]);
 }
 
 function layoutEntry(binding: number, kind: BindingKind, isRender: boolean): GPUBindGroupLayoutEntry {
