@@ -1,0 +1,112 @@
+import {
+  packShRest,
+  SH_REST_COEFFICIENTS,
+  type ShDegree,
+  type SplatSet,
+  shRestWordsPerSplat,
+} from '@websplatter/core';
+
+/** One splat; what is left out is a round, half-transparent, grey splat at the origin. */
+export interface SplatValues {
+  readonly position?: readonly number[];
+  /** Natural logarithms of the standard deviations. */
+  readonly logScales?: readonly number[];
+  /** Quaternion w, x, y, z of any length. */
+  readonly rotation?: readonly number[];
+  readonly opacityLogit?: number;
+  /** r, g, b without the view-dependent part, sRGB-encoded, 0…1. */
+  readonly color?: readonly number[];
+  /** 3K coefficients above degree 0 in ascending (degree, order), each as r, g, b; missing ones are 0. */
+  readonly shRest?: readonly number[];
+}
+
+/** Basis function of degree 0. */
+const SH_C0 = Math.sqrt(1 / (4 * Math.PI));
+
+/** Coefficient of degree 0 of a channel that is to have the value `channel`. */
+export function colorDcOf(channel: number): number {
+  return (channel - 0.5) / SH_C0;
+}
+
+export function logitOf(opacity: number): number {
+  return Math.log(opacity / (1 - opacity));
+}
+
+/** Splats given one by one, in this order; positions are relative to `origin`. */
+export function splatsOf(
+  splats: readonly SplatValues[],
+  options: { readonly shDegree?: ShDegree; readonly origin?: readonly [number, number, number] } = {},
+): SplatSet {
+  const { shDegree = 0, origin = [0, 0, 0] } = options;
+  const values = 3 * SH_REST_COEFFICIENTS[shDegree];
+  const wordsPerSplat = shRestWordsPerSplat(shDegree, 'f32');
+  const words = new Uint32Array(splats.length * wordsPerSplat);
+  for (const [i, { shRest = [] }] of splats.entries()) {
+    const padded = Array.from({ length: values }, (_, k) => shRest[k] ?? 0);
+    packShRest(shDegree, 'f32', padded, words, i * wordsPerSplat);
+  }
+  return {
+    count: splats.length,
+    origin,
+    positions: Float32Array.from(splats.flatMap(({ position = [0, 0, 0] }) => position)),
+    logScales: Float32Array.from(splats.flatMap(({ logScales = [-1.5, -1.5, -1.5] }) => logScales)),
+    rotations: Float32Array.from(splats.flatMap(({ rotation = [1, 0, 0, 0] }) => rotation)),
+    opacityLogits: Float32Array.from(splats, ({ opacityLogit = 0 }) => opacityLogit),
+    colorDc: Float32Array.from(splats.flatMap(({ color = [0.5, 0.5, 0.5] }) => color.map(colorDcOf))),
+    shRest: { degree: shDegree, precision: 'f32', wordsPerSplat, words },
+    fileIndices: Uint32Array.from(splats, (_, i) => i),
+    dropped: {},
+  };
+}
+
+/** Uniform numbers in [0, 1), the same for the same seed on every machine (mulberry32). */
+export function seededRandom(seed: number): () => number {
+  let state = seed | 0;
+  return () => {
+    state = (state + 0x6d2b79f5) | 0;
+    let bits = Math.imul(state ^ (state >>> 15), state | 1);
+    bits ^= bits + Math.imul(bits ^ (bits >>> 7), bits | 61);
+    return ((bits ^ (bits >>> 14)) >>> 0) / 2 ** 32;
+  };
+}
+
+/** A wall of splats about z = −2.5 that fills what `frontAndOblique` sees, and a few loose ones nearer. */
+const WALL_ROWS = 8;
+const LOOSE_SPLATS = 16;
+
+/**
+ * What a scene has besides its hard splat, so that an error shows: colours behind it and around it. No two have equal
+ * depths for any camera, and all is in ±6.
+ */
+export function ordinarySplats(seed = 1): SplatValues[] {
+  const random = seededRandom(seed);
+  const within = (low: number, high: number) => low + (high - low) * random();
+  const color = () => [within(0.1, 1), within(0.1, 1), within(0.1, 1)];
+  const rotation = () => [within(-1, 1), within(-1, 1), within(-1, 1), within(0.1, 1)];
+  const step = 10 / (WALL_ROWS - 1);
+  const wall = Array.from({ length: WALL_ROWS * WALL_ROWS }, (_, i) => ({
+    position: [
+      -5 + step * (i % WALL_ROWS) + within(-0.3, 0.3),
+      -5 + step * Math.floor(i / WALL_ROWS) + within(-0.3, 0.3),
+      within(-3, -2),
+    ],
+    logScales: [within(-0.6, -0.2), within(-0.6, -0.2), within(-2, -1)],
+    rotation: rotation(),
+    opacityLogit: within(1, 4),
+    color: color(),
+  }));
+  const loose = Array.from({ length: LOOSE_SPLATS }, () => ({
+    position: [within(-2.5, 2.5), within(-2.5, 2.5), within(-1.5, 1.5)],
+    logScales: [within(-3, -1.2), within(-3, -1.2), within(-3, -1.2)],
+    rotation: rotation(),
+    opacityLogit: within(-1, 3),
+    color: color(),
+  }));
+  return [...wall, ...loose];
+}
+
+/** 3K coefficients in ±`amplitude`, the same for the same seed. */
+export function randomShRest(degree: ShDegree, amplitude: number, seed: number): number[] {
+  const random = seededRandom(seed);
+  return Array.from({ length: 3 * SH_REST_COEFFICIENTS[degree] }, () => amplitude * (2 * random() - 1));
+}
