@@ -7,6 +7,7 @@ import { loadSplats } from './io/load-splats.ts';
 import { sourceName } from './io/open-source.ts';
 import type { ReadOptions, SplatSource } from './io/splat-source.ts';
 import { repackShRest } from './layout/sh-rest.ts';
+import { dropNonFinite } from './scene/drop-non-finite.ts';
 import { type PackedCloud, packCloud } from './scene/packed-cloud.ts';
 import { SplatCloud } from './scene/splat-cloud.ts';
 import type { SplatSet } from './scene/splat-set.ts';
@@ -86,10 +87,11 @@ export class SplatEngine {
     return this.addPacked(packed, { name: options.name ?? sourceName(source) });
   }
 
-  /** Packs and uploads splats that are in memory already, in any order. */
+  /** Packs and uploads splats that are in memory already, in any order; what is not finite is left out and counted. */
   add(set: SplatSet, options: { readonly name?: string } = {}): SplatCloud {
     const { geometryPrecision, shPrecision } = this.accuracy;
-    const repacked = { ...set, shRest: repackShRest(set.shRest, set.count, shPrecision) };
+    const finite = dropNonFinite(set);
+    const repacked = { ...finite, shRest: repackShRest(finite.shRest, finite.count, shPrecision) };
     return this.addPacked(packCloud(repacked, { geometryPrecision }), options);
   }
 

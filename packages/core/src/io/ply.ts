@@ -1,4 +1,5 @@
 import { SplatFileError } from '../errors.ts';
+import { ROW_SLOT } from '../scene/splat-row.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../scene/splat-set.ts';
 import { ByteReader } from './byte-reader.ts';
 import { readAsciiRows } from './ply-ascii.ts';
@@ -13,7 +14,7 @@ import {
 } from './ply-header.ts';
 import { ReadProgress } from './progress.ts';
 import type { SplatFormat, SplatFormatOptions } from './splat-format.ts';
-import { MAX_SPLATS, ROW_SLOT, SplatSetBuilder } from './splat-set-builder.ts';
+import { MAX_SPLATS, SplatSetBuilder } from './splat-set-builder.ts';
 import type { OpenedSource } from './splat-source.ts';
 
 /** PLY as written by 3D Gaussian Splatting and its descendants; also the file that `encodePly` writes. */

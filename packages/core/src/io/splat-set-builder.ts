@@ -1,22 +1,7 @@
 import { SplatFileError } from '../errors.ts';
 import { packShRest, type ShPrecision, shRestValues, shRestWordsPerSplat } from '../layout/sh-rest.ts';
-import type { DropCounts, DropReason, ShDegree, SplatSet } from '../scene/splat-set.ts';
-
-/** Index of each property's first component in `SplatSetBuilder.row`. */
-export const ROW_SLOT = {
-  /** x, y, z in the scene's space. */
-  position: 0,
-  /** 3 natural logarithms. */
-  logScale: 3,
-  /** w, x, y, z. */
-  rotation: 6,
-  /** Logit. */
-  opacity: 10,
-  /** r, g, b. */
-  colorDc: 11,
-  /** 3K values in ascending (degree, order), each as r, g, b. */
-  shRest: 14,
-} as const;
+import { ROW_SLOT, reasonToDrop } from '../scene/splat-row.ts';
+import type { DropCounts, ShDegree, SplatSet } from '../scene/splat-set.ts';
 
 /** Most splats whose row in the file fits `SplatSet.fileIndices`. */
 export const MAX_SPLATS = 2 ** 32 - 1;
@@ -168,21 +153,6 @@ function resized<T extends Float32Array | Float64Array | Uint32Array>(column: T,
   const result = new (column.constructor as new (length: number) => T)(length);
   result.set(column.subarray(0, length));
   return result;
-}
-
-function reasonToDrop(row: Float64Array): DropReason | undefined {
-  if (!isFiniteFloat32(row, ROW_SLOT.position, 3)) return 'non-finite-position';
-  if (!isFiniteFloat32(row, ROW_SLOT.logScale, 3)) return 'non-finite-scale';
-  if (!isFiniteFloat32(row, ROW_SLOT.rotation, 4)) return 'non-finite-rotation';
-  if (Number.isNaN(row[ROW_SLOT.opacity])) return 'non-finite-opacity';
-  if (!isFiniteFloat32(row, ROW_SLOT.colorDc, row.length - ROW_SLOT.colorDc)) return 'non-finite-color';
-  return undefined;
-}
-
-/** In float32, since a finite double can still be beyond what a column holds. */
-function isFiniteFloat32(values: Float64Array, from: number, count: number): boolean {
-  for (let i = from; i < from + count; i++) if (!Number.isFinite(Math.fround(values[i]))) return false;
-  return true;
 }
 
 /**

@@ -2,6 +2,7 @@ import { DILATION_PX2, resolveAccuracy } from '../accuracy.ts';
 import { type Camera, projectionOf } from '../camera.ts';
 import { identity4 } from '../math/mat4.ts';
 import { cloudView } from '../scene/cloud-view.ts';
+import { dropNonFinite } from '../scene/drop-non-finite.ts';
 import { mortonOrder, permuteSplats } from '../scene/morton-order.ts';
 import type { ShDegree, SplatSet } from '../scene/splat-set.ts';
 import { cullSplat, type VisibleSplat } from './cull-splats.ts';
@@ -43,7 +44,8 @@ export function renderReference(frame: ReferenceFrame): ReferenceImage & { reado
   const image = { widthPx, heightPx, data: new Float64Array(4 * widthPx * heightPx) };
   const drawn: DrawnSplat[] = [];
   for (const { set, modelMatrix = identity4() } of frame.clouds) {
-    const stored = permuteSplats(set, mortonOrder(set.positions, set.count));
+    const finite = dropNonFinite(set);
+    const stored = permuteSplats(finite, mortonOrder(finite.positions, finite.count));
     const view = cloudView(camera.viewMatrix, modelMatrix, stored.origin, projection.isOrthographic);
     for (let index = 0; index < stored.count; index++) {
       const visible = cullSplat(stored, index, view, projection, { alphaCutoff, dilationPx2 });

@@ -26,10 +26,11 @@ export function mortonOrder(positions: Float32Array, count: number): Uint32Array
   return order;
 }
 
-/** The splats of `set` in the order of `order`, N indices that name each splat once. */
+/** The splats of `set` that `order` names, in its order. */
 export function permuteSplats(set: SplatSet, order: Uint32Array): SplatSet {
   return {
     ...set,
+    count: order.length,
     positions: permuted(set.positions, order, 3),
     logScales: permuted(set.logScales, order, 3),
     rotations: permuted(set.rotations, order, 4),
@@ -79,7 +80,7 @@ function permuted<Column extends Float32Array | Uint32Array>(
   order: Uint32Array,
   width: number,
 ): Column {
-  const result = new (column.constructor as new (length: number) => Column)(column.length);
+  const result = new (column.constructor as new (length: number) => Column)(order.length * width);
   for (let i = 0; i < order.length; i++) {
     const from = order[i] * width;
     for (let k = 0; k < width; k++) result[i * width + k] = column[from + k];

@@ -1,0 +1,33 @@
+import type { DropReason } from './splat-set.ts';
+
+/** One splat's values in one array: index of each property's first component. */
+export const ROW_SLOT = {
+  /** x, y, z in the scene's space. */
+  position: 0,
+  /** 3 natural logarithms. */
+  logScale: 3,
+  /** w, x, y, z. */
+  rotation: 6,
+  /** Logit. */
+  opacity: 10,
+  /** r, g, b. */
+  colorDc: 11,
+  /** 3K values in ascending (degree, order), each as r, g, b. */
+  shRest: 14,
+} as const;
+
+/** Why a splat with these values cannot be drawn, or undefined. Opacities of ±Infinity can: they are 0 and 1. */
+export function reasonToDrop(row: Float64Array): DropReason | undefined {
+  if (!isFiniteFloat32(row, ROW_SLOT.position, 3)) return 'non-finite-position';
+  if (!isFiniteFloat32(row, ROW_SLOT.logScale, 3)) return 'non-finite-scale';
+  if (!isFiniteFloat32(row, ROW_SLOT.rotation, 4)) return 'non-finite-rotation';
+  if (Number.isNaN(row[ROW_SLOT.opacity])) return 'non-finite-opacity';
+  if (!isFiniteFloat32(row, ROW_SLOT.colorDc, row.length - ROW_SLOT.colorDc)) return 'non-finite-color';
+  return undefined;
+}
+
+/** In float32, since a finite double can still be beyond what a column holds. */
+function isFiniteFloat32(values: Float64Array, from: number, count: number): boolean {
+  for (let i = from; i < from + count; i++) if (!Number.isFinite(Math.fround(values[i]))) return false;
+  return true;
+}
