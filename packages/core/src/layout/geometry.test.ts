@@ -4,8 +4,9 @@ import { rotationMatrix } from '../reference/covariance.ts';
 import { unpackSplat } from '../reference/packing.ts';
 import { type SplatValues, splatsOf } from '../testing/random-splats.ts';
 import { uniform } from '../testing/uniform.ts';
-import { LOG_SCALE_LIMIT, opacityOf, packGeometry } from './geometry.ts';
+import { opacityOf, packGeometry } from './geometry.ts';
 import { HALF_MAX } from './half.ts';
+import { LOG_SCALE_LIMIT } from './log-scale.ts';
 
 const finite = (limit: number) => uniform(-limit, limit).map(Math.fround);
 const triple = (value: fc.Arbitrary<number>) => fc.array(value, { minLength: 3, maxLength: 3 });

@@ -1,9 +1,8 @@
 import type { GeometryPrecision } from '../accuracy.ts';
 import type { SplatSet } from '../scene/splat-set.ts';
 import { toHalfBits } from './half.ts';
-
-/** Log scales are clamped to ± this: float32 squares of scales overflow near 44. */
-export const LOG_SCALE_LIMIT = 40;
+import { clampLogScale } from './log-scale.ts';
+import { normalizedRotation } from './rotation.ts';
 
 /** 32-bit words per splat: twin of shaders/lib/packing.wgsl. */
 export const GEOMETRY_WORDS: Readonly<Record<GeometryPrecision, number>> = { f32: 16, packed: 8 };
@@ -35,10 +34,6 @@ export function packGeometry(set: SplatSet, precision: GeometryPrecision): Packe
   if (precision === 'f32') packF32(set, new Float32Array(words.buffer));
   else packSmall(set, words, logScaleRange);
   return { precision, words, logScaleRange };
-}
-
-export function clampLogScale(logScale: number): number {
-  return Math.max(-LOG_SCALE_LIMIT, Math.min(LOG_SCALE_LIMIT, logScale));
 }
 
 /** Peak opacity, 0…1, of a logit; ±Infinity allowed. */
@@ -100,29 +95,6 @@ function logScaleRangeOf({ logScales }: SplatSet): LogScaleRange {
 function logScaleSteps(logScale: number, min: number, step: number): number {
   if (step === 0) return 0;
   return Math.max(0, Math.min(65535, Math.round((clampLogScale(logScale) - min) / step)));
-}
-
-/** Unit quaternion of the four values from `at` on; the identity where they are all zero. */
-function normalizedRotation(rotations: Float32Array, at: number, result: Float64Array): void {
-  const largest = Math.max(
-    Math.abs(rotations[at]),
-    Math.abs(rotations[at + 1]),
-    Math.abs(rotations[at + 2]),
-    Math.abs(rotations[at + 3]),
-  );
-  if (largest === 0) {
-    result[0] = 1;
-    result[1] = result[2] = result[3] = 0;
-    return;
-  }
-  // Scaled first, so that neither 1e-20 nor 1e20 leaves the range when squared.
-  let length2 = 0;
-  for (let k = 0; k < 4; k++) {
-    result[k] = rotations[at + k] / largest;
-    length2 += result[k] * result[k];
-  }
-  const inverse = 1 / Math.sqrt(length2);
-  for (let k = 0; k < 4; k++) result[k] *= inverse;
 }
 
 /** Steps on either side of zero, so that zero itself, and with it the identity, is exact. */

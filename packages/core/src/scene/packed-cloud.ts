@@ -1,6 +1,7 @@
 import type { GeometryPrecision } from '../accuracy.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
-import { clampLogScale, type PackedGeometry, packGeometry } from '../layout/geometry.ts';
+import { type PackedGeometry, packGeometry } from '../layout/geometry.ts';
+import { clampLogScale } from '../layout/log-scale.ts';
 import type { ShRest } from '../layout/sh-rest.ts';
 import { Chunk } from '../layout/structs.ts';
 import type { Vec3 } from '../math/mat4.ts';

@@ -1,0 +1,22 @@
+/** Unit quaternion of the four values from `at` on; the identity where they are all zero. */
+export function normalizedRotation(rotations: Float32Array, at: number, result: Float64Array): void {
+  const largest = Math.max(
+    Math.abs(rotations[at]),
+    Math.abs(rotations[at + 1]),
+    Math.abs(rotations[at + 2]),
+    Math.abs(rotations[at + 3]),
+  );
+  if (largest === 0) {
+    result[0] = 1;
+    result[1] = result[2] = result[3] = 0;
+    return;
+  }
+  // Scaled first, so that neither 1e-20 nor 1e20 leaves the range when squared.
+  let length2 = 0;
+  for (let k = 0; k < 4; k++) {
+    result[k] = rotations[at + k] / largest;
+    length2 += result[k] * result[k];
+  }
+  const inverse = 1 / Math.sqrt(length2);
+  for (let k = 0; k < 4; k++) result[k] *= inverse;
+}
