@@ -1,9 +1,13 @@
 import type { Projection } from '../camera.ts';
+import { clampLogScale } from '../layout/log-scale.ts';
 import type { CloudView } from '../scene/cloud-view.ts';
 import type { SplatSet } from '../scene/splat-set.ts';
 
 /** Largest relative error of one float32 rounding. */
 export const FLOAT32_ROUNDING = 2 ** -24;
+
+/** Denormals may be flushed to zero, in each of the terms of a view coordinate. */
+const FLUSHED = 8 * 2 ** -126;
 
 /** How far the GPU may be from the twin for one splat, derived from its own numbers. */
 export interface ProjectionErrors {
@@ -21,6 +25,7 @@ export interface ProjectionErrors {
  *
  * View coordinates: three products and three sums of rounded terms, 6u of the sum M of their magnitudes.
  * Centre: its two view coordinates' errors to first order, and 8u for division (2.5 ulp), product, sum and uniforms.
+ * Direction: that of the rounded difference; two unit vectors are never further apart than 2.
  * Rows: relative to R, the longest that a row can be for the splat's largest scale: 96u for rotation (about 8 roundings
  * of a unit quaternion), scale (`exp` of a packed one: 3 + 2|x| ulp), 3×3 product, focal length and tangent, and the
  * depth's relative error twice, once for the scale and once for the tangent.
@@ -40,12 +45,13 @@ export function projectionErrors(
   );
   const errors = [0, 1, 2].map(
     (r) =>
+      FLUSHED +
       6 *
-      u *
-      (Math.abs(linear[r] * position[0]) +
-        Math.abs(linear[3 + r] * position[1]) +
-        Math.abs(linear[6 + r] * position[2]) +
-        Math.abs(translation[r])),
+        u *
+        (Math.abs(linear[r] * position[0]) +
+          Math.abs(linear[3 + r] * position[1]) +
+          Math.abs(linear[6 + r] * position[2]) +
+          Math.abs(translation[r])),
   );
   const { isOrthographic, focalPx, clampX, clampY } = projection;
   const depth = -center[2];
@@ -60,7 +66,7 @@ export function projectionErrors(
   };
   const steepest = isOrthographic ? 0 : Math.max(...[...clampX, ...clampY].map(Math.abs));
   const norm = Math.hypot(...linear);
-  const scale = Math.exp(Math.max(...set.logScales.subarray(3 * index, 3 * index + 3)));
+  const scale = Math.exp(clampLogScale(Math.max(...set.logScales.subarray(3 * index, 3 * index + 3))));
   const longest =
     (Math.max(...focalPx.map(Math.abs)) / divisor) * norm * scale * Math.sqrt(1 + steepest * steepest);
   const relative =
@@ -71,6 +77,6 @@ export function projectionErrors(
     depthView: errors[2],
     centerPx: [centerError(0), centerError(1)],
     rowsPx: Math.SQRT2 * longest * relative,
-    direction: 8 * u * (1 + far / toward),
+    direction: toward > 0 ? Math.min(2, 8 * u * (1 + far / toward)) : 2,
   };
 }

@@ -1,2 +1,10 @@
+export { Pipelines } from '../gpu/pipelines.ts';
+export type { ShaderMutation } from '../shaders.ts';
+export { type CullingComparison, type CullingMismatch, compareCulling } from './compare-culling.ts';
+export { compareOrder, orderFlaw } from './compare-order.ts';
+export { compareRecords, RECORD_FIELDS, type RecordField } from './compare-records.ts';
 export { FLOAT32_ROUNDING, type ProjectionErrors, projectionErrors } from './error-bounds.ts';
+export { describeFieldError, type FieldError, type FieldErrors } from './field-error.ts';
+export { describePixel, findNonFinite, nonFiniteWord } from './find-non-finite.ts';
 export { type InspectedCloud, InspectedFrame, type InspectOptions } from './inspected-frame.ts';
+export { sortKeys } from './sort-keys.ts';

@@ -12,6 +12,7 @@ import { repackShRest } from '../layout/sh-rest.ts';
 import { identity4 } from '../math/mat4.ts';
 import { unpackSplat } from '../reference/packing.ts';
 import { type CloudView, cloudView } from '../scene/cloud-view.ts';
+import { dropNonFinite } from '../scene/drop-non-finite.ts';
 import { type CullPlane, cullPlanes } from '../scene/frustum.ts';
 import { mortonOrder, permuteSplats } from '../scene/morton-order.ts';
 import { type PackedCloud, packCloud } from '../scene/packed-cloud.ts';
@@ -35,6 +36,8 @@ export interface InspectOptions {
   readonly dispatchRow?: number;
   /** Default 32. At 8 the sort is one pass, which leaves the keys as `project` wrote them. */
   readonly keyBits?: number;
+  /** Default one per device, with the shaders as they are. */
+  readonly pipelines?: Pipelines;
 }
 
 /** What is not tested through these frames need not be as exact as it can be; every device blends this format. */
@@ -77,12 +80,11 @@ export class InspectedFrame {
     const { camera, widthPx, heightPx } = options;
     const accuracy = { ...resolveAccuracy('reference'), ...DEFAULTS, ...options.accuracy };
     const memory = new GpuMemory(device);
-    const pipelines = pipelinesOf(device);
+    const pipelines = options.pipelines ?? pipelinesOf(device);
     const projection = projectionOf(camera, widthPx, heightPx);
-    const sets = options.clouds.map(({ set }) => ({
-      ...set,
-      shRest: repackShRest(set.shRest, set.count, accuracy.shPrecision),
-    }));
+    const sets = options.clouds
+      .map(({ set }) => dropNonFinite(set))
+      .map((set) => ({ ...set, shRest: repackShRest(set.shRest, set.count, accuracy.shPrecision) }));
     const packed = sets.map((set) => packCloud(set, { geometryPrecision: accuracy.geometryPrecision }));
     const instances = options.clouds.map(({ modelMatrix, splatsPerPage }, i) => ({
       cloud: new SplatCloud(memory, limitsFor(device, packed[i], splatsPerPage), packed[i], `cloud ${i}`),

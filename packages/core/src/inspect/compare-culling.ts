@@ -1,0 +1,100 @@
+import { type AccuracySettings, DILATION_PX2 } from '../accuracy.ts';
+import type { Projection } from '../camera.ts';
+import { orderedBits } from '../layout/depth-key.ts';
+import { ProjectedSplat, ProjectedSplatF32 } from '../layout/structs.ts';
+import { cullSplat } from '../reference/cull-splats.ts';
+import { FLOAT32_ROUNDING, projectionErrors } from './error-bounds.ts';
+import type { InspectedCloud, InspectedFrame } from './inspected-frame.ts';
+
+/** A splat that the GPU drew and the twin does not, or the other way round. */
+export interface CullingMismatch {
+  readonly cloudIndex: number;
+  readonly splatIndex: number;
+  readonly expected: 'drawn' | 'culled';
+  readonly got: 'drawn' | 'culled';
+}
+
+export interface CullingComparison {
+  readonly visibleCount: number;
+  /** Splats so close to a threshold that rounding may decide either way. */
+  readonly unsureCount: number;
+  /** Splats whose fate is the wrong one, in storage order. */
+  readonly mismatches: readonly CullingMismatch[];
+  /** What is wrong with the list of survivors or the range of depths as such. */
+  readonly flaws: readonly string[];
+}
+
+/** Which splats of the frame were drawn, against which the float64 twin draws. */
+export async function compareCulling(frame: InspectedFrame): Promise<CullingComparison> {
+  const visibleCount = await frame.visibleCount();
+  const survivors = (await frame.words('survivors')).subarray(0, visibleCount);
+  const drawn = new Set(survivors);
+  const flaws: string[] = [];
+  if (!survivors.every((splat, i) => i === 0 || survivors[i - 1] < splat))
+    flaws.push('The survivors are not listed once each in storage order.');
+  flaws.push(...(await depthRangeFlaws(frame, visibleCount)));
+
+  let unsureCount = 0;
+  const mismatches: CullingMismatch[] = [];
+  let firstSplat = 0;
+  for (const [cloudIndex, cloud] of frame.clouds.entries()) {
+    for (let splatIndex = 0; splatIndex < cloud.stored.count; splatIndex++) {
+      const { isDrawn, isSure } = verdict(cloud, splatIndex, frame.projection, frame.accuracy);
+      const expected = isDrawn ? 'drawn' : 'culled';
+      const got = drawn.has(firstSplat + splatIndex) ? 'drawn' : 'culled';
+      if (!isSure) unsureCount++;
+      else if (got !== expected) mismatches.push({ cloudIndex, splatIndex, expected, got });
+    }
+    firstSplat += 256 * Math.ceil(cloud.stored.count / 256);
+  }
+  return { visibleCount, unsureCount, mismatches, flaws };
+}
+
+/**
+ * Whether the twin draws the splat, and whether rounding may decide otherwise: asked again with cutoff, near, far and
+ * the picture's edges moved by what float32 may err, once against the splat and once for it.
+ */
+function verdict(
+  { stored, view }: InspectedCloud,
+  index: number,
+  projection: Projection,
+  { alphaCutoff }: AccuracySettings,
+) {
+  const errors = projectionErrors(stored, index, view, projection);
+  const drawn = (direction: -1 | 0 | 1) => {
+    // The Gaussian reaches at most 3.4 standard deviations; its extent errs by that many times the rows' error.
+    const edgePx = (axis: 0 | 1) => direction * (errors.centerPx[axis] + 4 * errors.rowsPx + 1e-5);
+    const moved = {
+      ...projection,
+      widthPx: projection.widthPx + 2 * edgePx(0),
+      heightPx: projection.heightPx + 2 * edgePx(1),
+      centerPx: [projection.centerPx[0] + edgePx(0), projection.centerPx[1] + edgePx(1)] as const,
+      near: projection.near - direction * (errors.depthView + FLOAT32_ROUNDING * Math.abs(projection.near)),
+      far: projection.far + direction * (errors.depthView + FLOAT32_ROUNDING * Math.abs(projection.far)),
+    };
+    // Opacity and cutoff are rounded to float32, and `log` errs by 3 ulp: the same as another cutoff.
+    const cutoff = alphaCutoff * (1 - direction * 16 * FLOAT32_ROUNDING);
+    return cullSplat(stored, index, view, moved, { alphaCutoff: cutoff, dilationPx2: DILATION_PX2 }) !== null;
+  };
+  return { isDrawn: drawn(0), isSure: drawn(-1) === drawn(1) };
+}
+
+/** The range of depths is that of the very depths that were written. */
+async function depthRangeFlaws(frame: InspectedFrame, visibleCount: number): Promise<string[]> {
+  if (visibleCount === 0) return [];
+  const { bytes, offsets } = frame.accuracy.recordPrecision === 'f32' ? ProjectedSplatF32 : ProjectedSplat;
+  const records = new Float32Array((await frame.words('projected')).buffer);
+  let least = 0xffffffff;
+  let most = 0;
+  for (let i = 0; i < visibleCount; i++) {
+    const bits = orderedBits(records[(i * bytes + offsets.depthView) / 4]);
+    least = Math.min(least, bits);
+    most = Math.max(most, bits);
+  }
+  const [farthest, nearestInverted] = await frame.words('depthRange');
+  const nearest = ~nearestInverted >>> 0;
+  const flaws: string[] = [];
+  if (farthest !== most) flaws.push(`The farthest depth has bits ${farthest}, expected ${most}.`);
+  if (nearest !== least) flaws.push(`The nearest depth has bits ${nearest}, expected ${least}.`);
+  return flaws;
+}

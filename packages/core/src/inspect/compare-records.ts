@@ -1,0 +1,217 @@
+import { DILATION_PX2, MAX_FRAGMENT_ALPHA } from '../accuracy.ts';
+import { unpackShRest } from '../layout/sh-rest.ts';
+import { screenAxes } from '../reference/covariance.ts';
+import { cullSplat, type VisibleSplat } from '../reference/cull-splats.ts';
+import { splatColor } from '../reference/project.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree } from '../scene/splat-set.ts';
+import { FLOAT32_ROUNDING, type ProjectionErrors, projectionErrors } from './error-bounds.ts';
+import { FieldErrors } from './field-error.ts';
+import type { InspectedCloud, InspectedFrame } from './inspected-frame.ts';
+import { readRecords, type SplatRecord } from './read-records.ts';
+
+/** What is compared of a drawn splat's record: lengths in px, Σ in px², alpha of the Gaussian around its own centre. */
+export const RECORD_FIELDS = [
+  'centerPx.x',
+  'centerPx.y',
+  'depthView',
+  'majorPx length',
+  'minorLengthPx',
+  'Σxx',
+  'Σxy',
+  'Σyy',
+  'r',
+  'g',
+  'b',
+  'opacity',
+  'alpha at 0σ',
+  'alpha at 1σ major',
+  'alpha at 2σ major',
+  'alpha at 1σ minor',
+  'alpha at 2σ minor',
+] as const;
+export type RecordField = (typeof RECORD_FIELDS)[number];
+
+const u = FLOAT32_ROUNDING;
+/** LONGEST_AXIS_PX of shaders/lib/covariance.wgsl: beyond it the picture is the same. */
+const LONGEST_AXIS_PX = 1e18;
+/** Middle of a picture so wide that nothing lies outside of it. */
+const MIDDLE_PX = 5e8;
+
+/** Every record of the frame against its float64 twin; see `compareRecord` for the bounds. */
+export async function compareRecords(frame: InspectedFrame): Promise<FieldErrors<RecordField>> {
+  const errors = new FieldErrors<RecordField>();
+  for (const record of await readRecords(frame)) compareRecord(frame, record, errors);
+  return errors;
+}
+
+type Add = (field: RecordField, got: number, expected: number, bound: number) => void;
+
+function compareRecord(frame: InspectedFrame, record: SplatRecord, errors: FieldErrors<RecordField>): void {
+  const { cloud, index } = frame.locate(record.splat);
+  const place = { cloudIndex: frame.clouds.indexOf(cloud), splatIndex: index };
+  const add: Add = (field, got, expected, bound) => errors.add(place, field, got, expected, bound);
+  const twin = twinOf(frame, cloud, index);
+  // A splat of which the twin sees nothing anywhere: opaque on the GPU, absent in float64.
+  if (!twin) {
+    add('opacity', record.color[3], 0, 0);
+    return;
+  }
+  const bounds = projectionErrors(cloud.stored, index, cloud.view, frame.projection);
+  const { centerPx } = frame.projection;
+  // The middle is added to the twin's centre and taken off again, a rounding of float64 each.
+  const middleError = 2 * MIDDLE_PX * 2 ** -53;
+  for (const axis of [0, 1] as const) {
+    const expected = twin.centerPx[axis] - MIDDLE_PX + centerPx[axis];
+    add(
+      axis === 0 ? 'centerPx.x' : 'centerPx.y',
+      record.centerPx[axis],
+      expected,
+      bounds.centerPx[axis] + middleError,
+    );
+  }
+  add('depthView', record.depthView, twin.depthView, bounds.depthView);
+  compareShape(record, twin, bounds, add);
+  compareColor(frame, record, cloud, index, bounds, add);
+  compareAlpha(record, twin, bounds, halfError(frame, twin.opacity), add);
+}
+
+/** The twin of a splat wherever it lies: whatever the GPU kept must look as the twin says. */
+function twinOf({ projection }: InspectedFrame, { stored, view }: InspectedCloud, index: number) {
+  const everywhere = {
+    ...projection,
+    near: Number.NEGATIVE_INFINITY,
+    far: Number.POSITIVE_INFINITY,
+    widthPx: 2 * MIDDLE_PX,
+    heightPx: 2 * MIDDLE_PX,
+    centerPx: [MIDDLE_PX, MIDDLE_PX] as const,
+  };
+  return cullSplat(stored, index, view, everywhere, { alphaCutoff: 1e-9, dilationPx2: DILATION_PX2 });
+}
+
+/** Rounding to binary16, of which some hardware truncates: 2^-10 of the value, and half the smallest step. */
+function halfError({ accuracy }: InspectedFrame, value: number): number {
+  return accuracy.recordPrecision === 'f16' ? value * 2 ** -10 + 2 ** -24 : 0;
+}
+
+/** Both lengths at √2 standard deviations, px. */
+function twinLengths({ covariance }: VisibleSplat): [major: number, minor: number] {
+  const { majorPx, minorPx } = screenAxes(covariance);
+  return [Math.hypot(...majorPx), Math.hypot(...minorPx)];
+}
+
+/** How far a length may be off: by Weyl a singular value moves no more than the matrix does; 16u for sums and roots. */
+function lengthBound(majorPx: number, { rowsPx }: ProjectionErrors): number {
+  return Math.SQRT2 * rowsPx + 16 * u * majorPx;
+}
+
+/**
+ * Axes may point either way, and anywhere for a circle: beside their lengths, what they span is compared,
+ * Σ = ½(major·majorᵀ + minor·minorᵀ). With B the rows and δ their error, |δΣ| ≤ 2|B|δ ≤ 2√(a+c)·δ, and 32u(a+c) for
+ * what comes after. The minor length comes through a cross product whose rounding is relative to both rows: the same as
+ * more error of the rows.
+ */
+function compareShape(record: SplatRecord, twin: VisibleSplat, bounds: ProjectionErrors, add: Add): void {
+  const { a, b, c } = twin.covariance;
+  const [major, minor] = twinLengths(twin);
+  const shortened = (length: number) => Math.min(LONGEST_AXIS_PX, length);
+  const bound = lengthBound(shortened(major), bounds);
+  const [x, y] = record.majorPx;
+  const length = Math.hypot(x, y);
+  add('majorPx length', length, shortened(major), bound);
+  add('minorLengthPx', record.minorLengthPx, shortened(minor), bound);
+
+  const [minorX, minorY] = [(-y / length) * record.minorLengthPx, (x / length) * record.minorLengthPx];
+  const covarianceError =
+    major >= LONGEST_AXIS_PX
+      ? Number.POSITIVE_INFINITY
+      : 2 * Math.sqrt(a + c) * bounds.rowsPx + 32 * u * (a + c);
+  add('Σxx', (x * x + minorX * minorX) / 2, a, covarianceError);
+  add('Σxy', (x * y + minorX * minorY) / 2, b, covarianceError);
+  add('Σyy', (y * y + minorY * minorY) / 2, c, covarianceError);
+}
+
+/**
+ * Basis functions are below 2.9 and change by less than 12 per unit of direction; sums of 16 terms. Opacity is rounded
+ * once, after an `exp` on the CPU in float64 or as unorm16: 8u.
+ */
+function compareColor(
+  frame: InspectedFrame,
+  record: SplatRecord,
+  { stored, view }: InspectedCloud,
+  index: number,
+  { direction }: ProjectionErrors,
+  add: Add,
+): void {
+  const { shDegree } = frame.accuracy;
+  const rest = new Float64Array(3 * SH_REST_COEFFICIENTS[3]);
+  unpackShRest(stored.shRest, index, rest);
+  const degree = Math.min(stored.shRest.degree, shDegree) as ShDegree;
+  const energy = rest
+    .subarray(0, 3 * SH_REST_COEFFICIENTS[degree])
+    .reduce((sum, value) => sum + Math.abs(value), 0);
+  const dc = Math.max(...stored.colorDc.subarray(3 * index, 3 * index + 3).map(Math.abs));
+  const bound = 24 * u * (0.5 + dc + 2.9 * energy) + 12 * direction * energy;
+  // binary16 ends at 65504, where records saturate: as a colour any such value is white.
+  const most = frame.accuracy.recordPrecision === 'f16' ? 65504 : Number.POSITIVE_INFINITY;
+  for (const [channel, value] of splatColor(stored, index, view, shDegree).entries()) {
+    const expected = Math.min(most, value);
+    add(
+      (['r', 'g', 'b'] as const)[channel],
+      record.color[channel],
+      expected,
+      bound + halfError(frame, expected),
+    );
+  }
+}
+
+/**
+ * Alpha of the record's Gaussian and of the twin's, both in float64, at k = 0, 1 and 2 of the twin's standard
+ * deviations √λ along each axis e.
+ *
+ * Bound: the record is that of rows which err by δ = rowsPx + 16u√λ₁ (the arithmetic after the rows is as good as more
+ * error of them). With E = Σ^-½ δΣ Σ^-½ the exponent's quadratic form is q' = k² eᵀ(I + E)⁻¹e, so that
+ * |q' − q| ≤ k²(|eᵀEe| + |E|²/(1 − |E|)), where |eᵀEe| ≤ 2δ/√λ + (δ/√λ)² and |E| ≤ 2δ/√λ₂ + (δ/√λ₂)². From there
+ * |α' − α| ≤ α·(e^(½|q' − q|) − 1), and no alpha is further from another than the opacity. A needle so thin that
+ * rounding turns it away from its own axis (|E| ≥ 1) is promised no more than that.
+ */
+function compareAlpha(
+  record: SplatRecord,
+  twin: VisibleSplat,
+  bounds: ProjectionErrors,
+  opacityHalfError: number,
+  add: Add,
+): void {
+  const opacityError = 8 * u + opacityHalfError;
+  add('opacity', record.color[3], twin.opacity, opacityError);
+  const capped = (alpha: number) => Math.min(MAX_FRAGMENT_ALPHA, alpha);
+  add('alpha at 0σ', capped(record.color[3]), capped(twin.opacity), opacityError);
+  const { majorPx, minorPx } = screenAxes(twin.covariance);
+  const lengths = twinLengths(twin);
+  // The record's axes are shortened there, its alpha is compared by what they are.
+  if (lengths[0] >= LONGEST_AXIS_PX) return;
+  const [deviation1, deviation2] = lengths.map((length) => length / Math.SQRT2);
+  const rowsError = bounds.rowsPx + 16 * u * deviation1;
+  const relative = (deviation: number) => 2 * (rowsError / deviation) + (rowsError / deviation) ** 2;
+  const largest = relative(deviation2);
+  const cross = largest < 1 ? largest ** 2 / (1 - largest) : Number.POSITIVE_INFINITY;
+  for (const axis of ['major', 'minor'] as const) {
+    const along = axis === 'major' ? majorPx : minorPx;
+    const deviation = axis === 'major' ? deviation1 : deviation2;
+    for (const k of [1, 2] as const) {
+      const offsetPx = along.map((component) => (k * component) / Math.SQRT2);
+      const alpha = twin.opacity * Math.exp(-0.5 * k * k);
+      const exponentError = 0.5 * k * k * (relative(deviation) + cross);
+      const bound = Math.min(twin.opacity, alpha * Math.expm1(exponentError)) + opacityError;
+      add(`alpha at ${k}σ ${axis}`, capped(recordAlpha(record, offsetPx)), capped(alpha), bound);
+    }
+  }
+}
+
+/** Alpha of a record's Gaussian at `offsetPx` from its centre: opacity·exp(−|p|²) in units of its axes. */
+function recordAlpha({ majorPx, minorLengthPx, color }: SplatRecord, [x, y]: readonly number[]): number {
+  const length = Math.hypot(...majorPx);
+  const [unitX, unitY] = majorPx.map((component) => component / length);
+  const p = (x * unitX + y * unitY) / length;
+  const q = (y * unitX - x * unitY) / minorLengthPx;
+  return color[3] * Math.exp(-p * p - q * q);
+}

@@ -1,0 +1,55 @@
+/** How far one number of the GPU is from its float64 twin. */
+export interface FieldError<Field extends string = string> {
+  readonly field: Field;
+  /** Number of the splat's cloud in the frame, and of the splat in that cloud's storage order. */
+  readonly cloudIndex: number;
+  readonly splatIndex: number;
+  readonly got: number;
+  readonly expected: number;
+  /** |got − expected|; NaN where `got` is. */
+  readonly error: number;
+  /** The most that `error` may be, by derivation. Infinity where float32 promises nothing. */
+  readonly bound: number;
+  /** error / bound: above 1 is wrong. Infinity where `got` is not finite, or where the bound is 0 and the error not. */
+  readonly ratio: number;
+}
+
+/** Per field the error that is largest for its bound, and the first that is beyond it. */
+export class FieldErrors<Field extends string> {
+  readonly worst: Partial<Record<Field, FieldError<Field>>> = {};
+  firstBad: FieldError<Field> | null = null;
+  badCount = 0;
+
+  add(
+    place: Pick<FieldError, 'cloudIndex' | 'splatIndex'>,
+    field: Field,
+    got: number,
+    expected: number,
+    bound: number,
+  ): void {
+    const error = Math.abs(got - expected);
+    const entry = { field, ...place, got, expected, error, bound, ratio: ratioOf(got, error, bound) };
+    if (!(entry.ratio <= (this.worst[field]?.ratio ?? -1))) this.worst[field] = entry;
+    if (entry.ratio <= 1) return;
+    this.firstBad ??= entry;
+    this.badCount++;
+  }
+}
+
+function ratioOf(got: number, error: number, bound: number): number {
+  if (error === 0) return 0;
+  if (!Number.isFinite(got) || Number.isNaN(bound)) return Number.POSITIVE_INFINITY;
+  return error / bound;
+}
+
+/** One line: where, which field, what was got and what should have been. */
+export function describeFieldError({
+  field,
+  cloudIndex,
+  splatIndex,
+  got,
+  expected,
+  bound,
+}: FieldError): string {
+  return `cloud ${cloudIndex}, splat ${splatIndex}, ${field}: got ${got}, expected ${expected} ± ${bound}`;
+}

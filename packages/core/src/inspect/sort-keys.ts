@@ -1,0 +1,40 @@
+import { GpuMemory } from '../gpu/gpu-memory.ts';
+import type { Pipelines } from '../gpu/pipelines.ts';
+import { readWords } from '../gpu/read-buffer.ts';
+import { RadixSort, radixSortStages } from '../stages/radix-sort.ts';
+import { sortShapeFor } from '../stages/sort-shape.ts';
+
+/**
+ * The GPU's sort alone.
+ *
+ * @param keys below 2^keyBits.
+ * @param dispatchRow most workgroups in one dimension of a dispatch; by default the device's limit.
+ * @returns the index of each key in ascending order of keys.
+ */
+export async function sortKeys(
+  device: GPUDevice,
+  pipelines: Pipelines,
+  keys: Uint32Array,
+  keyBits: number,
+  dispatchRow = device.limits.maxComputeWorkgroupsPerDimension,
+): Promise<Uint32Array> {
+  const shape = sortShapeFor(keyBits);
+  await pipelines.prepare(radixSortStages(shape));
+  const memory = new GpuMemory(device);
+  const keyCount = memory.createFilledBuffer('key count', Uint32Array.of(keys.length));
+  const sort = new RadixSort(device, pipelines, memory, {
+    shape,
+    capacity: Math.max(1, keys.length),
+    keyCount,
+    dispatchRow,
+  });
+  device.queue.writeBuffer(sort.keys, 0, Uint32Array.from(keys));
+  const encoder = device.createCommandEncoder();
+  const pass = encoder.beginComputePass();
+  sort.record(pass);
+  pass.end();
+  device.queue.submit([encoder.finish()]);
+  const order = (await readWords(device, sort.order)).slice(0, keys.length);
+  memory.destroyAll();
+  return order;
+}
