@@ -1,1 +1,9 @@
+export { HARD_CASES } from './catalogue.ts';
 export * from './hard-case.ts';
+export { HardCaseRunner, type HardCaseRunnerOptions, type HardCaseRunOptions } from './run.ts';
+export {
+  type HardCaseResult,
+  type ImageResult,
+  MIN_REFERENCE_PSNR_DB,
+  type StageError,
+} from './run-result.ts';

@@ -1,0 +1,109 @@
+import { type AccuracyPreset, type DropCounts, type DropReason, readSplats } from '@websplatter/core';
+import type { renderReference } from '@websplatter/core/reference';
+import type { DeviceCase, HardCloud, SceneCase } from './hard-case.ts';
+import type { RunVariant, WatchedDevice } from './run-device.ts';
+import { checkImage, drawPicture, firstDifference } from './run-images.ts';
+import type { ResultBuilder } from './run-result.ts';
+import { type CasePicture, checkStages, type PlacedSet } from './run-stages.ts';
+
+export interface SceneRun {
+  readonly watched: WatchedDevice;
+  /** Another device on the same GPU, made when it is first asked for. */
+  readonly secondDevice: () => Promise<WatchedDevice>;
+  readonly variant: RunVariant;
+  readonly presets: readonly AccuracyPreset[];
+  /** Width and height of the picture where the case does not say. */
+  readonly sizePx: number;
+  readonly renderReference: typeof renderReference;
+}
+
+/** From so many frames on, ties have to come out the same on another device too. */
+const FRAMES_FOR_SECOND_DEVICE = 100;
+const DEFAULT_FRAMES = 2;
+
+/** Runs a scene: reading, stages and pictures, for each of its cameras. */
+export async function runScene(
+  hardCase: SceneCase | DeviceCase,
+  run: SceneRun,
+  result: ResultBuilder,
+): Promise<void> {
+  const clouds = await Promise.all(hardCase.clouds().map(readCloud));
+  const { widthPx, heightPx } = hardCase.size ?? { widthPx: run.sizePx, heightPx: run.sizePx };
+  await checkDropped(hardCase, run, clouds, result);
+  // A picture of no size has no shape: any will do.
+  const aspect = widthPx / heightPx || 1;
+  for (const [cameraName, camera] of Object.entries(hardCase.cameras(aspect))) {
+    const picture = { caseName: hardCase.name, cameraName, camera, clouds, widthPx, heightPx };
+    if (widthPx * heightPx > 0) await checkStages(run.watched, run.variant, picture, result);
+    await checkPictures(hardCase, run, picture, result);
+  }
+}
+
+async function readCloud(cloud: HardCloud): Promise<PlacedSet> {
+  const set = 'set' in cloud ? cloud.set : await readSplats(cloud.file, { shPrecision: 'f32' });
+  return { set, modelMatrix: cloud.modelMatrix };
+}
+
+/** What the engine says that it left out. */
+async function checkDropped(
+  { name, dropped: expected = {} }: SceneCase | DeviceCase,
+  { watched, variant }: SceneRun,
+  clouds: readonly PlacedSet[],
+  result: ResultBuilder,
+): Promise<void> {
+  const engine = await watched.engine('reference', variant);
+  const dropped: { [Reason in DropReason]?: number } = {};
+  for (const { set } of clouds) {
+    const cloud = engine.add(set);
+    for (const [reason, count] of Object.entries(cloud.dropped) as [DropReason, number][])
+      dropped[reason] = (dropped[reason] ?? 0) + count;
+    cloud.destroy();
+  }
+  result.dropped = dropped;
+  if (countsText(dropped) !== countsText(expected))
+    result.fail([name], `left out ${countsText(dropped)}, expected ${countsText(expected)}`);
+}
+
+function countsText(counts: DropCounts): string {
+  const entries = Object.entries(counts).filter(([, count]) => count > 0);
+  return entries.length === 0
+    ? 'nothing'
+    : entries
+        .map((entry) => entry.join(': '))
+        .sort()
+        .join(', ');
+}
+
+async function checkPictures(
+  hardCase: SceneCase | DeviceCase,
+  run: SceneRun,
+  picture: CasePicture,
+  result: ResultBuilder,
+): Promise<void> {
+  const isCompared = hardCase.decidesAtThreshold === undefined && picture.widthPx * picture.heightPx > 0;
+  const reference = isCompared ? run.renderReference(picture) : null;
+  for (const preset of run.presets) {
+    const where = [picture.caseName, `camera ${picture.cameraName}`, preset];
+    const fail = (what: string) => result.fail(where, what);
+    // What makes a tie come out differently is the same at every preset: many frames of one of them will do.
+    const isFirst = preset === run.presets[0];
+    const frames = isFirst ? (hardCase.identicalFrames ?? DEFAULT_FRAMES) : DEFAULT_FRAMES;
+    const data = await drawPicture(await run.watched.engine(preset, run.variant), picture, frames, fail);
+    checkImage(hardCase, preset, picture, data, reference, result);
+    if (frames >= FRAMES_FOR_SECOND_DEVICE) await checkSecondDevice(run, preset, picture, data, fail);
+  }
+}
+
+async function checkSecondDevice(
+  { secondDevice, variant }: SceneRun,
+  preset: AccuracyPreset,
+  picture: CasePicture,
+  first: Float32Array,
+  fail: (what: string) => void,
+): Promise<void> {
+  const second = await secondDevice();
+  const data = await drawPicture(await second.engine(preset, variant), picture, 1, fail);
+  const at = firstDifference(first, data);
+  if (at >= 0) fail(`on a second device value ${at}: got ${data[at]}, the first device had ${first[at]}`);
+  for (const error of await second.takeErrors()) fail(`on a second device: ${error}`);
+}

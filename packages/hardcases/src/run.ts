@@ -1,0 +1,200 @@
+import {
+  ACCURACY_PRESETS,
+  type AccuracyPreset,
+  adapterLabel,
+  readSplats,
+  requestSplatDevice,
+  SplatFileError,
+  WebGpuUnavailableError,
+} from '@websplatter/core';
+import { orderFlaw, type ShaderMutation, sortKeys } from '@websplatter/core/inspect';
+import { renderReference } from '@websplatter/core/reference';
+import type { DeviceCase, HardCase, RefusedFileCase, SceneCase, SortCase } from './hard-case.ts';
+import { type RunVariant, WatchedDevice } from './run-device.ts';
+import { type HardCaseResult, ResultBuilder } from './run-result.ts';
+import { runScene } from './run-scene.ts';
+
+export interface HardCaseRunnerOptions {
+  /** `navigator.gpu`, or what else gives an adapter at each request; an adapter gives one device. */
+  readonly gpu: Pick<GPU, 'requestAdapter'>;
+  /** For tests that the runner notices: what the pictures are held against; default the float64 reference. */
+  readonly renderReference?: typeof renderReference;
+}
+
+export interface HardCaseRunOptions {
+  /** Width and height of pictures of which the case gives no size; default 64. */
+  readonly sizePx?: number;
+  /** Default all, the most exact first. */
+  readonly presets?: readonly AccuracyPreset[];
+  /** For tests that the cases notice: a remedy of the shaders switched off. */
+  readonly mutation?: ShaderMutation;
+}
+
+/** A case that takes longer hangs. */
+const CASE_LIMIT_MS = 60_000;
+/** What an engine asks its device for, where the adapter has it. */
+const ENGINE_FEATURES = [
+  'timestamp-query',
+  'float32-blendable',
+  'core-features-and-limits',
+] as GPUFeatureName[];
+
+/** Runs hard cases, one after the other, on one GPU. In Node and in browsers. */
+export class HardCaseRunner {
+  readonly adapterLabel: string;
+  readonly isSoftware: boolean;
+  readonly #options: HardCaseRunnerOptions;
+  #watched: WatchedDevice;
+  #second: WatchedDevice | null = null;
+
+  private constructor(options: HardCaseRunnerOptions, watched: WatchedDevice) {
+    const { adapterInfo } = watched.device;
+    this.#options = options;
+    this.#watched = watched;
+    this.adapterLabel = adapterLabel(adapterInfo);
+    this.isSoftware = /swiftshader|llvmpipe|lavapipe|basic render/i.test(
+      `${adapterInfo.architecture} ${adapterInfo.description}`,
+    );
+  }
+
+  /** @throws WebGpuUnavailableError where there is no adapter or no device. */
+  static async create(options: HardCaseRunnerOptions): Promise<HardCaseRunner> {
+    return new HardCaseRunner(options, await watchedDevice(options));
+  }
+
+  /** Never rejects: a case that throws has failed. */
+  async run(hardCase: HardCase, options: HardCaseRunOptions = {}): Promise<HardCaseResult> {
+    const result = new ResultBuilder();
+    const fail = (what: string) => result.fail([hardCase.name], what);
+    try {
+      if (this.#watched.isLost) this.#watched = await watchedDevice(this.#options);
+      await withinLimit(this.#runKind(hardCase, options, result));
+    } catch (error) {
+      fail(error instanceof Error ? `${error.name}: ${error.message}` : String(error));
+      if (error instanceof CaseTimeoutError) this.#watched.destroy();
+    }
+    for (const error of await this.#watched.takeErrors()) fail(error);
+    return result.build(hardCase.name, hardCase.group);
+  }
+
+  destroy(): void {
+    this.#watched.destroy();
+    this.#second?.destroy();
+  }
+
+  #runKind(hardCase: HardCase, options: HardCaseRunOptions, result: ResultBuilder): Promise<void> {
+    switch (hardCase.kind) {
+      case 'scene':
+        return this.#runSceneOn(this.#watched, hardCase, options, result);
+      case 'device':
+        return this.#runDevice(hardCase, options, result);
+      case 'sort':
+        return this.#runSort(hardCase, options, result);
+      case 'refused-file':
+        return runRefusedFile(hardCase, result);
+      case 'arithmetic':
+        return runArithmetic(hardCase.name, hardCase.check, result);
+    }
+  }
+
+  #runSceneOn(
+    watched: WatchedDevice,
+    hardCase: SceneCase | DeviceCase,
+    {
+      sizePx = 64,
+      presets = Object.keys(ACCURACY_PRESETS) as AccuracyPreset[],
+      mutation,
+    }: HardCaseRunOptions,
+    result: ResultBuilder,
+  ): Promise<void> {
+    const variant: RunVariant = { maxWorkgroupsPerDimension: hardCase.maxWorkgroupsPerDimension, mutation };
+    return runScene(
+      hardCase,
+      {
+        watched,
+        secondDevice: async () => {
+          if (!this.#second || this.#second.isLost) this.#second = await watchedDevice(this.#options);
+          return this.#second;
+        },
+        variant,
+        presets,
+        sizePx,
+        renderReference: this.#options.renderReference ?? renderReference,
+      },
+      result,
+    );
+  }
+
+  /** On a device of its own, made with WebGPU's default limits and without the features that the case names. */
+  async #runDevice(hardCase: DeviceCase, options: HardCaseRunOptions, result: ResultBuilder): Promise<void> {
+    const adapter = await requestAdapter(this.#options);
+    const requiredFeatures = ENGINE_FEATURES.filter(
+      (feature) => adapter.features.has(feature) && !hardCase.without.includes(feature),
+    );
+    const watched = new WatchedDevice(
+      await adapter.requestDevice({ label: hardCase.name, requiredFeatures }),
+    );
+    try {
+      await this.#runSceneOn(watched, hardCase, options, result);
+      for (const error of await watched.takeErrors()) result.fail([hardCase.name], error);
+    } finally {
+      watched.destroy();
+    }
+  }
+
+  async #runSort(
+    { name, keys, keyBits, maxWorkgroupsPerDimension }: SortCase,
+    { mutation }: HardCaseRunOptions,
+    result: ResultBuilder,
+  ): Promise<void> {
+    const variant = { maxWorkgroupsPerDimension, mutation };
+    const watched = this.#watched;
+    const given = keys();
+    const row = watched.dispatchRow(variant);
+    const order = await sortKeys(watched.device, watched.pipelines(variant), given, keyBits, row);
+    const flaw = orderFlaw(given, order);
+    if (flaw) result.fail([name, `${given.length} keys of ${keyBits} bits`], flaw);
+  }
+}
+
+async function runRefusedFile({ name, file, code }: RefusedFileCase, result: ResultBuilder): Promise<void> {
+  try {
+    const { count } = await readSplats(file());
+    result.fail([name], `got ${count} splats, expected SplatFileError ${code}`);
+  } catch (error) {
+    if (error instanceof SplatFileError && error.code === code) return;
+    result.fail([name], `got ${error}, expected SplatFileError ${code}`);
+  }
+}
+
+async function runArithmetic(name: string, check: () => string | null, result: ResultBuilder): Promise<void> {
+  const wrong = check();
+  if (wrong !== null) result.fail([name], wrong);
+}
+
+async function requestAdapter({ gpu }: HardCaseRunnerOptions): Promise<GPUAdapter> {
+  const adapter = await gpu.requestAdapter({ powerPreference: 'high-performance' });
+  if (!adapter) throw new WebGpuUnavailableError('WebGPU is here but found no GPU that it may use.');
+  return adapter;
+}
+
+async function watchedDevice(options: HardCaseRunnerOptions): Promise<WatchedDevice> {
+  return new WatchedDevice(await requestSplatDevice({ adapter: await requestAdapter(options) }));
+}
+
+class CaseTimeoutError extends Error {
+  override readonly name = 'CaseTimeoutError';
+}
+
+async function withinLimit(work: Promise<void>): Promise<void> {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  const limit = new Promise<never>((_, reject) => {
+    const error = new CaseTimeoutError(`not done after ${CASE_LIMIT_MS / 1000} s; the device is replaced`);
+    timer = setTimeout(() => reject(error), CASE_LIMIT_MS);
+  });
+  try {
+    await Promise.race([work, limit]);
+  } finally {
+    clearTimeout(timer);
+  }
+}
