@@ -1,0 +1,80 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import fc from 'fast-check';
+import { afterAll, beforeAll, expect } from 'vitest';
+import { anyCamera, anyModel } from '../testing/any-view.ts';
+import { type SplatValues, splatsOf } from '../testing/random-splats.ts';
+import { uniform } from '../testing/uniform.ts';
+import { compareCulling } from './compare-culling.ts';
+import { compareRecords } from './compare-records.ts';
+import { describeFieldError } from './field-error.ts';
+import { findNonFinite } from './find-non-finite.ts';
+import { InspectedFrame } from './inspected-frame.ts';
+
+let device: GPUDevice;
+beforeAll(async () => {
+  device = await createTestDevice();
+});
+afterAll(() => device.destroy());
+
+/** Any finite float32, among them denormals, ±0 and the largest. */
+const finite = fc.float({ noNaN: true, noDefaultInfinity: true });
+const usually = (usual: fc.Arbitrary<number>, rare: fc.Arbitrary<number>) =>
+  fc.oneof({ weight: 4, arbitrary: usual }, { weight: 1, arbitrary: rare });
+const triple = (value: fc.Arbitrary<number>) => fc.tuple(value, value, value);
+
+/** Positions stay where float32 has depths to tell apart; everything else may be anything that a file may hold. */
+const anySplat: fc.Arbitrary<SplatValues> = fc.record({
+  position: triple(usually(uniform(-2, 2), uniform(-1e4, 1e4))),
+  logScales: triple(usually(uniform(-8, 1), fc.oneof(uniform(-120, 90), finite))),
+  rotation: usuallyTuple(uniform(-1, 1), fc.oneof(finite, fc.constantFrom(0, 1e-20, 1e20, -1e-40))),
+  opacityLogit: usually(
+    uniform(-6, 6),
+    fc.constantFrom(100, -100, Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY),
+  ),
+  colorDc: triple(usually(uniform(-2, 2), uniform(-1e4, 1e4))),
+});
+
+function usuallyTuple(usual: fc.Arbitrary<number>, rare: fc.Arbitrary<number>): fc.Arbitrary<number[]> {
+  const value = usually(usual, rare);
+  return fc.array(value, { minLength: 4, maxLength: 4 });
+}
+
+const RUNS = process.env.WEBSPLATTER_FULL ? 300 : 25;
+
+gpuTest(
+  'any finite splat before any camera is drawn as float64 has it, or left out as float64 leaves it',
+  async () => {
+    let drawn = 0;
+    let unsure = 0;
+    await fc.assert(
+      fc.asyncProperty(
+        fc.array(anySplat, { minLength: 1, maxLength: 60 }),
+        anyCamera,
+        anyModel,
+        fc.boolean(),
+        async (splats, camera, modelMatrix, isPacked) => {
+          const frame = await InspectedFrame.draw(device, {
+            clouds: [{ set: splatsOf(splats), modelMatrix }],
+            camera,
+            widthPx: 48,
+            heightPx: 32,
+            accuracy: isPacked ? { geometryPrecision: 'packed', recordPrecision: 'f16' } : {},
+          });
+          const { mismatches, flaws, visibleCount, unsureCount } = await compareCulling(frame);
+          drawn += visibleCount;
+          unsure += unsureCount;
+          expect(flaws).toEqual([]);
+          expect(mismatches).toEqual([]);
+          const { firstBad } = await compareRecords(frame);
+          if (firstBad) expect.fail(describeFieldError(firstBad));
+          expect(await findNonFinite(frame)).toEqual([]);
+          frame.destroy();
+        },
+      ),
+      { numRuns: RUNS },
+    );
+    // Whoever leaves everything out, or finds everything uncertain, would pass too.
+    expect(drawn).toBeGreaterThan(RUNS);
+    expect(unsure).toBeLessThan(drawn / 2);
+  },
+);
