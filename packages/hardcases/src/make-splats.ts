@@ -110,3 +110,29 @@ export function randomShRest(degree: ShDegree, amplitude: number, seed: number):
   const random = seededRandom(seed);
   return Array.from({ length: 3 * SH_REST_COEFFICIENTS[degree] }, () => amplitude * (2 * random() - 1));
 }
+
+/** The same splats elsewhere. */
+export function moved(splats: readonly SplatValues[], offset: readonly number[]): SplatValues[] {
+  return splats.map((splat) => ({
+    ...splat,
+    position: (splat.position ?? [0, 0, 0]).map((value, axis) => value + offset[axis]),
+  }));
+}
+
+/** The same splats about the origin, `factor` times as large. */
+export function resized(splats: readonly SplatValues[], factor: number): SplatValues[] {
+  return splats.map((splat) => ({
+    ...splat,
+    position: (splat.position ?? [0, 0, 0]).map((value) => factor * value),
+    logScales: (splat.logScales ?? [-1.5, -1.5, -1.5]).map((value) => value + Math.log(factor)),
+  }));
+}
+
+/** The same splats with coefficients above degree 0 of their own, in ±`amplitude`. */
+export function withRandomSh(
+  splats: readonly SplatValues[],
+  degree: ShDegree,
+  amplitude: number,
+): SplatValues[] {
+  return splats.map((splat, i) => ({ ...splat, shRest: randomShRest(degree, amplitude, i + 1) }));
+}

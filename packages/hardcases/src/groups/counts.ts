@@ -1,0 +1,126 @@
+import { packShRest, shRestWordsPerSplat, unpackShRest } from '@websplatter/core';
+import type { ArithmeticCase, HardCase } from '../hard-case.ts';
+import { frontAndOblique, frontOnly, scenesOf } from '../make-cases.ts';
+import {
+  moved,
+  ordinarySplats,
+  randomShRest,
+  type SplatValues,
+  seededRandom,
+  splatsOf,
+} from '../make-splats.ts';
+
+const scene = scenesOf('counts');
+
+/** Small splats at random in a ball that `front` sees whole, so that the first and the last are in the picture. */
+function manySplats(count: number): SplatValues[] {
+  const random = seededRandom(count);
+  const within = (low: number, high: number) => low + (high - low) * random();
+  return Array.from({ length: count }, () => ({
+    position: [within(-1.6, 1.6), within(-1.6, 1.6), within(-1.6, 1.6)],
+    logScales: [within(-4, -2.5), within(-4, -2.5), within(-4, -2.5)],
+    rotation: [within(-1, 1), within(-1, 1), within(-1, 1), within(0.1, 1)],
+    opacityLogit: within(-1, 3),
+    color: [within(0, 1), within(0, 1), within(0, 1)],
+  }));
+}
+
+const WALL = () => ({ set: splatsOf(ordinarySplats()) });
+
+const counted = (count: number, breaks: string, maxWorkgroupsPerDimension?: number) =>
+  scene({
+    name:
+      maxWorkgroupsPerDimension === undefined
+        ? `counts-${count}`
+        : `counts-${count}-in-rows-of-${maxWorkgroupsPerDimension}`,
+    breaks,
+    clouds: () => [{ set: splatsOf(manySplats(count)) }, WALL()],
+    cameras: count > 1000 ? frontOnly : frontAndOblique,
+    maxWorkgroupsPerDimension,
+  });
+
+/** Workgroups per row in cases of large dispatches, which WebGPU's 65,535 would need millions of splats for. */
+const ROW = 7;
+
+const CHUNK_BREAKS =
+  'The last splat of a full chunk, or the only one of the next, is lost or read beyond the end.';
+const TILE_BREAKS =
+  'The tile of a sort or scan that is full, or has a single key, counts one too many or too few.';
+const ROW_BREAKS = 'A dispatch of more workgroups than one dimension takes is cut off, or runs past its end.';
+
+/** SH coefficients of a splat whose words start past `byteOffset` are written and read back there. */
+const offsetCase = (exponent: number): ArithmeticCase => ({
+  kind: 'arithmetic',
+  group: 'counts',
+  name: `counts-byte-offset-past-2-${exponent}`,
+  breaks: 'Offsets computed with 32-bit operators wrap around past 2^31 or 2^32 and hit another splat.',
+  check: () => {
+    const degree = 3;
+    const wordsPerSplat = shRestWordsPerSplat(degree, 'f32');
+    const index = Math.ceil(2 ** exponent / (4 * wordsPerSplat));
+    // Only what is written exists: as much memory as the offsets promise is not needed to see where they point.
+    const written: Record<number, number> = {};
+    const words = written as unknown as Uint32Array;
+    const values = Float32Array.from(randomShRest(degree, 1, exponent));
+    packShRest(degree, 'f32', values, words, index * wordsPerSplat);
+    const strays = Object.keys(written).filter(
+      (key) => Number(key) < index * wordsPerSplat || Number(key) >= (index + 1) * wordsPerSplat,
+    );
+    if (strays.length > 0) return `splat ${index} was written to word ${strays[0]}`;
+    const read = new Float32Array(values.length);
+    unpackShRest({ degree, precision: 'f32', wordsPerSplat, words }, index, read);
+    const wrong = read.findIndex((value, i) => value !== values[i]);
+    return wrong < 0
+      ? null
+      : `coefficient ${wrong} of splat ${index} is ${read[wrong]}, not ${values[wrong]}`;
+  },
+});
+
+export const COUNTS_CASES: readonly HardCase[] = [
+  counted(
+    0,
+    'An empty cloud beside another takes an empty binding or a dispatch of 0, which some drivers refuse.',
+  ),
+  scene({
+    name: 'counts-no-clouds',
+    breaks: 'Without any cloud nothing is recorded, and the last picture, or garbage, is shown.',
+    clouds: () => [],
+    cameras: frontOnly,
+  }),
+  ...[1, 2].map((count) => counted(count, 'Bounds and depth ranges of so few splats have size 0.')),
+  ...[255, 256, 257].map((count) => counted(count, CHUNK_BREAKS)),
+  ...[2047, 2048, 2049].map((count) => counted(count, TILE_BREAKS)),
+  // Seven chunks, or workgroups that project, fill a row.
+  ...[7 * 256 - 1, 7 * 256, 7 * 256 + 1].map((count) => counted(count, ROW_BREAKS, ROW)),
+  // Seven tiles of a sort, and seven rows of seven chunks.
+  ...[7 * 7 * 256 + 1, 7 * 2048 + 1].map((count) => counted(count, ROW_BREAKS, ROW)),
+  scene({
+    name: 'counts-20-clouds',
+    breaks: 'Uniforms of many clouds share a buffer whose dynamic offsets must be aligned, or slots run out.',
+    clouds: () =>
+      Array.from({ length: 20 }, (_, i) => ({
+        set: splatsOf(manySplats(12 + i)),
+        modelMatrix: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, (i % 5) / 4 - 0.5, 0.3, -i / 20, 1],
+      })),
+  }),
+  scene({
+    name: 'counts-one-visible-of-2048',
+    breaks: 'A compaction that leaves one splat of many gives it another’s data.',
+    clouds: () => {
+      const [seen, ...others] = manySplats(2048);
+      return [
+        { set: splatsOf([...moved(others, [0, 0, 40]), { ...seen, logScales: [-1, -1, -1] }]) },
+        WALL(),
+      ];
+    },
+    cameras: frontOnly,
+  }),
+  scene({
+    name: 'counts-none-visible',
+    breaks: 'With every splat culled, an indirect draw of nothing shows the last picture, or stale keys.',
+    clouds: () => [{ set: splatsOf(moved(manySplats(300), [0, 0, 40])) }],
+    cameras: frontOnly,
+  }),
+  // 2^33 bytes are 2^31 words, where offsets in words turn negative.
+  ...[31, 32, 33, 34].map(offsetCase),
+];
