@@ -7,6 +7,8 @@ import { type DeviceCase, HARD_CASE_GROUPS, type HardCloud, type SceneCase } fro
 /** Cases in which nothing at all is to be seen, and why. */
 const EMPTY_PICTURES: Readonly<Record<string, string>> = {
   'camera-near-beyond-everything': 'every splat is nearer than the near plane',
+  'viewport-0x0': 'there are no pixels',
+  'viewport-0x64': 'there are no pixels',
   'counts-no-clouds': 'there are no splats',
   'counts-none-visible': 'every splat is behind the camera',
 };
@@ -27,7 +29,8 @@ async function setsOf(hardCase: SceneCase | DeviceCase) {
 async function pictures(hardCase: SceneCase | DeviceCase): Promise<ReferenceImage[]> {
   const clouds = await setsOf(hardCase);
   const size = hardCase.size ?? { widthPx: 64, heightPx: 64 };
-  const cameras = Object.values(hardCase.cameras(size.widthPx / size.heightPx));
+  // A picture of no size has no shape: any will do.
+  const cameras = Object.values(hardCase.cameras(size.widthPx / size.heightPx || 1));
   return cameras.map((camera) => renderReference({ clouds, camera, ...size }));
 }
 

@@ -215,7 +215,13 @@ export const CAMERA_CASES: readonly HardCase[] = [
     breaks:
       'Inverting the matrix for the viewing direction gives Inf; all depths are equal, seen from the front.',
     clouds: modelled(model([1, 0, 0], [0, 1, 0], [0, 0, 0])),
+    cameras: frontOnly,
     identicalFrames: 100,
+  }),
+  scene({
+    name: 'model-singular-flat-seen-obliquely',
+    breaks: 'A flattened cloud has depths of its own again, but still no inverse for its directions.',
+    clouds: modelled(model([1, 0, 0], [0, 1, 0], [0, 0, 0])),
   }),
   scene({
     name: 'model-singular-seen-edge-on',
@@ -226,6 +232,7 @@ export const CAMERA_CASES: readonly HardCase[] = [
     name: 'model-singular-all-zero',
     breaks: 'Every splat lies at one point with no size but the dilation, and no direction can be inverted.',
     clouds: modelled(model([0, 0, 0], [0, 0, 0], [0, 0, 0], [0.25, 0.5, 1])),
+    cameras: frontOnly,
     identicalFrames: 100,
   }),
   scene({
@@ -242,6 +249,18 @@ export const CAMERA_CASES: readonly HardCase[] = [
     clouds: amongOrdinary([LARGE]),
     cameras: frontWith({ near: 50 }),
   }),
+  ...[
+    { widthPx: 0, heightPx: 0 },
+    { widthPx: 0, heightPx: 64 },
+  ].map((size) =>
+    scene({
+      name: `viewport-${size.widthPx}x${size.heightPx}`,
+      breaks:
+        'A window that is folded away asks for a texture of size 0, which is an error, or divides by its height.',
+      clouds: amongOrdinary([LARGE]),
+      size,
+    }),
+  ),
   scene({
     name: 'viewport-1x1',
     breaks: 'A picture of one pixel makes grids of tiles of size 0 or divides by width − 1.',
