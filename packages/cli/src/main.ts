@@ -1,6 +1,7 @@
 import { WebSplatterError } from '@websplatter/core';
 import packageJson from '../package.json' with { type: 'json' };
 import type { Console } from './console.ts';
+import { hardcases } from './hardcases.ts';
 import { info } from './info.ts';
 import { UsageError } from './input-error.ts';
 import { render } from './render.ts';
@@ -9,10 +10,16 @@ import { USAGE } from './usage.ts';
 /** A command does its work or throws. */
 type Command = (args: readonly string[], console: Console) => Promise<void>;
 
-const COMMANDS: Readonly<Record<string, Command>> = { render, info };
+const COMMANDS: Readonly<Record<string, Command>> = { render, info, hardcases };
 
 /** Codes of errors that are not the input's fault. */
-const FAILURE_CODES = new Set(['webgpu-unavailable', 'destroyed', 'frames-differ', 'gpu-error']);
+const FAILURE_CODES = new Set([
+  'webgpu-unavailable',
+  'destroyed',
+  'frames-differ',
+  'gpu-error',
+  'hard-cases-failed',
+]);
 
 /** Runs one command line and returns its exit status: 0, 2 on bad input, 1 on any other failure. */
 export async function main(args: readonly string[], console: Console): Promise<number> {

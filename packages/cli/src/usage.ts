@@ -19,6 +19,11 @@ websplatter render SCENE … --camera CAM.json --size WIDTHxHEIGHT --out image.p
 websplatter info SCENE [--json]
   counts, bounds, spherical harmonics per band, left-out splats by reason, bytes needed on the GPU
 
+websplatter hardcases [--json | --markdown] [--filter text] [--size 64x64]
+  scenes that break splat renderers, each held against float64: worst error of a stage, decibels per preset, verdict
+  --filter text          only cases with that in their name
+  --size 64x64           of pictures of which the case gives no size; a square
+
 websplatter --help | --version
 
 Exit status: 0 on success, 2 on bad input, 1 otherwise; errors are one line (WEBSPLATTER_DEBUG=1 adds the stack).

@@ -1,8 +1,13 @@
+import { encodePly } from '@websplatter/core';
+import { renderReference } from '@websplatter/core/reference';
 import { createNodeGpu } from '@websplatter/node';
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { HARD_CASES } from './catalogue.ts';
-import { HardCaseRunner } from './run.ts';
+import type { HardCase, SceneCase } from './hard-case.ts';
+import { frontOnly } from './make-cases.ts';
+import { ordinarySplats, splatsOf } from './make-splats.ts';
+import { HardCaseRunner, type HardCaseRunnerOptions, type HardCaseRunOptions } from './run.ts';
 
 /** Also keeps what it gives alive, as Dawn needs it. */
 const gpu = { requestAdapter: async () => (await createNodeGpu()).adapter };
@@ -18,6 +23,10 @@ beforeAll(async () => {
 afterAll(() => runner?.destroy());
 
 describe('hard case', () => {
+  gpuTest('names are unique', () => {
+    expect(new Set(HARD_CASES.map(({ name }) => name)).size).toBe(HARD_CASES.length);
+  });
+
   for (const hardCase of HARD_CASES) {
     gpuTest(hardCase.name, async () => {
       const result = await runner.run(hardCase);
@@ -30,5 +39,136 @@ describe('hard case', () => {
   gpuTest('all of them within the budget on a software adapter', ({ skip }) => {
     if (!runner.isSoftware || casesRun < HARD_CASES.length) skip('needs every case, on a software adapter');
     expect(elapsedMs).toBeLessThan(BUDGET_MS);
+  });
+});
+
+/** A scene that passes. */
+const SOUND: SceneCase = {
+  kind: 'scene',
+  name: 'sound',
+  group: 'scale',
+  breaks: 'Nothing.',
+  clouds: () => [{ set: splatsOf(ordinarySplats()) }],
+  cameras: frontOnly,
+};
+
+/** The failures of a case that has to fail. */
+async function failuresOf(hardCase: HardCase, options?: HardCaseRunOptions, by = runner): Promise<string> {
+  const { verdict, failures } = await by.run(hardCase, options);
+  expect(verdict).toBe('fail');
+  return failures.join('\n');
+}
+
+describe('the runner', () => {
+  gpuTest('passes a sound scene', async () => {
+    const { failures, worstStage, images } = await runner.run(SOUND);
+    expect(failures).toEqual([]);
+    expect(worstStage?.ratio).toBeLessThan(1);
+    expect(Object.keys(images)).toEqual(['reference', 'high', 'balanced']);
+  });
+
+  gpuTest('fails where other splats are left out than the case says', async () => {
+    const found = await failuresOf({ ...SOUND, dropped: { 'non-finite-scale': 2 } });
+    expect(found).toBe('sound: left out nothing, expected non-finite-scale: 2');
+  });
+
+  gpuTest('fails where the picture is not the float64 one, or misses a bound of its own', async () => {
+    const ofAnotherScene: HardCaseRunnerOptions['renderReference'] = (frame) =>
+      renderReference({ ...frame, clouds: [{ set: splatsOf(ordinarySplats(2)) }] });
+    const doctored = await HardCaseRunner.create({ gpu, renderReference: ofAnotherScene });
+    const found = await failuresOf(SOUND, {}, doctored);
+    doctored.destroy();
+    expect(found).toMatch(
+      /^sound, camera front, reference: [\d.]+ dB, expected at least 55 dB; worst at column /m,
+    );
+    const bounds = { balanced: { minPsnrDb: 200, cause: 'to see it fail' } };
+    expect(await failuresOf({ ...SOUND, bounds })).toMatch(
+      /^sound, camera front, balanced: .* at least 200 dB/m,
+    );
+  });
+
+  gpuTest('fails where a number is not finite, in the records and in the picture', async () => {
+    const mutation = {
+      file: 'stages/project',
+      find: 'let rgba = vec4f(max(color, vec3f(0.0)), splat.opacity);',
+      replace: 'let rgba = vec4f(color.xy, bitcast<f32>(0x7fc00000u | (index & 1u)), splat.opacity);',
+    };
+    const found = await failuresOf(SOUND, { mutation });
+    expect(found).toMatch(/sound, camera front, reference: .* b: got NaN, expected/);
+    expect(found).toMatch(/sound, camera front, reference: projected: record 0, word \d+ is not finite/);
+    expect(found).toMatch(/sound, camera front, reference: column \d+, row \d+, channel 2: got NaN/);
+  });
+
+  gpuTest('fails where a stage is wrong that hardly shows in the picture', async () => {
+    const mutation = {
+      file: 'stages/project',
+      find: 'record.minorLengthPx = axes.minorLengthPx;',
+      replace: 'record.minorLengthPx = axes.minorLengthPx * 1.0003;',
+    };
+    const { failures, images } = await runner.run(SOUND, { mutation });
+    expect(images.reference?.psnrDb).toBeGreaterThan(55);
+    expect(failures.join('\n')).toMatch(
+      /sound, camera front, reference: cloud 0, splat \d+, minorLengthPx: got /,
+    );
+  });
+
+  gpuTest('fails where shaders do not compile, where a case throws, and goes on', async () => {
+    const mutation = { file: 'stages/project', find: 'keys[index] =', replace: 'keys[index] = 1.5 *' };
+    expect(await failuresOf(SOUND, { mutation })).toMatch(/error/i);
+    const throws = () => {
+      throw new RangeError('no splats today');
+    };
+    expect(await failuresOf({ ...SOUND, clouds: throws })).toBe('sound: RangeError: no splats today');
+    expect((await runner.run(SOUND)).failures).toEqual([]);
+  });
+
+  gpuTest('reports a lost device and makes another', async () => {
+    const devices: GPUDevice[] = [];
+    const watching = {
+      async requestAdapter() {
+        const { adapter } = await createNodeGpu();
+        const requestDevice = adapter.requestDevice.bind(adapter);
+        adapter.requestDevice = async (descriptor) => {
+          devices.push(await requestDevice(descriptor));
+          return devices[devices.length - 1];
+        };
+        return adapter;
+      },
+    };
+    const own = await HardCaseRunner.create({ gpu: watching });
+    const losing = () => {
+      devices[0].destroy();
+      return SOUND.clouds();
+    };
+    expect(await failuresOf({ ...SOUND, clouds: losing }, {}, own)).toContain(
+      'the device was lost (destroyed)',
+    );
+    expect((await own.run(SOUND)).failures).toEqual([]);
+    expect(devices).toHaveLength(2);
+    own.destroy();
+  });
+
+  gpuTest('fails files that are read after all, wrong orders and wrong arithmetic', async () => {
+    const base = { name: 'doctored', group: 'input', breaks: 'Nothing.' } as const;
+    const file = () => encodePly(splatsOf(ordinarySplats()));
+    expect(await failuresOf({ ...base, kind: 'refused-file', file, code: 'truncated' })).toMatch(
+      /got \d+ splats/,
+    );
+    const short = () => file().slice(0, -5);
+    expect(await failuresOf({ ...base, kind: 'refused-file', file: short, code: 'empty' })).toContain(
+      'expected SplatFileError empty',
+    );
+    const keys = () => Uint32Array.of(7, 70_000);
+    expect((await runner.run({ ...base, kind: 'sort', keys, keyBits: 24 })).failures).toEqual([]);
+    const tooWide = () => Uint32Array.of(70_000, 7 + 2 ** 20);
+    expect(await failuresOf({ ...base, kind: 'sort', keys: tooWide, keyBits: 16 })).toMatch(/order: place 0/);
+    expect(await failuresOf({ ...base, kind: 'arithmetic', check: () => '1 is 2' })).toBe('doctored: 1 is 2');
+  });
+
+  gpuTest('runs on a device with less, and frames by the hundred on two', async () => {
+    const device = await runner.run({ ...SOUND, kind: 'device', without: ['float32-blendable'] });
+    expect(device.failures).toEqual([]);
+    expect(device.images.reference?.psnrDb).toBeLessThan(100);
+    expect((await runner.run({ ...SOUND, identicalFrames: 100 })).failures).toEqual([]);
   });
 });

@@ -1,5 +1,14 @@
 export { HARD_CASES } from './catalogue.ts';
 export * from './hard-case.ts';
+export {
+  failureLines,
+  type HardCaseReport,
+  jsonReport,
+  markdownReport,
+  resultHeading,
+  resultLine,
+  summaryLine,
+} from './report.ts';
 export { HardCaseRunner, type HardCaseRunnerOptions, type HardCaseRunOptions } from './run.ts';
 export {
   type HardCaseResult,

@@ -67,7 +67,11 @@ export class HardCaseRunner {
     const result = new ResultBuilder();
     const fail = (what: string) => result.fail([hardCase.name], what);
     try {
-      if (this.#watched.isLost) this.#watched = await watchedDevice(this.#options);
+      if (this.#watched.isLost) {
+        // Lost between two cases: nobody else would hear of it.
+        for (const error of await this.#watched.takeErrors()) fail(error);
+        this.#watched = await watchedDevice(this.#options);
+      }
       await withinLimit(this.#runKind(hardCase, options, result));
     } catch (error) {
       fail(error instanceof Error ? `${error.name}: ${error.message}` : String(error));

@@ -1,0 +1,15 @@
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { expect } from 'vitest';
+import { runMain } from './test-folder.ts';
+
+gpuTest('hardcases runs the cases that are asked for and sums up', async () => {
+  const table = await runMain('hardcases', '--filter', 'scale-unit', '--size', '32x32');
+  expect(table.out).toMatch(/^scale-unit .* pass$/m);
+  expect(table.out).toMatch(/^1 of 1 hard cases pass in [\d.]+ s \(.+, 32×32, \d{4}-\d\d-\d\d/m);
+  expect(table.status).toBe(0);
+
+  const json = JSON.parse((await runMain('hardcases', '--filter', 'scale-unit', '--json')).out);
+  expect(json.results).toMatchObject([{ name: 'scale-unit', verdict: 'pass', failures: [] }]);
+  const { out } = await runMain('hardcases', '--filter', 'scale-unit', '--markdown');
+  expect(out).toMatch(/^\| scale \| scale-unit \|/m);
+});

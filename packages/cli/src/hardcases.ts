@@ -1,0 +1,91 @@
+import { WebSplatterError } from '@websplatter/core';
+import {
+  failureLines,
+  HARD_CASES,
+  type HardCase,
+  type HardCaseReport,
+  type HardCaseResult,
+  HardCaseRunner,
+  jsonReport,
+  markdownReport,
+  resultHeading,
+  resultLine,
+  summaryLine,
+} from '@websplatter/hardcases';
+import { createNodeGpu } from '@websplatter/node';
+import type { Console } from './console.ts';
+import { UsageError } from './input-error.ts';
+import { currentCommit } from './machine.ts';
+import { parseStrictly } from './render-options.ts';
+
+interface HardCaseOptions {
+  readonly format: 'table' | 'json' | 'markdown';
+  /** The chosen ones, at least one. */
+  readonly cases: readonly HardCase[];
+  readonly sizePx: number;
+}
+
+/** `websplatter hardcases [--json | --markdown] [--filter text] [--size 64x64]`. */
+export async function hardcases(args: readonly string[], console: Console): Promise<void> {
+  const { format, cases, sizePx } = parseHardCaseArguments(args);
+  const { notice } = await createNodeGpu();
+  if (notice !== null) console.err(`note: ${notice}\n`);
+  // Asked for anew each time: it also keeps what Dawn must not lose.
+  const gpu = { requestAdapter: async () => (await createNodeGpu()).adapter };
+  const runner = await HardCaseRunner.create({ gpu });
+  const nameWidth = Math.max(...cases.map(({ name }) => name.length));
+  const results: HardCaseResult[] = [];
+  if (format === 'table') console.out(`${resultHeading(nameWidth)}\n`);
+  try {
+    for (const hardCase of cases) {
+      const result = await runner.run(hardCase, { sizePx });
+      results.push(result);
+      if (format === 'table') console.out(`${resultLine(result, nameWidth)}\n`);
+    }
+  } finally {
+    runner.destroy();
+  }
+  const date = new Date().toISOString().slice(0, 10);
+  const report = { adapter: runner.adapterLabel, date, commit: currentCommit(), sizePx, results };
+  console.out(textOf(report, format));
+  const failed = results.filter(({ verdict }) => verdict === 'fail').length;
+  if (failed > 0)
+    throw new WebSplatterError('hard-cases-failed', `${failed} of ${results.length} hard cases fail`);
+}
+
+function textOf(report: HardCaseReport, format: HardCaseOptions['format']): string {
+  if (format === 'json') return jsonReport(report);
+  if (format === 'markdown') return markdownReport(report);
+  return `${['', ...failureLines(report.results), summaryLine(report)].join('\n')}\n`;
+}
+
+/** @throws UsageError naming the argument. */
+function parseHardCaseArguments(args: readonly string[]): HardCaseOptions {
+  const { values, positionals } = parseStrictly(args, {
+    json: { type: 'boolean', default: false },
+    markdown: { type: 'boolean', default: false },
+    filter: { type: 'string', default: '' },
+    size: { type: 'string', default: '64x64' },
+  });
+  if (positionals.length > 0)
+    throw new UsageError('arguments', `hardcases takes no ${positionals[0]}; --filter chooses cases by name`);
+  if (values.json && values.markdown)
+    throw new UsageError('--markdown', '--json and --markdown are two formats; give one');
+  const cases = HARD_CASES.filter(({ name }) => name.includes(values.filter));
+  if (cases.length === 0)
+    throw new UsageError('--filter', `--filter is ${values.filter}; no case has that in its name`);
+  const format = values.json ? 'json' : values.markdown ? 'markdown' : 'table';
+  return { format, cases, sizePx: parseSquare(values.size) };
+}
+
+function parseSquare(text: string): number {
+  const [, width, height] = /^(\d+)[x×](\d+)$/i.exec(text) ?? [];
+  const sizePx = Number(width);
+  if (width === undefined || width !== height || sizePx < 1 || sizePx > 1024) {
+    throw new UsageError(
+      '--size',
+      `--size is ${text}; the cases are made for squares, such as 64x64, of 1 to 1024 pixels`,
+    );
+  }
+  return sizePx;
+}

@@ -1,0 +1,102 @@
+import { expect, test } from 'vitest';
+import {
+  failureLines,
+  type HardCaseReport,
+  jsonReport,
+  markdownReport,
+  resultHeading,
+  resultLine,
+  summaryLine,
+} from './report.ts';
+import type { HardCaseResult } from './run-result.ts';
+
+const stage = {
+  field: 'minorLengthPx',
+  cloudIndex: 0,
+  splatIndex: 3,
+  got: 0.77459,
+  expected: 0.7745966,
+  error: 6.6e-6,
+  bound: 1.1e-5,
+  ratio: 0.6,
+  camera: 'front',
+  preset: 'reference',
+} as const;
+
+const PASSED: HardCaseResult = {
+  name: 'needle',
+  group: 'scale',
+  verdict: 'pass',
+  failures: [],
+  stages: { reference: { minorLengthPx: stage } },
+  worstStage: stage,
+  unsureSplats: 0,
+  images: {
+    reference: { camera: 'front', psnrDb: 137.25, maxError: 1.25e-6, minPsnrDb: 55 },
+    high: { camera: 'front', psnrDb: Number.POSITIVE_INFINITY, maxError: 0, minPsnrDb: null },
+  },
+  dropped: {},
+  elapsedMs: 1500,
+};
+
+const FAILED: HardCaseResult = {
+  ...PASSED,
+  name: 'sort-all-equal',
+  group: 'sort',
+  verdict: 'fail',
+  failures: ['sort-all-equal, 9 keys of 16 bits: place 1 | 2'],
+  stages: {},
+  worstStage: null,
+  images: {},
+};
+
+const REPORT: HardCaseReport = {
+  adapter: 'acme gpu',
+  date: '2026-01-02',
+  commit: 'abc',
+  sizePx: 64,
+  results: [PASSED, FAILED],
+};
+
+test('a line lists stage, decibels per preset, error and verdict under its heading', () => {
+  const [heading, line, failed] = [resultHeading(16), resultLine(PASSED, 16), resultLine(FAILED, 16)];
+  expect(line.split(/ {2,}/)).toEqual([
+    'needle',
+    'minorLengthPx 6.6e-6 (0.60)',
+    '137.3',
+    'exact',
+    '–',
+    '1.3e-6',
+    'pass',
+  ]);
+  expect(failed.split(/ {2,}/)).toEqual(['sort-all-equal', '–', '–', '–', '–', '–', 'fail']);
+  expect(line.indexOf('pass')).toBe(heading.indexOf('verdict'));
+  expect(failed.indexOf('fail')).toBe(heading.indexOf('verdict'));
+});
+
+test('the summary says how many, where, when and how long', () => {
+  expect(summaryLine(REPORT)).toBe(
+    '1 of 2 hard cases pass in 3.0 s (acme gpu, 64×64, 2026-01-02, commit abc)',
+  );
+  expect(summaryLine({ ...REPORT, commit: null })).toMatch(/2026-01-02\)$/);
+});
+
+test('markdown has a row per case and lists failures', () => {
+  const lines = markdownReport(REPORT).split('\n');
+  expect(lines.filter((line) => line.startsWith('| '))).toHaveLength(4);
+  expect(lines).toContain(
+    '| scale | needle | minorLengthPx 6.6e-6 (0.60) | 137.3 | exact | – | 1.3e-6 | pass |',
+  );
+  expect(lines).toContain(`- ${FAILED.failures[0]}`);
+  expect(markdownReport({ ...REPORT, results: [PASSED] })).not.toContain('Failures');
+});
+
+test('JSON keeps infinities as text', () => {
+  const read = JSON.parse(jsonReport(REPORT));
+  expect(read.results[0].images.high.psnrDb).toBe('Infinity');
+  expect(read.results[0].images.reference.psnrDb).toBe(137.25);
+});
+
+test('failures are listed as they are', () => {
+  expect(failureLines(REPORT.results)).toEqual(FAILED.failures);
+});

@@ -1,0 +1,94 @@
+import { ACCURACY_PRESETS, type AccuracyPreset } from '@websplatter/core';
+import type { HardCaseResult } from './run-result.ts';
+
+/** The results of some hard cases, and what they were made on. */
+export interface HardCaseReport {
+  readonly adapter: string;
+  /** ISO 8601. */
+  readonly date: string;
+  /** Of the working copy that was run, null where it is unknown. */
+  readonly commit: string | null;
+  /** Width and height of the pictures of which a case gives no size. */
+  readonly sizePx: number;
+  readonly results: readonly HardCaseResult[];
+}
+
+const PRESETS = Object.keys(ACCURACY_PRESETS) as AccuracyPreset[];
+const COLUMNS = [
+  'case',
+  'worst stage error (of its bound)',
+  ...PRESETS.map((p) => `${p} dB`),
+  'max error',
+  'verdict',
+];
+/** Of the columns after the first. */
+const COLUMN_WIDTHS = [34, 13, 9, 11, 9, 7];
+
+/** The heading of `resultLine`s, for names of up to `nameWidth` characters. */
+export function resultHeading(nameWidth: number): string {
+  return alignedLine(COLUMNS, nameWidth);
+}
+
+/** One result as a line of a table. */
+export function resultLine(result: HardCaseResult, nameWidth: number): string {
+  return alignedLine(cellsOf(result), nameWidth);
+}
+
+/** Every failure, a line each. */
+export function failureLines(results: readonly HardCaseResult[]): string[] {
+  return results.flatMap(({ failures }) => failures);
+}
+
+/** How many passed, where, when and how long it took. */
+export function summaryLine({ adapter, date, commit, sizePx, results }: HardCaseReport): string {
+  const passed = results.filter(({ verdict }) => verdict === 'pass').length;
+  const seconds = results.reduce((sum, { elapsedMs }) => sum + elapsedMs, 0) / 1000;
+  const places = [adapter, `${sizePx}×${sizePx}`, date, ...(commit === null ? [] : [`commit ${commit}`])];
+  return `${passed} of ${results.length} hard cases pass in ${seconds.toFixed(1)} s (${places.join(', ')})`;
+}
+
+/** The report as a table for documentation. */
+export function markdownReport(report: HardCaseReport): string {
+  const row = (cells: readonly string[]) =>
+    `| ${cells.map((cell) => cell.replaceAll('|', '\\|')).join(' | ')} |`;
+  const lines = [
+    `${summaryLine(report)}.`,
+    '',
+    row(['group', ...COLUMNS]),
+    row(['group', ...COLUMNS].map(() => '---')),
+    ...report.results.map((result) => row([result.group, ...cellsOf(result)])),
+  ];
+  const failures = failureLines(report.results);
+  if (failures.length > 0) lines.push('', 'Failures:', '', ...failures.map((failure) => `- ${failure}`));
+  return `${lines.join('\n')}\n`;
+}
+
+/** The report as JSON, which has no infinities and NaNs: they become text. */
+export function jsonReport(report: HardCaseReport): string {
+  const asText = (_: string, value: unknown) =>
+    typeof value === 'number' && !Number.isFinite(value) ? String(value) : value;
+  return `${JSON.stringify(report, asText, 2)}\n`;
+}
+
+function cellsOf({ name, worstStage, images, verdict }: HardCaseResult): string[] {
+  const stage = worstStage
+    ? `${worstStage.field} ${scientific(worstStage.error)} (${worstStage.ratio.toFixed(2)})`
+    : '–';
+  const maxError = images.reference ? scientific(images.reference.maxError) : '–';
+  return [name, stage, ...PRESETS.map((preset) => decibels(images[preset]?.psnrDb)), maxError, verdict];
+}
+
+function decibels(psnrDb: number | undefined): string {
+  if (psnrDb === undefined) return '–';
+  return Number.isFinite(psnrDb) ? psnrDb.toFixed(1) : 'exact';
+}
+
+function scientific(value: number): string {
+  return value === 0 ? '0' : value.toExponential(1);
+}
+
+function alignedLine([name, ...cells]: readonly string[], nameWidth: number): string {
+  return [name.padEnd(nameWidth), ...cells.map((cell, i) => cell.padEnd(COLUMN_WIDTHS[i]))]
+    .join('  ')
+    .trimEnd();
+}
