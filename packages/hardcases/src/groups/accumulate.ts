@@ -68,19 +68,18 @@ export const ACCUMULATE_CASES: readonly HardCase[] = [
     'accumulate-600-layers',
     'Blending stalls where a layer adds less than half a step of the target: two thirds of white in 8 bits.',
     { count: 600, alpha: FAINT },
-    stalled(36),
+    stalled(30),
   ),
   layered(
     'accumulate-5000-layers',
     'Blending stalls for good in 8 and 16 bits, and per-tile lists of limited length leave the last layers out.',
     { count: 5000, alpha: FAINT },
-    stalled(27),
+    stalled(26),
   ),
   layered(
     'accumulate-5000-layers-in-three-colours',
     'Each channel stalls or overflows its list by itself, and the wall of colours becomes tinted.',
     { count: 5000, alpha: 0.02, color: inThirds },
-    stalled(30),
   ),
   layered(
     'accumulate-60-layers-alpha-0-99',
@@ -101,6 +100,6 @@ export const ACCUMULATE_CASES: readonly HardCase[] = [
     'accumulate-5000-faint-layers-black-and-white',
     'Each layer moves the colour by about a step of an 8-bit target, and roundings that go one way add up.',
     { count: 5000, alpha: FAINT, color: alternating },
-    stalled(30),
+    stalled(29),
   ),
 ];
