@@ -6,8 +6,8 @@ export interface DrawnCamera {
   readonly projectionMatrix: number[];
   readonly near: number;
   readonly far: number;
-  /** Null for the identity. */
-  readonly modelMatrix: number[] | null;
+  /** Of each cloud; null for the identity. */
+  readonly modelMatrices: (number[] | null)[];
   readonly background: [number, number, number];
 }
 
@@ -40,6 +40,10 @@ export async function waitForFrameAfter(page: Page, frames: number): Promise<voi
 export async function waitForPicture(page: Page): Promise<void> {
   await waitForState(page, 'ready');
   await waitForFrameAfter(page, 0);
+}
+
+export async function textOf(page: Page, testId: string): Promise<string> {
+  return (await page.getByTestId(testId).textContent()) ?? '';
 }
 
 export function drawnCamera(page: Page): Promise<DrawnCamera> {

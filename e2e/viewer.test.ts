@@ -1,78 +1,22 @@
-import { type Camera, cameraFromMatrices, encodePly } from '@websplatter/core';
-import { compareImages, renderReference } from '@websplatter/core/reference';
-import type { Browser, BrowserContextOptions, Page } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
-import { launchBrowser, newWatchedPage, type WatchedPage } from './browser.ts';
-import { startViewerServer, type ViewerServer } from './server.ts';
+import { encodePly } from '@websplatter/core';
+import { describe, expect, it } from 'vitest';
+import { viewerHarness } from './harness.ts';
+import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { testScene } from './test-scene.ts';
 import {
   changedPart,
-  type DrawnCamera,
   drawnCamera,
   dropFiles,
   frameCount,
-  type Screenshot,
   screenshot,
+  textOf,
   waitForFrameAfter,
   waitForPicture,
   waitForState,
 } from './viewer-page.ts';
 
-/**
- * Least PSNR of a screenshot against float64, both rounded to the screen's 8 bits. Packed geometry, 8-bit spherical
- * harmonics and half-float blending flip the rounding of single pixels: 68 dB were measured on SwiftShader. Another GPU
- * may filter and round otherwise, hence the margin; the same scene the other way up reaches 15 dB.
- */
-const MIN_PSNR_DB = 45;
-
-let browser: Browser;
-let server: ViewerServer;
-let watched: WatchedPage | null = null;
-
-beforeAll(async () => {
-  [browser, server] = await Promise.all([launchBrowser(), startViewerServer()]);
-});
-
-afterAll(async () => {
-  await browser?.close();
-  await server?.close();
-});
-
-afterEach(async () => {
-  const { page, problems } = watched ?? { page: null, problems: [] };
-  watched = null;
-  await page?.context().close();
-  expect(problems, 'what the page complained about').toEqual([]);
-});
-
-/** A page that has not gone anywhere yet. */
-async function newPage(options: BrowserContextOptions = {}): Promise<Page> {
-  watched = await newWatchedPage(browser, options);
-  return watched.page;
-}
-
-/** The viewer with its first picture on the screen. */
-async function openViewer(options: BrowserContextOptions = {}): Promise<Page> {
-  const page = await newPage(options);
-  await page.goto(`${server.url}?scene=still-life-small`);
-  await waitForPicture(page);
-  return page;
-}
-
-async function textOf(page: Page, testId: string): Promise<string> {
-  return (await page.getByTestId(testId).textContent()) ?? '';
-}
-
-/** PSNR of a screenshot against the test scene in float64, from the camera that the viewer says it used. */
-function psnrAgainstReference(shot: Screenshot, drawn: DrawnCamera): number {
-  const { widthPx, heightPx, data } = shot;
-  const { viewMatrix, projectionMatrix, near, far, modelMatrix, background } = drawn;
-  const camera: Camera = cameraFromMatrices(viewMatrix, projectionMatrix, { near, far });
-  const clouds = [{ set: testScene(), modelMatrix: modelMatrix ?? undefined }];
-  const reference = renderReference({ clouds, camera, widthPx, heightPx });
-  const actual = Float64Array.from(data, (value) => value / 255);
-  return compareImages(actual, reference.data, { widthPx, heightPx, background, quantize: 'png' }).psnrDb;
-}
+const harness = viewerHarness();
+const { newPage, openViewer } = harness;
 
 describe('viewer', () => {
   it('opens on its scene, with the figures of each stage', async () => {
@@ -118,17 +62,21 @@ describe('viewer', () => {
     expect(changedPart(before, shot)).toBeGreaterThan(0.3);
     const drawn = await drawnCamera(page);
     // Files come with y down, as captures do, and are turned.
-    expect(drawn.modelMatrix?.[5]).toBe(-1);
-    expect(psnrAgainstReference(shot, drawn)).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    expect(drawn.modelMatrices[0]?.[5]).toBe(-1);
+    expect(psnrAgainstReference(shot, drawn, [testScene()])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
     // The comparison can fail: the same picture against the scene the other way up.
-    expect(psnrAgainstReference(shot, { ...drawn, modelMatrix: null })).toBeLessThan(MIN_PSNR_DB);
+    expect(psnrAgainstReference(shot, { ...drawn, modelMatrices: [null] }, [testScene()])).toBeLessThan(
+      MIN_PSNR_DB,
+    );
 
     const framesBeforeFlip = await frameCount(page);
     await page.keyboard.press('u');
     await waitForFrameAfter(page, framesBeforeFlip);
     const flipped = await drawnCamera(page);
-    expect(flipped.modelMatrix).toBeNull();
-    expect(psnrAgainstReference(await screenshot(page), flipped)).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    expect(flipped.modelMatrices).toEqual([null]);
+    expect(psnrAgainstReference(await screenshot(page), flipped, [testScene()])).toBeGreaterThanOrEqual(
+      MIN_PSNR_DB,
+    );
   });
 
   it('keeps the old scene on the screen, and movable, while a file is loading', async () => {
@@ -143,7 +91,7 @@ describe('viewer', () => {
         else send();
       };
     });
-    await page.goto(`${server.url}?scene=still-life-small`);
+    await page.goto(`${harness.server.url}?scene=still-life-small`);
     await waitForPicture(page);
     await page.evaluate(() => Object.assign(window, { isHolding: true }));
     await dropFiles(page, [{ name: 'later.ply', bytes: encodePly(testScene()) }]);
@@ -161,6 +109,47 @@ describe('viewer', () => {
     await page.evaluate(() => (window as unknown as { release: () => void }).release());
     await waitForState(page, 'ready');
     expect(await textOf(page, 'scene-title')).toBe('later.ply');
+  });
+
+  it('says how many splats of a file were left out, and why', async () => {
+    const page = await openViewer();
+    const set = testScene();
+    // Rows 0, 2, 4, … have no position, row 1 no opacity, row 3 an infinite colour.
+    for (let i = 0; i < set.count; i += 2) set.positions[3 * i + 1] = Number.NaN;
+    set.opacityLogits[1] = Number.NaN;
+    set.colorDc[3 * 3] = Number.POSITIVE_INFINITY;
+    const frames = await frameCount(page);
+    await dropFiles(page, [{ name: 'half.ply', bytes: encodePly(set) }]);
+    await waitForFrameAfter(page, frames);
+    await waitForState(page, 'ready');
+    expect(await textOf(page, 'scene')).toContain('198 splats · SH 1 · 202 left out');
+    expect(await textOf(page, 'warning')).toContain('More than half of the splats were left out');
+    expect(await textOf(page, 'warning')).toContain('202 of the 400 rows in half.ply');
+    expect(await page.getByRole('status').getByTestId('warning').isVisible()).toBe(true);
+
+    const button = page.getByTestId('dropped');
+    const reasons = page.getByTestId('dropped-reasons');
+    expect(await reasons.isVisible()).toBe(false);
+    await button.focus();
+    await page.keyboard.press('Enter');
+    expect(await button.getAttribute('aria-expanded')).toBe('true');
+    expect(await reasons.locator('div').allTextContents()).toEqual([
+      'Position is not a finite number200',
+      'Opacity is not a number1',
+      'Colour is not a finite number1',
+    ]);
+    await page.keyboard.press('Escape');
+    expect(await reasons.isVisible()).toBe(false);
+    expect(await button.getAttribute('aria-expanded')).toBe('false');
+    // The list goes first, what is more important by the next key.
+    expect(await page.getByTestId('warning').isVisible()).toBe(true);
+    await page.keyboard.press('Escape');
+    expect(await page.getByTestId('warning').count()).toBe(0);
+
+    const framesBefore = await frameCount(page);
+    await dropFiles(page, [{ name: 'whole.ply', bytes: encodePly(testScene()) }]);
+    await waitForFrameAfter(page, framesBefore);
+    expect(await page.getByTestId('dropped').count()).toBe(0);
   });
 
   it('opens the first PLY of several and says so', async () => {
@@ -194,7 +183,7 @@ describe('viewer', () => {
 
   it('says so where the address leads to no splats, and shows the built-in scene', async () => {
     const page = await newPage();
-    await page.goto(`${server.url}?scene=still-life-small&file=index.html`);
+    await page.goto(`${harness.server.url}?scene=still-life-small&file=index.html`);
     await page.getByTestId('error').waitFor();
     await waitForFrameAfter(page, 0);
     await waitForState(page, 'error');
@@ -203,7 +192,7 @@ describe('viewer', () => {
   });
 
   it('draws in device pixels, also after the window has changed', async () => {
-    const page = await openViewer({ viewport: { width: 200, height: 120 }, deviceScaleFactor: 2 });
+    const page = await openViewer(undefined, { viewport: { width: 200, height: 120 }, deviceScaleFactor: 2 });
     const backingSize = () =>
       page.getByTestId('viewport').evaluate((canvas: HTMLCanvasElement) => [canvas.width, canvas.height]);
     expect(await backingSize()).toEqual([400, 240]);
@@ -249,7 +238,7 @@ describe('viewer', () => {
     await page.addInitScript(() =>
       Object.defineProperty(Navigator.prototype, 'gpu', { get: () => undefined }),
     );
-    await page.goto(server.url);
+    await page.goto(harness.server.url);
     await waitForState(page, 'unavailable');
     const message = await textOf(page, 'webgpu-unavailable');
     expect(message).toContain('needs WebGPU');
@@ -261,7 +250,7 @@ describe('viewer', () => {
     await page.addInitScript(() => {
       GPU.prototype.requestAdapter = async () => null;
     });
-    await page.goto(server.url);
+    await page.goto(harness.server.url);
     await waitForState(page, 'unavailable');
     expect(await textOf(page, 'status-reason')).toContain('no GPU');
   });
@@ -276,7 +265,7 @@ describe('viewer', () => {
         return device;
       };
     });
-    await page.goto(`${server.url}?scene=still-life-small`);
+    await page.goto(`${harness.server.url}?scene=still-life-small`);
     await waitForPicture(page);
     let frames = await frameCount(page);
     await page.keyboard.press('ArrowLeft');
@@ -303,7 +292,7 @@ describe('viewer', () => {
         return request(callback);
       };
     });
-    await page.goto(`${server.url}?scene=still-life-small`);
+    await page.goto(`${harness.server.url}?scene=still-life-small`);
     await waitForPicture(page);
     // The first measurement comes after the picture and asks whether there is more to draw.
     await page.waitForFunction(
@@ -321,11 +310,11 @@ describe('viewer', () => {
 
   it('stops a load that is cancelled, and shows the built-in scene in place of the file', async () => {
     const page = await newPage();
-    await page.goto(`${server.url}?scene=still-life-small&file=/endless.ply`);
+    await page.goto(`${harness.server.url}?scene=still-life-small&file=/endless.ply`);
     await page.getByTestId('load-figures').getByText('of 100 MB').waitFor();
     expect(await page.evaluate(() => document.documentElement.dataset.state)).toBe('loading');
     await page.getByTestId('cancel-load').click();
-    await server.whenEndlessFileIsDropped();
+    await harness.server.whenEndlessFileIsDropped();
     await waitForPicture(page);
     expect(await textOf(page, 'scene-title')).toContain('Still life');
     expect(await page.getByTestId('load').count()).toBe(0);
@@ -334,10 +323,10 @@ describe('viewer', () => {
 
   it('stops a load when another file is dropped', async () => {
     const page = await newPage();
-    await page.goto(`${server.url}?file=/endless.ply`);
+    await page.goto(`${harness.server.url}?file=/endless.ply`);
     await page.getByTestId('load-figures').getByText('of 100 MB').waitFor();
     await dropFiles(page, [{ name: 'next.ply', bytes: encodePly(testScene()) }]);
-    await server.whenEndlessFileIsDropped();
+    await harness.server.whenEndlessFileIsDropped();
     await waitForPicture(page);
     expect(await textOf(page, 'scene-title')).toBe('next.ply');
   });

@@ -14,6 +14,7 @@ import type { ViewerStore } from './store.ts';
 import { Toolbar } from './toolbar.tsx';
 import type { Viewer } from './viewer.ts';
 import { Viewport } from './viewport.tsx';
+import { WarningPanel } from './warning-panel.tsx';
 
 export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   const status = useStore(store, (state) => state.status);
@@ -33,9 +34,10 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
       <div className="overlay">
         <Hud store={store} />
         <Toolbar store={store} run={run} />
-        <SceneCaption store={store} />
+        <SceneCaption store={store} onStep={(by) => viewer.stepCamera(by)} />
         <div className="messages">
           <Notice store={store} />
+          <WarningPanel store={store} />
           <ErrorPanel store={store} />
           <LoadPanel store={store} onCancel={() => viewer.cancelLoad()} />
         </div>

@@ -1,4 +1,4 @@
-import type { ViewerStore } from './store.ts';
+import type { ViewerState, ViewerStore } from './store.ts';
 import type { Viewer } from './viewer.ts';
 
 export type CommandName = 'open' | 'flip' | 'reset' | 'frame' | 'hud' | 'help';
@@ -38,21 +38,29 @@ export function createCommands(viewer: Viewer, store: ViewerStore, chooseFile: (
 export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand): () => void {
   const onKeyDown = (event: KeyboardEvent) => {
     if (event.ctrlKey || event.metaKey || event.altKey || isTyping(event.target)) return;
-    const { isHelpVisible, error, status } = store.getState();
+    const { isHelpVisible, status } = store.getState();
     if (event.key === 'Escape') {
-      // The dialog closes itself too, but tells later: a key pressed meanwhile would be taken for one over the help.
-      store.setState(isHelpVisible ? { isHelpVisible: false } : error ? { error: null } : {});
+      store.setState(withoutTopmost(store.getState()));
       return;
     }
     if (status !== 'running') return;
     const command = COMMANDS.find(({ key }) => key === event.key.toLowerCase());
     // A held key repeats; that is right for moving and wrong for switching.
     if (command && !event.repeat && (!isHelpVisible || command.name === 'help')) run(command.name);
-    else if (command || isHelpVisible || !viewer.controls.handleKey(event)) return;
+    else if (command || isHelpVisible || !viewer.handleKey(event)) return;
     event.preventDefault();
   };
   window.addEventListener('keydown', onKeyDown);
   return () => window.removeEventListener('keydown', onKeyDown);
+}
+
+/** What Escape closes: one thing at a time. */
+function withoutTopmost(state: ViewerState): Partial<ViewerState> {
+  // The dialog closes itself too, but tells later: a key pressed meanwhile would be taken for one over the help.
+  if (state.isHelpVisible) return { isHelpVisible: false };
+  if (state.isDroppedVisible) return { isDroppedVisible: false };
+  if (state.error) return { error: null };
+  return { warning: null };
 }
 
 function isTyping(target: EventTarget | null): boolean {

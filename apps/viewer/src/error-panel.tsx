@@ -1,5 +1,5 @@
 import { useStore } from 'zustand';
-import { Icon } from './icon.tsx';
+import { MessagePanel } from './message-panel.tsx';
 import type { ViewerStore } from './store.ts';
 
 /** What went wrong with the last file; the scene before it stays. */
@@ -9,25 +9,21 @@ export function ErrorPanel({ store }: { store: ViewerStore }) {
   return (
     <div role="alert" className="message-slot">
       {error && (
-        <section className="panel message error" data-testid="error">
-          <Icon name="warning" />
-          <div className="message-text">
-            <h2>{error.title}</h2>
-            <p className="particulars" data-testid="error-message">
-              {error.message}
-            </p>
-            {error.advice && <p>{error.advice}</p>}
-          </div>
-          <button
-            type="button"
-            className="icon-button"
-            aria-label="Dismiss the error"
-            data-testid="dismiss-error"
-            onClick={() => store.setState({ error: null })}
-          >
-            <Icon name="close" />
-          </button>
-        </section>
+        <MessagePanel kind="error" title={error.title} onDismiss={() => store.setState({ error: null })}>
+          <p className="particulars" data-testid="error-message">
+            {error.message}
+          </p>
+          {error.advice && <p>{error.advice}</p>}
+          {error.links && (
+            <ul className="links">
+              {error.links.map(({ label, href }) => (
+                <li key={href}>
+                  <a href={href}>{label}</a>
+                </li>
+              ))}
+            </ul>
+          )}
+        </MessagePanel>
       )}
     </div>
   );

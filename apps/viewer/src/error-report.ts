@@ -6,6 +6,7 @@ import {
   WebSplatterError,
 } from '@websplatter/core';
 import { formatBytes } from './format.ts';
+import { HardCaseError, type Link } from './hard-catalogue.ts';
 
 /** An error as it is shown: what went wrong in a few words, the particulars, and what to do. */
 export interface ErrorReport {
@@ -14,6 +15,8 @@ export interface ErrorReport {
   readonly advice: string;
   /** Nothing that the engine throws on purpose: a mistake of ours, whose particulars belong in the console. */
   readonly isFault: boolean;
+  /** Where to go instead. */
+  readonly links?: readonly Link[];
 }
 
 /** The engine's message says the rest: where in the file, and what to do. */
@@ -39,6 +42,10 @@ export function reportError(error: unknown, title: string): ErrorReport {
         ? 'Check the address and the connection; the server must allow reading from this page (CORS).'
         : 'Check the address.';
     return { title: 'The file cannot be read', message: error.message, advice, isFault: false };
+  }
+  if (error instanceof HardCaseError) {
+    const { message, links } = error;
+    return { title: 'No such scene', message, advice: '', isFault: false, links };
   }
   if (error instanceof GpuLimitError) {
     const sizes = `${formatBytes(error.neededBytes)} needed, ${formatBytes(error.availableBytes)} available`;

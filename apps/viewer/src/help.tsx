@@ -1,6 +1,7 @@
 import { useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import { COMMANDS } from './commands.ts';
+import { GALLERY_ADDRESS } from './hard-catalogue.ts';
 import { Icon } from './icon.tsx';
 import type { ViewerStore } from './store.ts';
 
@@ -17,6 +18,7 @@ const CAMERA_KEYS: readonly (readonly [string, readonly string[]])[] = [
   ['Walk', ['W', 'A', 'S', 'D']],
   ['Down, up', ['Q', 'E']],
   ['Reset the view', ['Home']],
+  ['A hard case’s cameras', ['[', ']']],
 ];
 
 export function Help({ store }: { store: ViewerStore }) {
@@ -76,6 +78,9 @@ export function Help({ store }: { store: ViewerStore }) {
         </dl>
         <p>
           Drop a Gaussian-splat PLY anywhere in the window. Captures often have y pointing down: U turns them.
+        </p>
+        <p>
+          Scenes that break splat renderers: <a href={GALLERY_ADDRESS}>all hard cases</a>.
         </p>
       </div>
     </dialog>

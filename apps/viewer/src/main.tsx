@@ -1,19 +1,34 @@
-import { StrictMode } from 'react';
+import { type ReactNode, StrictMode } from 'react';
 import { createRoot } from 'react-dom/client';
 import { App } from './app.tsx';
+import { GALLERY_SCENE, loadHardCases } from './hard-catalogue.ts';
+import { GalleryFailedPage } from './status-pages.tsx';
 import { createViewerStore, mirrorToDocument } from './store.ts';
 import './viewer.css';
 import { Viewer } from './viewer.ts';
 
-const store = createViewerStore();
-mirrorToDocument(store, document);
-const address = new URLSearchParams(location.search);
-const viewer = new Viewer(store, { file: address.get('file'), scene: address.get('scene') });
+const element = document.getElementById('root');
+if (!element) throw new Error('The page has no #root.');
+const root = createRoot(element);
+const show = (page: ReactNode) => root.render(<StrictMode>{page}</StrictMode>);
 
-const root = document.getElementById('root');
-if (!root) throw new Error('The page has no #root.');
-createRoot(root).render(
-  <StrictMode>
-    <App store={store} viewer={viewer} />
-  </StrictMode>,
-);
+const address = new URLSearchParams(location.search);
+const file = address.get('file');
+const scene = address.get('scene');
+if (scene === GALLERY_SCENE && !file) {
+  showGallery().catch((error) => {
+    console.error(error);
+    show(<GalleryFailedPage />);
+  });
+} else {
+  const store = createViewerStore();
+  mirrorToDocument(store, document);
+  show(<App store={store} viewer={new Viewer(store, { file, scene })} />);
+}
+
+async function showGallery(): Promise<void> {
+  document.title = 'Hard cases · WebSplatter';
+  const [{ Gallery }, cases] = await Promise.all([import('./gallery.tsx'), loadHardCases()]);
+  show(<Gallery cases={cases} firstQuery={address.get('q') ?? ''} />);
+  document.documentElement.dataset.state = 'ready';
+}

@@ -166,6 +166,21 @@ describe('OrbitControls', () => {
     expect(controls.pose.azimuth).toBe(0);
   });
 
+  it('knows when it is home, after whole turns too', () => {
+    const { controls } = mounted();
+    expect(controls.isHome).toBe(true);
+    for (let step = 0; step < 72; step++) {
+      controls.handleKey({
+        key: 'ArrowRight',
+        shiftKey: false,
+        ctrlKey: false,
+        metaKey: false,
+        altKey: false,
+      });
+      expect(controls.isHome).toBe(step === 71);
+    }
+  });
+
   it('follows a hand at once even where steps glide', () => {
     const { controls, send } = mounted(false);
     send('pointerdown', { clientX: 100, clientY: 100 });

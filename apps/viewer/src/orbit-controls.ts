@@ -177,6 +177,11 @@ export class OrbitControls {
     return this.#home;
   }
 
+  /** Whether home is what is to be drawn now, whole turns aside. */
+  get isHome(): boolean {
+    return isClose(unwound(this.#shown, this.#home.azimuth), this.#home);
+  }
+
   /** Goes to `pose` at once. */
   setPose(pose: OrbitPose, home: OrbitPose = pose): void {
     this.#home = home;

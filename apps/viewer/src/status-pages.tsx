@@ -39,6 +39,21 @@ export function UnavailablePage({ store }: { store: ViewerStore }) {
   );
 }
 
+/** In place of the gallery where its catalogue could not be loaded. */
+export function GalleryFailedPage() {
+  return (
+    <main className="status-page" role="alert">
+      <h1>The hard cases could not be loaded</h1>
+      <p>Check the connection; the browser’s console has the particulars.</p>
+      <p className="actions">
+        <button type="button" className="text-button primary" onClick={() => location.reload()}>
+          Try again
+        </button>
+      </p>
+    </main>
+  );
+}
+
 /** Over the viewer when the GPU was taken away. */
 export function LostPage({ store, onRecover }: { store: ViewerStore; onRecover: () => void }) {
   const reason = useStore(store, (state) => state.statusReason);

@@ -7,7 +7,16 @@ import {
   type ViewerState,
 } from './store.ts';
 
-const scene = { title: 'Garden', splats: 3, shDegree: 0, droppedSplats: 0 };
+const scene = {
+  title: 'Garden',
+  clouds: 1,
+  splats: 3,
+  shDegree: 0,
+  dropped: {},
+  about: null,
+  cameras: [],
+  canFlip: true,
+};
 const load = { title: 'b.ply', phase: 'read', loadedBytes: 0, totalBytes: undefined, splats: 0 } as const;
 const error = { title: 'x', message: 'y', advice: '', isFault: false };
 

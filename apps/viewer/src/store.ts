@@ -1,16 +1,25 @@
-import type { FrameStatistics, LoadProgress } from '@websplatter/core';
+import type { DropCounts, FrameStatistics, LoadProgress } from '@websplatter/core';
 import { createStore, type StoreApi } from 'zustand/vanilla';
+import type { SceneWarning } from './dropped-splats.ts';
 import type { ErrorReport } from './error-report.ts';
 import type { FrameRate } from './frame-meter.ts';
+import type { SceneAbout } from './scene-source.ts';
 
 /** The scene that is on the screen. */
 export interface SceneSummary {
   /** For people: a built-in scene's title, a file's name. */
   readonly title: string;
+  readonly clouds: number;
+  /** Of all clouds. */
   readonly splats: number;
+  /** The highest of any cloud. */
   readonly shDegree: number;
-  /** Rows of the file that could not be drawn. */
-  readonly droppedSplats: number;
+  /** Rows of files that could not be drawn, by reason. */
+  readonly dropped: DropCounts;
+  readonly about: SceneAbout | null;
+  /** Names of the cameras that the scene comes with and that are to be shown as they are; mostly none. */
+  readonly cameras: readonly string[];
+  readonly canFlip: boolean;
 }
 
 /** A scene on its way. */
@@ -39,11 +48,19 @@ export interface ViewerState {
   readonly scene: SceneSummary | null;
   readonly load: LoadState | null;
   readonly error: ErrorReport | null;
+  /** What is wrong with the scene that is shown; stays until it is dismissed. */
+  readonly warning: SceneWarning | null;
   /** One sentence that needs no answer. */
   readonly notice: string | null;
+  /** Which of the scene's cameras was chosen last. */
+  readonly cameraIndex: number;
+  /** That camera itself is shown, not an orbit that went on from it. */
+  readonly isOwnCamera: boolean;
   readonly isFlipped: boolean;
   readonly isHudVisible: boolean;
   readonly isHelpVisible: boolean;
+  /** The list of reasons for which splats were left out. */
+  readonly isDroppedVisible: boolean;
   readonly adapterLabel: string;
   readonly widthPx: number;
   readonly heightPx: number;
@@ -63,10 +80,14 @@ export function createViewerStore(): ViewerStore {
     scene: null,
     load: null,
     error: null,
+    warning: null,
     notice: null,
+    cameraIndex: 0,
+    isOwnCamera: false,
     isFlipped: false,
     isHudVisible: true,
     isHelpVisible: false,
+    isDroppedVisible: false,
     adapterLabel: '',
     widthPx: 0,
     heightPx: 0,

@@ -7,8 +7,13 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
   const isFlipped = useStore(store, (state) => state.isFlipped);
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
   const hasScene = useStore(store, (state) => state.scene !== null);
+  const canFlip = useStore(store, (state) => state.scene?.canFlip ?? false);
   const pressed: Partial<Record<CommandName, boolean>> = { flip: isFlipped, hud: isHudVisible };
-  const needsScene: readonly CommandName[] = ['flip', 'reset', 'frame'];
+  const disabled: Partial<Record<CommandName, boolean>> = {
+    flip: !canFlip,
+    reset: !hasScene,
+    frame: !hasScene,
+  };
   return (
     <div className="panel toolbar" role="toolbar" aria-label="Viewer">
       {COMMANDS.map(({ name, label, key }) => (
@@ -21,7 +26,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
           aria-pressed={pressed[name]}
           title={`${label} (${key.toUpperCase()})`}
           data-testid={`command-${name}`}
-          disabled={!hasScene && needsScene.includes(name)}
+          disabled={disabled[name]}
           onClick={() => run(name)}
         >
           <Icon name={name} />

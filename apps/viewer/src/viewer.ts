@@ -1,58 +1,50 @@
 import {
   type Camera,
+  type CloudInstance,
   perspectiveCamera,
-  type SplatCloud,
   SplatEngine,
   type SplatView,
   WebGpuUnavailableError,
 } from '@websplatter/core';
-import { type BuiltinScene, stillLifeCameras } from '@websplatter/scenes';
-import { defaultSceneName, findBuiltinScene, makeBuiltinScene } from './builtin-scene.ts';
+import { defaultSceneName, findBuiltinScene } from './builtin-scene.ts';
 import { observeDevicePixelSize } from './canvas-size.ts';
+import { droppedWarning, mergedDrops } from './dropped-splats.ts';
 import { reportError } from './error-report.ts';
-import { baseName } from './format.ts';
 import { FrameLoop } from './frame-loop.ts';
 import { FrameMeter } from './frame-meter.ts';
+import { hardCaseNameIn } from './hard-catalogue.ts';
 import { lookAt, OrbitControls, type OrbitPose, poseFromLookAt, type Vec3 } from './orbit-controls.ts';
 import {
   boundingSphere,
+  boundsOf,
   depthRange,
   FIRST_FOV_DEGREES,
-  FLIP_MATRIX,
   firstPose,
+  flippedMatrix,
   flippedPoint,
   flippedPose,
   framedPose,
+  orbitNear,
   type Sphere,
   verticalFov,
 } from './scene-camera.ts';
+import { type LoadedScene, loadScene, type SceneSource, titleOf } from './scene-source.ts';
 import type { LoadState, ViewerStore } from './store.ts';
 
-/** Where a scene comes from; kept, so that it can be read again. */
-export type SceneSource =
-  | { readonly kind: 'builtin'; readonly scene: BuiltinScene }
-  | { readonly kind: 'file'; readonly file: File }
-  | { readonly kind: 'url'; readonly url: URL };
-
-/** What to open first, from the page's address: `?file=URL` and `?scene=NAME`. */
+/** What to open first, from the page's address: `?file=URL`, `?scene=NAME` and `?scene=hard:NAME`. */
 export interface StartOptions {
   readonly file?: string | null;
   readonly scene?: string | null;
 }
 
-interface ShownScene {
+interface ShownScene extends LoadedScene {
   /** The clouds of an ended session are gone with it. */
   readonly session: Session;
   readonly source: SceneSource;
-  readonly cloud: SplatCloud;
   /** Where the scene is, but for stray splats; unflipped. */
   readonly sphere: Sphere;
   /** Where all splats are, unflipped. */
   readonly extent: Sphere;
-  /** Field of view over the picture's shorter side. */
-  readonly fovDegrees: number;
-  /** Fixed depths, where the scene comes with them. */
-  readonly depths: { readonly near: number; readonly far: number } | null;
 }
 
 /** What it takes to go back to a scene. */
@@ -60,7 +52,15 @@ interface ReplacedScene {
   readonly scene: ShownScene;
   readonly pose: OrbitPose;
   readonly home: OrbitPose;
+  readonly fovDegrees: number;
+  readonly cameraIndex: number;
   readonly isFlipped: boolean;
+}
+
+interface DrawnPicture {
+  readonly camera: Camera;
+  readonly clouds: readonly CloudInstance[];
+  readonly background: Vec3;
 }
 
 /** The device and what was made on it; replaced as a whole when the device is lost. */
@@ -85,11 +85,13 @@ export class Viewer {
   /** Starts a session on the mounted canvas; null while none is mounted. */
   #restart: (() => void) | null = null;
   #scene: ShownScene | null = null;
+  /** Field of view over the picture's shorter side, where the camera orbits. */
+  #fovDegrees = FIRST_FOV_DEGREES;
   /** Scenes that are no longer asked for, but shown until the newest has been drawn. */
   #replaced: ReplacedScene[] = [];
   #loading: AbortController | null = null;
   #background: Vec3 = [0, 0, 0];
-  #drawn: { readonly camera: Camera; readonly isFlipped: boolean; readonly background: Vec3 } | null = null;
+  #drawn: DrawnPicture | null = null;
   #frameCount = 0;
 
   constructor(store: ViewerStore, start: StartOptions = {}) {
@@ -158,8 +160,7 @@ export class Viewer {
 
   /** Turns the scene the other way up; the view keeps facing the same side of it. */
   toggleFlip(): void {
-    const scene = this.#scene;
-    if (!scene) return;
+    if (!this.#store.getState().scene?.canFlip) return;
     this.#store.setState(({ isFlipped }) => ({ isFlipped: !isFlipped }));
     this.controls.setPose(flippedPose(this.controls.pose), flippedPose(this.controls.home));
   }
@@ -172,6 +173,20 @@ export class Viewer {
     controls.glideTo(
       framedPose(controls.pose, this.#placed(scene.sphere), controls.fovYDegrees, this.#aspect()),
     );
+  }
+
+  /** Shows the scene's next own camera, or with −1 the one before. */
+  stepCamera(by: 1 | -1): void {
+    const { scene, cameraIndex } = this.#store.getState();
+    const count = scene?.cameras.length ?? 0;
+    if (count > 0) this.#showCamera((cameraIndex + by + count) % count);
+  }
+
+  /** Moves the view by the key that was pressed; returns whether the key means anything here. */
+  handleKey(event: KeyboardEvent): boolean {
+    if (event.key !== '[' && event.key !== ']') return this.controls.handleKey(event);
+    this.stepCamera(event.key === ']' ? 1 : -1);
+    return true;
   }
 
   async #startSession(canvas: HTMLCanvasElement, signal: AbortSignal): Promise<void> {
@@ -243,16 +258,19 @@ export class Viewer {
   /** What was shown before the device was lost; otherwise what the address asks for. */
   #firstSource(engine: SplatEngine): SceneSource {
     if (this.#scene) return this.#scene.source;
-    const { file } = this.#start;
+    const { file, scene } = this.#start;
     if (file) {
       if (URL.canParse(file, location.href)) return { kind: 'url', url: new URL(file, location.href) };
       this.#store.setState({ notice: `“${file}” is not an address.` });
     }
+    const hardCase = hardCaseNameIn(scene);
+    if (hardCase !== null) return { kind: 'hard-case', name: hardCase };
     return this.#builtinSource(engine);
   }
 
   #builtinSource(engine: SplatEngine): SceneSource {
-    const { scene: name } = this.#start;
+    const { scene: address } = this.#start;
+    const name = hardCaseNameIn(address) === null ? address : null;
     const asked = name ? findBuiltinScene(name) : undefined;
     if (name && !asked) this.#store.setState({ notice: `There is no built-in scene “${name}”.` });
     const scene = asked ?? findBuiltinScene(defaultSceneName(isSoftwareAdapter(engine)));
@@ -269,16 +287,16 @@ export class Viewer {
       if (this.#loading === loading) this.#store.setState({ load: { title, ...progress } });
     };
     report({
-      phase: source.kind === 'builtin' ? 'make' : 'read',
+      phase: source.kind === 'builtin' || source.kind === 'hard-case' ? 'make' : 'read',
       loadedBytes: 0,
       totalBytes: undefined,
       splats: 0,
     });
     try {
       const session = await this.#whenSession();
-      const cloud = await loadCloud(session.engine, source, loading.signal, report);
-      if (loading.signal.aborted || session !== this.#session) cloud.destroy();
-      else this.#show(session, source, cloud);
+      const loaded = await loadScene(session.engine, source, loading.signal, report);
+      if (loading.signal.aborted || session !== this.#session) destroyClouds(loaded);
+      else this.#show(session, source, loaded);
     } catch (error) {
       if (this.#loading === loading && !loading.signal.aborted) this.#fail(error, title);
     }
@@ -298,46 +316,82 @@ export class Viewer {
     this.#store.setState({ error: report });
   }
 
-  #show(session: Session, source: SceneSource, cloud: SplatCloud): void {
+  #show(session: Session, source: SceneSource, loaded: LoadedScene): void {
     const previous = this.#scene;
     const isReopened = previous?.source === source;
-    const sphere = boundingSphere(cloud.robustBounds);
-    const camera = source.kind === 'builtin' ? stillLifeCameras[0] : null;
+    const { clouds } = loaded;
     const scene: ShownScene = {
+      ...loaded,
       session,
       source,
-      cloud,
-      sphere,
-      extent: boundingSphere(cloud.bounds),
-      fovDegrees: camera?.fovYDegrees ?? FIRST_FOV_DEGREES,
-      depths: camera && { near: camera.near, far: camera.far },
+      sphere: boundingSphere(boundsOf(clouds, 'robustBounds')),
+      extent: boundingSphere(boundsOf(clouds, 'bounds')),
     };
     // Clouds of an ended session are gone with it and cannot come back.
     if (previous?.session === session) this.#replaced.push(this.#snapshot(previous));
     this.#setScene(scene);
     // After the device was lost the view goes on where it was.
-    if (!isReopened) {
-      this.#store.setState({ isFlipped: source.kind !== 'builtin' });
-      const pose = camera
-        ? poseFromLookAt(camera)
-        : firstPose(this.#placed(sphere), this.#fovY(), this.#aspect());
-      this.controls.setPose(pose);
-    }
+    if (!isReopened) this.#showFirstView(scene);
     this.#loop.request();
   }
 
   #setScene(scene: ShownScene): void {
-    const { cloud, source, sphere } = scene;
+    const { clouds, source, sphere, about } = scene;
     this.#scene = scene;
     this.controls.distanceRange = { min: sphere.radius * 1e-3, max: sphere.radius * 100 };
-    const dropped = Object.values(cloud.dropped).reduce((sum: number, count) => sum + (count ?? 0), 0);
-    const { count: splats, shDegree } = cloud;
-    this.#store.setState({ scene: { title: titleOf(source), splats, shDegree, droppedSplats: dropped } });
+    const title = titleOf(source);
+    const splats = clouds.reduce((sum, { cloud }) => sum + cloud.count, 0);
+    const dropped = mergedDrops(clouds.map(({ cloud }) => cloud.dropped));
+    this.#store.setState({
+      scene: {
+        title,
+        clouds: clouds.length,
+        splats,
+        shDegree: Math.max(0, ...clouds.map(({ cloud }) => cloud.shDegree)),
+        dropped,
+        about,
+        cameras: Object.keys(scene.ownCameras?.(this.#aspect()) ?? {}),
+        // Own cameras show the scene as it is; turned, it would be another one.
+        canFlip: scene.ownCameras === null,
+      },
+      warning: droppedWarning(title, splats, dropped),
+      isDroppedVisible: false,
+    });
+  }
+
+  #showFirstView(scene: ShownScene): void {
+    const { firstView, ownCameras, sphere, isUpsideDown } = scene;
+    this.#store.setState({ isFlipped: isUpsideDown, cameraIndex: 0 });
+    if (ownCameras) {
+      this.#showCamera(0);
+      return;
+    }
+    this.#fovDegrees = firstView?.fovYDegrees ?? FIRST_FOV_DEGREES;
+    const pose = firstView
+      ? poseFromLookAt(firstView)
+      : firstPose(this.#placed(sphere), this.#fovY(), this.#aspect());
+    this.controls.setPose(pose);
+  }
+
+  /** Shows an own camera of the scene; moving goes on as an orbit from about there. */
+  #showCamera(index: number): void {
+    const scene = this.#scene;
+    const camera = scene && this.#ownCamera(scene, index);
+    if (!camera) return;
+    const { pose, fovDegrees } = orbitNear(camera, scene.sphere, this.#aspect());
+    this.#fovDegrees = fovDegrees;
+    this.#store.setState({ cameraIndex: index });
+    this.controls.setPose(pose);
+  }
+
+  #ownCamera(scene: ShownScene, index: number): Camera | undefined {
+    return Object.values(scene.ownCameras?.(this.#aspect()) ?? {})[index];
   }
 
   #snapshot(scene: ShownScene): ReplacedScene {
     const { pose, home } = this.controls;
-    return { scene, pose, home, isFlipped: this.#store.getState().isFlipped };
+    const { isFlipped, cameraIndex } = this.#store.getState();
+    return { scene, pose, home, fovDegrees: this.#fovDegrees, cameraIndex, isFlipped };
   }
 
   /** The newest scene cannot be drawn: back to the one before it. */
@@ -346,37 +400,45 @@ export class Viewer {
     const last = this.#replaced.pop();
     this.#fail(error, failed ? titleOf(failed.source) : 'The scene');
     if (!last) return;
-    this.#setScene(last.scene);
-    this.#store.setState({ isFlipped: last.isFlipped });
-    this.controls.setPose(last.pose, last.home);
-    failed?.cloud.destroy();
+    const { scene, pose, home, fovDegrees, cameraIndex, isFlipped } = last;
+    this.#setScene(scene);
+    this.#fovDegrees = fovDegrees;
+    this.#store.setState({ cameraIndex, isFlipped });
+    this.controls.setPose(pose, home);
+    if (failed) destroyClouds(failed);
   }
 
   #draw(elapsedMs: number): Promise<unknown> | null {
     const session = this.#session;
     const scene = this.#scene;
-    const { widthPx, heightPx, isFlipped, isIdle } = this.#store.getState();
+    const { widthPx, heightPx, isFlipped, isIdle, cameraIndex, isOwnCamera } = this.#store.getState();
     if (!session || scene?.session !== session || widthPx === 0) return null;
     this.controls.fovYDegrees = this.#fovY();
     if (this.controls.update(elapsedMs)) this.#loop.request();
-    const camera = this.#camera(scene);
-    const modelMatrix = isFlipped ? FLIP_MATRIX : undefined;
+    // Where the view has not been moved, or is back, it is the scene's own camera, for this shape of the picture.
+    const ownCamera = this.controls.isHome ? this.#ownCamera(scene, cameraIndex) : undefined;
     const background = this.#background;
+    const clouds = scene.clouds.map(({ cloud, modelMatrix }) => ({
+      cloud,
+      modelMatrix: isFlipped ? flippedMatrix(modelMatrix) : modelMatrix,
+    }));
+    let camera: Camera;
     let isSubmitted: boolean;
     try {
-      const clouds = [{ cloud: scene.cloud, modelMatrix }];
+      camera = ownCamera ?? this.#orbitCamera(scene);
       isSubmitted = session.view.render({ camera, clouds, widthPx, heightPx, background });
     } catch (error) {
       this.#takeBack(error);
       return null;
     }
     if (!isSubmitted) return null;
-    this.#drawn = { camera, isFlipped, background };
+    this.#drawn = { camera, clouds, background };
     this.#frameCount++;
     if (isIdle) this.#store.setState({ isIdle: false });
+    if (isOwnCamera !== (ownCamera !== undefined)) this.#store.setState({ isOwnCamera: !isOwnCamera });
     const replaced = this.#replaced.splice(0);
     return whenComplete(session).then(() => {
-      for (const { scene } of replaced) scene.cloud.destroy();
+      for (const { scene } of replaced) destroyClouds(scene);
     });
   }
 
@@ -386,7 +448,7 @@ export class Viewer {
     const canvas = this.#session?.canvas;
     const drawn = this.#drawn;
     if (!canvas || !drawn) return;
-    const { camera, isFlipped, background } = drawn;
+    const { camera, clouds, background } = drawn;
     // For tests and other observers of the page: the camera of the picture that stands now, and how many were drawn.
     canvas.dataset.frames = String(this.#frameCount);
     canvas.dataset.camera = JSON.stringify({
@@ -394,20 +456,20 @@ export class Viewer {
       projectionMatrix: Array.from(camera.projectionMatrix),
       near: camera.near,
       far: camera.far,
-      modelMatrix: isFlipped ? Array.from(FLIP_MATRIX) : null,
+      modelMatrices: clouds.map(({ modelMatrix }) => (modelMatrix ? Array.from(modelMatrix) : null)),
       background,
     });
   }
 
-  #camera(scene: ShownScene): Camera {
+  #orbitCamera(scene: ShownScene): Camera {
     const { pose, fovYDegrees } = this.controls;
-    const sphere = this.#placed(scene.sphere);
-    const depths = scene.depths ?? depthRange(pose, sphere, this.#placed(scene.extent));
-    return perspectiveCamera({ ...lookAt(pose), fovYDegrees, aspect: this.#aspect(), ...depths });
+    const { near, far } =
+      scene.firstView ?? depthRange(pose, this.#placed(scene.sphere), this.#placed(scene.extent));
+    return perspectiveCamera({ ...lookAt(pose), fovYDegrees, aspect: this.#aspect(), near, far });
   }
 
   #fovY(): number {
-    return verticalFov(this.#scene?.fovDegrees ?? FIRST_FOV_DEGREES, this.#aspect());
+    return verticalFov(this.#fovDegrees, this.#aspect());
   }
 
   /** `sphere` as the scene stands now. */
@@ -428,23 +490,8 @@ async function whenComplete({ view, engine }: Session): Promise<void> {
   await engine.device.queue.onSubmittedWorkDone();
 }
 
-async function loadCloud(
-  engine: SplatEngine,
-  source: SceneSource,
-  signal: AbortSignal,
-  report: (progress: Omit<LoadState, 'title'>) => void,
-): Promise<SplatCloud> {
-  if (source.kind === 'builtin') {
-    const packed = await makeBuiltinScene(source.scene.name, engine.accuracy, signal);
-    return engine.addPacked(packed, { name: source.scene.title });
-  }
-  const name = titleOf(source);
-  return engine.load(source.kind === 'file' ? source.file : source.url, { name, signal, onProgress: report });
-}
-
-function titleOf(source: SceneSource): string {
-  if (source.kind === 'builtin') return source.scene.title;
-  return source.kind === 'file' ? source.file.name : baseName(source.url.href);
+function destroyClouds({ clouds }: LoadedScene): void {
+  for (const { cloud } of clouds) cloud.destroy();
 }
 
 function isSoftwareAdapter({ adapterLabel, device }: SplatEngine): boolean {

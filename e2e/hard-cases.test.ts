@@ -1,0 +1,127 @@
+import { readSplats, type SplatSet } from '@websplatter/core';
+import { HARD_CASES, type SceneCase } from '@websplatter/hardcases';
+import { describe, expect, it } from 'vitest';
+import { viewerHarness } from './harness.ts';
+import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
+import {
+  changedPart,
+  drawnCamera,
+  frameCount,
+  screenshot,
+  textOf,
+  waitForFrameAfter,
+  waitForPicture,
+  waitForState,
+} from './viewer-page.ts';
+
+const harness = viewerHarness();
+const ASPECT = 480 / 320;
+
+function sceneCase(name: string): SceneCase {
+  const found = HARD_CASES.find((hardCase) => hardCase.name === name);
+  if (found?.kind !== 'scene') throw new Error(`There is no scene case ${name}.`);
+  return found;
+}
+
+/** The splats of a case as they are read, apart from the viewer. */
+function setsOf({ clouds }: SceneCase): Promise<SplatSet[]> {
+  return Promise.all(
+    clouds().map((cloud) =>
+      'set' in cloud ? cloud.set : readSplats(cloud.file, { name: 'case', shPrecision: 'f32' }),
+    ),
+  );
+}
+
+describe('hard cases', () => {
+  it('are listed, searched by keyboard, opened, and seen from each of their cameras', async () => {
+    const page = await harness.newPage();
+    await page.goto(`${harness.server.url}?scene=hard`);
+    const entries = page.getByTestId('gallery-case');
+    await entries.first().waitFor();
+    expect(await entries.count()).toBe(HARD_CASES.length);
+    const unopenable = HARD_CASES.filter(({ kind }) => kind === 'sort' || kind === 'arithmetic').length;
+    expect(await page.locator('[data-case]').count()).toBe(HARD_CASES.length - unopenable);
+
+    await page.keyboard.type('camera orthographic means nothing');
+    expect(await entries.count()).toBe(1);
+    expect(await textOf(page, 'gallery-count')).toBe(`1 of ${HARD_CASES.length}`);
+    expect(new URL(page.url()).searchParams.get('q')).toBe('camera orthographic means nothing');
+    await page.keyboard.press('ArrowDown');
+    await page.keyboard.press('Enter');
+    await waitForPicture(page);
+    const hardCase = sceneCase('camera-orthographic');
+    expect(await textOf(page, 'scene-title')).toBe(hardCase.name);
+    expect(await textOf(page, 'scene-topic')).toBe('Camera');
+    expect(await textOf(page, 'scene-about')).toBe(hardCase.breaks);
+    expect(await page.getByTestId('command-flip').isDisabled()).toBe(true);
+
+    const sets = await setsOf(hardCase);
+    const expectOwnPicture = async (name: string) => {
+      const drawn = await drawnCamera(page);
+      const camera = hardCase.cameras(ASPECT)[name];
+      expect(drawn.viewMatrix).toEqual(Array.from(camera.viewMatrix, (value) => value + 0));
+      expect(drawn.projectionMatrix).toEqual(Array.from(camera.projectionMatrix, (value) => value + 0));
+      const shot = await screenshot(page);
+      expect(psnrAgainstReference(shot, drawn, sets)).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+      return shot;
+    };
+    const press = async (key: string) => {
+      const frames = await frameCount(page);
+      await page.keyboard.press(key);
+      await waitForFrameAfter(page, frames);
+    };
+    await expectOwnPicture('front');
+    await press(']');
+    expect(await textOf(page, 'camera')).toBe('oblique 2 of 2');
+    const oblique = await expectOwnPicture('oblique');
+
+    // Moving goes on in perspective, and Reset comes back to the very picture.
+    await press('ArrowRight');
+    expect((await drawnCamera(page)).projectionMatrix[11]).toBe(-1);
+    expect(await textOf(page, 'camera')).toBe('oblique 2 of 2 · moved');
+    await press('r');
+    expect(changedPart(oblique, await screenshot(page), 0)).toBe(0);
+    await press('[');
+    expect(await textOf(page, 'camera')).toBe('front 1 of 2');
+  });
+
+  it.each(['camera-off-centre', 'depth-all-equal-two-clouds', 'input-half-of-all-rows-nan'])(
+    'shows %s as float64 defines it',
+    async (name) => {
+      const page = await harness.openViewer(`?scene=hard:${name}`);
+      const hardCase = sceneCase(name);
+      const drawn = await drawnCamera(page);
+      const [camera] = Object.values(hardCase.cameras(ASPECT));
+      expect(drawn.projectionMatrix).toEqual(Array.from(camera.projectionMatrix, (value) => value + 0));
+      const sets = await setsOf(hardCase);
+      expect(drawn.modelMatrices).toHaveLength(sets.length);
+      expect(psnrAgainstReference(await screenshot(page), drawn, sets)).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+      const left = Object.values(hardCase.dropped ?? {}).reduce((sum, count) => sum + count, 0);
+      if (left > 0) expect(await textOf(page, 'dropped')).toBe(`${left} left out`);
+      expect(await page.getByTestId('dropped').count()).toBe(left > 0 ? 1 : 0);
+    },
+  );
+
+  it('offers similar names for one that does not exist', async () => {
+    const page = await harness.newPage();
+    await page.goto(`${harness.server.url}?scene=hard:camera-ortographic`);
+    await page.getByTestId('error').waitFor();
+    await waitForFrameAfter(page, 0);
+    await waitForState(page, 'error');
+    expect(await textOf(page, 'error-message')).toContain('“camera-ortographic”');
+    const links = page.getByTestId('error').getByRole('link');
+    expect(await links.first().getAttribute('href')).toBe('?scene=hard:camera-orthographic');
+    expect(await links.last().getAttribute('href')).toBe('?scene=hard');
+    expect(await textOf(page, 'scene-title')).toContain('Still life');
+  });
+
+  it('shows the error of a file that must be refused', async () => {
+    const refused = HARD_CASES.find(({ kind }) => kind === 'refused-file');
+    if (!refused) throw new Error('There is no refused file.');
+    const page = await harness.newPage();
+    await page.goto(`${harness.server.url}?scene=hard:${refused.name}`);
+    await page.getByTestId('error').waitFor();
+    await waitForFrameAfter(page, 0);
+    expect(await textOf(page, 'error-message')).toContain(refused.name);
+  });
+});

@@ -1,0 +1,24 @@
+import { cameraFromMatrices, type SplatSet } from '@websplatter/core';
+import { compareImages, renderReference } from '@websplatter/core/reference';
+import type { DrawnCamera, Screenshot } from './viewer-page.ts';
+
+/**
+ * Least PSNR of a screenshot against float64, both rounded to the screen's 8 bits. Packed geometry, 8-bit spherical
+ * harmonics and half-float blending flip the rounding of single pixels: 68 dB were measured on SwiftShader. Another GPU
+ * may filter and round otherwise, hence the margin; the same scene the other way up reaches 15 dB.
+ */
+export const MIN_PSNR_DB = 45;
+
+/** PSNR of a screenshot against `sets` in float64, from the camera and under the matrices that the viewer says it used. */
+export function psnrAgainstReference(
+  { widthPx, heightPx, data }: Screenshot,
+  drawn: DrawnCamera,
+  sets: readonly SplatSet[],
+): number {
+  const { viewMatrix, projectionMatrix, near, far, modelMatrices, background } = drawn;
+  const camera = cameraFromMatrices(viewMatrix, projectionMatrix, { near, far });
+  const clouds = sets.map((set, i) => ({ set, modelMatrix: modelMatrices[i] ?? undefined }));
+  const reference = renderReference({ clouds, camera, widthPx, heightPx });
+  const actual = Float64Array.from(data, (value) => value / 255);
+  return compareImages(actual, reference.data, { widthPx, heightPx, background, quantize: 'png' }).psnrDb;
+}
