@@ -1,5 +1,5 @@
-import type { DeviceCase, HardCase } from '../hard-case.ts';
-import { frontAndOblique } from '../make-cases.ts';
+import type { DeviceCase, HardCase, HardCloud } from '../hard-case.ts';
+import { amongOrdinary, frontAndOblique, frontOnly } from '../make-cases.ts';
 import { logitOf, ordinarySplats, type SplatValues, splatsOf, withRandomSh } from '../make-splats.ts';
 
 const HARD: SplatValues = {
@@ -10,53 +10,64 @@ const HARD: SplatValues = {
   color: [1, 0.4, 0.1],
 };
 
-const deviceCase = (
-  name: string,
-  without: readonly string[],
-  breaks: string,
-  bounds?: DeviceCase['bounds'],
-): DeviceCase => ({
+/** Of degree 3, so that the largest shaders are made. */
+const directional = (): readonly HardCloud[] => [
+  { set: splatsOf(withRandomSh([...ordinarySplats(), HARD], 3, 0.2), { shDegree: 3 }) },
+];
+
+type DeviceValues = Pick<DeviceCase, 'name' | 'without' | 'breaks'> & Partial<DeviceCase>;
+
+/** What is left out is of degree 0 and from one camera: every device compiles its shaders anew. */
+const deviceCase = (values: DeviceValues): DeviceCase => ({
   kind: 'device',
   group: 'device',
-  name,
-  without,
-  breaks,
-  clouds: () => [{ set: splatsOf(withRandomSh([...ordinarySplats(), HARD], 3, 0.2), { shDegree: 3 }) }],
-  cameras: frontAndOblique,
-  bounds,
+  clouds: amongOrdinary([HARD]),
+  cameras: frontOnly,
+  ...values,
 });
 
 export const DEVICE_CASES: readonly HardCase[] = [
-  deviceCase(
-    'device-default-limits',
-    [],
-    'More storage buffers per stage, or larger bindings, are used than every device has, without asking for them.',
-  ),
-  deviceCase(
-    'device-workgroup-storage-16-kib',
-    [],
-    // Depths here differ by more than a factor of two, for which the sort takes its largest digits.
-    'Nine-bit digits take more workgroup memory per thread than the 16 KiB that every device has.',
-  ),
-  deviceCase(
-    'device-no-timestamp-query',
-    ['timestamp-query'],
-    'Timing is taken for granted, and without it there is no picture either.',
-  ),
-  deviceCase(
-    'device-no-float32-blendable',
-    ['float32-blendable'],
-    'A float32 target is made although the device cannot blend it.',
-  ),
-  deviceCase(
-    'device-no-subgroups',
-    ['subgroups'],
-    'Scans and sorts rely on subgroups, or on a size of them that this device does not have.',
-  ),
-  deviceCase('device-no-shader-f16', ['shader-f16'], 'Shaders declare half precision that the device lacks.'),
-  deviceCase(
-    'device-no-optional-features',
-    ['timestamp-query', 'float32-blendable', 'subgroups', 'shader-f16', 'core-features-and-limits'],
-    'Features are tested one by one, but never all missing at once.',
-  ),
+  deviceCase({
+    name: 'device-default-limits',
+    without: [],
+    breaks:
+      'More storage buffers per stage, or larger bindings, are used than every device has, without asking.',
+    clouds: directional,
+    cameras: frontAndOblique,
+  }),
+  deviceCase({
+    name: 'device-workgroup-storage-16-kib',
+    without: [],
+    breaks: 'Nine-bit digits take more workgroup memory per thread than the 16 KiB that every device has.',
+    // Depths differ by a factor of 1000 or so, for which the sort takes its largest digits.
+    clouds: amongOrdinary([HARD, { ...HARD, position: [0.01, 0.01, 4.97], logScales: [-6, -7, -8] }]),
+  }),
+  deviceCase({
+    name: 'device-no-timestamp-query',
+    without: ['timestamp-query'],
+    breaks: 'Timing is taken for granted, and without it there is no picture either.',
+  }),
+  deviceCase({
+    name: 'device-no-float32-blendable',
+    without: ['float32-blendable'],
+    breaks:
+      'A float32 target is made although the device cannot blend it, or colours meant for it overflow another.',
+    clouds: amongOrdinary([HARD, { ...HARD, position: [-1, 0.8, 1.5], color: [1e6, 0.3, 2e5] }]),
+  }),
+  deviceCase({
+    name: 'device-no-subgroups',
+    without: ['subgroups'],
+    breaks: 'Scans and sorts rely on subgroups, or on a size of them that this device does not have.',
+  }),
+  deviceCase({
+    name: 'device-no-shader-f16',
+    without: ['shader-f16'],
+    breaks: 'Shaders declare half precision that the device lacks.',
+  }),
+  deviceCase({
+    name: 'device-no-optional-features',
+    without: ['timestamp-query', 'float32-blendable', 'subgroups', 'shader-f16', 'core-features-and-limits'],
+    breaks: 'Features are tested one by one, but never all missing at once.',
+    clouds: directional,
+  }),
 ];

@@ -1,4 +1,4 @@
-import { encodePly, perspectiveCamera, type SplatSet } from '@websplatter/core';
+import { type Camera, encodePly, perspectiveCamera, type SplatSet } from '@websplatter/core';
 import type { HardCase } from '../hard-case.ts';
 import { scenesOf } from '../make-cases.ts';
 import { logitOf, ordinarySplats, resized, type SplatValues, splatsOf } from '../make-splats.ts';
@@ -26,7 +26,7 @@ const sized = (size: number, origin: Place = ORIGIN): SplatSet =>
 /** Cameras about `place` that see the scene of that size. */
 const camerasAt =
   (place: Place, size: number) =>
-  (aspect: number): ReturnType<HardScene['cameras']> => {
+  (aspect: number): Readonly<Record<string, Camera>> => {
     const at = (x: number, y: number, z: number): Place => [
       place[0] + size * x,
       place[1] + size * y,
@@ -43,7 +43,6 @@ const camerasAt =
       }),
     };
   };
-type HardScene = ReturnType<typeof scene>;
 
 const translation = (place: Place) => [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, ...place, 1];
 
