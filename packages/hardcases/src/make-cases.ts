@@ -19,9 +19,9 @@ export function amongOrdinary(
 }
 
 /** Vertical field of view of `front`, degrees. */
-export const FRONT_FOV_DEGREES = 60;
+const FRONT_FOV_DEGREES = 60;
 /** Distance of `front` from the origin. */
-export const FRONT_DISTANCE = 5;
+const FRONT_DISTANCE = 5;
 /** Pixels per unit at the origin, seen by `front` in a picture of 64 rows. */
 export const FRONT_PX_PER_UNIT = 32 / Math.tan((FRONT_FOV_DEGREES * Math.PI) / 360) / FRONT_DISTANCE;
 

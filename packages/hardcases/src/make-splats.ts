@@ -24,7 +24,7 @@ export interface SplatValues {
 const SH_C0 = Math.sqrt(1 / (4 * Math.PI));
 
 /** Coefficient of degree 0 of a channel that is to have the value `channel`. */
-export function colorDcOf(channel: number): number {
+function colorDcOf(channel: number): number {
   return (channel - 0.5) / SH_C0;
 }
 
