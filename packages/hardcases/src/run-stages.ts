@@ -1,4 +1,4 @@
-import { type AccuracyPreset, type Camera, resolveAccuracy, type SplatSet } from '@websplatter/core';
+import type { AccuracyPreset, Camera, SplatSet } from '@websplatter/core';
 import {
   compareCulling,
   compareOrder,
@@ -76,13 +76,14 @@ async function inspect(
   keyBits: number,
   check: (frame: InspectedFrame) => Promise<void>,
 ): Promise<void> {
+  // What the engine makes of the preset on this device: not every one blends in float32.
+  const { accuracy } = await watched.engine(preset, variant);
   const frame = await InspectedFrame.draw(watched.device, {
     clouds,
     camera,
     widthPx,
     heightPx,
-    // Blended in a format that every device can: the pictures themselves are the engine's business.
-    accuracy: { ...resolveAccuracy(preset), colorTarget: 'rgba16float' },
+    accuracy,
     dispatchRow: watched.dispatchRow(variant),
     keyBits,
     pipelines: watched.pipelines(variant),

@@ -1,4 +1,4 @@
-import { DILATION_PX2, MAX_FRAGMENT_ALPHA } from '../accuracy.ts';
+import { DILATION_PX2, MAX_FRAGMENT_ALPHA, maxColor } from '../accuracy.ts';
 import { unpackShRest } from '../layout/sh-rest.ts';
 import { screenAxes } from '../reference/covariance.ts';
 import { cullSplat, type VisibleSplat } from '../reference/cull-splats.ts';
@@ -151,8 +151,8 @@ function compareColor(
     .reduce((sum, value) => sum + Math.abs(value), 0);
   const dc = Math.max(...stored.colorDc.subarray(3 * index, 3 * index + 3).map(Math.abs));
   const bound = 24 * u * (0.5 + dc + 2.9 * energy) + 12 * direction * energy;
-  // binary16 ends at 65504, where records saturate: as a colour any such value is white.
-  const most = frame.accuracy.recordPrecision === 'f16' ? 65504 : Number.POSITIVE_INFINITY;
+  // As a colour any value beyond is white.
+  const most = maxColor(frame.accuracy);
   for (const [channel, value] of splatColor(stored, index, view, shDegree).entries()) {
     const expected = Math.min(most, value);
     add(

@@ -61,6 +61,7 @@ export class InspectedFrame {
   readonly image: TextureImage;
   readonly #device: GPUDevice;
   readonly #memory: GpuMemory;
+  readonly #words = new Map<string, Promise<Uint32Array<ArrayBuffer>>>();
 
   private constructor(
     device: GPUDevice,
@@ -130,9 +131,11 @@ export class InspectedFrame {
     this.#memory.destroyAll();
   }
 
-  /** Contents of one of the frame's buffers. */
+  /** Contents of one of the frame's buffers, read back once: nothing is drawn into them again. */
   words(name: keyof FrameResources['buffers']): Promise<Uint32Array<ArrayBuffer>> {
-    return readWords(this.#device, this.resources.buffers[name]);
+    const words = this.#words.get(name) ?? readWords(this.#device, this.resources.buffers[name]);
+    this.#words.set(name, words);
+    return words;
   }
 
   /** Contents of the sort's keys or order, as far as there are visible splats. */
