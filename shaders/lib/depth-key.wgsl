@@ -3,8 +3,9 @@
 /// Bits of `depthView` (finite) such that a < b exactly where orderedBits(a) < orderedBits(b), negative depths (of an
 /// orthographic camera) included.
 fn orderedBits(depthView: f32) -> u32 {
-  // Adding +0 turns −0 into +0, so that both give one key.
-  let bits = bitcast<u32>(depthView + 0.0);
+  let given = bitcast<u32>(depthView);
+  // −0 and +0 give one key. By the bits: adding +0 would do it, but compilers have been seen to leave that out.
+  let bits = select(given, 0u, (given & 0x7fffffffu) == 0u);
   return bits ^ select(0x80000000u, 0xffffffffu, (bits & 0x80000000u) != 0u);
 }
 

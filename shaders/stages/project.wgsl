@@ -1,6 +1,7 @@
 // The record of every splat that is drawn: where, how large, which colour, and its sort key. One thread per splat,
 // dispatched per page; a page's splats all have the same degree of spherical harmonics, known when this is linked.
 import constants::CHUNK_SPLATS;
+import constants::MAX_COLOR;
 import constants::PROJECT_WORKGROUP;
 import constants::SH_WORDS;
 import layout::Page;
@@ -42,8 +43,9 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
 
   var color = shBase(splat.colorDc);
   @if(SH_1) { color += shAboveBase(splatIndex, viewDirection(splat.position)); }
-  // A negative radiance has no meaning, and would darken what is behind it.
-  let rgba = vec4f(max(color, vec3f(0.0)), splat.opacity);
+  // A negative radiance has no meaning, and would darken what is behind it; one beyond what the target holds would
+  // become infinite there, and NaN under the next splat.
+  let rgba = vec4f(clamp(color, vec3f(0.0), vec3f(MAX_COLOR)), splat.opacity);
 
   var record: ProjectedSplat;
   record.centerPx = onScreen.centerPx;
@@ -51,12 +53,12 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
   record.minorLengthPx = axes.minorLengthPx;
   record.depthView = onScreen.depthView;
   @if(RECORD_F32) record.color = rgba;
-  @if(!RECORD_F32) record.color = vec2u(pack2x16float(min(rgba.xy, vec2f(65504.0))), pack2x16float(min(rgba.zw, vec2f(65504.0))));
+  @if(!RECORD_F32) record.color = vec2u(pack2x16float(rgba.xy), pack2x16float(rgba.zw));
   projected[index] = record;
   keys[index] = depthKey(onScreen.depthView, depthRange[0]);
 }
 
-/// Unit vector in the cloud's space from the camera to the splat; without a length, page.direction.
+/// Unit vector in the cloud's space from the camera to the splat; where there is none (a singular model matrix) +z.
 @if(SH_1)
 fn viewDirection(position: vec3f) -> vec3f {
   // A camera infinitely far away has weight 0: all directions are page.direction.

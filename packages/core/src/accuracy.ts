@@ -1,4 +1,5 @@
 import { InvalidArgumentError } from './errors.ts';
+import { HALF_MAX } from './layout/half.ts';
 import type { ShPrecision } from './layout/sh-rest.ts';
 import type { ShDegree } from './scene/splat-set.ts';
 
@@ -132,6 +133,14 @@ export function resolveAccuracy(accuracy: Accuracy = DEFAULT_ACCURACY): Accuracy
 export const MAX_FRAGMENT_ALPHA = 0.99;
 /** Variance that is added to both screen axes, in px²: what scenes are trained with. */
 export const DILATION_PX2 = 0.3;
+
+/**
+ * Largest colour that is blended: what the record and the target hold, since an infinity turns into NaN under the next
+ * splat. In float32 1e37, which sixteen terms of spherical harmonics cannot exceed by much.
+ */
+export function maxColor({ recordPrecision, colorTarget }: AccuracySettings): number {
+  return recordPrecision === 'f32' && colorTarget === 'rgba32float' ? 1e37 : HALF_MAX;
+}
 
 function checkSetting(name: string, value: unknown): void {
   const setting = (ACCURACY_SETTINGS as Record<string, AccuracySetting<unknown>>)[name];

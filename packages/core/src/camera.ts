@@ -93,6 +93,12 @@ export function cameraFromMatrices(
   const far = range.far ?? (isPerspective ? p[14] / (p[10] + 1) : (p[14] - 1) / p[10]);
   const farDepth = far < 0 || Number.isNaN(far) ? Number.POSITIVE_INFINITY : far;
   checkRange(1, near, farDepth);
+  if (isPerspective && !(near > 0)) {
+    throw new InvalidArgumentError(
+      'near',
+      `near is ${near}${range.near === undefined ? ' by the projection matrix' : ''}; a perspective camera needs a near plane in front of it. Give near and far where the matrix has another depth convention than −1…1.`,
+    );
+  }
   return {
     viewMatrix: Float64Array.from(viewMatrix),
     projectionMatrix: Float64Array.from(p),

@@ -1,4 +1,4 @@
-import type { AccuracySettings } from './accuracy.ts';
+import { type AccuracySettings, maxColor } from './accuracy.ts';
 import type { GpuMemory } from './gpu/gpu-memory.ts';
 import type { Pipelines } from './gpu/pipelines.ts';
 import { CHUNK_SPLATS } from './layout/constants.ts';
@@ -237,6 +237,7 @@ export function projectStage({ isOrthographic, accuracy }: FrameShape, cloud: Sp
     geometryPrecision: accuracy.geometryPrecision,
     recordPrecision: accuracy.recordPrecision,
     shPrecision: cloud.shPrecision,
+    maxColor: maxColor(accuracy),
     storedShDegree: cloud.shDegree,
     shDegree: Math.min(accuracy.shDegree, cloud.shDegree) as ShDegree,
   });

@@ -85,6 +85,7 @@ describe('linked shaders', () => {
           geometryPrecision: 'packed',
           recordPrecision: 'f16',
           shPrecision: 'u8',
+          maxColor: 65504,
           storedShDegree: 3,
           shDegree: 3,
           ...changes,

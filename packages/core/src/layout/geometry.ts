@@ -1,6 +1,6 @@
 import type { GeometryPrecision } from '../accuracy.ts';
 import type { SplatSet } from '../scene/splat-set.ts';
-import { toHalfBits } from './half.ts';
+import { COEFFICIENT_MAX, toHalfBits } from './half.ts';
 import { clampLogScale } from './log-scale.ts';
 import { normalizedRotation } from './rotation.ts';
 
@@ -49,7 +49,10 @@ function packF32(set: SplatSet, target: Float32Array): void {
     for (let axis = 0; axis < 3; axis++) {
       target[at + axis] = set.positions[3 * i + axis];
       target[at + 8 + axis] = Math.exp(clampLogScale(set.logScales[3 * i + axis]));
-      target[at + 12 + axis] = set.colorDc[3 * i + axis];
+      target[at + 12 + axis] = Math.max(
+        -COEFFICIENT_MAX,
+        Math.min(COEFFICIENT_MAX, set.colorDc[3 * i + axis]),
+      );
     }
     target[at + 3] = opacityOf(set.opacityLogits[i]);
     target.set(rotation, at + 4);

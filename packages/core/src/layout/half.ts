@@ -1,6 +1,12 @@
 const f32 = new Float32Array(1);
 const u32 = new Uint32Array(f32.buffer);
 
+/**
+ * Largest colour coefficient that is stored as float32: a file may hold up to 3e38, and the sum of sixteen such terms
+ * would leave float32's range.
+ */
+export const COEFFICIENT_MAX = 1e35;
+
 /** Largest finite binary16 value. */
 export const HALF_MAX = 65504;
 

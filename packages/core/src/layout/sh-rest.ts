@@ -1,5 +1,5 @@
 import { SH_REST_COEFFICIENTS, type ShDegree } from '../scene/splat-set.ts';
-import { fromHalfBits, HALF_MAX, toHalfBits } from './half.ts';
+import { COEFFICIENT_MAX, fromHalfBits, HALF_MAX, toHalfBits } from './half.ts';
 
 /** How the coefficients above degree 0 are stored; `u8` is a signed byte times a scale of the splat's own. */
 export type ShPrecision = 'f32' | 'f16' | 'u8';
@@ -44,7 +44,7 @@ export function packShRest(
   const count = shRestValues(degree);
   if (precision === 'f32') {
     for (let i = 0; i < count; i++) {
-      f32[0] = values[i];
+      f32[0] = Math.max(-COEFFICIENT_MAX, Math.min(COEFFICIENT_MAX, values[i]));
       words[wordOffset + i] = f32Bits[0];
     }
     return;

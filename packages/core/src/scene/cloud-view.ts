@@ -47,6 +47,7 @@ export function cloudView(
             translation.map((v) => -v),
           )
         : null,
-    direction: inverse ? transform3(inverse, [0, 0, -1]) : FALLBACK_DIRECTION,
+    // Nowhere: whoever needs a direction falls back.
+    direction: inverse ? transform3(inverse, [0, 0, -1]) : [0, 0, 0],
   };
 }

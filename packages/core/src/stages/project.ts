@@ -9,6 +9,8 @@ export interface ProjectVariant {
   readonly geometryPrecision: GeometryPrecision;
   readonly recordPrecision: RecordPrecision;
   readonly shPrecision: ShPrecision;
+  /** Where colours end: see `maxColor`. */
+  readonly maxColor: number;
   /** Degree that the splats are stored with. */
   readonly storedShDegree: ShDegree;
   /** Degree that is evaluated, at most the stored one. */
@@ -43,7 +45,10 @@ export function project(variant: ProjectVariant): StageDefinition {
       SH_F16: shDegree >= 1 && shPrecision === 'f16',
       SH_U8: shDegree >= 1 && shPrecision === 'u8',
     },
-    constants: shDegree >= 1 ? { SH_WORDS: shRestWordsPerSplat(variant.storedShDegree, shPrecision) } : {},
+    constants: {
+      MAX_COLOR: variant.maxColor,
+      ...(shDegree >= 1 && { SH_WORDS: shRestWordsPerSplat(variant.storedShDegree, shPrecision) }),
+    },
     bindings,
   };
 }

@@ -40,7 +40,9 @@ export function allStageVariants(): StageDefinition[] {
           for (const storedShDegree of DEGREES) {
             for (const shDegree of DEGREES.filter((degree) => degree <= storedShDegree)) {
               const precisions = { geometryPrecision, recordPrecision, shPrecision };
-              stages.push(project({ isOrthographic, ...precisions, storedShDegree, shDegree }));
+              stages.push(
+                project({ isOrthographic, ...precisions, maxColor: 65504, storedShDegree, shDegree }),
+              );
             }
           }
         }
