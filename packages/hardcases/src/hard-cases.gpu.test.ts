@@ -95,13 +95,21 @@ describe('the runner', () => {
   gpuTest('fails where a number is not finite, in the records and in the picture', async () => {
     const mutation = {
       file: 'stages/project',
-      find: 'let rgba = vec4f(max(color, vec3f(0.0)), splat.opacity);',
-      replace: 'let rgba = vec4f(color.xy, bitcast<f32>(0x7fc00000u | (index & 1u)), splat.opacity);',
+      find: 'record.depthView = onScreen.depthView;',
+      replace:
+        'record.depthView = onScreen.depthView; record.majorPx.x = bitcast<f32>(0x7fc00000u | (index & 1u));',
     };
     const found = await failuresOf(SOUND, { mutation });
-    expect(found).toMatch(/sound, camera front, reference: .* b: got NaN, expected/);
+    expect(found).toMatch(/sound, camera front, reference: .* majorPx length: got NaN, expected/);
     expect(found).toMatch(/sound, camera front, reference: projected: record 0, word \d+ is not finite/);
-    expect(found).toMatch(/sound, camera front, reference: column \d+, row \d+, channel 2: got NaN/);
+    const infinite = {
+      file: 'stages/rasterize',
+      find: 'vec4f(color.rgb * alpha, alpha)',
+      replace: 'vec4f(color.rgb * bitcast<f32>(0x7fc00000u | (u32(alpha) & 1u)), alpha)',
+    };
+    expect(await failuresOf(SOUND, { mutation: infinite })).toMatch(
+      /^sound, camera front, high: column \d+, row \d+, channel 0: got NaN, which is not finite$/m,
+    );
   });
 
   gpuTest('fails where a stage is wrong that hardly shows in the picture', async () => {

@@ -8,6 +8,7 @@ import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture, type TextureImage } from '../gpu/read-texture.ts';
 import { GEOMETRY_WORDS } from '../layout/geometry.ts';
+import { COEFFICIENT_MAX } from '../layout/half.ts';
 import { repackShRest } from '../layout/sh-rest.ts';
 import { identity4 } from '../math/mat4.ts';
 import { unpackSplat } from '../reference/packing.ts';
@@ -118,7 +119,7 @@ export class InspectedFrame {
       const stored = permuteSplats(sets[i], mortonOrder(sets[i].positions, sets[i].count));
       const view = cloudView(camera.viewMatrix, modelMatrix, stored.origin, projection.isOrthographic);
       return {
-        stored: accuracy.geometryPrecision === 'f32' ? stored : unpackedSet(stored, packed[i]),
+        stored: accuracy.geometryPrecision === 'f32' ? float32Set(stored) : unpackedSet(stored, packed[i]),
         packed: packed[i],
         view,
         planes: cullPlanes(view, projection, accuracy.alphaCutoff, DILATION_PX2),
@@ -179,6 +180,12 @@ function limitsFor(
   if (splatsPerPage === undefined) return device.limits;
   const bytes = 4 * Math.max(GEOMETRY_WORDS[geometry.precision], shRest.wordsPerSplat) * splatsPerPage;
   return { maxStorageBufferBindingSize: bytes, maxBufferSize: bytes } as GPUSupportedLimits;
+}
+
+/** `stored` with the values that float32 geometry has of it: only coefficients end sooner than the format. */
+function float32Set(stored: SplatSet): SplatSet {
+  const clamped = (value: number) => Math.max(-COEFFICIENT_MAX, Math.min(COEFFICIENT_MAX, value));
+  return { ...stored, colorDc: stored.colorDc.map(clamped) };
 }
 
 /** `stored` with the values that packing left of it. */
