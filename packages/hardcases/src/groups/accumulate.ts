@@ -102,4 +102,24 @@ export const ACCUMULATE_CASES: readonly HardCase[] = [
     { count: 5000, alpha: FAINT, color: alternating },
     stalled(29),
   ),
+  scene({
+    name: 'accumulate-600-edges',
+    breaks:
+      'Fragments below the cutoff are blended as far as the quad reaches, and 600 of them make its corners visible.',
+    clouds: () => [
+      {
+        set: splatsOf([
+          ...moved(ordinarySplats(), [0, 0, -6]),
+          ...Array.from({ length: 600 }, (_, i) => ({
+            position: [0, 0, -3 - i * 2 ** -12],
+            logScales: [-1.2, -1.2, -1.2],
+            opacityLogit: logitOf(0.02),
+            color: WHITE,
+          })),
+        ]),
+      },
+    ],
+    cameras: (aspect) => atOrigin(aspect, { near: 0.01, far: 1000 }),
+    size: { widthPx: 32, heightPx: 32 },
+  }),
 ];

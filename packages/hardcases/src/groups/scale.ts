@@ -1,6 +1,6 @@
 import type { HardCase } from '../hard-case.ts';
-import { amongOrdinary, FRONT_PX_PER_UNIT, scenesOf } from '../make-cases.ts';
-import { logitOf, type SplatValues } from '../make-splats.ts';
+import { amongOrdinary, FRONT_PX_PER_UNIT, frontOnly, scenesOf } from '../make-cases.ts';
+import { logitOf, type SplatValues, splatsOf } from '../make-splats.ts';
 
 const scene = scenesOf('scale');
 
@@ -20,6 +20,15 @@ const uniform = (logScale: number) => [logScale, logScale, logScale];
 
 /** Log scale of a splat at the origin whose standard deviation `front` sees as `sizePx`. */
 const logScaleOfPx = (sizePx: number) => Math.log(sizePx / FRONT_PX_PER_UNIT);
+
+/** Opaque points in a grid whose step is no multiple of a pixel, none of them larger than the dilation makes it. */
+const starField = (): SplatValues[] =>
+  Array.from({ length: 400 }, (_, i) => ({
+    position: [((i % 20) - 9.5) * 0.2813, (Math.floor(i / 20) - 9.5) * 0.2793, 0],
+    logScales: uniform(-10),
+    opacityLogit: 100,
+    color: [1, 1, 1],
+  }));
 
 export const SCALE_CASES: readonly HardCase[] = [
   scene({
@@ -82,6 +91,28 @@ export const SCALE_CASES: readonly HardCase[] = [
         color: [i / 15, 1 - i / 15, 0.5],
       })),
     ),
+  }),
+  scene({
+    name: 'needles-almost-axis-aligned',
+    breaks:
+      'An eigenvector from λ₁ − a cancels where a needle is almost parallel to an axis, and is off by its slope.',
+    clouds: amongOrdinary(
+      [0, Math.PI / 2].flatMap((angle) =>
+        [1e-4, -1e-4, 0].map((slope, i) => ({
+          ...hard([logScaleOfPx(2e4), logScaleOfPx(1), logScaleOfPx(1)]),
+          position: [0.05, 0.1 * i, i / 8],
+          rotation: [Math.cos((angle + slope) / 2), 0, 0, Math.sin((angle + slope) / 2)],
+        })),
+      ),
+    ),
+    cameras: frontOnly,
+  }),
+  scene({
+    name: 'scale-points-between-pixels',
+    breaks:
+      'Rasterisers snap corners to a grid of up to 1/16 px, which moves points of the size of a pixel by as much.',
+    clouds: () => [{ set: splatsOf(starField()) }],
+    cameras: frontOnly,
   }),
   ...[
     ['1e-6', 1e-6],

@@ -1,0 +1,31 @@
+import { createNodeGpu } from '@websplatter/node';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { HARD_CASES } from './catalogue.ts';
+import { MUTATIONS } from './mutations.ts';
+import { HardCaseRunner } from './run.ts';
+
+/** Also keeps what it gives alive, as Dawn needs it. */
+const gpu = { requestAdapter: async () => (await createNodeGpu()).adapter };
+
+let runner: HardCaseRunner;
+beforeAll(async () => {
+  runner = await HardCaseRunner.create({ gpu });
+});
+afterAll(() => runner?.destroy());
+
+describe('with a remedy switched off, a case that it is for fails', () => {
+  for (const { cases, remedy, needsCoarseGrid, ...mutation } of MUTATIONS) {
+    gpuTest(remedy, async ({ skip }) => {
+      if (needsCoarseGrid && !runner.isSoftware) skip('this GPU snaps corners too finely for it to matter');
+      const verdicts: string[] = [];
+      for (const name of cases) {
+        const hardCase = HARD_CASES.find((each) => each.name === name);
+        expect(hardCase, name).toBeDefined();
+        const { verdict } = await runner.run(hardCase!, { presets: ['reference'], mutation });
+        verdicts.push(verdict);
+      }
+      expect(verdicts).toContain('fail');
+    });
+  }
+});
