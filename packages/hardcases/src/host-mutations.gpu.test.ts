@@ -1,0 +1,84 @@
+import { renderReference } from '@websplatter/core/reference';
+import { createNodeGpu } from '@websplatter/node';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect, vi } from 'vitest';
+import { HARD_CASES } from './catalogue.ts';
+
+type Exports = Record<string, (...args: never[]) => unknown>;
+
+/** A remedy on the CPU's side of the engine, switched off. */
+interface HostMutation {
+  readonly remedy: string;
+  /** Module of core that has the remedy. */
+  readonly module: string;
+  /** What it exports instead. */
+  readonly replace: (original: Exports) => Exports;
+  readonly caseName: string;
+}
+
+const toFloat32 = (values: unknown) => Float64Array.from(Float32Array.from(values as Float64Array));
+
+const HOST_MUTATIONS: readonly HostMutation[] = [
+  {
+    remedy: 'rows that are not finite are left out at load',
+    module: '../../core/src/scene/splat-row.ts',
+    replace: () => ({ reasonToDrop: () => undefined }),
+    caseName: 'input-nan-x',
+  },
+  {
+    remedy: 'log scales are clamped before they are exponentiated',
+    module: '../../core/src/layout/log-scale.ts',
+    replace: () => ({ clampLogScale: (logScale: number) => logScale }),
+    caseName: 'scale-log-88',
+  },
+  {
+    remedy: 'view and model matrices are multiplied in float64',
+    module: '../../core/src/math/mat4.ts',
+    replace: ({ multiply4 }) => ({
+      multiply4: (...matrices) => multiply4(...(matrices.map(toFloat32) as never[])),
+    }),
+    caseName: 'world-offset-6-4e6-by-model-matrix',
+  },
+  {
+    remedy: 'the zero quaternion is the identity',
+    module: '../../core/src/layout/rotation.ts',
+    replace: () => ({
+      normalizedRotation: (rotations: Float32Array, at: number, result: Float64Array) => {
+        const length = Math.hypot(...rotations.subarray(at, at + 4));
+        for (let k = 0; k < 4; k++) result[k] = rotations[at + k] / length;
+      },
+    }),
+    caseName: 'rotation-zero-quaternion',
+  },
+  {
+    remedy: 'a singular matrix has no inverse',
+    module: '../../core/src/math/mat4.ts',
+    replace: ({ invert3 }) => ({
+      invert3: (...matrix) => invert3(...matrix) ?? new Float64Array(9).fill(Number.POSITIVE_INFINITY),
+    }),
+    caseName: 'model-singular-flat-seen-obliquely',
+  },
+];
+
+/** Also keeps what it gives alive, as Dawn needs it. */
+const gpu = { requestAdapter: async () => (await createNodeGpu()).adapter };
+
+describe('with a remedy of the host switched off, the case that it is for fails', () => {
+  for (const { remedy, module, replace, caseName } of HOST_MUTATIONS) {
+    gpuTest(remedy, async () => {
+      const hardCase = HARD_CASES.find(({ name }) => name === caseName)!;
+      // The engine and the runner are loaded anew, with the module replaced; what pictures are held against is not.
+      vi.resetModules();
+      vi.doMock(module, async (importOriginal) => {
+        const original = await importOriginal<Exports>();
+        return { ...original, ...replace(original) };
+      });
+      const { HardCaseRunner } = await import('./run.ts');
+      const runner = await HardCaseRunner.create({ gpu, renderReference });
+      const { verdict } = await runner.run(hardCase, { presets: ['reference'] });
+      runner.destroy();
+      vi.doUnmock(module);
+      expect(verdict).toBe('fail');
+    });
+  }
+});
