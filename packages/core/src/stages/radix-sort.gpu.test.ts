@@ -5,6 +5,7 @@ import { beforeAll, describe, expect } from 'vitest';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
+import { orderFlaw } from '../inspect/compare-order.ts';
 import { radixSort } from '../reference/radix-sort.ts';
 import { storageBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
@@ -46,21 +47,6 @@ async function sortOnGpu(keys: Uint32Array, shape: SortShape, capacity = keys.le
   return order;
 }
 
-/** Null where `order` names every key once, in ascending order, equal keys in their given order. */
-function flaw(keys: Uint32Array, order: Uint32Array): string | null {
-  const seen = new Uint8Array(keys.length);
-  for (const [place, index] of order.entries()) {
-    if (index >= keys.length || seen[index]) return `place ${place} holds ${index} again, or out of range`;
-    seen[index] = 1;
-    if (place === 0) continue;
-    const before = order[place - 1];
-    const isOrdered = keys[before] < keys[index] || (keys[before] === keys[index] && before < index);
-    if (!isOrdered)
-      return `places ${place - 1} and ${place}: keys ${keys[before]} (${before}) and ${keys[index]} (${index})`;
-  }
-  return null;
-}
-
 /** Keys below 2^bits by pattern. */
 const PATTERNS: Readonly<Record<string, (count: number, bits: number) => (i: number) => number>> = {
   random: (count, bits) => {
@@ -90,7 +76,7 @@ describe('radix sort', () => {
       for (const count of [0, 1, 2, 255, 256, 257, tileKeys - 1, tileKeys, tileKeys + 1, 100_000]) {
         const keys = keysOf('random', count, bits);
         const order = await sortOnGpu(keys, shape);
-        expect(flaw(keys, order), `${count} keys`).toBeNull();
+        expect(orderFlaw(keys, order), `${count} keys`).toBeNull();
         if (count <= tileKeys + 1) expect(order).toEqual(radixSort(keys, { ...shape, tileKeys }));
       }
     });
@@ -98,7 +84,7 @@ describe('radix sort', () => {
     gpuTest(`${name}: every pattern`, async () => {
       for (const pattern of Object.keys(PATTERNS)) {
         const keys = keysOf(pattern, 2 * tileKeys + 333, bits);
-        expect(flaw(keys, await sortOnGpu(keys, shape)), pattern).toBeNull();
+        expect(orderFlaw(keys, await sortOnGpu(keys, shape)), pattern).toBeNull();
       }
     });
 
@@ -115,7 +101,7 @@ describe('radix sort', () => {
           async (values, room) => {
             const keys = Uint32Array.from(values);
             const order = await sortOnGpu(keys, shape, keys.length + room);
-            expect(flaw(keys, order)).toBeNull();
+            expect(orderFlaw(keys, order)).toBeNull();
           },
         ),
         { numRuns: 8, seed: 5 },
@@ -124,7 +110,7 @@ describe('radix sort', () => {
 
     gpuTest(`${name}: rows of 7 workgroups, and room for more keys than there are`, async () => {
       const keys = keysOf('random', 9 * tileKeys + 1, bits);
-      expect(flaw(keys, await sortOnGpu(keys, shape, 12 * tileKeys, 7))).toBeNull();
+      expect(orderFlaw(keys, await sortOnGpu(keys, shape, 12 * tileKeys, 7))).toBeNull();
     });
   }
 
@@ -133,7 +119,10 @@ describe('radix sort', () => {
     for (const bits of [27, 32]) {
       for (const pattern of ['random', 'sawtooth', 'reversed']) {
         const keys = keysOf(pattern, 1_000_000, bits);
-        expect(flaw(keys, await sortOnGpu(keys, sortShapeFor(bits))), `${pattern}, ${bits} bits`).toBeNull();
+        expect(
+          orderFlaw(keys, await sortOnGpu(keys, sortShapeFor(bits))),
+          `${pattern}, ${bits} bits`,
+        ).toBeNull();
       }
     }
   });
@@ -150,14 +139,14 @@ describe('radix sort', () => {
     pipelines = new Pipelines(device);
     await pipelines.prepare(radixSortStages(shape));
     const keys = keysOf('random', count, 32);
-    expect(flaw(keys, await sortOnGpu(keys, shape))).toBeNull();
+    expect(orderFlaw(keys, await sortOnGpu(keys, shape))).toBeNull();
   });
 
   gpuTest('the checker finds a swapped pair, a lost key and an unstable pair', () => {
     const keys = Uint32Array.of(5, 1, 5, 3);
-    expect(flaw(keys, Uint32Array.of(1, 3, 0, 2))).toBeNull();
-    expect(flaw(keys, Uint32Array.of(3, 1, 0, 2))).not.toBeNull();
-    expect(flaw(keys, Uint32Array.of(1, 3, 0, 0))).not.toBeNull();
-    expect(flaw(keys, Uint32Array.of(1, 3, 2, 0))).not.toBeNull();
+    expect(orderFlaw(keys, Uint32Array.of(1, 3, 0, 2))).toBeNull();
+    expect(orderFlaw(keys, Uint32Array.of(3, 1, 0, 2))).not.toBeNull();
+    expect(orderFlaw(keys, Uint32Array.of(1, 3, 0, 0))).not.toBeNull();
+    expect(orderFlaw(keys, Uint32Array.of(1, 3, 2, 0))).not.toBeNull();
   });
 });
