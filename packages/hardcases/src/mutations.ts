@@ -6,8 +6,8 @@ export interface Mutation extends ShaderMutation {
   readonly remedy: string;
   /** Cases of the catalogue of which at least one has to fail then. */
   readonly cases: readonly string[];
-  /** The remedy shows only where corners are snapped to 1/16 px, as SwiftShader does; most GPUs snap to 1/256. */
-  readonly needsCoarseGrid?: boolean;
+  /** Why GPUs may do without the remedy: then only the software adapter has to fail. */
+  readonly spareOnGpus?: string;
 }
 
 /** One entry per remedy. */
@@ -82,6 +82,7 @@ export const MUTATIONS: readonly Mutation[] = [
     find: 'let cornerPx = select(round(oriented / SNAP_PX) * SNAP_PX, box, isBox);',
     replace: 'let cornerPx = select(round(oriented / SNAP_PX) * SNAP_PX, box, isBox && false);',
     cases: ['scale-log-40'],
+    spareOnGpus: 'an NVIDIA H200 was seen to rasterise corners at 1e18 px, which SwiftShader cannot',
   },
   {
     remedy: 'snapped-corners',
@@ -89,7 +90,7 @@ export const MUTATIONS: readonly Mutation[] = [
     find: 'let cornerPx = select(round(oriented / SNAP_PX) * SNAP_PX, box, isBox);',
     replace: 'let cornerPx = select(oriented, box, isBox);',
     cases: ['scale-points-between-pixels'],
-    needsCoarseGrid: true,
+    spareOnGpus: 'SwiftShader snaps corners to 1/16 px, an NVIDIA H200 to 1/256 px',
   },
   {
     remedy: 'greatest-fragment-alpha',
@@ -119,6 +120,7 @@ export const MUTATIONS: readonly Mutation[] = [
     find: 'let rgba = vec4f(clamp(color, vec3f(0.0), vec3f(MAX_COLOR)), splat.opacity);',
     replace: 'let rgba = vec4f(clamp(color, vec3f(0.0), vec3f(1e38) + f32(MAX_COLOR)), splat.opacity);',
     cases: ['colour-base-of-1e37'],
+    spareOnGpus: 'an NVIDIA H200 was seen to blend beyond float16 without a NaN, which SwiftShader does not',
   },
   {
     remedy: 'one-key-for-both-zeros',
