@@ -90,7 +90,7 @@ export const MUTATIONS: readonly Mutation[] = [
     find: 'let cornerPx = select(round(oriented / SNAP_PX) * SNAP_PX, box, isBox);',
     replace: 'let cornerPx = select(oriented, box, isBox);',
     cases: ['scale-points-between-pixels'],
-    spareOnGpus: 'SwiftShader snaps corners to 1/16 px, an NVIDIA H200 to 1/256 px',
+    spareOnGpus: 'SwiftShader snaps corners to 1/16 px, most GPUs to 1/256 px',
   },
   {
     remedy: 'greatest-fragment-alpha',

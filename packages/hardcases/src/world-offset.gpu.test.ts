@@ -1,0 +1,53 @@
+import { type AccuracyPreset, SplatEngine } from '@websplatter/core';
+import { compareImages } from '@websplatter/core/reference';
+import { createNodeGpu } from '@websplatter/node';
+import { gpuTest, watchDevice } from '@websplatter/node/gpu-test';
+import { afterAll, describe, expect } from 'vitest';
+import { WORLD_CASES } from './groups/world.ts';
+import type { SceneCase } from './hard-case.ts';
+
+const SIZE = { widthPx: 64, heightPx: 64 };
+const MIN_PSNR_DB = 45;
+
+const engines: SplatEngine[] = [];
+afterAll(() => {
+  for (const engine of engines) engine.destroy();
+});
+
+/** The engine's own picture of each of the case's cameras. */
+async function picturesOf(engine: SplatEngine, caseName: string): Promise<Float32Array[]> {
+  const hardCase = WORLD_CASES.find(({ name }) => name === caseName) as SceneCase;
+  const clouds = await Promise.all(
+    hardCase.clouds().map(async ({ modelMatrix, ...splats }) => ({
+      cloud: 'file' in splats ? await engine.load(splats.file) : engine.add(splats.set),
+      modelMatrix,
+    })),
+  );
+  const view = engine.createView();
+  const pictures: Float32Array[] = [];
+  for (const camera of Object.values(hardCase.cameras(1))) {
+    view.render({ camera, clouds, ...SIZE });
+    pictures.push((await view.readPixels()).data);
+  }
+  view.destroy();
+  for (const { cloud } of clouds) cloud.destroy();
+  return pictures;
+}
+
+describe('millimetres 6.4e6 m away look like the same millimetres at the origin', () => {
+  for (const accuracy of ['reference', 'high', 'balanced'] satisfies AccuracyPreset[]) {
+    gpuTest(accuracy, async () => {
+      const { adapter } = await createNodeGpu();
+      const engine = await SplatEngine.create({ adapter, accuracy });
+      engines.push(engine);
+      watchDevice(engine.device);
+      const atOrigin = await picturesOf(engine, 'world-millimetres-at-the-origin');
+      for (const name of ['world-offset-6-4e6-by-model-matrix', 'world-offset-6-4e6-by-double-properties']) {
+        for (const [i, picture] of (await picturesOf(engine, name)).entries()) {
+          const { psnrDb } = compareImages(picture, atOrigin[i], SIZE);
+          expect(psnrDb, `${name}, camera ${i}`).toBeGreaterThan(MIN_PSNR_DB);
+        }
+      }
+    });
+  }
+});
