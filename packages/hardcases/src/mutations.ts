@@ -119,8 +119,7 @@ export const MUTATIONS: readonly Mutation[] = [
     file: 'stages/project',
     find: 'let rgba = vec4f(clamp(color, vec3f(0.0), vec3f(MAX_COLOR)), splat.opacity);',
     replace: 'let rgba = vec4f(clamp(color, vec3f(0.0), vec3f(1e38) + f32(MAX_COLOR)), splat.opacity);',
-    cases: ['colour-base-of-1e37'],
-    spareOnGpus: 'an NVIDIA H200 was seen to blend beyond float16 without a NaN, which SwiftShader does not',
+    cases: ['device-no-float32-blendable'],
   },
   {
     remedy: 'one-key-for-both-zeros',
