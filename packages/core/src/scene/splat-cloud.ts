@@ -81,27 +81,38 @@ export class SplatCloud {
   }
 }
 
-/** Splats per page: whole chunks, as many as fit one binding. */
-function pageSplats(limits: GPUSupportedLimits, { geometry, shRest }: PackedCloud, name: string): number {
-  const bytesPerSplat = 4 * Math.max(GEOMETRY_WORDS[geometry.precision], shRest.wordsPerSplat);
-  const bindingBytes = Math.min(limits.maxStorageBufferBindingSize, limits.maxBufferSize);
-  const chunks = Math.floor(bindingBytes / (bytesPerSplat * CHUNK_SPLATS));
-  if (chunks < 1) {
-    const needed = bytesPerSplat * CHUNK_SPLATS;
-    const message = `${name} needs bindings of at least ${needed} bytes and this device allows ${bindingBytes}.`;
-    throw new GpuLimitError('maxStorageBufferBindingSize', needed, bindingBytes, message);
-  }
-  return chunks * CHUNK_SPLATS;
+/** Splats per page: whole chunks, as many as fit one binding; 0 where not even one does. */
+export function splatsPerPage(
+  limits: Pick<GPUSupportedLimits, 'maxBufferSize' | 'maxStorageBufferBindingSize'>,
+  bytesPerSplat: number,
+): number {
+  return CHUNK_SPLATS * Math.floor(bindingBytes(limits) / (bytesPerSplat * CHUNK_SPLATS));
 }
 
-function upload(memory: GpuMemory, packed: PackedCloud, splatsPerPage: number, name: string): CloudPage[] {
+function bindingBytes(
+  limits: Pick<GPUSupportedLimits, 'maxBufferSize' | 'maxStorageBufferBindingSize'>,
+): number {
+  return Math.min(limits.maxStorageBufferBindingSize, limits.maxBufferSize);
+}
+
+function pageSplats(limits: GPUSupportedLimits, { geometry, shRest }: PackedCloud, name: string): number {
+  const bytesPerSplat = 4 * Math.max(GEOMETRY_WORDS[geometry.precision], shRest.wordsPerSplat);
+  const splats = splatsPerPage(limits, bytesPerSplat);
+  if (splats > 0) return splats;
+  const needed = bytesPerSplat * CHUNK_SPLATS;
+  const available = bindingBytes(limits);
+  const message = `${name} needs bindings of at least ${needed} bytes and this device allows ${available}.`;
+  throw new GpuLimitError('maxStorageBufferBindingSize', needed, available, message);
+}
+
+function upload(memory: GpuMemory, packed: PackedCloud, pageSize: number, name: string): CloudPage[] {
   const { geometry, shRest, chunks, count } = packed;
   const geometryWords = GEOMETRY_WORDS[geometry.precision];
   const chunkWords = Chunk.bytes / 4;
   const chunkData = new Uint32Array(chunks);
   const pages: CloudPage[] = [];
-  for (let start = 0; start < count; start += splatsPerPage) {
-    const end = Math.min(count, start + splatsPerPage);
+  for (let start = 0; start < count; start += pageSize) {
+    const end = Math.min(count, start + pageSize);
     const firstChunk = start / CHUNK_SPLATS;
     const chunkCount = chunkCountOf(end - start);
     const part = (what: string, words: Uint32Array, from: number, to: number) =>

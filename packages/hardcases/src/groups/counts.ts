@@ -1,4 +1,5 @@
 import { packShRest, shRestWordsPerSplat, unpackShRest } from '@websplatter/core';
+import { splatsPerPage } from '@websplatter/core/inspect';
 import type { ArithmeticCase, HardCase } from '../hard-case.ts';
 import { frontAndOblique, frontOnly, scenesOf } from '../make-cases.ts';
 import {
@@ -78,6 +79,30 @@ const offsetCase = (exponent: number): ArithmeticCase => ({
   },
 });
 
+/** Bytes per splat of what may be stored: packed and float32 geometry, harmonics of degree 3 in bytes and in float32. */
+const BYTES_PER_SPLAT = [32, 64, 48, 180];
+
+/** A binding of `mebibytes` holds whole chunks only, as many as fit, and its words are numbered in 32 bits. */
+const bindingCase = (mebibytes: number): ArithmeticCase => ({
+  kind: 'arithmetic',
+  group: 'counts',
+  name: `counts-bindings-of-${mebibytes}-mib`,
+  breaks: 'A cloud larger than one binding is refused, or its last splats are read from beyond the end.',
+  check: () => {
+    const bytes = mebibytes * 2 ** 20;
+    const limits = { maxBufferSize: 2 * bytes, maxStorageBufferBindingSize: bytes };
+    for (const bytesPerSplat of BYTES_PER_SPLAT) {
+      const splats = splatsPerPage(limits, bytesPerSplat);
+      const what = `${splats} splats of ${bytesPerSplat} bytes in ${bytes}`;
+      if (splats % 256 !== 0) return `${what} are no whole chunks`;
+      if (splats * bytesPerSplat > bytes) return `${what} do not fit`;
+      if ((splats + 256) * bytesPerSplat <= bytes) return `${what} leave room for another chunk`;
+      if ((splats * bytesPerSplat) / 4 > 2 ** 32) return `${what} have words beyond 32 bits`;
+    }
+    return null;
+  },
+});
+
 export const COUNTS_CASES: readonly HardCase[] = [
   counted(
     0,
@@ -125,4 +150,5 @@ export const COUNTS_CASES: readonly HardCase[] = [
   }),
   // 2^33 bytes are 2^31 words, where offsets in words turn negative.
   ...[31, 32, 33, 34].map(offsetCase),
+  ...[128, 256, 2048, 4096].map(bindingCase),
 ];
