@@ -1,6 +1,7 @@
 import {
   type Camera,
   type CloudInstance,
+  isSoftwareAdapter,
   perspectiveCamera,
   SplatEngine,
   type SplatView,
@@ -209,11 +210,7 @@ export class Viewer {
       console.error(`WebGPU: ${(event as GPUUncapturedErrorEvent).error.message}`);
     });
     const view = engine.createView({ canvas });
-    view.onStatistics = (statistics) => {
-      store.setState({ statistics });
-      // The engine may have learned that it needs more room; it draws nothing where it has not.
-      this.#loop.request();
-    };
+    view.onStatistics = (statistics) => store.setState({ statistics });
     const session: Session = { canvas, engine, view };
     this.#session = session;
     void engine.lost.then((info) => {
@@ -273,7 +270,7 @@ export class Viewer {
     const name = hardCaseNameIn(address) === null ? address : null;
     const asked = name ? findBuiltinScene(name) : undefined;
     if (name && !asked) this.#store.setState({ notice: `There is no built-in scene “${name}”.` });
-    const scene = asked ?? findBuiltinScene(defaultSceneName(isSoftwareAdapter(engine)));
+    const scene = asked ?? findBuiltinScene(defaultSceneName(isSoftwareAdapter(engine.device.adapterInfo)));
     if (!scene) throw new Error('The default scene is missing.');
     return { kind: 'builtin', scene };
   }
@@ -492,10 +489,6 @@ async function whenComplete({ view, engine }: Session): Promise<void> {
 
 function destroyClouds({ clouds }: LoadedScene): void {
   for (const { cloud } of clouds) cloud.destroy();
-}
-
-function isSoftwareAdapter({ adapterLabel, device }: SplatEngine): boolean {
-  return /swiftshader|llvmpipe/i.test(adapterLabel) || device.adapterInfo?.isFallbackAdapter === true;
 }
 
 /** The style sheet's background of `element`, sRGB 0…1. */

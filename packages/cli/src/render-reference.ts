@@ -1,4 +1,4 @@
-import type { Camera, SplatSet, StageTimings } from '@websplatter/core';
+import { type Camera, type SplatSet, type StageTimings, wallClockTimings } from '@websplatter/core';
 import { renderReference } from '@websplatter/core/reference';
 import type { RenderOptions } from './render-options.ts';
 import { differingPixels, type Rendered } from './rendered.ts';
@@ -25,7 +25,7 @@ export async function renderOnReference(
   for (let frame = 1; frame <= frames; frame++) {
     const startedMs = performance.now();
     picture = draw();
-    timings.push(wallClock(performance.now() - startedMs));
+    timings.push(wallClockTimings(performance.now() - startedMs));
     first ??= picture;
     const pixels = differingPixels(first.data, picture.data);
     if (pixels > 0) firstDifference ??= { frame, pixels };
@@ -39,17 +39,5 @@ export async function renderOnReference(
     label: 'reference renderer, float64 on the CPU',
     notices: [],
     firstDifference,
-  };
-}
-
-function wallClock(totalMs: number): StageTimings {
-  const unknown = Number.NaN;
-  return {
-    source: 'wall-clock',
-    preprocessMs: unknown,
-    sortMs: unknown,
-    rasterizeMs: unknown,
-    totalMs,
-    wallClockMs: totalMs,
   };
 }

@@ -64,3 +64,10 @@ export function adapterLabel({ vendor, architecture, device, description }: GPUA
   const name = [vendor, architecture || device].filter(Boolean).join(' ');
   return name || description || 'unknown adapter';
 }
+
+/** Whether the adapter draws on the CPU, slowly. */
+export function isSoftwareAdapter({ isFallbackAdapter, architecture, description }: GPUAdapterInfo): boolean {
+  return (
+    isFallbackAdapter || /swiftshader|llvmpipe|lavapipe|basic render/i.test(`${architecture} ${description}`)
+  );
+}

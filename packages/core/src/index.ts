@@ -19,7 +19,7 @@ export {
   orthographicCamera,
   perspectiveCamera,
 } from './camera.ts';
-export { adapterLabel, type DeviceOptions, requestSplatDevice } from './device.ts';
+export { adapterLabel, type DeviceOptions, isSoftwareAdapter, requestSplatDevice } from './device.ts';
 export { type EngineOptions, SplatEngine } from './engine.ts';
 export * from './errors.ts';
 export type { GpuMemoryReport } from './gpu/gpu-memory.ts';
@@ -48,5 +48,10 @@ export {
   type SplatSet,
 } from './scene/splat-set.ts';
 export type { CloudInstance, ViewFrame } from './scene/view-frame.ts';
-export { type FrameStatistics, isPlausible, type StageTimings } from './timing/frame-statistics.ts';
+export {
+  type FrameStatistics,
+  isPlausible,
+  type StageTimings,
+  wallClockTimings,
+} from './timing/frame-statistics.ts';
 export type { SplatView } from './view.ts';

@@ -83,11 +83,12 @@ export class SplatView {
     this.#checkUsable();
     checkFrame(frame);
     if (frame.widthPx === 0 || frame.heightPx === 0) return false;
-    if (!frame.force && !this.#waiting && keyOf(frame) === this.#drawnKey) return false;
     if (this.#waiting) {
       this.#waiting = frame;
       return true;
     }
+    const key = keyOf(frame);
+    if (!frame.force && key === this.#drawnKey) return false;
     const shape = shapeOf(frame, this.#context, this.#frame?.shape);
     const stages = this.#stagesFor(shape);
     if (!this.#areCompiled(stages)) {
@@ -97,7 +98,7 @@ export class SplatView {
       this.#whenDrawn.catch(() => {});
       return true;
     }
-    this.#draw(frame, shape);
+    this.#draw(frame, shape, key);
     return true;
   }
 
@@ -140,7 +141,7 @@ export class SplatView {
         const stages = this.#stagesFor(shape);
         if (this.#areCompiled(stages)) {
           this.#waiting = null;
-          this.#draw(frame, shape);
+          this.#draw(frame, shape, keyOf(frame));
         } else {
           await this.#context.pipelines.prepare(stages);
         }
@@ -155,7 +156,7 @@ export class SplatView {
     return isUsable && clouds.every(({ cloud }) => !cloud.isDestroyed);
   }
 
-  #draw(viewFrame: ViewFrame, shape: FrameShape): void {
+  #draw(viewFrame: ViewFrame, shape: FrameShape, key: string): void {
     const { device, pipelines, memory } = this.#context;
     const { camera, widthPx, heightPx } = viewFrame;
     this.#checkSize(widthPx, heightPx);
@@ -176,7 +177,7 @@ export class SplatView {
     if (this.#canvas) this.#recordComposite(encoder, this.#canvas, viewFrame.background ?? [0, 0, 0]);
     this.#timer.record(encoder, frame.buffers);
     device.queue.submit([encoder.finish()]);
-    this.#drawnKey = keyOf(viewFrame);
+    this.#drawnKey = key;
     void this.#measure(frame.totalSplats);
   }
 

@@ -2,6 +2,7 @@ import {
   ACCURACY_PRESETS,
   type AccuracyPreset,
   adapterLabel,
+  isSoftwareAdapter,
   readSplats,
   requestSplatDevice,
   SplatFileError,
@@ -52,9 +53,7 @@ export class HardCaseRunner {
     this.#options = options;
     this.#watched = watched;
     this.adapterLabel = adapterLabel(adapterInfo);
-    this.isSoftware = /swiftshader|llvmpipe|lavapipe|basic render/i.test(
-      `${adapterInfo.architecture} ${adapterInfo.description}`,
-    );
+    this.isSoftware = isSoftwareAdapter(adapterInfo);
   }
 
   /** @throws WebGpuUnavailableError where there is no adapter or no device. */

@@ -1,6 +1,6 @@
 import { existsSync, readdirSync } from 'node:fs';
 import os from 'node:os';
-import { WebGpuUnavailableError } from '@websplatter/core';
+import { adapterLabel, isSoftwareAdapter, WebGpuUnavailableError } from '@websplatter/core';
 import { type VulkanRoute, vulkanRoutes } from './vulkan-routes.ts';
 
 export interface NodeGpuOptions {
@@ -13,7 +13,7 @@ export interface NodeGpu {
   readonly gpu: GPU;
   /** Not yet used: a device can be made from it once. */
   readonly adapter: GPUAdapter;
-  /** Vendor and architecture, e.g. `nvidia hopper`, `google swiftshader`. */
+  /** What a person would call the adapter, e.g. `google swiftshader`. */
   readonly label: string;
   readonly isSoftware: boolean;
   /** What the user should know about the choice, null where a GPU was found. */
@@ -163,17 +163,6 @@ function keepDevices(adapter: GPUAdapter): void {
     keptForever.add(device);
     return device;
   };
-}
-
-function adapterLabel(info: GPUAdapterInfo): string {
-  return [info.vendor, info.architecture].filter(Boolean).join(' ') || info.description || 'unknown adapter';
-}
-
-function isSoftwareAdapter(info: GPUAdapterInfo): boolean {
-  return (
-    info.isFallbackAdapter ||
-    /swiftshader|llvmpipe|lavapipe|basic render/i.test(`${info.architecture} ${info.description}`)
-  );
 }
 
 function realSurroundings() {

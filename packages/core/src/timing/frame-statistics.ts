@@ -15,6 +15,19 @@ export interface StageTimings {
   readonly wallClockMs: number;
 }
 
+/** What is known without timestamps: the whole, by the wall clock. */
+export function wallClockTimings(wallClockMs: number): StageTimings {
+  const unknown = Number.NaN;
+  return {
+    source: 'wall-clock',
+    preprocessMs: unknown,
+    sortMs: unknown,
+    rasterizeMs: unknown,
+    totalMs: wallClockMs,
+    wallClockMs,
+  };
+}
+
 /** Beyond this factor and this time apart, timestamps and wall clock do not tell of the same work. */
 const PLAUSIBLE_FACTOR = 3;
 const PLAUSIBLE_DIFFERENCE_MS = 20;

@@ -1,6 +1,6 @@
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
-import type { FrameStatistics, StageTimings } from './frame-statistics.ts';
+import { type FrameStatistics, type StageTimings, wallClockTimings } from './frame-statistics.ts';
 
 /** Passes that are timed, in the order in which a frame runs them. */
 const TIMED_PASSES = ['preprocess', 'sort', 'rasterize', 'composite'] as const;
@@ -131,18 +131,6 @@ function timingsOf(nanoseconds: BigUint64Array, hasComposite: boolean, wallClock
     sortMs: span(2, 3),
     rasterizeMs: span(4, last),
     totalMs: span(0, last),
-    wallClockMs,
-  };
-}
-
-function wallClockTimings(wallClockMs: number): StageTimings {
-  const unknown = Number.NaN;
-  return {
-    source: 'wall-clock',
-    preprocessMs: unknown,
-    sortMs: unknown,
-    rasterizeMs: unknown,
-    totalMs: wallClockMs,
     wallClockMs,
   };
 }
