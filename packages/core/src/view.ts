@@ -282,11 +282,15 @@ function checkFrame({ camera, clouds, widthPx, heightPx }: ViewFrame): void {
       throw new InvalidArgumentError(name, `The camera's ${name} must be 16 finite numbers, column-major.`);
     }
   }
-  for (const { cloud, modelMatrix } of clouds) {
+  for (const { cloud, modelMatrix, opacity = 1 } of clouds) {
     if (cloud.isDestroyed) throw new DestroyedError(`The cloud ${cloud.name}`, 'it was destroyed');
     if (modelMatrix && !isMatrix(modelMatrix)) {
       const message = `The model matrix of ${cloud.name} must be 16 finite numbers, column-major.`;
       throw new InvalidArgumentError('modelMatrix', message);
+    }
+    if (!(opacity >= 0 && opacity <= 1)) {
+      const message = `The opacity of ${cloud.name} is ${opacity}; it must lie in 0…1.`;
+      throw new InvalidArgumentError('opacity', message);
     }
   }
 }
@@ -298,9 +302,9 @@ let cloudsSeen = 0;
 function keyOf({ camera, clouds, widthPx, heightPx, background }: ViewFrame): string {
   const parts: unknown[] = [widthPx, heightPx, background, camera.near, camera.far];
   parts.push(Array.from(camera.viewMatrix), Array.from(camera.projectionMatrix));
-  for (const { cloud, modelMatrix } of clouds) {
+  for (const { cloud, modelMatrix, opacity = 1 } of clouds) {
     if (!cloudNumbers.has(cloud)) cloudNumbers.set(cloud, ++cloudsSeen);
-    parts.push(cloudNumbers.get(cloud), modelMatrix && Array.from(modelMatrix));
+    parts.push(cloudNumbers.get(cloud), modelMatrix && Array.from(modelMatrix), opacity);
   }
   return JSON.stringify(parts);
 }

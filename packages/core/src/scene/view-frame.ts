@@ -7,6 +7,8 @@ export interface CloudInstance {
   readonly cloud: SplatCloud;
   /** Scene to world, 16 numbers, column-major, read in float64; default the identity. */
   readonly modelMatrix?: ArrayLike<number>;
+  /** Multiplies every splat's opacity, 0…1; default 1. At 0 nothing of the cloud is drawn. */
+  readonly opacity?: number;
 }
 
 /** One picture. */
