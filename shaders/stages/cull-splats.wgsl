@@ -40,7 +40,7 @@ fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
   if (isSlot) { splatIndex = (visibleChunks[slot] - page.chunkStart) * CHUNK_SPLATS + lane; }
 
   if (splatIndex < page.splatCount) {
-    let splat = unpackSplat(geometry[splatIndex], page.logScales);
+    let splat = unpackSplat(geometry[splatIndex], page.logScales, page.opacity);
     let centerView = page.linear * splat.position + page.translation;
     let depthView = -centerView.z;
     if (splat.opacity >= view.alphaCutoff && isInDepthRange(view, depthView)) {

@@ -37,7 +37,7 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
   let index = plan.survivorStart + indexInPage;
   let splatIndex = survivors[index] - page.chunkStart * CHUNK_SPLATS;
 
-  let splat = unpackSplat(geometry[splatIndex], page.logScales);
+  let splat = unpackSplat(geometry[splatIndex], page.logScales, page.opacity);
   let onScreen = screenSplat(view, page.linear, splat, page.linear * splat.position + page.translation);
   let axes = screenAxes(onScreen.covariance, view.dilationPx2);
 

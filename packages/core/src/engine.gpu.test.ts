@@ -46,7 +46,11 @@ afterAll(() => {
 });
 
 interface Scene {
-  readonly clouds: readonly { readonly set: SplatSet; readonly modelMatrix?: ArrayLike<number> }[];
+  readonly clouds: readonly {
+    readonly set: SplatSet;
+    readonly modelMatrix?: ArrayLike<number>;
+    readonly opacity?: number;
+  }[];
   readonly camera: Camera;
 }
 
@@ -58,7 +62,7 @@ async function draw(view: SplatView, frame: ViewFrame): Promise<Float32Array> {
 /** Draws `scene` with a view of its own and frees everything again. */
 async function drawScene(engine: SplatEngine, { clouds, camera }: Scene, size = SIZE): Promise<Float32Array> {
   const view = engine.createView();
-  const instances = clouds.map(({ set, modelMatrix }) => ({ cloud: engine.add(set), modelMatrix }));
+  const instances = clouds.map(({ set, ...placement }) => ({ cloud: engine.add(set), ...placement }));
   try {
     return await draw(view, { camera, clouds: instances, ...size });
   } finally {
@@ -102,6 +106,13 @@ describe('pictures against the float64 reference', () => {
     gpuTest(`two clouds that pass through each other, one of them ${name}`, () =>
       expectAccurate({ clouds: [{ set: first, modelMatrix }, { set: second }], camera: CAMERA }),
     );
+  }
+
+  for (const opacity of [1, 0.5, 0.01, 0]) {
+    gpuTest(`a cloud of opacity ${opacity} before another one`, () => {
+      const faded = randomSplats({ count: 400, seed: 2, opacityLogits: [0, 8] });
+      return expectAccurate({ clouds: [{ set: faded, opacity }, { set: second }], camera: CAMERA });
+    });
   }
 
   gpuTest('6,400 km from the origin of the world', () => {
@@ -243,6 +254,20 @@ describe('a view', () => {
     cloud.destroy();
   });
 
+  gpuTest('is drawn again when an opacity changes; 1 is what there is without any', async () => {
+    const view = engines.balanced.createView();
+    const cloud = engines.balanced.add(randomSplats({ count: 300 }));
+    const frame = (opacity?: number) => ({ camera: CAMERA, clouds: [{ cloud, opacity }], ...SIZE });
+    const plain = await draw(view, frame());
+    expect(view.render(frame(1))).toBe(false);
+    expectSamePicture(await draw(view, { ...frame(1), force: true }), plain);
+    expect(await draw(view, frame(0.5))).not.toEqual(plain);
+    expect((await draw(view, frame(0))).every((value) => value === 0)).toBe(true);
+    expectSamePicture(await draw(view, frame(1)), plain);
+    view.destroy();
+    cloud.destroy();
+  });
+
   gpuTest('of no clouds, of an empty cloud and of clouds out of sight is empty', async () => {
     const engine = engines.balanced;
     const view = engine.createView();
@@ -271,6 +296,8 @@ describe('a view', () => {
     expect(() => view.render({ ...frame, widthPx: 1.5 })).toThrow(InvalidArgumentError);
     expect(() => view.render({ ...frame, heightPx: -1 })).toThrow(InvalidArgumentError);
     expect(() => view.render({ ...frame, clouds: [{ cloud, modelMatrix: [1, 2, 3] }] })).toThrow(/garden/);
+    for (const opacity of [-0.1, 1.1, Number.NaN])
+      expect(() => view.render({ ...frame, clouds: [{ cloud, opacity }] })).toThrow(/garden.*0…1/);
     const widthPx = device.limits.maxTextureDimension2D + 1;
     await draw(view, frame);
     expect(() => view.render({ ...frame, widthPx })).toThrow(InvalidArgumentError);

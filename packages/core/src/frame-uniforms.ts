@@ -34,7 +34,7 @@ export function pageUniforms(
   frame: FrameResources,
 ): ArrayBuffer {
   const { alphaCutoff } = frame.shape.accuracy;
-  const perCloud = clouds.map(({ cloud, modelMatrix = identity4() }) => {
+  const perCloud = clouds.map(({ cloud, modelMatrix = identity4(), opacity = 1 }) => {
     const view = cloudView(camera.viewMatrix, modelMatrix, cloud.origin, projection.isOrthographic);
     const planes = cullPlanes(view, projection, alphaCutoff, DILATION_PX2);
     return {
@@ -44,6 +44,7 @@ export function pageUniforms(
       cameraWeight: view.camera ? 1 : 0,
       direction: view.direction,
       logScales: [cloud.logScaleRange.min, cloud.logScaleRange.step],
+      opacity,
       frustum: planes.flatMap(({ normal, offset }) => [...normal, offset]),
       frustumReach: planes.flatMap(({ reach }) => [reach, 0, 0, 0]),
     };

@@ -55,7 +55,7 @@ export async function compareCulling(frame: InspectedFrame): Promise<CullingComp
  * the picture's edges moved by what float32 may err, once against the splat and once for it.
  */
 function verdict(
-  { stored, view }: InspectedCloud,
+  { stored, view, opacity }: InspectedCloud,
   index: number,
   projection: Projection,
   { alphaCutoff }: AccuracySettings,
@@ -74,7 +74,8 @@ function verdict(
     };
     // Opacity and cutoff are rounded to float32, and `log` errs by 3 ulp: the same as another cutoff.
     const cutoff = alphaCutoff * (1 - direction * 16 * FLOAT32_ROUNDING);
-    return cullSplat(stored, index, view, moved, { alphaCutoff: cutoff, dilationPx2: DILATION_PX2 }) !== null;
+    const settings = { alphaCutoff: cutoff, dilationPx2: DILATION_PX2, cloudOpacity: opacity };
+    return cullSplat(stored, index, view, moved, settings) !== null;
   };
   return { isDrawn: drawn(0), isSure: drawn(-1) === drawn(1) };
 }

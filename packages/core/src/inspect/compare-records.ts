@@ -76,7 +76,7 @@ function compareRecord(frame: InspectedFrame, record: SplatRecord, errors: Field
 }
 
 /** The twin of a splat wherever it lies: whatever the GPU kept must look as the twin says. */
-function twinOf({ projection }: InspectedFrame, { stored, view }: InspectedCloud, index: number) {
+function twinOf({ projection }: InspectedFrame, { stored, view, opacity }: InspectedCloud, index: number) {
   const everywhere = {
     ...projection,
     near: Number.NEGATIVE_INFINITY,
@@ -85,7 +85,8 @@ function twinOf({ projection }: InspectedFrame, { stored, view }: InspectedCloud
     heightPx: 2 * MIDDLE_PX,
     centerPx: [MIDDLE_PX, MIDDLE_PX] as const,
   };
-  return cullSplat(stored, index, view, everywhere, { alphaCutoff: 1e-9, dilationPx2: DILATION_PX2 });
+  const settings = { alphaCutoff: 1e-9, dilationPx2: DILATION_PX2, cloudOpacity: opacity };
+  return cullSplat(stored, index, view, everywhere, settings);
 }
 
 /** Rounding to binary16, of which some hardware truncates: 2^-10 of the value, and half the smallest step. */
@@ -132,7 +133,7 @@ function compareShape(record: SplatRecord, twin: VisibleSplat, bounds: Projectio
 
 /**
  * Basis functions are below 2.9 and change by less than 12 per unit of direction; sums of 16 terms. Opacity is rounded
- * once, after an `exp` on the CPU in float64 or as unorm16: 8u.
+ * once, after an `exp` on the CPU in float64 or as unorm16, and twice more by that of the cloud: 8u.
  */
 function compareColor(
   frame: InspectedFrame,

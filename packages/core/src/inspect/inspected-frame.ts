@@ -26,6 +26,8 @@ export interface InspectOptions {
   readonly clouds: readonly {
     readonly set: SplatSet;
     readonly modelMatrix?: ArrayLike<number>;
+    /** Multiplies every splat's opacity, 0…1; default 1. */
+    readonly opacity?: number;
     /** Uploads the cloud in pages of at most so many splats, a multiple of CHUNK_SPLATS. */
     readonly splatsPerPage?: number;
   }[];
@@ -50,6 +52,8 @@ export interface InspectedCloud {
   readonly stored: SplatSet;
   readonly packed: PackedCloud;
   readonly view: CloudView;
+  /** Of the whole cloud, 0…1. */
+  readonly opacity: number;
   readonly planes: readonly CullPlane[];
 }
 
@@ -88,9 +92,10 @@ export class InspectedFrame {
       .map(({ set }) => dropNonFinite(set))
       .map((set) => ({ ...set, shRest: repackShRest(set.shRest, set.count, accuracy.shPrecision) }));
     const packed = sets.map((set) => packCloud(set, { geometryPrecision: accuracy.geometryPrecision }));
-    const instances = options.clouds.map(({ modelMatrix, splatsPerPage }, i) => ({
+    const instances = options.clouds.map(({ modelMatrix, opacity, splatsPerPage }, i) => ({
       cloud: new SplatCloud(memory, limitsFor(device, packed[i], splatsPerPage), packed[i], `cloud ${i}`),
       modelMatrix,
+      opacity,
     }));
     const viewFrame: ViewFrame = { camera, clouds: instances, widthPx, heightPx };
     const shape = {
@@ -115,13 +120,14 @@ export class InspectedFrame {
     const image = await readTexture(device, target);
     target.destroy();
 
-    const clouds = options.clouds.map(({ modelMatrix = identity4() }, i) => {
+    const clouds = options.clouds.map(({ modelMatrix = identity4(), opacity = 1 }, i) => {
       const stored = permuteSplats(sets[i], mortonOrder(sets[i].positions, sets[i].count));
       const view = cloudView(camera.viewMatrix, modelMatrix, stored.origin, projection.isOrthographic);
       return {
         stored: accuracy.geometryPrecision === 'f32' ? float32Set(stored) : unpackedSet(stored, packed[i]),
         packed: packed[i],
         view,
+        opacity,
         planes: cullPlanes(view, projection, accuracy.alphaCutoff, DILATION_PX2),
       };
     });

@@ -10,6 +10,8 @@ export interface CullSettings {
   readonly alphaCutoff: number;
   /** Variance added to both screen axes, px². */
   readonly dilationPx2: number;
+  /** Of the whole cloud: multiplies the splat's own; default 1. */
+  readonly cloudOpacity?: number;
 }
 
 /** A splat that reaches into the picture. */
@@ -18,7 +20,7 @@ export interface VisibleSplat {
   readonly depthView: number;
   readonly centerPx: readonly [number, number];
   readonly covariance: ScreenCovariance;
-  /** Peak opacity, 0…1. */
+  /** Peak opacity, 0…1, that of the whole cloud included. */
   readonly opacity: number;
   /** Half extents of the box around all pixels where the opacity reaches the cutoff, px. */
   readonly extentPx: readonly [number, number];
@@ -32,8 +34,9 @@ export function cullSplat(
   projection: Projection,
   settings: CullSettings,
 ): VisibleSplat | null {
-  const opacity = opacityOf(set.opacityLogits[index]);
-  if (opacity < settings.alphaCutoff) return null;
+  const { alphaCutoff, dilationPx2, cloudOpacity = 1 } = settings;
+  const opacity = opacityOf(set.opacityLogits[index]) * cloudOpacity;
+  if (opacity < alphaCutoff) return null;
 
   const centerView = toView(view, set.positions, index);
   const depthView = -centerView[2];
@@ -53,9 +56,9 @@ export function cullSplat(
     rotation,
     set.logScales.subarray(3 * index, 3 * index + 3),
   );
-  const covariance = screenCovariance(rows, settings.dilationPx2);
+  const covariance = screenCovariance(rows, dilationPx2);
   // opacity·exp(−½ xᵀΣ⁻¹x) = cutoff at xᵀΣ⁻¹x = 2·ln(opacity/cutoff); that ellipse's box is √ of Σ's diagonal times that.
-  const reach = Math.sqrt(2 * Math.log(opacity / settings.alphaCutoff));
+  const reach = Math.sqrt(2 * Math.log(opacity / alphaCutoff));
   const extentPx = [reach * Math.sqrt(covariance.a), reach * Math.sqrt(covariance.c)] as const;
   const isInside =
     centerPx[0] + extentPx[0] > 0 &&

@@ -124,6 +124,19 @@ describe('the reference renderer', () => {
     expect(alphaAt(5, 2)).toBeCloseTo(0.5 * Math.exp(-(0.5 ** 2) / 2 / 1.3 - 1 / 2 / 0.3), 6);
   });
 
+  test('the opacity of a cloud multiplies that of its splats, before the cutoff and the cap', () => {
+    const splat = { logScales: [1, 1, 1], opacityLogit: logit(0.8) };
+    const render = (opacity?: number) =>
+      renderReference({ clouds: [{ set: splatsOf([splat]), opacity }], camera: CAMERA, ...SIZE });
+    const alpha = (opacity?: number) => render(opacity).data[4 * 40 + 3];
+    expect(alpha()).toBeCloseTo(0.8, 6);
+    expect(alpha(1)).toBe(alpha());
+    expect(alpha(0.5)).toBe(alpha() / 2);
+    expect(render(0.0049).visibleSplats).toBe(0);
+    expect(render(0.005).visibleSplats).toBe(1);
+    expect(render(0).visibleSplats).toBe(0);
+  });
+
   test('nothing gives nothing', () => {
     const { data, visibleSplats } = renderReference({ clouds: [], camera: CAMERA, ...SIZE });
     expect(visibleSplats).toBe(0);

@@ -10,7 +10,12 @@ import { splatColor } from './project.ts';
 import { type ReferenceImage, rasterizeSplat } from './rasterize.ts';
 
 export interface ReferenceFrame {
-  readonly clouds: readonly { readonly set: SplatSet; readonly modelMatrix?: ArrayLike<number> }[];
+  readonly clouds: readonly {
+    readonly set: SplatSet;
+    readonly modelMatrix?: ArrayLike<number>;
+    /** Multiplies every splat's opacity, 0…1; default 1. */
+    readonly opacity?: number;
+  }[];
   readonly camera: Camera;
   readonly widthPx: number;
   readonly heightPx: number;
@@ -43,12 +48,12 @@ export function renderReference(frame: ReferenceFrame): ReferenceImage & { reado
   const projection = projectionOf(camera, widthPx, heightPx);
   const image = { widthPx, heightPx, data: new Float64Array(4 * widthPx * heightPx) };
   const drawn: DrawnSplat[] = [];
-  for (const { set, modelMatrix = identity4() } of frame.clouds) {
+  for (const { set, modelMatrix = identity4(), opacity: cloudOpacity } of frame.clouds) {
     const finite = dropNonFinite(set);
     const stored = permuteSplats(finite, mortonOrder(finite.positions, finite.count));
     const view = cloudView(camera.viewMatrix, modelMatrix, stored.origin, projection.isOrthographic);
     for (let index = 0; index < stored.count; index++) {
-      const visible = cullSplat(stored, index, view, projection, { alphaCutoff, dilationPx2 });
+      const visible = cullSplat(stored, index, view, projection, { alphaCutoff, dilationPx2, cloudOpacity });
       if (visible) drawn.push({ ...visible, color: splatColor(stored, index, view, shDegree) });
     }
   }

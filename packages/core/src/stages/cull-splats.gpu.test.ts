@@ -65,6 +65,22 @@ describe('cull-splats', () => {
     }
   });
 
+  for (const geometryPrecision of ['f32', 'packed'] as const) {
+    gpuTest(`clouds of any opacity, ${geometryPrecision}`, async () => {
+      const cloud = (seed: number, opacity: number) => ({
+        set: randomSplats({ count: SPLATS, shDegree: 0, seed, logScales: [-4, -1] }),
+        opacity,
+      });
+      const camera = testCameras(1.5).perspective;
+      const accuracy = { geometryPrecision };
+      const { visibleCount } = await check({ clouds: [cloud(1, 0.5), cloud(2, 0.01)], camera, accuracy });
+      const { visibleCount: opaque } = await check({ clouds: [cloud(1, 1), cloud(2, 1)], camera, accuracy });
+      expect(visibleCount).toBeGreaterThan(SPLATS / 4);
+      expect(visibleCount).toBeLessThan(0.8 * opaque);
+      expect((await check({ clouds: [cloud(1, 0)], camera, accuracy })).visibleCount).toBe(0);
+    });
+  }
+
   gpuTest('nothing to see', async () => {
     const set = randomSplats({ count: 300, shDegree: 0, opacityLogits: [-9, -7] });
     const { visibleCount } = await check({ clouds: [{ set }], camera: testCameras(1.5).perspective });

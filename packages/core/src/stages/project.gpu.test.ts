@@ -69,6 +69,22 @@ describe('project', () => {
     }
   }
 
+  for (const [geometryPrecision, recordPrecision] of [
+    ['f32', 'f32'],
+    ['packed', 'f16'],
+  ] as const) {
+    gpuTest(`clouds of any opacity, ${geometryPrecision} geometry, ${recordPrecision} records`, () =>
+      check({
+        clouds: [0.5, 0.01, 1, 0].map((opacity, i) => ({
+          set: randomSplats({ count: SPLATS, seed: 20 + i, shDegree: 0 }),
+          opacity,
+        })),
+        camera: testCameras(1.5).perspective,
+        accuracy: { geometryPrecision, recordPrecision },
+      }),
+    );
+  }
+
   gpuTest('needles, discs and points of every size', () =>
     check({
       clouds: [{ set: randomSplats({ count: SPLATS, seed: 15, shDegree: 0, logScales: [-18, 1] }) }],
