@@ -1,14 +1,17 @@
 // Draws every visible splat as one quad, back to front, blended "over" with premultiplied colours in the space that
 // scenes are trained in. The quad reaches as far as the splat's opacity stays above the cutoff; the fragment's place in
 // the Gaussian comes from the interpolators alone.
+import layout::HostDepth;
 import layout::ProjectedSplat;
 import layout::View;
 import constants::MAX_FRAGMENT_ALPHA;
+@if(DEPTH_TEST) import package::lib::host_depth::storedDepth;
 import package::lib::visible_ellipse::reachInAxes;
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<storage, read> order: array<u32>;
 @group(0) @binding(2) var<storage, read> projected: array<ProjectedSplat>;
+@if(DEPTH_TEST) @group(0) @binding(3) var<uniform> hostDepth: HostDepth;
 
 struct Varyings {
   @builtin(position) position: vec4f,
@@ -16,6 +19,12 @@ struct Varyings {
   @location(0) local: vec2f,
   @if(RECORD_F32) @location(1) @interpolate(flat, either) color: vec4f,
   @if(!RECORD_F32) @location(1) @interpolate(flat, either) color: vec2u,
+  @if(DEPTH_LAYER) @location(2) @interpolate(flat, either) depthView: f32,
+}
+
+struct Fragment {
+  @location(0) color: vec4f,
+  @if(DEPTH_LAYER) @location(1) depth: vec4f,
 }
 
 /// Corners lie on this grid, the coarsest on which WebGPU's rasterisers are known to snap them (1/16 px): the local
@@ -56,17 +65,25 @@ fn vertexMain(@builtin(vertex_index) vertex: u32, @builtin(instance_index) insta
   let offset = cornerPx - splat.centerPx;
   var varyings: Varyings;
   let ndc = cornerPx / view.sizePx * 2.0 - 1.0;
-  varyings.position = vec4f(ndc.x, -ndc.y, 0.0, 1.0);
+  @if(!DEPTH_TEST) let depth = 0.0;
+  @if(DEPTH_TEST) let depth = storedDepth(splat.depthView, hostDepth);
+  varyings.position = vec4f(ndc.x, -ndc.y, depth, 1.0);
   varyings.local = vec2f(dot(offset, majorUnit) / majorLengthPx, dot(offset, minorUnit) / splat.minorLengthPx);
   varyings.color = splat.color;
+  @if(DEPTH_LAYER) varyings.depthView = splat.depthView;
   return varyings;
 }
 
 @fragment
-fn fragmentMain(varyings: Varyings) -> @location(0) vec4f {
+fn fragmentMain(varyings: Varyings) -> Fragment {
   @if(RECORD_F32) let color = varyings.color;
   @if(!RECORD_F32) let color = vec4f(unpack2x16float(varyings.color.x), unpack2x16float(varyings.color.y));
   let alpha = min(MAX_FRAGMENT_ALPHA, color.w * exp(-dot(varyings.local, varyings.local)));
   // Blending nothing over leaves the target as it is, bit for bit, and unlike `discard` keeps early tests possible.
-  return select(vec4f(0.0), vec4f(color.rgb * alpha, alpha), alpha >= view.alphaCutoff);
+  let isDrawn = alpha >= view.alphaCutoff;
+  var fragment: Fragment;
+  fragment.color = select(vec4f(0.0), vec4f(color.rgb * alpha, alpha), isDrawn);
+  // Blended like a colour, the mean depth by what each splat contributes; a float16 target ends at 65504.
+  @if(DEPTH_LAYER) fragment.depth = select(vec4f(0.0), vec4f(min(varyings.depthView, 65504.0) * alpha, 0.0, 0.0, alpha), isDrawn);
+  return fragment;
 }

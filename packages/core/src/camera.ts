@@ -1,5 +1,5 @@
 import { InvalidArgumentError } from './errors.ts';
-import { type Mat4, transform3, type Vec3 } from './math/mat4.ts';
+import { invert3, linearPart, type Mat4, transform3, type Vec3 } from './math/mat4.ts';
 
 /**
  * A view of the world, in three.js's conventions: the camera looks along −z with y up, matrices are column-major.
@@ -159,6 +159,38 @@ export function projectionOf(camera: Camera, widthPx: number, heightPx: number):
     near: camera.near,
     far: camera.far,
   };
+}
+
+/** A line of sight: what is at view depth d lies at origin + d·direction, in world space. */
+export interface PictureRay {
+  readonly origin: Vec3;
+  /** Not normalised: as long as it takes for one unit of depth. */
+  readonly direction: Vec3;
+}
+
+/**
+ * The line of sight through a point of the picture, px from its top left, x right and y down.
+ *
+ * @throws InvalidArgumentError where the view matrix cannot be inverted.
+ */
+export function pictureRay(
+  { viewMatrix }: Camera,
+  { isOrthographic, focalPx, centerPx }: Projection,
+  [xPx, yPx]: readonly [number, number],
+): PictureRay {
+  const toWorld = invert3(linearPart(viewMatrix));
+  if (!toWorld) {
+    throw new InvalidArgumentError(
+      'viewMatrix',
+      'The view matrix is singular: no ray leads back to the world.',
+    );
+  }
+  const x = (xPx - centerPx[0]) / focalPx[0];
+  const y = (centerPx[1] - yPx) / focalPx[1];
+  const [tx, ty, tz] = [viewMatrix[12], viewMatrix[13], viewMatrix[14]];
+  return isOrthographic
+    ? { origin: transform3(toWorld, [x - tx, y - ty, -tz]), direction: transform3(toWorld, [0, 0, -1]) }
+    : { origin: transform3(toWorld, [-tx, -ty, -tz]), direction: transform3(toWorld, [x, y, -1]) };
 }
 
 /** Position of the camera in the world. */

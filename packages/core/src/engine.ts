@@ -1,5 +1,7 @@
 import { type Accuracy, type AccuracySettings, resolveAccuracy } from './accuracy.ts';
+import type { ViewContext } from './blended-layer.ts';
 import { adapterLabel, type DeviceOptions, requestSplatDevice } from './device.ts';
+import { EmbeddedView } from './embedded-view.ts';
 import { DestroyedError, InvalidArgumentError } from './errors.ts';
 import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
 import { Pipelines } from './gpu/pipelines.ts';
@@ -12,7 +14,7 @@ import { type PackedCloud, packCloud } from './scene/packed-cloud.ts';
 import { SplatCloud } from './scene/splat-cloud.ts';
 import type { SplatSet } from './scene/splat-set.ts';
 import type { ShaderMutation } from './shaders.ts';
-import { SplatView, type ViewContext } from './view.ts';
+import { SplatView } from './view.ts';
 
 export interface EngineOptions extends DeviceOptions {
   /** A device to work on; by default one is made, with all that its adapter offers. */
@@ -41,7 +43,7 @@ export class SplatEngine {
   readonly #pipelines: Pipelines;
   readonly #ownsDevice: boolean;
   readonly #dispatchRow: number;
-  readonly #views = new Set<SplatView>();
+  readonly #views = new Set<SplatView | EmbeddedView>();
   #destroyedBecause: string | null = null;
 
   private constructor(device: GPUDevice, ownsDevice: boolean, options: EngineOptions) {
@@ -113,17 +115,17 @@ export class SplatEngine {
   /** A view that draws on `canvas`, or one whose pictures are read back. */
   createView(options: { readonly canvas?: HTMLCanvasElement | OffscreenCanvas } = {}): SplatView {
     this.#checkUsable();
-    const context: ViewContext = {
-      device: this.device,
-      pipelines: this.#pipelines,
-      memory: this.#memory,
-      accuracy: this.accuracy,
-      dispatchRow: this.#dispatchRow,
-      destroyedBecause: () => this.#destroyedBecause,
-      onDestroyed: (view) => this.#views.delete(view),
-    };
     const format = globalThis.navigator?.gpu?.getPreferredCanvasFormat() ?? 'rgba8unorm';
-    const view = new SplatView(context, options.canvas ?? null, format);
+    const forget = (destroyed: SplatView) => this.#views.delete(destroyed);
+    const view = new SplatView(this.#viewContext(), options.canvas ?? null, format, forget);
+    this.#views.add(view);
+    return view;
+  }
+
+  /** A view inside the frames of another renderer on the same device. */
+  createEmbeddedView(): EmbeddedView {
+    this.#checkUsable();
+    const view = new EmbeddedView(this.#viewContext(), (destroyed) => this.#views.delete(destroyed));
     this.#views.add(view);
     return view;
   }
@@ -140,6 +142,17 @@ export class SplatEngine {
     for (const view of [...this.#views]) view.destroy();
     this.#memory.destroyAll();
     if (this.#ownsDevice) this.device.destroy();
+  }
+
+  #viewContext(): ViewContext {
+    return {
+      device: this.device,
+      pipelines: this.#pipelines,
+      memory: this.#memory,
+      accuracy: this.accuracy,
+      dispatchRow: this.#dispatchRow,
+      destroyedBecause: () => this.#destroyedBecause,
+    };
   }
 
   #checkUsable(): void {

@@ -1,10 +1,12 @@
-import { type AccuracySettings, maxColor } from './accuracy.ts';
+import { maxColor } from './accuracy.ts';
+import type { FrameShape } from './frame-shape.ts';
 import type { GpuMemory } from './gpu/gpu-memory.ts';
 import type { Pipelines } from './gpu/pipelines.ts';
 import { CHUNK_SPLATS } from './layout/constants.ts';
 import { roundUp } from './layout/gpu-struct.ts';
 import {
   FrameParameters,
+  HostDepth,
   Page,
   PagePlan,
   ProjectedSplat,
@@ -22,22 +24,8 @@ import { planProject } from './stages/plan-project.ts';
 import { PrefixScan } from './stages/prefix-scan.ts';
 import { project } from './stages/project.ts';
 import { RadixSort } from './stages/radix-sort.ts';
-import { rasterize } from './stages/rasterize.ts';
+import { rasterize, rasterizeState } from './stages/rasterize.ts';
 import { sortShapeFor } from './stages/sort-shape.ts';
-
-/** Everything that decides which shaders a frame runs and how large its buffers are. */
-export interface FrameShape {
-  /** In the order in which equal depths are drawn; a cloud may occur more than once. */
-  readonly clouds: readonly SplatCloud[];
-  readonly isOrthographic: boolean;
-  readonly accuracy: AccuracySettings;
-  /** Most workgroups in one dimension of a dispatch. */
-  readonly dispatchRow: number;
-  /** Most splats that may be visible: buffers for visible splats have room for as many. */
-  readonly visibleCapacity: number;
-  /** Bits that the depth keys of this frame may differ in, at most 32. */
-  readonly keyBits: number;
-}
 
 /** One page of one of the frame's clouds. */
 export interface FramePage extends CloudPage {
@@ -122,6 +110,8 @@ export class FrameResources {
   /** Splats of all clouds. */
   readonly totalSplats: number;
   readonly buffers = {} as Record<BufferName, GPUBuffer>;
+  /** One `HostDepth`, for shapes with depth. */
+  readonly hostDepth: GPUBuffer | null = null;
   readonly chunkScan: PrefixScan;
   readonly splatScan: PrefixScan;
   readonly sort: RadixSort;
@@ -144,6 +134,10 @@ export class FrameResources {
       for (const [name, [bytes, usage]] of Object.entries(table)) {
         const flags = usage | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;
         buffers[name as BufferName] = memory.createBuffer(`frame ${name}`, bytes, flags);
+      }
+      if (shape.depth) {
+        const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
+        this.hostDepth = memory.createBuffer('frame hostDepth', HostDepth.bytes, usage);
       }
       const scan = (values: GPUBuffer, inputCount: GPUBuffer) =>
         new PrefixScan(device, pipelines, memory, {
@@ -175,11 +169,17 @@ export class FrameResources {
     this.#queue.writeBuffer(this.buffers.pageUniforms, 0, pages);
   }
 
+  /** @param contents one `HostDepth`, for shapes with depth. */
+  writeHostDepth(contents: ArrayBuffer): void {
+    if (this.hostDepth) this.#queue.writeBuffer(this.hostDepth, 0, contents);
+  }
+
   destroy(): void {
     this.chunkScan?.destroy();
     this.splatScan?.destroy();
     this.sort?.destroy();
     for (const buffer of Object.values(this.buffers)) this.#memory.destroy(buffer);
+    if (this.hostDepth) this.#memory.destroy(this.hostDepth);
   }
 
   #writeConstants(): void {
@@ -208,9 +208,10 @@ export class FrameResources {
       compactChunks: pipelines.bindGroup(compactChunks, buffers),
       planProject: pipelines.bindGroup(planProject, buffers),
       compactSplats: pipelines.bindGroup(compactSplats, buffers),
-      rasterize: pipelines.bindGroup(rasterize(shape.accuracy.recordPrecision), {
+      rasterize: pipelines.bindGroup(rasterizeStage(shape)[0], {
         ...buffers,
         order: sort.order,
+        ...(this.hostDepth && { hostDepth: this.hostDepth }),
       }),
       pages: this.pages.map(({ chunks, geometry, shRest, cloudIndex }, index) => {
         const page = { buffer: buffers.pageUniforms, offset: index * PAGE_STRIDE_BYTES, size: Page.bytes };
@@ -241,6 +242,12 @@ export function projectStage({ isOrthographic, accuracy }: FrameShape, cloud: Sp
     storedShDegree: cloud.shDegree,
     shDegree: Math.min(accuracy.shDegree, cloud.shDegree) as ShDegree,
   });
+}
+
+/** The stage that draws the visible splats, and what it draws into. */
+export function rasterizeStage({ accuracy, depth }: FrameShape) {
+  const { recordPrecision, colorTarget } = accuracy;
+  return [rasterize({ recordPrecision, depth }), rasterizeState(colorTarget, depth)] as const;
 }
 
 function pagesOf(clouds: readonly SplatCloud[]): FramePage[] {

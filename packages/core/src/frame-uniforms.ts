@@ -1,9 +1,11 @@
 import { DILATION_PX2 } from './accuracy.ts';
-import type { Projection } from './camera.ts';
-import { type FrameResources, type FrameShape, PAGE_STRIDE_BYTES } from './frame-resources.ts';
-import { Page, View } from './layout/structs.ts';
+import type { Camera, Projection } from './camera.ts';
+import { type FrameResources, PAGE_STRIDE_BYTES } from './frame-resources.ts';
+import type { FrameShape } from './frame-shape.ts';
+import { HostDepth, Page, View } from './layout/structs.ts';
 import { identity4 } from './math/mat4.ts';
 import { cloudView } from './scene/cloud-view.ts';
+import { type DepthConvention, depthMapping } from './scene/depth-convention.ts';
 import { cullPlanes } from './scene/frustum.ts';
 import type { ViewFrame } from './scene/view-frame.ts';
 
@@ -24,6 +26,13 @@ export function viewUniforms(projection: Projection, { accuracy, dispatchRow }: 
     dilationPx2: DILATION_PX2,
     dispatchRow,
   });
+  return contents;
+}
+
+/** Contents of a frame's `hostDepth` buffer. */
+export function hostDepthUniform(camera: Camera, mapping: DepthConvention['mapping']): ArrayBuffer {
+  const contents = new ArrayBuffer(HostDepth.bytes);
+  HostDepth.write(contents, depthMapping(camera, mapping));
   return contents;
 }
 

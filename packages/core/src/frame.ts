@@ -1,6 +1,6 @@
-import type { FrameResources, FrameShape } from './frame-resources.ts';
-import { cullSplatsStage, projectStage } from './frame-resources.ts';
-import type { Pipelines, RenderState, StageDefinition } from './gpu/pipelines.ts';
+import { cullSplatsStage, type FrameResources, projectStage, rasterizeStage } from './frame-resources.ts';
+import type { FrameShape } from './frame-shape.ts';
+import type { CompiledStage, Pipelines, StageDefinition } from './gpu/pipelines.ts';
 import { SHADER_CONSTANTS } from './layout/constants.ts';
 import { compactChunks } from './stages/compact-chunks.ts';
 import { compactSplats } from './stages/compact-splats.ts';
@@ -10,15 +10,11 @@ import { planCull } from './stages/plan-cull.ts';
 import { planProject } from './stages/plan-project.ts';
 import { prefixScanStages } from './stages/prefix-scan.ts';
 import { radixSortStages } from './stages/radix-sort.ts';
-import { rasterize, rasterizeState } from './stages/rasterize.ts';
 import { sortShapeFor } from './stages/sort-shape.ts';
 import type { GpuTimer } from './timing/gpu-timer.ts';
 
-/** All that `recordFrame` runs for a frame of this shape: to be compiled before. */
-export function frameStages(
-  shape: FrameShape,
-): (StageDefinition | readonly [StageDefinition, RenderState])[] {
-  const { recordPrecision, colorTarget } = shape.accuracy;
+/** All that `recordCompute` and `recordRasterize` run for a frame of this shape: to be compiled before. */
+export function frameStages(shape: FrameShape): CompiledStage[] {
   return [
     cullChunks,
     ...prefixScanStages,
@@ -29,16 +25,15 @@ export function frameStages(
     compactSplats,
     ...shape.clouds.map((cloud) => projectStage(shape, cloud)),
     ...radixSortStages(sortShapeFor(shape.keyBits)),
-    [rasterize(recordPrecision), rasterizeState(colorTarget)],
+    rasterizeStage(shape),
   ];
 }
 
-/** The stages in their order. Blends the clouds into `target`, which is cleared to nothing first. */
-export function recordFrame(
+/** Pre-process and sort: afterwards the visible splats are known, and their order. */
+export function recordCompute(
   encoder: GPUCommandEncoder,
   pipelines: Pipelines,
   frame: FrameResources,
-  target: GPUTextureView,
   timer: GpuTimer,
 ): void {
   const { shape, groups, pages } = frame;
@@ -82,16 +77,42 @@ export function recordFrame(
   const sort = encoder.beginComputePass({ label: 'sort', timestampWrites: timer.writes('sort') });
   frame.sort.record(sort);
   sort.end();
+}
 
-  const raster = encoder.beginRenderPass({
+/** Where splats are blended; all of one size. */
+export interface RasterizeTargets {
+  readonly color: GPUTexture;
+  /** Their depth, where the frame's shape asks for it. */
+  readonly depthLayer: GPUTexture | null;
+  /** What the host has drawn, where the frame's shape has depth. */
+  readonly testedDepth: GPUTexture | null;
+}
+
+/** Blends the visible splats in their order into `targets`, which are cleared to nothing first. */
+export function recordRasterize(
+  encoder: GPUCommandEncoder,
+  pipelines: Pipelines,
+  frame: FrameResources,
+  { color, depthLayer, testedDepth }: RasterizeTargets,
+  timer: GpuTimer,
+): void {
+  const pass = encoder.beginRenderPass({
     label: 'rasterize',
-    colorAttachments: [{ view: target, loadOp: 'clear', storeOp: 'store', clearValue: [0, 0, 0, 0] }],
+    colorAttachments: [color, depthLayer]
+      .filter((texture) => texture !== null)
+      .map((texture) => ({
+        view: texture.createView(),
+        loadOp: 'clear',
+        storeOp: 'store',
+        clearValue: [0, 0, 0, 0],
+      })),
+    ...(testedDepth && {
+      depthStencilAttachment: { view: testedDepth.createView(), depthReadOnly: true },
+    }),
     timestampWrites: timer.writes('rasterize'),
   });
-  raster.setPipeline(
-    pipelines.render(rasterize(shape.accuracy.recordPrecision), rasterizeState(shape.accuracy.colorTarget))!,
-  );
-  raster.setBindGroup(0, groups.rasterize);
-  raster.drawIndirect(frame.buffers.drawArguments, 0);
-  raster.end();
+  pass.setPipeline(pipelines.render(...rasterizeStage(frame.shape))!);
+  pass.setBindGroup(0, frame.groups.rasterize);
+  pass.drawIndirect(frame.buffers.drawArguments, 0);
+  pass.end();
 }

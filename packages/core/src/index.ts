@@ -20,6 +20,7 @@ export {
   perspectiveCamera,
 } from './camera.ts';
 export { adapterLabel, type DeviceOptions, isSoftwareAdapter, requestSplatDevice } from './device.ts';
+export type { EmbeddedFrame, EmbeddedPicture, EmbeddedView, HostPass } from './embedded-view.ts';
 export { type EngineOptions, SplatEngine } from './engine.ts';
 export * from './errors.ts';
 export type { GpuMemoryReport } from './gpu/gpu-memory.ts';
@@ -38,6 +39,7 @@ export {
   unpackShRest,
 } from './layout/sh-rest.ts';
 export type { Vec3 } from './math/mat4.ts';
+export type { DepthConvention } from './scene/depth-convention.ts';
 export { type Bounds, type PackedCloud, packCloud, transferablesOf } from './scene/packed-cloud.ts';
 export type { CloudPage, SplatCloud } from './scene/splat-cloud.ts';
 export {

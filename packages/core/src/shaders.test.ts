@@ -22,6 +22,12 @@ beforeAll(async () => {
   }
 }, 60_000);
 
+const TEXTURE_KINDS: Partial<Record<string, BindingKind>> = {
+  texture_2d: 'texture',
+  texture_depth_2d: 'depth-texture',
+  texture_depth_multisampled_2d: 'multisampled-depth-texture',
+};
+
 const describeVariant = ({ stage, conditions }: StageDefinition) =>
   `${stage} ${Object.keys(conditions ?? {}).filter((name) => conditions![name])}`;
 
@@ -45,12 +51,9 @@ describe('linked shaders', () => {
         if (!resource) continue;
         expect(resource.group).toBe(0);
         const isStorage = resource.resourceType === ResourceType.Storage;
-        const isTexture = resource.resourceType === ResourceType.Texture;
+        const textureKind = TEXTURE_KINDS[resource.type.name];
         const storageKind = resource.access === 'read_write' ? 'read-write' : 'read';
-        found[resource.name] = [
-          resource.binding,
-          isTexture ? 'texture' : isStorage ? storageKind : 'uniform',
-        ];
+        found[resource.name] = [resource.binding, textureKind ?? (isStorage ? storageKind : 'uniform')];
       }
       expect(found, describeVariant(stage)).toEqual(stage.bindings);
     }

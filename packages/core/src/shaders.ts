@@ -53,6 +53,10 @@ const NO_CONDITIONS: Conditions = {
   SH_U8: false,
   FIRST_PASS: false,
   LAST_PASS: false,
+  DEPTH_TEST: false,
+  DEPTH_LOGARITHMIC: false,
+  DEPTH_LAYER: false,
+  MULTISAMPLED: false,
 };
 
 /** WGSL of one stage with everything that it imports. */

@@ -10,6 +10,7 @@ export interface GpuMemoryReport {
 }
 
 const BYTES_PER_PIXEL: Partial<Record<GPUTextureFormat, number>> = {
+  r16float: 2,
   rgba8unorm: 4,
   rgba16float: 8,
   rgba32float: 16,

@@ -1,7 +1,13 @@
 import { linkShader, type ShaderMutation, type ShaderVariant } from '../shaders.ts';
 
 /** How a shader sees a resource. */
-export type BindingKind = 'uniform' | 'read' | 'read-write' | 'texture';
+export type BindingKind =
+  | 'uniform'
+  | 'read'
+  | 'read-write'
+  | 'texture'
+  | 'depth-texture'
+  | 'multisampled-depth-texture';
 
 /** A stage as data: which shader, where it starts, what it is bound to in group 0. */
 export interface StageDefinition<Binding extends string = string> extends ShaderVariant {
@@ -10,12 +16,15 @@ export interface StageDefinition<Binding extends string = string> extends Shader
   readonly bindings: Readonly<Record<Binding, readonly [binding: number, kind: BindingKind]>>;
 }
 
-/** Formats and blending of a render stage. */
+/** What a render stage draws into, and how. */
 export interface RenderState {
-  readonly format: GPUTextureFormat;
   readonly topology: GPUPrimitiveTopology;
-  readonly blend?: GPUBlendState;
+  readonly targets: GPUColorTargetState[];
+  readonly depth?: GPUDepthStencilState;
 }
+
+/** A stage with what has to be known to compile it. */
+export type CompiledStage = StageDefinition | readonly [StageDefinition, RenderState];
 
 /** Buffers by the names that the stage gives its bindings. */
 export type Bindings<Binding extends string> = Readonly<
@@ -62,8 +71,13 @@ export class Pipelines {
     return this.#compiled.get(keyOf(stage, state)) as GPURenderPipeline | undefined;
   }
 
+  /** Whether all are compiled. */
+  areReady(stages: readonly CompiledStage[]): boolean {
+    return stages.every((entry) => ('bindings' in entry ? this.compute(entry) : this.render(...entry)));
+  }
+
   /** Compiles what is not compiled yet. What fails is tried again at the next call. */
-  async prepare(stages: Iterable<StageDefinition | readonly [StageDefinition, RenderState]>): Promise<void> {
+  async prepare(stages: Iterable<CompiledStage>): Promise<void> {
     await Promise.all(
       Array.from(stages, async (entry) => {
         const [stage, state] = 'bindings' in entry ? [entry, undefined] : entry;
@@ -133,12 +147,9 @@ export class Pipelines {
       label,
       layout,
       vertex: { module, entryPoint: 'vertexMain' },
-      fragment: {
-        module,
-        entryPoint: 'fragmentMain',
-        targets: [state.blend ? { format: state.format, blend: state.blend } : { format: state.format }],
-      },
+      fragment: { module, entryPoint: 'fragmentMain', targets: state.targets },
       primitive: { topology: state.topology },
+      ...(state.depth && { depthStencil: state.depth }),
     });
   }
 
@@ -177,6 +188,10 @@ function layoutKey(stage: StageDefinition): string {
 function layoutEntry(binding: number, kind: BindingKind, isRender: boolean): GPUBindGroupLayoutEntry {
   const visibility = isRender ? GPUShaderStage.VERTEX | GPUShaderStage.FRAGMENT : GPUShaderStage.COMPUTE;
   if (kind === 'texture') return { binding, visibility, texture: { sampleType: 'unfilterable-float' } };
+  if (kind === 'depth-texture' || kind === 'multisampled-depth-texture') {
+    const multisampled = kind === 'multisampled-depth-texture';
+    return { binding, visibility, texture: { sampleType: 'depth', multisampled } };
+  }
   const types = { uniform: 'uniform', read: 'read-only-storage', 'read-write': 'storage' } as const;
   return { binding, visibility, buffer: { type: types[kind] } };
 }

@@ -1,6 +1,6 @@
 import { type AccuracySettings, DILATION_PX2, resolveAccuracy } from '../accuracy.ts';
 import { type Camera, type Projection, projectionOf } from '../camera.ts';
-import { frameStages, recordFrame } from '../frame.ts';
+import { frameStages, recordCompute, recordRasterize } from '../frame.ts';
 import { FrameResources } from '../frame-resources.ts';
 import { pageUniforms, viewUniforms } from '../frame-uniforms.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
@@ -11,6 +11,7 @@ import { GEOMETRY_WORDS } from '../layout/geometry.ts';
 import { COEFFICIENT_MAX } from '../layout/half.ts';
 import { repackShRest } from '../layout/sh-rest.ts';
 import { identity4 } from '../math/mat4.ts';
+import { locateSplat } from '../pick.ts';
 import { unpackSplat } from '../reference/packing.ts';
 import { type CloudView, cloudView } from '../scene/cloud-view.ts';
 import { dropNonFinite } from '../scene/drop-non-finite.ts';
@@ -105,6 +106,7 @@ export class InspectedFrame {
       dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,
       visibleCapacity: packed.reduce((sum, { count }) => sum + count, 0),
       keyBits: options.keyBits ?? 32,
+      depth: null,
     };
     await pipelines.prepare(frameStages(shape));
     const resources = new FrameResources(device, pipelines, memory, shape);
@@ -115,7 +117,10 @@ export class InspectedFrame {
       usage: GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC,
     });
     const encoder = device.createCommandEncoder();
-    recordFrame(encoder, pipelines, resources, target.createView(), new GpuTimer(device, memory));
+    const timer = new GpuTimer(device, memory);
+    recordCompute(encoder, pipelines, resources, timer);
+    const targets = { color: target, depthLayer: null, testedDepth: null };
+    recordRasterize(encoder, pipelines, resources, targets, timer);
     device.queue.submit([encoder.finish()]);
     const image = await readTexture(device, target);
     target.destroy();
@@ -157,11 +162,8 @@ export class InspectedFrame {
 
   /** Cloud and index in storage of splat `number`, which counts through all chunks of the frame. */
   locate(number: number): { readonly cloud: InspectedCloud; readonly index: number } {
-    const { pages } = this.resources;
-    const chunk = Math.floor(number / 256);
-    const page = pages.findLast(({ chunkStart }) => chunkStart <= chunk)!;
-    const firstPage = pages.find(({ cloudIndex }) => cloudIndex === page.cloudIndex)!;
-    return { cloud: this.clouds[page.cloudIndex], index: number - 256 * firstPage.chunkStart };
+    const { cloudIndex, storedIndex } = locateSplat(this.resources.pages, number);
+    return { cloud: this.clouds[cloudIndex], index: storedIndex };
   }
 }
 

@@ -102,6 +102,28 @@ export const ProjectedSplatF32 = gpuStruct('ProjectedSplat', {
   color: 'vec4f',
 });
 
+/** How the renderer around stores depth: see `DepthMapping`. */
+export const HostDepth = gpuStruct('HostDepth', { offset: 'f32', factor: 'f32' });
+
+/** Where the splats' picture lies in the host's textures. */
+export const HostViewport = gpuStruct('HostViewport', { originPx: 'vec2u' });
+
+/** Which pixel is asked for: its centre, from the picture's top left. */
+export const PickParameters = gpuStruct('PickParameters', { pixelPx: 'vec2f', blockCount: 'u32' });
+
+/** What a run of successive splats of the drawing order does to one pixel. */
+export const PickBlock = gpuStruct('PickBlock', {
+  /** Part of what is behind that all of them together let through. */
+  transmittance: 'f32',
+  /** Share of the pixel that the heaviest of them has, as if nothing were in front of the run; 0: none is there. */
+  weight: 'f32',
+  /** That splat's number, counting through all chunks of the frame. */
+  splat: 'u32',
+  /** Its opacity at the pixel. */
+  alpha: 'f32',
+  depthView: 'f32',
+});
+
 export const CompositeParameters = gpuStruct('CompositeParameters', { background: 'vec3f' });
 
 /** Structs that shaders import by their names (`import layout::View;`). */
@@ -114,5 +136,9 @@ export const SHADER_STRUCTS: readonly Pick<GpuStruct<never>, 'name' | 'wgsl'>[] 
   ScanParameters,
   SortParameters,
   SortPlan,
+  PickParameters,
+  PickBlock,
   CompositeParameters,
+  HostDepth,
+  HostViewport,
 ];

@@ -1,4 +1,5 @@
 import type { Camera } from '../camera.ts';
+import { DestroyedError, InvalidArgumentError } from '../errors.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
@@ -23,4 +24,48 @@ export interface ViewFrame {
   readonly background?: Vec3;
   /** Draw even where nothing has changed, as a benchmark needs it. */
   readonly force?: boolean;
+}
+
+function isMatrix(values: ArrayLike<number>): boolean {
+  return values.length === 16 && Array.prototype.every.call(values, Number.isFinite);
+}
+
+/** @throws InvalidArgumentError naming what cannot be drawn and why, DestroyedError for a destroyed cloud. */
+export function checkFrame({ camera, clouds, widthPx, heightPx }: ViewFrame): void {
+  if (!(Number.isInteger(widthPx) && Number.isInteger(heightPx) && widthPx >= 0 && heightPx >= 0)) {
+    throw new InvalidArgumentError(
+      'widthPx',
+      `The picture is ${widthPx}×${heightPx}; it takes whole numbers of pixels.`,
+    );
+  }
+  for (const name of ['viewMatrix', 'projectionMatrix'] as const) {
+    if (!isMatrix(camera[name])) {
+      throw new InvalidArgumentError(name, `The camera's ${name} must be 16 finite numbers, column-major.`);
+    }
+  }
+  for (const { cloud, modelMatrix, opacity = 1 } of clouds) {
+    if (cloud.isDestroyed) throw new DestroyedError(`The cloud ${cloud.name}`, 'it was destroyed');
+    if (modelMatrix && !isMatrix(modelMatrix)) {
+      const message = `The model matrix of ${cloud.name} must be 16 finite numbers, column-major.`;
+      throw new InvalidArgumentError('modelMatrix', message);
+    }
+    if (!(opacity >= 0 && opacity <= 1)) {
+      const message = `The opacity of ${cloud.name} is ${opacity}; it must lie in 0…1.`;
+      throw new InvalidArgumentError('opacity', message);
+    }
+  }
+}
+
+const cloudNumbers = new WeakMap<SplatCloud, number>();
+let cloudsSeen = 0;
+
+/** Everything that the picture depends on, as text: equal texts, equal pictures. */
+export function keyOf({ camera, clouds, widthPx, heightPx, background }: ViewFrame): string {
+  const parts: unknown[] = [widthPx, heightPx, background, camera.near, camera.far];
+  parts.push(Array.from(camera.viewMatrix), Array.from(camera.projectionMatrix));
+  for (const { cloud, modelMatrix, opacity = 1 } of clouds) {
+    if (!cloudNumbers.has(cloud)) cloudNumbers.set(cloud, ++cloudsSeen);
+    parts.push(cloudNumbers.get(cloud), modelMatrix && Array.from(modelMatrix), opacity);
+  }
+  return JSON.stringify(parts);
 }

@@ -7,5 +7,5 @@ export const composite = {
 } as const satisfies StageDefinition;
 
 export function compositeState(format: GPUTextureFormat): RenderState {
-  return { format, topology: 'triangle-list' };
+  return { topology: 'triangle-list', targets: [{ format }] };
 }

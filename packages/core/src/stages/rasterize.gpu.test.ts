@@ -1,7 +1,7 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { DILATION_PX2 } from '../accuracy.ts';
-import { Pipelines } from '../gpu/pipelines.ts';
+import { Pipelines, type RenderState } from '../gpu/pipelines.ts';
 import { readTexture } from '../gpu/read-texture.ts';
 import { FLOAT32_ROUNDING } from '../inspect/error-bounds.ts';
 import { ProjectedSplatF32, View } from '../layout/structs.ts';
@@ -9,15 +9,16 @@ import type { VisibleSplat } from '../reference/cull-splats.ts';
 import { rasterizeSplat } from '../reference/rasterize.ts';
 import { storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
-import { rasterize, rasterizeState } from './rasterize.ts';
+import { rasterize } from './rasterize.ts';
 
 const ALPHA_CUTOFF = 1 / 255;
 
 let device: GPUDevice;
 let pipelines: Pipelines;
-const stage = rasterize('f32');
+const FORMAT = 'rgba32float';
+const stage = rasterize({ recordPrecision: 'f32', depth: null });
 /** Without blending: one splat over nothing is the same, and rgba32float is not blendable everywhere. */
-const state = { format: 'rgba32float', topology: rasterizeState('rgba16float').topology } as const;
+const state: RenderState = { topology: 'triangle-strip', targets: [{ format: FORMAT }] };
 
 beforeAll(async () => {
   device = await createTestDevice();
@@ -64,7 +65,7 @@ async function drawOnGpu(splat: DrawnSplat, widthPx: number, heightPx: number) {
   });
   const target = device.createTexture({
     size: [widthPx, heightPx],
-    format: state.format,
+    format: FORMAT,
     usage: GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC,
   });
   const encoder = device.createCommandEncoder();

@@ -1,17 +1,60 @@
 import type { ColorTarget, RecordPrecision } from '../accuracy.ts';
-import type { RenderState, StageDefinition } from '../gpu/pipelines.ts';
+import type { BindingKind, RenderState, StageDefinition } from '../gpu/pipelines.ts';
+import type { DepthConvention } from '../scene/depth-convention.ts';
 
-/** Draws the visible splats back to front. */
-export function rasterize(recordPrecision: RecordPrecision) {
-  return {
-    stage: 'rasterize',
-    conditions: { RECORD_F32: recordPrecision === 'f32' },
-    bindings: { view: [0, 'uniform'], order: [1, 'read'], projected: [2, 'read'] },
-  } as const satisfies StageDefinition;
+/** What splats in another renderer's picture need of its depth. */
+export interface RasterizeDepth {
+  readonly mapping: DepthConvention['mapping'];
+  readonly compare: DepthConvention['compare'];
+  readonly isOrthographic: boolean;
+  /** Format of the second target, which takes the depth of the splats; null where nobody asked for it. */
+  readonly layerFormat: DepthLayerFormat | null;
 }
 
-/** Premultiplied "over". */
-export function rasterizeState(format: ColorTarget): RenderState {
+/** The more exact one where `float32-blendable` is there. */
+export type DepthLayerFormat = 'r32float' | 'r16float';
+
+/** What the rasterize stage is linked for. */
+export interface RasterizeVariant {
+  readonly recordPrecision: RecordPrecision;
+  /** Null where there is nothing that could hide a splat. */
+  readonly depth: RasterizeDepth | null;
+}
+
+/** Of the depth that splats are tested against. */
+export const TESTED_DEPTH_FORMAT = 'depth32float';
+
+/** Draws the visible splats back to front. */
+export function rasterize({ recordPrecision, depth }: RasterizeVariant): StageDefinition {
+  const bindings: Record<string, readonly [number, BindingKind]> = {
+    view: [0, 'uniform'],
+    order: [1, 'read'],
+    projected: [2, 'read'],
+  };
+  if (depth) bindings.hostDepth = [3, 'uniform'];
+  return {
+    stage: 'rasterize',
+    conditions: {
+      RECORD_F32: recordPrecision === 'f32',
+      DEPTH_TEST: depth !== null,
+      DEPTH_LOGARITHMIC: depth?.mapping === 'logarithmic' && !depth.isOrthographic,
+      ORTHOGRAPHIC: depth?.isOrthographic === true,
+      DEPTH_LAYER: depth !== null && depth.layerFormat !== null,
+    },
+    bindings,
+  };
+}
+
+/** Premultiplied "over", behind what the depth buffer holds. */
+export function rasterizeState(format: ColorTarget, depth: RasterizeDepth | null): RenderState {
   const over = { srcFactor: 'one', dstFactor: 'one-minus-src-alpha', operation: 'add' } as const;
-  return { format, topology: 'triangle-strip', blend: { color: over, alpha: over } };
+  const blend = { color: over, alpha: over };
+  const formats = depth?.layerFormat ? [format, depth.layerFormat] : [format];
+  return {
+    topology: 'triangle-strip',
+    targets: formats.map((each) => ({ format: each, blend })),
+    ...(depth && {
+      depth: { format: TESTED_DEPTH_FORMAT, depthCompare: depth.compare, depthWriteEnabled: false },
+    }),
+  };
 }

@@ -3,21 +3,38 @@ import type { ShPrecision } from '../layout/sh-rest.ts';
 import type { ShDegree } from '../scene/splat-set.ts';
 import { compactChunks } from '../stages/compact-chunks.ts';
 import { compactSplats } from '../stages/compact-splats.ts';
+import { compose } from '../stages/compose.ts';
 import { composite } from '../stages/composite.ts';
 import { cullChunks } from '../stages/cull-chunks.ts';
 import { cullSplats } from '../stages/cull-splats.ts';
+import { pick } from '../stages/pick.ts';
 import { planCull } from '../stages/plan-cull.ts';
 import { planProject } from '../stages/plan-project.ts';
 import { prefixScanStages } from '../stages/prefix-scan.ts';
 import { project } from '../stages/project.ts';
 import { radixSortStages } from '../stages/radix-sort.ts';
-import { rasterize } from '../stages/rasterize.ts';
+import { type RasterizeDepth, rasterize } from '../stages/rasterize.ts';
+import { resolveDepth } from '../stages/resolve-depth.ts';
 import { sortShapeFor } from '../stages/sort-shape.ts';
 
 const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
 const SH_PRECISIONS: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
 const GEOMETRY = ['f32', 'packed'] as const;
 const RECORD = ['f32', 'f16'] as const;
+
+const DEPTHS: readonly (RasterizeDepth | null)[] = [
+  null,
+  ...(['projection', 'logarithmic'] as const).flatMap((mapping) =>
+    [false, true].flatMap((isOrthographic) =>
+      ([null, 'r16float'] as const).map((layerFormat) => ({
+        mapping,
+        compare: 'less-equal' as const,
+        isOrthographic,
+        layerFormat,
+      })),
+    ),
+  ),
+];
 
 /** Every stage in every variant that a frame may run. */
 export function allStageVariants(): StageDefinition[] {
@@ -29,7 +46,10 @@ export function allStageVariants(): StageDefinition[] {
     planProject,
     composite,
     ...prefixScanStages,
-    ...RECORD.map(rasterize),
+    ...RECORD.flatMap((recordPrecision) => DEPTHS.map((depth) => rasterize({ recordPrecision, depth }))),
+    ...DEPTHS.map(compose),
+    ...[false, true].map(resolveDepth),
+    ...RECORD.map(pick),
     ...[8, 16, 24, 27, 32].flatMap((keyBits) => radixSortStages(sortShapeFor(keyBits))),
   ];
   for (const isOrthographic of [false, true]) {

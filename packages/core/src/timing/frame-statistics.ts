@@ -5,11 +5,12 @@ export interface StageTimings {
    * only `totalMs` is known, from submission to completion, and the stages are NaN.
    */
   readonly source: 'gpu-timestamps' | 'wall-clock';
-  /** Cull, project, colours. */
+  /** Cull, project, colours; like the sort 0 where an embedded view kept what it had, as nothing moved. */
   readonly preprocessMs: number;
   readonly sortMs: number;
-  /** Drawing the splats and putting them over the background. */
+  /** Drawing the splats and putting them over what is behind. */
   readonly rasterizeMs: number;
+  /** From the first pass to the last; inside another renderer's frame that includes what it drew in between. */
   readonly totalMs: number;
   /** From submission to completion as the CPU saw it: includes waiting for earlier pictures and for the browser. */
   readonly wallClockMs: number;

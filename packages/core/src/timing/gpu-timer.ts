@@ -3,8 +3,8 @@ import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { type FrameStatistics, type StageTimings, wallClockTimings } from './frame-statistics.ts';
 
 /** Passes that are timed, in the order in which a frame runs them. */
-const TIMED_PASSES = ['preprocess', 'sort', 'rasterize', 'composite'] as const;
-export type TimedPass = (typeof TIMED_PASSES)[number];
+const TIMED_PASSES = ['preprocess', 'sort', 'resolve-depth', 'rasterize', 'composite'] as const;
+type TimedPass = (typeof TIMED_PASSES)[number];
 
 /** Read-backs that may be under way at once; a frame that finds none free goes unmeasured and does not wait. */
 const RING_SIZE = 4;
@@ -28,6 +28,7 @@ export class GpuTimer {
   readonly #ring: readonly GPUBuffer[];
   readonly #free: GPUBuffer[];
   #measuring: GPUBuffer | null = null;
+  #passes = new Set<TimedPass>();
   #isDestroyed = false;
 
   constructor(device: GPUDevice, memory: GpuMemory) {
@@ -56,11 +57,14 @@ export class GpuTimer {
 
   /** Call first in a frame. */
   begin(): void {
-    this.#measuring = this.#free.pop() ?? null;
+    // One that was begun and never drawn is used for this one.
+    this.#measuring ??= this.#free.pop() ?? null;
+    this.#passes = new Set();
   }
 
   /** For the descriptor of a pass; undefined where this frame or device is not timed. */
   writes(pass: TimedPass): GPUComputePassTimestampWrites | undefined {
+    this.#passes.add(pass);
     if (!this.#querySet || !this.#measuring) return undefined;
     const first = 2 * TIMED_PASSES.indexOf(pass);
     return { querySet: this.#querySet, beginningOfPassWriteIndex: first, endOfPassWriteIndex: first + 1 };
@@ -78,13 +82,10 @@ export class GpuTimer {
     encoder.copyBufferToBuffer(counts.visibleCount, 0, target, TIMESTAMP_BYTES + 4, 4);
   }
 
-  /**
-   * Call after submitting. Answers when the frame is done, or null where it was not measured.
-   *
-   * @param hasComposite whether the frame ran the composite pass: its queries are stale otherwise.
-   */
-  async read(frame: number, loadedSplats: number, hasComposite: boolean): Promise<FrameStatistics | null> {
+  /** Call after submitting. Answers when the frame is done, or null where it was not measured. */
+  async read(frame: number, loadedSplats: number): Promise<FrameStatistics | null> {
     const buffer = this.#measuring;
+    const passes = this.#passes;
     this.#measuring = null;
     if (!buffer) return null;
     const submittedMs = performance.now();
@@ -100,7 +101,7 @@ export class GpuTimer {
       const [slots, visibleSplats] = new Uint32Array(contents, TIMESTAMP_BYTES);
       const candidateSplats = Math.min(loadedSplats, slots * CHUNK_SPLATS);
       const timing = this.#querySet
-        ? timingsOf(new BigUint64Array(contents, 0, 2 * TIMED_PASSES.length), hasComposite, wallClockMs)
+        ? timingsOf(new BigUint64Array(contents, 0, 2 * TIMED_PASSES.length), passes, wallClockMs)
         : wallClockTimings(wallClockMs);
       return { frame, loadedSplats, candidateSplats, visibleSplats, timing };
     } catch (error) {
@@ -120,17 +121,26 @@ export class GpuTimer {
   }
 }
 
-function timingsOf(nanoseconds: BigUint64Array, hasComposite: boolean, wallClockMs: number): StageTimings {
-  const at = (index: number) => Number(nanoseconds[index] - nanoseconds[0]) / 1e6;
-  // Some drivers have been seen to write an end before its beginning, or nothing at all.
-  const span = (from: number, to: number) => Math.max(0, at(to) - at(from));
-  const last = hasComposite ? 7 : 5;
+/** @param passes those that the frame ran: the queries of others are stale, or were never written. */
+function timingsOf(
+  nanoseconds: BigUint64Array,
+  passes: ReadonlySet<TimedPass>,
+  wallClockMs: number,
+): StageTimings {
+  /** From the beginning of the first to the end of the last of those that ran. */
+  const spanMs = (...candidates: TimedPass[]) => {
+    const indices = candidates.filter((pass) => passes.has(pass)).map((pass) => TIMED_PASSES.indexOf(pass));
+    if (indices.length === 0) return 0;
+    const span = nanoseconds[2 * indices[indices.length - 1] + 1] - nanoseconds[2 * indices[0]];
+    // Some drivers have been seen to write an end before its beginning, or nothing at all.
+    return Math.max(0, Number(span) / 1e6);
+  };
   return {
     source: 'gpu-timestamps',
-    preprocessMs: span(0, 1),
-    sortMs: span(2, 3),
-    rasterizeMs: span(4, last),
-    totalMs: span(0, last),
+    preprocessMs: spanMs('preprocess'),
+    sortMs: spanMs('sort'),
+    rasterizeMs: spanMs('resolve-depth', 'rasterize', 'composite'),
+    totalMs: spanMs(...TIMED_PASSES),
     wallClockMs,
   };
 }

@@ -1,0 +1,332 @@
+import { BlendedLayer, type ViewContext } from './blended-layer.ts';
+import { DestroyedError, InvalidArgumentError } from './errors.ts';
+import { frameStages } from './frame.ts';
+import { type FrameShape, shapeOf } from './frame-shape.ts';
+import { HostViewport } from './layout/structs.ts';
+import type { DepthConvention } from './scene/depth-convention.ts';
+import { checkFrame, keyOf, type ViewFrame } from './scene/view-frame.ts';
+import { COMPOSED_COLOR_FORMAT, COMPOSED_DEPTH_FORMAT, compose, composeState } from './stages/compose.ts';
+import { type RasterizeDepth, TESTED_DEPTH_FORMAT } from './stages/rasterize.ts';
+import { resolveDepth, resolveDepthState } from './stages/resolve-depth.ts';
+import type { FrameStatistics } from './timing/frame-statistics.ts';
+
+/** What splats are to show in another renderer's picture. */
+export interface EmbeddedFrame extends Pick<ViewFrame, 'camera' | 'clouds' | 'widthPx' | 'heightPx'> {
+  /** How the host stores depth; absent: nothing hides splats. */
+  readonly depth?: DepthConvention;
+  /** Whether the picture is to have the splats' depth too; only with `depth`. */
+  readonly writesDepth?: boolean;
+}
+
+/** What lies behind the splats, between two passes of the host. */
+export interface HostPass {
+  /** Linear light, premultiplied, one sample; with TEXTURE_BINDING or else COPY_SRC. */
+  readonly color: GPUTexture;
+  /** Of one or several samples, with TEXTURE_BINDING; null where the host has none. */
+  readonly depth: GPUTexture | null;
+  /** Top left of the viewport within both, in pixels. */
+  readonly xPx: number;
+  readonly yPx: number;
+}
+
+/** Splats over what was behind them, of the viewport's size. Valid until the view draws again. */
+export interface EmbeddedPicture {
+  /** rgba16float: linear light, premultiplied, what was behind included; opacity 0 exactly where there is no splat. */
+  readonly color: GPUTexture;
+  /** r32float: mean depth of the splats as the host stores it, −1 where they cover less than half; null unless asked for. */
+  readonly depth: GPUTexture | null;
+}
+
+/** How long a picture's textures are used. */
+interface PictureTextures extends EmbeddedPicture {
+  readonly testedDepth: GPUTexture | null;
+}
+
+/**
+ * Splats inside another renderer's frame: hidden by what it has drawn, blended over it in the space that splats are
+ * trained in. The host ends its pass, lets this view record into its encoder, shows the picture in its next pass, opaque
+ * where there are splats, and goes on.
+ */
+export class EmbeddedView {
+  /** Called when shaders that a frame lacked have been compiled: prepare it again. */
+  onReady: (() => void) | null = null;
+  /** Called some frames after each picture that was measured. */
+  onStatistics: ((statistics: FrameStatistics) => void) | null = null;
+  readonly #context: ViewContext;
+  readonly #layer: BlendedLayer;
+  readonly #onDestroyed: (view: EmbeddedView) => void;
+  readonly #depthViewport: ViewportUniform;
+  readonly #colorViewport: ViewportUniform;
+  #textures: PictureTextures | null = null;
+  #behindCopy: GPUTexture | null = null;
+  #preparedKey = '';
+  #isCompiling = false;
+  #statistics: FrameStatistics | null = null;
+  #isDestroyed = false;
+
+  /**
+   * @internal Use `engine.createEmbeddedView`.
+   * @param onDestroyed called when the view has been destroyed.
+   */
+  constructor(context: ViewContext, onDestroyed: (view: EmbeddedView) => void) {
+    this.#context = context;
+    this.#onDestroyed = onDestroyed;
+    this.#layer = new BlendedLayer(context);
+    this.#depthViewport = new ViewportUniform(context, 'viewport in depth');
+    this.#colorViewport = new ViewportUniform(context, 'viewport in color');
+  }
+
+  /** The newest measurement, or null before the first. */
+  get statistics(): FrameStatistics | null {
+    return this.#statistics;
+  }
+
+  /**
+   * Finds and sorts the visible splats: submits that work at once, or none where camera, clouds and size are those of the
+   * last frame.
+   *
+   * @returns whether there is something to draw. False where there are no clouds or pixels, where shaders are still being
+   *   compiled (`onReady` tells when they are), and after the loss of the device.
+   * @throws InvalidArgumentError, GpuLimitError, DestroyedError.
+   */
+  prepare(frame: EmbeddedFrame): boolean {
+    if (this.#isDestroyed) throw new DestroyedError('This view', 'it was destroyed');
+    checkFrame(frame);
+    const isEmpty = frame.widthPx === 0 || frame.heightPx === 0 || frame.clouds.length === 0;
+    if (isEmpty || this.#context.destroyedBecause() !== null) return false;
+    const depth = this.#depthOf(frame);
+    const key = `${keyOf(frame)} ${JSON.stringify(depth)}`;
+    const layer = this.#layer;
+    if (key !== this.#preparedKey) {
+      const shape = shapeOf(frame, this.#context, depth, layer.frame?.shape);
+      if (!this.#isCompiled(shape)) return false;
+      layer.update(frame, shape);
+      layer.timer.begin();
+      const encoder = this.#context.device.createCommandEncoder({
+        label: 'websplatter pre-process and sort',
+      });
+      layer.recordCompute(encoder);
+      this.#context.device.queue.submit([encoder.finish()]);
+      this.#preparedKey = key;
+    } else {
+      layer.timer.begin();
+    }
+    return true;
+  }
+
+  /**
+   * Records drawing the frame that was prepared last, between two passes of the host, which submits it.
+   *
+   * @throws InvalidArgumentError where nothing was prepared, or depth was promised and is missing.
+   */
+  draw(encoder: GPUCommandEncoder, pass: HostPass): EmbeddedPicture {
+    const layer = this.#layer;
+    const shape = layer.frame?.shape;
+    if (this.#preparedKey === '' || !shape) {
+      throw new InvalidArgumentError(
+        'draw',
+        'There is nothing to draw yet: prepare has to return true first.',
+      );
+    }
+    const textures = this.#texturesFor(shape);
+    if (textures.testedDepth) this.#recordResolve(encoder, pass, textures.testedDepth);
+    layer.recordRasterize(encoder, textures.testedDepth);
+    this.#recordCompose(encoder, pass, textures, shape);
+    layer.recordTimes(encoder);
+    // The host submits before it gives up control; reading back may not begin earlier.
+    queueMicrotask(() => void this.#measure());
+    return textures;
+  }
+
+  /** Frees what the view holds on the GPU, once the host has submitted what it is recording; the clouds stay. */
+  destroy(): void {
+    if (this.#isDestroyed) return;
+    this.#isDestroyed = true;
+    this.#onDestroyed(this);
+    queueMicrotask(() => {
+      this.#layer.destroy();
+      this.#depthViewport.destroy();
+      this.#colorViewport.destroy();
+      const { color, depth, testedDepth } = this.#textures ?? {};
+      this.#free(color, depth, testedDepth, this.#behindCopy);
+    });
+  }
+
+  #depthOf({ camera, depth, writesDepth }: EmbeddedFrame): RasterizeDepth | null {
+    if (!depth) return null;
+    const { mapping, compare } = depth;
+    const isBlendable = this.#context.device.features.has('float32-blendable' as GPUFeatureName);
+    const layerFormat = writesDepth ? (isBlendable ? 'r32float' : 'r16float') : null;
+    return { mapping, compare, isOrthographic: camera.projectionMatrix[11] === 0, layerFormat };
+  }
+
+  #isCompiled(shape: FrameShape): boolean {
+    const { pipelines } = this.#context;
+    const { depth } = shape;
+    const stages = [...frameStages(shape), [compose(depth), composeState(depth)] as const];
+    // Whether the host's depth has several samples is known when it is drawn.
+    if (depth) for (const many of [false, true]) stages.push([resolveDepth(many), resolveDepthState]);
+    if (pipelines.areReady(stages)) return true;
+    if (!this.#isCompiling) {
+      this.#isCompiling = true;
+      pipelines.prepare(stages).then(
+        () => {
+          this.#isCompiling = false;
+          if (!this.#isDestroyed) this.onReady?.();
+        },
+        // The device reports a shader that does not compile; another frame may try again.
+        () => {
+          this.#isCompiling = false;
+        },
+      );
+    }
+    return false;
+  }
+
+  #texturesFor({ depth }: FrameShape): PictureTextures {
+    const { width, height } = this.#layer.color!;
+    const old = this.#textures;
+    const isSame =
+      old?.color.width === width &&
+      old.color.height === height &&
+      (old.depth !== null) === (depth?.layerFormat != null) &&
+      (old.testedDepth !== null) === (depth !== null);
+    if (isSame) return old;
+    this.#free(old?.color, old?.depth, old?.testedDepth, this.#behindCopy);
+    this.#behindCopy = null;
+    const texture = (label: string, format: GPUTextureFormat) =>
+      this.#context.memory.createTexture({
+        label,
+        size: { width, height },
+        format,
+        usage: GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_SRC,
+      });
+    this.#textures = {
+      color: texture('splats over the host', COMPOSED_COLOR_FORMAT),
+      depth: depth?.layerFormat ? texture('depth of the splats', COMPOSED_DEPTH_FORMAT) : null,
+      testedDepth: depth && texture('depth of the host', TESTED_DEPTH_FORMAT),
+    };
+    return this.#textures;
+  }
+
+  #recordResolve(encoder: GPUCommandEncoder, { depth, xPx, yPx }: HostPass, target: GPUTexture): void {
+    if (!depth) {
+      throw new InvalidArgumentError(
+        'depth',
+        'The frame was prepared to be hidden by depth and the host gave none.',
+      );
+    }
+    const { pipelines } = this.#context;
+    const stage = resolveDepth(depth.sampleCount > 1);
+    this.#depthViewport.write(xPx, yPx);
+    const pass = encoder.beginRenderPass({
+      label: 'resolve depth',
+      colorAttachments: [],
+      depthStencilAttachment: {
+        view: target.createView(),
+        depthLoadOp: 'clear',
+        depthStoreOp: 'store',
+        depthClearValue: 0,
+      },
+      timestampWrites: this.#layer.timer.writes('resolve-depth'),
+    });
+    pass.setPipeline(pipelines.render(stage, resolveDepthState)!);
+    const bindings = {
+      viewport: this.#depthViewport.buffer,
+      hostDepths: depth.createView({ aspect: 'depth-only' }),
+    };
+    pass.setBindGroup(0, pipelines.bindGroup(stage, bindings));
+    pass.draw(3);
+    pass.end();
+  }
+
+  #recordCompose(
+    encoder: GPUCommandEncoder,
+    host: HostPass,
+    { color, depth }: EmbeddedPicture,
+    shape: FrameShape,
+  ): void {
+    const { pipelines } = this.#context;
+    const layer = this.#layer;
+    const stage = compose(shape.depth);
+    const behind = this.#readable(encoder, host, color);
+    const pass = encoder.beginRenderPass({
+      label: 'compose',
+      colorAttachments: [color, depth]
+        .filter((texture) => texture !== null)
+        .map((texture) => ({ view: texture.createView(), loadOp: 'clear', storeOp: 'store' })),
+      timestampWrites: layer.timer.writes('composite'),
+    });
+    pass.setPipeline(pipelines.render(stage, composeState(shape.depth))!);
+    const bindings = {
+      viewport: this.#colorViewport.buffer,
+      layer: layer.color!.createView(),
+      behind: behind.createView(),
+      ...(layer.depth && { depthLayer: layer.depth.createView(), hostDepth: layer.frame!.hostDepth! }),
+    };
+    pass.setBindGroup(0, pipelines.bindGroup(stage, bindings));
+    pass.draw(3);
+    pass.end();
+  }
+
+  /** The host's colour where it can be bound, else a copy of what the viewport shows of it. */
+  #readable(
+    encoder: GPUCommandEncoder,
+    { color, xPx, yPx }: HostPass,
+    { width, height }: GPUTexture,
+  ): GPUTexture {
+    if (color.usage & GPUTextureUsage.TEXTURE_BINDING) {
+      this.#colorViewport.write(xPx, yPx);
+      return color;
+    }
+    this.#colorViewport.write(0, 0);
+    if (this.#behindCopy?.format !== color.format) {
+      this.#free(this.#behindCopy);
+      this.#behindCopy = this.#context.memory.createTexture({
+        label: 'behind the splats',
+        size: { width, height },
+        format: color.format,
+        usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST,
+      });
+    }
+    const source = { texture: color, origin: [xPx, yPx] };
+    encoder.copyTextureToTexture(source, { texture: this.#behindCopy }, [width, height]);
+    return this.#behindCopy;
+  }
+
+  #free(...textures: (GPUTexture | null | undefined)[]): void {
+    for (const texture of textures) if (texture) this.#context.memory.destroy(texture);
+  }
+
+  async #measure(): Promise<void> {
+    const statistics = await this.#layer.measure();
+    if (!statistics || this.#isDestroyed) return;
+    this.#statistics = statistics;
+    this.onStatistics?.(statistics);
+  }
+}
+
+/** A `HostViewport` on the GPU, written when it changes. */
+class ViewportUniform {
+  readonly buffer: GPUBuffer;
+  readonly #context: ViewContext;
+  #origin: readonly [number, number] | null = null;
+
+  constructor(context: ViewContext, label: string) {
+    this.#context = context;
+    const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
+    this.buffer = context.memory.createBuffer(label, HostViewport.bytes, usage);
+  }
+
+  write(xPx: number, yPx: number): void {
+    if (this.#origin?.[0] === xPx && this.#origin[1] === yPx) return;
+    this.#origin = [xPx, yPx];
+    const contents = new ArrayBuffer(HostViewport.bytes);
+    HostViewport.write(contents, { originPx: this.#origin });
+    this.#context.device.queue.writeBuffer(this.buffer, 0, contents);
+  }
+
+  destroy(): void {
+    this.#context.memory.destroy(this.buffer);
+  }
+}

@@ -1,0 +1,63 @@
+import type { AccuracySettings } from './accuracy.ts';
+import { keyBitsFor } from './scene/key-bits.ts';
+import type { SplatCloud } from './scene/splat-cloud.ts';
+import type { ViewFrame } from './scene/view-frame.ts';
+import { visibleCapacity } from './scene/visible-capacity.ts';
+import type { RasterizeDepth } from './stages/rasterize.ts';
+
+/** Everything that decides which shaders a frame runs and how large its buffers are. */
+export interface FrameShape {
+  /** In the order in which equal depths are drawn; a cloud may occur more than once. */
+  readonly clouds: readonly SplatCloud[];
+  readonly isOrthographic: boolean;
+  readonly accuracy: AccuracySettings;
+  /** Most workgroups in one dimension of a dispatch. */
+  readonly dispatchRow: number;
+  /** Most splats that may be visible: buffers for visible splats have room for as many. */
+  readonly visibleCapacity: number;
+  /** Bits that the depth keys of this frame may differ in, at most 32. */
+  readonly keyBits: number;
+  /** In another renderer's picture: what its depth asks of the splats. Null where nothing could hide them. */
+  readonly depth: RasterizeDepth | null;
+}
+
+/** What a frame's shape follows from, besides the frame itself. */
+export interface ShapeContext {
+  readonly accuracy: AccuracySettings;
+  readonly dispatchRow: number;
+}
+
+/** @param current shape of the last picture: its buffers are kept as long as they are large enough. */
+export function shapeOf(
+  frame: ViewFrame,
+  { accuracy, dispatchRow }: ShapeContext,
+  depth: RasterizeDepth | null,
+  current: FrameShape | undefined,
+): FrameShape {
+  const { camera } = frame;
+  const clouds = frame.clouds.map(({ cloud }) => cloud);
+  const isSameClouds =
+    clouds.length === current?.clouds.length && clouds.every((cloud, i) => cloud === current.clouds[i]);
+  return {
+    clouds,
+    isOrthographic: camera.projectionMatrix[11] === 0,
+    accuracy,
+    dispatchRow,
+    visibleCapacity: visibleCapacity(frame, accuracy.alphaCutoff, isSameClouds ? current.visibleCapacity : 0),
+    keyBits: keyBitsFor(camera, frame.clouds),
+    depth,
+  };
+}
+
+/** Whether the buffers and shaders of one do for the other. */
+export function isSameShape(a: FrameShape, b: FrameShape): boolean {
+  return (
+    a.isOrthographic === b.isOrthographic &&
+    a.keyBits === b.keyBits &&
+    a.visibleCapacity === b.visibleCapacity &&
+    a.accuracy === b.accuracy &&
+    a.clouds.length === b.clouds.length &&
+    a.clouds.every((cloud, i) => cloud === b.clouds[i]) &&
+    JSON.stringify(a.depth) === JSON.stringify(b.depth)
+  );
+}

@@ -1,0 +1,34 @@
+import type { BindingKind, RenderState, StageDefinition } from '../gpu/pipelines.ts';
+import type { RasterizeDepth } from './rasterize.ts';
+
+/** Formats of what compose makes: the picture in linear light, and the splats' depth as the host stores it. */
+export const COMPOSED_COLOR_FORMAT = 'rgba16float';
+export const COMPOSED_DEPTH_FORMAT = 'r32float';
+
+/** Puts the blended splats over what the host has drawn so far. */
+export function compose(depth: RasterizeDepth | null): StageDefinition {
+  const bindings: Record<string, readonly [number, BindingKind]> = {
+    viewport: [0, 'uniform'],
+    layer: [1, 'texture'],
+    behind: [2, 'texture'],
+  };
+  const hasDepthLayer = depth !== null && depth.layerFormat !== null;
+  if (hasDepthLayer) Object.assign(bindings, { depthLayer: [3, 'texture'], hostDepth: [4, 'uniform'] });
+  return {
+    stage: 'compose',
+    conditions: {
+      DEPTH_LAYER: hasDepthLayer,
+      DEPTH_LOGARITHMIC: hasDepthLayer && depth.mapping === 'logarithmic' && !depth.isOrthographic,
+      ORTHOGRAPHIC: hasDepthLayer && depth.isOrthographic,
+    },
+    bindings,
+  };
+}
+
+export function composeState(depth: RasterizeDepth | null): RenderState {
+  const color = { format: COMPOSED_COLOR_FORMAT } as const;
+  return {
+    topology: 'triangle-list',
+    targets: depth?.layerFormat ? [color, { format: COMPOSED_DEPTH_FORMAT }] : [color],
+  };
+}

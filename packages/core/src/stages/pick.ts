@@ -1,0 +1,20 @@
+import type { RecordPrecision } from '../accuracy.ts';
+import type { StageDefinition } from '../gpu/pipelines.ts';
+
+/** Blends what lies over one pixel, block by block of the drawing order. */
+export function pick(recordPrecision: RecordPrecision) {
+  return {
+    stage: 'pick',
+    entryPoint: 'pick',
+    conditions: { RECORD_F32: recordPrecision === 'f32' },
+    bindings: {
+      view: [0, 'uniform'],
+      parameters: [1, 'uniform'],
+      visibleCount: [2, 'read'],
+      order: [3, 'read'],
+      survivors: [4, 'read'],
+      projected: [5, 'read'],
+      blocks: [6, 'read-write'],
+    },
+  } as const satisfies StageDefinition;
+}

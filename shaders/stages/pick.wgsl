@@ -1,0 +1,63 @@
+// What lies over one pixel: one workgroup per PICK_WORKGROUP places of the drawing order blends its splats and writes
+// what is left for the host, which goes through these blocks front to back. No list that could overflow, no atomics: an
+// answer is the same every time.
+import constants::MAX_FRAGMENT_ALPHA;
+import constants::PICK_WORKGROUP;
+import layout::PickBlock;
+import layout::PickParameters;
+import layout::ProjectedSplat;
+import layout::View;
+import package::lib::dispatch::linearWorkgroup;
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<uniform> parameters: PickParameters;
+@group(0) @binding(2) var<storage, read> visibleCount: u32;
+@group(0) @binding(3) var<storage, read> order: array<u32>;
+@group(0) @binding(4) var<storage, read> survivors: array<u32>;
+@group(0) @binding(5) var<storage, read> projected: array<ProjectedSplat>;
+@group(0) @binding(6) var<storage, read_write> blocks: array<PickBlock>;
+
+var<workgroup> alphas: array<f32, PICK_WORKGROUP>;
+
+@compute @workgroup_size(PICK_WORKGROUP)
+fn pick(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
+  let block = linearWorkgroup(workgroup, view.dispatchRow);
+  let first = block * PICK_WORKGROUP;
+  var alpha = 0.0;
+  if (first + lane < visibleCount) { alpha = alphaAtPixel(projected[order[first + lane]]); }
+  alphas[lane] = alpha;
+  workgroupBarrier();
+  if (lane > 0u || block >= parameters.blockCount) { return; }
+
+  var transmittance = 1.0;
+  var weight = 0.0;
+  var heaviest = 0u;
+  for (var i = 0u; i < PICK_WORKGROUP; i++) {
+    // Splats are drawn back to front: the last is the foremost, and of equal ones it wins.
+    let place = PICK_WORKGROUP - 1u - i;
+    if (alphas[place] * transmittance > weight) {
+      weight = alphas[place] * transmittance;
+      heaviest = place;
+    }
+    transmittance *= 1.0 - alphas[place];
+  }
+  var found = PickBlock(transmittance, weight, 0u, 0.0, 0.0);
+  if (weight > 0.0) {
+    let index = order[first + heaviest];
+    found = PickBlock(transmittance, weight, survivors[index], alphas[heaviest], projected[index].depthView);
+  }
+  blocks[block] = found;
+}
+
+/// As rasterize's fragment has it, 0 where that draws nothing.
+fn alphaAtPixel(splat: ProjectedSplat) -> f32 {
+  @if(RECORD_F32) let opacity = splat.color.w;
+  @if(!RECORD_F32) let opacity = unpack2x16float(splat.color.y).y;
+  let offset = parameters.pixelPx - splat.centerPx;
+  let majorLengthPx = length(splat.majorPx);
+  let majorUnit = splat.majorPx / majorLengthPx;
+  let minorUnit = vec2f(-majorUnit.y, majorUnit.x);
+  let local = vec2f(dot(offset, majorUnit) / majorLengthPx, dot(offset, minorUnit) / splat.minorLengthPx);
+  let alpha = min(MAX_FRAGMENT_ALPHA, opacity * exp(-dot(local, local)));
+  return select(0.0, alpha, alpha >= view.alphaCutoff);
+}
