@@ -1,14 +1,14 @@
 import { readSplats, type SplatSet } from '@websplatter/core';
 import { HARD_CASES, type SceneCase } from '@websplatter/hardcases';
 import { describe, expect, it } from 'vitest';
-import { viewerHarness } from './harness.ts';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
+import { changedPart } from './screenshot.ts';
 import {
-  changedPart,
   drawnCamera,
   frameCount,
-  screenshot,
   textOf,
+  viewerHarness,
+  viewerScreenshot,
   waitForFrameAfter,
   waitForPicture,
   waitForState,
@@ -34,8 +34,7 @@ function setsOf({ clouds }: SceneCase): Promise<SplatSet[]> {
 
 describe('hard cases', () => {
   it('are listed, searched by keyboard, opened, and seen from each of their cameras', async () => {
-    const page = await harness.newPage();
-    await page.goto(`${harness.server.url}?scene=hard`);
+    const page = await harness.open('?scene=hard');
     const entries = page.getByTestId('gallery-case');
     await entries.first().waitFor();
     expect(await entries.count()).toBe(HARD_CASES.length);
@@ -61,7 +60,7 @@ describe('hard cases', () => {
       const camera = hardCase.cameras(ASPECT)[name];
       expect(drawn.viewMatrix).toEqual(Array.from(camera.viewMatrix, (value) => value + 0));
       expect(drawn.projectionMatrix).toEqual(Array.from(camera.projectionMatrix, (value) => value + 0));
-      const shot = await screenshot(page);
+      const shot = await viewerScreenshot(page);
       expect(psnrAgainstReference(shot, drawn, sets)).toBeGreaterThanOrEqual(MIN_PSNR_DB);
       return shot;
     };
@@ -80,7 +79,7 @@ describe('hard cases', () => {
     expect((await drawnCamera(page)).projectionMatrix[11]).toBe(-1);
     expect(await textOf(page, 'camera')).toBe('oblique 2 of 2 · moved');
     await press('r');
-    expect(changedPart(oblique, await screenshot(page), 0)).toBe(0);
+    expect(changedPart(oblique, await viewerScreenshot(page), 0)).toBe(0);
     await press('[');
     expect(await textOf(page, 'camera')).toBe('front 1 of 2');
   });
@@ -95,7 +94,9 @@ describe('hard cases', () => {
       expect(drawn.projectionMatrix).toEqual(Array.from(camera.projectionMatrix, (value) => value + 0));
       const sets = await setsOf(hardCase);
       expect(drawn.modelMatrices).toHaveLength(sets.length);
-      expect(psnrAgainstReference(await screenshot(page), drawn, sets)).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+      expect(psnrAgainstReference(await viewerScreenshot(page), drawn, sets)).toBeGreaterThanOrEqual(
+        MIN_PSNR_DB,
+      );
       const left = Object.values(hardCase.dropped ?? {}).reduce((sum, count) => sum + count, 0);
       if (left > 0) expect(await textOf(page, 'dropped')).toBe(`${left} left out`);
       expect(await page.getByTestId('dropped').count()).toBe(left > 0 ? 1 : 0);
@@ -103,8 +104,7 @@ describe('hard cases', () => {
   );
 
   it('offers similar names for one that does not exist', async () => {
-    const page = await harness.newPage();
-    await page.goto(`${harness.server.url}?scene=hard:camera-ortographic`);
+    const page = await harness.open('?scene=hard:camera-ortographic');
     await page.getByTestId('error').waitFor();
     await waitForFrameAfter(page, 0);
     await waitForState(page, 'error');
@@ -118,8 +118,7 @@ describe('hard cases', () => {
   it('shows the error of a file that must be refused', async () => {
     const refused = HARD_CASES.find(({ kind }) => kind === 'refused-file');
     if (!refused) throw new Error('There is no refused file.');
-    const page = await harness.newPage();
-    await page.goto(`${harness.server.url}?scene=hard:${refused.name}`);
+    const page = await harness.open(`?scene=hard:${refused.name}`);
     await page.getByTestId('error').waitFor();
     await waitForFrameAfter(page, 0);
     expect(await textOf(page, 'error-message')).toContain(refused.name);

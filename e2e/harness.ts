@@ -1,25 +1,31 @@
 import type { Browser, BrowserContextOptions, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, expect } from 'vitest';
 import { launchBrowser, newWatchedPage, type WatchedPage } from './browser.ts';
-import { startViewerServer, type ViewerServer } from './server.ts';
-import { waitForPicture } from './viewer-page.ts';
+import { type AppServer, type ServedFiles, startAppServer } from './server.ts';
 
 export interface Harness {
-  readonly server: ViewerServer;
+  readonly browser: Browser;
+  readonly server: AppServer;
   /** A page that has not gone anywhere yet. */
   newPage(options?: BrowserContextOptions): Promise<Page>;
-  /** A page at the viewer's `address`, e.g. `?scene=still-life-small`, with its first picture on the screen. */
-  openViewer(address?: string, options?: BrowserContextOptions): Promise<Page>;
+  /** A page at `address`, e.g. `?scene=still-life-small`, whatever it shows by then. */
+  open(address: string, options?: BrowserContextOptions): Promise<Page>;
+  /** The pages of this test may and must complain about what `pattern` matches. */
+  expectProblem(pattern: RegExp): void;
 }
 
-/** A browser and a server for the tests of a file; each test's page must have nothing to complain about. */
-export function viewerHarness(): Harness {
+/**
+ * A browser, and a server of the app in `appFolder` (from the repository's root; see `startAppServer`), for the tests of
+ * a file. The pages of each test must have nothing to complain about.
+ */
+export function appHarness(appFolder: string, files: ServedFiles = {}): Harness {
   let browser: Browser;
-  let server: ViewerServer;
-  let watched: WatchedPage | null = null;
+  let server: AppServer;
+  let watchedPages: WatchedPage[] = [];
+  let expectedProblems: RegExp[] = [];
 
   beforeAll(async () => {
-    [browser, server] = await Promise.all([launchBrowser(), startViewerServer()]);
+    [browser, server] = await Promise.all([launchBrowser(), startAppServer(appFolder, files)]);
   });
 
   afterAll(async () => {
@@ -28,26 +34,38 @@ export function viewerHarness(): Harness {
   });
 
   afterEach(async () => {
-    const { page, problems } = watched ?? { page: null, problems: [] };
-    watched = null;
-    await page?.context().close();
-    expect(problems, 'what the page complained about').toEqual([]);
+    const watched = watchedPages;
+    const expected = expectedProblems;
+    watchedPages = [];
+    expectedProblems = [];
+    for (const { page } of watched) await page.context().close();
+    const problems = watched.flatMap((each) => each.problems);
+    const unexpected = problems.filter((problem) => !expected.some((pattern) => pattern.test(problem)));
+    expect(unexpected, 'what the page complained about').toEqual([]);
+    for (const pattern of expected)
+      expect(problems.join('\n'), 'what the page complained about').toMatch(pattern);
   });
 
   const newPage = async (options: BrowserContextOptions = {}) => {
-    watched = await newWatchedPage(browser, options);
+    const watched = await newWatchedPage(browser, options);
+    watchedPages.push(watched);
     return watched.page;
   };
   return {
+    get browser() {
+      return browser;
+    },
     get server() {
       return server;
     },
     newPage,
-    openViewer: async (address = '?scene=still-life-small', options = {}) => {
+    open: async (address, options) => {
       const page = await newPage(options);
       await page.goto(`${server.url}${address}`);
-      await waitForPicture(page);
       return page;
+    },
+    expectProblem: (pattern) => {
+      expectedProblems.push(pattern);
     },
   };
 }

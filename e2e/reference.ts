@@ -1,6 +1,7 @@
 import { cameraFromMatrices, type SplatSet } from '@websplatter/core';
 import { compareImages, renderReference } from '@websplatter/core/reference';
-import type { DrawnCamera, Screenshot } from './viewer-page.ts';
+import type { Screenshot } from './screenshot.ts';
+import type { DrawnCamera } from './viewer-page.ts';
 
 /**
  * Least PSNR of a screenshot against float64, both rounded to the screen's 8 bits. Packed geometry, 8-bit spherical

@@ -5,28 +5,51 @@ import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { build, type Plugin, preview } from 'vite';
 
-const configFile = fileURLToPath(new URL('../apps/viewer/vite.config.ts', import.meta.url));
+const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 
-export interface ViewerServer {
-  /** Address of the viewer, with a slash at its end. */
+/** Files that are served beside an app's own, by path from the root, e.g. `scene.ply`. */
+export type ServedFiles = Readonly<Record<string, Uint8Array>>;
+
+export interface AppServer {
+  /** Address of the app, with a slash at its end. */
   readonly url: string;
-  /** Resolves when a browser has broken off a request for a file that never ends. */
+  /** Resolves when a browser has broken off a request for `endless.ply`. */
   readonly whenEndlessFileIsDropped: () => Promise<void>;
+  /** How often the file at `path` was asked for so far. */
+  readonly requests: (path: string) => number;
   readonly close: () => Promise<void>;
 }
 
 /**
- * Builds the viewer, as it is shipped, into a folder of its own and serves it on a free port. `endless.ply` there begins
+ * Builds an app, as it is shipped, into a folder of its own and serves it on a free port. `endless.ply` there begins
  * like a splat file and then stays silent.
+ *
+ * @param appFolder with the app's `vite.config.ts` in it, from the repository's root, e.g. `apps/viewer`
  */
-export async function startViewerServer(): Promise<ViewerServer> {
-  const outDir = await mkdtemp(join(tmpdir(), 'websplatter-viewer-'));
+export async function startAppServer(appFolder: string, files: ServedFiles = {}): Promise<AppServer> {
+  const configFile = join(repositoryRoot, appFolder, 'vite.config.ts');
+  const outDir = await mkdtemp(join(tmpdir(), 'websplatter-app-'));
   await build({ configFile, logLevel: 'error', build: { outDir, emptyOutDir: true } });
+  const requests = new Map<string, number>();
   let dropped = withResolvers();
-  const endlessFile: Plugin = {
-    name: 'endless-file',
-    configurePreviewServer(server) {
-      server.middlewares.use('/endless.ply', (_request, response: ServerResponse) => {
+  const testFiles: Plugin = {
+    name: 'test-files',
+    configurePreviewServer({ middlewares }) {
+      middlewares.use((request, _response, next) => {
+        const path = new URL(request.url ?? '/', 'http://localhost').pathname.slice(1);
+        requests.set(path, (requests.get(path) ?? 0) + 1);
+        next();
+      });
+      for (const [path, bytes] of Object.entries(files)) {
+        middlewares.use(`/${path}`, (_request, response: ServerResponse) => {
+          response.writeHead(200, {
+            'content-type': 'application/octet-stream',
+            'content-length': bytes.length,
+          });
+          response.end(bytes);
+        });
+      }
+      middlewares.use('/endless.ply', (_request, response: ServerResponse) => {
         dropped = withResolvers();
         response.on('close', dropped.resolve);
         response.writeHead(200, {
@@ -42,7 +65,7 @@ export async function startViewerServer(): Promise<ViewerServer> {
     configFile,
     logLevel: 'error',
     build: { outDir },
-    plugins: [endlessFile],
+    plugins: [testFiles],
     // Port 0: the system picks a free one.
     preview: { host: '127.0.0.1', port: 0 },
   });
@@ -51,6 +74,7 @@ export async function startViewerServer(): Promise<ViewerServer> {
   return {
     url,
     whenEndlessFileIsDropped: () => dropped.promise,
+    requests: (path) => requests.get(path) ?? 0,
     close: async () => {
       await server.close();
       await rm(outDir, { recursive: true, force: true });

@@ -1,4 +1,22 @@
-import type { Page } from 'playwright-core';
+import type { BrowserContextOptions, Page } from 'playwright-core';
+import { appHarness, type Harness } from './harness.ts';
+import { type Screenshot, screenshot } from './screenshot.ts';
+
+/** A harness whose server is that of the viewer. */
+export interface ViewerHarness extends Harness {
+  /** A page at the viewer's `address`, by default a small scene, with its first picture on the screen. */
+  openViewer(address?: string, options?: BrowserContextOptions): Promise<Page>;
+}
+
+export function viewerHarness(): ViewerHarness {
+  const harness = appHarness('apps/viewer');
+  const openViewer = async (address = '?scene=still-life-small', options: BrowserContextOptions = {}) => {
+    const page = await harness.open(address, options);
+    await waitForPicture(page);
+    return page;
+  };
+  return Object.assign(harness, { openViewer });
+}
 
 /** What the viewer writes on its canvas when it has come to rest (`data-camera`). */
 export interface DrawnCamera {
@@ -9,13 +27,6 @@ export interface DrawnCamera {
   /** Of each cloud; null for the identity. */
   readonly modelMatrices: (number[] | null)[];
   readonly background: [number, number, number];
-}
-
-export interface Screenshot {
-  readonly widthPx: number;
-  readonly heightPx: number;
-  /** RGBA, top row first. */
-  readonly data: Uint8Array;
 }
 
 /** Waits until the viewer is in `state` (`data-state` of the document), for a minute at most: SwiftShader is slow. */
@@ -51,35 +62,11 @@ export function drawnCamera(page: Page): Promise<DrawnCamera> {
 }
 
 /** The picture as it is on the screen, without the interface over it. */
-export async function screenshot(page: Page): Promise<Screenshot> {
-  const style =
-    '.overlay, .drop-overlay { visibility: hidden !important; } canvas { outline: none !important; }';
-  const png = await page.screenshot({ style });
-  // The browser decodes its own PNG, so that this needs no library.
-  const { widthPx, heightPx, base64 } = await page.evaluate(async (encoded) => {
-    const response = await fetch(`data:image/png;base64,${encoded}`);
-    const bitmap = await createImageBitmap(await response.blob());
-    const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
-    const context = canvas.getContext('2d', { willReadFrequently: true });
-    if (!context) throw new Error('no 2D context');
-    context.drawImage(bitmap, 0, 0);
-    const { data } = context.getImageData(0, 0, bitmap.width, bitmap.height);
-    let binary = '';
-    for (let i = 0; i < data.length; i += 8192) binary += String.fromCharCode(...data.subarray(i, i + 8192));
-    return { widthPx: bitmap.width, heightPx: bitmap.height, base64: btoa(binary) };
-  }, png.toString('base64'));
-  return { widthPx, heightPx, data: new Uint8Array(Buffer.from(base64, 'base64')) };
-}
-
-/** Part of the pixels of which a channel differs by more than `tolerance` of 255. */
-export function changedPart(a: Screenshot, b: Screenshot, tolerance = 8): number {
-  if (a.data.length !== b.data.length) throw new RangeError('The screenshots differ in size.');
-  let changed = 0;
-  for (let i = 0; i < a.data.length; i += 4) {
-    const difference = Math.max(...[0, 1, 2].map((c) => Math.abs(a.data[i + c] - b.data[i + c])));
-    if (difference > tolerance) changed++;
-  }
-  return changed / (a.data.length / 4);
+export function viewerScreenshot(page: Page): Promise<Screenshot> {
+  return screenshot(
+    page,
+    '.overlay, .drop-overlay { visibility: hidden !important; } canvas { outline: none !important; }',
+  );
 }
 
 export interface DroppedFile {

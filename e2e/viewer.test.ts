@@ -1,15 +1,15 @@
 import { encodePly } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
-import { viewerHarness } from './harness.ts';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
+import { changedPart } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
 import {
-  changedPart,
   drawnCamera,
   dropFiles,
   frameCount,
-  screenshot,
   textOf,
+  viewerHarness,
+  viewerScreenshot,
   waitForFrameAfter,
   waitForPicture,
   waitForState,
@@ -22,7 +22,7 @@ describe('viewer', () => {
   it('opens on its scene, with the figures of each stage', async () => {
     const page = await openViewer();
     expect(await page.title()).toContain('Still life');
-    const shot = await screenshot(page);
+    const shot = await viewerScreenshot(page);
     const colors = new Set<number>();
     for (let i = 0; i < shot.data.length; i += 4) {
       colors.add((shot.data[i] << 16) | (shot.data[i + 1] << 8) | shot.data[i + 2]);
@@ -45,7 +45,7 @@ describe('viewer', () => {
 
   it('shows a PLY that is dropped, as the float64 reference does', async () => {
     const page = await openViewer();
-    const before = await screenshot(page);
+    const before = await viewerScreenshot(page);
     const frames = await frameCount(page);
     const file = { name: 'test scene.ply', bytes: encodePly(testScene()) };
     await dropFiles(page, [file], async () => {
@@ -58,7 +58,7 @@ describe('viewer', () => {
     expect(await textOf(page, 'scene')).toContain('400 splats');
     expect(await page.title()).toContain('test scene.ply');
 
-    const shot = await screenshot(page);
+    const shot = await viewerScreenshot(page);
     expect(changedPart(before, shot)).toBeGreaterThan(0.3);
     const drawn = await drawnCamera(page);
     // Files come with y down, as captures do, and are turned.
@@ -74,7 +74,7 @@ describe('viewer', () => {
     await waitForFrameAfter(page, framesBeforeFlip);
     const flipped = await drawnCamera(page);
     expect(flipped.modelMatrices).toEqual([null]);
-    expect(psnrAgainstReference(await screenshot(page), flipped, [testScene()])).toBeGreaterThanOrEqual(
+    expect(psnrAgainstReference(await viewerScreenshot(page), flipped, [testScene()])).toBeGreaterThanOrEqual(
       MIN_PSNR_DB,
     );
   });
@@ -98,11 +98,11 @@ describe('viewer', () => {
     await page.waitForFunction(() => 'release' in window);
     expect(await page.getByTestId('load').isVisible()).toBe(true);
 
-    const before = await screenshot(page);
+    const before = await viewerScreenshot(page);
     const frames = await frameCount(page);
     await page.keyboard.press('ArrowRight');
     await waitForFrameAfter(page, frames);
-    expect(changedPart(before, await screenshot(page))).toBeGreaterThan(0.05);
+    expect(changedPart(before, await viewerScreenshot(page))).toBeGreaterThan(0.05);
     expect(await textOf(page, 'scene-title')).toContain('Still life');
     await waitForState(page, 'loading');
 
@@ -166,7 +166,7 @@ describe('viewer', () => {
 
   it('says what is wrong with a file that is cut off, and keeps the scene', async () => {
     const page = await openViewer();
-    const before = await screenshot(page);
+    const before = await viewerScreenshot(page);
     const bytes = encodePly(testScene());
     await dropFiles(page, [{ name: 'cut.ply', bytes: bytes.subarray(0, Math.floor(bytes.length * 0.6)) }]);
     await waitForState(page, 'error');
@@ -174,7 +174,7 @@ describe('viewer', () => {
     expect(await textOf(page, 'error-message')).toMatch(/cut\.ply.*vertex/);
     expect(await page.getByRole('alert').getByTestId('error').isVisible()).toBe(true);
     expect(await textOf(page, 'scene-title')).toContain('Still life');
-    expect(changedPart(before, await screenshot(page), 0)).toBe(0);
+    expect(changedPart(before, await viewerScreenshot(page), 0)).toBe(0);
 
     await page.getByTestId('dismiss-error').click();
     await waitForState(page, 'ready');
@@ -182,8 +182,7 @@ describe('viewer', () => {
   });
 
   it('says so where the address leads to no splats, and shows the built-in scene', async () => {
-    const page = await newPage();
-    await page.goto(`${harness.server.url}?scene=still-life-small&file=index.html`);
+    const page = await harness.open('?scene=still-life-small&file=index.html');
     await page.getByTestId('error').waitFor();
     await waitForFrameAfter(page, 0);
     await waitForState(page, 'error');
@@ -206,13 +205,13 @@ describe('viewer', () => {
 
   it('moves the view by keys, mouse and wheel, and goes back', async () => {
     const page = await openViewer();
-    const start = await screenshot(page);
+    const start = await viewerScreenshot(page);
     const act = async (what: string, action: () => Promise<void>) => {
-      const before = await screenshot(page);
+      const before = await viewerScreenshot(page);
       const frames = await frameCount(page);
       await action();
       await waitForFrameAfter(page, frames);
-      const after = await screenshot(page);
+      const after = await viewerScreenshot(page);
       expect(changedPart(before, after), what).toBeGreaterThan(0.05);
       return after;
     };
@@ -270,7 +269,7 @@ describe('viewer', () => {
     let frames = await frameCount(page);
     await page.keyboard.press('ArrowLeft');
     await waitForFrameAfter(page, frames);
-    const before = await screenshot(page);
+    const before = await viewerScreenshot(page);
 
     await page.evaluate(() => dispatchEvent(new Event('lose-device')));
     await waitForState(page, 'lost');
@@ -278,7 +277,7 @@ describe('viewer', () => {
     await page.getByTestId('recover').click();
     await waitForState(page, 'ready');
     await waitForFrameAfter(page, frames);
-    expect(changedPart(before, await screenshot(page), 0)).toBe(0);
+    expect(changedPart(before, await viewerScreenshot(page), 0)).toBe(0);
   });
 
   it('draws nothing and asks for no frame while nothing happens', async () => {
@@ -309,8 +308,7 @@ describe('viewer', () => {
   });
 
   it('stops a load that is cancelled, and shows the built-in scene in place of the file', async () => {
-    const page = await newPage();
-    await page.goto(`${harness.server.url}?scene=still-life-small&file=/endless.ply`);
+    const page = await harness.open('?scene=still-life-small&file=/endless.ply');
     await page.getByTestId('load-figures').getByText('of 100 MB').waitFor();
     expect(await page.evaluate(() => document.documentElement.dataset.state)).toBe('loading');
     await page.getByTestId('cancel-load').click();
@@ -322,8 +320,7 @@ describe('viewer', () => {
   });
 
   it('stops a load when another file is dropped', async () => {
-    const page = await newPage();
-    await page.goto(`${harness.server.url}?file=/endless.ply`);
+    const page = await harness.open('?file=/endless.ply');
     await page.getByTestId('load-figures').getByText('of 100 MB').waitFor();
     await dropFiles(page, [{ name: 'next.ply', bytes: encodePly(testScene()) }]);
     await harness.server.whenEndlessFileIsDropped();

@@ -1,0 +1,38 @@
+import type { Page } from 'playwright-core';
+
+export interface Screenshot {
+  readonly widthPx: number;
+  readonly heightPx: number;
+  /** RGBA, top row first. */
+  readonly data: Uint8Array;
+}
+
+/** The page as it is on the screen, but for what is hidden by `style` (CSS). */
+export async function screenshot(page: Page, style = ''): Promise<Screenshot> {
+  const png = await page.screenshot({ style });
+  // The browser decodes its own PNG, so that this needs no library.
+  const { widthPx, heightPx, base64 } = await page.evaluate(async (encoded) => {
+    const response = await fetch(`data:image/png;base64,${encoded}`);
+    const bitmap = await createImageBitmap(await response.blob());
+    const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
+    const context = canvas.getContext('2d', { willReadFrequently: true });
+    if (!context) throw new Error('no 2D context');
+    context.drawImage(bitmap, 0, 0);
+    const { data } = context.getImageData(0, 0, bitmap.width, bitmap.height);
+    let binary = '';
+    for (let i = 0; i < data.length; i += 8192) binary += String.fromCharCode(...data.subarray(i, i + 8192));
+    return { widthPx: bitmap.width, heightPx: bitmap.height, base64: btoa(binary) };
+  }, png.toString('base64'));
+  return { widthPx, heightPx, data: new Uint8Array(Buffer.from(base64, 'base64')) };
+}
+
+/** Part of the pixels of which a channel differs by more than `tolerance` of 255. */
+export function changedPart(a: Screenshot, b: Screenshot, tolerance = 8): number {
+  if (a.data.length !== b.data.length) throw new RangeError('The screenshots differ in size.');
+  let changed = 0;
+  for (let i = 0; i < a.data.length; i += 4) {
+    const difference = Math.max(...[0, 1, 2].map((c) => Math.abs(a.data[i + c] - b.data[i + c])));
+    if (difference > tolerance) changed++;
+  }
+  return changed / (a.data.length / 4);
+}
