@@ -9,12 +9,21 @@ export interface ReferenceImage {
   readonly data: Float64Array;
 }
 
+/** What another renderer has drawn, and where the splats' own depth goes. */
+export interface ReferenceDepths {
+  /** View depth per pixel behind which splats are hidden; Infinity where nothing was drawn. */
+  readonly host: ArrayLike<number>;
+  /** View depth of the splats, weighted like their colours. */
+  readonly splats: Float64Array;
+}
+
 /** Twin of the GPU's rasterize: blends one splat over what `image` holds. Pixel centres are at half-integers. */
 export function rasterizeSplat(
   image: ReferenceImage,
-  { centerPx, covariance: { a, b, c, determinant }, opacity, extentPx }: VisibleSplat,
+  { centerPx, covariance: { a, b, c, determinant }, opacity, extentPx, depthView }: VisibleSplat,
   color: readonly [number, number, number],
   alphaCutoff: number,
+  depths?: ReferenceDepths,
 ): void {
   const { widthPx, heightPx, data } = image;
   const left = Math.max(0, Math.ceil(centerPx[0] - extentPx[0] - 0.5));
@@ -28,12 +37,15 @@ export function rasterizeSplat(
       const distance2 = (c * x * x - 2 * b * x * y + a * y * y) / determinant;
       const alpha = Math.min(MAX_FRAGMENT_ALPHA, opacity * Math.exp(-0.5 * distance2));
       if (alpha < alphaCutoff) continue;
-      const at = 4 * (row * widthPx + column);
+      const pixel = row * widthPx + column;
+      if (depths && depthView > depths.host[pixel]) continue;
+      const at = 4 * pixel;
       const through = 1 - alpha;
       data[at] = color[0] * alpha + data[at] * through;
       data[at + 1] = color[1] * alpha + data[at + 1] * through;
       data[at + 2] = color[2] * alpha + data[at + 2] * through;
       data[at + 3] = alpha + data[at + 3] * through;
+      if (depths) depths.splats[pixel] = depthView * alpha + depths.splats[pixel] * through;
     }
   }
 }

@@ -19,6 +19,8 @@ export interface ReferenceFrame {
   readonly camera: Camera;
   readonly widthPx: number;
   readonly heightPx: number;
+  /** What another renderer has drawn: a view depth per pixel, top row first, Infinity where it drew nothing. */
+  readonly hostDepths?: ArrayLike<number>;
   readonly settings?: {
     /** Default 1/255. */
     readonly alphaCutoff?: number;
@@ -29,6 +31,12 @@ export interface ReferenceFrame {
   };
 }
 
+export interface ReferencePicture extends ReferenceImage {
+  readonly visibleSplats: number;
+  /** View depth of the splats per pixel, weighted like their colours; with `hostDepths` only. */
+  readonly depths?: Float64Array;
+}
+
 interface DrawnSplat extends VisibleSplat {
   readonly color: readonly [number, number, number];
 }
@@ -37,8 +45,8 @@ interface DrawnSplat extends VisibleSplat {
  * The definition of right: the picture in float64 on the CPU, every splat in exact order of depth, ties in storage
  * order (Morton order, file order among equal codes, clouds in the order given). Seconds for a million splats.
  */
-export function renderReference(frame: ReferenceFrame): ReferenceImage & { readonly visibleSplats: number } {
-  const { camera, widthPx, heightPx } = frame;
+export function renderReference(frame: ReferenceFrame): ReferencePicture {
+  const { camera, widthPx, heightPx, hostDepths } = frame;
   const defaults = resolveAccuracy();
   const {
     alphaCutoff = defaults.alphaCutoff,
@@ -59,6 +67,7 @@ export function renderReference(frame: ReferenceFrame): ReferenceImage & { reado
   }
   // Array.prototype.sort is stable: equal depths stay in storage order.
   drawn.sort((a, b) => b.depthView - a.depthView);
-  for (const splat of drawn) rasterizeSplat(image, splat, splat.color, alphaCutoff);
-  return { ...image, visibleSplats: drawn.length };
+  const depths = hostDepths && { host: hostDepths, splats: new Float64Array(widthPx * heightPx) };
+  for (const splat of drawn) rasterizeSplat(image, splat, splat.color, alphaCutoff, depths);
+  return { ...image, visibleSplats: drawn.length, ...(depths && { depths: depths.splats }) };
 }
