@@ -6,6 +6,7 @@ import {
   cameraPosition,
   orthographicCamera,
   perspectiveCamera,
+  pictureRay,
   projectionOf,
 } from './camera.ts';
 import { InvalidArgumentError } from './errors.ts';
@@ -75,6 +76,21 @@ describe('cameras', () => {
       );
     });
 
+    test(`${name}: the ray through a point of the picture holds what is seen there, at every depth`, () => {
+      fc.assert(
+        fc.property(uniform(-50, 350), uniform(-50, 250), uniform(0.01, 1000), (xPx, yPx, depthView) => {
+          const { origin, direction } = pictureRay(camera, projectionOf(camera, 300, 200), [xPx, yPx]);
+          const point = origin.map((value, axis) => value + depthView * direction[axis]);
+          const [x, y] = pixelOf(camera, point, 300, 200);
+          expect(x).toBeCloseTo(xPx, 6);
+          expect(y).toBeCloseTo(yPx, 6);
+          const v = camera.viewMatrix;
+          const depth = -(v[2] * point[0] + v[6] * point[1] + v[10] * point[2] + v[14]);
+          expect(depth).toBeCloseTo(depthView, 9);
+        }),
+      );
+    });
+
     test(`${name}: edges are where the picture ends, and the Jacobian's clamp lies outside of them`, () => {
       const { edgesX, edgesY, clampX, clampY, focalPx, centerPx } = projectionOf(camera, 300, 200);
       expect(edgesX.map((edge) => centerPx[0] + focalPx[0] * edge)).toEqual([
@@ -139,6 +155,20 @@ describe('cameras', () => {
     const again = cameraFromMatrices(camera.viewMatrix, camera.projectionMatrix);
     expect(again.near).toBeCloseTo(-5, 9);
     expect(again.far).toBeCloseTo(5, 9);
+  });
+
+  test('a ray of a perspective camera begins where the camera stands, also far from the origin', () => {
+    const far = [6.4e6, -3.2e6, 1.7e6] as const;
+    const position = PLACE.position.map((value, axis) => value + far[axis]) as [number, number, number];
+    const target = PLACE.target.map((value, axis) => value + far[axis]) as [number, number, number];
+    const camera = perspectiveCamera({ ...PLACE, position, target, fovYDegrees: 40 });
+    const { origin } = pictureRay(camera, projectionOf(camera, 300, 200), [12, 190]);
+    for (const axis of [0, 1, 2]) expect(origin[axis]).toBeCloseTo(position[axis], 7);
+  });
+
+  test('a singular view matrix has no rays', () => {
+    const camera = { ...perspective, viewMatrix: new Float64Array(16) };
+    expect(() => pictureRay(camera, projectionOf(camera, 300, 200), [0, 0])).toThrow(InvalidArgumentError);
   });
 
   test('what makes no camera is refused by name', () => {

@@ -39,6 +39,7 @@ export {
   unpackShRest,
 } from './layout/sh-rest.ts';
 export type { Vec3 } from './math/mat4.ts';
+export type { SplatPick } from './pick.ts';
 export type { DepthConvention } from './scene/depth-convention.ts';
 export { type Bounds, type PackedCloud, packCloud, transferablesOf } from './scene/packed-cloud.ts';
 export type { CloudPage, SplatCloud } from './scene/splat-cloud.ts';

@@ -38,15 +38,12 @@ interface PickContext {
   readonly memory: GpuMemory;
 }
 
-/** The stage that `pickSplat` runs on this frame: to be compiled before. */
-export function pickStage({ shape }: FrameResources) {
-  return pick(shape.accuracy.recordPrecision);
-}
-
 /**
  * Which splat contributes most to one pixel of the picture that `frame` was last sorted for; of equal contributions the
  * foremost. Submits before it returns, so that later pictures and the end of `frame` make no difference; the same
  * picture gives the same answer every time. What other renderers draw in front of the splats is not looked at.
+ *
+ * The stage `pick` has to be compiled.
  *
  * @param picture camera and size that the frame was sorted for.
  * @param xPx column, from the left; the pixel is the one that contains the point.
@@ -105,7 +102,7 @@ async function readBlocks(
   frame: FrameResources,
   pixelPx: readonly [number, number],
 ): Promise<ArrayBuffer> {
-  const { visibleCapacity, dispatchRow } = frame.shape;
+  const { visibleCapacity, dispatchRow, accuracy } = frame.shape;
   const blockCount = Math.ceil(visibleCapacity / SHADER_CONSTANTS.PICK_WORKGROUP);
   if (blockCount === 0) return new ArrayBuffer(0);
   const bytes = blockCount * PickBlock.bytes;
@@ -124,7 +121,7 @@ async function readBlocks(
     PickParameters.write(contents, { pixelPx, blockCount });
     device.queue.writeBuffer(parameters, 0, contents);
 
-    const stage = pickStage(frame);
+    const stage = pick(accuracy.recordPrecision);
     const encoder = device.createCommandEncoder({ label: 'pick' });
     const pass = encoder.beginComputePass({ label: 'pick' });
     pass.setPipeline(pipelines.compute(stage)!);
