@@ -1,0 +1,194 @@
+import type { LoadProgress } from '@websplatter/core';
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import {
+  type CacheableSource,
+  GRACE_MS,
+  type Precision,
+  requestFor,
+  SplatCache,
+  type SplatRequest,
+  UNCLAIMED_GRACE_MS,
+} from './splat-cache.ts';
+
+const BALANCED: Precision = { geometryPrecision: 'packed', shPrecision: 'u8' };
+const HIGH: Precision = { geometryPrecision: 'f32', shPrecision: 'f16' };
+
+interface Load {
+  readonly request: SplatRequest;
+  readonly signal: AbortSignal;
+  readonly onProgress: (progress: LoadProgress) => void;
+  readonly resolve: (data: string) => void;
+  readonly reject: (error: Error) => void;
+}
+
+/** A cache whose loads end when the test says so. */
+function testCache() {
+  const loads: Load[] = [];
+  const cache = new SplatCache<string>(
+    (request, { signal, onProgress }) =>
+      new Promise((resolve, reject) => loads.push({ request, signal, onProgress, resolve, reject })),
+  );
+  return { cache, loads };
+}
+
+const request = (source: CacheableSource, precision = BALANCED) => requestFor(source, precision);
+
+/** Lets promises that have been settled call back. */
+const settle = () => vi.advanceTimersByTimeAsync(0);
+
+beforeEach(() => {
+  vi.useFakeTimers();
+});
+afterEach(() => {
+  vi.useRealTimers();
+});
+
+describe('the cache of parsed files', () => {
+  it('loads a source once for all who watch it, and tells each of progress and end', async () => {
+    const { cache, loads } = testCache();
+    const changes = vi.fn();
+    const progress = vi.fn();
+    cache.watch(request('https://example.org/a.ply'), { onChange: changes });
+    cache.watch(request(new URL('https://example.org/b/../a.ply')), {
+      onChange: changes,
+      onProgress: progress,
+    });
+    expect(loads).toHaveLength(1);
+    const step: LoadProgress = { phase: 'read', loadedBytes: 1, totalBytes: 2, splats: 0 };
+    loads[0].onProgress(step);
+    expect(progress).toHaveBeenCalledExactlyOnceWith(step);
+    loads[0].resolve('a');
+    await settle();
+    expect(changes).toHaveBeenCalledTimes(2);
+    expect(cache.stateOf(request('https://example.org/a.ply'))).toEqual({ status: 'loaded', data: 'a' });
+  });
+
+  it('tells files, precisions and buffers apart', () => {
+    const { cache, loads } = testCache();
+    const [first, second] = [new Blob(['same']), new Blob(['same'])];
+    const buffer = new ArrayBuffer(4);
+    const sources: [CacheableSource, Precision][] = [
+      ['https://example.org/a.ply', BALANCED],
+      ['https://example.org/a.ply', HIGH],
+      ['https://example.org/b.ply', BALANCED],
+      [first, BALANCED],
+      [second, BALANCED],
+      [buffer, BALANCED],
+    ];
+    for (const [source, precision] of [...sources, ...sources]) cache.watch(request(source, precision), {});
+    expect(loads.map((load) => [load.request.source, load.request.shPrecision])).toEqual(
+      sources.map(([source, precision]) => [source, precision.shPrecision]),
+    );
+  });
+
+  it('aborts a load when its last user has gone, not before, and not where one comes back in time', async () => {
+    const { cache, loads } = testCache();
+    const stopFirst = cache.watch(request('a.ply'), {});
+    const stopSecond = cache.watch(request('a.ply'), {});
+    stopFirst();
+    await vi.advanceTimersByTimeAsync(2 * GRACE_MS);
+    expect(loads[0].signal.aborted).toBe(false);
+    stopSecond();
+    await vi.advanceTimersByTimeAsync(GRACE_MS - 1);
+    const stopThird = cache.watch(request('a.ply'), {});
+    await vi.advanceTimersByTimeAsync(2 * GRACE_MS);
+    expect(loads[0].signal.aborted).toBe(false);
+    stopThird();
+    await vi.advanceTimersByTimeAsync(GRACE_MS);
+    expect(loads[0].signal.aborted).toBe(true);
+    expect(cache.stateOf(request('a.ply'))).toBeUndefined();
+    expect(vi.getTimerCount()).toBe(0);
+  });
+
+  it('counts a user once, however often it stops', async () => {
+    const { cache, loads } = testCache();
+    const stop = cache.watch(request('a.ply'), {});
+    cache.watch(request('a.ply'), {});
+    stop();
+    stop();
+    await vi.advanceTimersByTimeAsync(2 * GRACE_MS);
+    expect(loads[0].signal.aborted).toBe(false);
+  });
+
+  it('drops what was loaded after a grace, which may be longer', async () => {
+    const { cache, loads } = testCache();
+    const stop = cache.watch(request('a.ply'), {});
+    loads[0].resolve('a');
+    await settle();
+    stop(10 * GRACE_MS);
+    await vi.advanceTimersByTimeAsync(9 * GRACE_MS);
+    expect(cache.stateOf(request('a.ply'))).toEqual({ status: 'loaded', data: 'a' });
+    await vi.advanceTimersByTimeAsync(GRACE_MS);
+    expect(cache.stateOf(request('a.ply'))).toBeUndefined();
+  });
+
+  it('tries again after a failure as soon as the last user has gone', async () => {
+    const { cache, loads } = testCache();
+    const stop = cache.watch(request('a.ply'), {});
+    const error = new Error('no such file');
+    loads[0].reject(error);
+    await settle();
+    expect(cache.stateOf(request('a.ply'))).toEqual({ status: 'failed', error });
+    stop();
+    cache.watch(request('a.ply'), {});
+    expect(loads).toHaveLength(2);
+  });
+
+  it('does not hear of an aborted load again, even where a new one has begun', async () => {
+    const { cache, loads } = testCache();
+    cache.watch(request('a.ply'), {})();
+    await vi.advanceTimersByTimeAsync(GRACE_MS);
+    const changes = vi.fn();
+    cache.watch(request('a.ply'), { onChange: changes });
+    loads[0].resolve('late');
+    await settle();
+    expect(changes).not.toHaveBeenCalled();
+    expect(cache.stateOf(request('a.ply'))?.status).toBe('pending');
+  });
+
+  it('tells a render of a failure, and tries again some moments later', async () => {
+    const { cache, loads } = testCache();
+    const state = cache.ask(request('a.ply'));
+    const error = new Error('no');
+    loads[0].reject(error);
+    await expect(state.status === 'pending' && state.settled).resolves.toEqual({ status: 'failed', error });
+    expect(cache.ask(request('a.ply'))).toEqual({ status: 'failed', error });
+    await vi.advanceTimersByTimeAsync(GRACE_MS);
+    expect(cache.ask(request('a.ply')).status).toBe('pending');
+  });
+
+  it('keeps what is preloaded until it is cleared', async () => {
+    const { cache, loads } = testCache();
+    cache.preload(request('a.ply'));
+    cache.preload(request('b.ply'));
+    cache.watch(request('a.ply'), {})();
+    await vi.advanceTimersByTimeAsync(2 * UNCLAIMED_GRACE_MS);
+    expect(loads.map(({ signal }) => signal.aborted)).toEqual([false, false]);
+    cache.clear('a.ply');
+    expect(loads.map(({ signal }) => signal.aborted)).toEqual([true, false]);
+    cache.clear();
+    expect(loads.map(({ signal }) => signal.aborted)).toEqual([true, true]);
+  });
+
+  it('leaves what is in use when cleared, to go with its last user', async () => {
+    const { cache, loads } = testCache();
+    cache.preload(request('a.ply'));
+    const stop = cache.watch(request('a.ply'), {});
+    cache.clear();
+    expect(loads[0].signal.aborted).toBe(false);
+    stop();
+    await vi.advanceTimersByTimeAsync(GRACE_MS);
+    expect(loads[0].signal.aborted).toBe(true);
+  });
+
+  it('keeps what a render has asked for until a component has mounted with it, and not for ever', async () => {
+    const { cache, loads } = testCache();
+    cache.ask(request('a.ply'));
+    cache.ask(request('b.ply'));
+    await vi.advanceTimersByTimeAsync(UNCLAIMED_GRACE_MS / 2);
+    cache.watch(request('a.ply'), {});
+    cache.ask(request('a.ply'));
+    await vi.advanceTimersByTimeAsync(2 * UNCLAIMED_GRACE_MS);
+    expect(loads.map(({ signal }) => signal.aborted)).toEqual([false, true]);
+  });
+});
