@@ -5,6 +5,7 @@ import { recordCompute, recordRasterize } from './frame.ts';
 import { FrameResources } from './frame-resources.ts';
 import { type FrameShape, isSameShape } from './frame-shape.ts';
 import { hostDepthUniform, pageUniforms, viewUniforms } from './frame-uniforms.ts';
+import type { Counting } from './gpu/engine-counters.ts';
 import type { GpuMemory } from './gpu/gpu-memory.ts';
 import type { Pipelines } from './gpu/pipelines.ts';
 import type { ViewFrame } from './scene/view-frame.ts';
@@ -16,6 +17,7 @@ export interface ViewContext {
   readonly device: GPUDevice;
   readonly pipelines: Pipelines;
   readonly memory: GpuMemory;
+  readonly counting: Counting;
   readonly accuracy: AccuracySettings;
   readonly dispatchRow: number;
   /** Why nothing can be drawn any more, or null. */
@@ -78,12 +80,14 @@ export class BlendedLayer {
 
   recordCompute(encoder: GPUCommandEncoder): void {
     recordCompute(encoder, this.#context.pipelines, this.#frame!, this.timer);
+    this.#context.counting.framesPrepared++;
   }
 
   /** @param testedDepth what the host has drawn, where the frame's shape has depth. */
   recordRasterize(encoder: GPUCommandEncoder, testedDepth: GPUTexture | null): void {
     const targets = { color: this.#color!, depthLayer: this.#depth, testedDepth };
     recordRasterize(encoder, this.#context.pipelines, this.#frame!, targets, this.timer);
+    this.#context.counting.framesDrawn++;
   }
 
   /** Call after the last pass, before the encoder is finished. */

@@ -382,6 +382,33 @@ describe('an engine', () => {
     engine.destroy();
   });
 
+  gpuTest('counts what it does', async () => {
+    const engine = await SplatEngine.create({ device, accuracy: 'high' });
+    const zero = engine.counters();
+    expect(Object.values(zero).every((count) => count === 0)).toBe(true);
+    const cloud = engine.add(randomSplats({ count: 1000 }));
+    const uploaded = engine.counters();
+    expect(uploaded).toEqual({ ...zero, uploads: 1, uploadedBytes: engine.memory().totalBytes });
+    expect(uploaded.uploadedBytes).toBe(cloud.bytes);
+    const view = engine.createView();
+    const frame = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
+    await draw(view, frame);
+    await draw(view, frame);
+    cloud.destroy();
+    cloud.destroy();
+    const { pipelinesCompiled, ...counters } = engine.counters();
+    const expected = { framesPrepared: 1, framesDrawn: 1, readbacks: 2, cloudsDestroyed: 1 };
+    expect({ ...counters, pipelinesCompiled: 0 }).toEqual({ ...uploaded, ...expected });
+    // The engines before this one have compiled what all share.
+    expect(pipelinesCompiled).toBeLessThan(10);
+    // A refused upload is none.
+    const wrong = packCloud(randomSplats({ count: 10 }), { geometryPrecision: 'packed' });
+    expect(() => engine.addPacked(wrong)).toThrow(InvalidArgumentError);
+    expect(engine.counters().uploads).toBe(1);
+    expect(zero.uploads).toBe(0);
+    engine.destroy();
+  });
+
   gpuTest('leaves a device that it was given, and destroys one of its own', async () => {
     const given = await createTestDevice();
     (await SplatEngine.create({ device: given })).destroy();

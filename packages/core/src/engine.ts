@@ -3,6 +3,7 @@ import type { ViewContext } from './blended-layer.ts';
 import { adapterLabel, type DeviceOptions, requestSplatDevice } from './device.ts';
 import { EmbeddedView } from './embedded-view.ts';
 import { DestroyedError, InvalidArgumentError } from './errors.ts';
+import { type EngineCounters, zeroCounters } from './gpu/engine-counters.ts';
 import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
 import { Pipelines } from './gpu/pipelines.ts';
 import { loadSplats } from './io/load-splats.ts';
@@ -39,6 +40,7 @@ export class SplatEngine {
   readonly hasGpuTimestamps: boolean;
   /** Resolves when the device is lost, on purpose or not. */
   readonly lost: Promise<GPUDeviceLostInfo>;
+  readonly #counting = zeroCounters();
   readonly #memory: GpuMemory;
   readonly #pipelines: Pipelines;
   readonly #ownsDevice: boolean;
@@ -55,7 +57,7 @@ export class SplatEngine {
     this.adapterLabel = adapterLabel(device.adapterInfo);
     this.hasGpuTimestamps = device.features.has('timestamp-query');
     this.#memory = new GpuMemory(device);
-    this.#pipelines = new Pipelines(device, options.mutation);
+    this.#pipelines = new Pipelines(device, options.mutation, this.#counting);
     this.#ownsDevice = ownsDevice;
     const limit = device.limits.maxComputeWorkgroupsPerDimension;
     this.#dispatchRow = Math.min(options.maxWorkgroupsPerDimension ?? limit, limit);
@@ -109,7 +111,14 @@ export class SplatEngine {
       const message = `The cloud's geometry is ${packed.geometry.precision} and the engine's ${geometryPrecision}; pack it for the engine.`;
       throw new InvalidArgumentError('packed', message);
     }
-    return new SplatCloud(this.#memory, this.device.limits, packed, options.name ?? 'splats');
+    const counting = this.#counting;
+    const name = options.name ?? 'splats';
+    const cloud = new SplatCloud(this.#memory, this.device.limits, packed, name, () => {
+      counting.cloudsDestroyed++;
+    });
+    counting.uploads++;
+    counting.uploadedBytes += cloud.bytes;
+    return cloud;
   }
 
   /** A view that draws on `canvas`, or one whose pictures are read back. */
@@ -135,6 +144,11 @@ export class SplatEngine {
     return this.#memory.report();
   }
 
+  /** What the engine has done so far. */
+  counters(): EngineCounters {
+    return { ...this.#counting };
+  }
+
   /** Frees everything that the engine made, the device too where it made it. */
   destroy(): void {
     if (this.#destroyedBecause === 'the engine was destroyed') return;
@@ -149,6 +163,7 @@ export class SplatEngine {
       device: this.device,
       pipelines: this.#pipelines,
       memory: this.#memory,
+      counting: this.#counting,
       accuracy: this.accuracy,
       dispatchRow: this.#dispatchRow,
       destroyedBecause: () => this.#destroyedBecause,

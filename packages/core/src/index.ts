@@ -23,6 +23,7 @@ export { adapterLabel, type DeviceOptions, isSoftwareAdapter, requestSplatDevice
 export type { EmbeddedFrame, EmbeddedPicture, EmbeddedView, HostPass } from './embedded-view.ts';
 export { type EngineOptions, SplatEngine } from './engine.ts';
 export * from './errors.ts';
+export type { EngineCounters } from './gpu/engine-counters.ts';
 export type { GpuMemoryReport } from './gpu/gpu-memory.ts';
 export type { TextureImage } from './gpu/read-texture.ts';
 export { type LoadSplatsOptions, loadSplats } from './io/load-splats.ts';

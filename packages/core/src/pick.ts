@@ -1,6 +1,7 @@
 import { pictureRay, projectionOf } from './camera.ts';
 import { DestroyedError, InvalidArgumentError } from './errors.ts';
 import type { FramePage, FrameResources } from './frame-resources.ts';
+import type { Counting } from './gpu/engine-counters.ts';
 import type { GpuMemory } from './gpu/gpu-memory.ts';
 import type { Pipelines } from './gpu/pipelines.ts';
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from './layout/constants.ts';
@@ -36,6 +37,7 @@ interface PickContext {
   readonly device: GPUDevice;
   readonly pipelines: Pipelines;
   readonly memory: GpuMemory;
+  readonly counting: Pick<Counting, 'readbacks'>;
 }
 
 /**
@@ -67,6 +69,7 @@ export async function pickSplat(
   const { origin, direction } = pictureRay(camera, projectionOf(camera, widthPx, heightPx), pixelPx);
   const { pages, shape } = frame;
 
+  context.counting.readbacks++;
   const blocks = await readBlocks(context, frame, pixelPx);
   const found = heaviestOf(blocks);
   if (!found) return null;

@@ -99,6 +99,7 @@ export class SplatView {
     this.#checkUsable();
     const { color } = this.#layer;
     if (!color) throw new InvalidArgumentError('readPixels', 'There is no picture yet: call render first.');
+    this.#context.counting.readbacks++;
     return readTexture(this.#context.device, color);
   }
 

@@ -1,4 +1,5 @@
 import { linkShader, type ShaderMutation, type ShaderVariant } from '../shaders.ts';
+import { type Counting, zeroCounters } from './engine-counters.ts';
 
 /** How a shader sees a resource. */
 export type BindingKind =
@@ -53,10 +54,15 @@ export class Pipelines {
   readonly #cache: DeviceCache;
   readonly #linked = new Map<string, Promise<string>>();
   readonly #compiled = new Map<string, Pipeline>();
+  readonly #counting: Pick<Counting, 'pipelinesCompiled'>;
 
-  /** @param mutation for tests alone: see ShaderMutation. */
-  constructor(device: GPUDevice, mutation?: ShaderMutation) {
+  /**
+   * @param mutation for tests alone: see ShaderMutation.
+   * @param counting where to count what is compiled.
+   */
+  constructor(device: GPUDevice, mutation?: ShaderMutation, counting = zeroCounters()) {
     this.#device = device;
+    this.#counting = counting;
     this.#mutation = mutation;
     this.#cache = caches.get(device) ?? { layouts: new Map(), modules: new Map(), pipelines: new Map() };
     caches.set(device, this.#cache);
@@ -109,6 +115,7 @@ export class Pipelines {
     const { pipelines } = this.#cache;
     let pipeline = pipelines.get(key);
     if (!pipeline) {
+      this.#counting.pipelinesCompiled++;
       pipeline = this.#compile(stage, state, this.#module(stage, code));
       pipelines.set(key, pipeline);
       pipeline.catch(() => pipelines.delete(key));

@@ -42,14 +42,22 @@ export class SplatCloud {
   /** @internal One `Chunk` struct per chunk. */
   readonly chunks: ArrayBuffer;
   readonly #memory: GpuMemory;
+  readonly #onDestroyed: () => void;
   #isDestroyed = false;
 
   /**
    * Uploads `packed`.
    *
+   * @param onDestroyed called when the cloud has been destroyed.
    * @throws GpuLimitError, before anything is allocated, where it cannot be bound.
    */
-  constructor(memory: GpuMemory, limits: GPUSupportedLimits, packed: PackedCloud, name: string) {
+  constructor(
+    memory: GpuMemory,
+    limits: GPUSupportedLimits,
+    packed: PackedCloud,
+    name: string,
+    onDestroyed: () => void = () => {},
+  ) {
     this.name = name;
     this.count = packed.count;
     this.shDegree = packed.shRest.degree;
@@ -62,7 +70,16 @@ export class SplatCloud {
     this.logScaleRange = packed.geometry.logScaleRange;
     this.chunks = packed.chunks;
     this.#memory = memory;
+    this.#onDestroyed = onDestroyed;
     this.pages = upload(memory, packed, pageSplats(limits, packed, name), name);
+  }
+
+  /** What the cloud takes on the GPU. */
+  get bytes(): number {
+    return this.pages.reduce(
+      (sum, { geometry, shRest, chunks }) => sum + geometry.size + chunks.size + (shRest?.size ?? 0),
+      0,
+    );
   }
 
   get isDestroyed(): boolean {
@@ -78,6 +95,7 @@ export class SplatCloud {
       this.#memory.destroy(chunks);
       if (shRest) this.#memory.destroy(shRest);
     }
+    this.#onDestroyed();
   }
 }
 

@@ -22,6 +22,7 @@ const CAMERAS = testCameras(1);
 let device: GPUDevice;
 let pipelines: Pipelines;
 let memory: GpuMemory;
+const counting = { readbacks: 0 };
 
 beforeAll(async () => {
   device = await createTestDevice();
@@ -38,7 +39,7 @@ function draw(scene: Scene): Promise<InspectedFrame> {
 }
 
 function pickAt(frame: InspectedFrame, camera: Camera, xPx: number, yPx: number): Promise<SplatPick | null> {
-  return pickSplat({ device, pipelines, memory }, frame.resources, { camera, ...SIZE }, xPx, yPx);
+  return pickSplat({ device, pipelines, memory, counting }, frame.resources, { camera, ...SIZE }, xPx, yPx);
 }
 
 /** The frame's splats as the GPU has them, in its order: the very numbers that the stage reads. */
