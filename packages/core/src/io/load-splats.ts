@@ -4,7 +4,6 @@ import type { PackedCloud } from '../scene/packed-cloud.ts';
 import { lockedStreamError } from './byte-reader.ts';
 import { fromPostedError, type LoadReply, type LoadRequest, type LoadSettings } from './load-messages.ts';
 import { bytesOf, isBlob, isStream, shortName } from './open-source.ts';
-import { readAndPack } from './read-and-pack.ts';
 import type { ReadSplatsOptions } from './read-splats.ts';
 import type { ReadOptions, SplatSource } from './splat-source.ts';
 
@@ -30,7 +29,7 @@ export async function loadSplats(source: SplatSource, options: LoadSplatsOptions
   const name = options.name ?? (isUrl ? shortName(String(source)) : undefined);
   const settings: LoadSettings = { name, shPrecision, geometryPrecision };
   const worker = await startWorker(signal);
-  if (worker === undefined) return readAndPack(source, settings, { signal, onProgress });
+  if (worker === undefined) return readHere(source, settings, { signal, onProgress });
   // Aborted at the end whatever it was: a terminated worker lets no stream know that nobody reads it any more.
   const stop = new AbortController();
   const onAbort = () => stop.abort(signal?.reason);
@@ -42,6 +41,12 @@ export async function loadSplats(source: SplatSource, options: LoadSplatsOptions
     worker.terminate();
     stop.abort();
   }
+}
+
+/** In the calling thread. What reads is fetched only then: a page whose worker reads does without it. */
+async function readHere(source: SplatSource, settings: LoadSettings, watch: Watch): Promise<PackedCloud> {
+  const { readAndPack } = await import('./read-and-pack.ts');
+  return readAndPack(source, settings, watch);
 }
 
 /** A worker whose script runs, undefined where there can be none. */
@@ -104,7 +109,7 @@ function loadInWorker(
     };
     callOrReject(() => {
       const unposted = post(worker, source, settings, watch.signal);
-      if (unposted) resolve(readAndPack(unposted, settings, watch));
+      if (unposted) resolve(readHere(unposted, settings, watch));
     }, reject);
   });
 }

@@ -1,6 +1,6 @@
 import { type PackedCloud, packCloud } from '../scene/packed-cloud.ts';
 import type { LoadSettings } from './load-messages.ts';
-import { readSplats } from './read-splats.ts';
+import { readSource } from './read-source.ts';
 import type { LoadProgress, ReadOptions, SplatSource } from './splat-source.ts';
 
 /** The whole of a load, in the calling thread. */
@@ -10,7 +10,7 @@ export async function readAndPack(
   { signal, onProgress }: Pick<ReadOptions, 'signal' | 'onProgress'>,
 ): Promise<PackedCloud> {
   let last: LoadProgress | undefined;
-  const set = await readSplats(source, {
+  const set = await readSource(source, {
     name,
     shPrecision,
     signal,

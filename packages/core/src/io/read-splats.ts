@@ -1,7 +1,5 @@
 import type { ShPrecision } from '../layout/sh-rest.ts';
 import type { SplatSet } from '../scene/splat-set.ts';
-import { detectFormat, SNIFF_BYTES } from './detect.ts';
-import { openSource, peekSource } from './open-source.ts';
 import type { ReadOptions, SplatSource } from './splat-source.ts';
 
 export interface ReadSplatsOptions extends ReadOptions {
@@ -16,14 +14,6 @@ export interface ReadSplatsOptions extends ReadOptions {
  * `InvalidArgumentError` (not a source), or the signal's reason.
  */
 export async function readSplats(source: SplatSource, options: ReadSplatsOptions = {}): Promise<SplatSet> {
-  const { signal, onProgress, shPrecision = 'u8' } = options;
-  const opened = await openSource(source, options);
-  const { firstBytes, source: whole } = await peekSource(opened, SNIFF_BYTES, signal);
-  try {
-    return await detectFormat(firstBytes, whole.name).read(whole, { shPrecision, signal, onProgress });
-  } catch (error) {
-    // What has no format has no reader that would let go of it.
-    if (!whole.stream.locked) whole.stream.cancel(error).catch(() => {});
-    throw error;
-  }
+  const { readSource } = await import('./read-source.ts');
+  return readSource(source, options);
 }
