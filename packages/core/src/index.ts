@@ -43,6 +43,7 @@ export type { Vec3 } from './math/mat4.ts';
 export type { SplatPick } from './pick.ts';
 export type { DepthConvention } from './scene/depth-convention.ts';
 export { type Bounds, type PackedCloud, packCloud, transferablesOf } from './scene/packed-cloud.ts';
+export { type CloudHit, raycastCloud } from './scene/raycast-cloud.ts';
 export type { CloudPage, SplatCloud } from './scene/splat-cloud.ts';
 export {
   type DropCounts,
