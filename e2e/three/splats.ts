@@ -1,0 +1,44 @@
+import { packCloud, type SplatSet } from '@websplatter/core';
+import { SplatCloudObject, SplatData } from '@websplatter/three';
+
+/** A splat as people would describe it. */
+export interface SplatDescription {
+  readonly position?: readonly [number, number, number];
+  /** Standard deviations along x, y and z. */
+  readonly scale?: readonly [number, number, number];
+  /** 0…1, of the splat's middle. */
+  readonly opacity?: number;
+  /** sRGB-encoded, 0…1. */
+  readonly color?: readonly [number, number, number];
+}
+
+const SH_C0 = 0.28209479177387814;
+
+/** Much larger than any picture: its opacity is the same all over. */
+export const FLAT_SCALE = [500, 500, 0.001] as const;
+
+export function splatSet(splats: readonly SplatDescription[]): SplatSet {
+  const count = splats.length;
+  const numbers = (read: (splat: SplatDescription) => readonly number[]) =>
+    Float32Array.from(splats.flatMap((splat) => [...read(splat)]));
+  return {
+    count,
+    origin: [0, 0, 0],
+    positions: numbers(({ position = [0, 0, 0] }) => position),
+    logScales: numbers(({ scale = FLAT_SCALE }) => scale.map(Math.log)),
+    rotations: numbers(() => [1, 0, 0, 0]),
+    opacityLogits: numbers(({ opacity = 0.5 }) => [Math.log(opacity / (1 - opacity))]),
+    colorDc: numbers(({ color = [1, 1, 1] }) => color.map((value) => (value - 0.5) / SH_C0)),
+    shRest: { degree: 0, precision: 'f32', wordsPerSplat: 0, words: new Uint32Array(0) },
+    fileIndices: Uint32Array.from(splats, (_, i) => i),
+    dropped: {},
+  };
+}
+
+export function splatData(...splats: SplatDescription[]): SplatData {
+  return new SplatData(packCloud(splatSet(splats), { geometryPrecision: 'packed' }), 'test splats');
+}
+
+export function splatCloud(...splats: SplatDescription[]): SplatCloudObject {
+  return new SplatCloudObject(splatData(...splats));
+}

@@ -1,0 +1,117 @@
+import { type Accuracy, SplatEngine } from '@websplatter/core';
+import { WebGPURenderer, type WebGPURendererParameters } from 'three/webgpu';
+import { SplatsUnsupportedRendererError } from './errors.ts';
+import { hasWebGpuBackend } from './three-bridge.ts';
+
+/** What three's WebGPURenderer takes, and the engine. */
+export interface SplatRendererParameters
+  extends Omit<WebGPURendererParameters, 'device' | 'forceWebGL' | 'powerPreference' | 'requiredLimits'> {
+  /** How exactly splats are drawn, and how fast; default `balanced`. */
+  readonly accuracy?: Accuracy;
+  readonly powerPreference?: GPUPowerPreference | 'default';
+  /** Where WebGPU is to be had; default `navigator.gpu`. */
+  readonly gpu?: GPU;
+}
+
+interface RendererState {
+  readonly engine: SplatEngine;
+  readonly lostListeners: Set<(info: GPUDeviceLostInfo) => void>;
+  isDisposed: boolean;
+}
+
+const states = new WeakMap<object, RendererState>();
+
+/**
+ * three's WebGPURenderer, initialised, on a device with room for large scenes. Also what `<Canvas gl={…}>` of
+ * react-three-fiber takes. `renderer.dispose()` frees the device and all splats on it, too.
+ *
+ * @throws WebGpuUnavailableError where there is no WebGPU, InvalidArgumentError for unknown accuracy settings,
+ *   SplatsUnsupportedRendererError where three does not draw with WebGPU on the device.
+ */
+export async function createSplatRenderer({
+  accuracy,
+  gpu,
+  powerPreference,
+  ...parameters
+}: SplatRendererParameters = {}): Promise<WebGPURenderer> {
+  const engine = await SplatEngine.create({
+    accuracy,
+    gpu,
+    powerPreference: powerPreference === 'default' ? undefined : powerPreference,
+  });
+  try {
+    const renderer = new WebGPURenderer({ ...parameters, device: engine.device });
+    await renderer.init();
+    if (!hasWebGpuBackend(renderer)) {
+      throw new SplatsUnsupportedRendererError(
+        'three chose its WebGL 2 backend although it was given a WebGPU device; its own message is on the console.',
+      );
+    }
+    attach(renderer, engine);
+    return renderer;
+  } catch (error) {
+    engine.destroy();
+    throw error;
+  }
+}
+
+/**
+ * The engine that draws splats for `renderer`.
+ *
+ * @throws SplatsUnsupportedRendererError for a renderer that `createSplatRenderer` has not made.
+ */
+export function splatEngineOf(renderer: object): SplatEngine {
+  return stateOf(renderer).engine;
+}
+
+/**
+ * Calls `listener` when the renderer's device is lost: by a reset of the driver, the end of the browser's GPU process, or
+ * `device.destroy()`, but not by `renderer.dispose()`. three draws nothing from then on; a new renderer is needed.
+ *
+ * @returns how to stop listening.
+ */
+export function onDeviceLost(renderer: object, listener: (info: GPUDeviceLostInfo) => void): () => void {
+  const { lostListeners } = stateOf(renderer);
+  lostListeners.add(listener);
+  return () => lostListeners.delete(listener);
+}
+
+/** Whether there is WebGPU here and a GPU that it may use. False on servers. */
+export async function isSupported(gpu: GPU | undefined = globalThis.navigator?.gpu): Promise<boolean> {
+  try {
+    return Boolean(await gpu?.requestAdapter());
+  } catch {
+    return false;
+  }
+}
+
+function attach(renderer: WebGPURenderer, engine: SplatEngine): void {
+  const state: RendererState = { engine, lostListeners: new Set(), isDisposed: false };
+  states.set(renderer, state);
+  void engine.lost.then((info) => {
+    if (!state.isDisposed) for (const listener of [...state.lostListeners]) listener(info);
+  });
+  const disposeThree = renderer.dispose.bind(renderer);
+  renderer.dispose = async () => {
+    if (state.isDisposed) return;
+    state.isDisposed = true;
+    try {
+      await disposeThree();
+    } finally {
+      // three destroys only a device that it has made.
+      engine.destroy();
+    }
+  };
+}
+
+function stateOf(renderer: object): RendererState {
+  const state = states.get(renderer);
+  if (state) return state;
+  const what = (renderer as { isWebGLRenderer?: boolean }).isWebGLRenderer
+    ? 'This is three’s WebGLRenderer'
+    : 'This renderer was not made by createSplatRenderer';
+  throw new SplatsUnsupportedRendererError(
+    `${what}, and splats are drawn by WebGPU on a device of their own making. Use ` +
+      '`const renderer = await createSplatRenderer({ canvas })`; in react-three-fiber, `<Canvas gl={createSplatRenderer}>`.',
+  );
+}

@@ -1,0 +1,179 @@
+import { raycastCloud, type SplatCloud, type SplatEngine } from '@websplatter/core';
+import {
+  Box3,
+  BufferGeometry,
+  type Camera,
+  type Intersection,
+  Matrix4,
+  Object3D,
+  type Object3DEventMap,
+  Ray,
+  type Raycaster,
+  Sphere,
+  Vector3,
+  type WebGPURenderer,
+} from 'three/webgpu';
+import type { SplatData } from './splat-data.ts';
+import { layerOf, rootOf, type SplatLayer } from './splat-layer.ts';
+
+/** The splat that contributes most to a pixel. */
+export interface SplatHit {
+  readonly object: SplatCloudObject;
+  /** Row of the splat in its file. */
+  readonly splatIndex: number;
+  /** World space. */
+  readonly point: Vector3;
+  /** Depth along the camera's line of sight, world units. */
+  readonly depthView: number;
+  /** Its opacity at the pixel, 0…1. */
+  readonly alpha: number;
+}
+
+export interface SplatCloudEventMap extends Object3DEventMap {
+  /** The first picture with the present data is being drawn. */
+  firstframe: object;
+  /** The next picture will be another one though nothing in the scene has changed: shaders or data have become ready. */
+  needsframe: object;
+}
+
+/**
+ * A cloud of splats anywhere in a scene. All clouds of a scene are sorted together, whatever their transforms, and drawn
+ * among its transparent objects by where their common bounds lie (`renderOrder`: the highest of theirs). Shearing, mirroring
+ * and scaling transforms are all right; `visible` and `layers` are as in meshes.
+ */
+export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
+  readonly isSplatCloudObject = true;
+  /** Multiplies every splat's opacity, 0…1. */
+  opacity = 1;
+  /**
+   * Whether this cloud's splats, where they cover more than half of a pixel, hide what is drawn after them, and are seen by
+   * effects that read depth. Clouds in view share one layer: one that writes makes all write.
+   */
+  writesDepth = false;
+  /** Told once of each thing that keeps the cloud from being drawn; without it that goes to the console. */
+  onError: ((error: Error) => void) | null = null;
+  /** Empty but for its bounds, by which Box3.setFromObject and all that measures with it see the cloud. */
+  readonly geometry = withBounds(new BufferGeometry(), new Box3());
+  /** @internal Bounds in world space, as of the last update of the world matrix. */
+  readonly worldBounds = new Box3();
+  readonly #uploads = new Map<SplatEngine, SplatCloud>();
+  #data: SplatData | null = null;
+  #layer: SplatLayer | null = null;
+  #isAnnounced = false;
+
+  constructor(data: SplatData | null = null) {
+    super();
+    this.data = data;
+    this.addEventListener('removed', () => this.#layer && this.leave(this.#layer));
+  }
+
+  /** What is drawn. May be replaced at any time; the GPU's copy of the former goes with its last user. */
+  get data(): SplatData | null {
+    return this.#data;
+  }
+
+  set data(data: SplatData | null) {
+    if (data === this.#data) return;
+    this.#releaseUploads();
+    this.#data = data;
+    this.#isAnnounced = false;
+    withBounds(this.geometry, data?.robustBounds.clone() ?? new Box3());
+    this.requestFrame();
+  }
+
+  override updateMatrixWorld(force?: boolean): void {
+    super.updateMatrixWorld(force);
+    this.worldBounds.copy(this.geometry.boundingBox!).applyMatrix4(this.matrixWorld);
+    const root = rootOf(this);
+    if (root === this) return;
+    const layer = layerOf(root);
+    if (this.#layer !== layer) {
+      this.#layer?.drop(this);
+      this.#layer = layer;
+    }
+    layer.place(this);
+  }
+
+  /** Adds the nearest hit of the ray with the bounds of the cloud's chunks; `pick` finds the exact splat. */
+  override raycast(raycaster: Raycaster, intersects: Intersection[]): void {
+    if (!this.#data || this.matrixWorld.determinant() === 0) return;
+    const { origin, direction } = new Ray()
+      .copy(raycaster.ray)
+      .applyMatrix4(new Matrix4().copy(this.matrixWorld).invert());
+    const hit = raycastCloud(this.#data.packed, origin.toArray(), direction.toArray());
+    if (!hit) return;
+    const point = new Vector3(...hit.point).applyMatrix4(this.matrixWorld);
+    const distance = raycaster.ray.origin.distanceTo(point);
+    if (distance >= raycaster.near && distance <= raycaster.far)
+      intersects.push({ distance, point, object: this });
+  }
+
+  /**
+   * The splat of this cloud that contributes most to a pixel of what `renderer` has drawn last from `camera`; null where it
+   * is another cloud's, where there is none, and before the first picture.
+   *
+   * @param xPx, yPx physical pixels from the canvas's top left.
+   */
+  async pick(renderer: WebGPURenderer, camera: Camera, xPx: number, yPx: number): Promise<SplatHit | null> {
+    const hit = await this.#layer?.pick(renderer, camera, xPx, yPx);
+    if (hit?.object !== this) return null;
+    const { splatIndex, point, depthView, alpha } = hit;
+    return { object: this, splatIndex, point: new Vector3(...point), depthView, alpha };
+  }
+
+  override copy(source: this, recursive?: boolean): this {
+    super.copy(source, recursive);
+    this.data = source.data;
+    this.opacity = source.opacity;
+    this.writesDepth = source.writesDepth;
+    return this;
+  }
+
+  /** Takes the cloud off the screen and gives back its part of the GPU's memory. Drawn again, it is uploaded again. */
+  override dispose(): void {
+    if (this.#layer) this.leave(this.#layer);
+    this.#releaseUploads();
+    // Before 0.187 three's objects have none.
+    super.dispose?.();
+  }
+
+  /** @internal No longer in the scene of `layer`. */
+  leave(layer: SplatLayer): void {
+    if (this.#layer === layer) this.#layer = null;
+    layer.drop(this);
+  }
+
+  /** @internal The cloud on `engine`, uploaded where it is not there yet; null without data. */
+  uploadedTo(engine: SplatEngine): SplatCloud | null {
+    let cloud = this.#uploads.get(engine) ?? null;
+    if (!cloud && this.#data) {
+      cloud = this.#data.acquire(engine);
+      this.#uploads.set(engine, cloud);
+    }
+    return cloud;
+  }
+
+  /** @internal */
+  requestFrame(): void {
+    this.dispatchEvent({ type: 'needsframe' });
+  }
+
+  /** @internal A picture with this cloud is being drawn. */
+  announceFirstFrame(): void {
+    if (this.#isAnnounced) return;
+    this.#isAnnounced = true;
+    // three is in the middle of its frame.
+    queueMicrotask(() => this.dispatchEvent({ type: 'firstframe' }));
+  }
+
+  #releaseUploads(): void {
+    for (const engine of this.#uploads.keys()) this.#data?.release(engine);
+    this.#uploads.clear();
+  }
+}
+
+function withBounds(geometry: BufferGeometry, bounds: Box3): BufferGeometry {
+  geometry.boundingBox = bounds;
+  geometry.boundingSphere = bounds.getBoundingSphere(new Sphere());
+  return geometry;
+}

@@ -1,0 +1,250 @@
+import {
+  type CloudInstance,
+  cameraFromMatrices,
+  DestroyedError,
+  type Camera as EngineCamera,
+  type SplatEngine,
+  type SplatPick,
+} from '@websplatter/core';
+import {
+  Box3,
+  BufferGeometry,
+  type Camera,
+  Float32BufferAttribute,
+  Mesh,
+  type Object3D,
+  type Scene,
+  Sphere,
+  Vector3,
+  type WebGPURenderer,
+} from 'three/webgpu';
+import { splatEngineOf } from './create-splat-renderer.ts';
+import { ColorLayerMaterial, DepthLayerMaterial } from './layer-material.ts';
+import { LayerViews } from './layer-view.ts';
+import type { SplatCloudObject } from './splat-cloud-object.ts';
+import { reportStageTimings } from './stage-timings.ts';
+import { type OpenPass, openPass } from './three-bridge.ts';
+
+const layers = new WeakMap<Object3D, SplatLayer>();
+
+/** The layer of the scene whose root is `root`, added to it where it has none. */
+export function layerOf(root: Object3D): SplatLayer {
+  let layer = layers.get(root);
+  if (!layer) {
+    layer = new SplatLayer();
+    layers.set(root, layer);
+  }
+  if (layer.parent !== root) root.add(layer);
+  return layer;
+}
+
+/** The object at the top of the tree that `object` is in; itself where it is in none. */
+export function rootOf(object: Object3D): Object3D {
+  let root = object;
+  while (root.parent) root = root.parent;
+  return root;
+}
+
+/**
+ * Draws all clouds of a scene, sorted together, as one of three's transparent objects. Before three draws it, the pass is
+ * interrupted for the splats; the object itself is a triangle over the viewport that shows the result.
+ */
+export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
+  readonly #clouds = new Set<SplatCloudObject>();
+  readonly #views = new LayerViews();
+  readonly #depthMesh = new Mesh(this.geometry, new DepthLayerMaterial());
+  readonly #reported = new Set<string>();
+
+  constructor() {
+    super(viewportTriangle(), new ColorLayerMaterial());
+    this.name = 'splats';
+    this.add(this.#depthMesh);
+    for (const mesh of [this, this.#depthMesh]) {
+      mesh.frustumCulled = false;
+      mesh.matrixAutoUpdate = false;
+      mesh.matrixWorldAutoUpdate = false;
+      // Each cloud has layers of its own, which are looked at for each camera.
+      mesh.layers.enableAll();
+      mesh.raycast = () => {};
+    }
+    // One place for both, so that they are sorted as one; of equals three draws the one made later after.
+    this.#depthMesh.matrixWorld = this.matrixWorld;
+    this.onBeforeRender = (renderer, scene, camera) => this.#draw(renderer, scene, camera);
+    this.#depthMesh.onBeforeRender = (renderer, _scene, camera) => this.#showDepth(renderer, camera);
+  }
+
+  /** Takes `cloud` in, or takes note of where it has moved to. */
+  place(cloud: SplatCloudObject): void {
+    this.#clouds.add(cloud);
+    this.#arrange();
+  }
+
+  /** Draws `cloud` no longer. The last one takes the layer out of the scene and frees what it holds. */
+  drop(cloud: SplatCloudObject): void {
+    if (!this.#clouds.delete(cloud)) return;
+    if (this.#clouds.size > 0) {
+      this.#arrange();
+      return;
+    }
+    this.removeFromParent();
+    // Not while three draws this very object; and a cloud may come back within the same task.
+    queueMicrotask(() => this.#clouds.size === 0 && this.#free());
+  }
+
+  /** What is under a pixel of the latest picture from `camera`, or null. */
+  async pick(
+    renderer: WebGPURenderer,
+    camera: Camera,
+    xPx: number,
+    yPx: number,
+  ): Promise<(SplatPick & { readonly object: SplatCloudObject }) | null> {
+    const view = this.#views.latest(renderer, camera);
+    if (!view) return null;
+    const { clouds } = view;
+    const pick = await view.embedded.pick(xPx - view.xPx, yPx - view.yPx);
+    return pick && { ...pick, object: clouds[pick.cloudIndex] };
+  }
+
+  /** Frees what the layer holds on GPUs; it may be drawn again. */
+  #free(): void {
+    this.#views.destroyAll();
+    this.material.dispose();
+    this.#depthMesh.material.dispose();
+    this.geometry.dispose();
+  }
+
+  /** Where three sorts the layer among its transparent objects. */
+  #arrange(): void {
+    const box = new Box3();
+    let renderOrder = Number.NEGATIVE_INFINITY;
+    let writesDepth = false;
+    for (const cloud of this.#clouds) {
+      box.union(cloud.worldBounds);
+      renderOrder = Math.max(renderOrder, cloud.renderOrder);
+      writesDepth ||= cloud.writesDepth;
+    }
+    if (!box.isEmpty()) this.matrixWorld.setPosition(box.getCenter(new Vector3()));
+    this.renderOrder = renderOrder;
+    this.#depthMesh.renderOrder = renderOrder;
+    this.#depthMesh.visible = writesDepth;
+  }
+
+  #draw(renderer: object, scene: Scene, camera: Camera): void {
+    this.material.showNothing();
+    // Such passes are about meshes: shadows, normals, depth.
+    if (scene.overrideMaterial) return;
+    try {
+      const engine = splatEngineOf(renderer);
+      const pass = openPass(renderer as WebGPURenderer, camera);
+      if (pass) this.#drawInto(pass, renderer as WebGPURenderer, engine, camera);
+    } catch (error) {
+      this.#report(error);
+      // Nothing of this library can be shown by such a renderer, and it does not know the layer's material either.
+      if ((renderer as { isWebGLRenderer?: boolean }).isWebGLRenderer) throw error;
+    }
+  }
+
+  #drawInto(pass: OpenPass, renderer: WebGPURenderer, engine: SplatEngine, camera: Camera): void {
+    const clouds = this.#cloudsFor(engine, camera);
+    const view = this.#views.use(renderer, camera, pass.target, () => {
+      const embedded = engine.createEmbeddedView();
+      embedded.onReady = () => {
+        for (const cloud of this.#clouds) cloud.requestFrame();
+      };
+      embedded.onStatistics = (statistics) => reportStageTimings(renderer, statistics);
+      return embedded;
+    });
+    view.picture = null;
+    view.clouds = [...clouds.keys()];
+    const isReady = view.embedded.prepare({
+      camera: engineCamera(camera, pass.depth?.compare === 'greater-equal'),
+      clouds: [...clouds.values()],
+      widthPx: pass.widthPx,
+      heightPx: pass.heightPx,
+      depth: pass.depth,
+      writesDepth: view.clouds.some(({ writesDepth }) => writesDepth),
+    });
+    if (!isReady) return;
+    pass.interrupt((encoder, host) => {
+      view.show(view.embedded.draw(encoder, host), pass.xPx, pass.yPx);
+    });
+    this.material.show(view.picture!.color, view.xPx, view.yPx);
+    for (const cloud of view.clouds) cloud.announceFirstFrame();
+  }
+
+  #showDepth(renderer: object, camera: Camera): void {
+    const { material } = this.#depthMesh;
+    material.showNothing();
+    const target = openPass(renderer as WebGPURenderer, camera)?.target;
+    const view = target && this.#views.find(renderer, camera, target);
+    if (view?.picture?.depth) material.show(view.picture.depth, view.xPx, view.yPx);
+  }
+
+  /** The clouds that `camera` is to see, and what stands for them on the GPU. */
+  #cloudsFor(engine: SplatEngine, camera: Camera): Map<SplatCloudObject, CloudInstance> {
+    const found = new Map<SplatCloudObject, CloudInstance>();
+    for (const object of [...this.#clouds]) {
+      if (rootOf(object) !== this.parent) {
+        object.leave(this);
+        continue;
+      }
+      const { opacity, matrixWorld } = object;
+      if (opacity <= 0 || !object.layers.test(camera.layers) || !isShown(object)) continue;
+      try {
+        const cloud = object.uploadedTo(engine);
+        if (cloud) found.set(object, { cloud, modelMatrix: matrixWorld.elements, opacity });
+      } catch (error) {
+        // Of a lost device its renderer tells.
+        if (!(error instanceof DestroyedError)) this.#report(error);
+      }
+    }
+    return found;
+  }
+
+  /** three gives up its frame where a callback throws, and every one after: so errors are told of, each once. */
+  #report(error: unknown): void {
+    const text = String(error);
+    if (this.#reported.has(text)) return;
+    this.#reported.add(text);
+    const listeners = [...this.#clouds].map(({ onError }) => onError).filter((onError) => onError !== null);
+    if (listeners.length === 0) console.error(error);
+    for (const listener of listeners) listener(error as Error);
+  }
+}
+
+/** Whether `object` and all that it is in are visible. */
+function isShown(object: Object3D): boolean {
+  for (let at: Object3D | null = object; at; at = at.parent) if (!at.visible) return false;
+  return true;
+}
+
+/** three's camera as three has prepared it for this render: matrices, clip depth from 0 to 1. */
+function engineCamera(camera: Camera, isReversed: boolean): EngineCamera {
+  const projection = camera.projectionMatrix.elements;
+  const { near, far } = { ...depthRange(projection, isReversed), ...definedRange(camera) };
+  return cameraFromMatrices(camera.matrixWorldInverse.elements, projection, { near, far });
+}
+
+function definedRange({ near, far }: Camera & { near?: number; far?: number }): {
+  near?: number;
+  far?: number;
+} {
+  return near === undefined || far === undefined ? {} : { near, far };
+}
+
+/** Near and far of a camera that has only a matrix: where its clip depth is 0 and 1. */
+function depthRange(p: readonly number[], isReversed: boolean): { near: number; far: number } {
+  const isOrthographic = p[11] === 0;
+  const atZero = p[14] / p[10];
+  const atOne = isOrthographic ? (p[14] - 1) / p[10] : p[14] / (p[10] + 1);
+  return isReversed ? { near: atOne, far: atZero } : { near: atZero, far: atOne };
+}
+
+function viewportTriangle(): BufferGeometry {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new Float32BufferAttribute([-1, -1, 0, 3, -1, 0, -1, 3, 0], 3));
+  // Sorted by the layer's place alone, and no part of the scene's extent.
+  geometry.boundingSphere = new Sphere(new Vector3(), 0);
+  geometry.boundingBox = new Box3();
+  return geometry;
+}

@@ -1,0 +1,100 @@
+import {
+  type Accuracy,
+  type AccuracySettings,
+  DEFAULT_ACCURACY,
+  type LoadProgress,
+  loadSplats,
+  resolveAccuracy,
+  type SplatSource,
+  SplatSourceError,
+} from '@websplatter/core';
+import { Loader } from 'three/webgpu';
+import { SplatData } from './splat-data.ts';
+
+/**
+ * Loads splats of any format that is read here, in a worker where there are any. A source is an address, a File or Blob, a
+ * buffer or a stream. Reports to its LoadingManager.
+ */
+export class SplatLoader extends Loader<SplatData, SplatSource> {
+  #accuracy: AccuracySettings = resolveAccuracy(DEFAULT_ACCURACY);
+  #aborter = new AbortController();
+
+  /**
+   * Packs what is loaded from now on for renderers of this accuracy; default `balanced`, as theirs is.
+   *
+   * @throws InvalidArgumentError for unknown settings.
+   */
+  setAccuracy(accuracy: Accuracy): this {
+    this.#accuracy = resolveAccuracy(accuracy);
+    return this;
+  }
+
+  /** Breaks off all loads that are under way: their `onError` gets an AbortError. */
+  override abort(): this {
+    this.#aborter.abort(new DOMException('Loading was aborted.', 'AbortError'));
+    this.#aborter = new AbortController();
+    return this;
+  }
+
+  /**
+   * Errors are SplatFileError, SplatSourceError, or an AbortError. `loaded` and `total` of the progress are bytes.
+   */
+  override load(
+    source: SplatSource,
+    onLoad: (data: SplatData) => void,
+    onProgress?: (event: ProgressEvent) => void,
+    onError?: (error: unknown) => void,
+  ): void {
+    const { manager } = this;
+    const isAddress = typeof source === 'string' || source instanceof URL;
+    const address = isAddress ? manager.resolveURL(`${this.path}${source}`) : '';
+    const item = address || ((source as Partial<File>).name ?? 'splats');
+    manager.itemStart(item);
+    this.#load(isAddress ? address : source, item, onProgress)
+      .then(onLoad)
+      .catch((error: unknown) => {
+        if (onError) onError(error);
+        else console.error(error);
+        manager.itemError(item);
+      })
+      .finally(() => manager.itemEnd(item));
+  }
+
+  async #load(
+    source: SplatSource,
+    name: string,
+    onProgress: ((event: ProgressEvent) => void) | undefined,
+  ): Promise<SplatData> {
+    const { geometryPrecision, shPrecision } = this.#accuracy;
+    const signal = AbortSignal.any([this.#aborter.signal, this.manager.abortController.signal]);
+    const packed = await loadSplats(await this.#opened(source, name, signal), {
+      name,
+      signal,
+      geometryPrecision,
+      shPrecision,
+      onProgress: onProgress && ((progress) => onProgress(progressEvent(progress))),
+    });
+    return new SplatData(packed, name);
+  }
+
+  /** What is to be read: the source itself, unless its request needs what only this loader knows of. */
+  async #opened(source: SplatSource, name: string, signal: AbortSignal): Promise<SplatSource> {
+    const hasHeaders = Object.keys(this.requestHeader).length > 0;
+    if (typeof source !== 'string' || !(hasHeaders || this.withCredentials)) return source;
+    const credentials = this.withCredentials ? 'include' : 'same-origin';
+    const response = await fetch(source, { headers: this.requestHeader, credentials, signal });
+    if (!response.ok || !response.body) {
+      throw new SplatSourceError(name, `the server answered ${response.status}`, response.status);
+    }
+    return response.body;
+  }
+}
+
+/** Node has no ProgressEvent. */
+function progressEvent({ loadedBytes, totalBytes }: LoadProgress): ProgressEvent {
+  return Object.assign(new Event('progress'), {
+    lengthComputable: totalBytes !== undefined,
+    loaded: loadedBytes,
+    total: totalBytes ?? 0,
+  }) as ProgressEvent;
+}

@@ -1,0 +1,25 @@
+import type { FrameStatistics } from '@websplatter/core';
+
+type Listener = (statistics: FrameStatistics) => void;
+
+const listenersOf = new WeakMap<object, Set<Listener>>();
+
+/**
+ * Calls `listener` with what each measured frame of splats has cost, some frames later; where a renderer draws several
+ * views, with each view's.
+ *
+ * @returns how to stop listening.
+ */
+export function onStageTimings(renderer: object, listener: Listener): () => void {
+  let listeners = listenersOf.get(renderer);
+  if (!listeners) {
+    listeners = new Set();
+    listenersOf.set(renderer, listeners);
+  }
+  listeners.add(listener);
+  return () => listeners.delete(listener);
+}
+
+export function reportStageTimings(renderer: object, statistics: FrameStatistics): void {
+  for (const listener of [...(listenersOf.get(renderer) ?? [])]) listener(statistics);
+}

@@ -1,0 +1,318 @@
+// Everything that is known here of three's inner life is in this file: three has no public way to draw with WebGPU in the
+// middle of its own pass. What is used keeps its names from 0.170 to 0.187; each is looked for before it is used.
+import type { DepthConvention, HostPass } from '@websplatter/core';
+import { type Camera, REVISION, type WebGPURenderer } from 'three/webgpu';
+import { SplatsPassError, ThreeInternalsError } from './errors.ts';
+
+/** A render pass of three's that is being recorded. */
+export interface OpenPass {
+  /** What is drawn into: a RenderTarget of the application, or the CanvasTarget. */
+  readonly target: object;
+  /** Top left and size of the viewport, whole pixels, y down. */
+  readonly xPx: number;
+  readonly yPx: number;
+  readonly widthPx: number;
+  readonly heightPx: number;
+  /** Undefined where the target has no depth. */
+  readonly depth: DepthConvention | undefined;
+  /**
+   * Ends the pass, lets `record` record passes of its own, and goes on with the pass as it was.
+   *
+   * @throws SplatsPassError, with the pass untouched, where it cannot be interrupted.
+   */
+  interrupt(record: (encoder: GPUCommandEncoder, host: HostPass) => void): void;
+}
+
+/**
+ * The pass that `renderer` is recording for an object's `onBeforeRender`, or null where it only compiles shaders.
+ *
+ * @throws ThreeInternalsError where three has changed; SplatsPassError for a camera that is several.
+ */
+export function openPass(renderer: WebGPURenderer, camera: Camera): OpenPass | null {
+  const internals = internalsOf(renderer);
+  const context = internals._currentRenderContext;
+  if (internals._compilationPromises !== null || context === null) return null;
+  const { backend } = internals;
+  const data = probedData(backend.get(context));
+  if ((camera as { isArrayCamera?: boolean }).isArrayCamera) {
+    throw new SplatsPassError(
+      'Splats cannot be drawn with an ArrayCamera or in XR: their passes are drawn for several cameras at once. Render ' +
+        'each camera by itself, with a viewport of its own, or hide the splats while such a camera is used.',
+    );
+  }
+  if (!data.currentPass) return null;
+  probe(context, 'context', CONTEXT_SHAPE);
+  const viewport = context.viewport
+    ? context.viewportValue
+    : { x: 0, y: 0, width: context.width, height: context.height };
+  return {
+    target: targetKey(renderer, context),
+    xPx: viewport.x,
+    yPx: viewport.y,
+    widthPx: viewport.width,
+    heightPx: viewport.height,
+    depth: context.depth ? depthConvention(renderer) : undefined,
+    interrupt: (record) => {
+      checkResumable(data.descriptor);
+      const host = {
+        color: colorOf(backend, context, data.descriptor),
+        depth: context.depth ? depthOf(backend, context) : null,
+        xPx: viewport.x,
+        yPx: viewport.y,
+      };
+      suspend(backend, context, data);
+      try {
+        record(data.encoder, host);
+      } finally {
+        resume(context, data);
+      }
+    },
+  };
+}
+
+/** Whether this is three's WebGPURenderer and really draws with WebGPU, not with its WebGL 2 backend. */
+export function hasWebGpuBackend(renderer: object): renderer is WebGPURenderer {
+  return (renderer as { backend?: { isWebGPUBackend?: boolean } }).backend?.isWebGPUBackend === true;
+}
+
+interface Rectangle {
+  readonly x: number;
+  readonly y: number;
+  readonly width: number;
+  readonly height: number;
+}
+
+/** The parts of a RenderContext that are read. */
+interface RenderContext {
+  readonly renderTarget: (object & { readonly isPostProcessingRenderTarget?: boolean }) | null;
+  readonly textures: readonly { readonly name: string }[] | null;
+  readonly depthTexture: object | null;
+  readonly depth: boolean;
+  readonly stencil: boolean;
+  readonly width: number;
+  readonly height: number;
+  readonly viewport: boolean;
+  readonly viewportValue: Rectangle & { readonly minDepth: number; readonly maxDepth: number };
+  readonly scissor: boolean;
+  readonly scissorValue: Rectangle;
+  readonly activeCubeFace: number;
+  readonly activeMipmapLevel: number;
+  readonly occlusionQueryCount: number;
+}
+
+const CONTEXT_SHAPE = {
+  textures: 'object',
+  depth: 'boolean',
+  stencil: 'boolean',
+  width: 'number',
+  height: 'number',
+  viewport: 'boolean',
+  viewportValue: 'object',
+  scissor: 'boolean',
+  scissorValue: 'object',
+  activeCubeFace: 'number',
+  activeMipmapLevel: 'number',
+  occlusionQueryCount: 'number',
+} as const;
+
+/** What the backend keeps of a RenderContext while it is drawn. */
+interface RenderContextData extends OcclusionData {
+  currentPass: GPURenderPassEncoder | null | undefined;
+  readonly encoder: GPUCommandEncoder;
+  readonly descriptor: PassDescriptor;
+  currentSets: object;
+  renderBundles: GPURenderBundle[];
+  readonly currentStencilRef?: number;
+  readonly currentBlendColor?: { readonly r: number; readonly g: number; readonly b: number };
+  readonly currentBlendAlpha?: number;
+}
+
+const DATA_SHAPE = {
+  encoder: 'object',
+  descriptor: 'object',
+  currentSets: 'object',
+  renderBundles: 'object',
+} as const;
+
+interface OcclusionData {
+  lastOcclusionObject?: { readonly occlusionTest?: boolean } | null;
+  occlusionQueryIndex?: number;
+}
+
+type PassDescriptor = Omit<GPURenderPassDescriptor, 'colorAttachments'> & {
+  readonly colorAttachments: readonly GPURenderPassColorAttachment[];
+};
+
+interface Backend {
+  get(of: object): object;
+  readonly context: GPUCanvasContext;
+  readonly textureUtils: { getDepthBuffer(depth: boolean, stencil: boolean): GPUTexture };
+  /** From 0.186 on; before, the render context's own data held it. */
+  getOcclusionData?(context: RenderContext): OcclusionData;
+}
+
+interface RendererInternals {
+  readonly _currentRenderContext: RenderContext | null;
+  readonly _compilationPromises: readonly unknown[] | null;
+  readonly backend: Backend;
+}
+
+const probedRenderers = new WeakSet<object>();
+const probedContexts = new WeakSet<object>();
+
+function internalsOf(renderer: WebGPURenderer): RendererInternals {
+  const internals = renderer as unknown as RendererInternals;
+  if (!probedRenderers.has(renderer)) {
+    probe(internals, 'renderer', {
+      _currentRenderContext: 'object',
+      _compilationPromises: 'object',
+      backend: 'object',
+      getCanvasTarget: 'function',
+    });
+    probe(internals.backend, 'renderer.backend', { get: 'function', textureUtils: 'object' });
+    probe(internals.backend.textureUtils, 'renderer.backend.textureUtils', { getDepthBuffer: 'function' });
+    probedRenderers.add(renderer);
+  }
+  return internals;
+}
+
+function probedData(data: object): RenderContextData {
+  const found = data as RenderContextData;
+  if (found.currentPass && !probedContexts.has(found)) {
+    probe(found, 'backend.get(context)', DATA_SHAPE);
+    probe(found.descriptor, 'backend.get(context).descriptor', { colorAttachments: 'object' });
+    probedContexts.add(found);
+  }
+  return found;
+}
+
+function probe(object: object, path: string, shape: Readonly<Record<string, string>>): void {
+  for (const [name, type] of Object.entries(shape)) {
+    if (typeof (object as Record<string, unknown>)[name] !== type) {
+      throw new ThreeInternalsError(`${path}.${name} (${type})`, REVISION);
+    }
+  }
+}
+
+/** What tells this target from others: three draws what goes to a canvas into a target of its own first. */
+function targetKey(renderer: WebGPURenderer, { renderTarget }: RenderContext): object {
+  const isCanvas = renderTarget === null || renderTarget.isPostProcessingRenderTarget === true;
+  return isCanvas ? (renderer.getOutputRenderTarget() ?? renderer.getCanvasTarget()) : renderTarget;
+}
+
+function depthConvention(renderer: WebGPURenderer): DepthConvention {
+  return {
+    compare: renderer.reversedDepthBuffer ? 'greater-equal' : 'less-equal',
+    mapping: renderer.logarithmicDepthBuffer ? 'logarithmic' : 'projection',
+  };
+}
+
+function checkResumable({ colorAttachments, depthStencilAttachment }: PassDescriptor): void {
+  const isDiscarded =
+    colorAttachments.some(({ storeOp }) => storeOp === 'discard') ||
+    depthStencilAttachment?.depthStoreOp === 'discard' ||
+    depthStencilAttachment?.stencilStoreOp === 'discard';
+  if (isDiscarded) {
+    throw new SplatsPassError(
+      'Splats cannot be drawn into a RenderTarget that does not keep its samples: three’s pass is interrupted, and what ' +
+        'it had drawn would be lost. Leave storeMultisampledColorBuffer, storeMultisampledDepthBuffer and ' +
+        'storeMultisampledStencilBuffer of the RenderTarget on.',
+    );
+  }
+}
+
+/** The texture, with a sample per pixel, that holds what the ended pass has drawn. */
+function colorOf(backend: Backend, context: RenderContext, descriptor: PassDescriptor): GPUTexture {
+  if (context.textures === null) return backend.context.getCurrentTexture();
+  const { textures } = context;
+  // With several outputs three's own name for the picture is `output`.
+  const index = Math.max(
+    0,
+    textures.findIndex(({ name }) => name === 'output'),
+  );
+  const { texture, msaaTexture } = backend.get(textures[index]) as Record<string, GPUTexture | undefined>;
+  if (!texture) throw new ThreeInternalsError('backend.get(texture).texture', REVISION);
+  if (msaaTexture && !descriptor.colorAttachments[index].resolveTarget) {
+    throw new SplatsPassError(
+      'Splats cannot be drawn into a multisampled RenderTarget that is not resolved: set its resolveColorBuffer.',
+    );
+  }
+  if (texture.dimension !== '2d' || texture.depthOrArrayLayers > 1 || context.activeMipmapLevel > 0) {
+    throw new SplatsPassError(
+      'Splats cannot be drawn into a layer, a cube’s face or a mip level of a texture. Draw into a plain RenderTarget and ' +
+        'copy it, or hide the splats from this camera by layers.',
+    );
+  }
+  return texture;
+}
+
+function depthOf(backend: Backend, { depthTexture, depth, stencil }: RenderContext): GPUTexture {
+  if (depthTexture === null) return backend.textureUtils.getDepthBuffer(depth, stencil);
+  const { texture } = backend.get(depthTexture) as { texture?: GPUTexture };
+  if (!texture) throw new ThreeInternalsError('backend.get(depthTexture).texture', REVISION);
+  return texture;
+}
+
+/** Ends the pass with all that three would still have done in it. */
+function suspend(backend: Backend, context: RenderContext, data: RenderContextData): void {
+  const pass = data.currentPass!;
+  // three draws bundles at the end of the pass, where they would cover the splats.
+  if (data.renderBundles.length > 0) {
+    pass.executeBundles(data.renderBundles);
+    data.renderBundles = [];
+  }
+  if (context.occlusionQueryCount > 0) {
+    const queries = backend.getOcclusionData?.(context) ?? data;
+    if (queries.lastOcclusionObject?.occlusionTest) {
+      pass.endOcclusionQuery();
+      queries.occlusionQueryIndex!++;
+    }
+    queries.lastOcclusionObject = null;
+  }
+  pass.end();
+}
+
+/** Goes on with the pass, in the state in which three believes it to be. */
+function resume(context: RenderContext, data: RenderContextData): void {
+  const { descriptor, encoder } = data;
+  const pass = encoder.beginRenderPass(resumed(descriptor, context));
+  if (context.viewport) {
+    const { x, y, width, height, minDepth, maxDepth } = context.viewportValue;
+    pass.setViewport(x, y, width, height, minDepth, maxDepth);
+  }
+  if (context.scissor) {
+    const { x, y, width, height } = context.scissorValue;
+    pass.setScissorRect(x, y, width, height);
+  }
+  if (data.currentStencilRef !== undefined) pass.setStencilReference(data.currentStencilRef);
+  if (data.currentBlendColor && data.currentBlendAlpha !== undefined) {
+    const { r, g, b } = data.currentBlendColor;
+    pass.setBlendConstant({ r, g, b, a: data.currentBlendAlpha });
+  }
+  data.currentPass = pass;
+  // The new pass has no pipeline and no bindings: what three believes to be set must be set again.
+  data.currentSets = { attributes: {}, bindingGroups: [], pipeline: null, index: null };
+}
+
+/** The same pass, but taking up what it has drawn already. */
+function resumed(
+  { colorAttachments, depthStencilAttachment, timestampWrites, ...rest }: PassDescriptor,
+  { depth, stencil }: RenderContext,
+): GPURenderPassDescriptor {
+  return {
+    ...rest,
+    colorAttachments: colorAttachments.map((attachment) => ({ ...attachment, loadOp: 'load' as const })),
+    depthStencilAttachment: depthStencilAttachment && {
+      ...depthStencilAttachment,
+      ...(depth && { depthLoadOp: 'load' }),
+      ...(stencil && { stencilLoadOp: 'load' }),
+    },
+    // The first part has written when the pass began; the time in between counts, too.
+    ...(timestampWrites && {
+      timestampWrites: {
+        querySet: timestampWrites.querySet,
+        endOfPassWriteIndex: timestampWrites.endOfPassWriteIndex,
+      },
+    }),
+  };
+}
