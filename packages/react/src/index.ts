@@ -1,1 +1,35 @@
-export {};
+'use client';
+
+// What the components take, give and throw, for those who have installed this package alone.
+export {
+  type Accuracy,
+  type FrameStatistics,
+  GpuLimitError,
+  SplatFileError,
+  SplatSourceError,
+  WebGpuUnavailableError,
+  WebSplatterError,
+} from '@websplatter/core';
+export {
+  isSupported,
+  onDeviceLost,
+  SplatCloudObject,
+  SplatData,
+  type SplatHit,
+  SplatLoader,
+  SplatsPassError,
+  SplatsUnsupportedRendererError,
+  splatEngineOf,
+  ThreeInternalsError,
+} from '@websplatter/three';
+export { type CanvasRendererParameters, createSplatRenderer } from './create-splat-renderer.ts';
+export type { CacheableSource } from './splat-cache.ts';
+export { SplatCanvas, type SplatCanvasProps } from './splat-canvas.tsx';
+export { Splats, type SplatsProps, type SplatsSource } from './splats.tsx';
+export { SplatsFallback, type SplatsFallbackProps } from './splats-fallback.tsx';
+export { SplatsObject } from './splats-object.ts';
+export { StageTimings, type StageTimingsProps } from './stage-timings.tsx';
+export type {} from './three-elements.ts';
+export type { PanelCorner } from './timings-panel.ts';
+export { type UseSplatsOptions, useSplats } from './use-splats.ts';
+export { type StageTimingsSource, useStageTimings } from './use-stage-timings.ts';

@@ -1,4 +1,3 @@
-import type { LoadProgress } from '@websplatter/core';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import {
   type CacheableSource,
@@ -16,7 +15,7 @@ const HIGH: Precision = { geometryPrecision: 'f32', shPrecision: 'f16' };
 interface Load {
   readonly request: SplatRequest;
   readonly signal: AbortSignal;
-  readonly onProgress: (progress: LoadProgress) => void;
+  readonly onProgress: (progress: ProgressEvent) => void;
   readonly resolve: (data: string) => void;
   readonly reject: (error: Error) => void;
 }
@@ -54,7 +53,7 @@ describe('the cache of parsed files', () => {
       onProgress: progress,
     });
     expect(loads).toHaveLength(1);
-    const step: LoadProgress = { phase: 'read', loadedBytes: 1, totalBytes: 2, splats: 0 };
+    const step = { loaded: 1, total: 2 } as ProgressEvent;
     loads[0].onProgress(step);
     expect(progress).toHaveBeenCalledExactlyOnceWith(step);
     loads[0].resolve('a');

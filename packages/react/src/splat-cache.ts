@@ -1,4 +1,4 @@
-import type { AccuracySettings, LoadProgress } from '@websplatter/core';
+import type { AccuracySettings } from '@websplatter/core';
 
 /** What may be loaded through the cache: URLs count by their address, everything else by identity. */
 export type CacheableSource = string | URL | Blob | ArrayBuffer;
@@ -25,13 +25,13 @@ export type SettledState<Data> =
 
 export type LoadFunction<Data> = (
   request: SplatRequest,
-  watch: { readonly signal: AbortSignal; readonly onProgress: (progress: LoadProgress) => void },
+  watch: { readonly signal: AbortSignal; readonly onProgress: (progress: ProgressEvent) => void },
 ) => Promise<Data>;
 
 export interface CacheWatcher {
   /** The request's state is another one now. */
   readonly onChange?: () => void;
-  readonly onProgress?: (progress: LoadProgress) => void;
+  readonly onProgress?: (progress: ProgressEvent) => void;
 }
 
 /** An entry outlives its last user by this much: StrictMode, hot reloads and changes of page unmount and mount again. */
@@ -111,7 +111,7 @@ export class SplatCache<Data> {
     if (existing) return existing;
     const abort = new AbortController();
     const watchers = new Set<CacheWatcher>();
-    const onProgress = (progress: LoadProgress) => {
+    const onProgress = (progress: ProgressEvent) => {
       for (const watcher of [...watchers]) watcher.onProgress?.(progress);
     };
     const settled = this.#load(request, { signal: abort.signal, onProgress }).then(

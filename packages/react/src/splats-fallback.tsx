@@ -1,0 +1,37 @@
+import { WebGpuUnavailableError } from '@websplatter/core';
+import { SplatsUnsupportedRendererError } from '@websplatter/three';
+import { Component, type ReactNode } from 'react';
+
+type SupportError = WebGpuUnavailableError | SplatsUnsupportedRendererError;
+
+export interface SplatsFallbackProps {
+  children?: ReactNode;
+  /** Shown in place of the children where they cannot draw; by default a sentence that says why. */
+  fallback?: ReactNode | ((error: SupportError) => ReactNode);
+}
+
+/**
+ * Goes around a `<Canvas>` or `<SplatCanvas>`: where there is no WebGPU, or the Canvas has a renderer that cannot draw
+ * splats, it shows `fallback` instead. Other errors pass through to the next error boundary.
+ */
+export class SplatsFallback extends Component<SplatsFallbackProps, { readonly error: unknown }> {
+  override state: { readonly error: unknown } = { error: null };
+
+  static getDerivedStateFromError(error: unknown): { readonly error: unknown } {
+    return { error };
+  }
+
+  override render(): ReactNode {
+    const { children, fallback } = this.props;
+    const { error } = this.state;
+    if (error === null) return children;
+    if (!(error instanceof WebGpuUnavailableError || error instanceof SplatsUnsupportedRendererError))
+      throw error;
+    if (typeof fallback === 'function') return fallback(error);
+    return fallback === undefined ? (
+      <p role="alert">This 3D view cannot be shown here. {error.message}</p>
+    ) : (
+      fallback
+    );
+  }
+}

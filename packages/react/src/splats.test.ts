@@ -1,0 +1,295 @@
+import { createRoot, extend } from '@react-three/fiber';
+import type { SplatEngine } from '@websplatter/core';
+import { SplatData, splatEngineOf } from '@websplatter/three';
+import { act, Component, createElement, type ReactNode, StrictMode, Suspense } from 'react';
+import { Group, type Object3D } from 'three';
+import { afterEach, beforeEach, expect, it, vi } from 'vitest';
+import { GRACE_MS } from './splat-cache.ts';
+import { Splats, type SplatsProps } from './splats.tsx';
+import { useSplats } from './use-splats.ts';
+
+interface Load {
+  readonly source: unknown;
+  readonly accuracy: unknown;
+  readonly isAborted: () => boolean;
+  readonly onProgress: (progress: ProgressEvent) => void;
+  readonly resolve: (data: SplatData) => void;
+  readonly reject: (error: Error) => void;
+}
+
+const test = vi.hoisted(() => ({
+  loads: [] as Load[],
+  loseDevice: (_info: object) => {},
+}));
+
+// The renderer and the object in the scene are three's business; here they only have to be there.
+vi.mock('@websplatter/three', async () => {
+  const three = await import('three');
+  class SplatData {}
+  class SplatsUnsupportedRendererError extends Error {}
+  class SplatCloudObject extends three.Object3D {
+    data: SplatData | null = null;
+    opacity = 1;
+    onError: ((error: unknown) => void) | null = null;
+    override dispose() {}
+  }
+  class SplatLoader {
+    #accuracy: unknown;
+    #isAborted = false;
+    setAccuracy(accuracy: unknown) {
+      this.#accuracy = accuracy;
+      return this;
+    }
+    abort() {
+      this.#isAborted = true;
+    }
+    loadAsync(source: unknown, onProgress: (progress: ProgressEvent) => void) {
+      return new Promise<SplatData>((resolve, reject) => {
+        const isAborted = () => this.#isAborted;
+        test.loads.push({ source, accuracy: this.#accuracy, isAborted, onProgress, resolve, reject });
+      });
+    }
+  }
+  const onDeviceLost = (_renderer: object, listener: (info: object) => void) => {
+    test.loseDevice = listener;
+    return () => {
+      test.loseDevice = () => {};
+    };
+  };
+  const splatEngineOf = vi.fn();
+  return {
+    onDeviceLost,
+    SplatCloudObject,
+    SplatData,
+    splatEngineOf,
+    SplatLoader,
+    SplatsUnsupportedRendererError,
+  };
+});
+
+extend({ Group });
+
+const accuracy = { geometryPrecision: 'packed', shPrecision: 'u8' };
+const renderer = { render() {}, setPixelRatio() {}, setSize() {}, dispose() {} };
+
+let root: ReturnType<typeof createRoot>;
+let scene: Object3D;
+let caught: unknown;
+/** Another number is another error boundary, which has not failed yet. */
+let attempt: number;
+
+beforeEach(async () => {
+  vi.useFakeTimers();
+  vi.stubGlobal('IS_REACT_ACT_ENVIRONMENT', true);
+  vi.stubGlobal('document', { baseURI: 'https://example.org/' });
+  vi.mocked(splatEngineOf).mockReturnValue({ accuracy } as unknown as SplatEngine);
+  test.loads.length = 0;
+  caught = undefined;
+  attempt = 0;
+  // React and three have much to say about errors that a test wants, and about each other.
+  for (const level of ['error', 'warn'] as const) vi.spyOn(console, level).mockImplementation(() => {});
+  const canvas = { addEventListener() {}, removeEventListener() {} } as unknown as HTMLCanvasElement;
+  root = createRoot(canvas);
+  const size = { width: 96, height: 64, top: 0, left: 0 };
+  await root.configure({ gl: renderer as never, frameloop: 'never', size, dpr: 1 });
+});
+
+afterEach(async () => {
+  await act(async () => root.unmount());
+  await vi.advanceTimersByTimeAsync(2 * GRACE_MS);
+  useSplats.clear();
+  expect(vi.getTimerCount(), 'timers left').toBe(0);
+  vi.unstubAllGlobals();
+  vi.restoreAllMocks();
+  vi.useRealTimers();
+});
+
+class Boundary extends Component<{ children?: ReactNode }> {
+  override state = { hasFailed: false };
+  static getDerivedStateFromError(error: unknown) {
+    caught = error;
+    return { hasFailed: true };
+  }
+  override render() {
+    return this.state.hasFailed ? null : this.props.children;
+  }
+}
+
+/** Renders under StrictMode, an error boundary and a Suspense boundary whose fallback is a group named "fallback". */
+async function show(...children: ReactNode[]): Promise<void> {
+  const fallback = createElement('group', { name: 'fallback' });
+  const suspense = createElement(Suspense, { fallback }, ...children);
+  await act(async () => {
+    const store = root.render(
+      createElement(StrictMode, null, createElement(Boundary, { key: attempt }, suspense)),
+    );
+    scene = store.getState().scene;
+  });
+}
+
+const splats = (props: SplatsProps) => createElement(Splats, props);
+/** The object of the first `<Splats>`. */
+const object = () => scene.children.find((child) => 'data' in child) as Object3D & Record<string, unknown>;
+const isFallbackShown = () => scene.getObjectByName('fallback') !== undefined;
+const splatData = (name: string) => Object.assign(Object.create(SplatData.prototype), { name }) as SplatData;
+
+it('suspends until the first file has been read, at the renderer’s precision, and tells how far it has come', async () => {
+  const onLoad = vi.fn();
+  const onProgress = vi.fn();
+  await show(splats({ src: 'a.ply', onLoad, onProgress, position: [1, 2, 3], opacity: 0.5 }));
+  expect(isFallbackShown()).toBe(true);
+  expect(object().visible).toBe(false);
+  expect(test.loads.map((load) => [load.source, load.accuracy])).toEqual([['a.ply', accuracy]]);
+  const progress = { loaded: 1, total: 2 } as ProgressEvent;
+  test.loads[0].onProgress(progress);
+  expect(onProgress).toHaveBeenCalledExactlyOnceWith(progress);
+  const a = splatData('a');
+  await act(async () => test.loads[0].resolve(a));
+  expect(isFallbackShown()).toBe(false);
+  expect(object()).toMatchObject({ data: a, visible: true, opacity: 0.5 });
+  expect(object().position.toArray()).toEqual([1, 2, 3]);
+  expect(onLoad).toHaveBeenCalledExactlyOnceWith(a);
+});
+
+it('reads a file once for all who show it, and shows it at once where it has been read', async () => {
+  const first = splats({ key: '1', src: 'a.ply' } as SplatsProps);
+  await show(first, splats({ key: '2', src: new URL('https://example.org/a.ply') } as SplatsProps));
+  expect(test.loads).toHaveLength(1);
+  await act(async () => test.loads[0].resolve(splatData('a')));
+  expect(scene.children.map((child) => (child as { data?: SplatData }).data?.name)).toEqual(['a', 'a']);
+  await show(first, splats({ key: '3', src: 'a.ply' } as SplatsProps));
+  expect(isFallbackShown()).toBe(false);
+  expect(test.loads).toHaveLength(1);
+});
+
+it('keeps showing what it had while a new file is read, and the object that shows it', async () => {
+  await show(splats({ src: 'a.ply' }));
+  const a = splatData('a');
+  await act(async () => test.loads[0].resolve(a));
+  const before = object();
+  const onLoad = vi.fn();
+  await show(splats({ src: 'b.ply', onLoad }));
+  await act(() => vi.advanceTimersByTimeAsync(2 * GRACE_MS));
+  expect(isFallbackShown()).toBe(false);
+  expect(object()).toMatchObject({ data: a, visible: true });
+  expect(onLoad).not.toHaveBeenCalled();
+  // Back to what is still in sight: it is still in memory, and the other load is given up.
+  await show(splats({ src: 'a.ply' }));
+  await act(() => vi.advanceTimersByTimeAsync(2 * GRACE_MS));
+  expect(test.loads).toHaveLength(2);
+  expect(test.loads[1].isAborted()).toBe(true);
+  await show(splats({ src: 'c.ply', onLoad }));
+  const c = splatData('c');
+  await act(async () => test.loads[2].resolve(c));
+  expect(object()).toBe(before);
+  expect(object().data).toBe(c);
+  expect(onLoad).toHaveBeenCalledExactlyOnceWith(c);
+});
+
+it('aborts the load when it is unmounted meanwhile', async () => {
+  await show(splats({ src: 'a.ply' }));
+  await show();
+  await vi.advanceTimersByTimeAsync(GRACE_MS);
+  expect(test.loads.map((load) => load.isAborted())).toEqual([true]);
+});
+
+it('hands a failure to the error boundary, and tries again when mounted again', async () => {
+  await show(splats({ src: 'a.ply' }));
+  const error = new Error('no such file');
+  await act(async () => test.loads[0].reject(error));
+  expect(caught).toBe(error);
+  expect(scene.children).toEqual([]);
+  attempt++;
+  await show(splats({ src: 'a.ply' }));
+  await act(async () => test.loads[1].resolve(splatData('a')));
+  expect(object()).toMatchObject({ data: { name: 'a' }, visible: true });
+});
+
+it('hands a failure to onError instead, and keeps what it showed', async () => {
+  const onError = vi.fn();
+  await show(splats({ src: 'a.ply', onError }));
+  const a = splatData('a');
+  await act(async () => test.loads[0].resolve(a));
+  await show(splats({ src: 'b.ply', onError }));
+  const error = new Error('no such file');
+  await act(async () => test.loads[1].reject(error));
+  expect(onError).toHaveBeenCalledExactlyOnceWith(error);
+  expect(object().data).toBe(a);
+  expect(caught).toBeUndefined();
+});
+
+it('hands errors of drawing to onError or the error boundary', async () => {
+  const onError = vi.fn();
+  const a = splatData('a');
+  await show(splats({ src: a, onError }));
+  const error = new Error('cannot draw');
+  const report = () => (object().onError as (error: unknown) => void)(error);
+  await act(async () => report());
+  expect(onError).toHaveBeenCalledExactlyOnceWith(error);
+  await show(splats({ src: a }));
+  expect(caught).toBeUndefined();
+  await act(async () => report());
+  expect(caught).toBe(error);
+});
+
+it('shows splats that are in memory without suspending, and tells of the first picture', async () => {
+  const [onLoad, onFirstFrame] = [vi.fn(), vi.fn()];
+  const a = splatData('a');
+  await show(splats({ src: a, onLoad, onFirstFrame }));
+  expect(object()).toMatchObject({ data: a, visible: true });
+  expect(onLoad).toHaveBeenCalledExactlyOnceWith(a);
+  object().dispatchEvent({ type: 'firstframe' } as never);
+  expect(onFirstFrame).toHaveBeenCalledOnce();
+});
+
+it('keeps what was read for a Canvas that comes back after the loss of its device', async () => {
+  const onDeviceLost = vi.fn();
+  await show(splats({ src: 'a.ply', onDeviceLost }));
+  await act(async () => test.loads[0].resolve(splatData('a')));
+  const info = { reason: 'unknown', message: '' };
+  test.loseDevice(info);
+  expect(onDeviceLost).toHaveBeenCalledExactlyOnceWith(info);
+  await show();
+  await vi.advanceTimersByTimeAsync(20 * GRACE_MS);
+  await show(splats({ src: 'a.ply' }));
+  expect(test.loads).toHaveLength(1);
+  expect(object()).toMatchObject({ data: { name: 'a' }, visible: true });
+});
+
+it('forwards its ref to the object', async () => {
+  const ref = { current: null as unknown };
+  await show(splats({ src: splatData('a'), ref: ref as never }));
+  expect(ref.current).toBe(object());
+  await show();
+  expect(ref.current).toBeNull();
+});
+
+it('says what to do where the renderer cannot draw splats, or shows its fallback', async () => {
+  const error = new Error('use gl={createSplatRenderer}');
+  vi.mocked(splatEngineOf).mockImplementation(() => {
+    throw error;
+  });
+  await show(splats({ src: 'a.ply', fallback: createElement('group', { name: 'instead' }) }));
+  expect(scene.getObjectByName('instead')).toBeDefined();
+  expect(caught).toBeUndefined();
+  await show(splats({ src: 'a.ply' }));
+  expect(caught).toBe(error);
+  expect(test.loads).toHaveLength(0);
+});
+
+it('gives the splats of a file to other components, too', async () => {
+  function Count({ src }: { src: string }) {
+    return createElement('group', { name: useSplats(src).name });
+  }
+  useSplats.preload('a.ply', { accuracy: 'balanced' });
+  await show(createElement(Count, { src: 'a.ply' }), splats({ src: 'a.ply' }));
+  expect(isFallbackShown()).toBe(true);
+  expect(test.loads).toHaveLength(1);
+  await act(async () => test.loads[0].resolve(splatData('a')));
+  expect(isFallbackShown()).toBe(false);
+  expect(scene.getObjectByName('a')).toBeDefined();
+  await show();
+  await vi.advanceTimersByTimeAsync(2 * GRACE_MS);
+  await show(createElement(Count, { src: 'a.ply' }));
+  expect(test.loads).toHaveLength(1);
+});

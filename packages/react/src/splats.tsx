@@ -1,0 +1,167 @@
+import { extend, type ThreeElement, useThree } from '@react-three/fiber';
+import type { SplatEngine } from '@websplatter/core';
+import {
+  onDeviceLost as listenForDeviceLoss,
+  SplatData,
+  SplatsUnsupportedRendererError,
+  splatEngineOf,
+} from '@websplatter/three';
+import {
+  type ReactNode,
+  type Ref,
+  use,
+  useEffect,
+  useImperativeHandle,
+  useLayoutEffect,
+  useReducer,
+  useRef,
+  useState,
+} from 'react';
+import { isServer } from './is-server.ts';
+import { type CacheableSource, requestFor, type SplatRequest } from './splat-cache.ts';
+import { SplatsObject } from './splats-object.ts';
+import { useLatest } from './use-latest.ts';
+import { useLoadState } from './use-load-state.ts';
+import { useCanvasRenderer } from './use-renderer.ts';
+
+/** What `<Splats>` can show. */
+export type SplatsSource = CacheableSource | SplatData;
+
+export interface SplatsProps
+  extends Omit<
+    ThreeElement<typeof SplatsObject>,
+    'args' | 'attach' | 'data' | 'dispose' | 'onError' | 'ref'
+  > {
+  /** A new one replaces what is shown as soon as it has been read. */
+  src: SplatsSource;
+  /** The object in the scene. */
+  ref?: Ref<SplatsObject>;
+  /** Splats have been read and are about to be drawn. */
+  onLoad?: (splats: SplatData) => void;
+  /** `loaded` and `total` are bytes; `lengthComputable` is false where the total is not known. */
+  onProgress?: (event: ProgressEvent) => void;
+  /** The first picture with these splats has been drawn. */
+  onFirstFrame?: () => void;
+  /** Takes errors of reading and of drawing, which else reach the nearest error boundary; what was shown stays. */
+  onError?: (error: unknown) => void;
+  /** The GPU device is gone, and with it all that this Canvas draws. Called once. */
+  onDeviceLost?: (info: GPUDeviceLostInfo) => void;
+  /** Shown where the Canvas has a renderer that cannot draw splats; without it that is an error. */
+  fallback?: ReactNode;
+}
+
+/** The Canvas of a lost device comes back within this, and finds what had been read. */
+const RECOVERY_GRACE_MS = 15_000;
+
+/**
+ * Gaussian splats in a react-three-fiber scene. Suspends until the first `src` has been read; a `src` that changes
+ * replaces what is shown when it has been read. All other props are set on the object as they change.
+ *
+ * @throws SplatsUnsupportedRendererError where the Canvas was not made with `gl={createSplatRenderer}` and there is no
+ *   `fallback`; SplatFileError, SplatSourceError, GpuLimitError where there is no `onError`.
+ */
+export function Splats({ fallback, ...props }: SplatsProps): ReactNode {
+  const renderer = useCanvasRenderer();
+  if (!renderer) {
+    if (isServer()) return null;
+    throw new SplatsUnsupportedRendererError(
+      '<Splats> is outside of a Canvas: put it inside of <Canvas gl={createSplatRenderer}> or <SplatCanvas>.',
+    );
+  }
+  let engine: SplatEngine;
+  try {
+    engine = splatEngineOf(renderer);
+  } catch (error) {
+    if (fallback === undefined) throw error;
+    return fallback;
+  }
+  return <Cloud renderer={renderer} engine={engine} {...props} />;
+}
+
+// Given to `extend` here and not by name, so that nobody's `<splatCloudObject>` is overruled.
+const CloudElement = /* @__PURE__ */ extend(SplatsObject);
+
+function Cloud({
+  renderer,
+  engine,
+  src,
+  ref,
+  onLoad,
+  onProgress,
+  onFirstFrame,
+  onError,
+  onDeviceLost,
+  ...objectProps
+}: Omit<SplatsProps, 'fallback'> & { renderer: object; engine: SplatEngine }): ReactNode {
+  const object = useRef<SplatsObject>(null);
+  useImperativeHandle(ref, () => object.current!, []);
+  const invalidate = useThree((state) => state.invalidate);
+  const latest = useLatest({ onLoad, onFirstFrame, onError, onDeviceLost });
+  const isLost = useRef(false);
+  const graceMs = () => (isLost.current ? RECOVERY_GRACE_MS : undefined);
+
+  const request = src instanceof SplatData ? null : requestFor(src, engine.accuracy);
+  const state = useLoadState(request, { onProgress, graceMs });
+
+  // What has been read last stays in sight, and in the cache, until the next has been read.
+  const [shown, setShown] = useState<Shown>(NOTHING);
+  const loaded = src instanceof SplatData ? src : state?.status === 'loaded' ? state.data : null;
+  if (loaded !== null && loaded !== shown.splats) setShown({ splats: loaded, request });
+  const splats = loaded ?? shown.splats;
+  useLoadState(shown.request, { graceMs });
+
+  const [drawError, setDrawError] = useState<{ readonly error: unknown } | null>(null);
+  useEffect(() => {
+    if (state?.status === 'failed') latest.current.onError?.(state.error);
+  }, [state, latest]);
+
+  const reported = useRef<SplatData>(null);
+  useEffect(() => {
+    if (splats === null || splats === reported.current) return;
+    reported.current = splats;
+    latest.current.onLoad?.(splats);
+  }, [splats, latest]);
+
+  useLayoutEffect(() => {
+    const cloud = object.current!;
+    const tellFirstFrame = () => latest.current.onFirstFrame?.();
+    cloud.addEventListener('firstframe', tellFirstFrame);
+    const requestFrame = () => invalidate();
+    cloud.addEventListener('needsframe', requestFrame);
+    cloud.onError = (error) => {
+      if (latest.current.onError) latest.current.onError(error);
+      else setDrawError({ error });
+    };
+    return () => {
+      cloud.removeEventListener('firstframe', tellFirstFrame);
+      cloud.removeEventListener('needsframe', requestFrame);
+      cloud.onError = null;
+    };
+  }, [latest, invalidate]);
+
+  useEffect(
+    () =>
+      listenForDeviceLoss(renderer, (info) => {
+        isLost.current = true;
+        latest.current.onDeviceLost?.(info);
+      }),
+    [renderer, latest],
+  );
+
+  // React tells a component nothing of its end that it suspended before it was ever mounted, and its load could not be
+  // aborted. So it mounts without splats first, and suspends before that is painted.
+  const [, suspendNow] = useReducer(() => true, false);
+  useLayoutEffect(suspendNow, []);
+  if (drawError) throw drawError.error;
+  if (state?.status === 'failed' && !onError) throw state.error;
+  if (state?.status === 'pending' && splats === null) use(state.settled);
+
+  return <CloudElement {...objectProps} ref={object} data={splats} />;
+}
+
+interface Shown {
+  readonly splats: SplatData | null;
+  readonly request: SplatRequest | null;
+}
+
+const NOTHING: Shown = { splats: null, request: null };

@@ -1,0 +1,39 @@
+import { type ReactNode, useEffect, useRef } from 'react';
+import { createTimingsPanel, type PanelCorner, type TimingsPanel } from './timings-panel.ts';
+import { useCanvasRenderer } from './use-renderer.ts';
+import { useStageTimings } from './use-stage-timings.ts';
+
+export interface StageTimingsProps {
+  /** Outside of a Canvas, its renderer (`onCreated={({ gl }) => …}`); null while there is none. */
+  renderer?: object | null;
+  /** Default `top-left`. */
+  corner?: PanelCorner;
+}
+
+/**
+ * What the splats cost per frame, in a corner over the canvas: an overlay of HTML, wherever in the tree this stands.
+ * Figures are written four times a second at most and without rendering anything, in React or on the canvas.
+ */
+export function StageTimings({ renderer, corner = 'top-left' }: StageTimingsProps): ReactNode {
+  const canvasRenderer = useCanvasRenderer();
+  if (renderer === null) return null;
+  // A renderer that is missing is for `useStageTimings` to complain about.
+  return <Overlay renderer={(renderer ?? canvasRenderer) as MeasuredRenderer} corner={corner} />;
+}
+
+interface MeasuredRenderer {
+  readonly domElement: HTMLCanvasElement;
+}
+
+function Overlay({ renderer, corner }: { renderer: MeasuredRenderer; corner: PanelCorner }): ReactNode {
+  const panel = useRef<TimingsPanel>(null);
+  useEffect(() => {
+    const { ownerDocument, parentElement } = renderer.domElement;
+    const made = createTimingsPanel(ownerDocument, corner);
+    parentElement?.append(made.element);
+    panel.current = made;
+    return () => made.remove();
+  }, [renderer, corner]);
+  useStageTimings((statistics) => panel.current?.show(statistics), renderer);
+  return null;
+}

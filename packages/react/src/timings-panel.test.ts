@@ -1,0 +1,44 @@
+import { type FrameStatistics, type StageTimings, wallClockTimings } from '@websplatter/core';
+import { expect, it } from 'vitest';
+import { wordsFor } from './timings-panel.ts';
+
+const gpuTiming: StageTimings = {
+  source: 'gpu-timestamps',
+  preprocessMs: 1.234,
+  sortMs: 0.5,
+  rasterizeMs: 12,
+  totalMs: 13.734,
+  wallClockMs: 15,
+};
+const statistics = (timing: StageTimings): FrameStatistics => ({
+  frame: 1,
+  loadedSplats: 5_834_784,
+  candidateSplats: 2_000_000,
+  visibleSplats: 1_234_567,
+  timing,
+});
+
+it('shows stages, splats, and where the times are from', () => {
+  expect(wordsFor(statistics(gpuTiming))).toEqual({
+    values: {
+      'Pre-process': '1.23 ms',
+      Sort: '0.50 ms',
+      Rasterize: '12.00 ms',
+      Frame: '13.73 ms',
+      'Splats visible': '1,234,567',
+      'Splats loaded': '5,834,784',
+    },
+    note: 'GPU timestamps',
+  });
+});
+
+it('calls wall-clock times by their name', () => {
+  const { values, note } = wordsFor(statistics(wallClockTimings(20)));
+  expect(values).toMatchObject({ 'Pre-process': '–', Sort: '–', Rasterize: '–', Frame: '20.00 ms' });
+  expect(note).toBe('Wall clock: no GPU timestamps here');
+});
+
+it('shows the wall clock beside timestamps that cannot be true', () => {
+  const { note } = wordsFor(statistics({ ...gpuTiming, wallClockMs: 900 }));
+  expect(note).toBe('GPU timestamps; wall clock 900.00 ms');
+});

@@ -1,0 +1,98 @@
+import { type FrameStatistics, isPlausible } from '@websplatter/core';
+
+export type PanelCorner = 'top-left' | 'top-right' | 'bottom-left' | 'bottom-right';
+
+/** Figures that change sixty times a second cannot be read. */
+const UPDATE_INTERVAL_MS = 250;
+
+// Set through the style object, which a content security policy allows; `light-dark` follows the system.
+const PANEL_STYLE =
+  'position:absolute;z-index:1;margin:8px;padding:6px 10px;border-radius:6px;width:max-content;pointer-events:none;' +
+  'font:12px/1.4 system-ui,sans-serif;font-variant-numeric:tabular-nums;text-align:left;' +
+  'color-scheme:light dark;color:light-dark(#1a1a1a,#f2f2f2);background:light-dark(#ffffffd9,#161616d9)';
+const LIST_STYLE = 'margin:0;display:grid;grid-template-columns:auto auto;gap:1px 12px';
+/** As wide as `1,234,567`, so that figures that grow move nothing. */
+const VALUE_STYLE = 'margin:0;min-width:9ch;text-align:right';
+
+const ROWS = ['Pre-process', 'Sort', 'Rasterize', 'Frame', 'Splats visible', 'Splats loaded'] as const;
+type Row = (typeof ROWS)[number];
+
+export interface TimingsPanel {
+  readonly element: HTMLElement;
+  /** Shows these figures now, or within a quarter of a second of the last. */
+  show(statistics: FrameStatistics): void;
+  /** Takes the element away. */
+  remove(): void;
+}
+
+/** The overlay behind `<StageTimings>`: text nodes that are written to, and nothing else. */
+export function createTimingsPanel(document: Document, corner: PanelCorner): TimingsPanel {
+  const element = document.createElement('div');
+  element.style.cssText = PANEL_STYLE;
+  for (const side of corner.split('-')) element.style.setProperty(side, '0');
+  element.setAttribute('role', 'group');
+  element.setAttribute('aria-label', 'Cost of the splats per frame');
+  const list = document.createElement('dl');
+  list.style.cssText = LIST_STYLE;
+  const values = new Map<Row, Text>();
+  for (const row of ROWS) {
+    const [term, value] = [document.createElement('dt'), document.createElement('dd')];
+    value.style.cssText = VALUE_STYLE;
+    const text = document.createTextNode('–');
+    values.set(row, text);
+    term.append(row);
+    value.append(text);
+    list.append(term, value);
+  }
+  const note = document.createTextNode('Not measured yet');
+  element.append(list, note);
+
+  let latest: FrameStatistics | null = null;
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  const write = () => {
+    timer = undefined;
+    if (!latest) return;
+    const words = wordsFor(latest);
+    latest = null;
+    for (const row of ROWS) values.get(row)!.data = words.values[row];
+    note.data = words.note;
+    timer = setTimeout(write, UPDATE_INTERVAL_MS);
+  };
+  return {
+    element,
+    show: (statistics) => {
+      latest = statistics;
+      if (timer === undefined) write();
+    },
+    remove: () => {
+      clearTimeout(timer);
+      element.remove();
+    },
+  };
+}
+
+/** The words and figures of the panel. */
+export function wordsFor({ timing, visibleSplats, loadedSplats }: FrameStatistics): {
+  readonly values: Readonly<Record<Row, string>>;
+  readonly note: string;
+} {
+  const values = {
+    'Pre-process': milliseconds(timing.preprocessMs),
+    Sort: milliseconds(timing.sortMs),
+    Rasterize: milliseconds(timing.rasterizeMs),
+    Frame: milliseconds(timing.totalMs),
+    'Splats visible': visibleSplats.toLocaleString('en'),
+    'Splats loaded': loadedSplats.toLocaleString('en'),
+  };
+  return { values, note: noteOn(timing) };
+}
+
+function noteOn(timing: FrameStatistics['timing']): string {
+  if (timing.source === 'wall-clock') return 'Wall clock: no GPU timestamps here';
+  if (isPlausible(timing)) return 'GPU timestamps';
+  return `GPU timestamps; wall clock ${milliseconds(timing.wallClockMs)}`;
+}
+
+function milliseconds(value: number): string {
+  return Number.isNaN(value) ? '–' : `${value.toFixed(2)} ms`;
+}

@@ -1,0 +1,46 @@
+import { type FrameStatistics, InvalidArgumentError } from '@websplatter/core';
+import { onStageTimings } from '@websplatter/three';
+import { useEffect, useMemo } from 'react';
+import { useLatest } from './use-latest.ts';
+import { useCanvasRenderer } from './use-renderer.ts';
+
+/** The newest measurement of a renderer, to be read at any time and never the cause of a render. */
+export interface StageTimingsSource {
+  /** Null until a frame has been measured. */
+  readonly current: FrameStatistics | null;
+  /** Calls `listener` for each frame that is measured, until the function returned is called. */
+  subscribe(listener: (statistics: FrameStatistics) => void): () => void;
+}
+
+/**
+ * What the stages of each frame cost, some frames after it was drawn. Nothing renders for it: give a `listener`, or read
+ * `current` or `subscribe` to what is returned.
+ *
+ * @param renderer outside of a Canvas, its renderer (`onCreated={({ gl }) => …}`).
+ * @throws InvalidArgumentError outside of a Canvas without `renderer`; SplatsUnsupportedRendererError for renderers that
+ *   `createSplatRenderer` did not make.
+ */
+export function useStageTimings(
+  listener?: (statistics: FrameStatistics) => void,
+  renderer?: object,
+): StageTimingsSource {
+  const canvasRenderer = useCanvasRenderer();
+  const measured = renderer ?? canvasRenderer;
+  if (!measured) {
+    throw new InvalidArgumentError('renderer', 'Outside of a Canvas, useStageTimings needs its renderer.');
+  }
+  const latest = useLatest(listener);
+  const source = useMemo(() => {
+    const subscribe = (each: (statistics: FrameStatistics) => void) => onStageTimings(measured, each);
+    return { current: null as FrameStatistics | null, subscribe };
+  }, [measured]);
+  useEffect(
+    () =>
+      source.subscribe((statistics) => {
+        source.current = statistics;
+        latest.current?.(statistics);
+      }),
+    [source, latest],
+  );
+  return source;
+}
