@@ -8,7 +8,9 @@ import { hostDepthUniform, pageUniforms, viewUniforms } from './frame-uniforms.t
 import type { Counting } from './gpu/engine-counters.ts';
 import type { GpuMemory } from './gpu/gpu-memory.ts';
 import type { Pipelines } from './gpu/pipelines.ts';
+import { pickSplat, type SplatPick } from './pick.ts';
 import type { ViewFrame } from './scene/view-frame.ts';
+import { pick } from './stages/pick.ts';
 import type { FrameStatistics } from './timing/frame-statistics.ts';
 import { GpuTimer } from './timing/gpu-timer.ts';
 
@@ -35,6 +37,8 @@ export class BlendedLayer {
   #color: GPUTexture | null = null;
   #depth: GPUTexture | null = null;
   #frameNumber = 0;
+  #picture: Pick<ViewFrame, 'camera' | 'widthPx' | 'heightPx'> | null = null;
+  #isDestroyed = false;
 
   constructor(context: ViewContext) {
     this.#context = context;
@@ -75,6 +79,7 @@ export class BlendedLayer {
     const projection = projectionOf(camera, widthPx, heightPx);
     frame.writeUniforms(viewUniforms(projection, shape), pageUniforms(viewFrame, projection, frame));
     if (shape.depth) frame.writeHostDepth(hostDepthUniform(camera, shape.depth.mapping));
+    this.#picture = { camera, widthPx, heightPx };
     return this.#resize(widthPx, heightPx, shape);
   }
 
@@ -100,7 +105,19 @@ export class BlendedLayer {
     return this.timer.read(++this.#frameNumber, this.#frame?.totalSplats ?? 0);
   }
 
+  /** See `SplatView.pick`. */
+  async pick(xPx: number, yPx: number): Promise<SplatPick | null> {
+    const { pipelines, accuracy } = this.#context;
+    await pipelines.prepare([pick(accuracy.recordPrecision)]);
+    // While that compiled another frame may have been drawn, or the last one.
+    const picture = this.#picture;
+    if (this.#isDestroyed || !this.#frame || !picture) return null;
+    const isInside = xPx >= 0 && xPx < picture.widthPx && yPx >= 0 && yPx < picture.heightPx;
+    return isInside ? pickSplat(this.#context, this.#frame, picture, xPx, yPx) : null;
+  }
+
   destroy(): void {
+    this.#isDestroyed = true;
     const { memory } = this.#context;
     this.#frame?.destroy();
     for (const texture of [this.#color, this.#depth]) if (texture) memory.destroy(texture);

@@ -3,11 +3,10 @@ import { DestroyedError, InvalidArgumentError } from './errors.ts';
 import { frameStages } from './frame.ts';
 import { type FrameShape, shapeOf } from './frame-shape.ts';
 import { HostViewport } from './layout/structs.ts';
-import { pickSplat, type SplatPick } from './pick.ts';
+import type { SplatPick } from './pick.ts';
 import type { DepthConvention } from './scene/depth-convention.ts';
 import { checkFrame, keyOf, type ViewFrame } from './scene/view-frame.ts';
 import { COMPOSED_COLOR_FORMAT, COMPOSED_DEPTH_FORMAT, compose, composeState } from './stages/compose.ts';
-import { pick } from './stages/pick.ts';
 import { type RasterizeDepth, TESTED_DEPTH_FORMAT } from './stages/rasterize.ts';
 import { resolveDepth, resolveDepthState } from './stages/resolve-depth.ts';
 import type { FrameStatistics } from './timing/frame-statistics.ts';
@@ -61,7 +60,6 @@ export class EmbeddedView {
   readonly #colorViewport: ViewportUniform;
   #textures: PictureTextures | null = null;
   #behindCopy: GPUTexture | null = null;
-  #prepared: EmbeddedFrame | null = null;
   #preparedKey = '';
   #isCompiling = false;
   #statistics: FrameStatistics | null = null;
@@ -111,7 +109,6 @@ export class EmbeddedView {
       layer.recordCompute(encoder);
       this.#context.device.queue.submit([encoder.finish()]);
       this.#preparedKey = key;
-      this.#prepared = frame;
     } else {
       layer.timer.begin();
     }
@@ -150,15 +147,8 @@ export class EmbeddedView {
    * @throws DestroyedError where the view or its engine end meanwhile.
    */
   async pick(xPx: number, yPx: number): Promise<SplatPick | null> {
-    const { pipelines } = this.#context;
     if (this.#isDestroyed) throw new DestroyedError('This view', 'it was destroyed');
-    await pipelines.prepare([pick(this.#context.accuracy.recordPrecision)]);
-    // While that compiled other frames may have been prepared.
-    const { frame } = this.#layer;
-    const picture = this.#prepared;
-    if (this.#isDestroyed || !frame || !picture) return null;
-    const isInside = xPx >= 0 && xPx < picture.widthPx && yPx >= 0 && yPx < picture.heightPx;
-    return isInside ? pickSplat(this.#context, frame, picture, xPx, yPx) : null;
+    return this.#layer.pick(xPx, yPx);
   }
 
   /** Frees what the view holds on the GPU, once the host has submitted what it is recording; the clouds stay. */

@@ -203,6 +203,26 @@ describe('a view', () => {
     for (const cloud of clouds) cloud.destroy();
   });
 
+  gpuTest('picks the splat that a pixel of the last picture shows most of', async () => {
+    const engine = engines.balanced;
+    const view = engine.createView();
+    expect(await view.pick(1, 1)).toBeNull();
+    const near = { position: [0, 0, 0.3], opacityLogit: 4, logScales: [-2, -2, -2] };
+    const far = { position: [0, 0, -0.3], opacityLogit: 4, logScales: [-1, -1, -1] };
+    const cloud = engine.add(splatsOf([far, near]));
+    const camera = perspectiveCamera({ position: [0, 0, 3], target: [0, 0, 0], fovYDegrees: 40, aspect: 1 });
+    await draw(view, { camera, clouds: [{ cloud }], ...SIZE });
+    const found = await view.pick(32, 32);
+    expect(found).toMatchObject({ cloudIndex: 0, splatIndex: 1 });
+    expect(found!.depthView).toBeCloseTo(2.7, 3);
+    expect((await view.pick(20, 32))?.splatIndex).toBe(0);
+    expect(await view.pick(0, 0)).toBeNull();
+    expect(await view.pick(64, 5)).toBeNull();
+    cloud.destroy();
+    view.destroy();
+    await expect(view.pick(1, 1)).rejects.toThrow(DestroyedError);
+  });
+
   gpuTest('draws 100 times the very same picture, and so does another engine', async () => {
     const view = engines.balanced.createView();
     const cloud = engines.balanced.add(randomSplats({ count: 500 }));

@@ -6,6 +6,7 @@ import type { CompiledStage } from './gpu/pipelines.ts';
 import { readTexture, type TextureImage } from './gpu/read-texture.ts';
 import { CompositeParameters } from './layout/structs.ts';
 import type { Vec3 } from './math/mat4.ts';
+import type { SplatPick } from './pick.ts';
 import { checkFrame, keyOf, type ViewFrame } from './scene/view-frame.ts';
 import { composite, compositeState } from './stages/composite.ts';
 import type { FrameStatistics } from './timing/frame-statistics.ts';
@@ -101,6 +102,19 @@ export class SplatView {
     if (!color) throw new InvalidArgumentError('readPixels', 'There is no picture yet: call render first.');
     this.#context.counting.readbacks++;
     return readTexture(this.#context.device, color);
+  }
+
+  /**
+   * The splat that contributes most to a pixel of the last picture; null where there is none, outside of the picture, and
+   * before the first.
+   *
+   * @param xPx, yPx from the top left; fractions fall to the pixel that they are in.
+   * @throws DestroyedError where the view or its engine end meanwhile.
+   */
+  async pick(xPx: number, yPx: number): Promise<SplatPick | null> {
+    await this.#whenDrawn;
+    this.#checkUsable();
+    return this.#layer.pick(xPx, yPx);
   }
 
   /** Frees what the view holds on the GPU; the clouds stay. */
