@@ -1,0 +1,53 @@
+import { SplatsFallback } from '@websplatter/react';
+import { Suspense, use, useRef, useState } from 'react';
+import type { Example } from './examples.ts';
+
+/** An example over the whole page, its title and a way to its source above it. */
+export function ExamplePage({ example: { title, about, Component, loadSource } }: { example: Example }) {
+  const dialog = useRef<HTMLDialogElement>(null);
+  const [source, setSource] = useState<Promise<string>>();
+  const showSource = () => {
+    setSource((loading) => loading ?? loadSource());
+    dialog.current?.showModal();
+  };
+  return (
+    <div className="example">
+      <header className="example-bar">
+        <a href="./">Examples</a>
+        <h1>{title}</h1>
+        <button type="button" onClick={showSource}>
+          Source
+        </button>
+      </header>
+      <main className="stage">
+        <SplatsFallback
+          fallback={(error) => (
+            <p className="unavailable" role="alert">
+              {error.message}
+            </p>
+          )}
+        >
+          <Suspense>
+            <Component />
+          </Suspense>
+        </SplatsFallback>
+      </main>
+      <dialog ref={dialog} className="source" aria-label={`Source of “${title}”`}>
+        <form method="dialog">
+          <p>{about}</p>
+          <button type="submit">Close</button>
+        </form>
+        <Suspense>{source && <SourceText source={source} />}</Suspense>
+      </dialog>
+    </div>
+  );
+}
+
+function SourceText({ source }: { source: Promise<string> }) {
+  return (
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: what scrolls has to be reached by keyboard.
+    <pre tabIndex={0}>
+      <code>{use(source)}</code>
+    </pre>
+  );
+}

@@ -1,0 +1,59 @@
+import { type ComponentType, type LazyExoticComponent, lazy } from 'react';
+
+/** What a file in routes/ is about; the list is the index page, in this order. */
+const DESCRIPTIONS = [
+  {
+    name: 'first-splat',
+    title: 'A first splat',
+    about: 'A file on the screen in ten lines: a canvas, a renderer, a source.',
+  },
+  {
+    name: 'mesh-through-splats',
+    title: 'A mesh among splats',
+    about: 'A ball moves through the scene: it hides splats behind it, and splats in front veil it.',
+  },
+  {
+    name: 'two-clouds',
+    title: 'Two clouds',
+    about: 'One file twice, each with a transform and an opacity of its own, sorted together splat by splat.',
+  },
+  {
+    name: 'picking',
+    title: 'Picking',
+    about:
+      'A click finds the exact splat under it: its row in the file, its depth and a point to put a marker on.',
+  },
+  {
+    name: 'demand-loop',
+    title: 'Drawing on demand',
+    about: 'Frames are drawn when something asks for one, and not one while nothing happens.',
+  },
+  {
+    name: 'suspense',
+    title: 'Suspense',
+    about: 'A placeholder while a file is loading, and a progress bar that needs no wiring.',
+  },
+  {
+    name: 'several-views',
+    title: 'Several views',
+    about: 'One scene from three cameras side by side, each sorted for itself, uploaded once.',
+  },
+] as const;
+
+export interface Example {
+  /** Its file in routes/, and `?example=` in the address. */
+  readonly name: string;
+  readonly title: string;
+  readonly about: string;
+  readonly Component: LazyExoticComponent<ComponentType>;
+  readonly loadSource: () => Promise<string>;
+}
+
+const modules = import.meta.glob<{ default: ComponentType }>('./routes/*.tsx');
+const sources = import.meta.glob<string>('./routes/*.tsx', { query: '?raw', import: 'default' });
+
+export const EXAMPLES: readonly Example[] = DESCRIPTIONS.map((description) => ({
+  ...description,
+  Component: lazy(modules[`./routes/${description.name}.tsx`]),
+  loadSource: sources[`./routes/${description.name}.tsx`],
+}));

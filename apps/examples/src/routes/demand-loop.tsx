@@ -1,0 +1,42 @@
+import { OrbitControls } from '@react-three/drei';
+import { Canvas, invalidate, useFrame } from '@react-three/fiber';
+import { createSplatRenderer, Splats } from '@websplatter/react';
+import { type RefObject, Suspense, useRef } from 'react';
+
+export default function DemandLoop() {
+  const counter = useRef<HTMLOutputElement>(null);
+  return (
+    <>
+      <Canvas
+        gl={createSplatRenderer}
+        flat
+        frameloop="demand"
+        camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
+      >
+        <Suspense>
+          <Splats src="still-life.ply" />
+        </Suspense>
+        <OrbitControls />
+        <FrameCounter counter={counter} />
+      </Canvas>
+      <form className="panel">
+        <span>
+          Frames drawn: <output ref={counter}>0</output>
+        </span>
+        <button type="button" onClick={() => invalidate()}>
+          Draw one more
+        </button>
+      </form>
+    </>
+  );
+}
+
+/** Counts without React, whose rendering would be no frame but work all the same. */
+function FrameCounter({ counter }: { counter: RefObject<HTMLOutputElement | null> }) {
+  const frames = useRef(0);
+  useFrame(() => {
+    frames.current++;
+    counter.current!.value = String(frames.current);
+  });
+  return null;
+}

@@ -1,0 +1,29 @@
+import { Canvas, type ThreeEvent } from '@react-three/fiber';
+import { createSplatRenderer, type SplatHit, Splats, type SplatsObject } from '@websplatter/react';
+import { useRef, useState } from 'react';
+
+export default function Picking() {
+  const splats = useRef<SplatsObject>(null);
+  const [hit, setHit] = useState<SplatHit | null>(null);
+  const pick = async ({ nativeEvent: { offsetX, offsetY } }: ThreeEvent<MouseEvent>) => {
+    setHit((await splats.current?.pick(offsetX, offsetY)) ?? null);
+  };
+  return (
+    <>
+      <Canvas gl={createSplatRenderer} flat camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
+        <Splats ref={splats} src="still-life.ply" onClick={pick} />
+        {hit && (
+          <mesh position={hit.point}>
+            <sphereGeometry args={[0.012 * hit.depthView]} />
+            <meshBasicMaterial color="#ff2d87" />
+          </mesh>
+        )}
+      </Canvas>
+      <p className="panel" role="status">
+        {hit
+          ? `Row ${hit.splatIndex.toLocaleString('en')} · depth ${hit.depthView.toFixed(3)} · opacity ${hit.alpha.toFixed(2)}`
+          : 'Click a splat.'}
+      </p>
+    </>
+  );
+}

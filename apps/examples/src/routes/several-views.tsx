@@ -1,0 +1,49 @@
+import { Canvas, useFrame } from '@react-three/fiber';
+import { createSplatRenderer, Splats } from '@websplatter/react';
+import { PerspectiveCamera } from 'three';
+
+const VIEWS = [
+  { name: 'Front', camera: lookFrom(0.1, 0.45, 1.5) },
+  { name: 'Left', camera: lookFrom(-1.45, 0.5, 0.6) },
+  { name: 'Above', camera: lookFrom(0, 1.8, 0.3) },
+];
+
+export default function SeveralViews() {
+  return (
+    <>
+      <Canvas gl={createSplatRenderer} flat>
+        <Splats src="still-life.ply" />
+        <Views />
+      </Canvas>
+      <ul className="view-names">
+        {VIEWS.map(({ name }) => (
+          <li key={name}>{name}</li>
+        ))}
+      </ul>
+    </>
+  );
+}
+
+/** Draws the scene once per camera, side by side. A priority above 0 takes drawing over from the Canvas. */
+function Views() {
+  useFrame(({ gl, scene, size }) => {
+    const width = size.width / VIEWS.length;
+    gl.setScissorTest(true);
+    VIEWS.forEach(({ camera }, i) => {
+      camera.aspect = width / size.height;
+      camera.updateProjectionMatrix();
+      gl.setViewport(i * width, 0, width, size.height);
+      gl.setScissor(i * width, 0, width, size.height);
+      gl.render(scene, camera);
+    });
+    gl.setScissorTest(false);
+  }, 1);
+  return null;
+}
+
+function lookFrom(...position: [x: number, y: number, z: number]): PerspectiveCamera {
+  const camera = new PerspectiveCamera(45, 1, 0.05, 400);
+  camera.position.set(...position);
+  camera.lookAt(0, 0.2, 0);
+  return camera;
+}
