@@ -16,9 +16,13 @@ export function psnrAgainstReference(
   drawn: DrawnCamera,
   sets: readonly SplatSet[],
 ): number {
-  const { viewMatrix, projectionMatrix, near, far, modelMatrices, background } = drawn;
+  const { viewMatrix, projectionMatrix, near, far, modelMatrices, opacities, background } = drawn;
   const camera = cameraFromMatrices(viewMatrix, projectionMatrix, { near, far });
-  const clouds = sets.map((set, i) => ({ set, modelMatrix: modelMatrices[i] ?? undefined }));
+  const clouds = sets.map((set, i) => ({
+    set,
+    modelMatrix: modelMatrices[i] ?? undefined,
+    opacity: opacities?.[i],
+  }));
   const reference = renderReference({ clouds, camera, widthPx, heightPx });
   const actual = Float64Array.from(data, (value) => value / 255);
   return compareImages(actual, reference.data, { widthPx, heightPx, background, quantize: 'png' }).psnrDb;

@@ -1,4 +1,4 @@
-import type { Page } from 'playwright-core';
+import type { Locator, Page } from 'playwright-core';
 
 export interface Screenshot {
   readonly widthPx: number;
@@ -7,9 +7,10 @@ export interface Screenshot {
   readonly data: Uint8Array;
 }
 
-/** The page as it is on the screen, but for what is hidden by `style` (CSS). */
-export async function screenshot(page: Page, style = ''): Promise<Screenshot> {
-  const png = await page.screenshot({ style });
+/** A page, or an element of it, as it is on the screen, but for what is hidden by `style` (CSS). */
+export async function screenshot(shown: Page | Locator, style = ''): Promise<Screenshot> {
+  const png = await shown.screenshot({ style });
+  const page = 'page' in shown ? shown.page() : shown;
   // The browser decodes its own PNG, so that this needs no library.
   const { widthPx, heightPx, base64 } = await page.evaluate(async (encoded) => {
     const response = await fetch(`data:image/png;base64,${encoded}`);

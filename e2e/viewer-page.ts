@@ -26,6 +26,8 @@ export interface DrawnCamera {
   readonly far: number;
   /** Of each cloud; null for the identity. */
   readonly modelMatrices: (number[] | null)[];
+  /** Of each cloud; 1 where it is absent. */
+  readonly opacities?: number[];
   readonly background: [number, number, number];
 }
 
