@@ -62,20 +62,23 @@ async function sizeProblems() {
   return [];
 }
 
-/** Runs a tool of node_modules at the repository's root, its output kept. */
+/** Runs a tool of node_modules at the repository's root. What it prints is kept; progress, on stderr, only if it fails. */
 function runNode(script, args) {
   const child = spawn(process.execPath, [join(repositoryRoot, 'node_modules', script), ...args], {
     cwd: repositoryRoot,
     env: { ...process.env, FORCE_COLOR: '0' },
   });
-  let output = '';
-  for (const stream of [child.stdout, child.stderr]) {
-    stream.setEncoding('utf8').on('data', (text) => {
-      output += text;
+  const printed = { stdout: '', stderr: '' };
+  for (const stream of ['stdout', 'stderr']) {
+    child[stream].setEncoding('utf8').on('data', (text) => {
+      printed[stream] += text;
     });
   }
   return new Promise((resolve, reject) => {
     child.once('error', reject);
-    child.once('close', (status) => resolve({ status, output: output.trim() }));
+    child.once('close', (status) => {
+      const output = status === 0 ? printed.stdout : printed.stdout + printed.stderr;
+      resolve({ status, output: output.trimEnd() });
+    });
   });
 }
