@@ -1,8 +1,102 @@
-import { BoxGeometry, Color, Mesh, MeshBasicMaterial, REVISION } from 'three/webgpu';
-import { splatCloud } from './splats.ts';
-import { newStage, type RendererParameters, shot } from './stage.ts';
+import { packCloud } from '@websplatter/core';
+import {
+  onDeviceLost,
+  onStageTimings,
+  type SplatCloudObject,
+  SplatCloudObject as SplatCloudObjectClass,
+  SplatData,
+  splatEngineOf,
+} from '@websplatter/three';
+import { emissive, mrt, output, pass, reflector } from 'three/tsl';
+import {
+  ACESFilmicToneMapping,
+  ArrayCamera,
+  BoxGeometry,
+  BundleGroup,
+  Color,
+  CubeCamera,
+  CubeRenderTarget,
+  DirectionalLight,
+  EqualStencilFunc,
+  FloatType,
+  HalfFloatType,
+  KeepStencilOp,
+  LinearSRGBColorSpace,
+  type Material,
+  Mesh,
+  MeshBasicMaterial,
+  MeshBasicNodeMaterial,
+  MeshStandardMaterial,
+  Object3D,
+  OrthographicCamera,
+  PerspectiveCamera,
+  PlaneGeometry,
+  Raycaster,
+  REVISION,
+  RenderPipeline,
+  RenderTarget,
+  ReplaceStencilOp,
+  Vector2,
+  Vector4,
+} from 'three/webgpu';
+import { testScene } from '../test-scene.ts';
+import { splatCloud, splatData } from './splats.ts';
+import {
+  makeRenderer,
+  meshShot,
+  newScene,
+  newStage,
+  type Pixels,
+  type RendererParameters,
+  SIZE_PX,
+  type Stage,
+  shot,
+  shotOf,
+  targetShot,
+} from './stage.ts';
 
-/** Run by name from the tests; what they return is compared there. */
+/** A large square across the line of sight. */
+function wall(color: number, z: number, options: Partial<Material> = {}): Mesh {
+  const mesh = new Mesh(new PlaneGeometry(20, 20), new MeshBasicMaterial({ color }));
+  Object.assign(mesh.material, options);
+  mesh.position.z = z;
+  return mesh;
+}
+
+/** Lets the left half of the picture free, at any distance. */
+function rightHalf(mesh: Mesh): Mesh {
+  mesh.position.x = 10;
+  return mesh;
+}
+
+function errorsOf(cloud: SplatCloudObject): string[] {
+  const errors: string[] = [];
+  cloud.onError = (error) => errors.push(`${error.name}: ${error.message}`);
+  return errors;
+}
+
+/** A lit box over a lit floor that it throws a shadow on. */
+function litScene({ scene, camera, renderer }: Stage): void {
+  renderer.shadowMap.enabled = true;
+  const material = new MeshStandardMaterial({ color: 0xcc8844 });
+  const floor = new Mesh(new PlaneGeometry(10, 10), material);
+  floor.position.z = -1;
+  const box = new Mesh(new BoxGeometry(), material);
+  box.position.z = -0.5;
+  box.rotation.set(0.5, 0.5, 0);
+  const sun = new DirectionalLight(0xffffff, 2);
+  sun.position.set(2, 3, 4);
+  for (const mesh of [floor, box]) {
+    mesh.castShadow = true;
+    mesh.receiveShadow = true;
+  }
+  sun.castShadow = true;
+  sun.shadow.mapSize.set(256, 256);
+  scene.add(floor, box, sun);
+  camera.position.z = 3;
+}
+
+/** Run by name from the tests, which know what is to be expected of their results. */
 export const cases = {
   revision: async () => REVISION,
 
@@ -14,9 +108,463 @@ export const cases = {
     return shot(stage);
   },
 
-  box: async () => {
-    const stage = await newStage();
-    stage.scene.add(new Mesh(new BoxGeometry(), new MeshBasicMaterial({ color: 0xff0000 })), splatCloud({}));
+  /** The same over lit and shadowed meshes; both pictures. */
+  overLitMeshes: async (parameters: RendererParameters = {}) => {
+    const stage = await newStage(parameters);
+    litScene(stage);
+    const without = await meshShot(stage);
+    const cloud = splatCloud({ position: [0, 0, 1] });
+    cloud.castShadow = true;
+    stage.scene.add(cloud);
+    return { without, with: await shot(stage) };
+  },
+
+  /** A splat between two walls: red on the right in front, blue all over behind. */
+  betweenMeshes: async (parameters: RendererParameters = {}) => {
+    const stage = await newStage(parameters);
+    stage.scene.add(rightHalf(wall(0xff0000, 0.5)), wall(0x0000ff, -0.5), splatCloud({}));
     return shot(stage);
+  },
+
+  betweenMeshesOrthographic: async (parameters: RendererParameters = {}) => {
+    const stage = await newStage(parameters);
+    const camera = new OrthographicCamera(-1, 1, 1, -1, 0.1, 100);
+    camera.position.z = 3;
+    stage.scene.add(rightHalf(wall(0xff0000, 0.5)), wall(0x0000ff, -0.5), splatCloud({}));
+    return shotOf(stage, () => stage.renderer.render(stage.scene, camera));
+  },
+
+  /** Tone mapping of the splat's picture, and of a background that has the colour `linear` from the start. */
+  toneMapped: async (background: number, linear: number) => {
+    const stage = await newStage();
+    stage.renderer.toneMapping = ACESFilmicToneMapping;
+    stage.scene.background = new Color(linear, linear, linear);
+    const expected = await meshShot(stage);
+    stage.scene.background = new Color(background);
+    stage.scene.add(splatCloud({}));
+    return { expected, actual: await shot(stage) };
+  },
+
+  transparentCanvas: async (parameters: RendererParameters = {}) => {
+    const stage = await newStage(parameters);
+    stage.scene.background = null;
+    stage.renderer.setClearColor(0x000000, 0);
+    stage.scene.add(splatCloud({ color: [1, 0.5, 0] }));
+    return shot(stage);
+  },
+
+  /** Straight onto the canvas: three needs no output pass where it neither tone-maps nor encodes. */
+  withoutOutputPass: async (parameters: RendererParameters = {}) => {
+    const stage = await newStage(parameters);
+    stage.renderer.outputColorSpace = LinearSRGBColorSpace;
+    stage.scene.add(rightHalf(wall(0xff0000, 0.5)), splatCloud({}));
+    return shot(stage);
+  },
+
+  renderTarget: async (options: { samples?: number; isFloat?: boolean; depthBuffer?: boolean } = {}) => {
+    const stage = await newStage();
+    const { samples = 0, isFloat = false, depthBuffer = true } = options;
+    const type = isFloat ? FloatType : HalfFloatType;
+    const target = new RenderTarget(SIZE_PX, SIZE_PX, { type, samples, depthBuffer });
+    stage.scene.add(rightHalf(wall(0xff0000, 0.5)), splatCloud({}));
+    return targetShot(stage, target);
+  },
+
+  /** A rectangle of a render target. */
+  renderTargetViewport: async () => {
+    const stage = await newStage();
+    const target = new RenderTarget(SIZE_PX, SIZE_PX, { type: HalfFloatType });
+    target.viewport.set(16, 8, 32, 32);
+    target.scissor.set(16, 8, 32, 32);
+    target.scissorTest = true;
+    stage.scene.add(rightHalf(wall(0xff0000, 0.5)), splatCloud({}));
+    return targetShot(stage, target);
+  },
+
+  postProcessing: async (parameters: RendererParameters = {}) => {
+    const stage = await newStage(parameters);
+    const { renderer, scene, camera } = stage;
+    scene.add(rightHalf(wall(0xff0000, 0.5)), splatCloud({}));
+    const scenePass = pass(scene, camera);
+    scenePass.setMRT(mrt({ output, emissive }));
+    const picture = scenePass.getTextureNode('output');
+    // 0.185 draws only outputs that somebody has asked for.
+    scenePass.getTextureNode('emissive');
+    const pipeline = new RenderPipeline(renderer, picture);
+    return shotOf(stage, () => pipeline.render());
+  },
+
+  twoRenderers: async () => {
+    const data = splatData({});
+    const stages = [await newStage(), await newStage({ antialias: true })];
+    const clouds = stages.map(() => new SplatCloudObjectClass(data));
+    stages.forEach(({ scene }, i) => {
+      scene.background = new Color(i === 0 ? 0x000000 : 0xffffff);
+      scene.add(clouds[i]);
+    });
+    const pictures: Pixels[] = [];
+    for (const stage of stages) pictures.push(await shot(stage));
+    return pictures;
+  },
+
+  /** The same scene, on the left with a red wall behind the splats, on the right without splats. */
+  viewports: async (parameters: RendererParameters = {}) => {
+    const stage = await newStage(parameters);
+    const { renderer, scene, camera } = stage;
+    const cloud = splatCloud({});
+    cloud.layers.set(1);
+    camera.layers.enable(1);
+    const other = new PerspectiveCamera(60, 1, 0.1, 100);
+    other.position.z = 3;
+    const narrow = new PerspectiveCamera(30, 1, 0.1, 100);
+    narrow.position.z = 3;
+    narrow.layers.enable(1);
+    scene.add(rightHalf(wall(0xff0000, 0.5)), cloud);
+    renderer.setScissorTest(true);
+    const half = SIZE_PX / 2;
+    return shotOf(
+      stage,
+      () => {
+        for (const [x, y, view] of [
+          [0, 0, camera],
+          [half, 0, other],
+          [half, half, narrow],
+        ] as const) {
+          renderer.setViewport(x, y, half, half);
+          renderer.setScissor(x, y, half, half);
+          renderer.render(scene, view);
+        }
+      },
+      2,
+    );
+  },
+
+  /** A mirror on the right, at an angle; a splat on the left and a wall behind the camera that it shows. */
+  mirror: async (parameters: RendererParameters = {}) => {
+    const stage = await newStage(parameters);
+    const { scene } = stage;
+    const reflection = reflector();
+    const material = new MeshBasicNodeMaterial();
+    material.colorNode = reflection;
+    const mirror = new Mesh(new PlaneGeometry(2, 3), material);
+    mirror.position.set(1, 0, 0);
+    mirror.rotation.y = -0.6;
+    reflection.target.position.copy(mirror.position);
+    reflection.target.rotation.copy(mirror.rotation);
+    const box = new Mesh(new BoxGeometry(0.6, 0.6, 0.6), new MeshBasicMaterial({ color: 0x0000ff }));
+    box.position.set(-1, -0.5, 0.6);
+    const cloud = splatCloud(
+      { position: [-0.9, -0.3, 0], scale: [0.3, 0.3, 0.3], opacity: 0.99, color: [1, 1, 0] },
+      { position: [1.2, 0.6, -1.2], scale: [0.3, 0.3, 0.3], opacity: 0.99, color: [1, 0, 1] },
+    );
+    scene.add(mirror, reflection.target, box, cloud);
+    return shot(stage, 2);
+  },
+
+  /** Half-transparent walls in front and behind by their own place among the transparent objects. */
+  transparentMeshes: async (frontZ: number, backZ: number) => {
+    const stage = await newStage();
+    const half = { transparent: true, opacity: 0.5 };
+    stage.scene.add(
+      rightHalf(wall(0xff0000, frontZ, half)),
+      wall(0x0000ff, backZ, half),
+      splatCloud({ scale: [50, 50, 0.001] }),
+    );
+    return shot(stage);
+  },
+
+  /** An almost opaque splat, and behind it a wall that is drawn later. */
+  depthWriteBack: async (writesDepth: boolean, parameters: RendererParameters = {}) => {
+    const stage = await newStage(parameters);
+    const cloud = splatCloud({ opacity: 0.9 });
+    cloud.writesDepth = writesDepth;
+    const later = { transparent: true };
+    const behind = wall(0x00ff00, -0.5, later);
+    const front = rightHalf(wall(0xff0000, 0.5, later));
+    behind.renderOrder = 1;
+    front.renderOrder = 1;
+    stage.scene.add(behind, front, cloud);
+    return shot(stage);
+  },
+
+  resize: async () => {
+    const stage = await newStage();
+    stage.scene.add(rightHalf(wall(0xff0000, 0.5)), splatCloud({}));
+    const before = await shot(stage);
+    stage.renderer.setSize(96, 48, false);
+    stage.camera.aspect = 2;
+    stage.camera.updateProjectionMatrix();
+    return { before, after: await shot(stage) };
+  },
+
+  compileAsync: async () => {
+    const renderer = await makeRenderer({});
+    renderer.setSize(SIZE_PX, SIZE_PX, false);
+    const stage = { renderer, ...newScene() };
+    stage.scene.add(rightHalf(wall(0xff0000, 0.5)), splatCloud({}));
+    await renderer.compileAsync(stage.scene, stage.camera);
+    const picture = await shot(stage);
+    await renderer.compileAsync(stage.scene, stage.camera);
+    const again = await shot(stage);
+    await renderer.dispose();
+    return [picture, again];
+  },
+
+  /** Red, green and red again from back to front, of two clouds. */
+  interleavedClouds: async () => {
+    const stage = await newStage();
+    const red = splatCloud(
+      { position: [0, 0, -1], color: [1, 0, 0] },
+      { position: [0, 0, 1], color: [1, 0, 0] },
+    );
+    const green = splatCloud({ color: [0, 1, 0] });
+    stage.scene.add(green, red);
+    return shot(stage);
+  },
+
+  /** The test scene under a matrix, and what the reference needs to draw it. */
+  transformed: async (matrix: number[], parameters: RendererParameters = {}) => {
+    const stage = await newStage(parameters);
+    const { camera, scene } = stage;
+    const packed = packCloud(testScene(), { geometryPrecision: 'packed' });
+    const cloud = new SplatCloudObjectClass(new SplatData(packed, 'test scene'));
+    cloud.matrixAutoUpdate = false;
+    cloud.matrix.fromArray(matrix);
+    // A parent, too, that the world matrix has to be taken from.
+    const parent = new Object3D();
+    parent.position.set(-0.5, -1, 0);
+    parent.add(cloud);
+    scene.add(parent);
+    camera.position.set(1, 0.5, 6);
+    camera.lookAt(0.5, 0, 0);
+    const picture = await shot(stage);
+    return {
+      picture,
+      camera: {
+        viewMatrix: [...camera.matrixWorldInverse.elements],
+        projectionMatrix: [...camera.projectionMatrix.elements],
+        near: camera.near,
+        far: camera.far,
+      },
+      modelMatrix: [...cloud.matrixWorld.elements],
+    };
+  },
+
+  /** Opacity, visibility and layers of objects and of what they are in. */
+  shownParts: async () => {
+    const stage = await newStage();
+    const cloud = splatCloud({});
+    const parent = new Object3D();
+    parent.add(cloud);
+    // Something to be drawn in any case.
+    const far = splatCloud({ scale: [0.01, 0.01, 0.01], position: [50, 0, 0] });
+    stage.scene.add(parent, far);
+    const shown = await shot(stage);
+    cloud.opacity = 0.5;
+    const faint = await shot(stage);
+    cloud.opacity = 0;
+    const gone = await shot(stage);
+    cloud.opacity = 1;
+    parent.visible = false;
+    const hidden = await shot(stage);
+    parent.visible = true;
+    cloud.layers.set(3);
+    const otherLayer = await shot(stage);
+    return { shown, faint, gone, hidden, otherLayer };
+  },
+
+  /** What is uploaded and freed while clouds come and go. */
+  uploads: async () => {
+    const stage = await newStage();
+    const { renderer, scene, camera } = stage;
+    const engine = splatEngineOf(renderer);
+    const start = { counters: engine.counters(), bytes: engine.memory().totalBytes };
+    const first = splatCloud({});
+    scene.add(first);
+    await shot(stage);
+    const one = engine.counters();
+    const second = splatCloud({ position: [0, 0, 1] });
+    const twin = new SplatCloudObjectClass(second.data);
+    scene.add(second, twin);
+    await shot(stage);
+    scene.remove(twin);
+    await shot(stage);
+    scene.remove(second);
+    await shot(stage);
+    scene.add(second);
+    await shot(stage);
+    const end = engine.counters();
+    const childrenWith = scene.children.length;
+    scene.remove(first, second);
+    const childrenAfter = scene.children.length;
+    for (const cloud of [first, second, twin]) cloud.dispose();
+    renderer.render(scene, camera);
+    await new Promise((resolve) => setTimeout(resolve, 50));
+    return {
+      uploadsOfOne: one.uploads - start.counters.uploads,
+      uploadsInAll: end.uploads - start.counters.uploads,
+      childrenWith,
+      childrenAfter,
+      bytesLeft: engine.memory().totalBytes - start.bytes,
+    };
+  },
+
+  /** Nothing is prepared again where nothing has moved. */
+  stillness: async () => {
+    const stage = await newStage();
+    stage.scene.add(splatCloud({}));
+    await shot(stage);
+    const engine = splatEngineOf(stage.renderer);
+    const before = engine.counters().framesPrepared;
+    for (let i = 0; i < 3; i++) await shot(stage);
+    const still = engine.counters().framesPrepared - before;
+    stage.camera.position.x = 0.1;
+    await shot(stage);
+    return { still, moved: engine.counters().framesPrepared - before };
+  },
+
+  /** The camera's own error, once, however often it draws. */
+  arrayCamera: async () => {
+    const stage = await newStage();
+    const { renderer, scene, camera } = stage;
+    const cloud = splatCloud({});
+    const errors = errorsOf(cloud);
+    scene.add(rightHalf(wall(0xff0000, 0.5)), cloud);
+    const halves = [0, 1].map((i) => {
+      const viewport = new Vector4((i * SIZE_PX) / 2, 0, SIZE_PX / 2, SIZE_PX);
+      return Object.assign(camera.clone(), { viewport });
+    });
+    const many = new ArrayCamera(halves);
+    renderer.render(scene, many);
+    renderer.render(scene, many);
+    return { errors, after: await shot(stage) };
+  },
+
+  cubeCamera: async () => {
+    const stage = await newStage();
+    const { renderer, scene } = stage;
+    const cloud = splatCloud({});
+    const errors = errorsOf(cloud);
+    scene.add(rightHalf(wall(0xff0000, 0.5)), cloud);
+    const target = new CubeRenderTarget(SIZE_PX, { type: HalfFloatType });
+    const cube = new CubeCamera(0.1, 100, target);
+    cube.position.z = 3;
+    scene.add(cube);
+    cube.update(renderer, scene);
+    return { errors, after: await shot(stage) };
+  },
+
+  /** A mask before the splats decides about a wall after them. */
+  stencil: async () => {
+    const stage = await newStage({ stencil: true });
+    const mask = rightHalf(
+      wall(0xff0000, -0.5, {
+        stencilWrite: true,
+        stencilRef: 5,
+        stencilZPass: ReplaceStencilOp,
+        stencilFail: KeepStencilOp,
+      }),
+    );
+    const masked = wall(0x00ff00, 0.5, {
+      transparent: true,
+      stencilWrite: true,
+      stencilRef: 5,
+      stencilFunc: EqualStencilFunc,
+    });
+    masked.renderOrder = 1;
+    stage.scene.add(mask, masked, splatCloud({}));
+    return shot(stage);
+  },
+
+  occlusionQuery: async (parameters: RendererParameters = {}) => {
+    const stage = await newStage(parameters);
+    const tested = rightHalf(wall(0xff0000, 0.5));
+    tested.occlusionTest = true;
+    stage.scene.add(tested, splatCloud({}));
+    return shot(stage);
+  },
+
+  bundleGroup: async (parameters: RendererParameters = {}) => {
+    const stage = await newStage(parameters);
+    const group = new BundleGroup();
+    group.add(rightHalf(wall(0xff0000, 0.5)), wall(0x0000ff, -0.5));
+    stage.scene.add(group, splatCloud({}));
+    return shot(stage);
+  },
+
+  overrideMaterial: async () => {
+    const stage = await newStage();
+    const { renderer, scene, camera } = stage;
+    scene.add(rightHalf(wall(0xff0000, 0.5)), splatCloud({}));
+    await shot(stage);
+    scene.overrideMaterial = new MeshBasicMaterial({ color: 0x00ff00 });
+    return meshShot({ renderer, scene, camera });
+  },
+
+  /** A mesh over half of one pixel, so that its samples differ: the picture along its edge. */
+  multisampledEdge: async () => {
+    const stage = await newStage({ antialias: true });
+    const mesh = rightHalf(wall(0xffffff, -0.5));
+    mesh.rotation.z = 0.3;
+    stage.scene.add(mesh);
+    const without = await meshShot(stage);
+    stage.scene.add(splatCloud({ color: [0, 0, 0], opacity: 0.5 }));
+    return { without, with: await shot(stage) };
+  },
+
+  pickAndRaycast: async () => {
+    const stage = await newStage();
+    const { renderer, scene, camera } = stage;
+    const small = [0.1, 0.1, 0.1] as const;
+    const left = splatCloud(
+      { position: [0.2, 0, 0], scale: small, opacity: 0.9 },
+      { position: [-0.5, 0, 0], scale: small, opacity: 0.9 },
+    );
+    const right = splatCloud({ scale: small, opacity: 0.9 });
+    left.scale.setScalar(2);
+    right.position.set(0, 0.8, 0);
+    scene.add(left, right);
+    await shot(stage);
+    const middle = SIZE_PX / 2;
+    const xPx = middle - (1 / Math.sqrt(3)) * middle * (1 / 1.0) * (1 / 1.0);
+    const hit = await left.pick(renderer, camera, xPx, middle);
+    const caster = new Raycaster();
+    caster.setFromCamera(new Vector2(-1 / Math.sqrt(3), 0), camera);
+    const [ray] = caster.intersectObjects(scene.children);
+    return {
+      pick: hit && { splatIndex: hit.splatIndex, point: hit.point.toArray(), isOwn: hit.object === left },
+      otherCloud: await right.pick(renderer, camera, xPx, middle),
+      nothing: await left.pick(renderer, camera, 1, 1),
+      ray: ray && { isLeft: ray.object === left, distance: ray.distance, point: ray.point.toArray() },
+    };
+  },
+
+  stageTimings: async () => {
+    const stage = await newStage();
+    stage.scene.add(splatCloud({}));
+    const measured = new Promise<number>((resolve) => {
+      const stop = onStageTimings(stage.renderer, ({ visibleSplats }) => {
+        stop();
+        resolve(visibleSplats);
+      });
+    });
+    await shot(stage);
+    stage.camera.position.x = 0.1;
+    await shot(stage);
+    return measured;
+  },
+
+  deviceLoss: async () => {
+    const renderer = await makeRenderer({});
+    const told: string[] = [];
+    onDeviceLost(renderer, ({ reason }) => told.push(reason));
+    splatEngineOf(renderer).device.destroy();
+    await splatEngineOf(renderer).lost;
+    const disposed = await makeRenderer({});
+    onDeviceLost(disposed, () => told.push('disposed'));
+    await disposed.dispose();
+    await splatEngineOf(disposed).lost;
+    await new Promise((resolve) => setTimeout(resolve, 20));
+    return told;
   },
 };

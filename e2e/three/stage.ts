@@ -1,11 +1,20 @@
 import { createSplatRenderer, type SplatCloudObject, splatEngineOf } from '@websplatter/three';
-import { Color, type Object3D, PerspectiveCamera, Scene, type WebGPURenderer } from 'three/webgpu';
+import {
+  Color,
+  NoToneMapping,
+  type Object3D,
+  PerspectiveCamera,
+  type RenderTarget,
+  Scene,
+  SRGBColorSpace,
+  type WebGPURenderer,
+} from 'three/webgpu';
 
 export const SIZE_PX = 64;
 
 export type RendererParameters = NonNullable<Parameters<typeof createSplatRenderer>[0]>;
 
-/** RGBA, 0…255, top row first, of a square picture. */
+/** RGBA, top row first: 0…255 of a canvas, linear of a render target. */
 export interface Pixels {
   readonly widthPx: number;
   readonly heightPx: number;
@@ -26,22 +35,39 @@ export async function newStage(parameters: RendererParameters = {}): Promise<Sta
   const key = JSON.stringify(parameters);
   if (!renderers.has(key)) renderers.set(key, makeRenderer(parameters));
   const renderer = await renderers.get(key)!;
+  reset(renderer);
+  return { renderer, ...newScene() };
+}
+
+/** A black scene and its camera. */
+export function newScene(): Pick<Stage, 'scene' | 'camera'> {
   const scene = new Scene();
   scene.background = new Color(0x000000);
   const camera = new PerspectiveCamera(60, 1, 0.1, 100);
   camera.position.z = 3;
-  return { renderer, scene, camera };
+  return { scene, camera };
 }
 
 export async function makeRenderer(parameters: RendererParameters): Promise<WebGPURenderer> {
   const canvas = document.createElement('canvas');
   document.body.append(canvas);
-  const renderer = await createSplatRenderer({ canvas, ...parameters });
-  renderer.setSize(SIZE_PX, SIZE_PX, false);
-  return renderer;
+  return createSplatRenderer({ canvas, ...parameters });
 }
 
-/** Draws until all splats are in the picture: their shaders are compiled when they are first needed. */
+function reset(renderer: WebGPURenderer): void {
+  renderer.setSize(SIZE_PX, SIZE_PX, false);
+  renderer.setViewport(0, 0, SIZE_PX, SIZE_PX);
+  renderer.setScissorTest(false);
+  renderer.setRenderTarget(null);
+  renderer.setMRT(null);
+  renderer.setClearColor(0x000000, 1);
+  renderer.toneMapping = NoToneMapping;
+  renderer.outputColorSpace = SRGBColorSpace;
+  renderer.autoClear = true;
+  renderer.shadowMap.enabled = false;
+}
+
+/** Calls `draw` until it has drawn splats `splatPasses` times: their shaders are compiled when they are first needed. */
 export async function drawn(
   renderer: WebGPURenderer,
   scene: Object3D,
@@ -49,51 +75,114 @@ export async function drawn(
   splatPasses = 1,
 ): Promise<void> {
   const engine = splatEngineOf(renderer);
-  for (let attempt = 0; attempt < 20; attempt++) {
-    const ready = nextNeededFrame(scene);
+  for (let attempt = 0; attempt < 10; attempt++) {
     const before = engine.counters().framesDrawn;
     draw();
-    const passes = engine.counters().framesDrawn - before;
-    if (passes >= splatPasses) return;
-    await ready;
+    if (engine.counters().framesDrawn - before >= splatPasses) return;
+    await nextNeededFrame(scene);
   }
   throw new Error('The splats were never drawn.');
 }
 
 function nextNeededFrame(scene: Object3D): Promise<void> {
   return new Promise((resolve, reject) => {
-    const timer = setTimeout(() => reject(new Error('No frame with splats within 20 s.')), 20_000);
-    const onNeedsFrame = () => {
-      clearTimeout(timer);
-      resolve();
-    };
+    const timer = setTimeout(() => reject(new Error('No splat needed a frame within 10 s.')), 10_000);
     scene.traverse((object) => {
-      if ((object as SplatCloudObject).isSplatCloudObject)
-        (object as SplatCloudObject).addEventListener('needsframe', onNeedsFrame);
+      if (!(object as SplatCloudObject).isSplatCloudObject) return;
+      (object as SplatCloudObject).addEventListener('needsframe', () => {
+        clearTimeout(timer);
+        resolve();
+      });
     });
   });
 }
 
-/** What is on the canvas; in the task in which it was drawn. */
-export function canvasPixels(renderer: WebGPURenderer): Pixels {
-  const canvas = renderer.domElement as HTMLCanvasElement;
-  const { width, height } = canvas;
-  const context = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true })!;
-  context.drawImage(canvas, 0, 0);
-  return { widthPx: width, heightPx: height, data: [...context.getImageData(0, 0, width, height).data] };
+/**
+ * What has been drawn on the canvas in this task: premultiplied RGBA. A 2D canvas that copies it is now and then given
+ * nothing by Chromium on SwiftShader, so the texture itself is read.
+ */
+export async function canvasPixels(renderer: WebGPURenderer): Promise<Pixels> {
+  const texture = renderer.domElement.getContext('webgpu')!.getCurrentTexture();
+  const { device } = splatEngineOf(renderer);
+  const { width: widthPx, height: heightPx } = texture;
+  const bytesPerRow = Math.ceil((4 * widthPx) / 256) * 256;
+  const usage = GPUBufferUsage.COPY_DST | GPUBufferUsage.MAP_READ;
+  const buffer = device.createBuffer({ size: bytesPerRow * heightPx, usage });
+  const encoder = device.createCommandEncoder();
+  encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow }, [widthPx, heightPx]);
+  device.queue.submit([encoder.finish()]);
+  await buffer.mapAsync(GPUMapMode.READ);
+  const bytes = new Uint8Array(buffer.getMappedRange());
+  const isBgra = texture.format.startsWith('bgra');
+  const data: number[] = [];
+  for (let y = 0; y < heightPx; y++) {
+    for (let x = 0; x < widthPx; x++) {
+      const [r, g, b, a] = bytes.subarray(y * bytesPerRow + 4 * x);
+      data.push(...(isBgra ? [b, g, r, a] : [r, g, b, a]));
+    }
+  }
+  buffer.destroy();
+  return { widthPx, heightPx, data };
 }
 
 /** Renders the stage with its splats and reads the canvas. */
-export async function shot({ renderer, scene, camera }: Stage, splatPasses = 1): Promise<Pixels> {
-  let pixels: Pixels | null = null;
-  await drawn(
-    renderer,
-    scene,
-    () => {
-      renderer.render(scene, camera);
-      pixels = canvasPixels(renderer);
-    },
-    splatPasses,
-  );
+export async function shot(stage: Stage, splatPasses = 1): Promise<Pixels> {
+  const { renderer, scene, camera } = stage;
+  return shotOf(stage, () => renderer.render(scene, camera), splatPasses);
+}
+
+/** The same with another way to render. */
+export async function shotOf(
+  { renderer, scene }: Stage,
+  render: () => void,
+  splatPasses = 1,
+): Promise<Pixels> {
+  let pixels: Promise<Pixels> | null = null;
+  const draw = () => {
+    render();
+    pixels = canvasPixels(renderer);
+  };
+  await drawn(renderer, scene, draw, splatPasses);
   return pixels!;
+}
+
+/** The canvas with nothing but meshes. */
+export function meshShot({ renderer, scene, camera }: Stage): Promise<Pixels> {
+  renderer.render(scene, camera);
+  return canvasPixels(renderer);
+}
+
+/** Renders the stage into `target` and reads it. */
+export async function targetShot(stage: Stage, target: RenderTarget): Promise<Pixels> {
+  const { renderer, scene, camera } = stage;
+  await drawn(renderer, scene, () => {
+    renderer.setRenderTarget(target);
+    renderer.render(scene, camera);
+    renderer.setRenderTarget(null);
+  });
+  return targetPixels(renderer, target);
+}
+
+export async function targetPixels(renderer: WebGPURenderer, target: RenderTarget): Promise<Pixels> {
+  const { width: widthPx, height: heightPx, texture } = target;
+  const values = await renderer.readRenderTargetPixelsAsync(target, 0, 0, widthPx, heightPx);
+  const bytesPerValue = values.BYTES_PER_ELEMENT;
+  // Rows are padded to 256 bytes.
+  const rowValues = (Math.ceil((4 * widthPx * bytesPerValue) / 256) * 256) / bytesPerValue;
+  const data: number[] = [];
+  for (let y = 0; y < heightPx; y++) {
+    for (let i = 0; i < 4 * widthPx; i++) {
+      const value = values[y * rowValues + i];
+      data.push(values instanceof Uint16Array ? fromHalf(value) : value);
+    }
+  }
+  if (data.some((value) => value === undefined)) throw new Error(`${texture.name} was not read in full.`);
+  return { widthPx, heightPx, data };
+}
+
+function fromHalf(bits: number): number {
+  const sign = bits & 0x8000 ? -1 : 1;
+  const exponent = (bits >> 10) & 31;
+  const fraction = bits & 1023;
+  return sign * (exponent === 0 ? fraction * 2 ** -24 : (1 + fraction / 1024) * 2 ** (exponent - 15));
 }

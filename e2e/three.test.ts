@@ -1,0 +1,448 @@
+import { cameraFromMatrices } from '@websplatter/core';
+import { compareImages, renderReference } from '@websplatter/core/reference';
+import type { Browser } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
+import { launchBrowser, newWatchedPage, type WatchedPage } from './browser.ts';
+import { MIN_PSNR_DB } from './reference.ts';
+import { type AppServer, startAppServer } from './server.ts';
+import { testScene } from './test-scene.ts';
+import type { cases as pageCases } from './three/cases.ts';
+import type { Pixels } from './three/stage.ts';
+
+type Cases = typeof pageCases;
+type CaseName = keyof Cases;
+
+let browser: Browser;
+
+beforeAll(async () => {
+  browser = await launchBrowser();
+});
+afterAll(() => browser?.close());
+
+/** A page with the release of three in `appFolder`; it stays, with its devices and shaders, for all tests in a block. */
+function threePage(appFolder: string) {
+  let server: AppServer;
+  const pages = new Map<string, WatchedPage>();
+  let problemsSeen = 0;
+
+  beforeAll(async () => {
+    server = await startAppServer(appFolder);
+  });
+  afterAll(async () => {
+    for (const { page } of pages.values()) await page.context().close();
+    await server?.close();
+  });
+  afterEach(() => {
+    const problems = [...pages.values()].flatMap((watched) => watched.problems);
+    const fresh = problems.slice(problemsSeen);
+    problemsSeen = problems.length;
+    expect(fresh, 'what the page complained about').toEqual([]);
+  });
+
+  async function open(name: string): Promise<WatchedPage> {
+    const watched = await newWatchedPage(browser, {});
+    pages.set(name, watched);
+    await watched.page.goto(server.url);
+    await watched.page.waitForFunction(() => Boolean(window.cases));
+    return watched;
+  }
+
+  return async function run<Name extends CaseName>(
+    name: Name,
+    ...args: Parameters<Cases[Name]>
+  ): Promise<Awaited<ReturnType<Cases[Name]>>> {
+    // three's renderers share the camera of their output pass; reversed depth spoils it for all others on a page.
+    const kind = args.some((arg) => JSON.stringify(arg)?.includes('reversed')) ? 'reversed' : 'other';
+    const { page } = pages.get(kind) ?? (await open(kind));
+    const call: [string, unknown[]] = [name, args];
+    const result: unknown = await page.evaluate(runCase, call);
+    return result as Awaited<ReturnType<Cases[Name]>>;
+  };
+}
+
+/** Runs in the page. */
+function runCase([name, args]: [string, unknown[]]): unknown {
+  const cases = window.cases as Record<string, (...values: unknown[]) => unknown>;
+  return cases[name](...args);
+}
+
+type Rgba = readonly [number, number, number, number];
+
+/** The pixel at a part of the width and height. */
+function pixelAt({ widthPx, heightPx, data }: Pixels, x: number, y: number): Rgba {
+  const i = 4 * (Math.floor(y * heightPx) * widthPx + Math.floor(x * widthPx));
+  return [data[i], data[i + 1], data[i + 2], data[i + 3]];
+}
+
+const leftOf = (pixels: Pixels) => pixelAt(pixels, 0.25, 0.5);
+const rightOf = (pixels: Pixels) => pixelAt(pixels, 0.75, 0.5);
+
+/** Where `actual` is from `expected`, no channel by more than `tolerance`. */
+function expectPixel(actual: Rgba, expected: Rgba, tolerance = 2): void {
+  const difference = Math.max(...actual.map((value, channel) => Math.abs(value - expected[channel])));
+  expect(difference, `found ${actual}, expected ${expected}`).toBeLessThanOrEqual(tolerance);
+}
+
+/** Each pixel of `actual` against what `expectedOf` makes of the same pixel of `from`. */
+function expectEachPixel(
+  actual: Pixels,
+  from: Pixels,
+  expectedOf: (pixel: Rgba) => Rgba,
+  tolerance = 2,
+): void {
+  expect(actual.data.length).toBe(from.data.length);
+  for (let i = 0; i < from.data.length; i += 4) {
+    expectPixel(rgbaAt(actual, i), expectedOf(rgbaAt(from, i)), tolerance);
+  }
+}
+
+function rgbaAt({ data }: Pixels, i: number): Rgba {
+  return [data[i], data[i + 1], data[i + 2], data[i + 3]];
+}
+
+/** sRGB-encoded 0…255 of linear 0…1. */
+function encoded(linear: number): number {
+  return 255 * (linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055);
+}
+
+/** Linear 0…1 of sRGB-encoded 0…255. */
+function decoded(value: number): number {
+  const part = value / 255;
+  return part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4;
+}
+
+/** White splats of opacity a half over a pixel, as they are trained to look. */
+const underHalfWhite = ([r, g, b, a]: Rgba): Rgba => [(r + 255) / 2, (g + 255) / 2, (b + 255) / 2, a];
+
+const GREY: Rgba = [128, 128, 128, 255];
+const RED: Rgba = [255, 0, 0, 255];
+const BLUE_UNDER_WHITE: Rgba = [128, 128, 255, 255];
+
+/** What a wall in front of the splats on the right, and another behind them, must look like. */
+function expectBetweenMeshes(pixels: Pixels): void {
+  expectPixel(leftOf(pixels), BLUE_UNDER_WHITE);
+  expectPixel(rightOf(pixels), RED);
+}
+
+describe('three 0.187', () => {
+  const run = threePage('e2e/three');
+
+  test('is what the page runs', async () => {
+    expect(await run('revision')).toBe('187');
+  });
+
+  describe('colour', () => {
+    test.each([0x000000, 0x808080, 0xffffff])(
+      'a white splat of half opacity over #%x',
+      async (background) => {
+        const grey = background & 255;
+        const expected = underHalfWhite([grey, grey, grey, 255]);
+        expectPixel(leftOf(await run('over', background)), expected);
+        expectPixel(leftOf(await run('over', background, { antialias: true })), expected);
+      },
+    );
+
+    test.each([{}, { antialias: true }])('over lit meshes with shadows %o', async (parameters) => {
+      const pictures = await run('overLitMeshes', parameters);
+      const brightness = pictures.without.data.filter((_, i) => i % 4 === 0);
+      expect(Math.min(...brightness), 'the shadow').toBeLessThan(0.3 * Math.max(...brightness));
+      expectEachPixel(pictures.with, pictures.without, underHalfWhite);
+    });
+
+    test('is composed before tone mapping', async () => {
+      const { actual, expected } = await run('toneMapped', 0x404040, decoded((255 + 0x40) / 2));
+      expectPixel(leftOf(actual), leftOf(expected), 1);
+    });
+
+    test.each([{}, { antialias: true }])('on a transparent canvas %o', async (parameters) => {
+      // Premultiplied, as the page composes it.
+      expectPixel(leftOf(await run('transparentCanvas', parameters)), [128, 64, 0, 128]);
+    });
+
+    test.each([{}, { antialias: true }])('on a canvas without output pass %o', async (parameters) => {
+      const pixels = await run('withoutOutputPass', parameters);
+      const linear = 255 * decoded(127.5);
+      expectPixel(leftOf(pixels), [linear, linear, linear, 255], 1);
+      expectPixel(rightOf(pixels), RED);
+    });
+
+    test.each([{}, { samples: 4 }, { isFloat: true }])('in a render target, linear %o', async (options) => {
+      const pixels = await run('renderTarget', options);
+      const linear = decoded(127.5);
+      expectPixel(leftOf(pixels), [linear, linear, linear, 1], 1e-3);
+      expectPixel(rightOf(pixels), [1, 0, 0, 1], 1e-3);
+    });
+
+    test.each([{}, { antialias: true }])('after pass() with several outputs %o', async (parameters) => {
+      const pixels = await run('postProcessing', parameters);
+      expectPixel(leftOf(pixels), GREY);
+      expectPixel(rightOf(pixels), RED);
+    });
+
+    test('leaves the samples of pixels without splats alone', async () => {
+      const pictures = await run('multisampledEdge');
+      const values = pictures.without.data.filter((_, i) => i % 4 === 0);
+      expect(values.filter((value) => value > 30 && value < 225).length).toBeGreaterThan(20);
+      expectEachPixel(pictures.with, pictures.without, ([r, g, b, a]) => [r / 2, g / 2, b / 2, a]);
+    });
+  });
+
+  describe('depth', () => {
+    test.each([
+      {},
+      { antialias: true },
+      { stencil: true },
+      { logarithmicDepthBuffer: true },
+      { reversedDepthBuffer: true },
+      { reversedDepthBuffer: true, antialias: true },
+    ])('meshes before and behind %o', async (parameters) => {
+      expectBetweenMeshes(await run('betweenMeshes', parameters));
+    });
+
+    test.each([{}, { logarithmicDepthBuffer: true }, { reversedDepthBuffer: true }])(
+      'of an orthographic camera %o',
+      async (parameters) => {
+        expectBetweenMeshes(await run('betweenMeshesOrthographic', parameters));
+      },
+    );
+
+    test('without a depth buffer nothing hides splats', async () => {
+      expectPixel(leftOf(await run('betweenMeshes', { depth: false })), BLUE_UNDER_WHITE);
+      expectPixel(rightOf(await run('betweenMeshes', { depth: false })), BLUE_UNDER_WHITE);
+      const pixels = await run('renderTarget', { depthBuffer: false });
+      expectPixel(rightOf(pixels), [1, decoded(127.5), decoded(127.5), 1], 1e-3);
+    });
+
+    test.each([{}, { antialias: true }, { logarithmicDepthBuffer: true }, { reversedDepthBuffer: true }])(
+      'is written back on request %o',
+      async (parameters) => {
+        const without = await run('depthWriteBack', false, parameters);
+        expectPixel(leftOf(without), [0, 255, 0, 255]);
+        const written = await run('depthWriteBack', true, parameters);
+        expectPixel(leftOf(written), [230, 230, 230, 255]);
+        expectPixel(rightOf(written), RED);
+      },
+    );
+
+    test('transparent meshes come before and after by their place', async () => {
+      const halfBlue: Rgba = [0, 0, encoded(0.5), 255];
+      const around = await run('transparentMeshes', 1, -1);
+      const splats = underHalfWhite(halfBlue);
+      expectPixel(leftOf(around), splats);
+      const [r, g, b] = splats.map((value) => decoded(value) / 2);
+      expectPixel(rightOf(around), [encoded(r + 0.5), encoded(g), encoded(b), 255]);
+      const behind = await run('transparentMeshes', -1, -2);
+      expectPixel(rightOf(behind), underHalfWhite([encoded(0.5), 0, encoded(0.25), 255]));
+      const inFront = await run('transparentMeshes', 2, 1);
+      const grey = decoded(127.5) / 2;
+      expectPixel(leftOf(inFront), [encoded(grey), encoded(grey), encoded(grey + 0.5), 255]);
+    });
+  });
+
+  describe('views', () => {
+    test.each([{}, { antialias: true }])('several on one canvas, with scissors %o', async (parameters) => {
+      const pixels = await run('viewports', parameters);
+      expectPixel(pixelAt(pixels, 0.1, 0.2), GREY);
+      expectPixel(pixelAt(pixels, 0.4, 0.2), RED);
+      expectPixel(pixelAt(pixels, 0.6, 0.2), [0, 0, 0, 255]);
+      expectPixel(pixelAt(pixels, 0.9, 0.2), RED);
+      expectPixel(pixelAt(pixels, 0.6, 0.7), GREY);
+      expectPixel(pixelAt(pixels, 0.9, 0.7), RED);
+    });
+
+    test('a part of a render target', async () => {
+      const pixels = await run('renderTargetViewport');
+      const linear = decoded(127.5);
+      // From pixel 16, 8 to 48, 40.
+      expectPixel(pixelAt(pixels, 20 / 64, 10 / 64), [linear, linear, linear, 1], 1e-3);
+      expectPixel(pixelAt(pixels, 45 / 64, 38 / 64), [1, 0, 0, 1], 1e-3);
+      for (const [x, y] of [
+        [15, 20],
+        [20, 7],
+        [49, 20],
+        [20, 41],
+      ]) {
+        const [r, g, b] = pixelAt(pixels, x / 64, y / 64);
+        expect([r, g, b], `pixel ${x}, ${y}`).toEqual([0, 0, 0]);
+      }
+    });
+
+    test('the same splats on two canvases', async () => {
+      const [black, white] = await run('twoRenderers');
+      expectPixel(leftOf(black), GREY);
+      expectPixel(leftOf(white), [255, 255, 255, 255]);
+    });
+
+    test('a canvas that changes its size', async () => {
+      const { before, after } = await run('resize');
+      expect([after.widthPx, after.heightPx]).toEqual([96, 48]);
+      for (const pixels of [before, after]) {
+        expectPixel(leftOf(pixels), GREY);
+        expectPixel(rightOf(pixels), RED);
+      }
+    });
+
+    test('compiled before they are first drawn', async () => {
+      for (const pixels of await run('compileAsync')) {
+        expectPixel(leftOf(pixels), GREY);
+        expectPixel(rightOf(pixels), RED);
+      }
+    });
+
+    test('are left alone by an override material', async () => {
+      const pixels = await run('overrideMaterial');
+      expectPixel(leftOf(pixels), [0, 0, 0, 255]);
+      expectPixel(rightOf(pixels), [0, 255, 0, 255]);
+    });
+
+    test('say where they cannot be drawn, once, and go on elsewhere', async () => {
+      const { errors, after } = await run('arrayCamera');
+      expect(errors).toEqual([expect.stringMatching(/^SplatsPassError: .*ArrayCamera.*Render each camera/)]);
+      expectPixel(leftOf(after), GREY);
+    });
+  });
+
+  describe('three’s own state goes on', () => {
+    test('stencil', async () => {
+      const pixels = await run('stencil');
+      expectPixel(leftOf(pixels), GREY);
+      expectPixel(rightOf(pixels), [0, 255, 0, 255]);
+    });
+
+    test('occlusion queries', async () => {
+      const pixels = await run('occlusionQuery');
+      expectPixel(leftOf(pixels), GREY);
+      expectPixel(rightOf(pixels), RED);
+    });
+
+    test.each([{}, { antialias: true }])('bundles, before the splats %o', async (parameters) => {
+      expectBetweenMeshes(await run('bundleGroup', parameters));
+    });
+  });
+
+  describe('clouds', () => {
+    test('are sorted together', async () => {
+      // Red, green and red again, each covering half of what is behind.
+      expectPixel(leftOf(await run('interleavedClouds')), [255 * 0.625, 255 * 0.25, 0, 255]);
+    });
+
+    const transforms: Record<string, number[]> = {
+      rigid: [0.8, 0, -0.6, 0, 0, 1, 0, 0, 0.6, 0, 0.8, 0, 0.2, 0.1, 0, 1],
+      scaled: [1.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1, 0, -0.5, 0.5, 0, 1],
+      mirrored: [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 2, 0, 0, 1],
+      sheared: [1, 0, 0, 0, 0.7, 1, 0.2, 0, 0, 0.3, 1, 0, 0, 0, 0, 1],
+    };
+    test.each(Object.keys(transforms))('%s, against float64', async (name) => {
+      const { picture, camera, modelMatrix } = await run('transformed', transforms[name]);
+      const { widthPx, heightPx } = picture;
+      const reference = renderReference({
+        clouds: [{ set: testScene(), modelMatrix }],
+        camera: cameraFromMatrices(camera.viewMatrix, camera.projectionMatrix, camera),
+        widthPx,
+        heightPx,
+      });
+      const actual = Float64Array.from(picture.data, (value) => value / 255);
+      const options = { widthPx, heightPx, background: [0, 0, 0], quantize: 'png' } as const;
+      expect(compareImages(actual, reference.data, options).psnrDb).toBeGreaterThan(MIN_PSNR_DB);
+    });
+
+    test('are shown by their opacity, visibility and layers', async () => {
+      const { shown, faint, gone, hidden, otherLayer } = await run('shownParts');
+      expectPixel(leftOf(shown), GREY);
+      expectPixel(leftOf(faint), [64, 64, 64, 255]);
+      for (const pixels of [gone, hidden, otherLayer]) expectPixel(leftOf(pixels), [0, 0, 0, 255]);
+    });
+
+    test('are uploaded once each, whatever comes and goes, and leave nothing', async () => {
+      expect(await run('uploads')).toEqual({
+        uploadsOfOne: 1,
+        uploadsInAll: 2,
+        // Two clouds and their layer.
+        childrenWith: 3,
+        childrenAfter: 0,
+        bytesLeft: 0,
+      });
+    });
+
+    test('are sorted again only where something has moved', async () => {
+      expect(await run('stillness')).toEqual({ still: 0, moved: 1 });
+    });
+
+    test('are picked exactly and hit by rays coarsely', async () => {
+      const { pick, otherCloud, nothing, ray } = await run('pickAndRaycast');
+      expect(pick).toMatchObject({ splatIndex: 1, isOwn: true });
+      expect(pick!.point[0]).toBeCloseTo(-1, 1);
+      expect(pick!.point[2]).toBeCloseTo(0, 1);
+      expect([otherCloud, nothing]).toEqual([null, null]);
+      expect(ray).toMatchObject({ isLeft: true });
+      expect(ray!.distance).toBeCloseTo(Math.hypot(ray!.point[0], ray!.point[1], 3 - ray!.point[2]), 5);
+      expect(ray!.distance).toBeLessThan(Math.hypot(1, 3));
+    });
+  });
+
+  test('stage timings reach their listeners', async () => {
+    expect(await run('stageTimings')).toBe(1);
+  });
+
+  test('the loss of a device is told, its disposal not', async () => {
+    expect(await run('deviceLoss')).toEqual(['destroyed']);
+  });
+});
+
+describe('three 0.185', () => {
+  const run = threePage('e2e/three/oldest');
+
+  test('is what the page runs', async () => {
+    expect(await run('revision')).toBe('185');
+  });
+
+  test.each([{}, { antialias: true }, { logarithmicDepthBuffer: true }, { reversedDepthBuffer: true }])(
+    'meshes before and behind %o',
+    async (parameters) => {
+      expectBetweenMeshes(await run('betweenMeshes', parameters));
+    },
+  );
+
+  test.each([{}, { samples: 4 }])('render target %o', async (options) => {
+    const linear = decoded(127.5);
+    expectPixel(leftOf(await run('renderTarget', options)), [linear, linear, linear, 1], 1e-3);
+  });
+
+  test('viewports with scissors', async () => {
+    const pixels = await run('viewports', {});
+    expectPixel(pixelAt(pixels, 0.1, 0.2), GREY);
+    expectPixel(pixelAt(pixels, 0.6, 0.2), [0, 0, 0, 255]);
+    expectPixel(pixelAt(pixels, 0.6, 0.7), GREY);
+  });
+
+  test('canvas without output pass', async () => {
+    const linear = 255 * decoded(127.5);
+    expectPixel(leftOf(await run('withoutOutputPass', {})), [linear, linear, linear, 255], 1);
+  });
+
+  test('pass() with several outputs', async () => {
+    expectPixel(leftOf(await run('postProcessing', {})), GREY);
+  });
+
+  test('depth is written back', async () => {
+    expectPixel(leftOf(await run('depthWriteBack', true, {})), [230, 230, 230, 255]);
+  });
+
+  test('lit meshes with shadows', async () => {
+    const pictures = await run('overLitMeshes', {});
+    expectEachPixel(pictures.with, pictures.without, underHalfWhite);
+  });
+
+  test('occlusion queries and bundles', async () => {
+    expectPixel(leftOf(await run('occlusionQuery', {})), GREY);
+    expectBetweenMeshes(await run('bundleGroup', {}));
+  });
+
+  test('compiled before they are first drawn', async () => {
+    for (const pixels of await run('compileAsync')) expectPixel(leftOf(pixels), GREY);
+  });
+
+  test('are uploaded once each, and leave nothing', async () => {
+    expect(await run('uploads')).toMatchObject({ uploadsOfOne: 1, uploadsInAll: 2, bytesLeft: 0 });
+  });
+});
