@@ -6,6 +6,10 @@ export interface DeviceOptions {
   /** An adapter that no device has been requested of yet: each gives one. */
   readonly adapter?: GPUAdapter;
   readonly powerPreference?: GPUPowerPreference;
+  /** What a renderer that shares the device can use besides: requested where the adapter has it. */
+  readonly optionalFeatures?: readonly GPUFeatureName[];
+  /** Limits that a renderer that shares the device needs. */
+  readonly requiredLimits?: Readonly<Record<string, number>>;
 }
 
 /** Used where the adapter has them; nothing needs them. */
@@ -20,14 +24,16 @@ const OPTIONAL_FEATURES: readonly GPUFeatureName[] = [
 const WIDENED_LIMITS = ['maxBufferSize', 'maxStorageBufferBindingSize'] as const;
 
 /**
- * A device with what the engine can use of the adapter.
+ * A device with what the engine, and who shares the device, can use of the adapter.
  *
  * @throws WebGpuUnavailableError where there is no WebGPU, no adapter or no device.
  */
 export async function requestSplatDevice(options: DeviceOptions = {}): Promise<GPUDevice> {
   const adapter = options.adapter ?? (await requestAdapter(options));
-  const requiredFeatures = OPTIONAL_FEATURES.filter((feature) => adapter.features.has(feature));
-  const requiredLimits = Object.fromEntries(WIDENED_LIMITS.map((limit) => [limit, adapter.limits[limit]]));
+  const wanted = new Set([...OPTIONAL_FEATURES, ...(options.optionalFeatures ?? [])]);
+  const requiredFeatures = [...wanted].filter((feature) => adapter.features.has(feature));
+  const widened = Object.fromEntries(WIDENED_LIMITS.map((limit) => [limit, adapter.limits[limit]]));
+  const requiredLimits = { ...options.requiredLimits, ...widened };
   try {
     return await adapter.requestDevice({ label: 'websplatter', requiredFeatures, requiredLimits });
   } catch (cause) {

@@ -6,12 +6,35 @@ import { hasWebGpuBackend } from './three-bridge.ts';
 /** What three's WebGPURenderer takes, and the engine. */
 export interface SplatRendererParameters
   extends Omit<WebGPURendererParameters, 'device' | 'forceWebGL' | 'powerPreference' | 'requiredLimits'> {
+  /** Limits of the device that the application needs, by name; three's own default is none. */
+  readonly requiredLimits?: Readonly<Record<string, number>>;
   /** How exactly splats are drawn, and how fast; default `balanced`. */
   readonly accuracy?: Accuracy;
   readonly powerPreference?: GPUPowerPreference | 'default';
   /** Where WebGPU is to be had; default `navigator.gpu`. */
   readonly gpu?: GPU;
 }
+
+/** What three asks of a device that it makes itself, where the adapter has it. */
+const THREE_FEATURES = [
+  'depth-clip-control',
+  'depth32float-stencil8',
+  'texture-compression-bc',
+  'texture-compression-bc-sliced-3d',
+  'texture-compression-etc2',
+  'texture-compression-astc',
+  'texture-compression-astc-sliced-3d',
+  'indirect-first-instance',
+  'shader-f16',
+  'rg11b10ufloat-renderable',
+  'bgra8unorm-storage',
+  'float32-filterable',
+  'clip-distances',
+  'dual-source-blending',
+  'subgroups',
+  'texture-formats-tier1',
+  'texture-formats-tier2',
+] as readonly GPUFeatureName[];
 
 interface RendererState {
   readonly engine: SplatEngine;
@@ -32,12 +55,15 @@ export async function createSplatRenderer({
   accuracy,
   gpu,
   powerPreference,
+  requiredLimits,
   ...parameters
 }: SplatRendererParameters = {}): Promise<WebGPURenderer> {
   const engine = await SplatEngine.create({
     accuracy,
     gpu,
     powerPreference: powerPreference === 'default' ? undefined : powerPreference,
+    optionalFeatures: THREE_FEATURES,
+    requiredLimits,
   });
   try {
     const renderer = new WebGPURenderer({ ...parameters, device: engine.device });
