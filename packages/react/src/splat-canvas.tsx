@@ -39,7 +39,7 @@ export function SplatCanvas({ accuracy, gl: parameters, ...props }: SplatCanvasP
         'the GPU has, or the driver may be at fault. Reload the page to try again.',
     );
   }
-  return <Canvas {...props} key={`${losses.length} ${JSON.stringify(accuracy)}`} gl={gl} />;
+  return <Canvas key={`${losses.length} ${JSON.stringify(accuracy)}`} {...props} gl={gl} />;
 }
 
 async function retried<T>(make: () => Promise<T>): Promise<T> {

@@ -1,0 +1,339 @@
+import { encodePly, type SplatSet, shRestWordsPerSplat } from '@websplatter/core';
+import type { Page } from 'playwright-core';
+import { expect, it } from 'vitest';
+import { appHarness } from './harness.ts';
+import type { CanvasDescription, SplatsDescription } from './react/main.tsx';
+import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
+import { changedPart, screenshot } from './screenshot.ts';
+import { testScene } from './test-scene.ts';
+
+/** Rows of `dots.ply`: small opaque splats, far enough apart for each to have pixels of its own. */
+const DOTS = [
+  [1, 0.5, 0],
+  [-1, -0.5, 0],
+  [0, 0, 0],
+  [-0.9, 0.6, 0],
+  [0.9, -0.7, 0],
+] as const;
+
+const sceneFile = encodePly(testScene());
+const files = {
+  'a.ply': sceneFile,
+  'b.ply': encodePly(dots(DOTS)),
+  'dots.ply': encodePly(dots(DOTS)),
+  'dot.ply': encodePly(dots([[0, 0, 0]])),
+};
+const harness = appHarness('e2e/react', files);
+
+function dots(positions: readonly (readonly number[])[]): SplatSet {
+  const count = positions.length;
+  const wordsPerSplat = shRestWordsPerSplat(0, 'f32');
+  return {
+    ...testScene(),
+    count,
+    positions: Float32Array.from(positions.flat()),
+    logScales: new Float32Array(3 * count).fill(Math.log(0.1)),
+    rotations: Float32Array.from({ length: 4 * count }, (_, i) => (i % 4 === 0 ? 1 : 0)),
+    opacityLogits: new Float32Array(count).fill(6),
+    colorDc: new Float32Array(3 * count).fill(1),
+    shRest: { degree: 0, precision: 'f32', wordsPerSplat, words: new Uint32Array(0) },
+    fileIndices: Uint32Array.from(positions, (_, i) => i),
+  };
+}
+
+const SPLATS: SplatsDescription = { id: 'a', src: 'a.ply' };
+
+/** A Canvas as most tests want it. */
+function canvas(changes: Partial<CanvasDescription> = {}): CanvasDescription {
+  return { id: 'canvas', kind: 'splats', splats: [SPLATS], ...changes };
+}
+
+const show = (page: Page, ...canvases: CanvasDescription[]) =>
+  page.evaluate((list) => window.page.show(list), canvases);
+
+const logOf = (page: Page) => page.evaluate(() => window.page.log);
+
+/** Waits until the page has written `entry` down, `times` times. */
+async function waitForLog(page: Page, entry: string, times = 1): Promise<void> {
+  await page
+    .waitForFunction(
+      ([text, least]) => window.page.log.filter((each) => each === text).length >= least,
+      [entry, times] as const,
+      { timeout: 20_000 },
+    )
+    .catch(async (error) => {
+      throw new Error(`No "${entry}" among ${JSON.stringify(await logOf(page))}`, { cause: error });
+    });
+}
+
+async function open(...canvases: CanvasDescription[]): Promise<Page> {
+  const page = await harness.open('');
+  await page.waitForFunction(() => 'page' in window);
+  await show(page, ...canvases);
+  return page;
+}
+
+const countersOf = (page: Page, id = 'canvas') =>
+  page.evaluate((name) => window.page.engine(name).counters(), id);
+
+/** Frames of the Canvas so far, as counted by the engine and by three, which draws two passes for each. */
+async function framesOf(page: Page): Promise<{ splats: number; passes: number }> {
+  return page.evaluate(() => {
+    const { render } = window.page.canvases.get('canvas')!.gl.info as { render: { calls: number } };
+    return { splats: window.page.engine('canvas').counters().framesDrawn, passes: render.calls };
+  });
+}
+
+const plus = ({ splats, passes }: { splats: number; passes: number }, frames: number) => ({
+  splats: splats + frames,
+  passes: passes + 2 * frames,
+});
+
+const nextFrames = (page: Page) =>
+  page.evaluate(
+    () => new Promise<void>((resolve) => requestAnimationFrame(() => requestAnimationFrame(() => resolve()))),
+  );
+
+const picture = (page: Page) => screenshot(page.getByTestId('canvas'));
+
+const resourcesOf = (page: Page) =>
+  page.evaluate(() => ({
+    ...window.page.countResources(),
+    engineBytes: window.page.engine('canvas').memory().totalBytes,
+  }));
+
+/** Where a point is on the page, in CSS pixels; the first canvas is at its top left. */
+function projected(page: Page, point: readonly number[]): Promise<[number, number]> {
+  return page.evaluate(
+    ([x, y, z]) => {
+      const { camera, size } = window.page.canvases.get('canvas')!;
+      const clip = camera.position.clone().set(x, y, z).project(camera);
+      return [((clip.x + 1) / 2) * size.width, ((1 - clip.y) / 2) * size.height];
+    },
+    [...point],
+  );
+}
+
+const pickAt = (page: Page, id: string, place: readonly [number, number]) =>
+  page.evaluate(
+    async ([name, [x, y]]) => {
+      const object = window.page.objects.get(name)!;
+      const hit = await object.pick(x, y);
+      return (
+        hit && { splatIndex: hit.splatIndex, point: hit.point.toArray(), isItself: hit.object === object }
+      );
+    },
+    [id, place] as const,
+  );
+
+it('suspends, loads, and draws as the float64 reference does over any background', async () => {
+  const page = await open(canvas({ background: 'black' }));
+  await waitForLog(page, 'a firstframe');
+  expect(await logOf(page)).toEqual([
+    'canvas created',
+    // three's LoadingManager, which progress bars listen to.
+    'manager start a.ply',
+    'canvas suspended',
+    'manager idle',
+    'canvas resumed',
+    'a load a.ply',
+    'a firstframe',
+  ]);
+  const { camera } = await page.evaluate(() => {
+    const { matrixWorldInverse, projectionMatrix, near, far } = window.page.canvases.get('canvas')!.camera;
+    const [viewMatrix, projection] = [matrixWorldInverse.elements, projectionMatrix.elements];
+    return { camera: { viewMatrix, projectionMatrix: projection, near, far, modelMatrices: [null] } };
+  });
+  for (const [name, level] of [
+    ['black', 0],
+    ['white', 1],
+    ['#808080', 128 / 255],
+  ] as const) {
+    await show(page, canvas({ background: name }));
+    await nextFrames(page);
+    const background: [number, number, number] = [level, level, level];
+    const psnrDb = psnrAgainstReference(await picture(page), { ...camera, background }, [testScene()]);
+    expect(psnrDb, `PSNR over ${name}, dB`).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  }
+});
+
+it('draws no frame unless asked, and then one', async () => {
+  const quiet = canvas({ frameloop: 'demand', background: 'black', timings: 'inside' });
+  const page = await open(quiet);
+  await waitForLog(page, 'a firstframe');
+  await page.waitForFunction(() => window.page.statistics.length > 0);
+  await page.waitForTimeout(300);
+  const before = await framesOf(page);
+  await page.waitForTimeout(2000);
+  expect(await framesOf(page), 'frames after 2 s').toEqual(before);
+  for (let i = 1; i <= 3; i++) {
+    await page.evaluate(() => window.page.canvases.get('canvas')!.invalidate());
+    await page.waitForTimeout(150);
+    expect(await framesOf(page), `frames after ${i} calls of invalidate()`).toEqual(plus(before, i));
+  }
+
+  const { uploads } = await countersOf(page);
+  const rendersBefore = await page.evaluate(() => window.page.timingRenders);
+  const opaque = await picture(page);
+  const changed = { ...SPLATS, opacity: 0.2, position: [0, 0.2, 0] as const };
+  await show(page, { ...quiet, splats: [changed] });
+  await page.waitForTimeout(300);
+  expect(await framesOf(page), 'frames after a change of props').toEqual(plus(before, 4));
+  expect(changedPart(opaque, await picture(page))).toBeGreaterThan(0.1);
+  expect((await countersOf(page)).uploads, 'uploads').toBe(uploads);
+
+  // Measurements came, and rendered nothing but text: the one render is that of the props above, twice by StrictMode.
+  expect(await page.evaluate(() => window.page.timingRenders)).toBe(rendersBefore + 2);
+  const overlay = page.getByRole('group', { name: 'Cost of the splats per frame' });
+  const text = await overlay.innerText();
+  for (const row of ['Pre-process', 'Sort', 'Rasterize', 'Frame']) {
+    expect(text).toMatch(new RegExp(`${row}\\s+\\d+\\.\\d\\d ms`));
+  }
+  expect(text).toMatch(/Splats loaded\s+400\s/);
+  expect(text).toContain('GPU timestamps');
+  expect(
+    await overlay.evaluate((element) =>
+      element.closest('[data-testid]')?.contains(document.querySelector('canvas')),
+    ),
+  ).toBe(true);
+});
+
+it('reads a file once and uploads it once, however often it is shown, and keeps it while a new one is read', async () => {
+  const second = { id: 'second', src: 'a.ply', position: [1, 0, 0] as const };
+  const requestsBefore = harness.server.requests('a.ply');
+  const page = await open(canvas({ splats: [SPLATS, second] }));
+  await waitForLog(page, 'second firstframe');
+  expect(harness.server.requests('a.ply') - requestsBefore).toBe(1);
+  const both = await countersOf(page);
+  expect(both.uploads).toBe(1);
+
+  await show(page, canvas({ splats: [SPLATS] }));
+  await nextFrames(page);
+  expect(await countersOf(page)).toMatchObject({ uploads: 1, cloudsDestroyed: 0 });
+
+  // Never read to its end: the old splats stay, and nothing is suspended.
+  await show(page, canvas({ splats: [{ id: 'a', src: 'endless.ply' }] }));
+  await expect.poll(() => harness.server.requests('endless.ply')).toBeGreaterThan(0);
+  const { framesDrawn } = await countersOf(page);
+  await nextFrames(page);
+  expect((await countersOf(page)).framesDrawn).toBeGreaterThan(framesDrawn);
+  await show(page, canvas({ splats: [{ id: 'a', src: 'b.ply' }] }));
+  await harness.server.whenEndlessFileIsDropped();
+  await waitForLog(page, 'a firstframe', 2);
+  expect(await countersOf(page)).toMatchObject({ uploads: 2, cloudsDestroyed: 1 });
+  const log = await logOf(page);
+  expect(log.filter((entry) => entry === 'canvas suspended')).toHaveLength(1);
+  expect(log).toContain('a load b.ply');
+
+  // Another Canvas is another device: what was read is uploaded to it, not fetched for it, and leaves the first.
+  const requests = harness.server.requests('b.ply');
+  await show(
+    page,
+    canvas({ splats: [] }),
+    canvas({ id: 'other', accuracy: { alphaCutoff: 0.01 }, splats: [{ id: 'a', src: 'b.ply' }] }),
+  );
+  await waitForLog(page, 'a firstframe', 3);
+  expect(harness.server.requests('b.ply')).toBe(requests);
+  expect(await countersOf(page, 'other')).toMatchObject({ uploads: 1 });
+  expect(await page.evaluate(() => window.page.engine('other').accuracy.alphaCutoff)).toBe(0.01);
+  await expect.poll(() => countersOf(page)).toMatchObject({ cloudsDestroyed: 2 });
+});
+
+it('aborts the fetch of what is unmounted', async () => {
+  const page = await open(canvas({ splats: [{ id: 'a', src: 'endless.ply' }] }));
+  await waitForLog(page, 'canvas suspended');
+  await expect.poll(() => harness.server.requests('endless.ply')).toBeGreaterThan(0);
+  await show(page, canvas({ splats: [] }));
+  await harness.server.whenEndlessFileIsDropped();
+});
+
+it('leaves nothing behind after 50 mounts and unmounts', async () => {
+  const page = await open(canvas({ splats: [] }));
+  await waitForLog(page, 'canvas created');
+  const mount = async (i: number) => {
+    const isUnmountedWhileLoading = i % 5 === 4;
+    const src = isUnmountedWhileLoading ? `endless.ply?${i}` : `a.ply?${i}`;
+    await show(page, canvas({ splats: [{ id: `a${i}`, src }] }));
+    if (isUnmountedWhileLoading) await page.waitForTimeout(50);
+    else await waitForLog(page, `a${i} firstframe`);
+    await show(page, canvas({ splats: [] }));
+  };
+  // The first one makes what stays for all: pipelines and whatever three keeps.
+  await mount(0);
+  await page.waitForTimeout(1000);
+  const before = await resourcesOf(page);
+  expect(before).toMatchObject({ engineBytes: 0, workers: 0 });
+  for (let i = 1; i <= 50; i++) await mount(i);
+  await expect.poll(() => resourcesOf(page), { timeout: 5000 }).toEqual(before);
+  expect(await page.evaluate(() => window.page.effects), 'StrictMode mounts twice').toBeGreaterThanOrEqual(
+    80,
+  );
+});
+
+it('comes back from the loss of its device by itself, and tells where it cannot', async () => {
+  const bare = canvas({ id: 'bare', kind: 'bare', splats: [{ id: 'b', src: 'b.ply' }] });
+  const page = await open(canvas({ background: 'black' }), bare);
+  for (const id of ['a', 'b']) await waitForLog(page, `${id} firstframe`);
+  const requests = ['a.ply', 'b.ply'].map(harness.server.requests);
+  const before = await picture(page);
+  await page.evaluate(() => {
+    for (const id of ['canvas', 'bare']) window.page.engine(id).device.destroy();
+  });
+  await waitForLog(page, 'a devicelost');
+  await waitForLog(page, 'b devicelost');
+  await waitForLog(page, 'a firstframe', 2);
+  await nextFrames(page);
+  expect(changedPart(before, await picture(page), 0)).toBe(0);
+  expect(['a.ply', 'b.ply'].map(harness.server.requests), 'fetches').toEqual(requests);
+  const log = await logOf(page);
+  const times = (entry: string) => log.filter((each) => each === entry).length;
+  expect(['a', 'b'].map((id) => times(`${id} devicelost`))).toEqual([1, 1]);
+  expect(['canvas', 'bare'].map((id) => times(`${id} created`))).toEqual([2, 1]);
+});
+
+it('sends pointer events to splats, and picks the row of the file under a pixel', async () => {
+  const dot = { id: 'dot', src: 'dot.ply', hasEvents: true };
+  const page = await open(canvas({ splats: [dot], frameloop: 'demand' }));
+  await waitForLog(page, 'dot firstframe');
+  const middle = await projected(page, [0, 0, 0]);
+  await page.mouse.move(...middle);
+  await page.mouse.click(...middle);
+  await page.mouse.move(2, 2);
+  await page.mouse.click(2, 2);
+  const events = (await logOf(page)).slice(-5);
+  expect(events).toEqual(['dot over', 'dot click', 'dot out', 'dot missed', 'canvas missed']);
+
+  const dense = canvas({ dpr: 2, splats: [{ id: 'dots', src: 'dots.ply' }], frameloop: 'demand' });
+  await show(page, dense);
+  await waitForLog(page, 'dots firstframe');
+  await nextFrames(page);
+  for (const [row, position] of DOTS.entries()) {
+    const hit = await pickAt(page, 'dots', await projected(page, position));
+    expect(hit, `row ${row}`).toMatchObject({ splatIndex: row, isItself: true });
+    for (const axis of [0, 1, 2]) expect(hit!.point[axis]).toBeCloseTo(position[axis], 1);
+  }
+  expect(await pickAt(page, 'dots', [2, 2])).toBeNull();
+});
+
+it('says what to do in a Canvas with a WebGLRenderer', async () => {
+  harness.expectProblem(/createSplatRenderer/);
+  const page = await open(canvas({ kind: 'webgl' }));
+  await expect
+    .poll(() => logOf(page))
+    .toContainEqual(
+      expect.stringMatching(/fallback SplatsUnsupportedRendererError: .*<Canvas gl={createSplatRenderer}>/),
+    );
+});
+
+it('comes back from the end of the GPU process', async () => {
+  const page = await open(canvas({ background: 'black' }));
+  await waitForLog(page, 'a firstframe');
+  const before = await picture(page);
+  for (const problem of [/WebGPU Device Lost/, /external Instance reference/]) harness.expectProblem(problem);
+  const session = await harness.browser.newBrowserCDPSession();
+  await session.send('Browser.crashGpuProcess' as never).catch(() => {});
+  await waitForLog(page, 'a devicelost');
+  await waitForLog(page, 'a firstframe', 2);
+  await nextFrames(page);
+  expect(changedPart(before, await picture(page), 0)).toBe(0);
+});

@@ -1,0 +1,187 @@
+// A page that shows what a test describes, and writes down what happens to it.
+import { Canvas, type RootState } from '@react-three/fiber';
+import {
+  type Accuracy,
+  createSplatRenderer,
+  type FrameStatistics,
+  SplatCanvas,
+  Splats,
+  SplatsFallback,
+  type SplatsObject,
+  StageTimings,
+  splatEngineOf,
+  useStageTimings,
+} from '@websplatter/react';
+import { type ReactNode, StrictMode, Suspense, useEffect, useRef, useState } from 'react';
+import { createRoot } from 'react-dom/client';
+import { DefaultLoadingManager } from 'three';
+import { countResources } from './resources.ts';
+
+export interface SplatsDescription {
+  readonly id: string;
+  readonly src: string;
+  readonly position?: readonly [number, number, number];
+  readonly opacity?: number;
+  readonly visible?: boolean;
+  /** Has handlers of pointer events, which are written down. */
+  readonly hasEvents?: boolean;
+}
+
+export interface CanvasDescription {
+  /** Another id is another Canvas. */
+  readonly id: string;
+  /** `splats`: SplatCanvas; `bare`: Canvas with createSplatRenderer; `webgl`: Canvas as it is by default. */
+  readonly kind: 'splats' | 'bare' | 'webgl';
+  readonly frameloop?: 'always' | 'demand';
+  readonly background?: string;
+  /** Of a `splats` Canvas. */
+  readonly accuracy?: Accuracy;
+  /** Physical pixels per CSS pixel, default 1. */
+  readonly dpr?: number;
+  /** Not `flat`: tone-mapped. */
+  readonly isToneMapped?: boolean;
+  readonly splats: readonly SplatsDescription[];
+  /** Where the overlay stands in the tree; `outside` of `bare` ones alone. */
+  readonly timings?: 'inside' | 'outside';
+}
+
+const page = {
+  /** What has happened, in order: the id of what it happened to, and its name. */
+  log: [] as string[],
+  /** By id, the newest of each Canvas. */
+  canvases: new Map<string, RootState>(),
+  objects: new Map<string, SplatsObject>(),
+  statistics: [] as FrameStatistics[],
+  /** Times that a component has rendered whose only interest is in measurements. */
+  timingRenders: 0,
+  /** Effects that StrictMode has run. */
+  effects: 0,
+  countResources,
+  show: (canvases: readonly CanvasDescription[]) => root.render(<Page canvases={canvases} />),
+  engine: (id: string) => splatEngineOf(page.canvases.get(id)!.gl),
+};
+
+declare global {
+  interface Window {
+    page: typeof page;
+  }
+}
+
+function note(id: string, what: string): void {
+  page.log.push(`${id} ${what}`);
+}
+
+function fileName(url: string): string {
+  return url.replace(/^.*\//, '');
+}
+
+function Page({ canvases }: { canvases: readonly CanvasDescription[] }): ReactNode {
+  return (
+    <StrictMode>
+      {canvases.map((canvas) => (
+        <div key={canvas.id} className="canvas" data-testid={canvas.id}>
+          <SplatsFallback fallback={(error) => noted(canvas.id, `fallback ${error.name}: ${error.message}`)}>
+            <OneCanvas {...canvas} />
+          </SplatsFallback>
+        </div>
+      ))}
+    </StrictMode>
+  );
+}
+
+function noted(id: string, what: string): ReactNode {
+  note(id, what);
+  return null;
+}
+
+function OneCanvas(description: CanvasDescription): ReactNode {
+  const { id, kind, isToneMapped, background, splats, timings, frameloop, accuracy, dpr = 1 } = description;
+  const [renderer, setRenderer] = useState<object | null>(null);
+  const canvasProps = {
+    flat: !isToneMapped,
+    // Canvas asks for another kind of shadow map by default, which three warns to have removed.
+    shadows: 'percentage' as const,
+    dpr,
+    frameloop,
+    camera: { position: [1.5, 1, 5], fov: 50, near: 0.1, far: 100 } as const,
+    onCreated: (state: RootState) => {
+      page.canvases.set(id, state);
+      setRenderer(state.gl);
+      note(id, 'created');
+    },
+    onPointerMissed: () => note(id, 'missed'),
+  };
+  const children = (
+    <>
+      {background && <color attach="background" args={[background]} />}
+      <Suspense fallback={<Waiting id={id} />}>
+        {splats.map((each) => (
+          <OneSplats key={each.id} {...each} />
+        ))}
+      </Suspense>
+      {timings && <Timings />}
+      {timings === 'inside' && <StageTimings corner="bottom-right" />}
+    </>
+  );
+  if (kind === 'splats') {
+    return (
+      <SplatCanvas {...canvasProps} accuracy={accuracy}>
+        {children}
+      </SplatCanvas>
+    );
+  }
+  return (
+    <>
+      <Canvas {...canvasProps} gl={kind === 'bare' ? createSplatRenderer : undefined}>
+        {children}
+      </Canvas>
+      {timings === 'outside' && <StageTimings renderer={renderer} />}
+    </>
+  );
+}
+
+function Waiting({ id }: { id: string }): ReactNode {
+  useEffect(() => {
+    note(id, 'suspended');
+    return () => note(id, 'resumed');
+  }, [id]);
+  return null;
+}
+
+function OneSplats({ id, hasEvents, position, ...props }: SplatsDescription): ReactNode {
+  const object = useRef<SplatsObject>(null);
+  useEffect(() => {
+    page.effects++;
+    page.objects.set(id, object.current!);
+    return () => void page.objects.delete(id);
+  }, [id]);
+  const events = {
+    onClick: () => note(id, 'click'),
+    onPointerOver: () => note(id, 'over'),
+    onPointerOut: () => note(id, 'out'),
+    onPointerMissed: () => note(id, 'missed'),
+  };
+  return (
+    <Splats
+      ref={object}
+      {...props}
+      position={position && [...position]}
+      onLoad={(splats) => note(id, `load ${fileName(splats.name)}`)}
+      onFirstFrame={() => note(id, 'firstframe')}
+      onDeviceLost={() => note(id, 'devicelost')}
+      {...(hasEvents ? events : {})}
+    />
+  );
+}
+
+function Timings(): ReactNode {
+  page.timingRenders++;
+  useStageTimings((statistics) => page.statistics.push(statistics));
+  return null;
+}
+
+DefaultLoadingManager.onStart = (url) => note('manager', `start ${fileName(url)}`);
+DefaultLoadingManager.onLoad = () => note('manager', 'idle');
+
+window.page = page;
+const root = createRoot(document.getElementById('root')!);
