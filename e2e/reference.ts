@@ -10,12 +10,15 @@ import type { DrawnCamera } from './viewer-page.ts';
  */
 export const MIN_PSNR_DB = 45;
 
-/** PSNR of a screenshot against `sets` in float64, from the camera and under the matrices that the viewer says it used. */
-export function psnrAgainstReference(
-  { widthPx, heightPx, data }: Screenshot,
+/**
+ * Draws `sets` in float64, from the camera and under the matrices that a page says it used. Returns a function that tells
+ * the PSNR of a screenshot of that size against it.
+ */
+export function referencePicture(
   drawn: DrawnCamera,
   sets: readonly SplatSet[],
-): number {
+  { widthPx, heightPx }: Pick<Screenshot, 'widthPx' | 'heightPx'>,
+): (shot: Screenshot) => number {
   const { viewMatrix, projectionMatrix, near, far, modelMatrices, opacities, background } = drawn;
   const camera = cameraFromMatrices(viewMatrix, projectionMatrix, { near, far });
   const clouds = sets.map((set, i) => ({
@@ -24,6 +27,17 @@ export function psnrAgainstReference(
     opacity: opacities?.[i],
   }));
   const reference = renderReference({ clouds, camera, widthPx, heightPx });
-  const actual = Float64Array.from(data, (value) => value / 255);
-  return compareImages(actual, reference.data, { widthPx, heightPx, background, quantize: 'png' }).psnrDb;
+  return ({ data }) => {
+    const actual = Float64Array.from(data, (value) => value / 255);
+    return compareImages(actual, reference.data, { widthPx, heightPx, background, quantize: 'png' }).psnrDb;
+  };
+}
+
+/** PSNR of a single screenshot against the same. */
+export function psnrAgainstReference(
+  shot: Screenshot,
+  drawn: DrawnCamera,
+  sets: readonly SplatSet[],
+): number {
+  return referencePicture(drawn, sets, shot)(shot);
 }

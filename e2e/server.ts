@@ -1,9 +1,11 @@
+import { execFile } from 'node:child_process';
 import { mkdtemp, rm } from 'node:fs/promises';
 import type { ServerResponse } from 'node:http';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { build, type Plugin, preview } from 'vite';
+import { promisify } from 'node:util';
+import { type Plugin, preview } from 'vite';
 
 const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 
@@ -29,7 +31,7 @@ export interface AppServer {
 export async function startAppServer(appFolder: string, files: ServedFiles = {}): Promise<AppServer> {
   const configFile = join(repositoryRoot, appFolder, 'vite.config.ts');
   const outDir = await mkdtemp(join(tmpdir(), 'websplatter-app-'));
-  await build({ configFile, logLevel: 'error', build: { outDir, emptyOutDir: true } });
+  await buildApp(configFile, outDir);
   const requests = new Map<string, number>();
   let dropped = withResolvers();
   const testFiles: Plugin = {
@@ -80,6 +82,14 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
       await rm(outDir, { recursive: true, force: true });
     },
   };
+}
+
+/** In a process of its own: Vitest's has a NODE_ENV and export conditions that change what is built. */
+async function buildApp(configFile: string, outDir: string): Promise<void> {
+  const vite = join(repositoryRoot, 'node_modules/vite/bin/vite.js');
+  const args = ['build', '--config', configFile, '--outDir', outDir, '--emptyOutDir', '--logLevel', 'error'];
+  const { NODE_ENV: _, NODE_OPTIONS: __, ...env } = process.env;
+  await promisify(execFile)(process.execPath, [vite, ...args], { env });
 }
 
 function endlessHeader(splats: number): string {

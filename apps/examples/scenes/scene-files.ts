@@ -1,29 +1,36 @@
-import { encodePly } from '@websplatter/core';
-import { stillLife } from '@websplatter/scenes';
 import type { Plugin } from 'vite';
 import { ring } from './ring.ts';
 
 /** The files that the examples show. Made by code, so that the repository needs no captures. */
-const SCENES: Readonly<Record<string, () => Uint8Array>> = {
-  'still-life.ply': () => encodePly(stillLife({ splats: 60_000, shDegree: 1 })),
-  'ring.ply': () => encodePly(ring()),
-};
+const SCENE_FILES = ['still-life.ply', 'ring.ply'] as const;
+
+async function sceneFile(name: (typeof SCENE_FILES)[number]): Promise<Uint8Array> {
+  // Not before they are needed: a server of what has been built does without them.
+  const { encodePly } = await import('@websplatter/core');
+  const { stillLife } = await import('@websplatter/scenes');
+  return encodePly(name === 'ring.ply' ? ring() : stillLife({ splats: 60_000, shDegree: 1 }));
+}
 
 /** Serves the scenes as files beside the app, and builds them into it. */
 export function sceneFiles(): Plugin {
   return {
     name: 'scene-files',
     configureServer({ middlewares }) {
-      for (const [fileName, make] of Object.entries(SCENES)) {
-        middlewares.use(`/${fileName}`, (_request, response) => {
-          response.setHeader('content-type', 'application/octet-stream');
-          response.end(make());
+      for (const name of SCENE_FILES) {
+        middlewares.use(`/${name}`, async (_request, response, next) => {
+          try {
+            const bytes = await sceneFile(name);
+            response.setHeader('content-type', 'application/octet-stream');
+            response.end(bytes);
+          } catch (error) {
+            next(error);
+          }
         });
       }
     },
-    generateBundle() {
-      for (const [fileName, make] of Object.entries(SCENES))
-        this.emitFile({ type: 'asset', fileName, source: make() });
+    async generateBundle() {
+      for (const name of SCENE_FILES)
+        this.emitFile({ type: 'asset', fileName: name, source: await sceneFile(name) });
     },
   };
 }

@@ -31,7 +31,7 @@ const DESCRIPTIONS = [
   {
     name: 'suspense',
     title: 'Suspense',
-    about: 'A placeholder while a file is loading, and a progress bar that needs no wiring.',
+    about: 'A placeholder in the scene while a file is loading, and a progress bar over it.',
   },
   {
     name: 'several-views',

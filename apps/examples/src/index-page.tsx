@@ -11,7 +11,7 @@ export function IndexPage({ missing }: { missing: string | null }) {
       </header>
       <ol>
         {EXAMPLES.map(({ name, title, about }) => (
-          <li key={name}>
+          <li key={name} className="index-entry">
             <a href={`?example=${name}`}>
               <h2>{title}</h2>
               <p>{about}</p>

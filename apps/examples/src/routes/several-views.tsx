@@ -17,7 +17,9 @@ export default function SeveralViews() {
       </Canvas>
       <ul className="view-names">
         {VIEWS.map(({ name }) => (
-          <li key={name}>{name}</li>
+          <li key={name} className="view-name">
+            {name}
+          </li>
         ))}
       </ul>
     </>

@@ -1,19 +1,29 @@
-import { Loader, OrbitControls } from '@react-three/drei';
+import { OrbitControls, useProgress } from '@react-three/drei';
 import { Canvas } from '@react-three/fiber';
 import { createSplatRenderer, Splats } from '@websplatter/react';
-import { Suspense } from 'react';
+import { Suspense, useRef } from 'react';
 
 export default function WithSuspense() {
+  const bar = useRef<HTMLProgressElement>(null);
+  // Of three's LoadingManager, which hears of splats as it does of textures and models.
+  const { active, item } = useProgress();
+  const showProgress = ({ loaded, total }: ProgressEvent) => {
+    if (bar.current && total > 0) bar.current.value = loaded / total;
+  };
   return (
     <>
       <Canvas gl={createSplatRenderer} flat camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         <Suspense fallback={<Placeholder />}>
-          <Splats src="still-life.ply" />
+          <Splats src="still-life.ply" onProgress={showProgress} />
         </Suspense>
         <OrbitControls />
       </Canvas>
-      {/* Hears of the load from three's LoadingManager, as of any texture's or model's. */}
-      <Loader containerStyles={{ background: 'transparent', alignItems: 'end', paddingBottom: 40 }} />
+      {active && (
+        <label className="panel">
+          Loading {item.split('/').at(-1)}
+          <progress ref={bar} />
+        </label>
+      )}
     </>
   );
 }
@@ -22,7 +32,7 @@ function Placeholder() {
   return (
     <mesh rotation-x={-Math.PI / 2}>
       <circleGeometry args={[0.6, 48]} />
-      <meshBasicMaterial color="#888888" wireframe />
+      <meshBasicMaterial color="#8a8f99" wireframe />
     </mesh>
   );
 }

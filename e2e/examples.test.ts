@@ -1,0 +1,293 @@
+import { encodePly, perspectiveCamera, type SplatSet, type Vec3 } from '@websplatter/core';
+import { stillLife } from '@websplatter/scenes';
+import type { Page } from 'playwright-core';
+import { describe, expect, it } from 'vitest';
+import { ring } from '../apps/examples/scenes/ring.ts';
+import { appHarness } from './harness.ts';
+import { MIN_PSNR_DB, referencePicture } from './reference.ts';
+import { changedPart, type Screenshot, screenshot } from './screenshot.ts';
+import { testScene } from './test-scene.ts';
+import { splatSet } from './three/splats.ts';
+import type { DrawnCamera } from './viewer-page.ts';
+
+const harness = appHarness('apps/examples');
+
+/** SwiftShader draws these pages at a few frames per second. */
+const PATIENCE = { timeout: 60_000, interval: 250 };
+
+/** The colour of the page behind a canvas, in the light. */
+const PAGE_COLOR = [0xf4 / 255, 0xf5 / 255, 0xf7 / 255] as const;
+
+/** The page of an example, with `scene` in place of the still life. */
+async function openExample(name: string, scene: SplatSet | Promise<SplatSet>): Promise<Page> {
+  const page = await harness.newPage();
+  await page.route('**/still-life.ply', async (route) =>
+    route.fulfill({ body: Buffer.from(encodePly(await scene)) }),
+  );
+  await page.goto(`${harness.server.url}?example=${name}`);
+  return page;
+}
+
+/** The picture in the canvas, without the controls over it. */
+function picture(page: Page): Promise<Screenshot> {
+  return screenshot(page.locator('canvas'), '.panel, .view-names { visibility: hidden !important; }');
+}
+
+type Size = Pick<Screenshot, 'widthPx' | 'heightPx'>;
+
+const sizeOf = async (page: Page): Promise<Size> => picture(page);
+
+/** What a camera at `position`, by default that of most examples, shows of clouds without transforms, over the page. */
+function drawnFrom(
+  position: Vec3,
+  { widthPx, heightPx }: Size,
+  { target = [0, 0, 0], fovYDegrees = 50, near = 0.05, far = 1000 }: Partial<CameraOptions> = {},
+): DrawnCamera {
+  const aspect = widthPx / heightPx;
+  const camera = perspectiveCamera({ position, target, fovYDegrees, aspect, near, far });
+  return {
+    viewMatrix: Array.from(camera.viewMatrix),
+    projectionMatrix: Array.from(camera.projectionMatrix),
+    near,
+    far,
+    modelMatrices: [null],
+    background: [...PAGE_COLOR],
+  };
+}
+
+interface CameraOptions {
+  readonly target: Vec3;
+  readonly fovYDegrees: number;
+  readonly near: number;
+  readonly far: number;
+}
+
+/** Column-major: a scaling, then a turn about x, then a move along x. */
+function modelMatrix(x: number, angleX = 0, scale: Vec3 = [1, 1, 1]): number[] {
+  const [sine, cosine] = [Math.sin(angleX), Math.cos(angleX)];
+  const columns = [
+    [scale[0], 0, 0, 0],
+    [0, scale[1] * cosine, scale[1] * sine, 0],
+    [0, -scale[2] * sine, scale[2] * cosine, 0],
+    [x, 0, 0, 1],
+  ];
+  return columns.flat();
+}
+
+function colorAt({ widthPx, data }: Screenshot, xPx: number, yPx: number): number[] {
+  const offset = 4 * (Math.round(yPx) * widthPx + Math.round(xPx));
+  return [...data.subarray(offset, offset + 3)];
+}
+
+describe('examples', () => {
+  it('are listed, reached by keyboard, and show their source', async () => {
+    const page = await harness.open('');
+    const links = page.getByRole('listitem').getByRole('link');
+    expect(await links.count()).toBe(7);
+    const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
+    await page.keyboard.press('Tab');
+    await page.keyboard.press('Enter');
+    await page.waitForURL(`**/${hrefs[0]}`);
+    expect(await page.title()).toContain('A first splat');
+    await page.getByRole('button', { name: 'Source' }).click();
+    const source = page.getByRole('dialog');
+    await source.getByText('export default function FirstSplat').waitFor();
+    await page.keyboard.press('Escape');
+    await source.waitFor({ state: 'hidden' });
+    await page.getByRole('link', { name: 'Examples' }).click();
+    await links.first().waitFor();
+    await page.goto(`${harness.server.url}?example=second-splat`);
+    expect(await page.getByRole('alert').textContent()).toContain('second-splat');
+  });
+
+  it('say what is missing where there is no WebGPU', async () => {
+    const page = await harness.newPage();
+    await page.addInitScript(() =>
+      Object.defineProperty(Navigator.prototype, 'gpu', { get: () => undefined }),
+    );
+    // React tells of what a boundary has caught.
+    harness.expectProblem(/WebGpuUnavailableError/);
+    await page.goto(`${harness.server.url}?example=first-splat`);
+    expect(await page.getByRole('alert').textContent(PATIENCE)).toContain('WebGPU');
+  });
+
+  it('first-splat shows the file as the float64 reference does', async () => {
+    const page = await openExample('first-splat', testScene());
+    const size = await sizeOf(page);
+    const psnrDb = referencePicture(drawnFrom([0.12, 0.45, 1.44], size), [testScene()], size);
+    await expect.poll(async () => psnrDb(await picture(page)), PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  });
+
+  it('mesh-through-splats: a mesh in front hides splats, one behind shows through', async () => {
+    // A sheet of white fog through the middle of the ball's path.
+    const page = await openExample('mesh-through-splats', splatSet([{ opacity: 0.5 }]));
+    const size = await sizeOf(page);
+    const camera = drawnFrom([0.1, 0.35, 1.5], size);
+    const ballColorAt = async (z: number) => {
+      await page.getByRole('slider').evaluate((slider: HTMLInputElement, value) => {
+        slider.value = String(value);
+      }, z);
+      const { xPx, yPx } = projected(camera, [0, 0.18, z], size);
+      return async () => colorAt(await picture(page), xPx, yPx);
+    };
+    const inFront = await ballColorAt(0.5);
+    await expect.poll(inFront, PATIENCE).toSatisfy(([red, green]) => red > 1.5 * green);
+    const bare = await inFront();
+    const veiled = bare.map((value) => 0.5 * value + 0.5 * 255);
+    await expect
+      .poll(await ballColorAt(-0.5), PATIENCE)
+      .toSatisfy((color: number[]) => color.every((value, i) => Math.abs(value - veiled[i]) < 12));
+  });
+
+  it('two-clouds sorts both as one, each with its transform and opacity', async () => {
+    const page = await openExample('two-clouds', testScene());
+    const size = await sizeOf(page);
+    const drawn: DrawnCamera = {
+      ...drawnFrom([0, 1.2, 3.4], size, { near: 0.1 }),
+      modelMatrices: [modelMatrix(-0.55), modelMatrix(0.55, Math.PI / 2, [-0.85, 0.85, 0.85])],
+    };
+    const psnrAs = (changes: Partial<DrawnCamera> = {}) => {
+      const psnrDb = referencePicture({ ...drawn, ...changes }, [ring(), ring()], size);
+      return async () => psnrDb(await picture(page));
+    };
+    await expect.poll(psnrAs(), PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    // The comparison can fail: the second ring not mirrored.
+    const unmirrored = [drawn.modelMatrices[0], modelMatrix(0.55, Math.PI / 2, [0.85, 0.85, 0.85])];
+    expect(await psnrAs({ modelMatrices: unmirrored })()).toBeLessThan(MIN_PSNR_DB);
+
+    await page.getByRole('slider').fill('0.5');
+    await expect.poll(psnrAs({ opacities: [1, 0.5] }), PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  });
+
+  it('picking says which splat was clicked and puts a marker on it', async () => {
+    const scale = [0.08, 0.08, 0.08] as const;
+    const opacity = 0.97;
+    const rows: Vec3[] = [
+      [0.3, 0.1, 0],
+      // Behind the row that comes after it, as the camera sees it.
+      [-0.12, -0.45, -1.44],
+      [0, 0, 0],
+      [-0.3, 0, 0.2],
+    ];
+    const page = await openExample(
+      'picking',
+      splatSet(rows.map((position) => ({ position, scale, opacity, color: [0, 0.3, 0.6] }))),
+    );
+    const size = await sizeOf(page);
+    const camera = drawnFrom([0.12, 0.45, 1.44], size);
+    await expect
+      .poll(async () => colorAt(await picture(page), size.widthPx / 2, size.heightPx / 2), PATIENCE)
+      .toSatisfy(([red, , blue]) => blue > red + 60);
+    for (const row of [2, 0, 3]) {
+      const { xPx, yPx, depthView } = projected(camera, rows[row], size);
+      await page.locator('canvas').click({ position: { x: xPx, y: yPx } });
+      await page
+        .getByText(`Row ${row} · depth ${depthView.toFixed(3)}`)
+        .waitFor({ timeout: PATIENCE.timeout });
+      await expect
+        .poll(async () => colorAt(await picture(page), xPx, yPx), PATIENCE)
+        .toSatisfy(([red, green, blue]) => red > 200 && green < 120 && blue < 200);
+    }
+  });
+
+  it('demand-loop draws one frame for each that is asked for, and none besides', async () => {
+    const page = await openExample('demand-loop', stillLife({ splats: 5000, shDegree: 0 }));
+    const frames = async () => Number(await page.locator('output').textContent());
+    await expect.poll(async () => new Set((await picture(page)).data).size, PATIENCE).toBeGreaterThan(100);
+    // Shaders and data that become ready ask for frames of their own.
+    let atRest = await frames();
+    await expect
+      .poll(async () => {
+        const before = atRest;
+        await page.waitForTimeout(500);
+        atRest = await frames();
+        return atRest - before;
+      }, PATIENCE)
+      .toBe(0);
+    const shotAtRest = await picture(page);
+    await page.waitForTimeout(2000);
+    expect(await frames()).toBe(atRest);
+    for (const more of [1, 2, 3]) {
+      await page.getByRole('button', { name: 'Draw one more' }).click();
+      await expect.poll(frames, PATIENCE).toBe(atRest + more);
+    }
+    await page.waitForTimeout(300);
+    expect(await frames()).toBe(atRest + 3);
+    expect(changedPart(shotAtRest, await picture(page), 0)).toBe(0);
+  });
+
+  it('suspense shows a placeholder and a progress bar until the file is there', async () => {
+    let deliver = (_scene: SplatSet) => {};
+    const page = await openExample(
+      'suspense',
+      new Promise<SplatSet>((resolve) => {
+        deliver = resolve;
+      }),
+    );
+    const bar = page.getByRole('progressbar', { name: 'Loading still-life.ply' });
+    await bar.waitFor({ timeout: PATIENCE.timeout });
+    const pageColor = PAGE_COLOR.map((value) => 255 * value);
+    await expect.poll(async () => part(await picture(page), pageColor), PATIENCE).toBeLessThan(0.99);
+    deliver(testScene());
+    await bar.waitFor({ state: 'detached', timeout: PATIENCE.timeout });
+    const size = await sizeOf(page);
+    const psnrDb = referencePicture(drawnFrom([0.12, 0.45, 1.44], size), [testScene()], size);
+    await expect.poll(async () => psnrDb(await picture(page)), PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  });
+
+  it('several-views shows each camera its own picture', async () => {
+    const page = await openExample('several-views', testScene());
+    const positions: Vec3[] = [
+      [0.1, 0.45, 1.5],
+      [-1.45, 0.5, 0.6],
+      [0, 1.8, 0.3],
+    ];
+    const { widthPx, heightPx } = await sizeOf(page);
+    const size = { widthPx: widthPx / positions.length, heightPx };
+    const views = positions.map((position) => {
+      const camera = { target: [0, 0.2, 0] as const, fovYDegrees: 45, far: 400 };
+      return referencePicture(drawnFrom(position, size, camera), [testScene()], size);
+    });
+    const worstPsnrDb = async () => {
+      const shot = await picture(page);
+      const strips = views.map((_, i) => columnsOf(shot, i * size.widthPx, size.widthPx));
+      return Math.min(...views.map((psnrDb, i) => psnrDb(strips[i])));
+    };
+    await expect.poll(worstPsnrDb, PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  });
+});
+
+/** Part of the pixels that have a colour, within 2 of 255. */
+function part({ data }: Screenshot, color: readonly number[]): number {
+  let count = 0;
+  for (let i = 0; i < data.length; i += 4)
+    if (color.every((value, c) => Math.abs(data[i + c] - value) <= 2)) count++;
+  return count / (data.length / 4);
+}
+
+/** A strip of a picture, as high as it is. */
+function columnsOf({ widthPx, heightPx, data }: Screenshot, xPx: number, stripWidthPx: number): Screenshot {
+  const strip = new Uint8Array(4 * stripWidthPx * heightPx);
+  for (let y = 0; y < heightPx; y++) {
+    const start = 4 * (y * widthPx + xPx);
+    strip.set(data.subarray(start, start + 4 * stripWidthPx), 4 * y * stripWidthPx);
+  }
+  return { widthPx: stripWidthPx, heightPx, data: strip };
+}
+
+/** Where a camera sees a point: CSS pixels from the top left, and its depth. */
+function projected(
+  { viewMatrix: v, projectionMatrix: p }: DrawnCamera,
+  [x, y, z]: Vec3,
+  { widthPx, heightPx }: Size,
+): { xPx: number; yPx: number; depthView: number } {
+  const [xView, yView, zView] = [0, 1, 2].map(
+    (row) => v[row] * x + v[4 + row] * y + v[8 + row] * z + v[12 + row],
+  );
+  const depthView = -zView;
+  return {
+    xPx: ((p[0] * xView) / depthView / 2 + 0.5) * widthPx,
+    yPx: (0.5 - (p[5] * yView) / depthView / 2) * heightPx,
+    depthView,
+  };
+}
