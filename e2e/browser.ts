@@ -4,20 +4,30 @@ import { type Browser, type BrowserContextOptions, chromium, type Page } from 'p
 
 const executablePath = process.env.CHROMIUM_PATH ?? '/usr/bin/chromium';
 
-/** WebGPU on SwiftShader, with canvases on Vulkan too: without that the first `getCurrentTexture` ends WebGPU. */
-const SWIFTSHADER_ARGS = [
+/** `WEBSPLATTER_BROWSER_GPU=1` runs the tests on this machine's GPU; by default they run everywhere alike, on the CPU. */
+const usesGpu = process.env.WEBSPLATTER_BROWSER_GPU === '1';
+
+const COMMON_ARGS = [
   '--headless=new',
   '--no-sandbox',
   '--enable-unsafe-webgpu',
-  '--use-webgpu-adapter=swiftshader',
   '--disable-background-networking',
   '--disable-component-update',
   '--disable-sync',
-  '--use-gl=angle',
   '--use-angle=vulkan',
-  '--use-vulkan=swiftshader',
   // Without it Chromium 156 finds no shared image that both WebGPU and the compositor can use.
   '--enable-features=Vulkan',
+];
+
+/** WebGPU on SwiftShader, with canvases on Vulkan too: without that the first `getCurrentTexture` ends WebGPU. */
+const SWIFTSHADER_ARGS = ['--use-webgpu-adapter=swiftshader', '--use-gl=angle', '--use-vulkan=swiftshader'];
+
+/** Without a display there is no Vulkan surface, and the sandbox of the GPU process hides the driver's files. */
+const GPU_ARGS = [
+  '--use-webgpu-adapter=default',
+  '--ignore-gpu-blocklist',
+  '--disable-gpu-sandbox',
+  '--disable-vulkan-surface',
 ];
 
 /**
@@ -31,8 +41,14 @@ function vulkanEnvironment(): Record<string, string> {
 }
 
 export function launchBrowser(): Promise<Browser> {
-  const env = { ...process.env, ...vulkanEnvironment() } as Record<string, string>;
-  return chromium.launch({ executablePath, args: SWIFTSHADER_ARGS, env });
+  const env = { ...process.env, ...(!usesGpu && vulkanEnvironment()) } as Record<string, string>;
+  return chromium.launch({
+    executablePath,
+    args: [...COMMON_ARGS, ...(usesGpu ? GPU_ARGS : SWIFTSHADER_ARGS)],
+    // Playwright turns the GPU off where there is no display.
+    ignoreDefaultArgs: usesGpu ? ['--disable-gpu', '--disable-software-rasterizer'] : [],
+    env,
+  });
 }
 
 /** A page and everything that it complained about; a test passes only where that is nothing. */
