@@ -250,6 +250,30 @@ describe('three 0.187', () => {
       expectPixel(pixelAt(pixels, 0.9, 0.7), RED);
     });
 
+    test.each([{}, { antialias: true }])('in a mirror, and beside it %o', async (parameters) => {
+      const pixels = await run('mirror', parameters);
+      const [outside, inside] = [pixelAt(pixels, 16 / 64, 34 / 64), pixelAt(pixels, 35 / 64, 35 / 64)];
+      for (const [r, g, b] of [outside, inside]) {
+        expect(Math.min(r, g), `${r}, ${g}, ${b}`).toBeGreaterThan(200);
+        expect(b).toBeLessThan(10);
+      }
+      // The box is in front of the splat, and seen in the mirror, too.
+      expectPixel(pixelAt(pixels, 10 / 64, 40 / 64), [0, 0, 255, 255]);
+      expectPixel(pixelAt(pixels, 40 / 64, 36 / 64), [0, 0, 255, 255]);
+      for (let i = 0; i < pixels.data.length; i += 4) {
+        const [r, g, b] = rgbaAt(pixels, i);
+        expect(r > 60 && b > 60 && g < 30, 'something behind the mirror').toBe(false);
+      }
+    });
+
+    test('behind an oblique near plane', async () => {
+      expectBetweenMeshes(await run('obliqueNearPlane', 1.5));
+      // On the left it passes between the splat and the wall behind.
+      const cut = await run('obliqueNearPlane', 2.8);
+      expectPixel(leftOf(cut), [0, 0, 255, 255]);
+      expectPixel(rightOf(cut), RED);
+    });
+
     test('a part of a render target', async () => {
       const pixels = await run('renderTargetViewport');
       const linear = decoded(127.5);

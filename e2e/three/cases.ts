@@ -239,7 +239,27 @@ export const cases = {
     );
   },
 
-  /** A mirror on the right, at an angle; a splat on the left and a wall behind the camera that it shows. */
+  /**
+   * The walls and the splat between them, with a near plane that leans to the left, as mirrors use it.
+   *
+   * @param distance of that plane along the line of sight.
+   */
+  obliqueNearPlane: async (distance: number, parameters: RendererParameters = {}) => {
+    const stage = await newStage(parameters);
+    const { renderer, scene, camera } = stage;
+    scene.add(rightHalf(wall(0xff0000, 0.5)), wall(0x0000ff, -0.5), splatCloud({}));
+    // three makes the matrix for the kind of clip space when it renders with the camera for the first time.
+    renderer.render(scene, camera);
+    const [normalX, normalZ, scale] = [0.5, -0.866, 0.8];
+    const row = [normalX, 0, normalZ, normalZ * distance];
+    row.forEach((value, column) => {
+      camera.projectionMatrix.elements[4 * column + 2] = scale * value;
+    });
+    camera.projectionMatrixInverse.copy(camera.projectionMatrix).invert();
+    return shot(stage);
+  },
+
+  /** A mirror on the right, at an angle; a yellow splat before a blue box, and a magenta splat behind the mirror. */
   mirror: async (parameters: RendererParameters = {}) => {
     const stage = await newStage(parameters);
     const { scene } = stage;

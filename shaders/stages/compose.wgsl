@@ -42,6 +42,8 @@ fn fragmentMain(@builtin(position) position: vec4f) -> Picture {
   var picture: Picture;
   picture.color = select(vec4f(0.0), vec4f(color, opacity), splats.a > 0.0);
   @if(DEPTH_LAYER) let depthView = textureLoad(depthLayer, pixel, 0).r / max(splats.a, 0.5);
-  @if(DEPTH_LAYER) picture.depth = vec4f(select(-1.0, storedDepth(max(depthView, 1e-30), hostDepth), splats.a >= 0.5), 0.0, 0.0, 0.0);
+  @if(DEPTH_LAYER) let ndc = (position.xy / vec2f(textureDimensions(layer)) * 2.0 - 1.0) * vec2f(1.0, -1.0);
+  @if(DEPTH_LAYER) let depth = storedDepth(max(depthView, 1e-30), ndc, hostDepth);
+  @if(DEPTH_LAYER) picture.depth = vec4f(select(-1.0, depth, splats.a >= 0.5), 0.0, 0.0, 0.0);
   return picture;
 }

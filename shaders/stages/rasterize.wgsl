@@ -64,10 +64,10 @@ fn vertexMain(@builtin(vertex_index) vertex: u32, @builtin(instance_index) insta
 
   let offset = cornerPx - splat.centerPx;
   var varyings: Varyings;
-  let ndc = cornerPx / view.sizePx * 2.0 - 1.0;
+  let ndc = (cornerPx / view.sizePx * 2.0 - 1.0) * vec2f(1.0, -1.0);
   @if(!DEPTH_TEST) let depth = 0.0;
-  @if(DEPTH_TEST) let depth = storedDepth(splat.depthView, hostDepth);
-  varyings.position = vec4f(ndc.x, -ndc.y, depth, 1.0);
+  @if(DEPTH_TEST) let depth = storedDepth(splat.depthView, ndc, hostDepth);
+  varyings.position = vec4f(ndc, depth, 1.0);
   varyings.local = vec2f(dot(offset, majorUnit) / majorLengthPx, dot(offset, minorUnit) / splat.minorLengthPx);
   varyings.color = splat.color;
   @if(DEPTH_LAYER) varyings.depthView = splat.depthView;

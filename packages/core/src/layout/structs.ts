@@ -103,7 +103,7 @@ export const ProjectedSplatF32 = gpuStruct('ProjectedSplat', {
 });
 
 /** How the renderer around stores depth: see `DepthMapping`. */
-export const HostDepth = gpuStruct('HostDepth', { offset: 'f32', factor: 'f32' });
+export const HostDepth = gpuStruct('HostDepth', { slope: 'vec2f', offset: 'f32', factor: 'f32' });
 
 /** Where the splats' picture lies in the host's textures. */
 export const HostViewport = gpuStruct('HostViewport', { originPx: 'vec2u' });
