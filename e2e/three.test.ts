@@ -291,6 +291,24 @@ describe('three 0.187', () => {
       }
     });
 
+    test('the faces of a cube', async () => {
+      const faces = await run('cubeCamera');
+      const grey: Rgba = [decoded(127.5), decoded(127.5), decoded(127.5), 1];
+      const tops = faces.map((face) => pixelAt(face, 0.5, 0.25));
+      // One of them looks at a wall that reaches down to the horizon.
+      const hidden = tops.findIndex(([, g]) => g === 0);
+      expectPixel(tops[hidden], [1, 0, 0, 1], 1e-3);
+      expectPixel(tops[1 - hidden], grey, 1e-3);
+      for (const face of faces) expectPixel(pixelAt(face, 0.5, 0.75), grey, 1e-3);
+    });
+
+    test.each([true, false])('larger than the canvas, output pass: %s', async (hasOutputPass) => {
+      const pixels = await run('viewportBeyondCanvas', hasOutputPass);
+      const grey = hasOutputPass ? 128 : 255 * decoded(127.5);
+      for (const x of [0.02, 0.45]) expectPixel(pixelAt(pixels, x, 0.02), [grey, grey, grey, 255]);
+      for (const x of [0.55, 0.98]) expectPixel(pixelAt(pixels, x, 0.98), RED);
+    });
+
     test('the same splats on two canvases', async () => {
       const [black, white] = await run('twoRenderers');
       expectPixel(leftOf(black), GREY);

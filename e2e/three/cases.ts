@@ -42,6 +42,7 @@ import {
 import { testScene } from '../test-scene.ts';
 import { splatCloud, splatData } from './splats.ts';
 import {
+  drawn,
   makeRenderer,
   meshShot,
   newScene,
@@ -52,6 +53,7 @@ import {
   type Stage,
   shot,
   shotOf,
+  targetPixels,
   targetShot,
 } from './stage.ts';
 
@@ -460,18 +462,34 @@ export const cases = {
     return { errors, after: await shot(stage) };
   },
 
+  /** A white splat on the right of a cube camera, and a red wall that hides half of another on its left; both faces. */
   cubeCamera: async () => {
     const stage = await newStage();
     const { renderer, scene } = stage;
-    const cloud = splatCloud({});
-    const errors = errorsOf(cloud);
-    scene.add(rightHalf(wall(0xff0000, 0.5)), cloud);
     const target = new CubeRenderTarget(SIZE_PX, { type: HalfFloatType });
     const cube = new CubeCamera(0.1, 100, target);
-    cube.position.z = 3;
-    scene.add(cube);
-    cube.update(renderer, scene);
-    return { errors, after: await shot(stage) };
+    const upright = [0.001, 500, 500] as const;
+    const hiding = new Mesh(new PlaneGeometry(20, 20), new MeshBasicMaterial({ color: 0xff0000 }));
+    hiding.rotation.y = Math.PI / 2;
+    hiding.position.set(-1, 10, 0);
+    scene.add(
+      cube,
+      hiding,
+      splatCloud({ position: [2, 0, 0], scale: upright }, { position: [-2, 0, 0], scale: upright }),
+    );
+    await drawn(renderer, scene, () => cube.update(renderer, scene), 6);
+    const faces: Pixels[] = [];
+    for (const face of [0, 1]) faces.push(await targetPixels(renderer, target, face));
+    return faces;
+  },
+
+  /** A viewport that is larger than the canvas and begins outside of it. */
+  viewportBeyondCanvas: async (hasOutputPass: boolean) => {
+    const stage = await newStage();
+    if (!hasOutputPass) stage.renderer.outputColorSpace = LinearSRGBColorSpace;
+    stage.renderer.setViewport(-16, -16, SIZE_PX + 32, SIZE_PX + 32);
+    stage.scene.add(rightHalf(wall(0xff0000, 0.5)), splatCloud({}));
+    return shot(stage);
   },
 
   /** A mask before the splats decides about a wall after them. */

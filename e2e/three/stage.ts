@@ -163,9 +163,13 @@ export async function targetShot(stage: Stage, target: RenderTarget): Promise<Pi
   return targetPixels(renderer, target);
 }
 
-export async function targetPixels(renderer: WebGPURenderer, target: RenderTarget): Promise<Pixels> {
+export async function targetPixels(
+  renderer: WebGPURenderer,
+  target: RenderTarget,
+  face = 0,
+): Promise<Pixels> {
   const { width: widthPx, height: heightPx, texture } = target;
-  const values = await renderer.readRenderTargetPixelsAsync(target, 0, 0, widthPx, heightPx);
+  const values = await renderer.readRenderTargetPixelsAsync(target, 0, 0, widthPx, heightPx, 0, face);
   const bytesPerValue = values.BYTES_PER_ELEMENT;
   // Rows are padded to 256 bytes.
   const rowValues = (Math.ceil((4 * widthPx * bytesPerValue) / 256) * 256) / bytesPerValue;

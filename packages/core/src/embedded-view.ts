@@ -28,6 +28,8 @@ export interface HostPass {
   /** Top left of the viewport within both, in pixels. */
   readonly xPx: number;
   readonly yPx: number;
+  /** Layer of textures that have several, e.g. a cube's face; default 0. */
+  readonly layer?: number;
 }
 
 /** Splats over what was behind them, of the viewport's size. Valid until the view draws again. */
@@ -222,7 +224,8 @@ export class EmbeddedView {
     return this.#textures;
   }
 
-  #recordResolve(encoder: GPUCommandEncoder, { depth, xPx, yPx }: HostPass, target: GPUTexture): void {
+  #recordResolve(encoder: GPUCommandEncoder, host: HostPass, target: GPUTexture): void {
+    const { depth, xPx, yPx } = host;
     if (!depth) {
       throw new InvalidArgumentError(
         'depth',
@@ -246,7 +249,7 @@ export class EmbeddedView {
     pass.setPipeline(pipelines.render(stage, resolveDepthState)!);
     const bindings = {
       viewport: this.#depthViewport.buffer,
-      hostDepths: depth.createView({ aspect: 'depth-only' }),
+      hostDepths: layerView(depth, host, { aspect: 'depth-only' }),
     };
     pass.setBindGroup(0, pipelines.bindGroup(stage, bindings));
     pass.draw(3);
@@ -274,7 +277,7 @@ export class EmbeddedView {
     const bindings = {
       viewport: this.#colorViewport.buffer,
       layer: layer.color!.createView(),
-      behind: behind.createView(),
+      behind,
       ...(layer.depth && { depthLayer: layer.depth.createView(), hostDepth: layer.frame!.hostDepth! }),
     };
     pass.setBindGroup(0, pipelines.bindGroup(stage, bindings));
@@ -283,14 +286,11 @@ export class EmbeddedView {
   }
 
   /** The host's colour where it can be bound, else a copy of what the viewport shows of it. */
-  #readable(
-    encoder: GPUCommandEncoder,
-    { color, xPx, yPx }: HostPass,
-    { width, height }: GPUTexture,
-  ): GPUTexture {
+  #readable(encoder: GPUCommandEncoder, host: HostPass, { width, height }: GPUTexture): GPUTextureView {
+    const { color, xPx, yPx, layer = 0 } = host;
     if (color.usage & GPUTextureUsage.TEXTURE_BINDING) {
       this.#colorViewport.write(xPx, yPx);
-      return color;
+      return layerView(color, host);
     }
     this.#colorViewport.write(0, 0);
     if (this.#behindCopy?.format !== color.format) {
@@ -302,9 +302,16 @@ export class EmbeddedView {
         usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST,
       });
     }
-    const source = { texture: color, origin: [xPx, yPx] };
-    encoder.copyTextureToTexture(source, { texture: this.#behindCopy }, [width, height]);
-    return this.#behindCopy;
+    const copy = this.#behindCopy;
+    // A viewport may reach beyond its target.
+    const [left, top] = [Math.max(0, xPx), Math.max(0, yPx)];
+    const [right, bottom] = [Math.min(color.width, xPx + width), Math.min(color.height, yPx + height)];
+    if (right > left && bottom > top) {
+      const from = { texture: color, origin: [left, top, layer] };
+      const to = { texture: copy, origin: [left - xPx, top - yPx] };
+      encoder.copyTextureToTexture(from, to, [right - left, bottom - top]);
+    }
+    return copy.createView();
   }
 
   #free(...textures: (GPUTexture | null | undefined)[]): void {
@@ -317,6 +324,16 @@ export class EmbeddedView {
     this.#statistics = statistics;
     this.onStatistics?.(statistics);
   }
+}
+
+/** The layer of one of the host's textures that its pass is about. */
+function layerView(
+  texture: GPUTexture,
+  { layer = 0 }: HostPass,
+  options: GPUTextureViewDescriptor = {},
+): GPUTextureView {
+  const baseArrayLayer = texture.depthOrArrayLayers > 1 ? layer : 0;
+  return texture.createView({ ...options, dimension: '2d', baseArrayLayer, arrayLayerCount: 1 });
 }
 
 /** A `HostViewport` on the GPU, written when it changes. */

@@ -59,6 +59,7 @@ export function openPass(renderer: WebGPURenderer, camera: Camera): OpenPass | n
         depth: context.depth ? depthOf(backend, context) : null,
         xPx: viewport.x,
         yPx: viewport.y,
+        layer: context.activeCubeFace,
       };
       suspend(backend, context, data);
       try {
@@ -142,6 +143,14 @@ interface OcclusionData {
 type PassDescriptor = Omit<GPURenderPassDescriptor, 'colorAttachments'> & {
   readonly colorAttachments: readonly GPURenderPassColorAttachment[];
 };
+
+/** What the backend keeps of a Texture. */
+interface TextureData {
+  readonly texture?: GPUTexture;
+  /** What is drawn into where the texture is resolved from several samples: one, or from 0.187 on one per layer. */
+  readonly msaaTexture?: GPUTexture;
+  readonly msaaTextures?: readonly GPUTexture[];
+}
 
 interface Backend {
   get(of: object): object;
@@ -230,17 +239,17 @@ function colorOf(backend: Backend, context: RenderContext, descriptor: PassDescr
     0,
     textures.findIndex(({ name }) => name === 'output'),
   );
-  const { texture, msaaTexture } = backend.get(textures[index]) as Record<string, GPUTexture | undefined>;
+  const { texture, msaaTexture, msaaTextures } = backend.get(textures[index]) as TextureData;
   if (!texture) throw new ThreeInternalsError('backend.get(texture).texture', REVISION);
-  if (msaaTexture && !descriptor.colorAttachments[index].resolveTarget) {
+  if ((msaaTexture || msaaTextures) && !descriptor.colorAttachments[index].resolveTarget) {
     throw new SplatsPassError(
       'Splats cannot be drawn into a multisampled RenderTarget that is not resolved: set its resolveColorBuffer.',
     );
   }
-  if (texture.dimension !== '2d' || texture.depthOrArrayLayers > 1 || context.activeMipmapLevel > 0) {
+  if (texture.dimension !== '2d' || context.activeMipmapLevel > 0) {
     throw new SplatsPassError(
-      'Splats cannot be drawn into a layer, a cube’s face or a mip level of a texture. Draw into a plain RenderTarget and ' +
-        'copy it, or hide the splats from this camera by layers.',
+      'Splats cannot be drawn into a slice or a mip level of a texture. Draw into a RenderTarget of its own and copy it, ' +
+        'or hide the splats from this camera by layers.',
     );
   }
   return texture;
@@ -248,7 +257,7 @@ function colorOf(backend: Backend, context: RenderContext, descriptor: PassDescr
 
 function depthOf(backend: Backend, { depthTexture, depth, stencil }: RenderContext): GPUTexture {
   if (depthTexture === null) return backend.textureUtils.getDepthBuffer(depth, stencil);
-  const { texture } = backend.get(depthTexture) as { texture?: GPUTexture };
+  const { texture } = backend.get(depthTexture) as TextureData;
   if (!texture) throw new ThreeInternalsError('backend.get(depthTexture).texture', REVISION);
   return texture;
 }
