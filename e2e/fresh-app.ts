@@ -1,0 +1,190 @@
+import { execFile, spawn } from 'node:child_process';
+import { mkdir, mkdtemp, readFile, rm, writeFile } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
+import { basename, dirname, join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { promisify } from 'node:util';
+
+const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
+
+/** Our packages that the app asks for itself; core comes with them. */
+const OURS = ['@websplatter/react'];
+const DEPENDENCIES = ['@react-three/fiber', 'react', 'react-dom', 'three'];
+const DEV_DEPENDENCIES = [
+  '@types/react',
+  '@types/react-dom',
+  '@types/three',
+  '@vitejs/plugin-react',
+  'typescript',
+  'vite',
+];
+
+const SOURCES: Readonly<Record<string, string>> = {
+  'index.html': `<!doctype html>
+<html lang="en">
+  <head><title>Fresh</title><link rel="icon" href="data:," /></head>
+  <body style="margin: 0">
+    <div id="root" style="height: 100vh"></div>
+    <script type="module" src="/src/main.tsx"></script>
+  </body>
+</html>
+`,
+  'vite.config.ts': `import react from '@vitejs/plugin-react';
+import { defineConfig } from 'vite';
+
+export default defineConfig({ plugins: [react()] });
+`,
+  // Strict, and of the declarations of dependencies too: no skipLibCheck.
+  'tsconfig.json': `{
+  "compilerOptions": {
+    "target": "ES2022",
+    "module": "ESNext",
+    "moduleResolution": "bundler",
+    "lib": ["ES2022", "DOM", "DOM.Iterable"],
+    "jsx": "react-jsx",
+    "types": [],
+    "strict": true,
+    "noEmit": true
+  },
+  "include": ["src"]
+}
+`,
+  'src/main.tsx': `import { Canvas } from '@react-three/fiber';
+import { createSplatRenderer, Splats } from '@websplatter/react';
+import { StrictMode } from 'react';
+import { createRoot } from 'react-dom/client';
+
+createRoot(document.getElementById('root')!).render(
+  <StrictMode>
+    <Canvas gl={createSplatRenderer} flat>
+      <Splats src="scene.ply" />
+    </Canvas>
+  </StrictMode>,
+);
+`,
+};
+
+export interface FreshApp {
+  /** Runs a tool of the app's node_modules to its end; rejects, with what it printed, where it fails. */
+  run(script: string, args: readonly string[]): Promise<void>;
+  /** Starts one of Vite's servers on a free port. */
+  serve(command: 'dev' | 'preview'): Promise<{ readonly url: string; readonly close: () => Promise<void> }>;
+  remove(): Promise<void>;
+}
+
+/**
+ * An app outside of this repository, as somebody would start one who has found the packages: what is published is packed
+ * and installed from the tarballs, all else at the versions of this repository's lockfile. Its public folder holds `files`.
+ */
+export async function makeFreshApp(files: Readonly<Record<string, Uint8Array>>): Promise<FreshApp> {
+  const folder = await mkdtemp(join(tmpdir(), 'websplatter-fresh-'));
+  const env = toolEnvironment();
+  const runNode = async (path: string, args: readonly string[]) => {
+    try {
+      return await promisify(execFile)(process.execPath, [path, ...args], { cwd: folder, env });
+    } catch (error) {
+      const { message, stdout, stderr } = error as Error & { stdout: string; stderr: string };
+      throw new Error(`${message}\n${stdout}${stderr}`);
+    }
+  };
+  const tool = (script: string) => join(folder, 'node_modules', script);
+
+  const tarballs = join(folder, 'tarballs');
+  const { stdout } = await runNode(join(repositoryRoot, 'packages/tools/pack.mjs'), [tarballs]);
+  const packed = new Map(
+    [...stdout.matchAll(/^(@websplatter\/\S+) (.+\.tgz)$/gm)].map(([, name, path]) => [
+      name,
+      `file:tarballs/${basename(path)}`,
+    ]),
+  );
+  const { packages } = JSON.parse(await readFile(join(repositoryRoot, 'package-lock.json'), 'utf8'));
+  const versionsOf = (names: readonly string[]) =>
+    names.map((name): [string, string] => [name, packages[`node_modules/${name}`].version]);
+  const manifest = {
+    name: 'fresh',
+    private: true,
+    type: 'module',
+    dependencies: Object.fromEntries([
+      ...OURS.map((name) => [name, packed.get(name)]),
+      ...versionsOf(DEPENDENCIES),
+    ]),
+    devDependencies: Object.fromEntries(versionsOf(DEV_DEPENDENCIES)),
+    // Where they depend on each other, too, there is no registry to ask.
+    overrides: Object.fromEntries(packed),
+  };
+  // npm takes from it what this app needs; what it knows from here it need not ask a registry for.
+  const lock = {
+    lockfileVersion: 3,
+    packages: {
+      '': manifest,
+      ...Object.fromEntries(
+        Object.entries<{ link?: boolean }>(packages).filter(
+          ([path, { link }]) => path.startsWith('node_modules/') && !link,
+        ),
+      ),
+    },
+  };
+  const texts = {
+    ...SOURCES,
+    'package.json': JSON.stringify(manifest),
+    'package-lock.json': JSON.stringify(lock),
+  };
+  for (const [path, content] of [
+    ...Object.entries(texts),
+    ...Object.entries(files).map(([name, bytes]): [string, Uint8Array] => [`public/${name}`, bytes]),
+  ]) {
+    await mkdir(dirname(join(folder, path)), { recursive: true });
+    await writeFile(join(folder, path), content);
+  }
+  const flags = ['--prefer-offline', '--ignore-scripts', '--no-audit', '--no-fund'];
+  await promisify(execFile)('npm', ['install', ...flags], {
+    cwd: folder,
+    env,
+    shell: process.platform === 'win32',
+  });
+
+  return {
+    run: async (script, args) => {
+      await runNode(tool(script), args);
+    },
+    serve: async (command) => {
+      const args = [
+        tool('vite/bin/vite.js'),
+        command,
+        '--host',
+        '127.0.0.1',
+        '--port',
+        '0',
+        '--logLevel',
+        'info',
+      ];
+      const child = spawn(process.execPath, args, { cwd: folder, env, stdio: ['ignore', 'pipe', 'pipe'] });
+      const ended = new Promise<void>((resolve) => child.once('close', () => resolve()));
+      const url = await new Promise<string>((resolve, reject) => {
+        let printed = '';
+        const read = (text: string) => {
+          printed += text;
+          const address = /http:\/\/127\.0\.0\.1:\d+\//.exec(printed);
+          if (address) resolve(address[0]);
+        };
+        child.stdout.setEncoding('utf8').on('data', read);
+        child.stderr.setEncoding('utf8').on('data', read);
+        child.once('close', () => reject(new Error(`vite ${command} ended:\n${printed}`)));
+      });
+      return {
+        url,
+        close: async () => {
+          child.kill();
+          await ended;
+        },
+      };
+    },
+    remove: () => rm(folder, { recursive: true, force: true }),
+  };
+}
+
+/** Neither what Vitest nor what an npm around sets for its own scripts. */
+function toolEnvironment(): NodeJS.ProcessEnv {
+  const { NODE_ENV: _, NODE_OPTIONS: __, npm_config_local_prefix: ___, ...env } = process.env;
+  return { ...env, NO_COLOR: '1' };
+}
