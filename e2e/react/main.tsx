@@ -41,6 +41,8 @@ export interface CanvasDescription {
   /** Not `flat`: tone-mapped. */
   readonly isToneMapped?: boolean;
   readonly splats: readonly SplatsDescription[];
+  /** Default true. */
+  readonly hasSuspense?: boolean;
   /** Where the overlay stands in the tree; `outside` of `bare` ones alone. */
   readonly timings?: 'inside' | 'outside';
 }
@@ -95,7 +97,18 @@ function noted(id: string, what: string): ReactNode {
 }
 
 function OneCanvas(description: CanvasDescription): ReactNode {
-  const { id, kind, isToneMapped, background, splats, timings, frameloop, accuracy, dpr = 1 } = description;
+  const {
+    id,
+    kind,
+    isToneMapped,
+    background,
+    splats,
+    timings,
+    frameloop,
+    accuracy,
+    dpr = 1,
+    hasSuspense = true,
+  } = description;
   const [renderer, setRenderer] = useState<object | null>(null);
   const canvasProps = {
     flat: !isToneMapped,
@@ -111,14 +124,11 @@ function OneCanvas(description: CanvasDescription): ReactNode {
     },
     onPointerMissed: () => note(id, 'missed'),
   };
+  const clouds = splats.map((each) => <OneSplats key={each.id} {...each} />);
   const children = (
     <>
       {background && <color attach="background" args={[background]} />}
-      <Suspense fallback={<Waiting id={id} />}>
-        {splats.map((each) => (
-          <OneSplats key={each.id} {...each} />
-        ))}
-      </Suspense>
+      {hasSuspense ? <Suspense fallback={<Waiting id={id} />}>{clouds}</Suspense> : clouds}
       {timings && <Timings />}
       {timings === 'inside' && <StageTimings corner="bottom-right" />}
     </>

@@ -29,7 +29,6 @@ export { Splats, type SplatsProps, type SplatsSource } from './splats.tsx';
 export { SplatsFallback, type SplatsFallbackProps } from './splats-fallback.tsx';
 export { SplatsObject } from './splats-object.ts';
 export { StageTimings, type StageTimingsProps } from './stage-timings.tsx';
-export type {} from './three-elements.ts';
 export type { PanelCorner } from './timings-panel.ts';
 export { type UseSplatsOptions, useSplats } from './use-splats.ts';
 export { type StageTimingsSource, useStageTimings } from './use-stage-timings.ts';

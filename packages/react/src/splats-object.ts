@@ -1,4 +1,4 @@
-import { getRootState } from '@react-three/fiber';
+import { getRootState, type ThreeElement } from '@react-three/fiber';
 import { SplatCloudObject, type SplatHit } from '@websplatter/three';
 import type { Camera, WebGPURenderer } from 'three/webgpu';
 import { rendererOf } from './use-renderer.ts';
@@ -24,5 +24,12 @@ export class SplatsObject extends SplatCloudObject {
     const renderer = rendererOf(state) as WebGPURenderer;
     const [xPx, yPx] = place.map((distance) => Math.floor(distance * renderer.getPixelRatio()));
     return super.pick(renderer, state.camera, xPx, yPx);
+  }
+}
+
+declare module '@react-three/fiber' {
+  interface ThreeElements {
+    /** After `extend({ SplatCloudObject })`. */
+    splatCloudObject: ThreeElement<typeof SplatCloudObject>;
   }
 }

@@ -1,0 +1,30 @@
+import { SplatFileError, WebGpuUnavailableError } from '@websplatter/core';
+import { renderToStaticMarkup } from 'react-dom/server';
+import { expect, it } from 'vitest';
+import { SplatsFallback, type SplatsFallbackProps } from './splats-fallback.tsx';
+
+const unavailable = new WebGpuUnavailableError('WebGPU is not available here.');
+
+/** What it shows after `error` has been thrown inside of it. */
+function shownAfter(error: unknown, props: SplatsFallbackProps): string {
+  const boundary = new SplatsFallback(props);
+  boundary.state = SplatsFallback.getDerivedStateFromError(error);
+  return renderToStaticMarkup(boundary.render());
+}
+
+it('shows its children until they fail', () => {
+  expect(renderToStaticMarkup(new SplatsFallback({ children: 'splats' }).render())).toBe('splats');
+});
+
+it('says why there is nothing to see, or shows what it is given', () => {
+  const sentence = '<p role="alert">This 3D view cannot be shown here. WebGPU is not available here.</p>';
+  expect(shownAfter(unavailable, { children: 'splats' })).toBe(sentence);
+  expect(shownAfter(unavailable, { fallback: 'a photograph' })).toBe('a photograph');
+  expect(shownAfter(unavailable, { fallback: ({ code }) => code })).toBe('webgpu-unavailable');
+  expect(shownAfter(unavailable, { fallback: null })).toBe('');
+});
+
+it('leaves other errors to the next boundary', () => {
+  const error = new SplatFileError('empty', 'a.ply', 'has no splats');
+  expect(() => shownAfter(error, { fallback: 'a photograph' })).toThrow(error);
+});

@@ -1,0 +1,23 @@
+import type { CanvasProps, ThreeElements } from '@react-three/fiber';
+import type { Ref } from 'react';
+import { expectTypeOf, it } from 'vitest';
+import { createSplatRenderer, type SplatData, type SplatsObject, type SplatsProps } from './index.ts';
+
+// Checked by the compiler; at run time these do nothing.
+it('types what is passed to a Canvas and to <Splats>', () => {
+  expectTypeOf(createSplatRenderer).toExtend<NonNullable<CanvasProps['gl']>>();
+  expectTypeOf((props: Parameters<typeof createSplatRenderer>[0]) =>
+    createSplatRenderer({ ...props, accuracy: 'high' }),
+  ).toExtend<NonNullable<CanvasProps['gl']>>();
+  expectTypeOf<SplatsProps['src']>().toEqualTypeOf<string | URL | Blob | ArrayBuffer | SplatData>();
+  expectTypeOf<SplatsProps['ref']>().toEqualTypeOf<Ref<SplatsObject> | undefined>();
+  expectTypeOf<[number, number, number]>().toExtend<SplatsProps['position']>();
+  expectTypeOf<SplatsProps['opacity']>().toEqualTypeOf<number | undefined>();
+  expectTypeOf<SplatsProps['onClick']>().not.toBeAny();
+  expectTypeOf<SplatsProps>().not.toHaveProperty('data');
+});
+
+it('types <splatCloudObject> for those who extend', () => {
+  expectTypeOf<SplatData | null>().toExtend<ThreeElements['splatCloudObject']['data']>();
+  expectTypeOf<ThreeElements['splatCloudObject']['opacity']>().toEqualTypeOf<number | undefined>();
+});
