@@ -344,6 +344,14 @@ describe('three 0.187', () => {
     });
   });
 
+  test('a target whose samples are not kept is drawn without splats, and says why', async () => {
+    const { errors, inTarget, after } = await run('discardedSamples');
+    expect(errors).toEqual([expect.stringMatching(/^SplatsPassError: .*storeMultisampledColorBuffer/)]);
+    expectPixel(leftOf(inTarget), [0, 0, 0, 1], 1e-3);
+    expectPixel(rightOf(inTarget), [1, 0, 0, 1], 1e-3);
+    expectPixel(leftOf(after), GREY);
+  });
+
   describe('three’s own state goes on', () => {
     test('stencil', async () => {
       const pixels = await run('stencil');

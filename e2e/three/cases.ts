@@ -418,6 +418,7 @@ export const cases = {
     const end = engine.counters();
     const childrenWith = scene.children.length;
     scene.remove(first, second);
+    await Promise.resolve();
     const childrenAfter = scene.children.length;
     for (const cloud of [first, second, twin]) cloud.dispose();
     renderer.render(scene, camera);
@@ -460,6 +461,24 @@ export const cases = {
     renderer.render(scene, many);
     renderer.render(scene, many);
     return { errors, after: await shot(stage) };
+  },
+
+  /** Samples that are thrown away at the end of three's pass cannot be taken up again. */
+  discardedSamples: async () => {
+    const stage = await newStage();
+    const { renderer, scene, camera } = stage;
+    const cloud = splatCloud({});
+    const errors = errorsOf(cloud);
+    scene.add(rightHalf(wall(0xff0000, 0.5)), cloud);
+    await shot(stage);
+    const target = new RenderTarget(SIZE_PX, SIZE_PX, { type: HalfFloatType, samples: 4 });
+    target.storeMultisampledColorBuffer = false;
+    for (let i = 0; i < 2; i++) {
+      renderer.setRenderTarget(target);
+      renderer.render(scene, camera);
+    }
+    renderer.setRenderTarget(null);
+    return { errors, inTarget: await targetPixels(renderer, target), after: await shot(stage) };
   },
 
   /** A white splat on the right of a cube camera, and a red wall that hides half of another on its left; both faces. */

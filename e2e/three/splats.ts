@@ -15,7 +15,7 @@ export interface SplatDescription {
 const SH_C0 = 0.28209479177387814;
 
 /** Much larger than any picture: its opacity is the same all over. */
-export const FLAT_SCALE = [500, 500, 0.001] as const;
+const FLAT_SCALE = [500, 500, 0.001] as const;
 
 export function splatSet(splats: readonly SplatDescription[]): SplatSet {
   const count = splats.length;

@@ -8,8 +8,10 @@ const MAX_IDLE_DRAWS = 600;
 /** What a layer keeps for one renderer's pictures from one camera in one target. */
 export class LayerView {
   readonly embedded: EmbeddedView;
-  /** The picture as three binds it; null where the last draw had none to show. */
-  picture: { readonly color: ExternalTexture; readonly depth: ExternalTexture | null } | null = null;
+  /** The last picture as three binds it; null before the first. */
+  color: ExternalTexture | null = null;
+  /** Its depth; null where it has none. */
+  depth: ExternalTexture | null = null;
   /** What the embedded view was last asked to draw, in its order. */
   clouds: readonly SplatCloudObject[] = [];
   /** Top left of the viewport that the picture belongs to. */
@@ -17,25 +19,22 @@ export class LayerView {
   yPx = 0;
   /** Number of the layer's draw that used it last. */
   usedAt = 0;
-  #color: ExternalTexture | null = null;
-  #depth: ExternalTexture | null = null;
 
   constructor(embedded: EmbeddedView) {
     this.embedded = embedded;
   }
 
   show({ color, depth }: EmbeddedPicture, xPx: number, yPx: number): void {
-    this.#color = wrapping(this.#color, color);
-    this.#depth = depth && wrapping(this.#depth, depth);
-    this.picture = { color: this.#color, depth: this.#depth };
+    this.color = wrapping(this.color, color);
+    if (!depth) this.depth?.dispose();
+    this.depth = depth && wrapping(this.depth, depth);
     this.xPx = xPx;
     this.yPx = yPx;
   }
 
   destroy(): void {
-    this.picture = null;
-    this.#color?.dispose();
-    this.#depth?.dispose();
+    this.color?.dispose();
+    this.depth?.dispose();
     this.embedded.destroy();
   }
 }
@@ -68,11 +67,6 @@ export class LayerViews {
     view.usedAt = ++this.#draws;
     this.#free((idle) => this.#draws - idle.usedAt > MAX_IDLE_DRAWS);
     return view;
-  }
-
-  find(renderer: object, camera: Camera, target: object): LayerView | undefined {
-    const view = this.#of(renderer, camera).byTarget.get(target);
-    return view && this.#all.has(view) ? view : undefined;
   }
 
   /** The view that was drawn last of those of `renderer` from `camera`. */

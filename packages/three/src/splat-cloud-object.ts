@@ -1,4 +1,4 @@
-import { raycastCloud, type SplatCloud, type SplatEngine } from '@websplatter/core';
+import { DestroyedError, raycastCloud, type SplatCloud, type SplatEngine } from '@websplatter/core';
 import {
   Box3,
   BufferGeometry,
@@ -57,6 +57,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   /** @internal Bounds in world space, as of the last update of the world matrix. */
   readonly worldBounds = new Box3();
   readonly #uploads = new Map<SplatEngine, SplatCloud>();
+  readonly #failed = new Set<SplatEngine>();
+  readonly #told = new Set<string>();
   #data: SplatData | null = null;
   #layer: SplatLayer | null = null;
   #isAnnounced = false;
@@ -143,14 +145,31 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     layer.drop(this);
   }
 
-  /** @internal The cloud on `engine`, uploaded where it is not there yet; null without data. */
+  /** @internal The cloud on `engine`, uploaded where it is not there yet; null without data, and where that fails. */
   uploadedTo(engine: SplatEngine): SplatCloud | null {
-    let cloud = this.#uploads.get(engine) ?? null;
-    if (!cloud && this.#data) {
-      cloud = this.#data.acquire(engine);
+    const uploaded = this.#uploads.get(engine);
+    if (uploaded || !this.#data || this.#failed.has(engine)) return uploaded ?? null;
+    try {
+      const cloud = this.#data.acquire(engine);
       this.#uploads.set(engine, cloud);
+      return cloud;
+    } catch (error) {
+      this.#failed.add(engine);
+      // Of a lost device its renderer tells.
+      if (!(error instanceof DestroyedError || this.tell(error))) console.error(error);
+      return null;
     }
-    return cloud;
+  }
+
+  /** @internal Tells the listener of an error, once; false where there is none. */
+  tell(error: unknown): boolean {
+    if (!this.onError) return false;
+    const text = String(error);
+    if (!this.#told.has(text)) {
+      this.#told.add(text);
+      this.onError(error as Error);
+    }
+    return true;
   }
 
   /** @internal */
@@ -169,6 +188,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   #releaseUploads(): void {
     for (const engine of this.#uploads.keys()) this.#data?.release(engine);
     this.#uploads.clear();
+    this.#failed.clear();
+    this.#told.clear();
   }
 }
 

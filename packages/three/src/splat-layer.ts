@@ -20,7 +20,7 @@ import {
 } from 'three/webgpu';
 import { splatEngineOf } from './create-splat-renderer.ts';
 import { ColorLayerMaterial, DepthLayerMaterial } from './layer-material.ts';
-import { LayerViews } from './layer-view.ts';
+import { type LayerView, LayerViews } from './layer-view.ts';
 import type { SplatCloudObject } from './splat-cloud-object.ts';
 import { reportStageTimings } from './stage-timings.ts';
 import { type OpenPass, openPass } from './three-bridge.ts';
@@ -54,6 +54,8 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   readonly #views = new LayerViews();
   readonly #depthMesh = new Mesh(this.geometry, new DepthLayerMaterial());
   readonly #reported = new Set<string>();
+  /** What the triangle shows in the draw that is going on; null where it shows nothing. */
+  #shown: LayerView | null = null;
 
   constructor() {
     super(viewportTriangle(), new ColorLayerMaterial());
@@ -67,10 +69,10 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       mesh.layers.enableAll();
       mesh.raycast = () => {};
     }
-    // One place for both, so that they are sorted as one; of equals three draws the one made later after.
+    // One place for both and ids in succession: three draws the second directly after the first, sorted or not.
     this.#depthMesh.matrixWorld = this.matrixWorld;
     this.onBeforeRender = (renderer, scene, camera) => this.#draw(renderer, scene, camera);
-    this.#depthMesh.onBeforeRender = (renderer, _scene, camera) => this.#showDepth(renderer, camera);
+    this.#depthMesh.onBeforeRender = () => this.#showDepth();
   }
 
   /** Takes `cloud` in, or takes note of where it has moved to. */
@@ -79,16 +81,16 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     this.#arrange();
   }
 
-  /** Draws `cloud` no longer. The last one takes the layer out of the scene and frees what it holds. */
+  /** Draws `cloud` no longer. With the last one the layer leaves the scene and frees what it holds. */
   drop(cloud: SplatCloudObject): void {
     if (!this.#clouds.delete(cloud)) return;
-    if (this.#clouds.size > 0) {
-      this.#arrange();
-      return;
-    }
-    this.removeFromParent();
-    // Not while three draws this very object; and a cloud may come back within the same task.
-    queueMicrotask(() => this.#clouds.size === 0 && this.#free());
+    this.#arrange();
+    // Not at once: three may be walking the scene or drawing this very object, and the cloud may come back in this task.
+    queueMicrotask(() => {
+      if (this.#clouds.size > 0) return;
+      this.removeFromParent();
+      this.#free();
+    });
   }
 
   /** What is under a pixel of the latest picture from `camera`, or null. */
@@ -116,20 +118,21 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   /** Where three sorts the layer among its transparent objects. */
   #arrange(): void {
     const box = new Box3();
-    let renderOrder = Number.NEGATIVE_INFINITY;
+    let renderOrder: number | null = null;
     let writesDepth = false;
     for (const cloud of this.#clouds) {
       box.union(cloud.worldBounds);
-      renderOrder = Math.max(renderOrder, cloud.renderOrder);
+      renderOrder = Math.max(renderOrder ?? cloud.renderOrder, cloud.renderOrder);
       writesDepth ||= cloud.writesDepth;
     }
     if (!box.isEmpty()) this.matrixWorld.setPosition(box.getCenter(new Vector3()));
-    this.renderOrder = renderOrder;
-    this.#depthMesh.renderOrder = renderOrder;
+    this.renderOrder = renderOrder ?? 0;
+    this.#depthMesh.renderOrder = this.renderOrder;
     this.#depthMesh.visible = writesDepth;
   }
 
   #draw(renderer: object, scene: Scene, camera: Camera): void {
+    this.#shown = null;
     this.material.showNothing();
     // Such passes are about meshes: shadows, normals, depth.
     if (scene.overrideMaterial) return;
@@ -138,7 +141,8 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       const pass = openPass(renderer as WebGPURenderer, camera);
       if (pass) this.#drawInto(pass, renderer as WebGPURenderer, engine, camera);
     } catch (error) {
-      this.#report(error);
+      // Of a lost device its renderer tells.
+      if (!(error instanceof DestroyedError)) this.#report(error);
       // Nothing of this library can be shown by such a renderer, and it does not know the layer's material either.
       if ((renderer as { isWebGLRenderer?: boolean }).isWebGLRenderer) throw error;
     }
@@ -146,6 +150,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
 
   #drawInto(pass: OpenPass, renderer: WebGPURenderer, engine: SplatEngine, camera: Camera): void {
     const clouds = this.#cloudsFor(engine, camera);
+    if (clouds.size === 0) return;
     const view = this.#views.use(renderer, camera, pass.target, () => {
       const embedded = engine.createEmbeddedView();
       embedded.onReady = () => {
@@ -154,7 +159,6 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       embedded.onStatistics = (statistics) => reportStageTimings(renderer, statistics);
       return embedded;
     });
-    view.picture = null;
     view.clouds = [...clouds.keys()];
     const isReady = view.embedded.prepare({
       camera: engineCamera(camera, pass.depth?.compare === 'greater-equal'),
@@ -168,16 +172,15 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     pass.interrupt((encoder, host) => {
       view.show(view.embedded.draw(encoder, host), pass.xPx, pass.yPx);
     });
-    this.material.show(view.picture!.color, view.xPx, view.yPx);
+    this.#shown = view;
+    this.material.show(view.color!, view.xPx, view.yPx);
     for (const cloud of view.clouds) cloud.announceFirstFrame();
   }
 
-  #showDepth(renderer: object, camera: Camera): void {
+  #showDepth(): void {
     const { material } = this.#depthMesh;
-    material.showNothing();
-    const target = openPass(renderer as WebGPURenderer, camera)?.target;
-    const view = target && this.#views.find(renderer, camera, target);
-    if (view?.picture?.depth) material.show(view.picture.depth, view.xPx, view.yPx);
+    if (this.#shown?.depth) material.show(this.#shown.depth, this.#shown.xPx, this.#shown.yPx);
+    else material.showNothing();
   }
 
   /** The clouds that `camera` is to see, and what stands for them on the GPU. */
@@ -190,25 +193,20 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       }
       const { opacity, matrixWorld } = object;
       if (opacity <= 0 || !object.layers.test(camera.layers) || !isShown(object)) continue;
-      try {
-        const cloud = object.uploadedTo(engine);
-        if (cloud) found.set(object, { cloud, modelMatrix: matrixWorld.elements, opacity });
-      } catch (error) {
-        // Of a lost device its renderer tells.
-        if (!(error instanceof DestroyedError)) this.#report(error);
-      }
+      const cloud = object.uploadedTo(engine);
+      if (cloud) found.set(object, { cloud, modelMatrix: matrixWorld.elements, opacity });
     }
     return found;
   }
 
   /** three gives up its frame where a callback throws, and every one after: so errors are told of, each once. */
   #report(error: unknown): void {
+    let isHeard = false;
+    for (const cloud of this.#clouds) isHeard = cloud.tell(error) || isHeard;
     const text = String(error);
-    if (this.#reported.has(text)) return;
+    if (isHeard || this.#reported.has(text)) return;
     this.#reported.add(text);
-    const listeners = [...this.#clouds].map(({ onError }) => onError).filter((onError) => onError !== null);
-    if (listeners.length === 0) console.error(error);
-    for (const listener of listeners) listener(error as Error);
+    console.error(error);
   }
 }
 

@@ -50,13 +50,13 @@ export class SplatLoader extends Loader<SplatData, SplatSource> {
     const address = isAddress ? manager.resolveURL(`${this.path}${source}`) : '';
     const item = address || ((source as Partial<File>).name ?? 'splats');
     manager.itemStart(item);
+    const onFailure = (error: unknown) => {
+      if (onError) onError(error);
+      else console.error(error);
+      manager.itemError(item);
+    };
     this.#load(isAddress ? address : source, item, onProgress)
-      .then(onLoad)
-      .catch((error: unknown) => {
-        if (onError) onError(error);
-        else console.error(error);
-        manager.itemError(item);
-      })
+      .then(onLoad, onFailure)
       .finally(() => manager.itemEnd(item));
   }
 

@@ -1,0 +1,175 @@
+import { DestroyedError, type SplatEngine } from '@websplatter/core';
+import { Box3, Matrix4, Raycaster, Scene, Vector3 } from 'three/webgpu';
+import { describe, expect, test, vi } from 'vitest';
+import { SplatCloudObject } from './splat-cloud-object.ts';
+import { splatDataAt } from './test-clouds.ts';
+
+/** An engine that only counts what it holds. */
+function fakeEngine() {
+  const destroyed = vi.fn();
+  const addPacked = vi.fn(() => ({ destroy: destroyed }));
+  const engine = { accuracy: { geometryPrecision: 'packed' }, addPacked } as unknown as SplatEngine;
+  return { engine, addPacked, destroyed };
+}
+
+describe('rays', () => {
+  /** A cloud of one splat at x = 1. */
+  function cloudUnder(matrix: Matrix4): SplatCloudObject {
+    const cloud = new SplatCloudObject(splatDataAt([1, 0, 0]));
+    cloud.matrixAutoUpdate = false;
+    cloud.matrix.copy(matrix);
+    cloud.updateMatrixWorld(true);
+    return cloud;
+  }
+
+  const transforms = {
+    identity: new Matrix4(),
+    scaled: new Matrix4().makeScale(20, 0.5, 3),
+    mirrored: new Matrix4().makeScale(-2, 1, 1),
+    sheared: new Matrix4().makeShear(0.5, 0.3, 0.2, 0, 0.4, 0.1),
+    'far away': new Matrix4().makeTranslation(100, -200, 300),
+  };
+
+  test.each(Object.entries(transforms))('hit a cloud that is %s at the right distance', (_, matrix) => {
+    const cloud = cloudUnder(matrix);
+    const center = new Vector3(1, 0, 0).applyMatrix4(matrix);
+    const from = center.clone().add(new Vector3(3, 4, 12));
+    const caster = new Raycaster(from, center.clone().sub(from).normalize());
+    const [hit, ...others] = caster.intersectObject(cloud);
+    expect(others).toEqual([]);
+    expect(hit.object).toBe(cloud);
+    expect(hit.distance).toBeCloseTo(from.distanceTo(hit.point), 9);
+    // Within three standard deviations, which the matrix may stretch.
+    expect(hit.distance).toBeGreaterThan(13 - 0.03 * 20);
+    expect(hit.distance).toBeLessThanOrEqual(13);
+    expect(caster.ray.distanceToPoint(hit.point)).toBeLessThan(1e-9);
+  });
+
+  test('miss what they pass by, and what is out of their range', () => {
+    const cloud = cloudUnder(new Matrix4());
+    const caster = new Raycaster(new Vector3(0, 0, 5), new Vector3(0, 0, -1));
+    expect(caster.intersectObject(cloud)).toEqual([]);
+    caster.ray.origin.x = 1;
+    expect(caster.intersectObject(cloud)).toHaveLength(1);
+    caster.far = 4;
+    expect(caster.intersectObject(cloud)).toEqual([]);
+    caster.far = 10;
+    caster.near = 6;
+    expect(caster.intersectObject(cloud)).toEqual([]);
+  });
+
+  test('hit nothing of a cloud without data or extent', () => {
+    const caster = new Raycaster(new Vector3(1, 0, 5), new Vector3(0, 0, -1));
+    expect(caster.intersectObject(new SplatCloudObject())).toEqual([]);
+    expect(caster.intersectObject(cloudUnder(new Matrix4().makeScale(1, 1, 0)))).toEqual([]);
+  });
+});
+
+describe('data', () => {
+  test('tells by an event that another picture is due', () => {
+    const cloud = new SplatCloudObject();
+    const needsFrame = vi.fn();
+    cloud.addEventListener('needsframe', needsFrame);
+    const data = splatDataAt([0, 0, 0]);
+    cloud.data = data;
+    cloud.data = data;
+    expect(needsFrame).toHaveBeenCalledTimes(1);
+  });
+
+  test('is uploaded once per engine and freed with its last user', () => {
+    const { engine, addPacked, destroyed } = fakeEngine();
+    const data = splatDataAt([0, 0, 0]);
+    const clouds = [new SplatCloudObject(data), new SplatCloudObject(data)];
+    for (const cloud of clouds) {
+      cloud.uploadedTo(engine);
+      cloud.uploadedTo(engine);
+    }
+    expect(addPacked).toHaveBeenCalledTimes(1);
+    clouds[0].dispose();
+    clouds[0].dispose();
+    expect(destroyed).not.toHaveBeenCalled();
+    clouds[1].data = null;
+    expect(destroyed).toHaveBeenCalledTimes(1);
+    expect(clouds[1].uploadedTo(engine)).toBeNull();
+  });
+
+  test('is uploaded to each engine that draws it', () => {
+    const [first, second] = [fakeEngine(), fakeEngine()];
+    const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
+    cloud.uploadedTo(first.engine);
+    cloud.uploadedTo(second.engine);
+    cloud.dispose();
+    expect(first.destroyed).toHaveBeenCalledTimes(1);
+    expect(second.destroyed).toHaveBeenCalledTimes(1);
+  });
+
+  test('that does not fit is told of once, and not tried again', () => {
+    const { engine, addPacked } = fakeEngine();
+    const error = new Error('too large');
+    addPacked.mockImplementation(() => {
+      throw error;
+    });
+    const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
+    const onError = vi.fn();
+    cloud.onError = onError;
+    for (let i = 0; i < 3; i++) expect(cloud.uploadedTo(engine)).toBeNull();
+    expect(addPacked).toHaveBeenCalledTimes(1);
+    expect(onError.mock.calls).toEqual([[error]]);
+    cloud.data = splatDataAt([1, 0, 0]);
+    expect(cloud.uploadedTo(engine)).toBeNull();
+    expect(onError).toHaveBeenCalledTimes(2);
+  });
+
+  test('on a lost device is no error of the cloud', () => {
+    const { engine, addPacked } = fakeEngine();
+    addPacked.mockImplementation(() => {
+      throw new DestroyedError('This engine', 'the device was lost');
+    });
+    const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
+    cloud.onError = vi.fn();
+    expect(cloud.uploadedTo(engine)).toBeNull();
+    expect(cloud.onError).not.toHaveBeenCalled();
+  });
+
+  test('comes with a clone, and so does the rest', () => {
+    const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
+    cloud.opacity = 0.5;
+    cloud.writesDepth = true;
+    cloud.position.x = 2;
+    expect(cloud.clone()).toMatchObject({ data: cloud.data, opacity: 0.5, writesDepth: true });
+    expect(cloud.clone().position.x).toBe(2);
+  });
+
+  test('is seen by what measures objects', () => {
+    const cloud = new SplatCloudObject(splatDataAt([-1, 0, 0], [1, 2, 3]));
+    cloud.position.x = 10;
+    const scene = new Scene();
+    scene.add(cloud);
+    scene.updateMatrixWorld();
+    const { min, max } = new Box3().setFromObject(scene);
+    expect([min.toArray(), max.toArray()]).toEqual([
+      [9, 0, 0],
+      [11, 2, 3],
+    ]);
+  });
+});
+
+test('the first frame is announced once for each data, after three’s frame', async () => {
+  const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
+  const first = vi.fn();
+  cloud.addEventListener('firstframe', first);
+  cloud.announceFirstFrame();
+  expect(first).not.toHaveBeenCalled();
+  cloud.announceFirstFrame();
+  await Promise.resolve();
+  expect(first).toHaveBeenCalledTimes(1);
+  cloud.data = splatDataAt([1, 0, 0]);
+  cloud.announceFirstFrame();
+  await Promise.resolve();
+  expect(first).toHaveBeenCalledTimes(2);
+});
+
+test('nothing is picked of what was never drawn', async () => {
+  const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
+  expect(await cloud.pick({} as never, {} as never, 1, 1)).toBeNull();
+});

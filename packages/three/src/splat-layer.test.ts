@@ -1,0 +1,184 @@
+import { Group, Mesh, PerspectiveCamera, Scene, Vector3 } from 'three/webgpu';
+import { describe, expect, test, vi } from 'vitest';
+import { SplatsUnsupportedRendererError } from './errors.ts';
+import { SplatCloudObject } from './splat-cloud-object.ts';
+import { SplatLayer } from './splat-layer.ts';
+import { splatDataAt } from './test-clouds.ts';
+
+function layersOf(root: Group | Scene): SplatLayer[] {
+  return root.children.filter((child) => child instanceof SplatLayer);
+}
+
+function placeOf(layer: SplatLayer): number[] {
+  return new Vector3().setFromMatrixPosition(layer.matrixWorld).toArray();
+}
+
+function cloudAt(...place: [number, number, number]): SplatCloudObject {
+  return new SplatCloudObject(splatDataAt(place));
+}
+
+describe('the layer of a scene', () => {
+  test('is one for all clouds, however deep, and lies in the middle of them', () => {
+    const scene = new Scene();
+    const group = new Group();
+    group.position.x = 10;
+    group.add(cloudAt(0, 0, 0));
+    scene.add(cloudAt(0, 4, 0), group);
+    scene.updateMatrixWorld();
+    scene.updateMatrixWorld();
+    expect(layersOf(scene)).toHaveLength(1);
+    expect(placeOf(layersOf(scene)[0])).toEqual([5, 2, 0]);
+    group.position.x = 20;
+    scene.updateMatrixWorld();
+    expect(placeOf(layersOf(scene)[0])).toEqual([10, 2, 0]);
+  });
+
+  test('goes with the last of them', async () => {
+    const scene = new Scene();
+    const [first, second] = [cloudAt(0, 0, 0), cloudAt(2, 0, 0)];
+    scene.add(first, second);
+    scene.updateMatrixWorld();
+    first.removeFromParent();
+    expect(layersOf(scene)).toHaveLength(1);
+    expect(placeOf(layersOf(scene)[0])).toEqual([2, 0, 0]);
+    second.dispose();
+    await Promise.resolve();
+    expect(layersOf(scene)).toEqual([]);
+  });
+
+  test('is another where a cloud moves to another scene', async () => {
+    const [from, to] = [new Scene(), new Scene()];
+    const cloud = cloudAt(0, 0, 0);
+    from.add(cloud);
+    from.updateMatrixWorld();
+    to.add(cloud);
+    to.updateMatrixWorld();
+    await Promise.resolve();
+    expect(layersOf(from)).toEqual([]);
+    expect(layersOf(to)).toHaveLength(1);
+  });
+
+  test('of a group that is put into a scene ends, though three is just walking through it', async () => {
+    const group = new Group();
+    group.add(cloudAt(0, 0, 0));
+    group.updateMatrixWorld();
+    expect(layersOf(group)).toHaveLength(1);
+    const scene = new Scene();
+    scene.add(group);
+    scene.updateMatrixWorld();
+    await Promise.resolve();
+    expect(layersOf(group)).toEqual([]);
+    expect(layersOf(scene)).toHaveLength(1);
+  });
+
+  test('stays where its only cloud is taken out and put back', async () => {
+    const scene = new Scene();
+    const cloud = cloudAt(0, 0, 0);
+    scene.add(cloud);
+    scene.updateMatrixWorld();
+    const [layer] = layersOf(scene);
+    scene.remove(cloud);
+    scene.add(cloud);
+    scene.updateMatrixWorld();
+    await Promise.resolve();
+    expect(layersOf(scene)).toEqual([layer]);
+  });
+
+  test('comes back where somebody has cleared the scene', () => {
+    const scene = new Scene();
+    const cloud = cloudAt(0, 0, 0);
+    scene.add(cloud);
+    scene.updateMatrixWorld();
+    scene.clear();
+    scene.add(cloud);
+    scene.updateMatrixWorld();
+    expect(layersOf(scene)).toHaveLength(1);
+  });
+
+  test('is not made by a cloud that is in no scene', () => {
+    const cloud = cloudAt(0, 0, 0);
+    cloud.updateMatrixWorld();
+    expect(cloud.children).toEqual([]);
+  });
+
+  test('is drawn in the highest order that a cloud asks for, and writes depth where one does', () => {
+    const scene = new Scene();
+    const [first, second] = [cloudAt(0, 0, 0), cloudAt(2, 0, 0)];
+    first.renderOrder = 3;
+    second.renderOrder = -1;
+    scene.add(first, second);
+    scene.updateMatrixWorld();
+    const [layer] = layersOf(scene);
+    const depthMesh = layer.children[0] as Mesh;
+    expect(depthMesh).toBeInstanceOf(Mesh);
+    expect([layer.renderOrder, depthMesh.renderOrder, depthMesh.visible]).toEqual([3, 3, false]);
+    second.writesDepth = true;
+    scene.updateMatrixWorld();
+    expect(depthMesh.visible).toBe(true);
+    first.removeFromParent();
+    expect(layer.renderOrder).toBe(-1);
+  });
+});
+
+describe('a renderer that cannot draw splats', () => {
+  function drawWith(renderer: object, scene: Scene): void {
+    const [layer] = layersOf(scene);
+    const { geometry, material } = layer;
+    layer.onBeforeRender(
+      renderer as never,
+      scene,
+      new PerspectiveCamera(),
+      geometry,
+      material,
+      null as never,
+    );
+  }
+
+  test('is told of once, to all clouds that listen', () => {
+    const scene = new Scene();
+    const clouds = [cloudAt(0, 0, 0), cloudAt(2, 0, 0)];
+    scene.add(...clouds);
+    scene.updateMatrixWorld();
+    const listeners = clouds.map((cloud) => {
+      cloud.onError = vi.fn();
+      return cloud.onError;
+    });
+    drawWith({}, scene);
+    drawWith({}, scene);
+    for (const listener of listeners) {
+      expect(listener).toHaveBeenCalledTimes(1);
+      expect(listener).toHaveBeenCalledWith(expect.any(SplatsUnsupportedRendererError));
+    }
+  });
+
+  test('is told of on the console where nobody listens', () => {
+    const scene = new Scene();
+    scene.add(cloudAt(0, 0, 0));
+    scene.updateMatrixWorld();
+    const log = vi.spyOn(console, 'error').mockImplementation(() => {});
+    drawWith({}, scene);
+    drawWith({}, scene);
+    expect(log).toHaveBeenCalledTimes(1);
+    log.mockRestore();
+  });
+
+  test('of the WebGL kind stops at once: it would fail at the layer’s material', () => {
+    const scene = new Scene();
+    const cloud = cloudAt(0, 0, 0);
+    cloud.onError = () => {};
+    scene.add(cloud);
+    scene.updateMatrixWorld();
+    expect(() => drawWith({ isWebGLRenderer: true }, scene)).toThrow(/createSplatRenderer/);
+  });
+
+  test('is not asked for passes that are about meshes', () => {
+    const scene = new Scene();
+    const cloud = cloudAt(0, 0, 0);
+    cloud.onError = vi.fn();
+    scene.add(cloud);
+    scene.updateMatrixWorld();
+    scene.overrideMaterial = layersOf(scene)[0].material;
+    drawWith({}, scene);
+    expect(cloud.onError).not.toHaveBeenCalled();
+  });
+});

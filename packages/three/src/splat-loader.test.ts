@@ -1,0 +1,136 @@
+import { encodePly, SplatFileError, SplatSourceError } from '@websplatter/core';
+import { LoadingManager } from 'three/webgpu';
+import { afterEach, describe, expect, test, vi } from 'vitest';
+import { SplatLoader } from './splat-loader.ts';
+import { splatSetAt } from './test-clouds.ts';
+
+const file = encodePly(splatSetAt([0, 0, 0], [1, 2, 3])) as Uint8Array<ArrayBuffer>;
+
+/** A manager and what it was told, in order. */
+function watchedManager() {
+  const events: string[] = [];
+  const manager = new LoadingManager(
+    () => events.push('all loaded'),
+    (url, loaded, total) => events.push(`${url} ${loaded} of ${total}`),
+    (url) => events.push(`${url} failed`),
+  );
+  manager.onStart = (url) => events.push(`${url} started`);
+  return { manager, events };
+}
+
+afterEach(() => void vi.unstubAllGlobals());
+
+function stubFetch(respond: (url: string, init?: RequestInit) => Promise<Response>) {
+  const fetch = vi.fn((url: string | URL, init?: RequestInit) => respond(String(url), init));
+  vi.stubGlobal('fetch', fetch);
+  return fetch;
+}
+
+describe('a load', () => {
+  test('gives splats, and tells its manager', async () => {
+    const { manager, events } = watchedManager();
+    const data = await new SplatLoader(manager).loadAsync(new File([file], 'two.ply'));
+    expect([data.count, data.name]).toEqual([2, 'two.ply']);
+    expect(data.bounds.max.toArray()).toEqual([1, 2, 3]);
+    await new Promise((resolve) => setTimeout(resolve, 0));
+    expect(events).toEqual(['two.ply started', 'two.ply 1 of 1', 'all loaded']);
+  });
+
+  test('by address honours path and the manager’s URLs', async () => {
+    const fetch = stubFetch(async () => new Response(file));
+    const { manager, events } = watchedManager();
+    manager.setURLModifier((url) => `${url}?v=2`);
+    const data = await new SplatLoader(manager).setPath('https://a.test/').loadAsync('two.ply');
+    expect(data.name).toBe('https://a.test/two.ply?v=2');
+    expect(fetch.mock.calls[0][0]).toBe('https://a.test/two.ply?v=2');
+    expect(events[0]).toBe('https://a.test/two.ply?v=2 started');
+  });
+
+  test('sends the headers and credentials that it was given', async () => {
+    const fetch = stubFetch(async () => new Response(file));
+    const loader = new SplatLoader().setRequestHeader({ authorization: 'token' }).setWithCredentials(true);
+    await loader.loadAsync('https://a.test/two.ply');
+    expect(fetch.mock.calls[0][1]).toMatchObject({
+      headers: { authorization: 'token' },
+      credentials: 'include',
+    });
+    stubFetch(async () => new Response('', { status: 403 }));
+    await expect(loader.loadAsync('https://a.test/two.ply')).rejects.toMatchObject({
+      name: 'SplatSourceError',
+      status: 403,
+    });
+  });
+
+  test('reports bytes', async () => {
+    const events: ProgressEvent[] = [];
+    await new SplatLoader().loadAsync(file, (event) => events.push(event));
+    const last = events.at(-1)!;
+    expect(last.type).toBe('progress');
+    expect([last.lengthComputable, last.loaded, last.total]).toEqual([true, file.length, file.length]);
+  });
+
+  test('packs for the accuracy that it was given', async () => {
+    const loader = new SplatLoader();
+    expect((await loader.loadAsync(new Blob([file]))).packed.geometry.precision).toBe('packed');
+    loader.setAccuracy('high');
+    expect((await loader.loadAsync(new Blob([file]))).packed.geometry.precision).toBe('f32');
+    expect(() => loader.setAccuracy('perfect' as never)).toThrow(/perfect/);
+  });
+});
+
+describe('a load that fails', () => {
+  test.each([
+    ['for what the file is', async () => new Response('no splats'), SplatFileError],
+    ['for what the server says', async () => new Response('', { status: 404 }), SplatSourceError],
+  ])('%s rejects and tells the manager', async (_, respond, type) => {
+    stubFetch(respond);
+    const { manager, events } = watchedManager();
+    const load = new SplatLoader(manager).loadAsync('https://a.test/x.ply');
+    await expect(load).rejects.toBeInstanceOf(type);
+    await new Promise((resolve) => setTimeout(resolve, 0));
+    expect(events).toEqual([
+      'https://a.test/x.ply started',
+      'https://a.test/x.ply failed',
+      'https://a.test/x.ply 1 of 1',
+      'all loaded',
+    ]);
+  });
+
+  test('says so on the console where nobody listens', async () => {
+    const log = vi.spyOn(console, 'error').mockImplementation(() => {});
+    new SplatLoader(new LoadingManager()).load(new Blob(['no splats']), () => {});
+    await vi.waitFor(() => expect(log).toHaveBeenCalledWith(expect.any(SplatFileError)));
+    log.mockRestore();
+  });
+});
+
+describe('abort', () => {
+  /** A server that never answers. */
+  function silence() {
+    return stubFetch(
+      (_, init) =>
+        new Promise((_resolve, reject) => {
+          init?.signal?.addEventListener('abort', () => reject(init.signal?.reason));
+        }),
+    );
+  }
+
+  test.each(['loader', 'manager'] as const)('of the %s ends its loads', async (who) => {
+    const fetch = silence();
+    const { manager, events } = watchedManager();
+    const loader = new SplatLoader(manager);
+    const load = loader.loadAsync('https://a.test/x.ply');
+    const outcome = expect(load).rejects.toMatchObject({ name: 'AbortError' });
+    await vi.waitFor(() => expect(fetch).toHaveBeenCalled());
+    (who === 'loader' ? loader : manager).abort();
+    await outcome;
+    await new Promise((resolve) => setTimeout(resolve, 0));
+    expect(events).toContain('https://a.test/x.ply failed');
+  });
+
+  test('does not keep later loads from being done', async () => {
+    const loader = new SplatLoader();
+    loader.abort();
+    expect((await loader.loadAsync(new Blob([file]))).count).toBe(2);
+  });
+});

@@ -1,0 +1,317 @@
+import { ArrayCamera, PerspectiveCamera, type WebGPURenderer } from 'three/webgpu';
+import { describe, expect, test, vi } from 'vitest';
+import { SplatsPassError, ThreeInternalsError } from './errors.ts';
+import { hasWebGpuBackend, openPass } from './three-bridge.ts';
+
+const camera = new PerspectiveCamera();
+
+/** Says what was called on it, in order, and with what. */
+function recorder<Name extends string>(calls: unknown[][], ...names: Name[]) {
+  return Object.fromEntries(
+    names.map((name) => [name, (...args: unknown[]) => void calls.push([name, ...args])]),
+  ) as Record<Name, (...args: unknown[]) => void>;
+}
+
+function gpuTexture(label: string) {
+  return { label, dimension: '2d', depthOrArrayLayers: 1 } as GPUTexture;
+}
+
+/** A renderer as far as the bridge looks at it, in the middle of a pass into a render target. */
+function fakeRenderer() {
+  const calls: unknown[][] = [];
+  const passMethods = [
+    'end',
+    'executeBundles',
+    'endOcclusionQuery',
+    'setViewport',
+    'setScissorRect',
+    'setStencilReference',
+    'setBlendConstant',
+  ] as const;
+  const oldPass = recorder(calls, ...passMethods);
+  const newPass = recorder(calls, ...passMethods);
+  const target = { name: 'target' };
+  const colorTexture = { name: 'output' };
+  const depthTexture = {};
+  const context: Record<string, unknown> = {
+    renderTarget: target,
+    textures: [{ name: 'normal' }, colorTexture],
+    depthTexture,
+    depth: true,
+    stencil: false,
+    width: 100,
+    height: 80,
+    viewport: false,
+    viewportValue: { x: 10, y: 20, width: 30, height: 40, minDepth: 0, maxDepth: 1 },
+    scissor: false,
+    scissorValue: { x: 1, y: 2, width: 3, height: 4 },
+    activeCubeFace: 0,
+    activeMipmapLevel: 0,
+    occlusionQueryCount: 0,
+  };
+  const attachment = { view: 'view', loadOp: 'clear', storeOp: 'store' };
+  const data: Record<string, unknown> = {
+    currentPass: oldPass,
+    encoder: {
+      beginRenderPass: (descriptor: unknown) => {
+        calls.push(['beginRenderPass', descriptor]);
+        return newPass;
+      },
+    },
+    descriptor: {
+      label: 'pass',
+      colorAttachments: [attachment, { ...attachment }],
+      depthStencilAttachment: { view: 'depth view', depthLoadOp: 'clear', depthStoreOp: 'store' },
+    },
+    currentSets: { pipeline: 'something' },
+    renderBundles: [],
+  };
+  const kept = new Map<unknown, unknown>([
+    [context, data],
+    [colorTexture, { texture: gpuTexture('color') }],
+    [depthTexture, { texture: gpuTexture('depth') }],
+  ]);
+  const backend: Record<string, unknown> = {
+    isWebGPUBackend: true,
+    get: (key: unknown) => kept.get(key) ?? {},
+    context: { getCurrentTexture: () => gpuTexture('canvas') },
+    textureUtils: { getDepthBuffer: () => gpuTexture('depth buffer') },
+  };
+  const canvasTarget = { name: 'canvas' };
+  const fields: Record<string, unknown> = {
+    _currentRenderContext: context,
+    _compilationPromises: null,
+    backend,
+    getCanvasTarget: () => canvasTarget,
+    getOutputRenderTarget: () => null,
+    reversedDepthBuffer: false,
+    logarithmicDepthBuffer: false,
+  };
+  const renderer = fields as unknown as WebGPURenderer;
+  return {
+    renderer,
+    fields,
+    backend,
+    context,
+    data,
+    calls,
+    kept,
+    colorTexture,
+    target,
+    canvasTarget,
+    oldPass,
+    newPass,
+  };
+}
+
+const open = (fake: ReturnType<typeof fakeRenderer>) => openPass(fake.renderer, camera)!;
+
+describe('the open pass', () => {
+  test('is what three draws into', () => {
+    const fake = fakeRenderer();
+    expect(open(fake)).toMatchObject({ target: fake.target, xPx: 0, yPx: 0, widthPx: 100, heightPx: 80 });
+    fake.context.viewport = true;
+    expect(open(fake)).toMatchObject({ xPx: 10, yPx: 20, widthPx: 30, heightPx: 40 });
+  });
+
+  test('of a canvas is the canvas’s, whatever three draws into first', () => {
+    const fake = fakeRenderer();
+    fake.context.renderTarget = { isPostProcessingRenderTarget: true };
+    expect(open(fake).target).toBe(fake.canvasTarget);
+    fake.context.renderTarget = null;
+    expect(open(fake).target).toBe(fake.canvasTarget);
+    const output = {};
+    fake.fields.getOutputRenderTarget = () => output;
+    expect(open(fake).target).toBe(output);
+  });
+
+  test('tells how depth is stored', () => {
+    const fake = fakeRenderer();
+    expect(open(fake).depth).toEqual({ compare: 'less-equal', mapping: 'projection' });
+    fake.fields.reversedDepthBuffer = true;
+    expect(open(fake).depth).toEqual({ compare: 'greater-equal', mapping: 'projection' });
+    fake.fields.reversedDepthBuffer = false;
+    fake.fields.logarithmicDepthBuffer = true;
+    expect(open(fake).depth).toEqual({ compare: 'less-equal', mapping: 'logarithmic' });
+    fake.context.depth = false;
+    expect(open(fake).depth).toBeUndefined();
+  });
+
+  test('is none while three compiles, and between renders', () => {
+    const compiling = fakeRenderer();
+    compiling.fields._compilationPromises = [];
+    expect(openPass(compiling.renderer, camera)).toBeNull();
+    const idle = fakeRenderer();
+    idle.fields._currentRenderContext = null;
+    expect(openPass(idle.renderer, camera)).toBeNull();
+    const unbegun = fakeRenderer();
+    unbegun.data.currentPass = undefined;
+    expect(openPass(unbegun.renderer, camera)).toBeNull();
+  });
+
+  test('of several cameras at once is refused', () => {
+    const { renderer } = fakeRenderer();
+    expect(() => openPass(renderer, new ArrayCamera())).toThrow(SplatsPassError);
+  });
+});
+
+describe('an interruption', () => {
+  test('lets others record between the parts of the pass', () => {
+    const fake = fakeRenderer();
+    open(fake).interrupt((encoder, host) => {
+      expect(encoder).toBe(fake.data.encoder);
+      expect(host).toMatchObject({ xPx: 0, yPx: 0, layer: 0 });
+      expect([host.color.label, host.depth?.label]).toEqual(['color', 'depth']);
+      fake.calls.push(['record']);
+    });
+    expect(fake.calls.map(([name]) => name)).toEqual(['end', 'record', 'beginRenderPass']);
+    expect(fake.calls[2][1]).toEqual({
+      label: 'pass',
+      colorAttachments: [
+        { view: 'view', loadOp: 'load', storeOp: 'store' },
+        { view: 'view', loadOp: 'load', storeOp: 'store' },
+      ],
+      depthStencilAttachment: { view: 'depth view', depthLoadOp: 'load', depthStoreOp: 'store' },
+    });
+    expect(fake.data.currentPass).toBe(fake.newPass);
+    expect(fake.data.currentSets).toEqual({ attributes: {}, bindingGroups: [], pipeline: null, index: null });
+  });
+
+  test('puts back what three believes to be set', () => {
+    const fake = fakeRenderer();
+    Object.assign(fake.context, { viewport: true, scissor: true, stencil: true });
+    Object.assign(fake.data, {
+      currentStencilRef: 5,
+      currentBlendColor: { r: 0.1, g: 0.2, b: 0.3 },
+      currentBlendAlpha: 0.4,
+    });
+    open(fake).interrupt(() => {});
+    expect(fake.calls.slice(2)).toEqual([
+      ['setViewport', 10, 20, 30, 40, 0, 1],
+      ['setScissorRect', 1, 2, 3, 4],
+      ['setStencilReference', 5],
+      ['setBlendConstant', { r: 0.1, g: 0.2, b: 0.3, a: 0.4 }],
+    ]);
+    const [, resumed] = fake.calls[1] as [string, GPURenderPassDescriptor];
+    expect(resumed.depthStencilAttachment).toMatchObject({ depthLoadOp: 'load', stencilLoadOp: 'load' });
+  });
+
+  test('first draws what three keeps for the end, and closes an occlusion query', () => {
+    const fake = fakeRenderer();
+    fake.data.renderBundles = ['bundle'];
+    const queries = { lastOcclusionObject: { occlusionTest: true }, occlusionQueryIndex: 3 };
+    fake.context.occlusionQueryCount = 4;
+    fake.backend.getOcclusionData = () => queries;
+    open(fake).interrupt(() => {});
+    expect(fake.calls.map(([name]) => name)).toEqual([
+      'executeBundles',
+      'endOcclusionQuery',
+      'end',
+      'beginRenderPass',
+    ]);
+    expect(fake.data.renderBundles).toEqual([]);
+    expect(queries).toEqual({ lastOcclusionObject: null, occlusionQueryIndex: 4 });
+  });
+
+  test('finds occlusion queries where 0.185 has them', () => {
+    const fake = fakeRenderer();
+    fake.context.occlusionQueryCount = 1;
+    Object.assign(fake.data, { lastOcclusionObject: { occlusionTest: true }, occlusionQueryIndex: 0 });
+    open(fake).interrupt(() => {});
+    expect(fake.data).toMatchObject({ lastOcclusionObject: null, occlusionQueryIndex: 1 });
+  });
+
+  test('counts the time in between as the pass’s', () => {
+    const fake = fakeRenderer();
+    const timestampWrites = { querySet: 'set', beginningOfPassWriteIndex: 6, endOfPassWriteIndex: 7 };
+    Object.assign(fake.data.descriptor as object, { timestampWrites });
+    open(fake).interrupt(() => {});
+    expect(fake.calls[1][1]).toMatchObject({ timestampWrites: { querySet: 'set', endOfPassWriteIndex: 7 } });
+    expect(fake.calls[1][1]).not.toHaveProperty('timestampWrites.beginningOfPassWriteIndex');
+  });
+
+  test('takes the canvas where three draws straight onto it', () => {
+    const fake = fakeRenderer();
+    Object.assign(fake.context, { textures: null, depthTexture: null, renderTarget: null });
+    const record = vi.fn();
+    open(fake).interrupt(record);
+    const [, host] = record.mock.calls[0];
+    expect([host.color.label, host.depth.label]).toEqual(['canvas', 'depth buffer']);
+  });
+
+  test('ends as it should where recording fails', () => {
+    const fake = fakeRenderer();
+    const fail = () => {
+      throw new Error('no memory');
+    };
+    expect(() => open(fake).interrupt(fail)).toThrow('no memory');
+    expect(fake.data.currentPass).toBe(fake.newPass);
+  });
+
+  test.each([
+    ['samples that are not kept', { storeOp: 'discard' }, {}],
+    ['samples that are not resolved', {}, { msaaTexture: {} }],
+    ['slices', {}, { texture: { dimension: '3d' } }],
+  ])('is refused, with the pass untouched, for %s', (_, attachment, textureData) => {
+    const fake = fakeRenderer();
+    const { colorAttachments } = fake.data.descriptor as { colorAttachments: object[] };
+    Object.assign(colorAttachments[1], attachment);
+    fake.kept.set(fake.colorTexture, { texture: gpuTexture('color'), ...textureData });
+    expect(() => open(fake).interrupt(() => {})).toThrow(SplatsPassError);
+    expect(fake.calls).toEqual([]);
+    expect(fake.data.currentPass).toBe(fake.oldPass);
+  });
+
+  test('is refused for a mip level', () => {
+    const fake = fakeRenderer();
+    fake.context.activeMipmapLevel = 1;
+    expect(() => open(fake).interrupt(() => {})).toThrow(/mip level/);
+  });
+});
+
+describe('a three that has changed is told by name', () => {
+  type Fake = ReturnType<typeof fakeRenderer>;
+  const removals: [missing: string, part: (fake: Fake) => Record<string, unknown>, name: string][] = [
+    ['renderer._currentRenderContext', ({ fields }) => fields, '_currentRenderContext'],
+    ['renderer._compilationPromises', ({ fields }) => fields, '_compilationPromises'],
+    ['renderer.backend', ({ fields }) => fields, 'backend'],
+    ['renderer.getCanvasTarget', ({ fields }) => fields, 'getCanvasTarget'],
+    ['renderer.backend.get', ({ backend }) => backend, 'get'],
+    ['renderer.backend.textureUtils', ({ backend }) => backend, 'textureUtils'],
+    ['backend.get(context).encoder', ({ data }) => data, 'encoder'],
+    ['backend.get(context).descriptor', ({ data }) => data, 'descriptor'],
+    ['backend.get(context).currentSets', ({ data }) => data, 'currentSets'],
+    ['backend.get(context).renderBundles', ({ data }) => data, 'renderBundles'],
+    ['context.viewportValue', ({ context }) => context, 'viewportValue'],
+    ['context.scissor', ({ context }) => context, 'scissor'],
+    ['context.occlusionQueryCount', ({ context }) => context, 'occlusionQueryCount'],
+  ];
+
+  test.each(removals)('%s', (missing, part, name) => {
+    const fake = fakeRenderer();
+    delete part(fake)[name];
+    let error: unknown;
+    try {
+      openPass(fake.renderer, camera);
+    } catch (thrown) {
+      error = thrown;
+    }
+    expect(error).toBeInstanceOf(ThreeInternalsError);
+    const { message, code } = error as ThreeInternalsError;
+    expect(code).toBe('three-internals');
+    expect(message).toContain(missing);
+    expect(message).toMatch(/^three r187 .*0\.185 to 0\.187/);
+  });
+
+  test('a texture without its GPU texture', () => {
+    const fake = fakeRenderer();
+    fake.kept.set(fake.colorTexture, {});
+    expect(() => open(fake).interrupt(() => {})).toThrow(ThreeInternalsError);
+  });
+});
+
+test('a WebGPU backend is told from others', () => {
+  expect(hasWebGpuBackend({ backend: { isWebGPUBackend: true } })).toBe(true);
+  expect(hasWebGpuBackend({ backend: { isWebGLBackend: true } })).toBe(false);
+  expect(hasWebGpuBackend({})).toBe(false);
+});
