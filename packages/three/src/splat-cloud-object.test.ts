@@ -2,7 +2,7 @@ import { DestroyedError, type SplatEngine } from '@websplatter/core';
 import { Box3, Matrix4, Raycaster, Scene, Vector3 } from 'three/webgpu';
 import { describe, expect, test, vi } from 'vitest';
 import { SplatCloudObject } from './splat-cloud-object.ts';
-import { splatDataAt } from './test-clouds.ts';
+import { splatDataAt } from './testing/test-clouds.ts';
 
 /** An engine that only counts what it holds. */
 function fakeEngine() {

@@ -1,6 +1,6 @@
 import { InvalidArgumentError, type SplatEngine } from '@websplatter/core';
 import { expect, test } from 'vitest';
-import { splatDataAt } from './test-clouds.ts';
+import { splatDataAt } from './testing/test-clouds.ts';
 
 test('data of another precision says how to load it', () => {
   const engine = { accuracy: { geometryPrecision: 'f32' } } as unknown as SplatEngine;

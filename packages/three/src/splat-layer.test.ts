@@ -3,7 +3,7 @@ import { describe, expect, test, vi } from 'vitest';
 import { SplatsUnsupportedRendererError } from './errors.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
 import { SplatLayer } from './splat-layer.ts';
-import { splatDataAt } from './test-clouds.ts';
+import { splatDataAt } from './testing/test-clouds.ts';
 
 function layersOf(root: Group | Scene): SplatLayer[] {
   return root.children.filter((child) => child instanceof SplatLayer);

@@ -2,7 +2,7 @@ import { encodePly, SplatFileError, SplatSourceError } from '@websplatter/core';
 import { LoadingManager } from 'three/webgpu';
 import { afterEach, describe, expect, test, vi } from 'vitest';
 import { SplatLoader } from './splat-loader.ts';
-import { splatSetAt } from './test-clouds.ts';
+import { splatSetAt } from './testing/test-clouds.ts';
 
 const file = encodePly(splatSetAt([0, 0, 0], [1, 2, 3])) as Uint8Array<ArrayBuffer>;
 
