@@ -22,6 +22,12 @@ const files = {
   'b.ply': encodePly(dots(DOTS)),
   'dots.ply': encodePly(dots(DOTS)),
   'dot.ply': encodePly(dots([[0, 0, 0]])),
+  // Wherever the pixel is, as opaque as a splat can be: 0.99.
+  'white.ply': encodePly({
+    ...dots([[0, 0, 0]]),
+    logScales: new Float32Array(3).fill(Math.log(1000)),
+    colorDc: new Float32Array(3).fill(0.5 / 0.28209479177387814),
+  }),
 };
 const harness = appHarness('e2e/react', files);
 
@@ -158,6 +164,20 @@ it('suspends, loads, and draws as the float64 reference does over any background
     const psnrDb = psnrAgainstReference(await picture(page), { ...camera, background }, [testScene()]);
     expect(psnrDb, `PSNR over ${name}, dB`).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   }
+
+  // White of 0.99 opacity over black, and what ACES makes of it where the Canvas is not `flat`.
+  for (const [isToneMapped, red] of [
+    [false, 252.45],
+    [true, 226],
+  ] as const) {
+    await show(
+      page,
+      canvas({ background: 'black', splats: [{ id: 'white', src: 'white.ply' }], isToneMapped }),
+    );
+    await waitForLog(page, 'white firstframe');
+    await nextFrames(page);
+    expect(Math.abs((await picture(page)).data[0] - red)).toBeLessThan(3);
+  }
 });
 
 it('draws no frame unless asked, and then one', async () => {
@@ -165,6 +185,10 @@ it('draws no frame unless asked, and then one', async () => {
   const page = await open(quiet);
   await waitForLog(page, 'a firstframe');
   await page.waitForFunction(() => window.page.statistics.length > 0);
+  await page.evaluate(() => {
+    const { timings, log } = window.page;
+    timings!.subscribe((statistics) => log.push(`frame ${statistics === timings!.current}`));
+  });
   await page.waitForTimeout(300);
   const before = await framesOf(page);
   await page.waitForTimeout(2000);
@@ -185,6 +209,7 @@ it('draws no frame unless asked, and then one', async () => {
   expect(changedPart(opaque, await picture(page))).toBeGreaterThan(0.1);
   expect((await countersOf(page)).uploads, 'uploads').toBe(uploads);
 
+  await waitForLog(page, 'frame true');
   // Measurements came, and rendered nothing but text: the one render is that of the props above, twice by StrictMode.
   expect(await page.evaluate(() => window.page.timingRenders)).toBe(rendersBefore + 2);
   const overlay = overlayOf(page);
@@ -197,7 +222,7 @@ it('draws no frame unless asked, and then one', async () => {
 });
 
 it('reads a file once and uploads it once, however often it is shown, and keeps it while a new one is read', async () => {
-  const second = { id: 'second', src: 'a.ply', position: [1, 0, 0] as const };
+  const second = { id: 'second', src: 'a.ply', position: [1, 0, 0] as const, isHandedOn: true };
   const requestsBefore = harness.server.requests('a.ply');
   const page = await open(canvas({ splats: [SPLATS, second] }));
   await waitForLog(page, 'second firstframe');
@@ -228,12 +253,25 @@ it('reads a file once and uploads it once, however often it is shown, and keeps 
   await show(
     page,
     canvas({ splats: [] }),
-    canvas({ id: 'other', accuracy: { alphaCutoff: 0.01 }, splats: [{ id: 'a', src: 'b.ply' }] }),
+    canvas({
+      id: 'other',
+      accuracy: { alphaCutoff: 0.01 },
+      antialias: false,
+      splats: [{ id: 'a', src: 'b.ply' }],
+    }),
   );
   await waitForLog(page, 'a firstframe', 3);
   expect(harness.server.requests('b.ply')).toBe(requests);
   expect(await countersOf(page, 'other')).toMatchObject({ uploads: 1 });
-  expect(await page.evaluate(() => window.page.engine('other').accuracy.alphaCutoff)).toBe(0.01);
+  const settings = (id: string) => {
+    const { alphaCutoff } = window.page.engine(id).accuracy;
+    return {
+      alphaCutoff,
+      samples: (window.page.canvases.get(id)!.gl as unknown as { samples: number }).samples,
+    };
+  };
+  expect(await page.evaluate(settings, 'other')).toEqual({ alphaCutoff: 0.01, samples: 0 });
+  expect(await page.evaluate(settings, 'canvas')).toMatchObject({ samples: 4 });
   await expect.poll(() => countersOf(page)).toMatchObject({ cloudsDestroyed: 2 });
 });
 

@@ -8,8 +8,11 @@ import {
   Splats,
   SplatsFallback,
   type SplatsObject,
+  type SplatsSource,
   StageTimings,
+  type StageTimingsSource,
   splatEngineOf,
+  useSplats,
   useStageTimings,
 } from '@websplatter/react';
 import { type ReactNode, StrictMode, Suspense, useEffect, useRef, useState } from 'react';
@@ -23,6 +26,8 @@ export interface SplatsDescription {
   readonly position?: readonly [number, number, number];
   readonly opacity?: number;
   readonly visible?: boolean;
+  /** Read by `useSplats` and handed on. */
+  readonly isHandedOn?: boolean;
   /** Has handlers of pointer events, which are written down. */
   readonly hasEvents?: boolean;
 }
@@ -36,6 +41,8 @@ export interface CanvasDescription {
   readonly background?: string;
   /** Of a `splats` Canvas. */
   readonly accuracy?: Accuracy;
+  /** Of a `splats` Canvas. */
+  readonly antialias?: boolean;
   /** Physical pixels per CSS pixel, default 1. */
   readonly dpr?: number;
   /** Not `flat`: tone-mapped. */
@@ -54,6 +61,8 @@ const page = {
   canvases: new Map<string, RootState>(),
   objects: new Map<string, SplatsObject>(),
   statistics: [] as FrameStatistics[],
+  /** What useStageTimings has returned. */
+  timings: null as StageTimingsSource | null,
   /** Times that a component has rendered whose only interest is in measurements. */
   timingRenders: 0,
   /** Effects that StrictMode has run. */
@@ -108,6 +117,7 @@ function OneCanvas(description: CanvasDescription): ReactNode {
     accuracy,
     dpr = 1,
     hasSuspense = true,
+    antialias,
   } = description;
   const [renderer, setRenderer] = useState<object | null>(null);
   const canvasProps = {
@@ -124,7 +134,10 @@ function OneCanvas(description: CanvasDescription): ReactNode {
     },
     onPointerMissed: () => note(id, 'missed'),
   };
-  const clouds = splats.map((each) => <OneSplats key={each.id} {...each} />);
+  const clouds = splats.map((each) => {
+    const Shown = each.isHandedOn ? HandedOnSplats : OneSplats;
+    return <Shown key={each.id} {...each} />;
+  });
   const children = (
     <>
       {background && <color attach="background" args={[background]} />}
@@ -135,7 +148,11 @@ function OneCanvas(description: CanvasDescription): ReactNode {
   );
   if (kind === 'splats') {
     return (
-      <SplatCanvas {...canvasProps} accuracy={accuracy}>
+      <SplatCanvas
+        {...canvasProps}
+        accuracy={accuracy}
+        gl={antialias === undefined ? undefined : { antialias }}
+      >
         {children}
       </SplatCanvas>
     );
@@ -158,7 +175,17 @@ function Waiting({ id }: { id: string }): ReactNode {
   return null;
 }
 
-function OneSplats({ id, hasEvents, position, ...props }: SplatsDescription): ReactNode {
+function HandedOnSplats(description: SplatsDescription): ReactNode {
+  return <OneSplats {...description} src={useSplats(description.src)} />;
+}
+
+function OneSplats({
+  id,
+  hasEvents,
+  position,
+  isHandedOn: _,
+  ...props
+}: Omit<SplatsDescription, 'src'> & { src: SplatsSource }): ReactNode {
   const object = useRef<SplatsObject>(null);
   useEffect(() => {
     page.effects++;
@@ -186,7 +213,7 @@ function OneSplats({ id, hasEvents, position, ...props }: SplatsDescription): Re
 
 function Timings(): ReactNode {
   page.timingRenders++;
-  useStageTimings((statistics) => page.statistics.push(statistics));
+  page.timings = useStageTimings((statistics) => page.statistics.push(statistics));
   return null;
 }
 

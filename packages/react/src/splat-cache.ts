@@ -15,11 +15,8 @@ export interface SplatRequest extends Precision {
 
 /** How far a request has come. A new object whenever that changes, so that React can compare by identity. */
 export type LoadState<Data> =
-  /** `settled` never rejects. */
-  { readonly status: 'pending'; readonly settled: Promise<SettledState<Data>> } | SettledState<Data>;
-
-/** How a load has ended. */
-export type SettledState<Data> =
+  /** `settled` resolves when the load has ended, well or not; it never rejects. */
+  | { readonly status: 'pending'; readonly settled: Promise<void> }
   | { readonly status: 'loaded'; readonly data: Data }
   | { readonly status: 'failed'; readonly error: unknown };
 
@@ -130,12 +127,10 @@ export class SplatCache<Data> {
     return entry;
   }
 
-  #settle(entry: Entry<Data>, state: SettledState<Data>): SettledState<Data> {
-    if (!entry.abort.signal.aborted) {
-      entry.state = state;
-      for (const watcher of [...entry.watchers]) watcher.onChange?.();
-    }
-    return state;
+  #settle(entry: Entry<Data>, state: LoadState<Data>): void {
+    if (entry.abort.signal.aborted) return;
+    entry.state = state;
+    for (const watcher of [...entry.watchers]) watcher.onChange?.();
   }
 
   #dropLater(entry: Entry<Data>, graceMs: number): void {

@@ -9,7 +9,6 @@ import {
 import {
   type ReactNode,
   type Ref,
-  use,
   useEffect,
   useImperativeHandle,
   useLayoutEffect,
@@ -154,7 +153,8 @@ function Cloud({
   useLayoutEffect(suspendNow, []);
   if (drawError) throw drawError.error;
   if (state?.status === 'failed' && !onError) throw state.error;
-  if (state?.status === 'pending' && splats === null) use(state.settled);
+  // Thrown for the reason given in useSplats.
+  if (state?.status === 'pending' && splats === null) throw state.settled;
 
   return <CloudElement {...objectProps} ref={object} data={splats} />;
 }

@@ -1,6 +1,6 @@
 import { type Accuracy, resolveAccuracy } from '@websplatter/core';
 import { type SplatData, splatEngineOf } from '@websplatter/three';
-import { use, useEffect } from 'react';
+import { useEffect } from 'react';
 import { isServer } from './is-server.ts';
 import { sharedCache } from './shared-cache.ts';
 import { type CacheableSource, requestFor } from './splat-cache.ts';
@@ -30,9 +30,9 @@ export function useSplats(source: CacheableSource, options: UseSplatsOptions = {
     const stop = sharedCache.watch(request, {});
     return () => stop();
   }, [request.key]);
-  const settled = state.status === 'pending' ? use(state.settled) : state;
-  if (settled.status === 'failed') throw settled.error;
-  return settled.data;
+  if (state.status === 'loaded') return state.data;
+  // Not `use(state.settled)`: React then wants `use` again when the render goes on, with nothing to wait for any more.
+  throw state.status === 'failed' ? state.error : state.settled;
 }
 
 /** Starts to read a file ahead of its use, and keeps it until `useSplats.clear`. Does nothing on a server. */
