@@ -159,16 +159,16 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       embedded.onStatistics = (statistics) => reportStageTimings(renderer, statistics);
       return embedded;
     });
-    view.clouds = [...clouds.keys()];
     const isReady = view.embedded.prepare({
       camera: engineCamera(camera, pass.depth?.compare === 'greater-equal'),
       clouds: [...clouds.values()],
       widthPx: pass.widthPx,
       heightPx: pass.heightPx,
       depth: pass.depth,
-      writesDepth: view.clouds.some(({ writesDepth }) => writesDepth),
+      writesDepth: [...clouds.keys()].some(({ writesDepth }) => writesDepth),
     });
     if (!isReady) return;
+    view.clouds = [...clouds.keys()];
     pass.interrupt((encoder, host) => {
       view.show(view.embedded.draw(encoder, host), pass.xPx, pass.yPx);
     });

@@ -15,18 +15,14 @@ export interface OpenPass {
   readonly heightPx: number;
   /** Undefined where the target has no depth. */
   readonly depth: DepthConvention | undefined;
-  /**
-   * Ends the pass, lets `record` record passes of its own, and goes on with the pass as it was.
-   *
-   * @throws SplatsPassError, with the pass untouched, where it cannot be interrupted.
-   */
+  /** Ends the pass, lets `record` record passes of its own, and goes on with the pass as it was. */
   interrupt(record: (encoder: GPUCommandEncoder, host: HostPass) => void): void;
 }
 
 /**
  * The pass that `renderer` is recording for an object's `onBeforeRender`, or null where it only compiles shaders.
  *
- * @throws ThreeInternalsError where three has changed; SplatsPassError for a camera that is several.
+ * @throws ThreeInternalsError where three has changed; SplatsPassError where the pass cannot be interrupted.
  */
 export function openPass(renderer: WebGPURenderer, camera: Camera): OpenPass | null {
   const internals = internalsOf(renderer);
@@ -45,6 +41,14 @@ export function openPass(renderer: WebGPURenderer, camera: Camera): OpenPass | n
   const viewport = context.viewport
     ? context.viewportValue
     : { x: 0, y: 0, width: context.width, height: context.height };
+  checkResumable(data.descriptor);
+  const host: HostPass = {
+    color: colorOf(backend, context, data.descriptor),
+    depth: context.depth ? depthOf(backend, context) : null,
+    xPx: viewport.x,
+    yPx: viewport.y,
+    layer: context.activeCubeFace,
+  };
   return {
     target: targetKey(renderer, context),
     xPx: viewport.x,
@@ -53,14 +57,6 @@ export function openPass(renderer: WebGPURenderer, camera: Camera): OpenPass | n
     heightPx: viewport.height,
     depth: context.depth ? depthConvention(renderer) : undefined,
     interrupt: (record) => {
-      checkResumable(data.descriptor);
-      const host = {
-        color: colorOf(backend, context, data.descriptor),
-        depth: context.depth ? depthOf(backend, context) : null,
-        xPx: viewport.x,
-        yPx: viewport.y,
-        layer: context.activeCubeFace,
-      };
       suspend(backend, context, data);
       try {
         record(data.encoder, host);
