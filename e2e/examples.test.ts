@@ -28,9 +28,9 @@ async function openExample(name: string, scene: SplatSet | Promise<SplatSet>): P
   return page;
 }
 
-/** The picture in the canvas, without the controls over it. */
+/** What the canvas shows, also while it does not yet have its size, without the controls over it. */
 function picture(page: Page): Promise<Screenshot> {
-  return screenshot(page.locator('canvas'), '.panel, .view-names { visibility: hidden !important; }');
+  return screenshot(page.locator('.stage'), '.panel, .view-names { visibility: hidden !important; }');
 }
 
 type Size = Pick<Screenshot, 'widthPx' | 'heightPx'>;
@@ -143,7 +143,7 @@ describe('examples', () => {
     const page = await openExample('two-clouds', testScene());
     const size = await sizeOf(page);
     const drawn: DrawnCamera = {
-      ...drawnFrom([0, 1.2, 3.4], size, { near: 0.1 }),
+      ...drawnFrom([0, 1.3, 4], size, { near: 0.1 }),
       modelMatrices: [modelMatrix(-0.55), modelMatrix(0.55, Math.PI / 2, [-0.85, 0.85, 0.85])],
     };
     const psnrAs = (changes: Partial<DrawnCamera> = {}) => {

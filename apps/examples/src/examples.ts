@@ -9,7 +9,7 @@ const DESCRIPTIONS = [
   },
   {
     name: 'mesh-through-splats',
-    title: 'A mesh among splats',
+    title: 'A moving mesh',
     about: 'A ball moves through the scene: it hides splats behind it, and splats in front veil it.',
   },
   {

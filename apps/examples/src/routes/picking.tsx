@@ -13,9 +13,10 @@ export default function Picking() {
       <Canvas gl={createSplatRenderer} flat camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         <Splats ref={splats} src="still-life.ply" onClick={pick} />
         {hit && (
-          <mesh position={hit.point}>
+          <mesh position={hit.point} renderOrder={1}>
             <sphereGeometry args={[0.012 * hit.depthView]} />
-            <meshBasicMaterial color="#ff2d87" />
+            {/* After the splats and over all of them: the middle of the one picked may lie behind others. */}
+            <meshBasicMaterial color="#ff2d87" transparent depthTest={false} />
           </mesh>
         )}
       </Canvas>

@@ -26,16 +26,19 @@ export default function SeveralViews() {
   );
 }
 
-/** Draws the scene once per camera, side by side. A priority above 0 takes drawing over from the Canvas. */
+/** Draws the scene once per camera. A priority above 0 takes drawing over from the Canvas. */
 function Views() {
   useFrame(({ gl, scene, size }) => {
-    const width = size.width / VIEWS.length;
+    const isWide = size.width > size.height;
+    const width = isWide ? size.width / VIEWS.length : size.width;
+    const height = isWide ? size.height : size.height / VIEWS.length;
     gl.setScissorTest(true);
     VIEWS.forEach(({ camera }, i) => {
-      camera.aspect = width / size.height;
+      camera.aspect = width / height;
       camera.updateProjectionMatrix();
-      gl.setViewport(i * width, 0, width, size.height);
-      gl.setScissor(i * width, 0, width, size.height);
+      const [x, y] = isWide ? [i * width, 0] : [0, i * height];
+      gl.setViewport(x, y, width, height);
+      gl.setScissor(x, y, width, height);
       gl.render(scene, camera);
     });
     gl.setScissorTest(false);

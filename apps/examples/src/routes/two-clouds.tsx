@@ -7,7 +7,7 @@ export default function TwoClouds() {
   const [opacity, setOpacity] = useState(1);
   return (
     <>
-      <Canvas gl={createSplatRenderer} flat camera={{ position: [0, 1.2, 3.4], fov: 50 }}>
+      <Canvas gl={createSplatRenderer} flat camera={{ position: [0, 1.3, 4], fov: 50 }}>
         <Splats src="ring.ply" position-x={-0.55} />
         {/* Turned, mirrored and smaller. The file is read once and lies on the GPU once. */}
         <Splats
