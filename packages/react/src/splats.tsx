@@ -2,7 +2,7 @@ import { extend, type ThreeElement, useThree } from '@react-three/fiber';
 import type { SplatEngine } from '@websplatter/core';
 import {
   onDeviceLost as listenForDeviceLoss,
-  SplatData,
+  type SplatData,
   SplatsUnsupportedRendererError,
   splatEngineOf,
 } from '@websplatter/three';
@@ -17,11 +17,11 @@ import {
   useState,
 } from 'react';
 import { isServer } from './is-server.ts';
-import { type CacheableSource, requestFor, type SplatRequest } from './splat-cache.ts';
+import type { CacheableSource } from './splat-cache.ts';
 import { SplatsObject } from './splats-object.ts';
 import { useLatest } from './use-latest.ts';
-import { useLoadState } from './use-load-state.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
+import { useSource } from './use-source.ts';
 
 /** What `<Splats>` can show. */
 export type SplatsSource = CacheableSource | SplatData;
@@ -99,20 +99,10 @@ function Cloud({
   const isLost = useRef(false);
   const graceMs = () => (isLost.current ? RECOVERY_GRACE_MS : undefined);
 
-  const request = src instanceof SplatData ? null : requestFor(src, engine.accuracy);
-  const state = useLoadState(request, { onProgress, graceMs });
-
-  // What has been read last stays in sight, and in the cache, until the next has been read.
-  const [shown, setShown] = useState<Shown>(NOTHING);
-  const loaded = src instanceof SplatData ? src : state?.status === 'loaded' ? state.data : null;
-  if (loaded !== null && loaded !== shown.splats) setShown({ splats: loaded, request });
-  const splats = loaded ?? shown.splats;
-  useLoadState(shown.request, { graceMs });
-
-  const [drawError, setDrawError] = useState<{ readonly error: unknown } | null>(null);
+  const { splats, load } = useSource(src, engine.accuracy, { onProgress, graceMs });
   useEffect(() => {
-    if (state?.status === 'failed') latest.current.onError?.(state.error);
-  }, [state, latest]);
+    if (load?.status === 'failed') latest.current.onError?.(load.error);
+  }, [load, latest]);
 
   const reported = useRef<SplatData>(null);
   useEffect(() => {
@@ -121,6 +111,7 @@ function Cloud({
     latest.current.onLoad?.(splats);
   }, [splats, latest]);
 
+  const [drawError, setDrawError] = useState<{ readonly error: unknown } | null>(null);
   useLayoutEffect(() => {
     const cloud = object.current!;
     const tellFirstFrame = () => latest.current.onFirstFrame?.();
@@ -152,16 +143,9 @@ function Cloud({
   const [, suspendNow] = useReducer(() => true, false);
   useLayoutEffect(suspendNow, []);
   if (drawError) throw drawError.error;
-  if (state?.status === 'failed' && !onError) throw state.error;
+  if (load?.status === 'failed' && !onError) throw load.error;
   // Thrown for the reason given in useSplats.
-  if (state?.status === 'pending' && splats === null) throw state.settled;
+  if (load?.status === 'pending' && splats === null) throw load.settled;
 
   return <CloudElement {...objectProps} ref={object} data={splats} />;
 }
-
-interface Shown {
-  readonly splats: SplatData | null;
-  readonly request: SplatRequest | null;
-}
-
-const NOTHING: Shown = { splats: null, request: null };
