@@ -214,7 +214,7 @@ it('draws no frame unless asked, and then one', async () => {
   expect(await page.evaluate(() => window.page.timingRenders)).toBe(rendersBefore + 2);
   const overlay = overlayOf(page);
   const text = await overlay.innerText();
-  for (const row of ['Pre-process', 'Sort', 'Rasterize', 'Frame']) {
+  for (const row of ['Pre-process', 'Sort', 'Rasterize', 'Frame', 'Wall clock']) {
     expect(text).toMatch(new RegExp(`${row}\\s+\\d+\\.\\d\\d ms`));
   }
   expect(text).toMatch(/Splats loaded\s+400\s/);

@@ -14,7 +14,15 @@ const LIST_STYLE = 'margin:0;display:grid;grid-template-columns:auto auto;gap:1p
 /** As wide as `1,234,567`, so that figures that grow move nothing. */
 const VALUE_STYLE = 'margin:0;min-width:9ch;text-align:right';
 
-const ROWS = ['Pre-process', 'Sort', 'Rasterize', 'Frame', 'Splats visible', 'Splats loaded'] as const;
+const ROWS = [
+  'Pre-process',
+  'Sort',
+  'Rasterize',
+  'Frame',
+  'Wall clock',
+  'Splats visible',
+  'Splats loaded',
+] as const;
 type Row = (typeof ROWS)[number];
 
 export interface TimingsPanel {
@@ -76,21 +84,18 @@ export function wordsFor({ timing, visibleSplats, loadedSplats }: FrameStatistic
   readonly values: Readonly<Record<Row, string>>;
   readonly note: string;
 } {
+  const isMeasuredByGpu = timing.source === 'gpu-timestamps';
   const values = {
     'Pre-process': milliseconds(timing.preprocessMs),
     Sort: milliseconds(timing.sortMs),
     Rasterize: milliseconds(timing.rasterizeMs),
-    Frame: milliseconds(timing.totalMs),
+    Frame: milliseconds(isMeasuredByGpu ? timing.totalMs : Number.NaN),
+    'Wall clock': milliseconds(timing.wallClockMs),
     'Splats visible': visibleSplats.toLocaleString('en'),
     'Splats loaded': loadedSplats.toLocaleString('en'),
   };
-  return { values, note: noteOn(timing) };
-}
-
-function noteOn(timing: FrameStatistics['timing']): string {
-  if (timing.source === 'wall-clock') return 'Wall clock: no GPU timestamps here';
-  if (isPlausible(timing)) return 'GPU timestamps';
-  return `GPU timestamps; wall clock ${milliseconds(timing.wallClockMs)}`;
+  if (!isMeasuredByGpu) return { values, note: 'No GPU timestamps here' };
+  return { values, note: isPlausible(timing) ? 'GPU timestamps' : 'GPU timestamps, doubtful' };
 }
 
 function milliseconds(value: number): string {
