@@ -15,3 +15,12 @@ fn storedDepth(depthView: f32, ndc: vec2f, hostDepth: HostDepth) -> f32 {
   let clamped = clamp(depth, 0.0, 1.0);
   return select(depth, clamped, abs(depth - clamped) < ROUNDING);
 }
+
+/// Inverse of `storedDepth` in the middle of the picture; also of a cleared, infinitely far depth, which is taken for a
+/// very large one.
+fn depthViewOf(stored: f32, hostDepth: HostDepth) -> f32 {
+  let mapped = (stored - hostDepth.offset) / hostDepth.factor;
+  @if(ORTHOGRAPHIC) return mapped;
+  @if(!ORTHOGRAPHIC && DEPTH_LOGARITHMIC) return exp2(mapped);
+  @if(!ORTHOGRAPHIC && !DEPTH_LOGARITHMIC) return 1.0 / max(mapped, 1e-30);
+}

@@ -2,15 +2,17 @@
 // encoding, so what is behind is encoded, covered, and decoded again: blending the decoded splats in linear light instead
 // would lighten every pixel that they cover in part (white at half opacity over black: 188 instead of 128).
 import layout::HostViewport;
-@if(DEPTH_LAYER) import layout::HostDepth;
+@if(DEPTH_LAYER || MULTISAMPLED) import layout::HostDepth;
 @if(DEPTH_LAYER) import package::lib::host_depth::storedDepth;
+@if(MULTISAMPLED) import package::lib::host_depth::depthViewOf;
 import package::lib::srgb::{decodeSrgb, encodeSrgb};
 
 @group(0) @binding(0) var<uniform> viewport: HostViewport;
 @group(0) @binding(1) var layer: texture_2d<f32>;
 @group(0) @binding(2) var behind: texture_2d<f32>;
 @if(DEPTH_LAYER) @group(0) @binding(3) var depthLayer: texture_2d<f32>;
-@if(DEPTH_LAYER) @group(0) @binding(4) var<uniform> hostDepth: HostDepth;
+@if(DEPTH_LAYER || MULTISAMPLED) @group(0) @binding(4) var<uniform> hostDepth: HostDepth;
+@if(MULTISAMPLED) @group(0) @binding(5) var hostDepths: texture_depth_multisampled_2d;
 
 struct Picture {
   /// Linear light, premultiplied, what is behind included; opacity 0 exactly where there is no splat.
@@ -28,19 +30,73 @@ fn vertexMain(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
   return vec4f(f32(vertex & 1u) * 4.0 - 1.0, f32(vertex >> 1u) * 4.0 - 1.0, 0.0, 1.0);
 }
 
-@fragment
-fn fragmentMain(@builtin(position) position: vec4f) -> Picture {
-  let pixel = vec2u(position.xy);
-  let splats = textureLoad(layer, pixel, 0);
-  let host = textureLoad(behind, pixel + viewport.originPx, 0);
+/// `splats`, encoded, over `host`, linear; both premultiplied, and so is the sum, linear.
+fn over(splats: vec4f, host: vec4f) -> vec4f {
   // Encoding is for straight colours: a premultiplied one is divided by its opacity first.
   let hostEncoded = encodeSrgb(host.rgb / max(host.a, 1e-6)) * host.a;
   let through = 1.0 - splats.a;
   let opacity = splats.a + through * host.a;
   let covered = splats.rgb + through * hostEncoded;
-  let color = clamp(decodeSrgb(covered / max(opacity, 1e-6)) * opacity, vec3f(-MAX_COLOR), vec3f(MAX_COLOR));
+  let color = decodeSrgb(covered / max(opacity, 1e-6)) * opacity;
+  return vec4f(clamp(color, vec3f(-MAX_COLOR), vec3f(MAX_COLOR)), opacity);
+}
+
+/// Samples of a pixel lie on two surfaces, and not on one that is steep, where their view depths are this far apart.
+@if(MULTISAMPLED) const EDGE_RATIO = 1.05;
+
+/// Part of the pixel's samples that lie between two view depths.
+@if(MULTISAMPLED) fn shareBetween(pixel: vec2u, nearest: f32, farthest: f32) -> f32 {
+  let samples = textureNumSamples(hostDepths);
+  var inside = 0u;
+  for (var i = 0u; i < samples; i++) {
+    let depth = depthViewOf(textureLoad(hostDepths, pixel + viewport.depthOriginPx, i), hostDepth);
+    inside += u32(depth >= nearest && depth <= farthest);
+  }
+  return f32(inside) / f32(samples);
+}
+
+/// Where the edge of a mesh runs through the pixel, its layer shows the splats behind the edge, and its host colour is a
+/// mixture. The part of the near surface is taken from the neighbour that shows most of it, splats in front of it included;
+/// without it the host's colour is that of the far surface, which the pixel's own splats cover.
+@if(MULTISAMPLED) fn overWithEdge(pixel: vec2u, splats: vec4f, host: vec4f) -> vec4f {
+  let samples = textureNumSamples(hostDepths);
+  var nearest = 3e38;
+  var farthest = 0.0;
+  for (var i = 0u; i < samples; i++) {
+    let depth = depthViewOf(textureLoad(hostDepths, pixel + viewport.depthOriginPx, i), hostDepth);
+    nearest = min(nearest, depth);
+    farthest = max(farthest, depth);
+  }
+  if (farthest <= EDGE_RATIO * nearest) {
+    return over(splats, host);
+  }
+  let share = shareBetween(pixel, 0.0, EDGE_RATIO * nearest);
+  let last = vec2i(textureDimensions(layer)) - 1;
+  var neighbor = pixel;
+  var neighborShare = share;
+  for (var i = 0; i < 9; i++) {
+    let candidate = vec2u(clamp(vec2i(pixel) + vec2i(i % 3 - 1, i / 3 - 1), vec2i(0), last));
+    let candidateShare = shareBetween(candidate, nearest / EDGE_RATIO, EDGE_RATIO * nearest);
+    if (candidateShare > neighborShare) {
+      neighbor = candidate;
+      neighborShare = candidateShare;
+    }
+  }
+  let nearHost = textureLoad(behind, neighbor + viewport.colorOriginPx, 0);
+  // Where no neighbour shows more of the near surface, both are the pixel itself, and nothing changes.
+  let farHost = max(host - share * nearHost, vec4f(0.0)) / (1.0 - share);
+  return mix(over(splats, farHost), over(textureLoad(layer, neighbor, 0), nearHost), share);
+}
+
+@fragment
+fn fragmentMain(@builtin(position) position: vec4f) -> Picture {
+  let pixel = vec2u(position.xy);
+  let splats = textureLoad(layer, pixel, 0);
+  let host = textureLoad(behind, pixel + viewport.colorOriginPx, 0);
+  @if(!MULTISAMPLED) let color = over(splats, host);
+  @if(MULTISAMPLED) let color = overWithEdge(pixel, splats, host);
   var picture: Picture;
-  picture.color = select(vec4f(0.0), vec4f(color, opacity), splats.a > 0.0);
+  picture.color = select(vec4f(0.0), color, splats.a > 0.0);
   @if(DEPTH_LAYER) let depthView = textureLoad(depthLayer, pixel, 0).r / max(splats.a, 0.5);
   @if(DEPTH_LAYER) let ndc = (position.xy / vec2f(textureDimensions(layer)) * 2.0 - 1.0) * vec2f(1.0, -1.0);
   @if(DEPTH_LAYER) let depth = storedDepth(max(depthView, 1e-30), ndc, hostDepth);

@@ -1,5 +1,5 @@
-// Copies the part of the host's depth that the splats' picture covers. Of several samples the first decides, so that what
-// hides a splat is one of the host's own surfaces.
+// Copies the part of the host's depth that the splats' picture covers. Of several samples the farthest decides: splats
+// behind the edge of a mesh are drawn up to its last sample, and compose puts the mesh's part of the pixel back.
 import layout::HostViewport;
 
 @group(0) @binding(0) var<uniform> viewport: HostViewport;
@@ -14,5 +14,13 @@ fn vertexMain(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
 
 @fragment
 fn fragmentMain(@builtin(position) position: vec4f) -> @builtin(frag_depth) f32 {
-  return textureLoad(hostDepths, vec2u(position.xy) + viewport.originPx, 0);
+  let pixel = vec2u(position.xy) + viewport.depthOriginPx;
+  var farthest = textureLoad(hostDepths, pixel, 0);
+  @if(MULTISAMPLED) let samples = textureNumSamples(hostDepths);
+  @if(MULTISAMPLED) for (var i = 1u; i < samples; i++) {
+    let depth = textureLoad(hostDepths, pixel, i);
+    @if(REVERSED_DEPTH) farthest = min(farthest, depth);
+    @if(!REVERSED_DEPTH) farthest = max(farthest, depth);
+  }
+  return farthest;
 }

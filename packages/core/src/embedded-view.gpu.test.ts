@@ -1,6 +1,6 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { type Camera, cameraFromMatrices } from './camera.ts';
+import { type Camera, cameraFromMatrices, perspectiveCamera } from './camera.ts';
 import type { EmbeddedFrame, EmbeddedPicture, EmbeddedView } from './embedded-view.ts';
 import { SplatEngine } from './engine.ts';
 import { DestroyedError, InvalidArgumentError } from './errors.ts';
@@ -11,6 +11,7 @@ import { compose } from './reference/compose.ts';
 import { compareImages, renderReference } from './reference/index.ts';
 import { type DepthConvention, storedDepth } from './scene/depth-convention.ts';
 import type { SplatCloud } from './scene/splat-cloud.ts';
+import type { SplatSet } from './scene/splat-set.ts';
 import { randomSplats, splatsOf } from './testing/random-splats.ts';
 import { seededRandom } from './testing/seeded-random.ts';
 import { testCameras } from './testing/test-cameras.ts';
@@ -214,6 +215,107 @@ async function expectRight(camera: Camera, depth: DepthConvention, host: Host = 
   color.destroy();
 }
 
+const WALL_COLOR = [0.9, 0.5, 0.1] as const;
+const SKY_COLOR = [0.02, 0.04, 0.3] as const;
+const EDGE_SIZE = 64;
+
+/** A camera before a wall, with splats that fill the view in front of the wall and behind it. */
+function edgeScene() {
+  const camera = perspectiveCamera({ position: [0, 0, 2], target: [0, 0, 0], fovYDegrees: 40, aspect: 1 });
+  const sheet = (z: number, opacityLogit: number, colorDc: readonly number[]) =>
+    splatsOf([{ position: [0, 0, z], opacityLogit, colorDc, logScales: [6, 6, -6] }]);
+  return { camera, near: sheet(1, -0.5, [1.5, 1, -1]), far: sheet(-1, 4, [-1, 1.2, 0.8]) };
+}
+
+/** A wall with a slanting edge, drawn with four samples before the sky as a host would; its colours are resolved. */
+function drawSlantedWall(camera: Camera, { compare, mapping }: DepthConvention) {
+  const texture = (format: GPUTextureFormat, sampleCount: number, usage: GPUTextureUsageFlags) =>
+    device.createTexture({
+      size: [EDGE_SIZE, EDGE_SIZE],
+      format,
+      sampleCount,
+      usage: usage | GPUTextureUsage.RENDER_ATTACHMENT,
+    });
+  const samples = texture('rgba16float', 4, 0);
+  const color = texture('rgba16float', 1, GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_SRC);
+  const depth = texture('depth32float', 4, GPUTextureUsage.TEXTURE_BINDING);
+  const module = device.createShaderModule({
+    code: `@vertex fn corner(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
+        let corners = array(vec2f(-1.5, -1.0), vec2f(-0.23, -1.0), vec2f(-1.5, 1.0), vec2f(0.31, 1.0));
+        return vec4f(corners[i], ${storedDepth(2, camera, mapping)}, 1.0);
+      }
+      @fragment fn paint() -> @location(0) vec4f { return vec4f(${WALL_COLOR.join(', ')}, 1.0); }`,
+  });
+  const pipeline = device.createRenderPipeline({
+    layout: 'auto',
+    vertex: { module },
+    fragment: { module, targets: [{ format: samples.format }] },
+    primitive: { topology: 'triangle-strip' },
+    multisample: { count: 4 },
+    depthStencil: { format: depth.format, depthCompare: compare, depthWriteEnabled: true },
+  });
+  const encoder = device.createCommandEncoder();
+  const pass = encoder.beginRenderPass({
+    colorAttachments: [
+      {
+        view: samples.createView(),
+        resolveTarget: color.createView(),
+        loadOp: 'clear',
+        storeOp: 'store',
+        clearValue: [...SKY_COLOR, 1],
+      },
+    ],
+    depthStencilAttachment: {
+      view: depth.createView(),
+      depthLoadOp: 'clear',
+      depthStoreOp: 'store',
+      depthClearValue: compare === 'less-equal' ? 1 : 0,
+    },
+  });
+  pass.setPipeline(pipeline);
+  pass.draw(4);
+  pass.end();
+  device.queue.submit([encoder.finish()]);
+  samples.destroy();
+  return { color, depth };
+}
+
+/**
+ * Draws `sets` at the slanting wall and compares the pixels on its edge with what they should be: the mean, in linear
+ * light, of what is three pixels further into the wall and three pixels out of it, by the part of the pixel that the wall
+ * covers.
+ */
+async function drawEdge(camera: Camera, depth: DepthConvention, sets: readonly SplatSet[]) {
+  const wall = drawSlantedWall(camera, depth);
+  const host = (await readTexture(device, wall.color)).data;
+  const clouds = sets.map((set) => ({ cloud: engine.add(set) }));
+  const view = engine.createEmbeddedView();
+  await prepared(view, { camera, clouds, widthPx: EDGE_SIZE, heightPx: EDGE_SIZE, depth });
+  const picture = record(view, { ...wall, xPx: 0, yPx: 0 });
+  const { data } = await readTexture(device, picture.color);
+  view.destroy();
+  for (const { cloud: each } of clouds) each.destroy();
+  for (const each of Object.values(wall)) each.destroy();
+
+  // Where there is no splat the host goes on to show its own.
+  const shown = (channel: number) => (data[4 * (channel >> 2) + 3] > 0 ? data[channel] : host[channel]);
+  let pixels = 0;
+  let maxError = 0;
+  for (let row = 0; row < EDGE_SIZE; row++) {
+    for (let column = 3; column < EDGE_SIZE - 3; column++) {
+      const at = 4 * (row * EDGE_SIZE + column);
+      const share = (host[at + 2] - SKY_COLOR[2]) / (WALL_COLOR[2] - SKY_COLOR[2]);
+      if (share < 0.1 || share > 0.9) continue;
+      pixels++;
+      for (let channel = at; channel < at + 3; channel++) {
+        const expected = share * shown(channel - 12) + (1 - share) * shown(channel + 12);
+        maxError = Math.max(maxError, Math.abs(shown(channel) - expected));
+      }
+    }
+  }
+  return { pixels, maxError };
+}
+
 describe('an embedded view', () => {
   for (const [name, depth, isReversed] of CONVENTIONS) {
     gpuTest(`hides splats behind the host's ${name}, and knows their own`, async () => {
@@ -268,6 +370,19 @@ describe('an embedded view', () => {
     view.destroy();
     one.destroy();
     color.destroy();
+  });
+
+  gpuTest('keeps the edges of multisampled meshes smooth, before splats and amid them', async () => {
+    const { camera, near, far } = edgeScene();
+    for (const [, depth, isReversed] of CONVENTIONS) {
+      const seenBy = withClipDepth(camera, isReversed);
+      // What is in front of the wall is a veil, what is behind it nearly opaque.
+      for (const sets of [[far], [near], [near, far]]) {
+        const edge = await drawEdge(seenBy, depth, sets);
+        expect(edge.pixels).toBeGreaterThan(30);
+        expect(edge.maxError, `${sets.length} clouds, ${depth.mapping}`).toBeLessThan(0.012);
+      }
+    }
   });
 
   gpuTest(

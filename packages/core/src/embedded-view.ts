@@ -58,11 +58,11 @@ export class EmbeddedView {
   readonly #context: ViewContext;
   readonly #layer: BlendedLayer;
   readonly #onDestroyed: (view: EmbeddedView) => void;
-  readonly #depthViewport: ViewportUniform;
-  readonly #colorViewport: ViewportUniform;
+  readonly #viewport: GPUBuffer;
   #textures: PictureTextures | null = null;
   #behindCopy: GPUTexture | null = null;
   #preparedKey = '';
+  #viewportKey = '';
   #isCompiling = false;
   #statistics: FrameStatistics | null = null;
   #isDestroyed = false;
@@ -75,8 +75,8 @@ export class EmbeddedView {
     this.#context = context;
     this.#onDestroyed = onDestroyed;
     this.#layer = new BlendedLayer(context);
-    this.#depthViewport = new ViewportUniform(context, 'viewport in depth');
-    this.#colorViewport = new ViewportUniform(context, 'viewport in color');
+    const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
+    this.#viewport = context.memory.createBuffer('host viewport', HostViewport.bytes, usage);
   }
 
   /** The newest measurement, or null before the first. */
@@ -132,9 +132,17 @@ export class EmbeddedView {
       );
     }
     const textures = this.#texturesFor(shape);
-    if (textures.testedDepth) this.#recordResolve(encoder, pass, textures.testedDepth);
+    if (textures.testedDepth && !pass.depth) {
+      throw new InvalidArgumentError(
+        'depth',
+        'The frame was prepared to be hidden by depth and the host gave none.',
+      );
+    }
+    const behind = this.#readable(encoder, pass, textures.color);
+    this.#writeViewport(pass, behind);
+    if (textures.testedDepth) this.#recordResolve(encoder, pass, shape.depth!, textures.testedDepth);
     layer.recordRasterize(encoder, textures.testedDepth);
-    this.#recordCompose(encoder, pass, textures, shape);
+    this.#recordCompose(encoder, pass, behind, textures, shape);
     layer.recordTimes(encoder);
     // The host submits before it gives up control; reading back may not begin earlier.
     queueMicrotask(() => void this.#measure());
@@ -160,8 +168,7 @@ export class EmbeddedView {
     this.#onDestroyed(this);
     queueMicrotask(() => {
       this.#layer.destroy();
-      this.#depthViewport.destroy();
-      this.#colorViewport.destroy();
+      this.#context.memory.destroy(this.#viewport);
       const { color, depth, testedDepth } = this.#textures ?? {};
       this.#free(color, depth, testedDepth, this.#behindCopy);
     });
@@ -178,9 +185,12 @@ export class EmbeddedView {
   #isCompiled(shape: FrameShape): boolean {
     const { pipelines } = this.#context;
     const { depth } = shape;
-    const stages = [...frameStages(shape), [compose(depth), composeState(depth)] as const];
+    const stages = frameStages(shape);
     // Whether the host's depth has several samples is known when it is drawn.
-    if (depth) for (const many of [false, true]) stages.push([resolveDepth(many), resolveDepthState]);
+    for (const many of depth ? [false, true] : [false]) {
+      stages.push([compose(depth, many), composeState(depth)]);
+      if (depth) stages.push([resolveDepth(depth.compare, many), resolveDepthState]);
+    }
     if (pipelines.areReady(stages)) return true;
     if (!this.#isCompiling) {
       this.#isCompiling = true;
@@ -224,17 +234,26 @@ export class EmbeddedView {
     return this.#textures;
   }
 
-  #recordResolve(encoder: GPUCommandEncoder, host: HostPass, target: GPUTexture): void {
-    const { depth, xPx, yPx } = host;
-    if (!depth) {
-      throw new InvalidArgumentError(
-        'depth',
-        'The frame was prepared to be hidden by depth and the host gave none.',
-      );
-    }
+  #writeViewport({ color, xPx, yPx }: HostPass, behind: GPUTexture): void {
+    const key = `${xPx} ${yPx} ${behind === color}`;
+    if (key === this.#viewportKey) return;
+    this.#viewportKey = key;
+    const contents = new ArrayBuffer(HostViewport.bytes);
+    HostViewport.write(contents, {
+      colorOriginPx: behind === color ? [xPx, yPx] : [0, 0],
+      depthOriginPx: [xPx, yPx],
+    });
+    this.#context.device.queue.writeBuffer(this.#viewport, 0, contents);
+  }
+
+  #recordResolve(
+    encoder: GPUCommandEncoder,
+    host: HostPass,
+    { compare }: RasterizeDepth,
+    target: GPUTexture,
+  ): void {
     const { pipelines } = this.#context;
-    const stage = resolveDepth(depth.sampleCount > 1);
-    this.#depthViewport.write(xPx, yPx);
+    const stage = resolveDepth(compare, isMultisampled(host));
     const pass = encoder.beginRenderPass({
       label: 'resolve depth',
       colorAttachments: [],
@@ -248,8 +267,8 @@ export class EmbeddedView {
     });
     pass.setPipeline(pipelines.render(stage, resolveDepthState)!);
     const bindings = {
-      viewport: this.#depthViewport.buffer,
-      hostDepths: layerView(depth, host, { aspect: 'depth-only' }),
+      viewport: this.#viewport,
+      hostDepths: depthView(host),
     };
     pass.setBindGroup(0, pipelines.bindGroup(stage, bindings));
     pass.draw(3);
@@ -259,13 +278,14 @@ export class EmbeddedView {
   #recordCompose(
     encoder: GPUCommandEncoder,
     host: HostPass,
+    behind: GPUTexture,
     { color, depth }: EmbeddedPicture,
     shape: FrameShape,
   ): void {
     const { pipelines } = this.#context;
     const layer = this.#layer;
-    const stage = compose(shape.depth);
-    const behind = this.#readable(encoder, host, color);
+    const isEdged = shape.depth !== null && isMultisampled(host);
+    const stage = compose(shape.depth, isEdged);
     const pass = encoder.beginRenderPass({
       label: 'compose',
       colorAttachments: [color, depth]
@@ -275,10 +295,12 @@ export class EmbeddedView {
     });
     pass.setPipeline(pipelines.render(stage, composeState(shape.depth))!);
     const bindings = {
-      viewport: this.#colorViewport.buffer,
+      viewport: this.#viewport,
       layer: layer.color!.createView(),
-      behind,
-      ...(layer.depth && { depthLayer: layer.depth.createView(), hostDepth: layer.frame!.hostDepth! }),
+      behind: behind === host.color ? layerView(behind, host) : behind.createView(),
+      ...(layer.depth && { depthLayer: layer.depth.createView() }),
+      ...(layer.frame!.hostDepth && { hostDepth: layer.frame!.hostDepth }),
+      ...(isEdged && { hostDepths: depthView(host) }),
     };
     pass.setBindGroup(0, pipelines.bindGroup(stage, bindings));
     pass.draw(3);
@@ -286,13 +308,9 @@ export class EmbeddedView {
   }
 
   /** The host's colour where it can be bound, else a copy of what the viewport shows of it. */
-  #readable(encoder: GPUCommandEncoder, host: HostPass, { width, height }: GPUTexture): GPUTextureView {
+  #readable(encoder: GPUCommandEncoder, host: HostPass, { width, height }: GPUTexture): GPUTexture {
     const { color, xPx, yPx, layer = 0 } = host;
-    if (color.usage & GPUTextureUsage.TEXTURE_BINDING) {
-      this.#colorViewport.write(xPx, yPx);
-      return layerView(color, host);
-    }
-    this.#colorViewport.write(0, 0);
+    if (color.usage & GPUTextureUsage.TEXTURE_BINDING) return color;
     if (this.#behindCopy?.format !== color.format) {
       this.#free(this.#behindCopy);
       this.#behindCopy = this.#context.memory.createTexture({
@@ -311,7 +329,7 @@ export class EmbeddedView {
       const to = { texture: copy, origin: [left - xPx, top - yPx] };
       encoder.copyTextureToTexture(from, to, [right - left, bottom - top]);
     }
-    return copy.createView();
+    return copy;
   }
 
   #free(...textures: (GPUTexture | null | undefined)[]): void {
@@ -336,27 +354,10 @@ function layerView(
   return texture.createView({ ...options, dimension: '2d', baseArrayLayer, arrayLayerCount: 1 });
 }
 
-/** A `HostViewport` on the GPU, written when it changes. */
-class ViewportUniform {
-  readonly buffer: GPUBuffer;
-  readonly #context: ViewContext;
-  #origin: readonly [number, number] | null = null;
+function isMultisampled({ depth }: HostPass): boolean {
+  return depth !== null && depth.sampleCount > 1;
+}
 
-  constructor(context: ViewContext, label: string) {
-    this.#context = context;
-    const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
-    this.buffer = context.memory.createBuffer(label, HostViewport.bytes, usage);
-  }
-
-  write(xPx: number, yPx: number): void {
-    if (this.#origin?.[0] === xPx && this.#origin[1] === yPx) return;
-    this.#origin = [xPx, yPx];
-    const contents = new ArrayBuffer(HostViewport.bytes);
-    HostViewport.write(contents, { originPx: this.#origin });
-    this.#context.device.queue.writeBuffer(this.buffer, 0, contents);
-  }
-
-  destroy(): void {
-    this.#context.memory.destroy(this.buffer);
-  }
+function depthView(host: HostPass): GPUTextureView {
+  return layerView(host.depth!, host, { aspect: 'depth-only' });
 }

@@ -57,6 +57,7 @@ const NO_CONDITIONS: Conditions = {
   DEPTH_LOGARITHMIC: false,
   DEPTH_LAYER: false,
   MULTISAMPLED: false,
+  REVERSED_DEPTH: false,
 };
 
 /** WGSL of one stage with everything that it imports. */

@@ -105,8 +105,8 @@ export const ProjectedSplatF32 = gpuStruct('ProjectedSplat', {
 /** How the renderer around stores depth: see `DepthMapping`. */
 export const HostDepth = gpuStruct('HostDepth', { slope: 'vec2f', offset: 'f32', factor: 'f32' });
 
-/** Where the splats' picture lies in the host's textures. */
-export const HostViewport = gpuStruct('HostViewport', { originPx: 'vec2u' });
+/** Where the top left of the splats' picture lies in the host's textures; modulo 2³², since it may lie outside. */
+export const HostViewport = gpuStruct('HostViewport', { colorOriginPx: 'vec2u', depthOriginPx: 'vec2u' });
 
 /** Which pixel is asked for: its centre, from the picture's top left. */
 export const PickParameters = gpuStruct('PickParameters', { pixelPx: 'vec2f', blockCount: 'u32' });

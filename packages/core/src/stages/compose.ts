@@ -5,21 +5,29 @@ import type { RasterizeDepth } from './rasterize.ts';
 export const COMPOSED_COLOR_FORMAT = 'rgba16float';
 export const COMPOSED_DEPTH_FORMAT = 'r32float';
 
-/** Puts the blended splats over what the host has drawn so far. */
-export function compose(depth: RasterizeDepth | null): StageDefinition {
+/**
+ * Puts the blended splats over what the host has drawn so far.
+ *
+ * @param depth what the splats are hidden by; null where there is nothing.
+ * @param isMultisampled whether that has several samples per pixel: edges of meshes are kept smooth then.
+ */
+export function compose(depth: RasterizeDepth | null, isMultisampled: boolean): StageDefinition {
   const bindings: Record<string, readonly [number, BindingKind]> = {
     viewport: [0, 'uniform'],
     layer: [1, 'texture'],
     behind: [2, 'texture'],
   };
   const hasDepthLayer = depth !== null && depth.layerFormat !== null;
-  if (hasDepthLayer) Object.assign(bindings, { depthLayer: [3, 'texture'], hostDepth: [4, 'uniform'] });
+  if (hasDepthLayer) bindings.depthLayer = [3, 'texture'];
+  if (hasDepthLayer || isMultisampled) bindings.hostDepth = [4, 'uniform'];
+  if (isMultisampled) bindings.hostDepths = [5, 'multisampled-depth-texture'];
   return {
     stage: 'compose',
     conditions: {
       DEPTH_LAYER: hasDepthLayer,
-      DEPTH_LOGARITHMIC: hasDepthLayer && depth.mapping === 'logarithmic' && !depth.isOrthographic,
-      ORTHOGRAPHIC: hasDepthLayer && depth.isOrthographic,
+      MULTISAMPLED: isMultisampled,
+      DEPTH_LOGARITHMIC: depth?.mapping === 'logarithmic' && !depth.isOrthographic,
+      ORTHOGRAPHIC: depth?.isOrthographic === true,
     },
     bindings,
   };

@@ -1,11 +1,15 @@
 import type { RenderState, StageDefinition } from '../gpu/pipelines.ts';
+import type { DepthConvention } from '../scene/depth-convention.ts';
 import { TESTED_DEPTH_FORMAT } from './rasterize.ts';
 
-/** Copies the host's depth under the splats' picture. */
-export function resolveDepth(isMultisampled: boolean) {
+/** Copies the host's depth under the splats' picture, of several samples the farthest. */
+export function resolveDepth(compare: DepthConvention['compare'], isMultisampled: boolean) {
   return {
     stage: 'resolve-depth',
-    conditions: { MULTISAMPLED: isMultisampled },
+    conditions: {
+      MULTISAMPLED: isMultisampled,
+      REVERSED_DEPTH: isMultisampled && compare === 'greater-equal',
+    },
     bindings: {
       viewport: [0, 'uniform'],
       hostDepths: [1, isMultisampled ? 'multisampled-depth-texture' : 'depth-texture'],

@@ -22,6 +22,7 @@ const SH_PRECISIONS: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
 const GEOMETRY = ['f32', 'packed'] as const;
 const RECORD = ['f32', 'f16'] as const;
 
+const COMPARES = ['less-equal', 'greater-equal'] as const;
 const DEPTHS: readonly (RasterizeDepth | null)[] = [
   null,
   ...(['projection', 'logarithmic'] as const).flatMap((mapping) =>
@@ -47,8 +48,8 @@ export function allStageVariants(): StageDefinition[] {
     composite,
     ...prefixScanStages,
     ...RECORD.flatMap((recordPrecision) => DEPTHS.map((depth) => rasterize({ recordPrecision, depth }))),
-    ...DEPTHS.map(compose),
-    ...[false, true].map(resolveDepth),
+    ...DEPTHS.flatMap((depth) => (depth ? [false, true] : [false]).map((many) => compose(depth, many))),
+    ...COMPARES.flatMap((compare) => [false, true].map((many) => resolveDepth(compare, many))),
     ...RECORD.map(pick),
     ...[8, 16, 24, 27, 32].flatMap((keyBits) => radixSortStages(sortShapeFor(keyBits))),
   ];
