@@ -1,7 +1,7 @@
-import { type Conditions, link } from 'wesl/core';
 import { MAX_FRAGMENT_ALPHA } from './accuracy.ts';
 import { SHADER_CONSTANTS } from './layout/constants.ts';
 import { ProjectedSplat, ProjectedSplatF32, SHADER_STRUCTS } from './layout/structs.ts';
+import { type LinkInput, linkModules, type ShaderModules } from './shader-linker.ts';
 
 const files = import.meta.glob<string>('../../../shaders/**/*.wgsl', {
   query: '?raw',
@@ -9,10 +9,15 @@ const files = import.meta.glob<string>('../../../shaders/**/*.wgsl', {
   eager: true,
 });
 
-/** Every shader by its module path (`stages/cull_splats.wgsl`): names with hyphens are no WGSL identifiers. */
+/** Every file in shaders/ as a module. */
 const modules: Record<string, string> = {};
 for (const [path, text] of Object.entries(files)) {
-  modules[path.replace(/^.*\/shaders\//, '').replaceAll('-', '_')] = text;
+  modules[moduleName(path.replace(/^.*\/shaders\/|\.wgsl$/g, ''))] = text;
+}
+
+/** `package::stages::cull_splats` of `stages/cull-splats`: names with hyphens are no WGSL identifiers. */
+function moduleName(file: string): string {
+  return `package::${file.replaceAll('/', '::').replaceAll('-', '_')}`;
 }
 
 /** A shader as it is to be linked: what is not called for is not in its text. */
@@ -41,7 +46,7 @@ export const SHADER_STAGES: readonly string[] = Object.keys(files)
   .filter((name) => name !== undefined);
 
 /** Every condition that a shader may ask for; absent means false. */
-const NO_CONDITIONS: Conditions = {
+const NO_CONDITIONS: LinkInput['conditions'] = {
   ORTHOGRAPHIC: false,
   GEOMETRY_F32: false,
   RECORD_F32: false,
@@ -61,28 +66,32 @@ const NO_CONDITIONS: Conditions = {
 };
 
 /** WGSL of one stage with everything that it imports. */
-export async function linkShader(
-  { stage, conditions = {}, constants = {} }: ShaderVariant,
-  mutation?: ShaderMutation,
-): Promise<string> {
-  const record = conditions.RECORD_F32 ? ProjectedSplatF32 : ProjectedSplat;
-  const structs = [...SHADER_STRUCTS, record].map((struct) => struct.wgsl).join('\n\n');
-  const linked = await link({
-    weslSrc: mutation ? mutated(mutation) : modules,
-    rootModuleName: `package::stages::${stage.replaceAll('-', '_')}`,
-    conditions: { ...NO_CONDITIONS, ...conditions },
-    constants: { ...SHADER_CONSTANTS, MAX_FRAGMENT_ALPHA, ...constants },
-    virtualLibs: { layout: () => structs },
-    keepComments: false,
-    sourceMap: false,
-  });
-  return linked.dest;
+export function linkShader(variant: ShaderVariant, mutation?: ShaderMutation): string {
+  return linkModules(linkInput(variant, mutation));
 }
 
-function mutated({ file, find, replace }: ShaderMutation): Record<string, string> {
-  const path = `${file.replaceAll('-', '_')}.wgsl`;
-  const parts = modules[path]?.split(find);
+/** A variant as the linker takes it: what shaders share with the host are modules like those of files. */
+export function linkInput(
+  { stage, conditions = {}, constants = {} }: ShaderVariant,
+  mutation?: ShaderMutation,
+): LinkInput {
+  const record = conditions.RECORD_F32 ? ProjectedSplatF32 : ProjectedSplat;
+  const values = Object.entries({ ...SHADER_CONSTANTS, MAX_FRAGMENT_ALPHA, ...constants });
+  return {
+    modules: {
+      ...(mutation ? mutated(mutation) : modules),
+      layout: [...SHADER_STRUCTS, record].map((struct) => struct.wgsl).join('\n'),
+      constants: values.map(([name, value]) => `const ${name} = ${value};`).join('\n'),
+    },
+    root: moduleName(`stages/${stage}`),
+    conditions: { ...NO_CONDITIONS, ...conditions },
+  };
+}
+
+function mutated({ file, find, replace }: ShaderMutation): ShaderModules {
+  const name = moduleName(file);
+  const parts = modules[name]?.split(find);
   if (parts?.length !== 2)
     throw new RangeError(`"${find}" does not occur exactly once in shaders/${file}.wgsl.`);
-  return { ...modules, [path]: parts.join(replace) };
+  return { ...modules, [name]: parts.join(replace) };
 }

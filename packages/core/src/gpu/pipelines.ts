@@ -52,7 +52,7 @@ export class Pipelines {
   readonly #device: GPUDevice;
   readonly #mutation: ShaderMutation | undefined;
   readonly #cache: DeviceCache;
-  readonly #linked = new Map<string, Promise<string>>();
+  readonly #linked = new Map<string, string>();
   readonly #compiled = new Map<string, Pipeline>();
   readonly #counting: Pick<Counting, 'pipelinesCompiled'>;
 
@@ -109,8 +109,8 @@ export class Pipelines {
     });
   }
 
-  async #pipeline(stage: StageDefinition, state: RenderState | undefined): Promise<Pipeline> {
-    const code = await this.#link(stage);
+  #pipeline(stage: StageDefinition, state: RenderState | undefined): Promise<Pipeline> {
+    const code = this.#link(stage);
     const key = JSON.stringify([code, stage.entryPoint, state, layoutKey(stage)]);
     const { pipelines } = this.#cache;
     let pipeline = pipelines.get(key);
@@ -123,10 +123,10 @@ export class Pipelines {
     return pipeline;
   }
 
-  #link(stage: StageDefinition): Promise<string> {
+  #link(stage: StageDefinition): string {
     const key = variantKey(stage);
     let linked = this.#linked.get(key);
-    if (!linked) {
+    if (linked === undefined) {
       linked = linkShader(stage, this.#mutation);
       this.#linked.set(key, linked);
     }

@@ -1,0 +1,391 @@
+/**
+ * Links WGSL as shaders/ writes it: one module and what it needs of others become one text. Beyond WGSL there are
+ *
+ *     import package::lib::packing::unpackSplat;
+ *     import package::lib::srgb::{decodeSrgb, encodeSrgb};
+ *     @if(SH_1 && !SH_F32) …
+ *
+ * where the condition stands before an import, a declaration, a member of a struct or a statement, all of which is left
+ * out where it is not met. Comments are left out too.
+ *
+ * Nothing is renamed, and scopes are not followed. So that this is safe, what would need either is an error: one name that
+ * two of the linked modules declare, a local name that hides one of its own module, and the use of what another module
+ * declares without an import. Every word that is a name of its module is then a use of it.
+ */
+
+/** Text of modules by name, e.g. `package::lib::packing`. */
+export type ShaderModules = Readonly<Record<string, string>>;
+
+export interface LinkInput {
+  readonly modules: ShaderModules;
+  /** The module whose declarations all stay; of others only what it reaches does. */
+  readonly root: string;
+  /** Every condition that a module may ask for. */
+  readonly conditions: Readonly<Record<string, boolean>>;
+}
+
+interface Token {
+  /** Empty at the end of the module. */
+  readonly text: string;
+  /** What separates it from the token before: nothing, a space, or a line break with the indentation. */
+  readonly gap: string;
+  readonly module: string;
+  /** From 1. */
+  readonly line: number;
+}
+
+/** What a name of a module stands for. */
+type Named = Declaration | Import;
+
+interface Declaration {
+  readonly name: Token;
+  readonly isFunction: boolean;
+  readonly tokens: readonly Token[];
+}
+
+interface Import {
+  readonly name: Token;
+  readonly from: string;
+}
+
+type Scope = ReadonlyMap<string, Named>;
+
+/**
+ * WGSL of the root module with everything that it reaches, each declaration once and after those that it uses.
+ * @throws RangeError with module and line where the modules cannot be linked.
+ */
+export function linkModules({ modules, root, conditions }: LinkInput): string {
+  const scopes = new Map<string, Scope>();
+  /** By name, in the order of the result. */
+  const linked = new Map<string, Declaration>();
+  /** Declarations that wait for what they use, outermost first. */
+  const waiting: Declaration[] = [];
+  /** Words that mean nothing in their module: of WGSL itself, or forgotten imports. */
+  const foreign: Token[] = [];
+
+  function scopeOf(module: string): Scope {
+    let scope = scopes.get(module);
+    if (!scope) {
+      scope = readScope(new Cursor(selectMet(tokenize(module, modules[module]), conditions)));
+      scopes.set(module, scope);
+      for (const named of scope.values()) {
+        if ('from' in named && !Object.hasOwn(modules, named.from))
+          fail(named.name, `there is no module ${named.from}`);
+      }
+    }
+    return scope;
+  }
+
+  function resolve(named: Named): Declaration {
+    if (!('from' in named)) return named;
+    const found = scopeOf(named.from).get(named.name.text);
+    if (!found || 'from' in found) fail(named.name, `${named.from} declares no "${named.name.text}"`);
+    return found;
+  }
+
+  function add(declaration: Declaration): void {
+    const { name } = declaration;
+    if (linked.get(name.text) === declaration) return;
+    if (waiting.includes(declaration)) {
+      const circle = [...waiting.slice(waiting.indexOf(declaration)), declaration];
+      fail(name, `"${name.text}" uses itself: ${circle.map((each) => each.name.text).join(' → ')}`);
+    }
+    waiting.push(declaration);
+    const scope = scopeOf(name.module);
+    for (const word of wordsUsed(declaration, scope)) {
+      const named = scope.get(word.text);
+      if (named) add(resolve(named));
+      else foreign.push(word);
+    }
+    waiting.pop();
+    const other = linked.get(name.text);
+    if (other) fail(name, `"${name.text}" is declared by ${placeOf(other.name)} as well`);
+    linked.set(name.text, declaration);
+  }
+
+  if (!Object.hasOwn(modules, root)) throw new RangeError(`There is no shader module ${root}.`);
+  for (const named of scopeOf(root).values()) if (!('from' in named)) add(named);
+  for (const word of foreign) {
+    const owner = linked.get(word.text);
+    if (owner) fail(word, `"${word.text}" of ${placeOf(owner.name)} is not imported`);
+  }
+  return Array.from(linked.values(), textOf).join('\n\n');
+}
+
+function textOf({ tokens }: Declaration): string {
+  return tokens.map(({ gap, text }, i) => (i === 0 ? text : gap + text)).join('');
+}
+
+function placeOf({ module, line }: Pick<Token, 'module' | 'line'>): string {
+  return `${module}, line ${line}`;
+}
+
+function fail(place: Pick<Token, 'module' | 'line'>, problem: string): never {
+  throw new RangeError(`${placeOf(place)}: ${problem}.`);
+}
+
+function tokenize(module: string, source: string): Token[] {
+  // As coarse as it may be, since the gaps put everything together again as it was: numbers and operators may fall apart,
+  // as long as their parts look like no names, and those of conditions and imports do not.
+  const pattern = /\s+|\/\/.*|\/\*|\w+|::|&&|\|\||./y;
+  const tokens: Token[] = [];
+  let line = 1;
+  let gap = '';
+  for (let start = 0; pattern.test(source); start = pattern.lastIndex) {
+    const text = source.slice(start, pattern.lastIndex);
+    if (text.trim() === '') {
+      const lineBreak = text.lastIndexOf('\n');
+      if (lineBreak >= 0) {
+        // Of several lines the indentation of the last one counts.
+        gap = text.slice(lineBreak);
+        line += lineBreaksIn(text);
+      } else if (gap === '') gap = ' ';
+    } else if (text === '/*' || text.startsWith('//')) {
+      // A comment separates like a space.
+      if (gap === '') gap = ' ';
+      if (text !== '/*') continue;
+      const end = endOfBlockComment(source, start) ?? fail({ module, line }, 'this comment does not end');
+      line += lineBreaksIn(source.slice(start, end));
+      pattern.lastIndex = end;
+    } else {
+      tokens.push({ text, gap, module, line });
+      gap = '';
+    }
+  }
+  tokens.push({ text: '', gap, module, line });
+  return tokens;
+}
+
+function lineBreaksIn(text: string): number {
+  return text.split('\n').length - 1;
+}
+
+/** Undefined where there is none. Block comments nest. */
+function endOfBlockComment(source: string, start: number): number | undefined {
+  const mark = /\/\*|\*\//g;
+  mark.lastIndex = start;
+  let depth = 0;
+  do {
+    const match = mark.exec(source);
+    if (!match) return undefined;
+    depth += match[0] === '/*' ? 1 : -1;
+  } while (depth > 0);
+  return mark.lastIndex;
+}
+
+/** A place among the tokens of a module. */
+class Cursor {
+  readonly tokens: readonly Token[];
+  at = 0;
+
+  constructor(tokens: readonly Token[]) {
+    this.tokens = tokens;
+  }
+
+  get token(): Token {
+    return this.tokens[this.at];
+  }
+
+  get isAtEnd(): boolean {
+    return this.token.text === '';
+  }
+
+  /** Whether `text` was next; then it is taken. */
+  accept(text: string): boolean {
+    const isNext = this.token.text === text;
+    if (isNext) this.at++;
+    return isNext;
+  }
+
+  expect(text: string): void {
+    if (!this.accept(text)) fail(this.token, `"${text}" is expected, not ${quoted(this.token)}`);
+  }
+
+  takeName(): Token {
+    const { token } = this;
+    if (!isWord(token)) fail(token, `a name is expected, not ${quoted(token)}`);
+    this.at++;
+    return token;
+  }
+
+  /**
+   * Moves past one statement, declaration or import: each ends with its semicolon, or with its last brace where no `else`
+   * follows. The semicolon that ends an import in braces, or may follow a struct, belongs to it.
+   */
+  skipStatement(): void {
+    const first = this.#beginning();
+    for (let depth = 0; depth >= 0 && !this.isAtEnd; ) {
+      const { text } = this.token;
+      this.at++;
+      if ('([{'.includes(text)) depth++;
+      else if (')]}'.includes(text)) depth--;
+      if (depth !== 0) continue;
+      if (text === ';') return;
+      if (text === '}' && this.token.text !== 'else') {
+        this.accept(';');
+        return;
+      }
+    }
+    fail(first, 'what begins here does not end');
+  }
+
+  /** Moves past one member of a struct with its comma, which the last one need not have. */
+  skipMember(): void {
+    const first = this.#beginning();
+    // In a type, angle brackets enclose a list; whatever else they mean stands in parentheses there.
+    for (let depth = 0; !this.isAtEnd; this.at++) {
+      const { text } = this.token;
+      if (depth === 0 && (text === '}' || this.accept(','))) return;
+      if ('(<'.includes(text)) depth++;
+      else if (')>'.includes(text)) depth--;
+    }
+    fail(first, 'what begins here does not end');
+  }
+
+  /** The token that begins what is to be skipped. */
+  #beginning(): Token {
+    if (this.isAtEnd || this.token.text === '}')
+      fail(this.token, `${quoted(this.token)} is not expected here`);
+    return this.token;
+  }
+}
+
+function quoted({ text }: Token): string {
+  return text === '' ? 'the end' : `"${text}"`;
+}
+
+function isWord({ text }: Token): boolean {
+  return /^[A-Za-z_]/.test(text);
+}
+
+/** The tokens whose conditions are met, without the conditions. */
+function selectMet(tokens: readonly Token[], conditions: LinkInput['conditions']): Token[] {
+  const met: Token[] = [];
+  const cursor = new Cursor(tokens);
+  /** Brackets that are open. */
+  const open: string[] = [];
+  /** From the keyword to the closing brace: what braces there are, are its own. */
+  let isStruct = false;
+  /** What a condition that was met leaves to the token after it. */
+  let gap: string | undefined;
+  while (!cursor.isAtEnd) {
+    const { at, token } = cursor;
+    cursor.at++;
+    const keyword = token.text === '@' ? cursor.token.text : '';
+    if (keyword === 'if' || keyword === 'elif' || keyword === 'else') {
+      const before = at > 0 ? tokens[at - 1].text : ';';
+      const isInBraces = (open.at(-1) ?? '{') === '{';
+      if (keyword !== 'if' || !isInBraces || !(isStruct ? '{,' : '{};').includes(before))
+        fail(token, `@${keyword} is not understood here`);
+      cursor.at++;
+      const isMet = takeCondition(cursor, conditions);
+      const start = cursor.at;
+      if (isStruct) cursor.skipMember();
+      else cursor.skipStatement();
+      if (isMet) {
+        // What it stands before may hold further conditions.
+        cursor.at = start;
+        gap = token.gap;
+      }
+      continue;
+    }
+    if (token.text === 'struct') isStruct = true;
+    else if ('([{'.includes(token.text)) open.push(token.text);
+    else if (')]}'.includes(token.text)) open.pop();
+    if (token.text === '}') isStruct = false;
+    met.push(gap === undefined ? token : { ...token, gap });
+    gap = undefined;
+  }
+  met.push(cursor.token);
+  return met;
+}
+
+/** Reads `(A && !(B || C))`; both sides of an operator always, so that an unknown name never goes unnoticed. */
+function takeCondition(cursor: Cursor, conditions: LinkInput['conditions']): boolean {
+  function takeOr(): boolean {
+    let value = takeAnd();
+    while (cursor.accept('||')) value = takeAnd() || value;
+    return value;
+  }
+  function takeAnd(): boolean {
+    let value = takeOperand();
+    while (cursor.accept('&&')) value = takeOperand() && value;
+    return value;
+  }
+  function takeOperand(): boolean {
+    if (cursor.accept('!')) return !takeOperand();
+    if (cursor.token.text === '(') return takeCondition(cursor, conditions);
+    const name = cursor.takeName();
+    if (!Object.hasOwn(conditions, name.text)) fail(name, `there is no condition "${name.text}"`);
+    return conditions[name.text];
+  }
+  cursor.expect('(');
+  const value = takeOr();
+  cursor.expect(')');
+  return value;
+}
+
+function readScope(cursor: Cursor): Scope {
+  const scope = new Map<string, Named>();
+  while (!cursor.isAtEnd) {
+    for (const named of cursor.accept('import') ? takeImports(cursor) : [takeDeclaration(cursor)]) {
+      const { name } = named;
+      const known = scope.get(name.text);
+      if (known) fail(name, `"${name.text}" is declared by ${placeOf(known.name)} as well`);
+      scope.set(name.text, named);
+    }
+  }
+  return scope;
+}
+
+/** Reads what follows `import`. */
+function takeImports(cursor: Cursor): Import[] {
+  const path = [cursor.takeName()];
+  const names: Token[] = [];
+  while (names.length === 0 && cursor.accept('::')) {
+    if (cursor.accept('{')) {
+      do names.push(cursor.takeName());
+      while (cursor.accept(','));
+      cursor.expect('}');
+    } else path.push(cursor.takeName());
+  }
+  cursor.expect(';');
+  if (names.length === 0) names.push(path.pop()!);
+  const from = path.map(({ text }) => text).join('::');
+  return names.map((name) => ({ name, from }));
+}
+
+const DECLARATION_KEYWORDS = new Set(['alias', 'const', 'fn', 'override', 'struct', 'var']);
+
+function takeDeclaration(cursor: Cursor): Declaration {
+  const start = cursor.at;
+  cursor.skipStatement();
+  const tokens = cursor.tokens.slice(start, cursor.at);
+  // Attributes come first, and hold no keywords.
+  const keywordAt = tokens.findIndex(({ text }) => DECLARATION_KEYWORDS.has(text));
+  if (keywordAt < 0) fail(tokens[0], `"${tokens[0].text}" begins no declaration`);
+  const hasList = tokens[keywordAt + 1].text === '<';
+  const nameAt = hasList ? tokens.findIndex(({ text }) => text === '>') + 1 : keywordAt + 1;
+  return { name: tokens[nameAt], isFunction: tokens[keywordAt].text === 'fn', tokens };
+}
+
+/** The words of a declaration but for its name, those of its members, parameters and local values, and what follows a dot. */
+function wordsUsed({ name, isFunction, tokens }: Declaration, scope: Scope): Token[] {
+  const used: Token[] = [];
+  const locals = new Set<string>();
+  const bodyStart = isFunction ? tokens.findIndex(({ text }) => text === '{') : tokens.length;
+  for (let i = 0; i < tokens.length; i++) {
+    const token = tokens[i];
+    const before = tokens[i - 1]?.text;
+    if (!isWord(token) || token === name || before === '.' || before === '@') continue;
+    const isMemberOrParameter = i < bodyStart && tokens[i + 1].text === ':';
+    if (!isMemberOrParameter && !/^(let|var|const)$/.test(before)) {
+      used.push(token);
+    } else if (isFunction) {
+      const hidden = scope.get(token.text);
+      if (hidden) fail(token, `the local "${token.text}" hides that of line ${hidden.name.line}`);
+      locals.add(token.text);
+    }
+  }
+  return used.filter(({ text }) => !locals.has(text));
+}
