@@ -8,6 +8,8 @@ const ssr = { resolve: { conditions, externalConditions: conditions } };
 
 export default defineConfig({
   test: {
+    // Tests on a GPU, or in a browser, wait more than they compute, also where the CPU stands in for the GPU.
+    maxWorkers: 2,
     reporters: ['default', './packages/tools/plain-line-reporter.ts'],
     projects: [
       {
@@ -24,12 +26,11 @@ export default defineConfig({
         resolve,
         ssr,
         test: {
-          // Dawn keeps one device per process; a process per file (forks) and one file at a time keep two cores honest.
+          // Dawn keeps one device per process: a process per file.
           name: 'gpu',
           environment: 'node',
           include: ['packages/*/src/**/*.gpu.test.ts'],
           pool: 'forks',
-          fileParallelism: false,
           testTimeout: 120_000,
           hookTimeout: 120_000,
         },
@@ -42,7 +43,6 @@ export default defineConfig({
           environment: 'node',
           include: ['e2e/**/*.test.ts'],
           pool: 'forks',
-          fileParallelism: false,
           testTimeout: 180_000,
           hookTimeout: 180_000,
         },

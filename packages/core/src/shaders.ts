@@ -56,8 +56,6 @@ const NO_CONDITIONS: LinkInput['conditions'] = {
   SH_F32: false,
   SH_F16: false,
   SH_U8: false,
-  FIRST_PASS: false,
-  LAST_PASS: false,
   DEPTH_TEST: false,
   DEPTH_LOGARITHMIC: false,
   DEPTH_LAYER: false,

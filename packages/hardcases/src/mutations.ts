@@ -103,8 +103,8 @@ export const MUTATIONS: readonly Mutation[] = [
   {
     remedy: 'fragment-cutoff',
     file: 'stages/rasterize',
-    find: 'alpha >= view.alphaCutoff);',
-    replace: 'alpha >= 0.0);',
+    find: 'let isDrawn = alpha >= view.alphaCutoff;',
+    replace: 'let isDrawn = alpha >= 0.0;',
     cases: ['accumulate-600-edges'],
   },
   {

@@ -78,6 +78,10 @@ export const SortParameters = gpuStruct('SortParameters', {
   radix: 'u32',
   capacity: 'u32',
   dispatchRow: 'u32',
+  /** 1 in the pass that makes the payloads, else 0. */
+  isFirst: 'u32',
+  /** 1 in the pass that leaves the keys behind, else 0. */
+  isLast: 'u32',
 });
 
 /** What the GPU finds out about a sort. */

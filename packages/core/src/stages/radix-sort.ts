@@ -13,12 +13,11 @@ export function radixSortStages(shape: SortShape): StageDefinition[] {
     ...prefixScanStages,
     planSort(shape.workgroup * shape.itemsPerThread),
     sortHistogram(shape),
-    ...Array.from({ length: shape.passes }, (_, pass) => scatterOf(shape, pass)),
+    sortScatter(shape),
   ];
 }
 
 interface SortPass {
-  readonly scatter: StageDefinition;
   readonly histogramGroup: GPUBindGroup;
   readonly scatterGroup: GPUBindGroup;
 }
@@ -85,7 +84,14 @@ export class RadixSort {
         GPUBufferUsage.UNIFORM,
       );
       const contents = new ArrayBuffer(SortParameters.bytes);
-      SortParameters.write(contents, { digitShift: pass * shape.digitBits, radix, capacity, dispatchRow });
+      SortParameters.write(contents, {
+        digitShift: pass * shape.digitBits,
+        radix,
+        capacity,
+        dispatchRow,
+        isFirst: Number(pass === 0),
+        isLast: Number(pass === shape.passes - 1),
+      });
       device.queue.writeBuffer(buffer, 0, contents);
       return buffer;
     });
@@ -98,16 +104,14 @@ export class RadixSort {
     });
     this.#passes = parameters.map((passParameters, pass) => {
       const [from, to] = [pass % 2, (pass + 1) % 2];
-      const scatter = scatterOf(shape, pass);
       return {
-        scatter,
         histogramGroup: pipelines.bindGroup(sortHistogram(shape), {
           parameters: passParameters,
           plan,
           keys: keys[from],
           digitCounts,
         }),
-        scatterGroup: pipelines.bindGroup(scatter, {
+        scatterGroup: pipelines.bindGroup(sortScatter(shape), {
           parameters: passParameters,
           plan,
           digitOffsets: digitCounts,
@@ -124,12 +128,12 @@ export class RadixSort {
     pass.setPipeline(this.#pipelines.compute(planSort(this.shape.workgroup * this.shape.itemsPerThread))!);
     pass.setBindGroup(0, this.#planGroup);
     pass.dispatchWorkgroups(1);
-    for (const { scatter, histogramGroup, scatterGroup } of this.#passes) {
+    for (const { histogramGroup, scatterGroup } of this.#passes) {
       pass.setPipeline(this.#pipelines.compute(sortHistogram(this.shape))!);
       pass.setBindGroup(0, histogramGroup);
       pass.dispatchWorkgroupsIndirect(this.#tileDispatch, 0);
       this.#scan.record(pass);
-      pass.setPipeline(this.#pipelines.compute(scatter)!);
+      pass.setPipeline(this.#pipelines.compute(sortScatter(this.shape))!);
       pass.setBindGroup(0, scatterGroup);
       pass.dispatchWorkgroupsIndirect(this.#tileDispatch, 0);
     }
@@ -149,8 +153,4 @@ export class RadixSort {
     this.#buffers.push(buffer);
     return buffer;
   }
-}
-
-function scatterOf(shape: SortShape, pass: number): StageDefinition {
-  return sortScatter(shape, pass === 0, pass === shape.passes - 1);
 }

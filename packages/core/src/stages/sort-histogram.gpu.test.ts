@@ -30,7 +30,14 @@ describe('sort-histogram', () => {
         for (let pass = 0; pass < shape.passes; pass++) {
           const digitShift = pass * shape.digitBits;
           const parameters = new ArrayBuffer(SortParameters.bytes);
-          SortParameters.write(parameters, { digitShift, radix, capacity: keys.length, dispatchRow });
+          SortParameters.write(parameters, {
+            digitShift,
+            radix,
+            capacity: keys.length,
+            dispatchRow,
+            isFirst: 0,
+            isLast: 0,
+          });
           const digitCounts = storageBuffer(device, new Uint32Array(radix * tileCount).fill(99));
           const bindings = {
             parameters: uniformBuffer(device, parameters),

@@ -1,5 +1,5 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
-import { describe, expect } from 'vitest';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { SortParameters } from '../layout/structs.ts';
@@ -12,6 +12,14 @@ import { dispatchSize } from './dispatch.ts';
 import { sortScatter } from './sort-scatter.ts';
 import { sortShapeFor } from './sort-shape.ts';
 
+let device: GPUDevice;
+let pipelines: Pipelines;
+beforeAll(async () => {
+  device = await createTestDevice();
+  pipelines = new Pipelines(device);
+});
+afterAll(() => device.destroy());
+
 describe('sort-scatter', () => {
   for (const [bits, isFirst, isLast] of [
     [24, true, false],
@@ -22,8 +30,6 @@ describe('sort-scatter', () => {
   ] as const) {
     const name = `${isFirst ? 'first' : 'later'} pass, ${isLast ? 'last' : 'not last'}, of ${bits} bits`;
     gpuTest(`${name}: keys and payloads go where the twin puts them`, async () => {
-      const device = await createTestDevice();
-      const pipelines = new Pipelines(device);
       const random = seededRandom(4);
       const shape = sortShapeFor(bits);
       const tileKeys = shape.workgroup * shape.itemsPerThread;
@@ -35,7 +41,7 @@ describe('sort-scatter', () => {
         { length: count },
         (_, i) => random() * (i < count / 2 ? 2 ** (shape.digitBits + 2) : 2 ** bits),
       );
-      const payloads = Uint32Array.from(keys, (_, i) => (isFirst ? i : Math.floor(random() * 2 ** 32)));
+      const payloads = Uint32Array.from(keys, () => Math.floor(random() * 2 ** 32));
       const tileCount = Math.ceil(count / tileKeys);
       const digitOffsets = prefixScan(histogramTwin(keys, pass));
       const parameters = new ArrayBuffer(SortParameters.bytes);
@@ -45,6 +51,8 @@ describe('sort-scatter', () => {
         radix,
         capacity: count,
         dispatchRow,
+        isFirst: Number(isFirst),
+        isLast: Number(isLast),
       });
       const keysOut = storageBuffer(device, [], 4 * count);
       const payloadsOut = storageBuffer(device, [], 4 * count);
@@ -57,17 +65,11 @@ describe('sort-scatter', () => {
         payloadsOut,
         keysOut,
       };
-      await runStage(
-        device,
-        pipelines,
-        sortScatter(shape, isFirst, isLast),
-        bindings,
-        dispatchSize(tileCount, dispatchRow),
-      );
-      const expected = scatterTwin(keys, payloads, digitOffsets, pass);
+      await runStage(device, pipelines, sortScatter(shape), bindings, dispatchSize(tileCount, dispatchRow));
+      const taken = isFirst ? keys.map((_, i) => i) : payloads;
+      const expected = scatterTwin(keys, taken, digitOffsets, pass);
       expect(await readWords(device, payloadsOut)).toEqual(expected.payloads);
       expect(await readWords(device, keysOut)).toEqual(isLast ? new Uint32Array(count) : expected.keys);
-      device.destroy();
     });
   }
 });
