@@ -20,7 +20,13 @@ const COMMON_ARGS = [
 ];
 
 /** WebGPU on SwiftShader, with canvases on Vulkan too: without that the first `getCurrentTexture` ends WebGPU. */
-const SWIFTSHADER_ARGS = ['--use-webgpu-adapter=swiftshader', '--use-gl=angle', '--use-vulkan=swiftshader'];
+const SWIFTSHADER_ARGS = [
+  '--use-webgpu-adapter=swiftshader',
+  '--use-gl=angle',
+  '--use-vulkan=swiftshader',
+  // SwiftShader takes most of a second to compile a shader that zeroes 16 KiB of workgroup memory in this way.
+  '--disable-dawn-features=use_vulkan_zero_initialize_workgroup_memory_extension',
+];
 
 /** Without a display there is no Vulkan surface, and the sandbox of the GPU process hides the driver's files. */
 const GPU_ARGS = [

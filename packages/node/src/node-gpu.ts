@@ -64,7 +64,12 @@ const unusedFirstAdapters = new Set<GPUAdapter>();
 const keptForever = new Set<unknown>();
 
 /** Timestamps are not rounded: this process measures itself, no page spies on another. */
-const DAWN_OPTIONS = ['disable-dawn-features=timestamp_quantization'];
+const UNWANTED_FEATURES = ['timestamp_quantization'];
+/**
+ * SwiftShader takes most of a second to compile what this Vulkan extension asks for, a store for each word of workgroup
+ * memory; without it Dawn writes a loop that does the same, and 16 KiB compile in 20 ms.
+ */
+const UNWANTED_IN_SOFTWARE = ['use_vulkan_zero_initialize_workgroup_memory_extension'];
 
 async function choose(forceSoftware: boolean): Promise<Choice> {
   const tried: string[] = [];
@@ -77,7 +82,7 @@ async function choose(forceSoftware: boolean): Promise<Choice> {
       continue;
     }
     const dawn = await loadDawn();
-    const choice = await withDriver(route, () => openGpu(dawn, forceSoftware));
+    const choice = await withDriver(route, () => openGpu(dawn, forceSoftware, route?.isSoftware ?? false));
     if (choice) return choice;
     tried.push(`${route?.driverFile ?? 'the system’s graphics driver'} offers no WebGPU adapter`);
   }
@@ -88,8 +93,9 @@ async function choose(forceSoftware: boolean): Promise<Choice> {
   throw new WebGpuUnavailableError(`No WebGPU adapter: ${tried.join('; ')}. ${remedy}`);
 }
 
-async function openGpu(dawn: Dawn, forceSoftware: boolean): Promise<Choice | null> {
-  const gpu = dawn.create(DAWN_OPTIONS);
+async function openGpu(dawn: Dawn, forceSoftware: boolean, isSoftware: boolean): Promise<Choice | null> {
+  const unwanted = [...UNWANTED_FEATURES, ...(isSoftware ? UNWANTED_IN_SOFTWARE : [])];
+  const gpu = dawn.create([`disable-dawn-features=${unwanted.join(',')}`]);
   keptForever.add(gpu);
   const firstAdapter = await gpu.requestAdapter(adapterOptions(forceSoftware));
   if (!firstAdapter) return null;
