@@ -8,8 +8,6 @@ const ssr = { resolve: { conditions, externalConditions: conditions } };
 
 export default defineConfig({
   test: {
-    // Tests on a GPU, or in a browser, wait more than they compute, also where the CPU stands in for the GPU.
-    maxWorkers: 2,
     reporters: ['default', './packages/tools/plain-line-reporter.ts'],
     projects: [
       {
@@ -26,8 +24,10 @@ export default defineConfig({
         resolve,
         ssr,
         test: {
-          // Dawn keeps one device per process: a process per file.
+          // Dawn keeps one device per process: a process per file. One at a time, since SwiftShader takes all cores.
           name: 'gpu',
+          sequence: { groupOrder: 1 },
+          fileParallelism: false,
           environment: 'node',
           include: ['packages/*/src/**/*.gpu.test.ts'],
           pool: 'forks',
@@ -40,6 +40,9 @@ export default defineConfig({
         ssr,
         test: {
           name: 'e2e',
+          // Pages wait more than they compute.
+          sequence: { groupOrder: 2 },
+          maxWorkers: 2,
           environment: 'node',
           include: ['e2e/**/*.test.ts'],
           pool: 'forks',
