@@ -49,24 +49,34 @@ export default defineConfig({ plugins: [react()] });
   "include": ["src"]
 }
 `,
-  'src/main.tsx': `import { Canvas } from '@react-three/fiber';
-import { createSplatRenderer, Splats } from '@websplatter/react';
-import { StrictMode } from 'react';
+  'src/main.tsx': `import { StrictMode } from 'react';
 import { createRoot } from 'react-dom/client';
+import { App } from './app';
 
 createRoot(document.getElementById('root')!).render(
   <StrictMode>
+    <App />
+  </StrictMode>,
+);
+`,
+  'src/app.tsx': `import { Canvas } from '@react-three/fiber';
+import { createSplatRenderer, Splats } from '@websplatter/react';
+
+export function App() {
+  return (
     <Canvas gl={createSplatRenderer} flat>
       <Splats src="scene.ply" />
     </Canvas>
-  </StrictMode>,
-);
+  );
+}
 `,
 };
 
 export interface FreshApp {
   /** Runs a tool of the app's node_modules to its end; rejects, with what it printed, where it fails. */
   run(script: string, args: readonly string[]): Promise<void>;
+  /** Replaces a piece of one of the app's files, as somebody does who works on it. */
+  edit(path: string, find: string, replacement: string): Promise<void>;
   /** Starts one of Vite's servers on a free port. */
   serve(command: 'dev' | 'preview'): Promise<{ readonly url: string; readonly close: () => Promise<void> }>;
   remove(): Promise<void>;
@@ -146,6 +156,12 @@ export async function makeFreshApp(files: Readonly<Record<string, Uint8Array>>):
   return {
     run: async (script, args) => {
       await runNode(tool(script), args);
+    },
+    edit: async (path, find, replacement) => {
+      const file = join(folder, path);
+      const text = await readFile(file, 'utf8');
+      if (!text.includes(find)) throw new Error(`There is no ${find} in ${path}.`);
+      await writeFile(file, text.replace(find, replacement));
     },
     serve: async (command) => {
       const args = [

@@ -1,10 +1,10 @@
 import { encodePly, perspectiveCamera } from '@websplatter/core';
-import type { Browser } from 'playwright-core';
+import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { launchBrowser, newWatchedPage } from './browser.ts';
 import { type FreshApp, makeFreshApp } from './fresh-app.ts';
 import { MIN_PSNR_DB, referencePicture } from './reference.ts';
-import { screenshot } from './screenshot.ts';
+import { type Screenshot, screenshot } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
 
 let app: FreshApp;
@@ -32,13 +32,22 @@ describe('the packed tarballs in a fresh Vite app', () => {
     await expectSplats('preview');
   });
 
-  it('show splats under the development server, without any configuration', async () => {
-    await expectSplats('dev');
+  it('show splats under the development server, without any configuration, and as they are edited', async () => {
+    await expectSplats('dev', async (page) => {
+      // Fast Refresh keeps the Canvas and its renderer; an effect that ran anew would read the file again.
+      await page.evaluate(() => Object.assign(document.querySelector('canvas')!, { isOfBefore: true }));
+      await app.edit('src/app.tsx', '<Splats src', '<Splats opacity={0} src');
+      await expect.poll(async () => isAllWhite(await screenshot(page)), { timeout: 30_000 }).toBe(true);
+      expect(await page.evaluate(() => 'isOfBefore' in document.querySelector('canvas')!)).toBe(true);
+    });
   });
 });
 
 /** Looks at the app under one of Vite's servers: the right picture, read by a worker, and nothing to complain about. */
-async function expectSplats(command: 'dev' | 'preview'): Promise<void> {
+async function expectSplats(
+  command: 'dev' | 'preview',
+  goOn: (page: Page) => Promise<void> = async () => {},
+): Promise<void> {
   const server = await app.serve(command);
   const { page, problems } = await newWatchedPage(browser, {});
   await page.addInitScript(() => {
@@ -74,6 +83,7 @@ async function expectSplats(command: 'dev' | 'preview'): Promise<void> {
     await expect
       .poll(async () => psnrDb(await screenshot(page)), { timeout: 60_000, interval: 250 })
       .toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    await goOn(page);
     // Where the worker does not start, the page reads by itself and looks just the same.
     const replies = await page.evaluate(() => (window as unknown as { replies: string[] }).replies);
     expect(replies.filter((kind) => kind === 'cloud')).toHaveLength(1);
@@ -82,4 +92,8 @@ async function expectSplats(command: 'dev' | 'preview'): Promise<void> {
     await page.context().close();
     await server.close();
   }
+}
+
+function isAllWhite({ data }: Screenshot): boolean {
+  return data.every((value) => value === 255);
 }
