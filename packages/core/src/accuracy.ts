@@ -129,6 +129,29 @@ export function resolveAccuracy(accuracy: Accuracy = DEFAULT_ACCURACY): Accuracy
   return { ...ACCURACY_PRESETS[preset], ...changes };
 }
 
+const resolved = new WeakMap<object, AccuracySettings>();
+const interned = new Map<string, AccuracySettings>();
+
+/**
+ * What `resolveAccuracy` returns, as one frozen object for all that stand for the same settings: equal settings are
+ * identical. An object is looked at once; changing it later changes nothing.
+ *
+ * @throws InvalidArgumentError as `resolveAccuracy` does.
+ */
+export function internAccuracy(accuracy: Accuracy = DEFAULT_ACCURACY): AccuracySettings {
+  const known = typeof accuracy === 'object' ? resolved.get(accuracy) : interned.get(accuracy);
+  if (known) return known;
+  const settings = resolveAccuracy(accuracy);
+  // Every object has the presets' order of names: that of the caller's own makes no difference.
+  const key = JSON.stringify(settings);
+  const one = interned.get(key) ?? Object.freeze(settings);
+  interned.set(key, one);
+  if (typeof accuracy === 'object') resolved.set(accuracy, one);
+  else interned.set(accuracy, one);
+  resolved.set(one, one);
+  return one;
+}
+
 /** Fixed by how scenes are trained, or by the method, not by taste. */
 export const MAX_FRAGMENT_ALPHA = 0.99;
 /** Variance that is added to both screen axes, in px²: what scenes are trained with. */

@@ -1,4 +1,4 @@
-import type { AccuracySettings } from './accuracy.ts';
+import type { Accuracy, AccuracySettings } from './accuracy.ts';
 import { projectionOf } from './camera.ts';
 import { InvalidArgumentError } from './errors.ts';
 import { recordCompute, recordRasterize } from './frame.ts';
@@ -20,7 +20,8 @@ export interface ViewContext {
   readonly pipelines: Pipelines;
   readonly memory: GpuMemory;
   readonly counting: Counting;
-  readonly accuracy: AccuracySettings;
+  /** The settings of a frame that asks for these, or for none: one object for equal settings. */
+  readonly accuracyFor: (asked: Accuracy | undefined) => AccuracySettings;
   readonly dispatchRow: number;
   /** Why nothing can be drawn any more, or null. */
   readonly destroyedBecause: () => string | null;
@@ -107,13 +108,16 @@ export class BlendedLayer {
 
   /** See `SplatView.pick`. */
   async pick(xPx: number, yPx: number): Promise<SplatPick | null> {
-    const { pipelines, accuracy } = this.#context;
-    await pipelines.prepare([pick(accuracy.recordPrecision)]);
-    // While that compiled another frame may have been drawn, or the last one.
-    const picture = this.#picture;
-    if (this.#isDestroyed || !this.#frame || !picture) return null;
-    const isInside = xPx >= 0 && xPx < picture.widthPx && yPx >= 0 && yPx < picture.heightPx;
-    return isInside ? pickSplat(this.#context, this.#frame, picture, xPx, yPx) : null;
+    const { pipelines } = this.#context;
+    while (this.#frame && this.#picture && !this.#isDestroyed) {
+      const { widthPx, heightPx } = this.#picture;
+      if (!(xPx >= 0 && xPx < widthPx && yPx >= 0 && yPx < heightPx)) return null;
+      const stage = pick(this.#frame.shape.accuracy.recordPrecision);
+      if (pipelines.areReady([stage])) return pickSplat(this.#context, this.#frame, this.#picture, xPx, yPx);
+      // While this compiles another frame may be drawn, with other records, or the last one.
+      await pipelines.prepare([stage]);
+    }
+    return null;
   }
 
   destroy(): void {
@@ -127,7 +131,9 @@ export class BlendedLayer {
   #resize(widthPx: number, heightPx: number, { accuracy, depth }: FrameShape): boolean {
     const depthFormat = depth?.layerFormat ?? null;
     const isSameSize = this.#color?.width === widthPx && this.#color.height === heightPx;
-    if (isSameSize && (this.#depth?.format ?? null) === depthFormat) return false;
+    const isSameFormat =
+      this.#color?.format === accuracy.colorTarget && (this.#depth?.format ?? null) === depthFormat;
+    if (isSameSize && isSameFormat) return false;
     const { memory } = this.#context;
     for (const texture of [this.#color, this.#depth]) if (texture) memory.destroy(texture);
     const texture = (label: string, format: GPUTextureFormat) =>

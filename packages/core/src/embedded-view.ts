@@ -12,7 +12,8 @@ import { resolveDepth, resolveDepthState } from './stages/resolve-depth.ts';
 import type { FrameStatistics } from './timing/frame-statistics.ts';
 
 /** What splats are to show in another renderer's picture. */
-export interface EmbeddedFrame extends Pick<ViewFrame, 'camera' | 'clouds' | 'widthPx' | 'heightPx'> {
+export interface EmbeddedFrame
+  extends Pick<ViewFrame, 'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy'> {
   /** How the host stores depth; absent: nothing hides splats. */
   readonly depth?: DepthConvention;
   /** Whether the picture is to have the splats' depth too; only with `depth`. */
@@ -85,8 +86,8 @@ export class EmbeddedView {
   }
 
   /**
-   * Finds and sorts the visible splats: submits that work at once, or none where camera, clouds and size are those of the
-   * last frame.
+   * Finds and sorts the visible splats: submits that work at once, or none where camera, clouds, size and accuracy are
+   * those of the last frame.
    *
    * @returns whether there is something to draw. False where there are no clouds or pixels, where shaders are still being
    *   compiled (`onReady` tells when they are), and after the loss of the device.
@@ -98,7 +99,7 @@ export class EmbeddedView {
     const isEmpty = frame.widthPx === 0 || frame.heightPx === 0 || frame.clouds.length === 0;
     if (isEmpty || this.#context.destroyedBecause() !== null) return false;
     const depth = this.#depthOf(frame);
-    const key = `${keyOf(frame)} ${JSON.stringify(depth)}`;
+    const key = `${keyOf(frame, this.#context.accuracyFor(frame.accuracy))} ${JSON.stringify(depth)}`;
     const layer = this.#layer;
     if (key !== this.#preparedKey) {
       const shape = shapeOf(frame, this.#context, depth, layer.frame?.shape);

@@ -516,6 +516,34 @@ describe('an engine', () => {
     expect(preprocessMs + sortMs + rasterizeMs).toBeLessThanOrEqual(totalMs * 1.001 + 1e-6);
   });
 
+  gpuTest(
+    'draws each frame with the accuracy that it asks for, else with its own, which may change',
+    async () => {
+      const engine = await SplatEngine.create({ device, accuracy: 'balanced' });
+      const cloud = engine.add(randomSplats({ count: 500 }));
+      const view = engine.createView();
+      const frame = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
+      const own = await draw(view, frame);
+      const coarse = { shDegree: 0, alphaCutoff: 0.05, colorTarget: 'rgba8unorm' } as const;
+      const asked = await draw(view, { ...frame, accuracy: coarse });
+      expect(asked).not.toEqual(own);
+      expect(asked.every((value) => Math.abs(value * 255 - Math.round(value * 255)) < 1e-4)).toBe(true);
+      // Equal settings in another object are the same picture.
+      expect(view.render({ ...frame, accuracy: { ...coarse } })).toBe(false);
+      expectSamePicture(await draw(view, frame), own);
+
+      expect(() => engine.setAccuracy({ ...coarse, shDegree: 7 as never })).toThrow(InvalidArgumentError);
+      expect(engine.accuracy.shDegree).toBe(3);
+      expect(view.render(frame)).toBe(false);
+      engine.setAccuracy(coarse);
+      expect(engine.accuracy).toMatchObject(coarse);
+      expectSamePicture(await draw(view, frame), asked);
+      expectSamePicture(await draw(view, { ...frame, accuracy: 'balanced' }), own);
+      expect((await view.pick(32, 32))?.weight).toBeGreaterThan(0);
+      engine.destroy();
+    },
+  );
+
   gpuTest('refuses clouds packed for another accuracy, and unknown settings', async () => {
     const packed = packCloud(randomSplats({ count: 10 }), { geometryPrecision: 'f32' });
     expect(() => engines.balanced.addPacked(packed)).toThrow(InvalidArgumentError);

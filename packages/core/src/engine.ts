@@ -1,4 +1,4 @@
-import { type Accuracy, type AccuracySettings, resolveAccuracy } from './accuracy.ts';
+import { type Accuracy, type AccuracySettings, DEFAULT_ACCURACY, internAccuracy } from './accuracy.ts';
 import type { ViewContext } from './blended-layer.ts';
 import { adapterLabel, type DeviceOptions, requestSplatDevice } from './device.ts';
 import { EmbeddedView } from './embedded-view.ts';
@@ -28,12 +28,16 @@ export interface EngineOptions extends DeviceOptions {
   readonly mutation?: ShaderMutation;
 }
 
+/** Settings as a device can have them. */
+export interface PossibleAccuracy {
+  readonly settings: AccuracySettings;
+  /** What the device could not do as asked, in words. */
+  readonly notices: readonly string[];
+}
+
 /** Draws Gaussian splats on one WebGPU device. */
 export class SplatEngine {
   readonly device: GPUDevice;
-  readonly accuracy: AccuracySettings;
-  /** What the device could not do as asked, in words. */
-  readonly notices: readonly string[];
   /** What a person would call the adapter. */
   readonly adapterLabel: string;
   /** Whether stages are timed by the GPU itself. */
@@ -46,14 +50,14 @@ export class SplatEngine {
   readonly #ownsDevice: boolean;
   readonly #dispatchRow: number;
   readonly #views = new Set<SplatView | EmbeddedView>();
+  /** By what was asked for: what this device does of it. */
+  readonly #possible = new WeakMap<AccuracySettings, PossibleAccuracy>();
+  #accuracy: PossibleAccuracy;
   #destroyedBecause: string | null = null;
 
   private constructor(device: GPUDevice, ownsDevice: boolean, options: EngineOptions) {
-    const asked = resolveAccuracy(options.accuracy);
-    const [accuracy, notices] = possibleOn(device, asked);
     this.device = device;
-    this.accuracy = accuracy;
-    this.notices = notices;
+    this.#accuracy = this.resolveAccuracy(options.accuracy ?? DEFAULT_ACCURACY);
     this.adapterLabel = adapterLabel(device.adapterInfo);
     this.hasGpuTimestamps = device.features.has('timestamp-query');
     this.#memory = new GpuMemory(device);
@@ -74,9 +78,43 @@ export class SplatEngine {
    */
   static async create(options: EngineOptions = {}): Promise<SplatEngine> {
     // Before a device is made for nothing.
-    resolveAccuracy(options.accuracy);
+    internAccuracy(options.accuracy);
     const device = options.device ?? (await requestSplatDevice(options));
     return new SplatEngine(device, options.device === undefined, options);
+  }
+
+  /** What frames are drawn with that do not say otherwise, and what clouds are loaded for. */
+  get accuracy(): AccuracySettings {
+    return this.#accuracy.settings;
+  }
+
+  /** What the device could not do of `accuracy` as asked, in words. */
+  get notices(): readonly string[] {
+    return this.#accuracy.notices;
+  }
+
+  /**
+   * Changes `accuracy`: views draw with it from their next frame on.
+   *
+   * @throws InvalidArgumentError for unknown settings; everything stays as it was then.
+   */
+  setAccuracy(accuracy: Accuracy): void {
+    this.#checkUsable();
+    this.#accuracy = this.resolveAccuracy(accuracy);
+  }
+
+  /**
+   * The settings that come closest to `accuracy` on this device, default the engine's own, and in words what had to give
+   * way. Equal settings are one object.
+   *
+   * @throws InvalidArgumentError for unknown settings.
+   */
+  resolveAccuracy(accuracy?: Accuracy): PossibleAccuracy {
+    if (accuracy === undefined) return this.#accuracy;
+    const asked = internAccuracy(accuracy);
+    const possible = this.#possible.get(asked) ?? possibleOn(this.device, asked);
+    this.#possible.set(asked, possible);
+    return possible;
   }
 
   /**
@@ -164,7 +202,7 @@ export class SplatEngine {
       pipelines: this.#pipelines,
       memory: this.#memory,
       counting: this.#counting,
-      accuracy: this.accuracy,
+      accuracyFor: (asked) => this.resolveAccuracy(asked).settings,
       dispatchRow: this.#dispatchRow,
       destroyedBecause: () => this.#destroyedBecause,
     };
@@ -175,12 +213,11 @@ export class SplatEngine {
   }
 }
 
-/** The settings that come closest to `asked` on this device, and what had to give way. */
-function possibleOn(device: GPUDevice, asked: AccuracySettings): [AccuracySettings, string[]] {
+function possibleOn(device: GPUDevice, asked: AccuracySettings): PossibleAccuracy {
   if (asked.colorTarget === 'rgba32float' && !device.features.has('float32-blendable' as GPUFeatureName)) {
     const notice =
       'This device cannot blend rgba32float (float32-blendable); pictures are blended in rgba16float.';
-    return [{ ...asked, colorTarget: 'rgba16float' }, [notice]];
+    return { settings: internAccuracy({ ...asked, colorTarget: 'rgba16float' }), notices: [notice] };
   }
-  return [asked, []];
+  return { settings: asked, notices: [] };
 }

@@ -1,4 +1,4 @@
-import type { AccuracySettings } from './accuracy.ts';
+import type { Accuracy, AccuracySettings } from './accuracy.ts';
 import { keyBitsFor } from './scene/key-bits.ts';
 import type { SplatCloud } from './scene/splat-cloud.ts';
 import type { ViewFrame } from './scene/view-frame.ts';
@@ -23,18 +23,20 @@ export interface FrameShape {
 
 /** What a frame's shape follows from, besides the frame itself. */
 export interface ShapeContext {
-  readonly accuracy: AccuracySettings;
+  /** The settings of a frame that asks for these, or for none: one object for equal settings. */
+  readonly accuracyFor: (asked: Accuracy | undefined) => AccuracySettings;
   readonly dispatchRow: number;
 }
 
 /** @param current shape of the last picture: its buffers are kept as long as they are large enough. */
 export function shapeOf(
   frame: ViewFrame,
-  { accuracy, dispatchRow }: ShapeContext,
+  { accuracyFor, dispatchRow }: ShapeContext,
   depth: RasterizeDepth | null,
   current: FrameShape | undefined,
 ): FrameShape {
   const { camera } = frame;
+  const accuracy = accuracyFor(frame.accuracy);
   const clouds = frame.clouds.map(({ cloud }) => cloud);
   const isSameClouds =
     clouds.length === current?.clouds.length && clouds.every((cloud, i) => cloud === current.clouds[i]);

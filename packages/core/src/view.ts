@@ -56,8 +56,8 @@ export class SplatView {
   }
 
   /**
-   * Draws `frame`: submits the GPU's work and returns at once. Where camera, clouds, size and background are those of
-   * the last picture nothing is submitted. Where a shader is still being compiled, the picture follows by itself when
+   * Draws `frame`: submits the GPU's work and returns at once. Where camera, clouds, size, background and accuracy are
+   * those of the last picture nothing is submitted. Where a shader is still being compiled, the picture follows by itself when
    * it is ready; `whenDrawn` waits for that.
    *
    * @returns whether anything was, or will be, submitted.
@@ -71,7 +71,7 @@ export class SplatView {
       this.#waiting = frame;
       return true;
     }
-    const key = keyOf(frame);
+    const key = this.#keyOf(frame);
     if (!frame.force && key === this.#drawnKey) return false;
     const shape = this.#shapeOf(frame);
     const stages = this.#stagesFor(shape);
@@ -137,7 +137,7 @@ export class SplatView {
         const stages = this.#stagesFor(shape);
         if (this.#context.pipelines.areReady(stages)) {
           this.#waiting = null;
-          this.#draw(frame, shape, keyOf(frame));
+          this.#draw(frame, shape, this.#keyOf(frame));
         } else {
           await this.#context.pipelines.prepare(stages);
         }
@@ -200,6 +200,10 @@ export class SplatView {
     pass.setBindGroup(0, this.#compositeGroup);
     pass.draw(3);
     pass.end();
+  }
+
+  #keyOf(frame: ViewFrame): string {
+    return keyOf(frame, this.#context.accuracyFor(frame.accuracy));
   }
 
   #shapeOf(frame: ViewFrame): FrameShape {

@@ -1,3 +1,4 @@
+import type { Accuracy, AccuracySettings } from '../accuracy.ts';
 import type { Camera } from '../camera.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
 import type { Vec3 } from '../math/mat4.ts';
@@ -22,6 +23,8 @@ export interface ViewFrame {
   readonly heightPx: number;
   /** What is behind the splats on a canvas, sRGB-encoded, 0…1; default black. */
   readonly background?: Vec3;
+  /** Default the engine's; pass the same object every frame, it is looked at once. */
+  readonly accuracy?: Accuracy;
   /** Draw even where nothing has changed, as a benchmark needs it. */
   readonly force?: boolean;
 }
@@ -56,16 +59,29 @@ export function checkFrame({ camera, clouds, widthPx, heightPx }: ViewFrame): vo
   }
 }
 
-const cloudNumbers = new WeakMap<SplatCloud, number>();
-let cloudsSeen = 0;
+const numbers = new WeakMap<object, number>();
+let numbersGiven = 0;
 
-/** Everything that the picture depends on, as text: equal texts, equal pictures. */
-export function keyOf({ camera, clouds, widthPx, heightPx, background }: ViewFrame): string {
-  const parts: unknown[] = [widthPx, heightPx, background, camera.near, camera.far];
+/** A number that no other object has. */
+function numberOf(thing: object): number {
+  const number = numbers.get(thing) ?? ++numbersGiven;
+  numbers.set(thing, number);
+  return number;
+}
+
+/**
+ * Everything that the picture depends on, as text: equal texts, equal pictures.
+ *
+ * @param settings what the frame is drawn with, one object for equal settings.
+ */
+export function keyOf(
+  { camera, clouds, widthPx, heightPx, background }: ViewFrame,
+  settings: AccuracySettings,
+): string {
+  const parts: unknown[] = [widthPx, heightPx, background, camera.near, camera.far, numberOf(settings)];
   parts.push(Array.from(camera.viewMatrix), Array.from(camera.projectionMatrix));
   for (const { cloud, modelMatrix, opacity = 1 } of clouds) {
-    if (!cloudNumbers.has(cloud)) cloudNumbers.set(cloud, ++cloudsSeen);
-    parts.push(cloudNumbers.get(cloud), modelMatrix && Array.from(modelMatrix), opacity);
+    parts.push(numberOf(cloud), modelMatrix && Array.from(modelMatrix), opacity);
   }
   return JSON.stringify(parts);
 }
