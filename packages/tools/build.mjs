@@ -27,6 +27,7 @@ const PACKAGES = [
       index: 'src/index.ts',
       reference: 'src/reference/index.ts',
       inspect: 'src/inspect/index.ts',
+      measure: 'src/measure/index.ts',
       'load-worker': 'src/io/load-worker.ts',
     },
     inputs: ['shaders'],

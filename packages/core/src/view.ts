@@ -117,6 +117,12 @@ export class SplatView {
     return this.#layer.pick(xPx, yPx);
   }
 
+  /** @internal What the last picture was blended in, for comparisons that stay on the GPU: see measure/. */
+  blended(): { readonly context: ViewContext; readonly color: GPUTexture | null } {
+    this.#checkUsable();
+    return { context: this.#context, color: this.#layer.color };
+  }
+
   /** Frees what the view holds on the GPU; the clouds stay. */
   destroy(): void {
     if (this.#isDestroyed) return;

@@ -14,6 +14,10 @@ export const SHADER_CONSTANTS = {
   SCAN_WORKGROUP: 256,
   /** Counts per thread of a scan. */
   SCAN_ITEMS: 8,
+  /** Side of the square of pixels that one workgroup compares. */
+  COMPARE_TILE_PX: 16,
+  /** Reach of the Gaussian window of structural similarity. */
+  SSIM_RADIUS_PX: 5,
 } as const;
 
 /** Counts that one workgroup scans. */

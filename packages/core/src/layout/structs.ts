@@ -130,6 +130,19 @@ export const PickBlock = gpuStruct('PickBlock', {
 
 export const CompositeParameters = gpuStruct('CompositeParameters', { background: 'vec3f' });
 
+export const CompareParameters = gpuStruct('CompareParameters', { background: 'vec3f' });
+
+/** How one tile of a picture differs from that of another; sums over its pixels and r, g, b. */
+export const CompareTile = gpuStruct('CompareTile', {
+  squaredErrorSum: 'f32',
+  maxError: 'f32',
+  /** What structural similarity lacks to 1. */
+  dissimilaritySum: 'f32',
+  /** Pixels with a value that is not finite. */
+  brokenActual: 'u32',
+  brokenExpected: 'u32',
+});
+
 /** Structs that shaders import by their names (`import layout::View;`). */
 export const SHADER_STRUCTS: readonly Pick<GpuStruct<never>, 'name' | 'wgsl'>[] = [
   View,
@@ -143,6 +156,8 @@ export const SHADER_STRUCTS: readonly Pick<GpuStruct<never>, 'name' | 'wgsl'>[] 
   PickParameters,
   PickBlock,
   CompositeParameters,
+  CompareParameters,
+  CompareTile,
   HostDepth,
   HostViewport,
 ];

@@ -3,6 +3,7 @@ import type { ShPrecision } from '../layout/sh-rest.ts';
 import type { ShDegree } from '../scene/splat-set.ts';
 import { compactChunks } from '../stages/compact-chunks.ts';
 import { compactSplats } from '../stages/compact-splats.ts';
+import { compareImages } from '../stages/compare-images.ts';
 import { compose } from '../stages/compose.ts';
 import { composite } from '../stages/composite.ts';
 import { cullChunks } from '../stages/cull-chunks.ts';
@@ -46,6 +47,7 @@ export function allStageVariants(): StageDefinition[] {
     planCull,
     planProject,
     composite,
+    compareImages,
     ...prefixScanStages,
     ...RECORD.flatMap((recordPrecision) => DEPTHS.map((depth) => rasterize({ recordPrecision, depth }))),
     ...DEPTHS.flatMap((depth) => (depth ? [false, true] : [false]).map((many) => compose(depth, many))),

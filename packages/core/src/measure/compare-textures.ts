@@ -1,0 +1,152 @@
+import { InvalidArgumentError, WebSplatterError } from '../errors.ts';
+import type { GpuMemory } from '../gpu/gpu-memory.ts';
+import type { Pipelines } from '../gpu/pipelines.ts';
+import { SHADER_CONSTANTS } from '../layout/constants.ts';
+import { CompareParameters, CompareTile } from '../layout/structs.ts';
+import type { Vec3 } from '../math/mat4.ts';
+import type { ImageDifference } from '../reference/compare-images.ts';
+import { compareImages, countedError, ERROR_COUNTS } from '../stages/compare-images.ts';
+
+/** A picture with a value that is no finite number has no distance to anything. */
+export class NonFinitePictureError extends WebSplatterError {
+  override readonly name = 'NonFinitePictureError';
+  /** Pixels with such a value in either picture. */
+  readonly pixels: number;
+
+  constructor(which: string, pixels: number, [xPx, yPx]: readonly [number, number]) {
+    const { COMPARE_TILE_PX: side } = SHADER_CONSTANTS;
+    super(
+      'non-finite-picture',
+      `The ${which} picture has values that are not finite in ${pixels} pixels, the first of them in the ${side}×${side} px from ${xPx}, ${yPx}.`,
+    );
+    this.pixels = pixels;
+  }
+}
+
+interface CompareContext {
+  readonly device: GPUDevice;
+  readonly pipelines: Pipelines;
+  readonly memory: GpuMemory;
+}
+
+/**
+ * How far one layer of premultiplied RGBA is from another, computed on the GPU: what `compareImages` says of the two
+ * read back, as `raw`, but for the rounding of float32. The percentile lies within 1/256 of its own value.
+ *
+ * Submits before it returns, so that what is drawn into the textures later makes no difference.
+ *
+ * @param background what is behind both, 0…1.
+ * @throws InvalidArgumentError for textures of different sizes, NonFinitePictureError.
+ */
+export async function compareTextures(
+  { device, pipelines, memory }: CompareContext,
+  actual: GPUTexture,
+  expected: GPUTexture,
+  background: Vec3 = [0, 0, 0],
+): Promise<ImageDifference> {
+  const { width, height } = actual;
+  if (expected.width !== width || expected.height !== height) {
+    const message = `Pictures of ${width}×${height} and ${expected.width}×${expected.height} px cannot be compared; draw both in one size.`;
+    throw new InvalidArgumentError('expected', message);
+  }
+  if (!pipelines.areReady([compareImages])) await pipelines.prepare([compareImages]);
+  const tilesAcross = Math.ceil(width / SHADER_CONSTANTS.COMPARE_TILE_PX);
+  const tilesDown = Math.ceil(height / SHADER_CONSTANTS.COMPARE_TILE_PX);
+  const tileBytes = CompareTile.bytes * tilesAcross * tilesDown;
+  const countBytes = 4 * ERROR_COUNTS;
+  const { UNIFORM, STORAGE, COPY_SRC, COPY_DST, MAP_READ } = GPUBufferUsage;
+  const made: GPUBuffer[] = [];
+  const create = (label: string, bytes: number, usage: GPUBufferUsageFlags) => {
+    const buffer = memory.createBuffer(label, bytes, usage);
+    made.push(buffer);
+    return buffer;
+  };
+  try {
+    const parameters = create('compare parameters', CompareParameters.bytes, UNIFORM | COPY_DST);
+    const tiles = create('compare tiles', tileBytes, STORAGE | COPY_SRC);
+    const errorCounts = create('compare error counts', countBytes, STORAGE | COPY_SRC);
+    const readback = create('compare read-back', tileBytes + countBytes, COPY_DST | MAP_READ);
+    const contents = new ArrayBuffer(CompareParameters.bytes);
+    CompareParameters.write(contents, { background });
+    device.queue.writeBuffer(parameters, 0, contents);
+
+    const encoder = device.createCommandEncoder({ label: 'compare' });
+    const pass = encoder.beginComputePass({ label: 'compare' });
+    pass.setPipeline(pipelines.compute(compareImages)!);
+    const layers = { actual: actual.createView(), expected: expected.createView() };
+    pass.setBindGroup(0, pipelines.bindGroup(compareImages, { parameters, tiles, errorCounts, ...layers }));
+    pass.dispatchWorkgroups(tilesAcross, tilesDown);
+    pass.end();
+    encoder.copyBufferToBuffer(tiles, 0, readback, 0, tileBytes);
+    encoder.copyBufferToBuffer(errorCounts, 0, readback, tileBytes, countBytes);
+    device.queue.submit([encoder.finish()]);
+    await readback.mapAsync(GPUMapMode.READ);
+    const read = readback.getMappedRange().slice(0);
+    const counts = new Uint32Array(read, tileBytes, ERROR_COUNTS);
+    return differenceOf(new DataView(read, 0, tileBytes), counts, width, height);
+  } finally {
+    for (const buffer of made) memory.destroy(buffer);
+  }
+}
+
+/** @param tiles a `CompareTile` per tile; @param counts errors by size, but for those that are 0. */
+function differenceOf(
+  tiles: DataView,
+  counts: Uint32Array,
+  widthPx: number,
+  heightPx: number,
+): ImageDifference {
+  const values = 3 * widthPx * heightPx;
+  let squaredErrorSum = 0;
+  let dissimilaritySum = 0;
+  let maxError = 0;
+  for (let at = 0; at < tiles.byteLength; at += CompareTile.bytes) {
+    const { offsets } = CompareTile;
+    squaredErrorSum += tiles.getFloat32(at + offsets.squaredErrorSum, true);
+    dissimilaritySum += tiles.getFloat32(at + offsets.dissimilaritySum, true);
+    maxError = Math.max(maxError, tiles.getFloat32(at + offsets.maxError, true));
+  }
+  for (const [which, field] of [
+    ['compared', 'brokenActual'],
+    ['expected', 'brokenExpected'],
+  ] as const) {
+    checkFinite(tiles, CompareTile.offsets[field], which, widthPx);
+  }
+  return {
+    psnrDb: squaredErrorSum === 0 ? Number.POSITIVE_INFINITY : -10 * Math.log10(squaredErrorSum / values),
+    maxError,
+    p999Error: Math.min(maxError, percentile(counts, values, maxError)),
+    ssim: 1 - dissimilaritySum / values,
+  };
+}
+
+/** The 99.9th percentile by the same rank as on the CPU. */
+function percentile(counts: Uint32Array, values: number, maxError: number): number {
+  const rank = Math.min(values - 1, Math.floor(0.999 * values));
+  // The last of them is known exactly.
+  if (rank === values - 1) return maxError;
+  let above = values - 1 - rank;
+  for (let index = ERROR_COUNTS - 1; index >= 0; index--) {
+    if (above < counts[index]) return countedError(index);
+    above -= counts[index];
+  }
+  return 0;
+}
+
+function checkFinite(tiles: DataView, offset: number, which: string, widthPx: number): void {
+  const { COMPARE_TILE_PX } = SHADER_CONSTANTS;
+  const tilesAcross = Math.ceil(widthPx / COMPARE_TILE_PX);
+  let pixels = 0;
+  let firstTile = -1;
+  for (let tile = 0; tile * CompareTile.bytes < tiles.byteLength; tile++) {
+    const broken = tiles.getUint32(tile * CompareTile.bytes + offset, true);
+    if (broken > 0 && firstTile < 0) firstTile = tile;
+    pixels += broken;
+  }
+  if (pixels === 0) return;
+  const placePx = [firstTile % tilesAcross, Math.floor(firstTile / tilesAcross)] as const;
+  throw new NonFinitePictureError(which, pixels, [
+    COMPARE_TILE_PX * placePx[0],
+    COMPARE_TILE_PX * placePx[1],
+  ]);
+}

@@ -1,0 +1,26 @@
+import type { StageDefinition } from '../gpu/pipelines.ts';
+
+/** Compares two layers of one size: a `CompareTile` per tile, and how often each absolute error occurs. */
+export const compareImages = {
+  stage: 'compare-images',
+  entryPoint: 'compareImages',
+  bindings: {
+    parameters: [0, 'uniform'],
+    actual: [1, 'texture'],
+    expected: [2, 'texture'],
+    tiles: [3, 'read-write'],
+    errorCounts: [4, 'read-write'],
+  },
+} as const satisfies StageDefinition;
+
+/** Errors are counted by the upper half of their float32 bits: each count is of errors within 1/128 of one another. */
+const DROPPED_BITS = 16;
+
+/** Counts for all errors of 0…1. The first is left 0: whoever counts the values knows how many are equal. */
+export const ERROR_COUNTS = 1 + (0x3f800000 >> DROPPED_BITS);
+
+/** The error in the middle of those that are counted at `index`. */
+export function countedError(index: number): number {
+  const bits = Uint32Array.of((index << DROPPED_BITS) + (1 << (DROPPED_BITS - 1)));
+  return Math.min(1, new Float32Array(bits.buffer)[0]);
+}
