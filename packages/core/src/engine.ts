@@ -2,7 +2,7 @@ import { type Accuracy, type AccuracySettings, DEFAULT_ACCURACY, internAccuracy 
 import type { ViewContext } from './blended-layer.ts';
 import { adapterLabel, type DeviceOptions, requestSplatDevice } from './device.ts';
 import { EmbeddedView } from './embedded-view.ts';
-import { DestroyedError, InvalidArgumentError } from './errors.ts';
+import { DestroyedError } from './errors.ts';
 import { type EngineCounters, zeroCounters } from './gpu/engine-counters.ts';
 import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
 import { Pipelines } from './gpu/pipelines.ts';
@@ -138,21 +138,19 @@ export class SplatEngine {
   }
 
   /**
-   * Uploads what `packCloud` made, on this thread or another.
+   * Uploads what `packCloud` made, on this thread or another, packed for whatever accuracy: frames draw what there is.
    *
-   * @throws InvalidArgumentError where it was packed for another accuracy than the engine's, GpuLimitError.
+   * @throws GpuLimitError.
    */
   addPacked(packed: PackedCloud, options: { readonly name?: string } = {}): SplatCloud {
     this.#checkUsable();
-    const { geometryPrecision } = this.accuracy;
-    if (packed.geometry.precision !== geometryPrecision) {
-      const message = `The cloud's geometry is ${packed.geometry.precision} and the engine's ${geometryPrecision}; pack it for the engine.`;
-      throw new InvalidArgumentError('packed', message);
-    }
     const counting = this.#counting;
     const name = options.name ?? 'splats';
-    const cloud = new SplatCloud(this.#memory, this.device.limits, packed, name, () => {
-      counting.cloudsDestroyed++;
+    const cloud = new SplatCloud(this.#memory, this.device.limits, packed, {
+      name,
+      onDestroyed: () => {
+        counting.cloudsDestroyed++;
+      },
     });
     counting.uploads++;
     counting.uploadedBytes += cloud.bytes;

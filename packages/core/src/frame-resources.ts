@@ -13,7 +13,7 @@ import {
   ProjectedSplatF32,
   View,
 } from './layout/structs.ts';
-import type { CloudPage, SplatCloud } from './scene/splat-cloud.ts';
+import type { CloudPage, CloudPages } from './scene/cloud-planes.ts';
 import type { ShDegree } from './scene/splat-set.ts';
 import { compactChunks } from './stages/compact-chunks.ts';
 import { compactSplats } from './stages/compact-splats.ts';
@@ -124,7 +124,7 @@ export class FrameResources {
     this.shape = shape;
     this.#memory = memory;
     this.#queue = device.queue;
-    this.pages = pagesOf(shape.clouds);
+    this.pages = pagesOf(shape.planes);
     this.chunkCount = this.pages.reduce((sum, page) => sum + page.chunkCount, 0);
     this.totalSplats = shape.clouds.reduce((sum, cloud) => sum + cloud.count, 0);
     const { dispatchRow } = shape;
@@ -218,29 +218,31 @@ export class FrameResources {
         const own = { ...buffers, page, chunks, geometry, keys: sort.keys, ...(shRest && { shRest }) };
         return {
           cullChunks: pipelines.bindGroup(cullChunks, own),
-          cullSplats: pipelines.bindGroup(cullSplatsStage(shape), own),
-          project: pipelines.bindGroup(projectStage(shape, shape.clouds[cloudIndex]), own),
+          cullSplats: pipelines.bindGroup(cullSplatsStage(shape, cloudIndex), own),
+          project: pipelines.bindGroup(projectStage(shape, cloudIndex), own),
         };
       }),
     };
   }
 }
 
-/** The stage that culls the splats of any page of the frame. */
-export function cullSplatsStage({ isOrthographic, accuracy }: FrameShape) {
-  return cullSplats(isOrthographic, accuracy.geometryPrecision);
+/** The stage that culls the splats of one of the frame's clouds. */
+export function cullSplatsStage({ isOrthographic, planes }: FrameShape, cloudIndex: number) {
+  return cullSplats(isOrthographic, planes[cloudIndex].geometryPrecision);
 }
 
-/** The stage that projects the splats of `cloud`. */
-export function projectStage({ isOrthographic, accuracy }: FrameShape, cloud: SplatCloud) {
+/** The stage that projects the splats of one of the frame's clouds. */
+export function projectStage({ isOrthographic, accuracy, clouds, planes }: FrameShape, cloudIndex: number) {
+  const { geometryPrecision, shPrecision } = planes[cloudIndex];
+  const { shDegree } = clouds[cloudIndex];
   return project({
     isOrthographic,
-    geometryPrecision: accuracy.geometryPrecision,
+    geometryPrecision,
     recordPrecision: accuracy.recordPrecision,
-    shPrecision: cloud.shPrecision,
+    shPrecision,
     maxColor: maxColor(accuracy),
-    storedShDegree: cloud.shDegree,
-    shDegree: Math.min(accuracy.shDegree, cloud.shDegree) as ShDegree,
+    storedShDegree: shDegree,
+    shDegree: Math.min(accuracy.shDegree, shDegree) as ShDegree,
   });
 }
 
@@ -250,10 +252,10 @@ export function rasterizeStage({ accuracy, depth }: FrameShape) {
   return [rasterize({ recordPrecision, depth }), rasterizeState(colorTarget, depth)] as const;
 }
 
-function pagesOf(clouds: readonly SplatCloud[]): FramePage[] {
+function pagesOf(planes: readonly CloudPages[]): FramePage[] {
   let chunkStart = 0;
-  return clouds.flatMap((cloud, cloudIndex) =>
-    cloud.pages.map((page) => {
+  return planes.flatMap(({ pages }, cloudIndex) =>
+    pages.map((page) => {
       const framePage = { ...page, cloudIndex, chunkStart };
       chunkStart += page.chunkCount;
       return framePage;

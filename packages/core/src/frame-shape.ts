@@ -1,4 +1,5 @@
 import type { Accuracy, AccuracySettings } from './accuracy.ts';
+import type { CloudPages } from './scene/cloud-planes.ts';
 import { keyBitsFor } from './scene/key-bits.ts';
 import type { SplatCloud } from './scene/splat-cloud.ts';
 import type { ViewFrame } from './scene/view-frame.ts';
@@ -9,6 +10,8 @@ import type { RasterizeDepth } from './stages/rasterize.ts';
 export interface FrameShape {
   /** In the order in which equal depths are drawn; a cloud may occur more than once. */
   readonly clouds: readonly SplatCloud[];
+  /** Of each cloud what is drawn of it: as near to `accuracy` as it can be had at this moment. */
+  readonly planes: readonly CloudPages[];
   readonly isOrthographic: boolean;
   readonly accuracy: AccuracySettings;
   /** Most workgroups in one dimension of a dispatch. */
@@ -42,6 +45,7 @@ export function shapeOf(
     clouds.length === current?.clouds.length && clouds.every((cloud, i) => cloud === current.clouds[i]);
   return {
     clouds,
+    planes: clouds.map((cloud) => cloud.pagesFor(accuracy)),
     isOrthographic: camera.projectionMatrix[11] === 0,
     accuracy,
     dispatchRow,
@@ -59,7 +63,7 @@ export function isSameShape(a: FrameShape, b: FrameShape): boolean {
     a.visibleCapacity === b.visibleCapacity &&
     a.accuracy === b.accuracy &&
     a.clouds.length === b.clouds.length &&
-    a.clouds.every((cloud, i) => cloud === b.clouds[i]) &&
+    a.clouds.every((cloud, i) => cloud === b.clouds[i] && a.planes[i] === b.planes[i]) &&
     JSON.stringify(a.depth) === JSON.stringify(b.depth)
   );
 }

@@ -20,10 +20,10 @@ export function frameStages(shape: FrameShape): CompiledStage[] {
     ...prefixScanStages,
     compactChunks,
     planCull,
-    cullSplatsStage(shape),
+    ...shape.clouds.map((_, cloudIndex) => cullSplatsStage(shape, cloudIndex)),
     planProject,
     compactSplats,
-    ...shape.clouds.map((cloud) => projectStage(shape, cloud)),
+    ...shape.clouds.map((_, cloudIndex) => projectStage(shape, cloudIndex)),
     ...radixSortStages(sortShapeFor(shape.keyBits)),
     rasterizeStage(shape),
   ];
@@ -59,8 +59,8 @@ export function recordCompute(
   preprocess.dispatchWorkgroups(...chunkWorkgroups(frame.chunkCount));
   use(preprocess, planCull, groups.planCull);
   preprocess.dispatchWorkgroups(1);
-  for (const index of pages.keys()) {
-    use(preprocess, cullSplatsStage(shape), groups.pages[index].cullSplats);
+  for (const [index, { cloudIndex }] of pages.entries()) {
+    use(preprocess, cullSplatsStage(shape, cloudIndex), groups.pages[index].cullSplats);
     preprocess.dispatchWorkgroupsIndirect(frame.buffers.cullDispatches, 12 * index);
   }
   frame.splatScan.record(preprocess);
@@ -69,7 +69,7 @@ export function recordCompute(
   use(preprocess, compactSplats, groups.compactSplats);
   preprocess.dispatchWorkgroupsIndirect(frame.buffers.cullDispatches, 12 * pages.length);
   for (const [index, { cloudIndex }] of pages.entries()) {
-    use(preprocess, projectStage(shape, shape.clouds[cloudIndex]), groups.pages[index].project);
+    use(preprocess, projectStage(shape, cloudIndex), groups.pages[index].project);
     preprocess.dispatchWorkgroupsIndirect(frame.buffers.projectDispatches, 12 * index);
   }
   preprocess.end();

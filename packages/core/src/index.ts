@@ -41,10 +41,11 @@ export {
 } from './layout/sh-rest.ts';
 export type { Vec3 } from './math/mat4.ts';
 export type { SplatPick } from './pick.ts';
+export type { CloudPage, CloudPages, CloudPrecision, HeldPrecisions } from './scene/cloud-planes.ts';
 export type { DepthConvention } from './scene/depth-convention.ts';
 export { type Bounds, type PackedCloud, packCloud, transferablesOf } from './scene/packed-cloud.ts';
 export { type CloudHit, raycastCloud } from './scene/raycast-cloud.ts';
-export type { CloudPage, SplatCloud } from './scene/splat-cloud.ts';
+export type { CloudSource, SplatCloud } from './scene/splat-cloud.ts';
 export {
   type DropCounts,
   type DropReason,

@@ -1,5 +1,5 @@
 export { Pipelines } from '../gpu/pipelines.ts';
-export { splatsPerPage } from '../scene/splat-cloud.ts';
+export { splatsPerPage } from '../scene/cloud-planes.ts';
 export type { ShaderMutation } from '../shaders.ts';
 export { type CullingComparison, type CullingMismatch, compareCulling } from './compare-culling.ts';
 export { compareOrder, orderFlaw } from './compare-order.ts';

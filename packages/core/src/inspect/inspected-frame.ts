@@ -7,12 +7,12 @@ import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture, type TextureImage } from '../gpu/read-texture.ts';
-import { GEOMETRY_WORDS } from '../layout/geometry.ts';
 import { COEFFICIENT_MAX } from '../layout/half.ts';
 import { repackShRest } from '../layout/sh-rest.ts';
 import { identity4 } from '../math/mat4.ts';
 import { locateSplat } from '../pick.ts';
 import { unpackSplat } from '../reference/packing.ts';
+import { largestPlaneBytes } from '../scene/cloud-planes.ts';
 import { type CloudView, cloudView } from '../scene/cloud-view.ts';
 import { dropNonFinite } from '../scene/drop-non-finite.ts';
 import { type CullPlane, cullPlanes } from '../scene/frustum.ts';
@@ -94,13 +94,16 @@ export class InspectedFrame {
       .map((set) => ({ ...set, shRest: repackShRest(set.shRest, set.count, accuracy.shPrecision) }));
     const packed = sets.map((set) => packCloud(set, { geometryPrecision: accuracy.geometryPrecision }));
     const instances = options.clouds.map(({ modelMatrix, opacity, splatsPerPage }, i) => ({
-      cloud: new SplatCloud(memory, limitsFor(device, packed[i], splatsPerPage), packed[i], `cloud ${i}`),
+      cloud: new SplatCloud(memory, limitsFor(device, packed[i], splatsPerPage), packed[i], {
+        name: `cloud ${i}`,
+      }),
       modelMatrix,
       opacity,
     }));
     const viewFrame: ViewFrame = { camera, clouds: instances, widthPx, heightPx };
     const shape = {
       clouds: instances.map(({ cloud }) => cloud),
+      planes: instances.map(({ cloud }) => cloud.pagesFor(accuracy)),
       isOrthographic: projection.isOrthographic,
       accuracy,
       dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,
@@ -182,11 +185,11 @@ function pipelinesOf(device: GPUDevice): Pipelines {
 /** Limits under which a cloud is cut into pages of `splatsPerPage`, or the device's own. */
 function limitsFor(
   device: GPUDevice,
-  { geometry, shRest }: PackedCloud,
+  { shRest }: PackedCloud,
   splatsPerPage: number | undefined,
 ): GPUSupportedLimits {
   if (splatsPerPage === undefined) return device.limits;
-  const bytes = 4 * Math.max(GEOMETRY_WORDS[geometry.precision], shRest.wordsPerSplat) * splatsPerPage;
+  const bytes = largestPlaneBytes(shRest.degree) * splatsPerPage;
   return { maxStorageBufferBindingSize: bytes, maxBufferSize: bytes } as GPUSupportedLimits;
 }
 

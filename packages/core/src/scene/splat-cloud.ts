@@ -1,21 +1,21 @@
-import { GpuLimitError } from '../errors.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import { CHUNK_SPLATS } from '../layout/constants.ts';
-import { GEOMETRY_WORDS, type LogScaleRange } from '../layout/geometry.ts';
-import type { ShPrecision } from '../layout/sh-rest.ts';
-import { Chunk } from '../layout/structs.ts';
+import type { SplatSource } from '../io/splat-source.ts';
+import type { LogScaleRange } from '../layout/geometry.ts';
 import type { Vec3 } from '../math/mat4.ts';
-import { type Bounds, chunkCountOf, type PackedCloud } from './packed-cloud.ts';
-import type { DropCounts, ShDegree } from './splat-set.ts';
+import { type CloudPages, CloudPlanes, type CloudPrecision, type HeldPrecisions } from './cloud-planes.ts';
+import type { Bounds, PackedCloud } from './packed-cloud.ts';
+import type { DropCounts, ShDegree, SplatSet } from './splat-set.ts';
 
-/** A part of a cloud that fits the device's bindings. */
-export interface CloudPage {
-  readonly splatCount: number;
-  readonly chunkCount: number;
-  readonly geometry: GPUBuffer;
-  /** Null at degree 0. */
-  readonly shRest: GPUBuffer | null;
-  readonly chunks: GPUBuffer;
+/** Where a cloud's splats can be had again, in other precisions than it holds. */
+export type CloudSource = SplatSource | SplatSet | PackedCloud;
+
+export interface SplatCloudOptions {
+  /** For messages and labels. */
+  readonly name: string;
+  /** Kept by reference as long as the cloud lives. */
+  readonly source?: CloudSource | null;
+  /** Called when the cloud has been destroyed. */
+  readonly onDestroyed?: (cloud: SplatCloud) => void;
 }
 
 /** Splats on the GPU. */
@@ -24,7 +24,6 @@ export class SplatCloud {
   readonly name: string;
   readonly count: number;
   readonly shDegree: ShDegree;
-  readonly shPrecision: ShPrecision;
   /** Scene-space point, in float64, that positions are stored relative to. */
   readonly origin: Vec3;
   /** Bounds of the centres, scene space. */
@@ -35,121 +34,70 @@ export class SplatCloud {
   readonly dropped: DropCounts;
   /** Each stored splat's row in its file. */
   readonly fileIndices: Uint32Array;
-  /** @internal */
+  /** @internal Null where it is gone: see `SplatEngine.requestPrecision`. */
+  readonly source: CloudSource | null;
+  /** @internal Of all planes of the cloud, whichever were packed. */
   readonly logScaleRange: LogScaleRange;
-  /** @internal */
-  readonly pages: readonly CloudPage[];
   /** @internal One `Chunk` struct per chunk. */
   readonly chunks: ArrayBuffer;
-  readonly #memory: GpuMemory;
-  readonly #onDestroyed: () => void;
+  /** @internal */
+  readonly planes: CloudPlanes;
+  readonly #onDestroyed: (cloud: SplatCloud) => void;
   #isDestroyed = false;
 
   /**
    * Uploads `packed`.
    *
-   * @param onDestroyed called when the cloud has been destroyed.
    * @throws GpuLimitError, before anything is allocated, where it cannot be bound.
    */
   constructor(
     memory: GpuMemory,
     limits: GPUSupportedLimits,
     packed: PackedCloud,
-    name: string,
-    onDestroyed: () => void = () => {},
+    { name, source = null, onDestroyed = () => {} }: SplatCloudOptions,
   ) {
     this.name = name;
     this.count = packed.count;
     this.shDegree = packed.shRest.degree;
-    this.shPrecision = packed.shRest.precision;
     this.origin = packed.origin;
     this.bounds = packed.bounds;
     this.robustBounds = packed.robustBounds;
     this.dropped = packed.dropped;
     this.fileIndices = packed.fileIndices;
+    this.source = source;
     this.logScaleRange = packed.geometry.logScaleRange;
     this.chunks = packed.chunks;
-    this.#memory = memory;
     this.#onDestroyed = onDestroyed;
-    this.pages = upload(memory, packed, pageSplats(limits, packed, name), name);
+    this.planes = new CloudPlanes(memory, limits, packed, name);
   }
 
-  /** What the cloud takes on the GPU. */
+  /** In which precisions the cloud can be drawn without anything being made or read first. */
+  get precisions(): HeldPrecisions {
+    return this.planes.held;
+  }
+
+  /** What the cloud takes on the GPU, all of its planes together. */
   get bytes(): number {
-    return this.pages.reduce(
-      (sum, { geometry, shRest, chunks }) => sum + geometry.size + chunks.size + (shRest?.size ?? 0),
-      0,
-    );
+    return this.#isDestroyed ? 0 : this.planes.bytes;
   }
 
   get isDestroyed(): boolean {
     return this.#isDestroyed;
   }
 
+  /**
+   * What is drawn of the cloud where this is asked for: of geometry and of spherical harmonics each the same precision,
+   * else the next finer one held, else the finest.
+   */
+  pagesFor(wanted: CloudPrecision): CloudPages {
+    return this.planes.pagesFor(wanted);
+  }
+
   /** Frees the GPU memory; pictures already submitted are not affected. */
   destroy(): void {
     if (this.#isDestroyed) return;
     this.#isDestroyed = true;
-    for (const { geometry, shRest, chunks } of this.pages) {
-      this.#memory.destroy(geometry);
-      this.#memory.destroy(chunks);
-      if (shRest) this.#memory.destroy(shRest);
-    }
-    this.#onDestroyed();
+    this.planes.destroy();
+    this.#onDestroyed(this);
   }
-}
-
-/** Splats per page: whole chunks, as many as fit one binding; 0 where not even one does. */
-export function splatsPerPage(
-  limits: Pick<GPUSupportedLimits, 'maxBufferSize' | 'maxStorageBufferBindingSize'>,
-  bytesPerSplat: number,
-): number {
-  return CHUNK_SPLATS * Math.floor(bindingBytes(limits) / (bytesPerSplat * CHUNK_SPLATS));
-}
-
-function bindingBytes(
-  limits: Pick<GPUSupportedLimits, 'maxBufferSize' | 'maxStorageBufferBindingSize'>,
-): number {
-  return Math.min(limits.maxStorageBufferBindingSize, limits.maxBufferSize);
-}
-
-function pageSplats(limits: GPUSupportedLimits, { geometry, shRest }: PackedCloud, name: string): number {
-  const bytesPerSplat = 4 * Math.max(GEOMETRY_WORDS[geometry.precision], shRest.wordsPerSplat);
-  const splats = splatsPerPage(limits, bytesPerSplat);
-  if (splats > 0) return splats;
-  const needed = bytesPerSplat * CHUNK_SPLATS;
-  const available = bindingBytes(limits);
-  const message = `${name} needs bindings of at least ${needed} bytes and this device allows ${available}.`;
-  throw new GpuLimitError('maxStorageBufferBindingSize', needed, available, message);
-}
-
-function upload(memory: GpuMemory, packed: PackedCloud, pageSize: number, name: string): CloudPage[] {
-  const { geometry, shRest, chunks, count } = packed;
-  const geometryWords = GEOMETRY_WORDS[geometry.precision];
-  const chunkWords = Chunk.bytes / 4;
-  const chunkData = new Uint32Array(chunks);
-  const pages: CloudPage[] = [];
-  for (let start = 0; start < count; start += pageSize) {
-    const end = Math.min(count, start + pageSize);
-    const firstChunk = start / CHUNK_SPLATS;
-    const chunkCount = chunkCountOf(end - start);
-    const part = (what: string, words: Uint32Array, from: number, to: number) =>
-      memory.createFilledBuffer(`${name} ${what} ${pages.length}`, words.subarray(from, to));
-    pages.push({
-      splatCount: end - start,
-      chunkCount,
-      geometry: part('geometry', geometry.words, start * geometryWords, end * geometryWords),
-      shRest:
-        shRest.wordsPerSplat > 0
-          ? part(
-              'spherical harmonics',
-              shRest.words,
-              start * shRest.wordsPerSplat,
-              end * shRest.wordsPerSplat,
-            )
-          : null,
-      chunks: part('chunks', chunkData, firstChunk * chunkWords, (firstChunk + chunkCount) * chunkWords),
-    });
-  }
-  return pages;
 }

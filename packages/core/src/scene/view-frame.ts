@@ -81,7 +81,12 @@ export function keyOf(
   const parts: unknown[] = [widthPx, heightPx, background, camera.near, camera.far, numberOf(settings)];
   parts.push(Array.from(camera.viewMatrix), Array.from(camera.projectionMatrix));
   for (const { cloud, modelMatrix, opacity = 1 } of clouds) {
-    parts.push(numberOf(cloud), modelMatrix && Array.from(modelMatrix), opacity);
+    parts.push(
+      numberOf(cloud),
+      numberOf(cloud.pagesFor(settings)),
+      modelMatrix && Array.from(modelMatrix),
+      opacity,
+    );
   }
   return JSON.stringify(parts);
 }
