@@ -6,11 +6,24 @@ import type { ShDegree } from './scene/splat-set.ts';
 /** How centres, rotations, scales, base colours and opacities are stored: 64 or 32 bytes per splat. */
 export type GeometryPrecision = 'f32' | 'packed';
 
-/** Colour and opacity of a projected splat: four float32 or four float16. */
-export type RecordPrecision = 'f32' | 'f16';
+/**
+ * What is kept of a projected splat. `f32` and `f16`: axes in float32, colour and opacity in float32 or float16, 48 or 32
+ * bytes. `paper`: axes in float16 (none longer than 65504 px), colour and opacity in a byte each, so that colours end at 1;
+ * 24 bytes.
+ */
+export type RecordPrecision = 'f32' | 'f16' | 'paper';
 
 /** Format of the texture in which splats are blended. */
 export type ColorTarget = 'rgba8unorm' | 'rgba16float' | 'rgba32float';
+
+/** Most bits that depth keys may differ in. */
+export type SortKeyBits = 32 | 24 | 20 | 16;
+
+/** How large a splat's quad is: as far as its own opacity reaches, or as far as that of an opaque one would. */
+export type Extent = 'opacity' | 'fixed';
+
+/** Which splats of the chunks in sight are drawn: those whose box reaches into the picture, or all. */
+export type Culling = 'bounding-box' | 'frustum';
 
 /** Everything that trades accuracy for time or memory. */
 export interface AccuracySettings {
@@ -18,20 +31,32 @@ export interface AccuracySettings {
   readonly shPrecision: ShPrecision;
   /** Highest degree of spherical harmonics that is evaluated. */
   readonly shDegree: ShDegree;
-  readonly recordPrecision: RecordPrecision;
-  readonly colorTarget: ColorTarget;
+  readonly sortKeyBits: SortKeyBits;
   /** Opacity under which a splat, or a fragment of one, is left out. */
   readonly alphaCutoff: number;
+  readonly extent: Extent;
+  readonly culling: Culling;
+  readonly recordPrecision: RecordPrecision;
+  readonly colorTarget: ColorTarget;
+  /** Width and height of the layer of splats, as a part of the picture's. */
+  readonly resolutionScale: number;
 }
 
-export type AccuracyPreset = 'reference' | 'high' | 'balanced';
+export type AccuracyPreset = 'reference' | 'high' | 'balanced' | 'fast' | 'paper';
 
-/** One setting: what it may be, where it acts and where its values come from. */
+/** One setting: what it may be, where it acts, what it costs to change, and where its values come from. */
 export interface AccuracySetting<Value> {
+  /** What a person would call it. */
+  readonly label: string;
+  /** What it does: one sentence. */
+  readonly about: string;
   readonly unit: string;
-  /** The values offered, most exact first; for a number, a range. */
+  /** The values offered, most exact first (of those that err alike the fastest first); for a number, a range. */
   readonly values: readonly Value[] | { readonly min: number; readonly max: number };
-  readonly stage: 'load' | 'pre-process' | 'sort' | 'rasterize';
+  /** The stage that it acts on. */
+  readonly stage: 'load' | 'pre-process' | 'sort' | 'rasterize' | 'composite';
+  /** What changing it takes while the engine runs: a number, other shaders (compiled once), or other data on the GPU. */
+  readonly change: 'uniform' | 'shader' | 'plane';
   readonly source: string;
 }
 
@@ -40,68 +65,172 @@ export const ACCURACY_SETTINGS: {
   readonly [Name in keyof AccuracySettings]: AccuracySetting<AccuracySettings[Name]>;
 } = {
   geometryPrecision: {
+    label: 'Geometry',
+    about: 'How exactly rotations, scales, base colours and opacities are stored: 64 or 32 bytes per splat.',
     unit: 'storage',
     values: ['f32', 'packed'],
     stage: 'load',
+    change: 'plane',
     source: 'packed: smallest-three rotation of 3×15 bits, unorm16 log scales over the range of the cloud',
   },
   shPrecision: {
+    label: 'Harmonics',
+    about: 'How exactly the coefficients are stored that make a colour depend on where it is seen from.',
     unit: 'storage',
     values: ['f32', 'f16', 'u8'],
     stage: 'load',
+    change: 'plane',
     source: 'u8: one byte per coefficient, scaled per splat by its largest',
   },
   shDegree: {
+    label: 'Harmonics degree',
+    about: 'Up to which degree colours depend on where they are seen from; at 0 they do not.',
     unit: 'degree',
     values: [3, 2, 1, 0],
     stage: 'pre-process',
+    change: 'shader',
     source: 'scenes are trained up to degree 3',
   },
-  recordPrecision: {
-    unit: 'storage',
-    values: ['f32', 'f16'],
-    stage: 'pre-process',
-    source: 'float16 colours err by at most 2^-11 of their value',
-  },
-  colorTarget: {
-    unit: 'texture format',
-    values: ['rgba32float', 'rgba16float', 'rgba8unorm'],
-    stage: 'rasterize',
-    source: 'every blended layer is rounded to this format',
+  sortKeyBits: {
+    label: 'Sort keys',
+    about: 'How finely depths are told apart when splats are sorted; fewer bits take fewer passes.',
+    unit: 'bits',
+    values: [32, 24, 20, 16],
+    stage: 'sort',
+    change: 'shader',
+    source:
+      'the top bits of the range of depths in sight; 32 is exact, and what is equal stays in storage order',
   },
   alphaCutoff: {
+    label: 'Opacity cutoff',
+    about:
+      'The opacity under which a splat, or a part of one, is left out; a higher one makes splats smaller.',
     unit: 'opacity',
     values: { min: 1 / 4096, max: 0.1 },
     stage: 'pre-process',
+    change: 'uniform',
     source: '1/255 in the original implementation: less cannot change an 8-bit pixel by itself',
+  },
+  extent: {
+    label: 'Quad size',
+    about: 'Whether faint splats are drawn as smaller quads; the picture is the same.',
+    unit: 'method',
+    values: ['opacity', 'fixed'],
+    stage: 'rasterize',
+    change: 'shader',
+    source: 'the paper, √ln(opacity/cutoff); fixed is its ablation −RADIUS',
+  },
+  culling: {
+    label: 'Culling',
+    about:
+      'Whether each splat is tested against the picture or only each chunk of 256; the picture is the same.',
+    unit: 'method',
+    values: ['bounding-box', 'frustum'],
+    stage: 'pre-process',
+    change: 'shader',
+    source: 'the paper, screen-space bounding boxes; frustum is its ablation −CULL',
+  },
+  recordPrecision: {
+    label: 'Projected splats',
+    about:
+      'How exactly axes, colour and opacity of a splat on the screen are kept between projecting and drawing it.',
+    unit: 'storage',
+    values: ['f32', 'f16', 'paper'],
+    stage: 'pre-process',
+    change: 'shader',
+    source: 'f16: colours err by at most 2^-11 of their value; paper: float16 axes, 8-bit colour and opacity',
+  },
+  colorTarget: {
+    label: 'Blending',
+    about: 'The format that every blended layer is rounded to.',
+    unit: 'texture format',
+    values: ['rgba32float', 'rgba16float', 'rgba8unorm'],
+    stage: 'rasterize',
+    change: 'shader',
+    source:
+      'rgba8unorm loses about 15 dB where hundreds of faint layers add up; rgba32float needs float32-blendable',
+  },
+  resolutionScale: {
+    label: 'Resolution',
+    about: 'Draws splats smaller by this factor in width and height, and enlarges them smoothly.',
+    unit: 'part of the width and height',
+    values: { min: 0.25, max: 1 },
+    stage: 'composite',
+    change: 'shader',
+    source: 'bilinear; what is in front of splats keeps its full resolution',
   },
 };
 
 /** Settings by preset. Where `float32-blendable` is missing, `reference` blends in rgba16float and says so. */
 export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings>> = {
+  /** The most exact that the GPU can do. */
   reference: {
     geometryPrecision: 'f32',
     shPrecision: 'f32',
     shDegree: 3,
+    sortKeyBits: 32,
+    alphaCutoff: 1 / 255,
+    extent: 'opacity',
+    culling: 'bounding-box',
     recordPrecision: 'f32',
     colorTarget: 'rgba32float',
-    alphaCutoff: 1 / 255,
+    resolutionScale: 1,
   },
   high: {
     geometryPrecision: 'f32',
     shPrecision: 'f16',
     shDegree: 3,
+    sortKeyBits: 32,
+    alphaCutoff: 1 / 255,
+    extent: 'opacity',
+    culling: 'bounding-box',
     recordPrecision: 'f16',
     colorTarget: 'rgba16float',
-    alphaCutoff: 1 / 255,
+    resolutionScale: 1,
   },
   balanced: {
     geometryPrecision: 'packed',
     shPrecision: 'u8',
     shDegree: 3,
+    sortKeyBits: 32,
+    alphaCutoff: 1 / 255,
+    extent: 'opacity',
+    culling: 'bounding-box',
     recordPrecision: 'f16',
     colorTarget: 'rgba16float',
+    resolutionScale: 1,
+  },
+  /**
+   * By reasoning, still to be tuned by measurement: blending is most of a frame, so half its bytes and smaller quads come
+   * first, then two passes of the sort instead of three or four, and harmonics without the seven functions of degree 3.
+   */
+  fast: {
+    geometryPrecision: 'packed',
+    shPrecision: 'u8',
+    shDegree: 2,
+    sortKeyBits: 16,
+    alphaCutoff: 1 / 128,
+    extent: 'opacity',
+    culling: 'bounding-box',
+    recordPrecision: 'f16',
+    colorTarget: 'rgba8unorm',
+    resolutionScale: 1,
+  },
+  /**
+   * The precision of the paper: scenes as trained, float16 axes, 8-bit colours and opacities, keys of 32 bits. Of the passes
+   * that it sorts them in, those are left out in which all keys are known to agree: the order is the same.
+   */
+  paper: {
+    geometryPrecision: 'f32',
+    shPrecision: 'f32',
+    shDegree: 3,
+    sortKeyBits: 32,
     alphaCutoff: 1 / 255,
+    extent: 'opacity',
+    culling: 'bounding-box',
+    recordPrecision: 'paper',
+    colorTarget: 'rgba8unorm',
+    resolutionScale: 1,
   },
 };
 
@@ -162,6 +291,7 @@ export const DILATION_PX2 = 0.3;
  * splat. In float32 1e37, which sixteen terms of spherical harmonics cannot exceed by much.
  */
 export function maxColor({ recordPrecision, colorTarget }: AccuracySettings): number {
+  if (recordPrecision === 'paper') return 1;
   return recordPrecision === 'f32' && colorTarget === 'rgba32float' ? 1e37 : HALF_MAX;
 }
 

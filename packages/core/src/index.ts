@@ -6,10 +6,13 @@ export {
   type AccuracySetting,
   type AccuracySettings,
   type ColorTarget,
+  type Culling,
   DEFAULT_ACCURACY,
+  type Extent,
   type GeometryPrecision,
   type RecordPrecision,
   resolveAccuracy,
+  type SortKeyBits,
 } from './accuracy.ts';
 export {
   type Camera,

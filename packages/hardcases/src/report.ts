@@ -1,4 +1,4 @@
-import { ACCURACY_PRESETS, type AccuracyPreset } from '@websplatter/core';
+import { COMPARED_PRESETS } from './run-images.ts';
 import type { HardCaseResult } from './run-result.ts';
 
 /** The results of some hard cases, and what they were made on. */
@@ -13,11 +13,10 @@ export interface HardCaseReport {
   readonly results: readonly HardCaseResult[];
 }
 
-const PRESETS = Object.keys(ACCURACY_PRESETS) as AccuracyPreset[];
 const COLUMNS = [
   'case',
   'worst stage error (of its bound)',
-  ...PRESETS.map((p) => `${p} dB`),
+  ...COMPARED_PRESETS.map((p) => `${p} dB`),
   'max error',
   'verdict',
 ];
@@ -75,7 +74,13 @@ function cellsOf({ name, worstStage, images, verdict }: HardCaseResult): string[
     ? `${worstStage.field} ${scientific(worstStage.error)} (${worstStage.ratio.toFixed(2)})`
     : '–';
   const maxError = images.reference ? scientific(images.reference.maxError) : '–';
-  return [name, stage, ...PRESETS.map((preset) => decibels(images[preset]?.psnrDb)), maxError, verdict];
+  return [
+    name,
+    stage,
+    ...COMPARED_PRESETS.map((preset) => decibels(images[preset]?.psnrDb)),
+    maxError,
+    verdict,
+  ];
 }
 
 function decibels(psnrDb: number | undefined): string {

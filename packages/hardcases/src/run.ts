@@ -1,5 +1,4 @@
 import {
-  ACCURACY_PRESETS,
   type AccuracyPreset,
   adapterLabel,
   isSoftwareAdapter,
@@ -12,6 +11,7 @@ import { orderFlaw, type ShaderMutation, sortKeys } from '@websplatter/core/insp
 import { renderReference } from '@websplatter/core/reference';
 import type { DeviceCase, HardCase, RefusedFileCase, SceneCase, SortCase } from './hard-case.ts';
 import { type RunVariant, WatchedDevice } from './run-device.ts';
+import { COMPARED_PRESETS } from './run-images.ts';
 import { type HardCaseResult, ResultBuilder } from './run-result.ts';
 import { runScene } from './run-scene.ts';
 
@@ -25,7 +25,7 @@ export interface HardCaseRunnerOptions {
 export interface HardCaseRunOptions {
   /** Width and height of pictures of which the case gives no size; default 64. */
   readonly sizePx?: number;
-  /** Default all, the most exact first. */
+  /** Default `COMPARED_PRESETS`. */
   readonly presets?: readonly AccuracyPreset[];
   /** For tests that the cases notice: a remedy of the shaders switched off. */
   readonly mutation?: ShaderMutation;
@@ -103,11 +103,7 @@ export class HardCaseRunner {
   #runSceneOn(
     watched: WatchedDevice,
     hardCase: SceneCase | DeviceCase,
-    {
-      sizePx = 64,
-      presets = Object.keys(ACCURACY_PRESETS) as AccuracyPreset[],
-      mutation,
-    }: HardCaseRunOptions,
+    { sizePx = 64, presets = COMPARED_PRESETS, mutation }: HardCaseRunOptions,
     result: ResultBuilder,
   ): Promise<void> {
     const variant: RunVariant = { maxWorkgroupsPerDimension: hardCase.maxWorkgroupsPerDimension, mutation };
