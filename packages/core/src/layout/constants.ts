@@ -9,6 +9,7 @@ export const SHADER_CONSTANTS = {
   CHUNK_WORKGROUP: 64,
   PROJECT_WORKGROUP: 256,
   PLAN_WORKGROUP: 64,
+  REPACK_WORKGROUP: 256,
   /** Places of the drawing order that one workgroup blends for a pick. */
   PICK_WORKGROUP: 256,
   SCAN_WORKGROUP: 256,

@@ -27,9 +27,14 @@ export interface PackedGeometry {
  *
  * packed, 32 bytes: position 3×f32 | dc 3×f16 | opacity unorm16 | log scale 3×unorm16 over the cloud's range |
  * rotation smallest-three, 3×15 bits and the 2-bit index of the one left out (bit 15 of the first and second).
+ *
+ * @param logScaleRange by default that of `set`.
  */
-export function packGeometry(set: SplatSet, precision: GeometryPrecision): PackedGeometry {
-  const logScaleRange = logScaleRangeOf(set);
+export function packGeometry(
+  set: SplatSet,
+  precision: GeometryPrecision,
+  logScaleRange = logScaleRangeOf(set),
+): PackedGeometry {
   const words = new Uint32Array(set.count * GEOMETRY_WORDS[precision]);
   if (precision === 'f32') packF32(set, new Float32Array(words.buffer));
   else packSmall(set, words, logScaleRange);

@@ -143,6 +143,13 @@ export const CompareTile = gpuStruct('CompareTile', {
   brokenExpected: 'u32',
 });
 
+/** Splats of a page that are repacked, and the cloud's log scales as in `Page`. */
+export const RepackParameters = gpuStruct('RepackParameters', {
+  logScales: 'vec2f',
+  splatCount: 'u32',
+  dispatchRow: 'u32',
+});
+
 /** Structs that shaders import by their names (`import layout::View;`). */
 export const SHADER_STRUCTS: readonly Pick<GpuStruct<never>, 'name' | 'wgsl'>[] = [
   View,
@@ -158,6 +165,7 @@ export const SHADER_STRUCTS: readonly Pick<GpuStruct<never>, 'name' | 'wgsl'>[] 
   CompositeParameters,
   CompareParameters,
   CompareTile,
+  RepackParameters,
   HostDepth,
   HostViewport,
 ];

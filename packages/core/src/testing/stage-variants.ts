@@ -15,6 +15,8 @@ import { prefixScanStages } from '../stages/prefix-scan.ts';
 import { project } from '../stages/project.ts';
 import { radixSortStages } from '../stages/radix-sort.ts';
 import { type RasterizeDepth, rasterize } from '../stages/rasterize.ts';
+import { repackGeometry } from '../stages/repack-geometry.ts';
+import { repackSh } from '../stages/repack-sh.ts';
 import { resolveDepth } from '../stages/resolve-depth.ts';
 import { sortShapeFor } from '../stages/sort-shape.ts';
 
@@ -53,6 +55,12 @@ export function allStageVariants(): StageDefinition[] {
     ...DEPTHS.flatMap((depth) => (depth ? [false, true] : [false]).map((many) => compose(depth, many))),
     ...COMPARES.flatMap((compare) => [false, true].map((many) => resolveDepth(compare, many))),
     ...RECORD.map(pick),
+    repackGeometry,
+    ...DEGREES.slice(1).flatMap((degree) => [
+      repackSh({ degree, from: 'f32', to: 'f16' }),
+      repackSh({ degree, from: 'f32', to: 'u8' }),
+      repackSh({ degree, from: 'f16', to: 'u8' }),
+    ]),
     ...[8, 16, 24, 27, 32].flatMap((keyBits) => radixSortStages(sortShapeFor(keyBits))),
   ];
   for (const isOrthographic of [false, true]) {

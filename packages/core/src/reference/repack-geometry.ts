@@ -1,0 +1,20 @@
+import { type PackedGeometry, packGeometry } from '../layout/geometry.ts';
+import type { SplatSet } from '../scene/splat-set.ts';
+import { unpackSplat } from './packing.ts';
+
+/**
+ * Twin of shaders/stages/repack-geometry.wgsl, in float64: the float32 geometry of the splats of `set` packed, with the
+ * range of log scales that it has from when they were loaded.
+ */
+export function repackGeometry(set: SplatSet, finer: PackedGeometry): PackedGeometry {
+  const splats = Array.from({ length: set.count }, (_, i) => unpackSplat(finer, i));
+  const values = {
+    ...set,
+    positions: Float32Array.from(splats.flatMap(({ position }) => position)),
+    rotations: Float32Array.from(splats.flatMap(({ rotation }) => rotation)),
+    logScales: Float32Array.from(splats.flatMap(({ scale }) => scale.map(Math.log))),
+    opacityLogits: Float32Array.from(splats, ({ opacity }) => Math.log(opacity / (1 - opacity))),
+    colorDc: Float32Array.from(splats.flatMap(({ colorDc }) => colorDc)),
+  };
+  return packGeometry(values, 'packed', finer.logScaleRange);
+}

@@ -1,0 +1,13 @@
+import type { StageDefinition } from '../gpu/pipelines.ts';
+
+/** Packs a page of float32 geometry. */
+export const repackGeometry = {
+  stage: 'repack-geometry',
+  entryPoint: 'repackGeometry',
+  conditions: { GEOMETRY_F32: true },
+  bindings: {
+    parameters: [0, 'uniform'],
+    finer: [1, 'read'],
+    coarser: [2, 'read-write'],
+  },
+} as const satisfies StageDefinition;

@@ -1,0 +1,85 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { Pipelines } from '../gpu/pipelines.ts';
+import { readWords } from '../gpu/read-buffer.ts';
+import { SHADER_CONSTANTS } from '../layout/constants.ts';
+import { packShRest, repackShRest, type ShRest, shRestValues, unpackShRest } from '../layout/sh-rest.ts';
+import { RepackParameters } from '../layout/structs.ts';
+import { repackSh as twin } from '../reference/repack-sh.ts';
+import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
+import { randomSplats } from '../testing/random-splats.ts';
+import { dispatchSize } from './dispatch.ts';
+import { type RepackShVariant, repackSh } from './repack-sh.ts';
+
+let device: GPUDevice;
+let pipelines: Pipelines;
+beforeAll(async () => {
+  device = await createTestDevice();
+  pipelines = new Pipelines(device);
+});
+afterAll(() => device.destroy());
+
+const COUNT = 700;
+const DISPATCH_ROW = 2;
+
+async function repackOnGpu(finer: ShRest, variant: RepackShVariant): Promise<Uint32Array> {
+  const stage = repackSh(variant);
+  const contents = new ArrayBuffer(RepackParameters.bytes);
+  RepackParameters.write(contents, { logScales: [0, 0], splatCount: COUNT, dispatchRow: DISPATCH_ROW });
+  const coarser = storageBuffer(device, [], 4 * COUNT * stage.constants.COARSER_WORDS);
+  const bindings = {
+    parameters: uniformBuffer(device, contents),
+    finer: storageBuffer(device, finer.words),
+    coarser,
+  };
+  const workgroups = Math.ceil(COUNT / SHADER_CONSTANTS.REPACK_WORKGROUP);
+  await runStage(device, pipelines, stage, bindings, dispatchSize(workgroups, DISPATCH_ROW));
+  return readWords(device, coarser);
+}
+
+/** Random coefficients, and splats with none, tiny, huge and single ones. */
+function coefficients(degree: RepackShVariant['degree']): ShRest {
+  const rest = randomSplats({ count: COUNT, seed: 40 + degree, shDegree: degree }).shRest;
+  const values = new Float32Array(shRestValues(degree));
+  for (const [i, value] of [0, 1e-9, 3e-6, 1e-3, 1, 65504, 65519, 1e30].entries()) {
+    packShRest(degree, 'f32', values.fill(0), rest.words, 3 * i * rest.wordsPerSplat);
+    packShRest(degree, 'f32', values.fill(-value), rest.words, (3 * i + 1) * rest.wordsPerSplat);
+    values.fill(0)[values.length - 1] = value;
+    packShRest(degree, 'f32', values, rest.words, (3 * i + 2) * rest.wordsPerSplat);
+  }
+  return rest;
+}
+
+describe('repack-sh', () => {
+  for (const degree of [1, 2, 3] as const) {
+    gpuTest(`degree ${degree}: f32 to f16 is bit for bit the host's`, async () => {
+      const finer = coefficients(degree);
+      const words = await repackOnGpu(finer, { degree, from: 'f32', to: 'f16' });
+      expect(words).toEqual(twin(finer, COUNT, 'f16').words);
+    });
+
+    for (const from of ['f32', 'f16'] as const) {
+      gpuTest(`degree ${degree}: ${from} to u8 is the host's to within one step`, async () => {
+        const finer = repackShRest(coefficients(degree), COUNT, from);
+        const expected = twin(finer, COUNT, 'u8');
+        const made = { ...expected, words: await repackOnGpu(finer, { degree, from, to: 'u8' }) };
+        const [a, b] = [0, 1].map(() => new Float64Array(shRestValues(degree)));
+        let differing = 0;
+        for (let i = 0; i < COUNT; i++) {
+          const scaleBits = made.words[i * made.wordsPerSplat] & 0xffff;
+          expect(scaleBits, `scale of splat ${i}`).toBe(expected.words[i * made.wordsPerSplat] & 0xffff);
+          unpackShRest(made, i, a);
+          unpackShRest(expected, i, b);
+          const step = Math.max(...b.map(Math.abs)) / 127;
+          for (const [k, value] of b.entries()) {
+            if (a[k] === value) continue;
+            differing++;
+            expect(Math.abs(a[k] - value), `splat ${i}, value ${k}`).toBeLessThanOrEqual(1.01 * step);
+          }
+        }
+        // Where float32 and float64 fall to different sides of half a step.
+        expect(differing).toBeLessThanOrEqual((COUNT * shRestValues(degree)) / 1000);
+      });
+    }
+  }
+});

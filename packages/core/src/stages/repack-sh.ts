@@ -1,0 +1,31 @@
+import type { StageDefinition } from '../gpu/pipelines.ts';
+import { shRestValues, shRestWordsPerSplat } from '../layout/sh-rest.ts';
+import type { ShDegree } from '../scene/splat-set.ts';
+
+/** What the spherical harmonics of a page are, and what they become. */
+export interface RepackShVariant {
+  /** Of what is stored, above 0. */
+  readonly degree: ShDegree;
+  readonly from: 'f32' | 'f16';
+  /** Coarser than `from`. */
+  readonly to: 'f16' | 'u8';
+}
+
+/** Makes a page of coarser spherical harmonics of a finer one. */
+export function repackSh({ degree, from, to }: RepackShVariant) {
+  return {
+    stage: 'repack-sh',
+    entryPoint: 'repackSh',
+    conditions: { SH_F32: from === 'f32', SH_F16: from === 'f16', REPACK_TO_U8: to === 'u8' },
+    constants: {
+      SH_VALUES: shRestValues(degree),
+      FINER_WORDS: shRestWordsPerSplat(degree, from),
+      COARSER_WORDS: shRestWordsPerSplat(degree, to),
+    },
+    bindings: {
+      parameters: [0, 'uniform'],
+      finer: [1, 'read'],
+      coarser: [2, 'read-write'],
+    },
+  } as const satisfies StageDefinition;
+}

@@ -1,0 +1,20 @@
+// A page of float32 geometry made into packed geometry, one thread per splat.
+import constants::REPACK_WORKGROUP;
+import layout::RepackParameters;
+import package::lib::dispatch::linearWorkgroup;
+import package::lib::packing::GEOMETRY_VECTORS;
+import package::lib::packing::PACKED_VECTORS;
+import package::lib::packing::packSplat;
+import package::lib::packing::unpackSplat;
+
+@group(0) @binding(0) var<uniform> parameters: RepackParameters;
+@group(0) @binding(1) var<storage, read> finer: array<array<vec4u, GEOMETRY_VECTORS>>;
+@group(0) @binding(2) var<storage, read_write> coarser: array<array<vec4u, PACKED_VECTORS>>;
+
+@compute @workgroup_size(REPACK_WORKGROUP)
+fn repackGeometry(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
+  let index = linearWorkgroup(workgroup, parameters.dispatchRow) * REPACK_WORKGROUP + lane;
+  if (index >= parameters.splatCount) { return; }
+  let splat = unpackSplat(finer[index], parameters.logScales, 1.0);
+  coarser[index] = packSplat(splat, parameters.logScales);
+}

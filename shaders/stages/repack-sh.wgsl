@@ -1,0 +1,63 @@
+// A page of spherical harmonics above degree 0 made into coarser ones (f32 or f16 into f16 or bytes), as
+// layout/sh-rest.ts packs them; one thread per splat.
+import constants::COARSER_WORDS;
+import constants::FINER_WORDS;
+import constants::REPACK_WORKGROUP;
+import constants::SH_VALUES;
+import layout::RepackParameters;
+import package::lib::dispatch::linearWorkgroup;
+import package::lib::packing::halfBits;
+
+@group(0) @binding(0) var<uniform> parameters: RepackParameters;
+@group(0) @binding(1) var<storage, read> finer: array<u32>;
+@group(0) @binding(2) var<storage, read_write> coarser: array<u32>;
+
+@compute @workgroup_size(REPACK_WORKGROUP)
+fn repackSh(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
+  let index = linearWorkgroup(workgroup, parameters.dispatchRow) * REPACK_WORKGROUP + lane;
+  if (index >= parameters.splatCount) { return; }
+  writeSplat(index * FINER_WORDS, index * COARSER_WORDS);
+}
+
+/// Two to a word, low half first.
+@if(!REPACK_TO_U8)
+fn writeSplat(first: u32, at: u32) {
+  for (var word = 0u; word < COARSER_WORDS; word++) {
+    var bits = halfBits(finerValue(first, 2u * word));
+    if (2u * word + 1u < SH_VALUES) { bits |= halfBits(finerValue(first, 2u * word + 1u)) << 16u; }
+    coarser[at + word] = bits;
+  }
+}
+
+/// The splat's scale as binary16, then a signed byte each.
+@if(REPACK_TO_U8)
+fn writeSplat(first: u32, at: u32) {
+  var largest = 0.0;
+  for (var i = 0u; i < SH_VALUES; i++) { largest = max(largest, abs(finerValue(first, i))); }
+  var scaleBits = halfBits(largest);
+  // Rounded up, so that the largest value still fits in ±127.
+  if (unpack2x16float(scaleBits).x < min(largest, 65504.0)) { scaleBits++; }
+  // The smallest that is not 0, where a device takes subnormal halves for 0: all values are 0 where the scale is.
+  let scale = max(unpack2x16float(scaleBits).x, 5.960464477539063e-8);
+  for (var word = 0u; word < COARSER_WORDS; word++) {
+    var bits = select(0u, scaleBits, word == 0u);
+    for (var part = 0u; part < 4u; part++) {
+      let place = 4u * word + part;
+      if (place >= 2u && place < SH_VALUES + 2u) {
+        let step = clamp(floor(finerValue(first, place - 2u) / scale * 127.0 + 0.5), -127.0, 127.0);
+        bits = insertBits(bits, bitcast<u32>(i32(step)), 8u * part, 8u);
+      }
+    }
+    coarser[at + word] = bits;
+  }
+}
+
+@if(SH_F32)
+fn finerValue(first: u32, i: u32) -> f32 {
+  return bitcast<f32>(finer[first + i]);
+}
+
+@if(SH_F16)
+fn finerValue(first: u32, i: u32) -> f32 {
+  return unpack2x16float(finer[first + i / 2u] >> (16u * (i % 2u))).x;
+}
