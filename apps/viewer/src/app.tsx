@@ -1,14 +1,17 @@
 import { useEffect, useMemo, useRef } from 'react';
 import { useStore } from 'zustand';
+import { AccuracyPanel } from './accuracy-panel.tsx';
 import { createCommands, listenToKeys } from './commands.ts';
 import { DropZone } from './drop-zone.tsx';
 import { type DropDecision, decideFiles } from './dropped-files.ts';
 import { ErrorPanel } from './error-panel.tsx';
+import { ErrorLegend, ErrorPicture } from './error-picture.tsx';
 import { Help } from './help.tsx';
 import { Hud } from './hud.tsx';
 import { LoadPanel } from './load-panel.tsx';
 import { Notice } from './notice.tsx';
 import { SceneCaption } from './scene-caption.tsx';
+import { SplitPicture } from './split-picture.tsx';
 import { LostPage, UnavailablePage } from './status-pages.tsx';
 import type { ViewerStore } from './store.ts';
 import { Toolbar } from './toolbar.tsx';
@@ -18,6 +21,7 @@ import { WarningPanel } from './warning-panel.tsx';
 
 export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   const status = useStore(store, (state) => state.status);
+  const comparison = useStore(store, (state) => state.comparison);
   const fileInput = useRef<HTMLInputElement>(null);
   const run = useMemo(() => createCommands(viewer, store, () => fileInput.current?.click()), [viewer, store]);
   useEffect(() => listenToKeys(viewer, store, run), [viewer, store, run]);
@@ -31,14 +35,18 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   return (
     <>
       <Viewport store={store} viewer={viewer} />
+      {comparison?.kind === 'split' && <SplitPicture store={store} viewer={viewer} split={comparison} />}
+      {comparison?.kind === 'error' && <ErrorPicture store={store} viewer={viewer} />}
       <div className="overlay">
         <Hud store={store} />
         <Toolbar store={store} run={run} />
+        <AccuracyPanel store={store} viewer={viewer} />
         <SceneCaption store={store} onStep={(by) => viewer.stepCamera(by)} />
         <div className="messages">
           <Notice store={store} />
           <WarningPanel store={store} />
           <ErrorPanel store={store} />
+          <ErrorLegend store={store} viewer={viewer} />
           <LoadPanel store={store} onCancel={() => viewer.cancelLoad()} />
         </div>
       </div>

@@ -1,7 +1,7 @@
 import type { ViewerState, ViewerStore } from './store.ts';
 import type { Viewer } from './viewer.ts';
 
-export type CommandName = 'open' | 'flip' | 'reset' | 'frame' | 'hud' | 'help';
+export type CommandName = 'open' | 'flip' | 'reset' | 'frame' | 'hud' | 'accuracy' | 'help';
 
 export interface Command {
   readonly name: CommandName;
@@ -17,6 +17,7 @@ export const COMMANDS: readonly Command[] = [
   { name: 'reset', label: 'Reset the view', key: 'r' },
   { name: 'flip', label: 'Turn upside down', key: 'u' },
   { name: 'hud', label: 'Show or hide figures', key: 'h' },
+  { name: 'accuracy', label: 'Accuracy and its cost', key: 'c' },
   { name: 'help', label: 'Keys and gestures', key: '?' },
 ];
 
@@ -29,6 +30,7 @@ export function createCommands(viewer: Viewer, store: ViewerStore, chooseFile: (
     reset: () => viewer.controls.reset(),
     frame: () => viewer.frameScene(),
     hud: () => store.setState(({ isHudVisible }) => ({ isHudVisible: !isHudVisible })),
+    accuracy: () => store.setState(({ isAccuracyVisible }) => ({ isAccuracyVisible: !isAccuracyVisible })),
     help: () => store.setState(({ isHelpVisible }) => ({ isHelpVisible: !isHelpVisible })),
   };
   return (name) => run[name]();
@@ -60,7 +62,8 @@ function withoutTopmost(state: ViewerState): Partial<ViewerState> {
   if (state.isHelpVisible) return { isHelpVisible: false };
   if (state.isDroppedVisible) return { isDroppedVisible: false };
   if (state.error) return { error: null };
-  return { warning: null };
+  if (state.warning) return { warning: null };
+  return { isAccuracyVisible: false };
 }
 
 function isTyping(target: EventTarget | null): boolean {

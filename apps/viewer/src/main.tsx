@@ -3,8 +3,9 @@ import { createRoot } from 'react-dom/client';
 import { App } from './app.tsx';
 import { GALLERY_SCENE, loadHardCases } from './hard-catalogue.ts';
 import { GalleryFailedPage } from './status-pages.tsx';
-import { createViewerStore, mirrorToDocument } from './store.ts';
+import { createViewerStore, mirrorToAddress, mirrorToDocument } from './store.ts';
 import './viewer.css';
+import './accuracy.css';
 import { Viewer } from './viewer.ts';
 
 const element = document.getElementById('root');
@@ -23,7 +24,9 @@ if (scene === GALLERY_SCENE && !file) {
 } else {
   const store = createViewerStore();
   mirrorToDocument(store, document);
-  show(<App store={store} viewer={new Viewer(store, { file, scene })} />);
+  const viewer = new Viewer(store, { file, scene, accuracy: address.get('accuracy') });
+  mirrorToAddress(store);
+  show(<App store={store} viewer={viewer} />);
 }
 
 async function showGallery(): Promise<void> {

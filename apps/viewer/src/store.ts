@@ -1,6 +1,14 @@
-import type { DropCounts, FrameStatistics, LoadProgress } from '@websplatter/core';
+import {
+  type AccuracySettings,
+  type DropCounts,
+  type FrameStatistics,
+  type LoadProgress,
+  resolveAccuracy,
+} from '@websplatter/core';
 import { createStore, type StoreApi } from 'zustand/vanilla';
+import { addressWithAccuracy } from './accuracy-text.ts';
 import type { SceneWarning } from './dropped-splats.ts';
+import type { ErrorFigures } from './error-map.ts';
 import type { ErrorReport } from './error-report.ts';
 import type { FrameRate } from './frame-meter.ts';
 import type { SceneAbout } from './scene-source.ts';
@@ -32,6 +40,19 @@ export interface LoadState {
   readonly splats: number;
 }
 
+/** What one side of a split picture shows: `current` follows the chosen accuracy. */
+export type ComparisonSide = 'current' | AccuracySettings;
+
+/** Two accuracies of the same view, shown at once. */
+export type Comparison =
+  /** Side by side, divided by a line that can be moved. */
+  | { readonly kind: 'split'; readonly left: ComparisonSide; readonly right: ComparisonSide }
+  /** How far the shown accuracy is from `reference`, pixel by pixel. */
+  | { readonly kind: 'error' };
+
+export const ACCURACY_TABS = ['settings', 'compare'] as const;
+export type AccuracyTab = (typeof ACCURACY_TABS)[number];
+
 export type ViewerStatus =
   /** Asking for a GPU. */
   | 'starting'
@@ -59,16 +80,35 @@ export interface ViewerState {
   readonly isFlipped: boolean;
   readonly isHudVisible: boolean;
   readonly isHelpVisible: boolean;
+  readonly isAccuracyVisible: boolean;
+  readonly accuracyTab: AccuracyTab;
+  /** What pictures are drawn with, as it was asked for. */
+  readonly accuracy: AccuracySettings;
+  /** What of that the GPU cannot do, in words. */
+  readonly accuracyNotices: readonly string[];
+  readonly comparison: Comparison | null;
+  /** How far the picture that stands is from `reference`, where that is asked for and known. */
+  readonly errorFigures: ErrorFigures | null;
+  /** Where the line of a split picture is, 0…1 of its width. */
+  readonly splitPart: number;
   /** The list of reasons for which splats were left out. */
   readonly isDroppedVisible: boolean;
   readonly adapterLabel: string;
   readonly widthPx: number;
   readonly heightPx: number;
+  /** Another number for each scene, view and size that came to rest on the screen, whatever its accuracy. */
+  readonly pictureId: number;
+  /** How many frames had been drawn when the picture came to rest. */
+  readonly restedFrames: number;
   readonly statistics: FrameStatistics | null;
   /** Pace of the newest run of frames; null where that was a single one. */
   readonly frameRate: FrameRate | null;
   /** Nothing changes, so nothing is drawn. */
   readonly isIdle: boolean;
+}
+
+export function sideAccuracy(side: ComparisonSide, current: AccuracySettings): AccuracySettings {
+  return side === 'current' ? current : side;
 }
 
 export type ViewerStore = StoreApi<ViewerState>;
@@ -87,10 +127,19 @@ export function createViewerStore(): ViewerStore {
     isFlipped: false,
     isHudVisible: true,
     isHelpVisible: false,
+    isAccuracyVisible: false,
+    accuracyTab: 'settings',
+    accuracy: resolveAccuracy(),
+    accuracyNotices: [],
+    comparison: null,
+    errorFigures: null,
+    splitPart: 0.5,
     isDroppedVisible: false,
     adapterLabel: '',
     widthPx: 0,
     heightPx: 0,
+    pictureId: 0,
+    restedFrames: 0,
     statistics: null,
     frameRate: null,
     isIdle: true,
@@ -105,6 +154,27 @@ export function documentState(state: ViewerState): DocumentState {
   if (state.load) return 'loading';
   if (state.error) return 'error';
   return state.status === 'running' && state.scene ? 'ready' : 'starting';
+}
+
+/** For how long the address waits for the next change: browsers count how often it is written. */
+const ADDRESS_DELAY_MS = 250;
+
+/** Keeps the accuracy in the page's address, so that it can be shared; returns what stops that. */
+export function mirrorToAddress(store: ViewerStore): () => void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  const write = () => {
+    const address = addressWithAccuracy(new URL(location.href), store.getState().accuracy);
+    history.replaceState(history.state, '', address);
+  };
+  const unsubscribe = store.subscribe((state, before) => {
+    if (state.accuracy === before.accuracy) return;
+    clearTimeout(timer);
+    timer = setTimeout(write, ADDRESS_DELAY_MS);
+  });
+  return () => {
+    clearTimeout(timer);
+    unsubscribe();
+  };
 }
 
 export function documentTitle({ scene }: ViewerState): string {

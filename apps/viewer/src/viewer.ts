@@ -1,12 +1,16 @@
 import {
+  type AccuracySettings,
   type Camera,
-  type CloudInstance,
+  InvalidArgumentError,
   isSoftwareAdapter,
   perspectiveCamera,
   SplatEngine,
   type SplatView,
+  type TextureImage,
+  type ViewFrame,
   WebGpuUnavailableError,
 } from '@websplatter/core';
+import { decodeAccuracy } from './accuracy-text.ts';
 import { defaultSceneName, findBuiltinScene } from './builtin-scene.ts';
 import { observeDevicePixelSize } from './canvas-size.ts';
 import { droppedWarning, mergedDrops } from './dropped-splats.ts';
@@ -30,15 +34,21 @@ import {
   verticalFov,
 } from './scene-camera.ts';
 import { type LoadedScene, loadScene, type SceneSource, titleOf } from './scene-source.ts';
-import type { LoadState, ViewerStore } from './store.ts';
+import { type Comparison, type LoadState, sideAccuracy, type ViewerStore } from './store.ts';
 
-/** What to open first, from the page's address: `?file=URL`, `?scene=NAME` and `?scene=hard:NAME`. */
+/**
+ * What to open first, from the page's address: `?file=URL`, `?scene=NAME` and `?scene=hard:NAME`; `?accuracy=` as
+ * `encodeAccuracy` writes it.
+ */
 export interface StartOptions {
+  readonly accuracy?: string | null;
   readonly file?: string | null;
   readonly scene?: string | null;
 }
 
 interface ShownScene extends LoadedScene {
+  /** Of no other scene that this page has shown. */
+  readonly id: number;
   /** The clouds of an ended session are gone with it. */
   readonly session: Session;
   readonly source: SceneSource;
@@ -58,10 +68,11 @@ interface ReplacedScene {
   readonly isFlipped: boolean;
 }
 
+/** The picture that was drawn last, and what it was drawn of. */
 interface DrawnPicture {
-  readonly camera: Camera;
-  readonly clouds: readonly CloudInstance[];
-  readonly background: Vec3;
+  readonly scene: ShownScene;
+  /** With everything but its accuracy. */
+  readonly frame: ViewFrame & { readonly background: Vec3 };
 }
 
 /** The device and what was made on it; replaced as a whole when the device is lost. */
@@ -69,6 +80,10 @@ interface Session {
   readonly canvas: HTMLCanvasElement;
   readonly engine: SplatEngine;
   readonly view: SplatView;
+  /** Draws the right side of a split picture. */
+  right: SplatView | null;
+  /** Draws pictures to be read back. */
+  probe: SplatView | null;
 }
 
 /**
@@ -82,6 +97,7 @@ export class Viewer {
   readonly #loop: FrameLoop;
   readonly #meter = new FrameMeter();
   #session: Session | null = null;
+  #rightCanvas: HTMLCanvasElement | null = null;
   #sessionWaiters: ((session: Session) => void)[] = [];
   /** Starts a session on the mounted canvas; null while none is mounted. */
   #restart: (() => void) | null = null;
@@ -94,10 +110,14 @@ export class Viewer {
   #background: Vec3 = [0, 0, 0];
   #drawn: DrawnPicture | null = null;
   #frameCount = 0;
+  #scenesShown = 0;
+  /** Of the picture that came to rest last: see `pictureId`. */
+  #restedKey = '';
 
   constructor(store: ViewerStore, start: StartOptions = {}) {
     this.#store = store;
     this.#start = start;
+    this.#readAccuracy(start.accuracy ?? null);
     const reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
     this.controls = new OrbitControls({
       onChange: () => this.#loop.request(),
@@ -134,6 +154,47 @@ export class Viewer {
       detachControls();
       this.#endSession();
     };
+  }
+
+  /** Draws the right side of split pictures to `canvas` from now on; returns what ends that. */
+  attachRight(canvas: HTMLCanvasElement): () => void {
+    this.#rightCanvas = canvas;
+    this.#createRight();
+    this.#loop.request();
+    return () => {
+      this.#rightCanvas = null;
+      this.#session?.right?.destroy();
+      if (this.#session) this.#session.right = null;
+    };
+  }
+
+  /** Draws with `accuracy` from the next picture on. */
+  setAccuracy(accuracy: AccuracySettings): void {
+    this.#store.setState({ accuracy });
+    this.#applyAccuracy();
+    this.#loop.request();
+  }
+
+  /** Shows two accuracies at once, or with null the chosen one alone again. */
+  compare(comparison: Comparison | null): void {
+    this.#store.setState({ comparison });
+    this.#loop.request();
+  }
+
+  /**
+   * Draws the picture that stands now with another accuracy, beside the screen, and reads it back. One at a time.
+   *
+   * @returns null where no picture stands.
+   */
+  async readPicture(accuracy: AccuracySettings): Promise<PictureOnBackground | null> {
+    const session = this.#session;
+    const drawn = this.#drawn;
+    if (!session || !drawn || drawn.scene !== this.#scene) return null;
+    session.probe ??= session.engine.createView();
+    session.probe.render({ ...drawn.frame, accuracy });
+    const image = await session.probe.readPixels();
+    const { widthPx, heightPx, background } = drawn.frame;
+    return { image, widthPx, heightPx, background };
   }
 
   /** Opens `source` in place of what is shown, which stays until then; calls off what is being loaded. */
@@ -194,7 +255,7 @@ export class Viewer {
     const store = this.#store;
     let engine: SplatEngine;
     try {
-      engine = await SplatEngine.create();
+      engine = await SplatEngine.create({ accuracy: store.getState().accuracy });
     } catch (error) {
       if (signal.aborted) return;
       const reason = error instanceof Error ? error.message : String(error);
@@ -211,18 +272,42 @@ export class Viewer {
     });
     const view = engine.createView({ canvas });
     view.onStatistics = (statistics) => store.setState({ statistics });
-    const session: Session = { canvas, engine, view };
+    const session: Session = { canvas, engine, view, right: null, probe: null };
     this.#session = session;
+    this.#createRight();
     void engine.lost.then((info) => {
       if (this.#session === session) this.#lose(info);
     });
     store.setState({
       status: 'running',
       adapterLabel: engine.adapterLabel,
-      notice: engine.notices[0] ?? null,
     });
+    this.#applyAccuracy();
     for (const resolve of this.#sessionWaiters.splice(0)) resolve(session);
     if (!this.#loading) void this.#load(this.#firstSource(engine));
+  }
+
+  #createRight(): void {
+    const session = this.#session;
+    const canvas = this.#rightCanvas;
+    if (session && canvas) session.right ??= session.engine.createView({ canvas });
+  }
+
+  #readAccuracy(text: string | null): void {
+    try {
+      this.#store.setState({ accuracy: decodeAccuracy(text) });
+    } catch (error) {
+      if (!(error instanceof InvalidArgumentError)) throw error;
+      this.#store.setState({ notice: `The address asks for an unknown accuracy. ${error.message}` });
+    }
+  }
+
+  /** Tells the engine of the accuracy in the store, for what is loaded from now on, and the store what it can do of it. */
+  #applyAccuracy(): void {
+    const engine = this.#session?.engine;
+    if (!engine) return;
+    engine.setAccuracy(this.#store.getState().accuracy);
+    this.#store.setState({ accuracyNotices: engine.notices });
   }
 
   #endSession(): void {
@@ -319,6 +404,7 @@ export class Viewer {
     const { clouds } = loaded;
     const scene: ShownScene = {
       ...loaded,
+      id: ++this.#scenesShown,
       session,
       source,
       sphere: boundingSphere(boundsOf(clouds, 'robustBounds')),
@@ -408,7 +494,9 @@ export class Viewer {
   #draw(elapsedMs: number): Promise<unknown> | null {
     const session = this.#session;
     const scene = this.#scene;
-    const { widthPx, heightPx, isFlipped, isIdle, cameraIndex, isOwnCamera } = this.#store.getState();
+    const state = this.#store.getState();
+    const { widthPx, heightPx, isFlipped, isIdle, cameraIndex, isOwnCamera, comparison, accuracy } = state;
+    const split = comparison?.kind === 'split' ? comparison : null;
     if (!session || scene?.session !== session || widthPx === 0) return null;
     this.controls.fovYDegrees = this.#fovY();
     if (this.controls.update(elapsedMs)) this.#loop.request();
@@ -419,17 +507,22 @@ export class Viewer {
       cloud,
       modelMatrix: isFlipped ? flippedMatrix(modelMatrix) : modelMatrix,
     }));
-    let camera: Camera;
+    let frame: DrawnPicture['frame'];
     let isSubmitted: boolean;
     try {
-      camera = ownCamera ?? this.#orbitCamera(scene);
-      isSubmitted = session.view.render({ camera, clouds, widthPx, heightPx, background });
+      frame = { camera: ownCamera ?? this.#orbitCamera(scene), clouds, widthPx, heightPx, background };
+      isSubmitted = session.view.render({
+        ...frame,
+        accuracy: split ? sideAccuracy(split.left, accuracy) : accuracy,
+      });
+      if (split && session.right?.render({ ...frame, accuracy: sideAccuracy(split.right, accuracy) }))
+        isSubmitted = true;
     } catch (error) {
       this.#takeBack(error);
       return null;
     }
     if (!isSubmitted) return null;
-    this.#drawn = { camera, clouds, background };
+    this.#drawn = { scene, frame };
     this.#frameCount++;
     if (isIdle) this.#store.setState({ isIdle: false });
     if (isOwnCamera !== (ownCamera !== undefined)) this.#store.setState({ isOwnCamera: !isOwnCamera });
@@ -441,11 +534,22 @@ export class Viewer {
 
   #becomeIdle(): void {
     this.#meter.pause();
-    this.#store.setState({ isIdle: true });
     const canvas = this.#session?.canvas;
     const drawn = this.#drawn;
-    if (!canvas || !drawn) return;
-    const { camera, clouds, background } = drawn;
+    if (!canvas || !drawn) {
+      this.#store.setState({ isIdle: true });
+      return;
+    }
+    const { scene, frame } = drawn;
+    const { camera, clouds, background } = frame;
+    const key = keyOfView(scene, frame);
+    const isSame = key === this.#restedKey;
+    this.#restedKey = key;
+    this.#store.setState(({ pictureId }) => ({
+      isIdle: true,
+      restedFrames: this.#frameCount,
+      pictureId: isSame ? pictureId : pictureId + 1,
+    }));
     // For tests and other observers of the page: the camera of the picture that stands now, and how many were drawn.
     canvas.dataset.frames = String(this.#frameCount);
     canvas.dataset.camera = JSON.stringify({
@@ -481,9 +585,26 @@ export class Viewer {
   }
 }
 
+/** A picture as it was read back, without its background, and what it is to be shown on. */
+export interface PictureOnBackground {
+  readonly image: TextureImage;
+  /** Of the screen; the image is smaller where the accuracy says so. */
+  readonly widthPx: number;
+  readonly heightPx: number;
+  readonly background: Vec3;
+}
+
+/** Everything that a picture depends on but its accuracy and background, as text. */
+function keyOfView({ id }: ShownScene, { camera, clouds, widthPx, heightPx }: ViewFrame): string {
+  const models = clouds.map(({ modelMatrix }) => modelMatrix && Array.from(modelMatrix));
+  const { viewMatrix, projectionMatrix } = camera;
+  const matrices = [Array.from(viewMatrix), Array.from(projectionMatrix), models];
+  return JSON.stringify([id, widthPx, heightPx, matrices]);
+}
+
 /** When the last picture asked for has been drawn. */
-async function whenComplete({ view, engine }: Session): Promise<void> {
-  await view.whenDrawn();
+async function whenComplete({ view, right, engine }: Session): Promise<void> {
+  await Promise.all([view.whenDrawn(), right?.whenDrawn()]);
   await engine.device.queue.onSubmittedWorkDone();
 }
 

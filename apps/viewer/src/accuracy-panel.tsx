@@ -1,0 +1,86 @@
+import { type KeyboardEvent, memo, useId, useRef } from 'react';
+import { useStore } from 'zustand';
+import { AccuracyPresets, AccuracySettingsForm } from './accuracy-settings.tsx';
+import { ComparisonForm } from './comparison-form.tsx';
+import { Icon } from './icon.tsx';
+import { ACCURACY_TABS, type AccuracyTab, type ViewerStore } from './store.ts';
+import type { Viewer } from './viewer.ts';
+
+const TAB_LABELS: Readonly<Record<AccuracyTab, string>> = { settings: 'Settings', compare: 'Compare' };
+
+/** What pictures are drawn with, and what that means: docked beside the picture, on small screens a sheet below it. */
+export const AccuracyPanel = memo(function AccuracyPanel({
+  store,
+  viewer,
+}: {
+  store: ViewerStore;
+  viewer: Viewer;
+}) {
+  const isVisible = useStore(store, (state) => state.isAccuracyVisible);
+  const tab = useStore(store, (state) => state.accuracyTab);
+  const id = useId();
+  if (!isVisible) return null;
+  return (
+    <section className="panel accuracy" aria-labelledby={`${id}-title`} data-testid="accuracy">
+      <header>
+        <h2 id={`${id}-title`}>Accuracy</h2>
+        <button
+          type="button"
+          className="icon-button"
+          aria-label="Close"
+          onClick={() => store.setState({ isAccuracyVisible: false })}
+        >
+          <Icon name="close" />
+        </button>
+      </header>
+      <AccuracyPresets store={store} viewer={viewer} />
+      <Tabs id={id} tab={tab} onTab={(accuracyTab) => store.setState({ accuracyTab })} />
+      <div
+        className="accuracy-body"
+        id={`${id}-body`}
+        role="tabpanel"
+        aria-labelledby={`${id}-${tab}`}
+        // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, so keys must reach it.
+        tabIndex={0}
+      >
+        {tab === 'settings' && <AccuracySettingsForm store={store} viewer={viewer} />}
+        {tab === 'compare' && <ComparisonForm store={store} viewer={viewer} />}
+      </div>
+    </section>
+  );
+});
+
+/** One tab is in the order of the Tab key; arrows go to the others. */
+function Tabs({ id, tab, onTab }: { id: string; tab: AccuracyTab; onTab: (tab: AccuracyTab) => void }) {
+  const list = useRef<HTMLDivElement>(null);
+  const onKeyDown = (event: KeyboardEvent) => {
+    const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    if (!by) return;
+    event.preventDefault();
+    // Arrows elsewhere turn the scene.
+    event.stopPropagation();
+    const count = ACCURACY_TABS.length;
+    const next = (ACCURACY_TABS.indexOf(tab) + by + count) % count;
+    onTab(ACCURACY_TABS[next]);
+    list.current?.querySelectorAll('button')[next].focus();
+  };
+  return (
+    <div ref={list} className="tabs" role="tablist" aria-label="Accuracy" onKeyDown={onKeyDown}>
+      {ACCURACY_TABS.map((name) => (
+        <button
+          key={name}
+          type="button"
+          role="tab"
+          id={`${id}-${name}`}
+          aria-selected={name === tab}
+          aria-controls={`${id}-body`}
+          tabIndex={name === tab ? 0 : -1}
+          data-testid={`accuracy-tab-${name}`}
+          onClick={() => onTab(name)}
+        >
+          {TAB_LABELS[name]}
+        </button>
+      ))}
+    </div>
+  );
+}

@@ -1,0 +1,131 @@
+import {
+  ACCURACY_PRESETS,
+  ACCURACY_SETTINGS,
+  type AccuracySetting,
+  type AccuracySettings,
+} from '@websplatter/core';
+import { useId } from 'react';
+import { useStore } from 'zustand';
+import {
+  describeAccuracy,
+  formatValue,
+  nearestPreset,
+  PRESET_NAMES,
+  positionOf,
+  SETTING_NAMES,
+  type SettingName,
+  type SettingValue,
+  SLIDER_STEPS,
+  valueAt,
+} from './accuracy-text.ts';
+import type { ViewerStore } from './store.ts';
+import type { Viewer } from './viewer.ts';
+
+export interface AccuracyProps {
+  readonly store: ViewerStore;
+  readonly viewer: Viewer;
+}
+
+/** The presets as buttons, and in words what is shown. */
+export function AccuracyPresets({ store, viewer }: AccuracyProps) {
+  const accuracy = useStore(store, (state) => state.accuracy);
+  const notices = useStore(store, (state) => state.accuracyNotices);
+  const { preset, changed } = nearestPreset(accuracy);
+  return (
+    <div className="accuracy-presets">
+      <fieldset className="chips" aria-label="Presets">
+        {PRESET_NAMES.map((name) => (
+          <button
+            key={name}
+            type="button"
+            className="chip"
+            aria-pressed={name === preset && changed.length === 0}
+            data-testid={`preset-${name}`}
+            onClick={() => viewer.setAccuracy(ACCURACY_PRESETS[name])}
+          >
+            {name}
+          </button>
+        ))}
+      </fieldset>
+      {changed.length > 0 && (
+        <p className="accuracy-custom" data-testid="accuracy-custom">
+          {describeAccuracy(accuracy)}
+        </p>
+      )}
+      {notices.map((notice) => (
+        <p key={notice} className="accuracy-notice">
+          {notice}
+        </p>
+      ))}
+    </div>
+  );
+}
+
+/** Every setting with what it does. */
+export function AccuracySettingsForm({ store, viewer }: AccuracyProps) {
+  const accuracy = useStore(store, (state) => state.accuracy);
+  return (
+    <div className="settings">
+      {SETTING_NAMES.map((name) => (
+        <Setting
+          key={name}
+          name={name}
+          value={accuracy[name]}
+          onChange={(value) =>
+            viewer.setAccuracy({ ...store.getState().accuracy, [name]: value } as AccuracySettings)
+          }
+        />
+      ))}
+    </div>
+  );
+}
+
+function Setting({
+  name,
+  value,
+  onChange,
+}: {
+  name: SettingName;
+  value: SettingValue;
+  onChange: (value: SettingValue) => void;
+}) {
+  const id = useId();
+  const { label, about, unit, values }: AccuracySetting<unknown> = ACCURACY_SETTINGS[name];
+  const range = 'min' in values ? values : null;
+  const described = { id, 'aria-describedby': `${id}-about`, 'data-testid': `setting-${name}` };
+  return (
+    <div className="setting">
+      <label htmlFor={id}>{label}</label>
+      {range ? (
+        <span className="setting-range">
+          <input
+            {...described}
+            type="range"
+            min={0}
+            max={SLIDER_STEPS}
+            value={positionOf(Number(value), range)}
+            aria-valuetext={`${formatValue(value)} ${unit}`}
+            onChange={({ target }) => onChange(valueAt(Number(target.value), range) as SettingValue)}
+          />
+          <output htmlFor={id}>{formatValue(value)}</output>
+        </span>
+      ) : (
+        <select
+          {...described}
+          value={String(value)}
+          onChange={({ target }) => {
+            const chosen = (values as readonly SettingValue[]).find((each) => String(each) === target.value);
+            if (chosen !== undefined) onChange(chosen);
+          }}
+        >
+          {(values as readonly SettingValue[]).map((each) => (
+            <option key={each} value={String(each)}>
+              {unit === 'bits' ? `${each} bits` : each}
+            </option>
+          ))}
+        </select>
+      )}
+      <p id={`${id}-about`}>{about}</p>
+    </div>
+  );
+}
