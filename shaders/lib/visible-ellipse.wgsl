@@ -21,14 +21,22 @@ fn screenSplat(view: View, linear: mat3x3f, splat: Splat, centerView: vec3f) -> 
   let rotation = rotationMatrix(splat.rotation);
   let axes = mat3x3f(rotation[0] * splat.scale.x, rotation[1] * splat.scale.y, rotation[2] * splat.scale.z);
   let covariance = screenCovariance(view, centerView, linear * axes);
-  @if(ORTHOGRAPHIC) let offset = view.focalPx * centerView.xy;
-  @if(!ORTHOGRAPHIC) let offset = view.focalPx * centerView.xy / -centerView.z;
-  return ScreenSplat(view.centerPx + vec2f(offset.x, -offset.y), -centerView.z, covariance);
+  return ScreenSplat(screenCenter(view, centerView), -centerView.z, covariance);
 }
 
-/// Distance, in units of the axes at √2 standard deviations, at which `opacity` has fallen to the cutoff.
+/// Where a point in the depth range lies in the picture, px.
+fn screenCenter(view: View, centerView: vec3f) -> vec2f {
+  @if(ORTHOGRAPHIC) let offset = view.focalPx * centerView.xy;
+  @if(!ORTHOGRAPHIC) let offset = view.focalPx * centerView.xy / -centerView.z;
+  return view.centerPx + vec2f(offset.x, -offset.y);
+}
+
+/// Distance, in units of the axes at √2 standard deviations, at which `opacity` has fallen to the cutoff; with a fixed
+/// extent that of an opaque splat.
 fn reachInAxes(opacity: f32, alphaCutoff: f32) -> f32 {
-  return sqrt(max(0.0, log(opacity / alphaCutoff)));
+  @if(FIXED_EXTENT) return sqrt(log(1.0 / alphaCutoff));
+  // An opacity that the record rounds to less than the cutoff reaches nowhere, and one of 0 has no logarithm.
+  @if(!FIXED_EXTENT) return sqrt(log(max(1.0, opacity / alphaCutoff)));
 }
 
 /// Half extents, px, of the box around all that is drawn of the splat.

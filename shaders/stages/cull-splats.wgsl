@@ -9,11 +9,13 @@ import layout::PagePlan;
 import package::lib::depth_key::orderedBits;
 import package::lib::dispatch::linearWorkgroup;
 import package::lib::packing::GEOMETRY_VECTORS;
+import package::lib::packing::Splat;
 import package::lib::packing::unpackSplat;
-import package::lib::visible_ellipse::extentPx;
+@if(!FRUSTUM_CULLING) import package::lib::visible_ellipse::extentPx;
 import package::lib::visible_ellipse::isInDepthRange;
-import package::lib::visible_ellipse::reachInAxes;
-import package::lib::visible_ellipse::screenSplat;
+@if(!FRUSTUM_CULLING) import package::lib::visible_ellipse::reachInAxes;
+@if(FRUSTUM_CULLING) import package::lib::visible_ellipse::screenCenter;
+@if(!FRUSTUM_CULLING) import package::lib::visible_ellipse::screenSplat;
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> page: Page;
@@ -44,9 +46,7 @@ fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
     let centerView = page.linear * splat.position + page.translation;
     let depthView = -centerView.z;
     if (splat.opacity >= view.alphaCutoff && isInDepthRange(view, depthView)) {
-      let onScreen = screenSplat(view, page.linear, splat, centerView);
-      let extent = extentPx(onScreen.covariance, reachInAxes(splat.opacity, view.alphaCutoff));
-      if (all(onScreen.centerPx + extent > vec2f(0.0)) && all(onScreen.centerPx - extent < view.sizePx)) {
+      if (isDrawn(splat, centerView)) {
         let bits = orderedBits(depthView);
         atomicOr(&mask[lane / 32u], 1u << (lane % 32u));
         atomicMax(&farthest, bits);
@@ -66,4 +66,20 @@ fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
       atomicMax(&depthRange[1], atomicLoad(&nearestInverted));
     }
   }
+}
+
+/// Whether anything of the splat's box is in the picture.
+@if(!FRUSTUM_CULLING)
+fn isDrawn(splat: Splat, centerView: vec3f) -> bool {
+  let onScreen = screenSplat(view, page.linear, splat, centerView);
+  let extent = extentPx(onScreen.covariance, reachInAxes(splat.opacity, view.alphaCutoff));
+  return all(onScreen.centerPx + extent > vec2f(0.0)) && all(onScreen.centerPx - extent < view.sizePx);
+}
+
+/// Splats are not tested against the picture, but a centre beyond float32's range is drawn nowhere.
+@if(FRUSTUM_CULLING) const FARTHEST_CENTER_PX = 1e18;
+
+@if(FRUSTUM_CULLING)
+fn isDrawn(splat: Splat, centerView: vec3f) -> bool {
+  return all(abs(screenCenter(view, centerView)) < vec2f(FARTHEST_CENTER_PX));
 }

@@ -9,7 +9,8 @@ import layout::PagePlan;
 import layout::ProjectedSplat;
 import layout::View;
 import package::lib::covariance::screenAxes;
-import package::lib::depth_key::depthKey;
+@if(!SHORT_KEYS) import package::lib::depth_key::depthKey;
+@if(SHORT_KEYS) import package::lib::depth_key::shortDepthKey;
 import package::lib::dispatch::linearWorkgroup;
 import package::lib::packing::GEOMETRY_VECTORS;
 import package::lib::packing::unpackSplat;
@@ -23,6 +24,7 @@ import package::lib::visible_ellipse::screenSplat;
 @group(0) @binding(1) var<uniform> page: Page;
 @group(0) @binding(2) var<storage, read> pagePlans: array<PagePlan>;
 @group(0) @binding(3) var<storage, read> survivors: array<u32>;
+/// Ordered bits of the farthest and, inverted, of the nearest depth.
 @group(0) @binding(4) var<storage, read> depthRange: array<u32, 2>;
 @group(0) @binding(5) var<storage, read> geometry: array<array<vec4u, GEOMETRY_VECTORS>>;
 @group(0) @binding(6) var<storage, read_write> projected: array<ProjectedSplat>;
@@ -55,7 +57,9 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
   @if(RECORD_F32) record.color = rgba;
   @if(!RECORD_F32) record.color = vec2u(pack2x16float(rgba.xy), pack2x16float(rgba.zw));
   projected[index] = record;
-  keys[index] = depthKey(onScreen.depthView, depthRange[0]);
+  @if(!SHORT_KEYS) let key = depthKey(onScreen.depthView, depthRange[0]);
+  @if(SHORT_KEYS) let key = shortDepthKey(onScreen.depthView, depthRange[0], ~depthRange[1]);
+  keys[index] = key;
 }
 
 /// Unit vector in the cloud's space from the camera to the splat; where there is none (a singular model matrix) +z.

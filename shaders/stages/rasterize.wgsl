@@ -51,9 +51,9 @@ fn vertexMain(@builtin(vertex_index) vertex: u32, @builtin(instance_index) insta
   let extent = sqrt(
     (majorUnit * halfSizePx.x) * (majorUnit * halfSizePx.x) + (minorUnit * halfSizePx.y) * (minorUnit * halfSizePx.y),
   );
-  let boxLow = max(splat.centerPx - extent, vec2f(0.0));
-  let boxHigh = min(splat.centerPx + extent, view.sizePx);
-  let boxSize = max(boxHigh - boxLow, vec2f(0.0));
+  let boxLow = clamp(splat.centerPx - extent, vec2f(0.0), view.sizePx);
+  let boxHigh = clamp(splat.centerPx + extent, vec2f(0.0), view.sizePx);
+  let boxSize = boxHigh - boxLow;
   let isBox = boxSize.x * boxSize.y < 4.0 * halfSizePx.x * halfSizePx.y
     || any(splat.centerPx - extent < vec2f(-GUARD_BAND_PX))
     || any(splat.centerPx + extent > view.sizePx + GUARD_BAND_PX);

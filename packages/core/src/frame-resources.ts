@@ -227,12 +227,15 @@ export class FrameResources {
 }
 
 /** The stage that culls the splats of one of the frame's clouds. */
-export function cullSplatsStage({ isOrthographic, planes }: FrameShape, cloudIndex: number) {
-  return cullSplats(isOrthographic, planes[cloudIndex].geometryPrecision);
+export function cullSplatsStage({ isOrthographic, accuracy, planes }: FrameShape, cloudIndex: number) {
+  const { geometryPrecision } = planes[cloudIndex];
+  const { extent, culling } = accuracy;
+  return cullSplats({ isOrthographic, geometryPrecision, extent, culling });
 }
 
 /** The stage that projects the splats of one of the frame's clouds. */
-export function projectStage({ isOrthographic, accuracy, clouds, planes }: FrameShape, cloudIndex: number) {
+export function projectStage(shape: FrameShape, cloudIndex: number) {
+  const { isOrthographic, accuracy, shortensKeys, clouds, planes } = shape;
   const { geometryPrecision, shPrecision } = planes[cloudIndex];
   const { shDegree } = clouds[cloudIndex];
   return project({
@@ -240,6 +243,7 @@ export function projectStage({ isOrthographic, accuracy, clouds, planes }: Frame
     geometryPrecision,
     recordPrecision: accuracy.recordPrecision,
     shPrecision,
+    shortKeyBits: shortensKeys ? accuracy.sortKeyBits : null,
     maxColor: maxColor(accuracy),
     storedShDegree: shDegree,
     shDegree: Math.min(accuracy.shDegree, shDegree) as ShDegree,
@@ -248,8 +252,8 @@ export function projectStage({ isOrthographic, accuracy, clouds, planes }: Frame
 
 /** The stage that draws the visible splats, and what it draws into. */
 export function rasterizeStage({ accuracy, depth }: FrameShape) {
-  const { recordPrecision, colorTarget } = accuracy;
-  return [rasterize({ recordPrecision, depth }), rasterizeState(colorTarget, depth)] as const;
+  const { recordPrecision, extent, colorTarget } = accuracy;
+  return [rasterize({ recordPrecision, extent, depth }), rasterizeState(colorTarget, depth)] as const;
 }
 
 function pagesOf(planes: readonly CloudPages[]): FramePage[] {

@@ -18,8 +18,10 @@ export interface FrameShape {
   readonly dispatchRow: number;
   /** Most splats that may be visible: buffers for visible splats have room for as many. */
   readonly visibleCapacity: number;
-  /** Bits that the depth keys of this frame may differ in, at most 32. */
+  /** Bits that the sort keys of this frame may differ in, at most 32. */
   readonly keyBits: number;
+  /** Whether that is fewer than depths may differ in: keys keep `sortKeyBits` of them. */
+  readonly shortensKeys: boolean;
   /** In another renderer's picture: what its depth asks of the splats. Null where nothing could hide them. */
   readonly depth: RasterizeDepth | null;
 }
@@ -43,6 +45,7 @@ export function shapeOf(
   const clouds = frame.clouds.map(({ cloud }) => cloud);
   const isSameClouds =
     clouds.length === current?.clouds.length && clouds.every((cloud, i) => cloud === current.clouds[i]);
+  const depthBits = keyBitsFor(camera, frame.clouds);
   return {
     clouds,
     planes: clouds.map((cloud) => cloud.pagesFor(accuracy)),
@@ -50,7 +53,8 @@ export function shapeOf(
     accuracy,
     dispatchRow,
     visibleCapacity: visibleCapacity(frame, accuracy.alphaCutoff, isSameClouds ? current.visibleCapacity : 0),
-    keyBits: keyBitsFor(camera, frame.clouds),
+    keyBits: Math.min(depthBits, accuracy.sortKeyBits),
+    shortensKeys: accuracy.sortKeyBits < depthBits,
     depth,
   };
 }
@@ -60,6 +64,7 @@ export function isSameShape(a: FrameShape, b: FrameShape): boolean {
   return (
     a.isOrthographic === b.isOrthographic &&
     a.keyBits === b.keyBits &&
+    a.shortensKeys === b.shortensKeys &&
     a.visibleCapacity === b.visibleCapacity &&
     a.accuracy === b.accuracy &&
     a.clouds.length === b.clouds.length &&

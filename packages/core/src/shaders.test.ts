@@ -4,6 +4,7 @@ import type { BindingKind, StageDefinition } from './gpu/pipelines.ts';
 import type { GpuFields, GpuStruct } from './layout/gpu-struct.ts';
 import * as structs from './layout/structs.ts';
 import { linkShader, SHADER_STAGES } from './shaders.ts';
+import { cullSplats } from './stages/cull-splats.ts';
 import { project } from './stages/project.ts';
 import { allStageVariants } from './testing/stage-variants.ts';
 import { ResourceType, reflectWgsl, type WgslReflection } from './testing/wgsl-reflect.ts';
@@ -85,6 +86,7 @@ describe('linked shaders', () => {
           geometryPrecision: 'packed',
           recordPrecision: 'f16',
           shPrecision: 'u8',
+          shortKeyBits: null,
           maxColor: 65504,
           storedShDegree: 3,
           shDegree: 3,
@@ -104,6 +106,13 @@ describe('linked shaders', () => {
     expect(full).not.toContain('bitcast<f32>(shRest');
     // The orthographic Jacobian is constant: no tangents, nothing to clamp.
     expect(variant({ isOrthographic: true })).not.toMatch(/tangentX|view\.clampX/);
+    expect(full).not.toContain('shortDepthKey');
+    expect(variant({ shortKeyBits: 16 })).toContain('SORT_KEY_BITS = 16');
+    const cull = { isOrthographic: false, geometryPrecision: 'packed', extent: 'opacity' } as const;
+    expect(linkShader(cullSplats({ ...cull, culling: 'frustum' }))).not.toMatch(
+      /screenCovariance|reachInAxes/,
+    );
+    expect(linkShader(cullSplats({ ...cull, culling: 'bounding-box' }))).not.toContain('FARTHEST_CENTER_PX');
     // At degree 0 it makes no difference how the coefficients that nobody reads are stored.
     expect(variant({ shDegree: 0, shPrecision: 'f32' })).toBe(none);
     for (const { wgsl } of linked) expect(wgsl).not.toMatch(/@(if|else|elif)\b|\bimport\b/);

@@ -62,6 +62,9 @@ const NO_CONDITIONS: LinkInput['conditions'] = {
   DEPTH_LAYER: false,
   MULTISAMPLED: false,
   REVERSED_DEPTH: false,
+  SHORT_KEYS: false,
+  FIXED_EXTENT: false,
+  FRUSTUM_CULLING: false,
 };
 
 /** WGSL of one stage with everything that it imports. */

@@ -1,7 +1,9 @@
 import { type AccuracySettings, DILATION_PX2 } from '../accuracy.ts';
 import type { Projection } from '../camera.ts';
+import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { orderedBits } from '../layout/depth-key.ts';
-import { ProjectedSplat, ProjectedSplatF32 } from '../layout/structs.ts';
+import { Chunk, ProjectedSplat, ProjectedSplatF32 } from '../layout/structs.ts';
+import { chunkClearance } from '../reference/cull-chunks.ts';
 import { cullSplat } from '../reference/cull-splats.ts';
 import { FLOAT32_ROUNDING, projectionErrors } from './error-bounds.ts';
 import type { InspectedCloud, InspectedFrame } from './inspected-frame.ts';
@@ -55,11 +57,15 @@ export async function compareCulling(frame: InspectedFrame): Promise<CullingComp
  * the picture's edges moved by what float32 may err, once against the splat and once for it.
  */
 function verdict(
-  { stored, view, opacity }: InspectedCloud,
+  cloud: InspectedCloud,
   index: number,
   projection: Projection,
-  { alphaCutoff }: AccuracySettings,
+  { alphaCutoff, extent, culling }: AccuracySettings,
 ) {
+  const { stored, view, opacity } = cloud;
+  // Where splats are tested against the picture, those of chunks out of sight fail that test anyway.
+  const clearance = culling === 'frustum' ? clearanceOfChunk(cloud, index) : Number.POSITIVE_INFINITY;
+  if (clearance < -CHUNKS_KEPT_BEYOND) return { isDrawn: false, isSure: true };
   const errors = projectionErrors(stored, index, view, projection);
   const drawn = (direction: -1 | 0 | 1) => {
     // The Gaussian reaches at most 3.4 standard deviations; its extent errs by that many times the rows' error.
@@ -74,10 +80,37 @@ function verdict(
     };
     // Opacity and cutoff are rounded to float32, and `log` errs by 3 ulp: the same as another cutoff.
     const cutoff = alphaCutoff * (1 - direction * 16 * FLOAT32_ROUNDING);
-    const settings = { alphaCutoff: cutoff, dilationPx2: DILATION_PX2, cloudOpacity: opacity };
+    const settings = {
+      alphaCutoff: cutoff,
+      dilationPx2: DILATION_PX2,
+      cloudOpacity: opacity,
+      extent,
+      culling,
+    };
     return cullSplat(stored, index, view, moved, settings) !== null;
   };
-  return { isDrawn: drawn(0), isSure: drawn(-1) === drawn(1) };
+  const isChunkSure = clearance >= 0 || !drawn(1);
+  return { isDrawn: drawn(0), isSure: isChunkSure && drawn(-1) === drawn(1) };
+}
+
+/**
+ * The shader keeps chunks that fail a plane by less than 1e-5 of its terms, and its own rounding of about ten operations
+ * on float32 uniforms is below 20 · 2^-24 = 1.2e-6 of them.
+ */
+const CHUNKS_KEPT_BEYOND = 1.2e-5;
+
+/** See `chunkClearance`: of the chunk of splat `index`. */
+function clearanceOfChunk({ packed, planes }: InspectedCloud, index: number): number {
+  const at = Math.floor(index / CHUNK_SPLATS) * Chunk.bytes;
+  const vector = (offset: number) => new Float32Array(packed.chunks, at + offset, 3);
+  const { minPosition, maxPosition, maxScale } = Chunk.offsets;
+  const [largestScale] = new Float32Array(packed.chunks, at + maxScale, 1);
+  const bounds = {
+    minPosition: vector(minPosition),
+    maxPosition: vector(maxPosition),
+    maxScale: largestScale,
+  };
+  return chunkClearance(bounds, planes);
 }
 
 /** The range of depths is that of the very depths that were written. */

@@ -1,16 +1,21 @@
-import { depthKey } from '../layout/depth-key.ts';
+import { depthKey, shortDepthKey } from '../layout/depth-key.ts';
 import type { InspectedFrame } from './inspected-frame.ts';
 import { readRecords } from './read-records.ts';
 
 /**
  * What is wrong with the frame's keys and order; nothing where they are right. Integers leave no room: keys are those
- * of the depths written, and the order is their stable ascending one, by as many low bits as the sort looks at.
+ * of the depths written, shortened where the frame's accuracy says so, and the order is their stable ascending one, by as
+ * many low bits as the sort looks at.
  */
 export async function compareOrder(frame: InspectedFrame): Promise<string[]> {
   const { passes, digitBits } = frame.resources.sort.shape;
-  const [farthest] = await frame.words('depthRange');
+  const { shortensKeys } = frame.resources.shape;
+  const [farthest, nearestInverted] = await frame.words('depthRange');
+  const nearest = ~nearestInverted >>> 0;
   const expected = Uint32Array.from(await readRecords(frame), ({ depthView }) =>
-    depthKey(depthView, farthest),
+    shortensKeys
+      ? shortDepthKey(depthView, farthest, nearest, frame.accuracy.sortKeyBits)
+      : depthKey(depthView, farthest),
   );
   const flaws: string[] = [];
   // More than one pass sorts the keys themselves along.

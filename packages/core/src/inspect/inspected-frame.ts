@@ -38,7 +38,7 @@ export interface InspectOptions {
   /** Default the preset `reference`, blended in rgba16float. */
   readonly accuracy?: Partial<AccuracySettings>;
   readonly dispatchRow?: number;
-  /** Default 32. At 8 the sort is one pass, which leaves the keys as `project` wrote them. */
+  /** Default those of the accuracy, 32. At 8 the sort is one pass, which leaves the keys as `project` wrote them. */
   readonly keyBits?: number;
   /** Default one per device, with the shaders as they are. */
   readonly pipelines?: Pipelines;
@@ -108,7 +108,8 @@ export class InspectedFrame {
       accuracy,
       dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,
       visibleCapacity: packed.reduce((sum, { count }) => sum + count, 0),
-      keyBits: options.keyBits ?? 32,
+      keyBits: options.keyBits ?? accuracy.sortKeyBits,
+      shortensKeys: accuracy.sortKeyBits < 32,
       depth: null,
     };
     await pipelines.prepare(frameStages(shape));

@@ -14,3 +14,15 @@ export function orderedBits(depthView: number): number {
 export function depthKey(depthView: number, farthestBits: number): number {
   return farthestBits - Math.min(farthestBits, orderedBits(depthView));
 }
+
+/** Of that key the top `keyBits` bits of the range of depths in the picture, what is beyond its ends counted to them. */
+export function shortDepthKey(
+  depthView: number,
+  farthestBits: number,
+  nearestBits: number,
+  keyBits: number,
+): number {
+  const range = farthestBits - nearestBits;
+  const rangeBits = 32 - Math.clz32(range);
+  return Math.min(range, depthKey(depthView, farthestBits)) >>> Math.max(0, rangeBits - keyBits);
+}

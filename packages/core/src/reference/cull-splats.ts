@@ -1,3 +1,4 @@
+import type { Culling, Extent } from '../accuracy.ts';
 import type { Projection } from '../camera.ts';
 import { opacityOf } from '../layout/geometry.ts';
 import type { CloudView } from '../scene/cloud-view.ts';
@@ -12,6 +13,10 @@ export interface CullSettings {
   readonly dilationPx2: number;
   /** Of the whole cloud: multiplies the splat's own; default 1. */
   readonly cloudOpacity?: number;
+  /** Default `opacity`. */
+  readonly extent?: Extent;
+  /** Default `bounding-box`. */
+  readonly culling?: Culling;
 }
 
 /** A splat that reaches into the picture. */
@@ -22,9 +27,12 @@ export interface VisibleSplat {
   readonly covariance: ScreenCovariance;
   /** Peak opacity, 0…1, that of the whole cloud included. */
   readonly opacity: number;
-  /** Half extents of the box around all pixels where the opacity reaches the cutoff, px. */
+  /** Half extents of the box around all pixels where the opacity reaches the cutoff, or would if it were 1, px. */
   readonly extentPx: readonly [number, number];
 }
+
+/** FARTHEST_CENTER_PX of shaders/stages/cull-splats.wgsl. */
+const FARTHEST_CENTER_PX = 1e18;
 
 /** Twin of the GPU's cull-splats for splat `index`: what it looks like, or null where nothing of it is drawn. */
 export function cullSplat(
@@ -34,7 +42,7 @@ export function cullSplat(
   projection: Projection,
   settings: CullSettings,
 ): VisibleSplat | null {
-  const { alphaCutoff, dilationPx2, cloudOpacity = 1 } = settings;
+  const { alphaCutoff, dilationPx2, cloudOpacity = 1, extent = 'opacity' } = settings;
   const opacity = opacityOf(set.opacityLogits[index]) * cloudOpacity;
   if (opacity < alphaCutoff) return null;
 
@@ -58,13 +66,15 @@ export function cullSplat(
   );
   const covariance = screenCovariance(rows, dilationPx2);
   // opacity·exp(−½ xᵀΣ⁻¹x) = cutoff at xᵀΣ⁻¹x = 2·ln(opacity/cutoff); that ellipse's box is √ of Σ's diagonal times that.
-  const reach = Math.sqrt(2 * Math.log(opacity / alphaCutoff));
+  const reach = Math.sqrt(2 * Math.log((extent === 'fixed' ? 1 : opacity) / alphaCutoff));
   const extentPx = [reach * Math.sqrt(covariance.a), reach * Math.sqrt(covariance.c)] as const;
   const isInside =
-    centerPx[0] + extentPx[0] > 0 &&
-    centerPx[0] - extentPx[0] < projection.widthPx &&
-    centerPx[1] + extentPx[1] > 0 &&
-    centerPx[1] - extentPx[1] < projection.heightPx;
+    settings.culling === 'frustum'
+      ? centerPx.every((px) => Math.abs(px) < FARTHEST_CENTER_PX)
+      : centerPx[0] + extentPx[0] > 0 &&
+        centerPx[0] - extentPx[0] < projection.widthPx &&
+        centerPx[1] + extentPx[1] > 0 &&
+        centerPx[1] - extentPx[1] < projection.heightPx;
   return isInside ? { depthView, centerPx, covariance, opacity, extentPx } : null;
 }
 

@@ -1,10 +1,11 @@
-import { DILATION_PX2, resolveAccuracy } from '../accuracy.ts';
+import { type AccuracySettings, DILATION_PX2, resolveAccuracy } from '../accuracy.ts';
 import { type Camera, projectionOf } from '../camera.ts';
+import { orderedBits, shortDepthKey } from '../layout/depth-key.ts';
 import { identity4 } from '../math/mat4.ts';
 import { cloudView } from '../scene/cloud-view.ts';
 import { dropNonFinite } from '../scene/drop-non-finite.ts';
 import { mortonOrder, permuteSplats } from '../scene/morton-order.ts';
-import type { ShDegree, SplatSet } from '../scene/splat-set.ts';
+import type { SplatSet } from '../scene/splat-set.ts';
 import { cullSplat, type VisibleSplat } from './cull-splats.ts';
 import { splatColor } from './project.ts';
 import { type ReferenceImage, rasterizeSplat } from './rasterize.ts';
@@ -21,13 +22,12 @@ export interface ReferenceFrame {
   readonly heightPx: number;
   /** What another renderer has drawn: a view depth per pixel, top row first, Infinity where it drew nothing. */
   readonly hostDepths?: ArrayLike<number>;
-  readonly settings?: {
-    /** Default 1/255. */
-    readonly alphaCutoff?: number;
+  /** Default those of the preset `reference`. Precisions are not among them: all is float64. */
+  readonly settings?: Partial<
+    Pick<AccuracySettings, 'alphaCutoff' | 'shDegree' | 'sortKeyBits' | 'extent' | 'culling'>
+  > & {
     /** Default 0.3 px². */
     readonly dilationPx2?: number;
-    /** Default 3. */
-    readonly shDegree?: ShDegree;
   };
 }
 
@@ -47,12 +47,8 @@ interface DrawnSplat extends VisibleSplat {
  */
 export function renderReference(frame: ReferenceFrame): ReferencePicture {
   const { camera, widthPx, heightPx, hostDepths } = frame;
-  const defaults = resolveAccuracy();
-  const {
-    alphaCutoff = defaults.alphaCutoff,
-    dilationPx2 = DILATION_PX2,
-    shDegree = 3,
-  } = frame.settings ?? {};
+  const settings = { ...resolveAccuracy('reference'), dilationPx2: DILATION_PX2, ...frame.settings };
+  const { alphaCutoff, shDegree } = settings;
   const projection = projectionOf(camera, widthPx, heightPx);
   const image = { widthPx, heightPx, data: new Float64Array(4 * widthPx * heightPx) };
   const drawn: DrawnSplat[] = [];
@@ -61,13 +57,24 @@ export function renderReference(frame: ReferenceFrame): ReferencePicture {
     const stored = permuteSplats(finite, mortonOrder(finite.positions, finite.count));
     const view = cloudView(camera.viewMatrix, modelMatrix, stored.origin, projection.isOrthographic);
     for (let index = 0; index < stored.count; index++) {
-      const visible = cullSplat(stored, index, view, projection, { alphaCutoff, dilationPx2, cloudOpacity });
+      const visible = cullSplat(stored, index, view, projection, { ...settings, cloudOpacity });
       if (visible) drawn.push({ ...visible, color: splatColor(stored, index, view, shDegree) });
     }
   }
-  // Array.prototype.sort is stable: equal depths stay in storage order.
-  drawn.sort((a, b) => b.depthView - a.depthView);
   const depths = hostDepths && { host: hostDepths, splats: new Float64Array(widthPx * heightPx) };
-  for (const splat of drawn) rasterizeSplat(image, splat, splat.color, alphaCutoff, depths);
+  for (const splat of backToFront(drawn, settings.sortKeyBits))
+    rasterizeSplat(image, splat, splat.color, alphaCutoff, depths);
   return { ...image, visibleSplats: drawn.length, ...(depths && { depths: depths.splats }) };
+}
+
+/** By depth or, at fewer than 32 bits, by keys as the GPU has them; Array.prototype.sort leaves equal ones in their order. */
+function backToFront(drawn: readonly DrawnSplat[], sortKeyBits: number): readonly DrawnSplat[] {
+  if (sortKeyBits === 32) return drawn.toSorted((a, b) => b.depthView - a.depthView);
+  const bits = drawn.map(({ depthView }) => orderedBits(depthView));
+  const farthest = bits.reduce((most, each) => Math.max(most, each), 0);
+  const nearest = bits.reduce((least, each) => Math.min(least, each), farthest);
+  return drawn
+    .map((splat) => ({ splat, key: shortDepthKey(splat.depthView, farthest, nearest, sortKeyBits) }))
+    .sort((a, b) => a.key - b.key)
+    .map(({ splat }) => splat);
 }

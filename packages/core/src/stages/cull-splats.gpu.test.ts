@@ -81,6 +81,30 @@ describe('cull-splats', () => {
     });
   }
 
+  for (const settings of [
+    { extent: 'fixed' },
+    { culling: 'frustum' },
+    { extent: 'fixed', culling: 'frustum' },
+  ] as const) {
+    gpuTest(
+      `${Object.values(settings).join(' extent, ')}: more is drawn, and what the twin draws`,
+      async () => {
+        const set = randomSplats({ count: SPLATS, shDegree: 0, seed: 5, logScales: [-5, -1] });
+        const chunkFar = {
+          set,
+          modelMatrix: Float64Array.of(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 50, 1),
+        };
+        for (const name of ['inside', 'telephoto', 'orthographic']) {
+          const options = { clouds: [{ set }, chunkFar], camera: testCameras(1.5)[name] };
+          const plain = await check(options);
+          const other = await check({ ...options, accuracy: settings });
+          expect(other.visibleCount).toBeGreaterThan(plain.visibleCount);
+          expect(other.unsure).toBeLessThan(SPLATS / 100);
+        }
+      },
+    );
+  }
+
   gpuTest('nothing to see', async () => {
     const set = randomSplats({ count: 300, shDegree: 0, opacityLogits: [-9, -7] });
     const { visibleCount } = await check({ clouds: [{ set }], camera: testCameras(1.5).perspective });

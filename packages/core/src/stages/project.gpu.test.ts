@@ -8,6 +8,7 @@ import { describeFieldError } from '../inspect/field-error.ts';
 import { findNonFinite } from '../inspect/find-non-finite.ts';
 import { InspectedFrame, type InspectOptions } from '../inspect/inspected-frame.ts';
 import { readRecords } from '../inspect/read-records.ts';
+import { shortDepthKey } from '../layout/depth-key.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
 
@@ -83,6 +84,34 @@ describe('project', () => {
         accuracy: { geometryPrecision, recordPrecision },
       }),
     );
+  }
+
+  for (const sortKeyBits of [24, 20, 16] as const) {
+    gpuTest(`keys of ${sortKeyBits} bits: those of the depths, and their stable order`, async () => {
+      const options = {
+        clouds: [{ set: randomSplats({ count: 3000, seed: 30, shDegree: 0, halfExtent: 40 }) }],
+        camera: testCameras(1.5).inside,
+        accuracy: { sortKeyBits, alphaCutoff: 1 / 4096 },
+      };
+      await check(options);
+      const frame = await InspectedFrame.draw(device, { ...options, ...SIZE });
+      const { passes, digitBits } = frame.resources.sort.shape;
+      expect(passes * digitBits).toBeGreaterThanOrEqual(sortKeyBits);
+      expect(passes).toBeLessThanOrEqual(sortKeyBits <= 20 ? 2 : 3);
+      expect(await compareOrder(frame)).toEqual([]);
+      // Depths that are different in float32 have become equal, or nothing would have been gained.
+      const depths = new Set((await readRecords(frame)).map(({ depthView }) => depthView));
+      const [farthest, nearestInverted] = await frame.words('depthRange');
+      const range = farthest - (~nearestInverted >>> 0);
+      expect(range).toBeGreaterThan(2 ** 24);
+      const keys = [...depths].map((depth) =>
+        shortDepthKey(depth, farthest, ~nearestInverted >>> 0, sortKeyBits),
+      );
+      expect(Math.max(...keys)).toBeLessThan(2 ** sortKeyBits);
+      expect(Math.max(...keys)).toBeGreaterThanOrEqual(2 ** (sortKeyBits - 1));
+      if (sortKeyBits === 16) expect(new Set(keys).size).toBeLessThan(depths.size);
+      frame.destroy();
+    });
   }
 
   gpuTest('needles, discs and points of every size', () =>

@@ -1,4 +1,4 @@
-import type { GeometryPrecision, RecordPrecision } from '../accuracy.ts';
+import type { GeometryPrecision, RecordPrecision, SortKeyBits } from '../accuracy.ts';
 import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
 import { type ShPrecision, shRestWordsPerSplat } from '../layout/sh-rest.ts';
 import type { ShDegree } from '../scene/splat-set.ts';
@@ -9,6 +9,8 @@ export interface ProjectVariant {
   readonly geometryPrecision: GeometryPrecision;
   readonly recordPrecision: RecordPrecision;
   readonly shPrecision: ShPrecision;
+  /** Bits that keys are shortened to; null where they stay whole. */
+  readonly shortKeyBits: SortKeyBits | null;
   /** Where colours end: see `maxColor`. */
   readonly maxColor: number;
   /** Degree that the splats are stored with. */
@@ -19,7 +21,7 @@ export interface ProjectVariant {
 
 /** Writes the record and the sort key of each of one page's visible splats. */
 export function project(variant: ProjectVariant): StageDefinition {
-  const { shDegree, shPrecision } = variant;
+  const { shDegree, shPrecision, shortKeyBits } = variant;
   const bindings: Record<string, readonly [number, BindingKind]> = {
     view: [0, 'uniform'],
     page: [1, 'uniform'],
@@ -38,6 +40,7 @@ export function project(variant: ProjectVariant): StageDefinition {
       ORTHOGRAPHIC: variant.isOrthographic,
       GEOMETRY_F32: variant.geometryPrecision === 'f32',
       RECORD_F32: variant.recordPrecision === 'f32',
+      SHORT_KEYS: shortKeyBits !== null,
       SH_1: shDegree >= 1,
       SH_2: shDegree >= 2,
       SH_3: shDegree >= 3,
@@ -47,6 +50,7 @@ export function project(variant: ProjectVariant): StageDefinition {
     },
     constants: {
       MAX_COLOR: variant.maxColor,
+      ...(shortKeyBits !== null && { SORT_KEY_BITS: shortKeyBits }),
       ...(shDegree >= 1 && { SH_WORDS: shRestWordsPerSplat(variant.storedShDegree, shPrecision) }),
     },
     bindings,

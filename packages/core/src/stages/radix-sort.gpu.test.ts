@@ -19,7 +19,7 @@ let pipelines: Pipelines;
 const MAX_ROW = 65_535;
 
 /** Every shape that frames use, by the number of bits its keys may differ in. */
-const KEY_BITS = [8, 16, 24, 27, 32];
+const KEY_BITS = [8, 16, 20, 24, 27, 32];
 
 beforeAll(async () => {
   device = await createTestDevice();

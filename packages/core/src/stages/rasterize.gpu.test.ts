@@ -16,7 +16,7 @@ const ALPHA_CUTOFF = 1 / 255;
 let device: GPUDevice;
 let pipelines: Pipelines;
 const FORMAT = 'rgba32float';
-const stage = rasterize({ recordPrecision: 'f32', depth: null });
+const stage = rasterize({ recordPrecision: 'f32', extent: 'opacity', depth: null });
 /** Without blending: one splat over nothing is the same, and rgba32float is not blendable everywhere. */
 const state: RenderState = { topology: 'triangle-strip', targets: [{ format: FORMAT }] };
 

@@ -1,4 +1,4 @@
-import type { ColorTarget, RecordPrecision } from '../accuracy.ts';
+import type { ColorTarget, Extent, RecordPrecision } from '../accuracy.ts';
 import type { BindingKind, RenderState, StageDefinition } from '../gpu/pipelines.ts';
 import type { DepthConvention } from '../scene/depth-convention.ts';
 
@@ -17,6 +17,7 @@ export type DepthLayerFormat = 'r32float' | 'r16float';
 /** What the rasterize stage is linked for. */
 export interface RasterizeVariant {
   readonly recordPrecision: RecordPrecision;
+  readonly extent: Extent;
   /** Null where there is nothing that could hide a splat. */
   readonly depth: RasterizeDepth | null;
 }
@@ -25,7 +26,7 @@ export interface RasterizeVariant {
 export const TESTED_DEPTH_FORMAT = 'depth32float';
 
 /** Draws the visible splats back to front. */
-export function rasterize({ recordPrecision, depth }: RasterizeVariant): StageDefinition {
+export function rasterize({ recordPrecision, extent, depth }: RasterizeVariant): StageDefinition {
   const bindings: Record<string, readonly [number, BindingKind]> = {
     view: [0, 'uniform'],
     order: [1, 'read'],
@@ -36,6 +37,7 @@ export function rasterize({ recordPrecision, depth }: RasterizeVariant): StageDe
     stage: 'rasterize',
     conditions: {
       RECORD_F32: recordPrecision === 'f32',
+      FIXED_EXTENT: extent === 'fixed',
       DEPTH_TEST: depth !== null,
       DEPTH_LOGARITHMIC: depth?.mapping === 'logarithmic' && !depth.isOrthographic,
       ORTHOGRAPHIC: depth?.isOrthographic === true,

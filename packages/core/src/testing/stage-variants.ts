@@ -24,6 +24,8 @@ const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
 const SH_PRECISIONS: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
 const GEOMETRY = ['f32', 'packed'] as const;
 const RECORD = ['f32', 'f16'] as const;
+const EXTENTS = ['opacity', 'fixed'] as const;
+const SHORT_KEYS = [24, 20, 16] as const;
 
 const COMPARES = ['less-equal', 'greater-equal'] as const;
 const DEPTHS: readonly (RasterizeDepth | null)[] = [
@@ -51,7 +53,9 @@ export function allStageVariants(): StageDefinition[] {
     composite,
     compareImages,
     ...prefixScanStages,
-    ...RECORD.flatMap((recordPrecision) => DEPTHS.map((depth) => rasterize({ recordPrecision, depth }))),
+    ...RECORD.flatMap((recordPrecision) =>
+      EXTENTS.flatMap((extent) => DEPTHS.map((depth) => rasterize({ recordPrecision, extent, depth }))),
+    ),
     ...DEPTHS.flatMap((depth) => (depth ? [false, true] : [false]).map((many) => compose(depth, many))),
     ...COMPARES.flatMap((compare) => [false, true].map((many) => resolveDepth(compare, many))),
     ...RECORD.map(pick),
@@ -61,24 +65,34 @@ export function allStageVariants(): StageDefinition[] {
       repackSh({ degree, from: 'f32', to: 'u8' }),
       repackSh({ degree, from: 'f16', to: 'u8' }),
     ]),
-    ...[8, 16, 24, 27, 32].flatMap((keyBits) => radixSortStages(sortShapeFor(keyBits))),
+    ...[8, 16, 20, 24, 27, 32].flatMap((keyBits) => radixSortStages(sortShapeFor(keyBits))),
   ];
   for (const isOrthographic of [false, true]) {
     for (const geometryPrecision of GEOMETRY) {
-      stages.push(cullSplats(isOrthographic, geometryPrecision));
+      for (const extent of EXTENTS) {
+        for (const culling of ['bounding-box', 'frustum'] as const) {
+          stages.push(cullSplats({ isOrthographic, geometryPrecision, extent, culling }));
+        }
+      }
       for (const recordPrecision of RECORD) {
         for (const shPrecision of SH_PRECISIONS) {
           for (const storedShDegree of DEGREES) {
             for (const shDegree of DEGREES.filter((degree) => degree <= storedShDegree)) {
               const precisions = { geometryPrecision, recordPrecision, shPrecision };
+              const degrees = { storedShDegree, shDegree };
               stages.push(
-                project({ isOrthographic, ...precisions, maxColor: 65504, storedShDegree, shDegree }),
+                project({ isOrthographic, ...precisions, shortKeyBits: null, maxColor: 65504, ...degrees }),
               );
             }
           }
         }
       }
     }
+  }
+  for (const shortKeyBits of SHORT_KEYS) {
+    const precisions = { geometryPrecision: 'packed', recordPrecision: 'f16', shPrecision: 'u8' } as const;
+    const degrees = { storedShDegree: 3, shDegree: 3 } as const;
+    stages.push(project({ isOrthographic: false, ...precisions, shortKeyBits, maxColor: 65504, ...degrees }));
   }
   return uniqueByText(stages);
 }

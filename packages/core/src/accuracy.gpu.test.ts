@@ -1,0 +1,97 @@
+import { createNodeGpu } from '@websplatter/node';
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import type { AccuracySettings } from './accuracy.ts';
+import { SplatEngine } from './engine.ts';
+import { compareImages, renderReference } from './reference/index.ts';
+import type { SplatSet } from './scene/splat-set.ts';
+import { randomSplats } from './testing/random-splats.ts';
+import { testCameras } from './testing/test-cameras.ts';
+import type { SplatView } from './view.ts';
+
+/** Pictures with each setting, against float64 with the same settings. What the stages do is in their own tests. */
+
+const SIZE = { widthPx: 64, heightPx: 64 };
+const CAMERAS = testCameras(1);
+const CAMERA = CAMERAS.perspective;
+
+let device: GPUDevice;
+let engine: SplatEngine;
+let view: SplatView;
+beforeAll(async () => {
+  const { adapter } = await createNodeGpu();
+  const blendable = 'float32-blendable' as GPUFeatureName;
+  device = await createTestDevice({ requiredFeatures: adapter.features.has(blendable) ? [blendable] : [] });
+  engine = await SplatEngine.create({ device, accuracy: 'reference' });
+  view = engine.createView();
+});
+afterAll(() => {
+  engine?.destroy();
+  device?.destroy();
+});
+
+const SCENE = randomSplats({ count: 1500, seed: 40, logScales: [-4.5, -1.5] });
+
+async function drawWith(settings: Partial<AccuracySettings>, set = SCENE, camera = CAMERA) {
+  const cloud = engine.add(set);
+  try {
+    view.render({ camera, clouds: [{ cloud }], ...SIZE, accuracy: { preset: 'reference', ...settings } });
+    return (await view.readPixels()).data;
+  } finally {
+    cloud.destroy();
+  }
+}
+
+function psnrAgainstTwin(
+  data: Float32Array,
+  settings: Partial<AccuracySettings>,
+  set: SplatSet = SCENE,
+  camera = CAMERA,
+): number {
+  const reference = renderReference({ clouds: [{ set }], camera, ...SIZE, settings });
+  return compareImages(data, reference.data, SIZE).psnrDb;
+}
+
+describe('accuracy settings', () => {
+  for (const settings of [
+    { extent: 'fixed' },
+    { culling: 'frustum' },
+    { extent: 'fixed', culling: 'frustum' },
+  ] as const) {
+    gpuTest(`${JSON.stringify(settings)}: the same picture`, async () => {
+      const large = randomSplats({ count: 800, seed: 41, logScales: [-4, 1], opacityLogits: [-5, 2] });
+      for (const camera of [CAMERA, CAMERAS.inside, CAMERAS.orthographic]) {
+        for (const set of [SCENE, large]) {
+          const plain = await drawWith({}, set, camera);
+          const other = await drawWith(settings, set, camera);
+          // Other corners, other roundings of the same interpolated numbers; a pixel at the cutoff may fall either way.
+          const { psnrDb, p999Error } = compareImages(other, plain, SIZE);
+          expect(psnrDb).toBeGreaterThan(70);
+          expect(p999Error).toBeLessThan(1e-3);
+          expect(psnrAgainstTwin(other, settings, set, camera)).toBeGreaterThan(60);
+        }
+      }
+    });
+  }
+
+  gpuTest('sort keys of fewer bits: the picture in the order of the shortened keys', async () => {
+    // Deep, so that a few bits are few.
+    const set = randomSplats({ count: 1500, seed: 42, halfExtent: 30, logScales: [-2, 0] });
+    const camera = CAMERAS.inside;
+    const exact = await drawWith({}, set, camera);
+    for (const sortKeyBits of [24, 20, 16] as const) {
+      const data = await drawWith({ sortKeyBits }, set, camera);
+      // Float32 depths that fall on the other side of a step change places, of which the twin knows nothing.
+      expect(psnrAgainstTwin(data, { sortKeyBits }, set, camera), `${sortKeyBits} bits`).toBeGreaterThan(55);
+      // Depths are within 2^-(bits − 4) of each other where they are taken for equal: the picture hardly changes.
+      expect(compareImages(data, exact, SIZE).psnrDb).toBeGreaterThan(45);
+    }
+  });
+
+  gpuTest('an 8-bit target: every value a step of it', async () => {
+    const data = await drawWith({ colorTarget: 'rgba8unorm' });
+    expect(data.every((value) => Math.abs(255 * value - Math.round(255 * value)) < 1e-4)).toBe(true);
+    // A rounding of half a step per layer, of which later ones cover some; rounding once alone is 58.9 dB.
+    expect(psnrAgainstTwin(data, {})).toBeGreaterThan(44);
+  });
+});
