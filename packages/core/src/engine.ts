@@ -6,13 +6,14 @@ import { DestroyedError } from './errors.ts';
 import { type EngineCounters, zeroCounters } from './gpu/engine-counters.ts';
 import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
 import { Pipelines } from './gpu/pipelines.ts';
-import { loadSplats } from './io/load-splats.ts';
+import { lastingSource, loadSplats } from './io/load-splats.ts';
 import { sourceName } from './io/open-source.ts';
 import type { ReadOptions, SplatSource } from './io/splat-source.ts';
-import { repackShRest } from './layout/sh-rest.ts';
-import { dropNonFinite } from './scene/drop-non-finite.ts';
-import { type PackedCloud, packCloud } from './scene/packed-cloud.ts';
-import { SplatCloud } from './scene/splat-cloud.ts';
+import { type PrecisionRequestOptions, PrecisionRequests } from './precision-requests.ts';
+import type { CloudPrecision } from './scene/cloud-planes.ts';
+import { packSet } from './scene/pack-set.ts';
+import type { PackedCloud } from './scene/packed-cloud.ts';
+import { type CloudSource, SplatCloud } from './scene/splat-cloud.ts';
 import type { SplatSet } from './scene/splat-set.ts';
 import type { ShaderMutation } from './shaders.ts';
 import { SplatView } from './view.ts';
@@ -49,6 +50,7 @@ export class SplatEngine {
   readonly #pipelines: Pipelines;
   readonly #ownsDevice: boolean;
   readonly #dispatchRow: number;
+  readonly #precisionRequests: PrecisionRequests;
   readonly #views = new Set<SplatView | EmbeddedView>();
   /** By what was asked for: what this device does of it. */
   readonly #possible = new WeakMap<AccuracySettings, PossibleAccuracy>();
@@ -65,8 +67,17 @@ export class SplatEngine {
     this.#ownsDevice = ownsDevice;
     const limit = device.limits.maxComputeWorkgroupsPerDimension;
     this.#dispatchRow = Math.min(options.maxWorkgroupsPerDimension ?? limit, limit);
+    this.#precisionRequests = new PrecisionRequests({
+      device,
+      memory: this.#memory,
+      pipelines: this.#pipelines,
+      counting: this.#counting,
+      dispatchRow: this.#dispatchRow,
+      destroyedBecause: () => this.#destroyedBecause,
+    });
     this.lost = device.lost.then((info) => {
       this.#destroyedBecause ??= `the GPU device was lost (${info.message || info.reason})`;
+      this.#precisionRequests.stop(new DestroyedError('This request', this.#destroyedBecause));
       return info;
     });
   }
@@ -118,7 +129,8 @@ export class SplatEngine {
   }
 
   /**
-   * Reads splats, in a worker where there are any, and uploads them.
+   * Reads splats, in a worker where there are any, and uploads them. Addresses, Files and Blobs are kept as handles, so
+   * that `requestPrecision` can read them again.
    *
    * @throws SplatFileError, SplatSourceError, GpuLimitError; the signal's reason where it aborts. Nothing is kept then.
    */
@@ -126,35 +138,67 @@ export class SplatEngine {
     this.#checkUsable();
     const { geometryPrecision, shPrecision } = this.accuracy;
     const packed = await loadSplats(source, { ...options, geometryPrecision, shPrecision });
-    return this.addPacked(packed, { name: options.name ?? sourceName(source) });
+    return this.addPacked(packed, {
+      name: options.name ?? sourceName(source),
+      source: lastingSource(source),
+    });
   }
 
-  /** Packs and uploads splats that are in memory already, in any order; what is not finite is left out and counted. */
+  /**
+   * Packs and uploads splats that are in memory already, in any order; what is not finite is left out and counted. The
+   * cloud keeps `set` by reference, for `requestPrecision`.
+   */
   add(set: SplatSet, options: { readonly name?: string } = {}): SplatCloud {
-    const { geometryPrecision, shPrecision } = this.accuracy;
-    const finite = dropNonFinite(set);
-    const repacked = { ...finite, shRest: repackShRest(finite.shRest, finite.count, shPrecision) };
-    return this.addPacked(packCloud(repacked, { geometryPrecision }), options);
+    return this.addPacked(packSet(set, this.accuracy), { ...options, source: set });
   }
 
   /**
    * Uploads what `packCloud` made, on this thread or another, packed for whatever accuracy: frames draw what there is.
    *
+   * @param options.source where `requestPrecision` can have the same splats again: what they were read from, or, where
+   *   the memory that it takes is there anyway, `packed` itself. Kept by reference; by default nothing is kept.
    * @throws GpuLimitError.
    */
-  addPacked(packed: PackedCloud, options: { readonly name?: string } = {}): SplatCloud {
+  addPacked(
+    packed: PackedCloud,
+    options: { readonly name?: string; readonly source?: CloudSource | null } = {},
+  ): SplatCloud {
     this.#checkUsable();
     const counting = this.#counting;
     const name = options.name ?? 'splats';
     const cloud = new SplatCloud(this.#memory, this.device.limits, packed, {
       name,
-      onDestroyed: () => {
+      source: options.source,
+      onDestroyed: (destroyed) => {
         counting.cloudsDestroyed++;
+        const reason = new DestroyedError(`The cloud ${name}`, 'it was destroyed');
+        this.#precisionRequests.stop(reason, destroyed);
       },
     });
     counting.uploads++;
     counting.uploadedBytes += cloud.bytes;
     return cloud;
+  }
+
+  /**
+   * Makes `cloud` hold this precision, and then frees the others that it holds unless `keep` is set. A coarser one than it
+   * holds is made on the GPU. For a finer one the splats are read again in the background, from the address, File or Blob
+   * they were loaded from, or the SplatSet they were added from. Meanwhile, and where it fails, all stays as it was.
+   * Pictures change with the next frame that is drawn. A later request for the cloud takes the place of this one.
+   *
+   * @param options.onProgress how far reading has come, where anything is read.
+   * @throws SplatSourceError where the source is gone (streams, buffers), unreadable, too coarse, or has other splats now;
+   *   SplatFileError; GpuLimitError where it does not fit into memory; InvalidArgumentError for an unknown precision;
+   *   DestroyedError where cloud, engine or device end meanwhile; the signal's reason where it aborts, and an AbortError
+   *   where a later request took over.
+   */
+  async requestPrecision(
+    cloud: SplatCloud,
+    precision: CloudPrecision,
+    options: PrecisionRequestOptions = {},
+  ): Promise<void> {
+    this.#checkUsable();
+    await this.#precisionRequests.request(cloud, precision, options);
   }
 
   /** A view that draws on `canvas`, or one whose pictures are read back. */
@@ -189,6 +233,7 @@ export class SplatEngine {
   destroy(): void {
     if (this.#destroyedBecause === 'the engine was destroyed') return;
     this.#destroyedBecause = 'the engine was destroyed';
+    this.#precisionRequests.stop(new DestroyedError('This request', this.#destroyedBecause));
     for (const view of [...this.#views]) view.destroy();
     this.#memory.destroyAll();
     if (this.#ownsDevice) this.device.destroy();

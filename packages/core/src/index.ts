@@ -44,6 +44,7 @@ export {
 } from './layout/sh-rest.ts';
 export type { Vec3 } from './math/mat4.ts';
 export type { SplatPick } from './pick.ts';
+export type { PrecisionRequestOptions } from './precision-requests.ts';
 export type { CloudPage, CloudPages, CloudPrecision, HeldPrecisions } from './scene/cloud-planes.ts';
 export type { DepthConvention } from './scene/depth-convention.ts';
 export { type Bounds, type PackedCloud, packCloud, transferablesOf } from './scene/packed-cloud.ts';

@@ -2,7 +2,7 @@
 export interface EngineCounters {
   /** Clouds uploaded. */
   readonly uploads: number;
-  /** Bytes of those clouds on the GPU. */
+  /** Bytes of those clouds, and of what was read again in a finer precision. */
   readonly uploadedBytes: number;
   readonly cloudsDestroyed: number;
   /** Frames whose splats were culled, projected and sorted: each runs the two compute passes. */

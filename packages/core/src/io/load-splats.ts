@@ -161,6 +161,15 @@ function postStream(
   }
 }
 
+/**
+ * What `source` can be read from again later, as often as need be: the address that it has now, or the very same Blob or
+ * File. Null for streams, which are used up, and for buffers, which would be kept in memory for it.
+ */
+export function lastingSource(source: SplatSource): string | Blob | null {
+  if (typeof source === 'string' || source instanceof URL) return absoluteUrl(String(source));
+  return isBlob(source) ? source : null;
+}
+
 /** A worker resolves relative URLs against its own script, the caller means the page. */
 function absoluteUrl(url: string): string {
   const base = typeof document === 'undefined' ? globalThis.location?.href : document.baseURI;

@@ -47,6 +47,15 @@ export interface PageRange {
 const GEOMETRY_FINEST_FIRST: readonly GeometryPrecision[] = ['f32', 'packed'];
 const SH_FINEST_FIRST: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
 
+/** Whether nothing of `wanted` is lost with `held`. */
+export function isGeometryAsFine(held: GeometryPrecision, wanted: GeometryPrecision): boolean {
+  return GEOMETRY_FINEST_FIRST.indexOf(held) <= GEOMETRY_FINEST_FIRST.indexOf(wanted);
+}
+
+export function isShAsFine(held: ShPrecision, wanted: ShPrecision): boolean {
+  return SH_FINEST_FIRST.indexOf(held) <= SH_FINEST_FIRST.indexOf(wanted);
+}
+
 type DeviceLimits = Pick<GPUSupportedLimits, 'maxBufferSize' | 'maxStorageBufferBindingSize'>;
 
 /** Splats per page: whole chunks, as many as fit one binding; 0 where not even one does. */
@@ -205,7 +214,7 @@ export class CloudPlanes {
   }
 
   #upload(words: Uint32Array, wordsPerSplat: number, what: string): Plane {
-    return this.ranges.map(({ start, end }, page) =>
+    return this.#planeOf(({ start, end }, page) =>
       this.#memory.createFilledBuffer(
         `${this.#name} ${what} ${page}`,
         words.subarray(start * wordsPerSplat, end * wordsPerSplat),
@@ -214,10 +223,22 @@ export class CloudPlanes {
   }
 
   #create(wordsPerSplat: number, what: string): Plane {
-    return this.ranges.map(({ start, end }, page) => {
+    return this.#planeOf(({ start, end }, page) => {
       const bytes = 4 * wordsPerSplat * (end - start);
       return this.#memory.createBuffer(`${this.#name} ${what} ${page}`, bytes, GPUBufferUsage.STORAGE);
     });
+  }
+
+  /** A buffer per page, or none at all where one cannot be made. */
+  #planeOf(make: (range: PageRange, page: number) => GPUBuffer): Plane {
+    const made: GPUBuffer[] = [];
+    try {
+      for (const [page, range] of this.ranges.entries()) made.push(make(range, page));
+      return made;
+    } catch (error) {
+      this.free(made);
+      throw error;
+    }
   }
 }
 

@@ -1,13 +1,12 @@
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import type { SplatSource } from '../io/splat-source.ts';
 import type { LogScaleRange } from '../layout/geometry.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { type CloudPages, CloudPlanes, type CloudPrecision, type HeldPrecisions } from './cloud-planes.ts';
 import type { Bounds, PackedCloud } from './packed-cloud.ts';
 import type { DropCounts, ShDegree, SplatSet } from './splat-set.ts';
 
-/** Where a cloud's splats can be had again, in other precisions than it holds. */
-export type CloudSource = SplatSource | SplatSet | PackedCloud;
+/** Where a cloud's splats can be had again, as often as need be, in other precisions than it holds. */
+export type CloudSource = string | URL | Blob | SplatSet | PackedCloud;
 
 export interface SplatCloudOptions {
   /** For messages and labels. */
