@@ -8,6 +8,7 @@ import layout::PickParameters;
 import layout::ProjectedSplat;
 import layout::View;
 import package::lib::dispatch::linearWorkgroup;
+import package::lib::projected_splat::{axesOf, localCoordinate, opacityOf};
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> parameters: PickParameters;
@@ -51,13 +52,7 @@ fn pick(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index
 
 /// As rasterize's fragment has it, 0 where that draws nothing.
 fn alphaAtPixel(splat: ProjectedSplat) -> f32 {
-  @if(RECORD_F32) let opacity = splat.color.w;
-  @if(!RECORD_F32) let opacity = unpack2x16float(splat.color.y).y;
-  let offset = parameters.pixelPx - splat.centerPx;
-  let majorLengthPx = length(splat.majorPx);
-  let majorUnit = splat.majorPx / majorLengthPx;
-  let minorUnit = vec2f(-majorUnit.y, majorUnit.x);
-  let local = vec2f(dot(offset, majorUnit) / majorLengthPx, dot(offset, minorUnit) / splat.minorLengthPx);
-  let alpha = min(MAX_FRAGMENT_ALPHA, opacity * exp(-dot(local, local)));
+  let local = localCoordinate(axesOf(splat), parameters.pixelPx - splat.centerPx);
+  let alpha = min(MAX_FRAGMENT_ALPHA, opacityOf(splat) * exp(-dot(local, local)));
   return select(0.0, alpha, alpha >= view.alphaCutoff);
 }

@@ -51,15 +51,29 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
 
   var record: ProjectedSplat;
   record.centerPx = onScreen.centerPx;
-  record.majorPx = axes.majorPx;
-  record.minorLengthPx = axes.minorLengthPx;
+  @if(!RECORD_PAPER) record.majorPx = axes.majorPx;
+  @if(!RECORD_PAPER) record.minorLengthPx = axes.minorLengthPx;
+  @if(RECORD_PAPER) let majorUnit = axes.majorPx / length(axes.majorPx);
+  @if(RECORD_PAPER) record.majorPx = packAxis(majorUnit, length(axes.majorPx));
+  @if(RECORD_PAPER) record.minorPx = packAxis(vec2f(-majorUnit.y, majorUnit.x), axes.minorLengthPx);
   record.depthView = onScreen.depthView;
   @if(RECORD_F32) record.color = rgba;
-  @if(!RECORD_F32) record.color = vec2u(pack2x16float(rgba.xy), pack2x16float(rgba.zw));
+  @if(RECORD_PAPER) record.color = pack4x8unorm(rgba);
+  @if(!RECORD_F32 && !RECORD_PAPER) record.color = vec2u(pack2x16float(rgba.xy), pack2x16float(rgba.zw));
   projected[index] = record;
   @if(!SHORT_KEYS) let key = depthKey(onScreen.depthView, depthRange[0]);
   @if(SHORT_KEYS) let key = shortDepthKey(onScreen.depthView, depthRange[0], ~depthRange[1]);
   keys[index] = key;
+}
+
+/// Largest float16: a longer axis keeps its direction, or it would be infinite.
+@if(RECORD_PAPER) const LONGEST_HALF_PX = 65504.0;
+
+@if(RECORD_PAPER)
+fn packAxis(unit: vec2f, lengthPx: f32) -> u32 {
+  // A unit vector may be an ulp too long.
+  let axisPx = clamp(unit * min(lengthPx, LONGEST_HALF_PX), vec2f(-LONGEST_HALF_PX), vec2f(LONGEST_HALF_PX));
+  return pack2x16float(axisPx);
 }
 
 /// Unit vector in the cloud's space from the camera to the splat; where there is none (a singular model matrix) +z.

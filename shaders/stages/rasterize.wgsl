@@ -6,6 +6,7 @@ import layout::ProjectedSplat;
 import layout::View;
 import constants::MAX_FRAGMENT_ALPHA;
 @if(DEPTH_TEST) import package::lib::host_depth::storedDepth;
+import package::lib::projected_splat::{axesOf, localCoordinate, opacityOf};
 import package::lib::visible_ellipse::reachInAxes;
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -18,7 +19,8 @@ struct Varyings {
   /// Offset from the centre in units of the axes at √2 standard deviations: the Gaussian is exp(−|local|²).
   @location(0) local: vec2f,
   @if(RECORD_F32) @location(1) @interpolate(flat, either) color: vec4f,
-  @if(!RECORD_F32) @location(1) @interpolate(flat, either) color: vec2u,
+  @if(RECORD_PAPER) @location(1) @interpolate(flat, either) color: u32,
+  @if(!RECORD_F32 && !RECORD_PAPER) @location(1) @interpolate(flat, either) color: vec2u,
   @if(DEPTH_LAYER) @location(2) @interpolate(flat, either) depthView: f32,
 }
 
@@ -36,16 +38,14 @@ const GUARD_BAND_PX = 4096.0;
 @vertex
 fn vertexMain(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Varyings {
   let splat = projected[order[instance]];
-  @if(RECORD_F32) let opacity = splat.color.w;
-  @if(!RECORD_F32) let opacity = unpack2x16float(splat.color.y).y;
-  let reach = reachInAxes(opacity, view.alphaCutoff);
+  let reach = reachInAxes(opacityOf(splat), view.alphaCutoff);
   let side = vec2f(f32(vertex & 1u), f32(vertex >> 1u)) * 2.0 - 1.0;
 
-  let majorLengthPx = length(splat.majorPx);
-  let majorUnit = splat.majorPx / majorLengthPx;
-  let minorUnit = vec2f(-majorUnit.y, majorUnit.x);
+  let axes = axesOf(splat);
+  let majorUnit = axes.majorUnit;
+  let minorUnit = axes.minorUnit;
   // One step of the grid more, so that snapping never cuts a covered pixel off.
-  let halfSizePx = reach * vec2f(majorLengthPx, splat.minorLengthPx) + SNAP_PX;
+  let halfSizePx = reach * vec2f(axes.majorLengthPx, axes.minorLengthPx) + SNAP_PX;
 
   // The part of the ellipse's box that is in the picture, for splats of which it is the smaller quad.
   let extent = sqrt(
@@ -62,13 +62,12 @@ fn vertexMain(@builtin(vertex_index) vertex: u32, @builtin(instance_index) insta
   let box = select(floor(boxLow), ceil(boxHigh), side > vec2f(0.0));
   let cornerPx = select(round(oriented / SNAP_PX) * SNAP_PX, box, isBox);
 
-  let offset = cornerPx - splat.centerPx;
   var varyings: Varyings;
   let ndc = (cornerPx / view.sizePx * 2.0 - 1.0) * vec2f(1.0, -1.0);
   @if(!DEPTH_TEST) let depth = 0.0;
   @if(DEPTH_TEST) let depth = storedDepth(splat.depthView, ndc, hostDepth);
   varyings.position = vec4f(ndc, depth, 1.0);
-  varyings.local = vec2f(dot(offset, majorUnit) / majorLengthPx, dot(offset, minorUnit) / splat.minorLengthPx);
+  varyings.local = localCoordinate(axes, cornerPx - splat.centerPx);
   varyings.color = splat.color;
   @if(DEPTH_LAYER) varyings.depthView = splat.depthView;
   return varyings;
@@ -77,7 +76,8 @@ fn vertexMain(@builtin(vertex_index) vertex: u32, @builtin(instance_index) insta
 @fragment
 fn fragmentMain(varyings: Varyings) -> Fragment {
   @if(RECORD_F32) let color = varyings.color;
-  @if(!RECORD_F32) let color = vec4f(unpack2x16float(varyings.color.x), unpack2x16float(varyings.color.y));
+  @if(RECORD_PAPER) let color = unpack4x8unorm(varyings.color);
+  @if(!RECORD_F32 && !RECORD_PAPER) let color = vec4f(unpack2x16float(varyings.color.x), unpack2x16float(varyings.color.y));
   let alpha = min(MAX_FRAGMENT_ALPHA, color.w * exp(-dot(varyings.local, varyings.local)));
   // Blending nothing over leaves the target as it is, bit for bit, and unlike `discard` keeps early tests possible.
   let isDrawn = alpha >= view.alphaCutoff;

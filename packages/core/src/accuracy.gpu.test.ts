@@ -3,10 +3,14 @@ import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { AccuracySettings } from './accuracy.ts';
 import { SplatEngine } from './engine.ts';
+import { InspectedFrame } from './inspect/inspected-frame.ts';
+import { readRecords } from './inspect/read-records.ts';
 import { compareImages, renderReference } from './reference/index.ts';
+import { rasterizeSplat } from './reference/rasterize.ts';
 import type { SplatSet } from './scene/splat-set.ts';
-import { randomSplats } from './testing/random-splats.ts';
+import { randomSplats, splatsOf } from './testing/random-splats.ts';
 import { testCameras } from './testing/test-cameras.ts';
+import { visibleSplatOf } from './testing/visible-splat.ts';
 import type { SplatView } from './view.ts';
 
 /** Pictures with each setting, against float64 with the same settings. What the stages do is in their own tests. */
@@ -30,6 +34,7 @@ afterAll(() => {
   device?.destroy();
 });
 
+const NO_REST = splatsOf([]).shRest;
 const SCENE = randomSplats({ count: 1500, seed: 40, logScales: [-4.5, -1.5] });
 
 async function drawWith(settings: Partial<AccuracySettings>, set = SCENE, camera = CAMERA) {
@@ -86,6 +91,37 @@ describe('accuracy settings', () => {
       // Depths are within 2^-(bits − 4) of each other where they are taken for equal: the picture hardly changes.
       expect(compareImages(data, exact, SIZE).psnrDb).toBeGreaterThan(45);
     }
+  });
+
+  gpuTest("the paper's records: what they hold is what is drawn", async () => {
+    for (const logScales of [
+      [-4.5, -1.5],
+      [-9, 1],
+    ] as const) {
+      const set = randomSplats({ count: 300, seed: 43, shDegree: 0, logScales });
+      const accuracy = { recordPrecision: 'paper', colorTarget: engine.accuracy.colorTarget } as const;
+      const frame = await InspectedFrame.draw(device, {
+        clouds: [{ set }],
+        camera: CAMERA,
+        ...SIZE,
+        accuracy,
+      });
+      const records = await readRecords(frame);
+      const image = { ...SIZE, data: new Float64Array(4 * SIZE.widthPx * SIZE.heightPx) };
+      for (const index of await frame.sorted('order')) {
+        const [r, g, b] = records[index].color;
+        rasterizeSplat(image, visibleSplatOf(records[index]), [r, g, b], 1 / 255);
+      }
+      expect(compareImages(frame.image.data, image.data, SIZE).psnrDb).toBeGreaterThan(58);
+      frame.destroy();
+    }
+  });
+
+  gpuTest('the records of the paper: close to the picture of exact ones', async () => {
+    // Colours above 1 end there: those of the scene are kept below.
+    const set = { ...SCENE, shRest: NO_REST, colorDc: SCENE.colorDc.map((value) => value / 2) };
+    const data = await drawWith({ recordPrecision: 'paper' }, set);
+    expect(psnrAgainstTwin(data, {}, set)).toBeGreaterThan(45);
   });
 
   gpuTest('an 8-bit target: every value a step of it', async () => {

@@ -4,15 +4,7 @@ import type { GpuMemory } from './gpu/gpu-memory.ts';
 import type { Pipelines } from './gpu/pipelines.ts';
 import { CHUNK_SPLATS } from './layout/constants.ts';
 import { roundUp } from './layout/gpu-struct.ts';
-import {
-  FrameParameters,
-  HostDepth,
-  Page,
-  PagePlan,
-  ProjectedSplat,
-  ProjectedSplatF32,
-  View,
-} from './layout/structs.ts';
+import { FrameParameters, HostDepth, Page, PagePlan, PROJECTED_SPLATS, View } from './layout/structs.ts';
 import type { CloudPage, CloudPages } from './scene/cloud-planes.ts';
 import type { ShDegree } from './scene/splat-set.ts';
 import { compactChunks } from './stages/compact-chunks.ts';
@@ -53,7 +45,7 @@ export const PAGE_STRIDE_BYTES = roundUp(Page.bytes, 256);
 /** Names and sizes of a frame's buffers; stages are bound to them by these names. */
 function bufferTable(shape: FrameShape, pageCount: number, chunkCount: number): BufferTable {
   const { STORAGE, UNIFORM, INDIRECT } = GPUBufferUsage;
-  const record = shape.accuracy.recordPrecision === 'f32' ? ProjectedSplatF32 : ProjectedSplat;
+  const record = PROJECTED_SPLATS[shape.accuracy.recordPrecision];
   return {
     view: [View.bytes, UNIFORM],
     pageUniforms: [PAGE_STRIDE_BYTES * pageCount, UNIFORM],

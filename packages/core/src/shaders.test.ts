@@ -60,10 +60,11 @@ describe('linked shaders', () => {
   test('lay out every struct as the host does: every offset and the size', () => {
     const unseen = new Set(Object.values(structs).flatMap((value) => ('wgsl' in value ? [value.name] : [])));
     for (const { stage, reflection } of linked) {
-      const isF32 = stage.conditions?.RECORD_F32 ?? false;
+      const { RECORD_F32: isF32, RECORD_PAPER: isPaper } = stage.conditions ?? {};
+      const record = structs.PROJECTED_SPLATS[isF32 ? 'f32' : isPaper ? 'paper' : 'f16'];
       const known: Record<string, GpuStruct<GpuFields>> = {
         ...(structs as unknown as Record<string, GpuStruct<GpuFields>>),
-        ProjectedSplat: (isF32 ? structs.ProjectedSplatF32 : structs.ProjectedSplat) as never,
+        ProjectedSplat: record as never,
       };
       for (const { name, size, members } of reflection.structs) {
         // Structs of functions' own never reach a buffer.
@@ -102,7 +103,8 @@ describe('linked shaders', () => {
     expect(variant({ shDegree: 1 })).not.toMatch(/shBasis[23]/);
     expect(variant({ shDegree: 2 })).not.toContain('shBasis3');
     expect(variant({ geometryPrecision: 'f32' })).not.toContain('unpackRotation');
-    expect(variant({ recordPrecision: 'f32' })).not.toMatch(/\bpack2x16float/);
+    expect(variant({ recordPrecision: 'f32' })).not.toMatch(/\bpack(2x16float|4x8unorm)|packAxis/);
+    expect(full).not.toMatch(/packAxis|pack4x8unorm/);
     expect(full).not.toContain('bitcast<f32>(shRest');
     // The orthographic Jacobian is constant: no tangents, nothing to clamp.
     expect(variant({ isOrthographic: true })).not.toMatch(/tangentX|view\.clampX/);

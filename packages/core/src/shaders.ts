@@ -1,6 +1,6 @@
 import { MAX_FRAGMENT_ALPHA } from './accuracy.ts';
 import { SHADER_CONSTANTS } from './layout/constants.ts';
-import { ProjectedSplat, ProjectedSplatF32, SHADER_STRUCTS } from './layout/structs.ts';
+import { PROJECTED_SPLATS, SHADER_STRUCTS } from './layout/structs.ts';
 import { type LinkInput, linkModules, type ShaderModules } from './shader-linker.ts';
 
 const files = import.meta.glob<string>('../../../shaders/**/*.wgsl', {
@@ -50,6 +50,7 @@ const NO_CONDITIONS: LinkInput['conditions'] = {
   ORTHOGRAPHIC: false,
   GEOMETRY_F32: false,
   RECORD_F32: false,
+  RECORD_PAPER: false,
   SH_1: false,
   SH_2: false,
   SH_3: false,
@@ -77,7 +78,8 @@ export function linkInput(
   { stage, conditions = {}, constants = {} }: ShaderVariant,
   mutation?: ShaderMutation,
 ): LinkInput {
-  const record = conditions.RECORD_F32 ? ProjectedSplatF32 : ProjectedSplat;
+  const { f32, f16, paper } = PROJECTED_SPLATS;
+  const record = conditions.RECORD_F32 ? f32 : conditions.RECORD_PAPER ? paper : f16;
   const values = Object.entries({ ...SHADER_CONSTANTS, MAX_FRAGMENT_ALPHA, ...constants });
   return {
     modules: {

@@ -2,7 +2,7 @@ import { type AccuracySettings, DILATION_PX2 } from '../accuracy.ts';
 import type { Projection } from '../camera.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { orderedBits } from '../layout/depth-key.ts';
-import { Chunk, ProjectedSplat, ProjectedSplatF32 } from '../layout/structs.ts';
+import { Chunk, PROJECTED_SPLATS } from '../layout/structs.ts';
 import { chunkClearance } from '../reference/cull-chunks.ts';
 import { cullSplat } from '../reference/cull-splats.ts';
 import { FLOAT32_ROUNDING, projectionErrors } from './error-bounds.ts';
@@ -116,7 +116,7 @@ function clearanceOfChunk({ packed, planes }: InspectedCloud, index: number): nu
 /** The range of depths is that of the very depths that were written. */
 async function depthRangeFlaws(frame: InspectedFrame, visibleCount: number): Promise<string[]> {
   if (visibleCount === 0) return [];
-  const { bytes, offsets } = frame.accuracy.recordPrecision === 'f32' ? ProjectedSplatF32 : ProjectedSplat;
+  const { bytes, offsets } = PROJECTED_SPLATS[frame.accuracy.recordPrecision];
   const records = new Float32Array((await frame.words('projected')).buffer);
   let least = 0xffffffff;
   let most = 0;

@@ -1,4 +1,5 @@
 import { DILATION_PX2, MAX_FRAGMENT_ALPHA, maxColor } from '../accuracy.ts';
+import { HALF_MAX } from '../layout/half.ts';
 import { unpackShRest } from '../layout/sh-rest.ts';
 import { screenAxes } from '../reference/covariance.ts';
 import { cullSplat, type VisibleSplat } from '../reference/cull-splats.ts';
@@ -70,9 +71,10 @@ function compareRecord(frame: InspectedFrame, record: SplatRecord, errors: Field
     );
   }
   add('depthView', record.depthView, twin.depthView, bounds.depthView);
-  compareShape(record, twin, bounds, add);
-  compareColor(frame, record, cloud, index, bounds, add);
-  compareAlpha(record, twin, bounds, halfError(frame, twin.opacity), add);
+  const rounding = roundingOf(frame);
+  compareShape(record, twin, bounds, rounding, add);
+  compareColor(frame, record, cloud, index, bounds, rounding, add);
+  compareAlpha(record, twin, bounds, rounding, add);
 }
 
 /** The twin of a splat wherever it lies: whatever the GPU kept must look as the twin says. */
@@ -89,9 +91,30 @@ function twinOf({ projection }: InspectedFrame, { stored, view, opacity }: Inspe
   return cullSplat(stored, index, view, everywhere, settings);
 }
 
-/** Rounding to binary16, of which some hardware truncates: 2^-10 of the value, and half the smallest step. */
-function halfError({ accuracy }: InspectedFrame, value: number): number {
-  return accuracy.recordPrecision === 'f16' ? value * 2 ** -10 + 2 ** -24 : 0;
+/** What storing a record at its precision does to it. */
+interface RecordRounding {
+  /** Longest axis that can be stored, px. */
+  readonly longestAxisPx: number;
+  /** Of an axis, relative to its length. */
+  readonly axis: number;
+  /** Of a colour or opacity. */
+  readonly color: (value: number) => number;
+}
+
+/**
+ * Rounding to binary16, of which some hardware truncates, is 2^-10 of the value; of a colour also half the smallest step,
+ * and of an axis, never shorter than 0.77 px, a component below 2^-14 that is flushed to zero: a tenth more. Unorm8 rounds
+ * to the nearest of its steps, half-way cases by an ulp of float32.
+ */
+function roundingOf({ accuracy: { recordPrecision } }: InspectedFrame): RecordRounding {
+  switch (recordPrecision) {
+    case 'f32':
+      return { longestAxisPx: LONGEST_AXIS_PX, axis: 0, color: () => 0 };
+    case 'f16':
+      return { longestAxisPx: LONGEST_AXIS_PX, axis: 0, color: (value) => value * 2 ** -10 + 2 ** -24 };
+    case 'paper':
+      return { longestAxisPx: HALF_MAX, axis: 1.1 * 2 ** -10, color: () => 0.5 / 255 + u };
+  }
 }
 
 /** Both lengths at √2 standard deviations, px. */
@@ -109,23 +132,29 @@ function lengthBound(majorPx: number, { rowsPx }: ProjectionErrors): number {
  * Axes may point either way, and anywhere for a circle: beside their lengths, what they span is compared,
  * Σ = ½(major·majorᵀ + minor·minorᵀ). With B the rows and δ their error, |δΣ| ≤ 2|B|δ ≤ 2√(a+c)·δ, and 32u(a+c) for
  * what comes after. The minor length comes through a cross product whose rounding is relative to both rows: the same as
- * more error of the rows.
+ * more error of the rows. Axes that are then rounded by h of their lengths add 2h(a+c) to the first order.
  */
-function compareShape(record: SplatRecord, twin: VisibleSplat, bounds: ProjectionErrors, add: Add): void {
+function compareShape(
+  record: SplatRecord,
+  twin: VisibleSplat,
+  bounds: ProjectionErrors,
+  rounding: RecordRounding,
+  add: Add,
+): void {
   const { a, b, c } = twin.covariance;
   const [major, minor] = twinLengths(twin);
-  const shortened = (length: number) => Math.min(LONGEST_AXIS_PX, length);
-  const bound = lengthBound(shortened(major), bounds);
+  const { longestAxisPx, axis } = rounding;
+  const shortened = (length: number) => Math.min(longestAxisPx, length);
+  const bound = (length: number) => lengthBound(shortened(major), bounds) + axis * shortened(length);
   const [x, y] = record.majorPx;
-  const length = Math.hypot(x, y);
-  add('majorPx length', length, shortened(major), bound);
-  add('minorLengthPx', record.minorLengthPx, shortened(minor), bound);
+  add('majorPx length', Math.hypot(x, y), shortened(major), bound(major));
+  add('minorLengthPx', record.minorLengthPx, shortened(minor), bound(minor));
 
-  const [minorX, minorY] = [(-y / length) * record.minorLengthPx, (x / length) * record.minorLengthPx];
+  const [minorX, minorY] = record.minorPx;
   const covarianceError =
-    major >= LONGEST_AXIS_PX
+    major >= longestAxisPx
       ? Number.POSITIVE_INFINITY
-      : 2 * Math.sqrt(a + c) * bounds.rowsPx + 32 * u * (a + c);
+      : 2 * Math.sqrt(a + c) * bounds.rowsPx + (32 * u + 2 * axis * (1 + axis)) * (a + c);
   add('Σxx', (x * x + minorX * minorX) / 2, a, covarianceError);
   add('Σxy', (x * y + minorX * minorY) / 2, b, covarianceError);
   add('Σyy', (y * y + minorY * minorY) / 2, c, covarianceError);
@@ -141,6 +170,7 @@ function compareColor(
   { stored, view }: InspectedCloud,
   index: number,
   { direction }: ProjectionErrors,
+  rounding: RecordRounding,
   add: Add,
 ): void {
   const { shDegree } = frame.accuracy;
@@ -160,7 +190,7 @@ function compareColor(
       (['r', 'g', 'b'] as const)[channel],
       record.color[channel],
       expected,
-      bound + halfError(frame, expected),
+      bound + rounding.color(expected),
     );
   }
 }
@@ -174,26 +204,31 @@ function compareColor(
  * |q' − q| ≤ k²(|eᵀEe| + |E|²/(1 − |E|)), where |eᵀEe| ≤ 2δ/√λ + (δ/√λ)² and |E| ≤ 2δ/√λ₂ + (δ/√λ₂)². From there
  * |α' − α| ≤ α·(e^(½|q' − q|) − 1), and no alpha is further from another than the opacity. A needle so thin that
  * rounding turns it away from its own axis (|E| ≥ 1) is promised no more than that.
+ *
+ * Axes A that are rounded by h of their lengths become A(I + D), |D| ≤ h·(√(λ₁/λ₂) + √(λ₂/λ₁)) in units of the axes, and
+ * the exponent, |A⁻¹x|², changes by no more than the factor (1 − |D|)⁻².
  */
 function compareAlpha(
   record: SplatRecord,
   twin: VisibleSplat,
   bounds: ProjectionErrors,
-  opacityHalfError: number,
+  { longestAxisPx, axis: axisRounding, color }: RecordRounding,
   add: Add,
 ): void {
-  const opacityError = 8 * u + opacityHalfError;
+  const opacityError = 8 * u + color(twin.opacity);
   add('opacity', record.color[3], twin.opacity, opacityError);
   const capped = (alpha: number) => Math.min(MAX_FRAGMENT_ALPHA, alpha);
   add('alpha at 0σ', capped(record.color[3]), capped(twin.opacity), opacityError);
   const { majorPx, minorPx } = screenAxes(twin.covariance);
   const lengths = twinLengths(twin);
   // The record's axes are shortened there, its alpha is compared by what they are.
-  if (lengths[0] >= LONGEST_AXIS_PX) return;
+  if (lengths[0] >= longestAxisPx) return;
   const [deviation1, deviation2] = lengths.map((length) => length / Math.SQRT2);
   const rowsError = bounds.rowsPx + 16 * u * deviation1;
   const relative = (deviation: number) => 2 * (rowsError / deviation) + (rowsError / deviation) ** 2;
   const largest = relative(deviation2);
+  const turned = axisRounding * (lengths[0] / lengths[1] + lengths[1] / lengths[0]);
+  const stretch = turned < 1 ? (1 - turned) ** -2 - 1 : Number.POSITIVE_INFINITY;
   const cross = largest < 1 ? largest ** 2 / (1 - largest) : Number.POSITIVE_INFINITY;
   for (const axis of ['major', 'minor'] as const) {
     const along = axis === 'major' ? majorPx : minorPx;
@@ -201,7 +236,8 @@ function compareAlpha(
     for (const k of [1, 2] as const) {
       const offsetPx = along.map((component) => (k * component) / Math.SQRT2);
       const alpha = twin.opacity * Math.exp(-0.5 * k * k);
-      const exponentError = 0.5 * k * k * (relative(deviation) + cross);
+      const unrounded = 0.5 * k * k * (relative(deviation) + cross);
+      const exponentError = unrounded + (axisRounding > 0 ? stretch * (0.5 * k * k + unrounded) : 0);
       const bound = Math.min(twin.opacity, alpha * Math.expm1(exponentError)) + opacityError;
       add(`alpha at ${k}σ ${axis}`, capped(recordAlpha(record, offsetPx)), capped(alpha), bound);
     }
@@ -209,10 +245,9 @@ function compareAlpha(
 }
 
 /** Alpha of a record's Gaussian at `offsetPx` from its centre: opacity·exp(−|p|²) in units of its axes. */
-function recordAlpha({ majorPx, minorLengthPx, color }: SplatRecord, [x, y]: readonly number[]): number {
-  const length = Math.hypot(...majorPx);
-  const [unitX, unitY] = majorPx.map((component) => component / length);
-  const p = (x * unitX + y * unitY) / length;
-  const q = (y * unitX - x * unitY) / minorLengthPx;
+function recordAlpha({ majorPx, minorPx, color }: SplatRecord, [x, y]: readonly number[]): number {
+  const determinant = majorPx[0] * minorPx[1] - majorPx[1] * minorPx[0];
+  const p = (x * minorPx[1] - y * minorPx[0]) / determinant;
+  const q = (y * majorPx[0] - x * majorPx[1]) / determinant;
   return color[3] * Math.exp(-p * p - q * q);
 }

@@ -1,5 +1,5 @@
-import { ProjectedSplat, ProjectedSplatF32 } from '../layout/structs.ts';
 import type { InspectedFrame } from './inspected-frame.ts';
+import { readRecords } from './read-records.ts';
 
 /** Where a NaN or an infinity stands: the first of each buffer, by its bits. Nothing where all is finite. */
 export async function findNonFinite(frame: InspectedFrame): Promise<string[]> {
@@ -30,19 +30,12 @@ export function nonFiniteWord(words: Uint32Array): number {
 }
 
 async function nonFiniteRecord(frame: InspectedFrame): Promise<string | null> {
-  const isFloat32 = frame.accuracy.recordPrecision === 'f32';
-  const { bytes, offsets } = isFloat32 ? ProjectedSplatF32 : ProjectedSplat;
-  const words = await frame.words('projected');
-  const count = await frame.visibleCount();
-  for (let i = 0; i < count; i++) {
-    const record = words.subarray((i * bytes) / 4, ((i + 1) * bytes) / 4);
-    const floats = isFloat32 ? record : record.subarray(0, offsets.color / 4);
-    const halves = isFloat32 ? [] : Array.from(record.subarray(offsets.color / 4));
-    const at = nonFiniteWord(floats);
-    if (at >= 0) return `projected: record ${i}, word ${at} is not finite`;
-    const isHalfBad = (half: number) => (half & 0x7c00) === 0x7c00;
-    if (halves.some((word) => isHalfBad(word) || isHalfBad(word >>> 16)))
-      return `projected: record ${i}, a float16 of its colour is not finite`;
+  const records = await readRecords(frame);
+  for (const [i, { splat: _, ...fields }] of records.entries()) {
+    for (const [field, value] of Object.entries(fields)) {
+      const values = [value].flat();
+      if (!values.every(Number.isFinite)) return `projected: record ${i}, ${field} is ${values.join(', ')}`;
+    }
   }
   return null;
 }

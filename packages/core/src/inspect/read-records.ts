@@ -1,5 +1,5 @@
 import { fromHalfBits } from '../layout/half.ts';
-import { ProjectedSplat, ProjectedSplatF32 } from '../layout/structs.ts';
+import { PROJECTED_SPLATS } from '../layout/structs.ts';
 import type { InspectedFrame } from './inspected-frame.ts';
 
 /** What `project` wrote for one drawn splat. */
@@ -9,6 +9,8 @@ export interface SplatRecord {
   readonly centerPx: readonly number[];
   /** Half axis at √2 standard deviations. */
   readonly majorPx: readonly number[];
+  /** The other one, perpendicular but for its rounding at `recordPrecision: 'paper'`. */
+  readonly minorPx: readonly number[];
   readonly minorLengthPx: number;
   readonly depthView: number;
   /** r, g, b and opacity. */
@@ -20,24 +22,52 @@ export async function readRecords(frame: InspectedFrame): Promise<SplatRecord[]>
   const count = await frame.visibleCount();
   const survivors = await frame.words('survivors');
   const words = await frame.words('projected');
-  const floats = new Float32Array(words.buffer);
-  const isFloat32 = frame.accuracy.recordPrecision === 'f32';
-  const { bytes, offsets } = isFloat32 ? ProjectedSplatF32 : ProjectedSplat;
+  const { recordPrecision } = frame.accuracy;
+  const length = PROJECTED_SPLATS[recordPrecision].bytes / 4;
   return Array.from({ length: count }, (_, i) => {
-    const at = (field: keyof typeof offsets) => (i * bytes + offsets[field]) / 4;
-    const vector = (field: keyof typeof offsets, length: number) =>
-      Array.from(floats.subarray(at(field), at(field) + length));
-    return {
-      splat: survivors[i],
-      centerPx: vector('centerPx', 2),
-      majorPx: vector('majorPx', 2),
-      minorLengthPx: floats[at('minorLengthPx')],
-      depthView: floats[at('depthView')],
-      color: isFloat32 ? vector('color', 4) : halves(words.subarray(at('color'), at('color') + 2)),
-    };
+    const record = words.subarray(i * length, (i + 1) * length);
+    const splat = survivors[i];
+    return recordPrecision === 'paper'
+      ? { splat, ...readPaperRecord(record) }
+      : { splat, ...readRecord(record, recordPrecision) };
   });
 }
 
-function halves(words: Uint32Array): number[] {
-  return Array.from(words).flatMap((word) => [fromHalfBits(word & 0xffff), fromHalfBits(word >>> 16)]);
+function readRecord(words: Uint32Array, precision: 'f32' | 'f16'): Omit<SplatRecord, 'splat'> {
+  const { offsets } = PROJECTED_SPLATS[precision];
+  const floats = new Float32Array(words.buffer, words.byteOffset, words.length);
+  const vector = (field: keyof typeof offsets, length: number) =>
+    Array.from(floats.subarray(offsets[field] / 4, offsets[field] / 4 + length));
+  const [x, y] = vector('majorPx', 2);
+  const [minorLengthPx] = vector('minorLengthPx', 1);
+  const perpendicular = minorLengthPx / Math.hypot(x, y);
+  const color = offsets.color / 4;
+  return {
+    centerPx: vector('centerPx', 2),
+    majorPx: [x, y],
+    minorPx: [-y * perpendicular, x * perpendicular],
+    minorLengthPx,
+    depthView: vector('depthView', 1)[0],
+    color:
+      precision === 'f32' ? vector('color', 4) : words.subarray(color, color + 2).reduce(appendHalves, []),
+  };
+}
+
+function readPaperRecord(words: Uint32Array): Omit<SplatRecord, 'splat'> {
+  const { offsets } = PROJECTED_SPLATS.paper;
+  const floats = new Float32Array(words.buffer, words.byteOffset, words.length);
+  const minorPx = appendHalves([], words[offsets.minorPx / 4]);
+  const center = offsets.centerPx / 4;
+  return {
+    centerPx: Array.from(floats.subarray(center, center + 2)),
+    majorPx: appendHalves([], words[offsets.majorPx / 4]),
+    minorPx,
+    minorLengthPx: Math.hypot(...minorPx),
+    depthView: floats[offsets.depthView / 4],
+    color: [0, 8, 16, 24].map((shift) => ((words[offsets.color / 4] >>> shift) & 0xff) / 255),
+  };
+}
+
+function appendHalves(values: number[], word: number): number[] {
+  return [...values, fromHalfBits(word & 0xffff), fromHalfBits(word >>> 16)];
 }

@@ -106,6 +106,20 @@ export const ProjectedSplatF32 = gpuStruct('ProjectedSplat', {
   color: 'vec4f',
 });
 
+/** The same at `recordPrecision: 'paper'`. 24 bytes. */
+export const ProjectedSplatPaper = gpuStruct('ProjectedSplat', {
+  centerPx: 'vec2f',
+  /** Two float16, none beyond ±65504. */
+  majorPx: 'u32',
+  minorPx: 'u32',
+  /** r, g, b and opacity as four unorm8. */
+  color: 'u32',
+  depthView: 'f32',
+});
+
+/** The record of a projected splat, by its precision. */
+export const PROJECTED_SPLATS = { f32: ProjectedSplatF32, f16: ProjectedSplat, paper: ProjectedSplatPaper };
+
 /** How the renderer around stores depth: see `DepthMapping`. */
 export const HostDepth = gpuStruct('HostDepth', { slope: 'vec2f', offset: 'f32', factor: 'f32' });
 

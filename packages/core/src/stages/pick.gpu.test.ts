@@ -6,7 +6,7 @@ import { InvalidArgumentError } from '../errors.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { InspectedFrame, type InspectOptions } from '../inspect/inspected-frame.ts';
-import { readRecords, type SplatRecord } from '../inspect/read-records.ts';
+import { readRecords } from '../inspect/read-records.ts';
 import { transform3 } from '../math/mat4.ts';
 import { pickSplat, type SplatPick } from '../pick.ts';
 import { cullSplat, type VisibleSplat } from '../reference/cull-splats.ts';
@@ -14,6 +14,7 @@ import { pickSplat as pickTwin } from '../reference/pick.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
+import { visibleSplatOf } from '../testing/visible-splat.ts';
 import { pick as pickStage } from './pick.ts';
 
 const SIZE = { widthPx: 64, heightPx: 64 };
@@ -28,7 +29,7 @@ beforeAll(async () => {
   device = await createTestDevice();
   pipelines = new Pipelines(device);
   memory = new GpuMemory(device);
-  await pipelines.prepare([pickStage('f32'), pickStage('f16')]);
+  await pipelines.prepare([pickStage('f32'), pickStage('f16'), pickStage('paper')]);
 });
 afterAll(() => device.destroy());
 
@@ -47,26 +48,6 @@ async function drawnByGpu(frame: InspectedFrame): Promise<{ splats: VisibleSplat
   const records = await readRecords(frame);
   const ordered = Array.from(await frame.sorted('order'), (index) => records[index]);
   return { splats: ordered.map(visibleSplatOf), numbers: ordered.map(({ splat }) => splat) };
-}
-
-function visibleSplatOf(record: SplatRecord): VisibleSplat {
-  const { centerPx, majorPx, minorLengthPx, depthView, color } = record;
-  const [x, y] = majorPx;
-  const length2 = x * x + y * y;
-  const minor2 = minorLengthPx ** 2 / length2;
-  return {
-    depthView,
-    centerPx: [centerPx[0], centerPx[1]],
-    covariance: {
-      a: (x * x + minor2 * y * y) / 2,
-      b: ((1 - minor2) * x * y) / 2,
-      c: (y * y + minor2 * x * x) / 2,
-      determinant: (length2 * minorLengthPx ** 2) / 4,
-    },
-    opacity: color[3],
-    // All of the picture: the cutoff decides.
-    extentPx: [1e9, 1e9],
-  };
 }
 
 /** The frame's splats in float64 from the scene on, in exact order. */
@@ -89,12 +70,14 @@ interface CheckOptions {
   readonly pixels?: number;
   /** How far the picture's alpha may be off: in rgba16float many faint layers stall. */
   readonly imageError?: number;
+  /** How far a pick may be off from that of the scene in float64: by its records' precision. */
+  readonly exactError?: number;
 }
 
 /** Compares picks at pixels all over the picture with the twin; answers those that found a splat. */
 async function check(
   scene: Scene,
-  { pixels = 30, imageError = 4e-3 }: CheckOptions = {},
+  { pixels = 30, imageError = 4e-3, exactError = 2e-3 }: CheckOptions = {},
 ): Promise<SplatPick[]> {
   const frame = await draw(scene);
   const { alphaCutoff } = frame.accuracy;
@@ -127,8 +110,8 @@ async function check(
 
     // From the scene on, where depths closer than float32 tells apart change places.
     const exact = pickTwin(twin, column, row, alphaCutoff);
-    expect(Math.abs(got.weight - exact!.weight), place).toBeLessThanOrEqual(2e-3);
-    expect(Math.abs(got.totalOpacity - exact!.totalOpacity), place).toBeLessThanOrEqual(2e-3);
+    expect(Math.abs(got.weight - exact!.weight), place).toBeLessThanOrEqual(exactError);
+    expect(Math.abs(got.totalOpacity - exact!.totalOpacity), place).toBeLessThanOrEqual(exactError);
 
     expectOnRay(got, scene.camera, column, row, frame);
   }
@@ -182,6 +165,19 @@ describe('pick', () => {
       { pixels: 60 },
     );
     expect(new Set(picks.map(({ cloudIndex }) => cloudIndex))).toEqual(new Set([0, 2, 3]));
+  });
+
+  gpuTest('records as in the paper', async () => {
+    const picks = await check(
+      {
+        clouds: [{ set: splats(800, 1) }],
+        camera: CAMERAS.perspective,
+        accuracy: { recordPrecision: 'paper' },
+      },
+      // Opacities err by half a step of 255 each.
+      { exactError: 8e-3 },
+    );
+    expect(picks.length).toBeGreaterThan(5);
   });
 
   gpuTest('thousands of layers over every pixel: more than one block of the order', async () => {

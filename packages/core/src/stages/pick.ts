@@ -1,12 +1,13 @@
 import type { RecordPrecision } from '../accuracy.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
+import { recordConditions } from './record-conditions.ts';
 
 /** Blends what lies over one pixel, block by block of the drawing order. */
 export function pick(recordPrecision: RecordPrecision) {
   return {
     stage: 'pick',
     entryPoint: 'pick',
-    conditions: { RECORD_F32: recordPrecision === 'f32' },
+    conditions: recordConditions(recordPrecision),
     bindings: {
       view: [0, 'uniform'],
       parameters: [1, 'uniform'],

@@ -2,6 +2,7 @@ import type { GeometryPrecision, RecordPrecision, SortKeyBits } from '../accurac
 import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
 import { type ShPrecision, shRestWordsPerSplat } from '../layout/sh-rest.ts';
 import type { ShDegree } from '../scene/splat-set.ts';
+import { recordConditions } from './record-conditions.ts';
 
 /** What the project stage is linked for. */
 export interface ProjectVariant {
@@ -39,7 +40,7 @@ export function project(variant: ProjectVariant): StageDefinition {
     conditions: {
       ORTHOGRAPHIC: variant.isOrthographic,
       GEOMETRY_F32: variant.geometryPrecision === 'f32',
-      RECORD_F32: variant.recordPrecision === 'f32',
+      ...recordConditions(variant.recordPrecision),
       SHORT_KEYS: shortKeyBits !== null,
       SH_1: shDegree >= 1,
       SH_2: shDegree >= 2,

@@ -1,6 +1,7 @@
 import type { ColorTarget, Extent, RecordPrecision } from '../accuracy.ts';
 import type { BindingKind, RenderState, StageDefinition } from '../gpu/pipelines.ts';
 import type { DepthConvention } from '../scene/depth-convention.ts';
+import { recordConditions } from './record-conditions.ts';
 
 /** What splats in another renderer's picture need of its depth. */
 export interface RasterizeDepth {
@@ -36,7 +37,7 @@ export function rasterize({ recordPrecision, extent, depth }: RasterizeVariant):
   return {
     stage: 'rasterize',
     conditions: {
-      RECORD_F32: recordPrecision === 'f32',
+      ...recordConditions(recordPrecision),
       FIXED_EXTENT: extent === 'fixed',
       DEPTH_TEST: depth !== null,
       DEPTH_LOGARITHMIC: depth?.mapping === 'logarithmic' && !depth.isOrthographic,

@@ -23,7 +23,7 @@ import { sortShapeFor } from '../stages/sort-shape.ts';
 const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
 const SH_PRECISIONS: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
 const GEOMETRY = ['f32', 'packed'] as const;
-const RECORD = ['f32', 'f16'] as const;
+const RECORD = ['f32', 'f16', 'paper'] as const;
 const EXTENTS = ['opacity', 'fixed'] as const;
 const SHORT_KEYS = [24, 20, 16] as const;
 

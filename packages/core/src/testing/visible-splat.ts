@@ -1,0 +1,21 @@
+import type { SplatRecord } from '../inspect/read-records.ts';
+import type { VisibleSplat } from '../reference/cull-splats.ts';
+
+/** What float64 draws of a record: the very numbers that the GPU reads. */
+export function visibleSplatOf(record: SplatRecord): VisibleSplat {
+  const { centerPx, majorPx, minorPx, depthView, color } = record;
+  const [[x, y], [minorX, minorY]] = [majorPx, minorPx];
+  return {
+    depthView,
+    centerPx: [centerPx[0], centerPx[1]],
+    covariance: {
+      a: (x * x + minorX * minorX) / 2,
+      b: (x * y + minorX * minorY) / 2,
+      c: (y * y + minorY * minorY) / 2,
+      determinant: (x * minorY - y * minorX) ** 2 / 4,
+    },
+    opacity: color[3],
+    // All of the picture: the cutoff decides.
+    extentPx: [1e9, 1e9],
+  };
+}

@@ -1,0 +1,46 @@
+// Reads a projected splat as project has written it, at each precision of the record.
+import layout::ProjectedSplat;
+
+/// Half axes at √2 standard deviations.
+struct SplatAxes {
+  majorUnit: vec2f,
+  majorLengthPx: f32,
+  minorUnit: vec2f,
+  minorLengthPx: f32,
+}
+
+fn axesOf(splat: ProjectedSplat) -> SplatAxes {
+  @if(RECORD_PAPER) let majorPx = unpack2x16float(splat.majorPx);
+  @if(!RECORD_PAPER) let majorPx = splat.majorPx;
+  let majorLengthPx = length(majorPx);
+  let majorUnit = majorPx / majorLengthPx;
+  @if(RECORD_PAPER) let minorPx = unpack2x16float(splat.minorPx);
+  @if(RECORD_PAPER) let minorLengthPx = length(minorPx);
+  @if(RECORD_PAPER) return SplatAxes(majorUnit, majorLengthPx, minorPx / minorLengthPx, minorLengthPx);
+  @if(!RECORD_PAPER) return SplatAxes(majorUnit, majorLengthPx, vec2f(-majorUnit.y, majorUnit.x), splat.minorLengthPx);
+}
+
+/// Of a point `offset` px from the splat's centre, in units of its axes: the Gaussian is exp(−|local|²).
+fn localCoordinate(axes: SplatAxes, offset: vec2f) -> vec2f {
+  @if(!RECORD_PAPER) return vec2f(
+    dot(offset, axes.majorUnit) / axes.majorLengthPx,
+    dot(offset, axes.minorUnit) / axes.minorLengthPx,
+  );
+  // Rounded each for itself, the axes are not quite perpendicular.
+  @if(RECORD_PAPER) let determinant = cross2(axes.majorUnit, axes.minorUnit);
+  @if(RECORD_PAPER) return vec2f(
+    cross2(offset, axes.minorUnit) / determinant / axes.majorLengthPx,
+    cross2(axes.majorUnit, offset) / determinant / axes.minorLengthPx,
+  );
+}
+
+@if(RECORD_PAPER)
+fn cross2(a: vec2f, b: vec2f) -> f32 {
+  return a.x * b.y - a.y * b.x;
+}
+
+fn opacityOf(splat: ProjectedSplat) -> f32 {
+  @if(RECORD_F32) return splat.color.w;
+  @if(RECORD_PAPER) return unpack4x8unorm(splat.color).w;
+  @if(!RECORD_F32 && !RECORD_PAPER) return unpack2x16float(splat.color.y).y;
+}
