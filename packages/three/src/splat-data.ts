@@ -48,7 +48,7 @@ export class SplatData {
             'renderer’s accuracy, loader.setAccuracy(splatEngineOf(renderer).accuracy), before it loads.',
         );
       }
-      upload = { cloud: engine.addPacked(this.packed, { name: this.name }), users: 0 };
+      upload = { cloud: engine.addPacked(this.packed, { name: this.name, source: this.packed }), users: 0 };
       this.#uploads.set(engine, upload);
     }
     upload.users++;
