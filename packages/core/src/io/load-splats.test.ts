@@ -2,7 +2,7 @@ import { MessageChannel, type MessagePort } from 'node:worker_threads';
 import { afterEach, describe, expect, test, vi } from 'vitest';
 import { InvalidArgumentError, SplatFileError, SplatSourceError, WebSplatterError } from '../errors.ts';
 import { fromPostedError, type LoadRequest, toPostedError } from './load-messages.ts';
-import { loadSplats } from './load-splats.ts';
+import { lastingSource, loadSplats } from './load-splats.ts';
 import { chunked, plyBytes, splatElement } from './ply-fixture.ts';
 import { type LoadPort, serveLoad } from './serve-load.ts';
 import type { LoadProgress, SplatSource } from './splat-source.ts';
@@ -180,6 +180,22 @@ describe('abort', () => {
       throw new Error('bad callback');
     };
     await expect(loadSplats(ply, { onProgress })).rejects.toThrow('bad callback');
+  });
+});
+
+describe('what can be read again', () => {
+  test('is an address, as the page has it now, a Blob or a File', () => {
+    vi.stubGlobal('document', { baseURI: 'https://example.org/scenes/' });
+    expect(lastingSource('garden.ply')).toBe('https://example.org/scenes/garden.ply');
+    expect(lastingSource(new URL('https://example.org/a.ply'))).toBe('https://example.org/a.ply');
+    const blob = new Blob([ply]);
+    expect(lastingSource(blob)).toBe(blob);
+  });
+
+  test('is no stream and no buffer', () => {
+    expect(lastingSource(new ReadableStream())).toBeNull();
+    expect(lastingSource(ply)).toBeNull();
+    expect(lastingSource(ply.buffer)).toBeNull();
   });
 });
 
