@@ -10,15 +10,21 @@ import { compareImages, countedError, ERROR_COUNTS } from '../stages/compare-ima
 /** A picture with a value that is no finite number has no distance to anything. */
 export class NonFinitePictureError extends WebSplatterError {
   override readonly name = 'NonFinitePictureError';
-  /** Pixels with such a value in either picture. */
+  readonly picture: 'actual' | 'expected';
+  /** Pixels with such a value. */
   readonly pixels: number;
 
-  constructor(which: string, pixels: number, [xPx, yPx]: readonly [number, number]) {
+  constructor(
+    picture: 'actual' | 'expected',
+    pixels: number,
+    [xPx, yPx]: readonly [xPx: number, yPx: number],
+  ) {
     const { COMPARE_TILE_PX: side } = SHADER_CONSTANTS;
     super(
       'non-finite-picture',
-      `The ${which} picture has values that are not finite in ${pixels} pixels, the first of them in the ${side}×${side} px from ${xPx}, ${yPx}.`,
+      `The ${picture === 'actual' ? 'compared' : 'expected'} picture has values that are not finite in ${pixels} pixels, the first of them in the ${side}×${side} px from ${xPx}, ${yPx}.`,
     );
+    this.picture = picture;
     this.pixels = pixels;
   }
 }
@@ -106,12 +112,8 @@ function differenceOf(
     dissimilaritySum += tiles.getFloat32(at + offsets.dissimilaritySum, true);
     maxError = Math.max(maxError, tiles.getFloat32(at + offsets.maxError, true));
   }
-  for (const [which, field] of [
-    ['compared', 'brokenActual'],
-    ['expected', 'brokenExpected'],
-  ] as const) {
-    checkFinite(tiles, CompareTile.offsets[field], which, widthPx);
-  }
+  checkFinite(tiles, 'actual', widthPx);
+  checkFinite(tiles, 'expected', widthPx);
   return {
     psnrDb: squaredErrorSum === 0 ? Number.POSITIVE_INFINITY : -10 * Math.log10(squaredErrorSum / values),
     maxError,
@@ -133,9 +135,9 @@ function percentile(counts: Uint32Array, values: number, maxError: number): numb
   return 0;
 }
 
-function checkFinite(tiles: DataView, offset: number, which: string, widthPx: number): void {
+function checkFinite(tiles: DataView, picture: 'actual' | 'expected', widthPx: number): void {
   const { COMPARE_TILE_PX } = SHADER_CONSTANTS;
-  const tilesAcross = Math.ceil(widthPx / COMPARE_TILE_PX);
+  const offset = CompareTile.offsets[picture === 'actual' ? 'brokenActual' : 'brokenExpected'];
   let pixels = 0;
   let firstTile = -1;
   for (let tile = 0; tile * CompareTile.bytes < tiles.byteLength; tile++) {
@@ -144,9 +146,7 @@ function checkFinite(tiles: DataView, offset: number, which: string, widthPx: nu
     pixels += broken;
   }
   if (pixels === 0) return;
-  const placePx = [firstTile % tilesAcross, Math.floor(firstTile / tilesAcross)] as const;
-  throw new NonFinitePictureError(which, pixels, [
-    COMPARE_TILE_PX * placePx[0],
-    COMPARE_TILE_PX * placePx[1],
-  ]);
+  const tilesAcross = Math.ceil(widthPx / COMPARE_TILE_PX);
+  const [column, row] = [firstTile % tilesAcross, Math.floor(firstTile / tilesAcross)];
+  throw new NonFinitePictureError(picture, pixels, [COMPARE_TILE_PX * column, COMPARE_TILE_PX * row]);
 }

@@ -1,3 +1,14 @@
 export type { ImageDifference } from '../reference/compare-images.ts';
+export type { SettingName } from './candidates.ts';
+export { type AccuracyChoice, type AccuracyWish, chooseAccuracy, chooseFrom } from './choose-accuracy.ts';
 export { comparePictures } from './compare-pictures.ts';
 export { NonFinitePictureError } from './compare-textures.ts';
+export {
+  type AccuracyPoint,
+  type AccuracyTable,
+  type MeasureAccuracyOptions,
+  type MeasureProgress,
+  measureAccuracy,
+} from './measure-accuracy.ts';
+export { sampleCameras } from './sample-cameras.ts';
+export type { TimeSpread } from './time-spread.ts';

@@ -1,0 +1,104 @@
+import {
+  ACCURACY_PRESETS,
+  ACCURACY_SETTINGS,
+  type Accuracy,
+  type AccuracyPreset,
+  type AccuracySettings,
+  internAccuracy,
+} from '../accuracy.ts';
+import { InvalidArgumentError } from '../errors.ts';
+
+/** Name of one setting. */
+export type SettingName = keyof AccuracySettings;
+
+/** Settings that are to be measured. */
+export interface Candidate {
+  /** A preset's name, or what differs from the base. */
+  readonly name: string;
+  readonly settings: AccuracySettings;
+  /** Names of the settings in which it differs from the base. */
+  readonly changed: readonly SettingName[];
+}
+
+export const SETTING_NAMES = Object.keys(ACCURACY_SETTINGS) as SettingName[];
+
+/** What is tried of settings that are ranges. */
+const TRIED: { readonly [Name in SettingName]?: readonly AccuracySettings[Name][] } = {
+  alphaCutoff: [1 / 1024, 1 / 255, 1 / 128, 1 / 64],
+  resolutionScale: [1, 0.75, 0.5],
+};
+
+/** The paper's own pipeline with one of its optimizations switched off. */
+const ABLATIONS: Readonly<Record<string, Partial<AccuracySettings>>> = {
+  'paper −CULL': { culling: 'frustum' },
+  'paper −RADIUS': { extent: 'fixed' },
+};
+
+/**
+ * The base, the presets, the paper's ablations, and each of `names` one at a time away from the base; equal settings once,
+ * under the first of their names.
+ *
+ * @throws InvalidArgumentError for a setting that does not exist.
+ */
+export function singleCandidates(base: Accuracy, names: readonly string[] = SETTING_NAMES): Candidate[] {
+  const baseSettings = internAccuracy(base);
+  const chosen = names.map((name) => {
+    if ((SETTING_NAMES as string[]).includes(name)) return name as SettingName;
+    const message = `There is no accuracy setting "${name}"; there are ${SETTING_NAMES.join(', ')}.`;
+    throw new InvalidArgumentError('settings', message);
+  });
+  const presets = Object.keys(ACCURACY_PRESETS) as AccuracyPreset[];
+  const found: Candidate[] = [
+    { name: nameOfBase(base), settings: baseSettings, changed: [] },
+    ...presets.map((name) => candidate(baseSettings, internAccuracy(name), name)),
+    ...Object.entries(ABLATIONS).map(([name, changes]) =>
+      candidate(baseSettings, internAccuracy({ preset: 'paper', ...changes }), name),
+    ),
+    ...chosen.flatMap((name) =>
+      valuesTried(name).map((value) => candidate(baseSettings, changedTo(baseSettings, name, value))),
+    ),
+  ];
+  const first = new Map<AccuracySettings, Candidate>();
+  for (const each of found) if (!first.has(each.settings)) first.set(each.settings, each);
+  return [...first.values()];
+}
+
+/** Settings with all that `changes` says, as a candidate beside the base. */
+export function combined(base: AccuracySettings, changes: Partial<AccuracySettings>): Candidate {
+  return candidate(base, internAccuracy({ ...base, ...changes }));
+}
+
+/** `shDegree 2`, `alphaCutoff 1/128`: a setting as text. */
+export function describeSetting(settings: AccuracySettings, name: SettingName): string {
+  const value = settings[name];
+  const isFraction = name === 'alphaCutoff' && typeof value === 'number';
+  // Cutoffs are thought of as parts of what eight bits can show.
+  return `${name} ${isFraction ? `1/${Number((1 / value).toPrecision(4))}` : value}`;
+}
+
+function candidate(base: AccuracySettings, settings: AccuracySettings, name?: string): Candidate {
+  const changed = SETTING_NAMES.filter((setting) => settings[setting] !== base[setting]);
+  const described = changed.map((setting) => describeSetting(settings, setting)).join(', ');
+  return { name: name ?? described, settings, changed };
+}
+
+function valuesTried(name: SettingName): readonly AccuracySettings[SettingName][] {
+  const { values } = ACCURACY_SETTINGS[name];
+  return TRIED[name] ?? ('min' in values ? [values.max, values.min] : values);
+}
+
+function changedTo(
+  base: AccuracySettings,
+  name: SettingName,
+  value: AccuracySettings[SettingName],
+): AccuracySettings {
+  return internAccuracy({ ...base, [name]: value });
+}
+
+function nameOfBase(base: Accuracy): string {
+  if (typeof base === 'string') return base;
+  const settings = internAccuracy(base);
+  const presets = Object.keys(ACCURACY_PRESETS) as AccuracyPreset[];
+  const preset = presets.find((name) => internAccuracy(name) === settings);
+  return preset ?? 'base';
+}

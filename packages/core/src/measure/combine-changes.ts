@@ -1,0 +1,63 @@
+import type { AccuracySettings } from '../accuracy.ts';
+import type { Candidate } from './candidates.ts';
+
+/** What a first look says of a candidate. */
+export interface FirstLook {
+  readonly candidate: Candidate;
+  readonly psnrDb: number;
+  readonly totalMs: number;
+}
+
+const MAX_FASTER = 4;
+const MAX_FINER = 3;
+/** The most that `combineChanges` returns. */
+export const MAX_COMBINATIONS = MAX_FASTER + MAX_FINER;
+/** Less than this part of the base's time is not worth a combination. */
+const MIN_SAVING = 0.02;
+
+/**
+ * Changes of single settings put together where that promises to lie on the front: one after the other those that save
+ * the most time for what they err, and likewise those that gain the most accuracy for their time. Squared errors and
+ * times are taken to add up; what the combinations really cost is measured afterwards.
+ *
+ * @param singles candidates that differ from the base in one setting.
+ * @returns the changes of each combination, two settings or more, none twice.
+ */
+export function combineChanges(base: FirstLook, singles: readonly FirstLook[]): Partial<AccuracySettings>[] {
+  const baseError = squaredError(base);
+  const faster = singles
+    .filter(({ totalMs }) => totalMs < (1 - MIN_SAVING) * base.totalMs)
+    .map((look) => ({
+      look,
+      merit: (base.totalMs - look.totalMs) / Math.max(squaredError(look) - baseError, Number.EPSILON),
+    }));
+  const finer = singles
+    .filter((look) => squaredError(look) < baseError)
+    .map((look) => ({
+      look,
+      merit: (baseError - squaredError(look)) / Math.max(look.totalMs - base.totalMs, 0.01 * base.totalMs),
+    }));
+  return [...cumulated(faster, MAX_FASTER), ...cumulated(finer, MAX_FINER)];
+}
+
+/** The best change, it and the next best of another setting, and so on; the first alone has been measured already. */
+function cumulated(
+  changes: readonly { readonly look: FirstLook; readonly merit: number }[],
+  limit: number,
+): Partial<AccuracySettings>[] {
+  const found: Partial<AccuracySettings>[] = [];
+  let together: Partial<AccuracySettings> = {};
+  for (const { look } of [...changes].sort((a, b) => b.merit - a.merit)) {
+    const { settings, changed } = look.candidate;
+    const [name] = changed;
+    if (Object.hasOwn(together, name)) continue;
+    together = { ...together, [name]: settings[name] };
+    if (Object.keys(together).length > 1) found.push(together);
+    if (found.length === limit) break;
+  }
+  return found;
+}
+
+function squaredError({ psnrDb }: FirstLook): number {
+  return 10 ** (-psnrDb / 10);
+}

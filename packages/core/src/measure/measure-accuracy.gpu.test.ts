@@ -1,0 +1,149 @@
+import { createNodeGpu } from '@websplatter/node';
+import { gpuTest, watchDevice } from '@websplatter/node/gpu-test';
+import { STILL_LIFE_MIN_SPLATS, stillLife, stillLifeCameras } from '@websplatter/scenes';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { perspectiveCamera } from '../camera.ts';
+import { SplatEngine } from '../engine.ts';
+import { compareImages } from '../reference/compare-images.ts';
+import type { CloudInstance } from '../scene/view-frame.ts';
+import { chooseAccuracy } from './choose-accuracy.ts';
+import { comparePictures } from './compare-pictures.ts';
+import { type AccuracyTable, type MeasureProgress, measureAccuracy } from './measure-accuracy.ts';
+import { sampleCameras } from './sample-cameras.ts';
+
+// As little as will do: SwiftShader takes a second for some pictures of the whole scene, and a sweep is hundreds of them.
+const SIZE = { widthPx: 24, heightPx: 24 };
+const SPLATS = STILL_LIFE_MIN_SPLATS;
+
+let engine: SplatEngine;
+let clouds: CloudInstance[];
+let common: { clouds: CloudInstance[]; cameras: ReturnType<typeof perspectiveCamera>[] } & typeof SIZE;
+
+beforeAll(async () => {
+  const { gpu, adapter } = await createNodeGpu();
+  engine = await SplatEngine.create({ gpu, adapter, accuracy: 'reference' });
+  watchDevice(engine.device);
+  clouds = [{ cloud: engine.add(stillLife({ splats: SPLATS }), { name: 'still life' }) }];
+  const camera = perspectiveCamera({ ...stillLifeCameras[0], aspect: 1 });
+  common = { clouds, cameras: [camera], ...SIZE };
+});
+afterAll(() => engine?.destroy());
+
+describe('measureAccuracy', () => {
+  gpuTest('errors are the CPU’s of pictures read back, to 0.1 dB', async () => {
+    const table = await measureAccuracy(engine, {
+      ...common,
+      frames: 1,
+      combinations: false,
+      settings: ['shDegree'],
+    });
+    const views = [engine.createView(), engine.createView()] as const;
+    const draw = async (view: (typeof views)[number], accuracy: AccuracyTable['base']) => {
+      view.render({ ...common, camera: common.cameras[0], accuracy });
+      return (await view.readPixels()).data;
+    };
+    const reference = await draw(views[0], table.reference.settings);
+    expect(table.points.length).toBeGreaterThanOrEqual(6);
+    for (const { name, settings, error } of table.points) {
+      const expected = compareImages(await draw(views[1], settings), reference, SIZE);
+      if (expected.psnrDb === Number.POSITIVE_INFINITY) expect(error.psnrDb, name).toBe(expected.psnrDb);
+      else expect(Math.abs(error.psnrDb - expected.psnrDb), name).toBeLessThan(0.1);
+      expect(Math.abs(error.maxError - expected.maxError), name).toBeLessThan(1e-6);
+      expect(Math.abs(error.ssim - expected.ssim), name).toBeLessThan(1e-4);
+      expect(await comparePictures(views[1], views[0]), name).toEqual(error);
+    }
+    for (const view of views) view.destroy();
+  });
+
+  gpuTest('two sweeps rank points alike where their intervals do not overlap', async () => {
+    const options = { ...common, settings: ['colorTarget'], combinations: false, frames: 6 };
+    const [first, second] = [await measureAccuracy(engine, options), await measureAccuracy(engine, options)];
+    expect(second.points.map(({ name, error }) => [name, error])).toEqual(
+      first.points.map(({ name, error }) => [name, error]),
+    );
+    let contradictions = 0;
+    let pairs = 0;
+    for (const [i, a] of first.points.entries()) {
+      for (const [j, b] of first.points.entries()) {
+        pairs++;
+        const isFaster = (x: typeof a, y: typeof a) => x.timeMs.total.high < y.timeMs.total.low;
+        if (isFaster(a, b) && isFaster(second.points[j], second.points[i])) contradictions++;
+      }
+    }
+    // Of intervals of 95 % one or the other may lie beside the truth.
+    expect(contradictions).toBeLessThanOrEqual(Math.ceil(0.05 * pairs));
+  });
+
+  gpuTest('tells what it does, tries combinations, and leaves nothing behind', async () => {
+    const before = engine.memory().totalBytes;
+    const progress: MeasureProgress[] = [];
+    const { accuracy } = engine;
+    const table = await measureAccuracy(engine, {
+      ...common,
+      frames: 2,
+      settings: ['shDegree', 'alphaCutoff'],
+      onProgress: (each) => progress.push(each),
+    });
+    expect(engine.memory().totalBytes).toBe(before);
+    expect(engine.accuracy).toBe(accuracy);
+    expect(progress.map(({ done }) => done)).toEqual(progress.map((_, i) => i));
+    expect(progress.at(-1)).toMatchObject({ done: progress.length - 1, total: progress.length });
+    expect(table).toMatchObject({
+      ...SIZE,
+      views: 1,
+      frames: 2,
+      splats: SPLATS,
+      adapter: engine.adapterLabel,
+    });
+    expect(table.points[0]).toMatchObject({ name: 'balanced', changed: [] });
+    expect(new Set(table.points.map(({ settings }) => settings)).size).toBe(table.points.length);
+    for (const { name, timeMs, bytes, changed, settings } of table.points) {
+      expect(timeMs.total.median, name).toBeGreaterThan(0);
+      expect(timeMs.total.low, name).toBeLessThanOrEqual(timeMs.total.high);
+      expect(bytes, name).toBeGreaterThan(SPLATS * 32);
+      for (const setting of changed) expect(settings[setting]).not.toBe(table.base[setting]);
+    }
+    expect(table.points.filter(({ isOnFront }) => isOnFront).length).toBeGreaterThan(0);
+  });
+
+  gpuTest('ends when it is told to, and frees its views', async () => {
+    const before = engine.memory().totalBytes;
+    const ending = new AbortController();
+    const measuring = measureAccuracy(engine, {
+      ...common,
+      signal: ending.signal,
+      onProgress: ({ done }) => {
+        if (done === 8) ending.abort(new Error('enough'));
+      },
+    });
+    await expect(measuring).rejects.toThrow('enough');
+    expect(engine.memory().totalBytes).toBe(before);
+  });
+
+  gpuTest('refuses what cannot be measured', async () => {
+    await expect(measureAccuracy(engine, { ...common, cameras: [] })).rejects.toThrow('no cameras');
+    await expect(measureAccuracy(engine, { ...common, frames: 0 })).rejects.toThrow('frames is 0');
+    await expect(measureAccuracy(engine, { ...common, settings: ['sharpness'] })).rejects.toThrow(
+      '"sharpness"',
+    );
+  });
+});
+
+describe('chooseAccuracy', () => {
+  gpuTest('picks a setting whose measured error meets the wish, from every side', async () => {
+    const cameras = sampleCameras(common.cameras[0], clouds[0].cloud.robustBounds, 2);
+    const options = { ...common, cameras, frames: 1, settings: ['shDegree'], combinations: false };
+    const choice = await chooseAccuracy(engine, { minPsnrDb: 40 }, options);
+    expect(choice.isMet).toBe(true);
+    expect(choice.why).toContain('reach 40 dB');
+    const [tested, reference] = [engine.createView(), engine.createView()];
+    for (const camera of cameras) {
+      tested.render({ ...common, camera, accuracy: choice.settings });
+      reference.render({ ...common, camera, accuracy: choice.table.reference.settings });
+      expect((await comparePictures(tested, reference)).psnrDb).toBeGreaterThanOrEqual(40);
+    }
+    for (const view of [tested, reference]) view.destroy();
+    const impossible = await chooseAccuracy(engine, { maxFrameMs: 1e-6 }, options);
+    expect(impossible).toMatchObject({ isMet: false, why: expect.stringContaining('None of the') });
+  });
+});

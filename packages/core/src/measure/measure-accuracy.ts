@@ -1,0 +1,384 @@
+import { ACCURACY_SETTINGS, type Accuracy, type AccuracySettings, DEFAULT_ACCURACY } from '../accuracy.ts';
+import type { Camera } from '../camera.ts';
+import type { SplatEngine } from '../engine.ts';
+import { InvalidArgumentError } from '../errors.ts';
+import type { ImageDifference } from '../reference/compare-images.ts';
+import type { CloudInstance, ViewFrame } from '../scene/view-frame.ts';
+import { isPlausible, type StageTimings } from '../timing/frame-statistics.ts';
+import type { SplatView } from '../view.ts';
+import { type Candidate, combined, type SettingName, singleCandidates } from './candidates.ts';
+import { combineChanges, type FirstLook, MAX_COMBINATIONS } from './combine-changes.ts';
+import { comparePictures } from './compare-pictures.ts';
+import { NonFinitePictureError } from './compare-textures.ts';
+import { drawMeasured, withView } from './measured-frames.ts';
+import { paretoFront } from './pareto-front.ts';
+import { type TimeSpread, timeSpread } from './time-spread.ts';
+
+export interface MeasureAccuracyOptions {
+  /** What is drawn, in the order of a frame. Shown elsewhere meanwhile or not: measuring draws pictures of its own. */
+  readonly clouds: readonly CloudInstance[];
+  /** At least one. Of several the worst counts: the largest error, and the time of the slowest. */
+  readonly cameras: readonly Camera[];
+  /** Whole numbers from 1, pixels. */
+  readonly widthPx: number;
+  readonly heightPx: number;
+  /** What settings are changed from, one at a time; default `balanced`. */
+  readonly base?: Accuracy;
+  /** Names of the settings that are changed; default all. */
+  readonly settings?: readonly string[];
+  /** Whether changes that pay are also tried together; default true. */
+  readonly combinations?: boolean;
+  /** Measured frames per point and camera, default 15. Under 6 there is no interval of 95 % and all values are taken. */
+  readonly frames?: number;
+  /** Ends the measurement: it rejects with the signal's reason and frees what it holds. */
+  readonly signal?: AbortSignal;
+  readonly onProgress?: (progress: MeasureProgress) => void;
+}
+
+export interface MeasureProgress {
+  /** Steps of about the same length; `total` may shrink. */
+  readonly done: number;
+  readonly total: number;
+  /** What is being done, for people. */
+  readonly label: string;
+}
+
+/** What one choice of settings costs, and how far its picture is from the reference. */
+export interface AccuracyPoint {
+  /** A preset's name, or what differs from the base. */
+  readonly name: string;
+  readonly settings: AccuracySettings;
+  /** Names of the settings in which it differs from the base. */
+  readonly changed: readonly SettingName[];
+  /** Against the reference, over black, values clamped to 0…1; `psnrDb` is Infinity for equal pictures. */
+  readonly error: ImageDifference;
+  readonly timeMs: {
+    /** Null where only the wall clock is known. */
+    readonly preprocess: TimeSpread | null;
+    readonly sort: TimeSpread | null;
+    readonly rasterize: TimeSpread | null;
+    readonly total: TimeSpread;
+  };
+  /** Whether no other point is both more accurate and faster, as far as the times can be told apart. */
+  readonly isOnFront: boolean;
+  /** GPU memory of the clouds in these precisions and of one view. */
+  readonly bytes: number;
+  readonly notes: readonly string[];
+}
+
+export interface AccuracyTable {
+  /** The base first, then presets, single changes and combinations. */
+  readonly points: readonly AccuracyPoint[];
+  readonly base: AccuracySettings;
+  /** What errors are measured against: what the device and the clouds have of the preset `reference`. */
+  readonly reference: { readonly settings: AccuracySettings; readonly notes: readonly string[] };
+  /** What was left out, and what is to be known of all points. */
+  readonly notes: readonly string[];
+  readonly timing: StageTimings['source'];
+  /** What a person would call the adapter. */
+  readonly adapter: string;
+  readonly widthPx: number;
+  readonly heightPx: number;
+  /** Splats of all clouds. */
+  readonly splats: number;
+  /** Number of cameras. */
+  readonly views: number;
+  /** Measured frames per point and camera. */
+  readonly frames: number;
+  readonly elapsedMs: number;
+}
+
+const DEFAULT_FRAMES = 15;
+/** Measured frames in a row, after one that is not: it makes the buffers and wakes the GPU. */
+const FRAMES_PER_VISIT = 3;
+
+/**
+ * Measures what settings cost and what they buy, for these clouds and cameras: the error against the reference on the
+ * GPU, at full size, and milliseconds per stage.
+ *
+ * Points take turns, a few frames each (A B C, C B A, …), so that a GPU that warms up or is shared slows all of them
+ * alike. One view at a time is measured, beside one that holds the reference: the memory needed does not grow with the
+ * number of points. Other work of the page goes on between frames; what it does on the GPU is measured with the rest.
+ *
+ * @throws InvalidArgumentError, GpuLimitError, DestroyedError, NonFinitePictureError of the reference; the reason of
+ * `signal`.
+ */
+export async function measureAccuracy(
+  engine: SplatEngine,
+  options: MeasureAccuracyOptions,
+): Promise<AccuracyTable> {
+  checkOptions(options);
+  const sweep = new Sweep(engine, options);
+  return sweep.run();
+}
+
+/** A candidate with what has been measured of it so far. */
+interface Measured {
+  readonly candidate: Candidate;
+  readonly error: ImageDifference;
+  readonly bytes: number;
+  readonly notes: readonly string[];
+  /** Per camera. */
+  readonly timings: StageTimings[][];
+}
+
+class Sweep {
+  readonly #engine: SplatEngine;
+  readonly #options: MeasureAccuracyOptions;
+  readonly #frames: number;
+  readonly #reference: AccuracyTable['reference'];
+  readonly #notes: string[] = [];
+  #done = 0;
+  #total = 0;
+
+  constructor(engine: SplatEngine, options: MeasureAccuracyOptions) {
+    this.#engine = engine;
+    this.#options = options;
+    this.#frames = options.frames ?? DEFAULT_FRAMES;
+    const { settings, notices } = engine.resolveAccuracy('reference');
+    this.#reference = { settings, notes: [...notices, ...this.#planeNotes(settings)] };
+  }
+
+  async run(): Promise<AccuracyTable> {
+    const startedMs = performance.now();
+    const engine = this.#engine;
+    const { clouds, cameras, widthPx, heightPx, base = DEFAULT_ACCURACY } = this.#options;
+    const withCombinations = this.#options.combinations ?? true;
+    const candidates = singleCandidates(base, this.#options.settings).filter((each) =>
+      this.#isPossible(each),
+    );
+
+    const rounds = Math.ceil(this.#frames / FRAMES_PER_VISIT);
+    const stepsEach = cameras.length * (1 + rounds);
+    const singles = candidates.length;
+    this.#total = (singles + (withCombinations ? MAX_COMBINATIONS : 0)) * stepsEach;
+    if (withCombinations) this.#total += singles * cameras.length;
+
+    const measured = await this.#measureErrors(candidates);
+    if (withCombinations) {
+      const more = await this.#findCombinations(measured);
+      this.#total -= (MAX_COMBINATIONS - more.length) * stepsEach;
+      measured.push(...(await this.#measureErrors(more)));
+    }
+    for (const [round, frames] of visits(this.#frames).entries()) {
+      // Every other round backwards: what comes late in one comes early in the next.
+      const order = round % 2 === 0 ? measured : [...measured].reverse();
+      for (const each of order) {
+        for (const [view, some] of (await this.#visit(each, frames)).entries())
+          each.timings[view].push(...some);
+      }
+    }
+
+    const points = toPoints(measured);
+    const sources = measured.flatMap(({ timings }) => timings.flat());
+    if (sources.filter((timing) => !isPlausible(timing)).length > sources.length / 2) {
+      this.#notes.push('GPU timestamps and wall clock disagree by more than a factor of three here.');
+    }
+    return {
+      points,
+      base: measured[0].candidate.settings,
+      reference: this.#reference,
+      notes: this.#notes,
+      timing: sources[0].source,
+      adapter: engine.adapterLabel,
+      widthPx,
+      heightPx,
+      splats: clouds.reduce((sum, { cloud }) => sum + cloud.count, 0),
+      views: cameras.length,
+      frames: this.#frames,
+      elapsedMs: performance.now() - startedMs,
+    };
+  }
+
+  /** Whether the device and the clouds can show what the candidate changes; if not, a note says why. */
+  #isPossible({ name, settings, changed }: Candidate): boolean {
+    const leaveOut = (why: string) => {
+      this.#notes.push(`${name} is left out: ${why}`);
+      return false;
+    };
+    const possible = this.#engine.resolveAccuracy(settings);
+    const isSingle = changed.length === 1;
+    if (isSingle && possible.settings !== settings) return leaveOut(possible.notices.join(' '));
+    const degree = Math.max(0, ...this.#options.clouds.map(({ cloud }) => cloud.shDegree));
+    if (isSingle && changed[0] === 'shDegree' && settings.shDegree > degree) {
+      return leaveOut(`the clouds have spherical harmonics up to degree ${degree}.`);
+    }
+    if (isSingle && ACCURACY_SETTINGS[changed[0]].change === 'plane') {
+      const [note] = this.#planeNotes(settings);
+      if (note !== undefined) return leaveOut(note);
+    }
+    return true;
+  }
+
+  /** Errors over all cameras, the worst of each measure; candidates whose picture is broken are left out with a note. */
+  async #measureErrors(candidates: readonly Candidate[]): Promise<Measured[]> {
+    const errors = new Map<Candidate, ImageDifference[]>(candidates.map((each) => [each, []]));
+    const bytes = new Map<Candidate, number>();
+    await withView(this.#engine, async (reference) => {
+      for (const camera of this.#options.cameras) {
+        reference.render(this.#frame(camera, this.#reference.settings));
+        for (const candidate of [...errors.keys()]) {
+          this.#step(`Comparing ${candidate.name} with the reference`);
+          const found = await this.#compare(candidate, camera, reference).catch((error) => {
+            if (!(error instanceof NonFinitePictureError) || error.picture !== 'actual') throw error;
+            this.#notes.push(`${candidate.name} is left out: ${error.message}`);
+            return null;
+          });
+          if (found === null) {
+            errors.delete(candidate);
+            continue;
+          }
+          errors.get(candidate)!.push(found.error);
+          bytes.set(candidate, Math.max(found.bytes, bytes.get(candidate) ?? 0));
+        }
+      }
+    });
+    return [...errors].map(([candidate, found]) => ({
+      candidate,
+      error: worstOf(found),
+      bytes: bytes.get(candidate)!,
+      notes: [
+        ...this.#engine.resolveAccuracy(candidate.settings).notices,
+        ...this.#planeNotes(candidate.settings),
+      ],
+      timings: this.#options.cameras.map(() => []),
+    }));
+  }
+
+  async #compare({ settings }: Candidate, camera: Camera, reference: SplatView) {
+    const engine = this.#engine;
+    const view = engine.createView();
+    try {
+      view.render(this.#frame(camera, settings));
+      const error = await comparePictures(view, reference);
+      const { totalBytes } = engine.memory();
+      view.destroy();
+      const viewBytes = totalBytes - engine.memory().totalBytes;
+      return { error, bytes: viewBytes + this.#cloudBytes(settings) };
+    } finally {
+      view.destroy();
+    }
+  }
+
+  /** A first look at times, far too short for the table, tells which changes to put together. */
+  async #findCombinations(measured: readonly Measured[]): Promise<Candidate[]> {
+    const looks: FirstLook[] = [];
+    for (const each of measured) {
+      const { candidate, error } = each;
+      const timings = await this.#visit(each, FRAMES_PER_VISIT);
+      const totalMs = Math.max(...timings.map((some) => timeSpread(some.map((one) => one.totalMs)).median));
+      looks.push({ candidate, psnrDb: error.psnrDb, totalMs });
+    }
+    const [base, ...others] = looks;
+    const singles = others.filter(({ candidate }) => candidate.changed.length === 1);
+    const known = new Set(measured.map(({ candidate }) => candidate.settings));
+    return combineChanges(base, singles)
+      .map((changes) => combined(base.candidate.settings, changes))
+      .filter(({ settings }) => !known.has(settings));
+  }
+
+  /** Draws a point a few times with every camera, and answers with the times per camera. */
+  async #visit({ candidate }: Measured, frames: number): Promise<StageTimings[][]> {
+    return withView(this.#engine, async (view) => {
+      const timings: StageTimings[][] = [];
+      for (const camera of this.#options.cameras) {
+        this.#step(`Timing ${candidate.name}`);
+        const frame = this.#frame(camera, candidate.settings);
+        await drawMeasured(this.#engine, view, frame);
+        const measured: StageTimings[] = [];
+        for (let i = 0; i < frames; i++) {
+          this.#options.signal?.throwIfAborted();
+          measured.push(await drawMeasured(this.#engine, view, frame));
+        }
+        timings.push(measured);
+      }
+      return timings;
+    });
+  }
+
+  #frame(camera: Camera, accuracy: AccuracySettings): ViewFrame {
+    const { clouds, widthPx, heightPx } = this.#options;
+    return { camera, clouds, widthPx, heightPx, accuracy };
+  }
+
+  /** What the clouds cannot be drawn with as `settings` ask for it. */
+  #planeNotes(settings: AccuracySettings): string[] {
+    return this.#options.clouds.flatMap(({ cloud }) => {
+      const { geometryPrecision, shPrecision } = cloud.pagesFor(settings);
+      const instead = [];
+      if (geometryPrecision !== settings.geometryPrecision) instead.push(`${geometryPrecision} geometry`);
+      if (shPrecision !== settings.shPrecision) instead.push(`${shPrecision} spherical harmonics`);
+      return instead.length === 0
+        ? []
+        : [`${cloud.name} is drawn with ${instead.join(' and ')}, the nearest it holds.`];
+    });
+  }
+
+  /** Of the planes that are drawn with `settings`. */
+  #cloudBytes(settings: AccuracySettings): number {
+    const distinct = new Set(this.#options.clouds.map(({ cloud }) => cloud));
+    return [...distinct]
+      .flatMap((cloud) => cloud.pagesFor(settings).pages)
+      .reduce(
+        (sum, { geometry, shRest, chunks }) => sum + geometry.size + chunks.size + (shRest?.size ?? 0),
+        0,
+      );
+  }
+
+  #step(label: string): void {
+    this.#options.signal?.throwIfAborted();
+    this.#options.onProgress?.({ done: this.#done++, total: this.#total, label });
+  }
+}
+
+/** How many frames each round measures, `frames` in all. */
+function visits(frames: number): number[] {
+  const full = Array<number>(Math.floor(frames / FRAMES_PER_VISIT)).fill(FRAMES_PER_VISIT);
+  return frames % FRAMES_PER_VISIT === 0 ? full : [...full, frames % FRAMES_PER_VISIT];
+}
+
+function worstOf(errors: readonly ImageDifference[]): ImageDifference {
+  return {
+    psnrDb: Math.min(...errors.map(({ psnrDb }) => psnrDb)),
+    maxError: Math.max(...errors.map(({ maxError }) => maxError)),
+    p999Error: Math.max(...errors.map(({ p999Error }) => p999Error)),
+    ssim: Math.min(...errors.map(({ ssim }) => ssim)),
+  };
+}
+
+function toPoints(measured: readonly Measured[]): AccuracyPoint[] {
+  const points = measured.map(({ candidate, error, bytes, notes, timings }) => {
+    const timeMs = slowestOf(timings);
+    return { ...candidate, error, timeMs, bytes, notes, psnrDb: error.psnrDb, totalMs: timeMs.total };
+  });
+  const front = new Set(paretoFront(points));
+  return points.map((point) => {
+    const { psnrDb: _, totalMs: __, ...rest } = point;
+    return { ...rest, isOnFront: front.has(point) };
+  });
+}
+
+/** Times of the camera that takes longest. */
+function slowestOf(timings: readonly (readonly StageTimings[])[]): AccuracyPoint['timeMs'] {
+  const spreads = timings.map((some) => {
+    const spreadOf = (stage: 'preprocessMs' | 'sortMs' | 'rasterizeMs' | 'totalMs') =>
+      timeSpread(some.map((one) => one[stage]));
+    const hasStages = some.every(({ source }) => source === 'gpu-timestamps');
+    return {
+      preprocess: hasStages ? spreadOf('preprocessMs') : null,
+      sort: hasStages ? spreadOf('sortMs') : null,
+      rasterize: hasStages ? spreadOf('rasterizeMs') : null,
+      total: spreadOf('totalMs'),
+    };
+  });
+  return spreads.reduce((slowest, each) => (each.total.median > slowest.total.median ? each : slowest));
+}
+
+function checkOptions({ cameras, widthPx, heightPx, frames = DEFAULT_FRAMES }: MeasureAccuracyOptions): void {
+  if (cameras.length === 0)
+    throw new InvalidArgumentError('cameras', 'There are no cameras; measuring takes at least one.');
+  for (const [name, value] of Object.entries({ widthPx, heightPx, frames })) {
+    if (!(Number.isInteger(value) && value >= 1))
+      throw new InvalidArgumentError(name, `${name} is ${value}; it must be a whole number from 1 on.`);
+  }
+}

@@ -1,0 +1,57 @@
+import type { Camera } from '../camera.ts';
+import { InvalidArgumentError } from '../errors.ts';
+import { type Mat4, multiply4 } from '../math/mat4.ts';
+import type { Bounds } from '../scene/packed-cloud.ts';
+
+/** Farthest that a sampled view is turned away from the given one. */
+const MAX_TURN = (35 * Math.PI) / 180;
+/** One after the other: as far away as now, nearer, farther. */
+const DISTANCE_FACTORS = [1, 0.65, 1.5] as const;
+/** Turns by this angle never line up. */
+const GOLDEN_ANGLE = Math.PI * (3 - Math.sqrt(5));
+
+/**
+ * Views around what `camera` sees now: the camera itself, then others that look at the same place from other sides, from
+ * nearer and from farther. The same cameras for the same arguments.
+ *
+ * @param bounds of what is looked at, world space; with clouds of one matrix or none `cloud.robustBounds`.
+ * @param count how many, from 1.
+ * @throws InvalidArgumentError where `count` is no whole number from 1 on.
+ */
+export function sampleCameras(camera: Camera, bounds: Bounds, count = 8): Camera[] {
+  if (!(Number.isInteger(count) && count >= 1))
+    throw new InvalidArgumentError('count', `count is ${count}; it must be a whole number from 1 on.`);
+  const depth = pivotDepth(camera, bounds);
+  return Array.from({ length: count }, (_, index) => {
+    if (index === 0) return camera;
+    const turn = MAX_TURN * Math.sqrt(index / (count - 1));
+    const towards = index * GOLDEN_ANGLE;
+    // In view space: to the place that is looked at, turned there, and back by another distance.
+    const there = alongView(depth);
+    const turned = multiply4(rotation(turn * Math.cos(towards), turn * Math.sin(towards)), there);
+    const factor = DISTANCE_FACTORS[index % DISTANCE_FACTORS.length];
+    const back = multiply4(alongView(-depth * factor), turned);
+    return { ...camera, viewMatrix: multiply4(back, camera.viewMatrix) };
+  });
+}
+
+/** View depth of what is looked at: of the middle of the bounds, but never nearer than a fifth of their extent. */
+function pivotDepth({ viewMatrix: v, near }: Camera, { min, max }: Bounds): number {
+  const middle = [0, 1, 2].map((axis) => (min[axis] + max[axis]) / 2);
+  const extent = Math.hypot(...[0, 1, 2].map((axis) => max[axis] - min[axis]));
+  const depth = -(v[2] * middle[0] + v[6] * middle[1] + v[10] * middle[2] + v[14]);
+  return Math.max(depth, extent / 5, 2 * near);
+}
+
+/** Moves by `depth` along the view's z axis. */
+function alongView(depth: number): Mat4 {
+  return Float64Array.of(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, depth, 1);
+}
+
+/** Turned about the picture's y axis, then about its x axis; radians. */
+function rotation(aboutY: number, aboutX: number): Mat4 {
+  const [cy, sy, cx, sx] = [Math.cos(aboutY), Math.sin(aboutY), Math.cos(aboutX), Math.sin(aboutX)];
+  const yaw = Float64Array.of(cy, 0, -sy, 0, 0, 1, 0, 0, sy, 0, cy, 0, 0, 0, 0, 1);
+  const pitch = Float64Array.of(1, 0, 0, 0, 0, cx, sx, 0, 0, -sx, cx, 0, 0, 0, 0, 1);
+  return multiply4(pitch, yaw);
+}
