@@ -197,19 +197,32 @@ describe('a finer precision', () => {
     small.destroy();
   });
 
-  gpuTest('fails where it does not fit into memory; all stays as it was', async () => {
-    const cloud = engine.add(set, { name: 'garden' });
-    await engine.requestPrecision(cloud, SMALLEST);
-    const { totalBytes } = engine.memory();
-    lacksMemoryFor = 'garden spherical harmonics 1';
-    const request = engine.requestPrecision(cloud, FINEST);
-    await expect(request).rejects.toThrow(GpuLimitError);
-    await expect(request).rejects.toThrow(/garden.*146400 bytes/);
-    lacksMemoryFor = '';
-    expectHeld(cloud, SMALLEST);
-    expect(engine.memory().totalBytes).toBe(totalBytes);
-    cloud.destroy();
+  gpuTest('comes from an address as long as there is something at it', async () => {
+    const small = await SplatEngine.create({ device: engine.device });
+    const address = URL.createObjectURL(file);
+    const cloud = await small.load(address);
+    await small.requestPrecision(cloud, { geometryPrecision: 'f32', shPrecision: 'u8' });
+    URL.revokeObjectURL(address);
+    await expect(small.requestPrecision(cloud, FINEST)).rejects.toThrow(SplatSourceError);
+    expectHeld(cloud, { geometryPrecision: 'f32', shPrecision: 'u8' });
+    small.destroy();
   });
+
+  for (const how of ['throws', 'reports'] as const) {
+    gpuTest(`fails where a device ${how} that memory is lacking; all stays as it was`, async () => {
+      const cloud = engine.add(set, { name: 'garden' });
+      await engine.requestPrecision(cloud, SMALLEST);
+      const { totalBytes } = engine.memory();
+      lacksMemory = { label: 'garden spherical harmonics 1', how };
+      const request = engine.requestPrecision(cloud, FINEST);
+      await expect(request).rejects.toThrow(GpuLimitError);
+      await expect(request).rejects.toThrow(/garden.*146400 bytes/);
+      lacksMemory = null;
+      expectHeld(cloud, SMALLEST);
+      expect(engine.memory().totalBytes).toBe(totalBytes);
+      cloud.destroy();
+    });
+  }
 });
 
 describe('a request', () => {
@@ -259,8 +272,8 @@ describe('a request', () => {
   });
 });
 
-/** Label of the buffer that there is no memory for; none where it is empty. */
-let lacksMemoryFor = '';
+/** The buffer that there is no memory for, if any, and how its device tells. */
+let lacksMemory: { readonly label: string; readonly how: 'throws' | 'reports' } | null = null;
 
 /** `whole` as if it had these limits, and were out of memory where a test says so. */
 function withLimits(whole: GPUDevice, limits: Partial<Record<keyof GPUSupportedLimits, number>>): GPUDevice {
@@ -268,13 +281,19 @@ function withLimits(whole: GPUDevice, limits: Partial<Record<keyof GPUSupportedL
     get: (target, name) => limits[name as keyof GPUSupportedLimits] ?? Reflect.get(target, name),
   });
   const createBuffer = (descriptor: GPUBufferDescriptor) => {
-    if (descriptor.label === lacksMemoryFor) throw new RangeError('createBuffer failed');
+    if (lacksMemory?.how === 'throws' && lacksMemory.label === descriptor.label)
+      throw new RangeError('createBuffer failed');
     return whole.createBuffer(descriptor);
+  };
+  const popErrorScope = async () => {
+    const error = await whole.popErrorScope();
+    return lacksMemory ? ({ message: 'out of memory' } as GPUOutOfMemoryError) : error;
   };
   return new Proxy(whole, {
     get(target, name) {
       if (name === 'limits') return limited;
       if (name === 'createBuffer') return createBuffer;
+      if (name === 'popErrorScope') return popErrorScope;
       const value = Reflect.get(target, name);
       return typeof value === 'function' ? value.bind(target) : value;
     },

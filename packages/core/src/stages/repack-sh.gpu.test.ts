@@ -22,7 +22,11 @@ afterAll(() => device.destroy());
 const COUNT = 700;
 const DISPATCH_ROW = 2;
 
-async function repackOnGpu(finer: ShRest, variant: RepackShVariant): Promise<Uint32Array> {
+async function repackOnGpu(
+  finer: ShRest,
+  variant: RepackShVariant,
+  shaders = pipelines,
+): Promise<Uint32Array> {
   const stage = repackSh(variant);
   const contents = new ArrayBuffer(RepackParameters.bytes);
   RepackParameters.write(contents, { logScales: [0, 0], splatCount: COUNT, dispatchRow: DISPATCH_ROW });
@@ -33,7 +37,7 @@ async function repackOnGpu(finer: ShRest, variant: RepackShVariant): Promise<Uin
     coarser,
   };
   const workgroups = Math.ceil(COUNT / SHADER_CONSTANTS.REPACK_WORKGROUP);
-  await runStage(device, pipelines, stage, bindings, dispatchSize(workgroups, DISPATCH_ROW));
+  await runStage(device, shaders, stage, bindings, dispatchSize(workgroups, DISPATCH_ROW));
   return readWords(device, coarser);
 }
 
@@ -51,6 +55,17 @@ function coefficients(degree: RepackShVariant['degree']): ShRest {
 }
 
 describe('repack-sh', () => {
+  gpuTest('halves that are cut off instead of rounded are noticed', async () => {
+    const mutation = { file: 'lib/packing', find: '0xfffu + ((magnitude >> 13u) & 1u)', replace: '0u' };
+    const finer = coefficients(1);
+    const cut = await repackOnGpu(
+      finer,
+      { degree: 1, from: 'f32', to: 'f16' },
+      new Pipelines(device, mutation),
+    );
+    expect(cut).not.toEqual(twin(finer, COUNT, 'f16').words);
+  });
+
   for (const degree of [1, 2, 3] as const) {
     gpuTest(`degree ${degree}: f32 to f16 is bit for bit the host's`, async () => {
       const finer = coefficients(degree);
