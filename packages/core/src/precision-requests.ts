@@ -220,7 +220,12 @@ async function workFor(
   const finest = { geometry: planes.held.geometry[0], sh: planes.held.sh[0] };
   const lacksGeometry = !isGeometryAsFine(finest.geometry, geometryPrecision);
   const lacksSh = !isShAsFine(finest.sh, shPrecision);
-  const fresh = lacksGeometry || lacksSh ? await readAgain(cloud, wanted, watch) : null;
+  // Of what is not missing as little as can be: at degree 3 the finest harmonics take four times the memory.
+  const missing: CloudPrecision = {
+    geometryPrecision: lacksGeometry ? geometryPrecision : 'packed',
+    shPrecision: lacksSh ? shPrecision : 'u8',
+  };
+  const fresh = lacksGeometry || lacksSh ? await readAgain(cloud, missing, watch) : null;
   const freshGeometry = fresh && lacksGeometry ? fresh.geometry : null;
   const freshSh = fresh && lacksSh ? fresh.shRest : null;
   const hasGeometry =
@@ -247,7 +252,7 @@ function bytesOf({ count, shDegree }: SplatCloud, wanted: CloudPrecision, work: 
   return uploadedBytes(work) + 4 * count * (geometryWords + shWords);
 }
 
-/** The splats of `cloud` as fine as `wanted` or finer, and sure to be the same ones. */
+/** The splats of `cloud`, as fine as `wanted` or finer, and sure to be the same ones. */
 async function readAgain(
   cloud: SplatCloud,
   wanted: CloudPrecision,
