@@ -36,6 +36,13 @@ export interface PossibleAccuracy {
   readonly notices: readonly string[];
 }
 
+/** A cloud that could not be given the precision of the engine's accuracy, and why. */
+export interface PrecisionProblem {
+  readonly cloud: SplatCloud;
+  /** As `requestPrecision` rejects with it. */
+  readonly error: Error;
+}
+
 /** Draws Gaussian splats on one WebGPU device. */
 export class SplatEngine {
   readonly device: GPUDevice;
@@ -52,6 +59,7 @@ export class SplatEngine {
   readonly #dispatchRow: number;
   readonly #precisionRequests: PrecisionRequests;
   readonly #views = new Set<SplatView | EmbeddedView>();
+  readonly #clouds = new Set<SplatCloud>();
   /** By what was asked for: what this device does of it. */
   readonly #possible = new WeakMap<AccuracySettings, PossibleAccuracy>();
   #accuracy: PossibleAccuracy;
@@ -105,13 +113,17 @@ export class SplatEngine {
   }
 
   /**
-   * Changes `accuracy`: views draw with it from their next frame on.
+   * Changes `accuracy`: views draw with it from their next frame on, at first from what their clouds hold. Each cloud is
+   * asked for its precisions, as by `requestPrecision`; where that fails it stays as it is.
    *
+   * @returns when all clouds hold what they can: those that do not hold what was asked for. Never rejects; a later change
+   *   takes the place of this one.
    * @throws InvalidArgumentError for unknown settings; everything stays as it was then.
    */
-  setAccuracy(accuracy: Accuracy): void {
+  setAccuracy(accuracy: Accuracy): Promise<readonly PrecisionProblem[]> {
     this.#checkUsable();
     this.#accuracy = this.resolveAccuracy(accuracy);
+    return this.#askForPrecision([...this.#clouds]);
   }
 
   /**
@@ -136,12 +148,15 @@ export class SplatEngine {
    */
   async load(source: SplatSource, options: ReadOptions = {}): Promise<SplatCloud> {
     this.#checkUsable();
-    const { geometryPrecision, shPrecision } = this.accuracy;
+    const { accuracy } = this;
+    const { geometryPrecision, shPrecision } = accuracy;
     const packed = await loadSplats(source, { ...options, geometryPrecision, shPrecision });
-    return this.addPacked(packed, {
+    const cloud = this.addPacked(packed, {
       name: options.name ?? sourceName(source),
       source: lastingSource(source),
     });
+    if (accuracy !== this.accuracy) void this.#askForPrecision([cloud]);
+    return cloud;
   }
 
   /**
@@ -171,10 +186,12 @@ export class SplatEngine {
       source: options.source,
       onDestroyed: (destroyed) => {
         counting.cloudsDestroyed++;
+        this.#clouds.delete(destroyed);
         const reason = new DestroyedError(`The cloud ${name}`, 'it was destroyed');
         this.#precisionRequests.stop(reason, destroyed);
       },
     });
+    this.#clouds.add(cloud);
     counting.uploads++;
     counting.uploadedBytes += cloud.bytes;
     return cloud;
@@ -237,6 +254,19 @@ export class SplatEngine {
     for (const view of [...this.#views]) view.destroy();
     this.#memory.destroyAll();
     if (this.#ownsDevice) this.device.destroy();
+  }
+
+  /** Asks for the precisions of `accuracy`; answers with those that cannot have them, but not with what was called off. */
+  async #askForPrecision(clouds: readonly SplatCloud[]): Promise<PrecisionProblem[]> {
+    const { accuracy } = this;
+    const outcomes = clouds.map((cloud) =>
+      this.requestPrecision(cloud, accuracy).then(
+        () => null,
+        (error: Error) => ({ cloud, error }),
+      ),
+    );
+    const problems = (await Promise.all(outcomes)).filter((problem) => problem !== null);
+    return problems.filter(({ error }) => error.name !== 'AbortError' && !(error instanceof DestroyedError));
   }
 
   #viewContext(): ViewContext {

@@ -24,7 +24,7 @@ export {
 } from './camera.ts';
 export { adapterLabel, type DeviceOptions, isSoftwareAdapter, requestSplatDevice } from './device.ts';
 export type { EmbeddedFrame, EmbeddedPicture, EmbeddedView, HostPass } from './embedded-view.ts';
-export { type EngineOptions, type PossibleAccuracy, SplatEngine } from './engine.ts';
+export { type EngineOptions, type PossibleAccuracy, type PrecisionProblem, SplatEngine } from './engine.ts';
 export * from './errors.ts';
 export type { EngineCounters } from './gpu/engine-counters.ts';
 export type { GpuMemoryReport } from './gpu/gpu-memory.ts';

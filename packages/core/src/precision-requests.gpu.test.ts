@@ -225,6 +225,46 @@ describe('a finer precision', () => {
   }
 });
 
+describe("the engine's accuracy", () => {
+  gpuTest('is asked of all clouds when it changes; what cannot have it is told and stays', async () => {
+    const other = await SplatEngine.create({ device: engine.device, accuracy: 'balanced' });
+    const lasting = other.add(set);
+    const gone = other.addPacked(packSet(set, SMALLEST));
+    const passing = other.add(set);
+    const view = other.createView();
+    const frame = { camera: CAMERA, clouds: [{ cloud: lasting }], ...SIZE };
+    const change = other.setAccuracy('reference');
+    passing.destroy();
+    view.render(frame);
+    const early = (await view.readPixels()).data;
+    const problems = await change;
+    expect(problems.map(({ cloud }) => cloud)).toEqual([gone]);
+    expect(problems[0].error).toBeInstanceOf(SplatSourceError);
+    expectHeld(lasting, FINEST);
+    expectHeld(gone, SMALLEST);
+    expect(view.render(frame)).toBe(true);
+    const late = (await view.readPixels()).data;
+    expect(psnrDb(late, REFERENCE.data)).toBeGreaterThanOrEqual(60);
+    expect(psnrDb(early, REFERENCE.data)).toBeLessThan(psnrDb(late, REFERENCE.data));
+
+    const superseded = other.setAccuracy('balanced');
+    const last = other.setAccuracy({ preset: 'reference', shPrecision: 'f16' });
+    expect(await superseded).toEqual([]);
+    await last;
+    expectHeld(lasting, { geometryPrecision: 'f32', shPrecision: 'f16' });
+    other.destroy();
+  });
+
+  gpuTest('counts for what was being loaded when it changed', async () => {
+    const other = await SplatEngine.create({ device: engine.device, accuracy: 'balanced' });
+    const loading = other.load(new Blob([encodePly(set)]));
+    await other.setAccuracy('reference');
+    const cloud = await loading;
+    await expect.poll(() => cloud.precisions).toEqual({ geometry: ['f32'], sh: ['f32'] });
+    other.destroy();
+  });
+});
+
 describe('a request', () => {
   const file = new Blob([encodePly(set)]);
 
