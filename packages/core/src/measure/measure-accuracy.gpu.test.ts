@@ -2,13 +2,14 @@ import { createNodeGpu } from '@websplatter/node';
 import { gpuTest, watchDevice } from '@websplatter/node/gpu-test';
 import { STILL_LIFE_MIN_SPLATS, stillLife, stillLifeCameras } from '@websplatter/scenes';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
+import type { AccuracySettings } from '../accuracy.ts';
 import { perspectiveCamera } from '../camera.ts';
 import { SplatEngine } from '../engine.ts';
 import { compareImages } from '../reference/compare-images.ts';
 import type { CloudInstance } from '../scene/view-frame.ts';
 import { chooseAccuracy } from './choose-accuracy.ts';
 import { comparePictures } from './compare-pictures.ts';
-import { type AccuracyTable, type MeasureProgress, measureAccuracy } from './measure-accuracy.ts';
+import { type MeasureProgress, measureAccuracy } from './measure-accuracy.ts';
 import { sampleCameras } from './sample-cameras.ts';
 
 // As little as will do: SwiftShader takes a second for some pictures of the whole scene, and a sweep is hundreds of them.
@@ -29,6 +30,12 @@ beforeAll(async () => {
 });
 afterAll(() => engine?.destroy());
 
+/** Makes the cloud hold what `settings` ask for: measuring frees what it made. */
+function hold({ geometryPrecision, shPrecision }: AccuracySettings): Promise<void> {
+  const [{ cloud }] = clouds;
+  return engine.requestPrecision(cloud, { geometryPrecision, shPrecision }, { keep: true });
+}
+
 describe('measureAccuracy', () => {
   gpuTest('errors are the CPU’s of pictures read back, to 0.1 dB', async () => {
     const table = await measureAccuracy(engine, {
@@ -38,13 +45,14 @@ describe('measureAccuracy', () => {
       settings: ['shDegree'],
     });
     const views = [engine.createView(), engine.createView()] as const;
-    const draw = async (view: (typeof views)[number], accuracy: AccuracyTable['base']) => {
+    const draw = async (view: (typeof views)[number], accuracy: AccuracySettings) => {
       view.render({ ...common, camera: common.cameras[0], accuracy });
       return (await view.readPixels()).data;
     };
     const reference = await draw(views[0], table.reference.settings);
     expect(table.points.length).toBeGreaterThanOrEqual(6);
     for (const { name, settings, error } of table.points) {
+      await hold(settings);
       const expected = compareImages(await draw(views[1], settings), reference, SIZE);
       if (expected.psnrDb === Number.POSITIVE_INFINITY) expect(error.psnrDb, name).toBe(expected.psnrDb);
       else expect(Math.abs(error.psnrDb - expected.psnrDb), name).toBeLessThan(0.1);
@@ -72,6 +80,22 @@ describe('measureAccuracy', () => {
     }
     // Of intervals of 95 % one or the other may lie beside the truth.
     expect(contradictions).toBeLessThanOrEqual(Math.ceil(0.05 * pairs));
+  });
+
+  gpuTest('reads finer planes again where they are needed, and frees them afterwards', async () => {
+    const cloud = engine.add(stillLife({ splats: SPLATS }));
+    await engine.requestPrecision(cloud, { geometryPrecision: 'packed', shPrecision: 'u8' });
+    const before = engine.memory().totalBytes;
+    const options = { ...common, clouds: [{ cloud }], frames: 1, settings: [], combinations: false };
+    const table = await measureAccuracy(engine, options);
+    const { points, reference } = table;
+    expect(reference.notes.join()).not.toContain('nearest');
+    const [balanced, ofReference] = points;
+    expect(ofReference.error.psnrDb).toBe(Number.POSITIVE_INFINITY);
+    expect(balanced.error.psnrDb).toBeLessThan(80);
+    expect(cloud.precisions).toEqual({ geometry: ['packed'], sh: ['u8'] });
+    expect(engine.memory().totalBytes).toBe(before);
+    cloud.destroy();
   });
 
   gpuTest('tells what it does, tries combinations, and leaves nothing behind', async () => {
@@ -137,6 +161,7 @@ describe('chooseAccuracy', () => {
     expect(choice.isMet).toBe(true);
     expect(choice.why).toContain('reach 40 dB');
     const [tested, reference] = [engine.createView(), engine.createView()];
+    await hold(choice.settings);
     for (const camera of cameras) {
       tested.render({ ...common, camera, accuracy: choice.settings });
       reference.render({ ...common, camera, accuracy: choice.table.reference.settings });

@@ -10,6 +10,7 @@ import { type Candidate, combined, type SettingName, singleCandidates } from './
 import { combineChanges, type FirstLook, MAX_COMBINATIONS } from './combine-changes.ts';
 import { comparePictures } from './compare-pictures.ts';
 import { NonFinitePictureError } from './compare-textures.ts';
+import { holdPlanes } from './hold-planes.ts';
 import { drawMeasured, withView } from './measured-frames.ts';
 import { paretoFront } from './pareto-front.ts';
 import { type TimeSpread, timeSpread } from './time-spread.ts';
@@ -98,7 +99,8 @@ const FRAMES_PER_VISIT = 3;
  *
  * Points take turns, a few frames each (A B C, C B A, …), so that a GPU that warms up or is shared slows all of them
  * alike. One view at a time is measured, beside one that holds the reference: the memory needed does not grow with the
- * number of points. Other work of the page goes on between frames; what it does on the GPU is measured with the rest.
+ * number of points. The clouds are held in every precision that is compared, which may mean to read their sources again;
+ * afterwards they are as they were. Other work of the page goes on between frames; what it does on the GPU is measured with the rest.
  *
  * @throws InvalidArgumentError, GpuLimitError, DestroyedError, NonFinitePictureError of the reference; the reason of
  * `signal`.
@@ -108,8 +110,20 @@ export async function measureAccuracy(
   options: MeasureAccuracyOptions,
 ): Promise<AccuracyTable> {
   checkOptions(options);
-  const sweep = new Sweep(engine, options);
-  return sweep.run();
+  const { clouds, base = DEFAULT_ACCURACY, signal } = options;
+  const candidates = singleCandidates(base, options.settings);
+  const reference = engine.resolveAccuracy('reference');
+  const planes = await holdPlanes(
+    engine,
+    clouds.map(({ cloud }) => cloud),
+    [reference.settings, ...candidates.map(({ settings }) => settings)],
+    signal,
+  );
+  try {
+    return await new Sweep(engine, options, candidates, planes.notes).run();
+  } finally {
+    await planes.release();
+  }
 }
 
 /** A candidate with what has been measured of it so far. */
@@ -127,13 +141,21 @@ class Sweep {
   readonly #options: MeasureAccuracyOptions;
   readonly #frames: number;
   readonly #reference: AccuracyTable['reference'];
-  readonly #notes: string[] = [];
+  readonly #candidates: readonly Candidate[];
+  readonly #notes: string[];
   #done = 0;
   #total = 0;
 
-  constructor(engine: SplatEngine, options: MeasureAccuracyOptions) {
+  constructor(
+    engine: SplatEngine,
+    options: MeasureAccuracyOptions,
+    candidates: readonly Candidate[],
+    notes: readonly string[],
+  ) {
     this.#engine = engine;
     this.#options = options;
+    this.#candidates = candidates;
+    this.#notes = [...notes];
     this.#frames = options.frames ?? DEFAULT_FRAMES;
     const { settings, notices } = engine.resolveAccuracy('reference');
     this.#reference = { settings, notes: [...notices, ...this.#planeNotes(settings)] };
@@ -142,11 +164,9 @@ class Sweep {
   async run(): Promise<AccuracyTable> {
     const startedMs = performance.now();
     const engine = this.#engine;
-    const { clouds, cameras, widthPx, heightPx, base = DEFAULT_ACCURACY } = this.#options;
+    const { clouds, cameras, widthPx, heightPx } = this.#options;
     const withCombinations = this.#options.combinations ?? true;
-    const candidates = singleCandidates(base, this.#options.settings).filter((each) =>
-      this.#isPossible(each),
-    );
+    const candidates = this.#candidates.filter((each) => this.#isPossible(each));
 
     const rounds = Math.ceil(this.#frames / FRAMES_PER_VISIT);
     const stepsEach = cameras.length * (1 + rounds);
