@@ -14,7 +14,8 @@ fn vertexMain(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
 
 @fragment
 fn fragmentMain(@builtin(position) position: vec4f) -> @builtin(frag_depth) f32 {
-  let pixel = vec2u(position.xy) + viewport.depthOriginPx;
+  @if(!SCALED) let pixel = vec2u(position.xy) + viewport.depthOriginPx;
+  @if(SCALED) let pixel = vec2u(position.xy * viewport.pxPerLayerPx) + viewport.depthOriginPx;
   var farthest = textureLoad(hostDepths, pixel, 0);
   @if(MULTISAMPLED) let samples = textureNumSamples(hostDepths);
   @if(MULTISAMPLED) for (var i = 1u; i < samples; i++) {

@@ -1,7 +1,7 @@
 import { createNodeGpu } from '@websplatter/node';
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import type { AccuracySettings } from './accuracy.ts';
+import { ACCURACY_PRESETS, type AccuracySettings } from './accuracy.ts';
 import { SplatEngine } from './engine.ts';
 import { InspectedFrame } from './inspect/inspected-frame.ts';
 import { readRecords } from './inspect/read-records.ts';
@@ -130,4 +130,70 @@ describe('accuracy settings', () => {
     // A rounding of half a step per layer, of which later ones cover some; rounding once alone is 58.9 dB.
     expect(psnrAgainstTwin(data, {})).toBeGreaterThan(44);
   });
+
+  gpuTest('a scaled resolution: drawn small, enlarged smoothly', async () => {
+    for (const resolutionScale of [0.25, 0.5, 0.77]) {
+      const settings = { resolutionScale };
+      for (const camera of [CAMERA, CAMERAS.orthographic, CAMERAS['off-centre']]) {
+        // As exact as at full size: enlarging averages.
+        expect(
+          psnrAgainstTwin(await drawWith(settings, SCENE, camera), settings, SCENE, camera),
+        ).toBeGreaterThan(58);
+      }
+    }
+  });
+
+  gpuTest('a scaled resolution may change every frame, and picks follow the picture', async () => {
+    const cloud = engine.add(SCENE);
+    const frame = { camera: CAMERA, clouds: [{ cloud }], widthPx: 63, heightPx: 41 };
+    const own = engine.createView();
+    const before = engine.memory().totalBytes;
+    for (const resolutionScale of [1, 0.5, 0.3, 1, 0.3]) {
+      own.render({ ...frame, accuracy: { preset: 'reference', resolutionScale } });
+      const { data, widthPx, heightPx } = await own.readPixels();
+      expect([widthPx, heightPx, data.length]).toEqual([63, 41, 4 * 63 * 41]);
+      for (const [xPx, yPx] of [
+        [0, 0],
+        [62.99, 40.99],
+        [31.5, 20.2],
+        [10, 35],
+      ]) {
+        const picked = await own.pick(xPx, yPx);
+        const alpha = data[4 * (Math.floor(yPx) * 63 + Math.floor(xPx)) + 3];
+        // The picture is averaged between pixels of the layer, a pick asks one of them.
+        if (resolutionScale === 1) expect(picked?.totalOpacity ?? 0).toBeCloseTo(alpha, 3);
+        else if (alpha > 0.9) expect(picked?.totalOpacity).toBeGreaterThan(0.5);
+      }
+    }
+    own.render({ ...frame, accuracy: 'reference' });
+    await own.readPixels();
+    own.destroy();
+    cloud.destroy();
+    expect(engine.memory().totalBytes).toBeLessThan(before);
+  });
+
+  for (const preset of ['fast', 'paper'] as const) {
+    gpuTest(`preset ${preset}: finite and close, also where scenes are hard`, async () => {
+      const hard = [
+        randomSplats({ count: 300, seed: 44, logScales: [-40, 40] }),
+        randomSplats({ count: 300, seed: 45, halfExtent: 1e-4, logScales: [-18, 1] }),
+        randomSplats({ count: 300, seed: 46, opacityLogits: [-6, 60], logScales: [-3, 1] }),
+        splatsOf([{ position: [0, 0, 0], colorDc: [1e4, -1e4, 3e38], logScales: [1, -30, 1] }]),
+      ];
+      for (const set of hard) {
+        const cloud = engine.add(set);
+        for (const camera of [CAMERA, CAMERAS.inside, CAMERAS.orthographic]) {
+          view.render({ camera, clouds: [{ cloud }], ...SIZE, accuracy: preset });
+          const { data } = await view.readPixels();
+          expect(data.every((value) => value >= 0 && value <= 1)).toBe(true);
+        }
+        cloud.destroy();
+      }
+      const cloud = engine.add(SCENE);
+      view.render({ camera: CAMERA, clouds: [{ cloud }], ...SIZE, accuracy: preset });
+      const { data } = await view.readPixels();
+      cloud.destroy();
+      expect(psnrAgainstTwin(data, ACCURACY_PRESETS[preset])).toBeGreaterThan(35);
+    });
+  }
 });

@@ -295,6 +295,21 @@ export function maxColor({ recordPrecision, colorTarget }: AccuracySettings): nu
   return recordPrecision === 'f32' && colorTarget === 'rgba32float' ? 1e37 : HALF_MAX;
 }
 
+/** Width and height, px. */
+export interface SizePx {
+  readonly widthPx: number;
+  readonly heightPx: number;
+}
+
+/** Size of the layer that splats are blended in for a picture of this size: at least a pixel each way. */
+export function layerSize(
+  { widthPx, heightPx }: SizePx,
+  { resolutionScale }: Pick<AccuracySettings, 'resolutionScale'>,
+): SizePx {
+  const scaled = (px: number) => Math.max(1, Math.round(resolutionScale * px));
+  return { widthPx: scaled(widthPx), heightPx: scaled(heightPx) };
+}
+
 function checkSetting(name: string, value: unknown): void {
   const setting = (ACCURACY_SETTINGS as Record<string, AccuracySetting<unknown>>)[name];
   if (!Object.hasOwn(ACCURACY_SETTINGS, name)) {

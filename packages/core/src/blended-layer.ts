@@ -1,13 +1,14 @@
-import type { Accuracy, AccuracySettings } from './accuracy.ts';
+import { type Accuracy, type AccuracySettings, layerSize } from './accuracy.ts';
 import { projectionOf } from './camera.ts';
 import { InvalidArgumentError } from './errors.ts';
-import { recordCompute, recordRasterize } from './frame.ts';
+import { recordCompute, recordRasterize, recordUpscale } from './frame.ts';
 import { FrameResources } from './frame-resources.ts';
-import { type FrameShape, isSameShape } from './frame-shape.ts';
+import { type FrameShape, isSameShape, isScaled } from './frame-shape.ts';
 import { hostDepthUniform, pageUniforms, viewUniforms } from './frame-uniforms.ts';
 import type { Counting } from './gpu/engine-counters.ts';
 import type { GpuMemory } from './gpu/gpu-memory.ts';
 import type { Pipelines } from './gpu/pipelines.ts';
+import { UpscaleParameters } from './layout/structs.ts';
 import { pickSplat, type SplatPick } from './pick.ts';
 import type { ViewFrame } from './scene/view-frame.ts';
 import { pick } from './stages/pick.ts';
@@ -35,8 +36,11 @@ export class BlendedLayer {
   readonly timer: GpuTimer;
   readonly #context: ViewContext;
   #frame: FrameResources | null = null;
-  #color: GPUTexture | null = null;
-  #depth: GPUTexture | null = null;
+  /** What views read, of the picture's size. */
+  #textures: LayerTextures | null = null;
+  /** What splats are blended in: the same, or smaller ones. */
+  #blended: LayerTextures | null = null;
+  #upscaleParameters: GPUBuffer | null = null;
   #frameNumber = 0;
   #picture: Pick<ViewFrame, 'camera' | 'widthPx' | 'heightPx'> | null = null;
   #isDestroyed = false;
@@ -52,12 +56,17 @@ export class BlendedLayer {
 
   /** Premultiplied RGBA in the space that splats are blended in; null before the first picture. */
   get color(): GPUTexture | null {
-    return this.#color;
+    return this.#textures?.color ?? null;
   }
 
   /** View depth weighted like the colours, where the frame's shape asks for it. */
   get depth(): GPUTexture | null {
-    return this.#depth;
+    return this.#textures?.depthLayer ?? null;
+  }
+
+  /** Size of the texture that splats are blended in, px; null before the first picture. */
+  get blendedSize(): Pick<GPUTexture, 'width' | 'height'> | null {
+    return this.#blended?.color ?? null;
   }
 
   /**
@@ -77,7 +86,8 @@ export class BlendedLayer {
       this.#frame = next;
     }
     const frame = this.#frame;
-    const projection = projectionOf(camera, widthPx, heightPx);
+    const layer = layerSize(viewFrame, shape.accuracy);
+    const projection = projectionOf(camera, layer.widthPx, layer.heightPx);
     frame.writeUniforms(viewUniforms(projection, shape), pageUniforms(viewFrame, projection, frame));
     if (shape.depth) frame.writeHostDepth(hostDepthUniform(camera, shape.depth.mapping));
     this.#picture = { camera, widthPx, heightPx };
@@ -91,8 +101,13 @@ export class BlendedLayer {
 
   /** @param testedDepth what the host has drawn, where the frame's shape has depth. */
   recordRasterize(encoder: GPUCommandEncoder, testedDepth: GPUTexture | null): void {
-    const targets = { color: this.#color!, depthLayer: this.#depth, testedDepth };
-    recordRasterize(encoder, this.#context.pipelines, this.#frame!, targets, this.timer);
+    const { pipelines } = this.#context;
+    const frame = this.#frame!;
+    recordRasterize(encoder, pipelines, frame, { ...this.#blended!, testedDepth }, this.timer);
+    if (this.#upscaleParameters && isScaled(frame.shape)) {
+      const targets = { from: this.#blended!, to: this.#textures!, parameters: this.#upscaleParameters };
+      recordUpscale(encoder, pipelines, frame, targets, this.timer);
+    }
     this.#context.counting.framesDrawn++;
   }
 
@@ -113,7 +128,13 @@ export class BlendedLayer {
       const { widthPx, heightPx } = this.#picture;
       if (!(xPx >= 0 && xPx < widthPx && yPx >= 0 && yPx < heightPx)) return null;
       const stage = pick(this.#frame.shape.accuracy.recordPrecision);
-      if (pipelines.areReady([stage])) return pickSplat(this.#context, this.#frame, this.#picture, xPx, yPx);
+      if (pipelines.areReady([stage])) {
+        const layer = layerSize(this.#picture, this.#frame.shape.accuracy);
+        // The pixel of the layer behind the middle of the picture's.
+        const layerX = ((Math.floor(xPx) + 0.5) * layer.widthPx) / widthPx;
+        const layerY = ((Math.floor(yPx) + 0.5) * layer.heightPx) / heightPx;
+        return pickSplat(this.#context, this.#frame, { ...this.#picture, ...layer }, layerX, layerY);
+      }
       // While this compiles another frame may be drawn, with other records, or the last one.
       await pipelines.prepare([stage]);
     }
@@ -124,29 +145,69 @@ export class BlendedLayer {
     this.#isDestroyed = true;
     const { memory } = this.#context;
     this.#frame?.destroy();
-    for (const texture of [this.#color, this.#depth]) if (texture) memory.destroy(texture);
+    this.#freeTextures();
+    if (this.#upscaleParameters) memory.destroy(this.#upscaleParameters);
     this.timer.destroy();
   }
 
-  #resize(widthPx: number, heightPx: number, { accuracy, depth }: FrameShape): boolean {
+  #resize(widthPx: number, heightPx: number, shape: FrameShape): boolean {
+    const { accuracy, depth } = shape;
     const depthFormat = depth?.layerFormat ?? null;
-    const isSameSize = this.#color?.width === widthPx && this.#color.height === heightPx;
-    const isSameFormat =
-      this.#color?.format === accuracy.colorTarget && (this.#depth?.format ?? null) === depthFormat;
-    if (isSameSize && isSameFormat) return false;
-    const { memory } = this.#context;
-    for (const texture of [this.#color, this.#depth]) if (texture) memory.destroy(texture);
-    const texture = (label: string, format: GPUTextureFormat) =>
-      memory.createTexture({
-        label,
-        size: { width: widthPx, height: heightPx },
-        format,
-        usage: GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_SRC,
-      });
-    this.#color = texture('splat layer', accuracy.colorTarget);
-    this.#depth = depthFormat && texture('splat depth layer', depthFormat);
+    const layer = layerSize({ widthPx, heightPx }, accuracy);
+    const isSame =
+      hasSize(this.#textures, widthPx, heightPx) &&
+      hasSize(this.#blended, layer.widthPx, layer.heightPx) &&
+      (this.#blended === this.#textures) === !isScaled(shape) &&
+      this.color?.format === accuracy.colorTarget &&
+      (this.depth?.format ?? null) === depthFormat;
+    if (isSame) return false;
+    this.#freeTextures();
+    const textures = (what: string, width: number, height: number): LayerTextures => ({
+      color: this.#texture(what, width, height, accuracy.colorTarget),
+      depthLayer: depthFormat && this.#texture(`${what} depth`, width, height, depthFormat),
+    });
+    this.#textures = textures('splat layer', widthPx, heightPx);
+    this.#blended = this.#textures;
+    if (isScaled(shape)) {
+      this.#blended = textures('small splat layer', layer.widthPx, layer.heightPx);
+      this.#writeUpscale([layer.widthPx / widthPx, layer.heightPx / heightPx]);
+    }
     return true;
   }
+
+  #texture(label: string, width: number, height: number, format: GPUTextureFormat): GPUTexture {
+    const { RENDER_ATTACHMENT, TEXTURE_BINDING, COPY_SRC } = GPUTextureUsage;
+    const usage = RENDER_ATTACHMENT | TEXTURE_BINDING | COPY_SRC;
+    return this.#context.memory.createTexture({ label, size: { width, height }, format, usage });
+  }
+
+  #writeUpscale(layerPerPx: readonly [number, number]): void {
+    const { device, memory } = this.#context;
+    const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
+    this.#upscaleParameters ??= memory.createBuffer('upscale parameters', UpscaleParameters.bytes, usage);
+    const contents = new ArrayBuffer(UpscaleParameters.bytes);
+    UpscaleParameters.write(contents, { layerPerPx });
+    device.queue.writeBuffer(this.#upscaleParameters, 0, contents);
+  }
+
+  #freeTextures(): void {
+    for (const { color, depthLayer } of new Set(
+      [this.#textures, this.#blended].filter((each) => each !== null),
+    )) {
+      this.#context.memory.destroy(color);
+      if (depthLayer) this.#context.memory.destroy(depthLayer);
+    }
+  }
+}
+
+interface LayerTextures {
+  /** Premultiplied RGBA. */
+  readonly color: GPUTexture;
+  readonly depthLayer: GPUTexture | null;
+}
+
+function hasSize(textures: LayerTextures | null, widthPx: number, heightPx: number): boolean {
+  return textures?.color.width === widthPx && textures.color.height === heightPx;
 }
 
 function checkSize({ limits }: GPUDevice, widthPx: number, heightPx: number): void {

@@ -177,16 +177,22 @@ const CONVENTIONS: readonly [string, DepthConvention, boolean][] = [
   ['logarithmic depth', { compare: 'less-equal', mapping: 'logarithmic' }, false],
 ];
 
-async function expectRight(camera: Camera, depth: DepthConvention, host: Host = {}): Promise<void> {
+async function expectRight(
+  camera: Camera,
+  depth: DepthConvention,
+  host: Host = {},
+  resolutionScale = 1,
+): Promise<void> {
   const view = engine.createEmbeddedView();
-  const frame = { camera, clouds: [{ cloud }], ...SIZE, depth, writesDepth: true };
-  await prepared(view, frame);
+  const frame = { camera, clouds: [{ cloud }], ...SIZE, depth, writesDepth: true } as const;
+  await prepared(view, { ...frame, accuracy: { preset: 'high', resolutionScale } });
   const { pass, bytes, color } = hostPass(camera, depth, host);
   const picture = record(view, pass);
   const { data } = await readTexture(device, picture.color);
   const depths = await readDepths(picture.depth!);
 
-  const layer = renderReference({ clouds: [{ set: SET }], camera, ...SIZE, hostDepths: HOST_DEPTHS });
+  const scene = { clouds: [{ set: SET }], camera, ...SIZE, hostDepths: HOST_DEPTHS };
+  const layer = renderReference({ ...scene, settings: { resolutionScale } });
   expect(layer.visibleSplats).toBeGreaterThan(100);
   const behind = bytes instanceof Uint16Array ? BEHIND : Float64Array.from(bytes, (value) => value / 255);
   const expected = compose(layer.data, behind);
@@ -325,6 +331,15 @@ describe('an embedded view', () => {
       }
     });
   }
+
+  gpuTest('draws splats at half and at two thirds of the resolution', async () => {
+    const camera = withClipDepth(testCameras(SIZE.widthPx / SIZE.heightPx).perspective, false);
+    const [, depth] = CONVENTIONS[0];
+    for (const resolutionScale of [0.5, 0.66]) {
+      await expectRight(camera, depth, { origin: [5, 3] }, resolutionScale);
+      await expectRight(camera, depth, { sampleCount: 4 }, resolutionScale);
+    }
+  });
 
   gpuTest('reads every kind of host texture, at any place in it', async () => {
     const { perspective } = testCameras(SIZE.widthPx / SIZE.heightPx);

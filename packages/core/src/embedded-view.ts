@@ -1,7 +1,7 @@
 import { BlendedLayer, type ViewContext } from './blended-layer.ts';
 import { DestroyedError, InvalidArgumentError } from './errors.ts';
 import { frameStages } from './frame.ts';
-import { type FrameShape, shapeOf } from './frame-shape.ts';
+import { type FrameShape, isScaled, shapeOf } from './frame-shape.ts';
 import { HostViewport } from './layout/structs.ts';
 import type { SplatPick } from './pick.ts';
 import type { DepthConvention } from './scene/depth-convention.ts';
@@ -140,8 +140,8 @@ export class EmbeddedView {
       );
     }
     const behind = this.#readable(encoder, pass, textures.color);
-    this.#writeViewport(pass, behind);
-    if (textures.testedDepth) this.#recordResolve(encoder, pass, shape.depth!, textures.testedDepth);
+    this.#writeViewport(pass, behind, textures);
+    if (textures.testedDepth) this.#recordResolve(encoder, pass, shape, textures.testedDepth);
     layer.recordRasterize(encoder, textures.testedDepth);
     this.#recordCompose(encoder, pass, behind, textures, shape);
     layer.recordTimes(encoder);
@@ -190,7 +190,7 @@ export class EmbeddedView {
     // Whether the host's depth has several samples is known when it is drawn.
     for (const many of depth ? [false, true] : [false]) {
       stages.push([compose(depth, many), composeState(depth)]);
-      if (depth) stages.push([resolveDepth(depth.compare, many), resolveDepthState]);
+      if (depth) stages.push([resolveDepth(depth.compare, many, isScaled(shape)), resolveDepthState]);
     }
     if (pipelines.areReady(stages)) return true;
     if (!this.#isCompiling) {
@@ -211,50 +211,54 @@ export class EmbeddedView {
 
   #texturesFor({ depth }: FrameShape): PictureTextures {
     const { width, height } = this.#layer.color!;
+    const blended = this.#layer.blendedSize!;
     const old = this.#textures;
     const isSame =
       old?.color.width === width &&
       old.color.height === height &&
       (old.depth !== null) === (depth?.layerFormat != null) &&
-      (old.testedDepth !== null) === (depth !== null);
+      (old.testedDepth !== null) === (depth !== null) &&
+      (depth === null ||
+        (old.testedDepth?.width === blended.width && old.testedDepth.height === blended.height));
     if (isSame) return old;
     this.#free(old?.color, old?.depth, old?.testedDepth, this.#behindCopy);
     this.#behindCopy = null;
-    const texture = (label: string, format: GPUTextureFormat) =>
+    const texture = (label: string, format: GPUTextureFormat, size = { width, height }) =>
       this.#context.memory.createTexture({
         label,
-        size: { width, height },
+        size,
         format,
         usage: GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_SRC,
       });
     this.#textures = {
       color: texture('splats over the host', COMPOSED_COLOR_FORMAT),
       depth: depth?.layerFormat ? texture('depth of the splats', COMPOSED_DEPTH_FORMAT) : null,
-      testedDepth: depth && texture('depth of the host', TESTED_DEPTH_FORMAT),
+      testedDepth:
+        depth &&
+        texture('depth of the host', TESTED_DEPTH_FORMAT, { width: blended.width, height: blended.height }),
     };
     return this.#textures;
   }
 
-  #writeViewport({ color, xPx, yPx }: HostPass, behind: GPUTexture): void {
-    const key = `${xPx} ${yPx} ${behind === color}`;
+  #writeViewport({ color, xPx, yPx }: HostPass, behind: GPUTexture, textures: PictureTextures): void {
+    const { width, height } = textures.color;
+    const blended = this.#layer.blendedSize!;
+    const pxPerLayerPx = [width / blended.width, height / blended.height];
+    const key = `${xPx} ${yPx} ${behind === color} ${pxPerLayerPx}`;
     if (key === this.#viewportKey) return;
     this.#viewportKey = key;
     const contents = new ArrayBuffer(HostViewport.bytes);
     HostViewport.write(contents, {
       colorOriginPx: behind === color ? [xPx, yPx] : [0, 0],
       depthOriginPx: [xPx, yPx],
+      pxPerLayerPx,
     });
     this.#context.device.queue.writeBuffer(this.#viewport, 0, contents);
   }
 
-  #recordResolve(
-    encoder: GPUCommandEncoder,
-    host: HostPass,
-    { compare }: RasterizeDepth,
-    target: GPUTexture,
-  ): void {
+  #recordResolve(encoder: GPUCommandEncoder, host: HostPass, shape: FrameShape, target: GPUTexture): void {
     const { pipelines } = this.#context;
-    const stage = resolveDepth(compare, isMultisampled(host));
+    const stage = resolveDepth(shape.depth!.compare, isMultisampled(host), isScaled(shape));
     const pass = encoder.beginRenderPass({
       label: 'resolve depth',
       colorAttachments: [],

@@ -18,6 +18,7 @@ import { project } from './stages/project.ts';
 import { RadixSort } from './stages/radix-sort.ts';
 import { rasterize, rasterizeState } from './stages/rasterize.ts';
 import { sortShapeFor } from './stages/sort-shape.ts';
+import { upscale, upscaleState } from './stages/upscale.ts';
 
 /** One page of one of the frame's clouds. */
 export interface FramePage extends CloudPage {
@@ -246,6 +247,12 @@ export function projectStage(shape: FrameShape, cloudIndex: number) {
 export function rasterizeStage({ accuracy, depth }: FrameShape) {
   const { recordPrecision, extent, colorTarget } = accuracy;
   return [rasterize({ recordPrecision, extent, depth }), rasterizeState(colorTarget, depth)] as const;
+}
+
+/** The stage that brings what `rasterizeStage` has drawn to the picture's size, and what it draws into. */
+export function upscaleStage({ accuracy, depth }: FrameShape) {
+  const depthFormat = depth?.layerFormat ?? null;
+  return [upscale(depthFormat !== null), upscaleState(accuracy.colorTarget, depthFormat)] as const;
 }
 
 function pagesOf(planes: readonly CloudPages[]): FramePage[] {

@@ -1,4 +1,4 @@
-import type { Accuracy, AccuracySettings } from './accuracy.ts';
+import { type Accuracy, type AccuracySettings, layerSize } from './accuracy.ts';
 import type { CloudPages } from './scene/cloud-planes.ts';
 import { keyBitsFor } from './scene/key-bits.ts';
 import type { SplatCloud } from './scene/splat-cloud.ts';
@@ -46,17 +46,23 @@ export function shapeOf(
   const isSameClouds =
     clouds.length === current?.clouds.length && clouds.every((cloud, i) => cloud === current.clouds[i]);
   const depthBits = keyBitsFor(camera, frame.clouds);
+  const layer = { ...frame, ...layerSize(frame, accuracy) };
   return {
     clouds,
     planes: clouds.map((cloud) => cloud.pagesFor(accuracy)),
     isOrthographic: camera.projectionMatrix[11] === 0,
     accuracy,
     dispatchRow,
-    visibleCapacity: visibleCapacity(frame, accuracy.alphaCutoff, isSameClouds ? current.visibleCapacity : 0),
+    visibleCapacity: visibleCapacity(layer, accuracy.alphaCutoff, isSameClouds ? current.visibleCapacity : 0),
     keyBits: Math.min(depthBits, accuracy.sortKeyBits),
     shortensKeys: accuracy.sortKeyBits < depthBits,
     depth,
   };
+}
+
+/** Whether splats are blended in a layer smaller than the picture. */
+export function isScaled({ accuracy }: Pick<FrameShape, 'accuracy'>): boolean {
+  return accuracy.resolutionScale < 1;
 }
 
 /** Whether the buffers and shaders of one do for the other. */

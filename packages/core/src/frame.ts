@@ -1,5 +1,11 @@
-import { cullSplatsStage, type FrameResources, projectStage, rasterizeStage } from './frame-resources.ts';
-import type { FrameShape } from './frame-shape.ts';
+import {
+  cullSplatsStage,
+  type FrameResources,
+  projectStage,
+  rasterizeStage,
+  upscaleStage,
+} from './frame-resources.ts';
+import { type FrameShape, isScaled } from './frame-shape.ts';
 import type { CompiledStage, Pipelines, StageDefinition } from './gpu/pipelines.ts';
 import { SHADER_CONSTANTS } from './layout/constants.ts';
 import { compactChunks } from './stages/compact-chunks.ts';
@@ -26,6 +32,7 @@ export function frameStages(shape: FrameShape): CompiledStage[] {
     ...shape.clouds.map((_, cloudIndex) => projectStage(shape, cloudIndex)),
     ...radixSortStages(sortShapeFor(shape.keyBits)),
     rasterizeStage(shape),
+    ...(isScaled(shape) ? [upscaleStage(shape)] : []),
   ];
 }
 
@@ -114,5 +121,40 @@ export function recordRasterize(
   pass.setPipeline(pipelines.render(...rasterizeStage(frame.shape))!);
   pass.setBindGroup(0, frame.groups.rasterize);
   pass.drawIndirect(frame.buffers.drawArguments, 0);
+  pass.end();
+}
+
+/** What splats were blended into, and what takes them at the picture's size. */
+export interface UpscaleTargets {
+  readonly from: Pick<RasterizeTargets, 'color' | 'depthLayer'>;
+  readonly to: Pick<RasterizeTargets, 'color' | 'depthLayer'>;
+  /** One `UpscaleParameters`. */
+  readonly parameters: GPUBuffer;
+}
+
+/** Brings the blended splats to the picture's size, where the frame's shape scales them. */
+export function recordUpscale(
+  encoder: GPUCommandEncoder,
+  pipelines: Pipelines,
+  { shape }: FrameResources,
+  { from, to, parameters }: UpscaleTargets,
+  timer: GpuTimer,
+): void {
+  const [stage, state] = upscaleStage(shape);
+  const pass = encoder.beginRenderPass({
+    label: 'upscale',
+    colorAttachments: [to.color, to.depthLayer]
+      .filter((texture) => texture !== null)
+      .map((texture) => ({ view: texture.createView(), loadOp: 'clear', storeOp: 'store' })),
+    timestampWrites: timer.writes('upscale'),
+  });
+  pass.setPipeline(pipelines.render(stage, state)!);
+  const bindings = {
+    parameters,
+    layer: from.color.createView(),
+    ...(from.depthLayer && { depthLayer: from.depthLayer.createView() }),
+  };
+  pass.setBindGroup(0, pipelines.bindGroup(stage, bindings));
+  pass.draw(3);
   pass.end();
 }

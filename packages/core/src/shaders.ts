@@ -63,6 +63,7 @@ const NO_CONDITIONS: LinkInput['conditions'] = {
   DEPTH_LAYER: false,
   MULTISAMPLED: false,
   REVERSED_DEPTH: false,
+  SCALED: false,
   SHORT_KEYS: false,
   FIXED_EXTENT: false,
   FRUSTUM_CULLING: false,

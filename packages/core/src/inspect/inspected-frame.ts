@@ -1,4 +1,4 @@
-import { type AccuracySettings, DILATION_PX2, resolveAccuracy } from '../accuracy.ts';
+import { type AccuracySettings, DILATION_PX2, layerSize, resolveAccuracy } from '../accuracy.ts';
 import { type Camera, type Projection, projectionOf } from '../camera.ts';
 import { frameStages, recordCompute, recordRasterize } from '../frame.ts';
 import { FrameResources } from '../frame-resources.ts';
@@ -64,6 +64,7 @@ export class InspectedFrame {
   readonly clouds: readonly InspectedCloud[];
   readonly projection: Projection;
   readonly accuracy: AccuracySettings;
+  /** What splats were blended into: smaller than the picture where its resolution is scaled. */
   readonly image: TextureImage;
   readonly #device: GPUDevice;
   readonly #memory: GpuMemory;
@@ -88,7 +89,8 @@ export class InspectedFrame {
     const accuracy = { ...resolveAccuracy('reference'), ...DEFAULTS, ...options.accuracy };
     const memory = new GpuMemory(device);
     const pipelines = options.pipelines ?? pipelinesOf(device);
-    const projection = projectionOf(camera, widthPx, heightPx);
+    const layer = layerSize(options, accuracy);
+    const projection = projectionOf(camera, layer.widthPx, layer.heightPx);
     const sets = options.clouds
       .map(({ set }) => dropNonFinite(set))
       .map((set) => ({ ...set, shRest: repackShRest(set.shRest, set.count, accuracy.shPrecision) }));
@@ -116,7 +118,7 @@ export class InspectedFrame {
     const resources = new FrameResources(device, pipelines, memory, shape);
     resources.writeUniforms(viewUniforms(projection, shape), pageUniforms(viewFrame, projection, resources));
     const target = device.createTexture({
-      size: [widthPx, heightPx],
+      size: [layer.widthPx, layer.heightPx],
       format: accuracy.colorTarget,
       usage: GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC,
     });

@@ -123,8 +123,17 @@ export const PROJECTED_SPLATS = { f32: ProjectedSplatF32, f16: ProjectedSplat, p
 /** How the renderer around stores depth: see `DepthMapping`. */
 export const HostDepth = gpuStruct('HostDepth', { slope: 'vec2f', offset: 'f32', factor: 'f32' });
 
-/** Where the top left of the splats' picture lies in the host's textures; modulo 2³², since it may lie outside. */
-export const HostViewport = gpuStruct('HostViewport', { colorOriginPx: 'vec2u', depthOriginPx: 'vec2u' });
+/** Where the splats' picture lies in the host's textures. */
+export const HostViewport = gpuStruct('HostViewport', {
+  /** Of its top left; modulo 2³², since it may lie outside. */
+  colorOriginPx: 'vec2u',
+  depthOriginPx: 'vec2u',
+  /** Width and height of the picture as multiples of those of the layer that splats are blended in. */
+  pxPerLayerPx: 'vec2f',
+});
+
+/** Width and height of the layer that splats are blended in, as parts of the picture's. */
+export const UpscaleParameters = gpuStruct('UpscaleParameters', { layerPerPx: 'vec2f' });
 
 /** Which pixel is asked for: its centre, from the picture's top left. */
 export const PickParameters = gpuStruct('PickParameters', { pixelPx: 'vec2f', blockCount: 'u32' });
@@ -182,4 +191,5 @@ export const SHADER_STRUCTS: readonly Pick<GpuStruct<never>, 'name' | 'wgsl'>[] 
   RepackParameters,
   HostDepth,
   HostViewport,
+  UpscaleParameters,
 ];

@@ -1,4 +1,4 @@
-import { type AccuracySettings, DILATION_PX2, resolveAccuracy } from '../accuracy.ts';
+import { type AccuracySettings, DILATION_PX2, layerSize, resolveAccuracy, type SizePx } from '../accuracy.ts';
 import { type Camera, projectionOf } from '../camera.ts';
 import { orderedBits, shortDepthKey } from '../layout/depth-key.ts';
 import { identity4 } from '../math/mat4.ts';
@@ -9,6 +9,7 @@ import type { SplatSet } from '../scene/splat-set.ts';
 import { cullSplat, type VisibleSplat } from './cull-splats.ts';
 import { splatColor } from './project.ts';
 import { type ReferenceImage, rasterizeSplat } from './rasterize.ts';
+import { upscale } from './upscale.ts';
 
 export interface ReferenceFrame {
   readonly clouds: readonly {
@@ -24,7 +25,10 @@ export interface ReferenceFrame {
   readonly hostDepths?: ArrayLike<number>;
   /** Default those of the preset `reference`. Precisions are not among them: all is float64. */
   readonly settings?: Partial<
-    Pick<AccuracySettings, 'alphaCutoff' | 'shDegree' | 'sortKeyBits' | 'extent' | 'culling'>
+    Pick<
+      AccuracySettings,
+      'alphaCutoff' | 'shDegree' | 'sortKeyBits' | 'extent' | 'culling' | 'resolutionScale'
+    >
   > & {
     /** Default 0.3 px². */
     readonly dilationPx2?: number;
@@ -46,8 +50,35 @@ interface DrawnSplat extends VisibleSplat {
  * order (Morton order, file order among equal codes, clouds in the order given). Seconds for a million splats.
  */
 export function renderReference(frame: ReferenceFrame): ReferencePicture {
-  const { camera, widthPx, heightPx, hostDepths } = frame;
   const settings = { ...resolveAccuracy('reference'), dilationPx2: DILATION_PX2, ...frame.settings };
+  const layer = layerSize(frame, settings);
+  const hostDepths = frame.hostDepths && nearestValues(frame.hostDepths, frame, layer);
+  const picture = renderLayer({ ...frame, ...layer, hostDepths }, settings);
+  if (settings.resolutionScale === 1) return picture;
+  const { widthPx, heightPx } = frame;
+  return {
+    ...picture,
+    widthPx,
+    heightPx,
+    data: upscale(picture.data, layer, frame),
+    ...(picture.depths && { depths: upscale(picture.depths, layer, frame) }),
+  };
+}
+
+/** Of a picture of size `from` the values at the middles of the pixels of a smaller one. */
+function nearestValues(values: ArrayLike<number>, from: SizePx, to: SizePx): Float64Array {
+  return Float64Array.from({ length: to.widthPx * to.heightPx }, (_, pixel) => {
+    const column = Math.floor((((pixel % to.widthPx) + 0.5) * from.widthPx) / to.widthPx);
+    const row = Math.floor(((Math.floor(pixel / to.widthPx) + 0.5) * from.heightPx) / to.heightPx);
+    return values[row * from.widthPx + column];
+  });
+}
+
+type ReferenceSettings = Required<NonNullable<ReferenceFrame['settings']>>;
+
+/** The picture at the size that splats are blended at. */
+function renderLayer(frame: ReferenceFrame, settings: ReferenceSettings): ReferencePicture {
+  const { camera, widthPx, heightPx, hostDepths } = frame;
   const { alphaCutoff, shDegree } = settings;
   const projection = projectionOf(camera, widthPx, heightPx);
   const image = { widthPx, heightPx, data: new Float64Array(4 * widthPx * heightPx) };

@@ -2,12 +2,21 @@ import type { RenderState, StageDefinition } from '../gpu/pipelines.ts';
 import type { DepthConvention } from '../scene/depth-convention.ts';
 import { TESTED_DEPTH_FORMAT } from './rasterize.ts';
 
-/** Copies the host's depth under the splats' picture, of several samples the farthest. */
-export function resolveDepth(compare: DepthConvention['compare'], isMultisampled: boolean) {
+/**
+ * Copies the host's depth under the splats' picture, of several samples the farthest.
+ *
+ * @param isScaled whether splats are blended in a smaller layer: its pixels take the depth behind their middles.
+ */
+export function resolveDepth(
+  compare: DepthConvention['compare'],
+  isMultisampled: boolean,
+  isScaled: boolean,
+) {
   return {
     stage: 'resolve-depth',
     conditions: {
       MULTISAMPLED: isMultisampled,
+      SCALED: isScaled,
       REVERSED_DEPTH: isMultisampled && compare === 'greater-equal',
     },
     bindings: {

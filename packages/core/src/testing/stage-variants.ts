@@ -19,9 +19,11 @@ import { repackGeometry } from '../stages/repack-geometry.ts';
 import { repackSh } from '../stages/repack-sh.ts';
 import { resolveDepth } from '../stages/resolve-depth.ts';
 import { sortShapeFor } from '../stages/sort-shape.ts';
+import { upscale } from '../stages/upscale.ts';
 
 const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
 const SH_PRECISIONS: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
+const BOTH = [false, true] as const;
 const GEOMETRY = ['f32', 'packed'] as const;
 const RECORD = ['f32', 'f16', 'paper'] as const;
 const EXTENTS = ['opacity', 'fixed'] as const;
@@ -57,7 +59,10 @@ export function allStageVariants(): StageDefinition[] {
       EXTENTS.flatMap((extent) => DEPTHS.map((depth) => rasterize({ recordPrecision, extent, depth }))),
     ),
     ...DEPTHS.flatMap((depth) => (depth ? [false, true] : [false]).map((many) => compose(depth, many))),
-    ...COMPARES.flatMap((compare) => [false, true].map((many) => resolveDepth(compare, many))),
+    ...COMPARES.flatMap((compare) =>
+      BOTH.flatMap((many) => BOTH.map((scaled) => resolveDepth(compare, many, scaled))),
+    ),
+    ...BOTH.map(upscale),
     ...RECORD.map(pick),
     repackGeometry,
     ...DEGREES.slice(1).flatMap((degree) => [

@@ -3,7 +3,7 @@ import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { type FrameStatistics, type StageTimings, wallClockTimings } from './frame-statistics.ts';
 
 /** Passes that are timed, in the order in which a frame runs them. */
-const TIMED_PASSES = ['preprocess', 'sort', 'resolve-depth', 'rasterize', 'composite'] as const;
+const TIMED_PASSES = ['preprocess', 'sort', 'resolve-depth', 'rasterize', 'upscale', 'composite'] as const;
 type TimedPass = (typeof TIMED_PASSES)[number];
 
 /** Read-backs that may be under way at once; a frame that finds none free goes unmeasured and does not wait. */
@@ -139,7 +139,7 @@ function timingsOf(
     source: 'gpu-timestamps',
     preprocessMs: spanMs('preprocess'),
     sortMs: spanMs('sort'),
-    rasterizeMs: spanMs('resolve-depth', 'rasterize', 'composite'),
+    rasterizeMs: spanMs('resolve-depth', 'rasterize', 'upscale', 'composite'),
     totalMs: spanMs(...TIMED_PASSES),
     wallClockMs,
   };
