@@ -1,5 +1,6 @@
 import { WebSplatterError } from '@websplatter/core';
 import packageJson from '../package.json' with { type: 'json' };
+import { accuracy } from './accuracy.ts';
 import type { Console } from './console.ts';
 import { hardcases } from './hardcases.ts';
 import { info } from './info.ts';
@@ -10,7 +11,7 @@ import { USAGE } from './usage.ts';
 /** A command does its work or throws. */
 type Command = (args: readonly string[], console: Console) => Promise<void>;
 
-const COMMANDS: Readonly<Record<string, Command>> = { render, info, hardcases };
+const COMMANDS: Readonly<Record<string, Command>> = { render, info, accuracy, hardcases };
 
 /** Codes of errors that are not the input's fault. */
 const FAILURE_CODES = new Set([
@@ -18,6 +19,7 @@ const FAILURE_CODES = new Set([
   'destroyed',
   'frames-differ',
   'gpu-error',
+  'non-finite-picture',
   'hard-cases-failed',
 ]);
 

@@ -46,7 +46,8 @@ export async function renderOnGpu(
   }
 }
 
-async function addScene(engine: SplatEngine, { name, content }: SceneSource): Promise<SplatCloud> {
+/** The splats of a scene on the GPU. */
+export async function addScene(engine: SplatEngine, { name, content }: SceneSource): Promise<SplatCloud> {
   return 'make' in content ? engine.add(content.make(), { name }) : engine.load(content.source, { name });
 }
 

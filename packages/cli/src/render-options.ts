@@ -97,7 +97,7 @@ export function parseStrictly<Options extends NonNullable<ParseArgsConfig['optio
   }
 }
 
-function parseSize(text: string): [number, number] {
+export function parseSize(text: string): [number, number] {
   const match = /^(\d+)[x×](\d+)$/i.exec(text);
   const size = match && [Number(match[1]), Number(match[2])];
   if (!size?.every((px) => px >= 1 && px <= MAX_SIZE_PX)) {
@@ -118,7 +118,7 @@ function parseBackground(text: string): Vec3 {
   return numbers as [number, number, number];
 }
 
-function parseFrames(text: string): number {
+export function parseFrames(text: string): number {
   if (!/^[1-9]\d{0,5}$/.test(text))
     throw new UsageError('--frames', `--frames is ${text}; it must be a whole number from 1 on`);
   return Number(text);

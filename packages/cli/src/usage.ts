@@ -19,6 +19,14 @@ websplatter render SCENE … --camera CAM.json --size WIDTHxHEIGHT --out image.p
 websplatter info SCENE [--json]
   counts, bounds, spherical harmonics per band, left-out splats by reason, bytes needed on the GPU
 
+websplatter accuracy SCENE … --camera CAM.json --size WIDTHxHEIGHT [options]
+  what each accuracy setting costs in milliseconds and in error against the reference, for this scene and view
+  --json                 everything that was measured, instead of the table
+  --svg chart.svg        writes a chart: error over time, the front marked
+  --base balanced        the preset that settings are changed from, one at a time
+  --settings a,b         only these settings, e.g. shDegree,colorTarget; default all
+  --frames 15            measured frames per setting
+
 websplatter hardcases [--json | --markdown] [--filter text] [--size 64x64]
   scenes that break splat renderers, each held against float64: worst error of a stage, decibels per preset, verdict
   --filter text          only cases with that in their name

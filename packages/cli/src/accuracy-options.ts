@@ -1,0 +1,66 @@
+import {
+  ACCURACY_PRESETS,
+  ACCURACY_SETTINGS,
+  type AccuracyPreset,
+  DEFAULT_ACCURACY,
+} from '@websplatter/core';
+import { UsageError } from './input-error.ts';
+import { parseFrames, parseSize, parseStrictly } from './render-options.ts';
+
+/** What `websplatter accuracy` was asked for. */
+export interface AccuracyOptions {
+  readonly scenes: readonly string[];
+  readonly camera: string;
+  readonly widthPx: number;
+  readonly heightPx: number;
+  readonly base: AccuracyPreset;
+  /** Names of the settings to change; undefined for all. */
+  readonly settings: readonly string[] | undefined;
+  /** Per point. */
+  readonly frames: number;
+  readonly isJson: boolean;
+  readonly svg: string | undefined;
+}
+
+/** @throws UsageError naming the argument. */
+export function parseAccuracyArguments(args: readonly string[]): AccuracyOptions {
+  const { values, positionals } = parseStrictly(args, {
+    camera: { type: 'string' },
+    size: { type: 'string' },
+    base: { type: 'string', default: DEFAULT_ACCURACY },
+    settings: { type: 'string' },
+    frames: { type: 'string', default: '15' },
+    json: { type: 'boolean', default: false },
+    svg: { type: 'string' },
+  });
+  if (positionals.length === 0)
+    throw new UsageError('SCENE', 'accuracy needs a SCENE: a file, a URL or builtin:still-life');
+  if (values.camera === undefined) throw new UsageError('--camera', 'accuracy needs --camera CAM.json');
+  if (values.size === undefined) throw new UsageError('--size', 'accuracy needs --size WIDTHxHEIGHT');
+  const [widthPx, heightPx] = parseSize(values.size);
+  return {
+    scenes: positionals,
+    camera: values.camera,
+    widthPx,
+    heightPx,
+    base: parseBase(values.base),
+    settings: parseNames(values.settings),
+    frames: parseFrames(values.frames),
+    isJson: values.json,
+    svg: values.svg,
+  };
+}
+
+function parseBase(text: string): AccuracyPreset {
+  if (Object.hasOwn(ACCURACY_PRESETS, text)) return text as AccuracyPreset;
+  const names = Object.keys(ACCURACY_PRESETS).join(', ');
+  throw new UsageError('--base', `--base is ${text}; it must be one of ${names}`);
+}
+
+function parseNames(text: string | undefined): string[] | undefined {
+  const names = text?.split(',').map((name) => name.trim());
+  const unknown = names?.find((name) => !Object.hasOwn(ACCURACY_SETTINGS, name));
+  if (unknown === undefined) return names;
+  const known = Object.keys(ACCURACY_SETTINGS).join(', ');
+  throw new UsageError('--settings', `--settings names “${unknown}”; there are ${known}`);
+}

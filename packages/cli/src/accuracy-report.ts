@@ -1,0 +1,76 @@
+import type { AccuracyPoint, AccuracyTable, TimeSpread } from '@websplatter/core/measure';
+
+type Column = readonly [heading: string, cell: (point: AccuracyPoint, table: AccuracyTable) => string];
+
+const COLUMNS: readonly Column[] = [
+  ['', (point, table) => `${point.isOnFront ? '*' : ' '}${point.settings === table.base ? '>' : ' '}`],
+  ['setting', ({ name }) => name],
+  ['PSNR dB', ({ error }) => decibels(error.psnrDb)],
+  ['max error', ({ error }) => eightBit(error.maxError)],
+  ['99.9 %', ({ error }) => eightBit(error.p999Error)],
+  ['SSIM', ({ error }) => error.ssim.toFixed(5)],
+  ['pre-process', ({ timeMs }) => milliseconds(timeMs.preprocess)],
+  ['sort', ({ timeMs }) => milliseconds(timeMs.sort)],
+  ['rasterize', ({ timeMs }) => milliseconds(timeMs.rasterize)],
+  ['total ms', ({ timeMs }) => milliseconds(timeMs.total)],
+  ['interval', ({ timeMs: { total } }) => `${total.low.toFixed(2)}–${total.high.toFixed(2)}`],
+  ['P99', ({ timeMs }) => timeMs.total.p99.toFixed(2)],
+  ['MB', ({ bytes }) => (bytes / 1e6).toFixed(1)],
+];
+/** These two are read from their left. */
+const LEFT_ALIGNED = 2;
+
+/** The table for people, fastest first. */
+export function accuracyText(table: AccuracyTable, scene: string): string {
+  const points = [...table.points].sort((a, b) => a.timeMs.total.median - b.timeMs.total.median);
+  const rows = [
+    COLUMNS.map(([heading]) => heading),
+    ...points.map((point) => COLUMNS.map(([, cell]) => cell(point, table))),
+  ];
+  const widths = COLUMNS.map((_, column) => Math.max(...rows.map((row) => row[column].length)));
+  const lines = rows.map((row) =>
+    row
+      .map((cell, column) =>
+        column < LEFT_ALIGNED ? cell.padEnd(widths[column]) : cell.padStart(widths[column]),
+      )
+      .join('  ')
+      .trimEnd(),
+  );
+  const { widthPx, heightPx, splats, adapter, frames, views, timing, elapsedMs } = table;
+  const notes = [
+    ...table.reference.notes.map((note) => `reference: ${note}`),
+    ...points.flatMap(({ name, notes: own }) => own.map((note) => `${name}: ${note}`)),
+    ...table.notes,
+  ];
+  const measured = `${frames} frames each${views > 1 ? ` from ${views} cameras, the worst of which counts` : ''}`;
+  return [
+    `${scene}: ${splats.toLocaleString('en')} splats, ${widthPx}×${heightPx} px, ${adapter}`,
+    '',
+    ...lines,
+    '',
+    '> the base   * on the front: nothing measured is both more accurate and faster',
+    'Errors are against the reference; maximum and 99.9th percentile in steps of 8 bits.',
+    `Times are medians of ${measured}, by ${timing === 'gpu-timestamps' ? 'GPU timestamps' : 'the wall clock'}; the interval holds the median with 95 %.`,
+    `Measured in ${(elapsedMs / 1000).toFixed(1)} s.`,
+    ...[...new Set(notes)].map((note) => `note: ${note}`),
+    '',
+  ].join('\n');
+}
+
+/** Everything that was measured; `psnrDb` is null where the picture is that of the reference. */
+export function accuracyJson(table: AccuracyTable, scenes: readonly string[]): string {
+  const finite = (_key: string, value: unknown) => (value === Number.POSITIVE_INFINITY ? null : value);
+  return `${JSON.stringify({ scenes, ...table }, finite, 2)}\n`;
+}
+
+function decibels(psnrDb: number): string {
+  return psnrDb === Number.POSITIVE_INFINITY ? 'equal' : psnrDb.toFixed(1);
+}
+
+function eightBit(error: number): string {
+  return (255 * error).toFixed(error < 0.1 / 255 ? 3 : 1);
+}
+
+function milliseconds(spread: TimeSpread | null): string {
+  return spread === null ? '–' : spread.median.toFixed(2);
+}
