@@ -172,6 +172,46 @@ describe('accuracy settings', () => {
     expect(engine.memory().totalBytes).toBeLessThan(before);
   });
 
+  gpuTest('what is only a number or another shader takes no other buffers', async () => {
+    const cloud = engine.add(SCENE);
+    const own = engine.createView();
+    const frame = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
+    const buffersMadeFor = async (settings: Partial<AccuracySettings>) => {
+      const { createBuffer } = device;
+      const made: string[] = [];
+      device.createBuffer = (descriptor) => {
+        made.push(descriptor.label ?? '');
+        return createBuffer.call(device, descriptor);
+      };
+      try {
+        own.render({ ...frame, accuracy: { preset: 'reference', ...settings } });
+        await own.whenDrawn();
+      } finally {
+        device.createBuffer = createBuffer;
+      }
+      return made;
+    };
+    expect(await buffersMadeFor({})).toContain('frame projected');
+    for (const settings of [
+      { alphaCutoff: 0.02 },
+      { shDegree: 0 },
+      { shDegree: 2 },
+      { extent: 'fixed' },
+      { culling: 'frustum' },
+      { colorTarget: 'rgba8unorm' },
+    ] as const) {
+      expect(await buffersMadeFor(settings), JSON.stringify(settings)).toEqual([]);
+      const { data } = await own.readPixels();
+      // The picture is that of a view that has never drawn anything else.
+      expect(Buffer.compare(Buffer.from(data.buffer), Buffer.from((await drawWith(settings)).buffer))).toBe(
+        0,
+      );
+    }
+    expect(await buffersMadeFor({ recordPrecision: 'paper' })).toContain('frame projected');
+    own.destroy();
+    cloud.destroy();
+  });
+
   for (const preset of ['fast', 'paper'] as const) {
     gpuTest(`preset ${preset}: finite and close, also where scenes are hard`, async () => {
       const hard = [

@@ -3,7 +3,7 @@ import { projectionOf } from './camera.ts';
 import { InvalidArgumentError } from './errors.ts';
 import { recordCompute, recordRasterize, recordUpscale } from './frame.ts';
 import { FrameResources } from './frame-resources.ts';
-import { type FrameShape, isSameShape, isScaled } from './frame-shape.ts';
+import { type FrameShape, hasSameBuffers, isSameShape, isScaled } from './frame-shape.ts';
 import { hostDepthUniform, pageUniforms, viewUniforms } from './frame-uniforms.ts';
 import type { Counting } from './gpu/engine-counters.ts';
 import type { GpuMemory } from './gpu/gpu-memory.ts';
@@ -79,11 +79,13 @@ export class BlendedLayer {
     const { device, pipelines, memory } = this.#context;
     const { camera, widthPx, heightPx } = viewFrame;
     checkSize(device, widthPx, heightPx);
-    if (!this.#frame || !isSameShape(this.#frame.shape, shape)) {
+    if (!this.#frame || !hasSameBuffers(this.#frame.shape, shape)) {
       // The new one first: where it does not fit, the old picture stays.
       const next = new FrameResources(device, pipelines, memory, shape);
       this.#frame?.destroy();
       this.#frame = next;
+    } else if (!isSameShape(this.#frame.shape, shape)) {
+      this.#frame.reshape(shape);
     }
     const frame = this.#frame;
     const layer = layerSize(viewFrame, shape.accuracy);

@@ -96,8 +96,6 @@ type BufferTable = Readonly<Record<BufferName, readonly [bytes: number, usage: G
 
 /** The buffers and bind groups of one view of some clouds. Only frame.ts runs stages on them. */
 export class FrameResources {
-  readonly shape: FrameShape;
-  readonly pages: readonly FramePage[];
   /** Chunks of all pages. */
   readonly chunkCount: number;
   /** Splats of all clouds. */
@@ -108,16 +106,20 @@ export class FrameResources {
   readonly chunkScan: PrefixScan;
   readonly splatScan: PrefixScan;
   readonly sort: RadixSort;
-  readonly groups: FrameGroups;
+  #shape: FrameShape;
+  #pages: readonly FramePage[];
+  #groups: FrameGroups;
+  readonly #pipelines: Pipelines;
   readonly #memory: GpuMemory;
   readonly #queue: GPUQueue;
 
   /** @throws GpuLimitError where a buffer would pass the device's limits; nothing stays allocated then. */
   constructor(device: GPUDevice, pipelines: Pipelines, memory: GpuMemory, shape: FrameShape) {
-    this.shape = shape;
+    this.#shape = shape;
+    this.#pipelines = pipelines;
     this.#memory = memory;
     this.#queue = device.queue;
-    this.pages = pagesOf(shape.planes);
+    this.#pages = pagesOf(shape.planes);
     this.chunkCount = this.pages.reduce((sum, page) => sum + page.chunkCount, 0);
     this.totalSplats = shape.clouds.reduce((sum, cloud) => sum + cloud.count, 0);
     const { dispatchRow } = shape;
@@ -149,11 +151,30 @@ export class FrameResources {
         dispatchRow,
       });
       this.#writeConstants();
-      this.groups = this.#bind(pipelines);
+      this.#groups = this.#bind();
     } catch (error) {
       this.destroy();
       throw error;
     }
+  }
+
+  get shape(): FrameShape {
+    return this.#shape;
+  }
+
+  get pages(): readonly FramePage[] {
+    return this.#pages;
+  }
+
+  get groups(): FrameGroups {
+    return this.#groups;
+  }
+
+  /** Goes over to another shape that `hasSameBuffers`: other shaders, other planes of the same clouds. */
+  reshape(shape: FrameShape): void {
+    this.#shape = shape;
+    this.#pages = pagesOf(shape.planes);
+    this.#groups = this.#bind();
   }
 
   /** @param view one `View`; @param pages a `Page` per page, PAGE_STRIDE_BYTES apart. */
@@ -194,8 +215,9 @@ export class FrameResources {
     this.#queue.writeBuffer(buffers.pagePlans, 0, plans);
   }
 
-  #bind(pipelines: Pipelines): FrameGroups {
+  #bind(): FrameGroups {
     const { buffers, sort, shape } = this;
+    const pipelines = this.#pipelines;
     return {
       planCull: pipelines.bindGroup(planCull, buffers),
       compactChunks: pipelines.bindGroup(compactChunks, buffers),

@@ -65,16 +65,26 @@ export function isScaled({ accuracy }: Pick<FrameShape, 'accuracy'>): boolean {
   return accuracy.resolutionScale < 1;
 }
 
-/** Whether the buffers and shaders of one do for the other. */
+/** Whether a frame of one shape can be drawn with the buffers of the other, though maybe by other shaders. */
+export function hasSameBuffers(a: FrameShape, b: FrameShape): boolean {
+  return (
+    a.keyBits === b.keyBits &&
+    a.visibleCapacity === b.visibleCapacity &&
+    a.accuracy.recordPrecision === b.accuracy.recordPrecision &&
+    a.clouds.length === b.clouds.length &&
+    a.clouds.every((cloud, i) => cloud === b.clouds[i]) &&
+    (a.depth === null) === (b.depth === null)
+  );
+}
+
+/** Whether buffers, bindings and shaders of one do for the other. */
 export function isSameShape(a: FrameShape, b: FrameShape): boolean {
   return (
+    hasSameBuffers(a, b) &&
     a.isOrthographic === b.isOrthographic &&
-    a.keyBits === b.keyBits &&
     a.shortensKeys === b.shortensKeys &&
-    a.visibleCapacity === b.visibleCapacity &&
     a.accuracy === b.accuracy &&
-    a.clouds.length === b.clouds.length &&
-    a.clouds.every((cloud, i) => cloud === b.clouds[i] && a.planes[i] === b.planes[i]) &&
+    a.planes.every((planes, i) => planes === b.planes[i]) &&
     JSON.stringify(a.depth) === JSON.stringify(b.depth)
   );
 }
