@@ -1,0 +1,115 @@
+import { resolveAccuracy } from '@websplatter/core';
+import type { AccuracyPoint, AccuracyTable } from '@websplatter/core/measure';
+import { describe, expect, test } from 'vitest';
+import { accuracyChart } from './accuracy-chart.ts';
+import { accuracyJson, accuracyText } from './accuracy-report.ts';
+import { placeLabels } from './label-placement.ts';
+
+type Row = readonly [name: string, psnrDb: number, totalMs: number, isOnFront?: boolean];
+
+/** As crowded as a real sweep: many settings that make little difference lie together. */
+const ROWS: readonly Row[] = [
+  ['balanced', 52.1, 6.2],
+  ['reference', Number.POSITIVE_INFINITY, 11.4, true],
+  ['high', 66.2, 6.9, true],
+  ['fast', 38.4, 4.1, true],
+  ['paper', 45.2, 6.6],
+  ['paper −CULL', 45.2, 6.8],
+  ['paper −RADIUS', 45.2, 8.1],
+  ['geometryPrecision f32', 53.9, 6.5],
+  ['shPrecision f16', 55.1, 6.3, true],
+  ['shDegree 2', 47.3, 6.05],
+  ['shDegree 1', 41.2, 5.9],
+  ['shDegree 0', 31.8, 5.8],
+  ['sortKeyBits 24', 52.1, 6.1],
+  ['sortKeyBits 20', 52.0, 6.0, true],
+  ['sortKeyBits 16', 50.2, 5.7, true],
+  ['alphaCutoff 1/1024', 49.0, 7.7],
+  ['alphaCutoff 1/128', 46.1, 5.5, true],
+  ['extent fixed', 52.1, 7.4],
+  ['culling frustum', 52.1, 6.35],
+  ['colorTarget rgba32float', 52.2, 9.6],
+  ['colorTarget rgba8unorm', 43.1, 5.0, true],
+  ['resolutionScale 0.75', 33.4, 4.6],
+  ['resolutionScale 0.5', 28.9, 3.2, true],
+  ['sortKeyBits 20, colorTarget rgba8unorm', 43.0, 4.8, true],
+];
+
+function table(): AccuracyTable {
+  const base = resolveAccuracy('balanced');
+  const points = ROWS.map(([name, psnrDb, median, isOnFront = false], i): AccuracyPoint => {
+    const total = { median, low: median - 0.12, high: median + 0.15, p99: median + 0.6 };
+    const part = (share: number) => ({ ...total, median: share * median });
+    return {
+      name,
+      settings: i === 0 ? base : resolveAccuracy('high'),
+      changed: [],
+      error: { psnrDb, maxError: 0.01, p999Error: 0.001, ssim: 0.999 },
+      timeMs: { preprocess: part(0.2), sort: part(0.2), rasterize: part(0.6), total },
+      isOnFront,
+      bytes: 5e8,
+      notes: [],
+    };
+  });
+  return {
+    points,
+    base,
+    reference: { settings: resolveAccuracy('reference'), notes: [] },
+    notes: ['shDegree 3 is left out: the clouds have spherical harmonics up to degree 2.'],
+    timing: 'gpu-timestamps',
+    adapter: 'Some adapter',
+    widthPx: 1920,
+    heightPx: 1080,
+    splats: 5_834_784,
+    views: 1,
+    frames: 15,
+    elapsedMs: 9000,
+  };
+}
+
+describe('accuracyChart', () => {
+  const chart = accuracyChart(table(), 'garden <1> & more');
+
+  test('labels every point, marks the front and the base, and escapes what it is given', () => {
+    for (const [name] of ROWS) expect(chart).toContain(`>${name}</text>`);
+    expect(chart.match(/class="dot onFront"/g)!.length).toBeGreaterThan(8);
+    expect(chart).toContain('garden &lt;1&gt; &amp; more');
+    expect(chart).not.toMatch(/NaN|Infinity|undefined/);
+  });
+});
+
+test('labels cover neither each other nor points', () => {
+  const area = { left: 0, top: 0, right: 700, bottom: 400 };
+  const points = Array.from({ length: 20 }, (_, i) => ({
+    x: 300 + 7 * i,
+    y: 150 + 31 * (i % 4),
+    text: `setting number ${i}`,
+    isFirst: i % 3 === 0,
+  }));
+  const boxes = placeLabels(points, area, 4).map(({ x, y, text }) => ({ x, y, width: 6.1 * text.length }));
+  for (const [i, a] of boxes.entries()) {
+    for (const b of boxes.slice(i + 1)) {
+      const isApart = a.x + a.width <= b.x || b.x + b.width <= a.x || Math.abs(a.y - b.y) >= 12.99;
+      expect(isApart, `${points[i].text}`).toBe(true);
+    }
+  }
+});
+
+describe('the report', () => {
+  test('is sorted by time and aligned, the base and the front marked', () => {
+    const lines = accuracyText(table(), 'garden').split('\n');
+    const rows = lines.slice(3, 3 + ROWS.length);
+    expect(rows[0]).toMatch(/^\* {3}resolutionScale 0\.5/);
+    expect(rows.find((row) => row.includes('balanced'))).toMatch(/^ > {2}balanced/);
+    expect(new Set(rows.map((row) => row.length)).size).toBe(1);
+    expect(lines).toContain(
+      'note: shDegree 3 is left out: the clouds have spherical harmonics up to degree 2.',
+    );
+  });
+
+  test('is JSON with null for pictures that are equal', () => {
+    const parsed = JSON.parse(accuracyJson(table(), ['garden']));
+    expect(parsed.points[1].error.psnrDb).toBeNull();
+    expect(parsed.points[0].timeMs.total.median).toBe(6.2);
+  });
+});
