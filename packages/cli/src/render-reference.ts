@@ -14,9 +14,7 @@ export async function renderOnReference(
   const sets: SplatSet[] = [];
   for (const scene of scenes) sets.push(await readScene(scene, 'f32'));
   const clouds = sets.map((set, i) => ({ set, modelMatrix: models[i] }));
-  const { alphaCutoff, shDegree } = accuracy;
-  const draw = () =>
-    renderReference({ clouds, camera, widthPx, heightPx, settings: { alphaCutoff, shDegree } });
+  const draw = () => renderReference({ clouds, camera, widthPx, heightPx, settings: accuracy });
 
   const timings: StageTimings[] = [];
   let first: ReturnType<typeof draw> | undefined;

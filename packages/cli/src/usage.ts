@@ -9,8 +9,8 @@ websplatter render SCENE … --camera CAM.json --size WIDTHxHEIGHT --out image.p
   --size 256x256         in pixels
   --out image.png        8-bit opaque, over the background
   --raw image.f32        width × height × 4 float32, little-endian, premultiplied RGBA, top row first, no background
-  --renderer gpu         or reference: float64 on the CPU, slow (of the settings it has alphaCutoff and shDegree)
-  --accuracy balanced    or high, reference
+  --renderer gpu         or reference: float64 on the CPU, slow (all but precisions and formats apply)
+  --accuracy balanced    or reference, high, fast, paper
   --set name=value       one accuracy setting; may be repeated
   --background 0,0,0     r,g,b, each 0 to 1, in the picture's sRGB space
   --frames 1             renders as many times; fails where two frames differ in a bit
