@@ -11,14 +11,14 @@ const DOT_RADIUS = 4;
 
 const STYLE = `
   svg { color-scheme: light dark; background: #fff; font: 11px system-ui, sans-serif; }
-  text { fill: #1f2328; } .quiet { fill: #59636e; } .title { font-size: 15px; font-weight: 600; }
+  text { fill: #1f2328; paint-order: stroke; stroke: #fff; stroke-width: 3px; stroke-linejoin: round; } .quiet { fill: #59636e; } .title { font-size: 15px; font-weight: 600; }
   .grid { stroke: #e4e8ec; } .axis { stroke: #8b949e; } .spread { stroke: #8b949e; stroke-width: 1.5; }
-  .leader { stroke: #b4bcc5; stroke-width: .75; } .dot { fill: #fff; stroke: #59636e; stroke-width: 1.5; }
+  .leader { stroke: #8b949e; stroke-width: .75; } .dot { fill: #fff; stroke: #59636e; stroke-width: 1.5; }
   .front { fill: none; stroke: #0969da; stroke-width: 2; } .dot.onFront { fill: #0969da; stroke: #0969da; }
   .dot.base { stroke: #bc4c00; stroke-width: 3; } .label.onFront { font-weight: 600; fill: #0550ae; }
   @media (prefers-color-scheme: dark) {
-    svg { background: #0d1117; } text { fill: #e6edf3; } .quiet { fill: #9198a1; }
-    .grid { stroke: #21262d; } .axis, .spread { stroke: #6e7681; } .leader { stroke: #484f58; }
+    svg { background: #0d1117; } text { fill: #e6edf3; stroke: #0d1117; } .quiet { fill: #9198a1; }
+    .grid { stroke: #21262d; } .axis, .spread { stroke: #6e7681; } .leader { stroke: #6e7681; }
     .dot { fill: #0d1117; stroke: #9198a1; } .front { stroke: #58a6ff; }
     .dot.onFront { fill: #58a6ff; stroke: #58a6ff; } .dot.base { stroke: #f0883e; } .label.onFront { fill: #79c0ff; }
   }`;
@@ -33,12 +33,21 @@ export function accuracyChart(table: AccuracyTable, scene: string): string {
     x: x.at(point.timeMs.total.median),
     y: y.at(point.error.psnrDb),
   }));
+  const front = placed.filter(({ point }) => point.isOnFront).sort((a, b) => a.x - b.x);
   const labels = placeLabels(
     placed.map(({ point, x, y }) => ({ x, y, text: point.name, isFirst: point.isOnFront })),
     PLOT,
     DOT_RADIUS,
+    [
+      ...placed.map(({ point: { timeMs }, y }) =>
+        thinBox(x.at(timeMs.total.low), y, x.at(timeMs.total.high), y),
+      ),
+      ...front.flatMap((from, i) => {
+        const to = front[i + 1] ?? { x: PLOT.right, y: from.y };
+        return [thinBox(from.x, from.y, to.x, from.y), thinBox(to.x, from.y, to.x, to.y)];
+      }),
+    ],
   );
-  const front = placed.filter(({ point }) => point.isOnFront).sort((a, b) => a.x - b.x);
   const { widthPx, heightPx, splats, adapter, frames, timing } = table;
   const details = `${splats.toLocaleString('en')} splats, ${widthPx}×${heightPx} px, ${adapter}`;
   const source = timing === 'gpu-timestamps' ? 'GPU timestamps' : 'wall clock';
@@ -98,13 +107,13 @@ function legend(): string[] {
       'on the front: nothing is both more accurate and faster',
     ),
     ...entry(
-      PLOT.left + 318,
-      `<circle class="dot base" cx="${PLOT.left + 318}" cy="${y}" r="${DOT_RADIUS}"/>`,
+      PLOT.left + 350,
+      `<circle class="dot base" cx="${PLOT.left + 350}" cy="${y}" r="${DOT_RADIUS}"/>`,
       'the base',
     ),
     ...entry(
-      PLOT.left + 398,
-      line(PLOT.left + 388, y, PLOT.left + 402, y, 'spread'),
+      PLOT.left + 440,
+      line(PLOT.left + 430, y, PLOT.left + 444, y, 'spread'),
       '95 % interval of the median',
     ),
   ];
@@ -124,6 +133,16 @@ function stepPath(front: readonly { readonly x: number; readonly y: number }[]):
     i === 0 ? `M${round(x)} ${round(y)}` : `H${round(x)}V${round(y)}`,
   );
   return `${steps.join('')}H${PLOT.right}`;
+}
+
+/** Round a horizontal or vertical line. */
+function thinBox(x1: number, y1: number, x2: number, y2: number): Box {
+  return {
+    left: Math.min(x1, x2) - 1,
+    top: Math.min(y1, y2) - 1,
+    right: Math.max(x1, x2) + 1,
+    bottom: Math.max(y1, y2) + 1,
+  };
 }
 
 interface Scale {

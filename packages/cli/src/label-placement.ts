@@ -24,6 +24,8 @@ export interface PlacedLabel extends Omit<Labelled, 'x' | 'y'> {
 const FONT_PX = 11;
 /** A generous average of proportional fonts. */
 const CHARACTER_PX = 6.1;
+/** What takes its place first is bold. */
+const BOLD_CHARACTER_PX = 6.9;
 const LINE_PX = FONT_PX + 2;
 const GAP_PX = 4;
 /** Beyond this a line leads to the label. */
@@ -32,12 +34,19 @@ const NEAR_PX = 14;
 /**
  * A place for each text beside its point: the nearest in which it covers no point, no other text and does not leave
  * `area`; where there is none, the one that covers least.
+ *
+ * @param lines what else is better not covered, as thin boxes.
  */
-export function placeLabels(points: readonly Labelled[], area: Box, dotRadius: number): PlacedLabel[] {
-  const taken: Box[] = points.map(({ x, y }) => around(x, y, dotRadius));
+export function placeLabels(
+  points: readonly Labelled[],
+  area: Box,
+  dotRadius: number,
+  lines: readonly Box[] = [],
+): PlacedLabel[] {
+  const taken: Box[] = [...lines, ...points.map(({ x, y }) => around(x, y, dotRadius))];
   const order = [...points].sort((a, b) => Number(b.isFirst) - Number(a.isFirst));
   return order.map(({ x, y, text, isFirst }) => {
-    const width = CHARACTER_PX * text.length;
+    const width = (isFirst ? BOLD_CHARACTER_PX : CHARACTER_PX) * text.length;
     const best = places(x, y, width, dotRadius)
       .map((box) => ({ box, cost: cost(box, x, y, taken, area) }))
       .reduce((least, each) => (each.cost < least.cost ? each : least)).box;
