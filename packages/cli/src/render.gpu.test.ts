@@ -36,3 +36,21 @@ gpuTest('the GPU draws what the reference draws, every frame the same bits', asy
   expect(report).toMatchObject({ frames: 3, measuredFrames: 3, framesIdentical: true, visibleSplats: 6 });
   expect(report.stages.totalMs.median).toBeGreaterThan(0);
 });
+
+gpuTest('presets and settings by name: the reference draws with those that define a picture', async () => {
+  const folder = new TestFolder();
+  const size = { widthPx: 32, heightPx: 24 };
+  const common = ['render', folder.scene(), '--camera', folder.camera(), '--size', '32x24'];
+  for (const [asked, minPsnrDb] of [
+    [['--accuracy', 'fast'], 45],
+    [['--accuracy', 'paper'], 45],
+    [['--set', 'resolutionScale=1/2', '--set', 'sortKeyBits=16', '--set', 'extent=fixed'], 55],
+  ] as const) {
+    const [onGpu, onReference] = ['gpu.f32', 'reference.f32'].map((name) => folder.file(name));
+    expect(await runMain(...common, ...asked, '--raw', onGpu)).toMatchObject({ status: 0 });
+    const reference = await runMain(...common, ...asked, '--renderer', 'reference', '--raw', onReference);
+    expect(reference.status).toBe(0);
+    const { psnrDb } = compareImages(readRaw(onGpu), readRaw(onReference), size);
+    expect(psnrDb, asked.join(' ')).toBeGreaterThan(minPsnrDb);
+  }
+});
