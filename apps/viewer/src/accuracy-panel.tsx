@@ -1,20 +1,28 @@
 import { type KeyboardEvent, memo, useId, useRef } from 'react';
 import { useStore } from 'zustand';
 import { AccuracyPresets, AccuracySettingsForm } from './accuracy-settings.tsx';
+import type { AccuracySweep } from './accuracy-sweep.ts';
 import { ComparisonForm } from './comparison-form.tsx';
 import { Icon } from './icon.tsx';
+import { MeasureForm } from './measure-form.tsx';
 import { ACCURACY_TABS, type AccuracyTab, type ViewerStore } from './store.ts';
 import type { Viewer } from './viewer.ts';
 
-const TAB_LABELS: Readonly<Record<AccuracyTab, string>> = { settings: 'Settings', compare: 'Compare' };
+const TAB_LABELS: Readonly<Record<AccuracyTab, string>> = {
+  measure: 'Measure',
+  compare: 'Compare',
+  settings: 'Settings',
+};
 
 /** What pictures are drawn with, and what that means: docked beside the picture, on small screens a sheet below it. */
 export const AccuracyPanel = memo(function AccuracyPanel({
   store,
   viewer,
+  sweep,
 }: {
   store: ViewerStore;
   viewer: Viewer;
+  sweep: AccuracySweep;
 }) {
   const isVisible = useStore(store, (state) => state.isAccuracyVisible);
   const tab = useStore(store, (state) => state.accuracyTab);
@@ -43,6 +51,7 @@ export const AccuracyPanel = memo(function AccuracyPanel({
         // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, so keys must reach it.
         tabIndex={0}
       >
+        {tab === 'measure' && <MeasureForm store={store} viewer={viewer} sweep={sweep} />}
         {tab === 'settings' && <AccuracySettingsForm store={store} viewer={viewer} />}
         {tab === 'compare' && <ComparisonForm store={store} viewer={viewer} />}
       </div>

@@ -1,6 +1,7 @@
 import { useEffect, useMemo, useRef } from 'react';
 import { useStore } from 'zustand';
 import { AccuracyPanel } from './accuracy-panel.tsx';
+import { AccuracySweep } from './accuracy-sweep.ts';
 import { createCommands, listenToKeys } from './commands.ts';
 import { DropZone } from './drop-zone.tsx';
 import { type DropDecision, decideFiles } from './dropped-files.ts';
@@ -24,6 +25,8 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   const comparison = useStore(store, (state) => state.comparison);
   const fileInput = useRef<HTMLInputElement>(null);
   const run = useMemo(() => createCommands(viewer, store, () => fileInput.current?.click()), [viewer, store]);
+  const sweep = useMemo(() => new AccuracySweep(viewer, store), [viewer, store]);
+  useEffect(() => sweep.watch(), [sweep]);
   useEffect(() => listenToKeys(viewer, store, run), [viewer, store, run]);
 
   const follow = ({ file, notice }: DropDecision) => {
@@ -40,7 +43,7 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
       <div className="overlay">
         <Hud store={store} />
         <Toolbar store={store} run={run} />
-        <AccuracyPanel store={store} viewer={viewer} />
+        <AccuracyPanel store={store} viewer={viewer} sweep={sweep} />
         <SceneCaption store={store} onStep={(by) => viewer.stepCamera(by)} />
         <div className="messages">
           <Notice store={store} />

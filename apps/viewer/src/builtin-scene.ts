@@ -1,6 +1,6 @@
-import type { AccuracySettings, PackedCloud } from '@websplatter/core';
+import type { AccuracySettings } from '@websplatter/core';
 import { type BuiltinScene, builtinScenes } from '@websplatter/scenes';
-import type { SceneRequest } from './builtin-scene.worker.ts';
+import type { MadeScene, SceneRequest } from './builtin-scene.worker.ts';
 
 export function findBuiltinScene(name: string): BuiltinScene | undefined {
   return builtinScenes.find((scene) => scene.name === name);
@@ -16,7 +16,7 @@ export function makeBuiltinScene(
   name: string,
   { geometryPrecision, shPrecision }: AccuracySettings,
   signal: AbortSignal,
-): Promise<PackedCloud> {
+): Promise<MadeScene> {
   return new Promise((resolve, reject) => {
     signal.throwIfAborted();
     const worker = new Worker(new URL('./builtin-scene.worker.ts', import.meta.url), { type: 'module' });
@@ -27,7 +27,7 @@ export function makeBuiltinScene(
     };
     const abort = () => finish(() => reject(signal.reason));
     signal.addEventListener('abort', abort);
-    worker.onmessage = ({ data }: MessageEvent<PackedCloud>) => finish(() => resolve(data));
+    worker.onmessage = ({ data }: MessageEvent<MadeScene>) => finish(() => resolve(data));
     worker.onerror = (event) =>
       finish(() => reject(new Error(event.message || 'The worker could not be started.')));
     worker.postMessage({ name, geometryPrecision, shPrecision } satisfies SceneRequest);

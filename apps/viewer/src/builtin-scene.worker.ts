@@ -1,9 +1,22 @@
 /** Makes and packs a built-in scene off the main thread, so that the page stays responsive. */
-import { type AccuracySettings, packCloud, repackShRest, transferablesOf } from '@websplatter/core';
+import {
+  type AccuracySettings,
+  type PackedCloud,
+  packCloud,
+  repackShRest,
+  type SplatSet,
+  transferablesOf,
+} from '@websplatter/core';
 import { builtinScenes } from '@websplatter/scenes';
 
 export interface SceneRequest extends Pick<AccuracySettings, 'geometryPrecision' | 'shPrecision'> {
   readonly name: string;
+}
+
+export interface MadeScene {
+  readonly packed: PackedCloud;
+  /** As it was made, for when another precision is asked for. */
+  readonly set: SplatSet;
 }
 
 self.onmessage = ({ data }: MessageEvent<SceneRequest>) => {
@@ -13,5 +26,16 @@ self.onmessage = ({ data }: MessageEvent<SceneRequest>) => {
   const set = scene.make();
   const shRest = repackShRest(set.shRest, set.count, shPrecision);
   const packed = packCloud({ ...set, shRest }, { geometryPrecision });
-  self.postMessage(packed, { transfer: transferablesOf(packed) });
+  const columns = [
+    set.positions,
+    set.logScales,
+    set.rotations,
+    set.opacityLogits,
+    set.colorDc,
+    set.fileIndices,
+  ];
+  const buffers = [...columns, set.shRest.words].map(({ buffer }) => buffer);
+  // Precisions that are the same may share a buffer, which can be given away once.
+  const transfer = [...new Set([...transferablesOf(packed), ...buffers])];
+  self.postMessage({ packed, set } satisfies MadeScene, { transfer });
 };

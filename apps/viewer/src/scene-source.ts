@@ -55,8 +55,8 @@ export async function loadScene(
   const plain = { firstView: null, ownCameras: null, about: null };
   if (source.kind === 'builtin') {
     const { name, title, cameras } = source.scene;
-    const packed = await makeBuiltinScene(name, engine.accuracy, signal);
-    const clouds = [{ cloud: engine.addPacked(packed, { name: title }) }];
+    const { packed, set } = await makeBuiltinScene(name, engine.accuracy, signal);
+    const clouds = [{ cloud: engine.addPacked(packed, { name: title, source: set }) }];
     return { ...plain, clouds, firstView: cameras[0], isUpsideDown: false };
   }
   if (source.kind === 'hard-case') return loadHardCase(engine, source.name, signal, onProgress);

@@ -5,6 +5,7 @@ import {
   type LoadProgress,
   resolveAccuracy,
 } from '@websplatter/core';
+import type { AccuracyChoice, AccuracyTable, MeasureProgress } from '@websplatter/core/measure';
 import { createStore, type StoreApi } from 'zustand/vanilla';
 import { addressWithAccuracy } from './accuracy-text.ts';
 import type { SceneWarning } from './dropped-splats.ts';
@@ -50,7 +51,7 @@ export type Comparison =
   /** How far the shown accuracy is from `reference`, pixel by pixel. */
   | { readonly kind: 'error' };
 
-export const ACCURACY_TABS = ['settings', 'compare'] as const;
+export const ACCURACY_TABS = ['measure', 'compare', 'settings'] as const;
 export type AccuracyTab = (typeof ACCURACY_TABS)[number];
 
 export type ViewerStatus =
@@ -87,6 +88,11 @@ export interface ViewerState {
   /** What of that the GPU cannot do, in words. */
   readonly accuracyNotices: readonly string[];
   readonly comparison: Comparison | null;
+  /** A measurement under way. */
+  readonly sweep: MeasureProgress | null;
+  readonly measured: MeasuredAccuracy | null;
+  /** Why the last measurement came to nothing; empty where it did not. */
+  readonly sweepProblem: string;
   /** How far the picture that stands is from `reference`, where that is asked for and known. */
   readonly errorFigures: ErrorFigures | null;
   /** Where the line of a split picture is, 0…1 of its width. */
@@ -105,6 +111,16 @@ export interface ViewerState {
   readonly frameRate: FrameRate | null;
   /** Nothing changes, so nothing is drawn. */
   readonly isIdle: boolean;
+}
+
+/** What accuracy was measured to cost. */
+export interface MeasuredAccuracy {
+  readonly table: AccuracyTable;
+  /** Of the picture that was measured: others make it stale. */
+  readonly pictureId: number;
+  readonly isSoftware: boolean;
+  /** What was chosen from the table and why, where a wish was made. */
+  readonly choice: AccuracyChoice | null;
 }
 
 export function sideAccuracy(side: ComparisonSide, current: AccuracySettings): AccuracySettings {
@@ -128,10 +144,13 @@ export function createViewerStore(): ViewerStore {
     isHudVisible: true,
     isHelpVisible: false,
     isAccuracyVisible: false,
-    accuracyTab: 'settings',
+    accuracyTab: 'measure',
     accuracy: resolveAccuracy(),
     accuracyNotices: [],
     comparison: null,
+    sweep: null,
+    measured: null,
+    sweepProblem: '',
     errorFigures: null,
     splitPart: 0.5,
     isDroppedVisible: false,

@@ -1,5 +1,7 @@
 import {
+  ACCURACY_PRESETS,
   type AccuracySettings,
+  type Bounds,
   type Camera,
   InvalidArgumentError,
   isSoftwareAdapter,
@@ -111,6 +113,8 @@ export class Viewer {
   #drawn: DrawnPicture | null = null;
   #frameCount = 0;
   #scenesShown = 0;
+  /** Settles when the clouds hold what they were last asked for, as far as they can. */
+  #planes: Promise<void> = Promise.resolve();
   /** Of the picture that came to rest last: see `pictureId`. */
   #restedKey = '';
 
@@ -178,6 +182,7 @@ export class Viewer {
   /** Shows two accuracies at once, or with null the chosen one alone again. */
   compare(comparison: Comparison | null): void {
     this.#store.setState({ comparison });
+    this.#applyAccuracy();
     this.#loop.request();
   }
 
@@ -187,6 +192,7 @@ export class Viewer {
    * @returns null where no picture stands.
    */
   async readPicture(accuracy: AccuracySettings): Promise<PictureOnBackground | null> {
+    await this.#planes;
     const session = this.#session;
     const drawn = this.#drawn;
     if (!session || !drawn || drawn.scene !== this.#scene) return null;
@@ -195,6 +201,20 @@ export class Viewer {
     const image = await session.probe.readPixels();
     const { widthPx, heightPx, background } = drawn.frame;
     return { image, widthPx, heightPx, background };
+  }
+
+  /** What stands on the screen; null where nothing does. */
+  get standing(): StandingPicture | null {
+    const session = this.#session;
+    const drawn = this.#drawn;
+    if (!session || !drawn || drawn.scene !== this.#scene) return null;
+    const { center, radius } = this.#placed(drawn.scene.sphere);
+    const corner = (side: 1 | -1): Vec3 => [
+      center[0] + side * radius,
+      center[1] + side * radius,
+      center[2] + side * radius,
+    ];
+    return { engine: session.engine, frame: drawn.frame, bounds: { min: corner(-1), max: corner(1) } };
   }
 
   /** Opens `source` in place of what is shown, which stays until then; calls off what is being loaded. */
@@ -302,12 +322,39 @@ export class Viewer {
     }
   }
 
-  /** Tells the engine of the accuracy in the store, for what is loaded from now on, and the store what it can do of it. */
+  /**
+   * Tells the engine of the accuracy in the store, and the store what comes of it. What clouds do not hold at that
+   * precision, or at one that it is compared with, is made or read in the background; the picture follows.
+   */
   #applyAccuracy(): void {
-    const engine = this.#session?.engine;
-    if (!engine) return;
-    engine.setAccuracy(this.#store.getState().accuracy);
-    this.#store.setState({ accuracyNotices: engine.notices });
+    this.#planes = this.#askForPlanes();
+  }
+
+  async #askForPlanes(): Promise<void> {
+    const session = this.#session;
+    if (!session) return;
+    const { engine } = session;
+    const store = this.#store;
+    const { accuracy, comparison } = store.getState();
+    const isCurrent = () => {
+      const now = store.getState();
+      return this.#session === session && now.accuracy === accuracy && now.comparison === comparison;
+    };
+    const request = engine.setAccuracy(accuracy);
+    store.setState({ accuracyNotices: engine.notices });
+    const problems = (await request).map(({ error }) => error.message);
+    const clouds = this.#scene?.clouds ?? [];
+    for (const other of comparedWith(comparison)) {
+      for (const { cloud } of clouds) {
+        if (!isCurrent() || cloud.isDestroyed) return;
+        await engine.requestPrecision(cloud, other, { keep: true }).catch((error: Error) => {
+          if (error.name !== 'AbortError') problems.push(error.message);
+        });
+      }
+    }
+    if (!isCurrent()) return;
+    store.setState({ accuracyNotices: [...new Set([...engine.notices, ...problems])] });
+    this.#loop.request();
   }
 
   #endSession(): void {
@@ -413,6 +460,7 @@ export class Viewer {
     // Clouds of an ended session are gone with it and cannot come back.
     if (previous?.session === session) this.#replaced.push(this.#snapshot(previous));
     this.#setScene(scene);
+    this.#applyAccuracy();
     // After the device was lost the view goes on where it was.
     if (!isReopened) this.#showFirstView(scene);
     this.#loop.request();
@@ -585,6 +633,15 @@ export class Viewer {
   }
 }
 
+/** A picture on the screen, and what another one like it can be drawn with. */
+export interface StandingPicture {
+  readonly engine: SplatEngine;
+  /** Without accuracy. */
+  readonly frame: ViewFrame;
+  /** Of the scene as it stands, but for stray splats; world space. */
+  readonly bounds: Bounds;
+}
+
 /** A picture as it was read back, without its background, and what it is to be shown on. */
 export interface PictureOnBackground {
   readonly image: TextureImage;
@@ -600,6 +657,13 @@ function keyOfView({ id }: ShownScene, { camera, clouds, widthPx, heightPx }: Vi
   const { viewMatrix, projectionMatrix } = camera;
   const matrices = [Array.from(viewMatrix), Array.from(projectionMatrix), models];
   return JSON.stringify([id, widthPx, heightPx, matrices]);
+}
+
+/** Accuracies that a comparison shows beside the chosen one. */
+function comparedWith(comparison: Comparison | null): readonly AccuracySettings[] {
+  if (comparison?.kind === 'error') return [ACCURACY_PRESETS.reference];
+  if (comparison === null) return [];
+  return [comparison.left, comparison.right].filter((side) => side !== 'current');
 }
 
 /** When the last picture asked for has been drawn. */
