@@ -1,6 +1,6 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
-import { depthKey, orderedBits } from './depth-key.ts';
+import { depthKey, orderedBits, shortDepthKey } from './depth-key.ts';
 
 const anyDepth = fc.float({ noNaN: true, noDefaultInfinity: true });
 
@@ -42,3 +42,23 @@ function nextBelow(value: number): number {
   bits[0] += value > 0 ? -1 : 1;
   return f32[0];
 }
+
+describe('short keys', () => {
+  test('are as long as asked, keep the order, and end where the range does', () => {
+    const depth = fc.float({ min: Math.fround(1e-3), max: Math.fround(1e5), noNaN: true });
+    const bits = fc.constantFrom(24, 20, 16);
+    fc.assert(
+      fc.property(depth, depth, depth, depth, bits, (one, other, a, b, keyBits) => {
+        const [nearest, farthest] = [Math.min(one, other), Math.max(one, other)].map(orderedBits);
+        const key = (depthView: number) => shortDepthKey(depthView, farthest, nearest, keyBits);
+        // Far first; what is beyond the ends belongs to them.
+        if (a <= b) expect(key(a)).toBeGreaterThanOrEqual(key(b));
+        for (const each of [a, b]) expect(key(each)).toBeLessThan(2 ** keyBits);
+        expect(key(1e6)).toBe(0);
+        const range = farthest - nearest;
+        if (range < 2 ** keyBits) expect(key(Math.min(one, other))).toBe(range);
+        else expect(key(Math.min(one, other))).toBeGreaterThanOrEqual(2 ** (keyBits - 1));
+      }),
+    );
+  });
+});
