@@ -41,12 +41,12 @@ fn compareImages(
   @builtin(local_invocation_id) place: vec3u,
   @builtin(local_invocation_index) lane: u32,
 ) {
-  let sizePx = vec2i(textureDimensions(expected));
+  let sizePx = vec2i(textureDimensions(actual));
   let areaStart = vec2i(workgroup.xy) * COMPARE_TILE_PX - SSIM_RADIUS_PX;
   let pixel = areaStart + vec2i(place.xy) + SSIM_RADIUS_PX;
   let isInside = isIn(pixel, sizePx);
   if (isInside) {
-    if (isBroken(actualAt(pixel))) { atomicAdd(&brokenActual, 1u); }
+    if (isBroken(textureLoad(actual, pixel, 0))) { atomicAdd(&brokenActual, 1u); }
     if (isBroken(textureLoad(expected, pixel, 0))) { atomicAdd(&brokenExpected, 1u); }
   }
 
@@ -57,7 +57,7 @@ fn compareImages(
       let at = areaStart + vec2i(vec2u(i % AREA_PX, i / AREA_PX));
       var value = vec2f();
       if (isIn(at, sizePx)) {
-        let a = shownValue(actualAt(at), channel);
+        let a = shownValue(textureLoad(actual, at, 0), channel);
         let b = shownValue(textureLoad(expected, at, 0), channel);
         value = vec2f(a + b - 1.0, a - b);
       }
@@ -110,20 +110,6 @@ fn compareImages(
 
 fn isIn(pixel: vec2i, sizePx: vec2i) -> bool {
   return all(pixel >= vec2i(0)) && all(pixel < sizePx);
-}
-
-/// The layer `actual` at a pixel of `expected`: where it was drawn smaller it is enlarged as the composite does it.
-fn actualAt(pixel: vec2i) -> vec4f {
-  let actualPx = vec2i(textureDimensions(actual));
-  let expectedPx = vec2i(textureDimensions(expected));
-  if (all(actualPx == expectedPx)) { return textureLoad(actual, pixel, 0); }
-  let place = (vec2f(pixel) + 0.5) * vec2f(actualPx) / vec2f(expectedPx) - 0.5;
-  let part = fract(place);
-  let first = clamp(vec2i(floor(place)), vec2i(0), actualPx - 1);
-  let second = clamp(vec2i(floor(place)) + 1, vec2i(0), actualPx - 1);
-  let above = mix(textureLoad(actual, first, 0), textureLoad(actual, vec2i(second.x, first.y), 0), part.x);
-  let below = mix(textureLoad(actual, vec2i(first.x, second.y), 0), textureLoad(actual, second, 0), part.x);
-  return mix(above, below, part.y);
 }
 
 /// Whether a value is infinite or no number, by its bits: a compiler may assume that there are none.

@@ -10,7 +10,7 @@ import { compareTextures } from './compare-textures.ts';
  * read back, so that it takes milliseconds at any size.
  *
  * @param background what is behind both, 0…1; default black.
- * @throws InvalidArgumentError where a view has no picture yet or `actual` is the larger one, NonFinitePictureError,
+ * @throws InvalidArgumentError where a view has no picture yet or the sizes differ, NonFinitePictureError,
  * DestroyedError.
  */
 export async function comparePictures(

@@ -41,9 +41,8 @@ interface CompareContext {
  *
  * Submits before it returns, so that what is drawn into the textures later makes no difference.
  *
- * @param actual of the size of `expected`, or drawn at a part of its resolution: then it is enlarged bilinearly.
  * @param background what is behind both, 0…1.
- * @throws InvalidArgumentError where `actual` is the larger, NonFinitePictureError.
+ * @throws InvalidArgumentError for textures of different sizes, NonFinitePictureError.
  */
 export async function compareTextures(
   { device, pipelines, memory }: CompareContext,
@@ -51,10 +50,10 @@ export async function compareTextures(
   expected: GPUTexture,
   background: Vec3 = [0, 0, 0],
 ): Promise<ImageDifference> {
-  const { width, height } = expected;
-  if (actual.width > width || actual.height > height) {
-    const message = `A picture of ${actual.width}×${actual.height} px cannot be compared with a smaller one, of ${width}×${height} px.`;
-    throw new InvalidArgumentError('actual', message);
+  const { width, height } = actual;
+  if (expected.width !== width || expected.height !== height) {
+    const message = `Pictures of ${width}×${height} and ${expected.width}×${expected.height} px cannot be compared; draw both in one size.`;
+    throw new InvalidArgumentError('expected', message);
   }
   if (!pipelines.areReady([compareImages])) await pipelines.prepare([compareImages]);
   const tilesAcross = Math.ceil(width / SHADER_CONSTANTS.COMPARE_TILE_PX);

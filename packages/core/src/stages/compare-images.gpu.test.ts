@@ -174,26 +174,11 @@ describe('compare-images', () => {
     }
   });
 
-  gpuTest('enlarges a picture that was drawn smaller', async () => {
-    // Halves of a linear ramp, enlarged, are the ramp again but for the border, where there is nothing to go by.
-    const ramp = ([width, height]: Size, step: number) =>
-      Float32Array.from({ length: 4 * width * height }, (_, i) => {
-        const [x, y] = [(i >> 2) % width, Math.floor((i >> 2) / width)];
-        return i % 4 === 3 ? 1 : step * (x + 0.5) * 0.02 + step * (y + 0.5) * 0.01;
-      });
-    const [small, large] = [textureOf(ramp([10, 8], 2), [10, 8]), textureOf(ramp([20, 16], 1), [20, 16])];
-    const { maxError, p999Error, psnrDb } = await compareTextures(context, small, large);
-    // A quarter of a small pixel, in both directions, in the corners.
-    expect(maxError).toBeCloseTo(0.5 * 0.02 + 0.5 * 0.01, 6);
-    expect(p999Error).toBeGreaterThan(0);
-    expect(psnrDb).toBeGreaterThan(40);
-  });
-
-  gpuTest('keeps no memory, and refuses a picture larger than what it is compared with', async () => {
+  gpuTest('keeps no memory, and refuses pictures of two sizes', async () => {
     const [small, large] = [textureOf(picture([4, 4], 1), [4, 4]), textureOf(picture([4, 5], 1), [4, 5])];
     const { totalBytes } = context.memory.report();
     await compareTextures(context, small, small);
     expect(context.memory.report().totalBytes).toBe(totalBytes);
-    await expect(compareTextures(context, large, small)).rejects.toThrow('of 4×5 px cannot be compared');
+    await expect(compareTextures(context, small, large)).rejects.toThrow('4×4 and 4×5 px');
   });
 });
