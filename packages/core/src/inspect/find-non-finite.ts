@@ -31,11 +31,24 @@ export function nonFiniteWord(words: Uint32Array): number {
 
 async function nonFiniteRecord(frame: InspectedFrame): Promise<string | null> {
   const records = await readRecords(frame);
-  for (const [i, { splat: _, ...fields }] of records.entries()) {
-    for (const [field, value] of Object.entries(fields)) {
-      const values = [value].flat();
-      if (!values.every(Number.isFinite)) return `projected: record ${i}, ${field} is ${values.join(', ')}`;
-    }
+  for (const [i, record] of records.entries()) {
+    const { centerPx, majorPx, minorPx, minorLengthPx, depthView, color } = record;
+    // A sum of magnitudes is finite where all are; infinities that it makes itself are beyond any record.
+    if (
+      Number.isFinite(
+        minorLengthPx + depthView + sumOf(centerPx) + sumOf(majorPx) + sumOf(minorPx) + sumOf(color),
+      )
+    )
+      continue;
+    const fields = { centerPx, majorPx, minorPx, minorLengthPx, depthView, color };
+    const [field, value] = Object.entries(fields).find(([, each]) => ![each].flat().every(Number.isFinite))!;
+    return `projected: record ${i}, ${field} is ${[value].flat().join(', ')}`;
   }
   return null;
+}
+
+function sumOf(values: readonly number[]): number {
+  let sum = 0;
+  for (const value of values) sum += Math.abs(value);
+  return sum;
 }

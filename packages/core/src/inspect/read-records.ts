@@ -17,8 +17,16 @@ export interface SplatRecord {
   readonly color: readonly number[];
 }
 
-/** The records of all drawn splats, in the order of `survivors`. */
-export async function readRecords(frame: InspectedFrame): Promise<SplatRecord[]> {
+const recordsOf = new WeakMap<InspectedFrame, Promise<readonly SplatRecord[]>>();
+
+/** The records of all drawn splats, in the order of `survivors`; read once, a frame is not drawn again. */
+export function readRecords(frame: InspectedFrame): Promise<readonly SplatRecord[]> {
+  const records = recordsOf.get(frame) ?? parseRecords(frame);
+  recordsOf.set(frame, records);
+  return records;
+}
+
+async function parseRecords(frame: InspectedFrame): Promise<readonly SplatRecord[]> {
   const count = await frame.visibleCount();
   const survivors = await frame.words('survivors');
   const words = await frame.words('projected');
