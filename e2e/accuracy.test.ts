@@ -1,0 +1,159 @@
+import { encodePly, type SplatSet } from '@websplatter/core';
+import type { Page } from 'playwright-core';
+import { describe, expect, it } from 'vitest';
+import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
+import { changedPart, type Screenshot } from './screenshot.ts';
+import { testScene } from './test-scene.ts';
+import {
+  drawnCamera,
+  dropFiles,
+  frameCount,
+  textOf,
+  viewerHarness,
+  viewerScreenshot,
+  waitForFrameAfter,
+  waitForState,
+} from './viewer-page.ts';
+
+const { openViewer } = viewerHarness();
+const SMALL = { viewport: { width: 240, height: 160 } };
+/** A sweep draws a hundred pictures, on the CPU. */
+const TINY = { viewport: { width: 160, height: 120 } };
+const SWEEP = { state: 'attached', timeout: 120_000 } as const;
+const WITHOUT_LINE = '.split-line { visibility: hidden !important; }';
+
+/** The test scene as it is where harmonics are not evaluated. */
+function withoutHarmonics(set: SplatSet): SplatSet {
+  return { ...set, shRest: { degree: 0, precision: 'f32', wordsPerSplat: 0, words: new Uint32Array(0) } };
+}
+
+/** Does something that changes the picture, and waits for it. */
+async function redraw(page: Page, action: () => Promise<unknown>): Promise<Screenshot> {
+  const frames = await frameCount(page);
+  await action();
+  await waitForFrameAfter(page, frames);
+  return viewerScreenshot(page);
+}
+
+/** Buttons of a sheet that is smaller than its contents are not always in sight. */
+const press = (page: Page, testId: string) =>
+  page.getByTestId(testId).evaluate((button: HTMLElement) => button.click());
+
+const openTab = async (page: Page, tab: string) => {
+  await page.keyboard.press('c');
+  await press(page, `accuracy-tab-${tab}`);
+};
+
+/** Columns `from` up to `to` of a picture. */
+function columns({ data, widthPx, heightPx }: Screenshot, from: number, to: number): Screenshot {
+  const rows = Array.from({ length: heightPx }, (_, y) =>
+    data.subarray(4 * (y * widthPx + from), 4 * (y * widthPx + to)),
+  );
+  return { widthPx: to - from, heightPx, data: Uint8Array.from(rows.flatMap((row) => [...row])) };
+}
+
+describe('accuracy in the viewer', () => {
+  it('draws with the setting that is chosen, and keeps it in the address', async () => {
+    const page = await openViewer(undefined, SMALL);
+    await redraw(page, () => dropFiles(page, [{ name: 'test.ply', bytes: encodePly(testScene()) }]));
+    await waitForState(page, 'ready');
+    await openTab(page, 'settings');
+    const flat = await redraw(page, () => page.getByTestId('setting-shDegree').selectOption('0'));
+    const drawn = await drawnCamera(page);
+    expect(psnrAgainstReference(flat, drawn, [withoutHarmonics(testScene())])).toBeGreaterThan(MIN_PSNR_DB);
+    expect(psnrAgainstReference(flat, drawn, [testScene()])).toBeLessThan(MIN_PSNR_DB);
+    await page.waitForURL(/accuracy=balanced,shDegree:0/);
+    expect(await textOf(page, 'accuracy-custom')).toContain('balanced');
+
+    const full = await redraw(page, () => press(page, 'preset-balanced'));
+    expect(psnrAgainstReference(full, drawn, [testScene()])).toBeGreaterThan(MIN_PSNR_DB);
+    await page.waitForURL((url) => !url.search.includes('accuracy'));
+  });
+
+  it('opens with the accuracy of the address, and says what it does not know', async () => {
+    const page = await openViewer('?scene=still-life-small&accuracy=fast,shDegree:0', SMALL);
+    await openTab(page, 'settings');
+    expect(await page.getByTestId('setting-shDegree').inputValue()).toBe('0');
+    expect(await page.getByTestId('setting-colorTarget').inputValue()).toBe('rgba8unorm');
+    const other = await openViewer('?scene=still-life-small&accuracy=best', SMALL);
+    expect(await textOf(other, 'notice')).toContain('no accuracy preset "best"');
+  });
+
+  it('splits the picture between two settings', async () => {
+    const page = await openViewer('?scene=still-life-small&accuracy=shDegree:0', SMALL);
+    const left = await viewerScreenshot(page);
+    const right = await redraw(page, async () => {
+      await openTab(page, 'settings');
+      await press(page, 'preset-balanced');
+    });
+    const part = (shot: Screenshot, side: 'left' | 'right') =>
+      side === 'left' ? columns(shot, 0, 116) : columns(shot, 124, 240);
+    expect(changedPart(part(left, 'left'), part(right, 'left'), 2)).toBeGreaterThan(0.01);
+    expect(changedPart(part(left, 'right'), part(right, 'right'), 2)).toBeGreaterThan(0.01);
+
+    await press(page, 'accuracy-tab-compare');
+    await redraw(page, () => press(page, 'compare-split'));
+    await redraw(page, () => page.getByTestId('side-right').selectOption('balanced'));
+    await press(page, 'accuracy-tab-settings');
+    await redraw(page, () => page.getByTestId('setting-shDegree').selectOption('0'));
+    await page.addStyleTag({ content: WITHOUT_LINE });
+    const split = await viewerScreenshot(page);
+    expect(changedPart(part(split, 'left'), part(left, 'left'), 0)).toBe(0);
+    expect(changedPart(part(split, 'right'), part(right, 'right'), 0)).toBe(0);
+    expect(await textOf(page, 'split-label-left')).toMatch(/^A balanced, .* 0$/);
+    expect(await textOf(page, 'split-label-right')).toBe('B balanced');
+
+    const line = page.getByTestId('split-line');
+    await page.addStyleTag({ content: '.split-line { visibility: visible !important; }' });
+    await line.focus();
+    await page.keyboard.press('Home');
+    expect(await line.getAttribute('aria-valuenow')).toBe('0');
+    await page.addStyleTag({ content: '.split-line { visibility: hidden !important; }' });
+    expect(changedPart(columns(await viewerScreenshot(page), 4, 240), columns(right, 4, 240), 0)).toBe(0);
+  });
+
+  it('maps the error of a coarse setting, and none of reference', async () => {
+    const page = await openViewer('?scene=still-life-small&accuracy=shDegree:0', SMALL);
+    await openTab(page, 'compare');
+    await press(page, 'compare-error');
+    await page.getByTestId('error-max').getByText('Largest').waitFor();
+    expect(await textOf(page, 'error-part-16+')).toMatch(/^(?!0 %)\d/);
+    expect(await page.getByTestId('error-map').isVisible()).toBe(true);
+    await redraw(page, () => press(page, 'preset-reference'));
+    await page.getByTestId('error-max').getByText('Largest error: 0 of 255').waitFor();
+    expect(await textOf(page, 'error-part-0')).toBe('100.0 %');
+  });
+
+  it('measures what settings cost, and draws with the one that is clicked', async () => {
+    const page = await openViewer(undefined, TINY);
+    const before = await viewerScreenshot(page);
+    await openTab(page, 'measure');
+    await press(page, 'measure');
+    await page.getByTestId('sweep-progress').waitFor({ state: 'attached' });
+    await press(page, 'cancel-sweep');
+    await page.getByTestId('measure').waitFor({ state: 'attached' });
+    expect(await page.getByTestId('accuracy-point').count()).toBe(0);
+
+    // The page answers while it measures.
+    await press(page, 'measure');
+    await page.getByTestId('sweep-progress').waitFor({ state: 'attached' });
+    await press(page, 'accuracy-tab-settings');
+    await page.getByTestId('setting-shDegree').waitFor({ state: 'attached' });
+    await press(page, 'accuracy-tab-measure');
+    const points = page.getByTestId('accuracy-point');
+    await points.first().waitFor(SWEEP);
+    expect(await points.count()).toBeGreaterThanOrEqual(8);
+    expect(await page.getByTestId('point-table').locator('tbody tr').count()).toBe(await points.count());
+    expect(await textOf(page, 'circumstances')).toContain('software adapter');
+
+    const coarse = page.locator('[data-testid=accuracy-point][aria-label^="shDegree 0:"]');
+    const clicked = await redraw(page, () => coarse.evaluate((button: HTMLElement) => button.click()));
+    expect(await coarse.getAttribute('aria-pressed')).toBe('true');
+    expect(changedPart(before, clicked, 2)).toBeGreaterThan(0.01);
+    const opened = await openViewer('?scene=still-life-small&accuracy=shDegree:0', TINY);
+    expect(changedPart(clicked, await viewerScreenshot(opened), 0)).toBe(0);
+    expect(await page.getByTestId('results').getAttribute('data-stale')).toBe('false');
+    await redraw(page, () => page.keyboard.press('ArrowRight'));
+    expect(await page.getByTestId('results').getAttribute('data-stale')).toBe('true');
+  });
+});
