@@ -20,7 +20,7 @@ export interface Candidate {
   readonly changed: readonly SettingName[];
 }
 
-export const SETTING_NAMES = Object.keys(ACCURACY_SETTINGS) as SettingName[];
+const SETTING_NAMES = Object.keys(ACCURACY_SETTINGS) as SettingName[];
 
 /** What is tried of settings that are ranges. */
 const TRIED: { readonly [Name in SettingName]?: readonly AccuracySettings[Name][] } = {
@@ -69,7 +69,7 @@ export function combined(base: AccuracySettings, changes: Partial<AccuracySettin
 }
 
 /** `shDegree 2`, `alphaCutoff 1/128`: a setting as text. */
-export function describeSetting(settings: AccuracySettings, name: SettingName): string {
+function describeSetting(settings: AccuracySettings, name: SettingName): string {
   const value = settings[name];
   const isFraction = name === 'alphaCutoff' && typeof value === 'number';
   // Cutoffs are thought of as parts of what eight bits can show.
