@@ -21,7 +21,8 @@ binTest('--help lists the commands that exist', () => {
   expect([status, stderr]).toEqual([0, '']);
   expect(stdout).toContain('websplatter render SCENE');
   expect(stdout).toContain('websplatter info SCENE');
-  expect(stdout).not.toContain('websplatter accuracy');
+  expect(stdout).toContain('websplatter accuracy SCENE');
+  expect(stdout).not.toContain('websplatter bench');
 });
 
 binTest('a bad file ends it with status 2 and one line', () => {

@@ -307,7 +307,8 @@ export function layerSize(
   { widthPx, heightPx }: SizePx,
   { resolutionScale }: Pick<AccuracySettings, 'resolutionScale'>,
 ): SizePx {
-  const scaled = (px: number) => Math.max(1, Math.round(resolutionScale * px));
+  // No less than a pixel of what has any.
+  const scaled = (px: number) => Math.min(px, Math.max(1, Math.round(resolutionScale * px)));
   return { widthPx: scaled(widthPx), heightPx: scaled(heightPx) };
 }
 
