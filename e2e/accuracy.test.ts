@@ -156,4 +156,29 @@ describe('accuracy in the viewer', () => {
     await redraw(page, () => page.keyboard.press('ArrowRight'));
     expect(await page.getByTestId('results').getAttribute('data-stale')).toBe('true');
   });
+
+  it('chooses a setting by the error that is wished for', async () => {
+    const page = await openViewer('?scene=still-life-small&accuracy=shDegree:0', TINY);
+    await openTab(page, 'measure');
+    await page.getByTestId('wish-value').fill('44');
+    await press(page, 'wish-submit');
+    const choice = page.getByTestId('choice');
+    await choice.waitFor(SWEEP);
+    expect(await choice.getAttribute('data-met')).toBe('true');
+    expect(await choice.textContent()).toContain('44 dB');
+    const chosen = page.locator('[data-testid=point-table] tr:has([aria-pressed=true]) td').first();
+    const psnrDb = Number((await chosen.textContent())?.replace('∞', 'Infinity'));
+    expect(psnrDb).toBeGreaterThanOrEqual(44);
+
+    // By another way: the pictures themselves.
+    const picked = await viewerScreenshot(page);
+    const exact = await openViewer('?scene=still-life-small&accuracy=reference', TINY);
+    expect(psnrOf(picked, await viewerScreenshot(exact))).toBeGreaterThan(43);
+  });
 });
+
+function psnrOf(a: Screenshot, b: Screenshot): number {
+  let sum = 0;
+  for (let i = 0; i < a.data.length; i++) sum += i % 4 === 3 ? 0 : ((a.data[i] - b.data[i]) / 255) ** 2;
+  return -10 * Math.log10(sum / (0.75 * a.data.length));
+}
