@@ -3,6 +3,7 @@
 // would lighten every pixel that they cover in part (white at half opacity over black: 188 instead of 128).
 import layout::HostViewport;
 @if(DEPTH_LAYER || MULTISAMPLED) import layout::HostDepth;
+import package::lib::covering_triangle::coveringTriangle;
 @if(DEPTH_LAYER) import package::lib::host_depth::storedDepth;
 @if(MULTISAMPLED) import package::lib::host_depth::depthViewOf;
 import package::lib::srgb::{decodeSrgb, encodeSrgb};
@@ -26,8 +27,7 @@ const MAX_COLOR = 65504.0;
 
 @vertex
 fn vertexMain(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
-  // One triangle that covers the target.
-  return vec4f(f32(vertex & 1u) * 4.0 - 1.0, f32(vertex >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+  return coveringTriangle(vertex);
 }
 
 /// `splats`, encoded, over `host`, linear; both premultiplied, and so is the sum, linear.

@@ -1,13 +1,13 @@
 // Puts the blended splats over the background, in the space they were blended in, which is the display's.
 import layout::CompositeParameters;
+import package::lib::covering_triangle::coveringTriangle;
 
 @group(0) @binding(0) var<uniform> parameters: CompositeParameters;
 @group(0) @binding(1) var layer: texture_2d<f32>;
 
 @vertex
 fn vertexMain(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
-  // One triangle that covers the target.
-  return vec4f(f32(vertex & 1u) * 4.0 - 1.0, f32(vertex >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+  return coveringTriangle(vertex);
 }
 
 @fragment

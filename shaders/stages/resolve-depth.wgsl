@@ -1,6 +1,7 @@
 // Copies the part of the host's depth that the splats' picture covers. Of several samples the farthest decides: splats
 // behind the edge of a mesh are drawn up to its last sample, and compose puts the mesh's part of the pixel back.
 import layout::HostViewport;
+import package::lib::covering_triangle::coveringTriangle;
 
 @group(0) @binding(0) var<uniform> viewport: HostViewport;
 @if(MULTISAMPLED) @group(0) @binding(1) var hostDepths: texture_depth_multisampled_2d;
@@ -8,8 +9,7 @@ import layout::HostViewport;
 
 @vertex
 fn vertexMain(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
-  // One triangle that covers the target.
-  return vec4f(f32(vertex & 1u) * 4.0 - 1.0, f32(vertex >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+  return coveringTriangle(vertex);
 }
 
 @fragment

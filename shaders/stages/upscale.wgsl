@@ -2,6 +2,7 @@
 // constant beyond the outermost. Values are premultiplied: they are averaged as they are.
 // Twin: reference/upscale.ts.
 import layout::UpscaleParameters;
+import package::lib::covering_triangle::coveringTriangle;
 
 @group(0) @binding(0) var<uniform> parameters: UpscaleParameters;
 @group(0) @binding(1) var layer: texture_2d<f32>;
@@ -14,8 +15,7 @@ struct Upscaled {
 
 @vertex
 fn vertexMain(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
-  // One triangle that covers the target.
-  return vec4f(f32(vertex & 1u) * 4.0 - 1.0, f32(vertex >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+  return coveringTriangle(vertex);
 }
 
 /// `place` counts pixels from the middle of the first, and lies within the middles.

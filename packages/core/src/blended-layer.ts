@@ -164,9 +164,10 @@ export class BlendedLayer {
       (this.depth?.format ?? null) === depthFormat;
     if (isSame) return false;
     this.#freeTextures();
+    const { memory } = this.#context;
     const textures = (what: string, width: number, height: number): LayerTextures => ({
-      color: this.#texture(what, width, height, accuracy.colorTarget),
-      depthLayer: depthFormat && this.#texture(`${what} depth`, width, height, depthFormat),
+      color: memory.createTarget(what, accuracy.colorTarget, { width, height }),
+      depthLayer: depthFormat && memory.createTarget(`${what} depth`, depthFormat, { width, height }),
     });
     this.#textures = textures('splat layer', widthPx, heightPx);
     this.#blended = this.#textures;
@@ -175,12 +176,6 @@ export class BlendedLayer {
       this.#writeUpscale([layer.widthPx / widthPx, layer.heightPx / heightPx]);
     }
     return true;
-  }
-
-  #texture(label: string, width: number, height: number, format: GPUTextureFormat): GPUTexture {
-    const { RENDER_ATTACHMENT, TEXTURE_BINDING, COPY_SRC } = GPUTextureUsage;
-    const usage = RENDER_ATTACHMENT | TEXTURE_BINDING | COPY_SRC;
-    return this.#context.memory.createTexture({ label, size: { width, height }, format, usage });
   }
 
   #writeUpscale(layerPerPx: readonly [number, number]): void {

@@ -223,19 +223,14 @@ export class EmbeddedView {
     if (isSame) return old;
     this.#free(old?.color, old?.depth, old?.testedDepth, this.#behindCopy);
     this.#behindCopy = null;
-    const texture = (label: string, format: GPUTextureFormat, size = { width, height }) =>
-      this.#context.memory.createTexture({
-        label,
-        size,
-        format,
-        usage: GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_SRC,
-      });
+    const { memory } = this.#context;
+    const size = { width, height };
     this.#textures = {
-      color: texture('splats over the host', COMPOSED_COLOR_FORMAT),
-      depth: depth?.layerFormat ? texture('depth of the splats', COMPOSED_DEPTH_FORMAT) : null,
-      testedDepth:
-        depth &&
-        texture('depth of the host', TESTED_DEPTH_FORMAT, { width: blended.width, height: blended.height }),
+      color: memory.createTarget('splats over the host', COMPOSED_COLOR_FORMAT, size),
+      depth: depth?.layerFormat
+        ? memory.createTarget('depth of the splats', COMPOSED_DEPTH_FORMAT, size)
+        : null,
+      testedDepth: depth && memory.createTarget('depth of the host', TESTED_DEPTH_FORMAT, blended),
     };
     return this.#textures;
   }

@@ -57,6 +57,17 @@ export class GpuMemory {
     );
   }
 
+  /** A texture that is drawn into and read afterwards, by shaders or by the CPU. */
+  createTarget(
+    label: string,
+    format: GPUTextureFormat,
+    { width, height }: Pick<GPUTexture, 'width' | 'height'>,
+  ): GPUTexture {
+    const { RENDER_ATTACHMENT, TEXTURE_BINDING, COPY_SRC } = GPUTextureUsage;
+    const usage = RENDER_ATTACHMENT | TEXTURE_BINDING | COPY_SRC;
+    return this.createTexture({ label, size: { width, height }, format, usage });
+  }
+
   destroy(resource: GPUBuffer | GPUTexture): void {
     this.#totalBytes -= this.#bytes.get(resource) ?? 0;
     this.#bytes.delete(resource);
