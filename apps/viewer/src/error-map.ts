@@ -38,27 +38,30 @@ export interface ErrorFigures {
   readonly parts: readonly number[];
 }
 
-/** Each pixel's class by the largest difference of its channels, both pictures on the first one's background. */
-export function errorMap(actual: PictureOnBackground, reference: PictureOnBackground): ErrorMap {
-  const { widthPx, heightPx, background } = actual;
-  const data = new Uint8ClampedArray(4 * widthPx * heightPx);
+/**
+ * Each pixel's class by the largest difference of its channels, both pictures, of one size, on the first one's
+ * background.
+ */
+export function errorMap(
+  { image: actual, background }: PictureOnBackground,
+  { image: reference }: PictureOnBackground,
+): ErrorMap {
+  const { widthPx, heightPx } = actual;
+  const data = new Uint8ClampedArray(actual.data.length);
   const counts = ERROR_CLASSES.map(() => 0);
-  const actualColor = colorSampler(actual, background);
-  const referenceColor = colorSampler(reference, background);
   let maxSteps = 0;
-  for (let y = 0; y < heightPx; y++) {
-    for (let x = 0; x < widthPx; x++) {
-      const a = actualColor(x, y);
-      const b = referenceColor(x, y);
-      const steps = 255 * Math.max(Math.abs(a[0] - b[0]), Math.abs(a[1] - b[1]), Math.abs(a[2] - b[2]));
-      maxSteps = Math.max(maxSteps, steps);
-      const index = classOf(steps);
-      counts[index]++;
-      const { color } = ERROR_CLASSES[index];
-      const at = 4 * (y * widthPx + x);
-      for (let c = 0; c < 3; c++) data[at + c] = color[c];
-      data[at + 3] = 255;
+  for (let at = 0; at < data.length; at += 4) {
+    let steps = 0;
+    for (let channel = 0; channel < 3; channel++) {
+      const difference =
+        shown(actual.data, at, channel, background) - shown(reference.data, at, channel, background);
+      steps = Math.max(steps, 255 * Math.abs(difference));
     }
+    maxSteps = Math.max(maxSteps, steps);
+    const index = classOf(steps);
+    counts[index]++;
+    data.set(ERROR_CLASSES[index].color, at);
+    data[at + 3] = 255;
   }
   const pixels = Math.max(1, widthPx * heightPx);
   return { widthPx, heightPx, data, figures: { maxSteps, parts: counts.map((count) => count / pixels) } };
@@ -71,39 +74,7 @@ export function classOf(steps: number): number {
   return index;
 }
 
-/**
- * Tells the colour of the screen's pixel x, y, clamped to what the screen shows, 0…1. A smaller image is filtered as the
- * screen filters it: bilinearly, between the centres of its pixels. What is returned is written over by the next call.
- */
-function colorSampler({ image, widthPx, heightPx }: PictureOnBackground, background: Vec3) {
-  const { data } = image;
-  const color: [number, number, number] = [0, 0, 0];
-  const take = (xPx: number, yPx: number, weight: number) => {
-    const at = 4 * (yPx * image.widthPx + xPx);
-    const through = 1 - data[at + 3];
-    for (let c = 0; c < 3; c++) color[c] += weight * (data[at + c] + through * background[c]);
-  };
-  const isSameSize = image.widthPx === widthPx && image.heightPx === heightPx;
-  return (x: number, y: number): Vec3 => {
-    color.fill(0);
-    if (isSameSize) take(x, y, 1);
-    else {
-      const [left, right, alongX] = neighbours(x, widthPx, image.widthPx);
-      const [top, bottom, alongY] = neighbours(y, heightPx, image.heightPx);
-      take(left, top, (1 - alongX) * (1 - alongY));
-      take(right, top, alongX * (1 - alongY));
-      take(left, bottom, (1 - alongX) * alongY);
-      take(right, bottom, alongX * alongY);
-    }
-    for (let c = 0; c < 3; c++) color[c] = Math.min(1, Math.max(0, color[c]));
-    return color;
-  };
-}
-
-/** The two pixels of `to` between whose centres pixel `at` of `from` has its centre, and how far along. */
-function neighbours(at: number, from: number, to: number): [number, number, number] {
-  const place = ((at + 0.5) * to) / from - 0.5;
-  const first = Math.floor(place);
-  const clamp = (index: number) => Math.min(to - 1, Math.max(0, index));
-  return [clamp(first), clamp(first + 1), place - first];
+/** A channel of the pixel at `at` as the screen shows it, 0…1. */
+function shown(data: Float32Array, at: number, channel: number, background: Vec3): number {
+  return Math.min(1, Math.max(0, data[at + channel] + (1 - data[at + 3]) * background[channel]));
 }

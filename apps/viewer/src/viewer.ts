@@ -199,8 +199,7 @@ export class Viewer {
     session.probe ??= session.engine.createView();
     session.probe.render({ ...drawn.frame, accuracy });
     const image = await session.probe.readPixels();
-    const { widthPx, heightPx, background } = drawn.frame;
-    return { image, widthPx, heightPx, background };
+    return { image, background: drawn.frame.background };
   }
 
   /** What stands on the screen; null where nothing does. */
@@ -645,9 +644,6 @@ export interface StandingPicture {
 /** A picture as it was read back, without its background, and what it is to be shown on. */
 export interface PictureOnBackground {
   readonly image: TextureImage;
-  /** Of the screen; the image is smaller where the accuracy says so. */
-  readonly widthPx: number;
-  readonly heightPx: number;
   readonly background: Vec3;
 }
 
