@@ -171,12 +171,13 @@ export class SplatEngine {
    * Uploads what `packCloud` made, on this thread or another, packed for whatever accuracy: frames draw what there is.
    *
    * @param options.source where `requestPrecision` can have the same splats again: what they were read from, or, where
-   *   the memory that it takes is there anyway, `packed` itself. Kept by reference; by default nothing is kept.
+   *   the memory that it takes is there anyway, `packed` itself. Of several the first that is fine enough is taken: list
+   *   what is cheap to read first. Kept by reference; by default nothing is kept.
    * @throws GpuLimitError.
    */
   addPacked(
     packed: PackedCloud,
-    options: { readonly name?: string; readonly source?: CloudSource | null } = {},
+    options: { readonly name?: string; readonly source?: CloudSource | readonly CloudSource[] | null } = {},
   ): SplatCloud {
     this.#checkUsable();
     const counting = this.#counting;

@@ -29,7 +29,7 @@ export * from './errors.ts';
 export type { EngineCounters } from './gpu/engine-counters.ts';
 export type { GpuMemoryReport } from './gpu/gpu-memory.ts';
 export type { TextureImage } from './gpu/read-texture.ts';
-export { type LoadSplatsOptions, loadSplats } from './io/load-splats.ts';
+export { type LoadSplatsOptions, lastingSource, loadSplats } from './io/load-splats.ts';
 export { readSplats } from './io/read-splats.ts';
 export type { LoadProgress, ReadOptions, SplatSource } from './io/splat-source.ts';
 export { encodePly } from './io/write-ply.ts';

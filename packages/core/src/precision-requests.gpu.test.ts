@@ -174,6 +174,30 @@ describe('a finer precision', () => {
     }
   });
 
+  gpuTest('comes from the first of several sources that is fine enough', async () => {
+    const packed = packSet(set, { geometryPrecision: 'f32', shPrecision: 'u8' });
+    let reads = 0;
+    const counted = Object.assign(new Blob([encodePly(set)]), {
+      stream: () => {
+        reads++;
+        return file.stream();
+      },
+    });
+    const cloud = engine.addPacked(packSet(set, SMALLEST), { name: 'garden', source: [packed, counted] });
+    await engine.requestPrecision(cloud, { geometryPrecision: 'f32', shPrecision: 'u8' });
+    expect(reads).toBe(0);
+    await engine.requestPrecision(cloud, FINEST);
+    expect(reads).toBe(1);
+    expectHeld(cloud, FINEST);
+    cloud.destroy();
+
+    const stale = new Blob([encodePly(randomSplats({ count: 599 }))]);
+    const other = engine.addPacked(packSet(set, SMALLEST), { name: 'garden', source: [packed, stale] });
+    await expect(engine.requestPrecision(other, FINEST)).rejects.toThrow(/garden.*599, then 600/);
+    expectHeld(other, SMALLEST);
+    other.destroy();
+  });
+
   gpuTest('fails where the source is gone, too coarse, or has changed; all stays as it was', async () => {
     const changed = randomSplats({ count: 600, seed: 2 });
     for (const [source, why] of [

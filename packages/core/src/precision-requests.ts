@@ -252,17 +252,33 @@ function bytesOf({ count, shDegree }: SplatCloud, wanted: CloudPrecision, work: 
   return uploadedBytes(work) + 4 * count * (geometryWords + shWords);
 }
 
-/** The splats of `cloud`, as fine as `wanted` or finer, and sure to be the same ones. */
+/** The splats of `cloud`, as fine as `wanted` or finer, and sure to be the same ones, of the first source that has them. */
 async function readAgain(
   cloud: SplatCloud,
   wanted: CloudPrecision,
   watch: Pick<ReadOptions, 'signal' | 'onProgress'>,
 ): Promise<PackedCloud> {
-  const { source, name, shDegree } = cloud;
-  if (source === null) {
-    const message = `a finer precision has to be read again (${describe(wanted)}), and what it was read from is gone; load it from a URL, a File or a Blob, or name its source when adding it.`;
-    throw new SplatSourceError(name, message);
+  const { sources, name } = cloud;
+  const gone = `a finer precision has to be read again (${describe(wanted)}), and what it was read from is gone; load it from a URL, a File or a Blob, or name its source when adding it.`;
+  let problem: unknown = new SplatSourceError(name, gone);
+  for (const source of sources) {
+    try {
+      return await readFrom(source, cloud, wanted, watch);
+    } catch (error) {
+      watch.signal?.throwIfAborted();
+      problem = error;
+    }
   }
+  throw problem;
+}
+
+async function readFrom(
+  source: CloudSource,
+  cloud: SplatCloud,
+  wanted: CloudPrecision,
+  watch: Pick<ReadOptions, 'signal' | 'onProgress'>,
+): Promise<PackedCloud> {
+  const { name, shDegree } = cloud;
   const fresh = await packedFrom(source, wanted, { name, ...watch });
   const { geometry, shRest } = fresh;
   const isFine =
@@ -270,7 +286,10 @@ async function readAgain(
     (shDegree === 0 || isShAsFine(shRest.precision, wanted.shPrecision));
   if (!isFine) {
     const has = describe({ geometryPrecision: geometry.precision, shPrecision: shRest.precision });
-    throw new SplatSourceError(name, `its source has ${has} and cannot give ${describe(wanted)}.`);
+    throw new SplatSourceError(
+      name,
+      `its source has ${has} and cannot give ${describe(wanted)}; load it for that, or from a URL, a File or a Blob.`,
+    );
   }
   if (!isSameSplats(cloud, fresh)) {
     const message = `there are other splats now than when it was loaded (${fresh.count}, then ${cloud.count}); it stays as it was. Load it anew to see them.`;

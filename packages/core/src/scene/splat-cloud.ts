@@ -11,8 +11,8 @@ export type CloudSource = string | URL | Blob | SplatSet | PackedCloud;
 export interface SplatCloudOptions {
   /** For messages and labels. */
   readonly name: string;
-  /** Kept by reference as long as the cloud lives. */
-  readonly source?: CloudSource | null;
+  /** Tried in this order; kept by reference as long as the cloud lives. */
+  readonly source?: CloudSource | readonly CloudSource[] | null;
   /** Called when the cloud has been destroyed. */
   readonly onDestroyed?: (cloud: SplatCloud) => void;
 }
@@ -33,8 +33,8 @@ export class SplatCloud {
   readonly dropped: DropCounts;
   /** Each stored splat's row in its file. */
   readonly fileIndices: Uint32Array;
-  /** @internal Null where it is gone: see `SplatEngine.requestPrecision`. */
-  readonly source: CloudSource | null;
+  /** @internal None where they are gone: see `SplatEngine.requestPrecision`. */
+  readonly sources: readonly CloudSource[];
   /** @internal Of all planes of the cloud, whichever were packed. */
   readonly logScaleRange: LogScaleRange;
   /** @internal One `Chunk` struct per chunk. */
@@ -63,7 +63,7 @@ export class SplatCloud {
     this.robustBounds = packed.robustBounds;
     this.dropped = packed.dropped;
     this.fileIndices = packed.fileIndices;
-    this.source = source;
+    this.sources = [source ?? []].flat();
     this.logScaleRange = packed.geometry.logScaleRange;
     this.chunks = packed.chunks;
     this.#onDestroyed = onDestroyed;
