@@ -1,4 +1,4 @@
-import { type Accuracy, type AccuracySettings, layerSize } from './accuracy.ts';
+import { layerSize } from './accuracy.ts';
 import { projectionOf } from './camera.ts';
 import { InvalidArgumentError } from './errors.ts';
 import { recordCompute, recordRasterize, recordUpscale } from './frame.ts';
@@ -14,15 +14,14 @@ import type { ViewFrame } from './scene/view-frame.ts';
 import { pick } from './stages/pick.ts';
 import type { FrameStatistics } from './timing/frame-statistics.ts';
 import { GpuTimer } from './timing/gpu-timer.ts';
+import type { AccuracyContext } from './view-accuracy.ts';
 
 /** What a view needs of its engine. */
-export interface ViewContext {
+export interface ViewContext extends AccuracyContext {
   readonly device: GPUDevice;
   readonly pipelines: Pipelines;
   readonly memory: GpuMemory;
   readonly counting: Counting;
-  /** The settings of a frame that asks for these, or for none: one object for equal settings. */
-  readonly accuracyFor: (asked: Accuracy | undefined) => AccuracySettings;
   readonly dispatchRow: number;
   /** Why nothing can be drawn any more, or null. */
   readonly destroyedBecause: () => string | null;

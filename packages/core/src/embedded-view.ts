@@ -1,8 +1,10 @@
+import type { ChooseAccuracyOptions } from './accuracy-wishes.ts';
 import { BlendedLayer, type ViewContext } from './blended-layer.ts';
 import { DestroyedError, InvalidArgumentError } from './errors.ts';
 import { frameStages } from './frame.ts';
 import { type FrameShape, isScaled, shapeOf } from './frame-shape.ts';
 import { HostViewport } from './layout/structs.ts';
+import type { AccuracyChoice } from './measure/choose-accuracy.ts';
 import type { SplatPick } from './pick.ts';
 import type { DepthConvention } from './scene/depth-convention.ts';
 import { checkFrame, keyOf, type ViewFrame } from './scene/view-frame.ts';
@@ -10,6 +12,7 @@ import { COMPOSED_COLOR_FORMAT, COMPOSED_DEPTH_FORMAT, compose, composeState } f
 import { type RasterizeDepth, TESTED_DEPTH_FORMAT } from './stages/rasterize.ts';
 import { resolveDepth, resolveDepthState } from './stages/resolve-depth.ts';
 import type { FrameStatistics } from './timing/frame-statistics.ts';
+import { ViewAccuracy } from './view-accuracy.ts';
 
 /** What splats are to show in another renderer's picture. */
 export interface EmbeddedFrame
@@ -52,12 +55,15 @@ interface PictureTextures extends EmbeddedPicture {
  * where there are splats, and goes on.
  */
 export class EmbeddedView {
-  /** Called when shaders that a frame lacked have been compiled: prepare it again. */
+  /** Called when shaders that a frame lacked have been compiled, or its accuracy has been chosen: prepare it again. */
   onReady: (() => void) | null = null;
   /** Called some frames after each picture that was measured. */
   onStatistics: ((statistics: FrameStatistics) => void) | null = null;
+  /** See `SplatView.onAccuracyChosen`; the picture follows with the frame that `onReady` asks for. */
+  onAccuracyChosen: ((choice: AccuracyChoice) => void) | null = null;
   readonly #context: ViewContext;
   readonly #layer: BlendedLayer;
+  readonly #accuracy: ViewAccuracy;
   readonly #onDestroyed: (view: EmbeddedView) => void;
   readonly #viewport: GPUBuffer;
   #textures: PictureTextures | null = null;
@@ -76,6 +82,10 @@ export class EmbeddedView {
     this.#context = context;
     this.#onDestroyed = onDestroyed;
     this.#layer = new BlendedLayer(context);
+    this.#accuracy = new ViewAccuracy(context, (choice) => {
+      this.onReady?.();
+      this.onAccuracyChosen?.(choice);
+    });
     const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
     this.#viewport = context.memory.createBuffer('host viewport', HostViewport.bytes, usage);
   }
@@ -83,6 +93,11 @@ export class EmbeddedView {
   /** The newest measurement, or null before the first. */
   get statistics(): FrameStatistics | null {
     return this.#statistics;
+  }
+
+  /** What is drawn because of a wish; null before the first choice, and where settings are asked for. */
+  get accuracyChoice(): AccuracyChoice | null {
+    return this.#accuracy.choice;
   }
 
   /**
@@ -99,10 +114,12 @@ export class EmbeddedView {
     const isEmpty = frame.widthPx === 0 || frame.heightPx === 0 || frame.clouds.length === 0;
     if (isEmpty || this.#context.destroyedBecause() !== null) return false;
     const depth = this.#depthOf(frame);
-    const key = `${keyOf(frame, this.#context.accuracyFor(frame.accuracy))} ${JSON.stringify(depth)}`;
+    const accuracy = this.#accuracy.settingsFor(frame);
+    const key = `${keyOf(frame, accuracy)} ${JSON.stringify(depth)}`;
     const layer = this.#layer;
     if (key !== this.#preparedKey) {
-      const shape = shapeOf(frame, this.#context, depth, layer.frame?.shape);
+      const { dispatchRow } = this.#context;
+      const shape = shapeOf(frame, { accuracy, dispatchRow, depth }, layer.frame?.shape);
       if (!this.#isCompiled(shape)) return false;
       layer.update(frame, shape);
       layer.timer.begin();
@@ -115,6 +132,7 @@ export class EmbeddedView {
     } else {
       layer.timer.begin();
     }
+    this.#accuracy.show(frame);
     return true;
   }
 
@@ -162,10 +180,17 @@ export class EmbeddedView {
     return this.#layer.pick(xPx, yPx);
   }
 
+  /** See `SplatView.chooseAccuracy`. */
+  async chooseAccuracy(options: ChooseAccuracyOptions = {}): Promise<AccuracyChoice> {
+    if (this.#isDestroyed) throw new DestroyedError('This view', 'it was destroyed');
+    return this.#accuracy.choose(options);
+  }
+
   /** Frees what the view holds on the GPU, once the host has submitted what it is recording; the clouds stay. */
   destroy(): void {
     if (this.#isDestroyed) return;
     this.#isDestroyed = true;
+    this.#accuracy.leave();
     this.#onDestroyed(this);
     queueMicrotask(() => {
       this.#layer.destroy();

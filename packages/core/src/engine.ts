@@ -1,4 +1,6 @@
 import { type Accuracy, type AccuracySettings, DEFAULT_ACCURACY, internAccuracy } from './accuracy.ts';
+import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy-wish.ts';
+import { AccuracyWishes } from './accuracy-wishes.ts';
 import type { ViewContext } from './blended-layer.ts';
 import { adapterLabel, type DeviceOptions, requestSplatDevice } from './device.ts';
 import { EmbeddedView } from './embedded-view.ts';
@@ -9,6 +11,7 @@ import { Pipelines } from './gpu/pipelines.ts';
 import { lastingSource, loadSplats } from './io/load-splats.ts';
 import { sourceName } from './io/open-source.ts';
 import type { ReadOptions, SplatSource } from './io/splat-source.ts';
+import type { AccuracyChoice } from './measure/choose-accuracy.ts';
 import { type PrecisionRequestOptions, PrecisionRequests } from './precision-requests.ts';
 import type { CloudPrecision } from './scene/cloud-planes.ts';
 import { packSet } from './scene/pack-set.ts';
@@ -21,8 +24,8 @@ import { SplatView } from './view.ts';
 export interface EngineOptions extends DeviceOptions {
   /** A device to work on; by default one is made, with all that its adapter offers. */
   readonly device?: GPUDevice;
-  /** Default `balanced`. */
-  readonly accuracy?: Accuracy;
+  /** Settings, or a wish: see `SplatView.onAccuracyChosen`. Default `balanced`. */
+  readonly accuracy?: AccuracyRequest;
   /** Most workgroups in one dimension of a dispatch; by default the device's limit. For tests of large dispatches. */
   readonly maxWorkgroupsPerDimension?: number;
   /** @internal For tests alone: see ShaderMutation. */
@@ -58,16 +61,18 @@ export class SplatEngine {
   readonly #ownsDevice: boolean;
   readonly #dispatchRow: number;
   readonly #precisionRequests: PrecisionRequests;
+  readonly #wishes: AccuracyWishes;
   readonly #views = new Set<SplatView | EmbeddedView>();
   readonly #clouds = new Set<SplatCloud>();
   /** By what was asked for: what this device does of it. */
   readonly #possible = new WeakMap<AccuracySettings, PossibleAccuracy>();
-  #accuracy: PossibleAccuracy;
+  /** What frames wish that do not say otherwise, or null. */
+  #wish: AccuracyWish | null = null;
+  #accuracy: PossibleAccuracy = { settings: internAccuracy(), notices: [] };
   #destroyedBecause: string | null = null;
 
   private constructor(device: GPUDevice, ownsDevice: boolean, options: EngineOptions) {
     this.device = device;
-    this.#accuracy = this.resolveAccuracy(options.accuracy ?? DEFAULT_ACCURACY);
     this.adapterLabel = adapterLabel(device.adapterInfo);
     this.hasGpuTimestamps = device.features.has('timestamp-query');
     this.#memory = new GpuMemory(device);
@@ -83,9 +88,18 @@ export class SplatEngine {
       dispatchRow: this.#dispatchRow,
       destroyedBecause: () => this.#destroyedBecause,
     });
+    this.#wishes = new AccuracyWishes({
+      measure: async (wish, picture, options) => {
+        // Most pages wish for nothing.
+        const { measureWish } = await import('./measure/measure-wish.ts');
+        return measureWish(this, wish, picture, options);
+      },
+      onChosen: (choice, clouds) => this.#adopt(choice, clouds),
+    });
+    this.#takeAccuracy(options.accuracy ?? DEFAULT_ACCURACY);
     this.lost = device.lost.then((info) => {
       this.#destroyedBecause ??= `the GPU device was lost (${info.message || info.reason})`;
-      this.#precisionRequests.stop(new DestroyedError('This request', this.#destroyedBecause));
+      this.#stopWork(this.#destroyedBecause);
       return info;
     });
   }
@@ -97,12 +111,16 @@ export class SplatEngine {
    */
   static async create(options: EngineOptions = {}): Promise<SplatEngine> {
     // Before a device is made for nothing.
-    internAccuracy(options.accuracy);
+    const { accuracy = DEFAULT_ACCURACY } = options;
+    if (!internWish(accuracy)) internAccuracy(accuracy as Accuracy);
     const device = options.device ?? (await requestSplatDevice(options));
     return new SplatEngine(device, options.device === undefined, options);
   }
 
-  /** What frames are drawn with that do not say otherwise, and what clouds are loaded for. */
+  /**
+   * What frames are drawn with that do not say otherwise, and what clouds are loaded for. Under a wish what was chosen for it
+   * last, `balanced` before that; a view that shows other clouds may have a choice of its own.
+   */
   get accuracy(): AccuracySettings {
     return this.#accuracy.settings;
   }
@@ -114,16 +132,18 @@ export class SplatEngine {
 
   /**
    * Changes `accuracy`: views draw with it from their next frame on, at first from what their clouds hold. Each cloud is
-   * asked for its precisions, as by `requestPrecision`; where that fails it stays as it is.
+   * asked for its precisions, as by `requestPrecision`; where that fails it stays as it is. For a wish that happens when it
+   * has been chosen: see `SplatView.onAccuracyChosen`.
    *
    * @returns when all clouds hold what they can: those that do not hold what was asked for. Never rejects; a later change
    *   takes the place of this one.
    * @throws InvalidArgumentError for unknown settings; everything stays as it was then.
    */
-  setAccuracy(accuracy: Accuracy): Promise<readonly PrecisionProblem[]> {
+  setAccuracy(accuracy: AccuracyRequest): Promise<readonly PrecisionProblem[]> {
     this.#checkUsable();
-    this.#accuracy = this.resolveAccuracy(accuracy);
-    return this.#askForPrecision([...this.#clouds]);
+    this.#takeAccuracy(accuracy);
+    // What a wish will need is not known before it has been measured.
+    return this.#askForPrecision(this.#wish ? [] : [...this.#clouds]);
   }
 
   /**
@@ -190,6 +210,7 @@ export class SplatEngine {
         this.#clouds.delete(destroyed);
         const reason = new DestroyedError(`The cloud ${name}`, 'it was destroyed');
         this.#precisionRequests.stop(reason, destroyed);
+        this.#wishes.stop(reason, destroyed);
       },
     });
     this.#clouds.add(cloud);
@@ -251,10 +272,26 @@ export class SplatEngine {
   destroy(): void {
     if (this.#destroyedBecause === 'the engine was destroyed') return;
     this.#destroyedBecause = 'the engine was destroyed';
-    this.#precisionRequests.stop(new DestroyedError('This request', this.#destroyedBecause));
+    this.#stopWork(this.#destroyedBecause);
     for (const view of [...this.#views]) view.destroy();
     this.#memory.destroyAll();
     if (this.#ownsDevice) this.device.destroy();
+  }
+
+  #takeAccuracy(request: AccuracyRequest): void {
+    const wish = internWish(request);
+    const accuracy = wish ? (this.#wishes.latest(wish)?.settings ?? DEFAULT_ACCURACY) : (request as Accuracy);
+    this.#accuracy = this.resolveAccuracy(accuracy);
+    this.#wish = wish;
+  }
+
+  /** Makes what was chosen for a wish the engine's own where the wish is, and frees what nothing is drawn with any more. */
+  #adopt({ wish, settings }: AccuracyChoice, clouds: readonly SplatCloud[]): void {
+    if (wish === this.#wish) this.#accuracy = this.resolveAccuracy(settings);
+    for (const cloud of clouds) {
+      // What cannot be had was not measured either: the table says so.
+      this.requestPrecision(cloud, settings, { keep: true }).catch(() => {});
+    }
   }
 
   /** Asks for the precisions of `accuracy`; answers with those that cannot have them, but not with what was called off. */
@@ -276,10 +313,17 @@ export class SplatEngine {
       pipelines: this.#pipelines,
       memory: this.#memory,
       counting: this.#counting,
+      wishFor: (asked) => (asked === undefined ? this.#wish : internWish(asked)),
       accuracyFor: (asked) => this.resolveAccuracy(asked).settings,
+      wishes: this.#wishes,
       dispatchRow: this.#dispatchRow,
       destroyedBecause: () => this.#destroyedBecause,
     };
+  }
+
+  #stopWork(because: string): void {
+    this.#precisionRequests.stop(new DestroyedError('This request', because));
+    this.#wishes.stop(new DestroyedError('This measurement', because));
   }
 
   #checkUsable(): void {

@@ -1,4 +1,4 @@
-import { type Accuracy, type AccuracySettings, layerSize } from './accuracy.ts';
+import { type AccuracySettings, layerSize } from './accuracy.ts';
 import type { CloudPages } from './scene/cloud-planes.ts';
 import { keyBitsFor } from './scene/key-bits.ts';
 import type { SplatCloud } from './scene/splat-cloud.ts';
@@ -26,22 +26,13 @@ export interface FrameShape {
   readonly depth: RasterizeDepth | null;
 }
 
-/** What a frame's shape follows from, besides the frame itself. */
-export interface ShapeContext {
-  /** The settings of a frame that asks for these, or for none: one object for equal settings. */
-  readonly accuracyFor: (asked: Accuracy | undefined) => AccuracySettings;
-  readonly dispatchRow: number;
-}
-
 /** @param current shape of the last picture: its buffers are kept as long as they are large enough. */
 export function shapeOf(
   frame: ViewFrame,
-  { accuracyFor, dispatchRow }: ShapeContext,
-  depth: RasterizeDepth | null,
+  { accuracy, dispatchRow, depth }: Pick<FrameShape, 'accuracy' | 'dispatchRow' | 'depth'>,
   current: FrameShape | undefined,
 ): FrameShape {
   const { camera } = frame;
-  const accuracy = accuracyFor(frame.accuracy);
   const clouds = frame.clouds.map(({ cloud }) => cloud);
   const isSameClouds =
     clouds.length === current?.clouds.length && clouds.every((cloud, i) => cloud === current.clouds[i]);

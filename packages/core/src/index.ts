@@ -14,6 +14,8 @@ export {
   resolveAccuracy,
   type SortKeyBits,
 } from './accuracy.ts';
+export { type AccuracyRequest, type AccuracyWish, isAccuracyWish } from './accuracy-wish.ts';
+export type { ChooseAccuracyOptions } from './accuracy-wishes.ts';
 export {
   type Camera,
   cameraFromMatrices,
@@ -43,6 +45,8 @@ export {
   unpackShRest,
 } from './layout/sh-rest.ts';
 export type { Vec3 } from './math/mat4.ts';
+export type { AccuracyChoice } from './measure/choose-accuracy.ts';
+export type { MeasureProgress } from './measure/measure-accuracy.ts';
 export type { SplatPick } from './pick.ts';
 export type { PrecisionRequestOptions } from './precision-requests.ts';
 export type { CloudPage, CloudPages, CloudPrecision, HeldPrecisions } from './scene/cloud-planes.ts';

@@ -1,3 +1,5 @@
+import type { AccuracySettings } from './accuracy.ts';
+import type { ChooseAccuracyOptions } from './accuracy-wishes.ts';
 import { BlendedLayer, type ViewContext } from './blended-layer.ts';
 import { DestroyedError, InvalidArgumentError } from './errors.ts';
 import { frameStages } from './frame.ts';
@@ -6,19 +8,28 @@ import type { CompiledStage } from './gpu/pipelines.ts';
 import { readTexture, type TextureImage } from './gpu/read-texture.ts';
 import { CompositeParameters } from './layout/structs.ts';
 import type { Vec3 } from './math/mat4.ts';
+import type { AccuracyChoice } from './measure/choose-accuracy.ts';
 import type { SplatPick } from './pick.ts';
 import { checkFrame, keyOf, type ViewFrame } from './scene/view-frame.ts';
 import { composite, compositeState } from './stages/composite.ts';
 import type { FrameStatistics } from './timing/frame-statistics.ts';
+import { ViewAccuracy } from './view-accuracy.ts';
 
 /** One picture of some clouds, drawn again whenever something has changed: on a canvas, or to be read back. */
 export class SplatView {
   /** Called some frames after each picture that was measured. */
   onStatistics: ((statistics: FrameStatistics) => void) | null = null;
+  /**
+   * Called when settings have been chosen because of a wish (`accuracy: { minPsnrDb: 45 }`), which takes seconds and begins
+   * half a second after the first picture, and after the last change of its size. It is measured again for other clouds,
+   * and not because the camera moves. The last picture is drawn again with them by then.
+   */
+  onAccuracyChosen: ((choice: AccuracyChoice) => void) | null = null;
   readonly #context: ViewContext;
   readonly #canvas: GPUCanvasContext | null;
   readonly #canvasFormat: GPUTextureFormat;
   readonly #layer: BlendedLayer;
+  readonly #accuracy: ViewAccuracy;
   readonly #compositeParameters: GPUBuffer;
   readonly #onDestroyed: (view: SplatView) => void;
   #compositeGroup: GPUBindGroup | null = null;
@@ -42,6 +53,7 @@ export class SplatView {
     this.#canvasFormat = canvasFormat;
     this.#canvas = canvas && configure(canvas, context.device, canvasFormat);
     this.#layer = new BlendedLayer(context);
+    this.#accuracy = new ViewAccuracy(context, (choice, picture) => this.#showChoice(choice, picture));
     this.#onDestroyed = onDestroyed;
     this.#compositeParameters = context.memory.createBuffer(
       'composite parameters',
@@ -53,6 +65,11 @@ export class SplatView {
   /** The newest measurement, or null before the first. */
   get statistics(): FrameStatistics | null {
     return this.#statistics;
+  }
+
+  /** What is drawn because of a wish; null before the first choice, and where settings are asked for. */
+  get accuracyChoice(): AccuracyChoice | null {
+    return this.#accuracy.choice;
   }
 
   /**
@@ -71,9 +88,13 @@ export class SplatView {
       this.#waiting = frame;
       return true;
     }
-    const key = this.#keyOf(frame);
-    if (!frame.force && key === this.#drawnKey) return false;
-    const shape = this.#shapeOf(frame);
+    const settings = this.#accuracy.settingsFor(frame);
+    const key = keyOf(frame, settings);
+    if (!frame.force && key === this.#drawnKey) {
+      this.#accuracy.show(frame);
+      return false;
+    }
+    const shape = this.#shapeOf(frame, settings);
     const stages = this.#stagesFor(shape);
     if (!this.#context.pipelines.areReady(stages)) {
       this.#waiting = frame;
@@ -117,6 +138,19 @@ export class SplatView {
     return this.#layer.pick(xPx, yPx);
   }
 
+  /**
+   * Measures now what the last picture shows, and chooses anew what meets its wish: for all views with the same wish and
+   * the same clouds, at the size of the largest.
+   *
+   * @throws InvalidArgumentError where there is no picture, or it was drawn without a wish; DestroyedError; an AbortError
+   *   where the view is destroyed or a later call takes over; the signal's reason. What was drawn before stays then.
+   */
+  async chooseAccuracy(options: ChooseAccuracyOptions = {}): Promise<AccuracyChoice> {
+    await this.#whenDrawn;
+    this.#checkUsable();
+    return this.#accuracy.choose(options);
+  }
+
   /** @internal What the last picture was blended in, for comparisons that stay on the GPU: see measure/. */
   blended(): { readonly context: ViewContext; readonly color: GPUTexture | null } {
     this.#checkUsable();
@@ -128,6 +162,7 @@ export class SplatView {
     if (this.#isDestroyed) return;
     this.#isDestroyed = true;
     this.#waiting = null;
+    this.#accuracy.leave();
     this.#canvas?.unconfigure();
     this.#layer.destroy();
     this.#context.memory.destroy(this.#compositeParameters);
@@ -139,11 +174,12 @@ export class SplatView {
     try {
       while (this.#waiting && this.#canStillDraw(this.#waiting)) {
         const frame = this.#waiting;
-        const shape = this.#shapeOf(frame);
+        const settings = this.#accuracy.settingsFor(frame);
+        const shape = this.#shapeOf(frame, settings);
         const stages = this.#stagesFor(shape);
         if (this.#context.pipelines.areReady(stages)) {
           this.#waiting = null;
-          this.#draw(frame, shape, this.#keyOf(frame));
+          this.#draw(frame, shape, keyOf(frame, settings));
         } else {
           await this.#context.pipelines.prepare(stages);
         }
@@ -176,6 +212,7 @@ export class SplatView {
     layer.recordTimes(encoder);
     device.queue.submit([encoder.finish()]);
     this.#drawnKey = key;
+    this.#accuracy.show(viewFrame);
     void this.#measure();
   }
 
@@ -208,12 +245,16 @@ export class SplatView {
     pass.end();
   }
 
-  #keyOf(frame: ViewFrame): string {
-    return keyOf(frame, this.#context.accuracyFor(frame.accuracy));
+  /** @param picture the last one that stands. */
+  #showChoice(choice: AccuracyChoice, picture: ViewFrame): void {
+    // What waits is drawn with the choice anyway.
+    if (!this.#waiting && this.#canStillDraw(picture)) this.render({ ...picture, force: false });
+    this.onAccuracyChosen?.(choice);
   }
 
-  #shapeOf(frame: ViewFrame): FrameShape {
-    return shapeOf(frame, this.#context, null, this.#layer.frame?.shape);
+  #shapeOf(frame: ViewFrame, accuracy: AccuracySettings): FrameShape {
+    const { dispatchRow } = this.#context;
+    return shapeOf(frame, { accuracy, dispatchRow, depth: null }, this.#layer.frame?.shape);
   }
 
   #stagesFor(shape: FrameShape): CompiledStage[] {

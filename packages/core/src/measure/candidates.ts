@@ -35,12 +35,16 @@ const ABLATIONS: Readonly<Record<string, Partial<AccuracySettings>>> = {
 };
 
 /**
- * The base, the presets, the paper's ablations, and each of `names` one at a time away from the base; equal settings once,
+ * The base, the presets, the paper's ablations if they are wanted, and each of `names` one at a time away from the base; equal settings once,
  * under the first of their names.
  *
  * @throws InvalidArgumentError for a setting that does not exist.
  */
-export function singleCandidates(base: Accuracy, names: readonly string[] = SETTING_NAMES): Candidate[] {
+export function singleCandidates(
+  base: Accuracy,
+  names: readonly string[] = SETTING_NAMES,
+  withAblations = true,
+): Candidate[] {
   const baseSettings = internAccuracy(base);
   const chosen = names.map((name) => {
     if ((SETTING_NAMES as string[]).includes(name)) return name as SettingName;
@@ -51,7 +55,7 @@ export function singleCandidates(base: Accuracy, names: readonly string[] = SETT
   const found: Candidate[] = [
     { name: nameOfBase(base), settings: baseSettings, changed: [] },
     ...presets.map((name) => candidate(baseSettings, internAccuracy(name), name)),
-    ...Object.entries(ABLATIONS).map(([name, changes]) =>
+    ...Object.entries(withAblations ? ABLATIONS : {}).map(([name, changes]) =>
       candidate(baseSettings, internAccuracy({ preset: 'paper', ...changes }), name),
     ),
     ...chosen.flatMap((name) =>

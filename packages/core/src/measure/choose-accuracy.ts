@@ -1,6 +1,6 @@
 import type { AccuracySettings } from '../accuracy.ts';
+import { type AccuracyWish, checkWish } from '../accuracy-wish.ts';
 import type { SplatEngine } from '../engine.ts';
-import { InvalidArgumentError } from '../errors.ts';
 import {
   type AccuracyPoint,
   type AccuracyTable,
@@ -9,9 +9,7 @@ import {
 } from './measure-accuracy.ts';
 import { overlap } from './time-spread.ts';
 
-/** What is wanted of settings, instead of the settings: an error not to be passed, dB, or a time, milliseconds. */
-export type AccuracyWish = { readonly minPsnrDb: number } | { readonly maxFrameMs: number };
-
+/** Settings that were chosen by what they were measured to do. */
 export interface AccuracyChoice {
   readonly wish: AccuracyWish;
   readonly settings: AccuracySettings;
@@ -135,13 +133,4 @@ function sentence(
 
 function milliseconds(ms: number): string {
   return `${Number(ms.toPrecision(3))} ms`;
-}
-
-function checkWish(wish: AccuracyWish): void {
-  const [name, value] = Object.entries(wish)[0] ?? ['accuracy', undefined];
-  const isKnown = (name === 'minPsnrDb' || name === 'maxFrameMs') && Object.keys(wish).length === 1;
-  if (isKnown && typeof value === 'number' && value > 0) return;
-  const found = JSON.stringify(wish);
-  const message = `The wish is ${found}; it must be { minPsnrDb } in decibels or { maxFrameMs } in milliseconds, above 0.`;
-  throw new InvalidArgumentError(name, message);
 }

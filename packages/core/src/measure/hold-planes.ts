@@ -1,14 +1,15 @@
 import type { AccuracySettings } from '../accuracy.ts';
 import type { SplatEngine } from '../engine.ts';
 import { DestroyedError } from '../errors.ts';
+import type { CloudPrecision } from '../scene/cloud-planes.ts';
 import type { SplatCloud } from '../scene/splat-cloud.ts';
 
 /** What the clouds hold beyond what they held before. */
 export interface HeldPlanes {
   /** What could not be had, in words. */
   readonly notes: readonly string[];
-  /** Frees what was made for the measurement. */
-  release(): Promise<void>;
+  /** Frees what was made for the measurement, but for these precisions as far as they could be had. */
+  release(kept: CloudPrecision | null): Promise<void>;
 }
 
 /**
@@ -26,12 +27,18 @@ export async function holdPlanes(
   const notes: string[] = [];
   const distinct = [...new Set(clouds)];
   const before = new Map(distinct.map((cloud) => [cloud, cloud.precisions]));
-  const release = async () => {
-    for (const [cloud, { geometry, sh }] of before) {
+  const release = async (kept: CloudPrecision | null) => {
+    for (const [cloud, held] of before) {
       const { precisions } = cloud;
+      const geometry = precisions.geometry.filter(
+        (precision) => held.geometry.includes(precision) || precision === kept?.geometryPrecision,
+      );
+      const sh = precisions.sh.filter(
+        (precision) => held.sh.includes(precision) || precision === kept?.shPrecision,
+      );
       const isLarger = precisions.geometry.length > geometry.length || precisions.sh.length > sh.length;
       if (cloud.isDestroyed || !isLarger) continue;
-      // Frees all but the finest of before; what else was held then is made of that again, on the GPU.
+      // Frees all but the finest of those that stay; the others are made of that again, on the GPU.
       const finest = { geometryPrecision: geometry[0], shPrecision: sh[0] };
       await engine.requestPrecision(cloud, finest).catch(() => {});
       for (const geometryPrecision of geometry.slice(1))
@@ -60,7 +67,7 @@ export async function holdPlanes(
     }
     return { notes, release };
   } catch (error) {
-    await release();
+    await release(null);
     throw error;
   }
 }

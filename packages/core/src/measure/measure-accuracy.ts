@@ -3,6 +3,7 @@ import type { Camera } from '../camera.ts';
 import type { SplatEngine } from '../engine.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import type { ImageDifference } from '../reference/compare-images.ts';
+import type { CloudPrecision } from '../scene/cloud-planes.ts';
 import type { CloudInstance, ViewFrame } from '../scene/view-frame.ts';
 import { isPlausible, type StageTimings } from '../timing/frame-statistics.ts';
 import type { SplatView } from '../view.ts';
@@ -27,6 +28,8 @@ export interface MeasureAccuracyOptions {
   readonly base?: Accuracy;
   /** Names of the settings that are changed; default all. */
   readonly settings?: readonly string[];
+  /** Whether the paper's ablations are measured too; default true. */
+  readonly ablations?: boolean;
   /** Whether changes that pay are also tried together; default true. */
   readonly combinations?: boolean;
   /** Measured frames per point and camera, default 15. Under 6 there is no interval of 95 % and all values are taken. */
@@ -109,9 +112,29 @@ export async function measureAccuracy(
   engine: SplatEngine,
   options: MeasureAccuracyOptions,
 ): Promise<AccuracyTable> {
+  return measureThen(
+    engine,
+    options,
+    (table) => table,
+    () => null,
+  );
+}
+
+/**
+ * As `measureAccuracy`, but for what the clouds hold afterwards.
+ *
+ * @param conclude what is made of the table.
+ * @param keep which of the precisions that were made for the measurement are to stay; null: none.
+ */
+export async function measureThen<Result>(
+  engine: SplatEngine,
+  options: MeasureAccuracyOptions,
+  conclude: (table: AccuracyTable) => Result,
+  keep: (result: Result) => CloudPrecision | null,
+): Promise<Result> {
   checkOptions(options);
   const { clouds, base = DEFAULT_ACCURACY, signal } = options;
-  const candidates = singleCandidates(base, options.settings);
+  const candidates = singleCandidates(base, options.settings, options.ablations);
   const reference = engine.resolveAccuracy('reference');
   const planes = await holdPlanes(
     engine,
@@ -119,10 +142,13 @@ export async function measureAccuracy(
     [reference.settings, ...candidates.map(({ settings }) => settings)],
     signal,
   );
+  let kept: CloudPrecision | null = null;
   try {
-    return await new Sweep(engine, options, candidates, planes.notes).run();
+    const result = conclude(await new Sweep(engine, options, candidates, planes.notes).run());
+    kept = keep(result);
+    return result;
   } finally {
-    await planes.release();
+    await planes.release(kept);
   }
 }
 

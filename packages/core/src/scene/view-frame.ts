@@ -1,4 +1,5 @@
-import type { Accuracy, AccuracySettings } from '../accuracy.ts';
+import type { AccuracySettings } from '../accuracy.ts';
+import type { AccuracyRequest } from '../accuracy-wish.ts';
 import type { Camera } from '../camera.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
 import type { Vec3 } from '../math/mat4.ts';
@@ -23,8 +24,11 @@ export interface ViewFrame {
   readonly heightPx: number;
   /** What is behind the splats on a canvas, sRGB-encoded, 0…1; default black. */
   readonly background?: Vec3;
-  /** Default the engine's; pass the same object every frame, it is looked at once. */
-  readonly accuracy?: Accuracy;
+  /**
+   * Settings, or a wish: see `SplatView.onAccuracyChosen`. Default the engine's. Pass the same object every frame, it is
+   * looked at once.
+   */
+  readonly accuracy?: AccuracyRequest;
   /** Draw even where nothing has changed, as a benchmark needs it. */
   readonly force?: boolean;
 }
@@ -63,7 +67,7 @@ const numbers = new WeakMap<object, number>();
 let numbersGiven = 0;
 
 /** A number that no other object has. */
-function numberOf(thing: object): number {
+export function numberOf(thing: object): number {
   const number = numbers.get(thing) ?? ++numbersGiven;
   numbers.set(thing, number);
   return number;

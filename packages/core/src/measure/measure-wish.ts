@@ -1,0 +1,72 @@
+import { ACCURACY_SETTINGS, DEFAULT_ACCURACY } from '../accuracy.ts';
+import type { AccuracyWish } from '../accuracy-wish.ts';
+import type { WishOptions } from '../accuracy-wishes.ts';
+import { isSoftwareAdapter } from '../device.ts';
+import type { SplatEngine } from '../engine.ts';
+import type { Bounds } from '../scene/packed-cloud.ts';
+import type { CloudInstance, ViewFrame } from '../scene/view-frame.ts';
+import { type AccuracyChoice, chooseFrom } from './choose-accuracy.ts';
+import { measureThen } from './measure-accuracy.ts';
+import { sampleCameras } from './sample-cameras.ts';
+
+/** The least that an interval of 95 % is made of: an application is waiting, and its own pictures take turns with these. */
+const FRAMES = 6;
+/** A software rasteriser takes as long for a frame as a GPU for a hundred, and varies less. */
+const SOFTWARE_FRAMES = 3;
+
+/** The paper's ablations draw the same pictures more slowly: they fulfil no wish that others do not. */
+const ABLATED: readonly string[] = ['extent', 'culling'];
+const SETTINGS = Object.keys(ACCURACY_SETTINGS).filter((name) => !ABLATED.includes(name));
+
+/**
+ * Measures what `picture` shows, from where it is seen and from around there, and chooses what meets the wish or comes
+ * closest. Afterwards the clouds hold what was chosen beside what they held before.
+ *
+ * @throws what `measureAccuracy` throws.
+ */
+export async function measureWish(
+  engine: SplatEngine,
+  wish: AccuracyWish,
+  { camera, clouds, widthPx, heightPx }: ViewFrame,
+  { previous, signal, onProgress }: WishOptions,
+): Promise<AccuracyChoice> {
+  const isSoftware = isSoftwareAdapter(engine.device.adapterInfo);
+  const options = {
+    clouds,
+    cameras: isSoftware ? [camera] : sampleCameras(camera, worldBounds(clouds)),
+    widthPx,
+    heightPx,
+    base: DEFAULT_ACCURACY,
+    settings: SETTINGS,
+    ablations: false,
+    frames: isSoftware ? SOFTWARE_FRAMES : FRAMES,
+    combinations: !isSoftware,
+    signal,
+    onProgress,
+  };
+  const choose = (table: AccuracyChoice['table']) => chooseFrom(table, wish, previous ?? undefined);
+  const choice = await measureThen(engine, options, choose, ({ settings }) => settings);
+  if (!isSoftware) return choice;
+  return { ...choice, why: `${choice.why} Measured from one side only, since there is no GPU here.` };
+}
+
+/** Where the scene is that clouds make together. */
+export function worldBounds(clouds: readonly CloudInstance[]): Bounds {
+  const min: [number, number, number] = [Infinity, Infinity, Infinity];
+  const max: [number, number, number] = [-Infinity, -Infinity, -Infinity];
+  for (const { cloud, modelMatrix: m } of clouds) {
+    if (cloud.count === 0) continue;
+    const { robustBounds } = cloud;
+    for (let corner = 0; corner < 8; corner++) {
+      const [x, y, z] = [0, 1, 2].map((axis) =>
+        corner & (1 << axis) ? robustBounds.max[axis] : robustBounds.min[axis],
+      );
+      for (const axis of [0, 1, 2] as const) {
+        const at = m ? m[axis] * x + m[4 + axis] * y + m[8 + axis] * z + m[12 + axis] : [x, y, z][axis];
+        min[axis] = Math.min(min[axis], at);
+        max[axis] = Math.max(max[axis], at);
+      }
+    }
+  }
+  return min[0] <= max[0] ? { min, max } : { min: [0, 0, 0], max: [0, 0, 0] };
+}
