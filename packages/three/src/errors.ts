@@ -8,6 +8,16 @@ export class SplatsUnsupportedRendererError extends WebSplatterError {
   }
 }
 
+/**
+ * Splats are drawn less exactly than was asked for, or take more memory: `cause` says why. The picture stays as it was.
+ */
+export class SplatsPrecisionError extends WebSplatterError {
+  override readonly name = 'SplatsPrecisionError';
+  constructor(cause: Error) {
+    super('precision-unavailable', `Splats keep the precision that they have. ${cause.message}`, { cause });
+  }
+}
+
 /** Splats cannot be drawn into this pass of three's, since it cannot be interrupted. */
 export class SplatsPassError extends WebSplatterError {
   override readonly name = 'SplatsPassError';

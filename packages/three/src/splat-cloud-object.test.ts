@@ -1,16 +1,10 @@
-import { DestroyedError, type SplatEngine } from '@websplatter/core';
+import { DestroyedError, resolveAccuracy } from '@websplatter/core';
 import { Box3, Matrix4, Raycaster, Scene, Vector3 } from 'three/webgpu';
 import { describe, expect, test, vi } from 'vitest';
+import { SplatsPrecisionError } from './errors.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
+import { fakeEngine } from './testing/fake-engine.ts';
 import { splatDataAt } from './testing/test-clouds.ts';
-
-/** An engine that only counts what it holds. */
-function fakeEngine() {
-  const destroyed = vi.fn();
-  const addPacked = vi.fn(() => ({ destroy: destroyed }));
-  const engine = { accuracy: { geometryPrecision: 'packed' }, addPacked } as unknown as SplatEngine;
-  return { engine, addPacked, destroyed };
-}
 
 describe('rays', () => {
   /** A cloud of one splat at x = 1. */
@@ -135,8 +129,10 @@ describe('data', () => {
     const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
     cloud.opacity = 0.5;
     cloud.writesDepth = true;
+    cloud.accuracy = 'high';
     cloud.position.x = 2;
-    expect(cloud.clone()).toMatchObject({ data: cloud.data, opacity: 0.5, writesDepth: true });
+    const { data } = cloud;
+    expect(cloud.clone()).toMatchObject({ data, opacity: 0.5, writesDepth: true, accuracy: 'high' });
     expect(cloud.clone().position.x).toBe(2);
   });
 
@@ -151,6 +147,72 @@ describe('data', () => {
       [9, 0, 0],
       [11, 2, 3],
     ]);
+  });
+});
+
+describe('what the GPU is to hold for an accuracy', () => {
+  const [fast, high] = [resolveAccuracy('fast'), resolveAccuracy('high')];
+
+  function uploaded() {
+    const { engine, requestPrecision } = fakeEngine();
+    const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
+    cloud.uploadedTo(engine);
+    const needsFrame = vi.fn();
+    cloud.addEventListener('needsframe', needsFrame);
+    return { cloud, needsFrame, requestPrecision, hold: (settings = high) => cloud.hold(engine, settings) };
+  }
+
+  const settle = () => new Promise((resolve) => setTimeout(resolve, 0));
+
+  test('is asked for, and a frame when it is there', async () => {
+    const { hold, needsFrame, requestPrecision } = uploaded();
+    hold(fast);
+    await settle();
+    expect(needsFrame).not.toHaveBeenCalled();
+    hold();
+    hold();
+    await settle();
+    hold();
+    expect(requestPrecision).toHaveBeenCalledTimes(1);
+    expect(needsFrame).toHaveBeenCalledTimes(1);
+  });
+
+  test('is told of once where it cannot be had', async () => {
+    const { cloud, hold, needsFrame, requestPrecision } = uploaded();
+    requestPrecision.mockRejectedValue(new Error('garden: what it was read from is gone.'));
+    cloud.onError = vi.fn();
+    for (let frame = 0; frame < 3; frame++) {
+      hold();
+      await settle();
+    }
+    expect(cloud.onError).toHaveBeenCalledExactlyOnceWith(expect.any(SplatsPrecisionError));
+    expect(cloud.onError).toHaveBeenCalledWith(
+      expect.objectContaining({ message: expect.stringMatching(/keep.*garden.*gone/) }),
+    );
+    expect(needsFrame).not.toHaveBeenCalled();
+  });
+
+  test('is told of on the console where nobody listens', async () => {
+    const { hold, requestPrecision } = uploaded();
+    requestPrecision.mockRejectedValue(new Error('gone'));
+    const log = vi.spyOn(console, 'warn').mockImplementation(() => {});
+    hold();
+    await settle();
+    expect(log).toHaveBeenCalledExactlyOnceWith(expect.any(SplatsPrecisionError));
+    log.mockRestore();
+  });
+
+  test('is nobody’s problem where something else is wanted by then', async () => {
+    const { cloud, hold, requestPrecision } = uploaded();
+    cloud.onError = vi.fn();
+    requestPrecision.mockRejectedValue(new DOMException('A later request took its place.', 'AbortError'));
+    hold();
+    await settle();
+    requestPrecision.mockRejectedValue(new Error('gone'));
+    hold(fast);
+    cloud.data = null;
+    await settle();
+    expect(cloud.onError).not.toHaveBeenCalled();
   });
 });
 

@@ -1,4 +1,11 @@
-import { DestroyedError, raycastCloud, type SplatCloud, type SplatEngine } from '@websplatter/core';
+import {
+  type AccuracyRequest,
+  type AccuracySettings,
+  DestroyedError,
+  raycastCloud,
+  type SplatCloud,
+  type SplatEngine,
+} from '@websplatter/core';
 import {
   Box3,
   BufferGeometry,
@@ -13,6 +20,7 @@ import {
   Vector3,
   type WebGPURenderer,
 } from 'three/webgpu';
+import { SplatsPrecisionError } from './errors.ts';
 import type { SplatData } from './splat-data.ts';
 import { layerOf, rootOf, type SplatLayer } from './splat-layer.ts';
 
@@ -50,7 +58,16 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
    * effects that read depth. Clouds in view share one layer: one that writes makes all write.
    */
   writesDepth = false;
-  /** Told once of each thing that keeps the cloud from being drawn; without it that goes to the console. */
+  /**
+   * How exactly splats are drawn, and how fast; null: as the renderer's accuracy says. Clouds in view are one picture, which
+   * has one accuracy: the most decibels that any wishes for, else settings, each at the most exact value that any asks for,
+   * else the shortest time. What the GPU holds of the splats follows in the background, the old picture staying meanwhile.
+   */
+  accuracy: AccuracyRequest | null = null;
+  /**
+   * Told once of each thing that keeps the cloud from being drawn, or from being drawn as exactly as asked for (a
+   * SplatsPrecisionError); without it that goes to the console.
+   */
   onError: ((error: Error) => void) | null = null;
   /** Empty but for its bounds, by which Box3.setFromObject and all that measures with it see the cloud. */
   readonly geometry = withBounds(new BufferGeometry(), new Box3());
@@ -58,6 +75,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   readonly worldBounds = new Box3();
   readonly #uploads = new Map<SplatEngine, SplatCloud>();
   readonly #failed = new Set<SplatEngine>();
+  /** The answers to what has been asked of the GPU's copies, to hear each once. */
+  readonly #heard = new WeakSet<Promise<void>>();
   readonly #told = new Set<string>();
   #data: SplatData | null = null;
   #layer: SplatLayer | null = null;
@@ -128,6 +147,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     this.data = source.data;
     this.opacity = source.opacity;
     this.writesDepth = source.writesDepth;
+    this.accuracy = source.accuracy;
     return this;
   }
 
@@ -150,7 +170,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     const uploaded = this.#uploads.get(engine);
     if (uploaded || !this.#data || this.#failed.has(engine)) return uploaded ?? null;
     try {
-      const cloud = this.#data.acquire(engine);
+      const cloud = this.#data.acquire(engine, this);
       this.#uploads.set(engine, cloud);
       return cloud;
     } catch (error) {
@@ -159,6 +179,30 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
       if (!(error instanceof DestroyedError || this.tell(error))) console.error(error);
       return null;
     }
+  }
+
+  /**
+   * @internal Has the cloud on `engine`, where it was uploaded, hold what `settings` ask for; null: its view sees to that.
+   * Tells where that fails, and asks for a frame where it changes the picture.
+   */
+  hold(engine: SplatEngine, settings: AccuracySettings | null): void {
+    const data = this.#data!;
+    const answer = data.hold(engine, this, settings);
+    if (!answer || !settings || this.#heard.has(answer)) return;
+    this.#heard.add(answer);
+    const cloud = this.#uploads.get(engine)!;
+    const before = cloud.pagesFor(settings);
+    answer.then(
+      () => {
+        if (this.#data === data && cloud.pagesFor(settings) !== before) this.requestFrame();
+      },
+      (cause: Error) => {
+        const isOver = this.#data !== data || cause.name === 'AbortError' || cause instanceof DestroyedError;
+        if (isOver) return;
+        const error = new SplatsPrecisionError(cause);
+        if (!this.tell(error)) console.warn(error);
+      },
+    );
   }
 
   /** @internal Tells the listener of an error, once; false where there is none. */
@@ -186,7 +230,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   }
 
   #releaseUploads(): void {
-    for (const engine of this.#uploads.keys()) this.#data?.release(engine);
+    for (const engine of this.#uploads.keys()) this.#data?.release(engine, this);
     this.#uploads.clear();
     this.#failed.clear();
     this.#told.clear();

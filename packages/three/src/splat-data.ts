@@ -1,9 +1,13 @@
-import { InvalidArgumentError, type PackedCloud, type SplatCloud, type SplatEngine } from '@websplatter/core';
+import type { CloudPrecision, CloudSource, PackedCloud, SplatCloud, SplatEngine } from '@websplatter/core';
 import { Box3, Vector3 } from 'three/webgpu';
+import { mostExact } from './picture-accuracy.ts';
 
 interface Upload {
   readonly cloud: SplatCloud;
-  users: number;
+  /** What each user needs the cloud to hold; null of those who leave that to others. */
+  readonly users: Map<object, CloudPrecision | null>;
+  /** What the cloud was asked for last, under which accuracy of the engine, and what becomes of it; null: of nothing. */
+  asked: (CloudPrecision & { readonly engineAccuracy: object; readonly answer: Promise<void> }) | null;
 }
 
 /**
@@ -18,13 +22,19 @@ export class SplatData {
   readonly bounds: Box3;
   /** The same without the outermost splats: where the scene is. */
   readonly robustBounds: Box3;
+  readonly #source: CloudSource | null;
   readonly #uploads = new Map<SplatEngine, Upload>();
 
-  constructor(packed: PackedCloud, name = 'splats') {
+  /**
+   * @param source where the same splats can be read again for a finer precision than that of `packed`; kept by reference.
+   *   Without one they are drawn no finer than they were packed.
+   */
+  constructor(packed: PackedCloud, name = 'splats', source: CloudSource | null = null) {
     this.packed = packed;
     this.name = name;
     this.bounds = boxOf(packed.bounds);
     this.robustBounds = boxOf(packed.robustBounds);
+    this.#source = source;
   }
 
   get count(): number {
@@ -32,37 +42,65 @@ export class SplatData {
   }
 
   /**
-   * The cloud on `engine`, uploaded where it is not there yet. Each call is to be answered by one of `release`.
+   * The cloud on `engine`, uploaded as it was packed where it is not there yet, for `user` until it calls `release`.
    *
-   * @throws InvalidArgumentError where the splats were packed for another precision; GpuLimitError, DestroyedError.
+   * @throws GpuLimitError, DestroyedError.
    */
-  acquire(engine: SplatEngine): SplatCloud {
+  acquire(engine: SplatEngine, user: object): SplatCloud {
     let upload = this.#uploads.get(engine);
     if (!upload) {
-      const { precision } = this.packed.geometry;
-      const wanted = engine.accuracy.geometryPrecision;
-      if (precision !== wanted) {
-        throw new InvalidArgumentError(
-          'data',
-          `${this.name} was loaded with ${precision} geometry and the renderer draws ${wanted}: give the loader the ` +
-            'renderer’s accuracy, loader.setAccuracy(splatEngineOf(renderer).accuracy), before it loads.',
-        );
-      }
-      upload = { cloud: engine.addPacked(this.packed, { name: this.name, source: this.packed }), users: 0 };
+      const { packed, name } = this;
+      // What is in memory anyway first: after the loss of a device nothing is fetched that was packed finely enough.
+      const source = this.#source === null ? packed : [packed, this.#source];
+      const asked = {
+        geometryPrecision: packed.geometry.precision,
+        shPrecision: packed.shRest.precision,
+        engineAccuracy: engine.accuracy,
+        answer: Promise.resolve(),
+      };
+      upload = { cloud: engine.addPacked(packed, { name, source }), users: new Map(), asked };
       this.#uploads.set(engine, upload);
     }
-    upload.users++;
+    if (!upload.users.has(user)) upload.users.set(user, null);
     return upload.cloud;
   }
 
-  /** Gives back what `acquire` gave; the last one frees the GPU's memory. */
-  release(engine: SplatEngine): void {
+  /** Gives back what `acquire` gave to `user`; the last one frees the GPU's memory. */
+  release(engine: SplatEngine, user: object): void {
     const upload = this.#uploads.get(engine);
-    if (!upload) return;
-    upload.users--;
-    if (upload.users > 0) return;
+    if (!upload?.users.delete(user) || upload.users.size > 0) return;
     this.#uploads.delete(engine);
     upload.cloud.destroy();
+  }
+
+  /**
+   * @internal Has the cloud that `user` has acquired hold what it needs, and no less than its other users need. May be
+   * called as often as wanted: the answer is the same promise until something else is asked for. Null: `user` leaves that
+   * to others, who may have changed it when it is no longer null.
+   *
+   * @returns as `SplatEngine.requestPrecision`; null where nothing was asked for.
+   */
+  hold(engine: SplatEngine, user: object, precision: CloudPrecision | null): Promise<void> | null {
+    const upload = this.#uploads.get(engine)!;
+    const { cloud, users } = upload;
+    if (precision === null) {
+      if (users.get(user)) upload.asked = null;
+      users.set(user, null);
+      return null;
+    }
+    users.set(user, precision);
+    const needed = [...users.values()].filter((each) => each !== null);
+    const { geometryPrecision, shPrecision } = mostExact(needed);
+    const { asked } = upload;
+    const isAsked =
+      asked?.geometryPrecision === geometryPrecision &&
+      asked.shPrecision === shPrecision &&
+      // Whoever changes that asks all clouds of the engine for it.
+      asked.engineAccuracy === engine.accuracy;
+    if (isAsked) return asked.answer;
+    const answer = engine.requestPrecision(cloud, { geometryPrecision, shPrecision });
+    upload.asked = { geometryPrecision, shPrecision, engineAccuracy: engine.accuracy, answer };
+    return answer;
   }
 }
 

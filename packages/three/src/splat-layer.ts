@@ -1,8 +1,10 @@
 import {
+  type AccuracyRequest,
   type CloudInstance,
   cameraFromMatrices,
   DestroyedError,
   type Camera as EngineCamera,
+  isAccuracyWish,
   type SplatEngine,
   type SplatPick,
 } from '@websplatter/core';
@@ -21,6 +23,7 @@ import {
 import { splatEngineOf } from './create-splat-renderer.ts';
 import { ColorLayerMaterial, DepthLayerMaterial } from './layer-material.ts';
 import { type LayerView, LayerViews } from './layer-view.ts';
+import { pictureAccuracy } from './picture-accuracy.ts';
 import type { SplatCloudObject } from './splat-cloud-object.ts';
 import { reportStageTimings } from './stage-timings.ts';
 import { type OpenPass, openPass } from './three-bridge.ts';
@@ -149,8 +152,10 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   }
 
   #drawInto(pass: OpenPass, renderer: WebGPURenderer, engine: SplatEngine, camera: Camera): void {
-    const clouds = this.#cloudsFor(engine, camera);
+    const shown = this.#shownClouds();
+    const clouds = instancesFor(shown, engine, camera);
     if (clouds.size === 0) return;
+    holdPlanes(shown, clouds.keys(), engine);
     const view = this.#views.use(renderer, camera, pass.target, () => {
       const embedded = engine.createEmbeddedView();
       embedded.onReady = () => {
@@ -166,6 +171,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       heightPx: pass.heightPx,
       depth: pass.depth,
       writesDepth: [...clouds.keys()].some(({ writesDepth }) => writesDepth),
+      accuracy: accuracyOf(clouds.keys()),
     });
     if (!isReady) return;
     view.clouds = [...clouds.keys()];
@@ -183,20 +189,10 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     else material.showNothing();
   }
 
-  /** The clouds that `camera` is to see, and what stands for them on the GPU. */
-  #cloudsFor(engine: SplatEngine, camera: Camera): Map<SplatCloudObject, CloudInstance> {
-    const found = new Map<SplatCloudObject, CloudInstance>();
-    for (const object of [...this.#clouds]) {
-      if (rootOf(object) !== this.parent) {
-        object.leave(this);
-        continue;
-      }
-      const { opacity, matrixWorld } = object;
-      if (opacity <= 0 || !object.layers.test(camera.layers) || !isShown(object)) continue;
-      const cloud = object.uploadedTo(engine);
-      if (cloud) found.set(object, { cloud, modelMatrix: matrixWorld.elements, opacity });
-    }
-    return found;
+  /** What there is to see for cameras of all layers. */
+  #shownClouds(): SplatCloudObject[] {
+    for (const object of [...this.#clouds]) if (rootOf(object) !== this.parent) object.leave(this);
+    return [...this.#clouds].filter((object) => object.opacity > 0 && isShown(object));
   }
 
   /** three gives up its frame where a callback throws, and every one after: so errors are told of, each once. */
@@ -214,6 +210,42 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
 function isShown(object: Object3D): boolean {
   for (let at: Object3D | null = object; at; at = at.parent) if (!at.visible) return false;
   return true;
+}
+
+/** Those of `objects` that `camera` is to see, and what stands for them on the GPU. */
+function instancesFor(
+  objects: readonly SplatCloudObject[],
+  engine: SplatEngine,
+  camera: Camera,
+): Map<SplatCloudObject, CloudInstance> {
+  const found = new Map<SplatCloudObject, CloudInstance>();
+  for (const object of objects) {
+    if (!object.layers.test(camera.layers)) continue;
+    const cloud = object.uploadedTo(engine);
+    const { opacity, matrixWorld } = object;
+    if (cloud) found.set(object, { cloud, modelMatrix: matrixWorld.elements, opacity });
+  }
+  return found;
+}
+
+/**
+ * Has `drawn` hold what the accuracy of all that is shown takes, whichever camera sees how much of it: else the views of a
+ * frame would ask for one after the other.
+ */
+function holdPlanes(
+  shown: Iterable<SplatCloudObject>,
+  drawn: Iterable<SplatCloudObject>,
+  engine: SplatEngine,
+): void {
+  const accuracy = accuracyOf(shown);
+  // A view asks for what it has chosen because of a wish.
+  const isWish = accuracy !== undefined && isAccuracyWish(accuracy);
+  const settings = isWish ? null : engine.resolveAccuracy(accuracy).settings;
+  for (const object of drawn) object.hold(engine, settings);
+}
+
+function accuracyOf(clouds: Iterable<SplatCloudObject>): AccuracyRequest | undefined {
+  return pictureAccuracy([...clouds].flatMap(({ accuracy }) => accuracy ?? []));
 }
 
 /** three's camera as three has prepared it for this render: matrices, clip depth from 0 to 1. */

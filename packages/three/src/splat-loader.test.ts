@@ -1,7 +1,8 @@
-import { encodePly, SplatFileError, SplatSourceError } from '@websplatter/core';
+import { encodePly, SplatFileError, type SplatSource, SplatSourceError } from '@websplatter/core';
 import { LoadingManager } from 'three/webgpu';
 import { afterEach, describe, expect, test, vi } from 'vitest';
 import { SplatLoader } from './splat-loader.ts';
+import { fakeEngine } from './testing/fake-engine.ts';
 import { splatSetAt } from './testing/test-clouds.ts';
 
 const file = encodePly(splatSetAt([0, 0, 0], [1, 2, 3])) as Uint8Array<ArrayBuffer>;
@@ -75,6 +76,24 @@ describe('a load', () => {
     loader.setAccuracy('high');
     expect((await loader.loadAsync(new Blob([file]))).packed.geometry.precision).toBe('f32');
     expect(() => loader.setAccuracy('perfect' as never)).toThrow(/perfect/);
+  });
+
+  test('leaves behind where the same can be read again, unless only the loader can', async () => {
+    const { engine, addPacked } = fakeEngine();
+    stubFetch(async () => new Response(file));
+    const sourceOf = async (source: SplatSource, loader = new SplatLoader()) => {
+      const data = await loader.loadAsync(source);
+      data.acquire(engine, {});
+      const [packed, ...others] = [addPacked.mock.lastCall![1]!.source].flat();
+      expect(packed).toBe(data.packed);
+      return others;
+    };
+    const blob = new Blob([file]);
+    expect(await sourceOf(blob)).toEqual([blob]);
+    expect(await sourceOf(new URL('https://a.test/two.ply'))).toEqual(['https://a.test/two.ply']);
+    expect(await sourceOf(file)).toEqual([]);
+    expect(await sourceOf(blob.stream())).toEqual([]);
+    expect(await sourceOf('https://a.test/two.ply', new SplatLoader().setWithCredentials(true))).toEqual([]);
   });
 });
 

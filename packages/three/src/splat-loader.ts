@@ -3,6 +3,7 @@ import {
   type AccuracySettings,
   DEFAULT_ACCURACY,
   type LoadProgress,
+  lastingSource,
   loadSplats,
   resolveAccuracy,
   type SplatSource,
@@ -14,6 +15,9 @@ import { SplatData } from './splat-data.ts';
 /**
  * Loads splats of any format that is read here, in a worker where there are any. A source is an address, a File or Blob, a
  * buffer or a stream. Reports to its LoadingManager.
+ *
+ * Addresses, Files and Blobs can be read again where a finer precision is wanted later; buffers, streams, and addresses
+ * that need the loader's headers or credentials cannot.
  */
 export class SplatLoader extends Loader<SplatData, SplatSource> {
   #accuracy: AccuracySettings = resolveAccuracy(DEFAULT_ACCURACY);
@@ -66,6 +70,7 @@ export class SplatLoader extends Loader<SplatData, SplatSource> {
     onProgress: ((event: ProgressEvent) => void) | undefined,
   ): Promise<SplatData> {
     const { geometryPrecision, shPrecision } = this.#accuracy;
+    const readAgainFrom = this.#guardedAddress(source) === null ? lastingSource(source) : null;
     const signal = AbortSignal.any([this.#aborter.signal, this.manager.abortController.signal]);
     const packed = await loadSplats(await this.#opened(source, name, signal), {
       name,
@@ -74,15 +79,20 @@ export class SplatLoader extends Loader<SplatData, SplatSource> {
       shPrecision,
       onProgress: onProgress && ((progress) => onProgress(progressEvent(progress))),
     });
-    return new SplatData(packed, name);
+    return new SplatData(packed, name, readAgainFrom);
   }
 
-  /** What is to be read: the source itself, unless its request needs what only this loader knows of. */
+  /** The address whose request needs what only this loader knows of, or null. */
+  #guardedAddress(source: SplatSource): string | null {
+    const isGuarded = Object.keys(this.requestHeader).length > 0 || this.withCredentials;
+    return isGuarded && typeof source === 'string' ? source : null;
+  }
+
   async #opened(source: SplatSource, name: string, signal: AbortSignal): Promise<SplatSource> {
-    const hasHeaders = Object.keys(this.requestHeader).length > 0;
-    if (typeof source !== 'string' || !(hasHeaders || this.withCredentials)) return source;
+    const address = this.#guardedAddress(source);
+    if (address === null) return source;
     const credentials = this.withCredentials ? 'include' : 'same-origin';
-    const response = await fetch(source, { headers: this.requestHeader, credentials, signal });
+    const response = await fetch(address, { headers: this.requestHeader, credentials, signal });
     if (!response.ok || !response.body) {
       throw new SplatSourceError(name, `the server answered ${response.status}`, response.status);
     }
