@@ -1,4 +1,4 @@
-import { cameraFromMatrices } from '@websplatter/core';
+import { type Camera, cameraFromMatrices } from '@websplatter/core';
 import { compareImages, renderReference } from '@websplatter/core/reference';
 import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
@@ -113,6 +113,23 @@ function decoded(value: number): number {
 
 /** White splats of opacity a half over a pixel, as they are trained to look. */
 const underHalfWhite = ([r, g, b, a]: Rgba): Rgba => [(r + 255) / 2, (g + 255) / 2, (b + 255) / 2, a];
+
+/** A picture of the test scene over black against float64's, both as PNG files would have them. */
+function psnrOfTestScene(
+  { widthPx, heightPx, data }: Pixels,
+  camera: Pick<Camera, 'viewMatrix' | 'projectionMatrix' | 'near' | 'far'>,
+  modelMatrix?: readonly number[],
+): number {
+  const reference = renderReference({
+    clouds: [{ set: testScene(), modelMatrix }],
+    camera: cameraFromMatrices(camera.viewMatrix, camera.projectionMatrix, camera),
+    widthPx,
+    heightPx,
+  });
+  const actual = Float64Array.from(data, (value) => value / 255);
+  const options = { widthPx, heightPx, background: [0, 0, 0], quantize: 'png' } as const;
+  return compareImages(actual, reference.data, options).psnrDb;
+}
 
 /** Indices of the pixel and of those around it. */
 function neighborhood(pixel: number, widthPx: number, heightPx: number): number[] {
@@ -418,16 +435,33 @@ describe('three 0.187', () => {
     };
     test.each(Object.keys(transforms))('%s, against float64', async (name) => {
       const { picture, camera, modelMatrix } = await run('transformed', transforms[name]);
-      const { widthPx, heightPx } = picture;
-      const reference = renderReference({
-        clouds: [{ set: testScene(), modelMatrix }],
-        camera: cameraFromMatrices(camera.viewMatrix, camera.projectionMatrix, camera),
-        widthPx,
-        heightPx,
+      expect(psnrOfTestScene(picture, camera, modelMatrix)).toBeGreaterThan(MIN_PSNR_DB);
+    });
+
+    test('are drawn as exactly as they ask for, and keep what they have where that cannot be', async () => {
+      const { held, errors, otherErrors, pictures, camera } = await run('cloudAccuracy');
+      expect(held).toEqual({
+        loaded: 'packed u8',
+        finer: 'f32 f32',
+        coarser: 'packed u8',
+        together: 'f32 f32',
       });
-      const actual = Float64Array.from(picture.data, (value) => value / 255);
-      const options = { widthPx, heightPx, background: [0, 0, 0], quantize: 'png' } as const;
-      expect(compareImages(actual, reference.data, options).psnrDb).toBeGreaterThan(MIN_PSNR_DB);
+      const [balancedDb, referenceDb] = [pictures.balanced, pictures.reference].map((picture) =>
+        psnrOfTestScene(picture, camera),
+      );
+      expect(balancedDb).toBeGreaterThan(MIN_PSNR_DB);
+      expect(referenceDb).toBeGreaterThan(balancedDb);
+      expect(errors).toEqual([]);
+      expect(otherErrors).toEqual([expect.stringMatching(/^SplatsPrecisionError: .*no source/)]);
+    });
+
+    test('are measured where they wish for an outcome, and drawn with what was chosen', async () => {
+      const { tooEarly, isMet, why, psnrDb, isToldAgain, picture, camera } = await run('wishedAccuracy', 35);
+      expect(tooEarly).toBe('InvalidArgumentError');
+      expect(isMet, why).toBe(true);
+      expect(psnrDb).toBeGreaterThanOrEqual(35);
+      expect(psnrOfTestScene(picture, camera)).toBeGreaterThan(34);
+      expect(isToldAgain).toBe(true);
     });
 
     test('are shown by their opacity, visibility and layers', async () => {

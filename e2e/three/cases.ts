@@ -1,10 +1,11 @@
-import { packCloud } from '@websplatter/core';
+import { type AccuracyChoice, encodePly, packCloud } from '@websplatter/core';
 import {
   onDeviceLost,
   onStageTimings,
   type SplatCloudObject,
   SplatCloudObject as SplatCloudObjectClass,
   SplatData,
+  SplatLoader,
   splatEngineOf,
 } from '@websplatter/three';
 import { emissive, mrt, output, pass, reflector } from 'three/tsl';
@@ -96,6 +97,17 @@ function litScene({ scene, camera, renderer }: Stage): void {
   sun.shadow.mapSize.set(256, 256);
   scene.add(floor, box, sun);
   camera.position.z = 3;
+}
+
+function lookAtTestScene(camera: PerspectiveCamera): void {
+  camera.position.set(1, 0.5, 6);
+  camera.lookAt(0.5, 0, 0);
+}
+
+/** What the tests draw their references with. */
+function cameraOf({ matrixWorldInverse, projectionMatrix, near, far }: PerspectiveCamera) {
+  const [viewMatrix, projection] = [matrixWorldInverse.elements, projectionMatrix.elements];
+  return { camera: { viewMatrix: [...viewMatrix], projectionMatrix: [...projection], near, far } };
 }
 
 /** Run by name from the tests, which know what is to be expected of their results. */
@@ -357,19 +369,9 @@ export const cases = {
     parent.position.set(-0.5, -1, 0);
     parent.add(cloud);
     scene.add(parent);
-    camera.position.set(1, 0.5, 6);
-    camera.lookAt(0.5, 0, 0);
+    lookAtTestScene(camera);
     const picture = await shot(stage);
-    return {
-      picture,
-      camera: {
-        viewMatrix: [...camera.matrixWorldInverse.elements],
-        projectionMatrix: [...camera.projectionMatrix.elements],
-        near: camera.near,
-        far: camera.far,
-      },
-      modelMatrix: [...cloud.matrixWorld.elements],
-    };
+    return { picture, ...cameraOf(camera), modelMatrix: [...cloud.matrixWorld.elements] };
   },
 
   /** Opacity, visibility and layers of objects and of what they are in. */
@@ -393,6 +395,87 @@ export const cases = {
     cloud.layers.set(3);
     const otherLayer = await shot(stage);
     return { shown, faint, gone, hidden, otherLayer };
+  },
+
+  /** A cloud that asks for more than was loaded, then for less, then for what cannot be had. */
+  cloudAccuracy: async () => {
+    const stage = await newStage();
+    const { renderer, scene, camera } = stage;
+    const engine = splatEngineOf(renderer);
+    const data = await new SplatLoader().loadAsync(new Blob([encodePly(testScene()) as BlobPart]));
+    const held = () => {
+      const { geometry, sh } = data.acquire(engine, stage).precisions;
+      data.release(engine, stage);
+      return [...geometry, ...sh].join(' ');
+    };
+    const becomes = async (precisions: string) => {
+      for (let attempt = 0; attempt < 500 && held() !== precisions; attempt++)
+        await new Promise((resolve) => setTimeout(resolve, 10));
+      return held();
+    };
+    const cloud = new SplatCloudObjectClass(data);
+    const errors = errorsOf(cloud);
+    lookAtTestScene(camera);
+    scene.add(cloud);
+    const balanced = await shot(stage);
+    const loaded = held();
+    cloud.accuracy = 'reference';
+    await shot(stage);
+    const finer = await becomes('f32 f32');
+    const reference = await shot(stage);
+    cloud.accuracy = 'fast';
+    await shot(stage);
+    const coarser = await becomes('packed u8');
+    // Beside one that asks for nothing and cannot be read again.
+    const other = new SplatCloudObjectClass(new SplatData(data.packed, 'no source'));
+    const otherErrors = errorsOf(other);
+    scene.add(other);
+    cloud.accuracy = { shDegree: 0 };
+    other.accuracy = 'reference';
+    await shot(stage);
+    const together = await becomes('f32 f32');
+    await shot(stage);
+    return {
+      held: { loaded, finer, coarser, together },
+      errors,
+      otherErrors,
+      pictures: { balanced, reference },
+      ...cameraOf(camera),
+    };
+  },
+
+  /** A cloud that wishes for an outcome. */
+  wishedAccuracy: async (minPsnrDb: number) => {
+    const stage = await newStage();
+    const { scene, camera } = stage;
+    const data = await new SplatLoader().loadAsync(new Blob([encodePly(testScene()) as BlobPart]));
+    const cloud = new SplatCloudObjectClass(data);
+    cloud.accuracy = { minPsnrDb };
+    const tooEarly = await cloud.chooseAccuracy().catch(({ name }: Error) => name);
+    const choices: AccuracyChoice[] = [];
+    const chosen = new Promise<void>((resolve) => {
+      cloud.addEventListener('accuracychosen', ({ choice }) => {
+        choices.push(choice);
+        resolve();
+      });
+    });
+    lookAtTestScene(camera);
+    scene.add(cloud);
+    await shot(stage);
+    await chosen;
+    const picture = await shot(stage);
+    const { isMet, why, point } = choices[0];
+    const again = await cloud.chooseAccuracy();
+    await Promise.resolve();
+    return {
+      tooEarly,
+      isMet,
+      why,
+      psnrDb: point.error.psnrDb,
+      isToldAgain: choices[1] === again,
+      picture,
+      ...cameraOf(camera),
+    };
   },
 
   /** What is uploaded and freed while clouds come and go. */

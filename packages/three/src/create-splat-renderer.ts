@@ -1,4 +1,4 @@
-import { type Accuracy, SplatEngine } from '@websplatter/core';
+import { type AccuracyRequest, SplatEngine } from '@websplatter/core';
 import { WebGPURenderer, type WebGPURendererParameters } from 'three/webgpu';
 import { SplatsUnsupportedRendererError } from './errors.ts';
 import { hasWebGpuBackend } from './three-bridge.ts';
@@ -8,8 +8,8 @@ export interface SplatRendererParameters
   extends Omit<WebGPURendererParameters, 'device' | 'forceWebGL' | 'powerPreference' | 'requiredLimits'> {
   /** Limits of the device that the application needs, by name; three's own default is none. */
   readonly requiredLimits?: Readonly<Record<string, number>>;
-  /** How exactly splats are drawn, and how fast; default `balanced`. */
-  readonly accuracy?: Accuracy;
+  /** How exactly splats are drawn, and how fast, or a wish for an outcome; default `balanced`. */
+  readonly accuracy?: AccuracyRequest;
   readonly powerPreference?: GPUPowerPreference | 'default';
   /** Where WebGPU is to be had; default `navigator.gpu`. */
   readonly gpu?: GPU;
@@ -48,7 +48,7 @@ const states = new WeakMap<object, RendererState>();
  * three's WebGPURenderer, initialised, on a device with room for large scenes. Also what `<Canvas gl={…}>` of
  * react-three-fiber takes. `renderer.dispose()` frees the device and all splats on it, too.
  *
- * @throws WebGpuUnavailableError where there is no WebGPU, InvalidArgumentError for unknown accuracy settings,
+ * @throws WebGpuUnavailableError where there is no WebGPU, InvalidArgumentError for accuracy that there is not,
  *   SplatsUnsupportedRendererError where three does not draw with WebGPU on the device.
  */
 export async function createSplatRenderer({

@@ -2,6 +2,7 @@ import type { EmbeddedView } from '@websplatter/core';
 import { PerspectiveCamera } from 'three/webgpu';
 import { expect, test, vi } from 'vitest';
 import { LayerViews } from './layer-view.ts';
+import { SplatCloudObject } from './splat-cloud-object.ts';
 
 function fakeView() {
   return { destroy: vi.fn() } as unknown as EmbeddedView & { destroy: ReturnType<typeof vi.fn> };
@@ -29,6 +30,15 @@ test('the latest of a renderer’s views from a camera is known', () => {
   views.use(renderer, camera, canvas, fakeView);
   const latest = views.use(renderer, camera, mirror, fakeView);
   expect(views.latest(renderer, camera)).toBe(latest);
+});
+
+test('the latest view with a cloud is known', () => {
+  const views = new LayerViews();
+  const [shown, hidden] = [new SplatCloudObject(), new SplatCloudObject()];
+  for (const target of [canvas, mirror]) views.use(renderer, camera, target, fakeView).clouds = [shown];
+  views.use(renderer, camera, {}, fakeView);
+  expect(views.latestWith(shown)).toBe(views.use(renderer, camera, mirror, fakeView));
+  expect(views.latestWith(hidden)).toBeNull();
 });
 
 test('views that are no longer drawn are freed, and made anew where they are drawn again', () => {

@@ -75,6 +75,12 @@ export class LayerViews {
     return latest && this.#all.has(latest) ? latest : null;
   }
 
+  /** The view that was drawn last of those whose picture has `cloud`. */
+  latestWith(cloud: SplatCloudObject): LayerView | null {
+    const views = [...this.#all].filter(({ clouds }) => clouds.includes(cloud));
+    return views.sort((a, b) => b.usedAt - a.usedAt)[0] ?? null;
+  }
+
   destroyAll(): void {
     this.#free(() => true);
   }

@@ -7,7 +7,7 @@ describe('the accuracy of a picture', () => {
     expect(pictureAccuracy([])).toBeUndefined();
     for (const only of ['fast', { preset: 'high', sortKeyBits: 20 }] as const)
       expect(pictureAccuracy([only])).toBe(only);
-    for (const wish of [{ minPsnrDb: 45 }, { maxFrameMs: 8 }]) expect(pictureAccuracy([wish])).toEqual(wish);
+    for (const wish of [{ minPsnrDb: 45 }, { maxFrameMs: 8 }]) expect(pictureAccuracy([wish])).toBe(wish);
   });
 
   test('has each setting at the most exact value that is asked for', () => {

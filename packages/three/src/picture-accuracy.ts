@@ -14,17 +14,13 @@ import {
  * @throws InvalidArgumentError for unknown settings.
  */
 export function pictureAccuracy(requests: readonly AccuracyRequest[]): AccuracyRequest | undefined {
-  const decibels: number[] = [];
-  const milliseconds: number[] = [];
-  const settings: Accuracy[] = [];
-  for (const request of requests) {
-    if (!isAccuracyWish(request)) settings.push(request);
-    else if ('minPsnrDb' in request) decibels.push(request.minPsnrDb);
-    else milliseconds.push(request.maxFrameMs);
-  }
-  if (decibels.length > 0) return { minPsnrDb: Math.max(...decibels) };
+  const wishes = requests.filter(isAccuracyWish);
+  const [clearest] = wishes.filter((wish) => 'minPsnrDb' in wish).sort((a, b) => b.minPsnrDb - a.minPsnrDb);
+  if (clearest) return clearest;
+  const settings = requests.filter((request): request is Accuracy => !isAccuracyWish(request));
   if (settings.length > 0) return settings.length === 1 ? settings[0] : mostExact(settings);
-  return milliseconds.length > 0 ? { maxFrameMs: Math.min(...milliseconds) } : undefined;
+  const [fastest] = wishes.filter((wish) => 'maxFrameMs' in wish).sort((a, b) => a.maxFrameMs - b.maxFrameMs);
+  return fastest;
 }
 
 /** Each setting at the most exact value that one of `accuracies`, of which there is at least one, has. */

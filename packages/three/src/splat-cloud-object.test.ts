@@ -1,4 +1,9 @@
-import { DestroyedError, resolveAccuracy } from '@websplatter/core';
+import {
+  type AccuracyChoice,
+  DestroyedError,
+  InvalidArgumentError,
+  resolveAccuracy,
+} from '@websplatter/core';
 import { Box3, Matrix4, Raycaster, Scene, Vector3 } from 'three/webgpu';
 import { describe, expect, test, vi } from 'vitest';
 import { SplatsPrecisionError } from './errors.ts';
@@ -229,6 +234,20 @@ test('the first frame is announced once for each data, after three’s frame', a
   cloud.announceFirstFrame();
   await Promise.resolve();
   expect(first).toHaveBeenCalledTimes(2);
+});
+
+test('a choice is told once, however many views share it', () => {
+  const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
+  const chosen = vi.fn();
+  cloud.addEventListener('accuracychosen', ({ choice }) => chosen(choice));
+  const choices = [{}, {}] as AccuracyChoice[];
+  for (const choice of [choices[0], choices[0], choices[1]]) cloud.announceAccuracy(choice);
+  expect(chosen.mock.calls).toEqual([[choices[0]], [choices[1]]]);
+});
+
+test('nothing is measured of what was never drawn', async () => {
+  const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
+  await expect(cloud.chooseAccuracy()).rejects.toThrow(InvalidArgumentError);
 });
 
 test('nothing is picked of what was never drawn', async () => {

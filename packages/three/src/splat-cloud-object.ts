@@ -1,7 +1,10 @@
 import {
+  type AccuracyChoice,
   type AccuracyRequest,
   type AccuracySettings,
+  type ChooseAccuracyOptions,
   DestroyedError,
+  InvalidArgumentError,
   raycastCloud,
   type SplatCloud,
   type SplatEngine,
@@ -42,6 +45,8 @@ export interface SplatCloudEventMap extends Object3DEventMap {
   firstframe: object;
   /** The next picture will be another one though nothing in the scene has changed: shaders or data have become ready. */
   needsframe: object;
+  /** Settings have been chosen for a picture with this cloud, since a cloud in it or its renderer wishes for an outcome. */
+  accuracychosen: { readonly choice: AccuracyChoice };
 }
 
 /**
@@ -59,9 +64,10 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
    */
   writesDepth = false;
   /**
-   * How exactly splats are drawn, and how fast; null: as the renderer's accuracy says. Clouds in view are one picture, which
-   * has one accuracy: the most decibels that any wishes for, else settings, each at the most exact value that any asks for,
-   * else the shortest time. What the GPU holds of the splats follows in the background, the old picture staying meanwhile.
+   * How exactly splats are drawn, and how fast: settings, or a wish (`{ minPsnrDb: 45 }`, `{ maxFrameMs: 8 }`) for which
+   * settings are measured and chosen; null: as the renderer's accuracy says. Clouds in view are one picture, which has one
+   * accuracy: the most decibels that any wishes for, else settings, each at the most exact value that any asks for, else the
+   * shortest time. What the GPU holds of the splats follows in the background, the old picture staying meanwhile.
    */
   accuracy: AccuracyRequest | null = null;
   /**
@@ -81,6 +87,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   #data: SplatData | null = null;
   #layer: SplatLayer | null = null;
   #isAnnounced = false;
+  #choice: AccuracyChoice | null = null;
 
   constructor(data: SplatData | null = null) {
     super();
@@ -140,6 +147,20 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     if (hit?.object !== this) return null;
     const { splatIndex, point, depthView, alpha } = hit;
     return { object: this, splatIndex, point: new Vector3(...point), depthView, alpha };
+  }
+
+  /**
+   * Measures again what meets the wish of the picture that this cloud was drawn in last. What is drawn until then, and where
+   * that fails, stays. An `accuracychosen` event tells all clouds of the picture.
+   *
+   * @throws InvalidArgumentError where the cloud has not been drawn, or not under a wish; the signal's reason; an AbortError
+   *   where a later measurement takes over; DestroyedError.
+   */
+  async chooseAccuracy(options?: ChooseAccuracyOptions): Promise<AccuracyChoice> {
+    const choosing = this.#layer?.chooseAccuracy(this, options);
+    if (choosing) return choosing;
+    const message = 'The cloud has not been drawn yet: there is no picture that could be measured.';
+    throw new InvalidArgumentError('chooseAccuracy', message);
   }
 
   override copy(source: this, recursive?: boolean): this {
@@ -227,6 +248,14 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     this.#isAnnounced = true;
     // three is in the middle of its frame.
     queueMicrotask(() => this.dispatchEvent({ type: 'firstframe' }));
+  }
+
+  /** @internal This was chosen for a picture with this cloud. */
+  announceAccuracy(choice: AccuracyChoice): void {
+    // Several views of a scene share a choice.
+    if (choice === this.#choice) return;
+    this.#choice = choice;
+    this.dispatchEvent({ type: 'accuracychosen', choice });
   }
 
   #releaseUploads(): void {

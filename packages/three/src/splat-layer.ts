@@ -1,5 +1,7 @@
 import {
+  type AccuracyChoice,
   type AccuracyRequest,
+  type ChooseAccuracyOptions,
   type CloudInstance,
   cameraFromMatrices,
   DestroyedError,
@@ -110,6 +112,11 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     return pick && { ...pick, object: clouds[pick.cloudIndex] };
   }
 
+  /** Measures the latest picture with `cloud`; null where there is none. */
+  chooseAccuracy(cloud: SplatCloudObject, options?: ChooseAccuracyOptions): Promise<AccuracyChoice> | null {
+    return this.#views.latestWith(cloud)?.embedded.chooseAccuracy(options) ?? null;
+  }
+
   /** Frees what the layer holds on GPUs; it may be drawn again. */
   #free(): void {
     this.#views.destroyAll();
@@ -156,10 +163,13 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     const clouds = instancesFor(shown, engine, camera);
     if (clouds.size === 0) return;
     holdPlanes(shown, clouds.keys(), engine);
-    const view = this.#views.use(renderer, camera, pass.target, () => {
+    const view: LayerView = this.#views.use(renderer, camera, pass.target, () => {
       const embedded = engine.createEmbeddedView();
       embedded.onReady = () => {
         for (const cloud of this.#clouds) cloud.requestFrame();
+      };
+      embedded.onAccuracyChosen = (choice) => {
+        for (const cloud of view.clouds) cloud.announceAccuracy(choice);
       };
       embedded.onStatistics = (statistics) => reportStageTimings(renderer, statistics);
       return embedded;

@@ -75,6 +75,8 @@ describe('a load', () => {
     expect((await loader.loadAsync(new Blob([file]))).packed.geometry.precision).toBe('packed');
     loader.setAccuracy('high');
     expect((await loader.loadAsync(new Blob([file]))).packed.geometry.precision).toBe('f32');
+    loader.setAccuracy({ minPsnrDb: 60 });
+    expect((await loader.loadAsync(new Blob([file]))).packed.geometry.precision).toBe('packed');
     expect(() => loader.setAccuracy('perfect' as never)).toThrow(/perfect/);
   });
 

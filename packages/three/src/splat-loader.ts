@@ -1,7 +1,8 @@
 import {
-  type Accuracy,
+  type AccuracyRequest,
   type AccuracySettings,
   DEFAULT_ACCURACY,
+  isAccuracyWish,
   type LoadProgress,
   lastingSource,
   loadSplats,
@@ -24,12 +25,13 @@ export class SplatLoader extends Loader<SplatData, SplatSource> {
   #aborter = new AbortController();
 
   /**
-   * Packs what is loaded from now on for renderers of this accuracy; default `balanced`, as theirs is.
+   * Packs what is loaded from now on for renderers or clouds of this accuracy; default `balanced`, as theirs is. What a wish
+   * will need is not known before anything is drawn: until then it is `balanced`.
    *
    * @throws InvalidArgumentError for unknown settings.
    */
-  setAccuracy(accuracy: Accuracy): this {
-    this.#accuracy = resolveAccuracy(accuracy);
+  setAccuracy(accuracy: AccuracyRequest): this {
+    this.#accuracy = resolveAccuracy(isAccuracyWish(accuracy) ? DEFAULT_ACCURACY : accuracy);
     return this;
   }
 
