@@ -25,6 +25,7 @@ const PACKAGES = [
     name: 'core',
     entries: {
       index: 'src/index.ts',
+      effects: 'src/effects/index.ts',
       reference: 'src/reference/index.ts',
       inspect: 'src/inspect/index.ts',
       measure: 'src/measure/index.ts',

@@ -10,6 +10,8 @@ struct ScreenCovariance {
   determinant: f32,
   /// A power of two.
   unitPx: f32,
+  /// The determinant without dilation, in units of unitPx⁴.
+  @if(OPACITY_EFFECTS) undilatedDeterminant: f32,
 }
 
 /// Half axes at √2 standard deviations, where the Gaussian has fallen to 1/e; the minor one is perpendicular.
@@ -57,8 +59,10 @@ fn screenCovariance(view: View, centerView: vec3f, axesView: mat3x3f) -> ScreenC
   let yy = dot(y, y);
   // By Lagrange's identity the determinant is a sum of terms that are not negative: nothing cancels.
   let normal = cross(x, y);
-  let determinant = dot(normal, normal) + dilation * (xx + yy) + dilation * dilation;
-  return ScreenCovariance(xx + dilation, dot(x, y), yy + dilation, determinant, unitPx);
+  let undilated = dot(normal, normal);
+  let determinant = undilated + dilation * (xx + yy) + dilation * dilation;
+  @if(!OPACITY_EFFECTS) return ScreenCovariance(xx + dilation, dot(x, y), yy + dilation, determinant, unitPx);
+  @if(OPACITY_EFFECTS) return ScreenCovariance(xx + dilation, dot(x, y), yy + dilation, determinant, unitPx, undilated);
 }
 
 /// Axes are no longer than this: across any picture such a Gaussian is constant in float32, and the squares of lengths

@@ -3,7 +3,7 @@
 /// A splat's geometry and base colour, in the cloud's space.
 struct Splat {
   position: vec3f,
-  /// Peak opacity, 0…1, that of the whole cloud included.
+  /// Peak opacity, 0…1.
   opacity: f32,
   /// Unit quaternion w, x, y, z.
   rotation: vec4f,
@@ -18,12 +18,11 @@ struct Splat {
 @if(!GEOMETRY_F32) const GEOMETRY_VECTORS = 2u;
 
 /// `logScales`: the smallest log scale of the cloud, and the step of its unorm16 ones; not used by float32 splats.
-/// `cloudOpacity`: multiplies the splat's own, here, so that every stage sees the same product.
 @if(GEOMETRY_F32)
-fn unpackSplat(v: array<vec4u, GEOMETRY_VECTORS>, logScales: vec2f, cloudOpacity: f32) -> Splat {
+fn unpackSplat(v: array<vec4u, GEOMETRY_VECTORS>, logScales: vec2f) -> Splat {
   return Splat(
     bitcast<vec3f>(v[0].xyz),
-    bitcast<f32>(v[0].w) * cloudOpacity,
+    bitcast<f32>(v[0].w),
     bitcast<vec4f>(v[1]),
     bitcast<vec3f>(v[2].xyz),
     bitcast<vec3f>(v[3].xyz),
@@ -31,10 +30,10 @@ fn unpackSplat(v: array<vec4u, GEOMETRY_VECTORS>, logScales: vec2f, cloudOpacity
 }
 
 @if(!GEOMETRY_F32)
-fn unpackSplat(v: array<vec4u, GEOMETRY_VECTORS>, logScales: vec2f, cloudOpacity: f32) -> Splat {
+fn unpackSplat(v: array<vec4u, GEOMETRY_VECTORS>, logScales: vec2f) -> Splat {
   let redGreen = unpack2x16float(v[0].w);
   let blue = unpack2x16float(v[1].x).x;
-  let opacity = f32(v[1].x >> 16u) / 65535.0 * cloudOpacity;
+  let opacity = f32(v[1].x >> 16u) / 65535.0;
   let logScale = logScales.x + logScales.y * vec3f(vec3u(v[1].y & 0xffffu, v[1].y >> 16u, v[1].z & 0xffffu));
   let rotation = unpackRotation(v[1].z >> 16u, v[1].w);
   return Splat(bitcast<vec3f>(v[0].xyz), opacity, rotation, exp(logScale), vec3f(redGreen, blue));

@@ -3,6 +3,8 @@
 // the depth decides.
 import constants::CHUNK_SPLATS;
 import constants::MASK_WORDS;
+@if(OPACITY_EFFECTS && !FRUSTUM_CULLING) import effects::changeOpacity;
+@if(SPLAT_EFFECTS) import effects::changeSplat;
 import layout::View;
 import layout::Page;
 import layout::PagePlan;
@@ -42,7 +44,8 @@ fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
   if (isSlot) { splatIndex = (visibleChunks[slot] - page.chunkStart) * CHUNK_SPLATS + lane; }
 
   if (splatIndex < page.splatCount) {
-    let splat = unpackSplat(geometry[splatIndex], page.logScales, page.opacity);
+    @if(!SPLAT_EFFECTS) let splat = unpackSplat(geometry[splatIndex], page.logScales);
+    @if(SPLAT_EFFECTS) let splat = changeSplat(unpackSplat(geometry[splatIndex], page.logScales), splatIndex);
     let centerView = page.linear * splat.position + page.translation;
     let depthView = -centerView.z;
     if (splat.opacity >= view.alphaCutoff && isInDepthRange(view, depthView)) {
@@ -72,7 +75,10 @@ fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
 @if(!FRUSTUM_CULLING)
 fn isDrawn(splat: Splat, centerView: vec3f) -> bool {
   let onScreen = screenSplat(view, page.linear, splat, centerView);
-  let extent = extentPx(onScreen.covariance, reachInAxes(splat.opacity, view.alphaCutoff));
+  @if(!OPACITY_EFFECTS) let opacity = splat.opacity;
+  @if(OPACITY_EFFECTS) let opacity = changeOpacity(splat.opacity, onScreen, view.dilationPx2);
+  @if(OPACITY_EFFECTS) if (opacity < view.alphaCutoff) { return false; }
+  let extent = extentPx(onScreen.covariance, reachInAxes(opacity, view.alphaCutoff));
   return all(onScreen.centerPx + extent > vec2f(0.0)) && all(onScreen.centerPx - extent < view.sizePx);
 }
 

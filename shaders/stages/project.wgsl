@@ -4,6 +4,9 @@ import constants::CHUNK_SPLATS;
 import constants::MAX_COLOR;
 import constants::PROJECT_WORKGROUP;
 import constants::SH_WORDS;
+@if(COLOR_EFFECTS) import effects::changeColor;
+@if(OPACITY_EFFECTS) import effects::changeOpacity;
+@if(SPLAT_EFFECTS) import effects::changeSplat;
 import layout::Page;
 import layout::PagePlan;
 import layout::ProjectedSplat;
@@ -39,15 +42,20 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
   let index = plan.survivorStart + indexInPage;
   let splatIndex = survivors[index] - page.chunkStart * CHUNK_SPLATS;
 
-  let splat = unpackSplat(geometry[splatIndex], page.logScales, page.opacity);
-  let onScreen = screenSplat(view, page.linear, splat, page.linear * splat.position + page.translation);
+  @if(!SPLAT_EFFECTS) let splat = unpackSplat(geometry[splatIndex], page.logScales);
+  @if(SPLAT_EFFECTS) let splat = changeSplat(unpackSplat(geometry[splatIndex], page.logScales), splatIndex);
+  let centerView = page.linear * splat.position + page.translation;
+  let onScreen = screenSplat(view, page.linear, splat, centerView);
   let axes = screenAxes(onScreen.covariance, view.dilationPx2);
 
   var color = shBase(splat.colorDc);
   @if(SH_1) { color += shAboveBase(splatIndex, viewDirection(splat.position)); }
   // A negative radiance has no meaning, and would darken what is behind it; one beyond what the target holds would
   // become infinite there, and NaN under the next splat.
-  let rgba = vec4f(clamp(color, vec3f(0.0), vec3f(MAX_COLOR)), splat.opacity);
+  @if(COLOR_EFFECTS) color = changeColor(max(color, vec3f(0.0)), splat, splatIndex, centerView);
+  @if(!OPACITY_EFFECTS) let opacity = splat.opacity;
+  @if(OPACITY_EFFECTS) let opacity = changeOpacity(splat.opacity, onScreen, view.dilationPx2);
+  let rgba = vec4f(clamp(color, vec3f(0.0), vec3f(MAX_COLOR)), opacity);
 
   var record: ProjectedSplat;
   record.centerPx = onScreen.centerPx;

@@ -15,6 +15,6 @@ import package::lib::packing::unpackSplat;
 fn repackGeometry(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
   let index = linearWorkgroup(workgroup, parameters.dispatchRow) * REPACK_WORKGROUP + lane;
   if (index >= parameters.splatCount) { return; }
-  let splat = unpackSplat(finer[index], parameters.logScales, 1.0);
+  let splat = unpackSplat(finer[index], parameters.logScales);
   coarser[index] = packSplat(splat, parameters.logScales);
 }

@@ -2,8 +2,9 @@ import type { AccuracyWish } from './accuracy-wish.ts';
 import { DestroyedError, InvalidArgumentError } from './errors.ts';
 import type { AccuracyChoice } from './measure/choose-accuracy.ts';
 import type { MeasureProgress } from './measure/measure-accuracy.ts';
+import { numberOf } from './number-of.ts';
 import type { SplatCloud } from './scene/splat-cloud.ts';
-import { numberOf, type ViewFrame } from './scene/view-frame.ts';
+import type { ViewFrame } from './scene/view-frame.ts';
 
 /** Until nothing has changed for as long as this, a scene is taken to be still in the making. */
 const SETTLED_AFTER_MS = 500;

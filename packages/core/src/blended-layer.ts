@@ -4,7 +4,7 @@ import { InvalidArgumentError } from './errors.ts';
 import { recordCompute, recordRasterize, recordUpscale } from './frame.ts';
 import { FrameResources } from './frame-resources.ts';
 import { type FrameShape, hasSameBuffers, isSameShape, isScaled } from './frame-shape.ts';
-import { hostDepthUniform, pageUniforms, viewUniforms } from './frame-uniforms.ts';
+import { effectUniforms, hostDepthUniform, pageUniforms, viewUniforms } from './frame-uniforms.ts';
 import type { Counting } from './gpu/engine-counters.ts';
 import type { GpuMemory } from './gpu/gpu-memory.ts';
 import type { Pipelines } from './gpu/pipelines.ts';
@@ -90,6 +90,7 @@ export class BlendedLayer {
     const layer = layerSize(viewFrame, shape.accuracy);
     const projection = projectionOf(camera, layer.widthPx, layer.heightPx);
     frame.writeUniforms(viewUniforms(projection, shape), pageUniforms(viewFrame, projection, frame));
+    frame.writeEffects(effectUniforms(viewFrame, frame.effectsStrideBytes));
     if (shape.depth) frame.writeHostDepth(hostDepthUniform(camera, shape.depth.mapping));
     this.#picture = { camera, widthPx, heightPx };
     return this.#resize(widthPx, heightPx, shape);

@@ -41,7 +41,8 @@ interface FrameGroups {
 }
 
 /** Uniform buffers are bound at multiples of this many bytes. */
-export const PAGE_STRIDE_BYTES = roundUp(Page.bytes, 256);
+const UNIFORM_ALIGNMENT = 256;
+export const PAGE_STRIDE_BYTES = roundUp(Page.bytes, UNIFORM_ALIGNMENT);
 
 /** Names and sizes of a frame's buffers; stages are bound to them by these names. */
 function bufferTable(shape: FrameShape, pageCount: number, chunkCount: number): BufferTable {
@@ -103,6 +104,8 @@ export class FrameResources {
   readonly buffers = {} as Record<BufferName, GPUBuffer>;
   /** One `HostDepth`, for shapes with depth. */
   readonly hostDepth: GPUBuffer | null = null;
+  /** Parameters of the clouds' effects, `effectsStrideBytes` apart; null where there are none. */
+  #effects: GPUBuffer | null = null;
   readonly chunkScan: PrefixScan;
   readonly splatScan: PrefixScan;
   readonly sort: RadixSort;
@@ -150,6 +153,7 @@ export class FrameResources {
         keyCount: buffers.visibleCount,
         dispatchRow,
       });
+      this.#makeEffects();
       this.#writeConstants();
       this.#groups = this.#bind();
     } catch (error) {
@@ -170,9 +174,15 @@ export class FrameResources {
     return this.#groups;
   }
 
+  /** Of one cloud's parameters to the next one's in what `writeEffects` takes. */
+  get effectsStrideBytes(): number {
+    return effectsStride(this.#shape);
+  }
+
   /** Goes over to another shape that `hasSameBuffers`: other shaders, other planes of the same clouds. */
   reshape(shape: FrameShape): void {
     this.#shape = shape;
+    this.#makeEffects();
     this.#pages = pagesOf(shape.planes);
     this.#groups = this.#bind();
   }
@@ -188,12 +198,27 @@ export class FrameResources {
     if (this.hostDepth) this.#queue.writeBuffer(this.hostDepth, 0, contents);
   }
 
+  /** @param contents parameters per cloud, `effectsStrideBytes` apart; for shapes with such. */
+  writeEffects(contents: ArrayBuffer): void {
+    if (this.#effects) this.#queue.writeBuffer(this.#effects, 0, contents);
+  }
+
   destroy(): void {
+    if (this.#effects) this.#memory.destroy(this.#effects);
     this.chunkScan?.destroy();
     this.splatScan?.destroy();
     this.sort?.destroy();
     for (const buffer of Object.values(this.buffers)) this.#memory.destroy(buffer);
     if (this.hostDepth) this.#memory.destroy(this.hostDepth);
+  }
+
+  /** Room for the parameters of the shape's effects, where what there is does not fit. */
+  #makeEffects(): void {
+    const bytes = effectsStride(this.#shape) * this.#shape.clouds.length;
+    if ((this.#effects?.size ?? 0) === bytes) return;
+    if (this.#effects) this.#memory.destroy(this.#effects);
+    const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
+    this.#effects = bytes > 0 ? this.#memory.createBuffer('frame effects', bytes, usage) : null;
   }
 
   #writeConstants(): void {
@@ -217,6 +242,7 @@ export class FrameResources {
 
   #bind(): FrameGroups {
     const { buffers, sort, shape } = this;
+    const stride = effectsStride(shape);
     const pipelines = this.#pipelines;
     return {
       planCull: pipelines.bindGroup(planCull, buffers),
@@ -230,7 +256,20 @@ export class FrameResources {
       }),
       pages: this.pages.map(({ chunks, geometry, shRest, cloudIndex }, index) => {
         const page = { buffer: buffers.pageUniforms, offset: index * PAGE_STRIDE_BYTES, size: Page.bytes };
-        const own = { ...buffers, page, chunks, geometry, keys: sort.keys, ...(shRest && { shRest }) };
+        const parameters = this.#effects && {
+          buffer: this.#effects,
+          offset: cloudIndex * stride,
+          size: stride,
+        };
+        const own = {
+          ...buffers,
+          page,
+          chunks,
+          geometry,
+          keys: sort.keys,
+          ...(shRest && { shRest }),
+          ...(parameters && { effects: parameters }),
+        };
         return {
           cullChunks: pipelines.bindGroup(cullChunks, own),
           cullSplats: pipelines.bindGroup(cullSplatsStage(shape, cloudIndex), own),
@@ -242,10 +281,13 @@ export class FrameResources {
 }
 
 /** The stage that culls the splats of one of the frame's clouds. */
-export function cullSplatsStage({ isOrthographic, accuracy, planes }: FrameShape, cloudIndex: number) {
+export function cullSplatsStage(
+  { isOrthographic, accuracy, planes, effects }: FrameShape,
+  cloudIndex: number,
+) {
   const { geometryPrecision } = planes[cloudIndex];
   const { extent, culling } = accuracy;
-  return cullSplats({ isOrthographic, geometryPrecision, extent, culling });
+  return cullSplats({ isOrthographic, geometryPrecision, extent, culling, effects: effects[cloudIndex] });
 }
 
 /** The stage that projects the splats of one of the frame's clouds. */
@@ -262,6 +304,7 @@ export function projectStage(shape: FrameShape, cloudIndex: number) {
     maxColor: maxColor(accuracy),
     storedShDegree: shDegree,
     shDegree: Math.min(accuracy.shDegree, shDegree) as ShDegree,
+    effects: shape.effects[cloudIndex],
   });
 }
 
@@ -275,6 +318,11 @@ export function rasterizeStage({ accuracy, depth }: FrameShape) {
 export function upscaleStage({ accuracy, depth }: FrameShape) {
   const depthFormat = depth?.layerFormat ?? null;
   return [upscale(depthFormat !== null), upscaleState(accuracy.colorTarget, depthFormat)] as const;
+}
+
+/** Bytes from one cloud's effect parameters to the next one's; 0 where no cloud has any. */
+function effectsStride({ effects }: FrameShape): number {
+  return roundUp(Math.max(0, ...effects.map(({ parameterBytes }) => parameterBytes)), UNIFORM_ALIGNMENT);
 }
 
 function pagesOf(planes: readonly CloudPages[]): FramePage[] {

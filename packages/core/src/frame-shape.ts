@@ -1,4 +1,6 @@
 import { type AccuracySettings, layerSize } from './accuracy.ts';
+import { type EffectSet, effectSetOf } from './effects/effect-set.ts';
+import { usesOf } from './effects/effects.ts';
 import type { CloudPages } from './scene/cloud-planes.ts';
 import { keyBitsFor } from './scene/key-bits.ts';
 import type { SplatCloud } from './scene/splat-cloud.ts';
@@ -12,6 +14,8 @@ export interface FrameShape {
   readonly clouds: readonly SplatCloud[];
   /** Of each cloud what is drawn of it: as near to `accuracy` as it can be had at this moment. */
   readonly planes: readonly CloudPages[];
+  /** Of each cloud the effects that it is drawn with. */
+  readonly effects: readonly EffectSet[];
   readonly isOrthographic: boolean;
   readonly accuracy: AccuracySettings;
   /** Most workgroups in one dimension of a dispatch. */
@@ -41,6 +45,7 @@ export function shapeOf(
   return {
     clouds,
     planes: clouds.map((cloud) => cloud.pagesFor(accuracy)),
+    effects: frame.clouds.map((instance) => effectSetOf(usesOf(instance))),
     isOrthographic: camera.projectionMatrix[11] === 0,
     accuracy,
     dispatchRow,
@@ -76,6 +81,7 @@ export function isSameShape(a: FrameShape, b: FrameShape): boolean {
     a.shortensKeys === b.shortensKeys &&
     a.accuracy === b.accuracy &&
     a.planes.every((planes, i) => planes === b.planes[i]) &&
+    a.effects.every((effects, i) => effects === b.effects[i]) &&
     JSON.stringify(a.depth) === JSON.stringify(b.depth)
   );
 }

@@ -1,5 +1,7 @@
 import { DILATION_PX2 } from './accuracy.ts';
 import type { Camera, Projection } from './camera.ts';
+import { writeParameters } from './effects/effect-set.ts';
+import { reachOf, usesOf } from './effects/effects.ts';
 import { type FrameResources, PAGE_STRIDE_BYTES } from './frame-resources.ts';
 import type { FrameShape } from './frame-shape.ts';
 import { HostDepth, Page, View } from './layout/structs.ts';
@@ -29,6 +31,17 @@ export function viewUniforms(projection: Projection, { accuracy, dispatchRow }: 
   return contents;
 }
 
+/** Contents of a frame's `effects` buffer: the parameters of each cloud's effects, `strideBytes` apart. */
+export function effectUniforms({ camera, clouds }: ViewFrame, strideBytes: number): ArrayBuffer {
+  const contents = new ArrayBuffer(strideBytes * clouds.length);
+  for (const [index, instance] of clouds.entries()) {
+    const { cloud, modelMatrix = identity4() } = instance;
+    const place = { modelMatrix, origin: cloud.origin, viewMatrix: camera.viewMatrix };
+    writeParameters(contents, usesOf(instance), place, index * strideBytes);
+  }
+  return contents;
+}
+
 /** Contents of a frame's `hostDepth` buffer. */
 export function hostDepthUniform(camera: Camera, mapping: DepthConvention['mapping']): ArrayBuffer {
   const contents = new ArrayBuffer(HostDepth.bytes);
@@ -43,9 +56,11 @@ export function pageUniforms(
   frame: FrameResources,
 ): ArrayBuffer {
   const { alphaCutoff } = frame.shape.accuracy;
-  const perCloud = clouds.map(({ cloud, modelMatrix = identity4(), opacity = 1 }) => {
+  const perCloud = clouds.map((instance) => {
+    const { cloud, modelMatrix = identity4() } = instance;
     const view = cloudView(camera.viewMatrix, modelMatrix, cloud.origin, projection.isOrthographic);
-    const planes = cullPlanes(view, projection, alphaCutoff, DILATION_PX2);
+    const reach = reachOf(usesOf(instance));
+    const planes = cullPlanes(view, projection, alphaCutoff, DILATION_PX2, reach);
     return {
       linear: view.linear,
       translation: view.translation,
@@ -53,7 +68,6 @@ export function pageUniforms(
       cameraWeight: view.camera ? 1 : 0,
       direction: view.direction,
       logScales: [cloud.logScaleRange.min, cloud.logScaleRange.step],
-      opacity,
       frustum: planes.flatMap(({ normal, offset }) => [...normal, offset]),
       frustumReach: planes.flatMap(({ reach }) => [reach, 0, 0, 0]),
     };

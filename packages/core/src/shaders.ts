@@ -1,4 +1,5 @@
 import { MAX_FRAGMENT_ALPHA } from './accuracy.ts';
+import { type EffectSet, NO_EFFECTS } from './effects/effect-set.ts';
 import { SHADER_CONSTANTS } from './layout/constants.ts';
 import { PROJECTED_SPLATS, SHADER_STRUCTS } from './layout/structs.ts';
 import { type LinkInput, linkModules, type ShaderModules } from './shader-linker.ts';
@@ -20,12 +21,19 @@ function moduleName(file: string): string {
   return `package::${file.replaceAll('/', '::').replaceAll('-', '_')}`;
 }
 
+/** Text of the shader of one of this package's own effects. */
+export function effectShader(name: string): string {
+  return modules[moduleName(`effects/${name}`)];
+}
+
 /** A shader as it is to be linked: what is not called for is not in its text. */
 export interface ShaderVariant {
   /** File in shaders/stages, without its ending. */
   readonly stage: string;
   readonly conditions?: Readonly<Record<string, boolean>>;
   readonly constants?: Readonly<Record<string, number>>;
+  /** What the modules `effects` and `parameters` hold; default nothing. */
+  readonly effects?: EffectSet;
 }
 
 /**
@@ -67,6 +75,9 @@ const NO_CONDITIONS: LinkInput['conditions'] = {
   SHORT_KEYS: false,
   FIXED_EXTENT: false,
   FRUSTUM_CULLING: false,
+  SPLAT_EFFECTS: false,
+  OPACITY_EFFECTS: false,
+  COLOR_EFFECTS: false,
 };
 
 /** WGSL of one stage with everything that it imports. */
@@ -76,7 +87,7 @@ export function linkShader(variant: ShaderVariant, mutation?: ShaderMutation): s
 
 /** A variant as the linker takes it: what shaders share with the host are modules like those of files. */
 export function linkInput(
-  { stage, conditions = {}, constants = {} }: ShaderVariant,
+  { stage, conditions = {}, constants = {}, effects = NO_EFFECTS }: ShaderVariant,
   mutation?: ShaderMutation,
 ): LinkInput {
   const { f32, f16, paper } = PROJECTED_SPLATS;
@@ -85,6 +96,7 @@ export function linkInput(
   return {
     modules: {
       ...(mutation ? mutated(mutation) : modules),
+      ...effects.modules,
       layout: [...SHADER_STRUCTS, record].map((struct) => struct.wgsl).join('\n'),
       constants: values.map(([name, value]) => `const ${name} = ${value};`).join('\n'),
     },

@@ -15,8 +15,8 @@ export const MUTATIONS: readonly Mutation[] = [
   {
     remedy: 'gram-determinant',
     file: 'lib/covariance',
-    find: 'let determinant = dot(normal, normal) + dilation * (xx + yy) + dilation * dilation;',
-    replace: 'let determinant = (xx + dilation) * (yy + dilation) - dot(x, y) * dot(x, y) + 0.0 * normal.x;',
+    find: 'let determinant = undilated + dilation * (xx + yy) + dilation * dilation;',
+    replace: 'let determinant = (xx + dilation) * (yy + dilation) - dot(x, y) * dot(x, y) + 0.0 * undilated;',
     cases: ['needle-aspect-1e6', 'scale-screen-axis-7e4-px'],
   },
   {
@@ -110,15 +110,15 @@ export const MUTATIONS: readonly Mutation[] = [
   {
     remedy: 'color-clamped-at-zero',
     file: 'stages/project',
-    find: 'let rgba = vec4f(clamp(color, vec3f(0.0), vec3f(MAX_COLOR)), splat.opacity);',
-    replace: 'let rgba = vec4f(min(color, vec3f(MAX_COLOR)), splat.opacity);',
+    find: 'let rgba = vec4f(clamp(color, vec3f(0.0), vec3f(MAX_COLOR)), opacity);',
+    replace: 'let rgba = vec4f(min(color, vec3f(MAX_COLOR)), opacity);',
     cases: ['colour-negative'],
   },
   {
     remedy: 'color-clamped-at-the-target',
     file: 'stages/project',
-    find: 'let rgba = vec4f(clamp(color, vec3f(0.0), vec3f(MAX_COLOR)), splat.opacity);',
-    replace: 'let rgba = vec4f(clamp(color, vec3f(0.0), vec3f(1e38) + f32(MAX_COLOR)), splat.opacity);',
+    find: 'let rgba = vec4f(clamp(color, vec3f(0.0), vec3f(MAX_COLOR)), opacity);',
+    replace: 'let rgba = vec4f(clamp(color, vec3f(0.0), vec3f(1e38) + f32(MAX_COLOR)), opacity);',
     cases: ['device-no-float32-blendable'],
   },
   {
@@ -152,9 +152,9 @@ export const MUTATIONS: readonly Mutation[] = [
   {
     remedy: 'visible-extent-not-center',
     file: 'stages/cull-splats',
-    find: 'let extent = extentPx(onScreen.covariance, reachInAxes(splat.opacity, view.alphaCutoff));',
+    find: 'let extent = extentPx(onScreen.covariance, reachInAxes(opacity, view.alphaCutoff));',
     replace:
-      'let extent = vec2f(0.0) * extentPx(onScreen.covariance, reachInAxes(splat.opacity, view.alphaCutoff));',
+      'let extent = vec2f(0.0) * extentPx(onScreen.covariance, reachInAxes(opacity, view.alphaCutoff));',
     cases: ['camera-fov-1', 'camera-off-centre'],
   },
   {

@@ -1,3 +1,4 @@
+import { numberOf } from '../number-of.ts';
 import { linkShader, type ShaderMutation, type ShaderVariant } from '../shaders.ts';
 import { type Counting, zeroCounters } from './engine-counters.ts';
 
@@ -208,8 +209,8 @@ function toResource(value: GPUBuffer | GPUBufferBinding | GPUTextureView): GPUBi
   return isBuffer ? { buffer: value } : (value as GPUBindingResource);
 }
 
-function variantKey({ stage, conditions = {}, constants = {} }: StageDefinition): string {
-  return JSON.stringify([stage, conditions, constants]);
+function variantKey({ stage, conditions = {}, constants = {}, effects }: StageDefinition): string {
+  return JSON.stringify([stage, conditions, constants, effects?.effects.map(numberOf)]);
 }
 
 function keyOf(stage: StageDefinition, state?: RenderState): string {

@@ -62,7 +62,7 @@ function verdict(
   projection: Projection,
   { alphaCutoff, extent, culling }: AccuracySettings,
 ) {
-  const { stored, view, opacity } = cloud;
+  const { stored, view, effects } = cloud;
   // Where splats are tested against the picture, those of chunks out of sight fail that test anyway.
   const clearance = culling === 'frustum' ? clearanceOfChunk(cloud, index) : Number.POSITIVE_INFINITY;
   if (clearance < -CHUNKS_KEPT_BEYOND) return { isDrawn: false, isSure: true };
@@ -83,7 +83,7 @@ function verdict(
     const settings = {
       alphaCutoff: cutoff,
       dilationPx2: DILATION_PX2,
-      cloudOpacity: opacity,
+      effects,
       extent,
       culling,
     };

@@ -2,7 +2,7 @@ import { DILATION_PX2, MAX_FRAGMENT_ALPHA, maxColor } from '../accuracy.ts';
 import { HALF_MAX } from '../layout/half.ts';
 import { unpackShRest } from '../layout/sh-rest.ts';
 import { screenAxes } from '../reference/covariance.ts';
-import { cullSplat, type VisibleSplat } from '../reference/cull-splats.ts';
+import { type CulledSplat, cullSplat, type VisibleSplat } from '../reference/cull-splats.ts';
 import { splatColor } from '../reference/project.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree } from '../scene/splat-set.ts';
 import { FLOAT32_ROUNDING, type ProjectionErrors, projectionErrors } from './error-bounds.ts';
@@ -73,12 +73,12 @@ function compareRecord(frame: InspectedFrame, record: SplatRecord, errors: Field
   add('depthView', record.depthView, twin.depthView, bounds.depthView);
   const rounding = roundingOf(frame);
   compareShape(record, twin, bounds, rounding, add);
-  compareColor(frame, record, cloud, index, bounds, rounding, add);
+  compareColor(frame, record, cloud, index, twin, bounds, rounding, add);
   compareAlpha(record, twin, bounds, rounding, add);
 }
 
 /** The twin of a splat wherever it lies: whatever the GPU kept must look as the twin says. */
-function twinOf({ projection }: InspectedFrame, { stored, view, opacity }: InspectedCloud, index: number) {
+function twinOf({ projection }: InspectedFrame, { stored, view, effects }: InspectedCloud, index: number) {
   const everywhere = {
     ...projection,
     near: Number.NEGATIVE_INFINITY,
@@ -87,7 +87,7 @@ function twinOf({ projection }: InspectedFrame, { stored, view, opacity }: Inspe
     heightPx: 2 * MIDDLE_PX,
     centerPx: [MIDDLE_PX, MIDDLE_PX] as const,
   };
-  const settings = { alphaCutoff: 1e-9, dilationPx2: DILATION_PX2, cloudOpacity: opacity };
+  const settings = { alphaCutoff: 1e-9, dilationPx2: DILATION_PX2, effects };
   return cullSplat(stored, index, view, everywhere, settings);
 }
 
@@ -167,8 +167,9 @@ function compareShape(
 function compareColor(
   frame: InspectedFrame,
   record: SplatRecord,
-  { stored, view }: InspectedCloud,
+  { stored, view, effects }: InspectedCloud,
   index: number,
+  twin: CulledSplat,
   { direction }: ProjectionErrors,
   rounding: RecordRounding,
   add: Add,
@@ -184,7 +185,7 @@ function compareColor(
   const bound = 24 * u * (0.5 + dc + 2.9 * energy) + 12 * direction * energy;
   // As a colour any value beyond is white.
   const most = maxColor(frame.accuracy);
-  for (const [channel, value] of splatColor(stored, index, view, shDegree).entries()) {
+  for (const [channel, value] of splatColor(stored, index, view, shDegree, twin, effects).entries()) {
     const expected = Math.min(most, value);
     add(
       (['r', 'g', 'b'] as const)[channel],

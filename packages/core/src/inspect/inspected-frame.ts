@@ -1,8 +1,11 @@
 import { type AccuracySettings, DILATION_PX2, layerSize, resolveAccuracy } from '../accuracy.ts';
 import { type Camera, type Projection, projectionOf } from '../camera.ts';
+import type { EffectUse } from '../effects/effect.ts';
+import { effectSetOf } from '../effects/effect-set.ts';
+import { usesOf } from '../effects/effects.ts';
 import { frameStages, recordCompute, recordRasterize } from '../frame.ts';
 import { FrameResources } from '../frame-resources.ts';
-import { pageUniforms, viewUniforms } from '../frame-uniforms.ts';
+import { effectUniforms, pageUniforms, viewUniforms } from '../frame-uniforms.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
@@ -11,6 +14,8 @@ import { COEFFICIENT_MAX } from '../layout/half.ts';
 import { repackShRest } from '../layout/sh-rest.ts';
 import { identity4 } from '../math/mat4.ts';
 import { locateSplat } from '../pick.ts';
+import type { EffectTwin } from '../reference/effects/effect-twin.ts';
+import { twinsOf } from '../reference/effects/twins.ts';
 import { unpackSplat } from '../reference/packing.ts';
 import { largestPlaneBytes } from '../scene/cloud-planes.ts';
 import { type CloudView, cloudView } from '../scene/cloud-view.ts';
@@ -29,6 +34,8 @@ export interface InspectOptions {
     readonly modelMatrix?: ArrayLike<number>;
     /** Multiplies every splat's opacity, 0…1; default 1. */
     readonly opacity?: number;
+    /** As in a frame; those of core only. */
+    readonly effects?: readonly EffectUse[];
     /** Uploads the cloud in pages of at most so many splats, a multiple of CHUNK_SPLATS. */
     readonly splatsPerPage?: number;
   }[];
@@ -53,8 +60,7 @@ export interface InspectedCloud {
   readonly stored: SplatSet;
   readonly packed: PackedCloud;
   readonly view: CloudView;
-  /** Of the whole cloud, 0…1. */
-  readonly opacity: number;
+  readonly effects: readonly EffectTwin[];
   readonly planes: readonly CullPlane[];
 }
 
@@ -95,17 +101,19 @@ export class InspectedFrame {
       .map(({ set }) => dropNonFinite(set))
       .map((set) => ({ ...set, shRest: repackShRest(set.shRest, set.count, accuracy.shPrecision) }));
     const packed = sets.map((set) => packCloud(set, { geometryPrecision: accuracy.geometryPrecision }));
-    const instances = options.clouds.map(({ modelMatrix, opacity, splatsPerPage }, i) => ({
+    const instances = options.clouds.map(({ modelMatrix, opacity, effects, splatsPerPage }, i) => ({
       cloud: new SplatCloud(memory, limitsFor(device, packed[i], splatsPerPage), packed[i], {
         name: `cloud ${i}`,
       }),
       modelMatrix,
       opacity,
+      effects,
     }));
     const viewFrame: ViewFrame = { camera, clouds: instances, widthPx, heightPx };
     const shape = {
       clouds: instances.map(({ cloud }) => cloud),
       planes: instances.map(({ cloud }) => cloud.pagesFor(accuracy)),
+      effects: instances.map((instance) => effectSetOf(usesOf(instance))),
       isOrthographic: projection.isOrthographic,
       accuracy,
       dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,
@@ -117,6 +125,7 @@ export class InspectedFrame {
     await pipelines.prepare(frameStages(shape));
     const resources = new FrameResources(device, pipelines, memory, shape);
     resources.writeUniforms(viewUniforms(projection, shape), pageUniforms(viewFrame, projection, resources));
+    resources.writeEffects(effectUniforms(viewFrame, resources.effectsStrideBytes));
     const target = device.createTexture({
       size: [layer.widthPx, layer.heightPx],
       format: accuracy.colorTarget,
@@ -131,14 +140,18 @@ export class InspectedFrame {
     const image = await readTexture(device, target);
     target.destroy();
 
-    const clouds = options.clouds.map(({ modelMatrix = identity4(), opacity = 1 }, i) => {
+    const clouds = options.clouds.map(({ modelMatrix = identity4(), opacity, effects }, i) => {
       const stored = permuteSplats(sets[i], mortonOrder(sets[i].positions, sets[i].count));
       const view = cloudView(camera.viewMatrix, modelMatrix, stored.origin, projection.isOrthographic);
       return {
         stored: accuracy.geometryPrecision === 'f32' ? float32Set(stored) : unpackedSet(stored, packed[i]),
         packed: packed[i],
         view,
-        opacity,
+        effects: twinsOf(usesOf({ opacity, effects }), {
+          modelMatrix,
+          origin: stored.origin,
+          viewMatrix: camera.viewMatrix,
+        }),
         planes: cullPlanes(view, projection, accuracy.alphaCutoff, DILATION_PX2),
       };
     });

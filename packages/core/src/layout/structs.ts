@@ -28,8 +28,6 @@ export const Page = gpuStruct('Page', {
   direction: 'vec3f',
   /** Smallest log scale of the cloud, and the step of its unorm16 ones. */
   logScales: 'vec2f',
-  /** Of the whole cloud, 0…1. */
-  opacity: 'f32',
   /** Left, right, bottom, top, near, far in cloud space: a point is inside where dot(xyz, point) + w ≥ 0. */
   frustum: 'array<vec4f, 6>',
   /** x: how far past the plane a splat still reaches, per unit of its largest standard deviation. */

@@ -1,9 +1,11 @@
 import type { Culling, Extent } from '../accuracy.ts';
 import type { Projection } from '../camera.ts';
 import { opacityOf } from '../layout/geometry.ts';
+import type { Vec3 } from '../math/mat4.ts';
 import type { CloudView } from '../scene/cloud-view.ts';
 import type { SplatSet } from '../scene/splat-set.ts';
 import { rotationMatrix, type ScreenCovariance, screenCovariance, screenRows } from './covariance.ts';
+import type { EffectTwin, SplatValues } from './effects/effect-twin.ts';
 
 /** Cutoffs that decide which splats are drawn and how far each reaches. */
 export interface CullSettings {
@@ -11,8 +13,8 @@ export interface CullSettings {
   readonly alphaCutoff: number;
   /** Variance added to both screen axes, px². */
   readonly dilationPx2: number;
-  /** Of the whole cloud: multiplies the splat's own; default 1. */
-  readonly cloudOpacity?: number;
+  /** Of the cloud's effects, in the order in which they act; default none. */
+  readonly effects?: readonly EffectTwin[];
   /** Default `opacity`. */
   readonly extent?: Extent;
   /** Default `bounding-box`. */
@@ -25,10 +27,17 @@ export interface VisibleSplat {
   readonly depthView: number;
   readonly centerPx: readonly [number, number];
   readonly covariance: ScreenCovariance;
-  /** Peak opacity, 0…1, that of the whole cloud included. */
+  /** Peak opacity, 0…1. */
   readonly opacity: number;
   /** Half extents of the box around all pixels where the opacity reaches the cutoff, or would if it were 1, px. */
   readonly extentPx: readonly [number, number];
+}
+
+/** The same with what its colour is made of. */
+export interface CulledSplat extends VisibleSplat {
+  /** The splat in its cloud's space, as effects have left it. */
+  readonly splat: SplatValues;
+  readonly centerView: Vec3;
 }
 
 /** FARTHEST_CENTER_PX of shaders/stages/cull-splats.wgsl. */
@@ -41,30 +50,23 @@ export function cullSplat(
   view: CloudView,
   projection: Projection,
   settings: CullSettings,
-): VisibleSplat | null {
-  const { alphaCutoff, dilationPx2, cloudOpacity = 1, extent = 'opacity' } = settings;
-  const opacity = opacityOf(set.opacityLogits[index]) * cloudOpacity;
-  if (opacity < alphaCutoff) return null;
+): CulledSplat | null {
+  const { alphaCutoff, dilationPx2, effects = [], extent = 'opacity' } = settings;
+  const splat = changedSplat(set, index, effects);
+  if (splat.opacity < alphaCutoff) return null;
 
-  const centerView = toView(view, set.positions, index);
+  const centerView = toView(view, splat.position);
   const depthView = -centerView[2];
   if (!(depthView > projection.near && depthView <= projection.far)) return null;
 
   const centerPx = toPixels(projection, centerView);
-  const rotation = rotationMatrix(
-    set.rotations[4 * index],
-    set.rotations[4 * index + 1],
-    set.rotations[4 * index + 2],
-    set.rotations[4 * index + 3],
-  );
-  const rows = screenRows(
-    projection,
-    view.linear,
-    centerView,
-    rotation,
-    set.logScales.subarray(3 * index, 3 * index + 3),
-  );
+  const rotation = rotationMatrix(...splat.rotation);
+  const rows = screenRows(projection, view.linear, centerView, rotation, splat.logScales);
   const covariance = screenCovariance(rows, dilationPx2);
+  let { opacity } = splat;
+  for (const { changeOpacity } of effects)
+    opacity = changeOpacity?.(opacity, { covariance, dilationPx2 }) ?? opacity;
+  if (opacity < alphaCutoff) return null;
   // opacity·exp(−½ xᵀΣ⁻¹x) = cutoff at xᵀΣ⁻¹x = 2·ln(opacity/cutoff); that ellipse's box is √ of Σ's diagonal times that.
   const reach = Math.sqrt(2 * Math.log((extent === 'fixed' ? 1 : opacity) / alphaCutoff));
   const extentPx = [reach * Math.sqrt(covariance.a), reach * Math.sqrt(covariance.c)] as const;
@@ -75,15 +77,24 @@ export function cullSplat(
         centerPx[0] - extentPx[0] < projection.widthPx &&
         centerPx[1] + extentPx[1] > 0 &&
         centerPx[1] - extentPx[1] < projection.heightPx;
-  return isInside ? { depthView, centerPx, covariance, opacity, extentPx } : null;
+  return isInside ? { depthView, centerPx, covariance, opacity, extentPx, splat, centerView } : null;
 }
 
-function toView(
-  { linear, translation }: CloudView,
-  positions: Float32Array,
-  index: number,
-): [number, number, number] {
-  const [x, y, z] = [positions[3 * index], positions[3 * index + 1], positions[3 * index + 2]];
+/** Splat `index` as the effects leave it. */
+function changedSplat(set: SplatSet, index: number, effects: readonly EffectTwin[]): SplatValues {
+  const { positions, rotations, logScales } = set;
+  const [at3, at4] = [3 * index, 4 * index];
+  let splat: SplatValues = {
+    position: [positions[at3], positions[at3 + 1], positions[at3 + 2]],
+    opacity: opacityOf(set.opacityLogits[index]),
+    rotation: [rotations[at4], rotations[at4 + 1], rotations[at4 + 2], rotations[at4 + 3]],
+    logScales: [logScales[at3], logScales[at3 + 1], logScales[at3 + 2]],
+  };
+  for (const { changeSplat } of effects) splat = changeSplat?.(splat, index) ?? splat;
+  return splat;
+}
+
+function toView({ linear, translation }: CloudView, [x, y, z]: Vec3): [number, number, number] {
   return [
     linear[0] * x + linear[3] * y + linear[6] * z + translation[0],
     linear[1] * x + linear[4] * y + linear[7] * z + translation[1],

@@ -1,13 +1,14 @@
 import { unpackShRest } from '../layout/sh-rest.ts';
+import type { Vec3 } from '../math/mat4.ts';
 import { type CloudView, FALLBACK_DIRECTION } from '../scene/cloud-view.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../scene/splat-set.ts';
+import type { CulledSplat } from './cull-splats.ts';
+import type { EffectTwin } from './effects/effect-twin.ts';
 import { shColor } from './spherical-harmonics.ts';
 
-/** Unit vector, in cloud space, along which the camera sees splat `index`. */
-function viewDirection(set: SplatSet, index: number, view: CloudView): [number, number, number] {
-  const toward = view.camera
-    ? [0, 1, 2].map((axis) => set.positions[3 * index + axis] - view.camera![axis])
-    : view.direction;
+/** Unit vector, in cloud space, along which the camera sees a splat there. */
+function viewDirection(position: Vec3, view: CloudView): [number, number, number] {
+  const toward = view.camera ? [0, 1, 2].map((axis) => position[axis] - view.camera![axis]) : view.direction;
   const length = Math.hypot(toward[0], toward[1], toward[2]);
   if (!(length > 0)) return [...FALLBACK_DIRECTION];
   return [toward[0] / length, toward[1] / length, toward[2] / length];
@@ -21,9 +22,13 @@ export function splatColor(
   index: number,
   view: CloudView,
   degreeLimit: ShDegree,
-): [number, number, number] {
+  { splat, centerView }: Pick<CulledSplat, 'splat' | 'centerView'>,
+  effects: readonly EffectTwin[] = [],
+): Vec3 {
   const degree = Math.min(set.shRest.degree, degreeLimit) as ShDegree;
   unpackShRest(set.shRest, index, rest);
   const dc = set.colorDc.subarray(3 * index, 3 * index + 3);
-  return shColor(degree, dc, rest, viewDirection(set, index, view));
+  let color: Vec3 = shColor(degree, dc, rest, viewDirection(splat.position, view));
+  for (const { changeColor } of effects) color = changeColor?.(color, splat, index, centerView) ?? color;
+  return [Math.max(0, color[0]), Math.max(0, color[1]), Math.max(0, color[2])];
 }

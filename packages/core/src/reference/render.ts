@@ -1,12 +1,15 @@
 import { type AccuracySettings, DILATION_PX2, layerSize, resolveAccuracy, type SizePx } from '../accuracy.ts';
 import { type Camera, projectionOf } from '../camera.ts';
+import type { EffectUse } from '../effects/effect.ts';
+import { usesOf } from '../effects/effects.ts';
 import { orderedBits, shortDepthKey } from '../layout/depth-key.ts';
-import { identity4 } from '../math/mat4.ts';
+import { identity4, type Vec3 } from '../math/mat4.ts';
 import { cloudView } from '../scene/cloud-view.ts';
 import { dropNonFinite } from '../scene/drop-non-finite.ts';
 import { mortonOrder, permuteSplats } from '../scene/morton-order.ts';
 import type { SplatSet } from '../scene/splat-set.ts';
 import { cullSplat, type VisibleSplat } from './cull-splats.ts';
+import { type TwinFunction, twinsOf } from './effects/twins.ts';
 import { splatColor } from './project.ts';
 import { type ReferenceImage, rasterizeSplat } from './rasterize.ts';
 import { upscale } from './upscale.ts';
@@ -17,7 +20,11 @@ export interface ReferenceFrame {
     readonly modelMatrix?: ArrayLike<number>;
     /** Multiplies every splat's opacity, 0…1; default 1. */
     readonly opacity?: number;
+    /** As in a frame. */
+    readonly effects?: readonly EffectUse[];
   }[];
+  /** Twins of effects that are not this package's, by name. */
+  readonly effectTwins?: Readonly<Record<string, TwinFunction>>;
   readonly camera: Camera;
   readonly widthPx: number;
   readonly heightPx: number;
@@ -42,7 +49,7 @@ export interface ReferencePicture extends ReferenceImage {
 }
 
 interface DrawnSplat extends VisibleSplat {
-  readonly color: readonly [number, number, number];
+  readonly color: Vec3;
 }
 
 /**
@@ -83,13 +90,17 @@ function renderLayer(frame: ReferenceFrame, settings: ReferenceSettings): Refere
   const projection = projectionOf(camera, widthPx, heightPx);
   const image = { widthPx, heightPx, data: new Float64Array(4 * widthPx * heightPx) };
   const drawn: DrawnSplat[] = [];
-  for (const { set, modelMatrix = identity4(), opacity: cloudOpacity } of frame.clouds) {
+  for (const instance of frame.clouds) {
+    const { set, modelMatrix = identity4() } = instance;
     const finite = dropNonFinite(set);
     const stored = permuteSplats(finite, mortonOrder(finite.positions, finite.count));
     const view = cloudView(camera.viewMatrix, modelMatrix, stored.origin, projection.isOrthographic);
+    const place = { modelMatrix, origin: stored.origin, viewMatrix: camera.viewMatrix };
+    const effects = twinsOf(usesOf(instance), place, frame.effectTwins);
     for (let index = 0; index < stored.count; index++) {
-      const visible = cullSplat(stored, index, view, projection, { ...settings, cloudOpacity });
-      if (visible) drawn.push({ ...visible, color: splatColor(stored, index, view, shDegree) });
+      const visible = cullSplat(stored, index, view, projection, { ...settings, effects });
+      if (visible)
+        drawn.push({ ...visible, color: splatColor(stored, index, view, shDegree, visible, effects) });
     }
   }
   const depths = hostDepths && { host: hostDepths, splats: new Float64Array(widthPx * heightPx) };

@@ -1,4 +1,5 @@
 import type { Projection } from '../camera.ts';
+import type { EffectReach } from '../effects/effect.ts';
 import { stretchBound } from '../math/mat4.ts';
 import type { CloudView } from './cloud-view.ts';
 
@@ -19,12 +20,14 @@ const MARGIN_PX = 0.5;
  * |x| − depth·tan(edge) is less than what the splat's extent and dilation add. At near and far the centre decides.
  *
  * @param alphaCutoff opacity at which a splat is taken to end.
+ * @param moved how far effects may take splats from where they are stored.
  */
 export function cullPlanes(
   view: CloudView,
   projection: Projection,
   alphaCutoff: number,
   dilationPx2: number,
+  moved: EffectReach = { displacement: 0, growth: 1 },
 ): readonly CullPlane[] {
   const { isOrthographic, focalPx, edgesX, edgesY, clampX, clampY, near, far } = projection;
   const stretch = stretchBound(view.linear);
@@ -49,7 +52,7 @@ export function cullPlanes(
     const reach = opacityReach * stretch * Math.sqrt(1 + steepest * steepest);
     return toCloudSpace(view, normal, isOrthographic ? -sign * edge : 0, reach);
   };
-  return [
+  const planes: CullPlane[] = [
     side(0, edgesX, clampX, 0),
     side(0, edgesX, clampX, 1),
     side(1, edgesY, clampY, 0),
@@ -60,6 +63,11 @@ export function cullPlanes(
       ? { normal: [0, 0, 0], offset: 0, reach: 0 }
       : toCloudSpace(view, [0, 0, 1], far, 0),
   ];
+  return planes.map(({ normal, offset, reach }) => ({
+    normal,
+    offset: offset + moved.displacement * Math.hypot(...normal),
+    reach: reach * moved.growth,
+  }));
 }
 
 function toCloudSpace(

@@ -1,4 +1,5 @@
 import type { Camera } from '../camera.ts';
+import { reachOf, usesOf } from '../effects/effects.ts';
 import { orderedBits } from '../layout/depth-key.ts';
 import { identity4, multiply4 } from '../math/mat4.ts';
 import type { CloudInstance } from './view-frame.ts';
@@ -13,7 +14,8 @@ import type { CloudInstance } from './view-frame.ts';
 export function keyBitsFor(camera: Camera, clouds: readonly CloudInstance[]): number {
   let farthest = Number.NEGATIVE_INFINITY;
   let nearest = Number.POSITIVE_INFINITY;
-  for (const { cloud, modelMatrix = identity4() } of clouds) {
+  for (const instance of clouds) {
+    const { cloud, modelMatrix = identity4() } = instance;
     // Without splats there are no bounds.
     if (cloud.count === 0) continue;
     const modelView = multiply4(camera.viewMatrix, modelMatrix);
@@ -35,10 +37,12 @@ export function keyBitsFor(camera: Camera, clouds: readonly CloudInstance[]): nu
       high += Math.max(row * from, row * to);
       magnitude += Math.abs(row) * Math.max(Math.abs(from), Math.abs(to));
     }
+    const { displacement } = reachOf(usesOf(instance));
+    const moved = displacement * Math.hypot(modelView[2], modelView[6], modelView[10]);
     // The GPU's depths are float32, computed from float32 terms about the cloud's origin.
     const rounding = 1e-5 * magnitude;
-    nearest = Math.min(nearest, low - rounding);
-    farthest = Math.max(farthest, high + rounding);
+    nearest = Math.min(nearest, low - moved - rounding);
+    farthest = Math.max(farthest, high + moved + rounding);
   }
   nearest = Math.max(nearest, camera.near);
   farthest = Math.min(farthest, camera.far);

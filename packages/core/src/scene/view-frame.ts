@@ -1,8 +1,11 @@
 import type { AccuracySettings } from '../accuracy.ts';
 import type { AccuracyRequest } from '../accuracy-wish.ts';
 import type { Camera } from '../camera.ts';
+import type { EffectUse } from '../effects/effect.ts';
+import { usesOf } from '../effects/effects.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
-import type { Vec3 } from '../math/mat4.ts';
+import { identity4, type Vec3 } from '../math/mat4.ts';
+import { numberOf } from '../number-of.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
 /** A cloud and where it stands. */
@@ -12,6 +15,8 @@ export interface CloudInstance {
   readonly modelMatrix?: ArrayLike<number>;
   /** Multiplies every splat's opacity, 0…1; default 1. At 0 nothing of the cloud is drawn. */
   readonly opacity?: number;
+  /** Effects that this cloud is to be drawn with, each once: `[tint([1, 0.8, 0.6])]`. */
+  readonly effects?: readonly EffectUse[];
 }
 
 /** One picture. */
@@ -50,27 +55,16 @@ export function checkFrame({ camera, clouds, widthPx, heightPx }: ViewFrame): vo
       throw new InvalidArgumentError(name, `The camera's ${name} must be 16 finite numbers, column-major.`);
     }
   }
-  for (const { cloud, modelMatrix, opacity = 1 } of clouds) {
+  for (const instance of clouds) {
+    const { cloud, modelMatrix } = instance;
     if (cloud.isDestroyed) throw new DestroyedError(`The cloud ${cloud.name}`, 'it was destroyed');
     if (modelMatrix && !isMatrix(modelMatrix)) {
       const message = `The model matrix of ${cloud.name} must be 16 finite numbers, column-major.`;
       throw new InvalidArgumentError('modelMatrix', message);
     }
-    if (!(opacity >= 0 && opacity <= 1)) {
-      const message = `The opacity of ${cloud.name} is ${opacity}; it must lie in 0…1.`;
-      throw new InvalidArgumentError('opacity', message);
-    }
+    // Throws for those that contradict each other.
+    usesOf(instance);
   }
-}
-
-const numbers = new WeakMap<object, number>();
-let numbersGiven = 0;
-
-/** A number that no other object has. */
-export function numberOf(thing: object): number {
-  const number = numbers.get(thing) ?? ++numbersGiven;
-  numbers.set(thing, number);
-  return number;
 }
 
 /**
@@ -84,13 +78,12 @@ export function keyOf(
 ): string {
   const parts: unknown[] = [widthPx, heightPx, background, camera.near, camera.far, numberOf(settings)];
   parts.push(Array.from(camera.viewMatrix), Array.from(camera.projectionMatrix));
-  for (const { cloud, modelMatrix, opacity = 1 } of clouds) {
-    parts.push(
-      numberOf(cloud),
-      numberOf(cloud.pagesFor(settings)),
-      modelMatrix && Array.from(modelMatrix),
-      opacity,
-    );
+  for (const instance of clouds) {
+    const { cloud, modelMatrix = identity4() } = instance;
+    parts.push(numberOf(cloud), numberOf(cloud.pagesFor(settings)), Array.from(modelMatrix));
+    const place = { modelMatrix, origin: cloud.origin, viewMatrix: camera.viewMatrix };
+    for (const use of usesOf(instance))
+      parts.push(numberOf(use.effect), Object.values(use.valuesAt(place) ?? {}));
   }
   return JSON.stringify(parts);
 }

@@ -1,5 +1,6 @@
 import { DILATION_PX2 } from '../accuracy.ts';
 import { projectionOf } from '../camera.ts';
+import { reachOf, usesOf } from '../effects/effects.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { Chunk } from '../layout/structs.ts';
 import { identity4 } from '../math/mat4.ts';
@@ -31,9 +32,10 @@ export function visibleCapacity(frame: ViewFrame, alphaCutoff: number, current: 
 function countVisibleChunks({ camera, clouds, widthPx, heightPx }: ViewFrame, alphaCutoff: number): number {
   const projection = projectionOf(camera, widthPx, heightPx);
   let count = 0;
-  for (const { cloud, modelMatrix = identity4() } of clouds) {
+  for (const instance of clouds) {
+    const { cloud, modelMatrix = identity4() } = instance;
     const view = cloudView(camera.viewMatrix, modelMatrix, cloud.origin, projection.isOrthographic);
-    const planes = cullPlanes(view, projection, alphaCutoff, DILATION_PX2);
+    const planes = cullPlanes(view, projection, alphaCutoff, DILATION_PX2, reachOf(usesOf(instance)));
     const chunks = new Float32Array(cloud.chunks);
     for (let at = 0; at < chunks.length; at += Chunk.bytes / 4) if (isInFrustum(chunks, at, planes)) count++;
   }

@@ -1,4 +1,11 @@
 import type { Culling, Extent, GeometryPrecision } from '../accuracy.ts';
+import {
+  type EffectSet,
+  effectBindings,
+  geometryEffects,
+  hasHook,
+  NO_EFFECTS,
+} from '../effects/effect-set.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 
 /** What the cull-splats stage is linked for. */
@@ -7,10 +14,20 @@ export interface CullSplatsVariant {
   readonly geometryPrecision: GeometryPrecision;
   readonly extent: Extent;
   readonly culling: Culling;
+  /** Default none. */
+  readonly effects?: EffectSet;
 }
 
 /** Tests each splat of one page's visible chunks. */
-export function cullSplats({ isOrthographic, geometryPrecision, extent, culling }: CullSplatsVariant) {
+export function cullSplats({
+  isOrthographic,
+  geometryPrecision,
+  extent,
+  culling,
+  effects = NO_EFFECTS,
+}: CullSplatsVariant): StageDefinition {
+  // Colours are not known yet.
+  const acting = geometryEffects(effects);
   return {
     stage: 'cull-splats',
     entryPoint: 'cullSplats',
@@ -19,7 +36,10 @@ export function cullSplats({ isOrthographic, geometryPrecision, extent, culling 
       GEOMETRY_F32: geometryPrecision === 'f32',
       FRUSTUM_CULLING: culling === 'frustum',
       FIXED_EXTENT: culling !== 'frustum' && extent === 'fixed',
+      SPLAT_EFFECTS: hasHook(acting, 'splat'),
+      OPACITY_EFFECTS: hasHook(acting, 'opacity'),
     },
+    effects: acting,
     bindings: {
       view: [0, 'uniform'],
       page: [1, 'uniform'],
@@ -29,6 +49,7 @@ export function cullSplats({ isOrthographic, geometryPrecision, extent, culling 
       visibilityMasks: [5, 'read-write'],
       splatOffsets: [6, 'read-write'],
       depthRange: [7, 'read-write'],
+      ...effectBindings(acting),
     },
-  } as const satisfies StageDefinition;
+  };
 }

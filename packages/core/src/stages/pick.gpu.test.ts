@@ -52,9 +52,9 @@ async function drawnByGpu(frame: InspectedFrame): Promise<{ splats: VisibleSplat
 
 /** The frame's splats in float64 from the scene on, in exact order. */
 function drawnByTwin({ clouds, projection, accuracy: { alphaCutoff } }: InspectedFrame) {
-  const drawn = clouds.flatMap(({ stored, view, opacity: cloudOpacity }) =>
+  const drawn = clouds.flatMap(({ stored, view, effects }) =>
     Array.from({ length: stored.count }, (_, index) =>
-      cullSplat(stored, index, view, projection, { alphaCutoff, dilationPx2: DILATION_PX2, cloudOpacity }),
+      cullSplat(stored, index, view, projection, { alphaCutoff, dilationPx2: DILATION_PX2, effects }),
     ).filter((splat) => splat !== null),
   );
   return drawn.sort((a, b) => b.depthView - a.depthView);

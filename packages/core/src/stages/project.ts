@@ -1,4 +1,5 @@
 import type { GeometryPrecision, RecordPrecision, SortKeyBits } from '../accuracy.ts';
+import { type EffectSet, effectBindings, hasHook, NO_EFFECTS } from '../effects/effect-set.ts';
 import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
 import { type ShPrecision, shRestWordsPerSplat } from '../layout/sh-rest.ts';
 import type { ShDegree } from '../scene/splat-set.ts';
@@ -18,11 +19,13 @@ export interface ProjectVariant {
   readonly storedShDegree: ShDegree;
   /** Degree that is evaluated, at most the stored one. */
   readonly shDegree: ShDegree;
+  /** Default none. */
+  readonly effects?: EffectSet;
 }
 
 /** Writes the record and the sort key of each of one page's visible splats. */
 export function project(variant: ProjectVariant): StageDefinition {
-  const { shDegree, shPrecision, shortKeyBits } = variant;
+  const { shDegree, shPrecision, shortKeyBits, effects = NO_EFFECTS } = variant;
   const bindings: Record<string, readonly [number, BindingKind]> = {
     view: [0, 'uniform'],
     page: [1, 'uniform'],
@@ -32,6 +35,7 @@ export function project(variant: ProjectVariant): StageDefinition {
     geometry: [5, 'read'],
     projected: [6, 'read-write'],
     keys: [7, 'read-write'],
+    ...effectBindings(effects),
   };
   if (shDegree >= 1) bindings.shRest = [8, 'read'];
   return {
@@ -48,7 +52,11 @@ export function project(variant: ProjectVariant): StageDefinition {
       SH_F32: shDegree >= 1 && shPrecision === 'f32',
       SH_F16: shDegree >= 1 && shPrecision === 'f16',
       SH_U8: shDegree >= 1 && shPrecision === 'u8',
+      SPLAT_EFFECTS: hasHook(effects, 'splat'),
+      OPACITY_EFFECTS: hasHook(effects, 'opacity'),
+      COLOR_EFFECTS: hasHook(effects, 'color'),
     },
+    effects,
     constants: {
       MAX_COLOR: variant.maxColor,
       ...(shortKeyBits !== null && { SORT_KEY_BITS: shortKeyBits }),

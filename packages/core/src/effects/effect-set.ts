@@ -1,0 +1,151 @@
+import type { StageDefinition } from '../gpu/pipelines.ts';
+import { type GpuFields, type GpuStruct, roundUp } from '../layout/gpu-struct.ts';
+import { numberOf } from '../number-of.ts';
+import type { ShaderModules } from '../shader-linker.ts';
+import type { EffectHooks, EffectPlace, EffectUse, SplatEffect } from './effect.ts';
+
+/** The effects that one cloud is drawn with, in the order in which they act: one object for equal lists. */
+export interface EffectSet {
+  readonly effects: readonly SplatEffect[];
+  /** The modules that shaders import these effects from. */
+  readonly modules: ShaderModules;
+  /** Size of the parameters of all, 0 where there are none. */
+  readonly parameterBytes: number;
+}
+
+/** Of clouds without effects. */
+export const NO_EFFECTS: EffectSet = { effects: [], modules: {}, parameterBytes: 0 };
+
+/** Binding of the parameters, in every stage that applies effects. */
+const PARAMETERS_BINDING = 16;
+/** Structs in a uniform buffer begin at multiples of this many bytes. */
+const STRUCT_ALIGNMENT = 16;
+
+const sets = new Map<string, EffectSet>([['', NO_EFFECTS]]);
+
+export function effectSetOf(uses: readonly EffectUse[]): EffectSet {
+  const effects = uses.map(({ effect }) => effect);
+  const key = effects.map(numberOf).join(' ');
+  let set = sets.get(key);
+  if (!set) {
+    set = { effects, modules: modulesOf(effects), parameterBytes: layOut(effects).bytes };
+    sets.set(key, set);
+  }
+  return set;
+}
+
+/** Whether any of the set's effects takes part there. */
+export function hasHook({ effects }: EffectSet, hook: keyof EffectHooks): boolean {
+  return effects.some(({ hooks }) => hooks[hook] !== undefined);
+}
+
+/** The set for stages before colours are known: none of it where its effects change only those. */
+export function geometryEffects(set: EffectSet): EffectSet {
+  return hasHook(set, 'splat') || hasHook(set, 'opacity') ? set : NO_EFFECTS;
+}
+
+/** Writes the parameters of `uses`, one struct `Effects`, at `byteOffset`. */
+export function writeParameters(
+  target: ArrayBuffer,
+  uses: readonly EffectUse[],
+  place: EffectPlace,
+  byteOffset: number,
+): void {
+  const { offsets } = layOut(uses.map(({ effect }) => effect));
+  for (const use of uses) {
+    const { parameters } = use.effect;
+    parameters?.write(target, use.valuesAt(place)!, byteOffset + offsets.get(parameters)!);
+  }
+}
+
+function layOut(effects: readonly SplatEffect[]): {
+  readonly offsets: ReadonlyMap<GpuStruct<GpuFields>, number>;
+  readonly bytes: number;
+} {
+  const offsets = new Map<GpuStruct<GpuFields>, number>();
+  let bytes = 0;
+  for (const { parameters } of effects) {
+    if (!parameters) continue;
+    offsets.set(parameters, bytes);
+    bytes = roundUp(bytes + parameters.bytes, STRUCT_ALIGNMENT);
+  }
+  return { offsets, bytes };
+}
+
+/** Module of one effect's shader. */
+function moduleNameOf({ name }: SplatEffect): string {
+  return `package::effects::${name.replaceAll('-', '_')}`;
+}
+
+/** Member of `Effects` with one effect's parameters. */
+function memberOf({ name }: SplatEffect): string {
+  return name.replace(/-(.)/g, (_, first: string) => first.toUpperCase());
+}
+
+const HOOK_FUNCTIONS: Readonly<
+  Record<
+    keyof EffectHooks,
+    { readonly name: string; readonly type: string; readonly others: readonly string[] }
+  >
+> = {
+  splat: { name: 'changeSplat', type: 'Splat', others: ['splatIndex: u32'] },
+  opacity: { name: 'changeOpacity', type: 'f32', others: ['onScreen: ScreenSplat', 'dilationPx2: f32'] },
+  color: {
+    name: 'changeColor',
+    type: 'vec3f',
+    others: ['splat: Splat', 'splatIndex: u32', 'centerView: vec3f'],
+  },
+};
+
+/**
+ * `effects`, whose functions apply one effect after the other; `parameters` with the structs; and the effects' own.
+ * None of this is linked but what a stage reaches.
+ */
+function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
+  const withParameters = effects.filter(({ parameters }) => parameters !== null);
+  const structs = withParameters.map(({ parameters }) => parameters!.wgsl);
+  const members = withParameters.map(
+    (effect) =>
+      `  @size(${roundUp(effect.parameters!.bytes, STRUCT_ALIGNMENT)}) ${memberOf(effect)}: ${effect.parameters!.name},`,
+  );
+  const imports = [
+    'import package::lib::packing::Splat;',
+    'import package::lib::visible_ellipse::ScreenSplat;',
+  ];
+  const functions: string[] = [];
+  for (const hook of Object.keys(HOOK_FUNCTIONS) as (keyof EffectHooks)[]) {
+    const acting = effects.filter(({ hooks }) => hooks[hook] !== undefined);
+    if (acting.length === 0) continue;
+    const { name, type, others } = HOOK_FUNCTIONS[hook];
+    const passed = others.map((parameter) => parameter.split(':')[0]);
+    const steps = acting.map((effect) => {
+      const own = effect.parameters ? [`effects.${memberOf(effect)}`] : [];
+      return `  changed = ${effect.hooks[hook]}(${['changed', ...passed, ...own].join(', ')});`;
+    });
+    functions.push(
+      `fn ${name}(${[`unchanged: ${type}`, ...others].join(', ')}) -> ${type} {`,
+      '  var changed = unchanged;',
+      ...steps,
+      '  return changed;',
+      '}',
+    );
+    for (const effect of acting) imports.push(`import ${moduleNameOf(effect)}::${effect.hooks[hook]};`);
+  }
+  const uniform =
+    members.length > 0
+      ? [
+          'import parameters::Effects;',
+          `@group(0) @binding(${PARAMETERS_BINDING}) var<uniform> effects: Effects;`,
+        ]
+      : [];
+  return {
+    effects: [...imports, ...uniform, ...functions].join('\n'),
+    parameters: [...structs, `struct Effects {\n${members.join('\n')}\n}`].join('\n'),
+    ...Object.fromEntries(effects.map((effect) => [moduleNameOf(effect), effect.wgsl])),
+  };
+}
+
+/** What stages that apply effects are bound to for it: nothing where these have no parameters. */
+export function effectBindings({ parameterBytes }: EffectSet): StageDefinition['bindings'] {
+  return parameterBytes > 0 ? { effects: [PARAMETERS_BINDING, 'uniform'] } : {};
+}

@@ -1,0 +1,132 @@
+import { describe, expect, test } from 'vitest';
+import { InvalidArgumentError } from '../errors.ts';
+import { EFFECT_TWINS } from '../reference/effects/twins.ts';
+import { linkModules } from '../shader-linker.ts';
+import { linkInput } from '../shaders.ts';
+import type { CullSplatsVariant } from '../stages/cull-splats.ts';
+import { cullSplats } from '../stages/cull-splats.ts';
+import { type ProjectVariant, project } from '../stages/project.ts';
+import { EFFECT_EXAMPLES } from '../testing/effect-examples.ts';
+import { allStageVariants } from '../testing/stage-variants.ts';
+import { reflectWgsl } from '../testing/wgsl-reflect.ts';
+import { defineEffect } from './effect.ts';
+import { type EffectSet, effectSetOf } from './effect-set.ts';
+import { CLOUD_EFFECTS, reachOf, usesOf } from './effects.ts';
+
+const CULL: CullSplatsVariant = {
+  isOrthographic: false,
+  geometryPrecision: 'packed',
+  extent: 'opacity',
+  culling: 'bounding-box',
+};
+const PROJECT: ProjectVariant = {
+  isOrthographic: false,
+  geometryPrecision: 'packed',
+  recordPrecision: 'f16',
+  shPrecision: 'u8',
+  shortKeyBits: null,
+  maxColor: 65504,
+  storedShDegree: 3,
+  shDegree: 3,
+};
+const stagesWith = (effects: EffectSet) => [
+  cullSplats({ ...CULL, effects }),
+  cullSplats({ ...CULL, culling: 'frustum', effects }),
+  project({ ...PROJECT, effects }),
+];
+
+const sway = defineEffect<{ by: number }, { by: 'f32' }>({
+  name: 'test-sway',
+  label: 'Sway',
+  about: 'Moves everything.',
+  hooks: { splat: 'swaySplat' },
+  // Braces at the beginning of lines: what reflects WGSL here looks for them.
+  wgsl: `import package::lib::packing::Splat;
+import parameters::TestSway;
+fn swaySplat(splat: Splat, splatIndex: u32, parameters: TestSway) -> Splat {
+  var moved = splat;
+  moved.position.x += parameters.by;
+  return moved;
+}`,
+  fields: { by: 'f32' },
+  calledFor: ({ by }) => (by === 0 ? null : 'there is wind'),
+  valuesAt: ({ by }) => ({ by }),
+  reach: ({ by }) => ({ displacement: Math.abs(by), growth: 1 }),
+});
+
+describe('effects', () => {
+  test('have names of their own and a twin each', () => {
+    const names = CLOUD_EFFECTS.map(({ name }) => name);
+    expect(new Set(names).size).toBe(names.length);
+    expect(Object.keys(EFFECT_TWINS).toSorted()).toEqual(names.toSorted());
+  });
+
+  for (const use of EFFECT_EXAMPLES) {
+    const { effect } = use;
+    test(`${effect.name}: says why it takes part, and takes part where it says so`, () => {
+      expect(use.reason).toMatch(/^[a-z0-9].*[^.]$/);
+      const set = effectSetOf([use]);
+      const texts = stagesWith(set).map((stage) => linkModules(linkInput(stage)));
+      for (const hook of Object.values(effect.hooks))
+        expect(texts.some((text) => text.includes(hook))).toBe(true);
+    });
+
+    test(`${effect.name}: what does not use it is as in a build that does not know it`, () => {
+      const others = effectSetOf(usesOf({ effects: EFFECT_EXAMPLES.filter((other) => other !== use) }));
+      for (const stage of [...allStageVariants(), ...stagesWith(others)]) {
+        const input = linkInput(stage);
+        const module = `package::effects::${effect.name.replaceAll('-', '_')}`;
+        const { [module]: _, ...modules } = input.modules;
+        const text = linkModules(input);
+        expect(text).toBe(linkModules({ ...input, modules }));
+        for (const hook of Object.values(effect.hooks)) expect(text).not.toContain(hook);
+        if (effect.parameters) expect(text).not.toContain(`struct ${effect.parameters.name}`);
+      }
+    });
+  }
+
+  test('all together link, and their parameters lie where the host writes them', () => {
+    const uses = usesOf({ effects: [sway({ by: 1 }), ...EFFECT_EXAMPLES] });
+    expect(uses.map(({ effect }) => effect.name)).toEqual([
+      'test-sway',
+      ...CLOUD_EFFECTS.map(({ name }) => name),
+    ]);
+    const set = effectSetOf(uses);
+    for (const stage of stagesWith(set)) {
+      const { structs } = reflectWgsl(linkModules(linkInput(stage)));
+      const effects = structs.find(({ name }) => name === 'Effects')!;
+      expect(effects.size).toBe(set.parameterBytes);
+      let end = 0;
+      for (const { parameters } of set.effects) {
+        if (!parameters) continue;
+        const member = effects.members.find(({ type }) => type.name === parameters.name)!;
+        expect(member.offset).toBe(Math.ceil(end / 16) * 16);
+        end = member.offset + parameters.bytes;
+      }
+    }
+  });
+
+  test('stages of which no cloud uses an effect bind nothing for it', () => {
+    for (const stage of allStageVariants()) expect(Object.keys(stage.bindings)).not.toContain('effects');
+    const colorsOnly = effectSetOf(EFFECT_EXAMPLES.filter(({ effect }) => effect.name === 'tint'));
+    expect(cullSplats({ ...CULL, effects: colorsOnly })).toEqual(cullSplats(CULL));
+  });
+
+  test('that change nothing are left out', () => {
+    expect(usesOf({ opacity: 1, effects: [sway({ by: 0 })] })).toEqual([]);
+    expect(effectSetOf(usesOf({}))).toBe(effectSetOf(usesOf({ opacity: 1 })));
+  });
+
+  test('take splats no further than all of them together', () => {
+    expect(reachOf(usesOf({ effects: [sway({ by: -2 })] }))).toEqual({ displacement: 2, growth: 1 });
+    expect(reachOf([])).toEqual({ displacement: 0, growth: 1 });
+  });
+
+  test('that contradict each other, or are none, are refused', () => {
+    expect(() => usesOf({ effects: [sway({ by: 1 }), sway({ by: 2 })] })).toThrow(/test-sway is used twice/);
+    expect(() => usesOf({ opacity: 2 })).toThrow(InvalidArgumentError);
+    const none = { label: '', about: '', wgsl: '', calledFor: () => null };
+    expect(() => defineEffect({ ...none, name: 'Wind', hooks: { splat: 'a' } })).toThrow(/"Wind"/);
+    expect(() => defineEffect({ ...none, name: 'wind', hooks: {} })).toThrow(/no hooks/);
+  });
+});

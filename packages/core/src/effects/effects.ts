@@ -1,0 +1,36 @@
+import { InvalidArgumentError } from '../errors.ts';
+import type { CloudInstance } from '../scene/view-frame.ts';
+import type { EffectReach, EffectUse, SplatEffect } from './effect.ts';
+import { opacity } from './opacity.ts';
+import { tint } from './tint.ts';
+
+/** All effects that a caller can ask for of a cloud, in the order in which they act. */
+export const CLOUD_EFFECTS: readonly SplatEffect[] = [opacity, tint].map(({ effect }) => effect);
+
+/**
+ * What takes part in drawing a cloud, in the order in which it acts: effects of the caller's own as they are given, since
+ * they may move splats, then those of CLOUD_EFFECTS.
+ *
+ * @throws InvalidArgumentError where an effect is used twice, or the opacity is out of range.
+ */
+export function usesOf(instance: Pick<CloudInstance, 'opacity' | 'effects'>): readonly EffectUse[] {
+  const { effects = [] } = instance;
+  const uses = instance.opacity === undefined ? effects : [opacity(instance.opacity), ...effects];
+  const names = uses.map(({ effect }) => effect.name);
+  const twice = names.find((name, i) => names.indexOf(name) !== i);
+  if (twice !== undefined) {
+    const message = `The effect ${twice} is used twice for one cloud; use it once, with all that it is to do.`;
+    throw new InvalidArgumentError('effects', message);
+  }
+  return uses
+    .filter(({ reason }) => reason !== null)
+    .toSorted((a, b) => CLOUD_EFFECTS.indexOf(a.effect) - CLOUD_EFFECTS.indexOf(b.effect));
+}
+
+/** How far all of `uses` together may take splats from where they are stored. */
+export function reachOf(uses: readonly EffectUse[]): EffectReach {
+  return {
+    displacement: uses.reduce((sum, { reach }) => sum + reach.displacement, 0),
+    growth: uses.reduce((product, { reach }) => product * reach.growth, 1),
+  };
+}

@@ -1,0 +1,20 @@
+import { InvalidArgumentError } from '../errors.ts';
+import { effectShader } from '../shaders.ts';
+import { defineEffect } from './effect.ts';
+
+/** Multiplies every splat's opacity by a factor, 0…1. */
+export const opacity = /* @__PURE__ */ defineEffect<number, { factor: 'f32' }>({
+  name: 'opacity',
+  label: 'Opacity',
+  about: 'Makes a whole cloud fainter.',
+  hooks: { splat: 'fadeSplat' },
+  wgsl: effectShader('opacity'),
+  fields: { factor: 'f32' },
+  check(factor) {
+    if (factor >= 0 && factor <= 1) return;
+    throw new InvalidArgumentError('opacity', `The opacity is ${factor}; it must lie in 0…1.`);
+  },
+  calledFor: (factor) =>
+    factor === 1 ? null : `the cloud is drawn at ${Number((100 * factor).toFixed(1))} %`,
+  valuesAt: (factor) => ({ factor }),
+});

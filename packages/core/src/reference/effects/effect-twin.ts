@@ -1,0 +1,29 @@
+import type { Vec3 } from '../../math/mat4.ts';
+import type { ScreenCovariance } from '../covariance.ts';
+
+/** A splat in float64 as effects see and change it, in its cloud's space, about the cloud's origin. */
+export interface SplatValues {
+  readonly position: Vec3;
+  /** Peak opacity, 0…1. */
+  readonly opacity: number;
+  /** Quaternion w, x, y, z of any length. */
+  readonly rotation: readonly [number, number, number, number];
+  /** Natural logarithms of the standard deviations. */
+  readonly logScales: Vec3;
+}
+
+/** What a splat looks like on the screen, before its opacity is final. */
+export interface ScreenValues {
+  /** Dilation included. */
+  readonly covariance: ScreenCovariance;
+  readonly dilationPx2: number;
+}
+
+/** What one effect does to one cloud of one frame, in float64: each function is the twin of the shader's of that hook. */
+export interface EffectTwin {
+  /** @param index in storage order. */
+  readonly changeSplat?: (splat: SplatValues, index: number) => SplatValues;
+  readonly changeOpacity?: (opacity: number, onScreen: ScreenValues) => number;
+  /** @param centerView the splat's centre in view space. */
+  readonly changeColor?: (color: Vec3, splat: SplatValues, index: number, centerView: Vec3) => Vec3;
+}

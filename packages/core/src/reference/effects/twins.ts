@@ -1,0 +1,31 @@
+import type { EffectPlace, EffectUse } from '../../effects/effect.ts';
+import type { EffectTwin } from './effect-twin.ts';
+import { opacityTwin } from './opacity.ts';
+import { tintTwin } from './tint.ts';
+
+/** Makes the twin of an effect with these options, for a cloud that stands there. */
+export type TwinFunction = (options: never, place: EffectPlace) => EffectTwin;
+
+/** Of the effects in CLOUD_EFFECTS, by name. */
+export const EFFECT_TWINS: Readonly<Record<string, TwinFunction>> = {
+  opacity: opacityTwin,
+  tint: tintTwin,
+};
+
+/**
+ * Twins of `uses`, in their order.
+ *
+ * @param others twins of effects that are not this package's, by name.
+ * @throws RangeError for an effect without a twin.
+ */
+export function twinsOf(
+  uses: readonly EffectUse[],
+  place: EffectPlace,
+  others: Readonly<Record<string, TwinFunction>> = {},
+): readonly EffectTwin[] {
+  return uses.map(({ effect: { name }, options }) => {
+    const twin = EFFECT_TWINS[name] ?? others[name];
+    if (!twin) throw new RangeError(`There is no twin of the effect ${name}: give it in \`effectTwins\`.`);
+    return twin(options as never, place);
+  });
+}

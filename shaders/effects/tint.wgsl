@@ -1,0 +1,7 @@
+// Colours a cloud, as a filter in front of it does.
+import package::lib::packing::Splat;
+import parameters::Tint;
+
+fn tintColor(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f, parameters: Tint) -> vec3f {
+  return color * parameters.color;
+}
