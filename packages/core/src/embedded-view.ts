@@ -186,6 +186,11 @@ export class EmbeddedView {
     return this.#accuracy.choose(options);
   }
 
+  /** @internal Of the last picture; null before the first. */
+  get shape(): FrameShape | null {
+    return this.#layer.frame?.shape ?? null;
+  }
+
   /** Frees what the view holds on the GPU, once the host has submitted what it is recording; the clouds stay. */
   destroy(): void {
     if (this.#isDestroyed) return;

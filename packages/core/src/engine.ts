@@ -5,6 +5,7 @@ import type { ViewContext } from './blended-layer.ts';
 import { adapterLabel, type DeviceOptions, requestSplatDevice } from './device.ts';
 import { EmbeddedView } from './embedded-view.ts';
 import { DestroyedError } from './errors.ts';
+import type { FrameShape } from './frame-shape.ts';
 import { type EngineCounters, zeroCounters } from './gpu/engine-counters.ts';
 import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
 import { Pipelines } from './gpu/pipelines.ts';
@@ -286,11 +287,14 @@ export class SplatEngine {
   }
 
   /** Makes what was chosen for a wish the engine's own where the wish is, and frees what nothing is drawn with any more. */
-  #adopt({ wish, settings }: AccuracyChoice, clouds: readonly SplatCloud[]): void {
+  #adopt(choice: AccuracyChoice, clouds: readonly SplatCloud[]): void {
+    const { wish, settings } = choice;
     if (wish === this.#wish) this.#accuracy = this.resolveAccuracy(settings);
     for (const cloud of clouds) {
+      const others = [...this.#views].filter(({ accuracyChoice }) => accuracyChoice !== choice);
+      const keep = others.some(({ shape }) => shape !== null && asksOtherwise(shape, cloud, settings));
       // What cannot be had was not measured either: the table says so.
-      this.requestPrecision(cloud, settings, { keep: true }).catch(() => {});
+      this.requestPrecision(cloud, settings, { keep }).catch(() => {});
     }
   }
 
@@ -329,6 +333,13 @@ export class SplatEngine {
   #checkUsable(): void {
     if (this.#destroyedBecause !== null) throw new DestroyedError('This engine', this.#destroyedBecause);
   }
+}
+
+/** Whether a picture that shows `cloud` asks for other precisions of it. */
+function asksOtherwise({ clouds, accuracy }: FrameShape, cloud: SplatCloud, asked: CloudPrecision): boolean {
+  const { geometryPrecision, shPrecision } = accuracy;
+  const isSame = geometryPrecision === asked.geometryPrecision && shPrecision === asked.shPrecision;
+  return clouds.includes(cloud) && !isSame;
 }
 
 function possibleOn(device: GPUDevice, asked: AccuracySettings): PossibleAccuracy {

@@ -157,6 +157,11 @@ export class SplatView {
     return { context: this.#context, color: this.#layer.color };
   }
 
+  /** @internal Of the last picture; null before the first. */
+  get shape(): FrameShape | null {
+    return this.#layer.frame?.shape ?? null;
+  }
+
   /** Frees what the view holds on the GPU; the clouds stay. */
   destroy(): void {
     if (this.#isDestroyed) return;

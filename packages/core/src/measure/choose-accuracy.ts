@@ -14,7 +14,7 @@ export interface AccuracyChoice {
   readonly wish: AccuracyWish;
   readonly settings: AccuracySettings;
   readonly isMet: boolean;
-  /** What was chosen and why: one plain sentence. */
+  /** What was chosen and why, in plain words. */
   readonly why: string;
   readonly point: AccuracyPoint;
   readonly table: AccuracyTable;

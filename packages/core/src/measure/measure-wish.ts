@@ -11,12 +11,14 @@ import { sampleCameras } from './sample-cameras.ts';
 
 /** The least that an interval of 95 % is made of: an application is waiting, and its own pictures take turns with these. */
 const FRAMES = 6;
-/** A software rasteriser takes as long for a frame as a GPU for a hundred, and varies less. */
-const SOFTWARE_FRAMES = 3;
-
 /** The paper's ablations draw the same pictures more slowly: they fulfil no wish that others do not. */
 const ABLATED: readonly string[] = ['extent', 'culling'];
 const SETTINGS = Object.keys(ACCURACY_SETTINGS).filter((name) => !ABLATED.includes(name));
+
+/** A software rasteriser takes as long for a frame as a GPU for a hundred, and varies less. */
+const SOFTWARE_FRAMES = 3;
+/** Its time is one of pixels. */
+const SOFTWARE_SETTINGS = ['resolutionScale'];
 
 /**
  * Measures what `picture` shows, from where it is seen and from around there, and chooses what meets the wish or comes
@@ -37,7 +39,7 @@ export async function measureWish(
     widthPx,
     heightPx,
     base: DEFAULT_ACCURACY,
-    settings: SETTINGS,
+    settings: isSoftware ? SOFTWARE_SETTINGS : SETTINGS,
     ablations: false,
     frames: isSoftware ? SOFTWARE_FRAMES : FRAMES,
     combinations: !isSoftware,
@@ -47,7 +49,7 @@ export async function measureWish(
   const choose = (table: AccuracyChoice['table']) => chooseFrom(table, wish, previous ?? undefined);
   const choice = await measureThen(engine, options, choose, ({ settings }) => settings);
   if (!isSoftware) return choice;
-  return { ...choice, why: `${choice.why} Measured from one side only, since there is no GPU here.` };
+  return { ...choice, why: `${choice.why} Without a GPU only a few settings were measured, from one side.` };
 }
 
 /** Where the scene is that clouds make together. */
