@@ -1,3 +1,5 @@
+export { antialias } from './antialias.ts';
+export { brightness } from './brightness.ts';
 export {
   defineEffect,
   type EffectDefinition,

@@ -64,8 +64,8 @@ export function cullSplat(
   const rows = screenRows(projection, view.linear, centerView, rotation, splat.logScales);
   const covariance = screenCovariance(rows, dilationPx2);
   let { opacity } = splat;
-  for (const { changeOpacity } of effects)
-    opacity = changeOpacity?.(opacity, { covariance, dilationPx2 }) ?? opacity;
+  const onScreen = { covariance, undilated: screenCovariance(rows, 0), dilationPx2 };
+  for (const { changeOpacity } of effects) opacity = changeOpacity?.(opacity, onScreen) ?? opacity;
   if (opacity < alphaCutoff) return null;
   // opacity·exp(−½ xᵀΣ⁻¹x) = cutoff at xᵀΣ⁻¹x = 2·ln(opacity/cutoff); that ellipse's box is √ of Σ's diagonal times that.
   const reach = Math.sqrt(2 * Math.log((extent === 'fixed' ? 1 : opacity) / alphaCutoff));

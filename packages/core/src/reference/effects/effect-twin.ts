@@ -16,6 +16,8 @@ export interface SplatValues {
 export interface ScreenValues {
   /** Dilation included. */
   readonly covariance: ScreenCovariance;
+  /** Without dilation. */
+  readonly undilated: ScreenCovariance;
   readonly dilationPx2: number;
 }
 

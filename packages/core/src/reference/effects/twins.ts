@@ -1,4 +1,6 @@
 import type { EffectPlace, EffectUse } from '../../effects/effect.ts';
+import { antialiasTwin } from './antialias.ts';
+import { brightnessTwin } from './brightness.ts';
 import type { EffectTwin } from './effect-twin.ts';
 import { opacityTwin } from './opacity.ts';
 import { tintTwin } from './tint.ts';
@@ -9,6 +11,8 @@ export type TwinFunction = (options: never, place: EffectPlace) => EffectTwin;
 /** Of the effects in CLOUD_EFFECTS, by name. */
 export const EFFECT_TWINS: Readonly<Record<string, TwinFunction>> = {
   opacity: opacityTwin,
+  antialias: antialiasTwin,
+  brightness: brightnessTwin,
   tint: tintTwin,
 };
 

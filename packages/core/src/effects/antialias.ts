@@ -1,0 +1,16 @@
+import { effectShader } from '../shaders.ts';
+import { defineEffect } from './effect.ts';
+
+/**
+ * Multiplies every splat's opacity by √(det Σ / det Σ′), Σ its covariance on the screen and Σ′ the same with the dilation
+ * that it is drawn with: what is thinner than a pixel becomes fainter and not only wider. Scenes trained with antialiasing
+ * (Mip-Splatting, gsplat's `antialiased`) expect it; others become fainter than they were trained to be.
+ */
+export const antialias = /* @__PURE__ */ defineEffect<void>({
+  name: 'antialias',
+  label: 'Antialiasing',
+  about: 'Makes splats thinner than a pixel fainter by as much as they are drawn wider.',
+  hooks: { opacity: 'compensateDilation' },
+  wgsl: effectShader('antialias'),
+  calledFor: () => 'the cloud is drawn as scenes trained with antialiasing expect it',
+});
