@@ -49,9 +49,16 @@ export type { AccuracyChoice } from './measure/choose-accuracy.ts';
 export type { MeasureProgress } from './measure/measure-accuracy.ts';
 export type { SplatPick } from './pick.ts';
 export type { PrecisionRequestOptions } from './precision-requests.ts';
+export { type CloudFacts, cloudFacts } from './scene/cloud-facts.ts';
 export type { CloudPage, CloudPages, CloudPrecision, HeldPrecisions } from './scene/cloud-planes.ts';
 export type { DepthConvention } from './scene/depth-convention.ts';
-export { type Bounds, type PackedCloud, packCloud, transferablesOf } from './scene/packed-cloud.ts';
+export {
+  type Bounds,
+  type PackedCloud,
+  type PackOptions,
+  packCloud,
+  transferablesOf,
+} from './scene/packed-cloud.ts';
 export { type CloudHit, raycastCloud } from './scene/raycast-cloud.ts';
 export type { CloudSource, SplatCloud } from './scene/splat-cloud.ts';
 export {

@@ -1,5 +1,11 @@
 import { SplatFileError } from '../errors.ts';
-import { packShRest, type ShPrecision, shRestValues, shRestWordsPerSplat } from '../layout/sh-rest.ts';
+import {
+  packShRest,
+  type ShPrecision,
+  ShReachMeter,
+  shRestValues,
+  shRestWordsPerSplat,
+} from '../layout/sh-rest.ts';
 import { ROW_SLOT, reasonToDrop } from '../scene/splat-row.ts';
 import type { DropCounts, ShDegree, SplatSet } from '../scene/splat-set.ts';
 
@@ -36,6 +42,7 @@ export class SplatSetBuilder {
   readonly #options: SplatSetBuilderOptions;
   readonly #shRow: Float64Array;
   readonly #wordsPerSplat: number;
+  readonly #reach: ShReachMeter;
   readonly #dropped: DropCounts = {};
   #columns: Columns;
   #capacity = 0;
@@ -46,6 +53,7 @@ export class SplatSetBuilder {
     this.row = new Float64Array(ROW_SLOT.shRest + shRestValues(options.shDegree));
     this.#shRow = this.row.subarray(ROW_SLOT.shRest);
     this.#wordsPerSplat = shRestWordsPerSplat(options.shDegree, options.shPrecision);
+    this.#reach = new ShReachMeter(options.shDegree);
     this.#columns = {
       positions: new (options.widePositions ? Float64Array : Float32Array)(0),
       logScales: new Float32Array(0),
@@ -89,6 +97,8 @@ export class SplatSetBuilder {
       shWords,
       index * this.#wordsPerSplat,
     );
+    // Here, where they are not rounded yet: it decides what is stored, and must not depend on how.
+    this.#reach.include(this.#shRow, 0);
   }
 
   /** The finished set; throws `SplatFileError` 'empty' if no row was kept. */
@@ -107,6 +117,7 @@ export class SplatSetBuilder {
         precision: this.#options.shPrecision,
         wordsPerSplat: this.#wordsPerSplat,
         words: shWords,
+        bandReach: this.#reach.reaches(),
       },
       dropped: this.#dropped,
     };

@@ -15,6 +15,11 @@ export interface ShRest {
   readonly wordsPerSplat: number;
   /** N · wordsPerSplat words. */
   readonly words: Uint32Array;
+  /**
+   * What `shBandReach` says of the coefficients as they were before they were rounded to this precision: the same
+   * whichever that is. Absent where nobody knows, then it is taken from the words; whoever changes words leaves it out.
+   */
+  readonly bandReach?: readonly number[];
 }
 
 /** Number of values, 3K, above degree 0. */
@@ -23,11 +28,15 @@ export function shRestValues(degree: ShDegree): number {
 }
 
 export function shRestWordsPerSplat(degree: ShDegree, precision: ShPrecision): number {
+  return Math.ceil(shRestBytes(degree, precision) / 4);
+}
+
+/** Bytes that one splat's values take; the words that they lie in may have more. */
+function shRestBytes(degree: ShDegree, precision: ShPrecision): number {
   const values = shRestValues(degree);
   if (values === 0) return 0;
-  if (precision === 'f32') return values;
-  if (precision === 'f16') return Math.ceil(values / 2);
-  return Math.ceil((2 + values) / 4);
+  if (precision === 'f32') return 4 * values;
+  return precision === 'f16' ? 2 * values : 2 + values;
 }
 
 const f32 = new Float32Array(1);
@@ -94,6 +103,7 @@ export function unpackShRest(rest: ShRest, index: number, values: Float64Array |
 /** The same coefficients in another precision; the very same object where it is the one they have. */
 export function repackShRest(rest: ShRest, count: number, precision: ShPrecision): ShRest {
   if (rest.precision === precision) return rest;
+  const bandReach = shBandReach(rest, count);
   const wordsPerSplat = shRestWordsPerSplat(rest.degree, precision);
   const words = new Uint32Array(count * wordsPerSplat);
   const values = new Float64Array(shRestValues(rest.degree));
@@ -101,5 +111,86 @@ export function repackShRest(rest: ShRest, count: number, precision: ShPrecision
     unpackShRest(rest, i, values);
     packShRest(rest.degree, precision, values, words, i * wordsPerSplat);
   }
-  return { degree: rest.degree, precision, wordsPerSplat, words };
+  return { degree: rest.degree, precision, wordsPerSplat, words, bandReach };
+}
+
+/**
+ * The coefficients of bands 1 to `degree` alone, as they are stored; the very same object where there are no others. Bytes
+ * keep the scale that they were stored with.
+ */
+export function truncateShRest(rest: ShRest, count: number, degree: ShDegree): ShRest {
+  if (degree >= rest.degree) return rest;
+  const { precision, bandReach } = rest;
+  const wordsPerSplat = shRestWordsPerSplat(degree, precision);
+  const words = new Uint32Array(count * wordsPerSplat);
+  const spareBytes = 4 * wordsPerSplat - shRestBytes(degree, precision);
+  const lastWordMask = 0xffffffff >>> (8 * spareBytes);
+  for (let i = 0; i < count && wordsPerSplat > 0; i++) {
+    const from = i * rest.wordsPerSplat;
+    const to = i * wordsPerSplat;
+    for (let k = 0; k < wordsPerSplat; k++) words[to + k] = rest.words[from + k];
+    words[to + wordsPerSplat - 1] &= lastWordMask;
+  }
+  return { degree, precision, wordsPerSplat, words, bandReach: bandReach?.slice(0, degree) };
+}
+
+/**
+ * Per band 1…degree the most by which it can change any colour channel of any of the splats, whatever the direction: at
+ * least 0, in units of the colours (0…1 from black to white).
+ *
+ * Band l adds Σ cₘYₗₘ(d) to a channel. By Cauchy and Schwarz that is at most ‖c‖·√(Σ Yₗₘ(d)²), and by the addition theorem
+ * the sum is (2l + 1)/4π in every direction d. So √((2l + 1)/4π)·‖c‖ is never exceeded, and it is reached where c is a
+ * multiple of Yₗ at some direction; no function of the band stays below 1/√(2l + 1) of it, its root mean square.
+ */
+export function shBandReach(rest: ShRest, count: number): readonly number[] {
+  if (rest.bandReach) return rest.bandReach;
+  const { degree, precision, wordsPerSplat, words } = rest;
+  const meter = new ShReachMeter(degree);
+  if (precision === 'f32') {
+    const values = new Float32Array(words.buffer, words.byteOffset, words.length);
+    for (let i = 0; i < count; i++) meter.include(values, i * wordsPerSplat);
+  } else {
+    const values = new Float64Array(shRestValues(degree));
+    for (let i = 0; i < count; i++) {
+      unpackShRest(rest, i, values);
+      meter.include(values, 0);
+    }
+  }
+  return meter.reaches();
+}
+
+/** Measures what `shBandReach` answers, of splats that come one by one. */
+export class ShReachMeter {
+  /** Largest sum of squares of one channel's coefficients so far, by band. */
+  readonly #squares: number[];
+
+  constructor(degree: ShDegree) {
+    this.#squares = Array.from({ length: degree }, () => 0);
+  }
+
+  /** One splat's 3K values, from `start` on; as they are stored in float32, whatever the array holds. */
+  include(values: Float32Array | Float64Array, start: number): void {
+    let at = start;
+    for (let i = 0; i < this.#squares.length; i++) {
+      const coefficients = 2 * i + 3;
+      let red = 0;
+      let green = 0;
+      let blue = 0;
+      for (const end = at + 3 * coefficients; at < end; at += 3) {
+        const r = Math.fround(values[at]);
+        const g = Math.fround(values[at + 1]);
+        const b = Math.fround(values[at + 2]);
+        red += r * r;
+        green += g * g;
+        blue += b * b;
+      }
+      const largest = Math.max(red, green, blue);
+      if (largest > this.#squares[i]) this.#squares[i] = largest;
+    }
+  }
+
+  /** Of all splats that were included. */
+  reaches(): number[] {
+    return this.#squares.map((squares, i) => Math.sqrt(((2 * i + 3) / (4 * Math.PI)) * squares));
+  }
 }

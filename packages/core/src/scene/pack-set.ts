@@ -1,4 +1,3 @@
-import { repackShRest } from '../layout/sh-rest.ts';
 import type { CloudPrecision } from './cloud-planes.ts';
 import { dropNonFinite } from './drop-non-finite.ts';
 import { type PackedCloud, packCloud } from './packed-cloud.ts';
@@ -6,7 +5,5 @@ import type { SplatSet } from './splat-set.ts';
 
 /** Packs splats that are in memory, of any order; what is not finite is left out and counted. */
 export function packSet(set: SplatSet, { geometryPrecision, shPrecision }: CloudPrecision): PackedCloud {
-  const finite = dropNonFinite(set);
-  const shRest = repackShRest(finite.shRest, finite.count, shPrecision);
-  return packCloud({ ...finite, shRest }, { geometryPrecision });
+  return packCloud(dropNonFinite(set), { geometryPrecision, shPrecision });
 }

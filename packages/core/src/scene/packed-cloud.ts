@@ -2,9 +2,10 @@ import type { GeometryPrecision } from '../accuracy.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { type PackedGeometry, packGeometry } from '../layout/geometry.ts';
 import { clampLogScale } from '../layout/log-scale.ts';
-import type { ShRest } from '../layout/sh-rest.ts';
+import { repackShRest, type ShPrecision, type ShRest, truncateShRest } from '../layout/sh-rest.ts';
 import { Chunk } from '../layout/structs.ts';
 import type { Vec3 } from '../math/mat4.ts';
+import { type CloudFacts, cloudFacts } from './cloud-facts.ts';
 import { mortonOrder, permuteSplats } from './morton-order.ts';
 import type { DropCounts, SplatSet } from './splat-set.ts';
 
@@ -24,20 +25,28 @@ export interface PackedCloud {
   /** Bounds of the centres but for the outermost two in a hundred on either side of each axis: where the scene is. */
   readonly robustBounds: Bounds;
   readonly geometry: PackedGeometry;
+  /** Of degree `facts.trueShDegree`: bands above it cannot be seen and are not here. */
   readonly shRest: ShRest;
   /** One `Chunk` struct per chunk. */
   readonly chunks: ArrayBuffer;
   /** N: each stored splat's row in its file. */
   readonly fileIndices: Uint32Array;
   readonly dropped: DropCounts;
+  /** Of `set` as it was packed, all of its bands included. */
+  readonly facts: CloudFacts;
+}
+
+export interface PackOptions {
+  readonly geometryPrecision: GeometryPrecision;
+  /** Default: what `set` has. */
+  readonly shPrecision?: ShPrecision;
 }
 
 /** Arranges and packs `set`, which may have any order. Takes about a second per two million splats. */
-export function packCloud(
-  set: SplatSet,
-  options: { readonly geometryPrecision: GeometryPrecision },
-): PackedCloud {
-  const stored = permuteSplats(set, mortonOrder(set.positions, set.count));
+export function packCloud(set: SplatSet, options: PackOptions): PackedCloud {
+  const facts = cloudFacts(set);
+  const shRest = packedShRest(set, facts, options.shPrecision ?? set.shRest.precision);
+  const stored = permuteSplats({ ...set, shRest }, mortonOrder(set.positions, set.count));
   const chunks = chunkBounds(stored);
   const bounds = totalBounds(chunks, stored.origin);
   return {
@@ -50,7 +59,14 @@ export function packCloud(
     chunks,
     fileIndices: stored.fileIndices,
     dropped: stored.dropped,
+    facts,
   };
+}
+
+/** Bands that cannot be seen go first, so that others take the whole range of a byte and nothing is packed in vain. */
+function packedShRest({ shRest, count }: SplatSet, facts: CloudFacts, precision: ShPrecision): ShRest {
+  const { shBandReach: bandReach, trueShDegree } = facts;
+  return repackShRest(truncateShRest({ ...shRest, bandReach }, count, trueShDegree), count, precision);
 }
 
 /** The buffers of `cloud`, for posting it to another thread without a copy. */

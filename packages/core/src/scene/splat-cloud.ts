@@ -1,6 +1,7 @@
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { LogScaleRange } from '../layout/geometry.ts';
 import type { Vec3 } from '../math/mat4.ts';
+import type { CloudFacts } from './cloud-facts.ts';
 import { type CloudPages, CloudPlanes, type CloudPrecision, type HeldPrecisions } from './cloud-planes.ts';
 import type { Bounds, PackedCloud } from './packed-cloud.ts';
 import type { DropCounts, ShDegree, SplatSet } from './splat-set.ts';
@@ -22,7 +23,10 @@ export class SplatCloud {
   /** For messages and labels. */
   readonly name: string;
   readonly count: number;
+  /** Of what is stored: bands that cannot be seen are not. See `facts` for that of the file. */
   readonly shDegree: ShDegree;
+  /** What was found in the splats when they were packed. */
+  readonly facts: CloudFacts;
   /** Scene-space point, in float64, that positions are stored relative to. */
   readonly origin: Vec3;
   /** Bounds of the centres, scene space. */
@@ -58,6 +62,7 @@ export class SplatCloud {
     this.name = name;
     this.count = packed.count;
     this.shDegree = packed.shRest.degree;
+    this.facts = packed.facts;
     this.origin = packed.origin;
     this.bounds = packed.bounds;
     this.robustBounds = packed.robustBounds;

@@ -43,4 +43,6 @@ export interface SplatSet {
   readonly fileIndices: Uint32Array;
   /** Rows of the file that are not here, by reason. */
   readonly dropped: DropCounts;
+  /** Whether the splats were trained with an antialias filter; absent where the format does not say. */
+  readonly isAntialiased?: boolean;
 }
