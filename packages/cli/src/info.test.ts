@@ -11,7 +11,8 @@ test('info describes a file', async () => {
     count: 3,
     bounds: { min: [-1, 0, 0], max: [1, 0, 0.5] },
     shDegree: 1,
-    shBands: [{ band: 1, rms: 0.5 }],
+    trueShDegree: 1,
+    shBands: [{ band: 1, rms: 0.5, reach: expect.closeTo(0.75 / Math.sqrt(Math.PI), 9) }],
     droppedCount: 0,
     dropped: {},
     gpuBytes: { reference: 3 * (64 + 36), high: 3 * (64 + 20), balanced: 3 * (32 + 12) },
@@ -29,7 +30,24 @@ test('without --json it is a table', async () => {
   const { status, out } = await runMain('info', new TestFolder().scene());
   expect(status).toBe(0);
   expect(out).toMatch(/^splats +3$/m);
-  expect(out).toMatch(/^SH band 1 +0\.500 rms$/m);
+  expect(out).toMatch(/^SH degree +1$/m);
+  expect(out).toMatch(/^SH band 1 +0\.500 rms, changes a colour by at most 0\.423$/m);
+});
+
+test('bands that cannot be seen are told, and take no memory', async () => {
+  const set = threeSplats();
+  const words = Uint32Array.from({ length: 27 }, (_, i) =>
+    i < 9 ? new Uint32Array(Float32Array.of(1e-4).buffer)[0] : 0,
+  );
+  const scene = new TestFolder().scene('faint.ply', { ...set, shRest: { ...set.shRest, words } });
+  const { out } = await runMain('info', scene, '--json');
+  expect(JSON.parse(out)).toMatchObject({
+    shDegree: 1,
+    trueShDegree: 0,
+    shBands: [{ band: 1, reach: expect.closeTo((0.75e-4 * 2) / Math.sqrt(Math.PI), 9) }],
+    gpuBytes: { reference: 3 * 64, high: 3 * 64, balanced: 3 * 32 },
+  });
+  expect((await runMain('info', scene)).out).toMatch(/^SH degree +1, seen up to 0$/m);
 });
 
 test('built-in scenes have names', async () => {

@@ -1,4 +1,4 @@
-import type { DropCounts, ShDegree, SplatSet } from '@websplatter/core';
+import { cloudFacts, type DropCounts, type ShDegree, type SplatSet } from '@websplatter/core';
 import type { Console } from './console.ts';
 import { gpuBytesPerPreset } from './gpu-bytes.ts';
 import { UsageError } from './input-error.ts';
@@ -8,6 +8,12 @@ import { type ShBand, shEnergyPerBand } from './sh-energy.ts';
 
 type Point = [number, number, number];
 
+/** A band of spherical harmonics above 0: what it carries, and what of that can be seen. */
+interface ShBandInfo extends ShBand {
+  /** Most that it changes a colour channel of any splat, in any direction; 1 is from black to white. */
+  readonly reach: number;
+}
+
 /** What `websplatter info --json` prints. */
 export interface SceneInfo {
   readonly scene: string;
@@ -16,8 +22,12 @@ export interface SceneInfo {
   readonly bounds: { readonly min: Point; readonly max: Point };
   /** Point that stored positions are relative to. */
   readonly origin: readonly [number, number, number];
+  /** Of the file. */
   readonly shDegree: ShDegree;
-  readonly shBands: readonly ShBand[];
+  /** Up to which spherical harmonics can be seen: what is stored on the GPU and drawn. */
+  readonly trueShDegree: ShDegree;
+  /** Of the file. */
+  readonly shBands: readonly ShBandInfo[];
   /** Splats of the file that were left out. */
   readonly droppedCount: number;
   readonly dropped: DropCounts;
@@ -36,17 +46,19 @@ export async function info(args: readonly string[], console: Console): Promise<v
 }
 
 function describeScene(scene: string, set: SplatSet): SceneInfo {
-  const { count, dropped, origin, shRest } = set;
+  const { count, dropped, origin } = set;
+  const { declaredShDegree, trueShDegree, shBandReach } = cloudFacts(set);
   return {
     scene,
     count,
     bounds: boundsOfCenters(set),
     origin,
-    shDegree: shRest.degree,
-    shBands: shEnergyPerBand(set),
+    shDegree: declaredShDegree,
+    trueShDegree,
+    shBands: shEnergyPerBand(set).map((band, i) => ({ ...band, reach: shBandReach[i] })),
     droppedCount: Object.values(dropped).reduce((sum, each) => sum + each, 0),
     dropped,
-    gpuBytes: gpuBytesPerPreset(count, shRest.degree),
+    gpuBytes: gpuBytesPerPreset(count, trueShDegree),
   };
 }
 
@@ -62,6 +74,10 @@ function boundsOfCenters({ count, positions, origin }: SplatSet): { min: Point; 
   return { min, max };
 }
 
+function shDegreeText({ shDegree, trueShDegree }: SceneInfo): string {
+  return trueShDegree === shDegree ? String(shDegree) : `${shDegree}, seen up to ${trueShDegree}`;
+}
+
 function table(found: SceneInfo): string {
   const point = (values: readonly number[]) => values.map((value) => Number(value.toPrecision(7))).join('  ');
   const drops = Object.entries(found.dropped).map(([reason, count]) => `${count} ${reason}`);
@@ -72,10 +88,10 @@ function table(found: SceneInfo): string {
     ['bounds min', point(found.bounds.min)],
     ['bounds max', point(found.bounds.max)],
     ['origin', point(found.origin)],
-    ['SH degree', String(found.shDegree)],
-    ...found.shBands.map(({ band, rms }): [string, string] => [
+    ['SH degree', shDegreeText(found)],
+    ...found.shBands.map(({ band, rms, reach }): [string, string] => [
       `SH band ${band}`,
-      `${rms.toPrecision(3)} rms`,
+      `${rms.toPrecision(3)} rms, changes a colour by at most ${reach.toPrecision(3)}`,
     ]),
     ...Object.entries(found.gpuBytes).map(([preset, bytes]): [string, string] => [
       `GPU, ${preset}`,
