@@ -1,0 +1,67 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { DILATION_PX2 } from '../accuracy.ts';
+import { findNonFinite } from '../inspect/find-non-finite.ts';
+import { InspectedFrame } from '../inspect/inspected-frame.ts';
+import { readRecords } from '../inspect/read-records.ts';
+import { cullSplat } from '../reference/cull-splats.ts';
+import { type SplatValues, splatsOf } from '../testing/random-splats.ts';
+import { testCameras } from '../testing/test-cameras.ts';
+import { antialias } from './antialias.ts';
+
+const SIZE = { widthPx: 48, heightPx: 48 };
+const CAMERAS = testCameras(1);
+/** No axis of the splat is one of the screen's. */
+const TURNED = [0.8, 0.3, -0.4, 0.33];
+
+const DRAWN: Readonly<Record<string, SplatValues>> = {
+  'as large as the picture': { logScales: [0, 0, 0] },
+  'of about a pixel': { logScales: [-3.5, -3.5, -3.5] },
+  'a speck': { logScales: [-5, -5, -5] },
+  'a needle': { logScales: [-1, -5, -5], rotation: TURNED },
+  'a needle a million times as long as wide': { logScales: [10, -4, -4], rotation: TURNED },
+  flat: { logScales: [-2, -2, -100], rotation: TURNED },
+  'so large that float32 could not square it': { logScales: [40, 40, 40] },
+};
+/** They have no area, and so nothing to give. */
+const EMPTY: Readonly<Record<string, SplatValues>> = {
+  'a point': { logScales: [-100, -100, -100] },
+  'a line': { logScales: [-1, -100, -100], rotation: TURNED },
+  'a line of a size that float32 could not square': { logScales: [88, -100, -100], rotation: TURNED },
+};
+
+let device: GPUDevice;
+beforeAll(async () => {
+  device = await createTestDevice();
+});
+afterAll(() => device?.destroy());
+
+async function draw(splats: Readonly<Record<string, SplatValues>>, camera: keyof typeof CAMERAS) {
+  const clouds = [{ set: splatsOf(Object.values(splats)), effects: [antialias()] }];
+  return InspectedFrame.draw(device, { clouds, camera: CAMERAS[camera], ...SIZE });
+}
+
+describe('antialias', () => {
+  for (const camera of ['perspective', 'orthographic', 'telephoto'])
+    gpuTest(`opacities are as in float64, ${camera}`, async () => {
+      const frame = await draw(DRAWN, camera);
+      const { stored, view, effects } = frame.clouds[0];
+      const settings = { alphaCutoff: frame.accuracy.alphaCutoff, dilationPx2: DILATION_PX2, effects };
+      const twins = Array.from({ length: stored.count }, (_, index) =>
+        cullSplat(stored, index, view, frame.projection, settings),
+      );
+      const records = await readRecords(frame);
+      const drawn = twins.flatMap((twin, index) => (twin ? [index] : []));
+      expect(records.map(({ splat }) => splat)).toEqual(drawn);
+      for (const { splat, color } of records)
+        expect(Math.abs(color[3] - twins[splat]!.opacity), `splat ${splat}`).toBeLessThan(1e-6);
+      expect(await findNonFinite(frame)).toEqual([]);
+      frame.destroy();
+    });
+
+  gpuTest('what has no area is not drawn', async () => {
+    const frame = await draw(EMPTY, 'perspective');
+    expect(await frame.visibleCount()).toBe(0);
+    frame.destroy();
+  });
+});
