@@ -11,6 +11,7 @@ const Mixed = gpuStruct('Mixed', {
   linear: 'mat3x3f',
   planes: 'array<vec4f, 6>',
   counts: 'vec2u',
+  one: 'array<vec4f, 1>',
   color: 'vec4f',
   last: 'u32',
 });
@@ -38,6 +39,7 @@ describe('gpuStruct', () => {
         linear: sequence(9, 10),
         planes: sequence(24, 100),
         counts: [200, 201],
+        one: [300, 301, 302, 303],
         color: [0.25, 0.5, 0.75, 1],
         last: 9,
       },
@@ -58,6 +60,7 @@ describe('gpuStruct', () => {
     ]);
     expect(Array.from(floats.subarray(at('planes'), at('planes') + 24))).toEqual(sequence(24, 100));
     expect(Array.from(words.subarray(at('counts'), at('counts') + 2))).toEqual([200, 201]);
+    expect(Array.from(floats.subarray(at('one'), at('one') + 4))).toEqual([300, 301, 302, 303]);
     expect(Array.from(floats.subarray(at('color'), at('color') + 4))).toEqual([0.25, 0.5, 0.75, 1]);
     expect(words[at('last')]).toBe(9);
   });
@@ -65,6 +68,13 @@ describe('gpuStruct', () => {
   test('refuses a vector of the wrong length', () => {
     const Pair = gpuStruct('Pair', { pair: 'vec2f' });
     expect(() => Pair.write(new ArrayBuffer(8), { pair: [1, 2, 3] })).toThrow(RangeError);
+  });
+
+  test('refuses arrays that WGSL does not have, and values that do not fill one', () => {
+    for (const length of [0, -1, 1.5, Number.NaN])
+      expect(() => gpuStruct('List', { list: `array<vec4f, ${length}>` })).toThrow(RangeError);
+    const Three = gpuStruct('Three', { list: 'array<vec4f, 3>' });
+    expect(() => Three.write(new ArrayBuffer(48), { list: [1, 2, 3, 4] })).toThrow(/takes 12 values, not 4/);
   });
 
   test('rounds up to multiples', () => {

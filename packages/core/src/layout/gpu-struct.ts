@@ -1,4 +1,12 @@
-/** WGSL types that GPU structs are made of: size and alignment in bytes, and 32-bit components. */
+/** Size and alignment in bytes, and 32-bit components. */
+interface TypeLayout {
+  readonly bytes: number;
+  readonly alignment: number;
+  readonly components: number;
+  readonly scalar: 'f32' | 'u32';
+}
+
+/** WGSL types that GPU structs are made of, beside arrays of vec4f. */
 const TYPES = {
   f32: { bytes: 4, alignment: 4, components: 1, scalar: 'f32' },
   u32: { bytes: 4, alignment: 4, components: 1, scalar: 'u32' },
@@ -8,12 +16,13 @@ const TYPES = {
   vec4f: { bytes: 16, alignment: 16, components: 4, scalar: 'f32' },
   /** Columns are padded to 16 bytes. */
   mat3x3f: { bytes: 48, alignment: 16, components: 9, scalar: 'f32' },
-  'array<vec4f, 6>': { bytes: 96, alignment: 16, components: 24, scalar: 'f32' },
-} as const;
+} as const satisfies Record<string, TypeLayout>;
 
-export type GpuType = keyof typeof TYPES;
+type SimpleType = keyof typeof TYPES;
+/** Arrays of other elements would be padded in uniform buffers. */
+export type GpuType = SimpleType | `array<vec4f, ${number}>`;
 
-type ScalarType = { [T in GpuType]: (typeof TYPES)[T]['components'] extends 1 ? T : never }[GpuType];
+type ScalarType = { [T in SimpleType]: (typeof TYPES)[T]['components'] extends 1 ? T : never }[SimpleType];
 type FieldValue<T extends GpuType> = T extends ScalarType ? number : ArrayLike<number>;
 
 export type GpuFields = Readonly<Record<string, GpuType>>;
@@ -34,15 +43,20 @@ export interface GpuStruct<Fields extends GpuFields> {
   write(target: ArrayBuffer, values: GpuValues<Fields>, byteOffset?: number): void;
 }
 
-/** Lays out a struct by WGSL's rules, which for these types are the same for uniform and storage buffers. */
+/**
+ * Lays out a struct by WGSL's rules, which for these types are the same for uniform and storage buffers.
+ *
+ * @throws RangeError for a type that is none of these: an array whose length is no whole number of 1 or more.
+ */
 export function gpuStruct<const Fields extends GpuFields>(name: string, fields: Fields): GpuStruct<Fields> {
   const offsets: Record<string, number> = {};
+  const layouts = Object.entries(fields).map(([field, type]) => [field, layoutOf(type)] as const);
   let end = 0;
   let alignment = 4;
-  for (const [field, type] of Object.entries(fields)) {
-    offsets[field] = roundUp(end, TYPES[type].alignment);
-    end = offsets[field] + TYPES[type].bytes;
-    alignment = Math.max(alignment, TYPES[type].alignment);
+  for (const [field, layout] of layouts) {
+    offsets[field] = roundUp(end, layout.alignment);
+    end = offsets[field] + layout.bytes;
+    alignment = Math.max(alignment, layout.alignment);
   }
   const lines = Object.entries(fields).map(([field, type]) => `  ${field}: ${type},`);
   return {
@@ -52,8 +66,8 @@ export function gpuStruct<const Fields extends GpuFields>(name: string, fields: 
     bytes: roundUp(end, alignment),
     wgsl: `struct ${name} {\n${lines.join('\n')}\n}`,
     write(target, values, byteOffset = 0) {
-      for (const [field, type] of Object.entries(fields)) {
-        writeField(target, byteOffset + offsets[field], type, values[field]);
+      for (const [field, layout] of layouts) {
+        writeField(target, byteOffset + offsets[field], fields[field], layout, values[field]);
       }
     },
   };
@@ -63,13 +77,21 @@ export function roundUp(value: number, multiple: number): number {
   return Math.ceil(value / multiple) * multiple;
 }
 
+function layoutOf(type: GpuType): TypeLayout {
+  if (Object.hasOwn(TYPES, type)) return TYPES[type as SimpleType];
+  const count = /^array<vec4f, ([1-9]\d*)>$/.exec(type)?.[1];
+  if (!count) throw new RangeError(`${type} is not a type that structs are made of here.`);
+  const { bytes, alignment, components, scalar } = TYPES.vec4f;
+  return { bytes: bytes * Number(count), alignment, components: components * Number(count), scalar };
+}
+
 function writeField(
   target: ArrayBuffer,
   byteOffset: number,
   type: GpuType,
+  { components, scalar, bytes }: TypeLayout,
   value: number | ArrayLike<number>,
 ): void {
-  const { components, scalar, bytes } = TYPES[type];
   const view =
     scalar === 'f32'
       ? new Float32Array(target, byteOffset, bytes / 4)
