@@ -49,13 +49,30 @@ describe('a view with a wish', () => {
             resolve(choice);
           };
         });
+      const embedded = engine.createEmbeddedView();
+      const embeddedTold = vi.fn();
+      const onReady = vi.fn();
+      embedded.onAccuracyChosen = embeddedTold;
       const first = next();
       view.render(frameOf([cloud]));
+      embedded.onReady = () => embedded.prepare({ ...frameOf([cloud]), widthPx: 16, heightPx: 16 });
+      embedded.onReady();
+      await vi.waitFor(() => expect(embedded.shape).not.toBeNull(), { timeout: 5000 });
+      embedded.onReady = onReady;
       expect(view.accuracyChoice).toBeNull();
       const choice = await first;
       expect(choice).toMatchObject({ wish: WISH, isMet: true });
       expect(choice.table.points.map(({ name }) => name)).not.toContain('paper −CULL');
       expect(view.accuracyChoice).toBe(choice);
+      const { geometryPrecision, shPrecision } = choice.settings;
+      await vi.waitFor(() =>
+        expect(cloud.precisions).toEqual({ geometry: [geometryPrecision], sh: [shPrecision] }),
+      );
+
+      // Another view of the same clouds with the same wish has the same choice.
+      expect(embeddedTold.mock.calls).toEqual([[choice]]);
+      expect(onReady).toHaveBeenCalledOnce();
+      embedded.destroy();
 
       // It has been drawn again by itself, and is as close to the reference as was wished for.
       expect(view.render(frameOf([cloud]))).toBe(false);
@@ -75,14 +92,29 @@ describe('a view with a wish', () => {
       const second = next();
       view.render(frameOf([cloud, another], 0.3));
       expect(view.accuracyChoice).toBe(choice);
-      expect((await second).table.splats).toBe(400);
+      const { table, settings } = await second;
+      expect(table.splats).toBe(400);
       expect(told).toHaveLength(2);
+      // What is loaded for an engine with this wish is loaded for what was chosen.
+      await engine.setAccuracy({ ...WISH });
+      expect(engine.accuracy).toBe(settings);
+      await engine.setAccuracy('balanced');
       view.destroy();
       another.destroy();
     },
   );
 
-  gpuTest('measures on request, and not for settings', async () => {
+  gpuTest('measures on request, and holds what was chosen', async () => {
+    const view = engine.createView();
+    view.render({ ...frameOf([cloud]), accuracy: { minPsnrDb: 200 } });
+    const { settings, why } = await view.chooseAccuracy();
+    expect(settings).toMatchObject({ geometryPrecision: 'f32', shPrecision: 'f32' });
+    expect(why).toContain('the picture of the reference itself');
+    await vi.waitFor(() => expect(cloud.precisions).toEqual({ geometry: ['f32'], sh: ['f32'] }));
+    view.destroy();
+  });
+
+  gpuTest('measures nothing for settings, and stops when it is told to', async () => {
     const view = engine.createView();
     await expect(view.chooseAccuracy()).rejects.toThrow('without a wish');
     view.render({ ...frameOf([cloud]), accuracy: 'fast' });

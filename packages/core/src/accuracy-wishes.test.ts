@@ -228,6 +228,20 @@ describe('the end', () => {
     expect(views[0].told).toHaveLength(1);
   });
 
+  test('a wish that is withdrawn is measured no more, until a view has it again', async () => {
+    const [view, idle] = [new FakeView(), new FakeView()];
+    for (const each of [view, idle]) each.show(pictureOf([GARDEN]));
+    await passMs(500);
+    wishes.withdraw(WISH);
+    await passMs(1000);
+    expect(begun.map(({ signal }) => signal.aborted)).toEqual([true]);
+    view.show(pictureOf([GARDEN]));
+    await passMs(500);
+    const choice = await begun[1].end(internAccuracy('fast'));
+    expect([view.told, idle.told]).toEqual([[choice], []]);
+    expect(warn).not.toHaveBeenCalled();
+  });
+
   test('a cloud, or the engine, ends what shows it', async () => {
     const views = [new FakeView(), new FakeView()];
     views[0].show(pictureOf([GARDEN, BICYCLE]));

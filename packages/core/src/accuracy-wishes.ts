@@ -70,6 +70,11 @@ export class AccuracyWishes {
     return scene;
   }
 
+  /** Calls off what is measured for `wish`, an interned one, until a view shows again that it has it. */
+  withdraw(wish: AccuracyWish): void {
+    for (const scene of this.#scenes.values()) if (scene.wish === wish) scene.pause();
+  }
+
   /** Ends what is measured: of the scenes with `cloud`, or of all. Who waits for a choice hears `reason`. */
   stop(reason: Error, cloud?: SplatCloud): void {
     for (const [key, scene] of this.#scenes) {
@@ -174,6 +179,13 @@ export class WishedScene {
         if (!this.#isSettled) this.#wait();
       }
     }
+  }
+
+  /** Calls off what is measured, until a view shows its next picture. */
+  pause(): void {
+    for (const view of this.#views.keys()) this.#views.set(view, null);
+    this.#running?.abort(new DOMException('The wish was withdrawn.', 'AbortError'));
+    this.#wait();
   }
 
   /** Measures no more and lets go of its views. */

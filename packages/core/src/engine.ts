@@ -283,6 +283,7 @@ export class SplatEngine {
     const wish = internWish(request);
     const accuracy = wish ? (this.#wishes.latest(wish)?.settings ?? DEFAULT_ACCURACY) : (request as Accuracy);
     this.#accuracy = this.resolveAccuracy(accuracy);
+    if (this.#wish && this.#wish !== wish) this.#wishes.withdraw(this.#wish);
     this.#wish = wish;
   }
 

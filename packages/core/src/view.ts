@@ -252,8 +252,12 @@ export class SplatView {
 
   /** @param picture the last one that stands. */
   #showChoice(choice: AccuracyChoice, picture: ViewFrame): void {
-    // What waits is drawn with the choice anyway.
-    if (!this.#waiting && this.#canStillDraw(picture)) this.render({ ...picture, force: false });
+    try {
+      // What waits is drawn with the choice anyway.
+      if (!this.#waiting && this.#canStillDraw(picture)) this.render({ ...picture, force: false });
+    } catch (error) {
+      console.warn(`What was chosen could not be drawn; the picture stays. ${(error as Error).message}`);
+    }
     this.onAccuracyChosen?.(choice);
   }
 
