@@ -1,7 +1,7 @@
 // A page that shows what a test describes, and writes down what happens to it.
 import { Canvas, type RootState } from '@react-three/fiber';
 import {
-  type Accuracy,
+  type AccuracyRequest,
   createSplatRenderer,
   type FrameStatistics,
   SplatCanvas,
@@ -25,6 +25,7 @@ export interface SplatsDescription {
   readonly src: string;
   readonly position?: readonly [number, number, number];
   readonly opacity?: number;
+  readonly accuracy?: AccuracyRequest;
   readonly visible?: boolean;
   /** Read by `useSplats` and handed on. */
   readonly isHandedOn?: boolean;
@@ -40,7 +41,7 @@ export interface CanvasDescription {
   readonly frameloop?: 'always' | 'demand';
   readonly background?: string;
   /** Of a `splats` Canvas. */
-  readonly accuracy?: Accuracy;
+  readonly accuracy?: AccuracyRequest;
   /** Of a `splats` Canvas. */
   readonly antialias?: boolean;
   /** Physical pixels per CSS pixel, default 1. */

@@ -3,6 +3,9 @@
 // What the components take, give and throw, for those who have installed this package alone.
 export {
   type Accuracy,
+  type AccuracyChoice,
+  type AccuracyRequest,
+  type AccuracyWish,
   type FrameStatistics,
   GpuLimitError,
   SplatFileError,
@@ -18,6 +21,7 @@ export {
   type SplatHit,
   SplatLoader,
   SplatsPassError,
+  SplatsPrecisionError,
   SplatsUnsupportedRendererError,
   splatEngineOf,
   ThreeInternalsError,

@@ -2,15 +2,11 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import {
   type CacheableSource,
   GRACE_MS,
-  type Precision,
   requestFor,
   SplatCache,
   type SplatRequest,
   UNCLAIMED_GRACE_MS,
 } from './splat-cache.ts';
-
-const BALANCED: Precision = { geometryPrecision: 'packed', shPrecision: 'u8' };
-const HIGH: Precision = { geometryPrecision: 'f32', shPrecision: 'f16' };
 
 interface Load {
   readonly request: SplatRequest;
@@ -30,7 +26,7 @@ function testCache() {
   return { cache, loads };
 }
 
-const request = (source: CacheableSource, precision = BALANCED) => requestFor(source, precision);
+const request = (source: CacheableSource) => requestFor(source);
 
 /** Lets promises that have been settled call back. */
 const settle = () => vi.advanceTimersByTimeAsync(0);
@@ -62,21 +58,15 @@ describe('the cache of parsed files', () => {
     expect(cache.stateOf(request('https://example.org/a.ply'))).toEqual({ status: 'loaded', data: 'a' });
   });
 
-  it('tells files, precisions and buffers apart', () => {
+  it('tells files and buffers apart, whatever they are to be packed for', () => {
     const { cache, loads } = testCache();
     const [first, second] = [new Blob(['same']), new Blob(['same'])];
     const buffer = new ArrayBuffer(4);
-    const sources: [CacheableSource, Precision][] = [
-      ['https://example.org/a.ply', BALANCED],
-      ['https://example.org/a.ply', HIGH],
-      ['https://example.org/b.ply', BALANCED],
-      [first, BALANCED],
-      [second, BALANCED],
-      [buffer, BALANCED],
-    ];
-    for (const [source, precision] of [...sources, ...sources]) cache.watch(request(source, precision), {});
-    expect(loads.map((load) => [load.request.source, load.request.shPrecision])).toEqual(
-      sources.map(([source, precision]) => [source, precision.shPrecision]),
+    const sources = ['https://example.org/a.ply', 'https://example.org/b.ply', first, second, buffer];
+    for (const accuracy of ['high', 'balanced'] as const)
+      for (const source of sources) cache.watch(requestFor(source, accuracy), {});
+    expect(loads.map(({ request: { source, accuracy } }) => [source, accuracy])).toEqual(
+      sources.map((source) => [source, 'high']),
     );
   });
 

@@ -1,14 +1,13 @@
-import type { AccuracySettings } from '@websplatter/core';
+import { type AccuracyRequest, DEFAULT_ACCURACY } from '@websplatter/core';
 
 /** What may be loaded through the cache: URLs count by their address, everything else by identity. */
 export type CacheableSource = string | URL | Blob | ArrayBuffer;
 
-/** The settings that decide how a file is packed as it is read. */
-export type Precision = Pick<AccuracySettings, 'geometryPrecision' | 'shPrecision'>;
-
-/** One file, read at one precision. */
-export interface SplatRequest extends Precision {
+/** One file. */
+export interface SplatRequest {
   readonly source: CacheableSource;
+  /** What it is packed for if this request is the first for it: for another accuracy the GPU's copy is made anew. */
+  readonly accuracy: AccuracyRequest;
   /** Equal for requests that share an entry. */
   readonly key: string;
 }
@@ -97,7 +96,7 @@ export class SplatCache<Data> {
   clear(source?: CacheableSource): void {
     const sourceKey = source === undefined ? undefined : sourceKeyOf(source);
     for (const entry of [...this.#entries.values()]) {
-      if (sourceKey !== undefined && sourceKeyOf(entry.request.source) !== sourceKey) continue;
+      if (sourceKey !== undefined && entry.request.key !== sourceKey) continue;
       entry.isPreloaded = false;
       this.#dropLater(entry, 0);
     }
@@ -146,13 +145,12 @@ export class SplatCache<Data> {
   }
 }
 
-/** The entry that `source` at a precision has. */
+/** What stands for `source` in a cache. */
 export function requestFor(
   source: CacheableSource,
-  { geometryPrecision, shPrecision }: Precision,
+  accuracy: AccuracyRequest = DEFAULT_ACCURACY,
 ): SplatRequest {
-  const key = `${geometryPrecision} ${shPrecision} ${sourceKeyOf(source)}`;
-  return { source, geometryPrecision, shPrecision, key };
+  return { source, accuracy, key: sourceKeyOf(source) };
 }
 
 const objectKeys = new WeakMap<object, string>();

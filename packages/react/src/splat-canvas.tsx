@@ -1,12 +1,18 @@
-import { Canvas, type CanvasProps } from '@react-three/fiber';
-import { type Accuracy, WebGpuUnavailableError } from '@websplatter/core';
-import { onDeviceLost } from '@websplatter/three';
-import { type ReactNode, useState } from 'react';
+import { Canvas, type CanvasProps, useThree } from '@react-three/fiber';
+import {
+  type AccuracyRequest,
+  DEFAULT_ACCURACY,
+  DestroyedError,
+  WebGpuUnavailableError,
+} from '@websplatter/core';
+import { onDeviceLost, splatEngineOf } from '@websplatter/three';
+import { type ReactNode, useEffect, useState } from 'react';
 import { type CanvasRendererParameters, createSplatRenderer } from './create-splat-renderer.ts';
+import { useCanvasRenderer } from './use-renderer.ts';
 
 export interface SplatCanvasProps extends Omit<CanvasProps, 'gl'> {
-  /** Default `balanced`. A change makes a new Canvas. */
-  accuracy?: Accuracy;
+  /** How exactly splats are drawn, and how fast: settings, or a wish such as `{ minPsnrDb: 45 }`; default `balanced`. */
+  accuracy?: AccuracyRequest;
   /** More of what `createSplatRenderer` takes, read when the renderer is made. */
   gl?: Omit<CanvasRendererParameters, 'accuracy' | 'canvas'>;
 }
@@ -22,11 +28,17 @@ const RETRY_DELAYS_MS = [250, 1000, 3000];
  *
  * @throws WebGpuUnavailableError to the nearest error boundary where there is no WebGPU, or it is lost again and again.
  */
-export function SplatCanvas({ accuracy, gl: parameters, ...props }: SplatCanvasProps): ReactNode {
+export function SplatCanvas({
+  accuracy = DEFAULT_ACCURACY,
+  gl: parameters,
+  children,
+  ...props
+}: SplatCanvasProps): ReactNode {
   const [losses, setLosses] = useState<readonly number[]>([]);
   const gl: CanvasProps['gl'] = async (defaults) => {
     const make = () => createSplatRenderer({ ...defaults, ...parameters, accuracy });
     const renderer = await (losses.length === 0 ? make() : retried(make));
+    toldAccuracy.set(renderer, JSON.stringify(accuracy));
     onDeviceLost(renderer, () => setLosses((times) => [...times, performance.now()]));
     return renderer;
   };
@@ -39,7 +51,36 @@ export function SplatCanvas({ accuracy, gl: parameters, ...props }: SplatCanvasP
         'the GPU has, or the driver may be at fault. Reload the page to try again.',
     );
   }
-  return <Canvas key={`${losses.length} ${JSON.stringify(accuracy)}`} {...props} gl={gl} />;
+  return (
+    <Canvas key={losses.length} {...props} gl={gl}>
+      <EngineAccuracy accuracy={accuracy} />
+      {children}
+    </Canvas>
+  );
+}
+
+/** By renderer, as JSON: asked for it again, the engine would ask clouds that have an accuracy of their own. */
+const toldAccuracy = new WeakMap<object, string>();
+
+/** Tells the engine of a Canvas what `accuracy` has become since its renderer was made. */
+function EngineAccuracy({ accuracy }: { accuracy: AccuracyRequest }): ReactNode {
+  const renderer = useCanvasRenderer()!;
+  const invalidate = useThree((state) => state.invalidate);
+  const key = JSON.stringify(accuracy);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the key stands for the accuracy, which may be a new object at each render.
+  useEffect(() => {
+    if (toldAccuracy.get(renderer) === key) return;
+    toldAccuracy.set(renderer, key);
+    try {
+      // What a cloud cannot have of it, the cloud tells.
+      void splatEngineOf(renderer).setAccuracy(accuracy);
+      invalidate();
+    } catch (error) {
+      // The device was lost: the Canvas is about to be replaced.
+      if (!(error instanceof DestroyedError)) throw error;
+    }
+  }, [renderer, key, invalidate]);
+  return null;
 }
 
 async function retried<T>(make: () => Promise<T>): Promise<T> {

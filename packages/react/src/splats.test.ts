@@ -1,6 +1,6 @@
 import { createRoot, extend } from '@react-three/fiber';
 import type { SplatEngine } from '@websplatter/core';
-import { SplatData, splatEngineOf } from '@websplatter/three';
+import { SplatData, SplatsPrecisionError, splatEngineOf } from '@websplatter/three';
 import { act, Component, createElement, type ReactNode, StrictMode, Suspense } from 'react';
 import { Group, type Object3D } from 'three';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
@@ -26,10 +26,12 @@ const test = vi.hoisted(() => ({
 vi.mock('@websplatter/three', async () => {
   const three = await import('three');
   class SplatData {}
+  class SplatsPrecisionError extends Error {}
   class SplatsUnsupportedRendererError extends Error {}
   class SplatCloudObject extends three.Object3D {
     data: SplatData | null = null;
     opacity = 1;
+    accuracy: unknown = null;
     onError: ((error: unknown) => void) | null = null;
     override dispose() {}
   }
@@ -63,6 +65,7 @@ vi.mock('@websplatter/three', async () => {
     SplatData,
     splatEngineOf,
     SplatLoader,
+    SplatsPrecisionError,
     SplatsUnsupportedRendererError,
   };
 });
@@ -230,6 +233,33 @@ it('hands errors of drawing to onError or the error boundary', async () => {
   expect(caught).toBeUndefined();
   await act(async () => report());
   expect(caught).toBe(error);
+});
+
+it('keeps what it shows where that cannot be as exact as asked for, and says so', async () => {
+  await show(splats({ src: splatData('a'), accuracy: 'reference' }));
+  const error = new SplatsPrecisionError(new Error('gone'));
+  await act(async () => (object().onError as (error: unknown) => void)(error));
+  expect(caught).toBeUndefined();
+  expect(console.warn).toHaveBeenCalledWith(error);
+});
+
+it('takes another accuracy without reading or suspending, and tells what was chosen for a wish', async () => {
+  const onAccuracyChosen = vi.fn();
+  await show(splats({ src: 'a.ply', accuracy: 'high' }));
+  expect(test.loads.map((load) => load.accuracy)).toEqual(['high']);
+  await act(async () => test.loads[0].resolve(splatData('a')));
+  const before = object();
+  expect(before.accuracy).toBe('high');
+  await show(splats({ src: 'a.ply', accuracy: { minPsnrDb: 45 }, onAccuracyChosen }));
+  expect(isFallbackShown()).toBe(false);
+  expect(object()).toBe(before);
+  expect(before).toMatchObject({ accuracy: { minPsnrDb: 45 }, data: { name: 'a' }, visible: true });
+  expect(test.loads).toHaveLength(1);
+  const choice = { why: 'It is the fastest.' };
+  before.dispatchEvent({ type: 'accuracychosen', choice } as never);
+  expect(onAccuracyChosen).toHaveBeenCalledExactlyOnceWith(choice);
+  await show(splats({ src: 'a.ply' }));
+  expect(before.accuracy).toBeNull();
 });
 
 it('shows splats that are in memory without suspending, and tells of the first picture', async () => {

@@ -1,8 +1,9 @@
 import { extend, type ThreeElement, useThree } from '@react-three/fiber';
-import type { SplatEngine } from '@websplatter/core';
+import type { AccuracyChoice, AccuracyRequest, SplatEngine } from '@websplatter/core';
 import {
   onDeviceLost as listenForDeviceLoss,
   type SplatData,
+  SplatsPrecisionError,
   SplatsUnsupportedRendererError,
   splatEngineOf,
 } from '@websplatter/three';
@@ -29,10 +30,16 @@ export type SplatsSource = CacheableSource | SplatData;
 export interface SplatsProps
   extends Omit<
     ThreeElement<typeof SplatsObject>,
-    'args' | 'attach' | 'data' | 'dispose' | 'onError' | 'ref'
+    'accuracy' | 'args' | 'attach' | 'data' | 'dispose' | 'onError' | 'ref'
   > {
   /** A new one replaces what is shown as soon as it has been read. */
   src: SplatsSource;
+  /**
+   * How exactly splats are drawn, and how fast: settings, or a wish such as `{ minPsnrDb: 45 }`; by default the Canvas's. All
+   * clouds in view are one picture: see `SplatCloudObject.accuracy` of @websplatter/three for what it is drawn with. A
+   * change loads nothing and suspends nothing.
+   */
+  accuracy?: AccuracyRequest | null;
   /** The object in the scene. */
   ref?: Ref<SplatsObject>;
   /** Splats have been read and are about to be drawn. */
@@ -41,7 +48,12 @@ export interface SplatsProps
   onProgress?: (event: ProgressEvent) => void;
   /** The first picture with these splats has been drawn. */
   onFirstFrame?: () => void;
-  /** Takes errors of reading and of drawing, which else reach the nearest error boundary; what was shown stays. */
+  /** Settings have been chosen because of a wish: which, and why. */
+  onAccuracyChosen?: (choice: AccuracyChoice) => void;
+  /**
+   * Takes errors of reading and of drawing, which else reach the nearest error boundary; what was shown stays. A
+   * SplatsPrecisionError, after which splats are drawn less exactly than asked for, goes to the console else.
+   */
   onError?: (error: unknown) => void;
   /** The GPU device is gone, and with it all that this Canvas draws. Called once. */
   onDeviceLost?: (info: GPUDeviceLostInfo) => void;
@@ -84,10 +96,12 @@ function Cloud({
   renderer,
   engine,
   src,
+  accuracy = null,
   ref,
   onLoad,
   onProgress,
   onFirstFrame,
+  onAccuracyChosen,
   onError,
   onDeviceLost,
   ...objectProps
@@ -95,11 +109,11 @@ function Cloud({
   const object = useRef<SplatsObject>(null);
   useImperativeHandle(ref, () => object.current!, []);
   const invalidate = useThree((state) => state.invalidate);
-  const latest = useLatest({ onLoad, onFirstFrame, onError, onDeviceLost });
+  const latest = useLatest({ onLoad, onFirstFrame, onAccuracyChosen, onError, onDeviceLost });
   const isLost = useRef(false);
   const graceMs = () => (isLost.current ? RECOVERY_GRACE_MS : undefined);
 
-  const { splats, load } = useSource(src, engine.accuracy, { onProgress, graceMs });
+  const { splats, load } = useSource(src, accuracy ?? engine.accuracy, { onProgress, graceMs });
   useEffect(() => {
     if (load?.status === 'failed') latest.current.onError?.(load.error);
   }, [load, latest]);
@@ -116,14 +130,19 @@ function Cloud({
     const cloud = object.current!;
     const tellFirstFrame = () => latest.current.onFirstFrame?.();
     cloud.addEventListener('firstframe', tellFirstFrame);
+    const tellChoice = ({ choice }: { choice: AccuracyChoice }) => latest.current.onAccuracyChosen?.(choice);
+    cloud.addEventListener('accuracychosen', tellChoice);
     const requestFrame = () => invalidate();
     cloud.addEventListener('needsframe', requestFrame);
     cloud.onError = (error) => {
       if (latest.current.onError) latest.current.onError(error);
+      // What is drawn goes on.
+      else if (error instanceof SplatsPrecisionError) console.warn(error);
       else setDrawError({ error });
     };
     return () => {
       cloud.removeEventListener('firstframe', tellFirstFrame);
+      cloud.removeEventListener('accuracychosen', tellChoice);
       cloud.removeEventListener('needsframe', requestFrame);
       cloud.onError = null;
     };
@@ -147,5 +166,5 @@ function Cloud({
   // Thrown for the reason given in useSplats.
   if (load?.status === 'pending' && splats === null) throw load.settled;
 
-  return <CloudElement {...objectProps} ref={object} data={splats} />;
+  return <CloudElement {...objectProps} accuracy={accuracy} ref={object} data={splats} />;
 }

@@ -1,7 +1,13 @@
 import type { CanvasProps, ThreeElements } from '@react-three/fiber';
 import type { Ref } from 'react';
 import { expectTypeOf, it } from 'vitest';
-import { createSplatRenderer, type SplatData, type SplatsObject, type SplatsProps } from './index.ts';
+import {
+  type AccuracyRequest,
+  createSplatRenderer,
+  type SplatData,
+  type SplatsObject,
+  type SplatsProps,
+} from './index.ts';
 
 // Checked by the compiler; at run time these do nothing.
 it('types what is passed to a Canvas and to <Splats>', () => {
@@ -12,6 +18,7 @@ it('types what is passed to a Canvas and to <Splats>', () => {
   expectTypeOf<SplatsProps['src']>().toEqualTypeOf<string | URL | Blob | ArrayBuffer | SplatData>();
   expectTypeOf<SplatsProps['ref']>().toEqualTypeOf<Ref<SplatsObject> | undefined>();
   expectTypeOf<[number, number, number]>().toExtend<SplatsProps['position']>();
+  expectTypeOf<SplatsProps['accuracy']>().toEqualTypeOf<AccuracyRequest | null | undefined>();
   expectTypeOf<SplatsProps['opacity']>().toEqualTypeOf<number | undefined>();
   expectTypeOf<SplatsProps['onClick']>().not.toBeAny();
   expectTypeOf<SplatsProps>().not.toHaveProperty('data');

@@ -1,13 +1,8 @@
+import type { AccuracyRequest } from '@websplatter/core';
 import { SplatData } from '@websplatter/three';
 import { useCallback, useState, useSyncExternalStore } from 'react';
 import { sharedCache } from './shared-cache.ts';
-import {
-  type CacheableSource,
-  type LoadState,
-  type Precision,
-  requestFor,
-  type SplatRequest,
-} from './splat-cache.ts';
+import { type CacheableSource, type LoadState, requestFor, type SplatRequest } from './splat-cache.ts';
 import { useLatest } from './use-latest.ts';
 
 export interface UseSourceOptions {
@@ -24,13 +19,13 @@ export interface SourceState {
   readonly load: LoadState<SplatData> | undefined;
 }
 
-/** Reads `src` at a precision, and keeps what it was before until then. */
+/** Reads `src`, packed for `accuracy` where nobody has asked for it before, and keeps what it was before until then. */
 export function useSource(
   src: CacheableSource | SplatData,
-  precision: Precision,
+  accuracy: AccuracyRequest,
   options: UseSourceOptions,
 ): SourceState {
-  const request = src instanceof SplatData ? null : requestFor(src, precision);
+  const request = src instanceof SplatData ? null : requestFor(src, accuracy);
   const load = useLoadState(request, options);
   const [shown, setShown] = useState<Shown>(NOTHING);
   const loaded = src instanceof SplatData ? src : load?.status === 'loaded' ? load.data : null;

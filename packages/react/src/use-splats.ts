@@ -1,4 +1,4 @@
-import { type Accuracy, resolveAccuracy } from '@websplatter/core';
+import type { AccuracyRequest } from '@websplatter/core';
 import { type SplatData, splatEngineOf } from '@websplatter/three';
 import { useEffect } from 'react';
 import { isServer } from './is-server.ts';
@@ -7,8 +7,11 @@ import { type CacheableSource, requestFor } from './splat-cache.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 
 export interface UseSplatsOptions {
-  /** How finely the file is packed; by default as the Canvas around draws, `balanced` outside of one. */
-  readonly accuracy?: Accuracy;
+  /**
+   * For what the file is packed where it has not been read yet; by default as the Canvas around draws, `balanced` outside of
+   * one. To be drawn more exactly, it has to be read a second time.
+   */
+  readonly accuracy?: AccuracyRequest;
 }
 
 /**
@@ -21,7 +24,7 @@ export interface UseSplatsOptions {
 export function useSplats(source: CacheableSource, options: UseSplatsOptions = {}): SplatData {
   const renderer = useCanvasRenderer();
   const accuracy = options.accuracy ?? (renderer ? splatEngineOf(renderer).accuracy : undefined);
-  const request = requestFor(source, resolveAccuracy(accuracy));
+  const request = requestFor(source, accuracy);
   if (isServer())
     throw new Error(`useSplats(${source}) can only read in a browser: put a <Suspense> around it.`);
   const state = sharedCache.ask(request);
@@ -37,7 +40,7 @@ export function useSplats(source: CacheableSource, options: UseSplatsOptions = {
 
 /** Starts to read a file ahead of its use, and keeps it until `useSplats.clear`. Does nothing on a server. */
 useSplats.preload = (source: CacheableSource, { accuracy }: UseSplatsOptions = {}): void => {
-  if (!isServer()) sharedCache.preload(requestFor(source, resolveAccuracy(accuracy)));
+  if (!isServer()) sharedCache.preload(requestFor(source, accuracy));
 };
 
 /** Lets go of what was preloaded, of `source` or of all; what is on the screen goes with its last user. */
