@@ -11,7 +11,6 @@ import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture, type TextureImage } from '../gpu/read-texture.ts';
 import { COEFFICIENT_MAX } from '../layout/half.ts';
-import { repackShRest } from '../layout/sh-rest.ts';
 import { identity4 } from '../math/mat4.ts';
 import { locateSplat } from '../pick.ts';
 import type { EffectTwin } from '../reference/effects/effect-twin.ts';
@@ -97,10 +96,8 @@ export class InspectedFrame {
     const pipelines = options.pipelines ?? pipelinesOf(device);
     const layer = layerSize(options, accuracy);
     const projection = projectionOf(camera, layer.widthPx, layer.heightPx);
-    const sets = options.clouds
-      .map(({ set }) => dropNonFinite(set))
-      .map((set) => ({ ...set, shRest: repackShRest(set.shRest, set.count, accuracy.shPrecision) }));
-    const packed = sets.map((set) => packCloud(set, { geometryPrecision: accuracy.geometryPrecision }));
+    const sets = options.clouds.map(({ set }) => dropNonFinite(set));
+    const packed = sets.map((set) => packCloud(set, accuracy));
     const instances = options.clouds.map(({ modelMatrix, opacity, effects, splatsPerPage }, i) => ({
       cloud: new SplatCloud(memory, limitsFor(device, packed[i], splatsPerPage), packed[i], {
         name: `cloud ${i}`,
@@ -141,7 +138,12 @@ export class InspectedFrame {
     target.destroy();
 
     const clouds = options.clouds.map(({ modelMatrix = identity4(), opacity, effects }, i) => {
-      const stored = permuteSplats(sets[i], mortonOrder(sets[i].positions, sets[i].count));
+      const { shRest } = packed[i];
+      const stored = {
+        ...permuteSplats(sets[i], mortonOrder(sets[i].positions, sets[i].count)),
+        // As it is stored: rounded, and without the bands that cannot be seen.
+        shRest,
+      };
       const view = cloudView(camera.viewMatrix, modelMatrix, stored.origin, projection.isOrthographic);
       return {
         stored: accuracy.geometryPrecision === 'f32' ? float32Set(stored) : unpackedSet(stored, packed[i]),

@@ -2,8 +2,12 @@ import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect, onTestFinished } from 'vitest';
 import { SplatEngine } from '../engine.ts';
 import type { GpuMemoryReport } from '../gpu/gpu-memory.ts';
+import { compareRecords } from '../inspect/compare-records.ts';
+import { describeFieldError } from '../inspect/field-error.ts';
+import { InspectedFrame } from '../inspect/inspected-frame.ts';
 import { encodePly } from '../io/write-ply.ts';
 import { shRestValues, truncateShRest } from '../layout/sh-rest.ts';
+import { compareImages, renderReference } from '../reference/index.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import type { SplatCloud } from './splat-cloud.ts';
@@ -65,14 +69,13 @@ async function drawn(addTo: (engine: SplatEngine) => SplatCloud | Promise<SplatC
   return { picture, costs, again };
 }
 
-/** Median milliseconds of a frame of each, drawn in turn, there and back. */
+/** Least milliseconds of a frame of each, drawn in turn, there and back: what else the machine does only adds to them. */
 async function timesOf(all: readonly Drawn[]): Promise<string> {
   const times = new Map<Drawn, number[]>(all.map((each) => [each, []]));
   const order = [...all];
   for (let round = 0; round < TIMED_ROUNDS; round++, order.reverse())
     for (const each of order) times.get(each)!.push(await each.again());
-  const medians = [...times.values()].map((each) => each.sort((a, b) => a - b)[TIMED_ROUNDS >> 1]);
-  return medians.map((ms) => `${ms.toFixed(1)} ms`).join(', ');
+  return [...times.values()].map((each) => `${Math.min(...each).toFixed(1)} ms`).join(', ');
 }
 
 const fileOf = (set: SplatSet) => new Blob([encodePly(set)]);
@@ -85,6 +88,19 @@ function declaredAndTrue(degree: ShDegree): [declared: SplatSet, lower: SplatSet
   for (let i = 0; i < COUNT; i++) values.fill(0, 45 * i + shRestValues(degree), 45 * (i + 1));
   return [set, { ...set, shRest: truncateShRest(set.shRest, COUNT, degree) }];
 }
+
+gpuTest('bands too faint to be seen are missing nowhere but in what is stored', async () => {
+  const set = randomSplats({ count: COUNT });
+  const values = new Float32Array(set.shRest.words.buffer);
+  for (let i = 0; i < values.length; i++) if (i % 45 >= shRestValues(1)) values[i] *= 1e-4;
+  const frame = await InspectedFrame.draw(device, { clouds: [{ set }], camera: CAMERA, ...SIZE });
+  expect(frame.clouds[0].packed.facts).toMatchObject({ declaredShDegree: 3, trueShDegree: 1 });
+  const { firstBad } = await compareRecords(frame);
+  if (firstBad) expect.fail(describeFieldError(firstBad));
+  const reference = renderReference({ clouds: [{ set }], camera: CAMERA, ...SIZE });
+  expect(compareImages(frame.image.data, reference.data, SIZE).psnrDb).toBeGreaterThan(60);
+  frame.destroy();
+});
 
 describe('a file of degree 3 with nothing above degree', () => {
   for (const degree of [0, 1] as const) {

@@ -10,8 +10,10 @@ import {
   truncateShRest,
   unpackShRest,
 } from '../layout/sh-rest.ts';
+import { renderReference } from '../reference/render.ts';
 import { shColor } from '../reference/spherical-harmonics.ts';
 import { randomSplats, splatsOf } from '../testing/random-splats.ts';
+import { testCameras } from '../testing/test-cameras.ts';
 import { cloudFacts, UNSEEN_CHANGE } from './cloud-facts.ts';
 import { packSet } from './pack-set.ts';
 import { packCloud } from './packed-cloud.ts';
@@ -67,6 +69,24 @@ describe('bands that cannot be seen', () => {
         },
       ),
     );
+  });
+
+  test('change no pixel by more than that', () => {
+    const set = splatsWithBands([1, 3e-4, 1e-4], 300);
+    const { trueShDegree } = cloudFacts(set);
+    expect(trueShDegree).toBe(1);
+    const pictureOf = (each: SplatSet) =>
+      renderReference({
+        clouds: [{ set: each }],
+        camera: testCameras(1).perspective,
+        widthPx: 32,
+        heightPx: 32,
+      }).data;
+    const whole = pictureOf(set);
+    const changes = pictureOf(atDegree(set, trueShDegree)).map((value, i) => Math.abs(value - whole[i]));
+    const most = changes.reduce((largest, change) => Math.max(largest, change), 0);
+    expect(most).toBeLessThan(UNSEEN_CHANGE);
+    expect(most).toBeGreaterThan(UNSEEN_CHANGE / 100);
   });
 
   for (const degree of DEGREES) {
