@@ -1,11 +1,13 @@
 import { MessageChannel, type MessagePort } from 'node:worker_threads';
 import { afterEach, describe, expect, test, vi } from 'vitest';
 import { InvalidArgumentError, SplatFileError, SplatSourceError, WebSplatterError } from '../errors.ts';
+import { randomSplats } from '../testing/random-splats.ts';
 import { fromPostedError, type LoadRequest, toPostedError } from './load-messages.ts';
 import { lastingSource, loadSplats } from './load-splats.ts';
 import { chunked, plyBytes, splatElement } from './ply-fixture.ts';
 import { type LoadPort, serveLoad } from './serve-load.ts';
 import type { LoadProgress, SplatSource } from './splat-source.ts';
+import { encodePly } from './write-ply.ts';
 
 const ply = plyBytes({ format: 'binary_little_endian', elements: [splatElement(300, 1)] });
 
@@ -108,6 +110,18 @@ describe.each<Behaviour>(['works', 'throws', 'does not start', 'takes no streams
       useWorkers(behaviour);
       const { shRest } = await loadSplats(ply, { shPrecision: 'f16', geometryPrecision: 'f32' });
       expect(shRest.precision).toBe('f16');
+    });
+
+    test('what the splats call for crosses, and bands that cannot be seen do not', async () => {
+      const set = randomSplats({ count: 50 });
+      set.shRest.words.fill(0);
+      const source = encodePly(set);
+      const here = await loadSplats(source);
+      useWorkers(behaviour);
+      const { facts, shRest } = await loadSplats(source);
+      expect(facts).toMatchObject({ declaredShDegree: 3, trueShDegree: 0, shBandReach: [0, 0, 0] });
+      expect(facts).toEqual(here.facts);
+      expect(shRest).toMatchObject({ degree: 0, words: new Uint32Array() });
     });
 
     test('typed errors cross', async () => {
