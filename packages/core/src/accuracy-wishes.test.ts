@@ -8,7 +8,8 @@ import type { SplatCloud } from './scene/splat-cloud.ts';
 import type { ViewFrame } from './scene/view-frame.ts';
 
 const WISH = internWish({ minPsnrDb: 45 })!;
-const [GARDEN, BICYCLE] = [{}, {}] as SplatCloud[];
+const GARDEN = { precisions: { geometry: ['packed'], sh: ['u8'] } } as unknown as SplatCloud;
+const BICYCLE = { ...GARDEN } as SplatCloud;
 
 /** A measurement that has begun, to be ended by the test. */
 interface Begun extends WishOptions {
@@ -18,7 +19,7 @@ interface Begun extends WishOptions {
 }
 
 let begun: Begun[];
-let chosen: { readonly choice: AccuracyChoice; readonly clouds: readonly SplatCloud[] }[];
+let adopted: { readonly choice: AccuracyChoice; readonly clouds: readonly SplatCloud[] }[];
 let wishes: AccuracyWishes;
 const warn = vi.spyOn(console, 'warn').mockImplementation(() => {});
 
@@ -26,7 +27,7 @@ beforeEach(() => {
   vi.useFakeTimers();
   warn.mockClear();
   begun = [];
-  chosen = [];
+  adopted = [];
   wishes = new AccuracyWishes({
     measure: (wish, picture, options) =>
       new Promise((resolve, reject) => {
@@ -43,7 +44,7 @@ beforeEach(() => {
         };
         begun.push({ ...options, picture, end, fail });
       }),
-    onChosen: (choice, clouds) => chosen.push({ choice, clouds }),
+    adopt: async (choice, clouds) => void adopted.push({ choice, clouds }),
   });
 });
 afterEach(() => {
@@ -99,14 +100,16 @@ describe('when a wish is measured', () => {
     expect(begun).toHaveLength(1);
     expect(begun[0].picture.widthPx).toBe(128);
     const choice = await begun[0].end(internAccuracy('fast'));
-    expect(chosen).toEqual([{ choice, clouds: [GARDEN] }]);
+    expect(adopted).toEqual([{ choice, clouds: [GARDEN] }]);
     for (const view of [small, large]) {
       expect(view.told).toEqual([choice]);
       expect(view.scene!.choice).toBe(choice);
     }
     const mirror = new FakeView();
     mirror.show(pictureOf([GARDEN], 16));
+    await passMs(0);
     expect(mirror.told).toEqual([choice]);
+    expect(adopted[1].clouds).toEqual([]);
   });
 
   test('a camera that moves neither puts it off nor begins it again', async () => {
@@ -141,8 +144,13 @@ describe('when a wish is measured', () => {
     view.show(pictureOf([GARDEN]));
     expect(view.scene!.choice).toBe(first);
     await passMs(1000);
+    // The clouds may have been made to hold other planes meanwhile.
+    expect(adopted.slice(1)).toEqual([
+      { choice: second, clouds: [GARDEN, BICYCLE] },
+      { choice: first, clouds: [GARDEN] },
+    ]);
     expect(begun).toHaveLength(2);
-    expect(wishes.latest(WISH)).toBe(second);
+    expect(wishes.latest(WISH)).toBe(first);
   });
 
   test('another wish begins anew', async () => {
@@ -255,7 +263,7 @@ describe('the end', () => {
     await waiting;
     await passMs(1000);
     expect(begun).toHaveLength(2);
-    expect(chosen).toEqual([]);
+    expect(adopted).toEqual([]);
     expect(warn).not.toHaveBeenCalled();
   });
 

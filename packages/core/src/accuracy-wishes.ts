@@ -31,8 +31,8 @@ export interface WishOptions {
 interface WishContext {
   /** Chooses settings for what `picture` shows, and makes its clouds hold what they take. */
   readonly measure: (wish: AccuracyWish, picture: ViewFrame, options: WishOptions) => Promise<AccuracyChoice>;
-  /** Called when a choice has been made, before views are told. */
-  readonly onChosen: (choice: AccuracyChoice, clouds: readonly SplatCloud[]) => void;
+  /** Makes the clouds hold what `choice` takes, as far as it can be had, and nothing that no view is drawn with; never rejects. */
+  readonly adopt: (choice: AccuracyChoice, clouds: readonly SplatCloud[]) => Promise<void>;
 }
 
 /** The wishes of an engine's views, each met by measuring what is drawn: one measurement at a time. */
@@ -53,18 +53,18 @@ export class AccuracyWishes {
   }
 
   /** The scene that all views share that show these clouds with this wish, an interned one. */
-  sceneOf(wish: AccuracyWish, { clouds }: Pick<ViewFrame, 'clouds'>, previous: AccuracyChoice | null) {
+  sceneOf(wish: AccuracyWish, { clouds }: ViewFrame, previous: AccuracyChoice | null): WishedScene {
     const distinct = new Set(clouds.map(({ cloud }) => cloud));
     const key = JSON.stringify([numberOf(wish), ...[...distinct].map(numberOf).sort((a, b) => a - b)]);
     let scene = this.#scenes.get(key);
     if (!scene) {
       const measure: WishContext['measure'] = (...request) => this.#inTurn(...request);
-      const onChosen: WishContext['onChosen'] = (choice, chosenFor) => {
+      const adopt: WishContext['adopt'] = (choice, clouds) => {
         this.#latest.set(wish, choice);
-        this.#context.onChosen(choice, chosenFor);
+        return this.#context.adopt(choice, clouds);
       };
       const start = previous?.wish === wish ? previous : this.latest(wish);
-      scene = new WishedScene(wish, distinct, start, { measure, onChosen });
+      scene = new WishedScene(wish, distinct, start, { measure, adopt });
       this.#scenes.set(key, scene);
     }
     return scene;
@@ -143,7 +143,7 @@ export class WishedScene {
     this.#views.set(view, picture);
     const isNew = before?.widthPx !== picture.widthPx || before.heightPx !== picture.heightPx;
     if (isNew && !this.#isSettled && !this.#running) this.#wait();
-    if (!before && this.#isSettled && this.#choice) view.onChosen(this.#choice, picture);
+    if (!before && this.#isSettled && this.#choice) void this.#resume(view, this.#choice);
   }
 
   /**
@@ -169,7 +169,8 @@ export class WishedScene {
       options.signal.throwIfAborted();
       this.#isSettled = true;
       this.#choice = choice;
-      this.#context.onChosen(choice, [...this.clouds]);
+      // Its planes are held since it was measured; the others go.
+      void this.#context.adopt(choice, [...this.clouds]);
       for (const [view, shown] of this.#views) if (shown) view.onChosen(choice, shown);
       return choice;
     } finally {
@@ -194,6 +195,17 @@ export class WishedScene {
     this.#views.clear();
     clearTimeout(this.#timer);
     this.#running?.abort(reason);
+  }
+
+  /** Draws what was chosen earlier, for which the clouds may hold the planes no more. */
+  async #resume(view: WishingView, choice: AccuracyChoice): Promise<void> {
+    const { geometryPrecision, shPrecision } = choice.settings;
+    const lacking = [...this.clouds].filter(({ precisions: { geometry, sh } }) => {
+      return !(geometry.includes(geometryPrecision) && sh.includes(shPrecision));
+    });
+    await this.#context.adopt(choice, lacking);
+    const picture = this.#views.get(view);
+    if (picture && this.#choice === choice) view.onChosen(choice, picture);
   }
 
   #wait(): void {

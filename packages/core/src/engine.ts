@@ -95,7 +95,7 @@ export class SplatEngine {
         const { measureWish } = await import('./measure/measure-wish.ts');
         return measureWish(this, wish, picture, options);
       },
-      onChosen: (choice, clouds) => this.#adopt(choice, clouds),
+      adopt: (choice, clouds) => this.#adopt(choice, clouds),
     });
     this.#takeAccuracy(options.accuracy ?? DEFAULT_ACCURACY);
     this.lost = device.lost.then((info) => {
@@ -288,15 +288,16 @@ export class SplatEngine {
   }
 
   /** Makes what was chosen for a wish the engine's own where the wish is, and frees what nothing is drawn with any more. */
-  #adopt(choice: AccuracyChoice, clouds: readonly SplatCloud[]): void {
+  async #adopt(choice: AccuracyChoice, clouds: readonly SplatCloud[]): Promise<void> {
     const { wish, settings } = choice;
     if (wish === this.#wish) this.#accuracy = this.resolveAccuracy(settings);
-    for (const cloud of clouds) {
-      const others = [...this.#views].filter(({ accuracyChoice }) => accuracyChoice !== choice);
+    const others = [...this.#views].filter(({ accuracyChoice }) => accuracyChoice !== choice);
+    const requests = clouds.map((cloud) => {
       const keep = others.some(({ shape }) => shape !== null && asksOtherwise(shape, cloud, settings));
       // What cannot be had was not measured either: the table says so.
-      this.requestPrecision(cloud, settings, { keep }).catch(() => {});
-    }
+      return this.requestPrecision(cloud, settings, { keep }).catch(() => {});
+    });
+    await Promise.all(requests);
   }
 
   /** Asks for the precisions of `accuracy`; answers with those that cannot have them, but not with what was called off. */
