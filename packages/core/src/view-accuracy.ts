@@ -21,7 +21,7 @@ export class ViewAccuracy implements WishingView {
   #scene: WishedScene | null = null;
   #told: AccuracyChoice | null = null;
 
-  /** @param onChosen called in a task of its own with each new choice, and the picture to be drawn again with it. */
+  /** @param onChosen called with each new choice and the picture to be drawn again with it, once whoever chose is done. */
   constructor(context: AccuracyContext, onChosen: (choice: AccuracyChoice, picture: ViewFrame) => void) {
     this.#context = context;
     this.#onChosen = onChosen;
