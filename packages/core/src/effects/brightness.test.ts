@@ -5,6 +5,7 @@ import type { SplatValues } from '../reference/effects/effect-twin.ts';
 import { brightness } from './brightness.ts';
 
 const SPLAT: SplatValues = {
+  row: 0,
   position: [0, 0, 0],
   opacity: 1,
   rotation: [1, 0, 0, 0],

@@ -1,4 +1,4 @@
-import type { StageDefinition } from '../gpu/pipelines.ts';
+import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
 import { type GpuFields, type GpuStruct, roundUp } from '../layout/gpu-struct.ts';
 import { numberOf } from '../number-of.ts';
 import type { ShaderModules } from '../shader-linker.ts';
@@ -18,6 +18,8 @@ export const NO_EFFECTS: EffectSet = { effects: [], modules: {}, parameterBytes:
 
 /** Binding of the parameters, in every stage that applies effects. */
 const PARAMETERS_BINDING = 16;
+/** Binding of a bit per splat of the page, in stages with hooks that are told which are selected. */
+const SELECTED_BINDING = 17;
 /** Structs in a uniform buffer begin at multiples of this many bytes. */
 const STRUCT_ALIGNMENT = 16;
 
@@ -32,6 +34,11 @@ export function effectSetOf(uses: readonly EffectUse[]): EffectSet {
     sets.set(key, set);
   }
   return set;
+}
+
+/** Whether a stage that has these hooks is to know which splats are selected. */
+export function takesSelection({ effects }: EffectSet, hooks: readonly SelectionHook[]): boolean {
+  return effects.some((effect) => effect.takesSelection && hooks.some((hook) => effect.hooks[hook]));
 }
 
 /** Whether any of the set's effects takes part there. */
@@ -82,6 +89,9 @@ function memberOf({ name }: SplatEffect): string {
   return name.replace(/-(.)/g, (_, first: string) => first.toUpperCase());
 }
 
+/** Hooks that are told which splats are selected. */
+type SelectionHook = 'splat' | 'color';
+
 const HOOK_FUNCTIONS: Readonly<
   Record<
     keyof EffectHooks,
@@ -119,8 +129,9 @@ function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
     const { name, type, others } = HOOK_FUNCTIONS[hook];
     const passed = others.map((parameter) => parameter.split(':')[0]);
     const steps = acting.map((effect) => {
+      const selected = effect.takesSelection && hook !== 'opacity' ? ['isSelected(splatIndex)'] : [];
       const own = effect.parameters ? [`effects.${memberOf(effect)}`] : [];
-      return `  changed = ${effect.hooks[hook]}(${['changed', ...passed, ...own].join(', ')});`;
+      return `  changed = ${effect.hooks[hook]}(${['changed', ...passed, ...selected, ...own].join(', ')});`;
     });
     functions.push(
       `fn ${name}(${[`unchanged: ${type}`, ...others].join(', ')}) -> ${type} {`,
@@ -138,14 +149,25 @@ function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
           `@group(0) @binding(${PARAMETERS_BINDING}) var<uniform> effects: Effects;`,
         ]
       : [];
+  const selection = effects.some(({ takesSelection }) => takesSelection)
+    ? [
+        `@group(0) @binding(${SELECTED_BINDING}) var<storage, read> selectedBits: array<u32>;`,
+        'fn isSelected(splatIndex: u32) -> bool {',
+        '  return extractBits(selectedBits[splatIndex / 32u], splatIndex % 32u, 1u) == 1u;',
+        '}',
+      ]
+    : [];
   return {
-    effects: [...imports, ...uniform, ...functions].join('\n'),
+    effects: [...imports, ...uniform, ...selection, ...functions].join('\n'),
     parameters: [...structs, `struct Effects {\n${members.join('\n')}\n}`].join('\n'),
     ...Object.fromEntries(effects.map((effect) => [moduleNameOf(effect), effect.wgsl])),
   };
 }
 
-/** What stages that apply effects are bound to for it: nothing where these have no parameters. */
-export function effectBindings({ parameterBytes }: EffectSet): StageDefinition['bindings'] {
-  return parameterBytes > 0 ? { effects: [PARAMETERS_BINDING, 'uniform'] } : {};
+/** What a stage that applies effects at these hooks is bound to for it: nothing that none of them takes. */
+export function effectBindings(set: EffectSet, hooks: readonly SelectionHook[]): StageDefinition['bindings'] {
+  const bindings: Record<string, readonly [number, BindingKind]> = {};
+  if (set.parameterBytes > 0) bindings.effects = [PARAMETERS_BINDING, 'uniform'];
+  if (takesSelection(set, hooks)) bindings.selectedBits = [SELECTED_BINDING, 'read'];
+  return bindings;
 }

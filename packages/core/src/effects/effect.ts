@@ -1,10 +1,12 @@
 import { InvalidArgumentError } from '../errors.ts';
 import { type GpuFields, type GpuStruct, type GpuValues, gpuStruct } from '../layout/gpu-struct.ts';
 import type { Vec3 } from '../math/mat4.ts';
+import type { SplatSelection } from '../scene/splat-selection.ts';
 
 /**
  * Where an effect's shader takes part, by the names of its functions. Each function has the effect's parameters as its last
- * argument, a struct named like the effect (`wind-sway`: `WindSway`), where there are any.
+ * argument, a struct named like the effect (`wind-sway`: `WindSway`), where there are any. Before it, those for splats and
+ * colours have `selected: bool`, where the effect takes a selection.
  */
 export interface EffectHooks {
   /**
@@ -55,6 +57,8 @@ export interface SplatEffect {
   readonly wgsl: string;
   /** What its functions take last; null where they take nothing more. */
   readonly parameters: GpuStruct<GpuFields> | null;
+  /** Whether its functions are told which splats are selected. */
+  readonly takesSelection: boolean;
 }
 
 /** An effect with what a caller says of it, for one cloud of one frame. Made by the effect's own function: `tint([1, 0, 0])`. */
@@ -62,9 +66,11 @@ export interface EffectUse {
   readonly effect: SplatEffect;
   /** As the caller gave them. */
   readonly options: unknown;
-  /** Why it takes part, in words; null where the options change nothing, and it takes no part. */
+  /** Why it takes part at this moment, in words; null where the options change nothing, and it takes no part. */
   readonly reason: string | null;
   readonly reach: EffectReach;
+  /** Null where it takes none. */
+  readonly selection: SplatSelection | null;
   /** Contents of its parameters; null where it has none. */
   valuesAt(place: EffectPlace): GpuValues<GpuFields> | null;
 }
@@ -78,6 +84,8 @@ export interface EffectDefinition<Options, Fields extends GpuFields>
   readonly calledFor: (options: Options) => string | null;
   /** @throws InvalidArgumentError for options that mean nothing. */
   readonly check?: (options: Options) => void;
+  /** Which splats its functions are told are selected; default it takes no selection. */
+  readonly selection?: (options: Options) => SplatSelection;
   /** Contents of the fields. */
   readonly valuesAt?: (options: Options, place: EffectPlace) => GpuValues<Fields>;
   /** Default: it moves nothing and nothing grows. */
@@ -102,7 +110,8 @@ const NO_REACH: EffectReach = { displacement: 0, growth: 1 };
 export function defineEffect<Options, const Fields extends GpuFields = Record<never, never>>(
   definition: EffectDefinition<Options, Fields>,
 ): EffectFunction<Options> {
-  const { name, label, about, hooks, wgsl, fields, calledFor, check, valuesAt, reach } = definition;
+  const { name, label, about, hooks, wgsl, fields, calledFor, check, selection, valuesAt, reach } =
+    definition;
   if (!/^[a-z][a-z0-9]*(-[a-z0-9]+)*$/.test(name)) {
     const message = `An effect is named "${name}"; names are lower case with hyphens, like "wind-sway".`;
     throw new InvalidArgumentError('name', message);
@@ -110,14 +119,19 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
   if (Object.keys(hooks).length === 0)
     throw new InvalidArgumentError('hooks', `The effect ${name} has no hooks: it would change nothing.`);
   const parameters = fields ? (gpuStruct(structName(name), fields) as GpuStruct<GpuFields>) : null;
-  const effect: SplatEffect = { name, label, about, hooks, wgsl, parameters };
+  const takesSelection = selection !== undefined;
+  const effect: SplatEffect = { name, label, about, hooks, wgsl, parameters, takesSelection };
   const use = (options: Options): EffectUse => {
     check?.(options);
     return {
       effect,
       options,
-      reason: calledFor(options),
+      // What is selected changes.
+      get reason() {
+        return calledFor(options);
+      },
       reach: reach?.(options) ?? NO_REACH,
+      selection: selection?.(options) ?? null,
       valuesAt: (place) => valuesAt?.(options, place) ?? null,
     };
   };

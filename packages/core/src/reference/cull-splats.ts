@@ -85,6 +85,7 @@ function changedSplat(set: SplatSet, index: number, effects: readonly EffectTwin
   const { positions, rotations, logScales } = set;
   const [at3, at4] = [3 * index, 4 * index];
   let splat: SplatValues = {
+    row: set.fileIndices[index],
     position: [positions[at3], positions[at3 + 1], positions[at3 + 2]],
     opacity: opacityOf(set.opacityLogits[index]),
     rotation: [rotations[at4], rotations[at4 + 1], rotations[at4 + 2], rotations[at4 + 3]],

@@ -7,7 +7,7 @@ import { identity4, type Vec3 } from '../math/mat4.ts';
 import { cloudView } from '../scene/cloud-view.ts';
 import { dropNonFinite } from '../scene/drop-non-finite.ts';
 import { mortonOrder, permuteSplats } from '../scene/morton-order.ts';
-import type { SplatSet } from '../scene/splat-set.ts';
+import type { ShDegree, SplatSet } from '../scene/splat-set.ts';
 import { cullSplat, type VisibleSplat } from './cull-splats.ts';
 import { type TwinFunction, twinsOf } from './effects/twins.ts';
 import { splatColor } from './project.ts';
@@ -20,6 +20,8 @@ export interface ReferenceFrame {
     readonly modelMatrix?: ArrayLike<number>;
     /** Multiplies every splat's opacity, 0…1; default 1. */
     readonly opacity?: number;
+    /** As in a frame. */
+    readonly shDegree?: ShDegree;
     /** As in a frame. */
     readonly effects?: readonly EffectUse[];
   }[];
@@ -86,12 +88,13 @@ type ReferenceSettings = Required<NonNullable<ReferenceFrame['settings']>>;
 /** The picture at the size that splats are blended at. */
 function renderLayer(frame: ReferenceFrame, settings: ReferenceSettings): ReferencePicture {
   const { camera, widthPx, heightPx, hostDepths } = frame;
-  const { alphaCutoff, shDegree } = settings;
+  const { alphaCutoff } = settings;
   const projection = projectionOf(camera, widthPx, heightPx);
   const image = { widthPx, heightPx, data: new Float64Array(4 * widthPx * heightPx) };
   const drawn: DrawnSplat[] = [];
   for (const instance of frame.clouds) {
     const { set, modelMatrix = identity4() } = instance;
+    const shDegree = Math.min(settings.shDegree, instance.shDegree ?? 3) as ShDegree;
     const finite = dropNonFinite(set);
     const stored = permuteSplats(finite, mortonOrder(finite.positions, finite.count));
     const view = cloudView(camera.viewMatrix, modelMatrix, stored.origin, projection.isOrthographic);

@@ -49,7 +49,7 @@ export function cullSplats({
       visibilityMasks: [5, 'read-write'],
       splatOffsets: [6, 'read-write'],
       depthRange: [7, 'read-write'],
-      ...effectBindings(acting),
+      ...effectBindings(acting, ['splat']),
     },
   };
 }

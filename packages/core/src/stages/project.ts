@@ -35,7 +35,7 @@ export function project(variant: ProjectVariant): StageDefinition {
     geometry: [5, 'read'],
     projected: [6, 'read-write'],
     keys: [7, 'read-write'],
-    ...effectBindings(effects),
+    ...effectBindings(effects, ['splat', 'color']),
   };
   if (shDegree >= 1) bindings.shRest = [8, 'read'];
   return {

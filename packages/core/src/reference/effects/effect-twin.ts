@@ -3,6 +3,8 @@ import type { ScreenCovariance } from '../covariance.ts';
 
 /** A splat in float64 as effects see and change it, in its cloud's space, about the cloud's origin. */
 export interface SplatValues {
+  /** Its row in its file. */
+  readonly row: number;
   readonly position: Vec3;
   /** Peak opacity, 0…1. */
   readonly opacity: number;

@@ -1,0 +1,56 @@
+import fc from 'fast-check';
+import { describe, expect, test } from 'vitest';
+import { InvalidArgumentError } from '../errors.ts';
+import { SplatSelection } from './splat-selection.ts';
+
+const rows = fc.array(fc.nat(300));
+const steps = fc.array(fc.record({ what: fc.constantFrom('add', 'delete'), rows }));
+
+describe('a selection', () => {
+  test('has the rows that a set of numbers has', () => {
+    fc.assert(
+      fc.property(steps, rows, (changes, asked) => {
+        const selection = new SplatSelection();
+        const twin = new Set<number>();
+        for (const { what, rows } of changes) {
+          selection[what](rows);
+          for (const row of rows) twin[what](row);
+        }
+        expect(selection.count).toBe(twin.size);
+        for (const row of asked) expect(selection.has(row)).toBe(twin.has(row));
+        const bits = selection.bitsOf(Uint32Array.from(asked));
+        expect(bits.length).toBe(Math.ceil(asked.length / 32));
+        for (const [i, row] of asked.entries())
+          expect((bits[Math.floor(i / 32)] >>> (i % 32)) & 1).toBe(twin.has(row) ? 1 : 0);
+      }),
+    );
+  });
+
+  test('has another version after every change, and only then', () => {
+    const selection = new SplatSelection();
+    const versions = [selection.version];
+    const change = (changing: () => void) => {
+      changing();
+      versions.push(selection.version);
+    };
+    change(() => selection.add([3, 40, 3]));
+    change(() => selection.delete([40]));
+    change(() => selection.clear());
+    expect(new Set(versions).size).toBe(4);
+    const { version } = selection;
+    selection.clear();
+    selection.add([]);
+    selection.delete([3, 1000]);
+    expect(selection.version).toBe(version);
+    expect(selection.count).toBe(0);
+  });
+
+  for (const row of [-1, 0.5, Number.NaN, 2 ** 31])
+    test(`refuses row ${row}, and stays as it was`, () => {
+      const selection = new SplatSelection();
+      selection.add([1]);
+      expect(() => selection.add([2, row])).toThrow(InvalidArgumentError);
+      expect(() => selection.delete([1, row])).toThrow(/rows are whole numbers/);
+      expect([selection.has(1), selection.has(2), selection.count]).toEqual([true, false, 1]);
+    });
+});
