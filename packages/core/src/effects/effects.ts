@@ -2,14 +2,23 @@ import { InvalidArgumentError } from '../errors.ts';
 import type { CloudInstance } from '../scene/view-frame.ts';
 import { antialias } from './antialias.ts';
 import { brightness } from './brightness.ts';
+import { clip } from './clip.ts';
 import type { EffectReach, EffectUse, SplatEffect } from './effect.ts';
+import { fog } from './fog.ts';
 import { opacity } from './opacity.ts';
+import { reveal } from './reveal.ts';
 import { tint } from './tint.ts';
 
 /** All effects that a caller can ask for of a cloud, in the order in which they act. */
-export const CLOUD_EFFECTS: readonly SplatEffect[] = [opacity, antialias, brightness, tint].map(
-  ({ effect }) => effect,
-);
+export const CLOUD_EFFECTS: readonly SplatEffect[] = [
+  clip,
+  reveal,
+  opacity,
+  antialias,
+  brightness,
+  tint,
+  fog,
+].map(({ effect }) => effect);
 
 /**
  * What takes part in drawing a cloud, in the order in which it acts: effects of the caller's own as they are given, since

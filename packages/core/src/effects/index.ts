@@ -1,6 +1,15 @@
 export { antialias } from './antialias.ts';
 export { brightness } from './brightness.ts';
 export {
+  type ClipBox,
+  type ClipOptions,
+  type ClipPlane,
+  type ClipSphere,
+  type ClipVolume,
+  clip,
+  type Quaternion,
+} from './clip.ts';
+export {
   defineEffect,
   type EffectDefinition,
   type EffectFunction,
@@ -10,5 +19,7 @@ export {
   type EffectUse,
   type SplatEffect,
 } from './effect.ts';
+export { type FogBetween, type FogOfDensity, type FogOptions, fog } from './fog.ts';
 export { opacity } from './opacity.ts';
+export { type RevealOptions, reveal } from './reveal.ts';
 export { tint } from './tint.ts';

@@ -1,13 +1,23 @@
 import type { EffectUse } from '../effects/effect.ts';
 import { CLOUD_EFFECTS } from '../effects/effects.ts';
-import { antialias, brightness, opacity, tint } from '../effects/index.ts';
+import { antialias, brightness, clip, fog, opacity, reveal, tint } from '../effects/index.ts';
 
 /** Uses of every effect in CLOUD_EFFECTS that change a picture of a cloud within ±1 of the origin. */
 export const EFFECT_EXAMPLES: readonly EffectUse[] = [
+  clip({
+    volumes: [
+      { shape: 'box', center: [0.1, 0, 0.1], size: [2, 1.5, 2], rotation: [0.1, 0.4, -0.2, 0.9] },
+      { shape: 'sphere', center: [0.4, 0.2, 0.5], radius: 0.3, keep: 'outside' },
+      { shape: 'plane', point: [-0.5, 0, 0], normal: [2, 0.4, 0] },
+    ],
+    softEdge: 0.1,
+  }),
+  reveal({ from: [0.3, 0.1, 0.2], radius: 1, softEdge: 0.4 }),
   opacity(0.6),
   antialias(),
   brightness(1.8),
   tint([1, 0.4, 0.8]),
+  fog({ color: [0.5, 0.6, 0.8], near: 0.5, far: 3 }),
 ];
 
 for (const { name } of CLOUD_EFFECTS) {

@@ -1,8 +1,11 @@
 import type { EffectPlace, EffectUse } from '../../effects/effect.ts';
 import { antialiasTwin } from './antialias.ts';
 import { brightnessTwin } from './brightness.ts';
+import { clipTwin } from './clip.ts';
 import type { EffectTwin } from './effect-twin.ts';
+import { fogTwin } from './fog.ts';
 import { opacityTwin } from './opacity.ts';
+import { revealTwin } from './reveal.ts';
 import { tintTwin } from './tint.ts';
 
 /** Makes the twin of an effect with these options, for a cloud that stands there. */
@@ -10,10 +13,13 @@ export type TwinFunction = (options: never, place: EffectPlace) => EffectTwin;
 
 /** Of the effects in CLOUD_EFFECTS, by name. */
 export const EFFECT_TWINS: Readonly<Record<string, TwinFunction>> = {
+  clip: clipTwin,
+  reveal: revealTwin,
   opacity: opacityTwin,
   antialias: antialiasTwin,
   brightness: brightnessTwin,
   tint: tintTwin,
+  fog: fogTwin,
 };
 
 /**

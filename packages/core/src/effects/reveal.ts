@@ -1,0 +1,57 @@
+import { linearPart, multiply4, translated4, type Vec3 } from '../math/mat4.ts';
+import { effectShader } from '../shaders.ts';
+import { defineEffect } from './effect.ts';
+import { checkLength, checkVector, invalidOption } from './option-checks.ts';
+
+export interface RevealOptions {
+  /** Where the cloud appears from: a point of the world, or wherever the camera is. */
+  readonly from: Vec3 | 'camera';
+  /**
+   * What is farther away than this is not there; world units, 0 or more. At 0 there is nothing, at Infinity everything, and
+   * the effect is off: the end of an animation.
+   */
+  readonly radius: number;
+  /** Width of the band inside of the radius in which splats fade in, world units; default 0, a hard edge. */
+  readonly softEdge?: number;
+  /** Whether splats in the band also grow from nothing to their size; default true. */
+  readonly grow?: boolean;
+}
+
+/** Lets a cloud appear outward from a point, as far as the caller's `radius` has come. */
+export const reveal = /* @__PURE__ */ defineEffect<
+  RevealOptions,
+  { linear: 'mat3x3f'; offset: 'vec3f'; radius: 'f32'; softEdge: 'f32'; grows: 'u32' }
+>({
+  name: 'reveal',
+  label: 'Reveal',
+  about: 'Lets a cloud appear outward from a point or from the camera.',
+  hooks: { splat: 'revealSplat' },
+  wgsl: effectShader('reveal'),
+  fields: { linear: 'mat3x3f', offset: 'vec3f', radius: 'f32', softEdge: 'f32', grows: 'u32' },
+  check({ from, radius, softEdge = 0 }) {
+    const place = 'where the cloud appears from, "camera" or a point in world space';
+    if (typeof from === 'string') {
+      if (from !== 'camera') throw invalidOption('from', from, `${place}: 3 finite numbers`);
+    } else checkVector('from', from, place);
+    if (radius !== Number.POSITIVE_INFINITY)
+      checkLength('radius', radius, 'how far the cloud is there, Infinity for all of it');
+    checkLength('softEdge', softEdge, 'the width of the band in which splats fade in');
+  },
+  calledFor: ({ from, radius }) =>
+    radius === Number.POSITIVE_INFINITY
+      ? null
+      : `only what is within ${radius} of ${from === 'camera' ? 'the camera' : from.join(', ')} is there`,
+  valuesAt({ from, radius, softEdge = 0, grow = true }, { modelMatrix, origin, viewMatrix }) {
+    // Distances from the camera are those from view space's origin: the view matrix is rigid. Both in float64, and about
+    // the cloud's origin, like the shader's positions.
+    const toPlace = translated4(from === 'camera' ? multiply4(viewMatrix, modelMatrix) : modelMatrix, origin);
+    const start = from === 'camera' ? [0, 0, 0] : from;
+    return {
+      linear: Array.from(linearPart(toPlace)),
+      offset: start.map((coordinate, axis) => toPlace[12 + axis] - coordinate),
+      radius,
+      softEdge,
+      grows: grow ? 1 : 0,
+    };
+  },
+});

@@ -1,0 +1,51 @@
+import type { ClipBox, ClipOptions, ClipVolume } from '../../effects/clip.ts';
+import type { EffectPlace } from '../../effects/effect.ts';
+import { transform3, type Vec3 } from '../../math/mat4.ts';
+import { rotationMatrix } from '../covariance.ts';
+import { edgeFade } from './edge-fade.ts';
+import type { EffectTwin } from './effect-twin.ts';
+import { worldPosition } from './world-position.ts';
+
+export function clipTwin({ volumes, softEdge = 0 }: ClipOptions, place: EffectPlace): EffectTwin {
+  return {
+    changeSplat(splat) {
+      const position = worldPosition(splat.position, place);
+      const clearances = volumes.map((volume) => {
+        const depth = depthInside(volume, position);
+        return volume.keep === 'outside' ? -depth : depth;
+      });
+      return { ...splat, opacity: splat.opacity * edgeFade(Math.min(...clearances), softEdge) };
+    },
+  };
+}
+
+/** How far inside of a volume a point of the world is; negative outside. */
+function depthInside(volume: ClipVolume, position: Vec3): number {
+  switch (volume.shape) {
+    case 'box':
+      return depthInBox(volume, position);
+    case 'sphere':
+      return volume.radius - Math.hypot(...difference(position, volume.center));
+    case 'plane': {
+      const { normal, point } = volume;
+      const offset = difference(position, point);
+      const along = normal[0] * offset[0] + normal[1] * offset[1] + normal[2] * offset[2];
+      return along / Math.hypot(...normal);
+    }
+  }
+}
+
+function depthInBox({ center, size, rotation = [0, 0, 0, 1] }: ClipBox, position: Vec3): number {
+  const [x, y, z, w] = rotation;
+  // Row by row, read column by column: its transpose, which turns back.
+  const back = rotationMatrix(w, x, y, z);
+  const beyond = transform3(back, difference(position, center)).map(
+    (offset, axis) => Math.abs(offset) - size[axis] / 2,
+  );
+  const outside = Math.hypot(...beyond.map((distance) => Math.max(0, distance)));
+  return outside > 0 ? -outside : -Math.max(...beyond);
+}
+
+function difference(a: Vec3, b: Vec3): Vec3 {
+  return [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+}

@@ -1,0 +1,21 @@
+import type { FogOptions } from '../../effects/fog.ts';
+import { decodeSrgb, encodeSrgb } from '../srgb.ts';
+import { edgeFade } from './edge-fade.ts';
+import type { EffectTwin } from './effect-twin.ts';
+
+export function fogTwin(options: FogOptions): EffectTwin {
+  return {
+    changeColor([r, g, b], _splat, _index, centerView) {
+      const hidden = hiddenAt(options, -centerView[2]);
+      const fogged = (value: number, channel: 0 | 1 | 2) =>
+        encodeSrgb((1 - hidden) * decodeSrgb(value) + hidden * decodeSrgb(options.color[channel]));
+      return [fogged(r, 0), fogged(g, 1), fogged(b, 2)];
+    },
+  };
+}
+
+/** Part of a splat's light that fog has taken the place of at a view depth. */
+function hiddenAt(options: FogOptions, depthView: number): number {
+  if ('density' in options) return 1 - Math.exp(-((options.density * depthView) ** 2));
+  return edgeFade(depthView - options.near, options.far - options.near);
+}

@@ -1,0 +1,17 @@
+// Mixes colours with that of fog, the more of it the farther away, in linear light: as meshes beside them are fogged.
+import package::lib::edge_fade::edgeFade;
+import package::lib::packing::Splat;
+import package::lib::srgb::decodeSrgb;
+import package::lib::srgb::encodeSrgb;
+import parameters::Fog;
+
+fn fogColor(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f, parameters: Fog) -> vec3f {
+  let depthView = -centerView.z;
+  var hidden = edgeFade(depthView - parameters.near, parameters.range);
+  if (parameters.density > 0.0) {
+    // e⁻²⁵⁶ is 0 in float32, the square of a larger number may be infinite.
+    let thickness = min(parameters.density * abs(depthView), 16.0);
+    hidden = 1.0 - exp(-thickness * thickness);
+  }
+  return encodeSrgb(mix(decodeSrgb(color), decodeSrgb(parameters.color), hidden));
+}
