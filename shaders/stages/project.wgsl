@@ -28,7 +28,8 @@ import package::lib::visible_ellipse::screenSplat;
 @group(0) @binding(2) var<storage, read> pagePlans: array<PagePlan>;
 @group(0) @binding(3) var<storage, read> survivors: array<u32>;
 /// Ordered bits of the farthest and, inverted, of the nearest depth.
-@group(0) @binding(4) var<storage, read> depthRange: array<u32, 2>;
+/// A uniform, since stages may have no more than eight storage buffers.
+@group(0) @binding(4) var<uniform> depthRange: vec2u;
 @group(0) @binding(5) var<storage, read> geometry: array<array<vec4u, GEOMETRY_VECTORS>>;
 @group(0) @binding(6) var<storage, read_write> projected: array<ProjectedSplat>;
 @group(0) @binding(7) var<storage, read_write> keys: array<u32>;

@@ -91,6 +91,7 @@ export class BlendedLayer {
     const projection = projectionOf(camera, layer.widthPx, layer.heightPx);
     frame.writeUniforms(viewUniforms(projection, shape), pageUniforms(viewFrame, projection, frame));
     frame.writeEffects(effectUniforms(viewFrame, frame.effectsStrideBytes));
+    frame.writeSelections(viewFrame.clouds);
     if (shape.depth) frame.writeHostDepth(hostDepthUniform(camera, shape.depth.mapping));
     this.#picture = { camera, widthPx, heightPx };
     return this.#resize(widthPx, heightPx, shape);

@@ -7,6 +7,8 @@ import { roundUp } from './layout/gpu-struct.ts';
 import { FrameParameters, HostDepth, Page, PagePlan, PROJECTED_SPLATS, View } from './layout/structs.ts';
 import type { CloudPage, CloudPages } from './scene/cloud-planes.ts';
 import type { ShDegree } from './scene/splat-set.ts';
+import type { CloudInstance } from './scene/view-frame.ts';
+import { SelectionBits } from './selection-bits.ts';
 import { compactChunks } from './stages/compact-chunks.ts';
 import { compactSplats } from './stages/compact-splats.ts';
 import { cullChunks } from './stages/cull-chunks.ts';
@@ -64,7 +66,7 @@ function bufferTable(shape: FrameShape, pageCount: number, chunkCount: number): 
     splatOffsets: [4 * (chunkCount + 1), STORAGE],
     // A binding holds at least one element, also where there is nothing to draw.
     pagePlans: [PagePlan.bytes * Math.max(1, pageCount), STORAGE],
-    depthRange: [8, STORAGE],
+    depthRange: [8, STORAGE | UNIFORM],
     visibleCount: [4, STORAGE],
     cullDispatches: [12 * (pageCount + 1), STORAGE | INDIRECT],
     projectDispatches: [12 * pageCount, STORAGE | INDIRECT],
@@ -106,6 +108,7 @@ export class FrameResources {
   readonly hostDepth: GPUBuffer | null = null;
   /** Parameters of the clouds' effects, `effectsStrideBytes` apart; null where there are none. */
   #effects: GPUBuffer | null = null;
+  readonly #selections: SelectionBits;
   readonly chunkScan: PrefixScan;
   readonly splatScan: PrefixScan;
   readonly sort: RadixSort;
@@ -122,6 +125,7 @@ export class FrameResources {
     this.#pipelines = pipelines;
     this.#memory = memory;
     this.#queue = device.queue;
+    this.#selections = new SelectionBits(memory, device.queue);
     this.#pages = pagesOf(shape.planes);
     this.chunkCount = this.pages.reduce((sum, page) => sum + page.chunkCount, 0);
     this.totalSplats = shape.clouds.reduce((sum, cloud) => sum + cloud.count, 0);
@@ -182,8 +186,8 @@ export class FrameResources {
   /** Goes over to another shape that `hasSameBuffers`: other shaders, other planes of the same clouds. */
   reshape(shape: FrameShape): void {
     this.#shape = shape;
-    this.#makeEffects();
     this.#pages = pagesOf(shape.planes);
+    this.#makeEffects();
     this.#groups = this.#bind();
   }
 
@@ -203,7 +207,13 @@ export class FrameResources {
     if (this.#effects) this.#queue.writeBuffer(this.#effects, 0, contents);
   }
 
+  /** @param clouds of the frame, for shapes with effects that are told what is selected of them. */
+  writeSelections(clouds: readonly CloudInstance[]): void {
+    this.#selections.write(clouds);
+  }
+
   destroy(): void {
+    this.#selections.destroy();
     if (this.#effects) this.#memory.destroy(this.#effects);
     this.chunkScan?.destroy();
     this.splatScan?.destroy();
@@ -212,8 +222,9 @@ export class FrameResources {
     if (this.hostDepth) this.#memory.destroy(this.hostDepth);
   }
 
-  /** Room for the parameters of the shape's effects, where what there is does not fit. */
+  /** Room for what the shape's effects take, where what there is does not fit. */
   #makeEffects(): void {
+    this.#selections.reshape(this.#shape, this.#pages);
     const bytes = effectsStride(this.#shape) * this.#shape.clouds.length;
     if ((this.#effects?.size ?? 0) === bytes) return;
     if (this.#effects) this.#memory.destroy(this.#effects);
@@ -261,6 +272,7 @@ export class FrameResources {
           offset: cloudIndex * stride,
           size: stride,
         };
+        const selectedBits = this.#selections.bindingOf(index);
         const own = {
           ...buffers,
           page,
@@ -269,6 +281,7 @@ export class FrameResources {
           keys: sort.keys,
           ...(shRest && { shRest }),
           ...(parameters && { effects: parameters }),
+          ...(selectedBits && { selectedBits }),
         };
         return {
           cullChunks: pipelines.bindGroup(cullChunks, own),

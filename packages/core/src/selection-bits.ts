@@ -5,7 +5,6 @@ import type { FrameShape } from './frame-shape.ts';
 import type { GpuMemory } from './gpu/gpu-memory.ts';
 import { CHUNK_SPLATS } from './layout/constants.ts';
 import { roundUp } from './layout/gpu-struct.ts';
-import { numberOf } from './number-of.ts';
 import type { CloudInstance } from './scene/view-frame.ts';
 
 /** Storage buffers are bound at multiples of this many bytes. */
@@ -28,8 +27,8 @@ export class SelectionBits {
   #buffer: GPUBuffer | null = null;
   /** By page of the frame; null where nobody asks. */
   #slices: readonly (PageSlice | null)[] = [];
-  /** By cloud of the frame: which selection, at which version. */
-  readonly #written = new Map<number, string>();
+  /** By cloud of the frame: the version of its selection. */
+  readonly #written = new Map<number, number>();
 
   constructor(memory: GpuMemory, queue: GPUQueue) {
     this.#memory = memory;
@@ -59,16 +58,14 @@ export class SelectionBits {
     if (!this.#buffer) return;
     for (const [cloudIndex, instance] of clouds.entries()) {
       const selection = usesOf(instance).find((use) => use.selection)?.selection;
-      if (!selection) continue;
-      const state = `${numberOf(selection)} ${selection.version}`;
-      if (this.#written.get(cloudIndex) === state) continue;
+      if (!selection || this.#written.get(cloudIndex) === selection.version) continue;
       for (const slice of this.#slices) {
         if (slice?.cloudIndex !== cloudIndex) continue;
         const { splatStart, splatCount, byteOffset } = slice;
         const rows = instance.cloud.fileIndices.subarray(splatStart, splatStart + splatCount);
         this.#queue.writeBuffer(this.#buffer, byteOffset, selection.bitsOf(rows));
       }
-      this.#written.set(cloudIndex, state);
+      this.#written.set(cloudIndex, selection.version);
     }
   }
 

@@ -5,6 +5,7 @@ import { brightness } from './brightness.ts';
 import { clip } from './clip.ts';
 import type { EffectReach, EffectUse, SplatEffect } from './effect.ts';
 import { fog } from './fog.ts';
+import { highlight } from './highlight.ts';
 import { opacity } from './opacity.ts';
 import { reveal } from './reveal.ts';
 import { tint } from './tint.ts';
@@ -17,6 +18,7 @@ export const CLOUD_EFFECTS: readonly SplatEffect[] = [
   antialias,
   brightness,
   tint,
+  highlight,
   fog,
 ].map(({ effect }) => effect);
 
@@ -24,7 +26,7 @@ export const CLOUD_EFFECTS: readonly SplatEffect[] = [
  * What takes part in drawing a cloud, in the order in which it acts: effects of the caller's own as they are given, since
  * they may move splats, then those of CLOUD_EFFECTS.
  *
- * @throws InvalidArgumentError where an effect is used twice, or the opacity is out of range.
+ * @throws InvalidArgumentError where an effect is used twice, two take different selections, or the opacity is out of range.
  */
 export function usesOf(instance: Pick<CloudInstance, 'opacity' | 'effects'>): readonly EffectUse[] {
   const { effects = [] } = instance;
@@ -35,9 +37,13 @@ export function usesOf(instance: Pick<CloudInstance, 'opacity' | 'effects'>): re
     const message = `The effect ${twice} is used twice for one cloud; use it once, with all that it is to do.`;
     throw new InvalidArgumentError('effects', message);
   }
-  return uses
-    .filter(({ reason }) => reason !== null)
-    .toSorted((a, b) => CLOUD_EFFECTS.indexOf(a.effect) - CLOUD_EFFECTS.indexOf(b.effect));
+  const acting = uses.filter(({ reason }) => reason !== null);
+  const selecting = acting.filter(({ selection }) => selection !== null);
+  if (selecting.some(({ selection }) => selection !== selecting[0].selection)) {
+    const message = `The effects ${selecting.map(({ effect }) => effect.name).join(', ')} of one cloud take different selections; give all of them the same one.`;
+    throw new InvalidArgumentError('effects', message);
+  }
+  return acting.toSorted((a, b) => CLOUD_EFFECTS.indexOf(a.effect) - CLOUD_EFFECTS.indexOf(b.effect));
 }
 
 /** How far all of `uses` together may take splats from where they are stored. */

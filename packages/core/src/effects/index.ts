@@ -1,3 +1,4 @@
+export { SplatSelection } from '../scene/splat-selection.ts';
 export { antialias } from './antialias.ts';
 export { brightness } from './brightness.ts';
 export {
@@ -20,6 +21,7 @@ export {
   type SplatEffect,
 } from './effect.ts';
 export { type FogBetween, type FogOfDensity, type FogOptions, fog } from './fog.ts';
+export { type HighlightOptions, highlight } from './highlight.ts';
 export { opacity } from './opacity.ts';
 export { type RevealOptions, reveal } from './reveal.ts';
 export { tint } from './tint.ts';

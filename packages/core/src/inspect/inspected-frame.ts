@@ -123,6 +123,7 @@ export class InspectedFrame {
     const resources = new FrameResources(device, pipelines, memory, shape);
     resources.writeUniforms(viewUniforms(projection, shape), pageUniforms(viewFrame, projection, resources));
     resources.writeEffects(effectUniforms(viewFrame, resources.effectsStrideBytes));
+    resources.writeSelections(viewFrame.clouds);
     const target = device.createTexture({
       size: [layer.widthPx, layer.heightPx],
       format: accuracy.colorTarget,

@@ -3,6 +3,8 @@ import { InvalidArgumentError } from '../errors.ts';
 /** Rows are told apart up to here: those of any file that fits a device. */
 const LAST_ROW = 2 ** 31 - 1;
 
+let versionsGiven = 0;
+
 /**
  * Splats that were chosen, by their rows in the file: a bit each. The same selection does for every cloud of that file, and
  * outlives it; rows that a cloud does not have are not drawn there. Nothing of it is on the GPU but while it is drawn.
@@ -11,14 +13,14 @@ export class SplatSelection {
   /** Bit `row % 32` of word `row / 32`; rows beyond are not selected. */
   #words = new Uint32Array();
   #count = 0;
-  #version = 0;
+  #version = ++versionsGiven;
 
   /** How many rows are selected. */
   get count(): number {
     return this.#count;
   }
 
-  /** Another number after every change. */
+  /** Another number after every change, which no other selection has. */
   get version(): number {
     return this.#version;
   }
@@ -41,7 +43,7 @@ export class SplatSelection {
     if (this.#count === 0) return;
     this.#words = new Uint32Array();
     this.#count = 0;
-    this.#version++;
+    this.#version = ++versionsGiven;
   }
 
   /** @internal A bit per entry of `rows`, the first one lowest: whether that row is selected. */
@@ -65,7 +67,7 @@ export class SplatSelection {
       this.#words[Math.floor(row / 32)] ^= 1 << (row % 32);
       this.#count += isSelected ? 1 : -1;
     }
-    if (this.#count !== before) this.#version++;
+    if (this.#count !== before) this.#version = ++versionsGiven;
   }
 
   #reserve(row: number): void {

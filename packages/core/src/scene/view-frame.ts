@@ -83,7 +83,7 @@ export function keyOf(
     parts.push(numberOf(cloud), numberOf(cloud.pagesFor(settings)), Array.from(modelMatrix));
     const place = { modelMatrix, origin: cloud.origin, viewMatrix: camera.viewMatrix };
     for (const use of usesOf(instance))
-      parts.push(numberOf(use.effect), Object.values(use.valuesAt(place) ?? {}));
+      parts.push(numberOf(use.effect), Object.values(use.valuesAt(place) ?? {}), use.selection?.version);
   }
   return JSON.stringify(parts);
 }

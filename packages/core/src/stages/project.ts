@@ -31,7 +31,7 @@ export function project(variant: ProjectVariant): StageDefinition {
     page: [1, 'uniform'],
     pagePlans: [2, 'read'],
     survivors: [3, 'read'],
-    depthRange: [4, 'read'],
+    depthRange: [4, 'uniform'],
     geometry: [5, 'read'],
     projected: [6, 'read-write'],
     keys: [7, 'read-write'],

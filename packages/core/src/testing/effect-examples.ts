@@ -1,6 +1,10 @@
 import type { EffectUse } from '../effects/effect.ts';
 import { CLOUD_EFFECTS } from '../effects/effects.ts';
-import { antialias, brightness, clip, fog, opacity, reveal, tint } from '../effects/index.ts';
+import { antialias, brightness, clip, fog, highlight, opacity, reveal, tint } from '../effects/index.ts';
+import { SplatSelection } from '../scene/splat-selection.ts';
+
+const everyThird = new SplatSelection();
+everyThird.add(Array.from({ length: 400 }, (_, i) => 3 * i));
 
 /** Uses of every effect in CLOUD_EFFECTS that change a picture of a cloud within ±1 of the origin. */
 export const EFFECT_EXAMPLES: readonly EffectUse[] = [
@@ -17,6 +21,7 @@ export const EFFECT_EXAMPLES: readonly EffectUse[] = [
   antialias(),
   brightness(1.8),
   tint([1, 0.4, 0.8]),
+  highlight({ selection: everyThird, color: [1, 0.6, 0], strength: 0.7 }),
   fog({ color: [0.5, 0.6, 0.8], near: 0.5, far: 3 }),
 ];
 

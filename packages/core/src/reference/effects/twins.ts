@@ -4,6 +4,7 @@ import { brightnessTwin } from './brightness.ts';
 import { clipTwin } from './clip.ts';
 import type { EffectTwin } from './effect-twin.ts';
 import { fogTwin } from './fog.ts';
+import { highlightTwin } from './highlight.ts';
 import { opacityTwin } from './opacity.ts';
 import { revealTwin } from './reveal.ts';
 import { tintTwin } from './tint.ts';
@@ -19,6 +20,7 @@ export const EFFECT_TWINS: Readonly<Record<string, TwinFunction>> = {
   antialias: antialiasTwin,
   brightness: brightnessTwin,
   tint: tintTwin,
+  highlight: highlightTwin,
   fog: fogTwin,
 };
 
