@@ -83,7 +83,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    expect(await links.count()).toBe(7);
+    expect(await links.count()).toBe(8);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -233,6 +233,30 @@ describe('examples', () => {
     const size = await sizeOf(page);
     const psnrDb = referencePicture(drawnFrom([0.12, 0.45, 1.44], size), [testScene()], size);
     await expect.poll(async () => psnrDb(await picture(page)), PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  });
+
+  it('accuracy takes settings by name, or an outcome, and says what it chose for that and why', async () => {
+    // So small that half the resolution does not do.
+    const scale = [0.01, 0.01, 0.01] as const;
+    const positions = Array.from({ length: 25 }, (_, i): Vec3 => [(i % 5) / 5 - 0.4, i / 25 - 0.4, 0]);
+    const color = [0.1, 0.2, 0.4] as const;
+    const scene = splatSet(positions.map((position) => ({ position, scale, color, opacity: 0.9 })));
+    const page = await openExample('accuracy', scene);
+    const size = await sizeOf(page);
+    const psnrDb = referencePicture(drawnFrom([0.12, 0.45, 1.44], size), [scene], size);
+    const shownDb = async () => psnrDb(await picture(page));
+    await expect.poll(shownDb, PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    const request = page.getByRole('combobox', { name: 'Accuracy' });
+    await request.selectOption('Half the resolution');
+    await expect.poll(shownDb, PATIENCE).toBeLessThan(MIN_PSNR_DB);
+    await request.selectOption('At least 45 dB');
+    const why = page.getByRole('status');
+    expect(await why.textContent()).toContain('Measuring');
+    await expect.poll(() => why.textContent(), PATIENCE).toMatch(/^“.*” is the fastest .*45 dB: .* in .* ms/);
+    await expect.poll(shownDb, PATIENCE).toBeGreaterThanOrEqual(44);
+    await request.selectOption('Balanced');
+    await why.waitFor({ state: 'detached' });
+    await expect.poll(shownDb, PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
   it('several-views shows each camera its own picture', async () => {

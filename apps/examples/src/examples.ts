@@ -38,6 +38,11 @@ const DESCRIPTIONS = [
     title: 'Several views',
     about: 'One scene from three cameras side by side, each sorted for itself, uploaded once.',
   },
+  {
+    name: 'accuracy',
+    title: 'Accuracy',
+    about: 'Settings by name, or an outcome: what keeps it is measured, chosen and explained.',
+  },
 ] as const;
 
 export interface Example {
