@@ -1,0 +1,46 @@
+import { describe, expect, test } from 'vitest';
+import { InvalidArgumentError } from '../errors.ts';
+import { SplatSelection } from '../scene/splat-selection.ts';
+import { defineEffect } from './effect.ts';
+import { usesOf } from './effects.ts';
+import { highlight } from './highlight.ts';
+
+const selection = new SplatSelection();
+selection.add([4]);
+const HIGHLIGHT = { selection, color: [1, 1, 0], strength: 0.5 } as const;
+
+describe('highlight', () => {
+  test('takes part as soon as anything is selected, and no longer', () => {
+    const changing = new SplatSelection();
+    const use = highlight({ ...HIGHLIGHT, selection: changing });
+    expect(use.reason).toBeNull();
+    changing.add([1]);
+    expect(use.reason).toBe('1 splat is selected');
+    changing.add([1, 2]);
+    expect(use.reason).toBe('2 splats are selected');
+    changing.clear();
+    expect(use.reason).toBeNull();
+    expect(highlight({ ...HIGHLIGHT, strength: 0 }).reason).toBeNull();
+  });
+
+  test('refuses colours and strengths out of range', () => {
+    expect(() => highlight({ ...HIGHLIGHT, color: [1, 1.2, 0] })).toThrow(InvalidArgumentError);
+    expect(() => highlight({ ...HIGHLIGHT, color: [1, Number.NaN, 0] })).toThrow(/1, NaN, 0/);
+    expect(() => highlight({ ...HIGHLIGHT, strength: -0.1 })).toThrow(/strength of the highlight is -0.1/);
+  });
+
+  test('of one selection does not go with an effect of another', () => {
+    const hide = defineEffect<SplatSelection>({
+      name: 'test-hide',
+      label: 'Hide',
+      about: 'Hides what is selected.',
+      hooks: { splat: 'hideSplat' },
+      wgsl: '',
+      calledFor: () => 'it is to be hidden',
+      selection: (options) => options,
+    });
+    expect(usesOf({ effects: [highlight(HIGHLIGHT), hide(selection)] })).toHaveLength(2);
+    const effects = [highlight(HIGHLIGHT), hide(new SplatSelection())];
+    expect(() => usesOf({ effects })).toThrow(/highlight, test-hide .* different selections/);
+  });
+});
