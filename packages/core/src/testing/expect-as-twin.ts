@@ -1,0 +1,66 @@
+import { expect } from 'vitest';
+import { DILATION_PX2 } from '../accuracy.ts';
+import { InspectedFrame, type InspectOptions } from '../inspect/inspected-frame.ts';
+import { readRecords, type SplatRecord } from '../inspect/read-records.ts';
+import { cullSplat } from '../reference/cull-splats.ts';
+import { splatColor } from '../reference/project.ts';
+
+/**
+ * Draws clouds and holds every splat against float64: which are drawn, and where, how large, how opaque and of what
+ * colour, each within `tolerance` of its size. In doubt, at the cutoff's opacity, a splat may be drawn or not; whoever calls this keeps centres off hard
+ * edges.
+ *
+ * @returns how many splats of each cloud are drawn.
+ */
+export async function expectAsTwin(
+  device: GPUDevice,
+  options: InspectOptions,
+  tolerance: number,
+): Promise<readonly number[]> {
+  const frame = await InspectedFrame.draw(device, options);
+  try {
+    return await compare(frame, tolerance);
+  } finally {
+    frame.destroy();
+  }
+}
+
+async function compare(frame: InspectedFrame, tolerance: number): Promise<number[]> {
+  const { alphaCutoff, shDegree } = frame.accuracy;
+  const records = new Map<string, SplatRecord>();
+  for (const record of await readRecords(frame)) {
+    const { cloud, index } = frame.locate(record.splat);
+    records.set(`${frame.clouds.indexOf(cloud)} ${index}`, record);
+  }
+  return frame.clouds.map(({ stored, view, effects }, cloudIndex) => {
+    let count = 0;
+    for (let index = 0; index < stored.count; index++) {
+      const name = `splat ${index} of cloud ${cloudIndex}`;
+      const record = records.get(`${cloudIndex} ${index}`);
+      const settings = { alphaCutoff, dilationPx2: DILATION_PX2, effects };
+      const twin = cullSplat(stored, index, view, frame.projection, settings);
+      if (!record || !twin) {
+        const opacity = twin?.opacity ?? record?.color[3] ?? 0;
+        if (opacity > alphaCutoff * (1 + tolerance)) expect.fail(`${name}: only one of both has it`);
+        continue;
+      }
+      count++;
+      const { a, c } = twin.covariance;
+      const [x, y] = record.majorPx;
+      const spread = (x * x + y * y + record.minorLengthPx ** 2) / 2;
+      const pairs: (readonly [string, number, number, number])[] = [
+        ['opacity', record.color[3], twin.opacity, 1],
+        ['a + c', spread, a + c, a + c],
+        ['x', record.centerPx[0], twin.centerPx[0], 64],
+        ['y', record.centerPx[1], twin.centerPx[1], 64],
+        ...splatColor(stored, index, view, shDegree, twin, effects).map(
+          (value, channel) => [`colour ${channel}`, record.color[channel], value, 1] as const,
+        ),
+      ];
+      for (const [what, got, expected, size] of pairs)
+        if (!(Math.abs(got - expected) <= tolerance * size))
+          expect.fail(`${name}: ${what} is ${got}, in float64 ${expected}`);
+    }
+    return count;
+  });
+}
