@@ -72,6 +72,8 @@ describe('accuracyChart', () => {
 
   test('labels every point, marks the front and the base, and escapes what it is given', () => {
     for (const [name] of ROWS) expect(chart).toContain(`>${name}</text>`);
+    // A combination is a letter in the plot, and a line of the key.
+    expect(chart.match(/>A<\/text>/g)).toHaveLength(2);
     expect(chart.match(/class="dot onFront"/g)!.length).toBeGreaterThan(8);
     expect(chart).toContain('garden &lt;1&gt; &amp; more');
     expect(chart).not.toMatch(/NaN|Infinity|undefined/);

@@ -1,4 +1,5 @@
 import type { AccuracyPoint, AccuracyTable } from '@websplatter/core/measure';
+import { isInterval } from './accuracy-report.ts';
 import { type Box, placeLabels } from './label-placement.ts';
 
 const WIDTH = 800;
@@ -8,6 +9,8 @@ const PLOT: Box = { left: 64, top: 66, right: 776, bottom: 440 };
 const EQUAL_Y = PLOT.top + 18;
 const SCALE_TOP = PLOT.top + 48;
 const DOT_RADIUS = 4;
+/** Combinations are letters in the plot, where their names would cover the rest, and are listed below it. */
+const KEY_ROW_PX = 16;
 
 const STYLE = `
   svg { color-scheme: light dark; background: #fff; font: 11px system-ui, sans-serif; }
@@ -23,7 +26,7 @@ const STYLE = `
     .dot.onFront { fill: #58a6ff; stroke: #58a6ff; } .dot.base { stroke: #f0883e; } .label.onFront { fill: #79c0ff; }
   }`;
 
-/** Error over time as an SVG of 800×500 px that needs nothing else: accurate is up, fast is left. */
+/** Error over time as an SVG of 800 px, 500 high or more, that needs nothing else: accurate is up, fast is left. */
 export function accuracyChart(table: AccuracyTable, scene: string): string {
   const { points } = table;
   const x = timeScale(points);
@@ -33,9 +36,17 @@ export function accuracyChart(table: AccuracyTable, scene: string): string {
     x: x.at(point.timeMs.total.median),
     y: y.at(point.error.psnrDb),
   }));
+  const combinations = points.filter(({ name }) => name.includes(', '));
+  const letters = new Map(combinations.map((point, i) => [point, String.fromCharCode(65 + i)]));
+  const height = HEIGHT + (combinations.length > 0 ? KEY_ROW_PX * combinations.length + 8 : 0);
   const front = placed.filter(({ point }) => point.isOnFront).sort((a, b) => a.x - b.x);
   const labels = placeLabels(
-    placed.map(({ point, x, y }) => ({ x, y, text: point.name, isFirst: point.isOnFront })),
+    placed.map(({ point, x, y }) => ({
+      x,
+      y,
+      text: letters.get(point) ?? point.name,
+      isFirst: point.isOnFront,
+    })),
     PLOT,
     DOT_RADIUS,
     [
@@ -85,10 +96,14 @@ export function accuracyChart(table: AccuracyTable, scene: string): string {
     ),
     ...placed.map(({ point, x, y }) => dot(point, x, y, table)),
     ...labels.map(({ x, y, text: name, isFirst }) => text(x, y, name, isFirst ? 'label onFront' : 'label')),
-    ...legend(),
+    ...legend(frames),
+    ...[...letters].flatMap(([{ name }, letter], i) => [
+      text(PLOT.left + 3, HEIGHT + KEY_ROW_PX * i + 14, letter, 'label'),
+      text(PLOT.left + 16, HEIGHT + KEY_ROW_PX * i + 14, name, 'quiet'),
+    ]),
   ];
   return [
-    `<svg xmlns="http://www.w3.org/2000/svg" width="${WIDTH}" height="${HEIGHT}" viewBox="0 0 ${WIDTH} ${HEIGHT}" role="img">`,
+    `<svg xmlns="http://www.w3.org/2000/svg" width="${WIDTH}" height="${height}" viewBox="0 0 ${WIDTH} ${height}" role="img">`,
     `<title>What accuracy costs in time: ${escaped(scene)}</title>`,
     `<style>${STYLE}\n</style>`,
     ...elements.filter((element) => element !== ''),
@@ -97,7 +112,7 @@ export function accuracyChart(table: AccuracyTable, scene: string): string {
   ].join('\n');
 }
 
-function legend(): string[] {
+function legend(frames: number): string[] {
   const y = HEIGHT - 12;
   const entry = (x: number, mark: string, label: string) => [mark, text(x + 10, y + 4, label, 'quiet')];
   return [
@@ -114,7 +129,7 @@ function legend(): string[] {
     ...entry(
       PLOT.left + 440,
       line(PLOT.left + 430, y, PLOT.left + 444, y, 'spread'),
-      '95 % interval of the median',
+      isInterval(frames) ? '95 % interval of the median' : 'all that was measured',
     ),
   ];
 }

@@ -20,6 +20,14 @@ const COLUMNS: readonly Column[] = [
 /** These two are read from their left. */
 const LEFT_ALIGNED = 2;
 
+/** Fewer frames than this have no interval of 95 %: then it is all that was measured. */
+const INTERVAL_FRAMES = 6;
+
+/** Whether the intervals of a table of so many frames hold the median with 95 %. */
+export function isInterval(frames: number): boolean {
+  return frames >= INTERVAL_FRAMES;
+}
+
 /** The table for people, fastest first. */
 export function accuracyText(table: AccuracyTable, scene: string): string {
   const points = [...table.points].sort((a, b) => a.timeMs.total.median - b.timeMs.total.median);
@@ -50,7 +58,7 @@ export function accuracyText(table: AccuracyTable, scene: string): string {
     '',
     '> the base   * on the front: nothing measured is both more accurate and faster',
     'Errors are against the reference; maximum and 99.9th percentile in steps of 8 bits.',
-    `Times are medians of ${measured}, by ${timing === 'gpu-timestamps' ? 'GPU timestamps' : 'the wall clock'}; the interval holds the median with 95 %.`,
+    `Times are medians of ${measured}, by ${timing === 'gpu-timestamps' ? 'GPU timestamps' : 'the wall clock'}; the interval ${isInterval(frames) ? 'holds the median with 95 %' : 'is all that was measured'}.`,
     `Measured in ${(elapsedMs / 1000).toFixed(1)} s.`,
     ...[...new Set(notes)].map((note) => `note: ${note}`),
     '',
