@@ -1,0 +1,107 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { SplatEngine } from '../engine.ts';
+import type { TwinFunction } from '../reference/effects/twins.ts';
+import { compareImages, renderReference } from '../reference/index.ts';
+import { SplatSelection } from '../scene/splat-selection.ts';
+import { expectAsTwin } from '../testing/expect-as-twin.ts';
+import { randomSplats } from '../testing/random-splats.ts';
+import { testCameras } from '../testing/test-cameras.ts';
+import { defineEffect } from './effect.ts';
+import { highlight } from './highlight.ts';
+
+const SIZE = { widthPx: 32, heightPx: 32 };
+const camera = testCameras(1).perspective;
+const SET = randomSplats({ count: 700, seed: 61, shDegree: 1, logScales: [-4, -2] });
+const RED = [1, 0, 0] as const;
+
+function selectionOf(rows: readonly number[]): SplatSelection {
+  const selection = new SplatSelection();
+  selection.add(rows);
+  return selection;
+}
+const marked = (selection: SplatSelection, strength = 1) => highlight({ selection, color: RED, strength });
+
+const hide = defineEffect<SplatSelection>({
+  name: 'test-hide',
+  label: 'Hide',
+  about: 'Hides what is selected.',
+  hooks: { splat: 'hideSplat' },
+  wgsl: `import package::lib::packing::Splat;
+fn hideSplat(splat: Splat, splatIndex: u32, selected: bool) -> Splat {
+  var hidden = splat;
+  hidden.opacity = select(splat.opacity, 0.0, selected);
+  return hidden;
+}`,
+  calledFor: () => 'what is selected is to be hidden',
+  selection: (selection) => selection,
+});
+const effectTwins: Record<string, TwinFunction> = {
+  'test-hide': (selection: SplatSelection) => ({
+    changeSplat: (splat) => (selection.has(splat.row) ? { ...splat, opacity: 0 } : splat),
+  }),
+};
+
+let device: GPUDevice;
+beforeAll(async () => {
+  device = await createTestDevice();
+});
+afterAll(() => device?.destroy());
+
+describe('a highlight', () => {
+  gpuTest('shows rows of the file in whatever order and on whatever page they are stored', async () => {
+    const odd = selectionOf(Array.from({ length: 350 }, (_, i) => 2 * i + 1));
+    // One is stored, the other is not.
+    const two = selectionOf([699, 5000]);
+    const place = [0.8, 0, 0, 0, 0, 0.8, 0, 0, 0, 0, 0.8, 0, 0.2, 0, 0, 1];
+    const clouds = [
+      { set: SET, effects: [marked(odd)], splatsPerPage: 256 },
+      { set: SET, modelMatrix: place },
+      { set: SET, modelMatrix: place, effects: [marked(two, 0.3)], splatsPerPage: 512 },
+    ];
+    await expectAsTwin(device, { clouds, camera, ...SIZE }, 1e-4);
+  });
+
+  gpuTest('follows its selection, and holds nothing while that is empty', async () => {
+    const engine = await SplatEngine.create({ device, accuracy: 'high' });
+    const view = engine.createView();
+    const cloud = engine.add(SET);
+    const selection = new SplatSelection();
+    const effects = [marked(selection)];
+    const frame = { camera, clouds: [{ cloud, effects }], ...SIZE };
+    const draw = async () => {
+      view.render(frame);
+      const { data } = await view.readPixels();
+      const twin = renderReference({ clouds: [{ set: SET, effects }], camera, ...SIZE });
+      expect(compareImages(data, twin.data, SIZE).psnrDb).toBeGreaterThan(45);
+      return data;
+    };
+    const labels = () => engine.memory().resources.map(({ label }) => label);
+
+    const plain = await draw();
+    expect(labels()).not.toContain('frame selections');
+    selection.add(Array.from({ length: 200 }, (_, i) => i));
+    const some = await draw();
+    expect(some).not.toEqual(plain);
+    expect(labels()).toContain('frame selections');
+    expect(view.render(frame)).toBe(false);
+    selection.delete([0, 1, 2, 3, 4, 5, 6, 7]);
+    expect(await draw()).not.toEqual(some);
+    selection.clear();
+    expect(await draw()).toEqual(plain);
+    expect(labels()).not.toContain('frame selections');
+    engine.destroy();
+  });
+});
+
+gpuTest('effects that change splats are told what is selected too', async () => {
+  const engine = await SplatEngine.create({ device, accuracy: 'high' });
+  const view = engine.createView();
+  const selection = selectionOf(Array.from({ length: 350 }, (_, i) => 2 * i));
+  const effects = [hide(selection), marked(selection)];
+  view.render({ camera, clouds: [{ cloud: engine.add(SET), effects }], ...SIZE });
+  const { data } = await view.readPixels();
+  const twin = renderReference({ clouds: [{ set: SET, effects }], effectTwins, camera, ...SIZE });
+  expect(compareImages(data, twin.data, SIZE).psnrDb).toBeGreaterThan(60);
+  engine.destroy();
+});
