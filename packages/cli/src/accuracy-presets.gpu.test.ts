@@ -27,8 +27,8 @@ import { afterAll, beforeAll, describe, expect } from 'vitest';
 
 const IS_FULL = process.env.WEBSPLATTER_FULL !== undefined;
 const SIZE = IS_FULL ? { widthPx: 128, heightPx: 128 } : { widthPx: 64, heightPx: 64 };
-/** Measured after one that is not: software needs seconds for some. */
-const TIMED_FRAMES = IS_FULL ? 9 : 1;
+/** Measured after one that is not; where there are none, that one's own time has to do: software needs a second for some. */
+const TIMED_FRAMES = IS_FULL ? 9 : 0;
 
 /** What is drawn, the most exact first. */
 const ROWS: Readonly<Record<string, Accuracy>> = {
@@ -68,7 +68,7 @@ async function measureRows(set: SplatSet, camera: Camera): Promise<Record<string
     for (const [name, accuracy] of Object.entries(ROWS)) {
       const drawn = name === 'reference' ? reference : view;
       await hold(cloud, accuracy);
-      await drawTimed(drawn, { ...frame, accuracy });
+      const firstMs = await drawTimed(drawn, { ...frame, accuracy });
       const { data } = await drawn.readPixels();
       const againstReference = await comparePictures(drawn, reference);
       const raw = compareImages(data, float64.data, SIZE);
@@ -81,7 +81,7 @@ async function measureRows(set: SplatSet, camera: Camera): Promise<Record<string
         pngDb: png.psnrDb,
         maxError: raw.maxError,
         againstReferenceDb: againstReference.psnrDb,
-        timesMs: timesMs.sort((a, b) => a - b),
+        timesMs: TIMED_FRAMES > 0 ? timesMs.sort((a, b) => a - b) : [firstMs],
       };
     }
   } finally {
@@ -132,7 +132,7 @@ function report(scene: string, rows: Record<string, Row>): void {
   const { widthPx, heightPx } = SIZE;
   console.info(
     [
-      `${scene}, ${widthPx}×${heightPx}, ${engine.adapterLabel}; frames timed: ${TIMED_FRAMES}`,
+      `${scene}, ${widthPx}×${heightPx}, ${engine.adapterLabel}; time of ${TIMED_FRAMES > 0 ? `${TIMED_FRAMES} frames` : 'the first frame alone'}`,
       ...lines,
       '`paper` is not on the line from `reference` to `fast`: what it loses most is colours above 1, which a byte cannot hold.',
     ].join('\n'),
