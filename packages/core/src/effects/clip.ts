@@ -47,9 +47,23 @@ export interface ClipOptions {
 }
 
 const MOST_VOLUMES = 8;
+/** Volumes one by one, see shaders/effects/clip.wgsl. */
+const FIELDS = {
+  volume0: 'mat4x4f',
+  volume1: 'mat4x4f',
+  volume2: 'mat4x4f',
+  volume3: 'mat4x4f',
+  volume4: 'mat4x4f',
+  volume5: 'mat4x4f',
+  volume6: 'mat4x4f',
+  volume7: 'mat4x4f',
+  volumeCount: 'u32',
+  softEdge: 'f32',
+} as const;
 /** What shaders/effects/clip.wgsl calls a volume whose inside is kept; a plane is turned around instead. */
 const KINDS = { plane: 0, sphere: 1, box: 2 } as const;
-const NOTHING = [0, 0, 0, 0];
+const NO_AXIS = [0, 0, 0, 0];
+const NO_VOLUME = Array<number>(16).fill(0);
 const AXES: readonly Vec3[] = [
   [1, 0, 0],
   [0, 1, 0],
@@ -61,16 +75,13 @@ const AXES: readonly Vec3[] = [
  * Each is kept or left out as a whole, and so reaches past the surface by its own size; within `softEdge` of the surface it
  * is the fainter the nearer it is.
  */
-export const clip = /* @__PURE__ */ defineEffect<
-  ClipOptions,
-  { volumes: 'array<vec4f, 32>'; volumeCount: 'u32'; softEdge: 'f32' }
->({
+export const clip = /* @__PURE__ */ defineEffect<ClipOptions, typeof FIELDS>({
   name: 'clip',
   label: 'Clip',
   about: 'Cuts a cloud off at boxes, spheres and planes.',
   hooks: { splat: 'clipSplat' },
   wgsl: effectShader('clip'),
-  fields: { volumes: 'array<vec4f, 32>', volumeCount: 'u32', softEdge: 'f32' },
+  fields: FIELDS,
   check({ volumes, softEdge = 0 }) {
     if (!(volumes?.length >= 1 && volumes.length <= MOST_VOLUMES)) {
       const message = `There are ${volumes?.length ?? 'no'} volumes; clip takes 1 to ${MOST_VOLUMES}. To cut nothing off, leave the effect out.`;
@@ -84,9 +95,19 @@ export const clip = /* @__PURE__ */ defineEffect<
   valuesAt({ volumes, softEdge = 0 }, { modelMatrix, origin }) {
     // Shaders have positions about the cloud's origin: the product with it is taken in float64.
     const toWorld = translated4(modelMatrix, origin);
-    const values = volumes.flatMap((volume) => valuesOf(volume, toWorld));
-    const missing = Array<number>(16 * (MOST_VOLUMES - volumes.length)).fill(0);
-    return { volumes: [...values, ...missing], volumeCount: volumes.length, softEdge };
+    const at = (index: number) => (volumes[index] ? valuesOf(volumes[index], toWorld) : NO_VOLUME);
+    return {
+      volume0: at(0),
+      volume1: at(1),
+      volume2: at(2),
+      volume3: at(3),
+      volume4: at(4),
+      volume5: at(5),
+      volume6: at(6),
+      volume7: at(7),
+      volumeCount: volumes.length,
+      softEdge,
+    };
   },
 });
 
@@ -116,7 +137,7 @@ function checkVolume(name: string, volume: ClipVolume): void {
   }
 }
 
-/** Of one volume x, y, z and shape, as clip.wgsl has them. */
+/** Of one volume the columns that clip.wgsl takes. */
 function valuesOf(volume: ClipVolume, toWorld: Mat4): number[] {
   const side = volume.keep === 'outside' ? -1 : 1;
   const kind = side * KINDS[volume.shape];
@@ -134,7 +155,7 @@ function valuesOf(volume: ClipVolume, toWorld: Mat4): number[] {
       const [x, y, z] = volume.normal;
       const length = side * Math.hypot(x, y, z);
       const row = distanceAlong([x / length, y / length, z / length], volume.point, toWorld);
-      return [...row, ...NOTHING, ...NOTHING, ...NOTHING];
+      return [...row, ...NO_AXIS, ...NO_AXIS, 0, 0, 0, KINDS.plane];
     }
   }
 }

@@ -10,6 +10,7 @@ const Mixed = gpuStruct('Mixed', {
   scale: 'f32',
   linear: 'mat3x3f',
   planes: 'array<vec4f, 6>',
+  toClip: 'mat4x4f',
   counts: 'vec2u',
   one: 'array<vec4f, 1>',
   color: 'vec4f',
@@ -38,6 +39,7 @@ describe('gpuStruct', () => {
         scale: 8,
         linear: sequence(9, 10),
         planes: sequence(24, 100),
+        toClip: sequence(16, 400),
         counts: [200, 201],
         one: [300, 301, 302, 303],
         color: [0.25, 0.5, 0.75, 1],
@@ -62,6 +64,7 @@ describe('gpuStruct', () => {
     expect(Array.from(words.subarray(at('counts'), at('counts') + 2))).toEqual([200, 201]);
     expect(Array.from(floats.subarray(at('one'), at('one') + 4))).toEqual([300, 301, 302, 303]);
     expect(Array.from(floats.subarray(at('color'), at('color') + 4))).toEqual([0.25, 0.5, 0.75, 1]);
+    expect(Array.from(floats.subarray(at('toClip'), at('toClip') + 16))).toEqual(sequence(16, 400));
     expect(words[at('last')]).toBe(9);
   });
 

@@ -16,6 +16,7 @@ const TYPES = {
   vec4f: { bytes: 16, alignment: 16, components: 4, scalar: 'f32' },
   /** Columns are padded to 16 bytes. */
   mat3x3f: { bytes: 48, alignment: 16, components: 9, scalar: 'f32' },
+  mat4x4f: { bytes: 64, alignment: 16, components: 16, scalar: 'f32' },
 } as const satisfies Record<string, TypeLayout>;
 
 type SimpleType = keyof typeof TYPES;
