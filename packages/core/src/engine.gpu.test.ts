@@ -13,7 +13,7 @@ import { type Mat4, translated4 } from './math/mat4.ts';
 import { compareImages, renderReference } from './reference/index.ts';
 import { packCloud } from './scene/packed-cloud.ts';
 import { SplatCloud } from './scene/splat-cloud.ts';
-import type { SplatSet } from './scene/splat-set.ts';
+import type { ShDegree, SplatSet } from './scene/splat-set.ts';
 import type { ViewFrame } from './scene/view-frame.ts';
 import { randomSplats, splatsOf } from './testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from './testing/test-cameras.ts';
@@ -53,6 +53,7 @@ interface Scene {
     readonly set: SplatSet;
     readonly modelMatrix?: ArrayLike<number>;
     readonly opacity?: number;
+    readonly shDegree?: ShDegree;
   }[];
   readonly camera: Camera;
 }
@@ -96,6 +97,14 @@ describe('pictures against the float64 reference', () => {
       expectAccurate({ clouds: [{ set: randomSplats({ count: 600, shDegree }) }], camera: CAMERA }),
     );
   }
+
+  gpuTest('clouds of degree 3, each up to a degree of its own', () => {
+    const clouds = ([0, 1, 2, 3, undefined] as const).map((shDegree, i) => ({
+      set: randomSplats({ count: 150, seed: 30 + i }),
+      shDegree,
+    }));
+    return expectAccurate({ clouds, camera: CAMERA });
+  });
 
   const first = randomSplats({ count: 400, seed: 2 });
   const second = randomSplats({
@@ -291,6 +300,18 @@ describe('a view', () => {
     cloud.destroy();
   });
 
+  gpuTest('is drawn again when the degree of a cloud changes; 3 is what there is without any', async () => {
+    const view = engines.balanced.createView();
+    const cloud = engines.balanced.add(randomSplats({ count: 300 }));
+    const frame = (shDegree?: ShDegree) => ({ camera: CAMERA, clouds: [{ cloud, shDegree }], ...SIZE });
+    const plain = await draw(view, frame());
+    expect(view.render(frame(3))).toBe(false);
+    expect(await draw(view, frame(1))).not.toEqual(plain);
+    expectSamePicture(await draw(view, frame(3)), plain);
+    view.destroy();
+    cloud.destroy();
+  });
+
   gpuTest('of no clouds, of an empty cloud and of clouds out of sight is empty', async () => {
     const engine = engines.balanced;
     const view = engine.createView();
@@ -321,6 +342,8 @@ describe('a view', () => {
     expect(() => view.render({ ...frame, clouds: [{ cloud, modelMatrix: [1, 2, 3] }] })).toThrow(/garden/);
     for (const opacity of [-0.1, 1.1, Number.NaN])
       expect(() => view.render({ ...frame, clouds: [{ cloud, opacity }] })).toThrow(/garden.*0…1/);
+    const shDegree = 4 as ShDegree;
+    expect(() => view.render({ ...frame, clouds: [{ cloud, shDegree }] })).toThrow(/garden.*degree 4/);
     const widthPx = device.limits.maxTextureDimension2D + 1;
     await draw(view, frame);
     expect(() => view.render({ ...frame, widthPx })).toThrow(InvalidArgumentError);

@@ -6,7 +6,6 @@ import { CHUNK_SPLATS } from './layout/constants.ts';
 import { roundUp } from './layout/gpu-struct.ts';
 import { FrameParameters, HostDepth, Page, PagePlan, PROJECTED_SPLATS, View } from './layout/structs.ts';
 import type { CloudPage, CloudPages } from './scene/cloud-planes.ts';
-import type { ShDegree } from './scene/splat-set.ts';
 import type { CloudInstance } from './scene/view-frame.ts';
 import { SelectionBits } from './selection-bits.ts';
 import { compactChunks } from './stages/compact-chunks.ts';
@@ -305,7 +304,7 @@ export function cullSplatsStage(
 
 /** The stage that projects the splats of one of the frame's clouds. */
 export function projectStage(shape: FrameShape, cloudIndex: number) {
-  const { isOrthographic, accuracy, shortensKeys, clouds, planes } = shape;
+  const { isOrthographic, accuracy, shortensKeys, clouds, planes, shDegrees } = shape;
   const { geometryPrecision, shPrecision } = planes[cloudIndex];
   const { shDegree } = clouds[cloudIndex];
   return project({
@@ -316,7 +315,7 @@ export function projectStage(shape: FrameShape, cloudIndex: number) {
     shortKeyBits: shortensKeys ? accuracy.sortKeyBits : null,
     maxColor: maxColor(accuracy),
     storedShDegree: shDegree,
-    shDegree: Math.min(accuracy.shDegree, shDegree) as ShDegree,
+    shDegree: shDegrees[cloudIndex],
     effects: shape.effects[cloudIndex],
   });
 }

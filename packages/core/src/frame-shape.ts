@@ -4,6 +4,7 @@ import { usesOf } from './effects/effects.ts';
 import type { CloudPages } from './scene/cloud-planes.ts';
 import { keyBitsFor } from './scene/key-bits.ts';
 import type { SplatCloud } from './scene/splat-cloud.ts';
+import type { ShDegree } from './scene/splat-set.ts';
 import type { ViewFrame } from './scene/view-frame.ts';
 import { visibleCapacity } from './scene/visible-capacity.ts';
 import type { RasterizeDepth } from './stages/rasterize.ts';
@@ -16,6 +17,8 @@ export interface FrameShape {
   readonly planes: readonly CloudPages[];
   /** Of each cloud the effects that it is drawn with. */
   readonly effects: readonly EffectSet[];
+  /** Of each cloud the degree of spherical harmonics that is evaluated. */
+  readonly shDegrees: readonly ShDegree[];
   readonly isOrthographic: boolean;
   readonly accuracy: AccuracySettings;
   /** Most workgroups in one dimension of a dispatch. */
@@ -46,6 +49,9 @@ export function shapeOf(
     clouds,
     planes: clouds.map((cloud) => cloud.pagesFor(accuracy)),
     effects: frame.clouds.map((instance) => effectSetOf(usesOf(instance))),
+    shDegrees: frame.clouds.map(
+      ({ cloud, shDegree = 3 }) => Math.min(accuracy.shDegree, shDegree, cloud.shDegree) as ShDegree,
+    ),
     isOrthographic: camera.projectionMatrix[11] === 0,
     accuracy,
     dispatchRow,
@@ -82,6 +88,7 @@ export function isSameShape(a: FrameShape, b: FrameShape): boolean {
     a.accuracy === b.accuracy &&
     a.planes.every((planes, i) => planes === b.planes[i]) &&
     a.effects.every((effects, i) => effects === b.effects[i]) &&
+    a.shDegrees.every((degree, i) => degree === b.shDegrees[i]) &&
     JSON.stringify(a.depth) === JSON.stringify(b.depth)
   );
 }

@@ -23,7 +23,7 @@ import { type CullPlane, cullPlanes } from '../scene/frustum.ts';
 import { mortonOrder, permuteSplats } from '../scene/morton-order.ts';
 import { type PackedCloud, packCloud } from '../scene/packed-cloud.ts';
 import { SplatCloud } from '../scene/splat-cloud.ts';
-import type { SplatSet } from '../scene/splat-set.ts';
+import type { ShDegree, SplatSet } from '../scene/splat-set.ts';
 import type { ViewFrame } from '../scene/view-frame.ts';
 import { GpuTimer } from '../timing/gpu-timer.ts';
 
@@ -111,6 +111,7 @@ export class InspectedFrame {
       clouds: instances.map(({ cloud }) => cloud),
       planes: instances.map(({ cloud }) => cloud.pagesFor(accuracy)),
       effects: instances.map((instance) => effectSetOf(usesOf(instance))),
+      shDegrees: instances.map(({ cloud }) => Math.min(accuracy.shDegree, cloud.shDegree) as ShDegree),
       isOrthographic: projection.isOrthographic,
       accuracy,
       dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,

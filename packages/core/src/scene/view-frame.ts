@@ -7,6 +7,7 @@ import { DestroyedError, InvalidArgumentError } from '../errors.ts';
 import { identity4, type Vec3 } from '../math/mat4.ts';
 import { numberOf } from '../number-of.ts';
 import type { SplatCloud } from './splat-cloud.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree } from './splat-set.ts';
 
 /** A cloud and where it stands. */
 export interface CloudInstance {
@@ -15,6 +16,11 @@ export interface CloudInstance {
   readonly modelMatrix?: ArrayLike<number>;
   /** Multiplies every splat's opacity, 0…1; default 1. At 0 nothing of the cloud is drawn. */
   readonly opacity?: number;
+  /**
+   * Colours depend on the view up to this degree of spherical harmonics, at most: what is stored above it is not read.
+   * Default 3, whatever is stored and the frame's accuracy asks for.
+   */
+  readonly shDegree?: ShDegree;
   /** Effects that this cloud is to be drawn with, each once: `[tint([1, 0.8, 0.6])]`. */
   readonly effects?: readonly EffectUse[];
 }
@@ -56,14 +62,22 @@ export function checkFrame({ camera, clouds, widthPx, heightPx }: ViewFrame): vo
     }
   }
   for (const instance of clouds) {
-    const { cloud, modelMatrix } = instance;
+    const { cloud, modelMatrix, shDegree = 3 } = instance;
     if (cloud.isDestroyed) throw new DestroyedError(`The cloud ${cloud.name}`, 'it was destroyed');
     if (modelMatrix && !isMatrix(modelMatrix)) {
       const message = `The model matrix of ${cloud.name} must be 16 finite numbers, column-major.`;
       throw new InvalidArgumentError('modelMatrix', message);
     }
-    // Throws for those that contradict each other.
-    usesOf(instance);
+    if (!(shDegree in SH_REST_COEFFICIENTS)) {
+      const message = `${cloud.name} is to be drawn with degree ${shDegree}; there are degrees 0, 1, 2 and 3.`;
+      throw new InvalidArgumentError('shDegree', message);
+    }
+    try {
+      usesOf(instance);
+    } catch (error) {
+      if (!(error instanceof InvalidArgumentError)) throw error;
+      throw new InvalidArgumentError(error.argument, `${cloud.name}: ${error.message}`);
+    }
   }
 }
 
@@ -79,8 +93,8 @@ export function keyOf(
   const parts: unknown[] = [widthPx, heightPx, background, camera.near, camera.far, numberOf(settings)];
   parts.push(Array.from(camera.viewMatrix), Array.from(camera.projectionMatrix));
   for (const instance of clouds) {
-    const { cloud, modelMatrix = identity4() } = instance;
-    parts.push(numberOf(cloud), numberOf(cloud.pagesFor(settings)), Array.from(modelMatrix));
+    const { cloud, modelMatrix = identity4(), shDegree = 3 } = instance;
+    parts.push(numberOf(cloud), numberOf(cloud.pagesFor(settings)), Array.from(modelMatrix), shDegree);
     const place = { modelMatrix, origin: cloud.origin, viewMatrix: camera.viewMatrix };
     for (const use of usesOf(instance))
       parts.push(numberOf(use.effect), Object.values(use.valuesAt(place) ?? {}), use.selection?.version);
