@@ -44,3 +44,9 @@ fn opacityOf(splat: ProjectedSplat) -> f32 {
   @if(RECORD_PAPER) return unpack4x8unorm(splat.color).w;
   @if(!RECORD_F32 && !RECORD_PAPER) return unpack2x16float(splat.color.y).y;
 }
+
+fn colorOf(splat: ProjectedSplat) -> vec3f {
+  @if(RECORD_F32) return splat.color.rgb;
+  @if(RECORD_PAPER) return unpack4x8unorm(splat.color).rgb;
+  @if(!RECORD_F32 && !RECORD_PAPER) return vec3f(unpack2x16float(splat.color.x), unpack2x16float(splat.color.y).x);
+}

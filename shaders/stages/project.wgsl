@@ -15,7 +15,9 @@ import package::lib::covariance::screenAxes;
 @if(!SHORT_KEYS) import package::lib::depth_key::depthKey;
 @if(SHORT_KEYS) import package::lib::depth_key::shortDepthKey;
 import package::lib::dispatch::linearWorkgroup;
+@if(COLOR_CACHE) import package::lib::kept_color::{colorOfKept, isKeptFor, keptColor};
 import package::lib::packing::GEOMETRY_VECTORS;
+import package::lib::packing::Splat;
 import package::lib::packing::unpackSplat;
 import package::lib::spherical_harmonics::shBase;
 import package::lib::spherical_harmonics::shBasis1;
@@ -34,6 +36,9 @@ import package::lib::visible_ellipse::screenSplat;
 @group(0) @binding(6) var<storage, read_write> projected: array<ProjectedSplat>;
 @group(0) @binding(7) var<storage, read_write> keys: array<u32>;
 @if(SH_1) @group(0) @binding(8) var<storage, read> shRest: array<u32>;
+/// In front the number of the viewpoint, then an entry per splat of the page.
+@if(COLOR_CACHE && RECORD_F32) @group(0) @binding(18) var<storage, read_write> keptColors: array<vec4u>;
+@if(COLOR_CACHE && !RECORD_F32) @group(0) @binding(18) var<storage, read_write> keptColors: array<vec2u>;
 
 @compute @workgroup_size(PROJECT_WORKGROUP)
 fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
@@ -49,8 +54,8 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
   let onScreen = screenSplat(view, page.linear, splat, centerView);
   let axes = screenAxes(onScreen.covariance, view.dilationPx2);
 
-  var color = shBase(splat.colorDc);
-  @if(SH_1) { color += shAboveBase(splatIndex, viewDirection(splat.position)); }
+  @if(!COLOR_CACHE) var color = evaluatedColor(splat, splatIndex);
+  @if(COLOR_CACHE) var color = keptOrEvaluatedColor(splat, splatIndex);
   // A negative radiance has no meaning, and would darken what is behind it; one beyond what the target holds would
   // become infinite there, and NaN under the next splat.
   @if(COLOR_EFFECTS) color = changeColor(max(color, vec3f(0.0)), splat, splatIndex, centerView);
@@ -73,6 +78,23 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
   @if(!SHORT_KEYS) let key = depthKey(onScreen.depthView, depthRange[0]);
   @if(SHORT_KEYS) let key = shortDepthKey(onScreen.depthView, depthRange[0], ~depthRange[1]);
   keys[index] = key;
+}
+
+fn evaluatedColor(splat: Splat, splatIndex: u32) -> vec3f {
+  var color = shBase(splat.colorDc);
+  @if(SH_1) { color += shAboveBase(splatIndex, viewDirection(splat.position)); }
+  return color;
+}
+
+@if(COLOR_CACHE)
+fn keptOrEvaluatedColor(splat: Splat, splatIndex: u32) -> vec3f {
+  let viewpoint = keptColors[0].x;
+  var kept = keptColors[splatIndex + 1u];
+  if (!isKeptFor(kept, viewpoint)) {
+    kept = keptColor(clamp(evaluatedColor(splat, splatIndex), vec3f(0.0), vec3f(MAX_COLOR)), viewpoint);
+    keptColors[splatIndex + 1u] = kept;
+  }
+  return colorOfKept(kept);
 }
 
 /// Largest float16: a longer axis keeps its direction, or it would be infinite.

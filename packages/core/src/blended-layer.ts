@@ -1,17 +1,21 @@
-import { layerSize } from './accuracy.ts';
+import { type AccuracySettings, layerSize } from './accuracy.ts';
 import { projectionOf } from './camera.ts';
+import { ColorCache, canKeep } from './color-cache.ts';
+import { effectSetOf } from './effects/effect-set.ts';
+import { usesOf } from './effects/effects.ts';
 import { InvalidArgumentError } from './errors.ts';
-import { recordCompute, recordRasterize, recordUpscale } from './frame.ts';
-import { FrameResources } from './frame-resources.ts';
-import { type FrameShape, hasSameBuffers, isSameShape, isScaled } from './frame-shape.ts';
+import { frameStages, recordCompute, recordKeepColors, recordRasterize, recordUpscale } from './frame.ts';
+import { type FramePage, FrameResources } from './frame-resources.ts';
+import { type FrameShape, hasSameBuffers, isSameShape, isScaled, shapeOf } from './frame-shape.ts';
 import { effectUniforms, hostDepthUniform, pageUniforms, viewUniforms } from './frame-uniforms.ts';
 import type { Counting } from './gpu/engine-counters.ts';
 import type { GpuMemory } from './gpu/gpu-memory.ts';
 import type { Pipelines } from './gpu/pipelines.ts';
 import { UpscaleParameters } from './layout/structs.ts';
 import { pickSplat, type SplatPick } from './pick.ts';
-import type { ViewFrame } from './scene/view-frame.ts';
+import { type FrameKeys, keysOf, type ViewFrame } from './scene/view-frame.ts';
 import { pick } from './stages/pick.ts';
+import type { RasterizeDepth } from './stages/rasterize.ts';
 import type { FrameStatistics } from './timing/frame-statistics.ts';
 import { GpuTimer } from './timing/gpu-timer.ts';
 import type { AccuracyContext } from './view-accuracy.ts';
@@ -27,6 +31,13 @@ export interface ViewContext extends AccuracyContext {
   readonly destroyedBecause: () => string | null;
 }
 
+/** A frame as it is to be drawn. */
+export interface FramePlan {
+  readonly frame: ViewFrame;
+  readonly keys: FrameKeys;
+  readonly shape: FrameShape;
+}
+
 /**
  * The splats of one view: their buffers, and the texture in which they are blended over nothing. Views decide when it is
  * drawn and what becomes of it.
@@ -34,6 +45,7 @@ export interface ViewContext extends AccuracyContext {
 export class BlendedLayer {
   readonly timer: GpuTimer;
   readonly #context: ViewContext;
+  readonly #colors: ColorCache;
   #frame: FrameResources | null = null;
   /** What views read, of the picture's size. */
   #textures: LayerTextures | null = null;
@@ -41,12 +53,15 @@ export class BlendedLayer {
   #blended: LayerTextures | null = null;
   #upscaleParameters: GPUBuffer | null = null;
   #frameNumber = 0;
-  #picture: Pick<ViewFrame, 'camera' | 'widthPx' | 'heightPx'> | null = null;
+  #prepared: FramePlan | null = null;
+  /** Whether all but the colours of the splats is as it was in the picture before. */
+  #isColorsOnly = false;
   #isDestroyed = false;
 
   constructor(context: ViewContext) {
     this.#context = context;
     this.timer = new GpuTimer(context.device, context.memory);
+    this.#colors = new ColorCache(context.memory, context.device.queue);
   }
 
   get frame(): FrameResources | null {
@@ -68,37 +83,83 @@ export class BlendedLayer {
     return this.#blended?.color ?? null;
   }
 
+  /** What a frame asks for; see `stopgapFor` where its shaders are not compiled yet. */
+  planFor(frame: ViewFrame, accuracy: AccuracySettings, depth: RasterizeDepth | null = null): FramePlan {
+    const { dispatchRow } = this.#context;
+    const shape = shapeOf(frame, { accuracy, dispatchRow, depth }, this.#frame?.shape);
+    return { frame, keys: keysOf(frame, accuracy), shape: this.#keepingColors(frame, shape) };
+  }
+
   /**
-   * Makes room for a frame of this shape and writes its uniforms.
+   * The same frame with the settings and effects of the last picture in place of those whose shaders are still compiling, so
+   * that nothing stands still for that; null where there is none, or it would be of other clouds.
+   */
+  stopgapFor({ frame, shape: { depth } }: FramePlan): FramePlan | null {
+    const last = this.#prepared;
+    if (!last || last.frame.clouds.length !== frame.clouds.length) return null;
+    if (JSON.stringify(last.shape.depth) !== JSON.stringify(depth)) return null;
+    if (frame.clouds.some(({ cloud }, i) => cloud !== last.frame.clouds[i].cloud)) return null;
+    const clouds = frame.clouds.map((instance, i) => {
+      const { opacity, effects, shDegree } = last.frame.clouds[i];
+      const drawn = last.shape.effects[i];
+      if (effectSetOf(usesOf(instance)) === drawn) return { ...instance, shDegree };
+      // One may have been called for only since then, by what was selected.
+      const before = effects?.filter(({ effect }) => drawn.effects.includes(effect));
+      return { ...instance, shDegree, opacity, effects: before };
+    });
+    const stopgap = this.planFor({ ...frame, clouds }, last.shape.accuracy, depth);
+    return this.#context.pipelines.areReady(frameStages(stopgap.shape)) ? stopgap : null;
+  }
+
+  /** Whether the splats of the last picture are those of this frame. */
+  isPrepared(frame: ViewFrame, accuracy: AccuracySettings, depth: RasterizeDepth | null = null): boolean {
+    const keys = keysOf(frame, accuracy);
+    const last = this.#prepared;
+    return (
+      last?.keys.order === keys.order &&
+      last.keys.colors === keys.colors &&
+      JSON.stringify(last.shape.depth) === JSON.stringify(depth)
+    );
+  }
+
+  /**
+   * Makes room for a frame and writes its uniforms.
    *
    * @returns whether the textures are others than before.
    * @throws InvalidArgumentError, GpuLimitError; the old picture stays then.
    */
-  update(viewFrame: ViewFrame, shape: FrameShape): boolean {
+  update(plan: FramePlan): boolean {
     const { device, pipelines, memory } = this.#context;
+    const { frame: viewFrame, shape, keys } = plan;
     const { camera, widthPx, heightPx } = viewFrame;
+    this.#isColorsOnly = !viewFrame.force && this.#prepared?.keys.order === keys.order;
     checkSize(device, widthPx, heightPx);
-    if (!this.#frame || !hasSameBuffers(this.#frame.shape, shape)) {
-      // The new one first: where it does not fit, the old picture stays.
-      const next = new FrameResources(device, pipelines, memory, shape);
-      this.#frame?.destroy();
-      this.#frame = next;
-    } else if (!isSameShape(this.#frame.shape, shape)) {
-      this.#frame.reshape(shape);
+    const last = this.#frame;
+    // The new buffers first: where they do not fit, the old picture stays.
+    const frame =
+      last && hasSameBuffers(last.shape, shape)
+        ? last
+        : new FrameResources(device, pipelines, memory, shape, this.#colors);
+    this.#keepColors(plan, frame.pages);
+    if (frame !== last) {
+      last?.destroy();
+      this.#frame = frame;
+      this.#isColorsOnly = false;
+    } else if (!isSameShape(last.shape, shape)) {
+      frame.reshape(shape);
     }
-    const frame = this.#frame;
     const layer = layerSize(viewFrame, shape.accuracy);
     const projection = projectionOf(camera, layer.widthPx, layer.heightPx);
     frame.writeUniforms(viewUniforms(projection, shape), pageUniforms(viewFrame, projection, frame));
     frame.writeEffects(effectUniforms(viewFrame, frame.effectsStrideBytes));
     frame.writeSelections(viewFrame.clouds);
     if (shape.depth) frame.writeHostDepth(hostDepthUniform(camera, shape.depth.mapping));
-    this.#picture = { camera, widthPx, heightPx };
+    this.#prepared = plan;
     return this.#resize(widthPx, heightPx, shape);
   }
 
   recordCompute(encoder: GPUCommandEncoder): void {
-    recordCompute(encoder, this.#context.pipelines, this.#frame!, this.timer);
+    recordCompute(encoder, this.#context.pipelines, this.#frame!, this.timer, this.#isColorsOnly);
     this.#context.counting.framesPrepared++;
   }
 
@@ -127,16 +188,17 @@ export class BlendedLayer {
   /** See `SplatView.pick`. */
   async pick(xPx: number, yPx: number): Promise<SplatPick | null> {
     const { pipelines } = this.#context;
-    while (this.#frame && this.#picture && !this.#isDestroyed) {
-      const { widthPx, heightPx } = this.#picture;
+    while (this.#frame && this.#prepared && !this.#isDestroyed) {
+      const picture = this.#prepared.frame;
+      const { widthPx, heightPx } = picture;
       if (!(xPx >= 0 && xPx < widthPx && yPx >= 0 && yPx < heightPx)) return null;
       const stage = pick(this.#frame.shape.accuracy.recordPrecision);
       if (pipelines.areReady([stage])) {
-        const layer = layerSize(this.#picture, this.#frame.shape.accuracy);
+        const layer = layerSize(picture, this.#frame.shape.accuracy);
         // The pixel of the layer behind the middle of the picture's.
         const layerX = ((Math.floor(xPx) + 0.5) * layer.widthPx) / widthPx;
         const layerY = ((Math.floor(yPx) + 0.5) * layer.heightPx) / heightPx;
-        return pickSplat(this.#context, this.#frame, { ...this.#picture, ...layer }, layerX, layerY);
+        return pickSplat(this.#context, this.#frame, { ...picture, ...layer }, layerX, layerY);
       }
       // While this compiles another frame may be drawn, with other records, or the last one.
       await pipelines.prepare([stage]);
@@ -148,9 +210,36 @@ export class BlendedLayer {
     this.#isDestroyed = true;
     const { memory } = this.#context;
     this.#frame?.destroy();
+    this.#colors.destroy();
     this.#freeTextures();
     if (this.#upscaleParameters) memory.destroy(this.#upscaleParameters);
     this.timer.destroy();
+  }
+
+  /** `shape` with colours kept of clouds that are seen again from one place, once the shaders for that are there. */
+  #keepingColors(frame: ViewFrame, shape: FrameShape): FrameShape {
+    const { pipelines } = this.#context;
+    const keeping = (keepsColors: readonly boolean[]) => ({ ...shape, keepsColors });
+    const wanted = keeping(this.#colors.wants(frame, shape));
+    const stages = frameStages(wanted);
+    const isPlain = !wanted.keepsColors.includes(true);
+    if (!isPlain && (pipelines.areReady(stages) || !pipelines.areReady(frameStages(shape)))) return wanted;
+    // What moves at all may come to turn in place.
+    if (this.#prepared && !frame.force) {
+      const possible = frame.clouds.map((instance, i) => canKeep(instance, shape, i));
+      if (possible.includes(true)) pipelines.prepare(frameStages(keeping(possible))).catch(() => {});
+    }
+    return shape;
+  }
+
+  /** Takes colours from the records that stand, before they are written anew or freed. */
+  #keepColors({ frame, shape }: FramePlan, nextPages: readonly FramePage[]): void {
+    const { device, pipelines } = this.#context;
+    const pages = this.#colors.begin(frame, shape, nextPages);
+    if (!this.#frame || pages.length === 0) return;
+    const encoder = device.createCommandEncoder({ label: 'websplatter keep colors' });
+    recordKeepColors(encoder, pipelines, this.#frame, pages);
+    device.queue.submit([encoder.finish()]);
   }
 
   #resize(widthPx: number, heightPx: number, shape: FrameShape): boolean {

@@ -1,13 +1,13 @@
 import type { ChooseAccuracyOptions } from './accuracy-wishes.ts';
-import { BlendedLayer, type ViewContext } from './blended-layer.ts';
+import { BlendedLayer, type FramePlan, type ViewContext } from './blended-layer.ts';
 import { DestroyedError, InvalidArgumentError } from './errors.ts';
 import { frameStages } from './frame.ts';
-import { type FrameShape, isScaled, shapeOf } from './frame-shape.ts';
+import { type FrameShape, isScaled } from './frame-shape.ts';
 import { HostViewport } from './layout/structs.ts';
 import type { AccuracyChoice } from './measure/choose-accuracy.ts';
 import type { SplatPick } from './pick.ts';
 import type { DepthConvention } from './scene/depth-convention.ts';
-import { checkFrame, keyOf, type ViewFrame } from './scene/view-frame.ts';
+import { checkFrame, type ViewFrame } from './scene/view-frame.ts';
 import { COMPOSED_COLOR_FORMAT, COMPOSED_DEPTH_FORMAT, compose, composeState } from './stages/compose.ts';
 import { type RasterizeDepth, TESTED_DEPTH_FORMAT } from './stages/rasterize.ts';
 import { resolveDepth, resolveDepthState } from './stages/resolve-depth.ts';
@@ -68,7 +68,6 @@ export class EmbeddedView {
   readonly #viewport: GPUBuffer;
   #textures: PictureTextures | null = null;
   #behindCopy: GPUTexture | null = null;
-  #preparedKey = '';
   #viewportKey = '';
   #isCompiling = false;
   #statistics: FrameStatistics | null = null;
@@ -115,22 +114,14 @@ export class EmbeddedView {
     if (isEmpty || this.#context.destroyedBecause() !== null) return false;
     const depth = this.#depthOf(frame);
     const accuracy = this.#accuracy.settingsFor(frame);
-    const key = `${keyOf(frame, accuracy)} ${JSON.stringify(depth)}`;
     const layer = this.#layer;
-    if (key !== this.#preparedKey) {
-      const { dispatchRow } = this.#context;
-      const shape = shapeOf(frame, { accuracy, dispatchRow, depth }, layer.frame?.shape);
-      if (!this.#isCompiled(shape)) return false;
-      layer.update(frame, shape);
-      layer.timer.begin();
-      const encoder = this.#context.device.createCommandEncoder({
-        label: 'websplatter pre-process and sort',
-      });
-      layer.recordCompute(encoder);
-      this.#context.device.queue.submit([encoder.finish()]);
-      this.#preparedKey = key;
-    } else {
-      layer.timer.begin();
+    layer.timer.begin();
+    if (!layer.isPrepared(frame, accuracy, depth)) {
+      const plan = layer.planFor(frame, accuracy, depth);
+      const drawable = this.#isCompiled(plan.shape) ? plan : layer.stopgapFor(plan);
+      if (!drawable) return false;
+      if (drawable === plan || !layer.isPrepared(drawable.frame, drawable.shape.accuracy, depth))
+        this.#compute(drawable);
     }
     this.#accuracy.show(frame);
     return true;
@@ -144,7 +135,7 @@ export class EmbeddedView {
   draw(encoder: GPUCommandEncoder, pass: HostPass): EmbeddedPicture {
     const layer = this.#layer;
     const shape = layer.frame?.shape;
-    if (this.#preparedKey === '' || !shape) {
+    if (!shape) {
       throw new InvalidArgumentError(
         'draw',
         'There is nothing to draw yet: prepare has to return true first.',
@@ -203,6 +194,14 @@ export class EmbeddedView {
       const { color, depth, testedDepth } = this.#textures ?? {};
       this.#free(color, depth, testedDepth, this.#behindCopy);
     });
+  }
+
+  #compute(plan: FramePlan): void {
+    this.#layer.update(plan);
+    const { device } = this.#context;
+    const encoder = device.createCommandEncoder({ label: 'websplatter pre-process and sort' });
+    this.#layer.recordCompute(encoder);
+    device.queue.submit([encoder.finish()]);
   }
 
   #depthOf({ camera, depth, writesDepth }: EmbeddedFrame): RasterizeDepth | null {

@@ -1,4 +1,5 @@
 import { maxColor } from './accuracy.ts';
+import type { ColorCache } from './color-cache.ts';
 import type { FrameShape } from './frame-shape.ts';
 import type { GpuMemory } from './gpu/gpu-memory.ts';
 import type { Pipelines } from './gpu/pipelines.ts';
@@ -12,6 +13,7 @@ import { compactChunks } from './stages/compact-chunks.ts';
 import { compactSplats } from './stages/compact-splats.ts';
 import { cullChunks } from './stages/cull-chunks.ts';
 import { cullSplats } from './stages/cull-splats.ts';
+import { keepColors } from './stages/keep-colors.ts';
 import { planCull } from './stages/plan-cull.ts';
 import { planProject } from './stages/plan-project.ts';
 import { PrefixScan } from './stages/prefix-scan.ts';
@@ -111,6 +113,7 @@ export class FrameResources {
   readonly chunkScan: PrefixScan;
   readonly splatScan: PrefixScan;
   readonly sort: RadixSort;
+  readonly #colors: ColorCache;
   #shape: FrameShape;
   #pages: readonly FramePage[];
   #groups: FrameGroups;
@@ -118,12 +121,22 @@ export class FrameResources {
   readonly #memory: GpuMemory;
   readonly #queue: GPUQueue;
 
-  /** @throws GpuLimitError where a buffer would pass the device's limits; nothing stays allocated then. */
-  constructor(device: GPUDevice, pipelines: Pipelines, memory: GpuMemory, shape: FrameShape) {
+  /**
+   * @param colors of the view, which outlive these buffers.
+   * @throws GpuLimitError where a buffer would pass the device's limits; nothing stays allocated then.
+   */
+  constructor(
+    device: GPUDevice,
+    pipelines: Pipelines,
+    memory: GpuMemory,
+    shape: FrameShape,
+    colors: ColorCache,
+  ) {
     this.#shape = shape;
     this.#pipelines = pipelines;
     this.#memory = memory;
     this.#queue = device.queue;
+    this.#colors = colors;
     this.#selections = new SelectionBits(memory, device.queue);
     this.#pages = pagesOf(shape.planes);
     this.chunkCount = this.pages.reduce((sum, page) => sum + page.chunkCount, 0);
@@ -211,6 +224,14 @@ export class FrameResources {
     this.#selections.write(clouds);
   }
 
+  /** For taking one page's colours from the records. */
+  keepColorsGroup(pageIndex: number): GPUBindGroup {
+    const { buffers, shape } = this;
+    const page = { buffer: buffers.pageUniforms, offset: pageIndex * PAGE_STRIDE_BYTES, size: Page.bytes };
+    const keptColors = this.#colors.bufferOf(pageIndex, this.pages[pageIndex], shape.accuracy);
+    return this.#pipelines.bindGroup(keepColorsStage(shape), { ...buffers, page, keptColors });
+  }
+
   destroy(): void {
     this.#selections.destroy();
     if (this.#effects) this.#memory.destroy(this.#effects);
@@ -264,7 +285,11 @@ export class FrameResources {
         order: sort.order,
         ...(this.hostDepth && { hostDepth: this.hostDepth }),
       }),
-      pages: this.pages.map(({ chunks, geometry, shRest, cloudIndex }, index) => {
+      pages: this.pages.map((framePage, index) => {
+        const { chunks, geometry, shRest, cloudIndex } = framePage;
+        const keptColors = shape.keepsColors[cloudIndex]
+          ? this.#colors.bufferOf(index, framePage, shape.accuracy)
+          : null;
         const page = { buffer: buffers.pageUniforms, offset: index * PAGE_STRIDE_BYTES, size: Page.bytes };
         const parameters = this.#effects && {
           buffer: this.#effects,
@@ -281,6 +306,7 @@ export class FrameResources {
           ...(shRest && { shRest }),
           ...(parameters && { effects: parameters }),
           ...(selectedBits && { selectedBits }),
+          ...(keptColors && { keptColors }),
         };
         return {
           cullChunks: pipelines.bindGroup(cullChunks, own),
@@ -317,7 +343,13 @@ export function projectStage(shape: FrameShape, cloudIndex: number) {
     storedShDegree: shDegree,
     shDegree: shDegrees[cloudIndex],
     effects: shape.effects[cloudIndex],
+    keepsColors: shape.keepsColors[cloudIndex],
   });
+}
+
+/** The stage that keeps the colours of what was drawn last. */
+export function keepColorsStage({ accuracy }: FrameShape) {
+  return keepColors(accuracy.recordPrecision);
 }
 
 /** The stage that draws the visible splats, and what it draws into. */

@@ -19,6 +19,8 @@ export interface FrameShape {
   readonly effects: readonly EffectSet[];
   /** Of each cloud the degree of spherical harmonics that is evaluated. */
   readonly shDegrees: readonly ShDegree[];
+  /** Of each cloud whether its colours are kept for frames from the same viewpoint. */
+  readonly keepsColors: readonly boolean[];
   readonly isOrthographic: boolean;
   readonly accuracy: AccuracySettings;
   /** Most workgroups in one dimension of a dispatch. */
@@ -33,7 +35,11 @@ export interface FrameShape {
   readonly depth: RasterizeDepth | null;
 }
 
-/** @param current shape of the last picture: its buffers are kept as long as they are large enough. */
+/**
+ * The shape of a frame that depends on none before it: it keeps no colours.
+ *
+ * @param current shape of the last picture: its buffers are kept as long as they are large enough.
+ */
 export function shapeOf(
   frame: ViewFrame,
   { accuracy, dispatchRow, depth }: Pick<FrameShape, 'accuracy' | 'dispatchRow' | 'depth'>,
@@ -52,6 +58,7 @@ export function shapeOf(
     shDegrees: frame.clouds.map(
       ({ cloud, shDegree = 3 }) => Math.min(accuracy.shDegree, shDegree, cloud.shDegree) as ShDegree,
     ),
+    keepsColors: clouds.map(() => false),
     isOrthographic: camera.projectionMatrix[11] === 0,
     accuracy,
     dispatchRow,
@@ -89,6 +96,7 @@ export function isSameShape(a: FrameShape, b: FrameShape): boolean {
     a.planes.every((planes, i) => planes === b.planes[i]) &&
     a.effects.every((effects, i) => effects === b.effects[i]) &&
     a.shDegrees.every((degree, i) => degree === b.shDegrees[i]) &&
+    a.keepsColors.every((keeps, i) => keeps === b.keepsColors[i]) &&
     JSON.stringify(a.depth) === JSON.stringify(b.depth)
   );
 }

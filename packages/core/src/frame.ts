@@ -1,6 +1,7 @@
 import {
   cullSplatsStage,
   type FrameResources,
+  keepColorsStage,
   projectStage,
   rasterizeStage,
   upscaleStage,
@@ -30,60 +31,93 @@ export function frameStages(shape: FrameShape): CompiledStage[] {
     planProject,
     compactSplats,
     ...shape.clouds.map((_, cloudIndex) => projectStage(shape, cloudIndex)),
+    ...(shape.keepsColors.includes(true) ? [keepColorsStage(shape)] : []),
     ...radixSortStages(sortShapeFor(shape.keyBits)),
     rasterizeStage(shape),
     ...(isScaled(shape) ? [upscaleStage(shape)] : []),
   ];
 }
 
-/** Pre-process and sort: afterwards the visible splats are known, and their order. */
+/**
+ * Pre-process and sort: afterwards the visible splats are known, and their order.
+ *
+ * @param isColorsOnly only colours have changed since the last frame: what is visible, and its order, stay.
+ */
 export function recordCompute(
   encoder: GPUCommandEncoder,
   pipelines: Pipelines,
   frame: FrameResources,
   timer: GpuTimer,
+  isColorsOnly = false,
 ): void {
-  const { shape, groups, pages } = frame;
-  const { dispatchRow } = shape;
-  // Of no chunks too: Dawn warns of dispatches of nothing.
-  const chunkWorkgroups = (chunks: number) =>
-    dispatchSize(Math.max(1, Math.ceil(chunks / SHADER_CONSTANTS.CHUNK_WORKGROUP)), dispatchRow);
-  const use = (pass: GPUComputePassEncoder, stage: StageDefinition, group: GPUBindGroup) => {
-    pass.setPipeline(pipelines.compute(stage)!);
-    pass.setBindGroup(0, group);
-  };
-
+  const { shape, groups, pages, buffers } = frame;
   const preprocess = encoder.beginComputePass({
     label: 'pre-process',
     timestampWrites: timer.writes('preprocess'),
   });
-  for (const [index, { chunkCount }] of pages.entries()) {
-    use(preprocess, cullChunks, groups.pages[index].cullChunks);
-    preprocess.dispatchWorkgroups(...chunkWorkgroups(chunkCount));
-  }
-  frame.chunkScan.record(preprocess);
-  use(preprocess, compactChunks, groups.compactChunks);
-  preprocess.dispatchWorkgroups(...chunkWorkgroups(frame.chunkCount));
-  use(preprocess, planCull, groups.planCull);
-  preprocess.dispatchWorkgroups(1);
+  if (!isColorsOnly) recordCulling(preprocess, pipelines, frame);
   for (const [index, { cloudIndex }] of pages.entries()) {
-    use(preprocess, cullSplatsStage(shape, cloudIndex), groups.pages[index].cullSplats);
-    preprocess.dispatchWorkgroupsIndirect(frame.buffers.cullDispatches, 12 * index);
-  }
-  frame.splatScan.record(preprocess);
-  use(preprocess, planProject, groups.planProject);
-  preprocess.dispatchWorkgroups(1);
-  use(preprocess, compactSplats, groups.compactSplats);
-  preprocess.dispatchWorkgroupsIndirect(frame.buffers.cullDispatches, 12 * pages.length);
-  for (const [index, { cloudIndex }] of pages.entries()) {
-    use(preprocess, projectStage(shape, cloudIndex), groups.pages[index].project);
-    preprocess.dispatchWorkgroupsIndirect(frame.buffers.projectDispatches, 12 * index);
+    use(preprocess, pipelines, projectStage(shape, cloudIndex), groups.pages[index].project);
+    preprocess.dispatchWorkgroupsIndirect(buffers.projectDispatches, 12 * index);
   }
   preprocess.end();
+  if (isColorsOnly) return;
 
   const sort = encoder.beginComputePass({ label: 'sort', timestampWrites: timer.writes('sort') });
   frame.sort.record(sort);
   sort.end();
+}
+
+/** Keeps the colours with which `frame` was drawn, of these pages: before it is prepared anew, or freed. */
+export function recordKeepColors(
+  encoder: GPUCommandEncoder,
+  pipelines: Pipelines,
+  frame: FrameResources,
+  pageIndices: readonly number[],
+): void {
+  const pass = encoder.beginComputePass({ label: 'keep colors' });
+  for (const index of pageIndices) {
+    use(pass, pipelines, keepColorsStage(frame.shape), frame.keepColorsGroup(index));
+    pass.dispatchWorkgroupsIndirect(frame.buffers.projectDispatches, 12 * index);
+  }
+  pass.end();
+}
+
+/** Lists the visible splats in storage order. */
+function recordCulling(pass: GPUComputePassEncoder, pipelines: Pipelines, frame: FrameResources): void {
+  const { shape, groups, pages, buffers } = frame;
+  const { dispatchRow } = shape;
+  // Of no chunks too: Dawn warns of dispatches of nothing.
+  const chunkWorkgroups = (chunks: number) =>
+    dispatchSize(Math.max(1, Math.ceil(chunks / SHADER_CONSTANTS.CHUNK_WORKGROUP)), dispatchRow);
+  for (const [index, { chunkCount }] of pages.entries()) {
+    use(pass, pipelines, cullChunks, groups.pages[index].cullChunks);
+    pass.dispatchWorkgroups(...chunkWorkgroups(chunkCount));
+  }
+  frame.chunkScan.record(pass);
+  use(pass, pipelines, compactChunks, groups.compactChunks);
+  pass.dispatchWorkgroups(...chunkWorkgroups(frame.chunkCount));
+  use(pass, pipelines, planCull, groups.planCull);
+  pass.dispatchWorkgroups(1);
+  for (const [index, { cloudIndex }] of pages.entries()) {
+    use(pass, pipelines, cullSplatsStage(shape, cloudIndex), groups.pages[index].cullSplats);
+    pass.dispatchWorkgroupsIndirect(buffers.cullDispatches, 12 * index);
+  }
+  frame.splatScan.record(pass);
+  use(pass, pipelines, planProject, groups.planProject);
+  pass.dispatchWorkgroups(1);
+  use(pass, pipelines, compactSplats, groups.compactSplats);
+  pass.dispatchWorkgroupsIndirect(buffers.cullDispatches, 12 * pages.length);
+}
+
+function use(
+  pass: GPUComputePassEncoder,
+  pipelines: Pipelines,
+  stage: StageDefinition,
+  group: GPUBindGroup,
+): void {
+  pass.setPipeline(pipelines.compute(stage)!);
+  pass.setBindGroup(0, group);
 }
 
 /** Where splats are blended; all of one size. */

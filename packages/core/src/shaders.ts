@@ -75,6 +75,7 @@ const NO_CONDITIONS: LinkInput['conditions'] = {
   SHORT_KEYS: false,
   FIXED_EXTENT: false,
   FRUSTUM_CULLING: false,
+  COLOR_CACHE: false,
   SPLAT_EFFECTS: false,
   OPACITY_EFFECTS: false,
   COLOR_EFFECTS: false,

@@ -1,16 +1,15 @@
-import type { AccuracySettings } from './accuracy.ts';
 import type { ChooseAccuracyOptions } from './accuracy-wishes.ts';
-import { BlendedLayer, type ViewContext } from './blended-layer.ts';
+import { BlendedLayer, type FramePlan, type ViewContext } from './blended-layer.ts';
 import { DestroyedError, InvalidArgumentError } from './errors.ts';
 import { frameStages } from './frame.ts';
-import { type FrameShape, shapeOf } from './frame-shape.ts';
+import type { FrameShape } from './frame-shape.ts';
 import type { CompiledStage } from './gpu/pipelines.ts';
 import { readTexture, type TextureImage } from './gpu/read-texture.ts';
 import { CompositeParameters } from './layout/structs.ts';
 import type { Vec3 } from './math/mat4.ts';
 import type { AccuracyChoice } from './measure/choose-accuracy.ts';
 import type { SplatPick } from './pick.ts';
-import { checkFrame, keyOf, type ViewFrame } from './scene/view-frame.ts';
+import { checkFrame, type ViewFrame } from './scene/view-frame.ts';
 import { composite, compositeState } from './stages/composite.ts';
 import type { FrameStatistics } from './timing/frame-statistics.ts';
 import { ViewAccuracy } from './view-accuracy.ts';
@@ -33,7 +32,8 @@ export class SplatView {
   readonly #compositeParameters: GPUBuffer;
   readonly #onDestroyed: (view: SplatView) => void;
   #compositeGroup: GPUBindGroup | null = null;
-  #drawnKey = '';
+  /** What the canvas shows. */
+  #shown: Pick<ViewFrame, 'background'> = {};
   #waiting: ViewFrame | null = null;
   #whenDrawn: Promise<void> = Promise.resolve();
   #statistics: FrameStatistics | null = null;
@@ -75,7 +75,7 @@ export class SplatView {
   /**
    * Draws `frame`: submits the GPU's work and returns at once. Where camera, clouds, size, background and accuracy are
    * those of the last picture nothing is submitted. Where a shader is still being compiled, the picture follows by itself when
-   * it is ready; `whenDrawn` waits for that.
+   * it is ready; until then the same clouds are drawn as before, with their old settings and effects. `whenDrawn` waits.
    *
    * @returns whether anything was, or will be, submitted.
    * @throws InvalidArgumentError, GpuLimitError, DestroyedError.
@@ -84,26 +84,25 @@ export class SplatView {
     this.#checkUsable();
     checkFrame(frame);
     if (frame.widthPx === 0 || frame.heightPx === 0) return false;
-    if (this.#waiting) {
-      this.#waiting = frame;
-      return true;
-    }
     const settings = this.#accuracy.settingsFor(frame);
-    const key = keyOf(frame, settings);
-    if (!frame.force && key === this.#drawnKey) {
+    if (!frame.force && !this.#waiting && this.#layer.isPrepared(frame, settings)) {
+      const isSame = isSameBackground(frame, this.#shown);
+      if (!isSame) this.#show(frame);
       this.#accuracy.show(frame);
-      return false;
+      return !isSame;
     }
-    const shape = this.#shapeOf(frame, settings);
-    const stages = this.#stagesFor(shape);
-    if (!this.#context.pipelines.areReady(stages)) {
-      this.#waiting = frame;
+    const plan = this.#layer.planFor(frame, settings);
+    const isReady = this.#context.pipelines.areReady(this.#stagesFor(plan.shape));
+    const stopgap = isReady ? null : this.#layer.stopgapFor(plan);
+    if (isReady) this.#draw(plan);
+    else if (stopgap && !this.#layer.isPrepared(stopgap.frame, stopgap.shape.accuracy)) this.#draw(stopgap);
+    const isWaiting = this.#waiting !== null;
+    this.#waiting = isReady ? null : frame;
+    if (this.#waiting && !isWaiting) {
       this.#whenDrawn = this.#drawWaiting();
       // Who does not wait for the picture still hears of a shader that does not compile, once, by the device's own error.
       this.#whenDrawn.catch(() => {});
-      return true;
     }
-    this.#draw(frame, shape, key);
     return true;
   }
 
@@ -180,11 +179,11 @@ export class SplatView {
       while (this.#waiting && this.#canStillDraw(this.#waiting)) {
         const frame = this.#waiting;
         const settings = this.#accuracy.settingsFor(frame);
-        const shape = this.#shapeOf(frame, settings);
-        const stages = this.#stagesFor(shape);
+        const plan = this.#layer.planFor(frame, settings);
+        const stages = this.#stagesFor(plan.shape);
         if (this.#context.pipelines.areReady(stages)) {
           this.#waiting = null;
-          this.#draw(frame, shape, keyOf(frame, settings));
+          this.#draw(plan);
         } else {
           await this.#context.pipelines.prepare(stages);
         }
@@ -199,26 +198,33 @@ export class SplatView {
     return isUsable && clouds.every(({ cloud }) => !cloud.isDestroyed);
   }
 
-  #draw(viewFrame: ViewFrame, shape: FrameShape, key: string): void {
+  #draw(plan: FramePlan): void {
     const { device } = this.#context;
     const layer = this.#layer;
-    if (layer.update(viewFrame, shape)) {
+    const { frame } = plan;
+    if (layer.update(plan)) {
       this.#compositeGroup = null;
       if (this.#canvas) {
-        this.#canvas.canvas.width = viewFrame.widthPx;
-        this.#canvas.canvas.height = viewFrame.heightPx;
+        this.#canvas.canvas.width = frame.widthPx;
+        this.#canvas.canvas.height = frame.heightPx;
       }
     }
     layer.timer.begin();
     const encoder = device.createCommandEncoder({ label: 'websplatter frame' });
     layer.recordCompute(encoder);
     layer.recordRasterize(encoder, null);
-    if (this.#canvas) this.#recordComposite(encoder, this.#canvas, viewFrame.background ?? [0, 0, 0]);
+    this.#recordComposite(encoder, frame);
     layer.recordTimes(encoder);
     device.queue.submit([encoder.finish()]);
-    this.#drawnKey = key;
-    this.#accuracy.show(viewFrame);
+    this.#accuracy.show(frame);
     void this.#measure();
+  }
+
+  /** Puts the splats that stand over another background. */
+  #show(frame: ViewFrame): void {
+    const encoder = this.#context.device.createCommandEncoder({ label: 'websplatter background' });
+    this.#recordComposite(encoder, frame);
+    this.#context.device.queue.submit([encoder.finish()]);
   }
 
   async #measure(): Promise<void> {
@@ -228,7 +234,11 @@ export class SplatView {
     this.onStatistics?.(statistics);
   }
 
-  #recordComposite(encoder: GPUCommandEncoder, canvas: GPUCanvasContext, background: Vec3): void {
+  #recordComposite(encoder: GPUCommandEncoder, frame: ViewFrame): void {
+    this.#shown = frame;
+    const canvas = this.#canvas;
+    if (!canvas) return;
+    const { background = BLACK } = frame;
     const { device, pipelines } = this.#context;
     const parameters = new ArrayBuffer(CompositeParameters.bytes);
     CompositeParameters.write(parameters, { background });
@@ -261,11 +271,6 @@ export class SplatView {
     this.onAccuracyChosen?.(choice);
   }
 
-  #shapeOf(frame: ViewFrame, accuracy: AccuracySettings): FrameShape {
-    const { dispatchRow } = this.#context;
-    return shapeOf(frame, { accuracy, dispatchRow, depth: null }, this.#layer.frame?.shape);
-  }
-
   #stagesFor(shape: FrameShape): CompiledStage[] {
     const stages = frameStages(shape);
     if (this.#canvas) stages.push([composite, compositeState(this.#canvasFormat)]);
@@ -276,6 +281,15 @@ export class SplatView {
     const reason = this.#isDestroyed ? 'it was destroyed' : this.#context.destroyedBecause();
     if (reason !== null) throw new DestroyedError('This view', reason);
   }
+}
+
+const BLACK: Vec3 = [0, 0, 0];
+
+function isSameBackground(
+  { background: a = BLACK }: Pick<ViewFrame, 'background'>,
+  { background: b = BLACK }: Pick<ViewFrame, 'background'>,
+): boolean {
+  return a.every((value, i) => value === b[i]);
 }
 
 function configure(canvas: HTMLCanvasElement | OffscreenCanvas, device: GPUDevice, format: GPUTextureFormat) {

@@ -1,5 +1,6 @@
 import { type AccuracySettings, DILATION_PX2, layerSize, resolveAccuracy } from '../accuracy.ts';
 import { type Camera, type Projection, projectionOf } from '../camera.ts';
+import { ColorCache } from '../color-cache.ts';
 import type { EffectUse } from '../effects/effect.ts';
 import { effectSetOf } from '../effects/effect-set.ts';
 import { usesOf } from '../effects/effects.ts';
@@ -112,6 +113,7 @@ export class InspectedFrame {
       planes: instances.map(({ cloud }) => cloud.pagesFor(accuracy)),
       effects: instances.map((instance) => effectSetOf(usesOf(instance))),
       shDegrees: instances.map(({ cloud }) => Math.min(accuracy.shDegree, cloud.shDegree) as ShDegree),
+      keepsColors: instances.map(() => false),
       isOrthographic: projection.isOrthographic,
       accuracy,
       dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,
@@ -121,7 +123,8 @@ export class InspectedFrame {
       depth: null,
     };
     await pipelines.prepare(frameStages(shape));
-    const resources = new FrameResources(device, pipelines, memory, shape);
+    const colors = new ColorCache(memory, device.queue);
+    const resources = new FrameResources(device, pipelines, memory, shape, colors);
     resources.writeUniforms(viewUniforms(projection, shape), pageUniforms(viewFrame, projection, resources));
     resources.writeEffects(effectUniforms(viewFrame, resources.effectsStrideBytes));
     resources.writeSelections(viewFrame.clouds);

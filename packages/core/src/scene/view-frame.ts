@@ -81,23 +81,32 @@ export function checkFrame({ camera, clouds, widthPx, heightPx }: ViewFrame): vo
   }
 }
 
-/**
- * Everything that the picture depends on, as text: equal texts, equal pictures.
- *
- * @param settings what the frame is drawn with, one object for equal settings.
- */
-export function keyOf(
-  { camera, clouds, widthPx, heightPx, background }: ViewFrame,
+/** What a picture of splats depends on, as texts: equal texts, equal results. */
+export interface FrameKeys {
+  /** Of which splats are visible, where, and in which order. */
+  readonly order: string;
+  /** Of their colours, besides `order`. */
+  readonly colors: string;
+}
+
+/** @param settings what the frame is drawn with, one object for equal settings. */
+export function keysOf(
+  { camera, clouds, widthPx, heightPx }: ViewFrame,
   settings: AccuracySettings,
-): string {
-  const parts: unknown[] = [widthPx, heightPx, background, camera.near, camera.far, numberOf(settings)];
-  parts.push(Array.from(camera.viewMatrix), Array.from(camera.projectionMatrix));
+): FrameKeys {
+  const order: unknown[] = [widthPx, heightPx, camera.near, camera.far, numberOf(settings)];
+  const colors: unknown[] = [];
+  order.push(Array.from(camera.viewMatrix), Array.from(camera.projectionMatrix));
   for (const instance of clouds) {
     const { cloud, modelMatrix = identity4(), shDegree = 3 } = instance;
-    parts.push(numberOf(cloud), numberOf(cloud.pagesFor(settings)), Array.from(modelMatrix), shDegree);
+    order.push(numberOf(cloud), numberOf(cloud.pagesFor(settings)), Array.from(modelMatrix));
     const place = { modelMatrix, origin: cloud.origin, viewMatrix: camera.viewMatrix };
-    for (const use of usesOf(instance))
+    colors.push('cloud', shDegree);
+    for (const use of usesOf(instance)) {
+      const { hooks } = use.effect;
+      const parts = hooks.splat || hooks.opacity ? order : colors;
       parts.push(numberOf(use.effect), Object.values(use.valuesAt(place) ?? {}), use.selection?.version);
+    }
   }
-  return JSON.stringify(parts);
+  return { order: JSON.stringify(order), colors: JSON.stringify(colors) };
 }

@@ -21,11 +21,13 @@ export interface ProjectVariant {
   readonly shDegree: ShDegree;
   /** Default none. */
   readonly effects?: EffectSet;
+  /** Whether colours are kept for frames from the same viewpoint; default false. */
+  readonly keepsColors?: boolean;
 }
 
 /** Writes the record and the sort key of each of one page's visible splats. */
 export function project(variant: ProjectVariant): StageDefinition {
-  const { shDegree, shPrecision, shortKeyBits, effects = NO_EFFECTS } = variant;
+  const { shDegree, shPrecision, shortKeyBits, effects = NO_EFFECTS, keepsColors = false } = variant;
   const bindings: Record<string, readonly [number, BindingKind]> = {
     view: [0, 'uniform'],
     page: [1, 'uniform'],
@@ -38,6 +40,7 @@ export function project(variant: ProjectVariant): StageDefinition {
     ...effectBindings(effects, ['splat', 'color']),
   };
   if (shDegree >= 1) bindings.shRest = [8, 'read'];
+  if (keepsColors) bindings.keptColors = [18, 'read-write'];
   return {
     stage: 'project',
     entryPoint: 'project',
@@ -52,6 +55,7 @@ export function project(variant: ProjectVariant): StageDefinition {
       SH_F32: shDegree >= 1 && shPrecision === 'f32',
       SH_F16: shDegree >= 1 && shPrecision === 'f16',
       SH_U8: shDegree >= 1 && shPrecision === 'u8',
+      COLOR_CACHE: keepsColors,
       SPLAT_EFFECTS: hasHook(effects, 'splat'),
       OPACITY_EFFECTS: hasHook(effects, 'opacity'),
       COLOR_EFFECTS: hasHook(effects, 'color'),

@@ -8,6 +8,7 @@ import { compose } from '../stages/compose.ts';
 import { composite } from '../stages/composite.ts';
 import { cullChunks } from '../stages/cull-chunks.ts';
 import { cullSplats } from '../stages/cull-splats.ts';
+import { keepColors } from '../stages/keep-colors.ts';
 import { pick } from '../stages/pick.ts';
 import { planCull } from '../stages/plan-cull.ts';
 import { planProject } from '../stages/plan-project.ts';
@@ -64,6 +65,7 @@ export function allStageVariants(): StageDefinition[] {
     ),
     ...BOTH.map(upscale),
     ...RECORD.map(pick),
+    ...RECORD.map(keepColors),
     repackGeometry,
     ...DEGREES.slice(1).flatMap((degree) => [
       repackSh({ degree, from: 'f32', to: 'f16' }),
@@ -93,6 +95,12 @@ export function allStageVariants(): StageDefinition[] {
         }
       }
     }
+  }
+  for (const recordPrecision of RECORD) {
+    const precisions = { geometryPrecision: 'packed', recordPrecision, shPrecision: 'u8' } as const;
+    const degrees = { storedShDegree: 3, shDegree: 3 } as const;
+    const frame = { isOrthographic: false, shortKeyBits: null, maxColor: 65504 } as const;
+    stages.push(project({ ...frame, ...precisions, ...degrees, keepsColors: true }));
   }
   for (const shortKeyBits of SHORT_KEYS) {
     const precisions = { geometryPrecision: 'packed', recordPrecision: 'f16', shPrecision: 'u8' } as const;

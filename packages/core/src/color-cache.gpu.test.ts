@@ -1,0 +1,216 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, beforeEach, describe, expect } from 'vitest';
+import type { AccuracyPreset } from './accuracy.ts';
+import { type Camera, perspectiveCamera } from './camera.ts';
+import { tint } from './effects/index.ts';
+import { SplatEngine } from './engine.ts';
+import type { Vec3 } from './math/mat4.ts';
+import type { SplatCloud } from './scene/splat-cloud.ts';
+import type { ViewFrame } from './scene/view-frame.ts';
+import { randomSplats } from './testing/random-splats.ts';
+import type { SplatView } from './view.ts';
+
+const SIZE = { widthPx: 48, heightPx: 48 };
+const SET = randomSplats({ count: 1500, seed: 70, shDegree: 2, logScales: [-4.5, -2.5] });
+
+/** Looks at the cloud, from `position` and rolled about the line of sight: a quarter of a turn shows the very same splats. */
+function camera(quarters: number, position: Vec3 = [0.3, -0.2, 3]): Camera {
+  const up = (
+    [
+      [0, 1, 0],
+      [1, 0, 0],
+      [0, -1, 0],
+      [-1, 0, 0],
+    ] as const
+  )[quarters % 4];
+  return perspectiveCamera({
+    position,
+    target: [position[0], position[1], 0],
+    up,
+    fovYDegrees: 50,
+    aspect: 1,
+    near: 0.1,
+    far: 100,
+  });
+}
+
+let device: GPUDevice;
+let engine: SplatEngine;
+/** Labels of the passes that were recorded. */
+const passes: string[] = [];
+
+beforeAll(async () => {
+  device = await createTestDevice();
+  const createEncoder = device.createCommandEncoder.bind(device);
+  device.createCommandEncoder = (descriptor) => {
+    const encoder = createEncoder(descriptor);
+    const { beginComputePass, beginRenderPass } = encoder;
+    encoder.beginComputePass = (pass) => {
+      passes.push(pass?.label ?? '');
+      return beginComputePass.call(encoder, pass);
+    };
+    encoder.beginRenderPass = (pass) => {
+      passes.push(pass.label ?? '');
+      return beginRenderPass.call(encoder, pass);
+    };
+    return encoder;
+  };
+  engine = await SplatEngine.create({ device });
+});
+afterAll(() => {
+  engine?.destroy();
+  device?.destroy();
+});
+beforeEach(() => {
+  passes.length = 0;
+});
+
+async function draw(view: SplatView, frame: Omit<ViewFrame, 'widthPx' | 'heightPx'>): Promise<Float32Array> {
+  view.render({ ...SIZE, ...frame });
+  return (await view.readPixels()).data;
+}
+
+/** The picture as a view draws it that has seen nothing before. */
+async function drawAnew(frame: Omit<ViewFrame, 'widthPx' | 'heightPx'>): Promise<Float32Array> {
+  const view = engine.createView();
+  const data = await draw(view, frame);
+  view.destroy();
+  return data;
+}
+
+/** Moves about until the shaders that keep colours are there: they are compiled in the background. */
+async function warmUp(
+  view: SplatView,
+  frame: Omit<ViewFrame, 'widthPx' | 'heightPx' | 'camera'>,
+): Promise<void> {
+  for (let i = 0; i < 200 && !view.shape?.keepsColors[0]; i++) {
+    await draw(view, { ...frame, camera: camera(i, [0, 0, 4]) });
+    await new Promise((resolve) => setTimeout(resolve, 10));
+  }
+  expect(view.shape?.keepsColors).toEqual([true]);
+}
+
+const SPOIL = `
+  @group(0) @binding(0) var<storage, read_write> words: array<u32>;
+  @compute @workgroup_size(64)
+  fn spoil(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x < arrayLength(&words)) { words[id.x] = 0x35353535u; }
+  }`;
+
+/** Makes all that is evaluated from now on wrong. */
+function spoilHarmonics(cloud: SplatCloud, settings = engine.accuracy): void {
+  const module = device.createShaderModule({ code: SPOIL });
+  const pipeline = device.createComputePipeline({ layout: 'auto', compute: { module } });
+  const encoder = device.createCommandEncoder();
+  const pass = encoder.beginComputePass();
+  pass.setPipeline(pipeline);
+  for (const { shRest } of cloud.pagesFor(settings).pages) {
+    const entries = [{ binding: 0, resource: { buffer: shRest! } }];
+    pass.setBindGroup(0, device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries }));
+    pass.dispatchWorkgroups(Math.ceil(shRest!.size / 4 / 64));
+  }
+  pass.end();
+  device.queue.submit([encoder.finish()]);
+}
+
+const keptBytes = () =>
+  engine
+    .memory()
+    .resources.reduce((sum, { label, bytes }) => sum + (label === 'frame kept colors' ? bytes : 0), 0);
+
+describe('colours', () => {
+  for (const accuracy of ['balanced', 'reference', 'paper'] as const satisfies readonly AccuracyPreset[]) {
+    gpuTest(`${accuracy}: of what is turned in place are kept, and no harmonics read again`, async () => {
+      const cloud = engine.add(SET);
+      await engine.requestPrecision(cloud, engine.resolveAccuracy(accuracy).settings);
+      const view = engine.createView();
+      const clouds = [{ cloud }];
+      await warmUp(view, { clouds, accuracy });
+      const expected: Float32Array[] = [];
+      for (let i = 0; i < 4; i++) expected.push(await drawAnew({ camera: camera(i), clouds, accuracy }));
+
+      expect(await draw(view, { camera: camera(0), clouds, accuracy })).toEqual(expected[0]);
+      // All that is seen has been seen: were a single splat evaluated again, it would be another one.
+      spoilHarmonics(cloud, engine.resolveAccuracy(accuracy).settings);
+      expect(await drawAnew({ camera: camera(1), clouds, accuracy })).not.toEqual(expected[1]);
+      for (let i = 1; i < 9; i++)
+        expect(await draw(view, { camera: camera(i), clouds, accuracy })).toEqual(expected[i % 4]);
+      expect(keptBytes()).toBe((accuracy === 'reference' ? 16 : 8) * (cloud.count + 1));
+
+      // From another place they are others, and the old ones are not taken for them.
+      const elsewhere = camera(0, [0.3, -0.2, 3.001]);
+      expect(await draw(view, { camera: elsewhere, clouds, accuracy })).toEqual(
+        await drawAnew({ camera: elsewhere, clouds, accuracy }),
+      );
+      view.destroy();
+      cloud.destroy();
+      expect(keptBytes()).toBe(0);
+    });
+  }
+
+  gpuTest('are evaluated once for a place, also of splats that come into sight later', async () => {
+    const cloud = engine.add(SET);
+    const view = engine.createView();
+    const clouds = [{ cloud }];
+    const position: Vec3 = [0, 0, 2];
+    const turned = (angle: number) =>
+      perspectiveCamera({
+        position,
+        target: [Math.sin(angle), 0, 2 - Math.cos(angle)],
+        fovYDegrees: 30,
+        aspect: 1,
+        near: 0.1,
+        far: 100,
+      });
+    await warmUp(view, { clouds });
+    const angles = [0, 0.1, 0.2, 0.3, 0.2, 0.1, 0];
+    for (const angle of angles)
+      expect(await draw(view, { camera: turned(angle), clouds })).toEqual(
+        await drawAnew({ camera: turned(angle), clouds }),
+      );
+    const expected = await Promise.all(
+      [0, 0.2, 0.3].map((angle) => drawAnew({ camera: turned(angle), clouds })),
+    );
+    spoilHarmonics(cloud);
+    for (const [i, angle] of [0, 0.2, 0.3].entries())
+      expect(await draw(view, { camera: turned(angle), clouds })).toEqual(expected[i]);
+    view.destroy();
+    cloud.destroy();
+  });
+
+  gpuTest('alone are made anew where only they have changed: nothing is culled or sorted', async () => {
+    const cloud = engine.add(SET);
+    const view = engine.createView();
+    const reddish = (red: number) => ({
+      camera: camera(0),
+      clouds: [{ cloud, effects: [tint([red, 0.5, 0.5])] }],
+    });
+    await draw(view, reddish(0.1));
+    await draw(view, reddish(0.2));
+    const expected = await drawAnew(reddish(0.9));
+    // Effects act on kept colours, too.
+    spoilHarmonics(cloud);
+    passes.length = 0;
+    expect(await draw(view, reddish(0.9))).toEqual(expected);
+    expect(passes).toEqual(['pre-process', 'rasterize']);
+    view.destroy();
+    cloud.destroy();
+  });
+});
+
+gpuTest('a picture in which nothing changes takes no passes', async () => {
+  const cloud = engine.add(SET);
+  const view = engine.createView();
+  const frame = {
+    camera: camera(0),
+    clouds: [{ cloud, opacity: 0.7, effects: [tint([1, 0.5, 0.5])] }],
+    ...SIZE,
+  };
+  view.render(frame);
+  await view.whenDrawn();
+  passes.length = 0;
+  for (let i = 0; i < 100; i++) expect(view.render({ ...frame, camera: camera(0) })).toBe(false);
+  expect(passes).toEqual([]);
+  view.destroy();
+  cloud.destroy();
+});

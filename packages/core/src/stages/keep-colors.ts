@@ -1,0 +1,20 @@
+import type { RecordPrecision } from '../accuracy.ts';
+import type { StageDefinition } from '../gpu/pipelines.ts';
+import { recordConditions } from './record-conditions.ts';
+
+/** Keeps the colours that one page's splats have been drawn with. */
+export function keepColors(recordPrecision: RecordPrecision): StageDefinition {
+  return {
+    stage: 'keep-colors',
+    entryPoint: 'keepColors',
+    conditions: recordConditions(recordPrecision),
+    bindings: {
+      view: [0, 'uniform'],
+      page: [1, 'uniform'],
+      pagePlans: [2, 'read'],
+      survivors: [3, 'read'],
+      projected: [4, 'read'],
+      keptColors: [5, 'read-write'],
+    },
+  };
+}
