@@ -125,6 +125,17 @@ describe('effects', () => {
     expect(cullSplats({ ...CULL, effects: colorsOnly })).toEqual(cullSplats(CULL));
   });
 
+  test('all together leave stages within the eight storage buffers that every device has', () => {
+    const effects = effectSetOf(usesOf({ effects: EFFECT_EXAMPLES }));
+    for (const stage of [
+      cullSplats({ ...CULL, effects }),
+      project({ ...PROJECT, effects, keepsColors: true }),
+    ]) {
+      const kinds = Object.values(stage.bindings).map(([, kind]) => kind);
+      expect(kinds.filter((kind) => kind === 'read' || kind === 'read-write').length).toBeLessThanOrEqual(8);
+    }
+  });
+
   test('that change nothing are left out', () => {
     expect(usesOf({ opacity: 1, effects: [sway({ by: 0 })] })).toEqual([]);
     expect(effectSetOf(usesOf({}))).toBe(effectSetOf(usesOf({ opacity: 1 })));

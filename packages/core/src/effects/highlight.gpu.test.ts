@@ -11,7 +11,8 @@ import { defineEffect } from './effect.ts';
 import { highlight } from './highlight.ts';
 
 const SIZE = { widthPx: 32, heightPx: 32 };
-const camera = testCameras(1).perspective;
+const CAMERAS = testCameras(1);
+const camera = CAMERAS.perspective;
 const SET = randomSplats({ count: 700, seed: 61, shDegree: 1, logScales: [-4, -2] });
 const RED = [1, 0, 0] as const;
 
@@ -91,6 +92,22 @@ describe('a highlight', () => {
     expect(await draw()).toEqual(plain);
     expect(labels()).not.toContain('frame selections');
     engine.destroy();
+  });
+
+  gpuTest('that is called for only now does not hold up the camera', async () => {
+    const fresh = await createTestDevice();
+    const engine = await SplatEngine.create({ device: fresh, accuracy: 'high' });
+    const view = engine.createView();
+    const selection = new SplatSelection();
+    const clouds = [{ cloud: engine.add(SET), effects: [marked(selection)] }];
+    view.render({ camera, clouds, ...SIZE });
+    await view.readPixels();
+    selection.add([1, 2, 3]);
+    const { framesPrepared } = engine.counters();
+    expect(view.render({ camera: CAMERAS.inside, clouds, ...SIZE })).toBe(true);
+    expect(engine.counters().framesPrepared).toBe(framesPrepared + 1);
+    engine.destroy();
+    fresh.destroy();
   });
 });
 
