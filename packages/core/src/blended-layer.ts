@@ -3,6 +3,7 @@ import { projectionOf } from './camera.ts';
 import { ColorCache, canKeep } from './color-cache.ts';
 import { effectSetOf } from './effects/effect-set.ts';
 import { usesOf } from './effects/effects.ts';
+import { type EffectEntry, effectsLedger } from './effects/ledger.ts';
 import { InvalidArgumentError } from './errors.ts';
 import { frameStages, recordCompute, recordKeepColors, recordRasterize, recordUpscale } from './frame.ts';
 import { type FramePage, FrameResources } from './frame-resources.ts';
@@ -53,6 +54,7 @@ export class BlendedLayer {
   #blended: LayerTextures | null = null;
   #upscaleParameters: GPUBuffer | null = null;
   #frameNumber = 0;
+  #drawnAs = 0;
   #prepared: FramePlan | null = null;
   /** Whether all but the colours of the splats is as it was in the picture before. */
   #isColorsOnly = false;
@@ -81,6 +83,18 @@ export class BlendedLayer {
   /** Size of the texture that splats are blended in, px; null before the first picture. */
   get blendedSize(): Pick<GPUTexture, 'width' | 'height'> | null {
     return this.#blended?.color ?? null;
+  }
+
+  /** Number of the last picture among those that the engine has drawn; 0 before the first. */
+  get drawnAs(): number {
+    return this.#drawnAs;
+  }
+
+  /** See `SplatView.effects`. */
+  effects(): readonly EffectEntry[] {
+    if (!this.#frame || !this.#prepared) return [];
+    const { frame, shape } = this.#prepared;
+    return effectsLedger({ frame, shape, held: this.#frame });
   }
 
   /** What a frame asks for; see `stopgapFor` where its shaders are not compiled yet. */
@@ -172,7 +186,7 @@ export class BlendedLayer {
       const targets = { from: this.#blended!, to: this.#textures!, parameters: this.#upscaleParameters };
       recordUpscale(encoder, pipelines, frame, targets, this.timer);
     }
-    this.#context.counting.framesDrawn++;
+    this.#drawnAs = ++this.#context.counting.framesDrawn;
   }
 
   /** Call after the last pass, before the encoder is finished. */

@@ -1,5 +1,6 @@
 import type { ChooseAccuracyOptions } from './accuracy-wishes.ts';
 import { BlendedLayer, type FramePlan, type ViewContext } from './blended-layer.ts';
+import type { EffectEntry } from './effects/ledger.ts';
 import { DestroyedError, InvalidArgumentError } from './errors.ts';
 import { frameStages } from './frame.ts';
 import { type FrameShape, isScaled } from './frame-shape.ts';
@@ -175,6 +176,16 @@ export class EmbeddedView {
   async chooseAccuracy(options: ChooseAccuracyOptions = {}): Promise<AccuracyChoice> {
     if (this.#isDestroyed) throw new DestroyedError('This view', 'it was destroyed');
     return this.#accuracy.choose(options);
+  }
+
+  /** See `SplatView.effects`. */
+  effects(): readonly EffectEntry[] {
+    return this.#layer.effects();
+  }
+
+  /** @internal Number of the last picture among all that the engine has drawn; 0 before the first. */
+  get drawnAs(): number {
+    return this.#layer.drawnAs;
   }
 
   /** @internal Of the last picture; null before the first. */

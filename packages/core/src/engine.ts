@@ -3,6 +3,7 @@ import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy-
 import { AccuracyWishes } from './accuracy-wishes.ts';
 import type { ViewContext } from './blended-layer.ts';
 import { adapterLabel, type DeviceOptions, requestSplatDevice } from './device.ts';
+import type { EffectEntry } from './effects/ledger.ts';
 import { EmbeddedView } from './embedded-view.ts';
 import { DestroyedError } from './errors.ts';
 import type { FrameShape } from './frame-shape.ts';
@@ -257,6 +258,12 @@ export class SplatEngine {
     const view = new EmbeddedView(this.#viewContext(), (destroyed) => this.#views.delete(destroyed));
     this.#views.add(view);
     return view;
+  }
+
+  /** See `SplatView.effects`: those of the view that was drawn last. */
+  effects(): readonly EffectEntry[] {
+    const [last] = [...this.#views].toSorted((a, b) => b.drawnAs - a.drawnAs);
+    return last?.effects() ?? [];
   }
 
   /** What the engine holds on the GPU at this moment. */

@@ -224,6 +224,11 @@ export class FrameResources {
     this.#selections.write(clouds);
   }
 
+  /** Of what one cloud's effects are told of what is selected. */
+  selectionBytes(cloudIndex: number): number {
+    return this.#selections.bytesOf(cloudIndex);
+  }
+
   /** For taking one page's colours from the records. */
   keepColorsGroup(pageIndex: number): GPUBindGroup {
     const { buffers, shape } = this;

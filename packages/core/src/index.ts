@@ -25,6 +25,7 @@ export {
   perspectiveCamera,
 } from './camera.ts';
 export { adapterLabel, type DeviceOptions, isSoftwareAdapter, requestSplatDevice } from './device.ts';
+export type { EffectEntry } from './effects/ledger.ts';
 export type { EmbeddedFrame, EmbeddedPicture, EmbeddedView, HostPass } from './embedded-view.ts';
 export { type EngineOptions, type PossibleAccuracy, type PrecisionProblem, SplatEngine } from './engine.ts';
 export * from './errors.ts';

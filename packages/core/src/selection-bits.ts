@@ -53,6 +53,11 @@ export class SelectionBits {
     return slice && { buffer: this.#buffer!, offset: slice.byteOffset, size: slice.bytes };
   }
 
+  /** Of one cloud's bits. */
+  bytesOf(cloudIndex: number): number {
+    return this.#slices.reduce((sum, slice) => sum + (slice?.cloudIndex === cloudIndex ? slice.bytes : 0), 0);
+  }
+
   /** Writes what has changed since the last frame. */
   write(clouds: readonly CloudInstance[]): void {
     if (!this.#buffer) return;

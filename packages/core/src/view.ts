@@ -1,5 +1,6 @@
 import type { ChooseAccuracyOptions } from './accuracy-wishes.ts';
 import { BlendedLayer, type FramePlan, type ViewContext } from './blended-layer.ts';
+import type { EffectEntry } from './effects/ledger.ts';
 import { DestroyedError, InvalidArgumentError } from './errors.ts';
 import { frameStages } from './frame.ts';
 import type { FrameShape } from './frame-shape.ts';
@@ -148,6 +149,19 @@ export class SplatView {
     await this.#whenDrawn;
     this.#checkUsable();
     return this.#accuracy.choose(options);
+  }
+
+  /**
+   * All effects of the last picture, also those that were off, and why; none before the first picture. While shaders for
+   * other effects are being compiled that picture has the old ones.
+   */
+  effects(): readonly EffectEntry[] {
+    return this.#layer.effects();
+  }
+
+  /** @internal Number of the last picture among all that the engine has drawn; 0 before the first. */
+  get drawnAs(): number {
+    return this.#layer.drawnAs;
   }
 
   /** @internal What the last picture was blended in, for comparisons that stay on the GPU: see measure/. */

@@ -21,7 +21,7 @@ const PARAMETERS_BINDING = 16;
 /** Binding of a bit per splat of the page, in stages with hooks that are told which are selected. */
 const SELECTED_BINDING = 17;
 /** Structs in a uniform buffer begin at multiples of this many bytes. */
-const STRUCT_ALIGNMENT = 16;
+export const STRUCT_ALIGNMENT = 16;
 
 const sets = new Map<string, EffectSet>([['', NO_EFFECTS]]);
 
