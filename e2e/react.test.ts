@@ -180,7 +180,7 @@ it('suspends, loads, and draws as the float64 reference does over any background
   }
 });
 
-it('draws no frame unless asked, and then one', async () => {
+it('draws no frame unless asked, and then one, or one more where a shader has yet to be compiled', async () => {
   const quiet = canvas({ frameloop: 'demand', background: 'black', timings: 'inside' });
   const page = await open(quiet);
   await waitForLog(page, 'a firstframe');
@@ -204,14 +204,20 @@ it('draws no frame unless asked, and then one', async () => {
   const opaque = await picture(page);
   const changed = { ...SPLATS, opacity: 0.2, position: [0, 0.2, 0] as const };
   await show(page, { ...quiet, splats: [changed] });
+  const drawn = { timeout: 20_000 };
+  // At once with the shaders that there are, and again with the one for opacity.
+  await expect.poll(() => framesOf(page), drawn).toEqual(plus(before, 5));
   await page.waitForTimeout(300);
-  expect(await framesOf(page), 'frames after a change of props').toEqual(plus(before, 4));
+  expect(await framesOf(page), 'frames after a shader was compiled').toEqual(plus(before, 5));
   expect(changedPart(opaque, await picture(page))).toBeGreaterThan(0.1);
+  await show(page, { ...quiet, splats: [{ ...changed, opacity: 0.4 }] });
+  await page.waitForTimeout(300);
+  expect(await framesOf(page), 'frames after a change of props').toEqual(plus(before, 6));
   expect((await countersOf(page)).uploads, 'uploads').toBe(uploads);
 
   await waitForLog(page, 'frame true');
-  // Measurements came, and rendered nothing but text: the one render is that of the props above, twice by StrictMode.
-  expect(await page.evaluate(() => window.page.timingRenders)).toBe(rendersBefore + 2);
+  // Measurements came, and rendered nothing but text: the two renders are those of the props above, twice by StrictMode.
+  expect(await page.evaluate(() => window.page.timingRenders)).toBe(rendersBefore + 4);
   const overlay = overlayOf(page);
   const text = await overlay.innerText();
   for (const row of ['Pre-process', 'Sort', 'Rasterize', 'Frame', 'Wall clock']) {
