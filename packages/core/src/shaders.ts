@@ -11,9 +11,12 @@ const files = import.meta.glob<string>('../../../shaders/**/*.wgsl', {
 });
 
 /** Every file in shaders/ as a module. */
-const modules: Record<string, string> = {};
-for (const [path, text] of Object.entries(files)) {
-  modules[moduleName(path.replace(/^.*\/shaders\/|\.wgsl$/g, ''))] = text;
+const modules: ShaderModules = /* @__PURE__ */ modulesOf(files);
+
+function modulesOf(texts: Readonly<Record<string, string>>): ShaderModules {
+  const named = ([path, text]: [string, string]) =>
+    [moduleName(path.replace(/^.*\/shaders\/|\.wgsl$/g, '')), text] as const;
+  return Object.fromEntries(Object.entries(texts).map(named));
 }
 
 /** `package::stages::cull_splats` of `stages/cull-splats`: names with hyphens are no WGSL identifiers. */
@@ -21,7 +24,11 @@ function moduleName(file: string): string {
   return `package::${file.replaceAll('/', '::').replaceAll('-', '_')}`;
 }
 
-/** Text of the shader of one of this package's own effects. */
+/**
+ * Text of the shader of one of this package's own effects.
+ *
+ * @__NO_SIDE_EFFECTS__
+ */
 export function effectShader(name: string): string {
   return modules[moduleName(`effects/${name}`)];
 }
@@ -49,9 +56,11 @@ export interface ShaderMutation {
 }
 
 /** Names of all stages in shaders/stages. */
-export const SHADER_STAGES: readonly string[] = Object.keys(files)
-  .map((path) => /\/stages\/(.*)\.wgsl$/.exec(path)?.[1])
-  .filter((name) => name !== undefined);
+export function shaderStages(): string[] {
+  return Object.keys(files)
+    .map((path) => /\/stages\/(.*)\.wgsl$/.exec(path)?.[1])
+    .filter((name) => name !== undefined);
+}
 
 /** Every condition that a shader may ask for; absent means false. */
 const NO_CONDITIONS: LinkInput['conditions'] = {

@@ -63,7 +63,7 @@ const FIELDS = {
 /** What shaders/effects/clip.wgsl calls a volume whose inside is kept; a plane is turned around instead. */
 const KINDS = { plane: 0, sphere: 1, box: 2 } as const;
 const NO_AXIS = [0, 0, 0, 0];
-const NO_VOLUME = Array<number>(16).fill(0);
+const NO_VOLUME = /* @__PURE__ */ Array<number>(16).fill(0);
 const AXES: readonly Vec3[] = [
   [1, 0, 0],
   [0, 1, 0],

@@ -11,7 +11,7 @@ import { reveal } from './reveal.ts';
 import { tint } from './tint.ts';
 
 /** All effects that a caller can ask for of a cloud, in the order in which they act. */
-export const CLOUD_EFFECTS: readonly SplatEffect[] = [
+export const CLOUD_EFFECTS: readonly SplatEffect[] = /* @__PURE__ */ [
   clip,
   reveal,
   opacity,

@@ -48,6 +48,8 @@ export interface GpuStruct<Fields extends GpuFields> {
  * Lays out a struct by WGSL's rules, which for these types are the same for uniform and storage buffers.
  *
  * @throws RangeError for a type that is none of these: an array whose length is no whole number of 1 or more.
+ *
+ * @__NO_SIDE_EFFECTS__
  */
 export function gpuStruct<const Fields extends GpuFields>(name: string, fields: Fields): GpuStruct<Fields> {
   const offsets: Record<string, number> = {};
