@@ -14,8 +14,15 @@ export {
   WebSplatterError,
 } from '@websplatter/core';
 export {
+  type ClipVolume,
+  type EffectUse,
+  type RevealOptions,
+  SplatSelection,
+} from '@websplatter/core/effects';
+export {
   isSupported,
   onDeviceLost,
+  type RevealAnimation,
   SplatCloudObject,
   SplatData,
   type SplatHit,
@@ -27,6 +34,7 @@ export {
   ThreeInternalsError,
 } from '@websplatter/three';
 export { type CanvasRendererParameters, createSplatRenderer } from './create-splat-renderer.ts';
+export type { EffectProps } from './effect-props.ts';
 export type { CacheableSource } from './splat-cache.ts';
 export { SplatCanvas, type SplatCanvasProps } from './splat-canvas.tsx';
 export { Splats, type SplatsProps, type SplatsSource } from './splats.tsx';

@@ -32,6 +32,8 @@ vi.mock('@websplatter/three', async () => {
     data: SplatData | null = null;
     opacity = 1;
     accuracy: unknown = null;
+    effects: readonly unknown[] = [];
+    reveal: unknown = null;
     onError: ((error: unknown) => void) | null = null;
     override dispose() {}
   }
@@ -187,6 +189,21 @@ it('keeps showing what it had while a new file is read, and the object that show
   expect(object()).toBe(before);
   expect(object().data).toBe(c);
   expect(onLoad).toHaveBeenCalledExactlyOnceWith(c);
+});
+
+it('sets effects where they have changed, and not because they were written out anew', async () => {
+  const reveal = (durationMs: number) => ({ from: 'camera', durationMs }) as const;
+  await show(splats({ src: 'a.ply', brightness: 2, reveal: reveal(100) }));
+  await act(async () => test.loads[0].resolve(splatData('a')));
+  const before = { ...object() };
+  expect(before).toMatchObject({ effects: [{ options: 2 }], reveal: { durationMs: 100 } });
+  await show(splats({ src: 'a.ply', brightness: 2, reveal: reveal(100) }));
+  expect(object().effects).toBe(before.effects);
+  expect(object().reveal).toBe(before.reveal);
+  await show(splats({ src: 'a.ply', brightness: 3, reveal: reveal(200) }));
+  expect(object()).toMatchObject({ effects: [{ options: 3 }], reveal: { durationMs: 200 } });
+  await show(splats({ src: 'a.ply' }));
+  expect(object()).toMatchObject({ effects: [], reveal: null });
 });
 
 it('aborts the load when it is unmounted meanwhile', async () => {

@@ -17,21 +17,24 @@ import {
   useRef,
   useState,
 } from 'react';
+import { type EffectProps, isSameUses, isSameValue, revealAnimationOf, usesOfProps } from './effect-props.ts';
 import { isServer } from './is-server.ts';
 import type { CacheableSource } from './splat-cache.ts';
 import { SplatsObject } from './splats-object.ts';
 import { useLatest } from './use-latest.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
+import { useSame } from './use-same.ts';
 import { useSource } from './use-source.ts';
 
 /** What `<Splats>` can show. */
 export type SplatsSource = CacheableSource | SplatData;
 
 export interface SplatsProps
-  extends Omit<
-    ThreeElement<typeof SplatsObject>,
-    'accuracy' | 'args' | 'attach' | 'data' | 'dispose' | 'onError' | 'ref'
-  > {
+  extends EffectProps,
+    Omit<
+      ThreeElement<typeof SplatsObject>,
+      'accuracy' | 'args' | 'attach' | 'data' | 'dispose' | 'effects' | 'onError' | 'ref' | 'reveal'
+    > {
   /** A new one replaces what is shown as soon as it has been read. */
   src: SplatsSource;
   /**
@@ -69,7 +72,8 @@ const RECOVERY_GRACE_MS = 15_000;
  * replaces what is shown when it has been read. All other props are set on the object as they change.
  *
  * @throws SplatsUnsupportedRendererError where the Canvas was not made with `gl={createSplatRenderer}` and there is no
- *   `fallback`; SplatFileError, SplatSourceError, GpuLimitError where there is no `onError`.
+ *   `fallback`; InvalidArgumentError for effects with options that mean nothing; SplatFileError, SplatSourceError,
+ *   GpuLimitError where there is no `onError`.
  */
 export function Splats({ fallback, ...props }: SplatsProps): ReactNode {
   const renderer = useCanvasRenderer();
@@ -104,6 +108,13 @@ function Cloud({
   onAccuracyChosen,
   onError,
   onDeviceLost,
+  tint,
+  brightness,
+  antialias,
+  clip,
+  reveal,
+  highlight,
+  effects,
   ...objectProps
 }: Omit<SplatsProps, 'fallback'> & { renderer: object; engine: SplatEngine }): ReactNode {
   const object = useRef<SplatsObject>(null);
@@ -112,6 +123,10 @@ function Cloud({
   const latest = useLatest({ onLoad, onFirstFrame, onAccuracyChosen, onError, onDeviceLost });
   const isLost = useRef(false);
   const graceMs = () => (isLost.current ? RECOVERY_GRACE_MS : undefined);
+
+  const effectProps = { tint, brightness, antialias, clip, reveal, highlight, effects };
+  const uses = useSame(usesOfProps(effectProps), isSameUses);
+  const animation = useSame(revealAnimationOf(effectProps), isSameValue);
 
   const { splats, load } = useSource(src, accuracy ?? engine.accuracy, { onProgress, graceMs });
   useEffect(() => {
@@ -166,5 +181,14 @@ function Cloud({
   // Thrown for the reason given in useSplats.
   if (load?.status === 'pending' && splats === null) throw load.settled;
 
-  return <CloudElement {...objectProps} accuracy={accuracy} ref={object} data={splats} />;
+  return (
+    <CloudElement
+      {...objectProps}
+      accuracy={accuracy}
+      effects={uses}
+      reveal={animation}
+      ref={object}
+      data={splats}
+    />
+  );
 }

@@ -4,6 +4,8 @@ import { expectTypeOf, it } from 'vitest';
 import {
   type AccuracyRequest,
   createSplatRenderer,
+  type EffectUse,
+  type RevealAnimation,
   type SplatData,
   type SplatsObject,
   type SplatsProps,
@@ -20,6 +22,9 @@ it('types what is passed to a Canvas and to <Splats>', () => {
   expectTypeOf<[number, number, number]>().toExtend<SplatsProps['position']>();
   expectTypeOf<SplatsProps['accuracy']>().toEqualTypeOf<AccuracyRequest | null | undefined>();
   expectTypeOf<SplatsProps['opacity']>().toEqualTypeOf<number | undefined>();
+  expectTypeOf<SplatsProps['fog']>().toEqualTypeOf<boolean | undefined>();
+  expectTypeOf<SplatsProps['effects']>().toEqualTypeOf<readonly EffectUse[] | undefined>();
+  expectTypeOf<RevealAnimation>().toExtend<SplatsProps['reveal']>();
   expectTypeOf<SplatsProps['onClick']>().not.toBeAny();
   expectTypeOf<SplatsProps>().not.toHaveProperty('data');
 });

@@ -5,12 +5,14 @@ export {
   type SplatRendererParameters,
   splatEngineOf,
 } from './create-splat-renderer.ts';
+export { clipVolumeOf, encodedColor } from './effect-options.ts';
 export {
   SplatsPassError,
   SplatsPrecisionError,
   SplatsUnsupportedRendererError,
   ThreeInternalsError,
 } from './errors.ts';
+export type { RevealAnimation } from './reveal-animation.ts';
 export { type SplatCloudEventMap, SplatCloudObject, type SplatHit } from './splat-cloud-object.ts';
 export { SplatData } from './splat-data.ts';
 export { SplatLoader } from './splat-loader.ts';

@@ -4,7 +4,8 @@ import {
   InvalidArgumentError,
   resolveAccuracy,
 } from '@websplatter/core';
-import { Box3, Matrix4, Raycaster, Scene, Vector3 } from 'three/webgpu';
+import { brightness, type EffectUse, fog, type RevealOptions, tint } from '@websplatter/core/effects';
+import { Box3, Fog, Matrix4, PerspectiveCamera, Raycaster, Scene, Vector3 } from 'three/webgpu';
 import { describe, expect, test, vi } from 'vitest';
 import { SplatsPrecisionError } from './errors.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
@@ -135,9 +136,14 @@ describe('data', () => {
     cloud.opacity = 0.5;
     cloud.writesDepth = true;
     cloud.accuracy = 'high';
+    cloud.shDegree = 1;
+    cloud.effects = [brightness(2)];
+    cloud.fog = false;
+    cloud.reveal = { from: 'camera', durationMs: 100 };
     cloud.position.x = 2;
-    const { data } = cloud;
+    const { data, effects, reveal } = cloud;
     expect(cloud.clone()).toMatchObject({ data, opacity: 0.5, writesDepth: true, accuracy: 'high' });
+    expect(cloud.clone()).toMatchObject({ shDegree: 1, effects, fog: false, reveal });
     expect(cloud.clone().position.x).toBe(2);
   });
 
@@ -225,15 +231,74 @@ test('the first frame is announced once for each data, after three’s frame', a
   const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
   const first = vi.fn();
   cloud.addEventListener('firstframe', first);
-  cloud.announceFirstFrame();
+  cloud.announceDrawn(0);
   expect(first).not.toHaveBeenCalled();
-  cloud.announceFirstFrame();
+  cloud.announceDrawn(0);
   await Promise.resolve();
   expect(first).toHaveBeenCalledTimes(1);
   cloud.data = splatDataAt([1, 0, 0]);
-  cloud.announceFirstFrame();
+  cloud.announceDrawn(0);
   await Promise.resolve();
   expect(first).toHaveBeenCalledTimes(2);
+});
+
+describe('effects', () => {
+  const camera = new PerspectiveCamera();
+
+  function cloudInFog(): { cloud: SplatCloudObject; scene: Scene; names: () => string[] } {
+    const cloud = new SplatCloudObject(splatDataAt([0, 0, 0], [3, 4, 0]));
+    const scene = new Scene();
+    scene.fog = new Fog('white', 1, 2);
+    scene.add(cloud);
+    scene.updateMatrixWorld();
+    return { cloud, scene, names: () => cloud.effectsAt(0, scene, camera).map(({ effect }) => effect.name) };
+  }
+
+  test('are the cloud’s own and the scene’s fog, unless it has one itself or wants none', () => {
+    const { cloud, scene, names } = cloudInFog();
+    cloud.effects = [tint([1, 0, 0])];
+    expect(names()).toEqual(['tint', 'fog']);
+    const own = fog({ color: [0, 0, 0], density: 1 });
+    cloud.effects = [own];
+    expect(cloud.effectsAt(0, scene, camera)).toEqual([own]);
+    cloud.effects = [];
+    cloud.fog = false;
+    expect(names()).toEqual([]);
+    cloud.fog = true;
+    scene.fog = null;
+    expect(names()).toEqual([]);
+  });
+
+  test('reveal asks for frames until it is over, and begins again with other data', async () => {
+    const { cloud, scene } = cloudInFog();
+    cloud.fog = false;
+    cloud.reveal = { from: [0, 0, 0], durationMs: 100, softEdge: 0 };
+    const needsFrame = vi.fn();
+    cloud.addEventListener('needsframe', needsFrame);
+    const radiusAt = (nowMs: number) => {
+      const [use] = cloud.effectsAt(nowMs, scene, camera) as [EffectUse];
+      return (use.options as RevealOptions).radius;
+    };
+    const draw = async (nowMs: number) => {
+      needsFrame.mockClear();
+      cloud.announceDrawn(nowMs);
+      expect(needsFrame, 'in the middle of three’s frame').not.toHaveBeenCalled();
+      await Promise.resolve();
+      return needsFrame.mock.calls.length;
+    };
+    expect(radiusAt(1000)).toBe(0);
+    expect(await draw(1000)).toBe(1);
+    expect(radiusAt(1050)).toBeCloseTo(2.5, 1);
+    expect(await draw(1050)).toBe(1);
+    expect(radiusAt(1100)).toBe(Number.POSITIVE_INFINITY);
+    expect(await draw(1100)).toBe(0);
+    cloud.data = splatDataAt([1, 0, 0]);
+    expect(radiusAt(1200)).toBe(0);
+    expect(await draw(1200)).toBe(1);
+    cloud.reveal = null;
+    expect(cloud.effectsAt(1200, scene, camera)).toEqual([]);
+    expect(await draw(1200)).toBe(0);
+  });
 });
 
 test('a choice is told once, however many views share it', () => {

@@ -6,24 +6,31 @@ import {
   DestroyedError,
   InvalidArgumentError,
   raycastCloud,
+  type ShDegree,
   type SplatCloud,
   type SplatEngine,
 } from '@websplatter/core';
+import { type EffectUse, fog } from '@websplatter/core/effects';
 import {
   Box3,
   BufferGeometry,
   type Camera,
+  type Fog,
+  type FogExp2,
   type Intersection,
   Matrix4,
   Object3D,
   type Object3DEventMap,
   Ray,
   type Raycaster,
+  type Scene,
   Sphere,
   Vector3,
   type WebGPURenderer,
 } from 'three/webgpu';
+import { fogOptionsOf } from './effect-options.ts';
 import { SplatsPrecisionError } from './errors.ts';
+import { type RevealAnimation, Revealing } from './reveal-animation.ts';
 import type { SplatData } from './splat-data.ts';
 import { layerOf, rootOf, type SplatLayer } from './splat-layer.ts';
 
@@ -58,6 +65,12 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   readonly isSplatCloudObject = true;
   /** Multiplies every splat's opacity, 0…1. */
   opacity = 1;
+  /** Colours depend on the view up to this degree of spherical harmonics, at most. */
+  shDegree: ShDegree = 3;
+  /** Effects of `@websplatter/core/effects`, or of your own, each once: `[tint([1, 0.8, 0.6])]`. What is in use costs time. */
+  effects: readonly EffectUse[] = [];
+  /** Whether the fog of the scene (Fog, FogExp2) hides splats as it does meshes, where `effects` have no `fog` of their own. */
+  fog = true;
   /**
    * Whether this cloud's splats, where they cover more than half of a pixel, hide what is drawn after them, and are seen by
    * effects that read depth. Clouds in view share one layer: one that writes makes all write.
@@ -85,6 +98,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   readonly #heard = new WeakSet<Promise<void>>();
   readonly #told = new Set<string>();
   #data: SplatData | null = null;
+  #revealing: Revealing | null = null;
   #layer: SplatLayer | null = null;
   #isAnnounced = false;
   #choice: AccuracyChoice | null = null;
@@ -105,8 +119,23 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     this.#releaseUploads();
     this.#data = data;
     this.#isAnnounced = false;
+    this.reveal = this.reveal;
     withBounds(this.geometry, data?.robustBounds.clone() ?? new Box3());
     this.requestFrame();
+  }
+
+  /**
+   * How the cloud is to appear by itself: once from the first picture after this was set, and again from the first one of
+   * other data. The frames that it takes are asked for by `needsframe`. Null: it is simply there.
+   *
+   * @throws InvalidArgumentError for what is no place, width or time.
+   */
+  get reveal(): RevealAnimation | null {
+    return this.#revealing?.animation ?? null;
+  }
+
+  set reveal(animation: RevealAnimation | null) {
+    this.#revealing = animation && new Revealing(animation);
   }
 
   override updateMatrixWorld(force?: boolean): void {
@@ -167,6 +196,10 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     super.copy(source, recursive);
     this.data = source.data;
     this.opacity = source.opacity;
+    this.shDegree = source.shDegree;
+    this.effects = source.effects;
+    this.fog = source.fog;
+    this.reveal = source.reveal;
     this.writesDepth = source.writesDepth;
     this.accuracy = source.accuracy;
     return this;
@@ -242,8 +275,25 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     this.dispatchEvent({ type: 'needsframe' });
   }
 
-  /** @internal A picture with this cloud is being drawn. */
-  announceFirstFrame(): void {
+  /** @internal What it is to be drawn with in a picture of `scene` at this moment. */
+  effectsAt(nowMs: number, scene: Scene, camera: Camera): readonly EffectUse[] {
+    const uses = [...this.effects];
+    if (this.#revealing) uses.push(this.#revealing.useAt(nowMs, this.worldBounds, camera));
+    const hasOwnFog = uses.some(({ effect }) => effect === fog.effect);
+    if (scene.fog && this.fog && !hasOwnFog) uses.push(fog(fogOptionsOf(scene.fog as Fog | FogExp2)));
+    return uses;
+  }
+
+  /** @internal A picture with this cloud, as it is at this moment, is being drawn. */
+  announceDrawn(nowMs: number): void {
+    this.#announceFirstFrame();
+    if (!this.#revealing || this.#revealing.isOver(nowMs)) return;
+    this.#revealing.begin(nowMs);
+    // three is in the middle of its frame.
+    queueMicrotask(() => this.requestFrame());
+  }
+
+  #announceFirstFrame(): void {
     if (this.#isAnnounced) return;
     this.#isAnnounced = true;
     // three is in the middle of its frame.

@@ -149,7 +149,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     try {
       const engine = splatEngineOf(renderer);
       const pass = openPass(renderer as WebGPURenderer, camera);
-      if (pass) this.#drawInto(pass, renderer as WebGPURenderer, engine, camera);
+      if (pass) this.#drawInto(pass, renderer as WebGPURenderer, engine, scene, camera);
     } catch (error) {
       // Of a lost device its renderer tells.
       if (!(error instanceof DestroyedError)) this.#report(error);
@@ -158,9 +158,16 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     }
   }
 
-  #drawInto(pass: OpenPass, renderer: WebGPURenderer, engine: SplatEngine, camera: Camera): void {
+  #drawInto(
+    pass: OpenPass,
+    renderer: WebGPURenderer,
+    engine: SplatEngine,
+    scene: Scene,
+    camera: Camera,
+  ): void {
+    const nowMs = performance.now();
     const shown = this.#shownClouds();
-    const clouds = instancesFor(shown, engine, camera);
+    const clouds = instancesFor(shown, engine, camera, (object) => object.effectsAt(nowMs, scene, camera));
     if (clouds.size === 0) return;
     holdPlanes(shown, clouds.keys(), engine);
     const view: LayerView = this.#views.use(renderer, camera, pass.target, () => {
@@ -190,7 +197,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     });
     this.#shown = view;
     this.material.show(view.color!, view.xPx, view.yPx);
-    for (const cloud of view.clouds) cloud.announceFirstFrame();
+    for (const cloud of view.clouds) cloud.announceDrawn(nowMs);
   }
 
   #showDepth(): void {
@@ -227,13 +234,16 @@ function instancesFor(
   objects: readonly SplatCloudObject[],
   engine: SplatEngine,
   camera: Camera,
+  effectsOf: (object: SplatCloudObject) => CloudInstance['effects'],
 ): Map<SplatCloudObject, CloudInstance> {
   const found = new Map<SplatCloudObject, CloudInstance>();
   for (const object of objects) {
     if (!object.layers.test(camera.layers)) continue;
     const cloud = object.uploadedTo(engine);
-    const { opacity, matrixWorld } = object;
-    if (cloud) found.set(object, { cloud, modelMatrix: matrixWorld.elements, opacity });
+    if (!cloud) continue;
+    const { opacity, shDegree, matrixWorld } = object;
+    const effects = effectsOf(object);
+    found.set(object, { cloud, modelMatrix: matrixWorld.elements, opacity, shDegree, effects });
   }
   return found;
 }

@@ -1,0 +1,88 @@
+import { InvalidArgumentError } from '@websplatter/core';
+import { SplatSelection, tint } from '@websplatter/core/effects';
+import { Box3, Plane, Sphere, Vector3 } from 'three';
+import { expect, it } from 'vitest';
+import { type EffectProps, isSameUses, isSameValue, revealAnimationOf, usesOfProps } from './effect-props.ts';
+
+const optionsOf = (props: EffectProps) =>
+  Object.fromEntries(usesOfProps(props).map(({ effect, options }) => [effect.name, options]));
+
+it('makes of each prop its effect, in three’s terms', () => {
+  const selection = new SplatSelection();
+  const own = tint([1, 0.5, 0]);
+  expect(usesOfProps({})).toEqual([]);
+  expect(usesOfProps({ antialias: false, effects: [] })).toEqual([]);
+  expect(usesOfProps({ effects: [own] })).toEqual([own]);
+  const sphere = { shape: 'sphere', center: [0, 0, 0], radius: 1, keep: 'outside' } as const;
+  const props: EffectProps = {
+    tint: 'white',
+    brightness: 2,
+    antialias: true,
+    clip: {
+      volumes: [
+        new Box3(new Vector3(0, 0, 0), new Vector3(2, 2, 2)),
+        new Sphere(new Vector3(1, 0, 0), 3),
+        new Plane(new Vector3(0, 1, 0), -1),
+        sphere,
+      ],
+      softEdge: 0.1,
+    },
+    reveal: { from: 'camera', radius: 3 },
+    highlight: { selection, color: 'black', strength: 0.5 },
+  };
+  expect(optionsOf(props)).toEqual({
+    tint: [1, 1, 1],
+    brightness: 2,
+    antialias: undefined,
+    clip: {
+      volumes: [
+        { shape: 'box', center: [1, 1, 1], size: [2, 2, 2], keep: 'inside' },
+        { shape: 'sphere', center: [1, 0, 0], radius: 3, keep: 'inside' },
+        { shape: 'plane', point: [0, 1, 0], normal: [0, 1, 0], keep: 'inside' },
+        sphere,
+      ],
+      softEdge: 0.1,
+    },
+    reveal: { from: 'camera', radius: 3 },
+    highlight: { selection, color: [0, 0, 0], strength: 0.5 },
+  });
+  expect(() => usesOfProps({ clip: { volumes: [] } })).toThrow(InvalidArgumentError);
+});
+
+it('leaves a reveal over a time to the object', () => {
+  const reveal = { from: 'camera', durationMs: 500 } as const;
+  expect(usesOfProps({ reveal })).toEqual([]);
+  expect(revealAnimationOf({ reveal })).toBe(reveal);
+  expect(revealAnimationOf({ reveal: { from: 'camera', radius: 1 } })).toBeNull();
+  expect(revealAnimationOf({})).toBeNull();
+});
+
+it('knows equal props, however often they are written out', () => {
+  const selection = new SplatSelection();
+  const same = (a: EffectProps, b: EffectProps) => isSameUses(usesOfProps(a), usesOfProps(b));
+  const props = (radius: number): EffectProps => ({
+    clip: { volumes: [new Sphere(new Vector3(1, 2, 3), radius)] },
+    highlight: { selection, color: 'red', strength: 1 },
+  });
+  expect(same(props(1), props(1))).toBe(true);
+  expect(same(props(1), props(2))).toBe(false);
+  expect(same({ brightness: 2 }, {})).toBe(false);
+  expect(same({ brightness: 2 }, { antialias: true })).toBe(false);
+  const other = { ...props(1).highlight!, selection: new SplatSelection() };
+  expect(same(props(1), { ...props(1), highlight: other })).toBe(false);
+});
+
+it.each<[unknown, unknown, boolean]>([
+  [1, 1, true],
+  [Number.NaN, Number.NaN, true],
+  [null, {}, false],
+  [[1, [2]], [1, [2]], true],
+  [[1, 2], [1], false],
+  [{ a: 1, b: undefined }, { a: 1 }, false],
+  [{ a: undefined }, { b: undefined }, false],
+  [[], {}, false],
+  [new Vector3(), new Vector3(), false],
+])('compares %o and %o', (a, b, expected) => {
+  expect(isSameValue(a, b)).toBe(expected);
+  expect(isSameValue(b, a)).toBe(expected);
+});

@@ -1,0 +1,35 @@
+import { clip } from '@websplatter/core/effects';
+import { Box3, Color, Fog, FogExp2, Plane, Sphere, Vector3 } from 'three/webgpu';
+import { expect, test } from 'vitest';
+import { clipVolumeOf, encodedColor, fogOptionsOf } from './effect-options.ts';
+
+// three rounds the exponents of the encoding.
+test('colours are those that were written down, however three keeps them', () => {
+  expect(encodedColor('white')).toEqual([1, 1, 1]);
+  expect(encodedColor(0x000000)).toEqual([0, 0, 0]);
+  const orange = [1, 128 / 255, 0.2];
+  for (const color of ['#ff8033', 0xff8033, new Color('#ff8033')])
+    encodedColor(color).forEach((value, i) => {
+      expect(value).toBeCloseTo(orange[i], 4);
+    });
+});
+
+test('shapes are volumes that keep what three would keep', () => {
+  const box = new Box3(new Vector3(-1, 0, 2), new Vector3(3, 1, 2.5));
+  const sphere = new Sphere(new Vector3(1, 2, 3), 0.5);
+  const plane = new Plane(new Vector3(0, 2, 0), -3).normalize();
+  const volumes = [clipVolumeOf(box, 'outside'), clipVolumeOf(sphere), clipVolumeOf(plane)];
+  expect(volumes).toEqual([
+    { shape: 'box', center: [1, 0.5, 2.25], size: [4, 1, 0.5], keep: 'outside' },
+    { shape: 'sphere', center: [1, 2, 3], radius: 0.5, keep: 'inside' },
+    { shape: 'plane', point: [0, 1.5, 0], normal: [0, 1, 0], keep: 'inside' },
+  ]);
+  // three keeps the side of positive distance.
+  expect(plane.distanceToPoint(new Vector3(0, 2, 0))).toBeGreaterThan(0);
+  expect(() => clip({ volumes })).not.toThrow();
+});
+
+test('fog is that of the scene', () => {
+  expect(fogOptionsOf(new Fog('white', 2, 5))).toEqual({ color: [1, 1, 1], near: 2, far: 5 });
+  expect(fogOptionsOf(new FogExp2('black', 0.1))).toEqual({ color: [0, 0, 0], density: 0.1 });
+});

@@ -1,0 +1,50 @@
+import { InvalidArgumentError } from '@websplatter/core';
+import type { RevealOptions } from '@websplatter/core/effects';
+import { Box3, PerspectiveCamera, Vector3 } from 'three/webgpu';
+import { expect, test } from 'vitest';
+import { type RevealAnimation, Revealing } from './reveal-animation.ts';
+
+const bounds = new Box3(new Vector3(-1, -1, -1), new Vector3(3, 3, 1));
+const camera = new PerspectiveCamera();
+
+function optionsAt(revealing: Revealing, nowMs: number): RevealOptions {
+  return revealing.useAt(nowMs, bounds, camera).options as RevealOptions;
+}
+
+test('begins with the first picture, and goes evenly to the farthest corner and its soft edge', () => {
+  const revealing = new Revealing({ from: [0, 0, 0], durationMs: 1000, softEdge: 0.5, grow: false });
+  expect(optionsAt(revealing, 300)).toEqual({ from: [0, 0, 0], radius: 0, softEdge: 0.5, grow: false });
+  revealing.begin(500);
+  revealing.begin(700);
+  const end = Math.hypot(3, 3, 1) + 0.5;
+  for (const progress of [0, 0.25, 0.9]) {
+    expect(optionsAt(revealing, 500 + 1000 * progress).radius).toBeCloseTo(progress * end, 12);
+    expect(revealing.isOver(500 + 1000 * progress)).toBe(false);
+  }
+  expect(revealing.isOver(1500)).toBe(true);
+  // The effect takes no part any more.
+  expect(revealing.useAt(1500, bounds, camera).reason).toBeNull();
+});
+
+test('from the camera goes as far as the camera is from the farthest corner, and has an edge of its own', () => {
+  const revealing = new Revealing({ from: 'camera', durationMs: 100 });
+  camera.position.set(0, 0, 10);
+  camera.updateMatrixWorld();
+  revealing.begin(0);
+  const { radius, softEdge } = optionsAt(revealing, 50);
+  const farthest = Math.hypot(3, 3, 11);
+  expect(softEdge).toBeGreaterThan(0);
+  expect(radius).toBeCloseTo(0.5 * (farthest + softEdge!), 9);
+});
+
+test.each<[string, Partial<RevealAnimation>]>([
+  ['durationMs', { durationMs: 0 }],
+  ['durationMs', { durationMs: Number.POSITIVE_INFINITY }],
+  ['durationMs', { durationMs: Number.NaN }],
+  ['from', { from: [0, 1, Number.NaN] }],
+  ['softEdge', { softEdge: -1 }],
+])('is refused where %s means nothing', (argument, options) => {
+  const make = () => new Revealing({ from: 'camera', durationMs: 1, ...options });
+  expect(make).toThrow(InvalidArgumentError);
+  expect(make).toThrow(expect.objectContaining({ argument }));
+});
