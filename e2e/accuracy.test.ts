@@ -157,23 +157,48 @@ describe('accuracy in the viewer', () => {
     expect(await page.getByTestId('results').getAttribute('data-stale')).toBe('true');
   });
 
-  it('chooses a setting by the error that is wished for', async () => {
-    const page = await openViewer('?scene=still-life-small&accuracy=shDegree:0', TINY);
+  it('chooses settings by the error that is wished for, until some are chosen by hand', async () => {
+    const page = await openViewer('?scene=still-life-small&accuracy=minPsnrDb:40', TINY);
     await openTab(page, 'measure');
+    const choice = page.getByTestId('choice');
+    const wish = page.getByTestId('kept-wish');
+    const preset = (name: string) => page.getByTestId(`preset-${name}`).getAttribute('aria-pressed');
+
+    // Called off before anything is chosen, it is no more.
+    await page.getByTestId('sweep-progress').waitFor({ state: 'attached' });
+    expect(await wish.textContent()).toContain('Keeps: at least 40 dB · measuring…');
+    expect(await preset('balanced')).toBe('false');
+    await press(page, 'cancel-sweep');
+    await wish.waitFor({ state: 'detached' });
+    expect(await preset('balanced')).toBe('true');
+
     await page.getByTestId('wish-value').fill('44');
     await press(page, 'wish-submit');
-    const choice = page.getByTestId('choice');
     await choice.waitFor(SWEEP);
     expect(await choice.getAttribute('data-met')).toBe('true');
     expect(await choice.textContent()).toContain('44 dB');
     const chosen = page.locator('[data-testid=point-table] tr:has([aria-pressed=true]) td').first();
     const psnrDb = Number((await chosen.textContent())?.replace('∞', 'Infinity'));
     expect(psnrDb).toBeGreaterThanOrEqual(44);
-
     // By another way: the pictures themselves.
     const picked = await viewerScreenshot(page);
     const exact = await openViewer('?scene=still-life-small&accuracy=reference', TINY);
     expect(psnrOf(picked, await viewerScreenshot(exact))).toBeGreaterThan(43);
+    await page.waitForURL(/accuracy=minPsnrDb:44/);
+
+    // What is opened later is measured too; called off after that, what was chosen stays.
+    await dropFiles(page, [{ name: 'test.ply', bytes: encodePly(testScene()) }]);
+    await page.getByTestId('circumstances').getByText('400 splats').waitFor(SWEEP);
+    await press(page, 'measure');
+    await press(page, 'cancel-sweep');
+    await page.getByTestId('measure').waitFor({ state: 'attached' });
+    expect(await choice.textContent()).toContain('44 dB');
+    expect(await wish.textContent()).toBe('Keeps: at least 44 dBEnd');
+
+    await press(page, 'preset-high');
+    await wish.waitFor({ state: 'detached' });
+    expect(await choice.count()).toBe(0);
+    await page.waitForURL(/accuracy=high/);
   });
 });
 

@@ -3,11 +3,13 @@ import {
   ACCURACY_SETTINGS,
   type AccuracySetting,
   type AccuracySettings,
+  type AccuracyWish,
 } from '@websplatter/core';
 import { useId } from 'react';
 import { useStore } from 'zustand';
 import {
   describeAccuracy,
+  describeWish,
   formatValue,
   nearestPreset,
   PRESET_NAMES,
@@ -26,11 +28,14 @@ export interface AccuracyProps {
   readonly viewer: Viewer;
 }
 
-/** The presets as buttons, and in words what is shown. */
+/** The presets as buttons, and in words what is shown and kept. */
 export function AccuracyPresets({ store, viewer }: AccuracyProps) {
   const accuracy = useStore(store, (state) => state.accuracy);
+  const wish = useStore(store, (state) => state.wish);
   const notices = useStore(store, (state) => state.accuracyNotices);
   const { preset, changed } = nearestPreset(accuracy);
+  // Under a wish no preset was chosen, though what was chosen may be one.
+  const chosen = wish === null && changed.length === 0 ? preset : null;
   return (
     <div className="accuracy-presets">
       <fieldset className="chips" aria-label="Presets">
@@ -39,7 +44,7 @@ export function AccuracyPresets({ store, viewer }: AccuracyProps) {
             key={name}
             type="button"
             className="chip"
-            aria-pressed={name === preset && changed.length === 0}
+            aria-pressed={name === chosen}
             data-testid={`preset-${name}`}
             onClick={() => viewer.setAccuracy(ACCURACY_PRESETS[name])}
           >
@@ -47,8 +52,10 @@ export function AccuracyPresets({ store, viewer }: AccuracyProps) {
           </button>
         ))}
       </fieldset>
-      {changed.length > 0 && (
+      {wish && <KeptWish store={store} viewer={viewer} wish={wish} />}
+      {(wish || changed.length > 0) && (
         <p className="accuracy-custom" data-testid="accuracy-custom">
+          {wish && 'Drawn with '}
           {describeAccuracy(accuracy)}
         </p>
       )}
@@ -58,6 +65,28 @@ export function AccuracyPresets({ store, viewer }: AccuracyProps) {
         </p>
       ))}
     </div>
+  );
+}
+
+/** What is kept in every scene, and the button that ends it. */
+function KeptWish({ store, viewer, wish }: AccuracyProps & { readonly wish: AccuracyWish }) {
+  const isChoosing = useStore(store, (state) => state.choice === null);
+  return (
+    <p className="kept-wish" data-testid="kept-wish">
+      <span role="status">
+        Keeps: <b>{describeWish(wish)}</b>
+        {isChoosing && ' · measuring…'}
+      </span>
+      <button
+        type="button"
+        className="text-button"
+        title="Goes on with the settings that are drawn now"
+        data-testid="end-wish"
+        onClick={() => viewer.setAccuracy(store.getState().accuracy)}
+      >
+        End
+      </button>
+    </p>
   );
 }
 

@@ -1,69 +1,91 @@
-import { isSoftwareAdapter, WebSplatterError } from '@websplatter/core';
-import type {
-  AccuracyChoice,
-  AccuracyTable,
-  AccuracyWish,
-  MeasureAccuracyOptions,
-} from '@websplatter/core/measure';
-import type { MeasuredAccuracy, ViewerStore } from './store.ts';
+import {
+  type AccuracySettings,
+  isSoftwareAdapter,
+  type SplatEngine,
+  WebSplatterError,
+} from '@websplatter/core';
+import type { AccuracyTable, MeasureAccuracyOptions } from '@websplatter/core/measure';
+import type { ViewerState, ViewerStore } from './store.ts';
 import type { StandingPicture, Viewer } from './viewer.ts';
 
-/** Views that a wish has to be met from: what is seen now, and others around it. */
-const WISH_VIEWS = 8;
 /** A software rasteriser takes as long for a frame as a GPU for a hundred, and varies less. */
 const SOFTWARE_FRAMES = 3;
 
-type Measure = typeof import('@websplatter/core/measure');
-type Result = { readonly table: AccuracyTable; readonly choice: AccuracyChoice | null };
+type MeasureOptions = Pick<MeasureAccuracyOptions, 'signal' | 'onProgress'>;
 
-/** Measures what accuracy costs in the picture that stands, one measurement at a time, and tells the store. */
+/**
+ * Measures what accuracy costs in the picture that stands, one measurement at a time, and tells the store. A wish is
+ * measured as soon as it is made, and again for each scene that is opened.
+ */
 export class AccuracySweep {
   readonly #viewer: Viewer;
   readonly #store: ViewerStore;
   #running: AbortController | null = null;
+  /** What was drawn before there was this wish in this scene: comes back where nothing is chosen. */
+  #fallback: AccuracySettings;
 
   constructor(viewer: Viewer, store: ViewerStore) {
     this.#viewer = viewer;
     this.#store = store;
+    this.#fallback = store.getState().accuracy;
   }
 
-  /** Ends measurements whose scene goes away; returns what stops that, and what is being measured with it. */
+  /** Ends measurements whose scene goes away, and begins those that are wished for; returns what stops that. */
   watch(): () => void {
     const unsubscribe = this.#store.subscribe((state, before) => {
-      if (state.scene !== before.scene || state.status !== before.status) this.cancel();
+      const { scene, wish, status } = state;
+      if (scene !== before.scene || wish !== before.wish || status !== before.status) {
+        this.#fallback = before.accuracy;
+        this.#stop();
+      }
+      if (lacksChoice(this.#store.getState())) void this.choose();
     });
     return () => {
       unsubscribe();
-      this.cancel();
+      this.#stop();
     };
   }
 
-  /** Measures the present view: presets, settings one at a time away from the chosen ones, and promising combinations. */
+  /** Measures the present view: presets, settings one at a time away from the default, and promising combinations. */
   measure(): Promise<void> {
-    return this.#run(async ({ measureAccuracy }, { engine }, options) => {
-      return { table: await measureAccuracy(engine, options), choice: null };
+    return this.#run(async ({ engine, frame }, options) => {
+      const { measureAccuracy } = await import('@websplatter/core/measure');
+      const { camera, clouds, widthPx, heightPx } = frame;
+      return measureAccuracy(engine, {
+        clouds,
+        cameras: [camera],
+        widthPx,
+        heightPx,
+        ...(isSoftware(engine) && { frames: SOFTWARE_FRAMES, combinations: false }),
+        ...options,
+      });
     });
   }
 
-  /** Measures, and draws with what meets `wish`, or comes closest, from then on. */
-  async choose(wish: AccuracyWish): Promise<void> {
-    const previous = this.#store.getState().measured?.choice ?? undefined;
-    await this.#run(async ({ chooseAccuracy, sampleCameras }, picture, options) => {
-      const { engine, frame, bounds } = picture;
-      const cameras = isSoftware(picture) ? [frame.camera] : sampleCameras(frame.camera, bounds, WISH_VIEWS);
-      const choice = await chooseAccuracy(engine, wish, { ...options, cameras, base: 'balanced', previous });
-      return { table: choice.table, choice };
-    });
+  /** Measures what meets the wish, and draws with it. */
+  choose(): Promise<void> {
+    return this.#run(async (_, options) => (await this.#viewer.chooseAccuracy(options)).table);
   }
 
+  /** What was found before stays; a wish that nothing was chosen for yet ends. */
   cancel(): void {
+    this.#stop();
+    this.#giveUp();
+  }
+
+  #stop(): void {
     this.#running?.abort();
     this.#running = null;
     if (this.#store.getState().sweep) this.#store.setState({ sweep: null });
   }
 
+  #giveUp(): void {
+    const { wish, choice } = this.#store.getState();
+    if (wish && !choice) this.#viewer.setAccuracy(this.#fallback);
+  }
+
   async #run(
-    work: (measure: Measure, picture: StandingPicture, options: MeasureAccuracyOptions) => Promise<Result>,
+    work: (picture: StandingPicture, options: MeasureOptions) => Promise<AccuracyTable>,
   ): Promise<void> {
     const picture = this.#viewer.standing;
     if (!picture || this.#running) return;
@@ -74,27 +96,19 @@ export class AccuracySweep {
     const { pictureId } = store.getState();
     store.setState({ sweep: { done: 0, total: 1, label: 'Preparing' }, sweepProblem: '' });
     try {
-      const measure = await import('@websplatter/core/measure');
-      const { camera, clouds, widthPx, heightPx } = picture.frame;
-      const result = await work(measure, picture, {
-        clouds,
-        cameras: [camera],
-        widthPx,
-        heightPx,
-        ...(isSoftware(picture) && { frames: SOFTWARE_FRAMES, combinations: false }),
+      const table = await work(picture, {
         signal,
         onProgress: (sweep) => {
           if (!signal.aborted) store.setState({ sweep });
         },
       });
       if (signal.aborted) return;
-      const measured: MeasuredAccuracy = { ...result, pictureId, isSoftware: isSoftware(picture) };
-      store.setState({ measured });
-      if (result.choice) this.#viewer.setAccuracy(result.choice.settings);
+      store.setState({ measured: { table, pictureId, isSoftware: isSoftware(picture.engine) } });
     } catch (error) {
       if (signal.aborted) return;
       if (!(error instanceof WebSplatterError)) console.error(error);
       store.setState({ sweepProblem: error instanceof Error ? error.message : String(error) });
+      this.#giveUp();
     } finally {
       if (this.#running === running) {
         this.#running = null;
@@ -104,6 +118,11 @@ export class AccuracySweep {
   }
 }
 
-function isSoftware({ engine }: StandingPicture): boolean {
-  return isSoftwareAdapter(engine.device.adapterInfo);
+/** Whether there is a picture and a wish, but nothing was chosen for it. */
+function lacksChoice({ wish, choice, status, scene, isIdle }: ViewerState): boolean {
+  return wish !== null && choice === null && status === 'running' && scene !== null && isIdle;
+}
+
+function isSoftware({ device }: SplatEngine): boolean {
+  return isSoftwareAdapter(device.adapterInfo);
 }

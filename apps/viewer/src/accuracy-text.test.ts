@@ -4,9 +4,9 @@ import {
   addressWithAccuracy,
   decodeAccuracy,
   describeAccuracy,
+  describeWish,
   encodeAccuracy,
   formatValue,
-  isSameAccuracy,
   nearestPreset,
   PRESET_NAMES,
   positionOf,
@@ -35,16 +35,30 @@ describe('accuracy as text', () => {
   ] as const)('writes %o as %s and reads it back', (accuracy, text) => {
     const settings = resolveAccuracy(accuracy);
     expect(encodeAccuracy(settings)).toBe(text);
-    expect(isSameAccuracy(decodeAccuracy(text), settings)).toBe(true);
+    expect(decodeAccuracy(text)).toEqual(settings);
+  });
+
+  it.each([
+    [{ minPsnrDb: 45 }, 'minPsnrDb:45', 'at least 45 dB'],
+    [{ maxFrameMs: 0.5 }, 'maxFrameMs:0.5', 'at most 0.5 ms'],
+  ])('writes the wish %o as %s, and for people', (wish, text, words) => {
+    expect(encodeAccuracy(wish)).toBe(text);
+    expect(decodeAccuracy(text)).toEqual(wish);
+    expect(describeWish(wish)).toBe(words);
   });
 
   it('takes changes of the default without its name', () => {
-    expect(decodeAccuracy('shDegree:0').shDegree).toBe(0);
+    expect(decodeAccuracy('shDegree:0')).toMatchObject({ shDegree: 0 });
   });
 
   it.each(['best', 'fast,nonsense:1', 'fast,shDegree:9', 'fast,shDegree', 'fast,shDegree:', ''])(
     'refuses %j with what would do',
     (text) => expect(() => decodeAccuracy(text)).toThrow(/there are|must be|must lie/),
+  );
+
+  it.each(['minPsnrDb:0', 'minPsnrDb:', 'maxFrameMs:soon', 'fast,minPsnrDb:45'])(
+    'refuses the wish %j with what would do',
+    (text) => expect(() => decodeAccuracy(text)).toThrow(/write minPsnrDb|there are/),
   );
 
   it('keeps the rest of the address, and is silent about the default', () => {

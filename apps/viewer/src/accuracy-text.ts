@@ -3,7 +3,10 @@ import {
   ACCURACY_SETTINGS,
   type AccuracyPreset,
   type AccuracySettings,
+  type AccuracyWish,
   DEFAULT_ACCURACY,
+  InvalidArgumentError,
+  isAccuracyWish,
   resolveAccuracy,
 } from '@websplatter/core';
 
@@ -48,11 +51,17 @@ export function describeAccuracy(settings: AccuracySettings): string {
   return [preset, ...changes].join(', ');
 }
 
-/** For the address, `fast,shDegree:1`; null for the default, which needs no mention. */
-export function encodeAccuracy(settings: AccuracySettings): string | null {
-  const { preset, changed } = nearestPreset(settings);
+/** `at least 45 dB`, `at most 8 ms`. */
+export function describeWish(wish: AccuracyWish): string {
+  return 'minPsnrDb' in wish ? `at least ${wish.minPsnrDb} dB` : `at most ${wish.maxFrameMs} ms`;
+}
+
+/** For the address, `fast,shDegree:1` or `minPsnrDb:45`; null for the default, which needs no mention. */
+export function encodeAccuracy(accuracy: AccuracySettings | AccuracyWish): string | null {
+  if (isAccuracyWish(accuracy)) return Object.entries(accuracy)[0].join(':');
+  const { preset, changed } = nearestPreset(accuracy);
   if (preset === DEFAULT_ACCURACY && changed.length === 0) return null;
-  return [preset, ...changed.map((name) => `${name}:${settings[name]}`)].join(',');
+  return [preset, ...changed.map((name) => `${name}:${accuracy[name]}`)].join(',');
 }
 
 /**
@@ -60,7 +69,7 @@ export function encodeAccuracy(settings: AccuracySettings): string | null {
  *
  * @throws InvalidArgumentError naming the preset or setting that does not exist, or the value that it cannot have.
  */
-export function decodeAccuracy(text: string | null): AccuracySettings {
+export function decodeAccuracy(text: string | null): AccuracySettings | AccuracyWish {
   if (text === null) return resolveAccuracy();
   const parts = text.split(',').map((part) => part.trim());
   // A first part with a colon is a change already: `shDegree:1` alone is a change of the default.
@@ -69,14 +78,20 @@ export function decodeAccuracy(text: string | null): AccuracySettings {
     const [name, value = ''] = part.split(':');
     return [name, value !== '' && Number.isFinite(Number(value)) ? Number(value) : value];
   });
+  const asked = Object.fromEntries(changes);
+  if (!text.includes(',') && isAccuracyWish(asked)) {
+    if (Object.values(asked)[0] > 0) return asked;
+    const message = `The wish "${text}" has no number above 0; write minPsnrDb:45 for decibels or maxFrameMs:8 for milliseconds.`;
+    throw new InvalidArgumentError('accuracy', message);
+  }
   // Neither names nor values are known to be right: resolveAccuracy checks them.
-  return resolveAccuracy({ ...Object.fromEntries(changes), preset: preset as AccuracyPreset });
+  return resolveAccuracy({ ...asked, preset: preset as AccuracyPreset });
 }
 
-/** `address` with `settings` in its query, everything else as it was. */
-export function addressWithAccuracy(address: URL, settings: AccuracySettings): string {
+/** `address` with `accuracy` in its query, everything else as it was. */
+export function addressWithAccuracy(address: URL, accuracy: AccuracySettings | AccuracyWish): string {
   const parameters = new URLSearchParams(address.search);
-  const text = encodeAccuracy(settings);
+  const text = encodeAccuracy(accuracy);
   if (text === null) parameters.delete('accuracy');
   else parameters.set('accuracy', text);
   // Both may stand in a query as they are, and are easier to read so.

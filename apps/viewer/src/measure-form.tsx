@@ -12,6 +12,7 @@ import type { MeasuredAccuracy, ViewerStore } from './store.ts';
 /** Measures what each setting costs and buys in the picture that stands, and lets one be chosen by that. */
 export function MeasureForm({ store, viewer, sweep }: AccuracyProps & { readonly sweep: AccuracySweep }) {
   const measured = useStore(store, (state) => state.measured);
+  const choice = useStore(store, (state) => state.choice);
   const problem = useStore(store, (state) => state.sweepProblem);
   return (
     <div className="measure-form">
@@ -21,13 +22,13 @@ export function MeasureForm({ store, viewer, sweep }: AccuracyProps & { readonly
           {problem}
         </p>
       )}
-      {measured?.choice && (
-        <p className="choice" role="status" data-testid="choice" data-met={measured.choice.isMet}>
-          {measured.choice.why}
+      {choice && (
+        <p className="choice" role="status" data-testid="choice" data-met={choice.isMet}>
+          {choice.why}
         </p>
       )}
       {measured && <Results store={store} viewer={viewer} measured={measured} />}
-      <WishForm store={store} sweep={sweep} />
+      <WishForm store={store} viewer={viewer} />
     </div>
   );
 }
@@ -37,6 +38,7 @@ function Runner({ store, sweep }: { store: ViewerStore; sweep: AccuracySweep }) 
   const progress = useStore(store, (state) => state.sweep);
   const canMeasure = useStore(store, (state) => state.scene !== null && state.status === 'running');
   const isFirst = useStore(store, (state) => state.measured === null);
+  const hasWish = useStore(store, (state) => state.wish !== null);
   if (!progress) {
     return (
       <div className="runner">
@@ -46,7 +48,7 @@ function Runner({ store, sweep }: { store: ViewerStore; sweep: AccuracySweep }) 
           className="text-button primary"
           disabled={!canMeasure}
           data-testid="measure"
-          onClick={() => void sweep.measure()}
+          onClick={() => void (hasWish ? sweep.choose() : sweep.measure())}
         >
           {isFirst ? 'Measure this view' : 'Measure again'}
         </button>
@@ -218,7 +220,7 @@ function Circumstances({ measured }: { measured: MeasuredAccuracy }) {
 type WishKind = 'minPsnrDb' | 'maxFrameMs';
 
 /** A result instead of settings. */
-function WishForm({ store, sweep }: { store: ViewerStore; sweep: AccuracySweep }) {
+function WishForm({ store, viewer }: AccuracyProps) {
   const id = useId();
   const isBusy = useStore(store, (state) => state.sweep !== null || state.scene === null);
   const [kind, setKind] = useState<WishKind>('minPsnrDb');
@@ -226,11 +228,11 @@ function WishForm({ store, sweep }: { store: ViewerStore; sweep: AccuracySweep }
   const value = Number(amounts[kind]);
   const submit = (event: FormEvent) => {
     event.preventDefault();
-    void sweep.choose(kind === 'minPsnrDb' ? { minPsnrDb: value } : { maxFrameMs: value });
+    viewer.setWish(kind === 'minPsnrDb' ? { minPsnrDb: value } : { maxFrameMs: value });
   };
   return (
     <form className="wish" onSubmit={submit} aria-labelledby={`${id}-title`} data-testid="wish">
-      <h3 id={`${id}-title`}>Choose for me</h3>
+      <h3 id={`${id}-title`}>Choose settings for me</h3>
       <div className="wish-row">
         <select
           aria-label="Wish"
@@ -258,11 +260,12 @@ function WishForm({ store, sweep }: { store: ViewerStore; sweep: AccuracySweep }
           disabled={isBusy || !(value > 0)}
           data-testid="wish-submit"
         >
-          Find
+          Keep
         </button>
       </div>
       <p>
         Measures eight views around this one, of which the worst counts; a software adapter this one alone.
+        What you open later is measured as well.
       </p>
     </form>
   );

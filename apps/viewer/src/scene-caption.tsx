@@ -35,13 +35,13 @@ function About({ about }: { about: SceneAbout }) {
 function Figures({ store, scene }: { store: ViewerStore; scene: SceneSummary }) {
   const isDroppedVisible = useStore(store, (state) => state.isDroppedVisible);
   const listId = useId();
-  const { clouds, splats, shDegree, dropped } = scene;
+  const { clouds, splats, dropped } = scene;
   const left = droppedTotal(dropped);
   return (
     <>
       <p className="caption-figures">
         {clouds > 1 && `${formatCount(clouds)} clouds · `}
-        {formatSplats(splats)} · SH {shDegree}
+        {formatSplats(splats)} · {formatHarmonics(scene)}
         {left > 0 && (
           <>
             {' · '}
@@ -71,6 +71,12 @@ function Figures({ store, scene }: { store: ViewerStore; scene: SceneSummary }) 
       )}
     </>
   );
+}
+
+/** `SH 3`, or `SH 3, seen up to 1` where the bands above change nothing that could be seen. */
+function formatHarmonics({ declaredShDegree, shDegree }: SceneSummary): string {
+  const seen = shDegree < declaredShDegree ? `, seen up to ${shDegree}` : '';
+  return `SH ${declaredShDegree}${seen}`;
 }
 
 /** The cameras that the scene comes with; one alone can be gone back to. */

@@ -11,6 +11,7 @@ const scene = {
   title: 'Garden',
   clouds: 1,
   splats: 3,
+  declaredShDegree: 0,
   shDegree: 0,
   dropped: {},
   about: null,

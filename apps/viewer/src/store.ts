@@ -1,11 +1,13 @@
 import {
+  type AccuracyChoice,
   type AccuracySettings,
+  type AccuracyWish,
   type DropCounts,
   type FrameStatistics,
   type LoadProgress,
   resolveAccuracy,
 } from '@websplatter/core';
-import type { AccuracyChoice, AccuracyTable, MeasureProgress } from '@websplatter/core/measure';
+import type { AccuracyTable, MeasureProgress } from '@websplatter/core/measure';
 import { createStore, type StoreApi } from 'zustand/vanilla';
 import { addressWithAccuracy } from './accuracy-text.ts';
 import type { SceneWarning } from './dropped-splats.ts';
@@ -21,7 +23,9 @@ export interface SceneSummary {
   readonly clouds: number;
   /** Of all clouds. */
   readonly splats: number;
-  /** The highest of any cloud. */
+  /** Degree of the spherical harmonics in the files, the highest of any cloud. */
+  readonly declaredShDegree: number;
+  /** Degree up to which they can be seen, the highest of any cloud. */
   readonly shDegree: number;
   /** Rows of files that could not be drawn, by reason. */
   readonly dropped: DropCounts;
@@ -83,8 +87,12 @@ export interface ViewerState {
   readonly isHelpVisible: boolean;
   readonly isAccuracyVisible: boolean;
   readonly accuracyTab: AccuracyTab;
-  /** What pictures are drawn with, as it was asked for. */
+  /** What pictures are drawn with, as it was asked for or chosen because of the wish. */
   readonly accuracy: AccuracySettings;
+  /** What is to be kept in every scene; null where settings were chosen by hand. */
+  readonly wish: AccuracyWish | null;
+  /** What was chosen because of the wish, and why; null until this scene has been measured. */
+  readonly choice: AccuracyChoice | null;
   /** What of that the GPU cannot do, in words. */
   readonly accuracyNotices: readonly string[];
   readonly comparison: Comparison | null;
@@ -119,11 +127,10 @@ export interface MeasuredAccuracy {
   /** Of the picture that was measured: others make it stale. */
   readonly pictureId: number;
   readonly isSoftware: boolean;
-  /** What was chosen from the table and why, where a wish was made. */
-  readonly choice: AccuracyChoice | null;
 }
 
-export function sideAccuracy(side: ComparisonSide, current: AccuracySettings): AccuracySettings {
+/** @param current what is chosen: settings, or a wish. */
+export function sideAccuracy<T>(side: ComparisonSide, current: T): AccuracySettings | T {
   return side === 'current' ? current : side;
 }
 
@@ -146,6 +153,8 @@ export function createViewerStore(): ViewerStore {
     isAccuracyVisible: false,
     accuracyTab: 'measure',
     accuracy: resolveAccuracy(),
+    wish: null,
+    choice: null,
     accuracyNotices: [],
     comparison: null,
     sweep: null,
@@ -182,11 +191,12 @@ const ADDRESS_DELAY_MS = 250;
 export function mirrorToAddress(store: ViewerStore): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   const write = () => {
-    const address = addressWithAccuracy(new URL(location.href), store.getState().accuracy);
+    const { wish, accuracy } = store.getState();
+    const address = addressWithAccuracy(new URL(location.href), wish ?? accuracy);
     history.replaceState(history.state, '', address);
   };
   const unsubscribe = store.subscribe((state, before) => {
-    if (state.accuracy === before.accuracy) return;
+    if (state.accuracy === before.accuracy && state.wish === before.wish) return;
     clearTimeout(timer);
     timer = setTimeout(write, ADDRESS_DELAY_MS);
   });

@@ -1,9 +1,12 @@
 import {
   ACCURACY_PRESETS,
+  type AccuracyChoice,
   type AccuracySettings,
-  type Bounds,
+  type AccuracyWish,
   type Camera,
+  type ChooseAccuracyOptions,
   InvalidArgumentError,
+  isAccuracyWish,
   isSoftwareAdapter,
   perspectiveCamera,
   SplatEngine,
@@ -172,11 +175,37 @@ export class Viewer {
     };
   }
 
-  /** Draws with `accuracy` from the next picture on. */
+  /** Draws with `accuracy` from the next picture on; ends a wish. */
   setAccuracy(accuracy: AccuracySettings): void {
-    this.#store.setState({ accuracy });
+    this.#store.setState({ accuracy, wish: null, choice: null });
     this.#applyAccuracy();
     this.#loop.request();
+  }
+
+  /** Draws with what is chosen because of `wish` in each scene, by `chooseAccuracy`, until settings are chosen by hand. */
+  setWish(wish: AccuracyWish): void {
+    this.#store.setState({ wish, choice: null });
+    this.#applyAccuracy();
+    this.#loop.request();
+  }
+
+  /**
+   * Measures now what meets the wish in the picture that stands, and draws with it.
+   *
+   * @throws InvalidArgumentError where there is no wish or no picture; what `SplatView.chooseAccuracy` throws. What was
+   *   drawn before stays then.
+   */
+  async chooseAccuracy(options: ChooseAccuracyOptions): Promise<AccuracyChoice> {
+    const session = this.#session;
+    const drawn = this.#drawn;
+    const { wish } = this.#store.getState();
+    if (!session || !drawn || !wish)
+      throw new InvalidArgumentError('chooseAccuracy', 'It takes a wish and a picture that stands.');
+    const view = this.#wishingView(session);
+    view.render({ ...drawn.frame, accuracy: wish });
+    const choice = await view.chooseAccuracy(options);
+    await view.whenDrawn();
+    return choice;
   }
 
   /** Shows two accuracies at once, or with null the chosen one alone again. */
@@ -196,7 +225,7 @@ export class Viewer {
     const session = this.#session;
     const drawn = this.#drawn;
     if (!session || !drawn || drawn.scene !== this.#scene) return null;
-    session.probe ??= session.engine.createView();
+    session.probe ??= this.#createView(session.engine);
     session.probe.render({ ...drawn.frame, accuracy });
     const image = await session.probe.readPixels();
     return { image, background: drawn.frame.background };
@@ -207,13 +236,7 @@ export class Viewer {
     const session = this.#session;
     const drawn = this.#drawn;
     if (!session || !drawn || drawn.scene !== this.#scene) return null;
-    const { center, radius } = this.#placed(drawn.scene.sphere);
-    const corner = (side: 1 | -1): Vec3 => [
-      center[0] + side * radius,
-      center[1] + side * radius,
-      center[2] + side * radius,
-    ];
-    return { engine: session.engine, frame: drawn.frame, bounds: { min: corner(-1), max: corner(1) } };
+    return { engine: session.engine, frame: drawn.frame };
   }
 
   /** Opens `source` in place of what is shown, which stays until then; calls off what is being loaded. */
@@ -274,7 +297,8 @@ export class Viewer {
     const store = this.#store;
     let engine: SplatEngine;
     try {
-      engine = await SplatEngine.create({ accuracy: store.getState().accuracy });
+      const { wish, accuracy } = store.getState();
+      engine = await SplatEngine.create({ accuracy: wish ?? accuracy });
     } catch (error) {
       if (signal.aborted) return;
       const reason = error instanceof Error ? error.message : String(error);
@@ -289,7 +313,7 @@ export class Viewer {
     engine.device.addEventListener('uncapturederror', (event) => {
       console.error(`WebGPU: ${(event as GPUUncapturedErrorEvent).error.message}`);
     });
-    const view = engine.createView({ canvas });
+    const view = this.#createView(engine, canvas);
     view.onStatistics = (statistics) => store.setState({ statistics });
     const session: Session = { canvas, engine, view, right: null, probe: null };
     this.#session = session;
@@ -309,12 +333,36 @@ export class Viewer {
   #createRight(): void {
     const session = this.#session;
     const canvas = this.#rightCanvas;
-    if (session && canvas) session.right ??= session.engine.createView({ canvas });
+    if (session && canvas) session.right ??= this.#createView(session.engine, canvas);
+  }
+
+  #createView(engine: SplatEngine, canvas?: HTMLCanvasElement): SplatView {
+    const view = engine.createView({ canvas });
+    view.onAccuracyChosen = (choice) => this.#takeChoice(engine, choice);
+    return view;
+  }
+
+  /** A view that is drawn with what was chosen, not with what it is compared with. */
+  #wishingView(session: Session): SplatView {
+    const { comparison } = this.#store.getState();
+    if (comparison?.kind !== 'split' || comparison.left === 'current') return session.view;
+    if (comparison.right === 'current' && session.right) return session.right;
+    session.probe ??= this.#createView(session.engine);
+    return session.probe;
+  }
+
+  #takeChoice(engine: SplatEngine, choice: AccuracyChoice): void {
+    if (this.#store.getState().wish === null) return;
+    this.#store.setState({ accuracy: choice.settings, choice, accuracyNotices: engine.notices });
+    // The view has drawn it by itself; the loop tells when it stands.
+    this.#frameCount++;
+    this.#loop.request();
   }
 
   #readAccuracy(text: string | null): void {
     try {
-      this.#store.setState({ accuracy: decodeAccuracy(text) });
+      const accuracy = decodeAccuracy(text);
+      this.#store.setState(isAccuracyWish(accuracy) ? { wish: accuracy } : { accuracy });
     } catch (error) {
       if (!(error instanceof InvalidArgumentError)) throw error;
       this.#store.setState({ notice: `The address asks for an unknown accuracy. ${error.message}` });
@@ -334,13 +382,20 @@ export class Viewer {
     if (!session) return;
     const { engine } = session;
     const store = this.#store;
-    const { accuracy, comparison } = store.getState();
+    const { wish, accuracy, comparison } = store.getState();
+    const asked = wish ?? accuracy;
     const isCurrent = () => {
       const now = store.getState();
-      return this.#session === session && now.accuracy === accuracy && now.comparison === comparison;
+      return (
+        this.#session === session && (now.wish ?? now.accuracy) === asked && now.comparison === comparison
+      );
     };
-    const request = engine.setAccuracy(accuracy);
-    store.setState({ accuracyNotices: engine.notices });
+    const request = engine.setAccuracy(asked);
+    store.setState({
+      accuracyNotices: engine.notices,
+      // Until it has been measured, what was chosen for the same wish before, or the default.
+      ...(wish && { accuracy: engine.accuracy }),
+    });
     const problems = (await request).map(({ error }) => error.message);
     const clouds = this.#scene?.clouds ?? [];
     for (const other of comparedWith(comparison)) {
@@ -477,6 +532,7 @@ export class Viewer {
         title,
         clouds: clouds.length,
         splats,
+        declaredShDegree: Math.max(0, ...clouds.map(({ cloud }) => cloud.facts.declaredShDegree)),
         shDegree: Math.max(0, ...clouds.map(({ cloud }) => cloud.shDegree)),
         dropped,
         about,
@@ -486,6 +542,7 @@ export class Viewer {
       },
       warning: droppedWarning(title, splats, dropped),
       isDroppedVisible: false,
+      choice: null,
     });
   }
 
@@ -542,7 +599,8 @@ export class Viewer {
     const session = this.#session;
     const scene = this.#scene;
     const state = this.#store.getState();
-    const { widthPx, heightPx, isFlipped, isIdle, cameraIndex, isOwnCamera, comparison, accuracy } = state;
+    const { widthPx, heightPx, isFlipped, isIdle, cameraIndex, isOwnCamera, comparison } = state;
+    const accuracy = state.wish ?? state.accuracy;
     const split = comparison?.kind === 'split' ? comparison : null;
     if (!session || scene?.session !== session || widthPx === 0) return null;
     this.controls.fovYDegrees = this.#fovY();
@@ -637,8 +695,6 @@ export interface StandingPicture {
   readonly engine: SplatEngine;
   /** Without accuracy. */
   readonly frame: ViewFrame;
-  /** Of the scene as it stands, but for stray splats; world space. */
-  readonly bounds: Bounds;
 }
 
 /** A picture as it was read back, without its background, and what it is to be shown on. */
