@@ -275,6 +275,13 @@ describe('three 0.187', () => {
       },
     );
 
+    test('is looked at only where something may be in it', async () => {
+      const { tested, isDrawnAtOnce, pixels } = await run('occluders');
+      expect(tested).toEqual({ nothing: false, sky: false, later: false, 'nothing again': false });
+      expect(isDrawnAtOnce).toBe(true);
+      expectBetweenMeshes(pixels);
+    });
+
     test('transparent meshes come before and after by their place', async () => {
       const halfBlue: Rgba = [0, 0, encoded(0.5), 255];
       const around = await run('transparentMeshes', 1, -1);
@@ -495,6 +502,39 @@ describe('three 0.187', () => {
       expect(ray).toMatchObject({ isLeft: true });
       expect(ray!.distance).toBeCloseTo(Math.hypot(ray!.point[0], ray!.point[1], 3 - ray!.point[2]), 5);
       expect(ray!.distance).toBeLessThan(Math.hypot(1, 3));
+    });
+  });
+
+  describe('effects', () => {
+    test.each([{ near: 1, far: 6 }, { density: 0.3 }])(
+      'fog of the scene hides splats as it does meshes: %o',
+      async (fog) => {
+        const { fogged, clear } = await run('fog', fog);
+        const [splat, mesh] = [leftOf(fogged), rightOf(fogged)];
+        expect(mesh[0]).toBeLessThan(240);
+        expect(mesh[2]).toBeGreaterThan(60);
+        expectPixel(splat, mesh);
+        expectPixel(leftOf(clear), RED, 3);
+      },
+    );
+
+    test('change splats where a cloud calls for them', async () => {
+      const { plain, tintedAndClipped } = await run('effects');
+      const [left, right] = [plain, tintedAndClipped].map((pixels) =>
+        [0.27, 0.73].map((x) => pixelAt(pixels, x, 0.5)),
+      );
+      expectPixel(left[0], [252, 252, 252, 255], 8);
+      expectPixel(left[1], [252, 252, 252, 255], 8);
+      expectPixel(right[0], [252, 127, 0, 255], 8);
+      expectPixel(right[1], [0, 0, 0, 255]);
+    });
+
+    test('reveal a cloud over a time, asking for the frames, and end', async () => {
+      const { shown, hidden, frames, revealed } = await run('reveal', 400);
+      expect(rightOf(shown)[0]).toBeGreaterThan(150);
+      expect(rightOf(hidden)[0]).toBeLessThan(rightOf(shown)[0] / 2);
+      expect(frames).toBeGreaterThan(1);
+      expect(revealed).toEqual(shown);
     });
   });
 

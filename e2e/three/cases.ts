@@ -1,5 +1,8 @@
 import { type AccuracyChoice, encodePly, packCloud } from '@websplatter/core';
+import { clip, tint } from '@websplatter/core/effects';
 import {
+  clipVolumeOf,
+  encodedColor,
   onDeviceLost,
   onStageTimings,
   type SplatCloudObject,
@@ -20,6 +23,8 @@ import {
   DirectionalLight,
   EqualStencilFunc,
   FloatType,
+  Fog,
+  FogExp2,
   HalfFloatType,
   KeepStencilOp,
   LinearSRGBColorSpace,
@@ -31,6 +36,7 @@ import {
   Object3D,
   OrthographicCamera,
   PerspectiveCamera,
+  Plane,
   PlaneGeometry,
   Raycaster,
   REVISION,
@@ -38,11 +44,13 @@ import {
   RenderTarget,
   ReplaceStencilOp,
   Vector2,
+  Vector3,
   Vector4,
 } from 'three/webgpu';
 import { testScene } from '../test-scene.ts';
 import { splatCloud, splatData } from './splats.ts';
 import {
+  areOn,
   drawn,
   makeRenderer,
   meshShot,
@@ -54,6 +62,7 @@ import {
   type Stage,
   shot,
   shotOf,
+  shotWith,
   targetPixels,
   targetShot,
 } from './stage.ts';
@@ -385,7 +394,7 @@ export const cases = {
     stage.scene.add(parent, far);
     const shown = await shot(stage);
     cloud.opacity = 0.5;
-    const faint = await shot(stage);
+    const faint = await shotWith(stage, { opacity: true });
     cloud.opacity = 0;
     const gone = await shot(stage);
     cloud.opacity = 1;
@@ -395,6 +404,89 @@ export const cases = {
     cloud.layers.set(3);
     const otherLayer = await shot(stage);
     return { shown, faint, gone, hidden, otherLayer };
+  },
+
+  /** Red splats on the left and a red wall on the right, equally far, in fog; and splats that are to be none the fainter. */
+  fog: async (fog: { near: number; far: number } | { density: number }) => {
+    const stage = await newStage();
+    const color = 0x8090b0;
+    stage.scene.fog = 'density' in fog ? new FogExp2(color, fog.density) : new Fog(color, fog.near, fog.far);
+    const cloud = splatCloud({ color: [1, 0, 0], opacity: 0.99 }, { color: [1, 0, 0], opacity: 0.99 });
+    stage.scene.add(rightHalf(wall(0xff0000, 0.001)), cloud);
+    const fogged = await shotWith(stage, { fog: true });
+    cloud.fog = false;
+    const clear = await shot(stage);
+    return { fogged, clear };
+  },
+
+  /** A white splat on the left and one on the right; and both tinted, the right one cut off. */
+  effects: async () => {
+    const stage = await newStage();
+    const small = { scale: [0.3, 0.3, 0.3], opacity: 0.99 } as const;
+    const cloud = splatCloud({ ...small, position: [-0.8, 0, 0] }, { ...small, position: [0.8, 0, 0] });
+    stage.scene.add(cloud);
+    const plain = await shot(stage);
+    cloud.effects = [
+      tint(encodedColor('#ff8000')),
+      clip({ volumes: [clipVolumeOf(new Plane(new Vector3(-1, 0, 0), 0))] }),
+    ];
+    const tintedAndClipped = await shotWith(stage, { tint: true, clip: true });
+    return { plain, tintedAndClipped };
+  },
+
+  /** How often a cloud asks for a frame until it is revealed, and pictures from before and after. */
+  reveal: async (durationMs: number) => {
+    const stage = await newStage();
+    const { renderer, scene, camera } = stage;
+    const cloud = splatCloud({ scale: [2, 2, 0.01], opacity: 0.99 });
+    scene.add(cloud);
+    const shown = await shot(stage);
+    cloud.reveal = { from: [0, 0, 0], durationMs };
+    const hidden = await shotWith(stage, { reveal: true });
+    let frames = 0;
+    const revealed = new Promise<void>((resolve) => {
+      cloud.addEventListener('needsframe', () => {
+        requestAnimationFrame(() => {
+          frames++;
+          renderer.render(scene, camera);
+          if (areOn(renderer, { reveal: false })) resolve();
+        });
+      });
+    });
+    renderer.render(scene, camera);
+    await revealed;
+    return { shown, hidden, frames, revealed: await shot(stage) };
+  },
+
+  /** Whether splats look for what may hide them, as things are added that cannot and then one that does. */
+  occluders: async () => {
+    const stage = await newStage();
+    const { renderer, scene, camera } = stage;
+    const cloud = splatCloud({});
+    scene.add(cloud);
+    const tested: Record<string, boolean> = {};
+    const note = async (what: string) => {
+      const pixels = await shot(stage);
+      tested[what] = areOn(renderer, { 'depth-test': true });
+      return pixels;
+    };
+    await note('nothing');
+    scene.add(wall(0x0000ff, -0.5, { depthWrite: false }));
+    await note('sky');
+    const later = wall(0x00ff00, 0.9, { transparent: true, opacity: 0 });
+    later.renderOrder = 1;
+    scene.add(later);
+    await note('later');
+    const front = rightHalf(wall(0xff0000, 0.5));
+    scene.add(front);
+    // Not one frame without splats, though other shaders are needed.
+    const { framesDrawn } = splatEngineOf(renderer).counters();
+    renderer.render(scene, camera);
+    const isDrawnAtOnce = splatEngineOf(renderer).counters().framesDrawn === framesDrawn + 1;
+    const pixels = await shotWith(stage, { 'depth-test': true });
+    front.removeFromParent();
+    await note('nothing again');
+    return { tested, isDrawnAtOnce, pixels };
   },
 
   /** A cloud that asks for more than was loaded, then for less, then for what cannot be had. */

@@ -131,6 +131,26 @@ export async function shot(stage: Stage, splatPasses = 1): Promise<Pixels> {
   return shotOf(stage, () => renderer.render(scene, camera), splatPasses);
 }
 
+/**
+ * The same when effects are on or off as `expected`, by name: until their shaders are compiled the picture stays as it was.
+ */
+export async function shotWith(stage: Stage, expected: Readonly<Record<string, boolean>>): Promise<Pixels> {
+  for (let attempt = 0; attempt < 10; attempt++) {
+    const pixels = await shot(stage);
+    if (areOn(stage.renderer, expected)) return pixels;
+    await nextNeededFrame(stage.scene);
+  }
+  throw new Error(`The effects never became ${JSON.stringify(expected)}.`);
+}
+
+/** Whether the last picture was drawn with these effects on and off. */
+export function areOn(renderer: WebGPURenderer, expected: Readonly<Record<string, boolean>>): boolean {
+  const entries = splatEngineOf(renderer).effects();
+  return Object.entries(expected).every(
+    ([name, isOn]) => entries.find((entry) => entry.name === name)?.isOn === isOn,
+  );
+}
+
 /** The same with another way to render. */
 export async function shotOf(
   { renderer, scene }: Stage,

@@ -90,11 +90,25 @@ export class BlendedLayer {
     return this.#drawnAs;
   }
 
-  /** See `SplatView.effects`. */
-  effects(): readonly EffectEntry[] {
-    if (!this.#frame || !this.#prepared) return [];
+  /**
+   * See `SplatView.effects`.
+   *
+   * @param host textures that a view inside another renderer's frame holds for that.
+   */
+  effects(host: HostTextures | null = null): readonly EffectEntry[] {
+    const resources = this.#frame;
+    if (!resources || !this.#prepared) return [];
     const { frame, shape } = this.#prepared;
-    return effectsLedger({ frame, shape, held: this.#frame });
+    const { memory } = this.#context;
+    const bytesOf = (each: readonly (GPUBuffer | GPUTexture | null | undefined)[]) =>
+      [...new Set(each)].reduce((sum, resource) => sum + memory.bytesOf(resource), 0);
+    const held = {
+      selectionBytes: (cloudIndex: number) => resources.selectionBytes(cloudIndex),
+      keptColorsBytes: this.#colors.bytes,
+      testedDepthBytes: bytesOf([resources.hostDepth, host?.testedDepth]),
+      writtenDepthBytes: bytesOf([this.#textures?.depthLayer, this.#blended?.depthLayer, host?.depth]),
+    };
+    return effectsLedger({ frame, shape, held });
   }
 
   /** What a frame asks for; see `stopgapFor` where its shaders are not compiled yet. */
@@ -107,11 +121,17 @@ export class BlendedLayer {
   /**
    * The same frame with the settings and effects of the last picture in place of those whose shaders are still compiling, so
    * that nothing stands still for that; null where there is none, or it would be of other clouds.
+   *
+   * @param depths one of these the last picture's depth has to be.
    */
-  stopgapFor({ frame, shape: { depth } }: FramePlan): FramePlan | null {
+  stopgapFor(
+    { frame, shape }: FramePlan,
+    depths: readonly (RasterizeDepth | null)[] = [shape.depth],
+  ): FramePlan | null {
     const last = this.#prepared;
     if (!last || last.frame.clouds.length !== frame.clouds.length) return null;
-    if (JSON.stringify(last.shape.depth) !== JSON.stringify(depth)) return null;
+    const { depth } = last.shape;
+    if (!depths.some((possible) => JSON.stringify(possible) === JSON.stringify(depth))) return null;
     if (frame.clouds.some(({ cloud }, i) => cloud !== last.frame.clouds[i].cloud)) return null;
     const clouds = frame.clouds.map((instance, i) => {
       const { opacity, effects, shDegree } = last.frame.clouds[i];
@@ -299,6 +319,12 @@ export class BlendedLayer {
       if (depthLayer) this.#context.memory.destroy(depthLayer);
     }
   }
+}
+
+/** What a view inside another renderer's frame has of its depth, and gives to it; null where it is not called for. */
+interface HostTextures {
+  readonly testedDepth: GPUTexture | null;
+  readonly depth: GPUTexture | null;
 }
 
 interface LayerTextures {

@@ -332,6 +332,41 @@ describe('an embedded view', () => {
     });
   }
 
+  gpuTest(
+    'looks for what hides splats only where there may be something, and waits for no shader',
+    async () => {
+      const depth = CONVENTIONS[0][1];
+      const camera = withClipDepth(testCameras(SIZE.widthPx / SIZE.heightPx).perspective, false);
+      const { pass, color } = hostPass(camera, depth, {});
+      const frame = { camera, clouds: [{ cloud }], ...SIZE };
+      const pictureOf = async (view: EmbeddedView) =>
+        (await readTexture(device, record(view, pass).color)).data;
+      const pictureWith = async (options: Pick<EmbeddedFrame, 'depth'>) => {
+        const view = engine.createEmbeddedView();
+        await prepared(view, { ...frame, ...options });
+        const picture = await pictureOf(view);
+        view.destroy();
+        return picture;
+      };
+      const [unhidden, hidden] = [await pictureWith({}), await pictureWith({ depth })];
+      expect(hidden).not.toEqual(unhidden);
+
+      // What no other test has compiled.
+      const view = engine.createEmbeddedView();
+      const changing = { ...frame, depth, accuracy: { preset: 'high', sortKeyBits: 20 } } as const;
+      await prepared(view, { ...changing, hasOccluders: false });
+      expect(view.shape?.depth).toBeNull();
+      expect(await pictureOf(view)).toEqual(unhidden);
+      expect(view.prepare(changing)).toBe(true);
+      await expect.poll(() => view.prepare(changing) && view.shape?.depth).toBeTruthy();
+      expect(await pictureOf(view)).toEqual(hidden);
+      expect(view.prepare({ ...changing, hasOccluders: false })).toBe(true);
+      expect(await pictureOf(view)).toEqual(unhidden);
+      view.destroy();
+      color.destroy();
+    },
+  );
+
   gpuTest('draws splats at half and at two thirds of the resolution', async () => {
     const camera = withClipDepth(testCameras(SIZE.widthPx / SIZE.heightPx).perspective, false);
     const [, depth] = CONVENTIONS[0];

@@ -4,6 +4,7 @@ import type { EffectEntry } from './effects/ledger.ts';
 import { DestroyedError, InvalidArgumentError } from './errors.ts';
 import { frameStages } from './frame.ts';
 import { type FrameShape, isScaled } from './frame-shape.ts';
+import type { CompiledStage } from './gpu/pipelines.ts';
 import { HostViewport } from './layout/structs.ts';
 import type { AccuracyChoice } from './measure/choose-accuracy.ts';
 import type { SplatPick } from './pick.ts';
@@ -20,6 +21,11 @@ export interface EmbeddedFrame
   extends Pick<ViewFrame, 'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy'> {
   /** How the host stores depth; absent: nothing hides splats. */
   readonly depth?: DepthConvention;
+  /**
+   * Whether there may be something in the host's depth; default true. Where not, splats are drawn without looking there. It
+   * may change from frame to frame.
+   */
+  readonly hasOccluders?: boolean;
   /** Whether the picture is to have the splats' depth too; only with `depth`. */
   readonly writesDepth?: boolean;
 }
@@ -113,16 +119,18 @@ export class EmbeddedView {
     checkFrame(frame);
     const isEmpty = frame.widthPx === 0 || frame.heightPx === 0 || frame.clouds.length === 0;
     if (isEmpty || this.#context.destroyedBecause() !== null) return false;
-    const depth = this.#depthOf(frame);
+    const depths = this.#depthsFor(frame);
+    const [depth] = depths;
     const accuracy = this.#accuracy.settingsFor(frame);
     const layer = this.#layer;
     layer.timer.begin();
     if (!layer.isPrepared(frame, accuracy, depth)) {
       const plan = layer.planFor(frame, accuracy, depth);
-      const drawable = this.#isCompiled(plan.shape) ? plan : layer.stopgapFor(plan);
+      const drawable = this.#isCompiled(plan.shape) ? plan : layer.stopgapFor(plan, depths);
       if (!drawable) return false;
-      if (drawable === plan || !layer.isPrepared(drawable.frame, drawable.shape.accuracy, depth))
-        this.#compute(drawable);
+      const { frame: drawn, shape } = drawable;
+      if (drawable === plan || !layer.isPrepared(drawn, shape.accuracy, shape.depth)) this.#compute(drawable);
+      if (drawable === plan && frame.depth && !depth) this.#expectOccluders(plan.shape, depths[1]!);
     }
     this.#accuracy.show(frame);
     return true;
@@ -180,7 +188,7 @@ export class EmbeddedView {
 
   /** See `SplatView.effects`. */
   effects(): readonly EffectEntry[] {
-    return this.#layer.effects();
+    return this.#layer.effects(this.#textures);
   }
 
   /** @internal Number of the last picture among all that the engine has drawn; 0 before the first. */
@@ -215,23 +223,29 @@ export class EmbeddedView {
     device.queue.submit([encoder.finish()]);
   }
 
-  #depthOf({ camera, depth, writesDepth }: EmbeddedFrame): RasterizeDepth | null {
-    if (!depth) return null;
+  /** What a frame asks of depth, and after that what else it may be drawn with as long as shaders for that are lacking. */
+  #depthsFor(frame: EmbeddedFrame): readonly [RasterizeDepth | null, ...(RasterizeDepth | null)[]] {
+    const { camera, depth, hasOccluders = true, writesDepth = false } = frame;
+    if (!depth) return [null];
     const { mapping, compare } = depth;
+    const isOrthographic = camera.projectionMatrix[11] === 0;
     const isBlendable = this.#context.device.features.has('float32-blendable' as GPUFeatureName);
-    const layerFormat = writesDepth ? (isBlendable ? 'r32float' : 'r16float') : null;
-    return { mapping, compare, isOrthographic: camera.projectionMatrix[11] === 0, layerFormat };
+    const tested: RasterizeDepth = { mapping, compare, isOrthographic, layerFormat: null };
+    const written: RasterizeDepth = { ...tested, layerFormat: isBlendable ? 'r32float' : 'r16float' };
+    if (writesDepth) return [written, tested, null];
+    return hasOccluders ? [tested, written, null] : [null, tested, written];
+  }
+
+  /** Something may come to hide the splats of this shape: it is to be hidden behind from its first frame on. */
+  #expectOccluders(shape: FrameShape, depth: RasterizeDepth): void {
+    const { pipelines } = this.#context;
+    const stages = embeddedStages({ ...shape, depth });
+    if (!pipelines.areReady(stages)) pipelines.prepare(stages).catch(() => {});
   }
 
   #isCompiled(shape: FrameShape): boolean {
     const { pipelines } = this.#context;
-    const { depth } = shape;
-    const stages = frameStages(shape);
-    // Whether the host's depth has several samples is known when it is drawn.
-    for (const many of depth ? [false, true] : [false]) {
-      stages.push([compose(depth, many), composeState(depth)]);
-      if (depth) stages.push([resolveDepth(depth.compare, many, isScaled(shape)), resolveDepthState]);
-    }
+    const stages = embeddedStages(shape);
     if (pipelines.areReady(stages)) return true;
     if (!this.#isCompiling) {
       this.#isCompiling = true;
@@ -392,6 +406,18 @@ function layerView(
 ): GPUTextureView {
   const baseArrayLayer = texture.depthOrArrayLayers > 1 ? layer : 0;
   return texture.createView({ ...options, dimension: '2d', baseArrayLayer, arrayLayerCount: 1 });
+}
+
+/** All that a frame inside of another renderer's runs. */
+function embeddedStages(shape: FrameShape): CompiledStage[] {
+  const { depth } = shape;
+  const stages = frameStages(shape);
+  // Whether the host's depth has several samples is known when it is drawn.
+  for (const many of depth ? [false, true] : [false]) {
+    stages.push([compose(depth, many), composeState(depth)]);
+    if (depth) stages.push([resolveDepth(depth.compare, many, isScaled(shape)), resolveDepthState]);
+  }
+  return stages;
 }
 
 function isMultisampled({ depth }: HostPass): boolean {

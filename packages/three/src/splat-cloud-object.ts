@@ -119,7 +119,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     this.#releaseUploads();
     this.#data = data;
     this.#isAnnounced = false;
-    this.reveal = this.reveal;
+    this.#revealing &&= new Revealing(this.#revealing.animation);
     withBounds(this.geometry, data?.robustBounds.clone() ?? new Box3());
     this.requestFrame();
   }

@@ -148,7 +148,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     if (scene.overrideMaterial) return;
     try {
       const engine = splatEngineOf(renderer);
-      const pass = openPass(renderer as WebGPURenderer, camera);
+      const pass = openPass(renderer as WebGPURenderer, scene, camera, this);
       if (pass) this.#drawInto(pass, renderer as WebGPURenderer, engine, scene, camera);
     } catch (error) {
       // Of a lost device its renderer tells.
@@ -187,6 +187,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       widthPx: pass.widthPx,
       heightPx: pass.heightPx,
       depth: pass.depth,
+      hasOccluders: pass.hasOccluders,
       writesDepth: [...clouds.keys()].some(({ writesDepth }) => writesDepth),
       accuracy: accuracyOf(clouds.keys()),
     });

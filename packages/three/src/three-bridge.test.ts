@@ -1,9 +1,11 @@
-import { ArrayCamera, PerspectiveCamera, type WebGPURenderer } from 'three/webgpu';
+import { ArrayCamera, Object3D, PerspectiveCamera, Scene, type WebGPURenderer } from 'three/webgpu';
 import { describe, expect, test, vi } from 'vitest';
 import { SplatsPassError, ThreeInternalsError } from './errors.ts';
 import { hasWebGpuBackend, openPass } from './three-bridge.ts';
 
+const scene = new Scene();
 const camera = new PerspectiveCamera();
+const drawn = new Object3D();
 
 /** Says what was called on it, in order, and with what. */
 function recorder<Name extends string>(calls: unknown[][], ...names: Name[]) {
@@ -78,9 +80,20 @@ function fakeRenderer() {
     textureUtils: { getDepthBuffer: () => gpuTexture('depth buffer') },
   };
   const canvasTarget = { name: 'canvas' };
+  const list = {
+    bundles: [] as object[],
+    opaque: [] as object[],
+    transparentDoublePass: [] as object[],
+    transparent: [{ object: drawn, material: {} }] as object[],
+  };
+  const lighting = {};
   const fields: Record<string, unknown> = {
     _currentRenderContext: context,
     _compilationPromises: null,
+    _renderLists: {
+      get: (...keys: unknown[]) => (keys.every((key, i) => key === [scene, camera, lighting][i]) ? list : {}),
+    },
+    lighting,
     backend,
     getCanvasTarget: () => canvasTarget,
     getOutputRenderTarget: () => null,
@@ -96,6 +109,7 @@ function fakeRenderer() {
     data,
     calls,
     kept,
+    list,
     colorTexture,
     target,
     canvasTarget,
@@ -104,7 +118,7 @@ function fakeRenderer() {
   };
 }
 
-const open = (fake: ReturnType<typeof fakeRenderer>) => openPass(fake.renderer, camera)!;
+const open = (fake: ReturnType<typeof fakeRenderer>) => openPass(fake.renderer, scene, camera, drawn)!;
 
 describe('the open pass', () => {
   test('is what three draws into', () => {
@@ -140,18 +154,52 @@ describe('the open pass', () => {
   test('is none while three compiles, and between renders', () => {
     const compiling = fakeRenderer();
     compiling.fields._compilationPromises = [];
-    expect(openPass(compiling.renderer, camera)).toBeNull();
+    expect(openPass(compiling.renderer, scene, camera, drawn)).toBeNull();
     const idle = fakeRenderer();
     idle.fields._currentRenderContext = null;
-    expect(openPass(idle.renderer, camera)).toBeNull();
+    expect(openPass(idle.renderer, scene, camera, drawn)).toBeNull();
     const unbegun = fakeRenderer();
     unbegun.data.currentPass = undefined;
-    expect(openPass(unbegun.renderer, camera)).toBeNull();
+    expect(openPass(unbegun.renderer, scene, camera, drawn)).toBeNull();
   });
 
   test('of several cameras at once is refused', () => {
     const { renderer } = fakeRenderer();
-    expect(() => openPass(renderer, new ArrayCamera())).toThrow(SplatsPassError);
+    expect(() => openPass(renderer, scene, new ArrayCamera(), drawn)).toThrow(SplatsPassError);
+  });
+});
+
+describe('what may hide what is drawn', () => {
+  const writing = { object: new Object3D(), material: { depthWrite: true } };
+  const sky = { object: new Object3D(), material: { depthWrite: false } };
+
+  function hasOccluders(change: (fake: ReturnType<typeof fakeRenderer>) => void): boolean {
+    const fake = fakeRenderer();
+    change(fake);
+    return open(fake).hasOccluders;
+  }
+
+  test('is what has written depth before it', () => {
+    expect(hasOccluders(() => {})).toBe(false);
+    expect(hasOccluders(({ list }) => list.opaque.push(sky))).toBe(false);
+    expect(hasOccluders(({ list }) => list.transparent.push(writing))).toBe(false);
+    expect(hasOccluders(({ list }) => list.transparent.unshift(sky))).toBe(false);
+    expect(hasOccluders(({ list }) => list.opaque.push(sky, writing))).toBe(true);
+    expect(hasOccluders(({ list }) => list.transparent.unshift(writing))).toBe(true);
+    expect(hasOccluders(({ list }) => list.transparentDoublePass.push(writing))).toBe(true);
+    expect(hasOccluders(({ list }) => list.bundles.push({}))).toBe(true);
+  });
+
+  test('may be in depth that is not cleared, or was drawn before an interruption', () => {
+    const loaded = { colorAttachments: [], depthStencilAttachment: { depthLoadOp: 'load' } };
+    expect(hasOccluders(({ data }) => Object.assign(data, { descriptor: loaded }))).toBe(true);
+    expect(hasOccluders((fake) => open(fake).interrupt(() => {}))).toBe(true);
+  });
+
+  test('is in doubt where three’s list is not the one that is drawn, or not to be found', () => {
+    expect(hasOccluders(({ list }) => list.transparent.pop())).toBe(true);
+    expect(hasOccluders(({ fields }) => Object.assign(fields, { lighting: {} }))).toBe(true);
+    expect(hasOccluders(({ fields }) => delete fields._renderLists)).toBe(true);
   });
 });
 
@@ -292,7 +340,7 @@ describe('a three that has changed is told by name', () => {
     delete part(fake)[name];
     let error: unknown;
     try {
-      openPass(fake.renderer, camera);
+      openPass(fake.renderer, scene, camera, drawn);
     } catch (thrown) {
       error = thrown;
     }

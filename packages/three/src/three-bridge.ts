@@ -1,7 +1,7 @@
 // Everything that is known here of three's inner life is in this file: three has no public way to draw with WebGPU in the
 // middle of its own pass. What is used keeps its names from 0.170 to 0.187; each is looked for before it is used.
 import type { DepthConvention, HostPass } from '@websplatter/core';
-import { type Camera, REVISION, type WebGPURenderer } from 'three/webgpu';
+import { type Camera, type Object3D, REVISION, type Scene, type WebGPURenderer } from 'three/webgpu';
 import { SplatsPassError, ThreeInternalsError } from './errors.ts';
 
 /** A render pass of three's that is being recorded. */
@@ -15,16 +15,23 @@ export interface OpenPass {
   readonly heightPx: number;
   /** Undefined where the target has no depth. */
   readonly depth: DepthConvention | undefined;
+  /** Whether something that was drawn before may hide what is drawn now; in doubt it may. */
+  readonly hasOccluders: boolean;
   /** Ends the pass, lets `record` record passes of its own, and goes on with the pass as it was. */
   interrupt(record: (encoder: GPUCommandEncoder, host: HostPass) => void): void;
 }
 
 /**
- * The pass that `renderer` is recording for an object's `onBeforeRender`, or null where it only compiles shaders.
+ * The pass that `renderer` is recording for the `onBeforeRender` of `drawn`, or null where it only compiles shaders.
  *
  * @throws ThreeInternalsError where three has changed; SplatsPassError where the pass cannot be interrupted.
  */
-export function openPass(renderer: WebGPURenderer, camera: Camera): OpenPass | null {
+export function openPass(
+  renderer: WebGPURenderer,
+  scene: Scene,
+  camera: Camera,
+  drawn: Object3D,
+): OpenPass | null {
   const internals = internalsOf(renderer);
   const context = internals._currentRenderContext;
   if (internals._compilationPromises !== null || context === null) return null;
@@ -56,6 +63,7 @@ export function openPass(renderer: WebGPURenderer, camera: Camera): OpenPass | n
     widthPx: viewport.width,
     heightPx: viewport.height,
     depth: context.depth ? depthConvention(renderer) : undefined,
+    hasOccluders: isDepthLoaded(data) || mayHaveWrittenDepth(internals, scene, camera, drawn),
     interrupt: (record) => {
       suspend(backend, context, data);
       try {
@@ -159,11 +167,30 @@ interface Backend {
 interface RendererInternals {
   readonly _currentRenderContext: RenderContext | null;
   readonly _compilationPromises: readonly unknown[] | null;
+  /** Looked at where it is there: without it nothing is known of what was drawn. */
+  readonly _renderLists?: { get?(scene: Scene, camera: Camera, lighting: unknown): RenderList };
+  /** Since 0.187 lists are kept by it, too. */
+  readonly lighting?: unknown;
   readonly backend: Backend;
+}
+
+/** What three draws of a scene for a camera, in its order: bundles, opaque objects and transparent ones. */
+interface RenderList {
+  readonly bundles?: readonly object[];
+  readonly opaque?: readonly RenderItem[];
+  readonly transparentDoublePass?: readonly RenderItem[];
+  readonly transparent?: readonly RenderItem[];
+}
+
+interface RenderItem {
+  readonly object: Object3D;
+  readonly material: { readonly depthWrite?: boolean };
 }
 
 const probedRenderers = new WeakSet<object>();
 const probedContexts = new WeakSet<object>();
+/** Passes that go on with what an earlier part of them has drawn. */
+const resumedPasses = new WeakSet<object>();
 
 function internalsOf(renderer: WebGPURenderer): RendererInternals {
   const internals = renderer as unknown as RendererInternals;
@@ -210,6 +237,28 @@ function depthConvention(renderer: WebGPURenderer): DepthConvention {
     compare: renderer.reversedDepthBuffer ? 'greater-equal' : 'less-equal',
     mapping: renderer.logarithmicDepthBuffer ? 'logarithmic' : 'projection',
   };
+}
+
+/** Whether the pass goes on with depth that another has left, or that this one had before it was interrupted. */
+function isDepthLoaded({ descriptor, currentPass }: RenderContextData): boolean {
+  return descriptor.depthStencilAttachment?.depthLoadOp !== 'clear' || resumedPasses.has(currentPass!);
+}
+
+/** Whether the list that three is going through has something that writes depth before `drawn`, or is another one. */
+function mayHaveWrittenDepth(
+  { _renderLists, lighting }: RendererInternals,
+  scene: Scene,
+  camera: Camera,
+  drawn: Object3D,
+): boolean {
+  const { bundles, opaque, transparent, transparentDoublePass } =
+    _renderLists?.get?.(scene, camera, lighting) ?? {};
+  const index = transparent?.findIndex(({ object }) => object === drawn) ?? -1;
+  if (!(bundles && opaque && transparent && transparentDoublePass) || index < 0) return true;
+  const before = [opaque, transparentDoublePass, transparent.slice(0, index)];
+  return (
+    bundles.length > 0 || before.some((items) => items.some(({ material }) => material.depthWrite !== false))
+  );
 }
 
 function checkResumable({ colorAttachments, depthStencilAttachment }: PassDescriptor): void {
@@ -294,6 +343,7 @@ function resume(context: RenderContext, data: RenderContextData): void {
     const { r, g, b } = data.currentBlendColor;
     pass.setBlendConstant({ r, g, b, a: data.currentBlendAlpha });
   }
+  resumedPasses.add(pass);
   data.currentPass = pass;
   // The new pass has no pipeline and no bindings: what three believes to be set must be set again.
   data.currentSets = { attributes: {}, bindingGroups: [], pipeline: null, index: null };
