@@ -415,7 +415,7 @@ export const cases = {
     stage.scene.add(rightHalf(wall(0xff0000, 0.001)), cloud);
     const fogged = await shotWith(stage, { fog: true });
     cloud.fog = false;
-    const clear = await shot(stage);
+    const clear = await shotWith(stage, { fog: false });
     return { fogged, clear };
   },
 
