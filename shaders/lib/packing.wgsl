@@ -35,7 +35,8 @@ fn unpackSplat(v: array<vec4u, GEOMETRY_VECTORS>, logScales: vec2f) -> Splat {
   let blue = unpack2x16float(v[1].x).x;
   let opacity = f32(v[1].x >> 16u) / 65535.0;
   let logScale = logScales.x + logScales.y * vec3f(vec3u(v[1].y & 0xffffu, v[1].y >> 16u, v[1].z & 0xffffu));
-  let rotation = unpackRotation(v[1].z >> 16u, v[1].w);
+  @if(!ISOTROPIC) let rotation = unpackRotation(v[1].z >> 16u, v[1].w);
+  @if(ISOTROPIC) let rotation = vec4f(1.0, 0.0, 0.0, 0.0);
   return Splat(bitcast<vec3f>(v[0].xyz), opacity, rotation, exp(logScale), vec3f(redGreen, blue));
 }
 

@@ -2,7 +2,7 @@
 // and project, which writes what is drawn. Twin: reference/cull-splats.ts.
 import layout::View;
 import package::lib::covariance::ScreenCovariance;
-import package::lib::covariance::rotationMatrix;
+@if(!ISOTROPIC) import package::lib::covariance::rotationMatrix;
 import package::lib::covariance::screenCovariance;
 import package::lib::packing::Splat;
 
@@ -18,9 +18,11 @@ fn isInDepthRange(view: View, depthView: f32) -> bool {
 
 /// For a splat in the depth range; `linear` takes cloud space to view space.
 fn screenSplat(view: View, linear: mat3x3f, splat: Splat, centerView: vec3f) -> ScreenSplat {
-  let rotation = rotationMatrix(splat.rotation);
-  let axes = mat3x3f(rotation[0] * splat.scale.x, rotation[1] * splat.scale.y, rotation[2] * splat.scale.z);
-  let covariance = screenCovariance(view, centerView, linear * axes);
+  @if(!ISOTROPIC) let rotation = rotationMatrix(splat.rotation);
+  @if(!ISOTROPIC) let axes = mat3x3f(rotation[0] * splat.scale.x, rotation[1] * splat.scale.y, rotation[2] * splat.scale.z);
+  @if(!ISOTROPIC) let covariance = screenCovariance(view, centerView, linear * axes);
+  // A ball is the same however it is turned.
+  @if(ISOTROPIC) let covariance = screenCovariance(view, centerView, linear * splat.scale.x);
   return ScreenSplat(screenCenter(view, centerView), -centerView.z, covariance);
 }
 

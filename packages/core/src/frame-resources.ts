@@ -325,12 +325,20 @@ export class FrameResources {
 
 /** The stage that culls the splats of one of the frame's clouds. */
 export function cullSplatsStage(
-  { isOrthographic, accuracy, planes, effects }: FrameShape,
+  { isOrthographic, accuracy, planes, effects, isIsotropic, hasFaintSplats }: FrameShape,
   cloudIndex: number,
 ) {
   const { geometryPrecision } = planes[cloudIndex];
   const { extent, culling } = accuracy;
-  return cullSplats({ isOrthographic, geometryPrecision, extent, culling, effects: effects[cloudIndex] });
+  return cullSplats({
+    isOrthographic,
+    geometryPrecision,
+    extent,
+    culling,
+    effects: effects[cloudIndex],
+    isIsotropic: isIsotropic[cloudIndex],
+    hasFaintSplats: hasFaintSplats[cloudIndex],
+  });
 }
 
 /** The stage that projects the splats of one of the frame's clouds. */
@@ -349,6 +357,7 @@ export function projectStage(shape: FrameShape, cloudIndex: number) {
     shDegree: shDegrees[cloudIndex],
     effects: shape.effects[cloudIndex],
     keepsColors: shape.keepsColors[cloudIndex],
+    isIsotropic: shape.isIsotropic[cloudIndex],
   });
 }
 

@@ -1,11 +1,11 @@
 import { type AccuracySettings, layerSize } from './accuracy.ts';
-import { type EffectSet, effectSetOf } from './effects/effect-set.ts';
-import { usesOf } from './effects/effects.ts';
+import { type EffectSet, effectSetOf, hasHook } from './effects/effect-set.ts';
+import { CLOUD_EFFECTS, usesOf } from './effects/effects.ts';
 import type { CloudPages } from './scene/cloud-planes.ts';
 import { keyBitsFor } from './scene/key-bits.ts';
 import type { SplatCloud } from './scene/splat-cloud.ts';
 import type { ShDegree } from './scene/splat-set.ts';
-import type { ViewFrame } from './scene/view-frame.ts';
+import type { CloudInstance, ViewFrame } from './scene/view-frame.ts';
 import { visibleCapacity } from './scene/visible-capacity.ts';
 import type { RasterizeDepth } from './stages/rasterize.ts';
 
@@ -19,6 +19,10 @@ export interface FrameShape {
   readonly effects: readonly EffectSet[];
   /** Of each cloud the degree of spherical harmonics that is evaluated. */
   readonly shDegrees: readonly ShDegree[];
+  /** Of each cloud whether all splats are balls, after its effects as well: their rotations are not looked at. */
+  readonly isIsotropic: readonly boolean[];
+  /** Of each cloud whether splats may be fainter than the cutoff, after its effects as well: each is tested. */
+  readonly hasFaintSplats: readonly boolean[];
   /** Of each cloud whether its colours are kept for frames from the same viewpoint. */
   readonly keepsColors: readonly boolean[];
   readonly isOrthographic: boolean;
@@ -46,19 +50,14 @@ export function shapeOf(
   current: FrameShape | undefined,
 ): FrameShape {
   const { camera } = frame;
-  const clouds = frame.clouds.map(({ cloud }) => cloud);
+  const ofClouds = cloudShapes(frame.clouds, accuracy);
+  const { clouds } = ofClouds;
   const isSameClouds =
     clouds.length === current?.clouds.length && clouds.every((cloud, i) => cloud === current.clouds[i]);
   const depthBits = keyBitsFor(camera, frame.clouds);
   const layer = { ...frame, ...layerSize(frame, accuracy) };
   return {
-    clouds,
-    planes: clouds.map((cloud) => cloud.pagesFor(accuracy)),
-    effects: frame.clouds.map((instance) => effectSetOf(usesOf(instance))),
-    shDegrees: frame.clouds.map(
-      ({ cloud, shDegree = 3 }) => Math.min(accuracy.shDegree, shDegree, cloud.shDegree) as ShDegree,
-    ),
-    keepsColors: clouds.map(() => false),
+    ...ofClouds,
     isOrthographic: camera.projectionMatrix[11] === 0,
     accuracy,
     dispatchRow,
@@ -67,6 +66,47 @@ export function shapeOf(
     shortensKeys: accuracy.sortKeyBits < depthBits,
     depth,
   };
+}
+
+type CloudShapes = Pick<
+  FrameShape,
+  'clouds' | 'planes' | 'effects' | 'shDegrees' | 'isIsotropic' | 'hasFaintSplats' | 'keepsColors'
+>;
+
+/** What a shape has of each cloud, by itself: no colours are kept. */
+export function cloudShapes(instances: readonly CloudInstance[], accuracy: AccuracySettings): CloudShapes {
+  const effects = instances.map((instance) => effectSetOf(usesOf(instance)));
+  return {
+    clouds: instances.map(({ cloud }) => cloud),
+    planes: instances.map(({ cloud }) => cloud.pagesFor(accuracy)),
+    effects,
+    shDegrees: instances.map(
+      ({ cloud, shDegree = 3 }) => Math.min(accuracy.shDegree, shDegree, cloud.shDegree) as ShDegree,
+    ),
+    isIsotropic: instances.map(({ cloud }, i) => isIsotropic(cloud, effects[i])),
+    hasFaintSplats: instances.map(({ cloud }, i) => hasFaintSplats(cloud, effects[i], accuracy)),
+    keepsColors: instances.map(() => false),
+  };
+}
+
+/** Effects of this package leave balls round; of those of callers' own nothing is known. */
+function isIsotropic({ facts }: SplatCloud, { effects }: EffectSet): boolean {
+  return (
+    facts.isIsotropic &&
+    effects.every((effect) => effect.hooks.splat === undefined || CLOUD_EFFECTS.includes(effect))
+  );
+}
+
+/** Opacities are packed in steps as large as this. */
+const OPACITY_STEP = 1 / 65535;
+
+/** What opacity hooks make fainter is tested by itself. */
+function hasFaintSplats(
+  { facts }: SplatCloud,
+  effects: EffectSet,
+  { alphaCutoff }: AccuracySettings,
+): boolean {
+  return hasHook(effects, 'splat') || facts.minOpacity - OPACITY_STEP < alphaCutoff;
 }
 
 /** Whether splats are blended in a layer smaller than the picture. */
@@ -97,6 +137,7 @@ export function isSameShape(a: FrameShape, b: FrameShape): boolean {
     a.effects.every((effects, i) => effects === b.effects[i]) &&
     a.shDegrees.every((degree, i) => degree === b.shDegrees[i]) &&
     a.keepsColors.every((keeps, i) => keeps === b.keepsColors[i]) &&
+    // Whether splats are balls, or faint, follows from clouds, effects and accuracy.
     JSON.stringify(a.depth) === JSON.stringify(b.depth)
   );
 }

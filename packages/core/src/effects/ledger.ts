@@ -1,9 +1,10 @@
-import type { FrameShape } from '../frame-shape.ts';
 import { roundUp } from '../layout/gpu-struct.ts';
-import type { CloudInstance, ViewFrame } from '../scene/view-frame.ts';
+import type { CloudInstance } from '../scene/view-frame.ts';
 import type { SplatEffect } from './effect.ts';
 import { STRUCT_ALIGNMENT } from './effect-set.ts';
 import { CLOUD_EFFECTS, usesOf } from './effects.ts';
+import type { DrawnPicture, FoundEffect } from './found-effect.ts';
+import { FOUND_EFFECTS } from './found-effects.ts';
 
 /** One effect, as it was in a picture. */
 export interface EffectEntry {
@@ -19,37 +20,50 @@ export interface EffectEntry {
   readonly reason: string;
   /** Names of the clouds that it is on for; empty where it is off, and where it is one of the whole view. */
   readonly clouds: readonly string[];
-  /** Stages that it takes part in where it is on; none where it is done on the CPU alone. */
+  /** Stages that it may take part in; none where it is done on the CPU alone. */
   readonly stages: readonly string[];
   /** What is held for it on the GPU now. What effects share is counted with each of them. */
   readonly bytes: number;
 }
 
-/** What a view holds on the GPU for effects. */
-export interface EffectHoldings {
-  /** Of one cloud: a bit per splat, where an effect takes a selection. */
-  selectionBytes(cloudIndex: number): number;
-}
-
-/** A picture as it was drawn. */
-export interface DrawnPicture {
-  readonly frame: ViewFrame;
-  readonly shape: FrameShape;
-  readonly held: EffectHoldings;
-}
-
-/** All effects, also those that are off: the caller's in the order in which they act. */
+/** All effects, also those that are off: those that are found, then the caller's in the order in which they act. */
 export function effectsLedger(picture: DrawnPicture): readonly EffectEntry[] {
   const { clouds } = picture.frame;
   const asked = clouds.flatMap(({ effects = [] }) => effects.map(({ effect }) => effect));
   const own = asked.filter((effect) => !CLOUD_EFFECTS.includes(effect));
-  return [...new Set([...own, ...CLOUD_EFFECTS])].map((effect) => callersEntry(effect, picture));
+  return [
+    ...FOUND_EFFECTS.map((effect) => foundEntry(effect, picture)),
+    ...[...new Set([...own, ...CLOUD_EFFECTS])].map((effect) => callersEntry(effect, picture)),
+  ];
 }
 
 /** What is said of one cloud. */
 interface Finding {
   readonly cloud: string;
   readonly reason: string;
+}
+
+function foundEntry(effect: FoundEffect, picture: DrawnPicture): EffectEntry {
+  const { name, label, about, stages } = effect;
+  const bytes = effect.bytes?.(picture) ?? 0;
+  if (effect.of === 'view') {
+    const on = effect.calledFor(picture);
+    const reason = on ?? effect.offReason(picture);
+    return { name, label, about, isOn: on !== null, reason, clouds: [], stages, bytes };
+  }
+  const { frame, shape } = picture;
+  const on: Finding[] = [];
+  const off: Finding[] = [];
+  for (const [index, instance] of frame.clouds.entries()) {
+    const place = { instance, index, shape };
+    const cloud = instance.cloud.name;
+    const reason = effect.calledFor(place);
+    if (reason !== null) on.push({ cloud, reason });
+    else off.push({ cloud, reason: effect.offReason(place) });
+  }
+  const isOn = on.length > 0;
+  const reason = together(isOn ? on : off);
+  return { name, label, about, isOn, reason, clouds: namesOf(on), stages, bytes };
 }
 
 function callersEntry(effect: SplatEffect, { frame, shape, held }: DrawnPicture): EffectEntry {
@@ -93,6 +107,7 @@ function stagesOf({ hooks }: SplatEffect): readonly string[] {
 /** One reason, or each with the clouds that it is about. */
 function together(findings: readonly Finding[]): string {
   const reasons = [...new Set(findings.map(({ reason }) => reason))];
+  if (reasons.length === 0) return 'there is no cloud';
   if (reasons.length === 1) return reasons[0];
   return reasons
     .map((reason) => `${namesOf(findings.filter((each) => each.reason === reason)).join(', ')}: ${reason}`)

@@ -68,6 +68,11 @@ export class GpuMemory {
     return this.createTexture({ label, size: { width, height }, format, usage });
   }
 
+  /** What one of them takes; 0 for null. */
+  bytesOf(resource: GPUBuffer | GPUTexture | null | undefined): number {
+    return resource ? (this.#bytes.get(resource) ?? 0) : 0;
+  }
+
   destroy(resource: GPUBuffer | GPUTexture): void {
     this.#totalBytes -= this.#bytes.get(resource) ?? 0;
     this.#bytes.delete(resource);

@@ -2,10 +2,10 @@ import { type AccuracySettings, DILATION_PX2, layerSize, resolveAccuracy } from 
 import { type Camera, type Projection, projectionOf } from '../camera.ts';
 import { ColorCache } from '../color-cache.ts';
 import type { EffectUse } from '../effects/effect.ts';
-import { effectSetOf } from '../effects/effect-set.ts';
 import { usesOf } from '../effects/effects.ts';
 import { frameStages, recordCompute, recordRasterize } from '../frame.ts';
 import { FrameResources } from '../frame-resources.ts';
+import { cloudShapes } from '../frame-shape.ts';
 import { effectUniforms, pageUniforms, viewUniforms } from '../frame-uniforms.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
@@ -24,7 +24,7 @@ import { type CullPlane, cullPlanes } from '../scene/frustum.ts';
 import { mortonOrder, permuteSplats } from '../scene/morton-order.ts';
 import { type PackedCloud, packCloud } from '../scene/packed-cloud.ts';
 import { SplatCloud } from '../scene/splat-cloud.ts';
-import type { ShDegree, SplatSet } from '../scene/splat-set.ts';
+import type { SplatSet } from '../scene/splat-set.ts';
 import type { ViewFrame } from '../scene/view-frame.ts';
 import { GpuTimer } from '../timing/gpu-timer.ts';
 
@@ -109,11 +109,7 @@ export class InspectedFrame {
     }));
     const viewFrame: ViewFrame = { camera, clouds: instances, widthPx, heightPx };
     const shape = {
-      clouds: instances.map(({ cloud }) => cloud),
-      planes: instances.map(({ cloud }) => cloud.pagesFor(accuracy)),
-      effects: instances.map((instance) => effectSetOf(usesOf(instance))),
-      shDegrees: instances.map(({ cloud }) => Math.min(accuracy.shDegree, cloud.shDegree) as ShDegree),
-      keepsColors: instances.map(() => false),
+      ...cloudShapes(instances, accuracy),
       isOrthographic: projection.isOrthographic,
       accuracy,
       dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,

@@ -16,6 +16,10 @@ export interface CullSplatsVariant {
   readonly culling: Culling;
   /** Default none. */
   readonly effects?: EffectSet;
+  /** Whether all splats are balls, after effects as well; default false. */
+  readonly isIsotropic?: boolean;
+  /** Whether splats may be too faint to be drawn; default true. */
+  readonly hasFaintSplats?: boolean;
 }
 
 /** Tests each splat of one page's visible chunks. */
@@ -25,6 +29,8 @@ export function cullSplats({
   extent,
   culling,
   effects = NO_EFFECTS,
+  isIsotropic = false,
+  hasFaintSplats = true,
 }: CullSplatsVariant): StageDefinition {
   // Colours are not known yet.
   const acting = geometryEffects(effects);
@@ -35,6 +41,8 @@ export function cullSplats({
       ORTHOGRAPHIC: isOrthographic,
       GEOMETRY_F32: geometryPrecision === 'f32',
       FRUSTUM_CULLING: culling === 'frustum',
+      FAINT_SPLATS: hasFaintSplats,
+      ISOTROPIC: isIsotropic,
       FIXED_EXTENT: culling !== 'frustum' && extent === 'fixed',
       SPLAT_EFFECTS: hasHook(acting, 'splat'),
       OPACITY_EFFECTS: hasHook(acting, 'opacity'),

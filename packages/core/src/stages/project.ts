@@ -21,6 +21,8 @@ export interface ProjectVariant {
   readonly shDegree: ShDegree;
   /** Default none. */
   readonly effects?: EffectSet;
+  /** Whether all splats are balls, after effects as well; default false. */
+  readonly isIsotropic?: boolean;
   /** Whether colours are kept for frames from the same viewpoint; default false. */
   readonly keepsColors?: boolean;
 }
@@ -56,6 +58,7 @@ export function project(variant: ProjectVariant): StageDefinition {
       SH_F16: shDegree >= 1 && shPrecision === 'f16',
       SH_U8: shDegree >= 1 && shPrecision === 'u8',
       COLOR_CACHE: keepsColors,
+      ISOTROPIC: variant.isIsotropic === true,
       SPLAT_EFFECTS: hasHook(effects, 'splat'),
       OPACITY_EFFECTS: hasHook(effects, 'opacity'),
       COLOR_EFFECTS: hasHook(effects, 'color'),

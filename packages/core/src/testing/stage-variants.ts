@@ -78,7 +78,11 @@ export function allStageVariants(): StageDefinition[] {
     for (const geometryPrecision of GEOMETRY) {
       for (const extent of EXTENTS) {
         for (const culling of ['bounding-box', 'frustum'] as const) {
-          stages.push(cullSplats({ isOrthographic, geometryPrecision, extent, culling }));
+          const variant = { isOrthographic, geometryPrecision, extent, culling };
+          stages.push(
+            cullSplats(variant),
+            cullSplats({ ...variant, isIsotropic: true, hasFaintSplats: false }),
+          );
         }
       }
       for (const recordPrecision of RECORD) {
@@ -101,6 +105,7 @@ export function allStageVariants(): StageDefinition[] {
     const degrees = { storedShDegree: 3, shDegree: 3 } as const;
     const frame = { isOrthographic: false, shortKeyBits: null, maxColor: 65504 } as const;
     stages.push(project({ ...frame, ...precisions, ...degrees, keepsColors: true }));
+    stages.push(project({ ...frame, ...precisions, ...degrees, isIsotropic: true }));
   }
   for (const shortKeyBits of SHORT_KEYS) {
     const precisions = { geometryPrecision: 'packed', recordPrecision: 'f16', shPrecision: 'u8' } as const;

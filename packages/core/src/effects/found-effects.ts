@@ -1,0 +1,21 @@
+import { depthTest } from './found/depth-test.ts';
+import { depthWrite } from './found/depth-write.ts';
+import { faintSplats } from './found/faint-splats.ts';
+import { harmonics } from './found/harmonics.ts';
+import { isotropic } from './found/isotropic.ts';
+import { keptColors } from './found/kept-colors.ts';
+import { orthographic } from './found/orthographic.ts';
+import { transform } from './found/transform.ts';
+import type { FoundEffect } from './found-effect.ts';
+
+/** All effects that are found: in the data of clouds, in the view, in what is drawn around it. */
+export const FOUND_EFFECTS: readonly FoundEffect[] = [
+  harmonics,
+  isotropic,
+  faintSplats,
+  transform,
+  orthographic,
+  keptColors,
+  depthTest,
+  depthWrite,
+];

@@ -1,0 +1,17 @@
+import type { FoundInView } from '../found-effect.ts';
+
+/** Meshes in front of splats. */
+export const depthTest: FoundInView = {
+  of: 'view',
+  name: 'depth-test',
+  label: 'Hidden by meshes',
+  about: 'Tests splats against the depth of what was drawn before.',
+  conditions: ['DEPTH_TEST', 'DEPTH_LOGARITHMIC', 'MULTISAMPLED', 'REVERSED_DEPTH'],
+  bindings: ['hostDepth', 'hostDepths'],
+  stages: ['resolve-depth', 'rasterize', 'compose'],
+  calledFor: ({ shape: { depth } }) =>
+    depth &&
+    `something may stand in front of splats, and its depth is ${depth.mapping === 'logarithmic' ? 'logarithmic' : 'that of the projection'}`,
+  offReason: () => 'nothing else was drawn that could hide splats',
+  bytes: ({ held }) => held.testedDepthBytes,
+};

@@ -1,0 +1,33 @@
+import type { DrawnCloud, FoundInCloud } from '../found-effect.ts';
+
+/** Colours that depend on where a splat is seen from. */
+export const harmonics: FoundInCloud = {
+  of: 'cloud',
+  name: 'harmonics',
+  label: 'View-dependent colour',
+  about: 'Evaluates spherical harmonics, up to the degree that can be seen.',
+  conditions: ['SH_1', 'SH_2', 'SH_3', 'SH_F32', 'SH_F16', 'SH_U8'],
+  bindings: ['shRest'],
+  stages: ['project'],
+  calledFor: (cloud) =>
+    cloud.shape.shDegrees[cloud.index] > 0
+      ? `colours depend on the direction that they are seen from: ${limitOf(cloud)}`
+      : null,
+  offReason: limitOf,
+  // Also what is stored and not evaluated.
+  bytes: ({ shape }) => {
+    const pages = new Set(shape.planes.flatMap((planes) => planes.pages));
+    return [...pages].reduce((sum, { shRest }) => sum + (shRest?.size ?? 0), 0);
+  },
+};
+
+/** What decides the degree. */
+function limitOf({ instance, index, shape }: DrawnCloud): string {
+  const { declaredShDegree, trueShDegree } = instance.cloud.facts;
+  const degree = shape.shDegrees[index];
+  if (degree < trueShDegree)
+    return `${instance.shDegree === degree ? 'it is asked for with' : 'the accuracy has'} degree ${degree} of the file’s ${declaredShDegree}`;
+  return trueShDegree < declaredShDegree
+    ? `of the file’s degree ${declaredShDegree} nothing above ${trueShDegree} could be seen`
+    : `the file has degree ${declaredShDegree}`;
+}
