@@ -3,7 +3,7 @@ import { useStore } from 'zustand';
 import { AccuracyPresets, AccuracySettingsForm } from './accuracy-settings.tsx';
 import type { AccuracySweep } from './accuracy-sweep.ts';
 import { ComparisonForm } from './comparison-form.tsx';
-import { Icon } from './icon.tsx';
+import { Dock } from './dock.tsx';
 import { MeasureForm } from './measure-form.tsx';
 import { ACCURACY_TABS, type AccuracyTab, type ViewerStore } from './store.ts';
 import type { Viewer } from './viewer.ts';
@@ -14,7 +14,7 @@ const TAB_LABELS: Readonly<Record<AccuracyTab, string>> = {
   settings: 'Settings',
 };
 
-/** What pictures are drawn with, and what that means: docked beside the picture, on small screens a sheet below it. */
+/** What pictures are drawn with, and what that means. */
 export const AccuracyPanel = memo(function AccuracyPanel({
   store,
   viewer,
@@ -24,27 +24,16 @@ export const AccuracyPanel = memo(function AccuracyPanel({
   viewer: Viewer;
   sweep: AccuracySweep;
 }) {
-  const isVisible = useStore(store, (state) => state.isAccuracyVisible);
+  const isVisible = useStore(store, (state) => state.dock === 'accuracy');
   const tab = useStore(store, (state) => state.accuracyTab);
   const id = useId();
   if (!isVisible) return null;
   return (
-    <section className="panel accuracy" aria-labelledby={`${id}-title`} data-testid="accuracy">
-      <header>
-        <h2 id={`${id}-title`}>Accuracy</h2>
-        <button
-          type="button"
-          className="icon-button"
-          aria-label="Close"
-          onClick={() => store.setState({ isAccuracyVisible: false })}
-        >
-          <Icon name="close" />
-        </button>
-      </header>
+    <Dock store={store} name="accuracy" title="Accuracy">
       <AccuracyPresets store={store} viewer={viewer} />
       <Tabs id={id} tab={tab} onTab={(accuracyTab) => store.setState({ accuracyTab })} />
       <div
-        className="accuracy-body"
+        className="dock-body"
         id={`${id}-body`}
         role="tabpanel"
         aria-labelledby={`${id}-${tab}`}
@@ -55,7 +44,7 @@ export const AccuracyPanel = memo(function AccuracyPanel({
         {tab === 'settings' && <AccuracySettingsForm store={store} viewer={viewer} />}
         {tab === 'compare' && <ComparisonForm store={store} viewer={viewer} />}
       </div>
-    </section>
+    </Dock>
   );
 });
 

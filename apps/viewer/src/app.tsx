@@ -5,11 +5,13 @@ import { AccuracySweep } from './accuracy-sweep.ts';
 import { createCommands, listenToKeys } from './commands.ts';
 import { DropZone } from './drop-zone.tsx';
 import { type DropDecision, decideFiles } from './dropped-files.ts';
+import { EffectsPanel } from './effects-panel.tsx';
 import { ErrorPanel } from './error-panel.tsx';
 import { ErrorLegend, ErrorPicture } from './error-picture.tsx';
 import { Help } from './help.tsx';
 import { Hud } from './hud.tsx';
 import { LoadPanel } from './load-panel.tsx';
+import { Measurement } from './measurement.ts';
 import { Notice } from './notice.tsx';
 import { SceneCaption } from './scene-caption.tsx';
 import { SplitPicture } from './split-picture.tsx';
@@ -25,7 +27,9 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   const comparison = useStore(store, (state) => state.comparison);
   const fileInput = useRef<HTMLInputElement>(null);
   const run = useMemo(() => createCommands(viewer, store, () => fileInput.current?.click()), [viewer, store]);
-  const sweep = useMemo(() => new AccuracySweep(viewer, store), [viewer, store]);
+  const measurement = useMemo(() => new Measurement(viewer, store), [viewer, store]);
+  const sweep = useMemo(() => new AccuracySweep(viewer, store, measurement), [viewer, store, measurement]);
+  useEffect(() => measurement.watch(), [measurement]);
   useEffect(() => sweep.watch(), [sweep]);
   useEffect(() => listenToKeys(viewer, store, run), [viewer, store, run]);
 
@@ -44,6 +48,7 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
         <Hud store={store} />
         <Toolbar store={store} run={run} />
         <AccuracyPanel store={store} viewer={viewer} sweep={sweep} />
+        <EffectsPanel store={store} />
         <SceneCaption store={store} onStep={(by) => viewer.stepCamera(by)} />
         <div className="messages">
           <Notice store={store} />

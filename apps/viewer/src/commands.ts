@@ -1,7 +1,7 @@
 import type { ViewerState, ViewerStore } from './store.ts';
 import type { Viewer } from './viewer.ts';
 
-export type CommandName = 'open' | 'flip' | 'reset' | 'frame' | 'hud' | 'accuracy' | 'help';
+export type CommandName = 'open' | 'flip' | 'reset' | 'frame' | 'hud' | 'accuracy' | 'effects' | 'help';
 
 export interface Command {
   readonly name: CommandName;
@@ -18,6 +18,7 @@ export const COMMANDS: readonly Command[] = [
   { name: 'flip', label: 'Turn upside down', key: 'u' },
   { name: 'hud', label: 'Show or hide figures', key: 'h' },
   { name: 'accuracy', label: 'Accuracy and its cost', key: 'c' },
+  { name: 'effects', label: 'Effects and why', key: 'e' },
   { name: 'help', label: 'Keys and gestures', key: '?' },
 ];
 
@@ -30,7 +31,8 @@ export function createCommands(viewer: Viewer, store: ViewerStore, chooseFile: (
     reset: () => viewer.controls.reset(),
     frame: () => viewer.frameScene(),
     hud: () => store.setState(({ isHudVisible }) => ({ isHudVisible: !isHudVisible })),
-    accuracy: () => store.setState(({ isAccuracyVisible }) => ({ isAccuracyVisible: !isAccuracyVisible })),
+    accuracy: () => store.setState(({ dock }) => ({ dock: dock === 'accuracy' ? null : 'accuracy' })),
+    effects: () => store.setState(({ dock }) => ({ dock: dock === 'effects' ? null : 'effects' })),
     help: () => store.setState(({ isHelpVisible }) => ({ isHelpVisible: !isHelpVisible })),
   };
   return (name) => run[name]();
@@ -39,7 +41,8 @@ export function createCommands(viewer: Viewer, store: ViewerStore, chooseFile: (
 /** Listens to the whole window's keys; returns what stops that. */
 export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand): () => void {
   const onKeyDown = (event: KeyboardEvent) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || isTyping(event.target)) return;
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (isTyping(event.target) || isScrolling(event)) return;
     const { isHelpVisible, status } = store.getState();
     if (event.key === 'Escape') {
       store.setState(withoutTopmost(store.getState()));
@@ -63,7 +66,13 @@ function withoutTopmost(state: ViewerState): Partial<ViewerState> {
   if (state.isDroppedVisible) return { isDroppedVisible: false };
   if (state.error) return { error: null };
   if (state.warning) return { warning: null };
-  return { isAccuracyVisible: false };
+  return { dock: null };
+}
+
+/** Contents of a panel scroll by the keys that otherwise move the camera. */
+function isScrolling({ key, target }: KeyboardEvent): boolean {
+  const isInPanel = target instanceof HTMLElement && target.closest('.dock-body') !== null;
+  return isInPanel && /^(Arrow(Up|Down)|Page(Up|Down)|Home|End)$/.test(key);
 }
 
 function isTyping(target: EventTarget | null): boolean {

@@ -2,7 +2,7 @@
 const MAX_FRAMES_IN_FLIGHT = 2;
 
 export interface FrameLoopOptions {
-  /** Draws what stands `elapsedMs` after the frame before; the work's completion, or null where nothing had changed and so nothing was submitted. */
+  /** Draws what stands `elapsedMs` after the frame before; the work's completion, or null where nothing was submitted. */
   readonly draw: (elapsedMs: number) => Promise<unknown> | null;
   /** A frame has been drawn. */
   readonly onDrawn: (completedMs: number) => void;
@@ -27,6 +27,11 @@ export class FrameLoop {
     if (this.#handle === 0 && this.#framesInFlight < MAX_FRAMES_IN_FLIGHT) {
       this.#handle = requestAnimationFrame((nowMs) => this.#run(nowMs));
     }
+  }
+
+  /** Whether nothing is asked for and nothing is on its way. */
+  get isResting(): boolean {
+    return this.#handle === 0 && this.#framesInFlight === 0 && !this.#isWanted;
   }
 
   stop(): void {

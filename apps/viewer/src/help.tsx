@@ -16,7 +16,7 @@ const CAMERA_KEYS: readonly (readonly [string, readonly string[]])[] = [
   ['Pan', ['Shift', 'arrows']],
   ['Zoom', ['+', '−']],
   ['Walk', ['W', 'A', 'S', 'D']],
-  ['Down, up', ['Q', 'E']],
+  ['Down, up', ['Page Down', 'Page Up']],
   ['Reset the view', ['Home']],
   ['A hard case’s cameras', ['[', ']']],
 ];

@@ -5,7 +5,9 @@ import { GALLERY_SCENE, loadHardCases } from './hard-catalogue.ts';
 import { GalleryFailedPage } from './status-pages.tsx';
 import { createViewerStore, mirrorToAddress, mirrorToDocument } from './store.ts';
 import './viewer.css';
+import './dock.css';
 import './accuracy.css';
+import './effects.css';
 import { Viewer } from './viewer.ts';
 
 const element = document.getElementById('root');

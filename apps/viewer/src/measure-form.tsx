@@ -7,21 +7,26 @@ import type { AccuracySweep } from './accuracy-sweep.ts';
 import { isSameAccuracy } from './accuracy-text.ts';
 import { formatDb } from './chart-layout.ts';
 import { formatBytes, formatCount, formatMs, formatSplats } from './format.ts';
-import type { MeasuredAccuracy, ViewerStore } from './store.ts';
+import { Runner } from './runner.tsx';
+import type { MeasuredAccuracy } from './store.ts';
 
 /** Measures what each setting costs and buys in the picture that stands, and lets one be chosen by that. */
 export function MeasureForm({ store, viewer, sweep }: AccuracyProps & { readonly sweep: AccuracySweep }) {
   const measured = useStore(store, (state) => state.measured);
   const choice = useStore(store, (state) => state.choice);
-  const problem = useStore(store, (state) => state.sweepProblem);
+  const hasWish = useStore(store, (state) => state.wish !== null);
   return (
     <div className="measure-form">
-      <Runner store={store} sweep={sweep} />
-      {problem && (
-        <p className="sweep-problem" role="alert">
-          {problem}
-        </p>
-      )}
+      <Runner
+        store={store}
+        of="accuracy"
+        label={measured ? 'Measure again' : 'Measure this view'}
+        about={
+          measured ? null : 'Draws this view with every setting, and tells what each costs and what it buys.'
+        }
+        onStart={() => void (hasWish ? sweep.choose() : sweep.measure())}
+        onCancel={() => sweep.cancel()}
+      />
       {choice && (
         <p className="choice" role="status" data-testid="choice" data-met={choice.isMet}>
           {choice.why}
@@ -29,47 +34,6 @@ export function MeasureForm({ store, viewer, sweep }: AccuracyProps & { readonly
       )}
       {measured && <Results store={store} viewer={viewer} measured={measured} />}
       <WishForm store={store} viewer={viewer} />
-    </div>
-  );
-}
-
-/** The button that starts, or how far it has come and the button that ends it. */
-function Runner({ store, sweep }: { store: ViewerStore; sweep: AccuracySweep }) {
-  const progress = useStore(store, (state) => state.sweep);
-  const canMeasure = useStore(store, (state) => state.scene !== null && state.status === 'running');
-  const isFirst = useStore(store, (state) => state.measured === null);
-  const hasWish = useStore(store, (state) => state.wish !== null);
-  if (!progress) {
-    return (
-      <div className="runner">
-        {isFirst && <p>Draws this view with every setting, and tells what each costs and what it buys.</p>}
-        <button
-          type="button"
-          className="text-button primary"
-          disabled={!canMeasure}
-          data-testid="measure"
-          onClick={() => void (hasWish ? sweep.choose() : sweep.measure())}
-        >
-          {isFirst ? 'Measure this view' : 'Measure again'}
-        </button>
-      </div>
-    );
-  }
-  const { done, total, label } = progress;
-  return (
-    <div className="runner" data-testid="sweep">
-      <div className="runner-row">
-        <p data-testid="sweep-label">{label}…</p>
-        <button
-          type="button"
-          className="text-button"
-          data-testid="cancel-sweep"
-          onClick={() => sweep.cancel()}
-        >
-          Cancel
-        </button>
-      </div>
-      <progress value={done} max={total} aria-label="Measuring" data-testid="sweep-progress" />
     </div>
   );
 }

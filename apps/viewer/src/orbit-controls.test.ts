@@ -247,6 +247,8 @@ describe('OrbitControls', () => {
     expect(controls.pose.distance).toBeCloseTo(10);
     press('w');
     expect(controls.pose.target[2]).toBeLessThan(0);
+    press('PageUp');
+    expect(controls.pose.target[1]).toBeGreaterThan(0);
     expect(press('x')).toBe(false);
     expect(
       controls.handleKey({ key: 'r', shiftKey: false, ctrlKey: true, metaKey: false, altKey: false }),

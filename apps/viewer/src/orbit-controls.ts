@@ -349,8 +349,8 @@ const MOVES: Readonly<Record<string, Vec3>> = {
   s: [0, 0, 1],
   a: [-1, 0, 0],
   d: [1, 0, 0],
-  q: [0, -1, 0],
-  e: [0, 1, 0],
+  pagedown: [0, -1, 0],
+  pageup: [0, 1, 0],
 };
 
 /** Near enough that the last step could not be seen: a hundredth of a pixel on a large screen. */

@@ -3,6 +3,7 @@ import {
   type AccuracySettings,
   type AccuracyWish,
   type DropCounts,
+  type EffectEntry,
   type FrameStatistics,
   type LoadProgress,
   resolveAccuracy,
@@ -55,6 +56,11 @@ export type Comparison =
   /** How far the shown accuracy is from `reference`, pixel by pixel. */
   | { readonly kind: 'error' };
 
+/** Panels beside the picture; one at a time. */
+export type DockName = 'accuracy' | 'effects';
+/** Both can be measured. */
+export type MeasuredThing = DockName;
+
 export const ACCURACY_TABS = ['measure', 'compare', 'settings'] as const;
 export type AccuracyTab = (typeof ACCURACY_TABS)[number];
 
@@ -85,7 +91,8 @@ export interface ViewerState {
   readonly isFlipped: boolean;
   readonly isHudVisible: boolean;
   readonly isHelpVisible: boolean;
-  readonly isAccuracyVisible: boolean;
+  /** The panel that is shown beside the picture. */
+  readonly dock: DockName | null;
   readonly accuracyTab: AccuracyTab;
   /** What pictures are drawn with, as it was asked for or chosen because of the wish. */
   readonly accuracy: AccuracySettings;
@@ -97,10 +104,12 @@ export interface ViewerState {
   readonly accuracyNotices: readonly string[];
   readonly comparison: Comparison | null;
   /** A measurement under way. */
-  readonly sweep: MeasureProgress | null;
+  readonly sweep: (MeasureProgress & { readonly of: MeasuredThing }) | null;
+  /** Why the last measurement came to nothing, where it did. */
+  readonly sweepProblem: { readonly of: MeasuredThing; readonly text: string } | null;
   readonly measured: MeasuredAccuracy | null;
-  /** Why the last measurement came to nothing; empty where it did not. */
-  readonly sweepProblem: string;
+  /** What there is in the picture and what is not, and why: of each frame while they are shown, else of those that stand. */
+  readonly effects: readonly EffectEntry[];
   /** How far the picture that stands is from `reference`, where that is asked for and known. */
   readonly errorFigures: ErrorFigures | null;
   /** Where the line of a split picture is, 0…1 of its width. */
@@ -121,12 +130,16 @@ export interface ViewerState {
   readonly isIdle: boolean;
 }
 
-/** What accuracy was measured to cost. */
-export interface MeasuredAccuracy {
-  readonly table: AccuracyTable;
-  /** Of the picture that was measured: others make it stale. */
+/** Which picture was measured, and on what. */
+export interface MeasuredPicture {
+  /** Others make what was measured stale. */
   readonly pictureId: number;
   readonly isSoftware: boolean;
+}
+
+/** What accuracy was measured to cost. */
+export interface MeasuredAccuracy extends MeasuredPicture {
+  readonly table: AccuracyTable;
 }
 
 /** @param current what is chosen: settings, or a wish. */
@@ -150,7 +163,7 @@ export function createViewerStore(): ViewerStore {
     isFlipped: false,
     isHudVisible: true,
     isHelpVisible: false,
-    isAccuracyVisible: false,
+    dock: null,
     accuracyTab: 'measure',
     accuracy: resolveAccuracy(),
     wish: null,
@@ -159,7 +172,8 @@ export function createViewerStore(): ViewerStore {
     comparison: null,
     sweep: null,
     measured: null,
-    sweepProblem: '',
+    sweepProblem: null,
+    effects: [],
     errorFigures: null,
     splitPart: 0.5,
     isDroppedVisible: false,

@@ -6,13 +6,14 @@ import type { ViewerStore } from './store.ts';
 export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand }) {
   const isFlipped = useStore(store, (state) => state.isFlipped);
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
-  const isAccuracyVisible = useStore(store, (state) => state.isAccuracyVisible);
+  const dock = useStore(store, (state) => state.dock);
   const hasScene = useStore(store, (state) => state.scene !== null);
   const canFlip = useStore(store, (state) => state.scene?.canFlip ?? false);
   const pressed: Partial<Record<CommandName, boolean>> = {
     flip: isFlipped,
     hud: isHudVisible,
-    accuracy: isAccuracyVisible,
+    accuracy: dock === 'accuracy',
+    effects: dock === 'effects',
   };
   const disabled: Partial<Record<CommandName, boolean>> = {
     flip: !canFlip,

@@ -133,7 +133,7 @@ export class Viewer {
     this.#loop = new FrameLoop({
       draw: (elapsedMs) => this.#draw(elapsedMs),
       onDrawn: (completedMs) => store.setState({ frameRate: this.#meter.add(completedMs) }),
-      onIdle: () => this.#becomeIdle(),
+      onIdle: () => void this.#rest(),
     });
   }
 
@@ -614,6 +614,7 @@ export class Viewer {
     }));
     let frame: DrawnPicture['frame'];
     let isSubmitted: boolean;
+    const { framesDrawn } = session.engine.counters();
     try {
       frame = { camera: ownCamera ?? this.#orbitCamera(scene), clouds, widthPx, heightPx, background };
       isSubmitted = session.view.render({
@@ -629,24 +630,45 @@ export class Viewer {
     if (!isSubmitted) return null;
     this.#drawn = { scene, frame };
     this.#frameCount++;
+    if (state.dock === 'effects') this.#tellEffects(session);
     if (isIdle) this.#store.setState({ isIdle: false });
     if (isOwnCamera !== (ownCamera !== undefined)) this.#store.setState({ isOwnCamera: !isOwnCamera });
     const replaced = this.#replaced.splice(0);
-    return whenComplete(session).then(() => {
-      for (const { scene } of replaced) destroyClouds(scene);
-    });
+    if (replaced.length > 0) void this.#destroyWhenReplaced(session, replaced);
+    // While shaders compile, views go on with the old ones where they can; the loop is not to wait for the new ones.
+    const isDrawn = session.engine.counters().framesDrawn > framesDrawn;
+    return isDrawn ? session.engine.device.queue.onSubmittedWorkDone() : null;
+  }
+
+  async #destroyWhenReplaced(session: Session, replaced: readonly ReplacedScene[]): Promise<void> {
+    try {
+      await whenComplete(session);
+    } catch {
+      // The new scene's shaders do not compile: the old one stays.
+      return;
+    }
+    for (const { scene } of replaced) destroyClouds(scene);
+  }
+
+  /** Nothing is asked for any more; what is still being compiled may be drawn yet. */
+  async #rest(): Promise<void> {
+    this.#meter.pause();
+    const session = this.#session;
+    // A shader that does not compile was reported by the device.
+    if (session) await whenComplete(session).catch(() => {});
+    if (session === this.#session && this.#loop.isResting) this.#becomeIdle();
   }
 
   #becomeIdle(): void {
-    this.#meter.pause();
-    const canvas = this.#session?.canvas;
+    const session = this.#session;
     const drawn = this.#drawn;
-    if (!canvas || !drawn) {
+    if (!session || !drawn) {
       this.#store.setState({ isIdle: true });
       return;
     }
     const { scene, frame } = drawn;
     const { camera, clouds, background } = frame;
+    this.#tellEffects(session);
     const key = keyOfView(scene, frame);
     const isSame = key === this.#restedKey;
     this.#restedKey = key;
@@ -656,6 +678,7 @@ export class Viewer {
       pictureId: isSame ? pictureId : pictureId + 1,
     }));
     // For tests and other observers of the page: the camera of the picture that stands now, and how many were drawn.
+    const { canvas } = session;
     canvas.dataset.frames = String(this.#frameCount);
     canvas.dataset.camera = JSON.stringify({
       viewMatrix: Array.from(camera.viewMatrix),
@@ -665,6 +688,13 @@ export class Viewer {
       modelMatrices: clouds.map(({ modelMatrix }) => (modelMatrix ? Array.from(modelMatrix) : null)),
       background,
     });
+  }
+
+  #tellEffects({ view }: Session): void {
+    const effects = view.effects();
+    // Mostly nothing has changed, and then nothing is to be rendered.
+    if (JSON.stringify(effects) !== JSON.stringify(this.#store.getState().effects))
+      this.#store.setState({ effects });
   }
 
   #orbitCamera(scene: ShownScene): Camera {

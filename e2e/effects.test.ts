@@ -1,0 +1,56 @@
+import { encodePly, type SplatSet } from '@websplatter/core';
+import type { Page } from 'playwright-core';
+import { describe, expect, it } from 'vitest';
+import { testScene } from './test-scene.ts';
+import { dropFiles, frameCount, textOf, viewerHarness, waitForFrameAfter } from './viewer-page.ts';
+
+const { openViewer } = viewerHarness();
+const SMALL = { viewport: { width: 240, height: 160 } };
+
+/** The test scene with harmonics in which there is nothing. */
+function withEmptyHarmonics(set: SplatSet): SplatSet {
+  const { shRest } = set;
+  return { ...set, shRest: { ...shRest, words: new Uint32Array(shRest.words.length) } };
+}
+
+const effect = (page: Page, name: string) => page.getByTestId(`effect-${name}`);
+const isOn = (page: Page, name: string) => effect(page, name).getAttribute('data-on');
+
+async function open(page: Page, set: SplatSet): Promise<void> {
+  const frames = await frameCount(page);
+  await dropFiles(page, [{ name: 'test.ply', bytes: encodePly(set) }]);
+  await waitForFrameAfter(page, frames);
+}
+
+describe('effects in the viewer', () => {
+  it('lists what is in the picture and what is not, and why', async () => {
+    const page = await openViewer(undefined, SMALL);
+    await page.keyboard.press('e');
+    expect(await page.getByTestId('command-effects').getAttribute('aria-pressed')).toBe('true');
+    expect(await isOn(page, 'harmonics')).toBe('true');
+    expect(await effect(page, 'harmonics').textContent()).toMatch(/kB.*degree 3.*Acts in project/);
+    expect(await isOn(page, 'transform')).toBe('false');
+    expect(await isOn(page, 'fog')).toBe('false');
+    expect(await effect(page, 'fog').textContent()).toContain('no cloud asks for it');
+
+    // Files are turned, and this one has nothing in its harmonics.
+    await open(page, withEmptyHarmonics(testScene()));
+    expect(await isOn(page, 'harmonics')).toBe('false');
+    expect(await effect(page, 'harmonics').textContent()).toContain('nothing above 0 could be seen');
+    expect(await textOf(page, 'scene')).toContain('SH 1, seen up to 0');
+    expect(await isOn(page, 'transform')).toBe('true');
+    expect(await effect(page, 'transform').textContent()).toContain('Acts in no shader');
+    const frames = await frameCount(page);
+    await page.keyboard.press('u');
+    await waitForFrameAfter(page, frames);
+    expect(await isOn(page, 'transform')).toBe('false');
+
+    // One panel at a time.
+    await page.keyboard.press('c');
+    await page.getByTestId('effects').waitFor({ state: 'detached' });
+    await page.keyboard.press('e');
+    await page.getByTestId('accuracy').waitFor({ state: 'detached' });
+    await page.keyboard.press('Escape');
+    await page.getByTestId('effects').waitFor({ state: 'detached' });
+  });
+});
