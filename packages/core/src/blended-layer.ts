@@ -7,7 +7,14 @@ import { type EffectEntry, effectsLedger } from './effects/ledger.ts';
 import { InvalidArgumentError } from './errors.ts';
 import { frameStages, recordCompute, recordKeepColors, recordRasterize, recordUpscale } from './frame.ts';
 import { type FramePage, FrameResources } from './frame-resources.ts';
-import { type FrameShape, hasSameBuffers, isSameShape, isScaled, shapeOf } from './frame-shape.ts';
+import {
+  type FrameShape,
+  hasSameBuffers,
+  isSameShape,
+  isScaled,
+  type OmittableEffect,
+  shapeOf,
+} from './frame-shape.ts';
 import { effectUniforms, hostDepthUniform, pageUniforms, viewUniforms } from './frame-uniforms.ts';
 import type { Counting } from './gpu/engine-counters.ts';
 import type { GpuMemory } from './gpu/gpu-memory.ts';
@@ -45,6 +52,8 @@ export interface FramePlan {
  */
 export class BlendedLayer {
   readonly timer: GpuTimer;
+  /** What pictures are drawn without, for measurements. Nothing is drawn anew because of it alone. */
+  omittedEffects: readonly OmittableEffect[] = [];
   readonly #context: ViewContext;
   readonly #colors: ColorCache;
   #frame: FrameResources | null = null;
@@ -114,7 +123,8 @@ export class BlendedLayer {
   /** What a frame asks for; see `stopgapFor` where its shaders are not compiled yet. */
   planFor(frame: ViewFrame, accuracy: AccuracySettings, depth: RasterizeDepth | null = null): FramePlan {
     const { dispatchRow } = this.#context;
-    const shape = shapeOf(frame, { accuracy, dispatchRow, depth }, this.#frame?.shape);
+    const request = { accuracy, dispatchRow, depth };
+    const shape = shapeOf(frame, request, this.omittedEffects, this.#frame?.shape);
     return { frame, keys: keysOf(frame, accuracy), shape: this.#keepingColors(frame, shape) };
   }
 

@@ -39,18 +39,23 @@ export interface FrameShape {
   readonly depth: RasterizeDepth | null;
 }
 
+/** Effects that are found and can be left out of a picture: for measurements of what they cost. */
+export type OmittableEffect = 'isotropic' | 'faint-splats';
+
 /**
  * The shape of a frame that depends on none before it: it keeps no colours.
  *
+ * @param omitted is left out, called for or not.
  * @param current shape of the last picture: its buffers are kept as long as they are large enough.
  */
 export function shapeOf(
   frame: ViewFrame,
   { accuracy, dispatchRow, depth }: Pick<FrameShape, 'accuracy' | 'dispatchRow' | 'depth'>,
+  omitted: readonly OmittableEffect[],
   current: FrameShape | undefined,
 ): FrameShape {
   const { camera } = frame;
-  const ofClouds = cloudShapes(frame.clouds, accuracy);
+  const ofClouds = cloudShapes(frame.clouds, accuracy, omitted);
   const { clouds } = ofClouds;
   const isSameClouds =
     clouds.length === current?.clouds.length && clouds.every((cloud, i) => cloud === current.clouds[i]);
@@ -74,7 +79,11 @@ type CloudShapes = Pick<
 >;
 
 /** What a shape has of each cloud, by itself: no colours are kept. */
-export function cloudShapes(instances: readonly CloudInstance[], accuracy: AccuracySettings): CloudShapes {
+export function cloudShapes(
+  instances: readonly CloudInstance[],
+  accuracy: AccuracySettings,
+  omitted: readonly OmittableEffect[] = [],
+): CloudShapes {
   const effects = instances.map((instance) => effectSetOf(usesOf(instance)));
   return {
     clouds: instances.map(({ cloud }) => cloud),
@@ -83,8 +92,12 @@ export function cloudShapes(instances: readonly CloudInstance[], accuracy: Accur
     shDegrees: instances.map(
       ({ cloud, shDegree = 3 }) => Math.min(accuracy.shDegree, shDegree, cloud.shDegree) as ShDegree,
     ),
-    isIsotropic: instances.map(({ cloud }, i) => isIsotropic(cloud, effects[i])),
-    hasFaintSplats: instances.map(({ cloud }, i) => hasFaintSplats(cloud, effects[i], accuracy)),
+    isIsotropic: instances.map(
+      ({ cloud }, i) => !omitted.includes('isotropic') && isIsotropic(cloud, effects[i]),
+    ),
+    hasFaintSplats: instances.map(
+      ({ cloud }, i) => !omitted.includes('faint-splats') && hasFaintSplats(cloud, effects[i], accuracy),
+    ),
     keepsColors: instances.map(() => false),
   };
 }
@@ -137,7 +150,8 @@ export function isSameShape(a: FrameShape, b: FrameShape): boolean {
     a.effects.every((effects, i) => effects === b.effects[i]) &&
     a.shDegrees.every((degree, i) => degree === b.shDegrees[i]) &&
     a.keepsColors.every((keeps, i) => keeps === b.keepsColors[i]) &&
-    // Whether splats are balls, or faint, follows from clouds, effects and accuracy.
+    a.isIsotropic.every((isBalls, i) => isBalls === b.isIsotropic[i]) &&
+    a.hasFaintSplats.every((isTested, i) => isTested === b.hasFaintSplats[i]) &&
     JSON.stringify(a.depth) === JSON.stringify(b.depth)
   );
 }

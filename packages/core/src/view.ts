@@ -3,7 +3,7 @@ import { BlendedLayer, type FramePlan, type ViewContext } from './blended-layer.
 import type { EffectEntry } from './effects/ledger.ts';
 import { DestroyedError, InvalidArgumentError } from './errors.ts';
 import { frameStages } from './frame.ts';
-import type { FrameShape } from './frame-shape.ts';
+import type { FrameShape, OmittableEffect } from './frame-shape.ts';
 import type { CompiledStage } from './gpu/pipelines.ts';
 import { readTexture, type TextureImage } from './gpu/read-texture.ts';
 import { CompositeParameters } from './layout/structs.ts';
@@ -157,6 +157,11 @@ export class SplatView {
    */
   effects(): readonly EffectEntry[] {
     return this.#layer.effects();
+  }
+
+  /** @internal Draws what follows without these, for measurements of what they cost. */
+  omitEffects(effects: readonly OmittableEffect[]): void {
+    this.#layer.omittedEffects = effects;
   }
 
   /** @internal Number of the last picture among all that the engine has drawn; 0 before the first. */

@@ -11,5 +11,6 @@ export {
   type MeasureProgress,
   measureAccuracy,
 } from './measure-accuracy.ts';
+export { type EffectCost, type MeasureEffectsOptions, measureEffects } from './measure-effects.ts';
 export { sampleCameras } from './sample-cameras.ts';
 export type { TimeSpread } from './time-spread.ts';

@@ -329,7 +329,7 @@ class Sweep {
       const timings: StageTimings[][] = [];
       for (const camera of this.#options.cameras) {
         this.#step(`Timing ${candidate.name}`);
-        const frame = this.#frame(camera, candidate.settings);
+        const frame = { ...this.#frame(camera, candidate.settings), force: true };
         await drawMeasured(this.#engine, view, frame);
         const measured: StageTimings[] = [];
         for (let i = 0; i < frames; i++) {

@@ -21,7 +21,7 @@ export async function withView<Result>(
 }
 
 /**
- * Draws `frame` whether or not anything has changed, and waits until it is drawn and measured: other tasks of the thread
+ * Draws `frame`, which has to be another one than the last or to be forced, and waits until it is drawn and measured: other tasks of the thread
  * run meanwhile.
  *
  * @throws DestroyedError where the engine or the device ends meanwhile.
@@ -34,7 +34,7 @@ export async function drawMeasured(
   const measured = new Promise<StageTimings>((resolve) => {
     view.onStatistics = ({ timing }) => resolve(timing);
   });
-  view.render({ ...frame, force: true });
+  view.render(frame);
   await view.whenDrawn();
   await Promise.race([engine.device.queue.onSubmittedWorkDone().catch(() => {}), engine.lost]);
   // Throws where nothing can come any more.

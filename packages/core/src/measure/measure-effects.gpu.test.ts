@@ -1,0 +1,53 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { tint } from '../effects/index.ts';
+import { SplatEngine } from '../engine.ts';
+import { InvalidArgumentError } from '../errors.ts';
+import type { ViewFrame } from '../scene/view-frame.ts';
+import { randomSplats } from '../testing/random-splats.ts';
+import { testCameras } from '../testing/test-cameras.ts';
+import { measureEffects } from './measure-effects.ts';
+
+const SET = randomSplats({ count: 500, seed: 90, shDegree: 1, logScales: [-5, -4] });
+const CAMERA = testCameras(1).perspective;
+
+let device: GPUDevice;
+let engine: SplatEngine;
+let frame: ViewFrame;
+beforeAll(async () => {
+  device = await createTestDevice();
+  engine = await SplatEngine.create({ device });
+  const clouds = [{ cloud: engine.add(SET), effects: [tint([1, 0.5, 0.5])] }];
+  frame = { camera: CAMERA, clouds, widthPx: 16, heightPx: 16 };
+});
+afterAll(() => {
+  engine?.destroy();
+  device?.destroy();
+});
+
+describe('measureEffects', () => {
+  gpuTest('measures each effect that a picture can do without, and leaves nothing behind', async () => {
+    const before = engine.memory().totalBytes;
+    const steps: string[] = [];
+    const costs = await measureEffects(engine, frame, {
+      frames: 1,
+      onProgress: ({ done, total, label }) => steps.push(`${done}/${total} ${label}`),
+    });
+    expect(engine.memory().totalBytes).toBe(before);
+    expect(costs.map(({ name }) => name)).toEqual(['harmonics', 'kept-colors', 'tint']);
+    expect(steps[0]).toBe('0/3 Timing View-dependent colour');
+    expect(steps.at(-1)).toBe('2/3 Timing Tint');
+  });
+
+  gpuTest('ends when it is told to', async () => {
+    const before = engine.memory().totalBytes;
+    const ended = new AbortController();
+    const measured = measureEffects(engine, frame, {
+      signal: ended.signal,
+      onProgress: () => ended.abort(new Error('enough')),
+    });
+    await expect(measured).rejects.toThrow('enough');
+    expect(engine.memory().totalBytes).toBe(before);
+    await expect(measureEffects(engine, frame, { frames: 0 })).rejects.toThrow(InvalidArgumentError);
+  });
+});

@@ -1,0 +1,79 @@
+import { expect, test } from 'vitest';
+import { perspectiveCamera } from '../camera.ts';
+import { brightness, tint } from '../effects/index.ts';
+import type { EffectEntry } from '../effects/ledger.ts';
+import type { SplatEngine } from '../engine.ts';
+import type { OmittableEffect } from '../frame-shape.ts';
+import type { ViewFrame } from '../scene/view-frame.ts';
+import type { SplatView } from '../view.ts';
+import { measureEffects } from './measure-effects.ts';
+
+/** What each takes, ms; round splats are quicker. */
+const COSTS_MS: Readonly<Record<string, number>> = {
+  harmonics: 3,
+  isotropic: -2,
+  'faint-splats': 0,
+  'kept-colors': -1,
+  tint: 0.5,
+};
+const FRAME_MS = 10;
+
+/** An engine whose frames take as long as their effects say, and each a little longer than the one before. */
+function fakeEngine(): SplatEngine {
+  let framesDrawn = 0;
+  const createView = () => {
+    let on: readonly string[] = [];
+    let omitted: readonly OmittableEffect[] = [];
+    const view: Partial<SplatView> = {
+      onStatistics: null,
+      omitEffects: (effects) => {
+        omitted = effects;
+      },
+      render: (frame) => {
+        on = effectsOf(frame).filter((name) => !(omitted as readonly string[]).includes(name));
+        const effectsMs = on.reduce((sum, name) => sum + COSTS_MS[name], 0);
+        const totalMs = FRAME_MS + effectsMs + 0.01 * framesDrawn++;
+        queueMicrotask(() => view.onStatistics?.({ timing: { totalMs } } as never));
+        return true;
+      },
+      whenDrawn: () => Promise.resolve(),
+      blended: () => ({}) as never,
+      effects: () =>
+        [...Object.keys(COSTS_MS), 'brightness'].map((name) => {
+          const entry: Partial<EffectEntry> = { name, label: name, isOn: on.includes(name) };
+          return entry as EffectEntry;
+        }),
+      destroy: () => {},
+    };
+    return view;
+  };
+  const device = { queue: { onSubmittedWorkDone: () => Promise.resolve() } };
+  return { device, lost: new Promise(() => {}), accuracy: {}, createView } as unknown as SplatEngine;
+}
+
+function effectsOf({ clouds: [{ shDegree = 3, effects = [] }], force }: ViewFrame): string[] {
+  return [
+    ...(shDegree > 0 ? ['harmonics'] : []),
+    'isotropic',
+    'faint-splats',
+    ...(force ? [] : ['kept-colors']),
+    ...effects.filter(({ reason }) => reason !== null).map(({ effect }) => effect.name),
+  ];
+}
+
+test('a cost is the time with an effect less the time without it, whatever drifts meanwhile', async () => {
+  const camera = perspectiveCamera({ position: [0, 0, 3], target: [0, 0, 0], fovYDegrees: 50, aspect: 1 });
+  const clouds = [{ cloud: {} as never, effects: [tint([1, 0, 0]), brightness(1)] }];
+  const costs = await measureEffects(
+    fakeEngine(),
+    { camera, clouds, widthPx: 8, heightPx: 8 },
+    { frames: 8 },
+  );
+  // Brightness is asked for and changes nothing.
+  expect(costs.map(({ name }) => name)).toEqual(Object.keys(COSTS_MS));
+  for (const { name, costMs } of costs) {
+    expect(costMs.median, name).toBeCloseTo(COSTS_MS[name], 9);
+    expect(costMs.low, name).toBeCloseTo(COSTS_MS[name] - 0.01, 9);
+    expect(costMs.high, name).toBeCloseTo(COSTS_MS[name] + 0.01, 9);
+  }
+});
