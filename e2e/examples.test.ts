@@ -1,10 +1,13 @@
 import { encodePly, perspectiveCamera, type SplatSet, type Vec3 } from '@websplatter/core';
+import { brightness, clip, opacity, tint } from '@websplatter/core/effects';
 import { stillLife } from '@websplatter/scenes';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { ring } from '../apps/examples/scenes/ring.ts';
+import { windSway } from '../apps/examples/src/effects/wind-sway.ts';
+import { windSwayTwin } from '../apps/examples/src/effects/wind-sway-twin.ts';
 import { appHarness } from './harness.ts';
-import { MIN_PSNR_DB, referencePicture } from './reference.ts';
+import { MIN_PSNR_DB, type ReferenceEffects, referencePicture } from './reference.ts';
 import { changedPart, type Screenshot, screenshot } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
 import { splatSet } from './three/splats.ts';
@@ -83,7 +86,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    expect(await links.count()).toBe(8);
+    expect(await links.count()).toBe(15);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -278,6 +281,116 @@ describe('examples', () => {
       return Math.min(...views.map((psnrDb, i) => psnrDb(strips[i])));
     };
     await expect.poll(worstPsnrDb, PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  });
+});
+
+describe('examples of effects', () => {
+  /** The page of an example with the test scene, and the PSNR of what it shows against the scene with these effects. */
+  async function openWithTestScene(name: string) {
+    const page = await openExample(name, testScene());
+    const size = await sizeOf(page);
+    const psnrWith = (effects: ReferenceEffects = {}) => {
+      const psnrDb = referencePicture(drawnFrom([0.12, 0.45, 1.44], size), [testScene()], size, effects);
+      return async () => psnrDb(await picture(page));
+    };
+    return { page, psnrWith };
+  }
+
+  it('colour takes a tint, a brightness, an opacity and a degree', async () => {
+    const { page, psnrWith } = await openWithTestScene('colour');
+    await expect.poll(psnrWith(), PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    await page.getByLabel('Tint').fill('#ff8000');
+    await page.getByLabel('Brightness').fill('1');
+    await page.getByLabel('Opacity').fill('0.5');
+    const effects = [opacity(0.5), brightness(2), tint([1, 128 / 255, 0])];
+    await expect.poll(psnrWith({ effects }), PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    const before = await picture(page);
+    await page.getByLabel('depend on the view').uncheck();
+    const changed = async () => changedPart(before, await picture(page), 2);
+    await expect.poll(changed, PATIENCE).toBeGreaterThan(0.01);
+    await page.getByLabel('depend on the view').check();
+    await expect.poll(changed, PATIENCE).toBe(0);
+  });
+
+  it('clip cuts off what lies beyond a plane, or within a ball', async () => {
+    const { page, psnrWith } = await openWithTestScene('clip');
+    const plane = { shape: 'plane', point: [0.2, 0, 0], normal: [-1, 0, 0] } as const;
+    const cut = psnrWith({ effects: [clip({ volumes: [plane], softEdge: 0.05 })] });
+    await expect.poll(cut, PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    await page.getByLabel('Volume').selectOption('Sphere');
+    await page.getByLabel('Size').fill('0.8');
+    await page.getByLabel('Keep the outside').check();
+    const ball = { shape: 'sphere', center: [0, 0.2, 0], radius: 0.8, keep: 'outside' } as const;
+    const outside = psnrWith({ effects: [clip({ volumes: [ball], softEdge: 0.05 })] });
+    await expect.poll(outside, PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  });
+
+  it('reveal ends with the whole scene, every time', async () => {
+    const { page, psnrWith } = await openWithTestScene('reveal');
+    const whole = psnrWith();
+    // Those who want little motion see it at once.
+    await expect.poll(whole, PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    await page.getByRole('button', { name: 'Again' }).click();
+    await expect.poll(whole, { ...PATIENCE, interval: 20 }).toBeLessThan(MIN_PSNR_DB);
+    await expect.poll(whole, PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  });
+
+  it('selection highlights what lies around the splat that was clicked', async () => {
+    const scale = [0.05, 0.05, 0.05] as const;
+    const rows: Vec3[] = [
+      [0, 0, 0],
+      [0.05, 0, 0],
+      [-0.4, 0, 0],
+    ];
+    const page = await openExample(
+      'selection',
+      splatSet(rows.map((position) => ({ position, scale, opacity: 0.97, color: [0, 0.3, 0.6] }))),
+    );
+    const size = await sizeOf(page);
+    const camera = drawnFrom([0.12, 0.45, 1.44], size);
+    const redAt = async (row: number) => {
+      const { xPx, yPx } = projected(camera, rows[row], size);
+      return colorAt(await picture(page), xPx, yPx)[0];
+    };
+    await expect.poll(() => redAt(2), PATIENCE).toBeLessThan(40);
+    const { xPx, yPx } = projected(camera, rows[0], size);
+    await page.locator('canvas').click({ position: { x: xPx, y: yPx } });
+    await page.getByText('2 selected').waitFor({ timeout: PATIENCE.timeout });
+    await expect.poll(() => redAt(0), PATIENCE).toBeGreaterThan(150);
+    expect(await redAt(2)).toBeLessThan(40);
+    await page.getByRole('button', { name: 'Clear' }).click();
+    await expect.poll(() => redAt(0), PATIENCE).toBeLessThan(40);
+  });
+
+  it('fog hides splats, or meshes alone', async () => {
+    const page = await openExample(
+      'fog',
+      splatSet([{ color: [0, 0, 0], opacity: 0.98, position: [0, 0, -1] }]),
+    );
+    const green = async () => colorAt(await picture(page), 200, 20)[1];
+    await expect.poll(green, PATIENCE).toBeGreaterThan(150);
+    await page.getByLabel('Splats, too').uncheck();
+    await expect.poll(green, PATIENCE).toBeLessThan(40);
+  });
+
+  it('depth-write hides the ring behind splats', async () => {
+    const page = await openExample('depth-write', splatSet([{ opacity: 0.98, position: [0, 0, 0.1] }]));
+    const size = await sizeOf(page);
+    const { xPx, yPx } = projected(drawnFrom([0.12, 0.45, 1.44], size), [0, 0.2 - 0.09, -0.41], size);
+    const red = async () => colorAt(await picture(page), xPx, yPx)[0];
+    await expect.poll(red, PATIENCE).toBeGreaterThan(240);
+    await page.getByLabel('Splats hide').uncheck();
+    await expect.poll(red, PATIENCE).toBeLessThan(200);
+  });
+
+  it('wind-sway does what its twin in float64 does', async () => {
+    const { page, psnrWith } = await openWithTestScene('wind-sway');
+    await page.getByRole('slider').fill('0.2');
+    const effects = [windSway({ amplitude: 0.2, timeS: 0, ground: 0.15, tall: 0.4 })];
+    const swayed = psnrWith({ effects, effectTwins: { 'wind-sway': windSwayTwin } });
+    await expect.poll(swayed, PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    await page.getByRole('slider').fill('0');
+    await expect.poll(swayed, PATIENCE).toBeLessThan(MIN_PSNR_DB - 10);
   });
 });
 

@@ -1,5 +1,6 @@
 import { cameraFromMatrices, type SplatSet } from '@websplatter/core';
-import { compareImages, renderReference } from '@websplatter/core/reference';
+import type { EffectUse } from '@websplatter/core/effects';
+import { compareImages, renderReference, type TwinFunction } from '@websplatter/core/reference';
 import type { Screenshot } from './screenshot.ts';
 import type { DrawnCamera } from './viewer-page.ts';
 
@@ -10,6 +11,13 @@ import type { DrawnCamera } from './viewer-page.ts';
  */
 export const MIN_PSNR_DB = 45;
 
+/** What all clouds of a page are drawn with. */
+export interface ReferenceEffects {
+  readonly effects?: readonly EffectUse[];
+  /** Twins of the page's own. */
+  readonly effectTwins?: Readonly<Record<string, TwinFunction>>;
+}
+
 /**
  * Draws `sets` in float64, from the camera and under the matrices that a page says it used. Returns a function that tells
  * the PSNR of a screenshot of that size against it.
@@ -18,6 +26,7 @@ export function referencePicture(
   drawn: DrawnCamera,
   sets: readonly SplatSet[],
   { widthPx, heightPx }: Pick<Screenshot, 'widthPx' | 'heightPx'>,
+  { effects, effectTwins }: ReferenceEffects = {},
 ): (shot: Screenshot) => number {
   const { viewMatrix, projectionMatrix, near, far, modelMatrices, opacities, background } = drawn;
   const camera = cameraFromMatrices(viewMatrix, projectionMatrix, { near, far });
@@ -25,8 +34,9 @@ export function referencePicture(
     set,
     modelMatrix: modelMatrices[i] ?? undefined,
     opacity: opacities?.[i],
+    effects,
   }));
-  const reference = renderReference({ clouds, camera, widthPx, heightPx });
+  const reference = renderReference({ clouds, camera, widthPx, heightPx, effectTwins });
   return ({ data }) => {
     const actual = Float64Array.from(data, (value) => value / 255);
     return compareImages(actual, reference.data, { widthPx, heightPx, background, quantize: 'png' }).psnrDb;

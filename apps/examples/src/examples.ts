@@ -43,6 +43,43 @@ const DESCRIPTIONS = [
     title: 'Accuracy',
     about: 'Settings by name, or an outcome: what keeps it is measured, chosen and explained.',
   },
+  {
+    name: 'colour',
+    title: 'Colour',
+    about:
+      'Tint, brightness, opacity, how far colours depend on the view, and antialiasing: a prop for each.',
+  },
+  {
+    name: 'clip',
+    title: 'Clipping',
+    about: 'A plane, a sphere or a box cuts the scene off, with a hard or a soft edge.',
+  },
+  {
+    name: 'reveal',
+    title: 'Revealing',
+    about:
+      'The scene appears from a point or from the camera, asks for the frames it takes, and comes to rest.',
+  },
+  {
+    name: 'selection',
+    title: 'Selecting',
+    about: 'A click selects the splats around it, by their rows in the file, and they are highlighted.',
+  },
+  {
+    name: 'fog',
+    title: 'Fog',
+    about: 'The fog of the three.js scene hides splats as it does meshes.',
+  },
+  {
+    name: 'depth-write',
+    title: 'Depth for what comes after',
+    about: 'A transparent ring is drawn after the splats, and yet goes around the vase.',
+  },
+  {
+    name: 'wind-sway',
+    title: 'An effect of your own',
+    about: 'Wind in twenty lines of WGSL and a list of options, written outside of the packages.',
+  },
 ] as const;
 
 export interface Example {

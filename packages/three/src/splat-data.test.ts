@@ -1,4 +1,5 @@
 import { type CloudPrecision, packCloud, type SplatEngine } from '@websplatter/core';
+import { Box3, Sphere, Vector3 } from 'three/webgpu';
 import { describe, expect, test, vi } from 'vitest';
 import { SplatData } from './splat-data.ts';
 import { fakeEngine } from './testing/fake-engine.ts';
@@ -23,6 +24,17 @@ describe('data', () => {
     new SplatData(packed, 'garden', 'https://a.test/garden.ply').acquire(engine, {});
     const source = [packed, 'https://a.test/garden.ply'];
     expect(addPacked).toHaveBeenCalledExactlyOnceWith(packed, { name: 'garden', source });
+  });
+
+  test.each(['packed', 'f32'] as const)('knows which %s splats are in a volume', (geometryPrecision) => {
+    const set = splatSetAt([4, 0, 0], [0, 0, 0], [1, 0, 0], [1, 1, 1]);
+    const packed = packCloud({ ...set, origin: [100, 0, 0] }, { geometryPrecision });
+    const data = new SplatData(packed);
+    expect(data.rowsIn(new Sphere(new Vector3(101, 0, 0), 1.1)).sort()).toEqual([1, 2]);
+    expect(data.rowsIn(new Box3(new Vector3(100.5, -1, -1), new Vector3(105, 2, 0.5))).sort()).toEqual([
+      0, 2,
+    ]);
+    expect(data.rowsIn(new Box3())).toEqual([]);
   });
 
   test('is released by each user once, however often it is told', () => {

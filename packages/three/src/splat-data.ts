@@ -1,5 +1,12 @@
-import type { CloudPrecision, CloudSource, PackedCloud, SplatCloud, SplatEngine } from '@websplatter/core';
-import { Box3, Vector3 } from 'three/webgpu';
+import {
+  type CloudPrecision,
+  type CloudSource,
+  GEOMETRY_WORDS,
+  type PackedCloud,
+  type SplatCloud,
+  type SplatEngine,
+} from '@websplatter/core';
+import { Box3, type Sphere, Vector3 } from 'three/webgpu';
 import { mostExact } from './picture-accuracy.ts';
 
 interface Upload {
@@ -39,6 +46,19 @@ export class SplatData {
 
   get count(): number {
     return this.packed.count;
+  }
+
+  /** Rows of the splats whose centres are in a volume of the cloud's own space, as a SplatSelection takes them. Asks each. */
+  rowsIn(volume: Box3 | Sphere): number[] {
+    const { geometry, origin, fileIndices } = this.packed;
+    // Whatever the precision, a splat begins with its position in float32.
+    const values = new Float32Array(geometry.words.buffer, geometry.words.byteOffset, geometry.words.length);
+    const stride = GEOMETRY_WORDS[geometry.precision];
+    const middle = new Vector3(...origin);
+    const center = new Vector3();
+    const isInside = (_row: number, i: number) =>
+      volume.containsPoint(center.fromArray(values, stride * i).add(middle));
+    return Array.from(fileIndices).filter(isInside);
   }
 
   /**

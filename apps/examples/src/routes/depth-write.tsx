@@ -1,0 +1,38 @@
+import { OrbitControls } from '@react-three/drei';
+import { Canvas } from '@react-three/fiber';
+import { createSplatRenderer, Splats } from '@websplatter/react';
+import { Suspense, useState } from 'react';
+
+export default function DepthWrite() {
+  const [writesDepth, setWritesDepth] = useState(true);
+  return (
+    <>
+      <Canvas
+        gl={createSplatRenderer}
+        flat
+        frameloop="demand"
+        camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
+      >
+        <Suspense>
+          <Splats src="still-life.ply" writesDepth={writesDepth} />
+        </Suspense>
+        {/* Transparent objects are drawn after opaque ones, and this one after the splats: their depth is all that hides it. */}
+        <mesh position={[0, 0.2, 0]} rotation-x={1.35} renderOrder={1}>
+          <torusGeometry args={[0.42, 0.035, 24, 96]} />
+          <meshBasicMaterial color="#2d7dff" transparent opacity={0.75} />
+        </mesh>
+        <OrbitControls />
+      </Canvas>
+      <form className="panel">
+        <label>
+          <input
+            type="checkbox"
+            checked={writesDepth}
+            onChange={({ target }) => setWritesDepth(target.checked)}
+          />{' '}
+          Splats hide what is drawn after them
+        </label>
+      </form>
+    </>
+  );
+}

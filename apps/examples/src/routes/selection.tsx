@@ -1,0 +1,70 @@
+import { Canvas, invalidate, type ThreeEvent } from '@react-three/fiber';
+import { createSplatRenderer, SplatSelection, Splats, type SplatsObject } from '@websplatter/react';
+import { Suspense, useRef, useState } from 'react';
+import { Sphere } from 'three';
+
+export default function Selection() {
+  const splats = useRef<SplatsObject>(null);
+  const [selection] = useState(() => new SplatSelection());
+  const [color, setColor] = useState('#ff8a00');
+  const [radius, setRadius] = useState(0.1);
+  const [count, setCount] = useState(0);
+  // The selection is changed in place: the next picture shows it.
+  const show = () => {
+    setCount(selection.count);
+    invalidate();
+  };
+  const select = async ({ nativeEvent: { offsetX, offsetY } }: ThreeEvent<MouseEvent>) => {
+    const object = splats.current;
+    const hit = await object?.pick(offsetX, offsetY);
+    if (!object?.data || !hit) return;
+    selection.add(object.data.rowsIn(new Sphere(object.worldToLocal(hit.point), radius)));
+    show();
+  };
+  return (
+    <>
+      <Canvas
+        gl={createSplatRenderer}
+        flat
+        frameloop="demand"
+        camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
+      >
+        <Suspense>
+          <Splats
+            ref={splats}
+            src="still-life.ply"
+            highlight={{ selection, color, strength: 0.75 }}
+            onClick={select}
+          />
+        </Suspense>
+      </Canvas>
+      <form className="panel">
+        <output>{count === 0 ? 'Click on something.' : `${count.toLocaleString('en')} selected`}</output>
+        <label>
+          Radius
+          <input
+            type="range"
+            min={0.02}
+            max={0.4}
+            step="any"
+            value={radius}
+            onChange={(event) => setRadius(event.target.valueAsNumber)}
+          />
+        </label>
+        <label>
+          Colour
+          <input type="color" value={color} onChange={(event) => setColor(event.target.value)} />
+        </label>
+        <button
+          type="button"
+          onClick={() => {
+            selection.clear();
+            show();
+          }}
+        >
+          Clear
+        </button>
+      </form>
+    </>
+  );
+}

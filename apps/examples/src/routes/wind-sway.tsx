@@ -1,0 +1,57 @@
+import { OrbitControls } from '@react-three/drei';
+import { Canvas, useFrame } from '@react-three/fiber';
+import { createSplatRenderer, Splats, type SplatsObject } from '@websplatter/react';
+import { type RefObject, Suspense, useRef, useState } from 'react';
+import { windSway } from '../effects/wind-sway.ts';
+
+const prefersStillness = matchMedia('(prefers-reduced-motion: reduce)').matches;
+
+export default function WindSway() {
+  const splats = useRef<SplatsObject>(null);
+  const [amplitude, setAmplitude] = useState(0.06);
+  const [isMoving, setMoving] = useState(!prefersStillness);
+  return (
+    <>
+      <Canvas gl={createSplatRenderer} flat camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
+        <Suspense>
+          <Splats ref={splats} src="still-life.ply" />
+        </Suspense>
+        <Wind splats={splats} amplitude={amplitude} isMoving={isMoving} />
+        <OrbitControls />
+      </Canvas>
+      <form className="panel">
+        <label>
+          Wind
+          <input
+            type="range"
+            min={0}
+            max={0.2}
+            step="any"
+            value={amplitude}
+            onChange={(event) => setAmplitude(event.target.valueAsNumber)}
+          />
+        </label>
+        <label>
+          <input type="checkbox" checked={isMoving} onChange={() => setMoving(!isMoving)} /> Moving
+        </label>
+      </form>
+    </>
+  );
+}
+
+interface WindProps {
+  splats: RefObject<SplatsObject | null>;
+  amplitude: number;
+  isMoving: boolean;
+}
+
+/** Sets the effect anew for each frame, without a render of React's. */
+function Wind({ splats, amplitude, isMoving }: WindProps) {
+  const timeS = useRef(0);
+  useFrame((_state, elapsedS) => {
+    if (isMoving) timeS.current += elapsedS;
+    const options = { amplitude, timeS: timeS.current, ground: 0.15, tall: 0.4 };
+    if (splats.current) splats.current.effects = [windSway(options)];
+  });
+  return null;
+}
