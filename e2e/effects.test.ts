@@ -53,4 +53,28 @@ describe('effects in the viewer', () => {
     await page.keyboard.press('Escape');
     await page.getByTestId('effects').waitFor({ state: 'detached' });
   });
+
+  it('measures what effects cost, and can be called off', async () => {
+    const page = await openViewer(undefined, { viewport: { width: 120, height: 90 } });
+    await page.keyboard.press('e');
+    const press = (testId: string) =>
+      page.getByTestId(testId).evaluate((button: HTMLElement) => button.click());
+    const cautions = page.getByTestId('effect-cautions');
+    await press('measure');
+    await page.getByTestId('sweep-progress').waitFor({ state: 'attached' });
+    await press('cancel-sweep');
+    await page.getByTestId('measure').waitFor({ state: 'attached' });
+    expect(await cautions.count()).toBe(0);
+
+    await press('measure');
+    await cautions.waitFor({ state: 'attached', timeout: 60_000 });
+    expect(await cautions.textContent()).toContain('software adapter');
+    expect(await effect(page, 'harmonics').textContent()).toMatch(/\d ms · .*( ms of each frame|too little)/);
+    expect(await effect(page, 'fog').textContent()).not.toContain('ms');
+    expect(await cautions.getAttribute('data-stale')).toBe('false');
+    const frames = await frameCount(page);
+    await page.keyboard.press('ArrowRight');
+    await waitForFrameAfter(page, frames);
+    expect(await cautions.getAttribute('data-stale')).toBe('true');
+  });
 });

@@ -32,6 +32,7 @@ export interface AccuracyProps {
 export function AccuracyPresets({ store, viewer }: AccuracyProps) {
   const accuracy = useStore(store, (state) => state.accuracy);
   const wish = useStore(store, (state) => state.wish);
+  const choice = useStore(store, (state) => state.choice);
   const notices = useStore(store, (state) => state.accuracyNotices);
   const { preset, changed } = nearestPreset(accuracy);
   // Under a wish no preset was chosen, though what was chosen may be one.
@@ -57,6 +58,7 @@ export function AccuracyPresets({ store, viewer }: AccuracyProps) {
         <p className="accuracy-custom" data-testid="accuracy-custom">
           {wish && 'Drawn with '}
           {describeAccuracy(accuracy)}
+          {wish && !choice && ' until this scene is measured'}
         </p>
       )}
       {notices.map((notice) => (
@@ -70,12 +72,10 @@ export function AccuracyPresets({ store, viewer }: AccuracyProps) {
 
 /** What is kept in every scene, and the button that ends it. */
 function KeptWish({ store, viewer, wish }: AccuracyProps & { readonly wish: AccuracyWish }) {
-  const isChoosing = useStore(store, (state) => state.choice === null);
   return (
     <p className="kept-wish" data-testid="kept-wish">
       <span role="status">
         Keeps: <b>{describeWish(wish)}</b>
-        {isChoosing && ' · measuring…'}
       </span>
       <button
         type="button"

@@ -48,7 +48,7 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
         <Hud store={store} />
         <Toolbar store={store} run={run} />
         <AccuracyPanel store={store} viewer={viewer} sweep={sweep} />
-        <EffectsPanel store={store} />
+        <EffectsPanel store={store} measurement={measurement} />
         <SceneCaption store={store} onStep={(by) => viewer.stepCamera(by)} />
         <div className="messages">
           <Notice store={store} />

@@ -1,15 +1,26 @@
 import type { EffectEntry } from '@websplatter/core';
+import type { EffectCost } from '@websplatter/core/measure';
 import { memo, useId } from 'react';
 import { useStore } from 'zustand';
 import { Dock } from './dock.tsx';
+import { describeCost, formatCost, measureEffectCosts } from './effect-costs.ts';
 import { formatBytes, formatCount } from './format.ts';
-import type { ViewerStore } from './store.ts';
+import type { Measurement } from './measurement.ts';
+import { Runner, timingCautions } from './runner.tsx';
+import type { MeasuredEffects, ViewerStore } from './store.ts';
 
-/** Which effects there are in the picture and which are not, why, and what they hold. */
-export const EffectsPanel = memo(function EffectsPanel({ store }: { store: ViewerStore }) {
+interface EffectsProps {
+  readonly store: ViewerStore;
+  readonly measurement: Measurement;
+}
+
+/** Which effects there are in the picture and which are not, why, what they hold and what they cost. */
+export const EffectsPanel = memo(function EffectsPanel({ store, measurement }: EffectsProps) {
   const isVisible = useStore(store, (state) => state.dock === 'effects');
   const effects = useStore(store, (state) => state.effects);
+  const measured = useStore(store, (state) => state.effectCosts);
   if (!isVisible) return null;
+  const costs = measured?.costs ?? [];
   return (
     <Dock store={store} name="effects" title="Effects">
       <section
@@ -18,14 +29,45 @@ export const EffectsPanel = memo(function EffectsPanel({ store }: { store: Viewe
         // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, so keys must reach it.
         tabIndex={0}
       >
-        <EffectList title="In this picture" entries={effects.filter(({ isOn }) => isOn)} />
-        <EffectList title="Not called for" entries={effects.filter(({ isOn }) => !isOn)} />
+        <EffectList title="In this picture" entries={effects.filter(({ isOn }) => isOn)} costs={costs} />
+        <Runner
+          store={store}
+          of="effects"
+          label={measured ? 'Measure again' : 'Measure costs'}
+          about={measured ? null : 'Draws this view with each effect and without it, in turn.'}
+          onStart={() => void measureEffectCosts(store, measurement)}
+          onCancel={() => measurement.stop()}
+        />
+        {measured && <Cautions store={store} measured={measured} />}
+        <EffectList title="Not called for" entries={effects.filter(({ isOn }) => !isOn)} costs={costs} />
       </section>
     </Dock>
   );
 });
 
-function EffectList({ title, entries }: { title: string; entries: readonly EffectEntry[] }) {
+function Cautions({ store, measured }: { store: ViewerStore; measured: MeasuredEffects }) {
+  const { pictureId, accuracy, isSoftware } = measured;
+  const isStale = useStore(store, (state) => state.pictureId !== pictureId || state.accuracy !== accuracy);
+  const source = useStore(store, (state) => state.statistics?.timing.source ?? 'gpu-timestamps');
+  return (
+    <div className="circumstances" data-testid="effect-cautions" data-stale={isStale}>
+      {isStale && <p className="stale">Costs are those of another view, scene, size or accuracy.</p>}
+      {timingCautions(isSoftware, source).map((caution) => (
+        <p key={caution}>{caution}</p>
+      ))}
+    </div>
+  );
+}
+
+function EffectList({
+  title,
+  entries,
+  costs,
+}: {
+  title: string;
+  entries: readonly EffectEntry[];
+  costs: readonly EffectCost[];
+}) {
   const id = useId();
   return (
     <>
@@ -35,7 +77,7 @@ function EffectList({ title, entries }: { title: string; entries: readonly Effec
       <ul aria-labelledby={id}>
         {entries.map((entry) => (
           <li key={entry.name}>
-            <Effect entry={entry} />
+            <Effect entry={entry} cost={costs.find(({ name }) => name === entry.name) ?? null} />
           </li>
         ))}
       </ul>
@@ -44,16 +86,18 @@ function EffectList({ title, entries }: { title: string; entries: readonly Effec
 }
 
 /** Why and how much; what it does, on demand. */
-function Effect({ entry }: { entry: EffectEntry }) {
+function Effect({ entry, cost }: { entry: EffectEntry; cost: EffectCost | null }) {
   const { name, label, about, isOn, reason, clouds, stages, bytes } = entry;
+  const figures = [...(cost ? [formatCost(cost.costMs)] : []), ...(bytes > 0 ? [formatBytes(bytes)] : [])];
   return (
     <details className="effect" data-testid={`effect-${name}`} data-on={isOn}>
       <summary>
         <span className="effect-label">{label}</span>
-        {bytes > 0 && <span className="effect-figures">{formatBytes(bytes)}</span>}
+        <span className="effect-figures">{figures.join(' · ')}</span>
         <span className="effect-reason">{reason}</span>
       </summary>
       <p>{about}</p>
+      {cost && <p>{describeCost(cost.costMs)}</p>}
       {clouds.length > 0 && <p>For {clouds.join(', ')}.</p>}
       {isOn && <p>{stages.length > 0 ? `Acts in ${stages.join(', ')}.` : 'Acts in no shader.'}</p>}
     </details>

@@ -1,3 +1,4 @@
+import type { AccuracyWish } from '@websplatter/core';
 import type { AccuracyPoint } from '@websplatter/core/measure';
 import { type FormEvent, useEffect, useId, useRef, useState } from 'react';
 import { useStore } from 'zustand';
@@ -7,7 +8,7 @@ import type { AccuracySweep } from './accuracy-sweep.ts';
 import { isSameAccuracy } from './accuracy-text.ts';
 import { formatDb } from './chart-layout.ts';
 import { formatBytes, formatCount, formatMs, formatSplats } from './format.ts';
-import { Runner } from './runner.tsx';
+import { Runner, timingCautions } from './runner.tsx';
 import type { MeasuredAccuracy } from './store.ts';
 
 /** Measures what each setting costs and buys in the picture that stands, and lets one be chosen by that. */
@@ -164,10 +165,7 @@ function Circumstances({ measured }: { measured: MeasuredAccuracy }) {
     `${formatCount(frames)} frames each`,
   ];
   const cautions = [
-    ...(isSoftware ? ['Measured on a software adapter: times are those of the CPU, not of a GPU.'] : []),
-    ...(timing === 'wall-clock'
-      ? ['Times are the wall clock’s, since this GPU does not time its own work.']
-      : []),
+    ...timingCautions(isSoftware, timing),
     ...reference.notes.map((note) => `Reference: ${note}`),
     ...notes,
   ];
@@ -183,12 +181,18 @@ function Circumstances({ measured }: { measured: MeasuredAccuracy }) {
 
 type WishKind = 'minPsnrDb' | 'maxFrameMs';
 
+/** The number of a wish as a field has it, by its name. */
+function textsOf(wish: AccuracyWish | null): Partial<Record<WishKind, string>> {
+  return Object.fromEntries(Object.entries(wish ?? {}).map(([name, value]) => [name, String(value)]));
+}
+
 /** A result instead of settings. */
 function WishForm({ store, viewer }: AccuracyProps) {
   const id = useId();
   const isBusy = useStore(store, (state) => state.sweep !== null || state.scene === null);
-  const [kind, setKind] = useState<WishKind>('minPsnrDb');
-  const [amounts, setAmounts] = useState({ minPsnrDb: '45', maxFrameMs: '8' });
+  const { wish } = store.getState();
+  const [kind, setKind] = useState<WishKind>(wish && 'maxFrameMs' in wish ? 'maxFrameMs' : 'minPsnrDb');
+  const [amounts, setAmounts] = useState({ minPsnrDb: '45', maxFrameMs: '8', ...textsOf(wish) });
   const value = Number(amounts[kind]);
   const submit = (event: FormEvent) => {
     event.preventDefault();

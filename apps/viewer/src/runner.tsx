@@ -1,3 +1,4 @@
+import type { StageTimings } from '@websplatter/core';
 import { useStore } from 'zustand';
 import type { MeasuredThing, ViewerStore } from './store.ts';
 
@@ -54,4 +55,13 @@ export function Runner({
       )}
     </div>
   );
+}
+
+/** What keeps measured times from being exact, in words. */
+export function timingCautions(isSoftware: boolean, source: StageTimings['source']): readonly string[] {
+  const cautions = [];
+  if (isSoftware) cautions.push('Measured on a software adapter: times are those of the CPU, not of a GPU.');
+  if (source === 'wall-clock')
+    cautions.push('Times are the wall clock’s, since this GPU does not time its own work.');
+  return cautions;
 }

@@ -8,7 +8,7 @@ import {
   type LoadProgress,
   resolveAccuracy,
 } from '@websplatter/core';
-import type { AccuracyTable, MeasureProgress } from '@websplatter/core/measure';
+import type { AccuracyTable, EffectCost, MeasureProgress } from '@websplatter/core/measure';
 import { createStore, type StoreApi } from 'zustand/vanilla';
 import { addressWithAccuracy } from './accuracy-text.ts';
 import type { SceneWarning } from './dropped-splats.ts';
@@ -110,6 +110,7 @@ export interface ViewerState {
   readonly measured: MeasuredAccuracy | null;
   /** What there is in the picture and what is not, and why: of each frame while they are shown, else of those that stand. */
   readonly effects: readonly EffectEntry[];
+  readonly effectCosts: MeasuredEffects | null;
   /** How far the picture that stands is from `reference`, where that is asked for and known. */
   readonly errorFigures: ErrorFigures | null;
   /** Where the line of a split picture is, 0…1 of its width. */
@@ -140,6 +141,13 @@ export interface MeasuredPicture {
 /** What accuracy was measured to cost. */
 export interface MeasuredAccuracy extends MeasuredPicture {
   readonly table: AccuracyTable;
+}
+
+/** What effects were measured to cost. */
+export interface MeasuredEffects extends MeasuredPicture {
+  readonly costs: readonly EffectCost[];
+  /** What was drawn with: others make it stale. */
+  readonly accuracy: AccuracySettings;
 }
 
 /** @param current what is chosen: settings, or a wish. */
@@ -174,6 +182,7 @@ export function createViewerStore(): ViewerStore {
     measured: null,
     sweepProblem: null,
     effects: [],
+    effectCosts: null,
     errorFigures: null,
     splitPart: 0.5,
     isDroppedVisible: false,

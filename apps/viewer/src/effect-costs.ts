@@ -1,0 +1,47 @@
+import { isSoftwareAdapter } from '@websplatter/core';
+import type { EffectCost } from '@websplatter/core/measure';
+import { formatMs } from './format.ts';
+import type { Measurement } from './measurement.ts';
+import type { ViewerStore } from './store.ts';
+
+/** The least that an interval of 95 % is made of: a software rasteriser takes as long for a frame as a GPU for a hundred. */
+const SOFTWARE_FRAMES = 6;
+
+/** Measures what each effect costs in the picture that stands. */
+export async function measureEffectCosts(store: ViewerStore, measurement: Measurement): Promise<void> {
+  const { accuracy } = store.getState();
+  const effectCosts = await measurement.run('effects', async ({ engine, frame }, options) => {
+    const { measureEffects } = await import('@websplatter/core/measure');
+    const isSoftware = isSoftwareAdapter(engine.device.adapterInfo);
+    const costs = await measureEffects(
+      engine,
+      { ...frame, accuracy },
+      { ...options, ...(isSoftware && { frames: SOFTWARE_FRAMES }) },
+    );
+    return { costs, accuracy };
+  });
+  if (effectCosts) store.setState({ effectCosts });
+}
+
+type CostMs = EffectCost['costMs'];
+
+/** `0.42 ms`, `−1.3 ms`; `≈ 0 ms` where with and without cannot be told apart. */
+export function formatCost(costMs: CostMs): string {
+  return isNothing(costMs) ? '≈ 0 ms' : `${signedMs(costMs.median)} ms`;
+}
+
+/** The same as a sentence, with the interval that the cost is known to. */
+export function describeCost({ median, low, high }: CostMs): string {
+  const interval = `${signedMs(low)} to ${signedMs(high)} ms`;
+  if (isNothing({ median, low, high })) return `What it costs is too little to be measured: ${interval}.`;
+  if (median < 0) return `Saves ${formatMs(-median)} ms of each frame (${interval}).`;
+  return `Costs ${formatMs(median)} ms of each frame (${interval}).`;
+}
+
+function isNothing({ low, high }: CostMs): boolean {
+  return low <= 0 && high >= 0;
+}
+
+function signedMs(ms: number): string {
+  return ms < 0 ? `−${formatMs(-ms)}` : formatMs(ms);
+}
