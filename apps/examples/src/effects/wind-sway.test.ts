@@ -1,3 +1,4 @@
+import { readFileSync } from 'node:fs';
 import { InvalidArgumentError, type Vec3 } from '@websplatter/core';
 import type { SplatValues } from '@websplatter/core/reference';
 import * as fc from 'fast-check';
@@ -45,4 +46,17 @@ it('leaves what is on the ground, and takes no part without wind', () => {
 
 it.each([{ amplitude: -1 }, { timeS: Number.NaN }, { waveLength: 0 }])('refuses %o', (wrong) => {
   expect(() => windSway({ amplitude: 1, timeS: 0, ...wrong })).toThrow(InvalidArgumentError);
+});
+
+it('is what docs/effects.md shows', () => {
+  const textOf = (path: string) => readFileSync(new URL(path, import.meta.url), 'utf8');
+  const guide = textOf('../../../../docs/effects.md');
+  expect(guide).toContain(`\`\`\`wgsl\n${textOf('wind-sway.wgsl')}\`\`\``);
+  const sources = ['wind-sway.ts', 'wind-sway-twin.ts', '../routes/wind-sway.tsx'].map(textOf).join('');
+  const lines = new Set(sources.split('\n').map((line) => line.trim()));
+  const shown = [...guide.matchAll(/```tsx?\n(.*?)```/gs)].map(([, code]) => code);
+  const ofThese = shown.filter((code) => /windSway = |function windSwayTwin|useFrame/.test(code));
+  expect(ofThese).toHaveLength(3);
+  for (const line of ofThese.join('').split('\n'))
+    if (!line.includes('…')) expect(lines).toContain(line.trim());
 });
