@@ -6,7 +6,7 @@ import { usesOf } from './effects/effects.ts';
 import { type EffectEntry, effectsLedger } from './effects/ledger.ts';
 import { InvalidArgumentError } from './errors.ts';
 import { frameStages, recordCompute, recordKeepColors, recordRasterize, recordUpscale } from './frame.ts';
-import { type FramePage, FrameResources } from './frame-resources.ts';
+import { effectsStride, type FramePage, FrameResources } from './frame-resources.ts';
 import {
   type FrameShape,
   hasSameBuffers,
@@ -179,7 +179,8 @@ export class BlendedLayer {
     this.#isColorsOnly = !viewFrame.force && this.#prepared?.keys.order === keys.order;
     checkSize(device, widthPx, heightPx);
     const last = this.#frame;
-    // The new buffers first: where they do not fit, the old picture stays.
+    // What may throw comes first, parameters of callers' effects and buffers that do not fit: the old picture stays then.
+    const effects = effectUniforms(viewFrame, effectsStride(shape));
     const frame =
       last && hasSameBuffers(last.shape, shape)
         ? last
@@ -195,10 +196,12 @@ export class BlendedLayer {
     const layer = layerSize(viewFrame, shape.accuracy);
     const projection = projectionOf(camera, layer.widthPx, layer.heightPx);
     frame.writeUniforms(viewUniforms(projection, shape), pageUniforms(viewFrame, projection, frame));
-    frame.writeEffects(effectUniforms(viewFrame, frame.effectsStrideBytes));
+    frame.writeEffects(effects);
     frame.writeSelections(viewFrame.clouds);
     if (shape.depth) frame.writeHostDepth(hostDepthUniform(camera, shape.depth.mapping));
-    this.#prepared = plan;
+    // Callers may change their lists later on: what was drawn stays known.
+    const clouds = viewFrame.clouds.map((instance) => ({ ...instance }));
+    this.#prepared = { ...plan, frame: { ...viewFrame, clouds } };
     return this.#resize(widthPx, heightPx, shape);
   }
 

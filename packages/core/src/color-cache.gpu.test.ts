@@ -2,11 +2,11 @@ import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, beforeEach, describe, expect } from 'vitest';
 import type { AccuracyPreset } from './accuracy.ts';
 import { type Camera, perspectiveCamera } from './camera.ts';
-import { tint } from './effects/index.ts';
+import { defineEffect, tint } from './effects/index.ts';
 import { SplatEngine } from './engine.ts';
 import type { Vec3 } from './math/mat4.ts';
 import type { SplatCloud } from './scene/splat-cloud.ts';
-import type { ViewFrame } from './scene/view-frame.ts';
+import type { CloudInstance, ViewFrame } from './scene/view-frame.ts';
 import { randomSplats } from './testing/random-splats.ts';
 import type { SplatView } from './view.ts';
 
@@ -113,6 +113,77 @@ function spoilHarmonics(cloud: SplatCloud, settings = engine.accuracy): void {
   device.queue.submit([encoder.finish()]);
 }
 
+/** Moves splats. */
+const sway = defineEffect<number, { by: 'f32' }>({
+  name: 'sway',
+  label: 'Sway',
+  about: 'Moves splats along x.',
+  hooks: { splat: 'sway' },
+  wgsl: `
+    import package::lib::packing::Splat;
+    import parameters::Sway;
+    fn sway(splat: Splat, splatIndex: u32, parameters: Sway) -> Splat {
+      var moved = splat;
+      moved.position.x += parameters.by;
+      return moved;
+    }`,
+  fields: { by: 'f32' },
+  calledFor: () => 'there is wind',
+  valuesAt: (by) => ({ by }),
+  reach: (by) => ({ displacement: Math.abs(by), growth: 1 }),
+});
+
+/** Changes what a splat's colour is evaluated from. */
+const dye = defineEffect<number, { by: 'f32' }>({
+  name: 'dye',
+  label: 'Dye',
+  about: 'Makes splats redder.',
+  hooks: { splat: 'dye' },
+  wgsl: `
+    import package::lib::packing::Splat;
+    import parameters::Dye;
+    fn dye(splat: Splat, splatIndex: u32, parameters: Dye) -> Splat {
+      var dyed = splat;
+      dyed.colorDc.x += parameters.by;
+      return dyed;
+    }`,
+  fields: { by: 'f32' },
+  calledFor: () => 'there is dye',
+  valuesAt: (by) => ({ by }),
+});
+
+/** Writes as many values as it is told, where the shader takes three. */
+const fade = defineEffect<number, { factors: 'vec3f' }>({
+  name: 'fade',
+  label: 'Fade',
+  about: 'Makes splats fainter.',
+  hooks: { opacity: 'fade' },
+  wgsl: `
+    import package::lib::visible_ellipse::ScreenSplat;
+    import parameters::Fade;
+    fn fade(opacity: f32, onScreen: ScreenSplat, dilationPx2: f32, parameters: Fade) -> f32 {
+      return opacity * parameters.factors.x;
+    }`,
+  fields: { factors: 'vec3f' },
+  calledFor: () => 'it is told to',
+  valuesAt: (count) => ({ factors: Array<number>(count).fill(0.5) }),
+});
+
+/** Any expression of `color`, in a shader that no other test has compiled. */
+const colored = (name: string, expression: string) =>
+  defineEffect<void>({
+    name,
+    label: name,
+    about: 'Changes colours.',
+    hooks: { color: name },
+    wgsl: `
+      import package::lib::packing::Splat;
+      fn ${name}(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f) -> vec3f {
+        return ${expression};
+      }`,
+    calledFor: () => 'it is told to',
+  });
+
 const keptBytes = () =>
   engine
     .memory()
@@ -198,6 +269,82 @@ describe('colours', () => {
   });
 });
 
+describe('colours are not taken', () => {
+  gpuTest('from another page, where a cloud moves among the pages of the frame', async () => {
+    const cloud = engine.add(SET);
+    // Without a page, and with one.
+    const inFront = [0, 700].map((count) => engine.add(randomSplats({ count, seed: 5, shDegree: 2 })));
+    const view = engine.createView();
+    const frame = (pages: number, quarters: number, z: number) => ({
+      camera: camera(quarters, [0, 0, z]),
+      clouds: [{ cloud: inFront[pages] }, { cloud }],
+    });
+    await warmUp(view, { clouds: [{ cloud }] });
+    await draw(view, frame(0, 0, 3));
+    await draw(view, frame(0, 1, 3));
+    expect(view.shape?.keepsColors[1]).toBe(true);
+    const moved = frame(1, 2, 3);
+    expect(await draw(view, moved)).toEqual(await drawAnew(moved));
+    // And where none are kept yet, but in the records.
+    await draw(view, frame(1, 0, 3.1));
+    const movedBack = frame(0, 1, 3.1);
+    expect(await draw(view, movedBack)).toEqual(await drawAnew(movedBack));
+    for (const thing of [view, cloud, ...inFront]) thing.destroy();
+  });
+
+  gpuTest('from splats that callers’ effects have changed', async () => {
+    const cloud = engine.add(SET);
+    const view = engine.createView();
+    await warmUp(view, { clouds: [{ cloud }] });
+    // Where they were is not where they are.
+    await draw(view, { camera: camera(0, [0, 0, 2]), clouds: [{ cloud, effects: [sway(0.8)] }] });
+    const plain = { camera: camera(1, [0, 0, 2]), clouds: [{ cloud }] };
+    expect(await draw(view, plain)).toEqual(await drawAnew(plain));
+    // Nor is what is stored.
+    const dyed = { camera: camera(2, [0, 0, 2]), clouds: [{ cloud, effects: [dye(0.4)] }] };
+    expect(await draw(view, dyed)).toEqual(await drawAnew(dyed));
+    view.destroy();
+    cloud.destroy();
+  });
+
+  gpuTest('at 8 bits and up to 1 where effects act on them', async () => {
+    const cloud = engine.add(SET);
+    const view = engine.createView();
+    const clouds = [{ cloud }];
+    const darker = [{ cloud, effects: [tint([0.4, 0.4, 0.4])] }];
+    await warmUp(view, { clouds, accuracy: 'paper' });
+    await draw(view, { camera: camera(0), clouds, accuracy: 'paper' });
+    await draw(view, { camera: camera(1), clouds, accuracy: 'paper' });
+    const frame = { camera: camera(1), clouds: darker, accuracy: 'paper' } as const;
+    // The evaluated one last: where shaders are there that keep nothing, those that would keep colours are not waited for.
+    const afterTurn = await draw(view, frame);
+    const atOnce = await drawAnew(frame);
+    const evaluated = await drawAnew({ ...frame, force: true });
+    expect(afterTurn).toEqual(evaluated);
+    expect(atOnce).toEqual(evaluated);
+    view.destroy();
+    cloud.destroy();
+  });
+
+  gpuTest('from a frame that could not be drawn', async () => {
+    const cloud = engine.add(SET);
+    const view = engine.createView();
+    const fading = (values: number, z: number) => ({
+      camera: camera(0, [0, 0, z]),
+      clouds: [{ cloud, effects: [fade(values)] }],
+    });
+    await warmUp(view, { clouds: [{ cloud }] });
+    await draw(view, fading(3, 3.5));
+    await draw(view, { camera: camera(0, [0, 0, 3]), clouds: [{ cloud }] });
+    // The parameter takes three values: told too late, after its place has been taken for the picture's.
+    expect(() => view.render({ ...SIZE, ...fading(2, 2) })).toThrow(/takes 3 values/);
+    const turned = { camera: camera(1, [0, 0, 2]), clouds: [{ cloud }] };
+    expect(await draw(view, turned)).toEqual(await drawAnew(turned));
+    view.destroy();
+    cloud.destroy();
+  });
+});
+
 gpuTest('a picture in which nothing changes takes no passes', async () => {
   const cloud = engine.add(SET);
   const view = engine.createView();
@@ -213,4 +360,51 @@ gpuTest('a picture in which nothing changes takes no passes', async () => {
   expect(passes).toEqual([]);
   view.destroy();
   cloud.destroy();
+});
+
+describe('a view', () => {
+  gpuTest('sees what callers have changed in the objects that they gave it', async () => {
+    const cloud = engine.add(SET);
+    const other = engine.add(randomSplats({ count: 100, shDegree: 3 }));
+    const view = engine.createView();
+    const background: [number, number, number] = [0, 0, 0];
+    const clouds: CloudInstance[] = [{ cloud }];
+    const frame = { ...SIZE, camera: camera(0), clouds, background };
+    await draw(view, frame);
+    expect(view.render(frame)).toBe(false);
+    background[0] = 1;
+    expect(view.render(frame)).toBe(true);
+
+    const before = view.effects();
+    clouds.push({ cloud: other, effects: [tint([1, 0, 0.5])] });
+    expect(view.effects()).toEqual(before);
+    expect(await draw(view, frame)).toEqual(await drawAnew(frame));
+    for (const thing of [view, cloud, other]) thing.destroy();
+  });
+
+  gpuTest('goes on after shaders that do not compile', async () => {
+    const cloud = engine.add(SET);
+    const view = engine.createView();
+    const plain = { ...SIZE, camera: camera(0), clouds: [{ cloud }] };
+    await draw(view, plain);
+    device.pushErrorScope('validation');
+    const broken = colored('broken', 'color * vec2f(1.0)')();
+    view.render({ ...plain, clouds: [{ cloud, effects: [broken] }] });
+    const failing = view.whenDrawn();
+    // Drawn at once; then one that is still waiting when the first fails.
+    view.render({ ...plain, camera: camera(1) });
+    await view.whenDrawn();
+    const later = { ...plain, clouds: [{ cloud, effects: [colored('later', 'color * 0.25')()] }] };
+    view.render(later);
+    await expect(failing).rejects.toThrow();
+    expect((await view.readPixels()).data).toEqual(await drawAnew(later));
+    // Nor does one stay in the way of what stands already.
+    view.render({ ...later, clouds: [{ cloud, effects: [broken] }] });
+    await expect(view.whenDrawn()).rejects.toThrow();
+    expect(view.render(later)).toBe(false);
+    await view.whenDrawn();
+    expect(await device.popErrorScope()).not.toBeNull();
+    view.destroy();
+    cloud.destroy();
+  });
 });

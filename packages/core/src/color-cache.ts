@@ -1,7 +1,7 @@
 import { type AccuracySettings, maxColor } from './accuracy.ts';
 import type { Camera } from './camera.ts';
 import { hasHook } from './effects/effect-set.ts';
-import { reachOf, usesOf } from './effects/effects.ts';
+import { CLOUD_EFFECTS, reachOf, usesOf } from './effects/effects.ts';
 import type { FramePage } from './frame-resources.ts';
 import type { FrameShape } from './frame-shape.ts';
 import type { GpuMemory } from './gpu/gpu-memory.ts';
@@ -28,16 +28,21 @@ const FLOAT64_TOLERANCE = 2 ** -44;
 /** Numbers of viewpoints fit 16 bits beside a colour in float16. */
 const LAST_NUMBER = 0xffff;
 
-/** What colours of one cloud are kept, and of which viewpoint. */
+/** The colours of one page. */
+interface KeptPage {
+  readonly buffer: GPUBuffer;
+  /** Of the viewpoint, from 1; entries with another number are of no use. 0 before the first: there are none. */
+  number: number;
+}
+
+/** Whether colours of one cloud are kept, and of which viewpoint. */
 interface KeptColors {
   viewpoint: Viewpoint | null;
-  /** What else they depend on. */
+  /** What else they depend on, and where they are. */
   source: string;
-  /** Of the viewpoint, from 1; entries with another number are of no use. */
-  number: number;
   /** Whether the last frame kept its colours. */
   isKeeping: boolean;
-  /** Whether the records of the last frame have colours as they are seen, without effects on them. */
+  /** Whether the records of the last frame have colours as they are seen, without effects that they depend on. */
   hasPlainRecords: boolean;
 }
 
@@ -50,7 +55,7 @@ export class ColorCache {
   readonly #memory: GpuMemory;
   readonly #queue: GPUQueue;
   /** By page of the frame. */
-  readonly #buffers = new Map<number, GPUBuffer>();
+  readonly #pages = new Map<number, KeptPage>();
   #clouds: KeptColors[] = [];
 
   constructor(memory: GpuMemory, queue: GPUQueue) {
@@ -60,7 +65,7 @@ export class ColorCache {
 
   /** What is held for it on the GPU. */
   get bytes(): number {
-    return [...this.#buffers.values()].reduce((sum, { size }) => sum + size, 0);
+    return [...this.#pages.values()].reduce((sum, { buffer }) => sum + buffer.size, 0);
   }
 
   /** Of each cloud whether its colours are to be kept in a frame of this shape. */
@@ -78,15 +83,8 @@ export class ColorCache {
   }
 
   /** Where the colours of one page are kept, made where there is nothing that fits. */
-  bufferOf(pageIndex: number, { splatCount }: FramePage, { recordPrecision }: AccuracySettings): GPUBuffer {
-    const bytes = (recordPrecision === 'f32' ? 16 : 8) * (splatCount + 1);
-    const current = this.#buffers.get(pageIndex);
-    if (current?.size === bytes) return current;
-    if (current) this.#memory.destroy(current);
-    const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_DST;
-    const buffer = this.#memory.createBuffer('frame kept colors', bytes, usage);
-    this.#buffers.set(pageIndex, buffer);
-    return buffer;
+  bufferOf(pageIndex: number, page: FramePage, accuracy: AccuracySettings): GPUBuffer {
+    return this.#pageOf(pageIndex, page, accuracy).buffer;
   }
 
   /**
@@ -99,65 +97,83 @@ export class ColorCache {
     const next = frame.clouds.map((instance, cloudIndex): KeptColors => {
       const before = this.#clouds[cloudIndex];
       const viewpoint = viewpointOf(frame.camera, instance, shape.isOrthographic);
-      const source = sourceOf(shape, cloudIndex);
+      const firstPage = pages.findIndex((page) => page.cloudIndex === cloudIndex);
+      const source = sourceOf(shape, cloudIndex, firstPage);
       const isKeeping = shape.keepsColors[cloudIndex];
-      const hasPlainRecords = !hasHook(shape.effects[cloudIndex], 'color');
+      const hasPlainRecords =
+        canKeep(instance, shape, cloudIndex) && !hasHook(shape.effects[cloudIndex], 'color');
       const isValid = before?.source === source && isSame(before.viewpoint, viewpoint);
       if (!isKeeping) {
-        const number = before?.number ?? 0;
         return {
           // The place stays, lest it creeps away within its tolerance.
           viewpoint: isValid ? { ...before.viewpoint!, linear: viewpoint!.linear } : viewpoint,
           source,
-          number,
           isKeeping,
           hasPlainRecords,
         };
       }
       if (isValid && before.isKeeping) return { ...before, hasPlainRecords };
-      const number = ((before?.number ?? 0) % LAST_NUMBER) + 1;
       const isSeeded = isValid && before.hasPlainRecords;
       for (const [index, page] of pages.entries()) {
         if (page.cloudIndex !== cloudIndex) continue;
-        this.#startOver(this.bufferOf(index, page, shape.accuracy), number);
+        this.#startOver(this.#pageOf(index, page, shape.accuracy));
         if (isSeeded) seeded.push(index);
       }
-      return { viewpoint, source, number, isKeeping, hasPlainRecords };
+      return { viewpoint, source, isKeeping, hasPlainRecords };
     });
     this.#clouds = next;
-    this.#freeBeyond(pages);
+    this.#freeFrom(pages.length);
     return seeded;
   }
 
   destroy(): void {
-    for (const buffer of this.#buffers.values()) this.#memory.destroy(buffer);
-    this.#buffers.clear();
+    this.#freeFrom(0);
   }
 
-  /** Frees what is kept of pages that there are no longer. */
-  #freeBeyond(pages: readonly FramePage[]): void {
-    for (const [index, buffer] of this.#buffers) {
-      if (index < pages.length) continue;
+  #pageOf(pageIndex: number, { splatCount }: FramePage, { recordPrecision }: AccuracySettings): KeptPage {
+    const bytes = (recordPrecision === 'f32' ? 16 : 8) * (splatCount + 1);
+    const current = this.#pages.get(pageIndex);
+    if (current?.buffer.size === bytes) return current;
+    const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_DST;
+    const page = { buffer: this.#memory.createBuffer('frame kept colors', bytes, usage), number: 0 };
+    if (current) this.#memory.destroy(current.buffer);
+    this.#pages.set(pageIndex, page);
+    return page;
+  }
+
+  /** Frees what is kept of this page and those behind it. */
+  #freeFrom(pageIndex: number): void {
+    for (const [index, { buffer }] of this.#pages) {
+      if (index < pageIndex) continue;
       this.#memory.destroy(buffer);
-      this.#buffers.delete(index);
+      this.#pages.delete(index);
     }
   }
 
-  #startOver(buffer: GPUBuffer, number: number): void {
-    // Entries as old as that would look like new ones.
-    if (number === 1) this.#queue.writeBuffer(buffer, 0, new Uint8Array(buffer.size));
-    this.#queue.writeBuffer(buffer, 0, Uint32Array.of(number));
+  #startOver(page: KeptPage): void {
+    const { buffer } = page;
+    // Entries as old as that would look like new ones; a new buffer has none.
+    if (page.number === LAST_NUMBER) this.#queue.writeBuffer(buffer, 0, new Uint8Array(buffer.size));
+    page.number = (page.number % LAST_NUMBER) + 1;
+    this.#queue.writeBuffer(buffer, 0, Uint32Array.of(page.number));
   }
 }
 
-/** Whether there is anything to keep, and splats stay where they are seen. */
+/** Whether there is anything to keep, and nothing but the place that it is seen from changes it. */
 export function canKeep(instance: CloudInstance, shape: FrameShape, cloudIndex: number): boolean {
-  return shape.shDegrees[cloudIndex] > 0 && reachOf(usesOf(instance)).displacement === 0;
+  if (shape.shDegrees[cloudIndex] === 0 || reachOf(usesOf(instance)).displacement > 0) return false;
+  const set = shape.effects[cloudIndex];
+  // Effects of this package leave a splat's base colour as it is; of those of callers' own nothing is known.
+  if (set.effects.some((effect) => effect.hooks.splat && !CLOUD_EFFECTS.includes(effect))) return false;
+  // Colours are kept as records have them: at 8 bits and up to 1 that is too little for an effect to begin with.
+  return !(shape.accuracy.recordPrecision === 'paper' && hasHook(set, 'color'));
 }
 
-function sourceOf(shape: FrameShape, cloudIndex: number): string {
+/** @param firstPage index of the cloud's first page in the frame: colours do not move along with it. */
+function sourceOf(shape: FrameShape, cloudIndex: number, firstPage: number): string {
   const { accuracy, planes, shDegrees } = shape;
   return [
+    firstPage,
     numberOf(planes[cloudIndex]),
     shDegrees[cloudIndex],
     accuracy.recordPrecision,

@@ -379,7 +379,7 @@ export function upscaleStage({ accuracy, depth }: FrameShape) {
 }
 
 /** Bytes from one cloud's effect parameters to the next one's; 0 where no cloud has any. */
-function effectsStride({ effects }: FrameShape): number {
+export function effectsStride({ effects }: FrameShape): number {
   return roundUp(Math.max(0, ...effects.map(({ parameterBytes }) => parameterBytes)), UNIFORM_ALIGNMENT);
 }
 

@@ -33,9 +33,10 @@ export class SplatView {
   readonly #compositeParameters: GPUBuffer;
   readonly #onDestroyed: (view: SplatView) => void;
   #compositeGroup: GPUBindGroup | null = null;
-  /** What the canvas shows. */
-  #shown: Pick<ViewFrame, 'background'> = {};
-  #waiting: ViewFrame | null = null;
+  /** The background that the canvas shows. */
+  #shownBackground: readonly number[] = BLACK;
+  /** What is drawn as soon as its shaders are there: one object until then, with the last frame that was asked for. */
+  #waiting: { frame: ViewFrame } | null = null;
   #whenDrawn: Promise<void> = Promise.resolve();
   #statistics: FrameStatistics | null = null;
   #isDestroyed = false;
@@ -87,8 +88,10 @@ export class SplatView {
     if (frame.widthPx === 0 || frame.heightPx === 0) return false;
     const settings = this.#accuracy.settingsFor(frame);
     if (!frame.force && !this.#waiting && this.#layer.isPrepared(frame, settings)) {
-      const isSame = isSameBackground(frame, this.#shown);
+      const { background = BLACK } = frame;
+      const isSame = background.every((value, i) => value === this.#shownBackground[i]);
       if (!isSame) this.#show(frame);
+      this.#whenDrawn = Promise.resolve();
       this.#accuracy.show(frame);
       return !isSame;
     }
@@ -97,10 +100,14 @@ export class SplatView {
     const stopgap = isReady ? null : this.#layer.stopgapFor(plan);
     if (isReady) this.#draw(plan);
     else if (stopgap && !this.#layer.isPrepared(stopgap.frame, stopgap.shape.accuracy)) this.#draw(stopgap);
-    const isWaiting = this.#waiting !== null;
-    this.#waiting = isReady ? null : frame;
-    if (this.#waiting && !isWaiting) {
-      this.#whenDrawn = this.#drawWaiting();
+    if (isReady) {
+      this.#waiting = null;
+      this.#whenDrawn = Promise.resolve();
+    } else if (this.#waiting) {
+      this.#waiting.frame = frame;
+    } else {
+      this.#waiting = { frame };
+      this.#whenDrawn = this.#drawWaiting(this.#waiting);
       // Who does not wait for the picture still hears of a shader that does not compile, once, by the device's own error.
       this.#whenDrawn.catch(() => {});
     }
@@ -192,11 +199,11 @@ export class SplatView {
     this.#onDestroyed(this);
   }
 
-  /** Compiles what the waiting frame needs, which may be another one by then, and draws it. */
-  async #drawWaiting(): Promise<void> {
+  /** Compiles what `waiting` needs, which may have another frame by then, and draws it if nothing was drawn meanwhile. */
+  async #drawWaiting(waiting: { readonly frame: ViewFrame }): Promise<void> {
     try {
-      while (this.#waiting && this.#canStillDraw(this.#waiting)) {
-        const frame = this.#waiting;
+      while (this.#waiting === waiting && this.#canStillDraw(waiting.frame)) {
+        const { frame } = waiting;
         const settings = this.#accuracy.settingsFor(frame);
         const plan = this.#layer.planFor(frame, settings);
         const stages = this.#stagesFor(plan.shape);
@@ -208,7 +215,7 @@ export class SplatView {
         }
       }
     } finally {
-      this.#waiting = null;
+      if (this.#waiting === waiting) this.#waiting = null;
     }
   }
 
@@ -254,10 +261,11 @@ export class SplatView {
   }
 
   #recordComposite(encoder: GPUCommandEncoder, frame: ViewFrame): void {
-    this.#shown = frame;
+    const { background = BLACK } = frame;
+    // A copy: callers may change theirs.
+    this.#shownBackground = [...background];
     const canvas = this.#canvas;
     if (!canvas) return;
-    const { background = BLACK } = frame;
     const { device, pipelines } = this.#context;
     const parameters = new ArrayBuffer(CompositeParameters.bytes);
     CompositeParameters.write(parameters, { background });
@@ -303,13 +311,6 @@ export class SplatView {
 }
 
 const BLACK: Vec3 = [0, 0, 0];
-
-function isSameBackground(
-  { background: a = BLACK }: Pick<ViewFrame, 'background'>,
-  { background: b = BLACK }: Pick<ViewFrame, 'background'>,
-): boolean {
-  return a.every((value, i) => value === b[i]);
-}
 
 function configure(canvas: HTMLCanvasElement | OffscreenCanvas, device: GPUDevice, format: GPUTextureFormat) {
   const context = canvas.getContext('webgpu') as GPUCanvasContext | null;

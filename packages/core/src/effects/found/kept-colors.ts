@@ -1,3 +1,4 @@
+import { canKeep } from '../../color-cache.ts';
 import { hasHook } from '../effect-set.ts';
 import type { FoundInCloud } from '../found-effect.ts';
 
@@ -16,9 +17,11 @@ export const keptColors: FoundInCloud = {
       ? 'effects change its colours, which are evaluated once for each place of the camera'
       : 'the camera has turned and not moved';
   },
-  offReason: ({ index, shape }) =>
-    shape.shDegrees[index] === 0
-      ? 'its colours are the same from everywhere'
-      : 'it was not seen twice from the same place',
+  offReason: ({ instance, index, shape }) => {
+    if (shape.shDegrees[index] === 0) return 'its colours are the same from everywhere';
+    return canKeep(instance, shape, index)
+      ? 'it was not seen twice from the same place'
+      : 'its effects change more than kept colours can follow';
+  },
   bytes: ({ held }) => held.keptColorsBytes,
 };
