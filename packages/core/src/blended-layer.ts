@@ -148,7 +148,9 @@ export class BlendedLayer {
       const drawn = last.shape.effects[i];
       if (effectSetOf(usesOf(instance)) === drawn) return { ...instance, shDegree };
       // One may have been called for only since then, by what was selected.
-      const before = effects?.filter(({ effect }) => drawn.effects.includes(effect));
+      const before = effects?.filter(
+        ({ effect, reason }) => reason === null || drawn.effects.includes(effect),
+      );
       return { ...instance, shDegree, opacity, effects: before };
     });
     const stopgap = this.planFor({ ...frame, clouds }, last.shape.accuracy, depth);

@@ -1,10 +1,13 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { DILATION_PX2 } from '../accuracy.ts';
+import { SplatEngine } from '../engine.ts';
 import { findNonFinite } from '../inspect/find-non-finite.ts';
 import { InspectedFrame } from '../inspect/inspected-frame.ts';
 import { readRecords } from '../inspect/read-records.ts';
 import { cullSplat } from '../reference/cull-splats.ts';
+import { compareImages, renderReference } from '../reference/index.ts';
+import type { CloudInstance } from '../scene/view-frame.ts';
 import { type SplatValues, splatsOf } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import { antialias } from './antialias.ts';
@@ -58,6 +61,28 @@ describe('antialias', () => {
       expect(await findNonFinite(frame)).toEqual([]);
       frame.destroy();
     });
+
+  gpuTest('comes by itself where the file says so, unless it is refused', async () => {
+    const engine = await SplatEngine.create({ device, accuracy: 'high' });
+    const view = engine.createView();
+    const camera = CAMERAS.perspective;
+    const set = splatsOf(Object.values(DRAWN));
+    const trained = { ...set, isAntialiased: true };
+    const draw = async (instance: CloudInstance) => {
+      view.render({ camera, clouds: [instance], ...SIZE });
+      return (await view.readPixels()).data;
+    };
+    const [cloud, trainedCloud] = [engine.add(set), engine.add(trained)];
+    const byItself = await draw({ cloud: trainedCloud });
+    expect(byItself).toEqual(await draw({ cloud, effects: [antialias()] }));
+    expect(byItself).toEqual(await draw({ cloud: trainedCloud, effects: [antialias()] }));
+    const refused = await draw({ cloud: trainedCloud, effects: [antialias(false)] });
+    expect(refused).toEqual(await draw({ cloud }));
+    expect(refused).not.toEqual(byItself);
+    const twin = renderReference({ clouds: [{ set: trained }], camera, ...SIZE });
+    expect(compareImages(byItself, twin.data, SIZE).psnrDb).toBeGreaterThan(60);
+    engine.destroy();
+  });
 
   gpuTest('what has no area is not drawn', async () => {
     const frame = await draw(EMPTY, 'perspective');

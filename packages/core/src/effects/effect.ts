@@ -95,7 +95,7 @@ export interface EffectDefinition<Options, Fields extends GpuFields>
 /** Makes uses of one effect. */
 export interface EffectFunction<Options> {
   /** @throws InvalidArgumentError for options that mean nothing. */
-  (options: Options): EffectUse;
+  (...options: undefined extends Options ? [options?: Options] : [options: Options]): EffectUse;
   readonly effect: SplatEffect;
 }
 
@@ -135,7 +135,7 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
       valuesAt: (place) => valuesAt?.(options, place) ?? null,
     };
   };
-  return Object.assign(use, { effect });
+  return Object.assign(use, { effect }) as EffectFunction<Options>;
 }
 
 /** `WindSway` of `wind-sway`. */

@@ -1,4 +1,5 @@
 import { InvalidArgumentError } from '../errors.ts';
+import type { CloudFacts } from '../scene/cloud-facts.ts';
 import type { CloudInstance } from '../scene/view-frame.ts';
 import { antialias } from './antialias.ts';
 import { brightness } from './brightness.ts';
@@ -22,15 +23,23 @@ export const CLOUD_EFFECTS: readonly SplatEffect[] = /* @__PURE__ */ [
   fog,
 ].map(({ effect }) => effect);
 
+/** What decides which effects a cloud is drawn with. */
+interface EffectSource extends Pick<CloudInstance, 'opacity' | 'effects'> {
+  /** Default: nothing is known of it. */
+  readonly cloud?: { readonly facts: Pick<CloudFacts, 'isAntialiased'> };
+}
+
 /**
  * What takes part in drawing a cloud, in the order in which it acts: effects of the caller's own as they are given, since
- * they may move splats, then those of CLOUD_EFFECTS.
+ * they may move splats, then those of CLOUD_EFFECTS, also where the cloud itself calls for one.
  *
  * @throws InvalidArgumentError where an effect is used twice, two take different selections, or the opacity is out of range.
  */
-export function usesOf(instance: Pick<CloudInstance, 'opacity' | 'effects'>): readonly EffectUse[] {
-  const { effects = [] } = instance;
-  const uses = instance.opacity === undefined ? effects : [opacity(instance.opacity), ...effects];
+export function usesOf(source: EffectSource): readonly EffectUse[] {
+  const uses = [...(source.effects ?? [])];
+  if (source.opacity !== undefined) uses.push(opacity(source.opacity));
+  if (source.cloud?.facts.isAntialiased && !uses.some(({ effect }) => effect === antialias.effect))
+    uses.push(antialias());
   const names = uses.map(({ effect }) => effect.name);
   const twice = names.find((name, i) => names.indexOf(name) !== i);
   if (twice !== undefined) {

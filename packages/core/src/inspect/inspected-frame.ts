@@ -138,7 +138,7 @@ export class InspectedFrame {
     const image = await readTexture(device, target);
     target.destroy();
 
-    const clouds = options.clouds.map(({ modelMatrix = identity4(), opacity, effects }, i) => {
+    const clouds = options.clouds.map(({ modelMatrix = identity4() }, i) => {
       const { shRest } = packed[i];
       const stored = {
         ...permuteSplats(sets[i], mortonOrder(sets[i].positions, sets[i].count)),
@@ -150,7 +150,7 @@ export class InspectedFrame {
         stored: accuracy.geometryPrecision === 'f32' ? float32Set(stored) : unpackedSet(stored, packed[i]),
         packed: packed[i],
         view,
-        effects: twinsOf(usesOf({ opacity, effects }), {
+        effects: twinsOf(usesOf(instances[i]), {
           modelMatrix,
           origin: stored.origin,
           viewMatrix: camera.viewMatrix,

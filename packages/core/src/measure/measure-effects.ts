@@ -1,5 +1,7 @@
 import { isAccuracyWish } from '../accuracy-wish.ts';
 import type { Camera } from '../camera.ts';
+import { antialias } from '../effects/antialias.ts';
+import { FOUND_EFFECTS } from '../effects/found-effects.ts';
 import type { EffectEntry } from '../effects/ledger.ts';
 import type { SplatEngine } from '../engine.ts';
 import { InvalidArgumentError } from '../errors.ts';
@@ -105,14 +107,16 @@ function comparisonFor(entry: EffectEntry, picture: ViewFrame): Comparison | nul
     const clouds = picture.clouds.map((instance) => ({ ...instance, shDegree: 0 as const }));
     return { ...still, without: () => ({ ...picture, clouds }) };
   }
-  const isAsked = ({ effects = [], opacity }: ViewFrame['clouds'][number]) =>
-    effects.some(({ effect }) => effect.name === name) || (name === 'opacity' && opacity !== undefined);
-  if (!picture.clouds.some(isAsked)) return null;
-  const clouds = picture.clouds.map(({ opacity, effects, ...instance }) => ({
-    ...instance,
-    opacity: name === 'opacity' ? undefined : opacity,
-    effects: effects?.filter(({ effect }) => effect.name !== name),
-  }));
+  if (FOUND_EFFECTS.some((found) => found.name === name)) return null;
+  const clouds = picture.clouds.map(({ opacity, effects = [], ...instance }) => {
+    const others = effects.filter(({ effect }) => effect.name !== name);
+    return {
+      ...instance,
+      opacity: name === 'opacity' ? undefined : opacity,
+      // Clouds may call for it by themselves.
+      effects: name === 'antialias' ? [...others, antialias(false)] : others,
+    };
+  });
   return { ...still, without: () => ({ ...picture, clouds }) };
 }
 

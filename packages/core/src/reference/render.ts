@@ -99,7 +99,8 @@ function renderLayer(frame: ReferenceFrame, settings: ReferenceSettings): Refere
     const stored = permuteSplats(finite, mortonOrder(finite.positions, finite.count));
     const view = cloudView(camera.viewMatrix, modelMatrix, stored.origin, projection.isOrthographic);
     const place = { modelMatrix, origin: stored.origin, viewMatrix: camera.viewMatrix };
-    const effects = twinsOf(usesOf(instance), place, frame.effectTwins);
+    const facts = { isAntialiased: set.isAntialiased ?? null };
+    const effects = twinsOf(usesOf({ ...instance, cloud: { facts } }), place, frame.effectTwins);
     for (let index = 0; index < stored.count; index++) {
       const visible = cullSplat(stored, index, view, projection, { ...settings, effects });
       if (visible)
