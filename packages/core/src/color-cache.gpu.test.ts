@@ -382,6 +382,19 @@ describe('a view', () => {
     for (const thing of [view, cloud, other]) thing.destroy();
   });
 
+  gpuTest('tells apart what is infinite', async () => {
+    const cloud = engine.add(SET);
+    const view = engine.createView();
+    const dyed = (by: number) => ({ ...SIZE, camera: camera(0), clouds: [{ cloud, effects: [dye(by)] }] });
+    for (const by of [Number.NEGATIVE_INFINITY, Number.POSITIVE_INFINITY]) {
+      expect(view.render(dyed(by))).toBe(true);
+      await view.whenDrawn();
+      expect(view.render(dyed(by))).toBe(false);
+    }
+    view.destroy();
+    cloud.destroy();
+  });
+
   gpuTest('goes on after shaders that do not compile', async () => {
     const cloud = engine.add(SET);
     const view = engine.createView();

@@ -105,7 +105,9 @@ export function keysOf(
     for (const use of usesOf(instance)) {
       const { hooks } = use.effect;
       const parts = hooks.splat || hooks.opacity ? order : colors;
-      parts.push(numberOf(use.effect), Object.values(use.valuesAt(place) ?? {}), use.selection?.version);
+      // JSON would make one thing of all that is infinite.
+      const values = String(Object.values(use.valuesAt(place) ?? {}));
+      parts.push(numberOf(use.effect), values, use.selection?.version);
     }
   }
   return { order: JSON.stringify(order), colors: JSON.stringify(colors) };
