@@ -4,13 +4,13 @@ import { SHADER_CONSTANTS } from './layout/constants.ts';
 import { PROJECTED_SPLATS, SHADER_STRUCTS } from './layout/structs.ts';
 import { type LinkInput, linkModules, type ShaderModules } from './shader-linker.ts';
 
-const files = import.meta.glob<string>('../../../shaders/**/*.wgsl', {
-  query: '?raw',
-  import: 'default',
-  eager: true,
-});
+/** All but what only measurements need: it comes with them. */
+const files = import.meta.glob<string>(
+  ['../../../shaders/**/*.wgsl', '!../../../shaders/stages/compare-images.wgsl'],
+  { query: '?raw', import: 'default', eager: true },
+);
 
-/** Every file in shaders/ as a module. */
+/** Every file as a module. */
 const modules: ShaderModules = /* @__PURE__ */ modulesOf(files);
 
 function modulesOf(texts: Readonly<Record<string, string>>): ShaderModules {
@@ -37,6 +37,8 @@ export function effectShader(name: string): string {
 export interface ShaderVariant {
   /** File in shaders/stages, without its ending. */
   readonly stage: string;
+  /** Text of that file, where it does not come with the engine. */
+  readonly source?: string;
   readonly conditions?: Readonly<Record<string, boolean>>;
   readonly constants?: Readonly<Record<string, number>>;
   /** What the modules `effects` and `parameters` hold; default nothing. */
@@ -53,13 +55,6 @@ export interface ShaderMutation {
   /** Text that occurs exactly once in the file. */
   readonly find: string;
   readonly replace: string;
-}
-
-/** Names of all stages in shaders/stages. */
-export function shaderStages(): string[] {
-  return Object.keys(files)
-    .map((path) => /\/stages\/(.*)\.wgsl$/.exec(path)?.[1])
-    .filter((name) => name !== undefined);
 }
 
 /** Every condition that a shader may ask for; absent means false. */
@@ -99,20 +94,22 @@ export function linkShader(variant: ShaderVariant, mutation?: ShaderMutation): s
 
 /** A variant as the linker takes it: what shaders share with the host are modules like those of files. */
 export function linkInput(
-  { stage, conditions = {}, constants = {}, effects = NO_EFFECTS }: ShaderVariant,
+  { stage, source, conditions = {}, constants = {}, effects = NO_EFFECTS }: ShaderVariant,
   mutation?: ShaderMutation,
 ): LinkInput {
   const { f32, f16, paper } = PROJECTED_SPLATS;
   const record = conditions.RECORD_F32 ? f32 : conditions.RECORD_PAPER ? paper : f16;
+  const root = moduleName(`stages/${stage}`);
   const values = Object.entries({ ...SHADER_CONSTANTS, MAX_FRAGMENT_ALPHA, ...constants });
   return {
     modules: {
       ...(mutation ? mutated(mutation) : modules),
+      ...(source !== undefined && { [root]: source }),
       ...effects.modules,
       layout: [...SHADER_STRUCTS, record].map((struct) => struct.wgsl).join('\n'),
       constants: values.map(([name, value]) => `const ${name} = ${value};`).join('\n'),
     },
-    root: moduleName(`stages/${stage}`),
+    root,
     conditions: { ...NO_CONDITIONS, ...conditions },
   };
 }

@@ -1,8 +1,10 @@
+import source from '../../../../shaders/stages/compare-images.wgsl?raw';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 
 /** Compares two layers of one size: a `CompareTile` per tile, and how often each absolute error occurs. */
 export const compareImages = {
   stage: 'compare-images',
+  source,
   entryPoint: 'compareImages',
   bindings: {
     parameters: [0, 'uniform'],
