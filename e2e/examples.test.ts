@@ -374,9 +374,9 @@ describe('examples of effects', () => {
   });
 
   it('depth-write hides the ring behind splats', async () => {
-    const page = await openExample('depth-write', splatSet([{ opacity: 0.98, position: [0, 0, 0.1] }]));
+    const page = await openExample('depth-write', splatSet([{ opacity: 0.98, position: [0, 0, -0.2] }]));
     const size = await sizeOf(page);
-    const { xPx, yPx } = projected(drawnFrom([0.12, 0.45, 1.44], size), [0, 0.2 - 0.09, -0.41], size);
+    const { xPx, yPx } = projected(drawnFrom([0.12, 0.45, 1.44], size), [-0.2, 0.222, -0.278], size);
     const red = async () => colorAt(await picture(page), xPx, yPx)[0];
     await expect.poll(red, PATIENCE).toBeGreaterThan(240);
     await page.getByLabel('Splats hide').uncheck();
@@ -386,7 +386,7 @@ describe('examples of effects', () => {
   it('wind-sway does what its twin in float64 does', async () => {
     const { page, psnrWith } = await openWithTestScene('wind-sway');
     await page.getByRole('slider').fill('0.2');
-    const effects = [windSway({ amplitude: 0.2, timeS: 0, ground: 0.15, tall: 0.4 })];
+    const effects = [windSway({ amplitude: 0.2, timeS: 0, ground: 0.3, tall: 0.4 })];
     const swayed = psnrWith({ effects, effectTwins: { 'wind-sway': windSwayTwin } });
     await expect.poll(swayed, PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
     await page.getByRole('slider').fill('0');

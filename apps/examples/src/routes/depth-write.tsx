@@ -17,8 +17,8 @@ export default function DepthWrite() {
           <Splats src="still-life.ply" writesDepth={writesDepth} />
         </Suspense>
         {/* Transparent objects are drawn after opaque ones, and this one after the splats: their depth is all that hides it. */}
-        <mesh position={[0, 0.2, 0]} rotation-x={1.35} renderOrder={1}>
-          <torusGeometry args={[0.42, 0.035, 24, 96]} />
+        <mesh position={[-0.2, 0.16, -0.12]} rotation-x={-1.2} renderOrder={1}>
+          <torusGeometry args={[0.17, 0.018, 24, 96]} />
           <meshBasicMaterial color="#2d7dff" transparent opacity={0.75} />
         </mesh>
         <OrbitControls />

@@ -50,7 +50,7 @@ function Wind({ splats, amplitude, isMoving }: WindProps) {
   const timeS = useRef(0);
   useFrame((_state, elapsedS) => {
     if (isMoving) timeS.current += elapsedS;
-    const options = { amplitude, timeS: timeS.current, ground: 0.15, tall: 0.4 };
+    const options = { amplitude, timeS: timeS.current, ground: 0.3, tall: 0.4 };
     if (splats.current) splats.current.effects = [windSway(options)];
   });
   return null;
