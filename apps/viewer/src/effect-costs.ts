@@ -25,20 +25,22 @@ export async function measureEffectCosts(store: ViewerStore, measurement: Measur
 
 type CostMs = EffectCost['costMs'];
 
-/** `0.42 ms`, `−1.3 ms`; `≈ 0 ms` where with and without cannot be told apart. */
-export function formatCost(costMs: CostMs): string {
-  return isNothing(costMs) ? '≈ 0 ms' : `${signedMs(costMs.median)} ms`;
+/** `0.42 ms`, `−1.3 ms`; `±0.05 ms` where with and without cannot be told apart, and it is no more than that. */
+export function formatCost({ median, low, high }: CostMs): string {
+  if (isUncertain(low, high)) return `±${formatMs(Math.max(-low, high))} ms`;
+  return `${signedMs(median)} ms`;
 }
 
 /** The same as a sentence, with the interval that the cost is known to. */
 export function describeCost({ median, low, high }: CostMs): string {
   const interval = `${signedMs(low)} to ${signedMs(high)} ms`;
-  if (isNothing({ median, low, high })) return `What it costs is too little to be measured: ${interval}.`;
+  if (isUncertain(low, high))
+    return `With it and without it frames take the same, as far as can be told (${interval}).`;
   if (median < 0) return `Saves ${formatMs(-median)} ms of each frame (${interval}).`;
   return `Costs ${formatMs(median)} ms of each frame (${interval}).`;
 }
 
-function isNothing({ low, high }: CostMs): boolean {
+function isUncertain(low: number, high: number): boolean {
   return low <= 0 && high >= 0;
 }
 

@@ -19,8 +19,9 @@ export const EffectsPanel = memo(function EffectsPanel({ store, measurement }: E
   const isVisible = useStore(store, (state) => state.dock === 'effects');
   const effects = useStore(store, (state) => state.effects);
   const measured = useStore(store, (state) => state.effectCosts);
+  const hasSeveralClouds = useStore(store, (state) => (state.scene?.clouds ?? 0) > 1);
   if (!isVisible) return null;
-  const costs = measured?.costs ?? [];
+  const listed = { costs: measured?.costs ?? [], hasSeveralClouds };
   return (
     <Dock store={store} name="effects" title="Effects">
       <section
@@ -29,7 +30,7 @@ export const EffectsPanel = memo(function EffectsPanel({ store, measurement }: E
         // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, so keys must reach it.
         tabIndex={0}
       >
-        <EffectList title="In this picture" entries={effects.filter(({ isOn }) => isOn)} costs={costs} />
+        <EffectList title="In this picture" entries={effects.filter(({ isOn }) => isOn)} {...listed} />
         <Runner
           store={store}
           of="effects"
@@ -39,7 +40,7 @@ export const EffectsPanel = memo(function EffectsPanel({ store, measurement }: E
           onCancel={() => measurement.stop()}
         />
         {measured && <Cautions store={store} measured={measured} />}
-        <EffectList title="Not called for" entries={effects.filter(({ isOn }) => !isOn)} costs={costs} />
+        <EffectList title="Not called for" entries={effects.filter(({ isOn }) => !isOn)} {...listed} />
       </section>
     </Dock>
   );
@@ -51,7 +52,7 @@ function Cautions({ store, measured }: { store: ViewerStore; measured: MeasuredE
   const source = useStore(store, (state) => state.statistics?.timing.source ?? 'gpu-timestamps');
   return (
     <div className="circumstances" data-testid="effect-cautions" data-stale={isStale}>
-      {isStale && <p className="stale">Costs are those of another view, scene, size or accuracy.</p>}
+      {isStale && <p className="stale">Costs are those of another view, size or accuracy.</p>}
       {timingCautions(isSoftware, source).map((caution) => (
         <p key={caution}>{caution}</p>
       ))}
@@ -59,15 +60,17 @@ function Cautions({ store, measured }: { store: ViewerStore; measured: MeasuredE
   );
 }
 
+interface ListedProps {
+  readonly costs: readonly EffectCost[];
+  /** Whether it is to be said which clouds an effect is on for. */
+  readonly hasSeveralClouds: boolean;
+}
+
 function EffectList({
   title,
   entries,
-  costs,
-}: {
-  title: string;
-  entries: readonly EffectEntry[];
-  costs: readonly EffectCost[];
-}) {
+  ...listed
+}: ListedProps & { readonly title: string; readonly entries: readonly EffectEntry[] }) {
   const id = useId();
   return (
     <>
@@ -77,7 +80,7 @@ function EffectList({
       <ul aria-labelledby={id}>
         {entries.map((entry) => (
           <li key={entry.name}>
-            <Effect entry={entry} cost={costs.find(({ name }) => name === entry.name) ?? null} />
+            <Effect entry={entry} {...listed} />
           </li>
         ))}
       </ul>
@@ -86,8 +89,9 @@ function EffectList({
 }
 
 /** Why and how much; what it does, on demand. */
-function Effect({ entry, cost }: { entry: EffectEntry; cost: EffectCost | null }) {
+function Effect({ entry, costs, hasSeveralClouds }: ListedProps & { readonly entry: EffectEntry }) {
   const { name, label, about, isOn, reason, clouds, stages, bytes } = entry;
+  const cost = costs.find((each) => each.name === name);
   const figures = [...(cost ? [formatCost(cost.costMs)] : []), ...(bytes > 0 ? [formatBytes(bytes)] : [])];
   return (
     <details className="effect" data-testid={`effect-${name}`} data-on={isOn}>
@@ -98,7 +102,7 @@ function Effect({ entry, cost }: { entry: EffectEntry; cost: EffectCost | null }
       </summary>
       <p>{about}</p>
       {cost && <p>{describeCost(cost.costMs)}</p>}
-      {clouds.length > 0 && <p>For {clouds.join(', ')}.</p>}
+      {hasSeveralClouds && clouds.length > 0 && <p>For {clouds.join(', ')}.</p>}
       {isOn && <p>{stages.length > 0 ? `Acts in ${stages.join(', ')}.` : 'Acts in no shader.'}</p>}
     </details>
   );

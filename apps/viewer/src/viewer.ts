@@ -543,6 +543,7 @@ export class Viewer {
       warning: droppedWarning(title, splats, dropped),
       isDroppedVisible: false,
       choice: null,
+      effectCosts: null,
     });
   }
 
