@@ -227,6 +227,37 @@ it('draws no frame unless asked, and then one, or one more where a shader has ye
   expect(text).toContain('GPU timestamps');
 });
 
+it('takes effects as props, and draws what revealing takes and no frame more', async () => {
+  const quiet = canvas({ frameloop: 'demand', background: 'black' });
+  const revealed = { ...SPLATS, reveal: { from: [0, 0, 0], durationMs: 600 } as const };
+  const page = await open({ ...quiet, splats: [revealed] });
+  await waitForLog(page, 'a firstframe');
+  const isRevealed = () =>
+    page.evaluate(() => {
+      const effects = window.page.engine('canvas').effects();
+      return effects.find(({ name }) => name === 'reveal')?.isOn === false;
+    });
+  expect(await isRevealed()).toBe(false);
+  await expect.poll(isRevealed, { timeout: 20_000 }).toBe(true);
+  await page.waitForTimeout(300);
+  const before = await framesOf(page);
+  expect(before.splats).toBeGreaterThan(2);
+  const whole = await picture(page);
+  // Written out anew, it is the same reveal, and the same picture.
+  await show(page, { ...quiet, splats: [{ ...revealed, reveal: { ...revealed.reveal } }] });
+  await page.waitForTimeout(300);
+  expect(await framesOf(page), 'frames after equal props').toEqual(before);
+  expect(changedPart(whole, await picture(page), 0)).toBe(0);
+
+  await show(page, { ...quiet, splats: [{ ...revealed, tint: '#ff0000' }] });
+  const blueOrGreen = async () => {
+    const { data } = await picture(page);
+    return data.filter((value, i) => i % 4 !== 0 && i % 4 !== 3 && value > 0).length;
+  };
+  expect(whole.data.filter((value, i) => i % 4 === 2 && value > 50).length).toBeGreaterThan(1000);
+  await expect.poll(blueOrGreen, { timeout: 20_000 }).toBe(0);
+});
+
 it('reads a file once and uploads it once, however often it is shown, and keeps it while a new one is read', async () => {
   const second = { id: 'second', src: 'a.ply', position: [1, 0, 0] as const, isHandedOn: true };
   const requestsBefore = harness.server.requests('a.ply');

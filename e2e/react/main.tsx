@@ -4,6 +4,7 @@ import {
   type AccuracyRequest,
   createSplatRenderer,
   type FrameStatistics,
+  type RevealAnimation,
   SplatCanvas,
   Splats,
   SplatsFallback,
@@ -25,6 +26,8 @@ export interface SplatsDescription {
   readonly src: string;
   readonly position?: readonly [number, number, number];
   readonly opacity?: number;
+  readonly reveal?: RevealAnimation;
+  readonly tint?: string;
   readonly accuracy?: AccuracyRequest;
   readonly visible?: boolean;
   /** Read by `useSplats` and handed on. */
