@@ -487,6 +487,22 @@ describe('an embedded view', () => {
     },
   );
 
+  gpuTest('always has something to draw while its clouds change their precision', async () => {
+    const set = randomSplats({ count: 300, seed: 77, shDegree: 2 });
+    const one = engine.add(set);
+    const view = engine.createEmbeddedView();
+    const frame = { camera: testCameras(1).perspective, clouds: [{ cloud: one }], ...SIZE };
+    await prepared(view, frame);
+    for (const geometryPrecision of ['packed', 'f32'] as const)
+      for (const shPrecision of ['u8', 'f16', 'f32'] as const) {
+        await engine.requestPrecision(one, { geometryPrecision, shPrecision });
+        expect(one.precisions).toEqual({ geometry: [geometryPrecision], sh: [shPrecision] });
+        expect(view.prepare(frame)).toBe(true);
+      }
+    view.destroy();
+    one.destroy();
+  });
+
   gpuTest('has nothing to draw without clouds or pixels, and says what is wrong', async () => {
     const { perspective: camera } = testCameras(1);
     const view = engine.createEmbeddedView();

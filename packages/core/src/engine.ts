@@ -6,6 +6,7 @@ import { adapterLabel, type DeviceOptions, requestSplatDevice } from './device.t
 import type { EffectEntry } from './effects/ledger.ts';
 import { EmbeddedView } from './embedded-view.ts';
 import { DestroyedError } from './errors.ts';
+import { frameStages } from './frame.ts';
 import type { FrameShape } from './frame-shape.ts';
 import { type EngineCounters, zeroCounters } from './gpu/engine-counters.ts';
 import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
@@ -89,6 +90,7 @@ export class SplatEngine {
       counting: this.#counting,
       dispatchRow: this.#dispatchRow,
       destroyedBecause: () => this.#destroyedBecause,
+      compileFor: (cloud, precision) => this.#compileFor(cloud, precision),
     });
     this.#wishes = new AccuracyWishes({
       measure: async (wish, picture, options) => {
@@ -337,6 +339,18 @@ export class SplatEngine {
   #stopWork(because: string): void {
     this.#precisionRequests.stop(new DestroyedError('This request', because));
     this.#wishes.stop(new DestroyedError('This measurement', because));
+  }
+
+  /** Where it fails, the frame that needs it says so. */
+  async #compileFor(cloud: SplatCloud, precision: CloudPrecision): Promise<void> {
+    const stages = [...this.#views].flatMap(({ shape }) => {
+      if (!shape?.clouds.includes(cloud)) return [];
+      const planes = shape.planes.map((held, i) =>
+        shape.clouds[i] === cloud ? { ...held, ...precision } : held,
+      );
+      return frameStages({ ...shape, planes });
+    });
+    await this.#pipelines.prepare(stages).catch(() => {});
   }
 
   #checkUsable(): void {

@@ -31,6 +31,8 @@ interface RequestContext {
   readonly dispatchRow: number;
   /** Why nothing can be made any more, or null. */
   readonly destroyedBecause: () => string | null;
+  /** Compiles what draws the cloud at another precision wherever it is shown. */
+  readonly compileFor: (cloud: SplatCloud, precision: CloudPrecision) => Promise<void>;
 }
 
 type RepackStage = StageDefinition<'parameters' | 'finer' | 'coarser'>;
@@ -101,6 +103,8 @@ export class PrecisionRequests {
     this.#checkUsable(watch.signal);
     const { geometryStage, shStage } = work;
     await this.#context.pipelines.prepare([geometryStage, shStage].filter((stage) => stage !== null));
+    // Before the planes change: what draws the old ones cannot draw the new.
+    await this.#context.compileFor(cloud, wanted);
     this.#checkUsable(watch.signal);
     const made: MadePlane[] = [];
     try {
