@@ -219,6 +219,22 @@ describe('colours', () => {
     });
   }
 
+  gpuTest('take no memory any more after two seconds of moving about', async () => {
+    const cloud = engine.add(randomSplats({ count: 10 }));
+    const view = engine.createView();
+    const clouds = [{ cloud }];
+    await warmUp(view, { clouds });
+    expect(keptBytes()).toBeGreaterThan(0);
+    for (let i = 0; i < 122; i++) view.render({ camera: camera(0, [0, 0, 2 + i / 100]), clouds, ...SIZE });
+    await view.readPixels();
+    expect(keptBytes()).toBe(0);
+    const turned = { camera: camera(1, [0, 0, 2 + 121 / 100]), clouds };
+    expect(await draw(view, turned)).toEqual(await drawAnew(turned));
+    expect(keptBytes()).toBeGreaterThan(0);
+    view.destroy();
+    cloud.destroy();
+  });
+
   gpuTest('are evaluated once for a place, also of splats that come into sight later', async () => {
     const cloud = engine.add(SET);
     const view = engine.createView();

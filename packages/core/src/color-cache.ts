@@ -28,6 +28,9 @@ const FLOAT64_TOLERANCE = 2 ** -44;
 /** Numbers of viewpoints fit 16 bits beside a colour in float16. */
 const LAST_NUMBER = 0xffff;
 
+/** After so many frames that kept nothing, two seconds of moving about, what is held for it is freed. */
+const MAX_FRAMES_UNKEPT = 120;
+
 /** The colours of one page. */
 interface KeptPage {
   readonly buffer: GPUBuffer;
@@ -57,6 +60,8 @@ export class ColorCache {
   /** By page of the frame. */
   readonly #pages = new Map<number, KeptPage>();
   #clouds: KeptColors[] = [];
+  /** Frames in a row that kept nothing. */
+  #framesUnkept = 0;
 
   constructor(memory: GpuMemory, queue: GPUQueue) {
     this.#memory = memory;
@@ -122,7 +127,8 @@ export class ColorCache {
       return { viewpoint, source, isKeeping, hasPlainRecords };
     });
     this.#clouds = next;
-    this.#freeFrom(pages.length);
+    this.#framesUnkept = shape.keepsColors.includes(true) ? 0 : this.#framesUnkept + 1;
+    this.#freeFrom(this.#framesUnkept > MAX_FRAMES_UNKEPT ? 0 : pages.length);
     return seeded;
   }
 
