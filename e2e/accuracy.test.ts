@@ -8,14 +8,17 @@ import {
   drawnCamera,
   dropFiles,
   frameCount,
+  loseDeviceOnDemand,
   textOf,
   viewerHarness,
   viewerScreenshot,
   waitForFrameAfter,
+  waitForPicture,
   waitForState,
 } from './viewer-page.ts';
 
-const { openViewer } = viewerHarness();
+const harness = viewerHarness();
+const { newPage, openViewer } = harness;
 const SMALL = { viewport: { width: 240, height: 160 } };
 /** A sweep draws a hundred pictures, on the CPU. */
 const TINY = { viewport: { width: 160, height: 120 } };
@@ -200,6 +203,23 @@ describe('accuracy in the viewer', () => {
     await wish.waitFor({ state: 'detached' });
     expect(await choice.count()).toBe(0);
     await page.waitForURL(/accuracy=high/);
+  });
+
+  it('measures a wish anew when the device was lost', async () => {
+    const page = await newPage(TINY);
+    await page.addInitScript(loseDeviceOnDemand);
+    await page.goto(`${harness.server.url}?scene=still-life-small&accuracy=minPsnrDb:40`);
+    await waitForPicture(page);
+    await openTab(page, 'measure');
+    const progress = page.getByTestId('sweep-progress');
+    await progress.waitFor({ state: 'attached' });
+    await page.evaluate(() => dispatchEvent(new Event('lose-device')));
+    await waitForState(page, 'lost');
+    await progress.waitFor({ state: 'detached' });
+    await press(page, 'recover');
+    await waitForState(page, 'ready');
+    await progress.waitFor({ state: 'attached' });
+    expect(await textOf(page, 'kept-wish')).toContain('at least 40 dB');
   });
 });
 

@@ -71,6 +71,16 @@ export function viewerScreenshot(page: Page): Promise<Screenshot> {
   );
 }
 
+/** For `addInitScript`: the page loses its device when it gets the event `lose-device`. */
+export function loseDeviceOnDemand(): void {
+  const requestDevice = GPUAdapter.prototype.requestDevice;
+  GPUAdapter.prototype.requestDevice = async function (...options) {
+    const device = await requestDevice.apply(this, options);
+    addEventListener('lose-device', () => device.destroy(), { once: true });
+    return device;
+  };
+}
+
 export interface DroppedFile {
   readonly name: string;
   readonly bytes: Uint8Array;

@@ -7,6 +7,7 @@ import {
   drawnCamera,
   dropFiles,
   frameCount,
+  loseDeviceOnDemand,
   textOf,
   viewerHarness,
   viewerScreenshot,
@@ -256,14 +257,7 @@ describe('viewer', () => {
 
   it('recovers the scene and the view after the device was lost', async () => {
     const page = await newPage();
-    await page.addInitScript(() => {
-      const requestDevice = GPUAdapter.prototype.requestDevice;
-      GPUAdapter.prototype.requestDevice = async function (...options) {
-        const device = await requestDevice.apply(this, options);
-        addEventListener('lose-device', () => device.destroy(), { once: true });
-        return device;
-      };
-    });
+    await page.addInitScript(loseDeviceOnDemand);
     await page.goto(`${harness.server.url}?scene=still-life-small`);
     await waitForPicture(page);
     let frames = await frameCount(page);

@@ -196,12 +196,11 @@ export class Viewer {
    *   drawn before stays then.
    */
   async chooseAccuracy(options: ChooseAccuracyOptions): Promise<AccuracyChoice> {
-    const session = this.#session;
-    const drawn = this.#drawn;
+    const drawn = this.#standingPicture();
     const { wish } = this.#store.getState();
-    if (!session || !drawn || !wish)
+    if (!drawn || !wish)
       throw new InvalidArgumentError('chooseAccuracy', 'It takes a wish and a picture that stands.');
-    const view = this.#wishingView(session);
+    const view = this.#wishingView(drawn.scene.session);
     view.render({ ...drawn.frame, accuracy: wish });
     const choice = await view.chooseAccuracy(options);
     await view.whenDrawn();
@@ -222,9 +221,9 @@ export class Viewer {
    */
   async readPicture(accuracy: AccuracySettings): Promise<PictureOnBackground | null> {
     await this.#planes;
-    const session = this.#session;
-    const drawn = this.#drawn;
-    if (!session || !drawn || drawn.scene !== this.#scene) return null;
+    const drawn = this.#standingPicture();
+    if (!drawn) return null;
+    const { session } = drawn.scene;
     session.probe ??= this.#createView(session.engine);
     session.probe.render({ ...drawn.frame, accuracy });
     const image = await session.probe.readPixels();
@@ -233,10 +232,8 @@ export class Viewer {
 
   /** What stands on the screen; null where nothing does. */
   get standing(): StandingPicture | null {
-    const session = this.#session;
-    const drawn = this.#drawn;
-    if (!session || !drawn || drawn.scene !== this.#scene) return null;
-    return { engine: session.engine, frame: drawn.frame };
+    const drawn = this.#standingPicture();
+    return drawn && { engine: drawn.scene.session.engine, frame: drawn.frame };
   }
 
   /** Opens `source` in place of what is shown, which stays until then; calls off what is being loaded. */
@@ -328,6 +325,12 @@ export class Viewer {
     this.#applyAccuracy();
     for (const resolve of this.#sessionWaiters.splice(0)) resolve(session);
     if (!this.#loading) void this.#load(this.#firstSource(engine));
+  }
+
+  /** Null where the newest scene has not been drawn yet, or what was drawn went with its device. */
+  #standingPicture(): DrawnPicture | null {
+    const drawn = this.#drawn;
+    return drawn && drawn.scene === this.#scene && drawn.scene.session === this.#session ? drawn : null;
   }
 
   #createRight(): void {
