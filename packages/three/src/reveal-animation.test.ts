@@ -11,14 +11,14 @@ function optionsAt(revealing: Revealing, nowMs: number): RevealOptions {
   return revealing.useAt(nowMs, bounds, camera).options as RevealOptions;
 }
 
-test('begins with the first picture, and goes evenly to the farthest corner and its soft edge', () => {
+test('begins with the first picture, and goes to the farthest corner and its soft edge', () => {
   const revealing = new Revealing({ from: [0, 0, 0], durationMs: 1000, softEdge: 0.5, grow: false });
   expect(optionsAt(revealing, 300)).toEqual({ from: [0, 0, 0], radius: 0, softEdge: 0.5, grow: false });
   revealing.begin(500);
   revealing.begin(700);
   const end = Math.hypot(3, 3, 1) + 0.5;
   for (const progress of [0, 0.25, 0.9]) {
-    expect(optionsAt(revealing, 500 + 1000 * progress).radius).toBeCloseTo(progress * end, 12);
+    expect(optionsAt(revealing, 500 + 1000 * progress).radius).toBeCloseTo(progress ** 3 * end, 12);
     expect(revealing.isOver(500 + 1000 * progress)).toBe(false);
   }
   expect(revealing.isOver(1500)).toBe(true);
@@ -26,15 +26,16 @@ test('begins with the first picture, and goes evenly to the farthest corner and 
   expect(revealing.useAt(1500, bounds, camera).reason).toBeNull();
 });
 
-test('from the camera goes as far as the camera is from the farthest corner, and has an edge of its own', () => {
+test('from the camera goes as far as the camera is from the farthest corner, with an edge that grows with it', () => {
   const revealing = new Revealing({ from: 'camera', durationMs: 100 });
   camera.position.set(0, 0, 10);
   camera.updateMatrixWorld();
   revealing.begin(0);
-  const { radius, softEdge } = optionsAt(revealing, 50);
-  const farthest = Math.hypot(3, 3, 11);
-  expect(softEdge).toBeGreaterThan(0);
-  expect(radius).toBeCloseTo(0.5 * (farthest + softEdge!), 9);
+  const [half, last] = [50, 100 - 1e-9].map((nowMs) => optionsAt(revealing, nowMs));
+  expect(half.radius).toBeCloseTo(last.radius / 8, 9);
+  expect(half.softEdge! / half.radius).toBeCloseTo(last.softEdge! / last.radius, 9);
+  expect(last.softEdge! / last.radius).toBeGreaterThan(0.1);
+  expect(last.radius - last.softEdge!).toBeCloseTo(Math.hypot(3, 3, 11), 6);
 });
 
 test.each<[string, Partial<RevealAnimation>]>([

@@ -3,13 +3,15 @@ import { type EffectUse, type RevealOptions, reveal } from '@websplatter/core/ef
 import { type Box3, type Camera, Vector3 } from 'three/webgpu';
 
 /** How a cloud appears by itself. */
-export interface RevealAnimation extends Omit<RevealOptions, 'radius'> {
+export interface RevealAnimation extends Omit<RevealOptions, 'radius' | 'softEdge'> {
   /** From nothing to all of it, milliseconds, above 0. */
   readonly durationMs: number;
+  /** As in `reveal`; default 0.3 times the radius that has been reached. */
+  readonly softEdge?: number;
 }
 
-/** Width of the band that fades in, as a part of the way that there is to go, where the caller names none. */
-const SOFT_PART = 0.25;
+/** Width of the band that fades in, as a part of the radius, where the caller names none. */
+const SOFT_PART = 0.3;
 
 /** A cloud that appears, from the first picture that it is in. */
 export class Revealing {
@@ -37,21 +39,21 @@ export class Revealing {
   }
 
   /**
-   * What is there of the cloud: its radius grows at an even pace, until the farthest corner of `bounds` has faded in.
+   * What is there of the cloud: its radius grows with the cube of time, so that what is near is seen to appear however far
+   * the scene reaches, until the farthest corner of `bounds` has faded in.
    *
    * @param bounds of the cloud, world space.
    */
   useAt(nowMs: number, bounds: Box3, camera: Camera): EffectUse {
     const { from, softEdge, grow } = this.animation;
+    if (this.isOver(nowMs)) return reveal({ from, radius: Number.POSITIVE_INFINITY });
     const start =
       from === 'camera' ? new Vector3().setFromMatrixPosition(camera.matrixWorld) : new Vector3(...from);
     const [toMin, toMax] = [start.clone().sub(bounds.min), bounds.max.clone().sub(start)];
     const farthest = toMin.max(toMax).length();
-    const band = softEdge ?? SOFT_PART * farthest;
-    const radius = this.isOver(nowMs)
-      ? Number.POSITIVE_INFINITY
-      : this.#progressAt(nowMs) * (farthest + band);
-    return reveal({ from, radius, softEdge: band, grow });
+    const end = softEdge === undefined ? farthest / (1 - SOFT_PART) : farthest + softEdge;
+    const radius = end * this.#progressAt(nowMs) ** 3;
+    return reveal({ from, radius, softEdge: softEdge ?? SOFT_PART * radius, grow });
   }
 
   #progressAt(nowMs: number): number {

@@ -288,7 +288,7 @@ describe('effects', () => {
     };
     expect(radiusAt(1000)).toBe(0);
     expect(await draw(1000)).toBe(1);
-    expect(radiusAt(1050)).toBeCloseTo(2.5, 1);
+    expect(radiusAt(1050)).toBeCloseTo(5 / 8, 2);
     expect(await draw(1050)).toBe(1);
     expect(radiusAt(1100)).toBe(Number.POSITIVE_INFINITY);
     expect(await draw(1100)).toBe(0);
