@@ -50,11 +50,14 @@ describe('FrameLoop', () => {
 
   it('is idle after the last picture is done, with nothing pending', async () => {
     test.loop.request();
+    expect(test.loop.isResting).toBe(false);
     test.refresh(0);
     expect(test.onIdle).not.toHaveBeenCalled();
+    expect(test.loop.isResting).toBe(false);
     await test.finishOldest();
     expect(test.onDrawn).toHaveBeenCalledOnce();
     expect(test.onIdle).toHaveBeenCalledOnce();
+    expect(test.loop.isResting).toBe(true);
     expect(test.pending()).toBe(0);
   });
 

@@ -53,7 +53,8 @@ export class Measurement {
       const isSoftware = isSoftwareAdapter(picture.engine.device.adapterInfo);
       return signal.aborted ? null : { ...result, pictureId, isSoftware };
     } catch (error) {
-      if (signal.aborted) return null;
+      // The engine calls off what is measured for views that have gone on to show something else.
+      if (signal.aborted || (error as Error).name === 'AbortError') return null;
       if (!(error instanceof WebSplatterError)) console.error(error);
       store.setState({ sweepProblem: { of, text: error instanceof Error ? error.message : String(error) } });
       return null;
