@@ -49,6 +49,7 @@ export type { Vec3 } from './math/mat4.ts';
 export type { AccuracyChoice } from './measure/choose-accuracy.ts';
 export type { MeasureProgress } from './measure/measure-accuracy.ts';
 export type { SplatPick } from './pick.ts';
+export { mostExact, pictureAccuracy } from './picture-accuracy.ts';
 export type { PrecisionRequestOptions } from './precision-requests.ts';
 export { type CloudFacts, cloudFacts } from './scene/cloud-facts.ts';
 export type { CloudPage, CloudPages, CloudPrecision, HeldPrecisions } from './scene/cloud-planes.ts';

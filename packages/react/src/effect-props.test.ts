@@ -11,7 +11,9 @@ it('makes of each prop its effect, in three’s terms', () => {
   const selection = new SplatSelection();
   const own = tint([1, 0.5, 0]);
   expect(usesOfProps({})).toEqual([]);
-  expect(usesOfProps({ antialias: false, effects: [] })).toEqual([]);
+  expect(usesOfProps({ effects: [] })).toEqual([]);
+  // What a file says of itself can be refused.
+  expect(usesOfProps({ antialias: false })).toMatchObject([{ options: false, reason: null }]);
   expect(usesOfProps({ effects: [own] })).toEqual([own]);
   const sphere = { shape: 'sphere', center: [0, 0, 0], radius: 1, keep: 'outside' } as const;
   const props: EffectProps = {
@@ -33,7 +35,7 @@ it('makes of each prop its effect, in three’s terms', () => {
   expect(optionsOf(props)).toEqual({
     tint: [1, 1, 1],
     brightness: 2,
-    antialias: undefined,
+    antialias: true,
     clip: {
       volumes: [
         { shape: 'box', center: [1, 1, 1], size: [2, 2, 2], keep: 'inside' },

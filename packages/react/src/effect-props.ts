@@ -45,7 +45,7 @@ export function usesOfProps(props: EffectProps): EffectUse[] {
   if (props.clip)
     uses.push(clip({ ...props.clip, volumes: props.clip.volumes.map((volume) => toVolume(volume)) }));
   if (props.reveal && !isAnimation(props.reveal)) uses.push(reveal(props.reveal));
-  if (props.antialias) uses.push(antialias());
+  if (props.antialias !== undefined) uses.push(antialias(props.antialias));
   if (props.brightness !== undefined) uses.push(brightness(props.brightness));
   if (props.tint !== undefined) uses.push(tint(encodedColor(props.tint)));
   if (props.highlight)

@@ -1,5 +1,5 @@
 import { type ReactNode, useEffect, useRef } from 'react';
-import { createTimingsPanel, type PanelCorner, type TimingsPanel } from './timings-panel.ts';
+import type { PanelCorner, TimingsPanel } from './timings-panel.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 import { useStageTimings } from './use-stage-timings.ts';
 
@@ -28,11 +28,21 @@ interface MeasuredRenderer {
 function Overlay({ renderer, corner }: { renderer: MeasuredRenderer; corner: PanelCorner }): ReactNode {
   const panel = useRef<TimingsPanel>(null);
   useEffect(() => {
-    const { ownerDocument, parentElement } = renderer.domElement;
-    const made = createTimingsPanel(ownerDocument, corner);
-    parentElement?.append(made.element);
-    panel.current = made;
-    return () => made.remove();
+    let isGone = false;
+    // When it is shown: pages whose users never see it do not load it.
+    import('./timings-panel.ts')
+      .then(({ createTimingsPanel }) => {
+        if (isGone) return;
+        const { ownerDocument, parentElement } = renderer.domElement;
+        panel.current = createTimingsPanel(ownerDocument, corner);
+        parentElement?.append(panel.current.element);
+      })
+      .catch((error: unknown) => console.error(error));
+    return () => {
+      isGone = true;
+      panel.current?.remove();
+      panel.current = null;
+    };
   }, [renderer, corner]);
   useStageTimings((statistics) => panel.current?.show(statistics), renderer);
   return null;

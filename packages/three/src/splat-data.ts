@@ -2,12 +2,12 @@ import {
   type CloudPrecision,
   type CloudSource,
   GEOMETRY_WORDS,
+  mostExact,
   type PackedCloud,
   type SplatCloud,
   type SplatEngine,
 } from '@websplatter/core';
 import { Box3, type Sphere, Vector3 } from 'three/webgpu';
-import { mostExact } from './picture-accuracy.ts';
 
 interface Upload {
   readonly cloud: SplatCloud;

@@ -7,6 +7,7 @@ import {
   DestroyedError,
   type Camera as EngineCamera,
   isAccuracyWish,
+  pictureAccuracy,
   type SplatEngine,
   type SplatPick,
 } from '@websplatter/core';
@@ -25,7 +26,6 @@ import {
 import { splatEngineOf } from './create-splat-renderer.ts';
 import { ColorLayerMaterial, DepthLayerMaterial } from './layer-material.ts';
 import { type LayerView, LayerViews } from './layer-view.ts';
-import { pictureAccuracy } from './picture-accuracy.ts';
 import type { SplatCloudObject } from './splat-cloud-object.ts';
 import { reportStageTimings } from './stage-timings.ts';
 import { type OpenPass, openPass } from './three-bridge.ts';

@@ -1,5 +1,6 @@
-import { ACCURACY_PRESETS, ACCURACY_SETTINGS, InvalidArgumentError } from '@websplatter/core';
 import { describe, expect, test } from 'vitest';
+import { ACCURACY_PRESETS, ACCURACY_SETTINGS } from './accuracy.ts';
+import { InvalidArgumentError } from './errors.ts';
 import { mostExact, pictureAccuracy } from './picture-accuracy.ts';
 
 describe('the accuracy of a picture', () => {

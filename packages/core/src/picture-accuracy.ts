@@ -1,11 +1,5 @@
-import {
-  ACCURACY_SETTINGS,
-  type Accuracy,
-  type AccuracyRequest,
-  type AccuracySettings,
-  isAccuracyWish,
-  resolveAccuracy,
-} from '@websplatter/core';
+import { ACCURACY_SETTINGS, type Accuracy, type AccuracySettings, resolveAccuracy } from './accuracy.ts';
+import { type AccuracyRequest, isAccuracyWish } from './accuracy-wish.ts';
 
 /**
  * What a picture of several clouds is drawn with, of what they ask for: the most decibels that any wishes for; else
