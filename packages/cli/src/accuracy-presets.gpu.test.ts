@@ -152,9 +152,11 @@ function expectPresetsInOrder(rows: Record<string, Row>): void {
       coarser.againstReferenceDb,
     );
   }
-  // `paper` may lie on either side of `fast`, and its records alone decide that: with wider ones it is the more exact.
+  // `paper` may lie on either side of `fast`, and its records alone decide that: with wider ones it is as exact. It blends
+  // more faint layers than `fast` does, all of which adapters round to 8 bits in their own way: one loses 0.15 dB by that.
   expect(paper.rawDb).toBeGreaterThan(35);
-  expect(rows['paper, f16 records'].rawDb).toBeGreaterThanOrEqual(Math.max(paper.rawDb, fast.rawDb));
+  expect(rows['paper, f16 records'].rawDb).toBeGreaterThanOrEqual(paper.rawDb);
+  expect(rows['paper, f16 records'].rawDb).toBeGreaterThan(fast.rawDb - 0.5);
 }
 
 describe('presets against float64, with what they cost', () => {

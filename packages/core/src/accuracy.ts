@@ -201,9 +201,9 @@ export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings>
     resolutionScale: 1,
   },
   /**
-   * By reasoning, still to be tuned by measurement: blending is most of a frame, so half its bytes and smaller quads come
-   * first, then two passes of the sort instead of three or four. Harmonics keep their degree: it costs little beside those,
-   * and nothing else would show as much.
+   * What saves most for what it shows, by measurement (docs/accuracy.md): half the bytes of every blended layer, smaller
+   * quads, and keys so short that most splats are drawn in the order that they are stored in. Harmonics keep their degree,
+   * which costs next to nothing and shows more than all of this.
    */
   fast: {
     geometryPrecision: 'packed',

@@ -14,7 +14,6 @@ export interface SortShape {
  * thread, so longer digits go with fewer threads to stay within WebGPU's 16 KiB of workgroup memory.
  */
 export function sortShapeFor(keyBits: number): SortShape {
-  if (keyBits > 16 && keyBits <= 20) return { digitBits: 10, passes: 2, workgroup: 64, itemsPerThread: 32 };
   if (keyBits <= 24)
     return { digitBits: 8, passes: Math.max(1, Math.ceil(keyBits / 8)), workgroup: 256, itemsPerThread: 8 };
   if (keyBits <= 27) return { digitBits: 9, passes: 3, workgroup: 128, itemsPerThread: 16 };
