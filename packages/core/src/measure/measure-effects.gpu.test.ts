@@ -1,5 +1,5 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
 import { tint } from '../effects/index.ts';
 import { SplatEngine } from '../engine.ts';
 import { InvalidArgumentError } from '../errors.ts';
@@ -37,6 +37,15 @@ describe('measureEffects', () => {
     expect(costs.map(({ name }) => name)).toEqual(['harmonics', 'kept-colors', 'tint']);
     expect(steps[0]).toBe('0/3 Timing View-dependent colour');
     expect(steps.at(-1)).toBe('2/3 Timing Tint');
+  });
+
+  gpuTest('compares what is drawn in the same buffers', async () => {
+    const createBuffer = vi.spyOn(device, 'createBuffer');
+    await measureEffects(engine, frame, { frames: 1 });
+    const labels = createBuffer.mock.calls.map(([{ label }]) => label);
+    createBuffer.mockRestore();
+    for (const label of ['frame projected', 'frame survivors', 'frame kept colors'])
+      expect(labels.filter((made) => made === label)).toEqual([label]);
   });
 
   gpuTest('ends when it is told to', async () => {

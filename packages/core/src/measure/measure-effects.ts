@@ -14,7 +14,10 @@ import { drawMeasured, withView } from './measured-frames.ts';
 import { type TimeSpread, timeSpread } from './time-spread.ts';
 
 export interface MeasureEffectsOptions {
-  /** Pairs of frames per effect, with it and without, default 15. Under 6 there is no interval of 95 %: see `TimeSpread`. */
+  /**
+   * Pairs of counted frames per effect, with it and without, default 15; half as many again are drawn and not counted. Under
+   * 6 there is no interval of 95 %: see `TimeSpread`.
+   */
   readonly frames?: number;
   /** Ends the measurement: it rejects with the signal's reason and frees what it holds. */
   readonly signal?: AbortSignal;
@@ -35,11 +38,17 @@ export interface EffectCost {
 const DEFAULT_FRAMES = 15;
 
 /**
- * Measures what each effect costs in `frame` by drawing it with the effect and without, A B, B A, A B, …, in two views of
- * its own; other work of the page goes on between frames. In the order of the ledger: the effects that callers ask for and
- * of those that are found the ones that a picture can do without, `harmonics`, `isotropic` and `faint-splats`; and
- * `kept-colors`, whether on now or not, by a camera that turns in place. What is on because of a wish is measured with the
- * settings that the engine has.
+ * Measures what each effect costs in `frame` by drawing it with the effect and without, A B, B A, A B, …, in one view of its
+ * own; other work of the page goes on between frames. Where buffers and textures lie can change the time of a frame by more
+ * than an effect does: both are drawn in the same ones, only by other shaders. The first frame after each change is not
+ * counted: its parameters may be in a new buffer, and caches hold what the other kind of frame has read.
+ *
+ * In the order of the ledger: the effects that callers ask for and of those that are found the ones that a picture can do
+ * without, `harmonics`, `isotropic` and `faint-splats`; and `kept-colors`, whether on now or not, by a camera that turns in
+ * place. Frames without it evaluate every colour and leave what is kept alone; the first with it, which is not counted, fills
+ * it, and the counted one behind that finds all colours there. What is on because of a wish is measured with the settings that
+ * the engine has. An effect that moves splats may make sort keys longer, for which buffers are made anew: that is the one case
+ * in which the two are not drawn in the same.
  *
  * @throws InvalidArgumentError, GpuLimitError, DestroyedError; the reason of `signal`.
  */
@@ -52,60 +61,96 @@ export async function measureEffects(
   const { accuracy = engine.accuracy } = frame;
   const settings = isAccuracyWish(accuracy) ? engine.accuracy : accuracy;
   const picture: ViewFrame = { ...frame, accuracy: settings, force: true };
-  return withView(engine, (whole) =>
-    withView(engine, async (lacking) => {
-      signal?.throwIfAborted();
-      await drawMeasured(engine, whole, picture);
-      const comparisons = whole.effects().flatMap((entry) => comparisonFor(entry, picture) ?? []);
-      const costs: EffectCost[] = [];
-      for (const [index, comparison] of comparisons.entries()) {
-        const { entry } = comparison;
-        lacking.omitEffects(comparison.omitted);
-        if (!(await warmUp(engine, whole, lacking, comparison))) continue;
-        const differencesMs: number[] = [];
-        for (let pair = 0; pair < frames; pair++) {
-          signal?.throwIfAborted();
-          const done = index * frames + pair;
-          onProgress?.({ done, total: comparisons.length * frames, label: `Timing ${entry.label}` });
-          const timeOf = async (view: SplatView, drawn: ViewFrame) =>
-            (await drawMeasured(engine, view, drawn)).totalMs;
-          // What drifts makes as many of the first as of the second of a pair slower.
-          let withoutMs = pair % 2 === 0 ? null : await timeOf(lacking, comparison.without());
-          const withMs = await timeOf(whole, comparison.with());
-          withoutMs ??= await timeOf(lacking, comparison.without());
-          differencesMs.push(withMs - withoutMs);
-        }
-        const { median, low, high } = timeSpread(differencesMs);
-        costs.push({ name: entry.name, costMs: { median, low, high } });
+  return withView(engine, async (view) => {
+    signal?.throwIfAborted();
+    await drawMeasured(engine, view, picture);
+    const comparisons = view.effects().flatMap((entry) => comparisonFor(entry, picture) ?? []);
+    const frameTimer = new FrameTimer(engine, view);
+    const costs: EffectCost[] = [];
+    for (const [index, comparison] of comparisons.entries()) {
+      const { entry } = comparison;
+      if (!(await warmUp(frameTimer, view, comparison))) continue;
+      const differencesMs: number[] = [];
+      for (let pair = 0; pair < frames; pair++) {
+        signal?.throwIfAborted();
+        const done = index * frames + pair;
+        onProgress?.({ done, total: comparisons.length * frames, label: `Timing ${entry.label}` });
+        // What drifts makes as many of the first as of the second of a pair slower.
+        let withoutMs = pair % 2 === 0 ? null : await frameTimer.timeMs(comparison.without);
+        const withMs = await frameTimer.timeMs(comparison.with);
+        withoutMs ??= await frameTimer.timeMs(comparison.without);
+        differencesMs.push(withMs - withoutMs);
       }
-      return costs;
-    }),
-  );
+      const { median, low, high } = timeSpread(differencesMs);
+      costs.push({ name: entry.name, costMs: { median, low, high } });
+    }
+    return costs;
+  });
 }
 
-/** How one effect is measured: what to draw next with it, and without. */
+/** Frames that differ in nothing that takes time. */
+interface FrameKind {
+  /** What to draw next. */
+  readonly next: () => ViewFrame;
+  readonly omitted: readonly OmittableEffect[];
+}
+
+/** How one effect is measured. */
 interface Comparison {
   readonly entry: EffectEntry;
-  readonly with: () => ViewFrame;
-  readonly without: () => ViewFrame;
-  readonly omitted: readonly OmittableEffect[];
+  readonly with: FrameKind;
+  readonly without: FrameKind;
   /** Whether the effect comes by itself, with the second frame or a later one. */
   readonly comesLater: boolean;
+}
+
+/** Draws frames of several kinds in one view. */
+class FrameTimer {
+  readonly #engine: SplatEngine;
+  readonly #view: SplatView;
+  #last: FrameKind | null = null;
+
+  constructor(engine: SplatEngine, view: SplatView) {
+    this.#engine = engine;
+    this.#view = view;
+  }
+
+  /** @returns milliseconds of a frame that follows another one of its kind. */
+  async timeMs(kind: FrameKind): Promise<number> {
+    if (kind !== this.#last) await this.draw(kind);
+    return this.draw(kind);
+  }
+
+  /** @returns milliseconds of the next frame of this kind, whatever was drawn before. */
+  async draw(kind: FrameKind): Promise<number> {
+    this.#view.omitEffects(kind.omitted);
+    this.#last = kind;
+    const { totalMs } = await drawMeasured(this.#engine, this.#view, kind.next());
+    return totalMs;
+  }
 }
 
 /** Null for what a picture cannot do without, and what it does not have. */
 function comparisonFor(entry: EffectEntry, picture: ViewFrame): Comparison | null {
   const { name, isOn } = entry;
-  const still = { entry, with: () => picture, without: () => picture, omitted: [], comesLater: false };
+  const whole: FrameKind = { next: () => picture, omitted: [] };
+  const comparedWith = (without: FrameKind): Comparison => ({
+    entry,
+    with: whole,
+    without,
+    comesLater: false,
+  });
   if (name === 'kept-colors') {
     const turned = turning(picture);
-    return { ...still, with: () => ({ ...turned(), force: false }), without: turned, comesLater: true };
+    // Frames that are forced keep no colours.
+    const keeping: FrameKind = { next: () => ({ ...turned(), force: false }), omitted: [] };
+    return { entry, with: keeping, without: { next: turned, omitted: [] }, comesLater: true };
   }
   if (!isOn) return null;
-  if (name === 'isotropic' || name === 'faint-splats') return { ...still, omitted: [name] };
+  if (name === 'isotropic' || name === 'faint-splats') return comparedWith({ ...whole, omitted: [name] });
   if (name === 'harmonics') {
     const clouds = picture.clouds.map((instance) => ({ ...instance, shDegree: 0 as const }));
-    return { ...still, without: () => ({ ...picture, clouds }) };
+    return comparedWith({ ...whole, next: () => ({ ...picture, clouds }) });
   }
   if (FOUND_EFFECTS.some((found) => found.name === name)) return null;
   const clouds = picture.clouds.map(({ opacity, effects = [], ...instance }) => {
@@ -117,21 +162,16 @@ function comparisonFor(entry: EffectEntry, picture: ViewFrame): Comparison | nul
       effects: name === 'antialias' ? [...others, antialias(false)] : others,
     };
   });
-  return { ...still, without: () => ({ ...picture, clouds }) };
+  return comparedWith({ ...whole, next: () => ({ ...picture, clouds }) });
 }
 
 /** Frames that are not counted: they make shaders and buffers. Answers whether the effect takes part then. */
-async function warmUp(
-  engine: SplatEngine,
-  whole: SplatView,
-  lacking: SplatView,
-  comparison: Comparison,
-): Promise<boolean> {
-  await drawMeasured(engine, lacking, comparison.without());
+async function warmUp(frameTimer: FrameTimer, view: SplatView, comparison: Comparison): Promise<boolean> {
+  await frameTimer.draw(comparison.without);
   if (!comparison.comesLater) return true;
   for (let attempt = 0; attempt < MOST_ATTEMPTS; attempt++) {
-    await drawMeasured(engine, whole, comparison.with());
-    if (whole.effects().some(({ name, isOn }) => name === comparison.entry.name && isOn)) return true;
+    await frameTimer.draw(comparison.with);
+    if (view.effects().some(({ name, isOn }) => name === comparison.entry.name && isOn)) return true;
   }
   return false;
 }
