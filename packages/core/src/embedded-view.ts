@@ -116,7 +116,7 @@ export class EmbeddedView {
    */
   prepare(frame: EmbeddedFrame): boolean {
     if (this.#isDestroyed) throw new DestroyedError('This view', 'it was destroyed');
-    checkFrame(frame);
+    checkFrame(frame, this.#context.device);
     const isEmpty = frame.widthPx === 0 || frame.heightPx === 0 || frame.clouds.length === 0;
     if (isEmpty || this.#context.destroyedBecause() !== null) return false;
     const depths = this.#depthsFor(frame);

@@ -344,6 +344,13 @@ describe('a view', () => {
       expect(() => view.render({ ...frame, clouds: [{ cloud, opacity }] })).toThrow(/garden.*0…1/);
     const shDegree = 4 as ShDegree;
     expect(() => view.render({ ...frame, clouds: [{ cloud, shDegree }] })).toThrow(/garden.*degree 4/);
+    const elsewhere = await SplatEngine.create({ device: await createTestDevice() });
+    const stranger = elsewhere.add(randomSplats({ count: 10 }), { name: 'stranger' });
+    expect(() => view.render({ ...frame, clouds: [{ cloud: stranger }] })).toThrow(
+      /stranger is on another GPU/,
+    );
+    elsewhere.destroy();
+    elsewhere.device.destroy();
     const widthPx = device.limits.maxTextureDimension2D + 1;
     await draw(view, frame);
     expect(() => view.render({ ...frame, widthPx })).toThrow(InvalidArgumentError);

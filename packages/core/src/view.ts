@@ -84,7 +84,7 @@ export class SplatView {
    */
   render(frame: ViewFrame): boolean {
     this.#checkUsable();
-    checkFrame(frame);
+    checkFrame(frame, this.#context.device);
     if (frame.widthPx === 0 || frame.heightPx === 0) return false;
     const settings = this.#accuracy.settingsFor(frame);
     if (!frame.force && !this.#waiting && this.#layer.isPrepared(frame, settings)) {

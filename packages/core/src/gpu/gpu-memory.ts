@@ -18,13 +18,13 @@ const BYTES_PER_PIXEL: Partial<Record<GPUTextureFormat, number>> = {
 
 /** The one place that makes buffers and textures, so that every byte is labelled and counted. */
 export class GpuMemory {
-  readonly #device: GPUDevice;
+  readonly device: GPUDevice;
   readonly #bytes = new Map<GPUBuffer | GPUTexture, number>();
   #totalBytes = 0;
   #peakBytes = 0;
 
   constructor(device: GPUDevice) {
-    this.#device = device;
+    this.device = device;
   }
 
   /** @throws GpuLimitError, before anything is allocated, where the buffer would pass the device's limits. */
@@ -32,7 +32,7 @@ export class GpuMemory {
     // WebGPU binds no empty buffers, and copies whole words.
     const size = Math.max(4, Math.ceil(bytes / 4) * 4);
     this.#check(label, size, usage);
-    return this.#counted(this.#device.createBuffer({ label, size, usage }), size);
+    return this.#counted(this.device.createBuffer({ label, size, usage }), size);
   }
 
   /** A storage buffer holding `words`. */
@@ -41,7 +41,7 @@ export class GpuMemory {
     const size = Math.max(4, words.byteLength);
     this.#check(label, size, usage);
     // Mapped at creation: the data goes straight to the driver's staging memory, without a second copy here.
-    const buffer = this.#device.createBuffer({ label, size, usage, mappedAtCreation: true });
+    const buffer = this.device.createBuffer({ label, size, usage, mappedAtCreation: true });
     new Uint32Array(buffer.getMappedRange()).set(words);
     buffer.unmap();
     return this.#counted(buffer, size);
@@ -52,7 +52,7 @@ export class GpuMemory {
   ): GPUTexture {
     const { width, height } = descriptor.size;
     return this.#counted(
-      this.#device.createTexture(descriptor),
+      this.device.createTexture(descriptor),
       width * height * (BYTES_PER_PIXEL[descriptor.format] ?? 4),
     );
   }
@@ -97,13 +97,13 @@ export class GpuMemory {
   }
 
   #check(label: string, bytes: number, usage: GPUBufferUsageFlags): void {
-    const { maxBufferSize, maxStorageBufferBindingSize } = this.#device.limits;
+    const { maxBufferSize, maxStorageBufferBindingSize } = this.device.limits;
     const isStorage = (usage & GPUBufferUsage.STORAGE) !== 0;
     const limit =
       isStorage && maxStorageBufferBindingSize < maxBufferSize
         ? 'maxStorageBufferBindingSize'
         : 'maxBufferSize';
-    const availableBytes = this.#device.limits[limit];
+    const availableBytes = this.device.limits[limit];
     if (bytes <= availableBytes) return;
     throw new GpuLimitError(
       limit,

@@ -45,6 +45,8 @@ export class SplatCloud {
   readonly chunks: ArrayBuffer;
   /** @internal */
   readonly planes: CloudPlanes;
+  /** @internal What it is held by. */
+  readonly device: GPUDevice;
   readonly #onDestroyed: (cloud: SplatCloud) => void;
   #isDestroyed = false;
 
@@ -72,6 +74,7 @@ export class SplatCloud {
     this.logScaleRange = packed.geometry.logScaleRange;
     this.chunks = packed.chunks;
     this.#onDestroyed = onDestroyed;
+    this.device = memory.device;
     this.planes = new CloudPlanes(memory, limits, packed, name);
   }
 

@@ -49,7 +49,7 @@ function isMatrix(values: ArrayLike<number>): boolean {
 }
 
 /** @throws InvalidArgumentError naming what cannot be drawn and why, DestroyedError for a destroyed cloud. */
-export function checkFrame({ camera, clouds, widthPx, heightPx }: ViewFrame): void {
+export function checkFrame({ camera, clouds, widthPx, heightPx }: ViewFrame, device: GPUDevice): void {
   if (!(Number.isInteger(widthPx) && Number.isInteger(heightPx) && widthPx >= 0 && heightPx >= 0)) {
     throw new InvalidArgumentError(
       'widthPx',
@@ -64,6 +64,10 @@ export function checkFrame({ camera, clouds, widthPx, heightPx }: ViewFrame): vo
   for (const instance of clouds) {
     const { cloud, modelMatrix, shDegree = 3 } = instance;
     if (cloud.isDestroyed) throw new DestroyedError(`The cloud ${cloud.name}`, 'it was destroyed');
+    if (cloud.device !== device) {
+      const message = `${cloud.name} is on another GPU device than this view; load it with the engine that draws it.`;
+      throw new InvalidArgumentError('clouds', message);
+    }
     if (modelMatrix && !isMatrix(modelMatrix)) {
       const message = `The model matrix of ${cloud.name} must be 16 finite numbers, column-major.`;
       throw new InvalidArgumentError('modelMatrix', message);
