@@ -530,6 +530,16 @@ describe('three 0.187', () => {
       expectPixel(right[1], [0, 0, 0, 255]);
     });
 
+    test('of a cloud that joins others take nothing away while their shaders are compiled', async () => {
+      const { alone, atOnce, both, replacedAtOnce, replaced } = await run('joining');
+      expect(atOnce).toEqual(alone);
+      expectPixel(pixelAt(both, 0.27, 0.5), [252, 252, 252, 255], 8);
+      expect(pixelAt(both, 0.73, 0.5)[0]).toBeGreaterThan(200);
+      expect(replacedAtOnce).toEqual(alone);
+      expect(pixelAt(replaced, 0.5, 0.5)[0]).toBeGreaterThan(200);
+      expect(pixelAt(replaced, 0.73, 0.5)[0]).toBeLessThan(50);
+    });
+
     test('reveal a cloud over a time, asking for the frames, and end', async () => {
       const { shown, hidden, frames, revealed } = await run('reveal', 400);
       expect(rightOf(shown)[0]).toBeGreaterThan(150);

@@ -1,5 +1,5 @@
 import { type AccuracyChoice, encodePly, packCloud } from '@websplatter/core';
-import { clip, tint } from '@websplatter/core/effects';
+import { antialias, brightness, clip, tint } from '@websplatter/core/effects';
 import {
   clipVolumeOf,
   encodedColor,
@@ -432,6 +432,24 @@ export const cases = {
     ];
     const tintedAndClipped = await shotWith(stage, { tint: true, clip: true });
     return { plain, tintedAndClipped };
+  },
+
+  /** A cloud; and, at once and in the end, when another with shaders of its own joins it, and when that becomes yet another. */
+  joining: async () => {
+    const stage = await newStage();
+    const small = (x: number) => splatData({ scale: [0.3, 0.3, 0.3], opacity: 0.99, position: [x, 0, 0] });
+    const joining = new SplatCloudObjectClass(small(0.8));
+    joining.effects = [tint([1, 0.5, 0]), brightness(1.5)];
+    stage.scene.add(new SplatCloudObjectClass(small(-0.8)));
+    const alone = await shot(stage);
+    stage.scene.add(joining);
+    const atOnce = await meshShot(stage);
+    const both = await shotWith(stage, { brightness: true });
+    joining.data = small(0);
+    joining.effects = [antialias(), brightness(1.5)];
+    const replacedAtOnce = await meshShot(stage);
+    const replaced = await shotWith(stage, { antialias: true });
+    return { alone, atOnce, both, replacedAtOnce, replaced };
   },
 
   /** How often a cloud asks for a frame until it is revealed, and pictures from before and after. */

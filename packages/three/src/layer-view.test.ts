@@ -1,4 +1,4 @@
-import type { EmbeddedView } from '@websplatter/core';
+import type { CloudInstance, EmbeddedView } from '@websplatter/core';
 import { PerspectiveCamera } from 'three/webgpu';
 import { expect, test, vi } from 'vitest';
 import { LayerViews } from './layer-view.ts';
@@ -35,7 +35,8 @@ test('the latest of a renderer’s views from a camera is known', () => {
 test('the latest view with a cloud is known', () => {
   const views = new LayerViews();
   const [shown, hidden] = [new SplatCloudObject(), new SplatCloudObject()];
-  for (const target of [canvas, mirror]) views.use(renderer, camera, target, fakeView).clouds = [shown];
+  for (const target of [canvas, mirror])
+    views.use(renderer, camera, target, fakeView).clouds = new Map([[shown, {} as CloudInstance]]);
   views.use(renderer, camera, {}, fakeView);
   expect(views.latestWith(shown)).toBe(views.use(renderer, camera, mirror, fakeView));
   expect(views.latestWith(hidden)).toBeNull();

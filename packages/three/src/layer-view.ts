@@ -1,4 +1,4 @@
-import type { EmbeddedPicture, EmbeddedView } from '@websplatter/core';
+import type { CloudInstance, EmbeddedPicture, EmbeddedView } from '@websplatter/core';
 import { type Camera, ExternalTexture, FloatType, UnsignedByteType } from 'three/webgpu';
 import type { SplatCloudObject } from './splat-cloud-object.ts';
 
@@ -12,8 +12,8 @@ export class LayerView {
   color: ExternalTexture | null = null;
   /** Its depth; null where it has none. */
   depth: ExternalTexture | null = null;
-  /** What the embedded view was last asked to draw, in its order. */
-  clouds: readonly SplatCloudObject[] = [];
+  /** What the embedded view has drawn last, in its order. */
+  clouds: ReadonlyMap<SplatCloudObject, CloudInstance> = new Map();
   /** Top left of the viewport that the picture belongs to. */
   xPx = 0;
   yPx = 0;
@@ -77,7 +77,7 @@ export class LayerViews {
 
   /** The view that was drawn last of those whose picture has `cloud`. */
   latestWith(cloud: SplatCloudObject): LayerView | null {
-    const views = [...this.#all].filter(({ clouds }) => clouds.includes(cloud));
+    const views = [...this.#all].filter(({ clouds }) => clouds.has(cloud));
     return views.sort((a, b) => b.usedAt - a.usedAt)[0] ?? null;
   }
 

@@ -109,7 +109,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     if (!view) return null;
     const { clouds } = view;
     const pick = await view.embedded.pick(xPx - view.xPx, yPx - view.yPx);
-    return pick && { ...pick, object: clouds[pick.cloudIndex] };
+    return pick && { ...pick, object: [...clouds.keys()][pick.cloudIndex] };
   }
 
   /** Measures the latest picture with `cloud`; null where there is none. */
@@ -176,29 +176,34 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
         for (const cloud of this.#clouds) cloud.requestFrame();
       };
       embedded.onAccuracyChosen = (choice) => {
-        for (const cloud of view.clouds) cloud.announceAccuracy(choice);
+        for (const cloud of view.clouds.keys()) cloud.announceAccuracy(choice);
       };
       embedded.onStatistics = (statistics) => reportStageTimings(renderer, statistics);
       return embedded;
     });
-    const isReady = view.embedded.prepare({
-      camera: engineCamera(camera, pass.depth?.compare === 'greater-equal'),
-      clouds: [...clouds.values()],
-      widthPx: pass.widthPx,
-      heightPx: pass.heightPx,
-      depth: pass.depth,
-      hasOccluders: pass.hasOccluders,
-      writesDepth: [...clouds.keys()].some(({ writesDepth }) => writesDepth),
-      accuracy: accuracyOf(clouds.keys()),
-    });
-    if (!isReady) return;
-    view.clouds = [...clouds.keys()];
+    const isReady = (drawn: Clouds) =>
+      view.embedded.prepare({
+        camera: engineCamera(camera, pass.depth?.compare === 'greater-equal'),
+        clouds: [...drawn.values()],
+        widthPx: pass.widthPx,
+        heightPx: pass.heightPx,
+        depth: pass.depth,
+        hasOccluders: pass.hasOccluders,
+        writesDepth: [...drawn.keys()].some(({ writesDepth }) => writesDepth),
+        accuracy: accuracyOf(drawn.keys()),
+      });
+    const wasThere = ([object, { cloud }]: [SplatCloudObject, CloudInstance]) =>
+      view.clouds.get(object)?.cloud === cloud;
+    // What was there stays, while shaders for what has come to it are being compiled.
+    const drawn = [clouds, new Map([...clouds].filter(wasThere))].find(isReady);
+    if (!drawn) return;
+    view.clouds = drawn;
     pass.interrupt((encoder, host) => {
       view.show(view.embedded.draw(encoder, host), pass.xPx, pass.yPx);
     });
     this.#shown = view;
     this.material.show(view.color!, view.xPx, view.yPx);
-    for (const cloud of view.clouds) cloud.announceDrawn(nowMs);
+    for (const cloud of drawn.keys()) cloud.announceDrawn(nowMs);
   }
 
   #showDepth(): void {
@@ -224,6 +229,9 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   }
 }
 
+/** Objects, and what stands for them on the GPU. */
+type Clouds = LayerView['clouds'];
+
 /** Whether `object` and all that it is in are visible. */
 function isShown(object: Object3D): boolean {
   for (let at: Object3D | null = object; at; at = at.parent) if (!at.visible) return false;
@@ -236,7 +244,7 @@ function instancesFor(
   engine: SplatEngine,
   camera: Camera,
   effectsOf: (object: SplatCloudObject) => CloudInstance['effects'],
-): Map<SplatCloudObject, CloudInstance> {
+): Clouds {
   const found = new Map<SplatCloudObject, CloudInstance>();
   for (const object of objects) {
     if (!object.layers.test(camera.layers)) continue;
@@ -272,15 +280,9 @@ function accuracyOf(clouds: Iterable<SplatCloudObject>): AccuracyRequest | undef
 /** three's camera as three has prepared it for this render: matrices, clip depth from 0 to 1. */
 function engineCamera(camera: Camera, isReversed: boolean): EngineCamera {
   const projection = camera.projectionMatrix.elements;
-  const { near, far } = { ...depthRange(projection, isReversed), ...definedRange(camera) };
+  const inMatrix = depthRange(projection, isReversed);
+  const { near = inMatrix.near, far = inMatrix.far }: Camera & { near?: number; far?: number } = camera;
   return cameraFromMatrices(camera.matrixWorldInverse.elements, projection, { near, far });
-}
-
-function definedRange({ near, far }: Camera & { near?: number; far?: number }): {
-  near?: number;
-  far?: number;
-} {
-  return near === undefined || far === undefined ? {} : { near, far };
 }
 
 /** Near and far of a camera that has only a matrix: where its clip depth is 0 and 1. */
