@@ -1,4 +1,4 @@
-import { clip } from '@websplatter/core/effects';
+import { clip, fog } from '@websplatter/core/effects';
 import { Box3, Color, Fog, FogExp2, Plane, Sphere, Vector3 } from 'three/webgpu';
 import { expect, test } from 'vitest';
 import { clipVolumeOf, encodedColor, fogOptionsOf } from './effect-options.ts';
@@ -33,3 +33,10 @@ test('fog is that of the scene', () => {
   expect(fogOptionsOf(new Fog('white', 2, 5))).toEqual({ color: [1, 1, 1], near: 2, far: 5 });
   expect(fogOptionsOf(new FogExp2('black', 0.1))).toEqual({ color: [0, 0, 0], density: 0.1 });
 });
+
+test.each([new Fog('white', 5, 5), new Fog('white', 5, 2)])(
+  'fog is not refused where three takes it: %o',
+  (ofScene) => {
+    expect(() => fog(fogOptionsOf(ofScene))).not.toThrow();
+  },
+);

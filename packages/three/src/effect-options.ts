@@ -43,5 +43,7 @@ export function clipVolumeOf(
 /** Fog of a scene, as `fog` takes it. */
 export function fogOptionsOf(fog: Fog | FogExp2): FogOptions {
   const color = encodedColor(fog.color);
-  return 'density' in fog ? { color, density: fog.density } : { color, near: fog.near, far: fog.far };
+  if ('density' in fog) return { color, density: fog.density };
+  // three takes any numbers; where the end is not behind the beginning, fog stands there like a wall.
+  return { color, near: fog.near, far: Math.max(fog.far, fog.near + 1e-6) };
 }
