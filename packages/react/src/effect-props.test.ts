@@ -57,6 +57,8 @@ it('leaves a reveal over a time to the object', () => {
   expect(revealAnimationOf({ reveal })).toBe(reveal);
   expect(revealAnimationOf({ reveal: { from: 'camera', radius: 1 } })).toBeNull();
   expect(revealAnimationOf({})).toBeNull();
+  const endless = { from: 'camera', durationMs: Number.POSITIVE_INFINITY } as const;
+  expect(() => revealAnimationOf({ reveal: endless })).toThrow(InvalidArgumentError);
 });
 
 it('knows equal props, however often they are written out', () => {

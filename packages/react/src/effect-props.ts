@@ -11,7 +11,7 @@ import {
   reveal,
   tint,
 } from '@websplatter/core/effects';
-import { clipVolumeOf, encodedColor, type RevealAnimation } from '@websplatter/three';
+import { checkedReveal, clipVolumeOf, encodedColor, type RevealAnimation } from '@websplatter/three';
 import { Box3, type ColorRepresentation, Plane, Sphere } from 'three';
 
 /** A prop for each effect. What is not asked for is in no shader and costs nothing. */
@@ -53,9 +53,13 @@ export function usesOfProps(props: EffectProps): EffectUse[] {
   return [...uses, ...(props.effects ?? [])];
 }
 
-/** The animation that these props ask for, or null. */
+/**
+ * The animation that these props ask for, or null.
+ *
+ * @throws InvalidArgumentError for options that mean nothing.
+ */
 export function revealAnimationOf({ reveal: options }: EffectProps): RevealAnimation | null {
-  return options && isAnimation(options) ? options : null;
+  return options && isAnimation(options) ? checkedReveal(options) : null;
 }
 
 /** Whether both do the same. */

@@ -1,5 +1,5 @@
 import { createRoot, extend } from '@react-three/fiber';
-import type { SplatEngine } from '@websplatter/core';
+import { InvalidArgumentError, type SplatEngine } from '@websplatter/core';
 import { SplatData, SplatsPrecisionError, splatEngineOf } from '@websplatter/three';
 import { act, Component, createElement, type ReactNode, StrictMode, Suspense } from 'react';
 import { Group, type Object3D } from 'three';
@@ -61,7 +61,9 @@ vi.mock('@websplatter/three', async () => {
     };
   };
   const splatEngineOf = vi.fn();
+  const { checkedReveal } = await vi.importActual<typeof import('@websplatter/three')>('@websplatter/three');
   return {
+    checkedReveal,
     onDeviceLost,
     SplatCloudObject,
     SplatData,
@@ -204,6 +206,22 @@ it('sets effects where they have changed, and not because they were written out 
   expect(object()).toMatchObject({ effects: [{ options: 3 }], reveal: { durationMs: 200 } });
   await show(splats({ src: 'a.ply' }));
   expect(object()).toMatchObject({ effects: [], reveal: null });
+});
+
+it.each<Partial<SplatsProps>>([
+  { brightness: -1 },
+  { reveal: { from: 'camera', radius: -1 } },
+  { reveal: { from: 'camera', durationMs: 0 } },
+])('hands effects that mean nothing to the error boundary: %o', async (props) => {
+  const src = splatData('a');
+  await show(splats({ src, ...props }));
+  expect(caught).toBeInstanceOf(InvalidArgumentError);
+  attempt++;
+  caught = undefined;
+  await show(splats({ src }));
+  expect(object()).toMatchObject({ data: src });
+  await show(splats({ src, ...props }));
+  expect(caught).toBeInstanceOf(InvalidArgumentError);
 });
 
 it('aborts the load when it is unmounted meanwhile', async () => {

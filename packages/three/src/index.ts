@@ -12,7 +12,7 @@ export {
   SplatsUnsupportedRendererError,
   ThreeInternalsError,
 } from './errors.ts';
-export type { RevealAnimation } from './reveal-animation.ts';
+export { checkedReveal, type RevealAnimation } from './reveal-animation.ts';
 export { type SplatCloudEventMap, SplatCloudObject, type SplatHit } from './splat-cloud-object.ts';
 export { SplatData } from './splat-data.ts';
 export { SplatLoader } from './splat-loader.ts';

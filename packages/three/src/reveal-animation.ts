@@ -13,6 +13,19 @@ export interface RevealAnimation extends Omit<RevealOptions, 'radius' | 'softEdg
 /** Width of the band that fades in, as a part of the radius, where the caller names none. */
 const SOFT_PART = 0.3;
 
+/**
+ * The same animation, for who sets it later than it is given.
+ *
+ * @throws InvalidArgumentError for what is no place, width or time.
+ */
+export function checkedReveal(animation: RevealAnimation): RevealAnimation {
+  const { durationMs, ...options } = animation;
+  reveal({ ...options, radius: 0 });
+  if (durationMs > 0 && durationMs < Number.POSITIVE_INFINITY) return animation;
+  const message = `durationMs is ${durationMs}; it is how long a cloud takes to appear: milliseconds, finite and above 0.`;
+  throw new InvalidArgumentError('durationMs', message);
+}
+
 /** A cloud that appears, from the first picture that it is in. */
 export class Revealing {
   readonly animation: RevealAnimation;
@@ -20,13 +33,7 @@ export class Revealing {
 
   /** @throws InvalidArgumentError for what is no place, width or time. */
   constructor(animation: RevealAnimation) {
-    const { durationMs, ...options } = animation;
-    reveal({ ...options, radius: 0 });
-    if (!(durationMs > 0 && durationMs < Number.POSITIVE_INFINITY)) {
-      const message = `durationMs is ${durationMs}; it is the time that a cloud takes to appear: milliseconds, finite and above 0.`;
-      throw new InvalidArgumentError('durationMs', message);
-    }
-    this.animation = animation;
+    this.animation = checkedReveal(animation);
   }
 
   /** The cloud has been drawn. */
@@ -49,8 +56,7 @@ export class Revealing {
     if (this.isOver(nowMs)) return reveal({ from, radius: Number.POSITIVE_INFINITY });
     const start =
       from === 'camera' ? new Vector3().setFromMatrixPosition(camera.matrixWorld) : new Vector3(...from);
-    const [toMin, toMax] = [start.clone().sub(bounds.min), bounds.max.clone().sub(start)];
-    const farthest = toMin.max(toMax).length();
+    const farthest = bounds.max.clone().sub(start).max(start.sub(bounds.min)).length();
     const end = softEdge === undefined ? farthest / (1 - SOFT_PART) : farthest + softEdge;
     const radius = end * this.#progressAt(nowMs) ** 3;
     return reveal({ from, radius, softEdge: softEdge ?? SOFT_PART * radius, grow });
