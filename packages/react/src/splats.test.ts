@@ -32,6 +32,7 @@ vi.mock('@websplatter/three', async () => {
     data: SplatData | null = null;
     opacity = 1;
     accuracy: unknown = null;
+    fog = true;
     effects: readonly unknown[] = [];
     reveal: unknown = null;
     onError: ((error: unknown) => void) | null = null;
@@ -206,6 +207,22 @@ it('sets effects where they have changed, and not because they were written out 
   expect(object()).toMatchObject({ effects: [{ options: 3 }], reveal: { durationMs: 200 } });
   await show(splats({ src: 'a.ply' }));
   expect(object()).toMatchObject({ effects: [], reveal: null });
+});
+
+it('sets back what becomes undefined, as it does what is left out', async () => {
+  const src = splatData('a');
+  const onClick = () => {};
+  for (const unset of [{}, { opacity: undefined, fog: undefined, position: undefined, onClick: undefined }]) {
+    await show(splats({ src, opacity: 0.5, fog: false, position: [1, 2, 3], onClick }));
+    expect(object()).toMatchObject({
+      opacity: 0.5,
+      fog: false,
+      position: { x: 1 },
+      __r3f: { eventCount: 1 },
+    });
+    await show(splats({ src, ...unset }));
+    expect(object()).toMatchObject({ opacity: 1, fog: true, position: { x: 0 }, __r3f: { eventCount: 0 } });
+  }
 });
 
 it.each<Partial<SplatsProps>>([

@@ -181,6 +181,9 @@ function Cloud({
   // Thrown for the reason given in useSplats.
   if (load?.status === 'pending' && splats === null) throw load.settled;
 
+  // react-three-fiber passes over props that are undefined, and sets back those that are not there any more.
+  for (const [name, value] of Object.entries(objectProps))
+    if (value === undefined) delete objectProps[name as keyof typeof objectProps];
   return (
     <CloudElement
       {...objectProps}
