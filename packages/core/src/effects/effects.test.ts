@@ -13,6 +13,7 @@ import { reflectWgsl } from '../testing/wgsl-reflect.ts';
 import { defineEffect, type SplatEffect } from './effect.ts';
 import { type EffectSet, effectSetOf } from './effect-set.ts';
 import { CLOUD_EFFECTS, reachOf, usesOf } from './effects.ts';
+import { opacity } from './opacity.ts';
 
 const CULL: CullSplatsVariant = {
   isOrthographic: false,
@@ -139,6 +140,9 @@ describe('effects', () => {
   test('that change nothing are left out', () => {
     expect(usesOf({ opacity: 1, effects: [sway({ by: 0 })] })).toEqual([]);
     expect(effectSetOf(usesOf({}))).toBe(effectSetOf(usesOf({ opacity: 1 })));
+    const half = opacity(0.5);
+    expect(usesOf({ opacity: 1, effects: [half] })).toEqual([half]);
+    expect(() => usesOf({ opacity: 0.5, effects: [half] })).toThrow(/opacity is used twice/);
   });
 
   test('take splats no further than all of them together', () => {

@@ -37,7 +37,9 @@ interface EffectSource extends Pick<CloudInstance, 'opacity' | 'effects'> {
  */
 export function usesOf(source: EffectSource): readonly EffectUse[] {
   const uses = [...(source.effects ?? [])];
-  if (source.opacity !== undefined) uses.push(opacity(source.opacity));
+  const { opacity: factor = 1 } = source;
+  // Objects of hosts always have one: where it changes nothing, the effect may be among theirs.
+  if (factor !== 1) uses.push(opacity(factor));
   if (source.cloud?.facts.isAntialiased && !uses.some(({ effect }) => effect === antialias.effect))
     uses.push(antialias());
   const names = uses.map(({ effect }) => effect.name);
