@@ -38,6 +38,19 @@ test('from the camera goes as far as the camera is from the farthest corner, wit
   expect(last.radius - last.softEdge!).toBeCloseTo(Math.hypot(3, 3, 11), 6);
 });
 
+test.each<RevealAnimation>([
+  { from: 'camera', durationMs: 100 },
+  { from: [0, 0, 0], durationMs: 100, softEdge: 1 },
+])('of a cloud without splats goes nowhere, and ends: %o', (animation) => {
+  const revealing = new Revealing(animation);
+  revealing.begin(0);
+  for (const nowMs of [0, 50]) {
+    const { options } = revealing.useAt(nowMs, new Box3(), camera);
+    expect((options as RevealOptions).radius).toBeLessThanOrEqual(1);
+  }
+  expect(revealing.isOver(100)).toBe(true);
+});
+
 test.each<[string, Partial<RevealAnimation>]>([
   ['durationMs', { durationMs: 0 }],
   ['durationMs', { durationMs: Number.POSITIVE_INFINITY }],

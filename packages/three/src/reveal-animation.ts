@@ -56,7 +56,8 @@ export class Revealing {
     if (this.isOver(nowMs)) return reveal({ from, radius: Number.POSITIVE_INFINITY });
     const start =
       from === 'camera' ? new Vector3().setFromMatrixPosition(camera.matrixWorld) : new Vector3(...from);
-    const farthest = bounds.max.clone().sub(start).max(start.sub(bounds.min)).length();
+    // Of a cloud without splats the bounds are infinite, and inside out.
+    const farthest = new Vector3().max(bounds.max.clone().sub(start)).max(start.sub(bounds.min)).length();
     const end = softEdge === undefined ? farthest / (1 - SOFT_PART) : farthest + softEdge;
     const radius = end * this.#progressAt(nowMs) ** 3;
     return reveal({ from, radius, softEdge: softEdge ?? SOFT_PART * radius, grow });
