@@ -5,7 +5,14 @@ import { effectSetOf } from './effects/effect-set.ts';
 import { usesOf } from './effects/effects.ts';
 import { type EffectEntry, effectsLedger } from './effects/ledger.ts';
 import { InvalidArgumentError } from './errors.ts';
-import { frameStages, recordCompute, recordKeepColors, recordRasterize, recordUpscale } from './frame.ts';
+import {
+  frameStages,
+  keepingStages,
+  recordCompute,
+  recordKeepColors,
+  recordRasterize,
+  recordUpscale,
+} from './frame.ts';
 import { effectsStride, type FramePage, FrameResources } from './frame-resources.ts';
 import {
   type FrameShape,
@@ -121,11 +128,16 @@ export class BlendedLayer {
   }
 
   /** What a frame asks for; see `stopgapFor` where its shaders are not compiled yet. */
-  planFor(frame: ViewFrame, accuracy: AccuracySettings, depth: RasterizeDepth | null = null): FramePlan {
+  planFor(
+    frame: ViewFrame,
+    keys: FrameKeys,
+    accuracy: AccuracySettings,
+    depth: RasterizeDepth | null = null,
+  ): FramePlan {
     const { dispatchRow } = this.#context;
     const request = { accuracy, dispatchRow, depth };
     const shape = shapeOf(frame, request, this.omittedEffects, this.#frame?.shape);
-    return { frame, keys: keysOf(frame, accuracy), shape: this.#keepingColors(frame, shape) };
+    return { frame, keys, shape: this.#keepingColors(frame, shape) };
   }
 
   /**
@@ -153,13 +165,14 @@ export class BlendedLayer {
       );
       return { ...instance, shDegree, opacity, effects: before };
     });
-    const stopgap = this.planFor({ ...frame, clouds }, last.shape.accuracy, depth);
+    const { accuracy } = last.shape;
+    const asBefore = { ...frame, clouds };
+    const stopgap = this.planFor(asBefore, keysOf(asBefore, accuracy), accuracy, depth);
     return this.#context.pipelines.areReady(frameStages(stopgap.shape)) ? stopgap : null;
   }
 
-  /** Whether the splats of the last picture are those of this frame. */
-  isPrepared(frame: ViewFrame, accuracy: AccuracySettings, depth: RasterizeDepth | null = null): boolean {
-    const keys = keysOf(frame, accuracy);
+  /** Whether the splats of the last picture are those of a frame with these keys. */
+  isPrepared(keys: FrameKeys, depth: RasterizeDepth | null = null): boolean {
     const last = this.#prepared;
     return (
       last?.keys.order === keys.order &&
@@ -270,13 +283,15 @@ export class BlendedLayer {
     const { pipelines } = this.#context;
     const keeping = (keepsColors: readonly boolean[]) => ({ ...shape, keepsColors });
     const wanted = keeping(this.#colors.wants(frame, shape));
-    const stages = frameStages(wanted);
-    const isPlain = !wanted.keepsColors.includes(true);
-    if (!isPlain && (pipelines.areReady(stages) || !pipelines.areReady(frameStages(shape)))) return wanted;
+    if (wanted.keepsColors.includes(true)) {
+      const isReady = pipelines.areReady(keepingStages(wanted));
+      if (isReady || !pipelines.areReady(frameStages(shape))) return wanted;
+    }
     // What moves at all may come to turn in place.
     if (this.#prepared && !frame.force) {
       const possible = frame.clouds.map((instance, i) => canKeep(instance, shape, i));
-      if (possible.includes(true)) pipelines.prepare(frameStages(keeping(possible))).catch(() => {});
+      const stages = keepingStages(keeping(possible));
+      if (!pipelines.areReady(stages)) pipelines.prepare(stages).catch(() => {});
     }
     return shape;
   }

@@ -9,7 +9,7 @@ import { HostViewport } from './layout/structs.ts';
 import type { AccuracyChoice } from './measure/choose-accuracy.ts';
 import type { SplatPick } from './pick.ts';
 import type { DepthConvention } from './scene/depth-convention.ts';
-import { checkFrame, type ViewFrame } from './scene/view-frame.ts';
+import { checkFrame, keysOf, type ViewFrame } from './scene/view-frame.ts';
 import { COMPOSED_COLOR_FORMAT, COMPOSED_DEPTH_FORMAT, compose, composeState } from './stages/compose.ts';
 import { type RasterizeDepth, TESTED_DEPTH_FORMAT } from './stages/rasterize.ts';
 import { resolveDepth, resolveDepthState } from './stages/resolve-depth.ts';
@@ -124,12 +124,13 @@ export class EmbeddedView {
     const accuracy = this.#accuracy.settingsFor(frame);
     const layer = this.#layer;
     layer.timer.begin();
-    if (!layer.isPrepared(frame, accuracy, depth)) {
-      const plan = layer.planFor(frame, accuracy, depth);
+    const keys = keysOf(frame, accuracy);
+    if (!layer.isPrepared(keys, depth)) {
+      const plan = layer.planFor(frame, keys, accuracy, depth);
       const drawable = this.#isCompiled(plan.shape) ? plan : layer.stopgapFor(plan, depths);
       if (!drawable) return false;
-      const { frame: drawn, shape } = drawable;
-      if (drawable === plan || !layer.isPrepared(drawn, shape.accuracy, shape.depth)) this.#compute(drawable);
+      if (drawable === plan || !layer.isPrepared(drawable.keys, drawable.shape.depth))
+        this.#compute(drawable);
       if (drawable === plan && frame.depth && !depth) this.#expectOccluders(plan.shape, depths[1]!);
     }
     this.#accuracy.show(frame);

@@ -38,6 +38,14 @@ export function frameStages(shape: FrameShape): CompiledStage[] {
   ];
 }
 
+/** Those of them that keep the colours of clouds: none where none are kept. */
+export function keepingStages(shape: FrameShape): CompiledStage[] {
+  const projecting = shape.clouds.flatMap((_, cloudIndex) =>
+    shape.keepsColors[cloudIndex] ? [projectStage(shape, cloudIndex)] : [],
+  );
+  return projecting.length > 0 ? [...projecting, keepColorsStage(shape)] : [];
+}
+
 /**
  * Pre-process and sort: afterwards the visible splats are known, and their order.
  *

@@ -10,7 +10,7 @@ import { CompositeParameters } from './layout/structs.ts';
 import type { Vec3 } from './math/mat4.ts';
 import type { AccuracyChoice } from './measure/choose-accuracy.ts';
 import type { SplatPick } from './pick.ts';
-import { checkFrame, type ViewFrame } from './scene/view-frame.ts';
+import { checkFrame, keysOf, type ViewFrame } from './scene/view-frame.ts';
 import { composite, compositeState } from './stages/composite.ts';
 import type { FrameStatistics } from './timing/frame-statistics.ts';
 import { ViewAccuracy } from './view-accuracy.ts';
@@ -87,7 +87,8 @@ export class SplatView {
     checkFrame(frame, this.#context.device);
     if (frame.widthPx === 0 || frame.heightPx === 0) return false;
     const settings = this.#accuracy.settingsFor(frame);
-    if (!frame.force && !this.#waiting && this.#layer.isPrepared(frame, settings)) {
+    const keys = keysOf(frame, settings);
+    if (!frame.force && !this.#waiting && this.#layer.isPrepared(keys)) {
       const { background = BLACK } = frame;
       const isSame = background.every((value, i) => value === this.#shownBackground[i]);
       if (!isSame) this.#show(frame);
@@ -95,11 +96,11 @@ export class SplatView {
       this.#accuracy.show(frame);
       return !isSame;
     }
-    const plan = this.#layer.planFor(frame, settings);
+    const plan = this.#layer.planFor(frame, keys, settings);
     const isReady = this.#context.pipelines.areReady(this.#stagesFor(plan.shape));
     const stopgap = isReady ? null : this.#layer.stopgapFor(plan);
     if (isReady) this.#draw(plan);
-    else if (stopgap && !this.#layer.isPrepared(stopgap.frame, stopgap.shape.accuracy)) this.#draw(stopgap);
+    else if (stopgap && !this.#layer.isPrepared(stopgap.keys)) this.#draw(stopgap);
     if (isReady) {
       this.#waiting = null;
       this.#whenDrawn = Promise.resolve();
@@ -205,7 +206,7 @@ export class SplatView {
       while (this.#waiting === waiting && this.#canStillDraw(waiting.frame)) {
         const { frame } = waiting;
         const settings = this.#accuracy.settingsFor(frame);
-        const plan = this.#layer.planFor(frame, settings);
+        const plan = this.#layer.planFor(frame, keysOf(frame, settings), settings);
         const stages = this.#stagesFor(plan.shape);
         if (this.#context.pipelines.areReady(stages)) {
           this.#waiting = null;
