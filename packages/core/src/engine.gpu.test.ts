@@ -3,22 +3,22 @@ import { fileURLToPath } from 'node:url';
 import { createNodeGpu } from '@websplatter/node';
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import type { Accuracy, AccuracyPreset } from './accuracy.ts';
-import { type Camera, cameraFromMatrices, perspectiveCamera } from './camera.ts';
+import type { Accuracy, AccuracyPreset } from './accuracy/accuracy.ts';
+import { type Camera, cameraFromMatrices, perspectiveCamera } from './camera/camera.ts';
+import { SplatCloud } from './clouds/splat-cloud.ts';
 import { SplatEngine } from './engine.ts';
 import { DestroyedError, GpuLimitError, InvalidArgumentError } from './errors.ts';
+import type { ViewFrame } from './frame/frame-request.ts';
 import { GpuMemory } from './gpu/gpu-memory.ts';
 import { readSplats } from './io/read-splats.ts';
 import { type Mat4, translated4 } from './math/mat4.ts';
+import { packCloud } from './packing/packed-cloud.ts';
 import { compareImages, renderReference } from './reference/index.ts';
-import { packCloud } from './scene/packed-cloud.ts';
-import { SplatCloud } from './scene/splat-cloud.ts';
-import type { ShDegree, SplatSet } from './scene/splat-set.ts';
-import type { ViewFrame } from './scene/view-frame.ts';
+import type { ShDegree, SplatSet } from './splats/splat-set.ts';
 import { randomSplats, splatsOf } from './testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from './testing/test-cameras.ts';
 import type { FrameStatistics } from './timing/frame-statistics.ts';
-import type { SplatView } from './view.ts';
+import type { SplatView } from './views/splat-view.ts';
 
 /** What each preset must reach against the float64 reference, dB on the target's own values. */
 const MIN_PSNR_DB = { reference: 60, high: 50, balanced: 45 } satisfies Partial<

@@ -1,28 +1,33 @@
-import { type Accuracy, type AccuracySettings, DEFAULT_ACCURACY, internAccuracy } from './accuracy.ts';
-import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy-wish.ts';
-import { AccuracyWishes } from './accuracy-wishes.ts';
-import type { ViewContext } from './blended-layer.ts';
-import { adapterLabel, type DeviceOptions, requestSplatDevice } from './device.ts';
-import type { EffectEntry } from './effects/ledger.ts';
-import { EmbeddedView } from './embedded-view.ts';
+import {
+  type Accuracy,
+  type AccuracySettings,
+  DEFAULT_ACCURACY,
+  internAccuracy,
+} from './accuracy/accuracy.ts';
+import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy/accuracy-wish.ts';
+import type { CloudPrecision } from './clouds/cloud-planes.ts';
+import { type PrecisionRequestOptions, PrecisionRequests } from './clouds/precision-requests.ts';
+import { type CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
 import { DestroyedError } from './errors.ts';
-import { frameStages } from './frame.ts';
-import type { FrameShape } from './frame-shape.ts';
+import { frameStages } from './frame/frame.ts';
+import type { FrameShape } from './frame/frame-shape.ts';
+import { adapterLabel, type DeviceOptions, requestSplatDevice } from './gpu/device.ts';
 import { type EngineCounters, zeroCounters } from './gpu/engine-counters.ts';
 import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
 import { Pipelines } from './gpu/pipelines.ts';
 import { lastingSource, loadSplats } from './io/load-splats.ts';
 import { sourceName } from './io/open-source.ts';
 import type { ReadOptions, SplatSource } from './io/splat-source.ts';
+import type { EffectEntry } from './ledger/ledger.ts';
 import type { AccuracyChoice } from './measure/choose-accuracy.ts';
-import { type PrecisionRequestOptions, PrecisionRequests } from './precision-requests.ts';
-import type { CloudPrecision } from './scene/cloud-planes.ts';
-import { packSet } from './scene/pack-set.ts';
-import type { PackedCloud } from './scene/packed-cloud.ts';
-import { type CloudSource, SplatCloud } from './scene/splat-cloud.ts';
-import type { SplatSet } from './scene/splat-set.ts';
-import type { ShaderMutation } from './shaders.ts';
-import { SplatView } from './view.ts';
+import { packSet } from './packing/pack-set.ts';
+import type { PackedCloud } from './packing/packed-cloud.ts';
+import type { ShaderMutation } from './shaders/link-shader.ts';
+import type { SplatSet } from './splats/splat-set.ts';
+import { AccuracyWishes } from './views/accuracy-wishes.ts';
+import type { ViewContext } from './views/blended-layer.ts';
+import { EmbeddedView } from './views/embedded-view.ts';
+import { SplatView } from './views/splat-view.ts';
 
 export interface EngineOptions extends DeviceOptions {
   /** A device to work on; by default one is made, with all that its adapter offers. */

@@ -13,9 +13,9 @@ export {
   type RecordPrecision,
   resolveAccuracy,
   type SortKeyBits,
-} from './accuracy.ts';
-export { type AccuracyRequest, type AccuracyWish, isAccuracyWish } from './accuracy-wish.ts';
-export type { ChooseAccuracyOptions } from './accuracy-wishes.ts';
+} from './accuracy/accuracy.ts';
+export { type AccuracyRequest, type AccuracyWish, isAccuracyWish } from './accuracy/accuracy-wish.ts';
+export { mostExact, pictureAccuracy } from './accuracy/combine-accuracies.ts';
 export {
   type Camera,
   cameraFromMatrices,
@@ -23,12 +23,16 @@ export {
   type LookAtOptions,
   orthographicCamera,
   perspectiveCamera,
-} from './camera.ts';
-export { adapterLabel, type DeviceOptions, isSoftwareAdapter, requestSplatDevice } from './device.ts';
-export type { EffectEntry } from './effects/ledger.ts';
-export type { EmbeddedFrame, EmbeddedPicture, EmbeddedView, HostPass } from './embedded-view.ts';
+} from './camera/camera.ts';
+export type { DepthConvention } from './camera/depth-convention.ts';
+export type { CloudPage, CloudPages, CloudPrecision, HeldPrecisions } from './clouds/cloud-planes.ts';
+export type { PrecisionRequestOptions } from './clouds/precision-requests.ts';
+export { type CloudHit, raycastCloud } from './clouds/raycast-cloud.ts';
+export type { CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
 export { type EngineOptions, type PossibleAccuracy, type PrecisionProblem, SplatEngine } from './engine.ts';
 export * from './errors.ts';
+export type { CloudInstance, ViewFrame } from './frame/frame-request.ts';
+export { adapterLabel, type DeviceOptions, isSoftwareAdapter, requestSplatDevice } from './gpu/device.ts';
 export type { EngineCounters } from './gpu/engine-counters.ts';
 export type { GpuMemoryReport } from './gpu/gpu-memory.ts';
 export type { TextureImage } from './gpu/read-texture.ts';
@@ -36,7 +40,19 @@ export { type LoadSplatsOptions, lastingSource, loadSplats } from './io/load-spl
 export { readSplats } from './io/read-splats.ts';
 export type { LoadProgress, ReadOptions, SplatSource } from './io/splat-source.ts';
 export { encodePly } from './io/write-ply.ts';
-export { GEOMETRY_WORDS } from './layout/geometry.ts';
+export type { EffectEntry } from './ledger/ledger.ts';
+export type { Vec3 } from './math/mat4.ts';
+export type { AccuracyChoice } from './measure/choose-accuracy.ts';
+export type { MeasureProgress } from './measure/measure-accuracy.ts';
+export { type CloudFacts, cloudFacts } from './packing/cloud-facts.ts';
+export { GEOMETRY_WORDS } from './packing/geometry.ts';
+export {
+  type Bounds,
+  type PackedCloud,
+  type PackOptions,
+  packCloud,
+  transferablesOf,
+} from './packing/packed-cloud.ts';
 export {
   packShRest,
   repackShRest,
@@ -44,37 +60,21 @@ export {
   type ShRest,
   shRestWordsPerSplat,
   unpackShRest,
-} from './layout/sh-rest.ts';
-export type { Vec3 } from './math/mat4.ts';
-export type { AccuracyChoice } from './measure/choose-accuracy.ts';
-export type { MeasureProgress } from './measure/measure-accuracy.ts';
-export type { SplatPick } from './pick.ts';
-export { mostExact, pictureAccuracy } from './picture-accuracy.ts';
-export type { PrecisionRequestOptions } from './precision-requests.ts';
-export { type CloudFacts, cloudFacts } from './scene/cloud-facts.ts';
-export type { CloudPage, CloudPages, CloudPrecision, HeldPrecisions } from './scene/cloud-planes.ts';
-export type { DepthConvention } from './scene/depth-convention.ts';
-export {
-  type Bounds,
-  type PackedCloud,
-  type PackOptions,
-  packCloud,
-  transferablesOf,
-} from './scene/packed-cloud.ts';
-export { type CloudHit, raycastCloud } from './scene/raycast-cloud.ts';
-export type { CloudSource, SplatCloud } from './scene/splat-cloud.ts';
+} from './packing/sh-rest.ts';
 export {
   type DropCounts,
   type DropReason,
   SH_REST_COEFFICIENTS,
   type ShDegree,
   type SplatSet,
-} from './scene/splat-set.ts';
-export type { CloudInstance, ViewFrame } from './scene/view-frame.ts';
+} from './splats/splat-set.ts';
 export {
   type FrameStatistics,
   isPlausible,
   type StageTimings,
   wallClockTimings,
 } from './timing/frame-statistics.ts';
-export type { SplatView } from './view.ts';
+export type { ChooseAccuracyOptions } from './views/accuracy-wishes.ts';
+export type { EmbeddedFrame, EmbeddedPicture, EmbeddedView, HostPass } from './views/embedded-view.ts';
+export type { SplatPick } from './views/pick-splat.ts';
+export type { SplatView } from './views/splat-view.ts';

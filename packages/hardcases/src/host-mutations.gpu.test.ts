@@ -21,13 +21,13 @@ const toFloat32 = (values: unknown) => Float64Array.from(Float32Array.from(value
 const HOST_MUTATIONS: readonly HostMutation[] = [
   {
     remedy: 'rows that are not finite are left out at load',
-    module: '../../core/src/scene/splat-row.ts',
+    module: '../../core/src/splats/splat-row.ts',
     replace: () => ({ reasonToDrop: () => undefined }),
     caseName: 'input-nan-x',
   },
   {
     remedy: 'log scales are clamped before they are exponentiated',
-    module: '../../core/src/layout/log-scale.ts',
+    module: '../../core/src/packing/log-scale.ts',
     replace: () => ({ clampLogScale: (logScale: number) => logScale }),
     caseName: 'scale-log-88',
   },
@@ -41,7 +41,7 @@ const HOST_MUTATIONS: readonly HostMutation[] = [
   },
   {
     remedy: 'the zero quaternion is the identity',
-    module: '../../core/src/layout/rotation.ts',
+    module: '../../core/src/packing/rotation.ts',
     replace: () => ({
       normalizedRotation: (rotations: Float32Array, at: number, result: Float64Array) => {
         const length = Math.hypot(...rotations.subarray(at, at + 4));

@@ -1,13 +1,13 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { DILATION_PX2 } from '../accuracy.ts';
+import { DILATION_PX2 } from '../accuracy/accuracy.ts';
 import { SplatEngine } from '../engine.ts';
+import type { CloudInstance } from '../frame/frame-request.ts';
 import { findNonFinite } from '../inspect/find-non-finite.ts';
 import { InspectedFrame } from '../inspect/inspected-frame.ts';
 import { readRecords } from '../inspect/read-records.ts';
 import { cullSplat } from '../reference/cull-splats.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
-import type { CloudInstance } from '../scene/view-frame.ts';
 import { type SplatValues, splatsOf } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import { antialias } from './antialias.ts';

@@ -1,4 +1,4 @@
-import { effectShader } from '../shaders.ts';
+import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
 
 /**

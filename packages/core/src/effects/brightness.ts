@@ -1,5 +1,5 @@
 import { InvalidArgumentError } from '../errors.ts';
-import { effectShader } from '../shaders.ts';
+import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
 
 /** Twenty stops: products of it and any colour stay in float32's range. */

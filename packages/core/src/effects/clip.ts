@@ -1,6 +1,6 @@
 import { InvalidArgumentError } from '../errors.ts';
 import { type Mat4, translated4, type Vec3 } from '../math/mat4.ts';
-import { effectShader } from '../shaders.ts';
+import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
 import { checkLength, checkVector, invalidOption } from './option-checks.ts';
 

@@ -1,7 +1,7 @@
 import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
 import { type GpuFields, type GpuStruct, roundUp } from '../layout/gpu-struct.ts';
 import { numberOf } from '../number-of.ts';
-import type { ShaderModules } from '../shader-linker.ts';
+import type { ShaderModules } from '../shaders/shader-linker.ts';
 import type { EffectHooks, EffectPlace, EffectUse, SplatEffect } from './effect.ts';
 
 /** The effects that one cloud is drawn with, in the order in which they act: one object for equal lists. */

@@ -1,7 +1,7 @@
 import { InvalidArgumentError } from '../errors.ts';
 import { type GpuFields, type GpuStruct, type GpuValues, gpuStruct } from '../layout/gpu-struct.ts';
 import type { Vec3 } from '../math/mat4.ts';
-import type { SplatSelection } from '../scene/splat-selection.ts';
+import type { SplatSelection } from '../splats/splat-selection.ts';
 
 /**
  * Where an effect's shader takes part, by the names of its functions. Each function has the effect's parameters as its last

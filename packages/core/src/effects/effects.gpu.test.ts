@@ -1,14 +1,14 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import type { Camera } from '../camera.ts';
+import type { Camera } from '../camera/camera.ts';
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../engine.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
-import type { SplatCloud } from '../scene/splat-cloud.ts';
 import { EFFECT_EXAMPLES } from '../testing/effect-examples.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { testCameras } from '../testing/test-cameras.ts';
-import type { SplatView } from '../view.ts';
+import type { SplatView } from '../views/splat-view.ts';
 import type { EffectUse } from './effect.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };

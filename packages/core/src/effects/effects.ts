@@ -1,6 +1,6 @@
 import { InvalidArgumentError } from '../errors.ts';
-import type { CloudFacts } from '../scene/cloud-facts.ts';
-import type { CloudInstance } from '../scene/view-frame.ts';
+import type { CloudInstance } from '../frame/frame-request.ts';
+import type { CloudFacts } from '../packing/cloud-facts.ts';
 import { antialias } from './antialias.ts';
 import { brightness } from './brightness.ts';
 import { clip } from './clip.ts';

@@ -1,6 +1,6 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { orthographicCamera } from '../camera.ts';
+import { orthographicCamera } from '../camera/camera.ts';
 import { expectAsTwin } from '../testing/expect-as-twin.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';

@@ -1,5 +1,5 @@
 import type { Vec3 } from '../math/mat4.ts';
-import { effectShader } from '../shaders.ts';
+import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
 import { checkVector, invalidOption, isFiniteF32 } from './option-checks.ts';
 

@@ -3,7 +3,7 @@ import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../engine.ts';
 import type { TwinFunction } from '../reference/effects/twins.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
-import { SplatSelection } from '../scene/splat-selection.ts';
+import { SplatSelection } from '../splats/splat-selection.ts';
 import { expectAsTwin } from '../testing/expect-as-twin.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';

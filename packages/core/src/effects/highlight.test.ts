@@ -1,6 +1,6 @@
 import { describe, expect, test } from 'vitest';
 import { InvalidArgumentError } from '../errors.ts';
-import { SplatSelection } from '../scene/splat-selection.ts';
+import { SplatSelection } from '../splats/splat-selection.ts';
 import { defineEffect } from './effect.ts';
 import { usesOf } from './effects.ts';
 import { highlight } from './highlight.ts';

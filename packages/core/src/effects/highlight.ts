@@ -1,7 +1,7 @@
 import { InvalidArgumentError } from '../errors.ts';
 import type { Vec3 } from '../math/mat4.ts';
-import type { SplatSelection } from '../scene/splat-selection.ts';
-import { effectShader } from '../shaders.ts';
+import { effectShader } from '../shaders/link-shader.ts';
+import type { SplatSelection } from '../splats/splat-selection.ts';
 import { defineEffect } from './effect.ts';
 
 export interface HighlightOptions {

@@ -1,4 +1,4 @@
-export { SplatSelection } from '../scene/splat-selection.ts';
+export { SplatSelection } from '../splats/splat-selection.ts';
 export { antialias } from './antialias.ts';
 export { brightness } from './brightness.ts';
 export {

@@ -1,5 +1,5 @@
 import { InvalidArgumentError } from '../errors.ts';
-import { effectShader } from '../shaders.ts';
+import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
 
 /** Multiplies every splat's opacity by a factor, 0…1. */

@@ -1,6 +1,6 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { cameraFromMatrices } from '../camera.ts';
+import { cameraFromMatrices } from '../camera/camera.ts';
 import { translated4, type Vec3 } from '../math/mat4.ts';
 import { expectAsTwin } from '../testing/expect-as-twin.ts';
 import { randomSplats } from '../testing/random-splats.ts';

@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import { perspectiveCamera } from '../camera.ts';
+import { perspectiveCamera } from '../camera/camera.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import { identity4 } from '../math/mat4.ts';
 import { revealTwin } from '../reference/effects/reveal.ts';

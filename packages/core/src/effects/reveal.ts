@@ -1,5 +1,5 @@
 import { linearPart, multiply4, translated4, type Vec3 } from '../math/mat4.ts';
-import { effectShader } from '../shaders.ts';
+import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
 import { checkLength, checkVector, invalidOption } from './option-checks.ts';
 

@@ -1,5 +1,5 @@
 import { numberOf } from '../number-of.ts';
-import { linkShader, type ShaderMutation, type ShaderVariant } from '../shaders.ts';
+import { linkShader, type ShaderMutation, type ShaderVariant } from '../shaders/link-shader.ts';
 import { type Counting, zeroCounters } from './engine-counters.ts';
 
 /** How a shader sees a resource. */

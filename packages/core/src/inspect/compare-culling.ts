@@ -1,5 +1,5 @@
-import { type AccuracySettings, DILATION_PX2 } from '../accuracy.ts';
-import type { Projection } from '../camera.ts';
+import { type AccuracySettings, DILATION_PX2 } from '../accuracy/accuracy.ts';
+import type { Projection } from '../camera/camera.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { orderedBits } from '../layout/depth-key.ts';
 import { Chunk, PROJECTED_SPLATS } from '../layout/structs.ts';

@@ -1,10 +1,10 @@
-import { DILATION_PX2, MAX_FRAGMENT_ALPHA, maxColor } from '../accuracy.ts';
+import { DILATION_PX2, MAX_FRAGMENT_ALPHA, maxColor } from '../accuracy/accuracy.ts';
 import { HALF_MAX } from '../layout/half.ts';
-import { unpackShRest } from '../layout/sh-rest.ts';
+import { unpackShRest } from '../packing/sh-rest.ts';
 import { screenAxes } from '../reference/covariance.ts';
 import { type CulledSplat, cullSplat, type VisibleSplat } from '../reference/cull-splats.ts';
 import { splatColor } from '../reference/project.ts';
-import { SH_REST_COEFFICIENTS, type ShDegree } from '../scene/splat-set.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree } from '../splats/splat-set.ts';
 import { FLOAT32_ROUNDING, type ProjectionErrors, projectionErrors } from './error-bounds.ts';
 import { FieldErrors } from './field-error.ts';
 import type { InspectedCloud, InspectedFrame } from './inspected-frame.ts';

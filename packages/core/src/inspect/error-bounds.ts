@@ -1,7 +1,7 @@
-import type { Projection } from '../camera.ts';
-import { clampLogScale } from '../layout/log-scale.ts';
-import type { CloudView } from '../scene/cloud-view.ts';
-import type { SplatSet } from '../scene/splat-set.ts';
+import type { Projection } from '../camera/camera.ts';
+import type { CloudView } from '../camera/cloud-view.ts';
+import { clampLogScale } from '../packing/log-scale.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
 
 /** Largest relative error of one float32 rounding. */
 export const FLOAT32_ROUNDING = 2 ** -24;

@@ -1,6 +1,6 @@
+export { splatsPerPage } from '../clouds/cloud-planes.ts';
 export { Pipelines } from '../gpu/pipelines.ts';
-export { splatsPerPage } from '../scene/cloud-planes.ts';
-export type { ShaderMutation } from '../shaders.ts';
+export type { ShaderMutation } from '../shaders/link-shader.ts';
 export { type CullingComparison, type CullingMismatch, compareCulling } from './compare-culling.ts';
 export { compareOrder, orderFlaw } from './compare-order.ts';
 export { compareRecords, RECORD_FIELDS, type RecordField } from './compare-records.ts';

@@ -1,7 +1,7 @@
 import { getEventListeners } from 'node:events';
 import { expect, test } from 'vitest';
+import { chunked } from '../testing/ply-fixture.ts';
 import { ByteReader } from './byte-reader.ts';
-import { chunked } from './ply-fixture.ts';
 
 const numbers = (count: number) => Uint8Array.from({ length: count }, (_, i) => i * 7);
 const readerOf = (bytes: Uint8Array, sizes: number[], signal?: AbortSignal) =>

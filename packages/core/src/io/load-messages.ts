@@ -1,4 +1,4 @@
-import type { GeometryPrecision } from '../accuracy.ts';
+import type { GeometryPrecision } from '../accuracy/accuracy.ts';
 import {
   type FilePlace,
   InvalidArgumentError,
@@ -7,8 +7,8 @@ import {
   SplatSourceError,
   WebSplatterError,
 } from '../errors.ts';
-import type { ShPrecision } from '../layout/sh-rest.ts';
-import type { PackedCloud } from '../scene/packed-cloud.ts';
+import type { PackedCloud } from '../packing/packed-cloud.ts';
+import type { ShPrecision } from '../packing/sh-rest.ts';
 import type { LoadProgress, SplatSource } from './splat-source.ts';
 
 /** What a load is besides its source: all of it can be posted. */

@@ -1,10 +1,10 @@
 import { MessageChannel, type MessagePort } from 'node:worker_threads';
 import { afterEach, describe, expect, test, vi } from 'vitest';
 import { InvalidArgumentError, SplatFileError, SplatSourceError, WebSplatterError } from '../errors.ts';
+import { chunked, plyBytes, splatElement } from '../testing/ply-fixture.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { fromPostedError, type LoadRequest, toPostedError } from './load-messages.ts';
 import { lastingSource, loadSplats } from './load-splats.ts';
-import { chunked, plyBytes, splatElement } from './ply-fixture.ts';
 import { type LoadPort, serveLoad } from './serve-load.ts';
 import type { LoadProgress, SplatSource } from './splat-source.ts';
 import { encodePly } from './write-ply.ts';

@@ -1,6 +1,6 @@
-import type { GeometryPrecision } from '../accuracy.ts';
+import type { GeometryPrecision } from '../accuracy/accuracy.ts';
 import { WebSplatterError } from '../errors.ts';
-import type { PackedCloud } from '../scene/packed-cloud.ts';
+import type { PackedCloud } from '../packing/packed-cloud.ts';
 import { lockedStreamError } from './byte-reader.ts';
 import { fromPostedError, type LoadReply, type LoadRequest, type LoadSettings } from './load-messages.ts';
 import { bytesOf, isBlob, isStream, shortName } from './open-source.ts';

@@ -3,9 +3,9 @@ import type { AddressInfo } from 'node:net';
 import { gzipSync } from 'node:zlib';
 import { afterAll, beforeAll, describe, expect, test } from 'vitest';
 import { InvalidArgumentError, SplatFileError, SplatSourceError } from '../errors.ts';
+import { chunked, plyBytes, splatElement } from '../testing/ply-fixture.ts';
 import { detectFormat } from './detect.ts';
 import { openSource } from './open-source.ts';
-import { chunked, plyBytes, splatElement } from './ply-fixture.ts';
 import { readSplats } from './read-splats.ts';
 import type { LoadProgress, SplatSource } from './splat-source.ts';
 

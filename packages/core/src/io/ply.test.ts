@@ -3,8 +3,8 @@ import { resolve } from 'node:path';
 import fc from 'fast-check';
 import { describe, expect, test, vi } from 'vitest';
 import { SplatFileError, WebSplatterError } from '../errors.ts';
-import { unpackShRest } from '../layout/sh-rest.ts';
-import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../scene/splat-set.ts';
+import { unpackShRest } from '../packing/sh-rest.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 import {
   CORE_NAMES,
   chunked,
@@ -15,7 +15,7 @@ import {
   plyBytes,
   splatElement,
   splatNames,
-} from './ply-fixture.ts';
+} from '../testing/ply-fixture.ts';
 import { readSplats } from './read-splats.ts';
 import { encodePly } from './write-ply.ts';
 

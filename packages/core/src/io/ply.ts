@@ -1,6 +1,6 @@
 import { SplatFileError } from '../errors.ts';
-import { ROW_SLOT } from '../scene/splat-row.ts';
-import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../scene/splat-set.ts';
+import { ROW_SLOT } from '../splats/splat-row.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 import { ByteReader } from './byte-reader.ts';
 import { readAsciiRows } from './ply-ascii.ts';
 import { readBinaryRows } from './ply-binary.ts';

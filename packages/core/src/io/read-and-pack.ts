@@ -1,4 +1,4 @@
-import { type PackedCloud, packCloud } from '../scene/packed-cloud.ts';
+import { type PackedCloud, packCloud } from '../packing/packed-cloud.ts';
 import type { LoadSettings } from './load-messages.ts';
 import { readSource } from './read-source.ts';
 import type { LoadProgress, ReadOptions, SplatSource } from './splat-source.ts';

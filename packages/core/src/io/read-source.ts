@@ -1,4 +1,4 @@
-import type { SplatSet } from '../scene/splat-set.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
 import { detectFormat, SNIFF_BYTES } from './detect.ts';
 import { openSource, peekSource } from './open-source.ts';
 import type { ReadSplatsOptions } from './read-splats.ts';

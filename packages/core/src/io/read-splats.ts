@@ -1,5 +1,5 @@
-import type { ShPrecision } from '../layout/sh-rest.ts';
-import type { SplatSet } from '../scene/splat-set.ts';
+import type { ShPrecision } from '../packing/sh-rest.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
 import type { ReadOptions, SplatSource } from './splat-source.ts';
 
 export interface ReadSplatsOptions extends ReadOptions {

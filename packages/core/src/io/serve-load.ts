@@ -1,4 +1,4 @@
-import { transferablesOf } from '../scene/packed-cloud.ts';
+import { transferablesOf } from '../packing/packed-cloud.ts';
 import { type LoadReply, type LoadRequest, toPostedError } from './load-messages.ts';
 import { readAndPack } from './read-and-pack.ts';
 

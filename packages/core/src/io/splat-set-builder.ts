@@ -5,9 +5,9 @@ import {
   ShReachMeter,
   shRestValues,
   shRestWordsPerSplat,
-} from '../layout/sh-rest.ts';
-import { ROW_SLOT, reasonToDrop } from '../scene/splat-row.ts';
-import type { DropCounts, ShDegree, SplatSet } from '../scene/splat-set.ts';
+} from '../packing/sh-rest.ts';
+import { ROW_SLOT, reasonToDrop } from '../splats/splat-row.ts';
+import type { DropCounts, ShDegree, SplatSet } from '../splats/splat-set.ts';
 
 /** Most splats whose row in the file fits `SplatSet.fileIndices`. */
 export const MAX_SPLATS = 2 ** 32 - 1;

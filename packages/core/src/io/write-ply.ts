@@ -1,5 +1,5 @@
-import { shRestValues, unpackShRest } from '../layout/sh-rest.ts';
-import type { SplatSet } from '../scene/splat-set.ts';
+import { shRestValues, unpackShRest } from '../packing/sh-rest.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
 
 /**
  * The set as a PLY in the standard 3DGS layout: binary little-endian, float32 x y z, f_dc, f_rest (all of red, then

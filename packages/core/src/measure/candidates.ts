@@ -5,7 +5,7 @@ import {
   type AccuracyPreset,
   type AccuracySettings,
   internAccuracy,
-} from '../accuracy.ts';
+} from '../accuracy/accuracy.ts';
 import { InvalidArgumentError } from '../errors.ts';
 
 /** Name of one setting. */

@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import { internAccuracy } from '../accuracy.ts';
+import { internAccuracy } from '../accuracy/accuracy.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import { singleCandidates } from './candidates.ts';
 import { chooseFrom } from './choose-accuracy.ts';

@@ -1,5 +1,5 @@
-import type { AccuracySettings } from '../accuracy.ts';
-import { type AccuracyWish, checkWish } from '../accuracy-wish.ts';
+import type { AccuracySettings } from '../accuracy/accuracy.ts';
+import { type AccuracyWish, checkWish } from '../accuracy/accuracy-wish.ts';
 import type { SplatEngine } from '../engine.ts';
 import {
   type AccuracyPoint,

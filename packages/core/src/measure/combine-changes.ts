@@ -1,4 +1,4 @@
-import type { AccuracySettings } from '../accuracy.ts';
+import type { AccuracySettings } from '../accuracy/accuracy.ts';
 import type { Candidate } from './candidates.ts';
 
 /** What a first look says of a candidate. */

@@ -1,8 +1,8 @@
-import type { AccuracySettings } from '../accuracy.ts';
+import type { AccuracySettings } from '../accuracy/accuracy.ts';
+import type { CloudPrecision } from '../clouds/cloud-planes.ts';
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { SplatEngine } from '../engine.ts';
 import { DestroyedError } from '../errors.ts';
-import type { CloudPrecision } from '../scene/cloud-planes.ts';
-import type { SplatCloud } from '../scene/splat-cloud.ts';
 
 /** What the clouds hold beyond what they held before. */
 export interface HeldPlanes {

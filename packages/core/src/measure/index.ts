@@ -1,9 +1,9 @@
-export type { AccuracyWish } from '../accuracy-wish.ts';
+export type { AccuracyWish } from '../accuracy/accuracy-wish.ts';
 export type { ImageDifference } from '../reference/compare-images.ts';
 export type { SettingName } from './candidates.ts';
 export { type AccuracyChoice, chooseAccuracy, chooseFrom } from './choose-accuracy.ts';
-export { comparePictures } from './compare-pictures.ts';
 export { NonFinitePictureError } from './compare-textures.ts';
+export { comparePictures } from './compare-views.ts';
 export {
   type AccuracyPoint,
   type AccuracyTable,

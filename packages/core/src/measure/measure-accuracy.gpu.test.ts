@@ -2,13 +2,13 @@ import { createNodeGpu } from '@websplatter/node';
 import { gpuTest, watchDevice } from '@websplatter/node/gpu-test';
 import { STILL_LIFE_MIN_SPLATS, stillLife, stillLifeCameras } from '@websplatter/scenes';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import type { AccuracySettings } from '../accuracy.ts';
-import { perspectiveCamera } from '../camera.ts';
+import type { AccuracySettings } from '../accuracy/accuracy.ts';
+import { perspectiveCamera } from '../camera/camera.ts';
 import { SplatEngine } from '../engine.ts';
+import type { CloudInstance } from '../frame/frame-request.ts';
 import { compareImages } from '../reference/compare-images.ts';
-import type { CloudInstance } from '../scene/view-frame.ts';
 import { chooseAccuracy } from './choose-accuracy.ts';
-import { comparePictures } from './compare-pictures.ts';
+import { comparePictures } from './compare-views.ts';
 import { type AccuracyPoint, type MeasureProgress, measureAccuracy } from './measure-accuracy.ts';
 import { sampleCameras } from './sample-cameras.ts';
 

@@ -1,16 +1,21 @@
-import { ACCURACY_SETTINGS, type Accuracy, type AccuracySettings, DEFAULT_ACCURACY } from '../accuracy.ts';
-import type { Camera } from '../camera.ts';
+import {
+  ACCURACY_SETTINGS,
+  type Accuracy,
+  type AccuracySettings,
+  DEFAULT_ACCURACY,
+} from '../accuracy/accuracy.ts';
+import type { Camera } from '../camera/camera.ts';
+import type { CloudPrecision } from '../clouds/cloud-planes.ts';
 import type { SplatEngine } from '../engine.ts';
 import { InvalidArgumentError } from '../errors.ts';
+import type { CloudInstance, ViewFrame } from '../frame/frame-request.ts';
 import type { ImageDifference } from '../reference/compare-images.ts';
-import type { CloudPrecision } from '../scene/cloud-planes.ts';
-import type { CloudInstance, ViewFrame } from '../scene/view-frame.ts';
 import { isPlausible, type StageTimings } from '../timing/frame-statistics.ts';
-import type { SplatView } from '../view.ts';
+import type { SplatView } from '../views/splat-view.ts';
 import { type Candidate, combined, type SettingName, singleCandidates } from './candidates.ts';
 import { combineChanges, type FirstLook, MAX_COMBINATIONS } from './combine-changes.ts';
-import { comparePictures } from './compare-pictures.ts';
 import { NonFinitePictureError } from './compare-textures.ts';
+import { comparePictures } from './compare-views.ts';
 import { holdPlanes } from './hold-planes.ts';
 import { drawMeasured, withView } from './measured-frames.ts';
 import { paretoFront } from './pareto-front.ts';

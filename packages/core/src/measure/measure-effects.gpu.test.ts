@@ -3,7 +3,7 @@ import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
 import { tint } from '../effects/index.ts';
 import { SplatEngine } from '../engine.ts';
 import { InvalidArgumentError } from '../errors.ts';
-import type { ViewFrame } from '../scene/view-frame.ts';
+import type { ViewFrame } from '../frame/frame-request.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import { measureEffects } from './measure-effects.ts';

@@ -1,11 +1,11 @@
 import { expect, test } from 'vitest';
-import { perspectiveCamera } from '../camera.ts';
+import { perspectiveCamera } from '../camera/camera.ts';
 import { brightness, tint } from '../effects/index.ts';
-import type { EffectEntry } from '../effects/ledger.ts';
 import type { SplatEngine } from '../engine.ts';
-import type { OmittableEffect } from '../frame-shape.ts';
-import type { ViewFrame } from '../scene/view-frame.ts';
-import type { SplatView } from '../view.ts';
+import type { ViewFrame } from '../frame/frame-request.ts';
+import type { OmittableEffect } from '../frame/frame-shape.ts';
+import type { EffectEntry } from '../ledger/ledger.ts';
+import type { SplatView } from '../views/splat-view.ts';
 import { measureEffects } from './measure-effects.ts';
 
 /** What each takes, ms; round splats are quicker. */

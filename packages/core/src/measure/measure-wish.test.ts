@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import type { SplatCloud } from '../scene/splat-cloud.ts';
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { worldBounds } from './measure-wish.ts';
 
 const cloud = { count: 1, robustBounds: { min: [0, 0, 0], max: [1, 2, 3] } } as unknown as SplatCloud;

@@ -1,10 +1,10 @@
-import { ACCURACY_SETTINGS, DEFAULT_ACCURACY } from '../accuracy.ts';
-import type { AccuracyWish } from '../accuracy-wish.ts';
-import type { WishOptions } from '../accuracy-wishes.ts';
-import { isSoftwareAdapter } from '../device.ts';
+import { ACCURACY_SETTINGS, DEFAULT_ACCURACY } from '../accuracy/accuracy.ts';
+import type { AccuracyWish } from '../accuracy/accuracy-wish.ts';
 import type { SplatEngine } from '../engine.ts';
-import type { Bounds } from '../scene/packed-cloud.ts';
-import type { CloudInstance, ViewFrame } from '../scene/view-frame.ts';
+import type { CloudInstance, ViewFrame } from '../frame/frame-request.ts';
+import { isSoftwareAdapter } from '../gpu/device.ts';
+import type { Bounds } from '../packing/packed-cloud.ts';
+import type { WishOptions } from '../views/accuracy-wishes.ts';
 import { type AccuracyChoice, chooseFrom } from './choose-accuracy.ts';
 import { measureThen } from './measure-accuracy.ts';
 import { sampleCameras } from './sample-cameras.ts';

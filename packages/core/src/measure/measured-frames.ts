@@ -1,8 +1,8 @@
 import type { SplatEngine } from '../engine.ts';
 import { WebSplatterError } from '../errors.ts';
-import type { ViewFrame } from '../scene/view-frame.ts';
+import type { ViewFrame } from '../frame/frame-request.ts';
 import type { StageTimings } from '../timing/frame-statistics.ts';
-import type { SplatView } from '../view.ts';
+import type { SplatView } from '../views/splat-view.ts';
 
 /** A measurement that has not come this long after the GPU was done is not coming. */
 const STATISTICS_TIMEOUT_MS = 5000;

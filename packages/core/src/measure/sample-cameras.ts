@@ -1,7 +1,7 @@
-import type { Camera } from '../camera.ts';
+import type { Camera } from '../camera/camera.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import { type Mat4, multiply4 } from '../math/mat4.ts';
-import type { Bounds } from '../scene/packed-cloud.ts';
+import type { Bounds } from '../packing/packed-cloud.ts';
 
 /** Farthest that a sampled view is turned away from the given one. */
 const MAX_TURN = (35 * Math.PI) / 180;

@@ -1,4 +1,4 @@
-import type { CullPlane } from '../scene/frustum.ts';
+import type { CullPlane } from '../camera/frustum.ts';
 
 /** Bounds of a chunk of splats, about its cloud's origin. */
 export interface ChunkBounds {

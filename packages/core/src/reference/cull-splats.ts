@@ -1,9 +1,9 @@
-import type { Culling, Extent } from '../accuracy.ts';
-import type { Projection } from '../camera.ts';
-import { opacityOf } from '../layout/geometry.ts';
+import type { Culling, Extent } from '../accuracy/accuracy.ts';
+import type { Projection } from '../camera/camera.ts';
+import type { CloudView } from '../camera/cloud-view.ts';
 import type { Vec3 } from '../math/mat4.ts';
-import type { CloudView } from '../scene/cloud-view.ts';
-import type { SplatSet } from '../scene/splat-set.ts';
+import { opacityOf } from '../packing/geometry.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
 import { rotationMatrix, type ScreenCovariance, screenCovariance, screenRows } from './covariance.ts';
 import type { EffectTwin, SplatValues } from './effects/effect-twin.ts';
 

@@ -1,5 +1,5 @@
-import { GEOMETRY_WORDS, type PackedGeometry } from '../layout/geometry.ts';
 import { fromHalfBits } from '../layout/half.ts';
+import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
 
 /** A splat's geometry and base colour as the GPU sees them, in the cloud's space. */
 export interface UnpackedSplat {

@@ -1,7 +1,7 @@
-import { unpackShRest } from '../layout/sh-rest.ts';
+import { type CloudView, FALLBACK_DIRECTION } from '../camera/cloud-view.ts';
 import type { Vec3 } from '../math/mat4.ts';
-import { type CloudView, FALLBACK_DIRECTION } from '../scene/cloud-view.ts';
-import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../scene/splat-set.ts';
+import { unpackShRest } from '../packing/sh-rest.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 import type { CulledSplat } from './cull-splats.ts';
 import type { EffectTwin } from './effects/effect-twin.ts';
 import { shColor } from './spherical-harmonics.ts';

@@ -1,13 +1,19 @@
-import { type AccuracySettings, DILATION_PX2, layerSize, resolveAccuracy, type SizePx } from '../accuracy.ts';
-import { type Camera, projectionOf } from '../camera.ts';
+import {
+  type AccuracySettings,
+  DILATION_PX2,
+  layerSize,
+  resolveAccuracy,
+  type SizePx,
+} from '../accuracy/accuracy.ts';
+import { type Camera, projectionOf } from '../camera/camera.ts';
+import { cloudView } from '../camera/cloud-view.ts';
 import type { EffectUse } from '../effects/effect.ts';
 import { usesOf } from '../effects/effects.ts';
 import { orderedBits, shortDepthKey } from '../layout/depth-key.ts';
 import { identity4, type Vec3 } from '../math/mat4.ts';
-import { cloudView } from '../scene/cloud-view.ts';
-import { dropNonFinite } from '../scene/drop-non-finite.ts';
-import { mortonOrder, permuteSplats } from '../scene/morton-order.ts';
-import type { ShDegree, SplatSet } from '../scene/splat-set.ts';
+import { dropNonFinite } from '../packing/drop-non-finite.ts';
+import { mortonOrder, permuteSplats } from '../packing/morton-order.ts';
+import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
 import { cullSplat, type VisibleSplat } from './cull-splats.ts';
 import { type TwinFunction, twinsOf } from './effects/twins.ts';
 import { splatColor } from './project.ts';

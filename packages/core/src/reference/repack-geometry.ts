@@ -1,5 +1,5 @@
-import { type PackedGeometry, packGeometry } from '../layout/geometry.ts';
-import type { SplatSet } from '../scene/splat-set.ts';
+import { type PackedGeometry, packGeometry } from '../packing/geometry.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
 import { unpackSplat } from './packing.ts';
 
 /**

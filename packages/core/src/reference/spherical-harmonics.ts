@@ -1,4 +1,4 @@
-import type { ShDegree } from '../scene/splat-set.ts';
+import type { ShDegree } from '../splats/splat-set.ts';
 
 const C0 = Math.sqrt(1 / (4 * Math.PI));
 const C1 = Math.sqrt(3 / (4 * Math.PI));

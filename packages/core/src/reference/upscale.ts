@@ -1,4 +1,4 @@
-import type { SizePx } from '../accuracy.ts';
+import type { SizePx } from '../accuracy/accuracy.ts';
 
 /**
  * Twin of the GPU's upscale: bilinear between the middles of pixels, constant beyond the outermost.

@@ -1,4 +1,4 @@
-import type { Culling, Extent, GeometryPrecision } from '../accuracy.ts';
+import type { Culling, Extent, GeometryPrecision } from '../accuracy/accuracy.ts';
 import {
   type EffectSet,
   effectBindings,

@@ -1,20 +1,20 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { DILATION_PX2 } from '../accuracy.ts';
-import { type Camera, orthographicCamera } from '../camera.ts';
+import { DILATION_PX2 } from '../accuracy/accuracy.ts';
+import { type Camera, orthographicCamera } from '../camera/camera.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { InspectedFrame, type InspectOptions } from '../inspect/inspected-frame.ts';
 import { readRecords } from '../inspect/read-records.ts';
 import { transform3 } from '../math/mat4.ts';
-import { pickSplat, type SplatPick } from '../pick.ts';
 import { cullSplat, type VisibleSplat } from '../reference/cull-splats.ts';
 import { pickSplat as pickTwin } from '../reference/pick.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
 import { visibleSplatOf } from '../testing/visible-splat.ts';
+import { pickSplat, type SplatPick } from '../views/pick-splat.ts';
 import { pick as pickStage } from './pick.ts';
 
 const SIZE = { widthPx: 64, heightPx: 64 };

@@ -1,4 +1,4 @@
-import type { RecordPrecision } from '../accuracy.ts';
+import type { RecordPrecision } from '../accuracy/accuracy.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { recordConditions } from './record-conditions.ts';
 

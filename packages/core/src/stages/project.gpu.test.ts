@@ -1,7 +1,7 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { DILATION_PX2 } from '../accuracy.ts';
-import { perspectiveCamera } from '../camera.ts';
+import { DILATION_PX2 } from '../accuracy/accuracy.ts';
+import { perspectiveCamera } from '../camera/camera.ts';
 import { compareOrder } from '../inspect/compare-order.ts';
 import { compareRecords, RECORD_FIELDS } from '../inspect/compare-records.ts';
 import { describeFieldError } from '../inspect/field-error.ts';

@@ -1,8 +1,8 @@
-import type { GeometryPrecision, RecordPrecision, SortKeyBits } from '../accuracy.ts';
+import type { GeometryPrecision, RecordPrecision, SortKeyBits } from '../accuracy/accuracy.ts';
 import { type EffectSet, effectBindings, hasHook, NO_EFFECTS } from '../effects/effect-set.ts';
 import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
-import { type ShPrecision, shRestWordsPerSplat } from '../layout/sh-rest.ts';
-import type { ShDegree } from '../scene/splat-set.ts';
+import { type ShPrecision, shRestWordsPerSplat } from '../packing/sh-rest.ts';
+import type { ShDegree } from '../splats/splat-set.ts';
 import { recordConditions } from './record-conditions.ts';
 
 /** What the project stage is linked for. */

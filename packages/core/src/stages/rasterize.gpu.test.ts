@@ -1,6 +1,6 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { DILATION_PX2 } from '../accuracy.ts';
+import { DILATION_PX2 } from '../accuracy/accuracy.ts';
 import { Pipelines, type RenderState } from '../gpu/pipelines.ts';
 import { readTexture } from '../gpu/read-texture.ts';
 import { FLOAT32_ROUNDING } from '../inspect/error-bounds.ts';

@@ -1,6 +1,6 @@
-import type { ColorTarget, Extent, RecordPrecision } from '../accuracy.ts';
+import type { ColorTarget, Extent, RecordPrecision } from '../accuracy/accuracy.ts';
+import type { DepthConvention } from '../camera/depth-convention.ts';
 import type { BindingKind, RenderState, StageDefinition } from '../gpu/pipelines.ts';
-import type { DepthConvention } from '../scene/depth-convention.ts';
 import { recordConditions } from './record-conditions.ts';
 
 /** What splats in another renderer's picture need of its depth. */

@@ -1,4 +1,4 @@
-import type { RecordPrecision } from '../accuracy.ts';
+import type { RecordPrecision } from '../accuracy/accuracy.ts';
 
 /** What shaders that write or read records of projected splats are linked for. */
 export function recordConditions(precision: RecordPrecision) {

@@ -1,6 +1,6 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
-import { shRestValues, shRestWordsPerSplat } from '../layout/sh-rest.ts';
-import type { ShDegree } from '../scene/splat-set.ts';
+import { shRestValues, shRestWordsPerSplat } from '../packing/sh-rest.ts';
+import type { ShDegree } from '../splats/splat-set.ts';
 
 /** What the spherical harmonics of a page are, and what they become. */
 export interface RepackShVariant {

@@ -1,5 +1,5 @@
+import type { DepthConvention } from '../camera/depth-convention.ts';
 import type { RenderState, StageDefinition } from '../gpu/pipelines.ts';
-import type { DepthConvention } from '../scene/depth-convention.ts';
 import { TESTED_DEPTH_FORMAT } from './rasterize.ts';
 
 /**

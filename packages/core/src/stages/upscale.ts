@@ -1,4 +1,4 @@
-import type { ColorTarget } from '../accuracy.ts';
+import type { ColorTarget } from '../accuracy/accuracy.ts';
 import type { BindingKind, RenderState, StageDefinition } from '../gpu/pipelines.ts';
 import type { DepthLayerFormat } from './rasterize.ts';
 

@@ -1,5 +1,5 @@
 import fc from 'fast-check';
-import { type Camera, cameraFromMatrices, orthographicCamera, perspectiveCamera } from '../camera.ts';
+import { type Camera, cameraFromMatrices, orthographicCamera, perspectiveCamera } from '../camera/camera.ts';
 import { multiply4 } from '../math/mat4.ts';
 import { uniform } from './uniform.ts';
 

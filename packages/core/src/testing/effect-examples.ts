@@ -1,7 +1,7 @@
 import type { EffectUse } from '../effects/effect.ts';
 import { CLOUD_EFFECTS } from '../effects/effects.ts';
 import { antialias, brightness, clip, fog, highlight, opacity, reveal, tint } from '../effects/index.ts';
-import { SplatSelection } from '../scene/splat-selection.ts';
+import { SplatSelection } from '../splats/splat-selection.ts';
 
 const everyThird = new SplatSelection();
 everyThird.add(Array.from({ length: 400 }, (_, i) => 3 * i));

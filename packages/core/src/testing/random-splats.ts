@@ -1,6 +1,6 @@
-import { packShRest, type ShPrecision, shRestValues, shRestWordsPerSplat } from '../layout/sh-rest.ts';
 import type { Vec3 } from '../math/mat4.ts';
-import type { ShDegree, SplatSet } from '../scene/splat-set.ts';
+import { packShRest, type ShPrecision, shRestValues, shRestWordsPerSplat } from '../packing/sh-rest.ts';
+import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
 import { seededRandom } from './seeded-random.ts';
 
 export interface RandomSplatOptions {

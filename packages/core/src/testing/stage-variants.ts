@@ -1,6 +1,6 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
-import type { ShPrecision } from '../layout/sh-rest.ts';
-import type { ShDegree } from '../scene/splat-set.ts';
+import type { ShPrecision } from '../packing/sh-rest.ts';
+import type { ShDegree } from '../splats/splat-set.ts';
 import { compactChunks } from '../stages/compact-chunks.ts';
 import { compactSplats } from '../stages/compact-splats.ts';
 import { compareImages } from '../stages/compare-images.ts';

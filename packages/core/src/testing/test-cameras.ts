@@ -1,4 +1,4 @@
-import { type Camera, cameraFromMatrices, orthographicCamera, perspectiveCamera } from '../camera.ts';
+import { type Camera, cameraFromMatrices, orthographicCamera, perspectiveCamera } from '../camera/camera.ts';
 import { multiply4 } from '../math/mat4.ts';
 
 /** Cameras that look at a cloud of half extent 1 at the origin, some of it outside of the picture. */

@@ -1,0 +1,27 @@
+import { expect, test } from 'vitest';
+import { InvalidArgumentError } from '../errors.ts';
+import { type AccuracyRequest, internWish, isAccuracyWish } from './accuracy-wish.ts';
+
+test('tells wishes from settings', () => {
+  for (const wish of [{ minPsnrDb: 45 }, { maxFrameMs: 8 }]) expect(isAccuracyWish(wish)).toBe(true);
+  for (const settings of ['fast', {}, { preset: 'high', shDegree: 1 }] as AccuracyRequest[]) {
+    expect(isAccuracyWish(settings)).toBe(false);
+    expect(internWish(settings)).toBeNull();
+  }
+});
+
+test('equal wishes are one object, whatever becomes of the caller’s own', () => {
+  const own = { minPsnrDb: 45 };
+  const wish = internWish(own);
+  own.minPsnrDb = 10;
+  expect(wish).toEqual({ minPsnrDb: 45 });
+  expect(internWish({ minPsnrDb: 45 })).toBe(wish);
+  expect(internWish(wish!)).toBe(wish);
+  expect(internWish({ maxFrameMs: 45 })).not.toBe(wish);
+});
+
+test('refuses what is no positive number, and settings beside a wish', () => {
+  const refused = [{ minPsnrDb: 0 }, { maxFrameMs: Number.NaN }, { minPsnrDb: '45' }];
+  for (const wish of [...refused, { minPsnrDb: 45, maxFrameMs: 8 }, { minPsnrDb: 45, preset: 'high' }])
+    expect(() => internWish(wish as never), JSON.stringify(wish)).toThrow(InvalidArgumentError);
+});

@@ -1,0 +1,98 @@
+import { describe, expect, test } from 'vitest';
+import { InvalidArgumentError } from '../errors.ts';
+import {
+  ACCURACY_PRESETS,
+  ACCURACY_SETTINGS,
+  type Accuracy,
+  type AccuracyPreset,
+  internAccuracy,
+  maxColor,
+  resolveAccuracy,
+} from './accuracy.ts';
+
+/** The argument that the error names, and what it says. */
+function refusal(accuracy: unknown): [argument: string, message: string] {
+  try {
+    resolveAccuracy(accuracy as Accuracy);
+  } catch (error) {
+    expect(error).toBeInstanceOf(InvalidArgumentError);
+    const { argument, message } = error as InvalidArgumentError;
+    return [argument, message];
+  }
+  throw new Error(`${JSON.stringify(accuracy)} was not refused.`);
+}
+
+describe('accuracy', () => {
+  test('presets stand for themselves, nothing for balanced', () => {
+    for (const name of Object.keys(ACCURACY_PRESETS) as AccuracyPreset[])
+      expect(resolveAccuracy(name)).toEqual(ACCURACY_PRESETS[name]);
+    expect(resolveAccuracy()).toEqual(ACCURACY_PRESETS.balanced);
+    expect(resolveAccuracy({})).toEqual(ACCURACY_PRESETS.balanced);
+  });
+
+  test('single settings change a preset', () => {
+    expect(resolveAccuracy({ preset: 'high', shDegree: 1 })).toEqual({
+      ...ACCURACY_PRESETS.high,
+      shDegree: 1,
+    });
+    expect(resolveAccuracy({ alphaCutoff: 0.05 })).toEqual({
+      ...ACCURACY_PRESETS.balanced,
+      alphaCutoff: 0.05,
+    });
+  });
+
+  test('every preset gives every setting a value that may stand there', () => {
+    for (const preset of Object.values(ACCURACY_PRESETS)) {
+      expect(Object.keys(preset).sort()).toEqual(Object.keys(ACCURACY_SETTINGS).sort());
+      expect(resolveAccuracy({ ...preset })).toEqual(preset);
+    }
+  });
+
+  test('equal settings become one object, however they are written', () => {
+    const { balanced } = ACCURACY_PRESETS;
+    expect(internAccuracy()).toBe(internAccuracy('balanced'));
+    const reordered = Object.fromEntries(Object.entries(balanced).reverse());
+    expect(internAccuracy(reordered)).toBe(internAccuracy());
+    expect(internAccuracy({ shDegree: 1 })).toBe(internAccuracy({ preset: 'balanced', shDegree: 1 }));
+    expect(internAccuracy({ shDegree: 1 })).not.toBe(internAccuracy());
+    const settings = internAccuracy({ preset: 'high', sortKeyBits: 20 });
+    expect(internAccuracy(settings)).toBe(settings);
+    expect(Object.isFrozen(settings)).toBe(true);
+  });
+
+  test('every setting says what it is, what it does and what it costs to change', () => {
+    for (const [name, { label, about, unit, source }] of Object.entries(ACCURACY_SETTINGS)) {
+      for (const text of [label, unit, source]) expect(text, name).not.toBe('');
+      expect(about, name).toMatch(/^[A-Z].*\.$/);
+    }
+  });
+
+  test('colours end where record or target do', () => {
+    expect(maxColor(ACCURACY_PRESETS.reference)).toBe(1e37);
+    expect(maxColor(ACCURACY_PRESETS.balanced)).toBe(65504);
+    expect(maxColor({ ...ACCURACY_PRESETS.reference, colorTarget: 'rgba8unorm' })).toBe(65504);
+    expect(maxColor(ACCURACY_PRESETS.paper)).toBe(1);
+  });
+
+  test('unknown presets and settings are refused by name, with what there is', () => {
+    expect(refusal('best')[1]).toMatch(/"best".*reference, high, balanced/);
+    expect(refusal('toString')[0]).toBe('accuracy');
+    expect(refusal({ preset: 'hasOwnProperty' })[0]).toBe('accuracy');
+    expect(refusal({ sharpness: 3 })).toEqual(['sharpness', expect.stringContaining('shDegree')]);
+    expect(refusal({ constructor: 1 })[0]).toBe('constructor');
+  });
+
+  test('values that may not stand there are refused, with those that may', () => {
+    expect(refusal({ shDegree: 4 })).toEqual(['shDegree', expect.stringMatching(/4.*3, 2, 1, 0/)]);
+    expect(refusal({ shPrecision: 'f64' })[0]).toBe('shPrecision');
+    expect(refusal({ colorTarget: undefined })[0]).toBe('colorTarget');
+    expect(refusal({ sortKeyBits: 18 })).toEqual(['sortKeyBits', expect.stringContaining('32, 24, 20, 16')]);
+    expect(refusal({ sortKeyBits: '16' })[0]).toBe('sortKeyBits');
+    expect(refusal({ extent: 'none' })[0]).toBe('extent');
+    expect(refusal({ culling: true })[0]).toBe('culling');
+    for (const resolutionScale of [0, 0.2, 1.01, Number.NaN])
+      expect(refusal({ resolutionScale })).toEqual(['resolutionScale', expect.stringContaining('0.25…1')]);
+    for (const alphaCutoff of [0, -1, 0.2, Number.NaN, '0.01', null])
+      expect(refusal({ alphaCutoff })[0]).toBe('alphaCutoff');
+  });
+});

@@ -1,0 +1,49 @@
+import { describe, expect, test } from 'vitest';
+import { InvalidArgumentError } from '../errors.ts';
+import { ACCURACY_PRESETS, ACCURACY_SETTINGS } from './accuracy.ts';
+import { mostExact, pictureAccuracy } from './combine-accuracies.ts';
+
+describe('the accuracy of a picture', () => {
+  test('is nobody’s where no cloud asks for any, and that of the only one that does', () => {
+    expect(pictureAccuracy([])).toBeUndefined();
+    for (const only of ['fast', { preset: 'high', sortKeyBits: 20 }] as const)
+      expect(pictureAccuracy([only])).toBe(only);
+    for (const wish of [{ minPsnrDb: 45 }, { maxFrameMs: 8 }]) expect(pictureAccuracy([wish])).toBe(wish);
+  });
+
+  test('has each setting at the most exact value that is asked for', () => {
+    expect(pictureAccuracy(['fast', 'paper'])).toEqual({
+      ...ACCURACY_PRESETS.fast,
+      geometryPrecision: 'f32',
+      shPrecision: 'f32',
+      sortKeyBits: 32,
+      alphaCutoff: 1 / 255,
+    });
+    expect(pictureAccuracy([{ resolutionScale: 0.5 }, { resolutionScale: 0.75, shDegree: 0 }])).toEqual({
+      ...ACCURACY_PRESETS.balanced,
+      resolutionScale: 0.75,
+    });
+  });
+
+  test('takes an error that is wished for before settings, and those before a time', () => {
+    const wishes = [{ maxFrameMs: 8 }, { minPsnrDb: 45 }, { maxFrameMs: 4 }, { minPsnrDb: 50 }];
+    expect(pictureAccuracy(['reference', ...wishes])).toEqual({ minPsnrDb: 50 });
+    expect(pictureAccuracy([wishes[0], 'fast', wishes[2]])).toBe('fast');
+    expect(pictureAccuracy([wishes[0], wishes[2]])).toEqual({ maxFrameMs: 4 });
+  });
+
+  test('is refused where a setting is not known', () => {
+    expect(() => pictureAccuracy(['balanced', 'perfect' as never])).toThrow(InvalidArgumentError);
+  });
+});
+
+test('the most exact of presets is no less exact than any in any setting, in whatever order they come', () => {
+  const presets = Object.values(ACCURACY_PRESETS);
+  const found = mostExact(presets);
+  expect(mostExact(presets.toReversed())).toEqual(found);
+  for (const [name, { values }] of Object.entries(ACCURACY_SETTINGS)) {
+    if ('min' in values) continue;
+    const rank = (settings: object) => (values as unknown[]).indexOf(settings[name as never]);
+    for (const preset of presets) expect(rank(found), name).toBeLessThanOrEqual(rank(preset));
+  }
+});

@@ -1,0 +1,274 @@
+import { InvalidArgumentError } from '../errors.ts';
+import { invert3, linearPart, type Mat4, transform3, type Vec3 } from '../math/mat4.ts';
+
+/**
+ * A view of the world, in three.js's conventions: the camera looks along −z with y up, matrices are column-major.
+ * A splat whose centre is not in near < depth ≤ far is not drawn.
+ */
+export interface Camera {
+  /** World to view, rigid. */
+  readonly viewMatrix: ArrayLike<number>;
+  /** View to clip. Only x, y and w are used, so that either depth convention will do. */
+  readonly projectionMatrix: ArrayLike<number>;
+  /** View depth, in world units, up to which nothing is drawn. */
+  readonly near: number;
+  /** View depth, in world units, beyond which nothing is drawn; Infinity allowed. */
+  readonly far: number;
+}
+
+export interface LookAtOptions {
+  readonly position: Vec3;
+  readonly target: Vec3;
+  /** Default [0, 1, 0]; must not be parallel to the line of sight. */
+  readonly up?: Vec3;
+  /** Width of the picture divided by its height. */
+  readonly aspect: number;
+  /** Default 0.01. */
+  readonly near?: number;
+  /** Default 1000. */
+  readonly far?: number;
+}
+
+/** A perspective camera. `fovYDegrees` is the full vertical angle, 0…180 exclusive. */
+export function perspectiveCamera(options: LookAtOptions & { readonly fovYDegrees: number }): Camera {
+  const { aspect, near = 0.01, far = 1000, fovYDegrees } = options;
+  checkRange(aspect, near, far);
+  if (!(fovYDegrees > 0 && fovYDegrees < 180)) {
+    throw new InvalidArgumentError(
+      'fovYDegrees',
+      `fovYDegrees is ${fovYDegrees}; it must lie between 0 and 180.`,
+    );
+  }
+  if (!(near > 0)) {
+    throw new InvalidArgumentError(
+      'near',
+      `near is ${near}; a perspective camera needs a near plane in front of it.`,
+    );
+  }
+  const f = 1 / Math.tan((fovYDegrees * Math.PI) / 360);
+  const projectionMatrix = new Float64Array(16);
+  projectionMatrix[0] = f / aspect;
+  projectionMatrix[5] = f;
+  projectionMatrix[10] = far === Number.POSITIVE_INFINITY ? -1 : -(far + near) / (far - near);
+  projectionMatrix[11] = -1;
+  projectionMatrix[14] = far === Number.POSITIVE_INFINITY ? -2 * near : (-2 * far * near) / (far - near);
+  return { viewMatrix: lookAtMatrix(options), projectionMatrix, near, far };
+}
+
+/** An orthographic camera; `height` is the height of the picture in world units. */
+export function orthographicCamera(options: LookAtOptions & { readonly height: number }): Camera {
+  const { aspect, near = 0.01, far = 1000, height } = options;
+  checkRange(aspect, near, far);
+  if (!(height > 0 && Number.isFinite(height))) {
+    throw new InvalidArgumentError(
+      'height',
+      `height is ${height}; it must be a positive length in world units.`,
+    );
+  }
+  const projectionMatrix = new Float64Array(16);
+  projectionMatrix[0] = 2 / (height * aspect);
+  projectionMatrix[5] = 2 / height;
+  projectionMatrix[10] = far === Number.POSITIVE_INFINITY ? 0 : -2 / (far - near);
+  projectionMatrix[14] = far === Number.POSITIVE_INFINITY ? 0 : -(far + near) / (far - near);
+  projectionMatrix[15] = 1;
+  return { viewMatrix: lookAtMatrix(options), projectionMatrix, near, far };
+}
+
+/**
+ * A camera from matrices. `near` and `far` are read from the projection matrix as three.js makes it by default
+ * (clip depth −1…1) where they are not given.
+ *
+ * @throws InvalidArgumentError where a matrix is not 16 finite numbers, or near and far make no range.
+ */
+export function cameraFromMatrices(
+  viewMatrix: ArrayLike<number>,
+  projectionMatrix: ArrayLike<number>,
+  range: { readonly near?: number; readonly far?: number } = {},
+): Camera {
+  checkMatrix('viewMatrix', viewMatrix);
+  checkMatrix('projectionMatrix', projectionMatrix);
+  const p = projectionMatrix;
+  const isPerspective = p[11] !== 0;
+  const near = range.near ?? (isPerspective ? p[14] / (p[10] - 1) : (p[14] + 1) / p[10]);
+  const far = range.far ?? (isPerspective ? p[14] / (p[10] + 1) : (p[14] - 1) / p[10]);
+  const farDepth = far < 0 || Number.isNaN(far) ? Number.POSITIVE_INFINITY : far;
+  checkRange(1, near, farDepth);
+  if (isPerspective && !(near > 0)) {
+    throw new InvalidArgumentError(
+      'near',
+      `near is ${near}${range.near === undefined ? ' by the projection matrix' : ''}; a perspective camera needs a near plane in front of it. Give near and far where the matrix has another depth convention than −1…1.`,
+    );
+  }
+  return {
+    viewMatrix: Float64Array.from(viewMatrix),
+    projectionMatrix: Float64Array.from(p),
+    near,
+    far: farDepth,
+  };
+}
+
+/** What projecting splats needs of a camera and a picture's size; lengths in pixels, x right, y down. */
+export interface Projection {
+  readonly isOrthographic: boolean;
+  readonly widthPx: number;
+  readonly heightPx: number;
+  /** Pixels per unit of x/depth and y/depth (perspective) or of x and y (orthographic); y's is for y up. */
+  readonly focalPx: readonly [number, number];
+  /** Where the line of sight meets the picture. */
+  readonly centerPx: readonly [number, number];
+  /** x/depth (orthographic: x) at the left and right edge of the picture. */
+  readonly edgesX: readonly [number, number];
+  /** y/depth (orthographic: y) at the bottom and top edge of the picture. */
+  readonly edgesY: readonly [number, number];
+  /** Where x/depth is clamped for the Jacobian. */
+  readonly clampX: readonly [number, number];
+  /** Where y/depth is clamped for the Jacobian. */
+  readonly clampY: readonly [number, number];
+  readonly near: number;
+  readonly far: number;
+}
+
+/**
+ * The Jacobian takes x/depth no further outside the picture than this part of its width. For a centred view that is
+ * 1.3 times the tangent of half the field of view, where the affine approximation of the original implementation stops.
+ */
+const JACOBIAN_MARGIN = 0.15;
+
+/** Reads the projection off `camera` for a picture of `widthPx` × `heightPx`. */
+export function projectionOf(camera: Camera, widthPx: number, heightPx: number): Projection {
+  const p = camera.projectionMatrix;
+  const isOrthographic = p[11] === 0;
+  // Perspective: w = depth, so ndc x = p0·x/depth − p8. Orthographic: w = p15, ndc x = (p0·x + p12) / p15.
+  const w = isOrthographic ? p[15] : -p[11];
+  const scaleX = p[0] / w;
+  const scaleY = p[5] / w;
+  const shiftX = isOrthographic ? p[12] / w : -p[8] / w;
+  const shiftY = isOrthographic ? p[13] / w : -p[9] / w;
+  const edgesX = [(-1 - shiftX) / scaleX, (1 - shiftX) / scaleX] as const;
+  const edgesY = [(-1 - shiftY) / scaleY, (1 - shiftY) / scaleY] as const;
+  return {
+    isOrthographic,
+    widthPx,
+    heightPx,
+    focalPx: [(scaleX * widthPx) / 2, (scaleY * heightPx) / 2],
+    centerPx: [((1 + shiftX) * widthPx) / 2, ((1 - shiftY) * heightPx) / 2],
+    edgesX,
+    edgesY,
+    clampX: widened(edgesX),
+    clampY: widened(edgesY),
+    near: camera.near,
+    far: camera.far,
+  };
+}
+
+/** A line of sight: what is at view depth d lies at origin + d·direction, in world space. */
+export interface PictureRay {
+  readonly origin: Vec3;
+  /** Not normalised: as long as it takes for one unit of depth. */
+  readonly direction: Vec3;
+}
+
+/**
+ * The line of sight through a point of the picture, px from its top left, x right and y down.
+ *
+ * @throws InvalidArgumentError where the view matrix cannot be inverted.
+ */
+export function pictureRay(
+  { viewMatrix }: Camera,
+  { isOrthographic, focalPx, centerPx }: Projection,
+  [xPx, yPx]: readonly [number, number],
+): PictureRay {
+  const toWorld = invert3(linearPart(viewMatrix));
+  if (!toWorld) {
+    throw new InvalidArgumentError(
+      'viewMatrix',
+      'The view matrix is singular: no ray leads back to the world.',
+    );
+  }
+  const x = (xPx - centerPx[0]) / focalPx[0];
+  const y = (centerPx[1] - yPx) / focalPx[1];
+  const [tx, ty, tz] = [viewMatrix[12], viewMatrix[13], viewMatrix[14]];
+  return isOrthographic
+    ? { origin: transform3(toWorld, [x - tx, y - ty, -tz]), direction: transform3(toWorld, [0, 0, -1]) }
+    : { origin: transform3(toWorld, [-tx, -ty, -tz]), direction: transform3(toWorld, [x, y, -1]) };
+}
+
+/** Position of the camera in the world. */
+export function cameraPosition(viewMatrix: ArrayLike<number>): [number, number, number] {
+  const v = viewMatrix;
+  // The inverse of a rigid rotation is its transpose.
+  const transposed = [v[0], v[4], v[8], v[1], v[5], v[9], v[2], v[6], v[10]];
+  const [x, y, z] = transform3(transposed, [v[12], v[13], v[14]]);
+  return [-x, -y, -z];
+}
+
+function widened([low, high]: readonly [number, number]): [number, number] {
+  const margin = JACOBIAN_MARGIN * (high - low);
+  // A mirrored projection has its edges swapped.
+  return margin >= 0 ? [low - margin, high + margin] : [high + margin, low - margin];
+}
+
+function lookAtMatrix({ position, target, up = [0, 1, 0] }: LookAtOptions): Mat4 {
+  const back = normalized(subtract(position, target));
+  const right = back && normalized(cross(up, back));
+  if (!back || !right) {
+    const what = back ? 'up is parallel to the line of sight' : 'position and target are the same point';
+    throw new InvalidArgumentError('target', `The camera has no direction: ${what}.`);
+  }
+  const above = cross(back, right);
+  return Float64Array.of(
+    right[0],
+    above[0],
+    back[0],
+    0,
+    right[1],
+    above[1],
+    back[1],
+    0,
+    right[2],
+    above[2],
+    back[2],
+    0,
+    -dot(right, position),
+    -dot(above, position),
+    -dot(back, position),
+    1,
+  );
+}
+
+function checkMatrix(name: string, matrix: ArrayLike<number>): void {
+  const isMatrix = matrix.length === 16 && Array.prototype.every.call(matrix, Number.isFinite);
+  if (!isMatrix) {
+    throw new InvalidArgumentError(
+      name,
+      `${name} must be 16 finite numbers, column-major; found ${matrix.length} values.`,
+    );
+  }
+}
+
+function checkRange(aspect: number, near: number, far: number): void {
+  if (!(aspect > 0 && Number.isFinite(aspect))) {
+    throw new InvalidArgumentError('aspect', `aspect is ${aspect}; it must be width divided by height.`);
+  }
+  if (!Number.isFinite(near) || !(far > near)) {
+    throw new InvalidArgumentError('far', `near is ${near} and far is ${far}; far must be the greater.`);
+  }
+}
+
+function subtract(a: Vec3, b: Vec3): Vec3 {
+  return [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+}
+
+function dot(a: Vec3, b: Vec3): number {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+function cross(a: Vec3, b: Vec3): Vec3 {
+  return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+}
+
+function normalized(v: Vec3): Vec3 | null {
+  const length = Math.hypot(v[0], v[1], v[2]);
+  // Scaled by the largest of the operands this would be exact zero for parallel vectors; rounding leaves about 1e-16.
+  return length > 1e-12 ? [v[0] / length, v[1] / length, v[2] / length] : null;
+}

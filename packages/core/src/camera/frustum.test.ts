@@ -1,0 +1,90 @@
+import fc from 'fast-check';
+import { describe, expect, test } from 'vitest';
+import { DILATION_PX2 } from '../accuracy/accuracy.ts';
+import { identity4 } from '../math/mat4.ts';
+import { chunkClearance, isChunkInFrustum } from '../reference/cull-chunks.ts';
+import { cullSplat } from '../reference/cull-splats.ts';
+import { anyCamera, anyModel } from '../testing/any-view.ts';
+import { randomSplats } from '../testing/random-splats.ts';
+import { TEST_MODELS } from '../testing/test-cameras.ts';
+import { perspectiveCamera, projectionOf } from './camera.ts';
+import { cloudView } from './cloud-view.ts';
+import { cullPlanes } from './frustum.ts';
+
+const ALPHA_CUTOFF = 1 / 255;
+const LOG_SCALES = [
+  [-8, -3],
+  [-3, 2],
+  [-3, -1],
+] as const;
+
+describe('cullPlanes', () => {
+  test('whatever is drawn is in a chunk that passes, for any camera and model', () => {
+    const model = fc.oneof(anyModel, fc.constantFrom(...Object.values(TEST_MODELS)));
+    let drawn = 0;
+    fc.assert(
+      fc.property(anyCamera, model, fc.nat(), fc.nat(2), (camera, modelMatrix, seed, size) => {
+        // Large ones right before the eye are the hard case: their Jacobian is the steepest.
+        const set = randomSplats({ count: 40, seed, shDegree: 0, logScales: LOG_SCALES[size] });
+        const projection = projectionOf(camera, 64, 48);
+        // At near and far exactly, the rounding of the plane itself decides.
+        const surely = {
+          ...projection,
+          near: projection.near + 1e-9,
+          far: projection.far * (1 - 1e-9),
+        };
+        const view = cloudView(camera.viewMatrix, modelMatrix, set.origin, projection.isOrthographic);
+        const planes = cullPlanes(view, projection, ALPHA_CUTOFF, DILATION_PX2);
+        for (let i = 0; i < set.count; i++) {
+          const settings = { alphaCutoff: ALPHA_CUTOFF, dilationPx2: DILATION_PX2 };
+          if (!cullSplat(set, i, view, surely, settings)) continue;
+          drawn++;
+          const position = set.positions.subarray(3 * i, 3 * i + 3);
+          // The smallest chunk that holds the splat: itself.
+          const maxScale = Math.exp(Math.max(...set.logScales.subarray(3 * i, 3 * i + 3)));
+          const clearance = chunkClearance(
+            { minPosition: position, maxPosition: position, maxScale },
+            planes,
+          );
+          if (clearance < -1e-12) expect.fail(`splat ${i} is drawn; its chunk fails by ${clearance}`);
+        }
+      }),
+      { numRuns: 3000 },
+    );
+    expect(drawn).toBeGreaterThan(1000);
+  });
+
+  test('cull what is beside, behind, too near and too far, and keep what is not', () => {
+    const camera = perspectiveCamera({
+      position: [0, 0, 5],
+      target: [0, 0, 0],
+      fovYDegrees: 60,
+      aspect: 1,
+      near: 1,
+      far: 9,
+    });
+    const projection = projectionOf(camera, 100, 100);
+    const view = cloudView(camera.viewMatrix, identity4(), [0, 0, 0], false);
+    const planes = cullPlanes(view, projection, ALPHA_CUTOFF, DILATION_PX2);
+    const isKept = (x: number, y: number, z: number, maxScale = 0.001) =>
+      isChunkInFrustum({ minPosition: [x, y, z], maxPosition: [x, y, z], maxScale }, planes);
+    const edge = 5 * Math.tan(Math.PI / 6);
+    for (const sign of [-1, 1]) {
+      expect(isKept(sign * edge * 0.99, 0, 0)).toBe(true);
+      expect(isKept(sign * edge * 1.1, 0, 0)).toBe(false);
+      expect(isKept(0, sign * edge * 0.99, 0)).toBe(true);
+      expect(isKept(0, sign * edge * 1.1, 0)).toBe(false);
+      expect(isKept(sign * edge * 1.1, 0, 0, 0.2)).toBe(true);
+    }
+    expect(isKept(0, 0, 3.99)).toBe(true);
+    expect(isKept(0, 0, 4.01)).toBe(false);
+    // At near and far the centre decides, however large the splat.
+    expect(isKept(0, 0, 4.01, 10)).toBe(false);
+    expect(isKept(0, 0, 20)).toBe(false);
+    expect(isKept(0, 0, -3.99)).toBe(true);
+    expect(isKept(0, 0, -4.01)).toBe(false);
+    // A box whose corners are all outside but which the picture looks through.
+    const box = { minPosition: [-100, -100, -1], maxPosition: [100, 100, 1], maxScale: 0.001 };
+    expect(isChunkInFrustum(box, planes)).toBe(true);
+  });
+});

@@ -1,0 +1,86 @@
+import type { EffectReach } from '../effects/effect.ts';
+import { stretchBound } from '../math/mat4.ts';
+import type { Projection } from './camera.ts';
+import type { CloudView } from './cloud-view.ts';
+
+/** A half-space of cloud space: a point is inside where dot(normal, point) + offset ≥ 0. */
+export interface CullPlane {
+  readonly normal: readonly [number, number, number];
+  readonly offset: number;
+  /** How far a splat still reaches past the plane, per unit of its largest standard deviation in cloud space. */
+  readonly reach: number;
+}
+
+/** Rounding that float32 tests of the sides may add, px. */
+const MARGIN_PX = 0.5;
+
+/**
+ * The six planes (left, right, bottom, top, near, far) such that a splat which fails one is not drawn. The sides are
+ * exact for the affine projection: an ellipse reaches past the edge of the picture where, linearly in the centre,
+ * |x| − depth·tan(edge) is less than what the splat's extent and dilation add. At near and far the centre decides.
+ *
+ * @param alphaCutoff opacity at which a splat is taken to end.
+ * @param moved how far effects may take splats from where they are stored.
+ */
+export function cullPlanes(
+  view: CloudView,
+  projection: Projection,
+  alphaCutoff: number,
+  dilationPx2: number,
+  moved: EffectReach = { displacement: 0, growth: 1 },
+): readonly CullPlane[] {
+  const { isOrthographic, focalPx, edgesX, edgesY, clampX, clampY, near, far } = projection;
+  const stretch = stretchBound(view.linear);
+  // How many standard deviations a splat of opacity 1 reaches.
+  const opacityReach = Math.sqrt(2 * Math.log(1 / alphaCutoff));
+  const marginPx = opacityReach * Math.sqrt(dilationPx2) + MARGIN_PX;
+  // In view space every plane is (x, y, z, w): the sides as multiples of x or y and of depth = −z.
+  const side = (
+    axis: 0 | 1,
+    edges: readonly [number, number],
+    clamp: readonly [number, number],
+    high: 0 | 1,
+  ) => {
+    const [low, top] = edges[0] < edges[1] ? edges : [edges[1], edges[0]];
+    const margin = marginPx / Math.abs(focalPx[axis]);
+    const edge = high ? top + margin : low - margin;
+    const sign = high ? -1 : 1;
+    const normal: [number, number, number] = [0, 0, 0];
+    normal[axis] = sign;
+    if (!isOrthographic) normal[2] = sign * edge;
+    const steepest = isOrthographic ? 0 : Math.max(Math.abs(clamp[0]), Math.abs(clamp[1]));
+    const reach = opacityReach * stretch * Math.sqrt(1 + steepest * steepest);
+    return toCloudSpace(view, normal, isOrthographic ? -sign * edge : 0, reach);
+  };
+  const planes: CullPlane[] = [
+    side(0, edgesX, clampX, 0),
+    side(0, edgesX, clampX, 1),
+    side(1, edgesY, clampY, 0),
+    side(1, edgesY, clampY, 1),
+    toCloudSpace(view, [0, 0, -1], -near, 0),
+    // No plane at all for an infinite view: everything is inside.
+    far === Number.POSITIVE_INFINITY
+      ? { normal: [0, 0, 0], offset: 0, reach: 0 }
+      : toCloudSpace(view, [0, 0, 1], far, 0),
+  ];
+  return planes.map(({ normal, offset, reach }) => ({
+    normal,
+    offset: offset + moved.displacement * Math.hypot(...normal),
+    reach: reach * moved.growth,
+  }));
+}
+
+function toCloudSpace(
+  { linear, translation }: CloudView,
+  n: readonly number[],
+  offset: number,
+  reach: number,
+): CullPlane {
+  const along = (column: number) =>
+    n[0] * linear[column] + n[1] * linear[column + 1] + n[2] * linear[column + 2];
+  return {
+    normal: [along(0), along(3), along(6)],
+    offset: n[0] * translation[0] + n[1] * translation[1] + n[2] * translation[2] + offset,
+    reach,
+  };
+}

@@ -1,0 +1,86 @@
+import { Chunk } from '../layout/structs.ts';
+import type { Vec3 } from '../math/mat4.ts';
+import type { PackedCloud } from '../packing/packed-cloud.ts';
+import { BoxTree } from './box-tree.ts';
+import type { SplatCloud } from './splat-cloud.ts';
+
+/** Where a ray meets a cloud's bounds, scene space. */
+export interface CloudHit {
+  /** In units of the direction's length. */
+  readonly distance: number;
+  readonly point: Vec3;
+}
+
+/**
+ * Where a ray in scene space first meets the bounds of a chunk of 256 splats: as coarse as the chunks, but at once, in
+ * some microseconds for millions of splats. `pick` knows the splat. A ray that begins inside of a chunk's bounds meets
+ * it at distance 0.
+ *
+ * Bounds are those of the splats' centres, widened by the chunk's largest standard deviation; where there are several
+ * chunks by no more than an eighth of the box's longest side, since one large splat says little about the others.
+ * Captures scatter a few splats through wide empty space around the scene: boxes longer than most of the scene, or in
+ * clouds of thousands of chunks than a quarter of it, are nearly empty, often hold the camera itself, and are not hit.
+ *
+ * @param direction of any length.
+ * @returns null where the ray misses, and for rays that are not finite.
+ */
+export function raycastCloud(
+  cloud: SplatCloud | PackedCloud,
+  origin: Vec3,
+  direction: Vec3,
+): CloudHit | null {
+  const local = origin.map((value, axis) => value - cloud.origin[axis]);
+  const { distance } = chunkTree(cloud).nearestEntry(local, direction);
+  if (distance === Number.POSITIVE_INFINITY) return null;
+  const along = (axis: number) => origin[axis] + distance * direction[axis];
+  return { distance, point: [along(0), along(1), along(2)] };
+}
+
+/** By the chunks, which a cloud shares with what it was uploaded from. */
+const trees = new WeakMap<ArrayBuffer, BoxTree>();
+
+/** @internal The tree over a cloud's widened chunk bounds, relative to its origin; made when it is first asked for. */
+export function chunkTree(cloud: SplatCloud | PackedCloud): BoxTree {
+  let tree = trees.get(cloud.chunks);
+  if (!tree) {
+    tree = new BoxTree(chunkBoxes(cloud));
+    trees.set(cloud.chunks, tree);
+  }
+  return tree;
+}
+
+/** Of the longest side of a chunk's box. */
+const MOST_WIDENED = 1 / 8;
+
+/**
+ * Longest box that is hit, as a part of the scene's longest side. n chunks that tile surfaces are about 1/√n of the
+ * scene long, and twice or three times that where the Morton order turns; fewer than 64 may be of any length.
+ */
+function longestBox(chunkCount: number): number {
+  return Math.max(1 / 4, 8 / Math.sqrt(chunkCount));
+}
+
+function chunkBoxes({ chunks, robustBounds }: SplatCloud | PackedCloud): Float64Array {
+  const values = new Float32Array(chunks);
+  const stride = Chunk.bytes / 4;
+  const chunkCount = values.length / stride;
+  const sceneSide = Math.max(...robustBounds.max.map((high, axis) => high - robustBounds.min[axis]));
+  const longestSide = sceneSide > 0 ? sceneSide * longestBox(chunkCount) : Number.POSITIVE_INFINITY;
+  const { minPosition, maxPosition, maxScale } = Chunk.offsets;
+  const boxes = new Float64Array(6 * chunkCount);
+  let end = 0;
+  for (let at = 0; at < values.length; at += stride) {
+    const min = values.subarray(at + minPosition / 4, at + minPosition / 4 + 3);
+    const max = values.subarray(at + maxPosition / 4, at + maxPosition / 4 + 3);
+    const side = Math.max(max[0] - min[0], max[1] - min[1], max[2] - min[2]);
+    if (side > longestSide) continue;
+    const deviation = values[at + maxScale / 4];
+    const widening = chunkCount > 1 && side > 0 ? Math.min(deviation, MOST_WIDENED * side) : deviation;
+    for (let axis = 0; axis < 3; axis++) {
+      boxes[end + axis] = min[axis] - widening;
+      boxes[end + 3 + axis] = max[axis] + widening;
+    }
+    end += 6;
+  }
+  return boxes.subarray(0, end);
+}

@@ -1,0 +1,239 @@
+import { createNodeGpu } from '@websplatter/node';
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { ACCURACY_PRESETS, type AccuracySettings } from '../accuracy/accuracy.ts';
+import { SplatEngine } from '../engine.ts';
+import { InspectedFrame } from '../inspect/inspected-frame.ts';
+import { readRecords } from '../inspect/read-records.ts';
+import { compareImages, renderReference } from '../reference/index.ts';
+import { rasterizeSplat } from '../reference/rasterize.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
+import { randomSplats, splatsOf } from '../testing/random-splats.ts';
+import { testCameras } from '../testing/test-cameras.ts';
+import { visibleSplatOf } from '../testing/visible-splat.ts';
+import type { SplatView } from '../views/splat-view.ts';
+
+/** Pictures with each setting, against float64 with the same settings. What the stages do is in their own tests. */
+
+const SIZE = { widthPx: 64, heightPx: 64 };
+const CAMERAS = testCameras(1);
+const CAMERA = CAMERAS.perspective;
+
+let device: GPUDevice;
+let engine: SplatEngine;
+let view: SplatView;
+beforeAll(async () => {
+  const { adapter } = await createNodeGpu();
+  const blendable = 'float32-blendable' as GPUFeatureName;
+  device = await createTestDevice({ requiredFeatures: adapter.features.has(blendable) ? [blendable] : [] });
+  engine = await SplatEngine.create({ device, accuracy: 'reference' });
+  view = engine.createView();
+});
+afterAll(() => {
+  engine?.destroy();
+  device?.destroy();
+});
+
+const NO_REST = splatsOf([]).shRest;
+const SCENE = randomSplats({ count: 1500, seed: 40, logScales: [-4.5, -1.5] });
+
+async function drawWith(settings: Partial<AccuracySettings>, set = SCENE, camera = CAMERA) {
+  const cloud = engine.add(set);
+  try {
+    view.render({ camera, clouds: [{ cloud }], ...SIZE, accuracy: { preset: 'reference', ...settings } });
+    return (await view.readPixels()).data;
+  } finally {
+    cloud.destroy();
+  }
+}
+
+function psnrAgainstTwin(
+  data: Float32Array,
+  settings: Partial<AccuracySettings>,
+  set: SplatSet = SCENE,
+  camera = CAMERA,
+): number {
+  const reference = renderReference({ clouds: [{ set }], camera, ...SIZE, settings });
+  return compareImages(data, reference.data, SIZE).psnrDb;
+}
+
+describe('accuracy settings', () => {
+  for (const settings of [
+    { extent: 'fixed' },
+    { culling: 'frustum' },
+    { extent: 'fixed', culling: 'frustum' },
+  ] as const) {
+    gpuTest(`${JSON.stringify(settings)}: the same picture`, async () => {
+      const large = randomSplats({ count: 800, seed: 41, logScales: [-4, 1], opacityLogits: [-5, 2] });
+      for (const camera of [CAMERA, CAMERAS.inside, CAMERAS.orthographic]) {
+        for (const set of [SCENE, large]) {
+          const plain = await drawWith({}, set, camera);
+          const other = await drawWith(settings, set, camera);
+          // Other corners, other roundings of the same interpolated numbers; a pixel at the cutoff may fall either way.
+          const { psnrDb, p999Error } = compareImages(other, plain, SIZE);
+          expect(psnrDb).toBeGreaterThan(70);
+          expect(p999Error).toBeLessThan(1e-3);
+          expect(psnrAgainstTwin(other, settings, set, camera)).toBeGreaterThan(60);
+        }
+      }
+    });
+  }
+
+  gpuTest('sort keys of fewer bits: the picture in the order of the shortened keys', async () => {
+    // Deep, so that a few bits are few.
+    const set = randomSplats({ count: 1500, seed: 42, halfExtent: 30, logScales: [-2, 0] });
+    const camera = CAMERAS.inside;
+    const exact = await drawWith({}, set, camera);
+    for (const sortKeyBits of [24, 20, 16] as const) {
+      const data = await drawWith({ sortKeyBits }, set, camera);
+      // Float32 depths that fall on the other side of a step change places, of which the twin knows nothing.
+      expect(psnrAgainstTwin(data, { sortKeyBits }, set, camera), `${sortKeyBits} bits`).toBeGreaterThan(55);
+      // Depths are within 2^-(bits − 4) of each other where they are taken for equal: the picture hardly changes.
+      expect(compareImages(data, exact, SIZE).psnrDb).toBeGreaterThan(45);
+    }
+  });
+
+  gpuTest("the paper's records: what they hold is what is drawn", async () => {
+    for (const logScales of [
+      [-4.5, -1.5],
+      [-9, 1],
+    ] as const) {
+      const set = randomSplats({ count: 300, seed: 43, shDegree: 0, logScales });
+      const accuracy = { recordPrecision: 'paper', colorTarget: engine.accuracy.colorTarget } as const;
+      const frame = await InspectedFrame.draw(device, {
+        clouds: [{ set }],
+        camera: CAMERA,
+        ...SIZE,
+        accuracy,
+      });
+      const records = await readRecords(frame);
+      const image = { ...SIZE, data: new Float64Array(4 * SIZE.widthPx * SIZE.heightPx) };
+      for (const index of await frame.sorted('order')) {
+        const [r, g, b] = records[index].color;
+        rasterizeSplat(image, visibleSplatOf(records[index]), [r, g, b], 1 / 255);
+      }
+      expect(compareImages(frame.image.data, image.data, SIZE).psnrDb).toBeGreaterThan(58);
+      frame.destroy();
+    }
+  });
+
+  gpuTest('the records of the paper: close to the picture of exact ones', async () => {
+    // Colours above 1 end there: those of the scene are kept below.
+    const set = { ...SCENE, shRest: NO_REST, colorDc: SCENE.colorDc.map((value) => value / 2) };
+    const data = await drawWith({ recordPrecision: 'paper' }, set);
+    expect(psnrAgainstTwin(data, {}, set)).toBeGreaterThan(45);
+  });
+
+  gpuTest('an 8-bit target: every value a step of it', async () => {
+    const data = await drawWith({ colorTarget: 'rgba8unorm' });
+    expect(data.every((value) => Math.abs(255 * value - Math.round(255 * value)) < 1e-4)).toBe(true);
+    // A rounding of half a step per layer, of which later ones cover some; rounding once alone is 58.9 dB.
+    expect(psnrAgainstTwin(data, {})).toBeGreaterThan(44);
+  });
+
+  gpuTest('a scaled resolution: drawn small, enlarged smoothly', async () => {
+    for (const resolutionScale of [0.25, 0.5, 0.77]) {
+      const settings = { resolutionScale };
+      for (const camera of [CAMERA, CAMERAS.orthographic, CAMERAS['off-centre']]) {
+        // As exact as at full size: enlarging averages.
+        expect(
+          psnrAgainstTwin(await drawWith(settings, SCENE, camera), settings, SCENE, camera),
+        ).toBeGreaterThan(58);
+      }
+    }
+  });
+
+  gpuTest('a scaled resolution may change every frame, and picks follow the picture', async () => {
+    const cloud = engine.add(SCENE);
+    const frame = { camera: CAMERA, clouds: [{ cloud }], widthPx: 63, heightPx: 41 };
+    const own = engine.createView();
+    const before = engine.memory().totalBytes;
+    for (const resolutionScale of [1, 0.5, 0.3, 1, 0.3]) {
+      own.render({ ...frame, accuracy: { preset: 'reference', resolutionScale } });
+      const { data, widthPx, heightPx } = await own.readPixels();
+      expect([widthPx, heightPx, data.length]).toEqual([63, 41, 4 * 63 * 41]);
+      for (const [xPx, yPx] of [
+        [0, 0],
+        [62.99, 40.99],
+        [31.5, 20.2],
+        [10, 35],
+      ]) {
+        const picked = await own.pick(xPx, yPx);
+        const alpha = data[4 * (Math.floor(yPx) * 63 + Math.floor(xPx)) + 3];
+        // The picture is averaged between pixels of the layer, a pick asks one of them.
+        if (resolutionScale === 1) expect(picked?.totalOpacity ?? 0).toBeCloseTo(alpha, 3);
+        else if (alpha > 0.9) expect(picked?.totalOpacity).toBeGreaterThan(0.5);
+      }
+    }
+    own.render({ ...frame, accuracy: 'reference' });
+    await own.readPixels();
+    own.destroy();
+    cloud.destroy();
+    expect(engine.memory().totalBytes).toBeLessThan(before);
+  });
+
+  gpuTest('what is only a number or another shader takes no other buffers', async () => {
+    const cloud = engine.add(SCENE);
+    const own = engine.createView();
+    const frame = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
+    const buffersMadeFor = async (settings: Partial<AccuracySettings>) => {
+      const { createBuffer } = device;
+      const made: string[] = [];
+      device.createBuffer = (descriptor) => {
+        made.push(descriptor.label ?? '');
+        return createBuffer.call(device, descriptor);
+      };
+      try {
+        own.render({ ...frame, accuracy: { preset: 'reference', ...settings } });
+        await own.whenDrawn();
+      } finally {
+        device.createBuffer = createBuffer;
+      }
+      return made;
+    };
+    expect(await buffersMadeFor({})).toContain('frame projected');
+    for (const settings of [
+      { alphaCutoff: 0.02 },
+      { shDegree: 0 },
+      { shDegree: 2 },
+      { extent: 'fixed' },
+      { culling: 'frustum' },
+      { colorTarget: 'rgba8unorm' },
+    ] as const) {
+      expect(await buffersMadeFor(settings), JSON.stringify(settings)).toEqual([]);
+      const { data } = await own.readPixels();
+      // The picture is that of a view that has never drawn anything else.
+      expect(Buffer.compare(Buffer.from(data.buffer), Buffer.from((await drawWith(settings)).buffer))).toBe(
+        0,
+      );
+    }
+    expect(await buffersMadeFor({ recordPrecision: 'paper' })).toContain('frame projected');
+    own.destroy();
+    cloud.destroy();
+  });
+
+  for (const preset of ['fast', 'paper'] as const) {
+    gpuTest(`preset ${preset}: finite and close, also where scenes are hard`, async () => {
+      const hard = [
+        randomSplats({ count: 300, seed: 44, logScales: [-40, 40] }),
+        randomSplats({ count: 300, seed: 45, halfExtent: 1e-4, logScales: [-18, 1] }),
+        randomSplats({ count: 300, seed: 46, opacityLogits: [-6, 60], logScales: [-3, 1] }),
+        splatsOf([{ position: [0, 0, 0], colorDc: [1e4, -1e4, 3e38], logScales: [1, -30, 1] }]),
+      ];
+      for (const set of hard) {
+        const cloud = engine.add(set);
+        for (const camera of [CAMERA, CAMERAS.inside, CAMERAS.orthographic]) {
+          view.render({ camera, clouds: [{ cloud }], ...SIZE, accuracy: preset });
+          const { data } = await view.readPixels();
+          expect(data.every((value) => value >= 0 && value <= 1)).toBe(true);
+        }
+        cloud.destroy();
+      }
+      const cloud = engine.add(SCENE);
+      view.render({ camera: CAMERA, clouds: [{ cloud }], ...SIZE, accuracy: preset });
+      const { data } = await view.readPixels();
+      cloud.destroy();
+      expect(psnrAgainstTwin(data, ACCURACY_PRESETS[preset])).toBeGreaterThan(35);
+    });
+  }
+});

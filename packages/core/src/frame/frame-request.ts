@@ -1,0 +1,118 @@
+import type { AccuracySettings } from '../accuracy/accuracy.ts';
+import type { AccuracyRequest } from '../accuracy/accuracy-wish.ts';
+import type { Camera } from '../camera/camera.ts';
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
+import type { EffectUse } from '../effects/effect.ts';
+import { usesOf } from '../effects/effects.ts';
+import { DestroyedError, InvalidArgumentError } from '../errors.ts';
+import { identity4, type Vec3 } from '../math/mat4.ts';
+import { numberOf } from '../number-of.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree } from '../splats/splat-set.ts';
+
+/** A cloud and where it stands. */
+export interface CloudInstance {
+  readonly cloud: SplatCloud;
+  /** Scene to world, 16 numbers, column-major, read in float64; default the identity. */
+  readonly modelMatrix?: ArrayLike<number>;
+  /** Multiplies every splat's opacity, 0…1; default 1. At 0 nothing of the cloud is drawn. */
+  readonly opacity?: number;
+  /**
+   * Colours depend on the view up to this degree of spherical harmonics, at most: what is stored above it is not read.
+   * Default 3, whatever is stored and the frame's accuracy asks for.
+   */
+  readonly shDegree?: ShDegree;
+  /** Effects that this cloud is to be drawn with, each once: `[tint([1, 0.8, 0.6])]`. */
+  readonly effects?: readonly EffectUse[];
+}
+
+/** One picture. */
+export interface ViewFrame {
+  readonly camera: Camera;
+  /** In the order in which equal depths are drawn. */
+  readonly clouds: readonly CloudInstance[];
+  /** Size in physical pixels, whole numbers; nothing is drawn where one is 0. */
+  readonly widthPx: number;
+  readonly heightPx: number;
+  /** What is behind the splats on a canvas, sRGB-encoded, 0…1; default black. */
+  readonly background?: Vec3;
+  /**
+   * Settings, or a wish: see `SplatView.onAccuracyChosen`. Default the engine's. Pass the same object every frame, it is
+   * looked at once.
+   */
+  readonly accuracy?: AccuracyRequest;
+  /** Draw even where nothing has changed, as a benchmark needs it. */
+  readonly force?: boolean;
+}
+
+function isMatrix(values: ArrayLike<number>): boolean {
+  return values.length === 16 && Array.prototype.every.call(values, Number.isFinite);
+}
+
+/** @throws InvalidArgumentError naming what cannot be drawn and why, DestroyedError for a destroyed cloud. */
+export function checkFrame({ camera, clouds, widthPx, heightPx }: ViewFrame, device: GPUDevice): void {
+  if (!(Number.isInteger(widthPx) && Number.isInteger(heightPx) && widthPx >= 0 && heightPx >= 0)) {
+    throw new InvalidArgumentError(
+      'widthPx',
+      `The picture is ${widthPx}×${heightPx}; it takes whole numbers of pixels.`,
+    );
+  }
+  for (const name of ['viewMatrix', 'projectionMatrix'] as const) {
+    if (!isMatrix(camera[name])) {
+      throw new InvalidArgumentError(name, `The camera's ${name} must be 16 finite numbers, column-major.`);
+    }
+  }
+  for (const instance of clouds) {
+    const { cloud, modelMatrix, shDegree = 3 } = instance;
+    if (cloud.isDestroyed) throw new DestroyedError(`The cloud ${cloud.name}`, 'it was destroyed');
+    if (cloud.device !== device) {
+      const message = `${cloud.name} is on another GPU device than this view; load it with the engine that draws it.`;
+      throw new InvalidArgumentError('clouds', message);
+    }
+    if (modelMatrix && !isMatrix(modelMatrix)) {
+      const message = `The model matrix of ${cloud.name} must be 16 finite numbers, column-major.`;
+      throw new InvalidArgumentError('modelMatrix', message);
+    }
+    if (!(shDegree in SH_REST_COEFFICIENTS)) {
+      const message = `${cloud.name} is to be drawn with degree ${shDegree}; there are degrees 0, 1, 2 and 3.`;
+      throw new InvalidArgumentError('shDegree', message);
+    }
+    try {
+      usesOf(instance);
+    } catch (error) {
+      if (!(error instanceof InvalidArgumentError)) throw error;
+      throw new InvalidArgumentError(error.argument, `${cloud.name}: ${error.message}`);
+    }
+  }
+}
+
+/** What a picture of splats depends on, as texts: equal texts, equal results. */
+export interface FrameKeys {
+  /** Of which splats are visible, where, and in which order. */
+  readonly order: string;
+  /** Of their colours, besides `order`. */
+  readonly colors: string;
+}
+
+/** @param settings what the frame is drawn with, one object for equal settings. */
+export function keysOf(
+  { camera, clouds, widthPx, heightPx }: ViewFrame,
+  settings: AccuracySettings,
+): FrameKeys {
+  const order: unknown[] = [widthPx, heightPx, camera.near, camera.far, numberOf(settings)];
+  const colors: unknown[] = [];
+  order.push(Array.from(camera.viewMatrix), Array.from(camera.projectionMatrix));
+  for (const instance of clouds) {
+    const { cloud, modelMatrix = identity4(), shDegree = 3 } = instance;
+    order.push(numberOf(cloud), numberOf(cloud.pagesFor(settings)), Array.from(modelMatrix));
+    const place = { modelMatrix, origin: cloud.origin, viewMatrix: camera.viewMatrix };
+    colors.push('cloud', shDegree);
+    for (const use of usesOf(instance)) {
+      const { hooks } = use.effect;
+      const parts = hooks.splat || hooks.opacity ? order : colors;
+      // JSON would make one thing of all that is infinite.
+      const values = String(Object.values(use.valuesAt(place) ?? {}));
+      parts.push(numberOf(use.effect), values, use.selection?.version);
+    }
+  }
+  return { order: JSON.stringify(order), colors: JSON.stringify(colors) };
+}

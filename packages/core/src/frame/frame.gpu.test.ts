@@ -1,0 +1,65 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
+import { InspectedFrame } from '../inspect/inspected-frame.ts';
+import { PagePlan } from '../layout/structs.ts';
+import { dispatchSize } from '../stages/dispatch.ts';
+import { randomSplats } from '../testing/random-splats.ts';
+import { testCameras } from '../testing/test-cameras.ts';
+
+describe('a frame', () => {
+  gpuTest('plans on the GPU what each page has to do, and lists it without gaps', async () => {
+    const device = await createTestDevice();
+    const dispatchRow = 3;
+    const frame = await InspectedFrame.draw(device, {
+      clouds: [
+        { set: randomSplats({ count: 256 * 14 + 9, shDegree: 0, halfExtent: 3 }), splatsPerPage: 256 * 4 },
+        { set: randomSplats({ count: 10, shDegree: 0, seed: 2, opacityLogits: [-9, -8] }) },
+        { set: randomSplats({ count: 700, shDegree: 0, seed: 3 }) },
+      ],
+      camera: testCameras(1).telephoto,
+      widthPx: 32,
+      heightPx: 32,
+      dispatchRow,
+      keyBits: 8,
+    });
+    const { pages, chunkCount } = frame.resources;
+    expect(pages.map((page) => page.chunkCount)).toEqual([4, 4, 4, 3, 1, 3]);
+    const chunkOffsets = await frame.words('chunkOffsets');
+    const visibleChunks = await frame.words('visibleChunks');
+    const survivors = await frame.words('survivors');
+    const plans = await frame.words('pagePlans');
+    const cullDispatches = await frame.words('cullDispatches');
+    const projectDispatches = await frame.words('projectDispatches');
+    let slots = 0;
+    let drawn = 0;
+    for (const [index, page] of pages.entries()) {
+      const [chunkStart, chunkEnd, slotStart, slotCount, survivorStart, survivorCount] = plans.subarray(
+        (PagePlan.bytes / 4) * index,
+      );
+      expect([chunkStart, chunkEnd]).toEqual([page.chunkStart, page.chunkStart + page.chunkCount]);
+      expect(slotStart).toBe(slots);
+      expect(survivorStart).toBe(drawn);
+      const isOfPage = (chunk: number) => chunk >= chunkStart && chunk < chunkEnd;
+      expect(visibleChunks.subarray(slotStart, slotStart + slotCount).every(isOfPage)).toBe(true);
+      for (const splat of survivors.subarray(survivorStart, survivorStart + survivorCount))
+        expect(isOfPage(Math.floor(splat / 256))).toBe(true);
+      expect(Array.from(cullDispatches.subarray(3 * index, 3 * index + 3))).toEqual(
+        dispatchSize(slotCount, dispatchRow),
+      );
+      expect(Array.from(projectDispatches.subarray(3 * index, 3 * index + 3))).toEqual(
+        dispatchSize(Math.ceil(survivorCount / 256), dispatchRow),
+      );
+      slots += slotCount;
+      drawn += survivorCount;
+    }
+    expect(slots).toBe(chunkOffsets[chunkCount]);
+    expect((await frame.words('slotCount'))[0]).toBe(slots);
+    expect(Array.from(cullDispatches.subarray(3 * pages.length))).toEqual(dispatchSize(slots, dispatchRow));
+    expect(drawn).toBe(await frame.visibleCount());
+    expect(drawn).toBeGreaterThan(0);
+    // The faint cloud has a page in which nothing is drawn.
+    expect(plans[(PagePlan.bytes / 4) * 4 + 5]).toBe(0);
+    frame.destroy();
+    device.destroy();
+  });
+});

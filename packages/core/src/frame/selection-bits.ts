@@ -1,0 +1,99 @@
+import { takesSelection } from '../effects/effect-set.ts';
+import { usesOf } from '../effects/effects.ts';
+import type { GpuMemory } from '../gpu/gpu-memory.ts';
+import { CHUNK_SPLATS } from '../layout/constants.ts';
+import { roundUp } from '../layout/gpu-struct.ts';
+import type { CloudInstance } from './frame-request.ts';
+import type { FramePage } from './frame-resources.ts';
+import type { FrameShape } from './frame-shape.ts';
+
+/** Storage buffers are bound at multiples of this many bytes. */
+const STORAGE_ALIGNMENT = 256;
+
+/** Where the bits of one page lie. */
+interface PageSlice {
+  readonly cloudIndex: number;
+  /** First splat, counting through the cloud. */
+  readonly splatStart: number;
+  readonly splatCount: number;
+  readonly byteOffset: number;
+  readonly bytes: number;
+}
+
+/** A bit per splat of those clouds of a frame whose effects are told what is selected. */
+export class SelectionBits {
+  readonly #memory: GpuMemory;
+  readonly #queue: GPUQueue;
+  #buffer: GPUBuffer | null = null;
+  /** By page of the frame; null where nobody asks. */
+  #slices: readonly (PageSlice | null)[] = [];
+  /** By cloud of the frame: the version of its selection. */
+  readonly #written = new Map<number, number>();
+
+  constructor(memory: GpuMemory, queue: GPUQueue) {
+    this.#memory = memory;
+    this.#queue = queue;
+  }
+
+  /** Makes room for the bits of a frame of this shape, and for nothing where no effect of it takes a selection. */
+  reshape(shape: Pick<FrameShape, 'effects'>, pages: readonly FramePage[]): void {
+    const slices = slicesOf(shape, pages);
+    if (JSON.stringify(slices) === JSON.stringify(this.#slices)) return;
+    this.destroy();
+    this.#slices = slices;
+    const bytes = Math.max(0, ...slices.map((slice) => (slice ? slice.byteOffset + slice.bytes : 0)));
+    if (bytes === 0) return;
+    const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_DST;
+    this.#buffer = this.#memory.createBuffer('frame selections', bytes, usage);
+  }
+
+  /** What a page's stages are bound to, or null. */
+  bindingOf(pageIndex: number): GPUBufferBinding | null {
+    const slice = this.#slices[pageIndex];
+    return slice && { buffer: this.#buffer!, offset: slice.byteOffset, size: slice.bytes };
+  }
+
+  /** Of one cloud's bits. */
+  bytesOf(cloudIndex: number): number {
+    return this.#slices.reduce((sum, slice) => sum + (slice?.cloudIndex === cloudIndex ? slice.bytes : 0), 0);
+  }
+
+  /** Writes what has changed since the last frame. */
+  write(clouds: readonly CloudInstance[]): void {
+    if (!this.#buffer) return;
+    for (const [cloudIndex, instance] of clouds.entries()) {
+      const selection = usesOf(instance).find((use) => use.selection)?.selection;
+      if (!selection || this.#written.get(cloudIndex) === selection.version) continue;
+      for (const slice of this.#slices) {
+        if (slice?.cloudIndex !== cloudIndex) continue;
+        const { splatStart, splatCount, byteOffset } = slice;
+        const rows = instance.cloud.fileIndices.subarray(splatStart, splatStart + splatCount);
+        this.#queue.writeBuffer(this.#buffer, byteOffset, selection.bitsOf(rows));
+      }
+      this.#written.set(cloudIndex, selection.version);
+    }
+  }
+
+  destroy(): void {
+    if (this.#buffer) this.#memory.destroy(this.#buffer);
+    this.#buffer = null;
+    this.#slices = [];
+    this.#written.clear();
+  }
+}
+
+function slicesOf(
+  { effects }: Pick<FrameShape, 'effects'>,
+  pages: readonly FramePage[],
+): (PageSlice | null)[] {
+  let byteOffset = 0;
+  return pages.map(({ cloudIndex, chunkStart, splatCount }) => {
+    if (!takesSelection(effects[cloudIndex], ['splat', 'color'])) return null;
+    const first = pages.find((page) => page.cloudIndex === cloudIndex)!;
+    const splatStart = (chunkStart - first.chunkStart) * CHUNK_SPLATS;
+    const bytes = 4 * Math.ceil(splatCount / 32);
+    const slice = { cloudIndex, splatStart, splatCount, byteOffset, bytes };
+    byteOffset = roundUp(byteOffset + bytes, STORAGE_ALIGNMENT);
+    return slice;
+  });
+}

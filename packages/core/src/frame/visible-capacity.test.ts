@@ -1,0 +1,68 @@
+import fc from 'fast-check';
+import { describe, expect, test } from 'vitest';
+import { DILATION_PX2 } from '../accuracy/accuracy.ts';
+import { perspectiveCamera, projectionOf } from '../camera/camera.ts';
+import { cloudView } from '../camera/cloud-view.ts';
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
+import { packCloud } from '../packing/packed-cloud.ts';
+import { cullSplat } from '../reference/cull-splats.ts';
+import { anyCamera } from '../testing/any-view.ts';
+import { randomSplats } from '../testing/random-splats.ts';
+import { TEST_MODELS } from '../testing/test-cameras.ts';
+import type { ViewFrame } from './frame-request.ts';
+import { visibleCapacity } from './visible-capacity.ts';
+
+const ALPHA_CUTOFF = 1 / 255;
+const SIZE = { widthPx: 64, heightPx: 48 };
+const CAMERA = perspectiveCamera({ position: [0, 0, 0], target: [0, 0, 1], fovYDegrees: 50, aspect: 1.3 });
+
+/** More than there is always room for; small splats, so that most chunks are clearly in or out. */
+const set = randomSplats({ count: 270_000, shDegree: 0, logScales: [-9, -7] });
+const cloud = packCloud(set, { geometryPrecision: 'packed' }) as unknown as SplatCloud;
+
+const frameOf = (camera: ViewFrame['camera'], modelMatrix?: ArrayLike<number>): ViewFrame => ({
+  camera,
+  clouds: [{ cloud, modelMatrix }],
+  ...SIZE,
+});
+
+describe('visibleCapacity', () => {
+  test('there is room for whatever is drawn', () => {
+    fc.assert(
+      fc.property(anyCamera, fc.constantFrom(...Object.values(TEST_MODELS)), (camera, modelMatrix) => {
+        const projection = projectionOf(camera, SIZE.widthPx, SIZE.heightPx);
+        const view = cloudView(camera.viewMatrix, modelMatrix, set.origin, projection.isOrthographic);
+        let drawn = 0;
+        for (let i = 0; i < set.count; i++) {
+          const settings = { alphaCutoff: ALPHA_CUTOFF, dilationPx2: DILATION_PX2 };
+          if (cullSplat(set, i, view, projection, settings)) drawn++;
+        }
+        expect(visibleCapacity(frameOf(camera, modelMatrix), ALPHA_CUTOFF, 0)).toBeGreaterThanOrEqual(drawn);
+      }),
+      { numRuns: 5, seed: 1 },
+    );
+  });
+
+  test('is less than all where little is in sight, whole chunks, and never more than all', () => {
+    const capacity = visibleCapacity(frameOf(CAMERA), ALPHA_CUTOFF, 0);
+    expect(capacity).toBeLessThan(set.count / 2);
+    expect(capacity % 256).toBe(0);
+    const away = perspectiveCamera({ position: [0, 0, 9], target: [0, 0, 0], fovYDegrees: 50, aspect: 1 });
+    expect(visibleCapacity(frameOf(away), ALPHA_CUTOFF, 0)).toBe(set.count);
+  });
+
+  test('room that suffices is kept, more is made where it does not', () => {
+    const needed = visibleCapacity(frameOf(CAMERA), ALPHA_CUTOFF, 0);
+    expect(visibleCapacity(frameOf(CAMERA), ALPHA_CUTOFF, needed)).toBe(needed);
+    expect(visibleCapacity(frameOf(CAMERA), ALPHA_CUTOFF, needed + 5)).toBe(needed + 5);
+    expect(visibleCapacity(frameOf(CAMERA), ALPHA_CUTOFF, 256)).toBe(needed);
+    expect(visibleCapacity(frameOf(CAMERA), ALPHA_CUTOFF, set.count)).toBe(set.count);
+  });
+
+  test('small scenes have room for all of their splats', () => {
+    const small = packCloud(randomSplats({ count: 1000, shDegree: 0 }), { geometryPrecision: 'packed' });
+    const frame = { ...frameOf(CAMERA), clouds: [{ cloud: small as unknown as SplatCloud }] };
+    expect(visibleCapacity(frame, ALPHA_CUTOFF, 0)).toBe(1000);
+    expect(visibleCapacity({ ...frame, clouds: [] }, ALPHA_CUTOFF, 0)).toBe(0);
+  });
+});

@@ -1,0 +1,130 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { defineEffect } from '../effects/effect.ts';
+import { reveal } from '../effects/reveal.ts';
+import { SplatEngine } from '../engine.ts';
+import { cullSplatsStage, projectStage } from '../frame/frame-resources.ts';
+import { compareCulling } from '../inspect/compare-culling.ts';
+import { compareRecords } from '../inspect/compare-records.ts';
+import { describeFieldError } from '../inspect/field-error.ts';
+import { InspectedFrame, type InspectOptions } from '../inspect/inspected-frame.ts';
+import type { TwinFunction } from '../reference/effects/twins.ts';
+import { compareImages, renderReference } from '../reference/index.ts';
+import { linkShader } from '../shaders/link-shader.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
+import { randomSplats } from '../testing/random-splats.ts';
+import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
+
+const SIZE = { widthPx: 48, heightPx: 32 };
+const CAMERAS = testCameras(1.5);
+
+let device: GPUDevice;
+beforeAll(async () => {
+  device = await createTestDevice();
+});
+afterAll(() => device?.destroy());
+
+/** Splats as long as wide as high, and turned any way. */
+function balls(options: Parameters<typeof randomSplats>[0]): SplatSet {
+  const set = randomSplats({ shDegree: 0, logScales: [-4.5, -2], ...options });
+  for (let i = 0; i < set.count; i++) set.logScales.fill(set.logScales[3 * i], 3 * i, 3 * i + 3);
+  return set;
+}
+
+const flatten = defineEffect({
+  name: 'test-flatten',
+  label: 'Flatten',
+  about: 'Makes disks of splats.',
+  hooks: { splat: 'flattenSplat' },
+  wgsl: `import package::lib::packing::Splat;
+fn flattenSplat(splat: Splat, splatIndex: u32) -> Splat {
+  var flat = splat;
+  flat.scale.z = 0.01 * splat.scale.z;
+  return flat;
+}`,
+  calledFor: () => 'they are to be flat',
+});
+const FLATTEN_TWIN: Record<string, TwinFunction> = {
+  'test-flatten': () => ({
+    changeSplat: ({ logScales: [x, y, z], ...rest }) => ({ ...rest, logScales: [x, y, z + Math.log(0.01)] }),
+  }),
+};
+
+/** Draws the clouds and holds what is drawn, and how, against float64. */
+async function drawnAsTwin(
+  clouds: InspectOptions['clouds'],
+  camera: keyof typeof CAMERAS,
+  accuracy: InspectOptions['accuracy'] = {},
+) {
+  const frame = await InspectedFrame.draw(device, { clouds, camera: CAMERAS[camera], accuracy, ...SIZE });
+  const { visibleCount, mismatches, flaws } = await compareCulling(frame);
+  expect(flaws).toEqual([]);
+  expect(mismatches).toEqual([]);
+  const { firstBad } = await compareRecords(frame);
+  if (firstBad) expect.fail(describeFieldError(firstBad));
+  const { shape } = frame.resources;
+  const texts = [cullSplatsStage(shape, 0), projectStage(shape, 0)].map((stage) => linkShader(stage));
+  frame.destroy();
+  return { visibleCount, shape, texts };
+}
+
+describe('round splats', () => {
+  const set = balls({ count: 700, seed: 80 });
+  for (const camera of ['perspective', 'inside', 'orthographic'] as const) {
+    for (const geometryPrecision of ['f32', 'packed'] as const) {
+      gpuTest(`${camera}, ${geometryPrecision}: as in float64, without a rotation`, async () => {
+        const modelMatrix = TEST_MODELS.sheared;
+        const drawn = await drawnAsTwin([{ set, modelMatrix }], camera, { geometryPrecision });
+        expect(drawn.visibleCount).toBeGreaterThan(20);
+        expect(drawn.shape.isIsotropic).toEqual([true]);
+        for (const text of drawn.texts) expect(text).not.toMatch(/rotationMatrix|unpackRotation/);
+      });
+    }
+  }
+
+  gpuTest('stay so with effects of this package', async () => {
+    const shrink = reveal({ from: [0, 0, 0], radius: 1.2, softEdge: 0.5 });
+    const { shape } = await drawnAsTwin([{ set, effects: [shrink] }], 'perspective');
+    expect(shape.isIsotropic).toEqual([true]);
+  });
+
+  gpuTest('may become flat by an effect of a caller’s own', async () => {
+    const engine = await SplatEngine.create({ device, accuracy: 'high' });
+    const view = engine.createView();
+    const camera = CAMERAS.perspective;
+    const effects = [flatten(undefined)];
+    view.render({ camera, clouds: [{ cloud: engine.add(set), effects }], ...SIZE });
+    const { data } = await view.readPixels();
+    expect(view.shape!.isIsotropic).toEqual([false]);
+    const twin = renderReference({ clouds: [{ set, effects }], effectTwins: FLATTEN_TWIN, camera, ...SIZE });
+    expect(compareImages(data, twin.data, SIZE).psnrDb).toBeGreaterThan(60);
+    engine.destroy();
+  });
+});
+
+describe('splats of which none is faint', () => {
+  /** The least opacity from which on nothing that packing rounds can be under the cutoff. */
+  const least = 1 / 255 + 1.01 / 65535;
+  const logit = (opacity: number) => Math.log(opacity / (1 - opacity));
+  const faint = (opacity: number) =>
+    randomSplats({ count: 500, seed: 81, shDegree: 0, opacityLogits: [logit(opacity), logit(2 * opacity)] });
+
+  for (const geometryPrecision of ['f32', 'packed'] as const) {
+    gpuTest(`${geometryPrecision}: are not tested, and drawn as in float64`, async () => {
+      const { shape, visibleCount } = await drawnAsTwin([{ set: faint(least) }], 'perspective', {
+        geometryPrecision,
+      });
+      expect(shape.hasFaintSplats).toEqual([false]);
+      expect(visibleCount).toBeGreaterThan(20);
+    });
+  }
+
+  gpuTest('are tested as soon as one may be, by itself or by an effect', async () => {
+    const { shape } = await drawnAsTwin([{ set: faint(1 / 255) }], 'perspective');
+    expect(shape.hasFaintSplats).toEqual([true]);
+    const faded = await drawnAsTwin([{ set: faint(0.3), opacity: 0.01 }], 'perspective');
+    expect(faded.shape.hasFaintSplats).toEqual([true]);
+    const cut = await drawnAsTwin([{ set: faint(0.3) }], 'perspective', { alphaCutoff: 0.4 });
+    expect(cut.shape.hasFaintSplats).toEqual([true]);
+  });
+});

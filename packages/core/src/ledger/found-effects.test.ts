@@ -1,0 +1,100 @@
+import { describe, expect, test } from 'vitest';
+import { CLOUD_EFFECTS } from '../effects/effects.ts';
+import type { StageDefinition } from '../gpu/pipelines.ts';
+import { linkInput } from '../shaders/link-shader.ts';
+import { linkModules } from '../shaders/shader-linker.ts';
+import { allStageVariants } from '../testing/stage-variants.ts';
+import { withoutConditions } from '../testing/without-conditions.ts';
+import { FOUND_EFFECTS } from './found-effects.ts';
+
+/** Stages that are there for one effect alone, and run nowhere without it. */
+const OWN_STAGES: Readonly<Record<string, string>> = {
+  'depth-test': 'resolve-depth',
+  'kept-colors': 'keep-colors',
+};
+/** Repacks harmonics when clouds are asked for another precision: no stage of a frame. */
+const REPACKING = 'repack-sh';
+/** Conditions of what comes only together with an effect. */
+const IMPLYING: Readonly<Record<string, readonly string[]>> = { 'depth-test': ['DEPTH_LAYER'] };
+
+const variants = allStageVariants();
+
+function variantsWithout(conditions: readonly string[], ownStage: string | undefined): StageDefinition[] {
+  return variants.filter(
+    ({ stage, conditions: met = {} }) => stage !== ownStage && !conditions.some((name) => met[name]),
+  );
+}
+
+describe('effects that are found', () => {
+  test('have names of their own', () => {
+    const names = [...FOUND_EFFECTS, ...CLOUD_EFFECTS].map(({ name }) => name);
+    expect(new Set(names).size).toBe(names.length);
+    for (const name of names) expect(name).toMatch(/^[a-z]+(-[a-z]+)*$/);
+  });
+
+  for (const { name, conditions, bindings, stages } of FOUND_EFFECTS) {
+    if (conditions.length === 0) continue;
+    // Hundreds of variants, each linked twice.
+    test(`${name}: not called for, all stages are as in a build that does not know it`, {
+      timeout: 30_000,
+    }, () => {
+      const without = variantsWithout([...conditions, ...(IMPLYING[name] ?? [])], OWN_STAGES[name]);
+      expect(without.length).toBeGreaterThan(10);
+      const stripped = new Map<string, string>();
+      for (const stage of without) {
+        const input = linkInput(stage);
+        const modules = Object.fromEntries(
+          Object.entries(input.modules).map(([module, text]) => {
+            const known = stripped.get(text) ?? withoutConditions(text, conditions);
+            stripped.set(text, known);
+            return [module, known];
+          }),
+        );
+        const others = Object.fromEntries(
+          Object.entries(input.conditions).filter(([condition]) => !conditions.includes(condition)),
+        );
+        expect(linkModules(input)).toBe(linkModules({ ...input, modules, conditions: others }));
+        expect(Object.keys(stage.bindings).filter((binding) => bindings.includes(binding))).toEqual([]);
+      }
+    });
+
+    test(`${name}: takes part in the stages that it names, and in no others`, () => {
+      const asking = variants.filter(
+        ({ stage, conditions: met = {} }) => conditions.some((each) => met[each]) && stage !== REPACKING,
+      );
+      const own = OWN_STAGES[name] ? [OWN_STAGES[name]] : [];
+      expect(new Set([...asking.map(({ stage }) => stage), ...own])).toEqual(new Set(stages));
+    });
+  }
+});
+
+test('what a build without a condition is made of has none of its lines', () => {
+  const source = `import a::b;
+@if(OLD && NEW) import c::{d, e};
+struct S {
+  @if(NEW) @size(16) x: array<vec4f, 2>,
+  y: f32,
+}
+// @if(NEW) is nothing here { ;
+@if(NEW)
+fn f(x: f32) -> f32 { if (x > 0.0) { return x; } return 0.0; }
+fn g(s: S) {
+  @if(!NEW && OLD) let z = h(s.y, 1.0);
+  @if(!NEW) let w = 2.0;
+  @if(NEW || OLD) let v = 3.0;
+  @if(NEW) { let u = vec2f(1.0, 2.0); u.x; }
+  @if(NEW) for (var i = 0u; i < 3u; i++) { f(1.0); }
+}`;
+  const lines = withoutConditions(source, ['NEW']).split('\n');
+  expect(lines.map((line) => line.trim()).filter((line) => line !== '')).toEqual([
+    'import a::b;',
+    'struct S {',
+    'y: f32,',
+    '}',
+    'fn g(s: S) {',
+    '@if(OLD) let z = h(s.y, 1.0);',
+    'let w = 2.0;',
+    '@if(OLD) let v = 3.0;',
+    '}',
+  ]);
+});

@@ -1,0 +1,27 @@
+import { hasHook } from '../../effects/effect-set.ts';
+import { canKeep } from '../../frame/color-cache.ts';
+import type { FoundInCloud } from '../found-effect.ts';
+
+/** One evaluation of the harmonics per splat and place of the camera. */
+export const keptColors: FoundInCloud = {
+  of: 'cloud',
+  name: 'kept-colors',
+  label: 'Kept colours',
+  about: 'Keeps the colours of splats while they are seen from one place.',
+  conditions: ['COLOR_CACHE'],
+  bindings: ['keptColors'],
+  stages: ['keep-colors', 'project'],
+  calledFor: ({ index, shape }) => {
+    if (!shape.keepsColors[index]) return null;
+    return hasHook(shape.effects[index], 'color')
+      ? 'effects change its colours, which are evaluated once for each place of the camera'
+      : 'the camera has turned and not moved';
+  },
+  offReason: ({ instance, index, shape }) => {
+    if (shape.shDegrees[index] === 0) return 'its colours are the same from everywhere';
+    return canKeep(instance, shape, index)
+      ? 'it was not seen twice from the same place'
+      : 'its effects change more than kept colours can follow';
+  },
+  bytes: ({ held }) => held.keptColorsBytes,
+};

@@ -1,0 +1,243 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import type { Accuracy } from '../accuracy/accuracy.ts';
+import type { Camera } from '../camera/camera.ts';
+import type { EffectUse } from '../effects/effect.ts';
+import { CLOUD_EFFECTS } from '../effects/effects.ts';
+import { tint } from '../effects/tint.ts';
+import { SplatEngine } from '../engine.ts';
+import { frameStages } from '../frame/frame.ts';
+import type { CloudInstance } from '../frame/frame-request.ts';
+import { identity4, multiply4 } from '../math/mat4.ts';
+import { EFFECT_EXAMPLES } from '../testing/effect-examples.ts';
+import { randomSplats, splatsOf } from '../testing/random-splats.ts';
+import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
+import type { SplatView } from '../views/splat-view.ts';
+import { FOUND_EFFECTS } from './found-effects.ts';
+
+const SIZE = { widthPx: 16, heightPx: 16 };
+const SET = randomSplats({ count: 300, seed: 70, shDegree: 1, logScales: [-4, -2] });
+const CAMERAS = testCameras(1);
+
+let device: GPUDevice;
+let engine: SplatEngine;
+let view: SplatView;
+beforeAll(async () => {
+  device = await createTestDevice();
+  engine = await SplatEngine.create({ device, accuracy: 'high' });
+  view = engine.createView();
+});
+afterAll(() => {
+  engine?.destroy();
+  device?.destroy();
+});
+
+async function ledgerOf(clouds: readonly CloudInstance[], camera = CAMERAS.perspective, accuracy?: Accuracy) {
+  view.render({ camera, clouds, accuracy, ...SIZE });
+  await view.whenDrawn();
+  return Object.fromEntries(view.effects().map((entry) => [entry.name, entry]));
+}
+
+/** The camera rolled about its line of sight by a quarter: the same place. */
+function rolled(camera: Camera): Camera {
+  const quarter = Float64Array.of(0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);
+  return { ...camera, viewMatrix: multiply4(quarter, camera.viewMatrix) };
+}
+
+describe('the ledger, of effects that callers ask for', () => {
+  gpuTest('has nothing before the first picture', async () => {
+    const fresh = engine.createView();
+    expect(fresh.effects()).toEqual([]);
+    fresh.destroy();
+  });
+
+  gpuTest('lists all, on where a cloud calls for them, with what they hold', async () => {
+    const cloud = engine.add(SET, { name: 'garden' });
+    const none = await ledgerOf([{ cloud }]);
+    for (const { name } of CLOUD_EFFECTS) {
+      const off = { isOn: false, reason: 'no cloud asks for it', clouds: [], bytes: 0 };
+      expect(none[name]).toMatchObject(off);
+    }
+    const all = await ledgerOf([{ cloud, effects: EFFECT_EXAMPLES }]);
+    for (const { effect, reason } of EFFECT_EXAMPLES) {
+      expect(all[effect.name]).toMatchObject({ isOn: true, reason, clouds: ['garden'] });
+      if (effect.parameters) expect(all[effect.name].bytes).toBeGreaterThanOrEqual(effect.parameters.bytes);
+    }
+    // A bit for each of 300 splats, and its colour and strength.
+    expect(all.highlight.bytes).toBe(40 + 16);
+    expect(all.tint.stages).toEqual(['project']);
+    expect(all.clip.stages).toEqual(['cull-splats', 'project']);
+    cloud.destroy();
+  });
+
+  gpuTest('says which cloud has which reason, and what is asked for in vain', async () => {
+    const left = engine.add(SET, { name: 'left' });
+    const right = engine.add(SET, { name: 'right' });
+    const { tint: entry, opacity } = await ledgerOf([
+      { cloud: left, effects: [tint([1, 0.5, 0.5])], opacity: 1 },
+      { cloud: right, effects: [tint([0.5, 1, 1])] },
+    ]);
+    expect(entry.clouds).toEqual(['left', 'right']);
+    expect(entry.reason).toBe(
+      'left: colours are multiplied by 1, 0.5, 0.5; right: colours are multiplied by 0.5, 1, 1',
+    );
+    expect(opacity).toMatchObject({ isOn: false, reason: 'as it is asked for it would change nothing' });
+    left.destroy();
+    right.destroy();
+  });
+
+  gpuTest('is the engine’s of the view that was drawn last', async () => {
+    const cloud = engine.add(SET);
+    const isTinted = () => engine.effects().find(({ name }) => name === 'tint')!.isOn;
+    await ledgerOf([{ cloud, effects: [tint([0, 1, 0])] }]);
+    const other = engine.createView();
+    other.render({ camera: CAMERAS.inside, clouds: [{ cloud }], ...SIZE });
+    expect(isTinted()).toBe(false);
+    other.destroy();
+    expect(isTinted()).toBe(true);
+    cloud.destroy();
+  });
+});
+
+describe('the ledger, of effects that are found', () => {
+  const ball = { logScales: [-2, -2, -2], opacityLogit: 3 };
+  const pictures: readonly (readonly [
+    string,
+    CloudInstance['modelMatrix'],
+    readonly EffectUse[],
+    Accuracy,
+  ])[] = [
+    ['as it is', undefined, [], 'high'],
+    ['moved, tinted, with degree 0', TEST_MODELS.moved, [tint([1, 0, 0])], { shDegree: 0 }],
+    ['with all effects', undefined, EFFECT_EXAMPLES, 'high'],
+  ];
+
+  for (const [name, modelMatrix, effects, accuracy] of pictures) {
+    for (const camera of ['perspective', 'orthographic'] as const) {
+      gpuTest(`${name}, ${camera}: says of each what the shaders of the picture say`, async () => {
+        const cloud = engine.add(SET);
+        const round = engine.add(splatsOf([ball, ball]));
+        const clouds = [{ cloud, modelMatrix, effects }, { cloud: round }];
+        const ledger = await ledgerOf(clouds, CAMERAS[camera], accuracy);
+        const stages = frameStages(view.shape!).map((entry) => ('bindings' in entry ? entry : entry[0]));
+        for (const effect of FOUND_EFFECTS) {
+          if (effect.conditions.length === 0) continue;
+          const isLinked = stages.some(({ conditions = {} }) =>
+            effect.conditions.some((each) => conditions[each]),
+          );
+          const isBound = stages.some(({ bindings }) => effect.bindings.some((each) => each in bindings));
+          expect(ledger[effect.name].isOn, effect.name).toBe(isLinked);
+          if (effect.bindings.length > 0) expect(isBound, effect.name).toBe(isLinked);
+          expect(ledger[effect.name].reason).toMatch(/^[a-z].*[^.]$/);
+        }
+        cloud.destroy();
+        round.destroy();
+      });
+    }
+  }
+
+  gpuTest('harmonics: which degree is evaluated, what decides that, and what is stored', async () => {
+    const cloud = engine.add(SET, { name: 'garden' });
+    const harmonics = async (instance: Partial<CloudInstance>, accuracy?: Accuracy) =>
+      (await ledgerOf([{ cloud, ...instance }], CAMERAS.perspective, accuracy)).harmonics;
+    const all = await harmonics({});
+    expect(all).toMatchObject({ isOn: true, clouds: ['garden'] });
+    expect(all.reason).toMatch(/: the file has degree 1$/);
+    const bytes = engine.memory().resources.find(({ label }) => /garden.*(sh|harmonics)/i.test(label))!.bytes;
+    expect(all.bytes).toBe(bytes);
+    const asked = await harmonics({ shDegree: 0 });
+    expect(asked).toMatchObject({ isOn: false, bytes, clouds: [] });
+    expect(asked.reason).toBe('it is asked for with degree 0 of the file’s 1');
+    expect((await harmonics({}, { shDegree: 0 })).reason).toBe('the accuracy has degree 0 of the file’s 1');
+    cloud.destroy();
+  });
+
+  gpuTest('placement: what a matrix does, which no shader knows of', async () => {
+    const cloud = engine.add(SET);
+    const placement = async (modelMatrix?: ArrayLike<number>) => {
+      const { transform } = await ledgerOf([{ cloud, modelMatrix }]);
+      expect(transform).toMatchObject({ stages: [], bytes: 0 });
+      return transform.isOn ? transform.reason : null;
+    };
+    expect(await placement()).toBeNull();
+    expect(await placement(TEST_MODELS.identity)).toBeNull();
+    const aside = identity4();
+    aside[12] = 0.1;
+    expect(await placement(aside)).toMatch(/moved/);
+    expect(await placement(TEST_MODELS.mirrored)).toMatch(/at its own size/);
+    expect(await placement(TEST_MODELS.sheared)).toMatch(/sheared/);
+    const twice = identity4().map((value, i) => (i < 15 ? 2 * value : value));
+    expect(await placement(twice)).toMatch(/alike/);
+    cloud.destroy();
+  });
+
+  gpuTest('kept colours: only where the camera turns, and how many bytes', async () => {
+    const cloud = engine.add(SET);
+    const fresh = engine.createView();
+    const keptFrom = async (camera: Camera) => {
+      fresh.render({ camera, clouds: [{ cloud }], ...SIZE });
+      await fresh.whenDrawn();
+      return fresh.effects().find(({ name }) => name === 'kept-colors')!;
+    };
+    let camera = CAMERAS.inside;
+    let kept = await keptFrom(camera);
+    expect(kept).toMatchObject({ isOn: false, bytes: 0 });
+    // Until then shaders for it are being compiled.
+    await expect
+      .poll(async () => {
+        camera = rolled(camera);
+        kept = await keptFrom(camera);
+        return kept.isOn;
+      })
+      .toBe(true);
+    expect(kept).toMatchObject({ isOn: true, reason: 'the camera has turned and not moved' });
+    // Per splat its colour and for which place that is, and a number in front.
+    expect(kept.bytes).toBe(8 * (SET.count + 1));
+    fresh.destroy();
+    cloud.destroy();
+  });
+
+  gpuTest('depth: tested and written only inside of another renderer’s frame', async () => {
+    const cloud = engine.add(SET);
+    const depth = { mapping: 'projection', compare: 'less-equal' } as const;
+    const ledgerWith = async (wanted: { readonly depth?: typeof depth; readonly writesDepth?: boolean }) => {
+      const embedded = engine.createEmbeddedView();
+      const ready = new Promise<void>((resolve) => {
+        embedded.onReady = resolve;
+      });
+      const frame = { camera: CAMERAS.perspective, clouds: [{ cloud }], ...SIZE, ...wanted };
+      if (!embedded.prepare(frame)) {
+        await ready;
+        expect(embedded.prepare(frame)).toBe(true);
+      }
+      const [color, tested] = (['rgba16float', 'depth32float'] as const).map((format) =>
+        device.createTexture({
+          size: [SIZE.widthPx, SIZE.heightPx],
+          format,
+          usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.RENDER_ATTACHMENT,
+        }),
+      );
+      const encoder = device.createCommandEncoder();
+      embedded.draw(encoder, { color, depth: tested, xPx: 0, yPx: 0 });
+      device.queue.submit([encoder.finish()]);
+      const ledger = engine.effects().filter(({ name }) => name.startsWith('depth-'));
+      embedded.destroy();
+      return ledger.map(({ name, isOn, bytes }) => ({ name, isOn, bytes }));
+    };
+    const pixels = SIZE.widthPx * SIZE.heightPx;
+    const blended = device.features.has('float32-blendable' as GPUFeatureName) ? 4 : 2;
+    expect(await ledgerWith({})).toEqual([
+      { name: 'depth-test', isOn: false, bytes: 0 },
+      { name: 'depth-write', isOn: false, bytes: 0 },
+    ]);
+    expect(await ledgerWith({ depth })).toEqual([
+      { name: 'depth-test', isOn: true, bytes: 16 + 4 * pixels },
+      { name: 'depth-write', isOn: false, bytes: 0 },
+    ]);
+    expect(await ledgerWith({ depth, writesDepth: true })).toEqual([
+      { name: 'depth-test', isOn: true, bytes: 16 + 4 * pixels },
+      { name: 'depth-write', isOn: true, bytes: (blended + 4) * pixels },
+    ]);
+    cloud.destroy();
+  });
+});

@@ -1,0 +1,119 @@
+import type { SplatEffect } from '../effects/effect.ts';
+import { STRUCT_ALIGNMENT } from '../effects/effect-set.ts';
+import { CLOUD_EFFECTS, usesOf } from '../effects/effects.ts';
+import type { CloudInstance } from '../frame/frame-request.ts';
+import { roundUp } from '../layout/gpu-struct.ts';
+import type { DrawnPicture, FoundEffect } from './found-effect.ts';
+import { FOUND_EFFECTS } from './found-effects.ts';
+
+/** One effect, as it was in a picture. */
+export interface EffectEntry {
+  /** Lower case with hyphens. */
+  readonly name: string;
+  /** What a person would call it. */
+  readonly label: string;
+  /** What it does: one sentence. */
+  readonly about: string;
+  /** Whether it is in the shaders, the buffers or the passes of the picture; what is off costs nothing. */
+  readonly isOn: boolean;
+  /** Why it is on, or why it is off, in words. */
+  readonly reason: string;
+  /** Names of the clouds that it is on for; empty where it is off, and where it is one of the whole view. */
+  readonly clouds: readonly string[];
+  /** Stages that it may take part in; none where it is done on the CPU alone. */
+  readonly stages: readonly string[];
+  /** What is held for it on the GPU now. What effects share is counted with each of them. */
+  readonly bytes: number;
+}
+
+/** All effects, also those that are off: those that are found, then the caller's in the order in which they act. */
+export function effectsLedger(picture: DrawnPicture): readonly EffectEntry[] {
+  const { clouds } = picture.frame;
+  const asked = clouds.flatMap(({ effects = [] }) => effects.map(({ effect }) => effect));
+  const own = asked.filter((effect) => !CLOUD_EFFECTS.includes(effect));
+  return [
+    ...FOUND_EFFECTS.map((effect) => foundEntry(effect, picture)),
+    ...[...new Set([...own, ...CLOUD_EFFECTS])].map((effect) => callersEntry(effect, picture)),
+  ];
+}
+
+/** What is said of one cloud. */
+interface Finding {
+  readonly cloud: string;
+  readonly reason: string;
+}
+
+function foundEntry(effect: FoundEffect, picture: DrawnPicture): EffectEntry {
+  const { name, label, about, stages } = effect;
+  const bytes = effect.bytes?.(picture) ?? 0;
+  if (effect.of === 'view') {
+    const on = effect.calledFor(picture);
+    const reason = on ?? effect.offReason(picture);
+    return { name, label, about, isOn: on !== null, reason, clouds: [], stages, bytes };
+  }
+  const { frame, shape } = picture;
+  const on: Finding[] = [];
+  const off: Finding[] = [];
+  for (const [index, instance] of frame.clouds.entries()) {
+    const place = { instance, index, shape };
+    const cloud = instance.cloud.name;
+    const reason = effect.calledFor(place);
+    if (reason !== null) on.push({ cloud, reason });
+    else off.push({ cloud, reason: effect.offReason(place) });
+  }
+  const isOn = on.length > 0;
+  const reason = together(isOn ? on : off);
+  return { name, label, about, isOn, reason, clouds: namesOf(on), stages, bytes };
+}
+
+function callersEntry(effect: SplatEffect, { frame, shape, held }: DrawnPicture): EffectEntry {
+  const { name, label, about, parameters, takesSelection } = effect;
+  const findings: Finding[] = [];
+  let bytes = 0;
+  for (const [index, instance] of frame.clouds.entries()) {
+    if (!shape.effects[index].effects.includes(effect)) continue;
+    const use = usesOf(instance).find((each) => each.effect === effect);
+    // What is selected changes, and the picture only with the next frame.
+    const reason = use?.reason ?? 'it was called for when this was drawn';
+    findings.push({ cloud: instance.cloud.name, reason });
+    bytes += roundUp(parameters?.bytes ?? 0, STRUCT_ALIGNMENT);
+    if (takesSelection) bytes += held.selectionBytes(index);
+  }
+  const isOn = findings.length > 0;
+  return {
+    name,
+    label,
+    about,
+    isOn,
+    reason: isOn ? together(findings) : reasonOff(effect, frame.clouds),
+    clouds: namesOf(findings),
+    stages: stagesOf(effect),
+    bytes,
+  };
+}
+
+function reasonOff(effect: SplatEffect, clouds: readonly CloudInstance[]): string {
+  const isAsked = clouds.some(
+    ({ effects = [], opacity }) =>
+      effects.some((use) => use.effect === effect) || (effect.name === 'opacity' && opacity !== undefined),
+  );
+  return isAsked ? 'as it is asked for it would change nothing' : 'no cloud asks for it';
+}
+
+function stagesOf({ hooks }: SplatEffect): readonly string[] {
+  return hooks.splat || hooks.opacity ? ['cull-splats', 'project'] : ['project'];
+}
+
+/** One reason, or each with the clouds that it is about. */
+function together(findings: readonly Finding[]): string {
+  const reasons = [...new Set(findings.map(({ reason }) => reason))];
+  if (reasons.length === 0) return 'there is no cloud';
+  if (reasons.length === 1) return reasons[0];
+  return reasons
+    .map((reason) => `${namesOf(findings.filter((each) => each.reason === reason)).join(', ')}: ${reason}`)
+    .join('; ');
+}
+
+function namesOf(findings: readonly Finding[]): string[] {
+  return [...new Set(findings.map(({ cloud }) => cloud))];
+}

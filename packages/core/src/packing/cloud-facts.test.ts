@@ -1,0 +1,215 @@
+import fc from 'fast-check';
+import { describe, expect, test } from 'vitest';
+import { loadSplats } from '../io/load-splats.ts';
+import { readSplats } from '../io/read-splats.ts';
+import { encodePly } from '../io/write-ply.ts';
+import { renderReference } from '../reference/render.ts';
+import { shColor } from '../reference/spherical-harmonics.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
+import { randomSplats, splatsOf } from '../testing/random-splats.ts';
+import { testCameras } from '../testing/test-cameras.ts';
+import { cloudFacts, UNSEEN_CHANGE } from './cloud-facts.ts';
+import { packSet } from './pack-set.ts';
+import { packCloud } from './packed-cloud.ts';
+import { repackShRest, type ShPrecision, shRestValues, truncateShRest, unpackShRest } from './sh-rest.ts';
+
+const PRECISIONS: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
+const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
+
+/** Random splats of degree 3, each band multiplied by its factor. */
+function splatsWithBands(factors: readonly [number, number, number], count = 40): SplatSet {
+  const set = randomSplats({ count });
+  const values = new Float32Array(set.shRest.words.buffer);
+  for (let i = 0; i < values.length; i++) {
+    const coefficient = Math.floor((i % 45) / 3);
+    const band = DEGREES.findIndex((degree) => coefficient < SH_REST_COEFFICIENTS[degree]);
+    values[i] *= factors[band - 1];
+  }
+  return set;
+}
+
+/** The splats of `set` as a file of `degree` has them. */
+function atDegree(set: SplatSet, degree: ShDegree): SplatSet {
+  return { ...set, shRest: truncateShRest(set.shRest, set.count, degree) };
+}
+
+describe('bands that cannot be seen', () => {
+  const factor = fc.oneof(
+    fc.constant(0),
+    fc.integer({ min: -60, max: 0 }).map((tenths) => 10 ** (tenths / 10)),
+  );
+
+  test('change no colour by more than the threshold, and no more of them could be left out', () => {
+    fc.assert(
+      fc.property(
+        fc.tuple(factor, factor, factor),
+        fc.infiniteStream(fc.double({ min: -1, max: 1, noNaN: true })),
+        (factors, stream) => {
+          const set = splatsWithBands(factors);
+          const { trueShDegree, shBandReach } = cloudFacts(set);
+          const rest = new Float64Array(shRestValues(3));
+          for (let i = 0; i < set.count; i++) {
+            unpackShRest(set.shRest, i, rest);
+            const dc = set.colorDc.subarray(3 * i, 3 * i + 3);
+            const direction = unit([0, 1, 2].map(() => stream.next().value as number));
+            const whole = shColor(3, dc, rest, direction);
+            for (const [channel, value] of shColor(trueShDegree, dc, rest, direction).entries())
+              expect(Math.abs(value - whole[channel])).toBeLessThan(UNSEEN_CHANGE);
+          }
+          const unseen = shBandReach.slice(trueShDegree).reduce((sum, reach) => sum + reach, 0);
+          expect(unseen).toBeLessThan(UNSEEN_CHANGE);
+          if (trueShDegree > 0)
+            expect(unseen + shBandReach[trueShDegree - 1]).toBeGreaterThanOrEqual(UNSEEN_CHANGE);
+        },
+      ),
+    );
+  });
+
+  test('change no pixel by more than that', () => {
+    const set = splatsWithBands([1, 3e-4, 1e-4], 300);
+    const { trueShDegree } = cloudFacts(set);
+    expect(trueShDegree).toBe(1);
+    const pictureOf = (each: SplatSet) =>
+      renderReference({
+        clouds: [{ set: each }],
+        camera: testCameras(1).perspective,
+        widthPx: 32,
+        heightPx: 32,
+      }).data;
+    const whole = pictureOf(set);
+    const changes = pictureOf(atDegree(set, trueShDegree)).map((value, i) => Math.abs(value - whole[i]));
+    const most = changes.reduce((largest, change) => Math.max(largest, change), 0);
+    expect(most).toBeLessThan(UNSEEN_CHANGE);
+    expect(most).toBeGreaterThan(UNSEEN_CHANGE / 100);
+  });
+
+  for (const degree of DEGREES) {
+    test(`a file of zeros above degree ${degree} is packed as one of that degree, whichever way it comes`, async () => {
+      const factors = [1, 2, 3].map((band) => (band <= degree ? 1 : 0)) as [number, number, number];
+      const set = splatsWithBands(factors);
+      const file = new Blob([encodePly(set)]);
+      const lower = atDegree(set, degree);
+      const lowerFile = new Blob([encodePly(lower)]);
+      for (const geometryPrecision of ['f32', 'packed'] as const) {
+        for (const shPrecision of PRECISIONS) {
+          const precision = { geometryPrecision, shPrecision };
+          const expected = packSet(lower, precision);
+          expect(expected.shRest).toMatchObject({ degree, precision: shPrecision });
+          const read = await readSplats(file, { shPrecision });
+          for (const packed of [
+            await loadSplats(file, precision),
+            packSet(set, precision),
+            packCloud(set, precision),
+            packCloud(read, { geometryPrecision }),
+          ]) {
+            const facts = { ...expected.facts, declaredShDegree: 3 };
+            expect(packed.facts).toEqual({
+              ...facts,
+              shBandReach: [...facts.shBandReach, 0, 0, 0].slice(0, 3),
+            });
+            expect({ ...packed, facts: expected.facts, shRest: null }).toEqual({ ...expected, shRest: null });
+            expect(packed.shRest).toEqual(expected.shRest);
+          }
+          expect(await loadSplats(lowerFile, precision)).toEqual(expected);
+        }
+      }
+    });
+  }
+
+  test('are the same ones whatever precision is asked for, though it cannot hold what decides', async () => {
+    const set = splatsWithBands([1, 0, 0.01]);
+    const values = new Float32Array(set.shRest.words.buffer);
+    // Next to this a byte rounds all of band 3 away.
+    for (let i = 0; i < set.count; i++) values[45 * i] = 2;
+    const file = new Blob([encodePly(set)]);
+    const { shBandReach } = cloudFacts(set);
+    for (const shPrecision of PRECISIONS) {
+      const precision = { geometryPrecision: 'packed', shPrecision } as const;
+      const coarse = { ...set, shRest: repackShRest(set.shRest, set.count, 'u8') };
+      for (const packed of [
+        await loadSplats(file, precision),
+        packSet(set, precision),
+        packSet(coarse, precision),
+        packCloud(await readSplats(file), precision),
+      ]) {
+        expect(packed.facts).toMatchObject({ declaredShDegree: 3, trueShDegree: 3, shBandReach });
+        expect(packed.shRest).toMatchObject({ degree: 3, precision: shPrecision });
+      }
+    }
+    // Who has bytes alone knows no better.
+    const { bandReach, ...bytes } = repackShRest(set.shRest, set.count, 'u8');
+    expect(cloudFacts({ ...set, shRest: bytes }).trueShDegree).toBe(1);
+  });
+
+  test('stay in the splats that were packed', () => {
+    const set = splatsWithBands([0, 0, 0]);
+    const words = set.shRest.words.slice();
+    expect(packSet(set, { geometryPrecision: 'packed', shPrecision: 'f32' }).shRest.words).toHaveLength(0);
+    expect(set.shRest).toMatchObject({ degree: 3, words });
+  });
+});
+
+function unit([x, y, z]: number[]): [number, number, number] {
+  const length = Math.hypot(x, y, z);
+  return length > 0 ? [x / length, y / length, z / length] : [0, 0, 1];
+}
+
+test('splats are round where the three scales of each are the same', () => {
+  const round = (logScale: number) => ({ logScales: [logScale, logScale, logScale] });
+  expect(cloudFacts(splatsOf([round(-3), round(-1), round(0)])).isIsotropic).toBe(true);
+  for (const axis of [0, 1, 2]) {
+    const logScales = [-2, -2, -2];
+    logScales[axis] = -2 + 2 ** -22;
+    expect(cloudFacts(splatsOf([round(-3), { logScales }])).isIsotropic).toBe(false);
+  }
+});
+
+test('opacities: the least, and how many are below 1/255', () => {
+  const logitOf = (opacity: number) => Math.log(opacity / (1 - opacity));
+  const opacities = [0.5, 1.001 / 255, 0.999 / 255, 0.25 / 255];
+  const facts = cloudFacts(splatsOf(opacities.map((opacity) => ({ opacityLogit: logitOf(opacity) }))));
+  expect(facts.minOpacity).toBeCloseTo(0.25 / 255, 9);
+  expect(facts.faintCount).toBe(2);
+  const ends = splatsOf([
+    { opacityLogit: Number.POSITIVE_INFINITY },
+    { opacityLogit: Number.NEGATIVE_INFINITY },
+  ]);
+  expect(cloudFacts(ends)).toMatchObject({ minOpacity: 0, faintCount: 1 });
+  expect(cloudFacts(splatsOf([{ opacityLogit: Number.POSITIVE_INFINITY }]))).toMatchObject({
+    minOpacity: 1,
+    faintCount: 0,
+  });
+});
+
+test('what the format says of antialiasing arrives, through whatever leaves splats out', () => {
+  const set = randomSplats({ count: 5 });
+  const precision = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
+  expect(packSet(set, precision).facts.isAntialiased).toBeNull();
+  set.positions[3] = Number.NaN;
+  for (const isAntialiased of [true, false]) {
+    const packed = packSet({ ...set, isAntialiased }, precision);
+    expect(packed.count).toBe(4);
+    expect(packed.facts.isAntialiased).toBe(isAntialiased);
+  }
+});
+
+test('what is left out decides nothing', () => {
+  const set = splatsWithBands([0, 0, 0], 3);
+  new Float32Array(set.shRest.words.buffer)[50] = 1;
+  set.opacityLogits[1] = -20;
+  set.positions[4] = Number.POSITIVE_INFINITY;
+  const { facts } = packSet(set, { geometryPrecision: 'packed', shPrecision: 'u8' });
+  expect(facts).toMatchObject({ trueShDegree: 0, shBandReach: [0, 0, 0], faintCount: 0 });
+});
+
+test('no splats call for nothing', () => {
+  expect(cloudFacts(randomSplats({ count: 0 }))).toEqual({
+    declaredShDegree: 3,
+    trueShDegree: 0,
+    shBandReach: [0, 0, 0],
+    isIsotropic: true,
+    minOpacity: 1,
+    faintCount: 0,
+    isAntialiased: null,
+  });
+});

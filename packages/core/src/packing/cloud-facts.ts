@@ -1,0 +1,78 @@
+import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
+import { shBandReach } from './sh-rest.ts';
+
+/** What the splats of a cloud call for, whatever they are seen from: found in the data when they are packed. */
+export interface CloudFacts {
+  /** Degree of the spherical harmonics in the file. */
+  readonly declaredShDegree: ShDegree;
+  /**
+   * Degree up to which they can be seen: what is stored and drawn. The bands above it together change no channel of any
+   * splat's colour by as much as UNSEEN_CHANGE.
+   */
+  readonly trueShDegree: ShDegree;
+  /** Per band 1…declaredShDegree the most that it can change a channel of any splat's colour, in any direction. */
+  readonly shBandReach: readonly number[];
+  /** Whether all three scales of each splat are the same: rotations are nowhere to be seen then. */
+  readonly isIsotropic: boolean;
+  /** Least opacity of any splat, 0…1; 1 where there are none. */
+  readonly minOpacity: number;
+  /** Splats whose opacity is below 1/255: never drawn under the default cutoff. */
+  readonly faintCount: number;
+  /** Whether the splats were trained with an antialias filter; null where the format does not say. */
+  readonly isAntialiased: boolean | null;
+}
+
+/**
+ * Changes of a colour below this, a sixteenth of an 8-bit step, are taken not to be seen: blending in float16 rounds a
+ * channel near white by as much, 2⁻¹², with each splat.
+ *
+ * A pixel changes by no more than its splats' colours do. It is Σ wᵢcᵢ and its background, where the weights wᵢ ≥ 0 come of
+ * shapes, opacities and order, in which colours have no part, and sum to at most 1; so |Σ wᵢΔcᵢ| ≤ max |Δcᵢ|. And cᵢ is
+ * max(0, …) of the harmonics, which passes no more of a change on than it gets. What brightens colours afterwards
+ * brightens the difference as well.
+ */
+export const UNSEEN_CHANGE = 1 / (16 * 255);
+
+/** The logit of an opacity of 1/255. */
+const FAINT_LOGIT = -Math.log(254);
+
+/** What `set`, whose rows are finite, calls for. A pass over the splats; over their harmonics too where nobody did that yet. */
+export function cloudFacts(set: SplatSet): CloudFacts {
+  const reach = shBandReach(set.shRest, set.count);
+  return {
+    declaredShDegree: set.shRest.degree,
+    trueShDegree: trueShDegree(reach),
+    shBandReach: reach,
+    isIsotropic: isIsotropic(set),
+    ...opacityFacts(set),
+    isAntialiased: set.isAntialiased ?? null,
+  };
+}
+
+/** Leaves out as many of the highest bands as stay unseen together. */
+function trueShDegree(reach: readonly number[]): ShDegree {
+  let degree = reach.length;
+  for (let change = 0; degree > 0; degree--) {
+    change += reach[degree - 1];
+    if (change >= UNSEEN_CHANGE) break;
+  }
+  return degree as ShDegree;
+}
+
+function isIsotropic({ count, logScales }: SplatSet): boolean {
+  for (let i = 0; i < 3 * count; i += 3) {
+    if (logScales[i] !== logScales[i + 1] || logScales[i] !== logScales[i + 2]) return false;
+  }
+  return true;
+}
+
+function opacityFacts({ count, opacityLogits }: SplatSet): Pick<CloudFacts, 'minOpacity' | 'faintCount'> {
+  let least = Number.POSITIVE_INFINITY;
+  let faintCount = 0;
+  for (let i = 0; i < count; i++) {
+    const logit = opacityLogits[i];
+    if (logit < least) least = logit;
+    if (logit < FAINT_LOGIT) faintCount++;
+  }
+  return { minOpacity: 1 / (1 + Math.exp(-least)), faintCount };
+}

@@ -1,0 +1,122 @@
+import type { GeometryPrecision } from '../accuracy/accuracy.ts';
+import { COEFFICIENT_MAX, toHalfBits } from '../layout/half.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
+import { clampLogScale } from './log-scale.ts';
+import { normalizedRotation } from './rotation.ts';
+
+/** 32-bit words per splat: twin of shaders/lib/packing.wgsl. */
+export const GEOMETRY_WORDS: Readonly<Record<GeometryPrecision, number>> = { f32: 16, packed: 8 };
+
+/** Log scales of a packed cloud are unorm16 steps from `min` on. */
+export interface LogScaleRange {
+  readonly min: number;
+  readonly step: number;
+}
+
+/** Geometry, base colour and opacity of N splats, GEOMETRY_WORDS words each, as the GPU reads them. */
+export interface PackedGeometry {
+  readonly precision: GeometryPrecision;
+  readonly words: Uint32Array;
+  readonly logScaleRange: LogScaleRange;
+}
+
+/**
+ * Packs all splats of `set`, in its order.
+ *
+ * f32, 64 bytes: position, opacity | rotation w, x, y, z | scale, 0 | dc, 0.
+ *
+ * packed, 32 bytes: position 3×f32 | dc 3×f16 | opacity unorm16 | log scale 3×unorm16 over the cloud's range |
+ * rotation smallest-three, 3×15 bits and the 2-bit index of the one left out (bit 15 of the first and second).
+ *
+ * @param logScaleRange by default that of `set`.
+ */
+export function packGeometry(
+  set: SplatSet,
+  precision: GeometryPrecision,
+  logScaleRange = logScaleRangeOf(set),
+): PackedGeometry {
+  const words = new Uint32Array(set.count * GEOMETRY_WORDS[precision]);
+  if (precision === 'f32') packF32(set, new Float32Array(words.buffer));
+  else packSmall(set, words, logScaleRange);
+  return { precision, words, logScaleRange };
+}
+
+/** Peak opacity, 0…1, of a logit; ±Infinity allowed. */
+export function opacityOf(logit: number): number {
+  return 1 / (1 + Math.exp(-logit));
+}
+
+function packF32(set: SplatSet, target: Float32Array): void {
+  const rotation = new Float64Array(4);
+  for (let i = 0; i < set.count; i++) {
+    const at = 16 * i;
+    normalizedRotation(set.rotations, 4 * i, rotation);
+    for (let axis = 0; axis < 3; axis++) {
+      target[at + axis] = set.positions[3 * i + axis];
+      target[at + 8 + axis] = Math.exp(clampLogScale(set.logScales[3 * i + axis]));
+      target[at + 12 + axis] = Math.max(
+        -COEFFICIENT_MAX,
+        Math.min(COEFFICIENT_MAX, set.colorDc[3 * i + axis]),
+      );
+    }
+    target[at + 3] = opacityOf(set.opacityLogits[i]);
+    target.set(rotation, at + 4);
+  }
+}
+
+function packSmall(set: SplatSet, words: Uint32Array, { min, step }: LogScaleRange): void {
+  const positionBits = new Uint32Array(set.positions.buffer, set.positions.byteOffset, 3 * set.count);
+  const rotation = new Float64Array(4);
+  for (let i = 0; i < set.count; i++) {
+    const at = 8 * i;
+    words[at] = positionBits[3 * i];
+    words[at + 1] = positionBits[3 * i + 1];
+    words[at + 2] = positionBits[3 * i + 2];
+    words[at + 3] = toHalfBits(set.colorDc[3 * i]) | (toHalfBits(set.colorDc[3 * i + 1]) << 16);
+    const opacity = Math.round(opacityOf(set.opacityLogits[i]) * 65535);
+    words[at + 4] = toHalfBits(set.colorDc[3 * i + 2]) | (opacity << 16);
+    const scaleX = logScaleSteps(set.logScales[3 * i], min, step);
+    const scaleY = logScaleSteps(set.logScales[3 * i + 1], min, step);
+    const scaleZ = logScaleSteps(set.logScales[3 * i + 2], min, step);
+    normalizedRotation(set.rotations, 4 * i, rotation);
+    const [low, high] = packRotation(rotation);
+    words[at + 5] = scaleX | (scaleY << 16);
+    words[at + 6] = scaleZ | (low << 16);
+    words[at + 7] = high;
+  }
+}
+
+function logScaleRangeOf({ logScales }: SplatSet): LogScaleRange {
+  let min = Number.POSITIVE_INFINITY;
+  let max = Number.NEGATIVE_INFINITY;
+  for (let i = 0; i < logScales.length; i++) {
+    const logScale = clampLogScale(logScales[i]);
+    if (logScale < min) min = logScale;
+    if (logScale > max) max = logScale;
+  }
+  // Rounded to what the shader will compute with.
+  return max > min
+    ? { min: Math.fround(min), step: Math.fround((max - min) / 65535) }
+    : { min: Math.fround(min), step: 0 };
+}
+
+function logScaleSteps(logScale: number, min: number, step: number): number {
+  if (step === 0) return 0;
+  return Math.max(0, Math.min(65535, Math.round((clampLogScale(logScale) - min) / step)));
+}
+
+/** Steps on either side of zero, so that zero itself, and with it the identity, is exact. */
+const ROTATION_STEPS = 16383;
+
+function packRotation(rotation: Float64Array): [low: number, high: number] {
+  let largest = 0;
+  for (let k = 1; k < 4; k++) if (Math.abs(rotation[k]) > Math.abs(rotation[largest])) largest = k;
+  // A quaternion and its negative are the same rotation: the one left out is made positive.
+  const sign = rotation[largest] < 0 ? -1 : 1;
+  const steps: number[] = [];
+  for (let k = 0; k < 4; k++) {
+    if (k !== largest)
+      steps.push(Math.round(sign * rotation[k] * Math.SQRT2 * ROTATION_STEPS) + ROTATION_STEPS);
+  }
+  return [steps[0] | ((largest & 1) << 15), steps[1] | ((largest >> 1) << 15) | (steps[2] << 16)];
+}

@@ -1,0 +1,9 @@
+import type { CloudPrecision } from '../clouds/cloud-planes.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
+import { dropNonFinite } from './drop-non-finite.ts';
+import { type PackedCloud, packCloud } from './packed-cloud.ts';
+
+/** Packs splats that are in memory, of any order; what is not finite is left out and counted. */
+export function packSet(set: SplatSet, { geometryPrecision, shPrecision }: CloudPrecision): PackedCloud {
+  return packCloud(dropNonFinite(set), { geometryPrecision, shPrecision });
+}

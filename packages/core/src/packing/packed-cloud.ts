@@ -1,0 +1,148 @@
+import type { GeometryPrecision } from '../accuracy/accuracy.ts';
+import { CHUNK_SPLATS } from '../layout/constants.ts';
+import { Chunk } from '../layout/structs.ts';
+import type { Vec3 } from '../math/mat4.ts';
+import type { DropCounts, SplatSet } from '../splats/splat-set.ts';
+import { type CloudFacts, cloudFacts } from './cloud-facts.ts';
+import { type PackedGeometry, packGeometry } from './geometry.ts';
+import { clampLogScale } from './log-scale.ts';
+import { mortonOrder, permuteSplats } from './morton-order.ts';
+import { repackShRest, type ShPrecision, type ShRest, truncateShRest } from './sh-rest.ts';
+
+/** An axis-aligned box, corners included. */
+export interface Bounds {
+  readonly min: Vec3;
+  readonly max: Vec3;
+}
+
+/** Splats as they are uploaded: in storage order, packed, with the bounds of each chunk of CHUNK_SPLATS. */
+export interface PackedCloud {
+  readonly count: number;
+  /** Scene-space point that positions are relative to. */
+  readonly origin: Vec3;
+  /** Bounds of the centres, in scene space. */
+  readonly bounds: Bounds;
+  /** Bounds of the centres but for the outermost two in a hundred on either side of each axis: where the scene is. */
+  readonly robustBounds: Bounds;
+  readonly geometry: PackedGeometry;
+  /** Of degree `facts.trueShDegree`: bands above it cannot be seen and are not here. */
+  readonly shRest: ShRest;
+  /** One `Chunk` struct per chunk. */
+  readonly chunks: ArrayBuffer;
+  /** N: each stored splat's row in its file. */
+  readonly fileIndices: Uint32Array;
+  readonly dropped: DropCounts;
+  /** Of `set` as it was packed, all of its bands included. */
+  readonly facts: CloudFacts;
+}
+
+export interface PackOptions {
+  readonly geometryPrecision: GeometryPrecision;
+  /** Default: what `set` has. */
+  readonly shPrecision?: ShPrecision;
+}
+
+/** Arranges and packs `set`, which may have any order. Takes about a second per two million splats. */
+export function packCloud(set: SplatSet, options: PackOptions): PackedCloud {
+  const facts = cloudFacts(set);
+  const shRest = packedShRest(set, facts, options.shPrecision ?? set.shRest.precision);
+  const stored = permuteSplats({ ...set, shRest }, mortonOrder(set.positions, set.count));
+  const chunks = chunkBounds(stored);
+  const bounds = totalBounds(chunks, stored.origin);
+  return {
+    count: stored.count,
+    origin: stored.origin,
+    bounds,
+    robustBounds: stored.count > 0 ? quantileBounds(stored, OUTER_PART) : bounds,
+    geometry: packGeometry(stored, options.geometryPrecision),
+    shRest: stored.shRest,
+    chunks,
+    fileIndices: stored.fileIndices,
+    dropped: stored.dropped,
+    facts,
+  };
+}
+
+/** Bands that cannot be seen go first, so that others take the whole range of a byte and nothing is packed in vain. */
+function packedShRest({ shRest, count }: SplatSet, facts: CloudFacts, precision: ShPrecision): ShRest {
+  const { shBandReach: bandReach, trueShDegree } = facts;
+  return repackShRest(truncateShRest({ ...shRest, bandReach }, count, trueShDegree), count, precision);
+}
+
+/** The buffers of `cloud`, for posting it to another thread without a copy. */
+export function transferablesOf(cloud: PackedCloud): ArrayBuffer[] {
+  const buffers = [
+    cloud.geometry.words.buffer,
+    cloud.shRest.words.buffer,
+    cloud.chunks,
+    cloud.fileIndices.buffer,
+  ];
+  return buffers as ArrayBuffer[];
+}
+
+export function chunkCountOf(splatCount: number): number {
+  return Math.ceil(splatCount / CHUNK_SPLATS);
+}
+
+function chunkBounds({ count, positions, logScales }: SplatSet): ArrayBuffer {
+  const chunks = new ArrayBuffer(chunkCountOf(count) * Chunk.bytes);
+  for (let chunk = 0; chunk < chunkCountOf(count); chunk++) {
+    const min = [Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
+    const max = [Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY];
+    let maxLogScale = Number.NEGATIVE_INFINITY;
+    const end = Math.min(count, (chunk + 1) * CHUNK_SPLATS);
+    for (let i = 3 * chunk * CHUNK_SPLATS; i < 3 * end; i++) {
+      const axis = i % 3;
+      if (positions[i] < min[axis]) min[axis] = positions[i];
+      if (positions[i] > max[axis]) max[axis] = positions[i];
+      if (logScales[i] > maxLogScale) maxLogScale = logScales[i];
+    }
+    // A packed log scale may be rounded up by half a step.
+    const maxScale = 1.001 * Math.exp(clampLogScale(maxLogScale));
+    Chunk.write(chunks, { minPosition: min, maxPosition: max, maxScale, padding: 0 }, chunk * Chunk.bytes);
+  }
+  return chunks;
+}
+
+function totalBounds(chunks: ArrayBuffer, origin: Vec3): Bounds {
+  const values = new Float32Array(chunks);
+  const stride = Chunk.bytes / 4;
+  const minAt = Chunk.offsets.minPosition / 4;
+  const maxAt = Chunk.offsets.maxPosition / 4;
+  const min: [number, number, number] = [
+    Number.POSITIVE_INFINITY,
+    Number.POSITIVE_INFINITY,
+    Number.POSITIVE_INFINITY,
+  ];
+  const max: [number, number, number] = [
+    Number.NEGATIVE_INFINITY,
+    Number.NEGATIVE_INFINITY,
+    Number.NEGATIVE_INFINITY,
+  ];
+  for (let at = 0; at < values.length; at += stride) {
+    for (let axis = 0; axis < 3; axis++) {
+      min[axis] = Math.min(min[axis], values[at + minAt + axis] + origin[axis]);
+      max[axis] = Math.max(max[axis], values[at + maxAt + axis] + origin[axis]);
+    }
+  }
+  return { min, max };
+}
+
+/** Captures scatter a few splats far around the scene; this part on either side is taken to be such. */
+const OUTER_PART = 0.02;
+/** Splats that the quantiles are taken from, evenly spread over the storage order and so over space. */
+const SAMPLES = 1 << 16;
+
+function quantileBounds({ count, positions, origin }: SplatSet, outerPart: number): Bounds {
+  const step = Math.max(1, Math.floor(count / SAMPLES));
+  const sampleCount = Math.ceil(count / step);
+  const [x, y, z] = [0, 1, 2].map((axis) => {
+    const sorted = Float32Array.from(
+      { length: sampleCount },
+      (_, i) => positions[3 * i * step + axis],
+    ).sort();
+    const low = Math.floor(outerPart * (sampleCount - 1));
+    return [sorted[low] + origin[axis], sorted[sampleCount - 1 - low] + origin[axis]];
+  });
+  return { min: [x[0], y[0], z[0]], max: [x[1], y[1], z[1]] };
+}

@@ -1,0 +1,48 @@
+import type { ShRest } from '../packing/sh-rest.ts';
+
+/** Degree of the spherical harmonics that a set of splats carries. */
+export type ShDegree = 0 | 1 | 2 | 3;
+
+/** Coefficients per colour channel above degree 0, by degree: 0, 3, 8, 15. */
+export const SH_REST_COEFFICIENTS: Readonly<Record<ShDegree, number>> = { 0: 0, 1: 3, 2: 8, 3: 15 };
+
+/** Why a reader left splats out. */
+export type DropReason =
+  | 'non-finite-position'
+  | 'non-finite-scale'
+  | 'non-finite-rotation'
+  | 'non-finite-opacity'
+  | 'non-finite-color';
+
+/** How many splats were left out, by reason; reasons that did not occur are absent. */
+export type DropCounts = Partial<Record<DropReason, number>>;
+
+/**
+ * Splats on the CPU, a column per property, N = `count` rows, in the order in which they are stored.
+ * Values are as trained (log scales, logit opacity), so that a reader changes nothing; only rows that are not
+ * finite are left out and counted.
+ */
+export interface SplatSet {
+  /** Number of splats, N. */
+  readonly count: number;
+  /** Scene-space point that positions are relative to, in float64: large coordinates keep their precision. */
+  readonly origin: readonly [number, number, number];
+  /** 3N: x, y, z relative to `origin`. */
+  readonly positions: Float32Array;
+  /** 3N: natural logarithm of the standard deviation along each local axis. */
+  readonly logScales: Float32Array;
+  /** 4N: quaternion w, x, y, z; of any length above zero. Zero means the identity. */
+  readonly rotations: Float32Array;
+  /** N: logit of the opacity; ±Infinity allowed. */
+  readonly opacityLogits: Float32Array;
+  /** 3N: spherical-harmonics coefficient of degree 0 for r, g, b. */
+  readonly colorDc: Float32Array;
+  /** Coefficients above degree 0, already in the precision that the GPU will read: they are most of a scene's bytes. */
+  readonly shRest: ShRest;
+  /** N: each splat's row in its file, 0-based; what picking returns. */
+  readonly fileIndices: Uint32Array;
+  /** Rows of the file that are not here, by reason. */
+  readonly dropped: DropCounts;
+  /** Whether the splats were trained with an antialias filter; absent where the format does not say. */
+  readonly isAntialiased?: boolean;
+}

@@ -1,0 +1,159 @@
+import { createNodeGpu } from '@websplatter/node';
+import { gpuTest, watchDevice } from '@websplatter/node/gpu-test';
+import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, vi } from 'vitest';
+import { perspectiveCamera } from '../camera/camera.ts';
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
+import { SplatEngine } from '../engine.ts';
+import { DestroyedError } from '../errors.ts';
+import type { ViewFrame } from '../frame/frame-request.ts';
+import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
+import { comparePictures } from '../measure/compare-views.ts';
+import { randomSplats } from '../testing/random-splats.ts';
+
+const SIZE = { widthPx: 64, heightPx: 64 };
+const WISH = { minPsnrDb: 45 };
+const PATIENT = { timeout: 20_000 };
+
+let engine: SplatEngine;
+let cloud: SplatCloud;
+
+beforeAll(async () => {
+  const { gpu, adapter } = await createNodeGpu();
+  engine = await SplatEngine.create({ gpu, adapter });
+  watchDevice(engine.device);
+  cloud = engine.add(randomSplats({ count: 300, shDegree: 1 }));
+});
+afterAll(() => engine?.destroy());
+
+function cameraAt(x: number) {
+  return perspectiveCamera({ position: [x, 0, 4], target: [0, 0, 0], fovYDegrees: 45, aspect: 1 });
+}
+
+function frameOf(clouds: readonly SplatCloud[], x = 0): ViewFrame {
+  return { camera: cameraAt(x), clouds: clouds.map((each) => ({ cloud: each })), ...SIZE, accuracy: WISH };
+}
+
+describe('a view with a wish', () => {
+  const warn = vi.spyOn(console, 'warn');
+  beforeEach(() => void warn.mockClear());
+  afterEach(() => expect(warn).not.toHaveBeenCalled());
+
+  gpuTest(
+    'chooses by itself, keeps it while the camera moves, and chooses anew for other clouds',
+    async () => {
+      const view = engine.createView();
+      const told: AccuracyChoice[] = [];
+      const next = () =>
+        new Promise<AccuracyChoice>((resolve) => {
+          view.onAccuracyChosen = (choice) => {
+            told.push(choice);
+            resolve(choice);
+          };
+        });
+      const embedded = engine.createEmbeddedView();
+      const embeddedTold = vi.fn();
+      const onReady = vi.fn();
+      embedded.onAccuracyChosen = embeddedTold;
+      const first = next();
+      view.render(frameOf([cloud]));
+      embedded.onReady = () => embedded.prepare({ ...frameOf([cloud]), widthPx: 16, heightPx: 16 });
+      embedded.onReady();
+      await vi.waitFor(() => expect(embedded.shape).not.toBeNull(), PATIENT);
+      embedded.onReady = onReady;
+      expect(view.accuracyChoice).toBeNull();
+      const choice = await first;
+      expect(choice).toMatchObject({ wish: WISH, isMet: true });
+      expect(choice.table.points.map(({ name }) => name)).not.toContain('paper −CULL');
+      expect(view.accuracyChoice).toBe(choice);
+      const { geometryPrecision, shPrecision } = choice.settings;
+      await vi.waitFor(
+        () => expect(cloud.precisions).toEqual({ geometry: [geometryPrecision], sh: [shPrecision] }),
+        PATIENT,
+      );
+
+      // Another view of the same clouds with the same wish has the same choice.
+      expect(embeddedTold.mock.calls).toEqual([[choice]]);
+      expect(onReady).toHaveBeenCalledOnce();
+      embedded.destroy();
+
+      // It has been drawn again by itself, and is as close to the reference as was wished for.
+      expect(view.render(frameOf([cloud]))).toBe(false);
+      const planes = { geometryPrecision: 'f32', shPrecision: 'f32' } as const;
+      await engine.requestPrecision(cloud, planes, { keep: true });
+      const reference = engine.createView();
+      reference.render({ ...frameOf([cloud]), accuracy: choice.table.reference.settings });
+      expect((await comparePictures(view, reference)).psnrDb).toBeGreaterThanOrEqual(WISH.minPsnrDb);
+      reference.destroy();
+
+      const before = engine.counters().framesDrawn;
+      for (const x of [0.1, 0.2, 0.3]) view.render(frameOf([cloud], x));
+      expect(engine.counters().framesDrawn).toBe(before + 3);
+      expect(told).toEqual([choice]);
+
+      const another = engine.add(randomSplats({ count: 100, seed: 2 }));
+      const second = next();
+      view.render(frameOf([cloud, another], 0.3));
+      expect(view.accuracyChoice).toBe(choice);
+      const { table, settings } = await second;
+      expect(table.splats).toBe(400);
+      expect(told).toHaveLength(2);
+      // What is loaded for an engine with this wish is loaded for what was chosen.
+      await engine.setAccuracy({ ...WISH });
+      expect(engine.accuracy).toBe(settings);
+      await engine.setAccuracy('balanced');
+      view.destroy();
+      another.destroy();
+    },
+  );
+
+  gpuTest('measures on request, and holds what was chosen', async () => {
+    const view = engine.createView();
+    view.render({ ...frameOf([cloud]), accuracy: { minPsnrDb: 200 } });
+    const { settings, why } = await view.chooseAccuracy();
+    expect(settings).toMatchObject({ geometryPrecision: 'f32', shPrecision: 'f32' });
+    expect(why).toContain('the picture of the reference itself');
+    await vi.waitFor(() => expect(cloud.precisions).toEqual({ geometry: ['f32'], sh: ['f32'] }), PATIENT);
+    view.destroy();
+  });
+
+  gpuTest('measures nothing for settings, and stops when it is told to', async () => {
+    const view = engine.createView();
+    await expect(view.chooseAccuracy()).rejects.toThrow('without a wish');
+    view.render({ ...frameOf([cloud]), accuracy: 'fast' });
+    await expect(view.chooseAccuracy()).rejects.toThrow('without a wish');
+    view.render(frameOf([cloud]));
+    const ending = new AbortController();
+    const calledOff = view.chooseAccuracy({
+      signal: ending.signal,
+      onProgress: () => ending.abort(new Error('enough')),
+    });
+    await expect(calledOff).rejects.toThrow('enough');
+    view.destroy();
+    await expect(view.chooseAccuracy()).rejects.toThrow(DestroyedError);
+  });
+
+  gpuTest('ends quietly with its view, its cloud and its engine', async () => {
+    const { gpu, adapter } = await createNodeGpu();
+    const own = await SplatEngine.create({ gpu, adapter, accuracy: WISH });
+    const clouds = [own.add(randomSplats({ count: 50 })), own.add(randomSplats({ count: 60 }))];
+    const views = clouds.map(() => own.createView());
+    const started = views.map(
+      (view, i) =>
+        new Promise<{ readonly choosing: Promise<AccuracyChoice> }>((resolve) => {
+          view.render({ ...frameOf([clouds[i]]), accuracy: undefined });
+          const choosing = view.chooseAccuracy({ onProgress: () => resolve({ choosing }) });
+          choosing.catch(() => {});
+        }),
+    );
+    const first = await started[0];
+    views[0].destroy();
+    await expect(first.choosing).rejects.toThrow('No view shows');
+    const second = await started[1];
+    clouds[1].destroy();
+    await expect(second.choosing).rejects.toThrow(DestroyedError);
+    views[1].render({ ...frameOf([clouds[0]]), accuracy: undefined });
+    const third = views[1].chooseAccuracy();
+    own.destroy();
+    await expect(third).rejects.toThrow(DestroyedError);
+  });
+});

@@ -1,0 +1,287 @@
+import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
+import { internAccuracy } from '../accuracy/accuracy.ts';
+import { internWish } from '../accuracy/accuracy-wish.ts';
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
+import { DestroyedError } from '../errors.ts';
+import type { ViewFrame } from '../frame/frame-request.ts';
+import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
+import { AccuracyWishes, type WishedScene, type WishingView, type WishOptions } from './accuracy-wishes.ts';
+
+const WISH = internWish({ minPsnrDb: 45 })!;
+const GARDEN = { precisions: { geometry: ['packed'], sh: ['u8'] } } as unknown as SplatCloud;
+const BICYCLE = { ...GARDEN } as SplatCloud;
+
+/** A measurement that has begun, to be ended by the test. */
+interface Begun extends WishOptions {
+  readonly picture: ViewFrame;
+  end(settings: AccuracyChoice['settings']): Promise<AccuracyChoice>;
+  fail(error: Error): Promise<void>;
+}
+
+let begun: Begun[];
+let adopted: { readonly choice: AccuracyChoice; readonly clouds: readonly SplatCloud[] }[];
+let wishes: AccuracyWishes;
+const warn = vi.spyOn(console, 'warn').mockImplementation(() => {});
+
+beforeEach(() => {
+  vi.useFakeTimers();
+  warn.mockClear();
+  begun = [];
+  adopted = [];
+  wishes = new AccuracyWishes({
+    measure: (wish, picture, options) =>
+      new Promise((resolve, reject) => {
+        options.signal.addEventListener('abort', () => reject(options.signal.reason));
+        const end = async (settings: AccuracyChoice['settings']) => {
+          const choice = { wish, settings } as AccuracyChoice;
+          resolve(choice);
+          await passMs(0);
+          return choice;
+        };
+        const fail = async (error: Error) => {
+          reject(error);
+          await passMs(0);
+        };
+        begun.push({ ...options, picture, end, fail });
+      }),
+    adopt: async (choice, clouds) => void adopted.push({ choice, clouds }),
+  });
+});
+afterEach(() => {
+  expect(vi.getTimerCount()).toBe(0);
+  vi.useRealTimers();
+});
+
+/** Lets time pass, and what waits for it be done. */
+function passMs(durationMs: number): Promise<unknown> {
+  return vi.advanceTimersByTimeAsync(durationMs);
+}
+
+function pictureOf(clouds: readonly SplatCloud[], widthPx = 64): ViewFrame {
+  const instances = clouds.map((cloud) => ({ cloud }));
+  return { camera: {} as ViewFrame['camera'], clouds: instances, widthPx, heightPx: 64 };
+}
+
+class FakeView implements WishingView {
+  readonly told: AccuracyChoice[] = [];
+  scene: WishedScene | null = null;
+
+  show(picture: ViewFrame, wish = WISH): void {
+    const scene = wishes.sceneOf(wish, picture, this.scene?.choice ?? null);
+    if (scene !== this.scene) {
+      this.leave();
+      this.scene = scene;
+      scene.join(this);
+    }
+    scene.show(this, picture);
+  }
+
+  leave(): void {
+    this.scene?.leave(this);
+    this.scene = null;
+  }
+
+  onChosen(choice: AccuracyChoice): void {
+    this.told.push(choice);
+  }
+}
+
+describe('when a wish is measured', () => {
+  test('half a second after the first picture and the last change of a size, the largest of all views', async () => {
+    const [small, large] = [new FakeView(), new FakeView()];
+    small.show(pictureOf([GARDEN], 32));
+    await passMs(400);
+    large.show(pictureOf([GARDEN], 100));
+    await passMs(400);
+    large.show(pictureOf([GARDEN], 128));
+    await passMs(499);
+    expect(begun).toHaveLength(0);
+    await passMs(1);
+    expect(begun).toHaveLength(1);
+    expect(begun[0].picture.widthPx).toBe(128);
+    const choice = await begun[0].end(internAccuracy('fast'));
+    expect(adopted).toEqual([{ choice, clouds: [GARDEN] }]);
+    for (const view of [small, large]) {
+      expect(view.told).toEqual([choice]);
+      expect(view.scene!.choice).toBe(choice);
+    }
+    const mirror = new FakeView();
+    mirror.show(pictureOf([GARDEN], 16));
+    await passMs(0);
+    expect(mirror.told).toEqual([choice]);
+    expect(adopted[1].clouds).toEqual([]);
+  });
+
+  test('a camera that moves neither puts it off nor begins it again', async () => {
+    const view = new FakeView();
+    for (let frame = 0; frame < 10; frame++) {
+      view.show(pictureOf([GARDEN]));
+      await passMs(100);
+    }
+    expect(begun).toHaveLength(1);
+    await begun[0].end(internAccuracy('high'));
+    for (let frame = 0; frame < 10; frame++) {
+      view.show(pictureOf([GARDEN], 64 + frame));
+      await passMs(100);
+    }
+    expect(begun).toHaveLength(1);
+    expect(view.told).toHaveLength(1);
+  });
+
+  test('again for other clouds, drawn as before meanwhile; clouds that were measured are known', async () => {
+    const view = new FakeView();
+    view.show(pictureOf([GARDEN]));
+    await passMs(500);
+    const first = await begun[0].end(internAccuracy('high'));
+    view.show(pictureOf([GARDEN, BICYCLE]));
+    expect(view.scene!.choice).toBe(first);
+    await passMs(500);
+    expect(begun[1].previous).toBe(first);
+    const second = await begun[1].end(internAccuracy('fast'));
+    // In whatever order they are drawn.
+    view.show(pictureOf([BICYCLE, GARDEN]));
+    expect(view.scene!.choice).toBe(second);
+    view.show(pictureOf([GARDEN]));
+    expect(view.scene!.choice).toBe(first);
+    await passMs(1000);
+    // The clouds may have been made to hold other planes meanwhile.
+    expect(adopted.slice(1)).toEqual([
+      { choice: second, clouds: [GARDEN, BICYCLE] },
+      { choice: first, clouds: [GARDEN] },
+    ]);
+    expect(begun).toHaveLength(2);
+    expect(wishes.latest(WISH)).toBe(first);
+  });
+
+  test('another wish begins anew', async () => {
+    const view = new FakeView();
+    view.show(pictureOf([GARDEN]));
+    await passMs(500);
+    await begun[0].end(internAccuracy('high'));
+    view.show(pictureOf([GARDEN]), internWish({ maxFrameMs: 8 })!);
+    expect(view.scene!.choice).toBeNull();
+    await passMs(500);
+    expect(begun[1].previous).toBeNull();
+    await begun[1].end(internAccuracy('fast'));
+    expect(view.told).toHaveLength(2);
+  });
+
+  test('one after the other', async () => {
+    const views = [new FakeView(), new FakeView()];
+    views[0].show(pictureOf([GARDEN]));
+    views[1].show(pictureOf([BICYCLE]));
+    await passMs(1000);
+    expect(begun).toHaveLength(1);
+    await begun[0].end(internAccuracy('high'));
+    expect(begun).toHaveLength(2);
+    await begun[1].end(internAccuracy('fast'));
+    expect(views.map(({ told }) => told.length)).toEqual([1, 1]);
+  });
+
+  test('nothing is measured where nothing is drawn', async () => {
+    const view = new FakeView();
+    view.show(pictureOf([]));
+    await passMs(1000);
+    expect(begun).toHaveLength(0);
+    await expect(view.scene!.choose()).rejects.toThrow('no picture yet');
+  });
+});
+
+describe('on request', () => {
+  test('measures at once, in place of what is under way, and tells all views', async () => {
+    const [view, other] = [new FakeView(), new FakeView()];
+    for (const each of [view, other]) each.show(pictureOf([GARDEN]));
+    await passMs(500);
+    const onProgress = vi.fn();
+    const choosing = view.scene!.choose({ onProgress });
+    await passMs(0);
+    expect(begun[0].signal.aborted).toBe(true);
+    expect(begun[1].onProgress).toBe(onProgress);
+    const choice = await begun[1].end(internAccuracy('fast'));
+    expect(await choosing).toBe(choice);
+    expect(other.told).toEqual([choice]);
+    expect(warn).not.toHaveBeenCalled();
+  });
+
+  test('what is called off changes nothing; a first choice follows by itself', async () => {
+    const view = new FakeView();
+    view.show(pictureOf([GARDEN]));
+    const ending = new AbortController();
+    const choosing = expect(view.scene!.choose({ signal: ending.signal })).rejects.toThrow('enough');
+    await passMs(0);
+    ending.abort(new Error('enough'));
+    await choosing;
+    expect(view.scene!.choice).toBeNull();
+    await passMs(500);
+    const choice = await begun[1].end(internAccuracy('fast'));
+    expect(view.told).toEqual([choice]);
+  });
+});
+
+describe('the end', () => {
+  test('the last view to leave ends what is measured, without a word', async () => {
+    const views = [new FakeView(), new FakeView()];
+    for (const view of views) view.show(pictureOf([GARDEN]));
+    await passMs(500);
+    views[0].leave();
+    expect(begun[0].signal.aborted).toBe(false);
+    views[1].leave();
+    expect(begun[0].signal.aborted).toBe(true);
+    await passMs(1000);
+    expect(begun).toHaveLength(1);
+    expect(warn).not.toHaveBeenCalled();
+    views[0].show(pictureOf([GARDEN]));
+    await passMs(500);
+    await begun[1].end(internAccuracy('fast'));
+    expect(views[0].told).toHaveLength(1);
+  });
+
+  test('a wish that is withdrawn is measured no more, until a view has it again', async () => {
+    const [view, idle] = [new FakeView(), new FakeView()];
+    for (const each of [view, idle]) each.show(pictureOf([GARDEN]));
+    await passMs(500);
+    wishes.withdraw(WISH);
+    await passMs(1000);
+    expect(begun.map(({ signal }) => signal.aborted)).toEqual([true]);
+    view.show(pictureOf([GARDEN]));
+    await passMs(500);
+    const choice = await begun[1].end(internAccuracy('fast'));
+    expect([view.told, idle.told]).toEqual([[choice], []]);
+    expect(warn).not.toHaveBeenCalled();
+  });
+
+  test('a cloud, or the engine, ends what shows it', async () => {
+    const views = [new FakeView(), new FakeView()];
+    views[0].show(pictureOf([GARDEN, BICYCLE]));
+    views[1].show(pictureOf([BICYCLE]));
+    await passMs(500);
+    const waiting = expect(views[1].scene!.choose()).rejects.toThrow(DestroyedError);
+    wishes.stop(new DestroyedError('The cloud', 'it was destroyed'), GARDEN);
+    await passMs(0);
+    expect(begun.map(({ signal }) => signal.aborted)).toEqual([true, false]);
+    wishes.stop(new DestroyedError('This measurement', 'the engine was destroyed'));
+    await waiting;
+    await passMs(1000);
+    expect(begun).toHaveLength(2);
+    expect(adopted).toEqual([]);
+    expect(warn).not.toHaveBeenCalled();
+  });
+
+  test('what cannot be measured is told once, and tried again only on request', async () => {
+    const view = new FakeView();
+    view.show(pictureOf([GARDEN]));
+    await passMs(500);
+    await begun[0].fail(new Error('The reference is broken.'));
+    expect(warn.mock.calls).toEqual([
+      ['The wish {"minPsnrDb":45} could not be measured; pictures stay. The reference is broken.'],
+    ]);
+    view.show(pictureOf([GARDEN], 128));
+    await passMs(1000);
+    expect(begun).toHaveLength(1);
+    const choosing = view.scene!.choose();
+    await passMs(0);
+    const choice = await begun[1].end(internAccuracy('fast'));
+    expect(await choosing).toBe(choice);
+    expect(view.told).toEqual([choice]);
+  });
+});

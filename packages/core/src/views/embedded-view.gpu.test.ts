@@ -1,0 +1,525 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { type Camera, cameraFromMatrices, perspectiveCamera } from '../camera/camera.ts';
+import { type DepthConvention, storedDepth } from '../camera/depth-convention.ts';
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
+import { SplatEngine } from '../engine.ts';
+import { DestroyedError, InvalidArgumentError } from '../errors.ts';
+import { readWords } from '../gpu/read-buffer.ts';
+import { readTexture } from '../gpu/read-texture.ts';
+import { toHalfBits } from '../layout/half.ts';
+import { compose } from '../reference/compose.ts';
+import { compareImages, renderReference } from '../reference/index.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
+import { randomSplats, splatsOf } from '../testing/random-splats.ts';
+import { seededRandom } from '../testing/seeded-random.ts';
+import { testCameras } from '../testing/test-cameras.ts';
+import type { EmbeddedFrame, EmbeddedPicture, EmbeddedView } from './embedded-view.ts';
+
+const SIZE = { widthPx: 48, heightPx: 40 };
+const PIXELS = SIZE.widthPx * SIZE.heightPx;
+const SET = randomSplats({ count: 600, seed: 5, logScales: [-4, -1.5] });
+/** Splats lie at view depths of about 0.2 to 3.6. */
+const WALL_DEPTH = 1.9;
+
+let device: GPUDevice;
+let engine: SplatEngine;
+let cloud: SplatCloud;
+
+beforeAll(async () => {
+  device = await createTestDevice();
+  engine = await SplatEngine.create({ device, accuracy: 'high' });
+  cloud = engine.add(SET);
+});
+afterAll(() => {
+  engine?.destroy();
+  device?.destroy();
+});
+
+/** The same camera with clip depths of 0…1, reversed or not, as three.js makes them for WebGPU. */
+function withClipDepth(camera: Camera, isReversed: boolean): Camera {
+  const { near, far, viewMatrix } = camera;
+  const p = Float64Array.from(camera.projectionMatrix);
+  const isOrthographic = p[11] === 0;
+  const range = 1 / (far - near);
+  if (isOrthographic) [p[10], p[14]] = isReversed ? [range, far * range] : [-range, -near * range];
+  else [p[10], p[14]] = isReversed ? [near * range, far * near * range] : [-far * range, -far * near * range];
+  return cameraFromMatrices(viewMatrix, p, { near, far });
+}
+
+interface Host {
+  readonly colorFormat?: GPUTextureFormat;
+  readonly colorUsage?: GPUTextureUsageFlags;
+  readonly depthFormat?: GPUTextureFormat;
+  readonly sampleCount?: 1 | 4;
+  readonly origin?: readonly [number, number];
+}
+
+/** Linear premultiplied colours behind the splats, some of them transparent. */
+const BEHIND = (() => {
+  const random = seededRandom(9);
+  const values = new Float64Array(4 * PIXELS);
+  for (let i = 0; i < PIXELS; i++) {
+    const opacity = [1, 1, 0, random()][i % 4];
+    const color = [random(), random() ** 3, 2 * random() ** 2].map((value) => value * opacity);
+    values.set([...color, opacity], 4 * i);
+  }
+  return values;
+})();
+
+/** A wall in the left half of the picture, nothing in the right. */
+const hostDepthAt = (column: number) => (column < SIZE.widthPx / 2 ? WALL_DEPTH : Number.POSITIVE_INFINITY);
+const HOST_DEPTHS = Float64Array.from({ length: PIXELS }, (_, i) => hostDepthAt(i % SIZE.widthPx));
+
+/** A host's pass: textures larger than the picture, which lies at `origin` in them. */
+function hostPass(camera: Camera, depth: DepthConvention, host: Host) {
+  const { colorFormat = 'rgba16float', depthFormat = 'depth24plus', sampleCount = 1, origin = [0, 0] } = host;
+  const size = [SIZE.widthPx + origin[0] + 3, SIZE.heightPx + origin[1] + 2];
+  const color = device.createTexture({
+    size,
+    format: colorFormat,
+    usage: GPUTextureUsage.COPY_DST | (host.colorUsage ?? GPUTextureUsage.TEXTURE_BINDING),
+  });
+  const bytes =
+    colorFormat === 'rgba16float'
+      ? Uint16Array.from(BEHIND, toHalfBits)
+      : Uint8Array.from(BEHIND, (value) => Math.round(255 * Math.min(1, value)));
+  device.queue.writeTexture(
+    { texture: color, origin: [...origin] },
+    bytes,
+    { bytesPerRow: bytes.byteLength / SIZE.heightPx },
+    [SIZE.widthPx, SIZE.heightPx],
+  );
+  const depthTexture = device.createTexture({
+    size,
+    format: depthFormat,
+    sampleCount,
+    usage: GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.TEXTURE_BINDING,
+  });
+  drawWall(depthTexture, storedDepth(WALL_DEPTH, camera, depth.mapping), depth, origin);
+  return { pass: { color, depth: depthTexture, xPx: origin[0], yPx: origin[1] }, bytes, color };
+}
+
+/** Clears to the far plane and puts the wall into the left half, by a pass as a host would draw it. */
+function drawWall(
+  texture: GPUTexture,
+  stored: number,
+  { compare }: DepthConvention,
+  [xPx, yPx]: readonly [number, number],
+): void {
+  const module = device.createShaderModule({
+    code: `@vertex fn corner(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
+        return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, ${stored}, 1.0);
+      }`,
+  });
+  const pipeline = device.createRenderPipeline({
+    layout: 'auto',
+    vertex: { module },
+    multisample: { count: texture.sampleCount },
+    depthStencil: { format: texture.format, depthCompare: 'always', depthWriteEnabled: true },
+  });
+  const encoder = device.createCommandEncoder();
+  const hasStencil = texture.format.includes('stencil');
+  const pass = encoder.beginRenderPass({
+    colorAttachments: [],
+    depthStencilAttachment: {
+      view: texture.createView(),
+      depthLoadOp: 'clear',
+      depthStoreOp: 'store',
+      depthClearValue: compare === 'less-equal' ? 1 : 0,
+      ...(hasStencil && { stencilLoadOp: 'clear', stencilStoreOp: 'store' }),
+    },
+  });
+  pass.setPipeline(pipeline);
+  pass.setScissorRect(xPx, yPx, SIZE.widthPx / 2, SIZE.heightPx);
+  pass.draw(3);
+  pass.end();
+  device.queue.submit([encoder.finish()]);
+}
+
+/** Waits until `view` has what it needs. */
+async function prepared(view: EmbeddedView, frame: EmbeddedFrame): Promise<void> {
+  while (!view.prepare(frame)) {
+    await new Promise<void>((resolve) => {
+      view.onReady = resolve;
+    });
+  }
+}
+
+function record(view: EmbeddedView, pass: Parameters<EmbeddedView['draw']>[1]): EmbeddedPicture {
+  const encoder = device.createCommandEncoder();
+  const picture = view.draw(encoder, pass);
+  device.queue.submit([encoder.finish()]);
+  return picture;
+}
+
+/** Values of an r32float texture. */
+async function readDepths(texture: GPUTexture): Promise<Float32Array> {
+  const bytesPerRow = 256;
+  const buffer = device.createBuffer({
+    size: bytesPerRow * SIZE.heightPx,
+    usage: GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC,
+  });
+  const encoder = device.createCommandEncoder();
+  encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow }, [SIZE.widthPx, SIZE.heightPx]);
+  device.queue.submit([encoder.finish()]);
+  const rows = new Float32Array((await readWords(device, buffer)).buffer);
+  buffer.destroy();
+  return Float32Array.from(
+    { length: PIXELS },
+    (_, i) => rows[(Math.floor(i / SIZE.widthPx) * bytesPerRow) / 4 + (i % SIZE.widthPx)],
+  );
+}
+
+const CONVENTIONS: readonly [string, DepthConvention, boolean][] = [
+  ['depth as projected', { compare: 'less-equal', mapping: 'projection' }, false],
+  ['reversed depth', { compare: 'greater-equal', mapping: 'projection' }, true],
+  ['logarithmic depth', { compare: 'less-equal', mapping: 'logarithmic' }, false],
+];
+
+async function expectRight(
+  camera: Camera,
+  depth: DepthConvention,
+  host: Host = {},
+  resolutionScale = 1,
+): Promise<void> {
+  const view = engine.createEmbeddedView();
+  const frame = { camera, clouds: [{ cloud }], ...SIZE, depth, writesDepth: true } as const;
+  await prepared(view, { ...frame, accuracy: { preset: 'high', resolutionScale } });
+  const { pass, bytes, color } = hostPass(camera, depth, host);
+  const picture = record(view, pass);
+  const { data } = await readTexture(device, picture.color);
+  const depths = await readDepths(picture.depth!);
+
+  const scene = { clouds: [{ set: SET }], camera, ...SIZE, hostDepths: HOST_DEPTHS };
+  const layer = renderReference({ ...scene, settings: { resolutionScale } });
+  expect(layer.visibleSplats).toBeGreaterThan(100);
+  const behind = bytes instanceof Uint16Array ? BEHIND : Float64Array.from(bytes, (value) => value / 255);
+  const expected = compose(layer.data, behind);
+  const opacity = (image: ArrayLike<number>, i: number) => image[4 * i + 3];
+  for (let i = 0; i < PIXELS; i++) expect(opacity(data, i) > 0).toBe(opacity(expected, i) > 0);
+  const options = { ...SIZE };
+  expect(compareImages(data, expected, options).psnrDb).toBeGreaterThanOrEqual(50);
+
+  let covered = 0;
+  for (let i = 0; i < PIXELS; i++) {
+    const coverage = layer.data[4 * i + 3];
+    if (Math.abs(coverage - 0.5) < 0.01) continue;
+    if (coverage < 0.5) {
+      expect(depths[i]).toBe(-1);
+      continue;
+    }
+    covered++;
+    const mean = layer.depths![i] / coverage;
+    // Float16 where float32 cannot be blended: every layer rounds the sum to 11 bits.
+    const bounds = [mean * 0.98, mean * 1.02].map((value) => storedDepth(value, camera, depth.mapping));
+    expect(depths[i]).toBeGreaterThanOrEqual(Math.min(...bounds));
+    expect(depths[i]).toBeLessThanOrEqual(Math.max(...bounds));
+  }
+  expect(covered).toBeGreaterThan(100);
+  view.destroy();
+  color.destroy();
+}
+
+const WALL_COLOR = [0.9, 0.5, 0.1] as const;
+const SKY_COLOR = [0.02, 0.04, 0.3] as const;
+const EDGE_SIZE = 64;
+
+/** A camera before a wall, with splats that fill the view in front of the wall and behind it. */
+function edgeScene() {
+  const camera = perspectiveCamera({ position: [0, 0, 2], target: [0, 0, 0], fovYDegrees: 40, aspect: 1 });
+  const sheet = (z: number, opacityLogit: number, colorDc: readonly number[]) =>
+    splatsOf([{ position: [0, 0, z], opacityLogit, colorDc, logScales: [6, 6, -6] }]);
+  return { camera, near: sheet(1, -0.5, [1.5, 1, -1]), far: sheet(-1, 4, [-1, 1.2, 0.8]) };
+}
+
+/** A wall with a slanting edge, drawn with four samples before the sky as a host would; its colours are resolved. */
+function drawSlantedWall(camera: Camera, { compare, mapping }: DepthConvention) {
+  const texture = (format: GPUTextureFormat, sampleCount: number, usage: GPUTextureUsageFlags) =>
+    device.createTexture({
+      size: [EDGE_SIZE, EDGE_SIZE],
+      format,
+      sampleCount,
+      usage: usage | GPUTextureUsage.RENDER_ATTACHMENT,
+    });
+  const samples = texture('rgba16float', 4, 0);
+  const color = texture('rgba16float', 1, GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_SRC);
+  const depth = texture('depth32float', 4, GPUTextureUsage.TEXTURE_BINDING);
+  const module = device.createShaderModule({
+    code: `@vertex fn corner(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
+        let corners = array(vec2f(-1.5, -1.0), vec2f(-0.23, -1.0), vec2f(-1.5, 1.0), vec2f(0.31, 1.0));
+        return vec4f(corners[i], ${storedDepth(2, camera, mapping)}, 1.0);
+      }
+      @fragment fn paint() -> @location(0) vec4f { return vec4f(${WALL_COLOR.join(', ')}, 1.0); }`,
+  });
+  const pipeline = device.createRenderPipeline({
+    layout: 'auto',
+    vertex: { module },
+    fragment: { module, targets: [{ format: samples.format }] },
+    primitive: { topology: 'triangle-strip' },
+    multisample: { count: 4 },
+    depthStencil: { format: depth.format, depthCompare: compare, depthWriteEnabled: true },
+  });
+  const encoder = device.createCommandEncoder();
+  const pass = encoder.beginRenderPass({
+    colorAttachments: [
+      {
+        view: samples.createView(),
+        resolveTarget: color.createView(),
+        loadOp: 'clear',
+        storeOp: 'store',
+        clearValue: [...SKY_COLOR, 1],
+      },
+    ],
+    depthStencilAttachment: {
+      view: depth.createView(),
+      depthLoadOp: 'clear',
+      depthStoreOp: 'store',
+      depthClearValue: compare === 'less-equal' ? 1 : 0,
+    },
+  });
+  pass.setPipeline(pipeline);
+  pass.draw(4);
+  pass.end();
+  device.queue.submit([encoder.finish()]);
+  samples.destroy();
+  return { color, depth };
+}
+
+/**
+ * Draws `sets` at the slanting wall and compares the pixels on its edge with what they should be: the mean, in linear
+ * light, of what is three pixels further into the wall and three pixels out of it, by the part of the pixel that the wall
+ * covers.
+ */
+async function drawEdge(camera: Camera, depth: DepthConvention, sets: readonly SplatSet[]) {
+  const wall = drawSlantedWall(camera, depth);
+  const host = (await readTexture(device, wall.color)).data;
+  const clouds = sets.map((set) => ({ cloud: engine.add(set) }));
+  const view = engine.createEmbeddedView();
+  await prepared(view, { camera, clouds, widthPx: EDGE_SIZE, heightPx: EDGE_SIZE, depth });
+  const picture = record(view, { ...wall, xPx: 0, yPx: 0 });
+  const { data } = await readTexture(device, picture.color);
+  view.destroy();
+  for (const { cloud: each } of clouds) each.destroy();
+  for (const each of Object.values(wall)) each.destroy();
+
+  // Where there is no splat the host goes on to show its own.
+  const shown = (channel: number) => (data[4 * (channel >> 2) + 3] > 0 ? data[channel] : host[channel]);
+  let pixels = 0;
+  let maxError = 0;
+  for (let row = 0; row < EDGE_SIZE; row++) {
+    for (let column = 3; column < EDGE_SIZE - 3; column++) {
+      const at = 4 * (row * EDGE_SIZE + column);
+      const share = (host[at + 2] - SKY_COLOR[2]) / (WALL_COLOR[2] - SKY_COLOR[2]);
+      if (share < 0.1 || share > 0.9) continue;
+      pixels++;
+      for (let channel = at; channel < at + 3; channel++) {
+        const expected = share * shown(channel - 12) + (1 - share) * shown(channel + 12);
+        maxError = Math.max(maxError, Math.abs(shown(channel) - expected));
+      }
+    }
+  }
+  return { pixels, maxError };
+}
+
+describe('an embedded view', () => {
+  for (const [name, depth, isReversed] of CONVENTIONS) {
+    gpuTest(`hides splats behind the host's ${name}, and knows their own`, async () => {
+      const { perspective, orthographic } = testCameras(SIZE.widthPx / SIZE.heightPx);
+      for (const camera of [perspective, orthographic]) {
+        await expectRight(withClipDepth(camera, isReversed), depth);
+      }
+    });
+  }
+
+  gpuTest(
+    'looks for what hides splats only where there may be something, and waits for no shader',
+    async () => {
+      const depth = CONVENTIONS[0][1];
+      const camera = withClipDepth(testCameras(SIZE.widthPx / SIZE.heightPx).perspective, false);
+      const { pass, color } = hostPass(camera, depth, {});
+      const frame = { camera, clouds: [{ cloud }], ...SIZE };
+      const pictureOf = async (view: EmbeddedView) =>
+        (await readTexture(device, record(view, pass).color)).data;
+      const pictureWith = async (options: Pick<EmbeddedFrame, 'depth'>) => {
+        const view = engine.createEmbeddedView();
+        await prepared(view, { ...frame, ...options });
+        const picture = await pictureOf(view);
+        view.destroy();
+        return picture;
+      };
+      const [unhidden, hidden] = [await pictureWith({}), await pictureWith({ depth })];
+      expect(hidden).not.toEqual(unhidden);
+
+      // What no other test has compiled.
+      const view = engine.createEmbeddedView();
+      const changing = { ...frame, depth, accuracy: { preset: 'high', sortKeyBits: 20 } } as const;
+      await prepared(view, { ...changing, hasOccluders: false });
+      expect(view.shape?.depth).toBeNull();
+      expect(await pictureOf(view)).toEqual(unhidden);
+      expect(view.prepare(changing)).toBe(true);
+      await expect.poll(() => view.prepare(changing) && view.shape?.depth).toBeTruthy();
+      expect(await pictureOf(view)).toEqual(hidden);
+      expect(view.prepare({ ...changing, hasOccluders: false })).toBe(true);
+      expect(await pictureOf(view)).toEqual(unhidden);
+      view.destroy();
+      color.destroy();
+    },
+  );
+
+  gpuTest('draws splats at half and at two thirds of the resolution', async () => {
+    const camera = withClipDepth(testCameras(SIZE.widthPx / SIZE.heightPx).perspective, false);
+    const [, depth] = CONVENTIONS[0];
+    for (const resolutionScale of [0.5, 0.66]) {
+      await expectRight(camera, depth, { origin: [5, 3] }, resolutionScale);
+      await expectRight(camera, depth, { sampleCount: 4 }, resolutionScale);
+    }
+  });
+
+  gpuTest('reads every kind of host texture, at any place in it', async () => {
+    const { perspective } = testCameras(SIZE.widthPx / SIZE.heightPx);
+    const camera = withClipDepth(perspective, false);
+    const [, depth] = CONVENTIONS[0];
+    const hosts: readonly Host[] = [
+      { sampleCount: 4, origin: [5, 2] },
+      { depthFormat: 'depth32float', origin: [0, 7] },
+      { depthFormat: 'depth24plus-stencil8', sampleCount: 4 },
+      { colorFormat: 'rgba8unorm', colorUsage: GPUTextureUsage.COPY_SRC, origin: [4, 3] },
+      { colorFormat: 'rgba8unorm' },
+    ];
+    for (const host of hosts) await expectRight(camera, depth, host);
+  });
+
+  gpuTest('white at half opacity over black is 128 and not 188', async () => {
+    const white = splatsOf([{ opacityLogit: 0, colorDc: [1.7725, 1.7725, 1.7725], logScales: [6, 6, 6] }]);
+    const one = engine.add(white);
+    const { perspective: camera } = testCameras(1);
+    const view = engine.createEmbeddedView();
+    await prepared(view, { camera, clouds: [{ cloud: one }], ...SIZE });
+    const color = device.createTexture({
+      size: [SIZE.widthPx, SIZE.heightPx],
+      format: 'rgba16float',
+      usage: GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.TEXTURE_BINDING,
+    });
+    const encoder = device.createCommandEncoder();
+    encoder
+      .beginRenderPass({
+        colorAttachments: [
+          { view: color.createView(), loadOp: 'clear', storeOp: 'store', clearValue: [0, 0, 0, 1] },
+        ],
+      })
+      .end();
+    const picture = view.draw(encoder, { color, depth: null, xPx: 0, yPx: 0 });
+    device.queue.submit([encoder.finish()]);
+    const { data } = await readTexture(device, picture.color);
+    const [red, , , alpha] = data.subarray(4 * (20 * SIZE.widthPx + 24));
+    expect(alpha).toBeCloseTo(1, 3);
+    // The linear value that encodes to half of white.
+    expect(red).toBeCloseTo(0.214, 3);
+    expect(picture.depth).toBeNull();
+    view.destroy();
+    one.destroy();
+    color.destroy();
+  });
+
+  gpuTest('keeps the edges of multisampled meshes smooth, before splats and amid them', async () => {
+    const { camera, near, far } = edgeScene();
+    for (const [, depth, isReversed] of CONVENTIONS) {
+      const seenBy = withClipDepth(camera, isReversed);
+      // What is in front of the wall is a veil, what is behind it nearly opaque.
+      for (const sets of [[far], [near], [near, far]]) {
+        const edge = await drawEdge(seenBy, depth, sets);
+        expect(edge.pixels).toBeGreaterThan(30);
+        expect(edge.maxError, `${sets.length} clouds, ${depth.mapping}`).toBeLessThan(0.012);
+      }
+    }
+  });
+
+  gpuTest(
+    'computes only where something moved, draws again all the same, and frees what it held',
+    async () => {
+      const bytesBefore = engine.memory().totalBytes;
+      const { perspective, orthographic } = testCameras(1);
+      const view = engine.createEmbeddedView();
+      const clouds = [{ cloud }];
+      await prepared(view, { camera: perspective, clouds, ...SIZE });
+      const color = device.createTexture({
+        size: [64, 64],
+        format: 'rgba16float',
+        usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST,
+      });
+      const pass = { color, depth: null, xPx: 0, yPx: 0 };
+      const first = await readTexture(device, record(view, pass).color);
+      const before = engine.counters().framesPrepared;
+      expect(view.prepare({ camera: perspective, clouds, ...SIZE })).toBe(true);
+      expect(engine.counters().framesPrepared).toBe(before);
+      expect((await readTexture(device, record(view, pass).color)).data).toEqual(first.data);
+      const moved = { camera: perspective, clouds: [{ cloud, opacity: 0.5 }], ...SIZE };
+      // Until the shaders are there that make it fainter, it is drawn as it was.
+      expect(view.prepare(moved)).toBe(true);
+      expect(engine.counters().framesPrepared).toBe(before);
+      await new Promise<void>((resolve) => {
+        view.onReady = resolve;
+      });
+      expect(view.prepare(moved)).toBe(true);
+      expect(engine.counters().framesPrepared).toBe(before + 1);
+      expect((await readTexture(device, record(view, pass).color)).data).not.toEqual(first.data);
+
+      // Another size, another camera: as a new view draws it.
+      const other = { camera: orthographic, clouds, widthPx: 20, heightPx: 30 };
+      await prepared(view, other);
+      const again = await readTexture(device, record(view, pass).color);
+      const fresh = engine.createEmbeddedView();
+      await prepared(fresh, other);
+      expect((await readTexture(device, record(fresh, pass).color)).data).toEqual(again.data);
+
+      // Destroyed while the host is still recording.
+      const encoder = device.createCommandEncoder();
+      fresh.draw(encoder, pass);
+      fresh.destroy();
+      device.queue.submit([encoder.finish()]);
+      view.destroy();
+      view.destroy();
+      expect(() => view.prepare(other)).toThrow(DestroyedError);
+      await device.queue.onSubmittedWorkDone();
+      expect(engine.memory().totalBytes).toBe(bytesBefore);
+      color.destroy();
+    },
+  );
+
+  gpuTest('always has something to draw while its clouds change their precision', async () => {
+    const set = randomSplats({ count: 300, seed: 77, shDegree: 2 });
+    const one = engine.add(set);
+    const view = engine.createEmbeddedView();
+    const frame = { camera: testCameras(1).perspective, clouds: [{ cloud: one }], ...SIZE };
+    await prepared(view, frame);
+    for (const geometryPrecision of ['packed', 'f32'] as const)
+      for (const shPrecision of ['u8', 'f16', 'f32'] as const) {
+        await engine.requestPrecision(one, { geometryPrecision, shPrecision });
+        expect(one.precisions).toEqual({ geometry: [geometryPrecision], sh: [shPrecision] });
+        expect(view.prepare(frame)).toBe(true);
+      }
+    view.destroy();
+    one.destroy();
+  });
+
+  gpuTest('has nothing to draw without clouds or pixels, and says what is wrong', async () => {
+    const { perspective: camera } = testCameras(1);
+    const view = engine.createEmbeddedView();
+    expect(view.prepare({ camera, clouds: [], ...SIZE })).toBe(false);
+    expect(view.prepare({ camera, clouds: [{ cloud }], widthPx: 0, heightPx: 4 })).toBe(false);
+    const encoder = device.createCommandEncoder();
+    const color = device.createTexture({
+      size: [64, 64],
+      format: 'rgba16float',
+      usage: GPUTextureUsage.TEXTURE_BINDING,
+    });
+    const pass = { color, depth: null, xPx: 0, yPx: 0 };
+    expect(() => view.draw(encoder, pass)).toThrow(InvalidArgumentError);
+    const depth = { compare: 'less-equal', mapping: 'projection' } as const;
+    await prepared(view, { camera, clouds: [{ cloud }], ...SIZE, depth });
+    expect(() => view.draw(encoder, pass)).toThrow(/host gave none/);
+    view.destroy();
+    color.destroy();
+  });
+});

@@ -1,0 +1,167 @@
+import { pictureRay, projectionOf } from '../camera/camera.ts';
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
+import { DestroyedError, InvalidArgumentError } from '../errors.ts';
+import type { ViewFrame } from '../frame/frame-request.ts';
+import type { FramePage, FrameResources } from '../frame/frame-resources.ts';
+import type { Counting } from '../gpu/engine-counters.ts';
+import type { GpuMemory } from '../gpu/gpu-memory.ts';
+import type { Pipelines } from '../gpu/pipelines.ts';
+import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../layout/constants.ts';
+import { PickBlock, PickParameters } from '../layout/structs.ts';
+import type { Vec3 } from '../math/mat4.ts';
+import { dispatchSize } from '../stages/dispatch.ts';
+import { pick } from '../stages/pick.ts';
+
+/** The splat that contributes most to a pixel. */
+export interface SplatPick {
+  /** In the frame's list of clouds. */
+  readonly cloudIndex: number;
+  readonly cloud: SplatCloud;
+  /** Row of the splat in its cloud's file. */
+  readonly splatIndex: number;
+  /** Place of the splat in storage order. */
+  readonly storedIndex: number;
+  /** View depth of the splat's centre, world units. */
+  readonly depthView: number;
+  /** World point at that depth behind the middle of the pixel. */
+  readonly point: Vec3;
+  /** The splat's opacity at the pixel, cutoff…0.99. */
+  readonly alpha: number;
+  /** Its share of the pixel: `alpha` times what the splats in front of it let through. */
+  readonly weight: number;
+  /** Opacity of all splats together at the pixel. */
+  readonly totalOpacity: number;
+}
+
+interface PickContext {
+  readonly device: GPUDevice;
+  readonly pipelines: Pipelines;
+  readonly memory: GpuMemory;
+  readonly counting: Pick<Counting, 'readbacks'>;
+}
+
+/**
+ * Which splat contributes most to one pixel of the picture that `frame` was last sorted for; of equal contributions the
+ * foremost. Submits before it returns, so that later pictures and the end of `frame` make no difference; the same
+ * picture gives the same answer every time. What other renderers draw in front of the splats is not looked at.
+ *
+ * The stage `pick` has to be compiled.
+ *
+ * @param picture camera and size that the frame was sorted for.
+ * @param xPx column, from the left; the pixel is the one that contains the point.
+ * @param yPx row, from the top.
+ * @returns null where no splat reaches the cutoff at the pixel.
+ * @throws InvalidArgumentError outside of the picture, DestroyedError where engine or device end meanwhile.
+ */
+export async function pickSplat(
+  context: PickContext,
+  frame: FrameResources,
+  picture: Pick<ViewFrame, 'camera' | 'widthPx' | 'heightPx'>,
+  xPx: number,
+  yPx: number,
+): Promise<SplatPick | null> {
+  const { camera, widthPx, heightPx } = picture;
+  if (!(xPx >= 0 && xPx < widthPx && yPx >= 0 && yPx < heightPx)) {
+    const message = `Pixel ${xPx}, ${yPx} is outside of the picture of ${widthPx}×${heightPx} px.`;
+    throw new InvalidArgumentError('xPx', message);
+  }
+  const pixelPx = [Math.floor(xPx) + 0.5, Math.floor(yPx) + 0.5] as const;
+  const { origin, direction } = pictureRay(camera, projectionOf(camera, widthPx, heightPx), pixelPx);
+  const { pages, shape } = frame;
+
+  context.counting.readbacks++;
+  const blocks = await readBlocks(context, frame, pixelPx);
+  const found = heaviestOf(blocks);
+  if (!found) return null;
+  const { splat, ...shares } = found;
+  const { cloudIndex, storedIndex } = locateSplat(pages, splat);
+  const cloud = shape.clouds[cloudIndex];
+  const along = (axis: number) => origin[axis] + found.depthView * direction[axis];
+  return {
+    ...shares,
+    cloudIndex,
+    cloud,
+    storedIndex,
+    splatIndex: cloud.fileIndices[storedIndex],
+    point: [along(0), along(1), along(2)],
+  };
+}
+
+/** Cloud and place in its storage order of splat `number`, which counts through all chunks of the frame. */
+export function locateSplat(
+  pages: readonly FramePage[],
+  number: number,
+): { readonly cloudIndex: number; readonly storedIndex: number } {
+  const chunk = Math.floor(number / CHUNK_SPLATS);
+  const { cloudIndex } = pages.findLast(({ chunkStart }) => chunkStart <= chunk)!;
+  // Only the last page of a cloud has a chunk that is not full: its pages are one run of splats.
+  const { chunkStart } = pages.find((page) => page.cloudIndex === cloudIndex)!;
+  return { cloudIndex, storedIndex: number - CHUNK_SPLATS * chunkStart };
+}
+
+/** Runs the stage and copies its blocks, as many as there may be, to the CPU. */
+async function readBlocks(
+  { device, pipelines, memory }: PickContext,
+  frame: FrameResources,
+  pixelPx: readonly [number, number],
+): Promise<ArrayBuffer> {
+  const { visibleCapacity, dispatchRow, accuracy } = frame.shape;
+  const blockCount = Math.ceil(visibleCapacity / SHADER_CONSTANTS.PICK_WORKGROUP);
+  if (blockCount === 0) return new ArrayBuffer(0);
+  const bytes = blockCount * PickBlock.bytes;
+  const { UNIFORM, STORAGE, COPY_SRC, COPY_DST, MAP_READ } = GPUBufferUsage;
+  const made: GPUBuffer[] = [];
+  const create = (label: string, size: number, usage: GPUBufferUsageFlags) => {
+    const buffer = memory.createBuffer(label, size, usage);
+    made.push(buffer);
+    return buffer;
+  };
+  try {
+    const parameters = create('pick parameters', PickParameters.bytes, UNIFORM | COPY_DST);
+    const blocks = create('pick blocks', bytes, STORAGE | COPY_SRC);
+    const readback = create('pick read-back', bytes, COPY_DST | MAP_READ);
+    const contents = new ArrayBuffer(PickParameters.bytes);
+    PickParameters.write(contents, { pixelPx, blockCount });
+    device.queue.writeBuffer(parameters, 0, contents);
+
+    const stage = pick(accuracy.recordPrecision);
+    const encoder = device.createCommandEncoder({ label: 'pick' });
+    const pass = encoder.beginComputePass({ label: 'pick' });
+    pass.setPipeline(pipelines.compute(stage)!);
+    const { order } = frame.sort;
+    pass.setBindGroup(0, pipelines.bindGroup(stage, { ...frame.buffers, parameters, order, blocks }));
+    pass.dispatchWorkgroups(...dispatchSize(blockCount, dispatchRow));
+    pass.end();
+    encoder.copyBufferToBuffer(blocks, 0, readback, 0, bytes);
+    device.queue.submit([encoder.finish()]);
+    await readback.mapAsync(GPUMapMode.READ).catch((cause: Error) => {
+      throw new DestroyedError('This pick', cause.message);
+    });
+    return readback.getMappedRange().slice(0);
+  } finally {
+    for (const buffer of made) memory.destroy(buffer);
+  }
+}
+
+/** Goes through the blocks front to back, in float64: the heaviest splat of all, or null where there is none. */
+function heaviestOf(blocks: ArrayBuffer) {
+  const floats = new Float32Array(blocks);
+  const words = new Uint32Array(blocks);
+  const stride = PickBlock.bytes / 4;
+  const { transmittance, weight, splat, alpha, depthView } = PickBlock.offsets;
+  let through = 1;
+  let heaviest = { splat: 0, alpha: 0, depthView: 0, weight: 0 };
+  for (let at = floats.length - stride; at >= 0; at -= stride) {
+    const share = through * floats[at + weight / 4];
+    if (share > heaviest.weight) {
+      heaviest = {
+        splat: words[at + splat / 4],
+        alpha: floats[at + alpha / 4],
+        depthView: floats[at + depthView / 4],
+        weight: share,
+      };
+    }
+    through *= floats[at + transmittance / 4];
+  }
+  return heaviest.weight > 0 ? { ...heaviest, totalOpacity: 1 - through } : null;
+}
