@@ -5,7 +5,6 @@ import {
   internAccuracy,
 } from './accuracy/accuracy.ts';
 import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy/accuracy-wish.ts';
-import type { CloudPrecision } from './clouds/cloud-planes.ts';
 import { type PrecisionRequestOptions, PrecisionRequests } from './clouds/precision-requests.ts';
 import { type CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
 import { DestroyedError } from './errors.ts';
@@ -22,6 +21,7 @@ import type { EffectEntry } from './ledger/ledger.ts';
 import type { AccuracyChoice } from './measure/choose-accuracy.ts';
 import { packSet } from './packing/pack-set.ts';
 import type { PackedCloud } from './packing/packed-cloud.ts';
+import type { CloudPrecision } from './packing/precision.ts';
 import type { ShaderMutation } from './shaders/link-shader.ts';
 import type { SplatSet } from './splats/splat-set.ts';
 import { AccuracyWishes } from './views/accuracy-wishes.ts';

@@ -9,7 +9,6 @@ export {
   type Culling,
   DEFAULT_ACCURACY,
   type Extent,
-  type GeometryPrecision,
   type RecordPrecision,
   resolveAccuracy,
   type SortKeyBits,
@@ -25,7 +24,7 @@ export {
   perspectiveCamera,
 } from './camera/camera.ts';
 export type { DepthConvention } from './camera/depth-convention.ts';
-export type { CloudPage, CloudPages, CloudPrecision, HeldPrecisions } from './clouds/cloud-planes.ts';
+export type { CloudPage, CloudPages, HeldPrecisions } from './clouds/cloud-planes.ts';
 export type { PrecisionRequestOptions } from './clouds/precision-requests.ts';
 export { type CloudHit, raycastCloud } from './clouds/raycast-cloud.ts';
 export type { CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
@@ -53,10 +52,10 @@ export {
   packCloud,
   transferablesOf,
 } from './packing/packed-cloud.ts';
+export type { CloudPrecision, GeometryPrecision, ShPrecision } from './packing/precision.ts';
 export {
   packShRest,
   repackShRest,
-  type ShPrecision,
   type ShRest,
   shRestWordsPerSplat,
   unpackShRest,

@@ -1,10 +1,7 @@
 import { InvalidArgumentError } from '../errors.ts';
 import { HALF_MAX } from '../layout/half.ts';
-import type { ShPrecision } from '../packing/sh-rest.ts';
+import type { GeometryPrecision, ShPrecision } from '../packing/precision.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
-
-/** How centres, rotations, scales, base colours and opacities are stored: 64 or 32 bytes per splat. */
-export type GeometryPrecision = 'f32' | 'packed';
 
 /**
  * What is kept of a projected splat. `f32` and `f16`: axes in float32, colour and opacity in float32 or float16, 48 or 32

@@ -1,4 +1,3 @@
-import type { EffectReach } from '../effects/effect.ts';
 import { stretchBound } from '../math/mat4.ts';
 import type { Projection } from './camera.ts';
 import type { CloudView } from './cloud-view.ts';
@@ -9,6 +8,14 @@ export interface CullPlane {
   readonly offset: number;
   /** How far a splat still reaches past the plane, per unit of its largest standard deviation in cloud space. */
   readonly reach: number;
+}
+
+/** How far splats may be from where they are stored, and how much larger: culling by bounds must not lose them. */
+export interface SplatReach {
+  /** Farthest that a centre moves, in the cloud's units. */
+  readonly displacement: number;
+  /** Largest factor by which a splat grows, at least 1. */
+  readonly growth: number;
 }
 
 /** Rounding that float32 tests of the sides may add, px. */
@@ -27,7 +34,7 @@ export function cullPlanes(
   projection: Projection,
   alphaCutoff: number,
   dilationPx2: number,
-  moved: EffectReach = { displacement: 0, growth: 1 },
+  moved: SplatReach = { displacement: 0, growth: 1 },
 ): readonly CullPlane[] {
   const { isOrthographic, focalPx, edgesX, edgesY, clampX, clampY, near, far } = projection;
   const stretch = stretchBound(view.linear);

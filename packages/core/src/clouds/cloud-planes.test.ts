@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import type { ShPrecision } from '../packing/sh-rest.ts';
+import type { ShPrecision } from '../packing/precision.ts';
 import { largestPlaneBytes, nearestPrecision } from './cloud-planes.ts';
 
 describe('planes', () => {

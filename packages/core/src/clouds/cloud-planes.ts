@@ -1,18 +1,12 @@
-import type { GeometryPrecision } from '../accuracy/accuracy.ts';
 import { GpuLimitError } from '../errors.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { Chunk } from '../layout/structs.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
 import { chunkCountOf, type PackedCloud } from '../packing/packed-cloud.ts';
-import { type ShPrecision, type ShRest, shRestWordsPerSplat } from '../packing/sh-rest.ts';
+import type { CloudPrecision, GeometryPrecision, ShPrecision } from '../packing/precision.ts';
+import { type ShRest, shRestWordsPerSplat } from '../packing/sh-rest.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
-
-/** How a cloud is stored on the GPU, or is asked to be. */
-export interface CloudPrecision {
-  readonly geometryPrecision: GeometryPrecision;
-  readonly shPrecision: ShPrecision;
-}
 
 /** What a cloud holds on the GPU, finest first; at degree 0, where there is nothing to hold, all of `sh`. */
 export interface HeldPrecisions {

@@ -5,10 +5,10 @@ import { SplatEngine } from '../engine.ts';
 import { DestroyedError, GpuLimitError, InvalidArgumentError, SplatSourceError } from '../errors.ts';
 import { encodePly } from '../io/write-ply.ts';
 import { packSet } from '../packing/pack-set.ts';
+import type { CloudPrecision } from '../packing/precision.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
-import type { CloudPrecision } from './cloud-planes.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
 const SIZE = { widthPx: 64, heightPx: 64 };

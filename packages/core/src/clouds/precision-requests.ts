@@ -10,12 +10,13 @@ import { RepackParameters } from '../layout/structs.ts';
 import { GEOMETRY_WORDS } from '../packing/geometry.ts';
 import { packSet } from '../packing/pack-set.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
+import type { CloudPrecision } from '../packing/precision.ts';
 import { shRestWordsPerSplat } from '../packing/sh-rest.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
 import { repackGeometry } from '../stages/repack-geometry.ts';
 import { type RepackShVariant, repackSh } from '../stages/repack-sh.ts';
-import { type CloudPrecision, isGeometryAsFine, isShAsFine, type Plane } from './cloud-planes.ts';
+import { isGeometryAsFine, isShAsFine, type Plane } from './cloud-planes.ts';
 import type { CloudSource, SplatCloud } from './splat-cloud.ts';
 
 export interface PrecisionRequestOptions extends Pick<ReadOptions, 'signal' | 'onProgress'> {

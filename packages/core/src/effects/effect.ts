@@ -1,3 +1,4 @@
+import type { SplatReach } from '../camera/frustum.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import { type GpuFields, type GpuStruct, type GpuValues, gpuStruct } from '../layout/gpu-struct.ts';
 import type { Vec3 } from '../math/mat4.ts';
@@ -36,14 +37,6 @@ export interface EffectPlace {
   readonly viewMatrix: ArrayLike<number>;
 }
 
-/** How far an effect takes splats from where they are stored: what is culled by bounds must not lose them. */
-export interface EffectReach {
-  /** Farthest that a centre moves, in the cloud's units. */
-  readonly displacement: number;
-  /** Largest factor by which a splat grows, at least 1. */
-  readonly growth: number;
-}
-
 /** One effect: everything that is to be known of it but for what a caller says. */
 export interface SplatEffect {
   /** Lower case with hyphens, like the file of its shader. */
@@ -68,7 +61,7 @@ export interface EffectUse {
   readonly options: unknown;
   /** Why it takes part at this moment, in words; null where the options change nothing, and it takes no part. */
   readonly reason: string | null;
-  readonly reach: EffectReach;
+  readonly reach: SplatReach;
   /** Null where it takes none. */
   readonly selection: SplatSelection | null;
   /** Contents of its parameters; null where it has none. */
@@ -89,7 +82,7 @@ export interface EffectDefinition<Options, Fields extends GpuFields>
   /** Contents of the fields. */
   readonly valuesAt?: (options: Options, place: EffectPlace) => GpuValues<Fields>;
   /** Default: it moves nothing and nothing grows. */
-  readonly reach?: (options: Options) => EffectReach;
+  readonly reach?: (options: Options) => SplatReach;
 }
 
 /** Makes uses of one effect. */
@@ -99,7 +92,7 @@ export interface EffectFunction<Options> {
   readonly effect: SplatEffect;
 }
 
-const NO_REACH: EffectReach = { displacement: 0, growth: 1 };
+const NO_REACH: SplatReach = { displacement: 0, growth: 1 };
 
 /**
  * A new effect: a function that makes uses of it for `CloudInstance.effects`. What belongs to an effect is in the shaders only

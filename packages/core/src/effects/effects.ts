@@ -1,10 +1,10 @@
+import type { SplatReach } from '../camera/frustum.ts';
 import { InvalidArgumentError } from '../errors.ts';
-import type { CloudInstance } from '../frame/frame-request.ts';
 import type { CloudFacts } from '../packing/cloud-facts.ts';
 import { antialias } from './antialias.ts';
 import { brightness } from './brightness.ts';
 import { clip } from './clip.ts';
-import type { EffectReach, EffectUse, SplatEffect } from './effect.ts';
+import type { EffectUse, SplatEffect } from './effect.ts';
 import { fog } from './fog.ts';
 import { highlight } from './highlight.ts';
 import { opacity } from './opacity.ts';
@@ -24,7 +24,10 @@ export const CLOUD_EFFECTS: readonly SplatEffect[] = /* @__PURE__ */ [
 ].map(({ effect }) => effect);
 
 /** What decides which effects a cloud is drawn with. */
-interface EffectSource extends Pick<CloudInstance, 'opacity' | 'effects'> {
+interface EffectSource {
+  /** Multiplies every splat's opacity, 0…1; default 1. */
+  readonly opacity?: number;
+  readonly effects?: readonly EffectUse[];
   /** Default: nothing is known of it. */
   readonly cloud?: { readonly facts: Pick<CloudFacts, 'isAntialiased'> };
 }
@@ -58,7 +61,7 @@ export function usesOf(source: EffectSource): readonly EffectUse[] {
 }
 
 /** How far all of `uses` together may take splats from where they are stored. */
-export function reachOf(uses: readonly EffectUse[]): EffectReach {
+export function reachOf(uses: readonly EffectUse[]): SplatReach {
   return {
     displacement: uses.reduce((sum, { reach }) => sum + reach.displacement, 0),
     growth: uses.reduce((product, { reach }) => product * reach.growth, 1),

@@ -1,3 +1,4 @@
+export type { SplatReach as EffectReach } from '../camera/frustum.ts';
 export { SplatSelection } from '../splats/splat-selection.ts';
 export { antialias } from './antialias.ts';
 export { brightness } from './brightness.ts';
@@ -16,7 +17,6 @@ export {
   type EffectFunction,
   type EffectHooks,
   type EffectPlace,
-  type EffectReach,
   type EffectUse,
   type SplatEffect,
 } from './effect.ts';

@@ -393,3 +393,15 @@ function pagesOf(planes: readonly CloudPages[]): FramePage[] {
     }),
   );
 }
+
+/** Cloud and place in its storage order of splat `number`, which counts through all chunks of the frame. */
+export function locateSplat(
+  pages: readonly FramePage[],
+  number: number,
+): { readonly cloudIndex: number; readonly storedIndex: number } {
+  const chunk = Math.floor(number / CHUNK_SPLATS);
+  const { cloudIndex } = pages.findLast(({ chunkStart }) => chunkStart <= chunk)!;
+  // Only the last page of a cloud has a chunk that is not full: its pages are one run of splats.
+  const { chunkStart } = pages.find((page) => page.cloudIndex === cloudIndex)!;
+  return { cloudIndex, storedIndex: number - CHUNK_SPLATS * chunkStart };
+}

@@ -210,7 +210,7 @@ function toResource(value: GPUBuffer | GPUBufferBinding | GPUTextureView): GPUBi
 }
 
 function variantKey({ stage, conditions = {}, constants = {}, effects }: StageDefinition): string {
-  return JSON.stringify([stage, conditions, constants, effects?.effects.map(numberOf)]);
+  return JSON.stringify([stage, conditions, constants, effects && numberOf(effects)]);
 }
 
 function keyOf(stage: StageDefinition, state?: RenderState): string {

@@ -9,7 +9,7 @@ import { usesOf } from '../effects/effects.ts';
 import { ColorCache } from '../frame/color-cache.ts';
 import { frameStages, recordCompute, recordRasterize } from '../frame/frame.ts';
 import type { ViewFrame } from '../frame/frame-request.ts';
-import { FrameResources } from '../frame/frame-resources.ts';
+import { FrameResources, locateSplat } from '../frame/frame-resources.ts';
 import { cloudShapes } from '../frame/frame-shape.ts';
 import { effectUniforms, pageUniforms, viewUniforms } from '../frame/frame-uniforms.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
@@ -26,7 +26,6 @@ import { twinsOf } from '../reference/effects/twins.ts';
 import { unpackSplat } from '../reference/packing.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { GpuTimer } from '../timing/gpu-timer.ts';
-import { locateSplat } from '../views/pick-splat.ts';
 
 export interface InspectOptions {
   readonly clouds: readonly {

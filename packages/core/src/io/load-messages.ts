@@ -1,4 +1,3 @@
-import type { GeometryPrecision } from '../accuracy/accuracy.ts';
 import {
   type FilePlace,
   InvalidArgumentError,
@@ -8,7 +7,7 @@ import {
   WebSplatterError,
 } from '../errors.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
-import type { ShPrecision } from '../packing/sh-rest.ts';
+import type { GeometryPrecision, ShPrecision } from '../packing/precision.ts';
 import type { LoadProgress, SplatSource } from './splat-source.ts';
 
 /** What a load is besides its source: all of it can be posted. */

@@ -1,11 +1,10 @@
-import type { GeometryPrecision } from '../accuracy/accuracy.ts';
 import { WebSplatterError } from '../errors.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
+import type { GeometryPrecision } from '../packing/precision.ts';
 import { lockedStreamError } from './byte-reader.ts';
 import { fromPostedError, type LoadReply, type LoadRequest, type LoadSettings } from './load-messages.ts';
 import { bytesOf, isBlob, isStream, shortName } from './open-source.ts';
-import type { ReadSplatsOptions } from './read-splats.ts';
-import type { ReadOptions, SplatSource } from './splat-source.ts';
+import type { ReadOptions, ReadSplatsOptions, SplatSource } from './splat-source.ts';
 
 export interface LoadSplatsOptions extends ReadSplatsOptions {
   /** How positions, rotations and scales are stored; default `packed`. */

@@ -1,8 +1,7 @@
 import type { SplatSet } from '../splats/splat-set.ts';
 import { detectFormat, SNIFF_BYTES } from './detect.ts';
 import { openSource, peekSource } from './open-source.ts';
-import type { ReadSplatsOptions } from './read-splats.ts';
-import type { SplatSource } from './splat-source.ts';
+import type { ReadSplatsOptions, SplatSource } from './splat-source.ts';
 
 /** What `readSplats` promises. A file of its own, with all that knows formats: whoever reads in a worker never fetches it. */
 export async function readSource(source: SplatSource, options: ReadSplatsOptions = {}): Promise<SplatSet> {

@@ -1,11 +1,5 @@
-import type { ShPrecision } from '../packing/sh-rest.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
-import type { ReadOptions, SplatSource } from './splat-source.ts';
-
-export interface ReadSplatsOptions extends ReadOptions {
-  /** Precision to store the spherical harmonics above degree 0 in; default `u8`. */
-  readonly shPrecision?: ShPrecision;
-}
+import type { ReadSplatsOptions, SplatSource } from './splat-source.ts';
 
 /**
  * Reads splats in the calling thread, whatever the source and its format. Works in pages, workers and Node.

@@ -1,4 +1,4 @@
-import type { ShPrecision } from '../packing/sh-rest.ts';
+import type { ShPrecision } from '../packing/precision.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import type { OpenedSource, ReadOptions } from './splat-source.ts';
 

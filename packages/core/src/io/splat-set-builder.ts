@@ -1,11 +1,6 @@
 import { SplatFileError } from '../errors.ts';
-import {
-  packShRest,
-  type ShPrecision,
-  ShReachMeter,
-  shRestValues,
-  shRestWordsPerSplat,
-} from '../packing/sh-rest.ts';
+import type { ShPrecision } from '../packing/precision.ts';
+import { packShRest, ShReachMeter, shRestValues, shRestWordsPerSplat } from '../packing/sh-rest.ts';
 import { ROW_SLOT, reasonToDrop } from '../splats/splat-row.ts';
 import type { DropCounts, ShDegree, SplatSet } from '../splats/splat-set.ts';
 

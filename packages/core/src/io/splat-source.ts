@@ -1,3 +1,5 @@
+import type { ShPrecision } from '../packing/precision.ts';
+
 /** Anything that splats can be read from. */
 export type SplatSource = string | URL | Blob | ArrayBuffer | ArrayBufferView | ReadableStream<Uint8Array>;
 
@@ -17,6 +19,11 @@ export interface ReadOptions {
   readonly name?: string;
   readonly signal?: AbortSignal;
   readonly onProgress?: (progress: LoadProgress) => void;
+}
+
+export interface ReadSplatsOptions extends ReadOptions {
+  /** Precision to store the spherical harmonics above degree 0 in; default `u8`. */
+  readonly shPrecision?: ShPrecision;
 }
 
 /** A source as a stream that has not been read from. */

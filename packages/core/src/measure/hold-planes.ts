@@ -1,8 +1,8 @@
 import type { AccuracySettings } from '../accuracy/accuracy.ts';
-import type { CloudPrecision } from '../clouds/cloud-planes.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { SplatEngine } from '../engine.ts';
 import { DestroyedError } from '../errors.ts';
+import type { CloudPrecision } from '../packing/precision.ts';
 
 /** What the clouds hold beyond what they held before. */
 export interface HeldPlanes {

@@ -5,10 +5,10 @@ import {
   DEFAULT_ACCURACY,
 } from '../accuracy/accuracy.ts';
 import type { Camera } from '../camera/camera.ts';
-import type { CloudPrecision } from '../clouds/cloud-planes.ts';
 import type { SplatEngine } from '../engine.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import type { CloudInstance, ViewFrame } from '../frame/frame-request.ts';
+import type { CloudPrecision } from '../packing/precision.ts';
 import type { ImageDifference } from '../reference/compare-images.ts';
 import { isPlausible, type StageTimings } from '../timing/frame-statistics.ts';
 import type { SplatView } from '../views/splat-view.ts';

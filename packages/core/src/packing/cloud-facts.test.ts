@@ -11,7 +11,8 @@ import { testCameras } from '../testing/test-cameras.ts';
 import { cloudFacts, UNSEEN_CHANGE } from './cloud-facts.ts';
 import { packSet } from './pack-set.ts';
 import { packCloud } from './packed-cloud.ts';
-import { repackShRest, type ShPrecision, shRestValues, truncateShRest, unpackShRest } from './sh-rest.ts';
+import type { ShPrecision } from './precision.ts';
+import { repackShRest, shRestValues, truncateShRest, unpackShRest } from './sh-rest.ts';
 
 const PRECISIONS: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
 const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];

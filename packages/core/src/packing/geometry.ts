@@ -1,7 +1,7 @@
-import type { GeometryPrecision } from '../accuracy/accuracy.ts';
 import { COEFFICIENT_MAX, toHalfBits } from '../layout/half.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { clampLogScale } from './log-scale.ts';
+import type { GeometryPrecision } from './precision.ts';
 import { normalizedRotation } from './rotation.ts';
 
 /** 32-bit words per splat: twin of shaders/lib/packing.wgsl. */

@@ -1,4 +1,3 @@
-import type { GeometryPrecision } from '../accuracy/accuracy.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { Chunk } from '../layout/structs.ts';
 import type { Vec3 } from '../math/mat4.ts';
@@ -7,7 +6,8 @@ import { type CloudFacts, cloudFacts } from './cloud-facts.ts';
 import { type PackedGeometry, packGeometry } from './geometry.ts';
 import { clampLogScale } from './log-scale.ts';
 import { mortonOrder, permuteSplats } from './morton-order.ts';
-import { repackShRest, type ShPrecision, type ShRest, truncateShRest } from './sh-rest.ts';
+import type { GeometryPrecision, ShPrecision } from './precision.ts';
+import { repackShRest, type ShRest, truncateShRest } from './sh-rest.ts';
 
 /** An axis-aligned box, corners included. */
 export interface Bounds {

@@ -4,10 +4,10 @@ import { HALF_MAX } from '../layout/half.ts';
 import { shRestBasis } from '../reference/spherical-harmonics.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree } from '../splats/splat-set.ts';
 import { uniform } from '../testing/uniform.ts';
+import type { ShPrecision } from './precision.ts';
 import {
   packShRest,
   repackShRest,
-  type ShPrecision,
   type ShRest,
   shBandReach,
   shRestValues,

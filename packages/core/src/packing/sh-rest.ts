@@ -1,8 +1,6 @@
 import { COEFFICIENT_MAX, fromHalfBits, HALF_MAX, toHalfBits } from '../layout/half.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree } from '../splats/splat-set.ts';
-
-/** How the coefficients above degree 0 are stored; `u8` is a signed byte times a scale of the splat's own. */
-export type ShPrecision = 'f32' | 'f16' | 'u8';
+import type { ShPrecision } from './precision.ts';
 
 /**
  * Coefficients above degree 0 of N splats, as the GPU reads them: `wordsPerSplat` 32-bit words per splat, holding 3K

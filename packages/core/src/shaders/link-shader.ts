@@ -1,5 +1,4 @@
 import { MAX_FRAGMENT_ALPHA } from '../accuracy/accuracy.ts';
-import { type EffectSet, NO_EFFECTS } from '../effects/effect-set.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { PROJECTED_SPLATS, SHADER_STRUCTS } from '../layout/structs.ts';
 import { type LinkInput, linkModules, type ShaderModules } from './shader-linker.ts';
@@ -41,8 +40,8 @@ export interface ShaderVariant {
   readonly source?: string;
   readonly conditions?: Readonly<Record<string, boolean>>;
   readonly constants?: Readonly<Record<string, number>>;
-  /** What the modules `effects` and `parameters` hold; default nothing. */
-  readonly effects?: EffectSet;
+  /** Brings the modules `effects` and `parameters`, one object for equal modules; default none. */
+  readonly effects?: { readonly modules: ShaderModules };
 }
 
 /**
@@ -94,7 +93,7 @@ export function linkShader(variant: ShaderVariant, mutation?: ShaderMutation): s
 
 /** A variant as the linker takes it: what shaders share with the host are modules like those of files. */
 export function linkInput(
-  { stage, source, conditions = {}, constants = {}, effects = NO_EFFECTS }: ShaderVariant,
+  { stage, source, conditions = {}, constants = {}, effects }: ShaderVariant,
   mutation?: ShaderMutation,
 ): LinkInput {
   const { f32, f16, paper } = PROJECTED_SPLATS;
@@ -105,7 +104,7 @@ export function linkInput(
     modules: {
       ...(mutation ? mutated(mutation) : modules),
       ...(source !== undefined && { [root]: source }),
-      ...effects.modules,
+      ...effects?.modules,
       layout: [...SHADER_STRUCTS, record].map((struct) => struct.wgsl).join('\n'),
       constants: values.map(([name, value]) => `const ${name} = ${value};`).join('\n'),
     },

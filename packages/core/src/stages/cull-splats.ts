@@ -1,4 +1,4 @@
-import type { Culling, Extent, GeometryPrecision } from '../accuracy/accuracy.ts';
+import type { Culling, Extent } from '../accuracy/accuracy.ts';
 import {
   type EffectSet,
   effectBindings,
@@ -7,6 +7,7 @@ import {
   NO_EFFECTS,
 } from '../effects/effect-set.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
+import type { GeometryPrecision } from '../packing/precision.ts';
 
 /** What the cull-splats stage is linked for. */
 export interface CullSplatsVariant {

@@ -1,7 +1,8 @@
-import type { GeometryPrecision, RecordPrecision, SortKeyBits } from '../accuracy/accuracy.ts';
+import type { RecordPrecision, SortKeyBits } from '../accuracy/accuracy.ts';
 import { type EffectSet, effectBindings, hasHook, NO_EFFECTS } from '../effects/effect-set.ts';
 import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
-import { type ShPrecision, shRestWordsPerSplat } from '../packing/sh-rest.ts';
+import type { GeometryPrecision, ShPrecision } from '../packing/precision.ts';
+import { shRestWordsPerSplat } from '../packing/sh-rest.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import { recordConditions } from './record-conditions.ts';
 

@@ -1,5 +1,6 @@
 import type { Vec3 } from '../math/mat4.ts';
-import { packShRest, type ShPrecision, shRestValues, shRestWordsPerSplat } from '../packing/sh-rest.ts';
+import type { ShPrecision } from '../packing/precision.ts';
+import { packShRest, shRestValues, shRestWordsPerSplat } from '../packing/sh-rest.ts';
 import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
 import { seededRandom } from './seeded-random.ts';
 

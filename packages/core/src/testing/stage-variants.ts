@@ -1,5 +1,5 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
-import type { ShPrecision } from '../packing/sh-rest.ts';
+import type { ShPrecision } from '../packing/precision.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import { compactChunks } from '../stages/compact-chunks.ts';
 import { compactSplats } from '../stages/compact-splats.ts';

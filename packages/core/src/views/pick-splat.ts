@@ -2,11 +2,11 @@ import { pictureRay, projectionOf } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
 import type { ViewFrame } from '../frame/frame-request.ts';
-import type { FramePage, FrameResources } from '../frame/frame-resources.ts';
+import { type FrameResources, locateSplat } from '../frame/frame-resources.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
-import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../layout/constants.ts';
+import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { PickBlock, PickParameters } from '../layout/structs.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
@@ -85,18 +85,6 @@ export async function pickSplat(
     splatIndex: cloud.fileIndices[storedIndex],
     point: [along(0), along(1), along(2)],
   };
-}
-
-/** Cloud and place in its storage order of splat `number`, which counts through all chunks of the frame. */
-export function locateSplat(
-  pages: readonly FramePage[],
-  number: number,
-): { readonly cloudIndex: number; readonly storedIndex: number } {
-  const chunk = Math.floor(number / CHUNK_SPLATS);
-  const { cloudIndex } = pages.findLast(({ chunkStart }) => chunkStart <= chunk)!;
-  // Only the last page of a cloud has a chunk that is not full: its pages are one run of splats.
-  const { chunkStart } = pages.find((page) => page.cloudIndex === cloudIndex)!;
-  return { cloudIndex, storedIndex: number - CHUNK_SPLATS * chunkStart };
 }
 
 /** Runs the stage and copies its blocks, as many as there may be, to the CPU. */
