@@ -5,7 +5,8 @@ import {
   internAccuracy,
 } from './accuracy/accuracy.ts';
 import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy/accuracy-wish.ts';
-import { type PrecisionRequestOptions, PrecisionRequests } from './clouds/precision-requests.ts';
+import type { HoldOptions } from './clouds/cloud-leases.ts';
+import { PrecisionRequests } from './clouds/precision-requests.ts';
 import { type CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
 import { DestroyedError } from './errors.ts';
 import { frameStages } from './frame/frame.ts';
@@ -214,12 +215,11 @@ export class SplatEngine {
     const cloud = new SplatCloud(this.#memory, this.device.limits, packed, {
       name,
       source: options.source,
+      makePlanes: (...request) => this.#precisionRequests.make(...request),
       onDestroyed: (destroyed) => {
         counting.cloudsDestroyed++;
         this.#clouds.delete(destroyed);
-        const reason = new DestroyedError(`The cloud ${name}`, 'it was destroyed');
-        this.#precisionRequests.stop(reason, destroyed);
-        this.#wishes.stop(reason, destroyed);
+        this.#wishes.stop(new DestroyedError(`The cloud ${name}`, 'it was destroyed'), destroyed);
       },
     });
     this.#clouds.add(cloud);
@@ -229,24 +229,18 @@ export class SplatEngine {
   }
 
   /**
-   * Makes `cloud` hold this precision, and then frees the others that it holds unless `keep` is set. A coarser one than it
-   * holds is made on the GPU. For a finer one the splats are read again in the background, from the address, File or Blob
-   * they were loaded from, or the SplatSet they were added from. Meanwhile, and where it fails, all stays as it was.
-   * Pictures change with the next frame that is drawn. A later request for the cloud takes the place of this one.
+   * Makes the cloud's own lease claim this precision, and so frees what only that lease claimed before: see `cloud.hold`. A
+   * later request for the cloud takes the place of this one.
    *
-   * @param options.onProgress how far reading has come, where anything is read.
-   * @throws SplatSourceError where the source is gone (streams, buffers), unreadable, too coarse, or has other splats now;
-   *   SplatFileError; GpuLimitError where it does not fit into memory; InvalidArgumentError for an unknown precision;
-   *   DestroyedError where cloud, engine or device end meanwhile; the signal's reason where it aborts, and an AbortError
-   *   where a later request took over.
+   * @throws what the `met` of a lease rejects with.
    */
   async requestPrecision(
     cloud: SplatCloud,
     precision: CloudPrecision,
-    options: PrecisionRequestOptions = {},
+    options: HoldOptions & { readonly keep?: boolean } = {},
   ): Promise<void> {
     this.#checkUsable();
-    await this.#precisionRequests.request(cloud, precision, options);
+    await (options.keep ? cloud.ownLease.add(precision, options) : cloud.ownLease.change(precision, options));
   }
 
   /** A view that draws on `canvas`, or one whose pictures are read back. */
@@ -307,9 +301,11 @@ export class SplatEngine {
     if (wish === this.#wish) this.#accuracy = this.resolveAccuracy(settings);
     const others = [...this.#views].filter(({ accuracyChoice }) => accuracyChoice !== choice);
     const requests = clouds.map((cloud) => {
-      const keep = others.some(({ shape }) => shape !== null && asksOtherwise(shape, cloud, settings));
+      const isShared = others.some(({ shape }) => shape !== null && asksOtherwise(shape, cloud, settings));
+      const { ownLease } = cloud;
+      const met = isShared ? ownLease.add(settings) : ownLease.change(settings);
       // What cannot be had was not measured either: the table says so.
-      return this.requestPrecision(cloud, settings, { keep }).catch(() => {});
+      return met.catch(() => {});
     });
     await Promise.all(requests);
   }
@@ -342,7 +338,7 @@ export class SplatEngine {
   }
 
   #stopWork(because: string): void {
-    this.#precisionRequests.stop(new DestroyedError('This request', because));
+    for (const { leases } of this.#clouds) leases.end(new DestroyedError('This request', because));
     this.#wishes.stop(new DestroyedError('This measurement', because));
   }
 

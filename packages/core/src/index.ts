@@ -24,8 +24,8 @@ export {
   perspectiveCamera,
 } from './camera/camera.ts';
 export type { DepthConvention } from './camera/depth-convention.ts';
+export type { CloudLease, HoldOptions } from './clouds/cloud-leases.ts';
 export type { CloudPage, CloudPages, HeldPrecisions } from './clouds/cloud-planes.ts';
-export type { PrecisionRequestOptions } from './clouds/precision-requests.ts';
 export { type CloudHit, raycastCloud } from './clouds/raycast-cloud.ts';
 export type { CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
 export { type EngineOptions, type PossibleAccuracy, type PrecisionProblem, SplatEngine } from './engine.ts';

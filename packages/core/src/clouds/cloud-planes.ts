@@ -87,6 +87,7 @@ export class CloudPlanes {
   readonly #sh = new Map<ShPrecision, Plane>();
   /** By their two precisions. */
   readonly #pages = new Map<string, CloudPages>();
+  #held: HeldPrecisions | null = null;
 
   /**
    * Uploads `packed`.
@@ -110,11 +111,13 @@ export class CloudPlanes {
     else this.#sh.set(packed.shRest.precision, this.uploadSh(packed.shRest));
   }
 
+  /** One object as long as no plane comes or goes. */
   get held(): HeldPrecisions {
-    return {
+    this.#held ??= {
       geometry: GEOMETRY_FINEST_FIRST.filter((precision) => this.#geometry.has(precision)),
       sh: SH_FINEST_FIRST.filter((precision) => this.#sh.has(precision)),
     };
+    return this.#held;
   }
 
   get bytes(): number {
@@ -159,28 +162,27 @@ export class CloudPlanes {
     return this.#create(shRestWordsPerSplat(this.shDegree, precision), 'spherical harmonics');
   }
 
+  /** Makes `plane` part of the cloud, or frees it where the cloud has come to hold its precision meanwhile. */
   adoptGeometry(precision: GeometryPrecision, plane: Plane): void {
-    this.#geometry.set(precision, plane);
+    this.#adopt(this.#geometry, precision, plane);
   }
 
   adoptSh(precision: ShPrecision, plane: Plane): void {
-    this.#sh.set(precision, plane);
+    this.#adopt(this.#sh, precision, plane);
   }
 
-  /** Frees all planes but the two of `wanted`, which are held. */
-  keepOnly({ geometryPrecision, shPrecision }: CloudPrecision): void {
+  /** Frees all planes but those of `claims`. */
+  keepOnly(claims: readonly CloudPrecision[]): void {
     for (const [precision, plane] of this.#geometry) {
-      if (precision === geometryPrecision) continue;
-      this.free(plane);
-      this.#geometry.delete(precision);
+      if (claims.some(({ geometryPrecision }) => geometryPrecision === precision)) continue;
+      this.#drop(this.#geometry, precision, plane);
     }
     for (const [precision, plane] of this.#sh) {
-      if (precision === shPrecision || this.shDegree === 0) continue;
-      this.free(plane);
-      this.#sh.delete(precision);
+      if (this.shDegree === 0 || claims.some(({ shPrecision }) => shPrecision === precision)) continue;
+      this.#drop(this.#sh, precision, plane);
     }
+    const { geometry, sh } = this.held;
     for (const [key, pages] of this.#pages) {
-      const { geometry, sh } = this.held;
       const isHeld = geometry.includes(pages.geometryPrecision) && sh.includes(pages.shPrecision);
       if (!isHeld) this.#pages.delete(key);
     }
@@ -192,6 +194,21 @@ export class CloudPlanes {
 
   destroy(): void {
     for (const plane of [this.#chunks, ...this.#geometry.values(), ...this.#sh.values()]) this.free(plane);
+  }
+
+  #adopt<Precision>(planes: Map<Precision, Plane>, precision: Precision, plane: Plane): void {
+    if (planes.has(precision)) {
+      this.free(plane);
+      return;
+    }
+    planes.set(precision, plane);
+    this.#held = null;
+  }
+
+  #drop<Precision>(planes: Map<Precision, Plane>, precision: Precision, plane: Plane): void {
+    this.free(plane);
+    planes.delete(precision);
+    this.#held = null;
   }
 
   #pagesOf(precision: CloudPrecision): CloudPages {

@@ -336,6 +336,96 @@ describe('a request', () => {
   });
 });
 
+describe('several holders', () => {
+  /** A file that is read when `open` is called, and how often it was asked for. */
+  function gatedFile() {
+    let open = () => {};
+    const opened = new Promise<void>((resolve) => {
+      open = resolve;
+    });
+    const bytes = encodePly(set);
+    const state = { reads: 0 };
+    const stream = () => {
+      state.reads++;
+      const pull = async (controller: ReadableStreamDefaultController<Uint8Array>) => {
+        await opened;
+        controller.enqueue(bytes.slice());
+        controller.close();
+      };
+      return new ReadableStream({ pull });
+    };
+    return { source: Object.assign(new Blob([bytes]), { stream }), state, open };
+  }
+
+  gpuTest('read a source once for what both need; what needs no reading waits for nobody', async () => {
+    const { source, state, open } = gatedFile();
+    const held = { geometryPrecision: 'packed', shPrecision: 'f16' } as const;
+    const cloud = engine.addPacked(packSet(set, held), { source });
+    const before = engine.memory().totalBytes;
+    const [first, second] = [cloud.hold(FINEST), cloud.hold(FINEST)];
+    await expect.poll(() => state.reads).toBe(1);
+    const coarse = cloud.hold(SMALLEST);
+    await coarse.met;
+    expect(cloud.precisions).toEqual({ geometry: ['packed'], sh: ['f16', 'u8'] });
+    open();
+    await Promise.all([first.met, second.met]);
+    expect(state.reads).toBe(1);
+    expect(cloud.precisions).toEqual({ geometry: ['f32', 'packed'], sh: ['f32', 'f16', 'u8'] });
+    first.release();
+    coarse.release();
+    expect(cloud.precisions).toEqual({ geometry: ['f32', 'packed'], sh: ['f32', 'f16'] });
+    second.release();
+    expectHeld(cloud, held);
+    expect(engine.memory().totalBytes).toBe(before);
+    cloud.destroy();
+  });
+
+  gpuTest('need not wait for one that is called off while it waits for its turn to read', async () => {
+    const { source, state, open } = gatedFile();
+    const cloud = engine.addPacked(packSet(set, SMALLEST), { source });
+    const first = cloud.hold(FINEST);
+    await expect.poll(() => state.reads).toBe(1);
+    const [second, third] = [cloud.hold(FINEST), cloud.hold(FINEST)];
+    second.release();
+    await expect(second.met).rejects.toMatchObject({ name: 'AbortError' });
+    first.release();
+    await expect(first.met).rejects.toMatchObject({ name: 'AbortError' });
+    open();
+    await third.met;
+    expect(state.reads).toBe(2);
+    third.release();
+    expectHeld(cloud, SMALLEST);
+    cloud.destroy();
+  });
+
+  gpuTest('that make the same planes at once leave one of each', async () => {
+    const cloud = engine.add(set);
+    const before = engine.memory().totalBytes;
+    const leases = [cloud.hold(SMALLEST), cloud.hold(SMALLEST)];
+    await Promise.all(leases.map(({ met }) => met));
+    expect(cloud.precisions).toEqual({ geometry: ['f32', 'packed'], sh: ['f32', 'u8'] });
+    cloud.ownLease.release();
+    expectHeld(cloud, SMALLEST);
+    await engine.requestPrecision(cloud, FINEST);
+    for (const lease of leases) lease.release();
+    expectHeld(cloud, FINEST);
+    expect(engine.memory().totalBytes).toBe(before);
+    cloud.destroy();
+  });
+
+  gpuTest('keep what they claim when the accuracy of the engine changes', async () => {
+    const other = await SplatEngine.create({ device: engine.device, accuracy: 'reference' });
+    const cloud = other.add(set);
+    const lease = cloud.hold({ geometryPrecision: 'f32', shPrecision: 'f16' });
+    await lease.met;
+    await other.setAccuracy('balanced');
+    expect(cloud.precisions).toEqual({ geometry: ['f32', 'packed'], sh: ['f16', 'u8'] });
+    lease.release();
+    expectHeld(cloud, SMALLEST);
+    other.destroy();
+  });
+});
+
 /** The buffer that there is no memory for, if any, and how its device tells. */
 let lacksMemory: { readonly label: string; readonly how: 'throws' | 'reports' } | null = null;
 

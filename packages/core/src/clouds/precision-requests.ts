@@ -1,4 +1,3 @@
-import { resolveAccuracy } from '../accuracy/accuracy.ts';
 import { DestroyedError, GpuLimitError, SplatSourceError } from '../errors.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
@@ -16,13 +15,9 @@ import type { SplatSet } from '../splats/splat-set.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
 import { repackGeometry } from '../stages/repack-geometry.ts';
 import { type RepackShVariant, repackSh } from '../stages/repack-sh.ts';
+import type { MakeOptions } from './cloud-leases.ts';
 import { isGeometryAsFine, isShAsFine, type Plane } from './cloud-planes.ts';
 import type { CloudSource, SplatCloud } from './splat-cloud.ts';
-
-export interface PrecisionRequestOptions extends Pick<ReadOptions, 'signal' | 'onProgress'> {
-  /** Leave what else the cloud holds; default false: it is freed. */
-  readonly keep?: boolean;
-}
 
 interface RequestContext {
   readonly device: GPUDevice;
@@ -52,74 +47,77 @@ interface MadePlane {
   readonly adopt: () => void;
 }
 
-/** Makes the planes that clouds are asked for: of each cloud one request at a time, and the last one wins. */
+/** Makes the planes that leases of clouds claim. */
 export class PrecisionRequests {
   readonly #context: RequestContext;
-  readonly #running = new Map<SplatCloud, AbortController>();
+  /** Settled when nobody reads the sources of a cloud any more. */
+  readonly #readings = new WeakMap<SplatCloud, Promise<unknown>>();
 
   constructor(context: RequestContext) {
     this.#context = context;
   }
 
-  /** See `SplatEngine.requestPrecision`. */
-  async request(
-    cloud: SplatCloud,
-    { geometryPrecision, shPrecision }: CloudPrecision,
-    { signal, onProgress, keep = false }: PrecisionRequestOptions,
-  ): Promise<void> {
-    if (cloud.isDestroyed) throw new DestroyedError(`The cloud ${cloud.name}`, 'it was destroyed');
-    signal?.throwIfAborted();
-    resolveAccuracy({ geometryPrecision, shPrecision });
-    this.stop(
-      new DOMException(`A later request for ${cloud.name} took the place of this one.`, 'AbortError'),
-      cloud,
-    );
-    const stop = new AbortController();
-    const onAbort = () => stop.abort(signal?.reason);
-    signal?.addEventListener('abort', onAbort, { once: true });
-    this.#running.set(cloud, stop);
-    const wanted = { geometryPrecision, shPrecision };
-    try {
-      await this.#fulfil(cloud, wanted, keep, { signal: stop.signal, onProgress });
-    } finally {
-      signal?.removeEventListener('abort', onAbort);
-      if (this.#running.get(cloud) === stop) this.#running.delete(cloud);
-    }
+  /**
+   * Adds the planes of `wanted` to those that `cloud` holds, all at once. See `SplatCloud.hold` for what it rejects with;
+   * everything is as it was then.
+   */
+  async make(cloud: SplatCloud, wanted: CloudPrecision, options: MakeOptions): Promise<void> {
+    if (await this.#makeFrom(null, cloud, wanted, options)) return;
+    // Sources are read in turn, since the second request for a precision finds what the first has made. What needs no
+    // reading waits for nobody.
+    const earlier = this.#readings.get(cloud);
+    const reading = this.#readAndMake(earlier, cloud, wanted, options);
+    this.#readings.set(cloud, Promise.allSettled([earlier, reading]));
+    await reading;
   }
 
-  /** Ends what is under way, of one cloud or of all: the promises reject with `reason`. */
-  stop(reason: Error, cloud?: SplatCloud): void {
-    for (const [requested, running] of this.#running) {
-      if (cloud === undefined || requested === cloud) running.abort(reason);
-    }
-  }
-
-  async #fulfil(
+  async #readAndMake(
+    earlier: Promise<unknown> | undefined,
     cloud: SplatCloud,
     wanted: CloudPrecision,
-    keep: boolean,
-    watch: Pick<ReadOptions, 'onProgress'> & { readonly signal: AbortSignal },
+    options: MakeOptions,
   ): Promise<void> {
-    const work = await workFor(cloud, wanted, watch);
-    this.#checkUsable(watch.signal);
+    const { signal } = options;
+    signal.throwIfAborted();
+    await Promise.race([earlier, whenAborted(signal)]);
+    signal.throwIfAborted();
+    let fresh: PackedCloud | null = null;
+    while (!(await this.#makeFrom(fresh, cloud, wanted, options))) {
+      fresh = await readAgain(cloud, missingOf(cloud, wanted), options);
+    }
+  }
+
+  /** @returns false, and makes nothing, where what the cloud holds and `fresh` are too coarse. */
+  async #makeFrom(
+    fresh: PackedCloud | null,
+    cloud: SplatCloud,
+    wanted: CloudPrecision,
+    { signal }: MakeOptions,
+  ): Promise<boolean> {
+    const { held } = cloud.planes;
+    const work = workFor(cloud, wanted, fresh);
+    if (!work) return false;
+    this.#checkUsable(signal);
     const { geometryStage, shStage } = work;
     await this.#context.pipelines.prepare([geometryStage, shStage].filter((stage) => stage !== null));
     // Before the planes change: what draws the old ones cannot draw the new.
     await this.#context.compileFor(cloud, wanted);
-    this.#checkUsable(watch.signal);
+    this.#checkUsable(signal);
+    // Another claim may have been met or released while shaders compiled.
+    if (cloud.planes.held !== held) return this.#makeFrom(fresh, cloud, wanted, { signal });
     const made: MadePlane[] = [];
     try {
       await this.#withMemoryFor(cloud, wanted, bytesOf(cloud, wanted, work), () =>
         this.#make(cloud, wanted, work, made),
       );
-      this.#checkUsable(watch.signal);
+      this.#checkUsable(signal);
     } catch (error) {
       for (const { plane } of made) cloud.planes.free(plane);
       throw error;
     }
-    // At once from here on: the next request for the cloud counts on what it finds held.
+    // At once from here on: whoever comes next counts on what it finds held.
     for (const { adopt } of made) adopt();
-    if (!keep) cloud.planes.keepOnly(wanted);
+    return true;
   }
 
   /** Uploads and repacks; what it creates is listed in `made` at once, so that it can be freed. */
@@ -214,30 +212,38 @@ export class PrecisionRequests {
   }
 }
 
-/** What it takes until `cloud` holds `wanted`; reads the splats again where what it holds is too coarse. */
-async function workFor(
-  cloud: SplatCloud,
-  wanted: CloudPrecision,
-  watch: Pick<ReadOptions, 'signal' | 'onProgress'>,
-): Promise<Work> {
-  const { shDegree, planes } = cloud;
-  const { geometryPrecision, shPrecision } = wanted;
-  const finest = { geometry: planes.held.geometry[0], sh: planes.held.sh[0] };
-  const lacksGeometry = !isGeometryAsFine(finest.geometry, geometryPrecision);
-  const lacksSh = !isShAsFine(finest.sh, shPrecision);
+/** The precision to read so that `wanted` can be made of it and of what `cloud` holds. */
+function missingOf(
+  { planes }: SplatCloud,
+  { geometryPrecision, shPrecision }: CloudPrecision,
+): CloudPrecision {
+  const { geometry, sh } = planes.held;
   // Of what is not missing as little as can be: at degree 3 the finest harmonics take four times the memory.
-  const missing: CloudPrecision = {
-    geometryPrecision: lacksGeometry ? geometryPrecision : 'packed',
-    shPrecision: lacksSh ? shPrecision : 'u8',
+  return {
+    geometryPrecision: isGeometryAsFine(geometry[0], geometryPrecision) ? 'packed' : geometryPrecision,
+    shPrecision: isShAsFine(sh[0], shPrecision) ? 'u8' : shPrecision,
   };
-  const fresh = lacksGeometry || lacksSh ? await readAgain(cloud, missing, watch) : null;
-  const freshGeometry = fresh && lacksGeometry ? fresh.geometry : null;
-  const freshSh = fresh && lacksSh ? fresh.shRest : null;
+}
+
+/** What it takes until `cloud` holds `wanted`; null where what it holds and `fresh` are too coarse. */
+function workFor(
+  { planes, shDegree }: SplatCloud,
+  { geometryPrecision, shPrecision }: CloudPrecision,
+  fresh: PackedCloud | null,
+): Work | null {
+  const [finestGeometry] = planes.held.geometry;
+  const [finestSh] = planes.held.sh;
+  const freshGeometry = fresh && !isGeometryAsFine(finestGeometry, geometryPrecision) ? fresh.geometry : null;
+  const freshSh = fresh && !isShAsFine(finestSh, shPrecision) ? fresh.shRest : null;
+  const isFineEnough =
+    isGeometryAsFine(freshGeometry?.precision ?? finestGeometry, geometryPrecision) &&
+    isShAsFine(freshSh?.precision ?? finestSh, shPrecision);
+  if (!isFineEnough) return null;
   const hasGeometry =
     planes.geometryPlane(geometryPrecision) || freshGeometry?.precision === geometryPrecision;
   const hasSh = planes.shPlane(shPrecision) || freshSh?.precision === shPrecision;
   // From the finest there is, so that nothing is rounded twice that need not be.
-  const from = (freshSh?.precision ?? finest.sh) as RepackShVariant['from'];
+  const from = (freshSh?.precision ?? finestSh) as RepackShVariant['from'];
   return {
     freshGeometry,
     freshSh,
@@ -261,16 +267,16 @@ function bytesOf({ count, shDegree }: SplatCloud, wanted: CloudPrecision, work: 
 async function readAgain(
   cloud: SplatCloud,
   wanted: CloudPrecision,
-  watch: Pick<ReadOptions, 'signal' | 'onProgress'>,
+  options: MakeOptions,
 ): Promise<PackedCloud> {
   const { sources, name } = cloud;
   const gone = `a finer precision has to be read again (${describe(wanted)}), and what it was read from is gone; load it from a URL, a File or a Blob, or name its source when adding it.`;
   let problem: unknown = new SplatSourceError(name, gone);
   for (const source of sources) {
     try {
-      return await readFrom(source, cloud, wanted, watch);
+      return await readFrom(source, cloud, wanted, options);
     } catch (error) {
-      watch.signal?.throwIfAborted();
+      options.signal.throwIfAborted();
       problem = error;
     }
   }
@@ -281,10 +287,10 @@ async function readFrom(
   source: CloudSource,
   cloud: SplatCloud,
   wanted: CloudPrecision,
-  watch: Pick<ReadOptions, 'signal' | 'onProgress'>,
+  options: MakeOptions,
 ): Promise<PackedCloud> {
   const { name, shDegree } = cloud;
-  const fresh = await packedFrom(source, wanted, { name, ...watch });
+  const fresh = await packedFrom(source, wanted, { name, ...options });
   const { geometry, shRest } = fresh;
   const isFine =
     isGeometryAsFine(geometry.precision, wanted.geometryPrecision) &&
@@ -345,4 +351,8 @@ function isSameWords(a: Uint32Array, b: Uint32Array): boolean {
   if (a.length !== b.length) return false;
   for (let i = 0; i < a.length; i++) if (a[i] !== b[i]) return false;
   return true;
+}
+
+function whenAborted(signal: AbortSignal): Promise<void> {
+  return new Promise((resolve) => signal.addEventListener('abort', () => resolve(), { once: true }));
 }
