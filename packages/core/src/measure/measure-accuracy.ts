@@ -16,7 +16,7 @@ import { type Candidate, combined, type SettingName, singleCandidates } from './
 import { combineChanges, type FirstLook, MAX_COMBINATIONS } from './combine-changes.ts';
 import { NonFinitePictureError } from './compare-textures.ts';
 import { comparePictures } from './compare-views.ts';
-import { holdPlanes } from './hold-planes.ts';
+import { leasePlanes } from './lease-planes.ts';
 import { drawMeasured, withView } from './measured-frames.ts';
 import { paretoFront } from './pareto-front.ts';
 import { type TimeSpread, timeSpread } from './time-spread.ts';
@@ -141,8 +141,7 @@ export async function measureThen<Result>(
   const { clouds, base = DEFAULT_ACCURACY, signal } = options;
   const candidates = singleCandidates(base, options.settings, options.ablations);
   const reference = engine.resolveAccuracy('reference');
-  const planes = await holdPlanes(
-    engine,
+  const planes = await leasePlanes(
     clouds.map(({ cloud }) => cloud),
     [reference.settings, ...candidates.map(({ settings }) => settings)],
     signal,
