@@ -3,6 +3,7 @@ import {
   type AccuracySettings,
   DEFAULT_ACCURACY,
   internAccuracy,
+  type PossibleAccuracy,
 } from './accuracy/accuracy.ts';
 import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy/accuracy-wish.ts';
 import type { HoldOptions } from './clouds/cloud-leases.ts';
@@ -39,13 +40,6 @@ export interface EngineOptions extends DeviceOptions {
   readonly maxWorkgroupsPerDimension?: number;
   /** @internal For tests alone: see ShaderMutation. */
   readonly mutation?: ShaderMutation;
-}
-
-/** Settings as a device can have them. */
-export interface PossibleAccuracy {
-  readonly settings: AccuracySettings;
-  /** What the device could not do as asked, in words. */
-  readonly notices: readonly string[];
 }
 
 /** A cloud that could not be given the precision of the engine's accuracy, and why. */

@@ -9,6 +9,7 @@ export {
   type Culling,
   DEFAULT_ACCURACY,
   type Extent,
+  type PossibleAccuracy,
   type RecordPrecision,
   resolveAccuracy,
   type SortKeyBits,
@@ -28,7 +29,7 @@ export type { CloudLease, HoldOptions } from './clouds/cloud-leases.ts';
 export type { CloudPage, CloudPages, HeldPrecisions } from './clouds/cloud-planes.ts';
 export { type CloudHit, raycastCloud } from './clouds/raycast-cloud.ts';
 export type { CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
-export { type EngineOptions, type PossibleAccuracy, type PrecisionProblem, SplatEngine } from './engine.ts';
+export { type EngineOptions, type PrecisionProblem, SplatEngine } from './engine.ts';
 export * from './errors.ts';
 export type { CloudInstance, ViewFrame } from './frame/frame-request.ts';
 export { adapterLabel, type DeviceOptions, isSoftwareAdapter, requestSplatDevice } from './gpu/device.ts';

@@ -39,6 +39,13 @@ export interface AccuracySettings {
   readonly resolutionScale: number;
 }
 
+/** Settings as a device can have them. */
+export interface PossibleAccuracy {
+  readonly settings: AccuracySettings;
+  /** What the device could not do as asked, in words. */
+  readonly notices: readonly string[];
+}
+
 export type AccuracyPreset = 'reference' | 'high' | 'balanced' | 'fast' | 'paper';
 
 /** One setting: what it may be, where it acts, what it costs to change, and where its values come from. */

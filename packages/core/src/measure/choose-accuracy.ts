@@ -1,12 +1,12 @@
 import type { AccuracySettings } from '../accuracy/accuracy.ts';
 import { type AccuracyWish, checkWish } from '../accuracy/accuracy-wish.ts';
-import type { SplatEngine } from '../engine.ts';
 import {
   type AccuracyPoint,
   type AccuracyTable,
   type MeasureAccuracyOptions,
   measureAccuracy,
 } from './measure-accuracy.ts';
+import type { MeasuredEngine } from './measured-engine.ts';
 import { overlap } from './time-spread.ts';
 
 /** Settings that were chosen by what they were measured to do. */
@@ -32,7 +32,7 @@ const KEPT_OVERRUN = 0.05;
  * @throws InvalidArgumentError for a wish that is no positive number; what `measureAccuracy` throws.
  */
 export async function chooseAccuracy(
-  engine: SplatEngine,
+  engine: MeasuredEngine,
   wish: AccuracyWish,
   options: MeasureAccuracyOptions & { readonly previous?: AccuracyChoice },
 ): Promise<AccuracyChoice> {

@@ -29,7 +29,8 @@ export class NonFinitePictureError extends WebSplatterError {
   }
 }
 
-interface CompareContext {
+/** What comparing needs of an engine. */
+export interface CompareContext {
   readonly device: GPUDevice;
   readonly pipelines: Pipelines;
   readonly memory: GpuMemory;

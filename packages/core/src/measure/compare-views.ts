@@ -2,8 +2,8 @@ import { InvalidArgumentError } from '../errors.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { ImageDifference } from '../reference/compare-images.ts';
 import { compareImages } from '../stages/compare-images.ts';
-import type { SplatView } from '../views/splat-view.ts';
 import { compareTextures } from './compare-textures.ts';
+import type { ComparedView } from './measured-engine.ts';
 
 /**
  * How far the last picture of one view is from that of another of the same engine, computed on the GPU: only numbers are
@@ -14,8 +14,8 @@ import { compareTextures } from './compare-textures.ts';
  * DestroyedError.
  */
 export async function comparePictures(
-  actual: SplatView,
-  expected: SplatView,
+  actual: ComparedView,
+  expected: ComparedView,
   background?: Vec3,
 ): Promise<ImageDifference> {
   await Promise.all([actual.whenDrawn(), expected.whenDrawn()]);

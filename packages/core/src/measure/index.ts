@@ -12,5 +12,6 @@ export {
   measureAccuracy,
 } from './measure-accuracy.ts';
 export { type EffectCost, type MeasureEffectsOptions, measureEffects } from './measure-effects.ts';
+export type { ComparedView, MeasuredEngine, MeasuredView } from './measured-engine.ts';
 export { sampleCameras } from './sample-cameras.ts';
 export type { TimeSpread } from './time-spread.ts';

@@ -5,18 +5,17 @@ import {
   DEFAULT_ACCURACY,
 } from '../accuracy/accuracy.ts';
 import type { Camera } from '../camera/camera.ts';
-import type { SplatEngine } from '../engine.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import type { CloudInstance, ViewFrame } from '../frame/frame-request.ts';
 import type { CloudPrecision } from '../packing/precision.ts';
 import type { ImageDifference } from '../reference/compare-images.ts';
 import { isPlausible, type StageTimings } from '../timing/frame-statistics.ts';
-import type { SplatView } from '../views/splat-view.ts';
 import { type Candidate, combined, type SettingName, singleCandidates } from './candidates.ts';
 import { combineChanges, type FirstLook, MAX_COMBINATIONS } from './combine-changes.ts';
 import { NonFinitePictureError } from './compare-textures.ts';
 import { comparePictures } from './compare-views.ts';
 import { leasePlanes } from './lease-planes.ts';
+import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 import { drawMeasured, withView } from './measured-frames.ts';
 import { paretoFront } from './pareto-front.ts';
 import { type TimeSpread, timeSpread } from './time-spread.ts';
@@ -114,7 +113,7 @@ const FRAMES_PER_VISIT = 3;
  * `signal`.
  */
 export async function measureAccuracy(
-  engine: SplatEngine,
+  engine: MeasuredEngine,
   options: MeasureAccuracyOptions,
 ): Promise<AccuracyTable> {
   return measureThen(
@@ -132,7 +131,7 @@ export async function measureAccuracy(
  * @param keep which of the precisions that were made for the measurement are to stay; null: none.
  */
 export async function measureThen<Result>(
-  engine: SplatEngine,
+  engine: MeasuredEngine,
   options: MeasureAccuracyOptions,
   conclude: (table: AccuracyTable) => Result,
   keep: (result: Result) => CloudPrecision | null,
@@ -167,7 +166,7 @@ interface Measured {
 }
 
 class Sweep {
-  readonly #engine: SplatEngine;
+  readonly #engine: MeasuredEngine;
   readonly #options: MeasureAccuracyOptions;
   readonly #frames: number;
   readonly #reference: AccuracyTable['reference'];
@@ -177,7 +176,7 @@ class Sweep {
   #total = 0;
 
   constructor(
-    engine: SplatEngine,
+    engine: MeasuredEngine,
     options: MeasureAccuracyOptions,
     candidates: readonly Candidate[],
     notes: readonly string[],
@@ -295,7 +294,7 @@ class Sweep {
     }));
   }
 
-  async #compare({ settings }: Candidate, camera: Camera, reference: SplatView) {
+  async #compare({ settings }: Candidate, camera: Camera, reference: MeasuredView) {
     const engine = this.#engine;
     const view = engine.createView();
     try {

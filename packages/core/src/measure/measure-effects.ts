@@ -1,15 +1,14 @@
 import { isAccuracyWish } from '../accuracy/accuracy-wish.ts';
 import type { Camera } from '../camera/camera.ts';
 import { antialias } from '../effects/antialias.ts';
-import type { SplatEngine } from '../engine.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import type { ViewFrame } from '../frame/frame-request.ts';
 import type { OmittableEffect } from '../frame/frame-shape.ts';
 import { FOUND_EFFECTS } from '../ledger/found-effects.ts';
 import type { EffectEntry } from '../ledger/ledger.ts';
 import { multiply4 } from '../math/mat4.ts';
-import type { SplatView } from '../views/splat-view.ts';
 import type { MeasureProgress } from './measure-accuracy.ts';
+import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 import { drawMeasured, withView } from './measured-frames.ts';
 import { type TimeSpread, timeSpread } from './time-spread.ts';
 
@@ -53,7 +52,7 @@ const DEFAULT_FRAMES = 15;
  * @throws InvalidArgumentError, GpuLimitError, DestroyedError; the reason of `signal`.
  */
 export async function measureEffects(
-  engine: SplatEngine,
+  engine: MeasuredEngine,
   frame: Pick<ViewFrame, 'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy'>,
   { frames = DEFAULT_FRAMES, signal, onProgress }: MeasureEffectsOptions = {},
 ): Promise<EffectCost[]> {
@@ -106,11 +105,11 @@ interface Comparison {
 
 /** Draws frames of several kinds in one view. */
 class FrameTimer {
-  readonly #engine: SplatEngine;
-  readonly #view: SplatView;
+  readonly #engine: MeasuredEngine;
+  readonly #view: MeasuredView;
   #last: FrameKind | null = null;
 
-  constructor(engine: SplatEngine, view: SplatView) {
+  constructor(engine: MeasuredEngine, view: MeasuredView) {
     this.#engine = engine;
     this.#view = view;
   }
@@ -166,7 +165,7 @@ function comparisonFor(entry: EffectEntry, picture: ViewFrame): Comparison | nul
 }
 
 /** Frames that are not counted: they make shaders and buffers. Answers whether the effect takes part then. */
-async function warmUp(frameTimer: FrameTimer, view: SplatView, comparison: Comparison): Promise<boolean> {
+async function warmUp(frameTimer: FrameTimer, view: MeasuredView, comparison: Comparison): Promise<boolean> {
   await frameTimer.draw(comparison.without);
   if (!comparison.comesLater) return true;
   for (let attempt = 0; attempt < MOST_ATTEMPTS; attempt++) {

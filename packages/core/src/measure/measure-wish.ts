@@ -1,12 +1,11 @@
 import { ACCURACY_SETTINGS, DEFAULT_ACCURACY } from '../accuracy/accuracy.ts';
 import type { AccuracyWish } from '../accuracy/accuracy-wish.ts';
-import type { SplatEngine } from '../engine.ts';
 import type { CloudInstance, ViewFrame } from '../frame/frame-request.ts';
 import { isSoftwareAdapter } from '../gpu/device.ts';
 import type { Bounds } from '../packing/packed-cloud.ts';
-import type { WishOptions } from '../views/accuracy-wishes.ts';
 import { type AccuracyChoice, chooseFrom } from './choose-accuracy.ts';
-import { measureThen } from './measure-accuracy.ts';
+import { type MeasureProgress, measureThen } from './measure-accuracy.ts';
+import type { MeasuredEngine } from './measured-engine.ts';
 import { sampleCameras } from './sample-cameras.ts';
 
 /** The least that an interval of 95 % is made of: an application is waiting, and its own pictures take turns with these. */
@@ -20,6 +19,13 @@ const SOFTWARE_FRAMES = 3;
 /** Its time is one of pixels. */
 const SOFTWARE_SETTINGS = ['resolutionScale'];
 
+export interface WishOptions {
+  readonly signal: AbortSignal;
+  readonly onProgress?: (progress: MeasureProgress) => void;
+  /** What is drawn at present, which is not to change without a reason that was measured. */
+  readonly previous: AccuracyChoice | null;
+}
+
 /**
  * Measures what `picture` shows, from where it is seen and from around there, and chooses what meets the wish or comes
  * closest. Afterwards the clouds hold what was chosen beside what they held before.
@@ -27,7 +33,7 @@ const SOFTWARE_SETTINGS = ['resolutionScale'];
  * @throws what `measureAccuracy` throws.
  */
 export async function measureWish(
-  engine: SplatEngine,
+  engine: MeasuredEngine,
   wish: AccuracyWish,
   { camera, clouds, widthPx, heightPx }: ViewFrame,
   { previous, signal, onProgress }: WishOptions,

@@ -1,16 +1,15 @@
-import type { SplatEngine } from '../engine.ts';
 import { WebSplatterError } from '../errors.ts';
 import type { ViewFrame } from '../frame/frame-request.ts';
 import type { StageTimings } from '../timing/frame-statistics.ts';
-import type { SplatView } from '../views/splat-view.ts';
+import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 
 /** A measurement that has not come this long after the GPU was done is not coming. */
 const STATISTICS_TIMEOUT_MS = 5000;
 
 /** Runs `use` with a view that lasts as long: what it holds on the GPU is gone afterwards. */
 export async function withView<Result>(
-  engine: SplatEngine,
-  use: (view: SplatView) => Promise<Result>,
+  engine: MeasuredEngine,
+  use: (view: MeasuredView) => Promise<Result>,
 ): Promise<Result> {
   const view = engine.createView();
   try {
@@ -27,8 +26,8 @@ export async function withView<Result>(
  * @throws DestroyedError where the engine or the device ends meanwhile.
  */
 export async function drawMeasured(
-  engine: SplatEngine,
-  view: SplatView,
+  engine: MeasuredEngine,
+  view: MeasuredView,
   frame: ViewFrame,
 ): Promise<StageTimings> {
   const measured = new Promise<StageTimings>((resolve) => {

@@ -5,7 +5,8 @@ import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { DestroyedError } from '../errors.ts';
 import type { ViewFrame } from '../frame/frame-request.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
-import { AccuracyWishes, type WishedScene, type WishingView, type WishOptions } from './accuracy-wishes.ts';
+import type { WishOptions } from '../measure/measure-wish.ts';
+import { AccuracyWishes, type WishedScene, type WishingView } from './accuracy-wishes.ts';
 
 const WISH = internWish({ minPsnrDb: 45 })!;
 const GARDEN = { precisions: { geometry: ['packed'], sh: ['u8'] } } as unknown as SplatCloud;

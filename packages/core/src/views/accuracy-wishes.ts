@@ -4,6 +4,7 @@ import { DestroyedError, InvalidArgumentError } from '../errors.ts';
 import type { ViewFrame } from '../frame/frame-request.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { MeasureProgress } from '../measure/measure-accuracy.ts';
+import type { WishOptions } from '../measure/measure-wish.ts';
 import { numberOf } from '../number-of.ts';
 
 /** Until nothing has changed for as long as this, a scene is taken to be still in the making. */
@@ -19,13 +20,6 @@ export interface ChooseAccuracyOptions {
 export interface WishingView {
   /** @param picture its last one. */
   onChosen(choice: AccuracyChoice, picture: ViewFrame): void;
-}
-
-export interface WishOptions {
-  readonly signal: AbortSignal;
-  readonly onProgress?: (progress: MeasureProgress) => void;
-  /** What is drawn at present, which is not to change without a reason that was measured. */
-  readonly previous: AccuracyChoice | null;
 }
 
 interface WishContext {
