@@ -165,18 +165,18 @@ describe('what the GPU is to hold for an accuracy', () => {
   const [fast, high] = [resolveAccuracy('fast'), resolveAccuracy('high')];
 
   function uploaded() {
-    const { engine, requestPrecision } = fakeEngine();
+    const { engine, claim } = fakeEngine();
     const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
     cloud.uploadedTo(engine);
     const needsFrame = vi.fn();
     cloud.addEventListener('needsframe', needsFrame);
-    return { cloud, needsFrame, requestPrecision, hold: (settings = high) => cloud.hold(engine, settings) };
+    return { cloud, needsFrame, claim, hold: (settings = high) => cloud.hold(engine, settings) };
   }
 
   const settle = () => new Promise((resolve) => setTimeout(resolve, 0));
 
   test('is asked for, and a frame when it is there', async () => {
-    const { hold, needsFrame, requestPrecision } = uploaded();
+    const { hold, needsFrame, claim } = uploaded();
     hold(fast);
     await settle();
     expect(needsFrame).not.toHaveBeenCalled();
@@ -184,13 +184,13 @@ describe('what the GPU is to hold for an accuracy', () => {
     hold();
     await settle();
     hold();
-    expect(requestPrecision).toHaveBeenCalledTimes(1);
+    expect(claim).toHaveBeenCalledTimes(1);
     expect(needsFrame).toHaveBeenCalledTimes(1);
   });
 
   test('is told of once where it cannot be had', async () => {
-    const { cloud, hold, needsFrame, requestPrecision } = uploaded();
-    requestPrecision.mockRejectedValue(new Error('garden: what it was read from is gone.'));
+    const { cloud, hold, needsFrame, claim } = uploaded();
+    claim.mockRejectedValue(new Error('garden: what it was read from is gone.'));
     cloud.onError = vi.fn();
     for (let frame = 0; frame < 3; frame++) {
       hold();
@@ -204,8 +204,8 @@ describe('what the GPU is to hold for an accuracy', () => {
   });
 
   test('is told of on the console where nobody listens', async () => {
-    const { hold, requestPrecision } = uploaded();
-    requestPrecision.mockRejectedValue(new Error('gone'));
+    const { hold, claim } = uploaded();
+    claim.mockRejectedValue(new Error('gone'));
     const log = vi.spyOn(console, 'warn').mockImplementation(() => {});
     hold();
     await settle();
@@ -214,12 +214,12 @@ describe('what the GPU is to hold for an accuracy', () => {
   });
 
   test('is nobody’s problem where something else is wanted by then', async () => {
-    const { cloud, hold, requestPrecision } = uploaded();
+    const { cloud, hold, claim } = uploaded();
     cloud.onError = vi.fn();
-    requestPrecision.mockRejectedValue(new DOMException('A later request took its place.', 'AbortError'));
+    claim.mockRejectedValue(new DOMException('A later request took its place.', 'AbortError'));
     hold();
     await settle();
-    requestPrecision.mockRejectedValue(new Error('gone'));
+    claim.mockRejectedValue(new Error('gone'));
     hold(fast);
     cloud.data = null;
     await settle();

@@ -52,14 +52,15 @@ describe('data', () => {
 });
 
 describe('what the GPU is to hold', () => {
-  /** Data on an engine, and what the engine was asked for. */
+  /** Data on an engine, and what its cloud was asked for. */
   function uploaded(...users: object[]) {
-    const { engine, requestPrecision, setAccuracy } = fakeEngine();
+    const { engine, claim, released, releaseOwn, setAccuracy } = fakeEngine();
     const data = splatDataAt([0, 0, 0]);
     for (const user of users) data.acquire(engine, user);
-    const asked = () => requestPrecision.mock.calls.map(([, precision]) => precision);
+    const asked = () => claim.mock.calls.map(([precision]) => precision);
     const hold = (user: object, precision: CloudPrecision | null) => data.hold(engine, user, precision);
-    return { hold, asked, setAccuracy, release: (user: object) => data.release(engine, user) };
+    const release = (user: object) => data.release(engine, user);
+    return { hold, asked, released, releaseOwn, setAccuracy, release };
   }
 
   test('is asked for where it changes, and once for all who need the same', async () => {
@@ -101,12 +102,35 @@ describe('what the GPU is to hold', () => {
 
   test('may be more than can be had', async () => {
     const user = {};
-    const { engine, requestPrecision } = fakeEngine();
-    requestPrecision.mockImplementation(vi.fn().mockRejectedValue(new Error('gone')));
+    const { engine, claim } = fakeEngine();
+    claim.mockImplementation(vi.fn().mockRejectedValue(new Error('gone')));
     const data = splatDataAt([0, 0, 0]);
     data.acquire(engine, user);
     await expect(data.hold(engine, user, FINEST)).rejects.toThrow('gone');
     await expect(data.hold(engine, user, FINEST)).rejects.toThrow('gone');
-    expect(requestPrecision).toHaveBeenCalledTimes(1);
+    expect(claim).toHaveBeenCalledTimes(1);
+  });
+
+  test('is claimed for the users alone, once it is there', async () => {
+    const user = {};
+    const { hold, releaseOwn } = uploaded(user);
+    const answer = hold(user, FINEST);
+    expect(releaseOwn).not.toHaveBeenCalled();
+    await answer;
+    expect(releaseOwn).toHaveBeenCalledTimes(1);
+  });
+
+  test('is claimed as long as a user needs anything', () => {
+    const [first, second] = [{}, {}];
+    const { hold, release, released, asked } = uploaded(first, second);
+    hold(first, FINEST);
+    hold(second, MIDDLE);
+    hold(first, null);
+    expect(released).not.toHaveBeenCalled();
+    release(second);
+    expect(released).toHaveBeenCalledTimes(1);
+    // It is another claim then.
+    hold(first, FINEST);
+    expect(asked()).toEqual([FINEST, FINEST]);
   });
 });

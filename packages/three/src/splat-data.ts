@@ -1,4 +1,5 @@
 import {
+  type CloudLease,
   type CloudPrecision,
   type CloudSource,
   GEOMETRY_WORDS,
@@ -13,7 +14,9 @@ interface Upload {
   readonly cloud: SplatCloud;
   /** What each user needs the cloud to hold; null of those who leave that to others. */
   readonly users: Map<object, CloudPrecision | null>;
-  /** What the cloud was asked for last, under which accuracy of the engine, and what becomes of it; null: of nothing. */
+  /** Claims what the users need; null before any of them needs more than was uploaded. */
+  lease: CloudLease | null;
+  /** What was claimed last, under which accuracy of the engine, and what becomes of it; null: nothing is. */
   asked: (CloudPrecision & { readonly engineAccuracy: object; readonly answer: Promise<void> }) | null;
 }
 
@@ -78,7 +81,7 @@ export class SplatData {
         engineAccuracy: engine.accuracy,
         answer: Promise.resolve(),
       };
-      upload = { cloud: engine.addPacked(packed, { name, source }), users: new Map(), asked };
+      upload = { cloud: engine.addPacked(packed, { name, source }), users: new Map(), lease: null, asked };
       this.#uploads.set(engine, upload);
     }
     if (!upload.users.has(user)) upload.users.set(user, null);
@@ -88,7 +91,11 @@ export class SplatData {
   /** Gives back what `acquire` gave to `user`; the last one frees the GPU's memory. */
   release(engine: SplatEngine, user: object): void {
     const upload = this.#uploads.get(engine);
-    if (!upload?.users.delete(user) || upload.users.size > 0) return;
+    if (!upload?.users.delete(user)) return;
+    if (upload.users.size > 0) {
+      releaseUnneeded(upload);
+      return;
+    }
     this.#uploads.delete(engine);
     upload.cloud.destroy();
   }
@@ -98,14 +105,15 @@ export class SplatData {
    * called as often as wanted: the answer is the same promise until something else is asked for. Null: `user` leaves that
    * to others, who may have changed it when it is no longer null.
    *
-   * @returns as `SplatEngine.requestPrecision`; null where nothing was asked for.
+   * @returns as the `met` of a lease; null where nothing was asked for.
    */
   hold(engine: SplatEngine, user: object, precision: CloudPrecision | null): Promise<void> | null {
     const upload = this.#uploads.get(engine)!;
-    const { cloud, users } = upload;
+    const { users } = upload;
     if (precision === null) {
       if (users.get(user)) upload.asked = null;
       users.set(user, null);
+      releaseUnneeded(upload);
       return null;
     }
     users.set(user, precision);
@@ -115,13 +123,30 @@ export class SplatData {
     const isAsked =
       asked?.geometryPrecision === geometryPrecision &&
       asked.shPrecision === shPrecision &&
-      // Whoever changes that asks all clouds of the engine for it.
+      // Whoever changes that makes all clouds of the engine claim it.
       asked.engineAccuracy === engine.accuracy;
     if (isAsked) return asked.answer;
-    const answer = engine.requestPrecision(cloud, { geometryPrecision, shPrecision });
+    const answer = claim(upload, { geometryPrecision, shPrecision });
     upload.asked = { geometryPrecision, shPrecision, engineAccuracy: engine.accuracy, answer };
     return answer;
   }
+}
+
+/** Resolves when the cloud holds `precision` and nothing that only its own lease claims: the users decide alone. */
+async function claim(upload: Upload, precision: CloudPrecision): Promise<void> {
+  const { cloud, lease } = upload;
+  if (lease) lease.change(precision);
+  else upload.lease = cloud.hold(precision);
+  await upload.lease!.met;
+  cloud.ownLease.release();
+}
+
+/** Where all users leave that to others, nothing is claimed for them. */
+function releaseUnneeded(upload: Upload): void {
+  const isNeeded = [...upload.users.values()].some((precision) => precision !== null);
+  if (isNeeded || !upload.lease) return;
+  upload.lease.release();
+  upload.asked = null;
 }
 
 function boxOf({ min, max }: PackedCloud['bounds']): Box3 {

@@ -1,6 +1,7 @@
 import {
   type Accuracy,
   type AccuracySettings,
+  type CloudLease,
   type CloudPrecision,
   resolveAccuracy,
   type SplatCloud,
@@ -8,19 +9,36 @@ import {
 } from '@websplatter/core';
 import { vi } from 'vitest';
 
-/** An engine that only takes note of what it is asked, and at once holds what it is asked to hold. For tests. */
+/** An engine whose only cloud takes note of what is claimed of it, and at once holds it. For tests. */
 export function fakeEngine({ accuracy = 'balanced' }: { accuracy?: Accuracy } = {}) {
   const destroyed = vi.fn();
   const state = { accuracy: resolveAccuracy(accuracy), pages: {} };
-  const cloud = { destroy: destroyed, pagesFor: () => state.pages } as unknown as SplatCloud;
-  const addPacked = vi.fn<SplatEngine['addPacked']>(() => cloud);
-  const requestPrecision = vi.fn(async (_cloud: SplatCloud, _precision: CloudPrecision) => {
+  const claim = vi.fn(async (_precision: CloudPrecision) => {
     await Promise.resolve();
     state.pages = {};
   });
+  const releaseOwn = vi.fn();
+  const released = vi.fn();
+  const hold = (precision: CloudPrecision): CloudLease => {
+    const lease = {
+      met: claim(precision),
+      change: (changed: CloudPrecision) => {
+        lease.met = claim(changed);
+        return lease.met;
+      },
+      release: released,
+    };
+    return lease as unknown as CloudLease;
+  };
+  const cloud = {
+    destroy: destroyed,
+    pagesFor: () => state.pages,
+    hold,
+    ownLease: { release: releaseOwn },
+  } as unknown as SplatCloud;
+  const addPacked = vi.fn<SplatEngine['addPacked']>(() => cloud);
   const engine = {
     addPacked,
-    requestPrecision,
     get accuracy(): AccuracySettings {
       return state.accuracy;
     },
@@ -29,5 +47,5 @@ export function fakeEngine({ accuracy = 'balanced' }: { accuracy?: Accuracy } = 
   const setAccuracy = (changed: Accuracy) => {
     state.accuracy = resolveAccuracy(changed);
   };
-  return { engine, addPacked, requestPrecision, destroyed, setAccuracy };
+  return { engine, addPacked, claim, released, releaseOwn, destroyed, setAccuracy };
 }
