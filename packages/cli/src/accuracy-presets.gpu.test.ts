@@ -94,7 +94,7 @@ async function measureRows(set: SplatSet, camera: Camera): Promise<Record<string
 /** Makes the cloud hold the planes that `accuracy` is drawn from, beside those that it has. */
 function hold(cloud: SplatCloud, accuracy: Accuracy): Promise<void> {
   const { geometryPrecision, shPrecision } = resolveAccuracy(accuracy);
-  return engine.requestPrecision(cloud, { geometryPrecision, shPrecision }, { keep: true });
+  return cloud.hold({ geometryPrecision, shPrecision }).met;
 }
 
 /** Milliseconds of a picture, drawn whether or not anything has changed. */

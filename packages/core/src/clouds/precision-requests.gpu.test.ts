@@ -83,7 +83,7 @@ describe('a coarser precision', () => {
 
   gpuTest('is made of what is held where it is not the finest', async () => {
     const cloud = engine.addPacked(packSet(set, { geometryPrecision: 'packed', shPrecision: 'f16' }));
-    await engine.requestPrecision(cloud, SMALLEST, { keep: true });
+    await cloud.hold(SMALLEST).met;
     expect(cloud.precisions).toEqual({ geometry: ['packed'], sh: ['f16', 'u8'] });
     await engine.requestPrecision(cloud, SMALLEST);
     expectHeld(cloud, SMALLEST);
@@ -104,7 +104,7 @@ describe('a coarser precision', () => {
     const frame = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
     view.render(frame);
     const fine = (await view.readPixels()).data;
-    await engine.requestPrecision(cloud, SMALLEST, { keep: true });
+    await cloud.hold(SMALLEST).met;
     expect(view.render(frame)).toBe(false);
     await engine.requestPrecision(cloud, SMALLEST);
     expect(view.render(frame)).toBe(true);

@@ -33,7 +33,7 @@ afterAll(() => engine?.destroy());
 /** Makes the cloud hold what `settings` ask for: measuring frees what it made. */
 function hold({ geometryPrecision, shPrecision }: AccuracySettings): Promise<void> {
   const [{ cloud }] = clouds;
-  return engine.requestPrecision(cloud, { geometryPrecision, shPrecision }, { keep: true });
+  return cloud.hold({ geometryPrecision, shPrecision }).met;
 }
 
 describe('measureAccuracy', () => {

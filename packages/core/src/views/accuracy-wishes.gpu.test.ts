@@ -79,11 +79,13 @@ describe('a view with a wish', () => {
       // It has been drawn again by itself, and is as close to the reference as was wished for.
       expect(view.render(frameOf([cloud]))).toBe(false);
       const planes = { geometryPrecision: 'f32', shPrecision: 'f32' } as const;
-      await engine.requestPrecision(cloud, planes, { keep: true });
+      const lease = cloud.hold(planes);
+      await lease.met;
       const reference = engine.createView();
       reference.render({ ...frameOf([cloud]), accuracy: choice.table.reference.settings });
       expect((await comparePictures(view, reference)).psnrDb).toBeGreaterThanOrEqual(WISH.minPsnrDb);
       reference.destroy();
+      lease.release();
 
       const before = engine.counters().framesDrawn;
       for (const x of [0.1, 0.2, 0.3]) view.render(frameOf([cloud], x));
