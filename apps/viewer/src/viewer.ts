@@ -5,6 +5,8 @@ import {
   type AccuracyWish,
   type Camera,
   type ChooseAccuracyOptions,
+  type CloudLease,
+  DestroyedError,
   InvalidArgumentError,
   isAccuracyWish,
   isSoftwareAdapter,
@@ -118,6 +120,8 @@ export class Viewer {
   #scenesShown = 0;
   /** Settles when the clouds hold what they were last asked for, as far as they can. */
   #planes: Promise<void> = Promise.resolve();
+  /** What the clouds are held in to be compared with the chosen accuracy. */
+  #compared: readonly CloudLease[] = [];
   /** Of the picture that came to rest last: see `pictureId`. */
   #restedKey = '';
 
@@ -400,15 +404,20 @@ export class Viewer {
       ...(wish && { accuracy: engine.accuracy }),
     });
     const problems = (await request).map(({ error }) => error.message);
+    if (!isCurrent()) return;
+    const former = this.#compared;
     const clouds = this.#scene?.clouds ?? [];
-    for (const other of comparedWith(comparison)) {
-      for (const { cloud } of clouds) {
-        if (!isCurrent() || cloud.isDestroyed) return;
-        await engine.requestPrecision(cloud, other, { keep: true }).catch((error: Error) => {
-          if (error.name !== 'AbortError') problems.push(error.message);
-        });
-      }
+    this.#compared = comparedWith(comparison).flatMap((other) =>
+      clouds.map(({ cloud }) => cloud.hold(other)),
+    );
+    for (const { met } of this.#compared) {
+      await met.catch((error: Error) => {
+        const isOver = error.name === 'AbortError' || error instanceof DestroyedError;
+        if (!isOver) problems.push(error.message);
+      });
     }
+    // What is compared now as it was before is held all the while.
+    for (const lease of former) lease.release();
     if (!isCurrent()) return;
     store.setState({ accuracyNotices: [...new Set([...engine.notices, ...problems])] });
     this.#loop.request();

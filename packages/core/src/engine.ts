@@ -231,10 +231,10 @@ export class SplatEngine {
   async requestPrecision(
     cloud: SplatCloud,
     precision: CloudPrecision,
-    options: HoldOptions & { readonly keep?: boolean } = {},
+    options: HoldOptions = {},
   ): Promise<void> {
     this.#checkUsable();
-    await (options.keep ? cloud.ownLease.add(precision, options) : cloud.ownLease.change(precision, options));
+    await cloud.ownLease.change(precision, options);
   }
 
   /** A view that draws on `canvas`, or one whose pictures are read back. */
