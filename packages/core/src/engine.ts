@@ -25,9 +25,9 @@ import type { CloudPrecision } from './packing/precision.ts';
 import type { ShaderMutation } from './shaders/link-shader.ts';
 import type { SplatSet } from './splats/splat-set.ts';
 import { AccuracyWishes } from './views/accuracy-wishes.ts';
-import type { ViewContext } from './views/blended-layer.ts';
 import { EmbeddedView } from './views/embedded-view.ts';
 import { SplatView } from './views/splat-view.ts';
+import type { ViewContext } from './views/view-core.ts';
 
 export interface EngineOptions extends DeviceOptions {
   /** A device to work on; by default one is made, with all that its adapter offers. */
@@ -349,11 +349,11 @@ export class SplatEngine {
   /** Where it fails, the frame that needs it says so. */
   async #compileFor(cloud: SplatCloud, precision: CloudPrecision): Promise<void> {
     const stages = [...this.#views].flatMap(({ shape }) => {
-      if (!shape?.clouds.includes(cloud)) return [];
-      const planes = shape.planes.map((held, i) =>
-        shape.clouds[i] === cloud ? { ...held, ...precision } : held,
+      if (!shape?.clouds.some((each) => each.cloud === cloud)) return [];
+      const clouds = shape.clouds.map((each) =>
+        each.cloud === cloud ? { ...each, planes: { ...each.planes, ...precision } } : each,
       );
-      return frameStages({ ...shape, planes });
+      return frameStages({ ...shape, clouds });
     });
     await this.#pipelines.prepare(stages).catch(() => {});
   }
@@ -367,7 +367,7 @@ export class SplatEngine {
 function asksOtherwise({ clouds, accuracy }: FrameShape, cloud: SplatCloud, asked: CloudPrecision): boolean {
   const { geometryPrecision, shPrecision } = accuracy;
   const isSame = geometryPrecision === asked.geometryPrecision && shPrecision === asked.shPrecision;
-  return clouds.includes(cloud) && !isSame;
+  return clouds.some((each) => each.cloud === cloud) && !isSame;
 }
 
 function possibleOn(device: GPUDevice, asked: AccuracySettings): PossibleAccuracy {

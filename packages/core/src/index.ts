@@ -30,7 +30,9 @@ export { type CloudHit, raycastCloud } from './clouds/raycast-cloud.ts';
 export type { CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
 export { type EngineOptions, type PossibleAccuracy, type PrecisionProblem, SplatEngine } from './engine.ts';
 export * from './errors.ts';
+export type { HostPass } from './frame/frame-part.ts';
 export type { CloudInstance, ViewFrame } from './frame/frame-request.ts';
+export type { EmbeddedPicture } from './frame/parts/compose.ts';
 export { adapterLabel, type DeviceOptions, isSoftwareAdapter, requestSplatDevice } from './gpu/device.ts';
 export type { EngineCounters } from './gpu/engine-counters.ts';
 export type { GpuMemoryReport } from './gpu/gpu-memory.ts';
@@ -74,6 +76,6 @@ export {
   wallClockTimings,
 } from './timing/frame-statistics.ts';
 export type { ChooseAccuracyOptions } from './views/accuracy-wishes.ts';
-export type { EmbeddedFrame, EmbeddedPicture, EmbeddedView, HostPass } from './views/embedded-view.ts';
+export type { EmbeddedFrame, EmbeddedView } from './views/embedded-view.ts';
 export type { SplatPick } from './views/pick-splat.ts';
 export type { SplatView } from './views/splat-view.ts';

@@ -5,6 +5,7 @@ import { type DepthConvention, storedDepth } from '../camera/depth-convention.ts
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../engine.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
+import type { EmbeddedPicture } from '../frame/parts/compose.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture } from '../gpu/read-texture.ts';
 import { toHalfBits } from '../layout/half.ts';
@@ -14,7 +15,7 @@ import type { SplatSet } from '../splats/splat-set.ts';
 import { randomSplats, splatsOf } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { testCameras } from '../testing/test-cameras.ts';
-import type { EmbeddedFrame, EmbeddedPicture, EmbeddedView } from './embedded-view.ts';
+import type { EmbeddedFrame, EmbeddedView } from './embedded-view.ts';
 
 const SIZE = { widthPx: 48, heightPx: 40 };
 const PIXELS = SIZE.widthPx * SIZE.heightPx;

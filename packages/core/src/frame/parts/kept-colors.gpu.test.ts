@@ -1,14 +1,14 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, beforeEach, describe, expect } from 'vitest';
-import type { AccuracyPreset } from '../accuracy/accuracy.ts';
-import { type Camera, perspectiveCamera } from '../camera/camera.ts';
-import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { defineEffect, tint } from '../effects/index.ts';
-import { SplatEngine } from '../engine.ts';
-import type { Vec3 } from '../math/mat4.ts';
-import { randomSplats } from '../testing/random-splats.ts';
-import type { SplatView } from '../views/splat-view.ts';
-import type { CloudInstance, ViewFrame } from './frame-request.ts';
+import type { AccuracyPreset } from '../../accuracy/accuracy.ts';
+import { type Camera, perspectiveCamera } from '../../camera/camera.ts';
+import type { SplatCloud } from '../../clouds/splat-cloud.ts';
+import { defineEffect, tint } from '../../effects/index.ts';
+import { SplatEngine } from '../../engine.ts';
+import type { Vec3 } from '../../math/mat4.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
+import type { SplatView } from '../../views/splat-view.ts';
+import type { CloudInstance, ViewFrame } from '../frame-request.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };
 const SET = randomSplats({ count: 1500, seed: 70, shDegree: 2, logScales: [-4.5, -2.5] });
@@ -83,11 +83,11 @@ async function warmUp(
   view: SplatView,
   frame: Omit<ViewFrame, 'widthPx' | 'heightPx' | 'camera'>,
 ): Promise<void> {
-  for (let i = 0; i < 200 && !view.shape?.keepsColors[0]; i++) {
+  for (let i = 0; i < 200 && !view.shape?.clouds[0].keepsColors; i++) {
     await draw(view, { ...frame, camera: camera(i, [0, 0, 4]) });
     await new Promise((resolve) => setTimeout(resolve, 10));
   }
-  expect(view.shape?.keepsColors).toEqual([true]);
+  expect(view.shape?.clouds.map(({ keepsColors }) => keepsColors)).toEqual([true]);
 }
 
 const SPOIL = `
@@ -298,7 +298,7 @@ describe('colours are not taken', () => {
     await warmUp(view, { clouds: [{ cloud }] });
     await draw(view, frame(0, 0, 3));
     await draw(view, frame(0, 1, 3));
-    expect(view.shape?.keepsColors[1]).toBe(true);
+    expect(view.shape?.clouds[1].keepsColors).toBe(true);
     const moved = frame(1, 2, 3);
     expect(await draw(view, moved)).toEqual(await drawAnew(moved));
     // And where none are kept yet, but in the records.
