@@ -9,8 +9,8 @@ const SMALL = { viewport: { width: 240, height: 160 } };
 
 /** The test scene with harmonics in which there is nothing. */
 function withEmptyHarmonics(set: SplatSet): SplatSet {
-  const { shRest } = set;
-  return { ...set, shRest: { ...shRest, words: new Uint32Array(shRest.words.length) } };
+  const { harmonics } = set;
+  return { ...set, harmonics: { ...harmonics, words: new Uint32Array(harmonics.words.length) } };
 }
 
 const effect = (page: Page, name: string) => page.getByTestId(`effect-${name}`);

@@ -1,4 +1,4 @@
-import { packShRest, type ShRest, type SplatSet, shRestWordsPerSplat } from '@websplatter/core';
+import { type PackedHarmonics, packCoefficients, type SplatSet, shWordsPerSplat } from '@websplatter/core';
 
 const COUNT = 400;
 const SH_DEGREE = 1;
@@ -14,7 +14,7 @@ export function testScene(): SplatSet {
   const rotations = new Float32Array(4 * COUNT);
   const opacityLogits = new Float32Array(COUNT);
   const colorDc = new Float32Array(3 * COUNT);
-  const wordsPerSplat = shRestWordsPerSplat(SH_DEGREE, 'f32');
+  const wordsPerSplat = shWordsPerSplat(SH_DEGREE, 'f32');
   const words = new Uint32Array(COUNT * wordsPerSplat);
   for (let i = 0; i < COUNT; i++) {
     const along = random() ** 2;
@@ -25,9 +25,9 @@ export function testScene(): SplatSet {
     opacityLogits[i] = 6 * random() - 2;
     colorDc.set([2.5 * along - 0.5, 2 * random() - 1, 1.5 - 2.5 * along], 3 * i);
     const rest = Array.from({ length: 9 }, () => 0.4 * (random() - 0.5));
-    packShRest(SH_DEGREE, 'f32', rest, words, i * wordsPerSplat);
+    packCoefficients(SH_DEGREE, 'f32', rest, words, i * wordsPerSplat);
   }
-  const shRest: ShRest = { degree: SH_DEGREE, precision: 'f32', wordsPerSplat, words };
+  const harmonics: PackedHarmonics = { degree: SH_DEGREE, precision: 'f32', wordsPerSplat, words };
   const fileIndices = Uint32Array.from({ length: COUNT }, (_, i) => i);
   return {
     count: COUNT,
@@ -37,7 +37,7 @@ export function testScene(): SplatSet {
     rotations,
     opacityLogits,
     colorDc,
-    shRest,
+    harmonics,
     fileIndices,
     dropped: {},
   };

@@ -39,7 +39,7 @@ test('bands that cannot be seen are told, and take no memory', async () => {
   const words = Uint32Array.from({ length: 27 }, (_, i) =>
     i < 9 ? new Uint32Array(Float32Array.of(1e-4).buffer)[0] : 0,
   );
-  const scene = new TestFolder().scene('faint.ply', { ...set, shRest: { ...set.shRest, words } });
+  const scene = new TestFolder().scene('faint.ply', { ...set, harmonics: { ...set.harmonics, words } });
   const { out } = await runMain('info', scene, '--json');
   expect(JSON.parse(out)).toMatchObject({
     shDegree: 1,

@@ -1,4 +1,4 @@
-import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet, unpackShRest } from '@websplatter/core';
+import { readCoefficients, SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '@websplatter/core';
 
 export interface ShBand {
   /** 1, 2 or 3. */
@@ -8,12 +8,12 @@ export interface ShBand {
 }
 
 /** How much each band of spherical harmonics above 0 carries. */
-export function shEnergyPerBand({ count, shRest }: SplatSet): ShBand[] {
-  const degrees = Array.from({ length: shRest.degree }, (_, i) => (i + 1) as ShDegree);
+export function shEnergyPerBand({ count, harmonics }: SplatSet): ShBand[] {
+  const degrees = Array.from({ length: harmonics.degree }, (_, i) => (i + 1) as ShDegree);
   const squares = degrees.map(() => 0);
-  const values = new Float64Array(3 * SH_REST_COEFFICIENTS[shRest.degree]);
-  for (let splat = 0; splat < count && shRest.degree > 0; splat++) {
-    unpackShRest(shRest, splat, values);
+  const values = new Float64Array(3 * SH_REST_COEFFICIENTS[harmonics.degree]);
+  for (let splat = 0; splat < count && harmonics.degree > 0; splat++) {
+    readCoefficients(harmonics, splat, values);
     degrees.forEach((degree, i) => {
       const [from, to] = bandRange(degree);
       for (let value = from; value < to; value++) squares[i] += values[value] ** 2;

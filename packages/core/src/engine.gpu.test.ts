@@ -373,7 +373,7 @@ describe('large clouds', () => {
       const engine = await SplatEngine.create({ device, accuracy: 'reference', maxWorkgroupsPerDimension });
       const memory = new GpuMemory(device);
       // Five chunks of degree 3 in float32 to a page.
-      const maxBufferSize = 5 * 256 * 4 * packed.shRest.wordsPerSplat;
+      const maxBufferSize = 5 * 256 * 4 * packed.harmonics.wordsPerSplat;
       const limits = { maxBufferSize, maxStorageBufferBindingSize: maxBufferSize } as GPUSupportedLimits;
       const paged = new SplatCloud(memory, limits, packed, { name: 'paged' });
       expect(paged.pagesFor(engine.accuracy).pages.map(({ splatCount }) => splatCount)).toEqual([

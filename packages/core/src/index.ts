@@ -46,6 +46,13 @@ export type { MeasureProgress } from './measure/measure-accuracy.ts';
 export { type CloudFacts, cloudFacts } from './packing/cloud-facts.ts';
 export { GEOMETRY_WORDS } from './packing/geometry.ts';
 export {
+  type PackedHarmonics,
+  packCoefficients,
+  readCoefficients,
+  repackHarmonics,
+  shWordsPerSplat,
+} from './packing/harmonics.ts';
+export {
   type Bounds,
   type PackedCloud,
   type PackOptions,
@@ -53,13 +60,6 @@ export {
   transferablesOf,
 } from './packing/packed-cloud.ts';
 export type { CloudPrecision, GeometryPrecision, ShPrecision } from './packing/precision.ts';
-export {
-  packShRest,
-  repackShRest,
-  type ShRest,
-  shRestWordsPerSplat,
-  unpackShRest,
-} from './packing/sh-rest.ts';
 export {
   type DropCounts,
   type DropReason,

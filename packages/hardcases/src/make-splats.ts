@@ -1,9 +1,9 @@
 import {
-  packShRest,
+  packCoefficients,
   SH_REST_COEFFICIENTS,
   type ShDegree,
   type SplatSet,
-  shRestWordsPerSplat,
+  shWordsPerSplat,
 } from '@websplatter/core';
 
 /** One splat; what is left out is a round, half-transparent, grey splat at the origin. */
@@ -39,11 +39,11 @@ export function splatsOf(
 ): SplatSet {
   const { shDegree = 0, origin = [0, 0, 0] } = options;
   const values = 3 * SH_REST_COEFFICIENTS[shDegree];
-  const wordsPerSplat = shRestWordsPerSplat(shDegree, 'f32');
+  const wordsPerSplat = shWordsPerSplat(shDegree, 'f32');
   const words = new Uint32Array(splats.length * wordsPerSplat);
   for (const [i, { shRest = [] }] of splats.entries()) {
     const padded = Array.from({ length: values }, (_, k) => shRest[k] ?? 0);
-    packShRest(shDegree, 'f32', padded, words, i * wordsPerSplat);
+    packCoefficients(shDegree, 'f32', padded, words, i * wordsPerSplat);
   }
   return {
     count: splats.length,
@@ -53,7 +53,7 @@ export function splatsOf(
     rotations: Float32Array.from(splats.flatMap(({ rotation = [1, 0, 0, 0] }) => rotation)),
     opacityLogits: Float32Array.from(splats, ({ opacityLogit = 0 }) => opacityLogit),
     colorDc: Float32Array.from(splats.flatMap(({ color = [0.5, 0.5, 0.5] }) => color.map(colorDcOf))),
-    shRest: { degree: shDegree, precision: 'f32', wordsPerSplat, words },
+    harmonics: { degree: shDegree, precision: 'f32', wordsPerSplat, words },
     fileIndices: Uint32Array.from(splats, (_, i) => i),
     dropped: {},
   };

@@ -1,4 +1,4 @@
-import { packShRest, type ShDegree, type SplatSet, shRestWordsPerSplat } from '@websplatter/core';
+import { packCoefficients, type ShDegree, type SplatSet, shWordsPerSplat } from '@websplatter/core';
 
 /** Fills the columns of a {@link SplatSet}, a splat at a time, in storage order. */
 export class SplatBuilder {
@@ -21,7 +21,7 @@ export class SplatBuilder {
     this.#rotations = new Float32Array(4 * count);
     this.#opacityLogits = new Float32Array(count);
     this.#colorDc = new Float32Array(3 * count);
-    this.#wordsPerSplat = shRestWordsPerSplat(degree, 'f32');
+    this.#wordsPerSplat = shWordsPerSplat(degree, 'f32');
     this.#shWords = new Uint32Array(count * this.#wordsPerSplat);
   }
 
@@ -50,7 +50,13 @@ export class SplatBuilder {
     }
     writeQuaternion(frame, this.#rotations, 4 * index);
     this.#opacityLogits[index] = Math.log(opacity / (1 - opacity));
-    packShRest(this.#degree, 'f32', coefficients.subarray(3), this.#shWords, index * this.#wordsPerSplat);
+    packCoefficients(
+      this.#degree,
+      'f32',
+      coefficients.subarray(3),
+      this.#shWords,
+      index * this.#wordsPerSplat,
+    );
   }
 
   build(): SplatSet {
@@ -65,7 +71,7 @@ export class SplatBuilder {
       rotations: this.#rotations,
       opacityLogits: this.#opacityLogits,
       colorDc: this.#colorDc,
-      shRest: {
+      harmonics: {
         degree: this.#degree,
         precision: 'f32',
         wordsPerSplat: this.#wordsPerSplat,

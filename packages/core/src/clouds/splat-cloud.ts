@@ -64,7 +64,7 @@ export class SplatCloud {
   ) {
     this.name = name;
     this.count = packed.count;
-    this.shDegree = packed.shRest.degree;
+    this.shDegree = packed.harmonics.degree;
     this.facts = packed.facts;
     this.origin = packed.origin;
     this.bounds = packed.bounds;

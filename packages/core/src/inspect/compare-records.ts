@@ -1,6 +1,6 @@
 import { DILATION_PX2, MAX_FRAGMENT_ALPHA, maxColor } from '../accuracy/accuracy.ts';
 import { HALF_MAX } from '../layout/half.ts';
-import { unpackShRest } from '../packing/sh-rest.ts';
+import { readCoefficients } from '../packing/harmonics.ts';
 import { screenAxes } from '../reference/covariance.ts';
 import { type CulledSplat, cullSplat, type VisibleSplat } from '../reference/cull-splats.ts';
 import { splatColor } from '../reference/project.ts';
@@ -176,8 +176,8 @@ function compareColor(
 ): void {
   const { shDegree } = frame.accuracy;
   const rest = new Float64Array(3 * SH_REST_COEFFICIENTS[3]);
-  unpackShRest(stored.shRest, index, rest);
-  const degree = Math.min(stored.shRest.degree, shDegree) as ShDegree;
+  readCoefficients(stored.harmonics, index, rest);
+  const degree = Math.min(stored.harmonics.degree, shDegree) as ShDegree;
   const energy = rest
     .subarray(0, 3 * SH_REST_COEFFICIENTS[degree])
     .reduce((sum, value) => sum + Math.abs(value), 0);

@@ -138,11 +138,11 @@ export class InspectedFrame {
     target.destroy();
 
     const clouds = options.clouds.map(({ modelMatrix = identity4() }, i) => {
-      const { shRest } = packed[i];
+      const { harmonics } = packed[i];
       const stored = {
         ...permuteSplats(sets[i], mortonOrder(sets[i].positions, sets[i].count)),
         // As it is stored: rounded, and without the bands that cannot be seen.
-        shRest,
+        harmonics,
       };
       const view = cloudView(camera.viewMatrix, modelMatrix, stored.origin, projection.isOrthographic);
       return {
@@ -203,11 +203,11 @@ function pipelinesOf(device: GPUDevice): Pipelines {
 /** Limits under which a cloud is cut into pages of `splatsPerPage`, or the device's own. */
 function limitsFor(
   device: GPUDevice,
-  { shRest }: PackedCloud,
+  { harmonics }: PackedCloud,
   splatsPerPage: number | undefined,
 ): GPUSupportedLimits {
   if (splatsPerPage === undefined) return device.limits;
-  const bytes = largestPlaneBytes(shRest.degree) * splatsPerPage;
+  const bytes = largestPlaneBytes(harmonics.degree) * splatsPerPage;
   return { maxStorageBufferBindingSize: bytes, maxBufferSize: bytes } as GPUSupportedLimits;
 }
 

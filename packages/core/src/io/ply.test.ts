@@ -3,7 +3,7 @@ import { resolve } from 'node:path';
 import fc from 'fast-check';
 import { describe, expect, test, vi } from 'vitest';
 import { SplatFileError, WebSplatterError } from '../errors.ts';
-import { unpackShRest } from '../packing/sh-rest.ts';
+import { readCoefficients } from '../packing/harmonics.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 import {
   CORE_NAMES,
@@ -62,15 +62,15 @@ function valueIn(set: SplatSet, name: string, index: number): number {
   if (name.startsWith('rot')) return set.rotations[4 * index + number];
   if (name === 'opacity') return set.opacityLogits[index];
   if (name.startsWith('f_dc')) return set.colorDc[3 * index + number];
-  const coefficients = SH_REST_COEFFICIENTS[set.shRest.degree];
+  const coefficients = SH_REST_COEFFICIENTS[set.harmonics.degree];
   const values = new Float64Array(3 * coefficients);
-  unpackShRest(set.shRest, index, values);
+  readCoefficients(set.harmonics, index, values);
   return values[3 * (number % coefficients) + Math.floor(number / coefficients)];
 }
 
 function expectDistinctValues(set: SplatSet, count: number, degree: ShDegree): void {
   expect(set.count).toBe(count);
-  expect(set.shRest.degree).toBe(degree);
+  expect(set.harmonics.degree).toBe(degree);
   expect([...set.fileIndices]).toEqual(Array.from({ length: count }, (_, i) => i));
   for (const name of splatNames(degree)) {
     const found = Array.from({ length: count }, (_, row) => valueIn(set, name, row));
@@ -793,7 +793,7 @@ describe.skipIf(!playbotExists)('a real scene (playbot-lod3.ply)', () => {
   test('31,000 splats of degree 2, as its bytes say, and back to the same bytes', async () => {
     const bytes = readFileSync(playbot);
     const set = await read(bytes);
-    expect(set).toMatchObject({ count: 31_000, origin: [0, 0, 0], dropped: {}, shRest: { degree: 2 } });
+    expect(set).toMatchObject({ count: 31_000, origin: [0, 0, 0], dropped: {}, harmonics: { degree: 2 } });
     const body = bytes.subarray(bytes.indexOf('end_header\n') + 11);
     const names = [
       'x',

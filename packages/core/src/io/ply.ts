@@ -142,7 +142,7 @@ function slotsOf(vertex: PlyElement, shDegree: ShDegree, file: string): number[]
   const coefficients = SH_REST_COEFFICIENTS[shDegree];
   for (let channel = 0; channel < 3; channel++) {
     for (let k = 0; k < coefficients; k++) {
-      slotOf.set(`f_rest_${channel * coefficients + k}`, ROW_SLOT.shRest + 3 * k + channel);
+      slotOf.set(`f_rest_${channel * coefficients + k}`, ROW_SLOT.harmonics + 3 * k + channel);
     }
   }
   const fail = (property: string, message: string): never => {

@@ -1,6 +1,11 @@
 import { SplatFileError } from '../errors.ts';
+import {
+  coefficientsPerSplat,
+  packCoefficients,
+  ShReachMeter,
+  shWordsPerSplat,
+} from '../packing/harmonics.ts';
 import type { ShPrecision } from '../packing/precision.ts';
-import { packShRest, ShReachMeter, shRestValues, shRestWordsPerSplat } from '../packing/sh-rest.ts';
 import { ROW_SLOT, reasonToDrop } from '../splats/splat-row.ts';
 import type { DropCounts, ShDegree, SplatSet } from '../splats/splat-set.ts';
 
@@ -45,9 +50,9 @@ export class SplatSetBuilder {
 
   constructor(options: SplatSetBuilderOptions) {
     this.#options = options;
-    this.row = new Float64Array(ROW_SLOT.shRest + shRestValues(options.shDegree));
-    this.#shRow = this.row.subarray(ROW_SLOT.shRest);
-    this.#wordsPerSplat = shRestWordsPerSplat(options.shDegree, options.shPrecision);
+    this.row = new Float64Array(ROW_SLOT.harmonics + coefficientsPerSplat(options.shDegree));
+    this.#shRow = this.row.subarray(ROW_SLOT.harmonics);
+    this.#wordsPerSplat = shWordsPerSplat(options.shDegree, options.shPrecision);
     this.#reach = new ShReachMeter(options.shDegree);
     this.#columns = {
       positions: new (options.widePositions ? Float64Array : Float32Array)(0),
@@ -85,7 +90,7 @@ export class SplatSetBuilder {
     for (let i = 0; i < 4; i++) rotations[4 * index + i] = row[ROW_SLOT.rotation + i];
     opacityLogits[index] = row[ROW_SLOT.opacity];
     fileIndices[index] = fileIndex;
-    packShRest(
+    packCoefficients(
       this.#options.shDegree,
       this.#options.shPrecision,
       this.#shRow,
@@ -107,7 +112,7 @@ export class SplatSetBuilder {
       count: this.#count,
       origin,
       positions: positionsFrom(positions, origin),
-      shRest: {
+      harmonics: {
         degree: this.#options.shDegree,
         precision: this.#options.shPrecision,
         wordsPerSplat: this.#wordsPerSplat,

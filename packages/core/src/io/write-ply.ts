@@ -1,4 +1,4 @@
-import { shRestValues, unpackShRest } from '../packing/sh-rest.ts';
+import { coefficientsPerSplat, readCoefficients } from '../packing/harmonics.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 
 /**
@@ -10,7 +10,7 @@ import type { SplatSet } from '../splats/splat-set.ts';
  * ArrayBuffer can be that large.
  */
 export function encodePly(set: SplatSet): Uint8Array<ArrayBuffer> {
-  const shValues = shRestValues(set.shRest.degree);
+  const shValues = coefficientsPerSplat(set.harmonics.degree);
   const isWide = set.origin.some((value) => value !== 0);
   const positionBytes = isWide ? 8 : 4;
   const header = new TextEncoder().encode(headerText(set.count, shValues, isWide ? 'double' : 'float'));
@@ -32,7 +32,7 @@ export function encodePly(set: SplatSet): Uint8Array<ArrayBuffer> {
       offset += positionBytes;
     }
     for (let channel = 0; channel < 3; channel++) put(set.colorDc[3 * i + channel]);
-    unpackShRest(set.shRest, i, sh);
+    readCoefficients(set.harmonics, i, sh);
     for (let channel = 0; channel < 3; channel++) for (let k = channel; k < shValues; k += 3) put(sh[k]);
     put(set.opacityLogits[i]);
     for (let axis = 0; axis < 3; axis++) put(set.logScales[3 * i + axis]);

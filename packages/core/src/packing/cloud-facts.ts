@@ -1,5 +1,5 @@
 import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
-import { shBandReach } from './sh-rest.ts';
+import { shBandReach } from './harmonics.ts';
 
 /** What the splats of a cloud call for, whatever they are seen from: found in the data when they are packed. */
 export interface CloudFacts {
@@ -38,9 +38,9 @@ const FAINT_LOGIT = -Math.log(254);
 
 /** What `set`, whose rows are finite, calls for. A pass over the splats; over their harmonics too where nobody did that yet. */
 export function cloudFacts(set: SplatSet): CloudFacts {
-  const reach = shBandReach(set.shRest, set.count);
+  const reach = shBandReach(set.harmonics, set.count);
   return {
-    declaredShDegree: set.shRest.degree,
+    declaredShDegree: set.harmonics.degree,
     trueShDegree: trueShDegree(reach),
     shBandReach: reach,
     isIsotropic: isIsotropic(set),

@@ -1,7 +1,7 @@
 import { ROW_SLOT, reasonToDrop } from '../splats/splat-row.ts';
 import type { DropCounts, SplatSet } from '../splats/splat-set.ts';
+import { coefficientsPerSplat, readCoefficients } from './harmonics.ts';
 import { permuteSplats } from './morton-order.ts';
-import { shRestValues, unpackShRest } from './sh-rest.ts';
 
 /**
  * The splats of `set` that can be drawn, and those that cannot counted by reason with the ones already dropped; the very
@@ -10,7 +10,7 @@ import { shRestValues, unpackShRest } from './sh-rest.ts';
 export function dropNonFinite(set: SplatSet): SplatSet {
   const kept: number[] = [];
   const dropped: { -readonly [Reason in keyof DropCounts]: number } = { ...set.dropped };
-  const row = new Float64Array(ROW_SLOT.shRest + shRestValues(set.shRest.degree));
+  const row = new Float64Array(ROW_SLOT.harmonics + coefficientsPerSplat(set.harmonics.degree));
   for (let index = 0; index < set.count; index++) {
     fillRow(row, set, index);
     const reason = reasonToDrop(row);
@@ -29,5 +29,5 @@ function fillRow(row: Float64Array, set: SplatSet, index: number): void {
   }
   for (let k = 0; k < 4; k++) row[ROW_SLOT.rotation + k] = set.rotations[4 * index + k];
   row[ROW_SLOT.opacity] = set.opacityLogits[index];
-  unpackShRest(set.shRest, index, row.subarray(ROW_SLOT.shRest));
+  readCoefficients(set.harmonics, index, row.subarray(ROW_SLOT.harmonics));
 }

@@ -36,7 +36,7 @@ export function permuteSplats(set: SplatSet, order: Uint32Array): SplatSet {
     rotations: permuted(set.rotations, order, 4),
     opacityLogits: permuted(set.opacityLogits, order, 1),
     colorDc: permuted(set.colorDc, order, 3),
-    shRest: { ...set.shRest, words: permuted(set.shRest.words, order, set.shRest.wordsPerSplat) },
+    harmonics: { ...set.harmonics, words: permuted(set.harmonics.words, order, set.harmonics.wordsPerSplat) },
     fileIndices: permuted(set.fileIndices, order, 1),
   };
 }

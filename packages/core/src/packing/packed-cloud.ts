@@ -4,10 +4,10 @@ import type { Vec3 } from '../math/mat4.ts';
 import type { DropCounts, SplatSet } from '../splats/splat-set.ts';
 import { type CloudFacts, cloudFacts } from './cloud-facts.ts';
 import { type PackedGeometry, packGeometry } from './geometry.ts';
+import { type PackedHarmonics, repackHarmonics, truncateHarmonics } from './harmonics.ts';
 import { clampLogScale } from './log-scale.ts';
 import { mortonOrder, permuteSplats } from './morton-order.ts';
 import type { GeometryPrecision, ShPrecision } from './precision.ts';
-import { repackShRest, type ShRest, truncateShRest } from './sh-rest.ts';
 
 /** An axis-aligned box, corners included. */
 export interface Bounds {
@@ -26,7 +26,7 @@ export interface PackedCloud {
   readonly robustBounds: Bounds;
   readonly geometry: PackedGeometry;
   /** Of degree `facts.trueShDegree`: bands above it cannot be seen and are not here. */
-  readonly shRest: ShRest;
+  readonly harmonics: PackedHarmonics;
   /** One `Chunk` struct per chunk. */
   readonly chunks: ArrayBuffer;
   /** N: each stored splat's row in its file. */
@@ -45,8 +45,8 @@ export interface PackOptions {
 /** Arranges and packs `set`, which may have any order. Takes about a second per two million splats. */
 export function packCloud(set: SplatSet, options: PackOptions): PackedCloud {
   const facts = cloudFacts(set);
-  const shRest = packedShRest(set, facts, options.shPrecision ?? set.shRest.precision);
-  const stored = permuteSplats({ ...set, shRest }, mortonOrder(set.positions, set.count));
+  const harmonics = packedHarmonics(set, facts, options.shPrecision ?? set.harmonics.precision);
+  const stored = permuteSplats({ ...set, harmonics }, mortonOrder(set.positions, set.count));
   const chunks = chunkBounds(stored);
   const bounds = totalBounds(chunks, stored.origin);
   return {
@@ -55,7 +55,7 @@ export function packCloud(set: SplatSet, options: PackOptions): PackedCloud {
     bounds,
     robustBounds: stored.count > 0 ? quantileBounds(stored, OUTER_PART) : bounds,
     geometry: packGeometry(stored, options.geometryPrecision),
-    shRest: stored.shRest,
+    harmonics: stored.harmonics,
     chunks,
     fileIndices: stored.fileIndices,
     dropped: stored.dropped,
@@ -64,16 +64,24 @@ export function packCloud(set: SplatSet, options: PackOptions): PackedCloud {
 }
 
 /** Bands that cannot be seen go first, so that others take the whole range of a byte and nothing is packed in vain. */
-function packedShRest({ shRest, count }: SplatSet, facts: CloudFacts, precision: ShPrecision): ShRest {
+function packedHarmonics(
+  { harmonics, count }: SplatSet,
+  facts: CloudFacts,
+  precision: ShPrecision,
+): PackedHarmonics {
   const { shBandReach: bandReach, trueShDegree } = facts;
-  return repackShRest(truncateShRest({ ...shRest, bandReach }, count, trueShDegree), count, precision);
+  return repackHarmonics(
+    truncateHarmonics({ ...harmonics, bandReach }, count, trueShDegree),
+    count,
+    precision,
+  );
 }
 
 /** The buffers of `cloud`, for posting it to another thread without a copy. */
 export function transferablesOf(cloud: PackedCloud): ArrayBuffer[] {
   const buffers = [
     cloud.geometry.words.buffer,
-    cloud.shRest.words.buffer,
+    cloud.harmonics.words.buffer,
     cloud.chunks,
     cloud.fileIndices.buffer,
   ];

@@ -1,6 +1,6 @@
 import { type CloudView, FALLBACK_DIRECTION } from '../camera/cloud-view.ts';
 import type { Vec3 } from '../math/mat4.ts';
-import { unpackShRest } from '../packing/sh-rest.ts';
+import { readCoefficients } from '../packing/harmonics.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 import type { CulledSplat } from './cull-splats.ts';
 import type { EffectTwin } from './effects/effect-twin.ts';
@@ -25,8 +25,8 @@ export function splatColor(
   { splat, centerView }: Pick<CulledSplat, 'splat' | 'centerView'>,
   effects: readonly EffectTwin[] = [],
 ): Vec3 {
-  const degree = Math.min(set.shRest.degree, degreeLimit) as ShDegree;
-  unpackShRest(set.shRest, index, rest);
+  const degree = Math.min(set.harmonics.degree, degreeLimit) as ShDegree;
+  readCoefficients(set.harmonics, index, rest);
   const dc = set.colorDc.subarray(3 * index, 3 * index + 3);
   let color: Vec3 = shColor(degree, dc, rest, viewDirection(splat.position, view));
   for (const { changeColor } of effects) color = changeColor?.(color, splat, index, centerView) ?? color;

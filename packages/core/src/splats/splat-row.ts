@@ -13,7 +13,7 @@ export const ROW_SLOT = {
   /** r, g, b. */
   colorDc: 11,
   /** 3K values in ascending (degree, order), each as r, g, b. */
-  shRest: 14,
+  harmonics: 14,
 } as const;
 
 /** Why a splat with these values cannot be drawn, or undefined. Opacities of ±Infinity can: they are 0 and 1. */

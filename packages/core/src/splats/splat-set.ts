@@ -1,4 +1,4 @@
-import type { ShRest } from '../packing/sh-rest.ts';
+import type { PackedHarmonics } from '../packing/harmonics.ts';
 
 /** Degree of the spherical harmonics that a set of splats carries. */
 export type ShDegree = 0 | 1 | 2 | 3;
@@ -38,7 +38,7 @@ export interface SplatSet {
   /** 3N: spherical-harmonics coefficient of degree 0 for r, g, b. */
   readonly colorDc: Float32Array;
   /** Coefficients above degree 0, already in the precision that the GPU will read: they are most of a scene's bytes. */
-  readonly shRest: ShRest;
+  readonly harmonics: PackedHarmonics;
   /** N: each splat's row in its file, 0-based; what picking returns. */
   readonly fileIndices: Uint32Array;
   /** Rows of the file that are not here, by reason. */

@@ -1,6 +1,6 @@
 import type { Vec3 } from '../math/mat4.ts';
+import { coefficientsPerSplat, packCoefficients, shWordsPerSplat } from '../packing/harmonics.ts';
 import type { ShPrecision } from '../packing/precision.ts';
-import { packShRest, shRestValues, shRestWordsPerSplat } from '../packing/sh-rest.ts';
 import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
 import { seededRandom } from './seeded-random.ts';
 
@@ -29,10 +29,16 @@ export function randomSplats(options: RandomSplatOptions): SplatSet {
   const random = seededRandom(seed);
   const column = (length: number, min: number, max: number) =>
     Float32Array.from({ length }, () => min + (max - min) * random());
-  const wordsPerSplat = shRestWordsPerSplat(shDegree, shPrecision);
+  const wordsPerSplat = shWordsPerSplat(shDegree, shPrecision);
   const words = new Uint32Array(count * wordsPerSplat);
   for (let i = 0; i < count; i++) {
-    packShRest(shDegree, shPrecision, column(shRestValues(shDegree), -0.3, 0.3), words, i * wordsPerSplat);
+    packCoefficients(
+      shDegree,
+      shPrecision,
+      column(coefficientsPerSplat(shDegree), -0.3, 0.3),
+      words,
+      i * wordsPerSplat,
+    );
   }
   return {
     count,
@@ -42,7 +48,7 @@ export function randomSplats(options: RandomSplatOptions): SplatSet {
     rotations: column(4 * count, -1, 1),
     opacityLogits: column(count, ...opacityLogits),
     colorDc: column(3 * count, -1.5, 1.5),
-    shRest: { degree: shDegree, precision: shPrecision, wordsPerSplat, words },
+    harmonics: { degree: shDegree, precision: shPrecision, wordsPerSplat, words },
     fileIndices: Uint32Array.from({ length: count }, (_, i) => i),
     dropped: {},
   };
@@ -67,7 +73,7 @@ export function splatsOf(splats: readonly SplatValues[]): SplatSet {
     rotations: Float32Array.from(splats.flatMap(({ rotation = [1, 0, 0, 0] }) => rotation)),
     opacityLogits: Float32Array.from(splats, ({ opacityLogit = Number.POSITIVE_INFINITY }) => opacityLogit),
     colorDc: Float32Array.from(splats.flatMap(({ colorDc = [0, 0, 0] }) => colorDc)),
-    shRest: { degree: 0, precision: 'f32', wordsPerSplat: 0, words: new Uint32Array() },
+    harmonics: { degree: 0, precision: 'f32', wordsPerSplat: 0, words: new Uint32Array() },
     fileIndices: Uint32Array.from(splats, (_, i) => i),
     dropped: {},
   };

@@ -12,7 +12,7 @@ export function splatSetAt(...positions: readonly (readonly [number, number, num
     rotations: Float32Array.from(positions.flatMap(() => [1, 0, 0, 0])),
     opacityLogits: new Float32Array(count),
     colorDc: new Float32Array(3 * count),
-    shRest: { degree: 0, precision: 'u8', wordsPerSplat: 0, words: new Uint32Array(0) },
+    harmonics: { degree: 0, precision: 'u8', wordsPerSplat: 0, words: new Uint32Array(0) },
     fileIndices: Uint32Array.from(positions, (_, i) => i),
     dropped: {},
   };

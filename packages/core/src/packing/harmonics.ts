@@ -7,7 +7,7 @@ import type { ShPrecision } from './precision.ts';
  * values in ascending (degree, order), each as r, g, b. f32: a word each. f16: two to a word, low half first.
  * u8: the first half-word is the splat's scale in binary16, then a signed byte each, value = scale · byte / 127.
  */
-export interface ShRest {
+export interface PackedHarmonics {
   readonly degree: ShDegree;
   readonly precision: ShPrecision;
   readonly wordsPerSplat: number;
@@ -21,17 +21,17 @@ export interface ShRest {
 }
 
 /** Number of values, 3K, above degree 0. */
-export function shRestValues(degree: ShDegree): number {
+export function coefficientsPerSplat(degree: ShDegree): number {
   return 3 * SH_REST_COEFFICIENTS[degree];
 }
 
-export function shRestWordsPerSplat(degree: ShDegree, precision: ShPrecision): number {
+export function shWordsPerSplat(degree: ShDegree, precision: ShPrecision): number {
   return Math.ceil(shRestBytes(degree, precision) / 4);
 }
 
 /** Bytes that one splat's values take; the words that they lie in may have more. */
 function shRestBytes(degree: ShDegree, precision: ShPrecision): number {
-  const values = shRestValues(degree);
+  const values = coefficientsPerSplat(degree);
   if (values === 0) return 0;
   if (precision === 'f32') return 4 * values;
   return precision === 'f16' ? 2 * values : 2 + values;
@@ -41,14 +41,14 @@ const f32 = new Float32Array(1);
 const f32Bits = new Uint32Array(f32.buffer);
 
 /** Packs one splat's 3K finite `values` into `words` from `wordOffset` on. Out-of-range values are clamped. */
-export function packShRest(
+export function packCoefficients(
   degree: ShDegree,
   precision: ShPrecision,
   values: ArrayLike<number>,
   words: Uint32Array,
   wordOffset: number,
 ): void {
-  const count = shRestValues(degree);
+  const count = coefficientsPerSplat(degree);
   if (precision === 'f32') {
     for (let i = 0; i < count; i++) {
       f32[0] = Math.max(-COEFFICIENT_MAX, Math.min(COEFFICIENT_MAX, values[i]));
@@ -56,7 +56,7 @@ export function packShRest(
     }
     return;
   }
-  words.fill(0, wordOffset, wordOffset + shRestWordsPerSplat(degree, precision));
+  words.fill(0, wordOffset, wordOffset + shWordsPerSplat(degree, precision));
   if (precision === 'f16') {
     for (let i = 0; i < count; i++) words[wordOffset + (i >> 1)] |= toHalfBits(values[i]) << (16 * (i & 1));
     return;
@@ -80,8 +80,12 @@ export function packShRest(
 }
 
 /** Writes splat `index`'s 3K values into `values`. */
-export function unpackShRest(rest: ShRest, index: number, values: Float64Array | Float32Array): void {
-  const count = shRestValues(rest.degree);
+export function readCoefficients(
+  rest: PackedHarmonics,
+  index: number,
+  values: Float64Array | Float32Array,
+): void {
+  const count = coefficientsPerSplat(rest.degree);
   const offset = index * rest.wordsPerSplat;
   const { words, precision } = rest;
   const scale = precision === 'u8' && count > 0 ? fromHalfBits(words[offset] & 0xffff) / 127 : 0;
@@ -99,15 +103,19 @@ export function unpackShRest(rest: ShRest, index: number, values: Float64Array |
 }
 
 /** The same coefficients in another precision; the very same object where it is the one they have. */
-export function repackShRest(rest: ShRest, count: number, precision: ShPrecision): ShRest {
+export function repackHarmonics(
+  rest: PackedHarmonics,
+  count: number,
+  precision: ShPrecision,
+): PackedHarmonics {
   if (rest.precision === precision) return rest;
   const bandReach = shBandReach(rest, count);
-  const wordsPerSplat = shRestWordsPerSplat(rest.degree, precision);
+  const wordsPerSplat = shWordsPerSplat(rest.degree, precision);
   const words = new Uint32Array(count * wordsPerSplat);
-  const values = new Float64Array(shRestValues(rest.degree));
+  const values = new Float64Array(coefficientsPerSplat(rest.degree));
   for (let i = 0; i < count; i++) {
-    unpackShRest(rest, i, values);
-    packShRest(rest.degree, precision, values, words, i * wordsPerSplat);
+    readCoefficients(rest, i, values);
+    packCoefficients(rest.degree, precision, values, words, i * wordsPerSplat);
   }
   return { degree: rest.degree, precision, wordsPerSplat, words, bandReach };
 }
@@ -116,10 +124,10 @@ export function repackShRest(rest: ShRest, count: number, precision: ShPrecision
  * The coefficients of bands 1 to `degree` alone, as they are stored; the very same object where there are no others. Bytes
  * keep the scale that they were stored with.
  */
-export function truncateShRest(rest: ShRest, count: number, degree: ShDegree): ShRest {
+export function truncateHarmonics(rest: PackedHarmonics, count: number, degree: ShDegree): PackedHarmonics {
   if (degree >= rest.degree) return rest;
   const { precision, bandReach } = rest;
-  const wordsPerSplat = shRestWordsPerSplat(degree, precision);
+  const wordsPerSplat = shWordsPerSplat(degree, precision);
   const words = new Uint32Array(count * wordsPerSplat);
   const spareBytes = 4 * wordsPerSplat - shRestBytes(degree, precision);
   const lastWordMask = 0xffffffff >>> (8 * spareBytes);
@@ -140,7 +148,7 @@ export function truncateShRest(rest: ShRest, count: number, degree: ShDegree): S
  * the sum is (2l + 1)/4π in every direction d. So √((2l + 1)/4π)·‖c‖ is never exceeded, and it is reached where c is a
  * multiple of Yₗ at some direction; no function of the band stays below 1/√(2l + 1) of it, its root mean square.
  */
-export function shBandReach(rest: ShRest, count: number): readonly number[] {
+export function shBandReach(rest: PackedHarmonics, count: number): readonly number[] {
   if (rest.bandReach) return rest.bandReach;
   const { degree, precision, wordsPerSplat, words } = rest;
   const meter = new ShReachMeter(degree);
@@ -148,9 +156,9 @@ export function shBandReach(rest: ShRest, count: number): readonly number[] {
     const values = new Float32Array(words.buffer, words.byteOffset, words.length);
     for (let i = 0; i < count; i++) meter.include(values, i * wordsPerSplat);
   } else {
-    const values = new Float64Array(shRestValues(degree));
+    const values = new Float64Array(coefficientsPerSplat(degree));
     for (let i = 0; i < count; i++) {
-      unpackShRest(rest, i, values);
+      readCoefficients(rest, i, values);
       meter.include(values, 0);
     }
   }

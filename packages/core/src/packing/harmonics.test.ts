@@ -4,17 +4,17 @@ import { HALF_MAX } from '../layout/half.ts';
 import { shRestBasis } from '../reference/spherical-harmonics.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree } from '../splats/splat-set.ts';
 import { uniform } from '../testing/uniform.ts';
-import type { ShPrecision } from './precision.ts';
 import {
-  packShRest,
-  repackShRest,
-  type ShRest,
+  coefficientsPerSplat,
+  type PackedHarmonics,
+  packCoefficients,
+  readCoefficients,
+  repackHarmonics,
   shBandReach,
-  shRestValues,
-  shRestWordsPerSplat,
-  truncateShRest,
-  unpackShRest,
-} from './sh-rest.ts';
+  shWordsPerSplat,
+  truncateHarmonics,
+} from './harmonics.ts';
+import type { ShPrecision } from './precision.ts';
 
 const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
 const PRECISIONS: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
@@ -28,17 +28,17 @@ function splats(degree: ShDegree) {
     fc.constant(0),
   );
   const rowOf = (values: fc.Arbitrary<number>) =>
-    fc.array(values, { minLength: shRestValues(degree), maxLength: shRestValues(degree) });
+    fc.array(values, { minLength: coefficientsPerSplat(degree), maxLength: coefficientsPerSplat(degree) });
   // Rows of which even the largest value is among binary16's subnormals, where its steps are coarse, or below them.
   const row = fc.oneof(rowOf(value), rowOf(uniform(-1e-6, 1e-6).map(Math.fround)));
   return fc.array(row, { minLength: 1, maxLength: 5 });
 }
 
-function packed(degree: ShDegree, precision: ShPrecision, rows: readonly number[][]): ShRest {
-  const wordsPerSplat = shRestWordsPerSplat(degree, precision);
+function packed(degree: ShDegree, precision: ShPrecision, rows: readonly number[][]): PackedHarmonics {
+  const wordsPerSplat = shWordsPerSplat(degree, precision);
   // Filled with garbage: packing must not depend on what was there.
   const words = new Uint32Array(rows.length * wordsPerSplat).fill(0xa5a5a5a5);
-  for (const [i, row] of rows.entries()) packShRest(degree, precision, row, words, i * wordsPerSplat);
+  for (const [i, row] of rows.entries()) packCoefficients(degree, precision, row, words, i * wordsPerSplat);
   return { degree, precision, wordsPerSplat, words };
 }
 
@@ -54,9 +54,9 @@ function bound(precision: ShPrecision, value: number, row: readonly number[]): n
 
 describe('coefficients above degree 0', () => {
   test('take the documented number of words', () => {
-    expect(DEGREES.map((degree) => shRestWordsPerSplat(degree, 'f32'))).toEqual([0, 9, 24, 45]);
-    expect(DEGREES.map((degree) => shRestWordsPerSplat(degree, 'f16'))).toEqual([0, 5, 12, 23]);
-    expect(DEGREES.map((degree) => shRestWordsPerSplat(degree, 'u8'))).toEqual([0, 3, 7, 12]);
+    expect(DEGREES.map((degree) => shWordsPerSplat(degree, 'f32'))).toEqual([0, 9, 24, 45]);
+    expect(DEGREES.map((degree) => shWordsPerSplat(degree, 'f16'))).toEqual([0, 5, 12, 23]);
+    expect(DEGREES.map((degree) => shWordsPerSplat(degree, 'u8'))).toEqual([0, 3, 7, 12]);
   });
 
   for (const degree of DEGREES) {
@@ -65,9 +65,9 @@ describe('coefficients above degree 0', () => {
         fc.assert(
           fc.property(splats(degree), (rows) => {
             const rest = packed(degree, precision, rows);
-            const values = new Float64Array(shRestValues(degree));
+            const values = new Float64Array(coefficientsPerSplat(degree));
             for (const [i, row] of rows.entries()) {
-              unpackShRest(rest, i, values);
+              readCoefficients(rest, i, values);
               for (const [k, value] of row.entries())
                 expect(Math.abs(values[k] - value)).toBeLessThanOrEqual(bound(precision, value, row));
             }
@@ -81,7 +81,7 @@ describe('coefficients above degree 0', () => {
   test('too large values are clamped, and nothing becomes infinite', () => {
     const values = new Float64Array(9);
     for (const precision of ['f16', 'u8'] as const) {
-      unpackShRest(packed(1, precision, [[1e9, -1e9, 1, 0, 0, 0, 0, 0, 0]]), 0, values);
+      readCoefficients(packed(1, precision, [[1e9, -1e9, 1, 0, 0, 0, 0, 0, 0]]), 0, values);
       expect(values[0]).toBeCloseTo(HALF_MAX);
       expect(values[1]).toBeCloseTo(-HALF_MAX);
     }
@@ -98,14 +98,14 @@ describe('coefficients above degree 0', () => {
       rows.map((row) => row.map(Math.fround)),
     );
     for (const precision of PRECISIONS) {
-      const again = repackShRest(exact, 2, precision);
+      const again = repackHarmonics(exact, 2, precision);
       const { bandReach, ...expected } = packed(
         1,
         precision,
         rows.map((row) => row.map(Math.fround)),
       );
       expect(again).toMatchObject(expected);
-      expect(repackShRest(again, 2, precision)).toBe(again);
+      expect(repackHarmonics(again, 2, precision)).toBe(again);
     }
   });
 });
@@ -116,16 +116,19 @@ describe('the first bands alone', () => {
       fc.assert(
         fc.property(splats(3), fc.constantFrom(...DEGREES), (rows, degree) => {
           const whole = packed(3, precision, rows);
-          const part = truncateShRest(whole, rows.length, degree);
+          const part = truncateHarmonics(whole, rows.length, degree);
           expect(part).toMatchObject({
             degree,
             precision,
-            wordsPerSplat: shRestWordsPerSplat(degree, precision),
+            wordsPerSplat: shWordsPerSplat(degree, precision),
           });
-          const [wholeValues, values] = [new Float64Array(45), new Float64Array(shRestValues(degree))];
+          const [wholeValues, values] = [
+            new Float64Array(45),
+            new Float64Array(coefficientsPerSplat(degree)),
+          ];
           for (const i of rows.keys()) {
-            unpackShRest(whole, i, wholeValues);
-            unpackShRest(part, i, values);
+            readCoefficients(whole, i, wholeValues);
+            readCoefficients(part, i, values);
             expect(values).toEqual(wholeValues.subarray(0, values.length));
           }
         }),
@@ -136,7 +139,7 @@ describe('the first bands alone', () => {
       fc.assert(
         fc.property(fc.constantFrom(...DEGREES).chain(rowsOfDegree), ({ degree, rows }) => {
           const padded = rows.map((row) => [...row, ...new Array<number>(45 - row.length).fill(0)]);
-          const part = truncateShRest(packed(3, precision, padded), rows.length, degree);
+          const part = truncateHarmonics(packed(3, precision, padded), rows.length, degree);
           expect(part).toMatchObject(packed(degree, precision, rows));
         }),
       );
@@ -145,8 +148,8 @@ describe('the first bands alone', () => {
 
   test('are the very same object where there are no others', () => {
     const whole = packed(1, 'f32', [[1, 2, 3, 4, 5, 6, 7, 8, 9]]);
-    expect(truncateShRest(whole, 1, 1)).toBe(whole);
-    expect(truncateShRest(whole, 1, 3)).toBe(whole);
+    expect(truncateHarmonics(whole, 1, 1)).toBe(whole);
+    expect(truncateHarmonics(whole, 1, 3)).toBe(whole);
   });
 });
 
@@ -226,7 +229,7 @@ describe('how far a band reaches', () => {
     const reach = shBandReach(exact, 1);
     expect(reach[2]).toBeCloseTo(Math.sqrt(7 / (4 * Math.PI)) * 0.002, 9);
     for (const precision of PRECISIONS)
-      expect(shBandReach(repackShRest(exact, 1, precision), 1)).toEqual(reach);
+      expect(shBandReach(repackHarmonics(exact, 1, precision), 1)).toEqual(reach);
     expect(shBandReach(packed(3, 'u8', [row]), 1)[2]).toBe(0);
     expect(shBandReach(packed(0, 'u8', [[]]), 1)).toEqual([]);
   });
