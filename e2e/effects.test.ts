@@ -10,7 +10,10 @@ const SMALL = { viewport: { width: 240, height: 160 } };
 /** The test scene with harmonics in which there is nothing. */
 function withEmptyHarmonics(set: SplatSet): SplatSet {
   const { harmonics } = set;
-  return { ...set, harmonics: { ...harmonics, words: new Uint32Array(harmonics.words.length) } };
+  return {
+    ...set,
+    harmonics: { ...harmonics, coefficients: new Float32Array(harmonics.coefficients.length) },
+  };
 }
 
 const effect = (page: Page, name: string) => page.getByTestId(`effect-${name}`);

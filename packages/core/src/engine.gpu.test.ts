@@ -12,6 +12,7 @@ import type { ViewFrame } from './frame/frame-request.ts';
 import { GpuMemory } from './gpu/gpu-memory.ts';
 import { readSplats } from './io/read-splats.ts';
 import { type Mat4, translated4 } from './math/mat4.ts';
+import type { Harmonics } from './packing/harmonics.ts';
 import { packCloud } from './packing/packed-cloud.ts';
 import { compareImages, renderReference } from './reference/index.ts';
 import type { ShDegree, SplatSet } from './splats/splat-set.ts';
@@ -50,7 +51,7 @@ afterAll(() => {
 
 interface Scene {
   readonly clouds: readonly {
-    readonly set: SplatSet;
+    readonly set: SplatSet<Harmonics>;
     readonly modelMatrix?: ArrayLike<number>;
     readonly opacity?: number;
     readonly shDegree?: ShDegree;

@@ -46,10 +46,9 @@ export type { MeasureProgress } from './measure/measure-accuracy.ts';
 export { type CloudFacts, cloudFacts } from './packing/cloud-facts.ts';
 export { GEOMETRY_WORDS } from './packing/geometry.ts';
 export {
+  type Harmonics,
   type PackedHarmonics,
-  packCoefficients,
   readCoefficients,
-  repackHarmonics,
   shWordsPerSplat,
 } from './packing/harmonics.ts';
 export {
@@ -61,11 +60,13 @@ export {
 } from './packing/packed-cloud.ts';
 export type { CloudPrecision, GeometryPrecision, ShPrecision } from './packing/precision.ts';
 export {
+  coefficientsPerSplat,
   type DropCounts,
   type DropReason,
-  SH_REST_COEFFICIENTS,
   type ShDegree,
+  type SplatColumns,
   type SplatSet,
+  type TrainedHarmonics,
 } from './splats/splat-set.ts';
 export {
   type FrameStatistics,

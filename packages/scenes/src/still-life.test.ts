@@ -1,4 +1,4 @@
-import { readCoefficients, type ShDegree, type SplatSet, shWordsPerSplat } from '@websplatter/core';
+import { coefficientsPerSplat, readCoefficients, type ShDegree, type SplatSet } from '@websplatter/core';
 import { beforeAll, describe, expect, it } from 'vitest';
 import { builtinScenes, stillLife, stillLifeCameras } from './index.ts';
 import { evaluateShBasis, shBasisSize } from './sh-fit.ts';
@@ -14,7 +14,7 @@ function hashOf(set: SplatSet): number {
     set.rotations,
     set.opacityLogits,
     set.colorDc,
-    set.harmonics.words,
+    set.harmonics.coefficients,
     set.fileIndices,
   ];
   for (const column of columns) {
@@ -78,7 +78,7 @@ describe('stillLife', () => {
     expect(set.rotations.length).toBe(4 * splats);
     expect(set.opacityLogits.length).toBe(splats);
     expect(set.colorDc.length).toBe(3 * splats);
-    expect(set.harmonics.words.length).toBe(splats * shWordsPerSplat(3, 'f32'));
+    expect(set.harmonics.coefficients.length).toBe(splats * coefficientsPerSplat(3));
     expect(set.fileIndices[splats - 1]).toBe(splats - 1);
     expect(set.origin).toEqual([0, 0, 0]);
     expect(set.dropped).toEqual({});
@@ -90,8 +90,8 @@ describe('stillLife', () => {
 
   it.each([0, 1, 2, 3] as ShDegree[])('carries harmonics of degree %i when asked', (shDegree) => {
     const { harmonics } = stillLife({ splats: 1_000, shDegree });
-    expect(harmonics).toMatchObject({ degree: shDegree, precision: 'f32' });
-    expect(harmonics.words.length).toBe(1_000 * shWordsPerSplat(shDegree, 'f32'));
+    expect(harmonics).toMatchObject({ degree: shDegree, coefficients: expect.any(Float32Array) });
+    expect(harmonics.coefficients.length).toBe(1_000 * coefficientsPerSplat(shDegree));
   });
 
   it('keeps metal bright without harmonics, by what it reflects on average', () => {
@@ -102,7 +102,7 @@ describe('stillLife', () => {
 
   it('has only finite values', () => {
     const { positions, logScales, rotations, opacityLogits, colorDc, harmonics } = small;
-    const rest = new Float32Array(harmonics.words.buffer);
+    const rest = harmonics.coefficients;
     for (const column of [positions, logScales, rotations, opacityLogits, colorDc, rest]) {
       expect(column.every(Number.isFinite)).toBe(true);
     }

@@ -8,7 +8,7 @@ import type { ReadOptions } from '../io/splat-source.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { RepackParameters } from '../layout/structs.ts';
 import { GEOMETRY_WORDS } from '../packing/geometry.ts';
-import { shWordsPerSplat } from '../packing/harmonics.ts';
+import { type Harmonics, shWordsPerSplat } from '../packing/harmonics.ts';
 import { packSet } from '../packing/pack-set.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
 import type { CloudPrecision } from '../packing/precision.ts';
@@ -321,7 +321,7 @@ function isPackedCloud(source: CloudSource): source is PackedCloud {
   return typeof source === 'object' && 'geometry' in source;
 }
 
-function isSplatSet(source: CloudSource): source is SplatSet {
+function isSplatSet(source: CloudSource): source is SplatSet<Harmonics> {
   return typeof source === 'object' && 'logScales' in source;
 }
 

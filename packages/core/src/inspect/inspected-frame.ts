@@ -16,9 +16,10 @@ import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture, type TextureImage } from '../gpu/read-texture.ts';
-import { COEFFICIENT_MAX } from '../layout/half.ts';
+import { clampCoefficient } from '../layout/half.ts';
 import { identity4 } from '../math/mat4.ts';
 import { dropNonFinite } from '../packing/drop-non-finite.ts';
+import type { Harmonics, PackedHarmonics } from '../packing/harmonics.ts';
 import { mortonOrder, permuteSplats } from '../packing/morton-order.ts';
 import { type PackedCloud, packCloud } from '../packing/packed-cloud.ts';
 import type { EffectTwin } from '../reference/effects/effect-twin.ts';
@@ -29,7 +30,7 @@ import { GpuTimer } from '../timing/gpu-timer.ts';
 
 export interface InspectOptions {
   readonly clouds: readonly {
-    readonly set: SplatSet;
+    readonly set: SplatSet<Harmonics>;
     readonly modelMatrix?: ArrayLike<number>;
     /** Multiplies every splat's opacity, 0…1; default 1. */
     readonly opacity?: number;
@@ -56,7 +57,7 @@ const DEFAULTS = { colorTarget: 'rgba16float' } as const;
 /** One cloud of a test frame as the float64 twins take it. */
 export interface InspectedCloud {
   /** In storage order, with the values that the GPU unpacks. */
-  readonly stored: SplatSet;
+  readonly stored: SplatSet<PackedHarmonics>;
   readonly packed: PackedCloud;
   readonly view: CloudView;
   readonly effects: readonly EffectTwin[];
@@ -212,13 +213,15 @@ function limitsFor(
 }
 
 /** `stored` with the values that float32 geometry has of it: only coefficients end sooner than the format. */
-function float32Set(stored: SplatSet): SplatSet {
-  const clamped = (value: number) => Math.max(-COEFFICIENT_MAX, Math.min(COEFFICIENT_MAX, value));
-  return { ...stored, colorDc: stored.colorDc.map(clamped) };
+function float32Set(stored: SplatSet<PackedHarmonics>): SplatSet<PackedHarmonics> {
+  return { ...stored, colorDc: stored.colorDc.map(clampCoefficient) };
 }
 
 /** `stored` with the values that packing left of it. */
-function unpackedSet(stored: SplatSet, { geometry }: PackedCloud): SplatSet {
+function unpackedSet(
+  stored: SplatSet<PackedHarmonics>,
+  { geometry }: PackedCloud,
+): SplatSet<PackedHarmonics> {
   const splats = Array.from({ length: stored.count }, (_, i) => unpackSplat(geometry, i));
   return {
     ...stored,

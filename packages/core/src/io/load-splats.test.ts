@@ -114,7 +114,7 @@ describe.each<Behaviour>(['works', 'throws', 'does not start', 'takes no streams
 
     test('what the splats call for crosses, and bands that cannot be seen do not', async () => {
       const set = randomSplats({ count: 50 });
-      set.harmonics.words.fill(0);
+      set.harmonics.coefficients.fill(0);
       const source = encodePly(set);
       const here = await loadSplats(source);
       useWorkers(behaviour);

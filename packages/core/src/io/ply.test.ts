@@ -3,7 +3,7 @@ import { resolve } from 'node:path';
 import fc from 'fast-check';
 import { describe, expect, test, vi } from 'vitest';
 import { SplatFileError, WebSplatterError } from '../errors.ts';
-import { readCoefficients } from '../packing/harmonics.ts';
+import { type PackedHarmonics, readCoefficients } from '../packing/harmonics.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 import {
   CORE_NAMES,
@@ -54,7 +54,7 @@ function withProperty(
 }
 
 /** What a set holds of one property of the file. */
-function valueIn(set: SplatSet, name: string, index: number): number {
+function valueIn(set: SplatSet<PackedHarmonics>, name: string, index: number): number {
   const axis = 'xyz'.indexOf(name);
   if (axis >= 0) return set.positions[3 * index + axis] + set.origin[axis];
   const number = Number(name.split('_').at(-1));
@@ -68,7 +68,7 @@ function valueIn(set: SplatSet, name: string, index: number): number {
   return values[3 * (number % coefficients) + Math.floor(number / coefficients)];
 }
 
-function expectDistinctValues(set: SplatSet, count: number, degree: ShDegree): void {
+function expectDistinctValues(set: SplatSet<PackedHarmonics>, count: number, degree: ShDegree): void {
   expect(set.count).toBe(count);
   expect(set.harmonics.degree).toBe(degree);
   expect([...set.fileIndices]).toEqual(Array.from({ length: count }, (_, i) => i));

@@ -1,6 +1,12 @@
 import { SplatFileError } from '../errors.ts';
+import type { PackedHarmonics } from '../packing/harmonics.ts';
 import { ROW_SLOT } from '../splats/splat-row.ts';
-import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
+import {
+  coefficientsPerSplat,
+  SH_REST_COEFFICIENTS,
+  type ShDegree,
+  type SplatSet,
+} from '../splats/splat-set.ts';
 import { ByteReader } from './byte-reader.ts';
 import { readAsciiRows } from './ply-ascii.ts';
 import { readBinaryRows } from './ply-binary.ts';
@@ -46,7 +52,10 @@ const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
  * Rejects with `SplatFileError` (every code but 'unknown-format' except for compressed PLY), `SplatSourceError`, or the
  * signal's reason.
  */
-export async function readPly(source: OpenedSource, options: SplatFormatOptions): Promise<SplatSet> {
+export async function readPly(
+  source: OpenedSource,
+  options: SplatFormatOptions,
+): Promise<SplatSet<PackedHarmonics>> {
   const reader = new ByteReader(source, options.signal);
   try {
     const header = await readPlyHeader(reader, source.name);
@@ -126,7 +135,7 @@ function describeKind(header: PlyHeader, missing: readonly string[]): string {
 
 function shDegreeOf(vertex: PlyElement, file: string): ShDegree {
   const count = vertex.properties.filter(({ name }) => /^f_rest_\d+$/.test(name)).length;
-  const degree = SH_DEGREES.find((candidate) => 3 * SH_REST_COEFFICIENTS[candidate] === count);
+  const degree = SH_DEGREES.find((candidate) => coefficientsPerSplat(candidate) === count);
   if (degree !== undefined) return degree;
   throw new SplatFileError(
     'bad-property',

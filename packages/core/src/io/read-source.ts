@@ -1,10 +1,14 @@
+import type { PackedHarmonics } from '../packing/harmonics.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { detectFormat, SNIFF_BYTES } from './detect.ts';
 import { openSource, peekSource } from './open-source.ts';
 import type { ReadSplatsOptions, SplatSource } from './splat-source.ts';
 
 /** What `readSplats` promises. A file of its own, with all that knows formats: whoever reads in a worker never fetches it. */
-export async function readSource(source: SplatSource, options: ReadSplatsOptions = {}): Promise<SplatSet> {
+export async function readSource(
+  source: SplatSource,
+  options: ReadSplatsOptions = {},
+): Promise<SplatSet<PackedHarmonics>> {
   const { signal, onProgress, shPrecision = 'u8' } = options;
   const opened = await openSource(source, options);
   const { firstBytes, source: whole } = await peekSource(opened, SNIFF_BYTES, signal);

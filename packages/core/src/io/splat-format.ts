@@ -1,3 +1,4 @@
+import type { PackedHarmonics } from '../packing/harmonics.ts';
 import type { ShPrecision } from '../packing/precision.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import type { OpenedSource, ReadOptions } from './splat-source.ts';
@@ -14,5 +15,5 @@ export interface SplatFormat {
   /** Whether a file that starts with these bytes (`SNIFF_BYTES` of them, or all there are) is of this format. */
   sniff(firstBytes: Uint8Array): boolean;
   /** Reads the whole; rejects with a `WebSplatterError` or the signal's reason. */
-  read(source: OpenedSource, options: SplatFormatOptions): Promise<SplatSet>;
+  read(source: OpenedSource, options: SplatFormatOptions): Promise<SplatSet<PackedHarmonics>>;
 }

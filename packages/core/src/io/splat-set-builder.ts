@@ -1,13 +1,9 @@
 import { SplatFileError } from '../errors.ts';
-import {
-  coefficientsPerSplat,
-  packCoefficients,
-  ShReachMeter,
-  shWordsPerSplat,
-} from '../packing/harmonics.ts';
+import { ShReachMeter } from '../packing/band-reach.ts';
+import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../packing/harmonics.ts';
 import type { ShPrecision } from '../packing/precision.ts';
 import { ROW_SLOT, reasonToDrop } from '../splats/splat-row.ts';
-import type { DropCounts, ShDegree, SplatSet } from '../splats/splat-set.ts';
+import { coefficientsPerSplat, type DropCounts, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 
 /** Most splats whose row in the file fits `SplatSet.fileIndices`. */
 export const MAX_SPLATS = 2 ** 32 - 1;
@@ -102,7 +98,7 @@ export class SplatSetBuilder {
   }
 
   /** The finished set; throws `SplatFileError` 'empty' if no row was kept. */
-  finish(): SplatSet {
+  finish(): SplatSet<PackedHarmonics> {
     if (this.#count === 0) throw this.#emptyError();
     this.#setCapacity(this.#count);
     const { positions, shWords, ...columns } = this.#columns;

@@ -1,5 +1,5 @@
-import { coefficientsPerSplat, readCoefficients } from '../packing/harmonics.ts';
-import type { SplatSet } from '../splats/splat-set.ts';
+import { type Harmonics, readCoefficients } from '../packing/harmonics.ts';
+import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 
 /**
  * The set as a PLY in the standard 3DGS layout: binary little-endian, float32 x y z, f_dc, f_rest (all of red, then
@@ -9,7 +9,7 @@ import type { SplatSet } from '../splats/splat-set.ts';
  * shPrecision f32, a set that came from a file gives the same bits. Throws RangeError where no
  * ArrayBuffer can be that large.
  */
-export function encodePly(set: SplatSet): Uint8Array<ArrayBuffer> {
+export function encodePly(set: SplatSet<Harmonics>): Uint8Array<ArrayBuffer> {
   const shValues = coefficientsPerSplat(set.harmonics.degree);
   const isWide = set.origin.some((value) => value !== 0);
   const positionBytes = isWide ? 8 : 4;

@@ -5,14 +5,21 @@ import { readSplats } from '../io/read-splats.ts';
 import { encodePly } from '../io/write-ply.ts';
 import { renderReference } from '../reference/render.ts';
 import { shColor } from '../reference/spherical-harmonics.ts';
-import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
+import {
+  coefficientsPerSplat,
+  SH_REST_COEFFICIENTS,
+  type ShDegree,
+  type SplatSet,
+} from '../splats/splat-set.ts';
 import { randomSplats, splatsOf } from '../testing/random-splats.ts';
+import { splatsOfDegree } from '../testing/splats-of-degree.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import { cloudFacts, UNSEEN_CHANGE } from './cloud-facts.ts';
-import { coefficientsPerSplat, readCoefficients, repackHarmonics, truncateHarmonics } from './harmonics.ts';
+import { readCoefficients } from './harmonics.ts';
 import { packSet } from './pack-set.ts';
 import { packCloud } from './packed-cloud.ts';
 import type { ShPrecision } from './precision.ts';
+import { packHarmonics, repackHarmonics } from './repack-harmonics.ts';
 
 const PRECISIONS: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
 const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
@@ -20,18 +27,13 @@ const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
 /** Random splats of degree 3, each band multiplied by its factor. */
 function splatsWithBands(factors: readonly [number, number, number], count = 40): SplatSet {
   const set = randomSplats({ count });
-  const values = new Float32Array(set.harmonics.words.buffer);
+  const values = set.harmonics.coefficients;
   for (let i = 0; i < values.length; i++) {
     const coefficient = Math.floor((i % 45) / 3);
     const band = DEGREES.findIndex((degree) => coefficient < SH_REST_COEFFICIENTS[degree]);
     values[i] *= factors[band - 1];
   }
   return set;
-}
-
-/** The splats of `set` as a file of `degree` has them. */
-function atDegree(set: SplatSet, degree: ShDegree): SplatSet {
-  return { ...set, harmonics: truncateHarmonics(set.harmonics, set.count, degree) };
 }
 
 describe('bands that cannot be seen', () => {
@@ -78,7 +80,9 @@ describe('bands that cannot be seen', () => {
         heightPx: 32,
       }).data;
     const whole = pictureOf(set);
-    const changes = pictureOf(atDegree(set, trueShDegree)).map((value, i) => Math.abs(value - whole[i]));
+    const changes = pictureOf(splatsOfDegree(set, trueShDegree)).map((value, i) =>
+      Math.abs(value - whole[i]),
+    );
     const most = changes.reduce((largest, change) => Math.max(largest, change), 0);
     expect(most).toBeLessThan(UNSEEN_CHANGE);
     expect(most).toBeGreaterThan(UNSEEN_CHANGE / 100);
@@ -89,7 +93,7 @@ describe('bands that cannot be seen', () => {
       const factors = [1, 2, 3].map((band) => (band <= degree ? 1 : 0)) as [number, number, number];
       const set = splatsWithBands(factors);
       const file = new Blob([encodePly(set)]);
-      const lower = atDegree(set, degree);
+      const lower = splatsOfDegree(set, degree);
       const lowerFile = new Blob([encodePly(lower)]);
       for (const geometryPrecision of ['f32', 'packed'] as const) {
         for (const shPrecision of PRECISIONS) {
@@ -122,14 +126,14 @@ describe('bands that cannot be seen', () => {
 
   test('are the same ones whatever precision is asked for, though it cannot hold what decides', async () => {
     const set = splatsWithBands([1, 0, 0.01]);
-    const values = new Float32Array(set.harmonics.words.buffer);
+    const values = set.harmonics.coefficients;
     // Next to this a byte rounds all of band 3 away.
     for (let i = 0; i < set.count; i++) values[45 * i] = 2;
     const file = new Blob([encodePly(set)]);
     const { shBandReach } = cloudFacts(set);
     for (const shPrecision of PRECISIONS) {
       const precision = { geometryPrecision: 'packed', shPrecision } as const;
-      const coarse = { ...set, harmonics: repackHarmonics(set.harmonics, set.count, 'u8') };
+      const coarse = { ...set, harmonics: repackHarmonics(packHarmonics(set.harmonics), set.count, 'u8') };
       for (const packed of [
         await loadSplats(file, precision),
         packSet(set, precision),
@@ -141,15 +145,15 @@ describe('bands that cannot be seen', () => {
       }
     }
     // Who has bytes alone knows no better.
-    const { bandReach, ...bytes } = repackHarmonics(set.harmonics, set.count, 'u8');
+    const { bandReach, ...bytes } = repackHarmonics(packHarmonics(set.harmonics), set.count, 'u8');
     expect(cloudFacts({ ...set, harmonics: bytes }).trueShDegree).toBe(1);
   });
 
   test('stay in the splats that were packed', () => {
     const set = splatsWithBands([0, 0, 0]);
-    const words = set.harmonics.words.slice();
+    const coefficients = set.harmonics.coefficients.slice();
     expect(packSet(set, { geometryPrecision: 'packed', shPrecision: 'f32' }).harmonics.words).toHaveLength(0);
-    expect(set.harmonics).toMatchObject({ degree: 3, words });
+    expect(set.harmonics).toMatchObject({ degree: 3, coefficients });
   });
 });
 
@@ -199,7 +203,7 @@ test('what the format says of antialiasing arrives, through whatever leaves spla
 
 test('what is left out decides nothing', () => {
   const set = splatsWithBands([0, 0, 0], 3);
-  new Float32Array(set.harmonics.words.buffer)[50] = 1;
+  set.harmonics.coefficients[50] = 1;
   set.opacityLogits[1] = -20;
   set.positions[4] = Number.POSITIVE_INFINITY;
   const { facts } = packSet(set, { geometryPrecision: 'packed', shPrecision: 'u8' });

@@ -1,5 +1,6 @@
-import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
-import { shBandReach } from './harmonics.ts';
+import type { ShDegree, SplatColumns, SplatSet } from '../splats/splat-set.ts';
+import { shBandReach } from './band-reach.ts';
+import type { Harmonics } from './harmonics.ts';
 
 /** What the splats of a cloud call for, whatever they are seen from: found in the data when they are packed. */
 export interface CloudFacts {
@@ -37,7 +38,7 @@ export const UNSEEN_CHANGE = 1 / (16 * 255);
 const FAINT_LOGIT = -Math.log(254);
 
 /** What `set`, whose rows are finite, calls for. A pass over the splats; over their harmonics too where nobody did that yet. */
-export function cloudFacts(set: SplatSet): CloudFacts {
+export function cloudFacts(set: SplatSet<Harmonics>): CloudFacts {
   const reach = shBandReach(set.harmonics, set.count);
   return {
     declaredShDegree: set.harmonics.degree,
@@ -59,14 +60,14 @@ function trueShDegree(reach: readonly number[]): ShDegree {
   return degree as ShDegree;
 }
 
-function isIsotropic({ count, logScales }: SplatSet): boolean {
+function isIsotropic({ count, logScales }: SplatColumns): boolean {
   for (let i = 0; i < 3 * count; i += 3) {
     if (logScales[i] !== logScales[i + 1] || logScales[i] !== logScales[i + 2]) return false;
   }
   return true;
 }
 
-function opacityFacts({ count, opacityLogits }: SplatSet): Pick<CloudFacts, 'minOpacity' | 'faintCount'> {
+function opacityFacts({ count, opacityLogits }: SplatColumns): Pick<CloudFacts, 'minOpacity' | 'faintCount'> {
   let least = Number.POSITIVE_INFINITY;
   let faintCount = 0;
   for (let i = 0; i < count; i++) {

@@ -1,13 +1,13 @@
 import { ROW_SLOT, reasonToDrop } from '../splats/splat-row.ts';
-import type { DropCounts, SplatSet } from '../splats/splat-set.ts';
-import { coefficientsPerSplat, readCoefficients } from './harmonics.ts';
+import { coefficientsPerSplat, type DropCounts, type SplatSet } from '../splats/splat-set.ts';
+import { type Harmonics, readCoefficients } from './harmonics.ts';
 import { permuteSplats } from './morton-order.ts';
 
 /**
  * The splats of `set` that can be drawn, and those that cannot counted by reason with the ones already dropped; the very
  * same object where all can. Shaders may assume that there are no NaNs and infinities, so they have to be found here.
  */
-export function dropNonFinite(set: SplatSet): SplatSet {
+export function dropNonFinite<Kind extends Harmonics>(set: SplatSet<Kind>): SplatSet<Kind> {
   const kept: number[] = [];
   const dropped: { -readonly [Reason in keyof DropCounts]: number } = { ...set.dropped };
   const row = new Float64Array(ROW_SLOT.harmonics + coefficientsPerSplat(set.harmonics.degree));
@@ -21,7 +21,7 @@ export function dropNonFinite(set: SplatSet): SplatSet {
   return { ...permuteSplats(set, Uint32Array.from(kept)), dropped };
 }
 
-function fillRow(row: Float64Array, set: SplatSet, index: number): void {
+function fillRow(row: Float64Array, set: SplatSet<Harmonics>, index: number): void {
   for (let axis = 0; axis < 3; axis++) {
     row[ROW_SLOT.position + axis] = set.positions[3 * index + axis];
     row[ROW_SLOT.logScale + axis] = set.logScales[3 * index + axis];

@@ -1,11 +1,11 @@
-import { COEFFICIENT_MAX, fromHalfBits, HALF_MAX, toHalfBits } from '../layout/half.ts';
-import { SH_REST_COEFFICIENTS, type ShDegree } from '../splats/splat-set.ts';
+import { clampCoefficient, fromHalfBits, HALF_MAX, toHalfBits } from '../layout/half.ts';
+import { coefficientsPerSplat, type ShDegree, type TrainedHarmonics } from '../splats/splat-set.ts';
 import type { ShPrecision } from './precision.ts';
 
 /**
- * Coefficients above degree 0 of N splats, as the GPU reads them: `wordsPerSplat` 32-bit words per splat, holding 3K
- * values in ascending (degree, order), each as r, g, b. f32: a word each. f16: two to a word, low half first.
- * u8: the first half-word is the splat's scale in binary16, then a signed byte each, value = scale · byte / 127.
+ * Spherical harmonics above degree 0 of N splats, as the GPU reads them: `wordsPerSplat` 32-bit words per splat, which
+ * hold its 3K coefficients in ascending (degree, order), each as r, g, b. f32: a word each. f16: two to a word, low half
+ * first. u8: the first half-word is the splat's scale in binary16, then a signed byte each, value = scale · byte / 127.
  */
 export interface PackedHarmonics {
   readonly degree: ShDegree;
@@ -14,23 +14,26 @@ export interface PackedHarmonics {
   /** N · wordsPerSplat words. */
   readonly words: Uint32Array;
   /**
-   * What `shBandReach` says of the coefficients as they were before they were rounded to this precision: the same
-   * whichever that is. Absent where nobody knows, then it is taken from the words; whoever changes words leaves it out.
+   * `shBandReach` of the coefficients before they were rounded, so the same in every precision. Leave it out where that
+   * is not known, or where words were changed: it is then measured on the words.
    */
   readonly bandReach?: readonly number[];
 }
 
-/** Number of values, 3K, above degree 0. */
-export function coefficientsPerSplat(degree: ShDegree): number {
-  return 3 * SH_REST_COEFFICIENTS[degree];
+/** Spherical harmonics above degree 0, as trained or packed. */
+export type Harmonics = TrainedHarmonics | PackedHarmonics;
+
+export function isPacked(harmonics: Harmonics): harmonics is PackedHarmonics {
+  return 'words' in harmonics;
 }
 
+/** 32-bit words of one splat's coefficients. */
 export function shWordsPerSplat(degree: ShDegree, precision: ShPrecision): number {
-  return Math.ceil(shRestBytes(degree, precision) / 4);
+  return Math.ceil(shBytesPerSplat(degree, precision) / 4);
 }
 
-/** Bytes that one splat's values take; the words that they lie in may have more. */
-function shRestBytes(degree: ShDegree, precision: ShPrecision): number {
+/** Bytes of one splat's coefficients; the words that hold them may have more. */
+export function shBytesPerSplat(degree: ShDegree, precision: ShPrecision): number {
   const values = coefficientsPerSplat(degree);
   if (values === 0) return 0;
   if (precision === 'f32') return 4 * values;
@@ -51,7 +54,7 @@ export function packCoefficients(
   const count = coefficientsPerSplat(degree);
   if (precision === 'f32') {
     for (let i = 0; i < count; i++) {
-      f32[0] = Math.max(-COEFFICIENT_MAX, Math.min(COEFFICIENT_MAX, values[i]));
+      f32[0] = clampCoefficient(values[i]);
       words[wordOffset + i] = f32Bits[0];
     }
     return;
@@ -79,15 +82,19 @@ export function packCoefficients(
   }
 }
 
-/** Writes splat `index`'s 3K values into `values`. */
+/** Writes splat `index`'s 3K coefficients into `values`. */
 export function readCoefficients(
-  rest: PackedHarmonics,
+  harmonics: Harmonics,
   index: number,
   values: Float64Array | Float32Array,
 ): void {
-  const count = coefficientsPerSplat(rest.degree);
-  const offset = index * rest.wordsPerSplat;
-  const { words, precision } = rest;
+  const count = coefficientsPerSplat(harmonics.degree);
+  if (!isPacked(harmonics)) {
+    for (let i = 0; i < count; i++) values[i] = harmonics.coefficients[index * count + i];
+    return;
+  }
+  const { words, precision, wordsPerSplat } = harmonics;
+  const offset = index * wordsPerSplat;
   const scale = precision === 'u8' && count > 0 ? fromHalfBits(words[offset] & 0xffff) / 127 : 0;
   for (let i = 0; i < count; i++) {
     if (precision === 'f32') {
@@ -99,104 +106,5 @@ export function readCoefficients(
       const place = i + 2;
       values[i] = (((words[offset + (place >> 2)] >>> (8 * (place & 3))) << 24) >> 24) * scale;
     }
-  }
-}
-
-/** The same coefficients in another precision; the very same object where it is the one they have. */
-export function repackHarmonics(
-  rest: PackedHarmonics,
-  count: number,
-  precision: ShPrecision,
-): PackedHarmonics {
-  if (rest.precision === precision) return rest;
-  const bandReach = shBandReach(rest, count);
-  const wordsPerSplat = shWordsPerSplat(rest.degree, precision);
-  const words = new Uint32Array(count * wordsPerSplat);
-  const values = new Float64Array(coefficientsPerSplat(rest.degree));
-  for (let i = 0; i < count; i++) {
-    readCoefficients(rest, i, values);
-    packCoefficients(rest.degree, precision, values, words, i * wordsPerSplat);
-  }
-  return { degree: rest.degree, precision, wordsPerSplat, words, bandReach };
-}
-
-/**
- * The coefficients of bands 1 to `degree` alone, as they are stored; the very same object where there are no others. Bytes
- * keep the scale that they were stored with.
- */
-export function truncateHarmonics(rest: PackedHarmonics, count: number, degree: ShDegree): PackedHarmonics {
-  if (degree >= rest.degree) return rest;
-  const { precision, bandReach } = rest;
-  const wordsPerSplat = shWordsPerSplat(degree, precision);
-  const words = new Uint32Array(count * wordsPerSplat);
-  const spareBytes = 4 * wordsPerSplat - shRestBytes(degree, precision);
-  const lastWordMask = 0xffffffff >>> (8 * spareBytes);
-  for (let i = 0; i < count && wordsPerSplat > 0; i++) {
-    const from = i * rest.wordsPerSplat;
-    const to = i * wordsPerSplat;
-    for (let k = 0; k < wordsPerSplat; k++) words[to + k] = rest.words[from + k];
-    words[to + wordsPerSplat - 1] &= lastWordMask;
-  }
-  return { degree, precision, wordsPerSplat, words, bandReach: bandReach?.slice(0, degree) };
-}
-
-/**
- * Per band 1…degree the most by which it can change any colour channel of any of the splats, whatever the direction: at
- * least 0, in units of the colours (0…1 from black to white).
- *
- * Band l adds Σ cₘYₗₘ(d) to a channel. By Cauchy and Schwarz that is at most ‖c‖·√(Σ Yₗₘ(d)²), and by the addition theorem
- * the sum is (2l + 1)/4π in every direction d. So √((2l + 1)/4π)·‖c‖ is never exceeded, and it is reached where c is a
- * multiple of Yₗ at some direction; no function of the band stays below 1/√(2l + 1) of it, its root mean square.
- */
-export function shBandReach(rest: PackedHarmonics, count: number): readonly number[] {
-  if (rest.bandReach) return rest.bandReach;
-  const { degree, precision, wordsPerSplat, words } = rest;
-  const meter = new ShReachMeter(degree);
-  if (precision === 'f32') {
-    const values = new Float32Array(words.buffer, words.byteOffset, words.length);
-    for (let i = 0; i < count; i++) meter.include(values, i * wordsPerSplat);
-  } else {
-    const values = new Float64Array(coefficientsPerSplat(degree));
-    for (let i = 0; i < count; i++) {
-      readCoefficients(rest, i, values);
-      meter.include(values, 0);
-    }
-  }
-  return meter.reaches();
-}
-
-/** Measures what `shBandReach` answers, of splats that come one by one. */
-export class ShReachMeter {
-  /** Largest sum of squares of one channel's coefficients so far, by band. */
-  readonly #squares: number[];
-
-  constructor(degree: ShDegree) {
-    this.#squares = Array.from({ length: degree }, () => 0);
-  }
-
-  /** One splat's 3K values, from `start` on; as they are stored in float32, whatever the array holds. */
-  include(values: Float32Array | Float64Array, start: number): void {
-    let at = start;
-    for (let i = 0; i < this.#squares.length; i++) {
-      const coefficients = 2 * i + 3;
-      let red = 0;
-      let green = 0;
-      let blue = 0;
-      for (const end = at + 3 * coefficients; at < end; at += 3) {
-        const r = Math.fround(values[at]);
-        const g = Math.fround(values[at + 1]);
-        const b = Math.fround(values[at + 2]);
-        red += r * r;
-        green += g * g;
-        blue += b * b;
-      }
-      const largest = Math.max(red, green, blue);
-      if (largest > this.#squares[i]) this.#squares[i] = largest;
-    }
-  }
-
-  /** Of all splats that were included. */
-  reaches(): number[] {
-    return this.#squares.map((squares, i) => Math.sqrt(((2 * i + 3) / (4 * Math.PI)) * squares));
   }
 }

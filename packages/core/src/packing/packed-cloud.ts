@@ -1,13 +1,14 @@
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { Chunk } from '../layout/structs.ts';
 import type { Vec3 } from '../math/mat4.ts';
-import type { DropCounts, SplatSet } from '../splats/splat-set.ts';
+import type { DropCounts, SplatColumns, SplatSet } from '../splats/splat-set.ts';
 import { type CloudFacts, cloudFacts } from './cloud-facts.ts';
 import { type PackedGeometry, packGeometry } from './geometry.ts';
-import { type PackedHarmonics, repackHarmonics, truncateHarmonics } from './harmonics.ts';
+import { type Harmonics, isPacked, type PackedHarmonics } from './harmonics.ts';
 import { clampLogScale } from './log-scale.ts';
 import { mortonOrder, permuteSplats } from './morton-order.ts';
 import type { GeometryPrecision, ShPrecision } from './precision.ts';
+import { packHarmonics, repackHarmonics, truncateHarmonics } from './repack-harmonics.ts';
 
 /** An axis-aligned box, corners included. */
 export interface Bounds {
@@ -38,14 +39,14 @@ export interface PackedCloud {
 
 export interface PackOptions {
   readonly geometryPrecision: GeometryPrecision;
-  /** Default: what `set` has. */
+  /** Default: that of the set's harmonics, f32 for those as trained. */
   readonly shPrecision?: ShPrecision;
 }
 
 /** Arranges and packs `set`, which may have any order. Takes about a second per two million splats. */
-export function packCloud(set: SplatSet, options: PackOptions): PackedCloud {
+export function packCloud(set: SplatSet<Harmonics>, options: PackOptions): PackedCloud {
   const facts = cloudFacts(set);
-  const harmonics = packedHarmonics(set, facts, options.shPrecision ?? set.harmonics.precision);
+  const harmonics = packedHarmonics(set, facts, options.shPrecision ?? precisionOf(set.harmonics));
   const stored = permuteSplats({ ...set, harmonics }, mortonOrder(set.positions, set.count));
   const chunks = chunkBounds(stored);
   const bounds = totalBounds(chunks, stored.origin);
@@ -63,18 +64,18 @@ export function packCloud(set: SplatSet, options: PackOptions): PackedCloud {
   };
 }
 
+function precisionOf(harmonics: Harmonics): ShPrecision {
+  return isPacked(harmonics) ? harmonics.precision : 'f32';
+}
+
 /** Bands that cannot be seen go first, so that others take the whole range of a byte and nothing is packed in vain. */
 function packedHarmonics(
-  { harmonics, count }: SplatSet,
-  facts: CloudFacts,
+  { harmonics, count }: SplatSet<Harmonics>,
+  { shBandReach: bandReach, trueShDegree }: CloudFacts,
   precision: ShPrecision,
 ): PackedHarmonics {
-  const { shBandReach: bandReach, trueShDegree } = facts;
-  return repackHarmonics(
-    truncateHarmonics({ ...harmonics, bandReach }, count, trueShDegree),
-    count,
-    precision,
-  );
+  const packed = isPacked(harmonics) ? harmonics : packHarmonics(harmonics);
+  return repackHarmonics(truncateHarmonics({ ...packed, bandReach }, count, trueShDegree), count, precision);
 }
 
 /** The buffers of `cloud`, for posting it to another thread without a copy. */
@@ -92,7 +93,7 @@ export function chunkCountOf(splatCount: number): number {
   return Math.ceil(splatCount / CHUNK_SPLATS);
 }
 
-function chunkBounds({ count, positions, logScales }: SplatSet): ArrayBuffer {
+function chunkBounds({ count, positions, logScales }: SplatColumns): ArrayBuffer {
   const chunks = new ArrayBuffer(chunkCountOf(count) * Chunk.bytes);
   for (let chunk = 0; chunk < chunkCountOf(count); chunk++) {
     const min = [Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
@@ -141,7 +142,7 @@ const OUTER_PART = 0.02;
 /** Splats that the quantiles are taken from, evenly spread over the storage order and so over space. */
 const SAMPLES = 1 << 16;
 
-function quantileBounds({ count, positions, origin }: SplatSet, outerPart: number): Bounds {
+function quantileBounds({ count, positions, origin }: SplatColumns, outerPart: number): Bounds {
   const step = Math.max(1, Math.floor(count / SAMPLES));
   const sampleCount = Math.ceil(count / step);
   const [x, y, z] = [0, 1, 2].map((axis) => {

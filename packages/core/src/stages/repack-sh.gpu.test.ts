@@ -4,14 +4,10 @@ import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { RepackParameters } from '../layout/structs.ts';
-import {
-  coefficientsPerSplat,
-  type PackedHarmonics,
-  packCoefficients,
-  readCoefficients,
-  repackHarmonics,
-} from '../packing/harmonics.ts';
+import { type PackedHarmonics, readCoefficients } from '../packing/harmonics.ts';
+import { packHarmonics, repackHarmonics } from '../packing/repack-harmonics.ts';
 import { repackSh as twin } from '../reference/repack-sh.ts';
+import { coefficientsPerSplat } from '../splats/splat-set.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { dispatchSize } from './dispatch.ts';
@@ -49,15 +45,14 @@ async function repackOnGpu(
 
 /** Random coefficients, and splats with none, tiny, huge and single ones. */
 function coefficients(degree: RepackShVariant['degree']): PackedHarmonics {
-  const rest = randomSplats({ count: COUNT, seed: 40 + degree, shDegree: degree }).harmonics;
-  const values = new Float32Array(coefficientsPerSplat(degree));
+  const { harmonics } = randomSplats({ count: COUNT, seed: 40 + degree, shDegree: degree });
+  const width = coefficientsPerSplat(degree);
   for (const [i, value] of [0, 1e-9, 3e-6, 1e-3, 1, 65504, 65519, 1e30].entries()) {
-    packCoefficients(degree, 'f32', values.fill(0), rest.words, 3 * i * rest.wordsPerSplat);
-    packCoefficients(degree, 'f32', values.fill(-value), rest.words, (3 * i + 1) * rest.wordsPerSplat);
-    values.fill(0)[values.length - 1] = value;
-    packCoefficients(degree, 'f32', values, rest.words, (3 * i + 2) * rest.wordsPerSplat);
+    const rows = harmonics.coefficients.subarray(3 * i * width, 3 * (i + 1) * width);
+    rows.fill(0).fill(-value, width, 2 * width);
+    rows[3 * width - 1] = value;
   }
-  return rest;
+  return packHarmonics(harmonics);
 }
 
 describe('repack-sh', () => {

@@ -1,6 +1,7 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
-import { coefficientsPerSplat, shWordsPerSplat } from '../packing/harmonics.ts';
+import { shWordsPerSplat } from '../packing/harmonics.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
+import { coefficientsPerSplat } from '../splats/splat-set.ts';
 
 /** What the spherical harmonics of a page are, and what they become. */
 export interface RepackShVariant {

@@ -1,5 +1,5 @@
-import { packCoefficients, readCoefficients, shWordsPerSplat } from '@websplatter/core';
-import { splatsPerPage } from '@websplatter/core/inspect';
+import { readCoefficients, shWordsPerSplat } from '@websplatter/core';
+import { packCoefficients, splatsPerPage } from '@websplatter/core/inspect';
 import type { ArithmeticCase, HardCase } from '../hard-case.ts';
 import { frontAndOblique, frontOnly, scenesOf } from '../make-cases.ts';
 import {
