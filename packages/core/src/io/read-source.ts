@@ -4,7 +4,10 @@ import { detectFormat, SNIFF_BYTES } from './detect.ts';
 import { openSource, peekSource } from './open-source.ts';
 import type { ReadSplatsOptions, SplatSource } from './splat-source.ts';
 
-/** What `readSplats` promises. A file of its own, with all that knows formats: whoever reads in a worker never fetches it. */
+/**
+ * Does what `readSplats` promises. It is a module of its own, with all code that knows formats: a page whose worker
+ * reads never fetches it.
+ */
 export async function readSource(
   source: SplatSource,
   options: ReadSplatsOptions = {},
@@ -15,7 +18,7 @@ export async function readSource(
   try {
     return await detectFormat(firstBytes, whole.name).read(whole, { shPrecision, signal, onProgress });
   } catch (error) {
-    // What has no format has no reader that would let go of it.
+    // A source of unknown format has no reader that would release it.
     if (!whole.stream.locked) whole.stream.cancel(error).catch(() => {});
     throw error;
   }

@@ -5,7 +5,7 @@ import type { ShPrecision } from '../packing/precision.ts';
 import { ROW_SLOT, reasonToDrop } from '../splats/splat-row.ts';
 import { coefficientsPerSplat, type DropCounts, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 
-/** Most splats whose row in the file fits `SplatSet.fileIndices`. */
+/** Most splats that `SplatSet.fileIndices` can number. */
 export const MAX_SPLATS = 2 ** 32 - 1;
 
 const FIRST_CAPACITY = 4096;
@@ -25,13 +25,16 @@ export interface SplatSetBuilderOptions {
   readonly file: string;
   readonly shDegree: ShDegree;
   readonly shPrecision: ShPrecision;
-  /** Whether positions come in more than float32, which is then kept until the origin is known. */
+  /** Whether positions have more precision than float32; it is kept until the origin is known. */
   readonly widePositions: boolean;
-  /** Rows to make room for at once; pass only what the source is known to hold. */
+  /** Rows to allocate at once; pass only what the source is known to hold. */
   readonly expectedCount: number;
 }
 
-/** Collects splats row by row: fill `row`, call `push`. Rows that are not finite in float32 are left out and counted. */
+/**
+ * Collects splats row by row: fill `row`, call `push`. Harmonics are packed at once; rows that are not finite in
+ * float32 are dropped and counted.
+ */
 export class SplatSetBuilder {
   /** The next splat's values, by `ROW_SLOT`. */
   readonly row: Float64Array;
@@ -93,7 +96,7 @@ export class SplatSetBuilder {
       shWords,
       index * this.#wordsPerSplat,
     );
-    // Here, where they are not rounded yet: it decides what is stored, and must not depend on how.
+    // Measured before rounding: it decides which bands are stored, which must not depend on the precision.
     this.#reach.include(this.#shRow, 0);
   }
 
@@ -123,7 +126,7 @@ export class SplatSetBuilder {
     if (capacity === this.#capacity) return;
     const columns = this.#columns;
     try {
-      // One after the other, so that only one column at a time exists twice.
+      // One after the other, so that only one column exists twice at a time.
       columns.positions = resized(columns.positions, 3 * capacity);
       columns.logScales = resized(columns.logScales, 3 * capacity);
       columns.rotations = resized(columns.rotations, 4 * capacity);

@@ -2,10 +2,10 @@ import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
 import { type Harmonics, isPacked, readCoefficients } from './harmonics.ts';
 
 /**
- * Per band 1…degree the most by which it can change any colour channel of any of the splats, whatever the direction: at
- * least 0, in units of the colours (0…1 from black to white).
+ * For each band 1…degree, the most that it can change any colour channel of any splat, in any direction: at least 0, in
+ * units of the colours (0…1 from black to white).
  *
- * Band l adds Σ cₘYₗₘ(d) to a channel. By Cauchy and Schwarz that is at most ‖c‖·√(Σ Yₗₘ(d)²), and by the addition theorem
+ * Band l adds Σ cₘYₗₘ(d) to a channel. By Cauchy–Schwarz that is at most ‖c‖·√(Σ Yₗₘ(d)²), and by the addition theorem
  * the sum is (2l + 1)/4π in every direction d. So √((2l + 1)/4π)·‖c‖ is never exceeded, and it is reached where c is a
  * multiple of Yₗ at some direction; no function of the band stays below 1/√(2l + 1) of it, its root mean square.
  */
@@ -33,7 +33,7 @@ function floatsOf(harmonics: Harmonics): Float32Array | null {
   return precision === 'f32' ? new Float32Array(words.buffer, words.byteOffset, words.length) : null;
 }
 
-/** Measures what `shBandReach` answers, of splats that come one by one. */
+/** Measures `shBandReach` of splats that arrive one by one. */
 export class ShReachMeter {
   /** Largest sum of squares of one channel's coefficients so far, by band. */
   readonly #squares: number[];
@@ -42,7 +42,7 @@ export class ShReachMeter {
     this.#squares = Array.from({ length: degree }, () => 0);
   }
 
-  /** One splat's 3K values, from `start` on; as they are stored in float32, whatever the array holds. */
+  /** Takes one splat's 3K values, from `start` on, as float32 stores them, whatever the array holds. */
   include(values: Float32Array | Float64Array, start: number): void {
     let at = start;
     for (let i = 0; i < this.#squares.length; i++) {
@@ -63,7 +63,7 @@ export class ShReachMeter {
     }
   }
 
-  /** Of all splats that were included. */
+  /** `shBandReach` of all splats included so far. */
   reaches(): number[] {
     return this.#squares.map((squares, i) => Math.sqrt(((2 * i + 3) / (4 * Math.PI)) * squares));
   }

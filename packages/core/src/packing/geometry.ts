@@ -4,7 +4,7 @@ import { clampLogScale } from './log-scale.ts';
 import type { GeometryPrecision } from './precision.ts';
 import { normalizedRotation } from './rotation.ts';
 
-/** 32-bit words per splat: twin of shaders/lib/packing.wgsl. */
+/** 32-bit words per splat, as in shaders/lib/packing.wgsl. */
 export const GEOMETRY_WORDS: Readonly<Record<GeometryPrecision, number>> = { f32: 16, packed: 8 };
 
 /** Log scales of a packed cloud are unorm16 steps from `min` on. */
@@ -28,7 +28,7 @@ export interface PackedGeometry {
  * packed, 32 bytes: position 3×f32 | dc 3×f16 | opacity unorm16 | log scale 3×unorm16 over the cloud's range |
  * rotation smallest-three, 3×15 bits and the 2-bit index of the one left out (bit 15 of the first and second).
  *
- * @param logScaleRange by default that of `set`.
+ * @param logScaleRange default: that of `set`.
  */
 export function packGeometry(
   set: SplatColumns,
@@ -91,7 +91,7 @@ function logScaleRangeOf({ logScales }: SplatColumns): LogScaleRange {
     if (logScale < min) min = logScale;
     if (logScale > max) max = logScale;
   }
-  // Rounded to what the shader will compute with.
+  // Rounded to the values that the shader will compute with.
   return max > min
     ? { min: Math.fround(min), step: Math.fround((max - min) / 65535) }
     : { min: Math.fround(min), step: 0 };

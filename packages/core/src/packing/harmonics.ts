@@ -73,7 +73,7 @@ export function packCoefficients(
   if (count > 0) words[wordOffset] = scaleBits;
   if (scale === 0) return;
   for (let i = 0; i < count; i++) {
-    // Not Math.round and Math.min: reading a scene spends most of its time here, and this takes two thirds of theirs.
+    // Not Math.round and Math.min, of whose time this takes two thirds: reading a scene spends most of its time here.
     let byte = Math.floor((values[i] / scale) * 127 + 0.5);
     if (byte < -127) byte = -127;
     else if (byte > 127) byte = 127;

@@ -6,8 +6,8 @@ const BITS_PER_AXIS = 16;
 const RADIX = 1 << BITS_PER_AXIS;
 
 /**
- * Storage order of splats: by the Morton code of their centres within the bounds, in the order given where codes are
- * equal. Neighbours in space become neighbours in memory, so that a run of splats has small bounds.
+ * Storage order of splats: by the Morton code of their centres within the bounds; equal codes keep the given order.
+ * Neighbours in space become neighbours in memory, so that a run of splats has small bounds.
  *
  * @param positions 3N finite coordinates.
  * @returns N indices into the given order.
@@ -27,7 +27,7 @@ export function mortonOrder(positions: Float32Array, count: number): Uint32Array
   return order;
 }
 
-/** The splats of `set` that `order` names, in its order. */
+/** The splats of `set` that `order` lists, in that order. */
 export function permuteSplats<Kind extends Harmonics>(
   set: SplatSet<Kind>,
   order: Uint32Array,

@@ -23,27 +23,29 @@ export interface PackedCloud {
   readonly origin: Vec3;
   /** Bounds of the centres, in scene space. */
   readonly bounds: Bounds;
-  /** Bounds of the centres but for the outermost two in a hundred on either side of each axis: where the scene is. */
+  /** Bounds of the centres without the outermost 2 % at either end of each axis: where the scene is. */
   readonly robustBounds: Bounds;
   readonly geometry: PackedGeometry;
-  /** Of degree `facts.trueShDegree`: bands above it cannot be seen and are not here. */
+  /** Of degree `facts.trueShDegree`: bands above it cannot be seen and are left out. */
   readonly harmonics: PackedHarmonics;
   /** One `Chunk` struct per chunk. */
   readonly chunks: ArrayBuffer;
   /** N: each stored splat's row in its file. */
   readonly fileIndices: Uint32Array;
   readonly dropped: DropCounts;
-  /** Of `set` as it was packed, all of its bands included. */
+  /** Facts about the set before packing, with all of its bands. */
   readonly facts: CloudFacts;
 }
 
 export interface PackOptions {
   readonly geometryPrecision: GeometryPrecision;
-  /** Default: that of the set's harmonics, f32 for those as trained. */
+  /** Default: the precision of the set's harmonics; f32 if they are as trained. */
   readonly shPrecision?: ShPrecision;
 }
 
-/** Arranges and packs `set`, which may have any order. Takes about a second per two million splats. */
+/**
+ * Arranges `set`, which may have any order, in storage order and packs it. Takes about a second per two million splats.
+ */
 export function packCloud(set: SplatSet<Harmonics>, options: PackOptions): PackedCloud {
   const facts = cloudFacts(set);
   const harmonics = packedHarmonics(set, facts, options.shPrecision ?? precisionOf(set.harmonics));
@@ -68,7 +70,10 @@ function precisionOf(harmonics: Harmonics): ShPrecision {
   return isPacked(harmonics) ? harmonics.precision : 'f32';
 }
 
-/** Bands that cannot be seen go first, so that others take the whole range of a byte and nothing is packed in vain. */
+/**
+ * Leaves out bands that cannot be seen before it packs the others, so that these get the whole range of a byte and no
+ * work is wasted.
+ */
 function packedHarmonics(
   { harmonics, count }: SplatSet<Harmonics>,
   { shBandReach: bandReach, trueShDegree }: CloudFacts,
@@ -137,9 +142,9 @@ function totalBounds(chunks: ArrayBuffer, origin: Vec3): Bounds {
   return { min, max };
 }
 
-/** Captures scatter a few splats far around the scene; this part on either side is taken to be such. */
+/** Captures scatter a few splats far around the scene: this fraction at either end counts as scattered. */
 const OUTER_PART = 0.02;
-/** Splats that the quantiles are taken from, evenly spread over the storage order and so over space. */
+/** Number of splats sampled for quantiles, evenly spread over the storage order and so over space. */
 const SAMPLES = 1 << 16;
 
 function quantileBounds({ count, positions, origin }: SplatColumns, outerPart: number): Bounds {

@@ -21,7 +21,7 @@ export function packHarmonics({ degree, coefficients }: TrainedHarmonics): Packe
   return { degree, precision: 'f32', wordsPerSplat, words: new Uint32Array(buffer, byteOffset, length) };
 }
 
-/** The same coefficients in another precision; the very same object where it is the one they have. */
+/** The same coefficients in `precision`; the very same object if they have it already. */
 export function repackHarmonics(
   harmonics: PackedHarmonics,
   count: number,
@@ -40,8 +40,8 @@ export function repackHarmonics(
 }
 
 /**
- * The coefficients of bands 1 to `degree` alone, as they are stored; the very same object where there are no others. Bytes
- * keep the scale that they were stored with.
+ * Bands 1 to `degree` alone, as they are stored; the very same object if there are no others. Bytes keep the scale that
+ * they were stored with.
  */
 export function truncateHarmonics(
   harmonics: PackedHarmonics,

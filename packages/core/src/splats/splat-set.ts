@@ -16,7 +16,7 @@ export interface TrainedHarmonics {
   readonly coefficients: Float32Array;
 }
 
-/** Why a reader left splats out. */
+/** Why a splat was dropped. */
 export type DropReason =
   | 'non-finite-position'
   | 'non-finite-scale'
@@ -24,13 +24,12 @@ export type DropReason =
   | 'non-finite-opacity'
   | 'non-finite-color';
 
-/** How many splats were left out, by reason; reasons that did not occur are absent. */
+/** Number of dropped splats by reason; reasons that did not occur are absent. */
 export type DropCounts = Partial<Record<DropReason, number>>;
 
 /**
- * Splats on the CPU but for their harmonics: a column per property, N = `count` rows, in the order in which they are
- * stored. Values are as trained (log scales, logit opacity), so that a reader changes nothing; it leaves out, and counts,
- * only rows that are not finite.
+ * Splats on the CPU without their harmonics: a column per property, N = `count` rows, in any order. Values are as
+ * trained (log scales, logit opacity): readers change nothing, and only drop and count rows that are not finite.
  */
 export interface SplatColumns {
   /** Number of splats, N. */
@@ -49,15 +48,15 @@ export interface SplatColumns {
   readonly colorDc: Float32Array;
   /** N: each splat's row in its file, 0-based; what picking returns. */
   readonly fileIndices: Uint32Array;
-  /** Rows of the file that are not here, by reason. */
+  /** Rows of the file that were dropped, by reason. */
   readonly dropped: DropCounts;
   /** Whether the splats were trained with an antialias filter; absent where the format does not say. */
   readonly isAntialiased?: boolean;
 }
 
 /**
- * Splats on the CPU. A set is as trained throughout unless its type says otherwise: readers return
- * `SplatSet<PackedHarmonics>`, since harmonics are most of a scene's bytes and are packed row by row as they arrive.
+ * Splats on the CPU. Harmonics are as trained, like all else, unless the type says otherwise: readers return
+ * `SplatSet<PackedHarmonics>`, since harmonics are most of a scene's bytes and are packed as they are read.
  */
 export interface SplatSet<Harmonics extends { readonly degree: ShDegree } = TrainedHarmonics>
   extends SplatColumns {
