@@ -27,7 +27,7 @@ const WITHOUT_LINE = '.split-line { visibility: hidden !important; }';
 
 /** The test scene as it is where harmonics are not evaluated. */
 function withoutHarmonics(set: SplatSet): SplatSet {
-  return { ...set, shRest: { degree: 0, precision: 'f32', wordsPerSplat: 0, words: new Uint32Array(0) } };
+  return { ...set, harmonics: { degree: 0, coefficients: new Float32Array(0) } };
 }
 
 /** Does something that changes the picture, and waits for it. */

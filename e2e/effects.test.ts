@@ -9,8 +9,11 @@ const SMALL = { viewport: { width: 240, height: 160 } };
 
 /** The test scene with harmonics in which there is nothing. */
 function withEmptyHarmonics(set: SplatSet): SplatSet {
-  const { shRest } = set;
-  return { ...set, shRest: { ...shRest, words: new Uint32Array(shRest.words.length) } };
+  const { harmonics } = set;
+  return {
+    ...set,
+    harmonics: { ...harmonics, coefficients: new Float32Array(harmonics.coefficients.length) },
+  };
 }
 
 const effect = (page: Page, name: string) => page.getByTestId(`effect-${name}`);

@@ -1,4 +1,4 @@
-import { readSplats, type SplatSet } from '@websplatter/core';
+import { type Harmonics, readSplats, type SplatSet } from '@websplatter/core';
 import { HARD_CASES, type SceneCase } from '@websplatter/hardcases';
 import { describe, expect, it } from 'vitest';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
@@ -24,7 +24,7 @@ function sceneCase(name: string): SceneCase {
 }
 
 /** The splats of a case as they are read, apart from the viewer. */
-function setsOf({ clouds }: SceneCase): Promise<SplatSet[]> {
+function setsOf({ clouds }: SceneCase): Promise<SplatSet<Harmonics>[]> {
   return Promise.all(
     clouds().map((cloud) =>
       'set' in cloud ? cloud.set : readSplats(cloud.file, { name: 'case', shPrecision: 'f32' }),

@@ -1,4 +1,4 @@
-import { encodePly, type SplatSet, shRestWordsPerSplat } from '@websplatter/core';
+import { encodePly, type SplatSet } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { expect, it } from 'vitest';
 import { appHarness } from './harness.ts';
@@ -33,7 +33,6 @@ const harness = appHarness('e2e/react', files);
 
 function dots(positions: readonly (readonly number[])[]): SplatSet {
   const count = positions.length;
-  const wordsPerSplat = shRestWordsPerSplat(0, 'f32');
   return {
     ...testScene(),
     count,
@@ -42,7 +41,7 @@ function dots(positions: readonly (readonly number[])[]): SplatSet {
     rotations: Float32Array.from({ length: 4 * count }, (_, i) => (i % 4 === 0 ? 1 : 0)),
     opacityLogits: new Float32Array(count).fill(6),
     colorDc: new Float32Array(3 * count).fill(1),
-    shRest: { degree: 0, precision: 'f32', wordsPerSplat, words: new Uint32Array(0) },
+    harmonics: { degree: 0, coefficients: new Float32Array(0) },
     fileIndices: Uint32Array.from(positions, (_, i) => i),
   };
 }

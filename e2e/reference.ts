@@ -1,4 +1,4 @@
-import { cameraFromMatrices, type SplatSet } from '@websplatter/core';
+import { cameraFromMatrices, type Harmonics, type SplatSet } from '@websplatter/core';
 import type { EffectUse } from '@websplatter/core/effects';
 import { compareImages, renderReference, type TwinFunction } from '@websplatter/core/reference';
 import type { Screenshot } from './screenshot.ts';
@@ -24,7 +24,7 @@ export interface ReferenceEffects {
  */
 export function referencePicture(
   drawn: DrawnCamera,
-  sets: readonly SplatSet[],
+  sets: readonly SplatSet<Harmonics>[],
   { widthPx, heightPx }: Pick<Screenshot, 'widthPx' | 'heightPx'>,
   { effects, effectTwins }: ReferenceEffects = {},
 ): (shot: Screenshot) => number {
@@ -47,7 +47,7 @@ export function referencePicture(
 export function psnrAgainstReference(
   shot: Screenshot,
   drawn: DrawnCamera,
-  sets: readonly SplatSet[],
+  sets: readonly SplatSet<Harmonics>[],
 ): number {
   return referencePicture(drawn, sets, shot)(shot);
 }

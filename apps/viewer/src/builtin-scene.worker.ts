@@ -3,7 +3,6 @@ import {
   type AccuracySettings,
   type PackedCloud,
   packCloud,
-  repackShRest,
   type SplatSet,
   transferablesOf,
 } from '@websplatter/core';
@@ -24,8 +23,7 @@ self.onmessage = ({ data }: MessageEvent<SceneRequest>) => {
   const scene = builtinScenes.find((candidate) => candidate.name === name);
   if (!scene) throw new Error(`There is no built-in scene "${name}".`);
   const set = scene.make();
-  const shRest = repackShRest(set.shRest, set.count, shPrecision);
-  const packed = packCloud({ ...set, shRest }, { geometryPrecision });
+  const packed = packCloud(set, { geometryPrecision, shPrecision });
   const columns = [
     set.positions,
     set.logScales,
@@ -34,7 +32,7 @@ self.onmessage = ({ data }: MessageEvent<SceneRequest>) => {
     set.colorDc,
     set.fileIndices,
   ];
-  const buffers = [...columns, set.shRest.words].map(({ buffer }) => buffer);
+  const buffers = [...columns, set.harmonics.coefficients].map(({ buffer }) => buffer);
   // Precisions that are the same may share a buffer, which can be given away once.
   const transfer = [...new Set([...transferablesOf(packed), ...buffers])];
   self.postMessage({ packed, set } satisfies MadeScene, { transfer });

@@ -5,6 +5,7 @@ import {
   type Accuracy,
   type Camera,
   type FrameStatistics,
+  type Harmonics,
   perspectiveCamera,
   readSplats,
   resolveAccuracy,
@@ -57,7 +58,7 @@ interface Row {
   readonly timesMs: readonly number[];
 }
 
-async function measureRows(set: SplatSet, camera: Camera): Promise<Record<string, Row>> {
+async function measureRows(set: SplatSet<Harmonics>, camera: Camera): Promise<Record<string, Row>> {
   const float64 = renderReference({ clouds: [{ set }], camera, ...SIZE });
   expect(float64.visibleSplats).toBeGreaterThan(1000);
   const cloud = engine.add(set);

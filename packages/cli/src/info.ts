@@ -1,4 +1,11 @@
-import { cloudFacts, type DropCounts, type ShDegree, type SplatSet } from '@websplatter/core';
+import {
+  cloudFacts,
+  type DropCounts,
+  type Harmonics,
+  type ShDegree,
+  type SplatColumns,
+  type SplatSet,
+} from '@websplatter/core';
 import type { Console } from './console.ts';
 import { gpuBytesPerPreset } from './gpu-bytes.ts';
 import { UsageError } from './input-error.ts';
@@ -45,7 +52,7 @@ export async function info(args: readonly string[], console: Console): Promise<v
   console.out(values.json ? `${JSON.stringify(found, null, 2)}\n` : table(found));
 }
 
-function describeScene(scene: string, set: SplatSet): SceneInfo {
+function describeScene(scene: string, set: SplatSet<Harmonics>): SceneInfo {
   const { count, dropped, origin } = set;
   const { declaredShDegree, trueShDegree, shBandReach } = cloudFacts(set);
   return {
@@ -62,7 +69,7 @@ function describeScene(scene: string, set: SplatSet): SceneInfo {
   };
 }
 
-function boundsOfCenters({ count, positions, origin }: SplatSet): { min: Point; max: Point } {
+function boundsOfCenters({ count, positions, origin }: SplatColumns): { min: Point; max: Point } {
   const min: Point = [Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
   const max: Point = [Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY];
   for (let i = 0; i < 3 * count; i++) {

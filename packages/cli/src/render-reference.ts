@@ -1,4 +1,10 @@
-import { type Camera, type SplatSet, type StageTimings, wallClockTimings } from '@websplatter/core';
+import {
+  type Camera,
+  type Harmonics,
+  type SplatSet,
+  type StageTimings,
+  wallClockTimings,
+} from '@websplatter/core';
 import { renderReference } from '@websplatter/core/reference';
 import type { RenderOptions } from './render-options.ts';
 import { differingPixels, type Rendered } from './rendered.ts';
@@ -11,7 +17,7 @@ export async function renderOnReference(
   camera: Camera,
   { widthPx, heightPx, accuracy, frames }: RenderOptions,
 ): Promise<Rendered> {
-  const sets: SplatSet[] = [];
+  const sets: SplatSet<Harmonics>[] = [];
   for (const scene of scenes) sets.push(await readScene(scene, 'f32'));
   const clouds = sets.map((set, i) => ({ set, modelMatrix: models[i] }));
   const draw = () => renderReference({ clouds, camera, widthPx, heightPx, settings: accuracy });

@@ -3,6 +3,7 @@ import { access, stat } from 'node:fs/promises';
 import { Readable } from 'node:stream';
 import { fileURLToPath } from 'node:url';
 import {
+  type Harmonics,
   readSplats,
   type ShPrecision,
   type SplatSet,
@@ -40,7 +41,7 @@ export async function findScene(scene: string): Promise<SceneSource> {
 }
 
 /** Reads the splats of a scene into memory. */
-export async function readScene(scene: SceneSource, shPrecision: ShPrecision): Promise<SplatSet> {
+export async function readScene(scene: SceneSource, shPrecision: ShPrecision): Promise<SplatSet<Harmonics>> {
   if ('make' in scene.content) return scene.content.make();
   return readSplats(scene.content.source, { name: scene.name, shPrecision });
 }

@@ -36,8 +36,6 @@ export class TestFolder {
 
 /** Red, green and blue blobs in a row, with spherical harmonics of degree 1. */
 export function threeSplats(): SplatSet {
-  const shRest = { degree: 1, precision: 'f32', wordsPerSplat: 9, words: new Uint32Array(27) } as const;
-  new Float32Array(shRest.words.buffer).fill(0.5);
   return {
     count: 3,
     origin: [0, 0, 0],
@@ -46,7 +44,7 @@ export function threeSplats(): SplatSet {
     rotations: Float32Array.of(1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0),
     opacityLogits: new Float32Array(3).fill(3),
     colorDc: Float32Array.of(1.5, -1.5, -1.5, -1.5, 1.5, -1.5, -1.5, -1.5, 1.5),
-    shRest,
+    harmonics: { degree: 1, coefficients: new Float32Array(27).fill(0.5) },
     fileIndices: Uint32Array.of(0, 1, 2),
     dropped: {},
   };

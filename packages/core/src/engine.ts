@@ -19,6 +19,7 @@ import { sourceName } from './io/open-source.ts';
 import type { ReadOptions, SplatSource } from './io/splat-source.ts';
 import type { EffectEntry } from './ledger/ledger.ts';
 import type { AccuracyChoice } from './measure/choose-accuracy.ts';
+import type { Harmonics } from './packing/harmonics.ts';
 import { packSet } from './packing/pack-set.ts';
 import type { PackedCloud } from './packing/packed-cloud.ts';
 import type { CloudPrecision } from './packing/precision.ts';
@@ -192,7 +193,7 @@ export class SplatEngine {
    * Packs and uploads splats that are in memory already, in any order; what is not finite is left out and counted. The
    * cloud keeps `set` by reference, for `requestPrecision`.
    */
-  add(set: SplatSet, options: { readonly name?: string } = {}): SplatCloud {
+  add(set: SplatSet<Harmonics>, options: { readonly name?: string } = {}): SplatCloud {
     return this.addPacked(packSet(set, this.accuracy), { ...options, source: set });
   }
 

@@ -48,6 +48,12 @@ export type { MeasureProgress } from './measure/measure-accuracy.ts';
 export { type CloudFacts, cloudFacts } from './packing/cloud-facts.ts';
 export { GEOMETRY_WORDS } from './packing/geometry.ts';
 export {
+  type Harmonics,
+  type PackedHarmonics,
+  readCoefficients,
+  shWordsPerSplat,
+} from './packing/harmonics.ts';
+export {
   type Bounds,
   type PackedCloud,
   type PackOptions,
@@ -56,18 +62,13 @@ export {
 } from './packing/packed-cloud.ts';
 export type { CloudPrecision, GeometryPrecision, ShPrecision } from './packing/precision.ts';
 export {
-  packShRest,
-  repackShRest,
-  type ShRest,
-  shRestWordsPerSplat,
-  unpackShRest,
-} from './packing/sh-rest.ts';
-export {
+  coefficientsPerSplat,
   type DropCounts,
   type DropReason,
-  SH_REST_COEFFICIENTS,
   type ShDegree,
+  type SplatColumns,
   type SplatSet,
+  type TrainedHarmonics,
 } from './splats/splat-set.ts';
 export {
   type FrameStatistics,

@@ -1,4 +1,4 @@
-import { readSplats, type SplatSet } from '@websplatter/core';
+import { type Harmonics, readSplats, type SplatSet } from '@websplatter/core';
 import { type ReferenceImage, renderReference } from '@websplatter/core/reference';
 import { describe, expect, test } from 'vitest';
 import { HARD_CASES } from './catalogue.ts';
@@ -17,7 +17,7 @@ const scenes = HARD_CASES.filter(
   (hardCase): hardCase is SceneCase | DeviceCase => hardCase.kind === 'scene' || hardCase.kind === 'device',
 );
 
-const setOf = (cloud: HardCloud): Promise<SplatSet> | SplatSet =>
+const setOf = (cloud: HardCloud): Promise<SplatSet<Harmonics>> | SplatSet<Harmonics> =>
   'set' in cloud ? cloud.set : readSplats(cloud.file, { shPrecision: 'f32' });
 
 async function setsOf(hardCase: SceneCase | DeviceCase) {

@@ -1,10 +1,4 @@
-import {
-  packShRest,
-  SH_REST_COEFFICIENTS,
-  type ShDegree,
-  type SplatSet,
-  shRestWordsPerSplat,
-} from '@websplatter/core';
+import { coefficientsPerSplat, type ShDegree, type SplatSet } from '@websplatter/core';
 
 /** One splat; what is left out is a round, half-transparent, grey splat at the origin. */
 export interface SplatValues {
@@ -38,13 +32,9 @@ export function splatsOf(
   options: { readonly shDegree?: ShDegree; readonly origin?: readonly [number, number, number] } = {},
 ): SplatSet {
   const { shDegree = 0, origin = [0, 0, 0] } = options;
-  const values = 3 * SH_REST_COEFFICIENTS[shDegree];
-  const wordsPerSplat = shRestWordsPerSplat(shDegree, 'f32');
-  const words = new Uint32Array(splats.length * wordsPerSplat);
-  for (const [i, { shRest = [] }] of splats.entries()) {
-    const padded = Array.from({ length: values }, (_, k) => shRest[k] ?? 0);
-    packShRest(shDegree, 'f32', padded, words, i * wordsPerSplat);
-  }
+  const width = coefficientsPerSplat(shDegree);
+  const coefficients = new Float32Array(splats.length * width);
+  for (const [i, { shRest = [] }] of splats.entries()) coefficients.set(shRest.slice(0, width), i * width);
   return {
     count: splats.length,
     origin,
@@ -53,7 +43,7 @@ export function splatsOf(
     rotations: Float32Array.from(splats.flatMap(({ rotation = [1, 0, 0, 0] }) => rotation)),
     opacityLogits: Float32Array.from(splats, ({ opacityLogit = 0 }) => opacityLogit),
     colorDc: Float32Array.from(splats.flatMap(({ color = [0.5, 0.5, 0.5] }) => color.map(colorDcOf))),
-    shRest: { degree: shDegree, precision: 'f32', wordsPerSplat, words },
+    harmonics: { degree: shDegree, coefficients },
     fileIndices: Uint32Array.from(splats, (_, i) => i),
     dropped: {},
   };
@@ -108,7 +98,7 @@ export function ordinarySplats(seed = 1): SplatValues[] {
 /** 3K coefficients in ±`amplitude`, the same for the same seed. */
 export function randomShRest(degree: ShDegree, amplitude: number, seed: number): number[] {
   const random = seededRandom(seed);
-  return Array.from({ length: 3 * SH_REST_COEFFICIENTS[degree] }, () => amplitude * (2 * random() - 1));
+  return Array.from({ length: coefficientsPerSplat(degree) }, () => amplitude * (2 * random() - 1));
 }
 
 /** The same splats elsewhere. */

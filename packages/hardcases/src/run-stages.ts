@@ -1,4 +1,4 @@
-import type { AccuracyPreset, Camera, SplatSet } from '@websplatter/core';
+import type { AccuracyPreset, Camera, Harmonics, SplatSet } from '@websplatter/core';
 import {
   compareCulling,
   compareOrder,
@@ -12,7 +12,7 @@ import type { ResultBuilder } from './run-result.ts';
 
 /** A case's clouds as they were read. */
 export interface PlacedSet {
-  readonly set: SplatSet;
+  readonly set: SplatSet<Harmonics>;
   readonly modelMatrix?: ArrayLike<number>;
 }
 

@@ -2,13 +2,14 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { CloudFacts } from '../packing/cloud-facts.ts';
 import type { LogScaleRange } from '../packing/geometry.ts';
+import type { Harmonics } from '../packing/harmonics.ts';
 import type { Bounds, PackedCloud } from '../packing/packed-cloud.ts';
 import type { CloudPrecision } from '../packing/precision.ts';
 import type { DropCounts, ShDegree, SplatSet } from '../splats/splat-set.ts';
 import { type CloudPages, CloudPlanes, type HeldPrecisions } from './cloud-planes.ts';
 
 /** Where a cloud's splats can be had again, as often as need be, in other precisions than it holds. */
-export type CloudSource = string | URL | Blob | SplatSet | PackedCloud;
+export type CloudSource = string | URL | Blob | SplatSet<Harmonics> | PackedCloud;
 
 export interface SplatCloudOptions {
   /** For messages and labels. */
@@ -64,7 +65,7 @@ export class SplatCloud {
   ) {
     this.name = name;
     this.count = packed.count;
-    this.shDegree = packed.shRest.degree;
+    this.shDegree = packed.harmonics.degree;
     this.facts = packed.facts;
     this.origin = packed.origin;
     this.bounds = packed.bounds;

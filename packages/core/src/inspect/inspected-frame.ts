@@ -13,9 +13,10 @@ import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture, type TextureImage } from '../gpu/read-texture.ts';
-import { COEFFICIENT_MAX } from '../layout/half.ts';
+import { clampCoefficient } from '../layout/half.ts';
 import { identity4 } from '../math/mat4.ts';
 import { dropNonFinite } from '../packing/drop-non-finite.ts';
+import type { Harmonics, PackedHarmonics } from '../packing/harmonics.ts';
 import { mortonOrder, permuteSplats } from '../packing/morton-order.ts';
 import { type PackedCloud, packCloud } from '../packing/packed-cloud.ts';
 import type { EffectTwin } from '../reference/effects/effect-twin.ts';
@@ -26,7 +27,7 @@ import { GpuTimer } from '../timing/gpu-timer.ts';
 
 export interface InspectOptions {
   readonly clouds: readonly {
-    readonly set: SplatSet;
+    readonly set: SplatSet<Harmonics>;
     readonly modelMatrix?: ArrayLike<number>;
     /** Multiplies every splat's opacity, 0…1; default 1. */
     readonly opacity?: number;
@@ -53,7 +54,7 @@ const DEFAULTS = { colorTarget: 'rgba16float' } as const;
 /** One cloud of a test frame as the float64 twins take it. */
 export interface InspectedCloud {
   /** In storage order, with the values that the GPU unpacks. */
-  readonly stored: SplatSet;
+  readonly stored: SplatSet<PackedHarmonics>;
   readonly packed: PackedCloud;
   readonly view: CloudView;
   readonly effects: readonly EffectTwin[];
@@ -135,11 +136,11 @@ export class InspectedFrame {
     const image = await readTexture(device, parts.shared.blended!.color);
 
     const clouds = options.clouds.map(({ modelMatrix = identity4() }, i) => {
-      const { shRest } = packed[i];
+      const { harmonics } = packed[i];
       const stored = {
         ...permuteSplats(sets[i], mortonOrder(sets[i].positions, sets[i].count)),
         // As it is stored: rounded, and without the bands that cannot be seen.
-        shRest,
+        harmonics,
       };
       const view = cloudView(camera.viewMatrix, modelMatrix, stored.origin, projection.isOrthographic);
       return {
@@ -200,22 +201,24 @@ function pipelinesOf(device: GPUDevice): Pipelines {
 /** Limits under which a cloud is cut into pages of `splatsPerPage`, or the device's own. */
 function limitsFor(
   device: GPUDevice,
-  { shRest }: PackedCloud,
+  { harmonics }: PackedCloud,
   splatsPerPage: number | undefined,
 ): GPUSupportedLimits {
   if (splatsPerPage === undefined) return device.limits;
-  const bytes = largestPlaneBytes(shRest.degree) * splatsPerPage;
+  const bytes = largestPlaneBytes(harmonics.degree) * splatsPerPage;
   return { maxStorageBufferBindingSize: bytes, maxBufferSize: bytes } as GPUSupportedLimits;
 }
 
 /** `stored` with the values that float32 geometry has of it: only coefficients end sooner than the format. */
-function float32Set(stored: SplatSet): SplatSet {
-  const clamped = (value: number) => Math.max(-COEFFICIENT_MAX, Math.min(COEFFICIENT_MAX, value));
-  return { ...stored, colorDc: stored.colorDc.map(clamped) };
+function float32Set(stored: SplatSet<PackedHarmonics>): SplatSet<PackedHarmonics> {
+  return { ...stored, colorDc: stored.colorDc.map(clampCoefficient) };
 }
 
 /** `stored` with the values that packing left of it. */
-function unpackedSet(stored: SplatSet, { geometry }: PackedCloud): SplatSet {
+function unpackedSet(
+  stored: SplatSet<PackedHarmonics>,
+  { geometry }: PackedCloud,
+): SplatSet<PackedHarmonics> {
   const splats = Array.from({ length: stored.count }, (_, i) => unpackSplat(geometry, i));
   return {
     ...stored,

@@ -1,5 +1,5 @@
-import { packShRest, shRestWordsPerSplat, unpackShRest } from '@websplatter/core';
-import { splatsPerPage } from '@websplatter/core/inspect';
+import { readCoefficients, shWordsPerSplat } from '@websplatter/core';
+import { packCoefficients, splatsPerPage } from '@websplatter/core/inspect';
 import type { ArithmeticCase, HardCase } from '../hard-case.ts';
 import { frontAndOblique, frontOnly, scenesOf } from '../make-cases.ts';
 import {
@@ -59,19 +59,19 @@ const offsetCase = (exponent: number): ArithmeticCase => ({
   breaks: 'Offsets computed with 32-bit operators wrap around past 2^31 or 2^32 and hit another splat.',
   check: () => {
     const degree = 3;
-    const wordsPerSplat = shRestWordsPerSplat(degree, 'f32');
+    const wordsPerSplat = shWordsPerSplat(degree, 'f32');
     const index = Math.ceil(2 ** exponent / (4 * wordsPerSplat));
     // Only what is written exists: as much memory as the offsets promise is not needed to see where they point.
     const written: Record<number, number> = {};
     const words = written as unknown as Uint32Array;
     const values = Float32Array.from(randomShRest(degree, 1, exponent));
-    packShRest(degree, 'f32', values, words, index * wordsPerSplat);
+    packCoefficients(degree, 'f32', values, words, index * wordsPerSplat);
     const strays = Object.keys(written).filter(
       (key) => Number(key) < index * wordsPerSplat || Number(key) >= (index + 1) * wordsPerSplat,
     );
     if (strays.length > 0) return `splat ${index} was written to word ${strays[0]}`;
     const read = new Float32Array(values.length);
-    unpackShRest({ degree, precision: 'f32', wordsPerSplat, words }, index, read);
+    readCoefficients({ degree, precision: 'f32', wordsPerSplat, words }, index, read);
     const wrong = read.findIndex((value, i) => value !== values[i]);
     return wrong < 0
       ? null
