@@ -1,7 +1,10 @@
-import { existsSync, readdirSync } from 'node:fs';
 import os from 'node:os';
+import { basename } from 'node:path';
 import { adapterLabel, isSoftwareAdapter, WebGpuUnavailableError } from '@websplatter/core';
+import { installedDrivers } from './installed-drivers.ts';
+import { routeEnvironment } from './route-environment.ts';
 import { type VulkanRoute, vulkanRoutes } from './vulkan-routes.ts';
+import { realSurroundings } from './vulkan-surroundings.ts';
 
 export interface NodeGpuOptions {
   /** Use the software adapter even where there is a GPU. Default false. */
@@ -73,21 +76,28 @@ const UNWANTED_IN_SOFTWARE = ['use_vulkan_zero_initialize_workgroup_memory_exten
 
 async function choose(forceSoftware: boolean): Promise<Choice> {
   const tried: string[] = [];
-  const isLinux = process.platform === 'linux';
   // Metal and Direct3D need no looking for; on Linux a Vulkan loader and a driver do.
-  const routes = isLinux ? vulkanRoutes(realSurroundings(), forceSoftware) : [null];
+  const surroundings = process.platform === 'linux' ? realSurroundings() : null;
+  const routes = surroundings ? vulkanRoutes(surroundings, forceSoftware) : [null];
   for (const route of routes) {
     if (route && !loadVulkan(route.loaders)) {
       tried.push(`no Vulkan loader (${route.loaders.join(', ')}) can be loaded`);
       continue;
     }
     const dawn = await loadDawn();
-    const choice = await withDriver(route, () => openGpu(dawn, forceSoftware, route?.isSoftware ?? false));
+    const choice = await onRoute(route, () => openGpu(dawn, forceSoftware, route?.isSoftware ?? false));
     if (choice) return choice;
-    tried.push(`${route?.driverFile ?? 'the system’s graphics driver'} offers no WebGPU adapter`);
+    const drivers = route?.driverFiles?.join(', ') ?? 'the system’s graphics driver';
+    tried.push(`${drivers} offers no WebGPU adapter`);
+  }
+  const idle = surroundings && !forceSoftware ? installedDrivers(surroundings).idle : [];
+  if (idle.length > 0) {
+    tried.push(
+      `/dev shows no GPU for ${idle.map((file) => basename(file)).join(', ')} (a container must be given it: \`docker run --device /dev/dri\`)`,
+    );
   }
   if (tried.length === 0) tried.push('no Vulkan driver is installed');
-  const remedy = isLinux
+  const remedy = surroundings
     ? 'Install a Vulkan driver for the GPU (`apt-get install libvulkan1 mesa-vulkan-drivers`, or NVIDIA’s), or a software one: `apt-get install chromium`.'
     : 'Update the graphics driver.';
   throw new WebGpuUnavailableError(`No WebGPU adapter: ${tried.join('; ')}. ${remedy}`);
@@ -143,17 +153,15 @@ function loadVulkan(loaders: readonly string[]): boolean {
   });
 }
 
-/** Runs `open` while the Vulkan loader is pointed at `route`'s driver; child processes do not inherit that. */
-async function withDriver<T>(route: VulkanRoute | null, open: () => Promise<T>): Promise<T> {
-  if (!route?.driverFile) return open();
-  // The second name is for loaders older than 1.3.207.
-  const names = ['VK_DRIVER_FILES', 'VK_ICD_FILENAMES'];
-  const before = names.map((name) => process.env[name]);
-  for (const name of names) process.env[name] = route.driverFile;
+/** Runs `open` in the environment that `route` needs; child processes that are started later do not inherit it. */
+async function onRoute<T>(route: VulkanRoute | null, open: () => Promise<T>): Promise<T> {
+  const variables = route ? Object.entries(routeEnvironment(route, process.env)) : [];
+  const before = variables.map(([name]) => process.env[name]);
+  for (const [name, value] of variables) process.env[name] = value;
   try {
     return await open();
   } finally {
-    names.forEach((name, i) => {
+    variables.forEach(([name], i) => {
       if (before[i] === undefined) delete process.env[name];
       else process.env[name] = before[i];
     });
@@ -168,19 +176,5 @@ function keepDevices(adapter: GPUAdapter): void {
     const device = await requestDevice(descriptor);
     keptForever.add(device);
     return device;
-  };
-}
-
-function realSurroundings() {
-  return {
-    env: process.env,
-    fileExists: existsSync,
-    listDirectory(path: string): string[] {
-      try {
-        return readdirSync(path);
-      } catch {
-        return [];
-      }
-    },
   };
 }
