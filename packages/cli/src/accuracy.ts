@@ -1,13 +1,12 @@
-import { SplatEngine, WebSplatterError } from '@websplatter/core';
+import { ACCURACY_PRESETS } from '@websplatter/core';
 import { type AccuracyTable, measureAccuracy } from '@websplatter/core/measure';
-import { createNodeGpu } from '@websplatter/node';
 import { accuracyChart } from './accuracy-chart.ts';
 import { type AccuracyOptions, parseAccuracyArguments } from './accuracy-options.ts';
 import { accuracyJson, accuracyText } from './accuracy-report.ts';
 import { readCameraFile } from './camera-file.ts';
 import type { Console } from './console.ts';
+import { openGpuSession } from './gpu-session.ts';
 import { checkWritable, writeFiles } from './output-files.ts';
-import { addScene } from './render-gpu.ts';
 import { findScene } from './scene-source.ts';
 
 /** `websplatter accuracy SCENE … --camera CAM.json --size WIDTHxHEIGHT [--json] [--svg chart.svg]`. */
@@ -27,17 +26,11 @@ async function measure(options: AccuracyOptions, console: Console): Promise<Accu
   const { widthPx, heightPx, base, settings, frames } = options;
   const camera = await readCameraFile(options.camera, widthPx / heightPx);
   const scenes = await Promise.all(options.scenes.map(findScene));
-  const { gpu, adapter, notice } = await createNodeGpu();
-  if (notice !== null) console.err(`note: ${notice}\n`);
-  const engine = await SplatEngine.create({ gpu, adapter, accuracy: 'reference' });
-  const gpuErrors: string[] = [];
-  engine.device.addEventListener('uncapturederror', (event) => {
-    event.preventDefault();
-    gpuErrors.push(event.error.message);
-  });
+  const session = await openGpuSession(scenes, ACCURACY_PRESETS.reference);
+  const { engine, notice, checkGpuErrors } = session;
   try {
-    const clouds = [];
-    for (const scene of scenes) clouds.push({ cloud: await addScene(engine, scene) });
+    if (notice !== null) console.err(`note: ${notice}\n`);
+    const clouds = session.clouds.map((cloud) => ({ cloud }));
     let shownPercent = -1;
     const table = await measureAccuracy(engine, {
       clouds,
@@ -54,7 +47,7 @@ async function measure(options: AccuracyOptions, console: Console): Promise<Accu
         shownPercent = Math.max(shownPercent, percent);
       },
     });
-    if (gpuErrors.length > 0) throw new WebSplatterError('gpu-error', `the GPU refused: ${gpuErrors[0]}`);
+    checkGpuErrors();
     return table;
   } finally {
     engine.destroy();

@@ -1,12 +1,5 @@
-import {
-  type Camera,
-  type FrameStatistics,
-  type SplatCloud,
-  SplatEngine,
-  type SplatView,
-  WebSplatterError,
-} from '@websplatter/core';
-import { createNodeGpu } from '@websplatter/node';
+import type { Camera, FrameStatistics, SplatCloud, SplatView } from '@websplatter/core';
+import { openGpuSession } from './gpu-session.ts';
 import type { Picture } from './png.ts';
 import type { RenderOptions } from './render-options.ts';
 import { differingPixels, type Rendered } from './rendered.ts';
@@ -22,19 +15,11 @@ export async function renderOnGpu(
   camera: Camera,
   options: RenderOptions,
 ): Promise<Rendered> {
-  const { gpu, adapter, notice } = await createNodeGpu();
-  const engine = await SplatEngine.create({ gpu, adapter, accuracy: options.accuracy });
-  const gpuErrors: string[] = [];
-  engine.device.addEventListener('uncapturederror', (event) => {
-    event.preventDefault();
-    gpuErrors.push(event.error.message);
-  });
+  const { engine, clouds, notice, checkGpuErrors } = await openGpuSession(scenes, options.accuracy);
   try {
-    const clouds: SplatCloud[] = [];
-    for (const scene of scenes) clouds.push(await addScene(engine, scene));
     const view = engine.createView();
     const frames = await renderFrames(view, clouds, models, camera, options);
-    if (gpuErrors.length > 0) throw new WebSplatterError('gpu-error', `the GPU refused: ${gpuErrors[0]}`);
+    checkGpuErrors();
     return {
       ...frames,
       splatsPerScene: clouds.map(({ count }) => count),
@@ -44,11 +29,6 @@ export async function renderOnGpu(
   } finally {
     engine.destroy();
   }
-}
-
-/** The splats of a scene on the GPU. */
-export async function addScene(engine: SplatEngine, { name, content }: SceneSource): Promise<SplatCloud> {
-  return 'make' in content ? engine.add(content.make(), { name }) : engine.load(content.source, { name });
 }
 
 async function renderFrames(
