@@ -34,6 +34,7 @@ const PACKAGES = [
     inputs: ['shaders'],
     hasDeclarations: true,
   },
+  { name: 'charts', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   { name: 'node', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   { name: 'scenes', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   { name: 'hardcases', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },

@@ -1,10 +1,11 @@
+import type { LabelBox } from '@websplatter/charts';
 import type { AccuracyPoint, AccuracyTable } from '@websplatter/core/measure';
 import { isInterval } from './accuracy-report.ts';
-import { type Box, placeLabels } from './label-placement.ts';
+import { placeLabels } from './label-placement.ts';
 
 const WIDTH = 800;
 const HEIGHT = 500;
-const PLOT: Box = { left: 64, top: 66, right: 776, bottom: 440 };
+const PLOT: LabelBox = { left: 64, top: 66, right: 776, bottom: 440 };
 /** Pictures that equal the reference have no error in dB: they are drawn on a line of their own above the scale. */
 const EQUAL_Y = PLOT.top + 18;
 const SCALE_TOP = PLOT.top + 48;
@@ -151,7 +152,7 @@ function stepPath(front: readonly { readonly x: number; readonly y: number }[]):
 }
 
 /** Round a horizontal or vertical line. */
-function thinBox(x1: number, y1: number, x2: number, y2: number): Box {
+function thinBox(x1: number, y1: number, x2: number, y2: number): LabelBox {
   return {
     left: Math.min(x1, x2) - 1,
     top: Math.min(y1, y2) - 1,
