@@ -15,7 +15,7 @@ export async function accuracy(args: readonly string[], console: Console): Promi
   if (options.svg !== undefined) await checkWritable(options.svg);
   const table = await measure(options, console);
   const title = options.scenes.join(', ');
-  // Everything is made before anything is written: a run that is interrupted leaves no part of a file.
+  // Format everything before writing anything, so that an interrupted run leaves no partial file.
   const text = options.isJson ? accuracyJson(table, options.scenes) : accuracyText(table, title);
   if (options.svg !== undefined)
     await writeFiles([{ path: options.svg, content: accuracyChart(table, title) }]);
@@ -42,7 +42,7 @@ async function measure(options: AccuracyOptions, console: Console): Promise<Accu
       frames,
       onProgress: ({ done, total, label }) => {
         const percent = Math.floor((100 * done) / total);
-        // One line in ten percent: this may go to a file.
+        // One line per ten percent: stderr may be a file.
         if (Math.floor(percent / 10) > Math.floor(shownPercent / 10)) console.err(`${percent} %: ${label}\n`);
         shownPercent = Math.max(shownPercent, percent);
       },

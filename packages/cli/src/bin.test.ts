@@ -7,14 +7,14 @@ import { TestFolder } from './test-folder.ts';
 const bin = fileURLToPath(new URL('../bin/websplatter.js', import.meta.url));
 const isBuilt = existsSync(new URL('../dist/main.js', import.meta.url));
 
-/** The program as users start it, on what `npm run build` made. `npm test` builds first. */
+/** Runs the program as users do, from the output of `npm run build`. `npm test` builds first. */
 const binTest = test.skipIf(!isBuilt && !process.env.CI);
 
 function websplatter(...args: string[]) {
   return websplatterIn({}, ...args);
 }
 
-/** With other environment variables; those that are undefined are not set. */
+/** Runs it with other environment variables; undefined ones are removed. */
 function websplatterIn(variables: Record<string, string | undefined>, ...args: string[]) {
   const env = { ...process.env, WEBSPLATTER_DEBUG: undefined, ...variables };
   const { status, stdout, stderr } = spawnSync(process.execPath, [bin, ...args], { encoding: 'utf8', env });

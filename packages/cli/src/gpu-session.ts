@@ -9,22 +9,22 @@ import {
 import { createNodeGpu } from '@websplatter/node';
 import type { SceneSource } from './scene-source.ts';
 
-/** An engine that holds the scenes of a command line. */
+/** An engine with the scenes of a command line. */
 export interface GpuSession {
   readonly engine: SplatEngine;
   /** One per scene, in order. */
   readonly clouds: readonly SplatCloud[];
-  /** What the user should know about the choice of the GPU, null where one was found. */
+  /** Message for the user when no GPU was found, otherwise null. */
   readonly notice: string | null;
-  /** @throws WebSplatterError 'gpu-error' with the first validation error, if there was any. */
+  /** @throws WebSplatterError 'gpu-error' with the first GPU error, if there was one. */
   checkGpuErrors(): void;
 }
 
 /**
- * Reads `scenes` and then uploads them to a GPU, or what stands in for one. No driver is opened before all scenes are
- * known to be good: bad input ends sooner, and nothing that a driver writes comes before the one line about it.
+ * Reads `scenes`, then uploads them to a GPU or a software adapter. No driver is opened before all scenes have been read:
+ * bad input fails sooner, and nothing that a driver writes precedes the one line about it.
  *
- * @param accuracy what the engine draws with and the splats are packed for.
+ * @param accuracy the engine's settings, for which the splats are packed.
  */
 export async function openGpuSession(
   scenes: readonly SceneSource[],

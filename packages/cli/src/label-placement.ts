@@ -4,33 +4,33 @@ export interface Labelled {
   readonly x: number;
   readonly y: number;
   readonly text: string;
-  /** Whether it takes its place before others do. */
+  /** Whether it is placed before others, and set in bold. */
   readonly isFirst: boolean;
 }
 
 export interface PlacedLabel extends Omit<Labelled, 'x' | 'y'> {
-  /** Where the text begins, on its base line. */
+  /** Start of the text, on its baseline. */
   readonly x: number;
   readonly y: number;
-  /** From the point to the text, where they lie apart: x1, y1, x2, y2. */
+  /** Line from the point to a text that lies far from it: x1, y1, x2, y2. */
   readonly leader: readonly [number, number, number, number] | null;
 }
 
 const FONT_PX = 11;
-/** A generous average of proportional fonts. */
+/** Width of a character: a generous average of proportional fonts. */
 const CHARACTER_PX = 6.1;
-/** What takes its place first is bold. */
+/** The same for labels that are placed first, which are bold. */
 const BOLD_CHARACTER_PX = 6.9;
 const LINE_PX = FONT_PX + 2;
 const GAP_PX = 4;
-/** Beyond this a line leads to the label. */
+/** Labels farther away than this get a leader line. */
 const NEAR_PX = 14;
 
 /**
- * A place for each text beside its point: the nearest in which it covers no point, no other text and does not leave
- * `area`; where there is none, the one that covers least.
+ * Finds a place for each text beside its point: the nearest place inside `area` that covers no point and no other text,
+ * or else the one that covers least.
  *
- * @param lines what else is better not covered, as thin boxes.
+ * @param lines lines that labels should not cover, as thin boxes.
  */
 export function placeLabels(
   points: readonly Labelled[],
@@ -58,7 +58,7 @@ export function placeLabels(
   });
 }
 
-/** Right and left of the point, then above and below, ever farther away. */
+/** Places to try: right and left of the point, then above and below, farther and farther away. */
 function places(x: number, y: number, width: number, dotRadius: number): LabelBox[] {
   const found: LabelBox[] = [];
   const add = (left: number, middleY: number) =>

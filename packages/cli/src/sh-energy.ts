@@ -7,7 +7,7 @@ export interface ShBand {
   readonly rms: number;
 }
 
-/** How much each band of spherical harmonics above 0 carries. */
+/** Measures the energy of each band of spherical harmonics above 0. */
 export function shEnergyPerBand({ count, shRest }: SplatSet): ShBand[] {
   const degrees = Array.from({ length: shRest.degree }, (_, i) => (i + 1) as ShDegree);
   const squares = degrees.map(() => 0);
@@ -25,7 +25,7 @@ export function shEnergyPerBand({ count, shRest }: SplatSet): ShBand[] {
   });
 }
 
-/** Where band `degree`'s values lie among the 3K values of a splat. */
+/** Range of band `degree` among the 3K values of a splat. */
 function bandRange(degree: ShDegree): [number, number] {
   return [3 * SH_REST_COEFFICIENTS[(degree - 1) as ShDegree], 3 * SH_REST_COEFFICIENTS[degree]];
 }

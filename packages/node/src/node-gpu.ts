@@ -14,20 +14,20 @@ export interface NodeGpuOptions {
 /** WebGPU in this process. */
 export interface NodeGpu {
   readonly gpu: GPU;
-  /** Not yet used: a device can be made from it once. */
+  /** Unused: an adapter gives one device only. */
   readonly adapter: GPUAdapter;
-  /** What a person would call the adapter, e.g. `google swiftshader`. */
+  /** Human-readable name of the adapter, e.g. `google swiftshader`. */
   readonly label: string;
   readonly isSoftware: boolean;
-  /** What the user should know about the choice, null where a GPU was found. */
+  /** Message for the user when no GPU was found, otherwise null. */
   readonly notice: string | null;
 }
 
 /**
- * Finds a WebGPU adapter through Dawn: a GPU, or else a software driver. Makes the constants and classes of WebGPU
- * (`GPUBufferUsage`, …) global where they are missing. Every call returns a fresh adapter of the same GPU.
+ * Finds a WebGPU adapter through Dawn: a GPU, or else a software driver. Defines WebGPU's constants and classes
+ * (`GPUBufferUsage`, …) as globals where they are missing. Every call returns a fresh adapter of the same GPU.
  *
- * @throws WebGpuUnavailableError where nothing works, saying what to install.
+ * @throws WebGpuUnavailableError if no adapter is found, with what was tried and what to install.
  */
 export async function createNodeGpu(options: NodeGpuOptions = {}): Promise<NodeGpu> {
   const forceSoftware = options.forceSoftware ?? false;
@@ -35,7 +35,7 @@ export async function createNodeGpu(options: NodeGpuOptions = {}): Promise<NodeG
   if (!choosing) {
     choosing = choose(forceSoftware);
     chosen.set(forceSoftware, choosing);
-    // What is missing may be installed before the next call.
+    // Try again on the next call: the user may have installed a driver by then.
     choosing.catch(() => chosen.delete(forceSoftware));
   }
   const { gpu, firstAdapter } = await choosing;
@@ -61,22 +61,22 @@ const chosen = new Map<boolean, Promise<Choice>>();
 const unusedFirstAdapters = new Set<GPUAdapter>();
 
 /**
- * Dawn aborts the process (`std::system_error: Invalid argument`) once an instance, adapter or device has been
- * garbage-collected: these stay referenced as long as the process lives.
+ * Instances, adapters and devices, referenced as long as the process lives: Dawn aborts the process
+ * (`std::system_error: Invalid argument`) once one of them has been garbage-collected.
  */
 const keptForever = new Set<unknown>();
 
-/** Timestamps are not rounded: this process measures itself, no page spies on another. */
+/** Rounding timestamps protects web pages from one another; this process only measures itself. */
 const UNWANTED_FEATURES = ['timestamp_quantization'];
 /**
- * SwiftShader takes most of a second to compile what this Vulkan extension asks for, a store for each word of workgroup
- * memory; without it Dawn writes a loop that does the same, and 16 KiB compile in 20 ms.
+ * With this Vulkan extension SwiftShader compiles one store per word of workgroup memory, which takes most of a second
+ * for 16 KiB. Without it Dawn writes a loop that does the same, and that compiles in 20 ms.
  */
 const UNWANTED_IN_SOFTWARE = ['use_vulkan_zero_initialize_workgroup_memory_extension'];
 
 async function choose(forceSoftware: boolean): Promise<Choice> {
   const tried: string[] = [];
-  // Metal and Direct3D need no looking for; on Linux a Vulkan loader and a driver do.
+  // Metal and Direct3D are always there; on Linux a Vulkan loader and a driver have to be found.
   const surroundings = process.platform === 'linux' ? realSurroundings() : null;
   const routes = surroundings ? vulkanRoutes(surroundings, forceSoftware) : [null];
   for (const route of routes) {
@@ -136,8 +136,8 @@ async function loadDawn(): Promise<Dawn> {
 }
 
 /**
- * Loads the first Vulkan loader that can be. Dawn asks for `libvulkan.so.1` by name and gets the one that is already
- * in the process, which is how Chromium's copy, outside the library path, serves.
+ * Loads the first of `loaders` that can be loaded. Dawn asks for `libvulkan.so.1` by name and gets the one that is already
+ * in the process: this makes Chromium's copy work, which lies outside the library path.
  */
 function loadVulkan(loaders: readonly string[]): boolean {
   const { RTLD_NOW, RTLD_GLOBAL } = os.constants.dlopen;
@@ -147,7 +147,7 @@ function loadVulkan(loaders: readonly string[]): boolean {
       process.dlopen({ exports: {} }, loader, RTLD_NOW | RTLD_GLOBAL | RTLD_NODELETE);
       return true;
     } catch (error) {
-      // It is a library, not an addon: node complains, but with NODELETE the library stays loaded.
+      // Node complains that the library is no addon, but RTLD_NODELETE keeps it loaded.
       return error instanceof Error && error.message.includes('did not self-register');
     }
   });

@@ -2,27 +2,27 @@ import { dirname, join } from 'node:path';
 import { installedDrivers, isDriverChosen } from './installed-drivers.ts';
 import type { VulkanSurroundings } from './vulkan-surroundings.ts';
 
-/** A way to a Vulkan driver: the loader library to load first and the driver descriptions to point it at. */
+/** A way to a Vulkan driver: a loader library, and the driver descriptions to point it at. */
 export interface VulkanRoute {
-  /** Names or paths of the Vulkan loader, in the order in which they are tried. */
+  /** Names or paths of the Vulkan loader, in the order in which to try them. */
   readonly loaders: readonly string[];
   /** Driver descriptions (ICDs) to use, null to let the loader look in its usual places. */
   readonly driverFiles: readonly string[] | null;
   readonly isSoftware: boolean;
 }
 
-/** Where Chromium's packages put SwiftShader's driver and, beside it, a Vulkan loader. */
+/** Directories in which Chromium's packages install SwiftShader's driver and a Vulkan loader. */
 const CHROMIUM_DIRECTORIES = ['/usr/lib/chromium', '/usr/lib/chromium-browser', '/opt/google/chrome'];
 const SWIFTSHADER_DRIVER = 'vk_swiftshader_icd.json';
-/** Mounted into containers by NVIDIA's runtime, outside the places where loaders look. */
+/** NVIDIA's container runtime mounts this file, outside the directories in which loaders look. */
 const NVIDIA_CONTAINER_DRIVER = '/usr/local/nvidia/share/vulkan/icd.d/nvidia_icd.json';
 const LOADER = 'libvulkan.so.1';
 
 /**
- * Ways to a Vulkan driver on Linux, best first: the drivers that the system or the user has set up for a GPU, NVIDIA's
- * container mount, then software: SwiftShader, or else Mesa's lavapipe. Only ways whose driver files exist are returned,
- * without the installed drivers that have no GPU here, because the loader and Dawn write on stderr about each that fails.
- * `WEBSPLATTER_VK_ICD` names the file of the software driver to use instead of these two.
+ * Lists the ways to a Vulkan driver on Linux, best first: the GPU drivers that the system or the user has set up, NVIDIA's
+ * container mount, then software (SwiftShader, or else Mesa's lavapipe). Leaves out driver files that do not exist and
+ * installed drivers that have no GPU here, because the loader and Dawn write to stderr about every driver that fails.
+ * `WEBSPLATTER_VK_ICD` names the file of a software driver to use instead of these two.
  */
 export function vulkanRoutes(surroundings: VulkanSurroundings, forceSoftware = false): VulkanRoute[] {
   const { env, fileExists } = surroundings;
