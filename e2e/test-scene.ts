@@ -3,8 +3,8 @@ import type { SplatSet } from '@websplatter/core';
 const COUNT = 400;
 
 /**
- * A small cloud of colourful splats that looks the same from no two sides: many more of them, larger and redder, to one
- * side. Deterministic; off the origin, so that turning about the wrong point shows.
+ * Makes a small cloud of colourful splats that looks different from every side: on one side there are many more of them,
+ * larger and redder. Deterministic; off the origin, so that turning about the wrong point shows.
  */
 export function testScene(): SplatSet {
   const random = randomNumbers(7);
@@ -39,7 +39,7 @@ export function testScene(): SplatSet {
   };
 }
 
-/** Uniform in 0…1: mulberry32. */
+/** Uniform numbers in 0…1 (mulberry32). */
 function randomNumbers(seed: number): () => number {
   let state = seed;
   return () => {

@@ -62,10 +62,10 @@ describe('viewer', () => {
     const shot = await viewerScreenshot(page);
     expect(changedPart(before, shot)).toBeGreaterThan(0.3);
     const drawn = await drawnCamera(page);
-    // Files come with y down, as captures do, and are turned.
+    // Files have y down, as captures do, and the viewer turns them.
     expect(drawn.modelMatrices[0]?.[5]).toBe(-1);
     expect(psnrAgainstReference(shot, drawn, [testScene()])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
-    // The comparison can fail: the same picture against the scene the other way up.
+    // Make sure that the comparison can fail: against the scene the other way up, it does.
     expect(psnrAgainstReference(shot, { ...drawn, modelMatrices: [null] }, [testScene()])).toBeLessThan(
       MIN_PSNR_DB,
     );
@@ -85,7 +85,7 @@ describe('viewer', () => {
     await page.addInitScript(() => {
       const target = window as unknown as { isHolding: boolean; release: () => void };
       const post = Worker.prototype.postMessage;
-      // Holds the loading worker's job back for as long as the test likes.
+      // Holds the loading worker's job back until the test releases it.
       Worker.prototype.postMessage = function (this: Worker, ...message: unknown[]) {
         const send = () => Reflect.apply(post, this, message);
         if (target.isHolding) target.release = send;
@@ -142,7 +142,7 @@ describe('viewer', () => {
     await page.keyboard.press('Escape');
     expect(await reasons.isVisible()).toBe(false);
     expect(await button.getAttribute('aria-expanded')).toBe('false');
-    // The list goes first, what is more important by the next key.
+    // The first Escape closes the list and leaves the warning, which matters more, to the next one.
     expect(await page.getByTestId('warning').isVisible()).toBe(true);
     await page.keyboard.press('Escape');
     expect(await page.getByTestId('warning').count()).toBe(0);
@@ -287,7 +287,7 @@ describe('viewer', () => {
     });
     await page.goto(`${harness.server.url}?scene=still-life-small`);
     await waitForPicture(page);
-    // The first measurement comes after the picture and asks whether there is more to draw.
+    // The first measurement arrives after the frame, and checks whether there is more to draw.
     await page.waitForFunction(
       () => Number(document.querySelector('[data-testid=total-ms]')?.textContent) > 0,
     );

@@ -1,3 +1,5 @@
+import { boxAround, type LabelBox, LabelSpace } from '@websplatter/charts';
+
 /** A rectangle, CSS pixels, y down. */
 export interface Box {
   readonly left: number;
@@ -17,6 +19,8 @@ export interface Labelled {
 
 /** Between a point's middle and its name. */
 const GAP_PX = 8;
+/** Half the width of a point. */
+const POINT_PX = 4;
 
 /**
  * Places for names beside their points: to the right, else left, above or below, inside of `area`, over no other name and
@@ -25,17 +29,18 @@ const GAP_PX = 8;
  * @param points the most important first: later ones give way.
  */
 export function placeLabels(points: readonly Labelled[], area: Box): (Box | null)[] {
-  const taken: Box[] = points.map(({ x, y }) => ({ left: x - 4, top: y - 4, width: 8, height: 8 }));
-  return points.map((point, index) => {
-    const others = taken.filter((_, at) => at !== index);
-    const box = placesFor(point).find(
-      (place) => isInside(place, area) && !others.some((other) => isOverlapping(place, other)),
-    );
-    if (box) taken.push(box);
+  const space = new LabelSpace(
+    edgesOf(area),
+    points.map(({ x, y }) => boxAround(x, y, POINT_PX)),
+  );
+  return points.map((point) => {
+    const box = placesFor(point).find((place) => space.conflict(edgesOf(place)) === 0);
+    if (box) space.take(edgesOf(box));
     return box ?? null;
   });
 }
 
+/** None of them touches the point itself. */
 function placesFor({ x, y, width, height }: Labelled): Box[] {
   const size = { width, height };
   const [middleX, middleY] = [x - width / 2, y - height / 2];
@@ -49,20 +54,6 @@ function placesFor({ x, y, width, height }: Labelled): Box[] {
   ];
 }
 
-function isInside(box: Box, area: Box): boolean {
-  return (
-    box.left >= area.left &&
-    box.top >= area.top &&
-    box.left + box.width <= area.left + area.width &&
-    box.top + box.height <= area.top + area.height
-  );
-}
-
-function isOverlapping(a: Box, b: Box): boolean {
-  return (
-    a.left < b.left + b.width &&
-    b.left < a.left + a.width &&
-    a.top < b.top + b.height &&
-    b.top < a.top + a.height
-  );
+function edgesOf({ left, top, width, height }: Box): LabelBox {
+  return { left, top, right: left + width, bottom: top + height };
 }

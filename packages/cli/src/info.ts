@@ -15,27 +15,27 @@ import { type ShBand, shEnergyPerBand } from './sh-energy.ts';
 
 type Point = [number, number, number];
 
-/** A band of spherical harmonics above 0: what it carries, and what of that can be seen. */
+/** A band of spherical harmonics above 0: its energy, and how much of it can be seen. */
 interface ShBandInfo extends ShBand {
-  /** Most that it changes a colour channel of any splat, in any direction; 1 is from black to white. */
+  /** Largest change to a colour channel of any splat, in any direction; 1 is from black to white. */
   readonly reach: number;
 }
 
-/** What `websplatter info --json` prints. */
+/** Output of `websplatter info --json`. */
 export interface SceneInfo {
   readonly scene: string;
   readonly count: number;
-  /** Of the splats' centres, in scene coordinates. */
+  /** Bounds of the splats' centres, in scene coordinates. */
   readonly bounds: { readonly min: Point; readonly max: Point };
   /** Point that stored positions are relative to. */
   readonly origin: readonly [number, number, number];
-  /** Of the file. */
+  /** Degree of the file. */
   readonly shDegree: ShDegree;
-  /** Up to which spherical harmonics can be seen: what is stored on the GPU and drawn. */
+  /** Highest degree whose effect can be seen: bands up to it are stored on the GPU and drawn. */
   readonly trueShDegree: ShDegree;
-  /** Of the file. */
+  /** All bands of the file. */
   readonly shBands: readonly ShBandInfo[];
-  /** Splats of the file that were left out. */
+  /** Number of splats in the file that were left out. */
   readonly droppedCount: number;
   readonly dropped: DropCounts;
   readonly gpuBytes: Readonly<Record<string, number>>;

@@ -24,19 +24,19 @@ export async function renderOnReference(
 
   const timings: StageTimings[] = [];
   let first: ReturnType<typeof draw> | undefined;
-  let picture: ReturnType<typeof draw> | undefined;
+  let image: ReturnType<typeof draw> | undefined;
   let firstDifference: Rendered['firstDifference'] = null;
   for (let frame = 1; frame <= frames; frame++) {
     const startedMs = performance.now();
-    picture = draw();
+    image = draw();
     timings.push(wallClockTimings(performance.now() - startedMs));
-    first ??= picture;
-    const pixels = differingPixels(first.data, picture.data);
+    first ??= image;
+    const pixels = differingPixels(first.data, image.data);
     if (pixels > 0) firstDifference ??= { frame, pixels };
   }
   return {
-    picture: picture!,
-    visibleSplats: picture!.visibleSplats,
+    image: image!,
+    visibleSplats: image!.visibleSplats,
     splatsPerScene: sets.map(({ count }) => count),
     warmUpFrames: 0,
     timings,

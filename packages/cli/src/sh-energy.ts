@@ -13,7 +13,7 @@ export interface ShBand {
   readonly rms: number;
 }
 
-/** How much each band of spherical harmonics above 0 carries. */
+/** Measures the energy of each band of spherical harmonics above 0. */
 export function shEnergyPerBand({ count, harmonics }: SplatSet<Harmonics>): ShBand[] {
   const degrees = Array.from({ length: harmonics.degree }, (_, i) => (i + 1) as ShDegree);
   const squares = degrees.map(() => 0);
@@ -31,7 +31,7 @@ export function shEnergyPerBand({ count, harmonics }: SplatSet<Harmonics>): ShBa
   });
 }
 
-/** Where band `degree`'s values lie among the 3K values of a splat. */
+/** Range of band `degree` among the 3K values of a splat. */
 function bandRange(degree: ShDegree): [number, number] {
   return [coefficientsPerSplat((degree - 1) as ShDegree), coefficientsPerSplat(degree)];
 }

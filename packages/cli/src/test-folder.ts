@@ -5,7 +5,7 @@ import { encodePly, type SplatSet } from '@websplatter/core';
 import { onTestFinished } from 'vitest';
 import { main } from './main.ts';
 
-/** A folder that lasts as long as the test, with what commands need in it. */
+/** A temporary folder for one test, with helpers that write the files that commands read. */
 export class TestFolder {
   readonly path = mkdtempSync(join(tmpdir(), 'websplatter-'));
 
@@ -23,12 +23,12 @@ export class TestFolder {
     return this.file(name);
   }
 
-  /** A PLY of the splats of `threeSplats`. */
+  /** Writes a PLY, by default of `threeSplats`. */
   scene(name = 'scene.ply', set: SplatSet = threeSplats()): string {
     return this.write(name, encodePly(set));
   }
 
-  /** A camera that sees them. */
+  /** Writes a camera that sees them. */
   camera(name = 'camera.json', changes: object = {}): string {
     return this.write(name, { position: [0, 0, 4], target: [0, 0, 0], fovYDegrees: 60, ...changes });
   }
