@@ -1,8 +1,9 @@
 import { DILATION_PX2 } from '../accuracy/accuracy.ts';
 import { type DepthConvention, depthMapping } from '../camera/depth-convention.ts';
 import { HostDepth, Page, View } from '../layout/structs.ts';
+import type { CloudPlan } from './cloud-plan.ts';
 import { PAGE_STRIDE_BYTES, pagesOf } from './frame-pages.ts';
-import type { CloudPlan, FramePlan } from './frame-plan.ts';
+import type { FramePlan } from './frame-plan.ts';
 
 /** Contents of a frame's `view` buffer. */
 export function viewUniforms({ projection, shape }: FramePlan): ArrayBuffer {

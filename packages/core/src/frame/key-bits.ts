@@ -1,7 +1,7 @@
 import type { Camera } from '../camera/camera.ts';
 import { orderedBits } from '../layout/depth-key.ts';
 import { multiply4 } from '../math/mat4.ts';
-import type { CloudPlan } from './frame-plan.ts';
+import type { CloudPlan } from './cloud-plan.ts';
 
 /**
  * How many bits the depth keys of a frame can differ in, from what the CPU knows of it: near, far and the clouds'

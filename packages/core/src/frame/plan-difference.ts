@@ -1,5 +1,6 @@
 import type { GpuFields, GpuValues } from '../layout/gpu-struct.ts';
-import type { CloudPlan, FramePlan, PlannedUse } from './frame-plan.ts';
+import type { CloudPlan, PlannedUse } from './cloud-plan.ts';
+import type { FramePlan } from './frame-plan.ts';
 
 /** Whether the same splats are visible, in the same places and the same order. */
 export function isSameOrder(a: FramePlan, b: FramePlan): boolean {

@@ -3,8 +3,8 @@ import { takesSelection } from '../effects/effect-set.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { roundUp } from '../layout/gpu-struct.ts';
+import type { CloudPlan } from './cloud-plan.ts';
 import type { FramePage } from './frame-pages.ts';
-import type { CloudPlan } from './frame-plan.ts';
 import type { CloudShape } from './frame-shape.ts';
 
 /** Storage buffers are bound at multiples of this many bytes. */

@@ -1,7 +1,7 @@
 import type { FrustumSide } from '../camera/frustum.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { Chunk } from '../layout/structs.ts';
-import type { CloudPlan } from './frame-plan.ts';
+import type { CloudPlan } from './cloud-plan.ts';
 
 /** Up to here room for all splats costs less (about 15 MB) than it is worth to find out how many are visible. */
 const ALWAYS_ROOM_FOR = 1 << 18;

@@ -1,4 +1,5 @@
-import type { CloudPlan, FramePlan } from '../frame/frame-plan.ts';
+import type { CloudPlan } from '../frame/cloud-plan.ts';
+import type { FramePlan } from '../frame/frame-plan.ts';
 import type { CloudShape } from '../frame/frame-shape.ts';
 
 /** What a view holds on the GPU for effects, in bytes. */

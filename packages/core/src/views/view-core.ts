@@ -1,8 +1,9 @@
 import type { AccuracySettings } from '../accuracy/accuracy.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
+import { effectsOf } from '../frame/cloud-plan.ts';
 import { FrameParts, frameStages } from '../frame/frame.ts';
 import type { Destination } from '../frame/frame-part.ts';
-import { effectsOf, type FramePlan, planFrame, withKeptColors } from '../frame/frame-plan.ts';
+import { type FramePlan, planFrame, withKeptColors } from '../frame/frame-plan.ts';
 import { checkFrame, type ViewFrame } from '../frame/frame-request.ts';
 import {
   type FrameOutput,

@@ -5,9 +5,10 @@ import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { Page } from '../../layout/structs.ts';
 import { stretchBound, type Vec3 } from '../../math/mat4.ts';
 import { keepColors } from '../../stages/keep-colors.ts';
+import type { CloudPlan } from '../cloud-plan.ts';
 import { type FramePage, PAGE_STRIDE_BYTES, pagesOf } from '../frame-pages.ts';
 import { type PartContext, useCompute } from '../frame-part.ts';
-import type { CloudPlan, FramePlan } from '../frame-plan.ts';
+import type { FramePlan } from '../frame-plan.ts';
 import { type CloudShape, type FrameShape, keepsColors, perShape } from '../frame-shape.ts';
 
 /** From where a cloud is seen, in its own space: its colours depend on this besides its splats. */
