@@ -161,8 +161,15 @@ function slimShaders() {
       if (!id.endsWith('.wgsl?raw')) return null;
       const text = readFileSync(id.slice(0, -'?raw'.length), 'utf8');
       if (text.includes('/*')) this.error(`${id}: only line comments are supported here`);
-      const lines = text.split('\n').map((line) => line.replace(/\/\/.*$/, '').trim());
-      return `export default ${JSON.stringify(lines.filter((line) => line !== '').join('\n'))};`;
+      const lines = text.split('\n').map((line) =>
+        line
+          .replace(/\/\/.*$/, '')
+          .trim()
+          // Not around + and -, of which two in a row are another operator.
+          .replace(/ *([{}(),;:=*/<>&|]) */g, '$1'),
+      );
+      const slim = lines.filter((line) => line !== '').join('\n').replace(/([{}(),;])\n|\n([})])/g, '$1$2');
+      return `export default ${JSON.stringify(slim)};`;
     },
   };
 }
