@@ -118,6 +118,8 @@ export class Viewer {
   #scenesShown = 0;
   /** Settles when the clouds hold what they were last asked for, as far as they can. */
   #planes: Promise<void> = Promise.resolve();
+  /** How often the loop has paused. */
+  #pauses = 0;
   /** Of the picture that came to rest last: see `pictureId`. */
   #restedKey = '';
 
@@ -657,10 +659,13 @@ export class Viewer {
   /** Nothing is asked for any more; what is still being compiled may be drawn yet. */
   async #rest(): Promise<void> {
     this.#meter.pause();
+    const pause = ++this.#pauses;
     const session = this.#session;
     // A shader that does not compile was reported by the device.
     if (session) await whenComplete(session).catch(() => {});
-    if (session === this.#session && this.#loop.isResting) this.#becomeIdle();
+    // A later pause waits for what was drawn before it, and this one knows nothing of that: it may have begun before there
+    // was a scene. On a busy machine it ended while the first frame's shaders were compiling.
+    if (pause === this.#pauses && session === this.#session && this.#loop.isResting) this.#becomeIdle();
   }
 
   #becomeIdle(): void {
@@ -752,7 +757,7 @@ function comparedWith(comparison: Comparison | null): readonly AccuracySettings[
   return [comparison.left, comparison.right].filter((side) => side !== 'current');
 }
 
-/** When the last picture asked for has been drawn. */
+/** When the last picture asked for before this call has been drawn. */
 async function whenComplete({ view, right, engine }: Session): Promise<void> {
   await Promise.all([view.whenDrawn(), right?.whenDrawn()]);
   await engine.device.queue.onSubmittedWorkDone();
