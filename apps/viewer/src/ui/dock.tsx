@@ -1,0 +1,34 @@
+import { type ReactNode, useId } from 'react';
+import type { DockName, ViewerStore } from '../state/store.ts';
+import { Icon } from './icon.tsx';
+
+/** A panel docked beside the picture, on small screens a sheet below it. One at a time is shown. */
+export function Dock({
+  store,
+  name,
+  title,
+  children,
+}: {
+  store: ViewerStore;
+  name: DockName;
+  title: string;
+  children: ReactNode;
+}) {
+  const id = useId();
+  return (
+    <section className={`panel dock ${name}`} aria-labelledby={id} data-testid={name}>
+      <header>
+        <h2 id={id}>{title}</h2>
+        <button
+          type="button"
+          className="icon-button"
+          aria-label="Close"
+          onClick={() => store.setState({ dock: null })}
+        >
+          <Icon name="close" />
+        </button>
+      </header>
+      {children}
+    </section>
+  );
+}
