@@ -1,8 +1,8 @@
 import { ACCURACY_PRESETS, type AccuracySettings } from '@websplatter/core';
 import { useStore } from 'zustand';
-import type { AccuracyProps } from '../accuracy/accuracy-settings.tsx';
-import { type Comparison, type ComparisonSide, sideAccuracy } from '../state/store.ts';
-import { describeAccuracy, isSameAccuracy, PRESET_NAMES } from '../words/accuracy-text.ts';
+import { type Comparison, type ComparisonSide, sideAccuracy } from '../state/comparison.ts';
+import type { PanelProps } from '../viewer/panel-props.ts';
+import { describeAccuracy, isSameAccuracy, PRESET_NAMES } from '../words/accuracy-words.ts';
 
 type Kind = Comparison['kind'] | 'none';
 
@@ -10,20 +10,20 @@ const KINDS: readonly { readonly kind: Kind; readonly label: string; readonly ab
   { kind: 'none', label: 'Off', about: '' },
   {
     kind: 'split',
-    label: 'Split picture',
+    label: 'Split image',
     about: 'The same view twice. Drag the line between them, or move it by the arrow keys.',
   },
   {
     kind: 'error',
     label: 'Error map',
-    about: 'How far each pixel is from reference, drawn when the view comes to rest.',
+    about: 'The error of each pixel against reference, drawn when the view comes to rest.',
   },
 ];
 
 const FIRST_SPLIT: Comparison = { kind: 'split', left: 'current', right: ACCURACY_PRESETS.reference };
 
-/** Chooses what is compared with what. */
-export function ComparisonForm({ store, viewer }: AccuracyProps) {
+/** Chooses the kind of comparison and its sides. */
+export function ComparisonForm({ store, viewer }: PanelProps) {
   const comparison = useStore(store, (state) => state.comparison);
   const current: Kind = comparison?.kind ?? 'none';
   const choose = (kind: Kind) =>
@@ -77,7 +77,7 @@ function SideSelect({
   label: string;
   testId: string;
   side: ComparisonSide;
-  store: AccuracyProps['store'];
+  store: PanelProps['store'];
   onChange: (side: ComparisonSide) => void;
 }) {
   const accuracy = useStore(store, (state) => state.accuracy);

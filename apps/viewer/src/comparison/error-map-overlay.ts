@@ -1,7 +1,7 @@
 import { ACCURACY_PRESETS } from '@websplatter/core';
 import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
-import { isSameAccuracy } from '../words/accuracy-text.ts';
+import { isSameAccuracy } from '../words/accuracy-words.ts';
 import type { ErrorMap } from './error-map.ts';
 import type { ErrorMapRequest } from './error-map.worker.ts';
 
@@ -31,10 +31,10 @@ export function showErrorMap(canvas: HTMLCanvasElement, viewer: Viewer, store: V
 
   const compare = async () => {
     const { accuracy } = store.getState();
-    const reference = await viewer.readPicture(ACCURACY_PRESETS.reference);
+    const reference = await viewer.readImage(ACCURACY_PRESETS.reference);
     const actual = isSameAccuracy(accuracy, ACCURACY_PRESETS.reference)
       ? reference
-      : await viewer.readPicture(accuracy);
+      : await viewer.readImage(accuracy);
     if (!reference || !actual || isStopped) return null;
     return askWorker(worker, { actual, reference });
   };

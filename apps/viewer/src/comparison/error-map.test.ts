@@ -1,14 +1,14 @@
 import type { Vec3 } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
-import type { PictureOnBackground } from '../viewer/viewer.ts';
+import type { ImageOnBackground } from '../drawing/drawn-frame.ts';
 import { classOf, ERROR_CLASSES, errorMap } from './error-map.ts';
 
-function picture(
+function imageOf(
   widthPx: number,
   heightPx: number,
   pixel: (x: number, y: number) => readonly number[],
   background: Vec3 = [0, 0, 0],
-): PictureOnBackground {
+): ImageOnBackground {
   const data = new Float32Array(4 * widthPx * heightPx);
   for (let y = 0; y < heightPx; y++)
     for (let x = 0; x < widthPx; x++) data.set(pixel(x, y), 4 * (y * widthPx + x));
@@ -18,14 +18,14 @@ function picture(
 const grey = (steps: number) => [steps / 255, steps / 255, steps / 255, 1];
 
 describe('error map', () => {
-  it('finds nothing between a picture and itself', () => {
-    const same = picture(3, 2, (x, y) => [x / 3, y / 2, 0.25, 0.5]);
+  it('finds nothing between an image and itself', () => {
+    const same = imageOf(3, 2, (x, y) => [x / 3, y / 2, 0.25, 0.5]);
     expect(errorMap(same, same).figures).toEqual({ maxSteps: 0, parts: [1, 0, 0, 0, 0, 0] });
   });
 
   it('classes each pixel by its worst channel', () => {
-    const reference = picture(6, 1, () => grey(0));
-    const actual = picture(6, 1, (x) => [0, [0, 1, 2, 4, 8, 40][x] / 255, 0, 1]);
+    const reference = imageOf(6, 1, () => grey(0));
+    const actual = imageOf(6, 1, (x) => [0, [0, 1, 2, 4, 8, 40][x] / 255, 0, 1]);
     const { figures, data } = errorMap(actual, reference);
     expect(figures.maxSteps).toBeCloseTo(40);
     expect(figures.parts).toEqual([1, 1, 1, 1, 1, 1].map((count) => count / 6));
@@ -34,12 +34,12 @@ describe('error map', () => {
   });
 
   it('compares what is seen: on the background, and not beyond white', () => {
-    const opaque = picture(1, 1, () => [0.5, 0.5, 0.5, 1], [1, 1, 1]);
-    const clear = picture(1, 1, () => [0, 0, 0, 0.5], [1, 1, 1]);
+    const opaque = imageOf(1, 1, () => [0.5, 0.5, 0.5, 1], [1, 1, 1]);
+    const clear = imageOf(1, 1, () => [0, 0, 0, 0.5], [1, 1, 1]);
     expect(errorMap(opaque, clear).figures.maxSteps).toBeCloseTo(0);
     const over = errorMap(
-      picture(1, 1, () => [7, 1, 1, 1]),
-      picture(1, 1, () => [1, 1, 1, 1]),
+      imageOf(1, 1, () => [7, 1, 1, 1]),
+      imageOf(1, 1, () => [1, 1, 1, 1]),
     );
     expect(over.figures.maxSteps).toBe(0);
   });

@@ -1,5 +1,6 @@
 import type { Vec3 } from '@websplatter/core';
-import type { PictureOnBackground } from '../viewer/viewer.ts';
+import type { ImageOnBackground } from '../drawing/drawn-frame.ts';
+import type { ErrorFigures } from '../state/viewer-state.ts';
 
 /** A class of errors, from `fromSteps` up to the next class. */
 export interface ErrorClass {
@@ -11,8 +12,8 @@ export interface ErrorClass {
 }
 
 /**
- * Colours whose lightness rises by about as much from one to the next, from black to pale yellow: their order can be seen
- * by those who see few hues or none. A test holds the lightness.
+ * From black to pale yellow, the lightness rises in about equal steps, so that people who see few hues or none can see the
+ * order of the classes. A test holds the lightness.
  */
 export const ERROR_CLASSES: readonly ErrorClass[] = [
   { fromSteps: 0, label: '0', color: [10, 8, 24] },
@@ -23,7 +24,7 @@ export const ERROR_CLASSES: readonly ErrorClass[] = [
   { fromSteps: 12, label: '16+', color: [252, 246, 184] },
 ];
 
-/** A picture of errors, as `ImageData` holds it, and its figures. */
+/** An image of errors, as `ImageData` holds it, and its figures. */
 export interface ErrorMap {
   readonly widthPx: number;
   readonly heightPx: number;
@@ -31,20 +32,13 @@ export interface ErrorMap {
   readonly figures: ErrorFigures;
 }
 
-export interface ErrorFigures {
-  /** Largest difference of a channel, in steps of an 8-bit channel. */
-  readonly maxSteps: number;
-  /** Part of the pixels in each of ERROR_CLASSES, 0…1. */
-  readonly parts: readonly number[];
-}
-
 /**
- * Each pixel's class by the largest difference of its channels, both pictures, of one size, on the first one's
- * background.
+ * Classifies each pixel by the largest difference of its channels. Both images have the same size and are put on the
+ * first one's background.
  */
 export function errorMap(
-  { image: actual, background }: PictureOnBackground,
-  { image: reference }: PictureOnBackground,
+  { image: actual, background }: ImageOnBackground,
+  { image: reference }: ImageOnBackground,
 ): ErrorMap {
   const { widthPx, heightPx } = actual;
   const data = new Uint8ClampedArray(actual.data.length);

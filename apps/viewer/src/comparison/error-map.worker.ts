@@ -1,11 +1,11 @@
-/** Compares pictures off the main thread, so that the page stays responsive. */
+/** Compares images off the main thread, so that the page stays responsive. */
 
-import type { PictureOnBackground } from '../viewer/viewer.ts';
+import type { ImageOnBackground } from '../drawing/drawn-frame.ts';
 import { errorMap } from './error-map.ts';
 
 export interface ErrorMapRequest {
-  readonly actual: PictureOnBackground;
-  readonly reference: PictureOnBackground;
+  readonly actual: ImageOnBackground;
+  readonly reference: ImageOnBackground;
 }
 
 self.onmessage = ({ data }: MessageEvent<ErrorMapRequest>) => {

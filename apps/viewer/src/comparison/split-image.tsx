@@ -1,16 +1,16 @@
 import { type KeyboardEvent, type PointerEvent, useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
-import type { AccuracyProps } from '../accuracy/accuracy-settings.tsx';
-import { type Comparison, sideAccuracy } from '../state/store.ts';
-import { describeAccuracy } from '../words/accuracy-text.ts';
+import { type Comparison, sideAccuracy } from '../state/comparison.ts';
+import type { PanelProps } from '../viewer/panel-props.ts';
+import { describeAccuracy } from '../words/accuracy-words.ts';
 import { movedSplit, splitText } from './split-line.ts';
 
-/** The right side of a split picture over the viewer's canvas, and the line between both. */
-export function SplitPicture({
+/** The right side of a split image over the viewer's canvas, and the line between both sides. */
+export function SplitImage({
   store,
   viewer,
   split,
-}: AccuracyProps & { split: Extract<Comparison, { kind: 'split' }> }) {
+}: PanelProps & { split: Extract<Comparison, { kind: 'split' }> }) {
   const accuracy = useStore(store, (state) => state.accuracy);
   const root = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
@@ -19,7 +19,7 @@ export function SplitPicture({
   const right = describeAccuracy(sideAccuracy(split.right, accuracy));
 
   useEffect(() => (canvas.current ? viewer.attachRight(canvas.current) : undefined), [viewer]);
-  // The line follows a hand: no render of React's per step.
+  // The line follows a hand: React does not render each step.
   useEffect(() => {
     const write = () => {
       const { splitPart } = store.getState();
@@ -54,7 +54,7 @@ export function SplitPicture({
         className="split-line"
         role="slider"
         tabIndex={0}
-        aria-label="Line between the pictures"
+        aria-label="Line between the images"
         aria-orientation="horizontal"
         aria-valuemin={0}
         aria-valuemax={100}

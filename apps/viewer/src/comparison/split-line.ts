@@ -2,7 +2,7 @@
 const STEP = 0.01;
 const LARGE_STEP = 0.1;
 
-/** Where the line of a split picture goes from `part` (0…1 of the width) by a key; null where the key means nothing to it. */
+/** The position of the line after a key is pressed at `part` (0…1 of the width); null if the key does not move it. */
 export function movedSplit(part: number, key: string, isShift: boolean): number | null {
   const step = isShift ? LARGE_STEP : STEP;
   const goals: Readonly<Record<string, number>> = {
@@ -20,7 +20,7 @@ export function movedSplit(part: number, key: string, isShift: boolean): number 
   return Math.min(1, Math.max(0, Math.round(1000 * goals[key]) / 1000));
 }
 
-/** What a screen reader says of the line. */
+/** The position of the line as a screen reader reads it out. */
 export function splitText(part: number, left: string, right: string): string {
   const percent = Math.round(100 * part);
   return `${percent} % ${left}, ${100 - percent} % ${right}`;

@@ -1,8 +1,4 @@
-export interface FrameRate {
-  /** Mean time between frames of the newest run. */
-  readonly frameMs: number;
-  readonly framesPerSecond: number;
-}
+import type { FrameRate } from '../state/viewer-state.ts';
 
 /** Frames that the mean is taken over. */
 const WINDOW_FRAMES = 30;

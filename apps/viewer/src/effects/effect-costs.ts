@@ -4,10 +4,10 @@ import type { Measurement } from '../measurement/measurement.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { formatMs } from '../words/format.ts';
 
-/** The least that an interval of 95 % is made of: a software rasteriser takes as long for a frame as a GPU for a hundred. */
+/** The fewest that give an interval of 95 %: a software rasteriser takes as long for a frame as a GPU for a hundred. */
 const SOFTWARE_FRAMES = 6;
 
-/** Measures what each effect costs in the picture that stands. */
+/** Measures the cost of each effect for the frame on the screen. */
 export async function measureEffectCosts(store: ViewerStore, measurement: Measurement): Promise<void> {
   const { accuracy } = store.getState();
   const effectCosts = await measurement.run('effects', async ({ engine, frame }, options) => {
@@ -25,13 +25,13 @@ export async function measureEffectCosts(store: ViewerStore, measurement: Measur
 
 type CostMs = EffectCost['costMs'];
 
-/** `0.42 ms`, `−1.3 ms`; `±0.05 ms` where with and without cannot be told apart, and it is no more than that. */
+/** `0.42 ms`, `−1.3 ms`; `±0.05 ms` if frames with and without the effect cannot be told apart. */
 export function formatCost({ median, low, high }: CostMs): string {
   if (isUncertain(low, high)) return `±${formatMs(Math.max(-low, high))} ms`;
   return `${signedMs(median)} ms`;
 }
 
-/** The same as a sentence, with the interval that the cost is known to. */
+/** The cost as a sentence, with its interval. */
 export function describeCost({ median, low, high }: CostMs): string {
   const interval = `${signedMs(low)} to ${signedMs(high)} ms`;
   if (isUncertain(low, high))

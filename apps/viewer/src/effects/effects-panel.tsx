@@ -3,8 +3,10 @@ import type { EffectCost } from '@websplatter/core/measure';
 import { memo, useId } from 'react';
 import { useStore } from 'zustand';
 import type { Measurement } from '../measurement/measurement.ts';
-import { Runner, timingCautions } from '../measurement/runner.tsx';
-import type { MeasuredEffects, ViewerStore } from '../state/store.ts';
+import { MeasurementRunner } from '../measurement/measurement-runner.tsx';
+import { timingCautions } from '../measurement/timing-cautions.ts';
+import type { MeasuredEffects } from '../state/measured.ts';
+import type { ViewerStore } from '../state/store.ts';
 import { Dock } from '../ui/dock.tsx';
 import { formatBytes, formatCount } from '../words/format.ts';
 import { describeCost, formatCost, measureEffectCosts } from './effect-costs.ts';
@@ -14,7 +16,7 @@ interface EffectsProps {
   readonly measurement: Measurement;
 }
 
-/** Which effects there are in the picture and which are not, why, what they hold and what they cost. */
+/** Lists the effects that are on and those that are off, with the reason, the memory and the cost of each. */
 export const EffectsPanel = memo(function EffectsPanel({ store, measurement }: EffectsProps) {
   const isVisible = useStore(store, (state) => state.dock === 'effects');
   const effects = useStore(store, (state) => state.effects);
@@ -26,16 +28,16 @@ export const EffectsPanel = memo(function EffectsPanel({ store, measurement }: E
     <Dock store={store} name="effects" title="Effects">
       <section
         className="dock-body"
-        aria-label="Effects of this picture"
+        aria-label="Effects of this frame"
         // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, so keys must reach it.
         tabIndex={0}
       >
-        <EffectList title="In this picture" entries={effects.filter(({ isOn }) => isOn)} {...listed} />
-        <Runner
+        <EffectList title="In this frame" entries={effects.filter(({ isOn }) => isOn)} {...listed} />
+        <MeasurementRunner
           store={store}
           of="effects"
           label={measured ? 'Measure again' : 'Measure costs'}
-          about={measured ? null : 'Draws this view with each effect and without it, in turn.'}
+          about={measured ? null : 'Draws this view with and without each effect, in turn.'}
           onStart={() => void measureEffectCosts(store, measurement)}
           onCancel={() => measurement.stop()}
         />
@@ -47,8 +49,8 @@ export const EffectsPanel = memo(function EffectsPanel({ store, measurement }: E
 });
 
 function Cautions({ store, measured }: { store: ViewerStore; measured: MeasuredEffects }) {
-  const { pictureId, accuracy, isSoftware } = measured;
-  const isStale = useStore(store, (state) => state.pictureId !== pictureId || state.accuracy !== accuracy);
+  const { imageId, accuracy, isSoftware } = measured;
+  const isStale = useStore(store, (state) => state.imageId !== imageId || state.accuracy !== accuracy);
   const source = useStore(store, (state) => state.statistics?.timing.source ?? 'gpu-timestamps');
   return (
     <div className="circumstances" data-testid="effect-cautions" data-stale={isStale}>
@@ -62,7 +64,7 @@ function Cautions({ store, measured }: { store: ViewerStore; measured: MeasuredE
 
 interface ListedProps {
   readonly costs: readonly EffectCost[];
-  /** Whether it is to be said which clouds an effect is on for. */
+  /** Then each effect names the clouds that it is on for. */
   readonly hasSeveralClouds: boolean;
 }
 
@@ -88,7 +90,7 @@ function EffectList({
   );
 }
 
-/** Why and how much; what it does, on demand. */
+/** The reason and the cost of an effect; on demand, what it does. */
 function Effect({ entry, costs, hasSeveralClouds }: ListedProps & { readonly entry: EffectEntry }) {
   const { name, label, about, isOn, reason, clouds, stages, bytes } = entry;
   const cost = costs.find((each) => each.name === name);

@@ -1,6 +1,6 @@
 import type { HardCase } from '@websplatter/hardcases';
 import { describe, expect, it } from 'vitest';
-import { reportError } from '../messages/failure-report.ts';
+import { reportFailure } from '../messages/failure-report.ts';
 import {
   addressOf,
   closestNames,
@@ -45,7 +45,7 @@ function errorFor(name: string) {
   try {
     findHardCase(CASES, name);
   } catch (error) {
-    return reportError(error, name);
+    return reportFailure(error, name);
   }
   throw new Error('It was found.');
 }

@@ -1,4 +1,5 @@
 import type { DeviceCase, HardCase, HardCaseGroup, RefusedFileCase, SceneCase } from '@websplatter/hardcases';
+import type { Link } from '../state/failure.ts';
 
 /** Cases that can be opened: pictures, and files of which the error is the point. */
 export type OpenableCase = SceneCase | DeviceCase | RefusedFileCase;
@@ -21,12 +22,6 @@ export function addressOf(name: string): string {
 export function hardCaseNameIn(scene: string | null | undefined): string | null {
   const prefix = `${GALLERY_SCENE}:`;
   return scene?.startsWith(prefix) ? scene.slice(prefix.length) : null;
-}
-
-/** A place to go to instead. */
-export interface Link {
-  readonly label: string;
-  readonly href: string;
 }
 
 /** There is no such case, or none that can be opened. */

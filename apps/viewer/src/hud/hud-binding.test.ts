@@ -1,5 +1,6 @@
 import { describe, expect, it } from 'vitest';
-import { createViewerStore, type ViewerState } from '../state/store.ts';
+import { createViewerStore } from '../state/store.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
 import { hudText, stageShares } from './hud-binding.ts';
 
 function stateWith(timing: object, changes: Partial<ViewerState> = {}): ViewerState {

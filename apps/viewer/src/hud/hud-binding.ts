@@ -1,5 +1,6 @@
 import { isPlausible, type StageTimings } from '@websplatter/core';
-import type { ViewerState, ViewerStore } from '../state/store.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
 import { formatCount, formatMs, formatRate, UNKNOWN } from '../words/format.ts';
 
 export type HudFigure =

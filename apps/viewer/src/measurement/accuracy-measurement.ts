@@ -1,5 +1,6 @@
 import { type AccuracySettings, isSoftwareAdapter } from '@websplatter/core';
-import type { ViewerState, ViewerStore } from '../state/store.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import type { Measurement } from './measurement.ts';
 
@@ -7,14 +8,14 @@ import type { Measurement } from './measurement.ts';
 const SOFTWARE_FRAMES = 3;
 
 /**
- * Measures what accuracy costs in the picture that stands. A wish is measured as soon as it is made, and again for each
+ * Measures what accuracy costs for the frame on the screen. A wish is measured as soon as it is made, and again for each
  * scene that is opened.
  */
-export class AccuracySweep {
+export class AccuracyMeasurement {
   readonly #viewer: Viewer;
   readonly #store: ViewerStore;
   readonly #measurement: Measurement;
-  /** What was drawn before there was this wish in this scene: comes back where nothing is chosen. */
+  /** Settings from before this wish in this scene: they come back if nothing is chosen. */
   #fallback: AccuracySettings;
 
   constructor(viewer: Viewer, store: ViewerStore, measurement: Measurement) {
@@ -24,13 +25,14 @@ export class AccuracySweep {
     this.#fallback = store.getState().accuracy;
   }
 
-  /** Begins the measurements that are wished for, and ends those of a wish that is no more; returns what stops that. */
+  /** Starts the measurement that a wish needs, and ends that of a wish that is no more; returns what stops that. */
   watch(): () => void {
     return this.#store.subscribe((state, before) => {
-      const { wish, scene, sweep, sweepProblem } = state;
+      const { wish, scene, measuring, failedMeasurement } = state;
       if (wish !== before.wish || scene !== before.scene) this.#fallback = before.accuracy;
-      if (wish !== before.wish && sweep?.of === 'accuracy') this.#measurement.stop();
-      if (sweepProblem !== before.sweepProblem && sweepProblem?.of === 'accuracy') this.#giveUp();
+      if (wish !== before.wish && measuring?.of === 'accuracy') this.#measurement.stop();
+      if (failedMeasurement !== before.failedMeasurement && failedMeasurement?.of === 'accuracy')
+        this.#giveUp();
       if (lacksChoice(this.#store.getState())) void this.choose();
     });
   }
@@ -53,7 +55,7 @@ export class AccuracySweep {
     if (measured) this.#store.setState({ measured });
   }
 
-  /** Measures what meets the wish, and draws with it. */
+  /** Measures which settings meet the wish, and draws with them. */
   async choose(): Promise<void> {
     const measured = await this.#measurement.run('accuracy', async (_, options) => {
       const { table } = await this.#viewer.chooseAccuracy(options);
@@ -62,7 +64,7 @@ export class AccuracySweep {
     if (measured) this.#store.setState({ measured });
   }
 
-  /** What was found before stays; a wish that nothing was chosen for yet ends. */
+  /** An earlier choice stays; a wish without one ends. */
   cancel(): void {
     this.#measurement.stop();
     this.#giveUp();
@@ -74,7 +76,7 @@ export class AccuracySweep {
   }
 }
 
-/** Whether there is a picture and a wish, but nothing was chosen for it. */
+/** Whether there are an image at rest and a wish, but nothing was chosen for it. */
 function lacksChoice({ wish, choice, status, scene, isIdle }: ViewerState): boolean {
   return wish !== null && choice === null && status === 'running' && scene !== null && isIdle;
 }

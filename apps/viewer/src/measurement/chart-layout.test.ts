@@ -1,7 +1,8 @@
 import { resolveAccuracy } from '@websplatter/core';
 import type { AccuracyPoint } from '@websplatter/core/measure';
 import { describe, expect, it } from 'vitest';
-import { chartLayout, formatDb } from './chart-layout.ts';
+import { formatDb } from '../words/format.ts';
+import { chartLayout } from './chart-layout.ts';
 
 function point(name: string, psnrDb: number, ms: number, isOnFront = false): AccuracyPoint {
   const spread = { median: ms, low: 0.9 * ms, high: 1.1 * ms, p99: 1.2 * ms };

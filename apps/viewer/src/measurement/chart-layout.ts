@@ -1,40 +1,40 @@
 import { ACCURACY_PRESETS } from '@websplatter/core';
 import type { AccuracyPoint } from '@websplatter/core/measure';
-import { formatMs } from '../words/format.ts';
+import { formatDb, formatMs } from '../words/format.ts';
 
-/** A point as the chart has it. */
+/** A point of the chart. */
 export interface PlacedPoint {
-  /** In the table. */
+  /** Its place in the table. */
   readonly index: number;
   readonly name: string;
   readonly xMs: number;
   /** Interval of the median. */
   readonly lowMs: number;
   readonly highMs: number;
-  /** Finite: pictures that are equal to the reference stand above all others. */
+  /** Finite: images that equal the reference stand above all others. */
   readonly yDb: number;
   readonly isOnFront: boolean;
-  /** Names of more important points are placed first. */
+  /** Labels of more important points are placed first. */
   readonly importance: number;
   /** Its figures, for people. */
   readonly words: string;
 }
 
 export interface ChartLayout {
-  /** By time. */
+  /** In order of time. */
   readonly placed: readonly PlacedPoint[];
-  /** Those on the front, by time. */
+  /** Points on the front, in order of time. */
   readonly front: readonly PlacedPoint[];
   readonly xRange: readonly [number, number];
   readonly yRange: readonly [number, number];
 }
 
-/** By how much a picture that is equal to the reference stands above the next. */
+/** How far an image that equals the reference stands above the next. */
 const EXACT_ABOVE_DB = 8;
 /** Parts of the range left free at its ends. */
 const MARGIN = 0.08;
 
-/** Where the points of a table stand in its chart. */
+/** Places the points of a table in its chart. */
 export function chartLayout(points: readonly AccuracyPoint[]): ChartLayout {
   const finite = points.map(({ error }) => error.psnrDb).filter(Number.isFinite);
   const exactDb = (finite.length > 0 ? Math.max(...finite) : 60) + EXACT_ABOVE_DB;
@@ -61,11 +61,6 @@ export function chartLayout(points: readonly AccuracyPoint[]): ChartLayout {
     xRange: rangeOf(placed.map(({ xMs }) => xMs)),
     yRange: rangeOf(placed.map(({ yDb }) => yDb)),
   };
-}
-
-/** `48.3`; `∞` where the pictures are equal. */
-export function formatDb(psnrDb: number): string {
-  return Number.isFinite(psnrDb) ? psnrDb.toFixed(1) : '∞';
 }
 
 function rangeOf(values: readonly number[]): readonly [number, number] {

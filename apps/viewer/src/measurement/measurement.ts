@@ -1,7 +1,9 @@
 import { isSoftwareAdapter, WebSplatterError } from '@websplatter/core';
 import type { MeasureProgress } from '@websplatter/core/measure';
-import type { MeasuredPicture, MeasuredThing, ViewerStore } from '../state/store.ts';
-import type { StandingPicture, Viewer } from '../viewer/viewer.ts';
+import type { ShownFrame } from '../drawing/drawn-frame.ts';
+import type { MeasuredImage, MeasuredThing } from '../state/measured.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { Viewer } from '../viewer/viewer.ts';
 
 export interface MeasurementOptions {
   readonly signal: AbortSignal;
@@ -9,7 +11,8 @@ export interface MeasurementOptions {
 }
 
 /**
- * Measures the picture that stands and tells the store how far it is. One thing at a time: two would slow each other down.
+ * Runs measurements of the frame on the screen and keeps their progress in the store. One at a time: two would slow each
+ * other down.
  */
 export class Measurement {
   readonly #viewer: Viewer;
@@ -21,7 +24,7 @@ export class Measurement {
     this.#store = store;
   }
 
-  /** Ends what is measured of a scene that goes away; returns what stops that, and what is being measured with it. */
+  /** Calls off a measurement when its scene or device goes. Returns what stops that, and a running measurement with it. */
   watch(): () => void {
     const unsubscribe = this.#store.subscribe((state, before) => {
       if (state.scene !== before.scene || state.status !== before.status) this.stop();
@@ -32,44 +35,45 @@ export class Measurement {
     };
   }
 
-  /** @returns null where there is no picture, something is being measured already, or nothing came of it: the store says why. */
+  /** @returns null without a frame on the screen, beside another measurement, and on failure; the store then says why. */
   async run<T>(
     of: MeasuredThing,
-    work: (picture: StandingPicture, options: MeasurementOptions) => Promise<T>,
-  ): Promise<(T & MeasuredPicture) | null> {
-    const picture = this.#viewer.standing;
-    if (!picture || this.#running) return null;
+    work: (shown: ShownFrame, options: MeasurementOptions) => Promise<T>,
+  ): Promise<(T & MeasuredImage) | null> {
+    const shown = this.#viewer.shownFrame;
+    if (!shown || this.#running) return null;
     const store = this.#store;
     const running = new AbortController();
     this.#running = running;
     const { signal } = running;
-    const { pictureId } = store.getState();
-    store.setState({ sweep: { of, done: 0, total: 1, label: 'Preparing' }, sweepProblem: null });
+    const { imageId } = store.getState();
+    store.setState({ measuring: { of, done: 0, total: 1, label: 'Preparing' }, failedMeasurement: null });
     try {
       const onProgress = (progress: MeasureProgress) => {
-        if (!signal.aborted) store.setState({ sweep: { of, ...progress } });
+        if (!signal.aborted) store.setState({ measuring: { of, ...progress } });
       };
-      const result = await work(picture, { signal, onProgress });
-      const isSoftware = isSoftwareAdapter(picture.engine.device.adapterInfo);
-      return signal.aborted ? null : { ...result, pictureId, isSoftware };
+      const result = await work(shown, { signal, onProgress });
+      const isSoftware = isSoftwareAdapter(shown.engine.device.adapterInfo);
+      return signal.aborted ? null : { ...result, imageId, isSoftware };
     } catch (error) {
-      // The engine calls off what is measured for views that have gone on to show something else.
+      // The engine calls off measurements for views that have gone on to show something else.
       if (signal.aborted || (error as Error).name === 'AbortError') return null;
       if (!(error instanceof WebSplatterError)) console.error(error);
-      store.setState({ sweepProblem: { of, text: error instanceof Error ? error.message : String(error) } });
+      const text = error instanceof Error ? error.message : String(error);
+      store.setState({ failedMeasurement: { of, text } });
       return null;
     } finally {
       if (this.#running === running) {
         this.#running = null;
-        store.setState({ sweep: null });
+        store.setState({ measuring: null });
       }
     }
   }
 
-  /** Calls off what is being measured. */
+  /** Calls off the running measurement. */
   stop(): void {
     this.#running?.abort();
     this.#running = null;
-    if (this.#store.getState().sweep) this.#store.setState({ sweep: null });
+    if (this.#store.getState().measuring) this.#store.setState({ measuring: null });
   }
 }

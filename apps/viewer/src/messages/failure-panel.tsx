@@ -2,21 +2,21 @@ import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
 import { MessagePanel } from './message-panel.tsx';
 
-/** What went wrong with the last file; the scene before it stays. */
-export function ErrorPanel({ store }: { store: ViewerStore }) {
-  const error = useStore(store, (state) => state.error);
-  // The live region is always there: one that comes with its text is not read out everywhere.
+/** Why the last scene failed to open; the scene before it stays. */
+export function FailurePanel({ store }: { store: ViewerStore }) {
+  const failure = useStore(store, (state) => state.failure);
+  // The live region is always there: not every screen reader reads out one that comes with its text.
   return (
     <div role="alert" className="message-slot">
-      {error && (
-        <MessagePanel kind="error" title={error.title} onDismiss={() => store.setState({ error: null })}>
+      {failure && (
+        <MessagePanel kind="error" title={failure.title} onDismiss={() => store.setState({ failure: null })}>
           <p className="particulars" data-testid="error-message">
-            {error.message}
+            {failure.message}
           </p>
-          {error.advice && <p>{error.advice}</p>}
-          {error.links && (
+          {failure.advice && <p>{failure.advice}</p>}
+          {failure.links && (
             <ul className="links">
-              {error.links.map(({ label, href }) => (
+              {failure.links.map(({ label, href }) => (
                 <li key={href}>
                   <a href={href}>{label}</a>
                 </li>

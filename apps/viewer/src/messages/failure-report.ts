@@ -5,19 +5,9 @@ import {
   SplatSourceError,
   WebSplatterError,
 } from '@websplatter/core';
-import { HardCaseError, type Link } from '../hard-cases/catalogue.ts';
+import { HardCaseError } from '../hard-cases/catalogue.ts';
+import type { FailureReport } from '../state/failure.ts';
 import { formatBytes } from '../words/format.ts';
-
-/** An error as it is shown: what went wrong in a few words, the particulars, and what to do. */
-export interface ErrorReport {
-  readonly title: string;
-  readonly message: string;
-  readonly advice: string;
-  /** Nothing that the engine throws on purpose: a mistake of ours, whose particulars belong in the console. */
-  readonly isFault: boolean;
-  /** Where to go instead. */
-  readonly links?: readonly Link[];
-}
 
 /** The engine's message says the rest: where in the file, and what to do. */
 const FILE_PROBLEMS: Readonly<Record<SplatFileErrorCode, string>> = {
@@ -31,8 +21,8 @@ const FILE_PROBLEMS: Readonly<Record<SplatFileErrorCode, string>> = {
   empty: 'The file has no splats',
 };
 
-/** What to tell about `error`, which arose while `title` was being opened. */
-export function reportError(error: unknown, title: string): ErrorReport {
+/** The report of `error`, which was thrown while `title` was being opened. */
+export function reportFailure(error: unknown, title: string): FailureReport {
   if (error instanceof SplatFileError) {
     return { title: FILE_PROBLEMS[error.code], message: error.message, advice: '', isFault: false };
   }

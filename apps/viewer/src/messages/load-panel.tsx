@@ -1,5 +1,6 @@
 import { useStore } from 'zustand';
-import type { LoadState, ViewerStore } from '../state/store.ts';
+import type { LoadState } from '../state/scene-summary.ts';
+import type { ViewerStore } from '../state/store.ts';
 import { formatBytes, formatSplats } from '../words/format.ts';
 
 const PHASES: Readonly<Record<LoadState['phase'], string>> = {
@@ -9,7 +10,7 @@ const PHASES: Readonly<Record<LoadState['phase'], string>> = {
   upload: 'Uploading to the GPU',
 };
 
-/** How far the scene on its way has come. */
+/** How far the loading of a scene has come. */
 export function LoadPanel({ store, onCancel }: { store: ViewerStore; onCancel: () => void }) {
   const load = useStore(store, (state) => state.load);
   if (!load) return null;

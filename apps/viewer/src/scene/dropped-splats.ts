@@ -1,4 +1,5 @@
 import type { DropCounts, DropReason } from '@websplatter/core';
+import type { SceneWarning } from '../state/scene-summary.ts';
 import { formatCount } from '../words/format.ts';
 
 /** NaN and both infinities are no finite numbers; an opacity's logit may be infinite. */
@@ -37,18 +38,12 @@ export function mergedDrops(drops: readonly DropCounts[]): DropCounts {
   return merged;
 }
 
-/** What is wrong with a scene that is shown nevertheless. */
-export interface SceneWarning {
-  readonly title: string;
-  readonly message: string;
-}
-
-/** What to say where so much was left out that the picture is not that of the file; null where it was less than half. */
+/** A warning if at least half of the rows were left out, so that the image is not that of the file; null otherwise. */
 export function droppedWarning(name: string, kept: number, dropped: DropCounts): SceneWarning | null {
   const left = droppedTotal(dropped);
   const rows = kept + left;
   if (left === 0 || left < rows / 2) return null;
-  // Rounded down: what is shown is never nothing.
+  // Rounded down: 100% would say that nothing is shown.
   const percent = Math.floor((100 * left) / rows);
   const part = left === rows / 2 ? 'Half' : percent === 50 ? 'More than half' : `${percent}%`;
   return {

@@ -1,11 +1,11 @@
 import { useId } from 'react';
 import { useStore } from 'zustand';
 import { GALLERY_ADDRESS } from '../hard-cases/catalogue.ts';
-import type { SceneSummary, ViewerStore } from '../state/store.ts';
+import type { SceneAbout, SceneSummary } from '../state/scene-summary.ts';
+import type { ViewerStore } from '../state/store.ts';
 import { Icon } from '../ui/icon.tsx';
 import { formatCount, formatSplats } from '../words/format.ts';
 import { droppedReasons, droppedTotal } from './dropped-splats.ts';
-import type { SceneAbout } from './scene-source.ts';
 
 export function SceneCaption({ store, onStep }: { store: ViewerStore; onStep: (by: 1 | -1) => void }) {
   const scene = useStore(store, (state) => state.scene);
@@ -31,7 +31,7 @@ function About({ about }: { about: SceneAbout }) {
   );
 }
 
-/** How much is shown, and on demand why the rest is not. */
+/** How many splats are shown, and on demand why others are not. */
 function Figures({ store, scene }: { store: ViewerStore; scene: SceneSummary }) {
   const isDroppedVisible = useStore(store, (state) => state.isDroppedVisible);
   const listId = useId();
@@ -73,7 +73,7 @@ function Figures({ store, scene }: { store: ViewerStore; scene: SceneSummary }) 
   );
 }
 
-/** `SH 3`, or `SH 3, seen up to 1` where the bands above change nothing that could be seen. */
+/** `SH 3`, or `SH 3, seen up to 1` if the bands above change nothing visible. */
 function formatHarmonics({ declaredShDegree, shDegree }: SceneSummary): string {
   const seen = shDegree < declaredShDegree ? `, seen up to ${shDegree}` : '';
   return `SH ${declaredShDegree}${seen}`;

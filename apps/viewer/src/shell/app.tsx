@@ -1,15 +1,16 @@
 import { useEffect, useMemo, useRef } from 'react';
 import { useStore } from 'zustand';
 import { AccuracyPanel } from '../accuracy/accuracy-panel.tsx';
-import { ErrorLegend, ErrorPicture } from '../comparison/error-map-image.tsx';
-import { SplitPicture } from '../comparison/split-image.tsx';
+import { ErrorMapImage } from '../comparison/error-map-image.tsx';
+import { ErrorMapLegend } from '../comparison/error-map-legend.tsx';
+import { SplitImage } from '../comparison/split-image.tsx';
 import { EffectsPanel } from '../effects/effects-panel.tsx';
 import { DropZone } from '../file-drop/drop-zone.tsx';
 import { type DropDecision, decideFiles } from '../file-drop/file-drop.ts';
 import { Hud } from '../hud/hud.tsx';
-import { AccuracySweep } from '../measurement/accuracy-measurement.ts';
+import { AccuracyMeasurement } from '../measurement/accuracy-measurement.ts';
 import { Measurement } from '../measurement/measurement.ts';
-import { ErrorPanel } from '../messages/failure-panel.tsx';
+import { FailurePanel } from '../messages/failure-panel.tsx';
 import { LoadPanel } from '../messages/load-panel.tsx';
 import { Notice } from '../messages/notice.tsx';
 import { LostPage, UnavailablePage } from '../messages/status-pages.tsx';
@@ -28,13 +29,16 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   const fileInput = useRef<HTMLInputElement>(null);
   const run = useMemo(() => createCommands(viewer, store, () => fileInput.current?.click()), [viewer, store]);
   const measurement = useMemo(() => new Measurement(viewer, store), [viewer, store]);
-  const sweep = useMemo(() => new AccuracySweep(viewer, store, measurement), [viewer, store, measurement]);
+  const accuracyMeasurement = useMemo(
+    () => new AccuracyMeasurement(viewer, store, measurement),
+    [viewer, store, measurement],
+  );
   useEffect(() => measurement.watch(), [measurement]);
-  useEffect(() => sweep.watch(), [sweep]);
+  useEffect(() => accuracyMeasurement.watch(), [accuracyMeasurement]);
   useEffect(() => listenToKeys(viewer, store, run), [viewer, store, run]);
 
   const follow = ({ file, notice }: DropDecision) => {
-    if (file) viewer.open({ kind: 'file', file });
+    if (file) viewer.scenes.open({ kind: 'file', file });
     if (notice) store.setState({ notice });
   };
 
@@ -42,20 +46,20 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   return (
     <>
       <Viewport store={store} viewer={viewer} />
-      {comparison?.kind === 'split' && <SplitPicture store={store} viewer={viewer} split={comparison} />}
-      {comparison?.kind === 'error' && <ErrorPicture store={store} viewer={viewer} />}
+      {comparison?.kind === 'split' && <SplitImage store={store} viewer={viewer} split={comparison} />}
+      {comparison?.kind === 'error' && <ErrorMapImage store={store} viewer={viewer} />}
       <div className="overlay">
         <Hud store={store} />
         <Toolbar store={store} run={run} />
-        <AccuracyPanel store={store} viewer={viewer} sweep={sweep} />
+        <AccuracyPanel store={store} viewer={viewer} accuracyMeasurement={accuracyMeasurement} />
         <EffectsPanel store={store} measurement={measurement} />
-        <SceneCaption store={store} onStep={(by) => viewer.stepCamera(by)} />
+        <SceneCaption store={store} onStep={(by) => viewer.camera.step(by)} />
         <div className="messages">
           <Notice store={store} />
           <WarningPanel store={store} />
-          <ErrorPanel store={store} />
-          <ErrorLegend store={store} viewer={viewer} />
-          <LoadPanel store={store} onCancel={() => viewer.cancelLoad()} />
+          <FailurePanel store={store} />
+          <ErrorMapLegend store={store} viewer={viewer} />
+          <LoadPanel store={store} onCancel={() => viewer.scenes.cancelLoad()} />
         </div>
       </div>
       <input

@@ -1,4 +1,5 @@
-import type { ViewerState, ViewerStore } from '../state/store.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 
 export type CommandName = 'open' | 'flip' | 'reset' | 'frame' | 'hud' | 'accuracy' | 'effects' | 'help';
@@ -27,9 +28,9 @@ export type RunCommand = (name: CommandName) => void;
 export function createCommands(viewer: Viewer, store: ViewerStore, chooseFile: () => void): RunCommand {
   const run: Record<CommandName, () => void> = {
     open: chooseFile,
-    flip: () => viewer.toggleFlip(),
-    reset: () => viewer.controls.reset(),
-    frame: () => viewer.frameScene(),
+    flip: () => viewer.camera.toggleFlip(),
+    reset: () => viewer.camera.controls.reset(),
+    frame: () => viewer.camera.frameScene(),
     hud: () => store.setState(({ isHudVisible }) => ({ isHudVisible: !isHudVisible })),
     accuracy: () => store.setState(({ dock }) => ({ dock: dock === 'accuracy' ? null : 'accuracy' })),
     effects: () => store.setState(({ dock }) => ({ dock: dock === 'effects' ? null : 'effects' })),
@@ -52,7 +53,7 @@ export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand
     const command = COMMANDS.find(({ key }) => key === event.key.toLowerCase());
     // A held key repeats; that is right for moving and wrong for switching.
     if (command && !event.repeat && (!isHelpVisible || command.name === 'help')) run(command.name);
-    else if (command || isHelpVisible || !viewer.handleKey(event)) return;
+    else if (command || isHelpVisible || !viewer.camera.handleKey(event)) return;
     event.preventDefault();
   };
   window.addEventListener('keydown', onKeyDown);
@@ -64,7 +65,7 @@ function withoutTopmost(state: ViewerState): Partial<ViewerState> {
   // The dialog closes itself too, but tells later: a key pressed meanwhile would be taken for one over the help.
   if (state.isHelpVisible) return { isHelpVisible: false };
   if (state.isDroppedVisible) return { isDroppedVisible: false };
-  if (state.error) return { error: null };
+  if (state.failure) return { failure: null };
   if (state.warning) return { warning: null };
   return { dock: null };
 }

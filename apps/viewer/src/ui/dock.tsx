@@ -1,8 +1,9 @@
 import { type ReactNode, useId } from 'react';
-import type { DockName, ViewerStore } from '../state/store.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { DockName } from '../state/viewer-state.ts';
 import { Icon } from './icon.tsx';
 
-/** A panel docked beside the picture, on small screens a sheet below it. One at a time is shown. */
+/** A panel beside the image, on small screens a sheet below it. One is shown at a time. */
 export function Dock({
   store,
   name,

@@ -2,7 +2,7 @@
 
 const wholeNumber = new Intl.NumberFormat('en', { maximumFractionDigits: 0 });
 
-/** What stands for a figure that is not known. */
+/** Stands for an unknown figure. */
 export const UNKNOWN = '–';
 
 /** `1,234,567`. */
@@ -21,6 +21,11 @@ export function formatMs(elapsedMs: number): string {
 export function formatRate(framesPerSecond: number): string {
   if (!Number.isFinite(framesPerSecond)) return UNKNOWN;
   return framesPerSecond < 9.95 ? framesPerSecond.toFixed(1) : wholeNumber.format(framesPerSecond);
+}
+
+/** `48.3`; `∞` if the images are equal. */
+export function formatDb(psnrDb: number): string {
+  return Number.isFinite(psnrDb) ? psnrDb.toFixed(1) : '∞';
 }
 
 const BYTE_UNITS = ['B', 'kB', 'MB', 'GB', 'TB'];
@@ -43,7 +48,7 @@ export function formatSplats(count: number): string {
   return `${formatCount(count)} ${count === 1 ? 'splat' : 'splats'}`;
 }
 
-/** Last part of a path or URL, without query; the whole where there is none. */
+/** Last part of a path or URL, without query; the whole path if there is none. */
 export function baseName(path: string): string {
   const withoutQuery = path.replace(/[?#].*$/, '');
   const last = withoutQuery.split(/[\\/]/).filter(Boolean).at(-1);

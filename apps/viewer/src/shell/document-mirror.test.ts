@@ -1,11 +1,7 @@
 import { describe, expect, it } from 'vitest';
-import {
-  createViewerStore,
-  documentState,
-  documentTitle,
-  mirrorToDocument,
-  type ViewerState,
-} from './store.ts';
+import { createViewerStore } from '../state/store.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
+import { documentState, documentTitle, mirrorToDocument } from './document-mirror.ts';
 
 const scene = {
   title: 'Garden',
@@ -19,19 +15,19 @@ const scene = {
   canFlip: true,
 };
 const load = { title: 'b.ply', phase: 'read', loadedBytes: 0, totalBytes: undefined, splats: 0 } as const;
-const error = { title: 'x', message: 'y', advice: '', isFault: false };
+const failure = { title: 'x', message: 'y', advice: '', isFault: false };
 
 function stateWith(changes: Partial<ViewerState>): ViewerState {
   return { ...createViewerStore().getState(), ...changes };
 }
 
-describe('store', () => {
+describe('document mirror', () => {
   it.each([
     [{}, 'starting'],
     [{ status: 'running', scene }, 'ready'],
     [{ status: 'running', scene, load }, 'loading'],
-    [{ status: 'running', scene, error }, 'error'],
-    [{ status: 'running', scene, error, load }, 'loading'],
+    [{ status: 'running', scene, failure }, 'error'],
+    [{ status: 'running', scene, failure, load }, 'loading'],
     [{ status: 'lost', scene, load }, 'lost'],
     [{ status: 'unavailable' }, 'unavailable'],
   ] as const)('sums %o up as %s', (changes, word) => expect(documentState(stateWith(changes))).toBe(word));

@@ -1,32 +1,11 @@
-import { ACCURACY_PRESETS, resolveAccuracy } from '@websplatter/core';
+import { resolveAccuracy } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
-import {
-  addressWithAccuracy,
-  decodeAccuracy,
-  describeAccuracy,
-  describeWish,
-  encodeAccuracy,
-  formatValue,
-  nearestPreset,
-  PRESET_NAMES,
-  positionOf,
-  SLIDER_STEPS,
-  valueAt,
-} from './accuracy-text.ts';
+import { addressWithAccuracy, decodeAccuracy, encodeAccuracy } from './accuracy-address.ts';
+import { describeWish } from './accuracy-words.ts';
 
 const address = (text: string) => new URL(text, 'http://localhost/');
 
-describe('accuracy as text', () => {
-  it.each(PRESET_NAMES)('knows the preset %s again', (preset) => {
-    expect(nearestPreset({ ...ACCURACY_PRESETS[preset] })).toEqual({ preset, changed: [] });
-  });
-
-  it('names what differs from the nearest preset', () => {
-    const settings = resolveAccuracy({ preset: 'high', shDegree: 1 });
-    expect(nearestPreset(settings)).toEqual({ preset: 'high', changed: ['shDegree'] });
-    expect(describeAccuracy(settings)).toMatch(/^high, .* 1$/);
-  });
-
+describe('accuracy in the address', () => {
   it.each([
     ['fast', 'fast'],
     ['balanced', null],
@@ -69,26 +48,5 @@ describe('accuracy as text', () => {
     expect(shared).toBe('/x/?scene=hard:a,b&accuracy=high,shDegree:0#top');
     expect(addressWithAccuracy(address(shared), resolveAccuracy('balanced'))).toBe('/x/?scene=hard:a,b#top');
     expect(addressWithAccuracy(address('/?accuracy=fast'), resolveAccuracy())).toBe('/');
-  });
-
-  it.each([
-    [1 / 255, '1/255'],
-    [0.0123456, '0.0123'],
-    [0.5, '0.5'],
-    [24, '24'],
-    ['f16', 'f16'],
-  ] as const)('writes the value %s as %s', (value, text) => expect(formatValue(value as 3)).toBe(text));
-
-  it.each([
-    [1 / 4096, 0.1],
-    [0.25, 1],
-  ])('moves a slider through %d…%d and back', (min, max) => {
-    const range = { min, max };
-    expect(valueAt(0, range)).toBe(min);
-    expect(valueAt(SLIDER_STEPS, range)).toBe(max);
-    for (let position = 0; position < SLIDER_STEPS; position++) {
-      expect(positionOf(valueAt(position, range), range)).toBe(position);
-      expect(valueAt(position + 1, range)).toBeGreaterThan(valueAt(position, range));
-    }
   });
 });
