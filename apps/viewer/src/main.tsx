@@ -6,10 +6,7 @@ import { mirrorToAddress } from './shell/address-mirror.ts';
 import { App } from './shell/app.tsx';
 import { mirrorToDocument } from './shell/document-mirror.ts';
 import { createViewerStore } from './state/store.ts';
-import './ui/viewer.css';
-import './ui/dock.css';
-import './accuracy/accuracy.css';
-import './effects/effects-panel.css';
+import './styles.css';
 import { Viewer } from './viewer/viewer.ts';
 
 const element = document.getElementById('root');

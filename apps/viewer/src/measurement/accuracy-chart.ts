@@ -1,6 +1,5 @@
 import type { AccuracyPoint } from '@websplatter/core/measure';
 import uPlot from 'uplot';
-import 'uplot/dist/uPlot.min.css';
 import { type ChartLayout, chartLayout, type PlacedPoint } from './chart-layout.ts';
 import { placeLabels } from './place-labels.ts';
 
@@ -10,7 +9,7 @@ const LABEL_HEIGHT_PX = 14;
 
 export interface ChartContents {
   readonly points: readonly AccuracyPoint[];
-  /** Which point is shown on the screen now; −1 for none. */
+  /** The point whose settings are drawn now; −1 for none. */
   readonly current: number;
 }
 
@@ -153,7 +152,7 @@ export class AccuracyChart {
     return button;
   }
 
-  /** Arrows go from point to point, by time; one of them is in the order of the Tab key. */
+  /** Arrow keys go from point to point, in order of time; the Tab key stops at one of them only. */
   #moveFocus(event: KeyboardEvent, index: number): void {
     const by = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
     if (!by) return;
