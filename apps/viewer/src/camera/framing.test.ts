@@ -4,12 +4,12 @@ import { depthRange, firstPose, fitDistance, verticalFov } from './framing.ts';
 const UNIT = { center: [0, 0, 0], radius: 1 } as const;
 
 describe('framing', () => {
-  it('fits the narrower side of the picture', () => {
+  it('fits the narrower side of the image', () => {
     expect(fitDistance(1, 60, 2)).toBeCloseTo(2);
     expect(fitDistance(1, 60, 0.5)).toBeGreaterThan(3);
   });
 
-  it('shows the same angle over the shorter side of any picture', () => {
+  it('shows the same angle over the shorter side of any image', () => {
     expect(verticalFov(50, 2)).toBeCloseTo(50);
     expect(verticalFov(90, 0.5)).toBeCloseTo((2 * Math.atan(2) * 180) / Math.PI);
   });

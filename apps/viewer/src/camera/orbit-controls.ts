@@ -30,7 +30,7 @@ const DAMPING_MS = 55;
 export interface OrbitControlsOptions {
   /** Called when the pose has changed or will: draw a frame. */
   readonly onChange: () => void;
-  /** True where steps must not glide, e.g. `prefers-reduced-motion`; asked at each step. */
+  /** Whether steps must not glide, e.g. `prefers-reduced-motion`; asked at each step. */
   readonly isMotionReduced?: () => boolean;
 }
 
@@ -63,7 +63,7 @@ export class OrbitControls {
     this.#isMotionReduced = isMotionReduced;
   }
 
-  /** What is to be drawn now. */
+  /** The pose to draw now. */
   get pose(): OrbitPose {
     return this.#shown;
   }
@@ -73,7 +73,7 @@ export class OrbitControls {
     return this.#home;
   }
 
-  /** Whether home is what is to be drawn now, whole turns aside. */
+  /** Whether the pose to draw now is home, whole turns aside. */
   get isHome(): boolean {
     return isClose(unwound(this.#shown, this.#home.azimuth), this.#home);
   }
@@ -86,7 +86,7 @@ export class OrbitControls {
     this.#onChange();
   }
 
-  /** Back to the pose that the scene opened with. */
+  /** Goes back to the pose that the scene opened with. */
   reset(): void {
     this.glideTo(this.#home);
   }
@@ -98,10 +98,7 @@ export class OrbitControls {
     else this.setPose(pose, this.#home);
   }
 
-  /**
-   * Lets the shown pose come `elapsedMs` nearer to its goal.
-   * Returns whether it has not arrived, so that another frame is needed.
-   */
+  /** Glides `elapsedMs` further towards the goal; returns whether it has not arrived, so that another frame is needed. */
   update(elapsedMs: number): boolean {
     if (this.#shown === this.#goal) return false;
     const next = mixed(this.#shown, this.#goal, 1 - Math.exp(-elapsedMs / DAMPING_MS));
@@ -110,8 +107,8 @@ export class OrbitControls {
   }
 
   /**
-   * Listens on `element`, which needs `touch-action: none`; keys are given to `handleKey` by whoever has them.
-   * Returns what stops listening.
+   * Listens to `element`, which needs `touch-action: none`; the caller passes keys to `handleKey`. Returns what stops
+   * listening.
    */
   attach(element: HTMLElement): () => void {
     const listeners = new AbortController();
@@ -169,14 +166,14 @@ export class OrbitControls {
   }
 
   #pointerDown(element: HTMLElement, event: PointerEvent): void {
-    // A third finger has no meaning; it would only make the picture jump.
+    // A third finger has no meaning; it would only make the image jump.
     if (this.#pointers.size === 2) return;
     if (event.pointerType === 'mouse' && event.button > 2) return;
     if (this.#pointers.size === 0) this.#isPanning = event.button !== 0 || event.shiftKey;
     this.#heightPx = Math.max(1, element.clientHeight);
     this.#pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     element.setPointerCapture(event.pointerId);
-    // The middle button would start the browser's own scrolling. Focus, which this also prevents, is asked for.
+    // Keeps the middle button from scrolling the page. That prevents focus too, hence the call below.
     event.preventDefault();
     element.focus({ preventScroll: true });
   }
@@ -191,7 +188,7 @@ export class OrbitControls {
     if (before.length === 2) {
       const after = [...this.#pointers.values()];
       const factor = spread(before) / spread(after);
-      // One finger's way moves the middle of both by half of it.
+      // The middle of both fingers moves half as far as one of them.
       const pose = panned(this.#goal, dx / 2, dy / 2, this.#heightPx, this.fovYDegrees);
       this.#drag(dollied(pose, Number.isFinite(factor) && factor > 0 ? factor : 1, this.distanceRange));
     } else if (this.#isPanning) {
@@ -223,7 +220,7 @@ export class OrbitControls {
     this.#onChange();
   }
 
-  /** A step without a hand to follow: glides, where motion is wanted. */
+  /** A step that no hand makes: glides, unless motion is reduced. */
   #step(pose: OrbitPose): void {
     this.#goal = pose;
     if (this.#isMotionReduced()) this.#shown = pose;

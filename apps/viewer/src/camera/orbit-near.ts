@@ -4,16 +4,16 @@ import { type OrbitPose, poseFromLookAt } from './orbit-pose.ts';
 import type { Sphere } from './scene-bounds.ts';
 import type { Vec3 } from './vec3.ts';
 
-/** A way to look at a scene from which orbiting goes on. */
+/** A view of a scene from which orbiting goes on. */
 export interface OrbitView {
   readonly pose: OrbitPose;
-  /** Field of view over the picture's shorter side. */
+  /** Field of view over the image's shorter side. */
   readonly fovDegrees: number;
 }
 
 /**
- * The orbit that comes closest to `camera`, so that the first movement does not jump where that can be helped: around
- * the point of its line of sight that is as deep as the middle of `subject`.
+ * The orbit that comes closest to `camera`, so that the first movement jumps as little as possible: around the point of its
+ * line of sight that is as deep as the middle of `subject`.
  */
 export function orbitNear(camera: Camera, subject: Sphere, aspect: number): OrbitView {
   const { viewMatrix: v, projectionMatrix: p } = camera;
@@ -34,7 +34,7 @@ export function orbitNear(camera: Camera, subject: Sphere, aspect: number): Orbi
     ? verticalFov(FIRST_FOV_DEGREES, aspect)
     : (Math.atan(Math.abs(p[11] / p[5])) * 360) / Math.PI;
   const fovDegrees = shorterSideFov(fovYDegrees, aspect);
-  // What is as large in the parallel picture is as large in perspective, in the middle of the scene.
+  // At the middle of the scene, perspective shows things as large as the parallel projection does.
   const distance = isOrthographic ? Math.abs(p[15] / p[5]) / Math.tan((fovYDegrees * Math.PI) / 360) : depth;
   const eye = along(target, -distance);
   // Far from the world's origin a short distance rounds to none.

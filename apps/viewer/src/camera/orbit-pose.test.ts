@@ -78,7 +78,7 @@ describe('poses', () => {
   });
 
   it('pans so that the target follows the pointer exactly', () => {
-    // At 90° and distance 10 the picture is 20 units high: 100 px of 400 are 5 units.
+    // At 90° and distance 10 the image is 20 units high: 100 px of 400 are 5 units.
     expectClose(panned(FRONT, 100, 0, 400, 90).target, [-5, 0, 0]);
     expectClose(panned(FRONT, 0, 100, 400, 90).target, [0, 5, 0]);
   });

@@ -25,7 +25,7 @@ export interface DistanceRange {
   readonly max: number;
 }
 
-/** Short of the poles, where the camera would have no sideways direction. */
+/** Radians that the camera keeps from the poles, where it would have no sideways direction. */
 const POLAR_MARGIN = 0.01;
 
 /** The three axes of an orbit around `up`: `up` itself and two directions across it. */
@@ -80,8 +80,8 @@ export function moved(pose: OrbitPose, offset: Vec3): OrbitPose {
 }
 
 /**
- * Moved so that what is at the target's depth follows a pointer that went `dxPx`, `dyPx` (y down)
- * over a picture of height `heightPx`.
+ * Moved so that things at the target's depth follow a pointer that went `dxPx`, `dyPx` (y down) over an image of height
+ * `heightPx`.
  */
 export function panned(
   pose: OrbitPose,

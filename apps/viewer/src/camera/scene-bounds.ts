@@ -6,7 +6,7 @@ export interface Sphere {
   readonly radius: number;
 }
 
-/** A box around all clouds where they stand; `part` says which of a cloud's own boxes counts. */
+/** A box around all clouds under their matrices; `part` names the box of a cloud that counts. */
 export function boundsOf(clouds: readonly CloudInstance[], part: 'bounds' | 'robustBounds'): Bounds {
   const min: [number, number, number] = [Infinity, Infinity, Infinity];
   const max: [number, number, number] = [-Infinity, -Infinity, -Infinity];
@@ -42,6 +42,6 @@ function transformedPoint(m: ArrayLike<number>, [x, y, z]: Vec3): Vec3 {
 export function boundingSphere({ min, max }: Bounds): Sphere {
   const center: Vec3 = [(min[0] + max[0]) / 2, (min[1] + max[1]) / 2, (min[2] + max[2]) / 2];
   const radius = Math.hypot(max[0] - min[0], max[1] - min[1], max[2] - min[2]) / 2;
-  // A single splat, or all in one point, has no extent; it still needs a distance to be seen from.
+  // Splats in a single point have no extent, but the camera needs a distance from them.
   return { center, radius: radius > 0 && Number.isFinite(radius) ? radius : 1 };
 }

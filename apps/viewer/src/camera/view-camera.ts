@@ -26,7 +26,7 @@ export interface CameraSubject {
   readonly isUpsideDown: boolean;
 }
 
-/** Everything that the camera needs to come back to where it was. */
+/** The camera's state, so that it can come back to it. */
 export interface CameraSnapshot {
   readonly pose: OrbitPose;
   readonly home: OrbitPose;
@@ -168,7 +168,7 @@ export class ViewCamera {
     return widthPx > 0 ? widthPx / heightPx : 1;
   }
 
-  /** `sphere` where it is while the scene is flipped, or is not. */
+  /** `sphere` in the scene as it is drawn: flipped or not. */
   #placed(sphere: Sphere): Sphere {
     const { isFlipped } = this.#store.getState();
     return isFlipped ? { center: flippedPoint(sphere.center), radius: sphere.radius } : sphere;

@@ -6,12 +6,12 @@ import type { ErrorMap } from './error-map.ts';
 import type { ErrorMapRequest } from './error-map.worker.ts';
 
 /**
- * Keeps `canvas` showing how far the picture that stands is from `reference`. It is hidden while the picture moves, and
- * comes when the comparison, in a worker, is done. Returns what stops that.
+ * Keeps the error map of the image on the screen, against `reference`, on `canvas`. The canvas is hidden while the image
+ * moves, and comes back when a worker has compared both images. Returns what stops that.
  */
 export function showErrorMap(canvas: HTMLCanvasElement, viewer: Viewer, store: ViewerStore): () => void {
   const worker = new Worker(new URL('./error-map.worker.ts', import.meta.url), { type: 'module' });
-  /** The picture that was compared last or is being compared. */
+  /** `restedFrames` of the image that was compared last or is being compared. */
   let comparedFrames = -1;
   let isBusy = false;
   let isStopped = false;
@@ -50,7 +50,7 @@ export function showErrorMap(canvas: HTMLCanvasElement, viewer: Viewer, store: V
       const now = store.getState();
       if (map && !isStopped && now.isIdle && now.restedFrames === restedFrames) show(map);
     } catch (error) {
-      // A device that is lost, or a scene that is gone, ends the comparison too; the viewer tells of both itself.
+      // A lost device or a replaced scene ends the comparison too; the viewer reports both itself.
       if (!isStopped && store.getState().status === 'running') console.error(error);
     } finally {
       isBusy = false;

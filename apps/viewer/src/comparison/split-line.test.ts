@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { movedSplit, splitText } from './split-line.ts';
 
-describe('line of a split picture', () => {
+describe('line of a split image', () => {
   it.each([
     ['ArrowLeft', false, 0.49],
     ['ArrowRight', false, 0.51],
@@ -15,7 +15,7 @@ describe('line of a split picture', () => {
     expect(movedSplit(0.5, key, isShift)).toBe(part),
   );
 
-  it('stays in the picture, and comes back where it was', () => {
+  it('stays in the image, and comes back where it was', () => {
     expect(movedSplit(0.003, 'ArrowLeft', false)).toBe(0);
     expect(movedSplit(0.98, 'PageUp', false)).toBe(1);
     let part = 0.5;
@@ -25,7 +25,7 @@ describe('line of a split picture', () => {
     expect(part).toBe(0.5);
   });
 
-  it('tells how much of each is seen', () => {
+  it('says how much of each side is seen', () => {
     expect(splitText(0.305, 'fast', 'reference')).toBe('31 % fast, 69 % reference');
   });
 });

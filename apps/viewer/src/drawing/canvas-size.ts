@@ -24,7 +24,7 @@ export function observeDevicePixelSize(element: Element, onSize: (size: CanvasSi
     const box = entry.devicePixelContentBoxSize?.[0];
     hasDevicePixelBox = box !== undefined;
     lastCss = entry.contentRect;
-    // The exact size: with fractional scales, rounding the CSS size would make the browser resample the picture.
+    // The exact size: with fractional scales, rounding the CSS size would make the browser resample the image.
     if (box && isPlausible(box.inlineSize, lastCss.width)) report(box.inlineSize, box.blockSize);
     else reportScaled();
   });

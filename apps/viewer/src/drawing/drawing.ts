@@ -21,7 +21,7 @@ export interface DrawingOptions {
   readonly camera: ViewCamera;
 }
 
-/** Draws the newest scene when something has changed, and tells the store when the image has come to rest. */
+/** Draws the newest scene when something has changed, and writes to the store when the image has come to rest. */
 export class Drawing {
   readonly #options: DrawingOptions;
   readonly #loop: FrameLoop;
@@ -132,7 +132,7 @@ export class Drawing {
     if (isOwnCamera !== wasOwnCamera) store.setState({ isOwnCamera });
   }
 
-  /** Nothing is asked for any more; what is still being compiled may be drawn yet. */
+  /** The loop has paused. Frames whose shaders are still being compiled follow later. */
   async #rest(): Promise<void> {
     this.#meter.pause();
     const { sessions } = this.#options;

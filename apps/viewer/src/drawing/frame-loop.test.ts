@@ -48,7 +48,7 @@ describe('FrameLoop', () => {
     expect(test.draw).toHaveBeenCalledOnce();
   });
 
-  it('is idle after the last picture is done, with nothing pending', async () => {
+  it('is idle after the last frame is done, with nothing pending', async () => {
     test.loop.request();
     expect(test.loop.isResting).toBe(false);
     test.refresh(0);

@@ -1,12 +1,12 @@
-/** Frames that may be on their way to the GPU: one being drawn and one ready to follow. More would only add delay. */
+/** Frames in flight: one that the GPU draws and one ready to follow. More would only add delay. */
 const MAX_FRAMES_IN_FLIGHT = 2;
 
 export interface FrameLoopOptions {
-  /** Draws what stands `elapsedMs` after the frame before; the work's completion, or null where nothing was submitted. */
+  /** Draws a frame, `elapsedMs` after the one before. Returns the work's completion, or null if nothing was submitted. */
   readonly draw: (elapsedMs: number) => Promise<unknown> | null;
   /** A frame has been drawn. */
   readonly onDrawn: (completedMs: number) => void;
-  /** Everything asked for has been drawn; no callback is pending until the next request. */
+  /** Every requested frame has been drawn; no callback is pending until the next request. */
   readonly onIdle: () => void;
 }
 
@@ -29,7 +29,7 @@ export class FrameLoop {
     }
   }
 
-  /** Whether nothing is asked for and nothing is on its way. */
+  /** Whether no frame is requested and none is in flight. */
   get isResting(): boolean {
     return this.#handle === 0 && this.#framesInFlight === 0 && !this.#isWanted;
   }
@@ -57,7 +57,7 @@ export class FrameLoop {
       if (this.#isWanted) this.request();
       this.#settle();
     };
-    // A lost device rejects; that is reported where the device is owned.
+    // A lost device rejects; the session's owner reports that.
     completion.then(done, done);
   }
 
@@ -69,5 +69,5 @@ export class FrameLoop {
   }
 }
 
-/** What the first frame after a pause counts as, for movements that take time. */
+/** Movements take this time for the first frame after a pause. */
 const NOMINAL_FRAME_MS = 1000 / 60;

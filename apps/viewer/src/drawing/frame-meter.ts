@@ -1,8 +1,8 @@
 import type { FrameRate } from '../state/viewer-state.ts';
 
-/** Frames that the mean is taken over. */
+/** The mean covers this many frames. */
 const WINDOW_FRAMES = 30;
-/** A longer mean would lag behind what is felt. */
+/** A longer mean would lag behind what people feel. */
 const WINDOW_MS = 1000;
 
 /**
@@ -12,12 +12,12 @@ const WINDOW_MS = 1000;
 export class FrameMeter {
   #completedMs: number[] = [];
 
-  /** The last frame has been drawn and no other is wanted: the next one starts a new run. */
+  /** The last frame has been drawn and no other is requested: the next one starts a new run. */
   pause(): void {
     this.#completedMs = [];
   }
 
-  /** A frame has been drawn at `completedMs`; null where it is the first of its run, which has no pace yet. */
+  /** A frame has been drawn at `completedMs`. Returns null for the first frame of a run, which has no pace yet. */
   add(completedMs: number): FrameRate | null {
     const times = this.#completedMs;
     times.push(completedMs);

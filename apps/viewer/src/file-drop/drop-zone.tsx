@@ -1,8 +1,8 @@
 import { useEffect, useRef, useState } from 'react';
-import { type DropDecision, decideDrop } from './file-drop.ts';
+import { decideDrop, type FileDropDecision } from './file-drop.ts';
 
 /** Takes files that are dropped anywhere in the window, and shows so while they hover. */
-export function DropZone({ onDrop }: { onDrop: (decision: DropDecision) => void }) {
+export function DropZone({ onDrop }: { onDrop: (decision: FileDropDecision) => void }) {
   const [isHovering, setHovering] = useState(false);
   const latestOnDrop = useRef(onDrop);
   useEffect(() => {

@@ -1,5 +1,5 @@
-/** What to do with what was dropped or chosen: open a file, say why not, or both. */
-export interface DropDecision {
+/** The answer to dropped or chosen files: a file to open, a reason why not, or both. */
+export interface FileDropDecision {
   readonly file: File | null;
   readonly notice: string | null;
 }
@@ -11,7 +11,7 @@ interface DroppedItem {
 }
 
 /** Decides over the items of a drop; call it within the event, after which the browser empties them. */
-export function decideDrop(items: Iterable<DroppedItem>): DropDecision {
+export function decideDrop(items: Iterable<DroppedItem>): FileDropDecision {
   const files: File[] = [];
   let folders = 0;
   for (const item of items) {
@@ -31,8 +31,8 @@ export function decideDrop(items: Iterable<DroppedItem>): DropDecision {
   };
 }
 
-/** Of several files the first PLY is opened: there is one scene at a time. */
-export function decideFiles(files: readonly File[]): DropDecision {
+/** Opens the first PLY of several files: the viewer shows one scene at a time. */
+export function decideFiles(files: readonly File[]): FileDropDecision {
   const file = files.find(({ name }) => /\.ply$/i.test(name)) ?? files[0] ?? null;
   const others = files.length - 1;
   if (!file || others < 1) return { file, notice: null };

@@ -1,7 +1,7 @@
 import type { DeviceCase, HardCase, HardCaseGroup, RefusedFileCase, SceneCase } from '@websplatter/hardcases';
 import type { Link } from '../state/failure.ts';
 
-/** Cases that can be opened: pictures, and files of which the error is the point. */
+/** Cases that can be opened: images, and files whose refusal is the point. */
 export type OpenableCase = SceneCase | DeviceCase | RefusedFileCase;
 
 /** Loaded when a hard case or the gallery is asked for, so that the viewer does not carry the catalogue. */
@@ -18,13 +18,13 @@ export function addressOf(name: string): string {
   return `${GALLERY_ADDRESS}:${encodeURIComponent(name)}`;
 }
 
-/** The case that `?scene=` asks for; null where it asks for another scene. */
+/** The case that `?scene=` asks for; null if it asks for another scene. */
 export function hardCaseNameIn(scene: string | null | undefined): string | null {
   const prefix = `${GALLERY_SCENE}:`;
   return scene?.startsWith(prefix) ? scene.slice(prefix.length) : null;
 }
 
-/** There is no such case, or none that can be opened. */
+/** The case does not exist or cannot be opened. */
 export class HardCaseError extends Error {
   override readonly name = 'HardCaseError';
   readonly links: readonly Link[];
@@ -36,7 +36,7 @@ export class HardCaseError extends Error {
   }
 }
 
-/** @throws HardCaseError where there is no such case or it cannot be opened. */
+/** @throws HardCaseError if there is no such case or it cannot be opened. */
 export function findHardCase(cases: readonly HardCase[], name: string): OpenableCase {
   const found = cases.find((candidate) => candidate.name === name);
   if (found && isOpenable(found)) return found;
@@ -57,7 +57,7 @@ export function isOpenable(hardCase: HardCase): hardCase is OpenableCase {
   return hardCase.kind !== 'sort' && hardCase.kind !== 'arithmetic';
 }
 
-/** What there is to know before opening a case, or why it cannot be opened; empty for ordinary ones. */
+/** A remark on opening a case, or the reason why it cannot be opened; empty for ordinary cases. */
 export function noteOn(hardCase: HardCase): string {
   switch (hardCase.kind) {
     case 'scene':
@@ -83,7 +83,7 @@ export interface CaseGroup {
   readonly cases: readonly HardCase[];
 }
 
-/** By group, in the catalogue's order. */
+/** The cases by group, in the catalogue's order. */
 export function groupedCases(cases: readonly HardCase[]): CaseGroup[] {
   const groups = new Map<HardCaseGroup, HardCase[]>();
   for (const hardCase of cases) {
@@ -106,10 +106,10 @@ export function filteredCases(cases: readonly HardCase[], query: string): readon
 }
 
 const MOST_CLOSEST = 3;
-/** Of the pairs of letters that two names have; with less in common they are not alike to the eye. */
+/** Names with fewer pairs of letters in common do not look alike. */
 const LEAST_SIMILARITY = 0.25;
 
-/** The names that are most like `asked`, best first; none where none is alike. */
+/** The names that are most like `asked`, best first; empty if none is alike. */
 export function closestNames(names: readonly string[], asked: string): string[] {
   return names
     .map((name) => ({ name, similarity: similarity(name, asked) }))

@@ -12,7 +12,7 @@ import {
 } from './catalogue.ts';
 import './gallery.css';
 
-/** All hard cases, to be searched and opened. */
+/** The page that lists all hard cases, to be searched and opened. */
 export function Gallery({ cases, firstQuery }: { cases: readonly HardCase[]; firstQuery: string }) {
   const [query, setQuery] = useState(firstQuery);
   const found = useMemo(() => filteredCases(cases, query), [cases, query]);
@@ -53,8 +53,8 @@ export function Gallery({ cases, firstQuery }: { cases: readonly HardCase[]; fir
         </a>
         <h1>Hard cases</h1>
         <p>
-          Small scenes that break splat renderers, each with what goes wrong elsewhere. Tests hold every
-          picture against float64.
+          Small scenes that break splat renderers, each with the fault that it provokes. Tests compare every
+          image with float64.
         </p>
       </header>
       <search className="gallery-search">

@@ -26,10 +26,10 @@ export function hudText(state: ViewerState): Record<HudFigure, string> {
   const timing = statistics?.timing;
   const rate = isIdle ? undefined : frameRate?.framesPerSecond;
   return {
-    // A lone frame has no pace; what it took is the next best.
+    // A lone frame has no pace; its own time is the next best.
     frameMs: formatMs(frameRate?.frameMs ?? timing?.wallClockMs ?? Number.NaN),
     rate: rate === undefined ? '' : formatRate(rate),
-    // Nothing is drawn while nothing changes: a rate would be untrue.
+    // Nothing is drawn while nothing changes: a rate would be wrong.
     rateUnit: rate === undefined ? (isIdle ? 'idle' : '') : 'fps',
     preprocess: formatMs(timing?.preprocessMs ?? Number.NaN),
     sort: formatMs(timing?.sortMs ?? Number.NaN),
@@ -50,7 +50,7 @@ function sourceText(timing: StageTimings): string {
     : `GPU timestamps; the clock says ${formatMs(timing.wallClockMs)} ms`;
 }
 
-/** Each stage's part of the three together, 0…1; all 0 where they are not measured. */
+/** Each stage's part of the time of all three, 0…1; all 0 if they are not measured. */
 export function stageShares({
   statistics,
 }: ViewerState): Record<'preprocess' | 'sort' | 'rasterize', number> {
@@ -66,7 +66,7 @@ export function stageShares({
 
 /**
  * Writes the store's figures into the elements of `root` that carry `data-figure` and `data-share`, outside React and
- * at a pace that can be read; returns what stops that.
+ * slowly enough to be read. Returns what stops that.
  */
 export function bindHud(root: HTMLElement, store: ViewerStore): () => void {
   const figures = [...root.querySelectorAll<HTMLElement>('[data-figure]')].map((element) => {

@@ -9,7 +9,7 @@ const STAGES = [
   ['rasterize', 'Rasterize'],
 ] as const;
 
-/** What the frame costs. React renders it once; from then on the figures are written into it directly. */
+/** The cost of the frame. React renders it once; from then on the figures are written into it directly. */
 export const Hud = memo(function Hud({ store }: { store: ViewerStore }) {
   const isVisible = useStore(store, (state) => state.isHudVisible);
   const root = useRef<HTMLElement>(null);
@@ -64,7 +64,7 @@ export const Hud = memo(function Hud({ store }: { store: ViewerStore }) {
       </dl>
       <dl className="hud-device">
         <div>
-          <dt>Picture</dt>
+          <dt>Image</dt>
           <dd data-figure="resolution" data-testid="resolution" />
         </div>
         <div>

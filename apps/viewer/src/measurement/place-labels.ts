@@ -6,7 +6,7 @@ export interface Box {
   readonly height: number;
 }
 
-/** A point of a chart that would like to have its name beside it. */
+/** A point of a chart that is to have its name beside it. */
 export interface Labelled {
   readonly x: number;
   readonly y: number;
@@ -19,10 +19,10 @@ export interface Labelled {
 const GAP_PX = 8;
 
 /**
- * Places for names beside their points: to the right, else left, above or below, inside of `area`, over no other name and
- * no point. Null for those that find none.
+ * Places names beside their points: to the right, else left, above or below, inside `area` and clear of other names and
+ * points. Null for names that find no place.
  *
- * @param points the most important first: later ones give way.
+ * @param points the most important first; later ones give way.
  */
 export function placeLabels(points: readonly Labelled[], area: Box): (Box | null)[] {
   const taken: Box[] = points.map(({ x, y }) => ({ left: x - 4, top: y - 4, width: 8, height: 8 }));

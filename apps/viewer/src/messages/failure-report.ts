@@ -9,7 +9,7 @@ import { HardCaseError } from '../hard-cases/catalogue.ts';
 import type { FailureReport } from '../state/failure.ts';
 import { formatBytes } from '../words/format.ts';
 
-/** The engine's message says the rest: where in the file, and what to do. */
+/** The engine's message adds the place in the file and what to do. */
 const FILE_PROBLEMS: Readonly<Record<SplatFileErrorCode, string>> = {
   'unknown-format': 'Unknown file format',
   'bad-header': 'The file’s header cannot be read',
@@ -39,7 +39,7 @@ export function reportFailure(error: unknown, title: string): FailureReport {
   }
   if (error instanceof GpuLimitError) {
     const sizes = `${formatBytes(error.neededBytes)} needed, ${formatBytes(error.availableBytes)} available`;
-    // Limits of textures are in pixels, whatever the fields are called.
+    // Limits of textures are in pixels, although the fields say bytes.
     const isLength = error.limit.includes('Dimension');
     return {
       title: 'Too large for this GPU',

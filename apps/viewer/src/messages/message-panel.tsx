@@ -1,7 +1,7 @@
 import type { ReactNode } from 'react';
 import { Icon } from '../ui/icon.tsx';
 
-/** Something that stays until it is dismissed. */
+/** A message that stays until it is dismissed. */
 export function MessagePanel(props: {
   kind: 'error' | 'warning';
   title: string;

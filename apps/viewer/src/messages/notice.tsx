@@ -5,7 +5,7 @@ import type { ViewerStore } from '../state/store.ts';
 /** Long enough to read two sentences. */
 const SHOWN_MS = 8000;
 
-/** A sentence that goes away by itself. */
+/** A sentence that disappears by itself. */
 export function Notice({ store }: { store: ViewerStore }) {
   const notice = useStore(store, (state) => state.notice);
   useEffect(() => {

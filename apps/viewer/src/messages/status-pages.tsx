@@ -2,7 +2,7 @@ import { useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
 
-/** In place of the viewer where the browser gives no WebGPU. */
+/** In place of the viewer if the browser offers no WebGPU. */
 export function UnavailablePage({ store }: { store: ViewerStore }) {
   const reason = useStore(store, (state) => state.statusReason);
   return (
@@ -29,7 +29,7 @@ export function UnavailablePage({ store }: { store: ViewerStore }) {
         If yours is among them, check that hardware acceleration is on and that the graphics driver is up to
         date.
       </p>
-      {/* Where there is no WebGPU at all the reason repeats the above. */}
+      {/* Without any WebGPU the reason repeats the above. */}
       {navigator.gpu !== undefined && (
         <p className="particulars" data-testid="status-reason">
           {reason}
@@ -39,7 +39,7 @@ export function UnavailablePage({ store }: { store: ViewerStore }) {
   );
 }
 
-/** In place of the gallery where its catalogue could not be loaded. */
+/** In place of the gallery if its catalogue could not be loaded. */
 export function GalleryFailedPage() {
   return (
     <main className="status-page" role="alert">

@@ -2,7 +2,7 @@ import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
 import { MessagePanel } from './message-panel.tsx';
 
-/** What is wrong with the scene that is shown. */
+/** The problem of the scene that is shown. */
 export function WarningPanel({ store }: { store: ViewerStore }) {
   const warning = useStore(store, (state) => state.warning);
   return (

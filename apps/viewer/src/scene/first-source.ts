@@ -10,7 +10,7 @@ export interface AddressedScene {
 
 export interface FirstSource {
   readonly source: SceneSource;
-  /** What is wrong with the address, in words. */
+  /** The problem with the address, in words. */
   readonly notice: string | null;
 }
 

@@ -66,7 +66,7 @@ export class Scenes {
     this.#loading.abort();
   }
 
-  /** The session ends: nothing of it can be loaded into, or gone back to. */
+  /** The session ends: loading stops, and its scenes cannot come back. */
   endSession(): void {
     this.#loading?.abort();
     this.#loading = null;

@@ -6,7 +6,7 @@ import { ErrorMapLegend } from '../comparison/error-map-legend.tsx';
 import { SplitImage } from '../comparison/split-image.tsx';
 import { EffectsPanel } from '../effects/effects-panel.tsx';
 import { DropZone } from '../file-drop/drop-zone.tsx';
-import { type DropDecision, decideFiles } from '../file-drop/file-drop.ts';
+import { decideFiles, type FileDropDecision } from '../file-drop/file-drop.ts';
 import { Hud } from '../hud/hud.tsx';
 import { AccuracyMeasurement } from '../measurement/accuracy-measurement.ts';
 import { Measurement } from '../measurement/measurement.ts';
@@ -37,7 +37,7 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   useEffect(() => accuracyMeasurement.watch(), [accuracyMeasurement]);
   useEffect(() => listenToKeys(viewer, store, run), [viewer, store, run]);
 
-  const follow = ({ file, notice }: DropDecision) => {
+  const follow = ({ file, notice }: FileDropDecision) => {
     if (file) viewer.scenes.open({ kind: 'file', file });
     if (notice) store.setState({ notice });
   };

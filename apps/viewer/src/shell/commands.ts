@@ -11,7 +11,7 @@ export interface Command {
   readonly key: string;
 }
 
-/** What a button and a key do alike; the keys that move the camera belong to the controls. */
+/** Commands that have both a button and a key; the keys that move the camera belong to the controls. */
 export const COMMANDS: readonly Command[] = [
   { name: 'open', label: 'Open a file', key: 'o' },
   { name: 'frame', label: 'Frame the scene', key: 'f' },
@@ -51,7 +51,7 @@ export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand
     }
     if (status !== 'running') return;
     const command = COMMANDS.find(({ key }) => key === event.key.toLowerCase());
-    // A held key repeats; that is right for moving and wrong for switching.
+    // A held key repeats, which suits moving but not switching.
     if (command && !event.repeat && (!isHelpVisible || command.name === 'help')) run(command.name);
     else if (command || isHelpVisible || !viewer.camera.handleKey(event)) return;
     event.preventDefault();
@@ -60,9 +60,9 @@ export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand
   return () => window.removeEventListener('keydown', onKeyDown);
 }
 
-/** What Escape closes: one thing at a time. */
+/** Closes what lies on top, one thing at a time, as Escape does. */
 function withoutTopmost(state: ViewerState): Partial<ViewerState> {
-  // The dialog closes itself too, but tells later: a key pressed meanwhile would be taken for one over the help.
+  // The dialog closes itself too, but its event comes later: a key pressed meanwhile would count as one over the help.
   if (state.isHelpVisible) return { isHelpVisible: false };
   if (state.isDroppedVisible) return { isDroppedVisible: false };
   if (state.failure) return { failure: null };
@@ -70,7 +70,7 @@ function withoutTopmost(state: ViewerState): Partial<ViewerState> {
   return { dock: null };
 }
 
-/** Contents of a panel scroll by the keys that otherwise move the camera. */
+/** In a panel, keys that move the camera elsewhere scroll the contents. */
 function isScrolling({ key, target }: KeyboardEvent): boolean {
   const isInPanel = target instanceof HTMLElement && target.closest('.dock-body') !== null;
   return isInPanel && /^(Arrow(Up|Down)|Page(Up|Down)|Home|End)$/.test(key);

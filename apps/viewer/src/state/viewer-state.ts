@@ -47,7 +47,7 @@ export interface ViewerState {
   readonly scene: SceneSummary | null;
   readonly load: LoadState | null;
   readonly failure: FailureReport | null;
-  /** What is wrong with the scene that is shown; stays until it is dismissed. */
+  /** The problem of the scene that is shown; stays until it is dismissed. */
   readonly warning: SceneWarning | null;
   /** One sentence that needs no answer. */
   readonly notice: string | null;
@@ -63,11 +63,11 @@ export interface ViewerState {
   readonly accuracyTab: AccuracyTab;
   /** Settings that frames are drawn with: asked for, or chosen because of the wish. */
   readonly accuracy: AccuracySettings;
-  /** What is to be kept in every scene; null if settings were chosen by hand. */
+  /** The outcome to keep in every scene; null if settings were chosen by hand. */
   readonly wish: AccuracyWish | null;
-  /** What was chosen because of the wish, and why; null until this scene has been measured. */
+  /** The settings chosen because of the wish, and why; null until this scene has been measured. */
   readonly choice: AccuracyChoice | null;
-  /** What the GPU cannot do of that, in words. */
+  /** Settings that the GPU cannot honour, in words. */
   readonly accuracyNotices: readonly string[];
   readonly comparison: Comparison | null;
   readonly measuring: RunningMeasurement | null;
