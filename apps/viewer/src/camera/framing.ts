@@ -46,7 +46,8 @@ export function framedPose(pose: OrbitPose, sphere: Sphere, fovYDegrees: number,
 }
 
 /**
- * Depths to draw of a scene that lies within `extent` and mostly within `subject`. The far end is a power of two times the near one: a camera that only turns keeps its projection.
+ * Depths to draw of a scene that lies within `extent` and mostly within `subject`. The far end is a power of two times the
+ * near one: a camera that only turns keeps its projection.
  */
 export function depthRange(pose: OrbitPose, subject: Sphere, extent: Sphere): { near: number; far: number } {
   const near = Math.min(subject.radius, pose.distance) * NEAR_RADII;

@@ -11,7 +11,7 @@ export function boundsOf(clouds: readonly CloudInstance[], part: 'bounds' | 'rob
   const min: [number, number, number] = [Infinity, Infinity, Infinity];
   const max: [number, number, number] = [-Infinity, -Infinity, -Infinity];
   for (const { cloud, modelMatrix } of clouds) {
-    // A cloud without splats is nowhere.
+    // A cloud without splats has no place.
     if (cloud.count === 0) continue;
     for (const corner of cornersOf(cloud[part])) {
       const point = modelMatrix ? transformedPoint(modelMatrix, corner) : corner;

@@ -3,7 +3,7 @@ export interface CanvasSize {
   readonly heightPx: number;
 }
 
-/** Chromium gives the box in CSS pixels where the density is emulated (developer tools, tests). */
+/** Chromium reports the box in CSS pixels while the density is emulated (developer tools, tests). */
 function isPlausible(boxPx: number, cssPx: number): boolean {
   return Math.abs(boxPx - cssPx * devicePixelRatio) <= 1;
 }
@@ -31,12 +31,12 @@ export function observeDevicePixelSize(element: Element, onSize: (size: CanvasSi
   try {
     observer.observe(element, { box: 'device-pixel-content-box' });
   } catch {
-    // Safari knows the other boxes only.
+    // Safari does not know this box.
     hasDevicePixelBox = false;
     observer.observe(element);
   }
 
-  // Without that box a change of density alone goes unnoticed; a query matches one density, so it is made anew.
+  // Without that box a change of density alone goes unnoticed. A query matches one density, so each change makes a new one.
   const stop = new AbortController();
   const watchDensity = () => {
     matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener(

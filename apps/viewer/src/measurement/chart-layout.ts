@@ -66,7 +66,7 @@ export function chartLayout(points: readonly AccuracyPoint[]): ChartLayout {
 function rangeOf(values: readonly number[]): readonly [number, number] {
   if (values.length === 0) return [0, 1];
   const [min, max] = [Math.min(...values), Math.max(...values)];
-  // A single value stands in the middle of something.
+  // A single value stands in the middle of a range around it.
   const margin = max > min ? MARGIN * (max - min) : Math.max(1, 0.1 * max);
   return [Math.max(0, min - margin), max + margin];
 }

@@ -15,7 +15,7 @@ export interface SceneRequest extends Pick<AccuracySettings, 'geometryPrecision'
 
 export interface MadeScene {
   readonly packed: PackedCloud;
-  /** As it was made, for when another precision is asked for. */
+  /** The splats as they were made, from which other precisions can be packed. */
   readonly set: SplatSet;
 }
 
@@ -35,7 +35,7 @@ self.onmessage = ({ data }: MessageEvent<SceneRequest>) => {
     set.fileIndices,
   ];
   const buffers = [...columns, set.shRest.words].map(({ buffer }) => buffer);
-  // Precisions that are the same may share a buffer, which can be given away once.
+  // Equal precisions may share a buffer, which can be transferred only once.
   const transfer = [...new Set([...transferablesOf(packed), ...buffers])];
   self.postMessage({ packed, set } satisfies MadeScene, { transfer });
 };

@@ -13,8 +13,8 @@ export interface PrecisionsOptions {
 }
 
 /**
- * Decides which precisions the clouds hold: that of the chosen accuracy, and those that it is compared with. This is the
- * only place of the viewer that asks the engine for precisions.
+ * Decides which precisions the clouds hold: that of the chosen accuracy, and those that it is compared with. New clouds
+ * come with the engine's accuracy; nothing else in the viewer asks for precisions.
  */
 export class Precisions {
   readonly #options: PrecisionsOptions;
