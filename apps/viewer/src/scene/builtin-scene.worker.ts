@@ -35,7 +35,7 @@ self.onmessage = ({ data }: MessageEvent<SceneRequest>) => {
     set.fileIndices,
   ];
   const buffers = [...columns, set.shRest.words].map(({ buffer }) => buffer);
-  // Equal precisions may share a buffer, which can be transferred only once.
+  // Precisions that are the same may share a buffer, which can be given away once.
   const transfer = [...new Set([...transferablesOf(packed), ...buffers])];
   self.postMessage({ packed, set } satisfies MadeScene, { transfer });
 };
