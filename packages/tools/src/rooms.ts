@@ -79,10 +79,12 @@ export const PACKAGES: Arrows = {
   three: 'core',
   /** Splats in react-three-fiber. */
   react: 'three core',
+  /** Layout of charts, for the terminal's and the viewer's. */
+  charts: '',
   /** The command line. */
-  cli: 'hardcases node scenes core',
+  cli: 'charts hardcases node scenes core',
   /** The viewer; nothing imports an app. */
-  viewer: 'hardcases scenes core',
+  viewer: 'charts hardcases scenes core',
   /** Examples for react-three-fiber. */
   examples: 'react scenes core',
   /** Apps and packages in a browser. */
