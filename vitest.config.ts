@@ -16,7 +16,12 @@ export default defineConfig({
         test: {
           name: 'unit',
           environment: 'node',
-          include: ['packages/*/src/**/*.test.ts', 'apps/*/src/**/*.test.ts', 'apps/*/src/**/*.test.tsx'],
+          include: [
+            'packages/*/src/**/*.test.ts',
+            'packages/tools/**/*.test.mjs',
+            'apps/*/src/**/*.test.ts',
+            'apps/*/src/**/*.test.tsx',
+          ],
           exclude: ['**/*.gpu.test.ts'],
         },
       },

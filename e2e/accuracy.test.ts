@@ -20,17 +20,17 @@ import {
 const harness = viewerHarness();
 const { newPage, openViewer } = harness;
 const SMALL = { viewport: { width: 240, height: 160 } };
-/** A sweep draws a hundred pictures, on the CPU. */
+/** A measurement draws a hundred frames, on the CPU. */
 const TINY = { viewport: { width: 160, height: 120 } };
 const SWEEP = { state: 'attached', timeout: 120_000 } as const;
 const WITHOUT_LINE = '.split-line { visibility: hidden !important; }';
 
-/** The test scene as it is where harmonics are not evaluated. */
+/** The test scene without its spherical harmonics. */
 function withoutHarmonics(set: SplatSet): SplatSet {
-  return { ...set, shRest: { degree: 0, precision: 'f32', wordsPerSplat: 0, words: new Uint32Array(0) } };
+  return { ...set, harmonics: { degree: 0, coefficients: new Float32Array(0) } };
 }
 
-/** Does something that changes the picture, and waits for it. */
+/** Does something that changes the image, and waits for the new frame. */
 async function redraw(page: Page, action: () => Promise<unknown>): Promise<Screenshot> {
   const frames = await frameCount(page);
   await action();
@@ -38,7 +38,7 @@ async function redraw(page: Page, action: () => Promise<unknown>): Promise<Scree
   return viewerScreenshot(page);
 }
 
-/** Buttons of a sheet that is smaller than its contents are not always in sight. */
+/** Clicks from a script, since a sheet smaller than its contents may not show the button. */
 const press = (page: Page, testId: string) =>
   page.getByTestId(testId).evaluate((button: HTMLElement) => button.click());
 
@@ -47,7 +47,7 @@ const openTab = async (page: Page, tab: string) => {
   await press(page, `accuracy-tab-${tab}`);
 };
 
-/** Columns `from` up to `to` of a picture. */
+/** Columns `from` up to `to` of an image. */
 function columns({ data, widthPx, heightPx }: Screenshot, from: number, to: number): Screenshot {
   const rows = Array.from({ length: heightPx }, (_, y) =>
     data.subarray(4 * (y * widthPx + from), 4 * (y * widthPx + to)),
@@ -137,7 +137,7 @@ describe('accuracy in the viewer', () => {
     await page.getByTestId('measure').waitFor({ state: 'attached' });
     expect(await page.getByTestId('accuracy-point').count()).toBe(0);
 
-    // The page answers while it measures.
+    // The page stays responsive while it measures.
     await press(page, 'measure');
     await page.getByTestId('sweep-progress').waitFor({ state: 'attached' });
     await press(page, 'accuracy-tab-settings');
@@ -167,7 +167,7 @@ describe('accuracy in the viewer', () => {
     const wish = page.getByTestId('kept-wish');
     const preset = (name: string) => page.getByTestId(`preset-${name}`).getAttribute('aria-pressed');
 
-    // Called off before anything is chosen, it is no more.
+    // A wish that is called off before a choice has been made is gone.
     await page.getByTestId('sweep-progress').waitFor({ state: 'attached' });
     expect(await wish.textContent()).toContain('Keeps: at least 40 dB');
     expect(await textOf(page, 'accuracy-custom')).toBe('Drawn with balanced until this scene is measured');
@@ -184,13 +184,13 @@ describe('accuracy in the viewer', () => {
     const chosen = page.locator('[data-testid=point-table] tr:has([aria-pressed=true]) td').first();
     const psnrDb = Number((await chosen.textContent())?.replace('∞', 'Infinity'));
     expect(psnrDb).toBeGreaterThanOrEqual(44);
-    // By another way: the pictures themselves.
+    // Check the images themselves, too.
     const picked = await viewerScreenshot(page);
     const exact = await openViewer('?scene=still-life-small&accuracy=reference', TINY);
     expect(psnrOf(picked, await viewerScreenshot(exact))).toBeGreaterThan(43);
     await page.waitForURL(/accuracy=minPsnrDb:44/);
 
-    // What is opened later is measured too; called off after that, what was chosen stays.
+    // A scene opened later is measured too. Called off after that, the choice stays.
     await dropFiles(page, [{ name: 'test.ply', bytes: encodePly(testScene()) }]);
     await page.getByTestId('circumstances').getByText('400 splats').waitFor(SWEEP);
     await press(page, 'measure');

@@ -4,7 +4,7 @@ import { type Browser, type BrowserContextOptions, chromium, type Page } from 'p
 
 const executablePath = process.env.CHROMIUM_PATH ?? '/usr/bin/chromium';
 
-/** `WEBSPLATTER_BROWSER_GPU=1` runs the tests on this machine's GPU; by default they run everywhere alike, on the CPU. */
+/** `WEBSPLATTER_BROWSER_GPU=1` runs the tests on this machine's GPU; by default they run on the CPU, alike everywhere. */
 const usesGpu = process.env.WEBSPLATTER_BROWSER_GPU === '1';
 
 const COMMON_ARGS = [
@@ -19,7 +19,7 @@ const COMMON_ARGS = [
   '--enable-features=Vulkan',
 ];
 
-/** WebGPU on SwiftShader, with canvases on Vulkan too: without that the first `getCurrentTexture` ends WebGPU. */
+/** WebGPU and canvases on SwiftShader: unless canvases use Vulkan too, the first `getCurrentTexture` ends WebGPU. */
 const SWIFTSHADER_ARGS = [
   '--use-webgpu-adapter=swiftshader',
   '--use-gl=angle',
@@ -37,8 +37,8 @@ const GPU_ARGS = [
 ];
 
 /**
- * ANGLE asks the system's Vulkan loader for a driver, whatever --use-vulkan says; without a GPU there is none but the
- * SwiftShader that comes with Chromium, which the loader has to be told of.
+ * ANGLE asks the system's Vulkan loader for a driver, whatever --use-vulkan says. Without a GPU the only driver is Chromium's
+ * SwiftShader, which the loader finds through this variable alone.
  */
 function vulkanEnvironment(): Record<string, string> {
   const folders = [dirname(realpathSync(executablePath)), '/usr/lib/chromium'];
@@ -51,13 +51,13 @@ export function launchBrowser(): Promise<Browser> {
   return chromium.launch({
     executablePath,
     args: [...COMMON_ARGS, ...(usesGpu ? GPU_ARGS : SWIFTSHADER_ARGS)],
-    // Playwright turns the GPU off where there is no display.
+    // Playwright disables the GPU if there is no display.
     ignoreDefaultArgs: usesGpu ? ['--disable-gpu', '--disable-software-rasterizer'] : [],
     env,
   });
 }
 
-/** A page and everything that it complained about; a test passes only where that is nothing. */
+/** A page with its warnings and errors, of which a passing test must have none. */
 export interface WatchedPage {
   readonly page: Page;
   readonly problems: readonly string[];
@@ -65,13 +65,13 @@ export interface WatchedPage {
 
 /** Chrome reports some WebGPU failures as warnings only. */
 const WEBGPU_WARNING = /webgpu|\bGPU|Instance reference|WGSL/i;
-/** @react-three/fiber 9 asks three for a kind of shadow that it no longer has, shadows or not. */
+/** @react-three/fiber 9 always requests a kind of shadow that three no longer has. */
 const WARNING_OF_FIBER = /^THREE\.WebGPURenderer: PCFSoftShadowMap has been removed/;
 
 export async function newWatchedPage(browser: Browser, options: BrowserContextOptions): Promise<WatchedPage> {
   const context = await browser.newContext({
     viewport: { width: 480, height: 320 },
-    // Steps that glide would make the number of frames depend on the machine's speed.
+    // With smooth steps the number of frames would depend on the machine's speed.
     reducedMotion: 'reduce',
     ...options,
   });

@@ -7,10 +7,13 @@ import { dropFiles, frameCount, textOf, viewerHarness, waitForFrameAfter } from 
 const { openViewer } = viewerHarness();
 const SMALL = { viewport: { width: 240, height: 160 } };
 
-/** The test scene with harmonics in which there is nothing. */
+/** The test scene with spherical harmonics that are all zero. */
 function withEmptyHarmonics(set: SplatSet): SplatSet {
-  const { shRest } = set;
-  return { ...set, shRest: { ...shRest, words: new Uint32Array(shRest.words.length) } };
+  const { harmonics } = set;
+  return {
+    ...set,
+    harmonics: { ...harmonics, coefficients: new Float32Array(harmonics.coefficients.length) },
+  };
 }
 
 const effect = (page: Page, name: string) => page.getByTestId(`effect-${name}`);
@@ -33,7 +36,7 @@ describe('effects in the viewer', () => {
     expect(await isOn(page, 'fog')).toBe('false');
     expect(await effect(page, 'fog').textContent()).toContain('no cloud asks for it');
 
-    // Files are turned, and this one has nothing in its harmonics.
+    // The viewer turns files, and the harmonics of this one are all zero.
     await open(page, withEmptyHarmonics(testScene()));
     expect(await isOn(page, 'harmonics')).toBe('false');
     expect(await effect(page, 'harmonics').textContent()).toContain('nothing above 0 could be seen');
@@ -45,7 +48,7 @@ describe('effects in the viewer', () => {
     await waitForFrameAfter(page, frames);
     expect(await isOn(page, 'transform')).toBe('false');
 
-    // One panel at a time.
+    // Only one panel is open at a time.
     await page.keyboard.press('c');
     await page.getByTestId('effects').waitFor({ state: 'detached' });
     await page.keyboard.press('e');

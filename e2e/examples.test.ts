@@ -18,10 +18,10 @@ const harness = appHarness('apps/examples');
 /** SwiftShader draws these pages at a few frames per second. */
 const PATIENCE = { timeout: 60_000, interval: 250 };
 
-/** The colour of the page behind a canvas, in the light. */
+/** Colour of the page behind a canvas in the light theme. */
 const PAGE_COLOR = [0xf4 / 255, 0xf5 / 255, 0xf7 / 255] as const;
 
-/** The page of an example, with `scene` in place of the still life. */
+/** Opens the page of an example, with `scene` in place of the still life. */
 async function openExample(name: string, scene: SplatSet | Promise<SplatSet>): Promise<Page> {
   const page = await harness.newPage();
   await page.route('**/still-life.ply', async (route) =>
@@ -31,7 +31,7 @@ async function openExample(name: string, scene: SplatSet | Promise<SplatSet>): P
   return page;
 }
 
-/** What the canvas shows, also while it does not yet have its size, without the controls over it. */
+/** Takes a screenshot of the canvas without its controls, even before the canvas has its final size. */
 function picture(page: Page): Promise<Screenshot> {
   return screenshot(page.locator('.stage'), '.panel, .view-names { visibility: hidden !important; }');
 }
@@ -40,7 +40,7 @@ type Size = Pick<Screenshot, 'widthPx' | 'heightPx'>;
 
 const sizeOf = async (page: Page): Promise<Size> => picture(page);
 
-/** What a camera at `position`, by default that of most examples, shows of clouds without transforms, over the page. */
+/** The reference over the page's colour: clouds without transforms from `position`, by default that of most examples. */
 function drawnFrom(
   position: Vec3,
   { widthPx, heightPx }: Size,
@@ -108,7 +108,7 @@ describe('examples', () => {
     await page.addInitScript(() =>
       Object.defineProperty(Navigator.prototype, 'gpu', { get: () => undefined }),
     );
-    // React tells of what a boundary has caught.
+    // React logs the error that a boundary has caught.
     harness.expectProblem(/WebGpuUnavailableError/);
     await page.goto(`${harness.server.url}?example=first-splat`);
     expect(await page.getByRole('alert').textContent(PATIENCE)).toContain('WebGPU');
@@ -154,7 +154,7 @@ describe('examples', () => {
       return async () => psnrDb(await picture(page));
     };
     await expect.poll(psnrAs(), PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
-    // The comparison can fail: the second ring not mirrored.
+    // Make sure that the comparison can fail: with the second ring not mirrored, it does.
     const unmirrored = [drawn.modelMatrices[0], modelMatrix(0.55, Math.PI / 2, [0.85, 0.85, 0.85])];
     expect(await psnrAs({ modelMatrices: unmirrored })()).toBeLessThan(MIN_PSNR_DB);
 
@@ -197,7 +197,7 @@ describe('examples', () => {
     const page = await openExample('demand-loop', stillLife({ splats: 5000, shDegree: 0 }));
     const frames = async () => Number(await page.locator('output').textContent());
     await expect.poll(async () => new Set((await picture(page)).data).size, PATIENCE).toBeGreaterThan(100);
-    // Shaders and data that become ready ask for frames of their own.
+    // Shaders and data request frames when they become ready.
     let atRest = await frames();
     await expect
       .poll(async () => {
@@ -239,7 +239,7 @@ describe('examples', () => {
   });
 
   it('accuracy takes settings by name, or an outcome, and says what it chose for that and why', async () => {
-    // So small that half the resolution does not do.
+    // Splats so small that half the resolution does not suffice.
     const scale = [0.01, 0.01, 0.01] as const;
     const positions = Array.from({ length: 25 }, (_, i): Vec3 => [(i % 5) / 5 - 0.4, i / 25 - 0.4, 0]);
     const color = [0.1, 0.2, 0.4] as const;
@@ -285,7 +285,7 @@ describe('examples', () => {
 });
 
 describe('examples of effects', () => {
-  /** The page of an example with the test scene, and the PSNR of what it shows against the scene with these effects. */
+  /** Opens an example with the test scene and returns the PSNR of its canvas against the scene with these effects. */
   async function openWithTestScene(name: string) {
     const page = await openExample(name, testScene());
     const size = await sizeOf(page);
@@ -328,7 +328,7 @@ describe('examples of effects', () => {
   it('reveal ends with the whole scene, every time', async () => {
     const { page, psnrWith } = await openWithTestScene('reveal');
     const whole = psnrWith();
-    // Those who want little motion see it at once.
+    // With reduced motion it appears at once.
     await expect.poll(whole, PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
     await page.getByRole('button', { name: 'Again' }).click();
     await expect.poll(whole, { ...PATIENCE, interval: 20 }).toBeLessThan(MIN_PSNR_DB);
@@ -394,7 +394,7 @@ describe('examples of effects', () => {
   });
 });
 
-/** Part of the pixels that have a colour, within 2 of 255. */
+/** Share of the pixels that have a given colour, within 2 of 255. */
 function part({ data }: Screenshot, color: readonly number[]): number {
   let count = 0;
   for (let i = 0; i < data.length; i += 4)
@@ -402,7 +402,7 @@ function part({ data }: Screenshot, color: readonly number[]): number {
   return count / (data.length / 4);
 }
 
-/** A strip of a picture, as high as it is. */
+/** A vertical strip of an image. */
 function columnsOf({ widthPx, heightPx, data }: Screenshot, xPx: number, stripWidthPx: number): Screenshot {
   const strip = new Uint8Array(4 * stripWidthPx * heightPx);
   for (let y = 0; y < heightPx; y++) {
@@ -412,7 +412,7 @@ function columnsOf({ widthPx, heightPx, data }: Screenshot, xPx: number, stripWi
   return { widthPx: stripWidthPx, heightPx, data: strip };
 }
 
-/** Where a camera sees a point: CSS pixels from the top left, and its depth. */
+/** Projects a point: CSS pixels from the top left, and its depth. */
 function projected(
   { viewMatrix: v, projectionMatrix: p }: DrawnCamera,
   [x, y, z]: Vec3,

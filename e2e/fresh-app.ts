@@ -7,7 +7,7 @@ import { promisify } from 'node:util';
 
 const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 
-/** Our packages that the app asks for itself; core comes with them. */
+/** Packages of this repository that the app depends on; core comes with them. */
 const OURS = ['@websplatter/react'];
 const DEPENDENCIES = ['@react-three/fiber', 'react', 'react-dom', 'three'];
 const DEV_DEPENDENCIES = [
@@ -34,7 +34,7 @@ import { defineConfig } from 'vite';
 
 export default defineConfig({ plugins: [react()] });
 `,
-  // Strict, and of the declarations of dependencies too: no skipLibCheck.
+  // Strict, and without skipLibCheck, so that the declarations of dependencies are checked too.
   'tsconfig.json': `{
   "compilerOptions": {
     "target": "ES2022",
@@ -73,9 +73,9 @@ export function App() {
 };
 
 export interface FreshApp {
-  /** Runs a tool of the app's node_modules to its end; rejects, with what it printed, where it fails. */
+  /** Runs a tool of the app's node_modules; rejects with its output if it fails. */
   run(script: string, args: readonly string[]): Promise<void>;
-  /** Replaces a piece of one of the app's files, as somebody does who works on it. */
+  /** Replaces a piece of one of the app's files, as a developer would. */
   edit(path: string, find: string, replacement: string): Promise<void>;
   /** Starts one of Vite's servers on a free port. */
   serve(command: 'dev' | 'preview'): Promise<{ readonly url: string; readonly close: () => Promise<void> }>;
@@ -83,8 +83,8 @@ export interface FreshApp {
 }
 
 /**
- * An app outside of this repository, as somebody would start one who has found the packages: what is published is packed
- * and installed from the tarballs, all else at the versions of this repository's lockfile. Its public folder holds `files`.
+ * Makes an app outside of this repository, as a newcomer would: installs the published packages from packed tarballs, and
+ * everything else at the versions of this repository's lockfile. The app's public folder holds `files`.
  */
 export async function makeFreshApp(files: Readonly<Record<string, Uint8Array>>): Promise<FreshApp> {
   const folder = await mkdtemp(join(tmpdir(), 'websplatter-fresh-'));
@@ -119,10 +119,10 @@ export async function makeFreshApp(files: Readonly<Record<string, Uint8Array>>):
       ...versionsOf(DEPENDENCIES),
     ]),
     devDependencies: Object.fromEntries(versionsOf(DEV_DEPENDENCIES)),
-    // Where they depend on each other, too, there is no registry to ask.
+    // The packages depend on each other, and no registry has them.
     overrides: Object.fromEntries(packed),
   };
-  // npm takes from it what this app needs; what it knows from here it need not ask a registry for.
+  // npm takes the versions that this app needs from it, without asking a registry.
   const lock = {
     lockfileVersion: 3,
     packages: {
@@ -199,7 +199,7 @@ export async function makeFreshApp(files: Readonly<Record<string, Uint8Array>>):
   };
 }
 
-/** Neither what Vitest nor what an npm around sets for its own scripts. */
+/** The environment without the variables that Vitest and npm set for their own scripts. */
 function toolEnvironment(): NodeJS.ProcessEnv {
   const { NODE_ENV: _, NODE_OPTIONS: __, npm_config_local_prefix: ___, ...env } = process.env;
   return { ...env, NO_COLOR: '1' };

@@ -1,4 +1,4 @@
-import { readSplats, type SplatSet } from '@websplatter/core';
+import { type Harmonics, readSplats, type SplatSet } from '@websplatter/core';
 import { HARD_CASES, type SceneCase } from '@websplatter/hardcases';
 import { describe, expect, it } from 'vitest';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
@@ -23,8 +23,8 @@ function sceneCase(name: string): SceneCase {
   return found;
 }
 
-/** The splats of a case as they are read, apart from the viewer. */
-function setsOf({ clouds }: SceneCase): Promise<SplatSet[]> {
+/** Reads the splats of a case, independently of the viewer. */
+function setsOf({ clouds }: SceneCase): Promise<SplatSet<Harmonics>[]> {
   return Promise.all(
     clouds().map((cloud) =>
       'set' in cloud ? cloud.set : readSplats(cloud.file, { name: 'case', shPrecision: 'f32' }),
@@ -42,7 +42,7 @@ describe('hard cases', () => {
     expect(await page.locator('[data-case]').count()).toBe(HARD_CASES.length - unopenable);
 
     await page.keyboard.type('camera orthographic means nothing');
-    // React renders what was typed when it comes to it.
+    // React renders typed text with a delay.
     await expect.poll(() => textOf(page, 'gallery-count')).toBe(`1 of ${HARD_CASES.length}`);
     expect(await entries.count()).toBe(1);
     await expect
@@ -77,7 +77,7 @@ describe('hard cases', () => {
     expect(await textOf(page, 'camera')).toBe('oblique 2 of 2');
     const oblique = await expectOwnPicture('oblique');
 
-    // Moving goes on in perspective, and Reset comes back to the very picture.
+    // Movement continues in perspective, and Reset restores exactly the same image.
     await press('ArrowRight');
     expect((await drawnCamera(page)).projectionMatrix[11]).toBe(-1);
     expect(await textOf(page, 'camera')).toBe('oblique 2 of 2 · moved');

@@ -6,17 +6,17 @@ import { type AppServer, type ServedFiles, startAppServer } from './server.ts';
 export interface Harness {
   readonly browser: Browser;
   readonly server: AppServer;
-  /** A page that has not gone anywhere yet. */
+  /** Opens a blank page. */
   newPage(options?: BrowserContextOptions): Promise<Page>;
-  /** A page at `address`, e.g. `?scene=still-life-small`, whatever it shows by then. */
+  /** Opens a page at `address`, e.g. `?scene=still-life-small`, without waiting for what it shows. */
   open(address: string, options?: BrowserContextOptions): Promise<Page>;
-  /** The pages of this test may and must complain about what `pattern` matches. */
+  /** Expects a warning or error that matches `pattern` from the pages of this test. */
   expectProblem(pattern: RegExp): void;
 }
 
 /**
- * A browser, and a server of the app in `appFolder` (from the repository's root; see `startAppServer`), for the tests of
- * a file. The pages of each test must have nothing to complain about.
+ * Starts a browser, and a server of the app in `appFolder` (relative to the repository's root; see `startAppServer`), for the
+ * tests of a file. A test fails if its pages log warnings or errors.
  */
 export function appHarness(appFolder: string, files: ServedFiles = {}): Harness {
   let browser: Browser;

@@ -1,4 +1,4 @@
-import { encodePly, type SplatSet, shRestWordsPerSplat } from '@websplatter/core';
+import { encodePly, type SplatSet } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { expect, it } from 'vitest';
 import { appHarness } from './harness.ts';
@@ -22,7 +22,7 @@ const files = {
   'b.ply': encodePly(dots(DOTS)),
   'dots.ply': encodePly(dots(DOTS)),
   'dot.ply': encodePly(dots([[0, 0, 0]])),
-  // Wherever the pixel is, as opaque as a splat can be: 0.99.
+  // As opaque as a splat can be, 0.99, wherever the pixel is.
   'white.ply': encodePly({
     ...dots([[0, 0, 0]]),
     logScales: new Float32Array(3).fill(Math.log(1000)),
@@ -33,7 +33,6 @@ const harness = appHarness('e2e/react', files);
 
 function dots(positions: readonly (readonly number[])[]): SplatSet {
   const count = positions.length;
-  const wordsPerSplat = shRestWordsPerSplat(0, 'f32');
   return {
     ...testScene(),
     count,
@@ -42,14 +41,14 @@ function dots(positions: readonly (readonly number[])[]): SplatSet {
     rotations: Float32Array.from({ length: 4 * count }, (_, i) => (i % 4 === 0 ? 1 : 0)),
     opacityLogits: new Float32Array(count).fill(6),
     colorDc: new Float32Array(3 * count).fill(1),
-    shRest: { degree: 0, precision: 'f32', wordsPerSplat, words: new Uint32Array(0) },
+    harmonics: { degree: 0, coefficients: new Float32Array(0) },
     fileIndices: Uint32Array.from(positions, (_, i) => i),
   };
 }
 
 const SPLATS: SplatsDescription = { id: 'a', src: 'a.ply' };
 
-/** A Canvas as most tests want it. */
+/** The Canvas of most tests. */
 function canvas(changes: Partial<CanvasDescription> = {}): CanvasDescription {
   return { id: 'canvas', kind: 'splats', splats: [SPLATS], ...changes };
 }
@@ -59,7 +58,7 @@ const show = (page: Page, ...canvases: CanvasDescription[]) =>
 
 const logOf = (page: Page) => page.evaluate(() => window.page.log);
 
-/** Waits until the page has written `entry` down, `times` times. */
+/** Waits until the page has logged `entry`, `times` times. */
 async function waitForLog(page: Page, entry: string, times = 1): Promise<void> {
   await page
     .waitForFunction(
@@ -82,7 +81,7 @@ async function open(...canvases: CanvasDescription[]): Promise<Page> {
 const countersOf = (page: Page, id = 'canvas') =>
   page.evaluate((name) => window.page.engine(name).counters(), id);
 
-/** Frames of the Canvas so far, as counted by the engine and by three, which draws two passes for each. */
+/** Number of the Canvas's frames so far, counted by the engine and by three, which draws two passes for each. */
 async function framesOf(page: Page): Promise<{ splats: number; passes: number }> {
   return page.evaluate(() => {
     const { render } = window.page.canvases.get('canvas')!.gl.info as { render: { calls: number } };
@@ -111,7 +110,7 @@ const resourcesOf = (page: Page) =>
     engineBytes: window.page.engine('canvas').memory().totalBytes,
   }));
 
-/** Where a point is on the page, in CSS pixels; the first canvas is at its top left. */
+/** Projects a point onto the page, in CSS pixels; the first canvas is at the top left. */
 function projected(page: Page, point: readonly number[]): Promise<[number, number]> {
   return page.evaluate(
     ([x, y, z]) => {
@@ -165,7 +164,7 @@ it('suspends, loads, and draws as the float64 reference does over any background
     expect(psnrDb, `PSNR over ${name}, dB`).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   }
 
-  // White of 0.99 opacity over black, and what ACES makes of it where the Canvas is not `flat`.
+  // White of 0.99 opacity over black, and the same under ACES where the Canvas is not `flat`.
   for (const [isToneMapped, red] of [
     [false, 252.45],
     [true, 226],
@@ -205,7 +204,7 @@ it('draws no frame unless asked, and then one, or one more where a shader has ye
   const changed = { ...SPLATS, opacity: 0.2, position: [0, 0.2, 0] as const };
   await show(page, { ...quiet, splats: [changed] });
   const drawn = { timeout: 20_000 };
-  // At once with the shaders that there are, and again with the one for opacity.
+  // At once with the shaders at hand, and again with the one for opacity.
   await expect.poll(() => framesOf(page), drawn).toEqual(plus(before, 5));
   await page.waitForTimeout(300);
   expect(await framesOf(page), 'frames after a shader was compiled').toEqual(plus(before, 5));
@@ -216,7 +215,7 @@ it('draws no frame unless asked, and then one, or one more where a shader has ye
   expect((await countersOf(page)).uploads, 'uploads').toBe(uploads);
 
   await waitForLog(page, 'frame true');
-  // Measurements came, and rendered nothing but text: the two renders are those of the props above, twice by StrictMode.
+  // Measurements arrived and rendered only text: the two renders are those of the props above, doubled by StrictMode.
   expect(await page.evaluate(() => window.page.timingRenders)).toBe(rendersBefore + 4);
   const overlay = overlayOf(page);
   const text = await overlay.innerText();
@@ -243,7 +242,7 @@ it('takes effects as props, and draws what revealing takes and no frame more', a
   const before = await framesOf(page);
   expect(before.splats).toBeGreaterThan(2);
   const whole = await picture(page);
-  // Written out anew, it is the same reveal, and the same picture.
+  // A new object with equal values is the same reveal, and gives the same image.
   await show(page, { ...quiet, splats: [{ ...revealed, reveal: { ...revealed.reveal } }] });
   await page.waitForTimeout(300);
   expect(await framesOf(page), 'frames after equal props').toEqual(before);
@@ -271,7 +270,7 @@ it('reads a file once and uploads it once, however often it is shown, and keeps 
   await nextFrames(page);
   expect(await countersOf(page)).toMatchObject({ uploads: 1, cloudsDestroyed: 0 });
 
-  // Never read to its end: the old splats stay, and nothing is suspended.
+  // The file never ends: the old splats stay, and nothing suspends.
   await show(page, canvas({ splats: [{ id: 'a', src: 'endless.ply' }] }));
   await expect.poll(() => harness.server.requests('endless.ply')).toBeGreaterThan(0);
   const { framesDrawn } = await countersOf(page);
@@ -285,7 +284,7 @@ it('reads a file once and uploads it once, however often it is shown, and keeps 
   expect(log.filter((entry) => entry === 'canvas suspended')).toHaveLength(1);
   expect(log).toContain('a load b.ply');
 
-  // Another Canvas is another device: what was read is uploaded to it, not fetched for it, and leaves the first.
+  // Another Canvas has another device: the splats are uploaded to it without being fetched again, and leave the first.
   const requests = harness.server.requests('b.ply');
   await show(
     page,
@@ -332,7 +331,7 @@ it('takes another accuracy while it draws, in the same Canvas and without suspen
   await expect.poll(held).toBe('f32 f16');
   await expect.poll(async () => changedPart(balanced, await picture(page))).toBeLessThan(0.01);
 
-  // Of its own, whatever the Canvas has.
+  // Its own accuracy, whatever the Canvas has.
   await show(page, { ...quiet, accuracy: 'high', splats: [{ ...SPLATS, accuracy: 'fast' }] });
   await expect.poll(held).toBe('packed u8');
   await show(page, { ...quiet, accuracy: 'fast', splats: [{ ...SPLATS, accuracy: 'reference' }] });
@@ -359,7 +358,7 @@ it('aborts the fetch of what is unmounted', async () => {
     await harness.server.whenEndlessFileIsDropped();
   };
   await expectAborted(canvas({ splats: endless }), canvas({ splats: [] }));
-  // Without a Suspense boundary inside of it, the whole Canvas suspends, and takes no other children until it goes.
+  // Without a Suspense boundary inside, the whole Canvas suspends, and accepts no other children until it is unmounted.
   await expectAborted(canvas({ splats: endless, hasSuspense: false }));
   expect(await logOf(page)).toContain('canvas suspended');
 }, 20_000);
@@ -375,7 +374,7 @@ it('leaves nothing behind after 50 mounts and unmounts', async () => {
     else await waitForLog(page, `a${i} firstframe`);
     await show(page, canvas({ splats: [] }));
   };
-  // The first one makes what stays for all: pipelines and whatever three keeps.
+  // The first one makes what all others share: pipelines, and the objects that three keeps.
   await mount(0);
   await page.waitForTimeout(1000);
   const before = await resourcesOf(page);
@@ -404,7 +403,7 @@ it('comes back from the loss of its device by itself, and tells where it cannot'
   expect(['a.ply', 'b.ply'].map(harness.server.requests), 'fetches').toEqual(requests);
   const log = await logOf(page);
   const times = (entry: string) => log.filter((each) => each === entry).length;
-  // What an application does with a Canvas of its own: another key.
+  // An application replaces its Canvas by giving it another key.
   await show(page, canvas({ background: 'black' }), { ...bare, id: 'bare again' });
   await waitForLog(page, 'b firstframe', 2);
   expect(harness.server.requests('b.ply')).toBe(requests[1]);
@@ -435,7 +434,7 @@ it('sends pointer events to splats, and picks the row of the file under a pixel'
   await page.mouse.click(2, 2);
   const events = (await logOf(page)).slice(-5);
   expect(events).toEqual(['dot over', 'dot click', 'dot out', 'dot missed', 'canvas missed']);
-  // The pointer went through it.
+  // The pointer event passed through it.
   await expect.poll(() => overlayOf(page).innerText()).toMatch(/Frame\s+\d+\.\d\d ms/);
 
   const dense = canvas({

@@ -1,4 +1,4 @@
-import { cameraFromMatrices, type SplatSet } from '@websplatter/core';
+import { cameraFromMatrices, type Harmonics, type SplatSet } from '@websplatter/core';
 import type { EffectUse } from '@websplatter/core/effects';
 import { compareImages, renderReference, type TwinFunction } from '@websplatter/core/reference';
 import type { Screenshot } from './screenshot.ts';
@@ -11,20 +11,20 @@ import type { DrawnCamera } from './viewer-page.ts';
  */
 export const MIN_PSNR_DB = 45;
 
-/** What all clouds of a page are drawn with. */
+/** Options with which all clouds of a page are drawn. */
 export interface ReferenceEffects {
   readonly effects?: readonly EffectUse[];
-  /** Twins of the page's own. */
+  /** Twins of the page's own effects. */
   readonly effectTwins?: Readonly<Record<string, TwinFunction>>;
 }
 
 /**
- * Draws `sets` in float64, from the camera and under the matrices that a page says it used. Returns a function that tells
- * the PSNR of a screenshot of that size against it.
+ * Draws `sets` in float64, with the camera and the matrices that a page reports. Returns a function that computes the PSNR
+ * of a screenshot of that size against the result.
  */
 export function referencePicture(
   drawn: DrawnCamera,
-  sets: readonly SplatSet[],
+  sets: readonly SplatSet<Harmonics>[],
   { widthPx, heightPx }: Pick<Screenshot, 'widthPx' | 'heightPx'>,
   { effects, effectTwins }: ReferenceEffects = {},
 ): (shot: Screenshot) => number {
@@ -43,11 +43,11 @@ export function referencePicture(
   };
 }
 
-/** PSNR of a single screenshot against the same. */
+/** PSNR of a single screenshot against the same reference. */
 export function psnrAgainstReference(
   shot: Screenshot,
   drawn: DrawnCamera,
-  sets: readonly SplatSet[],
+  sets: readonly SplatSet<Harmonics>[],
 ): number {
   return referencePicture(drawn, sets, shot)(shot);
 }

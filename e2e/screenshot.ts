@@ -7,11 +7,11 @@ export interface Screenshot {
   readonly data: Uint8Array;
 }
 
-/** A page, or an element of it, as it is on the screen, but for what is hidden by `style` (CSS). */
+/** Captures a page, or an element of it, as shown on the screen; `style` (CSS) may hide parts. */
 export async function screenshot(shown: Page | Locator, style = ''): Promise<Screenshot> {
   const png = await shown.screenshot({ style });
   const page = 'page' in shown ? shown.page() : shown;
-  // The browser decodes its own PNG, so that this needs no library.
+  // The browser decodes its own PNG, which needs no library.
   const { widthPx, heightPx, base64 } = await page.evaluate(async (encoded) => {
     const response = await fetch(`data:image/png;base64,${encoded}`);
     const bitmap = await createImageBitmap(await response.blob());
@@ -27,7 +27,7 @@ export async function screenshot(shown: Page | Locator, style = ''): Promise<Scr
   return { widthPx, heightPx, data: new Uint8Array(Buffer.from(base64, 'base64')) };
 }
 
-/** Part of the pixels of which a channel differs by more than `tolerance` of 255. */
+/** Share of the pixels with a channel that differs by more than `tolerance` of 255. */
 export function changedPart(a: Screenshot, b: Screenshot, tolerance = 8): number {
   if (a.data.length !== b.data.length) throw new RangeError('The screenshots differ in size.');
   let changed = 0;

@@ -9,24 +9,24 @@ import { type Plugin, preview } from 'vite';
 
 const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 
-/** Files that are served beside an app's own, by path from the root, e.g. `scene.ply`. */
+/** Files to serve besides an app's own, by path from the root, e.g. `scene.ply`. */
 export type ServedFiles = Readonly<Record<string, Uint8Array>>;
 
 export interface AppServer {
   /** Address of the app, with a slash at its end. */
   readonly url: string;
-  /** Resolves when a browser has broken off a request for `endless.ply`. */
+  /** Resolves when a browser has aborted a request for `endless.ply`. */
   readonly whenEndlessFileIsDropped: () => Promise<void>;
-  /** How often the file at `path` was asked for so far. */
+  /** Number of requests for the file at `path` so far. */
   readonly requests: (path: string) => number;
   readonly close: () => Promise<void>;
 }
 
 /**
- * Builds an app, as it is shipped, into a folder of its own and serves it on a free port. `endless.ply` there begins
- * like a splat file and then stays silent.
+ * Builds an app as it is shipped, into a folder of its own, and serves it on a free port. Its file `endless.ply` begins
+ * like a splat file and never continues.
  *
- * @param appFolder with the app's `vite.config.ts` in it, from the repository's root, e.g. `apps/viewer`
+ * @param appFolder folder of the app's `vite.config.ts`, relative to the repository's root, e.g. `apps/viewer`
  */
 export async function startAppServer(appFolder: string, files: ServedFiles = {}): Promise<AppServer> {
   const configFile = join(repositoryRoot, appFolder, 'vite.config.ts');
@@ -84,7 +84,7 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
   };
 }
 
-/** In a process of its own: Vitest's has a NODE_ENV and export conditions that change what is built. */
+/** Builds in a process of its own: NODE_ENV and the export conditions of Vitest's process change the build. */
 async function buildApp(configFile: string, outDir: string): Promise<void> {
   const vite = join(repositoryRoot, 'node_modules/vite/bin/vite.js');
   const args = ['build', '--config', configFile, '--outDir', outDir, '--emptyOutDir', '--logLevel', 'error'];

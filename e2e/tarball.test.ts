@@ -34,7 +34,7 @@ describe('the packed tarballs in a fresh Vite app', () => {
 
   it('show splats under the development server, without any configuration, and as they are edited', async () => {
     await expectSplats('dev', async (page) => {
-      // Fast Refresh keeps the Canvas and its renderer; an effect that ran anew would read the file again.
+      // Fast Refresh keeps the Canvas and its renderer; if an effect ran anew, it would read the file again.
       await page.evaluate(() => Object.assign(document.querySelector('canvas')!, { isOfBefore: true }));
       await app.edit('src/app.tsx', '<Splats src', '<Splats opacity={0} src');
       await expect.poll(async () => isAllWhite(await screenshot(page)), { timeout: 30_000 }).toBe(true);
@@ -43,7 +43,7 @@ describe('the packed tarballs in a fresh Vite app', () => {
   });
 });
 
-/** Looks at the app under one of Vite's servers: the right picture, read by a worker, and nothing to complain about. */
+/** Checks the app under one of Vite's servers: the right image, read by a worker, without warnings or errors. */
 async function expectSplats(
   command: 'dev' | 'preview',
   goOn: (page: Page) => Promise<void> = async () => {},
@@ -62,7 +62,7 @@ async function expectSplats(
   });
   try {
     await page.goto(server.url);
-    // What a Canvas has unless told otherwise.
+    // Defaults of a Canvas.
     const camera = perspectiveCamera({
       position: [0, 0, 5],
       target: [0, 0, 0],
@@ -84,7 +84,7 @@ async function expectSplats(
       .poll(async () => psnrDb(await screenshot(page)), { timeout: 60_000, interval: 250 })
       .toBeGreaterThanOrEqual(MIN_PSNR_DB);
     await goOn(page);
-    // Where the worker does not start, the page reads by itself and looks just the same.
+    // If the worker does not start, the page reads the file itself and looks just the same.
     const replies = await page.evaluate(() => (window as unknown as { replies: string[] }).replies);
     expect(replies.filter((kind) => kind === 'cloud')).toHaveLength(1);
     expect(problems).toEqual([]);

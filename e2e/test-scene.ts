@@ -1,11 +1,10 @@
-import { packShRest, type ShRest, type SplatSet, shRestWordsPerSplat } from '@websplatter/core';
+import type { SplatSet } from '@websplatter/core';
 
 const COUNT = 400;
-const SH_DEGREE = 1;
 
 /**
- * A small cloud of colourful splats that looks the same from no two sides: many more of them, larger and redder, to one
- * side. Deterministic; off the origin, so that turning about the wrong point shows.
+ * Makes a small cloud of colourful splats that looks different from every side: on one side there are many more of them,
+ * larger and redder. Deterministic; off the origin, so that turning about the wrong point shows.
  */
 export function testScene(): SplatSet {
   const random = randomNumbers(7);
@@ -14,8 +13,7 @@ export function testScene(): SplatSet {
   const rotations = new Float32Array(4 * COUNT);
   const opacityLogits = new Float32Array(COUNT);
   const colorDc = new Float32Array(3 * COUNT);
-  const wordsPerSplat = shRestWordsPerSplat(SH_DEGREE, 'f32');
-  const words = new Uint32Array(COUNT * wordsPerSplat);
+  const coefficients = new Float32Array(9 * COUNT);
   for (let i = 0; i < COUNT; i++) {
     const along = random() ** 2;
     positions.set([4 * along - 1, 1 + along * (random() - 0.5) * 2, random() * 2 - 1], 3 * i);
@@ -24,10 +22,8 @@ export function testScene(): SplatSet {
     for (let axis = 0; axis < 4; axis++) rotations[4 * i + axis] = random() - 0.5;
     opacityLogits[i] = 6 * random() - 2;
     colorDc.set([2.5 * along - 0.5, 2 * random() - 1, 1.5 - 2.5 * along], 3 * i);
-    const rest = Array.from({ length: 9 }, () => 0.4 * (random() - 0.5));
-    packShRest(SH_DEGREE, 'f32', rest, words, i * wordsPerSplat);
+    for (let k = 0; k < 9; k++) coefficients[9 * i + k] = 0.4 * (random() - 0.5);
   }
-  const shRest: ShRest = { degree: SH_DEGREE, precision: 'f32', wordsPerSplat, words };
   const fileIndices = Uint32Array.from({ length: COUNT }, (_, i) => i);
   return {
     count: COUNT,
@@ -37,13 +33,13 @@ export function testScene(): SplatSet {
     rotations,
     opacityLogits,
     colorDc,
-    shRest,
+    harmonics: { degree: 1, coefficients },
     fileIndices,
     dropped: {},
   };
 }
 
-/** Uniform in 0…1: mulberry32. */
+/** Uniform numbers in 0…1 (mulberry32). */
 function randomNumbers(seed: number): () => number {
   let state = seed;
   return () => {

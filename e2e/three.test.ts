@@ -19,7 +19,7 @@ beforeAll(async () => {
 });
 afterAll(() => browser?.close());
 
-/** A page with the release of three in `appFolder`; it stays, with its devices and shaders, for all tests in a block. */
+/** A page with the release of three in `appFolder`. All tests in a block share it, with its devices and shaders. */
 function threePage(appFolder: string) {
   let server: AppServer;
   const pages = new Map<string, WatchedPage>();
@@ -68,7 +68,7 @@ function runCase([name, args]: [string, unknown[]]): unknown {
 
 type Rgba = readonly [number, number, number, number];
 
-/** The pixel at a part of the width and height. */
+/** The pixel at a fraction of the width and height. */
 function pixelAt({ widthPx, heightPx, data }: Pixels, x: number, y: number): Rgba {
   const i = 4 * (Math.floor(y * heightPx) * widthPx + Math.floor(x * widthPx));
   return [data[i], data[i + 1], data[i + 2], data[i + 3]];
@@ -77,13 +77,13 @@ function pixelAt({ widthPx, heightPx, data }: Pixels, x: number, y: number): Rgb
 const leftOf = (pixels: Pixels) => pixelAt(pixels, 0.25, 0.5);
 const rightOf = (pixels: Pixels) => pixelAt(pixels, 0.75, 0.5);
 
-/** Where `actual` is from `expected`, no channel by more than `tolerance`. */
+/** Expects every channel of `actual` to be within `tolerance` of `expected`. */
 function expectPixel(actual: Rgba, expected: Rgba, tolerance = 2): void {
   const difference = Math.max(...actual.map((value, channel) => Math.abs(value - expected[channel])));
   expect(difference, `found ${actual}, expected ${expected}`).toBeLessThanOrEqual(tolerance);
 }
 
-/** Each pixel of `actual` against what `expectedOf` makes of the same pixel of `from`. */
+/** Compares each pixel of `actual` with the result of `expectedOf` for the same pixel of `from`. */
 function expectEachPixel(
   actual: Pixels,
   from: Pixels,
@@ -111,10 +111,10 @@ function decoded(value: number): number {
   return part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4;
 }
 
-/** White splats of opacity a half over a pixel, as they are trained to look. */
+/** White splats of half opacity over a pixel, blended as in training. */
 const underHalfWhite = ([r, g, b, a]: Rgba): Rgba => [(r + 255) / 2, (g + 255) / 2, (b + 255) / 2, a];
 
-/** A picture of the test scene over black against float64's, both as PNG files would have them. */
+/** Compares an image of the test scene over black with that of float64, both rounded as in PNG files. */
 function psnrOfTestScene(
   { widthPx, heightPx, data }: Pixels,
   camera: Pick<Camera, 'viewMatrix' | 'projectionMatrix' | 'near' | 'far'>,
@@ -142,7 +142,7 @@ const GREY: Rgba = [128, 128, 128, 255];
 const RED: Rgba = [255, 0, 0, 255];
 const BLUE_UNDER_WHITE: Rgba = [128, 128, 255, 255];
 
-/** What a wall in front of the splats on the right, and another behind them, must look like. */
+/** Checks a wall in front of the splats on the right, and another behind them. */
 function expectBetweenMeshes(pixels: Pixels): void {
   expectPixel(leftOf(pixels), BLUE_UNDER_WHITE);
   expectPixel(rightOf(pixels), RED);

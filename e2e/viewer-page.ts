@@ -2,9 +2,9 @@ import type { BrowserContextOptions, Page } from 'playwright-core';
 import { appHarness, type Harness } from './harness.ts';
 import { type Screenshot, screenshot } from './screenshot.ts';
 
-/** A harness whose server is that of the viewer. */
+/** A harness that serves the viewer. */
 export interface ViewerHarness extends Harness {
-  /** A page at the viewer's `address`, by default a small scene, with its first picture on the screen. */
+  /** Opens a page at the viewer's `address`, by default a small scene, and waits for its first image. */
   openViewer(address?: string, options?: BrowserContextOptions): Promise<Page>;
 }
 
@@ -18,20 +18,20 @@ export function viewerHarness(): ViewerHarness {
   return Object.assign(harness, { openViewer });
 }
 
-/** What the viewer writes on its canvas when it has come to rest (`data-camera`). */
+/** State that the viewer writes on its canvas when it has come to rest (`data-camera`). */
 export interface DrawnCamera {
   readonly viewMatrix: number[];
   readonly projectionMatrix: number[];
   readonly near: number;
   readonly far: number;
-  /** Of each cloud; null for the identity. */
+  /** Matrix of each cloud; null for the identity. */
   readonly modelMatrices: (number[] | null)[];
-  /** Of each cloud; 1 where it is absent. */
+  /** Opacity of each cloud; 1 where it is absent. */
   readonly opacities?: number[];
   readonly background: [number, number, number];
 }
 
-/** Waits until the viewer is in `state` (`data-state` of the document), for a minute at most: SwiftShader is slow. */
+/** Waits until the viewer is in `state` (`data-state` of the document), at most a minute: SwiftShader is slow. */
 export async function waitForState(page: Page, state: string): Promise<void> {
   await page.waitForSelector(`html[data-state="${state}"]`, { timeout: 60_000 });
 }
@@ -40,7 +40,7 @@ export function frameCount(page: Page): Promise<number> {
   return page.getByTestId('viewport').evaluate((canvas) => Number(canvas.dataset.frames ?? 0));
 }
 
-/** Waits until the viewer has drawn more than `frames` pictures and has come to rest. */
+/** Waits until the viewer has drawn more than `frames` frames and has come to rest. */
 export async function waitForFrameAfter(page: Page, frames: number): Promise<void> {
   await page.waitForFunction(
     (least) => Number(document.querySelector('canvas')?.dataset.frames ?? 0) > least,
@@ -49,7 +49,7 @@ export async function waitForFrameAfter(page: Page, frames: number): Promise<voi
   );
 }
 
-/** Waits for the first picture. */
+/** Waits for the first frame. */
 export async function waitForPicture(page: Page): Promise<void> {
   await waitForState(page, 'ready');
   await waitForFrameAfter(page, 0);
@@ -63,7 +63,7 @@ export function drawnCamera(page: Page): Promise<DrawnCamera> {
   return page.getByTestId('viewport').evaluate((canvas) => JSON.parse(canvas.dataset.camera ?? 'null'));
 }
 
-/** The picture as it is on the screen, without the interface over it. */
+/** Captures the image as shown on the screen, without the interface over it. */
 export function viewerScreenshot(page: Page): Promise<Screenshot> {
   return screenshot(
     page,
@@ -71,7 +71,7 @@ export function viewerScreenshot(page: Page): Promise<Screenshot> {
   );
 }
 
-/** For `addInitScript`: the page loses its device when it gets the event `lose-device`. */
+/** For `addInitScript`: makes the page lose its device on the event `lose-device`. */
 export function loseDeviceOnDemand(): void {
   const requestDevice = GPUAdapter.prototype.requestDevice;
   GPUAdapter.prototype.requestDevice = async function (...options) {
@@ -86,7 +86,7 @@ export interface DroppedFile {
   readonly bytes: Uint8Array;
 }
 
-/** Drags `files` in over the canvas, lets `whileHovering` look, and drops them. */
+/** Drags `files` over the canvas, calls `whileHovering`, and drops them. */
 export async function dropFiles(
   page: Page,
   files: readonly DroppedFile[],

@@ -1,7 +1,8 @@
 import { encodePly } from '@websplatter/core';
+import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
-import { changedPart } from './screenshot.ts';
+import { changedPart, type Screenshot } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
 import {
   drawnCamera,
@@ -19,19 +20,80 @@ import {
 const harness = viewerHarness();
 const { newPage, openViewer } = harness;
 
+function colorsIn({ data }: Screenshot): number {
+  const colors = new Set<number>();
+  for (let i = 0; i < data.length; i += 4) colors.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
+  return colors.size;
+}
+
+/** Waits for the first measurement. A busy machine takes more than a second for a frame, which is written with a comma. */
+async function waitForTimes(page: Page): Promise<void> {
+  await page.waitForFunction(() => {
+    const text = document.querySelector('[data-testid=total-ms]')?.textContent ?? '';
+    return Number(text.replaceAll(',', '')) > 0;
+  });
+}
+
+interface HeldGpu {
+  readonly heldPipelines: number;
+  /** Resolves when the queue has told of all work that it was asked about. */
+  readonly releaseWork: () => Promise<unknown>;
+  readonly releasePipelines: () => void;
+}
+
+/**
+ * For `addInitScript`: the queue keeps back that its work is done, and the device its pipelines, until they are released.
+ * Workers get their jobs when somebody has begun to wait for the queue.
+ */
+function holdBackGpu(): void {
+  const barrier = () => {
+    let open = () => {};
+    const opened = new Promise<void>((resolve) => {
+      open = resolve;
+    });
+    return { open, opened };
+  };
+  const [work, waiting, pipelines] = [barrier(), barrier(), barrier()];
+  const asked: Promise<unknown>[] = [];
+  let heldPipelines = 0;
+
+  const { onSubmittedWorkDone } = GPUQueue.prototype;
+  GPUQueue.prototype.onSubmittedWorkDone = function () {
+    const done = work.opened.then(() => onSubmittedWorkDone.apply(this));
+    asked.push(done);
+    waiting.open();
+    return done;
+  };
+  const { createComputePipelineAsync, createRenderPipelineAsync } = GPUDevice.prototype;
+  GPUDevice.prototype.createComputePipelineAsync = function (descriptor) {
+    heldPipelines++;
+    return pipelines.opened.then(() => createComputePipelineAsync.call(this, descriptor));
+  };
+  GPUDevice.prototype.createRenderPipelineAsync = function (descriptor) {
+    heldPipelines++;
+    return pipelines.opened.then(() => createRenderPipelineAsync.call(this, descriptor));
+  };
+  const { postMessage } = Worker.prototype;
+  Worker.prototype.postMessage = function (this: Worker, ...message: unknown[]) {
+    void waiting.opened.then(() => Reflect.apply(postMessage, this, message));
+  };
+  Object.defineProperty(window, 'heldPipelines', { get: () => heldPipelines });
+  Object.assign(window, {
+    releaseWork: () => {
+      work.open();
+      return Promise.all(asked);
+    },
+    releasePipelines: pipelines.open,
+  });
+}
+
 describe('viewer', () => {
   it('opens on its scene, with the figures of each stage', async () => {
     const page = await openViewer();
     expect(await page.title()).toContain('Still life');
     const shot = await viewerScreenshot(page);
-    const colors = new Set<number>();
-    for (let i = 0; i < shot.data.length; i += 4) {
-      colors.add((shot.data[i] << 16) | (shot.data[i + 1] << 8) | shot.data[i + 2]);
-    }
-    expect(colors.size, 'different colours').toBeGreaterThan(500);
-    await page.waitForFunction(
-      () => Number(document.querySelector('[data-testid=total-ms]')?.textContent) > 0,
-    );
+    expect(colorsIn(shot), 'different colours').toBeGreaterThan(500);
+    await waitForTimes(page);
     for (const stage of ['preprocess-ms', 'sort-ms', 'rasterize-ms', 'total-ms']) {
       expect(Number((await textOf(page, stage)).replaceAll(',', '')), stage).toBeGreaterThan(0);
     }
@@ -42,6 +104,19 @@ describe('viewer', () => {
     expect(visible).toBeLessThanOrEqual(10_000);
     expect(await textOf(page, 'adapter')).toMatch(/swiftshader/i);
     expect(await textOf(page, 'resolution')).toBe('480 × 320');
+  });
+
+  it('counts no frame and is not at rest while the shaders of its first frame compile', async () => {
+    const page = await newPage();
+    await page.addInitScript(holdBackGpu);
+    await page.goto(`${harness.server.url}?scene=still-life-small`);
+    // The wait of a page that has nothing to show yet goes on until the first frame has been asked for.
+    await page.waitForFunction(() => (window as unknown as HeldGpu).heldPipelines > 0);
+    await page.evaluate(() => (window as unknown as HeldGpu).releaseWork());
+    expect(await frameCount(page)).toBe(0);
+    await page.evaluate(() => (window as unknown as HeldGpu).releasePipelines());
+    await waitForPicture(page);
+    expect(colorsIn(await viewerScreenshot(page)), 'different colours').toBeGreaterThan(500);
   });
 
   it('shows a PLY that is dropped, as the float64 reference does', async () => {
@@ -62,10 +137,10 @@ describe('viewer', () => {
     const shot = await viewerScreenshot(page);
     expect(changedPart(before, shot)).toBeGreaterThan(0.3);
     const drawn = await drawnCamera(page);
-    // Files come with y down, as captures do, and are turned.
+    // Files have y down, as captures do, and the viewer turns them.
     expect(drawn.modelMatrices[0]?.[5]).toBe(-1);
     expect(psnrAgainstReference(shot, drawn, [testScene()])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
-    // The comparison can fail: the same picture against the scene the other way up.
+    // Make sure that the comparison can fail: against the scene the other way up, it does.
     expect(psnrAgainstReference(shot, { ...drawn, modelMatrices: [null] }, [testScene()])).toBeLessThan(
       MIN_PSNR_DB,
     );
@@ -85,7 +160,7 @@ describe('viewer', () => {
     await page.addInitScript(() => {
       const target = window as unknown as { isHolding: boolean; release: () => void };
       const post = Worker.prototype.postMessage;
-      // Holds the loading worker's job back for as long as the test likes.
+      // Holds the loading worker's job back until the test releases it.
       Worker.prototype.postMessage = function (this: Worker, ...message: unknown[]) {
         const send = () => Reflect.apply(post, this, message);
         if (target.isHolding) target.release = send;
@@ -142,7 +217,7 @@ describe('viewer', () => {
     await page.keyboard.press('Escape');
     expect(await reasons.isVisible()).toBe(false);
     expect(await button.getAttribute('aria-expanded')).toBe('false');
-    // The list goes first, what is more important by the next key.
+    // The first Escape closes the list and leaves the warning, which matters more, to the next one.
     expect(await page.getByTestId('warning').isVisible()).toBe(true);
     await page.keyboard.press('Escape');
     expect(await page.getByTestId('warning').count()).toBe(0);
@@ -287,10 +362,8 @@ describe('viewer', () => {
     });
     await page.goto(`${harness.server.url}?scene=still-life-small`);
     await waitForPicture(page);
-    // The first measurement comes after the picture and asks whether there is more to draw.
-    await page.waitForFunction(
-      () => Number(document.querySelector('[data-testid=total-ms]')?.textContent) > 0,
-    );
+    // The first measurement arrives after the frame, and checks whether there is more to draw.
+    await waitForTimes(page);
     const requested = () =>
       page.evaluate(() => (window as unknown as { requestedFrames: number }).requestedFrames);
     const framesBefore = await frameCount(page);

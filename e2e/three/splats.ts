@@ -29,7 +29,7 @@ export function splatSet(splats: readonly SplatDescription[]): SplatSet {
     rotations: numbers(() => [1, 0, 0, 0]),
     opacityLogits: numbers(({ opacity = 0.5 }) => [Math.log(opacity / (1 - opacity))]),
     colorDc: numbers(({ color = [1, 1, 1] }) => color.map((value) => (value - 0.5) / SH_C0)),
-    shRest: { degree: 0, precision: 'f32', wordsPerSplat: 0, words: new Uint32Array(0) },
+    harmonics: { degree: 0, coefficients: new Float32Array(0) },
     fileIndices: Uint32Array.from(splats, (_, i) => i),
     dropped: {},
   };

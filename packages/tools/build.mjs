@@ -1,5 +1,5 @@
 // Builds the packages that run outside of this repository into their dist folders: JavaScript by Vite, declarations by
-// tsc. A package is left alone while nothing that it is built from has changed. Part of `npm ci` (the prepare script).
+// tsc. Skips packages whose inputs have not changed. Part of `npm ci` (the prepare script).
 import { spawnSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
 import {
@@ -17,8 +17,8 @@ import { pathToFileURL } from 'node:url';
 import { fail, repositoryRoot } from './setup.mjs';
 
 /**
- * In order of dependence. `entries`: what may be imported, and the workers, which must be files of their own.
- * `inputs`: what goes into the bundle besides the package's own sources.
+ * Packages in order of dependence. `entries` are the modules that may be imported, and the workers, which must be files of
+ * their own. `inputs` are bundled besides the package's own sources.
  */
 const PACKAGES = [
   {
@@ -34,6 +34,7 @@ const PACKAGES = [
     inputs: ['shaders'],
     hasDeclarations: true,
   },
+  { name: 'charts', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   { name: 'node', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   { name: 'scenes', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   { name: 'hardcases', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
@@ -44,7 +45,7 @@ const PACKAGES = [
 
 const cacheFolder = join(repositoryRoot, 'node_modules/.cache/websplatter-build');
 
-/** Builds what has changed. */
+/** Builds the packages that have changed. */
 export async function build() {
   let hash = hashOf([
     'packages/tools/build.mjs',
@@ -61,7 +62,7 @@ export async function build() {
       `${folder}/tsconfig.build.json`,
       ...item.inputs,
     ];
-    // Declarations are checked against those of the packages before, so that a change there counts here.
+    // Includes the hash so far: declarations are checked against those of the packages before.
     hash = hashOf(sources, hash);
     if (isBuilt(item, hash)) continue;
     const startedMs = performance.now();
@@ -83,7 +84,7 @@ function isBuilt(item, hash) {
 
 async function buildPackage(item) {
   const folder = join(repositoryRoot, 'packages', item.name);
-  // Built aside: a build that fails leaves the dist of the one before.
+  // Build into another folder first, so that a failed build leaves the previous dist.
   const aside = join(cacheFolder, `${item.name}-${process.pid}`);
   try {
     await bundle(item, folder, aside);
@@ -116,7 +117,7 @@ async function bundle(item, folder, outDir) {
       sourcemap: true,
       rolldownOptions: {
         input,
-        // Directives of modules inside a bundle mean nothing; checkDirectives looks after those of the entries.
+        // Directives inside a bundle have no effect; checkDirectives checks those of the entries.
         checks: { moduleLevelDirective: false },
         external: (id) => !id.startsWith('.') && !id.startsWith('\0') && !isAbsolute(id),
         output: { format: 'es', entryFileNames: '[name].js', chunkFileNames: '[name]-[hash].js' },
@@ -127,8 +128,8 @@ async function bundle(item, folder, outDir) {
 }
 
 /**
- * Names the built file in `new URL('./some-worker.ts', import.meta.url)`. All built files lie in one folder, so the
- * expression stays one that other bundlers know as a worker.
+ * Points `new URL('./some-worker.ts', import.meta.url)` at the built file. All built files lie in one folder, so that other
+ * bundlers still recognise the expression as a worker.
  */
 function workerFiles(entries) {
   return {
@@ -145,13 +146,13 @@ function workerFiles(entries) {
           return `new URL(${quote}./${name}.js${quote}, import.meta.url)`;
         },
       );
-      // No line moves, so that the source map of the step before still holds.
+      // No line moves, so the previous source map still holds.
       return { code: replaced, map: null };
     },
   };
 }
 
-/** Leaves comments and indentation out of the shaders: a third of their bytes, which no bundler can take out later. */
+/** Strips comments and indentation from the shaders: a third of their bytes, which no bundler can remove later. */
 function slimShaders() {
   return {
     name: 'websplatter:slim-shaders',
@@ -159,14 +160,21 @@ function slimShaders() {
     load(id) {
       if (!id.endsWith('.wgsl?raw')) return null;
       const text = readFileSync(id.slice(0, -'?raw'.length), 'utf8');
-      if (text.includes('/*')) this.error(`${id}: only line comments are understood here`);
-      const lines = text.split('\n').map((line) => line.replace(/\/\/.*$/, '').trim());
-      return `export default ${JSON.stringify(lines.filter((line) => line !== '').join('\n'))};`;
+      if (text.includes('/*')) this.error(`${id}: only line comments are supported here`);
+      const lines = text.split('\n').map((line) =>
+        line
+          .replace(/\/\/.*$/, '')
+          .trim()
+          // Not around + and -, of which two in a row are another operator.
+          .replace(/ *([{}(),;:=*/<>&|]) */g, '$1'),
+      );
+      const slim = lines.filter((line) => line !== '').join('\n').replace(/([{}(),;])\n|\n([})])/g, '$1$2');
+      return `export default ${JSON.stringify(slim)};`;
     },
   };
 }
 
-/** Fails where an entry begins with a directive, e.g. "use client", and what was built from it does not. */
+/** Throws if an entry begins with a directive, e.g. "use client", and its built file does not. */
 function checkDirectives(item, folder, outDir) {
   const directiveOf = (path) => /^(['"])(use \w+)\1/.exec(readFileSync(path, 'utf8'))?.[2];
   for (const [name, path] of Object.entries(item.entries)) {
@@ -184,7 +192,7 @@ function emitDeclarations(folder, outDir) {
   });
   if (status !== 0) throw new Error(`No declarations for ${relative(repositoryRoot, folder)}: tsc failed.`);
   for (const path of filesIn(outDir).filter((file) => file.endsWith('.d.ts'))) {
-    // tsc leaves the sources' extension in import specifiers, where consumers look for one that can be imported.
+    // tsc keeps the sources' extension in import specifiers, but consumers need that of the built files.
     const text = readFileSync(path, 'utf8');
     writeFileSync(
       path,
@@ -193,7 +201,7 @@ function emitDeclarations(folder, outDir) {
   }
 }
 
-/** Hash over the contents of files and folders (repository-relative), tests left out. */
+/** Hashes the contents of files and folders (repository-relative), without tests. */
 function hashOf(paths, seed = '') {
   const hash = createHash('sha256').update(seed);
   for (const path of paths.flatMap((each) => filesIn(join(repositoryRoot, each)))) {
@@ -203,7 +211,7 @@ function hashOf(paths, seed = '') {
   return hash.digest('hex');
 }
 
-/** All files at or below `path`, in a fixed order; none where there is nothing. */
+/** Lists all files at or below `path` in a fixed order; none if it does not exist. */
 function filesIn(path) {
   if (!existsSync(path)) return [];
   if (statSync(path).isFile()) return [path];

@@ -1,5 +1,5 @@
-// `npm run check:packages`: packs what is published and looks at it as those who install it will. publint and attw must
-// have nothing to say, suggestions included; README and LICENSE must be there; sizes must stay within .size-limit.json.
+// `npm run check:packages`: packs the published packages and checks the tarballs. publint and attw must report nothing,
+// not even suggestions; README and LICENSE must be there; sizes must stay within .size-limit.json.
 import { spawn } from 'node:child_process';
 import { existsSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -17,14 +17,14 @@ const problems = (
   await Promise.all([
     ...PUBLISHED.map(missingFiles),
     ...packed.map(({ tarball }) => publintProblems(tarball)),
-    // One after the other, since each takes a core to itself.
+    // One after the other, since each occupies a core.
     attwProblems(packed.map(({ tarball }) => tarball)),
     sizeProblems(),
   ])
 ).flat();
 for (const problem of problems) console.error(problem);
-if (problems.length > 0) fail(`\n${problems.length} of the checks of packages failed.`);
-console.log(`publint and attw have nothing to say of ${packed.map(({ name }) => name).join(', ')}.`);
+if (problems.length > 0) fail(`\n${problems.length} package checks failed.`);
+console.log(`publint and attw report nothing for ${packed.map(({ name }) => name).join(', ')}.`);
 
 function missingFiles(name) {
   const path = (file) => join(repositoryRoot, 'packages', name, file);
@@ -62,7 +62,7 @@ async function sizeProblems() {
   return [];
 }
 
-/** Runs a tool of node_modules at the repository's root. What it prints is kept; progress, on stderr, only if it fails. */
+/** Runs a tool of node_modules at the repository's root and returns its stdout, and its stderr if it fails. */
 function runNode(script, args) {
   const child = spawn(process.execPath, [join(repositoryRoot, 'node_modules', script), ...args], {
     cwd: repositoryRoot,

@@ -1,5 +1,5 @@
-// Packs what is published into a folder, as npm would publish it: `node packages/tools/pack.mjs FOLDER` prints a line
-// per package, its name and the tarball's path.
+// Packs the published packages into a folder, as npm would publish them: `node packages/tools/pack.mjs FOLDER` prints a
+// line per package with its name and the tarball's path.
 import { execFile } from 'node:child_process';
 import { mkdirSync, readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
@@ -8,10 +8,10 @@ import { promisify } from 'node:util';
 import { build } from './build.mjs';
 import { fail, repositoryRoot } from './setup.mjs';
 
-/** Folders in packages/ of what is published, in order of dependence. The others serve this repository only. */
+/** Published packages (folders in packages/) in order of dependence. The others serve this repository only. */
 export const PUBLISHED = ['core', 'scenes', 'three', 'react'];
 
-/** Builds and packs into `folder`; resolves with the name and the tarball's path of each. */
+/** Builds the packages and packs them into `folder`. Resolves with the name and the tarball's path of each. */
 export async function pack(folder) {
   await build();
   mkdirSync(folder, { recursive: true });
@@ -37,7 +37,7 @@ export async function pack(folder) {
 
 if (process.argv[1] && import.meta.url === pathToFileURL(process.argv[1]).href) {
   const folder = process.argv[2];
-  if (folder === undefined) fail('Say where to: node packages/tools/pack.mjs FOLDER');
+  if (folder === undefined) fail('No folder given. Usage: node packages/tools/pack.mjs FOLDER');
   const packed = await pack(resolve(folder)).catch((error) => fail(error.stderr || error.message));
   for (const { name, tarball } of packed) console.log(`${name} ${tarball}`);
 }

@@ -1,8 +1,8 @@
 import type { Reporter, SerializedError, TestModule, TestRunEndReason, Vitest } from 'vitest/node';
 
 /**
- * Ends a run with the line `N passed, N failed, N skipped`, for machines. What fails outside of a test (a file that
- * does not load, a hook of a suite, an unhandled rejection, an interrupted run) counts as a failure.
+ * Ends a run with the line `N passed, N failed, N skipped`, for scripts. Failures outside of tests count too: a file that
+ * does not load, a hook of a suite, an unhandled rejection, an interrupted run.
  */
 export default class PlainLineReporter implements Reporter {
   private isWatching = false;

@@ -1,8 +1,8 @@
 import { spawn } from 'node:child_process';
 
 /**
- * Runs a JavaScript tool in the foreground. Requests to end reach it too. Resolves with its exit status, null where a
- * signal ended it, and whether it was asked to end.
+ * Runs a JavaScript tool in the foreground and passes signals on to it. Resolves with its exit status, null if a signal
+ * ended it, and with whether it was asked to end.
  */
 export function runTool(script, args, options = {}) {
   const child = spawn(process.execPath, [script, ...args], { stdio: 'inherit', ...options });
@@ -10,7 +10,7 @@ export function runTool(script, args, options = {}) {
   for (const signal of ['SIGINT', 'SIGTERM', 'SIGHUP']) {
     process.on(signal, () => {
       isEnding = true;
-      // Ctrl-C in a terminal goes to all of its processes, the tool included.
+      // A terminal sends Ctrl-C to all of its processes, including the tool.
       if (signal !== 'SIGINT' || !process.stdin.isTTY) child.kill(signal);
     });
   }

@@ -1,4 +1,4 @@
-// Runs before anything is installed: only node's own modules may be imported here.
+// Runs before anything is installed: imports only Node's own modules.
 import { spawnSync } from 'node:child_process';
 import { existsSync, statSync } from 'node:fs';
 import { delimiter, join } from 'node:path';
@@ -8,7 +8,7 @@ export const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
 
 const OLDEST_NODE = [20, 19];
 
-/** Exits with one line where this Node is too old for the tools. */
+/** Exits with one line if this Node is too old for the tools. */
 function checkNodeVersion() {
   const [major, minor] = process.versions.node.split('.').map(Number);
   if (major > OLDEST_NODE[0] || (major === OLDEST_NODE[0] && minor >= OLDEST_NODE[1])) return;
@@ -17,7 +17,7 @@ function checkNodeVersion() {
   );
 }
 
-/** Runs `npm ci` where node_modules is missing or older than package-lock.json. */
+/** Runs `npm ci` if node_modules is missing or older than package-lock.json. */
 export function ensureInstalled() {
   checkNodeVersion();
   // npm writes this file at the end of an installation.
@@ -33,8 +33,8 @@ export function ensureInstalled() {
 }
 
 /**
- * Path of a Chromium for the end-to-end tests; its package also brings SwiftShader, on which GPU tests run where there
- * is no GPU. Installs it where that can be done without asking, else says how and exits.
+ * Returns the path of a Chromium for the end-to-end tests. Its package also contains SwiftShader, on which GPU tests run
+ * without a GPU. Installs it if that needs no confirmation, and otherwise prints how to and exits.
  */
 export function ensureChromium() {
   const found = findChromium();

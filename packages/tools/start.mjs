@@ -1,4 +1,4 @@
-// `npm start`: from a fresh clone to the running viewer; `npm start -- examples` to the examples for react-three-fiber.
+// `npm start`: starts the viewer, even from a fresh clone; `npm start -- examples` the examples for react-three-fiber.
 // Other arguments go to Vite, e.g. `npm start -- --port 4000 --host`.
 import { existsSync } from 'node:fs';
 import { join } from 'node:path';

@@ -1,4 +1,4 @@
-// `npm test`: everything that a fresh clone needs, then all tests. `--full` (npm run test:full) also runs the slow ones;
+// `npm test`: sets up a fresh clone, then runs all tests. `--full` (npm run test:full) adds the slow ones;
 // other arguments go to Vitest, e.g. `npm test -- packages/cli`.
 import { join } from 'node:path';
 import { runTool } from './run-tool.mjs';

@@ -1,5 +1,5 @@
 // A page of spherical harmonics above degree 0 made into coarser ones (f32 or f16 into f16 or bytes), as
-// layout/sh-rest.ts packs them; one thread per splat.
+// packing/harmonics.ts packs them; one thread per splat.
 import constants::COARSER_WORDS;
 import constants::FINER_WORDS;
 import constants::REPACK_WORKGROUP;

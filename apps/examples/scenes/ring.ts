@@ -36,7 +36,7 @@ export function ring(): SplatSet {
     rotations,
     opacityLogits,
     colorDc,
-    shRest: { degree: 0, precision: 'f32', wordsPerSplat: 0, words: new Uint32Array(0) },
+    harmonics: { degree: 0, coefficients: new Float32Array(0) },
     fileIndices: Uint32Array.from({ length: COUNT }, (_, i) => i),
     dropped: {},
   };

@@ -1,14 +1,13 @@
 import { type ReactNode, StrictMode } from 'react';
 import { createRoot } from 'react-dom/client';
-import { App } from './app.tsx';
-import { GALLERY_SCENE, loadHardCases } from './hard-catalogue.ts';
-import { GalleryFailedPage } from './status-pages.tsx';
-import { createViewerStore, mirrorToAddress, mirrorToDocument } from './store.ts';
-import './viewer.css';
-import './dock.css';
-import './accuracy.css';
-import './effects.css';
-import { Viewer } from './viewer.ts';
+import { GALLERY_SCENE, loadHardCases } from './hard-cases/catalogue.ts';
+import { GalleryFailedPage } from './messages/status-pages.tsx';
+import { mirrorToAddress } from './shell/address-mirror.ts';
+import { App } from './shell/app.tsx';
+import { mirrorToDocument } from './shell/document-mirror.ts';
+import { createViewerStore } from './state/store.ts';
+import './styles.css';
+import { Viewer } from './viewer/viewer.ts';
 
 const element = document.getElementById('root');
 if (!element) throw new Error('The page has no #root.');
@@ -33,7 +32,7 @@ if (scene === GALLERY_SCENE && !file) {
 
 async function showGallery(): Promise<void> {
   document.title = 'Hard cases · WebSplatter';
-  const [{ Gallery }, cases] = await Promise.all([import('./gallery.tsx'), loadHardCases()]);
+  const [{ Gallery }, cases] = await Promise.all([import('./hard-cases/gallery.tsx'), loadHardCases()]);
   show(<Gallery cases={cases} firstQuery={address.get('q') ?? ''} />);
   document.documentElement.dataset.state = 'ready';
 }

@@ -7,7 +7,7 @@ import { placeLabels } from './label-placement.ts';
 
 type Row = readonly [name: string, psnrDb: number, totalMs: number, isOnFront?: boolean];
 
-/** As crowded as a real sweep: many settings that make little difference lie together. */
+/** As crowded as a real measurement: many settings make little difference and lie close together. */
 const ROWS: readonly Row[] = [
   ['balanced', 52.1, 6.2],
   ['reference', Number.POSITIVE_INFINITY, 11.4, true],
@@ -109,7 +109,7 @@ describe('the report', () => {
     );
   });
 
-  test('is JSON with null for pictures that are equal', () => {
+  test('is JSON with null for images that are equal', () => {
     const parsed = JSON.parse(accuracyJson(table(), ['garden']));
     expect(parsed.points[1].error.psnrDb).toBeNull();
     expect(parsed.points[0].timeMs.total.median).toBe(6.2);

@@ -1,15 +1,16 @@
+import type { LabelBox } from '@websplatter/charts';
 import type { AccuracyPoint, AccuracyTable } from '@websplatter/core/measure';
 import { isInterval } from './accuracy-report.ts';
-import { type Box, placeLabels } from './label-placement.ts';
+import { placeLabels } from './label-placement.ts';
 
 const WIDTH = 800;
 const HEIGHT = 500;
-const PLOT: Box = { left: 64, top: 66, right: 776, bottom: 440 };
-/** Pictures that equal the reference have no error in dB: they are drawn on a line of their own above the scale. */
+const PLOT: LabelBox = { left: 64, top: 66, right: 776, bottom: 440 };
+/** Images that equal the reference have no error in dB: their points lie on a line of their own above the scale. */
 const EQUAL_Y = PLOT.top + 18;
 const SCALE_TOP = PLOT.top + 48;
 const DOT_RADIUS = 4;
-/** Combinations are letters in the plot, where their names would cover the rest, and are listed below it. */
+/** Combinations of settings have long names: the plot shows a letter for each, and the key below it the name. */
 const KEY_ROW_PX = 16;
 
 const STYLE = `
@@ -26,7 +27,7 @@ const STYLE = `
     .dot.onFront { fill: #58a6ff; stroke: #58a6ff; } .dot.base { stroke: #f0883e; } .label.onFront { fill: #79c0ff; }
   }`;
 
-/** Error over time as an SVG of 800 px, 500 high or more, that needs nothing else: accurate is up, fast is left. */
+/** Draws error over time as a self-contained SVG, 800 px wide and at least 500 px high: accurate is up, fast is left. */
 export function accuracyChart(table: AccuracyTable, scene: string): string {
   const { points } = table;
   const x = timeScale(points);
@@ -142,7 +143,7 @@ function dot(point: AccuracyPoint, x: number, y: number, table: AccuracyTable): 
   return `<circle ${attributes}><title>${escaped(tip)}</title></circle>`;
 }
 
-/** What can be had for the time: flat up to the next point, then up. */
+/** Path of the front: flat up to the next point, then up. */
 function stepPath(front: readonly { readonly x: number; readonly y: number }[]): string {
   const steps = front.map(({ x, y }, i) =>
     i === 0 ? `M${round(x)} ${round(y)}` : `H${round(x)}V${round(y)}`,
@@ -150,8 +151,8 @@ function stepPath(front: readonly { readonly x: number; readonly y: number }[]):
   return `${steps.join('')}H${PLOT.right}`;
 }
 
-/** Round a horizontal or vertical line. */
-function thinBox(x1: number, y1: number, x2: number, y2: number): Box {
+/** A box around a horizontal or vertical line. */
+function thinBox(x1: number, y1: number, x2: number, y2: number): LabelBox {
   return {
     left: Math.min(x1, x2) - 1,
     top: Math.min(y1, y2) - 1,
@@ -190,7 +191,7 @@ function errorScale(points: readonly AccuracyPoint[]): Scale {
   return { at, ticks: evenTicks(from, to, 8) };
 }
 
-/** About `count` round numbers from `low` to `high`. */
+/** Returns about `count` round numbers from `low` to `high`. */
 function evenTicks(low: number, high: number, count: number): number[] {
   const rough = (high - low || 1) / count;
   const power = 10 ** Math.floor(Math.log10(rough));

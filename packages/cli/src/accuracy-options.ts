@@ -7,22 +7,22 @@ import {
 import { UsageError } from './input-error.ts';
 import { parseFrames, parseSize, parseStrictly } from './render-options.ts';
 
-/** What `websplatter accuracy` was asked for. */
+/** Arguments of `websplatter accuracy`. */
 export interface AccuracyOptions {
   readonly scenes: readonly string[];
   readonly camera: string;
   readonly widthPx: number;
   readonly heightPx: number;
   readonly base: AccuracyPreset;
-  /** Names of the settings to change; undefined for all. */
+  /** Names of the settings to change; undefined means all. */
   readonly settings: readonly string[] | undefined;
-  /** Per point. */
+  /** Measured frames per point. */
   readonly frames: number;
   readonly isJson: boolean;
   readonly svg: string | undefined;
 }
 
-/** @throws UsageError naming the argument. */
+/** @throws UsageError that names the argument. */
 export function parseAccuracyArguments(args: readonly string[]): AccuracyOptions {
   const { values, positionals } = parseStrictly(args, {
     camera: { type: 'string' },

@@ -5,6 +5,7 @@ import {
   type Accuracy,
   type Camera,
   type FrameStatistics,
+  type Harmonics,
   perspectiveCamera,
   readSplats,
   resolveAccuracy,
@@ -21,21 +22,21 @@ import { builtinScenes } from '@websplatter/scenes';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 
 /**
- * Every preset against float64 and against the picture that the terminal and the viewer measure errors from, with its time.
- * `npm run test:full` takes the whole built-in scene, larger pictures, and enough frames for the times to mean something.
+ * Compares every preset with float64, and with the reference image of the terminal and the viewer, and times it.
+ * `npm run test:full` uses the whole built-in scene, larger images, and enough frames for the times to mean something.
  */
 
 const IS_FULL = process.env.WEBSPLATTER_FULL !== undefined;
 const SIZE = IS_FULL ? { widthPx: 128, heightPx: 128 } : { widthPx: 64, heightPx: 64 };
-/** Measured after one that is not; where there are none, that one's own time has to do: software needs a second for some. */
+/** Frames measured after a warm-up frame. With none, the warm-up frame's time is reported: software takes a second for some. */
 const TIMED_FRAMES = IS_FULL ? 9 : 0;
 
-/** What is drawn, the most exact first. */
+/** Settings to draw with, the most exact first. */
 const ROWS: Readonly<Record<string, Accuracy>> = {
   ...Object.fromEntries(Object.keys(ACCURACY_PRESETS).map((preset) => [preset, preset as Accuracy])),
   'paper, f16 records': { preset: 'paper', recordPrecision: 'f16' },
 };
-/** No preset is more exact than those before it here. What is said of `paper` is tested below. */
+/** No preset is more exact than those before it in this list. `paper` has tests of its own below. */
 const MOST_EXACT_FIRST = ['reference', 'high', 'balanced', 'fast'];
 
 let engine: SplatEngine;
@@ -48,16 +49,16 @@ afterAll(() => engine?.destroy());
 
 interface Row {
   readonly name: string;
-  /** Against float64: values as they are, and rounded to 8 bits. */
+  /** Error against float64: of the values as they are, and of values rounded to 8 bits. */
   readonly rawDb: number;
   readonly pngDb: number;
   readonly maxError: number;
-  /** Against the preset `reference` on this GPU, computed there. */
+  /** Error against the preset `reference` on this GPU, computed on the GPU. */
   readonly againstReferenceDb: number;
   readonly timesMs: readonly number[];
 }
 
-async function measureRows(set: SplatSet, camera: Camera): Promise<Record<string, Row>> {
+async function measureRows(set: SplatSet<Harmonics>, camera: Camera): Promise<Record<string, Row>> {
   const float64 = renderReference({ clouds: [{ set }], camera, ...SIZE });
   expect(float64.visibleSplats).toBeGreaterThan(1000);
   const cloud = engine.add(set);
@@ -91,13 +92,13 @@ async function measureRows(set: SplatSet, camera: Camera): Promise<Record<string
   return rows;
 }
 
-/** Makes the cloud hold the planes that `accuracy` is drawn from, beside those that it has. */
+/** Makes the cloud hold the planes that `accuracy` needs, beside those that it has. */
 function hold(cloud: SplatCloud, accuracy: Accuracy): Promise<void> {
   const { geometryPrecision, shPrecision } = resolveAccuracy(accuracy);
   return cloud.hold({ geometryPrecision, shPrecision }).met;
 }
 
-/** Milliseconds of a picture, drawn whether or not anything has changed. */
+/** Draws a frame, whether or not anything has changed, and returns its milliseconds. */
 async function drawTimed(view: SplatView, frame: Parameters<SplatView['render']>[0]): Promise<number> {
   const statistics = new Promise<FrameStatistics>((resolve) => {
     view.onStatistics = resolve;
@@ -152,8 +153,8 @@ function expectPresetsInOrder(rows: Record<string, Row>): void {
       coarser.againstReferenceDb,
     );
   }
-  // `paper` may lie on either side of `fast`, and its records alone decide that: with wider ones it is as exact. It blends
-  // more faint layers than `fast` does, all of which adapters round to 8 bits in their own way: one loses 0.15 dB by that.
+  // `paper` may lie on either side of `fast`, and only because of its records: with wider ones it is as exact. It blends
+  // more faint layers than `fast` does, and adapters round each of them to 8 bits in their own way: one loses 0.15 dB.
   expect(paper.rawDb).toBeGreaterThan(35);
   expect(rows['paper, f16 records'].rawDb).toBeGreaterThanOrEqual(paper.rawDb);
   expect(rows['paper, f16 records'].rawDb).toBeGreaterThan(fast.rawDb - 0.5);

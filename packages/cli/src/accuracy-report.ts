@@ -17,18 +17,18 @@ const COLUMNS: readonly Column[] = [
   ['P99', ({ timeMs }) => timeMs.total.p99.toFixed(2)],
   ['MB', ({ bytes }) => (bytes / 1e6).toFixed(1)],
 ];
-/** These two are read from their left. */
+/** The first columns, the rest is right-aligned. */
 const LEFT_ALIGNED = 2;
 
-/** Fewer frames than this have no interval of 95 %: then it is all that was measured. */
+/** With fewer frames there is no interval of 95 % confidence: it spans all measured times instead. */
 const INTERVAL_FRAMES = 6;
 
-/** Whether the intervals of a table of so many frames hold the median with 95 %. */
+/** Whether the intervals of a table with so many frames hold the median with 95 % confidence. */
 export function isInterval(frames: number): boolean {
   return frames >= INTERVAL_FRAMES;
 }
 
-/** The table for people, fastest first. */
+/** Formats the table as text, fastest first. */
 export function accuracyText(table: AccuracyTable, scene: string): string {
   const points = [...table.points].sort((a, b) => a.timeMs.total.median - b.timeMs.total.median);
   const rows = [
@@ -65,7 +65,7 @@ export function accuracyText(table: AccuracyTable, scene: string): string {
   ].join('\n');
 }
 
-/** Everything that was measured; `psnrDb` is null where the picture is that of the reference. */
+/** Formats everything that was measured as JSON; `psnrDb` is null where the image equals the reference. */
 export function accuracyJson(table: AccuracyTable, scenes: readonly string[]): string {
   const finite = (_key: string, value: unknown) => (value === Number.POSITIVE_INFINITY ? null : value);
   return `${JSON.stringify({ scenes, ...table }, finite, 2)}\n`;

@@ -1,13 +1,12 @@
-import { SplatEngine, WebSplatterError } from '@websplatter/core';
+import { ACCURACY_PRESETS } from '@websplatter/core';
 import { type AccuracyTable, measureAccuracy } from '@websplatter/core/measure';
-import { createNodeGpu } from '@websplatter/node';
 import { accuracyChart } from './accuracy-chart.ts';
 import { type AccuracyOptions, parseAccuracyArguments } from './accuracy-options.ts';
 import { accuracyJson, accuracyText } from './accuracy-report.ts';
 import { readCameraFile } from './camera-file.ts';
 import type { Console } from './console.ts';
+import { openGpuSession } from './gpu-session.ts';
 import { checkWritable, writeFiles } from './output-files.ts';
-import { addScene } from './render-gpu.ts';
 import { findScene } from './scene-source.ts';
 
 /** `websplatter accuracy SCENE … --camera CAM.json --size WIDTHxHEIGHT [--json] [--svg chart.svg]`. */
@@ -16,7 +15,7 @@ export async function accuracy(args: readonly string[], console: Console): Promi
   if (options.svg !== undefined) await checkWritable(options.svg);
   const table = await measure(options, console);
   const title = options.scenes.join(', ');
-  // Everything is made before anything is written: a run that is interrupted leaves no part of a file.
+  // Format everything before writing anything, so that an interrupted run leaves no partial file.
   const text = options.isJson ? accuracyJson(table, options.scenes) : accuracyText(table, title);
   if (options.svg !== undefined)
     await writeFiles([{ path: options.svg, content: accuracyChart(table, title) }]);
@@ -27,17 +26,11 @@ async function measure(options: AccuracyOptions, console: Console): Promise<Accu
   const { widthPx, heightPx, base, settings, frames } = options;
   const camera = await readCameraFile(options.camera, widthPx / heightPx);
   const scenes = await Promise.all(options.scenes.map(findScene));
-  const { gpu, adapter, notice } = await createNodeGpu();
-  if (notice !== null) console.err(`note: ${notice}\n`);
-  const engine = await SplatEngine.create({ gpu, adapter, accuracy: 'reference' });
-  const gpuErrors: string[] = [];
-  engine.device.addEventListener('uncapturederror', (event) => {
-    event.preventDefault();
-    gpuErrors.push(event.error.message);
-  });
+  const session = await openGpuSession(scenes, ACCURACY_PRESETS.reference);
+  const { engine, notice, checkGpuErrors } = session;
   try {
-    const clouds = [];
-    for (const scene of scenes) clouds.push({ cloud: await addScene(engine, scene) });
+    if (notice !== null) console.err(`note: ${notice}\n`);
+    const clouds = session.clouds.map((cloud) => ({ cloud }));
     let shownPercent = -1;
     const table = await measureAccuracy(engine, {
       clouds,
@@ -49,12 +42,12 @@ async function measure(options: AccuracyOptions, console: Console): Promise<Accu
       frames,
       onProgress: ({ done, total, label }) => {
         const percent = Math.floor((100 * done) / total);
-        // One line in ten percent: this may go to a file.
+        // One line per ten percent: stderr may be a file.
         if (Math.floor(percent / 10) > Math.floor(shownPercent / 10)) console.err(`${percent} %: ${label}\n`);
         shownPercent = Math.max(shownPercent, percent);
       },
     });
-    if (gpuErrors.length > 0) throw new WebSplatterError('gpu-error', `the GPU refused: ${gpuErrors[0]}`);
+    checkGpuErrors();
     return table;
   } finally {
     engine.destroy();

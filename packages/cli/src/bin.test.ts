@@ -1,5 +1,5 @@
 import { spawnSync } from 'node:child_process';
-import { existsSync } from 'node:fs';
+import { existsSync, mkdirSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { expect, test } from 'vitest';
 import { TestFolder } from './test-folder.ts';
@@ -7,11 +7,16 @@ import { TestFolder } from './test-folder.ts';
 const bin = fileURLToPath(new URL('../bin/websplatter.js', import.meta.url));
 const isBuilt = existsSync(new URL('../dist/main.js', import.meta.url));
 
-/** The program as users start it, on what `npm run build` made. `npm test` builds first. */
+/** Runs the program as users do, from the output of `npm run build`. `npm test` builds first. */
 const binTest = test.skipIf(!isBuilt && !process.env.CI);
 
 function websplatter(...args: string[]) {
-  const env = { ...process.env, WEBSPLATTER_DEBUG: undefined };
+  return websplatterIn({}, ...args);
+}
+
+/** Runs it with other environment variables; undefined ones are removed. */
+function websplatterIn(variables: Record<string, string | undefined>, ...args: string[]) {
+  const env = { ...process.env, WEBSPLATTER_DEBUG: undefined, ...variables };
   const { status, stdout, stderr } = spawnSync(process.execPath, [bin, ...args], { encoding: 'utf8', env });
   return { status, stdout, stderr };
 }
@@ -28,6 +33,19 @@ binTest('--help lists the commands that exist', () => {
 binTest('a bad file ends it with status 2 and one line', () => {
   const file = new TestFolder().write('bad.ply', 'ply\nformat ascii 1.0\nelement vertex x\nend_header\n');
   const { status, stdout, stderr } = websplatter('info', file, '--json');
+  expect([status, stdout]).toEqual([2, '']);
+  expect(stderr).toMatch(/^websplatter: \S+bad\.ply: [^\n]+\n$/);
+});
+
+binTest.each(['render', 'accuracy'])('%s opens no graphics driver for a bad file', (command) => {
+  const folder = new TestFolder();
+  const scene = folder.write('bad.ply', 'hello');
+  const output = command === 'render' ? ['--out', folder.file('a.png')] : [];
+  const { status, stdout, stderr } = websplatterIn(
+    // The Vulkan loader, once it is asked for a driver, writes hundreds of lines.
+    { VK_LOADER_DEBUG: 'all' },
+    ...[command, folder.scene(), scene, '--camera', folder.camera(), '--size', '8x8', ...output],
+  );
   expect([status, stdout]).toEqual([2, '']);
   expect(stderr).toMatch(/^websplatter: \S+bad\.ply: [^\n]+\n$/);
 });
@@ -49,6 +67,32 @@ binTest(
     expect(stderr).toMatch(/^(note: [^\n]+\n)?$/);
     expect(status).toBe(0);
     expect(existsSync(out)).toBe(true);
+  },
+  60_000,
+);
+
+binTest(
+  'a software driver that fails, and no desktop session, add nothing to what render writes',
+  () => {
+    const folder = new TestFolder();
+    mkdirSync(folder.file('vulkan/icd.d'), { recursive: true });
+    const ICD = { api_version: '1.1.230', library_path: folder.file('none.so') };
+    folder.write('vulkan/icd.d/lvp_icd.x86_64.json', { file_format_version: '1.0.0', ICD });
+    const { status, stderr } = websplatterIn(
+      { XDG_DATA_HOME: folder.path, XDG_RUNTIME_DIR: undefined },
+      ...[
+        'render',
+        folder.scene(),
+        '--camera',
+        folder.camera(),
+        '--size',
+        '8x8',
+        '--out',
+        folder.file('a.png'),
+      ],
+    );
+    expect(stderr).toMatch(/^(note: [^\n]+\n)?$/);
+    expect(status).toBe(0);
   },
   60_000,
 );

@@ -10,17 +10,17 @@ import { isNumbers, isObject, readJsonFile, shown } from './json-file.ts';
 
 type Point = [number, number, number];
 
-/** Reads a camera for a picture of the given `aspect` (width divided by height). */
+/** Reads a camera for images of the given `aspect` (width divided by height). */
 export async function readCameraFile(file: string, aspect: number): Promise<Camera> {
   return parseCamera(await readJsonFile(file, 'camera'), file, aspect);
 }
 
 /**
- * A camera from what a camera file holds: `position`, `target`, `up`, `near`, `far` with `fovYDegrees`, or with
- * `"projection": "orthographic"` and `height`; or `viewMatrix` and `projectionMatrix`, column-major. Fields that it does
- * not know are left alone.
+ * Makes a camera from the contents of a camera file: `position`, `target`, `up`, `near`, `far` with `fovYDegrees`, or with
+ * `"projection": "orthographic"` and `height`; or `viewMatrix` and `projectionMatrix`, column-major. Unknown fields are
+ * ignored.
  *
- * @throws InputFileError naming the file and the field.
+ * @throws InputFileError that names the file and the field.
  */
 export function parseCamera(json: unknown, file: string, aspect: number): Camera {
   if (!isObject(json)) throw new InputFileError(file, `a camera is an object, found ${shown(json)}`);

@@ -1,4 +1,4 @@
-/** Where a command writes; tests read it back. */
+/** Output of a command, which tests can capture. */
 export interface Console {
   /** Results. */
   out(text: string): void;

@@ -20,7 +20,7 @@ import { parseStrictly } from './render-options.ts';
 
 interface HardCaseOptions {
   readonly format: 'table' | 'json' | 'markdown';
-  /** The chosen ones, at least one. */
+  /** The chosen cases, at least one. */
   readonly cases: readonly HardCase[];
   readonly sizePx: number;
 }
@@ -30,7 +30,7 @@ export async function hardcases(args: readonly string[], console: Console): Prom
   const { format, cases, sizePx } = parseHardCaseArguments(args);
   const { notice } = await createNodeGpu();
   if (notice !== null) console.err(`note: ${notice}\n`);
-  // Asked for anew each time: it also keeps what Dawn must not lose.
+  // A fresh adapter per device. createNodeGpu also keeps devices from being garbage-collected, which Dawn does not survive.
   const gpu = { requestAdapter: async () => (await createNodeGpu()).adapter };
   const runner = await HardCaseRunner.create({ gpu });
   const nameWidth = Math.max(...cases.map(({ name }) => name.length));
@@ -59,7 +59,7 @@ function textOf(report: HardCaseReport, format: HardCaseOptions['format']): stri
   return `${['', ...failureLines(report.results), summaryLine(report)].join('\n')}\n`;
 }
 
-/** @throws UsageError naming the argument. */
+/** @throws UsageError that names the argument. */
 function parseHardCaseArguments(args: readonly string[]): HardCaseOptions {
   const { values, positionals } = parseStrictly(args, {
     json: { type: 'boolean', default: false },

@@ -1,4 +1,11 @@
-import { cloudFacts, type DropCounts, type ShDegree, type SplatSet } from '@websplatter/core';
+import {
+  cloudFacts,
+  type DropCounts,
+  type Harmonics,
+  type ShDegree,
+  type SplatColumns,
+  type SplatSet,
+} from '@websplatter/core';
 import type { Console } from './console.ts';
 import { gpuBytesPerPreset } from './gpu-bytes.ts';
 import { UsageError } from './input-error.ts';
@@ -8,27 +15,27 @@ import { type ShBand, shEnergyPerBand } from './sh-energy.ts';
 
 type Point = [number, number, number];
 
-/** A band of spherical harmonics above 0: what it carries, and what of that can be seen. */
+/** A band of spherical harmonics above 0: its energy, and how much of it can be seen. */
 interface ShBandInfo extends ShBand {
-  /** Most that it changes a colour channel of any splat, in any direction; 1 is from black to white. */
+  /** Largest change to a colour channel of any splat, in any direction; 1 is from black to white. */
   readonly reach: number;
 }
 
-/** What `websplatter info --json` prints. */
+/** Output of `websplatter info --json`. */
 export interface SceneInfo {
   readonly scene: string;
   readonly count: number;
-  /** Of the splats' centres, in scene coordinates. */
+  /** Bounds of the splats' centres, in scene coordinates. */
   readonly bounds: { readonly min: Point; readonly max: Point };
   /** Point that stored positions are relative to. */
   readonly origin: readonly [number, number, number];
-  /** Of the file. */
+  /** Degree of the file. */
   readonly shDegree: ShDegree;
-  /** Up to which spherical harmonics can be seen: what is stored on the GPU and drawn. */
+  /** Highest degree whose effect can be seen: bands up to it are stored on the GPU and drawn. */
   readonly trueShDegree: ShDegree;
-  /** Of the file. */
+  /** All bands of the file. */
   readonly shBands: readonly ShBandInfo[];
-  /** Splats of the file that were left out. */
+  /** Number of splats in the file that were left out. */
   readonly droppedCount: number;
   readonly dropped: DropCounts;
   readonly gpuBytes: Readonly<Record<string, number>>;
@@ -45,7 +52,7 @@ export async function info(args: readonly string[], console: Console): Promise<v
   console.out(values.json ? `${JSON.stringify(found, null, 2)}\n` : table(found));
 }
 
-function describeScene(scene: string, set: SplatSet): SceneInfo {
+function describeScene(scene: string, set: SplatSet<Harmonics>): SceneInfo {
   const { count, dropped, origin } = set;
   const { declaredShDegree, trueShDegree, shBandReach } = cloudFacts(set);
   return {
@@ -62,7 +69,7 @@ function describeScene(scene: string, set: SplatSet): SceneInfo {
   };
 }
 
-function boundsOfCenters({ count, positions, origin }: SplatSet): { min: Point; max: Point } {
+function boundsOfCenters({ count, positions, origin }: SplatColumns): { min: Point; max: Point } {
   const min: Point = [Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
   const max: Point = [Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY];
   for (let i = 0; i < 3 * count; i++) {

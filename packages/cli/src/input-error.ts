@@ -1,6 +1,6 @@
 import { InvalidArgumentError, WebSplatterError } from '@websplatter/core';
 
-/** A file given on the command line cannot be used; the message names it, the cause and the place. */
+/** A file given on the command line cannot be used. The message names the file, the cause and the place. */
 export class InputFileError extends WebSplatterError {
   constructor(file: string, cause: string, place?: string, options?: ErrorOptions) {
     super('bad-input-file', `${file}: ${cause}${place === undefined ? '' : ` (${place})`}`, options);
@@ -14,7 +14,7 @@ export class UsageError extends InvalidArgumentError {
   }
 }
 
-/** What a failed system call says, for people: `there is no such file`. */
+/** Describes a failed system call in words: `there is no such file or folder`. */
 export function describeSystemError(error: unknown): string {
   const code = (error as NodeJS.ErrnoException | null)?.code;
   switch (code) {

@@ -1,7 +1,7 @@
 import { readFile } from 'node:fs/promises';
 import { describeSystemError, InputFileError } from './input-error.ts';
 
-/** Contents of a JSON file; `kind` says in messages what the file is for. */
+/** Reads a JSON file; `kind` names its purpose in messages. */
 export async function readJsonFile(file: string, kind: string): Promise<unknown> {
   let text: string;
   try {
@@ -20,7 +20,7 @@ export async function readJsonFile(file: string, kind: string): Promise<unknown>
   }
 }
 
-/** A value in a message: short, on one line. */
+/** Formats a value for a message: short, on one line. */
 export function shown(value: unknown): string {
   const text = value === undefined ? 'nothing' : JSON.stringify(value);
   return text.length > 60 ? `${text.slice(0, 57)}…` : text;

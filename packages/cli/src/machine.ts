@@ -1,7 +1,7 @@
 import { execFileSync } from 'node:child_process';
 import os from 'node:os';
 
-/** What a measurement was made on. */
+/** Describes this machine, for measurements. */
 export function describeMachine() {
   const cpus = os.cpus();
   return {
@@ -13,7 +13,7 @@ export function describeMachine() {
   };
 }
 
-/** Commit of the working copy that this program runs from, with `+changes` where files differ; null outside of git. */
+/** Commit of the working copy that this program runs from, with `+changes` if files differ; null outside of git. */
 export function currentCommit(): string | null {
   const git = (...args: string[]) =>
     execFileSync('git', args, {

@@ -8,12 +8,12 @@ import { UsageError } from './input-error.ts';
 import { render } from './render.ts';
 import { USAGE } from './usage.ts';
 
-/** A command does its work or throws. */
+/** A command: does its work or throws. */
 type Command = (args: readonly string[], console: Console) => Promise<void>;
 
 const COMMANDS: Readonly<Record<string, Command>> = { render, info, accuracy, hardcases };
 
-/** Codes of errors that are not the input's fault. */
+/** Codes of errors that the input did not cause. */
 const FAILURE_CODES = new Set([
   'webgpu-unavailable',
   'destroyed',
@@ -35,7 +35,7 @@ export async function main(args: readonly string[], console: Console): Promise<n
   }
 }
 
-/** Runs `args` on this process's own streams and ends it. */
+/** Runs `args` with this process's own streams, then ends the process. */
 export async function run(args: readonly string[]): Promise<never> {
   const status = await main(args, {
     out: (text) => process.stdout.write(text),
@@ -44,7 +44,7 @@ export async function run(args: readonly string[]): Promise<never> {
   for (const stream of [process.stdout, process.stderr]) {
     await new Promise<void>((resolve) => stream.write('', () => resolve()));
   }
-  // Dawn's threads can keep a process that has nothing left to do from ending.
+  // Dawn's threads can keep an idle process from ending.
   process.exit(status);
 }
 

@@ -6,7 +6,7 @@ export async function readModelFile(file: string): Promise<Float64Array> {
   return parseModel(await readJsonFile(file, 'model matrix'), file);
 }
 
-/** @throws InputFileError naming the file and what is wrong. */
+/** @throws InputFileError that names the file and the problem. */
 export function parseModel(json: unknown, file: string): Float64Array {
   const matrix = isObject(json) ? json.matrix : json;
   const place = isObject(json) ? 'field matrix' : undefined;

@@ -7,7 +7,7 @@ export interface OutputFile {
   readonly content: Uint8Array | string;
 }
 
-/** Fails before any work is done where `path` cannot become a file. */
+/** @throws InputFileError if `path` cannot become a file. To be called before any work is done. */
 export async function checkWritable(path: string): Promise<void> {
   const folder = dirname(path);
   const found = await stat(folder).catch((error) => {
@@ -21,7 +21,7 @@ export async function checkWritable(path: string): Promise<void> {
   if (existing?.isDirectory()) throw new InputFileError(path, 'cannot be written: it is a folder');
 }
 
-/** Writes files under temporary names beside their own, and names them when all are complete. */
+/** Writes files under temporary names in the same folders, and renames them once all are complete. */
 export async function writeFiles(files: readonly OutputFile[]): Promise<void> {
   const unfinished: string[] = [];
   let current = '';

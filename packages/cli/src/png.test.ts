@@ -4,15 +4,15 @@ import { encodePng, encodeRaw, toRgb8 } from './png.ts';
 
 test('pixels are composited over the background, rounded and clamped', () => {
   const data = Float32Array.of(0.2, 0, 0, 0.5, 0, 0, 0, 0, 1.5, -0.1, 0.5, 1);
-  const picture = { widthPx: 3, heightPx: 1, data };
-  expect([...toRgb8(picture, [1, 0.5, 0])]).toEqual([179, 64, 0, 255, 128, 0, 255, 0, 128]);
+  const raw = { widthPx: 3, heightPx: 1, data };
+  expect([...toRgb8(raw, [1, 0.5, 0])]).toEqual([179, 64, 0, 255, 128, 0, 255, 0, 128]);
 });
 
 test('the PNG holds what was composited, opaque', () => {
-  const picture = { widthPx: 2, heightPx: 2, data: Float32Array.from({ length: 16 }, (_, i) => i / 16) };
-  const image = decode(encodePng(picture, [0, 0, 0]));
+  const raw = { widthPx: 2, heightPx: 2, data: Float32Array.from({ length: 16 }, (_, i) => i / 16) };
+  const image = decode(encodePng(raw, [0, 0, 0]));
   expect([image.width, image.height, image.channels, image.depth]).toEqual([2, 2, 3, 8]);
-  expect([...image.data]).toEqual([...toRgb8(picture, [0, 0, 0])]);
+  expect([...image.data]).toEqual([...toRgb8(raw, [0, 0, 0])]);
 });
 
 test('the raw file is little-endian float32', () => {

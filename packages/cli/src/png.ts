@@ -1,16 +1,16 @@
 import type { Vec3 } from '@websplatter/core';
 import { encode } from 'fast-png';
 
-/** Pixels as the renderers give them: premultiplied RGBA in the blending (sRGB-encoded) space, top row first. */
-export interface Picture {
+/** An image as renderers return it: premultiplied RGBA in the blending (sRGB-encoded) space, top row first. */
+export interface RawImage {
   readonly widthPx: number;
   readonly heightPx: number;
   readonly data: Float32Array | Float64Array;
 }
 
-/** An opaque 8-bit RGB image of `picture` over `background` (0…1, in the space of the pixels). */
-export function toRgb8(picture: Picture, background: Vec3): Uint8Array {
-  const { data } = picture;
+/** Composites `image` over `background` (0…1, in the space of the pixels) into opaque 8-bit RGB. */
+export function toRgb8(image: RawImage, background: Vec3): Uint8Array {
+  const { data } = image;
   const rgb = new Uint8Array((data.length / 4) * 3);
   for (let from = 0, to = 0; from < data.length; from += 4, to += 3) {
     const transmittance = 1 - data[from + 3];
@@ -22,15 +22,15 @@ export function toRgb8(picture: Picture, background: Vec3): Uint8Array {
   return rgb;
 }
 
-export function encodePng(picture: Picture, background: Vec3): Uint8Array {
-  const { widthPx: width, heightPx: height } = picture;
-  return encode({ width, height, data: toRgb8(picture, background), channels: 3, depth: 8 });
+export function encodePng(image: RawImage, background: Vec3): Uint8Array {
+  const { widthPx: width, heightPx: height } = image;
+  return encode({ width, height, data: toRgb8(image, background), channels: 3, depth: 8 });
 }
 
-/** W×H×4 float32, little-endian, top row first. */
-export function encodeRaw(picture: Picture): Uint8Array {
-  const bytes = new Uint8Array(picture.data.length * 4);
+/** Encodes `image` as W×H×4 float32, little-endian, top row first. */
+export function encodeRaw(image: RawImage): Uint8Array {
+  const bytes = new Uint8Array(image.data.length * 4);
   const view = new DataView(bytes.buffer);
-  for (let i = 0; i < picture.data.length; i++) view.setFloat32(i * 4, picture.data[i], true);
+  for (let i = 0; i < image.data.length; i++) view.setFloat32(i * 4, image.data[i], true);
   return bytes;
 }

@@ -1,40 +1,25 @@
-import {
-  type Camera,
-  type FrameStatistics,
-  type SplatCloud,
-  SplatEngine,
-  type SplatView,
-  WebSplatterError,
-} from '@websplatter/core';
-import { createNodeGpu } from '@websplatter/node';
-import type { Picture } from './png.ts';
+import type { Camera, FrameStatistics, SplatCloud, SplatView } from '@websplatter/core';
+import { openGpuSession } from './gpu-session.ts';
+import type { RawImage } from './png.ts';
 import type { RenderOptions } from './render-options.ts';
 import { differingPixels, type Rendered } from './rendered.ts';
 import type { SceneSource } from './scene-source.ts';
 
-/** Measurements come a few frames late; after this long none is expected any more. */
+/** Measurements arrive a few frames late; after this long no more are expected. */
 const STATISTICS_TIMEOUT_MS = 2000;
 
-/** Renders with the engine, on a GPU or what stands in for one. */
+/** Renders with the engine, on a GPU or a software adapter. */
 export async function renderOnGpu(
   scenes: readonly SceneSource[],
   models: readonly Float64Array[],
   camera: Camera,
   options: RenderOptions,
 ): Promise<Rendered> {
-  const { gpu, adapter, notice } = await createNodeGpu();
-  const engine = await SplatEngine.create({ gpu, adapter, accuracy: options.accuracy });
-  const gpuErrors: string[] = [];
-  engine.device.addEventListener('uncapturederror', (event) => {
-    event.preventDefault();
-    gpuErrors.push(event.error.message);
-  });
+  const { engine, clouds, notice, checkGpuErrors } = await openGpuSession(scenes, options.accuracy);
   try {
-    const clouds: SplatCloud[] = [];
-    for (const scene of scenes) clouds.push(await addScene(engine, scene));
     const view = engine.createView();
     const frames = await renderFrames(view, clouds, models, camera, options);
-    if (gpuErrors.length > 0) throw new WebSplatterError('gpu-error', `the GPU refused: ${gpuErrors[0]}`);
+    checkGpuErrors();
     return {
       ...frames,
       splatsPerScene: clouds.map(({ count }) => count),
@@ -46,43 +31,38 @@ export async function renderOnGpu(
   }
 }
 
-/** The splats of a scene on the GPU. */
-export async function addScene(engine: SplatEngine, { name, content }: SceneSource): Promise<SplatCloud> {
-  return 'make' in content ? engine.add(content.make(), { name }) : engine.load(content.source, { name });
-}
-
 async function renderFrames(
   view: SplatView,
   clouds: readonly SplatCloud[],
   models: readonly Float64Array[],
   camera: Camera,
   { widthPx, heightPx, frames, timings }: RenderOptions,
-): Promise<Pick<Rendered, 'picture' | 'visibleSplats' | 'warmUpFrames' | 'timings' | 'firstDifference'>> {
+): Promise<Pick<Rendered, 'image' | 'visibleSplats' | 'warmUpFrames' | 'timings' | 'firstDifference'>> {
   const placed = clouds.map((cloud, i) => ({ cloud, modelMatrix: models[i] }));
   const statistics: FrameStatistics[] = [];
   const draw = () => {
     view.render({ camera, clouds: placed, widthPx, heightPx, force: true });
     return view.readPixels();
   };
-  // The first picture also pays for compiling shaders on the first use; it is not what is asked for by measuring.
+  // The first frame also pays for compiling shaders, which is not to be measured.
   const warmUpFrames = timings === undefined ? 0 : 1;
   if (warmUpFrames > 0) await draw();
   view.onStatistics = (each) => {
     if (each.frame > warmUpFrames) statistics.push(each);
   };
 
-  let first: Picture | undefined;
-  let picture: Picture | undefined;
+  let first: RawImage | undefined;
+  let image: RawImage | undefined;
   let firstDifference: Rendered['firstDifference'] = null;
   for (let frame = 1; frame <= frames; frame++) {
-    picture = await draw();
-    first ??= picture;
-    const pixels = differingPixels(first.data, picture.data);
+    image = await draw();
+    first ??= image;
+    const pixels = differingPixels(first.data, image.data);
     if (pixels > 0) firstDifference ??= { frame, pixels };
   }
   await waitUntil(() => statistics.length >= frames, STATISTICS_TIMEOUT_MS);
   return {
-    picture: picture!,
+    image: image!,
     visibleSplats: statistics.at(-1)?.visibleSplats ?? 0,
     warmUpFrames,
     timings: statistics.map(({ timing }) => timing),
@@ -90,7 +70,7 @@ async function renderFrames(
   };
 }
 
-/** Resolves when `isDone` is, or after `timeoutMs`. */
+/** Resolves once `isDone` returns true, or after `timeoutMs`. */
 async function waitUntil(isDone: () => boolean, timeoutMs: number): Promise<void> {
   const deadlineMs = performance.now() + timeoutMs;
   while (!isDone() && performance.now() < deadlineMs) await new Promise((resolve) => setTimeout(resolve, 5));

@@ -9,19 +9,19 @@ import {
 } from '@websplatter/core';
 import { UsageError } from './input-error.ts';
 
-/** What `websplatter render` was asked for. */
+/** Arguments of `websplatter render`. */
 export interface RenderOptions {
   readonly scenes: readonly string[];
   readonly camera: string;
-  /** A model matrix file per scene, or none at all. */
+  /** One model matrix file per scene, or none at all. */
   readonly models: readonly string[];
   readonly widthPx: number;
   readonly heightPx: number;
   readonly out: string | undefined;
   readonly raw: string | undefined;
   readonly renderer: 'gpu' | 'reference';
-  /** The settings, and how they were asked for. */
   readonly accuracy: AccuracySettings;
+  /** The settings as the user wrote them. */
   readonly accuracyLabel: string;
   /** sRGB, 0…1. */
   readonly background: Vec3;
@@ -29,10 +29,10 @@ export interface RenderOptions {
   readonly timings: string | undefined;
 }
 
-/** Beyond this no GPU has a texture. */
+/** No GPU has larger textures. */
 const MAX_SIZE_PX = 16384;
 
-/** @throws UsageError or InvalidArgumentError naming the argument. */
+/** @throws UsageError or InvalidArgumentError that names the argument. */
 export function parseRenderArguments(args: readonly string[]): RenderOptions {
   const { values, positionals } = parseStrictly(args, {
     camera: { type: 'string' },
@@ -84,7 +84,7 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
   };
 }
 
-/** `parseArgs` with a one-line message for what it does not know. */
+/** `parseArgs` with one-line messages for unknown arguments. */
 export function parseStrictly<Options extends NonNullable<ParseArgsConfig['options']>>(
   args: readonly string[],
   options: Options,
@@ -140,7 +140,7 @@ function isNumeric(name: string): boolean {
   return 'min' in values || typeof values[0] === 'number';
 }
 
-/** A number or a fraction such as 1/255; other text stays as it is, for the setting's own check to show. */
+/** Parses a number or a fraction such as 1/255. Returns other text unchanged, for the setting's own check to report. */
 function parseNumber(text: string): number | string {
   const [numerator, denominator = '1'] = splitOnce(text, '/');
   const value = Number(numerator) / Number(denominator);

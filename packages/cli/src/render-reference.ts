@@ -1,4 +1,10 @@
-import { type Camera, type SplatSet, type StageTimings, wallClockTimings } from '@websplatter/core';
+import {
+  type Camera,
+  type Harmonics,
+  type SplatSet,
+  type StageTimings,
+  wallClockTimings,
+} from '@websplatter/core';
 import { renderReference } from '@websplatter/core/reference';
 import type { RenderOptions } from './render-options.ts';
 import { differingPixels, type Rendered } from './rendered.ts';
@@ -11,26 +17,26 @@ export async function renderOnReference(
   camera: Camera,
   { widthPx, heightPx, accuracy, frames }: RenderOptions,
 ): Promise<Rendered> {
-  const sets: SplatSet[] = [];
+  const sets: SplatSet<Harmonics>[] = [];
   for (const scene of scenes) sets.push(await readScene(scene, 'f32'));
   const clouds = sets.map((set, i) => ({ set, modelMatrix: models[i] }));
   const draw = () => renderReference({ clouds, camera, widthPx, heightPx, settings: accuracy });
 
   const timings: StageTimings[] = [];
   let first: ReturnType<typeof draw> | undefined;
-  let picture: ReturnType<typeof draw> | undefined;
+  let image: ReturnType<typeof draw> | undefined;
   let firstDifference: Rendered['firstDifference'] = null;
   for (let frame = 1; frame <= frames; frame++) {
     const startedMs = performance.now();
-    picture = draw();
+    image = draw();
     timings.push(wallClockTimings(performance.now() - startedMs));
-    first ??= picture;
-    const pixels = differingPixels(first.data, picture.data);
+    first ??= image;
+    const pixels = differingPixels(first.data, image.data);
     if (pixels > 0) firstDifference ??= { frame, pixels };
   }
   return {
-    picture: picture!,
-    visibleSplats: picture!.visibleSplats,
+    image: image!,
+    visibleSplats: image!.visibleSplats,
     splatsPerScene: sets.map(({ count }) => count),
     warmUpFrames: 0,
     timings,

@@ -37,7 +37,7 @@ gpuTest('the GPU draws what the reference draws, every frame the same bits', asy
   expect(report.stages.totalMs.median).toBeGreaterThan(0);
 });
 
-gpuTest('presets and settings by name: the reference draws with those that define a picture', async () => {
+gpuTest('presets and settings by name: the reference follows those that define the image', async () => {
   const folder = new TestFolder();
   const size = { widthPx: 32, heightPx: 24 };
   const common = ['render', folder.scene(), '--camera', folder.camera(), '--size', '32x24'];

@@ -10,7 +10,7 @@ function readRaw(path: string): Float32Array {
   return new Float32Array(readFileSync(path).buffer.slice(0));
 }
 
-/** Index of a pixel's red in a 48-wide RGBA picture. */
+/** Index of a pixel's red in an RGBA image 48 pixels wide. */
 const at = (x: number, y: number) => 4 * (48 * y + x);
 
 test('the reference renderer writes an image, raw pixels and timings that agree', async () => {

@@ -25,8 +25,8 @@ export async function render(args: readonly string[], console: Console): Promise
   if (rendered.notices.length > 0) console.err(`note: ${rendered.notices.join('; ')}\n`);
 
   const files: OutputFile[] = [];
-  if (out !== undefined) files.push({ path: out, content: encodePng(rendered.picture, options.background) });
-  if (raw !== undefined) files.push({ path: raw, content: encodeRaw(rendered.picture) });
+  if (out !== undefined) files.push({ path: out, content: encodePng(rendered.image, options.background) });
+  if (raw !== undefined) files.push({ path: raw, content: encodeRaw(rendered.image) });
   if (timings !== undefined) {
     files.push({ path: timings, content: `${JSON.stringify(timingsReport(options, rendered), null, 2)}\n` });
   }

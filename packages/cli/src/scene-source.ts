@@ -3,6 +3,7 @@ import { access, stat } from 'node:fs/promises';
 import { Readable } from 'node:stream';
 import { fileURLToPath } from 'node:url';
 import {
+  type Harmonics,
   readSplats,
   type ShPrecision,
   type SplatSet,
@@ -12,20 +13,20 @@ import {
 import { builtinScenes } from '@websplatter/scenes';
 import { describeSystemError, UsageError } from './input-error.ts';
 
-/** A scene named on the command line, not yet read. */
+/** A scene named on the command line, still unread. */
 export interface SceneSource {
-  /** As given; what messages call it. */
+  /** As given on the command line; messages use it. */
   readonly name: string;
-  /** Splats of a built-in scene, or what is to be read. */
+  /** Makes the splats of a built-in scene, or the source to read them from. */
   readonly content: { readonly make: () => SplatSet } | { readonly source: SplatSource };
 }
 
 const BUILTIN_PREFIX = 'builtin:';
 
 /**
- * Finds what `scene` means: `builtin:NAME`, the NAME of a built-in scene, a URL (http, https, file) or a path.
+ * Resolves `scene`: `builtin:NAME`, the NAME of a built-in scene, a URL (http, https, file) or a path.
  *
- * @throws SplatSourceError where there is no such file; UsageError where there is no such built-in scene.
+ * @throws SplatSourceError if there is no such file; UsageError if there is no such built-in scene.
  */
 export async function findScene(scene: string): Promise<SceneSource> {
   const builtinName = scene.startsWith(BUILTIN_PREFIX) ? scene.slice(BUILTIN_PREFIX.length) : scene;
@@ -40,7 +41,7 @@ export async function findScene(scene: string): Promise<SceneSource> {
 }
 
 /** Reads the splats of a scene into memory. */
-export async function readScene(scene: SceneSource, shPrecision: ShPrecision): Promise<SplatSet> {
+export async function readScene(scene: SceneSource, shPrecision: ShPrecision): Promise<SplatSet<Harmonics>> {
   if ('make' in scene.content) return scene.content.make();
   return readSplats(scene.content.source, { name: scene.name, shPrecision });
 }
@@ -51,7 +52,7 @@ async function openFile(scene: string): Promise<SplatSource> {
     const found = await stat(path);
     if (found.isDirectory()) throw new SplatSourceError(scene, 'it is a folder, not a file');
     await access(path, constants.R_OK);
-    // A pipe can only be streamed; a Blob also says how many bytes are to come.
+    // A Blob has a known size, but a pipe can only be streamed.
     if (found.isFile()) return await openAsBlob(path);
     return Readable.toWeb(createReadStream(path)) as ReadableStream<Uint8Array>;
   } catch (error) {

@@ -1,4 +1,10 @@
-import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet, unpackShRest } from '@websplatter/core';
+import {
+  coefficientsPerSplat,
+  type Harmonics,
+  readCoefficients,
+  type ShDegree,
+  type SplatSet,
+} from '@websplatter/core';
 
 export interface ShBand {
   /** 1, 2 or 3. */
@@ -7,13 +13,13 @@ export interface ShBand {
   readonly rms: number;
 }
 
-/** How much each band of spherical harmonics above 0 carries. */
-export function shEnergyPerBand({ count, shRest }: SplatSet): ShBand[] {
-  const degrees = Array.from({ length: shRest.degree }, (_, i) => (i + 1) as ShDegree);
+/** Measures the energy of each band of spherical harmonics above 0. */
+export function shEnergyPerBand({ count, harmonics }: SplatSet<Harmonics>): ShBand[] {
+  const degrees = Array.from({ length: harmonics.degree }, (_, i) => (i + 1) as ShDegree);
   const squares = degrees.map(() => 0);
-  const values = new Float64Array(3 * SH_REST_COEFFICIENTS[shRest.degree]);
-  for (let splat = 0; splat < count && shRest.degree > 0; splat++) {
-    unpackShRest(shRest, splat, values);
+  const values = new Float64Array(coefficientsPerSplat(harmonics.degree));
+  for (let splat = 0; splat < count && harmonics.degree > 0; splat++) {
+    readCoefficients(harmonics, splat, values);
     degrees.forEach((degree, i) => {
       const [from, to] = bandRange(degree);
       for (let value = from; value < to; value++) squares[i] += values[value] ** 2;
@@ -25,7 +31,7 @@ export function shEnergyPerBand({ count, shRest }: SplatSet): ShBand[] {
   });
 }
 
-/** Where band `degree`'s values lie among the 3K values of a splat. */
+/** Range of band `degree` among the 3K values of a splat. */
 function bandRange(degree: ShDegree): [number, number] {
-  return [3 * SH_REST_COEFFICIENTS[(degree - 1) as ShDegree], 3 * SH_REST_COEFFICIENTS[degree]];
+  return [coefficientsPerSplat((degree - 1) as ShDegree), coefficientsPerSplat(degree)];
 }

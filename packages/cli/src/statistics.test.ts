@@ -7,7 +7,7 @@ test('median and 99th percentile', () => {
   expect(spreadOf(Array.from({ length: 200 }, (_, i) => i + 1))).toEqual({ median: 100.5, p99: 198 });
 });
 
-test('what was not measured has no spread', () => {
+test('values that are not numbers have no spread', () => {
   expect(spreadOf([])).toBeNull();
   expect(spreadOf([Number.NaN, Number.NaN])).toBeNull();
 });

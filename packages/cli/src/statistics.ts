@@ -3,7 +3,7 @@ export interface Spread {
   readonly p99: number;
 }
 
-/** Median and 99th percentile (nearest rank), null where no value is a number. */
+/** Returns median and 99th percentile (nearest rank), null if no value is a number. */
 export function spreadOf(values: readonly number[]): Spread | null {
   const sorted = values.filter((value) => !Number.isNaN(value)).sort((a, b) => a - b);
   if (sorted.length === 0) return null;

@@ -5,7 +5,7 @@ import { encodePly, type SplatSet } from '@websplatter/core';
 import { onTestFinished } from 'vitest';
 import { main } from './main.ts';
 
-/** A folder that lasts as long as the test, with what commands need in it. */
+/** A temporary folder for one test, with helpers that write the files that commands read. */
 export class TestFolder {
   readonly path = mkdtempSync(join(tmpdir(), 'websplatter-'));
 
@@ -23,12 +23,12 @@ export class TestFolder {
     return this.file(name);
   }
 
-  /** A PLY of the splats of `threeSplats`. */
+  /** Writes a PLY, by default of `threeSplats`. */
   scene(name = 'scene.ply', set: SplatSet = threeSplats()): string {
     return this.write(name, encodePly(set));
   }
 
-  /** A camera that sees them. */
+  /** Writes a camera that sees them. */
   camera(name = 'camera.json', changes: object = {}): string {
     return this.write(name, { position: [0, 0, 4], target: [0, 0, 0], fovYDegrees: 60, ...changes });
   }
@@ -36,8 +36,6 @@ export class TestFolder {
 
 /** Red, green and blue blobs in a row, with spherical harmonics of degree 1. */
 export function threeSplats(): SplatSet {
-  const shRest = { degree: 1, precision: 'f32', wordsPerSplat: 9, words: new Uint32Array(27) } as const;
-  new Float32Array(shRest.words.buffer).fill(0.5);
   return {
     count: 3,
     origin: [0, 0, 0],
@@ -46,7 +44,7 @@ export function threeSplats(): SplatSet {
     rotations: Float32Array.of(1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0),
     opacityLogits: new Float32Array(3).fill(3),
     colorDc: Float32Array.of(1.5, -1.5, -1.5, -1.5, 1.5, -1.5, -1.5, -1.5, 1.5),
-    shRest,
+    harmonics: { degree: 1, coefficients: new Float32Array(27).fill(0.5) },
     fileIndices: Uint32Array.of(0, 1, 2),
     dropped: {},
   };

@@ -5,14 +5,14 @@ import { spreadOf } from './statistics.ts';
 
 const STAGES = ['preprocessMs', 'sortMs', 'rasterizeMs', 'totalMs', 'wallClockMs'] as const;
 
-/** What `--timings` writes. */
+/** Contents of the file that `--timings` writes. */
 export function timingsReport(options: RenderOptions, rendered: Rendered) {
   const { timings, splatsPerScene } = rendered;
   const { accuracy } = options;
   const { alphaCutoff, shDegree, sortKeyBits, extent, culling, resolutionScale } = accuracy;
   return {
     source: timings[0]?.source ?? null,
-    /** Milliseconds; null where a stage was not measured by itself. */
+    /** Milliseconds; null for a stage that was not measured by itself. */
     stages: Object.fromEntries(STAGES.map((stage) => [stage, spreadOf(timings.map((each) => each[stage]))])),
     frames: options.frames,
     warmUpFrames: rendered.warmUpFrames,

@@ -7,30 +7,30 @@ websplatter render SCENE … --camera CAM.json --size WIDTHxHEIGHT --out image.p
                          or {"viewMatrix":[…],"projectionMatrix":[…]}, column-major (looking along -z, y up)
   --model M.json         a matrix per SCENE, in order: 16 numbers, column-major, or {"matrix":[…]}
   --size 256x256         in pixels
-  --out image.png        8-bit opaque, over the background
+  --out image.png        8-bit, opaque, over the background
   --raw image.f32        width × height × 4 float32, little-endian, premultiplied RGBA, top row first, no background
   --renderer gpu         or reference: float64 on the CPU, slow (all but precisions and formats apply)
   --accuracy balanced    or reference, high, fast, paper
   --set name=value       one accuracy setting; may be repeated
-  --background 0,0,0     r,g,b, each 0 to 1, in the picture's sRGB space
-  --frames 1             renders as many times; fails where two frames differ in a bit
+  --background 0,0,0     r,g,b, each 0 to 1, in the image's sRGB space
+  --frames 1             renders this many times; fails if two frames differ in any bit
   --timings t.json       writes milliseconds per stage, median and 99th percentile over the frames
 
 websplatter info SCENE [--json]
-  counts, bounds, spherical harmonics per band, left-out splats by reason, bytes needed on the GPU
+  counts, bounds, spherical harmonics per band, dropped splats by reason, bytes needed on the GPU
 
 websplatter accuracy SCENE … --camera CAM.json --size WIDTHxHEIGHT [options]
-  what each accuracy setting costs in milliseconds and in error against the reference, for this scene and view
-  --json                 everything that was measured, instead of the table
-  --svg chart.svg        writes a chart: error over time, the front marked
-  --base balanced        the preset that settings are changed from, one at a time
+  measures each accuracy setting for this scene and view: milliseconds, and error against the reference
+  --json                 prints everything that was measured, instead of the table
+  --svg chart.svg        writes a chart of error over time, with the front marked
+  --base balanced        the preset from which settings are changed, one at a time
   --settings a,b         only these settings, e.g. shDegree,colorTarget; default all
   --frames 15            measured frames per setting
 
 websplatter hardcases [--json | --markdown] [--filter text] [--size 64x64]
-  scenes that break splat renderers, each held against float64: worst error of a stage, decibels per preset, verdict
-  --filter text          only cases with that in their name
-  --size 64x64           of pictures of which the case gives no size; a square
+  renders scenes that break splat renderers and compares each with float64: worst stage error, dB per preset, verdict
+  --filter text          only cases with this text in their name
+  --size 64x64           a square, for cases that give no image size
 
 websplatter --help | --version
 

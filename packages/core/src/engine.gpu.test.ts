@@ -12,6 +12,7 @@ import type { ViewFrame } from './frame/frame-request.ts';
 import { GpuMemory } from './gpu/gpu-memory.ts';
 import { readSplats } from './io/read-splats.ts';
 import { type Mat4, translated4 } from './math/mat4.ts';
+import type { Harmonics } from './packing/harmonics.ts';
 import { packCloud } from './packing/packed-cloud.ts';
 import { compareImages, renderReference } from './reference/index.ts';
 import type { ShDegree, SplatSet } from './splats/splat-set.ts';
@@ -50,7 +51,7 @@ afterAll(() => {
 
 interface Scene {
   readonly clouds: readonly {
-    readonly set: SplatSet;
+    readonly set: SplatSet<Harmonics>;
     readonly modelMatrix?: ArrayLike<number>;
     readonly opacity?: number;
     readonly shDegree?: ShDegree;
@@ -373,7 +374,7 @@ describe('large clouds', () => {
       const engine = await SplatEngine.create({ device, accuracy: 'reference', maxWorkgroupsPerDimension });
       const memory = new GpuMemory(device);
       // Five chunks of degree 3 in float32 to a page.
-      const maxBufferSize = 5 * 256 * 4 * packed.shRest.wordsPerSplat;
+      const maxBufferSize = 5 * 256 * 4 * packed.harmonics.wordsPerSplat;
       const limits = { maxBufferSize, maxStorageBufferBindingSize: maxBufferSize } as GPUSupportedLimits;
       const paged = new SplatCloud(memory, limits, packed, { name: 'paged' });
       expect(paged.pagesFor(engine.accuracy).pages.map(({ splatCount }) => splatCount)).toEqual([

@@ -21,15 +21,16 @@ import { sourceName } from './io/open-source.ts';
 import type { ReadOptions, SplatSource } from './io/splat-source.ts';
 import type { EffectEntry } from './ledger/ledger.ts';
 import type { AccuracyChoice } from './measure/choose-accuracy.ts';
+import type { Harmonics } from './packing/harmonics.ts';
 import { packSet } from './packing/pack-set.ts';
 import type { PackedCloud } from './packing/packed-cloud.ts';
 import type { CloudPrecision } from './packing/precision.ts';
 import type { ShaderMutation } from './shaders/link-shader.ts';
 import type { SplatSet } from './splats/splat-set.ts';
 import { AccuracyWishes } from './views/accuracy-wishes.ts';
-import type { ViewContext } from './views/blended-layer.ts';
 import { EmbeddedView } from './views/embedded-view.ts';
 import { SplatView } from './views/splat-view.ts';
+import type { ViewContext } from './views/view-core.ts';
 
 export interface EngineOptions extends DeviceOptions {
   /** A device to work on; by default one is made, with all that its adapter offers. */
@@ -187,7 +188,7 @@ export class SplatEngine {
    * Packs and uploads splats that are in memory already, in any order; what is not finite is left out and counted. The
    * cloud keeps `set` by reference, for `requestPrecision`.
    */
-  add(set: SplatSet, options: { readonly name?: string } = {}): SplatCloud {
+  add(set: SplatSet<Harmonics>, options: { readonly name?: string } = {}): SplatCloud {
     return this.addPacked(packSet(set, this.accuracy), { ...options, source: set });
   }
 
@@ -339,11 +340,11 @@ export class SplatEngine {
   /** Where it fails, the frame that needs it says so. */
   async #compileFor(cloud: SplatCloud, precision: CloudPrecision): Promise<void> {
     const stages = [...this.#views].flatMap(({ shape }) => {
-      if (!shape?.clouds.includes(cloud)) return [];
-      const planes = shape.planes.map((held, i) =>
-        shape.clouds[i] === cloud ? { ...held, ...precision } : held,
+      if (!shape?.clouds.some((each) => each.cloud === cloud)) return [];
+      const clouds = shape.clouds.map((each) =>
+        each.cloud === cloud ? { ...each, planes: { ...each.planes, ...precision } } : each,
       );
-      return frameStages({ ...shape, planes });
+      return frameStages({ ...shape, clouds });
     });
     await this.#pipelines.prepare(stages).catch(() => {});
   }
@@ -357,7 +358,7 @@ export class SplatEngine {
 function asksOtherwise({ clouds, accuracy }: FrameShape, cloud: SplatCloud, asked: CloudPrecision): boolean {
   const { geometryPrecision, shPrecision } = accuracy;
   const isSame = geometryPrecision === asked.geometryPrecision && shPrecision === asked.shPrecision;
-  return clouds.includes(cloud) && !isSame;
+  return clouds.some((each) => each.cloud === cloud) && !isSame;
 }
 
 function possibleOn(device: GPUDevice, asked: AccuracySettings): PossibleAccuracy {

@@ -31,7 +31,9 @@ export { type CloudHit, raycastCloud } from './clouds/raycast-cloud.ts';
 export type { CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
 export { type EngineOptions, type PrecisionProblem, SplatEngine } from './engine.ts';
 export * from './errors.ts';
+export type { HostPass } from './frame/frame-part.ts';
 export type { CloudInstance, ViewFrame } from './frame/frame-request.ts';
+export type { EmbeddedPicture } from './frame/parts/compose.ts';
 export { adapterLabel, type DeviceOptions, isSoftwareAdapter, requestSplatDevice } from './gpu/device.ts';
 export type { EngineCounters } from './gpu/engine-counters.ts';
 export type { GpuMemoryReport } from './gpu/gpu-memory.ts';
@@ -47,6 +49,12 @@ export type { MeasureProgress } from './measure/measure-accuracy.ts';
 export { type CloudFacts, cloudFacts } from './packing/cloud-facts.ts';
 export { GEOMETRY_WORDS } from './packing/geometry.ts';
 export {
+  type Harmonics,
+  type PackedHarmonics,
+  readCoefficients,
+  shWordsPerSplat,
+} from './packing/harmonics.ts';
+export {
   type Bounds,
   type PackedCloud,
   type PackOptions,
@@ -55,18 +63,13 @@ export {
 } from './packing/packed-cloud.ts';
 export type { CloudPrecision, GeometryPrecision, ShPrecision } from './packing/precision.ts';
 export {
-  packShRest,
-  repackShRest,
-  type ShRest,
-  shRestWordsPerSplat,
-  unpackShRest,
-} from './packing/sh-rest.ts';
-export {
+  coefficientsPerSplat,
   type DropCounts,
   type DropReason,
-  SH_REST_COEFFICIENTS,
   type ShDegree,
+  type SplatColumns,
   type SplatSet,
+  type TrainedHarmonics,
 } from './splats/splat-set.ts';
 export {
   type FrameStatistics,
@@ -75,6 +78,6 @@ export {
   wallClockTimings,
 } from './timing/frame-statistics.ts';
 export type { ChooseAccuracyOptions } from './views/accuracy-wishes.ts';
-export type { EmbeddedFrame, EmbeddedPicture, EmbeddedView, HostPass } from './views/embedded-view.ts';
+export type { EmbeddedFrame, EmbeddedView } from './views/embedded-view.ts';
 export type { SplatPick } from './views/pick-splat.ts';
 export type { SplatView } from './views/splat-view.ts';

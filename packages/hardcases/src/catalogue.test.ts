@@ -1,11 +1,11 @@
-import { readSplats, type SplatSet } from '@websplatter/core';
+import { type Harmonics, readSplats, type SplatSet } from '@websplatter/core';
 import { type ReferenceImage, renderReference } from '@websplatter/core/reference';
 import { describe, expect, test } from 'vitest';
 import { HARD_CASES } from './catalogue.ts';
 import { type DeviceCase, HARD_CASE_GROUPS, type HardCloud, type SceneCase } from './hard-case.ts';
 
-/** Cases in which nothing at all is to be seen, and why. */
-const EMPTY_PICTURES: Readonly<Record<string, string>> = {
+/** Cases whose images show nothing at all, and why. */
+const EMPTY_IMAGES: Readonly<Record<string, string>> = {
   'camera-near-beyond-everything': 'every splat is nearer than the near plane',
   'viewport-0x0': 'there are no pixels',
   'viewport-0x64': 'there are no pixels',
@@ -17,7 +17,7 @@ const scenes = HARD_CASES.filter(
   (hardCase): hardCase is SceneCase | DeviceCase => hardCase.kind === 'scene' || hardCase.kind === 'device',
 );
 
-const setOf = (cloud: HardCloud): Promise<SplatSet> | SplatSet =>
+const setOf = (cloud: HardCloud): Promise<SplatSet<Harmonics>> | SplatSet<Harmonics> =>
   'set' in cloud ? cloud.set : readSplats(cloud.file, { shPrecision: 'f32' });
 
 async function setsOf(hardCase: SceneCase | DeviceCase) {
@@ -26,10 +26,10 @@ async function setsOf(hardCase: SceneCase | DeviceCase) {
   );
 }
 
-async function pictures(hardCase: SceneCase | DeviceCase): Promise<ReferenceImage[]> {
+async function imagesOf(hardCase: SceneCase | DeviceCase): Promise<ReferenceImage[]> {
   const clouds = await setsOf(hardCase);
   const size = hardCase.size ?? { widthPx: 64, heightPx: 64 };
-  // A picture of no size has no shape: any will do.
+  // An image without pixels has no aspect ratio: any will do.
   const cameras = Object.values(hardCase.cameras(size.widthPx / size.heightPx || 1));
   return cameras.map((camera) => renderReference({ clouds, camera, ...size }));
 }
@@ -54,14 +54,14 @@ describe('the catalogue of hard cases', () => {
 
   test.each(scenes.map((hardCase) => [hardCase.name, hardCase] as const))('%s', async (name, hardCase) => {
     expect(Object.keys(hardCase.cameras(1)).length).toBeGreaterThan(0);
-    const images = await pictures(hardCase);
+    const images = await imagesOf(hardCase);
     for (const { data } of images) {
       expect(data.every(Number.isFinite)).toBe(true);
-      expect(data.every((value) => value === 0)).toBe(name in EMPTY_PICTURES);
+      expect(data.every((value) => value === 0)).toBe(name in EMPTY_IMAGES);
     }
   });
 
-  test('files give the drops that their cases state', async () => {
+  test('reading files drops the splats that their cases state', async () => {
     for (const hardCase of scenes.filter(({ dropped }) => dropped !== undefined)) {
       const sets = await setsOf(hardCase);
       const counts: Record<string, number> = {};
@@ -73,7 +73,7 @@ describe('the catalogue of hard cases', () => {
     }
   });
 
-  test('files that are no splats are refused with the stated code', async () => {
+  test('files that are not splats are refused with the stated code', async () => {
     for (const hardCase of HARD_CASES) {
       if (hardCase.kind !== 'refused-file') continue;
       await expect(readSplats(hardCase.file()), hardCase.name).rejects.toMatchObject({ code: hardCase.code });

@@ -1,6 +1,6 @@
 import type { AccuracyPreset, Camera, DropCounts, SplatSet } from '@websplatter/core';
 
-/** The part of rendering that a case is hard on; the groups of the catalogue, in its order. */
+/** Groups of the catalogue in its order: the part of rendering that a case strains. */
 export const HARD_CASE_GROUPS = [
   'scale',
   'rotation',
@@ -17,7 +17,7 @@ export const HARD_CASE_GROUPS = [
 ] as const;
 export type HardCaseGroup = (typeof HARD_CASE_GROUPS)[number];
 
-/** Splats as a case gives them: made, or as the bytes of a file, which then takes the way that every file takes. */
+/** Splats of a case: made by code, or the bytes of a file, which is read like any other. */
 export type HardSplats = { readonly set: SplatSet } | { readonly file: Uint8Array<ArrayBuffer> };
 
 export type HardCloud = HardSplats & {
@@ -25,7 +25,7 @@ export type HardCloud = HardSplats & {
   readonly modelMatrix?: ArrayLike<number>;
 };
 
-/** How far the engine may be from float64, where the usual bound does not fit, and why. */
+/** Bound on the difference from float64 for cases that the usual bound does not fit, and the reason. */
 export interface BoundException {
   /** PSNR of raw values over black, dB. */
   readonly minPsnrDb: number;
@@ -37,34 +37,34 @@ interface HardCaseBase {
   /** Kebab-case, unique: `needle-aspect-1e6`. */
   readonly name: string;
   readonly group: HardCaseGroup;
-  /** What renderers do that get it wrong; one sentence. */
+  /** How renderers get it wrong; one sentence. */
   readonly breaks: string;
 }
 
-/** A small scene, seen by cameras, whose picture float64 defines. */
+/** A small scene and its cameras; float64 defines the images. */
 export interface SceneCase extends HardCaseBase {
   readonly kind: 'scene';
   readonly clouds: () => readonly HardCloud[];
-  /** Cameras by name, for a picture of this aspect ratio (width by height). */
+  /** Cameras by name, for images of this aspect ratio (width by height). */
   readonly cameras: (aspect: number) => Readonly<Record<string, Camera>>;
-  /** Picture size where 64×64 will not do. */
+  /** Image size where 64×64 does not suffice. */
   readonly size?: { readonly widthPx: number; readonly heightPx: number };
-  /** Splats that reading must leave out, by reason, for cases given as files. */
+  /** Splats that reading must drop, by reason, for cases given as files. */
   readonly dropped?: DropCounts;
-  /** Presets whose usual bound does not fit: `reference` 55 dB; `high` and `balanced` are only reported without one. */
+  /** Bounds in place of the usual ones, by preset. By default `reference` must reach 55 dB, and others are only reported. */
   readonly bounds?: Partial<Record<AccuracyPreset, BoundException>>;
   /** Most workgroups in one dimension of a dispatch; default the device's limit. */
   readonly maxWorkgroupsPerDimension?: number;
-  /** Frames that must be the same bit for bit; default 2, for cases of ties 100 (and a second device). */
+  /** Number of frames that must agree in every bit, default 2; cases of ties use 100, and a second device with it. */
   readonly identicalFrames?: number;
   /**
-   * Decisions at a threshold may fall either way within rounding: then stages are checked for that alone and the picture
-   * is not. Says which threshold.
+   * The threshold at which rounding may decide either way. Stages of such a case are checked apart from that decision,
+   * and its images are not compared.
    */
   readonly decidesAtThreshold?: string;
 }
 
-/** Bytes that are no splats: reading them must fail with this code. */
+/** Bytes that are not splats: reading them must fail with this code. */
 export interface RefusedFileCase extends HardCaseBase {
   readonly kind: 'refused-file';
   readonly file: () => Uint8Array<ArrayBuffer>;
@@ -81,14 +81,14 @@ export interface SortCase extends HardCaseBase {
   readonly maxWorkgroupsPerDimension?: number;
 }
 
-/** A scene on a device that has less than it could: picture and errors as in any scene case. */
+/** A scene on a device with fewer features and limits than it could have, checked like any scene case. */
 export interface DeviceCase extends Omit<SceneCase, 'kind'> {
   readonly kind: 'device';
-  /** What the device is made with; features named in `without` are not requested, limits are WebGPU's defaults. */
+  /** Features that are not requested for the device, whose limits are WebGPU's defaults. */
   readonly without: readonly string[];
 }
 
-/** Arithmetic that would take more memory than there is to run: null where it holds, or what is wrong. */
+/** Arithmetic on offsets that would take more memory to run than there is: null if it holds, or a description of the flaw. */
 export interface ArithmeticCase extends HardCaseBase {
   readonly kind: 'arithmetic';
   readonly check: () => string | null;

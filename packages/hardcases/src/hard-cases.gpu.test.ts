@@ -9,9 +9,9 @@ import { frontOnly } from './make-cases.ts';
 import { ordinarySplats, splatsOf } from './make-splats.ts';
 import { HardCaseRunner, type HardCaseRunnerOptions, type HardCaseRunOptions } from './run.ts';
 
-/** Also keeps what it gives alive, as Dawn needs it. */
+/** Also keeps adapters and devices from being garbage-collected, which Dawn does not survive. */
 const gpu = { requestAdapter: async () => (await createNodeGpu()).adapter };
-/** For the whole catalogue, in software, at 64×64. */
+/** Time for the whole catalogue in software at 64×64. */
 const BUDGET_MS = 180_000;
 
 let runner: HardCaseRunner;
@@ -42,7 +42,8 @@ describe('hard case', () => {
 
   gpuTest('all of them within the budget on a software adapter', ({ skip }) => {
     if (!runner.isSoftware || casesRun < HARD_CASES.length) skip('needs every case, on a software adapter');
-    // What else runs on the machine makes waiting longer, but not the work: alone, the cases take no longer than either.
+    // Other programs on the machine lengthen the elapsed time, but not the processor time: left alone, the cases take no
+    // longer than either.
     expect(Math.min(elapsedMs, processorMs)).toBeLessThan(BUDGET_MS);
   });
 });
@@ -57,7 +58,7 @@ const SOUND: SceneCase = {
   cameras: frontOnly,
 };
 
-/** The failures of a case that has to fail. */
+/** Runs a case that must fail, and returns its failures. */
 async function failuresOf(hardCase: HardCase, options?: HardCaseRunOptions, by = runner): Promise<string> {
   const { verdict, failures } = await by.run(hardCase, options);
   expect(verdict).toBe('fail');
@@ -72,12 +73,12 @@ describe('the runner', () => {
     expect(Object.keys(images)).toEqual(['reference', 'high', 'balanced']);
   });
 
-  gpuTest('fails where other splats are left out than the case says', async () => {
+  gpuTest('fails if other splats are dropped than the case states', async () => {
     const found = await failuresOf({ ...SOUND, dropped: { 'non-finite-scale': 2 } });
     expect(found).toBe('sound: left out nothing, expected non-finite-scale: 2');
   });
 
-  gpuTest('fails where the picture is not the float64 one, or misses a bound of its own', async () => {
+  gpuTest('fails if the image differs from float64, or misses a bound of its own', async () => {
     const ofAnotherScene: HardCaseRunnerOptions['renderReference'] = (frame) =>
       renderReference({ ...frame, clouds: [{ set: splatsOf(ordinarySplats(2)) }] });
     const doctored = await HardCaseRunner.create({ gpu, renderReference: ofAnotherScene });
@@ -92,7 +93,7 @@ describe('the runner', () => {
     );
   });
 
-  gpuTest('fails where a number is not finite, in the records and in the picture', async () => {
+  gpuTest('fails if a number is not finite, in the records and in the image', async () => {
     const mutation = {
       file: 'stages/project',
       find: 'record.depthView = onScreen.depthView;',
@@ -112,7 +113,7 @@ describe('the runner', () => {
     );
   });
 
-  gpuTest('fails where a stage is wrong that hardly shows in the picture', async () => {
+  gpuTest('fails if a stage is wrong, even if the image hardly shows it', async () => {
     const mutation = {
       file: 'stages/project',
       find: 'record.minorLengthPx = axes.minorLengthPx;',
@@ -125,7 +126,7 @@ describe('the runner', () => {
     );
   });
 
-  gpuTest('fails where shaders do not compile, where a case throws, and goes on', async () => {
+  gpuTest('fails if shaders do not compile or a case throws, and goes on', async () => {
     const mutation = { file: 'stages/project', find: 'keys[index] =', replace: 'keys[index] = 1.5 *' };
     expect(await failuresOf(SOUND, { mutation })).toMatch(/error/i);
     const throws = () => {
@@ -161,7 +162,7 @@ describe('the runner', () => {
     own.destroy();
   });
 
-  gpuTest('fails files that are read after all, wrong orders and wrong arithmetic', async () => {
+  gpuTest('fails if a file is not refused, an order is wrong or arithmetic is wrong', async () => {
     const base = { name: 'doctored', group: 'input', breaks: 'Nothing.' } as const;
     const file = () => encodePly(splatsOf(ordinarySplats()));
     expect(await failuresOf({ ...base, kind: 'refused-file', file, code: 'truncated' })).toMatch(
@@ -178,7 +179,7 @@ describe('the runner', () => {
     expect(await failuresOf({ ...base, kind: 'arithmetic', check: () => '1 is 2' })).toBe('doctored: 1 is 2');
   });
 
-  gpuTest('runs on a device with less, and frames by the hundred on two', async () => {
+  gpuTest('runs on a device with fewer features, and a hundred frames on two devices', async () => {
     const device = await runner.run({ ...SOUND, kind: 'device', without: ['float32-blendable'] });
     expect(device.failures).toEqual([]);
     expect(device.images.reference?.psnrDb).toBeLessThan(100);

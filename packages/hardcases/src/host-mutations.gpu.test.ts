@@ -6,12 +6,12 @@ import { HARD_CASES } from './catalogue.ts';
 
 type Exports = Record<string, (...args: never[]) => unknown>;
 
-/** A remedy on the CPU's side of the engine, switched off. */
+/** A remedy on the engine's CPU side, switched off. */
 interface HostMutation {
   readonly remedy: string;
-  /** Module of core that has the remedy. */
+  /** Module of core that contains the remedy. */
   readonly module: string;
-  /** What it exports instead. */
+  /** Returns the exports that replace the module's own. */
   readonly replace: (original: Exports) => Exports;
   readonly caseName: string;
 }
@@ -20,7 +20,7 @@ const toFloat32 = (values: unknown) => Float64Array.from(Float32Array.from(value
 
 const HOST_MUTATIONS: readonly HostMutation[] = [
   {
-    remedy: 'rows that are not finite are left out at load',
+    remedy: 'rows that are not finite are dropped at load',
     module: '../../core/src/splats/splat-row.ts',
     replace: () => ({ reasonToDrop: () => undefined }),
     caseName: 'input-nan-x',
@@ -60,14 +60,14 @@ const HOST_MUTATIONS: readonly HostMutation[] = [
   },
 ];
 
-/** Also keeps what it gives alive, as Dawn needs it. */
+/** Also keeps adapters and devices from being garbage-collected, which Dawn does not survive. */
 const gpu = { requestAdapter: async () => (await createNodeGpu()).adapter };
 
-describe('with a remedy of the host switched off, the case that it is for fails', () => {
+describe('without a remedy of the host, its case fails', () => {
   for (const { remedy, module, replace, caseName } of HOST_MUTATIONS) {
     gpuTest(remedy, async () => {
       const hardCase = HARD_CASES.find(({ name }) => name === caseName)!;
-      // The engine and the runner are loaded anew, with the module replaced; what pictures are held against is not.
+      // Load the engine and the runner anew with the module replaced, but keep the reference renderer as it is.
       vi.resetModules();
       vi.doMock(module, async (importOriginal) => {
         const original = await importOriginal<Exports>();

@@ -2,7 +2,7 @@ import { type Camera, perspectiveCamera, type ShDegree } from '@websplatter/core
 import type { HardCaseGroup, HardCloud, SceneCase } from './hard-case.ts';
 import { ordinarySplats, type SplatValues, splatsOf } from './make-splats.ts';
 
-/** What a scene case states; cameras may be left to `frontAndOblique`. */
+/** Values of a scene case; cameras default to `frontAndOblique`. */
 export type SceneValues = Omit<SceneCase, 'kind' | 'group' | 'cameras'> & Partial<Pick<SceneCase, 'cameras'>>;
 
 /** Makes scene cases of one group. */
@@ -22,10 +22,10 @@ export function amongOrdinary(
 const FRONT_FOV_DEGREES = 60;
 /** Distance of `front` from the origin. */
 const FRONT_DISTANCE = 5;
-/** Pixels per unit at the origin, seen by `front` in a picture of 64 rows. */
+/** Pixels per unit at the origin, seen by `front` in an image of 64 rows. */
 export const FRONT_PX_PER_UNIT = 32 / Math.tan((FRONT_FOV_DEGREES * Math.PI) / 360) / FRONT_DISTANCE;
 
-/** At (0, 0, 5) looking along −z: its view matrix has no rounding at all. */
+/** Camera at (0, 0, 5) looking along −z: its view matrix has no rounding at all. */
 export function front(aspect: number): Camera {
   return perspectiveCamera({
     position: [0, 0, FRONT_DISTANCE],
@@ -51,7 +51,7 @@ export function frontAndOblique(aspect: number): Readonly<Record<string, Camera>
   };
 }
 
-/** At the origin looking along −z, so that depth is exactly −z. */
+/** Camera at the origin looking along −z, so that depth is exactly −z. */
 export function atOrigin(
   aspect: number,
   range: { readonly near: number; readonly far: number },

@@ -1,12 +1,6 @@
-import {
-  packShRest,
-  SH_REST_COEFFICIENTS,
-  type ShDegree,
-  type SplatSet,
-  shRestWordsPerSplat,
-} from '@websplatter/core';
+import { coefficientsPerSplat, type ShDegree, type SplatSet } from '@websplatter/core';
 
-/** One splat; what is left out is a round, half-transparent, grey splat at the origin. */
+/** One splat. By default it is round, half-transparent, grey and at the origin. */
 export interface SplatValues {
   readonly position?: readonly number[];
   /** Natural logarithms of the standard deviations. */
@@ -23,7 +17,7 @@ export interface SplatValues {
 /** Basis function of degree 0. */
 const SH_C0 = Math.sqrt(1 / (4 * Math.PI));
 
-/** Coefficient of degree 0 of a channel that is to have the value `channel`. */
+/** Coefficient of degree 0 that gives a channel the value `channel`. */
 function colorDcOf(channel: number): number {
   return (channel - 0.5) / SH_C0;
 }
@@ -32,19 +26,15 @@ export function logitOf(opacity: number): number {
   return Math.log(opacity / (1 - opacity));
 }
 
-/** Splats given one by one, in this order; positions are relative to `origin`. */
+/** Makes a set of `splats` in this order; positions are relative to `origin`. */
 export function splatsOf(
   splats: readonly SplatValues[],
   options: { readonly shDegree?: ShDegree; readonly origin?: readonly [number, number, number] } = {},
 ): SplatSet {
   const { shDegree = 0, origin = [0, 0, 0] } = options;
-  const values = 3 * SH_REST_COEFFICIENTS[shDegree];
-  const wordsPerSplat = shRestWordsPerSplat(shDegree, 'f32');
-  const words = new Uint32Array(splats.length * wordsPerSplat);
-  for (const [i, { shRest = [] }] of splats.entries()) {
-    const padded = Array.from({ length: values }, (_, k) => shRest[k] ?? 0);
-    packShRest(shDegree, 'f32', padded, words, i * wordsPerSplat);
-  }
+  const width = coefficientsPerSplat(shDegree);
+  const coefficients = new Float32Array(splats.length * width);
+  for (const [i, { shRest = [] }] of splats.entries()) coefficients.set(shRest.slice(0, width), i * width);
   return {
     count: splats.length,
     origin,
@@ -53,13 +43,13 @@ export function splatsOf(
     rotations: Float32Array.from(splats.flatMap(({ rotation = [1, 0, 0, 0] }) => rotation)),
     opacityLogits: Float32Array.from(splats, ({ opacityLogit = 0 }) => opacityLogit),
     colorDc: Float32Array.from(splats.flatMap(({ color = [0.5, 0.5, 0.5] }) => color.map(colorDcOf))),
-    shRest: { degree: shDegree, precision: 'f32', wordsPerSplat, words },
+    harmonics: { degree: shDegree, coefficients },
     fileIndices: Uint32Array.from(splats, (_, i) => i),
     dropped: {},
   };
 }
 
-/** Uniform numbers in [0, 1), the same for the same seed on every machine (mulberry32). */
+/** Returns uniform numbers in [0, 1), the same for the same seed on every machine (mulberry32). */
 export function seededRandom(seed: number): () => number {
   let state = seed | 0;
   return () => {
@@ -70,13 +60,14 @@ export function seededRandom(seed: number): () => number {
   };
 }
 
-/** A wall of splats about z = −2.5 that fills what `frontAndOblique` sees, and a few loose ones nearer. */
+/** Rows of a wall of splats about z = −2.5 that fills the view of `frontAndOblique`. */
 const WALL_ROWS = 8;
+/** Splats in front of the wall. */
 const LOOSE_SPLATS = 16;
 
 /**
- * What a scene has besides its hard splat, so that an error shows: colours behind it and around it. No two have equal
- * depths for any camera, and all is in ±6.
+ * Makes the splats that surround a scene's hard splat, so that an error shows against their colours. No two have equal
+ * depths for any camera, and all lie within ±6.
  */
 export function ordinarySplats(seed = 1): SplatValues[] {
   const random = seededRandom(seed);
@@ -105,13 +96,13 @@ export function ordinarySplats(seed = 1): SplatValues[] {
   return [...wall, ...loose];
 }
 
-/** 3K coefficients in ±`amplitude`, the same for the same seed. */
+/** Makes 3K coefficients in ±`amplitude`, the same for the same seed. */
 export function randomShRest(degree: ShDegree, amplitude: number, seed: number): number[] {
   const random = seededRandom(seed);
-  return Array.from({ length: 3 * SH_REST_COEFFICIENTS[degree] }, () => amplitude * (2 * random() - 1));
+  return Array.from({ length: coefficientsPerSplat(degree) }, () => amplitude * (2 * random() - 1));
 }
 
-/** The same splats elsewhere. */
+/** Moves splats by `offset`. */
 export function moved(splats: readonly SplatValues[], offset: readonly number[]): SplatValues[] {
   return splats.map((splat) => ({
     ...splat,
@@ -119,7 +110,7 @@ export function moved(splats: readonly SplatValues[], offset: readonly number[])
   }));
 }
 
-/** The same splats about the origin, `factor` times as large. */
+/** Scales splats about the origin by `factor`. */
 export function resized(splats: readonly SplatValues[], factor: number): SplatValues[] {
   return splats.map((splat) => ({
     ...splat,
@@ -128,7 +119,7 @@ export function resized(splats: readonly SplatValues[], factor: number): SplatVa
   }));
 }
 
-/** The same splats with coefficients above degree 0 of their own, in ±`amplitude`. */
+/** Gives each splat random coefficients above degree 0, in ±`amplitude`. */
 export function withRandomSh(
   splats: readonly SplatValues[],
   degree: ShDegree,

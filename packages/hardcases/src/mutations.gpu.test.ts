@@ -5,7 +5,7 @@ import { HARD_CASES } from './catalogue.ts';
 import { MUTATIONS } from './mutations.ts';
 import { HardCaseRunner } from './run.ts';
 
-/** Also keeps what it gives alive, as Dawn needs it. */
+/** Also keeps adapters and devices from being garbage-collected, which Dawn does not survive. */
 const gpu = { requestAdapter: async () => (await createNodeGpu()).adapter };
 
 let runner: HardCaseRunner;
@@ -14,7 +14,7 @@ beforeAll(async () => {
 });
 afterAll(() => runner?.destroy());
 
-describe('with a remedy switched off, a case that it is for fails', () => {
+describe('without a remedy, one of its cases fails', () => {
   for (const { cases, remedy, spareOnGpus, ...mutation } of MUTATIONS) {
     gpuTest(remedy, async ({ skip }) => {
       if (spareOnGpus && !runner.isSoftware) skip(spareOnGpus);

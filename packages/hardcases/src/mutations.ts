@@ -1,12 +1,12 @@
 import type { ShaderMutation } from '@websplatter/core/inspect';
 
-/** A remedy of the shaders, switched off as renderers that lack it would be written. */
+/** A remedy of the shaders, switched off: the shader as a renderer without the remedy would have it. */
 export interface Mutation extends ShaderMutation {
-  /** What is switched off: kebab-case, unique. */
+  /** Name of the remedy: kebab-case, unique. */
   readonly remedy: string;
-  /** Cases of the catalogue of which at least one has to fail then. */
+  /** Cases of the catalogue, at least one of which must fail without the remedy. */
   readonly cases: readonly string[];
-  /** Why GPUs may do without the remedy: then only the software adapter has to fail. */
+  /** Why GPUs may do without the remedy, so that only the software adapter has to fail. */
   readonly spareOnGpus?: string;
 }
 

@@ -1,16 +1,16 @@
 import { encodePly, type SplatSet } from '@websplatter/core';
 
-/** A value to put where `encodePly` wrote another. */
+/** A value to write over one that `encodePly` wrote. */
 export interface PlyPatch {
   readonly row: number;
-  /** As the header names it: `f_dc_0`. */
+  /** Name of the property in the header, e.g. `f_dc_0`. */
   readonly property: string;
   readonly value: number;
 }
 
 const END_OF_HEADER = 'end_header\n';
 
-/** `set` as a PLY file with single values replaced, which can then be such as no set may hold. */
+/** Encodes `set` as a PLY file and replaces single values, also by values that no set may hold. */
 export function patchedPly(set: SplatSet, patches: readonly PlyPatch[]): Uint8Array<ArrayBuffer> {
   const bytes = encodePly(set);
   const view = new DataView(bytes.buffer);
@@ -31,7 +31,7 @@ interface PlyLayout {
   readonly properties: ReadonlyMap<string, { readonly type: string; readonly offsetBytes: number }>;
 }
 
-/** Where the values lie in a file of `encodePly`, whose properties are all float or double. */
+/** Finds the values in a file made by `encodePly`, whose properties are all float or double. */
 function layoutOf(bytes: Uint8Array): PlyLayout {
   const text = new TextDecoder('latin1').decode(bytes.subarray(0, 8192));
   const bodyByte = text.indexOf(END_OF_HEADER) + END_OF_HEADER.length;

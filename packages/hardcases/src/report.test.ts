@@ -74,7 +74,7 @@ test('a line lists stage, decibels per preset, error and verdict under its headi
   expect(failed.indexOf('fail')).toBe(heading.indexOf('verdict'));
 });
 
-test('the summary says how many, where, when and how long', () => {
+test('the summary states how many cases passed, where, when and in what time', () => {
   expect(summaryLine(REPORT)).toBe(
     '1 of 2 hard cases pass in 3.0 s (acme gpu, 64×64, 2026-01-02, commit abc)',
   );

@@ -1,14 +1,14 @@
 import { COMPARED_PRESETS } from './run-images.ts';
 import type { HardCaseResult } from './run-result.ts';
 
-/** The results of some hard cases, and what they were made on. */
+/** Results of some hard cases, with the adapter and commit that gave them. */
 export interface HardCaseReport {
   readonly adapter: string;
   /** ISO 8601. */
   readonly date: string;
-  /** Of the working copy that was run, null where it is unknown. */
+  /** Commit of the working copy that was run, null if unknown. */
   readonly commit: string | null;
-  /** Width and height of the pictures of which a case gives no size. */
+  /** Width and height of images for cases that give no size. */
   readonly sizePx: number;
   readonly results: readonly HardCaseResult[];
 }
@@ -20,25 +20,25 @@ const COLUMNS = [
   'max error',
   'verdict',
 ];
-/** Of the columns after the first. */
+/** Widths of the columns after the first. */
 const COLUMN_WIDTHS = [34, 13, 9, 11, 9, 7];
 
-/** The heading of `resultLine`s, for names of up to `nameWidth` characters. */
+/** Formats the heading of `resultLine`s, for names of up to `nameWidth` characters. */
 export function resultHeading(nameWidth: number): string {
   return alignedLine(COLUMNS, nameWidth);
 }
 
-/** One result as a line of a table. */
+/** Formats one result as a line of a table. */
 export function resultLine(result: HardCaseResult, nameWidth: number): string {
   return alignedLine(cellsOf(result), nameWidth);
 }
 
-/** Every failure, a line each. */
+/** Lists all failures, one per line. */
 export function failureLines(results: readonly HardCaseResult[]): string[] {
   return results.flatMap(({ failures }) => failures);
 }
 
-/** How many passed, where, when and how long it took. */
+/** Sums up how many cases passed, where, when and in what time. */
 export function summaryLine({ adapter, date, commit, sizePx, results }: HardCaseReport): string {
   const passed = results.filter(({ verdict }) => verdict === 'pass').length;
   const seconds = results.reduce((sum, { elapsedMs }) => sum + elapsedMs, 0) / 1000;
@@ -46,7 +46,7 @@ export function summaryLine({ adapter, date, commit, sizePx, results }: HardCase
   return `${passed} of ${results.length} hard cases pass in ${seconds.toFixed(1)} s (${places.join(', ')})`;
 }
 
-/** The report as a table for documentation. */
+/** Formats the report as a Markdown table. */
 export function markdownReport(report: HardCaseReport): string {
   const row = (cells: readonly string[]) =>
     `| ${cells.map((cell) => cell.replaceAll('|', '\\|')).join(' | ')} |`;
@@ -62,7 +62,7 @@ export function markdownReport(report: HardCaseReport): string {
   return `${lines.join('\n')}\n`;
 }
 
-/** The report as JSON, which has no infinities and NaNs: they become text. */
+/** Formats the report as JSON. Infinities and NaNs, which JSON lacks, become text. */
 export function jsonReport(report: HardCaseReport): string {
   const asText = (_: string, value: unknown) =>
     typeof value === 'number' && !Number.isFinite(value) ? String(value) : value;

@@ -1,15 +1,15 @@
 import { type AccuracyPreset, SplatEngine } from '@websplatter/core';
 import { Pipelines, type ShaderMutation } from '@websplatter/core/inspect';
 
-/** How an engine or a set of pipelines differs from the usual. */
+/** Deviations of an engine or a set of pipelines from the defaults. */
 export interface RunVariant {
   /** Most workgroups in one dimension of a dispatch; default the device's limit. */
   readonly maxWorkgroupsPerDimension?: number;
-  /** For tests that the cases notice: a remedy of the shaders switched off. */
+  /** A remedy of the shaders to switch off, for tests that the cases notice it. */
   readonly mutation?: ShaderMutation;
 }
 
-/** A device whose errors and loss are noted, with the engines on it: what is compiled serves all cases. */
+/** A device that records its errors and loss, with its engines: all cases share what they have compiled. */
 export class WatchedDevice {
   readonly device: GPUDevice;
   readonly #errors: string[] = [];
@@ -30,12 +30,12 @@ export class WatchedDevice {
     });
   }
 
-  /** Whether another device has to take over. */
+  /** Whether the device is lost and must be replaced. */
   get isLost(): boolean {
     return this.#isLost;
   }
 
-  /** The engine of a preset; shared, so what is added to it is to be destroyed again. */
+  /** Returns the engine of a preset. Cases share it: destroy what you add to it. */
   engine(
     accuracy: AccuracyPreset,
     { maxWorkgroupsPerDimension, mutation }: RunVariant,
@@ -59,7 +59,7 @@ export class WatchedDevice {
     return Math.min(limit, maxWorkgroupsPerDimension ?? limit);
   }
 
-  /** Errors since the last call, when all that was submitted is done: they arrive with the device's answers. */
+  /** Waits until all submitted work is done, since errors are reported with it, and returns the errors since the last call. */
   async takeErrors(): Promise<string[]> {
     await Promise.race([this.device.queue.onSubmittedWorkDone(), this.device.lost]).catch(() => {});
     return this.#errors.splice(0);

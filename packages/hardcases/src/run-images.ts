@@ -3,22 +3,22 @@ import { describePixel, nonFiniteWord } from '@websplatter/core/inspect';
 import { compareImages, type ReferenceImage } from '@websplatter/core/reference';
 import type { SceneCase } from './hard-case.ts';
 import { type ImageResult, MIN_REFERENCE_PSNR_DB, type ResultBuilder } from './run-result.ts';
-import type { CasePicture } from './run-stages.ts';
+import type { CaseFrame } from './run-stages.ts';
 
 /**
- * Presets whose pictures are held against float64, the most exact first. What others do not share with these is in each
- * setting's own tests, so that the catalogue stays within its time.
+ * Presets whose images are compared with float64, the most exact first. Settings that only other presets have are covered
+ * by tests of their own, so that the catalogue stays within its time.
  */
 export const COMPARED_PRESETS: readonly AccuracyPreset[] = ['reference', 'high', 'balanced'];
 
 /**
- * Draws the picture as often as asked, as an application would, and answers the first of them.
+ * Draws the frame `frames` times, as an application would, and returns the first image.
  *
- * @param fail is told of every frame that is not the first one bit for bit.
+ * @param fail called for the earliest frame that differs from the first in any bit.
  */
-export async function drawPicture(
+export async function drawFrames(
   engine: SplatEngine,
-  { clouds, camera, widthPx, heightPx }: CasePicture,
+  { clouds, camera, widthPx, heightPx }: CaseFrame,
   frames: number,
   fail: (what: string) => void,
 ): Promise<Float32Array> {
@@ -28,7 +28,7 @@ export async function drawPicture(
     let first: Float32Array | undefined;
     for (let frame = 1; frame <= frames; frame++) {
       const isDrawn = view.render({ camera, clouds: instances, widthPx, heightPx, force: true });
-      // A picture without pixels is none, and nothing to complain of.
+      // A frame without pixels is not drawn, and that is no failure.
       if (!isDrawn && widthPx * heightPx === 0) return new Float32Array();
       const { data } = await view.readPixels();
       first ??= data;
@@ -46,7 +46,7 @@ export async function drawPicture(
   }
 }
 
-/** Index of the first value whose bits differ, or −1. */
+/** Returns the index of the first value whose bits differ, or −1. */
 export function firstDifference(a: Float32Array, b: Float32Array): number {
   const [wordsA, wordsB] = [a, b].map(
     ({ buffer, byteOffset, length }) => new Uint32Array(buffer, byteOffset, length),
@@ -54,31 +54,31 @@ export function firstDifference(a: Float32Array, b: Float32Array): number {
   return wordsA.findIndex((word, i) => word !== wordsB[i]);
 }
 
-/** Holds a picture against the float64 one: finite always, and as close as the case says. */
+/** Compares an image with the float64 one: it must be finite, and as close as the case demands. */
 export function checkImage(
   { bounds }: Pick<SceneCase, 'bounds'>,
   preset: AccuracyPreset,
-  picture: CasePicture,
+  caseFrame: CaseFrame,
   data: Float32Array,
   reference: ReferenceImage | null,
   result: ResultBuilder,
 ): void {
-  const where = [picture.caseName, `camera ${picture.cameraName}`, preset];
+  const where = [caseFrame.caseName, `camera ${caseFrame.cameraName}`, preset];
   const at = nonFiniteWord(new Uint32Array(data.buffer, data.byteOffset, data.length));
   if (at >= 0) {
-    result.fail(where, `${describePixel(picture.widthPx, at)}: got ${data[at]}, which is not finite`);
+    result.fail(where, `${describePixel(caseFrame.widthPx, at)}: got ${data[at]}, which is not finite`);
     return;
   }
   if (!reference || data.length === 0) return;
   const minPsnrDb = minPsnrOf(bounds, preset);
-  const { psnrDb, maxError } = compareImages(data, reference.data, picture);
-  const image: ImageResult = { camera: picture.cameraName, psnrDb, maxError, minPsnrDb };
+  const { psnrDb, maxError } = compareImages(data, reference.data, caseFrame);
+  const image: ImageResult = { camera: caseFrame.cameraName, psnrDb, maxError, minPsnrDb };
   result.addImage(preset, image);
   if (minPsnrDb === null || psnrDb >= minPsnrDb) return;
   const worst = worstPixel(data, reference);
   result.fail(
     where,
-    `${psnrDb.toFixed(2)} dB, expected at least ${minPsnrDb} dB; worst at ${describePixel(picture.widthPx, worst)}: got ${data[worst]}, expected ${reference.data[worst]}`,
+    `${psnrDb.toFixed(2)} dB, expected at least ${minPsnrDb} dB; worst at ${describePixel(caseFrame.widthPx, worst)}: got ${data[worst]}, expected ${reference.data[worst]}`,
   );
 }
 

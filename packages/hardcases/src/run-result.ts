@@ -2,10 +2,10 @@ import type { AccuracyPreset, DropCounts } from '@websplatter/core';
 import type { FieldError, RecordField } from '@websplatter/core/inspect';
 import type { HardCaseGroup } from './hard-case.ts';
 
-/** A picture must be this close to float64 at preset `reference`, dB on raw values over black. */
+/** Least PSNR against float64 at preset `reference`, dB on raw values over black. */
 export const MIN_REFERENCE_PSNR_DB = 55;
 
-/** A field's error that is largest for its bound, and where it was found. */
+/** A field's largest error in proportion to its bound, and where it was found. */
 export interface StageError extends FieldError<RecordField> {
   readonly camera: string;
   readonly preset: AccuracyPreset;
@@ -13,40 +13,40 @@ export interface StageError extends FieldError<RecordField> {
 
 type StageErrors = Partial<Record<AccuracyPreset, Partial<Record<RecordField, StageError>>>>;
 
-/** How far a case's pictures at one preset are from float64: the worst of its cameras. */
+/** Error of a case's images at one preset against float64: that of the worst camera. */
 export interface ImageResult {
   readonly camera: string;
-  /** Infinity where the pictures are equal, or clamp to the same. */
+  /** Infinity if the images are equal after clamping. */
   readonly psnrDb: number;
   /** Largest absolute error of any channel, 0…1. */
   readonly maxError: number;
-  /** What `psnrDb` had to reach; null where it is only reported. */
+  /** Least `psnrDb` demanded; null if it is only reported. */
   readonly minPsnrDb: number | null;
 }
 
-/** What became of one case, as plain data. */
+/** Result of one case, as plain data. */
 export interface HardCaseResult {
   readonly name: string;
   readonly group: HardCaseGroup;
   readonly verdict: 'pass' | 'fail';
-  /** One line each: case, camera, preset, splat, expected and got, as far as they apply. */
+  /** One line per failure: case, camera, preset, splat, expected and got, as far as they apply. */
   readonly failures: readonly string[];
-  /** Per preset and field of a splat's record the worst error; empty where no splat is drawn. */
+  /** Worst error per preset and field of a splat's record; empty if no splat is drawn. */
   readonly stages: StageErrors;
   /**
-   * The worst of `stages` at preset `reference`, or at any where it is beyond its bound: rounding to float16 takes half
-   * of its bound in every picture, and would hide what float32 does.
+   * The worst of `stages` at preset `reference`, or at any preset if it exceeds its bound. Others do not count: rounding
+   * to float16 takes half of its bound in every frame, and would hide what float32 does.
    */
   readonly worstStage: StageError | null;
-  /** Splats so close to a threshold that rounding may decide, over all cameras. */
+  /** Number of splats, over all cameras, so close to a threshold that rounding may decide. */
   readonly unsureSplats: number;
   readonly images: Partial<Readonly<Record<AccuracyPreset, ImageResult>>>;
-  /** Splats that were left out before the GPU, by reason. */
+  /** Splats dropped before the GPU, by reason. */
   readonly dropped: DropCounts;
   readonly elapsedMs: number;
 }
 
-/** Collects what is found out about one case. */
+/** Collects the findings about one case. */
 export class ResultBuilder {
   readonly failures: string[] = [];
   readonly #stages: StageErrors = {};

@@ -2,26 +2,26 @@ import { type AccuracyPreset, type DropCounts, type DropReason, readSplats } fro
 import type { renderReference } from '@websplatter/core/reference';
 import type { DeviceCase, HardCloud, SceneCase } from './hard-case.ts';
 import type { RunVariant, WatchedDevice } from './run-device.ts';
-import { checkImage, drawPicture, firstDifference } from './run-images.ts';
+import { checkImage, drawFrames, firstDifference } from './run-images.ts';
 import type { ResultBuilder } from './run-result.ts';
-import { type CasePicture, checkStages, type PlacedSet } from './run-stages.ts';
+import { type CaseFrame, checkStages, type PlacedSet } from './run-stages.ts';
 
 export interface SceneRun {
   readonly watched: WatchedDevice;
-  /** Another device on the same GPU, made when it is first asked for. */
+  /** Returns another device on the same GPU, made at the first call. */
   readonly secondDevice: () => Promise<WatchedDevice>;
   readonly variant: RunVariant;
   readonly presets: readonly AccuracyPreset[];
-  /** Width and height of the picture where the case does not say. */
+  /** Width and height of images for cases that give no size. */
   readonly sizePx: number;
   readonly renderReference: typeof renderReference;
 }
 
-/** From so many frames on, ties have to come out the same on another device too. */
+/** Cases with at least this many frames must give the same image on a second device too. */
 const FRAMES_FOR_SECOND_DEVICE = 100;
 const DEFAULT_FRAMES = 2;
 
-/** Runs a scene: reading, stages and pictures, for each of its cameras. */
+/** Runs a scene: checks reading, then stages and images for each of its cameras. */
 export async function runScene(
   hardCase: SceneCase | DeviceCase,
   run: SceneRun,
@@ -30,12 +30,12 @@ export async function runScene(
   const clouds = await Promise.all(hardCase.clouds().map(readCloud));
   const { widthPx, heightPx } = hardCase.size ?? { widthPx: run.sizePx, heightPx: run.sizePx };
   await checkDropped(hardCase, run, clouds, result);
-  // A picture of no size has no shape: any will do.
+  // An image without pixels has no aspect ratio: any will do.
   const aspect = widthPx / heightPx || 1;
   for (const [cameraName, camera] of Object.entries(hardCase.cameras(aspect))) {
-    const picture = { caseName: hardCase.name, cameraName, camera, clouds, widthPx, heightPx };
-    if (widthPx * heightPx > 0) await checkStages(run.watched, run.variant, picture, result);
-    await checkPictures(hardCase, run, picture, result);
+    const caseFrame = { caseName: hardCase.name, cameraName, camera, clouds, widthPx, heightPx };
+    if (widthPx * heightPx > 0) await checkStages(run.watched, run.variant, caseFrame, result);
+    await checkImages(hardCase, run, caseFrame, result);
   }
 }
 
@@ -44,7 +44,7 @@ async function readCloud(cloud: HardCloud): Promise<PlacedSet> {
   return { set, modelMatrix: cloud.modelMatrix };
 }
 
-/** What the engine says that it left out. */
+/** Checks which splats the engine reports as dropped. */
 async function checkDropped(
   { name, dropped: expected = {} }: SceneCase | DeviceCase,
   { watched, variant }: SceneRun,
@@ -74,35 +74,35 @@ function countsText(counts: DropCounts): string {
         .join(', ');
 }
 
-async function checkPictures(
+async function checkImages(
   hardCase: SceneCase | DeviceCase,
   run: SceneRun,
-  picture: CasePicture,
+  caseFrame: CaseFrame,
   result: ResultBuilder,
 ): Promise<void> {
-  const isCompared = hardCase.decidesAtThreshold === undefined && picture.widthPx * picture.heightPx > 0;
-  const reference = isCompared ? run.renderReference(picture) : null;
+  const isCompared = hardCase.decidesAtThreshold === undefined && caseFrame.widthPx * caseFrame.heightPx > 0;
+  const reference = isCompared ? run.renderReference(caseFrame) : null;
   for (const preset of run.presets) {
-    const where = [picture.caseName, `camera ${picture.cameraName}`, preset];
+    const where = [caseFrame.caseName, `camera ${caseFrame.cameraName}`, preset];
     const fail = (what: string) => result.fail(where, what);
-    // What makes a tie come out differently is the same at every preset: many frames of one of them will do.
+    // Ties come out differently for the same reasons at every preset: many frames of one preset suffice.
     const isFirst = preset === run.presets[0];
     const frames = isFirst ? (hardCase.identicalFrames ?? DEFAULT_FRAMES) : DEFAULT_FRAMES;
-    const data = await drawPicture(await run.watched.engine(preset, run.variant), picture, frames, fail);
-    checkImage(hardCase, preset, picture, data, reference, result);
-    if (frames >= FRAMES_FOR_SECOND_DEVICE) await checkSecondDevice(run, preset, picture, data, fail);
+    const data = await drawFrames(await run.watched.engine(preset, run.variant), caseFrame, frames, fail);
+    checkImage(hardCase, preset, caseFrame, data, reference, result);
+    if (frames >= FRAMES_FOR_SECOND_DEVICE) await checkSecondDevice(run, preset, caseFrame, data, fail);
   }
 }
 
 async function checkSecondDevice(
   { secondDevice, variant }: SceneRun,
   preset: AccuracyPreset,
-  picture: CasePicture,
+  caseFrame: CaseFrame,
   first: Float32Array,
   fail: (what: string) => void,
 ): Promise<void> {
   const second = await secondDevice();
-  const data = await drawPicture(await second.engine(preset, variant), picture, 1, fail);
+  const data = await drawFrames(await second.engine(preset, variant), caseFrame, 1, fail);
   const at = firstDifference(first, data);
   if (at >= 0) fail(`on a second device value ${at}: got ${data[at]}, the first device had ${first[at]}`);
   for (const error of await second.takeErrors()) fail(`on a second device: ${error}`);

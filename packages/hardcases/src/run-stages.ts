@@ -1,4 +1,4 @@
-import type { AccuracyPreset, Camera, SplatSet } from '@websplatter/core';
+import type { AccuracyPreset, Camera, Harmonics, SplatSet } from '@websplatter/core';
 import {
   compareCulling,
   compareOrder,
@@ -10,14 +10,14 @@ import {
 import type { RunVariant, WatchedDevice } from './run-device.ts';
 import type { ResultBuilder } from './run-result.ts';
 
-/** A case's clouds as they were read. */
+/** A cloud of a case, after reading. */
 export interface PlacedSet {
-  readonly set: SplatSet;
+  readonly set: SplatSet<Harmonics>;
   readonly modelMatrix?: ArrayLike<number>;
 }
 
-/** One picture of a case. */
-export interface CasePicture {
+/** One frame of a case. */
+export interface CaseFrame {
   readonly caseName: string;
   readonly cameraName: string;
   readonly camera: Camera;
@@ -26,21 +26,21 @@ export interface CasePicture {
   readonly heightPx: number;
 }
 
-/** The presets whose stages are held against their twins: float32 and packed geometry, which are all there is. */
+/** Presets whose stages are compared with their twins: one for each precision of geometry, float32 and packed. */
 const STAGE_PRESETS = ['reference', 'balanced'] as const;
-/** One pass: the keys stay as `project` wrote them. */
+/** One pass leaves the keys as `project` wrote them. */
 const ONE_PASS_KEY_BITS = 8;
 
-/** Holds every stage of the picture against its float64 twin. */
+/** Compares every stage of a frame with its float64 twin. */
 export async function checkStages(
   watched: WatchedDevice,
   variant: RunVariant,
-  picture: CasePicture,
+  caseFrame: CaseFrame,
   result: ResultBuilder,
 ): Promise<void> {
   for (const preset of STAGE_PRESETS) {
-    await inspect(watched, variant, picture, preset, ONE_PASS_KEY_BITS, async (frame) => {
-      const where = [picture.caseName, `camera ${picture.cameraName}`, preset];
+    await inspect(watched, variant, caseFrame, preset, ONE_PASS_KEY_BITS, async (frame) => {
+      const where = [caseFrame.caseName, `camera ${caseFrame.cameraName}`, preset];
       const culling = await compareCulling(frame);
       result.unsureSplats += culling.unsureCount;
       for (const flaw of culling.flaws) result.fail(where, flaw);
@@ -55,15 +55,15 @@ export async function checkStages(
       }
       const { worst, firstBad, badCount } = await compareRecords(frame);
       for (const error of Object.values(worst)) {
-        result.addStage({ ...error, camera: picture.cameraName, preset });
+        result.addStage({ ...error, camera: caseFrame.cameraName, preset });
       }
       if (firstBad) result.fail(where, `${describeFieldError(firstBad)} (${badCount} values differ)`);
       for (const flaw of await compareOrder(frame)) result.fail(where, flaw);
       for (const found of await findNonFinite(frame)) result.fail(where, found);
     });
   }
-  await inspect(watched, variant, picture, 'reference', 32, async (frame) => {
-    const where = [picture.caseName, `camera ${picture.cameraName}`, 'keys of 32 bits'];
+  await inspect(watched, variant, caseFrame, 'reference', 32, async (frame) => {
+    const where = [caseFrame.caseName, `camera ${caseFrame.cameraName}`, 'keys of 32 bits'];
     for (const flaw of await compareOrder(frame)) result.fail(where, flaw);
   });
 }
@@ -71,12 +71,12 @@ export async function checkStages(
 async function inspect(
   watched: WatchedDevice,
   variant: RunVariant,
-  { clouds, camera, widthPx, heightPx }: CasePicture,
+  { clouds, camera, widthPx, heightPx }: CaseFrame,
   preset: AccuracyPreset,
   keyBits: number,
   check: (frame: InspectedFrame) => Promise<void>,
 ): Promise<void> {
-  // What the engine makes of the preset on this device: not every one blends in float32.
+  // The preset as this device supports it: not every device blends in float32.
   const { accuracy } = await watched.engine(preset, variant);
   const frame = await InspectedFrame.draw(watched.device, {
     clouds,

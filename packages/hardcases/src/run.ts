@@ -16,31 +16,31 @@ import { type HardCaseResult, ResultBuilder } from './run-result.ts';
 import { runScene } from './run-scene.ts';
 
 export interface HardCaseRunnerOptions {
-  /** `navigator.gpu`, or what else gives an adapter at each request; an adapter gives one device. */
+  /** `navigator.gpu`, or anything that returns a fresh adapter at each request; an adapter gives one device. */
   readonly gpu: Pick<GPU, 'requestAdapter'>;
-  /** For tests that the runner notices: what the pictures are held against; default the float64 reference. */
+  /** Renders the images to compare with, default the float64 reference; for tests that the runner notices errors. */
   readonly renderReference?: typeof renderReference;
 }
 
 export interface HardCaseRunOptions {
-  /** Width and height of pictures of which the case gives no size; default 64. */
+  /** Width and height of images for cases that give no size; default 64. */
   readonly sizePx?: number;
   /** Default `COMPARED_PRESETS`. */
   readonly presets?: readonly AccuracyPreset[];
-  /** For tests that the cases notice: a remedy of the shaders switched off. */
+  /** A remedy of the shaders to switch off, for tests that the cases notice it. */
   readonly mutation?: ShaderMutation;
 }
 
-/** A case that takes longer hangs. */
+/** A case that takes longer is taken to hang. */
 const CASE_LIMIT_MS = 60_000;
-/** What an engine asks its device for, where the adapter has it. */
+/** Features that an engine requests where the adapter has them. */
 const ENGINE_FEATURES = [
   'timestamp-query',
   'float32-blendable',
   'core-features-and-limits',
 ] as GPUFeatureName[];
 
-/** Runs hard cases, one after the other, on one GPU. In Node and in browsers. */
+/** Runs hard cases on one GPU, one after the other, in Node and in browsers. */
 export class HardCaseRunner {
   readonly adapterLabel: string;
   readonly isSoftware: boolean;
@@ -56,18 +56,18 @@ export class HardCaseRunner {
     this.isSoftware = isSoftwareAdapter(adapterInfo);
   }
 
-  /** @throws WebGpuUnavailableError where there is no adapter or no device. */
+  /** @throws WebGpuUnavailableError if there is no adapter or no device. */
   static async create(options: HardCaseRunnerOptions): Promise<HardCaseRunner> {
     return new HardCaseRunner(options, await watchedDevice(options));
   }
 
-  /** Never rejects: a case that throws has failed. */
+  /** Never rejects: a case that throws counts as failed. */
   async run(hardCase: HardCase, options: HardCaseRunOptions = {}): Promise<HardCaseResult> {
     const result = new ResultBuilder();
     const fail = (what: string) => result.fail([hardCase.name], what);
     try {
       if (this.#watched.isLost) {
-        // Lost between two cases: nobody else would hear of it.
+        // The device was lost between two cases, which no case has reported.
         for (const error of await this.#watched.takeErrors()) fail(error);
         this.#watched = await watchedDevice(this.#options);
       }
@@ -124,7 +124,7 @@ export class HardCaseRunner {
     );
   }
 
-  /** On a device of its own, made with WebGPU's default limits and without the features that the case names. */
+  /** Runs a case on a device of its own, with WebGPU's default limits and without the features that the case names. */
   async #runDevice(hardCase: DeviceCase, options: HardCaseRunOptions, result: ResultBuilder): Promise<void> {
     const adapter = await requestAdapter(this.#options);
     const requiredFeatures = ENGINE_FEATURES.filter(
@@ -173,7 +173,7 @@ async function runArithmetic(name: string, check: () => string | null, result: R
 
 async function requestAdapter({ gpu }: HardCaseRunnerOptions): Promise<GPUAdapter> {
   const adapter = await gpu.requestAdapter({ powerPreference: 'high-performance' });
-  if (!adapter) throw new WebGpuUnavailableError('WebGPU is here but found no GPU that it may use.');
+  if (!adapter) throw new WebGpuUnavailableError('WebGPU is available but found no GPU that it may use.');
   return adapter;
 }
 

@@ -14,8 +14,8 @@ afterAll(() => {
   for (const engine of engines) engine.destroy();
 });
 
-/** The engine's own picture of each of the case's cameras. */
-async function picturesOf(engine: SplatEngine, caseName: string): Promise<Float32Array[]> {
+/** Draws an image with each of the case's cameras. */
+async function imagesOf(engine: SplatEngine, caseName: string): Promise<Float32Array[]> {
   const hardCase = WORLD_CASES.find(({ name }) => name === caseName) as SceneCase;
   const clouds = await Promise.all(
     hardCase.clouds().map(async ({ modelMatrix, ...splats }) => ({
@@ -24,14 +24,14 @@ async function picturesOf(engine: SplatEngine, caseName: string): Promise<Float3
     })),
   );
   const view = engine.createView();
-  const pictures: Float32Array[] = [];
+  const images: Float32Array[] = [];
   for (const camera of Object.values(hardCase.cameras(1))) {
     view.render({ camera, clouds, ...SIZE });
-    pictures.push((await view.readPixels()).data);
+    images.push((await view.readPixels()).data);
   }
   view.destroy();
   for (const { cloud } of clouds) cloud.destroy();
-  return pictures;
+  return images;
 }
 
 describe('millimetres 6.4e6 m away look like the same millimetres at the origin', () => {
@@ -41,10 +41,10 @@ describe('millimetres 6.4e6 m away look like the same millimetres at the origin'
       const engine = await SplatEngine.create({ adapter, accuracy });
       engines.push(engine);
       watchDevice(engine.device);
-      const atOrigin = await picturesOf(engine, 'world-millimetres-at-the-origin');
+      const atOrigin = await imagesOf(engine, 'world-millimetres-at-the-origin');
       for (const name of ['world-offset-6-4e6-by-model-matrix', 'world-offset-6-4e6-by-double-properties']) {
-        for (const [i, picture] of (await picturesOf(engine, name)).entries()) {
-          const { psnrDb } = compareImages(picture, atOrigin[i], SIZE);
+        for (const [i, image] of (await imagesOf(engine, name)).entries()) {
+          const { psnrDb } = compareImages(image, atOrigin[i], SIZE);
           expect(psnrDb, `${name}, camera ${i}`).toBeGreaterThan(MIN_PSNR_DB);
         }
       }

@@ -2,8 +2,8 @@ import { afterEach, test } from 'vitest';
 import { createNodeGpu } from './node-gpu.ts';
 
 /**
- * `test` for tests that need a GPU. Without an adapter they are skipped with a printed reason, or, in CI and under
- * `WEBSPLATTER_REQUIRE_GPU`, the file fails.
+ * `test` for tests that need a GPU. Where no adapter is found, they are skipped with a printed reason; in CI and under
+ * `WEBSPLATTER_REQUIRE_GPU` the file fails instead.
  */
 export const gpuTest = (await isGpuUsable()) ? test : test.skip;
 
@@ -12,8 +12,8 @@ const watched = new Map<GPUDevice, string[]>();
 const closing = new WeakSet<GPUDevice>();
 
 /**
- * A device for tests. Any validation error, other uncaptured error or loss fails the test in which it happens.
- * Destroy it with `destroy()` of the device, or leave it to the end of the file.
+ * Returns a device for tests. Any validation error, other uncaptured error or loss fails the test in which it happens.
+ * Call the device's `destroy()`, or leave it to the end of the file.
  */
 export async function createTestDevice(
   options: Pick<GPUDeviceDescriptor, 'requiredLimits' | 'requiredFeatures'> = {},
@@ -24,7 +24,7 @@ export async function createTestDevice(
   return device;
 }
 
-/** Makes errors and loss of `device`, made by a test itself, fail the test in which they happen. */
+/** Fails the running test on any error or loss of `device`, for devices that a test makes itself. */
 export function watchDevice(device: GPUDevice): void {
   const errors: string[] = [];
   watched.set(device, errors);
@@ -45,7 +45,7 @@ export function watchDevice(device: GPUDevice): void {
 afterEach(async () => {
   const errors: string[] = [];
   for (const [device, found] of watched) {
-    // Errors arrive with the device's answers; a lost device no longer answers.
+    // Errors are reported before submitted work is done; a lost device reports nothing more.
     if (!closing.has(device))
       await Promise.race([device.queue.onSubmittedWorkDone(), device.lost]).catch(() => {});
     errors.push(...found.splice(0));

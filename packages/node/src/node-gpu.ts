@@ -1,7 +1,10 @@
-import { existsSync, readdirSync } from 'node:fs';
 import os from 'node:os';
+import { basename } from 'node:path';
 import { adapterLabel, isSoftwareAdapter, WebGpuUnavailableError } from '@websplatter/core';
+import { installedDrivers } from './installed-drivers.ts';
+import { routeEnvironment } from './route-environment.ts';
 import { type VulkanRoute, vulkanRoutes } from './vulkan-routes.ts';
+import { realSurroundings } from './vulkan-surroundings.ts';
 
 export interface NodeGpuOptions {
   /** Use the software adapter even where there is a GPU. Default false. */
@@ -11,20 +14,20 @@ export interface NodeGpuOptions {
 /** WebGPU in this process. */
 export interface NodeGpu {
   readonly gpu: GPU;
-  /** Not yet used: a device can be made from it once. */
+  /** Unused: an adapter gives one device only. */
   readonly adapter: GPUAdapter;
-  /** What a person would call the adapter, e.g. `google swiftshader`. */
+  /** Human-readable name of the adapter, e.g. `google swiftshader`. */
   readonly label: string;
   readonly isSoftware: boolean;
-  /** What the user should know about the choice, null where a GPU was found. */
+  /** Message for the user when no GPU was found, otherwise null. */
   readonly notice: string | null;
 }
 
 /**
- * Finds a WebGPU adapter through Dawn: a GPU, or else a software driver. Makes the constants and classes of WebGPU
- * (`GPUBufferUsage`, …) global where they are missing. Every call returns a fresh adapter of the same GPU.
+ * Finds a WebGPU adapter through Dawn: a GPU, or else a software driver. Defines WebGPU's constants and classes
+ * (`GPUBufferUsage`, …) as globals where they are missing. Every call returns a fresh adapter of the same GPU.
  *
- * @throws WebGpuUnavailableError where nothing works, saying what to install.
+ * @throws WebGpuUnavailableError if no adapter is found, with what was tried and what to install.
  */
 export async function createNodeGpu(options: NodeGpuOptions = {}): Promise<NodeGpu> {
   const forceSoftware = options.forceSoftware ?? false;
@@ -32,7 +35,7 @@ export async function createNodeGpu(options: NodeGpuOptions = {}): Promise<NodeG
   if (!choosing) {
     choosing = choose(forceSoftware);
     chosen.set(forceSoftware, choosing);
-    // What is missing may be installed before the next call.
+    // Try again on the next call: the user may have installed a driver by then.
     choosing.catch(() => chosen.delete(forceSoftware));
   }
   const { gpu, firstAdapter } = await choosing;
@@ -58,36 +61,43 @@ const chosen = new Map<boolean, Promise<Choice>>();
 const unusedFirstAdapters = new Set<GPUAdapter>();
 
 /**
- * Dawn aborts the process (`std::system_error: Invalid argument`) once an instance, adapter or device has been
- * garbage-collected: these stay referenced as long as the process lives.
+ * Instances, adapters and devices, referenced as long as the process lives: Dawn aborts the process
+ * (`std::system_error: Invalid argument`) once one of them has been garbage-collected.
  */
 const keptForever = new Set<unknown>();
 
-/** Timestamps are not rounded: this process measures itself, no page spies on another. */
+/** Rounding timestamps protects web pages from one another; this process only measures itself. */
 const UNWANTED_FEATURES = ['timestamp_quantization'];
 /**
- * SwiftShader takes most of a second to compile what this Vulkan extension asks for, a store for each word of workgroup
- * memory; without it Dawn writes a loop that does the same, and 16 KiB compile in 20 ms.
+ * With this Vulkan extension SwiftShader compiles one store per word of workgroup memory, which takes most of a second
+ * for 16 KiB. Without it Dawn writes a loop that does the same, and that compiles in 20 ms.
  */
 const UNWANTED_IN_SOFTWARE = ['use_vulkan_zero_initialize_workgroup_memory_extension'];
 
 async function choose(forceSoftware: boolean): Promise<Choice> {
   const tried: string[] = [];
-  const isLinux = process.platform === 'linux';
-  // Metal and Direct3D need no looking for; on Linux a Vulkan loader and a driver do.
-  const routes = isLinux ? vulkanRoutes(realSurroundings(), forceSoftware) : [null];
+  // Metal and Direct3D are always there; on Linux a Vulkan loader and a driver have to be found.
+  const surroundings = process.platform === 'linux' ? realSurroundings() : null;
+  const routes = surroundings ? vulkanRoutes(surroundings, forceSoftware) : [null];
   for (const route of routes) {
     if (route && !loadVulkan(route.loaders)) {
       tried.push(`no Vulkan loader (${route.loaders.join(', ')}) can be loaded`);
       continue;
     }
     const dawn = await loadDawn();
-    const choice = await withDriver(route, () => openGpu(dawn, forceSoftware, route?.isSoftware ?? false));
+    const choice = await onRoute(route, () => openGpu(dawn, forceSoftware, route?.isSoftware ?? false));
     if (choice) return choice;
-    tried.push(`${route?.driverFile ?? 'the system’s graphics driver'} offers no WebGPU adapter`);
+    const drivers = route?.driverFiles?.join(', ') ?? 'the system’s graphics driver';
+    tried.push(`${drivers} offers no WebGPU adapter`);
+  }
+  const idle = surroundings && !forceSoftware ? installedDrivers(surroundings).idle : [];
+  if (idle.length > 0) {
+    tried.push(
+      `/dev shows no GPU for ${idle.map((file) => basename(file)).join(', ')} (a container must be given it: \`docker run --device /dev/dri\`)`,
+    );
   }
   if (tried.length === 0) tried.push('no Vulkan driver is installed');
-  const remedy = isLinux
+  const remedy = surroundings
     ? 'Install a Vulkan driver for the GPU (`apt-get install libvulkan1 mesa-vulkan-drivers`, or NVIDIA’s), or a software one: `apt-get install chromium`.'
     : 'Update the graphics driver.';
   throw new WebGpuUnavailableError(`No WebGPU adapter: ${tried.join('; ')}. ${remedy}`);
@@ -126,8 +136,8 @@ async function loadDawn(): Promise<Dawn> {
 }
 
 /**
- * Loads the first Vulkan loader that can be. Dawn asks for `libvulkan.so.1` by name and gets the one that is already
- * in the process, which is how Chromium's copy, outside the library path, serves.
+ * Loads the first of `loaders` that can be loaded. Dawn asks for `libvulkan.so.1` by name and gets the one that is already
+ * in the process: this makes Chromium's copy work, which lies outside the library path.
  */
 function loadVulkan(loaders: readonly string[]): boolean {
   const { RTLD_NOW, RTLD_GLOBAL } = os.constants.dlopen;
@@ -137,23 +147,21 @@ function loadVulkan(loaders: readonly string[]): boolean {
       process.dlopen({ exports: {} }, loader, RTLD_NOW | RTLD_GLOBAL | RTLD_NODELETE);
       return true;
     } catch (error) {
-      // It is a library, not an addon: node complains, but with NODELETE the library stays loaded.
+      // Node complains that the library is no addon, but RTLD_NODELETE keeps it loaded.
       return error instanceof Error && error.message.includes('did not self-register');
     }
   });
 }
 
-/** Runs `open` while the Vulkan loader is pointed at `route`'s driver; child processes do not inherit that. */
-async function withDriver<T>(route: VulkanRoute | null, open: () => Promise<T>): Promise<T> {
-  if (!route?.driverFile) return open();
-  // The second name is for loaders older than 1.3.207.
-  const names = ['VK_DRIVER_FILES', 'VK_ICD_FILENAMES'];
-  const before = names.map((name) => process.env[name]);
-  for (const name of names) process.env[name] = route.driverFile;
+/** Runs `open` in the environment that `route` needs; child processes that are started later do not inherit it. */
+async function onRoute<T>(route: VulkanRoute | null, open: () => Promise<T>): Promise<T> {
+  const variables = route ? Object.entries(routeEnvironment(route, process.env)) : [];
+  const before = variables.map(([name]) => process.env[name]);
+  for (const [name, value] of variables) process.env[name] = value;
   try {
     return await open();
   } finally {
-    names.forEach((name, i) => {
+    variables.forEach(([name], i) => {
       if (before[i] === undefined) delete process.env[name];
       else process.env[name] = before[i];
     });
@@ -168,19 +176,5 @@ function keepDevices(adapter: GPUAdapter): void {
     const device = await requestDevice(descriptor);
     keptForever.add(device);
     return device;
-  };
-}
-
-function realSurroundings() {
-  return {
-    env: process.env,
-    fileExists: existsSync,
-    listDirectory(path: string): string[] {
-      try {
-        return readdirSync(path);
-      } catch {
-        return [];
-      }
-    },
   };
 }

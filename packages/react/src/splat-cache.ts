@@ -1,4 +1,4 @@
-import { type AccuracyRequest, DEFAULT_ACCURACY } from '@websplatter/core';
+import { type AccuracyRequest, DEFAULT_ACCURACY, lastingSource } from '@websplatter/core';
 
 /** What may be loaded through the cache: URLs count by their address, everything else by identity. */
 export type CacheableSource = string | URL | Blob | ArrayBuffer;
@@ -157,17 +157,14 @@ const objectKeys = new WeakMap<object, string>();
 let objectCount = 0;
 
 function sourceKeyOf(source: CacheableSource): string {
-  if (typeof source === 'string' || source instanceof URL) return absoluteUrl(String(source));
+  if (typeof source === 'string' || source instanceof URL) {
+    // One address has one entry, however it is written.
+    return String(lastingSource(source));
+  }
   let key = objectKeys.get(source);
   if (key === undefined) {
     key = `object ${++objectCount}`;
     objectKeys.set(source, key);
   }
   return key;
-}
-
-/** One address has one entry, however it is written. */
-function absoluteUrl(url: string): string {
-  const base = typeof document === 'undefined' ? globalThis.location?.href : document.baseURI;
-  return URL.canParse(url, base) ? new URL(url, base).href : url;
 }

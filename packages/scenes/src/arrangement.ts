@@ -1,5 +1,5 @@
 /**
- * Where everything stands, shared by the surfaces that are seen and the stand-ins that shade them. Metres, y up, the
+ * Positions of all objects, shared by the visible surfaces and the stand-ins that shade them. Metres, y up, the
  * table's top at y = 0 with its middle at the origin; the usual camera looks along -z.
  */
 import type { Rgb } from './lighting.ts';

@@ -1,4 +1,4 @@
-/** A camera as the command line and the viewer take it; metres, y up. */
+/** A camera in the form that the command line and the viewer accept; metres, y up. */
 export interface SceneCamera {
   readonly name: string;
   readonly position: readonly [number, number, number];
@@ -10,7 +10,7 @@ export interface SceneCamera {
 }
 
 const UP = [0, 1, 0] as const;
-/** Beyond the sky, 110 m from the table, wherever the camera stands on the terrace. */
+/** Far plane beyond the sky, which is 110 m from the table, wherever the camera stands on the terrace. */
 const FAR_M = 400;
 const NEAR_M = 0.02;
 

@@ -94,7 +94,7 @@ function clothFinish({ spacing, localX: a, localZ: b, y, normalY }: SurfacePoint
   finish.roughness = 0.95;
   finish.twoSided = y < -0.02;
   finish.through.fill(y < -0.02 ? 0.25 : 0);
-  // Valleys between folds are a little darker, beyond what the normal tells.
+  // Valleys between folds are a little darker than their normals alone would make them.
   finish.cavity = y > 0 ? clamp01(0.86 + 14 * (y - THICKNESS_M)) * (0.75 + 0.25 * normalY) : 0.9;
 }
 

@@ -10,11 +10,11 @@ export {
 } from './still-life.ts';
 export { type SceneCamera, stillLifeCameras };
 
-/** A scene that is made by code. */
+/** A scene made by code. */
 export interface BuiltinScene {
   /** Identifier for command lines and addresses. */
   readonly name: string;
-  /** What to show a person. */
+  /** Human-readable title. */
   readonly title: string;
   /** Number of splats that {@link make} returns. */
   readonly splats: number;

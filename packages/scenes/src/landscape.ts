@@ -83,7 +83,7 @@ function groundFinish({ x, z, spacing }: SurfacePoint, finish: Finish): void {
 
 /** Distance over which air takes about two thirds of a colour. */
 const HAZE_DISTANCE_M = 210;
-/** What the air adds at the horizon, linear. */
+/** Radiance that the air adds at the horizon, linear. */
 const HAZE_COLOR: Rgb = [0.66, 0.66, 0.68];
 
 /** The same towards the sun, which lights the air from behind. */
@@ -243,7 +243,7 @@ const SKY_RADIUS_M = 110;
 const SKY_LOWEST = -0.06;
 /** Standard deviation of a sky splat over its spacing: wider than elsewhere, for a sky without grain. */
 const SKY_COVERAGE = 0.95;
-/** The sun's disc is dimmed to what thin cloud leaves of it. */
+/** Share of the sun disc's brightness that thin cloud lets through. */
 const SUN_DIMMING = 0.05;
 
 function emitSky(count: number, { builder, shader, prng }: Studio): void {

@@ -101,7 +101,7 @@ const OVERSHOOT_FROM = 1.1;
 const OVERSHOOT_SLOPE = 0.3;
 
 /**
- * What a highlight's sample is raised by. Harmonics of degree 3 spread a highlight over 45°, which halves its peak;
+ * Factor by which a highlight's sample is raised. Harmonics of degree 3 spread a highlight over 45°, which halves its peak;
  * with this the fitted peak reaches white again, as it does in trained scenes.
  */
 export function highlightOvershoot(radiance: number): number {

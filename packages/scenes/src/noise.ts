@@ -65,7 +65,7 @@ export function fractalNoise(x: number, y: number, z: number, octaves: number): 
   return sum;
 }
 
-/** What {@link cellularNoise} found at a point. */
+/** Result of {@link cellularNoise} at a point. */
 export interface Cell {
   /** Distance to the border between the nearest two cells, about, in cell widths; 0 on the border. */
   border: number;

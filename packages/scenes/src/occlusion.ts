@@ -1,6 +1,6 @@
 /**
  * Shadows and ambient light by marching through the signed distances of simple stand-ins for the objects. The
- * stand-ins only have to be right to a few millimetres: nothing of them is ever seen but their shade.
+ * stand-ins only have to be right to a few millimetres: only their shade is ever seen.
  */
 import { KEY_DIRECTION, KEY_RADIANCE, type Rgb, skyRadiance } from './lighting.ts';
 import { clamp01, smoothstep } from './noise.ts';
@@ -121,7 +121,7 @@ const BOUNCE_AMBIENT = 0.3;
 /** Share of sunlight that an average point of an object's surface receives. */
 const BOUNCE_KEY = 0.22;
 
-/** What is left of the bounce where an ambient ray is fully blocked. */
+/** Share of the bounce that remains where an ambient ray is fully blocked. */
 const CREVICE_BOUNCE = 0.45;
 
 const SHADOW_STEPS = 28;

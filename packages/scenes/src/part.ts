@@ -4,7 +4,7 @@ import { Finish, type Shader } from './shading.ts';
 import type { SplatBuilder } from './splat-builder.ts';
 import { type Surface, SurfacePoint, sampleLattice } from './surface-sampling.ts';
 
-/** What a part makes its splats with. */
+/** Tools with which a part makes its splats. */
 export interface Studio {
   readonly builder: SplatBuilder;
   readonly shader: Shader;
@@ -15,9 +15,9 @@ export interface Studio {
 }
 
 /**
- * What a part is in the picture. Small scenes spend the same share on the subject and less on scattered detail; more
- * on what would no longer be recognised (hills, sky, trees, plumes); and somewhat more on the ground, whose splats
- * a camera above them would see as fog if they grew as large as their number alone makes them.
+ * Role of a part in the scene. Small scenes spend the same share of their splats on the subject, less on scattered detail,
+ * more on parts that would otherwise become unrecognisable (hills, sky, trees, plumes), and somewhat more on the ground:
+ * if its splats grew as their number falls, a camera above them would see them as fog.
  */
 export type PartRole = 'subject' | 'detail' | 'sparse' | 'ground';
 

@@ -13,7 +13,7 @@ import { clamp01, mix, smoothstep } from './noise.ts';
 import type { OcclusionField } from './occlusion.ts';
 import { FIT_DIRECTIONS, SH_C0, ShFit, shBasisSize } from './sh-fit.ts';
 
-/** How a surface answers to light at one point. Linear colours. One object is reused for all points. */
+/** Material of a surface at one point. Linear colours. One object is reused for all points. */
 export class Finish {
   /** Diffuse reflectance. */
   readonly albedo = new Float64Array(3);
@@ -87,7 +87,7 @@ export interface ReflectedBall {
   readonly owner: string;
 }
 
-/** What reflections going down land on: the table top at y = 0, up to this far from the middle. */
+/** The table top at y = 0, on which reflections going down land. */
 interface ReflectedTable {
   readonly radius: number;
   readonly color: Rgb;
@@ -215,7 +215,7 @@ export class Shader {
     fit.fit(samples, frame, this.coefficients);
   }
 
-  /** What a reflection sees along a direction, into `#incoming`. */
+  /** Writes the radiance that a reflection receives along a direction into `#incoming`. */
   #reflectedRadiance(
     x: number,
     y: number,

@@ -1,4 +1,4 @@
-import { packShRest, type ShDegree, type SplatSet, shRestWordsPerSplat } from '@websplatter/core';
+import { coefficientsPerSplat, type ShDegree, type SplatSet } from '@websplatter/core';
 
 /** Fills the columns of a {@link SplatSet}, a splat at a time, in storage order. */
 export class SplatBuilder {
@@ -9,8 +9,7 @@ export class SplatBuilder {
   readonly #rotations: Float32Array;
   readonly #opacityLogits: Float32Array;
   readonly #colorDc: Float32Array;
-  readonly #shWords: Uint32Array;
-  readonly #wordsPerSplat: number;
+  readonly #harmonics: Float32Array;
   #added = 0;
 
   constructor(count: number, degree: ShDegree) {
@@ -21,8 +20,7 @@ export class SplatBuilder {
     this.#rotations = new Float32Array(4 * count);
     this.#opacityLogits = new Float32Array(count);
     this.#colorDc = new Float32Array(3 * count);
-    this.#wordsPerSplat = shRestWordsPerSplat(degree, 'f32');
-    this.#shWords = new Uint32Array(count * this.#wordsPerSplat);
+    this.#harmonics = new Float32Array(count * coefficientsPerSplat(degree));
   }
 
   /**
@@ -50,7 +48,7 @@ export class SplatBuilder {
     }
     writeQuaternion(frame, this.#rotations, 4 * index);
     this.#opacityLogits[index] = Math.log(opacity / (1 - opacity));
-    packShRest(this.#degree, 'f32', coefficients.subarray(3), this.#shWords, index * this.#wordsPerSplat);
+    this.#harmonics.set(coefficients.subarray(3), index * coefficientsPerSplat(this.#degree));
   }
 
   build(): SplatSet {
@@ -65,12 +63,7 @@ export class SplatBuilder {
       rotations: this.#rotations,
       opacityLogits: this.#opacityLogits,
       colorDc: this.#colorDc,
-      shRest: {
-        degree: this.#degree,
-        precision: 'f32',
-        wordsPerSplat: this.#wordsPerSplat,
-        words: this.#shWords,
-      },
+      harmonics: { degree: this.#degree, coefficients: this.#harmonics },
       fileIndices: Uint32Array.from({ length: this.#count }, (_, index) => index),
       dropped: {},
     };

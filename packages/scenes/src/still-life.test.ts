@@ -1,4 +1,4 @@
-import { type ShDegree, type SplatSet, shRestWordsPerSplat, unpackShRest } from '@websplatter/core';
+import { coefficientsPerSplat, readCoefficients, type ShDegree, type SplatSet } from '@websplatter/core';
 import { beforeAll, describe, expect, it } from 'vitest';
 import { builtinScenes, stillLife, stillLifeCameras } from './index.ts';
 import { evaluateShBasis, shBasisSize } from './sh-fit.ts';
@@ -14,7 +14,7 @@ function hashOf(set: SplatSet): number {
     set.rotations,
     set.opacityLogits,
     set.colorDc,
-    set.shRest.words,
+    set.harmonics.coefficients,
     set.fileIndices,
   ];
   for (const column of columns) {
@@ -31,11 +31,11 @@ function displayedColor(
   index: number,
   direction: readonly [number, number, number],
 ): number[] {
-  const { degree } = set.shRest;
+  const { degree } = set.harmonics;
   const basis = new Float64Array(shBasisSize(degree));
   evaluateShBasis(degree, ...direction, basis);
   const rest = new Float64Array(3 * (basis.length - 1));
-  unpackShRest(set.shRest, index, rest);
+  readCoefficients(set.harmonics, index, rest);
   return [0, 1, 2].map((channel) => {
     let color = 0.5 + basis[0] * set.colorDc[3 * index + channel];
     for (let j = 1; j < basis.length; j++) color += basis[j] * rest[3 * (j - 1) + channel];
@@ -78,7 +78,7 @@ describe('stillLife', () => {
     expect(set.rotations.length).toBe(4 * splats);
     expect(set.opacityLogits.length).toBe(splats);
     expect(set.colorDc.length).toBe(3 * splats);
-    expect(set.shRest.words.length).toBe(splats * shRestWordsPerSplat(3, 'f32'));
+    expect(set.harmonics.coefficients.length).toBe(splats * coefficientsPerSplat(3));
     expect(set.fileIndices[splats - 1]).toBe(splats - 1);
     expect(set.origin).toEqual([0, 0, 0]);
     expect(set.dropped).toEqual({});
@@ -89,9 +89,9 @@ describe('stillLife', () => {
   });
 
   it.each([0, 1, 2, 3] as ShDegree[])('carries harmonics of degree %i when asked', (shDegree) => {
-    const { shRest } = stillLife({ splats: 1_000, shDegree });
-    expect(shRest).toMatchObject({ degree: shDegree, precision: 'f32' });
-    expect(shRest.words.length).toBe(1_000 * shRestWordsPerSplat(shDegree, 'f32'));
+    const { harmonics } = stillLife({ splats: 1_000, shDegree });
+    expect(harmonics).toMatchObject({ degree: shDegree, coefficients: expect.any(Float32Array) });
+    expect(harmonics.coefficients.length).toBe(1_000 * coefficientsPerSplat(shDegree));
   });
 
   it('keeps metal bright without harmonics, by what it reflects on average', () => {
@@ -101,8 +101,8 @@ describe('stillLife', () => {
   });
 
   it('has only finite values', () => {
-    const { positions, logScales, rotations, opacityLogits, colorDc, shRest } = small;
-    const rest = new Float32Array(shRest.words.buffer);
+    const { positions, logScales, rotations, opacityLogits, colorDc, harmonics } = small;
+    const rest = harmonics.coefficients;
     for (const column of [positions, logScales, rotations, opacityLogits, colorDc, rest]) {
       expect(column.every(Number.isFinite)).toBe(true);
     }
@@ -159,7 +159,7 @@ describe('stillLife', () => {
     const rest = new Float64Array(45);
     const energy = [0, 0, 0];
     for (let i = 0; i < SMALL; i++) {
-      unpackShRest(small.shRest, i, rest);
+      readCoefficients(small.harmonics, i, rest);
       for (let value = 0; value < 45; value++) {
         energy[value < 9 ? 0 : value < 24 ? 1 : 2] += rest[value] ** 2;
       }

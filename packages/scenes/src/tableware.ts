@@ -228,7 +228,7 @@ const GLASS = [0.05, 0.11, 0.045] as const;
 
 function bottleFinish({ spacing, x, z, localY }: SurfacePoint, finish: Finish): void {
   finish.setAlbedo(GLASS);
-  // More than glass has, for the faint splats to show it.
+  // More than glass has, so that it shows in the faint splats.
   finish.setMirror(DIELECTRIC * 3);
   finish.roughness = 0.05;
   finish.through.set([0.5, 0.9, 0.35]);
@@ -329,7 +329,7 @@ export const tablewareParts: readonly Part[] = [
         finish.grainX = -z;
         finish.grainZ = x;
       }
-      // Under the top it is darker than light marched over a few decimetres tells.
+      // Under the top it is darker than marching over a few decimetres can find.
       finish.cavity *= 1 - 0.6 * smoothstep(-0.5, -0.05, y);
     },
   }),

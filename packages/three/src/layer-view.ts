@@ -1,6 +1,6 @@
 import type { CloudInstance, EmbeddedPicture, EmbeddedView } from '@websplatter/core';
 import { type Camera, ExternalTexture, FloatType, UnsignedByteType } from 'three/webgpu';
-import type { SplatCloudObject } from './splat-cloud-object.ts';
+import type { LayerCloud } from './layer-cloud.ts';
 
 /** Draws of a layer after which a view that had no part in them is freed: some seconds of frames with several views. */
 const MAX_IDLE_DRAWS = 600;
@@ -13,7 +13,7 @@ export class LayerView {
   /** Its depth; null where it has none. */
   depth: ExternalTexture | null = null;
   /** What the embedded view has drawn last, in its order. */
-  clouds: ReadonlyMap<SplatCloudObject, CloudInstance> = new Map();
+  clouds: ReadonlyMap<LayerCloud, CloudInstance> = new Map();
   /** Top left of the viewport that the picture belongs to. */
   xPx = 0;
   yPx = 0;
@@ -76,7 +76,7 @@ export class LayerViews {
   }
 
   /** The view that was drawn last of those whose picture has `cloud`. */
-  latestWith(cloud: SplatCloudObject): LayerView | null {
+  latestWith(cloud: LayerCloud): LayerView | null {
     const views = [...this.#all].filter(({ clouds }) => clouds.has(cloud));
     return views.sort((a, b) => b.usedAt - a.usedAt)[0] ?? null;
   }

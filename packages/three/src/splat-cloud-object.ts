@@ -30,6 +30,7 @@ import {
 } from 'three/webgpu';
 import { fogOptionsOf } from './effect-options.ts';
 import { SplatsPrecisionError } from './errors.ts';
+import type { CloudLayer, LayerCloud } from './layer-cloud.ts';
 import { type RevealAnimation, Revealing } from './reveal-animation.ts';
 import type { SplatData } from './splat-data.ts';
 import { layerOf, rootOf, type SplatLayer } from './splat-layer.ts';
@@ -61,7 +62,7 @@ export interface SplatCloudEventMap extends Object3DEventMap {
  * among its transparent objects by where their common bounds lie (`renderOrder`: the highest of theirs). Shearing, mirroring
  * and scaling transforms are all right; `visible` and `layers` are as in meshes.
  */
-export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
+export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements LayerCloud {
   readonly isSplatCloudObject = true;
   /** Multiplies every splat's opacity, 0…1. */
   opacity = 1;
@@ -214,7 +215,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   }
 
   /** @internal No longer in the scene of `layer`. */
-  leave(layer: SplatLayer): void {
+  leave(layer: CloudLayer): void {
     if (this.#layer === layer) this.#layer = null;
     layer.drop(this);
   }

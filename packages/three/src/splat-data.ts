@@ -77,7 +77,7 @@ export class SplatData {
       const source = this.#source === null ? packed : [packed, this.#source];
       const asked = {
         geometryPrecision: packed.geometry.precision,
-        shPrecision: packed.shRest.precision,
+        shPrecision: packed.harmonics.precision,
         engineAccuracy: engine.accuracy,
         answer: Promise.resolve(),
       };

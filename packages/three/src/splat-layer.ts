@@ -24,9 +24,9 @@ import {
   type WebGPURenderer,
 } from 'three/webgpu';
 import { splatEngineOf } from './create-splat-renderer.ts';
+import type { LayerCloud } from './layer-cloud.ts';
 import { ColorLayerMaterial, DepthLayerMaterial } from './layer-material.ts';
 import { type LayerView, LayerViews } from './layer-view.ts';
-import type { SplatCloudObject } from './splat-cloud-object.ts';
 import { reportStageTimings } from './stage-timings.ts';
 import { type OpenPass, openPass } from './three-bridge.ts';
 
@@ -55,7 +55,7 @@ export function rootOf(object: Object3D): Object3D {
  * interrupted for the splats; the object itself is a triangle over the viewport that shows the result.
  */
 export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
-  readonly #clouds = new Set<SplatCloudObject>();
+  readonly #clouds = new Set<LayerCloud>();
   readonly #views = new LayerViews();
   readonly #depthMesh = new Mesh(this.geometry, new DepthLayerMaterial());
   readonly #reported = new Set<string>();
@@ -81,13 +81,13 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   }
 
   /** Takes `cloud` in, or takes note of where it has moved to. */
-  place(cloud: SplatCloudObject): void {
+  place(cloud: LayerCloud): void {
     this.#clouds.add(cloud);
     this.#arrange();
   }
 
   /** Draws `cloud` no longer. With the last one the layer leaves the scene and frees what it holds. */
-  drop(cloud: SplatCloudObject): void {
+  drop(cloud: LayerCloud): void {
     if (!this.#clouds.delete(cloud)) return;
     this.#arrange();
     // Not at once: three may be walking the scene or drawing this very object, and the cloud may come back in this task.
@@ -104,7 +104,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     camera: Camera,
     xPx: number,
     yPx: number,
-  ): Promise<(SplatPick & { readonly object: SplatCloudObject }) | null> {
+  ): Promise<(SplatPick & { readonly object: LayerCloud }) | null> {
     const view = this.#views.latest(renderer, camera);
     if (!view) return null;
     const { clouds } = view;
@@ -113,7 +113,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   }
 
   /** Measures the latest picture with `cloud`; null where there is none. */
-  chooseAccuracy(cloud: SplatCloudObject, options?: ChooseAccuracyOptions): Promise<AccuracyChoice> | null {
+  chooseAccuracy(cloud: LayerCloud, options?: ChooseAccuracyOptions): Promise<AccuracyChoice> | null {
     return this.#views.latestWith(cloud)?.embedded.chooseAccuracy(options) ?? null;
   }
 
@@ -192,7 +192,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
         writesDepth: [...drawn.keys()].some(({ writesDepth }) => writesDepth),
         accuracy: accuracyOf(drawn.keys()),
       });
-    const wasThere = ([object, { cloud }]: [SplatCloudObject, CloudInstance]) =>
+    const wasThere = ([object, { cloud }]: [LayerCloud, CloudInstance]) =>
       view.clouds.get(object)?.cloud === cloud;
     // What was there stays, while shaders for what has come to it are being compiled.
     const drawn = [clouds, new Map([...clouds].filter(wasThere))].find(isReady);
@@ -213,7 +213,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   }
 
   /** What there is to see for cameras of all layers. */
-  #shownClouds(): SplatCloudObject[] {
+  #shownClouds(): LayerCloud[] {
     for (const object of [...this.#clouds]) if (rootOf(object) !== this.parent) object.leave(this);
     return [...this.#clouds].filter((object) => object.opacity > 0 && isShown(object));
   }
@@ -240,12 +240,12 @@ function isShown(object: Object3D): boolean {
 
 /** Those of `objects` that `camera` is to see, and what stands for them on the GPU. */
 function instancesFor(
-  objects: readonly SplatCloudObject[],
+  objects: readonly LayerCloud[],
   engine: SplatEngine,
   camera: Camera,
-  effectsOf: (object: SplatCloudObject) => CloudInstance['effects'],
+  effectsOf: (object: LayerCloud) => CloudInstance['effects'],
 ): Clouds {
-  const found = new Map<SplatCloudObject, CloudInstance>();
+  const found = new Map<LayerCloud, CloudInstance>();
   for (const object of objects) {
     if (!object.layers.test(camera.layers)) continue;
     const cloud = object.uploadedTo(engine);
@@ -261,11 +261,7 @@ function instancesFor(
  * Has `drawn` hold what the accuracy of all that is shown takes, whichever camera sees how much of it: else the views of a
  * frame would ask for one after the other.
  */
-function holdPlanes(
-  shown: Iterable<SplatCloudObject>,
-  drawn: Iterable<SplatCloudObject>,
-  engine: SplatEngine,
-): void {
+function holdPlanes(shown: Iterable<LayerCloud>, drawn: Iterable<LayerCloud>, engine: SplatEngine): void {
   const accuracy = accuracyOf(shown);
   // A view asks for what it has chosen because of a wish.
   const isWish = accuracy !== undefined && isAccuracyWish(accuracy);
@@ -273,7 +269,7 @@ function holdPlanes(
   for (const object of drawn) object.hold(engine, settings);
 }
 
-function accuracyOf(clouds: Iterable<SplatCloudObject>): AccuracyRequest | undefined {
+function accuracyOf(clouds: Iterable<LayerCloud>): AccuracyRequest | undefined {
   return pictureAccuracy([...clouds].flatMap(({ accuracy }) => accuracy ?? []));
 }
 

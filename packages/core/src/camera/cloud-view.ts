@@ -4,6 +4,8 @@ import { invert3, linearPart, multiply4, transform3, translated4, type Vec3 } fr
 export interface CloudView {
   /** Linear part of cloud space to view space, column-major 3×3. */
   readonly linear: Float64Array;
+  /** Its inverse; null where the model matrix is singular. */
+  readonly inverse: Float64Array | null;
   /** The cloud's origin in view space. */
   readonly translation: readonly [number, number, number];
   /**
@@ -39,6 +41,7 @@ export function cloudView(
   const inverse = invert3(linear);
   return {
     linear,
+    inverse,
     translation,
     camera:
       inverse && !isOrthographic

@@ -9,7 +9,7 @@ import { randomSplats } from '../testing/random-splats.ts';
 import { TEST_MODELS } from '../testing/test-cameras.ts';
 import { perspectiveCamera, projectionOf } from './camera.ts';
 import { cloudView } from './cloud-view.ts';
-import { cullPlanes } from './frustum.ts';
+import { frustumSides } from './frustum.ts';
 
 const ALPHA_CUTOFF = 1 / 255;
 const LOG_SCALES = [
@@ -18,7 +18,7 @@ const LOG_SCALES = [
   [-3, -1],
 ] as const;
 
-describe('cullPlanes', () => {
+describe('frustumSides', () => {
   test('whatever is drawn is in a chunk that passes, for any camera and model', () => {
     const model = fc.oneof(anyModel, fc.constantFrom(...Object.values(TEST_MODELS)));
     let drawn = 0;
@@ -34,7 +34,7 @@ describe('cullPlanes', () => {
           far: projection.far * (1 - 1e-9),
         };
         const view = cloudView(camera.viewMatrix, modelMatrix, set.origin, projection.isOrthographic);
-        const planes = cullPlanes(view, projection, ALPHA_CUTOFF, DILATION_PX2);
+        const planes = frustumSides(view, projection, ALPHA_CUTOFF, DILATION_PX2);
         for (let i = 0; i < set.count; i++) {
           const settings = { alphaCutoff: ALPHA_CUTOFF, dilationPx2: DILATION_PX2 };
           if (!cullSplat(set, i, view, surely, settings)) continue;
@@ -65,7 +65,7 @@ describe('cullPlanes', () => {
     });
     const projection = projectionOf(camera, 100, 100);
     const view = cloudView(camera.viewMatrix, identity4(), [0, 0, 0], false);
-    const planes = cullPlanes(view, projection, ALPHA_CUTOFF, DILATION_PX2);
+    const planes = frustumSides(view, projection, ALPHA_CUTOFF, DILATION_PX2);
     const isKept = (x: number, y: number, z: number, maxScale = 0.001) =>
       isChunkInFrustum({ minPosition: [x, y, z], maxPosition: [x, y, z], maxScale }, planes);
     const edge = 5 * Math.tan(Math.PI / 6);

@@ -3,7 +3,7 @@ import type { Projection } from './camera.ts';
 import type { CloudView } from './cloud-view.ts';
 
 /** A half-space of cloud space: a point is inside where dot(normal, point) + offset ≥ 0. */
-export interface CullPlane {
+export interface FrustumSide {
   readonly normal: readonly [number, number, number];
   readonly offset: number;
   /** How far a splat still reaches past the plane, per unit of its largest standard deviation in cloud space. */
@@ -29,13 +29,13 @@ const MARGIN_PX = 0.5;
  * @param alphaCutoff opacity at which a splat is taken to end.
  * @param moved how far effects may take splats from where they are stored.
  */
-export function cullPlanes(
+export function frustumSides(
   view: CloudView,
   projection: Projection,
   alphaCutoff: number,
   dilationPx2: number,
   moved: SplatReach = { displacement: 0, growth: 1 },
-): readonly CullPlane[] {
+): readonly FrustumSide[] {
   const { isOrthographic, focalPx, edgesX, edgesY, clampX, clampY, near, far } = projection;
   const stretch = stretchBound(view.linear);
   // How many standard deviations a splat of opacity 1 reaches.
@@ -59,7 +59,7 @@ export function cullPlanes(
     const reach = opacityReach * stretch * Math.sqrt(1 + steepest * steepest);
     return toCloudSpace(view, normal, isOrthographic ? -sign * edge : 0, reach);
   };
-  const planes: CullPlane[] = [
+  const planes: FrustumSide[] = [
     side(0, edgesX, clampX, 0),
     side(0, edgesX, clampX, 1),
     side(1, edgesY, clampY, 0),
@@ -82,7 +82,7 @@ function toCloudSpace(
   n: readonly number[],
   offset: number,
   reach: number,
-): CullPlane {
+): FrustumSide {
   const along = (column: number) =>
     n[0] * linear[column] + n[1] * linear[column + 1] + n[2] * linear[column + 2];
   return {

@@ -247,9 +247,9 @@ describe('a SplatCloud', () => {
   ): Promise<void> {
     await Promise.resolve();
     signal.throwIfAborted();
-    const { geometry, shRest } = packSet(randomSplats({ count: 300, shDegree }), precision);
+    const { geometry, harmonics } = packSet(randomSplats({ count: 300, shDegree }), precision);
     planes.adoptGeometry(precision.geometryPrecision, planes.uploadGeometry(geometry));
-    if (shDegree > 0) planes.adoptSh(precision.shPrecision, planes.uploadSh(shRest));
+    if (shDegree > 0) planes.adoptSh(precision.shPrecision, planes.uploadSh(harmonics));
   }
 
   function uploaded({ shDegree = 3 as ShDegree, isEngines = true } = {}) {

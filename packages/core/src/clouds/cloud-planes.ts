@@ -3,9 +3,9 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { Chunk } from '../layout/structs.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
+import { type PackedHarmonics, shWordsPerSplat } from '../packing/harmonics.ts';
 import { chunkCountOf, type PackedCloud } from '../packing/packed-cloud.ts';
 import type { CloudPrecision, GeometryPrecision, ShPrecision } from '../packing/precision.ts';
-import { type ShRest, shRestWordsPerSplat } from '../packing/sh-rest.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 
 /** What a cloud holds on the GPU, finest first; at degree 0, where there is nothing to hold, all of `sh`. */
@@ -62,7 +62,7 @@ export function splatsPerPage(limits: DeviceLimits, bytesPerSplat: number): numb
  * geometry goes with any spherical harmonics, page by page, and whatever is made later fits the device's bindings too.
  */
 export function largestPlaneBytes(degree: ShDegree): number {
-  return 4 * Math.max(GEOMETRY_WORDS.f32, shRestWordsPerSplat(degree, 'f32'));
+  return 4 * Math.max(GEOMETRY_WORDS.f32, shWordsPerSplat(degree, 'f32'));
 }
 
 /** What `held` has that comes nearest to `wanted`: the same, else the next finer, else the finest. */
@@ -97,7 +97,7 @@ export class CloudPlanes {
   constructor(memory: GpuMemory, limits: DeviceLimits, packed: PackedCloud, name: string) {
     this.#memory = memory;
     this.#name = name;
-    this.shDegree = packed.shRest.degree;
+    this.shDegree = packed.harmonics.degree;
     this.ranges = pageRanges(packed.count, pageSplats(limits, this.shDegree, name));
     const chunkWords = Chunk.bytes / 4;
     const chunks = new Uint32Array(packed.chunks);
@@ -108,7 +108,7 @@ export class CloudPlanes {
     });
     this.#geometry.set(packed.geometry.precision, this.uploadGeometry(packed.geometry));
     if (this.shDegree === 0) for (const precision of SH_FINEST_FIRST) this.#sh.set(precision, []);
-    else this.#sh.set(packed.shRest.precision, this.uploadSh(packed.shRest));
+    else this.#sh.set(packed.harmonics.precision, this.uploadSh(packed.harmonics));
   }
 
   /** One object as long as no plane comes or goes. */
@@ -149,7 +149,7 @@ export class CloudPlanes {
     return this.#upload(words, GEOMETRY_WORDS[precision], 'geometry');
   }
 
-  uploadSh({ words, wordsPerSplat }: ShRest): Plane {
+  uploadSh({ words, wordsPerSplat }: PackedHarmonics): Plane {
     return this.#upload(words, wordsPerSplat, 'spherical harmonics');
   }
 
@@ -159,7 +159,7 @@ export class CloudPlanes {
   }
 
   createSh(precision: ShPrecision): Plane {
-    return this.#create(shRestWordsPerSplat(this.shDegree, precision), 'spherical harmonics');
+    return this.#create(shWordsPerSplat(this.shDegree, precision), 'spherical harmonics');
   }
 
   /** Makes `plane` part of the cloud, or frees it where the cloud has come to hold its precision meanwhile. */

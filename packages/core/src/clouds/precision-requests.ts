@@ -7,10 +7,10 @@ import type { ReadOptions } from '../io/splat-source.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { RepackParameters } from '../layout/structs.ts';
 import { GEOMETRY_WORDS } from '../packing/geometry.ts';
+import { type Harmonics, shWordsPerSplat } from '../packing/harmonics.ts';
 import { packSet } from '../packing/pack-set.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
 import type { CloudPrecision } from '../packing/precision.ts';
-import { shRestWordsPerSplat } from '../packing/sh-rest.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
 import { repackGeometry } from '../stages/repack-geometry.ts';
@@ -36,7 +36,7 @@ type RepackStage = StageDefinition<'parameters' | 'finer' | 'coarser'>;
 /** What a request takes, each part null where it takes none. */
 interface Work {
   readonly freshGeometry: PackedCloud['geometry'] | null;
-  readonly freshSh: PackedCloud['shRest'] | null;
+  readonly freshSh: PackedCloud['harmonics'] | null;
   readonly geometryStage: RepackStage | null;
   readonly shStage: RepackStage | null;
 }
@@ -234,7 +234,7 @@ function workFor(
   const [finestGeometry] = planes.held.geometry;
   const [finestSh] = planes.held.sh;
   const freshGeometry = fresh && !isGeometryAsFine(finestGeometry, geometryPrecision) ? fresh.geometry : null;
-  const freshSh = fresh && !isShAsFine(finestSh, shPrecision) ? fresh.shRest : null;
+  const freshSh = fresh && !isShAsFine(finestSh, shPrecision) ? fresh.harmonics : null;
   const isFineEnough =
     isGeometryAsFine(freshGeometry?.precision ?? finestGeometry, geometryPrecision) &&
     isShAsFine(freshSh?.precision ?? finestSh, shPrecision);
@@ -259,7 +259,7 @@ function uploadedBytes({ freshGeometry, freshSh }: Work): number {
 /** What `work` allocates. */
 function bytesOf({ count, shDegree }: SplatCloud, wanted: CloudPrecision, work: Work): number {
   const geometryWords = work.geometryStage ? GEOMETRY_WORDS[wanted.geometryPrecision] : 0;
-  const shWords = work.shStage ? shRestWordsPerSplat(shDegree, wanted.shPrecision) : 0;
+  const shWords = work.shStage ? shWordsPerSplat(shDegree, wanted.shPrecision) : 0;
   return uploadedBytes(work) + 4 * count * (geometryWords + shWords);
 }
 
@@ -291,12 +291,12 @@ async function readFrom(
 ): Promise<PackedCloud> {
   const { name, shDegree } = cloud;
   const fresh = await packedFrom(source, wanted, { name, ...options });
-  const { geometry, shRest } = fresh;
+  const { geometry, harmonics } = fresh;
   const isFine =
     isGeometryAsFine(geometry.precision, wanted.geometryPrecision) &&
-    (shDegree === 0 || isShAsFine(shRest.precision, wanted.shPrecision));
+    (shDegree === 0 || isShAsFine(harmonics.precision, wanted.shPrecision));
   if (!isFine) {
-    const has = describe({ geometryPrecision: geometry.precision, shPrecision: shRest.precision });
+    const has = describe({ geometryPrecision: geometry.precision, shPrecision: harmonics.precision });
     throw new SplatSourceError(
       name,
       `its source has ${has} and cannot give ${describe(wanted)}; load it for that, or from a URL, a File or a Blob.`,
@@ -327,7 +327,7 @@ function isPackedCloud(source: CloudSource): source is PackedCloud {
   return typeof source === 'object' && 'geometry' in source;
 }
 
-function isSplatSet(source: CloudSource): source is SplatSet {
+function isSplatSet(source: CloudSource): source is SplatSet<Harmonics> {
   return typeof source === 'object' && 'logScales' in source;
 }
 
@@ -338,7 +338,7 @@ function isSplatSet(source: CloudSource): source is SplatSet {
 function isSameSplats(cloud: SplatCloud, fresh: PackedCloud): boolean {
   return (
     cloud.count === fresh.count &&
-    cloud.shDegree === fresh.shRest.degree &&
+    cloud.shDegree === fresh.harmonics.degree &&
     cloud.origin.every((value, axis) => value === fresh.origin[axis]) &&
     cloud.logScaleRange.min === fresh.geometry.logScaleRange.min &&
     cloud.logScaleRange.step === fresh.geometry.logScaleRange.step &&

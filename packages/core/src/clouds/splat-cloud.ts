@@ -3,6 +3,7 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { CloudFacts } from '../packing/cloud-facts.ts';
 import type { LogScaleRange } from '../packing/geometry.ts';
+import type { Harmonics } from '../packing/harmonics.ts';
 import type { Bounds, PackedCloud } from '../packing/packed-cloud.ts';
 import type { CloudPrecision } from '../packing/precision.ts';
 import type { DropCounts, ShDegree, SplatSet } from '../splats/splat-set.ts';
@@ -10,7 +11,7 @@ import { type CloudLease, CloudLeases, type HoldOptions, type MakeOptions } from
 import { type CloudPages, CloudPlanes, type HeldPrecisions } from './cloud-planes.ts';
 
 /** Where a cloud's splats can be had again, as often as need be, in other precisions than it holds. */
-export type CloudSource = string | URL | Blob | SplatSet | PackedCloud;
+export type CloudSource = string | URL | Blob | SplatSet<Harmonics> | PackedCloud;
 
 export interface SplatCloudOptions {
   /** For messages and labels. */
@@ -73,7 +74,7 @@ export class SplatCloud {
   ) {
     this.name = name;
     this.count = packed.count;
-    this.shDegree = packed.shRest.degree;
+    this.shDegree = packed.harmonics.degree;
     this.facts = packed.facts;
     this.origin = packed.origin;
     this.bounds = packed.bounds;
@@ -86,7 +87,10 @@ export class SplatCloud {
     this.#onDestroyed = onDestroyed;
     this.device = memory.device;
     this.planes = new CloudPlanes(memory, limits, packed, name);
-    const uploaded = { geometryPrecision: packed.geometry.precision, shPrecision: packed.shRest.precision };
+    const uploaded = {
+      geometryPrecision: packed.geometry.precision,
+      shPrecision: packed.harmonics.precision,
+    };
     this.leases = new CloudLeases(uploaded, {
       name,
       keepOnly: (claims) => this.planes.keepOnly(claims),

@@ -1,20 +1,27 @@
 import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
-import { type GpuFields, type GpuStruct, roundUp } from '../layout/gpu-struct.ts';
+import { type GpuFields, type GpuValues, roundUp } from '../layout/gpu-struct.ts';
 import { numberOf } from '../number-of.ts';
 import type { ShaderModules } from '../shaders/shader-linker.ts';
-import type { EffectHooks, EffectPlace, EffectUse, SplatEffect } from './effect.ts';
+import type { EffectHooks, EffectUse, SplatEffect } from './effect.ts';
 
 /** The effects that one cloud is drawn with, in the order in which they act: one object for equal lists. */
 export interface EffectSet {
   readonly effects: readonly SplatEffect[];
   /** The modules that shaders import these effects from. */
   readonly modules: ShaderModules;
+  /** Where each effect's parameters begin in those of all, bytes. */
+  readonly parameterOffsets: ReadonlyMap<SplatEffect, number>;
   /** Size of the parameters of all, 0 where there are none. */
   readonly parameterBytes: number;
 }
 
-/** Of clouds without effects. */
-export const NO_EFFECTS: EffectSet = { effects: [], modules: {}, parameterBytes: 0 };
+/** For clouds without effects. */
+export const NO_EFFECTS: EffectSet = {
+  effects: [],
+  modules: {},
+  parameterOffsets: /* @__PURE__ */ new Map(),
+  parameterBytes: 0,
+};
 
 /** Binding of the parameters, in every stage that applies effects. */
 const PARAMETERS_BINDING = 16;
@@ -30,7 +37,7 @@ export function effectSetOf(uses: readonly EffectUse[]): EffectSet {
   const key = effects.map(numberOf).join(' ');
   let set = sets.get(key);
   if (!set) {
-    set = { effects, modules: modulesOf(effects), parameterBytes: layOut(effects).bytes };
+    set = { effects, modules: modulesOf(effects), ...layOut(effects) };
     sets.set(key, set);
   }
   return set;
@@ -51,32 +58,28 @@ export function geometryEffects(set: EffectSet): EffectSet {
   return hasHook(set, 'splat') || hasHook(set, 'opacity') ? set : NO_EFFECTS;
 }
 
-/** Writes the parameters of `uses`, one struct `Effects`, at `byteOffset`. */
-export function writeParameters(
-  target: ArrayBuffer,
-  uses: readonly EffectUse[],
-  place: EffectPlace,
-  byteOffset: number,
-): void {
-  const { offsets } = layOut(uses.map(({ effect }) => effect));
-  for (const use of uses) {
-    const { parameters } = use.effect;
-    parameters?.write(target, use.valuesAt(place)!, byteOffset + offsets.get(parameters)!);
+/** The parameters of one cloud's effects, one struct `Effects`. */
+export function packParameters(
+  { parameterOffsets, parameterBytes }: EffectSet,
+  uses: readonly { readonly use: EffectUse; readonly values: GpuValues<GpuFields> | null }[],
+): ArrayBuffer {
+  const packed = new ArrayBuffer(parameterBytes);
+  for (const { use, values } of uses) {
+    const { effect } = use;
+    effect.parameters?.write(packed, values!, parameterOffsets.get(effect));
   }
+  return packed;
 }
 
-function layOut(effects: readonly SplatEffect[]): {
-  readonly offsets: ReadonlyMap<GpuStruct<GpuFields>, number>;
-  readonly bytes: number;
-} {
-  const offsets = new Map<GpuStruct<GpuFields>, number>();
-  let bytes = 0;
-  for (const { parameters } of effects) {
-    if (!parameters) continue;
-    offsets.set(parameters, bytes);
-    bytes = roundUp(bytes + parameters.bytes, STRUCT_ALIGNMENT);
+function layOut(effects: readonly SplatEffect[]): Pick<EffectSet, 'parameterOffsets' | 'parameterBytes'> {
+  const parameterOffsets = new Map<SplatEffect, number>();
+  let parameterBytes = 0;
+  for (const effect of effects) {
+    if (!effect.parameters) continue;
+    parameterOffsets.set(effect, parameterBytes);
+    parameterBytes = roundUp(parameterBytes + effect.parameters.bytes, STRUCT_ALIGNMENT);
   }
-  return { offsets, bytes };
+  return { parameterOffsets, parameterBytes };
 }
 
 /** Module of one effect's shader. */

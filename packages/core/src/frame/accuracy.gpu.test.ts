@@ -34,7 +34,7 @@ afterAll(() => {
   device?.destroy();
 });
 
-const NO_REST = splatsOf([]).shRest;
+const NO_REST = splatsOf([]).harmonics;
 const SCENE = randomSplats({ count: 1500, seed: 40, logScales: [-4.5, -1.5] });
 
 async function drawWith(settings: Partial<AccuracySettings>, set = SCENE, camera = CAMERA) {
@@ -119,7 +119,7 @@ describe('accuracy settings', () => {
 
   gpuTest('the records of the paper: close to the picture of exact ones', async () => {
     // Colours above 1 end there: those of the scene are kept below.
-    const set = { ...SCENE, shRest: NO_REST, colorDc: SCENE.colorDc.map((value) => value / 2) };
+    const set = { ...SCENE, harmonics: NO_REST, colorDc: SCENE.colorDc.map((value) => value / 2) };
     const data = await drawWith({ recordPrecision: 'paper' }, set);
     expect(psnrAgainstTwin(data, {}, set)).toBeGreaterThan(45);
   });

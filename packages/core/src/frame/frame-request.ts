@@ -1,12 +1,9 @@
-import type { AccuracySettings } from '../accuracy/accuracy.ts';
 import type { AccuracyRequest } from '../accuracy/accuracy-wish.ts';
 import type { Camera } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { EffectUse } from '../effects/effect.ts';
-import { usesOf } from '../effects/effects.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
-import { identity4, type Vec3 } from '../math/mat4.ts';
-import { numberOf } from '../number-of.ts';
+import type { Vec3 } from '../math/mat4.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree } from '../splats/splat-set.ts';
 
 /** A cloud and where it stands. */
@@ -61,8 +58,7 @@ export function checkFrame({ camera, clouds, widthPx, heightPx }: ViewFrame, dev
       throw new InvalidArgumentError(name, `The camera's ${name} must be 16 finite numbers, column-major.`);
     }
   }
-  for (const instance of clouds) {
-    const { cloud, modelMatrix, shDegree = 3 } = instance;
+  for (const { cloud, modelMatrix, shDegree = 3 } of clouds) {
     if (cloud.isDestroyed) throw new DestroyedError(`The cloud ${cloud.name}`, 'it was destroyed');
     if (cloud.device !== device) {
       const message = `${cloud.name} is on another GPU device than this view; load it with the engine that draws it.`;
@@ -76,43 +72,5 @@ export function checkFrame({ camera, clouds, widthPx, heightPx }: ViewFrame, dev
       const message = `${cloud.name} is to be drawn with degree ${shDegree}; there are degrees 0, 1, 2 and 3.`;
       throw new InvalidArgumentError('shDegree', message);
     }
-    try {
-      usesOf(instance);
-    } catch (error) {
-      if (!(error instanceof InvalidArgumentError)) throw error;
-      throw new InvalidArgumentError(error.argument, `${cloud.name}: ${error.message}`);
-    }
   }
-}
-
-/** What a picture of splats depends on, as texts: equal texts, equal results. */
-export interface FrameKeys {
-  /** Of which splats are visible, where, and in which order. */
-  readonly order: string;
-  /** Of their colours, besides `order`. */
-  readonly colors: string;
-}
-
-/** @param settings what the frame is drawn with, one object for equal settings. */
-export function keysOf(
-  { camera, clouds, widthPx, heightPx }: ViewFrame,
-  settings: AccuracySettings,
-): FrameKeys {
-  const order: unknown[] = [widthPx, heightPx, camera.near, camera.far, numberOf(settings)];
-  const colors: unknown[] = [];
-  order.push(Array.from(camera.viewMatrix), Array.from(camera.projectionMatrix));
-  for (const instance of clouds) {
-    const { cloud, modelMatrix = identity4(), shDegree = 3 } = instance;
-    order.push(numberOf(cloud), numberOf(cloud.pagesFor(settings)), Array.from(modelMatrix));
-    const place = { modelMatrix, origin: cloud.origin, viewMatrix: camera.viewMatrix };
-    colors.push('cloud', shDegree);
-    for (const use of usesOf(instance)) {
-      const { hooks } = use.effect;
-      const parts = hooks.splat || hooks.opacity ? order : colors;
-      // JSON would make one thing of all that is infinite.
-      const values = String(Object.values(use.valuesAt(place) ?? {}));
-      parts.push(numberOf(use.effect), values, use.selection?.version);
-    }
-  }
-  return { order: JSON.stringify(order), colors: JSON.stringify(colors) };
 }

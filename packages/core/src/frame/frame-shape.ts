@@ -1,157 +1,111 @@
-import { type AccuracySettings, layerSize } from '../accuracy/accuracy.ts';
+import type { AccuracySettings } from '../accuracy/accuracy.ts';
 import type { CloudPages } from '../clouds/cloud-planes.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { type EffectSet, effectSetOf, hasHook } from '../effects/effect-set.ts';
-import { CLOUD_EFFECTS, usesOf } from '../effects/effects.ts';
+import type { EffectSet } from '../effects/effect-set.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
-import type { RasterizeDepth } from '../stages/rasterize.ts';
-import type { CloudInstance, ViewFrame } from './frame-request.ts';
-import { keyBitsFor } from './key-bits.ts';
-import { visibleCapacity } from './visible-capacity.ts';
+import { isSameDepth, type RasterizeDepth } from '../stages/rasterize.ts';
 
-/** Everything that decides which shaders a frame runs and how large its buffers are. */
+/** How one cloud decides which shaders a frame runs and how large its buffers are. */
+export interface CloudShape {
+  readonly cloud: SplatCloud;
+  /** The planes that are drawn: the nearest to the frame's accuracy that the cloud holds. */
+  readonly planes: CloudPages;
+  readonly effects: EffectSet;
+  /** Degree of spherical harmonics that is evaluated. */
+  readonly shDegree: ShDegree;
+  /** Whether all splats are balls, after effects too: shaders leave their rotations out. */
+  readonly isIsotropic: boolean;
+  /** Whether splats may be fainter than the cutoff, after effects too: shaders test each. */
+  readonly hasFaintSplats: boolean;
+  /** Whether colours are kept for frames from the same viewpoint. */
+  readonly keepsColors: boolean;
+}
+
+/** Where a frame's image goes. */
+export type FrameOutput =
+  /** Nowhere: it is read back, or compared on the GPU. */
+  | { readonly kind: 'image' }
+  | { readonly kind: 'canvas'; readonly format: GPUTextureFormat }
+  /** Into another renderer's frame. */
+  | { readonly kind: 'host' };
+
+/** Everything that decides which shaders a frame runs and how large its buffers are; one object as long as it stays the same. */
 export interface FrameShape {
   /** In the order in which equal depths are drawn; a cloud may occur more than once. */
-  readonly clouds: readonly SplatCloud[];
-  /** Of each cloud what is drawn of it: as near to `accuracy` as it can be had at this moment. */
-  readonly planes: readonly CloudPages[];
-  /** Of each cloud the effects that it is drawn with. */
-  readonly effects: readonly EffectSet[];
-  /** Of each cloud the degree of spherical harmonics that is evaluated. */
-  readonly shDegrees: readonly ShDegree[];
-  /** Of each cloud whether all splats are balls, after its effects as well: their rotations are not looked at. */
-  readonly isIsotropic: readonly boolean[];
-  /** Of each cloud whether splats may be fainter than the cutoff, after its effects as well: each is tested. */
-  readonly hasFaintSplats: readonly boolean[];
-  /** Of each cloud whether its colours are kept for frames from the same viewpoint. */
-  readonly keepsColors: readonly boolean[];
+  readonly clouds: readonly CloudShape[];
   readonly isOrthographic: boolean;
   readonly accuracy: AccuracySettings;
   /** Most workgroups in one dimension of a dispatch. */
   readonly dispatchRow: number;
-  /** Most splats that may be visible: buffers for visible splats have room for as many. */
+  /** Most splats that can be visible: buffers for visible splats have room for that many. */
   readonly visibleCapacity: number;
-  /** Bits that the sort keys of this frame may differ in, at most 32. */
+  /** Bits that the sort keys of this frame can differ in, at most 32. */
   readonly keyBits: number;
-  /** Whether that is fewer than depths may differ in: keys keep `sortKeyBits` of them. */
+  /** Whether depths can differ in more bits than `keyBits`: keys keep `sortKeyBits` of them. */
   readonly shortensKeys: boolean;
-  /** In another renderer's picture: what its depth asks of the splats. Null where nothing could hide them. */
+  /** How the host's depth hides splats; null where nothing can hide them. */
   readonly depth: RasterizeDepth | null;
+  readonly output: FrameOutput;
 }
 
-/** Effects that are found and can be left out of a picture: for measurements of what they cost. */
+/** Found effects that can be left out of a frame: for measurements of what they cost. */
 export type OmittableEffect = 'isotropic' | 'faint-splats';
 
-/**
- * The shape of a frame that depends on none before it: it keeps no colours.
- *
- * @param omitted is left out, called for or not.
- * @param current shape of the last picture: its buffers are kept as long as they are large enough.
- */
-export function shapeOf(
-  frame: ViewFrame,
-  { accuracy, dispatchRow, depth }: Pick<FrameShape, 'accuracy' | 'dispatchRow' | 'depth'>,
-  omitted: readonly OmittableEffect[],
-  current: FrameShape | undefined,
-): FrameShape {
-  const { camera } = frame;
-  const ofClouds = cloudShapes(frame.clouds, accuracy, omitted);
-  const { clouds } = ofClouds;
-  const isSameClouds =
-    clouds.length === current?.clouds.length && clouds.every((cloud, i) => cloud === current.clouds[i]);
-  const depthBits = keyBitsFor(camera, frame.clouds);
-  const layer = { ...frame, ...layerSize(frame, accuracy) };
-  return {
-    ...ofClouds,
-    isOrthographic: camera.projectionMatrix[11] === 0,
-    accuracy,
-    dispatchRow,
-    visibleCapacity: visibleCapacity(layer, accuracy.alphaCutoff, isSameClouds ? current.visibleCapacity : 0),
-    keyBits: Math.min(depthBits, accuracy.sortKeyBits),
-    shortensKeys: accuracy.sortKeyBits < depthBits,
-    depth,
-  };
-}
-
-type CloudShapes = Pick<
-  FrameShape,
-  'clouds' | 'planes' | 'effects' | 'shDegrees' | 'isIsotropic' | 'hasFaintSplats' | 'keepsColors'
->;
-
-/** What a shape has of each cloud, by itself: no colours are kept. */
-export function cloudShapes(
-  instances: readonly CloudInstance[],
-  accuracy: AccuracySettings,
-  omitted: readonly OmittableEffect[] = [],
-): CloudShapes {
-  const effects = instances.map((instance) => effectSetOf(usesOf(instance)));
-  return {
-    clouds: instances.map(({ cloud }) => cloud),
-    planes: instances.map(({ cloud }) => cloud.pagesFor(accuracy)),
-    effects,
-    shDegrees: instances.map(
-      ({ cloud, shDegree = 3 }) => Math.min(accuracy.shDegree, shDegree, cloud.shDegree) as ShDegree,
-    ),
-    isIsotropic: instances.map(
-      ({ cloud }, i) => !omitted.includes('isotropic') && isIsotropic(cloud, effects[i]),
-    ),
-    hasFaintSplats: instances.map(
-      ({ cloud }, i) => !omitted.includes('faint-splats') && hasFaintSplats(cloud, effects[i], accuracy),
-    ),
-    keepsColors: instances.map(() => false),
-  };
-}
-
-/** Effects of this package leave balls round; of those of callers' own nothing is known. */
-function isIsotropic({ facts }: SplatCloud, { effects }: EffectSet): boolean {
-  return (
-    facts.isIsotropic &&
-    effects.every((effect) => effect.hooks.splat === undefined || CLOUD_EFFECTS.includes(effect))
-  );
-}
-
-/** Opacities are packed in steps as large as this. */
-const OPACITY_STEP = 1 / 65535;
-
-/** What opacity hooks make fainter is tested by itself. */
-function hasFaintSplats(
-  { facts }: SplatCloud,
-  effects: EffectSet,
-  { alphaCutoff }: AccuracySettings,
-): boolean {
-  return hasHook(effects, 'splat') || facts.minOpacity - OPACITY_STEP < alphaCutoff;
-}
-
-/** Whether splats are blended in a layer smaller than the picture. */
+/** Whether splats are blended in a layer smaller than the image. */
 export function isScaled({ accuracy }: Pick<FrameShape, 'accuracy'>): boolean {
   return accuracy.resolutionScale < 1;
 }
 
-/** Whether a frame of one shape can be drawn with the buffers of the other, though maybe by other shaders. */
+export function keepsColors({ clouds }: FrameShape): boolean {
+  return clouds.some((cloud) => cloud.keepsColors);
+}
+
+/** Whether the buffers of a frame of one shape serve one of the other shape, maybe with other shaders. */
 export function hasSameBuffers(a: FrameShape, b: FrameShape): boolean {
   return (
     a.keyBits === b.keyBits &&
     a.visibleCapacity === b.visibleCapacity &&
     a.accuracy.recordPrecision === b.accuracy.recordPrecision &&
     a.clouds.length === b.clouds.length &&
-    a.clouds.every((cloud, i) => cloud === b.clouds[i]) &&
-    (a.depth === null) === (b.depth === null)
+    a.clouds.every(({ cloud }, i) => cloud === b.clouds[i].cloud)
   );
 }
 
-/** Whether buffers, bindings and shaders of one do for the other. */
+/** Whether buffers, bindings and shaders of one shape serve the other. */
 export function isSameShape(a: FrameShape, b: FrameShape): boolean {
   return (
     hasSameBuffers(a, b) &&
     a.isOrthographic === b.isOrthographic &&
     a.shortensKeys === b.shortensKeys &&
     a.accuracy === b.accuracy &&
-    a.planes.every((planes, i) => planes === b.planes[i]) &&
-    a.effects.every((effects, i) => effects === b.effects[i]) &&
-    a.shDegrees.every((degree, i) => degree === b.shDegrees[i]) &&
-    a.keepsColors.every((keeps, i) => keeps === b.keepsColors[i]) &&
-    a.isIsotropic.every((isBalls, i) => isBalls === b.isIsotropic[i]) &&
-    a.hasFaintSplats.every((isTested, i) => isTested === b.hasFaintSplats[i]) &&
-    JSON.stringify(a.depth) === JSON.stringify(b.depth)
+    a.dispatchRow === b.dispatchRow &&
+    a.output === b.output &&
+    isSameDepth(a.depth, b.depth) &&
+    a.clouds.every((cloud, i) => isSameCloudShape(cloud, b.clouds[i]))
   );
+}
+
+function isSameCloudShape(a: CloudShape, b: CloudShape): boolean {
+  return (
+    a.cloud === b.cloud &&
+    a.planes === b.planes &&
+    a.effects === b.effects &&
+    a.shDegree === b.shDegree &&
+    a.isIsotropic === b.isIsotropic &&
+    a.hasFaintSplats === b.hasFaintSplats &&
+    a.keepsColors === b.keepsColors
+  );
+}
+
+/** Remembers what `make` makes of each shape, so that frames of one shape share it. */
+export function perShape<Made>(make: (shape: FrameShape) => Made): (shape: FrameShape) => Made {
+  const made = new WeakMap<FrameShape, Made>();
+  return (shape) => {
+    let known = made.get(shape);
+    if (known === undefined) {
+      known = make(shape);
+      made.set(shape, known);
+    }
+    return known;
+  };
 }

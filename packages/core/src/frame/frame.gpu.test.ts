@@ -5,6 +5,7 @@ import { PagePlan } from '../layout/structs.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
+import { chunkCountOf } from './frame-pages.ts';
 
 describe('a frame', () => {
   gpuTest('plans on the GPU what each page has to do, and lists it without gaps', async () => {
@@ -22,7 +23,8 @@ describe('a frame', () => {
       dispatchRow,
       keyBits: 8,
     });
-    const { pages, chunkCount } = frame.resources;
+    const { pages } = frame.parts;
+    const chunkCount = chunkCountOf(pages);
     expect(pages.map((page) => page.chunkCount)).toEqual([4, 4, 4, 3, 1, 3]);
     const chunkOffsets = await frame.words('chunkOffsets');
     const visibleChunks = await frame.words('visibleChunks');

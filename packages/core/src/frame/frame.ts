@@ -1,202 +1,158 @@
-import type { CompiledStage, Pipelines, StageDefinition } from '../gpu/pipelines.ts';
-import { SHADER_CONSTANTS } from '../layout/constants.ts';
-import { compactChunks } from '../stages/compact-chunks.ts';
-import { compactSplats } from '../stages/compact-splats.ts';
-import { cullChunks } from '../stages/cull-chunks.ts';
-import { dispatchSize } from '../stages/dispatch.ts';
-import { planCull } from '../stages/plan-cull.ts';
-import { planProject } from '../stages/plan-project.ts';
-import { prefixScanStages } from '../stages/prefix-scan.ts';
-import { radixSortStages } from '../stages/radix-sort.ts';
-import { sortShapeFor } from '../stages/sort-shape.ts';
+import type { CompiledStage } from '../gpu/pipelines.ts';
 import type { GpuTimer } from '../timing/gpu-timer.ts';
+import { type FramePage, pagesOf } from './frame-pages.ts';
 import {
-  cullSplatsStage,
-  type FrameResources,
-  keepColorsStage,
-  projectStage,
-  rasterizeStage,
-  upscaleStage,
-} from './frame-resources.ts';
-import { type FrameShape, isScaled } from './frame-shape.ts';
+  type Destination,
+  type DrawRecording,
+  type FramePart,
+  type OrderRecording,
+  type PartChange,
+  type PartClass,
+  type PartContext,
+  SharedMemory,
+} from './frame-part.ts';
+import type { FramePlan } from './frame-plan.ts';
+import type { FrameShape } from './frame-shape.ts';
+import { Compose } from './parts/compose.ts';
+import { Composite } from './parts/composite.ts';
+import { KeptColors } from './parts/kept-colors.ts';
+import { Preprocess } from './parts/preprocess.ts';
+import { Quads } from './parts/quads.ts';
+import { ResolveDepth } from './parts/resolve-depth.ts';
+import { Sort } from './parts/sort.ts';
+import { Upscale } from './parts/upscale.ts';
 
-/** All that `recordCompute` and `recordRasterize` run for a frame of this shape: to be compiled before. */
-export function frameStages(shape: FrameShape): CompiledStage[] {
-  return [
-    cullChunks,
-    ...prefixScanStages,
-    compactChunks,
-    planCull,
-    ...shape.clouds.map((_, cloudIndex) => cullSplatsStage(shape, cloudIndex)),
-    planProject,
-    compactSplats,
-    ...shape.clouds.map((_, cloudIndex) => projectStage(shape, cloudIndex)),
-    ...(shape.keepsColors.includes(true) ? [keepColorsStage(shape)] : []),
-    ...radixSortStages(sortShapeFor(shape.keyBits)),
-    rasterizeStage(shape),
-    ...(isScaled(shape) ? [upscaleStage(shape)] : []),
-  ];
+// The order of a frame. Nothing else orders parts; each part orders its own stages.
+//
+// Kept colours come first: they are taken from the frame before. Then the visible splats are found and sorted, and then drawn.
+// A view that stands inside another renderer's frame submits the first half by itself and records the second for its host.
+
+/** Find the visible splats and their order. */
+const ORDERING = [Preprocess, Sort] as const satisfies readonly PartClass<OrderRecording>[];
+
+/** Draw them. A shape uses those of them that its output, depth and scale ask for. */
+const DRAWING = [
+  ResolveDepth,
+  Quads,
+  Upscale,
+  Composite,
+  Compose,
+] as const satisfies readonly PartClass<DrawRecording>[];
+
+const PARTS = [KeptColors, ...ORDERING, ...DRAWING] as const;
+
+/** All stages that frames of this shape run: to be compiled before. */
+export function frameStages(shape: FrameShape): readonly CompiledStage[] {
+  return PARTS.flatMap((part) => part.stages(shape));
 }
 
-/** Those of them that keep the colours of clouds: none where none are kept. */
-export function keepingStages(shape: FrameShape): CompiledStage[] {
-  const projecting = shape.clouds.flatMap((_, cloudIndex) =>
-    shape.keepsColors[cloudIndex] ? [projectStage(shape, cloudIndex)] : [],
-  );
-  return projecting.length > 0 ? [...projecting, keepColorsStage(shape)] : [];
-}
+/** The parts of one view's frames, with what they hold on the GPU. */
+export class FrameParts {
+  readonly keptColors: KeptColors;
+  readonly preprocess: Preprocess;
+  readonly sort: Sort;
+  readonly resolveDepth: ResolveDepth;
+  readonly quads: Quads;
+  readonly composite: Composite;
+  readonly compose: Compose;
+  readonly shared = new SharedMemory();
+  readonly #context: PartContext;
+  readonly #ordering: readonly FramePart<OrderRecording>[];
+  readonly #drawing: readonly FramePart<DrawRecording>[];
+  #shape: FrameShape | null = null;
 
-/**
- * Pre-process and sort: afterwards the visible splats are known, and their order.
- *
- * @param isColorsOnly only colours have changed since the last frame: what is visible, and its order, stay.
- */
-export function recordCompute(
-  encoder: GPUCommandEncoder,
-  pipelines: Pipelines,
-  frame: FrameResources,
-  timer: GpuTimer,
-  isColorsOnly = false,
-): void {
-  const { shape, groups, pages, buffers } = frame;
-  const preprocess = encoder.beginComputePass({
-    label: 'pre-process',
-    timestampWrites: timer.writes('preprocess'),
-  });
-  if (!isColorsOnly) recordCulling(preprocess, pipelines, frame);
-  for (const [index, { cloudIndex }] of pages.entries()) {
-    use(preprocess, pipelines, projectStage(shape, cloudIndex), groups.pages[index].project);
-    preprocess.dispatchWorkgroupsIndirect(buffers.projectDispatches, 12 * index);
+  constructor(context: Omit<PartContext, 'shared'>) {
+    const { shared } = this;
+    const own = { ...context, shared };
+    this.#context = own;
+    this.keptColors = new KeptColors(own);
+    this.#ordering = ORDERING.map((Part) => new Part(own));
+    this.#drawing = DRAWING.map((Part) => new Part(own));
+    this.preprocess = find(this.#ordering, Preprocess);
+    this.sort = find(this.#ordering, Sort);
+    this.resolveDepth = find(this.#drawing, ResolveDepth);
+    this.quads = find(this.#drawing, Quads);
+    this.composite = find(this.#drawing, Composite);
+    this.compose = find(this.#drawing, Compose);
   }
-  preprocess.end();
-  if (isColorsOnly) return;
 
-  const sort = encoder.beginComputePass({ label: 'sort', timestampWrites: timer.writes('sort') });
-  frame.sort.record(sort);
-  sort.end();
-}
-
-/** Keeps the colours with which `frame` was drawn, of these pages: before it is prepared anew, or freed. */
-export function recordKeepColors(
-  encoder: GPUCommandEncoder,
-  pipelines: Pipelines,
-  frame: FrameResources,
-  pageIndices: readonly number[],
-): void {
-  const pass = encoder.beginComputePass({ label: 'keep colors' });
-  for (const index of pageIndices) {
-    use(pass, pipelines, keepColorsStage(frame.shape), frame.keepColorsGroup(index));
-    pass.dispatchWorkgroupsIndirect(frame.buffers.projectDispatches, 12 * index);
+  /** Shape of the frame that was made room for last; null before the first. */
+  get shape(): FrameShape | null {
+    return this.#shape;
   }
-  pass.end();
-}
 
-/** Lists the visible splats in storage order. */
-function recordCulling(pass: GPUComputePassEncoder, pipelines: Pipelines, frame: FrameResources): void {
-  const { shape, groups, pages, buffers } = frame;
-  const { dispatchRow } = shape;
-  // Of no chunks too: Dawn warns of dispatches of nothing.
-  const chunkWorkgroups = (chunks: number) =>
-    dispatchSize(Math.max(1, Math.ceil(chunks / SHADER_CONSTANTS.CHUNK_WORKGROUP)), dispatchRow);
-  for (const [index, { chunkCount }] of pages.entries()) {
-    use(pass, pipelines, cullChunks, groups.pages[index].cullChunks);
-    pass.dispatchWorkgroups(...chunkWorkgroups(chunkCount));
+  /** Pages of that frame's clouds. */
+  get pages(): readonly FramePage[] {
+    return this.#shape ? pagesOf(this.#shape) : [];
   }
-  frame.chunkScan.record(pass);
-  use(pass, pipelines, compactChunks, groups.compactChunks);
-  pass.dispatchWorkgroups(...chunkWorkgroups(frame.chunkCount));
-  use(pass, pipelines, planCull, groups.planCull);
-  pass.dispatchWorkgroups(1);
-  for (const [index, { cloudIndex }] of pages.entries()) {
-    use(pass, pipelines, cullSplatsStage(shape, cloudIndex), groups.pages[index].cullSplats);
-    pass.dispatchWorkgroupsIndirect(buffers.cullDispatches, 12 * index);
+
+  /** Every buffer of that frame that stages share or twins are compared with, by name. */
+  get buffers() {
+    return { ...this.shared.buffers, ...this.preprocess.buffers };
   }
-  frame.splatScan.record(pass);
-  use(pass, pipelines, planProject, groups.planProject);
-  pass.dispatchWorkgroups(1);
-  use(pass, pipelines, compactSplats, groups.compactSplats);
-  pass.dispatchWorkgroupsIndirect(buffers.cullDispatches, 12 * pages.length);
+
+  /**
+   * Makes room for a frame, binds its stages and writes its uniforms.
+   *
+   * @returns whether buffers or textures were replaced.
+   * @throws GpuLimitError where something passes the device's limits; everything stays as it was then.
+   */
+  fit(plan: FramePlan): boolean {
+    const { shape } = plan;
+    const parts = [...this.#ordering, ...this.#drawing];
+    const changes: PartChange[] = [];
+    try {
+      for (const part of parts) {
+        const change = part.fit(plan);
+        if (change) changes.push(change);
+      }
+      this.#keepColors(plan);
+    } catch (error) {
+      for (const change of changes) change.discard();
+      throw error;
+    }
+    for (const change of changes) change.commit();
+    if (changes.length > 0 || shape !== this.#shape) for (const part of parts) part.bind(shape);
+    this.#shape = shape;
+    for (const part of parts) part.write(plan);
+    return changes.length > 0;
+  }
+
+  /** Records finding and sorting the visible splats. */
+  recordOrder(encoder: GPUCommandEncoder, timer: GpuTimer, isColorsOnly: boolean): void {
+    const recording = { encoder, timer, shape: this.#shape!, isColorsOnly };
+    for (const part of this.#ordering) part.record(recording);
+  }
+
+  /** Records drawing the visible splats, and putting them where they are to be seen. */
+  recordDraw(encoder: GPUCommandEncoder, timer: GpuTimer, destination: Destination): void {
+    const recording = { encoder, timer, shape: this.#shape!, destination };
+    for (const part of this.#drawing) part.record(recording);
+  }
+
+  /** Records putting the splats that were drawn last over another background. */
+  recordBackground(encoder: GPUCommandEncoder, timer: GpuTimer, destination: Destination): void {
+    this.composite.record({ encoder, timer, shape: this.#shape!, destination });
+  }
+
+  destroy(): void {
+    for (const part of [this.keptColors, ...this.#ordering, ...this.#drawing]) part.destroy();
+  }
+
+  /** Takes colours from the records of the frame before, which are replaced or written anew after this. */
+  #keepColors(plan: FramePlan): void {
+    const pages = this.keptColors.keep(plan);
+    if (!this.#shape || pages.length === 0) return;
+    const { device } = this.#context;
+    const encoder = device.createCommandEncoder({ label: 'websplatter keep colors' });
+    this.keptColors.record(encoder, this.#shape, pages);
+    device.queue.submit([encoder.finish()]);
+  }
 }
 
-function use(
-  pass: GPUComputePassEncoder,
-  pipelines: Pipelines,
-  stage: StageDefinition,
-  group: GPUBindGroup,
-): void {
-  pass.setPipeline(pipelines.compute(stage)!);
-  pass.setBindGroup(0, group);
-}
-
-/** Where splats are blended; all of one size. */
-export interface RasterizeTargets {
-  readonly color: GPUTexture;
-  /** Their depth, where the frame's shape asks for it. */
-  readonly depthLayer: GPUTexture | null;
-  /** What the host has drawn, where the frame's shape has depth. */
-  readonly testedDepth: GPUTexture | null;
-}
-
-/** Blends the visible splats in their order into `targets`, which are cleared to nothing first. */
-export function recordRasterize(
-  encoder: GPUCommandEncoder,
-  pipelines: Pipelines,
-  frame: FrameResources,
-  { color, depthLayer, testedDepth }: RasterizeTargets,
-  timer: GpuTimer,
-): void {
-  const pass = encoder.beginRenderPass({
-    label: 'rasterize',
-    colorAttachments: [color, depthLayer]
-      .filter((texture) => texture !== null)
-      .map((texture) => ({
-        view: texture.createView(),
-        loadOp: 'clear',
-        storeOp: 'store',
-        clearValue: [0, 0, 0, 0],
-      })),
-    ...(testedDepth && {
-      depthStencilAttachment: { view: testedDepth.createView(), depthReadOnly: true },
-    }),
-    timestampWrites: timer.writes('rasterize'),
-  });
-  pass.setPipeline(pipelines.render(...rasterizeStage(frame.shape))!);
-  pass.setBindGroup(0, frame.groups.rasterize);
-  pass.drawIndirect(frame.buffers.drawArguments, 0);
-  pass.end();
-}
-
-/** What splats were blended into, and what takes them at the picture's size. */
-export interface UpscaleTargets {
-  readonly from: Pick<RasterizeTargets, 'color' | 'depthLayer'>;
-  readonly to: Pick<RasterizeTargets, 'color' | 'depthLayer'>;
-  /** One `UpscaleParameters`. */
-  readonly parameters: GPUBuffer;
-}
-
-/** Brings the blended splats to the picture's size, where the frame's shape scales them. */
-export function recordUpscale(
-  encoder: GPUCommandEncoder,
-  pipelines: Pipelines,
-  { shape }: FrameResources,
-  { from, to, parameters }: UpscaleTargets,
-  timer: GpuTimer,
-): void {
-  const [stage, state] = upscaleStage(shape);
-  const pass = encoder.beginRenderPass({
-    label: 'upscale',
-    colorAttachments: [to.color, to.depthLayer]
-      .filter((texture) => texture !== null)
-      .map((texture) => ({ view: texture.createView(), loadOp: 'clear', storeOp: 'store' })),
-    timestampWrites: timer.writes('upscale'),
-  });
-  pass.setPipeline(pipelines.render(stage, state)!);
-  const bindings = {
-    parameters,
-    layer: from.color.createView(),
-    ...(from.depthLayer && { depthLayer: from.depthLayer.createView() }),
-  };
-  pass.setBindGroup(0, pipelines.bindGroup(stage, bindings));
-  pass.draw(3);
-  pass.end();
+function find<R extends OrderRecording | DrawRecording, Part extends FramePart<R>>(
+  parts: readonly FramePart<R>[],
+  type: new (context: PartContext) => Part,
+): Part {
+  return parts.find((part) => part instanceof type) as Part;
 }

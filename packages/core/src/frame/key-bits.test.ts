@@ -4,17 +4,17 @@ import { perspectiveCamera } from '../camera/camera.ts';
 import { cloudView } from '../camera/cloud-view.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { orderedBits } from '../layout/depth-key.ts';
-import { identity4 } from '../math/mat4.ts';
+import { identity4, type Mat4 } from '../math/mat4.ts';
 import { packCloud } from '../packing/packed-cloud.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { anyCamera, anyModel } from '../testing/any-view.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { uniform } from '../testing/uniform.ts';
-import type { CloudInstance } from './frame-request.ts';
 import { keyBitsFor } from './key-bits.ts';
 
-function instance(set: SplatSet, modelMatrix?: ArrayLike<number>): CloudInstance {
-  return { cloud: packCloud(set, { geometryPrecision: 'f32' }) as unknown as SplatCloud, modelMatrix };
+function planned(set: SplatSet, modelMatrix: Mat4 = identity4()) {
+  const cloud = packCloud(set, { geometryPrecision: 'f32' }) as unknown as SplatCloud;
+  return { instance: { cloud, modelMatrix }, modelMatrix, reach: { displacement: 0, growth: 1 } };
 }
 
 /** Depths in float32, rounded after every operation as a GPU that fuses nothing rounds them. */
@@ -41,7 +41,7 @@ describe('keyBitsFor', () => {
     fc.assert(
       fc.property(anyCamera, anyModel, scene, (camera, modelMatrix, options) => {
         const set = randomSplats({ count: 50, shDegree: 0, ...options });
-        const bits = keyBitsFor(camera, [instance(set, modelMatrix)]);
+        const bits = keyBitsFor(camera, [planned(set, modelMatrix)]);
         const keys = depthsOf(set, camera.viewMatrix, modelMatrix)
           .filter((depth) => depth > Math.fround(camera.near) && depth <= Math.fround(camera.far))
           .map(orderedBits);
@@ -74,7 +74,7 @@ describe('keyBitsFor', () => {
         const keys = depthsOf(set, camera.viewMatrix, identity4())
           .filter((depth) => depth > Math.fround(camera.near))
           .map(orderedBits);
-        const bits = keyBitsFor(camera, [instance(set)]);
+        const bits = keyBitsFor(camera, [planned(set)]);
         if (keys.length > 0) expect(Math.max(...keys) - Math.min(...keys)).toBeLessThan(2 ** bits);
       }),
       { numRuns: 500 },
@@ -84,22 +84,22 @@ describe('keyBitsFor', () => {
   test('most scenes need no more than 27 bits, shallow ones fewer', () => {
     const camera = perspectiveCamera({ position: [0, 0, 3], target: [0, 0, 0], fovYDegrees: 60, aspect: 1 });
     const bitsAt = (halfExtent: number) =>
-      keyBitsFor(camera, [instance(randomSplats({ count: 100, shDegree: 0, halfExtent }))]);
+      keyBitsFor(camera, [planned(randomSplats({ count: 100, shDegree: 0, halfExtent }))]);
     expect(bitsAt(1e-5)).toBe(16);
     expect(bitsAt(0.5)).toBe(24);
     expect(bitsAt(100)).toBe(27);
     const wide = { ...camera, near: 1e-9 };
-    expect(keyBitsFor(wide, [instance(randomSplats({ count: 100, shDegree: 0, halfExtent: 100 }))])).toBe(32);
+    expect(keyBitsFor(wide, [planned(randomSplats({ count: 100, shDegree: 0, halfExtent: 100 }))])).toBe(32);
   });
 
   test('several clouds span the depths of all, empty ones none', () => {
     const camera = perspectiveCamera({ position: [0, 0, 3], target: [0, 0, 0], fovYDegrees: 60, aspect: 1 });
     const small = randomSplats({ count: 10, shDegree: 0, halfExtent: 1e-5 });
     const behind = Float64Array.of(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -90, 1);
-    expect(keyBitsFor(camera, [instance(small)])).toBe(16);
-    expect(keyBitsFor(camera, [instance(small), instance(small, behind)])).toBe(27);
-    const empty = instance(randomSplats({ count: 0, shDegree: 0 }));
-    expect(keyBitsFor(camera, [instance(small), empty, instance(small, behind)])).toBe(27);
+    expect(keyBitsFor(camera, [planned(small)])).toBe(16);
+    expect(keyBitsFor(camera, [planned(small), planned(small, behind)])).toBe(27);
+    const empty = planned(randomSplats({ count: 0, shDegree: 0 }));
+    expect(keyBitsFor(camera, [planned(small), empty, planned(small, behind)])).toBe(27);
     expect(keyBitsFor(camera, [empty])).toBe(16);
     expect(keyBitsFor(camera, [])).toBe(16);
   });

@@ -1,8 +1,7 @@
 import type { Camera } from '../camera/camera.ts';
-import { reachOf, usesOf } from '../effects/effects.ts';
 import { orderedBits } from '../layout/depth-key.ts';
-import { identity4, multiply4 } from '../math/mat4.ts';
-import type { CloudInstance } from './frame-request.ts';
+import { multiply4 } from '../math/mat4.ts';
+import type { CloudPlan } from './cloud-plan.ts';
 
 /**
  * How many bits the depth keys of a frame can differ in, from what the CPU knows of it: near, far and the clouds'
@@ -11,11 +10,14 @@ import type { CloudInstance } from './frame-request.ts';
  *
  * @returns 16, 24, 27 or 32: as many bits as sorts are made for.
  */
-export function keyBitsFor(camera: Camera, clouds: readonly CloudInstance[]): number {
+export function keyBitsFor(
+  camera: Camera,
+  clouds: readonly Pick<CloudPlan, 'instance' | 'modelMatrix' | 'reach'>[],
+): number {
   let farthest = Number.NEGATIVE_INFINITY;
   let nearest = Number.POSITIVE_INFINITY;
-  for (const instance of clouds) {
-    const { cloud, modelMatrix = identity4() } = instance;
+  for (const { instance, modelMatrix, reach } of clouds) {
+    const { cloud } = instance;
     // Without splats there are no bounds.
     if (cloud.count === 0) continue;
     const modelView = multiply4(camera.viewMatrix, modelMatrix);
@@ -37,8 +39,7 @@ export function keyBitsFor(camera: Camera, clouds: readonly CloudInstance[]): nu
       high += Math.max(row * from, row * to);
       magnitude += Math.abs(row) * Math.max(Math.abs(from), Math.abs(to));
     }
-    const { displacement } = reachOf(usesOf(instance));
-    const moved = displacement * Math.hypot(modelView[2], modelView[6], modelView[10]);
+    const moved = reach.displacement * Math.hypot(modelView[2], modelView[6], modelView[10]);
     // The GPU's depths are float32, computed from float32 terms about the cloud's origin.
     const rounding = 1e-5 * magnitude;
     nearest = Math.min(nearest, low - moved - rounding);

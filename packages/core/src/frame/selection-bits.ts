@@ -1,17 +1,18 @@
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { takesSelection } from '../effects/effect-set.ts';
-import { usesOf } from '../effects/effects.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { roundUp } from '../layout/gpu-struct.ts';
-import type { CloudInstance } from './frame-request.ts';
-import type { FramePage } from './frame-resources.ts';
-import type { FrameShape } from './frame-shape.ts';
+import type { CloudPlan } from './cloud-plan.ts';
+import type { FramePage } from './frame-pages.ts';
+import type { CloudShape } from './frame-shape.ts';
 
 /** Storage buffers are bound at multiples of this many bytes. */
 const STORAGE_ALIGNMENT = 256;
 
 /** Where the bits of one page lie. */
 interface PageSlice {
+  readonly cloud: SplatCloud;
   readonly cloudIndex: number;
   /** First splat, counting through the cloud. */
   readonly splatStart: number;
@@ -35,10 +36,11 @@ export class SelectionBits {
     this.#queue = queue;
   }
 
-  /** Makes room for the bits of a frame of this shape, and for nothing where no effect of it takes a selection. */
-  reshape(shape: Pick<FrameShape, 'effects'>, pages: readonly FramePage[]): void {
-    const slices = slicesOf(shape, pages);
-    if (JSON.stringify(slices) === JSON.stringify(this.#slices)) return;
+  /** Makes room for the bits of these clouds, and for nothing where none of their effects takes a selection. */
+  fit(clouds: readonly CloudShape[], pages: readonly FramePage[]): void {
+    const slices = slicesOf(clouds, pages);
+    if (slices.length === this.#slices.length && slices.every((each, i) => isSame(each, this.#slices[i])))
+      return;
     this.destroy();
     this.#slices = slices;
     const bytes = Math.max(0, ...slices.map((slice) => (slice ? slice.byteOffset + slice.bytes : 0)));
@@ -53,16 +55,16 @@ export class SelectionBits {
     return slice && { buffer: this.#buffer!, offset: slice.byteOffset, size: slice.bytes };
   }
 
-  /** Of one cloud's bits. */
+  /** Bytes of one cloud's bits. */
   bytesOf(cloudIndex: number): number {
     return this.#slices.reduce((sum, slice) => sum + (slice?.cloudIndex === cloudIndex ? slice.bytes : 0), 0);
   }
 
   /** Writes what has changed since the last frame. */
-  write(clouds: readonly CloudInstance[]): void {
+  write(clouds: readonly CloudPlan[]): void {
     if (!this.#buffer) return;
-    for (const [cloudIndex, instance] of clouds.entries()) {
-      const selection = usesOf(instance).find((use) => use.selection)?.selection;
+    for (const [cloudIndex, { instance, uses }] of clouds.entries()) {
+      const selection = uses.find(({ use }) => use.selection)?.use.selection;
       if (!selection || this.#written.get(cloudIndex) === selection.version) continue;
       for (const slice of this.#slices) {
         if (slice?.cloudIndex !== cloudIndex) continue;
@@ -82,18 +84,26 @@ export class SelectionBits {
   }
 }
 
-function slicesOf(
-  { effects }: Pick<FrameShape, 'effects'>,
-  pages: readonly FramePage[],
-): (PageSlice | null)[] {
+function slicesOf(clouds: readonly CloudShape[], pages: readonly FramePage[]): (PageSlice | null)[] {
   let byteOffset = 0;
   return pages.map(({ cloudIndex, chunkStart, splatCount }) => {
-    if (!takesSelection(effects[cloudIndex], ['splat', 'color'])) return null;
+    if (!takesSelection(clouds[cloudIndex].effects, ['splat', 'color'])) return null;
     const first = pages.find((page) => page.cloudIndex === cloudIndex)!;
     const splatStart = (chunkStart - first.chunkStart) * CHUNK_SPLATS;
     const bytes = 4 * Math.ceil(splatCount / 32);
-    const slice = { cloudIndex, splatStart, splatCount, byteOffset, bytes };
+    const { cloud } = clouds[cloudIndex];
+    const slice = { cloud, cloudIndex, splatStart, splatCount, byteOffset, bytes };
     byteOffset = roundUp(byteOffset + bytes, STORAGE_ALIGNMENT);
     return slice;
   });
+}
+
+function isSame(a: PageSlice | null, b: PageSlice | null): boolean {
+  if (!a || !b) return a === b;
+  return (
+    a.cloud === b.cloud &&
+    a.cloudIndex === b.cloudIndex &&
+    a.splatStart === b.splatStart &&
+    a.splatCount === b.splatCount
+  );
 }

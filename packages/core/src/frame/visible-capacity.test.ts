@@ -1,15 +1,16 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
 import { DILATION_PX2 } from '../accuracy/accuracy.ts';
-import { perspectiveCamera, projectionOf } from '../camera/camera.ts';
+import { type Camera, perspectiveCamera, projectionOf } from '../camera/camera.ts';
 import { cloudView } from '../camera/cloud-view.ts';
+import { frustumSides } from '../camera/frustum.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
+import { identity4 } from '../math/mat4.ts';
 import { packCloud } from '../packing/packed-cloud.ts';
 import { cullSplat } from '../reference/cull-splats.ts';
 import { anyCamera } from '../testing/any-view.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { TEST_MODELS } from '../testing/test-cameras.ts';
-import type { ViewFrame } from './frame-request.ts';
 import { visibleCapacity } from './visible-capacity.ts';
 
 const ALPHA_CUTOFF = 1 / 255;
@@ -20,11 +21,11 @@ const CAMERA = perspectiveCamera({ position: [0, 0, 0], target: [0, 0, 1], fovYD
 const set = randomSplats({ count: 270_000, shDegree: 0, logScales: [-9, -7] });
 const cloud = packCloud(set, { geometryPrecision: 'packed' }) as unknown as SplatCloud;
 
-const frameOf = (camera: ViewFrame['camera'], modelMatrix?: ArrayLike<number>): ViewFrame => ({
-  camera,
-  clouds: [{ cloud, modelMatrix }],
-  ...SIZE,
-});
+const cloudsOf = (camera: Camera, modelMatrix: ArrayLike<number> = identity4()) => {
+  const projection = projectionOf(camera, SIZE.widthPx, SIZE.heightPx);
+  const view = cloudView(camera.viewMatrix, modelMatrix, set.origin, projection.isOrthographic);
+  return [{ instance: { cloud }, sides: frustumSides(view, projection, ALPHA_CUTOFF, DILATION_PX2) }];
+};
 
 describe('visibleCapacity', () => {
   test('there is room for whatever is drawn', () => {
@@ -37,32 +38,33 @@ describe('visibleCapacity', () => {
           const settings = { alphaCutoff: ALPHA_CUTOFF, dilationPx2: DILATION_PX2 };
           if (cullSplat(set, i, view, projection, settings)) drawn++;
         }
-        expect(visibleCapacity(frameOf(camera, modelMatrix), ALPHA_CUTOFF, 0)).toBeGreaterThanOrEqual(drawn);
+        expect(visibleCapacity(cloudsOf(camera, modelMatrix), 0)).toBeGreaterThanOrEqual(drawn);
       }),
       { numRuns: 5, seed: 1 },
     );
   });
 
   test('is less than all where little is in sight, whole chunks, and never more than all', () => {
-    const capacity = visibleCapacity(frameOf(CAMERA), ALPHA_CUTOFF, 0);
+    const capacity = visibleCapacity(cloudsOf(CAMERA), 0);
     expect(capacity).toBeLessThan(set.count / 2);
     expect(capacity % 256).toBe(0);
     const away = perspectiveCamera({ position: [0, 0, 9], target: [0, 0, 0], fovYDegrees: 50, aspect: 1 });
-    expect(visibleCapacity(frameOf(away), ALPHA_CUTOFF, 0)).toBe(set.count);
+    expect(visibleCapacity(cloudsOf(away), 0)).toBe(set.count);
   });
 
   test('room that suffices is kept, more is made where it does not', () => {
-    const needed = visibleCapacity(frameOf(CAMERA), ALPHA_CUTOFF, 0);
-    expect(visibleCapacity(frameOf(CAMERA), ALPHA_CUTOFF, needed)).toBe(needed);
-    expect(visibleCapacity(frameOf(CAMERA), ALPHA_CUTOFF, needed + 5)).toBe(needed + 5);
-    expect(visibleCapacity(frameOf(CAMERA), ALPHA_CUTOFF, 256)).toBe(needed);
-    expect(visibleCapacity(frameOf(CAMERA), ALPHA_CUTOFF, set.count)).toBe(set.count);
+    const needed = visibleCapacity(cloudsOf(CAMERA), 0);
+    expect(visibleCapacity(cloudsOf(CAMERA), needed)).toBe(needed);
+    expect(visibleCapacity(cloudsOf(CAMERA), needed + 5)).toBe(needed + 5);
+    expect(visibleCapacity(cloudsOf(CAMERA), 256)).toBe(needed);
+    expect(visibleCapacity(cloudsOf(CAMERA), set.count)).toBe(set.count);
   });
 
   test('small scenes have room for all of their splats', () => {
     const small = packCloud(randomSplats({ count: 1000, shDegree: 0 }), { geometryPrecision: 'packed' });
-    const frame = { ...frameOf(CAMERA), clouds: [{ cloud: small as unknown as SplatCloud }] };
-    expect(visibleCapacity(frame, ALPHA_CUTOFF, 0)).toBe(1000);
-    expect(visibleCapacity({ ...frame, clouds: [] }, ALPHA_CUTOFF, 0)).toBe(0);
+    const [planned] = cloudsOf(CAMERA);
+    const clouds = [{ ...planned, instance: { cloud: small as unknown as SplatCloud } }];
+    expect(visibleCapacity(clouds, 0)).toBe(1000);
+    expect(visibleCapacity([], 0)).toBe(0);
   });
 });

@@ -1,12 +1,7 @@
-import { DILATION_PX2 } from '../accuracy/accuracy.ts';
-import { projectionOf } from '../camera/camera.ts';
-import { cloudView } from '../camera/cloud-view.ts';
-import { type CullPlane, cullPlanes } from '../camera/frustum.ts';
-import { reachOf, usesOf } from '../effects/effects.ts';
+import type { FrustumSide } from '../camera/frustum.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { Chunk } from '../layout/structs.ts';
-import { identity4 } from '../math/mat4.ts';
-import type { ViewFrame } from './frame-request.ts';
+import type { CloudPlan } from './cloud-plan.ts';
 
 /** Up to here room for all splats costs less (about 15 MB) than it is worth to find out how many are visible. */
 const ALWAYS_ROOM_FOR = 1 << 18;
@@ -15,29 +10,27 @@ const HEADROOM = 1.25;
 /** The GPU tests chunks in float32 with a slack of 1e-5: in doubt this test must keep what that one keeps. */
 const SLACK = 1e-4;
 
+type SidedCloud = Pick<CloudPlan, 'instance' | 'sides'>;
+
 /**
- * Room for visible splats that is enough for `frame` in any case: the CPU tests the chunks as the GPU will, so that
- * nothing has to be read back and no picture ever lacks splats for lack of room.
+ * Room for visible splats that is enough for a frame of `clouds` in any case: the CPU tests the chunks as the GPU will, so
+ * that nothing has to be read back and no image ever lacks splats for lack of room.
  *
  * @param current what there is room for already; kept where it suffices.
  */
-export function visibleCapacity(frame: ViewFrame, alphaCutoff: number, current: number): number {
-  const total = frame.clouds.reduce((sum, { cloud }) => sum + cloud.count, 0);
+export function visibleCapacity(clouds: readonly SidedCloud[], current: number): number {
+  const total = clouds.reduce((sum, { instance }) => sum + instance.cloud.count, 0);
   if (total <= ALWAYS_ROOM_FOR || current >= total) return Math.max(total, current);
-  const needed = Math.min(total, CHUNK_SPLATS * countVisibleChunks(frame, alphaCutoff));
+  const needed = Math.min(total, CHUNK_SPLATS * countVisibleChunks(clouds));
   if (needed <= current) return current;
   return Math.min(total, Math.ceil((needed * HEADROOM) / CHUNK_SPLATS) * CHUNK_SPLATS);
 }
 
-function countVisibleChunks({ camera, clouds, widthPx, heightPx }: ViewFrame, alphaCutoff: number): number {
-  const projection = projectionOf(camera, widthPx, heightPx);
+function countVisibleChunks(clouds: readonly SidedCloud[]): number {
   let count = 0;
-  for (const instance of clouds) {
-    const { cloud, modelMatrix = identity4() } = instance;
-    const view = cloudView(camera.viewMatrix, modelMatrix, cloud.origin, projection.isOrthographic);
-    const planes = cullPlanes(view, projection, alphaCutoff, DILATION_PX2, reachOf(usesOf(instance)));
-    const chunks = new Float32Array(cloud.chunks);
-    for (let at = 0; at < chunks.length; at += Chunk.bytes / 4) if (isInFrustum(chunks, at, planes)) count++;
+  for (const { instance, sides } of clouds) {
+    const chunks = new Float32Array(instance.cloud.chunks);
+    for (let at = 0; at < chunks.length; at += Chunk.bytes / 4) if (isInFrustum(chunks, at, sides)) count++;
   }
   return count;
 }
@@ -46,8 +39,8 @@ const MIN = Chunk.offsets.minPosition / 4;
 const MAX = Chunk.offsets.maxPosition / 4;
 const SCALE = Chunk.offsets.maxScale / 4;
 
-function isInFrustum(chunks: Float32Array, at: number, planes: readonly CullPlane[]): boolean {
-  for (const { normal, offset, reach } of planes) {
+function isInFrustum(chunks: Float32Array, at: number, sides: readonly FrustumSide[]): boolean {
+  for (const { normal, offset, reach } of sides) {
     let best = offset + reach * chunks[at + SCALE];
     let magnitude = Math.abs(offset) + reach * chunks[at + SCALE];
     for (let axis = 0; axis < 3; axis++) {

@@ -55,6 +55,8 @@ export class Pipelines {
   readonly #cache: DeviceCache;
   readonly #linked = new Map<string, string>();
   readonly #compiled = new Map<string, Pipeline>();
+  /** By the objects that stages and states are, which makes no text of them. */
+  readonly #found = new WeakMap<StageDefinition, { state: RenderState | undefined; pipeline: Pipeline }>();
   readonly #counting: Pick<Counting, 'pipelinesCompiled'>;
 
   /**
@@ -71,11 +73,11 @@ export class Pipelines {
 
   /** The pipeline, or undefined while it is compiling. */
   compute(stage: StageDefinition): GPUComputePipeline | undefined {
-    return this.#compiled.get(keyOf(stage)) as GPUComputePipeline | undefined;
+    return this.#find(stage, undefined) as GPUComputePipeline | undefined;
   }
 
   render(stage: StageDefinition, state: RenderState): GPURenderPipeline | undefined {
-    return this.#compiled.get(keyOf(stage, state)) as GPURenderPipeline | undefined;
+    return this.#find(stage, state) as GPURenderPipeline | undefined;
   }
 
   /** Whether all are compiled. */
@@ -108,6 +110,15 @@ export class Pipelines {
         resource: toResource(bindings[name]),
       })),
     });
+  }
+
+  /** Frames ask with the same objects again and again: their texts are made once. */
+  #find(stage: StageDefinition, state: RenderState | undefined): Pipeline | undefined {
+    const known = this.#found.get(stage);
+    if (known && known.state === state) return known.pipeline;
+    const pipeline = this.#compiled.get(keyOf(stage, state));
+    if (pipeline) this.#found.set(stage, { state, pipeline });
+    return pipeline;
   }
 
   #pipeline(stage: StageDefinition, state: RenderState | undefined): Promise<Pipeline> {

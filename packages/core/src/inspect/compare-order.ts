@@ -8,8 +8,8 @@ import { readRecords } from './read-records.ts';
  * many low bits as the sort looks at.
  */
 export async function compareOrder(frame: InspectedFrame): Promise<string[]> {
-  const { passes, digitBits } = frame.resources.sort.shape;
-  const { shortensKeys } = frame.resources.shape;
+  const { passes, digitBits } = frame.parts.sort.sort.shape;
+  const { shortensKeys } = frame.plan.shape;
   const [farthest, nearestInverted] = await frame.words('depthRange');
   const nearest = ~nearestInverted >>> 0;
   const expected = Uint32Array.from(await readRecords(frame), ({ depthView }) =>

@@ -1,10 +1,10 @@
 import { DILATION_PX2, MAX_FRAGMENT_ALPHA, maxColor } from '../accuracy/accuracy.ts';
 import { HALF_MAX } from '../layout/half.ts';
-import { unpackShRest } from '../packing/sh-rest.ts';
+import { readCoefficients } from '../packing/harmonics.ts';
 import { screenAxes } from '../reference/covariance.ts';
 import { type CulledSplat, cullSplat, type VisibleSplat } from '../reference/cull-splats.ts';
 import { splatColor } from '../reference/project.ts';
-import { SH_REST_COEFFICIENTS, type ShDegree } from '../splats/splat-set.ts';
+import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
 import { FLOAT32_ROUNDING, type ProjectionErrors, projectionErrors } from './error-bounds.ts';
 import { FieldErrors } from './field-error.ts';
 import type { InspectedCloud, InspectedFrame } from './inspected-frame.ts';
@@ -175,11 +175,11 @@ function compareColor(
   add: Add,
 ): void {
   const { shDegree } = frame.accuracy;
-  const rest = new Float64Array(3 * SH_REST_COEFFICIENTS[3]);
-  unpackShRest(stored.shRest, index, rest);
-  const degree = Math.min(stored.shRest.degree, shDegree) as ShDegree;
+  const rest = new Float64Array(coefficientsPerSplat(3));
+  readCoefficients(stored.harmonics, index, rest);
+  const degree = Math.min(stored.harmonics.degree, shDegree) as ShDegree;
   const energy = rest
-    .subarray(0, 3 * SH_REST_COEFFICIENTS[degree])
+    .subarray(0, coefficientsPerSplat(degree))
     .reduce((sum, value) => sum + Math.abs(value), 0);
   const dc = Math.max(...stored.colorDc.subarray(3 * index, 3 * index + 3).map(Math.abs));
   const bound = 24 * u * (0.5 + dc + 2.9 * energy) + 12 * direction * energy;

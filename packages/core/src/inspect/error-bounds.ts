@@ -1,7 +1,7 @@
 import type { Projection } from '../camera/camera.ts';
 import type { CloudView } from '../camera/cloud-view.ts';
 import { clampLogScale } from '../packing/log-scale.ts';
-import type { SplatSet } from '../splats/splat-set.ts';
+import type { SplatColumns } from '../splats/splat-set.ts';
 
 /** Largest relative error of one float32 rounding. */
 export const FLOAT32_ROUNDING = 2 ** -24;
@@ -31,7 +31,7 @@ export interface ProjectionErrors {
  * depth's relative error twice, once for the scale and once for the tangent.
  */
 export function projectionErrors(
-  set: SplatSet,
+  set: SplatColumns,
   index: number,
   view: CloudView,
   projection: Projection,

@@ -1,5 +1,6 @@
 export { splatsPerPage } from '../clouds/cloud-planes.ts';
 export { Pipelines } from '../gpu/pipelines.ts';
+export { packCoefficients } from '../packing/harmonics.ts';
 export type { ShaderMutation } from '../shaders/link-shader.ts';
 export { type CullingComparison, type CullingMismatch, compareCulling } from './compare-culling.ts';
 export { compareOrder, orderFlaw } from './compare-order.ts';

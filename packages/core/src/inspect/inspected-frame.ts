@@ -1,24 +1,22 @@
-import { type AccuracySettings, DILATION_PX2, layerSize, resolveAccuracy } from '../accuracy/accuracy.ts';
-import { type Camera, type Projection, projectionOf } from '../camera/camera.ts';
+import { type AccuracySettings, DILATION_PX2, resolveAccuracy } from '../accuracy/accuracy.ts';
+import type { Camera, Projection } from '../camera/camera.ts';
 import { type CloudView, cloudView } from '../camera/cloud-view.ts';
-import { type CullPlane, cullPlanes } from '../camera/frustum.ts';
+import { type FrustumSide, frustumSides } from '../camera/frustum.ts';
 import { largestPlaneBytes } from '../clouds/cloud-planes.ts';
 import { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { EffectUse } from '../effects/effect.ts';
 import { usesOf } from '../effects/effects.ts';
-import { ColorCache } from '../frame/color-cache.ts';
-import { frameStages, recordCompute, recordRasterize } from '../frame/frame.ts';
-import type { ViewFrame } from '../frame/frame-request.ts';
-import { FrameResources, locateSplat } from '../frame/frame-resources.ts';
-import { cloudShapes } from '../frame/frame-shape.ts';
-import { effectUniforms, pageUniforms, viewUniforms } from '../frame/frame-uniforms.ts';
+import { FrameParts, frameStages } from '../frame/frame.ts';
+import { locateSplat } from '../frame/frame-pages.ts';
+import { type FramePlan, planFrame } from '../frame/frame-plan.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture, type TextureImage } from '../gpu/read-texture.ts';
-import { COEFFICIENT_MAX } from '../layout/half.ts';
+import { clampCoefficient } from '../layout/half.ts';
 import { identity4 } from '../math/mat4.ts';
 import { dropNonFinite } from '../packing/drop-non-finite.ts';
+import type { Harmonics, PackedHarmonics } from '../packing/harmonics.ts';
 import { mortonOrder, permuteSplats } from '../packing/morton-order.ts';
 import { type PackedCloud, packCloud } from '../packing/packed-cloud.ts';
 import type { EffectTwin } from '../reference/effects/effect-twin.ts';
@@ -29,7 +27,7 @@ import { GpuTimer } from '../timing/gpu-timer.ts';
 
 export interface InspectOptions {
   readonly clouds: readonly {
-    readonly set: SplatSet;
+    readonly set: SplatSet<Harmonics>;
     readonly modelMatrix?: ArrayLike<number>;
     /** Multiplies every splat's opacity, 0…1; default 1. */
     readonly opacity?: number;
@@ -56,16 +54,17 @@ const DEFAULTS = { colorTarget: 'rgba16float' } as const;
 /** One cloud of a test frame as the float64 twins take it. */
 export interface InspectedCloud {
   /** In storage order, with the values that the GPU unpacks. */
-  readonly stored: SplatSet;
+  readonly stored: SplatSet<PackedHarmonics>;
   readonly packed: PackedCloud;
   readonly view: CloudView;
   readonly effects: readonly EffectTwin[];
-  readonly planes: readonly CullPlane[];
+  readonly planes: readonly FrustumSide[];
 }
 
 /** The buffers of one frame after all stages have run on them, and what the twins need to make the same. */
 export class InspectedFrame {
-  readonly resources: FrameResources;
+  readonly plan: FramePlan;
+  readonly parts: FrameParts;
   readonly clouds: readonly InspectedCloud[];
   readonly projection: Projection;
   readonly accuracy: AccuracySettings;
@@ -78,11 +77,12 @@ export class InspectedFrame {
   private constructor(
     device: GPUDevice,
     memory: GpuMemory,
-    made: Pick<InspectedFrame, 'resources' | 'clouds' | 'projection' | 'accuracy' | 'image'>,
+    made: Pick<InspectedFrame, 'plan' | 'parts' | 'clouds' | 'projection' | 'accuracy' | 'image'>,
   ) {
     this.#device = device;
     this.#memory = memory;
-    this.resources = made.resources;
+    this.plan = made.plan;
+    this.parts = made.parts;
     this.clouds = made.clouds;
     this.projection = made.projection;
     this.accuracy = made.accuracy;
@@ -94,8 +94,6 @@ export class InspectedFrame {
     const accuracy = { ...resolveAccuracy('reference'), ...DEFAULTS, ...options.accuracy };
     const memory = new GpuMemory(device);
     const pipelines = options.pipelines ?? pipelinesOf(device);
-    const layer = layerSize(options, accuracy);
-    const projection = projectionOf(camera, layer.widthPx, layer.heightPx);
     const sets = options.clouds.map(({ set }) => dropNonFinite(set));
     const packed = sets.map((set) => packCloud(set, accuracy));
     const instances = options.clouds.map(({ modelMatrix, opacity, effects, splatsPerPage }, i) => ({
@@ -106,43 +104,43 @@ export class InspectedFrame {
       opacity,
       effects,
     }));
-    const viewFrame: ViewFrame = { camera, clouds: instances, widthPx, heightPx };
-    const shape = {
-      ...cloudShapes(instances, accuracy),
-      isOrthographic: projection.isOrthographic,
-      accuracy,
-      dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,
-      visibleCapacity: packed.reduce((sum, { count }) => sum + count, 0),
-      keyBits: options.keyBits ?? accuracy.sortKeyBits,
-      shortensKeys: accuracy.sortKeyBits < 32,
-      depth: null,
+    const asked = planFrame(
+      { camera, clouds: instances, widthPx, heightPx },
+      {
+        accuracy,
+        dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,
+        depth: null,
+        output: { kind: 'image' },
+        omitted: [],
+        last: null,
+      },
+    );
+    const plan = {
+      ...asked,
+      shape: {
+        ...asked.shape,
+        visibleCapacity: packed.reduce((sum, { count }) => sum + count, 0),
+        keyBits: options.keyBits ?? accuracy.sortKeyBits,
+        shortensKeys: accuracy.sortKeyBits < 32,
+      },
     };
-    await pipelines.prepare(frameStages(shape));
-    const colors = new ColorCache(memory, device.queue);
-    const resources = new FrameResources(device, pipelines, memory, shape, colors);
-    resources.writeUniforms(viewUniforms(projection, shape), pageUniforms(viewFrame, projection, resources));
-    resources.writeEffects(effectUniforms(viewFrame, resources.effectsStrideBytes));
-    resources.writeSelections(viewFrame.clouds);
-    const target = device.createTexture({
-      size: [layer.widthPx, layer.heightPx],
-      format: accuracy.colorTarget,
-      usage: GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC,
-    });
-    const encoder = device.createCommandEncoder();
+    const { projection } = plan;
+    await pipelines.prepare(frameStages(plan.shape));
+    const parts = new FrameParts({ device, pipelines, memory });
+    parts.fit(plan);
     const timer = new GpuTimer(device, memory);
-    recordCompute(encoder, pipelines, resources, timer);
-    const targets = { color: target, depthLayer: null, testedDepth: null };
-    recordRasterize(encoder, pipelines, resources, targets, timer);
+    const encoder = device.createCommandEncoder();
+    parts.recordOrder(encoder, timer, false);
+    parts.recordDraw(encoder, timer, { kind: 'image' });
     device.queue.submit([encoder.finish()]);
-    const image = await readTexture(device, target);
-    target.destroy();
+    const image = await readTexture(device, parts.shared.blended!.color);
 
     const clouds = options.clouds.map(({ modelMatrix = identity4() }, i) => {
-      const { shRest } = packed[i];
+      const { harmonics } = packed[i];
       const stored = {
         ...permuteSplats(sets[i], mortonOrder(sets[i].positions, sets[i].count)),
         // As it is stored: rounded, and without the bands that cannot be seen.
-        shRest,
+        harmonics,
       };
       const view = cloudView(camera.viewMatrix, modelMatrix, stored.origin, projection.isOrthographic);
       return {
@@ -154,10 +152,10 @@ export class InspectedFrame {
           origin: stored.origin,
           viewMatrix: camera.viewMatrix,
         }),
-        planes: cullPlanes(view, projection, accuracy.alphaCutoff, DILATION_PX2),
+        planes: frustumSides(view, projection, accuracy.alphaCutoff, DILATION_PX2),
       };
     });
-    return new InspectedFrame(device, memory, { resources, clouds, projection, accuracy, image });
+    return new InspectedFrame(device, memory, { plan, parts, clouds, projection, accuracy, image });
   }
 
   destroy(): void {
@@ -165,15 +163,15 @@ export class InspectedFrame {
   }
 
   /** Contents of one of the frame's buffers, read back once: nothing is drawn into them again. */
-  words(name: keyof FrameResources['buffers']): Promise<Uint32Array<ArrayBuffer>> {
-    const words = this.#words.get(name) ?? readWords(this.#device, this.resources.buffers[name]);
+  words(name: keyof FrameParts['buffers']): Promise<Uint32Array<ArrayBuffer>> {
+    const words = this.#words.get(name) ?? readWords(this.#device, this.parts.buffers[name]);
     this.#words.set(name, words);
     return words;
   }
 
   /** Contents of the sort's keys or order, as far as there are visible splats. */
   async sorted(name: 'keys' | 'order'): Promise<Uint32Array> {
-    const words = await readWords(this.#device, this.resources.sort[name]);
+    const words = await readWords(this.#device, this.parts.sort.sort[name]);
     return words.subarray(0, await this.visibleCount());
   }
 
@@ -183,7 +181,7 @@ export class InspectedFrame {
 
   /** Cloud and index in storage of splat `number`, which counts through all chunks of the frame. */
   locate(number: number): { readonly cloud: InspectedCloud; readonly index: number } {
-    const { cloudIndex, storedIndex } = locateSplat(this.resources.pages, number);
+    const { cloudIndex, storedIndex } = locateSplat(this.parts.pages, number);
     return { cloud: this.clouds[cloudIndex], index: storedIndex };
   }
 }
@@ -203,22 +201,24 @@ function pipelinesOf(device: GPUDevice): Pipelines {
 /** Limits under which a cloud is cut into pages of `splatsPerPage`, or the device's own. */
 function limitsFor(
   device: GPUDevice,
-  { shRest }: PackedCloud,
+  { harmonics }: PackedCloud,
   splatsPerPage: number | undefined,
 ): GPUSupportedLimits {
   if (splatsPerPage === undefined) return device.limits;
-  const bytes = largestPlaneBytes(shRest.degree) * splatsPerPage;
+  const bytes = largestPlaneBytes(harmonics.degree) * splatsPerPage;
   return { maxStorageBufferBindingSize: bytes, maxBufferSize: bytes } as GPUSupportedLimits;
 }
 
 /** `stored` with the values that float32 geometry has of it: only coefficients end sooner than the format. */
-function float32Set(stored: SplatSet): SplatSet {
-  const clamped = (value: number) => Math.max(-COEFFICIENT_MAX, Math.min(COEFFICIENT_MAX, value));
-  return { ...stored, colorDc: stored.colorDc.map(clamped) };
+function float32Set(stored: SplatSet<PackedHarmonics>): SplatSet<PackedHarmonics> {
+  return { ...stored, colorDc: stored.colorDc.map(clampCoefficient) };
 }
 
 /** `stored` with the values that packing left of it. */
-function unpackedSet(stored: SplatSet, { geometry }: PackedCloud): SplatSet {
+function unpackedSet(
+  stored: SplatSet<PackedHarmonics>,
+  { geometry }: PackedCloud,
+): SplatSet<PackedHarmonics> {
   const splats = Array.from({ length: stored.count }, (_, i) => unpackSplat(geometry, i));
   return {
     ...stored,

@@ -9,10 +9,11 @@ const MAX_BUSY_MS = 16;
 const NO_BYTES = new Uint8Array(0);
 
 /**
- * A stream as a window of contiguous bytes that moves forward. Chunks are copied into the window, at most `WINDOW_BYTES`
- * at a time, so that items which straddle chunks need no special case and a huge chunk is never doubled.
+ * Shows a stream as a window of contiguous bytes that moves forward. Chunks are copied into the window, at most
+ * `WINDOW_BYTES` at a time, so that items which straddle chunks need no special case and a huge chunk is never doubled.
  *
- * Rejections: the signal's reason once it aborts; `SplatSourceError` where the stream fails or gives no bytes.
+ * Rejects with the signal's reason once it aborts, and with `SplatSourceError` if the stream fails or yields anything
+ * but bytes.
  */
 export class ByteReader {
   /** The window's memory; valid from `start` on for `available` bytes, until the next `fill` or `skip`. */
@@ -29,7 +30,7 @@ export class ByteReader {
   #end = 0;
   /** Offset in the file of `bytes[0]`. */
   #base = 0;
-  /** What of the last chunk has not been copied yet. */
+  /** The part of the last chunk that has not been copied yet. */
   #pending: Uint8Array = NO_BYTES;
   #lastPauseMs = performance.now();
 
@@ -43,7 +44,7 @@ export class ByteReader {
     signal?.addEventListener('abort', this.#onAbort, { once: true });
   }
 
-  /** Bytes at hand from `start` on. */
+  /** Number of bytes in the window from `start` on. */
   get available(): number {
     return this.#end - this.start;
   }
@@ -57,7 +58,7 @@ export class ByteReader {
     this.start += byteCount;
   }
 
-  /** Makes at least `byteCount` bytes available; false if the stream ends before. */
+  /** Makes at least `byteCount` bytes available; false if the stream ends first. */
   async fill(byteCount: number): Promise<boolean> {
     if (this.available >= byteCount) return true;
     this.#makeRoom(byteCount);
@@ -72,7 +73,7 @@ export class ByteReader {
     return true;
   }
 
-  /** Passes over `byteCount` bytes without holding them; false if the stream ends before. */
+  /** Skips `byteCount` bytes without holding them; false if the stream ends first. */
   async skip(byteCount: number): Promise<boolean> {
     let left = byteCount;
     for (;;) {
@@ -84,7 +85,7 @@ export class ByteReader {
     }
   }
 
-  /** Gives the event loop a turn if it has waited long, and stops if aborted. */
+  /** Gives the event loop a turn if it has waited long; throws if aborted. */
   async pause(): Promise<void> {
     this.#signal?.throwIfAborted();
     if (performance.now() - this.#lastPauseMs < MAX_BUSY_MS) return;
@@ -93,7 +94,7 @@ export class ByteReader {
     this.#signal?.throwIfAborted();
   }
 
-  /** A stream of all that has not been passed over; this reader is not to be used afterwards. */
+  /** A stream of everything from `start` on. Do not use this reader afterwards. */
   rest(): ReadableStream<Uint8Array> {
     const parts = [this.bytes.slice(this.start, this.#end), this.#pending].filter((part) => part.length > 0);
     return new ReadableStream<Uint8Array>(
@@ -110,18 +111,18 @@ export class ByteReader {
     );
   }
 
-  /** Lets go of the stream; whatever has not been read is cancelled. */
+  /** Releases the stream and cancels what has not been read. */
   close(): void {
     this.#cancel(undefined);
   }
 
   #cancel(reason: unknown): void {
     this.#signal?.removeEventListener('abort', this.#onAbort);
-    // A stream that has failed already rejects here with the error that its read has reported.
+    // If the stream has failed already, this rejects with the error that the read has reported.
     this.#reader.cancel(reason).catch(() => {});
   }
 
-  /** Moves what is at hand to the window's start, so that `byteCount` bytes fit. */
+  /** Moves the available bytes to the start of the window, so that `byteCount` bytes fit. */
   #makeRoom(byteCount: number): void {
     if (byteCount > this.bytes.length) {
       const larger = new Uint8Array(Math.max(byteCount, 2 * this.bytes.length));
@@ -129,7 +130,7 @@ export class ByteReader {
       this.bytes = larger;
       this.view = new DataView(larger.buffer);
     } else if (this.start > 0) {
-      // Only then: reading on byte by byte must not move all that is held each time.
+      // Only then: reading byte by byte must not move the whole window each time.
       this.bytes.copyWithin(0, this.start, this.#end);
     }
     this.#base += this.start;
@@ -137,7 +138,7 @@ export class ByteReader {
     this.start = 0;
   }
 
-  /** False at the stream's end. */
+  /** False at the end of the stream. */
   async #readChunk(): Promise<boolean> {
     for (;;) {
       this.#signal?.throwIfAborted();
@@ -172,7 +173,7 @@ export class ByteReader {
 export function lockedStreamError(name: string): SplatSourceError {
   return new SplatSourceError(
     name,
-    'the stream is locked: something else is reading it, or has. Pass a fresh stream, or the Blob or URL itself.',
+    'the stream is locked: something else is reading it, or has read it. Pass a fresh stream, or the Blob or URL itself.',
   );
 }
 
@@ -186,7 +187,7 @@ function describeChunk(chunk: unknown): string {
     : `a ${typeof chunk}`;
 }
 
-/** Resolves in a new task. A message, since timers are held back to 4 ms in pages and to 1 s in hidden ones. */
+/** Resolves in a new task. Uses a message, since timers are held back to 4 ms in pages and to 1 s in hidden ones. */
 function nextTask(): Promise<void> {
   return new Promise((resolve) => {
     const { port1, port2 } = new MessageChannel();

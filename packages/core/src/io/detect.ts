@@ -2,13 +2,13 @@ import { SplatFileError } from '../errors.ts';
 import { plyFormat } from './ply.ts';
 import type { SplatFormat } from './splat-format.ts';
 
-/** Every format that is read. Adding one: its file, and its entry here. */
+/** Every format that can be read. To add one, write its file and list it here. */
 const FORMATS: readonly SplatFormat[] = [plyFormat];
 
-/** How many of a file's first bytes `detectFormat` wants. */
+/** Number of a file's first bytes that `detectFormat` needs. */
 export const SNIFF_BYTES = 512;
 
-/** What people drop by mistake, and what to do then. Tried in order. */
+/** Files that people open by mistake, each with advice. Tried in order. */
 const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string }[] = [
   {
     pattern: /^$/,
@@ -40,8 +40,11 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
 ];
 
 /**
- * The format of a file by its first bytes (`SNIFF_BYTES`, or all there are); names and extensions are not asked.
- * Throws `SplatFileError` 'unknown-format', which says what the bytes look like; `file` is its name for the message.
+ * Detects a file's format by its first bytes (`SNIFF_BYTES`, or all if there are fewer); names and extensions are
+ * ignored.
+ *
+ * @param file its name in messages.
+ * @throws SplatFileError 'unknown-format', which says what the bytes look like.
  */
 export function detectFormat(firstBytes: Uint8Array, file = 'source'): SplatFormat {
   const format = FORMATS.find((candidate) => candidate.sniff(firstBytes));

@@ -10,14 +10,14 @@ import type { PackedCloud } from '../packing/packed-cloud.ts';
 import type { GeometryPrecision, ShPrecision } from '../packing/precision.ts';
 import type { LoadProgress, SplatSource } from './splat-source.ts';
 
-/** What a load is besides its source: all of it can be posted. */
+/** Settings of a load besides its source; all of them can be posted. */
 export interface LoadSettings {
   readonly name: string | undefined;
   readonly shPrecision: ShPrecision;
   readonly geometryPrecision: GeometryPrecision;
 }
 
-/** Page to worker: the one job of its life. */
+/** Page to worker: the only job that the worker gets. */
 export interface LoadRequest {
   readonly source: SplatSource;
   readonly settings: LoadSettings;
@@ -25,7 +25,7 @@ export interface LoadRequest {
 
 /** Worker to page. */
 export type LoadReply =
-  /** The worker's script runs; only now the job may be posted, since a stream that is posted cannot be taken back. */
+  /** The worker's script is running. The job is posted only now, since a posted stream cannot be taken back. */
   | { readonly kind: 'ready' }
   | { readonly kind: 'progress'; readonly progress: LoadProgress }
   | { readonly kind: 'cloud'; readonly cloud: PackedCloud }
@@ -56,10 +56,10 @@ export function toPostedError(error: unknown): PostedError {
   return common;
 }
 
-/** The error again, of its own class. */
+/** Turns a posted error back into one of its own class. */
 export function fromPostedError(posted: PostedError): Error {
   const error = emptyError(posted, posted.cause === undefined ? {} : { cause: posted.cause });
-  // Constructors put file and place around a message; this one has them already.
+  // Constructors add file and place to a message; this message has them already.
   error.message = posted.message;
   return error;
 }

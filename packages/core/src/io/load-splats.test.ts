@@ -108,20 +108,20 @@ describe.each<Behaviour>(['works', 'throws', 'does not start', 'takes no streams
 
     test('settings cross', async () => {
       useWorkers(behaviour);
-      const { shRest } = await loadSplats(ply, { shPrecision: 'f16', geometryPrecision: 'f32' });
-      expect(shRest.precision).toBe('f16');
+      const { harmonics } = await loadSplats(ply, { shPrecision: 'f16', geometryPrecision: 'f32' });
+      expect(harmonics.precision).toBe('f16');
     });
 
     test('what the splats call for crosses, and bands that cannot be seen do not', async () => {
       const set = randomSplats({ count: 50 });
-      set.shRest.words.fill(0);
+      set.harmonics.coefficients.fill(0);
       const source = encodePly(set);
       const here = await loadSplats(source);
       useWorkers(behaviour);
-      const { facts, shRest } = await loadSplats(source);
+      const { facts, harmonics } = await loadSplats(source);
       expect(facts).toMatchObject({ declaredShDegree: 3, trueShDegree: 0, shBandReach: [0, 0, 0] });
       expect(facts).toEqual(here.facts);
-      expect(shRest).toMatchObject({ degree: 0, words: new Uint32Array() });
+      expect(harmonics).toMatchObject({ degree: 0, words: new Uint32Array() });
     });
 
     test('typed errors cross', async () => {

@@ -14,9 +14,9 @@ export interface LoadSplatsOptions extends ReadSplatsOptions {
 type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
 
 /**
- * Reads splats and arranges them as the GPU takes them: in a worker where there are workers, in the calling thread
- * elsewhere (Node) and where none can start (a content security policy). Buffers are copied to the worker, so that the
- * caller's stay usable; a stream is used up.
+ * Reads splats and packs them for the GPU: in a worker where one can start, else in the calling thread (in Node, or
+ * under a content security policy that forbids workers). Buffers are copied to the worker, so that the caller's stay
+ * usable; a stream is consumed.
  *
  * Rejects as `readSplats` does; with `WebSplatterError` 'worker-failed' if the worker dies, mostly for lack of memory;
  * and with the signal's reason, in which case the worker is stopped at once.
@@ -29,7 +29,7 @@ export async function loadSplats(source: SplatSource, options: LoadSplatsOptions
   const settings: LoadSettings = { name, shPrecision, geometryPrecision };
   const worker = await startWorker(signal);
   if (worker === undefined) return readHere(source, settings, { signal, onProgress });
-  // Aborted at the end whatever it was: a terminated worker lets no stream know that nobody reads it any more.
+  // Always aborted at the end: a terminated worker does not tell a stream that nobody reads it any more.
   const stop = new AbortController();
   const onAbort = () => stop.abort(signal?.reason);
   signal?.addEventListener('abort', onAbort, { once: true });
@@ -42,13 +42,13 @@ export async function loadSplats(source: SplatSource, options: LoadSplatsOptions
   }
 }
 
-/** In the calling thread. What reads is fetched only then: a page whose worker reads does without it. */
+/** Reads in the calling thread. The code that reads is fetched only then: a page whose worker reads never needs it. */
 async function readHere(source: SplatSource, settings: LoadSettings, watch: Watch): Promise<PackedCloud> {
   const { readAndPack } = await import('./read-and-pack.ts');
   return readAndPack(source, settings, watch);
 }
 
-/** A worker whose script runs, undefined where there can be none. */
+/** A worker whose script is running; undefined where none can start. */
 async function startWorker(signal: AbortSignal | undefined): Promise<Worker | undefined> {
   const worker = newWorker();
   if (worker === undefined) return undefined;
@@ -81,7 +81,7 @@ function newWorker(): Worker | undefined {
   }
 }
 
-/** Takes up to `watch.signal`, which stops a stream as well. */
+/** Settles at the latest when `watch.signal` aborts, which stops a stream as well. */
 function loadInWorker(
   worker: Worker,
   source: SplatSource,
@@ -121,7 +121,7 @@ function callOrReject(call: () => void, reject: (reason: unknown) => void): void
   }
 }
 
-/** Posts the job; returns what is to be read here instead, where it cannot be posted. */
+/** Posts the job. If the source cannot be posted, returns what to read in this thread instead. */
 function post(
   worker: Worker,
   source: SplatSource,
@@ -161,8 +161,8 @@ function postStream(
 }
 
 /**
- * What `source` can be read from again later, as often as need be: the address that it has now, or the very same Blob or
- * File. Null for streams, which are used up, and for buffers, which would be kept in memory for it.
+ * A source from which the same splats can be read again, any number of times: the absolute URL, or the very same Blob
+ * or File. Null for streams, which are consumed, and for buffers, which would have to be kept in memory.
  */
 export function lastingSource(source: SplatSource): string | Blob | null {
   if (typeof source === 'string' || source instanceof URL) return absoluteUrl(String(source));

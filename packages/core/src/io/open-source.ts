@@ -10,8 +10,8 @@ const MAX_NAME_LENGTH = 200;
 /**
  * Opens anything that splats can be read from as a stream of bytes. Memory is not copied.
  *
- * Rejects with `SplatSourceError` (network, HTTP status, a stream already in use), with `InvalidArgumentError` for what
- * is no source, and with the signal's reason.
+ * Rejects with `SplatSourceError` (network, HTTP status, a stream already in use), with `InvalidArgumentError` for
+ * anything that is not a source, and with the signal's reason.
  */
 export async function openSource(source: SplatSource, options: ReadOptions = {}): Promise<OpenedSource> {
   options.signal?.throwIfAborted();
@@ -40,7 +40,7 @@ export async function peekSource(
   return { firstBytes, source: { ...source, stream: reader.rest() } };
 }
 
-/** What a source is called in messages unless the caller names it. */
+/** Name of a source in messages, unless the caller gives one. */
 export function sourceName(source: SplatSource): string {
   if (typeof source === 'string' || source instanceof URL) return shortName(String(source));
   if (isStream(source)) return 'stream';
@@ -48,7 +48,7 @@ export function sourceName(source: SplatSource): string {
   return 'buffer';
 }
 
-/** `text`, cut off where it is long. */
+/** `text`, shortened if it is long. */
 export function shortName(text: string): string {
   return text.length <= MAX_NAME_LENGTH ? text : `${text.slice(0, MAX_NAME_LENGTH)}…`;
 }
@@ -62,7 +62,10 @@ export function isBlob(source: unknown): source is Blob {
   return typeof blob?.stream === 'function' && typeof blob.size === 'number';
 }
 
-/** The bytes of a buffer or of the part that a view shows, not copied. Throws `InvalidArgumentError` for anything else. */
+/**
+ * The bytes of a buffer, or of the part that a view shows, without a copy. Throws `InvalidArgumentError` for anything
+ * else.
+ */
 export function bytesOf(source: ArrayBuffer | ArrayBufferView): Uint8Array {
   // By its tag, since a buffer may come from another realm (an iframe, a test runner).
   const tag = Object.prototype.toString.call(source).slice(8, -1);

@@ -8,7 +8,7 @@ import type { SplatSetBuilder } from './splat-set-builder.ts';
 const MAX_LINE_BYTES = 1 << 24;
 
 const NUMBER = /^[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?$/;
-/** What C libraries print, Microsoft's of old included. */
+/** As C libraries print it, Microsoft's old ones included. */
 const NOT_A_NUMBER = /^[+-]?(?:nan(?:\(\w*\))?|1\.#(?:qnan|snan|ind)0*)$/i;
 const INFINITE = /^[+-]?(?:inf(?:inity)?|1\.#inf0*)$/i;
 
@@ -52,7 +52,10 @@ export async function readAsciiRows(
   }
 }
 
-/** All complete lines at hand, without the last one's end; the rest of the file where it lacks one; undefined at its end. */
+/**
+ * All complete lines in the window, without the last line end. At the end of the file, a last line that lacks one; then
+ * undefined.
+ */
 async function nextLines(
   reader: ByteReader,
   lineEnd: number,
@@ -84,7 +87,7 @@ function decode(bytes: Uint8Array): string {
 
 type RowParser = (text: string, line: number, row: number) => void;
 
-/** A function that reads what is needed of a line into `target`. */
+/** Returns a function that reads the needed values of a line into `target`. */
 function rowParser(body: PlyBody, vertex: PlyElement, target: Float64Array): RowParser {
   const { properties } = vertex;
   return (text, line, row) => {
@@ -119,7 +122,7 @@ function inType(value: number, type: PlyType): number {
   return type === 'float32' ? Math.fround(value) : value;
 }
 
-/** Undefined where the text is no number. */
+/** Undefined if `text` is not a number. */
 function parseNumber(text: string): number | undefined {
   if (NUMBER.test(text)) return Number(text);
   if (NOT_A_NUMBER.test(text)) return Number.NaN;

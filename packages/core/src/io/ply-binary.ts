@@ -37,7 +37,7 @@ export async function readBinaryRows(
   }
 }
 
-/** Bytes of one row, undefined where lists make rows differ. */
+/** Bytes of one row; undefined if lists make rows differ. */
 function rowBytes(element: PlyElement): number | undefined {
   if (element.properties.some(({ countType }) => countType !== undefined)) return undefined;
   return element.properties.reduce((sum, { type }) => sum + TYPE_BYTES[type], 0);
@@ -65,7 +65,7 @@ async function readFixedRows(
   }
 }
 
-/** A function that reads what is needed of the row at `start` into `target`. */
+/** Returns a function that reads the needed values of the row at `start` into `target`. */
 function rowDecoder(
   body: PlyBody,
   vertex: PlyElement,
@@ -93,7 +93,7 @@ function rowDecoder(
   };
 }
 
-/** Reads rows value by value: those of the splats into `builder`, those of other elements (no builder) to nowhere. */
+/** Reads rows value by value: those of the splats go to `builder`; those of other elements (no builder) are skipped. */
 async function readListRows(
   reader: ByteReader,
   body: PlyBody,
@@ -124,7 +124,7 @@ async function readListRows(
         );
       }
       reader.advance(size);
-      // Awaited only where bytes are lacking: an await per list would cost more than all the rest.
+      // Awaited only if bytes are missing: an await per list would cost more than everything else.
       const itemBytes = value * TYPE_BYTES[type];
       if (reader.available >= itemBytes) reader.advance(itemBytes);
       else if (!(await reader.skip(itemBytes))) throw truncatedError(reader, body, element, row);

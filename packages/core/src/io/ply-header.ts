@@ -6,15 +6,15 @@ export type PlyType = 'int8' | 'uint8' | 'int16' | 'uint16' | 'int32' | 'uint32'
 
 export interface PlyProperty {
   readonly name: string;
-  /** Of the value, or of each of a list's items. */
+  /** Type of the value, or of each item of a list. */
   readonly type: PlyType;
-  /** Of a list's length; undefined for a scalar. */
+  /** Type of a list's length; undefined for a scalar. */
   readonly countType: PlyType | undefined;
 }
 
 export interface PlyElement {
   readonly name: string;
-  /** Rows promised. */
+  /** Number of rows that the header promises. */
   readonly count: number;
   readonly properties: readonly PlyProperty[];
 }
@@ -23,19 +23,19 @@ export interface PlyHeader {
   readonly format: PlyFormat;
   /** In the order of their rows in the body. */
   readonly elements: readonly PlyElement[];
-  /** Lines, so that a text body's can be numbered on. */
+  /** Number of lines, so that a text body can continue the numbering. */
   readonly lineCount: number;
-  /** The byte that ends a line: LF (also of CR LF), or CR in files of old. */
+  /** The byte that ends a line: LF (also in CR LF), or CR in old files. */
   readonly lineEnd: number;
 }
 
-/** What the body's readers need to know. */
+/** What the readers of the body need to know. */
 export interface PlyBody {
   readonly file: string;
   readonly header: PlyHeader;
-  /** Of `header.elements`, the one whose rows are splats. */
+  /** Index in `header.elements` of the element whose rows are splats. */
   readonly vertexIndex: number;
-  /** Per property of that element: its index in the builder's row, -1 for what is not read. */
+  /** For each property of that element, its index in the builder's row; -1 if it is not read. */
   readonly slots: readonly number[];
 }
 

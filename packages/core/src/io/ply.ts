@@ -1,6 +1,12 @@
 import { SplatFileError } from '../errors.ts';
+import type { PackedHarmonics } from '../packing/harmonics.ts';
 import { ROW_SLOT } from '../splats/splat-row.ts';
-import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
+import {
+  coefficientsPerSplat,
+  SH_REST_COEFFICIENTS,
+  type ShDegree,
+  type SplatSet,
+} from '../splats/splat-set.ts';
 import { ByteReader } from './byte-reader.ts';
 import { readAsciiRows } from './ply-ascii.ts';
 import { readBinaryRows } from './ply-binary.ts';
@@ -36,17 +42,20 @@ const SH_DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
 const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
 
 /**
- * Reads splats from a PLY: ascii or binary of either byte order, properties in any order and of any scalar type, further
- * properties and elements passed over. Memory grows with the rows that arrive, not with what the header promises; what
- * comes after the splats is not read.
+ * Reads splats from a PLY: ascii or binary of either byte order, with properties in any order and of any scalar type.
+ * Other properties and elements are skipped. Memory grows with the rows that arrive, not with what the header promises;
+ * what comes after the splats is not read.
  *
- * In the file: x y z; scale_0…2 (natural logarithms); rot_0…3 (w x y z); opacity (logit); f_dc_0…2; f_rest_0…3K−1, all K
- * of red, then green, then blue, K = 0, 3, 8 or 15. Integer types are read as plain numbers.
+ * In the file: x y z; scale_0…2 (natural logarithms); rot_0…3 (w x y z); opacity (logit); f_dc_0…2; f_rest_0…3K−1, all
+ * K of red, then green, then blue, K = 0, 3, 8 or 15. Integer types are read as plain numbers.
  *
  * Rejects with `SplatFileError` (every code but 'unknown-format' except for compressed PLY), `SplatSourceError`, or the
  * signal's reason.
  */
-export async function readPly(source: OpenedSource, options: SplatFormatOptions): Promise<SplatSet> {
+export async function readPly(
+  source: OpenedSource,
+  options: SplatFormatOptions,
+): Promise<SplatSet<PackedHarmonics>> {
   const reader = new ByteReader(source, options.signal);
   try {
     const header = await readPlyHeader(reader, source.name);
@@ -79,7 +88,7 @@ export async function readPly(source: OpenedSource, options: SplatFormatOptions)
   }
 }
 
-/** Index of the element that holds splats; throws where there is none. */
+/** Index of the element that holds splats; throws if there is none. */
 function findVertex(header: PlyHeader, file: string): number {
   const index = header.elements.findIndex((element) => element.name === 'vertex');
   const vertex = header.elements[index];
@@ -126,7 +135,7 @@ function describeKind(header: PlyHeader, missing: readonly string[]): string {
 
 function shDegreeOf(vertex: PlyElement, file: string): ShDegree {
   const count = vertex.properties.filter(({ name }) => /^f_rest_\d+$/.test(name)).length;
-  const degree = SH_DEGREES.find((candidate) => 3 * SH_REST_COEFFICIENTS[candidate] === count);
+  const degree = SH_DEGREES.find((candidate) => coefficientsPerSplat(candidate) === count);
   if (degree !== undefined) return degree;
   throw new SplatFileError(
     'bad-property',
@@ -136,13 +145,13 @@ function shDegreeOf(vertex: PlyElement, file: string): ShDegree {
   );
 }
 
-/** Per property of `vertex` its place in a builder's row, -1 for those not needed. */
+/** For each property of `vertex`, its index in a builder's row; -1 if it is not needed. */
 function slotsOf(vertex: PlyElement, shDegree: ShDegree, file: string): number[] {
   const slotOf = new Map(SLOT_OF_CORE_PROPERTY);
   const coefficients = SH_REST_COEFFICIENTS[shDegree];
   for (let channel = 0; channel < 3; channel++) {
     for (let k = 0; k < coefficients; k++) {
-      slotOf.set(`f_rest_${channel * coefficients + k}`, ROW_SLOT.shRest + 3 * k + channel);
+      slotOf.set(`f_rest_${channel * coefficients + k}`, ROW_SLOT.harmonics + 3 * k + channel);
     }
   }
   const fail = (property: string, message: string): never => {
@@ -160,7 +169,7 @@ function slotsOf(vertex: PlyElement, shDegree: ShDegree, file: string): number[]
   return vertex.properties.map(({ name }) => slotOf.get(name) ?? -1);
 }
 
-/** Throws where the promised rows cannot be; returns whether the source is known to be large enough for them. */
+/** Throws if the source is too small for the promised rows; returns whether it is known to be large enough. */
 function checkCounts(
   source: OpenedSource,
   header: PlyHeader,

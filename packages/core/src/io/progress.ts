@@ -3,7 +3,7 @@ import type { LoadProgress } from './splat-source.ts';
 /** Shortest time between two reports. */
 const REPORT_EVERY_MS = 30;
 
-/** Passes a reader's progress on, not more often than a person can see. */
+/** Passes on a reader's progress, no more often than a person can see. */
 export class ReadProgress {
   readonly #totalBytes: number | undefined;
   readonly #onProgress: ((progress: LoadProgress) => void) | undefined;
@@ -19,10 +19,10 @@ export class ReadProgress {
       this.finish(loadedBytes, splats);
   }
 
-  /** As `report`, but in any case. */
+  /** As `report`, but always. */
   finish(loadedBytes: number, splats: number): void {
     this.#lastReportMs = performance.now();
-    // A size that has been passed was that of the compressed bytes.
+    // A stated size that has been exceeded was that of the compressed bytes.
     const known = this.#totalBytes !== undefined && loadedBytes <= this.#totalBytes;
     this.#onProgress?.({
       phase: 'read',

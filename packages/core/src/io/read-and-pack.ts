@@ -3,7 +3,7 @@ import type { LoadSettings } from './load-messages.ts';
 import { readSource } from './read-source.ts';
 import type { LoadProgress, ReadOptions, SplatSource } from './splat-source.ts';
 
-/** The whole of a load, in the calling thread. */
+/** Does a whole load in the calling thread. */
 export async function readAndPack(
   source: SplatSource,
   { name, shPrecision, geometryPrecision }: LoadSettings,

@@ -2,7 +2,7 @@ import { transferablesOf } from '../packing/packed-cloud.ts';
 import { type LoadReply, type LoadRequest, toPostedError } from './load-messages.ts';
 import { readAndPack } from './read-and-pack.ts';
 
-/** What is used of a worker's global scope; a MessagePort has the same. */
+/** The part of a worker's global scope that is used; a MessagePort has it too. */
 export interface LoadPort {
   onmessage: ((event: MessageEvent<LoadRequest>) => void) | null;
   postMessage(reply: LoadReply, transfer: Transferable[]): void;

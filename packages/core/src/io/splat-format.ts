@@ -1,9 +1,10 @@
+import type { PackedHarmonics } from '../packing/harmonics.ts';
 import type { ShPrecision } from '../packing/precision.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import type { OpenedSource, ReadOptions } from './splat-source.ts';
 
 export interface SplatFormatOptions extends Pick<ReadOptions, 'signal' | 'onProgress'> {
-  /** Precision to store the spherical harmonics above degree 0 in. */
+  /** Precision in which to pack the spherical harmonics above degree 0. */
   readonly shPrecision: ShPrecision;
 }
 
@@ -13,6 +14,6 @@ export interface SplatFormat {
   readonly name: string;
   /** Whether a file that starts with these bytes (`SNIFF_BYTES` of them, or all there are) is of this format. */
   sniff(firstBytes: Uint8Array): boolean;
-  /** Reads the whole; rejects with a `WebSplatterError` or the signal's reason. */
-  read(source: OpenedSource, options: SplatFormatOptions): Promise<SplatSet>;
+  /** Reads all splats; rejects with a `WebSplatterError` or the signal's reason. */
+  read(source: OpenedSource, options: SplatFormatOptions): Promise<SplatSet<PackedHarmonics>>;
 }

@@ -1,10 +1,11 @@
 import { SplatFileError } from '../errors.ts';
+import { ShReachMeter } from '../packing/band-reach.ts';
+import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../packing/harmonics.ts';
 import type { ShPrecision } from '../packing/precision.ts';
-import { packShRest, ShReachMeter, shRestValues, shRestWordsPerSplat } from '../packing/sh-rest.ts';
 import { ROW_SLOT, reasonToDrop } from '../splats/splat-row.ts';
-import type { DropCounts, ShDegree, SplatSet } from '../splats/splat-set.ts';
+import { coefficientsPerSplat, type DropCounts, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 
-/** Most splats whose row in the file fits `SplatSet.fileIndices`. */
+/** Most splats that `SplatSet.fileIndices` can number. */
 export const MAX_SPLATS = 2 ** 32 - 1;
 
 const FIRST_CAPACITY = 4096;
@@ -24,13 +25,16 @@ export interface SplatSetBuilderOptions {
   readonly file: string;
   readonly shDegree: ShDegree;
   readonly shPrecision: ShPrecision;
-  /** Whether positions come in more than float32, which is then kept until the origin is known. */
+  /** Whether positions have more precision than float32; it is kept until the origin is known. */
   readonly widePositions: boolean;
-  /** Rows to make room for at once; pass only what the source is known to hold. */
+  /** Rows to allocate at once; pass only what the source is known to hold. */
   readonly expectedCount: number;
 }
 
-/** Collects splats row by row: fill `row`, call `push`. Rows that are not finite in float32 are left out and counted. */
+/**
+ * Collects splats row by row: fill `row`, call `push`. Harmonics are packed at once; rows that are not finite in
+ * float32 are dropped and counted.
+ */
 export class SplatSetBuilder {
   /** The next splat's values, by `ROW_SLOT`. */
   readonly row: Float64Array;
@@ -45,9 +49,9 @@ export class SplatSetBuilder {
 
   constructor(options: SplatSetBuilderOptions) {
     this.#options = options;
-    this.row = new Float64Array(ROW_SLOT.shRest + shRestValues(options.shDegree));
-    this.#shRow = this.row.subarray(ROW_SLOT.shRest);
-    this.#wordsPerSplat = shRestWordsPerSplat(options.shDegree, options.shPrecision);
+    this.row = new Float64Array(ROW_SLOT.harmonics + coefficientsPerSplat(options.shDegree));
+    this.#shRow = this.row.subarray(ROW_SLOT.harmonics);
+    this.#wordsPerSplat = shWordsPerSplat(options.shDegree, options.shPrecision);
     this.#reach = new ShReachMeter(options.shDegree);
     this.#columns = {
       positions: new (options.widePositions ? Float64Array : Float32Array)(0),
@@ -85,19 +89,19 @@ export class SplatSetBuilder {
     for (let i = 0; i < 4; i++) rotations[4 * index + i] = row[ROW_SLOT.rotation + i];
     opacityLogits[index] = row[ROW_SLOT.opacity];
     fileIndices[index] = fileIndex;
-    packShRest(
+    packCoefficients(
       this.#options.shDegree,
       this.#options.shPrecision,
       this.#shRow,
       shWords,
       index * this.#wordsPerSplat,
     );
-    // Here, where they are not rounded yet: it decides what is stored, and must not depend on how.
+    // Measured before rounding: it decides which bands are stored, which must not depend on the precision.
     this.#reach.include(this.#shRow, 0);
   }
 
   /** The finished set; throws `SplatFileError` 'empty' if no row was kept. */
-  finish(): SplatSet {
+  finish(): SplatSet<PackedHarmonics> {
     if (this.#count === 0) throw this.#emptyError();
     this.#setCapacity(this.#count);
     const { positions, shWords, ...columns } = this.#columns;
@@ -107,7 +111,7 @@ export class SplatSetBuilder {
       count: this.#count,
       origin,
       positions: positionsFrom(positions, origin),
-      shRest: {
+      harmonics: {
         degree: this.#options.shDegree,
         precision: this.#options.shPrecision,
         wordsPerSplat: this.#wordsPerSplat,
@@ -122,7 +126,7 @@ export class SplatSetBuilder {
     if (capacity === this.#capacity) return;
     const columns = this.#columns;
     try {
-      // One after the other, so that only one column at a time exists twice.
+      // One after the other, so that only one column exists twice at a time.
       columns.positions = resized(columns.positions, 3 * capacity);
       columns.logScales = resized(columns.logScales, 3 * capacity);
       columns.rotations = resized(columns.rotations, 4 * capacity);

@@ -1,16 +1,17 @@
-import { shRestValues, unpackShRest } from '../packing/sh-rest.ts';
-import type { SplatSet } from '../splats/splat-set.ts';
+import { type Harmonics, readCoefficients } from '../packing/harmonics.ts';
+import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 
 /**
- * The set as a PLY in the standard 3DGS layout: binary little-endian, float32 x y z, f_dc, f_rest (all of red, then
- * green, then blue), opacity, scale, rot; no normals. Rows in the set's order; `fileIndices` and `dropped` are not kept.
+ * Encodes `set` as a PLY in the standard 3DGS layout: binary little-endian, float32 x y z, f_dc, f_rest (all of red,
+ * then green, then blue), opacity, scale, rot; no normals. Rows keep the set's order; `fileIndices` and `dropped` are
+ * not kept.
  *
  * Where the origin is not 0, x y z are doubles with the origin added, since float32 could not hold them. Read again at
- * shPrecision f32, a set that came from a file gives the same bits. Throws RangeError where no
- * ArrayBuffer can be that large.
+ * shPrecision f32, a set that came from a file gives the same bits. Throws RangeError if no ArrayBuffer can be that
+ * large.
  */
-export function encodePly(set: SplatSet): Uint8Array<ArrayBuffer> {
-  const shValues = shRestValues(set.shRest.degree);
+export function encodePly(set: SplatSet<Harmonics>): Uint8Array<ArrayBuffer> {
+  const shValues = coefficientsPerSplat(set.harmonics.degree);
   const isWide = set.origin.some((value) => value !== 0);
   const positionBytes = isWide ? 8 : 4;
   const header = new TextEncoder().encode(headerText(set.count, shValues, isWide ? 'double' : 'float'));
@@ -32,7 +33,7 @@ export function encodePly(set: SplatSet): Uint8Array<ArrayBuffer> {
       offset += positionBytes;
     }
     for (let channel = 0; channel < 3; channel++) put(set.colorDc[3 * i + channel]);
-    unpackShRest(set.shRest, i, sh);
+    readCoefficients(set.harmonics, i, sh);
     for (let channel = 0; channel < 3; channel++) for (let k = channel; k < shValues; k += 3) put(sh[k]);
     put(set.opacityLogits[i]);
     for (let axis = 0; axis < 3; axis++) put(set.logScales[3 * i + axis]);

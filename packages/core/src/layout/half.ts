@@ -7,6 +7,10 @@ const u32 = new Uint32Array(f32.buffer);
  */
 export const COEFFICIENT_MAX = 1e35;
 
+export function clampCoefficient(value: number): number {
+  return Math.max(-COEFFICIENT_MAX, Math.min(COEFFICIENT_MAX, value));
+}
+
 /** Largest finite binary16 value. */
 export const HALF_MAX = 65504;
 

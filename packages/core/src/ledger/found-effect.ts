@@ -1,5 +1,6 @@
-import type { CloudInstance, ViewFrame } from '../frame/frame-request.ts';
-import type { FrameShape } from '../frame/frame-shape.ts';
+import type { CloudPlan } from '../frame/cloud-plan.ts';
+import type { FramePlan } from '../frame/frame-plan.ts';
+import type { CloudShape } from '../frame/frame-shape.ts';
 
 /** What a view holds on the GPU for effects, in bytes. */
 export interface EffectHoldings {
@@ -12,19 +13,19 @@ export interface EffectHoldings {
   readonly writtenDepthBytes: number;
 }
 
-/** A picture as it was drawn. */
-export interface DrawnPicture {
-  readonly frame: ViewFrame;
-  readonly shape: FrameShape;
+/** A frame as it was drawn. */
+export interface DrawnFrame {
+  readonly plan: FramePlan;
   readonly held: EffectHoldings;
 }
 
-/** One cloud of a picture. */
+/** One cloud of a frame. */
 export interface DrawnCloud {
-  readonly instance: CloudInstance;
-  /** Number of the cloud in `shape`. */
+  readonly plan: FramePlan;
+  /** Number of the cloud in the frame. */
   readonly index: number;
-  readonly shape: FrameShape;
+  readonly cloud: CloudPlan;
+  readonly shape: CloudShape;
 }
 
 interface FoundIn<Place> {
@@ -44,7 +45,7 @@ interface FoundIn<Place> {
   /** Why it is off, where it is. */
   readonly offReason: (place: Place) => string;
   /** What is held for it; default nothing. */
-  readonly bytes?: (picture: DrawnPicture) => number;
+  readonly bytes?: (frame: DrawnFrame) => number;
 }
 
 /** One that each cloud calls for by itself. */
@@ -53,7 +54,7 @@ export interface FoundInCloud extends FoundIn<DrawnCloud> {
 }
 
 /** One that the whole view calls for. */
-export interface FoundInView extends FoundIn<DrawnPicture> {
+export interface FoundInView extends FoundIn<DrawnFrame> {
   readonly of: 'view';
 }
 

@@ -3,7 +3,8 @@ import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { defineEffect } from '../effects/effect.ts';
 import { reveal } from '../effects/reveal.ts';
 import { SplatEngine } from '../engine.ts';
-import { cullSplatsStage, projectStage } from '../frame/frame-resources.ts';
+import { Preprocess } from '../frame/parts/preprocess.ts';
+import type { StageDefinition } from '../gpu/pipelines.ts';
 import { compareCulling } from '../inspect/compare-culling.ts';
 import { compareRecords } from '../inspect/compare-records.ts';
 import { describeFieldError } from '../inspect/field-error.ts';
@@ -62,10 +63,14 @@ async function drawnAsTwin(
   expect(mismatches).toEqual([]);
   const { firstBad } = await compareRecords(frame);
   if (firstBad) expect.fail(describeFieldError(firstBad));
-  const { shape } = frame.resources;
-  const texts = [cullSplatsStage(shape, 0), projectStage(shape, 0)].map((stage) => linkShader(stage));
+  const { shape } = frame.plan;
+  const texts = Preprocess.stages(shape)
+    .flat()
+    .filter((stage) => 'stage' in stage && ['cull-splats', 'project'].includes(stage.stage))
+    .map((stage) => linkShader(stage as StageDefinition));
+  expect(texts).toHaveLength(2);
   frame.destroy();
-  return { visibleCount, shape, texts };
+  return { visibleCount, shapes: shape.clouds, texts };
 }
 
 describe('round splats', () => {
@@ -76,7 +81,7 @@ describe('round splats', () => {
         const modelMatrix = TEST_MODELS.sheared;
         const drawn = await drawnAsTwin([{ set, modelMatrix }], camera, { geometryPrecision });
         expect(drawn.visibleCount).toBeGreaterThan(20);
-        expect(drawn.shape.isIsotropic).toEqual([true]);
+        expect(drawn.shapes.map((cloud) => cloud.isIsotropic)).toEqual([true]);
         for (const text of drawn.texts) expect(text).not.toMatch(/rotationMatrix|unpackRotation/);
       });
     }
@@ -84,8 +89,8 @@ describe('round splats', () => {
 
   gpuTest('stay so with effects of this package', async () => {
     const shrink = reveal({ from: [0, 0, 0], radius: 1.2, softEdge: 0.5 });
-    const { shape } = await drawnAsTwin([{ set, effects: [shrink] }], 'perspective');
-    expect(shape.isIsotropic).toEqual([true]);
+    const { shapes } = await drawnAsTwin([{ set, effects: [shrink] }], 'perspective');
+    expect(shapes.map((cloud) => cloud.isIsotropic)).toEqual([true]);
   });
 
   gpuTest('may become flat by an effect of a caller’s own', async () => {
@@ -95,7 +100,7 @@ describe('round splats', () => {
     const effects = [flatten(undefined)];
     view.render({ camera, clouds: [{ cloud: engine.add(set), effects }], ...SIZE });
     const { data } = await view.readPixels();
-    expect(view.shape!.isIsotropic).toEqual([false]);
+    expect(view.shape!.clouds.map((cloud) => cloud.isIsotropic)).toEqual([false]);
     const twin = renderReference({ clouds: [{ set, effects }], effectTwins: FLATTEN_TWIN, camera, ...SIZE });
     expect(compareImages(data, twin.data, SIZE).psnrDb).toBeGreaterThan(60);
     engine.destroy();
@@ -111,20 +116,20 @@ describe('splats of which none is faint', () => {
 
   for (const geometryPrecision of ['f32', 'packed'] as const) {
     gpuTest(`${geometryPrecision}: are not tested, and drawn as in float64`, async () => {
-      const { shape, visibleCount } = await drawnAsTwin([{ set: faint(least) }], 'perspective', {
+      const { shapes, visibleCount } = await drawnAsTwin([{ set: faint(least) }], 'perspective', {
         geometryPrecision,
       });
-      expect(shape.hasFaintSplats).toEqual([false]);
+      expect(shapes.map((cloud) => cloud.hasFaintSplats)).toEqual([false]);
       expect(visibleCount).toBeGreaterThan(20);
     });
   }
 
   gpuTest('are tested as soon as one may be, by itself or by an effect', async () => {
-    const { shape } = await drawnAsTwin([{ set: faint(1 / 255) }], 'perspective');
-    expect(shape.hasFaintSplats).toEqual([true]);
+    const { shapes } = await drawnAsTwin([{ set: faint(1 / 255) }], 'perspective');
+    expect(shapes.map((cloud) => cloud.hasFaintSplats)).toEqual([true]);
     const faded = await drawnAsTwin([{ set: faint(0.3), opacity: 0.01 }], 'perspective');
-    expect(faded.shape.hasFaintSplats).toEqual([true]);
+    expect(faded.shapes.map((cloud) => cloud.hasFaintSplats)).toEqual([true]);
     const cut = await drawnAsTwin([{ set: faint(0.3) }], 'perspective', { alphaCutoff: 0.4 });
-    expect(cut.shape.hasFaintSplats).toEqual([true]);
+    expect(cut.shapes.map((cloud) => cloud.hasFaintSplats)).toEqual([true]);
   });
 });

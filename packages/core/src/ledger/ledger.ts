@@ -1,9 +1,9 @@
 import type { SplatEffect } from '../effects/effect.ts';
 import { STRUCT_ALIGNMENT } from '../effects/effect-set.ts';
-import { CLOUD_EFFECTS, usesOf } from '../effects/effects.ts';
+import { CLOUD_EFFECTS } from '../effects/effects.ts';
 import type { CloudInstance } from '../frame/frame-request.ts';
 import { roundUp } from '../layout/gpu-struct.ts';
-import type { DrawnPicture, FoundEffect } from './found-effect.ts';
+import type { DrawnFrame, FoundEffect } from './found-effect.ts';
 import { FOUND_EFFECTS } from './found-effects.ts';
 
 /** One effect, as it was in a picture. */
@@ -27,13 +27,13 @@ export interface EffectEntry {
 }
 
 /** All effects, also those that are off: those that are found, then the caller's in the order in which they act. */
-export function effectsLedger(picture: DrawnPicture): readonly EffectEntry[] {
-  const { clouds } = picture.frame;
+export function effectsLedger(frame: DrawnFrame): readonly EffectEntry[] {
+  const { clouds } = frame.plan.request;
   const asked = clouds.flatMap(({ effects = [] }) => effects.map(({ effect }) => effect));
   const own = asked.filter((effect) => !CLOUD_EFFECTS.includes(effect));
   return [
-    ...FOUND_EFFECTS.map((effect) => foundEntry(effect, picture)),
-    ...[...new Set([...own, ...CLOUD_EFFECTS])].map((effect) => callersEntry(effect, picture)),
+    ...FOUND_EFFECTS.map((effect) => foundEntry(effect, frame)),
+    ...[...new Set([...own, ...CLOUD_EFFECTS])].map((effect) => callersEntry(effect, frame)),
   ];
 }
 
@@ -43,20 +43,20 @@ interface Finding {
   readonly reason: string;
 }
 
-function foundEntry(effect: FoundEffect, picture: DrawnPicture): EffectEntry {
+function foundEntry(effect: FoundEffect, frame: DrawnFrame): EffectEntry {
   const { name, label, about, stages } = effect;
-  const bytes = effect.bytes?.(picture) ?? 0;
+  const bytes = effect.bytes?.(frame) ?? 0;
   if (effect.of === 'view') {
-    const on = effect.calledFor(picture);
-    const reason = on ?? effect.offReason(picture);
+    const on = effect.calledFor(frame);
+    const reason = on ?? effect.offReason(frame);
     return { name, label, about, isOn: on !== null, reason, clouds: [], stages, bytes };
   }
-  const { frame, shape } = picture;
+  const { plan } = frame;
   const on: Finding[] = [];
   const off: Finding[] = [];
-  for (const [index, instance] of frame.clouds.entries()) {
-    const place = { instance, index, shape };
-    const cloud = instance.cloud.name;
+  for (const [index, cloudPlan] of plan.clouds.entries()) {
+    const place = { plan, index, cloud: cloudPlan, shape: plan.shape.clouds[index] };
+    const cloud = cloudPlan.instance.cloud.name;
     const reason = effect.calledFor(place);
     if (reason !== null) on.push({ cloud, reason });
     else off.push({ cloud, reason: effect.offReason(place) });
@@ -66,15 +66,15 @@ function foundEntry(effect: FoundEffect, picture: DrawnPicture): EffectEntry {
   return { name, label, about, isOn, reason, clouds: namesOf(on), stages, bytes };
 }
 
-function callersEntry(effect: SplatEffect, { frame, shape, held }: DrawnPicture): EffectEntry {
+function callersEntry(effect: SplatEffect, { plan, held }: DrawnFrame): EffectEntry {
   const { name, label, about, parameters, takesSelection } = effect;
   const findings: Finding[] = [];
   let bytes = 0;
-  for (const [index, instance] of frame.clouds.entries()) {
-    if (!shape.effects[index].effects.includes(effect)) continue;
-    const use = usesOf(instance).find((each) => each.effect === effect);
+  for (const [index, { instance, uses }] of plan.clouds.entries()) {
+    const planned = uses.find(({ use }) => use.effect === effect);
+    if (!planned) continue;
     // What is selected changes, and the picture only with the next frame.
-    const reason = use?.reason ?? 'it was called for when this was drawn';
+    const reason = planned.use.reason ?? 'it was called for when this was drawn';
     findings.push({ cloud: instance.cloud.name, reason });
     bytes += roundUp(parameters?.bytes ?? 0, STRUCT_ALIGNMENT);
     if (takesSelection) bytes += held.selectionBytes(index);
@@ -85,7 +85,7 @@ function callersEntry(effect: SplatEffect, { frame, shape, held }: DrawnPicture)
     label,
     about,
     isOn,
-    reason: isOn ? together(findings) : reasonOff(effect, frame.clouds),
+    reason: isOn ? together(findings) : reasonOff(effect, plan.request.clouds),
     clouds: namesOf(findings),
     stages: stagesOf(effect),
     bytes,

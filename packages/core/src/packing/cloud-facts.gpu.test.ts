@@ -8,10 +8,10 @@ import { describeFieldError } from '../inspect/field-error.ts';
 import { InspectedFrame } from '../inspect/inspected-frame.ts';
 import { encodePly } from '../io/write-ply.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
-import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
+import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 import { randomSplats } from '../testing/random-splats.ts';
+import { splatsOfDegree } from '../testing/splats-of-degree.ts';
 import { testCameras } from '../testing/test-cameras.ts';
-import { shRestValues, truncateShRest } from './sh-rest.ts';
 
 const SIZE = { widthPx: 64, heightPx: 64 };
 const CAMERA = testCameras(1).perspective;
@@ -84,15 +84,15 @@ const bytesOf = ({ buffer }: Float32Array) => Buffer.from(buffer);
 /** Splats of degree 3 that have nothing above `degree`, and the same ones of that degree. */
 function declaredAndTrue(degree: ShDegree): [declared: SplatSet, lower: SplatSet] {
   const set = randomSplats({ count: COUNT });
-  const values = new Float32Array(set.shRest.words.buffer);
-  for (let i = 0; i < COUNT; i++) values.fill(0, 45 * i + shRestValues(degree), 45 * (i + 1));
-  return [set, { ...set, shRest: truncateShRest(set.shRest, COUNT, degree) }];
+  const values = set.harmonics.coefficients;
+  for (let i = 0; i < COUNT; i++) values.fill(0, 45 * i + coefficientsPerSplat(degree), 45 * (i + 1));
+  return [set, splatsOfDegree(set, degree)];
 }
 
 gpuTest('bands too faint to be seen are missing nowhere but in what is stored', async () => {
   const set = randomSplats({ count: COUNT });
-  const values = new Float32Array(set.shRest.words.buffer);
-  for (let i = 0; i < values.length; i++) if (i % 45 >= shRestValues(1)) values[i] *= 1e-4;
+  const values = set.harmonics.coefficients;
+  for (let i = 0; i < values.length; i++) if (i % 45 >= coefficientsPerSplat(1)) values[i] *= 1e-4;
   const frame = await InspectedFrame.draw(device, { clouds: [{ set }], camera: CAMERA, ...SIZE });
   expect(frame.clouds[0].packed.facts).toMatchObject({ declaredShDegree: 3, trueShDegree: 1 });
   const { firstBad } = await compareRecords(frame);

@@ -5,14 +5,21 @@ import { readSplats } from '../io/read-splats.ts';
 import { encodePly } from '../io/write-ply.ts';
 import { renderReference } from '../reference/render.ts';
 import { shColor } from '../reference/spherical-harmonics.ts';
-import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
+import {
+  coefficientsPerSplat,
+  SH_REST_COEFFICIENTS,
+  type ShDegree,
+  type SplatSet,
+} from '../splats/splat-set.ts';
 import { randomSplats, splatsOf } from '../testing/random-splats.ts';
+import { splatsOfDegree } from '../testing/splats-of-degree.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import { cloudFacts, UNSEEN_CHANGE } from './cloud-facts.ts';
+import { readCoefficients } from './harmonics.ts';
 import { packSet } from './pack-set.ts';
 import { packCloud } from './packed-cloud.ts';
 import type { ShPrecision } from './precision.ts';
-import { repackShRest, shRestValues, truncateShRest, unpackShRest } from './sh-rest.ts';
+import { packHarmonics, repackHarmonics } from './repack-harmonics.ts';
 
 const PRECISIONS: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
 const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
@@ -20,18 +27,13 @@ const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
 /** Random splats of degree 3, each band multiplied by its factor. */
 function splatsWithBands(factors: readonly [number, number, number], count = 40): SplatSet {
   const set = randomSplats({ count });
-  const values = new Float32Array(set.shRest.words.buffer);
+  const values = set.harmonics.coefficients;
   for (let i = 0; i < values.length; i++) {
     const coefficient = Math.floor((i % 45) / 3);
     const band = DEGREES.findIndex((degree) => coefficient < SH_REST_COEFFICIENTS[degree]);
     values[i] *= factors[band - 1];
   }
   return set;
-}
-
-/** The splats of `set` as a file of `degree` has them. */
-function atDegree(set: SplatSet, degree: ShDegree): SplatSet {
-  return { ...set, shRest: truncateShRest(set.shRest, set.count, degree) };
 }
 
 describe('bands that cannot be seen', () => {
@@ -48,9 +50,9 @@ describe('bands that cannot be seen', () => {
         (factors, stream) => {
           const set = splatsWithBands(factors);
           const { trueShDegree, shBandReach } = cloudFacts(set);
-          const rest = new Float64Array(shRestValues(3));
+          const rest = new Float64Array(coefficientsPerSplat(3));
           for (let i = 0; i < set.count; i++) {
-            unpackShRest(set.shRest, i, rest);
+            readCoefficients(set.harmonics, i, rest);
             const dc = set.colorDc.subarray(3 * i, 3 * i + 3);
             const direction = unit([0, 1, 2].map(() => stream.next().value as number));
             const whole = shColor(3, dc, rest, direction);
@@ -78,7 +80,9 @@ describe('bands that cannot be seen', () => {
         heightPx: 32,
       }).data;
     const whole = pictureOf(set);
-    const changes = pictureOf(atDegree(set, trueShDegree)).map((value, i) => Math.abs(value - whole[i]));
+    const changes = pictureOf(splatsOfDegree(set, trueShDegree)).map((value, i) =>
+      Math.abs(value - whole[i]),
+    );
     const most = changes.reduce((largest, change) => Math.max(largest, change), 0);
     expect(most).toBeLessThan(UNSEEN_CHANGE);
     expect(most).toBeGreaterThan(UNSEEN_CHANGE / 100);
@@ -89,13 +93,13 @@ describe('bands that cannot be seen', () => {
       const factors = [1, 2, 3].map((band) => (band <= degree ? 1 : 0)) as [number, number, number];
       const set = splatsWithBands(factors);
       const file = new Blob([encodePly(set)]);
-      const lower = atDegree(set, degree);
+      const lower = splatsOfDegree(set, degree);
       const lowerFile = new Blob([encodePly(lower)]);
       for (const geometryPrecision of ['f32', 'packed'] as const) {
         for (const shPrecision of PRECISIONS) {
           const precision = { geometryPrecision, shPrecision };
           const expected = packSet(lower, precision);
-          expect(expected.shRest).toMatchObject({ degree, precision: shPrecision });
+          expect(expected.harmonics).toMatchObject({ degree, precision: shPrecision });
           const read = await readSplats(file, { shPrecision });
           for (const packed of [
             await loadSplats(file, precision),
@@ -108,8 +112,11 @@ describe('bands that cannot be seen', () => {
               ...facts,
               shBandReach: [...facts.shBandReach, 0, 0, 0].slice(0, 3),
             });
-            expect({ ...packed, facts: expected.facts, shRest: null }).toEqual({ ...expected, shRest: null });
-            expect(packed.shRest).toEqual(expected.shRest);
+            expect({ ...packed, facts: expected.facts, harmonics: null }).toEqual({
+              ...expected,
+              harmonics: null,
+            });
+            expect(packed.harmonics).toEqual(expected.harmonics);
           }
           expect(await loadSplats(lowerFile, precision)).toEqual(expected);
         }
@@ -119,14 +126,14 @@ describe('bands that cannot be seen', () => {
 
   test('are the same ones whatever precision is asked for, though it cannot hold what decides', async () => {
     const set = splatsWithBands([1, 0, 0.01]);
-    const values = new Float32Array(set.shRest.words.buffer);
+    const values = set.harmonics.coefficients;
     // Next to this a byte rounds all of band 3 away.
     for (let i = 0; i < set.count; i++) values[45 * i] = 2;
     const file = new Blob([encodePly(set)]);
     const { shBandReach } = cloudFacts(set);
     for (const shPrecision of PRECISIONS) {
       const precision = { geometryPrecision: 'packed', shPrecision } as const;
-      const coarse = { ...set, shRest: repackShRest(set.shRest, set.count, 'u8') };
+      const coarse = { ...set, harmonics: repackHarmonics(packHarmonics(set.harmonics), set.count, 'u8') };
       for (const packed of [
         await loadSplats(file, precision),
         packSet(set, precision),
@@ -134,19 +141,19 @@ describe('bands that cannot be seen', () => {
         packCloud(await readSplats(file), precision),
       ]) {
         expect(packed.facts).toMatchObject({ declaredShDegree: 3, trueShDegree: 3, shBandReach });
-        expect(packed.shRest).toMatchObject({ degree: 3, precision: shPrecision });
+        expect(packed.harmonics).toMatchObject({ degree: 3, precision: shPrecision });
       }
     }
     // Who has bytes alone knows no better.
-    const { bandReach, ...bytes } = repackShRest(set.shRest, set.count, 'u8');
-    expect(cloudFacts({ ...set, shRest: bytes }).trueShDegree).toBe(1);
+    const { bandReach, ...bytes } = repackHarmonics(packHarmonics(set.harmonics), set.count, 'u8');
+    expect(cloudFacts({ ...set, harmonics: bytes }).trueShDegree).toBe(1);
   });
 
   test('stay in the splats that were packed', () => {
     const set = splatsWithBands([0, 0, 0]);
-    const words = set.shRest.words.slice();
-    expect(packSet(set, { geometryPrecision: 'packed', shPrecision: 'f32' }).shRest.words).toHaveLength(0);
-    expect(set.shRest).toMatchObject({ degree: 3, words });
+    const coefficients = set.harmonics.coefficients.slice();
+    expect(packSet(set, { geometryPrecision: 'packed', shPrecision: 'f32' }).harmonics.words).toHaveLength(0);
+    expect(set.harmonics).toMatchObject({ degree: 3, coefficients });
   });
 });
 
@@ -196,7 +203,7 @@ test('what the format says of antialiasing arrives, through whatever leaves spla
 
 test('what is left out decides nothing', () => {
   const set = splatsWithBands([0, 0, 0], 3);
-  new Float32Array(set.shRest.words.buffer)[50] = 1;
+  set.harmonics.coefficients[50] = 1;
   set.opacityLogits[1] = -20;
   set.positions[4] = Number.POSITIVE_INFINITY;
   const { facts } = packSet(set, { geometryPrecision: 'packed', shPrecision: 'u8' });

@@ -1,20 +1,23 @@
-import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
-import { shBandReach } from './sh-rest.ts';
+import type { ShDegree, SplatColumns, SplatSet } from '../splats/splat-set.ts';
+import { shBandReach } from './band-reach.ts';
+import type { Harmonics } from './harmonics.ts';
 
-/** What the splats of a cloud call for, whatever they are seen from: found in the data when they are packed. */
+/** Facts about a cloud's splats that hold from any viewpoint, found in the data when they are packed. */
 export interface CloudFacts {
   /** Degree of the spherical harmonics in the file. */
   readonly declaredShDegree: ShDegree;
   /**
-   * Degree up to which they can be seen: what is stored and drawn. The bands above it together change no channel of any
-   * splat's colour by as much as UNSEEN_CHANGE.
+   * Degree of the harmonics that can be seen: only these are stored and drawn. All bands above it together change no
+   * channel of any splat's colour by as much as UNSEEN_CHANGE.
    */
   readonly trueShDegree: ShDegree;
-  /** Per band 1…declaredShDegree the most that it can change a channel of any splat's colour, in any direction. */
+  /**
+   * For each band 1…declaredShDegree, the most that it can change a channel of any splat's colour, in any direction.
+   */
   readonly shBandReach: readonly number[];
-  /** Whether all three scales of each splat are the same: rotations are nowhere to be seen then. */
+  /** Whether the three scales of each splat are equal, so that its rotation cannot be seen. */
   readonly isIsotropic: boolean;
-  /** Least opacity of any splat, 0…1; 1 where there are none. */
+  /** Lowest opacity of any splat, 0…1; 1 if there are no splats. */
   readonly minOpacity: number;
   /** Splats whose opacity is below 1/255: never drawn under the default cutoff. */
   readonly faintCount: number;
@@ -23,24 +26,27 @@ export interface CloudFacts {
 }
 
 /**
- * Changes of a colour below this, a sixteenth of an 8-bit step, are taken not to be seen: blending in float16 rounds a
+ * A change of colour below this, a sixteenth of an 8-bit step, counts as invisible: blending in float16 rounds a
  * channel near white by as much, 2⁻¹², with each splat.
  *
- * A pixel changes by no more than its splats' colours do. It is Σ wᵢcᵢ and its background, where the weights wᵢ ≥ 0 come of
- * shapes, opacities and order, in which colours have no part, and sum to at most 1; so |Σ wᵢΔcᵢ| ≤ max |Δcᵢ|. And cᵢ is
- * max(0, …) of the harmonics, which passes no more of a change on than it gets. What brightens colours afterwards
- * brightens the difference as well.
+ * A pixel changes by no more than its splats' colours do. It is Σ wᵢcᵢ plus its background. The weights wᵢ ≥ 0 follow
+ * from shapes, opacities and order, not from colours, and sum to at most 1; so |Σ wᵢΔcᵢ| ≤ max |Δcᵢ|. Each cᵢ is
+ * max(0, …) of the harmonics, which never enlarges a change. Effects that brighten colours afterwards brighten the
+ * difference as well.
  */
 export const UNSEEN_CHANGE = 1 / (16 * 255);
 
-/** The logit of an opacity of 1/255. */
+/** Logit of opacity 1/255. */
 const FAINT_LOGIT = -Math.log(254);
 
-/** What `set`, whose rows are finite, calls for. A pass over the splats; over their harmonics too where nobody did that yet. */
-export function cloudFacts(set: SplatSet): CloudFacts {
-  const reach = shBandReach(set.shRest, set.count);
+/**
+ * Facts about `set`, whose rows must be finite. Takes a pass over the splats, and one over their harmonics unless their
+ * reach is known already.
+ */
+export function cloudFacts(set: SplatSet<Harmonics>): CloudFacts {
+  const reach = shBandReach(set.harmonics, set.count);
   return {
-    declaredShDegree: set.shRest.degree,
+    declaredShDegree: set.harmonics.degree,
     trueShDegree: trueShDegree(reach),
     shBandReach: reach,
     isIsotropic: isIsotropic(set),
@@ -59,14 +65,14 @@ function trueShDegree(reach: readonly number[]): ShDegree {
   return degree as ShDegree;
 }
 
-function isIsotropic({ count, logScales }: SplatSet): boolean {
+function isIsotropic({ count, logScales }: SplatColumns): boolean {
   for (let i = 0; i < 3 * count; i += 3) {
     if (logScales[i] !== logScales[i + 1] || logScales[i] !== logScales[i + 2]) return false;
   }
   return true;
 }
 
-function opacityFacts({ count, opacityLogits }: SplatSet): Pick<CloudFacts, 'minOpacity' | 'faintCount'> {
+function opacityFacts({ count, opacityLogits }: SplatColumns): Pick<CloudFacts, 'minOpacity' | 'faintCount'> {
   let least = Number.POSITIVE_INFINITY;
   let faintCount = 0;
   for (let i = 0; i < count; i++) {

@@ -1,16 +1,16 @@
 import { ROW_SLOT, reasonToDrop } from '../splats/splat-row.ts';
-import type { DropCounts, SplatSet } from '../splats/splat-set.ts';
+import { coefficientsPerSplat, type DropCounts, type SplatSet } from '../splats/splat-set.ts';
+import { type Harmonics, readCoefficients } from './harmonics.ts';
 import { permuteSplats } from './morton-order.ts';
-import { shRestValues, unpackShRest } from './sh-rest.ts';
 
 /**
- * The splats of `set` that can be drawn, and those that cannot counted by reason with the ones already dropped; the very
- * same object where all can. Shaders may assume that there are no NaNs and infinities, so they have to be found here.
+ * Drops the splats of `set` that are not finite, and adds them to the counts of those dropped before; returns the very
+ * same object if there are none. Shaders assume that there are no NaNs and infinities, so they have to be found here.
  */
-export function dropNonFinite(set: SplatSet): SplatSet {
+export function dropNonFinite<Kind extends Harmonics>(set: SplatSet<Kind>): SplatSet<Kind> {
   const kept: number[] = [];
   const dropped: { -readonly [Reason in keyof DropCounts]: number } = { ...set.dropped };
-  const row = new Float64Array(ROW_SLOT.shRest + shRestValues(set.shRest.degree));
+  const row = new Float64Array(ROW_SLOT.harmonics + coefficientsPerSplat(set.harmonics.degree));
   for (let index = 0; index < set.count; index++) {
     fillRow(row, set, index);
     const reason = reasonToDrop(row);
@@ -21,7 +21,7 @@ export function dropNonFinite(set: SplatSet): SplatSet {
   return { ...permuteSplats(set, Uint32Array.from(kept)), dropped };
 }
 
-function fillRow(row: Float64Array, set: SplatSet, index: number): void {
+function fillRow(row: Float64Array, set: SplatSet<Harmonics>, index: number): void {
   for (let axis = 0; axis < 3; axis++) {
     row[ROW_SLOT.position + axis] = set.positions[3 * index + axis];
     row[ROW_SLOT.logScale + axis] = set.logScales[3 * index + axis];
@@ -29,5 +29,5 @@ function fillRow(row: Float64Array, set: SplatSet, index: number): void {
   }
   for (let k = 0; k < 4; k++) row[ROW_SLOT.rotation + k] = set.rotations[4 * index + k];
   row[ROW_SLOT.opacity] = set.opacityLogits[index];
-  unpackShRest(set.shRest, index, row.subarray(ROW_SLOT.shRest));
+  readCoefficients(set.harmonics, index, row.subarray(ROW_SLOT.harmonics));
 }

@@ -1,10 +1,10 @@
-import { COEFFICIENT_MAX, toHalfBits } from '../layout/half.ts';
-import type { SplatSet } from '../splats/splat-set.ts';
+import { clampCoefficient, toHalfBits } from '../layout/half.ts';
+import type { SplatColumns } from '../splats/splat-set.ts';
 import { clampLogScale } from './log-scale.ts';
 import type { GeometryPrecision } from './precision.ts';
 import { normalizedRotation } from './rotation.ts';
 
-/** 32-bit words per splat: twin of shaders/lib/packing.wgsl. */
+/** 32-bit words per splat, as in shaders/lib/packing.wgsl. */
 export const GEOMETRY_WORDS: Readonly<Record<GeometryPrecision, number>> = { f32: 16, packed: 8 };
 
 /** Log scales of a packed cloud are unorm16 steps from `min` on. */
@@ -28,10 +28,10 @@ export interface PackedGeometry {
  * packed, 32 bytes: position 3×f32 | dc 3×f16 | opacity unorm16 | log scale 3×unorm16 over the cloud's range |
  * rotation smallest-three, 3×15 bits and the 2-bit index of the one left out (bit 15 of the first and second).
  *
- * @param logScaleRange by default that of `set`.
+ * @param logScaleRange default: that of `set`.
  */
 export function packGeometry(
-  set: SplatSet,
+  set: SplatColumns,
   precision: GeometryPrecision,
   logScaleRange = logScaleRangeOf(set),
 ): PackedGeometry {
@@ -46,7 +46,7 @@ export function opacityOf(logit: number): number {
   return 1 / (1 + Math.exp(-logit));
 }
 
-function packF32(set: SplatSet, target: Float32Array): void {
+function packF32(set: SplatColumns, target: Float32Array): void {
   const rotation = new Float64Array(4);
   for (let i = 0; i < set.count; i++) {
     const at = 16 * i;
@@ -54,17 +54,14 @@ function packF32(set: SplatSet, target: Float32Array): void {
     for (let axis = 0; axis < 3; axis++) {
       target[at + axis] = set.positions[3 * i + axis];
       target[at + 8 + axis] = Math.exp(clampLogScale(set.logScales[3 * i + axis]));
-      target[at + 12 + axis] = Math.max(
-        -COEFFICIENT_MAX,
-        Math.min(COEFFICIENT_MAX, set.colorDc[3 * i + axis]),
-      );
+      target[at + 12 + axis] = clampCoefficient(set.colorDc[3 * i + axis]);
     }
     target[at + 3] = opacityOf(set.opacityLogits[i]);
     target.set(rotation, at + 4);
   }
 }
 
-function packSmall(set: SplatSet, words: Uint32Array, { min, step }: LogScaleRange): void {
+function packSmall(set: SplatColumns, words: Uint32Array, { min, step }: LogScaleRange): void {
   const positionBits = new Uint32Array(set.positions.buffer, set.positions.byteOffset, 3 * set.count);
   const rotation = new Float64Array(4);
   for (let i = 0; i < set.count; i++) {
@@ -86,7 +83,7 @@ function packSmall(set: SplatSet, words: Uint32Array, { min, step }: LogScaleRan
   }
 }
 
-function logScaleRangeOf({ logScales }: SplatSet): LogScaleRange {
+function logScaleRangeOf({ logScales }: SplatColumns): LogScaleRange {
   let min = Number.POSITIVE_INFINITY;
   let max = Number.NEGATIVE_INFINITY;
   for (let i = 0; i < logScales.length; i++) {
@@ -94,7 +91,7 @@ function logScaleRangeOf({ logScales }: SplatSet): LogScaleRange {
     if (logScale < min) min = logScale;
     if (logScale > max) max = logScale;
   }
-  // Rounded to what the shader will compute with.
+  // Rounded to the values that the shader will compute with.
   return max > min
     ? { min: Math.fround(min), step: Math.fround((max - min) / 65535) }
     : { min: Math.fround(min), step: 0 };

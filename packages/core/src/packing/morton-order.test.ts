@@ -85,8 +85,8 @@ describe('Morton order', () => {
           set[column].subarray(from * width, (from + 1) * width),
         );
       }
-      expect(permuted.shRest.words.subarray(9 * to, 9 * to + 9)).toEqual(
-        set.shRest.words.subarray(9 * from, 9 * from + 9),
+      expect(permuted.harmonics.coefficients.subarray(9 * to, 9 * to + 9)).toEqual(
+        set.harmonics.coefficients.subarray(9 * from, 9 * from + 9),
       );
     }
   });

@@ -1,12 +1,13 @@
-import type { SplatSet } from '../splats/splat-set.ts';
+import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
+import { type Harmonics, isPacked } from './harmonics.ts';
 
 /** Bits per axis of a Morton code: 48 in all, three passes of a 16-bit radix sort. */
 const BITS_PER_AXIS = 16;
 const RADIX = 1 << BITS_PER_AXIS;
 
 /**
- * Storage order of splats: by the Morton code of their centres within the bounds, in the order given where codes are
- * equal. Neighbours in space become neighbours in memory, so that a run of splats has small bounds.
+ * Storage order of splats: by the Morton code of their centres within the bounds; equal codes keep the given order.
+ * Neighbours in space become neighbours in memory, so that a run of splats has small bounds.
  *
  * @param positions 3N finite coordinates.
  * @returns N indices into the given order.
@@ -26,8 +27,11 @@ export function mortonOrder(positions: Float32Array, count: number): Uint32Array
   return order;
 }
 
-/** The splats of `set` that `order` names, in its order. */
-export function permuteSplats(set: SplatSet, order: Uint32Array): SplatSet {
+/** The splats of `set` that `order` lists, in that order. */
+export function permuteSplats<Kind extends Harmonics>(
+  set: SplatSet<Kind>,
+  order: Uint32Array,
+): SplatSet<Kind> {
   return {
     ...set,
     count: order.length,
@@ -36,7 +40,7 @@ export function permuteSplats(set: SplatSet, order: Uint32Array): SplatSet {
     rotations: permuted(set.rotations, order, 4),
     opacityLogits: permuted(set.opacityLogits, order, 1),
     colorDc: permuted(set.colorDc, order, 3),
-    shRest: { ...set.shRest, words: permuted(set.shRest.words, order, set.shRest.wordsPerSplat) },
+    harmonics: permutedHarmonics(set.harmonics, order),
     fileIndices: permuted(set.fileIndices, order, 1),
   };
 }
@@ -73,6 +77,14 @@ function spread(byte: number): number {
   let bits = (byte | (byte << 8)) & 0x00f00f;
   bits = (bits | (bits << 4)) & 0x0c30c3;
   return (bits | (bits << 2)) & 0x249249;
+}
+
+function permutedHarmonics<Kind extends Harmonics>(harmonics: Kind, order: Uint32Array): Kind {
+  if (isPacked(harmonics)) {
+    return { ...harmonics, words: permuted(harmonics.words, order, harmonics.wordsPerSplat) };
+  }
+  const width = coefficientsPerSplat(harmonics.degree);
+  return { ...harmonics, coefficients: permuted(harmonics.coefficients, order, width) };
 }
 
 function permuted<Column extends Float32Array | Uint32Array>(

@@ -1,13 +1,14 @@
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { Chunk } from '../layout/structs.ts';
 import type { Vec3 } from '../math/mat4.ts';
-import type { DropCounts, SplatSet } from '../splats/splat-set.ts';
+import type { DropCounts, SplatColumns, SplatSet } from '../splats/splat-set.ts';
 import { type CloudFacts, cloudFacts } from './cloud-facts.ts';
 import { type PackedGeometry, packGeometry } from './geometry.ts';
+import { type Harmonics, isPacked, type PackedHarmonics } from './harmonics.ts';
 import { clampLogScale } from './log-scale.ts';
 import { mortonOrder, permuteSplats } from './morton-order.ts';
 import type { GeometryPrecision, ShPrecision } from './precision.ts';
-import { repackShRest, type ShRest, truncateShRest } from './sh-rest.ts';
+import { packHarmonics, repackHarmonics, truncateHarmonics } from './repack-harmonics.ts';
 
 /** An axis-aligned box, corners included. */
 export interface Bounds {
@@ -22,31 +23,33 @@ export interface PackedCloud {
   readonly origin: Vec3;
   /** Bounds of the centres, in scene space. */
   readonly bounds: Bounds;
-  /** Bounds of the centres but for the outermost two in a hundred on either side of each axis: where the scene is. */
+  /** Bounds of the centres without the outermost 2 % at either end of each axis: where the scene is. */
   readonly robustBounds: Bounds;
   readonly geometry: PackedGeometry;
-  /** Of degree `facts.trueShDegree`: bands above it cannot be seen and are not here. */
-  readonly shRest: ShRest;
+  /** Of degree `facts.trueShDegree`: bands above it cannot be seen and are left out. */
+  readonly harmonics: PackedHarmonics;
   /** One `Chunk` struct per chunk. */
   readonly chunks: ArrayBuffer;
   /** N: each stored splat's row in its file. */
   readonly fileIndices: Uint32Array;
   readonly dropped: DropCounts;
-  /** Of `set` as it was packed, all of its bands included. */
+  /** Facts about the set before packing, with all of its bands. */
   readonly facts: CloudFacts;
 }
 
 export interface PackOptions {
   readonly geometryPrecision: GeometryPrecision;
-  /** Default: what `set` has. */
+  /** Default: the precision of the set's harmonics; f32 if they are as trained. */
   readonly shPrecision?: ShPrecision;
 }
 
-/** Arranges and packs `set`, which may have any order. Takes about a second per two million splats. */
-export function packCloud(set: SplatSet, options: PackOptions): PackedCloud {
+/**
+ * Arranges `set`, which may have any order, in storage order and packs it. Takes about a second per two million splats.
+ */
+export function packCloud(set: SplatSet<Harmonics>, options: PackOptions): PackedCloud {
   const facts = cloudFacts(set);
-  const shRest = packedShRest(set, facts, options.shPrecision ?? set.shRest.precision);
-  const stored = permuteSplats({ ...set, shRest }, mortonOrder(set.positions, set.count));
+  const harmonics = packedHarmonics(set, facts, options.shPrecision ?? precisionOf(set.harmonics));
+  const stored = permuteSplats({ ...set, harmonics }, mortonOrder(set.positions, set.count));
   const chunks = chunkBounds(stored);
   const bounds = totalBounds(chunks, stored.origin);
   return {
@@ -55,7 +58,7 @@ export function packCloud(set: SplatSet, options: PackOptions): PackedCloud {
     bounds,
     robustBounds: stored.count > 0 ? quantileBounds(stored, OUTER_PART) : bounds,
     geometry: packGeometry(stored, options.geometryPrecision),
-    shRest: stored.shRest,
+    harmonics: stored.harmonics,
     chunks,
     fileIndices: stored.fileIndices,
     dropped: stored.dropped,
@@ -63,17 +66,28 @@ export function packCloud(set: SplatSet, options: PackOptions): PackedCloud {
   };
 }
 
-/** Bands that cannot be seen go first, so that others take the whole range of a byte and nothing is packed in vain. */
-function packedShRest({ shRest, count }: SplatSet, facts: CloudFacts, precision: ShPrecision): ShRest {
-  const { shBandReach: bandReach, trueShDegree } = facts;
-  return repackShRest(truncateShRest({ ...shRest, bandReach }, count, trueShDegree), count, precision);
+function precisionOf(harmonics: Harmonics): ShPrecision {
+  return isPacked(harmonics) ? harmonics.precision : 'f32';
+}
+
+/**
+ * Leaves out bands that cannot be seen before it packs the others, so that these get the whole range of a byte and no
+ * work is wasted.
+ */
+function packedHarmonics(
+  { harmonics, count }: SplatSet<Harmonics>,
+  { shBandReach: bandReach, trueShDegree }: CloudFacts,
+  precision: ShPrecision,
+): PackedHarmonics {
+  const packed = isPacked(harmonics) ? harmonics : packHarmonics(harmonics);
+  return repackHarmonics(truncateHarmonics({ ...packed, bandReach }, count, trueShDegree), count, precision);
 }
 
 /** The buffers of `cloud`, for posting it to another thread without a copy. */
 export function transferablesOf(cloud: PackedCloud): ArrayBuffer[] {
   const buffers = [
     cloud.geometry.words.buffer,
-    cloud.shRest.words.buffer,
+    cloud.harmonics.words.buffer,
     cloud.chunks,
     cloud.fileIndices.buffer,
   ];
@@ -84,7 +98,7 @@ export function chunkCountOf(splatCount: number): number {
   return Math.ceil(splatCount / CHUNK_SPLATS);
 }
 
-function chunkBounds({ count, positions, logScales }: SplatSet): ArrayBuffer {
+function chunkBounds({ count, positions, logScales }: SplatColumns): ArrayBuffer {
   const chunks = new ArrayBuffer(chunkCountOf(count) * Chunk.bytes);
   for (let chunk = 0; chunk < chunkCountOf(count); chunk++) {
     const min = [Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
@@ -128,12 +142,12 @@ function totalBounds(chunks: ArrayBuffer, origin: Vec3): Bounds {
   return { min, max };
 }
 
-/** Captures scatter a few splats far around the scene; this part on either side is taken to be such. */
+/** Captures scatter a few splats far around the scene: this fraction at either end counts as scattered. */
 const OUTER_PART = 0.02;
-/** Splats that the quantiles are taken from, evenly spread over the storage order and so over space. */
+/** Number of splats sampled for quantiles, evenly spread over the storage order and so over space. */
 const SAMPLES = 1 << 16;
 
-function quantileBounds({ count, positions, origin }: SplatSet, outerPart: number): Bounds {
+function quantileBounds({ count, positions, origin }: SplatColumns, outerPart: number): Bounds {
   const step = Math.max(1, Math.floor(count / SAMPLES));
   const sampleCount = Math.ceil(count / step);
   const [x, y, z] = [0, 1, 2].map((axis) => {

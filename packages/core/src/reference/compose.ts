@@ -1,3 +1,4 @@
+import type { SizePx } from '../accuracy/accuracy.ts';
 import { decodeSrgb, encodeSrgb } from './srgb.ts';
 
 /**
@@ -8,18 +9,97 @@ import { decodeSrgb, encodeSrgb } from './srgb.ts';
  * @returns linear, premultiplied, 4 values per pixel; all 0 where there is no splat.
  */
 export function compose(layer: ArrayLike<number>, behind: ArrayLike<number>): Float64Array {
-  const picture = new Float64Array(layer.length);
-  for (let at = 0; at < layer.length; at += 4) {
-    const covered = layer[at + 3];
-    if (covered === 0) continue;
-    const hostOpacity = behind[at + 3];
-    const opacity = covered + (1 - covered) * hostOpacity;
-    for (let channel = at; channel < at + 3; channel++) {
-      const straight = hostOpacity > 0 ? behind[channel] / hostOpacity : 0;
-      const encoded = layer[channel] + (1 - covered) * encodeSrgb(straight) * hostOpacity;
-      picture[channel] = decodeSrgb(encoded / opacity) * opacity;
+  return composePixels(layer, (pixel) => over(valuesAt(layer, pixel), valuesAt(behind, pixel)));
+}
+
+/** Samples lie on two surfaces where their view depths are this far apart: EDGE_RATIO of shaders/stages/compose.wgsl. */
+const EDGE_RATIO = 1.05;
+
+/**
+ * The same where several samples of the host's depth show the edges of meshes. There the host's colour is a mixture. The
+ * near surface's part of it, with the splats in front, is taken from the neighbour that shows most of that surface; the rest
+ * of the pixel is the far surface under the pixel's own splats.
+ *
+ * @param depthsView view depths of the host, `samples` per pixel.
+ */
+export function composeWithEdges(
+  layer: ArrayLike<number>,
+  behind: ArrayLike<number>,
+  depthsView: ArrayLike<number>,
+  samples: number,
+  size: SizePx,
+): Float64Array {
+  const samplesOf = (pixel: number) =>
+    Array.from({ length: samples }, (_, sample) => depthsView[samples * pixel + sample]);
+  return composePixels(layer, (pixel) => {
+    const nearest = Math.min(...samplesOf(pixel));
+    const [splats, host] = [valuesAt(layer, pixel), valuesAt(behind, pixel)];
+    const isNear = (depth: number) => depth <= EDGE_RATIO * nearest;
+    const share = samplesOf(pixel).filter(isNear).length / samples;
+    if (share === 1) return over(splats, host);
+    let [best, bestShare] = [pixel, share];
+    for (const neighbor of neighborhood(pixel, size)) {
+      const isSameSurface = (depth: number) => isNear(depth) && depth >= nearest / EDGE_RATIO;
+      const neighborShare = samplesOf(neighbor).filter(isSameSurface).length / samples;
+      if (neighborShare > bestShare) [best, bestShare] = [neighbor, neighborShare];
     }
-    picture[at + 3] = opacity;
-  }
+    const nearHost = valuesAt(behind, best);
+    const farHost = host.map((value, i) => Math.max(0, value - share * nearHost[i]) / (1 - share));
+    const [far, near] = [over(splats, farHost), over(valuesAt(layer, best), nearHost)];
+    return far.map((value, i) => (1 - share) * value + share * near[i]);
+  });
+}
+
+/**
+ * Twin of the depth that compose writes: the mean depth of a pixel's splats, as the host stores it.
+ *
+ * @param depthLayer view depths, blended like a colour.
+ * @param stored maps a view depth at normalised device coordinates (y up) to the host's.
+ * @returns −1 where splats cover less than half of the pixel.
+ */
+export function composeDepth(
+  layer: ArrayLike<number>,
+  depthLayer: ArrayLike<number>,
+  { widthPx, heightPx }: SizePx,
+  stored: (depthView: number, ndc: readonly [number, number]) => number,
+): Float64Array {
+  return Float64Array.from({ length: widthPx * heightPx }, (_, pixel) => {
+    const covered = layer[4 * pixel + 3];
+    const x = (2 * ((pixel % widthPx) + 0.5)) / widthPx - 1;
+    const y = 1 - (2 * (Math.floor(pixel / widthPx) + 0.5)) / heightPx;
+    return covered < 0.5 ? -1 : stored(depthLayer[pixel] / covered, [x, y]);
+  });
+}
+
+function composePixels(layer: ArrayLike<number>, colorAt: (pixel: number) => number[]): Float64Array {
+  const picture = new Float64Array(layer.length);
+  for (let pixel = 0; pixel < layer.length / 4; pixel++)
+    if (layer[4 * pixel + 3] > 0) picture.set(colorAt(pixel), 4 * pixel);
   return picture;
+}
+
+function valuesAt(image: ArrayLike<number>, pixel: number): number[] {
+  return [0, 1, 2, 3].map((channel) => image[4 * pixel + channel]);
+}
+
+/** `splats`, encoded, over `host`, linear; both premultiplied, and so is the sum, linear. */
+function over(splats: readonly number[], host: readonly number[]): number[] {
+  const [covered, hostOpacity] = [splats[3], host[3]];
+  const opacity = covered + (1 - covered) * hostOpacity;
+  if (opacity === 0) return [0, 0, 0, 0];
+  const color = [0, 1, 2].map((channel) => {
+    const straight = hostOpacity > 0 ? host[channel] / hostOpacity : 0;
+    const encoded = splats[channel] + (1 - covered) * encodeSrgb(straight) * hostOpacity;
+    return decodeSrgb(encoded / opacity) * opacity;
+  });
+  return [...color, opacity];
+}
+
+/** The pixel and its eight neighbours, row by row; at a border the nearest pixels that there are. */
+function neighborhood(pixel: number, { widthPx, heightPx }: SizePx): number[] {
+  const [x, y] = [pixel % widthPx, Math.floor(pixel / widthPx)];
+  const clamped = (value: number, size: number) => Math.max(0, Math.min(size - 1, value));
+  return [-1, 0, 1].flatMap((dy) =>
+    [-1, 0, 1].map((dx) => clamped(y + dy, heightPx) * widthPx + clamped(x + dx, widthPx)),
+  );
 }

@@ -1,4 +1,4 @@
-import type { CullPlane } from '../camera/frustum.ts';
+import type { FrustumSide } from '../camera/frustum.ts';
 
 /** Bounds of a chunk of splats, about its cloud's origin. */
 export interface ChunkBounds {
@@ -10,7 +10,7 @@ export interface ChunkBounds {
 }
 
 /** Twin of the GPU's cull-chunks: whether the chunk can reach into the picture. */
-export function isChunkInFrustum(chunk: ChunkBounds, planes: readonly CullPlane[]): boolean {
+export function isChunkInFrustum(chunk: ChunkBounds, planes: readonly FrustumSide[]): boolean {
   return chunkClearance(chunk, planes) >= 0;
 }
 
@@ -20,7 +20,7 @@ export function isChunkInFrustum(chunk: ChunkBounds, planes: readonly CullPlane[
  */
 export function chunkClearance(
   { minPosition, maxPosition, maxScale }: ChunkBounds,
-  planes: readonly CullPlane[],
+  planes: readonly FrustumSide[],
 ): number {
   let clearance = Number.POSITIVE_INFINITY;
   for (const { normal, offset, reach } of planes) {

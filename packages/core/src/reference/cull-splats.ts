@@ -3,7 +3,7 @@ import type { Projection } from '../camera/camera.ts';
 import type { CloudView } from '../camera/cloud-view.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { opacityOf } from '../packing/geometry.ts';
-import type { SplatSet } from '../splats/splat-set.ts';
+import type { SplatColumns } from '../splats/splat-set.ts';
 import { rotationMatrix, type ScreenCovariance, screenCovariance, screenRows } from './covariance.ts';
 import type { EffectTwin, SplatValues } from './effects/effect-twin.ts';
 
@@ -45,7 +45,7 @@ const FARTHEST_CENTER_PX = 1e18;
 
 /** Twin of the GPU's cull-splats for splat `index`: what it looks like, or null where nothing of it is drawn. */
 export function cullSplat(
-  set: SplatSet,
+  set: SplatColumns,
   index: number,
   view: CloudView,
   projection: Projection,
@@ -81,7 +81,7 @@ export function cullSplat(
 }
 
 /** Splat `index` as the effects leave it. */
-function changedSplat(set: SplatSet, index: number, effects: readonly EffectTwin[]): SplatValues {
+function changedSplat(set: SplatColumns, index: number, effects: readonly EffectTwin[]): SplatValues {
   const { positions, rotations, logScales } = set;
   const [at3, at4] = [3 * index, 4 * index];
   let splat: SplatValues = {

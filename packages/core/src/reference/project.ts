@@ -1,7 +1,7 @@
 import { type CloudView, FALLBACK_DIRECTION } from '../camera/cloud-view.ts';
 import type { Vec3 } from '../math/mat4.ts';
-import { unpackShRest } from '../packing/sh-rest.ts';
-import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
+import { type Harmonics, readCoefficients } from '../packing/harmonics.ts';
+import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 import type { CulledSplat } from './cull-splats.ts';
 import type { EffectTwin } from './effects/effect-twin.ts';
 import { shColor } from './spherical-harmonics.ts';
@@ -14,19 +14,19 @@ function viewDirection(position: Vec3, view: CloudView): [number, number, number
   return [toward[0] / length, toward[1] / length, toward[2] / length];
 }
 
-const rest = new Float64Array(3 * SH_REST_COEFFICIENTS[3]);
+const rest = new Float64Array(coefficientsPerSplat(3));
 
 /** Twin of the GPU's project, its colour part: r, g, b of splat `index` as the camera sees it. */
 export function splatColor(
-  set: SplatSet,
+  set: SplatSet<Harmonics>,
   index: number,
   view: CloudView,
   degreeLimit: ShDegree,
   { splat, centerView }: Pick<CulledSplat, 'splat' | 'centerView'>,
   effects: readonly EffectTwin[] = [],
 ): Vec3 {
-  const degree = Math.min(set.shRest.degree, degreeLimit) as ShDegree;
-  unpackShRest(set.shRest, index, rest);
+  const degree = Math.min(set.harmonics.degree, degreeLimit) as ShDegree;
+  readCoefficients(set.harmonics, index, rest);
   const dc = set.colorDc.subarray(3 * index, 3 * index + 3);
   let color: Vec3 = shColor(degree, dc, rest, viewDirection(splat.position, view));
   for (const { changeColor } of effects) color = changeColor?.(color, splat, index, centerView) ?? color;

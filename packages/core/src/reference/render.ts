@@ -12,6 +12,7 @@ import { usesOf } from '../effects/effects.ts';
 import { orderedBits, shortDepthKey } from '../layout/depth-key.ts';
 import { identity4, type Vec3 } from '../math/mat4.ts';
 import { dropNonFinite } from '../packing/drop-non-finite.ts';
+import type { Harmonics } from '../packing/harmonics.ts';
 import { mortonOrder, permuteSplats } from '../packing/morton-order.ts';
 import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
 import { cullSplat, type VisibleSplat } from './cull-splats.ts';
@@ -22,7 +23,7 @@ import { upscale } from './upscale.ts';
 
 export interface ReferenceFrame {
   readonly clouds: readonly {
-    readonly set: SplatSet;
+    readonly set: SplatSet<Harmonics>;
     readonly modelMatrix?: ArrayLike<number>;
     /** Multiplies every splat's opacity, 0…1; default 1. */
     readonly opacity?: number;

@@ -1,6 +1,6 @@
 import type { DropReason } from './splat-set.ts';
 
-/** One splat's values in one array: index of each property's first component. */
+/** Layout of one splat's values in one array: index of each property's first component. */
 export const ROW_SLOT = {
   /** x, y, z in the scene's space. */
   position: 0,
@@ -13,10 +13,10 @@ export const ROW_SLOT = {
   /** r, g, b. */
   colorDc: 11,
   /** 3K values in ascending (degree, order), each as r, g, b. */
-  shRest: 14,
+  harmonics: 14,
 } as const;
 
-/** Why a splat with these values cannot be drawn, or undefined. Opacities of ±Infinity can: they are 0 and 1. */
+/** Why a splat with these values cannot be drawn; undefined if it can. Logits of ±Infinity are opacities of 0 and 1. */
 export function reasonToDrop(row: Float64Array): DropReason | undefined {
   if (!isFiniteFloat32(row, ROW_SLOT.position, 3)) return 'non-finite-position';
   if (!isFiniteFloat32(row, ROW_SLOT.logScale, 3)) return 'non-finite-scale';
@@ -26,7 +26,7 @@ export function reasonToDrop(row: Float64Array): DropReason | undefined {
   return undefined;
 }
 
-/** In float32, since a finite double can still be beyond what a column holds. */
+/** Checks in float32: a finite double can still be too large for a column. */
 function isFiniteFloat32(values: Float64Array, from: number, count: number): boolean {
   for (let i = from; i < from + count; i++) if (!Number.isFinite(Math.fround(values[i]))) return false;
   return true;

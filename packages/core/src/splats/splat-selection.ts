@@ -1,26 +1,26 @@
 import { InvalidArgumentError } from '../errors.ts';
 
-/** Rows are told apart up to here: those of any file that fits a device. */
+/** Largest row that can be selected: any file that fits a device has fewer rows. */
 const LAST_ROW = 2 ** 31 - 1;
 
 let versionsGiven = 0;
 
 /**
- * Splats that were chosen, by their rows in the file: a bit each. The same selection does for every cloud of that file, and
- * outlives it; rows that a cloud does not have are not drawn there. Nothing of it is on the GPU but while it is drawn.
+ * A set of selected splats, one bit per row of their file. The same selection serves every cloud of that file and
+ * outlives them; a cloud ignores rows that it does not have. It takes GPU memory only while it is drawn.
  */
 export class SplatSelection {
-  /** Bit `row % 32` of word `row / 32`; rows beyond are not selected. */
+  /** Bit `row % 32` of word `row / 32`; rows beyond the words are not selected. */
   #words = new Uint32Array();
   #count = 0;
   #version = ++versionsGiven;
 
-  /** How many rows are selected. */
+  /** Number of selected rows. */
   get count(): number {
     return this.#count;
   }
 
-  /** Another number after every change, which no other selection has. */
+  /** Changes with every change of the selection; no two selections share a version. */
   get version(): number {
     return this.#version;
   }
@@ -29,12 +29,12 @@ export class SplatSelection {
     return ((this.#words[Math.floor(row / 32)] >>> (row % 32)) & 1) === 1;
   }
 
-  /** @throws InvalidArgumentError for what is no row; the selection stays as it was then. */
+  /** @throws InvalidArgumentError for anything that is not a row; the selection is then unchanged. */
   add(rows: Iterable<number>): void {
     this.#set(rows, true);
   }
 
-  /** @throws InvalidArgumentError for what is no row; the selection stays as it was then. */
+  /** @throws InvalidArgumentError for anything that is not a row; the selection is then unchanged. */
   delete(rows: Iterable<number>): void {
     this.#set(rows, false);
   }
@@ -46,7 +46,7 @@ export class SplatSelection {
     this.#version = ++versionsGiven;
   }
 
-  /** @internal A bit per entry of `rows`, the first one lowest: whether that row is selected. */
+  /** @internal One bit per entry of `rows`, lowest bit first: whether that row is selected. */
   bitsOf(rows: Uint32Array): Uint32Array<ArrayBuffer> {
     const bits = new Uint32Array(Math.ceil(rows.length / 32));
     for (let i = 0; i < rows.length; i++) if (this.has(rows[i])) bits[Math.floor(i / 32)] |= 1 << (i % 32);
@@ -57,7 +57,7 @@ export class SplatSelection {
     const checked = [...rows];
     for (const row of checked) {
       if (Number.isInteger(row) && row >= 0 && row <= LAST_ROW) continue;
-      const message = `Row ${row} is to be ${isSelected ? 'selected' : 'let go'}; rows are whole numbers from 0.`;
+      const message = `Row ${row} cannot be ${isSelected ? 'selected' : 'deselected'}; rows are whole numbers from 0 to ${LAST_ROW}.`;
       throw new InvalidArgumentError('rows', message);
     }
     const before = this.#count;

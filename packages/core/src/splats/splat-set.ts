@@ -1,12 +1,22 @@
-import type { ShRest } from '../packing/sh-rest.ts';
-
 /** Degree of the spherical harmonics that a set of splats carries. */
 export type ShDegree = 0 | 1 | 2 | 3;
 
 /** Coefficients per colour channel above degree 0, by degree: 0, 3, 8, 15. */
 export const SH_REST_COEFFICIENTS: Readonly<Record<ShDegree, number>> = { 0: 0, 1: 3, 2: 8, 3: 15 };
 
-/** Why a reader left splats out. */
+/** Coefficients of one splat above degree 0, 3K: those of its three colour channels. */
+export function coefficientsPerSplat(degree: ShDegree): number {
+  return 3 * SH_REST_COEFFICIENTS[degree];
+}
+
+/** Spherical harmonics above degree 0 of N splats, as trained. */
+export interface TrainedHarmonics {
+  readonly degree: ShDegree;
+  /** N · 3K: each splat's coefficients in ascending (degree, order), each as r, g, b. K = SH_REST_COEFFICIENTS[degree]. */
+  readonly coefficients: Float32Array;
+}
+
+/** Why a splat was dropped. */
 export type DropReason =
   | 'non-finite-position'
   | 'non-finite-scale'
@@ -14,15 +24,14 @@ export type DropReason =
   | 'non-finite-opacity'
   | 'non-finite-color';
 
-/** How many splats were left out, by reason; reasons that did not occur are absent. */
+/** Number of dropped splats by reason; reasons that did not occur are absent. */
 export type DropCounts = Partial<Record<DropReason, number>>;
 
 /**
- * Splats on the CPU, a column per property, N = `count` rows, in the order in which they are stored.
- * Values are as trained (log scales, logit opacity), so that a reader changes nothing; only rows that are not
- * finite are left out and counted.
+ * Splats on the CPU without their harmonics: a column per property, N = `count` rows, in any order. Values are as
+ * trained (log scales, logit opacity): readers change nothing, and only drop and count rows that are not finite.
  */
-export interface SplatSet {
+export interface SplatColumns {
   /** Number of splats, N. */
   readonly count: number;
   /** Scene-space point that positions are relative to, in float64: large coordinates keep their precision. */
@@ -37,12 +46,20 @@ export interface SplatSet {
   readonly opacityLogits: Float32Array;
   /** 3N: spherical-harmonics coefficient of degree 0 for r, g, b. */
   readonly colorDc: Float32Array;
-  /** Coefficients above degree 0, already in the precision that the GPU will read: they are most of a scene's bytes. */
-  readonly shRest: ShRest;
   /** N: each splat's row in its file, 0-based; what picking returns. */
   readonly fileIndices: Uint32Array;
-  /** Rows of the file that are not here, by reason. */
+  /** Rows of the file that were dropped, by reason. */
   readonly dropped: DropCounts;
   /** Whether the splats were trained with an antialias filter; absent where the format does not say. */
   readonly isAntialiased?: boolean;
+}
+
+/**
+ * Splats on the CPU. Harmonics are as trained, like all else, unless the type says otherwise: readers return
+ * `SplatSet<PackedHarmonics>`, since harmonics are most of a scene's bytes and are packed as they are read.
+ */
+export interface SplatSet<Harmonics extends { readonly degree: ShDegree } = TrainedHarmonics>
+  extends SplatColumns {
+  /** Spherical harmonics above degree 0. */
+  readonly harmonics: Harmonics;
 }

@@ -39,8 +39,8 @@ function draw(scene: Scene): Promise<InspectedFrame> {
   return InspectedFrame.draw(device, { ...scene, ...SIZE });
 }
 
-function pickAt(frame: InspectedFrame, camera: Camera, xPx: number, yPx: number): Promise<SplatPick | null> {
-  return pickSplat({ device, pipelines, memory, counting }, frame.resources, { camera, ...SIZE }, xPx, yPx);
+function pickAt(frame: InspectedFrame, xPx: number, yPx: number): Promise<SplatPick | null> {
+  return pickSplat({ device, pipelines, memory, counting }, frame.parts, frame.plan, xPx, yPx);
 }
 
 /** The frame's splats as the GPU has them, in its order: the very numbers that the stage reads. */
@@ -89,7 +89,7 @@ async function check(
   for (let i = 0; i < pixels; i++) {
     const [xPx, yPx] = [SIZE.widthPx * random(), SIZE.heightPx * random()];
     const [column, row] = [Math.floor(xPx), Math.floor(yPx)];
-    const got = await pickAt(frame, scene.camera, xPx, yPx);
+    const got = await pickAt(frame, xPx, yPx);
     const expected = pickTwin(gpu.splats, column, row, alphaCutoff);
     const alphaInImage = frame.image.data[4 * (row * SIZE.widthPx + column) + 3];
     const place = `pixel ${column}, ${row}`;
@@ -105,7 +105,7 @@ async function check(
       expect(Math.abs(got.alpha - expected.alpha), place).toBeLessThanOrEqual(1e-5);
       expect(got.depthView, place).toBe(gpu.splats[expected.index].depthView);
       expect(got.splatIndex, place).toBe(cloud.stored.fileIndices[index]);
-      expect(got.cloud, place).toBe(frame.resources.shape.clouds[got.cloudIndex]);
+      expect(got.cloud, place).toBe(frame.plan.shape.clouds[got.cloudIndex].cloud);
     } else others++;
 
     // From the scene on, where depths closer than float32 tells apart change places.
@@ -212,7 +212,7 @@ describe('pick', () => {
     const camera = orthographicCamera({ position: [0, 0, 5], target: [0, 0, 0], aspect: 1, height: 1 });
     const same = splatsOf(Array.from({ length: 40 }, () => ({ opacityLogit: 0 })));
     const frame = await draw({ clouds: [{ set: same }, { set: same }], camera });
-    const pick = await pickAt(frame, camera, 32, 32);
+    const pick = await pickAt(frame, 32, 32);
     expect(pick).toMatchObject({ cloudIndex: 1, splatIndex: 39, totalOpacity: 1 });
     expect(pick?.point[2]).toBe(0);
     frame.destroy();
@@ -221,7 +221,7 @@ describe('pick', () => {
   gpuTest('the opacity is capped as in the picture', async () => {
     const camera = orthographicCamera({ position: [0, 0, 5], target: [0, 0, 0], aspect: 1, height: 1 });
     const frame = await draw({ clouds: [{ set: splatsOf([{ logScales: [2, 2, 2] }]) }], camera });
-    expect((await pickAt(frame, camera, 10, 50))?.alpha).toBe(Math.fround(0.99));
+    expect((await pickAt(frame, 10, 50))?.alpha).toBe(Math.fround(0.99));
     frame.destroy();
   });
 
@@ -235,7 +235,7 @@ describe('pick', () => {
       [{ set: splats(300, 1), opacity: 0 }],
     ]) {
       const frame = await draw({ clouds, camera });
-      expect(await pickAt(frame, camera, 32, 32)).toBeNull();
+      expect(await pickAt(frame, 32, 32)).toBeNull();
       frame.destroy();
     }
   });
@@ -243,12 +243,10 @@ describe('pick', () => {
   gpuTest('is the same every time, survives the end of its frame and leaves no memory behind', async () => {
     const camera = CAMERAS.perspective;
     const frame = await draw({ clouds: [{ set: splats(2000, 6) }], camera });
-    const [first, ...rest] = await Promise.all(
-      Array.from({ length: 10 }, () => pickAt(frame, camera, 30.2, 33.9)),
-    );
+    const [first, ...rest] = await Promise.all(Array.from({ length: 10 }, () => pickAt(frame, 30.2, 33.9)));
     expect(first).not.toBeNull();
     for (const pick of rest) expect(pick).toEqual(first);
-    const pending = pickAt(frame, camera, 30.2, 33.9);
+    const pending = pickAt(frame, 30.2, 33.9);
     expect(memory.report().totalBytes).toBeGreaterThan(0);
     frame.destroy();
     expect(await pending).toEqual(first);
@@ -265,9 +263,9 @@ describe('pick', () => {
       [5, 64],
       [Number.NaN, 5],
     ]) {
-      await expect(pickAt(frame, camera, xPx, yPx)).rejects.toThrow(InvalidArgumentError);
+      await expect(pickAt(frame, xPx, yPx)).rejects.toThrow(InvalidArgumentError);
     }
-    await pickAt(frame, camera, 0, 63.99);
+    await pickAt(frame, 0, 63.99);
     expect(memory.report().totalBytes).toBe(0);
     frame.destroy();
   });

@@ -111,7 +111,7 @@ describe('project', () => {
       };
       await check(options);
       const frame = await InspectedFrame.draw(device, { ...options, ...SIZE });
-      const { passes, digitBits } = frame.resources.sort.shape;
+      const { passes, digitBits } = frame.parts.sort.sort.shape;
       expect(passes * digitBits).toBeGreaterThanOrEqual(sortKeyBits);
       expect(passes).toBeLessThanOrEqual(Math.ceil(sortKeyBits / 8));
       expect(await compareOrder(frame)).toEqual([]);

@@ -1,8 +1,8 @@
 import type { RecordPrecision, SortKeyBits } from '../accuracy/accuracy.ts';
 import { type EffectSet, effectBindings, hasHook, NO_EFFECTS } from '../effects/effect-set.ts';
 import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
+import { shWordsPerSplat } from '../packing/harmonics.ts';
 import type { GeometryPrecision, ShPrecision } from '../packing/precision.ts';
-import { shRestWordsPerSplat } from '../packing/sh-rest.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import { recordConditions } from './record-conditions.ts';
 
@@ -68,7 +68,7 @@ export function project(variant: ProjectVariant): StageDefinition {
     constants: {
       MAX_COLOR: variant.maxColor,
       ...(shortKeyBits !== null && { SORT_KEY_BITS: shortKeyBits }),
-      ...(shDegree >= 1 && { SH_WORDS: shRestWordsPerSplat(variant.storedShDegree, shPrecision) }),
+      ...(shDegree >= 1 && { SH_WORDS: shWordsPerSplat(variant.storedShDegree, shPrecision) }),
     },
     bindings,
   };

@@ -5,16 +5,11 @@ import { planSort } from './plan-sort.ts';
 import { PrefixScan, prefixScanStages } from './prefix-scan.ts';
 import { sortHistogram } from './sort-histogram.ts';
 import { sortScatter } from './sort-scatter.ts';
-import type { SortShape } from './sort-shape.ts';
+import { type SortShape, tileKeysOf } from './sort-shape.ts';
 
 /** All stages that a sort of this shape runs. */
 export function radixSortStages(shape: SortShape): StageDefinition[] {
-  return [
-    ...prefixScanStages,
-    planSort(shape.workgroup * shape.itemsPerThread),
-    sortHistogram(shape),
-    sortScatter(shape),
-  ];
+  return [...prefixScanStages, planSort(tileKeysOf(shape)), sortHistogram(shape), sortScatter(shape)];
 }
 
 interface SortPass {
@@ -37,6 +32,9 @@ export class RadixSort {
   readonly #pipelines: Pipelines;
   readonly #memory: GpuMemory;
   readonly #buffers: GPUBuffer[] = [];
+  readonly #planStage: ReturnType<typeof planSort>;
+  readonly #histogramStage: ReturnType<typeof sortHistogram>;
+  readonly #scatterStage: ReturnType<typeof sortScatter>;
   readonly #scan: PrefixScan;
   readonly #planGroup: GPUBindGroup;
   readonly #tileDispatch: GPUBuffer;
@@ -55,10 +53,13 @@ export class RadixSort {
   ) {
     const { shape, capacity, keyCount, dispatchRow } = options;
     this.shape = shape;
+    this.#planStage = planSort(tileKeysOf(shape));
+    this.#histogramStage = sortHistogram(shape);
+    this.#scatterStage = sortScatter(shape);
     this.#pipelines = pipelines;
     this.#memory = memory;
     const radix = 1 << shape.digitBits;
-    const tileKeys = shape.workgroup * shape.itemsPerThread;
+    const tileKeys = tileKeysOf(shape);
     const maxDigitCounts = radix * Math.ceil(capacity / tileKeys);
 
     const keys = [0, 1].map((i) => this.#buffer(`sort keys ${i}`, 4 * capacity));
@@ -95,7 +96,7 @@ export class RadixSort {
       device.queue.writeBuffer(buffer, 0, contents);
       return buffer;
     });
-    this.#planGroup = pipelines.bindGroup(planSort(tileKeys), {
+    this.#planGroup = pipelines.bindGroup(this.#planStage, {
       parameters: parameters[0],
       keyCount,
       plan,
@@ -105,13 +106,13 @@ export class RadixSort {
     this.#passes = parameters.map((passParameters, pass) => {
       const [from, to] = [pass % 2, (pass + 1) % 2];
       return {
-        histogramGroup: pipelines.bindGroup(sortHistogram(shape), {
+        histogramGroup: pipelines.bindGroup(this.#histogramStage, {
           parameters: passParameters,
           plan,
           keys: keys[from],
           digitCounts,
         }),
-        scatterGroup: pipelines.bindGroup(sortScatter(shape), {
+        scatterGroup: pipelines.bindGroup(this.#scatterStage, {
           parameters: passParameters,
           plan,
           digitOffsets: digitCounts,
@@ -125,15 +126,15 @@ export class RadixSort {
   }
 
   record(pass: GPUComputePassEncoder): void {
-    pass.setPipeline(this.#pipelines.compute(planSort(this.shape.workgroup * this.shape.itemsPerThread))!);
+    pass.setPipeline(this.#pipelines.compute(this.#planStage)!);
     pass.setBindGroup(0, this.#planGroup);
     pass.dispatchWorkgroups(1);
     for (const { histogramGroup, scatterGroup } of this.#passes) {
-      pass.setPipeline(this.#pipelines.compute(sortHistogram(this.shape))!);
+      pass.setPipeline(this.#pipelines.compute(this.#histogramStage)!);
       pass.setBindGroup(0, histogramGroup);
       pass.dispatchWorkgroupsIndirect(this.#tileDispatch, 0);
       this.#scan.record(pass);
-      pass.setPipeline(this.#pipelines.compute(sortScatter(this.shape))!);
+      pass.setPipeline(this.#pipelines.compute(this.#scatterStage)!);
       pass.setBindGroup(0, scatterGroup);
       pass.dispatchWorkgroupsIndirect(this.#tileDispatch, 0);
     }

@@ -12,6 +12,17 @@ export interface RasterizeDepth {
   readonly layerFormat: DepthLayerFormat | null;
 }
 
+/** Whether the same shaders and targets do for both. */
+export function isSameDepth(a: RasterizeDepth | null, b: RasterizeDepth | null): boolean {
+  if (!a || !b) return a === b;
+  return (
+    a.mapping === b.mapping &&
+    a.compare === b.compare &&
+    a.isOrthographic === b.isOrthographic &&
+    a.layerFormat === b.layerFormat
+  );
+}
+
 /** The more exact one where `float32-blendable` is there. */
 export type DepthLayerFormat = 'r32float' | 'r16float';
 

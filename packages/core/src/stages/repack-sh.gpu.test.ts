@@ -4,8 +4,10 @@ import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { RepackParameters } from '../layout/structs.ts';
-import { packShRest, repackShRest, type ShRest, shRestValues, unpackShRest } from '../packing/sh-rest.ts';
+import { type PackedHarmonics, readCoefficients } from '../packing/harmonics.ts';
+import { packHarmonics, repackHarmonics } from '../packing/repack-harmonics.ts';
 import { repackSh as twin } from '../reference/repack-sh.ts';
+import { coefficientsPerSplat } from '../splats/splat-set.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { dispatchSize } from './dispatch.ts';
@@ -23,7 +25,7 @@ const COUNT = 700;
 const DISPATCH_ROW = 2;
 
 async function repackOnGpu(
-  finer: ShRest,
+  finer: PackedHarmonics,
   variant: RepackShVariant,
   shaders = pipelines,
 ): Promise<Uint32Array> {
@@ -42,16 +44,15 @@ async function repackOnGpu(
 }
 
 /** Random coefficients, and splats with none, tiny, huge and single ones. */
-function coefficients(degree: RepackShVariant['degree']): ShRest {
-  const rest = randomSplats({ count: COUNT, seed: 40 + degree, shDegree: degree }).shRest;
-  const values = new Float32Array(shRestValues(degree));
+function coefficients(degree: RepackShVariant['degree']): PackedHarmonics {
+  const { harmonics } = randomSplats({ count: COUNT, seed: 40 + degree, shDegree: degree });
+  const width = coefficientsPerSplat(degree);
   for (const [i, value] of [0, 1e-9, 3e-6, 1e-3, 1, 65504, 65519, 1e30].entries()) {
-    packShRest(degree, 'f32', values.fill(0), rest.words, 3 * i * rest.wordsPerSplat);
-    packShRest(degree, 'f32', values.fill(-value), rest.words, (3 * i + 1) * rest.wordsPerSplat);
-    values.fill(0)[values.length - 1] = value;
-    packShRest(degree, 'f32', values, rest.words, (3 * i + 2) * rest.wordsPerSplat);
+    const rows = harmonics.coefficients.subarray(3 * i * width, 3 * (i + 1) * width);
+    rows.fill(0).fill(-value, width, 2 * width);
+    rows[3 * width - 1] = value;
   }
-  return rest;
+  return packHarmonics(harmonics);
 }
 
 describe('repack-sh', () => {
@@ -75,16 +76,16 @@ describe('repack-sh', () => {
 
     for (const from of ['f32', 'f16'] as const) {
       gpuTest(`degree ${degree}: ${from} to u8 is the host's to within one step`, async () => {
-        const finer = repackShRest(coefficients(degree), COUNT, from);
+        const finer = repackHarmonics(coefficients(degree), COUNT, from);
         const expected = twin(finer, COUNT, 'u8');
         const made = { ...expected, words: await repackOnGpu(finer, { degree, from, to: 'u8' }) };
-        const [a, b] = [0, 1].map(() => new Float64Array(shRestValues(degree)));
+        const [a, b] = [0, 1].map(() => new Float64Array(coefficientsPerSplat(degree)));
         let differing = 0;
         for (let i = 0; i < COUNT; i++) {
           const scaleBits = made.words[i * made.wordsPerSplat] & 0xffff;
           expect(scaleBits, `scale of splat ${i}`).toBe(expected.words[i * made.wordsPerSplat] & 0xffff);
-          unpackShRest(made, i, a);
-          unpackShRest(expected, i, b);
+          readCoefficients(made, i, a);
+          readCoefficients(expected, i, b);
           const step = Math.max(...b.map(Math.abs)) / 127;
           for (const [k, value] of b.entries()) {
             if (a[k] === value) continue;
@@ -93,7 +94,7 @@ describe('repack-sh', () => {
           }
         }
         // Where float32 and float64 fall to different sides of half a step.
-        expect(differing).toBeLessThanOrEqual((COUNT * shRestValues(degree)) / 1000);
+        expect(differing).toBeLessThanOrEqual((COUNT * coefficientsPerSplat(degree)) / 1000);
       });
     }
   }

@@ -1,6 +1,7 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
-import { shRestValues, shRestWordsPerSplat } from '../packing/sh-rest.ts';
+import { shWordsPerSplat } from '../packing/harmonics.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
+import { coefficientsPerSplat } from '../splats/splat-set.ts';
 
 /** What the spherical harmonics of a page are, and what they become. */
 export interface RepackShVariant {
@@ -18,9 +19,9 @@ export function repackSh({ degree, from, to }: RepackShVariant) {
     entryPoint: 'repackSh',
     conditions: { SH_F32: from === 'f32', SH_F16: from === 'f16', REPACK_TO_U8: to === 'u8' },
     constants: {
-      SH_VALUES: shRestValues(degree),
-      FINER_WORDS: shRestWordsPerSplat(degree, from),
-      COARSER_WORDS: shRestWordsPerSplat(degree, to),
+      SH_VALUES: coefficientsPerSplat(degree),
+      FINER_WORDS: shWordsPerSplat(degree, from),
+      COARSER_WORDS: shWordsPerSplat(degree, to),
     },
     bindings: {
       parameters: [0, 'uniform'],

@@ -1,17 +1,12 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
-import type { SortShape } from './sort-shape.ts';
+import { type SortShape, sortConstants } from './sort-shape.ts';
 
 /** Counts the digits of each tile of keys. */
-export function sortHistogram({ digitBits, workgroup, itemsPerThread }: SortShape) {
+export function sortHistogram(shape: SortShape) {
   return {
     stage: 'sort-histogram',
     entryPoint: 'sortHistogram',
-    constants: {
-      DIGIT_BITS: digitBits,
-      SORT_WORKGROUP: workgroup,
-      SORT_ITEMS: itemsPerThread,
-      SORT_TILE: workgroup * itemsPerThread,
-    },
+    constants: sortConstants(shape),
     bindings: {
       parameters: [0, 'uniform'],
       plan: [1, 'read'],

@@ -1,17 +1,12 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
-import type { SortShape } from './sort-shape.ts';
+import { type SortShape, sortConstants } from './sort-shape.ts';
 
 /** Moves keys and payloads to their places; the first pass makes the payloads, the last leaves the keys behind. */
-export function sortScatter({ digitBits, workgroup, itemsPerThread }: SortShape) {
+export function sortScatter(shape: SortShape) {
   return {
     stage: 'sort-scatter',
     entryPoint: 'sortScatter',
-    constants: {
-      DIGIT_BITS: digitBits,
-      SORT_WORKGROUP: workgroup,
-      SORT_ITEMS: itemsPerThread,
-      SORT_TILE: workgroup * itemsPerThread,
-    },
+    constants: sortConstants(shape),
     bindings: {
       parameters: [0, 'uniform'],
       plan: [1, 'read'],

@@ -9,6 +9,24 @@ export interface SortShape {
   readonly itemsPerThread: number;
 }
 
+/** The shape as the sort's shaders import it. */
+export function sortConstants({ digitBits, workgroup, itemsPerThread }: SortShape) {
+  return {
+    DIGIT_BITS: digitBits,
+    SORT_WORKGROUP: workgroup,
+    SORT_ITEMS: itemsPerThread,
+    SORT_TILE: tileKeysOf({ workgroup, itemsPerThread }),
+  };
+}
+
+/** Keys that one workgroup of a pass takes. */
+export function tileKeysOf({
+  workgroup,
+  itemsPerThread,
+}: Pick<SortShape, 'workgroup' | 'itemsPerThread'>): number {
+  return workgroup * itemsPerThread;
+}
+
 /**
  * The shape for keys below 2^keyBits: as few passes as that takes. Masks of the scatter pass take 2^digitBits bits per
  * thread, so longer digits go with fewer threads to stay within WebGPU's 16 KiB of workgroup memory.

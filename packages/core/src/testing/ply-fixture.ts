@@ -1,4 +1,4 @@
-import { SH_REST_COEFFICIENTS, type ShDegree } from '../splats/splat-set.ts';
+import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
 
 /** One property of a test file: `values[row]`, or `values[row]` as a list's items where `countType` is given. */
 export interface FixtureProperty {
@@ -30,7 +30,7 @@ export const CORE_NAMES = [
 ];
 
 export function splatNames(degree: ShDegree): string[] {
-  const rest = Array.from({ length: 3 * SH_REST_COEFFICIENTS[degree] }, (_, i) => `f_rest_${i}`);
+  const rest = Array.from({ length: coefficientsPerSplat(degree) }, (_, i) => `f_rest_${i}`);
   return [...CORE_NAMES, ...rest];
 }
 

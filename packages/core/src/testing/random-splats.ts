@@ -1,7 +1,5 @@
 import type { Vec3 } from '../math/mat4.ts';
-import type { ShPrecision } from '../packing/precision.ts';
-import { packShRest, shRestValues, shRestWordsPerSplat } from '../packing/sh-rest.ts';
-import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
+import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 import { seededRandom } from './seeded-random.ts';
 
 export interface RandomSplatOptions {
@@ -10,8 +8,6 @@ export interface RandomSplatOptions {
   readonly seed?: number;
   /** Default 3. */
   readonly shDegree?: ShDegree;
-  /** Default f32. */
-  readonly shPrecision?: ShPrecision;
   /** Centres lie within ± this of the origin on each axis; default 1. */
   readonly halfExtent?: number;
   /** Default 0, 0, 0. */
@@ -24,16 +20,12 @@ export interface RandomSplatOptions {
 
 /** Splats at random in a cube, every column filled; the same for the same options. */
 export function randomSplats(options: RandomSplatOptions): SplatSet {
-  const { count, seed = 1, shDegree = 3, shPrecision = 'f32', halfExtent = 1, origin = [0, 0, 0] } = options;
+  const { count, seed = 1, shDegree = 3, halfExtent = 1, origin = [0, 0, 0] } = options;
   const { logScales = [-5, -2], opacityLogits = [-4, 4] } = options;
   const random = seededRandom(seed);
   const column = (length: number, min: number, max: number) =>
     Float32Array.from({ length }, () => min + (max - min) * random());
-  const wordsPerSplat = shRestWordsPerSplat(shDegree, shPrecision);
-  const words = new Uint32Array(count * wordsPerSplat);
-  for (let i = 0; i < count; i++) {
-    packShRest(shDegree, shPrecision, column(shRestValues(shDegree), -0.3, 0.3), words, i * wordsPerSplat);
-  }
+  const coefficients = column(count * coefficientsPerSplat(shDegree), -0.3, 0.3);
   return {
     count,
     origin,
@@ -42,7 +34,7 @@ export function randomSplats(options: RandomSplatOptions): SplatSet {
     rotations: column(4 * count, -1, 1),
     opacityLogits: column(count, ...opacityLogits),
     colorDc: column(3 * count, -1.5, 1.5),
-    shRest: { degree: shDegree, precision: shPrecision, wordsPerSplat, words },
+    harmonics: { degree: shDegree, coefficients },
     fileIndices: Uint32Array.from({ length: count }, (_, i) => i),
     dropped: {},
   };
@@ -67,7 +59,7 @@ export function splatsOf(splats: readonly SplatValues[]): SplatSet {
     rotations: Float32Array.from(splats.flatMap(({ rotation = [1, 0, 0, 0] }) => rotation)),
     opacityLogits: Float32Array.from(splats, ({ opacityLogit = Number.POSITIVE_INFINITY }) => opacityLogit),
     colorDc: Float32Array.from(splats.flatMap(({ colorDc = [0, 0, 0] }) => colorDc)),
-    shRest: { degree: 0, precision: 'f32', wordsPerSplat: 0, words: new Uint32Array() },
+    harmonics: { degree: 0, coefficients: new Float32Array() },
     fileIndices: Uint32Array.from(splats, (_, i) => i),
     dropped: {},
   };

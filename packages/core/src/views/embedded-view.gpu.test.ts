@@ -1,10 +1,11 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { type Camera, cameraFromMatrices, perspectiveCamera } from '../camera/camera.ts';
+import { type Camera, perspectiveCamera } from '../camera/camera.ts';
 import { type DepthConvention, storedDepth } from '../camera/depth-convention.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../engine.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
+import type { EmbeddedPicture } from '../frame/parts/compose.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture } from '../gpu/read-texture.ts';
 import { toHalfBits } from '../layout/half.ts';
@@ -14,7 +15,8 @@ import type { SplatSet } from '../splats/splat-set.ts';
 import { randomSplats, splatsOf } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { testCameras } from '../testing/test-cameras.ts';
-import type { EmbeddedFrame, EmbeddedPicture, EmbeddedView } from './embedded-view.ts';
+import { withClipDepth } from '../testing/with-clip-depth.ts';
+import type { EmbeddedFrame, EmbeddedView } from './embedded-view.ts';
 
 const SIZE = { widthPx: 48, heightPx: 40 };
 const PIXELS = SIZE.widthPx * SIZE.heightPx;
@@ -35,17 +37,6 @@ afterAll(() => {
   engine?.destroy();
   device?.destroy();
 });
-
-/** The same camera with clip depths of 0…1, reversed or not, as three.js makes them for WebGPU. */
-function withClipDepth(camera: Camera, isReversed: boolean): Camera {
-  const { near, far, viewMatrix } = camera;
-  const p = Float64Array.from(camera.projectionMatrix);
-  const isOrthographic = p[11] === 0;
-  const range = 1 / (far - near);
-  if (isOrthographic) [p[10], p[14]] = isReversed ? [range, far * range] : [-range, -near * range];
-  else [p[10], p[14]] = isReversed ? [near * range, far * near * range] : [-far * range, -far * near * range];
-  return cameraFromMatrices(viewMatrix, p, { near, far });
-}
 
 interface Host {
   readonly colorFormat?: GPUTextureFormat;

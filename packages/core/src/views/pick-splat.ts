@@ -1,8 +1,9 @@
-import { pictureRay, projectionOf } from '../camera/camera.ts';
+import { pictureRay } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
-import type { ViewFrame } from '../frame/frame-request.ts';
-import { type FrameResources, locateSplat } from '../frame/frame-resources.ts';
+import type { FrameParts } from '../frame/frame.ts';
+import { locateSplat } from '../frame/frame-pages.ts';
+import type { FramePlan } from '../frame/frame-plan.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
@@ -41,33 +42,33 @@ interface PickContext {
 }
 
 /**
- * Which splat contributes most to one pixel of the picture that `frame` was last sorted for; of equal contributions the
- * foremost. Submits before it returns, so that later pictures and the end of `frame` make no difference; the same
- * picture gives the same answer every time. What other renderers draw in front of the splats is not looked at.
+ * Finds the splat that contributes most to one pixel of the layer that `frame` was last sorted for; the foremost among equal
+ * contributions. Submits before it returns, so that later frames and the end of `frame` make no difference; the same frame
+ * gives the same answer every time. Ignores everything that other renderers draw in front of the splats.
  *
  * The stage `pick` has to be compiled.
  *
- * @param picture camera and size that the frame was sorted for.
- * @param xPx column, from the left; the pixel is the one that contains the point.
+ * @param plan of that frame.
+ * @param xPx column of the layer, from the left; the pixel is the one that contains the point.
  * @param yPx row, from the top.
  * @returns null where no splat reaches the cutoff at the pixel.
- * @throws InvalidArgumentError outside of the picture, DestroyedError where engine or device end meanwhile.
+ * @throws InvalidArgumentError outside of the layer, DestroyedError where engine or device end meanwhile.
  */
 export async function pickSplat(
   context: PickContext,
-  frame: FrameResources,
-  picture: Pick<ViewFrame, 'camera' | 'widthPx' | 'heightPx'>,
+  frame: FrameParts,
+  { camera, projection, shape }: FramePlan,
   xPx: number,
   yPx: number,
 ): Promise<SplatPick | null> {
-  const { camera, widthPx, heightPx } = picture;
+  const { widthPx, heightPx } = projection;
   if (!(xPx >= 0 && xPx < widthPx && yPx >= 0 && yPx < heightPx)) {
-    const message = `Pixel ${xPx}, ${yPx} is outside of the picture of ${widthPx}×${heightPx} px.`;
+    const message = `Pixel ${xPx}, ${yPx} is outside of the layer of ${widthPx}×${heightPx} px.`;
     throw new InvalidArgumentError('xPx', message);
   }
   const pixelPx = [Math.floor(xPx) + 0.5, Math.floor(yPx) + 0.5] as const;
-  const { origin, direction } = pictureRay(camera, projectionOf(camera, widthPx, heightPx), pixelPx);
-  const { pages, shape } = frame;
+  const { origin, direction } = pictureRay(camera, projection, pixelPx);
+  const { pages } = frame;
 
   context.counting.readbacks++;
   const blocks = await readBlocks(context, frame, pixelPx);
@@ -75,7 +76,7 @@ export async function pickSplat(
   if (!found) return null;
   const { splat, ...shares } = found;
   const { cloudIndex, storedIndex } = locateSplat(pages, splat);
-  const cloud = shape.clouds[cloudIndex];
+  const cloud = shape.clouds[cloudIndex].cloud;
   const along = (axis: number) => origin[axis] + found.depthView * direction[axis];
   return {
     ...shares,
@@ -90,10 +91,10 @@ export async function pickSplat(
 /** Runs the stage and copies its blocks, as many as there may be, to the CPU. */
 async function readBlocks(
   { device, pipelines, memory }: PickContext,
-  frame: FrameResources,
+  { shared, shape }: FrameParts,
   pixelPx: readonly [number, number],
 ): Promise<ArrayBuffer> {
-  const { visibleCapacity, dispatchRow, accuracy } = frame.shape;
+  const { visibleCapacity, dispatchRow, accuracy } = shape!;
   const blockCount = Math.ceil(visibleCapacity / SHADER_CONSTANTS.PICK_WORKGROUP);
   if (blockCount === 0) return new ArrayBuffer(0);
   const bytes = blockCount * PickBlock.bytes;
@@ -116,8 +117,7 @@ async function readBlocks(
     const encoder = device.createCommandEncoder({ label: 'pick' });
     const pass = encoder.beginComputePass({ label: 'pick' });
     pass.setPipeline(pipelines.compute(stage)!);
-    const { order } = frame.sort;
-    pass.setBindGroup(0, pipelines.bindGroup(stage, { ...frame.buffers, parameters, order, blocks }));
+    pass.setBindGroup(0, pipelines.bindGroup(stage, { ...shared.buffers, parameters, blocks }));
     pass.dispatchWorkgroups(...dispatchSize(blockCount, dispatchRow));
     pass.end();
     encoder.copyBufferToBuffer(blocks, 0, readback, 0, bytes);

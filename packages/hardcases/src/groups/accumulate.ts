@@ -14,16 +14,16 @@ interface Layers {
   readonly color?: (i: number) => readonly number[];
 }
 
-/** Layers wider than the picture, at dyadic depths from 1 on, stored in no order of depth, before ordinary splats. */
+/** Layers wider than the image at dyadic depths from 1 on, stored in no order of depth, in front of ordinary splats. */
 function layers({ count, alpha, color = () => WHITE }: Layers): SplatValues[] {
   const nearestFirst = Array.from({ length: count }, (_, i) => ({
     position: [0, 0, -1 - i * 2 ** -12],
     logScales: [5, 5, -5],
-    // Anything beyond 0.99 is drawn as 0.99.
+    // Alpha beyond 0.99 is drawn as 0.99.
     opacityLogit: alpha < 0.99 ? logitOf(alpha) : 100,
     color: color(i),
   }));
-  // 7 divides none of the counts, so that this is a permutation.
+  // This is a permutation, since 7 divides none of the counts.
   const shuffled = nearestFirst.map((_, i) => nearestFirst[(7 * i) % count]);
   return [...moved(ordinarySplats(), [0, 0, -6]), ...shuffled];
 }
@@ -40,7 +40,7 @@ const layered = (name: string, breaks: string, what: Layers, bounds?: SceneCase[
 
 const FAINT = 1.5 / 255;
 
-/** In rgba16float a layer adds nothing once it is less than half an ulp of what is there. */
+/** In rgba16float a layer adds nothing once it is less than half an ulp of the sum so far. */
 const stalled = (minPsnrDb: number): SceneCase['bounds'] => {
   const cause =
     'blending in rgba16float rounds every layer, and stalls where a layer adds less than half a step';
@@ -56,7 +56,7 @@ const inThirds = (i: number) =>
   ][i % 3];
 
 export const ACCUMULATE_CASES: readonly HardCase[] = [
-  layered('accumulate-1-layer', 'Nothing is hard here: it is what more layers are compared with.', {
+  layered('accumulate-1-layer', 'Nothing is hard here: cases with more layers are compared with this one.', {
     count: 1,
     alpha: FAINT,
   }),

@@ -27,7 +27,7 @@ const frontWith = (
   });
 };
 
-/** `front` with elements of its projection matrix, by index, replaced. */
+/** `front` with some elements of its projection matrix replaced, by index. */
 const frontWithProjection = (elements: Readonly<Record<number, (value: number) => number>>) => {
   return (aspect: number) => {
     const { viewMatrix, projectionMatrix, near, far } = front(aspect);
@@ -36,7 +36,7 @@ const frontWithProjection = (elements: Readonly<Record<number, (value: number) =
   };
 };
 
-/** Columns of a linear part and a translation. */
+/** A model matrix from the columns of its linear part and its translation. */
 const model = (x: readonly number[], y: readonly number[], z: readonly number[], t = [0, 0, 0]) => [
   ...[...x, 0],
   ...[...y, 0],
@@ -44,10 +44,10 @@ const model = (x: readonly number[], y: readonly number[], z: readonly number[],
   ...[...t, 1],
 ];
 
-/** Colours that depend on the direction, so that a wrong one shows. */
+/** Splats whose colours depend on the direction, so that a wrong direction shows. */
 const colourful = (seed: number) => withRandomSh([...ordinarySplats(seed), LARGE], 3, 0.25);
 
-/** A cloud of its own under `modelMatrix`, before one that stands as it is. */
+/** A cloud under `modelMatrix`, in front of another without a matrix. */
 const modelled = (modelMatrix: readonly number[]) => () => [
   { set: splatsOf(moved(ordinarySplats(2), [0, 0, -3])) },
   { set: splatsOf(colourful(3), { shDegree: 3 }), modelMatrix },
@@ -112,13 +112,13 @@ export const CAMERA_CASES: readonly HardCase[] = [
   }),
   scene({
     name: 'camera-fov-60',
-    breaks: 'Nothing is hard here: it is what the other fields of view are compared with.',
+    breaks: 'Nothing is hard here: the other fields of view are compared with this one.',
     clouds: amongOrdinary([LARGE]),
   }),
   scene({
     name: 'camera-fov-120',
     breaks:
-      'Far off the axis the Jacobian stretches splats over the picture where it is not clamped as in training.',
+      'Far off the axis the Jacobian stretches splats over the image where it is not clamped as in training.',
     clouds: amongOrdinary([LARGE]),
     cameras: frontWith({ fovYDegrees: 120, position: [0.2, 0.1, 2.5] }),
   }),
@@ -130,7 +130,7 @@ export const CAMERA_CASES: readonly HardCase[] = [
   }),
   scene({
     name: 'camera-orthographic',
-    breaks: 'Sizes and directions are divided by a depth that means nothing here.',
+    breaks: 'Sizes and directions are divided by a depth that has no meaning in this projection.',
     clouds: () => [{ set: splatsOf(colourful(4), { shDegree: 3 }) }],
     cameras: (aspect) => ({
       front: orthographicCamera({ position: [0, 0, 5], target: [0, 0, 0], aspect, height: 6 }),
@@ -156,21 +156,21 @@ export const CAMERA_CASES: readonly HardCase[] = [
   scene({
     name: 'camera-off-centre',
     breaks:
-      'The principal point is assumed in the middle of the picture, by the projection or by the clamp of the Jacobian.',
+      'The principal point is assumed in the middle of the image, by the projection or by the clamp of the Jacobian.',
     clouds: amongOrdinary([LARGE]),
     cameras: frontWithProjection({ 8: () => 0.45, 9: () => -0.3 }),
   }),
   scene({
     name: 'camera-off-centre-axis-outside',
     breaks:
-      'A tile of a larger picture does not contain the line of sight, and symmetric culling drops what it shows.',
+      'A tile of a larger image does not contain the line of sight, and symmetric culling drops what it shows.',
     clouds: amongOrdinary([{ ...LARGE, position: [-2, 1.5, 0] }]),
     cameras: frontWithProjection({ 0: (f) => 3 * f, 5: (f) => 3 * f, 8: () => -2, 9: () => 1.5 }),
   }),
   scene({
     name: 'camera-mirrored-projection',
     breaks:
-      'A negative focal length, as y-down projections have, swaps the picture’s edges in the culling test.',
+      'A negative focal length, as y-down projections have, swaps the image’s edges in the culling test.',
     clouds: amongOrdinary([LARGE]),
     cameras: frontWithProjection({ 5: (f) => -f, 9: () => 0.2 }),
   }),
@@ -244,8 +244,7 @@ export const CAMERA_CASES: readonly HardCase[] = [
   }),
   scene({
     name: 'camera-near-beyond-everything',
-    breaks:
-      'With nothing left to draw, a dispatch or a draw of size 0 is refused, or the last picture stays.',
+    breaks: 'With nothing left to draw, a dispatch or a draw of size 0 is refused, or the last image stays.',
     clouds: amongOrdinary([LARGE]),
     cameras: frontWith({ near: 50 }),
   }),
@@ -263,7 +262,7 @@ export const CAMERA_CASES: readonly HardCase[] = [
   ),
   scene({
     name: 'viewport-1x1',
-    breaks: 'A picture of one pixel makes grids of tiles of size 0 or divides by width − 1.',
+    breaks: 'An image of one pixel makes grids of tiles of size 0 or divides by width − 1.',
     clouds: amongOrdinary([LARGE]),
     size: { widthPx: 1, heightPx: 1 },
   }),
@@ -272,7 +271,7 @@ export const CAMERA_CASES: readonly HardCase[] = [
     breaks: 'Centres in float16 step by 4 pixels at 8192, and tile numbers overflow 8 or 16 bits.',
     clouds: amongOrdinary([LARGE]),
     size: { widthPx: 8192, heightPx: 8 },
-    // 60 degrees from side to side whatever the height.
+    // 60 degrees from side to side, whatever the height is.
     cameras: (aspect) =>
       frontWith({ fovYDegrees: (360 / Math.PI) * Math.atan(Math.tan(Math.PI / 6) / aspect) })(aspect),
   }),

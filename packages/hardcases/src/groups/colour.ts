@@ -90,7 +90,7 @@ export const COLOUR_CASES: readonly HardCase[] = [
   scene({
     name: 'colour-above-one',
     breaks:
-      'Colours are clamped at 1 before they are blended, or the picture is normalised to its brightest pixel.',
+      'Colours are clamped at 1 before they are blended, or the image is normalised to its brightest pixel.',
     clouds: amongOrdinary([{ ...HARD, color: [4, 2.5, 1.5], opacityLogit: logitOf(0.3) }]),
   }),
   scene({

@@ -1,5 +1,5 @@
-import { packShRest, shRestWordsPerSplat, unpackShRest } from '@websplatter/core';
-import { splatsPerPage } from '@websplatter/core/inspect';
+import { readCoefficients, shWordsPerSplat } from '@websplatter/core';
+import { packCoefficients, splatsPerPage } from '@websplatter/core/inspect';
 import type { ArithmeticCase, HardCase } from '../hard-case.ts';
 import { frontAndOblique, frontOnly, scenesOf } from '../make-cases.ts';
 import {
@@ -13,11 +13,11 @@ import {
 
 const scene = scenesOf('counts');
 
-/** Small splats at random in a ball that `front` sees whole, so that the first and the last are in the picture. */
+/** Small splats at random in a ball that `front` sees whole, so that the first and the last are in the image. */
 function manySplats(count: number): SplatValues[] {
   const random = seededRandom(count);
   const within = (low: number, high: number) => low + (high - low) * random();
-  // One or two alone are to be seen as well.
+  // One or two splats must be large enough to be seen.
   const larger = count < 10 ? 2 : 0;
   return Array.from({ length: count }, () => ({
     position: [within(-1.6, 1.6), within(-1.6, 1.6), within(-1.6, 1.6)],
@@ -42,7 +42,7 @@ const counted = (count: number, breaks: string, maxWorkgroupsPerDimension?: numb
     maxWorkgroupsPerDimension,
   });
 
-/** Workgroups per row in cases of large dispatches, which WebGPU's 65,535 would need millions of splats for. */
+/** Workgroups per row for large dispatches: with WebGPU's 65,535 they would need millions of splats. */
 const ROW = 7;
 
 const CHUNK_BREAKS =
@@ -51,7 +51,7 @@ const TILE_BREAKS =
   'The tile of a sort or scan that is full, or has a single key, counts one too many or too few.';
 const ROW_BREAKS = 'A dispatch of more workgroups than one dimension takes is cut off, or runs past its end.';
 
-/** SH coefficients of a splat whose words start past `byteOffset` are written and read back there. */
+/** Writes and reads back the SH coefficients of a splat whose words start past 2^`exponent` bytes. */
 const offsetCase = (exponent: number): ArithmeticCase => ({
   kind: 'arithmetic',
   group: 'counts',
@@ -59,19 +59,19 @@ const offsetCase = (exponent: number): ArithmeticCase => ({
   breaks: 'Offsets computed with 32-bit operators wrap around past 2^31 or 2^32 and hit another splat.',
   check: () => {
     const degree = 3;
-    const wordsPerSplat = shRestWordsPerSplat(degree, 'f32');
+    const wordsPerSplat = shWordsPerSplat(degree, 'f32');
     const index = Math.ceil(2 ** exponent / (4 * wordsPerSplat));
-    // Only what is written exists: as much memory as the offsets promise is not needed to see where they point.
+    // A sparse object holds only what is written: the check needs no buffer as large as the offsets.
     const written: Record<number, number> = {};
     const words = written as unknown as Uint32Array;
     const values = Float32Array.from(randomShRest(degree, 1, exponent));
-    packShRest(degree, 'f32', values, words, index * wordsPerSplat);
+    packCoefficients(degree, 'f32', values, words, index * wordsPerSplat);
     const strays = Object.keys(written).filter(
       (key) => Number(key) < index * wordsPerSplat || Number(key) >= (index + 1) * wordsPerSplat,
     );
     if (strays.length > 0) return `splat ${index} was written to word ${strays[0]}`;
     const read = new Float32Array(values.length);
-    unpackShRest({ degree, precision: 'f32', wordsPerSplat, words }, index, read);
+    readCoefficients({ degree, precision: 'f32', wordsPerSplat, words }, index, read);
     const wrong = read.findIndex((value, i) => value !== values[i]);
     return wrong < 0
       ? null
@@ -79,10 +79,10 @@ const offsetCase = (exponent: number): ArithmeticCase => ({
   },
 });
 
-/** Bytes per splat of what may be stored: packed and float32 geometry, harmonics of degree 3 in bytes and in float32. */
+/** Bytes per splat of the planes: packed and float32 geometry, harmonics of degree 3 in bytes and in float32. */
 const BYTES_PER_SPLAT = [32, 64, 48, 180];
 
-/** A binding of `mebibytes` holds whole chunks only, as many as fit, and its words are numbered in 32 bits. */
+/** Checks that a binding of `mebibytes` holds as many whole chunks as fit, with words numbered in 32 bits. */
 const bindingCase = (mebibytes: number): ArithmeticCase => ({
   kind: 'arithmetic',
   group: 'counts',
@@ -110,14 +110,14 @@ export const COUNTS_CASES: readonly HardCase[] = [
   ),
   scene({
     name: 'counts-no-clouds',
-    breaks: 'Without any cloud nothing is recorded, and the last picture, or garbage, is shown.',
+    breaks: 'Without any cloud nothing is recorded, and the last image, or garbage, is shown.',
     clouds: () => [],
     cameras: frontOnly,
   }),
   ...[1, 2].map((count) => counted(count, 'Bounds and depth ranges of so few splats have size 0.')),
   ...[255, 256, 257].map((count) => counted(count, CHUNK_BREAKS)),
   ...[2047, 2048, 2049].map((count) => counted(count, TILE_BREAKS)),
-  // Seven chunks, or workgroups that project, fill a row.
+  // Seven chunks fill a row, as do seven workgroups of the stage project.
   ...[7 * 256 - 1, 7 * 256, 7 * 256 + 1].map((count) => counted(count, ROW_BREAKS, ROW)),
   // One key more than seven tiles of a sort, in nine rows of chunks.
   counted(7 * 2048 + 1, ROW_BREAKS, ROW),
@@ -144,7 +144,7 @@ export const COUNTS_CASES: readonly HardCase[] = [
   }),
   scene({
     name: 'counts-none-visible',
-    breaks: 'With every splat culled, an indirect draw of nothing shows the last picture, or stale keys.',
+    breaks: 'With every splat culled, an indirect draw of nothing shows the last image, or stale keys.',
     clouds: () => [{ set: splatsOf(moved(manySplats(300), [0, 0, 40])) }],
     cameras: frontOnly,
   }),

@@ -17,12 +17,12 @@ const splat = (position: readonly number[], color: readonly number[], change: Sp
   ...change,
 });
 
-/** Fills what `atOrigin` sees, at depths of 4 to 9. */
+/** Splats that fill the view of `atOrigin`, at depths of 4 to 9. */
 const backdrop = () => moved(ordinarySplats(), [0, 0, -6]);
 
 const NEAR_AND_FAR = { near: 0.01, far: 1000 };
 
-/** An 8 × 8 grid of overlapping splats at depth `depth`, which is to be a dyadic number. */
+/** An 8 × 8 grid of overlapping splats at depth `depth`, a dyadic number. */
 const plane = (depth: number, color: (i: number) => readonly number[]): SplatValues[] =>
   Array.from({ length: 64 }, (_, i) =>
     splat([(i % 8) / 4 - 0.875, Math.floor(i / 8) / 4 - 0.875, -depth], color(i), {
@@ -30,10 +30,10 @@ const plane = (depth: number, color: (i: number) => readonly number[]): SplatVal
     }),
   );
 
-/** Colours that no two neighbours share. */
+/** Colours, different for neighbours. */
 const speckled = (i: number) => [(i * 7) % 11, (i * 5) % 13, (i * 3) % 7].map((v, k) => v / [10, 12, 6][k]);
 
-/** One of each in turn, so that file order and Morton order say nothing about depth. */
+/** Interleaves lists, so that file order and Morton order do not follow depth. */
 function interleaved(a: readonly SplatValues[], b: readonly SplatValues[]): SplatValues[] {
   return a.flatMap((splatOfA, i) => (i % 2 === 0 ? [splatOfA, b[i]] : [b[i], splatOfA]));
 }
@@ -135,7 +135,7 @@ export const DEPTH_CASES: readonly HardCase[] = [
       name: `depth-${where}`,
       breaks:
         'A far plane that is tested in clip space, where depth has lost its bits, keeps or loses the splat.',
-      // Nothing in front of its middle, or it could not be seen.
+      // Nothing may lie in front of its middle, or it could not be seen.
       clouds: () => [
         {
           set: splatsOf([
@@ -149,7 +149,7 @@ export const DEPTH_CASES: readonly HardCase[] = [
   ),
   scene({
     name: 'depth-behind-the-camera',
-    breaks: 'Splats behind the eye are mirrored into the picture by the division by a negative depth.',
+    breaks: 'Splats behind the eye are mirrored into the image by the division by a negative depth.',
     clouds: amongOrdinary([
       splat([0, 0, 6], RED, { logScales: [1, 1, 1] }),
       splat([0.3, 0.4, 5 + 2 ** -20], GREEN, { logScales: [2, 2, 2] }),

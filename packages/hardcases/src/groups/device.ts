@@ -10,14 +10,14 @@ const HARD: SplatValues = {
   color: [1, 0.4, 0.1],
 };
 
-/** Of degree 3, so that the largest shaders are made. */
+/** Splats of degree 3, which need the largest shaders. */
 const directional = (): readonly HardCloud[] => [
   { set: splatsOf(withRandomSh([...ordinarySplats(), HARD], 3, 0.2), { shDegree: 3 }) },
 ];
 
 type DeviceValues = Pick<DeviceCase, 'name' | 'without' | 'breaks'> & Partial<DeviceCase>;
 
-/** What is left out is of degree 0 and from one camera: every device compiles its shaders anew. */
+/** Defaults to degree 0 and one camera, since every device compiles its shaders anew. */
 const deviceCase = (values: DeviceValues): DeviceCase => ({
   kind: 'device',
   group: 'device',
@@ -39,13 +39,13 @@ export const DEVICE_CASES: readonly HardCase[] = [
     name: 'device-workgroup-storage-16-kib',
     without: [],
     breaks: 'Nine-bit digits take more workgroup memory per thread than the 16 KiB that every device has.',
-    // Depths differ by a factor of 1000 or so, for which the sort takes its largest digits.
+    // Depths differ by a factor of about 1000, for which the sort uses its largest digits.
     clouds: amongOrdinary([HARD, { ...HARD, position: [0.01, 0.01, 4.97], logScales: [-6, -7, -8] }]),
   }),
   deviceCase({
     name: 'device-no-timestamp-query',
     without: ['timestamp-query'],
-    breaks: 'Timing is taken for granted, and without it there is no picture either.',
+    breaks: 'Timing is taken for granted, and without it there is no image either.',
   }),
   deviceCase({
     name: 'device-no-float32-blendable',

@@ -6,7 +6,7 @@ import { type PlyPatch, patchedPly } from '../patch-ply.ts';
 
 const scene = scenesOf('input');
 
-/** What a bad value is put into: large, in front of everything, and of a colour that nothing else has. */
+/** The splat that gets a bad value: large, in front of everything, and in a colour of its own. */
 const HARD: SplatValues = {
   position: [0.2, -0.1, 1.6],
   logScales: [-0.4, -0.8, -1],
@@ -19,7 +19,7 @@ const HARD: SplatValues = {
 /** A set of degree 1 whose last splat is `hard`. */
 const withLast = (hard: SplatValues): SplatSet => splatsOf([...ordinarySplats(), hard], { shDegree: 1 });
 
-/** The file of `withLast(HARD)` with values of its last row replaced. */
+/** The file of `withLast(HARD)` with some values of its last row replaced. */
 function patchedLast(patches: readonly Omit<PlyPatch, 'row'>[]): Uint8Array<ArrayBuffer> {
   const set = withLast(HARD);
   return patchedPly(
@@ -33,7 +33,7 @@ const REASONS: readonly { readonly reason: DropReason; readonly properties: read
   { reason: 'non-finite-scale', properties: ['scale_0', 'scale_1', 'scale_2'] },
   { reason: 'non-finite-rotation', properties: ['rot_0', 'rot_1', 'rot_2', 'rot_3'] },
   { reason: 'non-finite-opacity', properties: ['opacity'] },
-  // Of the nine above degree 0 the first and the last.
+  // The first and the last of the nine coefficients above degree 0.
   { reason: 'non-finite-color', properties: ['f_dc_0', 'f_dc_1', 'f_dc_2', 'f_rest_0', 'f_rest_8'] },
 ];
 
@@ -61,7 +61,7 @@ const nonFinite = REASONS.flatMap(({ reason, properties }) =>
   ),
 );
 
-/** Every property of a file of degree 1. */
+/** All properties of a file of degree 1. */
 const ALL_PROPERTIES = [
   ...['x', 'y', 'z', 'opacity'],
   ...[0, 1, 2].flatMap((i) => [`scale_${i}`, `f_dc_${i}`]),
@@ -235,7 +235,7 @@ export const INPUT_CASES: readonly HardCase[] = [
   refused(
     'input-every-row-nan',
     'empty',
-    'A scene whose every row was dropped appears as an empty picture without a word.',
+    'A scene whose every row was dropped appears as an empty image without a word.',
     () => {
       const set = splatsOf([HARD, HARD]);
       return patchedPly(set, [
@@ -262,7 +262,7 @@ export const INPUT_CASES: readonly HardCase[] = [
   ),
 ];
 
-/** How many rows each reason drops when row by row one of these properties is NaN. */
+/** Counts, by reason, the rows that are dropped if each row has NaN in one of these properties. */
 function droppedByProperty(properties: readonly string[]): Partial<Record<DropReason, number>> {
   const counts: Partial<Record<DropReason, number>> = {};
   for (const property of properties) {

@@ -11,7 +11,7 @@ const hard = (opacityLogit: number): SplatValues => ({
   opacityLogit,
 });
 
-/** The cutoff under which a splat is not drawn at all. */
+/** Splats of lower opacity are not drawn at all. */
 const CUTOFF_LOGIT = logitOf(1 / 255);
 
 /** The float32 that is `steps` ulp from `value`. */
@@ -58,7 +58,7 @@ export const OPACITY_CASES: readonly HardCase[] = [
   ),
   scene({
     name: 'opacity-one',
-    breaks: 'Fragments reach an alpha of 1 where 0.99 is the most, which hides all behind for good.',
+    breaks: 'Fragments reach an alpha of 1 where 0.99 is the most, which hides everything behind for good.',
     // 1 − σ(17) is less than half an ulp of 1 in float32.
     clouds: amongOrdinary([hard(17)]),
   }),
@@ -69,13 +69,13 @@ export const OPACITY_CASES: readonly HardCase[] = [
     name: 'opacity-just-above-cutoff',
     breaks:
       'The reach √(2·ln(σ·255)) of a splat hardly above the cutoff is NaN or 0, and its middle pixel is lost.',
-    // Wide, so that the fifth of a standard deviation that it reaches is a few pixels.
+    // So wide that its reach, a fifth of a standard deviation, is a few pixels.
     clouds: amongOrdinary([{ ...hard(logitOf(1.02 / 255)), logScales: [0, 0, 0], color: [1, 1, 1] }]),
   }),
   scene({
     name: 'opacity-faint-veil',
     breaks:
-      'A faint splat that covers the picture is cut off where its alpha, not its colour, is rounded to 8 bits.',
+      'A faint splat that covers the image is cut off where its alpha, not its colour, is rounded to 8 bits.',
     clouds: amongOrdinary([{ ...hard(logitOf(4 / 255)), logScales: [1, 1, 1], color: [1, 1, 1] }]),
   }),
 ];

@@ -5,7 +5,7 @@ import { patchedPly } from '../patch-ply.ts';
 
 const scene = scenesOf('rotation');
 
-/** Long enough that another rotation shows, in front of everything ordinary. */
+/** So long that another rotation shows, and in front of the ordinary splats. */
 const hard = (rotation: readonly number[], change: SplatValues = {}): SplatValues => ({
   position: [0, 0, 1.7],
   logScales: [-0.3, -2, -3],

@@ -7,7 +7,7 @@ const scene = scenesOf('scale');
 /** The smallest logarithm whose exponential is 0 in float32. */
 const LOG_ZERO = -104;
 
-/** In front of everything ordinary, half seen through, turned so that no axis is parallel to the picture's. */
+/** A half-transparent splat in front of the ordinary ones, with no axis parallel to the image's. */
 const hard = (logScales: readonly number[]): SplatValues => ({
   position: [0.2, -0.1, 1.8],
   rotation: [0.9, 0.1, 0.2, 0.35],
@@ -18,10 +18,10 @@ const hard = (logScales: readonly number[]): SplatValues => ({
 
 const uniform = (logScale: number) => [logScale, logScale, logScale];
 
-/** Log scale of a splat at the origin whose standard deviation `front` sees as `sizePx`. */
+/** Log scale of a splat at the origin whose standard deviation is `sizePx` for `front`. */
 const logScaleOfPx = (sizePx: number) => Math.log(sizePx / FRONT_PX_PER_UNIT);
 
-/** Opaque points in a grid whose step is no multiple of a pixel, none of them larger than the dilation makes it. */
+/** Opaque points in a grid whose step is no multiple of a pixel; their only size is the dilation. */
 const starField = (): SplatValues[] =>
   Array.from({ length: 400 }, (_, i) => ({
     position: [((i % 20) - 9.5) * 0.2813, (Math.floor(i / 20) - 9.5) * 0.2793, 0],

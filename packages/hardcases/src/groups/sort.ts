@@ -7,13 +7,13 @@ const WIDTHS: readonly KeyBits[] = [16, 24, 27, 32];
 
 /** Keys per tile of the sort: 256 threads of 8, or 128 of 16. */
 const TILE_KEYS = 2048;
-/** Two full tiles and a part of a third. */
+/** Two full tiles and part of a third. */
 const COUNT = 2 * TILE_KEYS + 77;
 
 interface Pattern {
   readonly name: string;
   readonly breaks: string;
-  /** Key `i` of `count`, in 0…1 exclusive of 1. */
+  /** Key `i` of `count`, in [0, 1). */
   readonly at: (count: number) => (i: number, keyBits: KeyBits) => number;
 }
 

@@ -7,7 +7,7 @@ const scene = scenesOf('world');
 
 type Place = readonly [number, number, number];
 
-/** Somewhere on the Earth, m from its centre. */
+/** A place on the Earth's surface, in metres from its centre. */
 const ON_EARTH: Place = [6.4e6, -3.1e6, 4.5e6];
 const ORIGIN: Place = [0, 0, 0];
 
@@ -19,7 +19,7 @@ const HARD: SplatValues = {
   color: [1, 0.25, 0.1],
 };
 
-/** The scene that every case of this group shows, `size` times as large. */
+/** The scene of all cases in this group, `size` times as large. */
 const sized = (size: number, origin: Place = ORIGIN): SplatSet =>
   splatsOf(resized([...ordinarySplats(), HARD], size), { origin });
 
@@ -46,7 +46,7 @@ const camerasAt =
 
 const translation = (place: Place) => [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, ...place, 1];
 
-/** A camera so far away that the scene fills its picture all the same. */
+/** A camera far away whose narrow view the scene fills all the same. */
 const farCamera = (distance: number) => (aspect: number) => ({
   far: perspectiveCamera({
     position: [0, 0, distance],
@@ -61,13 +61,13 @@ const farCamera = (distance: number) => (aspect: number) => ({
 export const WORLD_CASES: readonly HardCase[] = [
   scene({
     name: 'world-at-the-origin',
-    breaks: 'Nothing is hard here: it is what the other places and sizes are compared with.',
+    breaks: 'Nothing is hard here: the other places and sizes are compared with this one.',
     clouds: () => [{ set: sized(1) }],
     cameras: camerasAt(ORIGIN, 1),
   }),
   scene({
     name: 'world-millimetres-at-the-origin',
-    breaks: 'Nothing is hard here: it is what the millimetres 6.4e6 m away are compared with.',
+    breaks: 'Nothing is hard here: the millimetres 6.4e6 m away are compared with these.',
     clouds: () => [{ set: sized(1e-3) }],
     cameras: camerasAt(ORIGIN, 1e-3),
   }),
@@ -114,7 +114,7 @@ export const WORLD_CASES: readonly HardCase[] = [
     name: 'world-camera-1e7-away',
     breaks: 'Centres are computed from float32 world coordinates about the camera, where a unit is one ulp.',
     clouds: () => {
-      // Apart by 4 in depth, which float32 still tells apart at 1e7.
+      // 4 apart in depth, which float32 still resolves at 1e7.
       const splats = [...ordinarySplats(), HARD].map((splat, i, all) => ({
         ...splat,
         position: [splat.position![0], splat.position![1], 4 * ((i * 37) % all.length) - 160],

@@ -12,12 +12,15 @@ export function splatSetAt(...positions: readonly (readonly [number, number, num
     rotations: Float32Array.from(positions.flatMap(() => [1, 0, 0, 0])),
     opacityLogits: new Float32Array(count),
     colorDc: new Float32Array(3 * count),
-    shRest: { degree: 0, precision: 'u8', wordsPerSplat: 0, words: new Uint32Array(0) },
+    harmonics: { degree: 0, coefficients: new Float32Array(0) },
     fileIndices: Uint32Array.from(positions, (_, i) => i),
     dropped: {},
   };
 }
 
 export function splatDataAt(...positions: readonly (readonly [number, number, number])[]): SplatData {
-  return new SplatData(packCloud(splatSetAt(...positions), { geometryPrecision: 'packed' }), 'test');
+  return new SplatData(
+    packCloud(splatSetAt(...positions), { geometryPrecision: 'packed', shPrecision: 'u8' }),
+    'test',
+  );
 }

@@ -9,7 +9,11 @@ export const depthTest: FoundInView = {
   conditions: ['DEPTH_TEST', 'DEPTH_LOGARITHMIC', 'MULTISAMPLED', 'REVERSED_DEPTH'],
   bindings: ['hostDepth', 'hostDepths'],
   stages: ['resolve-depth', 'rasterize', 'compose'],
-  calledFor: ({ shape: { depth } }) =>
+  calledFor: ({
+    plan: {
+      shape: { depth },
+    },
+  }) =>
     depth &&
     `something may stand in front of splats, and its depth is ${depth.mapping === 'logarithmic' ? 'logarithmic' : 'that of the projection'}`,
   offReason: () => 'nothing else was drawn that could hide splats',

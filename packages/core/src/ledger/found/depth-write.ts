@@ -9,8 +9,11 @@ export const depthWrite: FoundInView = {
   conditions: ['DEPTH_LAYER'],
   bindings: ['depthLayer'],
   stages: ['rasterize', 'upscale', 'compose'],
-  calledFor: ({ shape: { depth } }) =>
-    depth?.layerFormat ? `what is drawn later asks for it, blended in ${depth.layerFormat}` : null,
+  calledFor: ({
+    plan: {
+      shape: { depth },
+    },
+  }) => (depth?.layerFormat ? `what is drawn later asks for it, blended in ${depth.layerFormat}` : null),
   offReason: () => 'nothing that is drawn later asks for it',
   bytes: ({ held }) => held.writtenDepthBytes,
 };

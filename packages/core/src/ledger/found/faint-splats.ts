@@ -11,16 +11,16 @@ export const faintSplats: FoundInCloud = {
   bindings: [],
   stages: ['cull-splats'],
   calledFor: (cloud) => {
-    const { shape, index } = cloud;
-    if (!shape.hasFaintSplats[index]) return null;
-    return hasHook(shape.effects[index], 'splat') ? 'effects may make splats fainter' : comparison(cloud);
+    const { shape } = cloud;
+    if (!shape.hasFaintSplats) return null;
+    return hasHook(shape.effects, 'splat') ? 'effects may make splats fainter' : comparison(cloud);
   },
   offReason: comparison,
 };
 
-function comparison({ instance, shape }: DrawnCloud): string {
-  const { minOpacity } = instance.cloud.facts;
-  const { alphaCutoff } = shape.accuracy;
+function comparison({ plan, shape }: DrawnCloud): string {
+  const { minOpacity } = shape.cloud.facts;
+  const { alphaCutoff } = plan.shape.accuracy;
   return `the least opacity is ${shortened(minOpacity)} and the cutoff ${shortened(alphaCutoff)}`;
 }
 

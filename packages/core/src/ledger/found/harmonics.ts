@@ -10,21 +10,21 @@ export const harmonics: FoundInCloud = {
   bindings: ['shRest'],
   stages: ['project'],
   calledFor: (cloud) =>
-    cloud.shape.shDegrees[cloud.index] > 0
+    cloud.shape.shDegree > 0
       ? `colours depend on the direction that they are seen from: ${limitOf(cloud)}`
       : null,
   offReason: limitOf,
   // Also what is stored and not evaluated.
-  bytes: ({ shape }) => {
-    const pages = new Set(shape.planes.flatMap((planes) => planes.pages));
+  bytes: ({ plan }) => {
+    const pages = new Set(plan.shape.clouds.flatMap(({ planes }) => planes.pages));
     return [...pages].reduce((sum, { shRest }) => sum + (shRest?.size ?? 0), 0);
   },
 };
 
 /** What decides the degree. */
-function limitOf({ instance, index, shape }: DrawnCloud): string {
+function limitOf({ cloud: { instance }, shape }: DrawnCloud): string {
   const { declaredShDegree, trueShDegree } = instance.cloud.facts;
-  const degree = shape.shDegrees[index];
+  const degree = shape.shDegree;
   if (degree < trueShDegree)
     return `${instance.shDegree === degree ? 'it is asked for with' : 'the accuracy has'} degree ${degree} of the file’s ${declaredShDegree}`;
   return trueShDegree < declaredShDegree

@@ -9,10 +9,9 @@ export const isotropic: FoundInCloud = {
   conditions: ['ISOTROPIC'],
   bindings: [],
   stages: ['cull-splats', 'project'],
-  calledFor: ({ index, shape }) =>
-    shape.isIsotropic[index] ? 'each splat is as long, as wide and as high' : null,
-  offReason: ({ instance }) =>
-    instance.cloud.facts.isIsotropic
+  calledFor: ({ shape }) => (shape.isIsotropic ? 'each splat is as long, as wide and as high' : null),
+  offReason: ({ shape }) =>
+    shape.cloud.facts.isIsotropic
       ? 'splats are round, but an effect may change their shapes'
       : 'splats are longer one way than another',
 };

@@ -1,5 +1,5 @@
 import { hasHook } from '../../effects/effect-set.ts';
-import { canKeep } from '../../frame/color-cache.ts';
+import { canKeepColors } from '../../frame/parts/kept-colors.ts';
 import type { FoundInCloud } from '../found-effect.ts';
 
 /** One evaluation of the harmonics per splat and place of the camera. */
@@ -11,15 +11,15 @@ export const keptColors: FoundInCloud = {
   conditions: ['COLOR_CACHE'],
   bindings: ['keptColors'],
   stages: ['keep-colors', 'project'],
-  calledFor: ({ index, shape }) => {
-    if (!shape.keepsColors[index]) return null;
-    return hasHook(shape.effects[index], 'color')
+  calledFor: ({ shape }) => {
+    if (!shape.keepsColors) return null;
+    return hasHook(shape.effects, 'color')
       ? 'effects change its colours, which are evaluated once for each place of the camera'
       : 'the camera has turned and not moved';
   },
-  offReason: ({ instance, index, shape }) => {
-    if (shape.shDegrees[index] === 0) return 'its colours are the same from everywhere';
-    return canKeep(instance, shape, index)
+  offReason: ({ plan, index, shape }) => {
+    if (shape.shDegree === 0) return 'its colours are the same from everywhere';
+    return canKeepColors(plan, index)
       ? 'it was not seen twice from the same place'
       : 'its effects change more than kept colours can follow';
   },

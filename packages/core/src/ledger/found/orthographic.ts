@@ -9,6 +9,6 @@ export const orthographic: FoundInView = {
   conditions: ['ORTHOGRAPHIC'],
   bindings: [],
   stages: ['cull-splats', 'project', 'rasterize', 'compose'],
-  calledFor: ({ shape }) => (shape.isOrthographic ? 'the camera has no perspective' : null),
+  calledFor: ({ plan }) => (plan.shape.isOrthographic ? 'the camera has no perspective' : null),
   offReason: () => 'the camera has perspective',
 };

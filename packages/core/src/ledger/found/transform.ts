@@ -13,7 +13,11 @@ export const transform: FoundInCloud = {
   conditions: [],
   bindings: [],
   stages: [],
-  calledFor: ({ instance: { modelMatrix } }) => (modelMatrix ? describe(modelMatrix) : null),
+  calledFor: ({
+    cloud: {
+      instance: { modelMatrix },
+    },
+  }) => (modelMatrix ? describe(modelMatrix) : null),
   offReason: () => 'it stands where its file has it',
 };
 

@@ -1,0 +1,42 @@
+import { memo, useId } from 'react';
+import { useStore } from 'zustand';
+import { ComparisonForm } from '../comparison/comparison-form.tsx';
+import type { AccuracyMeasurement } from '../measurement/accuracy-measurement.ts';
+import { MeasureForm } from '../measurement/measure-form.tsx';
+import { Dock } from '../ui/dock.tsx';
+import type { PanelProps } from '../viewer/panel-props.ts';
+import { AccuracyPresets } from './accuracy-presets.tsx';
+import { AccuracySettingsForm } from './accuracy-settings.tsx';
+import { AccuracyTabs } from './accuracy-tabs.tsx';
+
+/** The accuracy of frames: presets, settings, comparisons, and what they cost. */
+export const AccuracyPanel = memo(function AccuracyPanel({
+  store,
+  viewer,
+  accuracyMeasurement,
+}: PanelProps & { readonly accuracyMeasurement: AccuracyMeasurement }) {
+  const isVisible = useStore(store, (state) => state.dock === 'accuracy');
+  const tab = useStore(store, (state) => state.accuracyTab);
+  const id = useId();
+  if (!isVisible) return null;
+  return (
+    <Dock store={store} name="accuracy" title="Accuracy">
+      <AccuracyPresets store={store} viewer={viewer} />
+      <AccuracyTabs id={id} tab={tab} onTab={(accuracyTab) => store.setState({ accuracyTab })} />
+      <div
+        className="dock-body"
+        id={`${id}-body`}
+        role="tabpanel"
+        aria-labelledby={`${id}-${tab}`}
+        // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, so keys must reach it.
+        tabIndex={0}
+      >
+        {tab === 'measure' && (
+          <MeasureForm store={store} viewer={viewer} accuracyMeasurement={accuracyMeasurement} />
+        )}
+        {tab === 'settings' && <AccuracySettingsForm store={store} viewer={viewer} />}
+        {tab === 'compare' && <ComparisonForm store={store} viewer={viewer} />}
+      </div>
+    </Dock>
+  );
+});

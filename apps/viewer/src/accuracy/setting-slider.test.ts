@@ -1,0 +1,17 @@
+import { describe, expect, it } from 'vitest';
+import { positionOf, SLIDER_STEPS, valueAt } from './setting-slider.ts';
+
+describe('setting slider', () => {
+  it.each([
+    [1 / 4096, 0.1],
+    [0.25, 1],
+  ])('moves a slider through %d…%d and back', (min, max) => {
+    const range = { min, max };
+    expect(valueAt(0, range)).toBe(min);
+    expect(valueAt(SLIDER_STEPS, range)).toBe(max);
+    for (let position = 0; position < SLIDER_STEPS; position++) {
+      expect(positionOf(valueAt(position, range), range)).toBe(position);
+      expect(valueAt(position + 1, range)).toBeGreaterThan(valueAt(position, range));
+    }
+  });
+});

@@ -1,0 +1,26 @@
+import { describe, expect, it } from 'vitest';
+import { flippedMatrix, flippedPoint, flippedPose } from './flip.ts';
+import { lookAt, poseFromLookAt } from './orbit-pose.ts';
+
+describe('flip', () => {
+  it('faces the same side of a scene that is flipped', () => {
+    const pose = poseFromLookAt({ position: [3, 1, 7], target: [1, 2, 3], up: [0, 1, 0] });
+    const { position, target } = lookAt(flippedPose(pose));
+    // In the scene's own coordinates the camera stays at the same x and z and mirrors its height.
+    const inScene = flippedPoint(position);
+    expect(flippedPoint(target)).toEqual([1, 2, 3]);
+    expect(inScene[0]).toBeCloseTo(3);
+    expect(inScene[2]).toBeCloseTo(7);
+    expect(inScene[1]).toBeCloseTo(3);
+    const twice = lookAt(flippedPose(flippedPose(pose))).position;
+    for (const axis of [0, 1, 2]) expect(twice[axis]).toBeCloseTo([3, 1, 7][axis]);
+  });
+
+  it('turns a cloud where it stands', () => {
+    expect(flippedMatrix(undefined)[5]).toBe(-1);
+    const moved = [1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 3, 0, 7, 8, 9, 1];
+    expect(Array.from(flippedMatrix(moved), (value) => value + 0)).toEqual([
+      1, 0, 0, 0, 0, -2, 0, 0, 0, 0, -3, 0, 7, -8, -9, 1,
+    ]);
+  });
+});

@@ -1,0 +1,24 @@
+import type { OrbitPose } from './orbit-pose.ts';
+import type { Vec3 } from './vec3.ts';
+
+/**
+ * Half a turn around x, column-major. It puts scenes upright whose y axis points down, as in captures that were solved with
+ * computer-vision conventions.
+ */
+const FLIP_MATRIX = Float64Array.of(1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1);
+
+/** The model matrix of a cloud in a flipped scene; `modelMatrix` is its matrix in the scene as it is. */
+export function flippedMatrix(modelMatrix: ArrayLike<number> | undefined): ArrayLike<number> {
+  if (!modelMatrix) return FLIP_MATRIX;
+  // The flip from the left negates the rows of y and z.
+  return Float64Array.from(modelMatrix, (value, i) => (i % 4 === 1 || i % 4 === 2 ? -value : value));
+}
+
+export function flippedPoint([x, y, z]: Vec3): Vec3 {
+  return [x, -y, -z];
+}
+
+/** The pose from which a flipped scene shows the side that `pose` showed before, the other way up. */
+export function flippedPose(pose: OrbitPose): OrbitPose {
+  return { ...pose, target: flippedPoint(pose.target), azimuth: Math.PI - pose.azimuth };
+}

@@ -1,0 +1,30 @@
+import { describe, expect, it } from 'vitest';
+import { depthRange, firstPose, fitDistance, verticalFov } from './framing.ts';
+
+const UNIT = { center: [0, 0, 0], radius: 1 } as const;
+
+describe('framing', () => {
+  it('fits the narrower side of the image', () => {
+    expect(fitDistance(1, 60, 2)).toBeCloseTo(2);
+    expect(fitDistance(1, 60, 0.5)).toBeGreaterThan(3);
+  });
+
+  it('shows the same angle over the shorter side of any image', () => {
+    expect(verticalFov(50, 2)).toBeCloseTo(50);
+    expect(verticalFov(90, 0.5)).toBeCloseTo((2 * Math.atan(2) * 180) / Math.PI);
+  });
+
+  it('sees all of the scene between its depths', () => {
+    const pose = firstPose(UNIT, 50, 1.6);
+    const { near, far } = depthRange(pose, UNIT, UNIT);
+    expect(near).toBeLessThan(pose.distance - 1);
+    expect(far).toBeGreaterThan(pose.distance + 1);
+    expect(Math.log2(far / near) % 1).toBe(0);
+  });
+
+  it('keeps its depths while the camera turns', () => {
+    const pose = firstPose(UNIT, 50, 1);
+    const turned = { ...pose, azimuth: pose.azimuth + 1 };
+    expect(depthRange(turned, UNIT, UNIT)).toEqual(depthRange(pose, UNIT, UNIT));
+  });
+});

@@ -1,0 +1,251 @@
+import {
+  type DistanceRange,
+  dollied,
+  isClose,
+  mixed,
+  moved,
+  type OrbitPose,
+  orbited,
+  panned,
+  unwound,
+} from './orbit-pose.ts';
+import { clamp, scale, type Vec3 } from './vec3.ts';
+
+/** Dragging over the element's whole height turns half a circle. */
+const ORBIT_RADIANS_PER_HEIGHT = Math.PI;
+const KEY_ORBIT_RADIANS = Math.PI / 36;
+/** Part of the element's height by which one key press pans. */
+const KEY_PAN_HEIGHTS = 0.05;
+const KEY_DOLLY_FACTOR = 1.1;
+/** Part of the distance to the target by which one key press moves the camera and the target. */
+const KEY_MOVE_DISTANCES = 0.06;
+/** A mouse wheel's notch is about 100 px: a seventh nearer. */
+const WHEEL_DOLLY_PER_PX = 0.0015;
+/** Browsers report a trackpad pinch as a wheel with Ctrl and small deltas. */
+const PINCH_DOLLY_PER_PX = 0.01;
+const WHEEL_LINE_PX = 16;
+/** Time in which keyboard and wheel steps come within 1/e of their goal; short enough to feel direct. */
+const DAMPING_MS = 55;
+
+export interface OrbitControlsOptions {
+  /** Called when the pose has changed or will: draw a frame. */
+  readonly onChange: () => void;
+  /** Whether steps must not glide, e.g. `prefers-reduced-motion`; asked at each step. */
+  readonly isMotionReduced?: () => boolean;
+}
+
+interface Pointer {
+  readonly x: number;
+  readonly y: number;
+}
+
+/**
+ * Orbit, pan and dolly around a target, by mouse, touch, trackpad and keyboard. It knows the events of a DOM element and
+ * no renderer: the caller draws `lookAt(pose)`.
+ */
+export class OrbitControls {
+  /** Vertical field of view of the camera that shows the pose. */
+  fovYDegrees = 60;
+  distanceRange: DistanceRange = { min: 1e-3, max: 1e5 };
+
+  readonly #onChange: () => void;
+  readonly #isMotionReduced: () => boolean;
+  readonly #pointers = new Map<number, Pointer>();
+  #shown: OrbitPose = { target: [0, 0, 0], distance: 1, azimuth: 0, polar: Math.PI / 2, up: [0, 1, 0] };
+  #goal: OrbitPose = this.#shown;
+  #home: OrbitPose = this.#shown;
+  #heightPx = 1;
+  #isPanning = false;
+  #gestureScale = 1;
+
+  constructor({ onChange, isMotionReduced = () => false }: OrbitControlsOptions) {
+    this.#onChange = onChange;
+    this.#isMotionReduced = isMotionReduced;
+  }
+
+  /** The pose to draw now. */
+  get pose(): OrbitPose {
+    return this.#shown;
+  }
+
+  /** Where `reset` goes. */
+  get home(): OrbitPose {
+    return this.#home;
+  }
+
+  /** Whether the pose to draw now is home, whole turns aside. */
+  get isHome(): boolean {
+    return isClose(unwound(this.#shown, this.#home.azimuth), this.#home);
+  }
+
+  /** Goes to `pose` at once. */
+  setPose(pose: OrbitPose, home: OrbitPose = pose): void {
+    this.#home = home;
+    this.#shown = pose;
+    this.#goal = pose;
+    this.#onChange();
+  }
+
+  /** Goes back to the pose that the scene opened with. */
+  reset(): void {
+    this.glideTo(this.#home);
+  }
+
+  /** Goes to `pose`, by the shorter way round. */
+  glideTo(pose: OrbitPose): void {
+    const isSameUp = pose.up.every((value, axis) => value === this.#shown.up[axis]);
+    if (isSameUp) this.#step(unwound(pose, this.#shown.azimuth));
+    else this.setPose(pose, this.#home);
+  }
+
+  /** Glides `elapsedMs` further towards the goal; returns whether it has not arrived, so that another frame is needed. */
+  update(elapsedMs: number): boolean {
+    if (this.#shown === this.#goal) return false;
+    const next = mixed(this.#shown, this.#goal, 1 - Math.exp(-elapsedMs / DAMPING_MS));
+    this.#shown = isClose(next, this.#goal) ? this.#goal : next;
+    return this.#shown !== this.#goal;
+  }
+
+  /**
+   * Listens to `element`, which needs `touch-action: none`; the caller passes keys to `handleKey`. Returns what stops
+   * listening.
+   */
+  attach(element: HTMLElement): () => void {
+    const listeners = new AbortController();
+    const { signal } = listeners;
+    const listen = <E extends Event>(type: string, handler: (event: E) => void) =>
+      element.addEventListener(type, handler as (event: Event) => void, { signal, passive: false });
+    listen<PointerEvent>('pointerdown', (event) => this.#pointerDown(element, event));
+    listen<PointerEvent>('pointermove', (event) => this.#pointerMove(event));
+    listen<PointerEvent>('pointerup', (event) => this.#pointers.delete(event.pointerId));
+    listen<PointerEvent>('pointercancel', (event) => this.#pointers.delete(event.pointerId));
+    listen<PointerEvent>('lostpointercapture', (event) => this.#pointers.delete(event.pointerId));
+    listen<WheelEvent>('wheel', (event) => this.#wheel(element, event));
+    listen<Event>('contextmenu', (event) => event.preventDefault());
+    // Safari reports a trackpad pinch by events of its own, with a scale since the gesture's start.
+    listen<Event>('gesturestart', (event) => {
+      event.preventDefault();
+      this.#gestureScale = 1;
+    });
+    listen<Event & { scale: number }>('gesturechange', (event) => {
+      event.preventDefault();
+      // On a touch screen the same fingers arrive as pointers.
+      if (this.#pointers.size === 0)
+        this.#drag(dollied(this.#goal, this.#gestureScale / event.scale, this.distanceRange));
+      this.#gestureScale = event.scale;
+    });
+    return () => {
+      listeners.abort();
+      this.#pointers.clear();
+    };
+  }
+
+  /** Moves by the key that was pressed; returns whether the key means anything here. */
+  handleKey(event: Pick<KeyboardEvent, 'key' | 'shiftKey' | 'ctrlKey' | 'metaKey' | 'altKey'>): boolean {
+    if (event.ctrlKey || event.metaKey || event.altKey) return false;
+    const next = this.#poseAfterKey(event.key, event.shiftKey);
+    if (!next) return false;
+    this.#step(next);
+    return true;
+  }
+
+  #poseAfterKey(key: string, isShift: boolean): OrbitPose | null {
+    const goal = this.#goal;
+    const arrow = ARROWS[key];
+    if (arrow) {
+      const [right, down] = arrow;
+      if (!isShift) return orbited(goal, right * KEY_ORBIT_RADIANS, down * KEY_ORBIT_RADIANS);
+      // The camera, not the scene, goes where the arrow points.
+      return panned(goal, -right * KEY_PAN_HEIGHTS, -down * KEY_PAN_HEIGHTS, 1, this.fovYDegrees);
+    }
+    const step = MOVES[key.toLowerCase()];
+    if (step) return moved(goal, scale(step, goal.distance * KEY_MOVE_DISTANCES));
+    if (key === '+' || key === '=') return dollied(goal, 1 / KEY_DOLLY_FACTOR, this.distanceRange);
+    if (key === '-' || key === '_') return dollied(goal, KEY_DOLLY_FACTOR, this.distanceRange);
+    return key === 'Home' || key.toLowerCase() === 'r' ? unwound(this.#home, goal.azimuth) : null;
+  }
+
+  #pointerDown(element: HTMLElement, event: PointerEvent): void {
+    // A third finger has no meaning; it would only make the image jump.
+    if (this.#pointers.size === 2) return;
+    if (event.pointerType === 'mouse' && event.button > 2) return;
+    if (this.#pointers.size === 0) this.#isPanning = event.button !== 0 || event.shiftKey;
+    this.#heightPx = Math.max(1, element.clientHeight);
+    this.#pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    element.setPointerCapture(event.pointerId);
+    // Keeps the middle button from scrolling the page. That prevents focus too, hence the call below.
+    event.preventDefault();
+    element.focus({ preventScroll: true });
+  }
+
+  #pointerMove(event: PointerEvent): void {
+    const before = [...this.#pointers.values()];
+    const last = this.#pointers.get(event.pointerId);
+    if (!last) return;
+    this.#pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    const dx = event.clientX - last.x;
+    const dy = event.clientY - last.y;
+    if (before.length === 2) {
+      const after = [...this.#pointers.values()];
+      const factor = spread(before) / spread(after);
+      // The middle of both fingers moves half as far as one of them.
+      const pose = panned(this.#goal, dx / 2, dy / 2, this.#heightPx, this.fovYDegrees);
+      this.#drag(dollied(pose, Number.isFinite(factor) && factor > 0 ? factor : 1, this.distanceRange));
+    } else if (this.#isPanning) {
+      this.#drag(panned(this.#goal, dx, dy, this.#heightPx, this.fovYDegrees));
+    } else {
+      const radiansPerPx = ORBIT_RADIANS_PER_HEIGHT / this.#heightPx;
+      this.#drag(orbited(this.#goal, -dx * radiansPerPx, -dy * radiansPerPx));
+    }
+  }
+
+  #wheel(element: HTMLElement, event: WheelEvent): void {
+    event.preventDefault();
+    const pxPerUnit = [1, WHEEL_LINE_PX, element.clientHeight][event.deltaMode] ?? 1;
+    // Some mice send several notches at once; more than a factor of two in one event only disorients.
+    const exponent = clamp(
+      event.deltaY * pxPerUnit * (event.ctrlKey ? PINCH_DOLLY_PER_PX : WHEEL_DOLLY_PER_PX),
+      -Math.LN2,
+      Math.LN2,
+    );
+    const pose = dollied(this.#goal, Math.exp(exponent), this.distanceRange);
+    if (event.ctrlKey) this.#drag(pose);
+    else this.#step(pose);
+  }
+
+  /** Follows a hand: exactly, at once. */
+  #drag(pose: OrbitPose): void {
+    this.#goal = pose;
+    this.#shown = pose;
+    this.#onChange();
+  }
+
+  /** A step that no hand makes: glides, unless motion is reduced. */
+  #step(pose: OrbitPose): void {
+    this.#goal = pose;
+    if (this.#isMotionReduced()) this.#shown = pose;
+    this.#onChange();
+  }
+}
+
+/** Right and down. */
+const ARROWS: Readonly<Record<string, readonly [number, number]>> = {
+  ArrowLeft: [-1, 0],
+  ArrowRight: [1, 0],
+  ArrowUp: [0, -1],
+  ArrowDown: [0, 1],
+};
+
+/** Right, up and back. */
+const MOVES: Readonly<Record<string, Vec3>> = {
+  w: [0, 0, -1],
+  s: [0, 0, 1],
+  a: [-1, 0, 0],
+  d: [1, 0, 0],
+  pagedown: [0, -1, 0],
+  pageup: [0, 1, 0],
+};
+
+function spread([a, b]: readonly Pointer[]): number {
+  return Math.hypot(a.x - b.x, a.y - b.y);
+}

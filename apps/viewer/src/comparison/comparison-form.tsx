@@ -1,0 +1,109 @@
+import { ACCURACY_PRESETS, type AccuracySettings } from '@websplatter/core';
+import { useStore } from 'zustand';
+import { type Comparison, type ComparisonSide, sideAccuracy } from '../state/comparison.ts';
+import type { PanelProps } from '../viewer/panel-props.ts';
+import { describeAccuracy, isSameAccuracy, PRESET_NAMES } from '../words/accuracy-words.ts';
+
+type Kind = Comparison['kind'] | 'none';
+
+const KINDS: readonly { readonly kind: Kind; readonly label: string; readonly about: string }[] = [
+  { kind: 'none', label: 'Off', about: '' },
+  {
+    kind: 'split',
+    label: 'Split image',
+    about: 'The same view twice. Drag the line between them, or move it by the arrow keys.',
+  },
+  {
+    kind: 'error',
+    label: 'Error map',
+    about: 'The error of each pixel against reference, drawn when the view comes to rest.',
+  },
+];
+
+const FIRST_SPLIT: Comparison = { kind: 'split', left: 'current', right: ACCURACY_PRESETS.reference };
+
+/** Chooses the kind of comparison and its sides. */
+export function ComparisonForm({ store, viewer }: PanelProps) {
+  const comparison = useStore(store, (state) => state.comparison);
+  const current: Kind = comparison?.kind ?? 'none';
+  const choose = (kind: Kind) =>
+    viewer.compare(kind === 'none' ? null : kind === 'split' ? FIRST_SPLIT : { kind });
+  const { about } = KINDS.find(({ kind }) => kind === current) ?? KINDS[0];
+  return (
+    <div className="comparison-form">
+      <fieldset className="segments" aria-label="What is shown">
+        {KINDS.map(({ kind, label }) => (
+          <button
+            key={kind}
+            type="button"
+            aria-pressed={kind === current}
+            data-testid={`compare-${kind}`}
+            onClick={() => choose(kind)}
+          >
+            {label}
+          </button>
+        ))}
+      </fieldset>
+      {about && <p>{about}</p>}
+      {comparison?.kind === 'split' && (
+        <>
+          <SideSelect
+            label="Left (A)"
+            testId="side-left"
+            side={comparison.left}
+            store={store}
+            onChange={(left) => viewer.compare({ ...comparison, left })}
+          />
+          <SideSelect
+            label="Right (B)"
+            testId="side-right"
+            side={comparison.right}
+            store={store}
+            onChange={(right) => viewer.compare({ ...comparison, right })}
+          />
+        </>
+      )}
+    </div>
+  );
+}
+
+function SideSelect({
+  label,
+  testId,
+  side,
+  store,
+  onChange,
+}: {
+  label: string;
+  testId: string;
+  side: ComparisonSide;
+  store: PanelProps['store'];
+  onChange: (side: ComparisonSide) => void;
+}) {
+  const accuracy = useStore(store, (state) => state.accuracy);
+  const shown = sideAccuracy(side, accuracy);
+  const presets = PRESET_NAMES.map((name) => ACCURACY_PRESETS[name]);
+  const others = [shown, accuracy].filter((each) => !presets.some((preset) => isSameAccuracy(preset, each)));
+  const kept = uniqueByWords([...presets, ...others]);
+  return (
+    <label className="side">
+      <span>{label}</span>
+      <select
+        data-testid={testId}
+        value={side === 'current' ? 'current' : describeAccuracy(side)}
+        onChange={({ target }) => onChange(kept.get(target.value) ?? 'current')}
+      >
+        <option value="current">Chosen above ({describeAccuracy(accuracy)})</option>
+        {[...kept.keys()].map((words) => (
+          <option key={words} value={words}>
+            {words}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+function uniqueByWords(all: readonly AccuracySettings[]): ReadonlyMap<string, AccuracySettings> {
+  return new Map(all.map((each) => [describeAccuracy(each), each]));
+}

@@ -1,0 +1,53 @@
+import { useStore } from 'zustand';
+import { Icon } from '../ui/icon.tsx';
+import type { PanelProps } from '../viewer/panel-props.ts';
+import { describeAccuracy } from '../words/accuracy-words.ts';
+import { ERROR_CLASSES } from './error-map.ts';
+
+/** The meaning of the error map's colours, and the part of the image that has each. */
+export function ErrorMapLegend({ store, viewer }: PanelProps) {
+  const isShown = useStore(store, (state) => state.comparison?.kind === 'error');
+  const figures = useStore(store, (state) => state.errorFigures);
+  const accuracy = useStore(store, (state) => state.accuracy);
+  if (!isShown) return null;
+  return (
+    <section className="panel error-legend" aria-label="Error map" data-testid="error-legend">
+      <div className="error-legend-row">
+        <p>
+          <b>{describeAccuracy(accuracy)}</b> against reference, in steps of 1/255
+        </p>
+        <button
+          type="button"
+          className="icon-button"
+          aria-label="End the comparison"
+          onClick={() => viewer.compare(null)}
+        >
+          <Icon name="close" />
+        </button>
+      </div>
+      <ol>
+        {ERROR_CLASSES.map(({ label, color }, index) => (
+          <li key={label}>
+            <i style={{ background: `rgb(${color.join(' ')})` }} aria-hidden="true" />
+            <span>{label}</span>
+            <small data-testid={`error-part-${label}`}>
+              {figures ? formatPart(figures.parts[index]) : ''}
+            </small>
+          </li>
+        ))}
+      </ol>
+      <p role="status" data-testid="error-max">
+        {figures ? `Largest error: ${formatSteps(figures.maxSteps)} of 255` : 'Comparing…'}
+      </p>
+    </section>
+  );
+}
+
+function formatPart(part: number): string {
+  if (part === 0) return '0 %';
+  return part < 0.001 ? '< 0.1 %' : `${(100 * part).toFixed(1)} %`;
+}
+
+function formatSteps(steps: number): string {
+  return steps > 0 && steps < 0.01 ? 'less than 0.01' : String(Number(steps.toFixed(2)));
+}

@@ -1,0 +1,184 @@
+import type { SplatView } from '@websplatter/core';
+import { flippedMatrix } from '../camera/flip.ts';
+import type { Vec3 } from '../camera/vec3.ts';
+import type { ViewCamera } from '../camera/view-camera.ts';
+import { destroyClouds } from '../scene/load-scene.ts';
+import type { Scenes } from '../scene/scenes.ts';
+import type { ShownScene } from '../scene/shown-scene.ts';
+import type { Session } from '../session/session.ts';
+import type { SessionOwner } from '../session/session-owner.ts';
+import { sideAccuracy } from '../state/comparison.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { type DrawnFrame, imageKey } from './drawn-frame.ts';
+import { FrameLoop } from './frame-loop.ts';
+import { FrameMeter } from './frame-meter.ts';
+import { writeTestHooks } from './test-hooks.ts';
+
+export interface DrawingOptions {
+  readonly store: ViewerStore;
+  readonly sessions: SessionOwner;
+  readonly scenes: Scenes;
+  readonly camera: ViewCamera;
+}
+
+/** Draws the newest scene when something has changed, and writes to the store when the image has come to rest. */
+export class Drawing {
+  readonly #options: DrawingOptions;
+  readonly #loop: FrameLoop;
+  readonly #meter = new FrameMeter();
+  #background: Vec3 = [0, 0, 0];
+  #drawn: DrawnFrame | null = null;
+  #frameCount = 0;
+  /** How often the loop has paused. */
+  #pauses = 0;
+  /** `imageKey` of the image that came to rest last. */
+  #restedKey = '';
+
+  constructor(options: DrawingOptions) {
+    this.#options = options;
+    this.#loop = new FrameLoop({
+      draw: (elapsedMs) => this.#draw(elapsedMs),
+      onDrawn: (completedMs) => options.store.setState({ frameRate: this.#meter.add(completedMs) }),
+      onIdle: () => void this.#rest(),
+    });
+  }
+
+  /** Something has changed: draws it with the screen's next refresh. */
+  request(): void {
+    this.#loop.request();
+  }
+
+  stop(): void {
+    this.#loop.stop();
+  }
+
+  setBackground(color: Vec3): void {
+    this.#background = color;
+    this.#loop.request();
+  }
+
+  /** Counts a frame that a view has drawn by itself; the loop finds out when it is at rest. */
+  countOwnFrame(): void {
+    this.#frameCount++;
+    this.#loop.request();
+  }
+
+  /** The frame on the screen. Null before the newest scene has been drawn, and when the frame's device was lost. */
+  get shown(): DrawnFrame | null {
+    const { scenes, sessions } = this.#options;
+    const drawn = this.#drawn;
+    return drawn && drawn.scene === scenes.newest && drawn.scene.session === sessions.current ? drawn : null;
+  }
+
+  #draw(elapsedMs: number): Promise<unknown> | null {
+    const { store, sessions, scenes, camera } = this.#options;
+    const session = sessions.current;
+    const scene = scenes.newest;
+    const { widthPx } = store.getState();
+    if (!session || scene?.session !== session || widthPx === 0) return null;
+    if (camera.update(elapsedMs)) this.#loop.request();
+    const { ownCamera } = camera;
+    const { framesDrawn } = session.engine.counters();
+    let frame: DrawnFrame['frame'];
+    let isSubmitted: boolean;
+    try {
+      frame = this.#frameOf(scene, ownCamera ?? camera.orbitCamera);
+      isSubmitted = this.#render(session, frame);
+    } catch (error) {
+      scenes.takeBack(error);
+      return null;
+    }
+    if (!isSubmitted) return null;
+    this.#drawn = { scene, frame };
+    this.#frameCount++;
+    this.#report(session, ownCamera !== undefined);
+    const replaced = scenes.takeReplaced();
+    if (replaced.length > 0) void destroyWhenReplaced(session, replaced);
+    // While shaders compile, views go on with the old ones where they can; the loop does not wait for the new ones.
+    const isDrawn = session.engine.counters().framesDrawn > framesDrawn;
+    return isDrawn ? session.engine.device.queue.onSubmittedWorkDone() : null;
+  }
+
+  #frameOf(scene: ShownScene, camera: DrawnFrame['frame']['camera']): DrawnFrame['frame'] {
+    const { widthPx, heightPx, isFlipped } = this.#options.store.getState();
+    const clouds = scene.clouds.map(({ cloud, modelMatrix }) => ({
+      cloud,
+      modelMatrix: isFlipped ? flippedMatrix(modelMatrix) : modelMatrix,
+    }));
+    return { camera, clouds, widthPx, heightPx, background: this.#background };
+  }
+
+  /** Draws both sides of a split image, or the only one; returns whether anything was, or will be, submitted. */
+  #render({ views }: Session, frame: DrawnFrame['frame']): boolean {
+    const { wish, accuracy: settings, comparison } = this.#options.store.getState();
+    const accuracy = wish ?? settings;
+    if (comparison?.kind !== 'split') return views.main.render({ ...frame, accuracy });
+    const isLeftSubmitted = views.main.render({
+      ...frame,
+      accuracy: sideAccuracy(comparison.left, accuracy),
+    });
+    const isRightSubmitted = views.right?.render({
+      ...frame,
+      accuracy: sideAccuracy(comparison.right, accuracy),
+    });
+    return isLeftSubmitted || isRightSubmitted === true;
+  }
+
+  #report({ views }: Session, isOwnCamera: boolean): void {
+    const { store } = this.#options;
+    const { dock, isIdle, isOwnCamera: wasOwnCamera } = store.getState();
+    if (dock === 'effects') this.#listEffects(views.main);
+    if (isIdle) store.setState({ isIdle: false });
+    if (isOwnCamera !== wasOwnCamera) store.setState({ isOwnCamera });
+  }
+
+  /** The loop has paused. Frames whose shaders are still being compiled follow later. */
+  async #rest(): Promise<void> {
+    this.#meter.pause();
+    const { sessions } = this.#options;
+    const pause = ++this.#pauses;
+    const session = sessions.current;
+    // The device has reported a shader that does not compile.
+    if (session) await session.views.whenComplete().catch(() => {});
+    // Only the newest pause may report. An older one knows nothing of frames that were asked for later: it may have begun
+    // before there was a scene. On a busy machine it ended while the shaders of the first frame were compiling.
+    if (pause === this.#pauses && session === sessions.current && this.#loop.isResting) this.#becomeIdle();
+  }
+
+  #becomeIdle(): void {
+    const { store, sessions } = this.#options;
+    const session = sessions.current;
+    const drawn = this.#drawn;
+    if (!session || !drawn) {
+      store.setState({ isIdle: true });
+      return;
+    }
+    this.#listEffects(session.views.main);
+    const key = imageKey(drawn);
+    const isSame = key === this.#restedKey;
+    this.#restedKey = key;
+    store.setState(({ imageId }) => ({
+      isIdle: true,
+      restedFrames: this.#frameCount,
+      imageId: isSame ? imageId : imageId + 1,
+    }));
+    writeTestHooks(session.canvas, drawn, this.#frameCount);
+  }
+
+  #listEffects(view: SplatView): void {
+    const { store } = this.#options;
+    const effects = view.effects();
+    // Mostly nothing has changed; then React has nothing to render.
+    if (JSON.stringify(effects) !== JSON.stringify(store.getState().effects)) store.setState({ effects });
+  }
+}
+
+async function destroyWhenReplaced({ views }: Session, replaced: readonly ShownScene[]): Promise<void> {
+  try {
+    await views.whenComplete();
+  } catch {
+    // The new scene's shaders do not compile: the old one stays.
+    return;
+  }
+  for (const scene of replaced) destroyClouds(scene);
+}

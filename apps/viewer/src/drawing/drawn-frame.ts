@@ -1,0 +1,32 @@
+import type { SplatEngine, TextureImage, ViewFrame } from '@websplatter/core';
+import type { Vec3 } from '../camera/vec3.ts';
+import type { ShownScene } from '../scene/shown-scene.ts';
+
+/** The frame that was drawn last, and the scene that it shows. */
+export interface DrawnFrame {
+  readonly scene: ShownScene;
+  /** Everything but its accuracy. */
+  readonly frame: ViewFrame & { readonly background: Vec3 };
+}
+
+/** The frame on the screen, and the engine that can draw others like it. */
+export interface ShownFrame {
+  readonly engine: SplatEngine;
+  /** Without accuracy. */
+  readonly frame: ViewFrame;
+}
+
+/** An image as it was read back, without its background, and the background that it is to be shown on. */
+export interface ImageOnBackground {
+  readonly image: TextureImage;
+  readonly background: Vec3;
+}
+
+/** Everything that an image depends on but its accuracy and background, as text. */
+export function imageKey({ scene, frame }: DrawnFrame): string {
+  const { camera, clouds, widthPx, heightPx } = frame;
+  const models = clouds.map(({ modelMatrix }) => modelMatrix && Array.from(modelMatrix));
+  const { viewMatrix, projectionMatrix } = camera;
+  const matrices = [Array.from(viewMatrix), Array.from(projectionMatrix), models];
+  return JSON.stringify([scene.id, widthPx, heightPx, matrices]);
+}

@@ -1,0 +1,111 @@
+import type { EffectEntry } from '@websplatter/core';
+import type { EffectCost } from '@websplatter/core/measure';
+import { memo, useId } from 'react';
+import { useStore } from 'zustand';
+import type { Measurement } from '../measurement/measurement.ts';
+import { MeasurementRunner } from '../measurement/measurement-runner.tsx';
+import { timingCautions } from '../measurement/timing-cautions.ts';
+import type { MeasuredEffects } from '../state/measured.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { Dock } from '../ui/dock.tsx';
+import { formatBytes, formatCount } from '../words/format.ts';
+import { describeCost, formatCost, measureEffectCosts } from './effect-costs.ts';
+
+interface EffectsProps {
+  readonly store: ViewerStore;
+  readonly measurement: Measurement;
+}
+
+/** Lists the effects that are on and those that are off, with the reason, the memory and the cost of each. */
+export const EffectsPanel = memo(function EffectsPanel({ store, measurement }: EffectsProps) {
+  const isVisible = useStore(store, (state) => state.dock === 'effects');
+  const effects = useStore(store, (state) => state.effects);
+  const measured = useStore(store, (state) => state.effectCosts);
+  const hasSeveralClouds = useStore(store, (state) => (state.scene?.clouds ?? 0) > 1);
+  if (!isVisible) return null;
+  const listed = { costs: measured?.costs ?? [], hasSeveralClouds };
+  return (
+    <Dock store={store} name="effects" title="Effects">
+      <section
+        className="dock-body"
+        aria-label="Effects of this frame"
+        // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, so keys must reach it.
+        tabIndex={0}
+      >
+        <EffectList title="In this frame" entries={effects.filter(({ isOn }) => isOn)} {...listed} />
+        <MeasurementRunner
+          store={store}
+          of="effects"
+          label={measured ? 'Measure again' : 'Measure costs'}
+          about={measured ? null : 'Draws this view with and without each effect, in turn.'}
+          onStart={() => void measureEffectCosts(store, measurement)}
+          onCancel={() => measurement.stop()}
+        />
+        {measured && <Cautions store={store} measured={measured} />}
+        <EffectList title="Not called for" entries={effects.filter(({ isOn }) => !isOn)} {...listed} />
+      </section>
+    </Dock>
+  );
+});
+
+function Cautions({ store, measured }: { store: ViewerStore; measured: MeasuredEffects }) {
+  const { imageId, accuracy, isSoftware } = measured;
+  const isStale = useStore(store, (state) => state.imageId !== imageId || state.accuracy !== accuracy);
+  const source = useStore(store, (state) => state.statistics?.timing.source ?? 'gpu-timestamps');
+  return (
+    <div className="circumstances" data-testid="effect-cautions" data-stale={isStale}>
+      {isStale && <p className="stale">Costs are those of another view, size or accuracy.</p>}
+      {timingCautions(isSoftware, source).map((caution) => (
+        <p key={caution}>{caution}</p>
+      ))}
+    </div>
+  );
+}
+
+interface ListedProps {
+  readonly costs: readonly EffectCost[];
+  /** Then each effect names the clouds that it is on for. */
+  readonly hasSeveralClouds: boolean;
+}
+
+function EffectList({
+  title,
+  entries,
+  ...listed
+}: ListedProps & { readonly title: string; readonly entries: readonly EffectEntry[] }) {
+  const id = useId();
+  return (
+    <>
+      <h3 id={id}>
+        {title} <small>{formatCount(entries.length)}</small>
+      </h3>
+      <ul aria-labelledby={id}>
+        {entries.map((entry) => (
+          <li key={entry.name}>
+            <Effect entry={entry} {...listed} />
+          </li>
+        ))}
+      </ul>
+    </>
+  );
+}
+
+/** The reason and the cost of an effect; on demand, what it does. */
+function Effect({ entry, costs, hasSeveralClouds }: ListedProps & { readonly entry: EffectEntry }) {
+  const { name, label, about, isOn, reason, clouds, stages, bytes } = entry;
+  const cost = costs.find((each) => each.name === name);
+  const figures = [...(cost ? [formatCost(cost.costMs)] : []), ...(bytes > 0 ? [formatBytes(bytes)] : [])];
+  return (
+    <details className="effect" data-testid={`effect-${name}`} data-on={isOn}>
+      <summary>
+        <span className="effect-label">{label}</span>
+        <span className="effect-figures">{figures.join(' · ')}</span>
+        <span className="effect-reason">{reason}</span>
+      </summary>
+      <p>{about}</p>
+      {cost && <p>{describeCost(cost.costMs)}</p>}
+      {hasSeveralClouds && clouds.length > 0 && <p>For {clouds.join(', ')}.</p>}
+      {isOn && <p>{stages.length > 0 ? `Acts in ${stages.join(', ')}.` : 'Acts in no shader.'}</p>}
+    </details>
+  );
+}

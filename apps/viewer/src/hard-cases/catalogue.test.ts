@@ -1,0 +1,104 @@
+import type { HardCase } from '@websplatter/hardcases';
+import { describe, expect, it } from 'vitest';
+import { reportFailure } from '../messages/failure-report.ts';
+import {
+  addressOf,
+  closestNames,
+  filteredCases,
+  findHardCase,
+  groupedCases,
+  hardCaseNameIn,
+} from './catalogue.ts';
+
+const scene = (name: string, group: HardCase['group'], breaks: string): HardCase => ({
+  kind: 'scene',
+  name,
+  group,
+  breaks,
+  clouds: () => [],
+  cameras: () => ({}),
+});
+
+const CASES: readonly HardCase[] = [
+  scene('needle-aspect-1e6', 'scale', 'The smaller eigenvalue cancels to 0.'),
+  scene('needle-edge-on', 'scale', 'A disc has no inverse.'),
+  scene('far-origin', 'world', 'Positions are float32.'),
+  {
+    kind: 'refused-file',
+    name: 'cut-off',
+    group: 'input',
+    breaks: 'x',
+    file: () => new Uint8Array(),
+    code: 'y',
+  },
+  {
+    kind: 'sort',
+    name: 'equal-keys',
+    group: 'sort',
+    breaks: 'x',
+    keys: () => new Uint32Array(),
+    keyBits: 16,
+  },
+];
+
+function errorFor(name: string) {
+  try {
+    findHardCase(CASES, name);
+  } catch (error) {
+    return reportFailure(error, name);
+  }
+  throw new Error('It was found.');
+}
+
+describe('hard catalogue', () => {
+  it('finds what can be opened', () => {
+    expect(findHardCase(CASES, 'far-origin')).toBe(CASES[2]);
+    expect(findHardCase(CASES, 'cut-off')).toBe(CASES[3]);
+  });
+
+  it('offers the closest names and the gallery for an unknown one', () => {
+    const { message, isFault, links } = errorFor('needle-aspct-1e6');
+    expect(message).toContain('“needle-aspct-1e6”');
+    expect(isFault).toBe(false);
+    expect(links).toEqual([
+      { label: 'needle-aspect-1e6', href: '?scene=hard:needle-aspect-1e6' },
+      { label: 'needle-edge-on', href: '?scene=hard:needle-edge-on' },
+      { label: 'All hard cases', href: '?scene=hard' },
+    ]);
+    expect(errorFor('zzz').links).toHaveLength(1);
+  });
+
+  it('says why a case without a picture cannot be opened', () => {
+    expect(errorFor('equal-keys').message).toMatch(/equal-keys cannot be opened.*no picture/);
+  });
+
+  it('puts the closest name first and leaves out what is not alike', () => {
+    const names = CASES.map(({ name }) => name);
+    expect(closestNames(names, 'origin-far')).toEqual(['far-origin']);
+    expect(closestNames(names, '')).toEqual([]);
+  });
+
+  it('filters by every word, in name, group and description', () => {
+    const namesFor = (query: string) => filteredCases(CASES, query).map(({ name }) => name);
+    expect(namesFor('  ')).toHaveLength(CASES.length);
+    expect(namesFor('NEEDLE eigenvalue')).toEqual(['needle-aspect-1e6']);
+    expect(namesFor('world')).toEqual(['far-origin']);
+    expect(namesFor('needle world')).toEqual([]);
+  });
+
+  it('groups in the order of the catalogue', () => {
+    expect(groupedCases(CASES).map(({ group, cases }) => [group, cases.length])).toEqual([
+      ['scale', 2],
+      ['world', 1],
+      ['input', 1],
+      ['sort', 1],
+    ]);
+  });
+
+  it('makes addresses and reads them', () => {
+    expect(addressOf('a b')).toBe('?scene=hard:a%20b');
+    expect(hardCaseNameIn(new URLSearchParams(addressOf('a b')).get('scene'))).toBe('a b');
+    expect(hardCaseNameIn('still-life')).toBeNull();
+    expect(hardCaseNameIn(null)).toBeNull();
+  });
+});

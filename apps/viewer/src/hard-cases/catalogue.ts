@@ -1,0 +1,140 @@
+import type { DeviceCase, HardCase, HardCaseGroup, RefusedFileCase, SceneCase } from '@websplatter/hardcases';
+import type { Link } from '../state/failure.ts';
+
+/** Cases that can be opened: images, and files whose refusal is the point. */
+export type OpenableCase = SceneCase | DeviceCase | RefusedFileCase;
+
+/** Loaded when a hard case or the gallery is asked for, so that the viewer does not carry the catalogue. */
+export async function loadHardCases(): Promise<readonly HardCase[]> {
+  const { HARD_CASES } = await import('@websplatter/hardcases');
+  return HARD_CASES;
+}
+
+/** `?scene=hard` is the gallery, `?scene=hard:NAME` a case. */
+export const GALLERY_SCENE = 'hard';
+export const GALLERY_ADDRESS = `?scene=${GALLERY_SCENE}`;
+
+export function addressOf(name: string): string {
+  return `${GALLERY_ADDRESS}:${encodeURIComponent(name)}`;
+}
+
+/** The case that `?scene=` asks for; null if it asks for another scene. */
+export function hardCaseNameIn(scene: string | null | undefined): string | null {
+  const prefix = `${GALLERY_SCENE}:`;
+  return scene?.startsWith(prefix) ? scene.slice(prefix.length) : null;
+}
+
+/** The case does not exist or cannot be opened. */
+export class HardCaseError extends Error {
+  override readonly name = 'HardCaseError';
+  readonly links: readonly Link[];
+
+  constructor(message: string, closest: readonly string[] = []) {
+    super(message);
+    const links = closest.map((name) => ({ label: name, href: addressOf(name) }));
+    this.links = [...links, { label: 'All hard cases', href: GALLERY_ADDRESS }];
+  }
+}
+
+/** @throws HardCaseError if there is no such case or it cannot be opened. */
+export function findHardCase(cases: readonly HardCase[], name: string): OpenableCase {
+  const found = cases.find((candidate) => candidate.name === name);
+  if (found && isOpenable(found)) return found;
+  if (found) throw new HardCaseError(`${name} cannot be opened. ${noteOn(found)}`);
+  const closest = closestNames(
+    cases.filter(isOpenable).map((candidate) => candidate.name),
+    name,
+  );
+  throw new HardCaseError(
+    closest.length > 0
+      ? `There is no hard case “${name}”. These have similar names:`
+      : `There is no hard case “${name}”.`,
+    closest,
+  );
+}
+
+export function isOpenable(hardCase: HardCase): hardCase is OpenableCase {
+  return hardCase.kind !== 'sort' && hardCase.kind !== 'arithmetic';
+}
+
+/** A remark on opening a case, or the reason why it cannot be opened; empty for ordinary cases. */
+export function noteOn(hardCase: HardCase): string {
+  switch (hardCase.kind) {
+    case 'scene':
+      return '';
+    case 'device':
+      return 'Opens on this device as it is; the tests take features away from it.';
+    case 'refused-file':
+      return 'No splats: opening it shows the error.';
+    case 'sort':
+      return 'Keys for the sort alone, which make no picture; the tests check their order.';
+    case 'arithmetic':
+      return 'Arithmetic alone, for scenes too large to draw; the tests check it.';
+  }
+}
+
+/** `colour` → `Colour`. */
+export function groupTitle(group: HardCaseGroup): string {
+  return group[0].toUpperCase() + group.slice(1);
+}
+
+export interface CaseGroup {
+  readonly group: HardCaseGroup;
+  readonly cases: readonly HardCase[];
+}
+
+/** The cases by group, in the catalogue's order. */
+export function groupedCases(cases: readonly HardCase[]): CaseGroup[] {
+  const groups = new Map<HardCaseGroup, HardCase[]>();
+  for (const hardCase of cases) {
+    const members = groups.get(hardCase.group);
+    if (members) members.push(hardCase);
+    else groups.set(hardCase.group, [hardCase]);
+  }
+  return [...groups].map(([group, members]) => ({ group, cases: members }));
+}
+
+/** The cases in whose name, group or description every word of `query` occurs, in any order. */
+export function filteredCases(cases: readonly HardCase[], query: string): readonly HardCase[] {
+  const words = query.toLowerCase().split(/\s+/).filter(Boolean);
+  if (words.length === 0) return cases;
+  return cases.filter((hardCase) => {
+    const { name, group, breaks, kind } = hardCase;
+    const text = [name, group, breaks, kind, noteOn(hardCase)].join('\n').toLowerCase();
+    return words.every((word) => text.includes(word));
+  });
+}
+
+const MOST_CLOSEST = 3;
+/** Names with fewer pairs of letters in common do not look alike. */
+const LEAST_SIMILARITY = 0.25;
+
+/** The names that are most like `asked`, best first; empty if none is alike. */
+export function closestNames(names: readonly string[], asked: string): string[] {
+  return names
+    .map((name) => ({ name, similarity: similarity(name, asked) }))
+    .filter((candidate) => candidate.similarity >= LEAST_SIMILARITY)
+    .sort((a, b) => b.similarity - a.similarity)
+    .slice(0, MOST_CLOSEST)
+    .map(({ name }) => name);
+}
+
+/** Sørensen–Dice over pairs of letters, 0…1: swapped words and missing ends count little. */
+function similarity(a: string, b: string): number {
+  const pairs = pairsOf(a);
+  const others = pairsOf(b);
+  let common = 0;
+  for (const pair of pairs) {
+    const at = others.indexOf(pair);
+    if (at < 0) continue;
+    // Each pair is matched once.
+    others[at] = '';
+    common++;
+  }
+  return pairs.length + others.length > 0 ? (2 * common) / (pairs.length + others.length) : 0;
+}
+
+function pairsOf(name: string): string[] {
+  const letters = name.toLowerCase();
+  return Array.from({ length: Math.max(0, letters.length - 1) }, (_, i) => letters.slice(i, i + 2));
+}

@@ -1,0 +1,77 @@
+import { describe, expect, it } from 'vitest';
+import { createViewerStore } from '../state/store.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
+import { hudText, stageShares } from './hud-binding.ts';
+
+function stateWith(timing: object, changes: Partial<ViewerState> = {}): ViewerState {
+  const statistics = { frame: 1, visibleSplats: 1200, candidateSplats: 2000, loadedSplats: 5000, timing };
+  return {
+    ...createViewerStore().getState(),
+    statistics: statistics as ViewerState['statistics'],
+    ...changes,
+  };
+}
+
+const MEASURED = {
+  source: 'gpu-timestamps',
+  preprocessMs: 1,
+  sortMs: 2,
+  rasterizeMs: 5,
+  totalMs: 8,
+  wallClockMs: 9,
+};
+const WALL_CLOCK = {
+  source: 'wall-clock',
+  preprocessMs: Number.NaN,
+  sortMs: Number.NaN,
+  rasterizeMs: Number.NaN,
+  totalMs: 8,
+};
+
+describe('HUD', () => {
+  it('writes each stage and where the times come from', () => {
+    const text = hudText(stateWith(MEASURED));
+    expect(text).toMatchObject({
+      preprocess: '1.0',
+      sort: '2.0',
+      rasterize: '5.0',
+      total: '8.0',
+      visible: '1,200',
+    });
+    expect(text.source).toBe('GPU timestamps');
+  });
+
+  it('says so where timestamps cannot be true', () => {
+    const { source } = hudText(stateWith({ ...MEASURED, wallClockMs: 250 }));
+    expect(source).toBe('GPU timestamps; the clock says 250 ms');
+  });
+
+  it('leaves open what the wall clock cannot tell', () => {
+    expect(hudText(stateWith(WALL_CLOCK))).toMatchObject({
+      preprocess: '–',
+      total: '8.0',
+      source: 'wall clock',
+    });
+    expect(stageShares(stateWith(WALL_CLOCK))).toEqual({ preprocess: 0, sort: 0, rasterize: 0 });
+  });
+
+  it('gives a lone frame the time that it took', () => {
+    expect(hudText(stateWith({ ...MEASURED, wallClockMs: 12 })).frameMs).toBe('12.0');
+  });
+
+  it('gives no frame rate while nothing is drawn', () => {
+    const frameRate = { frameMs: 20, framesPerSecond: 50 };
+    expect(hudText(stateWith(MEASURED, { frameRate, isIdle: true }))).toMatchObject({
+      rate: '',
+      rateUnit: 'idle',
+    });
+    expect(hudText(stateWith(MEASURED, { frameRate, isIdle: false }))).toMatchObject({
+      rate: '50',
+      rateUnit: 'fps',
+    });
+  });
+
+  it('shares the bar among the stages', () => {
+    expect(stageShares(stateWith(MEASURED))).toEqual({ preprocess: 0.125, sort: 0.25, rasterize: 0.625 });
+  });
+});

@@ -1,0 +1,105 @@
+import { isPlausible, type StageTimings } from '@websplatter/core';
+import type { ViewerStore } from '../state/store.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
+import { formatCount, formatMs, formatRate, UNKNOWN } from '../words/format.ts';
+
+export type HudFigure =
+  | 'frameMs'
+  | 'rate'
+  | 'rateUnit'
+  | 'preprocess'
+  | 'sort'
+  | 'rasterize'
+  | 'total'
+  | 'source'
+  | 'visible'
+  | 'loaded'
+  | 'resolution'
+  | 'adapter';
+
+/** Figures that change faster than this cannot be read. */
+const WRITE_INTERVAL_MS = 120;
+
+/** The state as text. */
+export function hudText(state: ViewerState): Record<HudFigure, string> {
+  const { statistics, frameRate, scene, isIdle, widthPx, heightPx, adapterLabel } = state;
+  const timing = statistics?.timing;
+  const rate = isIdle ? undefined : frameRate?.framesPerSecond;
+  return {
+    // A lone frame has no pace; its own time is the next best.
+    frameMs: formatMs(frameRate?.frameMs ?? timing?.wallClockMs ?? Number.NaN),
+    rate: rate === undefined ? '' : formatRate(rate),
+    // Nothing is drawn while nothing changes: a rate would be wrong.
+    rateUnit: rate === undefined ? (isIdle ? 'idle' : '') : 'fps',
+    preprocess: formatMs(timing?.preprocessMs ?? Number.NaN),
+    sort: formatMs(timing?.sortMs ?? Number.NaN),
+    rasterize: formatMs(timing?.rasterizeMs ?? Number.NaN),
+    total: formatMs(timing?.totalMs ?? Number.NaN),
+    source: timing ? sourceText(timing) : '',
+    visible: formatCount(statistics?.visibleSplats ?? Number.NaN),
+    loaded: formatCount(scene?.splats ?? Number.NaN),
+    resolution: widthPx > 0 ? `${widthPx} × ${heightPx}` : UNKNOWN,
+    adapter: adapterLabel || UNKNOWN,
+  };
+}
+
+function sourceText(timing: StageTimings): string {
+  if (timing.source === 'wall-clock') return 'wall clock';
+  return isPlausible(timing)
+    ? 'GPU timestamps'
+    : `GPU timestamps; the clock says ${formatMs(timing.wallClockMs)} ms`;
+}
+
+/** Each stage's part of the time of all three, 0…1; all 0 if they are not measured. */
+export function stageShares({
+  statistics,
+}: ViewerState): Record<'preprocess' | 'sort' | 'rasterize', number> {
+  const timing = statistics?.timing;
+  const sum = timing ? timing.preprocessMs + timing.sortMs + timing.rasterizeMs : Number.NaN;
+  if (!timing || !(sum > 0)) return { preprocess: 0, sort: 0, rasterize: 0 };
+  return {
+    preprocess: timing.preprocessMs / sum,
+    sort: timing.sortMs / sum,
+    rasterize: timing.rasterizeMs / sum,
+  };
+}
+
+/**
+ * Writes the store's figures into the elements of `root` that carry `data-figure` and `data-share`, outside React and
+ * slowly enough to be read. Returns what stops that.
+ */
+export function bindHud(root: HTMLElement, store: ViewerStore): () => void {
+  const figures = [...root.querySelectorAll<HTMLElement>('[data-figure]')].map((element) => {
+    const text = document.createTextNode('');
+    element.replaceChildren(text);
+    return { name: element.dataset.figure as HudFigure, text };
+  });
+  const bars = [...root.querySelectorAll<HTMLElement>('[data-share]')];
+  let timer: ReturnType<typeof setTimeout> | null = null;
+  let writtenMs = Number.NEGATIVE_INFINITY;
+
+  const write = () => {
+    timer = null;
+    writtenMs = performance.now();
+    const state = store.getState();
+    const texts = hudText(state);
+    for (const { name, text } of figures) {
+      if (text.data !== texts[name]) text.data = texts[name];
+    }
+    const shares: Record<string, number> = stageShares(state);
+    for (const bar of bars) {
+      const share = shares[bar.dataset.share ?? ''];
+      bar.hidden = share === 0;
+      bar.style.flexGrow = String(share);
+    }
+  };
+  write();
+  const unsubscribe = store.subscribe(() => {
+    timer ??= setTimeout(write, Math.max(0, writtenMs + WRITE_INTERVAL_MS - performance.now()));
+  });
+  return () => {
+    unsubscribe();
+    if (timer !== null) clearTimeout(timer);
+    for (const { text } of figures) text.remove();
+  };
+}

@@ -1,0 +1,122 @@
+import type { AccuracyPoint } from '@websplatter/core/measure';
+import { useState } from 'react';
+import { useStore } from 'zustand';
+import type { MeasuredAccuracy } from '../state/measured.ts';
+import type { PanelProps } from '../viewer/panel-props.ts';
+import { isSameAccuracy } from '../words/accuracy-words.ts';
+import { formatBytes, formatCount, formatDb, formatMs, formatSplats } from '../words/format.ts';
+import { ErrorTimeChart } from './error-time-chart.tsx';
+import { timingCautions } from './timing-cautions.ts';
+
+/** The newest table of measured settings: as a chart, and as a table to choose from. */
+export function MeasuredResults({
+  store,
+  viewer,
+  measured,
+}: PanelProps & { readonly measured: MeasuredAccuracy }) {
+  const [looked, setLooked] = useState<number | null>(null);
+  const accuracy = useStore(store, (state) => state.accuracy);
+  const isStale = useStore(store, (state) => state.imageId !== measured.imageId);
+  const { table } = measured;
+  const current = table.points.findIndex(({ settings }) => isSameAccuracy(settings, accuracy));
+  const pick = (index: number) => viewer.setAccuracy(table.points[index].settings);
+  const shown = table.points[looked ?? current];
+  return (
+    <div className="results" data-testid="results" data-stale={isStale}>
+      {isStale && (
+        <p className="stale">These are the results of another view, scene or size: measure again.</p>
+      )}
+      <ErrorTimeChart points={table.points} current={current} onPick={pick} onLook={setLooked} />
+      {shown ? <Details point={shown} /> : <p className="details">The chosen setting was not measured.</p>}
+      <PointTable points={table.points} current={current} onPick={pick} />
+      <Circumstances measured={measured} />
+    </div>
+  );
+}
+
+/** The figures of one point, with the interval of its time. */
+function Details({ point }: { point: AccuracyPoint }) {
+  const { name, error, timeMs, bytes, notes } = point;
+  const { total, preprocess, sort, rasterize } = timeMs;
+  const stages = [preprocess, sort, rasterize].map((spread) => (spread ? formatMs(spread.median) : null));
+  return (
+    <div className="details" data-testid="point-details">
+      <p>
+        <b>{name}</b>
+      </p>
+      <p>
+        {formatDb(error.psnrDb)} dB · largest error {(255 * error.maxError).toFixed(1)} of 255 · 99.9 % under{' '}
+        {(255 * error.p999Error).toFixed(1)} · SSIM {error.ssim.toFixed(4)}
+      </p>
+      <p>
+        {formatMs(total.median)} ms ({formatMs(total.low)}–{formatMs(total.high)})
+        {!stages.includes(null) && ` · ${stages.join(' + ')} ms by stage`} · {formatBytes(bytes)}
+      </p>
+      {notes.map((note) => (
+        <p key={note}>{note}</p>
+      ))}
+    </div>
+  );
+}
+
+function PointTable({
+  points,
+  current,
+  onPick,
+}: {
+  points: readonly AccuracyPoint[];
+  current: number;
+  onPick: (index: number) => void;
+}) {
+  return (
+    <table data-testid="point-table">
+      <thead>
+        <tr>
+          <th scope="col">Setting</th>
+          <th scope="col">dB</th>
+          <th scope="col">ms</th>
+        </tr>
+      </thead>
+      <tbody>
+        {points.map(({ name, error, timeMs, isOnFront }, index) => (
+          <tr key={name} className={isOnFront ? 'on-front' : undefined}>
+            <th scope="row">
+              <button type="button" aria-pressed={index === current} onClick={() => onPick(index)}>
+                {name}
+              </button>
+            </th>
+            <td>{formatDb(error.psnrDb)}</td>
+            <td>{formatMs(timeMs.total.median)}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+/** Where and how the table was measured, and why it is not exact. */
+function Circumstances({ measured }: { measured: MeasuredAccuracy }) {
+  const { table, isSoftware } = measured;
+  const { adapter, timing, widthPx, heightPx, splats, views, frames, reference, notes } = table;
+  const facts = [
+    adapter,
+    timing === 'gpu-timestamps' ? 'GPU timestamps' : 'wall clock',
+    `${widthPx} × ${heightPx}`,
+    formatSplats(splats),
+    views === 1 ? 'this view' : `${formatCount(views)} views, the worst counts`,
+    `${formatCount(frames)} frames each`,
+  ];
+  const cautions = [
+    ...timingCautions(isSoftware, timing),
+    ...reference.notes.map((note) => `Reference: ${note}`),
+    ...notes,
+  ];
+  return (
+    <div className="circumstances" data-testid="circumstances">
+      <p>{facts.join(' · ')}</p>
+      {cautions.map((caution) => (
+        <p key={caution}>{caution}</p>
+      ))}
+    </div>
+  );
+}

@@ -1,0 +1,79 @@
+import { isSoftwareAdapter, WebSplatterError } from '@websplatter/core';
+import type { MeasureProgress } from '@websplatter/core/measure';
+import type { ShownFrame } from '../drawing/drawn-frame.ts';
+import type { MeasuredImage, MeasuredThing } from '../state/measured.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+
+export interface MeasurementOptions {
+  readonly signal: AbortSignal;
+  readonly onProgress: (progress: MeasureProgress) => void;
+}
+
+/**
+ * Runs measurements of the frame on the screen and keeps their progress in the store. One at a time: two would slow each
+ * other down.
+ */
+export class Measurement {
+  readonly #viewer: Viewer;
+  readonly #store: ViewerStore;
+  #running: AbortController | null = null;
+
+  constructor(viewer: Viewer, store: ViewerStore) {
+    this.#viewer = viewer;
+    this.#store = store;
+  }
+
+  /** Calls off a measurement when its scene or device goes. Returns what stops that, and a running measurement with it. */
+  watch(): () => void {
+    const unsubscribe = this.#store.subscribe((state, before) => {
+      if (state.scene !== before.scene || state.status !== before.status) this.stop();
+    });
+    return () => {
+      unsubscribe();
+      this.stop();
+    };
+  }
+
+  /** @returns null without a frame on the screen, beside another measurement, and on failure; the store then says why. */
+  async run<T>(
+    of: MeasuredThing,
+    work: (shown: ShownFrame, options: MeasurementOptions) => Promise<T>,
+  ): Promise<(T & MeasuredImage) | null> {
+    const shown = this.#viewer.shownFrame;
+    if (!shown || this.#running) return null;
+    const store = this.#store;
+    const running = new AbortController();
+    this.#running = running;
+    const { signal } = running;
+    const { imageId } = store.getState();
+    store.setState({ measuring: { of, done: 0, total: 1, label: 'Preparing' }, failedMeasurement: null });
+    try {
+      const onProgress = (progress: MeasureProgress) => {
+        if (!signal.aborted) store.setState({ measuring: { of, ...progress } });
+      };
+      const result = await work(shown, { signal, onProgress });
+      const isSoftware = isSoftwareAdapter(shown.engine.device.adapterInfo);
+      return signal.aborted ? null : { ...result, imageId, isSoftware };
+    } catch (error) {
+      // The engine calls off measurements for views that have gone on to show something else.
+      if (signal.aborted || (error as Error).name === 'AbortError') return null;
+      if (!(error instanceof WebSplatterError)) console.error(error);
+      const text = error instanceof Error ? error.message : String(error);
+      store.setState({ failedMeasurement: { of, text } });
+      return null;
+    } finally {
+      if (this.#running === running) {
+        this.#running = null;
+        store.setState({ measuring: null });
+      }
+    }
+  }
+
+  /** Calls off the running measurement. */
+  stop(): void {
+    this.#running?.abort();
+    this.#running = null;
+    if (this.#store.getState().measuring) this.#store.setState({ measuring: null });
+  }
+}

@@ -1,0 +1,60 @@
+import {
+  GpuLimitError,
+  SplatFileError,
+  type SplatFileErrorCode,
+  SplatSourceError,
+  WebSplatterError,
+} from '@websplatter/core';
+import { HardCaseError } from '../hard-cases/catalogue.ts';
+import type { FailureReport } from '../state/failure.ts';
+import { formatBytes } from '../words/format.ts';
+
+/** The engine's message adds the place in the file and what to do. */
+const FILE_PROBLEMS: Readonly<Record<SplatFileErrorCode, string>> = {
+  'unknown-format': 'Unknown file format',
+  'bad-header': 'The file’s header cannot be read',
+  'bad-property': 'The file has an unusable property',
+  'not-splats': 'Not a Gaussian-splat scene',
+  truncated: 'The file is incomplete',
+  'bad-value': 'The file holds a value that is no number',
+  'too-large': 'Too many splats',
+  empty: 'The file has no splats',
+};
+
+/** The report of `error`, which was thrown while `title` was being opened. */
+export function reportFailure(error: unknown, title: string): FailureReport {
+  if (error instanceof SplatFileError) {
+    return { title: FILE_PROBLEMS[error.code], message: error.message, advice: '', isFault: false };
+  }
+  if (error instanceof SplatSourceError) {
+    const advice =
+      error.status === undefined
+        ? 'Check the address and the connection; the server must allow reading from this page (CORS).'
+        : 'Check the address.';
+    return { title: 'The file cannot be read', message: error.message, advice, isFault: false };
+  }
+  if (error instanceof HardCaseError) {
+    const { message, links } = error;
+    return { title: 'No such scene', message, advice: '', isFault: false, links };
+  }
+  if (error instanceof GpuLimitError) {
+    const sizes = `${formatBytes(error.neededBytes)} needed, ${formatBytes(error.availableBytes)} available`;
+    // Limits of textures are in pixels, although the fields say bytes.
+    const isLength = error.limit.includes('Dimension');
+    return {
+      title: 'Too large for this GPU',
+      message: isLength ? error.message : `${error.message} (${sizes})`,
+      advice: 'Open a smaller scene, or use a GPU with larger limits.',
+      isFault: false,
+    };
+  }
+  const message = error instanceof Error ? error.message : String(error);
+  if (error instanceof WebSplatterError)
+    return { title: `${title} cannot be shown`, message, advice: '', isFault: false };
+  return {
+    title: `${title} cannot be shown`,
+    message,
+    advice: 'This is a fault of the viewer; the browser’s console has the particulars.',
+    isFault: true,
+  };
+}

@@ -1,0 +1,88 @@
+import { useEffect, useRef } from 'react';
+import { useStore } from 'zustand';
+import type { ViewerStore } from '../state/store.ts';
+
+/** In place of the viewer if the browser offers no WebGPU. */
+export function UnavailablePage({ store }: { store: ViewerStore }) {
+  const reason = useStore(store, (state) => state.statusReason);
+  return (
+    <main className="status-page" data-testid="webgpu-unavailable">
+      <h1>This page needs WebGPU</h1>
+      <p>
+        WebSplatter sorts and draws millions of Gaussian splats on the graphics processor through WebGPU, the
+        web’s interface to modern GPUs. This browser does not offer it here.
+      </p>
+      {!isSecureContext && (
+        <p>
+          <strong>The page was not loaded securely.</strong> Browsers offer WebGPU on https:// and on
+          localhost only.
+        </p>
+      )}
+      <h2>Where it works</h2>
+      <ul>
+        <li>Chrome and Edge 113 or newer on Windows, macOS and ChromeOS; on Android from 121</li>
+        <li>Safari 26 or newer on macOS, iOS, iPadOS and visionOS</li>
+        <li>Firefox 141 or newer on Windows, 145 or newer on Macs with Apple silicon</li>
+        <li>On Linux: Chrome with WebGPU enabled in chrome://flags, or Firefox Nightly</li>
+      </ul>
+      <p>
+        If yours is among them, check that hardware acceleration is on and that the graphics driver is up to
+        date.
+      </p>
+      {/* Without any WebGPU the reason repeats the above. */}
+      {navigator.gpu !== undefined && (
+        <p className="particulars" data-testid="status-reason">
+          {reason}
+        </p>
+      )}
+    </main>
+  );
+}
+
+/** In place of the gallery if its catalogue could not be loaded. */
+export function GalleryFailedPage() {
+  return (
+    <main className="status-page" role="alert">
+      <h1>The hard cases could not be loaded</h1>
+      <p>Check the connection; the browser’s console has the particulars.</p>
+      <p className="actions">
+        <button type="button" className="text-button primary" onClick={() => location.reload()}>
+          Try again
+        </button>
+      </p>
+    </main>
+  );
+}
+
+/** Over the viewer when the GPU was taken away. */
+export function LostPage({ store, onRecover }: { store: ViewerStore; onRecover: () => void }) {
+  const reason = useStore(store, (state) => state.statusReason);
+  const recover = useRef<HTMLButtonElement>(null);
+  useEffect(() => recover.current?.focus(), []);
+  return (
+    <main className="status-page covering" role="alert" data-testid="device-lost">
+      <h1>The connection to the GPU was lost</h1>
+      <p>
+        This happens when the graphics driver restarts, the computer wakes up, or memory runs out. Your scene
+        can be opened again where you were.
+      </p>
+      <p className="particulars" data-testid="status-reason">
+        {reason}
+      </p>
+      <p className="actions">
+        <button
+          ref={recover}
+          type="button"
+          className="text-button primary"
+          data-testid="recover"
+          onClick={onRecover}
+        >
+          Recover
+        </button>
+        <button type="button" className="text-button" onClick={() => location.reload()}>
+          Reload the page
+        </button>
+      </p>
+    </main>
+  );
+}

@@ -1,0 +1,71 @@
+import type { CloudInstance, LoadProgress, SplatEngine } from '@websplatter/core';
+import type { CameraSubject } from '../camera/view-camera.ts';
+import { findHardCase, groupTitle, loadHardCases } from '../hard-cases/catalogue.ts';
+import type { SceneAbout } from '../state/scene-summary.ts';
+import { makeBuiltinScene } from './builtin-scene.ts';
+import { type SceneSource, titleOf } from './scene-source.ts';
+
+/** A scene on the GPU, and how it is to be looked at. */
+export interface LoadedScene extends Pick<CameraSubject, 'firstView' | 'ownCameras' | 'isUpsideDown'> {
+  readonly clouds: readonly CloudInstance[];
+  readonly about: SceneAbout | null;
+}
+
+/** Makes or reads `source` and uploads it. A load that fails or is called off leaves nothing on the GPU. */
+export async function loadScene(
+  engine: SplatEngine,
+  source: SceneSource,
+  signal: AbortSignal,
+  onProgress: (progress: LoadProgress) => void,
+): Promise<LoadedScene> {
+  const plain = { firstView: null, ownCameras: null, about: null };
+  if (source.kind === 'builtin') {
+    const { name, title, cameras } = source.scene;
+    const { packed, set } = await makeBuiltinScene(name, engine.accuracy, signal);
+    const clouds = [{ cloud: engine.addPacked(packed, { name: title, source: set }) }];
+    return { ...plain, clouds, firstView: cameras[0], isUpsideDown: false };
+  }
+  if (source.kind === 'hard-case') return loadHardCase(engine, source.name, signal, onProgress);
+  const cloud = await engine.load(source.kind === 'file' ? source.file : source.url, {
+    name: titleOf(source),
+    signal,
+    onProgress,
+  });
+  return { ...plain, clouds: [{ cloud }], isUpsideDown: true };
+}
+
+export function destroyClouds({ clouds }: Pick<LoadedScene, 'clouds'>): void {
+  for (const { cloud } of clouds) cloud.destroy();
+}
+
+async function loadHardCase(
+  engine: SplatEngine,
+  name: string,
+  signal: AbortSignal,
+  onProgress: (progress: LoadProgress) => void,
+): Promise<LoadedScene> {
+  const hardCase = findHardCase(await loadHardCases(), name);
+  const loadFile = (file: Uint8Array) => engine.load(file, { name, signal, onProgress });
+  const clouds: CloudInstance[] = [];
+  try {
+    signal.throwIfAborted();
+    if (hardCase.kind === 'refused-file') {
+      clouds.push({ cloud: await loadFile(hardCase.file()) });
+    } else {
+      for (const splats of hardCase.clouds()) {
+        const cloud = 'file' in splats ? await loadFile(splats.file) : engine.add(splats.set, { name });
+        clouds.push({ cloud, modelMatrix: splats.modelMatrix });
+      }
+    }
+  } catch (error) {
+    destroyClouds({ clouds });
+    throw error;
+  }
+  return {
+    clouds,
+    firstView: null,
+    ownCameras: hardCase.kind === 'refused-file' ? null : hardCase.cameras,
+    about: { topic: groupTitle(hardCase.group), text: hardCase.breaks },
+    isUpsideDown: false,
+  };
+}

@@ -1,0 +1,130 @@
+import { useId } from 'react';
+import { useStore } from 'zustand';
+import { GALLERY_ADDRESS } from '../hard-cases/catalogue.ts';
+import type { SceneAbout, SceneSummary } from '../state/scene-summary.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { Icon } from '../ui/icon.tsx';
+import { formatCount, formatSplats } from '../words/format.ts';
+import { droppedReasons, droppedTotal } from './dropped-splats.ts';
+
+export function SceneCaption({ store, onStep }: { store: ViewerStore; onStep: (by: 1 | -1) => void }) {
+  const scene = useStore(store, (state) => state.scene);
+  if (!scene) return null;
+  const { title, about, cameras } = scene;
+  return (
+    <section className="panel caption" aria-label="Scene" data-testid="scene">
+      {about && <About about={about} />}
+      <h1 data-testid="scene-title">{title}</h1>
+      {about && <p data-testid="scene-about">{about.text}</p>}
+      <Figures store={store} scene={scene} />
+      {cameras.length > 0 && <CameraStepper store={store} cameras={cameras} onStep={onStep} />}
+    </section>
+  );
+}
+
+function About({ about }: { about: SceneAbout }) {
+  return (
+    <p className="caption-topic">
+      <span data-testid="scene-topic">{about.topic}</span>
+      <a href={GALLERY_ADDRESS}>All hard cases</a>
+    </p>
+  );
+}
+
+/** How many splats are shown, and on demand why others are not. */
+function Figures({ store, scene }: { store: ViewerStore; scene: SceneSummary }) {
+  const isDroppedVisible = useStore(store, (state) => state.isDroppedVisible);
+  const listId = useId();
+  const { clouds, splats, dropped } = scene;
+  const left = droppedTotal(dropped);
+  return (
+    <>
+      <p className="caption-figures">
+        {clouds > 1 && `${formatCount(clouds)} clouds · `}
+        {formatSplats(splats)} · {formatHarmonics(scene)}
+        {left > 0 && (
+          <>
+            {' · '}
+            <button
+              type="button"
+              className="disclosure"
+              aria-expanded={isDroppedVisible}
+              aria-controls={listId}
+              data-testid="dropped"
+              onClick={() => store.setState({ isDroppedVisible: !isDroppedVisible })}
+            >
+              {formatCount(left)} left out
+              <Icon name="more" />
+            </button>
+          </>
+        )}
+      </p>
+      {left > 0 && (
+        <dl id={listId} className="reasons" hidden={!isDroppedVisible} data-testid="dropped-reasons">
+          {droppedReasons(dropped).map(({ reason, words, count }) => (
+            <div key={reason}>
+              <dt>{words}</dt>
+              <dd>{formatCount(count)}</dd>
+            </div>
+          ))}
+        </dl>
+      )}
+    </>
+  );
+}
+
+/** `SH 3`, or `SH 3, seen up to 1` if the bands above change nothing visible. */
+function formatHarmonics({ declaredShDegree, shDegree }: SceneSummary): string {
+  const seen = shDegree < declaredShDegree ? `, seen up to ${shDegree}` : '';
+  return `SH ${declaredShDegree}${seen}`;
+}
+
+/** The cameras that the scene comes with; one alone can be gone back to. */
+function CameraStepper({
+  store,
+  cameras,
+  onStep,
+}: {
+  store: ViewerStore;
+  cameras: readonly string[];
+  onStep: (by: 1 | -1) => void;
+}) {
+  const cameraIndex = useStore(store, (state) => state.cameraIndex);
+  const isOwnCamera = useStore(store, (state) => state.isOwnCamera);
+  const isSingle = cameras.length === 1;
+  return (
+    <fieldset className="stepper" aria-label="Camera">
+      {!isSingle && (
+        <button
+          type="button"
+          className="icon-button"
+          aria-label="Camera before"
+          aria-keyshortcuts="["
+          title="Camera before ([)"
+          data-testid="previous-camera"
+          onClick={() => onStep(-1)}
+        >
+          <Icon name="previous" />
+        </button>
+      )}
+      <p role="status" data-testid="camera">
+        <b>{cameras[cameraIndex]}</b>
+        {!isSingle && ` ${cameraIndex + 1} of ${cameras.length}`}
+        {!isOwnCamera && ' · moved'}
+      </p>
+      {!isSingle && (
+        <button
+          type="button"
+          className="icon-button"
+          aria-label="Next camera"
+          aria-keyshortcuts="]"
+          title="Next camera (])"
+          data-testid="next-camera"
+          onClick={() => onStep(1)}
+        >
+          <Icon name="next" />
+        </button>
+      )}
+    </fieldset>
+  );
+}

@@ -1,0 +1,171 @@
+import { isSoftwareAdapter, type SplatEngine } from '@websplatter/core';
+import type { ViewCamera } from '../camera/view-camera.ts';
+import { reportFailure } from '../messages/failure-report.ts';
+import type { Session } from '../session/session.ts';
+import type { SessionOwner } from '../session/session-owner.ts';
+import type { LoadState } from '../state/scene-summary.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { droppedWarning } from './dropped-splats.ts';
+import { type AddressedScene, builtinSource, type FirstSource, firstSource } from './first-source.ts';
+import { destroyClouds, type LoadedScene, loadScene } from './load-scene.ts';
+import { type SceneSource, titleOf } from './scene-source.ts';
+import { type ReplacedScene, type ShownScene, shownScene, summaryOf } from './shown-scene.ts';
+
+export interface ScenesOptions {
+  readonly store: ViewerStore;
+  readonly sessions: SessionOwner;
+  readonly camera: ViewCamera;
+  readonly addressed: AddressedScene;
+  /** The newest scene is another one: its clouds have to be prepared. The camera still looks at the one before. */
+  readonly onClouds: () => void;
+  /** The newest scene is ready to be drawn. */
+  readonly onShow: () => void;
+}
+
+/** Loads scenes, one at a time, and knows which is to be drawn. */
+export class Scenes {
+  readonly #options: ScenesOptions;
+  #newest: ShownScene | null = null;
+  /** Scenes that are no longer asked for, but stay on the screen until the newest has been drawn. */
+  #replaced: ReplacedScene[] = [];
+  #loading: AbortController | null = null;
+  #shown = 0;
+
+  constructor(options: ScenesOptions) {
+    this.#options = options;
+  }
+
+  /** The scene to draw; its session may have ended. */
+  get newest(): ShownScene | null {
+    return this.#newest;
+  }
+
+  /** Opens `source` in place of what is shown, which stays until then; calls off what is being loaded. */
+  open(source: SceneSource): void {
+    const { store } = this.#options;
+    const { status } = store.getState();
+    if (status === 'unavailable' || status === 'lost') return;
+    store.setState({ failure: null, notice: null });
+    void this.#load(source);
+  }
+
+  /** For a new session: opens what was shown before the device was lost, otherwise what the address asks for. */
+  openFirst({ engine }: Session): void {
+    if (this.#loading) return;
+    const { addressed } = this.#options;
+    const first = () => this.#withNotice(firstSource(addressed, location.href, isSoftware(engine)));
+    void this.#load(this.#newest?.source ?? first());
+  }
+
+  /** Calls off what is being loaded; what is shown stays. */
+  cancelLoad(): void {
+    const { store } = this.#options;
+    const { load } = store.getState();
+    if (!this.#loading || !load) return;
+    store.setState({ notice: `Opening ${load.title} was cancelled.` });
+    this.#loading.abort();
+  }
+
+  /** The session ends: loading stops, and its scenes cannot come back. */
+  endSession(): void {
+    this.#loading?.abort();
+    this.#loading = null;
+    this.#replaced = [];
+  }
+
+  /** The newest scene has been asked of the GPU; the caller destroys the returned scenes when it has been drawn. */
+  takeReplaced(): readonly ShownScene[] {
+    return this.#replaced.splice(0).map(({ scene }) => scene);
+  }
+
+  /** The newest scene cannot be drawn: goes back to the one before it. */
+  takeBack(error: unknown): void {
+    const failed = this.#newest;
+    const last = this.#replaced.pop();
+    this.#fail(error, failed ? titleOf(failed.source) : 'The scene');
+    if (!last) return;
+    this.#setNewest(last.scene);
+    this.#options.camera.restore(last.camera);
+    if (failed) destroyClouds(failed);
+  }
+
+  async #load(source: SceneSource): Promise<void> {
+    const { store, sessions } = this.#options;
+    this.#loading?.abort();
+    const loading = new AbortController();
+    this.#loading = loading;
+    const title = titleOf(source);
+    const report = (progress: Omit<LoadState, 'title'>) => {
+      if (this.#loading === loading) store.setState({ load: { title, ...progress } });
+    };
+    report({
+      phase: source.kind === 'builtin' || source.kind === 'hard-case' ? 'make' : 'read',
+      loadedBytes: 0,
+      totalBytes: undefined,
+      splats: 0,
+    });
+    try {
+      const session = await sessions.whenStarted();
+      const loaded = await loadScene(session.engine, source, loading.signal, report);
+      if (loading.signal.aborted || session !== sessions.current) destroyClouds(loaded);
+      else this.#show(session, source, loaded);
+    } catch (error) {
+      if (this.#loading === loading && !loading.signal.aborted) this.#fail(error, title);
+    }
+    // A newer load, or the end of the session, has taken over.
+    if (this.#loading !== loading) return;
+    this.#loading = null;
+    store.setState({ load: null });
+    // An empty window helps nobody: the built-in scene replaces a first file that failed or was called off.
+    const session = sessions.current;
+    if (session && !this.#newest && source.kind !== 'builtin')
+      void this.#load(this.#builtinSource(session.engine));
+  }
+
+  #show(session: Session, source: SceneSource, loaded: LoadedScene): void {
+    const { camera, onClouds, onShow } = this.#options;
+    const previous = this.#newest;
+    const isReopened = previous?.source === source;
+    const scene = shownScene(++this.#shown, session, source, loaded);
+    // Clouds of an ended session are gone with it and cannot come back.
+    if (previous?.session === session) this.#replaced.push({ scene: previous, camera: camera.snapshot() });
+    this.#setNewest(scene);
+    onClouds();
+    // After the device was lost the view goes on where it was.
+    if (!isReopened) camera.showFirstView();
+    onShow();
+  }
+
+  #setNewest(scene: ShownScene): void {
+    const { store, camera } = this.#options;
+    this.#newest = scene;
+    camera.follow(scene);
+    const summary = summaryOf(scene, camera.ownCameraNames);
+    store.setState({
+      scene: summary,
+      warning: droppedWarning(summary.title, summary.splats, summary.dropped),
+      isDroppedVisible: false,
+      choice: null,
+      effectCosts: null,
+    });
+  }
+
+  #fail(error: unknown, title: string): void {
+    const report = reportFailure(error, title);
+    if (report.isFault) console.error(error);
+    this.#options.store.setState({ failure: report });
+  }
+
+  #builtinSource(engine: SplatEngine): SceneSource {
+    return this.#withNotice(builtinSource(this.#options.addressed.scene, isSoftware(engine)));
+  }
+
+  #withNotice({ source, notice }: FirstSource): SceneSource {
+    if (notice !== null) this.#options.store.setState({ notice });
+    return source;
+  }
+}
+
+function isSoftware({ device }: SplatEngine): boolean {
+  return isSoftwareAdapter(device.adapterInfo);
+}

@@ -1,0 +1,90 @@
+import {
+  ACCURACY_PRESETS,
+  type AccuracySettings,
+  type CloudLease,
+  DestroyedError,
+  type SplatCloud,
+} from '@websplatter/core';
+import type { Comparison } from '../state/comparison.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { SessionOwner } from './session-owner.ts';
+
+export interface PrecisionsOptions {
+  readonly store: ViewerStore;
+  readonly sessions: SessionOwner;
+  /** The clouds of the newest scene. */
+  readonly clouds: () => readonly SplatCloud[];
+  /** The clouds hold what they were asked for, as far as they can. */
+  readonly onHeld: () => void;
+}
+
+/**
+ * Decides which precisions the clouds hold: that of the chosen accuracy, and those that it is compared with. New clouds
+ * come with the engine's accuracy; nothing else in the viewer asks for precisions.
+ */
+export class Precisions {
+  readonly #options: PrecisionsOptions;
+  #held: Promise<void> = Promise.resolve();
+  /** What the clouds are held in to be compared with the chosen accuracy. */
+  #compared: readonly CloudLease[] = [];
+
+  constructor(options: PrecisionsOptions) {
+    this.#options = options;
+  }
+
+  /** Resolves when the clouds hold what they were last asked for, as far as they can. */
+  whenHeld(): Promise<void> {
+    return this.#held;
+  }
+
+  /**
+   * Asks for the precisions of the store's accuracy and comparison. The engine makes or reads what the clouds do not hold
+   * in the background, and the image follows; the store learns what the GPU cannot do.
+   */
+  request(): void {
+    this.#held = this.#ask();
+  }
+
+  async #ask(): Promise<void> {
+    const { store, sessions, clouds, onHeld } = this.#options;
+    const session = sessions.current;
+    if (!session) return;
+    const { engine } = session;
+    const { wish, accuracy, comparison } = store.getState();
+    const asked = wish ?? accuracy;
+    const isCurrent = () => {
+      const now = store.getState();
+      return (
+        sessions.current === session && (now.wish ?? now.accuracy) === asked && now.comparison === comparison
+      );
+    };
+    const request = engine.setAccuracy(asked);
+    store.setState({
+      accuracyNotices: engine.notices,
+      // Until the scene has been measured: what was chosen for the same wish before, or the default.
+      ...(wish && { accuracy: engine.accuracy }),
+    });
+    const problems = (await request).map(({ error }) => error.message);
+    if (!isCurrent()) return;
+    const former = this.#compared;
+    this.#compared = comparedWith(comparison).flatMap((other) => clouds().map((cloud) => cloud.hold(other)));
+    for (const { met } of this.#compared) {
+      await met.catch((error: Error) => {
+        const isOver = error.name === 'AbortError' || error instanceof DestroyedError;
+        if (!isOver) problems.push(error.message);
+      });
+    }
+    // Replaced only now: an accuracy that is compared as before stays on the GPU all the while.
+    for (const lease of former) lease.release();
+    if (!isCurrent()) return;
+    store.setState({ accuracyNotices: [...new Set([...engine.notices, ...problems])] });
+    onHeld();
+  }
+}
+
+/** Accuracies that a comparison shows beside the chosen one. */
+function comparedWith(comparison: Comparison | null): readonly AccuracySettings[] {
+  if (comparison?.kind === 'error') return [ACCURACY_PRESETS.reference];
+  if (comparison === null) return [];
+  return [comparison.left, comparison.right].filter((side) => side !== 'current');
+}

@@ -1,0 +1,118 @@
+import { type AccuracyChoice, SplatEngine, WebGpuUnavailableError } from '@websplatter/core';
+import type { ViewerStore } from '../state/store.ts';
+import type { Session } from './session.ts';
+import { Views } from './views.ts';
+
+export interface SessionEvents {
+  readonly onStart: (session: Session) => void;
+  /** The GPU is freed next. Also called where no session came about before the canvas went. */
+  readonly onEnd: () => void;
+  readonly onAccuracyChosen: (engine: SplatEngine, choice: AccuracyChoice) => void;
+}
+
+/** Owns the engine: asks for the GPU, frees it, and starts anew after the device was lost. */
+export class SessionOwner {
+  readonly #store: ViewerStore;
+  readonly #events: SessionEvents;
+  #current: Session | null = null;
+  /** Starts a session on the mounted canvas; null while none is mounted. */
+  #restart: (() => void) | null = null;
+  #rightCanvas: HTMLCanvasElement | null = null;
+  #waiters: ((session: Session) => void)[] = [];
+
+  constructor(store: ViewerStore, events: SessionEvents) {
+    this.#store = store;
+    this.#events = events;
+  }
+
+  /** Null while the GPU is asked for, and after it was lost. */
+  get current(): Session | null {
+    return this.#current;
+  }
+
+  whenStarted(): Promise<Session> {
+    const session = this.#current;
+    return session ? Promise.resolve(session) : new Promise((resolve) => this.#waiters.push(resolve));
+  }
+
+  /** Starts a session that draws to `canvas`; returns what ends it and frees the GPU. */
+  attach(canvas: HTMLCanvasElement): () => void {
+    const detached = new AbortController();
+    this.#restart = () => void this.#start(canvas, detached.signal);
+    this.#restart();
+    return () => {
+      detached.abort();
+      this.#restart = null;
+      this.#end();
+    };
+  }
+
+  /** Draws the right side of split images to `canvas` from now on; returns what ends that. */
+  attachRight(canvas: HTMLCanvasElement): () => void {
+    this.#rightCanvas = canvas;
+    this.#current?.views.createRight(canvas);
+    return () => {
+      this.#rightCanvas = null;
+      this.#current?.views.destroyRight();
+    };
+  }
+
+  /** Asks for the GPU again after it was lost. */
+  recover(): void {
+    if (this.#store.getState().status !== 'lost') return;
+    this.#store.setState({ status: 'starting', statusReason: '' });
+    this.#restart?.();
+  }
+
+  async #start(canvas: HTMLCanvasElement, signal: AbortSignal): Promise<void> {
+    const store = this.#store;
+    let engine: SplatEngine;
+    try {
+      const { wish, accuracy } = store.getState();
+      engine = await SplatEngine.create({ accuracy: wish ?? accuracy });
+    } catch (error) {
+      if (signal.aborted) return;
+      const reason = error instanceof Error ? error.message : String(error);
+      store.setState({ status: 'unavailable', statusReason: reason, load: null });
+      if (!(error instanceof WebGpuUnavailableError)) console.error(error);
+      return;
+    }
+    if (signal.aborted) {
+      engine.destroy();
+      return;
+    }
+    engine.device.addEventListener('uncapturederror', (event) => {
+      console.error(`WebGPU: ${(event as GPUUncapturedErrorEvent).error.message}`);
+    });
+    const views = new Views(engine, canvas, (choice) => this.#events.onAccuracyChosen(engine, choice));
+    views.main.onStatistics = (statistics) => store.setState({ statistics });
+    if (this.#rightCanvas) views.createRight(this.#rightCanvas);
+    const session: Session = { canvas, engine, views };
+    this.#current = session;
+    void engine.lost.then((info) => {
+      if (this.#current === session) this.#lose(info);
+    });
+    store.setState({ status: 'running', adapterLabel: engine.adapterLabel });
+    this.#events.onStart(session);
+    for (const resolve of this.#waiters.splice(0)) resolve(session);
+  }
+
+  #lose(info: GPUDeviceLostInfo): void {
+    this.#end();
+    this.#store.setState({
+      status: 'lost',
+      statusReason: info.message || 'The browser gives no reason.',
+      load: null,
+      failure: null,
+      isIdle: true,
+    });
+  }
+
+  #end(): void {
+    const session = this.#current;
+    this.#current = null;
+    this.#events.onEnd();
+    // Destroying the engine destroys its clouds and views.
+    session?.engine.destroy();
+  }
+}

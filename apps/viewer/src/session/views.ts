@@ -1,0 +1,63 @@
+import type { AccuracyChoice, SplatEngine, SplatView } from '@websplatter/core';
+import type { Comparison } from '../state/comparison.ts';
+
+/** The views of a session. They end with its engine. */
+export class Views {
+  /** Draws to the viewer's canvas. */
+  readonly main: SplatView;
+  readonly #engine: SplatEngine;
+  readonly #onAccuracyChosen: (choice: AccuracyChoice) => void;
+  #right: SplatView | null = null;
+  #probe: SplatView | null = null;
+
+  constructor(
+    engine: SplatEngine,
+    canvas: HTMLCanvasElement,
+    onAccuracyChosen: (choice: AccuracyChoice) => void,
+  ) {
+    this.#engine = engine;
+    this.#onAccuracyChosen = onAccuracyChosen;
+    this.main = this.#create(canvas);
+  }
+
+  /** Draws the right side of a split image; null while there is none. */
+  get right(): SplatView | null {
+    return this.#right;
+  }
+
+  /** Draws images that are read back. */
+  get probe(): SplatView {
+    this.#probe ??= this.#create();
+    return this.#probe;
+  }
+
+  createRight(canvas: HTMLCanvasElement): void {
+    this.#right ??= this.#create(canvas);
+  }
+
+  destroyRight(): void {
+    this.#right?.destroy();
+    this.#right = null;
+  }
+
+  /** A view that is drawn with what was chosen because of a wish, not with what it is compared with. */
+  wishing(comparison: Comparison | null): SplatView {
+    if (comparison?.kind !== 'split' || comparison.left === 'current') return this.main;
+    return comparison.right === 'current' && this.#right ? this.#right : this.probe;
+  }
+
+  /**
+   * Resolves when the frames that were asked for before this call are complete on the GPU; rejects if their shaders do not
+   * compile.
+   */
+  async whenComplete(): Promise<void> {
+    await Promise.all([this.main.whenDrawn(), this.#right?.whenDrawn()]);
+    await this.#engine.device.queue.onSubmittedWorkDone();
+  }
+
+  #create(canvas?: HTMLCanvasElement): SplatView {
+    const view = this.#engine.createView({ canvas });
+    view.onAccuracyChosen = this.#onAccuracyChosen;
+    return view;
+  }
+}

@@ -1,0 +1,82 @@
+import { useEffect, useMemo, useRef } from 'react';
+import { useStore } from 'zustand';
+import { AccuracyPanel } from '../accuracy/accuracy-panel.tsx';
+import { ErrorMapImage } from '../comparison/error-map-image.tsx';
+import { ErrorMapLegend } from '../comparison/error-map-legend.tsx';
+import { SplitImage } from '../comparison/split-image.tsx';
+import { EffectsPanel } from '../effects/effects-panel.tsx';
+import { DropZone } from '../file-drop/drop-zone.tsx';
+import { decideFiles, type FileDropDecision } from '../file-drop/file-drop.ts';
+import { Hud } from '../hud/hud.tsx';
+import { AccuracyMeasurement } from '../measurement/accuracy-measurement.ts';
+import { Measurement } from '../measurement/measurement.ts';
+import { FailurePanel } from '../messages/failure-panel.tsx';
+import { LoadPanel } from '../messages/load-panel.tsx';
+import { Notice } from '../messages/notice.tsx';
+import { LostPage, UnavailablePage } from '../messages/status-pages.tsx';
+import { WarningPanel } from '../messages/warning-panel.tsx';
+import { SceneCaption } from '../scene/scene-caption.tsx';
+import type { ViewerStore } from '../state/store.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import { createCommands, listenToKeys } from './commands.ts';
+import { Help } from './help.tsx';
+import { Toolbar } from './toolbar.tsx';
+import { Viewport } from './viewport.tsx';
+
+export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
+  const status = useStore(store, (state) => state.status);
+  const comparison = useStore(store, (state) => state.comparison);
+  const fileInput = useRef<HTMLInputElement>(null);
+  const run = useMemo(() => createCommands(viewer, store, () => fileInput.current?.click()), [viewer, store]);
+  const measurement = useMemo(() => new Measurement(viewer, store), [viewer, store]);
+  const accuracyMeasurement = useMemo(
+    () => new AccuracyMeasurement(viewer, store, measurement),
+    [viewer, store, measurement],
+  );
+  useEffect(() => measurement.watch(), [measurement]);
+  useEffect(() => accuracyMeasurement.watch(), [accuracyMeasurement]);
+  useEffect(() => listenToKeys(viewer, store, run), [viewer, store, run]);
+
+  const follow = ({ file, notice }: FileDropDecision) => {
+    if (file) viewer.scenes.open({ kind: 'file', file });
+    if (notice) store.setState({ notice });
+  };
+
+  if (status === 'unavailable') return <UnavailablePage store={store} />;
+  return (
+    <>
+      <Viewport store={store} viewer={viewer} />
+      {comparison?.kind === 'split' && <SplitImage store={store} viewer={viewer} split={comparison} />}
+      {comparison?.kind === 'error' && <ErrorMapImage store={store} viewer={viewer} />}
+      <div className="overlay">
+        <Hud store={store} />
+        <Toolbar store={store} run={run} />
+        <AccuracyPanel store={store} viewer={viewer} accuracyMeasurement={accuracyMeasurement} />
+        <EffectsPanel store={store} measurement={measurement} />
+        <SceneCaption store={store} onStep={(by) => viewer.camera.step(by)} />
+        <div className="messages">
+          <Notice store={store} />
+          <WarningPanel store={store} />
+          <FailurePanel store={store} />
+          <ErrorMapLegend store={store} viewer={viewer} />
+          <LoadPanel store={store} onCancel={() => viewer.scenes.cancelLoad()} />
+        </div>
+      </div>
+      <input
+        ref={fileInput}
+        type="file"
+        accept=".ply"
+        hidden
+        data-testid="file-input"
+        onChange={(event) => {
+          follow(decideFiles([...(event.target.files ?? [])]));
+          // So that choosing the same file again is a change.
+          event.target.value = '';
+        }}
+      />
+      <DropZone onDrop={follow} />
+      <Help store={store} />
+      {status === 'lost' && <LostPage store={store} onRecover={() => viewer.recover()} />}
+    </>
+  );
+}

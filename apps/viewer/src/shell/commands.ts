@@ -1,0 +1,84 @@
+import type { ViewerStore } from '../state/store.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+
+export type CommandName = 'open' | 'flip' | 'reset' | 'frame' | 'hud' | 'accuracy' | 'effects' | 'help';
+
+export interface Command {
+  readonly name: CommandName;
+  readonly label: string;
+  /** Compared with `KeyboardEvent.key`, lower case. */
+  readonly key: string;
+}
+
+/** Commands that have both a button and a key; the keys that move the camera belong to the controls. */
+export const COMMANDS: readonly Command[] = [
+  { name: 'open', label: 'Open a file', key: 'o' },
+  { name: 'frame', label: 'Frame the scene', key: 'f' },
+  { name: 'reset', label: 'Reset the view', key: 'r' },
+  { name: 'flip', label: 'Turn upside down', key: 'u' },
+  { name: 'hud', label: 'Show or hide figures', key: 'h' },
+  { name: 'accuracy', label: 'Accuracy and its cost', key: 'c' },
+  { name: 'effects', label: 'Effects and why', key: 'e' },
+  { name: 'help', label: 'Keys and gestures', key: '?' },
+];
+
+export type RunCommand = (name: CommandName) => void;
+
+export function createCommands(viewer: Viewer, store: ViewerStore, chooseFile: () => void): RunCommand {
+  const run: Record<CommandName, () => void> = {
+    open: chooseFile,
+    flip: () => viewer.camera.toggleFlip(),
+    reset: () => viewer.camera.controls.reset(),
+    frame: () => viewer.camera.frameScene(),
+    hud: () => store.setState(({ isHudVisible }) => ({ isHudVisible: !isHudVisible })),
+    accuracy: () => store.setState(({ dock }) => ({ dock: dock === 'accuracy' ? null : 'accuracy' })),
+    effects: () => store.setState(({ dock }) => ({ dock: dock === 'effects' ? null : 'effects' })),
+    help: () => store.setState(({ isHelpVisible }) => ({ isHelpVisible: !isHelpVisible })),
+  };
+  return (name) => run[name]();
+}
+
+/** Listens to the whole window's keys; returns what stops that. */
+export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand): () => void {
+  const onKeyDown = (event: KeyboardEvent) => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (isTyping(event.target) || isScrolling(event)) return;
+    const { isHelpVisible, status } = store.getState();
+    if (event.key === 'Escape') {
+      store.setState(withoutTopmost(store.getState()));
+      return;
+    }
+    if (status !== 'running') return;
+    const command = COMMANDS.find(({ key }) => key === event.key.toLowerCase());
+    // A held key repeats, which suits moving but not switching.
+    if (command && !event.repeat && (!isHelpVisible || command.name === 'help')) run(command.name);
+    else if (command || isHelpVisible || !viewer.camera.handleKey(event)) return;
+    event.preventDefault();
+  };
+  window.addEventListener('keydown', onKeyDown);
+  return () => window.removeEventListener('keydown', onKeyDown);
+}
+
+/** Closes what lies on top, one thing at a time, as Escape does. */
+function withoutTopmost(state: ViewerState): Partial<ViewerState> {
+  // The dialog closes itself too, but its event comes later: a key pressed meanwhile would count as one over the help.
+  if (state.isHelpVisible) return { isHelpVisible: false };
+  if (state.isDroppedVisible) return { isDroppedVisible: false };
+  if (state.failure) return { failure: null };
+  if (state.warning) return { warning: null };
+  return { dock: null };
+}
+
+/** In a panel, keys that move the camera elsewhere scroll the contents. */
+function isScrolling({ key, target }: KeyboardEvent): boolean {
+  const isInPanel = target instanceof HTMLElement && target.closest('.dock-body') !== null;
+  return isInPanel && /^(Arrow(Up|Down)|Page(Up|Down)|Home|End)$/.test(key);
+}
+
+function isTyping(target: EventTarget | null): boolean {
+  return (
+    target instanceof HTMLElement &&
+    (target.isContentEditable || /^(input|textarea|select)$/i.test(target.tagName))
+  );
+}

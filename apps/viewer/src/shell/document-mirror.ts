@@ -1,0 +1,29 @@
+import type { ViewerStore } from '../state/store.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
+
+/** The viewer's state in one word, for style sheets and for tests (`data-state` of the document's element). */
+export type DocumentState = 'starting' | 'loading' | 'ready' | 'error' | 'unavailable' | 'lost';
+
+export function documentState(state: ViewerState): DocumentState {
+  if (state.status === 'unavailable' || state.status === 'lost') return state.status;
+  if (state.load) return 'loading';
+  if (state.failure) return 'error';
+  return state.status === 'running' && state.scene ? 'ready' : 'starting';
+}
+
+export function documentTitle({ scene }: ViewerState): string {
+  return scene ? `${scene.title} · WebSplatter` : 'WebSplatter';
+}
+
+/** Keeps the document's state and title in step with the store; returns what stops that. */
+export function mirrorToDocument(store: ViewerStore, target: Document): () => void {
+  const write = (state: ViewerState) => {
+    const word = documentState(state);
+    const title = documentTitle(state);
+    // Written only on change: the store changes with every frame.
+    if (target.documentElement.dataset.state !== word) target.documentElement.dataset.state = word;
+    if (target.title !== title) target.title = title;
+  };
+  write(store.getState());
+  return store.subscribe(write);
+}

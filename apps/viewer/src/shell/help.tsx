@@ -1,0 +1,88 @@
+import { useEffect, useRef } from 'react';
+import { useStore } from 'zustand';
+import { GALLERY_ADDRESS } from '../hard-cases/catalogue.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { Icon } from '../ui/icon.tsx';
+import { COMMANDS } from './commands.ts';
+
+const GESTURES: readonly (readonly [string, string])[] = [
+  ['Orbit', 'Left drag · one finger'],
+  ['Pan', 'Right, middle or Shift drag · two fingers'],
+  ['Zoom', 'Wheel · pinch'],
+];
+
+const CAMERA_KEYS: readonly (readonly [string, readonly string[]])[] = [
+  ['Orbit', ['←', '→', '↑', '↓']],
+  ['Pan', ['Shift', 'arrows']],
+  ['Zoom', ['+', '−']],
+  ['Walk', ['W', 'A', 'S', 'D']],
+  ['Down, up', ['Page Down', 'Page Up']],
+  ['Reset the view', ['Home']],
+  ['A hard case’s cameras', ['[', ']']],
+];
+
+export function Help({ store }: { store: ViewerStore }) {
+  const isVisible = useStore(store, (state) => state.isHelpVisible);
+  const dialog = useRef<HTMLDialogElement>(null);
+  useEffect(() => {
+    if (isVisible) dialog.current?.showModal();
+    else dialog.current?.close();
+  }, [isVisible]);
+  const hide = () => store.setState({ isHelpVisible: false });
+  return (
+    <dialog
+      ref={dialog}
+      className="panel help"
+      aria-labelledby="help-title"
+      data-testid="help"
+      onClose={hide}
+      // The dialog's own padding is none, so that a click on the element itself is one beside it.
+      onPointerDown={(event) => event.target === event.currentTarget && hide()}
+    >
+      <div className="help-body">
+        <header>
+          <h2 id="help-title">Keys and gestures</h2>
+          <button type="button" className="icon-button" aria-label="Close" onClick={hide}>
+            <Icon name="close" />
+          </button>
+        </header>
+        <dl>
+          {GESTURES.map(([what, how]) => (
+            <div key={what}>
+              <dt>{what}</dt>
+              <dd>{how}</dd>
+            </div>
+          ))}
+        </dl>
+        <dl>
+          {CAMERA_KEYS.map(([what, keys]) => (
+            <div key={what}>
+              <dt>{what}</dt>
+              <dd>
+                {keys.map((key) => (
+                  <kbd key={key}>{key}</kbd>
+                ))}
+              </dd>
+            </div>
+          ))}
+        </dl>
+        <dl>
+          {COMMANDS.map(({ name, label, key }) => (
+            <div key={name}>
+              <dt>{label}</dt>
+              <dd>
+                <kbd>{key.toUpperCase()}</kbd>
+              </dd>
+            </div>
+          ))}
+        </dl>
+        <p>
+          Drop a Gaussian-splat PLY anywhere in the window. Captures often have y pointing down: U turns them.
+        </p>
+        <p>
+          Scenes that break splat renderers: <a href={GALLERY_ADDRESS}>all hard cases</a>.
+        </p>
+      </div>
+    </dialog>
+  );
+}

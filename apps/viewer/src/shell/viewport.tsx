@@ -1,0 +1,22 @@
+import { useEffect, useRef } from 'react';
+import { useStore } from 'zustand';
+import type { ViewerStore } from '../state/store.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+
+/** The canvas: while it is mounted the viewer draws to it. */
+export function Viewport({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const title = useStore(store, (state) => state.scene?.title);
+  useEffect(() => (canvas.current ? viewer.attach(canvas.current) : undefined), [viewer]);
+  return (
+    // biome-ignore lint/a11y/noInteractiveElementToNoninteractiveRole: without the role, screen readers keep the keys.
+    <canvas
+      ref={canvas}
+      className="viewport"
+      data-testid="viewport"
+      tabIndex={0}
+      role="application"
+      aria-label={`3D view${title ? ` of ${title}` : ''}. Arrow keys turn it, plus and minus zoom, question mark lists all keys.`}
+    />
+  );
+}

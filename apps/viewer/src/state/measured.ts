@@ -1,0 +1,35 @@
+import type { AccuracySettings } from '@websplatter/core';
+import type { AccuracyTable, EffectCost, MeasureProgress } from '@websplatter/core/measure';
+
+/** What a measurement is of. */
+export type MeasuredThing = 'accuracy' | 'effects';
+
+/** A measurement under way, and how far it has come. */
+export interface RunningMeasurement extends MeasureProgress {
+  readonly of: MeasuredThing;
+}
+
+/** Why a measurement came to nothing. */
+export interface FailedMeasurement {
+  readonly of: MeasuredThing;
+  readonly text: string;
+}
+
+/** Which image was measured, and on what. */
+export interface MeasuredImage {
+  /** The result is stale when another image is on the screen. */
+  readonly imageId: number;
+  readonly isSoftware: boolean;
+}
+
+/** What accuracy was measured to cost. */
+export interface MeasuredAccuracy extends MeasuredImage {
+  readonly table: AccuracyTable;
+}
+
+/** What effects were measured to cost. */
+export interface MeasuredEffects extends MeasuredImage {
+  readonly costs: readonly EffectCost[];
+  /** Accuracy of the measured frames; the costs are stale under another one. */
+  readonly accuracy: AccuracySettings;
+}

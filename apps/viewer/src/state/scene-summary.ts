@@ -1,0 +1,42 @@
+import type { DropCounts, LoadProgress } from '@websplatter/core';
+
+/** What a scene is for, if it is there to show something. */
+export interface SceneAbout {
+  readonly topic: string;
+  readonly text: string;
+}
+
+/** The scene that is on the screen. */
+export interface SceneSummary {
+  /** For people: a built-in scene's title, a file's name. */
+  readonly title: string;
+  readonly clouds: number;
+  /** Of all clouds. */
+  readonly splats: number;
+  /** Degree of the spherical harmonics in the files, the highest of any cloud. */
+  readonly declaredShDegree: number;
+  /** Degree up to which they can be seen, the highest of any cloud. */
+  readonly shDegree: number;
+  /** Rows of files that could not be drawn, by reason. */
+  readonly dropped: DropCounts;
+  readonly about: SceneAbout | null;
+  /** Names of the cameras that the scene comes with and that are to be shown as they are; mostly none. */
+  readonly cameras: readonly string[];
+  readonly canFlip: boolean;
+}
+
+/** A problem of a scene that is shown nevertheless. */
+export interface SceneWarning {
+  readonly title: string;
+  readonly message: string;
+}
+
+/** A scene that is being loaded. */
+export interface LoadState {
+  readonly title: string;
+  /** `make` for built-in scenes, which are computed instead of read. */
+  readonly phase: LoadProgress['phase'] | 'make';
+  readonly loadedBytes: number;
+  readonly totalBytes: number | undefined;
+  readonly splats: number;
+}

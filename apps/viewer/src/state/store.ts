@@ -1,0 +1,45 @@
+import { resolveAccuracy } from '@websplatter/core';
+import { createStore, type StoreApi } from 'zustand/vanilla';
+import type { ViewerState } from './viewer-state.ts';
+
+export type ViewerStore = StoreApi<ViewerState>;
+
+export function createViewerStore(): ViewerStore {
+  return createStore<ViewerState>(() => ({
+    status: 'starting',
+    statusReason: '',
+    scene: null,
+    load: null,
+    failure: null,
+    warning: null,
+    notice: null,
+    cameraIndex: 0,
+    isOwnCamera: false,
+    isFlipped: false,
+    isHudVisible: true,
+    isHelpVisible: false,
+    dock: null,
+    accuracyTab: 'measure',
+    accuracy: resolveAccuracy(),
+    wish: null,
+    choice: null,
+    accuracyNotices: [],
+    comparison: null,
+    measuring: null,
+    failedMeasurement: null,
+    measured: null,
+    effects: [],
+    effectCosts: null,
+    errorFigures: null,
+    splitPart: 0.5,
+    isDroppedVisible: false,
+    adapterLabel: '',
+    widthPx: 0,
+    heightPx: 0,
+    imageId: 0,
+    restedFrames: 0,
+    statistics: null,
+    frameRate: null,
+    isIdle: true,
+  }));
+}

@@ -1,0 +1,98 @@
+import type {
+  AccuracyChoice,
+  AccuracySettings,
+  AccuracyWish,
+  EffectEntry,
+  FrameStatistics,
+} from '@websplatter/core';
+import type { Comparison } from './comparison.ts';
+import type { FailureReport } from './failure.ts';
+import type { FailedMeasurement, MeasuredAccuracy, MeasuredEffects, RunningMeasurement } from './measured.ts';
+import type { LoadState, SceneSummary, SceneWarning } from './scene-summary.ts';
+
+/** Panels beside the image; one at a time. */
+export type DockName = 'accuracy' | 'effects';
+
+export const ACCURACY_TABS = ['measure', 'compare', 'settings'] as const;
+export type AccuracyTab = (typeof ACCURACY_TABS)[number];
+
+export type ViewerStatus =
+  /** Asking for a GPU. */
+  | 'starting'
+  | 'running'
+  /** There is no WebGPU here. */
+  | 'unavailable'
+  /** The GPU was taken away: nothing can be drawn until it is asked for again. */
+  | 'lost';
+
+/** Pace of the newest run of frames. */
+export interface FrameRate {
+  /** Mean time between frames. */
+  readonly frameMs: number;
+  readonly framesPerSecond: number;
+}
+
+/** The figures of an error map. */
+export interface ErrorFigures {
+  /** Largest difference of a channel, in steps of an 8-bit channel. */
+  readonly maxSteps: number;
+  /** Part of the pixels in each class of errors, 0…1. */
+  readonly parts: readonly number[];
+}
+
+export interface ViewerState {
+  readonly status: ViewerStatus;
+  /** Why the status is `unavailable` or `lost`, in the browser's words. */
+  readonly statusReason: string;
+  readonly scene: SceneSummary | null;
+  readonly load: LoadState | null;
+  readonly failure: FailureReport | null;
+  /** The problem of the scene that is shown; stays until it is dismissed. */
+  readonly warning: SceneWarning | null;
+  /** One sentence that needs no answer. */
+  readonly notice: string | null;
+  /** Which of the scene's cameras was chosen last. */
+  readonly cameraIndex: number;
+  /** Whether that camera itself is shown, not an orbit that went on from it. */
+  readonly isOwnCamera: boolean;
+  readonly isFlipped: boolean;
+  readonly isHudVisible: boolean;
+  readonly isHelpVisible: boolean;
+  /** The panel that is shown beside the image. */
+  readonly dock: DockName | null;
+  readonly accuracyTab: AccuracyTab;
+  /** Settings that frames are drawn with: asked for, or chosen because of the wish. */
+  readonly accuracy: AccuracySettings;
+  /** The outcome to keep in every scene; null if settings were chosen by hand. */
+  readonly wish: AccuracyWish | null;
+  /** The settings chosen because of the wish, and why; null until this scene has been measured. */
+  readonly choice: AccuracyChoice | null;
+  /** Settings that the GPU cannot honour, in words. */
+  readonly accuracyNotices: readonly string[];
+  readonly comparison: Comparison | null;
+  readonly measuring: RunningMeasurement | null;
+  /** Why the last measurement came to nothing, if it did. */
+  readonly failedMeasurement: FailedMeasurement | null;
+  readonly measured: MeasuredAccuracy | null;
+  /** Effects that are on and off, and why: those of each frame while they are listed, else of the frame at rest. */
+  readonly effects: readonly EffectEntry[];
+  readonly effectCosts: MeasuredEffects | null;
+  /** How far the image on the screen is from `reference`, if that is asked for and known. */
+  readonly errorFigures: ErrorFigures | null;
+  /** Where the line of a split image is, 0…1 of its width. */
+  readonly splitPart: number;
+  /** Whether the list of reasons for which splats were left out is open. */
+  readonly isDroppedVisible: boolean;
+  readonly adapterLabel: string;
+  readonly widthPx: number;
+  readonly heightPx: number;
+  /** Another number for each scene, view and size that came to rest on the screen, whatever its accuracy. */
+  readonly imageId: number;
+  /** How many frames had been drawn when the image came to rest. */
+  readonly restedFrames: number;
+  readonly statistics: FrameStatistics | null;
+  /** Null after a single frame, which has no pace. */
+  readonly frameRate: FrameRate | null;
+  /** Nothing changes, so nothing is drawn. */
+  readonly isIdle: boolean;
+}

@@ -1,0 +1,187 @@
+import {
+  type AccuracyChoice,
+  type AccuracySettings,
+  type AccuracyWish,
+  type ChooseAccuracyOptions,
+  InvalidArgumentError,
+  isAccuracyWish,
+  type SplatEngine,
+} from '@websplatter/core';
+import { ViewCamera } from '../camera/view-camera.ts';
+import { observeBackground } from '../drawing/background.ts';
+import { observeDevicePixelSize } from '../drawing/canvas-size.ts';
+import { Drawing } from '../drawing/drawing.ts';
+import type { ImageOnBackground, ShownFrame } from '../drawing/drawn-frame.ts';
+import type { AddressedScene } from '../scene/first-source.ts';
+import { Scenes } from '../scene/scenes.ts';
+import { Precisions } from '../session/precisions.ts';
+import type { Session } from '../session/session.ts';
+import { SessionOwner } from '../session/session-owner.ts';
+import type { Comparison } from '../state/comparison.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { decodeAccuracy } from '../words/accuracy-address.ts';
+
+/** What the page's address asks for. */
+export interface StartOptions extends AddressedScene {
+  /** As `encodeAccuracy` writes it. */
+  readonly accuracy?: string | null;
+}
+
+/**
+ * The application without its interface: it joins session, scenes, camera and drawing, and the store learns of everything
+ * that they do. React mounts its canvases and calls its commands.
+ */
+export class Viewer {
+  readonly camera: ViewCamera;
+  readonly scenes: Scenes;
+  readonly #store: ViewerStore;
+  readonly #sessions: SessionOwner;
+  readonly #precisions: Precisions;
+  readonly #drawing: Drawing;
+
+  constructor(store: ViewerStore, start: StartOptions = {}) {
+    this.#store = store;
+    this.#readAccuracy(start.accuracy ?? null);
+    const reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
+    this.camera = new ViewCamera(store, {
+      onChange: () => this.#drawing.request(),
+      isMotionReduced: () => reducedMotion.matches,
+    });
+    this.#sessions = new SessionOwner(store, {
+      onStart: (session) => this.#startSession(session),
+      onEnd: () => {
+        this.#drawing.stop();
+        this.scenes.endSession();
+      },
+      onAccuracyChosen: (engine, choice) => this.#takeChoice(engine, choice),
+    });
+    this.scenes = new Scenes({
+      store,
+      sessions: this.#sessions,
+      camera: this.camera,
+      addressed: start,
+      onClouds: () => this.#precisions.request(),
+      onShow: () => this.#drawing.request(),
+    });
+    this.#precisions = new Precisions({
+      store,
+      sessions: this.#sessions,
+      clouds: () => this.scenes.newest?.clouds.map(({ cloud }) => cloud) ?? [],
+      onHeld: () => this.#drawing.request(),
+    });
+    const { camera, scenes } = this;
+    this.#drawing = new Drawing({ store, sessions: this.#sessions, scenes, camera });
+  }
+
+  /** Draws to `canvas` from now on; returns what ends that and frees the GPU. */
+  attach(canvas: HTMLCanvasElement): () => void {
+    const stops = [
+      observeBackground(canvas, (color) => this.#drawing.setBackground(color)),
+      observeDevicePixelSize(canvas, ({ widthPx, heightPx }) => {
+        this.#store.setState({ widthPx, heightPx });
+        this.#drawing.request();
+      }),
+      this.camera.controls.attach(canvas),
+      this.#sessions.attach(canvas),
+    ];
+    return () => {
+      for (const stop of stops) stop();
+    };
+  }
+
+  /** Draws the right side of split images to `canvas` from now on; returns what ends that. */
+  attachRight(canvas: HTMLCanvasElement): () => void {
+    const detach = this.#sessions.attachRight(canvas);
+    this.#drawing.request();
+    return detach;
+  }
+
+  /** Asks for the GPU again after it was lost, and opens what was shown. */
+  recover(): void {
+    this.#sessions.recover();
+  }
+
+  /** Draws with `accuracy` from the next frame on; ends a wish. */
+  setAccuracy(accuracy: AccuracySettings): void {
+    this.#store.setState({ accuracy, wish: null, choice: null });
+    this.#followAccuracy();
+  }
+
+  /** Draws each scene with settings that `chooseAccuracy` finds for `wish`, until settings are chosen by hand. */
+  setWish(wish: AccuracyWish): void {
+    this.#store.setState({ wish, choice: null });
+    this.#followAccuracy();
+  }
+
+  /** Shows two accuracies at once, or with null the chosen one alone again. */
+  compare(comparison: Comparison | null): void {
+    this.#store.setState({ comparison });
+    this.#followAccuracy();
+  }
+
+  /**
+   * Measures which settings meet the wish for the frame on the screen, and draws with them.
+   *
+   * @throws InvalidArgumentError where there is no wish or no frame; what `SplatView.chooseAccuracy` throws. Then the
+   *   accuracy stays as it was.
+   */
+  async chooseAccuracy(options: ChooseAccuracyOptions): Promise<AccuracyChoice> {
+    const shown = this.#drawing.shown;
+    const { wish, comparison } = this.#store.getState();
+    if (!shown || !wish)
+      throw new InvalidArgumentError('chooseAccuracy', 'It takes a wish and a frame on the screen.');
+    const view = shown.scene.session.views.wishing(comparison);
+    view.render({ ...shown.frame, accuracy: wish });
+    const choice = await view.chooseAccuracy(options);
+    await view.whenDrawn();
+    return choice;
+  }
+
+  /** The frame on the screen; null if there is none. */
+  get shownFrame(): ShownFrame | null {
+    const shown = this.#drawing.shown;
+    return shown && { engine: shown.scene.session.engine, frame: shown.frame };
+  }
+
+  /**
+   * Draws the frame on the screen with another accuracy, beside the screen, and reads the image back. One at a time.
+   *
+   * @returns null if nothing is on the screen.
+   */
+  async readImage(accuracy: AccuracySettings): Promise<ImageOnBackground | null> {
+    await this.#precisions.whenHeld();
+    const shown = this.#drawing.shown;
+    if (!shown) return null;
+    const { probe } = shown.scene.session.views;
+    probe.render({ ...shown.frame, accuracy });
+    const image = await probe.readPixels();
+    return { image, background: shown.frame.background };
+  }
+
+  #startSession(session: Session): void {
+    this.#precisions.request();
+    this.scenes.openFirst(session);
+  }
+
+  #followAccuracy(): void {
+    this.#precisions.request();
+    this.#drawing.request();
+  }
+
+  #takeChoice(engine: SplatEngine, choice: AccuracyChoice): void {
+    if (this.#store.getState().wish === null) return;
+    this.#store.setState({ accuracy: choice.settings, choice, accuracyNotices: engine.notices });
+    // The view has drawn it by itself.
+    this.#drawing.countOwnFrame();
+  }
+
+  #readAccuracy(text: string | null): void {
+    try {
+      const accuracy = decodeAccuracy(text);
+      this.#store.setState(isAccuracyWish(accuracy) ? { wish: accuracy } : { accuracy });
+    } catch (error) {
+      if (!(error instanceof InvalidArgumentError)) throw error;
+      this.#store.setState({ notice: `The address asks for an unknown accuracy. ${error.message}` });
+    }
+  }
+}

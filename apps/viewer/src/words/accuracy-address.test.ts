@@ -1,0 +1,52 @@
+import { resolveAccuracy } from '@websplatter/core';
+import { describe, expect, it } from 'vitest';
+import { addressWithAccuracy, decodeAccuracy, encodeAccuracy } from './accuracy-address.ts';
+import { describeWish } from './accuracy-words.ts';
+
+const address = (text: string) => new URL(text, 'http://localhost/');
+
+describe('accuracy in the address', () => {
+  it.each([
+    ['fast', 'fast'],
+    ['balanced', null],
+    [{ preset: 'high', alphaCutoff: 0.02 }, 'high,alphaCutoff:0.02'],
+    [{ shDegree: 1, shPrecision: 'u8' }, 'balanced,shDegree:1'],
+  ] as const)('writes %o as %s and reads it back', (accuracy, text) => {
+    const settings = resolveAccuracy(accuracy);
+    expect(encodeAccuracy(settings)).toBe(text);
+    expect(decodeAccuracy(text)).toEqual(settings);
+  });
+
+  it.each([
+    [{ minPsnrDb: 45 }, 'minPsnrDb:45', 'at least 45 dB'],
+    [{ maxFrameMs: 0.5 }, 'maxFrameMs:0.5', 'at most 0.5 ms'],
+  ])('writes the wish %o as %s, and for people', (wish, text, words) => {
+    expect(encodeAccuracy(wish)).toBe(text);
+    expect(decodeAccuracy(text)).toEqual(wish);
+    expect(describeWish(wish)).toBe(words);
+  });
+
+  it('takes changes of the default without its name', () => {
+    expect(decodeAccuracy('shDegree:0')).toMatchObject({ shDegree: 0 });
+  });
+
+  it.each(['best', 'fast,nonsense:1', 'fast,shDegree:9', 'fast,shDegree', 'fast,shDegree:', ''])(
+    'refuses %j with what would do',
+    (text) => expect(() => decodeAccuracy(text)).toThrow(/there are|must be|must lie/),
+  );
+
+  it.each(['minPsnrDb:0', 'minPsnrDb:', 'maxFrameMs:soon', 'fast,minPsnrDb:45'])(
+    'refuses the wish %j with what would do',
+    (text) => expect(() => decodeAccuracy(text)).toThrow(/write minPsnrDb|there are/),
+  );
+
+  it('keeps the rest of the address, and is silent about the default', () => {
+    const shared = addressWithAccuracy(
+      address('/x/?scene=hard:a,b#top'),
+      resolveAccuracy({ preset: 'high', shDegree: 0 }),
+    );
+    expect(shared).toBe('/x/?scene=hard:a,b&accuracy=high,shDegree:0#top');
+    expect(addressWithAccuracy(address(shared), resolveAccuracy('balanced'))).toBe('/x/?scene=hard:a,b#top');
+    expect(addressWithAccuracy(address('/?accuracy=fast'), resolveAccuracy())).toBe('/');
+  });
+});

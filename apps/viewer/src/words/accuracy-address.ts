@@ -1,0 +1,53 @@
+import {
+  type AccuracyPreset,
+  type AccuracySettings,
+  type AccuracyWish,
+  DEFAULT_ACCURACY,
+  InvalidArgumentError,
+  isAccuracyWish,
+  resolveAccuracy,
+} from '@websplatter/core';
+import { nearestPreset } from './accuracy-words.ts';
+
+/** For the address, `fast,shDegree:1` or `minPsnrDb:45`; null for the default, which needs no mention. */
+export function encodeAccuracy(accuracy: AccuracySettings | AccuracyWish): string | null {
+  if (isAccuracyWish(accuracy)) return Object.entries(accuracy)[0].join(':');
+  const { preset, changed } = nearestPreset(accuracy);
+  if (preset === DEFAULT_ACCURACY && changed.length === 0) return null;
+  return [preset, ...changed.map((name) => `${name}:${accuracy[name]}`)].join(',');
+}
+
+/**
+ * Reads what `encodeAccuracy` wrote; null stands for the default.
+ *
+ * @throws InvalidArgumentError naming the preset or setting that does not exist, or the value that it cannot have.
+ */
+export function decodeAccuracy(text: string | null): AccuracySettings | AccuracyWish {
+  if (text === null) return resolveAccuracy();
+  const parts = text.split(',').map((part) => part.trim());
+  // A first part with a colon is a change already: `shDegree:1` alone is a change of the default.
+  const preset = parts[0].includes(':') ? DEFAULT_ACCURACY : parts.shift();
+  const changes = parts.map((part) => {
+    const [name, value = ''] = part.split(':');
+    return [name, value !== '' && Number.isFinite(Number(value)) ? Number(value) : value];
+  });
+  const asked = Object.fromEntries(changes);
+  if (!text.includes(',') && isAccuracyWish(asked)) {
+    if (Object.values(asked)[0] > 0) return asked;
+    const message = `The wish "${text}" has no number above 0; write minPsnrDb:45 for decibels or maxFrameMs:8 for milliseconds.`;
+    throw new InvalidArgumentError('accuracy', message);
+  }
+  // Names and values may be wrong: resolveAccuracy checks them.
+  return resolveAccuracy({ ...asked, preset: preset as AccuracyPreset });
+}
+
+/** `address` with `accuracy` in its query, everything else unchanged. */
+export function addressWithAccuracy(address: URL, accuracy: AccuracySettings | AccuracyWish): string {
+  const parameters = new URLSearchParams(address.search);
+  const text = encodeAccuracy(accuracy);
+  if (text === null) parameters.delete('accuracy');
+  else parameters.set('accuracy', text);
+  // A query may hold commas and colons unescaped, which is easier to read.
+  const query = parameters.toString().replaceAll('%2C', ',').replaceAll('%3A', ':');
+  return `${address.pathname}${query && `?${query}`}${address.hash}`;
+}

@@ -1,0 +1,61 @@
+/** Figures as the interface writes them: short, and steady in width. */
+
+const wholeNumber = new Intl.NumberFormat('en', { maximumFractionDigits: 0 });
+
+/** Stands for an unknown figure. */
+export const UNKNOWN = '–';
+
+/** `1,234,567`. */
+export function formatCount(count: number): string {
+  return Number.isFinite(count) ? wholeNumber.format(count) : UNKNOWN;
+}
+
+/** Three significant digits at most: `0.04`, `3.1`, `118`. */
+export function formatMs(elapsedMs: number): string {
+  if (!Number.isFinite(elapsedMs)) return UNKNOWN;
+  if (elapsedMs < 1) return elapsedMs.toFixed(2);
+  return elapsedMs < 99.95 ? elapsedMs.toFixed(1) : wholeNumber.format(elapsedMs);
+}
+
+/** `59`, or `3.2` where a whole number would say too little. */
+export function formatRate(framesPerSecond: number): string {
+  if (!Number.isFinite(framesPerSecond)) return UNKNOWN;
+  return framesPerSecond < 9.95 ? framesPerSecond.toFixed(1) : wholeNumber.format(framesPerSecond);
+}
+
+/** `48.3`; `∞` if the images are equal. */
+export function formatDb(psnrDb: number): string {
+  return Number.isFinite(psnrDb) ? psnrDb.toFixed(1) : '∞';
+}
+
+const BYTE_UNITS = ['B', 'kB', 'MB', 'GB', 'TB'];
+
+/** Decimal units, as file managers and drive makers count: `68 B`, `1.2 MB`, `34 MB`. */
+export function formatBytes(bytes: number): string {
+  if (!Number.isFinite(bytes)) return UNKNOWN;
+  let unit = 0;
+  let value = bytes;
+  // 999.5 would be written as 1000.
+  while (value >= 999.5 && unit < BYTE_UNITS.length - 1) {
+    value /= 1000;
+    unit++;
+  }
+  return `${unit === 0 || value >= 9.95 ? Math.round(value) : value.toFixed(1)} ${BYTE_UNITS[unit]}`;
+}
+
+/** `1 splat`, `2 splats`. */
+export function formatSplats(count: number): string {
+  return `${formatCount(count)} ${count === 1 ? 'splat' : 'splats'}`;
+}
+
+/** Last part of a path or URL, without query; the whole path if there is none. */
+export function baseName(path: string): string {
+  const withoutQuery = path.replace(/[?#].*$/, '');
+  const last = withoutQuery.split(/[\\/]/).filter(Boolean).at(-1);
+  if (!last) return path;
+  try {
+    return decodeURIComponent(last);
+  } catch {
+    return last;
+  }
+}

@@ -1,0 +1,1 @@
+export { boxAround, type LabelBox, LabelSpace } from './label-space.ts';

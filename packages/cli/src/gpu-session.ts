@@ -1,0 +1,60 @@
+import {
+  type AccuracySettings,
+  lastingSource,
+  loadSplats,
+  type SplatCloud,
+  SplatEngine,
+  WebSplatterError,
+} from '@websplatter/core';
+import { createNodeGpu } from '@websplatter/node';
+import type { SceneSource } from './scene-source.ts';
+
+/** An engine with the scenes of a command line. */
+export interface GpuSession {
+  readonly engine: SplatEngine;
+  /** One per scene, in order. */
+  readonly clouds: readonly SplatCloud[];
+  /** Message for the user when no GPU was found, otherwise null. */
+  readonly notice: string | null;
+  /** @throws WebSplatterError 'gpu-error' with the first GPU error, if there was one. */
+  checkGpuErrors(): void;
+}
+
+/**
+ * Reads `scenes`, then uploads them to a GPU or a software adapter. No driver is opened before all scenes have been read:
+ * bad input fails sooner, and nothing that a driver writes precedes the one line about it.
+ *
+ * @param accuracy the engine's settings, for which the splats are packed.
+ */
+export async function openGpuSession(
+  scenes: readonly SceneSource[],
+  accuracy: AccuracySettings,
+): Promise<GpuSession> {
+  const uploads: Upload[] = [];
+  for (const scene of scenes) uploads.push(await readForUpload(scene, accuracy));
+  const { gpu, adapter, notice } = await createNodeGpu();
+  const engine = await SplatEngine.create({ gpu, adapter, accuracy });
+  const gpuErrors: string[] = [];
+  engine.device.addEventListener('uncapturederror', (event) => {
+    event.preventDefault();
+    gpuErrors.push(event.error.message);
+  });
+  const checkGpuErrors = () => {
+    if (gpuErrors.length > 0) throw new WebSplatterError('gpu-error', `the GPU refused: ${gpuErrors[0]}`);
+  };
+  try {
+    return { engine, clouds: uploads.map((upload) => upload(engine)), notice, checkGpuErrors };
+  } catch (error) {
+    engine.destroy();
+    throw error;
+  }
+}
+
+type Upload = (engine: SplatEngine) => SplatCloud;
+
+async function readForUpload({ name, content }: SceneSource, accuracy: AccuracySettings): Promise<Upload> {
+  if ('make' in content) return (engine) => engine.add(content.make(), { name });
+  const { geometryPrecision, shPrecision } = accuracy;
+  const packed = await loadSplats(content.source, { name, geometryPrecision, shPrecision });
+  return (engine) => engine.addPacked(packed, { name, source: lastingSource(content.source) });
+}

@@ -1,0 +1,68 @@
+import type { GpuMemory } from '../gpu/gpu-memory.ts';
+import type { Bindings } from '../gpu/pipelines.ts';
+import { roundUp } from '../layout/gpu-struct.ts';
+import { pagesOf, UNIFORM_ALIGNMENT } from './frame-pages.ts';
+import type { FramePlan } from './frame-plan.ts';
+import type { FrameShape } from './frame-shape.ts';
+import { effectUniforms } from './frame-uniforms.ts';
+import { SelectionBits } from './selection-bits.ts';
+
+/** The parameters of the effects of a frame's clouds, and which splats are selected for them; nothing where no effect takes any. */
+export class EffectBuffers {
+  readonly #memory: GpuMemory;
+  readonly #queue: GPUQueue;
+  readonly #selections: SelectionBits;
+  #parameters: GPUBuffer | null = null;
+  /** From one cloud's parameters to the next one's. */
+  #strideBytes = 0;
+
+  constructor(memory: GpuMemory, queue: GPUQueue) {
+    this.#memory = memory;
+    this.#queue = queue;
+    this.#selections = new SelectionBits(memory, queue);
+  }
+
+  /** Makes room for the effects of this shape, and for nothing else. */
+  fit(shape: FrameShape): void {
+    this.#selections.fit(shape.clouds, pagesOf(shape));
+    this.#strideBytes = strideOf(shape);
+    const bytes = this.#strideBytes * shape.clouds.length;
+    if ((this.#parameters?.size ?? 0) === bytes) return;
+    if (this.#parameters) this.#memory.destroy(this.#parameters);
+    const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
+    this.#parameters = bytes > 0 ? this.#memory.createBuffer('frame effects', bytes, usage) : null;
+  }
+
+  /** What the stages of one page are bound to. */
+  bindingsOf(pageIndex: number, cloudIndex: number): Partial<Bindings<'effects' | 'selectedBits'>> {
+    const selectedBits = this.#selections.bindingOf(pageIndex);
+    const size = this.#strideBytes;
+    return {
+      ...(this.#parameters && { effects: { buffer: this.#parameters, offset: cloudIndex * size, size } }),
+      ...(selectedBits && { selectedBits }),
+    };
+  }
+
+  write(plan: FramePlan): void {
+    if (this.#parameters) {
+      this.#queue.writeBuffer(this.#parameters, 0, effectUniforms(plan, this.#strideBytes));
+    }
+    this.#selections.write(plan.clouds);
+  }
+
+  /** Bytes of the bits of one cloud. */
+  selectionBytes(cloudIndex: number): number {
+    return this.#selections.bytesOf(cloudIndex);
+  }
+
+  destroy(): void {
+    this.#selections.destroy();
+    if (this.#parameters) this.#memory.destroy(this.#parameters);
+    this.#parameters = null;
+  }
+}
+
+/** 0 where no cloud's effects take parameters. */
+function strideOf({ clouds }: FrameShape): number {
+  return roundUp(Math.max(0, ...clouds.map(({ effects }) => effects.parameterBytes)), UNIFORM_ALIGNMENT);
+}

@@ -1,0 +1,39 @@
+import type { ColorTarget, SizePx } from '../accuracy/accuracy.ts';
+import type { GpuMemory } from '../gpu/gpu-memory.ts';
+import type { DepthLayerFormat } from '../stages/rasterize.ts';
+import type { LayerTextures } from './frame-part.ts';
+
+/** Whether `layer` has this size and these formats. */
+export function fitsLayer(
+  layer: LayerTextures | null,
+  { widthPx, heightPx }: SizePx,
+  colorTarget: ColorTarget,
+  depthFormat: DepthLayerFormat | null,
+): boolean {
+  return (
+    layer?.color.width === widthPx &&
+    layer.color.height === heightPx &&
+    layer.color.format === colorTarget &&
+    (layer.depthLayer?.format ?? null) === depthFormat
+  );
+}
+
+export function createLayer(
+  memory: GpuMemory,
+  label: string,
+  { widthPx, heightPx }: SizePx,
+  colorTarget: ColorTarget,
+  depthFormat: DepthLayerFormat | null,
+): LayerTextures {
+  const size = { width: widthPx, height: heightPx };
+  return {
+    color: memory.createTarget(label, colorTarget, size),
+    depthLayer: depthFormat && memory.createTarget(`${label} depth`, depthFormat, size),
+  };
+}
+
+export function freeLayer(memory: GpuMemory, layer: LayerTextures | null): void {
+  if (!layer) return;
+  memory.destroy(layer.color);
+  if (layer.depthLayer) memory.destroy(layer.depthLayer);
+}

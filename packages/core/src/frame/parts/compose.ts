@@ -1,0 +1,179 @@
+import type { CompiledStage } from '../../gpu/pipelines.ts';
+import { HostViewport } from '../../layout/structs.ts';
+import { COMPOSED_COLOR_FORMAT, COMPOSED_DEPTH_FORMAT, compose, composeState } from '../../stages/compose.ts';
+import {
+  type DrawRecording,
+  drawOverAll,
+  type FramePart,
+  type HostPass,
+  type PartChange,
+  type PartContext,
+} from '../frame-part.ts';
+import type { FramePlan } from '../frame-plan.ts';
+import { type FrameShape, perShape } from '../frame-shape.ts';
+import { depthView, isMultisampled, layerView } from '../host-views.ts';
+
+/** Splats over what was behind them, of the viewport's size. Valid until the view draws again. */
+export interface EmbeddedPicture {
+  /** rgba16float: linear light, premultiplied, what was behind included; opacity 0 exactly where there is no splat. */
+  readonly color: GPUTexture;
+  /** r32float: mean depth of the splats as the host stores it, −1 where they cover less than half; null unless asked for. */
+  readonly depth: GPUTexture | null;
+}
+
+/** By whether the host's depth has several samples, which is known only when the frame is drawn. */
+const stageOf = perShape(({ depth, output }) => {
+  if (output.kind !== 'host') return null;
+  const variant = (isEdged: boolean) => [compose(depth, isEdged), composeState(depth)] as const;
+  return { single: variant(false), many: depth ? variant(true) : null };
+});
+
+const stagesOf = perShape((shape): readonly CompiledStage[] =>
+  Object.values(stageOf(shape) ?? {}).filter((stage) => stage !== null),
+);
+
+/** Puts the splats over what the host has drawn, in the space that splats are blended in, for the host to show. */
+export class Compose implements FramePart<DrawRecording> {
+  readonly #context: PartContext;
+  #viewport: GPUBuffer | null = null;
+  #viewportKey = '';
+  #image: EmbeddedPicture | null = null;
+  #behindCopy: GPUTexture | null = null;
+
+  constructor(context: PartContext) {
+    this.#context = context;
+  }
+
+  static stages(shape: FrameShape): readonly CompiledStage[] {
+    return stagesOf(shape);
+  }
+
+  /** What was drawn last. */
+  get image(): EmbeddedPicture | null {
+    return this.#image;
+  }
+
+  /** Textures are replaced when they are drawn: until then the host may show the old ones. */
+  fit({ shape }: FramePlan): PartChange | null {
+    if (shape.output.kind !== 'host' || this.#viewport) return null;
+    const { memory, shared } = this.#context;
+    const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
+    const viewport = memory.createBuffer('host viewport', HostViewport.bytes, usage);
+    return {
+      commit: () => {
+        this.#viewport = viewport;
+        shared.viewport = viewport;
+      },
+      discard: () => memory.destroy(viewport),
+    };
+  }
+
+  bind(): void {}
+
+  write(): void {}
+
+  record({ encoder, timer, shape, destination }: DrawRecording): void {
+    const stages = stageOf(shape);
+    if (!stages || destination.kind !== 'host') return;
+    const { pass: host } = destination;
+    const { pipelines, shared } = this.#context;
+    const image = this.#imageFor(shape);
+    const behind = this.#readable(encoder, host, image.color);
+    this.#writeViewport(host, behind, image.color);
+    const isEdged = shape.depth !== null && isMultisampled(host);
+    const stage = isEdged ? stages.many! : stages.single;
+    const pass = encoder.beginRenderPass({
+      label: 'compose',
+      colorAttachments: [image.color, image.depth]
+        .filter((texture) => texture !== null)
+        .map((texture) => ({ view: texture.createView(), loadOp: 'clear', storeOp: 'store' })),
+      timestampWrites: timer.writes('composite'),
+    });
+    const { color, depthLayer } = shared.image!;
+    const { hostDepth } = shared;
+    const bindings = {
+      viewport: this.#viewport!,
+      layer: color.createView(),
+      behind: behind === host.color ? layerView(behind, host) : behind.createView(),
+      ...(depthLayer && { depthLayer: depthLayer.createView() }),
+      ...(hostDepth && { hostDepth }),
+      ...(isEdged && { hostDepths: depthView(host) }),
+    };
+    drawOverAll(pass, pipelines, stage, pipelines.bindGroup(stage[0], bindings));
+    pass.end();
+  }
+
+  destroy(): void {
+    const { memory } = this.#context;
+    if (this.#viewport) memory.destroy(this.#viewport);
+    this.#free(this.#image?.color, this.#image?.depth, this.#behindCopy);
+  }
+
+  #imageFor({ depth }: FrameShape): EmbeddedPicture {
+    const { width, height } = this.#context.shared.image!.color;
+    const old = this.#image;
+    const isSame =
+      old?.color.width === width &&
+      old.color.height === height &&
+      (old.depth !== null) === (depth?.layerFormat != null);
+    if (isSame) return old;
+    this.#free(old?.color, old?.depth, this.#behindCopy);
+    this.#behindCopy = null;
+    const { memory } = this.#context;
+    const size = { width, height };
+    const image = {
+      color: memory.createTarget('splats over the host', COMPOSED_COLOR_FORMAT, size),
+      depth: depth?.layerFormat
+        ? memory.createTarget('depth of the splats', COMPOSED_DEPTH_FORMAT, size)
+        : null,
+    };
+    this.#image = image;
+    return image;
+  }
+
+  /** Written before the encoder is submitted, so that `resolve-depth` reads it as well. */
+  #writeViewport({ color, xPx, yPx }: HostPass, behind: GPUTexture, { width, height }: GPUTexture): void {
+    const { device, shared } = this.#context;
+    const blended = shared.blended!.color;
+    const pxPerLayerPx = [width / blended.width, height / blended.height];
+    const key = `${xPx} ${yPx} ${behind === color} ${pxPerLayerPx}`;
+    if (key === this.#viewportKey) return;
+    this.#viewportKey = key;
+    const contents = new ArrayBuffer(HostViewport.bytes);
+    HostViewport.write(contents, {
+      colorOriginPx: behind === color ? [xPx, yPx] : [0, 0],
+      depthOriginPx: [xPx, yPx],
+      pxPerLayerPx,
+    });
+    device.queue.writeBuffer(this.#viewport!, 0, contents);
+  }
+
+  /** The host's colour where it can be bound, else a copy of what the viewport shows of it. */
+  #readable(encoder: GPUCommandEncoder, host: HostPass, { width, height }: GPUTexture): GPUTexture {
+    const { color, xPx, yPx, layer = 0 } = host;
+    if (color.usage & GPUTextureUsage.TEXTURE_BINDING) return color;
+    if (this.#behindCopy?.format !== color.format) {
+      this.#free(this.#behindCopy);
+      this.#behindCopy = this.#context.memory.createTexture({
+        label: 'behind the splats',
+        size: { width, height },
+        format: color.format,
+        usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST,
+      });
+    }
+    const copy = this.#behindCopy;
+    // A viewport may reach beyond its target.
+    const [left, top] = [Math.max(0, xPx), Math.max(0, yPx)];
+    const [right, bottom] = [Math.min(color.width, xPx + width), Math.min(color.height, yPx + height)];
+    if (right > left && bottom > top) {
+      const from = { texture: color, origin: [left, top, layer] };
+      const to = { texture: copy, origin: [left - xPx, top - yPx] };
+      encoder.copyTextureToTexture(from, to, [right - left, bottom - top]);
+    }
+    return copy;
+  }
+
+  #free(...textures: (GPUTexture | null | undefined)[]): void {
+    for (const texture of textures) if (texture) this.#context.memory.destroy(texture);
+  }
+}

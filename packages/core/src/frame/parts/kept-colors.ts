@@ -1,0 +1,256 @@
+import { type AccuracySettings, maxColor } from '../../accuracy/accuracy.ts';
+import { hasHook } from '../../effects/effect-set.ts';
+import { CLOUD_EFFECTS } from '../../effects/effects.ts';
+import type { CompiledStage } from '../../gpu/pipelines.ts';
+import { Page } from '../../layout/structs.ts';
+import { stretchBound, type Vec3 } from '../../math/mat4.ts';
+import { keepColors } from '../../stages/keep-colors.ts';
+import type { CloudPlan } from '../cloud-plan.ts';
+import { type FramePage, PAGE_STRIDE_BYTES, pagesOf } from '../frame-pages.ts';
+import { type PartContext, useCompute } from '../frame-part.ts';
+import type { FramePlan } from '../frame-plan.ts';
+import { type CloudShape, type FrameShape, keepsColors, perShape } from '../frame-shape.ts';
+
+/** From where a cloud is seen, in its own space: its colours depend on this besides its splats. */
+interface Viewpoint {
+  /** Place of the camera about the cloud's origin or, without perspective, the direction that it looks in. */
+  readonly at: Vec3;
+  readonly isDirection: boolean;
+  /** How the cloud is turned to the camera: cloud space to view space, column-major 3×3. */
+  readonly linear: Float64Array;
+  /** Viewpoints no further apart than this are the same: the numbers they come from are no more exact. */
+  readonly tolerance: number;
+}
+
+/** Relative rounding of a viewpoint: as the GPU gets it, and as the CPU computes it. */
+const FLOAT32_TOLERANCE = 2 ** -22;
+const FLOAT64_TOLERANCE = 2 ** -44;
+
+/** Numbers of viewpoints fit 16 bits beside a colour in float16. */
+const LAST_NUMBER = 0xffff;
+
+/** After so many frames that kept nothing, two seconds of moving about, the memory for it is freed. */
+const MAX_FRAMES_UNKEPT = 120;
+
+/** The colours of one page. */
+interface KeptPage {
+  readonly buffer: GPUBuffer;
+  /** Number of the viewpoint, from 1; entries with another number are of no use. 0 before the first: there are none. */
+  number: number;
+}
+
+/** Everything but the viewpoint that kept colours depend on, and where they are. */
+interface Source {
+  /** Index of the cloud's first page in the frame: colours do not move along with it. */
+  readonly firstPage: number;
+  readonly planes: CloudShape['planes'];
+  readonly shDegree: number;
+  readonly recordPrecision: AccuracySettings['recordPrecision'];
+  readonly maxColor: number;
+}
+
+/** Whether colours of one cloud are kept, and for which viewpoint. */
+interface KeptCloud {
+  viewpoint: Viewpoint | null;
+  source: Source;
+  /** Whether the last frame kept its colours. */
+  isKeeping: boolean;
+  /** Whether the records of the last frame have colours as they are seen, without effects that they depend on. */
+  hasPlainRecords: boolean;
+}
+
+const stageOf = perShape(({ accuracy }) => keepColors(accuracy.recordPrecision));
+const stagesOf = perShape((shape): readonly CompiledStage[] => (keepsColors(shape) ? [stageOf(shape)] : []));
+
+/**
+ * Keeps the colours that splats have been evaluated with, per view: where a cloud is seen again from the same place, because
+ * the camera only turned or only effects changed, no splat's harmonics are evaluated twice. Views that never see a cloud
+ * twice from one place keep nothing: the first colours are taken from the records of the frame before.
+ */
+export class KeptColors {
+  readonly #context: PartContext;
+  /** By page of the frame. */
+  readonly #pages = new Map<number, KeptPage>();
+  #clouds: KeptCloud[] = [];
+  /** Frames in a row that kept nothing. */
+  #framesUnkept = 0;
+
+  constructor(context: PartContext) {
+    this.#context = context;
+  }
+
+  static stages(shape: FrameShape): readonly CompiledStage[] {
+    return stagesOf(shape);
+  }
+
+  /** Bytes held on the GPU. */
+  get bytes(): number {
+    return [...this.#pages.values()].reduce((sum, { buffer }) => sum + buffer.size, 0);
+  }
+
+  /** By cloud, whether its colours are to be kept in a frame of this plan. */
+  wants(plan: FramePlan): boolean[] {
+    return plan.clouds.map((cloud, i) => {
+      // A frame that is drawn without a reason is there to be timed, and stands for one that has moved.
+      if (plan.request.force || !canKeepColors(plan, i)) return false;
+      // Effects change while the camera stands still, and leave no plain colours in the records to begin with.
+      if (hasHook(plan.shape.clouds[i].effects, 'color')) return true;
+      const kept = this.#clouds[i];
+      const viewpoint = viewpointOf(plan, cloud);
+      // Another size or other settings alone are not worth the memory: they come once.
+      return isSame(kept?.viewpoint, viewpoint) && (kept.isKeeping || isTurned(kept.viewpoint!, viewpoint!));
+    });
+  }
+
+  /**
+   * Makes room for the colours that a frame keeps, and frees the room that it does not need. Call for each frame, before its
+   * buffers replace those of the frame before.
+   *
+   * @returns the pages whose colours are to be taken from the records of the frame before: see `record`.
+   * @throws GpuLimitError where the colours of a page would pass the device's limits.
+   */
+  keep(plan: FramePlan): readonly number[] {
+    const { shape } = plan;
+    const pages = pagesOf(shape);
+    const seeded: number[] = [];
+    const next = plan.clouds.map((cloud, cloudIndex): KeptCloud => {
+      const before = this.#clouds[cloudIndex];
+      const viewpoint = viewpointOf(plan, cloud);
+      const firstPage = pages.findIndex((page) => page.cloudIndex === cloudIndex);
+      const source = sourceOf(shape, shape.clouds[cloudIndex], firstPage);
+      const isKeeping = shape.clouds[cloudIndex].keepsColors;
+      const hasPlainRecords =
+        canKeepColors(plan, cloudIndex) && !hasHook(shape.clouds[cloudIndex].effects, 'color');
+      const isValid =
+        before !== undefined && isSameSource(before.source, source) && isSame(before.viewpoint, viewpoint);
+      if (!isKeeping) {
+        return {
+          // The place stays, lest it creeps away within its tolerance.
+          viewpoint: isValid ? { ...before.viewpoint!, linear: viewpoint!.linear } : viewpoint,
+          source,
+          isKeeping,
+          hasPlainRecords,
+        };
+      }
+      if (isValid && before.isKeeping) return { ...before, hasPlainRecords };
+      const isSeeded = isValid && before.hasPlainRecords;
+      for (const [index, page] of pages.entries()) {
+        if (page.cloudIndex !== cloudIndex) continue;
+        this.#startOver(this.#pageFor(index, page, shape.accuracy));
+        if (isSeeded) seeded.push(index);
+      }
+      return { viewpoint, source, isKeeping, hasPlainRecords };
+    });
+    this.#clouds = next;
+    this.#framesUnkept = keepsColors(shape) ? 0 : this.#framesUnkept + 1;
+    this.#freeFrom(this.#framesUnkept > MAX_FRAMES_UNKEPT ? 0 : pages.length);
+    this.#context.shared.keptColors = pages.map((page, index) =>
+      shape.clouds[page.cloudIndex].keepsColors ? this.#pageFor(index, page, shape.accuracy).buffer : null,
+    );
+    return seeded;
+  }
+
+  /** Takes the colours of these pages from the records of the frame of `shape`, which are still there. */
+  record(encoder: GPUCommandEncoder, shape: FrameShape, pageIndices: readonly number[]): void {
+    const { pipelines, shared } = this.#context;
+    const { buffers } = shared;
+    const pages = pagesOf(shape);
+    const stage = stageOf(shape);
+    const pass = encoder.beginComputePass({ label: 'keep colors' });
+    for (const index of pageIndices) {
+      const group = pipelines.bindGroup(stage, {
+        ...buffers,
+        page: { buffer: buffers.pageUniforms, offset: index * PAGE_STRIDE_BYTES, size: Page.bytes },
+        keptColors: this.#pageFor(index, pages[index], shape.accuracy).buffer,
+      });
+      useCompute(pass, pipelines, stage, group);
+      pass.dispatchWorkgroupsIndirect(buffers.projectDispatches, 12 * index);
+    }
+    pass.end();
+  }
+
+  destroy(): void {
+    this.#freeFrom(0);
+  }
+
+  /** The colours of one page; made where there is nothing that fits. */
+  #pageFor(pageIndex: number, { splatCount }: FramePage, { recordPrecision }: AccuracySettings): KeptPage {
+    const bytes = (recordPrecision === 'f32' ? 16 : 8) * (splatCount + 1);
+    const current = this.#pages.get(pageIndex);
+    if (current?.buffer.size === bytes) return current;
+    const { memory } = this.#context;
+    const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_DST;
+    const page = { buffer: memory.createBuffer('frame kept colors', bytes, usage), number: 0 };
+    if (current) memory.destroy(current.buffer);
+    this.#pages.set(pageIndex, page);
+    return page;
+  }
+
+  /** Frees the colours of this page and those behind it. */
+  #freeFrom(pageIndex: number): void {
+    for (const [index, { buffer }] of this.#pages) {
+      if (index < pageIndex) continue;
+      this.#context.memory.destroy(buffer);
+      this.#pages.delete(index);
+    }
+  }
+
+  #startOver(page: KeptPage): void {
+    const { buffer } = page;
+    const { queue } = this.#context.device;
+    // Entries as old as that would look like new ones; a new buffer has none.
+    if (page.number === LAST_NUMBER) queue.writeBuffer(buffer, 0, new Uint8Array(buffer.size));
+    page.number = (page.number % LAST_NUMBER) + 1;
+    queue.writeBuffer(buffer, 0, Uint32Array.of(page.number));
+  }
+}
+
+/** Whether there is anything to keep, and nothing but the viewpoint changes it. */
+export function canKeepColors({ clouds, shape }: FramePlan, cloudIndex: number): boolean {
+  const { shDegree, effects } = shape.clouds[cloudIndex];
+  if (shDegree === 0 || clouds[cloudIndex].reach.displacement > 0) return false;
+  // Effects of this package leave a splat's base colour as it is; a caller's own may do anything.
+  if (effects.effects.some((effect) => effect.hooks.splat && !CLOUD_EFFECTS.includes(effect))) return false;
+  // Colours are kept as records have them: at 8 bits and up to 1 that is too little for an effect to begin with.
+  return !(shape.accuracy.recordPrecision === 'paper' && hasHook(effects, 'color'));
+}
+
+function sourceOf({ accuracy }: FrameShape, { planes, shDegree }: CloudShape, firstPage: number): Source {
+  return {
+    firstPage,
+    planes,
+    shDegree,
+    recordPrecision: accuracy.recordPrecision,
+    maxColor: maxColor(accuracy),
+  };
+}
+
+function isSameSource(a: Source, b: Source): boolean {
+  return (
+    a.firstPage === b.firstPage &&
+    a.planes === b.planes &&
+    a.shDegree === b.shDegree &&
+    a.recordPrecision === b.recordPrecision &&
+    a.maxColor === b.maxColor
+  );
+}
+
+/** Null where the model matrix is singular: there is no one viewpoint then. */
+function viewpointOf({ camera: { viewMatrix } }: FramePlan, { view }: CloudPlan): Viewpoint | null {
+  const { linear, inverse, camera, direction } = view;
+  if (!inverse) return null;
+  const at = camera ?? direction;
+  // Near a cloud that is far from the world's origin, most of what the place is computed from cancels.
+  const cancelled = stretchBound(inverse) * Math.hypot(viewMatrix[12], viewMatrix[13], viewMatrix[14]);
+  const tolerance = FLOAT32_TOLERANCE * Math.hypot(...at) + FLOAT64_TOLERANCE * cancelled;
+  return { at, isDirection: camera === null, linear, tolerance };
+}
+
+function isSame(a: Viewpoint | null | undefined, b: Viewpoint | null): boolean {
+  if (!a || !b || a.isDirection !== b.isDirection) return false;
+  return Math.hypot(...a.at.map((value, axis) => value - b.at[axis])) <= Math.max(a.tolerance, b.tolerance);
+}
+
+function isTurned(before: Viewpoint, now: Viewpoint): boolean {
+  return now.linear.some((value, i) => value !== before.linear[i]);
+}

@@ -1,0 +1,334 @@
+import { maxColor } from '../../accuracy/accuracy.ts';
+import type { CompiledStage, StageDefinition } from '../../gpu/pipelines.ts';
+import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../../layout/constants.ts';
+import { FrameParameters, Page, PagePlan, PROJECTED_SPLATS, View } from '../../layout/structs.ts';
+import { compactChunks } from '../../stages/compact-chunks.ts';
+import { compactSplats } from '../../stages/compact-splats.ts';
+import { cullChunks } from '../../stages/cull-chunks.ts';
+import { cullSplats } from '../../stages/cull-splats.ts';
+import { dispatchSize } from '../../stages/dispatch.ts';
+import { planCull } from '../../stages/plan-cull.ts';
+import { planProject } from '../../stages/plan-project.ts';
+import { PrefixScan, prefixScanStages } from '../../stages/prefix-scan.ts';
+import { project } from '../../stages/project.ts';
+import { EffectBuffers } from '../effect-buffers.ts';
+import { chunkCountOf, type FramePage, PAGE_STRIDE_BYTES, pagesOf } from '../frame-pages.ts';
+import {
+  type FramePart,
+  type OrderRecording,
+  type PartChange,
+  type PartContext,
+  type SharedBuffers,
+  useCompute,
+} from '../frame-part.ts';
+import type { FramePlan } from '../frame-plan.ts';
+import { type CloudShape, type FrameShape, hasSameBuffers, perShape } from '../frame-shape.ts';
+import { pageUniforms, viewUniforms } from '../frame-uniforms.ts';
+
+/** Names and sizes of the part's buffers; stages are bound to them by these names. */
+function bufferTable({ accuracy, visibleCapacity }: FrameShape, pageCount: number, chunkCount: number) {
+  const { STORAGE, UNIFORM, INDIRECT } = GPUBufferUsage;
+  const record = PROJECTED_SPLATS[accuracy.recordPrecision];
+  return {
+    view: [View.bytes, UNIFORM],
+    pageUniforms: [PAGE_STRIDE_BYTES * pageCount, UNIFORM],
+    frame: [FrameParameters.bytes, UNIFORM],
+    chunkCount: [4, STORAGE],
+    /** Per chunk 1 where it is visible, then the number of visible chunks before it. */
+    chunkOffsets: [4 * (chunkCount + 1), STORAGE],
+    visibleChunks: [4 * chunkCount, STORAGE],
+    /** Number of visible chunks: their slots are numbered in storage order. */
+    slotCount: [4, STORAGE],
+    /** Per slot a bit per splat. */
+    visibilityMasks: [(CHUNK_SPLATS / 8) * chunkCount, STORAGE],
+    /** Per slot its number of visible splats, then the number of them before it. */
+    splatOffsets: [4 * (chunkCount + 1), STORAGE],
+    // A binding holds at least one element, also where there is nothing to draw.
+    pagePlans: [PagePlan.bytes * Math.max(1, pageCount), STORAGE],
+    depthRange: [8, STORAGE | UNIFORM],
+    cullDispatches: [12 * (pageCount + 1), STORAGE | INDIRECT],
+    projectDispatches: [12 * pageCount, STORAGE | INDIRECT],
+    drawArguments: [16, STORAGE | INDIRECT],
+    /** The visible splats in storage order. */
+    survivors: [4 * visibleCapacity, STORAGE],
+    projected: [record.bytes * Math.max(1, visibleCapacity), STORAGE],
+  } as const satisfies Readonly<Record<string, readonly [bytes: number, usage: GPUBufferUsageFlags]>>;
+}
+
+type BufferName = keyof ReturnType<typeof bufferTable>;
+type Buffers = Readonly<Record<BufferName, GPUBuffer>>;
+
+const SHARED = [
+  'view',
+  'pageUniforms',
+  'pagePlans',
+  'depthRange',
+  'slotCount',
+  'projectDispatches',
+  'survivors',
+  'projected',
+  'drawArguments',
+] as const satisfies readonly (BufferName & keyof SharedBuffers)[];
+
+/** What the part holds for frames that have the same buffers. */
+interface Held {
+  readonly buffers: Buffers;
+  readonly chunkScan: PrefixScan;
+  readonly splatScan: PrefixScan;
+  /** That they were made for. */
+  readonly shape: FrameShape;
+}
+
+interface Groups {
+  readonly planCull: GPUBindGroup;
+  readonly compactChunks: GPUBindGroup;
+  readonly planProject: GPUBindGroup;
+  readonly compactSplats: GPUBindGroup;
+  readonly pages: readonly {
+    readonly cullChunks: GPUBindGroup;
+    readonly cullSplats: GPUBindGroup;
+    readonly project: GPUBindGroup;
+  }[];
+}
+
+/** The stages that differ from cloud to cloud, in the frame's order of clouds. */
+const cloudStages = perShape((shape) =>
+  shape.clouds.map((cloud) => ({
+    cullSplats: cullSplatsStage(shape, cloud),
+    project: projectStage(shape, cloud),
+  })),
+);
+
+const stagesOf = perShape((shape): readonly CompiledStage[] => [
+  cullChunks,
+  ...prefixScanStages,
+  compactChunks,
+  planCull,
+  ...cloudStages(shape).map((stages) => stages.cullSplats),
+  planProject,
+  compactSplats,
+  ...cloudStages(shape).map((stages) => stages.project),
+]);
+
+/** Finds the visible splats, lists them in storage order, and writes the record and the sort key of each. */
+export class Preprocess implements FramePart<OrderRecording> {
+  readonly #context: PartContext;
+  readonly #effects: EffectBuffers;
+  #held: Held | null = null;
+  #groups: Groups | null = null;
+
+  constructor(context: PartContext) {
+    this.#context = context;
+    this.#effects = new EffectBuffers(context.memory, context.device.queue);
+  }
+
+  static stages(shape: FrameShape): readonly CompiledStage[] {
+    return stagesOf(shape);
+  }
+
+  /** Everything that the part has written or found, by name; for comparisons with twins. */
+  get buffers(): Buffers {
+    return this.#held!.buffers;
+  }
+
+  /** Bytes of the bits that tell the effects of one cloud which splats are selected. */
+  selectionBytes(cloudIndex: number): number {
+    return this.#effects.selectionBytes(cloudIndex);
+  }
+
+  fit({ shape }: FramePlan): PartChange | null {
+    if (this.#held && hasSameBuffers(this.#held.shape, shape)) return null;
+    const held = this.#make(shape);
+    return {
+      commit: () => {
+        this.#free(this.#held);
+        this.#held = held;
+        const { buffers } = this.#context.shared;
+        for (const name of SHARED) buffers[name] = held.buffers[name];
+      },
+      discard: () => this.#free(held),
+    };
+  }
+
+  bind(shape: FrameShape): void {
+    const { pipelines, shared } = this.#context;
+    const buffers = { ...shared.buffers, ...this.buffers };
+    this.#effects.fit(shape);
+    const stages = cloudStages(shape);
+    this.#groups = {
+      planCull: pipelines.bindGroup(planCull, buffers),
+      compactChunks: pipelines.bindGroup(compactChunks, buffers),
+      planProject: pipelines.bindGroup(planProject, buffers),
+      compactSplats: pipelines.bindGroup(compactSplats, buffers),
+      pages: pagesOf(shape).map(({ chunks, geometry, shRest, cloudIndex }, index) => {
+        const keptColors = shared.keptColors[index];
+        const own = {
+          ...buffers,
+          page: { buffer: buffers.pageUniforms, offset: index * PAGE_STRIDE_BYTES, size: Page.bytes },
+          chunks,
+          geometry,
+          ...(shRest && { shRest }),
+          ...this.#effects.bindingsOf(index, cloudIndex),
+          ...(keptColors && { keptColors }),
+        };
+        return {
+          cullChunks: pipelines.bindGroup(cullChunks, own),
+          cullSplats: pipelines.bindGroup(stages[cloudIndex].cullSplats, own),
+          project: pipelines.bindGroup(stages[cloudIndex].project, own),
+        };
+      }),
+    };
+  }
+
+  write(plan: FramePlan): void {
+    const { queue } = this.#context.device;
+    queue.writeBuffer(this.buffers.view, 0, viewUniforms(plan));
+    queue.writeBuffer(this.buffers.pageUniforms, 0, pageUniforms(plan));
+    this.#effects.write(plan);
+  }
+
+  record({ encoder, timer, shape, isColorsOnly }: OrderRecording): void {
+    const { pipelines } = this.#context;
+    const pass = encoder.beginComputePass({
+      label: 'pre-process',
+      timestampWrites: timer.writes('preprocess'),
+    });
+    const pages = pagesOf(shape);
+    if (!isColorsOnly) this.#recordCulling(pass, shape, pages);
+    const stages = cloudStages(shape);
+    for (const [index, { cloudIndex }] of pages.entries()) {
+      useCompute(pass, pipelines, stages[cloudIndex].project, this.#groups!.pages[index].project);
+      pass.dispatchWorkgroupsIndirect(this.buffers.projectDispatches, 12 * index);
+    }
+    pass.end();
+  }
+
+  destroy(): void {
+    this.#effects.destroy();
+    this.#free(this.#held);
+  }
+
+  /** Lists the visible splats in storage order. */
+  #recordCulling(pass: GPUComputePassEncoder, shape: FrameShape, pages: readonly FramePage[]): void {
+    const { pipelines } = this.#context;
+    const { buffers, chunkScan, splatScan } = this.#held!;
+    const groups = this.#groups!;
+    const stages = cloudStages(shape);
+    // At least one workgroup: Dawn warns of dispatches of nothing.
+    const chunkWorkgroups = (chunks: number) =>
+      dispatchSize(Math.max(1, Math.ceil(chunks / SHADER_CONSTANTS.CHUNK_WORKGROUP)), shape.dispatchRow);
+    for (const [index, { chunkCount }] of pages.entries()) {
+      useCompute(pass, pipelines, cullChunks, groups.pages[index].cullChunks);
+      pass.dispatchWorkgroups(...chunkWorkgroups(chunkCount));
+    }
+    chunkScan.record(pass);
+    useCompute(pass, pipelines, compactChunks, groups.compactChunks);
+    pass.dispatchWorkgroups(...chunkWorkgroups(chunkCountOf(pages)));
+    useCompute(pass, pipelines, planCull, groups.planCull);
+    pass.dispatchWorkgroups(1);
+    for (const [index, { cloudIndex }] of pages.entries()) {
+      useCompute(pass, pipelines, stages[cloudIndex].cullSplats, groups.pages[index].cullSplats);
+      pass.dispatchWorkgroupsIndirect(buffers.cullDispatches, 12 * index);
+    }
+    splatScan.record(pass);
+    useCompute(pass, pipelines, planProject, groups.planProject);
+    pass.dispatchWorkgroups(1);
+    useCompute(pass, pipelines, compactSplats, groups.compactSplats);
+    pass.dispatchWorkgroupsIndirect(buffers.cullDispatches, 12 * pages.length);
+  }
+
+  #make(shape: FrameShape): Held {
+    const { device, pipelines, memory } = this.#context;
+    const pages = pagesOf(shape);
+    const chunkCount = chunkCountOf(pages);
+    const made: { destroy(): void }[] = [];
+    const buffers = {} as Record<BufferName, GPUBuffer>;
+    const scan = (values: GPUBuffer, inputCount: GPUBuffer) => {
+      const { label } = values;
+      const options = { label, values, inputCount, maxCount: chunkCount, dispatchRow: shape.dispatchRow };
+      const prefixScan = new PrefixScan(device, pipelines, memory, options);
+      made.push(prefixScan);
+      return prefixScan;
+    };
+    try {
+      for (const [name, [bytes, usage]] of Object.entries(bufferTable(shape, pages.length, chunkCount))) {
+        const flags = usage | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;
+        const buffer = memory.createBuffer(`frame ${name}`, bytes, flags);
+        made.push({ destroy: () => memory.destroy(buffer) });
+        buffers[name as BufferName] = buffer;
+      }
+      const chunkScan = scan(buffers.chunkOffsets, buffers.chunkCount);
+      const splatScan = scan(buffers.splatOffsets, buffers.slotCount);
+      writeConstants(device.queue, buffers, shape, pages);
+      return { buffers, chunkScan, splatScan, shape };
+    } catch (error) {
+      for (const each of made) each.destroy();
+      throw error;
+    }
+  }
+
+  #free(held: Held | null): void {
+    if (!held) return;
+    held.chunkScan.destroy();
+    held.splatScan.destroy();
+    for (const buffer of Object.values(held.buffers)) this.#context.memory.destroy(buffer);
+  }
+}
+
+/** Writes what stays the same as long as the buffers do: planes of any precision have the same pages. */
+function writeConstants(
+  queue: GPUQueue,
+  buffers: Buffers,
+  { dispatchRow }: FrameShape,
+  pages: readonly FramePage[],
+): void {
+  const chunkCount = chunkCountOf(pages);
+  const parameters = new ArrayBuffer(FrameParameters.bytes);
+  FrameParameters.write(parameters, { chunkCount, pageCount: pages.length, dispatchRow });
+  queue.writeBuffer(buffers.frame, 0, parameters);
+  queue.writeBuffer(buffers.chunkCount, 0, Uint32Array.of(chunkCount));
+  const plans = new ArrayBuffer(PagePlan.bytes * pages.length);
+  for (const [index, page] of pages.entries()) {
+    const found = { slotStart: 0, slotCount: 0, survivorStart: 0, survivorCount: 0 };
+    const chunks = { chunkStart: page.chunkStart, chunkEnd: page.chunkStart + page.chunkCount };
+    PagePlan.write(plans, { ...chunks, ...found }, index * PagePlan.bytes);
+  }
+  queue.writeBuffer(buffers.pagePlans, 0, plans);
+}
+
+function cullSplatsStage(
+  { isOrthographic, accuracy }: FrameShape,
+  { planes, effects, isIsotropic, hasFaintSplats }: CloudShape,
+): StageDefinition {
+  const { extent, culling } = accuracy;
+  const { geometryPrecision } = planes;
+  return cullSplats({
+    isOrthographic,
+    geometryPrecision,
+    extent,
+    culling,
+    effects,
+    isIsotropic,
+    hasFaintSplats,
+  });
+}
+
+function projectStage(
+  { isOrthographic, accuracy, shortensKeys }: FrameShape,
+  { cloud, planes, effects, shDegree, keepsColors, isIsotropic }: CloudShape,
+): StageDefinition {
+  const { geometryPrecision, shPrecision } = planes;
+  return project({
+    isOrthographic,
+    geometryPrecision,
+    recordPrecision: accuracy.recordPrecision,
+    shPrecision,
+    shortKeyBits: shortensKeys ? accuracy.sortKeyBits : null,
+    maxColor: maxColor(accuracy),
+    storedShDegree: cloud.shDegree,
+    shDegree,
+    effects,
+    keepsColors,
+    isIsotropic,
+  });
+}

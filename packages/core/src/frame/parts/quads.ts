@@ -1,0 +1,107 @@
+import type { CompiledStage } from '../../gpu/pipelines.ts';
+import { HostDepth } from '../../layout/structs.ts';
+import { type DepthLayerFormat, rasterize, rasterizeState } from '../../stages/rasterize.ts';
+import type { DrawRecording, FramePart, LayerTextures, PartChange, PartContext } from '../frame-part.ts';
+import type { FramePlan } from '../frame-plan.ts';
+import { type FrameShape, isScaled, perShape } from '../frame-shape.ts';
+import { hostDepthUniform } from '../frame-uniforms.ts';
+import { createLayer, fitsLayer, freeLayer } from '../layer-textures.ts';
+
+/** The stage that draws the visible splats, and the targets that it draws into. */
+const stageOf = perShape(({ accuracy, depth }) => {
+  const { recordPrecision, extent, colorTarget } = accuracy;
+  return [rasterize({ recordPrecision, extent, depth }), rasterizeState(colorTarget, depth)] as const;
+});
+
+const stagesOf = perShape((shape): readonly CompiledStage[] => [stageOf(shape)]);
+
+/** Blends the visible splats in their order, one instanced quad each, into a layer of its own. */
+export class Quads implements FramePart<DrawRecording> {
+  readonly #context: PartContext;
+  #layer: LayerTextures | null = null;
+  /** One `HostDepth`, for shapes with depth. */
+  #hostDepth: GPUBuffer | null = null;
+  #group: GPUBindGroup | null = null;
+
+  constructor(context: PartContext) {
+    this.#context = context;
+  }
+
+  static stages(shape: FrameShape): readonly CompiledStage[] {
+    return stagesOf(shape);
+  }
+
+  fit({ layer, shape }: FramePlan): PartChange | null {
+    const { memory } = this.#context;
+    const { colorTarget } = shape.accuracy;
+    const depthFormat: DepthLayerFormat | null = shape.depth?.layerFormat ?? null;
+    const keepsLayer = fitsLayer(this.#layer, layer, colorTarget, depthFormat);
+    const keepsDepth = (this.#hostDepth !== null) === (shape.depth !== null);
+    if (keepsLayer && keepsDepth) return null;
+    return {
+      // Sizes were checked when the frame was: none of this can fail.
+      commit: () => {
+        if (!keepsLayer) {
+          freeLayer(memory, this.#layer);
+          const label = isScaled(shape) ? 'small splat layer' : 'splat layer';
+          this.#layer = createLayer(memory, label, layer, colorTarget, depthFormat);
+        }
+        if (!keepsDepth) {
+          if (this.#hostDepth) memory.destroy(this.#hostDepth);
+          const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
+          this.#hostDepth = shape.depth && memory.createBuffer('frame hostDepth', HostDepth.bytes, usage);
+        }
+        const { shared } = this.#context;
+        shared.blended = this.#layer;
+        shared.hostDepth = this.#hostDepth;
+      },
+      discard: () => {},
+    };
+  }
+
+  bind(shape: FrameShape): void {
+    const { pipelines, shared } = this.#context;
+    const { buffers } = shared;
+    this.#group = pipelines.bindGroup(stageOf(shape)[0], {
+      ...buffers,
+      ...(this.#hostDepth && { hostDepth: this.#hostDepth }),
+    });
+  }
+
+  write(plan: FramePlan): void {
+    const { depth } = plan.shape;
+    if (!this.#hostDepth || !depth) return;
+    this.#context.device.queue.writeBuffer(this.#hostDepth, 0, hostDepthUniform(plan, depth.mapping));
+  }
+
+  record({ encoder, timer, shape }: DrawRecording): void {
+    const { pipelines, shared } = this.#context;
+    const { color, depthLayer } = this.#layer!;
+    const testedDepth = shape.depth && shared.testedDepth;
+    const pass = encoder.beginRenderPass({
+      label: 'rasterize',
+      colorAttachments: [color, depthLayer]
+        .filter((texture) => texture !== null)
+        .map((texture) => ({
+          view: texture.createView(),
+          loadOp: 'clear',
+          storeOp: 'store',
+          clearValue: [0, 0, 0, 0],
+        })),
+      ...(testedDepth && {
+        depthStencilAttachment: { view: testedDepth.createView(), depthReadOnly: true },
+      }),
+      timestampWrites: timer.writes('rasterize'),
+    });
+    pass.setPipeline(pipelines.render(...stageOf(shape))!);
+    pass.setBindGroup(0, this.#group);
+    pass.drawIndirect(shared.buffers.drawArguments, 0);
+    pass.end();
+  }
+
+  destroy(): void {
+    const { memory } = this.#context;
+    freeLayer(memory, this.#layer);
+    if (this.#hostDepth) memory.destroy(this.#hostDepth);
+  }
+}

@@ -1,0 +1,94 @@
+import type { CompiledStage } from '../../gpu/pipelines.ts';
+import { TESTED_DEPTH_FORMAT } from '../../stages/rasterize.ts';
+import { resolveDepth, resolveDepthState } from '../../stages/resolve-depth.ts';
+import {
+  type DrawRecording,
+  drawOverAll,
+  type FramePart,
+  type PartChange,
+  type PartContext,
+} from '../frame-part.ts';
+import type { FramePlan } from '../frame-plan.ts';
+import { type FrameShape, isScaled, perShape } from '../frame-shape.ts';
+import { depthView, isMultisampled } from '../host-views.ts';
+
+/** By whether the host's depth has several samples, which is known only when the frame is drawn; none without depth. */
+const stageOf = perShape((shape) => {
+  const { depth, output } = shape;
+  if (!depth || output.kind !== 'host') return null;
+  const variant = (isMany: boolean) =>
+    [resolveDepth(depth.compare, isMany, isScaled(shape)), resolveDepthState] as const;
+  return { single: variant(false), many: variant(true) };
+});
+
+const stagesOf = perShape((shape): readonly CompiledStage[] => Object.values(stageOf(shape) ?? {}));
+
+/** Brings the host's depth under the splats: copied, since it may be multisampled, larger, or of another format. */
+export class ResolveDepth implements FramePart<DrawRecording> {
+  readonly #context: PartContext;
+  #depth: GPUTexture | null = null;
+
+  constructor(context: PartContext) {
+    this.#context = context;
+  }
+
+  static stages(shape: FrameShape): readonly CompiledStage[] {
+    return stagesOf(shape);
+  }
+
+  /** Bytes of the copy. */
+  get bytes(): number {
+    return this.#context.memory.bytesOf(this.#depth);
+  }
+
+  /** Textures of frames inside another renderer's are replaced when they are drawn: until then the host may show the old ones. */
+  fit(_plan: FramePlan): PartChange | null {
+    return null;
+  }
+
+  bind(): void {}
+
+  write(): void {}
+
+  record({ encoder, timer, shape, destination }: DrawRecording): void {
+    const stages = stageOf(shape);
+    if (!stages || destination.kind !== 'host') {
+      this.destroy();
+      return;
+    }
+    const { pipelines, shared } = this.#context;
+    const target = this.#textureFor(shared.blended!.color);
+    const { pass: host } = destination;
+    const stage = isMultisampled(host) ? stages.many : stages.single;
+    const pass = encoder.beginRenderPass({
+      label: 'resolve depth',
+      colorAttachments: [],
+      depthStencilAttachment: {
+        view: target.createView(),
+        depthLoadOp: 'clear',
+        depthStoreOp: 'store',
+        depthClearValue: 0,
+      },
+      timestampWrites: timer.writes('resolve-depth'),
+    });
+    const bindings = { viewport: shared.viewport!, hostDepths: depthView(host) };
+    drawOverAll(pass, pipelines, stage, pipelines.bindGroup(stage[0], bindings));
+    pass.end();
+  }
+
+  destroy(): void {
+    const { memory, shared } = this.#context;
+    if (this.#depth) memory.destroy(this.#depth);
+    this.#depth = null;
+    shared.testedDepth = null;
+  }
+
+  #textureFor({ width, height }: GPUTexture): GPUTexture {
+    if (this.#depth?.width === width && this.#depth.height === height) return this.#depth;
+    this.destroy();
+    const { memory, shared } = this.#context;
+    this.#depth = memory.createTarget('depth of the host', TESTED_DEPTH_FORMAT, { width, height });
+    shared.testedDepth = this.#depth;
+    return this.#depth;
+  }
+}

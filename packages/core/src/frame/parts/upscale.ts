@@ -1,0 +1,104 @@
+import type { CompiledStage } from '../../gpu/pipelines.ts';
+import { UpscaleParameters } from '../../layout/structs.ts';
+import { upscale, upscaleState } from '../../stages/upscale.ts';
+import {
+  type DrawRecording,
+  drawOverAll,
+  type FramePart,
+  type LayerTextures,
+  type PartChange,
+  type PartContext,
+} from '../frame-part.ts';
+import type { FramePlan } from '../frame-plan.ts';
+import { type FrameShape, isScaled, perShape } from '../frame-shape.ts';
+import { createLayer, fitsLayer, freeLayer } from '../layer-textures.ts';
+
+/** The stage that brings the layer to the image's size, and the targets that it draws into. */
+const stageOf = perShape(({ accuracy, depth }) => {
+  const depthFormat = depth?.layerFormat ?? null;
+  return [upscale(depthFormat !== null), upscaleState(accuracy.colorTarget, depthFormat)] as const;
+});
+
+const stagesOf = perShape((shape): readonly CompiledStage[] => (isScaled(shape) ? [stageOf(shape)] : []));
+
+/** Brings the blended splats to the image's size, where they were blended in a smaller layer. */
+export class Upscale implements FramePart<DrawRecording> {
+  readonly #context: PartContext;
+  #image: LayerTextures | null = null;
+  #parameters: GPUBuffer | null = null;
+  #group: GPUBindGroup | null = null;
+
+  constructor(context: PartContext) {
+    this.#context = context;
+  }
+
+  static stages(shape: FrameShape): readonly CompiledStage[] {
+    return stagesOf(shape);
+  }
+
+  fit({ request, shape }: FramePlan): PartChange | null {
+    const { memory, shared } = this.#context;
+    const { colorTarget } = shape.accuracy;
+    const depthFormat = shape.depth?.layerFormat ?? null;
+    if (!isScaled(shape)) {
+      if (!this.#image) return null;
+      return { commit: () => this.destroy(), discard: () => {} };
+    }
+    if (fitsLayer(this.#image, request, colorTarget, depthFormat)) return null;
+    return {
+      commit: () => {
+        freeLayer(memory, this.#image);
+        this.#image = createLayer(memory, 'splat layer', request, colorTarget, depthFormat);
+        shared.image = this.#image;
+        const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
+        this.#parameters ??= memory.createBuffer('upscale parameters', UpscaleParameters.bytes, usage);
+      },
+      discard: () => {},
+    };
+  }
+
+  bind(shape: FrameShape): void {
+    const { pipelines, shared } = this.#context;
+    this.#group = null;
+    if (!isScaled(shape)) {
+      shared.image = shared.blended;
+      return;
+    }
+    const { color, depthLayer } = shared.blended!;
+    this.#group = pipelines.bindGroup(stageOf(shape)[0], {
+      parameters: this.#parameters!,
+      layer: color.createView(),
+      ...(depthLayer && { depthLayer: depthLayer.createView() }),
+    });
+  }
+
+  write({ request, layer }: FramePlan): void {
+    if (!this.#parameters) return;
+    const contents = new ArrayBuffer(UpscaleParameters.bytes);
+    const layerPerPx = [layer.widthPx / request.widthPx, layer.heightPx / request.heightPx];
+    UpscaleParameters.write(contents, { layerPerPx });
+    this.#context.device.queue.writeBuffer(this.#parameters, 0, contents);
+  }
+
+  record({ encoder, timer, shape }: DrawRecording): void {
+    if (!this.#group) return;
+    const { color, depthLayer } = this.#image!;
+    const pass = encoder.beginRenderPass({
+      label: 'upscale',
+      colorAttachments: [color, depthLayer]
+        .filter((texture) => texture !== null)
+        .map((texture) => ({ view: texture.createView(), loadOp: 'clear', storeOp: 'store' })),
+      timestampWrites: timer.writes('upscale'),
+    });
+    drawOverAll(pass, this.#context.pipelines, stageOf(shape), this.#group);
+    pass.end();
+  }
+
+  destroy(): void {
+    const { memory } = this.#context;
+    freeLayer(memory, this.#image);
+    this.#image = null;
+    if (this.#parameters) memory.destroy(this.#parameters);
+    this.#parameters = null;
+  }
+}

@@ -1,0 +1,84 @@
+import type { GpuFields, GpuValues } from '../layout/gpu-struct.ts';
+import type { CloudPlan, PlannedUse } from './cloud-plan.ts';
+import type { FramePlan } from './frame-plan.ts';
+
+/** Whether the same splats are visible, in the same places and the same order. */
+export function isSameOrder(a: FramePlan, b: FramePlan): boolean {
+  return (
+    a.request.widthPx === b.request.widthPx &&
+    a.request.heightPx === b.request.heightPx &&
+    isSameNumber(a.camera.near, b.camera.near) &&
+    isSameNumber(a.camera.far, b.camera.far) &&
+    a.shape.accuracy === b.shape.accuracy &&
+    isSameNumbers(a.camera.viewMatrix, b.camera.viewMatrix) &&
+    isSameNumbers(a.camera.projectionMatrix, b.camera.projectionMatrix) &&
+    a.clouds.length === b.clouds.length &&
+    a.clouds.every((cloud, i) => {
+      const other = b.clouds[i];
+      return (
+        a.shape.clouds[i].planes === b.shape.clouds[i].planes &&
+        isSameNumbers(cloud.modelMatrix, other.modelMatrix) &&
+        isSameUses(usesThat(cloud, changeOrder), usesThat(other, changeOrder))
+      );
+    })
+  );
+}
+
+/** Whether splats have the same colours, where `isSameOrder`. */
+export function isSameColors(a: FramePlan, b: FramePlan): boolean {
+  return a.clouds.every((cloud, i) => {
+    const other = b.clouds[i];
+    return (
+      (cloud.instance.shDegree ?? 3) === (other.instance.shDegree ?? 3) &&
+      isSameUses(usesThat(cloud, changeColors), usesThat(other, changeColors))
+    );
+  });
+}
+
+function changeOrder({ use }: PlannedUse): boolean {
+  const { splat, opacity } = use.effect.hooks;
+  return splat !== undefined || opacity !== undefined;
+}
+
+function changeColors(planned: PlannedUse): boolean {
+  return !changeOrder(planned);
+}
+
+function usesThat({ uses }: CloudPlan, change: (planned: PlannedUse) => boolean): readonly PlannedUse[] {
+  return uses.length === 0 ? uses : uses.filter(change);
+}
+
+function isSameUses(a: readonly PlannedUse[], b: readonly PlannedUse[]): boolean {
+  return (
+    a.length === b.length &&
+    a.every(({ use, values, selectionVersion }, i) => {
+      const other = b[i];
+      return (
+        use.effect === other.use.effect &&
+        selectionVersion === other.selectionVersion &&
+        isSameValues(values, other.values)
+      );
+    })
+  );
+}
+
+function isSameValues(a: GpuValues<GpuFields> | null, b: GpuValues<GpuFields> | null): boolean {
+  if (!a || !b) return a === b;
+  return Object.entries(a).every(([name, value]) => {
+    const other = b[name];
+    return typeof value === 'number' || typeof other === 'number'
+      ? isSameNumber(value as number, other as number)
+      : isSameNumbers(value, other);
+  });
+}
+
+function isSameNumbers(a: ArrayLike<number>, b: ArrayLike<number>): boolean {
+  if (a.length !== b.length) return false;
+  for (let i = 0; i < a.length; i++) if (!isSameNumber(a[i], b[i])) return false;
+  return true;
+}
+
+/** NaN is itself, so that what is not a number is not drawn again in every frame. */
+function isSameNumber(a: number, b: number): boolean {
+  return a === b || (Number.isNaN(a) && Number.isNaN(b));
+}

@@ -1,0 +1,146 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, beforeEach, describe, expect, vi } from 'vitest';
+import { perspectiveCamera } from '../camera/camera.ts';
+import { defineEffect, fog, tint } from '../effects/index.ts';
+import { SplatEngine } from '../engine.ts';
+import { identity4 } from '../math/mat4.ts';
+import { randomSplats } from '../testing/random-splats.ts';
+
+/** Calls of what a plan works out for each cloud. */
+const calls: Record<string, number> = {};
+
+function counted<Module extends object>(module: Module, name: keyof Module & string): Module {
+  const original = module[name] as (...args: unknown[]) => unknown;
+  const wrapped = (...args: unknown[]) => {
+    calls[name] = (calls[name] ?? 0) + 1;
+    return original(...args);
+  };
+  return { ...module, [name]: wrapped };
+}
+
+vi.mock('../effects/effects.ts', async (original) =>
+  counted(await original<typeof import('../effects/effects.ts')>(), 'usesOf'),
+);
+vi.mock('../camera/cloud-view.ts', async (original) =>
+  counted(await original<typeof import('../camera/cloud-view.ts')>(), 'cloudView'),
+);
+vi.mock('../camera/frustum.ts', async (original) =>
+  counted(await original<typeof import('../camera/frustum.ts')>(), 'frustumSides'),
+);
+
+/** An effect that a caller defines, which counts what is asked of it. */
+const glow = defineEffect<number, { by: 'f32' }>({
+  name: 'test-glow',
+  label: 'Glow',
+  about: 'Adds to all colours.',
+  hooks: { color: 'glowColor' },
+  wgsl:
+    'import parameters::TestGlow;\n' +
+    'fn glowColor(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f, glow: TestGlow) -> vec3f {\n' +
+    '  return color + glow.by;\n}\nimport package::lib::packing::Splat;',
+  fields: { by: 'f32' },
+  calledFor: () => {
+    calls.calledFor = (calls.calledFor ?? 0) + 1;
+    return 'it was asked for';
+  },
+  valuesAt: (by) => {
+    calls.valuesAt = (calls.valuesAt ?? 0) + 1;
+    return { by };
+  },
+});
+
+const SIZE = { widthPx: 32, heightPx: 32 };
+const CLOUDS = 3;
+const ONCE_EACH = {
+  usesOf: CLOUDS,
+  cloudView: CLOUDS,
+  frustumSides: CLOUDS,
+  calledFor: CLOUDS,
+  valuesAt: CLOUDS,
+};
+
+let device: GPUDevice;
+let engine: SplatEngine;
+
+beforeAll(async () => {
+  device = await createTestDevice();
+  engine = await SplatEngine.create({ device });
+});
+afterAll(() => {
+  engine?.destroy();
+  device?.destroy();
+});
+beforeEach(() => {
+  for (const name of Object.keys(calls)) delete calls[name];
+});
+
+function request(z: number, effects = [glow(0.1)]) {
+  return {
+    ...SIZE,
+    camera: perspectiveCamera({ position: [0, 0, z], target: [0, 0, 0], fovYDegrees: 50, aspect: 1 }),
+    clouds: clouds.map((cloud, i) => {
+      const modelMatrix = identity4();
+      modelMatrix[12] = i / 4;
+      return { cloud, modelMatrix, opacity: 0.5, effects };
+    }),
+  };
+}
+
+let clouds: ReturnType<SplatEngine['add']>[] = [];
+beforeAll(() => {
+  clouds = Array.from({ length: CLOUDS }, (_, i) =>
+    engine.add(randomSplats({ count: 200, seed: 90 + i, shDegree: 1 })),
+  );
+});
+
+/** What one call asks of each cloud. */
+function callsOf(draw: () => void): Record<string, number> {
+  for (const name of Object.keys(calls)) delete calls[name];
+  draw();
+  return { ...calls };
+}
+
+describe('a frame is planned once: uses of effects, view and frustum of each cloud are worked out once', () => {
+  gpuTest('by a view, whatever has changed since the frame before', async () => {
+    const view = engine.createView();
+    view.render(request(3));
+    await view.whenDrawn();
+    expect(callsOf(() => view.render(request(4)))).toEqual(ONCE_EACH);
+    // Nothing, only colours, the size, the settings.
+    expect(callsOf(() => view.render(request(4)))).toEqual(ONCE_EACH);
+    expect(callsOf(() => view.render(request(4, [glow(0.2)])))).toEqual(ONCE_EACH);
+    expect(callsOf(() => view.render({ ...request(4), widthPx: 40 }))).toEqual(ONCE_EACH);
+    // Keeps no colours, unlike the frames before: its shaders come first.
+    view.render({ ...request(4), force: true });
+    await view.whenDrawn();
+    expect(callsOf(() => view.render({ ...request(4), force: true }))).toEqual(ONCE_EACH);
+    expect(callsOf(() => view.effects())).not.toHaveProperty('usesOf');
+    view.destroy();
+  });
+
+  gpuTest('by a view inside another renderer’s frame', async () => {
+    const view = engine.createEmbeddedView();
+    for (;;) {
+      const ready = new Promise<void>((resolve) => {
+        view.onReady = resolve;
+      });
+      if (view.prepare(request(3))) break;
+      await ready;
+    }
+    expect(callsOf(() => view.prepare(request(4)))).toEqual(ONCE_EACH);
+    expect(callsOf(() => view.prepare(request(4)))).toEqual(ONCE_EACH);
+    view.destroy();
+  });
+
+  gpuTest('twice at most while shaders compile and the last effects are drawn in their place', async () => {
+    const view = engine.createView();
+    view.render(request(3));
+    await view.whenDrawn();
+    const fogged = [glow(0.1), fog({ color: [0, 0, 0], near: 1, far: 9 }), tint([1, 0.5, 0.5])];
+    const asked = callsOf(() => view.render(request(5, fogged)));
+    expect(asked.cloudView).toBe(2 * CLOUDS);
+    expect(asked.usesOf).toBe(2 * CLOUDS);
+    await view.whenDrawn();
+    view.destroy();
+  });
+});

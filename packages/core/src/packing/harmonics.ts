@@ -1,0 +1,110 @@
+import { clampCoefficient, fromHalfBits, HALF_MAX, toHalfBits } from '../layout/half.ts';
+import { coefficientsPerSplat, type ShDegree, type TrainedHarmonics } from '../splats/splat-set.ts';
+import type { ShPrecision } from './precision.ts';
+
+/**
+ * Spherical harmonics above degree 0 of N splats, as the GPU reads them: `wordsPerSplat` 32-bit words per splat, which
+ * hold its 3K coefficients in ascending (degree, order), each as r, g, b. f32: a word each. f16: two to a word, low half
+ * first. u8: the first half-word is the splat's scale in binary16, then a signed byte each, value = scale · byte / 127.
+ */
+export interface PackedHarmonics {
+  readonly degree: ShDegree;
+  readonly precision: ShPrecision;
+  readonly wordsPerSplat: number;
+  /** N · wordsPerSplat words. */
+  readonly words: Uint32Array;
+  /**
+   * `shBandReach` of the coefficients before they were rounded, so the same in every precision. Leave it out where that
+   * is not known, or where words were changed: it is then measured on the words.
+   */
+  readonly bandReach?: readonly number[];
+}
+
+/** Spherical harmonics above degree 0, as trained or packed. */
+export type Harmonics = TrainedHarmonics | PackedHarmonics;
+
+export function isPacked(harmonics: Harmonics): harmonics is PackedHarmonics {
+  return 'words' in harmonics;
+}
+
+/** 32-bit words of one splat's coefficients. */
+export function shWordsPerSplat(degree: ShDegree, precision: ShPrecision): number {
+  return Math.ceil(shBytesPerSplat(degree, precision) / 4);
+}
+
+/** Bytes of one splat's coefficients; the words that hold them may have more. */
+export function shBytesPerSplat(degree: ShDegree, precision: ShPrecision): number {
+  const values = coefficientsPerSplat(degree);
+  if (values === 0) return 0;
+  if (precision === 'f32') return 4 * values;
+  return precision === 'f16' ? 2 * values : 2 + values;
+}
+
+const f32 = new Float32Array(1);
+const f32Bits = new Uint32Array(f32.buffer);
+
+/** Packs one splat's 3K finite `values` into `words` from `wordOffset` on. Out-of-range values are clamped. */
+export function packCoefficients(
+  degree: ShDegree,
+  precision: ShPrecision,
+  values: ArrayLike<number>,
+  words: Uint32Array,
+  wordOffset: number,
+): void {
+  const count = coefficientsPerSplat(degree);
+  if (precision === 'f32') {
+    for (let i = 0; i < count; i++) {
+      f32[0] = clampCoefficient(values[i]);
+      words[wordOffset + i] = f32Bits[0];
+    }
+    return;
+  }
+  words.fill(0, wordOffset, wordOffset + shWordsPerSplat(degree, precision));
+  if (precision === 'f16') {
+    for (let i = 0; i < count; i++) words[wordOffset + (i >> 1)] |= toHalfBits(values[i]) << (16 * (i & 1));
+    return;
+  }
+  let largest = 0;
+  for (let i = 0; i < count; i++) largest = Math.max(largest, Math.abs(values[i]));
+  let scaleBits = toHalfBits(largest);
+  // Rounded up, so that the largest value still fits in ±127.
+  if (fromHalfBits(scaleBits) < Math.min(largest, HALF_MAX)) scaleBits++;
+  const scale = fromHalfBits(scaleBits);
+  if (count > 0) words[wordOffset] = scaleBits;
+  if (scale === 0) return;
+  for (let i = 0; i < count; i++) {
+    // Not Math.round and Math.min, of whose time this takes two thirds: reading a scene spends most of its time here.
+    let byte = Math.floor((values[i] / scale) * 127 + 0.5);
+    if (byte < -127) byte = -127;
+    else if (byte > 127) byte = 127;
+    const place = i + 2;
+    words[wordOffset + (place >> 2)] |= (byte & 0xff) << (8 * (place & 3));
+  }
+}
+
+/** Writes splat `index`'s 3K coefficients into `values`. */
+export function readCoefficients(
+  harmonics: Harmonics,
+  index: number,
+  values: Float64Array | Float32Array,
+): void {
+  const count = coefficientsPerSplat(harmonics.degree);
+  if (!isPacked(harmonics)) {
+    for (let i = 0; i < count; i++) values[i] = harmonics.coefficients[index * count + i];
+    return;
+  }
+  const { words, precision, wordsPerSplat } = harmonics;
+  const offset = index * wordsPerSplat;
+  const scale = precision === 'u8' && count > 0 ? fromHalfBits(words[offset] & 0xffff) / 127 : 0;
+  for (let i = 0; i < count; i++) {
+    if (precision === 'f32') {
+      f32Bits[0] = words[offset + i];
+      values[i] = f32[0];
+    } else if (precision === 'f16') {
+      values[i] = fromHalfBits((words[offset + (i >> 1)] >>> (16 * (i & 1))) & 0xffff);
+    } else {
+      const place = i + 2;
+      values[i] = (((words[offset + (place >> 2)] >>> (8 * (place & 3))) << 24) >> 24) * scale;
+    }
+  }
+}

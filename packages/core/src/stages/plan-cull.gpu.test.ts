@@ -1,0 +1,95 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { Pipelines } from '../gpu/pipelines.ts';
+import { readWords } from '../gpu/read-buffer.ts';
+import { SHADER_CONSTANTS } from '../layout/constants.ts';
+import { FrameParameters, PagePlan } from '../layout/structs.ts';
+import { planCull as planTwin } from '../reference/plan-cull.ts';
+import { prefixScan } from '../reference/prefix-scan.ts';
+import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
+import { seededRandom } from '../testing/seeded-random.ts';
+import { dispatchSize } from './dispatch.ts';
+import { planCull } from './plan-cull.ts';
+
+let device: GPUDevice;
+beforeAll(async () => {
+  device = await createTestDevice();
+});
+afterAll(() => device.destroy());
+
+const GARBAGE = 0xdeadbeef;
+
+interface Frame {
+  readonly pageCount: number;
+  /** Part of the chunks that is visible. */
+  readonly visiblePart: number;
+  readonly dispatchRow: number;
+}
+
+/** Contents of the buffers after the stage, and those that the twin expects. */
+async function run({ pageCount, visiblePart, dispatchRow }: Frame, pipelines = new Pipelines(device)) {
+  const random = seededRandom(pageCount + visiblePart);
+  const chunkCounts = Array.from({ length: pageCount }, () => 1 + Math.floor(40 * random()));
+  const chunkStarts = prefixScan(chunkCounts);
+  const pages = chunkCounts.map((_, page) => ({
+    chunkStart: chunkStarts[page],
+    chunkEnd: chunkStarts[page + 1],
+  }));
+  const chunkCount = chunkStarts[pageCount];
+  const flags = Array.from({ length: chunkCount }, () => (random() < visiblePart ? 1 : 0));
+  const plansOf = (slots: readonly { slotStart: number; slotCount: number }[]) => {
+    const plans = new ArrayBuffer(pageCount * PagePlan.bytes);
+    for (const [page, chunks] of pages.entries()) {
+      const later = { survivorStart: GARBAGE, survivorCount: GARBAGE };
+      PagePlan.write(plans, { ...chunks, ...slots[page], ...later }, page * PagePlan.bytes);
+    }
+    return new Uint32Array(plans);
+  };
+  const garbage = (words: number) => storageBuffer(device, new Uint32Array(words).fill(GARBAGE));
+  const parameters = new ArrayBuffer(FrameParameters.bytes);
+  FrameParameters.write(parameters, { chunkCount, pageCount, dispatchRow });
+  const written = {
+    pagePlans: storageBuffer(device, plansOf(pages.map(() => ({ slotStart: GARBAGE, slotCount: GARBAGE })))),
+    slotCount: garbage(1),
+    cullDispatches: garbage(3 * (pageCount + 1)),
+    depthRange: garbage(2),
+  };
+  const bindings = {
+    frame: uniformBuffer(device, parameters),
+    chunkOffsets: storageBuffer(device, prefixScan(flags)),
+    ...written,
+  };
+  await runStage(device, pipelines, planCull, bindings, [1, 1, 1]);
+  const { slots, slotCount, workgroups } = planTwin(flags, pages);
+  const actual: Record<string, number[]> = {};
+  for (const [name, buffer] of Object.entries(written)) actual[name] = [...(await readWords(device, buffer))];
+  const expected = {
+    pagePlans: [...plansOf(slots)],
+    slotCount: [slotCount],
+    cullDispatches: workgroups.flatMap((count) => dispatchSize(count, dispatchRow)),
+    depthRange: [0, 0],
+  };
+  return { actual, expected };
+}
+
+const { PLAN_WORKGROUP } = SHADER_CONSTANTS;
+
+describe('plan-cull', () => {
+  for (const pageCount of [1, 2, PLAN_WORKGROUP, PLAN_WORKGROUP + 1, 3 * PLAN_WORKGROUP + 5]) {
+    gpuTest(`${pageCount} pages: the twin's slots and dispatches`, async () => {
+      for (const visiblePart of [0, 0.3, 1]) {
+        for (const dispatchRow of [7, 65_535]) {
+          const { actual, expected } = await run({ pageCount, visiblePart, dispatchRow });
+          expect(actual).toEqual(expected);
+        }
+      }
+    });
+  }
+
+  gpuTest('pages beyond the first of each thread that are left out are noticed', async () => {
+    const mutation = { file: 'stages/plan-cull', find: 'page += PLAN_WORKGROUP', replace: 'page += 1000u' };
+    const frame = { pageCount: PLAN_WORKGROUP + 1, visiblePart: 1, dispatchRow: 7 };
+    const { actual, expected } = await run(frame, new Pipelines(device, mutation));
+    expect(actual).not.toEqual(expected);
+  });
+});

@@ -1,0 +1,77 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { Pipelines } from '../gpu/pipelines.ts';
+import { readWords } from '../gpu/read-buffer.ts';
+import { SortParameters } from '../layout/structs.ts';
+import { planSort as planTwin } from '../reference/plan-sort.ts';
+import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
+import { dispatchSize } from './dispatch.ts';
+import { planSort } from './plan-sort.ts';
+import { sortShapeFor } from './sort-shape.ts';
+
+let device: GPUDevice;
+beforeAll(async () => {
+  device = await createTestDevice();
+});
+afterAll(() => device.destroy());
+
+interface Keys {
+  readonly keyBits: number;
+  readonly keyCount: number;
+  readonly capacity: number;
+  readonly dispatchRow: number;
+}
+
+/** Contents of the buffers after the stage, and those that the twin expects. */
+async function run({ keyBits, keyCount, capacity, dispatchRow }: Keys, pipelines = new Pipelines(device)) {
+  const { digitBits, workgroup, itemsPerThread } = sortShapeFor(keyBits);
+  const tileKeys = workgroup * itemsPerThread;
+  const parameters = new ArrayBuffer(SortParameters.bytes);
+  const pass = { digitShift: 0, isFirst: 0, isLast: 0 };
+  SortParameters.write(parameters, { ...pass, radix: 2 ** digitBits, capacity, dispatchRow });
+  const garbage = (words: number) => storageBuffer(device, new Uint32Array(words).fill(0xdeadbeef));
+  const written = { plan: garbage(2), digitCountCount: garbage(1), tileDispatch: garbage(3) };
+  const bindings = {
+    parameters: uniformBuffer(device, parameters),
+    keyCount: storageBuffer(device, [keyCount]),
+    ...written,
+  };
+  await runStage(device, pipelines, planSort(tileKeys), bindings, [1, 1, 1]);
+  const actual: Record<string, number[]> = {};
+  for (const [name, buffer] of Object.entries(written)) actual[name] = [...(await readWords(device, buffer))];
+  const twin = planTwin(keyCount, { capacity, tileKeys, digitBits });
+  const expected = {
+    plan: [twin.keyCount, twin.tileCount],
+    digitCountCount: [twin.digitCountCount],
+    tileDispatch: dispatchSize(twin.tileCount, dispatchRow),
+  };
+  return { actual, expected };
+}
+
+describe('plan-sort', () => {
+  for (const keyBits of [24, 27, 32]) {
+    gpuTest(`keys of ${keyBits} bits: the twin's tiles and dispatch`, async () => {
+      const { workgroup, itemsPerThread } = sortShapeFor(keyBits);
+      const tile = workgroup * itemsPerThread;
+      for (const keyCount of [0, 1, tile - 1, tile, tile + 1, 7 * tile, 7 * tile + 1, 1_000_003]) {
+        for (const capacity of [keyCount, keyCount + 5000, Math.ceil(keyCount / 2)]) {
+          for (const dispatchRow of [7, 65_535]) {
+            const { actual, expected } = await run({ keyBits, keyCount, capacity, dispatchRow });
+            expect(actual).toEqual(expected);
+          }
+        }
+      }
+    });
+  }
+
+  gpuTest('keys beyond the capacity of the buffers are noticed', async () => {
+    const mutation = {
+      file: 'stages/plan-sort',
+      find: 'min(keyCount, parameters.capacity)',
+      replace: 'keyCount',
+    };
+    const keys = { keyBits: 32, keyCount: 5000, capacity: 4000, dispatchRow: 7 };
+    const { actual, expected } = await run(keys, new Pipelines(device, mutation));
+    expect(actual).not.toEqual(expected);
+  });
+});

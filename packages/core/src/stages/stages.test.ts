@@ -1,0 +1,85 @@
+import { describe, expect, test } from 'vitest';
+
+const shaders = basenames(import.meta.glob('../../../../shaders/stages/*.wgsl'));
+const hosts = basenames(import.meta.glob(['./*.ts', '!./*.test.ts']));
+const gpuTests = basenames(import.meta.glob('./*.gpu.test.ts'));
+const twins = basenames(import.meta.glob(['../reference/*.ts', '!../reference/*.test.ts']));
+const libraries = basenames(import.meta.glob('../../../../shaders/lib/*.wgsl'));
+
+function basenames(files: Readonly<Record<string, unknown>>): ReadonlySet<string> {
+  return new Set(Object.keys(files).map((path) => /([^/.]+)[^/]*$/.exec(path)![1]));
+}
+
+/** Files outside the rule that a stage is a shader, a host, a twin and a GPU test of one basename, with reasons. */
+const EXCEPTIONS: Readonly<Record<string, string>> = {
+  'stages/dispatch.ts': 'is the host’s side of shaders/lib/dispatch.wgsl, which all stages share',
+  'stages/radix-sort.ts':
+    'puts the stages of the sort together: plan-sort, and in every pass the three after it',
+  'stages/radix-sort.gpu.test.ts': 'holds those stages together against a sort on the CPU',
+  'reference/radix-sort.ts': 'puts the twins of those stages together',
+  'stages/record-conditions.ts': 'is shared by the stages that write or read records',
+  'stages/sort-shape.ts': 'is shared by the stages of the sort',
+  'reference/index.ts': 'is what @websplatter/core/reference exports',
+  'reference/render.ts': 'puts the twins together into pictures',
+};
+
+interface Folders {
+  readonly shaders: ReadonlySet<string>;
+  readonly hosts: ReadonlySet<string>;
+  readonly gpuTests: ReadonlySet<string>;
+  readonly twins: ReadonlySet<string>;
+}
+
+/** Lists what stages lack, files that belong to no stage, and exceptions that nothing needs. */
+function flaws({ shaders, hosts, gpuTests, twins }: Folders, exceptions: Readonly<Record<string, string>>) {
+  const kinds = [
+    [hosts, (name: string) => `stages/${name}.ts`, shaders],
+    [gpuTests, (name: string) => `stages/${name}.gpu.test.ts`, shaders],
+    // Functions that several shaders share have twins too.
+    [twins, (name: string) => `reference/${name}.ts`, new Set([...shaders, ...libraries])],
+  ] as const;
+  const found = kinds.flatMap(([files, pathOf, owners]) => [
+    ...[...shaders].filter((name) => !files.has(name)).map((name) => [pathOf(name), 'is missing'] as const),
+    ...[...files].filter((name) => !owners.has(name)).map((name) => [pathOf(name), 'has no shader'] as const),
+  ]);
+  const needed = new Set<string>(found.map(([path]) => path));
+  return [
+    ...found.filter(([path]) => !Object.hasOwn(exceptions, path)).map(([path, flaw]) => `${path} ${flaw}`),
+    ...Object.keys(exceptions).flatMap((path) =>
+      needed.has(path) ? [] : `${path} is no exception any more`,
+    ),
+  ];
+}
+
+const FOLDERS = { shaders, hosts, gpuTests, twins };
+const without = (names: ReadonlySet<string>, name: string) =>
+  new Set([...names].filter((each) => each !== name));
+
+describe('every stage', () => {
+  test('has a shader, a host, a twin and a GPU test of one basename, or a reason why not', () => {
+    expect(shaders).toContain('project');
+    expect(flaws(FOLDERS, EXCEPTIONS)).toEqual([]);
+  });
+
+  test('is missed where one of its files is missing', () => {
+    const missing = { ...FOLDERS, gpuTests: without(gpuTests, 'plan-cull'), twins: without(twins, 'pick') };
+    expect(flaws(missing, EXCEPTIONS)).toEqual([
+      'stages/plan-cull.gpu.test.ts is missing',
+      'reference/pick.ts is missing',
+    ]);
+  });
+
+  test('is missed where only its shader is missing', () => {
+    expect(flaws({ ...FOLDERS, shaders: without(shaders, 'pick') }, EXCEPTIONS)).toEqual([
+      'stages/pick.ts has no shader',
+      'stages/pick.gpu.test.ts has no shader',
+      'reference/pick.ts has no shader',
+    ]);
+  });
+
+  test('needs no exception that it does not use', () => {
+    expect(flaws(FOLDERS, { ...EXCEPTIONS, 'stages/pick.ts': 'for a test' })).toEqual([
+      'stages/pick.ts is no exception any more',
+    ]);
+  });
+});

@@ -1,0 +1,32 @@
+import fc from 'fast-check';
+import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../packing/harmonics.ts';
+import type { ShPrecision } from '../packing/precision.ts';
+import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
+import { uniform } from './uniform.ts';
+
+/** Splats of one degree whose coefficients span many orders of magnitude, and of which some are exactly zero: a row each. */
+export function coefficientRows(degree: ShDegree): fc.Arbitrary<number[][]> {
+  const length = coefficientsPerSplat(degree);
+  const value = fc.oneof(
+    uniform(-4, 4).map(Math.fround),
+    uniform(-1e4, 1e4).map(Math.fround),
+    uniform(-1e-4, 1e-4).map(Math.fround),
+    fc.constant(0),
+  );
+  const rowOf = (values: fc.Arbitrary<number>) => fc.array(values, { minLength: length, maxLength: length });
+  // Rows of which even the largest value is among binary16's subnormals, where its steps are coarse, or below them.
+  const row = fc.oneof(rowOf(value), rowOf(uniform(-1e-6, 1e-6).map(Math.fround)));
+  return fc.array(row, { minLength: 1, maxLength: 5 });
+}
+
+export function packedRows(
+  degree: ShDegree,
+  precision: ShPrecision,
+  rows: readonly number[][],
+): PackedHarmonics {
+  const wordsPerSplat = shWordsPerSplat(degree, precision);
+  // Filled with garbage: packing must not depend on what was there.
+  const words = new Uint32Array(rows.length * wordsPerSplat).fill(0xa5a5a5a5);
+  for (const [i, row] of rows.entries()) packCoefficients(degree, precision, row, words, i * wordsPerSplat);
+  return { degree, precision, wordsPerSplat, words };
+}

@@ -1,0 +1,32 @@
+import type {
+  AccuracyChoice,
+  AccuracyRequest,
+  AccuracySettings,
+  ShDegree,
+  SplatCloud,
+  SplatEngine,
+} from '@websplatter/core';
+import type { EffectUse } from '@websplatter/core/effects';
+import type { Box3, Camera, Object3D, Scene } from 'three/webgpu';
+
+/** What a layer needs of each cloud that it draws: all that it knows of `SplatCloudObject`. */
+export interface LayerCloud extends Object3D {
+  readonly opacity: number;
+  readonly shDegree: ShDegree;
+  readonly writesDepth: boolean;
+  readonly accuracy: AccuracyRequest | null;
+  readonly worldBounds: Box3;
+  leave(layer: CloudLayer): void;
+  uploadedTo(engine: SplatEngine): SplatCloud | null;
+  hold(engine: SplatEngine, settings: AccuracySettings | null): void;
+  effectsAt(nowMs: number, scene: Scene, camera: Camera): readonly EffectUse[];
+  requestFrame(): void;
+  announceDrawn(nowMs: number): void;
+  announceAccuracy(choice: AccuracyChoice): void;
+  tell(error: unknown): boolean;
+}
+
+/** What a cloud needs of the layer that it leaves. */
+export interface CloudLayer {
+  drop(cloud: LayerCloud): void;
+}

@@ -1,0 +1,158 @@
+// `npm run bench:render -- A B`: CPU time of view.render and EmbeddedView.prepare, the calls themselves, with a moving camera.
+// Checkouts take turns in one run, so that what else the machine does meets them alike: compare the ratios. On a
+// machine that others use too, P10 is the least disturbed figure.
+import { fork } from 'node:child_process';
+import os from 'node:os';
+import { resolve } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { parseArgs } from 'node:util';
+import { describeCheckout, findCheckout } from './checkouts/checkout.mjs';
+
+const USAGE = `npm run bench:render -- CHECKOUT [CHECKOUT…] [OPTION…]
+  CHECKOUT        folder with built packages (npm ci); node_modules and .git are not needed with --dawn
+  --clouds N,N    how many clouds are drawn; default 1,50
+  --frames N      frames per round; default 30
+  --rounds N      rounds, an even number; default 6
+  --dawn FILE     the dawn.node of npm's webgpu, for folders without node_modules`;
+
+const TIME_FRAMES = fileURLToPath(new URL('checkouts/time-frames.mjs', import.meta.url));
+const BENCHES = ['view.render', 'EmbeddedView.prepare'];
+
+/** A process that draws with one checkout, and is idle unless it is asked. */
+class Timer {
+  #child;
+
+  constructor(options) {
+    this.#child = fork(TIME_FRAMES, [JSON.stringify(options)]);
+  }
+
+  /** Resolves with times of single frames, ms. */
+  async time(request) {
+    this.#child.send(request);
+    const { timesMs, error } = await this.answer();
+    if (error) throw new Error(error);
+    return timesMs;
+  }
+
+  /** The next thing that the process has to say. */
+  answer() {
+    return new Promise((resolve, reject) => {
+      const ended = (status, signal) =>
+        reject(new Error(`drawing ended with ${signal ?? `status ${status}`}.`));
+      this.#child.once('exit', ended);
+      this.#child.once('message', (message) => {
+        this.#child.off('exit', ended);
+        resolve(message);
+      });
+    });
+  }
+
+  end() {
+    this.#child.kill();
+  }
+}
+
+const { checkouts, cloudCounts, frames, rounds, dawn } = readOptions();
+const { model } = os.cpus()[0];
+console.log(
+  `${model}, ${os.cpus().length} cores, ${os.type()} ${os.release()}, Node ${process.versions.node}`,
+);
+
+const timers = [];
+for (const [i, { path, folder }] of checkouts.entries()) {
+  const timer = new Timer({ folder, dawn });
+  const { adapter } = await timer.answer().catch((error) => stop(`${path}: ${error.message}`));
+  timers.push(timer);
+  console.log(`${letterOf(i)}: ${path}, ${describeCheckout({ folder })}, on ${adapter}`);
+}
+console.log(
+  `${rounds} rounds of ${frames} frames each, in turns (${turns(0).map(letterOf).join(' ')}, then back)`,
+);
+
+for (const bench of BENCHES) {
+  for (const cloudCount of cloudCounts) {
+    const times = await measure(bench, cloudCount).catch((error) => stop(error.message));
+    console.log(`\n${bench}, ${cloudCount} ${cloudCount === 1 ? 'cloud' : 'clouds'}`);
+    for (const [i, timesMs] of times.entries()) console.log(lineOf(i, timesMs, times[0]));
+  }
+}
+for (const timer of timers) timer.end();
+
+/** Times by checkout and round, ms. */
+async function measure(bench, cloudCount) {
+  const times = timers.map(() => []);
+  for (const timer of timers) await timer.time({ bench, cloudCount, frames: 2 * frames, isWarmUp: true });
+  for (let round = 0; round < rounds; round++)
+    for (const i of turns(round)) times[i].push(await timers[i].time({ bench, cloudCount, frames }));
+  return times;
+}
+
+/** Forwards and back: a machine that slows down in the course of a run meets all alike. */
+function turns(round) {
+  const order = timers.map((_, i) => i);
+  return round % 2 === 0 ? order : order.reverse();
+}
+
+function lineOf(index, times, firstTimes) {
+  const [first, own] = [firstTimes, times].map((rounds) => rounds.flat().sort((a, b) => a - b));
+  const [p10, median, p99] = [0.1, 0.5, 0.99].map((part) => {
+    const figure = (1000 * quantile(own, part)).toFixed(1).padStart(8);
+    return index === 0
+      ? `${figure} µs`
+      : `${figure} µs (×${(quantile(own, part) / quantile(first, part)).toFixed(3)})`;
+  });
+  const figures = `${letterOf(index)}  P10 ${p10}  median ${median}  P99 ${p99}`;
+  if (index === 0) return figures;
+  const ratios = times.map((round, i) => medianOf(round) / medianOf(firstTimes[i])).sort((a, b) => a - b);
+  return `${figures}  medians of single rounds ×${ratios[0].toFixed(3)}…${ratios.at(-1).toFixed(3)}`;
+}
+
+function medianOf(values) {
+  return quantile(
+    values.toSorted((a, b) => a - b),
+    0.5,
+  );
+}
+
+function quantile(sorted, part) {
+  return sorted[Math.min(sorted.length - 1, Math.floor(part * sorted.length))];
+}
+
+function letterOf(index) {
+  return String.fromCharCode('A'.charCodeAt(0) + index);
+}
+
+function readOptions() {
+  try {
+    const { values, positionals } = parseArgs({
+      allowPositionals: true,
+      options: {
+        clouds: { type: 'string', default: '1,50' },
+        frames: { type: 'string', default: '30' },
+        rounds: { type: 'string', default: '6' },
+        dawn: { type: 'string' },
+      },
+    });
+    if (positionals.length === 0) throw new Error('No checkout is named.');
+    return {
+      checkouts: positionals.map(findCheckout),
+      cloudCounts: values.clouds.split(',').map((text) => wholeNumber('clouds', text)),
+      frames: wholeNumber('frames', values.frames),
+      rounds: wholeNumber('rounds', values.rounds),
+      dawn: values.dawn ? resolve(values.dawn) : null,
+    };
+  } catch (error) {
+    return stop(`${error.message}\n${USAGE}`);
+  }
+}
+
+function wholeNumber(name, text) {
+  const number = Number(text);
+  if (Number.isInteger(number) && number >= 1) return number;
+  throw new Error(`--${name} has "${text}"; it takes whole numbers from 1 on.`);
+}
+
+function stop(message) {
+  console.error(message);
+  process.exit(2);
+}

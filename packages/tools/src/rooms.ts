@@ -1,0 +1,101 @@
+// Who may import whom. import-rule.test.ts enforces it; type-only imports count like any other.
+//
+// A line names what it may import, and only what stands above it, so there can be no circles. `name(types)` allows
+// `import type` only; `name(tests)` allows only tests to import it. The test also fails where a folder has no line and
+// where nothing needs an arrow any more.
+
+export type Arrows = Readonly<Record<string, string>>;
+
+/** Rooms that all others may import without saying so. */
+export const FOR_ALL_ROOMS = ['errors.ts', 'number-of.ts'] as const;
+
+/**
+ * The rooms of packages/core/src: folders, and files at its root. Tests and testing/ may import all of them, and nothing
+ * else may import those.
+ */
+export const ROOMS: Arrows = {
+  /** Every error that is thrown on purpose. */
+  'errors.ts': '',
+  /** Numbers for objects, for keys made of text. */
+  'number-of.ts': '',
+  /** Vectors and matrices, in float64. */
+  math: '',
+  /** Every struct and constant that CPU and GPU share, defined once. */
+  layout: '',
+  /** Splats as data: columns on the CPU, as they were trained. */
+  splats: '',
+  /** Splats as the GPU reads them: precisions, storage order, chunks with bounds. */
+  packing: 'splats layout math',
+  /** File formats, and reading them in a worker. */
+  io: 'packing splats',
+  /** Every setting, cutoff and preset of accuracy. */
+  accuracy: 'packing splats layout',
+  /** Cameras, and each cloud as a camera sees it. */
+  camera: 'math',
+  /** Links WGSL from modules, conditions and constants. */
+  shaders: 'accuracy layout',
+  /** Device, memory and pipelines. */
+  gpu: 'shaders layout',
+  /** Effects that callers ask for, a file each. */
+  effects: 'gpu shaders camera packing splats layout math',
+  /** What frames take: GPU timestamps and their statistics. */
+  timing: 'gpu layout',
+  /** Host sides of the shaders in shaders/stages, under the same basenames. */
+  stages: 'effects gpu camera accuracy packing splats layout',
+  /** Clouds on the GPU: their planes, and rays through them. */
+  clouds: 'stages gpu accuracy io packing splats layout math',
+  /** One frame: what it needs, its buffers and the order of its stages. */
+  frame: 'clouds stages timing effects gpu camera accuracy packing splats layout math',
+  /** All effects of a frame, each with the reason why it takes part or not. */
+  ledger: 'frame effects layout math',
+  /** The twins: what every stage must compute, in float64, without a GPU. */
+  reference: 'effects camera accuracy packing splats layout math',
+  /** Single stages of a frame, read back and held against the twins. */
+  inspect:
+    'reference frame clouds stages timing effects gpu shaders camera accuracy packing splats layout math',
+  /** What settings and effects cost in time, and in error. */
+  measure: 'reference ledger frame clouds stages timing effects gpu camera accuracy packing layout math',
+  /** Views: frames on a canvas or inside of another renderer. What measures is loaded only when it is asked for. */
+  views: 'measure(types) ledger frame clouds stages timing gpu camera accuracy layout math',
+  /** The engine: one device, its clouds and its views. */
+  'engine.ts': 'views measure ledger frame clouds gpu shaders accuracy io packing splats',
+  /** The public interface. */
+  'index.ts': 'engine.ts views measure ledger frame clouds timing gpu camera accuracy io packing splats math',
+};
+
+/** Packages and apps by folder name. Each line agrees with the dependencies of its package.json. */
+export const PACKAGES: Arrows = {
+  /** WGSL only. */
+  shaders: '',
+  /** The engine. */
+  core: 'shaders node(tests) scenes(tests)',
+  /** Scenes made by code. */
+  scenes: 'core',
+  /** WebGPU in Node. */
+  node: 'core',
+  /** Scenes that break splat renderers, and what is right for each. */
+  hardcases: 'core shaders(tests) node(tests)',
+  /** Splats in three.js. */
+  three: 'core',
+  /** Splats in react-three-fiber. */
+  react: 'three core',
+  /** Layout of charts, for the terminal's and the viewer's. */
+  charts: '',
+  /** The command line. */
+  cli: 'charts hardcases node scenes core',
+  /** The viewer; nothing imports an app. */
+  viewer: 'charts hardcases scenes core',
+  /** Examples for react-three-fiber. */
+  examples: 'react scenes core',
+  /** Apps and packages in a browser. */
+  e2e: 'react(tests) three(tests) hardcases(tests) scenes(tests) core(tests)',
+  /** Chores of this repository. */
+  tools: '',
+};
+
+/** Files that reach into another package by path, and why. All others import what a package exports. */
+export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
+  'packages/hardcases/src/host-mutations.gpu.test.ts':
+    'replaces modules inside of core, to show that hard cases fail without them',
+  'e2e/examples.test.ts': "draws the examples' own scene and effect in float64; apps export nothing",
+};
