@@ -168,7 +168,10 @@ function slimShaders() {
           // Not around + and -, of which two in a row are another operator.
           .replace(/ *([{}(),;:=*/<>&|]) */g, '$1'),
       );
-      const slim = lines.filter((line) => line !== '').join('\n').replace(/([{}(),;])\n|\n([})])/g, '$1$2');
+      const slim = lines
+        .filter((line) => line !== '')
+        .join('\n')
+        .replace(/([{}(),;])\n|\n([})])/g, '$1$2');
       return `export default ${JSON.stringify(slim)};`;
     },
   };
