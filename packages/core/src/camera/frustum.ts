@@ -72,7 +72,7 @@ export function frustumSides(
   ];
   return planes.map(({ normal, offset, reach }) => ({
     normal,
-    offset: offset + moved.displacement * Math.hypot(...normal),
+    offset: offset + moved.displacement * Math.hypot(normal[0], normal[1], normal[2]),
     reach: reach * moved.growth,
   }));
 }

@@ -62,7 +62,7 @@ export function planCloud(
   { alphaCutoff }: AccuracySettings,
 ): CloudPlan {
   const { cloud } = instance;
-  const modelMatrix = instance.modelMatrix ? Float64Array.from(instance.modelMatrix) : identity4();
+  const modelMatrix = instance.modelMatrix ? new Float64Array(instance.modelMatrix) : identity4();
   const acting = effectsOf(instance);
   const place: EffectPlace = { modelMatrix, origin: cloud.origin, viewMatrix: camera.viewMatrix };
   const reach = reachOf(acting);

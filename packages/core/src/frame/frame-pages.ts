@@ -28,6 +28,15 @@ export const pagesOf = perShape(({ clouds }: FrameShape): readonly FramePage[] =
   );
 });
 
+/** Index of each cloud's first page; −1 for a cloud without pages. */
+export const firstPagesOf = perShape((shape: FrameShape): readonly number[] => {
+  const first = shape.clouds.map(() => -1);
+  for (const [index, { cloudIndex }] of pagesOf(shape).entries()) {
+    if (first[cloudIndex] < 0) first[cloudIndex] = index;
+  }
+  return first;
+});
+
 /** Chunks of all pages. */
 export function chunkCountOf(pages: readonly FramePage[]): number {
   return pages.reduce((sum, { chunkCount }) => sum + chunkCount, 0);

@@ -89,8 +89,8 @@ export function withKeptColors(
 function copied(camera: Camera): Camera {
   return {
     ...camera,
-    viewMatrix: Float64Array.from(camera.viewMatrix),
-    projectionMatrix: Float64Array.from(camera.projectionMatrix),
+    viewMatrix: new Float64Array(camera.viewMatrix),
+    projectionMatrix: new Float64Array(camera.projectionMatrix),
   };
 }
 

@@ -62,6 +62,7 @@ export function keepsColors({ clouds }: FrameShape): boolean {
 
 /** Whether the buffers of a frame of one shape serve one of the other shape, maybe with other shaders. */
 export function hasSameBuffers(a: FrameShape, b: FrameShape): boolean {
+  if (a === b) return true;
   return (
     a.keyBits === b.keyBits &&
     a.visibleCapacity === b.visibleCapacity &&
@@ -73,6 +74,7 @@ export function hasSameBuffers(a: FrameShape, b: FrameShape): boolean {
 
 /** Whether buffers, bindings and shaders of one shape serve the other. */
 export function isSameShape(a: FrameShape, b: FrameShape): boolean {
+  if (a === b) return true;
   return (
     hasSameBuffers(a, b) &&
     a.isOrthographic === b.isOrthographic &&

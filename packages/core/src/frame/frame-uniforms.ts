@@ -1,7 +1,7 @@
 import { DILATION_PX2 } from '../accuracy/accuracy.ts';
 import { type DepthConvention, depthMapping } from '../camera/depth-convention.ts';
+import type { FrustumSide } from '../camera/frustum.ts';
 import { HostDepth, Page, View } from '../layout/structs.ts';
-import type { CloudPlan } from './cloud-plan.ts';
 import { PAGE_STRIDE_BYTES, pagesOf } from './frame-pages.ts';
 import type { FramePlan } from './frame-plan.ts';
 
@@ -44,27 +44,50 @@ export function hostDepthUniform({ camera }: FramePlan, mapping: DepthConvention
 /** Contents of a frame's `pageUniforms` buffer. */
 export function pageUniforms({ clouds, shape }: FramePlan): ArrayBuffer {
   const pages = pagesOf(shape);
-  const perCloud = clouds.map(cloudUniforms);
   const contents = new ArrayBuffer(PAGE_STRIDE_BYTES * pages.length);
-  for (const [index, { cloudIndex, chunkStart, chunkCount, splatCount }] of pages.entries()) {
-    Page.write(
-      contents,
-      { ...perCloud[cloudIndex], index, chunkStart, chunkCount, splatCount },
-      index * PAGE_STRIDE_BYTES,
-    );
+  const sides = clouds.map((cloud) => ({
+    frustum: fourEach(cloud.sides, ({ normal, offset }, into, at) => {
+      into[at] = normal[0];
+      into[at + 1] = normal[1];
+      into[at + 2] = normal[2];
+      into[at + 3] = offset;
+    }),
+    frustumReach: fourEach(cloud.sides, ({ reach }, into, at) => {
+      into[at] = reach;
+    }),
+  }));
+  for (let index = 0; index < pages.length; index++) {
+    const { cloudIndex, chunkStart, chunkCount, splatCount } = pages[index];
+    const { view, instance } = clouds[cloudIndex];
+    const { logScaleRange } = instance.cloud;
+    const { frustum, frustumReach } = sides[cloudIndex];
+    const values = {
+      linear: view.linear,
+      translation: view.translation,
+      camera: view.camera ?? ORIGIN,
+      cameraWeight: view.camera ? 1 : 0,
+      direction: view.direction,
+      logScales: [logScaleRange.min, logScaleRange.step],
+      frustum,
+      frustumReach,
+      index,
+      chunkStart,
+      chunkCount,
+      splatCount,
+    };
+    Page.write(contents, values, index * PAGE_STRIDE_BYTES);
   }
   return contents;
 }
 
-function cloudUniforms({ instance: { cloud }, view, sides }: CloudPlan) {
-  return {
-    linear: view.linear,
-    translation: view.translation,
-    camera: view.camera ?? [0, 0, 0],
-    cameraWeight: view.camera ? 1 : 0,
-    direction: view.direction,
-    logScales: [cloud.logScaleRange.min, cloud.logScaleRange.step],
-    frustum: sides.flatMap(({ normal, offset }) => [...normal, offset]),
-    frustumReach: sides.flatMap(({ reach }) => [reach, 0, 0, 0]),
-  };
+const ORIGIN = [0, 0, 0] as const;
+
+/** Four numbers of each side. */
+function fourEach(
+  sides: readonly FrustumSide[],
+  fill: (side: FrustumSide, into: Float64Array, at: number) => void,
+): Float64Array {
+  const numbers = new Float64Array(4 * sides.length);
+  for (let i = 0; i < sides.length; i++) fill(sides[i], numbers, 4 * i);
+  return numbers;
 }

@@ -12,7 +12,7 @@ import {
   SharedMemory,
 } from './frame-part.ts';
 import type { FramePlan } from './frame-plan.ts';
-import type { FrameShape } from './frame-shape.ts';
+import { type FrameShape, perShape } from './frame-shape.ts';
 import { Compose } from './parts/compose.ts';
 import { Composite } from './parts/composite.ts';
 import { KeptColors } from './parts/kept-colors.ts';
@@ -42,9 +42,9 @@ const DRAWING = [
 const PARTS = [KeptColors, ...ORDERING, ...DRAWING] as const;
 
 /** All stages that frames of this shape run: to be compiled before. */
-export function frameStages(shape: FrameShape): readonly CompiledStage[] {
-  return PARTS.flatMap((part) => part.stages(shape));
-}
+export const frameStages = perShape((shape): readonly CompiledStage[] =>
+  PARTS.flatMap((part) => part.stages(shape)),
+);
 
 /** The parts of one view's frames, with what they hold on the GPU. */
 export class FrameParts {

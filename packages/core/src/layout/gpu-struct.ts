@@ -40,7 +40,7 @@ export interface GpuStruct<Fields extends GpuFields> {
   /** Size and array stride, in bytes. */
   readonly bytes: number;
   readonly wgsl: string;
-  /** Writes `values` at `byteOffset`. */
+  /** Writes `values` at `byteOffset`, a multiple of 4, of a buffer of whole words. */
   write(target: ArrayBuffer, values: GpuValues<Fields>, byteOffset?: number): void;
 }
 
@@ -62,6 +62,13 @@ export function gpuStruct<const Fields extends GpuFields>(name: string, fields: 
     alignment = Math.max(alignment, layout.alignment);
   }
   const lines = Object.entries(fields).map(([field, type]) => `  ${field}: ${type},`);
+  // In one array, with nothing to look up by name: frames write a struct per page.
+  const places = layouts.map(([field, layout]) => ({
+    field,
+    type: fields[field],
+    word: offsets[field] / 4,
+    layout,
+  }));
   return {
     name,
     fields,
@@ -69,8 +76,10 @@ export function gpuStruct<const Fields extends GpuFields>(name: string, fields: 
     bytes: roundUp(end, alignment),
     wgsl: `struct ${name} {\n${lines.join('\n')}\n}`,
     write(target, values, byteOffset = 0) {
-      for (const [field, layout] of layouts) {
-        writeField(target, byteOffset + offsets[field], fields[field], layout, values[field]);
+      const floats = new Float32Array(target, byteOffset);
+      const words = new Uint32Array(target, byteOffset);
+      for (const place of places) {
+        writeField(place.layout.scalar === 'f32' ? floats : words, place, values[place.field]);
       }
     },
   };
@@ -88,22 +97,31 @@ function layoutOf(type: GpuType): TypeLayout {
   return { bytes: bytes * Number(count), alignment, components: components * Number(count), scalar };
 }
 
+/** Where a field stands in its struct. */
+interface FieldPlace {
+  readonly type: GpuType;
+  /** In 32-bit words. */
+  readonly word: number;
+  readonly layout: TypeLayout;
+}
+
 function writeField(
-  target: ArrayBuffer,
-  byteOffset: number,
-  type: GpuType,
-  { components, scalar, bytes }: TypeLayout,
+  view: Float32Array | Uint32Array,
+  { type, word, layout }: FieldPlace,
   value: number | ArrayLike<number>,
 ): void {
-  const view =
-    scalar === 'f32'
-      ? new Float32Array(target, byteOffset, bytes / 4)
-      : new Uint32Array(target, byteOffset, bytes / 4);
+  const { components, bytes } = layout;
+  if (word + bytes / 4 > view.length) throw new RangeError(`There is no room for a ${type} at word ${word}.`);
   if (typeof value === 'number') {
-    view[0] = value;
+    view[word] = value;
     return;
   }
   if (value.length !== components)
     throw new RangeError(`${type} takes ${components} values, not ${value.length}.`);
-  for (let i = 0; i < components; i++) view[type === 'mat3x3f' ? i + Math.floor(i / 3) : i] = value[i];
+  if (type === 'mat3x3f') {
+    // Columns are padded to four words.
+    for (let i = 0; i < 9; i++) view[word + i + Math.floor(i / 3)] = value[i];
+  } else {
+    view.set(value, word);
+  }
 }

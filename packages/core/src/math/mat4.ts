@@ -22,7 +22,7 @@ export function multiply4(a: ArrayLike<number>, b: ArrayLike<number>): Mat4 {
 
 /** Translation by `offset` applied before `m`: m·T(offset). */
 export function translated4(m: ArrayLike<number>, offset: Vec3): Mat4 {
-  const result = Float64Array.from(m);
+  const result = new Float64Array(m);
   for (let r = 0; r < 4; r++) {
     result[12 + r] = m[r] * offset[0] + m[4 + r] * offset[1] + m[8 + r] * offset[2] + m[12 + r];
   }
@@ -38,9 +38,18 @@ export function linearPart(m: ArrayLike<number>): Float64Array {
 export function invert3(m: ArrayLike<number>): Float64Array | null {
   // Scaled first, so that the determinant neither overflows nor underflows.
   let largest = 0;
-  for (let i = 0; i < 9; i++) largest = Math.max(largest, Math.abs(m[i]));
+  for (let k = 0; k < 9; k++) largest = Math.max(largest, Math.abs(m[k]));
   if (!(largest > 0) || !Number.isFinite(largest)) return null;
-  const [a, b, c, d, e, f, g, h, i] = Array.from({ length: 9 }, (_, k) => m[k] / largest);
+  // Spelled out: every cloud of every frame comes here.
+  const a = m[0] / largest;
+  const b = m[1] / largest;
+  const c = m[2] / largest;
+  const d = m[3] / largest;
+  const e = m[4] / largest;
+  const f = m[5] / largest;
+  const g = m[6] / largest;
+  const h = m[7] / largest;
+  const i = m[8] / largest;
   const cofactors = [e * i - f * h, c * h - b * i, b * f - c * e];
   const determinant = a * cofactors[0] + d * cofactors[1] + g * cofactors[2];
   if (Math.abs(determinant) < 1e-30) return null;
@@ -69,5 +78,5 @@ export function transform3(m: ArrayLike<number>, v: ArrayLike<number>): [number,
 
 /** Upper bound of the factor by which a column-major 3×3 matrix can lengthen a vector (its Frobenius norm). */
 export function stretchBound(m: ArrayLike<number>): number {
-  return Math.hypot(...Array.from(m));
+  return Math.hypot(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]);
 }

@@ -59,8 +59,9 @@ export class EmbeddedView extends ViewCore {
     if (!stands) {
       this.#order(plan);
       // Something may come to hide these splats: it does so from its first frame on.
-      if (isAsked && request.depth && !depth)
-        this.expect('occluders', { ...plan.shape, depth: withOccluders! });
+      if (isAsked && request.depth && !depth) {
+        this.expect('occluders', plan.shape, (drawn) => ({ ...drawn, depth: withOccluders! }));
+      }
     }
     this.shown(request);
     return true;

@@ -5,12 +5,7 @@ import { FrameParts, frameStages } from '../frame/frame.ts';
 import type { Destination } from '../frame/frame-part.ts';
 import { type FramePlan, planFrame, withKeptColors } from '../frame/frame-plan.ts';
 import { checkFrame, type ViewFrame } from '../frame/frame-request.ts';
-import {
-  type FrameOutput,
-  type FrameShape,
-  isSameShape,
-  type OmittableEffect,
-} from '../frame/frame-shape.ts';
+import type { FrameOutput, FrameShape, OmittableEffect } from '../frame/frame-shape.ts';
 import { canKeepColors } from '../frame/parts/kept-colors.ts';
 import { isSameColors, isSameOrder } from '../frame/plan-difference.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
@@ -76,8 +71,10 @@ export abstract class ViewCore {
   #isColorsOnly = false;
   #wait: Wait | null = null;
   #whenDrawn: Promise<void> = Promise.resolve();
-  /** Shapes whose shaders are there, by what would call for them. */
+  /** By reason, the shape whose change has its shaders already: see `expect`. */
   readonly #expected = new Map<string, FrameShape>();
+  /** Shapes whose shaders are there. */
+  readonly #ready = new WeakSet<FrameShape>();
   #frameNumber = 0;
   #drawnAs = 0;
   #statistics: FrameStatistics | null = null;
@@ -227,14 +224,13 @@ export abstract class ViewCore {
     request: ViewFrame,
     depths: readonly [RasterizeDepth | null, ...(RasterizeDepth | null)[]],
   ): NextFrame {
-    const { pipelines } = this.context;
     const asked = this.#plan(request, this.#accuracy.settingsFor(request), depths[0]);
     if (!request.force && this.#isPrepared(asked)) {
       this.#endWait();
       return { plan: asked, stands: true, isAsked: true };
     }
     const plan = this.#keepingColors(asked);
-    if (pipelines.areReady(frameStages(plan.shape))) {
+    if (this.#isReady(plan.shape)) {
       this.#endWait();
       return { plan, stands: false, isAsked: true };
     }
@@ -243,14 +239,20 @@ export abstract class ViewCore {
     return { plan: stopgap, stands: stopgap !== null && this.#isPrepared(stopgap), isAsked: false };
   }
 
-  /** Compiles the shaders of frames of this shape, so that they are there when `reason` brings one. */
-  protected expect(reason: 'turning in place' | 'occluders', shape: FrameShape): void {
-    const expected = this.#expected.get(reason);
-    if (expected && isSameShape(expected, shape)) return;
-    const { pipelines } = this.context;
-    const stages = frameStages(shape);
-    if (pipelines.areReady(stages)) this.#expected.set(reason, shape);
-    else pipelines.prepare(stages).catch(() => {});
+  /**
+   * Compiles the shaders of another shape than the one that is drawn, so that they are there when `reason` brings one.
+   *
+   * @param change makes it of the one that is drawn.
+   */
+  protected expect(
+    reason: 'turning in place' | 'occluders',
+    drawn: FrameShape,
+    change: (drawn: FrameShape) => FrameShape,
+  ): void {
+    if (this.#expected.get(reason) === drawn) return;
+    const shape = change(drawn);
+    if (this.#isReady(shape)) this.#expected.set(reason, drawn);
+    else this.context.pipelines.prepare(frameStages(shape)).catch(() => {});
   }
 
   /**
@@ -337,20 +339,18 @@ export abstract class ViewCore {
 
   /** `plan` with the colours kept of clouds that are seen again from one place, once the shaders for that are there. */
   #keepingColors(plan: FramePlan): FramePlan {
-    const { pipelines } = this.context;
     const { keptColors } = this.parts;
     const wanted = keptColors.wants(plan);
     if (wanted.includes(true)) {
       const keeping = withKeptColors(plan, wanted, this.#prepared);
-      const isReady = pipelines.areReady(frameStages(keeping.shape));
-      if (isReady || !pipelines.areReady(frameStages(plan.shape))) return keeping;
+      if (this.#isReady(keeping.shape) || !this.#isReady(plan.shape)) return keeping;
     }
     // What moves at all may come to turn in place.
     if (this.#prepared && !plan.request.force) {
-      const possible = plan.clouds.map((_, i) => canKeepColors(plan, i));
-      if (possible.includes(true)) {
-        this.expect('turning in place', withKeptColors(plan, possible, this.#prepared).shape);
-      }
+      this.expect('turning in place', plan.shape, () => {
+        const possible = plan.clouds.map((_, i) => canKeepColors(plan, i));
+        return withKeptColors(plan, possible, this.#prepared).shape;
+      });
     }
     return plan;
   }
@@ -377,7 +377,14 @@ export abstract class ViewCore {
     });
     const plan = this.#plan({ ...request, clouds }, last.shape.accuracy, depth);
     const stopgap = this.#keepingColors(plan);
-    return this.context.pipelines.areReady(frameStages(stopgap.shape)) ? stopgap : null;
+    return this.#isReady(stopgap.shape) ? stopgap : null;
+  }
+
+  #isReady(shape: FrameShape): boolean {
+    if (this.#ready.has(shape)) return true;
+    const isReady = this.context.pipelines.areReady(frameStages(shape));
+    if (isReady) this.#ready.add(shape);
+    return isReady;
   }
 
   /** Compiles the shaders of `plan`, unless a request waits already: the newest one takes its place then. */

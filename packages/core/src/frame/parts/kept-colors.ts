@@ -6,7 +6,7 @@ import { Page } from '../../layout/structs.ts';
 import { stretchBound, type Vec3 } from '../../math/mat4.ts';
 import { keepColors } from '../../stages/keep-colors.ts';
 import type { CloudPlan } from '../cloud-plan.ts';
-import { type FramePage, PAGE_STRIDE_BYTES, pagesOf } from '../frame-pages.ts';
+import { type FramePage, firstPagesOf, PAGE_STRIDE_BYTES, pagesOf } from '../frame-pages.ts';
 import { type PartContext, useCompute } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type CloudShape, type FrameShape, keepsColors, perShape } from '../frame-shape.ts';
@@ -112,12 +112,12 @@ export class KeptColors {
   keep(plan: FramePlan): readonly number[] {
     const { shape } = plan;
     const pages = pagesOf(shape);
+    const firstPages = firstPagesOf(shape);
     const seeded: number[] = [];
     const next = plan.clouds.map((cloud, cloudIndex): KeptCloud => {
       const before = this.#clouds[cloudIndex];
       const viewpoint = viewpointOf(plan, cloud);
-      const firstPage = pages.findIndex((page) => page.cloudIndex === cloudIndex);
-      const source = sourceOf(shape, shape.clouds[cloudIndex], firstPage);
+      const source = sourceOf(shape, shape.clouds[cloudIndex], firstPages[cloudIndex]);
       const isKeeping = shape.clouds[cloudIndex].keepsColors;
       const hasPlainRecords =
         canKeepColors(plan, cloudIndex) && !hasHook(shape.clouds[cloudIndex].effects, 'color');
@@ -134,9 +134,9 @@ export class KeptColors {
       }
       if (isValid && before.isKeeping) return { ...before, hasPlainRecords };
       const isSeeded = isValid && before.hasPlainRecords;
-      for (const [index, page] of pages.entries()) {
-        if (page.cloudIndex !== cloudIndex) continue;
-        this.#startOver(this.#pageFor(index, page, shape.accuracy));
+      const first = firstPages[cloudIndex];
+      for (let index = first; pages[index]?.cloudIndex === cloudIndex; index++) {
+        this.#startOver(this.#pageFor(index, pages[index], shape.accuracy));
         if (isSeeded) seeded.push(index);
       }
       return { viewpoint, source, isKeeping, hasPlainRecords };
@@ -144,9 +144,13 @@ export class KeptColors {
     this.#clouds = next;
     this.#framesUnkept = keepsColors(shape) ? 0 : this.#framesUnkept + 1;
     this.#freeFrom(this.#framesUnkept > MAX_FRAMES_UNKEPT ? 0 : pages.length);
-    this.#context.shared.keptColors = pages.map((page, index) =>
-      shape.clouds[page.cloudIndex].keepsColors ? this.#pageFor(index, page, shape.accuracy).buffer : null,
-    );
+    this.#context.shared.keptColors = keepsColors(shape)
+      ? pages.map((page, index) =>
+          shape.clouds[page.cloudIndex].keepsColors
+            ? this.#pageFor(index, page, shape.accuracy).buffer
+            : null,
+        )
+      : [];
     return seeded;
   }
 
@@ -235,20 +239,32 @@ function isSameSource(a: Source, b: Source): boolean {
   );
 }
 
-/** Null where the model matrix is singular: there is no one viewpoint then. */
-function viewpointOf({ camera: { viewMatrix } }: FramePlan, { view }: CloudPlan): Viewpoint | null {
+const viewpoints = new WeakMap<CloudPlan, Viewpoint | null>();
+
+/** Null where the model matrix is singular: there is no one viewpoint then. Asked for twice in a frame, and worked out once. */
+function viewpointOf(plan: FramePlan, cloud: CloudPlan): Viewpoint | null {
+  let viewpoint = viewpoints.get(cloud);
+  if (viewpoint === undefined) {
+    viewpoint = findViewpoint(plan, cloud);
+    viewpoints.set(cloud, viewpoint);
+  }
+  return viewpoint;
+}
+
+function findViewpoint({ camera: { viewMatrix } }: FramePlan, { view }: CloudPlan): Viewpoint | null {
   const { linear, inverse, camera, direction } = view;
   if (!inverse) return null;
   const at = camera ?? direction;
   // Near a cloud that is far from the world's origin, most of what the place is computed from cancels.
   const cancelled = stretchBound(inverse) * Math.hypot(viewMatrix[12], viewMatrix[13], viewMatrix[14]);
-  const tolerance = FLOAT32_TOLERANCE * Math.hypot(...at) + FLOAT64_TOLERANCE * cancelled;
+  const tolerance = FLOAT32_TOLERANCE * Math.hypot(at[0], at[1], at[2]) + FLOAT64_TOLERANCE * cancelled;
   return { at, isDirection: camera === null, linear, tolerance };
 }
 
 function isSame(a: Viewpoint | null | undefined, b: Viewpoint | null): boolean {
   if (!a || !b || a.isDirection !== b.isDirection) return false;
-  return Math.hypot(...a.at.map((value, axis) => value - b.at[axis])) <= Math.max(a.tolerance, b.tolerance);
+  const distance = Math.hypot(a.at[0] - b.at[0], a.at[1] - b.at[1], a.at[2] - b.at[2]);
+  return distance <= Math.max(a.tolerance, b.tolerance);
 }
 
 function isTurned(before: Viewpoint, now: Viewpoint): boolean {
