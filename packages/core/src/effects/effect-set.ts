@@ -30,6 +30,8 @@ const SELECTED_BINDING = 17;
 /** Structs in a uniform buffer begin at multiples of this many bytes. */
 export const STRUCT_ALIGNMENT = 16;
 
+const NO_PARAMETERS = /* @__PURE__ */ new Uint8Array(0);
+
 const sets = new Map<string, EffectSet>([['', NO_EFFECTS]]);
 
 export function effectSetOf(uses: readonly EffectUse[]): EffectSet {
@@ -62,13 +64,14 @@ export function geometryEffects(set: EffectSet): EffectSet {
 export function packParameters(
   { parameterOffsets, parameterBytes }: EffectSet,
   uses: readonly { readonly use: EffectUse; readonly values: GpuValues<GpuFields> | null }[],
-): ArrayBuffer {
+): Uint8Array {
+  if (parameterBytes === 0) return NO_PARAMETERS;
   const packed = new ArrayBuffer(parameterBytes);
   for (const { use, values } of uses) {
     const { effect } = use;
     effect.parameters?.write(packed, values!, parameterOffsets.get(effect));
   }
-  return packed;
+  return new Uint8Array(packed);
 }
 
 function layOut(effects: readonly SplatEffect[]): Pick<EffectSet, 'parameterOffsets' | 'parameterBytes'> {

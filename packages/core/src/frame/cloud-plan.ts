@@ -32,7 +32,7 @@ export interface CloudPlan {
   readonly uses: readonly PlannedUse[];
   readonly effects: EffectSet;
   /** The parameters of all of them, as shaders read them. */
-  readonly parameters: ArrayBuffer;
+  readonly parameters: Uint8Array;
   /** How far all effects together take splats from where they are stored. */
   readonly reach: SplatReach;
   readonly view: CloudView;

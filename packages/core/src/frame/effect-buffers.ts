@@ -4,7 +4,7 @@ import { roundUp } from '../layout/gpu-struct.ts';
 import { pagesOf, UNIFORM_ALIGNMENT } from './frame-pages.ts';
 import type { FramePlan } from './frame-plan.ts';
 import type { FrameShape } from './frame-shape.ts';
-import { effectUniforms } from './frame-uniforms.ts';
+import { writeEffectUniforms } from './frame-uniforms.ts';
 import { SelectionBits } from './selection-bits.ts';
 
 /** The parameters of the effects of a frame's clouds, and which splats are selected for them; nothing where no effect takes any. */
@@ -13,6 +13,7 @@ export class EffectBuffers {
   readonly #queue: GPUQueue;
   readonly #selections: SelectionBits;
   #parameters: GPUBuffer | null = null;
+  #contents = new Uint8Array(0);
   /** From one cloud's parameters to the next one's. */
   #strideBytes = 0;
 
@@ -45,7 +46,10 @@ export class EffectBuffers {
 
   write(plan: FramePlan): void {
     if (this.#parameters) {
-      this.#queue.writeBuffer(this.#parameters, 0, effectUniforms(plan, this.#strideBytes));
+      const { size } = this.#parameters;
+      if (this.#contents.length !== size) this.#contents = new Uint8Array(size);
+      writeEffectUniforms(plan, this.#strideBytes, this.#contents);
+      this.#queue.writeBuffer(this.#parameters, 0, this.#contents);
     }
     this.#selections.write(plan.clouds);
   }

@@ -81,7 +81,17 @@ export function withKeptColors(
   keeps: readonly boolean[],
   last: FramePlan | null,
 ): FramePlan {
-  const clouds = plan.shape.clouds.map((cloud, i) => ({ ...cloud, keepsColors: keeps[i] }));
+  const clouds = plan.shape.clouds.map(
+    ({ cloud, planes, effects, shDegree, isIsotropic, hasFaintSplats }, i) => ({
+      cloud,
+      planes,
+      effects,
+      shDegree,
+      isIsotropic,
+      hasFaintSplats,
+      keepsColors: keeps[i],
+    }),
+  );
   const shape = { ...plan.shape, clouds };
   return { ...plan, shape: last && isSameShape(last.shape, shape) ? last.shape : shape };
 }

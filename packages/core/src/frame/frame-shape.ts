@@ -67,8 +67,7 @@ export function hasSameBuffers(a: FrameShape, b: FrameShape): boolean {
     a.keyBits === b.keyBits &&
     a.visibleCapacity === b.visibleCapacity &&
     a.accuracy.recordPrecision === b.accuracy.recordPrecision &&
-    a.clouds.length === b.clouds.length &&
-    a.clouds.every(({ cloud }, i) => cloud === b.clouds[i].cloud)
+    isSameList(a.clouds, b.clouds, isSameCloud)
   );
 }
 
@@ -83,8 +82,22 @@ export function isSameShape(a: FrameShape, b: FrameShape): boolean {
     a.dispatchRow === b.dispatchRow &&
     a.output === b.output &&
     isSameDepth(a.depth, b.depth) &&
-    a.clouds.every((cloud, i) => isSameCloudShape(cloud, b.clouds[i]))
+    isSameList(a.clouds, b.clouds, isSameCloudShape)
   );
+}
+
+function isSameList<Item>(
+  a: readonly Item[],
+  b: readonly Item[],
+  isSame: (a: Item, b: Item) => boolean,
+): boolean {
+  if (a.length !== b.length) return false;
+  for (let i = 0; i < a.length; i++) if (!isSame(a[i], b[i])) return false;
+  return true;
+}
+
+function isSameCloud(a: CloudShape, b: CloudShape): boolean {
+  return a.cloud === b.cloud;
 }
 
 function isSameCloudShape(a: CloudShape, b: CloudShape): boolean {

@@ -25,13 +25,19 @@ export function viewUniforms({ projection, shape }: FramePlan): ArrayBuffer {
   return contents;
 }
 
-/** Contents of a frame's `effects` buffer: the parameters of each cloud's effects, `strideBytes` apart. */
-export function effectUniforms({ clouds }: FramePlan, strideBytes: number): ArrayBuffer {
-  const contents = new Uint8Array(strideBytes * clouds.length);
+/**
+ * Writes the contents of a frame's `effects` buffer: the parameters of each cloud's effects, `strideBytes` apart.
+ *
+ * @param contents `strideBytes` per cloud; see `writePageUniforms`.
+ */
+export function writeEffectUniforms(
+  { clouds }: FramePlan,
+  strideBytes: number,
+  contents: Uint8Array<ArrayBuffer>,
+): void {
   for (const [index, { parameters }] of clouds.entries()) {
-    contents.set(new Uint8Array(parameters), index * strideBytes);
+    contents.set(parameters, index * strideBytes);
   }
-  return contents.buffer;
 }
 
 /** Contents of a frame's `hostDepth` buffer. */
@@ -41,10 +47,13 @@ export function hostDepthUniform({ camera }: FramePlan, mapping: DepthConvention
   return contents;
 }
 
-/** Contents of a frame's `pageUniforms` buffer. */
-export function pageUniforms({ clouds, shape }: FramePlan): ArrayBuffer {
+/**
+ * Writes the contents of a frame's `pageUniforms` buffer.
+ *
+ * @param contents PAGE_STRIDE_BYTES per page; used for every frame, since memory of its size is slow to come by.
+ */
+export function writePageUniforms({ clouds, shape }: FramePlan, contents: ArrayBuffer): void {
   const pages = pagesOf(shape);
-  const contents = new ArrayBuffer(PAGE_STRIDE_BYTES * pages.length);
   const sides = clouds.map((cloud) => ({
     frustum: fourEach(cloud.sides, ({ normal, offset }, into, at) => {
       into[at] = normal[0];
@@ -77,7 +86,6 @@ export function pageUniforms({ clouds, shape }: FramePlan): ArrayBuffer {
     };
     Page.write(contents, values, index * PAGE_STRIDE_BYTES);
   }
-  return contents;
 }
 
 const ORIGIN = [0, 0, 0] as const;
@@ -85,9 +93,9 @@ const ORIGIN = [0, 0, 0] as const;
 /** Four numbers of each side. */
 function fourEach(
   sides: readonly FrustumSide[],
-  fill: (side: FrustumSide, into: Float64Array, at: number) => void,
-): Float64Array {
-  const numbers = new Float64Array(4 * sides.length);
+  fill: (side: FrustumSide, into: number[], at: number) => void,
+): number[] {
+  const numbers = new Array<number>(4 * sides.length).fill(0);
   for (let i = 0; i < sides.length; i++) fill(sides[i], numbers, 4 * i);
   return numbers;
 }

@@ -23,7 +23,7 @@ import {
 } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type CloudShape, type FrameShape, hasSameBuffers, perShape } from '../frame-shape.ts';
-import { pageUniforms, viewUniforms } from '../frame-uniforms.ts';
+import { viewUniforms, writePageUniforms } from '../frame-uniforms.ts';
 
 /** Names and sizes of the part's buffers; stages are bound to them by these names. */
 function bufferTable({ accuracy, visibleCapacity }: FrameShape, pageCount: number, chunkCount: number) {
@@ -115,6 +115,7 @@ export class Preprocess implements FramePart<OrderRecording> {
   readonly #context: PartContext;
   readonly #effects: EffectBuffers;
   #held: Held | null = null;
+  #pageContents = new ArrayBuffer(0);
   #groups: Groups | null = null;
 
   constructor(context: PartContext) {
@@ -183,12 +184,14 @@ export class Preprocess implements FramePart<OrderRecording> {
   write(plan: FramePlan): void {
     const { queue } = this.#context.device;
     queue.writeBuffer(this.buffers.view, 0, viewUniforms(plan));
-    queue.writeBuffer(this.buffers.pageUniforms, 0, pageUniforms(plan));
+    const bytes = PAGE_STRIDE_BYTES * pagesOf(plan.shape).length;
+    if (this.#pageContents.byteLength !== bytes) this.#pageContents = new ArrayBuffer(bytes);
+    writePageUniforms(plan, this.#pageContents);
+    queue.writeBuffer(this.buffers.pageUniforms, 0, this.#pageContents);
     this.#effects.write(plan);
   }
 
   record({ encoder, timer, shape, isColorsOnly }: OrderRecording): void {
-    const { pipelines } = this.#context;
     const pass = encoder.beginComputePass({
       label: 'pre-process',
       timestampWrites: timer.writes('preprocess'),
@@ -196,8 +199,10 @@ export class Preprocess implements FramePart<OrderRecording> {
     const pages = pagesOf(shape);
     if (!isColorsOnly) this.#recordCulling(pass, shape, pages);
     const stages = cloudStages(shape);
+    let stage: StageDefinition | null = null;
     for (const [index, { cloudIndex }] of pages.entries()) {
-      useCompute(pass, pipelines, stages[cloudIndex].project, this.#groups!.pages[index].project);
+      stage = this.#usePipeline(pass, stages[cloudIndex].project, stage);
+      pass.setBindGroup(0, this.#groups!.pages[index].project);
       pass.dispatchWorkgroupsIndirect(this.buffers.projectDispatches, 12 * index);
     }
     pass.end();
@@ -217,8 +222,10 @@ export class Preprocess implements FramePart<OrderRecording> {
     // At least one workgroup: Dawn warns of dispatches of nothing.
     const chunkWorkgroups = (chunks: number) =>
       dispatchSize(Math.max(1, Math.ceil(chunks / SHADER_CONSTANTS.CHUNK_WORKGROUP)), shape.dispatchRow);
+    let stage: StageDefinition | null = null;
     for (const [index, { chunkCount }] of pages.entries()) {
-      useCompute(pass, pipelines, cullChunks, groups.pages[index].cullChunks);
+      stage = this.#usePipeline(pass, cullChunks, stage);
+      pass.setBindGroup(0, groups.pages[index].cullChunks);
       pass.dispatchWorkgroups(...chunkWorkgroups(chunkCount));
     }
     chunkScan.record(pass);
@@ -226,8 +233,10 @@ export class Preprocess implements FramePart<OrderRecording> {
     pass.dispatchWorkgroups(...chunkWorkgroups(chunkCountOf(pages)));
     useCompute(pass, pipelines, planCull, groups.planCull);
     pass.dispatchWorkgroups(1);
+    stage = null;
     for (const [index, { cloudIndex }] of pages.entries()) {
-      useCompute(pass, pipelines, stages[cloudIndex].cullSplats, groups.pages[index].cullSplats);
+      stage = this.#usePipeline(pass, stages[cloudIndex].cullSplats, stage);
+      pass.setBindGroup(0, groups.pages[index].cullSplats);
       pass.dispatchWorkgroupsIndirect(buffers.cullDispatches, 12 * index);
     }
     splatScan.record(pass);
@@ -235,6 +244,16 @@ export class Preprocess implements FramePart<OrderRecording> {
     pass.dispatchWorkgroups(1);
     useCompute(pass, pipelines, compactSplats, groups.compactSplats);
     pass.dispatchWorkgroupsIndirect(buffers.cullDispatches, 12 * pages.length);
+  }
+
+  /** Sets the pipeline of `stage`, unless it is the one in use; most pages have the same. */
+  #usePipeline(
+    pass: GPUComputePassEncoder,
+    stage: StageDefinition,
+    current: StageDefinition | null,
+  ): StageDefinition {
+    if (stage !== current) pass.setPipeline(this.#context.pipelines.compute(stage)!);
+    return stage;
   }
 
   #make(shape: FrameShape): Held {
