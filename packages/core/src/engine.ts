@@ -7,7 +7,8 @@ import {
 } from './accuracy/accuracy.ts';
 import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy/accuracy-wish.ts';
 import type { HoldOptions } from './clouds/cloud-leases.ts';
-import { PrecisionRequests } from './clouds/precision-requests.ts';
+import type { HeldPrecisions } from './clouds/cloud-planes.ts';
+import type { PlaneMaker } from './clouds/plane-maker.ts';
 import { type CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
 import { DestroyedError } from './errors.ts';
 import { frameStages } from './frame/frame.ts';
@@ -64,7 +65,7 @@ export class SplatEngine {
   readonly #pipelines: Pipelines;
   readonly #ownsDevice: boolean;
   readonly #dispatchRow: number;
-  readonly #precisionRequests: PrecisionRequests;
+  #planeMaker: Promise<PlaneMaker> | null = null;
   readonly #wishes: AccuracyWishes;
   readonly #views = new Set<SplatView | EmbeddedView>();
   readonly #clouds = new Set<SplatCloud>();
@@ -84,15 +85,6 @@ export class SplatEngine {
     this.#ownsDevice = ownsDevice;
     const limit = device.limits.maxComputeWorkgroupsPerDimension;
     this.#dispatchRow = Math.min(options.maxWorkgroupsPerDimension ?? limit, limit);
-    this.#precisionRequests = new PrecisionRequests({
-      device,
-      memory: this.#memory,
-      pipelines: this.#pipelines,
-      counting: this.#counting,
-      dispatchRow: this.#dispatchRow,
-      destroyedBecause: () => this.#destroyedBecause,
-      compileFor: (cloud, precision) => this.#compileFor(cloud, precision),
-    });
     this.#wishes = new AccuracyWishes({
       measure: async (wish, picture, options) => {
         // Most pages wish for nothing.
@@ -210,7 +202,7 @@ export class SplatEngine {
     const cloud = new SplatCloud(this.#memory, this.device.limits, packed, {
       name,
       source: options.source,
-      makePlanes: (...request) => this.#precisionRequests.make(...request),
+      makePlanes: (...request) => this.#makePlanes(...request),
       onDestroyed: (destroyed) => {
         counting.cloudsDestroyed++;
         this.#clouds.delete(destroyed);
@@ -337,6 +329,34 @@ export class SplatEngine {
     this.#wishes.stop(new DestroyedError('This measurement', because));
   }
 
+  async #makePlanes(...request: Parameters<PlaneMaker['make']>): Promise<void> {
+    const [cloud, wanted, { signal }] = request;
+    const { planes } = cloud;
+    // Most claims are for planes that were uploaded: nothing is loaded for those.
+    while (isHeld(planes.held, wanted)) {
+      const { held } = planes;
+      await this.#compileFor(cloud, wanted);
+      signal.throwIfAborted();
+      this.#checkUsable();
+      if (planes.held === held) return;
+    }
+    this.#planeMaker ??= this.#loadPlaneMaker();
+    await (await this.#planeMaker).make(...request);
+  }
+
+  async #loadPlaneMaker(): Promise<PlaneMaker> {
+    const { PlaneMaker } = await import('./clouds/plane-maker.ts');
+    return new PlaneMaker({
+      device: this.device,
+      memory: this.#memory,
+      pipelines: this.#pipelines,
+      counting: this.#counting,
+      dispatchRow: this.#dispatchRow,
+      destroyedBecause: () => this.#destroyedBecause,
+      compileFor: (cloud, precision) => this.#compileFor(cloud, precision),
+    });
+  }
+
   /** Where it fails, the frame that needs it says so. */
   async #compileFor(cloud: SplatCloud, precision: CloudPrecision): Promise<void> {
     const stages = [...this.#views].flatMap(({ shape }) => {
@@ -368,4 +388,11 @@ function possibleOn(device: GPUDevice, asked: AccuracySettings): PossibleAccurac
     return { settings: internAccuracy({ ...asked, colorTarget: 'rgba16float' }), notices: [notice] };
   }
   return { settings: asked, notices: [] };
+}
+
+function isHeld(
+  { geometry, sh }: HeldPrecisions,
+  { geometryPrecision, shPrecision }: CloudPrecision,
+): boolean {
+  return geometry.includes(geometryPrecision) && sh.includes(shPrecision);
 }

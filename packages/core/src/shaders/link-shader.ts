@@ -3,9 +3,9 @@ import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { PROJECTED_SPLATS, SHADER_STRUCTS } from '../layout/structs.ts';
 import { type LinkInput, linkModules, type ShaderModules } from './shader-linker.ts';
 
-/** All but what only measurements need: it comes with them. */
+/** All but those that only measuring and making planes need: they come with it. */
 const files = import.meta.glob<string>(
-  ['../../../../shaders/**/*.wgsl', '!../../../../shaders/stages/compare-images.wgsl'],
+  ['../../../../shaders/**/*.wgsl', '!../../../../shaders/stages/{compare-images,repack-*}.wgsl'],
   { query: '?raw', import: 'default', eager: true },
 );
 

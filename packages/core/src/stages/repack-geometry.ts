@@ -1,8 +1,10 @@
+import source from '../../../../shaders/stages/repack-geometry.wgsl?raw';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 
 /** Packs a page of float32 geometry. */
 export const repackGeometry = {
   stage: 'repack-geometry',
+  source,
   entryPoint: 'repackGeometry',
   conditions: { GEOMETRY_F32: true },
   bindings: {

@@ -1,3 +1,4 @@
+import source from '../../../../shaders/stages/repack-sh.wgsl?raw';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { shWordsPerSplat } from '../packing/harmonics.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
@@ -16,6 +17,7 @@ export interface RepackShVariant {
 export function repackSh({ degree, from, to }: RepackShVariant) {
   return {
     stage: 'repack-sh',
+    source,
     entryPoint: 'repackSh',
     conditions: { SH_F32: from === 'f32', SH_F16: from === 'f16', REPACK_TO_U8: to === 'u8' },
     constants: {

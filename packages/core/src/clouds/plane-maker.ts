@@ -19,7 +19,7 @@ import type { MakeOptions } from './cloud-leases.ts';
 import { isGeometryAsFine, isShAsFine, type Plane } from './cloud-planes.ts';
 import type { CloudSource, SplatCloud } from './splat-cloud.ts';
 
-interface RequestContext {
+export interface PlaneMakerContext {
   readonly device: GPUDevice;
   readonly memory: GpuMemory;
   readonly pipelines: Pipelines;
@@ -48,12 +48,12 @@ interface MadePlane {
 }
 
 /** Makes the planes that leases of clouds claim. */
-export class PrecisionRequests {
-  readonly #context: RequestContext;
+export class PlaneMaker {
+  readonly #context: PlaneMakerContext;
   /** Settled when nobody reads the sources of a cloud any more. */
   readonly #readings = new WeakMap<SplatCloud, Promise<unknown>>();
 
-  constructor(context: RequestContext) {
+  constructor(context: PlaneMakerContext) {
     this.#context = context;
   }
 
