@@ -2,20 +2,20 @@
 // number counts through all chunks of the frame.
 import constants::CHUNK_SPLATS;
 import constants::MASK_WORDS;
-import layout::FrameParameters;
+import layout::CullParameters;
 import package::lib::dispatch::linearWorkgroup;
 
-@group(0) @binding(0) var<uniform> frame: FrameParameters;
+@group(0) @binding(0) var<uniform> cullParameters: CullParameters;
 @group(0) @binding(1) var<storage, read> chunkOffsets: array<u32>;
 @group(0) @binding(2) var<storage, read> visibleChunks: array<u32>;
 @group(0) @binding(3) var<storage, read> visibilityMasks: array<u32>;
 @group(0) @binding(4) var<storage, read> splatOffsets: array<u32>;
-@group(0) @binding(5) var<storage, read_write> survivors: array<u32>;
+@group(0) @binding(5) var<storage, read_write> visibleSplats: array<u32>;
 
 @compute @workgroup_size(CHUNK_SPLATS)
 fn compactSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
-  let slot = linearWorkgroup(workgroup, frame.dispatchRow);
-  if (slot >= chunkOffsets[frame.chunkCount]) { return; }
+  let slot = linearWorkgroup(workgroup, cullParameters.dispatchRow);
+  if (slot >= chunkOffsets[cullParameters.chunkCount]) { return; }
   let masks = slot * MASK_WORDS;
   let word = lane / 32u;
   let bits = visibilityMasks[masks + word];
@@ -23,5 +23,5 @@ fn compactSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocat
   if ((bits & bit) == 0u) { return; }
   var rank = countOneBits(bits & (bit - 1u));
   for (var before = 0u; before < word; before++) { rank += countOneBits(visibilityMasks[masks + before]); }
-  survivors[splatOffsets[slot] + rank] = visibleChunks[slot] * CHUNK_SPLATS + lane;
+  visibleSplats[splatOffsets[slot] + rank] = visibleChunks[slot] * CHUNK_SPLATS + lane;
 }

@@ -5,17 +5,17 @@ import constants::MAX_FRAGMENT_ALPHA;
 import constants::PICK_WORKGROUP;
 import layout::PickBlock;
 import layout::PickParameters;
-import layout::ProjectedSplat;
+import layout::SplatRecord;
 import layout::View;
 import package::lib::dispatch::linearWorkgroup;
-import package::lib::projected_splat::{axesOf, localCoordinate, opacityOf};
+import package::lib::splat_record::{axesOf, localCoordinate, opacityOf};
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> parameters: PickParameters;
 @group(0) @binding(2) var<storage, read> visibleCount: u32;
 @group(0) @binding(3) var<storage, read> order: array<u32>;
-@group(0) @binding(4) var<storage, read> survivors: array<u32>;
-@group(0) @binding(5) var<storage, read> projected: array<ProjectedSplat>;
+@group(0) @binding(4) var<storage, read> visibleSplats: array<u32>;
+@group(0) @binding(5) var<storage, read> records: array<SplatRecord>;
 @group(0) @binding(6) var<storage, read_write> blocks: array<PickBlock>;
 
 var<workgroup> alphas: array<f32, PICK_WORKGROUP>;
@@ -25,7 +25,7 @@ fn pick(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index
   let block = linearWorkgroup(workgroup, view.dispatchRow);
   let first = block * PICK_WORKGROUP;
   var alpha = 0.0;
-  if (first + lane < visibleCount) { alpha = alphaAtPixel(projected[order[first + lane]]); }
+  if (first + lane < visibleCount) { alpha = alphaAtPixel(records[order[first + lane]]); }
   alphas[lane] = alpha;
   workgroupBarrier();
   if (lane > 0u || block >= parameters.blockCount) { return; }
@@ -45,13 +45,13 @@ fn pick(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index
   var found = PickBlock(transmittance, weight, 0u, 0.0, 0.0);
   if (weight > 0.0) {
     let index = order[first + heaviest];
-    found = PickBlock(transmittance, weight, survivors[index], alphas[heaviest], projected[index].depthView);
+    found = PickBlock(transmittance, weight, visibleSplats[index], alphas[heaviest], records[index].depthView);
   }
   blocks[block] = found;
 }
 
 /// As rasterize's fragment has it, 0 where that draws nothing.
-fn alphaAtPixel(splat: ProjectedSplat) -> f32 {
+fn alphaAtPixel(splat: SplatRecord) -> f32 {
   let local = localCoordinate(axesOf(splat), parameters.pixelPx - splat.centerPx);
   let alpha = min(MAX_FRAGMENT_ALPHA, opacityOf(splat) * exp(-dot(local, local)));
   return select(0.0, alpha, alpha >= view.alphaCutoff);

@@ -1,10 +1,10 @@
 // Sizes what follows cull-chunks, on the GPU: how many workgroups cull the splats of each page. One workgroup.
 import constants::PLAN_WORKGROUP;
-import layout::FrameParameters;
+import layout::CullParameters;
 import layout::PagePlan;
 import package::lib::dispatch::dispatchSize;
 
-@group(0) @binding(0) var<uniform> frame: FrameParameters;
+@group(0) @binding(0) var<uniform> cullParameters: CullParameters;
 @group(0) @binding(1) var<storage, read> chunkOffsets: array<u32>;
 @group(0) @binding(2) var<storage, read_write> pagePlans: array<PagePlan>;
 @group(0) @binding(3) var<storage, read_write> slotCount: u32;
@@ -14,7 +14,7 @@ import package::lib::dispatch::dispatchSize;
 
 @compute @workgroup_size(PLAN_WORKGROUP)
 fn planCull(@builtin(local_invocation_index) lane: u32) {
-  for (var page = lane; page < frame.pageCount; page += PLAN_WORKGROUP) {
+  for (var page = lane; page < cullParameters.pageCount; page += PLAN_WORKGROUP) {
     let start = chunkOffsets[pagePlans[page].chunkStart];
     let end = chunkOffsets[pagePlans[page].chunkEnd];
     pagePlans[page].slotStart = start;
@@ -22,15 +22,15 @@ fn planCull(@builtin(local_invocation_index) lane: u32) {
     writeDispatch(page, end - start);
   }
   if (lane == 0u) {
-    let slots = chunkOffsets[frame.chunkCount];
+    let slots = chunkOffsets[cullParameters.chunkCount];
     slotCount = slots;
-    writeDispatch(frame.pageCount, slots);
+    writeDispatch(cullParameters.pageCount, slots);
     depthRange = array<u32, 2>(0u, 0u);
   }
 }
 
 fn writeDispatch(index: u32, workgroups: u32) {
-  let size = dispatchSize(workgroups, frame.dispatchRow);
+  let size = dispatchSize(workgroups, cullParameters.dispatchRow);
   cullDispatches[3u * index] = size.x;
   cullDispatches[3u * index + 1u] = size.y;
   cullDispatches[3u * index + 2u] = size.z;

@@ -2,11 +2,11 @@
 // One workgroup.
 import constants::PLAN_WORKGROUP;
 import constants::PROJECT_WORKGROUP;
-import layout::FrameParameters;
+import layout::CullParameters;
 import layout::PagePlan;
 import package::lib::dispatch::dispatchSize;
 
-@group(0) @binding(0) var<uniform> frame: FrameParameters;
+@group(0) @binding(0) var<uniform> cullParameters: CullParameters;
 @group(0) @binding(1) var<storage, read> splatOffsets: array<u32>;
 @group(0) @binding(2) var<storage, read> slotCount: u32;
 @group(0) @binding(3) var<storage, read_write> pagePlans: array<PagePlan>;
@@ -18,13 +18,13 @@ import package::lib::dispatch::dispatchSize;
 
 @compute @workgroup_size(PLAN_WORKGROUP)
 fn planProject(@builtin(local_invocation_index) lane: u32) {
-  for (var page = lane; page < frame.pageCount; page += PLAN_WORKGROUP) {
+  for (var page = lane; page < cullParameters.pageCount; page += PLAN_WORKGROUP) {
     let slotStart = pagePlans[page].slotStart;
     let start = splatOffsets[slotStart];
     let end = splatOffsets[slotStart + pagePlans[page].slotCount];
-    pagePlans[page].survivorStart = start;
-    pagePlans[page].survivorCount = end - start;
-    let size = dispatchSize((end - start + PROJECT_WORKGROUP - 1u) / PROJECT_WORKGROUP, frame.dispatchRow);
+    pagePlans[page].visibleStart = start;
+    pagePlans[page].visibleCount = end - start;
+    let size = dispatchSize((end - start + PROJECT_WORKGROUP - 1u) / PROJECT_WORKGROUP, cullParameters.dispatchRow);
     projectDispatches[3u * page] = size.x;
     projectDispatches[3u * page + 1u] = size.y;
     projectDispatches[3u * page + 2u] = size.z;

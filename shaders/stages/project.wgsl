@@ -9,7 +9,7 @@ import constants::SH_WORDS;
 @if(SPLAT_EFFECTS) import effects::changeSplat;
 import layout::Page;
 import layout::PagePlan;
-import layout::ProjectedSplat;
+import layout::SplatRecord;
 import layout::View;
 import package::lib::covariance::screenAxes;
 @if(!SHORT_KEYS) import package::lib::depth_key::depthKey;
@@ -28,12 +28,12 @@ import package::lib::visible_ellipse::screenSplat;
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> page: Page;
 @group(0) @binding(2) var<storage, read> pagePlans: array<PagePlan>;
-@group(0) @binding(3) var<storage, read> survivors: array<u32>;
+@group(0) @binding(3) var<storage, read> visibleSplats: array<u32>;
 /// Ordered bits of the farthest and, inverted, of the nearest depth.
 /// A uniform, since stages may have no more than eight storage buffers.
 @group(0) @binding(4) var<uniform> depthRange: vec2u;
 @group(0) @binding(5) var<storage, read> geometry: array<array<vec4u, GEOMETRY_VECTORS>>;
-@group(0) @binding(6) var<storage, read_write> projected: array<ProjectedSplat>;
+@group(0) @binding(6) var<storage, read_write> records: array<SplatRecord>;
 @group(0) @binding(7) var<storage, read_write> keys: array<u32>;
 @if(SH_1) @group(0) @binding(8) var<storage, read> shRest: array<u32>;
 /// In front the number of the viewpoint, then an entry per splat of the page.
@@ -44,9 +44,9 @@ import package::lib::visible_ellipse::screenSplat;
 fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
   let plan = pagePlans[page.index];
   let indexInPage = linearWorkgroup(workgroup, view.dispatchRow) * PROJECT_WORKGROUP + lane;
-  if (indexInPage >= plan.survivorCount) { return; }
-  let index = plan.survivorStart + indexInPage;
-  let splatIndex = survivors[index] - page.chunkStart * CHUNK_SPLATS;
+  if (indexInPage >= plan.visibleCount) { return; }
+  let index = plan.visibleStart + indexInPage;
+  let splatIndex = visibleSplats[index] - page.chunkStart * CHUNK_SPLATS;
 
   @if(!SPLAT_EFFECTS) let splat = unpackSplat(geometry[splatIndex], page.logScales);
   @if(SPLAT_EFFECTS) let splat = changeSplat(unpackSplat(geometry[splatIndex], page.logScales), splatIndex);
@@ -63,7 +63,7 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
   @if(OPACITY_EFFECTS) let opacity = changeOpacity(splat.opacity, onScreen, view.dilationPx2);
   let rgba = vec4f(clamp(color, vec3f(0.0), vec3f(MAX_COLOR)), opacity);
 
-  var record: ProjectedSplat;
+  var record: SplatRecord;
   record.centerPx = onScreen.centerPx;
   @if(!RECORD_PAPER) record.majorPx = axes.majorPx;
   @if(!RECORD_PAPER) record.minorLengthPx = axes.minorLengthPx;
@@ -74,7 +74,7 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
   @if(RECORD_F32) record.color = rgba;
   @if(RECORD_PAPER) record.color = pack4x8unorm(rgba);
   @if(!RECORD_F32 && !RECORD_PAPER) record.color = vec2u(pack2x16float(rgba.xy), pack2x16float(rgba.zw));
-  projected[index] = record;
+  records[index] = record;
   @if(!SHORT_KEYS) let key = depthKey(onScreen.depthView, depthRange[0]);
   @if(SHORT_KEYS) let key = shortDepthKey(onScreen.depthView, depthRange[0], ~depthRange[1]);
   keys[index] = key;

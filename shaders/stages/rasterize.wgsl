@@ -2,16 +2,16 @@
 // scenes are trained in. The quad reaches as far as the splat's opacity stays above the cutoff; the fragment's place in
 // the Gaussian comes from the interpolators alone.
 import layout::HostDepth;
-import layout::ProjectedSplat;
+import layout::SplatRecord;
 import layout::View;
 import constants::MAX_FRAGMENT_ALPHA;
 @if(DEPTH_TEST) import package::lib::host_depth::storedDepth;
-import package::lib::projected_splat::{axesOf, localCoordinate, opacityOf};
+import package::lib::splat_record::{axesOf, localCoordinate, opacityOf};
 import package::lib::visible_ellipse::reachInAxes;
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<storage, read> order: array<u32>;
-@group(0) @binding(2) var<storage, read> projected: array<ProjectedSplat>;
+@group(0) @binding(2) var<storage, read> records: array<SplatRecord>;
 @if(DEPTH_TEST) @group(0) @binding(3) var<uniform> hostDepth: HostDepth;
 
 struct Varyings {
@@ -37,7 +37,7 @@ const GUARD_BAND_PX = 4096.0;
 
 @vertex
 fn vertexMain(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Varyings {
-  let splat = projected[order[instance]];
+  let splat = records[order[instance]];
   let reach = reachInAxes(opacityOf(splat), view.alphaCutoff);
   let side = vec2f(f32(vertex & 1u), f32(vertex >> 1u)) * 2.0 - 1.0;
 

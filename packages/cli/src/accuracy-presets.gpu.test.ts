@@ -14,7 +14,7 @@ import {
   type SplatSet,
   type SplatView,
 } from '@websplatter/core';
-import { comparePictures } from '@websplatter/core/measure';
+import { compareViews } from '@websplatter/core/measure';
 import { compareImages, renderReference } from '@websplatter/core/reference';
 import { createNodeGpu } from '@websplatter/node';
 import { gpuTest, watchDevice } from '@websplatter/node/gpu-test';
@@ -71,7 +71,7 @@ async function measureRows(set: SplatSet<Harmonics>, camera: Camera): Promise<Re
       await hold(cloud, accuracy);
       const firstMs = await drawTimed(drawn, { ...frame, accuracy });
       const { data } = await drawn.readPixels();
-      const againstReference = await comparePictures(drawn, reference);
+      const againstReference = await compareViews(drawn, reference);
       const raw = compareImages(data, float64.data, SIZE);
       const png = compareImages(data, float64.data, { ...SIZE, quantize: 'png' });
       const timesMs: number[] = [];

@@ -19,7 +19,7 @@ const FAILURE_CODES = new Set([
   'destroyed',
   'frames-differ',
   'gpu-error',
-  'non-finite-picture',
+  'non-finite-image',
   'hard-cases-failed',
 ]);
 

@@ -8,7 +8,7 @@ import { type Camera, cameraFromMatrices, perspectiveCamera } from './camera/cam
 import { SplatCloud } from './clouds/splat-cloud.ts';
 import { SplatEngine } from './engine.ts';
 import { DestroyedError, GpuLimitError, InvalidArgumentError } from './errors.ts';
-import type { ViewFrame } from './frame/frame-request.ts';
+import type { FrameRequest } from './frame/frame-request.ts';
 import { GpuMemory } from './gpu/gpu-memory.ts';
 import { readSplats } from './io/read-splats.ts';
 import { type Mat4, translated4 } from './math/mat4.ts';
@@ -59,7 +59,7 @@ interface Scene {
   readonly camera: Camera;
 }
 
-async function draw(view: SplatView, frame: ViewFrame): Promise<Float32Array> {
+async function draw(view: SplatView, frame: FrameRequest): Promise<Float32Array> {
   view.render(frame);
   return (await view.readPixels()).data;
 }
@@ -189,7 +189,7 @@ describe('a view', () => {
     const engine = engines.balanced;
     const view = engine.createView();
     const clouds = [1, 2, 3].map((seed) => engine.add(randomSplats({ count: 200 * seed, seed })));
-    const frames: ViewFrame[] = [
+    const frames: FrameRequest[] = [
       { camera: CAMERA, clouds: [{ cloud: clouds[0] }], ...SIZE },
       { camera: CAMERA, clouds: [{ cloud: clouds[1] }, { cloud: clouds[2] }], ...SIZE },
       { camera: CAMERAS.orthographic, clouds: [{ cloud: clouds[2] }], ...SIZE },

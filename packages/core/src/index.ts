@@ -15,7 +15,7 @@ export {
   type SortKeyBits,
 } from './accuracy/accuracy.ts';
 export { type AccuracyRequest, type AccuracyWish, isAccuracyWish } from './accuracy/accuracy-wish.ts';
-export { mostExact, pictureAccuracy } from './accuracy/combine-accuracies.ts';
+export { combineAccuracies, mostExact } from './accuracy/combine-accuracies.ts';
 export {
   type Camera,
   cameraFromMatrices,
@@ -32,8 +32,8 @@ export type { CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
 export { type EngineOptions, type PrecisionProblem, SplatEngine } from './engine.ts';
 export * from './errors.ts';
 export type { HostPass } from './frame/frame-part.ts';
-export type { CloudInstance, ViewFrame } from './frame/frame-request.ts';
-export type { EmbeddedPicture } from './frame/parts/compose.ts';
+export type { CloudInstance, FrameRequest } from './frame/frame-request.ts';
+export type { EmbeddedImage } from './frame/parts/compose.ts';
 export { adapterLabel, type DeviceOptions, isSoftwareAdapter, requestSplatDevice } from './gpu/device.ts';
 export type { EngineCounters } from './gpu/engine-counters.ts';
 export type { GpuMemoryReport } from './gpu/gpu-memory.ts';
@@ -78,6 +78,6 @@ export {
   wallClockTimings,
 } from './timing/frame-statistics.ts';
 export type { ChooseAccuracyOptions } from './views/accuracy-wishes.ts';
-export type { EmbeddedFrame, EmbeddedView } from './views/embedded-view.ts';
+export type { EmbeddedFrameRequest, EmbeddedView } from './views/embedded-view.ts';
 export type { SplatPick } from './views/pick-splat.ts';
 export type { SplatView } from './views/splat-view.ts';

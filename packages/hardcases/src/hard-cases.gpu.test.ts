@@ -102,7 +102,7 @@ describe('the runner', () => {
     };
     const found = await failuresOf(SOUND, { mutation });
     expect(found).toMatch(/sound, camera front, reference: .* majorPx length: got NaN, expected/);
-    expect(found).toMatch(/sound, camera front, reference: projected: record 0, majorPx is NaN/);
+    expect(found).toMatch(/sound, camera front, reference: records: record 0, majorPx is NaN/);
     const infinite = {
       file: 'stages/rasterize',
       find: 'vec4f(color.rgb * alpha, alpha)',

@@ -1,4 +1,4 @@
-import type { CloudInstance, EmbeddedPicture, EmbeddedView } from '@websplatter/core';
+import type { CloudInstance, EmbeddedImage, EmbeddedView } from '@websplatter/core';
 import { type Camera, ExternalTexture, FloatType, UnsignedByteType } from 'three/webgpu';
 import type { LayerCloud } from './layer-cloud.ts';
 
@@ -24,7 +24,7 @@ export class LayerView {
     this.embedded = embedded;
   }
 
-  show({ color, depth }: EmbeddedPicture, xPx: number, yPx: number): void {
+  show({ color, depth }: EmbeddedImage, xPx: number, yPx: number): void {
     this.color = wrapping(this.color, color);
     if (!depth) this.depth?.dispose();
     this.depth = depth && wrapping(this.depth, depth);

@@ -4,10 +4,10 @@ import {
   type ChooseAccuracyOptions,
   type CloudInstance,
   cameraFromMatrices,
+  combineAccuracies,
   DestroyedError,
   type Camera as EngineCamera,
   isAccuracyWish,
-  pictureAccuracy,
   type SplatEngine,
   type SplatPick,
 } from '@websplatter/core';
@@ -270,7 +270,7 @@ function holdPlanes(shown: Iterable<LayerCloud>, drawn: Iterable<LayerCloud>, en
 }
 
 function accuracyOf(clouds: Iterable<LayerCloud>): AccuracyRequest | undefined {
-  return pictureAccuracy([...clouds].flatMap(({ accuracy }) => accuracy ?? []));
+  return combineAccuracies([...clouds].flatMap(({ accuracy }) => accuracy ?? []));
 }
 
 /** three's camera as three has prepared it for this render: matrices, clip depth from 0 to 1. */

@@ -1,4 +1,4 @@
-import type { SplatEngine, TextureImage, ViewFrame } from '@websplatter/core';
+import type { FrameRequest, SplatEngine, TextureImage } from '@websplatter/core';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { ShownScene } from '../scene/shown-scene.ts';
 
@@ -6,14 +6,14 @@ import type { ShownScene } from '../scene/shown-scene.ts';
 export interface DrawnFrame {
   readonly scene: ShownScene;
   /** Everything but its accuracy. */
-  readonly frame: ViewFrame & { readonly background: Vec3 };
+  readonly frame: FrameRequest & { readonly background: Vec3 };
 }
 
 /** The frame on the screen, and the engine that can draw others like it. */
 export interface ShownFrame {
   readonly engine: SplatEngine;
   /** Without accuracy. */
-  readonly frame: ViewFrame;
+  readonly frame: FrameRequest;
 }
 
 /** An image as it was read back, without its background, and the background that it is to be shown on. */

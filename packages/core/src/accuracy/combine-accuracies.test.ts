@@ -1,25 +1,25 @@
 import { describe, expect, test } from 'vitest';
 import { InvalidArgumentError } from '../errors.ts';
 import { ACCURACY_PRESETS, ACCURACY_SETTINGS } from './accuracy.ts';
-import { mostExact, pictureAccuracy } from './combine-accuracies.ts';
+import { combineAccuracies, mostExact } from './combine-accuracies.ts';
 
 describe('the accuracy of a picture', () => {
   test('is nobody’s where no cloud asks for any, and that of the only one that does', () => {
-    expect(pictureAccuracy([])).toBeUndefined();
+    expect(combineAccuracies([])).toBeUndefined();
     for (const only of ['fast', { preset: 'high', sortKeyBits: 20 }] as const)
-      expect(pictureAccuracy([only])).toBe(only);
-    for (const wish of [{ minPsnrDb: 45 }, { maxFrameMs: 8 }]) expect(pictureAccuracy([wish])).toBe(wish);
+      expect(combineAccuracies([only])).toBe(only);
+    for (const wish of [{ minPsnrDb: 45 }, { maxFrameMs: 8 }]) expect(combineAccuracies([wish])).toBe(wish);
   });
 
   test('has each setting at the most exact value that is asked for', () => {
-    expect(pictureAccuracy(['fast', 'paper'])).toEqual({
+    expect(combineAccuracies(['fast', 'paper'])).toEqual({
       ...ACCURACY_PRESETS.fast,
       geometryPrecision: 'f32',
       shPrecision: 'f32',
       sortKeyBits: 32,
       alphaCutoff: 1 / 255,
     });
-    expect(pictureAccuracy([{ resolutionScale: 0.5 }, { resolutionScale: 0.75, shDegree: 0 }])).toEqual({
+    expect(combineAccuracies([{ resolutionScale: 0.5 }, { resolutionScale: 0.75, shDegree: 0 }])).toEqual({
       ...ACCURACY_PRESETS.balanced,
       resolutionScale: 0.75,
     });
@@ -27,13 +27,13 @@ describe('the accuracy of a picture', () => {
 
   test('takes an error that is wished for before settings, and those before a time', () => {
     const wishes = [{ maxFrameMs: 8 }, { minPsnrDb: 45 }, { maxFrameMs: 4 }, { minPsnrDb: 50 }];
-    expect(pictureAccuracy(['reference', ...wishes])).toEqual({ minPsnrDb: 50 });
-    expect(pictureAccuracy([wishes[0], 'fast', wishes[2]])).toBe('fast');
-    expect(pictureAccuracy([wishes[0], wishes[2]])).toEqual({ maxFrameMs: 4 });
+    expect(combineAccuracies(['reference', ...wishes])).toEqual({ minPsnrDb: 50 });
+    expect(combineAccuracies([wishes[0], 'fast', wishes[2]])).toBe('fast');
+    expect(combineAccuracies([wishes[0], wishes[2]])).toEqual({ maxFrameMs: 4 });
   });
 
   test('is refused where a setting is not known', () => {
-    expect(() => pictureAccuracy(['balanced', 'perfect' as never])).toThrow(InvalidArgumentError);
+    expect(() => combineAccuracies(['balanced', 'perfect' as never])).toThrow(InvalidArgumentError);
   });
 });
 

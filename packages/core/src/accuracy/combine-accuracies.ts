@@ -7,7 +7,7 @@ import { type AccuracyRequest, isAccuracyWish } from './accuracy-wish.ts';
  *
  * @throws InvalidArgumentError for unknown settings.
  */
-export function pictureAccuracy(requests: readonly AccuracyRequest[]): AccuracyRequest | undefined {
+export function combineAccuracies(requests: readonly AccuracyRequest[]): AccuracyRequest | undefined {
   const wishes = requests.filter(isAccuracyWish);
   const [clearest] = wishes.filter((wish) => 'minPsnrDb' in wish).sort((a, b) => b.minPsnrDb - a.minPsnrDb);
   if (clearest) return clearest;

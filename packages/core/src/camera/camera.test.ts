@@ -9,7 +9,7 @@ import {
   cameraPosition,
   orthographicCamera,
   perspectiveCamera,
-  pictureRay,
+  pixelRay,
   projectionOf,
 } from './camera.ts';
 
@@ -79,7 +79,7 @@ describe('cameras', () => {
     test(`${name}: the ray through a point of the picture holds what is seen there, at every depth`, () => {
       fc.assert(
         fc.property(uniform(-50, 350), uniform(-50, 250), uniform(0.01, 1000), (xPx, yPx, depthView) => {
-          const { origin, direction } = pictureRay(camera, projectionOf(camera, 300, 200), [xPx, yPx]);
+          const { origin, direction } = pixelRay(camera, projectionOf(camera, 300, 200), [xPx, yPx]);
           const point = origin.map((value, axis) => value + depthView * direction[axis]);
           const [x, y] = pixelOf(camera, point, 300, 200);
           expect(x).toBeCloseTo(xPx, 6);
@@ -162,13 +162,13 @@ describe('cameras', () => {
     const position = PLACE.position.map((value, axis) => value + far[axis]) as [number, number, number];
     const target = PLACE.target.map((value, axis) => value + far[axis]) as [number, number, number];
     const camera = perspectiveCamera({ ...PLACE, position, target, fovYDegrees: 40 });
-    const { origin } = pictureRay(camera, projectionOf(camera, 300, 200), [12, 190]);
+    const { origin } = pixelRay(camera, projectionOf(camera, 300, 200), [12, 190]);
     for (const axis of [0, 1, 2]) expect(origin[axis]).toBeCloseTo(position[axis], 7);
   });
 
   test('a singular view matrix has no rays', () => {
     const camera = { ...perspective, viewMatrix: new Float64Array(16) };
-    expect(() => pictureRay(camera, projectionOf(camera, 300, 200), [0, 0])).toThrow(InvalidArgumentError);
+    expect(() => pixelRay(camera, projectionOf(camera, 300, 200), [0, 0])).toThrow(InvalidArgumentError);
   });
 
   test('what makes no camera is refused by name', () => {

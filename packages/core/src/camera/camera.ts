@@ -162,7 +162,7 @@ export function projectionOf(camera: Camera, widthPx: number, heightPx: number):
 }
 
 /** A line of sight: what is at view depth d lies at origin + d·direction, in world space. */
-export interface PictureRay {
+export interface PixelRay {
   readonly origin: Vec3;
   /** Not normalised: as long as it takes for one unit of depth. */
   readonly direction: Vec3;
@@ -173,11 +173,11 @@ export interface PictureRay {
  *
  * @throws InvalidArgumentError where the view matrix cannot be inverted.
  */
-export function pictureRay(
+export function pixelRay(
   { viewMatrix }: Camera,
   { isOrthographic, focalPx, centerPx }: Projection,
   [xPx, yPx]: readonly [number, number],
-): PictureRay {
+): PixelRay {
   const toWorld = invert3(linearPart(viewMatrix));
   if (!toWorld) {
     throw new InvalidArgumentError(

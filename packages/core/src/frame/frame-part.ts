@@ -13,8 +13,8 @@ export interface SharedBuffers {
   readonly depthRange: GPUBuffer;
   readonly slotCount: GPUBuffer;
   readonly projectDispatches: GPUBuffer;
-  readonly survivors: GPUBuffer;
-  readonly projected: GPUBuffer;
+  readonly visibleSplats: GPUBuffer;
+  readonly records: GPUBuffer;
   /** How many splats are visible. */
   readonly visibleCount: GPUBuffer;
   readonly keys: GPUBuffer;

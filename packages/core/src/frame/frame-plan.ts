@@ -2,7 +2,7 @@ import { type AccuracySettings, layerSize, type SizePx } from '../accuracy/accur
 import { type Camera, type Projection, projectionOf } from '../camera/camera.ts';
 import type { RasterizeDepth } from '../stages/rasterize.ts';
 import { type CloudPlan, cloudShape, planCloud } from './cloud-plan.ts';
-import type { ViewFrame } from './frame-request.ts';
+import type { FrameRequest } from './frame-request.ts';
 import { type FrameOutput, type FrameShape, isSameShape, type OmittableEffect } from './frame-shape.ts';
 import { keyBitsFor } from './key-bits.ts';
 import { visibleCapacity } from './visible-capacity.ts';
@@ -13,7 +13,7 @@ import { visibleCapacity } from './visible-capacity.ts';
  */
 export interface FramePlan {
   /** As the caller gave it, its lists copied. */
-  readonly request: ViewFrame;
+  readonly request: FrameRequest;
   /** With matrices of its own: callers may write into theirs. */
   readonly camera: Camera;
   /** Size of the layer that splats are blended in. */
@@ -44,7 +44,7 @@ export interface PlanOptions {
  *
  * @throws InvalidArgumentError naming the cloud, for effects that do not go together; what a caller's own effect throws.
  */
-export function planFrame(request: ViewFrame, options: PlanOptions): FramePlan {
+export function planFrame(request: FrameRequest, options: PlanOptions): FramePlan {
   const { accuracy, dispatchRow, depth, output, omitted, last } = options;
   const camera = copied(request.camera);
   const layer = layerSize(request, accuracy);

@@ -23,7 +23,7 @@ export interface CloudInstance {
 }
 
 /** One picture. */
-export interface ViewFrame {
+export interface FrameRequest {
   readonly camera: Camera;
   /** In the order in which equal depths are drawn. */
   readonly clouds: readonly CloudInstance[];
@@ -46,7 +46,7 @@ function isMatrix(values: ArrayLike<number>): boolean {
 }
 
 /** @throws InvalidArgumentError naming what cannot be drawn and why, DestroyedError for a destroyed cloud. */
-export function checkFrame({ camera, clouds, widthPx, heightPx }: ViewFrame, device: GPUDevice): void {
+export function checkRequest({ camera, clouds, widthPx, heightPx }: FrameRequest, device: GPUDevice): void {
   if (!(Number.isInteger(widthPx) && Number.isInteger(heightPx) && widthPx >= 0 && heightPx >= 0)) {
     throw new InvalidArgumentError(
       'widthPx',

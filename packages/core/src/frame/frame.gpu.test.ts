@@ -28,31 +28,31 @@ describe('a frame', () => {
     expect(pages.map((page) => page.chunkCount)).toEqual([4, 4, 4, 3, 1, 3]);
     const chunkOffsets = await frame.words('chunkOffsets');
     const visibleChunks = await frame.words('visibleChunks');
-    const survivors = await frame.words('survivors');
+    const visibleSplats = await frame.words('visibleSplats');
     const plans = await frame.words('pagePlans');
     const cullDispatches = await frame.words('cullDispatches');
     const projectDispatches = await frame.words('projectDispatches');
     let slots = 0;
     let drawn = 0;
     for (const [index, page] of pages.entries()) {
-      const [chunkStart, chunkEnd, slotStart, slotCount, survivorStart, survivorCount] = plans.subarray(
+      const [chunkStart, chunkEnd, slotStart, slotCount, visibleStart, visibleCount] = plans.subarray(
         (PagePlan.bytes / 4) * index,
       );
       expect([chunkStart, chunkEnd]).toEqual([page.chunkStart, page.chunkStart + page.chunkCount]);
       expect(slotStart).toBe(slots);
-      expect(survivorStart).toBe(drawn);
+      expect(visibleStart).toBe(drawn);
       const isOfPage = (chunk: number) => chunk >= chunkStart && chunk < chunkEnd;
       expect(visibleChunks.subarray(slotStart, slotStart + slotCount).every(isOfPage)).toBe(true);
-      for (const splat of survivors.subarray(survivorStart, survivorStart + survivorCount))
+      for (const splat of visibleSplats.subarray(visibleStart, visibleStart + visibleCount))
         expect(isOfPage(Math.floor(splat / 256))).toBe(true);
       expect(Array.from(cullDispatches.subarray(3 * index, 3 * index + 3))).toEqual(
         dispatchSize(slotCount, dispatchRow),
       );
       expect(Array.from(projectDispatches.subarray(3 * index, 3 * index + 3))).toEqual(
-        dispatchSize(Math.ceil(survivorCount / 256), dispatchRow),
+        dispatchSize(Math.ceil(visibleCount / 256), dispatchRow),
       );
       slots += slotCount;
-      drawn += survivorCount;
+      drawn += visibleCount;
     }
     expect(slots).toBe(chunkOffsets[chunkCount]);
     expect((await frame.words('slotCount'))[0]).toBe(slots);

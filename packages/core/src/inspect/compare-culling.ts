@@ -2,7 +2,7 @@ import { type AccuracySettings, DILATION_PX2 } from '../accuracy/accuracy.ts';
 import type { Projection } from '../camera/camera.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { orderedBits } from '../layout/depth-key.ts';
-import { Chunk, PROJECTED_SPLATS } from '../layout/structs.ts';
+import { Chunk, SPLAT_RECORDS } from '../layout/structs.ts';
 import { chunkClearance } from '../reference/cull-chunks.ts';
 import { cullSplat } from '../reference/cull-splats.ts';
 import { FLOAT32_ROUNDING, projectionErrors } from './error-bounds.ts';
@@ -22,18 +22,18 @@ export interface CullingComparison {
   readonly unsureCount: number;
   /** Splats whose fate is the wrong one, in storage order. */
   readonly mismatches: readonly CullingMismatch[];
-  /** What is wrong with the list of survivors or the range of depths as such. */
+  /** What is wrong with the list of visibleSplats or the range of depths as such. */
   readonly flaws: readonly string[];
 }
 
 /** Which splats of the frame were drawn, against which the float64 twin draws. */
 export async function compareCulling(frame: InspectedFrame): Promise<CullingComparison> {
   const visibleCount = await frame.visibleCount();
-  const survivors = (await frame.words('survivors')).subarray(0, visibleCount);
-  const drawn = new Set(survivors);
+  const visibleSplats = (await frame.words('visibleSplats')).subarray(0, visibleCount);
+  const drawn = new Set(visibleSplats);
   const flaws: string[] = [];
-  if (!survivors.every((splat, i) => i === 0 || survivors[i - 1] < splat))
-    flaws.push('The survivors are not listed once each in storage order.');
+  if (!visibleSplats.every((splat, i) => i === 0 || visibleSplats[i - 1] < splat))
+    flaws.push('The visibleSplats are not listed once each in storage order.');
   flaws.push(...(await depthRangeFlaws(frame, visibleCount)));
 
   let unsureCount = 0;
@@ -116,8 +116,8 @@ function clearanceOfChunk({ packed, planes }: InspectedCloud, index: number): nu
 /** The range of depths is that of the very depths that were written. */
 async function depthRangeFlaws(frame: InspectedFrame, visibleCount: number): Promise<string[]> {
   if (visibleCount === 0) return [];
-  const { bytes, offsets } = PROJECTED_SPLATS[frame.accuracy.recordPrecision];
-  const records = new Float32Array((await frame.words('projected')).buffer);
+  const { bytes, offsets } = SPLAT_RECORDS[frame.accuracy.recordPrecision];
+  const records = new Float32Array((await frame.words('records')).buffer);
   let least = 0xffffffff;
   let most = 0;
   for (let i = 0; i < visibleCount; i++) {

@@ -22,7 +22,7 @@ export async function compareOrder(frame: InspectedFrame): Promise<string[]> {
   if (passes === 1) {
     const keys = await frame.sorted('keys');
     const at = expected.findIndex((key, i) => key !== keys[i]);
-    if (at >= 0) flaws.push(`key of survivor ${at}: got ${keys[at]}, expected ${expected[at]}`);
+    if (at >= 0) flaws.push(`key of visible splat ${at}: got ${keys[at]}, expected ${expected[at]}`);
   }
   const sortedBits = Math.min(32, passes * digitBits);
   const order = await frame.sorted('order');

@@ -8,7 +8,7 @@ import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
 import { FLOAT32_ROUNDING, type ProjectionErrors, projectionErrors } from './error-bounds.ts';
 import { FieldErrors } from './field-error.ts';
 import type { InspectedCloud, InspectedFrame } from './inspected-frame.ts';
-import { readRecords, type SplatRecord } from './read-records.ts';
+import { type DecodedRecord, readRecords } from './read-records.ts';
 
 /** What is compared of a drawn splat's record: lengths in px, Σ in px², alpha of the Gaussian around its own centre. */
 export const RECORD_FIELDS = [
@@ -47,7 +47,7 @@ export async function compareRecords(frame: InspectedFrame): Promise<FieldErrors
 
 type Add = (field: RecordField, got: number, expected: number, bound: number) => void;
 
-function compareRecord(frame: InspectedFrame, record: SplatRecord, errors: FieldErrors<RecordField>): void {
+function compareRecord(frame: InspectedFrame, record: DecodedRecord, errors: FieldErrors<RecordField>): void {
   const { cloud, index } = frame.locate(record.splat);
   const place = { cloudIndex: frame.clouds.indexOf(cloud), splatIndex: index };
   const add: Add = (field, got, expected, bound) => errors.add(place, field, got, expected, bound);
@@ -135,7 +135,7 @@ function lengthBound(majorPx: number, { rowsPx }: ProjectionErrors): number {
  * more error of the rows. Axes that are then rounded by h of their lengths add 2h(a+c) to the first order.
  */
 function compareShape(
-  record: SplatRecord,
+  record: DecodedRecord,
   twin: VisibleSplat,
   bounds: ProjectionErrors,
   rounding: RecordRounding,
@@ -166,7 +166,7 @@ function compareShape(
  */
 function compareColor(
   frame: InspectedFrame,
-  record: SplatRecord,
+  record: DecodedRecord,
   { stored, view, effects }: InspectedCloud,
   index: number,
   twin: CulledSplat,
@@ -210,7 +210,7 @@ function compareColor(
  * the exponent, |A⁻¹x|², changes by no more than the factor (1 − |D|)⁻².
  */
 function compareAlpha(
-  record: SplatRecord,
+  record: DecodedRecord,
   twin: VisibleSplat,
   bounds: ProjectionErrors,
   { longestAxisPx, axis: axisRounding, color }: RecordRounding,
@@ -246,7 +246,7 @@ function compareAlpha(
 }
 
 /** Alpha of a record's Gaussian at `offsetPx` from its centre: opacity·exp(−|p|²) in units of its axes. */
-function recordAlpha({ majorPx, minorPx, color }: SplatRecord, [x, y]: readonly number[]): number {
+function recordAlpha({ majorPx, minorPx, color }: DecodedRecord, [x, y]: readonly number[]): number {
   const determinant = majorPx[0] * minorPx[1] - majorPx[1] * minorPx[0];
   const p = (x * minorPx[1] - y * minorPx[0]) / determinant;
   const q = (y * majorPx[0] - x * majorPx[1]) / determinant;

@@ -42,7 +42,7 @@ async function nonFiniteRecord(frame: InspectedFrame): Promise<string | null> {
       continue;
     const fields = { centerPx, majorPx, minorPx, minorLengthPx, depthView, color };
     const [field, value] = Object.entries(fields).find(([, each]) => ![each].flat().every(Number.isFinite))!;
-    return `projected: record ${i}, ${field} is ${[value].flat().join(', ')}`;
+    return `records: record ${i}, ${field} is ${[value].flat().join(', ')}`;
   }
   return null;
 }

@@ -1,9 +1,9 @@
 import { fromHalfBits } from '../layout/half.ts';
-import { PROJECTED_SPLATS } from '../layout/structs.ts';
+import { SPLAT_RECORDS } from '../layout/structs.ts';
 import type { InspectedFrame } from './inspected-frame.ts';
 
 /** What `project` wrote for one drawn splat. */
-export interface SplatRecord {
+export interface DecodedRecord {
   /** Number of the splat, counting through all chunks of the frame; see `InspectedFrame.locate`. */
   readonly splat: number;
   readonly centerPx: readonly number[];
@@ -17,32 +17,32 @@ export interface SplatRecord {
   readonly color: readonly number[];
 }
 
-const recordsOf = new WeakMap<InspectedFrame, Promise<readonly SplatRecord[]>>();
+const recordsOf = new WeakMap<InspectedFrame, Promise<readonly DecodedRecord[]>>();
 
-/** The records of all drawn splats, in the order of `survivors`; read once, a frame is not drawn again. */
-export function readRecords(frame: InspectedFrame): Promise<readonly SplatRecord[]> {
+/** The records of all drawn splats, in the order of `visibleSplats`; read once, a frame is not drawn again. */
+export function readRecords(frame: InspectedFrame): Promise<readonly DecodedRecord[]> {
   const records = recordsOf.get(frame) ?? parseRecords(frame);
   recordsOf.set(frame, records);
   return records;
 }
 
-async function parseRecords(frame: InspectedFrame): Promise<readonly SplatRecord[]> {
+async function parseRecords(frame: InspectedFrame): Promise<readonly DecodedRecord[]> {
   const count = await frame.visibleCount();
-  const survivors = await frame.words('survivors');
-  const words = await frame.words('projected');
+  const visibleSplats = await frame.words('visibleSplats');
+  const words = await frame.words('records');
   const { recordPrecision } = frame.accuracy;
-  const length = PROJECTED_SPLATS[recordPrecision].bytes / 4;
+  const length = SPLAT_RECORDS[recordPrecision].bytes / 4;
   return Array.from({ length: count }, (_, i) => {
     const record = words.subarray(i * length, (i + 1) * length);
-    const splat = survivors[i];
+    const splat = visibleSplats[i];
     return recordPrecision === 'paper'
       ? { splat, ...readPaperRecord(record) }
       : { splat, ...readRecord(record, recordPrecision) };
   });
 }
 
-function readRecord(words: Uint32Array, precision: 'f32' | 'f16'): Omit<SplatRecord, 'splat'> {
-  const { offsets } = PROJECTED_SPLATS[precision];
+function readRecord(words: Uint32Array, precision: 'f32' | 'f16'): Omit<DecodedRecord, 'splat'> {
+  const { offsets } = SPLAT_RECORDS[precision];
   const floats = new Float32Array(words.buffer, words.byteOffset, words.length);
   const vector = (field: keyof typeof offsets, length: number) =>
     Array.from(floats.subarray(offsets[field] / 4, offsets[field] / 4 + length));
@@ -61,8 +61,8 @@ function readRecord(words: Uint32Array, precision: 'f32' | 'f16'): Omit<SplatRec
   };
 }
 
-function readPaperRecord(words: Uint32Array): Omit<SplatRecord, 'splat'> {
-  const { offsets } = PROJECTED_SPLATS.paper;
+function readPaperRecord(words: Uint32Array): Omit<DecodedRecord, 'splat'> {
+  const { offsets } = SPLAT_RECORDS.paper;
   const floats = new Float32Array(words.buffer, words.byteOffset, words.length);
   const minorPx = appendHalves([], words[offsets.minorPx / 4]);
   const center = offsets.centerPx / 4;

@@ -56,12 +56,12 @@ export const PagePlan = gpuStruct('PagePlan', {
   slotStart: 'u32',
   slotCount: 'u32',
   /** First drawn splat of the page in the list of all drawn splats, and how many there are. */
-  survivorStart: 'u32',
-  survivorCount: 'u32',
+  visibleStart: 'u32',
+  visibleCount: 'u32',
 });
 
 /** Sizes of a frame that the host knows. */
-export const FrameParameters = gpuStruct('FrameParameters', {
+export const CullParameters = gpuStruct('CullParameters', {
   chunkCount: 'u32',
   pageCount: 'u32',
   dispatchRow: 'u32',
@@ -86,7 +86,7 @@ export const SortParameters = gpuStruct('SortParameters', {
 export const SortPlan = gpuStruct('SortPlan', { keyCount: 'u32', tileCount: 'u32' });
 
 /** A splat as it is drawn; lengths in pixels, y down. Axes are at √2 standard deviations. 32 bytes. */
-export const ProjectedSplat = gpuStruct('ProjectedSplat', {
+export const SplatRecord = gpuStruct('SplatRecord', {
   centerPx: 'vec2f',
   majorPx: 'vec2f',
   minorLengthPx: 'f32',
@@ -96,7 +96,7 @@ export const ProjectedSplat = gpuStruct('ProjectedSplat', {
 });
 
 /** The same at `recordPrecision: 'f32'`. 48 bytes. */
-export const ProjectedSplatF32 = gpuStruct('ProjectedSplat', {
+export const SplatRecordF32 = gpuStruct('SplatRecord', {
   centerPx: 'vec2f',
   majorPx: 'vec2f',
   minorLengthPx: 'f32',
@@ -105,7 +105,7 @@ export const ProjectedSplatF32 = gpuStruct('ProjectedSplat', {
 });
 
 /** The same at `recordPrecision: 'paper'`. 24 bytes. */
-export const ProjectedSplatPaper = gpuStruct('ProjectedSplat', {
+export const SplatRecordPaper = gpuStruct('SplatRecord', {
   centerPx: 'vec2f',
   /** Two float16, none beyond ±65504. */
   majorPx: 'u32',
@@ -116,7 +116,7 @@ export const ProjectedSplatPaper = gpuStruct('ProjectedSplat', {
 });
 
 /** The record of a projected splat, by its precision. */
-export const PROJECTED_SPLATS = { f32: ProjectedSplatF32, f16: ProjectedSplat, paper: ProjectedSplatPaper };
+export const SPLAT_RECORDS = { f32: SplatRecordF32, f16: SplatRecord, paper: SplatRecordPaper };
 
 /** How the renderer around stores depth: see `DepthMapping`. */
 export const HostDepth = gpuStruct('HostDepth', { slope: 'vec2f', offset: 'f32', factor: 'f32' });
@@ -177,7 +177,7 @@ export const SHADER_STRUCTS: readonly Pick<GpuStruct<never>, 'name' | 'wgsl'>[] 
   Page,
   Chunk,
   PagePlan,
-  FrameParameters,
+  CullParameters,
   ScanParameters,
   SortParameters,
   SortPlan,

@@ -8,8 +8,8 @@ import type { ImageDifference } from '../reference/compare-images.ts';
 import { compareImages, countedError, ERROR_COUNTS } from '../stages/compare-images.ts';
 
 /** A picture with a value that is no finite number has no distance to anything. */
-export class NonFinitePictureError extends WebSplatterError {
-  override readonly name = 'NonFinitePictureError';
+export class NonFiniteImageError extends WebSplatterError {
+  override readonly name = 'NonFiniteImageError';
   readonly picture: 'actual' | 'expected';
   /** Pixels with such a value. */
   readonly pixels: number;
@@ -21,7 +21,7 @@ export class NonFinitePictureError extends WebSplatterError {
   ) {
     const { COMPARE_TILE_PX: side } = SHADER_CONSTANTS;
     super(
-      'non-finite-picture',
+      'non-finite-image',
       `The ${picture === 'actual' ? 'compared' : 'expected'} picture has values that are not finite in ${pixels} pixels, the first of them in the ${side}×${side} px from ${xPx}, ${yPx}.`,
     );
     this.picture = picture;
@@ -43,7 +43,7 @@ export interface CompareContext {
  * Submits before it returns, so that what is drawn into the textures later makes no difference.
  *
  * @param background what is behind both, 0…1.
- * @throws InvalidArgumentError for textures of different sizes, NonFinitePictureError.
+ * @throws InvalidArgumentError for textures of different sizes, NonFiniteImageError.
  */
 export async function compareTextures(
   { device, pipelines, memory }: CompareContext,
@@ -149,5 +149,5 @@ function checkFinite(tiles: DataView, picture: 'actual' | 'expected', widthPx: n
   if (pixels === 0) return;
   const tilesAcross = Math.ceil(widthPx / COMPARE_TILE_PX);
   const [column, row] = [firstTile % tilesAcross, Math.floor(firstTile / tilesAcross)];
-  throw new NonFinitePictureError(picture, pixels, [COMPARE_TILE_PX * column, COMPARE_TILE_PX * row]);
+  throw new NonFiniteImageError(picture, pixels, [COMPARE_TILE_PX * column, COMPARE_TILE_PX * row]);
 }

@@ -10,10 +10,10 @@ import type { ComparedView } from './measured-engine.ts';
  * read back, so that it takes milliseconds at any size.
  *
  * @param background what is behind both, 0…1; default black.
- * @throws InvalidArgumentError where a view has no picture yet or the sizes differ, NonFinitePictureError,
+ * @throws InvalidArgumentError where a view has no picture yet or the sizes differ, NonFiniteImageError,
  * DestroyedError.
  */
-export async function comparePictures(
+export async function compareViews(
   actual: ComparedView,
   expected: ComparedView,
   background?: Vec3,

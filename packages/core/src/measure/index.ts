@@ -2,8 +2,8 @@ export type { AccuracyWish } from '../accuracy/accuracy-wish.ts';
 export type { ImageDifference } from '../reference/compare-images.ts';
 export type { SettingName } from './candidates.ts';
 export { type AccuracyChoice, chooseAccuracy, chooseFrom } from './choose-accuracy.ts';
-export { NonFinitePictureError } from './compare-textures.ts';
-export { comparePictures } from './compare-views.ts';
+export { NonFiniteImageError } from './compare-textures.ts';
+export { compareViews } from './compare-views.ts';
 export {
   type AccuracyPoint,
   type AccuracyTable,

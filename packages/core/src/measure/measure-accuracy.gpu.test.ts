@@ -8,7 +8,7 @@ import { SplatEngine } from '../engine.ts';
 import type { CloudInstance } from '../frame/frame-request.ts';
 import { compareImages } from '../reference/compare-images.ts';
 import { chooseAccuracy } from './choose-accuracy.ts';
-import { comparePictures } from './compare-views.ts';
+import { compareViews } from './compare-views.ts';
 import { type AccuracyPoint, type MeasureProgress, measureAccuracy } from './measure-accuracy.ts';
 import { sampleCameras } from './sample-cameras.ts';
 
@@ -58,7 +58,7 @@ describe('measureAccuracy', () => {
       else expect(Math.abs(error.psnrDb - expected.psnrDb), name).toBeLessThan(0.1);
       expect(Math.abs(error.maxError - expected.maxError), name).toBeLessThan(1e-6);
       expect(Math.abs(error.ssim - expected.ssim), name).toBeLessThan(1e-4);
-      expect(await comparePictures(views[1], views[0]), name).toEqual(error);
+      expect(await compareViews(views[1], views[0]), name).toEqual(error);
     }
     for (const view of views) view.destroy();
   });
@@ -179,7 +179,7 @@ describe('chooseAccuracy', () => {
     for (const camera of cameras) {
       tested.render({ ...common, camera, accuracy: choice.settings });
       reference.render({ ...common, camera, accuracy: choice.table.reference.settings });
-      expect((await comparePictures(tested, reference)).psnrDb).toBeGreaterThanOrEqual(40);
+      expect((await compareViews(tested, reference)).psnrDb).toBeGreaterThanOrEqual(40);
     }
     for (const view of [tested, reference]) view.destroy();
     const impossible = await chooseAccuracy(engine, { maxFrameMs: 1e-6 }, options);

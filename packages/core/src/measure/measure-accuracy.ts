@@ -6,14 +6,14 @@ import {
 } from '../accuracy/accuracy.ts';
 import type { Camera } from '../camera/camera.ts';
 import { InvalidArgumentError } from '../errors.ts';
-import type { CloudInstance, ViewFrame } from '../frame/frame-request.ts';
+import type { CloudInstance, FrameRequest } from '../frame/frame-request.ts';
 import type { CloudPrecision } from '../packing/precision.ts';
 import type { ImageDifference } from '../reference/compare-images.ts';
 import { isPlausible, type StageTimings } from '../timing/frame-statistics.ts';
 import { type Candidate, combined, type SettingName, singleCandidates } from './candidates.ts';
 import { combineChanges, type FirstLook, MAX_COMBINATIONS } from './combine-changes.ts';
-import { NonFinitePictureError } from './compare-textures.ts';
-import { comparePictures } from './compare-views.ts';
+import { NonFiniteImageError } from './compare-textures.ts';
+import { compareViews } from './compare-views.ts';
 import { leasePlanes } from './lease-planes.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 import { drawMeasured, withView } from './measured-frames.ts';
@@ -109,7 +109,7 @@ const FRAMES_PER_VISIT = 3;
  * number of points. The clouds are held in every precision that is compared, which may mean to read their sources again;
  * afterwards they are as they were. Other work of the page goes on between frames; what it does on the GPU is measured with the rest.
  *
- * @throws InvalidArgumentError, GpuLimitError, DestroyedError, NonFinitePictureError of the reference; the reason of
+ * @throws InvalidArgumentError, GpuLimitError, DestroyedError, NonFiniteImageError of the reference; the reason of
  * `signal`.
  */
 export async function measureAccuracy(
@@ -269,7 +269,7 @@ class Sweep {
         for (const candidate of [...errors.keys()]) {
           this.#step(`Comparing ${candidate.name} with the reference`);
           const found = await this.#compare(candidate, camera, reference).catch((error) => {
-            if (!(error instanceof NonFinitePictureError) || error.picture !== 'actual') throw error;
+            if (!(error instanceof NonFiniteImageError) || error.picture !== 'actual') throw error;
             this.#notes.push(`${candidate.name} is left out: ${error.message}`);
             return null;
           });
@@ -299,7 +299,7 @@ class Sweep {
     const view = engine.createView();
     try {
       view.render(this.#frame(camera, settings));
-      const error = await comparePictures(view, reference);
+      const error = await compareViews(view, reference);
       const { totalBytes } = engine.memory();
       view.destroy();
       const viewBytes = totalBytes - engine.memory().totalBytes;
@@ -345,7 +345,7 @@ class Sweep {
     });
   }
 
-  #frame(camera: Camera, accuracy: AccuracySettings): ViewFrame {
+  #frame(camera: Camera, accuracy: AccuracySettings): FrameRequest {
     const { clouds, widthPx, heightPx } = this.#options;
     return { camera, clouds, widthPx, heightPx, accuracy };
   }

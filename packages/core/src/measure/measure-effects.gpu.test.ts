@@ -3,7 +3,7 @@ import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
 import { tint } from '../effects/index.ts';
 import { SplatEngine } from '../engine.ts';
 import { InvalidArgumentError } from '../errors.ts';
-import type { ViewFrame } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/frame-request.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import { measureEffects } from './measure-effects.ts';
@@ -13,7 +13,7 @@ const CAMERA = testCameras(1).perspective;
 
 let device: GPUDevice;
 let engine: SplatEngine;
-let frame: ViewFrame;
+let frame: FrameRequest;
 beforeAll(async () => {
   device = await createTestDevice();
   engine = await SplatEngine.create({ device });
@@ -44,7 +44,7 @@ describe('measureEffects', () => {
     await measureEffects(engine, frame, { frames: 1 });
     const labels = createBuffer.mock.calls.map(([{ label }]) => label);
     createBuffer.mockRestore();
-    for (const label of ['frame projected', 'frame survivors', 'frame kept colors'])
+    for (const label of ['frame projected', 'frame visibleSplats', 'frame kept colors'])
       expect(labels.filter((made) => made === label)).toEqual([label]);
   });
 

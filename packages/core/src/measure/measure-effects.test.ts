@@ -2,7 +2,7 @@ import { expect, test } from 'vitest';
 import { perspectiveCamera } from '../camera/camera.ts';
 import { brightness, tint } from '../effects/index.ts';
 import type { SplatEngine } from '../engine.ts';
-import type { ViewFrame } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/frame-request.ts';
 import type { OmittableEffect } from '../frame/frame-shape.ts';
 import type { EffectEntry } from '../ledger/ledger.ts';
 import type { SplatView } from '../views/splat-view.ts';
@@ -61,7 +61,7 @@ function fakeEngine(): SplatEngine {
   return { device, lost: new Promise(() => {}), accuracy: {}, createView } as unknown as SplatEngine;
 }
 
-function effectsOf({ clouds: [{ shDegree = 3, effects = [] }], force }: ViewFrame): string[] {
+function effectsOf({ clouds: [{ shDegree = 3, effects = [] }], force }: FrameRequest): string[] {
   return [
     ...(shDegree > 0 ? ['harmonics'] : []),
     'isotropic',

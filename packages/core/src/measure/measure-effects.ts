@@ -2,7 +2,7 @@ import { isAccuracyWish } from '../accuracy/accuracy-wish.ts';
 import type { Camera } from '../camera/camera.ts';
 import { antialias } from '../effects/antialias.ts';
 import { InvalidArgumentError } from '../errors.ts';
-import type { ViewFrame } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/frame-request.ts';
 import type { OmittableEffect } from '../frame/frame-shape.ts';
 import { FOUND_EFFECTS } from '../ledger/found-effects.ts';
 import type { EffectEntry } from '../ledger/ledger.ts';
@@ -53,13 +53,13 @@ const DEFAULT_FRAMES = 15;
  */
 export async function measureEffects(
   engine: MeasuredEngine,
-  frame: Pick<ViewFrame, 'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy'>,
+  frame: Pick<FrameRequest, 'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy'>,
   { frames = DEFAULT_FRAMES, signal, onProgress }: MeasureEffectsOptions = {},
 ): Promise<EffectCost[]> {
   checkOptions(frame, frames);
   const { accuracy = engine.accuracy } = frame;
   const settings = isAccuracyWish(accuracy) ? engine.accuracy : accuracy;
-  const picture: ViewFrame = { ...frame, accuracy: settings, force: true };
+  const picture: FrameRequest = { ...frame, accuracy: settings, force: true };
   return withView(engine, async (view) => {
     signal?.throwIfAborted();
     await drawMeasured(engine, view, picture);
@@ -90,7 +90,7 @@ export async function measureEffects(
 /** Frames that differ in nothing that takes time. */
 interface FrameKind {
   /** What to draw next. */
-  readonly next: () => ViewFrame;
+  readonly next: () => FrameRequest;
   readonly omitted: readonly OmittableEffect[];
 }
 
@@ -130,7 +130,7 @@ class FrameTimer {
 }
 
 /** Null for what a picture cannot do without, and what it does not have. */
-function comparisonFor(entry: EffectEntry, picture: ViewFrame): Comparison | null {
+function comparisonFor(entry: EffectEntry, picture: FrameRequest): Comparison | null {
   const { name, isOn } = entry;
   const whole: FrameKind = { next: () => picture, omitted: [] };
   const comparedWith = (without: FrameKind): Comparison => ({
@@ -181,7 +181,7 @@ const MOST_ATTEMPTS = 30;
 const TURN_RADIANS = 1e-6;
 
 /** The picture from one place, the camera each time turned a little further about its line of sight. */
-function turning(picture: ViewFrame): () => ViewFrame {
+function turning(picture: FrameRequest): () => FrameRequest {
   let turns = 0;
   return () => {
     const angle = ++turns * TURN_RADIANS;
@@ -192,7 +192,10 @@ function turning(picture: ViewFrame): () => ViewFrame {
   };
 }
 
-function checkOptions({ widthPx, heightPx }: Pick<ViewFrame, 'widthPx' | 'heightPx'>, frames: number): void {
+function checkOptions(
+  { widthPx, heightPx }: Pick<FrameRequest, 'widthPx' | 'heightPx'>,
+  frames: number,
+): void {
   for (const [name, value] of Object.entries({ widthPx, heightPx, frames })) {
     if (!(Number.isInteger(value) && value >= 1))
       throw new InvalidArgumentError(name, `${name} is ${value}; it must be a whole number from 1 on.`);

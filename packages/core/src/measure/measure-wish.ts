@@ -1,6 +1,6 @@
 import { ACCURACY_SETTINGS, DEFAULT_ACCURACY } from '../accuracy/accuracy.ts';
 import type { AccuracyWish } from '../accuracy/accuracy-wish.ts';
-import type { CloudInstance, ViewFrame } from '../frame/frame-request.ts';
+import type { CloudInstance, FrameRequest } from '../frame/frame-request.ts';
 import { isSoftwareAdapter } from '../gpu/device.ts';
 import type { Bounds } from '../packing/packed-cloud.ts';
 import { type AccuracyChoice, chooseFrom } from './choose-accuracy.ts';
@@ -35,7 +35,7 @@ export interface WishOptions {
 export async function measureWish(
   engine: MeasuredEngine,
   wish: AccuracyWish,
-  { camera, clouds, widthPx, heightPx }: ViewFrame,
+  { camera, clouds, widthPx, heightPx }: FrameRequest,
   { previous, signal, onProgress }: WishOptions,
 ): Promise<AccuracyChoice> {
   const isSoftware = isSoftwareAdapter(engine.device.adapterInfo);

@@ -1,5 +1,5 @@
 import type { Accuracy, AccuracySettings, PossibleAccuracy } from '../accuracy/accuracy.ts';
-import type { ViewFrame } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/frame-request.ts';
 import type { OmittableEffect } from '../frame/frame-shape.ts';
 import type { GpuMemoryReport } from '../gpu/gpu-memory.ts';
 import type { EffectEntry } from '../ledger/ledger.ts';
@@ -27,7 +27,7 @@ export interface ComparedView {
 /** What measuring needs of a view: every `SplatView` has it. */
 export interface MeasuredView extends ComparedView {
   onStatistics: ((statistics: FrameStatistics) => void) | null;
-  render(frame: ViewFrame): boolean;
+  render(frame: FrameRequest): boolean;
   effects(): readonly EffectEntry[];
   omitEffects(effects: readonly OmittableEffect[]): void;
   destroy(): void;

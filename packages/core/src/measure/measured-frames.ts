@@ -1,5 +1,5 @@
 import { WebSplatterError } from '../errors.ts';
-import type { ViewFrame } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/frame-request.ts';
 import type { StageTimings } from '../timing/frame-statistics.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 
@@ -28,7 +28,7 @@ export async function withView<Result>(
 export async function drawMeasured(
   engine: MeasuredEngine,
   view: MeasuredView,
-  frame: ViewFrame,
+  frame: FrameRequest,
 ): Promise<StageTimings> {
   const measured = new Promise<StageTimings>((resolve) => {
     view.onStatistics = ({ timing }) => resolve(timing);

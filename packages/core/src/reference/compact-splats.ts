@@ -10,12 +10,12 @@ export function compactSplats(
   visibleChunks: ArrayLike<number>,
   visibilityMasks: ArrayLike<number>,
 ): number[] {
-  const survivors: number[] = [];
+  const visibleSplats: number[] = [];
   for (let slot = 0; slot < visibleChunks.length; slot++) {
     for (let lane = 0; lane < CHUNK_SPLATS; lane++) {
       const word = visibilityMasks[slot * SHADER_CONSTANTS.MASK_WORDS + (lane >> 5)];
-      if ((word >>> (lane & 31)) & 1) survivors.push(visibleChunks[slot] * CHUNK_SPLATS + lane);
+      if ((word >>> (lane & 31)) & 1) visibleSplats.push(visibleChunks[slot] * CHUNK_SPLATS + lane);
     }
   }
-  return survivors;
+  return visibleSplats;
 }

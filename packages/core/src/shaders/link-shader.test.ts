@@ -65,10 +65,10 @@ describe('linked shaders', () => {
     const unseen = new Set(Object.values(structs).flatMap((value) => ('wgsl' in value ? [value.name] : [])));
     for (const { stage, reflection } of linked) {
       const { RECORD_F32: isF32, RECORD_PAPER: isPaper } = stage.conditions ?? {};
-      const record = structs.PROJECTED_SPLATS[isF32 ? 'f32' : isPaper ? 'paper' : 'f16'];
+      const record = structs.SPLAT_RECORDS[isF32 ? 'f32' : isPaper ? 'paper' : 'f16'];
       const known: Record<string, GpuStruct<GpuFields>> = {
         ...(structs as unknown as Record<string, GpuStruct<GpuFields>>),
-        ProjectedSplat: record as never,
+        SplatRecord: record as never,
       };
       for (const { name, size, members } of reflection.structs) {
         // Structs of functions' own never reach a buffer.

@@ -1,6 +1,6 @@
 import { MAX_FRAGMENT_ALPHA } from '../accuracy/accuracy.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
-import { PROJECTED_SPLATS, SHADER_STRUCTS } from '../layout/structs.ts';
+import { SHADER_STRUCTS, SPLAT_RECORDS } from '../layout/structs.ts';
 import { type LinkInput, linkModules, type ShaderModules } from './shader-linker.ts';
 
 /** All but those that only measuring and making planes need: they come with it. */
@@ -96,7 +96,7 @@ export function linkInput(
   { stage, source, conditions = {}, constants = {}, effects }: ShaderVariant,
   mutation?: ShaderMutation,
 ): LinkInput {
-  const { f32, f16, paper } = PROJECTED_SPLATS;
+  const { f32, f16, paper } = SPLAT_RECORDS;
   const record = conditions.RECORD_F32 ? f32 : conditions.RECORD_PAPER ? paper : f16;
   const root = moduleName(`stages/${stage}`);
   const values = Object.entries({ ...SHADER_CONSTANTS, MAX_FRAGMENT_ALPHA, ...constants });

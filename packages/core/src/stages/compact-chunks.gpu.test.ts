@@ -2,7 +2,7 @@ import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
-import { FrameParameters } from '../layout/structs.ts';
+import { CullParameters } from '../layout/structs.ts';
 import { compactChunks as compactTwin } from '../reference/compact-chunks.ts';
 import { prefixScan } from '../reference/prefix-scan.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
@@ -19,15 +19,15 @@ describe('compact-chunks', () => {
         const random = seededRandom(chunkCount);
         const flags = Array.from({ length: chunkCount }, () => (random() < visiblePart ? 1 : 0));
         const dispatchRow = 7;
-        const parameters = new ArrayBuffer(FrameParameters.bytes);
-        FrameParameters.write(parameters, { chunkCount, pageCount: 1, dispatchRow });
+        const parameters = new ArrayBuffer(CullParameters.bytes);
+        CullParameters.write(parameters, { chunkCount, pageCount: 1, dispatchRow });
         const visibleChunks = storageBuffer(device, new Uint32Array(chunkCount).fill(0xffffffff));
         await runStage(
           device,
           pipelines,
           compactChunks,
           {
-            frame: uniformBuffer(device, parameters),
+            cullParameters: uniformBuffer(device, parameters),
             chunkOffsets: storageBuffer(device, prefixScan(flags)),
             visibleChunks,
           },

@@ -4,5 +4,5 @@ import type { StageDefinition } from '../gpu/pipelines.ts';
 export const compactChunks = {
   stage: 'compact-chunks',
   entryPoint: 'compactChunks',
-  bindings: { frame: [0, 'uniform'], chunkOffsets: [1, 'read'], visibleChunks: [2, 'read-write'] },
+  bindings: { cullParameters: [0, 'uniform'], chunkOffsets: [1, 'read'], visibleChunks: [2, 'read-write'] },
 } as const satisfies StageDefinition;

@@ -2,7 +2,7 @@ import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
-import { FrameParameters } from '../layout/structs.ts';
+import { CullParameters } from '../layout/structs.ts';
 import { compactSplats as compactTwin } from '../reference/compact-splats.ts';
 import { prefixScan } from '../reference/prefix-scan.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
@@ -30,27 +30,27 @@ describe('compact-splats', () => {
       const counts = visibleChunks.map(
         (_, slot) => compactTwin([0], masks.subarray(8 * slot, 8 * slot + 8)).length,
       );
-      const parameters = new ArrayBuffer(FrameParameters.bytes);
-      FrameParameters.write(parameters, { chunkCount, pageCount: 1, dispatchRow: 7 });
+      const parameters = new ArrayBuffer(CullParameters.bytes);
+      CullParameters.write(parameters, { chunkCount, pageCount: 1, dispatchRow: 7 });
       const chunkOffsets = new Uint32Array(chunkCount + 1);
       chunkOffsets[chunkCount] = slots;
-      const survivors = storageBuffer(device, new Uint32Array(256 * chunkCount).fill(0xffffffff));
+      const visibleSplats = storageBuffer(device, new Uint32Array(256 * chunkCount).fill(0xffffffff));
       await runStage(
         device,
         pipelines,
         compactSplats,
         {
-          frame: uniformBuffer(device, parameters),
+          cullParameters: uniformBuffer(device, parameters),
           chunkOffsets: storageBuffer(device, chunkOffsets),
           visibleChunks: storageBuffer(device, visibleChunks, 4 * chunkCount),
           visibilityMasks: storageBuffer(device, masks),
           splatOffsets: storageBuffer(device, prefixScan(counts), 4 * (chunkCount + 1)),
-          survivors,
+          visibleSplats,
         },
         // A workgroup too many has nothing to do.
         dispatchSize(slots + 1, 7),
       );
-      const words = await readWords(device, survivors);
+      const words = await readWords(device, visibleSplats);
       expect(words.subarray(0, expected.length)).toEqual(Uint32Array.from(expected));
       expect(words.subarray(expected.length).every((word) => word === 0xffffffff)).toBe(true);
     }

@@ -5,11 +5,11 @@ export const compactSplats = {
   stage: 'compact-splats',
   entryPoint: 'compactSplats',
   bindings: {
-    frame: [0, 'uniform'],
+    cullParameters: [0, 'uniform'],
     chunkOffsets: [1, 'read'],
     visibleChunks: [2, 'read'],
     visibilityMasks: [3, 'read'],
     splatOffsets: [4, 'read'],
-    survivors: [5, 'read-write'],
+    visibleSplats: [5, 'read-write'],
   },
 } as const satisfies StageDefinition;

@@ -3,7 +3,7 @@ import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { fromHalfBits, toHalfBits } from '../layout/half.ts';
-import { compareTextures, NonFinitePictureError } from '../measure/compare-textures.ts';
+import { compareTextures, NonFiniteImageError } from '../measure/compare-textures.ts';
 import { compareImages, type ImageDifference } from '../reference/compare-images.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 
@@ -170,7 +170,7 @@ describe('compare-images', () => {
       await expect(onGpu(bad, good, size)).rejects.toThrow(
         'The compared picture has values that are not finite in 1 pixels, the first of them in the 16×16 px from 32, 16.',
       );
-      await expect(onGpu(good, bad, size)).rejects.toThrow(NonFinitePictureError);
+      await expect(onGpu(good, bad, size)).rejects.toThrow(NonFiniteImageError);
     }
   });
 

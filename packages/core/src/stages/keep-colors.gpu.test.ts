@@ -5,7 +5,7 @@ import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../layout/constants.ts';
 import { fromHalfBits, toHalfBits } from '../layout/half.ts';
-import { Page, PagePlan, PROJECTED_SPLATS, View } from '../layout/structs.ts';
+import { Page, PagePlan, SPLAT_RECORDS, View } from '../layout/structs.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { type DrawnColor, keepColors as keepTwin } from '../reference/keep-colors.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
@@ -55,7 +55,7 @@ async function check(
   pipelines = new Pipelines(device),
 ): Promise<void> {
   const random = seededRandom(visiblePart + viewpoint);
-  const record = PROJECTED_SPLATS[precision];
+  const record = SPLAT_RECORDS[precision];
   const recordWords = record.bytes / 4;
   const entryWords = precision === 'f32' ? 4 : 2;
   const chunkStarts = PAGES.map((_, page) =>
@@ -70,7 +70,7 @@ async function check(
         drawn.push({ splat: chunkStarts[page] * CHUNK_SPLATS + index, ...recordColor(precision, random) });
     const count = drawn.length - start;
     const unread = { chunkStart: OLD, chunkEnd: OLD, slotStart: OLD, slotCount: OLD };
-    const visible = { survivorStart: start, survivorCount: count };
+    const visible = { visibleStart: start, visibleCount: count };
     PagePlan.write(plans, { ...unread, ...visible }, page * PagePlan.bytes);
     return count;
   });
@@ -85,11 +85,11 @@ async function check(
   const shared = {
     view: uniformBuffer(device, view),
     pagePlans: storageBuffer(device, new Uint32Array(plans)),
-    survivors: storageBuffer(
+    visibleSplats: storageBuffer(
       device,
       drawn.map(({ splat }) => splat),
     ),
-    projected: storageBuffer(device, records),
+    records: storageBuffer(device, records),
   };
 
   for (const [page, splatCount] of PAGES.entries()) {

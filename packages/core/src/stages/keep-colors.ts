@@ -12,8 +12,8 @@ export function keepColors(recordPrecision: RecordPrecision): StageDefinition {
       view: [0, 'uniform'],
       page: [1, 'uniform'],
       pagePlans: [2, 'read'],
-      survivors: [3, 'read'],
-      projected: [4, 'read'],
+      visibleSplats: [3, 'read'],
+      records: [4, 'read'],
       keptColors: [5, 'read-write'],
     },
   };

@@ -13,8 +13,8 @@ export function pick(recordPrecision: RecordPrecision) {
       parameters: [1, 'uniform'],
       visibleCount: [2, 'read'],
       order: [3, 'read'],
-      survivors: [4, 'read'],
-      projected: [5, 'read'],
+      visibleSplats: [4, 'read'],
+      records: [5, 'read'],
       blocks: [6, 'read-write'],
     },
   } as const satisfies StageDefinition;

@@ -3,7 +3,7 @@ import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
-import { FrameParameters, PagePlan } from '../layout/structs.ts';
+import { CullParameters, PagePlan } from '../layout/structs.ts';
 import { planCull as planTwin } from '../reference/plan-cull.ts';
 import { prefixScan } from '../reference/prefix-scan.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
@@ -40,14 +40,14 @@ async function run({ pageCount, visiblePart, dispatchRow }: Frame, pipelines = n
   const plansOf = (slots: readonly { slotStart: number; slotCount: number }[]) => {
     const plans = new ArrayBuffer(pageCount * PagePlan.bytes);
     for (const [page, chunks] of pages.entries()) {
-      const later = { survivorStart: GARBAGE, survivorCount: GARBAGE };
+      const later = { visibleStart: GARBAGE, visibleCount: GARBAGE };
       PagePlan.write(plans, { ...chunks, ...slots[page], ...later }, page * PagePlan.bytes);
     }
     return new Uint32Array(plans);
   };
   const garbage = (words: number) => storageBuffer(device, new Uint32Array(words).fill(GARBAGE));
-  const parameters = new ArrayBuffer(FrameParameters.bytes);
-  FrameParameters.write(parameters, { chunkCount, pageCount, dispatchRow });
+  const parameters = new ArrayBuffer(CullParameters.bytes);
+  CullParameters.write(parameters, { chunkCount, pageCount, dispatchRow });
   const written = {
     pagePlans: storageBuffer(device, plansOf(pages.map(() => ({ slotStart: GARBAGE, slotCount: GARBAGE })))),
     slotCount: garbage(1),
@@ -55,7 +55,7 @@ async function run({ pageCount, visiblePart, dispatchRow }: Frame, pipelines = n
     depthRange: garbage(2),
   };
   const bindings = {
-    frame: uniformBuffer(device, parameters),
+    cullParameters: uniformBuffer(device, parameters),
     chunkOffsets: storageBuffer(device, prefixScan(flags)),
     ...written,
   };

@@ -5,7 +5,7 @@ export const planCull = {
   stage: 'plan-cull',
   entryPoint: 'planCull',
   bindings: {
-    frame: [0, 'uniform'],
+    cullParameters: [0, 'uniform'],
     chunkOffsets: [1, 'read'],
     pagePlans: [2, 'read-write'],
     slotCount: [3, 'read-write'],

@@ -3,7 +3,7 @@ import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../layout/constants.ts';
-import { FrameParameters, PagePlan } from '../layout/structs.ts';
+import { CullParameters, PagePlan } from '../layout/structs.ts';
 import { planProject as planTwin } from '../reference/plan-project.ts';
 import { prefixScan } from '../reference/prefix-scan.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
@@ -42,14 +42,14 @@ async function run({ pageCount, maxSlots, dispatchRow }: Frame, pipelines = new 
     const plans = new ArrayBuffer(pageCount * PagePlan.bytes);
     for (const [page, { visibleStart, visibleCount }] of splats.entries()) {
       const chunks = { chunkStart: GARBAGE, chunkEnd: GARBAGE };
-      const visible = { survivorStart: visibleStart, survivorCount: visibleCount };
+      const visible = { visibleStart: visibleStart, visibleCount: visibleCount };
       PagePlan.write(plans, { ...chunks, ...pages[page], ...visible }, page * PagePlan.bytes);
     }
     return new Uint32Array(plans);
   };
   const garbage = (words: number) => storageBuffer(device, new Uint32Array(words).fill(GARBAGE));
-  const parameters = new ArrayBuffer(FrameParameters.bytes);
-  FrameParameters.write(parameters, { chunkCount: slotCount + 3, pageCount, dispatchRow });
+  const parameters = new ArrayBuffer(CullParameters.bytes);
+  CullParameters.write(parameters, { chunkCount: slotCount + 3, pageCount, dispatchRow });
   const written = {
     pagePlans: storageBuffer(
       device,
@@ -60,7 +60,7 @@ async function run({ pageCount, maxSlots, dispatchRow }: Frame, pipelines = new 
     drawArguments: garbage(4),
   };
   const bindings = {
-    frame: uniformBuffer(device, parameters),
+    cullParameters: uniformBuffer(device, parameters),
     // Sums of an earlier frame lie behind.
     splatOffsets: storageBuffer(device, [...prefixScan(splatCounts), GARBAGE, GARBAGE]),
     slotCount: storageBuffer(device, [slotCount]),

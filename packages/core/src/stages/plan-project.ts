@@ -5,7 +5,7 @@ export const planProject = {
   stage: 'plan-project',
   entryPoint: 'planProject',
   bindings: {
-    frame: [0, 'uniform'],
+    cullParameters: [0, 'uniform'],
     splatOffsets: [1, 'read'],
     slotCount: [2, 'read'],
     pagePlans: [3, 'read-write'],

@@ -35,10 +35,10 @@ export function project(variant: ProjectVariant): StageDefinition {
     view: [0, 'uniform'],
     page: [1, 'uniform'],
     pagePlans: [2, 'read'],
-    survivors: [3, 'read'],
+    visibleSplats: [3, 'read'],
     depthRange: [4, 'uniform'],
     geometry: [5, 'read'],
-    projected: [6, 'read-write'],
+    records: [6, 'read-write'],
     keys: [7, 'read-write'],
     ...effectBindings(effects, ['splat', 'color']),
   };

@@ -4,7 +4,7 @@ import { DILATION_PX2 } from '../accuracy/accuracy.ts';
 import { Pipelines, type RenderState } from '../gpu/pipelines.ts';
 import { readTexture } from '../gpu/read-texture.ts';
 import { FLOAT32_ROUNDING } from '../inspect/error-bounds.ts';
-import { ProjectedSplatF32, View } from '../layout/structs.ts';
+import { SplatRecordF32, View } from '../layout/structs.ts';
 import type { VisibleSplat } from '../reference/cull-splats.ts';
 import { rasterizeSplat } from '../reference/rasterize.ts';
 import { storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
@@ -54,9 +54,9 @@ async function drawOnGpu(splat: DrawnSplat, widthPx: number, heightPx: number) {
     dilationPx2: DILATION_PX2,
     dispatchRow: 1,
   });
-  const record = new ArrayBuffer(ProjectedSplatF32.bytes);
+  const record = new ArrayBuffer(SplatRecordF32.bytes);
   const { majorLengthPx, minorLengthPx, angle, centerPx, opacity } = splat;
-  ProjectedSplatF32.write(record, {
+  SplatRecordF32.write(record, {
     centerPx,
     majorPx: [majorLengthPx * Math.cos(angle), majorLengthPx * Math.sin(angle)],
     minorLengthPx,
@@ -78,7 +78,7 @@ async function drawOnGpu(splat: DrawnSplat, widthPx: number, heightPx: number) {
     pipelines.bindGroup(stage, {
       view: uniformBuffer(device, view),
       order: storageBuffer(device, [0]),
-      projected: storageBuffer(device, new Uint32Array(record)),
+      records: storageBuffer(device, new Uint32Array(record)),
     }),
   );
   pass.draw(4);

@@ -42,7 +42,7 @@ export function rasterize({ recordPrecision, extent, depth }: RasterizeVariant):
   const bindings: Record<string, readonly [number, BindingKind]> = {
     view: [0, 'uniform'],
     order: [1, 'read'],
-    projected: [2, 'read'],
+    records: [2, 'read'],
   };
   if (depth) bindings.hostDepth = [3, 'uniform'];
   return {

@@ -1,7 +1,7 @@
 import { expect } from 'vitest';
 import { DILATION_PX2 } from '../accuracy/accuracy.ts';
 import { InspectedFrame, type InspectOptions } from '../inspect/inspected-frame.ts';
-import { readRecords, type SplatRecord } from '../inspect/read-records.ts';
+import { type DecodedRecord, readRecords } from '../inspect/read-records.ts';
 import { cullSplat } from '../reference/cull-splats.ts';
 import { splatColor } from '../reference/project.ts';
 
@@ -27,7 +27,7 @@ export async function expectAsTwin(
 
 async function compare(frame: InspectedFrame, tolerance: number): Promise<number[]> {
   const { alphaCutoff, shDegree } = frame.accuracy;
-  const records = new Map<string, SplatRecord>();
+  const records = new Map<string, DecodedRecord>();
   for (const record of await readRecords(frame)) {
     const { cloud, index } = frame.locate(record.splat);
     records.set(`${frame.clouds.indexOf(cloud)} ${index}`, record);

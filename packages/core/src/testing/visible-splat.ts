@@ -1,8 +1,8 @@
-import type { SplatRecord } from '../inspect/read-records.ts';
+import type { DecodedRecord } from '../inspect/read-records.ts';
 import type { VisibleSplat } from '../reference/cull-splats.ts';
 
 /** What float64 draws of a record: the very numbers that the GPU reads. */
-export function visibleSplatOf(record: SplatRecord): VisibleSplat {
+export function visibleSplatOf(record: DecodedRecord): VisibleSplat {
   const { centerPx, majorPx, minorPx, depthView, color } = record;
   const [[x, y], [minorX, minorY]] = [majorPx, minorPx];
   return {

@@ -5,9 +5,9 @@ import { perspectiveCamera } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../engine.ts';
 import { DestroyedError } from '../errors.ts';
-import type { ViewFrame } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/frame-request.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
-import { comparePictures } from '../measure/compare-views.ts';
+import { compareViews } from '../measure/compare-views.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 
 const SIZE = { widthPx: 64, heightPx: 64 };
@@ -29,7 +29,7 @@ function cameraAt(x: number) {
   return perspectiveCamera({ position: [x, 0, 4], target: [0, 0, 0], fovYDegrees: 45, aspect: 1 });
 }
 
-function frameOf(clouds: readonly SplatCloud[], x = 0): ViewFrame {
+function frameOf(clouds: readonly SplatCloud[], x = 0): FrameRequest {
   return { camera: cameraAt(x), clouds: clouds.map((each) => ({ cloud: each })), ...SIZE, accuracy: WISH };
 }
 
@@ -83,7 +83,7 @@ describe('a view with a wish', () => {
       await lease.met;
       const reference = engine.createView();
       reference.render({ ...frameOf([cloud]), accuracy: choice.table.reference.settings });
-      expect((await comparePictures(view, reference)).psnrDb).toBeGreaterThanOrEqual(WISH.minPsnrDb);
+      expect((await compareViews(view, reference)).psnrDb).toBeGreaterThanOrEqual(WISH.minPsnrDb);
       reference.destroy();
       lease.release();
 

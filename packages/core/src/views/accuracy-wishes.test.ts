@@ -3,7 +3,7 @@ import { internAccuracy } from '../accuracy/accuracy.ts';
 import { internWish } from '../accuracy/accuracy-wish.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { DestroyedError } from '../errors.ts';
-import type { ViewFrame } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/frame-request.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { WishOptions } from '../measure/measure-wish.ts';
 import { AccuracyWishes, type WishedScene, type WishingView } from './accuracy-wishes.ts';
@@ -14,7 +14,7 @@ const BICYCLE = { ...GARDEN } as SplatCloud;
 
 /** A measurement that has begun, to be ended by the test. */
 interface Begun extends WishOptions {
-  readonly picture: ViewFrame;
+  readonly picture: FrameRequest;
   end(settings: AccuracyChoice['settings']): Promise<AccuracyChoice>;
   fail(error: Error): Promise<void>;
 }
@@ -58,16 +58,16 @@ function passMs(durationMs: number): Promise<unknown> {
   return vi.advanceTimersByTimeAsync(durationMs);
 }
 
-function pictureOf(clouds: readonly SplatCloud[], widthPx = 64): ViewFrame {
+function pictureOf(clouds: readonly SplatCloud[], widthPx = 64): FrameRequest {
   const instances = clouds.map((cloud) => ({ cloud }));
-  return { camera: {} as ViewFrame['camera'], clouds: instances, widthPx, heightPx: 64 };
+  return { camera: {} as FrameRequest['camera'], clouds: instances, widthPx, heightPx: 64 };
 }
 
 class FakeView implements WishingView {
   readonly told: AccuracyChoice[] = [];
   scene: WishedScene | null = null;
 
-  show(picture: ViewFrame, wish = WISH): void {
+  show(picture: FrameRequest, wish = WISH): void {
     const scene = wishes.sceneOf(wish, picture, this.scene?.choice ?? null);
     if (scene !== this.scene) {
       this.leave();

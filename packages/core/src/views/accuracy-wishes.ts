@@ -1,7 +1,7 @@
 import type { AccuracyWish } from '../accuracy/accuracy-wish.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
-import type { ViewFrame } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/frame-request.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { MeasureProgress } from '../measure/measure-accuracy.ts';
 import type { WishOptions } from '../measure/measure-wish.ts';
@@ -19,12 +19,16 @@ export interface ChooseAccuracyOptions {
 /** What a choice is told to. */
 export interface WishingView {
   /** @param picture its last one. */
-  onChosen(choice: AccuracyChoice, picture: ViewFrame): void;
+  onChosen(choice: AccuracyChoice, picture: FrameRequest): void;
 }
 
 interface WishContext {
   /** Chooses settings for what `picture` shows, and makes its clouds hold what they take. */
-  readonly measure: (wish: AccuracyWish, picture: ViewFrame, options: WishOptions) => Promise<AccuracyChoice>;
+  readonly measure: (
+    wish: AccuracyWish,
+    picture: FrameRequest,
+    options: WishOptions,
+  ) => Promise<AccuracyChoice>;
   /** Makes the clouds hold what `choice` takes, as far as it can be had, and nothing that no view is drawn with; never rejects. */
   readonly adopt: (choice: AccuracyChoice, clouds: readonly SplatCloud[]) => Promise<void>;
 }
@@ -47,7 +51,7 @@ export class AccuracyWishes {
   }
 
   /** The scene that all views share that show these clouds with this wish, an interned one. */
-  sceneOf(wish: AccuracyWish, { clouds }: ViewFrame, previous: AccuracyChoice | null): WishedScene {
+  sceneOf(wish: AccuracyWish, { clouds }: FrameRequest, previous: AccuracyChoice | null): WishedScene {
     const distinct = new Set(clouds.map(({ cloud }) => cloud));
     const key = JSON.stringify([numberOf(wish), ...[...distinct].map(numberOf).sort((a, b) => a - b)]);
     let scene = this.#scenes.get(key);
@@ -78,7 +82,7 @@ export class AccuracyWishes {
     }
   }
 
-  async #inTurn(wish: AccuracyWish, picture: ViewFrame, options: WishOptions): Promise<AccuracyChoice> {
+  async #inTurn(wish: AccuracyWish, picture: FrameRequest, options: WishOptions): Promise<AccuracyChoice> {
     const turn = this.#lastTurn.then(() => {
       options.signal.throwIfAborted();
       return this.#context.measure(wish, picture, options);
@@ -94,7 +98,7 @@ export class WishedScene {
   readonly clouds: ReadonlySet<SplatCloud>;
   readonly #context: WishContext;
   /** The views that show it, and the last picture of each. */
-  readonly #views = new Map<WishingView, ViewFrame | null>();
+  readonly #views = new Map<WishingView, FrameRequest | null>();
   #choice: AccuracyChoice | null;
   /** Whether nothing is to be measured any more without being asked: it has been, or it cannot be. */
   #isSettled = false;
@@ -132,7 +136,7 @@ export class WishedScene {
   }
 
   /** Takes note of a picture that stands; a while after the first, and after the last change of a size, it is measured. */
-  show(view: WishingView, picture: ViewFrame): void {
+  show(view: WishingView, picture: FrameRequest): void {
     const before = this.#views.get(view);
     this.#views.set(view, picture);
     const isNew = before?.widthPx !== picture.widthPx || before.heightPx !== picture.heightPx;
@@ -220,8 +224,8 @@ export class WishedScene {
   }
 
   /** Of its last pictures, the one with most pixels. */
-  #largestPicture(): ViewFrame | null {
-    let largest: ViewFrame | null = null;
+  #largestPicture(): FrameRequest | null {
+    let largest: FrameRequest | null = null;
     for (const picture of this.#views.values()) {
       if (picture && pixelsOf(picture) > pixelsOf(largest)) largest = picture;
     }
@@ -229,6 +233,6 @@ export class WishedScene {
   }
 }
 
-function pixelsOf(picture: ViewFrame | null): number {
+function pixelsOf(picture: FrameRequest | null): number {
   return picture ? picture.widthPx * picture.heightPx * Math.min(1, picture.clouds.length) : 0;
 }

@@ -5,7 +5,7 @@ import { type DepthConvention, storedDepth } from '../camera/depth-convention.ts
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../engine.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
-import type { EmbeddedPicture } from '../frame/parts/compose.ts';
+import type { EmbeddedImage } from '../frame/parts/compose.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture } from '../gpu/read-texture.ts';
 import { toHalfBits } from '../layout/half.ts';
@@ -16,7 +16,7 @@ import { randomSplats, splatsOf } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import { withClipDepth } from '../testing/with-clip-depth.ts';
-import type { EmbeddedFrame, EmbeddedView } from './embedded-view.ts';
+import type { EmbeddedFrameRequest, EmbeddedView } from './embedded-view.ts';
 
 const SIZE = { widthPx: 48, heightPx: 40 };
 const PIXELS = SIZE.widthPx * SIZE.heightPx;
@@ -129,7 +129,7 @@ function drawWall(
 }
 
 /** Waits until `view` has what it needs. */
-async function prepared(view: EmbeddedView, frame: EmbeddedFrame): Promise<void> {
+async function prepared(view: EmbeddedView, frame: EmbeddedFrameRequest): Promise<void> {
   while (!view.prepare(frame)) {
     await new Promise<void>((resolve) => {
       view.onReady = resolve;
@@ -137,7 +137,7 @@ async function prepared(view: EmbeddedView, frame: EmbeddedFrame): Promise<void>
   }
 }
 
-function record(view: EmbeddedView, pass: Parameters<EmbeddedView['draw']>[1]): EmbeddedPicture {
+function record(view: EmbeddedView, pass: Parameters<EmbeddedView['draw']>[1]): EmbeddedImage {
   const encoder = device.createCommandEncoder();
   const picture = view.draw(encoder, pass);
   device.queue.submit([encoder.finish()]);
@@ -332,7 +332,7 @@ describe('an embedded view', () => {
       const frame = { camera, clouds: [{ cloud }], ...SIZE };
       const pictureOf = async (view: EmbeddedView) =>
         (await readTexture(device, record(view, pass).color)).data;
-      const pictureWith = async (options: Pick<EmbeddedFrame, 'depth'>) => {
+      const pictureWith = async (options: Pick<EmbeddedFrameRequest, 'depth'>) => {
         const view = engine.createEmbeddedView();
         await prepared(view, { ...frame, ...options });
         const picture = await pictureOf(view);

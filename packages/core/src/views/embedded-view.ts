@@ -2,15 +2,15 @@ import type { DepthConvention } from '../camera/depth-convention.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
 import type { HostPass } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
-import type { ViewFrame } from '../frame/frame-request.ts';
-import type { EmbeddedPicture } from '../frame/parts/compose.ts';
+import type { FrameRequest } from '../frame/frame-request.ts';
+import type { EmbeddedImage } from '../frame/parts/compose.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { RasterizeDepth } from '../stages/rasterize.ts';
 import { type ViewContext, ViewCore } from './view-core.ts';
 
 /** What splats are to show in another renderer's picture. */
-export interface EmbeddedFrame
-  extends Pick<ViewFrame, 'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy'> {
+export interface EmbeddedFrameRequest
+  extends Pick<FrameRequest, 'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy'> {
   /** How the host stores depth; absent: nothing hides splats. */
   readonly depth?: DepthConvention;
   /**
@@ -47,7 +47,7 @@ export class EmbeddedView extends ViewCore {
    *   compiled (`onReady` is called when they are there), and after the loss of the device.
    * @throws InvalidArgumentError, GpuLimitError, DestroyedError.
    */
-  prepare(request: EmbeddedFrame): boolean {
+  prepare(request: EmbeddedFrameRequest): boolean {
     if (this.isDestroyed) throw new DestroyedError('This view', 'it was destroyed');
     const hasPixels = this.check(request);
     if (!hasPixels || request.clouds.length === 0 || this.context.destroyedBecause() !== null) return false;
@@ -72,7 +72,7 @@ export class EmbeddedView extends ViewCore {
    *
    * @throws InvalidArgumentError where nothing was prepared, or depth was promised and is missing.
    */
-  draw(encoder: GPUCommandEncoder, pass: HostPass): EmbeddedPicture {
+  draw(encoder: GPUCommandEncoder, pass: HostPass): EmbeddedImage {
     const { shape } = this;
     if (!shape) {
       throw new InvalidArgumentError(
@@ -115,7 +115,7 @@ export class EmbeddedView extends ViewCore {
   }
 
   /** How depth is to hide splats as asked, and then what else may be drawn while shaders for that are lacking. */
-  #depthsFor(request: EmbeddedFrame): readonly [RasterizeDepth | null, ...(RasterizeDepth | null)[]] {
+  #depthsFor(request: EmbeddedFrameRequest): readonly [RasterizeDepth | null, ...(RasterizeDepth | null)[]] {
     const { camera, depth, hasOccluders = true, writesDepth = false } = request;
     if (!depth) return [null];
     const { mapping, compare } = depth;

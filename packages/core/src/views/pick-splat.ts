@@ -1,4 +1,4 @@
-import { pictureRay } from '../camera/camera.ts';
+import { pixelRay } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
 import type { FrameParts } from '../frame/frame.ts';
@@ -67,7 +67,7 @@ export async function pickSplat(
     throw new InvalidArgumentError('xPx', message);
   }
   const pixelPx = [Math.floor(xPx) + 0.5, Math.floor(yPx) + 0.5] as const;
-  const { origin, direction } = pictureRay(camera, projection, pixelPx);
+  const { origin, direction } = pixelRay(camera, projection, pixelPx);
   const { pages } = frame;
 
   context.counting.readbacks++;

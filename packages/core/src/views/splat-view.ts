@@ -1,7 +1,7 @@
 import { InvalidArgumentError } from '../errors.ts';
 import type { Destination } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
-import type { ViewFrame } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/frame-request.ts';
 import { readTexture, type TextureImage } from '../gpu/read-texture.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
@@ -43,7 +43,7 @@ export class SplatView extends ViewCore {
    * @returns whether anything was, or will be, submitted.
    * @throws InvalidArgumentError, GpuLimitError, DestroyedError.
    */
-  render(request: ViewFrame): boolean {
+  render(request: FrameRequest): boolean {
     this.checkUsable();
     if (!this.check(request)) return false;
     const { plan, stands, isAsked } = this.next(request, [null]);
@@ -99,7 +99,7 @@ export class SplatView extends ViewCore {
     this.free();
   }
 
-  protected override onChosen(choice: AccuracyChoice, request: ViewFrame): void {
+  protected override onChosen(choice: AccuracyChoice, request: FrameRequest): void {
     try {
       // A frame that waits for shaders is drawn with the choice anyway.
       if (!this.isWaiting && this.canStillDraw(request)) this.render({ ...request, force: false });
@@ -109,7 +109,7 @@ export class SplatView extends ViewCore {
     this.onAccuracyChosen?.(choice);
   }
 
-  protected override retry(request: ViewFrame): void {
+  protected override retry(request: FrameRequest): void {
     this.render(request);
   }
 
@@ -128,25 +128,25 @@ export class SplatView extends ViewCore {
   }
 
   /** Puts the splats that stand over another background. */
-  #drawBackground(request: ViewFrame): void {
+  #drawBackground(request: FrameRequest): void {
     const { device } = this.context;
     const encoder = device.createCommandEncoder({ label: 'websplatter background' });
     this.parts.recordBackground(encoder, this.timer, this.#destination(request));
     device.queue.submit([encoder.finish()]);
   }
 
-  #showsBackground({ background = BLACK }: ViewFrame): boolean {
+  #showsBackground({ background = BLACK }: FrameRequest): boolean {
     return background.every((value, i) => value === this.#shownBackground[i]);
   }
 
-  #fitCanvas({ widthPx, heightPx }: ViewFrame): void {
+  #fitCanvas({ widthPx, heightPx }: FrameRequest): void {
     const canvas = this.#canvas?.canvas;
     if (!canvas || (canvas.width === widthPx && canvas.height === heightPx)) return;
     canvas.width = widthPx;
     canvas.height = heightPx;
   }
 
-  #destination({ background = BLACK }: ViewFrame): Destination {
+  #destination({ background = BLACK }: FrameRequest): Destination {
     // A copy: callers may change theirs.
     this.#shownBackground = [...background];
     return this.#canvas ? { kind: 'canvas', canvas: this.#canvas, background } : { kind: 'image' };

@@ -1,7 +1,7 @@
 import { type Accuracy, type AccuracySettings, DEFAULT_ACCURACY } from '../accuracy/accuracy.ts';
 import type { AccuracyRequest, AccuracyWish } from '../accuracy/accuracy-wish.ts';
 import { InvalidArgumentError } from '../errors.ts';
-import type { ViewFrame } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/frame-request.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { AccuracyWishes, ChooseAccuracyOptions, WishedScene, WishingView } from './accuracy-wishes.ts';
 
@@ -17,12 +17,12 @@ export interface AccuracyContext {
 /** What a view draws with: what its frames ask for, or what was chosen because of their wish. */
 export class ViewAccuracy implements WishingView {
   readonly #context: AccuracyContext;
-  readonly #onChosen: (choice: AccuracyChoice, picture: ViewFrame) => void;
+  readonly #onChosen: (choice: AccuracyChoice, picture: FrameRequest) => void;
   #scene: WishedScene | null = null;
   #told: AccuracyChoice | null = null;
 
   /** @param onChosen called with each new choice and the picture to be drawn again with it, once whoever chose is done. */
-  constructor(context: AccuracyContext, onChosen: (choice: AccuracyChoice, picture: ViewFrame) => void) {
+  constructor(context: AccuracyContext, onChosen: (choice: AccuracyChoice, picture: FrameRequest) => void) {
     this.#context = context;
     this.#onChosen = onChosen;
   }
@@ -36,7 +36,7 @@ export class ViewAccuracy implements WishingView {
    *
    * @throws InvalidArgumentError for unknown settings and for what is no wish.
    */
-  settingsFor(frame: ViewFrame): AccuracySettings {
+  settingsFor(frame: FrameRequest): AccuracySettings {
     const { wishFor, accuracyFor, wishes } = this.#context;
     const wish = wishFor(frame.accuracy);
     if (!wish) {
@@ -54,7 +54,7 @@ export class ViewAccuracy implements WishingView {
   }
 
   /** Call when the picture of `frame` stands, or already did. */
-  show(frame: ViewFrame): void {
+  show(frame: FrameRequest): void {
     this.#scene?.show(this, frame);
   }
 
@@ -66,7 +66,7 @@ export class ViewAccuracy implements WishingView {
     throw new InvalidArgumentError('chooseAccuracy', message);
   }
 
-  onChosen(choice: AccuracyChoice, picture: ViewFrame): void {
+  onChosen(choice: AccuracyChoice, picture: FrameRequest): void {
     // What listeners throw is theirs, and no reason to tell other views nothing.
     queueMicrotask(() => {
       if (this.choice !== choice || this.#told === choice) return;

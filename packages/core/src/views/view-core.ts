@@ -4,7 +4,7 @@ import { effectsOf } from '../frame/cloud-plan.ts';
 import { FrameParts, frameStages } from '../frame/frame.ts';
 import type { Destination } from '../frame/frame-part.ts';
 import { type FramePlan, planFrame, withKeptColors } from '../frame/frame-plan.ts';
-import { checkFrame, type ViewFrame } from '../frame/frame-request.ts';
+import { checkRequest, type FrameRequest } from '../frame/frame-request.ts';
 import type { FrameOutput, FrameShape, OmittableEffect } from '../frame/frame-shape.ts';
 import { canKeepColors } from '../frame/parts/kept-colors.ts';
 import { isSameColors, isSameOrder } from '../frame/plan-difference.ts';
@@ -190,16 +190,16 @@ export abstract class ViewCore {
     return this.#wait !== null;
   }
 
-  protected canStillDraw({ clouds }: ViewFrame): boolean {
+  protected canStillDraw({ clouds }: FrameRequest): boolean {
     const isUsable = !this.#isDestroyed && this.context.destroyedBecause() === null;
     return isUsable && clouds.every(({ cloud }) => !cloud.isDestroyed);
   }
 
   /** A choice of settings was made because of a wish; `request` is the last frame that stands. */
-  protected abstract onChosen(choice: AccuracyChoice, request: ViewFrame): void;
+  protected abstract onChosen(choice: AccuracyChoice, request: FrameRequest): void;
 
   /** Shaders that `request`, the newest one, lacked have been compiled: it is to be drawn, or to wait on for others. */
-  protected abstract retry(request: ViewFrame): void;
+  protected abstract retry(request: FrameRequest): void;
 
   /**
    * Checks a request.
@@ -207,8 +207,8 @@ export abstract class ViewCore {
    * @returns whether it has pixels.
    * @throws InvalidArgumentError naming what cannot be drawn and why, DestroyedError for a destroyed cloud.
    */
-  protected check(request: ViewFrame): boolean {
-    checkFrame(request, this.context.device);
+  protected check(request: FrameRequest): boolean {
+    checkRequest(request, this.context.device);
     if (request.widthPx > 0 && request.heightPx > 0) return true;
     // A plan would have found out.
     for (const instance of request.clouds) effectsOf(instance);
@@ -221,7 +221,7 @@ export abstract class ViewCore {
    * @param depths how depth may hide splats: first as asked, then what else may be drawn while shaders for that are lacking.
    */
   protected next(
-    request: ViewFrame,
+    request: FrameRequest,
     depths: readonly [RasterizeDepth | null, ...(RasterizeDepth | null)[]],
   ): NextFrame {
     const asked = this.#plan(request, this.#accuracy.settingsFor(request), depths[0]);
@@ -281,7 +281,7 @@ export abstract class ViewCore {
   }
 
   /** Call when the frame of `request` stands, or already did. */
-  protected shown(request: ViewFrame): void {
+  protected shown(request: FrameRequest): void {
     this.#accuracy.show(request);
   }
 
@@ -315,7 +315,7 @@ export abstract class ViewCore {
     if (reason !== null) throw new DestroyedError('This view', reason);
   }
 
-  #plan(request: ViewFrame, accuracy: AccuracySettings, depth: RasterizeDepth | null): FramePlan {
+  #plan(request: FrameRequest, accuracy: AccuracySettings, depth: RasterizeDepth | null): FramePlan {
     return planFrame(request, {
       accuracy,
       depth,
@@ -388,7 +388,7 @@ export abstract class ViewCore {
   }
 
   /** Compiles the shaders of `plan`, unless a request waits already: the newest one takes its place then. */
-  #waitFor(plan: FramePlan, request: ViewFrame): void {
+  #waitFor(plan: FramePlan, request: FrameRequest): void {
     if (this.#wait) {
       this.#wait.request = request;
       return;
@@ -421,7 +421,7 @@ export abstract class ViewCore {
 /** A wait for shaders. */
 interface Wait {
   /** The newest one. */
-  request: ViewFrame;
+  request: FrameRequest;
 }
 
 function checkSize({ limits }: GPUDevice, widthPx: number, heightPx: number): void {

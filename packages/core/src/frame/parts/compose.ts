@@ -14,7 +14,7 @@ import { type FrameShape, perShape } from '../frame-shape.ts';
 import { depthView, isMultisampled, layerView } from '../host-views.ts';
 
 /** Splats over what was behind them, of the viewport's size. Valid until the view draws again. */
-export interface EmbeddedPicture {
+export interface EmbeddedImage {
   /** rgba16float: linear light, premultiplied, what was behind included; opacity 0 exactly where there is no splat. */
   readonly color: GPUTexture;
   /** r32float: mean depth of the splats as the host stores it, −1 where they cover less than half; null unless asked for. */
@@ -37,7 +37,7 @@ export class Compose implements FramePart<DrawRecording> {
   readonly #context: PartContext;
   #viewport: GPUBuffer | null = null;
   #viewportKey = '';
-  #image: EmbeddedPicture | null = null;
+  #image: EmbeddedImage | null = null;
   #behindCopy: GPUTexture | null = null;
 
   constructor(context: PartContext) {
@@ -49,7 +49,7 @@ export class Compose implements FramePart<DrawRecording> {
   }
 
   /** What was drawn last. */
-  get image(): EmbeddedPicture | null {
+  get image(): EmbeddedImage | null {
     return this.#image;
   }
 
@@ -109,7 +109,7 @@ export class Compose implements FramePart<DrawRecording> {
     this.#free(this.#image?.color, this.#image?.depth, this.#behindCopy);
   }
 
-  #imageFor({ depth }: FrameShape): EmbeddedPicture {
+  #imageFor({ depth }: FrameShape): EmbeddedImage {
     const { width, height } = this.#context.shared.image!.color;
     const old = this.#image;
     const isSame =

@@ -8,7 +8,7 @@ import { SplatEngine } from '../../engine.ts';
 import type { Vec3 } from '../../math/mat4.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import type { SplatView } from '../../views/splat-view.ts';
-import type { CloudInstance, ViewFrame } from '../frame-request.ts';
+import type { CloudInstance, FrameRequest } from '../frame-request.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };
 const SET = randomSplats({ count: 1500, seed: 70, shDegree: 2, logScales: [-4.5, -2.5] });
@@ -65,13 +65,16 @@ beforeEach(() => {
   passes.length = 0;
 });
 
-async function draw(view: SplatView, frame: Omit<ViewFrame, 'widthPx' | 'heightPx'>): Promise<Float32Array> {
+async function draw(
+  view: SplatView,
+  frame: Omit<FrameRequest, 'widthPx' | 'heightPx'>,
+): Promise<Float32Array> {
   view.render({ ...SIZE, ...frame });
   return (await view.readPixels()).data;
 }
 
 /** The picture as a view draws it that has seen nothing before. */
-async function drawAnew(frame: Omit<ViewFrame, 'widthPx' | 'heightPx'>): Promise<Float32Array> {
+async function drawAnew(frame: Omit<FrameRequest, 'widthPx' | 'heightPx'>): Promise<Float32Array> {
   const view = engine.createView();
   const data = await draw(view, frame);
   view.destroy();
@@ -81,7 +84,7 @@ async function drawAnew(frame: Omit<ViewFrame, 'widthPx' | 'heightPx'>): Promise
 /** Moves about until the shaders that keep colours are there: they are compiled in the background. */
 async function warmUp(
   view: SplatView,
-  frame: Omit<ViewFrame, 'widthPx' | 'heightPx' | 'camera'>,
+  frame: Omit<FrameRequest, 'widthPx' | 'heightPx' | 'camera'>,
 ): Promise<void> {
   for (let i = 0; i < 200 && !view.shape?.clouds[0].keepsColors; i++) {
     await draw(view, { ...frame, camera: camera(i, [0, 0, 4]) });

@@ -1,7 +1,7 @@
 import { maxColor } from '../../accuracy/accuracy.ts';
 import type { CompiledStage, StageDefinition } from '../../gpu/pipelines.ts';
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../../layout/constants.ts';
-import { FrameParameters, Page, PagePlan, PROJECTED_SPLATS, View } from '../../layout/structs.ts';
+import { CullParameters, Page, PagePlan, SPLAT_RECORDS, View } from '../../layout/structs.ts';
 import { compactChunks } from '../../stages/compact-chunks.ts';
 import { compactSplats } from '../../stages/compact-splats.ts';
 import { cullChunks } from '../../stages/cull-chunks.ts';
@@ -28,11 +28,11 @@ import { viewUniforms, writePageUniforms } from '../frame-uniforms.ts';
 /** Names and sizes of the part's buffers; stages are bound to them by these names. */
 function bufferTable({ accuracy, visibleCapacity }: FrameShape, pageCount: number, chunkCount: number) {
   const { STORAGE, UNIFORM, INDIRECT } = GPUBufferUsage;
-  const record = PROJECTED_SPLATS[accuracy.recordPrecision];
+  const record = SPLAT_RECORDS[accuracy.recordPrecision];
   return {
     view: [View.bytes, UNIFORM],
     pageUniforms: [PAGE_STRIDE_BYTES * pageCount, UNIFORM],
-    frame: [FrameParameters.bytes, UNIFORM],
+    cullParameters: [CullParameters.bytes, UNIFORM],
     chunkCount: [4, STORAGE],
     /** Per chunk 1 where it is visible, then the number of visible chunks before it. */
     chunkOffsets: [4 * (chunkCount + 1), STORAGE],
@@ -50,8 +50,8 @@ function bufferTable({ accuracy, visibleCapacity }: FrameShape, pageCount: numbe
     projectDispatches: [12 * pageCount, STORAGE | INDIRECT],
     drawArguments: [16, STORAGE | INDIRECT],
     /** The visible splats in storage order. */
-    survivors: [4 * visibleCapacity, STORAGE],
-    projected: [record.bytes * Math.max(1, visibleCapacity), STORAGE],
+    visibleSplats: [4 * visibleCapacity, STORAGE],
+    records: [record.bytes * Math.max(1, visibleCapacity), STORAGE],
   } as const satisfies Readonly<Record<string, readonly [bytes: number, usage: GPUBufferUsageFlags]>>;
 }
 
@@ -65,8 +65,8 @@ const SHARED = [
   'depthRange',
   'slotCount',
   'projectDispatches',
-  'survivors',
-  'projected',
+  'visibleSplats',
+  'records',
   'drawArguments',
 ] as const satisfies readonly (BufferName & keyof SharedBuffers)[];
 
@@ -302,13 +302,13 @@ function writeConstants(
   pages: readonly FramePage[],
 ): void {
   const chunkCount = chunkCountOf(pages);
-  const parameters = new ArrayBuffer(FrameParameters.bytes);
-  FrameParameters.write(parameters, { chunkCount, pageCount: pages.length, dispatchRow });
-  queue.writeBuffer(buffers.frame, 0, parameters);
+  const parameters = new ArrayBuffer(CullParameters.bytes);
+  CullParameters.write(parameters, { chunkCount, pageCount: pages.length, dispatchRow });
+  queue.writeBuffer(buffers.cullParameters, 0, parameters);
   queue.writeBuffer(buffers.chunkCount, 0, Uint32Array.of(chunkCount));
   const plans = new ArrayBuffer(PagePlan.bytes * pages.length);
   for (const [index, page] of pages.entries()) {
-    const found = { slotStart: 0, slotCount: 0, survivorStart: 0, survivorCount: 0 };
+    const found = { slotStart: 0, slotCount: 0, visibleStart: 0, visibleCount: 0 };
     const chunks = { chunkStart: page.chunkStart, chunkEnd: page.chunkStart + page.chunkCount };
     PagePlan.write(plans, { ...chunks, ...found }, index * PagePlan.bytes);
   }

@@ -1,5 +1,5 @@
 // Reads a projected splat as project has written it, at each precision of the record.
-import layout::ProjectedSplat;
+import layout::SplatRecord;
 
 /// Half axes at √2 standard deviations.
 struct SplatAxes {
@@ -9,7 +9,7 @@ struct SplatAxes {
   minorLengthPx: f32,
 }
 
-fn axesOf(splat: ProjectedSplat) -> SplatAxes {
+fn axesOf(splat: SplatRecord) -> SplatAxes {
   @if(RECORD_PAPER) let majorPx = unpack2x16float(splat.majorPx);
   @if(!RECORD_PAPER) let majorPx = splat.majorPx;
   let majorLengthPx = length(majorPx);
@@ -39,13 +39,13 @@ fn cross2(a: vec2f, b: vec2f) -> f32 {
   return a.x * b.y - a.y * b.x;
 }
 
-fn opacityOf(splat: ProjectedSplat) -> f32 {
+fn opacityOf(splat: SplatRecord) -> f32 {
   @if(RECORD_F32) return splat.color.w;
   @if(RECORD_PAPER) return unpack4x8unorm(splat.color).w;
   @if(!RECORD_F32 && !RECORD_PAPER) return unpack2x16float(splat.color.y).y;
 }
 
-fn colorOf(splat: ProjectedSplat) -> vec3f {
+fn colorOf(splat: SplatRecord) -> vec3f {
   @if(RECORD_F32) return splat.color.rgb;
   @if(RECORD_PAPER) return unpack4x8unorm(splat.color).rgb;
   @if(!RECORD_F32 && !RECORD_PAPER) return vec3f(unpack2x16float(splat.color.x), unpack2x16float(splat.color.y).x);
