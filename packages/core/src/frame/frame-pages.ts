@@ -1,5 +1,5 @@
 import type { CloudPage } from '../clouds/cloud-planes.ts';
-import { CHUNK_SPLATS } from '../layout/constants.ts';
+import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../layout/constants.ts';
 import { roundUp } from '../layout/gpu-struct.ts';
 import { Page } from '../layout/structs.ts';
 import { type FrameShape, perShape } from './frame-shape.ts';
@@ -36,6 +36,11 @@ export const firstPagesOf = perShape((shape: FrameShape): readonly number[] => {
   }
   return first;
 });
+
+/** Most workgroups that the visible splats of a page of so many chunks take, at one thread per splat. */
+export function projectWorkgroups(chunkCount: number): number {
+  return Math.ceil((chunkCount * CHUNK_SPLATS) / SHADER_CONSTANTS.PROJECT_WORKGROUP);
+}
 
 /** Chunks of all pages. */
 export function chunkCountOf(pages: readonly FramePage[]): number {

@@ -1,6 +1,7 @@
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { SortParameters, SortPlan } from '../layout/structs.ts';
+import { dispatchAtMost } from './dispatch.ts';
 import { planSort } from './plan-sort.ts';
 import { PrefixScan, prefixScanStages } from './prefix-scan.ts';
 import { sortHistogram } from './sort-histogram.ts';
@@ -35,6 +36,8 @@ export class RadixSort {
   readonly #planStage: ReturnType<typeof planSort>;
   readonly #histogramStage: ReturnType<typeof sortHistogram>;
   readonly #scatterStage: ReturnType<typeof sortScatter>;
+  readonly #maxTiles: number;
+  readonly #dispatchRow: number;
   readonly #scan: PrefixScan;
   readonly #planGroup: GPUBindGroup;
   readonly #tileDispatch: GPUBuffer;
@@ -60,7 +63,9 @@ export class RadixSort {
     this.#memory = memory;
     const radix = 1 << shape.digitBits;
     const tileKeys = tileKeysOf(shape);
-    const maxDigitCounts = radix * Math.ceil(capacity / tileKeys);
+    this.#maxTiles = Math.ceil(capacity / tileKeys);
+    this.#dispatchRow = dispatchRow;
+    const maxDigitCounts = radix * this.#maxTiles;
 
     const keys = [0, 1].map((i) => this.#buffer(`sort keys ${i}`, 4 * capacity));
     const payloads = [0, 1].map((i) => this.#buffer(`sort payloads ${i}`, 4 * capacity));
@@ -129,14 +134,15 @@ export class RadixSort {
     pass.setPipeline(this.#pipelines.compute(this.#planStage)!);
     pass.setBindGroup(0, this.#planGroup);
     pass.dispatchWorkgroups(1);
+    const indirect = { buffer: this.#tileDispatch, offset: 0 };
     for (const { histogramGroup, scatterGroup } of this.#passes) {
       pass.setPipeline(this.#pipelines.compute(this.#histogramStage)!);
       pass.setBindGroup(0, histogramGroup);
-      pass.dispatchWorkgroupsIndirect(this.#tileDispatch, 0);
+      dispatchAtMost(pass, this.#maxTiles, this.#dispatchRow, indirect);
       this.#scan.record(pass);
       pass.setPipeline(this.#pipelines.compute(this.#scatterStage)!);
       pass.setBindGroup(0, scatterGroup);
-      pass.dispatchWorkgroupsIndirect(this.#tileDispatch, 0);
+      dispatchAtMost(pass, this.#maxTiles, this.#dispatchRow, indirect);
     }
   }
 

@@ -4,9 +4,16 @@ import { CLOUD_EFFECTS } from '../../effects/effects.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { Page } from '../../layout/structs.ts';
 import { stretchBound, type Vec3 } from '../../math/mat4.ts';
+import { dispatchAtMost } from '../../stages/dispatch.ts';
 import { keepColors } from '../../stages/keep-colors.ts';
 import type { CloudPlan } from '../cloud-plan.ts';
-import { type FramePage, firstPagesOf, PAGE_STRIDE_BYTES, pagesOf } from '../frame-pages.ts';
+import {
+  type FramePage,
+  firstPagesOf,
+  PAGE_STRIDE_BYTES,
+  pagesOf,
+  projectWorkgroups,
+} from '../frame-pages.ts';
 import { type PartContext, useCompute } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type CloudShape, type FrameShape, keepsColors, perShape } from '../frame-shape.ts';
@@ -168,7 +175,8 @@ export class KeptColors {
         keptColors: this.#pageFor(index, pages[index], shape.accuracy).buffer,
       });
       useCompute(pass, pipelines, stage, group);
-      pass.dispatchWorkgroupsIndirect(buffers.projectDispatches, 12 * index);
+      const indirect = { buffer: buffers.projectDispatches, offset: 12 * index };
+      dispatchAtMost(pass, projectWorkgroups(pages[index].chunkCount), shape.dispatchRow, indirect);
     }
     pass.end();
   }

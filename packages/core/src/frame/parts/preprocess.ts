@@ -6,13 +6,19 @@ import { compactChunks } from '../../stages/compact-chunks.ts';
 import { compactSplats } from '../../stages/compact-splats.ts';
 import { cullChunks } from '../../stages/cull-chunks.ts';
 import { cullSplats } from '../../stages/cull-splats.ts';
-import { dispatchSize } from '../../stages/dispatch.ts';
+import { dispatchAtMost, dispatchSize } from '../../stages/dispatch.ts';
 import { planCull } from '../../stages/plan-cull.ts';
 import { planProject } from '../../stages/plan-project.ts';
 import { PrefixScan, prefixScanStages } from '../../stages/prefix-scan.ts';
 import { project } from '../../stages/project.ts';
 import { EffectBuffers } from '../effect-buffers.ts';
-import { chunkCountOf, type FramePage, PAGE_STRIDE_BYTES, pagesOf } from '../frame-pages.ts';
+import {
+  chunkCountOf,
+  type FramePage,
+  PAGE_STRIDE_BYTES,
+  pagesOf,
+  projectWorkgroups,
+} from '../frame-pages.ts';
 import {
   type FramePart,
   type OrderRecording,
@@ -200,10 +206,11 @@ export class Preprocess implements FramePart<OrderRecording> {
     if (!isColorsOnly) this.#recordCulling(pass, shape, pages);
     const stages = cloudStages(shape);
     let stage: StageDefinition | null = null;
-    for (const [index, { cloudIndex }] of pages.entries()) {
+    for (const [index, { cloudIndex, chunkCount }] of pages.entries()) {
       stage = this.#usePipeline(pass, stages[cloudIndex].project, stage);
       pass.setBindGroup(0, this.#groups!.pages[index].project);
-      pass.dispatchWorkgroupsIndirect(this.buffers.projectDispatches, 12 * index);
+      const indirect = { buffer: this.buffers.projectDispatches, offset: 12 * index };
+      dispatchAtMost(pass, projectWorkgroups(chunkCount), shape.dispatchRow, indirect);
     }
     pass.end();
   }
@@ -234,16 +241,18 @@ export class Preprocess implements FramePart<OrderRecording> {
     useCompute(pass, pipelines, planCull, groups.planCull);
     pass.dispatchWorkgroups(1);
     stage = null;
-    for (const [index, { cloudIndex }] of pages.entries()) {
+    for (const [index, { cloudIndex, chunkCount }] of pages.entries()) {
       stage = this.#usePipeline(pass, stages[cloudIndex].cullSplats, stage);
       pass.setBindGroup(0, groups.pages[index].cullSplats);
-      pass.dispatchWorkgroupsIndirect(buffers.cullDispatches, 12 * index);
+      const indirect = { buffer: buffers.cullDispatches, offset: 12 * index };
+      dispatchAtMost(pass, chunkCount, shape.dispatchRow, indirect);
     }
     splatScan.record(pass);
     useCompute(pass, pipelines, planProject, groups.planProject);
     pass.dispatchWorkgroups(1);
     useCompute(pass, pipelines, compactSplats, groups.compactSplats);
-    pass.dispatchWorkgroupsIndirect(buffers.cullDispatches, 12 * pages.length);
+    const indirect = { buffer: buffers.cullDispatches, offset: 12 * pages.length };
+    dispatchAtMost(pass, chunkCountOf(pages), shape.dispatchRow, indirect);
   }
 
   /** Sets the pipeline of `stage`, unless it is the one in use; most pages have the same. */
