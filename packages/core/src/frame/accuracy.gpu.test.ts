@@ -191,7 +191,7 @@ describe('accuracy settings', () => {
       }
       return made;
     };
-    expect(await buffersMadeFor({})).toContain('frame projected');
+    expect(await buffersMadeFor({})).toContain('frame records');
     for (const settings of [
       { alphaCutoff: 0.02 },
       { shDegree: 0 },
@@ -207,7 +207,7 @@ describe('accuracy settings', () => {
         0,
       );
     }
-    expect(await buffersMadeFor({ recordPrecision: 'paper' })).toContain('frame projected');
+    expect(await buffersMadeFor({ recordPrecision: 'paper' })).toContain('frame records');
     own.destroy();
     cloud.destroy();
   });
