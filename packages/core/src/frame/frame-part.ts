@@ -55,8 +55,13 @@ export interface PartContext {
   readonly shared: SharedMemory;
 }
 
-/** A change of what a part holds, ready to be made. Exactly one of the two is called. */
+/** A change of what a part holds, ready to be made: `free` and `commit` are called, or `discard`. */
 export interface PartChange {
+  /**
+   * Frees memory before any part commits: textures of the image's size that `commit` replaces, so that old and new are never
+   * held together.
+   */
+  free?(): void;
   /** Takes over and frees what it replaces; cannot fail. */
   commit(): void;
   /** Frees what was made for it. */

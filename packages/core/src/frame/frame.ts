@@ -111,6 +111,7 @@ export class FrameParts {
       for (const change of changes) change.discard();
       throw error;
     }
+    for (const change of changes) change.free?.();
     for (const change of changes) change.commit();
     if (changes.length > 0 || shape !== this.#shape) for (const part of parts) part.bind(shape);
     this.#shape = shape;

@@ -40,9 +40,13 @@ export class Quads implements FramePart<DrawRecording> {
     if (keepsLayer && keepsDepth) return null;
     return {
       // Sizes were checked when the frame was: none of this can fail.
+      free: () => {
+        if (keepsLayer) return;
+        freeLayer(memory, this.#layer);
+        this.#layer = null;
+      },
       commit: () => {
         if (!keepsLayer) {
-          freeLayer(memory, this.#layer);
           const label = isScaled(shape) ? 'small splat layer' : 'splat layer';
           this.#layer = createLayer(memory, label, layer, colorTarget, depthFormat);
         }

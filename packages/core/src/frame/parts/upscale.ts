@@ -42,12 +42,15 @@ export class Upscale implements FramePart<DrawRecording> {
     const depthFormat = shape.depth?.layerFormat ?? null;
     if (!isScaled(shape)) {
       if (!this.#image) return null;
-      return { commit: () => this.destroy(), discard: () => {} };
+      return { free: () => this.destroy(), commit: () => {}, discard: () => {} };
     }
     if (fitsLayer(this.#image, request, colorTarget, depthFormat)) return null;
     return {
-      commit: () => {
+      free: () => {
         freeLayer(memory, this.#image);
+        this.#image = null;
+      },
+      commit: () => {
         this.#image = createLayer(memory, 'splat layer', request, colorTarget, depthFormat);
         shared.image = this.#image;
         const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
