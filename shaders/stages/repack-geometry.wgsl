@@ -1,6 +1,6 @@
 // Packs a page of float32 geometry.
 // Reads float32 geometry; writes packed geometry. One thread per splat.
-// Runs on the GPU because the float32 plane is already there: a coarser plane needs no second read of the source.
+// Runs on the GPU, which already holds the float32 plane, so that nothing is read back.
 import constants::REPACK_WORKGROUP;
 import layout::RepackParameters;
 import package::lib::dispatch::linearWorkgroup;

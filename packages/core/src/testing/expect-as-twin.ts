@@ -6,11 +6,11 @@ import { cullSplat } from '../reference/cull-splats.ts';
 import { splatColor } from '../reference/project.ts';
 
 /**
- * Draws clouds and holds every splat against float64: which are drawn, and where, how large, how opaque and of what
- * colour, each within `tolerance` of its size. In doubt, at the cutoff's opacity, a splat may be drawn or not; whoever calls this keeps centres off hard
+ * Draws clouds and compares every splat with float64: whether it is drawn, and its place, size, opacity and colour, each
+ * within `tolerance` of its size. A splat at the cutoff's opacity may be drawn or not; callers must keep centres off hard
  * edges.
  *
- * @returns how many splats of each cloud are drawn.
+ * @returns the number of drawn splats of each cloud.
  */
 export async function expectAsTwin(
   device: GPUDevice,
