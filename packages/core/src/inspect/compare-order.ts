@@ -43,7 +43,7 @@ export function orderFlaw(keys: Uint32Array, order: Uint32Array): string | null 
   const seen = new Uint8Array(keys.length);
   for (const [place, index] of order.entries()) {
     if (index >= keys.length || seen[index])
-      return `order: place ${place} holds ${index}, which is out of range or there already`;
+      return `order: place ${place} holds ${index}, which is out of range or a duplicate`;
     seen[index] = 1;
     if (place === 0) continue;
     const before = order[place - 1];

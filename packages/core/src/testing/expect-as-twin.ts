@@ -41,7 +41,8 @@ async function compare(frame: InspectedFrame, tolerance: number): Promise<number
       const twin = cullSplat(stored, index, view, frame.projection, settings);
       if (!record || !twin) {
         const opacity = twin?.opacity ?? record?.color[3] ?? 0;
-        if (opacity > alphaCutoff * (1 + tolerance)) expect.fail(`${name}: only one of both has it`);
+        if (opacity > alphaCutoff * (1 + tolerance))
+          expect.fail(`${name}: drawn only by the GPU or only by the twin`);
         continue;
       }
       count++;

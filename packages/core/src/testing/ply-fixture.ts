@@ -123,7 +123,7 @@ function binaryBody({ format, elements }: Fixture): Uint8Array {
 
 function scalarBytes(type: string, value: number, little: boolean): number[] {
   const make = ARRAYS[type];
-  if (!make) throw new Error(`no type ${type}`);
+  if (!make) throw new Error(`Unknown type ${type}.`);
   const bytes = [...new Uint8Array(make(value).buffer)];
   return little ? bytes : bytes.reverse();
 }

@@ -37,7 +37,7 @@ export function twinsOf(
 ): readonly EffectTwin[] {
   return uses.map(({ effect: { name }, options }) => {
     const twin = EFFECT_TWINS[name] ?? others[name];
-    if (!twin) throw new RangeError(`There is no twin of the effect ${name}: give it in \`effectTwins\`.`);
+    if (!twin) throw new RangeError(`The effect ${name} has no twin: pass one in \`effectTwins\`.`);
     return twin(options as never, place);
   });
 }
