@@ -1,5 +1,6 @@
-// Leaves of a cloud what is on the kept side of up to eight volumes. Before anything is made of a splat: what is cut off
-// costs no more than this.
+// Effect `clip`: hides the splats outside the kept sides of up to eight volumes. Runs per splat in cull-splats and project.
+// Reads a splat and the volumes; returns the splat with its opacity multiplied by the soft edge.
+// Runs before anything is computed from the splat, so that a splat that is cut off costs no more than this.
 import package::lib::edge_fade::edgeFade;
 import package::lib::packing::Splat;
 import parameters::Clip;
@@ -10,7 +11,7 @@ const CLIP_SPHERE = 1.0;
 fn clipSplat(splat: Splat, splatIndex: u32, parameters: Clip) -> Splat {
   let point = vec4f(splat.position, 1.0);
   let count = parameters.volumeCount;
-  // No list of volumes: one that is passed as a value is copied by every thread, element by element.
+  // The volumes are not an array: every thread copies an array that is passed by value, element by element.
   var clearance = clipClearance(point, parameters.volume0);
   if (count > 1u) { clearance = min(clearance, clipClearance(point, parameters.volume1)); }
   if (count > 2u) { clearance = min(clearance, clipClearance(point, parameters.volume2)); }
@@ -24,12 +25,13 @@ fn clipSplat(splat: Splat, splatIndex: u32, parameters: Clip) -> Splat {
   return clipped;
 }
 
-/// How far a point x, y, z, 1 of the cloud is from a volume's surface, world units, positive on the side that is kept. The
-/// columns of `volume`: how far the point is along each of the volume's axes from its middle, and the shape: a box's half
-/// size or, first, a sphere's radius; then the kind, negative where the outside is kept. A plane has one axis.
+/// Distance of a point x, y, z, 1 of the cloud from a volume's surface, world units, positive on the kept side. The first
+/// three columns of `volume` map the point to its distances along the volume's axes from the volume's middle (a plane has
+/// one axis). The fourth is the shape: a box's half size, or a sphere's radius in x; w is the kind, negative if the outside
+/// is kept.
 fn clipClearance(point: vec4f, volume: mat4x4f) -> f32 {
   let shape = volume[3];
-  // The kind is the same for all splats: no thread waits for another here.
+  // The kind is the same for all splats, so threads do not diverge here.
   if (shape.w == CLIP_PLANE) { return dot(point, volume[0]); }
   let offset = vec3f(dot(point, volume[0]), dot(point, volume[1]), dot(point, volume[2]));
   if (abs(shape.w) == CLIP_SPHERE) { return sign(shape.w) * (shape.x - length(offset)); }

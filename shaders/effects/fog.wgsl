@@ -1,4 +1,5 @@
-// Mixes colours with that of fog, the more of it the farther away, in linear light: as meshes beside them are fogged.
+// Effect `fog`: mixes a splat's colour with the fog's, more of it with distance. Runs per visible splat in project.
+// Reads the colour and the centre's view depth; returns the colour. Mixes in linear light, as fog on meshes does.
 import package::lib::edge_fade::edgeFade;
 import package::lib::packing::Splat;
 import package::lib::srgb::decodeSrgb;
@@ -9,7 +10,7 @@ fn fogColor(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f, para
   let depthView = -centerView.z;
   var hidden = edgeFade(depthView - parameters.near, parameters.range);
   if (parameters.density > 0.0) {
-    // e⁻²⁵⁶ is 0 in float32, the square of a larger number may be infinite.
+    // e⁻²⁵⁶ is 0 in float32; the square of a larger number may be infinite.
     let thickness = min(parameters.density * abs(depthView), 16.0);
     hidden = 1.0 - exp(-thickness * thickness);
   }

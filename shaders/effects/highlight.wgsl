@@ -1,4 +1,5 @@
-// Shows what is selected.
+// Effect `highlight`: tints the selected splats. Runs per visible splat in project.
+// Reads the colour and whether the splat is selected; returns the colour.
 import package::lib::packing::Splat;
 import parameters::Highlight;
 

@@ -1,4 +1,6 @@
-// Makes a whole cloud fainter. Before anything is made of a splat: what fades away shrinks, and is then left out.
+// Effect `opacity`: makes a whole cloud fainter. Runs per splat in cull-splats and project.
+// Reads a splat and the factor; returns the splat with its opacity scaled.
+// Runs before anything is computed from the splat: a fading splat shrinks, and is finally culled.
 import package::lib::packing::Splat;
 import parameters::Opacity;
 

@@ -1,4 +1,5 @@
-// Lets a cloud appear outward from a point: what is farther away than a radius is not there yet.
+// Effect `reveal`: lets a cloud appear outward from a point. Runs per splat in cull-splats and project.
+// Reads a splat, the point and the radius; returns the splat with the opacity, and optionally the size, that it has so far.
 import package::lib::edge_fade::edgeFade;
 import package::lib::packing::Splat;
 import parameters::Reveal;
@@ -8,7 +9,7 @@ fn revealSplat(splat: Splat, splatIndex: u32, parameters: Reveal) -> Splat {
   let shown = edgeFade(parameters.radius - distanceWorld, parameters.softEdge);
   var revealed = splat;
   revealed.opacity *= shown;
-  // Nothing of a size of 0 is left to be drawn: its opacity is 0 as well.
+  // A splat of size 0 is never drawn: its opacity is 0 as well.
   revealed.scale *= select(1.0, shown, parameters.grows == 1u);
   return revealed;
 }

@@ -1,4 +1,5 @@
-// Colours a cloud, as a filter in front of it does.
+// Effect `tint`: colours a cloud, as a filter in front of it does. Runs per visible splat in project.
+// Reads the colour and the filter's; returns their product.
 import package::lib::packing::Splat;
 import parameters::Tint;
 

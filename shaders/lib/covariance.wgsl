@@ -1,4 +1,5 @@
-// How a splat's Gaussian appears on the screen, stable by construction. Twin: reference/covariance.ts.
+// Projects a splat's Gaussian to the screen, numerically stable by construction. Used by cull-splats and project, per splat.
+// Twin: reference/covariance.ts.
 import layout::View;
 
 /// Covariance on the screen in units of unitPx², [[a, b], [b, c]], dilation included.
@@ -14,7 +15,7 @@ struct ScreenCovariance {
   @if(OPACITY_EFFECTS) undilatedDeterminant: f32,
 }
 
-/// Half axes at √2 standard deviations, where the Gaussian has fallen to 1/e; the minor one is perpendicular.
+/// Half axes at √2 standard deviations, where the Gaussian has fallen to 1/e; the minor axis is perpendicular to the major.
 struct ScreenAxes {
   majorPx: vec2f,
   minorLengthPx: f32,
@@ -42,14 +43,14 @@ fn screenCovariance(view: View, centerView: vec3f, axesView: mat3x3f) -> ScreenC
   let axesRows = transpose(axesView);
   @if(ORTHOGRAPHIC) let rowX = view.focalPx.x * axesRows[0];
   @if(ORTHOGRAPHIC) let rowY = -view.focalPx.y * axesRows[1];
-  // The affine approximation is not taken further outside the picture than the clamp: it grows without bound there.
+  // The clamp limits how far outside the image the affine approximation is taken: it grows without bound there.
   @if(!ORTHOGRAPHIC) let inverseDepth = -1.0 / centerView.z;
   @if(!ORTHOGRAPHIC) let tangentX = clamp(centerView.x * inverseDepth, view.clampX.x, view.clampX.y);
   @if(!ORTHOGRAPHIC) let tangentY = clamp(centerView.y * inverseDepth, view.clampY.x, view.clampY.y);
   @if(!ORTHOGRAPHIC) let rowX = (view.focalPx.x * inverseDepth) * (axesRows[0] + tangentX * axesRows[2]);
   @if(!ORTHOGRAPHIC) let rowY = (-view.focalPx.y * inverseDepth) * (axesRows[1] + tangentY * axesRows[2]);
 
-  // The determinant is a fourth power and overflows long before a length does: measure in a power of two of pixels.
+  // The determinant is a fourth power of a length and overflows long before one does, so the unit is a power of two of px.
   let largest = max(max3(abs(rowX)), max3(abs(rowY)));
   let unitPx = bitcast<f32>(bitcast<u32>(max(1.0, largest)) & 0x7f800000u);
   let x = rowX / unitPx;
@@ -57,7 +58,7 @@ fn screenCovariance(view: View, centerView: vec3f, axesView: mat3x3f) -> ScreenC
   let dilation = view.dilationPx2 / unitPx / unitPx;
   let xx = dot(x, x);
   let yy = dot(y, y);
-  // By Lagrange's identity the determinant is a sum of terms that are not negative: nothing cancels.
+  // By Lagrange's identity the determinant is a sum of non-negative terms: nothing cancels.
   let normal = cross(x, y);
   let undilated = dot(normal, normal);
   let determinant = undilated + dilation * (xx + yy) + dilation * dilation;
@@ -65,8 +66,7 @@ fn screenCovariance(view: View, centerView: vec3f, axesView: mat3x3f) -> ScreenC
   @if(OPACITY_EFFECTS) return ScreenCovariance(xx + dilation, dot(x, y), yy + dilation, determinant, unitPx, undilated);
 }
 
-/// Axes are no longer than this: across any picture such a Gaussian is constant in float32, and the squares of lengths
-/// stay in its range.
+/// Longest axis: such a Gaussian is constant in float32 across any image, and the squares of lengths stay in range.
 const LONGEST_AXIS_PX = 1e18;
 
 fn screenAxes(covariance: ScreenCovariance, dilationPx2: f32) -> ScreenAxes {
@@ -76,14 +76,14 @@ fn screenAxes(covariance: ScreenCovariance, dilationPx2: f32) -> ScreenAxes {
   let halfDifference = 0.5 * (a - c);
   let larger = 0.5 * (a + c) + sqrt(halfDifference * halfDifference + b * b);
   let smaller = covariance.determinant / larger;
-  // Both are eigenvectors for the larger eigenvalue; the longer one is the better conditioned.
+  // Both are eigenvectors of the larger eigenvalue; the longer one is better conditioned.
   let first = vec2f(b, larger - a);
   let second = vec2f(larger - c, b);
   let direction = select(second, first, dot(first, first) > dot(second, second));
   let length2 = dot(direction, direction);
-  // Both vanish for a circle, whose axes may point anywhere.
+  // Both vanish for a circle; its axes may point anywhere.
   let unit = select(vec2f(1.0, 0.0), direction * inverseSqrt(max(length2, 1e-37)), length2 > 1e-37);
-  // No axis is shorter than dilation makes it; where unitPx² leaves float32's range, the determinant forgets that.
+  // Dilation makes every axis at least this long; where unitPx² leaves float32's range, the determinant loses that.
   let shortestPx = sqrt(2.0 * dilationPx2);
   return ScreenAxes(
     unit * min(sqrt(2.0 * larger) * covariance.unitPx, LONGEST_AXIS_PX),

@@ -1,23 +1,24 @@
-// Depths as unsigned integers in the same order. Twin: packages/core/src/layout/depth-key.ts.
+// Maps depths to unsigned integers in the same order: the sort compares integers. Used by cull-splats and project, per splat.
+// Twin: packages/core/src/layout/depth-key.ts.
 @if(SHORT_KEYS) import constants::SORT_KEY_BITS;
 
-/// Bits of `depthView` (finite) such that a < b exactly where orderedBits(a) < orderedBits(b), negative depths (of an
-/// orthographic camera) included.
+/// Maps `depthView` (finite) so that orderedBits(a) < orderedBits(b) exactly if a < b, including negative depths (which
+/// orthographic cameras have).
 fn orderedBits(depthView: f32) -> u32 {
   let given = bitcast<u32>(depthView);
-  // −0 and +0 give one key. By the bits: adding +0 would do it, but compilers have been seen to leave that out.
+  // −0 and +0 share one key. This compares bits: adding +0 would do, but compilers have been seen to drop the addition.
   let bits = select(given, 0u, (given & 0x7fffffffu) == 0u);
   return bits ^ select(0x80000000u, 0xffffffffu, (bits & 0x80000000u) != 0u);
 }
 
-/// Sort key: far first, 0 for the farthest splat in the picture. Two shaders may compute one depth an ulp apart (either
-/// may be compiled to fused operations): what is beyond the farthest must not wrap around to the nearest.
+/// Sort key: far first, 0 for the farthest splat in the frame. Two shaders may compute one depth an ulp apart (either may be
+/// compiled to fused operations), so a depth beyond the farthest must not wrap around to the nearest.
 fn depthKey(depthView: f32, farthestBits: u32) -> u32 {
   return farthestBits - min(farthestBits, orderedBits(depthView));
 }
 
-/// Of that key the top SORT_KEY_BITS bits of the range of depths in the picture. What is an ulp nearer than the nearest
-/// counts as that, or it would be one bit too long.
+/// Top SORT_KEY_BITS bits of that key, counted within the frame's range of depths. A depth an ulp nearer than the nearest
+/// counts as the nearest; otherwise its key would be one bit too long.
 @if(SHORT_KEYS)
 fn shortDepthKey(depthView: f32, farthestBits: u32, nearestBits: u32) -> u32 {
   let range = farthestBits - nearestBits;

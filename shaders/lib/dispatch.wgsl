@@ -1,11 +1,12 @@
-// Dispatches of more workgroups than one dimension takes are laid out in rows.
+// Lays out dispatches of more workgroups than fit one dimension in rows. Used by the compute stages of a frame; the plan-*
+// stages compute the sizes on the GPU. Twin: packages/core/src/stages/dispatch.ts.
 
-/// Number of this workgroup, counting along rows of `row` workgroups.
+/// Number of this workgroup, counted along rows of `row` workgroups.
 fn linearWorkgroup(workgroup: vec3u, row: u32) -> u32 {
   return workgroup.y * row + workgroup.x;
 }
 
-/// Dispatch size for `count` workgroups: one row, or as many full rows as it takes.
+/// Dispatch size for `count` workgroups: a single row if they fit, otherwise as many full rows as needed.
 fn dispatchSize(count: u32, row: u32) -> vec3u {
   return select(vec3u(row, (count + row - 1u) / row, 1u), vec3u(count, 1u, 1u), count <= row);
 }

@@ -1,12 +1,14 @@
-// Depth as the renderer around the splats stores it.
+// Converts between view depths and depths as the host, the renderer around the splats, stores them. Used by rasterize, per
+// vertex, and by compose, per pixel.
 import layout::HostDepth;
 
-/// What is outside of 0…1 by no more than this is so by rounding alone.
+/// Depths outside of 0…1 by less than this are so by rounding alone.
 const ROUNDING = 1e-5;
 
-/// Of a point at view depth `depthView` and normalised device coordinates `ndc`, y up. The host computes its own from the
-/// same matrix in another order of operations: what rounding puts outside of 0…1 is kept from being clipped, and what is
-/// really outside, in front of a mirror's oblique near plane, is not.
+/// Stored depth of a point at view depth `depthView` and normalised device coordinates `ndc`, y up. The host computes its
+/// own depths from the same matrix in another order of operations. A depth that rounding alone puts outside of 0…1 is
+/// therefore clamped, so that it is not clipped; one that is really outside, in front of a mirror's oblique near plane, is
+/// left to be clipped.
 fn storedDepth(depthView: f32, ndc: vec2f, hostDepth: HostDepth) -> f32 {
   @if(ORTHOGRAPHIC) let mapped = depthView;
   @if(!ORTHOGRAPHIC && DEPTH_LOGARITHMIC) let mapped = log2(depthView);
@@ -16,8 +18,7 @@ fn storedDepth(depthView: f32, ndc: vec2f, hostDepth: HostDepth) -> f32 {
   return select(depth, clamped, abs(depth - clamped) < ROUNDING);
 }
 
-/// Inverse of `storedDepth` in the middle of the picture; also of a cleared, infinitely far depth, which is taken for a
-/// very large one.
+/// Inverse of `storedDepth` in the middle of the image. A cleared, infinitely far depth becomes a very large one.
 fn depthViewOf(stored: f32, hostDepth: HostDepth) -> f32 {
   let mapped = (stored - hostDepth.offset) / hostDepth.factor;
   @if(ORTHOGRAPHIC) return mapped;

@@ -1,5 +1,6 @@
-// A splat's colour as it is kept from frame to frame, beside the number of the viewpoint that it was evaluated for: as
-// exact as the record that it goes into. Number 0 is none.
+// Packs and unpacks a kept colour: a splat's colour and the number of the viewpoint that it was evaluated for, kept from
+// frame to frame. Written by keep-colors and project, read by project, per visible splat. The colour is as exact as the
+// record that it goes into. Viewpoint 0 means that no colour is kept.
 @if(RECORD_F32)
 fn keptColor(color: vec3f, viewpoint: u32) -> vec4u {
   return vec4u(bitcast<vec3u>(color), viewpoint);

@@ -1,4 +1,5 @@
-// Reads splats as layout/geometry.ts stores them.
+// Unpacks and packs splats as layout/geometry.ts stores them, per splat. cull-splats and project unpack; repack-geometry
+// also packs. Twin: reference/packing.ts.
 
 /// A splat's geometry and base colour, in the cloud's space.
 struct Splat {
@@ -17,7 +18,7 @@ struct Splat {
 @if(GEOMETRY_F32) const GEOMETRY_VECTORS = 4u;
 @if(!GEOMETRY_F32) const GEOMETRY_VECTORS = 2u;
 
-/// `logScales`: the smallest log scale of the cloud, and the step of its unorm16 ones; not used by float32 splats.
+/// `logScales`: the cloud's smallest log scale, and the step of its unorm16 log scales; float32 splats do not use it.
 @if(GEOMETRY_F32)
 fn unpackSplat(v: array<vec4u, GEOMETRY_VECTORS>, logScales: vec2f) -> Splat {
   return Splat(
@@ -40,7 +41,7 @@ fn unpackSplat(v: array<vec4u, GEOMETRY_VECTORS>, logScales: vec2f) -> Splat {
   return Splat(bitcast<vec3f>(v[0].xyz), opacity, rotation, exp(logScale), vec3f(redGreen, blue));
 }
 
-/// Smallest-three: the component of largest magnitude is positive and left out, the others are 15-bit steps in ±√½.
+/// Smallest-three: the component of largest magnitude is positive and omitted, the others are 15-bit steps in ±√½.
 fn unpackRotation(low: u32, high: u32) -> vec4f {
   let steps = vec3u(low & 0x7fffu, high & 0x7fffu, (high >> 16u) & 0x7fffu);
   let largest = (low >> 15u) | (((high >> 15u) & 1u) << 1u);
@@ -56,8 +57,8 @@ fn unpackRotation(low: u32, high: u32) -> vec4f {
 /// vec4u per packed splat.
 const PACKED_VECTORS = 2u;
 
-/// `splat` in 32 bytes, as layout/geometry.ts packs it. Steps may be one beside the host's, which rounds in float64.
-/// `step` of `logScales` (its y) is 0 where all scales are the same.
+/// Packs `splat` into 32 bytes, as layout/geometry.ts does. Steps may differ by one from the host's, which rounds in float64.
+/// The step of `logScales` (its y) is 0 if all scales are the same.
 fn packSplat(splat: Splat, logScales: vec2f) -> array<vec4u, PACKED_VECTORS> {
   let dc = vec3u(halfBits(splat.colorDc.x), halfBits(splat.colorDc.y), halfBits(splat.colorDc.z));
   let opacity = u32(floor(splat.opacity * 65535.0 + 0.5));
@@ -73,13 +74,13 @@ fn packSplat(splat: Splat, logScales: vec2f) -> array<vec4u, PACKED_VECTORS> {
   );
 }
 
-/// What `unpackRotation` reads: low, high.
+/// Packs a rotation for `unpackRotation`: low, high.
 fn packRotation(rotation: vec4f) -> vec2u {
   let size = abs(rotation);
   let ofFirstTwo = select(0u, 1u, size.y > size.x);
   let ofLastTwo = select(2u, 3u, size.w > size.z);
   let largest = select(ofFirstTwo, ofLastTwo, max(size.z, size.w) > max(size.x, size.y));
-  // A quaternion and its negative are the same rotation: the component left out is made positive.
+  // A quaternion and its negative are the same rotation, so the omitted component is made positive.
   let facing = select(rotation, -rotation, rotation[largest] < 0.0);
   let rest = select(
     select(facing.xyz, facing.xyw, largest == 2u),
@@ -90,8 +91,8 @@ fn packRotation(rotation: vec4f) -> vec2u {
   return vec2u(steps.x | ((largest & 1u) << 15u), steps.y | ((largest >> 1u) << 15u) | (steps.z << 16u));
 }
 
-/// Bits of the binary16 nearest to `value`, ties to even, beyond ±65504 those of ±65504: twin of layout/half.ts. By
-/// integers, since WGSL leaves it to the device how pack2x16float rounds, and what it makes of 65520.
+/// Bits of the binary16 nearest to `value`, ties to even; values beyond ±65504 become ±65504. Twin of layout/half.ts. Uses
+/// integers because WGSL leaves it to the device how pack2x16float rounds, and what it makes of 65520.
 fn halfBits(value: f32) -> u32 {
   let bits = bitcast<u32>(value);
   let sign = (bits >> 16u) & 0x8000u;

@@ -1,4 +1,5 @@
-// Reads a projected splat as project has written it, at each precision of the record.
+// Reads records, which project writes, at each of their precisions. Used by keep-colors and pick, per visible splat, and by
+// rasterize, per vertex.
 import layout::SplatRecord;
 
 /// Half axes at √2 standard deviations.
@@ -20,13 +21,13 @@ fn axesOf(splat: SplatRecord) -> SplatAxes {
   @if(!RECORD_PAPER) return SplatAxes(majorUnit, majorLengthPx, vec2f(-majorUnit.y, majorUnit.x), splat.minorLengthPx);
 }
 
-/// Of a point `offset` px from the splat's centre, in units of its axes: the Gaussian is exp(−|local|²).
+/// Coordinate of a point `offset` px from the splat's centre, in units of its axes: the Gaussian is exp(−|local|²).
 fn localCoordinate(axes: SplatAxes, offset: vec2f) -> vec2f {
   @if(!RECORD_PAPER) return vec2f(
     dot(offset, axes.majorUnit) / axes.majorLengthPx,
     dot(offset, axes.minorUnit) / axes.minorLengthPx,
   );
-  // Rounded each for itself, the axes are not quite perpendicular.
+  // The axes are rounded independently, so they are not quite perpendicular.
   @if(RECORD_PAPER) let determinant = cross2(axes.majorUnit, axes.minorUnit);
   @if(RECORD_PAPER) return vec2f(
     cross2(offset, axes.minorUnit) / determinant / axes.majorLengthPx,

@@ -1,5 +1,5 @@
-// Where a splat lands in the picture, and how far it reaches: shared by cull-splats, which decides whether it is drawn,
-// and project, which writes what is drawn. Twin: reference/cull-splats.ts.
+// Computes where a splat lands in the image and how far it reaches. Shared by cull-splats, which decides whether the splat is
+// drawn, project, which writes its record, and rasterize, which sizes its quad. Twin: reference/cull-splats.ts.
 import layout::View;
 import package::lib::covariance::ScreenCovariance;
 @if(!ISOTROPIC) import package::lib::covariance::rotationMatrix;
@@ -16,17 +16,17 @@ fn isInDepthRange(view: View, depthView: f32) -> bool {
   return depthView > view.near && depthView <= view.far;
 }
 
-/// For a splat in the depth range; `linear` takes cloud space to view space.
+/// Projects a splat in the depth range; `linear` takes cloud space to view space.
 fn screenSplat(view: View, linear: mat3x3f, splat: Splat, centerView: vec3f) -> ScreenSplat {
   @if(!ISOTROPIC) let rotation = rotationMatrix(splat.rotation);
   @if(!ISOTROPIC) let axes = mat3x3f(rotation[0] * splat.scale.x, rotation[1] * splat.scale.y, rotation[2] * splat.scale.z);
   @if(!ISOTROPIC) let covariance = screenCovariance(view, centerView, linear * axes);
-  // A ball is the same however it is turned.
+  // Rotation does not change a ball.
   @if(ISOTROPIC) let covariance = screenCovariance(view, centerView, linear * splat.scale.x);
   return ScreenSplat(screenCenter(view, centerView), -centerView.z, covariance);
 }
 
-/// Where a point in the depth range lies in the picture, px.
+/// Position in the image, px, of a point in the depth range.
 fn screenCenter(view: View, centerView: vec3f) -> vec2f {
   @if(ORTHOGRAPHIC) let offset = view.focalPx * centerView.xy;
   @if(!ORTHOGRAPHIC) let offset = view.focalPx * centerView.xy / -centerView.z;
@@ -34,14 +34,14 @@ fn screenCenter(view: View, centerView: vec3f) -> vec2f {
 }
 
 /// Distance, in units of the axes at √2 standard deviations, at which `opacity` has fallen to the cutoff; with a fixed
-/// extent that of an opaque splat.
+/// extent, the distance of an opaque splat.
 fn reachInAxes(opacity: f32, alphaCutoff: f32) -> f32 {
   @if(FIXED_EXTENT) return sqrt(log(1.0 / alphaCutoff));
-  // An opacity that the record rounds to less than the cutoff reaches nowhere, and one of 0 has no logarithm.
+  // A splat whose opacity the record rounds to less than the cutoff has reach 0, and an opacity of 0 has no logarithm.
   @if(!FIXED_EXTENT) return sqrt(log(max(1.0, opacity / alphaCutoff)));
 }
 
-/// Half extents, px, of the box around all that is drawn of the splat.
+/// Half extents, px, of the box around the visible part of the splat.
 fn extentPx(covariance: ScreenCovariance, reach: f32) -> vec2f {
   return (reach * covariance.unitPx) * sqrt(2.0 * vec2f(covariance.a, covariance.c));
 }

@@ -1,5 +1,7 @@
-// Lists the splats to draw in storage order, by a scan and not by atomics: one workgroup per visible chunk. A splat's
-// number counts through all chunks of the frame.
+// Lists the visible splats of the frame in storage order.
+// Reads the visibility masks of cull-splats and the scanned counts; writes visibleSplats. One workgroup per visible chunk,
+// one thread per splat. A splat's number counts through all chunks of the frame.
+// Places come from a scan instead of atomics, so that a frame is the same every time.
 import constants::CHUNK_SPLATS;
 import constants::MASK_WORDS;
 import layout::CullParameters;

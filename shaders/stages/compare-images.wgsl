@@ -1,8 +1,11 @@
-// How far one picture is from another: one workgroup per tile of COMPARE_TILE_PX². Nothing of the pictures' size is
-// stored: the Gaussian windows of structural similarity are taken from the tile and its surroundings in workgroup memory.
+// Measures how far one image is from another.
+// Reads two textures and the background; writes errors and dissimilarity per tile, and a count per class of error. One
+// workgroup per tile of COMPARE_TILE_PX², one thread per pixel.
+// Needs no buffer of the images' size: the Gaussian windows of structural similarity read the tile and its surroundings
+// from workgroup memory.
 //
-// Structural similarity is computed from the sum s = a + b and the difference d = a − b of the pictures. Multiplied out,
-// 1 − SSIM needs the variance of d, which is small where the pictures are alike and then loses nothing in float32; taken
+// Structural similarity is computed from the sum s = a + b and the difference d = a − b of the images. Multiplied out,
+// 1 − SSIM needs the variance of d, which is small where the images are alike and then loses nothing in float32; computed
 // from the variances of a and b it would be the difference of nearly equal numbers.
 import constants::COMPARE_TILE_PX;
 import constants::SSIM_RADIUS_PX;
@@ -10,7 +13,7 @@ import layout::CompareParameters;
 import layout::CompareTile;
 
 const TILE_PIXELS = COMPARE_TILE_PX * COMPARE_TILE_PX;
-/// The tile and what its windows reach of its surroundings.
+/// The tile and the surroundings that its windows reach.
 const AREA_PX = COMPARE_TILE_PX + 2 * SSIM_RADIUS_PX;
 const AREA_PIXELS = AREA_PX * AREA_PX;
 /// Columns of the tile, rows of the area.
@@ -27,9 +30,9 @@ const ERROR_DROPPED_BITS = 16u;
 @group(0) @binding(3) var<storage, read_write> tiles: array<CompareTile>;
 @group(0) @binding(4) var<storage, read_write> errorCounts: array<atomic<u32>>;
 
-/// Of one channel: sum − 1, which lies about 0, and difference; 0 outside of the picture.
+/// Per pixel of the area, for one channel: sum − 1, which lies about 0, and difference; 0 outside of the image.
 var<workgroup> area: array<vec2f, AREA_PIXELS>;
-/// The same weighted along rows: means of sum, difference, and of their squares.
+/// Per pixel of the strip, weighted along rows: means of sum and difference, and of their squares.
 var<workgroup> strip: array<vec4f, STRIP_PIXELS>;
 var<workgroup> partials: array<vec3f, TILE_PIXELS>;
 var<workgroup> brokenActual: atomic<u32>;
@@ -112,7 +115,7 @@ fn isIn(pixel: vec2i, sizePx: vec2i) -> bool {
   return all(pixel >= vec2i(0)) && all(pixel < sizePx);
 }
 
-/// Whether a value is infinite or no number, by its bits: a compiler may assume that there are none.
+/// Whether a value is infinite or NaN. Tests its bits, since a compiler may assume that such values do not occur.
 fn isBroken(value: vec4f) -> bool {
   return any((bitcast<vec4u>(value) & vec4u(0x7f800000u)) == vec4u(0x7f800000u));
 }
@@ -121,13 +124,13 @@ fn shownValue(layer: vec4f, channel: u32) -> f32 {
   return clamp(layer[channel] + (1.0 - layer.a) * parameters.background[channel], 0.0, 1.0);
 }
 
-/// Of the place `step` of a window.
+/// Weight of place `step` of a window.
 fn weight(step: u32) -> f32 {
   let distancePx = f32(step) - f32(SSIM_RADIUS_PX);
   return exp(-distancePx * distancePx / (2.0 * SSIM_SIGMA_PX * SSIM_SIGMA_PX));
 }
 
-/// Sum of the weights of that part of a window, which starts at `start`, that lies in 0…end.
+/// Sum of the weights of the part in 0…end of a window that starts at `start`.
 fn weightInside(start: i32, end: i32) -> f32 {
   var sum = 0.0;
   for (var step = 0u; step < WINDOW_PX; step++) {
@@ -137,7 +140,7 @@ fn weightInside(start: i32, end: i32) -> f32 {
   return sum;
 }
 
-/// 1 − SSIM of the means over a window of a + b − 1, a − b and of their squares.
+/// 1 − SSIM, from the means over a window of a + b − 1 and a − b, and of their squares.
 fn dissimilarity(means: vec4f) -> f32 {
   let sum = means.x + 1.0;
   let difference = means.y;

@@ -1,4 +1,6 @@
-// Puts the blended splats over the background, in the space they were blended in, which is the display's.
+// Composites the blended splats over the background.
+// Reads the splats' layer and the background; writes an opaque colour. One fragment per pixel of the image.
+// Works in the space that the splats were blended in, which is the display's.
 import layout::CompositeParameters;
 import package::lib::covering_triangle::coveringTriangle;
 

@@ -1,5 +1,6 @@
-// Which chunks of splats can reach into the picture: one thread per chunk, dispatched per page.
-// Reads the chunks' bounds; writes 1 or 0 per chunk.
+// Decides which chunks of splats can reach into the image.
+// Reads the chunks' bounds; writes 1 or 0 per chunk to chunkOffsets, which a scan then turns into places. One thread per
+// chunk, dispatched per page.
 import constants::CHUNK_WORKGROUP;
 import layout::View;
 import layout::Page;
@@ -11,7 +12,8 @@ import package::lib::dispatch::linearWorkgroup;
 @group(0) @binding(2) var<storage, read> chunks: array<Chunk>;
 @group(0) @binding(3) var<storage, read_write> chunkOffsets: array<u32>;
 
-/// Float32 rounding of the plane test, relative to its largest term; far above 6e-8 times the few operations.
+/// Float32 rounding of the test against a side of the frustum, relative to its largest term; far above 6e-8 times the few
+/// operations.
 const ROUNDING_SLACK = 1e-5;
 
 @compute @workgroup_size(CHUNK_WORKGROUP)
@@ -26,7 +28,7 @@ fn isInFrustum(chunk: Chunk) -> bool {
   let halfExtent = 0.5 * (chunk.maxPosition - chunk.minPosition);
   for (var i = 0u; i < 6u; i++) {
     let plane = page.frustum[i];
-    // How far a splat at the box's best corner still reaches past the plane.
+    // How far a splat at the box's best corner still reaches past this side of the frustum.
     let reach = dot(abs(plane.xyz), halfExtent) + page.frustumReach[i].x * chunk.maxScale;
     let slack = ROUNDING_SLACK * (dot(abs(plane.xyz), abs(center)) + reach + abs(plane.w));
     if (dot(plane.xyz, center) + plane.w + reach + slack < 0.0) { return false; }

@@ -1,6 +1,7 @@
-// Which splats of the visible chunks are drawn: one workgroup per visible chunk, one thread per splat, per page.
-// Writes a bit per splat, a count per chunk and the range of depths; leaves before the covariance where the opacity or
-// the depth decides.
+// Decides which splats of the visible chunks are drawn.
+// Reads the page's plan, its visible chunks and its geometry; writes a bit per splat, a count per chunk and the range of
+// depths. One workgroup per visible chunk, one thread per splat, dispatched per page.
+// Skips the covariance if opacity or depth alone decides.
 import constants::CHUNK_SPLATS;
 import constants::MASK_WORDS;
 @if(OPACITY_EFFECTS && !FRUSTUM_CULLING) import effects::changeOpacity;
@@ -26,7 +27,7 @@ import package::lib::visible_ellipse::isInDepthRange;
 @group(0) @binding(4) var<storage, read> geometry: array<array<vec4u, GEOMETRY_VECTORS>>;
 @group(0) @binding(5) var<storage, read_write> visibilityMasks: array<u32>;
 @group(0) @binding(6) var<storage, read_write> splatOffsets: array<u32>;
-/// Ordered bits of the farthest and, inverted, of the nearest depth: both grow from 0. Atomic, but of integers: the
+/// Ordered bits of the farthest and, inverted, of the nearest depth: both grow from 0. Atomic, but with integers, so the
 /// result does not depend on the order.
 @group(0) @binding(7) var<storage, read_write> depthRange: array<atomic<u32>, 2>;
 
@@ -73,7 +74,7 @@ fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
   }
 }
 
-/// Whether anything of the splat's box is in the picture.
+/// Whether any part of the splat's box is in the image.
 @if(!FRUSTUM_CULLING)
 fn isDrawn(splat: Splat, centerView: vec3f) -> bool {
   let onScreen = screenSplat(view, page.linear, splat, centerView);
@@ -84,7 +85,8 @@ fn isDrawn(splat: Splat, centerView: vec3f) -> bool {
   return all(onScreen.centerPx + extent > vec2f(0.0)) && all(onScreen.centerPx - extent < view.sizePx);
 }
 
-/// Splats are not tested against the picture, but a centre beyond float32's range is drawn nowhere.
+/// Farthest centre that is drawn. Splats are not tested against the image here, but a centre beyond float32's range cannot be
+/// drawn.
 @if(FRUSTUM_CULLING) const FARTHEST_CENTER_PX = 1e18;
 
 @if(FRUSTUM_CULLING)

@@ -1,5 +1,7 @@
-// Keeps the colours of the splats that the last frame drew, before another one overwrites their records: what is seen from
-// where it was seen before need not be evaluated again. One thread per visible splat of that frame, dispatched per page.
+// Keeps the colours of the splats that the last frame drew, before the next frame overwrites their records.
+// Reads the last frame's visible splats and records; writes keptColors. One thread per visible splat of that frame,
+// dispatched per page.
+// A splat that is seen from the same viewpoint again then needs no evaluation of its spherical harmonics.
 import constants::CHUNK_SPLATS;
 import constants::PROJECT_WORKGROUP;
 import layout::Page;
@@ -15,7 +17,7 @@ import package::lib::splat_record::colorOf;
 @group(0) @binding(2) var<storage, read> pagePlans: array<PagePlan>;
 @group(0) @binding(3) var<storage, read> visibleSplats: array<u32>;
 @group(0) @binding(4) var<storage, read> records: array<SplatRecord>;
-/// In front the number of the viewpoint, then an entry per splat of the page.
+/// The number of the viewpoint, then an entry per splat of the page.
 @if(RECORD_F32) @group(0) @binding(5) var<storage, read_write> keptColors: array<vec4u>;
 @if(!RECORD_F32) @group(0) @binding(5) var<storage, read_write> keptColors: array<vec2u>;
 

@@ -1,6 +1,8 @@
-// What lies over one pixel: one workgroup per PICK_WORKGROUP places of the drawing order blends its splats and writes
-// what is left for the host, which goes through these blocks front to back. No list that could overflow, no atomics: an
-// answer is the same every time.
+// Finds the splat that contributes most to one pixel.
+// Reads the drawing order and the records; writes a PickBlock per block of PICK_WORKGROUP places of the order: the block's
+// transmittance and its heaviest splat. One workgroup per block, one thread per place. The host combines the blocks front to
+// back.
+// Without a list that could overflow and without atomics, so a pick gives the same result every time.
 import constants::MAX_FRAGMENT_ALPHA;
 import constants::PICK_WORKGROUP;
 import layout::PickBlock;
@@ -34,7 +36,7 @@ fn pick(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index
   var weight = 0.0;
   var heaviest = 0u;
   for (var i = 0u; i < PICK_WORKGROUP; i++) {
-    // Splats are drawn back to front: the last is the foremost, and of equal ones it wins.
+    // Splats are drawn back to front: the last is the foremost, and wins among equal weights.
     let place = PICK_WORKGROUP - 1u - i;
     if (alphas[place] * transmittance > weight) {
       weight = alphas[place] * transmittance;
@@ -50,7 +52,7 @@ fn pick(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index
   blocks[block] = found;
 }
 
-/// As rasterize's fragment has it, 0 where that draws nothing.
+/// Alpha at the pixel, as in rasterize's fragment shader; 0 if that draws nothing.
 fn alphaAtPixel(splat: SplatRecord) -> f32 {
   let local = localCoordinate(axesOf(splat), parameters.pixelPx - splat.centerPx);
   let alpha = min(MAX_FRAGMENT_ALPHA, opacityOf(splat) * exp(-dot(local, local)));

@@ -1,5 +1,6 @@
-// Sizes what follows cull-splats, on the GPU: how many splats of each page are projected, and how many are drawn in all.
-// One workgroup.
+// Sizes the dispatches and the draw over the visible splats, on the GPU, so that their number is never read back.
+// Reads the scanned counts of cull-splats; writes each page's range of visible splats, the total, the dispatches of project
+// and the arguments of the draw. One workgroup, whose threads share the pages.
 import constants::PLAN_WORKGROUP;
 import constants::PROJECT_WORKGROUP;
 import layout::CullParameters;

@@ -1,4 +1,6 @@
-// Sizes the passes of the sort by the number of keys, on the GPU. One thread.
+// Sizes the passes of the sort by the number of keys, on the GPU, so that this number is never read back.
+// Reads the number of keys; writes the sort's plan, the number of digit counts to scan and the dispatch over tiles. One
+// thread.
 import constants::SORT_TILE;
 import layout::SortParameters;
 import layout::SortPlan;
@@ -13,7 +15,7 @@ import package::lib::dispatch::dispatchSize;
 
 @compute @workgroup_size(1)
 fn planSort() {
-  // More keys than there is room for would be written past the end; the host sees to it that there never are.
+  // Keys beyond the capacity would be written past the buffers' end; the host ensures that there are none.
   let count = min(keyCount, parameters.capacity);
   let tiles = (count + SORT_TILE - 1u) / SORT_TILE;
   plan = SortPlan(count, tiles);

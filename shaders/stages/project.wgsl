@@ -1,5 +1,7 @@
-// The record of every splat that is drawn: where, how large, which colour, and its sort key. One thread per splat,
-// dispatched per page; a page's splats all have the same degree of spherical harmonics, known when this is linked.
+// Projects every visible splat: computes its record (centre, axes, depth, colour) and its sort key.
+// Reads the page's plan, the visible splats, the range of depths, the geometry and the spherical harmonics; writes records
+// and keys in the order of visibleSplats, and kept colours if they are on. One thread per visible splat, dispatched per page.
+// All splats of a page have the same degree of spherical harmonics, so it is a condition of linking instead of a branch.
 import constants::CHUNK_SPLATS;
 import constants::MAX_COLOR;
 import constants::PROJECT_WORKGROUP;
@@ -29,14 +31,14 @@ import package::lib::visible_ellipse::screenSplat;
 @group(0) @binding(1) var<uniform> page: Page;
 @group(0) @binding(2) var<storage, read> pagePlans: array<PagePlan>;
 @group(0) @binding(3) var<storage, read> visibleSplats: array<u32>;
-/// Ordered bits of the farthest and, inverted, of the nearest depth.
-/// A uniform, since stages may have no more than eight storage buffers.
+/// Ordered bits of the farthest and, inverted, of the nearest depth. A uniform because a stage may have no more than eight
+/// storage buffers.
 @group(0) @binding(4) var<uniform> depthRange: vec2u;
 @group(0) @binding(5) var<storage, read> geometry: array<array<vec4u, GEOMETRY_VECTORS>>;
 @group(0) @binding(6) var<storage, read_write> records: array<SplatRecord>;
 @group(0) @binding(7) var<storage, read_write> keys: array<u32>;
 @if(SH_1) @group(0) @binding(8) var<storage, read> shRest: array<u32>;
-/// In front the number of the viewpoint, then an entry per splat of the page.
+/// The number of the viewpoint, then an entry per splat of the page.
 @if(COLOR_CACHE && RECORD_F32) @group(0) @binding(18) var<storage, read_write> keptColors: array<vec4u>;
 @if(COLOR_CACHE && !RECORD_F32) @group(0) @binding(18) var<storage, read_write> keptColors: array<vec2u>;
 
@@ -56,8 +58,8 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
 
   @if(!COLOR_CACHE) var color = evaluatedColor(splat, splatIndex);
   @if(COLOR_CACHE) var color = keptOrEvaluatedColor(splat, splatIndex);
-  // A negative radiance has no meaning, and would darken what is behind it; one beyond what the target holds would
-  // become infinite there, and NaN under the next splat.
+  // A negative radiance has no meaning, and would darken the splats behind it; one beyond the target's range would become
+  // infinite there, and NaN under the next splat.
   @if(COLOR_EFFECTS) color = changeColor(max(color, vec3f(0.0)), splat, splatIndex, centerView);
   @if(!OPACITY_EFFECTS) let opacity = splat.opacity;
   @if(OPACITY_EFFECTS) let opacity = changeOpacity(splat.opacity, onScreen, view.dilationPx2);
@@ -97,7 +99,7 @@ fn keptOrEvaluatedColor(splat: Splat, splatIndex: u32) -> vec3f {
   return colorOfKept(kept);
 }
 
-/// Largest float16: a longer axis keeps its direction, or it would be infinite.
+/// Largest float16: a longer axis would become infinite, so it is shortened and keeps its direction.
 @if(RECORD_PAPER) const LONGEST_HALF_PX = 65504.0;
 
 @if(RECORD_PAPER)
@@ -107,12 +109,12 @@ fn packAxis(unit: vec2f, lengthPx: f32) -> u32 {
   return pack2x16float(axisPx);
 }
 
-/// Unit vector in the cloud's space from the camera to the splat; where there is none (a singular model matrix) +z.
+/// Unit vector in the cloud's space from the camera to the splat; +z if there is none (a singular model matrix).
 @if(SH_1)
 fn viewDirection(position: vec3f) -> vec3f {
   // A camera infinitely far away has weight 0: all directions are page.direction.
   let toward = (position - page.camera) * page.cameraWeight + page.direction * (1.0 - page.cameraWeight);
-  // Scaled first: the square of a length in a very large or very small scene leaves float32's range.
+  // Scale first: the square of a length in a very large or very small scene leaves float32's range.
   let largest = max(abs(toward.x), max(abs(toward.y), abs(toward.z)));
   if (!(largest > 1e-37)) { return vec3f(0.0, 0.0, 1.0); }
   return normalize(toward / largest);
@@ -132,7 +134,7 @@ fn shAboveBase(splatIndex: u32, direction: vec3f) -> vec3f {
   return color;
 }
 
-/// Coefficient `k` above degree 0, r, g, b, of the splat whose words start at `first`; at u8 still to be scaled.
+/// Coefficient `k` above degree 0, r, g, b, of the splat whose words start at `first`; u8 coefficients are not scaled yet.
 @if(SH_1)
 fn shCoefficient(first: u32, k: u32) -> vec3f {
   return vec3f(shValue(first, 3u * k), shValue(first, 3u * k + 1u), shValue(first, 3u * k + 2u));

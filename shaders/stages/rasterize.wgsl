@@ -1,6 +1,8 @@
-// Draws every visible splat as one quad, back to front, blended "over" with premultiplied colours in the space that
-// scenes are trained in. The quad reaches as far as the splat's opacity stays above the cutoff; the fragment's place in
-// the Gaussian comes from the interpolators alone.
+// Draws every visible splat as one quad, back to front.
+// Reads the sorted order and the records; writes premultiplied colours, blended "over" in the space that scenes are trained
+// in, and, if requested, mean depths. One instance of four vertices per visible splat, one fragment per pixel of its quad.
+// The quad reaches as far as the splat's opacity stays above the cutoff; the fragment's place in the Gaussian comes from the
+// interpolators alone.
 import layout::HostDepth;
 import layout::SplatRecord;
 import layout::View;
@@ -29,10 +31,10 @@ struct Fragment {
   @if(DEPTH_LAYER) @location(1) depth: vec4f,
 }
 
-/// Corners lie on this grid, the coarsest on which WebGPU's rasterisers are known to snap them (1/16 px): the local
-/// coordinate of a corner then belongs to where the corner really is.
+/// Grid of the corners, the coarsest to which WebGPU's rasterisers are known to snap them (1/16 px): the local coordinate of
+/// a corner then belongs to the place where the corner really is.
 const SNAP_PX = 0.0625;
-/// No corner lies further from the picture than this: fixed-point rasterisers have a limited range.
+/// Largest distance of a corner from the image: fixed-point rasterisers have a limited range.
 const GUARD_BAND_PX = 4096.0;
 
 @vertex
@@ -44,10 +46,10 @@ fn vertexMain(@builtin(vertex_index) vertex: u32, @builtin(instance_index) insta
   let axes = axesOf(splat);
   let majorUnit = axes.majorUnit;
   let minorUnit = axes.minorUnit;
-  // One step of the grid more, so that snapping never cuts a covered pixel off.
+  // One extra step of the grid, so that snapping never cuts off a covered pixel.
   let halfSizePx = reach * vec2f(axes.majorLengthPx, axes.minorLengthPx) + SNAP_PX;
 
-  // The part of the ellipse's box that is in the picture, for splats of which it is the smaller quad.
+  // The part of the ellipse's box that is in the image: drawn instead of the oriented quad if it is smaller.
   let extent = sqrt(
     (majorUnit * halfSizePx.x) * (majorUnit * halfSizePx.x) + (minorUnit * halfSizePx.y) * (minorUnit * halfSizePx.y),
   );
@@ -79,11 +81,11 @@ fn fragmentMain(varyings: Varyings) -> Fragment {
   @if(RECORD_PAPER) let color = unpack4x8unorm(varyings.color);
   @if(!RECORD_F32 && !RECORD_PAPER) let color = vec4f(unpack2x16float(varyings.color.x), unpack2x16float(varyings.color.y));
   let alpha = min(MAX_FRAGMENT_ALPHA, color.w * exp(-dot(varyings.local, varyings.local)));
-  // Blending nothing over leaves the target as it is, bit for bit, and unlike `discard` keeps early tests possible.
+  // Blending 0 over the target leaves it unchanged, bit for bit, and unlike `discard` keeps early tests possible.
   let isDrawn = alpha >= view.alphaCutoff;
   var fragment: Fragment;
   fragment.color = select(vec4f(0.0), vec4f(color.rgb * alpha, alpha), isDrawn);
-  // Blended like a colour, the mean depth by what each splat contributes; a float16 target ends at 65504.
+  // Blended like a colour: the mean depth, weighted by each splat's contribution. A float16 target ends at 65504.
   @if(DEPTH_LAYER) fragment.depth = select(vec4f(0.0), vec4f(min(varyings.depthView, 65504.0) * alpha, 0.0, 0.0, alpha), isDrawn);
   return fragment;
 }

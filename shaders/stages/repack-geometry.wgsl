@@ -1,4 +1,6 @@
-// A page of float32 geometry made into packed geometry, one thread per splat.
+// Packs a page of float32 geometry.
+// Reads float32 geometry; writes packed geometry. One thread per splat.
+// Runs on the GPU, which already holds the float32 plane, so that nothing is read back.
 import constants::REPACK_WORKGROUP;
 import layout::RepackParameters;
 import package::lib::dispatch::linearWorkgroup;

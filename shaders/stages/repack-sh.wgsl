@@ -1,5 +1,6 @@
-// A page of spherical harmonics above degree 0 made into coarser ones (f32 or f16 into f16 or bytes), as
-// packing/harmonics.ts packs them; one thread per splat.
+// Packs a page of spherical harmonics above degree 0 more coarsely, as packing/harmonics.ts does.
+// Reads f32 or f16 coefficients; writes f16 or u8 ones. One thread per splat.
+// Runs on the GPU, which already holds the finer plane, so that nothing is read back.
 import constants::COARSER_WORDS;
 import constants::FINER_WORDS;
 import constants::REPACK_WORKGROUP;
@@ -19,7 +20,7 @@ fn repackSh(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_i
   writeSplat(index * FINER_WORDS, index * COARSER_WORDS);
 }
 
-/// Two to a word, low half first.
+/// Writes two coefficients per word, low half first.
 @if(!REPACK_TO_U8)
 fn writeSplat(first: u32, at: u32) {
   for (var word = 0u; word < COARSER_WORDS; word++) {
@@ -29,7 +30,7 @@ fn writeSplat(first: u32, at: u32) {
   }
 }
 
-/// The splat's scale as binary16, then a signed byte each.
+/// Writes the splat's scale as binary16, then a signed byte per coefficient.
 @if(REPACK_TO_U8)
 fn writeSplat(first: u32, at: u32) {
   var largest = 0.0;
@@ -37,7 +38,8 @@ fn writeSplat(first: u32, at: u32) {
   var scaleBits = halfBits(largest);
   // Rounded up, so that the largest value still fits in ±127.
   if (unpack2x16float(scaleBits).x < min(largest, 65504.0)) { scaleBits++; }
-  // The smallest that is not 0, where a device takes subnormal halves for 0: all values are 0 where the scale is.
+  // At least the smallest binary16 above 0, in case a device flushes subnormal halves to 0. If the scale is 0, so are all
+  // values.
   let scale = max(unpack2x16float(scaleBits).x, 5.960464477539063e-8);
   for (var word = 0u; word < COARSER_WORDS; word++) {
     var bits = select(0u, scaleBits, word == 0u);

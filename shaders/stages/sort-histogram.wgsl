@@ -1,4 +1,6 @@
-// First step of a radix pass: how often each digit occurs in each tile of keys. One workgroup per tile.
+// First step of a radix pass: counts how often each digit occurs in each tile of keys.
+// Reads the keys and the sort's plan; writes digitCounts. One workgroup per tile of SORT_TILE keys.
+// Atomics in workgroup memory only count, so the result does not depend on their order.
 import constants::DIGIT_BITS;
 import constants::SORT_ITEMS;
 import constants::SORT_TILE;
@@ -12,7 +14,7 @@ const RADIX = 1u << DIGIT_BITS;
 @group(0) @binding(0) var<uniform> parameters: SortParameters;
 @group(0) @binding(1) var<storage, read> plan: SortPlan;
 @group(0) @binding(2) var<storage, read> keys: array<u32>;
-/// All tiles of digit 0, then all tiles of digit 1, …: scanned in this order the counts become places.
+/// All tiles of digit 0, then all tiles of digit 1, …: a scan in this order turns the counts into places.
 @group(0) @binding(3) var<storage, read_write> digitCounts: array<u32>;
 
 var<workgroup> counts: array<atomic<u32>, RADIX>;

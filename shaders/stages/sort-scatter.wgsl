@@ -1,6 +1,7 @@
-// Last step of a radix pass: moves every key and payload to its place. One workgroup per tile. Stable: within a tile,
-// keys are taken in rounds of one per thread, and a key's rank among equal digits of its round is the number of set bits
-// before its own in that digit's mask.
+// Last step of a radix pass: moves every key and payload to its place.
+// Reads keys, payloads and the scanned digit counts; writes keys and payloads. One workgroup per tile of SORT_TILE keys.
+// Stable: within a tile, keys are taken in rounds of one per thread, and a key's rank among equal digits of its round is the
+// number of set bits before its own in that digit's mask.
 import constants::DIGIT_BITS;
 import constants::SORT_ITEMS;
 import constants::SORT_TILE;
@@ -14,7 +15,7 @@ const ROUND_WORDS = SORT_WORKGROUP / 32u;
 
 @group(0) @binding(0) var<uniform> parameters: SortParameters;
 @group(0) @binding(1) var<storage, read> plan: SortPlan;
-/// Where the keys of each digit and tile go: digitCounts, scanned.
+/// First place for the keys of each digit and tile: the scanned digitCounts.
 @group(0) @binding(2) var<storage, read> digitOffsets: array<u32>;
 @group(0) @binding(3) var<storage, read> keysIn: array<u32>;
 @group(0) @binding(4) var<storage, read_write> payloadsOut: array<u32>;
@@ -23,7 +24,7 @@ const ROUND_WORDS = SORT_WORKGROUP / 32u;
 
 /// Next place per digit.
 var<workgroup> nextPlace: array<u32, RADIX>;
-/// Per digit a bit per thread of the round; word by word, so that threads of one word hit different banks.
+/// A bit per digit and thread of the round; word by word, so that threads of one word hit different banks.
 var<workgroup> masks: array<atomic<u32>, ROUND_WORDS * RADIX>;
 
 @compute @workgroup_size(SORT_WORKGROUP)
@@ -57,14 +58,14 @@ fn sortScatter(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
     workgroupBarrier();
 
     if (isKey) {
-      // The first key of each digit makes the digit ready for the next round; its place is already known to all.
+      // The first key of each digit prepares the digit for the next round; all threads already have their places.
       if (rank == 0u) {
         var total = 0u;
         for (var w = 0u; w < ROUND_WORDS; w++) { total += countOneBits(atomicExchange(&masks[w * RADIX + digit], 0u)); }
         nextPlace[digit] += total;
       }
-      // The payload of the first pass is each key's own index, and nobody reads the keys of the last. By a uniform, since
-      // one shader for all passes compiles in a third of the time of three.
+      // The payload of the first pass is each key's own index, and no later pass reads the keys of the last one. A uniform
+      // decides, because one shader for all passes compiles in a third of the time of three.
       var payload = index;
       if (parameters.isFirst == 0u) { payload = payloadsIn[index]; }
       payloadsOut[place] = payload;

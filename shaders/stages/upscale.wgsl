@@ -1,6 +1,7 @@
-// Brings splats that were blended in a smaller layer to the picture's size: bilinear between the middles of pixels, and
-// constant beyond the outermost. Values are premultiplied: they are averaged as they are.
-// Twin: reference/upscale.ts.
+// Scales splats that were blended in a smaller layer to the image's size.
+// Reads the smaller layer and, if there is one, its depths; writes both at the image's size. One fragment per pixel of the
+// image. Bilinear between the middles of pixels, constant beyond the outermost. Values are premultiplied, so they can be
+// averaged directly. Twin: reference/upscale.ts.
 import layout::UpscaleParameters;
 import package::lib::covering_triangle::coveringTriangle;
 
@@ -18,7 +19,7 @@ fn vertexMain(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
   return coveringTriangle(vertex);
 }
 
-/// `place` counts pixels from the middle of the first, and lies within the middles.
+/// Interpolates `image` at `place`, which counts pixels from the middle of the first and lies between the outermost middles.
 fn bilinear(image: texture_2d<f32>, place: vec2f, last: vec2f) -> vec4f {
   let low = vec2u(place);
   let high = min(low + 1u, vec2u(last));

@@ -16,13 +16,13 @@ beforeAll(async () => {
 });
 afterAll(() => device.destroy());
 
-/** Any finite float32, among them denormals, ±0 and the largest. */
+/** Any finite float32, including denormals, ±0 and the largest. */
 const finite = fc.float({ noNaN: true, noDefaultInfinity: true });
 const usually = (usual: fc.Arbitrary<number>, rare: fc.Arbitrary<number>) =>
   fc.oneof({ weight: 4, arbitrary: usual }, { weight: 1, arbitrary: rare });
 const triple = (value: fc.Arbitrary<number>) => fc.tuple(value, value, value);
 
-/** Positions stay where float32 has depths to tell apart; everything else may be anything that a file may hold. */
+/** Positions stay where float32 can distinguish depths; all other properties may have any value that a file may hold. */
 const anySplat: fc.Arbitrary<SplatValues> = fc.record({
   position: triple(usually(uniform(-2, 2), uniform(-1e4, 1e4))),
   logScales: triple(usually(uniform(-8, 1), fc.oneof(uniform(-120, 90), finite))),
@@ -42,7 +42,7 @@ function usuallyTuple(usual: fc.Arbitrary<number>, rare: fc.Arbitrary<number>): 
 const RUNS = process.env.WEBSPLATTER_FULL ? 300 : 25;
 
 gpuTest(
-  'any finite splat before any camera is drawn as float64 has it, or left out as float64 leaves it',
+  'any finite splat, seen by any camera, is drawn or culled as in float64, and has the same record',
   async () => {
     let drawn = 0;
     let unsure = 0;
@@ -75,7 +75,7 @@ gpuTest(
       ),
       { numRuns: RUNS },
     );
-    // Whoever leaves everything out, or finds everything uncertain, would pass too.
+    // A GPU that draws nothing, or a twin that is never sure, would otherwise pass.
     expect(drawn).toBeGreaterThan(RUNS);
     expect(unsure).toBeLessThan(total / 4);
   },

@@ -8,7 +8,7 @@ import { cullSplat } from '../reference/cull-splats.ts';
 import { FLOAT32_ROUNDING, projectionErrors } from './error-bounds.ts';
 import type { InspectedCloud, InspectedFrame } from './inspected-frame.ts';
 
-/** A splat that the GPU drew and the twin does not, or the other way round. */
+/** A splat that the GPU drew and the twin culls, or the reverse. */
 export interface CullingMismatch {
   readonly cloudIndex: number;
   readonly splatIndex: number;
@@ -20,20 +20,20 @@ export interface CullingComparison {
   readonly visibleCount: number;
   /** Splats so close to a threshold that rounding may decide either way. */
   readonly unsureCount: number;
-  /** Splats whose fate is the wrong one, in storage order. */
+  /** Wrongly drawn or wrongly culled splats, in storage order. */
   readonly mismatches: readonly CullingMismatch[];
-  /** What is wrong with the list of visibleSplats or the range of depths as such. */
+  /** Flaws of the list of visible splats and of the range of depths. */
   readonly flaws: readonly string[];
 }
 
-/** Which splats of the frame were drawn, against which the float64 twin draws. */
+/** Compares the splats that the frame drew with those that the float64 twin draws. */
 export async function compareCulling(frame: InspectedFrame): Promise<CullingComparison> {
   const visibleCount = await frame.visibleCount();
   const visibleSplats = (await frame.words('visibleSplats')).subarray(0, visibleCount);
   const drawn = new Set(visibleSplats);
   const flaws: string[] = [];
   if (!visibleSplats.every((splat, i) => i === 0 || visibleSplats[i - 1] < splat))
-    flaws.push('The visibleSplats are not listed once each in storage order.');
+    flaws.push('The visible splats are not listed exactly once each in storage order.');
   flaws.push(...(await depthRangeFlaws(frame, visibleCount)));
 
   let unsureCount = 0;
@@ -53,8 +53,8 @@ export async function compareCulling(frame: InspectedFrame): Promise<CullingComp
 }
 
 /**
- * Whether the twin draws the splat, and whether rounding may decide otherwise: asked again with cutoff, near, far and
- * the picture's edges moved by what float32 may err, once against the splat and once for it.
+ * Whether the twin draws the splat, and whether that is sure or rounding may decide otherwise: the twin runs again with
+ * cutoff, near, far and the image's edges moved by float32's largest error, once against the splat and once in its favour.
  */
 function verdict(
   cloud: InspectedCloud,
@@ -63,7 +63,7 @@ function verdict(
   { alphaCutoff, extent, culling }: AccuracySettings,
 ) {
   const { stored, view, effects } = cloud;
-  // Where splats are tested against the picture, those of chunks out of sight fail that test anyway.
+  // If splats are tested against the image, those of chunks out of sight fail that test anyway.
   const clearance = culling === 'frustum' ? clearanceOfChunk(cloud, index) : Number.POSITIVE_INFINITY;
   if (clearance < -CHUNKS_KEPT_BEYOND) return { isDrawn: false, isSure: true };
   const errors = projectionErrors(stored, index, view, projection);
@@ -78,7 +78,7 @@ function verdict(
       near: projection.near - direction * (errors.depthView + FLOAT32_ROUNDING * Math.abs(projection.near)),
       far: projection.far + direction * (errors.depthView + FLOAT32_ROUNDING * Math.abs(projection.far)),
     };
-    // Opacity and cutoff are rounded to float32, and `log` errs by 3 ulp: the same as another cutoff.
+    // Opacity and cutoff are rounded to float32, and `log` errs by 3 ulp: equivalent to another cutoff.
     const cutoff = alphaCutoff * (1 - direction * 16 * FLOAT32_ROUNDING);
     const settings = {
       alphaCutoff: cutoff,
@@ -94,12 +94,12 @@ function verdict(
 }
 
 /**
- * The shader keeps chunks that fail a plane by less than 1e-5 of its terms, and its own rounding of about ten operations
- * on float32 uniforms is below 20 · 2^-24 = 1.2e-6 of them.
+ * The shader keeps chunks that fail the test of a side by less than 1e-5 of its terms, and its own rounding of about ten
+ * operations on float32 uniforms is below 20 · 2^-24 = 1.2e-6 of them.
  */
 const CHUNKS_KEPT_BEYOND = 1.2e-5;
 
-/** See `chunkClearance`: of the chunk of splat `index`. */
+/** `chunkClearance` of the chunk that contains splat `index`. */
 function clearanceOfChunk({ packed, planes }: InspectedCloud, index: number): number {
   const at = Math.floor(index / CHUNK_SPLATS) * Chunk.bytes;
   const vector = (offset: number) => new Float32Array(packed.chunks, at + offset, 3);
@@ -113,7 +113,7 @@ function clearanceOfChunk({ packed, planes }: InspectedCloud, index: number): nu
   return chunkClearance(bounds, planes);
 }
 
-/** The range of depths is that of the very depths that were written. */
+/** Compares the range of depths with the depths of the records: they must agree to the bit. */
 async function depthRangeFlaws(frame: InspectedFrame, visibleCount: number): Promise<string[]> {
   if (visibleCount === 0) return [];
   const { bytes, offsets } = SPLAT_RECORDS[frame.accuracy.recordPrecision];

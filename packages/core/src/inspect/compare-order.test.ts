@@ -10,10 +10,10 @@ test('the stable ascending order has no flaw', () => {
 
 test.each([
   ['a swapped pair', [3, 1, 0, 2]],
-  ['a key that is there twice', [1, 3, 0, 0]],
+  ['a duplicate key', [1, 3, 0, 0]],
   ['an unstable pair', [1, 3, 2, 0]],
   ['an index out of range', [1, 3, 0, 4]],
   ['a missing place', [1, 3, 0]],
-])('%s is one', (_, order) => {
+])('%s is a flaw', (_, order) => {
   expect(orderFlaw(KEYS, Uint32Array.from(order))).not.toBeNull();
 });

@@ -3,9 +3,9 @@ import type { InspectedFrame } from './inspected-frame.ts';
 import { readRecords } from './read-records.ts';
 
 /**
- * What is wrong with the frame's keys and order; nothing where they are right. Integers leave no room: keys are those
- * of the depths written, shortened where the frame's accuracy says so, and the order is their stable ascending one, by as
- * many low bits as the sort looks at.
+ * Lists the flaws of the frame's keys and order; empty if there are none. Integers leave no tolerance: the keys must be
+ * those of the records' depths, shortened if the frame's accuracy requires it, and the order must be their stable ascending
+ * order by as many low bits as the sort reads.
  */
 export async function compareOrder(frame: InspectedFrame): Promise<string[]> {
   const { passes, digitBits } = frame.parts.sort.sort.shape;
@@ -18,7 +18,7 @@ export async function compareOrder(frame: InspectedFrame): Promise<string[]> {
       : depthKey(depthView, farthest),
   );
   const flaws: string[] = [];
-  // More than one pass sorts the keys themselves along.
+  // With more than one pass, the keys are overwritten while they are sorted.
   if (passes === 1) {
     const keys = await frame.sorted('keys');
     const at = expected.findIndex((key, i) => key !== keys[i]);
@@ -37,13 +37,13 @@ export async function compareOrder(frame: InspectedFrame): Promise<string[]> {
   return flaws;
 }
 
-/** Null where `order` names every key once, in ascending order, equal keys in their given order; else what is wrong. */
+/** Describes the first flaw of `order`; null if it names every key once, in ascending order, equal keys in given order. */
 export function orderFlaw(keys: Uint32Array, order: Uint32Array): string | null {
   if (order.length !== keys.length) return `${order.length} places for ${keys.length} keys`;
   const seen = new Uint8Array(keys.length);
   for (const [place, index] of order.entries()) {
     if (index >= keys.length || seen[index])
-      return `order: place ${place} holds ${index}, which is out of range or there already`;
+      return `order: place ${place} holds ${index}, which is out of range or a duplicate`;
     seen[index] = 1;
     if (place === 0) continue;
     const before = order[place - 1];

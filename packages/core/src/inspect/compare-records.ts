@@ -10,7 +10,7 @@ import { FieldErrors } from './field-error.ts';
 import type { InspectedCloud, InspectedFrame } from './inspected-frame.ts';
 import { type DecodedRecord, readRecords } from './read-records.ts';
 
-/** What is compared of a drawn splat's record: lengths in px, Σ in px², alpha of the Gaussian around its own centre. */
+/** Compared numbers of a record: lengths in px, Σ in px², alpha of the Gaussian around its own centre. */
 export const RECORD_FIELDS = [
   'centerPx.x',
   'centerPx.y',
@@ -33,12 +33,12 @@ export const RECORD_FIELDS = [
 export type RecordField = (typeof RECORD_FIELDS)[number];
 
 const u = FLOAT32_ROUNDING;
-/** LONGEST_AXIS_PX of shaders/lib/covariance.wgsl: beyond it the picture is the same. */
+/** LONGEST_AXIS_PX of shaders/lib/covariance.wgsl: longer axes give the same image. */
 const LONGEST_AXIS_PX = 1e18;
-/** Middle of a picture so wide that nothing lies outside of it. */
+/** Middle of an image so wide that nothing lies outside of it. */
 const MIDDLE_PX = 5e8;
 
-/** Every record of the frame against its float64 twin; see `compareRecord` for the bounds. */
+/** Compares every record of the frame with its float64 twin; see `compareRecord` for the bounds. */
 export async function compareRecords(frame: InspectedFrame): Promise<FieldErrors<RecordField>> {
   const errors = new FieldErrors<RecordField>();
   for (const record of await readRecords(frame)) compareRecord(frame, record, errors);
@@ -52,7 +52,7 @@ function compareRecord(frame: InspectedFrame, record: DecodedRecord, errors: Fie
   const place = { cloudIndex: frame.clouds.indexOf(cloud), splatIndex: index };
   const add: Add = (field, got, expected, bound) => errors.add(place, field, got, expected, bound);
   const twin = twinOf(frame, cloud, index);
-  // A splat of which the twin sees nothing anywhere: opaque on the GPU, absent in float64.
+  // The GPU draws this splat and the twin does not: compare its opacity with 0.
   if (!twin) {
     add('opacity', record.color[3], 0, 0);
     return;
@@ -77,7 +77,7 @@ function compareRecord(frame: InspectedFrame, record: DecodedRecord, errors: Fie
   compareAlpha(record, twin, bounds, rounding, add);
 }
 
-/** The twin of a splat wherever it lies: whatever the GPU kept must look as the twin says. */
+/** The twin's record of a splat wherever it lies: every splat that the GPU kept must match its twin. */
 function twinOf({ projection }: InspectedFrame, { stored, view, effects }: InspectedCloud, index: number) {
   const everywhere = {
     ...projection,
@@ -91,20 +91,20 @@ function twinOf({ projection }: InspectedFrame, { stored, view, effects }: Inspe
   return cullSplat(stored, index, view, everywhere, settings);
 }
 
-/** What storing a record at its precision does to it. */
+/** Limits and rounding errors of storing a record at its precision. */
 interface RecordRounding {
   /** Longest axis that can be stored, px. */
   readonly longestAxisPx: number;
-  /** Of an axis, relative to its length. */
+  /** Error of an axis, relative to its length. */
   readonly axis: number;
-  /** Of a colour or opacity. */
+  /** Error of a colour or an opacity. */
   readonly color: (value: number) => number;
 }
 
 /**
- * Rounding to binary16, of which some hardware truncates, is 2^-10 of the value; of a colour also half the smallest step,
- * and of an axis, never shorter than 0.77 px, a component below 2^-14 that is flushed to zero: a tenth more. Unorm8 rounds
- * to the nearest of its steps, half-way cases by an ulp of float32.
+ * Rounding to binary16, which some hardware does by truncating, errs by 2^-10 of the value. A colour also errs by half the
+ * smallest step. An axis is never shorter than 0.77 px; a component of it below 2^-14 that is flushed to zero adds a tenth.
+ * Unorm8 rounds to the nearest of its steps, half-way cases by an ulp of float32.
  */
 function roundingOf({ accuracy: { recordPrecision } }: InspectedFrame): RecordRounding {
   switch (recordPrecision) {
@@ -123,16 +123,16 @@ function twinLengths({ covariance }: VisibleSplat): [major: number, minor: numbe
   return [Math.hypot(...majorPx), Math.hypot(...minorPx)];
 }
 
-/** How far a length may be off: by Weyl a singular value moves no more than the matrix does; 16u for sums and roots. */
+/** Bound of a length's error: by Weyl a singular value moves no more than the matrix does; 16u for sums and roots. */
 function lengthBound(majorPx: number, { rowsPx }: ProjectionErrors): number {
   return Math.SQRT2 * rowsPx + 16 * u * majorPx;
 }
 
 /**
- * Axes may point either way, and anywhere for a circle: beside their lengths, what they span is compared,
+ * Axes may point either way, and anywhere for a circle, so this compares their lengths and the Σ that they span,
  * Σ = ½(major·majorᵀ + minor·minorᵀ). With B the rows and δ their error, |δΣ| ≤ 2|B|δ ≤ 2√(a+c)·δ, and 32u(a+c) for
- * what comes after. The minor length comes through a cross product whose rounding is relative to both rows: the same as
- * more error of the rows. Axes that are then rounded by h of their lengths add 2h(a+c) to the first order.
+ * the operations after it. The minor length comes from a cross product whose rounding is relative to both rows: equivalent
+ * to more error of the rows. Axes that are then rounded by h of their lengths add 2h(a+c) to the first order.
  */
 function compareShape(
   record: DecodedRecord,
@@ -183,7 +183,7 @@ function compareColor(
     .reduce((sum, value) => sum + Math.abs(value), 0);
   const dc = Math.max(...stored.colorDc.subarray(3 * index, 3 * index + 3).map(Math.abs));
   const bound = 24 * u * (0.5 + dc + 2.9 * energy) + 12 * direction * energy;
-  // As a colour any value beyond is white.
+  // Any larger value is the same colour, white.
   const most = maxColor(frame.accuracy);
   for (const [channel, value] of splatColor(stored, index, view, shDegree, twin, effects).entries()) {
     const expected = Math.min(most, value);
@@ -200,11 +200,11 @@ function compareColor(
  * Alpha of the record's Gaussian and of the twin's, both in float64, at k = 0, 1 and 2 of the twin's standard
  * deviations √λ along each axis e.
  *
- * Bound: the record is that of rows which err by δ = rowsPx + 16u√λ₁ (the arithmetic after the rows is as good as more
+ * Bound: the record is that of rows which err by δ = rowsPx + 16u√λ₁ (the arithmetic after the rows is equivalent to more
  * error of them). With E = Σ^-½ δΣ Σ^-½ the exponent's quadratic form is q' = k² eᵀ(I + E)⁻¹e, so that
  * |q' − q| ≤ k²(|eᵀEe| + |E|²/(1 − |E|)), where |eᵀEe| ≤ 2δ/√λ + (δ/√λ)² and |E| ≤ 2δ/√λ₂ + (δ/√λ₂)². From there
  * |α' − α| ≤ α·(e^(½|q' − q|) − 1), and no alpha is further from another than the opacity. A needle so thin that
- * rounding turns it away from its own axis (|E| ≥ 1) is promised no more than that.
+ * rounding turns it away from its own axis (|E| ≥ 1) has only that last bound.
  *
  * Axes A that are rounded by h of their lengths become A(I + D), |D| ≤ h·(√(λ₁/λ₂) + √(λ₂/λ₁)) in units of the axes, and
  * the exponent, |A⁻¹x|², changes by no more than the factor (1 − |D|)⁻².
@@ -222,7 +222,7 @@ function compareAlpha(
   add('alpha at 0σ', capped(record.color[3]), capped(twin.opacity), opacityError);
   const { majorPx, minorPx } = screenAxes(twin.covariance);
   const lengths = twinLengths(twin);
-  // The record's axes are shortened there, its alpha is compared by what they are.
+  // Such a record has shortened axes, so alphas along them cannot be compared; the lengths are.
   if (lengths[0] >= longestAxisPx) return;
   const [deviation1, deviation2] = lengths.map((length) => length / Math.SQRT2);
   const rowsError = bounds.rowsPx + 16 * u * deviation1;

@@ -6,17 +6,17 @@ import type { SplatColumns } from '../splats/splat-set.ts';
 /** Largest relative error of one float32 rounding. */
 export const FLOAT32_ROUNDING = 2 ** -24;
 
-/** Denormals may be flushed to zero, in each of the terms of a view coordinate. */
+/** Error of denormals that are flushed to zero in the terms of a view coordinate. */
 const FLUSHED = 8 * 2 ** -126;
 
-/** How far the GPU may be from the twin for one splat, derived from its own numbers. */
+/** Bounds of the GPU's difference from the twin for one splat, derived from the splat's own numbers. */
 export interface ProjectionErrors {
-  /** World units. */
+  /** Bound of the view depth, world units. */
   readonly depthView: number;
   readonly centerPx: readonly [number, number];
-  /** Of the Frobenius norm of the 2×3 matrix J·V·R·S, px. */
+  /** Bound of the Frobenius norm of the error of the 2×3 matrix J·V·R·S, px. */
   readonly rowsPx: number;
-  /** Of the direction in which the splat is seen. */
+  /** Bound of the direction in which the splat is seen. */
   readonly direction: number;
 }
 
@@ -25,7 +25,7 @@ export interface ProjectionErrors {
  *
  * View coordinates: three products and three sums of rounded terms, 6u of the sum M of their magnitudes.
  * Centre: its two view coordinates' errors to first order, and 8u for division (2.5 ulp), product, sum and uniforms.
- * Direction: that of the rounded difference; two unit vectors are never further apart than 2.
+ * Direction: the error of the rounded difference; two unit vectors are never further apart than 2.
  * Rows: relative to R, the longest that a row can be for the splat's largest scale: 96u for rotation (about 8 roundings
  * of a unit quaternion), scale (`exp` of a packed one: 3 + 2|x| ulp), 3×3 product, focal length and tangent, and the
  * depth's relative error twice, once for the scale and once for the tangent.

@@ -3,7 +3,7 @@ import { describeFieldError, FieldErrors } from './field-error.ts';
 
 const place = (splatIndex: number) => ({ cloudIndex: 0, splatIndex });
 
-test('keeps the worst error for its bound, and the first that is beyond it', () => {
+test('keeps the largest error relative to its bound, and the first beyond its bound', () => {
   const errors = new FieldErrors<'x' | 'y'>();
   errors.add(place(0), 'x', 1.5, 1, 1);
   errors.add(place(1), 'x', 11, 10, 10);
@@ -17,7 +17,7 @@ test('keeps the worst error for its bound, and the first that is beyond it', () 
   expect(describeFieldError(errors.firstBad!)).toBe('cloud 0, splat 2, y: got 3, expected 1 ± 1');
 });
 
-test('no bound allows what is not finite', () => {
+test('no bound permits a non-finite value', () => {
   for (const got of [Number.NaN, Number.POSITIVE_INFINITY]) {
     const errors = new FieldErrors<'x'>();
     errors.add(place(0), 'x', got, 1, Number.POSITIVE_INFINITY);
@@ -25,7 +25,7 @@ test('no bound allows what is not finite', () => {
   }
 });
 
-test('a bound of nothing allows nothing but the number itself', () => {
+test('a bound of 0 permits only the expected number', () => {
   const errors = new FieldErrors<'x'>();
   errors.add(place(0), 'x', 2, 2, 0);
   expect(errors.worst.x?.ratio).toBe(0);
@@ -33,7 +33,7 @@ test('a bound of nothing allows nothing but the number itself', () => {
   expect(errors.firstBad?.splatIndex).toBe(1);
 });
 
-test('an unbounded field is never bad while it is finite', () => {
+test('an unbounded field is never bad as long as it is finite', () => {
   const errors = new FieldErrors<'x'>();
   errors.add(place(0), 'x', 7, 2, Number.POSITIVE_INFINITY);
   expect([errors.firstBad, errors.worst.x?.ratio]).toEqual([null, 0]);

@@ -1,20 +1,20 @@
-/** How far one number of the GPU is from its float64 twin. */
+/** Difference of one number of the GPU from its float64 twin. */
 export interface FieldError<Field extends string = string> {
   readonly field: Field;
-  /** Number of the splat's cloud in the frame, and of the splat in that cloud's storage order. */
+  /** Index of the splat's cloud in the frame, and of the splat in that cloud's storage order. */
   readonly cloudIndex: number;
   readonly splatIndex: number;
   readonly got: number;
   readonly expected: number;
   /** |got − expected|; NaN where `got` is. */
   readonly error: number;
-  /** The most that `error` may be, by derivation. Infinity where float32 promises nothing. */
+  /** Largest permitted `error`, by derivation. Infinity where float32 promises nothing. */
   readonly bound: number;
-  /** error / bound: above 1 is wrong. Infinity where `got` is not finite, or where the bound is 0 and the error not. */
+  /** error / bound: above 1 is wrong. Infinity if `got` is not finite, or if the bound is 0 and the error is not. */
   readonly ratio: number;
 }
 
-/** Per field the error that is largest for its bound, and the first that is beyond it. */
+/** Per field: the largest error relative to its bound, and the first error beyond its bound. */
 export class FieldErrors<Field extends string> {
   readonly worst: Partial<Record<Field, FieldError<Field>>> = {};
   firstBad: FieldError<Field> | null = null;
@@ -42,7 +42,7 @@ function ratioOf(got: number, error: number, bound: number): number {
   return error / bound;
 }
 
-/** One line: where, which field, what was got and what should have been. */
+/** Describes an error in one line: place, field, value found and value expected. */
 export function describeFieldError({
   field,
   cloudIndex,

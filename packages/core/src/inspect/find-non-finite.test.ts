@@ -10,6 +10,6 @@ test('finds NaN and infinities by their bits', () => {
   expect(nonFiniteWord(Uint32Array.of(0x7f800001))).toBe(0);
 });
 
-test('names a place in a picture', () => {
+test('names a place in an image', () => {
   expect(describePixel(64, 4 * (64 * 3 + 5) + 2)).toBe('column 5, row 3, channel 2');
 });

@@ -31,27 +31,27 @@ export interface InspectOptions {
     readonly modelMatrix?: ArrayLike<number>;
     /** Multiplies every splat's opacity, 0…1; default 1. */
     readonly opacity?: number;
-    /** As in a frame; those of core only. */
+    /** As in a frame request; only effects of core. */
     readonly effects?: readonly EffectUse[];
-    /** Uploads the cloud in pages of at most so many splats, a multiple of CHUNK_SPLATS. */
+    /** Largest number of splats per page of the cloud, a multiple of CHUNK_SPLATS; default: as many as fit a binding. */
     readonly splatsPerPage?: number;
   }[];
   readonly camera: Camera;
   readonly widthPx: number;
   readonly heightPx: number;
-  /** Default the preset `reference`, blended in rgba16float. */
+  /** Default: the preset `reference`, blended in rgba16float. */
   readonly accuracy?: Partial<AccuracySettings>;
   readonly dispatchRow?: number;
-  /** Default those of the accuracy, 32. At 8 the sort is one pass, which leaves the keys as `project` wrote them. */
+  /** Default: those of the accuracy, 32. At 8 the sort is one pass, which does not change the keys that `project` wrote. */
   readonly keyBits?: number;
-  /** Default one per device, with the shaders as they are. */
+  /** Default: one per device, with unchanged shaders. */
   readonly pipelines?: Pipelines;
 }
 
-/** What is not tested through these frames need not be as exact as it can be; every device blends this format. */
+/** Tests through these frames do not need the most exact target; every device can blend this format. */
 const DEFAULTS = { colorTarget: 'rgba16float' } as const;
 
-/** One cloud of a test frame as the float64 twins take it. */
+/** A cloud of an inspected frame as the float64 twins read it. */
 export interface InspectedCloud {
   /** In storage order, with the values that the GPU unpacks. */
   readonly stored: SplatSet<PackedHarmonics>;
@@ -61,14 +61,14 @@ export interface InspectedCloud {
   readonly planes: readonly FrustumSide[];
 }
 
-/** The buffers of one frame after all stages have run on them, and what the twins need to make the same. */
+/** The buffers of a frame after all of its stages have run, and the inputs from which the twins compute the same. */
 export class InspectedFrame {
   readonly plan: FramePlan;
   readonly parts: FrameParts;
   readonly clouds: readonly InspectedCloud[];
   readonly projection: Projection;
   readonly accuracy: AccuracySettings;
-  /** What splats were blended into: smaller than the picture where its resolution is scaled. */
+  /** The layer that splats were blended into: smaller than the image if the resolution is scaled. */
   readonly image: TextureImage;
   readonly #device: GPUDevice;
   readonly #memory: GpuMemory;
@@ -139,7 +139,7 @@ export class InspectedFrame {
       const { harmonics } = packed[i];
       const stored = {
         ...permuteSplats(sets[i], mortonOrder(sets[i].positions, sets[i].count)),
-        // As it is stored: rounded, and without the bands that cannot be seen.
+        // The stored harmonics: rounded, and without the bands that cannot be seen.
         harmonics,
       };
       const view = cloudView(camera.viewMatrix, modelMatrix, stored.origin, projection.isOrthographic);
@@ -162,14 +162,14 @@ export class InspectedFrame {
     this.#memory.destroyAll();
   }
 
-  /** Contents of one of the frame's buffers, read back once: nothing is drawn into them again. */
+  /** Contents of one of the frame's buffers, read back once: no later frame changes the buffers. */
   words(name: keyof FrameParts['buffers']): Promise<Uint32Array<ArrayBuffer>> {
     const words = this.#words.get(name) ?? readWords(this.#device, this.parts.buffers[name]);
     this.#words.set(name, words);
     return words;
   }
 
-  /** Contents of the sort's keys or order, as far as there are visible splats. */
+  /** Contents of the sort's keys or order: one per visible splat. */
   async sorted(name: 'keys' | 'order'): Promise<Uint32Array> {
     const words = await readWords(this.#device, this.parts.sort.sort[name]);
     return words.subarray(0, await this.visibleCount());
@@ -179,7 +179,7 @@ export class InspectedFrame {
     return (await this.words('visibleCount'))[0];
   }
 
-  /** Cloud and index in storage of splat `number`, which counts through all chunks of the frame. */
+  /** Cloud and index in storage of splat `number`, counted through all chunks of the frame. */
   locate(number: number): { readonly cloud: InspectedCloud; readonly index: number } {
     const { cloudIndex, storedIndex } = locateSplat(this.parts.pages, number);
     return { cloud: this.clouds[cloudIndex], index: storedIndex };
@@ -188,7 +188,7 @@ export class InspectedFrame {
 
 const pipelinesByDevice = new WeakMap<GPUDevice, Pipelines>();
 
-/** One per device: frames share what is compiled. */
+/** One `Pipelines` per device: frames share compiled shaders. */
 function pipelinesOf(device: GPUDevice): Pipelines {
   let pipelines = pipelinesByDevice.get(device);
   if (!pipelines) {
@@ -198,7 +198,7 @@ function pipelinesOf(device: GPUDevice): Pipelines {
   return pipelines;
 }
 
-/** Limits under which a cloud is cut into pages of `splatsPerPage`, or the device's own. */
+/** Limits that cut a cloud into pages of `splatsPerPage`; the device's own if that is undefined. */
 function limitsFor(
   device: GPUDevice,
   { harmonics }: PackedCloud,
@@ -209,12 +209,12 @@ function limitsFor(
   return { maxStorageBufferBindingSize: bytes, maxBufferSize: bytes } as GPUSupportedLimits;
 }
 
-/** `stored` with the values that float32 geometry has of it: only coefficients end sooner than the format. */
+/** Returns `stored` with the values of float32 geometry: only coefficients have a smaller range than the format. */
 function float32Set(stored: SplatSet<PackedHarmonics>): SplatSet<PackedHarmonics> {
   return { ...stored, colorDc: stored.colorDc.map(clampCoefficient) };
 }
 
-/** `stored` with the values that packing left of it. */
+/** Returns `stored` with the values that packing rounded it to. */
 function unpackedSet(
   stored: SplatSet<PackedHarmonics>,
   { geometry }: PackedCloud,

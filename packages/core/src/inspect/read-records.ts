@@ -2,14 +2,14 @@ import { fromHalfBits } from '../layout/half.ts';
 import { SPLAT_RECORDS } from '../layout/structs.ts';
 import type { InspectedFrame } from './inspected-frame.ts';
 
-/** What `project` wrote for one drawn splat. */
+/** The record of a visible splat, as `project` wrote it. */
 export interface DecodedRecord {
-  /** Number of the splat, counting through all chunks of the frame; see `InspectedFrame.locate`. */
+  /** Number of the splat, counted through all chunks of the frame; see `InspectedFrame.locate`. */
   readonly splat: number;
   readonly centerPx: readonly number[];
-  /** Half axis at √2 standard deviations. */
+  /** Major half axis at √2 standard deviations. */
   readonly majorPx: readonly number[];
-  /** The other one, perpendicular but for its rounding at `recordPrecision: 'paper'`. */
+  /** Minor half axis, perpendicular to the major one except for rounding at `recordPrecision: 'paper'`. */
   readonly minorPx: readonly number[];
   readonly minorLengthPx: number;
   readonly depthView: number;
@@ -19,7 +19,7 @@ export interface DecodedRecord {
 
 const recordsOf = new WeakMap<InspectedFrame, Promise<readonly DecodedRecord[]>>();
 
-/** The records of all drawn splats, in the order of `visibleSplats`; read once, a frame is not drawn again. */
+/** Reads the records of all visible splats, in the order of `visibleSplats`; once, since a frame never changes. */
 export function readRecords(frame: InspectedFrame): Promise<readonly DecodedRecord[]> {
   const records = recordsOf.get(frame) ?? parseRecords(frame);
   recordsOf.set(frame, records);

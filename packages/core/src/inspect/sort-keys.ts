@@ -5,10 +5,10 @@ import { RadixSort, radixSortStages } from '../stages/radix-sort.ts';
 import { sortShapeFor } from '../stages/sort-shape.ts';
 
 /**
- * The GPU's sort alone.
+ * Runs the GPU's sort alone.
  *
  * @param keys below 2^keyBits.
- * @param dispatchRow most workgroups in one dimension of a dispatch; by default the device's limit.
+ * @param dispatchRow largest number of workgroups in one dimension of a dispatch; default: the device's limit.
  * @returns the index of each key in ascending order of keys.
  */
 export async function sortKeys(

@@ -1,10 +1,10 @@
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../layout/constants.ts';
 
 /**
- * Twin of the GPU's compact-splats: numbers of the splats to draw, in storage order, counting through all chunks.
+ * Twin of compact-splats: numbers of the visible splats in storage order, counted through all chunks of the frame.
  *
  * @param visibleChunks chunk of each slot, ascending.
- * @param visibilityMasks MASK_WORDS words per slot, a bit per splat.
+ * @param visibilityMasks MASK_WORDS words per slot, one bit per splat.
  */
 export function compactSplats(
   visibleChunks: ArrayLike<number>,

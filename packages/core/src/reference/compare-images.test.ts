@@ -50,28 +50,28 @@ describe('compareImages', () => {
     const { psnrDb, maxError, p999Error } = compareImages(wrong, flat(0.5), SIZE);
     expect(psnrDb).toBeCloseTo(-10 * Math.log10(0.25 / (3 * widthPx * heightPx)), 9);
     expect(maxError).toBe(0.5);
-    // Fewer than one value in a thousand.
+    // Fewer than one value in a thousand differ.
     expect(p999Error).toBe(0);
   });
 
-  test('another picture, the same one pixel aside, upside down or with channels swapped is far off', () => {
-    const picture = stripes(0);
+  test('another image, or the same one shifted by a pixel, upside down or with swapped channels, is far off', () => {
+    const original = stripes(0);
     const upsideDown = image((x, y) =>
-      Array.from(picture.slice(4 * ((heightPx - 1 - y) * widthPx + x)).slice(0, 4)),
+      Array.from(original.slice(4 * ((heightPx - 1 - y) * widthPx + x)).slice(0, 4)),
     );
     const swapped = image((x, y) => {
-      const [r, g, b, a] = picture.slice(4 * (y * widthPx + x));
+      const [r, g, b, a] = original.slice(4 * (y * widthPx + x));
       return [b, g, r, a];
     });
     for (const wrong of [noise(2), stripes(1), upsideDown, swapped, flat(0)]) {
-      const { psnrDb, ssim, maxError } = compareImages(wrong, picture, SIZE);
+      const { psnrDb, ssim, maxError } = compareImages(wrong, original, SIZE);
       expect(psnrDb).toBeLessThan(25);
       expect(ssim).toBeLessThan(0.95);
       expect(maxError).toBeGreaterThan(0.1);
     }
   });
 
-  test('a value that is not finite is an error, not a distance', () => {
+  test('a non-finite value is an error instead of a distance', () => {
     for (const value of [Number.NaN, Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY]) {
       const broken = flat(0.5);
       broken[4 * 77 + 2] = value;
@@ -83,11 +83,11 @@ describe('compareImages', () => {
     expect(() => compareImages(broken, flat(0.5), SIZE)).toThrow(RangeError);
   });
 
-  test('images of another size are refused', () => {
+  test('refuses images of another size', () => {
     expect(() => compareImages(flat(0).subarray(4), flat(0), SIZE)).toThrow(RangeError);
   });
 
-  test('values are put over the background and clamped first', () => {
+  test('composites values over the background and clamps them first', () => {
     const glass = image(() => [0.25, 0, 0.1, 0.5]);
     const over = image(() => [0.25 + 0.5, 0.5, 0.1 + 0.25, 1]);
     const background = [1, 1, 0.5] as const;
@@ -106,7 +106,7 @@ describe('compareImages', () => {
     );
   });
 
-  test('SSIM falls with noise where the mean stays', () => {
+  test('SSIM falls with noise, even if the mean stays the same', () => {
     const [a, b] = [noise(3), noise(4)];
     const noisy = (amount: number) =>
       stripes(0).map((v, i) => (i % 4 === 3 ? v : v + amount * (a[i] - b[i])));
@@ -114,7 +114,7 @@ describe('compareImages', () => {
     expect(at(0.01)).toBeGreaterThan(0.99);
     expect(at(0.1)).toBeLessThan(at(0.03));
     expect(at(0.1)).toBeGreaterThan(0);
-    // A picture and its negative.
+    // An image and its negative.
     const negative = noise(5).map((v, i) => (i % 4 === 3 ? 1 : 1 - v));
     expect(compareImages(negative, noise(5), SIZE).ssim).toBeLessThan(-0.5);
   });

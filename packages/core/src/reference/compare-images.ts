@@ -1,4 +1,4 @@
-/** How far one image is from another. */
+/** Differences between two images. */
 export interface ImageDifference {
   /** −10·log10 of the mean squared error over r, g, b; Infinity for equal images. */
   readonly psnrDb: number;
@@ -13,17 +13,17 @@ export interface ImageDifference {
 export interface CompareOptions {
   readonly widthPx: number;
   readonly heightPx: number;
-  /** What is behind both images, 0…1; default black. */
+  /** Background of both images, 0…1; default black. */
   readonly background?: readonly [number, number, number];
-  /** `raw`: the values as they are; `png`: both rounded to 8 bits. Both are clamped to 0…1. Default `raw`. */
+  /** `raw`: the values are not rounded; `png`: they are rounded to 8 bits. Both clamp to 0…1. Default `raw`. */
   readonly quantize?: 'raw' | 'png';
 }
 
 /**
  * Compares two images of premultiplied RGBA, 4·width·height values each.
  *
- * @throws RangeError where a length does not fit the size, or a value is not finite: a picture with a NaN in it has no
- * distance to anything.
+ * @throws RangeError if a length does not fit the size, or a value is not finite: an image that contains a NaN has no
+ * distance to another one.
  */
 export function compareImages(
   actual: ArrayLike<number>,
@@ -48,7 +48,7 @@ export function compareImages(
   };
 }
 
-/** The image over the background as r, g, b in 0…1. */
+/** Composites the image over the background: r, g, b in 0…1. */
 function flattened(name: string, image: ArrayLike<number>, options: CompareOptions): Float64Array {
   const { widthPx, heightPx, background = [0, 0, 0], quantize = 'raw' } = options;
   const pixels = widthPx * heightPx;
@@ -75,7 +75,7 @@ const SSIM_SIGMA = 1.5;
 const SSIM_C1 = 0.01 ** 2;
 const SSIM_C2 = 0.03 ** 2;
 
-/** Mean SSIM; windows are cut off at the border and their weights renormalised. */
+/** Mean SSIM. Windows are cut off at the border, and their weights renormalised. */
 function structuralSimilarity(a: Float64Array, b: Float64Array, widthPx: number, heightPx: number): number {
   const products = a.map((value, i) => value * b[i]);
   const [meanA, meanB, meanAA, meanBB, meanAB] = [
@@ -102,7 +102,7 @@ function blurred(image: Float64Array, widthPx: number, heightPx: number): Float6
   return blurredAlong(horizontal, heightPx, widthPx, 3 * widthPx, 3);
 }
 
-/** Gaussian blur along lines of `length` pixels `step` values apart; `lines` lines `lineStep` values apart. */
+/** Gaussian blur along `lines` lines, `lineStep` values apart, of `length` pixels, `step` values apart. */
 function blurredAlong(
   image: Float64Array,
   length: number,

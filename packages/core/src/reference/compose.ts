@@ -2,7 +2,7 @@ import type { SizePx } from '../accuracy/accuracy.ts';
 import { decodeSrgb, encodeSrgb } from './srgb.ts';
 
 /**
- * Twin of the GPU's compose: splats over what another renderer has drawn.
+ * Twin of compose: splats over the host's image.
  *
  * @param layer blended splats, premultiplied, sRGB-encoded, 4 values per pixel.
  * @param behind the host's colours, premultiplied, linear, 4 values per pixel.
@@ -12,13 +12,13 @@ export function compose(layer: ArrayLike<number>, behind: ArrayLike<number>): Fl
   return composePixels(layer, (pixel) => over(valuesAt(layer, pixel), valuesAt(behind, pixel)));
 }
 
-/** Samples lie on two surfaces where their view depths are this far apart: EDGE_RATIO of shaders/stages/compose.wgsl. */
+/** Ratio of view depths from which samples count as two surfaces: EDGE_RATIO of shaders/stages/compose.wgsl. */
 const EDGE_RATIO = 1.05;
 
 /**
- * The same where several samples of the host's depth show the edges of meshes. There the host's colour is a mixture. The
- * near surface's part of it, with the splats in front, is taken from the neighbour that shows most of that surface; the rest
- * of the pixel is the far surface under the pixel's own splats.
+ * Twin of compose for a host's depth with several samples per pixel, which show the edges of meshes. At an edge the host's
+ * colour is a mixture. The near surface's part of it, with the splats in front, is taken from the neighbour that shows most
+ * of that surface; the rest of the pixel is the far surface under the pixel's own splats.
  *
  * @param depthsView view depths of the host, `samples` per pixel.
  */
@@ -51,7 +51,7 @@ export function composeWithEdges(
 }
 
 /**
- * Twin of the depth that compose writes: the mean depth of a pixel's splats, as the host stores it.
+ * Twin of compose's depth: the mean depth of a pixel's splats, as the host stores it.
  *
  * @param depthLayer view depths, blended like a colour.
  * @param stored maps a view depth at normalised device coordinates (y up) to the host's.
@@ -72,17 +72,17 @@ export function composeDepth(
 }
 
 function composePixels(layer: ArrayLike<number>, colorAt: (pixel: number) => number[]): Float64Array {
-  const picture = new Float64Array(layer.length);
+  const image = new Float64Array(layer.length);
   for (let pixel = 0; pixel < layer.length / 4; pixel++)
-    if (layer[4 * pixel + 3] > 0) picture.set(colorAt(pixel), 4 * pixel);
-  return picture;
+    if (layer[4 * pixel + 3] > 0) image.set(colorAt(pixel), 4 * pixel);
+  return image;
 }
 
 function valuesAt(image: ArrayLike<number>, pixel: number): number[] {
   return [0, 1, 2, 3].map((channel) => image[4 * pixel + channel]);
 }
 
-/** `splats`, encoded, over `host`, linear; both premultiplied, and so is the sum, linear. */
+/** Composes `splats`, encoded, over `host`, linear. Both are premultiplied; so is the result, which is linear. */
 function over(splats: readonly number[], host: readonly number[]): number[] {
   const [covered, hostOpacity] = [splats[3], host[3]];
   const opacity = covered + (1 - covered) * hostOpacity;
@@ -95,7 +95,7 @@ function over(splats: readonly number[], host: readonly number[]): number[] {
   return [...color, opacity];
 }
 
-/** The pixel and its eight neighbours, row by row; at a border the nearest pixels that there are. */
+/** The pixel and its eight neighbours, row by row; beyond a border, the nearest pixels of the image. */
 function neighborhood(pixel: number, { widthPx, heightPx }: SizePx): number[] {
   const [x, y] = [pixel % widthPx, Math.floor(pixel / widthPx)];
   const clamped = (value: number, size: number) => Math.max(0, Math.min(size - 1, value));

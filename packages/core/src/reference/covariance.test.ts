@@ -4,7 +4,7 @@ import { orthographicCamera, perspectiveCamera, projectionOf } from '../camera/c
 import { uniform } from '../testing/uniform.ts';
 import { rotationMatrix, screenAxes, screenCovariance, screenRows } from './covariance.ts';
 
-/** A finite double as an exact integer times 2^-1100. */
+/** Converts a finite double to an exact integer, in units of 2^-1100. */
 function exact(value: number): bigint {
   const view = new DataView(new ArrayBuffer(8));
   view.setFloat64(0, value);
@@ -26,7 +26,7 @@ function inexact(numerator: bigint, power: number): number {
   return numerator < 0n ? -value : value;
 }
 
-/** (a·c − b²) without any rounding, of B·Bᵀ + dilation: the naive formula in exact arithmetic. */
+/** Determinant a·c − b² of B·Bᵀ + dilation without any rounding: the naive formula in exact arithmetic. */
 function exactDeterminant(rows: readonly number[], dilationPx2: number): number {
   const [x0, x1, x2, y0, y1, y2] = rows.map(exact);
   const dilation = exact(dilationPx2) << 1100n;
@@ -36,7 +36,7 @@ function exactDeterminant(rows: readonly number[], dilationPx2: number): number 
   return inexact(a * c - b * b, 4);
 }
 
-/** Rows of needles: both nearly along one line, up to 10,000 px long and a millionth of that thick. */
+/** Rows of needles: both nearly along one line, up to 10,000 px long and a millionth of that in thickness. */
 const coordinate = uniform(-1, 1);
 const needleRows = fc
   .record({
@@ -51,7 +51,7 @@ const needleRows = fc
   ]);
 
 describe('the covariance on the screen', () => {
-  test('its determinant is right where a·c − b² is not: needles', () => {
+  test('has the right determinant for needles, for which a·c − b² is wrong', () => {
     let worstNaive = 0;
     fc.assert(
       fc.property(needleRows, (rows) => {
@@ -69,7 +69,7 @@ describe('the covariance on the screen', () => {
     expect(worstNaive).toBeGreaterThan(1e-9);
   });
 
-  test('its axes are eigenvectors: Σ·e = λ·e, perpendicular, major before minor', () => {
+  test('has eigenvectors as axes: Σ·e = λ·e, perpendicular, major before minor', () => {
     fc.assert(
       fc.property(needleRows, (rows) => {
         const { a, b, c, determinant } = screenCovariance(rows, 0.3);
@@ -92,20 +92,20 @@ describe('the covariance on the screen', () => {
     );
   });
 
-  test('a circle has axes too', () => {
+  test('has axes even if it is a circle', () => {
     const { majorPx, minorPx } = screenAxes({ a: 2, b: 0, c: 2, determinant: 4 });
     expect(majorPx).toEqual([2, 0]);
     expect(minorPx.map((v) => v + 0)).toEqual([0, 2]);
   });
 
-  test('axes along x and y, either way round', () => {
+  test('has axes along x and y, in either order', () => {
     expect(screenAxes({ a: 8, b: 0, c: 2, determinant: 16 }).majorPx.map(Math.abs)).toEqual([4, 0]);
     expect(screenAxes({ a: 2, b: 0, c: 8, determinant: 16 }).majorPx.map(Math.abs)).toEqual([0, 4]);
   });
 });
 
 describe('rotationMatrix', () => {
-  test('is a rotation for any quaternion, the same for any length and sign of it', () => {
+  test('is a rotation for any quaternion, independent of its length and sign', () => {
     const component = uniform(-1, 1);
     fc.assert(
       fc.property(component, component, component, component, (w, x, y, z) => {
@@ -125,7 +125,7 @@ describe('rotationMatrix', () => {
     );
   });
 
-  test('turns counterclockwise about its axis, row-major; the identity for none', () => {
+  test('turns counterclockwise about its axis, row-major; is the identity for length 0', () => {
     const half = Math.SQRT1_2;
     const near = (values: number[]) => values.map((v) => expect.closeTo(v, 12));
     expect(rotationMatrix(half, 0, 0, half)).toEqual(near([0, -1, 0, 1, 0, 0, 0, 0, 1]));
@@ -138,7 +138,7 @@ describe('screenRows', () => {
   const place = { position: [0, 0, 0], target: [0, 0, -1], aspect: 2 } as const;
   const identity = [1, 0, 0, 0, 1, 0, 0, 0, 1];
 
-  test('are the derivative of where a point lands, as long as the Jacobian is not clamped', () => {
+  test('are the derivative of the projected position, as long as the Jacobian is not clamped', () => {
     const projection = projectionOf(perspectiveCamera({ ...place, fovYDegrees: 60 }), 200, 100);
     const center = [0.7, -0.4, -3];
     const rotation = rotationMatrix(0.8, 0.2, -0.3, 0.1);
@@ -158,7 +158,7 @@ describe('screenRows', () => {
     }
   });
 
-  test('outside of the picture they stay as they are at the clamp', () => {
+  test('keep the values of the clamp outside of the image', () => {
     const projection = projectionOf(perspectiveCamera({ ...place, fovYDegrees: 60 }), 200, 100);
     const at = (tangent: number) =>
       screenRows(projection, identity, [3 * tangent, 0, -3], identity, [0, 0, 0]);
@@ -166,7 +166,7 @@ describe('screenRows', () => {
     expect(at(projection.clampX[1])).not.toEqual(at(projection.clampX[1] - 0.1));
   });
 
-  test('orthographic: the same wherever the splat is', () => {
+  test('do not depend on the splat’s place if the camera is orthographic', () => {
     const projection = projectionOf(orthographicCamera({ ...place, height: 4 }), 200, 100);
     const rows = screenRows(projection, identity, [90, -3, -7], identity, [Math.log(2), 0, 5]);
     expect(rows.map((v) => v + 0)).toEqual([50, 0, 0, 0, -25, 0].map((v) => expect.closeTo(v, 12)));

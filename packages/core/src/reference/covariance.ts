@@ -9,7 +9,7 @@ export interface ScreenCovariance {
   readonly determinant: number;
 }
 
-/** An ellipse's half axes at √2 standard deviations, where the Gaussian has fallen to 1/e; in px, y down. */
+/** Half axes of an ellipse at √2 standard deviations, where the Gaussian has fallen to 1/e; px, y down. */
 export interface ScreenAxes {
   readonly majorPx: readonly [number, number];
   readonly minorPx: readonly [number, number];
@@ -35,7 +35,7 @@ export function rotationMatrix(w: number, x: number, y: number, z: number): numb
 }
 
 /**
- * Rows of J·V·R·S: how each local axis of the splat, of one standard deviation, appears on the screen.
+ * Rows of J·V·R·S: the splat's local axes, one standard deviation long, projected to the screen.
  *
  * @param viewLinear linear part of model to view, column-major 3×3.
  * @param centerView centre in view space.
@@ -82,7 +82,7 @@ export function screenCovariance(rows: ArrayLike<number>, dilationPx2: number): 
     a: xx + dilationPx2,
     b: x0 * y0 + x1 * y1 + x2 * y2,
     c: yy + dilationPx2,
-    // By Lagrange's identity the determinant is a sum of terms that are not negative: nothing cancels.
+    // By Lagrange's identity the determinant is a sum of non-negative terms: nothing cancels.
     determinant:
       crossX * crossX +
       crossY * crossY +
@@ -95,14 +95,14 @@ export function screenCovariance(rows: ArrayLike<number>, dilationPx2: number): 
 export function screenAxes({ a, b, c, determinant }: ScreenCovariance): ScreenAxes {
   const larger = (a + c) / 2 + Math.hypot((a - c) / 2, b);
   const smaller = determinant / larger;
-  // Both are eigenvectors for the larger eigenvalue; the longer one is the better conditioned.
+  // Both are eigenvectors of the larger eigenvalue; the longer one is better conditioned.
   const candidates: [number, number][] = [
     [b, larger - a],
     [larger - c, b],
   ];
   const lengths = candidates.map(([x, y]) => Math.hypot(x, y));
   const best = lengths[0] > lengths[1] ? 0 : 1;
-  // Both vanish for a circle, whose axes may point anywhere.
+  // Both vanish for a circle; its axes may point anywhere.
   const direction = lengths[best] > 0 ? candidates[best].map((v) => v / lengths[best]) : [1, 0];
   const majorLength = Math.sqrt(2 * larger);
   const minorLength = Math.sqrt(2 * smaller);

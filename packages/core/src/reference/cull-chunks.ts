@@ -2,21 +2,21 @@ import type { FrustumSide } from '../camera/frustum.ts';
 
 /** Bounds of a chunk of splats, about its cloud's origin. */
 export interface ChunkBounds {
-  /** Of the centres. */
+  /** Bounds of the centres. */
   readonly minPosition: ArrayLike<number>;
   readonly maxPosition: ArrayLike<number>;
   /** Largest standard deviation along any axis. */
   readonly maxScale: number;
 }
 
-/** Twin of the GPU's cull-chunks: whether the chunk can reach into the picture. */
+/** Twin of cull-chunks: whether the chunk can reach into the image. */
 export function isChunkInFrustum(chunk: ChunkBounds, planes: readonly FrustumSide[]): boolean {
   return chunkClearance(chunk, planes) >= 0;
 }
 
 /**
- * How far the chunk is inside the plane that it is least inside of, relative to the sum of the magnitudes of all terms
- * of that plane's test; negative outside. In float32 the sign is certain only away from 0.
+ * Clearance of the chunk from the side of the frustum that it is least inside of, relative to the sum of the magnitudes of
+ * all terms of that side's test; negative outside. In float32 the sign is certain only away from 0.
  */
 export function chunkClearance(
   { minPosition, maxPosition, maxScale }: ChunkBounds,

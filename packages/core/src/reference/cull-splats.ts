@@ -9,11 +9,11 @@ import type { EffectTwin, SplatValues } from './effects/effect-twin.ts';
 
 /** Cutoffs that decide which splats are drawn and how far each reaches. */
 export interface CullSettings {
-  /** Opacity under which a splat or a fragment is left out. */
+  /** Opacity below which a splat or a fragment is not drawn. */
   readonly alphaCutoff: number;
   /** Variance added to both screen axes, px². */
   readonly dilationPx2: number;
-  /** Of the cloud's effects, in the order in which they act; default none. */
+  /** Twins of the cloud's effects, in the order in which they act; default none. */
   readonly effects?: readonly EffectTwin[];
   /** Default `opacity`. */
   readonly extent?: Extent;
@@ -21,7 +21,7 @@ export interface CullSettings {
   readonly culling?: Culling;
 }
 
-/** A splat that reaches into the picture. */
+/** A splat that culling kept. */
 export interface VisibleSplat {
   /** View depth of the centre, world units. */
   readonly depthView: number;
@@ -33,9 +33,9 @@ export interface VisibleSplat {
   readonly extentPx: readonly [number, number];
 }
 
-/** The same with what its colour is made of. */
+/** A visible splat with the inputs of its colour. */
 export interface CulledSplat extends VisibleSplat {
-  /** The splat in its cloud's space, as effects have left it. */
+  /** The splat in its cloud's space, after effects. */
   readonly splat: SplatValues;
   readonly centerView: Vec3;
 }
@@ -43,7 +43,7 @@ export interface CulledSplat extends VisibleSplat {
 /** FARTHEST_CENTER_PX of shaders/stages/cull-splats.wgsl. */
 const FARTHEST_CENTER_PX = 1e18;
 
-/** Twin of the GPU's cull-splats for splat `index`: what it looks like, or null where nothing of it is drawn. */
+/** Twin of cull-splats for splat `index`: the visible splat, or null if no part of it is drawn. */
 export function cullSplat(
   set: SplatColumns,
   index: number,
@@ -80,7 +80,7 @@ export function cullSplat(
   return isInside ? { depthView, centerPx, covariance, opacity, extentPx, splat, centerView } : null;
 }
 
-/** Splat `index` as the effects leave it. */
+/** Returns splat `index` after effects. */
 function changedSplat(set: SplatColumns, index: number, effects: readonly EffectTwin[]): SplatValues {
   const { positions, rotations, logScales } = set;
   const [at3, at4] = [3 * index, 4 * index];

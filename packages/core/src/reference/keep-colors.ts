@@ -1,14 +1,14 @@
 import type { Vec3 } from '../math/mat4.ts';
 
-/** The colour that a visible splat was drawn with. */
+/** Colour that a visible splat was drawn with. */
 export interface DrawnColor {
-  /** Number of the splat, counting through all chunks of the frame. */
+  /** Number of the splat, counted through all chunks of the frame. */
   readonly splat: number;
   readonly color: Vec3;
 }
 
 /**
- * Twin of the GPU's keep-colors: the colours of one page, splat by splat.
+ * Twin of keep-colors: the colours of a page, splat by splat.
  *
  * @param drawn all visible splats of the frame.
  * @returns null for splats that were not drawn.

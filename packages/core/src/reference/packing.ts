@@ -1,7 +1,7 @@
 import { fromHalfBits } from '../layout/half.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
 
-/** A splat's geometry and base colour as the GPU sees them, in the cloud's space. */
+/** Geometry and base colour of a splat as the GPU unpacks them, in the cloud's space. */
 export interface UnpackedSplat {
   readonly position: readonly [number, number, number];
   /** Peak opacity, 0…1. */
@@ -42,7 +42,7 @@ export function unpackSplat(
   };
 }
 
-/** Smallest-three: the component of largest magnitude is positive and left out, the others are 15-bit steps in ±√½. */
+/** Smallest-three: the component of largest magnitude is positive and omitted, the others are 15-bit steps in ±√½. */
 function unpackRotation(low: number, high: number): [number, number, number, number] {
   const largest = (low >>> 15) | (((high >>> 15) & 1) << 1);
   const rest = [low & 0x7fff, high & 0x7fff, (high >>> 16) & 0x7fff].map(

@@ -4,7 +4,7 @@ import { pickSplat } from './pick.ts';
 
 const CUTOFF = 1 / 255;
 
-/** A round splat of one pixel's standard deviation around the middle of pixel 2, 1. */
+/** A round splat with a standard deviation of one pixel around the middle of pixel 2, 1. */
 const splatOf = (opacity: number): VisibleSplat => ({
   depthView: 1,
   centerPx: [2.5, 1.5],
@@ -13,7 +13,7 @@ const splatOf = (opacity: number): VisibleSplat => ({
   extentPx: [4, 4],
 });
 
-test('the heaviest is the one that contributes most, in front or behind', () => {
+test('picks the splat that contributes most, in front or behind', () => {
   expect(pickSplat([splatOf(0.5), splatOf(0.75)], 2, 1, CUTOFF)).toEqual({
     index: 1,
     alpha: 0.75,
@@ -28,8 +28,8 @@ test('the heaviest is the one that contributes most, in front or behind', () => 
   });
 });
 
-test('of equal contributions the foremost is taken', () => {
-  // 0.375, and 0.6 of the 0.625 that it lets through.
+test('picks the foremost of equal contributions', () => {
+  // 0.375, and 0.6 of the 0.625 that the first splat lets through.
   const alphaBehind = 0.375 / 0.625;
   expect(alphaBehind * 0.625).toBe(0.375);
   expect(pickSplat([splatOf(alphaBehind), splatOf(0.375)], 2, 1, CUTOFF)?.index).toBe(1);
@@ -43,7 +43,7 @@ test('opacities fall with the Gaussian, end at the cutoff and are capped', () =>
   expect(alpha(1, 2)).toBe(0.99);
 });
 
-test('where nothing is, nothing is picked', () => {
+test('picks nothing where there is no splat', () => {
   expect(pickSplat([], 0, 0, CUTOFF)).toBeNull();
   expect(pickSplat([splatOf(1)], 40, 1, CUTOFF)).toBeNull();
 });

@@ -3,19 +3,19 @@ import { rasterizeSplat } from './rasterize.ts';
 
 /** The splat that contributes most to a pixel. */
 export interface ReferencePick {
-  /** In the list given. */
+  /** Index in the given list. */
   readonly index: number;
-  /** Its opacity at the pixel. */
+  /** Opacity of the splat at the pixel. */
   readonly alpha: number;
-  /** Its share of the pixel: `alpha` times what those in front let through. */
+  /** Share of the pixel: `alpha` times the transmittance of the splats in front. */
   readonly weight: number;
   /** Opacity of all splats together at the pixel. */
   readonly totalOpacity: number;
 }
 
 /**
- * Twin of the GPU's pick: blends front to back what `backToFront` has over the pixel in column `xPx` and row `yPx`. Of
- * equal contributions the foremost one is taken; null where nothing is drawn.
+ * Twin of pick: blends the splats of `backToFront` over the pixel in column `xPx` and row `yPx`, front to back. The foremost
+ * of equal contributions wins. Returns null if no splat is drawn there.
  */
 export function pickSplat(
   backToFront: readonly VisibleSplat[],
@@ -34,7 +34,7 @@ export function pickSplat(
   return heaviest.weight > 0 ? { ...heaviest, totalOpacity: 1 - transmittance } : null;
 }
 
-/** By rasterizing the splat alone into a picture of this one pixel: there is one definition of its opacity. */
+/** Rasterizes the splat alone into an image of this one pixel, so that its opacity has a single definition. */
 function alphaAtPixel(splat: VisibleSplat, xPx: number, yPx: number, alphaCutoff: number): number {
   const pixel = { widthPx: 1, heightPx: 1, data: new Float64Array(4) };
   const centerPx = [splat.centerPx[0] - xPx, splat.centerPx[1] - yPx] as const;

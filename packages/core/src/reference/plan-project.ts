@@ -2,10 +2,10 @@ import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import type { PageSlots } from './plan-cull.ts';
 
 /**
- * Twin of the GPU's plan-project: shares out the visible splats among the pages.
+ * Twin of plan-project: distributes the visible splats over the pages.
  *
- * @param splatCounts visible splats of each visible chunk.
- * @returns where each page's splats lie among all visible ones, how many there are in all, and the workgroups that project
+ * @param splatCounts number of visible splats of each visible chunk.
+ * @returns the range of each page among all visible splats, their number in total, and the number of workgroups that project
  *   each page.
  */
 export function planProject(splatCounts: ArrayLike<number>, pages: readonly PageSlots[]) {

@@ -1,12 +1,12 @@
 export interface SortRoom {
-  /** Keys that the buffers have room for. */
+  /** Number of keys that the buffers have room for. */
   readonly capacity: number;
-  /** Keys that one workgroup takes. */
+  /** Number of keys that one workgroup takes. */
   readonly tileKeys: number;
   readonly digitBits: number;
 }
 
-/** Twin of the GPU's plan-sort: how many keys are sorted, in how many tiles, and with how many counts of digits. */
+/** Twin of plan-sort: the numbers of keys, of tiles and of digit counts. */
 export function planSort(keyCount: number, { capacity, tileKeys, digitBits }: SortRoom) {
   const sorted = Math.min(keyCount, capacity);
   const tileCount = Math.ceil(sorted / tileKeys);

@@ -6,7 +6,7 @@ import type { CulledSplat } from './cull-splats.ts';
 import type { EffectTwin } from './effects/effect-twin.ts';
 import { shColor } from './spherical-harmonics.ts';
 
-/** Unit vector, in cloud space, along which the camera sees a splat there. */
+/** Unit vector, in cloud space, from the camera to a splat at `position`. */
 function viewDirection(position: Vec3, view: CloudView): [number, number, number] {
   const toward = view.camera ? [0, 1, 2].map((axis) => position[axis] - view.camera![axis]) : view.direction;
   const length = Math.hypot(toward[0], toward[1], toward[2]);
@@ -16,7 +16,7 @@ function viewDirection(position: Vec3, view: CloudView): [number, number, number
 
 const rest = new Float64Array(coefficientsPerSplat(3));
 
-/** Twin of the GPU's project, its colour part: r, g, b of splat `index` as the camera sees it. */
+/** Twin of project's colours: r, g, b of splat `index`, seen from the camera. */
 export function splatColor(
   set: SplatSet<Harmonics>,
   index: number,

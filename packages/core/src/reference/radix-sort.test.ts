@@ -21,13 +21,13 @@ describe('the integer twins', () => {
     );
   });
 
-  test('the scan has one sum more than counts, and wraps at 2^32', () => {
+  test('the scan has one more sum than counts, and wraps at 2^32', () => {
     expect(Array.from(prefixScan([]))).toEqual([0]);
     expect(Array.from(prefixScan([3, 0, 5]))).toEqual([0, 3, 3, 8]);
     expect(Array.from(prefixScan([2 ** 32 - 1, 2]))).toEqual([0, 2 ** 32 - 1, 1]);
   });
 
-  test('compaction keeps the order of storage', () => {
+  test('compaction keeps storage order', () => {
     expect(compactChunks([0, 1, 1, 0, 1])).toEqual([1, 2, 4]);
     const masks = new Uint32Array(16);
     masks[0] = 0b101;

@@ -2,14 +2,14 @@ import { prefixScan } from './prefix-scan.ts';
 import { sortHistogram } from './sort-histogram.ts';
 import { sortScatter } from './sort-scatter.ts';
 
-/** How keys are cut into digits and tiles. */
+/** Division of keys into digits and tiles. */
 export interface RadixSortShape {
   readonly digitBits: number;
   readonly passes: number;
   readonly tileKeys: number;
 }
 
-/** Twin of the GPU's radix sort: the index of each key in ascending order of keys, equal keys in their given order. */
+/** Twin of the radix sort: the index of each key in ascending order of keys, equal keys in their given order. */
 export function radixSort(keys: ArrayLike<number>, shape: RadixSortShape): Uint32Array {
   let sorted: ReturnType<typeof sortScatter> = {
     keys: Uint32Array.from(keys),

@@ -9,15 +9,15 @@ export interface ReferenceImage {
   readonly data: Float64Array;
 }
 
-/** What another renderer has drawn, and where the splats' own depth goes. */
+/** Depths of the host's image, and the target for the splats' own depth. */
 export interface ReferenceDepths {
-  /** View depth per pixel behind which splats are hidden; Infinity where nothing was drawn. */
+  /** View depth per pixel behind which splats are hidden; Infinity where the host drew nothing. */
   readonly host: ArrayLike<number>;
   /** View depth of the splats, weighted like their colours. */
   readonly splats: Float64Array;
 }
 
-/** Twin of the GPU's rasterize: blends one splat over what `image` holds. Pixel centres are at half-integers. */
+/** Twin of rasterize: blends one splat over `image`. Pixel centres are at half-integers. */
 export function rasterizeSplat(
   image: ReferenceImage,
   { centerPx, covariance: { a, b, c, determinant }, opacity, extentPx, depthView }: VisibleSplat,

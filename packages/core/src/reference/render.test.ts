@@ -15,7 +15,7 @@ const CAMERA: Camera = orthographicCamera({
 const SIZE = { widthPx: 9, heightPx: 9 };
 const C0 = Math.sqrt(1 / (4 * Math.PI));
 
-/** Coefficients of a colour. */
+/** Coefficients of degree 0 for a colour. */
 const dc = (...rgb: number[]) => rgb.map((value) => (value - 0.5) / C0);
 const logit = (opacity: number) => Math.log(opacity / (1 - opacity));
 
@@ -35,7 +35,7 @@ const near = (values: readonly number[], digits = 6) => values.map((v) => expect
 
 describe('the reference renderer', () => {
   test('one splat: its opacity at its centre, the Gaussian around it, nothing beyond the cutoff', () => {
-    // Standard deviation 1 px, so with dilation a variance of 1.3 px².
+    // Standard deviation 1 px, so the variance with dilation is 1.3 px².
     const splat = { logScales: [0, 0, 0], opacityLogit: logit(0.6), colorDc: dc(0.2, 0.5, 0.9) };
     const { at, visibleSplats } = pixels([splat]);
     expect(visibleSplats).toBe(1);
@@ -47,7 +47,7 @@ describe('the reference renderer', () => {
     expect(at(5, 4)).toEqual(expected(1));
     expect(at(4, 2)).toEqual(expected(4));
     expect(at(6, 6)).toEqual(expected(8));
-    // 0.6·exp(−16/2.6) = 0.0013 is under 1/255.
+    // 0.6·exp(−16/2.6) = 0.0013 is below 1/255.
     expect(at(8, 4)).toEqual([0, 0, 0, 0]);
     expect(pixels([splat], CAMERA, { alphaCutoff: 1e-3 }).at(8, 4)).toEqual(expected(16));
     expect(pixels([splat], CAMERA, { dilationPx2: 0 }).at(5, 4)[3]).toBeCloseTo(0.6 * Math.exp(-0.5), 6);
@@ -63,7 +63,7 @@ describe('the reference renderer', () => {
     expect(pixels([{ logScales: [1, 1, 1] }]).at(4, 4)[3]).toBeCloseTo(0.99, 12);
   });
 
-  test('two splats: the nearer one over the farther one, however they are stored', () => {
+  test('two splats: the nearer one over the farther one, in any storage order', () => {
     const red = { position: [0, 0, 1], opacityLogit: logit(0.5), colorDc: dc(1, 0, 0) };
     const blue = { position: [0, 0, -1], opacityLogit: logit(0.8), colorDc: dc(0, 0, 1) };
     for (const splats of [
@@ -74,7 +74,7 @@ describe('the reference renderer', () => {
     }
   });
 
-  test('equal depths: what is stored first is behind, clouds in the order given', () => {
+  test('equal depths: the splat stored first is behind, clouds in the order given', () => {
     const red = { opacityLogit: logit(0.5), colorDc: dc(1, 0, 0) };
     const blue = { opacityLogit: logit(0.8), colorDc: dc(0, 0, 1) };
     // Equal Morton codes keep the order of the file.
@@ -91,7 +91,7 @@ describe('the reference renderer', () => {
     expect([0.5, 1, 1.5, 100, 100.5].map(at)).toEqual([0, 0, 1, 1, 0]);
   });
 
-  test('what is too faint, or out of sight with all of its extent, is not drawn', () => {
+  test('does not draw splats that are too faint, or whose whole extent is out of sight', () => {
     const count = (splat: SplatValues) => pixels([splat]).visibleSplats;
     expect(count({ opacityLogit: logit(1 / 256) })).toBe(0);
     expect(count({ opacityLogit: logit(1 / 254) })).toBe(1);
@@ -124,7 +124,7 @@ describe('the reference renderer', () => {
     expect(alphaAt(5, 2)).toBeCloseTo(0.5 * Math.exp(-(0.5 ** 2) / 2 / 1.3 - 1 / 2 / 0.3), 6);
   });
 
-  test('the opacity of a cloud multiplies that of its splats, before the cutoff and the cap', () => {
+  test('a cloud’s opacity multiplies those of its splats, before the cutoff and the cap', () => {
     const splat = { logScales: [1, 1, 1], opacityLogit: logit(0.8) };
     const render = (opacity?: number) =>
       renderReference({ clouds: [{ set: splatsOf([splat]), opacity }], camera: CAMERA, ...SIZE });
@@ -137,7 +137,7 @@ describe('the reference renderer', () => {
     expect(render(0).visibleSplats).toBe(0);
   });
 
-  test('nothing gives nothing', () => {
+  test('no splats give an empty image', () => {
     const { data, visibleSplats } = renderReference({ clouds: [], camera: CAMERA, ...SIZE });
     expect(visibleSplats).toBe(0);
     expect(data.every((value) => value === 0)).toBe(true);

@@ -27,19 +27,19 @@ export interface ReferenceFrame {
     readonly modelMatrix?: ArrayLike<number>;
     /** Multiplies every splat's opacity, 0…1; default 1. */
     readonly opacity?: number;
-    /** As in a frame. */
+    /** As in a frame request. */
     readonly shDegree?: ShDegree;
-    /** As in a frame. */
+    /** As in a frame request. */
     readonly effects?: readonly EffectUse[];
   }[];
-  /** Twins of effects that are not this package's, by name. */
+  /** Twins of effects from outside this package, by name. */
   readonly effectTwins?: Readonly<Record<string, TwinFunction>>;
   readonly camera: Camera;
   readonly widthPx: number;
   readonly heightPx: number;
-  /** What another renderer has drawn: a view depth per pixel, top row first, Infinity where it drew nothing. */
+  /** Host's view depth per pixel, top row first; Infinity where the host drew nothing. */
   readonly hostDepths?: ArrayLike<number>;
-  /** Default those of the preset `reference`. Precisions are not among them: all is float64. */
+  /** Default: those of the preset `reference`. There are no precisions: everything is float64. */
   readonly settings?: Partial<
     Pick<
       AccuracySettings,
@@ -53,7 +53,7 @@ export interface ReferenceFrame {
 
 export interface ReferencePicture extends ReferenceImage {
   readonly visibleSplats: number;
-  /** View depth of the splats per pixel, weighted like their colours; with `hostDepths` only. */
+  /** View depth of the splats per pixel, weighted like their colours; only with `hostDepths`. */
   readonly depths?: Float64Array;
 }
 
@@ -62,26 +62,27 @@ interface DrawnSplat extends VisibleSplat {
 }
 
 /**
- * The definition of right: the picture in float64 on the CPU, every splat in exact order of depth, ties in storage
- * order (Morton order, file order among equal codes, clouds in the order given). Seconds for a million splats.
+ * Renders the reference: the image that a frame must match, in float64 on the CPU, every splat in exact order of depth, ties
+ * in storage order (Morton order, file order among equal codes, clouds in the order given). Takes seconds for a million
+ * splats.
  */
 export function renderReference(frame: ReferenceFrame): ReferencePicture {
   const settings = { ...resolveAccuracy('reference'), dilationPx2: DILATION_PX2, ...frame.settings };
   const layer = layerSize(frame, settings);
   const hostDepths = frame.hostDepths && nearestValues(frame.hostDepths, frame, layer);
-  const picture = renderLayer({ ...frame, ...layer, hostDepths }, settings);
-  if (settings.resolutionScale === 1) return picture;
+  const image = renderLayer({ ...frame, ...layer, hostDepths }, settings);
+  if (settings.resolutionScale === 1) return image;
   const { widthPx, heightPx } = frame;
   return {
-    ...picture,
+    ...image,
     widthPx,
     heightPx,
-    data: upscale(picture.data, layer, frame),
-    ...(picture.depths && { depths: upscale(picture.depths, layer, frame) }),
+    data: upscale(image.data, layer, frame),
+    ...(image.depths && { depths: upscale(image.depths, layer, frame) }),
   };
 }
 
-/** Of a picture of size `from` the values at the middles of the pixels of a smaller one. */
+/** Samples an image of size `from` at the middles of the pixels of a smaller one. */
 function nearestValues(values: ArrayLike<number>, from: SizePx, to: SizePx): Float64Array {
   return Float64Array.from({ length: to.widthPx * to.heightPx }, (_, pixel) => {
     const column = Math.floor((((pixel % to.widthPx) + 0.5) * from.widthPx) / to.widthPx);
@@ -92,7 +93,7 @@ function nearestValues(values: ArrayLike<number>, from: SizePx, to: SizePx): Flo
 
 type ReferenceSettings = Required<NonNullable<ReferenceFrame['settings']>>;
 
-/** The picture at the size that splats are blended at. */
+/** Renders the layer: the image at the size that splats are blended at. */
 function renderLayer(frame: ReferenceFrame, settings: ReferenceSettings): ReferencePicture {
   const { camera, widthPx, heightPx, hostDepths } = frame;
   const { alphaCutoff } = settings;
@@ -120,7 +121,7 @@ function renderLayer(frame: ReferenceFrame, settings: ReferenceSettings): Refere
   return { ...image, visibleSplats: drawn.length, ...(depths && { depths: depths.splats }) };
 }
 
-/** By depth or, at fewer than 32 bits, by keys as the GPU has them; Array.prototype.sort leaves equal ones in their order. */
+/** Sorts by depth or, at fewer than 32 bits, by the GPU's keys. Array.prototype.sort keeps equal ones in their order. */
 function backToFront(drawn: readonly DrawnSplat[], sortKeyBits: number): readonly DrawnSplat[] {
   if (sortKeyBits === 32) return drawn.toSorted((a, b) => b.depthView - a.depthView);
   const bits = drawn.map(({ depthView }) => orderedBits(depthView));

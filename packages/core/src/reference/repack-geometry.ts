@@ -3,8 +3,8 @@ import type { SplatColumns } from '../splats/splat-set.ts';
 import { unpackSplat } from './packing.ts';
 
 /**
- * Twin of shaders/stages/repack-geometry.wgsl, in float64: the float32 geometry of the splats of `set` packed, with the
- * range of log scales that it has from when they were loaded.
+ * Twin of repack-geometry, in float64: packs the float32 geometry of the splats of `set`, with the range of log scales that
+ * was found when they were loaded.
  */
 export function repackGeometry(set: SplatColumns, finer: PackedGeometry): PackedGeometry {
   const splats = Array.from({ length: set.count }, (_, i) => unpackSplat(finer, i));

@@ -1,22 +1,22 @@
 import type { SizePx } from '../accuracy/accuracy.ts';
 import type { DepthConvention } from '../camera/depth-convention.ts';
 
-/** Depths as another renderer has stored them. */
+/** Depths as the host stores them. */
 export interface HostDepths extends SizePx {
   readonly samples: number;
-  /** Sample by sample, pixel by pixel, top row first. */
+  /** Depth of each sample of each pixel, top row first. */
   readonly values: ArrayLike<number>;
 }
 
-/** Where the layer that splats are blended in lies in the host's picture. */
+/** Place of the layer, which splats are blended in, in the host's image. */
 export interface LayerPlace extends SizePx {
-  /** The layer's top left. */
+  /** Top left of the layer. */
   readonly originPx: readonly [number, number];
-  /** The host's pixels per pixel of the layer. */
+  /** Host pixels per pixel of the layer. */
   readonly pxPerLayerPx: readonly [number, number];
 }
 
-/** Twin of the GPU's resolve-depth: the farthest sample of the host's pixel behind the middle of each of the layer's. */
+/** Twin of resolve-depth: per pixel of the layer, the farthest sample of the host's pixel at its middle. */
 export function resolveDepth(
   host: HostDepths,
   { widthPx, heightPx, originPx, pxPerLayerPx }: LayerPlace,

@@ -1,4 +1,4 @@
-/** Which bits of a key one pass of a radix sort looks at, and how many keys one workgroup takes. */
+/** Bits of a key that one pass of a radix sort reads, and number of keys that one workgroup takes. */
 export interface SortPass {
   readonly digitShift: number;
   readonly digitBits: number;
@@ -6,11 +6,11 @@ export interface SortPass {
 }
 
 export function digitOf(key: number, { digitShift, digitBits }: SortPass): number {
-  // Shader and twin agree beyond the key's top too: extractBits takes only the bits that are there.
+  // Shader and twin also agree beyond the key's top: extractBits takes only the bits that exist.
   return (key >>> digitShift) & ((1 << digitBits) - 1);
 }
 
-/** Twin of the GPU's sort-histogram: how often each digit occurs in each tile; all tiles of digit 0, then of digit 1, … */
+/** Twin of sort-histogram: how often each digit occurs in each tile; all tiles of digit 0, then of digit 1, … */
 export function sortHistogram(keys: ArrayLike<number>, pass: SortPass): Uint32Array {
   const tileCount = Math.ceil(keys.length / pass.tileKeys);
   const counts = new Uint32Array(tileCount << pass.digitBits);

@@ -1,9 +1,9 @@
 import { digitOf, type SortPass } from './sort-histogram.ts';
 
 /**
- * Twin of the GPU's sort-scatter: one stable pass of a radix sort.
+ * Twin of sort-scatter: one stable pass of a radix sort.
  *
- * @param digitOffsets scanned counts of `sortHistogram`: where the keys of each digit and tile go.
+ * @param digitOffsets scanned counts of `sortHistogram`: the first place for the keys of each digit and tile.
  */
 export function sortScatter(
   keys: ArrayLike<number>,

@@ -90,7 +90,7 @@ describe('spherical harmonics', () => {
     const C0 = Math.sqrt(1 / (4 * Math.PI));
     expect(shColor(0, [0, 1, -1], [], [0, 0, 1])).toEqual([0.5, 0.5 + C0, 0.5 - C0]);
     expect(shColor(0, [-2, -100, 100], [], [0, 0, 1])).toEqual([0, 0, 0.5 + 100 * C0]);
-    // Looking along z only the second function of degree 1 is there, for each channel its own coefficient.
+    // Along z only the second function of degree 1 is not zero; each channel has its own coefficient.
     const rest = [9, 9, 9, 0.1, 0.2, 0.3, 9, 9, 9];
     const C1 = Math.sqrt(3 / (4 * Math.PI));
     const [r, g, b] = shColor(1, [0, 0, 0], rest, [0, 0, 1]);

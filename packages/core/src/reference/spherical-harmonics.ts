@@ -37,7 +37,7 @@ export function shRestBasis(degree: ShDegree, x: number, y: number, z: number): 
 }
 
 /**
- * Colour seen along the unit vector `direction`, from the camera to the splat, both in the cloud's own space.
+ * Evaluates the colour seen along the unit vector `direction`, from the camera to the splat, in the cloud's space.
  *
  * @param dc three coefficients of degree 0.
  * @param rest 3K coefficients above degree 0, each as r, g, b.
@@ -54,7 +54,7 @@ export function shColor(
   for (let channel = 0; channel < 3; channel++) {
     let sum = 0.5 + C0 * dc[channel];
     for (let k = 0; k < basis.length; k++) sum += basis[k] * rest[3 * k + channel];
-    // A negative radiance has no meaning, and would darken what is behind it.
+    // A negative radiance has no meaning, and would darken the splats behind it.
     color[channel] = Math.max(0, sum);
   }
   return color;

@@ -1,10 +1,10 @@
 import type { SizePx } from '../accuracy/accuracy.ts';
 
 /**
- * Twin of the GPU's upscale: bilinear between the middles of pixels, constant beyond the outermost.
+ * Twin of upscale: bilinear between the middles of pixels, constant beyond the outermost.
  *
- * @param values of a picture of size `from`, top row first, as many per pixel as there are.
- * @returns as many per pixel, of a picture of size `to`.
+ * @param values image of size `from`, top row first, with any number of values per pixel.
+ * @returns image of size `to`, with as many values per pixel.
  */
 export function upscale(values: ArrayLike<number>, from: SizePx, to: SizePx): Float64Array {
   const channels = values.length / (from.widthPx * from.heightPx);
@@ -24,7 +24,10 @@ export function upscale(values: ArrayLike<number>, from: SizePx, to: SizePx): Fl
   return upscaled;
 }
 
-/** The two of `smallPx` pixels whose middles are around that of pixel `index` of `sizePx`, and the second one's weight. */
+/**
+ * Finds the two of `smallPx` pixels whose middles surround the middle of pixel `index` of `sizePx`, and the second one's
+ * weight.
+ */
 function neighbors(
   index: number,
   sizePx: number,

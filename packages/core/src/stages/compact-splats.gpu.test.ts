@@ -11,7 +11,7 @@ import { compactSplats } from './compact-splats.ts';
 import { dispatchSize } from './dispatch.ts';
 
 describe('compact-splats', () => {
-  gpuTest('lists the splats to draw in storage order', async () => {
+  gpuTest('lists the visible splats in storage order', async () => {
     const device = await createTestDevice();
     const pipelines = new Pipelines(device);
     for (const [slots, chunkCount] of [
@@ -22,7 +22,7 @@ describe('compact-splats', () => {
     ]) {
       const random = seededRandom(slots);
       const visibleChunks = Array.from({ length: slots }, (_, slot) => 2 * slot + (slots === 40 ? 1 : 0));
-      // Empty words, full words and everything between.
+      // Empty words, full words and everything in between.
       const masks = Uint32Array.from({ length: 8 * chunkCount }, (_, i) =>
         i >= 8 * slots ? 0xffffffff : [0, 0xffffffff, random() * 2 ** 32][i % 3],
       );
@@ -47,7 +47,7 @@ describe('compact-splats', () => {
           splatOffsets: storageBuffer(device, prefixScan(counts), 4 * (chunkCount + 1)),
           visibleSplats,
         },
-        // A workgroup too many has nothing to do.
+        // An extra workgroup must do nothing.
         dispatchSize(slots + 1, 7),
       );
       const words = await readWords(device, visibleSplats);

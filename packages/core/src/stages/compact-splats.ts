@@ -1,6 +1,6 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
 
-/** Lists the splats to draw in storage order. */
+/** Lists the visible splats of the frame in storage order. */
 export const compactSplats = {
   stage: 'compact-splats',
   entryPoint: 'compactSplats',

@@ -18,8 +18,8 @@ beforeAll(async () => {
 });
 afterAll(() => device?.destroy());
 
-/** Premultiplied RGBA: blobs as smooth as pictures are. */
-function picture([widthPx, heightPx]: Size, seed: number): Float32Array {
+/** Premultiplied RGBA: blobs as smooth as typical images. */
+function blobs([widthPx, heightPx]: Size, seed: number): Float32Array {
   const random = seededRandom(seed);
   const waves = Array.from({ length: 4 }, () => [random() * 0.6, random() * 0.6, 7 * random()] as const);
   return Float32Array.from({ length: 4 * widthPx * heightPx }, (_, i) => {
@@ -30,7 +30,7 @@ function picture([widthPx, heightPx]: Size, seed: number): Float32Array {
   });
 }
 
-/** The picture with errors of about `amount`, of all orders of size below it. */
+/** Adds errors of up to about `amount`, of all orders of magnitude below it. */
 function disturbed(data: Float32Array, amount: number, seed = 9): Float32Array {
   const random = seededRandom(seed);
   return data.map((value, i) => (i % 4 === 3 ? value : value + amount * (random() - 0.5) * random() ** 3));
@@ -38,7 +38,7 @@ function disturbed(data: Float32Array, amount: number, seed = 9): Float32Array {
 
 const textureOf = (data: Float32Array, [width, height]: Size, format: GPUTextureFormat = 'rgba32float') => {
   const texture = context.memory.createTexture({
-    label: 'picture',
+    label: 'image',
     size: { width, height },
     format,
     usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST,
@@ -71,7 +71,7 @@ async function onGpu(
 function expectAlike(found: ImageDifference, expected: ImageDifference): void {
   if (expected.psnrDb === Number.POSITIVE_INFINITY) expect(found.psnrDb).toBe(Number.POSITIVE_INFINITY);
   else expect(Math.abs(found.psnrDb - expected.psnrDb)).toBeLessThan(0.01);
-  // Values up to 1 are put over the background and subtracted in float32.
+  // Values up to 1 are composited over the background and subtracted in float32.
   expect(Math.abs(found.maxError - expected.maxError)).toBeLessThanOrEqual(2 ** -22);
   expect(Math.abs(found.p999Error - expected.p999Error)).toBeLessThanOrEqual(
     0.01 * expected.p999Error + 2 ** -22,
@@ -80,7 +80,7 @@ function expectAlike(found: ImageDifference, expected: ImageDifference): void {
 }
 
 describe('compare-images', () => {
-  // Smaller than a window, one window, one tile, and tiles that are not full.
+  // Smaller than a window, one window, one tile, and partial tiles.
   const sizes: readonly Size[] = [
     [1, 1],
     [3, 40],
@@ -93,7 +93,7 @@ describe('compare-images', () => {
   for (const size of sizes) {
     gpuTest(`agrees with the CPU on ${size[0]}×${size[1]} px`, async () => {
       const [widthPx, heightPx] = size;
-      const expected = picture(size, 1);
+      const expected = blobs(size, 1);
       for (const amount of [1e-5, 1e-3, 0.05, 1]) {
         const actual = disturbed(expected, amount);
         expectAlike(
@@ -104,9 +104,9 @@ describe('compare-images', () => {
     });
   }
 
-  gpuTest('finds equal pictures equal', async () => {
+  gpuTest('finds equal images equal', async () => {
     const size: Size = [40, 23];
-    const same = picture(size, 2);
+    const same = blobs(size, 2);
     expect(await onGpu(same, same, size)).toEqual({
       psnrDb: Number.POSITIVE_INFINITY,
       maxError: 0,
@@ -115,16 +115,16 @@ describe('compare-images', () => {
     });
   });
 
-  gpuTest('finds a wrong picture wrong, and one wrong pixel', async () => {
+  gpuTest('finds a wrong image, and a single wrong pixel', async () => {
     const size: Size = [40, 23];
     const [widthPx, heightPx] = size;
-    const expected = picture(size, 3);
-    const other = picture(size, 4);
+    const expected = blobs(size, 3);
+    const other = blobs(size, 4);
     const wrong = await onGpu(other, expected, size);
     expectAlike(wrong, compareImages(other, expected, { widthPx, heightPx }));
     expect(wrong.psnrDb).toBeLessThan(15);
     expect(wrong.ssim).toBeLessThan(0.5);
-    // In the last pixel of the last tile, which is not full.
+    // In the last pixel of the last tile, which is a partial one.
     const spot = Float32Array.from(expected);
     spot[spot.length - 3] = expected[spot.length - 3] > 0.5 ? 0.1 : 0.9;
     const found = await onGpu(spot, expected, size);
@@ -133,10 +133,10 @@ describe('compare-images', () => {
     expect(found.p999Error).toBe(0);
   });
 
-  gpuTest('puts both over the background, and clamps', async () => {
+  gpuTest('composites both images over the background, and clamps', async () => {
     const size: Size = [21, 18];
     const [widthPx, heightPx] = size;
-    const expected = picture(size, 5).map((value) => 1.4 * value - 0.1);
+    const expected = blobs(size, 5).map((value) => 1.4 * value - 0.1);
     const actual = disturbed(expected, 0.2).map((value, i) => (i % 4 === 3 ? 0.9 * value : value));
     const background = [0.2, 0.6, 1] as const;
     const options = { widthPx, heightPx, background };
@@ -147,7 +147,7 @@ describe('compare-images', () => {
     gpuTest(`compares ${format} with rgba32float`, async () => {
       const size: Size = [33, 20];
       const [widthPx, heightPx] = size;
-      const expected = picture(size, 6).map((value) => Math.max(0, Math.min(1, value)));
+      const expected = blobs(size, 6).map((value) => Math.max(0, Math.min(1, value)));
       const textures = [textureOf(expected, size, format), textureOf(expected, size)] as const;
       const rounded =
         format === 'rgba8unorm'
@@ -161,9 +161,9 @@ describe('compare-images', () => {
     });
   }
 
-  gpuTest('says which picture has values that are not finite', async () => {
+  gpuTest('names the image that has non-finite values', async () => {
     const size: Size = [40, 23];
-    const good = picture(size, 7);
+    const good = blobs(size, 7);
     for (const value of [Number.NaN, Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY]) {
       const bad = Float32Array.from(good);
       bad[4 * (18 * 40 + 35) + 1] = value;
@@ -174,8 +174,8 @@ describe('compare-images', () => {
     }
   });
 
-  gpuTest('keeps no memory, and refuses pictures of two sizes', async () => {
-    const [small, large] = [textureOf(picture([4, 4], 1), [4, 4]), textureOf(picture([4, 5], 1), [4, 5])];
+  gpuTest('keeps no memory, and refuses images of different sizes', async () => {
+    const [small, large] = [textureOf(blobs([4, 4], 1), [4, 4]), textureOf(blobs([4, 5], 1), [4, 5])];
     const { totalBytes } = context.memory.report();
     await compareTextures(context, small, small);
     expect(context.memory.report().totalBytes).toBe(totalBytes);

@@ -1,7 +1,7 @@
 import source from '../../../../shaders/stages/compare-images.wgsl?raw';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 
-/** Compares two layers of one size: a `CompareTile` per tile, and how often each absolute error occurs. */
+/** Compares two layers of equal size: writes a `CompareTile` per tile, and how often each absolute error occurs. */
 export const compareImages = {
   stage: 'compare-images',
   source,
@@ -15,13 +15,13 @@ export const compareImages = {
   },
 } as const satisfies StageDefinition;
 
-/** Errors are counted by the upper half of their float32 bits: each count is of errors within 1/128 of one another. */
+/** Errors are counted by the upper half of their float32 bits: errors of one count lie within 1/128 of one another. */
 const DROPPED_BITS = 16;
 
-/** Counts for all errors of 0…1. The first is left 0: whoever counts the values knows how many are equal. */
+/** Number of counts for errors of 0…1. The first stays 0: the number of equal values follows from the others. */
 export const ERROR_COUNTS = 1 + (0x3f800000 >> DROPPED_BITS);
 
-/** The error in the middle of those that are counted at `index`. */
+/** Returns the middle of the errors that are counted at `index`. */
 export function countedError(index: number): number {
   const bits = Uint32Array.of((index << DROPPED_BITS) + (1 << (DROPPED_BITS - 1)));
   return Math.min(1, new Float32Array(bits.buffer)[0]);

@@ -21,12 +21,12 @@ afterAll(() => device.destroy());
 
 const SIZE = { widthPx: 13, heightPx: 9 };
 const PIXELS = SIZE.widthPx * SIZE.heightPx;
-/** Origins of the image within the host's textures, not the same in both. */
+/** Origins of the image within the host's textures, different in each. */
 const COLOR_ORIGIN_PX = [2, 1] as const;
 const DEPTH_ORIGIN_PX = [1, 3] as const;
 const SAMPLES = 4;
 
-/** Premultiplied RGBA, with pixels that are empty, full and between, and colours beyond 1. */
+/** Premultiplied RGBA with empty, partial and full pixels, and colours beyond 1. */
 function randomImage(seed: number): Float32Array {
   const random = seededRandom(seed);
   const values = new Float32Array(4 * PIXELS);
@@ -37,7 +37,7 @@ function randomImage(seed: number): Float32Array {
   return values;
 }
 
-/** The image at its origin within a larger one, with garbage around it; `values` per pixel. */
+/** Places the image at its origin within a larger one, with garbage around it; `values` per pixel. */
 function placed(image: ArrayLike<number>, values: number, [xPx, yPx]: readonly [number, number]) {
   const size = { widthPx: SIZE.widthPx + xPx + 1, heightPx: SIZE.heightPx + yPx + 2 };
   const larger = new Float32Array(values * size.widthPx * size.heightPx).fill(0.123);
@@ -50,8 +50,8 @@ function placed(image: ArrayLike<number>, values: number, [xPx, yPx]: readonly [
 }
 
 /**
- * View depths of every pixel's samples, on one surface or several. No two depths are about 5 % apart: rounding would
- * decide whether these lie on one surface. 35 and 40, the far plane, are two surfaces, and would be one by their logarithms.
+ * View depths of every pixel's samples, on one surface or several. No two depths are about 5 % apart, because rounding would
+ * decide whether they lie on one surface. 35 and 40, the far plane, are two surfaces; their logarithms would make them one.
  */
 function randomSamples(far: number): Float64Array {
   const random = seededRandom(8);
@@ -100,7 +100,7 @@ async function check(options: Options, pipelines = new Pipelines(device)) {
   HostViewport.write(viewport, { ...origins, pxPerLayerPx: [1, 1] });
   const hostDepth = new ArrayBuffer(HostDepth.bytes);
   HostDepth.write(hostDepth, depthMapping(camera, mapping));
-  // In float32: the formats that hosts get would hide errors.
+  // In float32, because the formats of real hosts would hide errors.
   const targets = (hasDepthLayer ? [0, 1] : [0]).map(() =>
     device.createTexture({
       size: [SIZE.widthPx, SIZE.heightPx],
@@ -175,7 +175,7 @@ const DEPTH_BOUND = 1e-6;
 describe('compose', () => {
   for (const isMultisampled of [false, true]) {
     const samples = isMultisampled ? 'several samples' : 'one sample';
-    gpuTest(`colours over what is behind, ${samples}`, async () => {
+    gpuTest(`colours over the host's, ${samples}`, async () => {
       const depth = isMultisampled ? DEPTH : null;
       const { colorError } = await check({ camera: perspective, depth, isMultisampled });
       expect(colorError).toBeLessThanOrEqual(COLOR_BOUND);
@@ -203,7 +203,7 @@ describe('compose', () => {
       expect(colorError).toBeGreaterThan(0.01);
     });
 
-  gpuTest('a mean depth that is not divided by what covers the pixel is noticed', async () => {
+  gpuTest('a mean depth that is not divided by the covered share of the pixel is noticed', async () => {
     const mutation = { file: 'stages/compose', find: ' / max(splats.a, 0.5)', replace: '' };
     const depth = { ...DEPTH, layerFormat: 'r32float' } as const;
     const options = { camera: perspective, depth, isMultisampled: false };

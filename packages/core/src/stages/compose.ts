@@ -1,15 +1,15 @@
 import type { BindingKind, RenderState, StageDefinition } from '../gpu/pipelines.ts';
 import type { RasterizeDepth } from './rasterize.ts';
 
-/** Formats of what compose makes: the picture in linear light, and the splats' depth as the host stores it. */
+/** Formats of compose's targets: the image in linear light, and the splats' depth as the host stores it. */
 export const COMPOSED_COLOR_FORMAT = 'rgba16float';
 export const COMPOSED_DEPTH_FORMAT = 'r32float';
 
 /**
- * Puts the blended splats over what the host has drawn so far.
+ * Composes the blended splats over the host's image.
  *
- * @param depth what the splats are hidden by; null where there is nothing.
- * @param isMultisampled whether that has several samples per pixel: edges of meshes are kept smooth then.
+ * @param depth the host's depth, which hides splats; null if there is none.
+ * @param isMultisampled whether the host's depth has several samples per pixel: if so, edges of meshes stay smooth.
  */
 export function compose(depth: RasterizeDepth | null, isMultisampled: boolean): StageDefinition {
   const bindings: Record<string, readonly [number, BindingKind]> = {

@@ -10,7 +10,7 @@ import { composite, compositeState } from './composite.ts';
 
 describe('composite', () => {
   for (const format of ['rgba32float', 'rgba8unorm'] as const) {
-    gpuTest(`puts a layer over the background, into ${format}`, async () => {
+    gpuTest(`composites a layer over the background, into ${format}`, async () => {
       const device = await createTestDevice();
       const pipelines = new Pipelines(device);
       const state = compositeState(format);
@@ -47,7 +47,7 @@ describe('composite', () => {
       device.queue.submit([encoder.finish()]);
       const { data } = await readTexture(device, target);
       const expected = compositeTwin(layer, background);
-      // Three roundings of numbers up to 1; eight bits round by half a step, to which WebGPU adds a tenth.
+      // Three roundings of numbers up to 1. Eight bits round by half a step, to which WebGPU adds a tenth.
       const bound = format === 'rgba8unorm' ? 0.6 / 255 : 4 * 2 ** -24;
       for (const [i, value] of expected.entries()) {
         expect(Math.abs(data[i] - value), `value ${i}`).toBeLessThanOrEqual(bound);

@@ -1,6 +1,6 @@
 import type { RenderState, StageDefinition } from '../gpu/pipelines.ts';
 
-/** Puts the blended splats over the background. */
+/** Composites the blended splats over the background. */
 export const composite = {
   stage: 'composite',
   bindings: { parameters: [0, 'uniform'], layer: [1, 'texture'] },

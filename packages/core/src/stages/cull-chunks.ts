@@ -1,6 +1,6 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
 
-/** Tests each chunk of one page against the frustum. */
+/** Tests each chunk of a page against the frustum. */
 export const cullChunks = {
   stage: 'cull-chunks',
   entryPoint: 'cullChunks',

@@ -14,7 +14,7 @@ afterAll(() => device.destroy());
 const SIZE = { widthPx: 48, heightPx: 32 };
 const SPLATS = 1500;
 
-/** Draws the frame and compares every splat's fate; answers how many were drawn and how many left to rounding. */
+/** Draws the frame and checks which splats it drew; returns the numbers of drawn splats and of those left to rounding. */
 async function check(options: Omit<InspectOptions, 'widthPx' | 'heightPx' | 'keyBits'>) {
   const frame = await InspectedFrame.draw(device, { ...options, ...SIZE, keyBits: 8 });
   const { visibleCount, unsureCount, mismatches, flaws } = await compareCulling(frame);
@@ -26,7 +26,7 @@ async function check(options: Omit<InspectOptions, 'widthPx' | 'heightPx' | 'key
 
 describe('cull-splats', () => {
   for (const [name, camera] of Object.entries(testCameras(1.5))) {
-    gpuTest(`${name} camera: draws what the twin draws`, async () => {
+    gpuTest(`${name} camera: draws the splats that the twin draws`, async () => {
       const set = randomSplats({ count: SPLATS, shDegree: 0, seed: 7 });
       const { visibleCount, unsure } = await check({ clouds: [{ set }], camera });
       expect(visibleCount).toBeGreaterThan(SPLATS / 50);
@@ -87,7 +87,7 @@ describe('cull-splats', () => {
     { extent: 'fixed', culling: 'frustum' },
   ] as const) {
     gpuTest(
-      `${Object.values(settings).join(' extent, ')}: more is drawn, and what the twin draws`,
+      `${Object.values(settings).join(' extent, ')}: draws more, and the splats that the twin draws`,
       async () => {
         const set = randomSplats({ count: SPLATS, shDegree: 0, seed: 5, logScales: [-5, -1] });
         const chunkFar = {
@@ -105,7 +105,7 @@ describe('cull-splats', () => {
     );
   }
 
-  gpuTest('nothing to see', async () => {
+  gpuTest('no visible splats', async () => {
     const set = randomSplats({ count: 300, shDegree: 0, opacityLogits: [-9, -7] });
     const { visibleCount } = await check({ clouds: [{ set }], camera: testCameras(1.5).perspective });
     expect(visibleCount).toBe(0);

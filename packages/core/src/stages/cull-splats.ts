@@ -9,21 +9,21 @@ import {
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import type { GeometryPrecision } from '../packing/precision.ts';
 
-/** What the cull-splats stage is linked for. */
+/** Variant of the cull-splats stage to link. */
 export interface CullSplatsVariant {
   readonly isOrthographic: boolean;
   readonly geometryPrecision: GeometryPrecision;
   readonly extent: Extent;
   readonly culling: Culling;
-  /** Default none. */
+  /** Effects of the page's cloud; default none. */
   readonly effects?: EffectSet;
-  /** Whether all splats are balls, after effects as well; default false. */
+  /** Whether all splats are balls, even after effects; default false. */
   readonly isIsotropic?: boolean;
   /** Whether splats may be too faint to be drawn; default true. */
   readonly hasFaintSplats?: boolean;
 }
 
-/** Tests each splat of one page's visible chunks. */
+/** Tests each splat of a page's visible chunks. */
 export function cullSplats({
   isOrthographic,
   geometryPrecision,

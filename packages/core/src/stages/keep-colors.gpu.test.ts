@@ -19,12 +19,12 @@ beforeAll(async () => {
 });
 afterAll(() => device.destroy());
 
-/** Splats of each page; every page begins with a chunk of its own. */
+/** Number of splats of each page; every page begins with a new chunk. */
 const PAGES = [3 * CHUNK_SPLATS, 5, 5 * CHUNK_SPLATS - 1];
 const DISPATCH_ROW = 2;
 const OLD = 0xabcd0123;
 
-/** A colour as a record holds it, and the record's words for it, opacity last. */
+/** A colour as a record holds it, and the record's words for that colour, opacity last. */
 function recordColor(
   precision: RecordPrecision,
   random: () => number,
@@ -105,7 +105,7 @@ async function check(
       pipelines,
       keepColors(precision),
       { ...shared, page: uniformBuffer(device, contents), keptColors },
-      // One workgroup too many has nothing to do.
+      // An extra workgroup must do nothing.
       dispatchSize(workgroups + 1, DISPATCH_ROW),
     );
     const kept = await readWords(device, keptColors);
@@ -119,7 +119,7 @@ async function check(
   }
 }
 
-/** @param color null where the entry has to stay as it was. */
+/** @param color null if the entry must not change. */
 function isAsExpected(
   words: Uint32Array,
   color: Vec3 | null,
@@ -128,7 +128,7 @@ function isAsExpected(
 ): boolean {
   if (!color) return words.every((word) => word === OLD);
   const entry = decode(words);
-  // Bytes become float16: WGSL allows rounding up as well as down.
+  // Bytes become float16: WGSL allows rounding up or down.
   const tolerance = precision === 'paper' ? 2 ** -10 : 0;
   const isNear = (value: number, channel: number) =>
     Math.abs(entry.color[channel] - value) <= tolerance * value;

@@ -2,7 +2,7 @@ import type { RecordPrecision } from '../accuracy/accuracy.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { recordConditions } from './record-conditions.ts';
 
-/** Keeps the colours that one page's splats have been drawn with. */
+/** Keeps the colours that a page's splats were drawn with. */
 export function keepColors(recordPrecision: RecordPrecision): StageDefinition {
   return {
     stage: 'keep-colors',

@@ -43,14 +43,14 @@ function pickAt(frame: InspectedFrame, xPx: number, yPx: number): Promise<SplatP
   return pickSplat({ device, pipelines, memory, counting }, frame.parts, frame.plan, xPx, yPx);
 }
 
-/** The frame's splats as the GPU has them, in its order: the very numbers that the stage reads. */
+/** The frame's splats in the GPU's order, with exactly the numbers that the stage reads. */
 async function drawnByGpu(frame: InspectedFrame): Promise<{ splats: VisibleSplat[]; numbers: number[] }> {
   const records = await readRecords(frame);
   const ordered = Array.from(await frame.sorted('order'), (index) => records[index]);
   return { splats: ordered.map(visibleSplatOf), numbers: ordered.map(({ splat }) => splat) };
 }
 
-/** The frame's splats in float64 from the scene on, in exact order. */
+/** The frame's splats computed from the scene in float64, in exact order. */
 function drawnByTwin({ clouds, projection, accuracy: { alphaCutoff } }: InspectedFrame) {
   const drawn = clouds.flatMap(({ stored, view, effects }) =>
     Array.from({ length: stored.count }, (_, index) =>
@@ -68,13 +68,13 @@ const WEIGHT_ERROR = 5e-5;
 
 interface CheckOptions {
   readonly pixels?: number;
-  /** How far the picture's alpha may be off: in rgba16float many faint layers stall. */
+  /** Permitted error of the image's alpha: in rgba16float many faint layers stall. */
   readonly imageError?: number;
-  /** How far a pick may be off from that of the scene in float64: by its records' precision. */
+  /** Permitted difference from a pick of the scene in float64, which depends on the precision of records. */
   readonly exactError?: number;
 }
 
-/** Compares picks at pixels all over the picture with the twin; answers those that found a splat. */
+/** Compares picks at pixels all over the image with the twin's; returns those that found a splat. */
 async function check(
   scene: Scene,
   { pixels = 30, imageError = 4e-3, exactError = 2e-3 }: CheckOptions = {},
@@ -108,20 +108,20 @@ async function check(
       expect(got.cloud, place).toBe(frame.plan.shape.clouds[got.cloudIndex].cloud);
     } else others++;
 
-    // From the scene on, where depths closer than float32 tells apart change places.
+    // The float64 scene: splats whose depths float32 cannot distinguish may swap places.
     const exact = pickTwin(twin, column, row, alphaCutoff);
     expect(Math.abs(got.weight - exact!.weight), place).toBeLessThanOrEqual(exactError);
     expect(Math.abs(got.totalOpacity - exact!.totalOpacity), place).toBeLessThanOrEqual(exactError);
 
     expectOnRay(got, scene.camera, column, row, frame);
   }
-  // Of two that weigh the same but for rounding, either may be named.
+  // If two weights differ only by rounding, either splat may be picked.
   expect(others).toBeLessThanOrEqual(pixels / 20);
   frame.destroy();
   return picks;
 }
 
-/** The world point, projected again, is the middle of the pixel at the splat's depth. */
+/** Checks that the world point projects to the middle of the pixel at the splat's depth. */
 function expectOnRay(
   { point, depthView }: SplatPick,
   { viewMatrix, projectionMatrix: p }: Camera,
@@ -180,7 +180,7 @@ describe('pick', () => {
     expect(picks.length).toBeGreaterThan(5);
   });
 
-  gpuTest('thousands of layers over every pixel: more than one block of the order', async () => {
+  gpuTest('thousands of layers over every pixel, in more than one block of the order', async () => {
     const layers = (count: number, opacityLogit: number, from: number): SplatValues[] =>
       Array.from({ length: count }, (_, i) => ({
         position: [0, 0, from - ((i * 7919) % count) / count],
@@ -188,7 +188,7 @@ describe('pick', () => {
         opacityLogit,
       }));
     const camera = orthographicCamera({ position: [0, 0, 5], target: [0, 0, 0], aspect: 1, height: 1 });
-    // A faint veil, then something solid deep inside: the solid one is what is seen.
+    // A faint veil around one solid splat: the pixel shows the solid one.
     const veil = [
       ...layers(300, -4.5, 2),
       { position: [0, 0, 0], logScales: [1, 1, 1] },
@@ -200,7 +200,7 @@ describe('pick', () => {
     );
     expect(pick).toMatchObject({ splatIndex: 300, depthView: 5, alpha: expect.closeTo(0.99, 6) });
     expect(pick.weight).toBeLessThan(0.05);
-    // A veil of nothing else: all are as opaque, so the foremost.
+    // A veil without a solid splat: all opacities are equal, so the foremost wins.
     const [foremost] = await check(
       { clouds: [{ set: splatsOf(layers(5000, -4.5, 2)) }], camera },
       { pixels: 3, imageError: 0.03 },
@@ -208,7 +208,7 @@ describe('pick', () => {
     expect(foremost.depthView).toBe(3);
   });
 
-  gpuTest('at equal depths what is drawn last is foremost', async () => {
+  gpuTest('at equal depths the splat drawn last is foremost', async () => {
     const camera = orthographicCamera({ position: [0, 0, 5], target: [0, 0, 0], aspect: 1, height: 1 });
     const same = splatsOf(Array.from({ length: 40 }, () => ({ opacityLogit: 0 })));
     const frame = await draw({ clouds: [{ set: same }, { set: same }], camera });
@@ -218,14 +218,14 @@ describe('pick', () => {
     frame.destroy();
   });
 
-  gpuTest('the opacity is capped as in the picture', async () => {
+  gpuTest('the opacity is capped as in the image', async () => {
     const camera = orthographicCamera({ position: [0, 0, 5], target: [0, 0, 0], aspect: 1, height: 1 });
     const frame = await draw({ clouds: [{ set: splatsOf([{ logScales: [2, 2, 2] }]) }], camera });
     expect((await pickAt(frame, 10, 50))?.alpha).toBe(Math.fround(0.99));
     frame.destroy();
   });
 
-  gpuTest('nothing where there is nothing: no clouds, none in sight, too faint', async () => {
+  gpuTest('picks nothing without visible splats: no clouds, none in sight, too faint', async () => {
     const camera = CAMERAS.perspective;
     const away = Float64Array.of(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 500, 1);
     for (const clouds of [
@@ -240,7 +240,7 @@ describe('pick', () => {
     }
   });
 
-  gpuTest('is the same every time, survives the end of its frame and leaves no memory behind', async () => {
+  gpuTest('gives the same pick every time, outlives its frame and leaves no memory behind', async () => {
     const camera = CAMERAS.perspective;
     const frame = await draw({ clouds: [{ set: splats(2000, 6) }], camera });
     const [first, ...rest] = await Promise.all(Array.from({ length: 10 }, () => pickAt(frame, 30.2, 33.9)));
@@ -253,7 +253,7 @@ describe('pick', () => {
     expect(memory.report().totalBytes).toBe(0);
   });
 
-  gpuTest('refuses pixels outside of the picture', async () => {
+  gpuTest('refuses pixels outside of the image', async () => {
     const camera = CAMERAS.perspective;
     const frame = await draw({ clouds: [{ set: splats(10, 1) }], camera });
     for (const [xPx, yPx] of [

@@ -2,7 +2,7 @@ import type { RecordPrecision } from '../accuracy/accuracy.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { recordConditions } from './record-conditions.ts';
 
-/** Blends what lies over one pixel, block by block of the drawing order. */
+/** Blends the splats over one pixel, per block of the drawing order. */
 export function pick(recordPrecision: RecordPrecision) {
   return {
     stage: 'pick',

@@ -21,12 +21,12 @@ const GARBAGE = 0xdeadbeef;
 
 interface Frame {
   readonly pageCount: number;
-  /** Part of the chunks that is visible. */
+  /** Share of the chunks that is visible. */
   readonly visiblePart: number;
   readonly dispatchRow: number;
 }
 
-/** Contents of the buffers after the stage, and those that the twin expects. */
+/** Contents of the buffers after the stage, and the contents that the twin expects. */
 async function run({ pageCount, visiblePart, dispatchRow }: Frame, pipelines = new Pipelines(device)) {
   const random = seededRandom(pageCount + visiblePart);
   const chunkCounts = Array.from({ length: pageCount }, () => 1 + Math.floor(40 * random()));
@@ -86,7 +86,7 @@ describe('plan-cull', () => {
     });
   }
 
-  gpuTest('pages beyond the first of each thread that are left out are noticed', async () => {
+  gpuTest('a thread that plans only its first page is noticed', async () => {
     const mutation = { file: 'stages/plan-cull', find: 'page += PLAN_WORKGROUP', replace: 'page += 1000u' };
     const frame = { pageCount: PLAN_WORKGROUP + 1, visiblePart: 1, dispatchRow: 7 };
     const { actual, expected } = await run(frame, new Pipelines(device, mutation));

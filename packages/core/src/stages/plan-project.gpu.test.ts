@@ -21,12 +21,12 @@ const GARBAGE = 0xdeadbeef;
 
 interface Frame {
   readonly pageCount: number;
-  /** Visible chunks of each page, at most. */
+  /** Largest number of visible chunks of each page. */
   readonly maxSlots: number;
   readonly dispatchRow: number;
 }
 
-/** Contents of the buffers after the stage, and those that the twin expects. */
+/** Contents of the buffers after the stage, and the contents that the twin expects. */
 async function run({ pageCount, maxSlots, dispatchRow }: Frame, pipelines = new Pipelines(device)) {
   const random = seededRandom(pageCount + maxSlots);
   const slotCounts = Array.from({ length: pageCount }, () => Math.floor((maxSlots + 1) * random()));
@@ -61,7 +61,7 @@ async function run({ pageCount, maxSlots, dispatchRow }: Frame, pipelines = new 
   };
   const bindings = {
     cullParameters: uniformBuffer(device, parameters),
-    // Sums of an earlier frame lie behind.
+    // Sums of an earlier frame follow.
     splatOffsets: storageBuffer(device, [...prefixScan(splatCounts), GARBAGE, GARBAGE]),
     slotCount: storageBuffer(device, [slotCount]),
     ...written,

@@ -22,7 +22,7 @@ interface Keys {
   readonly dispatchRow: number;
 }
 
-/** Contents of the buffers after the stage, and those that the twin expects. */
+/** Contents of the buffers after the stage, and the contents that the twin expects. */
 async function run({ keyBits, keyCount, capacity, dispatchRow }: Keys, pipelines = new Pipelines(device)) {
   const { digitBits, workgroup, itemsPerThread } = sortShapeFor(keyBits);
   const tileKeys = workgroup * itemsPerThread;

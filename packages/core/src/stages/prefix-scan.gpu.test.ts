@@ -18,7 +18,7 @@ beforeAll(async () => {
   await pipelines.prepare(prefixScanStages);
 });
 
-/** Scans `counts` in a buffer that has room for `capacity`, filled with garbage behind them. */
+/** Scans `counts` in a buffer with room for `capacity`; the rest of it is garbage. */
 async function scanOnGpu(counts: Uint32Array, capacity = counts.length, dispatchRow = 65_535) {
   const memory = new GpuMemory(device);
   const filled = new Uint32Array(capacity + 1).fill(0xdeadbeef);
@@ -62,7 +62,7 @@ describe('prefix-scan', () => {
     });
   }
 
-  gpuTest('fewer counts than there is room for: what lies behind neither counts nor changes', async () => {
+  gpuTest('fewer counts than there is room for: later words neither count nor change', async () => {
     for (const [count, capacity] of [
       [0, 5000],
       [10, 3 * SCAN_BLOCK],
@@ -76,7 +76,7 @@ describe('prefix-scan', () => {
     }
   });
 
-  gpuTest('rows of 7 workgroups: the second dimension of the dispatch is used', async () => {
+  gpuTest('rows of 7 workgroups use the second dimension of the dispatch', async () => {
     const values = randomCounts(20 * SCAN_BLOCK + 5);
     const { sums } = await scanOnGpu(values, values.length, 7);
     expect(firstMismatch(sums, prefixScan(values))).toBeNull();

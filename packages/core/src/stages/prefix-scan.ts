@@ -37,8 +37,8 @@ export class PrefixScan {
   readonly #dispatchRow: number;
 
   /**
-   * @param values room for maxCount + 1 words.
-   * @param inputCount one word on the GPU: how many counts there are, at most `maxCount`.
+   * @param values a buffer with room for maxCount + 1 words.
+   * @param inputCount one word on the GPU: the number of counts, at most `maxCount`.
    */
   constructor(
     device: GPUDevice,
@@ -67,7 +67,7 @@ export class PrefixScan {
       const bindGroup = pipelines.bindGroup(reduceBlocks, { parameters, inputCount, values, blockSums });
       this.#levels.push({ blockCount, bindGroup });
       if (blockCount === 1) break;
-      // The next level scans this one's block sums, of which there are always as many.
+      // The next level scans this level's block sums; their number never changes.
       values = blockSums;
       maxCount = blockCount;
       inputCount = this.#buffer(`${label} block count`, 4, GPUBufferUsage.STORAGE);

@@ -25,7 +25,7 @@ async function check(options: Omit<InspectOptions, 'widthPx' | 'heightPx' | 'key
   const frame = await InspectedFrame.draw(device, { ...options, ...SIZE, keyBits: 8 });
   const records = await readRecords(frame);
   expect(records.length).toBeGreaterThan(SPLATS / 50);
-  // Dilation keeps every axis this long, so that whoever divides by one may; float16 rounds it.
+  // Dilation makes every axis at least this long, so that shaders may divide by it; float16 rounds it.
   const shortest =
     Math.sqrt(2 * DILATION_PX2) * (frame.accuracy.recordPrecision === 'paper' ? 0.999 : 0.99999);
   for (const { minorLengthPx } of records) expect(minorLengthPx).toBeGreaterThanOrEqual(shortest);
@@ -115,7 +115,7 @@ describe('project', () => {
       expect(passes * digitBits).toBeGreaterThanOrEqual(sortKeyBits);
       expect(passes).toBeLessThanOrEqual(Math.ceil(sortKeyBits / 8));
       expect(await compareOrder(frame)).toEqual([]);
-      // Depths that are different in float32 have become equal, or nothing would have been gained.
+      // Depths that differ in float32 must share keys, or shorter keys would gain nothing.
       const depths = new Set((await readRecords(frame)).map(({ depthView }) => depthView));
       const [farthest, nearestInverted] = await frame.words('depthRange');
       const range = farthest - (~nearestInverted >>> 0);
@@ -137,14 +137,14 @@ describe('project', () => {
     }),
   );
 
-  gpuTest('the largest scales there are', () =>
+  gpuTest('the largest scales', () =>
     check({
       clouds: [{ set: randomSplats({ count: SPLATS, seed: 16, shDegree: 0, logScales: [-40, 40] }) }],
       camera: testCameras(1.5).perspective,
     }),
   );
 
-  gpuTest('the largest scales right before the eye', () =>
+  gpuTest('the largest scales right in front of the eye', () =>
     check({
       clouds: [
         {

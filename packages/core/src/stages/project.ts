@@ -6,29 +6,29 @@ import type { GeometryPrecision, ShPrecision } from '../packing/precision.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import { recordConditions } from './record-conditions.ts';
 
-/** What the project stage is linked for. */
+/** Variant of the project stage to link. */
 export interface ProjectVariant {
   readonly isOrthographic: boolean;
   readonly geometryPrecision: GeometryPrecision;
   readonly recordPrecision: RecordPrecision;
   readonly shPrecision: ShPrecision;
-  /** Bits that keys are shortened to; null where they stay whole. */
+  /** Bits of shortened keys; null if keys keep all their bits. */
   readonly shortKeyBits: SortKeyBits | null;
-  /** Where colours end: see `maxColor`. */
+  /** Largest value of a colour: see `maxColor`. */
   readonly maxColor: number;
   /** Degree that the splats are stored with. */
   readonly storedShDegree: ShDegree;
   /** Degree that is evaluated, at most the stored one. */
   readonly shDegree: ShDegree;
-  /** Default none. */
+  /** Effects of the page's cloud; default none. */
   readonly effects?: EffectSet;
-  /** Whether all splats are balls, after effects as well; default false. */
+  /** Whether all splats are balls, even after effects; default false. */
   readonly isIsotropic?: boolean;
   /** Whether colours are kept for frames from the same viewpoint; default false. */
   readonly keepsColors?: boolean;
 }
 
-/** Writes the record and the sort key of each of one page's visible splats. */
+/** Writes the record and the sort key of each visible splat of a page. */
 export function project(variant: ProjectVariant): StageDefinition {
   const { shDegree, shPrecision, shortKeyBits, effects = NO_EFFECTS, keepsColors = false } = variant;
   const bindings: Record<string, readonly [number, BindingKind]> = {

@@ -15,10 +15,10 @@ import { type SortShape, sortShapeFor } from './sort-shape.ts';
 let device: GPUDevice;
 let pipelines: Pipelines;
 
-/** Workgroups that every device takes in one dimension of a dispatch. */
+/** Number of workgroups that every device takes in one dimension of a dispatch. */
 const MAX_ROW = 65_535;
 
-/** Every shape that frames use, by the number of bits its keys may differ in. */
+/** Every shape that frames use, by the number of bits in which its keys may differ. */
 const KEY_BITS = [8, 16, 20, 24, 27, 32];
 
 beforeAll(async () => {
@@ -27,7 +27,7 @@ beforeAll(async () => {
   await pipelines.prepare(KEY_BITS.flatMap((bits) => radixSortStages(sortShapeFor(bits))));
 });
 
-/** Sorts in a buffer that has room for `capacity` keys, with garbage behind the given ones. */
+/** Sorts in a buffer with room for `capacity` keys, with garbage after the given ones. */
 async function sortOnGpu(keys: Uint32Array, shape: SortShape, capacity = keys.length, dispatchRow = MAX_ROW) {
   const memory = new GpuMemory(device);
   const keyCount = storageBuffer(device, [keys.length]);
@@ -47,7 +47,7 @@ async function sortOnGpu(keys: Uint32Array, shape: SortShape, capacity = keys.le
   return order;
 }
 
-/** Keys below 2^bits by pattern. */
+/** Keys below 2^bits, by name of their pattern. */
 const PATTERNS: Readonly<Record<string, (count: number, bits: number) => (i: number) => number>> = {
   random: (count, bits) => {
     const random = seededRandom(count + bits);
@@ -108,7 +108,7 @@ describe('radix sort', () => {
       );
     });
 
-    gpuTest(`${name}: rows of 7 workgroups, and room for more keys than there are`, async () => {
+    gpuTest(`${name}: rows of 7 workgroups, and room for more keys`, async () => {
       const keys = keysOf('random', 9 * tileKeys + 1, bits);
       expect(orderFlaw(keys, await sortOnGpu(keys, shape, 12 * tileKeys, 7))).toBeNull();
     });

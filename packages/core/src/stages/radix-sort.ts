@@ -8,7 +8,7 @@ import { sortHistogram } from './sort-histogram.ts';
 import { sortScatter } from './sort-scatter.ts';
 import { type SortShape, tileKeysOf } from './sort-shape.ts';
 
-/** All stages that a sort of this shape runs. */
+/** Lists all stages that a sort of this shape runs. */
 export function radixSortStages(shape: SortShape): StageDefinition[] {
   return [...prefixScanStages, planSort(tileKeysOf(shape)), sortHistogram(shape), sortScatter(shape)];
 }
@@ -19,14 +19,14 @@ interface SortPass {
 }
 
 /**
- * A stable least-significant-digit radix sort, reduce-then-scan: per pass a histogram of each tile, a scan over all of
- * them, and a scatter. No workgroup waits for another, and the number of keys never leaves the GPU.
+ * A stable least-significant-digit radix sort, reduce-then-scan: per pass a histogram of each tile, a scan over all
+ * histograms, and a scatter. No workgroup waits for another, and the number of keys never leaves the GPU.
  *
  * Source: the paper, "A Wait-Free Radix Sort".
  */
 export class RadixSort {
   readonly shape: SortShape;
-  /** Where the keys are to be written; sorting overwrites them. */
+  /** Keys to sort, written by the caller; sorting overwrites them. */
   readonly keys: GPUBuffer;
   /** After `record`: the index of each key in ascending order of keys, equal keys in their given order. */
   readonly order: GPUBuffer;
@@ -44,9 +44,9 @@ export class RadixSort {
   readonly #passes: SortPass[];
 
   /**
-   * @param capacity most keys there may be.
-   * @param keyCount one word on the GPU: how many keys there are.
-   * @param dispatchRow most workgroups in one dimension of a dispatch.
+   * @param capacity largest number of keys.
+   * @param keyCount one word on the GPU: the number of keys.
+   * @param dispatchRow largest number of workgroups in one dimension of a dispatch.
    */
   constructor(
     device: GPUDevice,

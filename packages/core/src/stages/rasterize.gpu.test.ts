@@ -17,7 +17,7 @@ let device: GPUDevice;
 let pipelines: Pipelines;
 const FORMAT = 'rgba32float';
 const stage = rasterize({ recordPrecision: 'f32', extent: 'opacity', depth: null });
-/** Without blending: one splat over nothing is the same, and rgba32float is not blendable everywhere. */
+/** Without blending: a single splat needs none, and rgba32float is not blendable on every device. */
 const state: RenderState = { topology: 'triangle-strip', targets: [{ format: FORMAT }] };
 
 beforeAll(async () => {
@@ -27,13 +27,13 @@ beforeAll(async () => {
 });
 afterAll(() => device.destroy());
 
-/** A splat as it is drawn. */
+/** A splat to draw. */
 interface DrawnSplat {
   readonly centerPx: readonly [number, number];
   /** Half axes at √2 standard deviations, px. */
   readonly majorLengthPx: number;
   readonly minorLengthPx: number;
-  /** Of the major axis, from the picture's x to its y, which points down. */
+  /** Angle of the major axis, from the image's x to its y, which points down. */
   readonly angle: number;
   readonly opacity: number;
 }
@@ -89,7 +89,7 @@ async function drawOnGpu(splat: DrawnSplat, widthPx: number, heightPx: number) {
   return data;
 }
 
-/** The same by the twin, from the very float32 numbers that the GPU reads. */
+/** Draws the splat by the twin, from exactly the float32 numbers that the GPU reads. */
 function drawByTwin(splat: DrawnSplat, widthPx: number, heightPx: number) {
   const [majorX, majorY] = [Math.cos(splat.angle), Math.sin(splat.angle)].map((v) =>
     Math.fround(splat.majorLengthPx * v),
@@ -108,18 +108,18 @@ function drawByTwin(splat: DrawnSplat, widthPx: number, heightPx: number) {
     centerPx: [Math.fround(splat.centerPx[0]), Math.fround(splat.centerPx[1])],
     covariance,
     opacity: Math.fround(splat.opacity),
-    // All of the picture: what the quad leaves out is what is tested here.
+    // The whole image, so that pixels that the GPU's quad misses are found.
     extentPx: [1e9, 1e9],
   };
   const image = { widthPx, heightPx, data: new Float64Array(4 * widthPx * heightPx) };
-  // Twice: with the cutoff, and without it, to know which pixels are close to it.
+  // Twice: with the cutoff, and without it to find the pixels that are close to it.
   const everywhere = { widthPx, heightPx, data: new Float64Array(4 * widthPx * heightPx) };
   rasterizeSplat(image, visible, COLOR, ALPHA_CUTOFF);
   rasterizeSplat(everywhere, visible, COLOR, 0);
   return { expected: image.data, alphas: everywhere.data };
 }
 
-/** Compares every pixel; answers how many the splat covers. */
+/** Compares every pixel; returns the number of pixels that the splat covers. */
 async function check(splat: DrawnSplat, widthPx = 64, heightPx = 48): Promise<number> {
   const actual = await drawOnGpu(splat, widthPx, heightPx);
   const { expected, alphas } = drawByTwin(splat, widthPx, heightPx);
@@ -136,7 +136,7 @@ async function check(splat: DrawnSplat, widthPx = 64, heightPx = 48): Promise<nu
   for (let i = 0; i < expected.length; i++) {
     const alpha = alphas[4 * (i >> 2) + 3];
     if (i % 4 === 3 && expected[i] > 0) covered++;
-    // Whether such a pixel is drawn is up to rounding.
+    // Rounding decides whether such a pixel is drawn.
     if (Math.abs(alpha - ALPHA_CUTOFF) <= bound) continue;
     if (!(Math.abs(actual[i] - expected[i]) <= bound)) {
       const pixel = i >> 2;
@@ -189,7 +189,7 @@ describe('rasterize', () => {
     }
   });
 
-  gpuTest('huge splats across the picture, their centres in it or far off', async () => {
+  gpuTest('huge splats across the image, with centres inside it or far outside', async () => {
     for (const majorLengthPx of [1e3, 7e4, 1e7, 1e12, 1e18]) {
       for (const minorLengthPx of [20, 1e3, majorLengthPx]) {
         for (const centerPx of [
@@ -201,7 +201,7 @@ describe('rasterize', () => {
         }
       }
     }
-    // The last of them, at least, covers everything.
+    // At least the last of them covers everything.
     const covered = await check({
       centerPx: [30, 20],
       majorLengthPx: 1e18,
@@ -212,7 +212,7 @@ describe('rasterize', () => {
     expect(covered).toBe(64 * 48);
   });
 
-  gpuTest('centres outside of the picture whose rim reaches in', async () => {
+  gpuTest('splats centred outside of the image whose rims reach into it', async () => {
     for (const centerPx of [
       [-5, 20.2],
       [69, 20.2],
@@ -225,7 +225,7 @@ describe('rasterize', () => {
     expect(await check({ ...ROUND, centerPx: [-40, 20] })).toBe(0);
   });
 
-  gpuTest('a picture of one pixel, and one wider than the guard band', async () => {
+  gpuTest('an image of one pixel, and one wider than the guard band', async () => {
     expect(await check({ ...ROUND, centerPx: [0.2, 0.9] }, 1, 1)).toBe(1);
     await check(
       { ...ROUND, centerPx: [7000.3, 1.5], majorLengthPx: 900, minorLengthPx: 3, angle: 0.01 },

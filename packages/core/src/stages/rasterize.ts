@@ -3,16 +3,16 @@ import type { DepthConvention } from '../camera/depth-convention.ts';
 import type { BindingKind, RenderState, StageDefinition } from '../gpu/pipelines.ts';
 import { recordConditions } from './record-conditions.ts';
 
-/** What splats in another renderer's picture need of its depth. */
+/** Properties of the host's depth that splats drawn into its image depend on. */
 export interface RasterizeDepth {
   readonly mapping: DepthConvention['mapping'];
   readonly compare: DepthConvention['compare'];
   readonly isOrthographic: boolean;
-  /** Format of the second target, which takes the depth of the splats; null where nobody asked for it. */
+  /** Format of the second target, which receives the depth of the splats; null if it was not requested. */
   readonly layerFormat: DepthLayerFormat | null;
 }
 
-/** Whether the same shaders and targets do for both. */
+/** Whether the same shaders and targets work for `a` and `b`. */
 export function isSameDepth(a: RasterizeDepth | null, b: RasterizeDepth | null): boolean {
   if (!a || !b) return a === b;
   return (
@@ -23,18 +23,18 @@ export function isSameDepth(a: RasterizeDepth | null, b: RasterizeDepth | null):
   );
 }
 
-/** The more exact one where `float32-blendable` is there. */
+/** Formats of the splats' depth: r32float if the device has `float32-blendable`, otherwise r16float. */
 export type DepthLayerFormat = 'r32float' | 'r16float';
 
-/** What the rasterize stage is linked for. */
+/** Variant of the rasterize stage to link. */
 export interface RasterizeVariant {
   readonly recordPrecision: RecordPrecision;
   readonly extent: Extent;
-  /** Null where there is nothing that could hide a splat. */
+  /** The host's depth; null if nothing can hide a splat. */
   readonly depth: RasterizeDepth | null;
 }
 
-/** Of the depth that splats are tested against. */
+/** Format of the depth that splats are tested against. */
 export const TESTED_DEPTH_FORMAT = 'depth32float';
 
 /** Draws the visible splats back to front. */
@@ -59,7 +59,7 @@ export function rasterize({ recordPrecision, extent, depth }: RasterizeVariant):
   };
 }
 
-/** Premultiplied "over", behind what the depth buffer holds. */
+/** Premultiplied "over", tested against the depth buffer without writing to it. */
 export function rasterizeState(format: ColorTarget, depth: RasterizeDepth | null): RenderState {
   const over = { srcFactor: 'one', dstFactor: 'one-minus-src-alpha', operation: 'add' } as const;
   const blend = { color: over, alpha: over };

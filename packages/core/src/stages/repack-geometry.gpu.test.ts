@@ -22,9 +22,9 @@ beforeAll(async () => {
 afterAll(() => device.destroy());
 
 const DISPATCH_ROW = 2;
-/** Of a step of 15 bits in ±√½, besides which rounding may go either way. */
+/** Size of a 15-bit step in ±√½; rounding may go to either of two neighbouring steps. */
 const ROTATION_STEP = Math.SQRT1_2 / 16383;
-/** What a log of a float32 may be off by. */
+/** Largest error of a float32 logarithm. */
 const LOG_ROUNDING = 4e-6;
 
 async function repackOnGpu(finer: PackedGeometry, count: number): Promise<PackedGeometry> {
@@ -42,7 +42,7 @@ async function repackOnGpu(finer: PackedGeometry, count: number): Promise<Packed
   return { ...finer, precision: 'packed', words: await readWords(device, coarser) };
 }
 
-/** Every splat to within one step of each of its parts; positions, colours and what is at zero to the bit. */
+/** Compares every splat to within one step of each of its parts; positions, colours and zeros to the bit. */
 async function check(set: SplatSet): Promise<void> {
   const finer = packGeometry(set, 'f32');
   const made = await repackOnGpu(finer, set.count);
@@ -56,7 +56,7 @@ async function check(set: SplatSet): Promise<void> {
       const step = 1.01 * finer.logScaleRange.step + LOG_ROUNDING;
       for (const axis of [0, 1, 2])
         expect(Math.abs(Math.log(a.scale[axis] / b.scale[axis])), at).toBeLessThanOrEqual(step);
-      // Of components of the same size either may be left out, which turns the sign of all.
+      // Any of several components of equal size may be omitted, which may flip the sign of all.
       const dot = a.rotation.reduce((sum, value, k) => sum + value * b.rotation[k], 0);
       for (let k = 0; k < 4; k++) {
         const error = Math.abs(a.rotation[k] - Math.sign(dot) * b.rotation[k]);
@@ -69,11 +69,11 @@ async function check(set: SplatSet): Promise<void> {
 describe('repack-geometry', () => {
   gpuTest('packs as the host does', () => check(randomSplats({ count: 1500, shDegree: 0, seed: 31 })));
 
-  gpuTest('scales over all there are, in more than a row of workgroups', () =>
+  gpuTest('the whole range of scales, in more than one row of workgroups', () =>
     check(randomSplats({ count: 700, shDegree: 0, seed: 32, logScales: [-40, 40] })),
   );
 
-  gpuTest('scales that are all the same, colours out of range, and every component left out', () =>
+  gpuTest('equal scales, colours out of range, and each component omitted', () =>
     check(
       splatsOf(
         [1, -1].flatMap((sign) =>

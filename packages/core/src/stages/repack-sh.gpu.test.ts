@@ -56,7 +56,7 @@ function coefficients(degree: RepackShVariant['degree']): PackedHarmonics {
 }
 
 describe('repack-sh', () => {
-  gpuTest('halves that are cut off instead of rounded are noticed', async () => {
+  gpuTest('halves that are truncated instead of rounded are noticed', async () => {
     const mutation = { file: 'lib/packing', find: '0xfffu + ((magnitude >> 13u) & 1u)', replace: '0u' };
     const finer = coefficients(1);
     const cut = await repackOnGpu(
@@ -68,14 +68,14 @@ describe('repack-sh', () => {
   });
 
   for (const degree of [1, 2, 3] as const) {
-    gpuTest(`degree ${degree}: f32 to f16 is bit for bit the host's`, async () => {
+    gpuTest(`degree ${degree}: f32 to f16 equals the host's bit for bit`, async () => {
       const finer = coefficients(degree);
       const words = await repackOnGpu(finer, { degree, from: 'f32', to: 'f16' });
       expect(words).toEqual(twin(finer, COUNT, 'f16').words);
     });
 
     for (const from of ['f32', 'f16'] as const) {
-      gpuTest(`degree ${degree}: ${from} to u8 is the host's to within one step`, async () => {
+      gpuTest(`degree ${degree}: ${from} to u8 equals the host's to within one step`, async () => {
         const finer = repackHarmonics(coefficients(degree), COUNT, from);
         const expected = twin(finer, COUNT, 'u8');
         const made = { ...expected, words: await repackOnGpu(finer, { degree, from, to: 'u8' }) };
@@ -93,7 +93,7 @@ describe('repack-sh', () => {
             expect(Math.abs(a[k] - value), `splat ${i}, value ${k}`).toBeLessThanOrEqual(1.01 * step);
           }
         }
-        // Where float32 and float64 fall to different sides of half a step.
+        // Steps differ where float32 and float64 fall to different sides of half a step.
         expect(differing).toBeLessThanOrEqual((COUNT * coefficientsPerSplat(degree)) / 1000);
       });
     }

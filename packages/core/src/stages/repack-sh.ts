@@ -4,16 +4,16 @@ import { shWordsPerSplat } from '../packing/harmonics.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import { coefficientsPerSplat } from '../splats/splat-set.ts';
 
-/** What the spherical harmonics of a page are, and what they become. */
+/** Degree of a page's spherical harmonics, and the precisions to convert from and to. */
 export interface RepackShVariant {
-  /** Of what is stored, above 0. */
+  /** Stored degree, above 0. */
   readonly degree: ShDegree;
   readonly from: 'f32' | 'f16';
   /** Coarser than `from`. */
   readonly to: 'f16' | 'u8';
 }
 
-/** Makes a page of coarser spherical harmonics of a finer one. */
+/** Packs a page of spherical harmonics more coarsely. */
 export function repackSh({ degree, from, to }: RepackShVariant) {
   return {
     stage: 'repack-sh',

@@ -16,7 +16,7 @@ beforeAll(async () => {
 });
 afterAll(() => device.destroy());
 
-/** Float32 values of 0…1, both ends among them. */
+/** Float32 values of 0…1, including both ends. */
 function randomDepths(length: number): Float32Array {
   const random = seededRandom(length);
   return Float32Array.from({ length }, () => [0, 1, random(), random(), random()][Math.floor(5 * random())]);
@@ -37,7 +37,7 @@ async function run({ compare, samples, place }: Options, pipelines = new Pipelin
   };
   const host = { ...size, samples, values: randomDepths(samples * size.widthPx * size.heightPx) };
   const viewport = new ArrayBuffer(HostViewport.bytes);
-  // The origin within the colours is for compose alone.
+  // Only compose uses the origin within the colours.
   HostViewport.write(viewport, { colorOriginPx: [1000, 1000], depthOriginPx: originPx, pxPerLayerPx });
   const target = device.createTexture({
     size: [widthPx, heightPx],
@@ -66,9 +66,9 @@ async function run({ compare, samples, place }: Options, pipelines = new Pipelin
   };
 }
 
-/** A layer for part of a host's picture, `widthPx` by `heightPx` at `originPx`. */
+/** A layer for part of a host's image, `widthPx` by `heightPx` at `originPx`. */
 function layerFor(
-  [pictureWidthPx, pictureHeightPx]: readonly [number, number],
+  [imageWidthPx, imageHeightPx]: readonly [number, number],
   [widthPx, heightPx]: readonly [number, number],
   originPx: readonly [number, number],
 ): LayerPlace {
@@ -76,14 +76,14 @@ function layerFor(
     widthPx,
     heightPx,
     originPx,
-    pxPerLayerPx: [pictureWidthPx / widthPx, pictureHeightPx / heightPx],
+    pxPerLayerPx: [imageWidthPx / widthPx, imageHeightPx / heightPx],
   };
 }
 
-// Where a layer is smaller, the picture's size is odd: no middle of a layer's pixel lies between two of the host's pixels.
+// If a layer is smaller, the image's size is odd, so that no middle of a layer's pixel lies between two host pixels.
 const PLACES: Readonly<Record<string, LayerPlace>> = {
-  'all of the picture': layerFor([17, 9], [17, 9], [0, 0]),
-  'a part of the picture': layerFor([17, 9], [17, 9], [5, 2]),
+  'the whole image': layerFor([17, 9], [17, 9], [0, 0]),
+  'a part of the image': layerFor([17, 9], [17, 9], [5, 2]),
   'one pixel': layerFor([1, 1], [1, 1], [3, 4]),
   'a smaller layer': layerFor([33, 21], [14, 10], [0, 0]),
   'a smaller layer of a part': layerFor([33, 21], [31, 4], [6, 1]),

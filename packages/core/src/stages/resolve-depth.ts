@@ -3,9 +3,9 @@ import type { RenderState, StageDefinition } from '../gpu/pipelines.ts';
 import { TESTED_DEPTH_FORMAT } from './rasterize.ts';
 
 /**
- * Copies the host's depth under the splats' picture, of several samples the farthest.
+ * Copies the host's depth under the splats' image: the farthest sample of each pixel.
  *
- * @param isScaled whether splats are blended in a smaller layer: its pixels take the depth behind their middles.
+ * @param isScaled whether splats are blended in a smaller layer, whose pixels take the depth at their middles.
  */
 export function resolveDepth(
   compare: DepthConvention['compare'],

@@ -23,7 +23,7 @@ describe('sort-histogram', () => {
         [tileKeys, 65_535],
         [9 * tileKeys + 17, 7],
       ]) {
-        // Behind the keys lies garbage that must not be counted.
+        // Garbage after the keys must not be counted.
         const keys = Uint32Array.from({ length: count + 100 }, () => random() * 2 ** bits);
         const tileCount = Math.ceil(count / tileKeys);
         const radix = 1 << shape.digitBits;

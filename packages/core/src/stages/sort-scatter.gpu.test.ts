@@ -29,14 +29,14 @@ describe('sort-scatter', () => {
     [27, false, false],
   ] as const) {
     const name = `${isFirst ? 'first' : 'later'} pass, ${isLast ? 'last' : 'not last'}, of ${bits} bits`;
-    gpuTest(`${name}: keys and payloads go where the twin puts them`, async () => {
+    gpuTest(`${name}: moves keys and payloads to the twin's places`, async () => {
       const random = seededRandom(4);
       const shape = sortShapeFor(bits);
       const tileKeys = shape.workgroup * shape.itemsPerThread;
       const dispatchRow = 2;
       const count = 3 * tileKeys + 1234;
       const pass = { digitShift: shape.digitBits, digitBits: shape.digitBits, tileKeys };
-      // Few digits in the first half, so that ranks within a round are large, all of them in the second.
+      // Few digits in the first half, so that ranks within a round are large; all digits in the second.
       const keys = Uint32Array.from(
         { length: count },
         (_, i) => random() * (i < count / 2 ? 2 ** (shape.digitBits + 2) : 2 ** bits),

@@ -1,7 +1,7 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { type SortShape, sortConstants } from './sort-shape.ts';
 
-/** Moves keys and payloads to their places; the first pass makes the payloads, the last leaves the keys behind. */
+/** Moves keys and payloads to their places. The first pass makes the payloads; the last does not write the keys. */
 export function sortScatter(shape: SortShape) {
   return {
     stage: 'sort-scatter',

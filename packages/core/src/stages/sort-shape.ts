@@ -1,4 +1,4 @@
-/** How keys are cut into digits and tiles. */
+/** Division of keys into digits and tiles. */
 export interface SortShape {
   /** Bits per pass. */
   readonly digitBits: number;
@@ -9,7 +9,7 @@ export interface SortShape {
   readonly itemsPerThread: number;
 }
 
-/** The shape as the sort's shaders import it. */
+/** Returns the shape as constants for the sort's shaders. */
 export function sortConstants({ digitBits, workgroup, itemsPerThread }: SortShape) {
   return {
     DIGIT_BITS: digitBits,
@@ -19,7 +19,7 @@ export function sortConstants({ digitBits, workgroup, itemsPerThread }: SortShap
   };
 }
 
-/** Keys that one workgroup of a pass takes. */
+/** Number of keys per tile: one workgroup of a pass takes one tile. */
 export function tileKeysOf({
   workgroup,
   itemsPerThread,
@@ -28,7 +28,7 @@ export function tileKeysOf({
 }
 
 /**
- * The shape for keys below 2^keyBits: as few passes as that takes. Masks of the scatter pass take 2^digitBits bits per
+ * Chooses the shape with the fewest passes for keys below 2^keyBits. Masks of the scatter pass take 2^digitBits bits per
  * thread, so longer digits go with fewer threads to stay within WebGPU's 16 KiB of workgroup memory.
  */
 export function sortShapeFor(keyBits: number): SortShape {

@@ -12,15 +12,14 @@ function basenames(files: Readonly<Record<string, unknown>>): ReadonlySet<string
 
 /** Files outside the rule that a stage is a shader, a host, a twin and a GPU test of one basename, with reasons. */
 const EXCEPTIONS: Readonly<Record<string, string>> = {
-  'stages/dispatch.ts': 'is the host’s side of shaders/lib/dispatch.wgsl, which all stages share',
-  'stages/radix-sort.ts':
-    'puts the stages of the sort together: plan-sort, and in every pass the three after it',
-  'stages/radix-sort.gpu.test.ts': 'holds those stages together against a sort on the CPU',
-  'reference/radix-sort.ts': 'puts the twins of those stages together',
+  'stages/dispatch.ts': 'is the host’s twin of shaders/lib/dispatch.wgsl, which all stages share',
+  'stages/radix-sort.ts': 'combines the stages of the sort: plan-sort, and the three stages of every pass',
+  'stages/radix-sort.gpu.test.ts': 'compares the combined stages of the sort with a sort on the CPU',
+  'reference/radix-sort.ts': 'combines the twins of the stages of the sort',
   'stages/record-conditions.ts': 'is shared by the stages that write or read records',
   'stages/sort-shape.ts': 'is shared by the stages of the sort',
-  'reference/index.ts': 'is what @websplatter/core/reference exports',
-  'reference/render.ts': 'puts the twins together into pictures',
+  'reference/index.ts': 'is the entry point @websplatter/core/reference',
+  'reference/render.ts': 'combines the twins into the reference renderer',
 };
 
 interface Folders {
@@ -30,12 +29,12 @@ interface Folders {
   readonly twins: ReadonlySet<string>;
 }
 
-/** Lists what stages lack, files that belong to no stage, and exceptions that nothing needs. */
+/** Lists missing files of stages, files that belong to no stage, and unused exceptions. */
 function flaws({ shaders, hosts, gpuTests, twins }: Folders, exceptions: Readonly<Record<string, string>>) {
   const kinds = [
     [hosts, (name: string) => `stages/${name}.ts`, shaders],
     [gpuTests, (name: string) => `stages/${name}.gpu.test.ts`, shaders],
-    // Functions that several shaders share have twins too.
+    // Functions that several shaders share also have twins.
     [twins, (name: string) => `reference/${name}.ts`, new Set([...shaders, ...libraries])],
   ] as const;
   const found = kinds.flatMap(([files, pathOf, owners]) => [
@@ -61,7 +60,7 @@ describe('every stage', () => {
     expect(flaws(FOLDERS, EXCEPTIONS)).toEqual([]);
   });
 
-  test('is missed where one of its files is missing', () => {
+  test('is reported if one of its files is missing', () => {
     const missing = { ...FOLDERS, gpuTests: without(gpuTests, 'plan-cull'), twins: without(twins, 'pick') };
     expect(flaws(missing, EXCEPTIONS)).toEqual([
       'stages/plan-cull.gpu.test.ts is missing',
@@ -69,7 +68,7 @@ describe('every stage', () => {
     ]);
   });
 
-  test('is missed where only its shader is missing', () => {
+  test('is reported if only its shader is missing', () => {
     expect(flaws({ ...FOLDERS, shaders: without(shaders, 'pick') }, EXCEPTIONS)).toEqual([
       'stages/pick.ts has no shader',
       'stages/pick.gpu.test.ts has no shader',
@@ -77,7 +76,7 @@ describe('every stage', () => {
     ]);
   });
 
-  test('needs no exception that it does not use', () => {
+  test('reports unused exceptions', () => {
     expect(flaws(FOLDERS, { ...EXCEPTIONS, 'stages/pick.ts': 'for a test' })).toEqual([
       'stages/pick.ts is no exception any more',
     ]);

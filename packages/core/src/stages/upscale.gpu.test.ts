@@ -36,7 +36,7 @@ describe('upscale', () => {
     gpuTest(`${from.join('×')} to ${to.join('×')} px, with depths`, async () => {
       const device = await createTestDevice();
       const pipelines = new Pipelines(device);
-      // Depths go into a second target: here of the same format, which can be read back.
+      // Depths go into a second target, here of the same format, which can be read back.
       const state = { topology: 'triangle-list', targets: [{ format: FORMAT }, { format: FORMAT }] } as const;
       const stage = upscale(true);
       await pipelines.prepare([[stage, { ...state, targets: [...state.targets] }]]);
@@ -77,7 +77,7 @@ describe('upscale', () => {
       for (const [i, target] of targets.entries()) {
         const { data } = await readTexture(device, target);
         const expected = upscaleTwin(layers[i], size(from), size(to));
-        // A place errs by some roundings of up to 16 px, and the value by as much of the difference of its neighbours.
+        // A place errs by some roundings of up to 16 px, and its value by that share of its neighbours' difference.
         const bound = 64 * 16 * 2 ** -24 * [1, 1000][i];
         for (const [at, value] of expected.entries())
           expect(Math.abs(data[at] - value), `value ${at}`).toBeLessThanOrEqual(bound);

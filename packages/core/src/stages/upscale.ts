@@ -2,7 +2,7 @@ import type { ColorTarget } from '../accuracy/accuracy.ts';
 import type { BindingKind, RenderState, StageDefinition } from '../gpu/pipelines.ts';
 import type { DepthLayerFormat } from './rasterize.ts';
 
-/** Brings splats that were blended in a smaller layer to the picture's size. */
+/** Scales splats that were blended in a smaller layer to the image's size. */
 export function upscale(hasDepthLayer: boolean): StageDefinition {
   const bindings: Record<string, readonly [number, BindingKind]> = {
     parameters: [0, 'uniform'],

@@ -6,7 +6,7 @@ import { uniform } from './uniform.ts';
 const coordinate = (limit: number) => uniform(-limit, limit);
 const point = (limit: number) => fc.tuple(coordinate(limit), coordinate(limit), coordinate(limit));
 
-/** Cameras of all kinds around and inside the unit cube: narrow, wide, orthographic, off-centre, mirrored. */
+/** Arbitrary cameras around and inside the unit cube: narrow, wide, orthographic, off-centre, mirrored. */
 export const anyCamera: fc.Arbitrary<Camera> = fc
   .record({
     position: point(3),
@@ -32,7 +32,7 @@ export const anyCamera: fc.Arbitrary<Camera> = fc
     return cameraFromMatrices(camera.viewMatrix, multiply4(mirror, projection), camera);
   });
 
-/** Affine model matrices, most of them neither rigid nor uniform, some of them nearly flat or nearly a line. */
+/** Arbitrary affine model matrices, most of them neither rigid nor uniform, some nearly flat or nearly a line. */
 export const anyModel: fc.Arbitrary<Float64Array> = fc
   .tuple(
     fc.array(coordinate(2), { minLength: 9, maxLength: 9 }),

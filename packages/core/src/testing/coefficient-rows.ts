@@ -4,7 +4,7 @@ import type { ShPrecision } from '../packing/precision.ts';
 import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
 import { uniform } from './uniform.ts';
 
-/** Splats of one degree whose coefficients span many orders of magnitude, and of which some are exactly zero: a row each. */
+/** Coefficients of splats of one degree, a row each: they span many orders of magnitude, and some are exactly zero. */
 export function coefficientRows(degree: ShDegree): fc.Arbitrary<number[][]> {
   const length = coefficientsPerSplat(degree);
   const value = fc.oneof(
@@ -14,7 +14,7 @@ export function coefficientRows(degree: ShDegree): fc.Arbitrary<number[][]> {
     fc.constant(0),
   );
   const rowOf = (values: fc.Arbitrary<number>) => fc.array(values, { minLength: length, maxLength: length });
-  // Rows of which even the largest value is among binary16's subnormals, where its steps are coarse, or below them.
+  // Rows whose largest value is among binary16's subnormals, where its steps are coarse, or below them.
   const row = fc.oneof(rowOf(value), rowOf(uniform(-1e-6, 1e-6).map(Math.fround)));
   return fc.array(row, { minLength: 1, maxLength: 5 });
 }
@@ -25,7 +25,7 @@ export function packedRows(
   rows: readonly number[][],
 ): PackedHarmonics {
   const wordsPerSplat = shWordsPerSplat(degree, precision);
-  // Filled with garbage: packing must not depend on what was there.
+  // Filled with garbage: packing must not depend on the previous contents.
   const words = new Uint32Array(rows.length * wordsPerSplat).fill(0xa5a5a5a5);
   for (const [i, row] of rows.entries()) packCoefficients(degree, precision, row, words, i * wordsPerSplat);
   return { degree, precision, wordsPerSplat, words };

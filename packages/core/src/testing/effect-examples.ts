@@ -6,7 +6,7 @@ import { SplatSelection } from '../splats/splat-selection.ts';
 const everyThird = new SplatSelection();
 everyThird.add(Array.from({ length: 400 }, (_, i) => 3 * i));
 
-/** Uses of every effect in CLOUD_EFFECTS that change a picture of a cloud within ±1 of the origin. */
+/** A use of every effect in CLOUD_EFFECTS that changes the image of a cloud within ±1 of the origin. */
 export const EFFECT_EXAMPLES: readonly EffectUse[] = [
   clip({
     volumes: [

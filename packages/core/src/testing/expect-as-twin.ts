@@ -6,11 +6,11 @@ import { cullSplat } from '../reference/cull-splats.ts';
 import { splatColor } from '../reference/project.ts';
 
 /**
- * Draws clouds and holds every splat against float64: which are drawn, and where, how large, how opaque and of what
- * colour, each within `tolerance` of its size. In doubt, at the cutoff's opacity, a splat may be drawn or not; whoever calls this keeps centres off hard
+ * Draws clouds and compares every splat with float64: whether it is drawn, and its place, size, opacity and colour, each
+ * within `tolerance` of its size. A splat at the cutoff's opacity may be drawn or not; callers must keep centres off hard
  * edges.
  *
- * @returns how many splats of each cloud are drawn.
+ * @returns the number of drawn splats of each cloud.
  */
 export async function expectAsTwin(
   device: GPUDevice,
@@ -41,7 +41,8 @@ async function compare(frame: InspectedFrame, tolerance: number): Promise<number
       const twin = cullSplat(stored, index, view, frame.projection, settings);
       if (!record || !twin) {
         const opacity = twin?.opacity ?? record?.color[3] ?? 0;
-        if (opacity > alphaCutoff * (1 + tolerance)) expect.fail(`${name}: only one of both has it`);
+        if (opacity > alphaCutoff * (1 + tolerance))
+          expect.fail(`${name}: drawn only by the GPU or only by the twin`);
         continue;
       }
       count++;

@@ -1,6 +1,6 @@
 import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
 
-/** One property of a test file: `values[row]`, or `values[row]` as a list's items where `countType` is given. */
+/** One property of a test file: `values[row]`, or `values[row]` as the items of a list if `countType` is given. */
 export interface FixtureProperty {
   readonly name: string;
   /** As written in the header, e.g. `float` or `uint8`. */
@@ -19,11 +19,11 @@ export interface Fixture {
   readonly format: 'ascii' | 'binary_little_endian' | 'binary_big_endian';
   readonly elements: readonly FixtureElement[];
   readonly lineEnd?: string;
-  /** Lines put after the format line. */
+  /** Lines after the format line. */
   readonly comments?: readonly string[];
 }
 
-/** The 14 properties that splats cannot do without, in the standard order. */
+/** The 14 required properties of splats, in the standard order. */
 export const CORE_NAMES = [
   ...['x', 'y', 'z', 'f_dc_0', 'f_dc_1', 'f_dc_2', 'opacity'],
   ...['scale_0', 'scale_1', 'scale_2', 'rot_0', 'rot_1', 'rot_2', 'rot_3'],
@@ -34,7 +34,7 @@ export function splatNames(degree: ShDegree): string[] {
   return [...CORE_NAMES, ...rest];
 }
 
-/** Splats with a small distinct value everywhere, or what `valueAt` says. */
+/** Splats with a small distinct value everywhere, or with the values of `valueAt`. */
 export function splatElement(
   count: number,
   degree: ShDegree = 0,
@@ -123,7 +123,7 @@ function binaryBody({ format, elements }: Fixture): Uint8Array {
 
 function scalarBytes(type: string, value: number, little: boolean): number[] {
   const make = ARRAYS[type];
-  if (!make) throw new Error(`no type ${type}`);
+  if (!make) throw new Error(`Unknown type ${type}.`);
   const bytes = [...new Uint8Array(make(value).buffer)];
   return little ? bytes : bytes.reverse();
 }

@@ -18,7 +18,7 @@ export interface RandomSplatOptions {
   readonly opacityLogits?: readonly [min: number, max: number];
 }
 
-/** Splats at random in a cube, every column filled; the same for the same options. */
+/** Random splats in a cube, every column filled; equal options give equal splats. */
 export function randomSplats(options: RandomSplatOptions): SplatSet {
   const { count, seed = 1, shDegree = 3, halfExtent = 1, origin = [0, 0, 0] } = options;
   const { logScales = [-5, -2], opacityLogits = [-4, 4] } = options;
@@ -40,7 +40,7 @@ export function randomSplats(options: RandomSplatOptions): SplatSet {
   };
 }
 
-/** One splat's properties; what is left out is a round, opaque, grey splat at the origin. */
+/** Properties of one splat; the defaults are a round, opaque, grey splat at the origin. */
 export interface SplatValues {
   readonly position?: readonly number[];
   readonly logScales?: readonly number[];
@@ -49,7 +49,7 @@ export interface SplatValues {
   readonly colorDc?: readonly number[];
 }
 
-/** Splats given one by one, of degree 0. */
+/** Makes splats of degree 0 from their properties, one by one. */
 export function splatsOf(splats: readonly SplatValues[]): SplatSet {
   return {
     count: splats.length,

@@ -1,4 +1,4 @@
-/** Uniform numbers in [0, 1), the same for the same seed on every machine (mulberry32). */
+/** Uniform random numbers in [0, 1); a seed gives the same numbers on every machine (mulberry32). */
 export function seededRandom(seed: number): () => number {
   let state = seed | 0;
   return () => {

@@ -1,6 +1,6 @@
 import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 
-/** The splats of `set` as a file of `degree`, which is at most theirs, has them. */
+/** The splats of `set` as they would be in a file of `degree`, which is at most their own. */
 export function splatsOfDegree(set: SplatSet, degree: ShDegree): SplatSet {
   const from = coefficientsPerSplat(set.harmonics.degree);
   const to = coefficientsPerSplat(degree);

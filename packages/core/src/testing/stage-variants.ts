@@ -45,7 +45,7 @@ const DEPTHS: readonly (RasterizeDepth | null)[] = [
   ),
 ];
 
-/** Every stage in every variant that a frame may run. */
+/** All stages, in every variant that a frame may run. */
 export function allStageVariants(): StageDefinition[] {
   const stages: StageDefinition[] = [
     cullChunks,

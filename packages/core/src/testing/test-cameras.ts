@@ -1,7 +1,7 @@
 import { type Camera, cameraFromMatrices, orthographicCamera, perspectiveCamera } from '../camera/camera.ts';
 import { multiply4 } from '../math/mat4.ts';
 
-/** Cameras that look at a cloud of half extent 1 at the origin, some of it outside of the picture. */
+/** Cameras that look at a cloud of half extent 1 at the origin, part of which is outside of the image. */
 export function testCameras(aspect: number): Readonly<Record<string, Camera>> {
   const place = { position: [1.1, 0.6, 1.4], target: [0.1, -0.1, 0], up: [0.1, 1, 0.05], aspect } as const;
   const perspective = perspectiveCamera({ ...place, fovYDegrees: 50, near: 0.1, far: 100 });
@@ -24,7 +24,7 @@ export function testCameras(aspect: number): Readonly<Record<string, Camera>> {
   };
 }
 
-/** Model matrices that a cloud may stand in a scene with; the cloud stays within a few units of the origin. */
+/** Model matrices for clouds in a scene; the cloud stays within a few units of the origin. */
 export const TEST_MODELS: Readonly<Record<string, ArrayLike<number>>> = {
   identity: Float64Array.of(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1),
   /** A quarter turn about an oblique axis, scaled by 0.7 and moved. */

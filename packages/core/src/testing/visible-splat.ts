@@ -1,7 +1,7 @@
 import type { DecodedRecord } from '../inspect/read-records.ts';
 import type { VisibleSplat } from '../reference/cull-splats.ts';
 
-/** What float64 draws of a record: the very numbers that the GPU reads. */
+/** Converts a record to the twin's visible splat, with exactly the numbers that the GPU reads. */
 export function visibleSplatOf(record: DecodedRecord): VisibleSplat {
   const { centerPx, majorPx, minorPx, depthView, color } = record;
   const [[x, y], [minorX, minorY]] = [majorPx, minorPx];
@@ -15,7 +15,7 @@ export function visibleSplatOf(record: DecodedRecord): VisibleSplat {
       determinant: (x * minorY - y * minorX) ** 2 / 4,
     },
     opacity: color[3],
-    // All of the picture: the cutoff decides.
+    // The whole image: the cutoff decides.
     extentPx: [1e9, 1e9],
   };
 }

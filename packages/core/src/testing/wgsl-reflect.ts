@@ -1,17 +1,17 @@
 import type * as wgslReflect from 'wgsl_reflect';
 
-/** Kept from the type checker, to which the package describes only its main entry. */
+/** Hidden from the type checker: the package declares types only for its main entry. */
 const moduleEntry = 'wgsl_reflect/wgsl_reflect.module.js';
 
-/** `wgsl_reflect` by the entry that works: Node takes the main one, which is CommonJS, for an ES module. */
+/** `wgsl_reflect` through the entry that works: Node treats the main one, which is CommonJS, as an ES module. */
 const { ResourceType, WgslReflect }: typeof wgslReflect = await import(moduleEntry);
 export type WgslReflection = wgslReflect.WgslReflect;
 
 export { ResourceType };
 
-/** What linked `wgsl` declares. */
+/** Returns the declarations of linked `wgsl`. */
 export function reflectWgsl(wgsl: string): WgslReflection {
-  // Without the functions' bodies, which end at the first brace that begins a line: the parser does not know all
-  // expressions, and takes `workgroup` for an address space wherever it stands.
+  // Function bodies, which end at the first brace that begins a line, are removed: the parser does not know all
+  // expressions, and reads `workgroup` as an address space everywhere.
   return new WgslReflect(wgsl.replace(/(\bfn [^{]*)\{[\s\S]*?\n\}/g, '$1{ }'));
 }

@@ -1,6 +1,6 @@
 import { type Camera, cameraFromMatrices } from '../camera/camera.ts';
 
-/** The same camera with clip depths of 0…1, reversed or not, as three.js makes them for WebGPU. */
+/** Returns `camera` with clip depths of 0…1, reversed or not, as three.js makes them for WebGPU. */
 export function withClipDepth(camera: Camera, isReversed: boolean): Camera {
   const { near, far, viewMatrix } = camera;
   const p = Float64Array.from(camera.projectionMatrix);

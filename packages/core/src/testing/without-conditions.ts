@@ -1,6 +1,6 @@
 /**
- * A shader's source as it would be had nobody thought of these conditions: without what stands under them, and without
- * asking for their absence. By its own reading of the text, not the linker's.
+ * Returns a shader's source as if these conditions had never existed: without the code that needs them, and without tests
+ * of their absence. Parses the text independently of the linker.
  */
 export function withoutConditions(source: string, conditions: readonly string[]): string {
   let text = source.replace(/\/\/.*$/gm, '');
@@ -18,7 +18,7 @@ export function withoutConditions(source: string, conditions: readonly string[])
   return text;
 }
 
-/** A condition where none of the names is met: empty where it is always met then, null where it never is. */
+/** Simplifies a condition for names that are never met: empty if it is then always met, null if it never is. */
 function withoutNames(condition: string, names: readonly string[]): string | null {
   const alternatives = condition
     .split('||')
@@ -30,13 +30,13 @@ function withoutNames(condition: string, names: readonly string[]): string | nul
   return alternatives.map((terms) => terms.join(' && ')).join(' || ');
 }
 
-/** Of the import, declaration, member or statement that `text` begins with. */
+/** Length of the import, declaration, member or statement that `text` begins with. */
 function itemLength(text: string): number {
   const attributes = /^(?:@\w+(?:\([^)]*\))?\s*)*/.exec(text)![0].length;
   const item = text.slice(attributes);
   const isBlock = /^(?:(?:fn|if|for|struct)\b|\{)/.test(item);
   const isMember = /^\w+\s*:/.test(item);
-  // Elsewhere these compare.
+  // Outside of members, < and > are comparisons.
   const [opening, closing] = isMember ? ['({[<', ')}]>'] : ['({[', ')}]'];
   let depth = 0;
   for (let at = 0; at < item.length; at++) {

@@ -19,7 +19,7 @@ export function clipTwin({ volumes, softEdge = 0 }: ClipOptions, place: EffectPl
   };
 }
 
-/** How far inside of a volume a point of the world is; negative outside. */
+/** Distance of a point of the world from a volume's surface, positive inside. */
 function depthInside(volume: ClipVolume, position: Vec3): number {
   switch (volume.shape) {
     case 'box':
@@ -37,7 +37,7 @@ function depthInside(volume: ClipVolume, position: Vec3): number {
 
 function depthInBox({ center, size, rotation = [0, 0, 0, 1] }: ClipBox, position: Vec3): number {
   const [x, y, z, w] = rotation;
-  // Row by row, read column by column: its transpose, which turns back.
+  // The matrix is row-major and is read as column-major: this is its transpose, the inverse rotation.
   const back = rotationMatrix(w, x, y, z);
   const beyond = transform3(back, difference(position, center)).map(
     (offset, axis) => Math.abs(offset) - size[axis] / 2,

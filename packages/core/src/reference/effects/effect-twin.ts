@@ -1,9 +1,9 @@
 import type { Vec3 } from '../../math/mat4.ts';
 import type { ScreenCovariance } from '../covariance.ts';
 
-/** A splat in float64 as effects see and change it, in its cloud's space, about the cloud's origin. */
+/** A splat in float64, as effects receive and return it: in its cloud's space, about the cloud's origin. */
 export interface SplatValues {
-  /** Its row in its file. */
+  /** Row of the splat in its file. */
   readonly row: number;
   readonly position: Vec3;
   /** Peak opacity, 0…1. */
@@ -14,16 +14,16 @@ export interface SplatValues {
   readonly logScales: Vec3;
 }
 
-/** What a splat looks like on the screen, before its opacity is final. */
+/** A splat on the screen before its opacity is final. */
 export interface ScreenValues {
-  /** Dilation included. */
+  /** Covariance with dilation. */
   readonly covariance: ScreenCovariance;
-  /** Without dilation. */
+  /** Determinant without dilation. */
   readonly undilated: ScreenCovariance;
   readonly dilationPx2: number;
 }
 
-/** What one effect does to one cloud of one frame, in float64: each function is the twin of the shader's of that hook. */
+/** One effect on one cloud of one frame, in float64: each function is the twin of the shader's function for that hook. */
 export interface EffectTwin {
   /** @param index in storage order. */
   readonly changeSplat?: (splat: SplatValues, index: number) => SplatValues;

@@ -14,7 +14,7 @@ export function fogTwin(options: FogOptions): EffectTwin {
   };
 }
 
-/** Part of a splat's light that fog has taken the place of at a view depth. */
+/** Share of a splat's light that fog replaces at a view depth. */
 function hiddenAt(options: FogOptions, depthView: number): number {
   if ('density' in options) return 1 - Math.exp(-((options.density * depthView) ** 2));
   return edgeFade(depthView - options.near, options.far - options.near);

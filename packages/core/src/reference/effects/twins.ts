@@ -9,10 +9,10 @@ import { opacityTwin } from './opacity.ts';
 import { revealTwin } from './reveal.ts';
 import { tintTwin } from './tint.ts';
 
-/** Makes the twin of an effect with these options, for a cloud that stands there. */
+/** Makes the twin of an effect with these options, for a cloud at this place. */
 export type TwinFunction = (options: never, place: EffectPlace) => EffectTwin;
 
-/** Of the effects in CLOUD_EFFECTS, by name. */
+/** Twins of the effects in CLOUD_EFFECTS, by name. */
 export const EFFECT_TWINS: Readonly<Record<string, TwinFunction>> = {
   clip: clipTwin,
   reveal: revealTwin,
@@ -25,9 +25,9 @@ export const EFFECT_TWINS: Readonly<Record<string, TwinFunction>> = {
 };
 
 /**
- * Twins of `uses`, in their order.
+ * Makes the twins of `uses`, in their order.
  *
- * @param others twins of effects that are not this package's, by name.
+ * @param others twins of effects from outside this package, by name.
  * @throws RangeError for an effect without a twin.
  */
 export function twinsOf(
@@ -37,7 +37,7 @@ export function twinsOf(
 ): readonly EffectTwin[] {
   return uses.map(({ effect: { name }, options }) => {
     const twin = EFFECT_TWINS[name] ?? others[name];
-    if (!twin) throw new RangeError(`There is no twin of the effect ${name}: give it in \`effectTwins\`.`);
+    if (!twin) throw new RangeError(`The effect ${name} has no twin: pass one in \`effectTwins\`.`);
     return twin(options as never, place);
   });
 }
