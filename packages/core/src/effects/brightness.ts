@@ -2,12 +2,12 @@ import { InvalidArgumentError } from '../errors.ts';
 import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
 
-/** Twenty stops: products of it and any colour stay in float32's range. */
+/** Twenty stops: its product with any colour stays in float32's range. */
 const LARGEST_FACTOR = 2 ** 20;
 
 /**
- * Multiplies every splat's light by a factor, 0…2²⁰, as an exposure does: 2 is one stop brighter, and 1 changes nothing.
- * Unlike a grey tint, which multiplies what is sRGB-encoded.
+ * Multiplies every splat's linear light by a factor, 0…2²⁰, as an exposure does: 2 is one stop brighter, and 1 changes
+ * nothing. A grey tint, in contrast, multiplies sRGB-encoded values.
  */
 export const brightness = /* @__PURE__ */ defineEffect<number, { factor: 'f32' }>({
   name: 'brightness',

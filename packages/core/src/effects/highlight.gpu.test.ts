@@ -50,7 +50,7 @@ beforeAll(async () => {
 afterAll(() => device?.destroy());
 
 describe('a highlight', () => {
-  gpuTest('shows rows of the file in whatever order and on whatever page they are stored', async () => {
+  gpuTest('shows rows of the file in any storage order and on any page', async () => {
     const odd = selectionOf(Array.from({ length: 350 }, (_, i) => 2 * i + 1));
     // One is stored, the other is not.
     const two = selectionOf([699, 5000]);
@@ -94,7 +94,7 @@ describe('a highlight', () => {
     engine.destroy();
   });
 
-  gpuTest('that is called for only now does not hold up the camera', async () => {
+  gpuTest('that is requested for the first time does not hold up the camera', async () => {
     const fresh = await createTestDevice();
     const engine = await SplatEngine.create({ device: fresh, accuracy: 'high' });
     const view = engine.createView();
@@ -111,7 +111,7 @@ describe('a highlight', () => {
   });
 });
 
-gpuTest('effects that change splats are told what is selected too', async () => {
+gpuTest('effects that change splats also take the selection', async () => {
   const engine = await SplatEngine.create({ device, accuracy: 'high' });
   const view = engine.createView();
   const selection = selectionOf(Array.from({ length: 350 }, (_, i) => 2 * i));
