@@ -140,7 +140,7 @@ export class SplatEngine {
     this.#checkUsable();
     this.#takeAccuracy(accuracy);
     // The precision that a wish needs is unknown until it has been measured.
-    return this.#askForPrecision(this.#wish ? [] : [...this.#clouds]);
+    return this.#requestPrecisions(this.#wish ? [] : [...this.#clouds]);
   }
 
   /**
@@ -151,9 +151,9 @@ export class SplatEngine {
    */
   resolveAccuracy(accuracy?: Accuracy): PossibleAccuracy {
     if (accuracy === undefined) return this.#accuracy;
-    const asked = internAccuracy(accuracy);
-    const possible = this.#possible.get(asked) ?? possibleOn(this.device, asked);
-    this.#possible.set(asked, possible);
+    const requested = internAccuracy(accuracy);
+    const possible = this.#possible.get(requested) ?? possibleOn(this.device, requested);
+    this.#possible.set(requested, possible);
     return possible;
   }
 
@@ -172,7 +172,7 @@ export class SplatEngine {
       name: options.name ?? sourceName(source),
       source: lastingSource(source),
     });
-    if (accuracy !== this.accuracy) void this.#askForPrecision([cloud]);
+    if (accuracy !== this.accuracy) void this.#requestPrecisions([cloud]);
     return cloud;
   }
 
@@ -289,7 +289,7 @@ export class SplatEngine {
     if (wish === this.#wish) this.#accuracy = this.resolveAccuracy(settings);
     const others = [...this.#views].filter(({ accuracyChoice }) => accuracyChoice !== choice);
     const requests = clouds.map((cloud) => {
-      const isShared = others.some(({ shape }) => shape !== null && asksOtherwise(shape, cloud, settings));
+      const isShared = others.some(({ shape }) => shape !== null && requestsOther(shape, cloud, settings));
       const { ownLease } = cloud;
       const met = isShared ? ownLease.add(settings) : ownLease.change(settings);
       // A precision that cannot be made was not measured either; the table has a note.
@@ -299,7 +299,7 @@ export class SplatEngine {
   }
 
   /** Requests the precisions of `accuracy`. Returns the clouds that could not get them, except for cancelled requests. */
-  async #askForPrecision(clouds: readonly SplatCloud[]): Promise<PrecisionProblem[]> {
+  async #requestPrecisions(clouds: readonly SplatCloud[]): Promise<PrecisionProblem[]> {
     const { accuracy } = this;
     const outcomes = clouds.map((cloud) =>
       this.requestPrecision(cloud, accuracy).then(
@@ -317,8 +317,8 @@ export class SplatEngine {
       pipelines: this.#pipelines,
       memory: this.#memory,
       counting: this.#counting,
-      wishFor: (asked) => (asked === undefined ? this.#wish : internWish(asked)),
-      accuracyFor: (asked) => this.resolveAccuracy(asked).settings,
+      wishFor: (requested) => (requested === undefined ? this.#wish : internWish(requested)),
+      accuracyFor: (requested) => this.resolveAccuracy(requested).settings,
       wishes: this.#wishes,
       dispatchRow: this.#dispatchRow,
       destroyedBecause: () => this.#destroyedBecause,
@@ -375,20 +375,27 @@ export class SplatEngine {
   }
 }
 
-/** Whether a frame that shows `cloud` requests precisions of it other than `asked`. */
-function asksOtherwise({ clouds, accuracy }: FrameShape, cloud: SplatCloud, asked: CloudPrecision): boolean {
+/** Whether a frame shows `cloud` in a precision that is not `precision`. */
+function requestsOther(
+  { clouds, accuracy }: FrameShape,
+  cloud: SplatCloud,
+  precision: CloudPrecision,
+): boolean {
   const { geometryPrecision, shPrecision } = accuracy;
-  const isSame = geometryPrecision === asked.geometryPrecision && shPrecision === asked.shPrecision;
+  const isSame = geometryPrecision === precision.geometryPrecision && shPrecision === precision.shPrecision;
   return clouds.some((each) => each.cloud === cloud) && !isSame;
 }
 
-function possibleOn(device: GPUDevice, asked: AccuracySettings): PossibleAccuracy {
-  if (asked.colorTarget === 'rgba32float' && !device.features.has('float32-blendable' as GPUFeatureName)) {
+function possibleOn(device: GPUDevice, requested: AccuracySettings): PossibleAccuracy {
+  if (
+    requested.colorTarget === 'rgba32float' &&
+    !device.features.has('float32-blendable' as GPUFeatureName)
+  ) {
     const notice =
       'This device cannot blend rgba32float (float32-blendable); frames are blended in rgba16float.';
-    return { settings: internAccuracy({ ...asked, colorTarget: 'rgba16float' }), notices: [notice] };
+    return { settings: internAccuracy({ ...requested, colorTarget: 'rgba16float' }), notices: [notice] };
   }
-  return { settings: asked, notices: [] };
+  return { settings: requested, notices: [] };
 }
 
 function isHeld(

@@ -22,7 +22,7 @@ interface LeasesContext {
 /** A claim that has not been met yet. */
 interface PendingClaim {
   readonly wanted: CloudPrecision;
-  readonly calledOff: AbortController;
+  readonly cancellation: AbortController;
 }
 
 /** A claim on precisions of one cloud: their planes stay on the GPU until the claim is changed or released. */
@@ -113,15 +113,15 @@ export class CloudLeases {
     const wanted = { geometryPrecision, shPrecision };
     resolveAccuracy(wanted);
     const { name, make } = this.#context;
-    this.#callOff(lease, `A later request for ${name} replaced this one.`);
-    const calledOff = new AbortController();
-    const pending = { wanted, calledOff };
+    this.#cancel(lease, `A later request for ${name} replaced this one.`);
+    const cancellation = new AbortController();
+    const pending = { wanted, cancellation };
     this.#pending.set(lease, pending);
-    const onAbort = () => calledOff.abort(signal?.reason);
+    const onAbort = () => cancellation.abort(signal?.reason);
     signal?.addEventListener('abort', onAbort, { once: true });
     try {
-      await make(wanted, { signal: calledOff.signal, onProgress });
-      calledOff.signal.throwIfAborted();
+      await make(wanted, { signal: cancellation.signal, onProgress });
+      cancellation.signal.throwIfAborted();
       const others = isAdded ? (this.#claims.get(lease) ?? []) : [];
       this.#claims.set(lease, [...others.filter((claim) => !isSame(claim, wanted)), wanted]);
     } finally {
@@ -132,7 +132,7 @@ export class CloudLeases {
   }
 
   release(lease: CloudLease): void {
-    this.#callOff(lease, `The lease was released before ${this.#context.name} held its planes.`);
+    this.#cancel(lease, `The lease was released before ${this.#context.name} held its planes.`);
     const claims = this.#claims.get(lease);
     if (!claims) return;
     this.#claims.delete(lease);
@@ -143,13 +143,13 @@ export class CloudLeases {
   /** Rejects pending and later claims with `reason`: the planes are gone, or none can be made any more. */
   end(reason: Error): void {
     this.#ended ??= reason;
-    for (const { calledOff } of this.#pending.values()) calledOff.abort(reason);
+    for (const { cancellation } of this.#pending.values()) cancellation.abort(reason);
   }
 
-  #callOff(lease: CloudLease, message: string): void {
+  #cancel(lease: CloudLease, message: string): void {
     const pending = this.#pending.get(lease);
     this.#pending.delete(lease);
-    pending?.calledOff.abort(new DOMException(message, 'AbortError'));
+    pending?.cancellation.abort(new DOMException(message, 'AbortError'));
   }
 
   #freeUnclaimed(): void {

@@ -73,14 +73,14 @@ describe('antialias', () => {
       return (await view.readPixels()).data;
     };
     const [cloud, trainedCloud] = [engine.add(set), engine.add(trained)];
-    const byItself = await draw({ cloud: trainedCloud });
-    expect(byItself).toEqual(await draw({ cloud, effects: [antialias()] }));
-    expect(byItself).toEqual(await draw({ cloud: trainedCloud, effects: [antialias()] }));
+    const automatic = await draw({ cloud: trainedCloud });
+    expect(automatic).toEqual(await draw({ cloud, effects: [antialias()] }));
+    expect(automatic).toEqual(await draw({ cloud: trainedCloud, effects: [antialias()] }));
     const off = await draw({ cloud: trainedCloud, effects: [antialias(false)] });
     expect(off).toEqual(await draw({ cloud }));
-    expect(off).not.toEqual(byItself);
+    expect(off).not.toEqual(automatic);
     const twin = renderReference({ clouds: [{ set: trained }], camera, ...SIZE });
-    expect(compareImages(byItself, twin.data, SIZE).psnrDb).toBeGreaterThan(60);
+    expect(compareImages(automatic, twin.data, SIZE).psnrDb).toBeGreaterThan(60);
     engine.destroy();
   });
 

@@ -10,9 +10,8 @@ import { defineEffect } from './effect.ts';
 export const antialias = /* @__PURE__ */ defineEffect<boolean | undefined>({
   name: 'antialias',
   label: 'Antialiasing',
-  about: 'Makes splats thinner than a pixel fainter by as much as they are drawn wider.',
+  about: 'Makes splats thinner than a pixel fainter, by the factor that they are drawn wider.',
   hooks: { opacity: 'compensateDilation' },
   wgsl: effectShader('antialias'),
-  calledFor: (isOn = true) =>
-    isOn ? 'the cloud is drawn as scenes trained with antialiasing expect it' : null,
+  calledFor: (isOn = true) => (isOn ? 'scenes trained with antialiasing expect it' : null),
 });

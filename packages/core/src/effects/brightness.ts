@@ -12,7 +12,7 @@ const LARGEST_FACTOR = 2 ** 20;
 export const brightness = /* @__PURE__ */ defineEffect<number, { factor: 'f32' }>({
   name: 'brightness',
   label: 'Brightness',
-  about: 'Gives a cloud more light or less, as an exposure does.',
+  about: 'Makes a cloud brighter or darker, like an exposure.',
   hooks: { color: 'exposeColor' },
   wgsl: effectShader('brightness'),
   fields: { factor: 'f32' },
@@ -21,6 +21,6 @@ export const brightness = /* @__PURE__ */ defineEffect<number, { factor: 'f32' }
     const message = `The brightness is ${factor}; it is a factor of linear light, 0…${LARGEST_FACTOR}.`;
     throw new InvalidArgumentError('brightness', message);
   },
-  calledFor: (factor) => (factor === 1 ? null : `the cloud is given ${factor} times its light`),
+  calledFor: (factor) => (factor === 1 ? null : `the cloud’s light is multiplied by ${factor}`),
   valuesAt: (factor) => ({ factor }),
 });

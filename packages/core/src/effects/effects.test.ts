@@ -120,7 +120,7 @@ describe('effects', () => {
     }
   });
 
-  test('stages of which no cloud uses an effect bind nothing for it', () => {
+  test('stages bind nothing for an effect that no cloud uses', () => {
     for (const stage of allStageVariants()) expect(Object.keys(stage.bindings)).not.toContain('effects');
     const colorsOnly = effectSetOf(EFFECT_EXAMPLES.filter(({ effect }) => effect.name === 'tint'));
     expect(cullSplats({ ...CULL, effects: colorsOnly })).toEqual(cullSplats(CULL));

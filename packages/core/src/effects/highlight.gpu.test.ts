@@ -26,7 +26,7 @@ const marked = (selection: SplatSelection, strength = 1) => highlight({ selectio
 const hide = defineEffect<SplatSelection>({
   name: 'test-hide',
   label: 'Hide',
-  about: 'Hides what is selected.',
+  about: 'Hides selected splats.',
   hooks: { splat: 'hideSplat' },
   wgsl: `import package::lib::packing::Splat;
 fn hideSplat(splat: Splat, splatIndex: u32, selected: bool) -> Splat {
@@ -34,7 +34,7 @@ fn hideSplat(splat: Splat, splatIndex: u32, selected: bool) -> Splat {
   hidden.opacity = select(splat.opacity, 0.0, selected);
   return hidden;
 }`,
-  calledFor: () => 'what is selected is to be hidden',
+  calledFor: () => 'selected splats are hidden',
   selection: (selection) => selection,
 });
 const effectTwins: Record<string, TwinFunction> = {

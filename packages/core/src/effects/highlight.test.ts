@@ -33,7 +33,7 @@ describe('highlight', () => {
     const hide = defineEffect<SplatSelection>({
       name: 'test-hide',
       label: 'Hide',
-      about: 'Hides what is selected.',
+      about: 'Hides selected splats.',
       hooks: { splat: 'hideSplat' },
       wgsl: '',
       calledFor: () => 'it is to be hidden',
