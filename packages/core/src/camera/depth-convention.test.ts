@@ -67,25 +67,22 @@ const projections: Record<string, readonly number[]> = {
 };
 
 describe('stored depth', () => {
-  test.each(Object.keys(projections))(
-    'of a %s projection is the depth that the matrix gives a point',
-    (name) => {
-      const p = projections[name];
-      const camera = cameraFromMatrices(identity4(), p, { near: NEAR, far: FAR });
-      for (const [x, y, depthView] of [
-        [0, 0, 1],
-        [0.3, -0.4, 2],
-        [-2, 1, 7],
-        [1, 3, 19],
-      ]) {
-        const [clipX, clipY, clipZ, clipW] = [0, 1, 2, 3].map(
-          (row) => p[row] * x + p[4 + row] * y - p[8 + row] * depthView + p[12 + row],
-        );
-        const stored = storedDepth(depthView, camera, 'projection', [clipX / clipW, clipY / clipW]);
-        expect(stored).toBeCloseTo(clipZ / clipW, 12);
-      }
-    },
-  );
+  test.each(Object.keys(projections))('of a %s projection equals that of the matrix', (name) => {
+    const p = projections[name];
+    const camera = cameraFromMatrices(identity4(), p, { near: NEAR, far: FAR });
+    for (const [x, y, depthView] of [
+      [0, 0, 1],
+      [0.3, -0.4, 2],
+      [-2, 1, 7],
+      [1, 3, 19],
+    ]) {
+      const [clipX, clipY, clipZ, clipW] = [0, 1, 2, 3].map(
+        (row) => p[row] * x + p[4 + row] * y - p[8 + row] * depthView + p[12 + row],
+      );
+      const stored = storedDepth(depthView, camera, 'projection', [clipX / clipW, clipY / clipW]);
+      expect(stored).toBeCloseTo(clipZ / clipW, 12);
+    }
+  });
 
   test('stays within 0…1 if the near plane is perpendicular to the line of sight', () => {
     const camera = cameraFromMatrices(identity4(), PERSPECTIVE, { near: NEAR, far: FAR });

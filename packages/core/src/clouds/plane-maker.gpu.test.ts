@@ -250,37 +250,34 @@ describe('a finer precision', () => {
 });
 
 describe("the engine's accuracy", () => {
-  gpuTest(
-    'is requested of all clouds when it changes; clouds that cannot get it are returned and unchanged',
-    async () => {
-      const other = await SplatEngine.create({ device: engine.device, accuracy: 'balanced' });
-      const lasting = other.add(set);
-      const gone = other.addPacked(packSet(set, SMALLEST));
-      const passing = other.add(set);
-      const view = other.createView();
-      const frame = { camera: CAMERA, clouds: [{ cloud: lasting }], ...SIZE };
-      const change = other.setAccuracy('reference');
-      passing.destroy();
-      view.render(frame);
-      const early = (await view.readPixels()).data;
-      const problems = await change;
-      expect(problems.map(({ cloud }) => cloud)).toEqual([gone]);
-      expect(problems[0].error).toBeInstanceOf(SplatSourceError);
-      expectHeld(lasting, FINEST);
-      expectHeld(gone, SMALLEST);
-      expect(view.render(frame)).toBe(true);
-      const late = (await view.readPixels()).data;
-      expect(psnrDb(late, REFERENCE.data)).toBeGreaterThanOrEqual(60);
-      expect(psnrDb(early, REFERENCE.data)).toBeLessThan(psnrDb(late, REFERENCE.data));
+  gpuTest('is requested of all clouds; those that cannot get it are returned, unchanged', async () => {
+    const other = await SplatEngine.create({ device: engine.device, accuracy: 'balanced' });
+    const lasting = other.add(set);
+    const gone = other.addPacked(packSet(set, SMALLEST));
+    const passing = other.add(set);
+    const view = other.createView();
+    const frame = { camera: CAMERA, clouds: [{ cloud: lasting }], ...SIZE };
+    const change = other.setAccuracy('reference');
+    passing.destroy();
+    view.render(frame);
+    const early = (await view.readPixels()).data;
+    const problems = await change;
+    expect(problems.map(({ cloud }) => cloud)).toEqual([gone]);
+    expect(problems[0].error).toBeInstanceOf(SplatSourceError);
+    expectHeld(lasting, FINEST);
+    expectHeld(gone, SMALLEST);
+    expect(view.render(frame)).toBe(true);
+    const late = (await view.readPixels()).data;
+    expect(psnrDb(late, REFERENCE.data)).toBeGreaterThanOrEqual(60);
+    expect(psnrDb(early, REFERENCE.data)).toBeLessThan(psnrDb(late, REFERENCE.data));
 
-      const superseded = other.setAccuracy('balanced');
-      const last = other.setAccuracy({ preset: 'reference', shPrecision: 'f16' });
-      expect(await superseded).toEqual([]);
-      await last;
-      expectHeld(lasting, { geometryPrecision: 'f32', shPrecision: 'f16' });
-      other.destroy();
-    },
-  );
+    const superseded = other.setAccuracy('balanced');
+    const last = other.setAccuracy({ preset: 'reference', shPrecision: 'f16' });
+    expect(await superseded).toEqual([]);
+    await last;
+    expectHeld(lasting, { geometryPrecision: 'f32', shPrecision: 'f16' });
+    other.destroy();
+  });
 
   gpuTest('applies to a cloud that was loading when it changed', async () => {
     const other = await SplatEngine.create({ device: engine.device, accuracy: 'balanced' });
@@ -360,31 +357,28 @@ describe('several holders', () => {
     return { source: Object.assign(new Blob([bytes]), { stream }), state, open };
   }
 
-  gpuTest(
-    'read a source once for planes that both need; claims that need no reading do not wait',
-    async () => {
-      const { source, state, open } = gatedFile();
-      const held = { geometryPrecision: 'packed', shPrecision: 'f16' } as const;
-      const cloud = engine.addPacked(packSet(set, held), { source });
-      const before = engine.memory().totalBytes;
-      const [first, second] = [cloud.hold(FINEST), cloud.hold(FINEST)];
-      await expect.poll(() => state.reads).toBe(1);
-      const coarse = cloud.hold(SMALLEST);
-      await coarse.met;
-      expect(cloud.precisions).toEqual({ geometry: ['packed'], sh: ['f16', 'u8'] });
-      open();
-      await Promise.all([first.met, second.met]);
-      expect(state.reads).toBe(1);
-      expect(cloud.precisions).toEqual({ geometry: ['f32', 'packed'], sh: ['f32', 'f16', 'u8'] });
-      first.release();
-      coarse.release();
-      expect(cloud.precisions).toEqual({ geometry: ['f32', 'packed'], sh: ['f32', 'f16'] });
-      second.release();
-      expectHeld(cloud, held);
-      expect(engine.memory().totalBytes).toBe(before);
-      cloud.destroy();
-    },
-  );
+  gpuTest('read a source once for planes that both need; other claims do not wait', async () => {
+    const { source, state, open } = gatedFile();
+    const held = { geometryPrecision: 'packed', shPrecision: 'f16' } as const;
+    const cloud = engine.addPacked(packSet(set, held), { source });
+    const before = engine.memory().totalBytes;
+    const [first, second] = [cloud.hold(FINEST), cloud.hold(FINEST)];
+    await expect.poll(() => state.reads).toBe(1);
+    const coarse = cloud.hold(SMALLEST);
+    await coarse.met;
+    expect(cloud.precisions).toEqual({ geometry: ['packed'], sh: ['f16', 'u8'] });
+    open();
+    await Promise.all([first.met, second.met]);
+    expect(state.reads).toBe(1);
+    expect(cloud.precisions).toEqual({ geometry: ['f32', 'packed'], sh: ['f32', 'f16', 'u8'] });
+    first.release();
+    coarse.release();
+    expect(cloud.precisions).toEqual({ geometry: ['f32', 'packed'], sh: ['f32', 'f16'] });
+    second.release();
+    expectHeld(cloud, held);
+    expect(engine.memory().totalBytes).toBe(before);
+    cloud.destroy();
+  });
 
   gpuTest('do not wait for a claim that is cancelled before its turn to read', async () => {
     const { source, state, open } = gatedFile();
