@@ -21,7 +21,7 @@ import { TEST_MODELS, testCameras } from './testing/test-cameras.ts';
 import type { FrameStatistics } from './timing/frame-statistics.ts';
 import type { SplatView } from './views/splat-view.ts';
 
-/** What each preset must reach against the float64 reference, dB on the target's own values. */
+/** PSNR that each preset must reach against the float64 reference, dB on the target's own values. */
 const MIN_PSNR_DB = { reference: 60, high: 50, balanced: 45 } satisfies Partial<
   Record<AccuracyPreset, number>
 >;
@@ -33,7 +33,7 @@ const CAMERA = CAMERAS.perspective;
 
 let device: GPUDevice;
 let canBlendFloat32: boolean;
-/** One per preset on one device: what is compiled is compiled once. */
+/** One engine per preset on one device, so that each pipeline is compiled once. */
 const engines = {} as Record<ComparedPreset, SplatEngine>;
 
 beforeAll(async () => {
@@ -64,7 +64,7 @@ async function draw(view: SplatView, frame: FrameRequest): Promise<Float32Array>
   return (await view.readPixels()).data;
 }
 
-/** Draws `scene` with a view of its own and frees everything again. */
+/** Draws `scene` with its own view, then frees everything. */
 async function drawScene(engine: SplatEngine, { clouds, camera }: Scene, size = SIZE): Promise<Float32Array> {
   const view = engine.createView();
   const instances = clouds.map(({ set, ...placement }) => ({ cloud: engine.add(set), ...placement }));
@@ -88,7 +88,7 @@ async function expectAccurate(scene: Scene, size = SIZE, presets = PRESETS): Pro
 
 const smallScene: Scene = { clouds: [{ set: randomSplats({ count: 600 }) }], camera: CAMERA };
 
-describe('pictures against the float64 reference', () => {
+describe('images against the float64 reference', () => {
   for (const [name, camera] of Object.entries(CAMERAS)) {
     gpuTest(`${name} camera`, () => expectAccurate({ ...smallScene, camera }));
   }
@@ -99,7 +99,7 @@ describe('pictures against the float64 reference', () => {
     );
   }
 
-  gpuTest('clouds of degree 3, each up to a degree of its own', () => {
+  gpuTest('clouds of degree 3, each drawn up to its own degree', () => {
     const clouds = ([0, 1, 2, 3, undefined] as const).map((shDegree, i) => ({
       set: randomSplats({ count: 150, seed: 30 + i }),
       shDegree,
@@ -139,14 +139,14 @@ describe('pictures against the float64 reference', () => {
     return expectAccurate({
       clouds: [
         { set: first, modelMatrix: moved(TEST_MODELS.moved, far) },
-        // Here the coordinates of the file are the large ones, and the model matrix is none.
+        // The large coordinates are in the file, and there is no model matrix.
         { set: { ...second, origin: far } },
       ],
       camera: cameraFromMatrices(viewMatrix, CAMERA.projectionMatrix),
     });
   });
 
-  gpuTest('a splat larger than the picture in front of the others', () => {
+  gpuTest('a splat larger than the image in front of the others', () => {
     const large = splatsOf([
       { position: [0.4, 0.2, 0.5], logScales: [1, 0, -3], rotation: [0.9, 0.1, 0.3, 0.2], opacityLogit: 0 },
     ]);
@@ -185,7 +185,7 @@ describe('pictures against the float64 reference', () => {
 });
 
 describe('a view', () => {
-  gpuTest('is used for other clouds, cameras and sizes as if it were new', async () => {
+  gpuTest('draws other clouds, cameras and sizes as if it were new', async () => {
     const engine = engines.balanced;
     const view = engine.createView();
     const clouds = [1, 2, 3].map((seed) => engine.add(randomSplats({ count: 200 * seed, seed })));
@@ -209,14 +209,14 @@ describe('a view', () => {
       view.render(frame);
       const { data, widthPx, heightPx } = await view.readPixels();
       expect([widthPx, heightPx]).toEqual([frame.widthPx, frame.heightPx]);
-      expectSamePicture(data, expected);
+      expectSameImage(data, expected);
       expect(Math.max(...data)).toBeGreaterThan(0);
     }
     view.destroy();
     for (const cloud of clouds) cloud.destroy();
   });
 
-  gpuTest('picks the splat that a pixel of the last picture shows most of', async () => {
+  gpuTest('picks the splat that contributes most to a pixel of the last frame', async () => {
     const engine = engines.balanced;
     const view = engine.createView();
     expect(await view.pick(1, 1)).toBeNull();
@@ -236,26 +236,26 @@ describe('a view', () => {
     await expect(view.pick(1, 1)).rejects.toThrow(DestroyedError);
   });
 
-  gpuTest('draws 100 times the very same picture, and so does another engine', async () => {
+  gpuTest('draws the identical image 100 times, and so does another engine', async () => {
     const view = engines.balanced.createView();
     const cloud = engines.balanced.add(randomSplats({ count: 500 }));
     const frame = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
     const first = await draw(view, frame);
-    for (let i = 1; i < 100; i++) expectSamePicture(await draw(view, { ...frame, force: true }), first);
+    for (let i = 1; i < 100; i++) expectSameImage(await draw(view, { ...frame, force: true }), first);
     view.destroy();
     cloud.destroy();
 
     const other = await SplatEngine.create({ device, accuracy: 'balanced' });
     const scene = { clouds: [{ set: randomSplats({ count: 500 }) }], camera: CAMERA };
-    expectSamePicture(await drawScene(other, scene), first);
+    expectSameImage(await drawScene(other, scene), first);
     other.destroy();
   });
 
-  gpuTest('submits nothing where nothing has changed, or where there is no pixel', async () => {
+  gpuTest('submits nothing if nothing has changed, or if there are no pixels', async () => {
     const view = engines.balanced.createView();
     const cloud = engines.balanced.add(randomSplats({ count: 300 }));
     const frame = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
-    const picture = await draw(view, frame);
+    const image = await draw(view, frame);
     const { queue } = device;
     const submit = queue.submit;
     let submissions = 0;
@@ -264,7 +264,7 @@ describe('a view', () => {
       submit.call(queue, commands);
     };
     try {
-      // The same again, in other objects.
+      // The same request, in other objects.
       expect(view.render({ ...frame, camera: { ...CAMERA }, clouds: [{ cloud }] })).toBe(false);
       for (const [widthPx, heightPx] of [
         [0, 0],
@@ -282,33 +282,33 @@ describe('a view', () => {
     } finally {
       queue.submit = submit;
     }
-    expectSamePicture((await view.readPixels()).data, picture);
+    expectSameImage((await view.readPixels()).data, image);
     view.destroy();
     cloud.destroy();
   });
 
-  gpuTest('is drawn again when an opacity changes; 1 is what there is without any', async () => {
+  gpuTest('is drawn again when an opacity changes; the default is 1', async () => {
     const view = engines.balanced.createView();
     const cloud = engines.balanced.add(randomSplats({ count: 300 }));
     const frame = (opacity?: number) => ({ camera: CAMERA, clouds: [{ cloud, opacity }], ...SIZE });
     const plain = await draw(view, frame());
     expect(view.render(frame(1))).toBe(false);
-    expectSamePicture(await draw(view, { ...frame(1), force: true }), plain);
+    expectSameImage(await draw(view, { ...frame(1), force: true }), plain);
     expect(await draw(view, frame(0.5))).not.toEqual(plain);
     expect((await draw(view, frame(0))).every((value) => value === 0)).toBe(true);
-    expectSamePicture(await draw(view, frame(1)), plain);
+    expectSameImage(await draw(view, frame(1)), plain);
     view.destroy();
     cloud.destroy();
   });
 
-  gpuTest('is drawn again when the degree of a cloud changes; 3 is what there is without any', async () => {
+  gpuTest('is drawn again when the degree of a cloud changes; the default is 3', async () => {
     const view = engines.balanced.createView();
     const cloud = engines.balanced.add(randomSplats({ count: 300 }));
     const frame = (shDegree?: ShDegree) => ({ camera: CAMERA, clouds: [{ cloud, shDegree }], ...SIZE });
     const plain = await draw(view, frame());
     expect(view.render(frame(3))).toBe(false);
     expect(await draw(view, frame(1))).not.toEqual(plain);
-    expectSamePicture(await draw(view, frame(3)), plain);
+    expectSameImage(await draw(view, frame(3)), plain);
     view.destroy();
     cloud.destroy();
   });
@@ -322,17 +322,17 @@ describe('a view', () => {
     const full = await draw(view, { camera: CAMERA, clouds: [{ cloud }], ...SIZE });
     expect(Math.max(...full)).toBeGreaterThan(0);
     for (const clouds of [[], [{ cloud: empty }], [{ cloud, modelMatrix: away }]]) {
-      const picture = await draw(view, { camera: CAMERA, clouds, ...SIZE });
-      expect(picture.every((value) => value === 0)).toBe(true);
+      const image = await draw(view, { camera: CAMERA, clouds, ...SIZE });
+      expect(image.every((value) => value === 0)).toBe(true);
     }
-    // An empty cloud beside another one changes nothing of it.
+    // An empty cloud does not change another one.
     expect(await draw(view, { camera: CAMERA, clouds: [{ cloud: empty }, { cloud }], ...SIZE })).toEqual(
       full,
     );
     for (const thing of [view, cloud, empty]) thing.destroy();
   });
 
-  gpuTest('refuses what cannot be drawn, and says what', async () => {
+  gpuTest('rejects invalid requests, and says what is wrong', async () => {
     const engine = engines.balanced;
     const view = engine.createView();
     const cloud = engine.add(randomSplats({ count: 10 }), { name: 'garden' });
@@ -368,12 +368,12 @@ describe('a view', () => {
 describe('large clouds', () => {
   for (const maxWorkgroupsPerDimension of [undefined, 7]) {
     const rows = maxWorkgroupsPerDimension ? `rows of ${maxWorkgroupsPerDimension} workgroups` : 'one row';
-    gpuTest(`in four pages give the very picture of one page: ${rows}`, async () => {
+    gpuTest(`in four pages give the identical image of one page: ${rows}`, async () => {
       const set = randomSplats({ count: 256 * 19 + 77 });
       const packed = packCloud(set, { geometryPrecision: 'f32' });
       const engine = await SplatEngine.create({ device, accuracy: 'reference', maxWorkgroupsPerDimension });
       const memory = new GpuMemory(device);
-      // Five chunks of degree 3 in float32 to a page.
+      // Five chunks of degree 3 in float32 per page.
       const maxBufferSize = 5 * 256 * 4 * packed.harmonics.wordsPerSplat;
       const limits = { maxBufferSize, maxStorageBufferBindingSize: maxBufferSize } as GPUSupportedLimits;
       const paged = new SplatCloud(memory, limits, packed, { name: 'paged' });
@@ -383,7 +383,7 @@ describe('large clouds', () => {
       const view = engine.createView();
       const inPages = await draw(view, { camera: CAMERA, clouds: [{ cloud: paged }], ...SIZE });
       const expected = await drawScene(engines.reference, { clouds: [{ set }], camera: CAMERA });
-      expectSamePicture(inPages, expected);
+      expectSameImage(inPages, expected);
       memory.destroyAll();
       engine.destroy();
     });
@@ -400,19 +400,19 @@ describe('large clouds', () => {
     engine.destroy();
   });
 
-  gpuTest('whose frame does not fit leave nothing behind, and the last picture stays', async () => {
-    // Room for the cloud in pages, but not for the records of what is visible.
+  gpuTest('whose frame does not fit leave nothing behind, and the view keeps its last image', async () => {
+    // Room for the cloud in pages, but not for the records of the visible splats.
     const small = withLimits(device, { maxStorageBufferBindingSize: 60_000, maxBufferSize: 60_000 });
     const engine = await SplatEngine.create({ device: small, accuracy: 'balanced' });
     const view = engine.createView();
     const few = engine.add(randomSplats({ count: 100 }));
     const many = engine.add(randomSplats({ count: 5000 }));
     const frame = { camera: CAMERA, clouds: [{ cloud: few }], ...SIZE };
-    const picture = await draw(view, frame);
+    const image = await draw(view, frame);
     const before = engine.memory().totalBytes;
     expect(() => view.render({ ...frame, clouds: [{ cloud: many }] })).toThrow(GpuLimitError);
     expect(engine.memory().totalBytes).toBe(before);
-    expectSamePicture((await view.readPixels()).data, picture);
+    expectSameImage((await view.readPixels()).data, image);
     engine.destroy();
   });
 });
@@ -438,7 +438,7 @@ describe('an engine', () => {
     engine.destroy();
   });
 
-  gpuTest('counts what it does', async () => {
+  gpuTest('counts its work', async () => {
     const engine = await SplatEngine.create({ device, accuracy: 'high' });
     const zero = engine.counters();
     expect(Object.values(zero).every((count) => count === 0)).toBe(true);
@@ -455,14 +455,14 @@ describe('an engine', () => {
     const { pipelinesCompiled, ...counters } = engine.counters();
     const expected = { framesPrepared: 1, framesDrawn: 1, readbacks: 2, cloudsDestroyed: 1 };
     expect({ ...counters, pipelinesCompiled: 0 }).toEqual({ ...uploaded, ...expected });
-    // The engines before this one have compiled what all share.
+    // Earlier engines have compiled the pipelines that all share.
     expect(pipelinesCompiled).toBeLessThan(10);
     expect(engine.counters().uploads).toBe(1);
     expect(zero.uploads).toBe(0);
     engine.destroy();
   });
 
-  gpuTest('leaves a device that it was given, and destroys one of its own', async () => {
+  gpuTest('keeps a device that it was given, and destroys its own', async () => {
     const given = await createTestDevice();
     (await SplatEngine.create({ device: given })).destroy();
     let isLost = false;
@@ -520,26 +520,26 @@ describe('an engine', () => {
     plain.destroy();
   });
 
-  gpuTest('blends in float32 where the device can', ({ skip }) => {
+  gpuTest('blends in float32 if the device can', ({ skip }) => {
     if (!canBlendFloat32) skip('this adapter has no float32-blendable');
     expect(engines.reference.accuracy.colorTarget).toBe('rgba32float');
     expect(engines.reference.notices).toEqual([]);
   });
 
-  gpuTest('counts what it draws', async () => {
+  gpuTest('counts the splats that it draws', async () => {
     for (const camera of [CAMERA, CAMERAS.inside, CAMERAS.telephoto]) {
       const set = randomSplats({ count: 2000, halfExtent: 3 });
       const { statistics } = await drawMeasured(engines.reference, { clouds: [{ set }], camera });
       const { visibleSplats } = renderReference({ clouds: [{ set }], camera, ...SIZE });
       expect(statistics.loadedSplats).toBe(2000);
-      // Two, at most, lie so close to an edge that rounding decides.
+      // At most two lie so close to an edge that rounding decides.
       expect(Math.abs(statistics.visibleSplats - visibleSplats)).toBeLessThanOrEqual(2);
       expect(statistics.candidateSplats).toBeGreaterThanOrEqual(statistics.visibleSplats);
       expect(statistics.candidateSplats).toBeLessThanOrEqual(2000);
     }
   });
 
-  gpuTest('times its stages where the device has timestamps', async ({ skip }) => {
+  gpuTest('times its stages if the device has timestamps', async ({ skip }) => {
     if (!device.features.has('timestamp-query')) skip('this adapter has no timestamp-query');
     const { statistics } = await drawMeasured(engines.balanced, smallScene);
     const { source, preprocessMs, sortMs, rasterizeMs, totalMs } = statistics.timing;
@@ -550,7 +550,7 @@ describe('an engine', () => {
   });
 
   gpuTest(
-    'draws each frame with the accuracy that it asks for, else with its own, which may change',
+    'draws each frame with its requested accuracy, else with the engine’s, which may change',
     async () => {
       const engine = await SplatEngine.create({ device, accuracy: 'balanced' });
       const cloud = engine.add(randomSplats({ count: 500 }));
@@ -561,23 +561,23 @@ describe('an engine', () => {
       const asked = await draw(view, { ...frame, accuracy: coarse });
       expect(asked).not.toEqual(own);
       expect(asked.every((value) => Math.abs(value * 255 - Math.round(value * 255)) < 1e-4)).toBe(true);
-      // Equal settings in another object are the same picture.
+      // Equal settings in another object give the same frame.
       expect(view.render({ ...frame, accuracy: { ...coarse } })).toBe(false);
-      expectSamePicture(await draw(view, frame), own);
+      expectSameImage(await draw(view, frame), own);
 
       expect(() => engine.setAccuracy({ ...coarse, shDegree: 7 as never })).toThrow(InvalidArgumentError);
       expect(engine.accuracy.shDegree).toBe(3);
       expect(view.render(frame)).toBe(false);
       engine.setAccuracy(coarse);
       expect(engine.accuracy).toMatchObject(coarse);
-      expectSamePicture(await draw(view, frame), asked);
-      expectSamePicture(await draw(view, { ...frame, accuracy: 'balanced' }), own);
+      expectSameImage(await draw(view, frame), asked);
+      expectSameImage(await draw(view, { ...frame, accuracy: 'balanced' }), own);
       expect((await view.pick(32, 32))?.weight).toBeGreaterThan(0);
       engine.destroy();
     },
   );
 
-  gpuTest('draws clouds that were packed for another accuracy from what there is of them', async () => {
+  gpuTest('draws clouds that were packed for another accuracy from the planes that they hold', async () => {
     const [set] = smallScene.clouds.map((cloud) => cloud.set);
     const packed = packCloud(set, { geometryPrecision: 'f32' });
     const view = engines.balanced.createView();
@@ -591,21 +591,21 @@ describe('an engine', () => {
     cloud.destroy();
   });
 
-  gpuTest('refuses unknown settings', async () => {
+  gpuTest('rejects unknown settings', async () => {
     const accuracy = 'perfect' as unknown as Accuracy;
     await expect(SplatEngine.create({ device, accuracy })).rejects.toThrow(InvalidArgumentError);
   });
 });
 
 /** Bit for bit; a deep comparison of so many numbers takes longer than drawing them. */
-function expectSamePicture(actual: Float32Array, expected: Float32Array): void {
+function expectSameImage(actual: Float32Array, expected: Float32Array): void {
   if (Buffer.compare(Buffer.from(actual.buffer), Buffer.from(expected.buffer)) === 0) return;
   expect(actual.length).toBe(expected.length);
   const at = expected.findIndex((value, i) => !Object.is(value, actual[i]));
   expect.fail(`value ${at} of ${expected.length}: got ${actual[at]}, expected ${expected[at]}`);
 }
 
-/** Draws until a picture has been measured: the first, which compiles shaders, may not be. */
+/** Draws until a frame has been measured; the first, which compiles shaders, may not be. */
 async function drawMeasured(
   engine: SplatEngine,
   { clouds, camera }: Scene,
@@ -622,7 +622,7 @@ async function drawMeasured(
   return { image, statistics };
 }
 
-/** `device` as it would be with other limits: WebGPU gives none below its defaults. */
+/** `device` with other limits: WebGPU gives no limits below its defaults. */
 function withLimits(whole: GPUDevice, limits: Partial<Record<keyof GPUSupportedLimits, number>>): GPUDevice {
   const limited = new Proxy(whole.limits, {
     get: (target, name) => limits[name as keyof GPUSupportedLimits] ?? Reflect.get(target, name),

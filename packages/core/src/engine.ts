@@ -34,29 +34,29 @@ import { SplatView } from './views/splat-view.ts';
 import type { ViewContext } from './views/view-core.ts';
 
 export interface EngineOptions extends DeviceOptions {
-  /** A device to work on; by default one is made, with all that its adapter offers. */
+  /** Device to draw on; by default the engine requests one of its own, see `requestSplatDevice`. */
   readonly device?: GPUDevice;
   /** Settings, or a wish: see `SplatView.onAccuracyChosen`. Default `balanced`. */
   readonly accuracy?: AccuracyRequest;
-  /** Most workgroups in one dimension of a dispatch; by default the device's limit. For tests of large dispatches. */
+  /** Most workgroups in one dimension of a dispatch; default the device's limit. For tests of large dispatches. */
   readonly maxWorkgroupsPerDimension?: number;
-  /** @internal For tests alone: see ShaderMutation. */
+  /** @internal For tests only: see ShaderMutation. */
   readonly mutation?: ShaderMutation;
 }
 
 /** A cloud that could not be given the precision of the engine's accuracy, and why. */
 export interface PrecisionProblem {
   readonly cloud: SplatCloud;
-  /** As `requestPrecision` rejects with it. */
+  /** The error that `requestPrecision` rejects with. */
   readonly error: Error;
 }
 
 /** Draws Gaussian splats on one WebGPU device. */
 export class SplatEngine {
   readonly device: GPUDevice;
-  /** What a person would call the adapter. */
+  /** Human-readable name of the adapter. */
   readonly adapterLabel: string;
-  /** Whether stages are timed by the GPU itself. */
+  /** Whether the GPU itself times the stages. */
   readonly hasGpuTimestamps: boolean;
   /** Resolves when the device is lost, on purpose or not. */
   readonly lost: Promise<GPUDeviceLostInfo>;
@@ -69,9 +69,9 @@ export class SplatEngine {
   readonly #wishes: AccuracyWishes;
   readonly #views = new Set<SplatView | EmbeddedView>();
   readonly #clouds = new Set<SplatCloud>();
-  /** By what was asked for: what this device does of it. */
+  /** Requested settings → the closest settings that this device supports. */
   readonly #possible = new WeakMap<AccuracySettings, PossibleAccuracy>();
-  /** What frames wish that do not say otherwise, or null. */
+  /** The wish of frames without an accuracy of their own, or null. */
   #wish: AccuracyWish | null = null;
   #accuracy: PossibleAccuracy = { settings: internAccuracy(), notices: [] };
   #destroyedBecause: string | null = null;
@@ -86,10 +86,10 @@ export class SplatEngine {
     const limit = device.limits.maxComputeWorkgroupsPerDimension;
     this.#dispatchRow = Math.min(options.maxWorkgroupsPerDimension ?? limit, limit);
     this.#wishes = new AccuracyWishes({
-      measure: async (wish, picture, options) => {
-        // Most pages wish for nothing.
+      measure: async (wish, frame, options) => {
+        // Most pages never use a wish, so they do not load this module.
         const { measureWish } = await import('./measure/measure-wish.ts');
-        return measureWish(this, wish, picture, options);
+        return measureWish(this, wish, frame, options);
       },
       adopt: (choice, clouds) => this.#adopt(choice, clouds),
     });
@@ -102,12 +102,12 @@ export class SplatEngine {
   }
 
   /**
-   * An engine on `options.device`, or on a device of its own.
+   * Creates an engine on `options.device`, or on a device of its own.
    *
-   * @throws WebGpuUnavailableError where there is no WebGPU, InvalidArgumentError for unknown accuracy settings.
+   * @throws WebGpuUnavailableError if WebGPU is not available, InvalidArgumentError for unknown accuracy settings.
    */
   static async create(options: EngineOptions = {}): Promise<SplatEngine> {
-    // Before a device is made for nothing.
+    // Reject unknown settings before a device is requested in vain.
     const { accuracy = DEFAULT_ACCURACY } = options;
     if (!internWish(accuracy)) internAccuracy(accuracy as Accuracy);
     const device = options.device ?? (await requestSplatDevice(options));
@@ -115,53 +115,53 @@ export class SplatEngine {
   }
 
   /**
-   * What frames are drawn with that do not say otherwise, and what clouds are loaded for. Under a wish what was chosen for it
-   * last, `balanced` before that; a view that shows other clouds may have a choice of its own.
+   * Default settings of frames, and the settings that clouds are packed for when they are loaded. Under a wish these are
+   * the settings chosen for it last, or `balanced` before the first choice; a view of other clouds may have its own choice.
    */
   get accuracy(): AccuracySettings {
     return this.#accuracy.settings;
   }
 
-  /** What the device could not do of `accuracy` as asked, in words. */
+  /** Sentences that say what the device could not do as requested for `accuracy`. */
   get notices(): readonly string[] {
     return this.#accuracy.notices;
   }
 
   /**
-   * Changes `accuracy`: views draw with it from their next frame on, at first from what their clouds hold. Each cloud is
-   * asked for its precisions, as by `requestPrecision`; where that fails it stays as it is. For a wish that happens when it
-   * has been chosen: see `SplatView.onAccuracyChosen`.
+   * Changes `accuracy`. Views draw with it from their next frame on, at first from the planes that their clouds hold. Each
+   * cloud then gets its precisions as by `requestPrecision`; if that fails, the cloud stays unchanged. For a wish, this
+   * happens once settings have been chosen: see `SplatView.onAccuracyChosen`.
    *
-   * @returns when all clouds hold what they can: those that do not hold what was asked for. Never rejects; a later change
-   *   takes the place of this one.
-   * @throws InvalidArgumentError for unknown settings; everything stays as it was then.
+   * @returns the clouds that could not be given the requested precision; resolves when all clouds are done and never rejects.
+   *   A later change replaces this one.
+   * @throws InvalidArgumentError for unknown settings; nothing changes then.
    */
   setAccuracy(accuracy: AccuracyRequest): Promise<readonly PrecisionProblem[]> {
     this.#checkUsable();
     this.#takeAccuracy(accuracy);
-    // What a wish will need is not known before it has been measured.
-    return this.#askForPrecision(this.#wish ? [] : [...this.#clouds]);
+    // The precision that a wish needs is unknown until it has been measured.
+    return this.#requestPrecisions(this.#wish ? [] : [...this.#clouds]);
   }
 
   /**
-   * The settings that come closest to `accuracy` on this device, default the engine's own, and in words what had to give
-   * way. Equal settings are one object.
+   * Returns the settings closest to `accuracy` (default: the engine's) that this device supports, and notices about what it
+   * does not support. Equal settings are the same object.
    *
    * @throws InvalidArgumentError for unknown settings.
    */
   resolveAccuracy(accuracy?: Accuracy): PossibleAccuracy {
     if (accuracy === undefined) return this.#accuracy;
-    const asked = internAccuracy(accuracy);
-    const possible = this.#possible.get(asked) ?? possibleOn(this.device, asked);
-    this.#possible.set(asked, possible);
+    const requested = internAccuracy(accuracy);
+    const possible = this.#possible.get(requested) ?? possibleOn(this.device, requested);
+    this.#possible.set(requested, possible);
     return possible;
   }
 
   /**
-   * Reads splats, in a worker where there are any, and uploads them. Addresses, Files and Blobs are kept as handles, so
+   * Reads splats, in a worker if workers are available, and uploads them. Addresses, Files and Blobs are kept as handles, so
    * that `requestPrecision` can read them again.
    *
-   * @throws SplatFileError, SplatSourceError, GpuLimitError; the signal's reason where it aborts. Nothing is kept then.
+   * @throws SplatFileError, SplatSourceError, GpuLimitError; the signal's reason if it aborts. Nothing is kept then.
    */
   async load(source: SplatSource, options: ReadOptions = {}): Promise<SplatCloud> {
     this.#checkUsable();
@@ -172,24 +172,25 @@ export class SplatEngine {
       name: options.name ?? sourceName(source),
       source: lastingSource(source),
     });
-    if (accuracy !== this.accuracy) void this.#askForPrecision([cloud]);
+    if (accuracy !== this.accuracy) void this.#requestPrecisions([cloud]);
     return cloud;
   }
 
   /**
-   * Packs and uploads splats that are in memory already, in any order; what is not finite is left out and counted. The
-   * cloud keeps `set` by reference, for `requestPrecision`.
+   * Packs and uploads splats that are already in memory, in any order; rows with non-finite values are dropped and counted.
+   * The cloud keeps `set` by reference, for `requestPrecision`.
    */
   add(set: SplatSet<Harmonics>, options: { readonly name?: string } = {}): SplatCloud {
     return this.addPacked(packSet(set, this.accuracy), { ...options, source: set });
   }
 
   /**
-   * Uploads what `packCloud` made, on this thread or another, packed for whatever accuracy: frames draw what there is.
+   * Uploads the result of `packCloud`, made on this thread or another and packed for any accuracy: frames draw whatever
+   * precision the cloud holds.
    *
-   * @param options.source where `requestPrecision` can have the same splats again: what they were read from, or, where
-   *   the memory that it takes is there anyway, `packed` itself. Of several the first that is fine enough is taken: list
-   *   what is cheap to read first. Kept by reference; by default nothing is kept.
+   * @param options.source where `requestPrecision` can read the same splats again: their file, or `packed` itself if its
+   *   memory stays in use anyway. If there are several, the first that is fine enough is used, so list cheap sources first.
+   *   Kept by reference; by default nothing is kept.
    * @throws GpuLimitError.
    */
   addPacked(
@@ -216,10 +217,10 @@ export class SplatEngine {
   }
 
   /**
-   * Makes the cloud's own lease claim this precision, and so frees what only that lease claimed before: see `cloud.hold`. A
-   * later request for the cloud takes the place of this one.
+   * Makes the cloud's own lease claim this precision, which frees the planes that only that lease claimed before: see
+   * `cloud.hold`. A later request for the cloud replaces this one.
    *
-   * @throws what the `met` of a lease rejects with.
+   * @throws the errors that the `met` of a lease rejects with.
    */
   async requestPrecision(
     cloud: SplatCloud,
@@ -230,7 +231,7 @@ export class SplatEngine {
     await cloud.ownLease.change(precision, options);
   }
 
-  /** A view that draws on `canvas`, or one whose pictures are read back. */
+  /** Creates a view that draws on `canvas`, or, without one, a view whose images are read back. */
   createView(options: { readonly canvas?: HTMLCanvasElement | OffscreenCanvas } = {}): SplatView {
     this.#checkUsable();
     const format = globalThis.navigator?.gpu?.getPreferredCanvasFormat() ?? 'rgba8unorm';
@@ -240,7 +241,7 @@ export class SplatEngine {
     return view;
   }
 
-  /** A view inside the frames of another renderer on the same device. */
+  /** Creates a view that draws inside the frames of another renderer on the same device. */
   createEmbeddedView(): EmbeddedView {
     this.#checkUsable();
     const view = new EmbeddedView(this.#viewContext(), (destroyed) => this.#views.delete(destroyed));
@@ -248,23 +249,23 @@ export class SplatEngine {
     return view;
   }
 
-  /** See `SplatView.effects`: those of the view that was drawn last. */
+  /** Effects of the view that was drawn last: see `SplatView.effects`. */
   effects(): readonly EffectEntry[] {
     const [last] = [...this.#views].toSorted((a, b) => b.drawnAs - a.drawnAs);
     return last?.effects() ?? [];
   }
 
-  /** What the engine holds on the GPU at this moment. */
+  /** GPU memory that the engine holds now. */
   memory(): GpuMemoryReport {
     return this.#memory.report();
   }
 
-  /** What the engine has done so far. */
+  /** Counts of the engine's work so far. */
   counters(): EngineCounters {
     return { ...this.#counting };
   }
 
-  /** Frees everything that the engine made, the device too where it made it. */
+  /** Frees everything that the engine made, including the device if it made that. */
   destroy(): void {
     if (this.#destroyedBecause === 'the engine was destroyed') return;
     this.#destroyedBecause = 'the engine was destroyed';
@@ -282,23 +283,23 @@ export class SplatEngine {
     this.#wish = wish;
   }
 
-  /** Makes what was chosen for a wish the engine's own where the wish is, and frees what nothing is drawn with any more. */
+  /** Adopts a choice as the engine's settings if the wish is the engine's, and frees planes that no view draws any more. */
   async #adopt(choice: AccuracyChoice, clouds: readonly SplatCloud[]): Promise<void> {
     const { wish, settings } = choice;
     if (wish === this.#wish) this.#accuracy = this.resolveAccuracy(settings);
     const others = [...this.#views].filter(({ accuracyChoice }) => accuracyChoice !== choice);
     const requests = clouds.map((cloud) => {
-      const isShared = others.some(({ shape }) => shape !== null && asksOtherwise(shape, cloud, settings));
+      const isShared = others.some(({ shape }) => shape !== null && requestsOther(shape, cloud, settings));
       const { ownLease } = cloud;
       const met = isShared ? ownLease.add(settings) : ownLease.change(settings);
-      // What cannot be had was not measured either: the table says so.
+      // A precision that cannot be made was not measured either; the table has a note.
       return met.catch(() => {});
     });
     await Promise.all(requests);
   }
 
-  /** Asks for the precisions of `accuracy`; answers with those that cannot have them, but not with what was called off. */
-  async #askForPrecision(clouds: readonly SplatCloud[]): Promise<PrecisionProblem[]> {
+  /** Requests the precisions of `accuracy`. Returns the clouds that could not get them, except for cancelled requests. */
+  async #requestPrecisions(clouds: readonly SplatCloud[]): Promise<PrecisionProblem[]> {
     const { accuracy } = this;
     const outcomes = clouds.map((cloud) =>
       this.requestPrecision(cloud, accuracy).then(
@@ -316,8 +317,8 @@ export class SplatEngine {
       pipelines: this.#pipelines,
       memory: this.#memory,
       counting: this.#counting,
-      wishFor: (asked) => (asked === undefined ? this.#wish : internWish(asked)),
-      accuracyFor: (asked) => this.resolveAccuracy(asked).settings,
+      wishFor: (requested) => (requested === undefined ? this.#wish : internWish(requested)),
+      accuracyFor: (requested) => this.resolveAccuracy(requested).settings,
       wishes: this.#wishes,
       dispatchRow: this.#dispatchRow,
       destroyedBecause: () => this.#destroyedBecause,
@@ -332,7 +333,7 @@ export class SplatEngine {
   async #makePlanes(...request: Parameters<PlaneMaker['make']>): Promise<void> {
     const [cloud, wanted, { signal }] = request;
     const { planes } = cloud;
-    // Most claims are for planes that were uploaded: nothing is loaded for those.
+    // Most claims are for planes that were uploaded, and need no plane maker.
     while (isHeld(planes.held, wanted)) {
       const { held } = planes;
       await this.#compileFor(cloud, wanted);
@@ -357,7 +358,7 @@ export class SplatEngine {
     });
   }
 
-  /** Where it fails, the frame that needs it says so. */
+  /** If compiling fails, the frame that needs the pipeline reports it. */
   async #compileFor(cloud: SplatCloud, precision: CloudPrecision): Promise<void> {
     const stages = [...this.#views].flatMap(({ shape }) => {
       if (!shape?.clouds.some((each) => each.cloud === cloud)) return [];
@@ -374,20 +375,27 @@ export class SplatEngine {
   }
 }
 
-/** Whether a picture that shows `cloud` asks for other precisions of it. */
-function asksOtherwise({ clouds, accuracy }: FrameShape, cloud: SplatCloud, asked: CloudPrecision): boolean {
+/** Whether a frame shows `cloud` in a precision that is not `precision`. */
+function requestsOther(
+  { clouds, accuracy }: FrameShape,
+  cloud: SplatCloud,
+  precision: CloudPrecision,
+): boolean {
   const { geometryPrecision, shPrecision } = accuracy;
-  const isSame = geometryPrecision === asked.geometryPrecision && shPrecision === asked.shPrecision;
+  const isSame = geometryPrecision === precision.geometryPrecision && shPrecision === precision.shPrecision;
   return clouds.some((each) => each.cloud === cloud) && !isSame;
 }
 
-function possibleOn(device: GPUDevice, asked: AccuracySettings): PossibleAccuracy {
-  if (asked.colorTarget === 'rgba32float' && !device.features.has('float32-blendable' as GPUFeatureName)) {
+function possibleOn(device: GPUDevice, requested: AccuracySettings): PossibleAccuracy {
+  if (
+    requested.colorTarget === 'rgba32float' &&
+    !device.features.has('float32-blendable' as GPUFeatureName)
+  ) {
     const notice =
-      'This device cannot blend rgba32float (float32-blendable); pictures are blended in rgba16float.';
-    return { settings: internAccuracy({ ...asked, colorTarget: 'rgba16float' }), notices: [notice] };
+      'This device cannot blend rgba32float (float32-blendable); frames are blended in rgba16float.';
+    return { settings: internAccuracy({ ...requested, colorTarget: 'rgba16float' }), notices: [notice] };
   }
-  return { settings: asked, notices: [] };
+  return { settings: requested, notices: [] };
 }
 
 function isHeld(

@@ -1,9 +1,9 @@
 /**
- * Every error that the engine throws on purpose. Each names the thing, what was found and what to do about it;
- * `code` is stable and meant for programs, `message` for people.
+ * Base of every error that the engine throws on purpose. Each message names the thing, what was found and what to do about
+ * it. `code` is stable and meant for programs, `message` for people.
  */
 export class WebSplatterError extends Error {
-  // Written out in every class: a class's own name does not survive minifiers.
+  // Written out in every class, because minifiers change the names of classes.
   override readonly name: string = 'WebSplatterError';
   readonly code: string;
 
@@ -13,7 +13,7 @@ export class WebSplatterError extends Error {
   }
 }
 
-/** Where in a file something was found: any part may be unknown. */
+/** A place in a file; any part may be unknown. */
 export interface FilePlace {
   /** Offset from the file's start, in bytes. */
   readonly byte?: number;
@@ -28,28 +28,28 @@ export interface FilePlace {
 }
 
 export type SplatFileErrorCode =
-  /** The bytes are not of any format that is read here. */
+  /** The bytes are in no supported format. */
   | 'unknown-format'
   /** The header is malformed. */
   | 'bad-header'
-  /** A property has a type or a place that it cannot have. */
+  /** A property has an unsupported type or place. */
   | 'bad-property'
-  /** A point cloud or mesh, not splats: rotation, scale or colour are missing. */
+  /** A point cloud or mesh, not splats: rotation, scale or colour is missing. */
   | 'not-splats'
-  /** The file ends before all that its header promises. */
+  /** The file ends before all the data that its header promises. */
   | 'truncated'
   /** A value in a text body cannot be read as a number. */
   | 'bad-value'
-  /** More splats than can be held. */
+  /** The file has more splats than can be held. */
   | 'too-large'
-  /** No splats in the file. */
+  /** The file has no splats. */
   | 'empty';
 
-/** A file cannot be read as splats. Nothing of it has been kept. */
+/** A file cannot be read as splats. Nothing from it was kept. */
 export class SplatFileError extends WebSplatterError {
   override readonly name = 'SplatFileError';
   declare readonly code: SplatFileErrorCode;
-  /** File name or URL, as far as it is known. */
+  /** File name or URL, if known. */
   readonly file: string;
   readonly place: FilePlace;
 
@@ -70,7 +70,7 @@ export class SplatFileError extends WebSplatterError {
 export class SplatSourceError extends WebSplatterError {
   override readonly name = 'SplatSourceError';
   readonly file: string;
-  /** HTTP status, where there was one. */
+  /** HTTP status, if there was one. */
   readonly status: number | undefined;
 
   constructor(file: string, message: string, status?: number, options?: ErrorOptions) {
@@ -80,7 +80,7 @@ export class SplatSourceError extends WebSplatterError {
   }
 }
 
-/** No usable WebGPU here. */
+/** WebGPU is not available, or not usable. */
 export class WebGpuUnavailableError extends WebSplatterError {
   override readonly name = 'WebGpuUnavailableError';
   constructor(message: string, options?: ErrorOptions) {
@@ -88,7 +88,7 @@ export class WebGpuUnavailableError extends WebSplatterError {
   }
 }
 
-/** A cloud or a view does not fit the device's limits; thrown before anything is allocated. */
+/** A cloud or a view exceeds the device's limits; thrown before anything is allocated. */
 export class GpuLimitError extends WebSplatterError {
   override readonly name = 'GpuLimitError';
   readonly limit: string;
@@ -103,7 +103,7 @@ export class GpuLimitError extends WebSplatterError {
   }
 }
 
-/** An argument, option or setting has a value that it cannot have. */
+/** An argument, option or setting has an invalid value. */
 export class InvalidArgumentError extends WebSplatterError {
   override readonly name = 'InvalidArgumentError';
   /** Name of the argument or setting. */
@@ -115,7 +115,7 @@ export class InvalidArgumentError extends WebSplatterError {
   }
 }
 
-/** The device was lost, or the object has been destroyed. */
+/** The device was lost, or the object was destroyed. */
 export class DestroyedError extends WebSplatterError {
   override readonly name = 'DestroyedError';
   constructor(what: string, why: string) {

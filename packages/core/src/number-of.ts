@@ -1,7 +1,7 @@
 const numbers = new WeakMap<object, number>();
 let numbersGiven = 0;
 
-/** A number that no other object has: for keys made of text. */
+/** Returns a number that is unique to `thing`, for keys made of text. */
 export function numberOf(thing: object): number {
   const number = numbers.get(thing) ?? ++numbersGiven;
   numbers.set(thing, number);

@@ -2,7 +2,7 @@ import { expect, test } from 'vitest';
 import { InvalidArgumentError } from '../errors.ts';
 import { type AccuracyRequest, internWish, isAccuracyWish } from './accuracy-wish.ts';
 
-test('tells wishes from settings', () => {
+test('distinguishes wishes from settings', () => {
   for (const wish of [{ minPsnrDb: 45 }, { maxFrameMs: 8 }]) expect(isAccuracyWish(wish)).toBe(true);
   for (const settings of ['fast', {}, { preset: 'high', shDegree: 1 }] as AccuracyRequest[]) {
     expect(isAccuracyWish(settings)).toBe(false);
@@ -10,7 +10,7 @@ test('tells wishes from settings', () => {
   }
 });
 
-test('equal wishes are one object, whatever becomes of the caller’s own', () => {
+test('equal wishes are the same object, even if the caller changes the original', () => {
   const own = { minPsnrDb: 45 };
   const wish = internWish(own);
   own.minPsnrDb = 10;
@@ -20,7 +20,7 @@ test('equal wishes are one object, whatever becomes of the caller’s own', () =
   expect(internWish({ maxFrameMs: 45 })).not.toBe(wish);
 });
 
-test('refuses what is no positive number, and settings beside a wish', () => {
+test('rejects values that are not positive numbers, and settings next to a wish', () => {
   const refused = [{ minPsnrDb: 0 }, { maxFrameMs: Number.NaN }, { minPsnrDb: '45' }];
   for (const wish of [...refused, { minPsnrDb: 45, maxFrameMs: 8 }, { minPsnrDb: 45, preset: 'high' }])
     expect(() => internWish(wish as never), JSON.stringify(wish)).toThrow(InvalidArgumentError);

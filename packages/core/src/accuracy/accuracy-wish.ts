@@ -1,20 +1,20 @@
 import { InvalidArgumentError } from '../errors.ts';
 import type { Accuracy } from './accuracy.ts';
 
-/** What is wanted of settings, instead of the settings: an error not to be passed, dB, or a time, milliseconds. */
+/** An outcome requested instead of settings: a minimum PSNR in dB, or a maximum frame time in milliseconds. */
 export type AccuracyWish = { readonly minPsnrDb: number } | { readonly maxFrameMs: number };
 
-/** Settings, or what is wanted of them: they are then measured and chosen for what is drawn. */
+/** Settings, or a wish for which settings are measured and chosen. */
 export type AccuracyRequest = Accuracy | AccuracyWish;
 
 const WISHES = ['minPsnrDb', 'maxFrameMs'] as const;
 
-/** Whether an outcome is asked for, rather than settings. */
+/** Whether `request` is for an outcome rather than for settings. */
 export function isAccuracyWish(request: AccuracyRequest): request is AccuracyWish {
   return typeof request === 'object' && WISHES.some((name) => Object.hasOwn(request, name));
 }
 
-/** @throws InvalidArgumentError for a wish that is not one positive number under a name that is known. */
+/** @throws InvalidArgumentError unless the wish is one positive number under a known name. */
 export function checkWish(wish: AccuracyWish): void {
   const [name, value] = Object.entries(wish)[0] ?? ['accuracy', undefined];
   const isKnown = (WISHES as readonly string[]).includes(name) && Object.keys(wish).length === 1;
@@ -28,8 +28,8 @@ const known = new WeakMap<AccuracyWish, AccuracyWish>();
 const interned = new Map<string, AccuracyWish>();
 
 /**
- * The wish in `request`, one frozen object for all that are equal, or null where it asks for settings. An object is
- * looked at once; changing it later changes nothing.
+ * Returns the wish in `request`, or null if it requests settings. Equal wishes are the same frozen object. An object is read
+ * once; changing it later changes nothing.
  *
  * @throws InvalidArgumentError as `checkWish` does.
  */

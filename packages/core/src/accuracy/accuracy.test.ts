@@ -10,7 +10,7 @@ import {
   resolveAccuracy,
 } from './accuracy.ts';
 
-/** The argument that the error names, and what it says. */
+/** The argument that the error names, and the error's message. */
 function refusal(accuracy: unknown): [argument: string, message: string] {
   try {
     resolveAccuracy(accuracy as Accuracy);
@@ -23,7 +23,7 @@ function refusal(accuracy: unknown): [argument: string, message: string] {
 }
 
 describe('accuracy', () => {
-  test('presets stand for themselves, nothing for balanced', () => {
+  test('presets resolve to themselves, and nothing to balanced', () => {
     for (const name of Object.keys(ACCURACY_PRESETS) as AccuracyPreset[])
       expect(resolveAccuracy(name)).toEqual(ACCURACY_PRESETS[name]);
     expect(resolveAccuracy()).toEqual(ACCURACY_PRESETS.balanced);
@@ -41,14 +41,14 @@ describe('accuracy', () => {
     });
   });
 
-  test('every preset gives every setting a value that may stand there', () => {
+  test('every preset gives every setting a valid value', () => {
     for (const preset of Object.values(ACCURACY_PRESETS)) {
       expect(Object.keys(preset).sort()).toEqual(Object.keys(ACCURACY_SETTINGS).sort());
       expect(resolveAccuracy({ ...preset })).toEqual(preset);
     }
   });
 
-  test('equal settings become one object, however they are written', () => {
+  test('equal settings become the same object, however they are written', () => {
     const { balanced } = ACCURACY_PRESETS;
     expect(internAccuracy()).toBe(internAccuracy('balanced'));
     const reordered = Object.fromEntries(Object.entries(balanced).reverse());
@@ -60,7 +60,7 @@ describe('accuracy', () => {
     expect(Object.isFrozen(settings)).toBe(true);
   });
 
-  test('every setting says what it is, what it does and what it costs to change', () => {
+  test('every setting has a label, a unit, a source, and a sentence about its effect', () => {
     for (const [name, { label, about, unit, source }] of Object.entries(ACCURACY_SETTINGS)) {
       for (const text of [label, unit, source]) expect(text, name).not.toBe('');
       expect(about, name).toMatch(/^[A-Z].*\.$/);
@@ -74,7 +74,7 @@ describe('accuracy', () => {
     expect(maxColor(ACCURACY_PRESETS.paper)).toBe(1);
   });
 
-  test('unknown presets and settings are refused by name, with what there is', () => {
+  test('unknown presets and settings are rejected by name, with the known ones', () => {
     expect(refusal('best')[1]).toMatch(/"best".*reference, high, balanced/);
     expect(refusal('toString')[0]).toBe('accuracy');
     expect(refusal({ preset: 'hasOwnProperty' })[0]).toBe('accuracy');
@@ -82,7 +82,7 @@ describe('accuracy', () => {
     expect(refusal({ constructor: 1 })[0]).toBe('constructor');
   });
 
-  test('values that may not stand there are refused, with those that may', () => {
+  test('invalid values are rejected, with the valid ones', () => {
     expect(refusal({ shDegree: 4 })).toEqual(['shDegree', expect.stringMatching(/4.*3, 2, 1, 0/)]);
     expect(refusal({ shPrecision: 'f64' })[0]).toBe('shPrecision');
     expect(refusal({ colorTarget: undefined })[0]).toBe('colorTarget');

@@ -4,8 +4,8 @@ import type { GeometryPrecision, ShPrecision } from '../packing/precision.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 
 /**
- * What is kept of a projected splat. `f32` and `f16`: axes in float32, colour and opacity in float32 or float16, 48 or 32
- * bytes. `paper`: axes in float16 (none longer than 65504 px), colour and opacity in a byte each, so that colours end at 1;
+ * Precision of a record. `f32` and `f16`: axes in float32, colour and opacity in float32 or float16, 48 or 32 bytes. `paper`:
+ * axes in float16 (none longer than 65504 px), colour channels and opacity in one byte each, so that colours end at 1;
  * 24 bytes.
  */
 export type RecordPrecision = 'f32' | 'f16' | 'paper';
@@ -13,64 +13,64 @@ export type RecordPrecision = 'f32' | 'f16' | 'paper';
 /** Format of the texture in which splats are blended. */
 export type ColorTarget = 'rgba8unorm' | 'rgba16float' | 'rgba32float';
 
-/** Most bits that depth keys may differ in. */
+/** Number of bits in which depth keys may differ. */
 export type SortKeyBits = 32 | 24 | 20 | 16;
 
-/** How large a splat's quad is: as far as its own opacity reaches, or as far as that of an opaque one would. */
+/** Size of a splat's quad: as far as its own opacity reaches, or as far as that of an opaque splat would. */
 export type Extent = 'opacity' | 'fixed';
 
-/** Which splats of the chunks in sight are drawn: those whose box reaches into the picture, or all. */
+/** Which splats of the visible chunks are drawn: those whose bounding box reaches into the image, or all. */
 export type Culling = 'bounding-box' | 'frustum';
 
-/** Everything that trades accuracy for time or memory. */
+/** All settings that trade accuracy for time or memory. */
 export interface AccuracySettings {
   readonly geometryPrecision: GeometryPrecision;
   readonly shPrecision: ShPrecision;
-  /** Highest degree of spherical harmonics that is evaluated. */
+  /** Highest degree of spherical harmonics to evaluate. */
   readonly shDegree: ShDegree;
   readonly sortKeyBits: SortKeyBits;
-  /** Opacity under which a splat, or a fragment of one, is left out. */
+  /** Opacity below which a splat, or a fragment of one, is not drawn. */
   readonly alphaCutoff: number;
   readonly extent: Extent;
   readonly culling: Culling;
   readonly recordPrecision: RecordPrecision;
   readonly colorTarget: ColorTarget;
-  /** Width and height of the layer of splats, as a part of the picture's. */
+  /** Width and height of the layer of splats, as a fraction of the image's. */
   readonly resolutionScale: number;
 }
 
-/** Settings as a device can have them. */
+/** Settings that a device supports. */
 export interface PossibleAccuracy {
   readonly settings: AccuracySettings;
-  /** What the device could not do as asked, in words. */
+  /** Sentences that say what the device could not do as requested. */
   readonly notices: readonly string[];
 }
 
 export type AccuracyPreset = 'reference' | 'high' | 'balanced' | 'fast' | 'paper';
 
-/** One setting: what it may be, where it acts, what it costs to change, and where its values come from. */
+/** One setting: its values and their origin, the stage that it acts on, and the cost of changing it. */
 export interface AccuracySetting<Value> {
-  /** What a person would call it. */
+  /** Human-readable name. */
   readonly label: string;
-  /** What it does: one sentence. */
+  /** One sentence that says what the setting does. */
   readonly about: string;
   readonly unit: string;
-  /** The values offered, most exact first (of those that err alike the fastest first); for a number, a range. */
+  /** Possible values, most exact first (the fastest first among equally exact ones); for a number, a range. */
   readonly values: readonly Value[] | { readonly min: number; readonly max: number };
-  /** The stage that it acts on. */
+  /** The stage that the setting acts on. */
   readonly stage: 'load' | 'pre-process' | 'sort' | 'rasterize' | 'composite';
-  /** What changing it takes while the engine runs: a number, other shaders (compiled once), or other data on the GPU. */
+  /** What a change needs while the engine runs: a number, other shaders (compiled once), or other data on the GPU. */
   readonly change: 'uniform' | 'shader' | 'plane';
   readonly source: string;
 }
 
-/** The one place for every cutoff, precision and cap. */
+/** The single definition of every cutoff, precision and cap. */
 export const ACCURACY_SETTINGS: {
   readonly [Name in keyof AccuracySettings]: AccuracySetting<AccuracySettings[Name]>;
 } = {
   geometryPrecision: {
     label: 'Geometry',
-    about: 'How exactly rotations, scales, base colours and opacities are stored: 64 or 32 bytes per splat.',
+    about: 'Precision of stored rotations, scales, base colours and opacities: 64 or 32 bytes per splat.',
     unit: 'storage',
     values: ['f32', 'packed'],
     stage: 'load',
@@ -79,16 +79,16 @@ export const ACCURACY_SETTINGS: {
   },
   shPrecision: {
     label: 'Harmonics',
-    about: 'How exactly the coefficients are stored that make a colour depend on where it is seen from.',
+    about: 'Precision of the stored coefficients that make colours depend on the view.',
     unit: 'storage',
     values: ['f32', 'f16', 'u8'],
     stage: 'load',
     change: 'plane',
-    source: 'u8: one byte per coefficient, scaled per splat by its largest',
+    source: 'u8: one byte per coefficient, scaled per splat by the largest one',
   },
   shDegree: {
     label: 'Harmonics degree',
-    about: 'Up to which degree colours depend on where they are seen from; at 0 they do not.',
+    about: 'Degree up to which colours depend on the view; at 0 they do not.',
     unit: 'degree',
     values: [3, 2, 1, 0],
     stage: 'pre-process',
@@ -97,27 +97,27 @@ export const ACCURACY_SETTINGS: {
   },
   sortKeyBits: {
     label: 'Sort keys',
-    about: 'How finely depths are told apart when splats are sorted; fewer bits take fewer passes.',
+    about: 'Bits of depth that splats are sorted by; fewer bits take fewer passes.',
     unit: 'bits',
     values: [32, 24, 20, 16],
     stage: 'sort',
     change: 'shader',
     source:
-      'the top bits of the range of depths in sight; 32 is exact, and what is equal stays in storage order',
+      'the top bits of the range of visible depths; 32 is exact, and equal depths stay in storage order',
   },
   alphaCutoff: {
     label: 'Opacity cutoff',
     about:
-      'The opacity under which a splat, or a part of one, is left out; a higher one makes splats smaller.',
+      'Opacity below which splats, or parts of them, are not drawn; a higher cutoff makes splats smaller.',
     unit: 'opacity',
     values: { min: 1 / 4096, max: 0.1 },
     stage: 'pre-process',
     change: 'uniform',
-    source: '1/255 in the original implementation: less cannot change an 8-bit pixel by itself',
+    source: '1/255 in the original implementation: less cannot change an 8-bit pixel on its own',
   },
   extent: {
     label: 'Quad size',
-    about: 'Whether faint splats are drawn as smaller quads; the picture is the same.',
+    about: 'Whether faint splats are drawn as smaller quads; the image is the same.',
     unit: 'method',
     values: ['opacity', 'fixed'],
     stage: 'rasterize',
@@ -126,8 +126,7 @@ export const ACCURACY_SETTINGS: {
   },
   culling: {
     label: 'Culling',
-    about:
-      'Whether each splat is tested against the picture or only each chunk of 256; the picture is the same.',
+    about: 'Whether each splat is tested against the view or only each chunk of 256; the image is the same.',
     unit: 'method',
     values: ['bounding-box', 'frustum'],
     stage: 'pre-process',
@@ -135,9 +134,8 @@ export const ACCURACY_SETTINGS: {
     source: 'the paper, screen-space bounding boxes; frustum is its ablation −CULL',
   },
   recordPrecision: {
-    label: 'Projected splats',
-    about:
-      'How exactly axes, colour and opacity of a splat on the screen are kept between projecting and drawing it.',
+    label: 'Splat records',
+    about: 'Precision of a splat’s axes, colour and opacity between projecting and drawing it.',
     unit: 'storage',
     values: ['f32', 'f16', 'paper'],
     stage: 'pre-process',
@@ -146,7 +144,7 @@ export const ACCURACY_SETTINGS: {
   },
   colorTarget: {
     label: 'Blending',
-    about: 'The format that every blended layer is rounded to.',
+    about: 'Format that every blended layer is rounded to.',
     unit: 'texture format',
     values: ['rgba32float', 'rgba16float', 'rgba8unorm'],
     stage: 'rasterize',
@@ -161,13 +159,13 @@ export const ACCURACY_SETTINGS: {
     values: { min: 0.25, max: 1 },
     stage: 'composite',
     change: 'shader',
-    source: 'bilinear; what is in front of splats keeps its full resolution',
+    source: 'bilinear; objects in front of splats keep their full resolution',
   },
 };
 
-/** Settings by preset. Where `float32-blendable` is missing, `reference` blends in rgba16float and says so. */
+/** Settings by preset. Without `float32-blendable`, `reference` blends in rgba16float and a notice says so. */
 export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings>> = {
-  /** The most exact that the GPU can do. */
+  /** The most exact settings that the GPU supports. */
   reference: {
     geometryPrecision: 'f32',
     shPrecision: 'f32',
@@ -205,9 +203,9 @@ export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings>
     resolutionScale: 1,
   },
   /**
-   * What saves most for what it shows, by measurement (docs/accuracy.md): half the bytes of every blended layer, smaller
-   * quads, and keys so short that most splats are drawn in the order that they are stored in. Harmonics keep their degree,
-   * which costs next to nothing and shows more than all of this.
+   * The largest measured savings for the least visible error (docs/accuracy.md): half the bytes of every blended layer,
+   * smaller quads, and keys so short that most splats are drawn in storage order. Harmonics keep their degree: a lower one
+   * saves next to nothing and shows more than all of these.
    */
   fast: {
     geometryPrecision: 'packed',
@@ -222,8 +220,8 @@ export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings>
     resolutionScale: 1,
   },
   /**
-   * The precision of the paper: scenes as trained, float16 axes, 8-bit colours and opacities, keys of 32 bits. Of the passes
-   * that it sorts them in, those are left out in which all keys are known to agree: the order is the same.
+   * The precision of the paper: scenes as trained, float16 axes, 8-bit colours and opacities, keys of 32 bits. Sort passes
+   * over bits that all keys are known to share are skipped; the order is the same.
    */
   paper: {
     geometryPrecision: 'f32',
@@ -241,13 +239,13 @@ export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings>
 
 export const DEFAULT_ACCURACY: AccuracyPreset = 'balanced';
 
-/** A preset, or settings that differ from one (from `balanced` where it is not named). */
+/** A preset, or settings that differ from one (from `balanced` if none is named). */
 export type Accuracy = AccuracyPreset | ({ readonly preset?: AccuracyPreset } & Partial<AccuracySettings>);
 
 /**
- * The settings that `accuracy` stands for.
+ * Returns the settings that `accuracy` stands for.
  *
- * @throws InvalidArgumentError naming the preset or setting, what was found and what may stand there.
+ * @throws InvalidArgumentError naming the preset or setting, the value found and the valid ones.
  */
 export function resolveAccuracy(accuracy: Accuracy = DEFAULT_ACCURACY): AccuracySettings {
   const { preset = DEFAULT_ACCURACY, ...changes } =
@@ -267,8 +265,8 @@ const resolved = new WeakMap<object, AccuracySettings>();
 const interned = new Map<string, AccuracySettings>();
 
 /**
- * What `resolveAccuracy` returns, as one frozen object for all that stand for the same settings: equal settings are
- * identical. An object is looked at once; changing it later changes nothing.
+ * Returns the result of `resolveAccuracy` as a frozen object; equal settings are the same object. An object is read once;
+ * changing it later changes nothing.
  *
  * @throws InvalidArgumentError as `resolveAccuracy` does.
  */
@@ -276,7 +274,7 @@ export function internAccuracy(accuracy: Accuracy = DEFAULT_ACCURACY): AccuracyS
   const known = typeof accuracy === 'object' ? resolved.get(accuracy) : interned.get(accuracy);
   if (known) return known;
   const settings = resolveAccuracy(accuracy);
-  // Every object has the presets' order of names: that of the caller's own makes no difference.
+  // Resolved settings list their names in the presets' order, whatever order the caller used.
   const key = JSON.stringify(settings);
   const one = interned.get(key) ?? Object.freeze(settings);
   interned.set(key, one);
@@ -286,14 +284,14 @@ export function internAccuracy(accuracy: Accuracy = DEFAULT_ACCURACY): AccuracyS
   return one;
 }
 
-/** Fixed by how scenes are trained, or by the method, not by taste. */
+/** Largest opacity of a fragment. Like DILATION_PX2, fixed by training or the method, not a matter of taste. */
 export const MAX_FRAGMENT_ALPHA = 0.99;
-/** Variance that is added to both screen axes, in px²: what scenes are trained with. */
+/** Variance added to both screen axes, px²; scenes are trained with this value. */
 export const DILATION_PX2 = 0.3;
 
 /**
- * Largest colour that is blended: what the record and the target hold, since an infinity turns into NaN under the next
- * splat. In float32 1e37, which sixteen terms of spherical harmonics cannot exceed by much.
+ * Returns the largest colour that is blended: the largest that both record and target hold, since an infinity turns into
+ * NaN under the next splat. In float32 it is 1e37, which sixteen terms of spherical harmonics cannot exceed by much.
  */
 export function maxColor({ recordPrecision, colorTarget }: AccuracySettings): number {
   if (recordPrecision === 'paper') return 1;
@@ -306,12 +304,12 @@ export interface SizePx {
   readonly heightPx: number;
 }
 
-/** Size of the layer that splats are blended in for a picture of this size: at least a pixel each way. */
+/** Size of the layer that splats are blended in, for an image of the given size: at least 1 px each way. */
 export function layerSize(
   { widthPx, heightPx }: SizePx,
   { resolutionScale }: Pick<AccuracySettings, 'resolutionScale'>,
 ): SizePx {
-  // No less than a pixel of what has any.
+  // At least one pixel, unless the image itself has none.
   const scaled = (px: number) => Math.min(px, Math.max(1, Math.round(resolutionScale * px)));
   return { widthPx: scaled(widthPx), heightPx: scaled(heightPx) };
 }

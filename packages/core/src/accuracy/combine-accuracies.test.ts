@@ -3,15 +3,15 @@ import { InvalidArgumentError } from '../errors.ts';
 import { ACCURACY_PRESETS, ACCURACY_SETTINGS } from './accuracy.ts';
 import { combineAccuracies, mostExact } from './combine-accuracies.ts';
 
-describe('the accuracy of a picture', () => {
-  test('is nobody’s where no cloud asks for any, and that of the only one that does', () => {
+describe('the accuracy of a frame', () => {
+  test('is undefined if no cloud requests any, and the request of the only cloud that does', () => {
     expect(combineAccuracies([])).toBeUndefined();
     for (const only of ['fast', { preset: 'high', sortKeyBits: 20 }] as const)
       expect(combineAccuracies([only])).toBe(only);
     for (const wish of [{ minPsnrDb: 45 }, { maxFrameMs: 8 }]) expect(combineAccuracies([wish])).toBe(wish);
   });
 
-  test('has each setting at the most exact value that is asked for', () => {
+  test('has each setting at the most exact requested value', () => {
     expect(combineAccuracies(['fast', 'paper'])).toEqual({
       ...ACCURACY_PRESETS.fast,
       geometryPrecision: 'f32',
@@ -25,19 +25,19 @@ describe('the accuracy of a picture', () => {
     });
   });
 
-  test('takes an error that is wished for before settings, and those before a time', () => {
+  test('prefers a wish for an error to settings, and settings to a wish for a time', () => {
     const wishes = [{ maxFrameMs: 8 }, { minPsnrDb: 45 }, { maxFrameMs: 4 }, { minPsnrDb: 50 }];
     expect(combineAccuracies(['reference', ...wishes])).toEqual({ minPsnrDb: 50 });
     expect(combineAccuracies([wishes[0], 'fast', wishes[2]])).toBe('fast');
     expect(combineAccuracies([wishes[0], wishes[2]])).toEqual({ maxFrameMs: 4 });
   });
 
-  test('is refused where a setting is not known', () => {
+  test('is rejected if a setting is unknown', () => {
     expect(() => combineAccuracies(['balanced', 'perfect' as never])).toThrow(InvalidArgumentError);
   });
 });
 
-test('the most exact of presets is no less exact than any in any setting, in whatever order they come', () => {
+test('the most exact combination of presets is at least as exact as each in every setting, in any order', () => {
   const presets = Object.values(ACCURACY_PRESETS);
   const found = mostExact(presets);
   expect(mostExact(presets.toReversed())).toEqual(found);

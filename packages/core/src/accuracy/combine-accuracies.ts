@@ -2,8 +2,8 @@ import { ACCURACY_SETTINGS, type Accuracy, type AccuracySettings, resolveAccurac
 import { type AccuracyRequest, isAccuracyWish } from './accuracy-wish.ts';
 
 /**
- * What a picture of several clouds is drawn with, of what they ask for: the most decibels that any wishes for; else
- * settings, each at the most exact value that any asks for; else the shortest time. Undefined where none asks for anything.
+ * Combines the accuracy requests of a frame's clouds into one. In order of precedence: the highest `minPsnrDb`; the requested
+ * settings, each at its most exact value; the lowest `maxFrameMs`. Returns undefined if no cloud requests anything.
  *
  * @throws InvalidArgumentError for unknown settings.
  */
@@ -17,7 +17,7 @@ export function combineAccuracies(requests: readonly AccuracyRequest[]): Accurac
   return fastest;
 }
 
-/** Each setting at the most exact value that one of `accuracies`, of which there is at least one, has. */
+/** Returns each setting at its most exact value in `accuracies`, which has at least one entry. */
 export function mostExact(accuracies: readonly Accuracy[]): AccuracySettings {
   const asked = accuracies.map((accuracy) => resolveAccuracy(accuracy));
   const chosen = Object.entries(ACCURACY_SETTINGS).map(([name, { values }]) => {

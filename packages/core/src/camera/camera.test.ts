@@ -15,7 +15,7 @@ import {
 
 const PLACE = { position: [3, -2, 5], target: [0.5, 1, -2], up: [0.1, 1, 0.2], aspect: 1.5 } as const;
 
-/** Pixel of a point of the world by the matrices alone, the textbook way. */
+/** Pixel of a world-space point, computed from the matrices alone, the textbook way. */
 function pixelOf(camera: Camera, point: readonly number[], widthPx: number, heightPx: number): number[] {
   const m = multiply4(camera.projectionMatrix, camera.viewMatrix);
   const [x, y, , w] = [0, 1, 2, 3].map(
@@ -24,7 +24,7 @@ function pixelOf(camera: Camera, point: readonly number[], widthPx: number, heig
   return [((x / w + 1) / 2) * widthPx, ((1 - y / w) / 2) * heightPx];
 }
 
-/** The same by `projectionOf`. */
+/** Pixel of a world-space point, computed by `projectionOf`. */
 function projectedPixel(
   camera: Camera,
   point: readonly number[],
@@ -62,7 +62,7 @@ const CAMERAS: Readonly<Record<string, Camera>> = {
 
 describe('cameras', () => {
   for (const [name, camera] of Object.entries(CAMERAS)) {
-    test(`${name}: projects as its matrices do, anywhere before it`, () => {
+    test(`${name}: projects as its matrices do, anywhere in front of it`, () => {
       const toward = [0, 1, 2].map((axis) => PLACE.target[axis] - PLACE.position[axis]);
       const coordinate = uniform(-1, 1);
       fc.assert(
@@ -76,7 +76,7 @@ describe('cameras', () => {
       );
     });
 
-    test(`${name}: the ray through a point of the picture holds what is seen there, at every depth`, () => {
+    test(`${name}: the ray through a point of the image contains the points seen there, at every depth`, () => {
       fc.assert(
         fc.property(uniform(-50, 350), uniform(-50, 250), uniform(0.01, 1000), (xPx, yPx, depthView) => {
           const { origin, direction } = pixelRay(camera, projectionOf(camera, 300, 200), [xPx, yPx]);
@@ -91,7 +91,7 @@ describe('cameras', () => {
       );
     });
 
-    test(`${name}: edges are where the picture ends, and the Jacobian's clamp lies outside of them`, () => {
+    test(`${name}: the edges are those of the image, and the Jacobian's clamp lies outside of them`, () => {
       const { edgesX, edgesY, clampX, clampY, focalPx, centerPx } = projectionOf(camera, 300, 200);
       expect(edgesX.map((edge) => centerPx[0] + focalPx[0] * edge)).toEqual([
         expect.closeTo(0, 9),
@@ -111,7 +111,7 @@ describe('cameras', () => {
       }
     });
 
-    test(`${name}: from its matrices alone comes the same camera`, () => {
+    test(`${name}: its matrices alone give the same camera`, () => {
       const again = cameraFromMatrices(camera.viewMatrix, camera.projectionMatrix);
       expect(again.near).toBeCloseTo(0.01, 6);
       expect(again.far / 1000).toBeCloseTo(1, 6);
@@ -124,7 +124,7 @@ describe('cameras', () => {
     expect(clampY[1]).toBeCloseTo(1.3 * Math.tan((20 * Math.PI) / 180), 12);
   });
 
-  test('stand where they were put, with the target in the middle and up upwards', () => {
+  test('stand at their position, with the target in the middle and up upwards', () => {
     for (const camera of [perspective, orthographic]) {
       const position = cameraPosition(camera.viewMatrix);
       for (const axis of [0, 1, 2]) expect(position[axis]).toBeCloseTo(PLACE.position[axis], 12);
@@ -142,7 +142,7 @@ describe('cameras', () => {
     expect(again).toMatchObject({ near: 0.25, far });
   });
 
-  test('near and far that are given win over the matrix', () => {
+  test('explicit near and far win over the matrix', () => {
     const { viewMatrix, projectionMatrix } = perspective;
     expect(cameraFromMatrices(viewMatrix, projectionMatrix, { near: 1, far: 2 })).toMatchObject({
       near: 1,
@@ -157,7 +157,7 @@ describe('cameras', () => {
     expect(again.far).toBeCloseTo(5, 9);
   });
 
-  test('a ray of a perspective camera begins where the camera stands, also far from the origin', () => {
+  test('a ray of a perspective camera begins at the camera, even far from the origin', () => {
     const far = [6.4e6, -3.2e6, 1.7e6] as const;
     const position = PLACE.position.map((value, axis) => value + far[axis]) as [number, number, number];
     const target = PLACE.target.map((value, axis) => value + far[axis]) as [number, number, number];
@@ -171,7 +171,7 @@ describe('cameras', () => {
     expect(() => pixelRay(camera, projectionOf(camera, 300, 200), [0, 0])).toThrow(InvalidArgumentError);
   });
 
-  test('what makes no camera is refused by name', () => {
+  test('invalid arguments are rejected by name', () => {
     const make = (changes: object) => () => perspectiveCamera({ ...PLACE, fovYDegrees: 60, ...changes });
     const argumentOf = (run: () => unknown): string => {
       try {

@@ -8,11 +8,11 @@ import { invert3, linearPart, type Mat4, transform3, type Vec3 } from '../math/m
 export interface Camera {
   /** World to view, rigid. */
   readonly viewMatrix: ArrayLike<number>;
-  /** View to clip. Only x, y and w are used, so that either depth convention will do. */
+  /** View to clip. Only x, y and w are used, so either depth convention works. */
   readonly projectionMatrix: ArrayLike<number>;
-  /** View depth, in world units, up to which nothing is drawn. */
+  /** View depth up to which nothing is drawn, world units. */
   readonly near: number;
-  /** View depth, in world units, beyond which nothing is drawn; Infinity allowed. */
+  /** View depth beyond which nothing is drawn, world units; Infinity allowed. */
   readonly far: number;
 }
 
@@ -21,7 +21,7 @@ export interface LookAtOptions {
   readonly target: Vec3;
   /** Default [0, 1, 0]; must not be parallel to the line of sight. */
   readonly up?: Vec3;
-  /** Width of the picture divided by its height. */
+  /** Width of the image divided by its height. */
   readonly aspect: number;
   /** Default 0.01. */
   readonly near?: number;
@@ -29,7 +29,7 @@ export interface LookAtOptions {
   readonly far?: number;
 }
 
-/** A perspective camera. `fovYDegrees` is the full vertical angle, 0…180 exclusive. */
+/** Makes a perspective camera. `fovYDegrees` is the full vertical angle, 0…180 exclusive. */
 export function perspectiveCamera(options: LookAtOptions & { readonly fovYDegrees: number }): Camera {
   const { aspect, near = 0.01, far = 1000, fovYDegrees } = options;
   checkRange(aspect, near, far);
@@ -55,7 +55,7 @@ export function perspectiveCamera(options: LookAtOptions & { readonly fovYDegree
   return { viewMatrix: lookAtMatrix(options), projectionMatrix, near, far };
 }
 
-/** An orthographic camera; `height` is the height of the picture in world units. */
+/** Makes an orthographic camera. `height` is the height of the image in world units. */
 export function orthographicCamera(options: LookAtOptions & { readonly height: number }): Camera {
   const { aspect, near = 0.01, far = 1000, height } = options;
   checkRange(aspect, near, far);
@@ -75,10 +75,10 @@ export function orthographicCamera(options: LookAtOptions & { readonly height: n
 }
 
 /**
- * A camera from matrices. `near` and `far` are read from the projection matrix as three.js makes it by default
- * (clip depth −1…1) where they are not given.
+ * Makes a camera from matrices. Without `near` and `far`, they are read from the projection matrix, which must then have
+ * three.js's default clip depth (−1…1).
  *
- * @throws InvalidArgumentError where a matrix is not 16 finite numbers, or near and far make no range.
+ * @throws InvalidArgumentError if a matrix is not 16 finite numbers, or near and far make no range.
  */
 export function cameraFromMatrices(
   viewMatrix: ArrayLike<number>,
@@ -96,7 +96,7 @@ export function cameraFromMatrices(
   if (isPerspective && !(near > 0)) {
     throw new InvalidArgumentError(
       'near',
-      `near is ${near}${range.near === undefined ? ' by the projection matrix' : ''}; a perspective camera needs a near plane in front of it. Give near and far where the matrix has another depth convention than −1…1.`,
+      `near is ${near}${range.near === undefined ? ' by the projection matrix' : ''}; a perspective camera needs a near plane in front of it. Pass near and far if the matrix has another depth convention than −1…1.`,
     );
   }
   return {
@@ -107,34 +107,34 @@ export function cameraFromMatrices(
   };
 }
 
-/** What projecting splats needs of a camera and a picture's size; lengths in pixels, x right, y down. */
+/** The part of a camera and an image size that projecting splats needs; lengths in pixels, x right, y down. */
 export interface Projection {
   readonly isOrthographic: boolean;
   readonly widthPx: number;
   readonly heightPx: number;
   /** Pixels per unit of x/depth and y/depth (perspective) or of x and y (orthographic); y's is for y up. */
   readonly focalPx: readonly [number, number];
-  /** Where the line of sight meets the picture. */
+  /** Where the line of sight meets the image. */
   readonly centerPx: readonly [number, number];
-  /** x/depth (orthographic: x) at the left and right edge of the picture. */
+  /** x/depth (orthographic: x) at the left and right edge of the image. */
   readonly edgesX: readonly [number, number];
-  /** y/depth (orthographic: y) at the bottom and top edge of the picture. */
+  /** y/depth (orthographic: y) at the bottom and top edge of the image. */
   readonly edgesY: readonly [number, number];
-  /** Where x/depth is clamped for the Jacobian. */
+  /** Range that x/depth is clamped to for the Jacobian. */
   readonly clampX: readonly [number, number];
-  /** Where y/depth is clamped for the Jacobian. */
+  /** Range that y/depth is clamped to for the Jacobian. */
   readonly clampY: readonly [number, number];
   readonly near: number;
   readonly far: number;
 }
 
 /**
- * The Jacobian takes x/depth no further outside the picture than this part of its width. For a centred view that is
- * 1.3 times the tangent of half the field of view, where the affine approximation of the original implementation stops.
+ * How far outside the image the Jacobian follows x/depth, as a fraction of the image's width. For a centred view the clamp is
+ * at 1.3 times the tangent of half the field of view, as in the affine approximation of the original implementation.
  */
 const JACOBIAN_MARGIN = 0.15;
 
-/** Reads the projection off `camera` for a picture of `widthPx` × `heightPx`. */
+/** Returns the projection of `camera` for an image of `widthPx` × `heightPx`. */
 export function projectionOf(camera: Camera, widthPx: number, heightPx: number): Projection {
   const p = camera.projectionMatrix;
   const isOrthographic = p[11] === 0;
@@ -161,17 +161,17 @@ export function projectionOf(camera: Camera, widthPx: number, heightPx: number):
   };
 }
 
-/** A line of sight: what is at view depth d lies at origin + d·direction, in world space. */
+/** A line of sight in world space: its point at view depth d is origin + d·direction. */
 export interface PixelRay {
   readonly origin: Vec3;
-  /** Not normalised: as long as it takes for one unit of depth. */
+  /** Not normalised: its length corresponds to one unit of view depth. */
   readonly direction: Vec3;
 }
 
 /**
- * The line of sight through a point of the picture, px from its top left, x right and y down.
+ * Returns the line of sight through a point of the image, px from its top left, x right and y down.
  *
- * @throws InvalidArgumentError where the view matrix cannot be inverted.
+ * @throws InvalidArgumentError if the view matrix is singular.
  */
 export function pixelRay(
   { viewMatrix }: Camera,
@@ -182,7 +182,7 @@ export function pixelRay(
   if (!toWorld) {
     throw new InvalidArgumentError(
       'viewMatrix',
-      'The view matrix is singular: no ray leads back to the world.',
+      'The view matrix is singular; it must be a rigid transform.',
     );
   }
   const x = (xPx - centerPx[0]) / focalPx[0];
@@ -204,7 +204,7 @@ export function cameraPosition(viewMatrix: ArrayLike<number>): [number, number, 
 
 function widened([low, high]: readonly [number, number]): [number, number] {
   const margin = JACOBIAN_MARGIN * (high - low);
-  // A mirrored projection has its edges swapped.
+  // A mirrored projection swaps its edges.
   return margin >= 0 ? [low - margin, high + margin] : [high + margin, low - margin];
 }
 
@@ -251,7 +251,7 @@ function checkRange(aspect: number, near: number, far: number): void {
     throw new InvalidArgumentError('aspect', `aspect is ${aspect}; it must be width divided by height.`);
   }
   if (!Number.isFinite(near) || !(far > near)) {
-    throw new InvalidArgumentError('far', `near is ${near} and far is ${far}; far must be the greater.`);
+    throw new InvalidArgumentError('far', `near is ${near} and far is ${far}; far must be greater.`);
   }
 }
 
@@ -269,6 +269,6 @@ function cross(a: Vec3, b: Vec3): Vec3 {
 
 function normalized(v: Vec3): Vec3 | null {
   const length = Math.hypot(v[0], v[1], v[2]);
-  // Scaled by the largest of the operands this would be exact zero for parallel vectors; rounding leaves about 1e-16.
+  // Parallel vectors do not give exactly zero: rounding leaves about 1e-16.
   return length > 1e-12 ? [v[0] / length, v[1] / length, v[2] / length] : null;
 }

@@ -13,7 +13,7 @@ function toView(view: ReturnType<typeof cloudView>, point: readonly number[]): n
 
 describe('cloudView', () => {
   for (const [name, modelMatrix] of Object.entries(TEST_MODELS)) {
-    test(`${name} model: the camera, in the cloud's space, is where view space has its origin`, () => {
+    test(`${name} model: the camera, in cloud space, is at the origin of view space`, () => {
       const view = cloudView(CAMERA.viewMatrix, modelMatrix, ORIGIN, false);
       for (const value of toView(view, view.camera!)) expect(Math.abs(value)).toBeLessThan(1e-12);
     });
@@ -54,7 +54,7 @@ describe('cloudView', () => {
     }
   });
 
-  test('a singular model is still seen from somewhere', () => {
+  test('a singular model still has a viewing direction', () => {
     const flat = Float64Array.of(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1);
     const view = cloudView(CAMERA.viewMatrix, flat, ORIGIN, false);
     expect(view.camera).toBeNull();

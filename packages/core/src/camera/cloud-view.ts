@@ -1,32 +1,29 @@
 import { invert3, linearPart, multiply4, transform3, translated4, type Vec3 } from '../math/mat4.ts';
 
-/** How a cloud stands to the camera, all in float64 and relative to the cloud's origin. */
+/** A cloud as the camera sees it, all in float64 and relative to the cloud's origin. */
 export interface CloudView {
   /** Linear part of cloud space to view space, column-major 3×3. */
   readonly linear: Float64Array;
-  /** Its inverse; null where the model matrix is singular. */
+  /** Inverse of `linear`; null if the model matrix is singular. */
   readonly inverse: Float64Array | null;
   /** The cloud's origin in view space. */
   readonly translation: readonly [number, number, number];
   /**
-   * The camera in cloud space, relative to the cloud's origin; null where the model matrix cannot be inverted, or for
-   * an orthographic camera, whose directions are all `direction`.
+   * Position of the camera in cloud space, relative to the cloud's origin; null if the model matrix is singular, and for an
+   * orthographic camera, whose viewing directions are all `direction`.
    */
   readonly camera: readonly [number, number, number] | null;
   /** Direction in which the camera looks, in cloud space, not normalised. */
   readonly direction: readonly [number, number, number];
 }
 
-/**
- * Where colours are seen from when nothing says it: the camera stands at the splat's centre, or the model matrix is
- * singular.
- */
+/** Fallback viewing direction: used if the camera is at the splat's centre, or if the model matrix is singular. */
 export const FALLBACK_DIRECTION: Vec3 = [0, 0, 1];
 
 /**
- * Spherical harmonics are evaluated along the line of sight in the cloud's own space, which for a scaled, mirrored or
- * sheared cloud is the inverse of the whole linear part, not of its rotation alone: a mirrored cloud then looks like
- * the cloud in a mirror.
+ * Returns the cloud as the camera sees it. Spherical harmonics are evaluated along the line of sight in the cloud's own
+ * space. For a scaled, mirrored or sheared cloud, that takes the inverse of the whole linear part, not of its rotation
+ * alone: a mirrored cloud then looks like the cloud in a mirror.
  */
 export function cloudView(
   viewMatrix: ArrayLike<number>,
@@ -34,7 +31,7 @@ export function cloudView(
   origin: Vec3,
   isOrthographic: boolean,
 ): CloudView {
-  // The product is taken in float64 about the origin: far from the world's origin, float32 would lose millimetres here.
+  // Multiplied in float64 about the cloud's origin: far from the world's origin, float32 would lose millimetres here.
   const modelView = translated4(multiply4(viewMatrix, modelMatrix), origin);
   const linear = linearPart(modelView);
   const translation = [modelView[12], modelView[13], modelView[14]] as const;
@@ -50,7 +47,7 @@ export function cloudView(
             translation.map((v) => -v),
           )
         : null,
-    // Nowhere: whoever needs a direction falls back.
+    // No direction: callers use FALLBACK_DIRECTION.
     direction: inverse ? transform3(inverse, [0, 0, -1]) : [0, 0, 0],
   };
 }

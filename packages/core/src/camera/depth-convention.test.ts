@@ -44,7 +44,7 @@ const ORTHOGRAPHIC = [
   1,
 ];
 
-/** The same with a near plane that is not across the line of sight. */
+/** That projection with a near plane that is not perpendicular to the line of sight. */
 function withObliquePlane(projection: readonly number[], plane: readonly number[]): number[] {
   const oblique = [...projection];
   plane.forEach((value, column) => {
@@ -67,7 +67,7 @@ const projections: Record<string, readonly number[]> = {
 };
 
 describe('stored depth', () => {
-  test.each(Object.keys(projections))('of a %s projection is what the matrix makes of a point', (name) => {
+  test.each(Object.keys(projections))('of a %s projection equals that of the matrix', (name) => {
     const p = projections[name];
     const camera = cameraFromMatrices(identity4(), p, { near: NEAR, far: FAR });
     for (const [x, y, depthView] of [
@@ -84,19 +84,19 @@ describe('stored depth', () => {
     }
   });
 
-  test('is kept within 0…1 where the near plane is across the line of sight', () => {
+  test('stays within 0…1 if the near plane is perpendicular to the line of sight', () => {
     const camera = cameraFromMatrices(identity4(), PERSPECTIVE, { near: NEAR, far: FAR });
     expect(storedDepth(NEAR * (1 - 1e-9), camera, 'projection')).toBe(0);
     expect(storedDepth(FAR * (1 + 1e-9), camera, 'projection')).toBe(1);
   });
 
-  test('of what lies in front of an oblique near plane is outside, to be clipped', () => {
+  test('of points in front of an oblique near plane is outside of 0…1, so that they are clipped', () => {
     const oblique = withObliquePlane(PERSPECTIVE, [0, 0.5, -1, -4]);
     const camera = cameraFromMatrices(identity4(), oblique, { near: NEAR, far: FAR });
     expect(storedDepth(2, camera, 'projection')).toBeLessThan(0);
   });
 
-  test('by logarithm goes from 0 at the near to 1 at the far plane', () => {
+  test('is logarithmic from 0 at the near plane to 1 at the far plane', () => {
     const camera = cameraFromMatrices(identity4(), PERSPECTIVE, { near: NEAR, far: FAR });
     expect(storedDepth(NEAR, camera, 'logarithmic')).toBeCloseTo(0, 12);
     expect(storedDepth(Math.sqrt(NEAR * FAR), camera, 'logarithmic')).toBeCloseTo(0.5, 12);

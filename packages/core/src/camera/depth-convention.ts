@@ -1,11 +1,11 @@
 import type { Camera } from './camera.ts';
 
-/** How the renderer around the splats stores depth. */
+/** How the host renderer stores depth. */
 export interface DepthConvention {
-  /** `greater-equal` where depth is reversed: 1 at the near plane. */
+  /** `greater-equal` for reversed depth: 1 at the near plane. */
   readonly compare: 'less-equal' | 'greater-equal';
   /**
-   * `projection`: as the camera's projection matrix says, from 0 to 1; `logarithmic`: log2(depth/near)/log2(far/near)
+   * `projection`: the depth of the camera's projection matrix, from 0 to 1. `logarithmic`: log2(depth/near)/log2(far/near)
    * for perspective cameras, linear between near and far for orthographic ones.
    */
   readonly mapping: 'projection' | 'logarithmic';
@@ -13,22 +13,21 @@ export interface DepthConvention {
 
 /**
  * Stored depth of a point at view depth d and normalised device coordinates x, y (−1…1, y up): offset + factor·f(d) +
- * slope·(x, y), f being 1/d, d or log2 d.
+ * slope·(x, y), where f(d) is 1/d, d or log2 d.
  */
 export interface DepthMapping {
   readonly offset: number;
   readonly factor: number;
-  /** 0, except in projections whose near plane is oblique: mirrors have their surface for it. */
+  /** 0, except for an oblique near plane: mirrors use their surface as one. */
   readonly slope: readonly [number, number];
 }
 
-/** What is outside of 0…1 by no more than this is so by rounding alone. */
+/** Stored depths outside of 0…1 by no more than this are due to rounding. */
 const ROUNDING = 1e-5;
 
 /**
- * Perspective projections map 1/d, orthographic ones d, logarithmic depth (of perspective cameras alone) log2 d.
- *
- * @returns numbers in float64.
+ * Returns the mapping in float64. f(d) is 1/d for perspective projections, d for orthographic ones, and log2 d for the
+ * logarithmic depth of perspective cameras.
  */
 export function depthMapping(camera: Camera, mapping: DepthConvention['mapping']): DepthMapping {
   const { projectionMatrix: p, near, far } = camera;
@@ -46,7 +45,7 @@ export function depthMapping(camera: Camera, mapping: DepthConvention['mapping']
   return { offset: level - slope[0] * shiftX - slope[1] * shiftY, factor, slope };
 }
 
-/** The same for one point, as the host's depth buffer would hold it; outside of 0…1 where the host would clip it. */
+/** Returns the depth of one point as the host's depth buffer would hold it; outside of 0…1 if the host would clip it. */
 export function storedDepth(
   depthView: number,
   camera: Camera,

@@ -19,12 +19,12 @@ const LOG_SCALES = [
 ] as const;
 
 describe('frustumSides', () => {
-  test('whatever is drawn is in a chunk that passes, for any camera and model', () => {
+  test('every drawn splat is in a chunk that passes, for any camera and model', () => {
     const model = fc.oneof(anyModel, fc.constantFrom(...Object.values(TEST_MODELS)));
     let drawn = 0;
     fc.assert(
       fc.property(anyCamera, model, fc.nat(), fc.nat(2), (camera, modelMatrix, seed, size) => {
-        // Large ones right before the eye are the hard case: their Jacobian is the steepest.
+        // Large splats right in front of the camera are the hard case: their Jacobian is the steepest.
         const set = randomSplats({ count: 40, seed, shDegree: 0, logScales: LOG_SCALES[size] });
         const projection = projectionOf(camera, 64, 48);
         // At near and far exactly, the rounding of the plane itself decides.
@@ -54,7 +54,7 @@ describe('frustumSides', () => {
     expect(drawn).toBeGreaterThan(1000);
   });
 
-  test('cull what is beside, behind, too near and too far, and keep what is not', () => {
+  test('cull splats that are beside, behind, too near or too far, and keep all others', () => {
     const camera = perspectiveCamera({
       position: [0, 0, 5],
       target: [0, 0, 0],
@@ -83,7 +83,7 @@ describe('frustumSides', () => {
     expect(isKept(0, 0, 20)).toBe(false);
     expect(isKept(0, 0, -3.99)).toBe(true);
     expect(isKept(0, 0, -4.01)).toBe(false);
-    // A box whose corners are all outside but which the picture looks through.
+    // All corners of this box are outside, but the view passes through it.
     const box = { minPosition: [-100, -100, -1], maxPosition: [100, 100, 1], maxScale: 0.001 };
     expect(isChunkInFrustum(box, planes)).toBe(true);
   });

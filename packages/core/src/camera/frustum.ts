@@ -2,17 +2,17 @@ import { stretchBound } from '../math/mat4.ts';
 import type { Projection } from './camera.ts';
 import type { CloudView } from './cloud-view.ts';
 
-/** A half-space of cloud space: a point is inside where dot(normal, point) + offset ≥ 0. */
+/** A half-space of cloud space: a point is inside if dot(normal, point) + offset ≥ 0. */
 export interface FrustumSide {
   readonly normal: readonly [number, number, number];
   readonly offset: number;
-  /** How far a splat still reaches past the plane, per unit of its largest standard deviation in cloud space. */
+  /** How far a splat reaches across the side, per unit of its largest standard deviation in cloud space. */
   readonly reach: number;
 }
 
-/** How far splats may be from where they are stored, and how much larger: culling by bounds must not lose them. */
+/** How far effects may move splats and how much they may enlarge them: culling by bounds must not lose such splats. */
 export interface SplatReach {
-  /** Farthest that a centre moves, in the cloud's units. */
+  /** Largest distance that a centre moves, in the cloud's units. */
   readonly displacement: number;
   /** Largest factor by which a splat grows, at least 1. */
   readonly growth: number;
@@ -22,12 +22,12 @@ export interface SplatReach {
 const MARGIN_PX = 0.5;
 
 /**
- * The six planes (left, right, bottom, top, near, far) such that a splat which fails one is not drawn. The sides are
- * exact for the affine projection: an ellipse reaches past the edge of the picture where, linearly in the centre,
- * |x| − depth·tan(edge) is less than what the splat's extent and dilation add. At near and far the centre decides.
+ * Returns the six sides (left, right, bottom, top, near, far) of the frustum; a splat outside of any is not drawn. The first
+ * four are exact for the affine projection: an ellipse reaches into the image if, linearly in the centre,
+ * |x| − depth·tan(edge) is less than the splat's extent and dilation add. At near and far the centre decides.
  *
- * @param alphaCutoff opacity at which a splat is taken to end.
- * @param moved how far effects may take splats from where they are stored.
+ * @param alphaCutoff opacity at which a splat ends.
+ * @param moved how far effects may move splats and how much they may enlarge them.
  */
 export function frustumSides(
   view: CloudView,
@@ -38,10 +38,10 @@ export function frustumSides(
 ): readonly FrustumSide[] {
   const { isOrthographic, focalPx, edgesX, edgesY, clampX, clampY, near, far } = projection;
   const stretch = stretchBound(view.linear);
-  // How many standard deviations a splat of opacity 1 reaches.
+  // Reach of a splat of opacity 1, in standard deviations.
   const opacityReach = Math.sqrt(2 * Math.log(1 / alphaCutoff));
   const marginPx = opacityReach * Math.sqrt(dilationPx2) + MARGIN_PX;
-  // In view space every plane is (x, y, z, w): the sides as multiples of x or y and of depth = −z.
+  // In view space every side is (x, y, z, w): the first four as multiples of x or y and of depth = −z.
   const side = (
     axis: 0 | 1,
     edges: readonly [number, number],
@@ -59,18 +59,18 @@ export function frustumSides(
     const reach = opacityReach * stretch * Math.sqrt(1 + steepest * steepest);
     return toCloudSpace(view, normal, isOrthographic ? -sign * edge : 0, reach);
   };
-  const planes: FrustumSide[] = [
+  const sides: FrustumSide[] = [
     side(0, edgesX, clampX, 0),
     side(0, edgesX, clampX, 1),
     side(1, edgesY, clampY, 0),
     side(1, edgesY, clampY, 1),
     toCloudSpace(view, [0, 0, -1], -near, 0),
-    // No plane at all for an infinite view: everything is inside.
+    // For an infinite view everything is inside.
     far === Number.POSITIVE_INFINITY
       ? { normal: [0, 0, 0], offset: 0, reach: 0 }
       : toCloudSpace(view, [0, 0, 1], far, 0),
   ];
-  return planes.map(({ normal, offset, reach }) => ({
+  return sides.map(({ normal, offset, reach }) => ({
     normal,
     offset: offset + moved.displacement * Math.hypot(normal[0], normal[1], normal[2]),
     reach: reach * moved.growth,

@@ -18,7 +18,7 @@ const treeOf = (list: readonly (readonly [Triple, Triple])[]) =>
     Float64Array.from(list.flatMap(([min, size]) => [...min, ...min.map((low, axis) => low + size[axis])])),
   );
 
-/** The definition, box by box: the smallest t ≥ 0 at which the ray is in one of them. */
+/** The definition, box by box: the smallest t ≥ 0 at which the ray is inside any box. */
 function entryByDefinition(list: readonly (readonly [Triple, Triple])[], origin: Triple, direction: Triple) {
   let nearest = Number.POSITIVE_INFINITY;
   for (const [min, size] of list) {
@@ -36,7 +36,7 @@ function entryByDefinition(list: readonly (readonly [Triple, Triple])[], origin:
 }
 
 describe('a tree of boxes', () => {
-  test('finds what looking at every box finds', () => {
+  test('finds the same box as testing every box', () => {
     let hits = 0;
     fc.assert(
       fc.property(boxes, triple(coordinate), triple(coordinate), (list, origin, direction) => {
@@ -59,12 +59,12 @@ describe('a tree of boxes', () => {
     expect(tree.nearestEntry([0.5, 0.5, 0.5], [0, 0, 1]).distance).toBe(0);
     expect(tree.nearestEntry([0.5, 0.5, 1], [0, 0, 1]).distance).toBe(0);
     expect(tree.nearestEntry([0.5, 0.5, 1.001], [0, 0, 1]).distance).toBe(Infinity);
-    // A direction of no length stays where it is.
+    // A direction of length 0 stays at its origin.
     expect(tree.nearestEntry([0.5, 0.5, 0.5], [0, 0, 0]).distance).toBe(0);
     expect(tree.nearestEntry([2, 0.5, 0.5], [0, -0, 0]).distance).toBe(Infinity);
   });
 
-  test('nothing is found along what is not finite, and nothing fails', () => {
+  test('rays with non-finite components find nothing, and do not throw', () => {
     const tree = treeOf([
       [
         [-1e30, -1, -1],

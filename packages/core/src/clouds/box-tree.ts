@@ -1,20 +1,20 @@
-/** Children per node: with so many a tree over 23,000 boxes has five levels, and a ray looks at some hundred boxes. */
+/** Children per node: a tree over 23,000 boxes then has five levels, and a ray is tested against about a hundred boxes. */
 const ARITY = 8;
 
-/** What a ray found. */
+/** Nearest box that a ray enters. */
 export interface BoxEntry {
-  /** Where the ray enters the nearest box, in units of its direction's length; 0 inside of one, Infinity for none. */
+  /** Distance at which the ray enters the box, in units of its direction's length; 0 inside a box, Infinity for no box. */
   readonly distance: number;
-  /** How many boxes were looked at. */
+  /** Number of boxes that the ray was tested against. */
   readonly testedBoxes: number;
 }
 
 /**
- * A hierarchy over axis-aligned boxes whose order is that of a space-filling curve: a node is what bounds a run of
- * boxes, so that nothing but the boxes has to be kept.
+ * A hierarchy over axis-aligned boxes in the order of a space-filling curve. Each node bounds a run of successive boxes, so
+ * the tree stores nothing but boxes.
  */
 export class BoxTree {
-  /** Min x, y, z and max x, y, z of each box; the given ones first, a single one last. */
+  /** Min x, y, z and max x, y, z of each box. The first level has the given boxes, the last level a single one. */
   readonly #levels: readonly Float64Array[];
 
   /** @param boxes six finite numbers each: min x, y, z and max x, y, z. */
@@ -24,7 +24,7 @@ export class BoxTree {
     this.#levels = levels;
   }
 
-  /** The nearest box along origin + t·direction, t ≥ 0. Nothing is found along what is not finite. */
+  /** Returns the nearest box along origin + t·direction, t ≥ 0. Rays with non-finite components enter no box. */
   nearestEntry(origin: ArrayLike<number>, direction: ArrayLike<number>): BoxEntry {
     const top = this.#levels.length - 1;
     let testedBoxes = 0;
@@ -66,7 +66,7 @@ function parentsOf(boxes: Float64Array): Float64Array {
   return parents;
 }
 
-/** Infinity where the ray misses the box. */
+/** Distance at which the ray enters the box; Infinity if it misses. */
 function entryDistance(
   boxes: Float64Array,
   at: number,
@@ -80,7 +80,7 @@ function entryDistance(
     const toMax = boxes[at + 3 + axis] - origin[axis];
     const d = direction[axis];
     if (d === 0) {
-      // Along the slab: in it for good, or never. A division would make NaN on its faces.
+      // Parallel to the slab: always inside, or never. A division would give NaN on its faces.
       if (toMin > 0 || toMax < 0) return Number.POSITIVE_INFINITY;
     } else {
       enter = Math.max(enter, (d > 0 ? toMin : toMax) / d);

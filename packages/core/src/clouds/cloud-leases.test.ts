@@ -12,7 +12,7 @@ const FINEST: CloudPrecision = { geometryPrecision: 'f32', shPrecision: 'f32' };
 const MIDDLE: CloudPrecision = { geometryPrecision: 'f32', shPrecision: 'f16' };
 const SMALLEST: CloudPrecision = { geometryPrecision: 'packed', shPrecision: 'u8' };
 
-/** A precision that is being made, to be ended by the test. */
+/** A precision that is being made, until the test ends it. */
 interface Making {
   readonly options: MakeOptions;
   end(): void;
@@ -27,7 +27,7 @@ const planesOf = (...precisions: CloudPrecision[]) => {
   return [...new Set(planes)].sort();
 };
 
-/** The leases of a cloud that was uploaded as `SMALLEST`, and the planes that it holds. */
+/** The leases of a cloud uploaded as `SMALLEST`, and the planes that it holds. */
 function leased({ atOnce = true } = {}) {
   const begun: Making[] = [];
   let planes = planesOf(SMALLEST);
@@ -52,7 +52,7 @@ function leased({ atOnce = true } = {}) {
 }
 
 describe('a cloud holds', () => {
-  test('what was uploaded, and what is claimed beside it, until that is released', async () => {
+  test('the uploaded planes, and those claimed in addition until they are released', async () => {
     const { leases, held } = leased();
     expect(held()).toEqual(planesOf(SMALLEST));
     const lease = leases.hold(FINEST);
@@ -67,7 +67,7 @@ describe('a cloud holds', () => {
   test.each([
     [0, 1],
     [1, 0],
-  ])('what several holders claim, whoever is the first to release (%i, %i)', async (...order) => {
+  ])('the planes that several holders claim, whoever releases first (%i, %i)', async (...order) => {
     const { leases, held } = leased();
     const precisions = [FINEST, MIDDLE];
     const holders = precisions.map((precision) => leases.hold(precision));
@@ -79,7 +79,7 @@ describe('a cloud holds', () => {
     expect(held()).toEqual(planesOf(SMALLEST));
   });
 
-  test('a plane as long as one of those who claim it', async () => {
+  test('a plane as long as any lease claims it', async () => {
     const { leases, held } = leased();
     const holders = [leases.hold(FINEST), leases.hold(FINEST)];
     await Promise.all(holders.map(({ met }) => met));
@@ -102,7 +102,7 @@ describe('a cloud holds', () => {
     expect(held()).toEqual(planesOf(SMALLEST));
   });
 
-  test('what others claim where its own lease is released; that comes back when it claims again', async () => {
+  test('only the claims of others while its own lease is released, until that claims again', async () => {
     const { leases, held } = leased();
     const lease = leases.hold(FINEST);
     await lease.met;
@@ -112,7 +112,7 @@ describe('a cloud holds', () => {
     expect(held()).toEqual(planesOf(SMALLEST, FINEST));
   });
 
-  test('what the last lease claimed when it was released, until its own lease claims something else', async () => {
+  test('the claims of the last lease that was released, until its own lease claims something else', async () => {
     const { leases, held } = leased();
     leases.own.release();
     expect(held()).toEqual(planesOf(SMALLEST));
@@ -128,7 +128,7 @@ describe('a cloud holds', () => {
     expect(held()).toEqual(planesOf(FINEST));
   });
 
-  test('what its own lease comes by while it claims something beside it', async () => {
+  test('claims that pass to its own lease while that adds another claim', async () => {
     const { leases, begun, held } = leased({ atOnce: false });
     const lease = leases.hold(MIDDLE);
     begun[0].end();
@@ -153,7 +153,7 @@ describe('a claim that is changed', () => {
     expect(held()).toEqual(planesOf(FINEST));
   });
 
-  test('stands where the new one fails', async () => {
+  test('stands if the new one fails', async () => {
     const { leases, begun, held } = leased({ atOnce: false });
     const lease = leases.hold(MIDDLE);
     begun[0].end();
@@ -166,7 +166,7 @@ describe('a claim that is changed', () => {
     expect(held()).toEqual(planesOf(SMALLEST));
   });
 
-  test('calls off what is pending for the same holder, and nobody else’s', async () => {
+  test('cancels the pending claim of the same holder, and of no other', async () => {
     const { leases, begun, held } = leased({ atOnce: false });
     const other = leases.hold(MIDDLE);
     const first = leases.own.change(FINEST);
@@ -180,7 +180,7 @@ describe('a claim that is changed', () => {
 });
 
 describe('a pending claim', () => {
-  test('keeps what it needs and another holder releases', async () => {
+  test('keeps planes that it needs and another holder releases', async () => {
     const { leases, begun, held } = leased({ atOnce: false });
     const first = leases.hold(MIDDLE);
     begun[0].end();
@@ -193,7 +193,7 @@ describe('a pending claim', () => {
     expect(held()).toEqual(planesOf(SMALLEST));
   });
 
-  test('ends with its release, though its planes have just come', async () => {
+  test('ends with its release, even if its planes have just been made', async () => {
     const { leases, begun, held } = leased({ atOnce: false });
     const lease = leases.hold(FINEST);
     begun[0].end();
@@ -202,7 +202,7 @@ describe('a pending claim', () => {
     expect(held()).toEqual(planesOf(SMALLEST));
   });
 
-  test('ends with its signal, whose reason it passes on; reading is reported', async () => {
+  test('rejects with the reason of its signal; reading is reported', async () => {
     const { leases, begun, held } = leased({ atOnce: false });
     const [ending, onProgress] = [new AbortController(), vi.fn()];
     const lease = leases.hold(FINEST, { signal: ending.signal, onProgress });
@@ -228,7 +228,7 @@ describe('a pending claim', () => {
     expect(held()).toEqual(planesOf(SMALLEST));
   });
 
-  test('of a precision that there is not is refused before anything is called off', async () => {
+  test('of an unknown precision is rejected before anything is cancelled', async () => {
     const { leases, begun } = leased({ atOnce: false });
     const lease = leases.hold(FINEST);
     const wrong = { ...FINEST, geometryPrecision: 'f64' } as unknown as CloudPrecision;
@@ -239,7 +239,7 @@ describe('a pending claim', () => {
 });
 
 describe('a SplatCloud', () => {
-  /** What reading splats again gives, in place of a GPU that makes planes of others. */
+  /** Planes as if from reading splats again, instead of a GPU that makes them from other planes. */
   async function makePlanes(
     { planes, shDegree }: SplatCloud,
     precision: CloudPrecision,
@@ -267,7 +267,7 @@ describe('a SplatCloud', () => {
     return { cloud: new SplatCloud(memory, limits, packed, options), buffers };
   }
 
-  test('is drawn from what is held', async () => {
+  test('is drawn from the planes that it holds', async () => {
     const { cloud } = uploaded();
     const before = cloud.pagesFor(FINEST);
     expect(before).toMatchObject(SMALLEST);
@@ -282,7 +282,7 @@ describe('a SplatCloud', () => {
     expect(cloud.precisions).toEqual({ geometry: ['f32'], sh: ['f32'] });
   });
 
-  test('without harmonics holds them in every precision, whoever claims which', async () => {
+  test('without harmonics holds them in every precision, whatever is claimed', async () => {
     const { cloud } = uploaded({ shDegree: 0 });
     const sh = ['f32', 'f16', 'u8'];
     expect(cloud.precisions).toEqual({ geometry: ['packed'], sh });
@@ -294,7 +294,7 @@ describe('a SplatCloud', () => {
     expect(cloud.precisions).toEqual({ geometry: ['f32'], sh });
   });
 
-  test('that is destroyed ends what is pending and refuses what comes later', async () => {
+  test('that is destroyed ends pending claims and rejects later ones', async () => {
     const { cloud, buffers } = uploaded();
     const lease = cloud.hold(FINEST);
     await lease.met;
@@ -307,7 +307,7 @@ describe('a SplatCloud', () => {
     expect([...buffers]).toEqual([]);
   });
 
-  test('that no engine has uploaded cannot be held otherwise', async () => {
+  test('that no engine has uploaded cannot be held in another precision', async () => {
     const { cloud } = uploaded({ isEngines: false });
     await expect(cloud.hold(FINEST).met).rejects.toThrow(/garden.*engine/);
   });

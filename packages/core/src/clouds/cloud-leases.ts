@@ -2,27 +2,27 @@ import { resolveAccuracy } from '../accuracy/accuracy.ts';
 import type { ReadOptions } from '../io/splat-source.ts';
 import type { CloudPrecision } from '../packing/precision.ts';
 
-/** `signal` calls the claim off until it is met; `onProgress` reports how far reading has come, where anything is read. */
+/** `signal` cancels the claim until it is met; `onProgress` reports the progress of reading, if anything is read. */
 export type HoldOptions = Pick<ReadOptions, 'signal' | 'onProgress'>;
 
-/** How planes are made: until `signal` aborts. */
+/** Planes are made until `signal` aborts. */
 export interface MakeOptions extends Pick<ReadOptions, 'onProgress'> {
   readonly signal: AbortSignal;
 }
 
 interface LeasesContext {
-  /** The cloud's, for messages. */
+  /** Name of the cloud, for messages. */
   readonly name: string;
-  /** Frees all planes but those of `claims`. */
+  /** Frees all planes except those of `claims`. */
   readonly keepOnly: (claims: readonly CloudPrecision[]) => void;
-  /** Adds the planes of a precision to those that the cloud holds. Adds none where it rejects. */
+  /** Adds the planes of a precision to those that the cloud holds. If it rejects, it adds none. */
   readonly make: (precision: CloudPrecision, options: MakeOptions) => Promise<void>;
 }
 
-/** A claim that is not met yet. */
+/** A claim that has not been met yet. */
 interface PendingClaim {
   readonly wanted: CloudPrecision;
-  readonly calledOff: AbortController;
+  readonly cancellation: AbortController;
 }
 
 /** A claim on precisions of one cloud: their planes stay on the GPU until the claim is changed or released. */
@@ -35,28 +35,28 @@ export class CloudLease {
     this.#leases = leases;
   }
 
-  /** Resolves when the cloud holds what was claimed last; rejects where it cannot: see `SplatCloud.hold`. */
+  /** Resolves when the cloud holds the latest claim; rejects if it cannot: see `SplatCloud.hold`. */
   get met(): Promise<void> {
     return this.#met;
   }
 
   /**
-   * Claims `precision` instead. The old claim stands until the new one is met, and stays where that fails. A claim of this
-   * lease that is still pending is called off.
+   * Claims `precision` instead. The old claim stands until the new one is met, and remains if that fails. Cancels a claim of
+   * this lease that is still pending.
    *
-   * @returns as `met`.
+   * @returns the new `met`.
    */
   change(precision: CloudPrecision, options: HoldOptions = {}): Promise<void> {
     return this.#noteMet(this.#leases.claim(this, precision, options));
   }
 
-  /** Claims `precision` as well; otherwise as `change`. */
+  /** Claims `precision` in addition to the lease's other claims; otherwise like `change`. */
   add(precision: CloudPrecision, options: HoldOptions = {}): Promise<void> {
     return this.#noteMet(this.#leases.claim(this, precision, { ...options, isAdded: true }));
   }
 
   /**
-   * Gives up all claims, and frees the planes that nobody else claims. A pending claim is called off. `change` claims anew.
+   * Gives up all claims, cancels a pending one, and frees the planes that no other lease claims. `change` claims again.
    */
   release(): void {
     this.#leases.release(this);
@@ -64,28 +64,28 @@ export class CloudLease {
 
   #noteMet(met: Promise<void>): Promise<void> {
     this.#met = met;
-    // Holders who need not know never look at it.
+    // Some holders never read `met`: its rejection must not count as unhandled.
     met.catch(() => {});
     return met;
   }
 }
 
 /**
- * All leases of one cloud. This is the one place that decides which planes it holds:
+ * All leases of one cloud. This class alone decides which planes the cloud holds:
  *
  * - A cloud holds the planes that its leases claim, and no others.
- * - `own` is the cloud's own lease. It claims what was uploaded, until the engine changes it: for `requestPrecision`, for the
- *   engine's accuracy, and for what was chosen to meet a wish. A holder that speaks for everything that shows the cloud
- *   releases it.
- * - There is always a claim, so that there is always something to draw: what the last lease claims when it is released
- *   passes to `own`.
- * - A new claim changes nothing until all of its planes are there. Meanwhile it protects those that it has found: what it
- *   needs and another holder releases stays.
+ * - `own` is the cloud's own lease. It claims the uploaded precision until the engine changes it: for `requestPrecision`, for
+ *   the engine's accuracy, and for the settings chosen to meet a wish. A holder whose leases cover everything that shows the
+ *   cloud releases it.
+ * - There is always a claim, so that there is always something to draw: when the last lease is released, its claims pass to
+ *   `own`.
+ * - A new claim changes nothing until all of its planes exist. Until then it protects the planes that it found: those that it
+ *   needs stay, even if another holder releases them.
  */
 export class CloudLeases {
   readonly own = new CloudLease(this);
   readonly #context: LeasesContext;
-  /** Claims that are met; a lease without any is not listed. Never empty. */
+  /** Met claims; leases without any are not listed. Never empty. */
   readonly #claims = new Map<CloudLease, readonly CloudPrecision[]>();
   readonly #pending = new Map<CloudLease, PendingClaim>();
   #ended: Error | null = null;
@@ -102,7 +102,7 @@ export class CloudLeases {
     return lease;
   }
 
-  /** Makes `lease` claim a precision: in place of its other claims, or beside them where `isAdded`. */
+  /** Makes `lease` claim a precision: instead of its other claims, or in addition to them if `isAdded`. */
   async claim(
     lease: CloudLease,
     { geometryPrecision, shPrecision }: CloudPrecision,
@@ -113,15 +113,15 @@ export class CloudLeases {
     const wanted = { geometryPrecision, shPrecision };
     resolveAccuracy(wanted);
     const { name, make } = this.#context;
-    this.#callOff(lease, `A later request for ${name} took the place of this one.`);
-    const calledOff = new AbortController();
-    const pending = { wanted, calledOff };
+    this.#cancel(lease, `A later request for ${name} replaced this one.`);
+    const cancellation = new AbortController();
+    const pending = { wanted, cancellation };
     this.#pending.set(lease, pending);
-    const onAbort = () => calledOff.abort(signal?.reason);
+    const onAbort = () => cancellation.abort(signal?.reason);
     signal?.addEventListener('abort', onAbort, { once: true });
     try {
-      await make(wanted, { signal: calledOff.signal, onProgress });
-      calledOff.signal.throwIfAborted();
+      await make(wanted, { signal: cancellation.signal, onProgress });
+      cancellation.signal.throwIfAborted();
       const others = isAdded ? (this.#claims.get(lease) ?? []) : [];
       this.#claims.set(lease, [...others.filter((claim) => !isSame(claim, wanted)), wanted]);
     } finally {
@@ -132,7 +132,7 @@ export class CloudLeases {
   }
 
   release(lease: CloudLease): void {
-    this.#callOff(lease, `The lease was released before ${this.#context.name} held what it claims.`);
+    this.#cancel(lease, `The lease was released before ${this.#context.name} held its planes.`);
     const claims = this.#claims.get(lease);
     if (!claims) return;
     this.#claims.delete(lease);
@@ -140,16 +140,16 @@ export class CloudLeases {
     this.#freeUnclaimed();
   }
 
-  /** The planes are gone, or nothing can be made any more: pending and later claims reject with `reason`. */
+  /** Rejects pending and later claims with `reason`: the planes are gone, or none can be made any more. */
   end(reason: Error): void {
     this.#ended ??= reason;
-    for (const { calledOff } of this.#pending.values()) calledOff.abort(reason);
+    for (const { cancellation } of this.#pending.values()) cancellation.abort(reason);
   }
 
-  #callOff(lease: CloudLease, message: string): void {
+  #cancel(lease: CloudLease, message: string): void {
     const pending = this.#pending.get(lease);
     this.#pending.delete(lease);
-    pending?.calledOff.abort(new DOMException(message, 'AbortError'));
+    pending?.cancellation.abort(new DOMException(message, 'AbortError'));
   }
 
   #freeUnclaimed(): void {

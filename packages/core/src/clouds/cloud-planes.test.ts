@@ -3,7 +3,7 @@ import type { ShPrecision } from '../packing/precision.ts';
 import { largestPlaneBytes, nearestPrecision } from './cloud-planes.ts';
 
 describe('planes', () => {
-  test('the same precision is taken, else the next finer, else the finest', () => {
+  test('nearestPrecision prefers the same precision, else the next finer, else the finest', () => {
     const order: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
     const nearest = (held: readonly ShPrecision[], wanted: ShPrecision) =>
       nearestPrecision(held, wanted, order);
@@ -14,7 +14,7 @@ describe('planes', () => {
     expect(nearest(['u8'], 'f32')).toBe('u8');
   });
 
-  test('are paged by the largest that a cloud of their degree may have', () => {
+  test('are paged by the largest plane that a cloud of their degree may have', () => {
     expect(([0, 1, 2, 3] as const).map(largestPlaneBytes)).toEqual([64, 64, 96, 180]);
   });
 });

@@ -8,7 +8,7 @@ import { chunkCountOf, type PackedCloud } from '../packing/packed-cloud.ts';
 import type { CloudPrecision, GeometryPrecision, ShPrecision } from '../packing/precision.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 
-/** What a cloud holds on the GPU, finest first; at degree 0, where there is nothing to hold, all of `sh`. */
+/** Precisions that a cloud holds on the GPU, finest first; at degree 0, which needs no planes, `sh` lists all. */
 export interface HeldPrecisions {
   readonly geometry: readonly GeometryPrecision[];
   readonly sh: readonly ShPrecision[];
@@ -24,12 +24,12 @@ export interface CloudPage {
   readonly chunks: GPUBuffer;
 }
 
-/** One geometry plane and one plane of spherical harmonics of a cloud, page by page. One object as long as both stay. */
+/** One geometry plane and one plane of spherical harmonics of a cloud, page by page. The same object while both exist. */
 export interface CloudPages extends CloudPrecision {
   readonly pages: readonly CloudPage[];
 }
 
-/** A buffer per page; at degree 0 a plane of spherical harmonics has none. */
+/** One buffer per page; at degree 0 a plane of spherical harmonics has none. */
 export type Plane = readonly GPUBuffer[];
 
 /** Splats of one page, in the cloud's storage order. */
@@ -41,7 +41,7 @@ export interface PageRange {
 const GEOMETRY_FINEST_FIRST: readonly GeometryPrecision[] = ['f32', 'packed'];
 const SH_FINEST_FIRST: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
 
-/** Whether nothing of `wanted` is lost with `held`. */
+/** Whether `held` is as fine as `wanted`, or finer. */
 export function isGeometryAsFine(held: GeometryPrecision, wanted: GeometryPrecision): boolean {
   return GEOMETRY_FINEST_FIRST.indexOf(held) <= GEOMETRY_FINEST_FIRST.indexOf(wanted);
 }
@@ -52,20 +52,20 @@ export function isShAsFine(held: ShPrecision, wanted: ShPrecision): boolean {
 
 type DeviceLimits = Pick<GPUSupportedLimits, 'maxBufferSize' | 'maxStorageBufferBindingSize'>;
 
-/** Splats per page: whole chunks, as many as fit one binding; 0 where not even one does. */
+/** Splats per page: as many whole chunks as fit one binding; 0 if not even one fits. */
 export function splatsPerPage(limits: DeviceLimits, bytesPerSplat: number): number {
   return CHUNK_SPLATS * Math.floor(bindingBytes(limits) / (bytesPerSplat * CHUNK_SPLATS));
 }
 
 /**
  * Bytes per splat of the largest plane that a cloud of this degree may have. All planes are paged by it, so that any
- * geometry goes with any spherical harmonics, page by page, and whatever is made later fits the device's bindings too.
+ * geometry plane matches any plane of spherical harmonics page by page, and planes made later fit the device's bindings too.
  */
 export function largestPlaneBytes(degree: ShDegree): number {
   return 4 * Math.max(GEOMETRY_WORDS.f32, shWordsPerSplat(degree, 'f32'));
 }
 
-/** What `held` has that comes nearest to `wanted`: the same, else the next finer, else the finest. */
+/** Returns the precision in `held` that is nearest to `wanted`: the same, else the next finer, else the finest. */
 export function nearestPrecision<Precision>(
   held: readonly Precision[],
   wanted: Precision,
@@ -75,24 +75,24 @@ export function nearestPrecision<Precision>(
   return [...fineEnough, ...finestFirst].find((precision) => held.includes(precision))!;
 }
 
-/** The buffers of one cloud: what its splats are drawn from, in each precision that is held. */
+/** The GPU buffers of one cloud, in each precision that it holds. */
 export class CloudPlanes {
   readonly shDegree: ShDegree;
-  /** The same for all planes. */
+  /** Pages of every plane. */
   readonly ranges: readonly PageRange[];
   readonly #memory: GpuMemory;
   readonly #name: string;
   readonly #chunks: Plane;
   readonly #geometry = new Map<GeometryPrecision, Plane>();
   readonly #sh = new Map<ShPrecision, Plane>();
-  /** By their two precisions. */
+  /** `CloudPages` by their two precisions. */
   readonly #pages = new Map<string, CloudPages>();
   #held: HeldPrecisions | null = null;
 
   /**
    * Uploads `packed`.
    *
-   * @throws GpuLimitError, before anything is allocated, where a chunk of the largest plane cannot be bound.
+   * @throws GpuLimitError, before anything is allocated, if a chunk of the largest plane cannot be bound.
    */
   constructor(memory: GpuMemory, limits: DeviceLimits, packed: PackedCloud, name: string) {
     this.#memory = memory;
@@ -111,7 +111,7 @@ export class CloudPlanes {
     else this.#sh.set(packed.harmonics.precision, this.uploadSh(packed.harmonics));
   }
 
-  /** One object as long as no plane comes or goes. */
+  /** Precisions of the planes; the same object until a plane is added or freed. */
   get held(): HeldPrecisions {
     this.#held ??= {
       geometry: GEOMETRY_FINEST_FIRST.filter((precision) => this.#geometry.has(precision)),
@@ -125,7 +125,10 @@ export class CloudPlanes {
     return planes.flat().reduce((sum, { size }) => sum + size, 0);
   }
 
-  /** What is drawn where `wanted` is asked for: of either kind the same, else the next finer, else the finest held. */
+  /**
+   * Returns the planes to draw for `wanted`: for geometry and for harmonics, the same precision, else the next finer one
+   * held, else the finest.
+   */
   pagesFor(wanted: CloudPrecision): CloudPages {
     const { geometry, sh } = this.held;
     const geometryPrecision = nearestPrecision(geometry, wanted.geometryPrecision, GEOMETRY_FINEST_FIRST);
@@ -144,7 +147,7 @@ export class CloudPlanes {
     return this.#sh.get(precision);
   }
 
-  /** A plane that is not part of the cloud yet: `adopt` it, or free it. */
+  /** Uploads a plane that is not part of the cloud yet: adopt it, or free it. */
   uploadGeometry({ precision, words }: PackedGeometry): Plane {
     return this.#upload(words, GEOMETRY_WORDS[precision], 'geometry');
   }
@@ -153,7 +156,7 @@ export class CloudPlanes {
     return this.#upload(words, wordsPerSplat, 'spherical harmonics');
   }
 
-  /** A plane with nothing in it yet, for the GPU to fill. */
+  /** Creates an empty plane for the GPU to fill. */
   createGeometry(precision: GeometryPrecision): Plane {
     return this.#create(GEOMETRY_WORDS[precision], 'geometry');
   }
@@ -162,7 +165,7 @@ export class CloudPlanes {
     return this.#create(shWordsPerSplat(this.shDegree, precision), 'spherical harmonics');
   }
 
-  /** Makes `plane` part of the cloud, or frees it where the cloud has come to hold its precision meanwhile. */
+  /** Makes `plane` part of the cloud, or frees it if the cloud already holds its precision. */
   adoptGeometry(precision: GeometryPrecision, plane: Plane): void {
     this.#adopt(this.#geometry, precision, plane);
   }
@@ -171,7 +174,7 @@ export class CloudPlanes {
     this.#adopt(this.#sh, precision, plane);
   }
 
-  /** Frees all planes but those of `claims`. */
+  /** Frees all planes except those of `claims`. */
   keepOnly(claims: readonly CloudPrecision[]): void {
     for (const [precision, plane] of this.#geometry) {
       if (claims.some(({ geometryPrecision }) => geometryPrecision === precision)) continue;
@@ -240,7 +243,7 @@ export class CloudPlanes {
     });
   }
 
-  /** A buffer per page, or none at all where one cannot be made. */
+  /** Makes a buffer per page. If one fails, it frees the others. */
   #planeOf(make: (range: PageRange, page: number) => GPUBuffer): Plane {
     const made: GPUBuffer[] = [];
     try {

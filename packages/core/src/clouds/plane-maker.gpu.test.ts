@@ -22,7 +22,7 @@ let device: GPUDevice;
 let engine: SplatEngine;
 beforeAll(async () => {
   device = await createTestDevice();
-  // One chunk of the largest plane to a page.
+  // One chunk of the largest plane per page.
   const bytes = 180 * 256;
   engine = await SplatEngine.create({
     device: withLimits(device, { maxBufferSize: bytes, maxStorageBufferBindingSize: bytes }),
@@ -35,7 +35,7 @@ afterAll(() => {
   device?.destroy();
 });
 
-async function picture(cloud: SplatCloud, accuracy: Accuracy = 'reference'): Promise<Float32Array> {
+async function imageOf(cloud: SplatCloud, accuracy: Accuracy = 'reference'): Promise<Float32Array> {
   const view = engine.createView();
   view.render({ camera: CAMERA, clouds: [{ cloud }], accuracy, ...SIZE });
   const { data } = await view.readPixels();
@@ -63,7 +63,7 @@ describe('a coarser precision', () => {
       const cloud = engine.add(set);
       await engine.requestPrecision(cloud, wanted);
       expectHeld(cloud, wanted);
-      const made = await picture(cloud);
+      const made = await imageOf(cloud);
       const { bytes } = cloud;
       const held = engine.memory().totalBytes;
       cloud.destroy();
@@ -73,15 +73,15 @@ describe('a coarser precision', () => {
       const loaded = engine.addPacked(packSet(set, wanted));
       expect(loaded.bytes).toBe(bytes);
       expect(engine.memory().totalBytes).toBe(held);
-      const expected = await picture(loaded);
-      // Halves are rounded alike to the bit; steps may differ by one where float32 cannot tell which is nearer.
-      if (geometryPrecision === 'f32' && shPrecision === 'f16') expectSamePicture(made, expected);
+      const expected = await imageOf(loaded);
+      // Halves are rounded alike to the bit; steps may differ by one if both are equally near in float32.
+      if (geometryPrecision === 'f32' && shPrecision === 'f16') expectSameImage(made, expected);
       else expect(psnrDb(made, expected)).toBeGreaterThan(80);
       loaded.destroy();
     });
   }
 
-  gpuTest('is made of what is held where it is not the finest', async () => {
+  gpuTest('is made from the planes held if they are not the finest', async () => {
     const cloud = engine.addPacked(packSet(set, { geometryPrecision: 'packed', shPrecision: 'f16' }));
     await cloud.hold(SMALLEST).met;
     expect(cloud.precisions).toEqual({ geometry: ['packed'], sh: ['f16', 'u8'] });
@@ -90,7 +90,7 @@ describe('a coarser precision', () => {
     cloud.destroy();
   });
 
-  gpuTest('takes nothing of harmonics where there are none', async () => {
+  gpuTest('needs no harmonics at degree 0', async () => {
     const cloud = engine.addPacked(packSet(randomSplats({ count: 300, shDegree: 0 }), FINEST));
     await engine.requestPrecision(cloud, SMALLEST);
     await engine.requestPrecision(cloud, { geometryPrecision: 'packed', shPrecision: 'f32' });
@@ -98,7 +98,7 @@ describe('a coarser precision', () => {
     cloud.destroy();
   });
 
-  gpuTest('changes the next picture, and a picture of what stays is not drawn again', async () => {
+  gpuTest('changes the next frame; a frame whose planes stay is not drawn again', async () => {
     const cloud = engine.add(set);
     const view = engine.createView();
     const frame = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
@@ -118,7 +118,7 @@ describe('a coarser precision', () => {
 describe('a finer precision', () => {
   const file = new Blob([encodePly(set)]);
 
-  gpuTest('reads the source again, the old picture staying meanwhile; and back', async () => {
+  gpuTest('reads the source again while the view keeps its image; and back', async () => {
     const small = { ...resolveAccuracy('reference'), ...SMALLEST };
     const { device: limited } = engine;
     const other = await SplatEngine.create({ device: limited, accuracy: small });
@@ -134,7 +134,7 @@ describe('a finer precision', () => {
     const phases = new Set<string>();
     const finer = other.requestPrecision(cloud, FINEST, { onProgress: ({ phase }) => phases.add(phase) });
     expect(view.render({ ...frame, force: true })).toBe(true);
-    expectSamePicture((await view.readPixels()).data, coarse);
+    expectSameImage((await view.readPixels()).data, coarse);
     await finer;
     expect(phases).toContain('read');
     expectHeld(cloud, FINEST);
@@ -152,7 +152,7 @@ describe('a finer precision', () => {
     other.destroy();
   });
 
-  gpuTest('reads only what is missing', async () => {
+  gpuTest('reads only the missing precision', async () => {
     const cloud = engine.addPacked(packSet(set, { geometryPrecision: 'f32', shPrecision: 'u8' }), {
       source: file,
     });
@@ -163,13 +163,13 @@ describe('a finer precision', () => {
     cloud.destroy();
   });
 
-  gpuTest('comes from splats in memory as well', async () => {
+  gpuTest('can also come from splats in memory', async () => {
     for (const source of [set, packSet(set, FINEST)]) {
       const cloud = engine.addPacked(packSet(set, SMALLEST), { source });
-      // A packed source is finer than what is asked for: what is missing is made of it.
+      // The packed source is finer than requested: the missing planes are made from it.
       await engine.requestPrecision(cloud, { geometryPrecision: 'f32', shPrecision: 'f16' });
       expectHeld(cloud, { geometryPrecision: 'f32', shPrecision: 'f16' });
-      expect(psnrDb(await picture(cloud), REFERENCE.data)).toBeGreaterThan(50);
+      expect(psnrDb(await imageOf(cloud), REFERENCE.data)).toBeGreaterThan(50);
       cloud.destroy();
     }
   });
@@ -198,7 +198,7 @@ describe('a finer precision', () => {
     other.destroy();
   });
 
-  gpuTest('fails where the source is gone, too coarse, or has changed; all stays as it was', async () => {
+  gpuTest('fails if the source is gone, too coarse or has changed; nothing changes', async () => {
     const changed = randomSplats({ count: 600, seed: 2 });
     for (const [source, why] of [
       [undefined, /garden.*gone.*URL/],
@@ -221,7 +221,7 @@ describe('a finer precision', () => {
     small.destroy();
   });
 
-  gpuTest('comes from an address as long as there is something at it', async () => {
+  gpuTest('comes from an address while that exists', async () => {
     const small = await SplatEngine.create({ device: engine.device });
     const address = URL.createObjectURL(file);
     const cloud = await small.load(address);
@@ -233,7 +233,7 @@ describe('a finer precision', () => {
   });
 
   for (const how of ['throws', 'reports'] as const) {
-    gpuTest(`fails where a device ${how} that memory is lacking; all stays as it was`, async () => {
+    gpuTest(`fails if a device ${how} that memory is lacking; nothing changes`, async () => {
       const cloud = engine.add(set, { name: 'garden' });
       await engine.requestPrecision(cloud, SMALLEST);
       const { totalBytes } = engine.memory();
@@ -250,7 +250,7 @@ describe('a finer precision', () => {
 });
 
 describe("the engine's accuracy", () => {
-  gpuTest('is asked of all clouds when it changes; what cannot have it is told and stays', async () => {
+  gpuTest('is requested of all clouds; those that cannot get it are returned, unchanged', async () => {
     const other = await SplatEngine.create({ device: engine.device, accuracy: 'balanced' });
     const lasting = other.add(set);
     const gone = other.addPacked(packSet(set, SMALLEST));
@@ -279,7 +279,7 @@ describe("the engine's accuracy", () => {
     other.destroy();
   });
 
-  gpuTest('counts for what was being loaded when it changed', async () => {
+  gpuTest('applies to a cloud that was loading when it changed', async () => {
     const other = await SplatEngine.create({ device: engine.device, accuracy: 'balanced' });
     const loading = other.load(new Blob([encodePly(set)]));
     await other.setAccuracy('reference');
@@ -292,7 +292,7 @@ describe("the engine's accuracy", () => {
 describe('a request', () => {
   const file = new Blob([encodePly(set)]);
 
-  gpuTest('can be called off, and a later one takes its place', async () => {
+  gpuTest('can be cancelled, and a later one replaces it', async () => {
     const cloud = engine.addPacked(packSet(set, SMALLEST), { source: file });
     const { totalBytes } = engine.memory();
     const reason = new Error('no longer wanted');
@@ -328,7 +328,7 @@ describe('a request', () => {
     }
   });
 
-  gpuTest('refuses precisions that there are not', async () => {
+  gpuTest('rejects unknown precisions', async () => {
     const cloud = engine.add(set);
     const wrong = { geometryPrecision: 'f64', shPrecision: 'f32' } as unknown as CloudPrecision;
     await expect(engine.requestPrecision(cloud, wrong)).rejects.toThrow(InvalidArgumentError);
@@ -337,7 +337,7 @@ describe('a request', () => {
 });
 
 describe('several holders', () => {
-  /** A file that is read when `open` is called, and how often it was asked for. */
+  /** A file whose reading waits for `open`, and how often it was requested. */
   function gatedFile() {
     let open = () => {};
     const opened = new Promise<void>((resolve) => {
@@ -357,7 +357,7 @@ describe('several holders', () => {
     return { source: Object.assign(new Blob([bytes]), { stream }), state, open };
   }
 
-  gpuTest('read a source once for what both need; what needs no reading waits for nobody', async () => {
+  gpuTest('read a source once for planes that both need; other claims do not wait', async () => {
     const { source, state, open } = gatedFile();
     const held = { geometryPrecision: 'packed', shPrecision: 'f16' } as const;
     const cloud = engine.addPacked(packSet(set, held), { source });
@@ -380,7 +380,7 @@ describe('several holders', () => {
     cloud.destroy();
   });
 
-  gpuTest('need not wait for one that is called off while it waits for its turn to read', async () => {
+  gpuTest('do not wait for a claim that is cancelled before its turn to read', async () => {
     const { source, state, open } = gatedFile();
     const cloud = engine.addPacked(packSet(set, SMALLEST), { source });
     const first = cloud.hold(FINEST);
@@ -398,7 +398,7 @@ describe('several holders', () => {
     cloud.destroy();
   });
 
-  gpuTest('that make the same planes at once leave one of each', async () => {
+  gpuTest('that make the same planes simultaneously leave one of each', async () => {
     const cloud = engine.add(set);
     const before = engine.memory().totalBytes;
     const leases = [cloud.hold(SMALLEST), cloud.hold(SMALLEST)];
@@ -426,10 +426,10 @@ describe('several holders', () => {
   });
 });
 
-/** The buffer that there is no memory for, if any, and how its device tells. */
+/** The buffer that does not fit into memory, if any, and how the device reports that. */
 let lacksMemory: { readonly label: string; readonly how: 'throws' | 'reports' } | null = null;
 
-/** `whole` as if it had these limits, and were out of memory where a test says so. */
+/** `whole` with these limits, and out of memory for the buffer `lacksMemory`. */
 function withLimits(whole: GPUDevice, limits: Partial<Record<keyof GPUSupportedLimits, number>>): GPUDevice {
   const limited = new Proxy(whole.limits, {
     get: (target, name) => limits[name as keyof GPUSupportedLimits] ?? Reflect.get(target, name),
@@ -455,6 +455,6 @@ function withLimits(whole: GPUDevice, limits: Partial<Record<keyof GPUSupportedL
 }
 
 /** Bit for bit. */
-function expectSamePicture(actual: Float32Array, expected: Float32Array): void {
+function expectSameImage(actual: Float32Array, expected: Float32Array): void {
   expect(Buffer.compare(Buffer.from(actual.buffer), Buffer.from(expected.buffer))).toBe(0);
 }

@@ -25,15 +25,15 @@ export interface PlaneMakerContext {
   readonly pipelines: Pipelines;
   readonly counting: Pick<Counting, 'uploadedBytes'>;
   readonly dispatchRow: number;
-  /** Why nothing can be made any more, or null. */
+  /** Reason why no planes can be made any more, or null. */
   readonly destroyedBecause: () => string | null;
-  /** Compiles what draws the cloud at another precision wherever it is shown. */
+  /** Compiles the pipelines that draw the cloud with this precision, in every view that shows it. */
   readonly compileFor: (cloud: SplatCloud, precision: CloudPrecision) => Promise<void>;
 }
 
 type RepackStage = StageDefinition<'parameters' | 'finer' | 'coarser'>;
 
-/** What a request takes, each part null where it takes none. */
+/** Work that a request needs; null parts are not needed. */
 interface Work {
   readonly freshGeometry: PackedCloud['geometry'] | null;
   readonly freshSh: PackedCloud['harmonics'] | null;
@@ -50,7 +50,7 @@ interface MadePlane {
 /** Makes the planes that leases of clouds claim. */
 export class PlaneMaker {
   readonly #context: PlaneMakerContext;
-  /** Settled when nobody reads the sources of a cloud any more. */
+  /** Per cloud: settled when no request reads its sources any more. */
   readonly #readings = new WeakMap<SplatCloud, Promise<unknown>>();
 
   constructor(context: PlaneMakerContext) {
@@ -58,13 +58,13 @@ export class PlaneMaker {
   }
 
   /**
-   * Adds the planes of `wanted` to those that `cloud` holds, all at once. See `SplatCloud.hold` for what it rejects with;
-   * everything is as it was then.
+   * Adds the planes of `wanted` to those that `cloud` holds, all at once. Rejects with the errors that `SplatCloud.hold`
+   * lists; nothing changes then.
    */
   async make(cloud: SplatCloud, wanted: CloudPrecision, options: MakeOptions): Promise<void> {
     if (await this.#makeFrom(null, cloud, wanted, options)) return;
-    // Sources are read in turn, since the second request for a precision finds what the first has made. What needs no
-    // reading waits for nobody.
+    // Requests read sources in turn, because the second request for a precision finds the planes that the first has made.
+    // Requests that need no reading do not wait.
     const earlier = this.#readings.get(cloud);
     const reading = this.#readAndMake(earlier, cloud, wanted, options);
     this.#readings.set(cloud, Promise.allSettled([earlier, reading]));
@@ -87,7 +87,7 @@ export class PlaneMaker {
     }
   }
 
-  /** @returns false, and makes nothing, where what the cloud holds and `fresh` are too coarse. */
+  /** @returns false, without making anything, if both the cloud's planes and `fresh` are too coarse. */
   async #makeFrom(
     fresh: PackedCloud | null,
     cloud: SplatCloud,
@@ -100,7 +100,7 @@ export class PlaneMaker {
     this.#checkUsable(signal);
     const { geometryStage, shStage } = work;
     await this.#context.pipelines.prepare([geometryStage, shStage].filter((stage) => stage !== null));
-    // Before the planes change: what draws the old ones cannot draw the new.
+    // Before the planes change: the old pipelines cannot draw the new planes.
     await this.#context.compileFor(cloud, wanted);
     this.#checkUsable(signal);
     // Another claim may have been met or released while shaders compiled.
@@ -115,12 +115,12 @@ export class PlaneMaker {
       for (const { plane } of made) cloud.planes.free(plane);
       throw error;
     }
-    // At once from here on: whoever comes next counts on what it finds held.
+    // Synchronous from here on: the next request relies on the planes that it finds.
     for (const { adopt } of made) adopt();
     return true;
   }
 
-  /** Uploads and repacks; what it creates is listed in `made` at once, so that it can be freed. */
+  /** Uploads and repacks. Lists each plane in `made` as soon as it exists, so that the caller can free it. */
   #make(cloud: SplatCloud, wanted: CloudPrecision, work: Work, made: MadePlane[]): void {
     const { planes } = cloud;
     const { freshGeometry, freshSh, geometryStage, shStage } = work;
@@ -179,7 +179,7 @@ export class PlaneMaker {
     }
   }
 
-  /** @throws GpuLimitError where what `make` makes does not fit into the GPU's memory. */
+  /** Calls `make`. @throws GpuLimitError if its buffers do not fit into the GPU's memory. */
   async #withMemoryFor(
     { name }: SplatCloud,
     wanted: CloudPrecision,
@@ -197,9 +197,9 @@ export class PlaneMaker {
     const lacking = await device.popErrorScope().catch((cause: Error) => {
       throw new DestroyedError('This request', cause.message);
     });
-    // A buffer that cannot be mapped for its contents makes its creation throw instead.
+    // If a buffer cannot be mapped for its contents, creating it throws a RangeError instead.
     if (lacking || thrown instanceof RangeError) {
-      const message = `${name} does not fit into the GPU's memory with ${describe(wanted)} (${neededBytes} bytes more); it stays as it was. Ask for a coarser precision.`;
+      const message = `${name} does not fit into the GPU's memory with ${describe(wanted)} (${neededBytes} bytes more); it is unchanged. Request a coarser precision.`;
       throw new GpuLimitError('memory', neededBytes, 0, message);
     }
     if (thrown) throw thrown;
@@ -212,20 +212,20 @@ export class PlaneMaker {
   }
 }
 
-/** The precision to read so that `wanted` can be made of it and of what `cloud` holds. */
+/** Returns the precision to read, so that `wanted` can be made from it and from the planes that `cloud` holds. */
 function missingOf(
   { planes }: SplatCloud,
   { geometryPrecision, shPrecision }: CloudPrecision,
 ): CloudPrecision {
   const { geometry, sh } = planes.held;
-  // Of what is not missing as little as can be: at degree 3 the finest harmonics take four times the memory.
+  // Read whatever is not missing as coarsely as possible: at degree 3, the finest harmonics take four times the memory.
   return {
     geometryPrecision: isGeometryAsFine(geometry[0], geometryPrecision) ? 'packed' : geometryPrecision,
     shPrecision: isShAsFine(sh[0], shPrecision) ? 'u8' : shPrecision,
   };
 }
 
-/** What it takes until `cloud` holds `wanted`; null where what it holds and `fresh` are too coarse. */
+/** Returns the work until `cloud` holds `wanted`; null if both its planes and `fresh` are too coarse. */
 function workFor(
   { planes, shDegree }: SplatCloud,
   { geometryPrecision, shPrecision }: CloudPrecision,
@@ -242,7 +242,7 @@ function workFor(
   const hasGeometry =
     planes.geometryPlane(geometryPrecision) || freshGeometry?.precision === geometryPrecision;
   const hasSh = planes.shPlane(shPrecision) || freshSh?.precision === shPrecision;
-  // From the finest there is, so that nothing is rounded twice that need not be.
+  // From the finest available, so that nothing is rounded twice needlessly.
   const from = (freshSh?.precision ?? finestSh) as RepackShVariant['from'];
   return {
     freshGeometry,
@@ -256,21 +256,24 @@ function uploadedBytes({ freshGeometry, freshSh }: Work): number {
   return (freshGeometry?.words.byteLength ?? 0) + (freshSh?.words.byteLength ?? 0);
 }
 
-/** What `work` allocates. */
+/** Bytes that `work` allocates. */
 function bytesOf({ count, shDegree }: SplatCloud, wanted: CloudPrecision, work: Work): number {
   const geometryWords = work.geometryStage ? GEOMETRY_WORDS[wanted.geometryPrecision] : 0;
   const shWords = work.shStage ? shWordsPerSplat(shDegree, wanted.shPrecision) : 0;
   return uploadedBytes(work) + 4 * count * (geometryWords + shWords);
 }
 
-/** The splats of `cloud`, as fine as `wanted` or finer, and sure to be the same ones, of the first source that has them. */
+/**
+ * Reads the splats of `cloud` at least as finely as `wanted` from the first source that has them, and verifies that they are
+ * the same splats.
+ */
 async function readAgain(
   cloud: SplatCloud,
   wanted: CloudPrecision,
   options: MakeOptions,
 ): Promise<PackedCloud> {
   const { sources, name } = cloud;
-  const gone = `a finer precision has to be read again (${describe(wanted)}), and what it was read from is gone; load it from a URL, a File or a Blob, or name its source when adding it.`;
+  const gone = `a finer precision (${describe(wanted)}) must be read again, and the source is gone; load it from a URL, a File or a Blob, or pass its source when adding it.`;
   let problem: unknown = new SplatSourceError(name, gone);
   for (const source of sources) {
     try {
@@ -299,11 +302,11 @@ async function readFrom(
     const has = describe({ geometryPrecision: geometry.precision, shPrecision: harmonics.precision });
     throw new SplatSourceError(
       name,
-      `its source has ${has} and cannot give ${describe(wanted)}; load it for that, or from a URL, a File or a Blob.`,
+      `its source has only ${has}, not ${describe(wanted)}; load it with that, or from a URL, a File or a Blob.`,
     );
   }
   if (!isSameSplats(cloud, fresh)) {
-    const message = `there are other splats now than when it was loaded (${fresh.count}, then ${cloud.count}); it stays as it was. Load it anew to see them.`;
+    const message = `its source has other splats than when it was loaded (${fresh.count}, then ${cloud.count}); it is unchanged. Load it again to see them.`;
     throw new SplatSourceError(name, message);
   }
   return fresh;
@@ -332,8 +335,8 @@ function isSplatSet(source: CloudSource): source is SplatSet<Harmonics> {
 }
 
 /**
- * By the rows that were kept, their order, and the bounds of every chunk: places and sizes. Colours may be others, as
- * what is held of them is too coarse to tell.
+ * Compares the rows kept, their order, and each chunk's bounds (positions and sizes). Does not compare colours: the held ones
+ * are too coarse.
  */
 function isSameSplats(cloud: SplatCloud, fresh: PackedCloud): boolean {
   return (

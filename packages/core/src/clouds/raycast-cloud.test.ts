@@ -59,7 +59,7 @@ describe('raycastCloud', () => {
     });
   });
 
-  test('a single splat can be hit, an empty cloud and broken rays cannot', () => {
+  test('a single splat can be hit; empty clouds and non-finite rays cannot', () => {
     const one = packOf([{ position: [0, 0, 0], logScales: [-1, -1, -1] }]);
     expect(raycastCloud(one, [0.3, 0.3, 5], [0, 0, -1])?.distance).toBeCloseTo(5 - Math.exp(-1), 2);
     expect(raycastCloud(packOf([]), [0, 0, 5], [0, 0, -1])).toBeNull();
@@ -79,7 +79,7 @@ describe('raycastCloud', () => {
     expect(raycastCloud(cloud, [5, 0.5, 0.5], [0, 1, 0])).toBeNull();
   });
 
-  test('a camera among the splats of a capture is not inside of the few around it', () => {
+  test('a camera inside a capture is not inside the boxes of the few splats scattered around it', () => {
     const scene = randomSplats({ count: 256 * 80, shDegree: 0, logScales: [-9, -8] });
     const scattered = randomSplats({ count: 200, shDegree: 0, logScales: [-9, -8], halfExtent: 60, seed: 2 });
     const positions = Float32Array.from([...scene.positions, ...scattered.positions]);
@@ -102,7 +102,7 @@ describe('raycastCloud', () => {
     }
   });
 
-  test('looks at few of the chunks of six million splats, and makes its tree once', () => {
+  test('tests few of the chunks of six million splats, and builds its tree once', () => {
     const chunkCount = 23_000;
     const cloud = sphereOfChunks(chunkCount);
     const tree = chunkTree(cloud);
@@ -123,7 +123,7 @@ describe('raycastCloud', () => {
       const hit = raycastCloud(cloud, origin, direction);
       if (!hit) continue;
       hits++;
-      // On the sphere, but for the thickness of the chunks.
+      // On the sphere, up to the thickness of the chunks.
       expect(Math.hypot(...hit.point)).toBeCloseTo(1, 0);
     }
     expect(hits).toBeGreaterThan(100);

@@ -4,7 +4,7 @@ import type { PackedCloud } from '../packing/packed-cloud.ts';
 import { BoxTree } from './box-tree.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
-/** Where a ray meets a cloud's bounds, scene space. */
+/** Where a ray meets a cloud's bounds, in scene space. */
 export interface CloudHit {
   /** In units of the direction's length. */
   readonly distance: number;
@@ -12,17 +12,18 @@ export interface CloudHit {
 }
 
 /**
- * Where a ray in scene space first meets the bounds of a chunk of 256 splats: as coarse as the chunks, but at once, in
- * some microseconds for millions of splats. `pick` knows the splat. A ray that begins inside of a chunk's bounds meets
- * it at distance 0.
+ * Returns where a ray in scene space first meets the bounds of a chunk of 256 splats. The result is as coarse as the chunks,
+ * but takes only some microseconds for millions of splats, without waiting for the GPU; `pick` finds the splat itself. A ray
+ * that begins inside a chunk's bounds meets it at distance 0.
  *
- * Bounds are those of the splats' centres, widened by the chunk's largest standard deviation; where there are several
- * chunks by no more than an eighth of the box's longest side, since one large splat says little about the others.
- * Captures scatter a few splats through wide empty space around the scene: boxes longer than most of the scene, or in
- * clouds of thousands of chunks than a quarter of it, are nearly empty, often hold the camera itself, and are not hit.
+ * Bounds are those of the splats' centres, widened by the chunk's largest standard deviation. In clouds of several chunks,
+ * they are widened by at most an eighth of the box's longest side, since one large splat says little about the others.
+ * Captures scatter a few splats through wide empty space around the scene: boxes longer than most of the scene (in clouds of
+ * thousands of chunks, longer than a quarter of it) are nearly empty and often contain the camera itself, so rays ignore
+ * them.
  *
- * @param direction of any length.
- * @returns null where the ray misses, and for rays that are not finite.
+ * @param direction vector of any length.
+ * @returns null if the ray misses or is not finite.
  */
 export function raycastCloud(
   cloud: SplatCloud | PackedCloud,
@@ -36,10 +37,10 @@ export function raycastCloud(
   return { distance, point: [along(0), along(1), along(2)] };
 }
 
-/** By the chunks, which a cloud shares with what it was uploaded from. */
+/** Trees by the buffer of the chunks, which a cloud shares with the PackedCloud that it was uploaded from. */
 const trees = new WeakMap<ArrayBuffer, BoxTree>();
 
-/** @internal The tree over a cloud's widened chunk bounds, relative to its origin; made when it is first asked for. */
+/** @internal Returns the tree over a cloud's widened chunk bounds, relative to its origin; built on first use. */
 export function chunkTree(cloud: SplatCloud | PackedCloud): BoxTree {
   let tree = trees.get(cloud.chunks);
   if (!tree) {
@@ -49,12 +50,13 @@ export function chunkTree(cloud: SplatCloud | PackedCloud): BoxTree {
   return tree;
 }
 
-/** Of the longest side of a chunk's box. */
+/** Largest widening of a chunk's box, as a fraction of the box's longest side. */
 const MOST_WIDENED = 1 / 8;
 
 /**
- * Longest box that is hit, as a part of the scene's longest side. n chunks that tile surfaces are about 1/√n of the
- * scene long, and twice or three times that where the Morton order turns; fewer than 64 may be of any length.
+ * Longest box that rays can hit, as a fraction of the scene's longest side. n chunks that tile surfaces are about 1/√n of the
+ * scene long, and two or three times that where the Morton order turns; with fewer than 64 chunks, boxes may have any
+ * length.
  */
 function longestBox(chunkCount: number): number {
   return Math.max(1 / 4, 8 / Math.sqrt(chunkCount));

@@ -10,7 +10,7 @@ import type { DropCounts, ShDegree, SplatSet } from '../splats/splat-set.ts';
 import { type CloudLease, CloudLeases, type HoldOptions, type MakeOptions } from './cloud-leases.ts';
 import { type CloudPages, CloudPlanes, type HeldPrecisions } from './cloud-planes.ts';
 
-/** Where a cloud's splats can be had again, as often as need be, in other precisions than it holds. */
+/** A source from which a cloud's splats can be read again, any number of times, in other precisions than it holds. */
 export type CloudSource = string | URL | Blob | SplatSet<Harmonics> | PackedCloud;
 
 export interface SplatCloudOptions {
@@ -19,8 +19,8 @@ export interface SplatCloudOptions {
   /** Tried in this order; kept by reference as long as the cloud lives. */
   readonly source?: CloudSource | readonly CloudSource[] | null;
   /**
-   * Adds the planes of a precision to those that `cloud` holds; adds none where it rejects. Without it the cloud holds what
-   * was uploaded.
+   * Adds the planes of a precision to those that `cloud` holds; if it rejects, it adds none. Without it the cloud holds only
+   * the uploaded planes.
    */
   readonly makePlanes?: (cloud: SplatCloud, precision: CloudPrecision, options: MakeOptions) => Promise<void>;
   /** Called when the cloud has been destroyed. */
@@ -32,23 +32,23 @@ export class SplatCloud {
   /** For messages and labels. */
   readonly name: string;
   readonly count: number;
-  /** Of what is stored: bands that cannot be seen are not. See `facts` for that of the file. */
+  /** Degree of the stored harmonics: bands that cannot be seen are not stored. `facts` has the file's degree. */
   readonly shDegree: ShDegree;
-  /** What was found in the splats when they were packed. */
+  /** Facts about the splats, found when they were packed. */
   readonly facts: CloudFacts;
-  /** Scene-space point, in float64, that positions are stored relative to. */
+  /** Scene-space point, in float64, that stored positions are relative to. */
   readonly origin: Vec3;
   /** Bounds of the centres, scene space. */
   readonly bounds: Bounds;
-  /** Bounds without the outermost splats, scene space: what a camera should show of the cloud. */
+  /** Bounds without the outermost splats, scene space: the part of the cloud that a camera should show. */
   readonly robustBounds: Bounds;
-  /** Rows of the file that were left out, by reason. */
+  /** Numbers of dropped rows of the file, by reason. */
   readonly dropped: DropCounts;
-  /** Each stored splat's row in its file. */
+  /** Row in the file of each stored splat. */
   readonly fileIndices: Uint32Array;
-  /** @internal None where they are gone: see `hold`. */
+  /** @internal Empty if the sources are gone: see `hold`. */
   readonly sources: readonly CloudSource[];
-  /** @internal Of all planes of the cloud, whichever were packed. */
+  /** @internal Range of log scales that all packed geometry of the cloud uses. */
   readonly logScaleRange: LogScaleRange;
   /** @internal One `Chunk` struct per chunk. */
   readonly chunks: ArrayBuffer;
@@ -56,7 +56,7 @@ export class SplatCloud {
   readonly planes: CloudPlanes;
   /** @internal */
   readonly leases: CloudLeases;
-  /** @internal What it is held by. */
+  /** @internal Device that holds the cloud. */
   readonly device: GPUDevice;
   readonly #onDestroyed: (cloud: SplatCloud) => void;
   #isDestroyed = false;
@@ -64,7 +64,7 @@ export class SplatCloud {
   /**
    * Uploads `packed`.
    *
-   * @throws GpuLimitError, before anything is allocated, where it cannot be bound.
+   * @throws GpuLimitError, before anything is allocated, if it cannot be bound.
    */
   constructor(
     memory: GpuMemory,
@@ -96,13 +96,13 @@ export class SplatCloud {
       keepOnly: (claims) => this.planes.keepOnly(claims),
       make: async (precision, options) => {
         if (!makePlanes)
-          throw new SplatSourceError(name, 'no engine has uploaded it that could make other planes of it.');
+          throw new SplatSourceError(name, 'no engine has uploaded it, so no other planes can be made.');
         await makePlanes(this, precision, options);
       },
     });
   }
 
-  /** In which precisions the cloud can be drawn without anything being made or read first. */
+  /** Precisions in which the cloud can be drawn without making or reading anything first. */
   get precisions(): HeldPrecisions {
     return this.planes.held;
   }
@@ -113,24 +113,26 @@ export class SplatCloud {
   }
 
   /**
-   * Claims this precision until the lease is changed or released. The cloud holds what its leases claim, and frees what none
-   * of them claims. Its own lease claims what was uploaded, until the engine's accuracy, a wish or `engine.requestPrecision`
-   * changes that; release `cloud.ownLease` where your leases speak for everything that shows the cloud.
+   * Claims this precision until the lease is changed or released. The cloud holds the planes that its leases claim, and frees
+   * all others. Its own lease claims the uploaded precision, until the engine's accuracy, a wish or
+   * `engine.requestPrecision` changes that; release `cloud.ownLease` if your leases cover everything that shows the cloud.
    *
-   * A coarser precision than the cloud holds is made on the GPU. For a finer one the splats are read again in the background,
-   * from the address, File or Blob they were loaded from, or the SplatSet they were added from. All planes of a claim come at
-   * once, and pictures change with the next frame that is drawn; until then, and where it fails, everything stays as it was.
+   * A coarser precision than the cloud holds is made on the GPU. For a finer one the splats are read again in the
+   * background, from the address, File or Blob they were loaded from, or the SplatSet they were added from. All planes of a
+   * claim become available at once, and the next frame is drawn with them; until then, and if the claim fails, nothing
+   * changes.
    *
-   * @returns at once. Its `met` resolves when the planes are held. It rejects with a SplatSourceError where the source is gone
-   *   (streams, buffers), unreadable, too coarse, or has other splats now; SplatFileError; GpuLimitError where the planes do
-   *   not fit into memory; InvalidArgumentError for an unknown precision; DestroyedError where cloud, engine or device end
-   *   meanwhile; the signal's reason where it aborts, and an AbortError where the lease is changed or released before.
+   * @returns the lease, immediately. Its `met` resolves when the cloud holds the planes. It rejects with a SplatSourceError
+   *   if the source is gone (streams, buffers), unreadable, too coarse, or now has other splats; SplatFileError;
+   *   GpuLimitError if the planes do not fit into memory; InvalidArgumentError for an unknown precision; DestroyedError if
+   *   cloud, engine or device end first; the signal's reason if it aborts; and an AbortError if the lease is changed or
+   *   released first.
    */
   hold(precision: CloudPrecision, options?: HoldOptions): CloudLease {
     return this.leases.hold(precision, options);
   }
 
-  /** What the cloud takes on the GPU, all of its planes together. */
+  /** GPU memory of all planes of the cloud together. */
   get bytes(): number {
     return this.#isDestroyed ? 0 : this.planes.bytes;
   }
@@ -140,14 +142,14 @@ export class SplatCloud {
   }
 
   /**
-   * What is drawn of the cloud where this is asked for: of geometry and of spherical harmonics each the same precision,
-   * else the next finer one held, else the finest.
+   * Returns the planes to draw for `wanted`: for geometry and for harmonics, the same precision, else the next finer one
+   * held, else the finest.
    */
   pagesFor(wanted: CloudPrecision): CloudPages {
     return this.planes.pagesFor(wanted);
   }
 
-  /** Frees the GPU memory; pictures already submitted are not affected. */
+  /** Frees the GPU memory; frames already submitted are not affected. */
   destroy(): void {
     if (this.#isDestroyed) return;
     this.#isDestroyed = true;

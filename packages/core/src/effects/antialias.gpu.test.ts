@@ -14,11 +14,11 @@ import { antialias } from './antialias.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };
 const CAMERAS = testCameras(1);
-/** No axis of the splat is one of the screen's. */
+/** No axis of the splat is parallel to one of the screen's. */
 const TURNED = [0.8, 0.3, -0.4, 0.33];
 
 const DRAWN: Readonly<Record<string, SplatValues>> = {
-  'as large as the picture': { logScales: [0, 0, 0] },
+  'as large as the image': { logScales: [0, 0, 0] },
   'of about a pixel': { logScales: [-3.5, -3.5, -3.5] },
   'a speck': { logScales: [-5, -5, -5] },
   'a needle': { logScales: [-1, -5, -5], rotation: TURNED },
@@ -26,7 +26,7 @@ const DRAWN: Readonly<Record<string, SplatValues>> = {
   flat: { logScales: [-2, -2, -100], rotation: TURNED },
   'so large that float32 could not square it': { logScales: [40, 40, 40] },
 };
-/** They have no area, and so nothing to give. */
+/** Splats without area, which antialiasing makes invisible. */
 const EMPTY: Readonly<Record<string, SplatValues>> = {
   'a point': { logScales: [-100, -100, -100] },
   'a line': { logScales: [-1, -100, -100], rotation: TURNED },
@@ -62,7 +62,7 @@ describe('antialias', () => {
       frame.destroy();
     });
 
-  gpuTest('comes by itself where the file says so, unless it is refused', async () => {
+  gpuTest('is on automatically if the file says so, unless antialias(false) is given', async () => {
     const engine = await SplatEngine.create({ device, accuracy: 'high' });
     const view = engine.createView();
     const camera = CAMERAS.perspective;
@@ -73,18 +73,18 @@ describe('antialias', () => {
       return (await view.readPixels()).data;
     };
     const [cloud, trainedCloud] = [engine.add(set), engine.add(trained)];
-    const byItself = await draw({ cloud: trainedCloud });
-    expect(byItself).toEqual(await draw({ cloud, effects: [antialias()] }));
-    expect(byItself).toEqual(await draw({ cloud: trainedCloud, effects: [antialias()] }));
-    const refused = await draw({ cloud: trainedCloud, effects: [antialias(false)] });
-    expect(refused).toEqual(await draw({ cloud }));
-    expect(refused).not.toEqual(byItself);
+    const automatic = await draw({ cloud: trainedCloud });
+    expect(automatic).toEqual(await draw({ cloud, effects: [antialias()] }));
+    expect(automatic).toEqual(await draw({ cloud: trainedCloud, effects: [antialias()] }));
+    const off = await draw({ cloud: trainedCloud, effects: [antialias(false)] });
+    expect(off).toEqual(await draw({ cloud }));
+    expect(off).not.toEqual(automatic);
     const twin = renderReference({ clouds: [{ set: trained }], camera, ...SIZE });
-    expect(compareImages(byItself, twin.data, SIZE).psnrDb).toBeGreaterThan(60);
+    expect(compareImages(automatic, twin.data, SIZE).psnrDb).toBeGreaterThan(60);
     engine.destroy();
   });
 
-  gpuTest('what has no area is not drawn', async () => {
+  gpuTest('splats without area are not drawn', async () => {
     const frame = await draw(EMPTY, 'perspective');
     expect(await frame.visibleCount()).toBe(0);
     frame.destroy();

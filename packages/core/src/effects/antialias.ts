@@ -2,17 +2,16 @@ import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
 
 /**
- * Multiplies every splat's opacity by √(det Σ / det Σ′), Σ its covariance on the screen and Σ′ the same with the dilation
- * that it is drawn with: what is thinner than a pixel becomes fainter and not only wider. Scenes trained with antialiasing
- * (Mip-Splatting, gsplat's `antialiased`) expect it; others become fainter than they were trained to be. Clouds whose file
- * says that they were trained so have it by themselves, unless `antialias(false)` is among their effects.
+ * Multiplies every splat's opacity by √(det Σ / det Σ′), where Σ is its covariance on the screen and Σ′ is Σ with the
+ * dilation that it is drawn with: splats thinner than a pixel become fainter, not only wider. Scenes trained with
+ * antialiasing (Mip-Splatting, gsplat's `antialiased`) expect it; others become fainter than they were trained to be. It is
+ * on automatically for clouds whose file says that they were trained so, unless `antialias(false)` is among their effects.
  */
 export const antialias = /* @__PURE__ */ defineEffect<boolean | undefined>({
   name: 'antialias',
   label: 'Antialiasing',
-  about: 'Makes splats thinner than a pixel fainter by as much as they are drawn wider.',
+  about: 'Makes splats thinner than a pixel fainter, by the factor that they are drawn wider.',
   hooks: { opacity: 'compensateDilation' },
   wgsl: effectShader('antialias'),
-  calledFor: (isOn = true) =>
-    isOn ? 'the cloud is drawn as scenes trained with antialiasing expect it' : null,
+  calledFor: (isOn = true) => (isOn ? 'scenes trained with antialiasing expect it' : null),
 });

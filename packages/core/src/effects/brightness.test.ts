@@ -20,7 +20,7 @@ describe('brightness', () => {
     expect(exposed(0.5, 1)).toBeCloseTo(0.735357, 5);
     expect(exposed(7, 0)).toBe(0);
     expect(exposed(0, 0.6)).toBe(0);
-    // Beyond white nothing is cut off: what is darkened afterwards has not lost it.
+    // Nothing beyond white is cut off, so darkening afterwards restores it.
     expect(exposed(0.25, exposed(4, 0.9))).toBeCloseTo(0.9, 12);
   });
 
@@ -30,7 +30,7 @@ describe('brightness', () => {
   });
 
   for (const factor of [-0.1, Number.NaN, Number.POSITIVE_INFINITY, 2 ** 21])
-    test(`of ${factor} is refused`, () => {
+    test(`of ${factor} is rejected`, () => {
       expect(() => brightness(factor)).toThrow(InvalidArgumentError);
     });
 });

@@ -2,17 +2,17 @@ import { InvalidArgumentError } from '../errors.ts';
 import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
 
-/** Twenty stops: products of it and any colour stay in float32's range. */
+/** Twenty stops: its product with any colour stays in float32's range. */
 const LARGEST_FACTOR = 2 ** 20;
 
 /**
- * Multiplies every splat's light by a factor, 0…2²⁰, as an exposure does: 2 is one stop brighter, and 1 changes nothing.
- * Unlike a grey tint, which multiplies what is sRGB-encoded.
+ * Multiplies every splat's linear light by a factor, 0…2²⁰, as an exposure does: 2 is one stop brighter, and 1 changes
+ * nothing. A grey tint, in contrast, multiplies sRGB-encoded values.
  */
 export const brightness = /* @__PURE__ */ defineEffect<number, { factor: 'f32' }>({
   name: 'brightness',
   label: 'Brightness',
-  about: 'Gives a cloud more light or less, as an exposure does.',
+  about: 'Makes a cloud brighter or darker, like an exposure.',
   hooks: { color: 'exposeColor' },
   wgsl: effectShader('brightness'),
   fields: { factor: 'f32' },
@@ -21,6 +21,6 @@ export const brightness = /* @__PURE__ */ defineEffect<number, { factor: 'f32' }
     const message = `The brightness is ${factor}; it is a factor of linear light, 0…${LARGEST_FACTOR}.`;
     throw new InvalidArgumentError('brightness', message);
   },
-  calledFor: (factor) => (factor === 1 ? null : `the cloud is given ${factor} times its light`),
+  calledFor: (factor) => (factor === 1 ? null : `the cloud’s light is multiplied by ${factor}`),
   valuesAt: (factor) => ({ factor }),
 });

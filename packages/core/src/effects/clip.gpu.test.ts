@@ -27,7 +27,7 @@ beforeAll(async () => {
 afterAll(() => device?.destroy());
 
 describe('clip', () => {
-  gpuTest('every shape and side, soft and hard, wherever a cloud stands', async () => {
+  gpuTest('every shape and side, soft and hard, for clouds in any place', async () => {
     const clouds = MODELS.flatMap((modelMatrix, i) =>
       VOLUMES.map((volume, j) => ({
         set: SET,
@@ -43,8 +43,8 @@ describe('clip', () => {
     }
   });
 
-  gpuTest('each of eight volumes counts, and volumes that hold nothing leave nothing', async () => {
-    // Each takes one corner of the cloud away.
+  gpuTest('each of eight volumes cuts, and volumes that contain nothing leave nothing', async () => {
+    // Each removes one corner of the cloud.
     const corners = [-1, 1].flatMap((x) => [-1, 1].flatMap((y) => [-1, 1].map((z): Vec3 => [x, y, z])));
     const volumes = corners.map((normal): ClipVolume => {
       const point = normal.map((coordinate) => coordinate * -0.3) as unknown as Vec3;
@@ -70,7 +70,7 @@ describe('clip', () => {
     expect(drawn.slice(8)).toEqual([0, 0, all, all, all]);
   });
 
-  gpuTest('edges stay where they are 6,400 km from the origin of the world', async () => {
+  gpuTest('edges stay in place 6,400 km from the origin of the world', async () => {
     const far: Vec3 = [6.4e6, -6.4e6, 6.4e6];
     const moved = ([x, y, z]: Vec3): Vec3 => [x + far[0], y + far[1], z + far[2]];
     const clouds = SHAPES.map((volume) => ({
@@ -96,11 +96,11 @@ describe('clip', () => {
     expect(drawn).toEqual(await expectAsTwin(device, { clouds: near, camera: CAMERA, ...SIZE }, 1e-5));
   });
 
-  gpuTest('and float64 are compared so that a ten-thousandth of a unit is noticed', async () => {
+  gpuTest('the comparison with float64 notices a ten-thousandth of a unit', async () => {
     const sphere = { shape: 'sphere', center: [0, 0.2, 0.3], radius: 0.7 } as const;
     const use = clip({ volumes: [sphere], softEdge: 0.3 });
-    const beside = { ...use, options: { volumes: [{ ...sphere, radius: 0.7001 }], softEdge: 0.3 } };
-    const clouds = [{ set: SET, effects: [beside] }];
+    const shifted = { ...use, options: { volumes: [{ ...sphere, radius: 0.7001 }], softEdge: 0.3 } };
+    const clouds = [{ set: SET, effects: [shifted] }];
     await expect(expectAsTwin(device, { clouds, camera: CAMERA, ...SIZE }, 1e-5)).rejects.toThrow(
       /opacity is/,
     );

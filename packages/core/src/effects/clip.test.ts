@@ -15,7 +15,7 @@ function opacityAt(position: Vec3, options: ClipOptions): number {
 }
 
 describe('clip', () => {
-  test('keeps what is inside of a volume, or outside', () => {
+  test('keeps the inside of a volume, or the outside', () => {
     const cases: readonly (readonly [ClipVolume, Vec3, Vec3])[] = [
       [BOX, [1.9, 1.9, 2.9], [2.1, 0, 0]],
       [BOX, [0.1, -1.9, -2.9], [1, 0, 3.1]],
@@ -39,7 +39,7 @@ describe('clip', () => {
     expect(opacities({ ...SPHERE, keep: 'outside' })).toEqual([0, 0, 0.15625, 0.5, 1, 1]);
   });
 
-  test('hides what any one of several volumes hides; the nearest surface decides how much', () => {
+  test('hides splats that any of several volumes hides; the nearest surface decides how much', () => {
     const volumes = [SPHERE, PLANE];
     expect(opacityAt([0, 1.5, 0], { volumes })).toBe(1);
     expect(opacityAt([0, 0.5, 0], { volumes })).toBe(0);
@@ -47,7 +47,7 @@ describe('clip', () => {
     expect(opacityAt([0, 1.25, 0], { volumes, softEdge: 0.5 })).toBe(0.5);
   });
 
-  test('takes products with large coordinates in float64', () => {
+  test('multiplies large coordinates in float64', () => {
     const far: Vec3 = [6.4e6, -6.4e6, 6.4e6];
     const volumes: ClipVolume[] = [{ shape: 'sphere', center: [far[0] + 0.25, far[1], far[2]], radius: 1 }];
     const { volume0 } = clip({ volumes }).valuesAt({ ...PLACE, origin: far })!;
@@ -63,7 +63,7 @@ describe('clip', () => {
     }
   });
 
-  test('says what cuts', () => {
+  test('has a reason that names the volumes', () => {
     expect(clip({ volumes: [PLANE] }).reason).toBe('a plane cuts it off');
     expect(clip({ volumes: [PLANE, BOX] }).reason).toBe('2 volumes cut it off');
   });
@@ -98,7 +98,7 @@ describe('clip', () => {
     'an edge of no number': [{ volumes: [BOX], softEdge: Number.NaN }, /^softEdge is NaN; /],
   };
   for (const [what, [options, message]] of Object.entries(refused))
-    test(`refuses ${what}`, () => {
+    test(`rejects ${what}`, () => {
       expect(() => clip(options as ClipOptions)).toThrow(InvalidArgumentError);
       expect(() => clip(options as ClipOptions)).toThrow(message);
     });

@@ -4,7 +4,7 @@ import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
 import { checkLength, checkVector, invalidOption } from './option-checks.ts';
 
-/** x, y, z, w, of any length but 0. */
+/** x, y, z, w; any length except 0. */
 export type Quaternion = readonly [x: number, y: number, z: number, w: number];
 
 interface ClipSide {
@@ -15,9 +15,9 @@ interface ClipSide {
 export interface ClipBox extends ClipSide {
   readonly shape: 'box';
   readonly center: Vec3;
-  /** Lengths of its edges, world units, 0 or more: a box without volume has nothing in it. */
+  /** Lengths of the box's edges, world units, 0 or more: a box without volume contains nothing. */
   readonly size: Vec3;
-  /** Of the box about its centre; default none. */
+  /** Rotation of the box about its centre; default none. */
   readonly rotation?: Quaternion;
 }
 
@@ -32,22 +32,22 @@ export interface ClipPlane extends ClipSide {
   readonly shape: 'plane';
   /** Any point of the plane. */
   readonly point: Vec3;
-  /** Points to the inside; of any length but 0. */
+  /** Points to the inside; any length except 0. */
   readonly normal: Vec3;
 }
 
-/** In world space. */
+/** A volume in world space. */
 export type ClipVolume = ClipBox | ClipSphere | ClipPlane;
 
 export interface ClipOptions {
-  /** One to eight; what stays is on the kept side of all of them. */
+  /** One to eight volumes; splats on the kept side of all of them stay. */
   readonly volumes: readonly ClipVolume[];
-  /** Distance from the surface of what is cut off over which splats fade in, world units; default 0, a hard edge. */
+  /** Distance from the cut over which splats fade in, world units; default 0, a hard edge. */
   readonly softEdge?: number;
 }
 
 const MOST_VOLUMES = 8;
-/** Volumes one by one, see shaders/effects/clip.wgsl. */
+/** Volumes one by one, not as an array: see shaders/effects/clip.wgsl. */
 const FIELDS = {
   volume0: 'mat4x4f',
   volume1: 'mat4x4f',
@@ -60,7 +60,7 @@ const FIELDS = {
   volumeCount: 'u32',
   softEdge: 'f32',
 } as const;
-/** What shaders/effects/clip.wgsl calls a volume whose inside is kept; a plane is turned around instead. */
+/** Codes in shaders/effects/clip.wgsl; negated if the outside is kept. A plane is turned around instead. */
 const KINDS = { plane: 0, sphere: 1, box: 2 } as const;
 const NO_AXIS = [0, 0, 0, 0];
 const NO_VOLUME = /* @__PURE__ */ Array<number>(16).fill(0);
@@ -72,8 +72,8 @@ const AXES: readonly Vec3[] = [
 
 /**
  * Cuts a cloud off at boxes, spheres and planes: only splats whose centres are on the kept side of all of them are drawn.
- * Each is kept or left out as a whole, and so reaches past the surface by its own size; within `softEdge` of the surface it
- * is the fainter the nearer it is.
+ * Each splat is kept or hidden as a whole, so it extends past the surface by its own size. Within `softEdge` of the surface,
+ * splats fade towards it.
  */
 export const clip = /* @__PURE__ */ defineEffect<ClipOptions, typeof FIELDS>({
   name: 'clip',
@@ -93,7 +93,7 @@ export const clip = /* @__PURE__ */ defineEffect<ClipOptions, typeof FIELDS>({
   calledFor: ({ volumes }) =>
     volumes.length === 1 ? `a ${volumes[0].shape} cuts it off` : `${volumes.length} volumes cut it off`,
   valuesAt({ volumes, softEdge = 0 }, { modelMatrix, origin }) {
-    // Shaders have positions about the cloud's origin: the product with it is taken in float64.
+    // Positions in shaders are relative to the cloud's origin, so its product is computed here, in float64.
     const toWorld = translated4(modelMatrix, origin);
     const at = (index: number) => (volumes[index] ? valuesOf(volumes[index], toWorld) : NO_VOLUME);
     return {
@@ -137,7 +137,7 @@ function checkVolume(name: string, volume: ClipVolume): void {
   }
 }
 
-/** Of one volume the columns that clip.wgsl takes. */
+/** Returns the matrix columns that clip.wgsl takes for one volume. */
 function valuesOf(volume: ClipVolume, toWorld: Mat4): number[] {
   const side = volume.keep === 'outside' ? -1 : 1;
   const kind = side * KINDS[volume.shape];
@@ -160,16 +160,16 @@ function valuesOf(volume: ClipVolume, toWorld: Mat4): number[] {
   }
 }
 
-/** How far a point x, y, z of the cloud is from `start` along a unit vector of the world: factors of x, y, z and 1. */
+/** Returns factors of x, y, z and 1: distance of a cloud's point from `start` along a unit vector of the world. */
 function distanceAlong(direction: Vec3, start: Vec3, toWorld: Mat4): number[] {
   const along = (x: number, y: number, z: number) => direction[0] * x + direction[1] * y + direction[2] * z;
   const column = (c: number) => along(toWorld[4 * c], toWorld[4 * c + 1], toWorld[4 * c + 2]);
-  // Differences first: far from the world's origin two products would each have lost what is left of them.
+  // Subtract first: far from the world's origin, each product would have lost the digits of the difference.
   const offset = along(toWorld[12] - start[0], toWorld[13] - start[1], toWorld[14] - start[2]);
   return [column(0), column(1), column(2), offset];
 }
 
-/** Where a rotation takes the three axes. */
+/** Returns the three axes after a rotation. */
 function axesOf(rotation: Quaternion): readonly Vec3[] {
   const length = Math.hypot(...rotation);
   const [x, y, z, w] = rotation.map((component) => component / length);

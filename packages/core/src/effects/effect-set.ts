@@ -4,14 +4,14 @@ import { numberOf } from '../number-of.ts';
 import type { ShaderModules } from '../shaders/shader-linker.ts';
 import type { EffectHooks, EffectUse, SplatEffect } from './effect.ts';
 
-/** The effects that one cloud is drawn with, in the order in which they act: one object for equal lists. */
+/** The effects that one cloud is drawn with, in the order in which they act. Equal lists are the same object. */
 export interface EffectSet {
   readonly effects: readonly SplatEffect[];
   /** The modules that shaders import these effects from. */
   readonly modules: ShaderModules;
-  /** Where each effect's parameters begin in those of all, bytes. */
+  /** Offset of each effect's parameters in those of the whole set, bytes. */
   readonly parameterOffsets: ReadonlyMap<SplatEffect, number>;
-  /** Size of the parameters of all, 0 where there are none. */
+  /** Size of the parameters of the whole set, bytes; 0 if there are none. */
   readonly parameterBytes: number;
 }
 
@@ -25,7 +25,7 @@ export const NO_EFFECTS: EffectSet = {
 
 /** Binding of the parameters, in every stage that applies effects. */
 const PARAMETERS_BINDING = 16;
-/** Binding of a bit per splat of the page, in stages with hooks that are told which are selected. */
+/** Binding of one bit per splat of the page, in stages with hooks that take `selected`. */
 const SELECTED_BINDING = 17;
 /** Structs in a uniform buffer begin at multiples of this many bytes. */
 export const STRUCT_ALIGNMENT = 16;
@@ -45,22 +45,22 @@ export function effectSetOf(uses: readonly EffectUse[]): EffectSet {
   return set;
 }
 
-/** Whether a stage that has these hooks is to know which splats are selected. */
+/** Whether a stage with these hooks needs the selection. */
 export function takesSelection({ effects }: EffectSet, hooks: readonly SelectionHook[]): boolean {
   return effects.some((effect) => effect.takesSelection && hooks.some((hook) => effect.hooks[hook]));
 }
 
-/** Whether any of the set's effects takes part there. */
+/** Whether any effect of the set uses this hook. */
 export function hasHook({ effects }: EffectSet, hook: keyof EffectHooks): boolean {
   return effects.some(({ hooks }) => hooks[hook] !== undefined);
 }
 
-/** The set for stages before colours are known: none of it where its effects change only those. */
+/** Returns the set for stages that do not compute colours: NO_EFFECTS if all its effects change only colours. */
 export function geometryEffects(set: EffectSet): EffectSet {
   return hasHook(set, 'splat') || hasHook(set, 'opacity') ? set : NO_EFFECTS;
 }
 
-/** The parameters of one cloud's effects, one struct `Effects`. */
+/** Packs the parameters of one cloud's effects into one struct `Effects`. */
 export function packParameters(
   { parameterOffsets, parameterBytes }: EffectSet,
   uses: readonly { readonly use: EffectUse; readonly values: GpuValues<GpuFields> | null }[],
@@ -85,7 +85,7 @@ function layOut(effects: readonly SplatEffect[]): Pick<EffectSet, 'parameterOffs
   return { parameterOffsets, parameterBytes };
 }
 
-/** Module of one effect's shader. */
+/** Name of the module of one effect's shader. */
 function moduleNameOf({ name }: SplatEffect): string {
   return `package::effects::${name.replaceAll('-', '_')}`;
 }
@@ -95,7 +95,7 @@ function memberOf({ name }: SplatEffect): string {
   return name.replace(/-(.)/g, (_, first: string) => first.toUpperCase());
 }
 
-/** Hooks that are told which splats are selected. */
+/** Hooks that take `selected`. */
 type SelectionHook = 'splat' | 'color';
 
 const HOOK_FUNCTIONS: Readonly<
@@ -114,8 +114,8 @@ const HOOK_FUNCTIONS: Readonly<
 };
 
 /**
- * `effects`, whose functions apply one effect after the other; `parameters` with the structs; and the effects' own.
- * None of this is linked but what a stage reaches.
+ * Returns the modules `effects`, whose functions apply one effect after another, and `parameters`, which has the structs, and
+ * the modules of the effects themselves. Only what a stage uses of them is linked.
  */
 function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
   const withParameters = effects.filter(({ parameters }) => parameters !== null);
@@ -170,7 +170,7 @@ function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
   };
 }
 
-/** What a stage that applies effects at these hooks is bound to for it: nothing that none of them takes. */
+/** Returns the bindings that a stage needs to apply effects at these hooks; only those that some effect uses. */
 export function effectBindings(set: EffectSet, hooks: readonly SelectionHook[]): StageDefinition['bindings'] {
   const bindings: Record<string, readonly [number, BindingKind]> = {};
   if (set.parameterBytes > 0) bindings.effects = [PARAMETERS_BINDING, 'uniform'];

@@ -5,89 +5,89 @@ import type { Vec3 } from '../math/mat4.ts';
 import type { SplatSelection } from '../splats/splat-selection.ts';
 
 /**
- * Where an effect's shader takes part, by the names of its functions. Each function has the effect's parameters as its last
- * argument, a struct named like the effect (`wind-sway`: `WindSway`), where there are any. Before it, those for splats and
- * colours have `selected: bool`, where the effect takes a selection.
+ * Names of the functions in an effect's shader, by the place where they act. The last argument of each function is the
+ * effect's parameters, if it has any: a struct named like the effect (`wind-sway`: `WindSway`). If the effect takes a
+ * selection, functions for splats and colours take `selected: bool` before it.
  */
 export interface EffectHooks {
   /**
    * `fn name(splat: Splat, splatIndex: u32, …) -> Splat`: changes a splat in its cloud's space, in cull-splats and in
-   * project, before anything is made of it. `splatIndex` counts within a page, and is the same from frame to frame.
+   * project, before they use it. `splatIndex` counts within a page, and is the same in every frame.
    */
   readonly splat?: string;
   /**
-   * `fn name(opacity: f32, onScreen: ScreenSplat, dilationPx2: f32, …) -> f32`: changes a splat's opacity by what becomes
-   * of it on the screen, in cull-splats and in project.
+   * `fn name(opacity: f32, onScreen: ScreenSplat, dilationPx2: f32, …) -> f32`: changes a splat's opacity depending on its
+   * shape on the screen, in cull-splats and in project.
    */
   readonly opacity?: string;
   /**
    * `fn name(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f, …) -> vec3f`: changes a splat's colour, in
-   * project; sRGB-encoded like what scenes are trained with, before it is clamped.
+   * project, before it is clamped; sRGB-encoded, like the images that scenes are trained with.
    */
   readonly color?: string;
 }
 
-/** Where a cloud stands in the frame that an effect's uniforms are made for; all in float64. */
+/** Place of a cloud in the frame that an effect's uniforms are computed for; all in float64. */
 export interface EffectPlace {
   /** Cloud to world, column-major. */
   readonly modelMatrix: ArrayLike<number>;
-  /** What the shader's positions are relative to, in the cloud's space. */
+  /** Origin of the shader's positions, in the cloud's space. */
   readonly origin: Vec3;
   /** World to view, column-major. */
   readonly viewMatrix: ArrayLike<number>;
 }
 
-/** One effect: everything that is to be known of it but for what a caller says. */
+/** An effect without the options of a particular use. */
 export interface SplatEffect {
   /** Lower case with hyphens, like the file of its shader. */
   readonly name: string;
-  /** What a person would call it. */
+  /** Human-readable name. */
   readonly label: string;
-  /** What it does: one sentence. */
+  /** One sentence that says what the effect does. */
   readonly about: string;
   readonly hooks: EffectHooks;
-  /** Module `package::effects::NAME`, written as shaders/effects are. */
+  /** Text of the module `package::effects::NAME`, written like the files in shaders/effects. */
   readonly wgsl: string;
-  /** What its functions take last; null where they take nothing more. */
+  /** Struct that the functions take as their last argument; null without parameters. */
   readonly parameters: GpuStruct<GpuFields> | null;
-  /** Whether its functions are told which splats are selected. */
+  /** Whether the functions take `selected`. */
   readonly takesSelection: boolean;
 }
 
-/** An effect with what a caller says of it, for one cloud of one frame. Made by the effect's own function: `tint([1, 0, 0])`. */
+/** An effect with a caller's options, for one cloud of one frame. Made by the effect's function: `tint([1, 0, 0])`. */
 export interface EffectUse {
   readonly effect: SplatEffect;
-  /** As the caller gave them. */
+  /** Options that the caller passed. */
   readonly options: unknown;
-  /** Why it takes part at this moment, in words; null where the options change nothing, and it takes no part. */
+  /** A clause that says why the effect is on now; null if its options change nothing, which turns it off. */
   readonly reason: string | null;
   readonly reach: SplatReach;
-  /** Null where it takes none. */
+  /** Null if the effect takes no selection. */
   readonly selection: SplatSelection | null;
-  /** Contents of its parameters; null where it has none. */
+  /** Returns the contents of the effect's parameters; null if it has none. */
   valuesAt(place: EffectPlace): GpuValues<GpuFields> | null;
 }
 
-/** What `defineEffect` takes. */
+/** Argument of `defineEffect`. */
 export interface EffectDefinition<Options, Fields extends GpuFields>
   extends Pick<SplatEffect, 'name' | 'label' | 'about' | 'hooks' | 'wgsl'> {
-  /** What its functions take last: WGSL types by name; default nothing. */
+  /** Fields of the struct that the functions take as their last argument: WGSL types by name; default none. */
   readonly fields?: Fields;
-  /** Why these options change a picture, in words, or null where they change nothing. */
+  /** Returns a clause that says why these options change a frame, or null if they change nothing. */
   readonly calledFor: (options: Options) => string | null;
-  /** @throws InvalidArgumentError for options that mean nothing. */
+  /** @throws InvalidArgumentError for invalid options. */
   readonly check?: (options: Options) => void;
-  /** Which splats its functions are told are selected; default it takes no selection. */
+  /** Returns the selection that the functions use; default none. */
   readonly selection?: (options: Options) => SplatSelection;
-  /** Contents of the fields. */
+  /** Returns the contents of the fields. */
   readonly valuesAt?: (options: Options, place: EffectPlace) => GpuValues<Fields>;
-  /** Default: it moves nothing and nothing grows. */
+  /** Returns how far splats move and how much they grow; default: they do neither. */
   readonly reach?: (options: Options) => SplatReach;
 }
 
 /** Makes uses of one effect. */
 export interface EffectFunction<Options> {
-  /** @throws InvalidArgumentError for options that mean nothing. */
+  /** @throws InvalidArgumentError for invalid options. */
   (...options: undefined extends Options ? [options?: Options] : [options: Options]): EffectUse;
   readonly effect: SplatEffect;
 }
@@ -95,8 +95,8 @@ export interface EffectFunction<Options> {
 const NO_REACH: SplatReach = { displacement: 0, growth: 1 };
 
 /**
- * A new effect: a function that makes uses of it for `CloudInstance.effects`. What belongs to an effect is in the shaders only
- * where a cloud of the frame uses it and `calledFor` gives a reason.
+ * Defines a new effect: returns a function that makes uses of it for `CloudInstance.effects`. Shaders contain an effect's
+ * code only if a cloud of the frame uses the effect and `calledFor` returns a reason.
  *
  * @throws InvalidArgumentError for a name that is not lower case with hyphens, or an effect without hooks.
  */
@@ -119,7 +119,7 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
     return {
       effect,
       options,
-      // What is selected changes.
+      // A getter, because the selection may change.
       get reason() {
         return calledFor(options);
       },
@@ -131,7 +131,7 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
   return Object.assign(use, { effect }) as EffectFunction<Options>;
 }
 
-/** `WindSway` of `wind-sway`. */
+/** Returns `WindSway` for `wind-sway`. */
 function structName(name: string): string {
   return name.replace(/(?:^|-)(.)/g, (_, first: string) => first.toUpperCase());
 }

@@ -14,7 +14,7 @@ import type { EffectUse } from './effect.ts';
 const SIZE = { widthPx: 48, heightPx: 48 };
 const CAMERAS = testCameras(1);
 const SET = randomSplats({ count: 1200, seed: 60, shDegree: 1, logScales: [-4.5, -2] });
-/** Somewhere, turned, stretched and sheared. */
+/** Moved, turned, stretched and sheared. */
 const MODEL = [0.9, 0.3, 0, 0, -0.3, 0.8, 0.1, 0, 0.2, 0, 1.1, 0, 0.1, -0.1, 0.2, 1];
 
 let device: GPUDevice;
@@ -45,10 +45,10 @@ async function psnrAgainstTwin(effects: readonly EffectUse[], camera = CAMERAS.p
 
 describe('an effect', () => {
   for (const use of EFFECT_EXAMPLES) {
-    gpuTest(`${use.effect.name}: as in float64, in perspective and without`, async () => {
+    gpuTest(`${use.effect.name}: as in float64, in perspective and orthographic views`, async () => {
       for (const camera of [CAMERAS.perspective, CAMERAS.orthographic]) {
         expect(await psnrAgainstTwin([use], camera)).toBeGreaterThan(60);
-        // And seen at all.
+        // And it is visible.
         const without = await draw([], camera);
         expect(compareImages(await draw([use], camera), without, SIZE).psnrDb).toBeLessThan(45);
       }
@@ -63,7 +63,7 @@ describe('effects together', () => {
         expect(await psnrAgainstTwin([b, a]), `${a.effect.name} and ${b.effect.name}`).toBeGreaterThan(45);
   });
 
-  gpuTest('ten sets at random', async () => {
+  gpuTest('ten random sets', async () => {
     const random = seededRandom(7);
     for (let i = 0; i < 10; i++) {
       const some = EFFECT_EXAMPLES.filter(() => random() < 0.5);

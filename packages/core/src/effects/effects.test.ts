@@ -37,7 +37,7 @@ const stagesWith = (effects: EffectSet) => [
   project({ ...PROJECT, effects }),
 ];
 
-/** The stage's text is the same where the effects' own modules are missing, and has nothing of theirs. */
+/** Checks that the stage's text is the same without the effects' own modules, and contains none of their code. */
 function expectNothingOf(effects: readonly SplatEffect[], stage: StageDefinition): void {
   const input = linkInput(stage);
   const unknown = effects.map(({ name }) => `package::effects::${name.replaceAll('-', '_')}`);
@@ -57,7 +57,7 @@ const sway = defineEffect<{ by: number }, { by: 'f32' }>({
   label: 'Sway',
   about: 'Moves everything.',
   hooks: { splat: 'swaySplat' },
-  // Braces at the beginning of lines: what reflects WGSL here looks for them.
+  // Braces at the beginning of lines, because the reflection of WGSL in this test looks for them there.
   wgsl: `import package::lib::packing::Splat;
 import parameters::TestSway;
 fn swaySplat(splat: Splat, splatIndex: u32, parameters: TestSway) -> Splat {
@@ -72,7 +72,7 @@ fn swaySplat(splat: Splat, splatIndex: u32, parameters: TestSway) -> Splat {
 });
 
 describe('effects', () => {
-  test('have names of their own and a twin each', () => {
+  test('have unique names and a twin each', () => {
     const names = CLOUD_EFFECTS.map(({ name }) => name);
     expect(new Set(names).size).toBe(names.length);
     expect(Object.keys(EFFECT_TWINS).toSorted()).toEqual(names.toSorted());
@@ -80,7 +80,7 @@ describe('effects', () => {
 
   for (const use of EFFECT_EXAMPLES) {
     const { effect } = use;
-    test(`${effect.name}: says why it takes part, and takes part where it says so`, () => {
+    test(`${effect.name}: gives a reason, and is on if it gives one`, () => {
       expect(use.reason).toMatch(/^[a-z0-9].*[^.]$/);
       const set = effectSetOf([use]);
       const texts = stagesWith(set).map((stage) => linkModules(linkInput(stage)));
@@ -88,14 +88,14 @@ describe('effects', () => {
         expect(texts.some((text) => text.includes(hook))).toBe(true);
     });
 
-    test(`${effect.name}: with all the others, stages are as in a build that does not know it`, () => {
+    test(`${effect.name}: with all the others used, stages are as in a build without it`, () => {
       const others = effectSetOf(usesOf({ effects: EFFECT_EXAMPLES.filter((other) => other !== use) }));
       for (const stage of stagesWith(others)) expectNothingOf([effect], stage);
     });
   }
 
   // Hundreds of variants, each linked twice.
-  test('that nobody uses leave all stages as in a build that knows none', { timeout: 30_000 }, () => {
+  test('that are not used leave all stages as in a build without effects', { timeout: 30_000 }, () => {
     for (const stage of allStageVariants()) expectNothingOf(CLOUD_EFFECTS, stage);
   });
 
@@ -120,7 +120,7 @@ describe('effects', () => {
     }
   });
 
-  test('stages of which no cloud uses an effect bind nothing for it', () => {
+  test('stages bind nothing for an effect that no cloud uses', () => {
     for (const stage of allStageVariants()) expect(Object.keys(stage.bindings)).not.toContain('effects');
     const colorsOnly = effectSetOf(EFFECT_EXAMPLES.filter(({ effect }) => effect.name === 'tint'));
     expect(cullSplats({ ...CULL, effects: colorsOnly })).toEqual(cullSplats(CULL));
@@ -137,7 +137,7 @@ describe('effects', () => {
     }
   });
 
-  test('that change nothing are left out', () => {
+  test('that change nothing are not applied', () => {
     expect(usesOf({ opacity: 1, effects: [sway({ by: 0 })] })).toEqual([]);
     expect(effectSetOf(usesOf({}))).toBe(effectSetOf(usesOf({ opacity: 1 })));
     const half = opacity(0.5);
@@ -145,12 +145,12 @@ describe('effects', () => {
     expect(() => usesOf({ opacity: 0.5, effects: [half] })).toThrow(/opacity is used twice/);
   });
 
-  test('take splats no further than all of them together', () => {
+  test('reach as far as their displacements and growths together', () => {
     expect(reachOf(usesOf({ effects: [sway({ by: -2 })] }))).toEqual({ displacement: 2, growth: 1 });
     expect(reachOf([])).toEqual({ displacement: 0, growth: 1 });
   });
 
-  test('that contradict each other, or are none, are refused', () => {
+  test('that contradict each other, or do nothing, are rejected', () => {
     expect(() => usesOf({ effects: [sway({ by: 1 }), sway({ by: 2 })] })).toThrow(/test-sway is used twice/);
     expect(() => usesOf({ opacity: 2 })).toThrow(InvalidArgumentError);
     const none = { label: '', about: '', wgsl: '', calledFor: () => null };

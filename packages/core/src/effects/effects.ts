@@ -11,7 +11,7 @@ import { opacity } from './opacity.ts';
 import { reveal } from './reveal.ts';
 import { tint } from './tint.ts';
 
-/** All effects that a caller can ask for of a cloud, in the order in which they act. */
+/** All effects that a caller can request for a cloud, in the order in which they act. */
 export const CLOUD_EFFECTS: readonly SplatEffect[] = /* @__PURE__ */ [
   clip,
   reveal,
@@ -23,32 +23,32 @@ export const CLOUD_EFFECTS: readonly SplatEffect[] = /* @__PURE__ */ [
   fog,
 ].map(({ effect }) => effect);
 
-/** What decides which effects a cloud is drawn with. */
+/** Everything that decides which effects a cloud is drawn with. */
 interface EffectSource {
   /** Multiplies every splat's opacity, 0…1; default 1. */
   readonly opacity?: number;
   readonly effects?: readonly EffectUse[];
-  /** Default: nothing is known of it. */
+  /** Default: a cloud without known facts. */
   readonly cloud?: { readonly facts: Pick<CloudFacts, 'isAntialiased'> };
 }
 
 /**
- * What takes part in drawing a cloud, in the order in which it acts: effects of the caller's own as they are given, since
- * they may move splats, then those of CLOUD_EFFECTS, also where the cloud itself calls for one.
+ * Returns the effects that a cloud is drawn with, in order: the caller's own in the given order, since they may move splats,
+ * then those of CLOUD_EFFECTS, including the ones that the cloud itself needs.
  *
- * @throws InvalidArgumentError where an effect is used twice, two take different selections, or the opacity is out of range.
+ * @throws InvalidArgumentError if an effect is used twice, two take different selections, or the opacity is out of range.
  */
 export function usesOf(source: EffectSource): readonly EffectUse[] {
   const uses = [...(source.effects ?? [])];
   const { opacity: factor = 1 } = source;
-  // Objects of hosts always have one: where it changes nothing, the effect may be among theirs.
+  // Host objects always have an opacity: if it is 1, the caller's effects may include the opacity effect.
   if (factor !== 1) uses.push(opacity(factor));
   if (source.cloud?.facts.isAntialiased && !uses.some(({ effect }) => effect === antialias.effect))
     uses.push(antialias());
   const names = uses.map(({ effect }) => effect.name);
   const twice = names.find((name, i) => names.indexOf(name) !== i);
   if (twice !== undefined) {
-    const message = `The effect ${twice} is used twice for one cloud; use it once, with all that it is to do.`;
+    const message = `The effect ${twice} is used twice for one cloud; use it once, with all its options.`;
     throw new InvalidArgumentError('effects', message);
   }
   const acting = uses.filter(({ reason }) => reason !== null);
@@ -60,7 +60,7 @@ export function usesOf(source: EffectSource): readonly EffectUse[] {
   return acting.toSorted((a, b) => CLOUD_EFFECTS.indexOf(a.effect) - CLOUD_EFFECTS.indexOf(b.effect));
 }
 
-/** How far all of `uses` together may take splats from where they are stored. */
+/** Returns how far all of `uses` together may move splats, and how much they may enlarge them. */
 export function reachOf(uses: readonly EffectUse[]): SplatReach {
   return {
     displacement: uses.reduce((sum, { reach }) => sum + reach.displacement, 0),

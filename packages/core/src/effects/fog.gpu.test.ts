@@ -11,8 +11,8 @@ const SET = randomSplats({ count: 150, seed: 63, shDegree: 1 });
 const CAMERAS = {
   perspective: testCameras(1).perspective,
   orthographic: testCameras(1).orthographic,
-  // Stands in the middle of the cloud, half of which has a negative depth.
-  'orthographic, with what is behind the camera': orthographicCamera({
+  // In the middle of the cloud, half of which has a negative depth.
+  'orthographic, with splats behind the camera': orthographicCamera({
     position: [0, 0, 0],
     target: [0.2, 0.1, -1],
     height: 2,
@@ -23,7 +23,7 @@ const CAMERAS = {
 const FOGS: readonly FogOptions[] = [
   { color: [0.5, 0.6, 0.8], near: 0.5, far: 2.5 },
   { color: [1, 0, 0.02], near: -0.5, far: 0.5 },
-  // As good as a wall: float32 does not know the two depths apart.
+  // As abrupt as a wall: in float32 the two depths are equal.
   { color: [2, 0.3, 0], near: 1.5, far: 1.5 + 1e-12 },
   { color: [0.5, 0.6, 0.8], density: 0.4 },
   { color: [0.5, 0.6, 0.8], density: 1e30 },

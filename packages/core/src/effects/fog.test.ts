@@ -29,18 +29,18 @@ describe('fog', () => {
 
   test('is mixed in linear light: half of white is 0.7354', () => {
     expect(colorAt(4, { color: WHITE, near: 2, far: 6 })[0]).toBeCloseTo(0.735357, 5);
-    // A quarter of the way smoothstep has come 0.15625 far, which is encoded as 0.4320.
+    // At a quarter of the way smoothstep is 0.15625, which is encoded as 0.4320.
     expect(colorAt(3, { color: WHITE, near: 2, far: 6 })[0]).toBeCloseTo(0.432, 3);
   });
 
   test('of a density leaves e^−(density·depth)² of the light', () => {
-    // Half of the light is left where (density·depth)² = ln 2.
+    // Half of the light is left if (density·depth)² = ln 2.
     expect(colorAt(Math.sqrt(Math.LN2) / 0.25, { color: WHITE, density: 0.25 })[0]).toBeCloseTo(0.735357, 5);
     expect(colorAt(0, { color: WHITE, density: 0.25 })[0]).toBe(0);
     expect(colorAt(1e5, { color: WHITE, density: 0.25 })[0]).toBeCloseTo(1, 12);
   });
 
-  test('has a reason wherever there is some', () => {
+  test('has a reason if there is any fog', () => {
     expect(fog({ color: WHITE, near: 1, far: 2 }).reason).toBe('there is fog between depths of 1 and 2');
     expect(fog({ color: WHITE, density: 0.1 }).reason).toBe('there is fog of density 0.1');
     expect(fog({ color: WHITE, density: 0 }).reason).toBeNull();
@@ -61,7 +61,7 @@ describe('fog', () => {
     'no end': [{ color: WHITE, near: 1, far: Number.POSITIVE_INFINITY }, /^far is Infinity; .*finite/],
   };
   for (const [what, [options, message]] of Object.entries(refused))
-    test(`refuses ${what}`, () => {
+    test(`rejects ${what}`, () => {
       expect(() => fog(options as FogOptions)).toThrow(InvalidArgumentError);
       expect(() => fog(options as FogOptions)).toThrow(message);
     });

@@ -10,15 +10,15 @@ interface FogColor {
 
 /** Like three's `Fog`. */
 export interface FogBetween extends FogColor {
-  /** View depth up to which there is none, world units. */
+  /** View depth up to which there is no fog, world units. */
   readonly near: number;
-  /** View depth from which on there is nothing else, world units. */
+  /** View depth from which on fog hides everything, world units. */
   readonly far: number;
 }
 
 /** Like three's `FogExp2`. */
 export interface FogOfDensity extends FogColor {
-  /** Per world unit, 0 or more: at a view depth d, e^−(density·d)² of a splat's light is left. */
+  /** Density per world unit, 0 or more: at view depth d, e^−(density·d)² of a splat's light is left. */
   readonly density: number;
 }
 
@@ -26,7 +26,7 @@ export type FogOptions = FogBetween | FogOfDensity;
 
 /**
  * Mixes the colour of splats with that of fog by the view depth of their centres, in perspective and orthographic views
- * alike. In linear light, so that splats and meshes in the same fog look the same. Opacities stay as they are.
+ * alike. It mixes in linear light, so that splats and meshes in the same fog look the same. Opacities do not change.
  */
 export const fog = /* @__PURE__ */ defineEffect<
   FogOptions,
@@ -34,7 +34,7 @@ export const fog = /* @__PURE__ */ defineEffect<
 >({
   name: 'fog',
   label: 'Fog',
-  about: 'Hides what is far away in fog.',
+  about: 'Hides distant splats in fog.',
   hooks: { color: 'fogColor' },
   wgsl: effectShader('fog'),
   fields: { color: 'vec3f', near: 'f32', range: 'f32', density: 'f32' },
@@ -43,7 +43,7 @@ export const fog = /* @__PURE__ */ defineEffect<
     if ('density' in options) {
       const { density } = options;
       if ('near' in options || 'far' in options)
-        throw invalidOption('density', density, 'given instead of near and far, not beside them');
+        throw invalidOption('density', density, 'given instead of near and far, not with them');
       if (!(isFiniteF32(density) && density >= 0))
         throw invalidOption('density', density, 'the density of fog: a finite number, 0 or more');
       return;

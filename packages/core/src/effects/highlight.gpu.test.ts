@@ -26,7 +26,7 @@ const marked = (selection: SplatSelection, strength = 1) => highlight({ selectio
 const hide = defineEffect<SplatSelection>({
   name: 'test-hide',
   label: 'Hide',
-  about: 'Hides what is selected.',
+  about: 'Hides selected splats.',
   hooks: { splat: 'hideSplat' },
   wgsl: `import package::lib::packing::Splat;
 fn hideSplat(splat: Splat, splatIndex: u32, selected: bool) -> Splat {
@@ -34,7 +34,7 @@ fn hideSplat(splat: Splat, splatIndex: u32, selected: bool) -> Splat {
   hidden.opacity = select(splat.opacity, 0.0, selected);
   return hidden;
 }`,
-  calledFor: () => 'what is selected is to be hidden',
+  calledFor: () => 'selected splats are hidden',
   selection: (selection) => selection,
 });
 const effectTwins: Record<string, TwinFunction> = {
@@ -50,7 +50,7 @@ beforeAll(async () => {
 afterAll(() => device?.destroy());
 
 describe('a highlight', () => {
-  gpuTest('shows rows of the file in whatever order and on whatever page they are stored', async () => {
+  gpuTest('shows rows of the file in any storage order and on any page', async () => {
     const odd = selectionOf(Array.from({ length: 350 }, (_, i) => 2 * i + 1));
     // One is stored, the other is not.
     const two = selectionOf([699, 5000]);
@@ -94,7 +94,7 @@ describe('a highlight', () => {
     engine.destroy();
   });
 
-  gpuTest('that is called for only now does not hold up the camera', async () => {
+  gpuTest('that is requested for the first time does not hold up the camera', async () => {
     const fresh = await createTestDevice();
     const engine = await SplatEngine.create({ device: fresh, accuracy: 'high' });
     const view = engine.createView();
@@ -111,7 +111,7 @@ describe('a highlight', () => {
   });
 });
 
-gpuTest('effects that change splats are told what is selected too', async () => {
+gpuTest('effects that change splats also take the selection', async () => {
   const engine = await SplatEngine.create({ device, accuracy: 'high' });
   const view = engine.createView();
   const selection = selectionOf(Array.from({ length: 350 }, (_, i) => 2 * i));

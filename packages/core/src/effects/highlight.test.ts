@@ -10,7 +10,7 @@ selection.add([4]);
 const HIGHLIGHT = { selection, color: [1, 1, 0], strength: 0.5 } as const;
 
 describe('highlight', () => {
-  test('takes part as soon as anything is selected, and no longer', () => {
+  test('is on while anything is selected', () => {
     const changing = new SplatSelection();
     const use = highlight({ ...HIGHLIGHT, selection: changing });
     expect(use.reason).toBeNull();
@@ -23,17 +23,17 @@ describe('highlight', () => {
     expect(highlight({ ...HIGHLIGHT, strength: 0 }).reason).toBeNull();
   });
 
-  test('refuses colours and strengths out of range', () => {
+  test('rejects colours and strengths out of range', () => {
     expect(() => highlight({ ...HIGHLIGHT, color: [1, 1.2, 0] })).toThrow(InvalidArgumentError);
     expect(() => highlight({ ...HIGHLIGHT, color: [1, Number.NaN, 0] })).toThrow(/1, NaN, 0/);
     expect(() => highlight({ ...HIGHLIGHT, strength: -0.1 })).toThrow(/strength of the highlight is -0.1/);
   });
 
-  test('of one selection does not go with an effect of another', () => {
+  test('is rejected together with an effect of another selection', () => {
     const hide = defineEffect<SplatSelection>({
       name: 'test-hide',
       label: 'Hide',
-      about: 'Hides what is selected.',
+      about: 'Hides selected splats.',
       hooks: { splat: 'hideSplat' },
       wgsl: '',
       calledFor: () => 'it is to be hidden',

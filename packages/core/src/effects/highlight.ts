@@ -5,15 +5,15 @@ import type { SplatSelection } from '../splats/splat-selection.ts';
 import { defineEffect } from './effect.ts';
 
 export interface HighlightOptions {
-  /** What to show; kept by reference, changes are seen in the next picture that is drawn. */
+  /** The selection to show; kept by reference, changes show in the next frame. */
   readonly selection: SplatSelection;
   /** Red, green and blue, sRGB-encoded, 0…1. */
   readonly color: Vec3;
-  /** How much of that colour selected splats take on, 0…1; 0 changes nothing. */
+  /** Share of that colour in the colour of selected splats, 0…1; 0 changes nothing. */
   readonly strength: number;
 }
 
-/** Shows what is selected: mixes the colour of those splats with another. */
+/** Shows which splats are selected: mixes their colour with another. */
 export const highlight = /* @__PURE__ */ defineEffect<HighlightOptions, { color: 'vec3f'; strength: 'f32' }>({
   name: 'highlight',
   label: 'Highlight',

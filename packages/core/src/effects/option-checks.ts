@@ -1,6 +1,6 @@
 import { InvalidArgumentError } from '../errors.ts';
 
-/** Shaders take float32: a number beyond its range would be infinite there. */
+/** Whether `value` is finite in float32, which shaders take. */
 export function isFiniteF32(value: number): boolean {
   return Number.isFinite(value) && Number.isFinite(Math.fround(value));
 }
@@ -8,16 +8,16 @@ export function isFiniteF32(value: number): boolean {
 interface VectorRules {
   /** Default 3. */
   readonly length?: number;
-  /** Where no number may be negative. */
+  /** Whether no number may be negative. */
   readonly isNonNegative?: boolean;
-  /** Where not all may be 0. */
+  /** Whether not all numbers may be 0. */
   readonly isDirection?: boolean;
 }
 
 /**
  * @param argument name of the option, e.g. `volumes[0].center`.
- * @param what what it stands for, e.g. `the middle of a box in world space`.
- * @throws InvalidArgumentError for what is not numbers that are finite in float32 and as the rules want them.
+ * @param what meaning of the option, e.g. `the middle of a box in world space`.
+ * @throws InvalidArgumentError unless all numbers are finite in float32 and follow the rules.
  */
 export function checkVector(
   argument: string,
@@ -25,7 +25,7 @@ export function checkVector(
   what: string,
   { length = 3, isNonNegative = false, isDirection = false }: VectorRules = {},
 ): void {
-  // Callers without types may give anything.
+  // Callers without types may pass anything.
   const numbers = Array.from(value ?? []);
   const isRight =
     numbers.length === length &&
@@ -37,13 +37,13 @@ export function checkVector(
   throw invalidOption(argument, value, `${what}: ${length} finite numbers${rule}`);
 }
 
-/** @throws InvalidArgumentError for what is not a length of 0 or more that is finite in float32. */
+/** @throws InvalidArgumentError unless `value` is a length of 0 or more that is finite in float32. */
 export function checkLength(argument: string, value: number, what: string): void {
   if (isFiniteF32(value) && value >= 0) return;
   throw invalidOption(argument, value, `${what}: a finite number of world units, 0 or more`);
 }
 
-/** For an option that has no such value. `expected`: what it stands for and what it may be. */
+/** Returns the error for an invalid option. `expected`: meaning of the option and its valid values. */
 export function invalidOption(argument: string, value: unknown, expected: string): InvalidArgumentError {
   const found = Array.isArray(value) ? `[${value.join(', ')}]` : String(value);
   return new InvalidArgumentError(argument, `${argument} is ${found}; it is ${expected}.`);

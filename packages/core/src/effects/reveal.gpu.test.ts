@@ -21,7 +21,7 @@ afterAll(() => device?.destroy());
 
 describe('reveal', () => {
   for (const camera of ['perspective', 'orthographic'] as const)
-    gpuTest(`from a point and from the camera, wherever a cloud stands, ${camera}`, async () => {
+    gpuTest(`from a point and from the camera, for clouds in any place, ${camera}`, async () => {
       const uses: readonly RevealOptions[] = [
         { from: FROM, radius: 0.8 },
         { from: FROM, radius: 0.9, softEdge: 0.5 },

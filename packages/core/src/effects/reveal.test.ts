@@ -23,7 +23,7 @@ const SPLAT = {
 const revealed = (options: RevealOptions) => revealTwin(options, PLACE).changeSplat!(SPLAT, 0);
 
 describe('reveal', () => {
-  test('shows what is nearer than the radius to a point or to the camera', () => {
+  test('shows splats nearer than the radius to a point or to the camera', () => {
     expect(revealed({ from: [0, 2, 0], radius: 1.9 }).opacity).toBe(0);
     expect(revealed({ from: [0, 2, 0], radius: 2.1 })).toEqual(SPLAT);
     expect(revealed({ from: 'camera', radius: 4.9 }).opacity).toBe(0);
@@ -39,7 +39,7 @@ describe('reveal', () => {
     expect(revealed({ ...options, grow: false }).logScales).toEqual(SPLAT.logScales);
   });
 
-  test('begins with nothing and ends with everything, even of a wide band', () => {
+  test('begins with nothing and ends with everything, even with a wide band', () => {
     expect(revealed({ from: [0, 0, 0], radius: 0, softEdge: 3 }).opacity).toBe(0);
     expect(revealed({ from: [0, 0, 0], radius: 0 }).opacity).toBe(0);
     expect(revealed({ from: [0, 0, 0], radius: 3, softEdge: 3 })).toEqual(SPLAT);
@@ -71,7 +71,7 @@ describe('reveal', () => {
     ],
   };
   for (const [what, [options, message]] of Object.entries(refused))
-    test(`refuses ${what}`, () => {
+    test(`rejects ${what}`, () => {
       expect(() => reveal(options as RevealOptions)).toThrow(InvalidArgumentError);
       expect(() => reveal(options as RevealOptions)).toThrow(message);
     });

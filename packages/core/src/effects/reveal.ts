@@ -4,20 +4,20 @@ import { defineEffect } from './effect.ts';
 import { checkLength, checkVector, invalidOption } from './option-checks.ts';
 
 export interface RevealOptions {
-  /** Where the cloud appears from: a point of the world, or wherever the camera is. */
+  /** Where the cloud appears from: a point in world space, or the camera's position. */
   readonly from: Vec3 | 'camera';
   /**
-   * What is farther away than this is not there; world units, 0 or more. At 0 there is nothing, at Infinity everything, and
-   * the effect is off: the end of an animation.
+   * Hides splats farther away than this; world units, 0 or more. 0 hides everything; Infinity shows everything and turns the
+   * effect off, which ends an animation.
    */
   readonly radius: number;
-  /** Width of the band inside of the radius in which splats fade in, world units; default 0, a hard edge. */
+  /** Width of the band inside the radius in which splats fade in, world units; default 0, a hard edge. */
   readonly softEdge?: number;
   /** Whether splats in the band also grow from nothing to their size; default true. */
   readonly grow?: boolean;
 }
 
-/** Lets a cloud appear outward from a point, as far as the caller's `radius` has come. */
+/** Lets a cloud appear outward from a point, up to the caller's `radius`. */
 export const reveal = /* @__PURE__ */ defineEffect<
   RevealOptions,
   { linear: 'mat3x3f'; offset: 'vec3f'; radius: 'f32'; softEdge: 'f32'; grows: 'u32' }
@@ -34,7 +34,7 @@ export const reveal = /* @__PURE__ */ defineEffect<
       if (from !== 'camera') throw invalidOption('from', from, `${place}: 3 finite numbers`);
     } else checkVector('from', from, place);
     if (radius !== Number.POSITIVE_INFINITY)
-      checkLength('radius', radius, 'how far the cloud is there, Infinity for all of it');
+      checkLength('radius', radius, 'how far the cloud is shown, Infinity for all of it');
     checkLength('softEdge', softEdge, 'the width of the band in which splats fade in');
   },
   calledFor: ({ from, radius }) =>
@@ -42,8 +42,8 @@ export const reveal = /* @__PURE__ */ defineEffect<
       ? null
       : `only what is within ${radius} of ${from === 'camera' ? 'the camera' : from.join(', ')} is there`,
   valuesAt({ from, radius, softEdge = 0, grow = true }, { modelMatrix, origin, viewMatrix }) {
-    // Distances from the camera are those from view space's origin: the view matrix is rigid. Both in float64, and about
-    // the cloud's origin, like the shader's positions.
+    // Distances from the camera are distances from view space's origin, because the view matrix is rigid. Both matrices are
+    // in float64, and about the cloud's origin, like the shader's positions.
     const toPlace = translated4(from === 'camera' ? multiply4(viewMatrix, modelMatrix) : modelMatrix, origin);
     const start = from === 'camera' ? [0, 0, 0] : from;
     return {

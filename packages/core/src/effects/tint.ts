@@ -7,7 +7,7 @@ import { defineEffect } from './effect.ts';
 export const tint = /* @__PURE__ */ defineEffect<Vec3, { color: 'vec3f' }>({
   name: 'tint',
   label: 'Tint',
-  about: 'Colours a cloud, as a filter in front of it does.',
+  about: 'Colours a cloud, like a filter in front of it.',
   hooks: { color: 'tintColor' },
   wgsl: effectShader('tint'),
   fields: { color: 'vec3f' },

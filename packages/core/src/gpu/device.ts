@@ -1,32 +1,33 @@
 import { WebGpuUnavailableError } from '../errors.ts';
 
-/** Where WebGPU is to be had; `navigator.gpu` in a browser. */
+/** How to request a device. */
 export interface DeviceOptions {
+  /** Default `navigator.gpu`. */
   readonly gpu?: GPU;
-  /** An adapter that no device has been requested of yet: each gives one. */
+  /** An adapter that has not given a device yet: each gives only one. */
   readonly adapter?: GPUAdapter;
   readonly powerPreference?: GPUPowerPreference;
-  /** What a renderer that shares the device can use besides: requested where the adapter has it. */
+  /** Further features for a renderer that shares the device; requested if the adapter has them. */
   readonly optionalFeatures?: readonly GPUFeatureName[];
   /** Limits that a renderer that shares the device needs. */
   readonly requiredLimits?: Readonly<Record<string, number>>;
 }
 
-/** Used where the adapter has them; nothing needs them. */
+/** Features used if the adapter has them; nothing depends on them. */
 const OPTIONAL_FEATURES: readonly GPUFeatureName[] = [
   'timestamp-query',
   'float32-blendable' as GPUFeatureName,
-  // Without it some adapters hand out a device of compatibility mode.
+  // Without it some adapters give a compatibility-mode device.
   'core-features-and-limits' as GPUFeatureName,
 ];
 
-/** Limits that decide how large a scene may be: as much as the adapter has. */
+/** Limits that bound the size of a scene; requested at the adapter's maximum. */
 const WIDENED_LIMITS = ['maxBufferSize', 'maxStorageBufferBindingSize'] as const;
 
 /**
- * A device with what the engine, and who shares the device, can use of the adapter.
+ * Requests a device with every feature and limit of the adapter that the engine, or a renderer sharing the device, can use.
  *
- * @throws WebGpuUnavailableError where there is no WebGPU, no adapter or no device.
+ * @throws WebGpuUnavailableError if there is no WebGPU, no adapter or no device.
  */
 export async function requestSplatDevice(options: DeviceOptions = {}): Promise<GPUDevice> {
   const adapter = options.adapter ?? (await requestAdapter(options));
@@ -52,26 +53,26 @@ async function requestAdapter({
         'https or from localhost; in Node, pass `gpu` from @websplatter/node.',
     );
   }
-  // The first request after a browser's start has been seen to answer null where the second did not.
+  // The first request after a browser's start has been seen to return null when the second did not.
   const adapter =
     (await gpu.requestAdapter({ powerPreference })) ??
     (await gpu.requestAdapter({ powerPreference: 'high-performance' })) ??
     (await gpu.requestAdapter());
   if (!adapter) {
     throw new WebGpuUnavailableError(
-      'WebGPU is here but found no GPU that it may use: the driver may be blocked, or hardware acceleration turned off.',
+      'WebGPU found no usable GPU adapter: the driver may be blocked, or hardware acceleration may be off.',
     );
   }
   return adapter;
 }
 
-/** What a person would call the adapter, e.g. "nvidia hopper" or "google swiftshader". */
+/** Returns a human-readable name of the adapter, e.g. "nvidia hopper" or "google swiftshader". */
 export function adapterLabel({ vendor, architecture, device, description }: GPUAdapterInfo): string {
   const name = [vendor, architecture || device].filter(Boolean).join(' ');
   return name || description || 'unknown adapter';
 }
 
-/** Whether the adapter draws on the CPU, slowly. */
+/** Whether the adapter is a (slow) software renderer on the CPU. */
 export function isSoftwareAdapter({ isFallbackAdapter, architecture, description }: GPUAdapterInfo): boolean {
   return (
     isFallbackAdapter || /swiftshader|llvmpipe|lavapipe|basic render/i.test(`${architecture} ${description}`)

@@ -1,21 +1,21 @@
-/** What an engine has done since it was made; numbers only grow. For tests and displays: their differences tell. */
+/** Counts of an engine's work since it was created; they only grow. Tests and displays compare their differences. */
 export interface EngineCounters {
   /** Clouds uploaded. */
   readonly uploads: number;
-  /** Bytes of those clouds, and of what was read again in a finer precision. */
+  /** Bytes of those clouds, and of planes that were read again in a finer precision. */
   readonly uploadedBytes: number;
   readonly cloudsDestroyed: number;
-  /** Frames whose splats were culled, projected and sorted: each runs the two compute passes. */
+  /** Frames whose splats were culled, projected and sorted; each runs the two compute passes. */
   readonly framesPrepared: number;
   /** Frames whose splats were drawn. */
   readonly framesDrawn: number;
-  /** Pipelines compiled for this engine, not counting those that another one on the device had compiled already. */
+  /** Pipelines compiled for this engine, except those that another engine on the device had already compiled. */
   readonly pipelinesCompiled: number;
-  /** Pictures and picks read back; measurements are not counted. */
+  /** Images and picks read back; measurements are not counted. */
   readonly readbacks: number;
 }
 
-/** The counters as those see them who count. */
+/** `EngineCounters`, writable by the code that counts. */
 export type Counting = { -readonly [Name in keyof EngineCounters]: number };
 
 export function zeroCounters(): Counting {

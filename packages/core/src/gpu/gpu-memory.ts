@@ -1,9 +1,9 @@
 import { GpuLimitError } from '../errors.ts';
 
-/** What the engine holds on the GPU. */
+/** GPU memory that the engine holds. */
 export interface GpuMemoryReport {
   readonly totalBytes: number;
-  /** Largest `totalBytes` since the engine was made. */
+  /** Largest `totalBytes` since the engine was created. */
   readonly peakBytes: number;
   /** Buffers and textures, largest first. */
   readonly resources: readonly { readonly label: string; readonly bytes: number }[];
@@ -16,7 +16,7 @@ const BYTES_PER_PIXEL: Partial<Record<GPUTextureFormat, number>> = {
   rgba32float: 16,
 };
 
-/** The one place that makes buffers and textures, so that every byte is labelled and counted. */
+/** The only place that creates buffers and textures, so that every byte is labelled and counted. */
 export class GpuMemory {
   readonly device: GPUDevice;
   readonly #bytes = new Map<GPUBuffer | GPUTexture, number>();
@@ -27,15 +27,15 @@ export class GpuMemory {
     this.device = device;
   }
 
-  /** @throws GpuLimitError, before anything is allocated, where the buffer would pass the device's limits. */
+  /** @throws GpuLimitError, before anything is allocated, if the buffer would exceed the device's limits. */
   createBuffer(label: string, bytes: number, usage: GPUBufferUsageFlags): GPUBuffer {
-    // WebGPU binds no empty buffers, and copies whole words.
+    // WebGPU cannot bind empty buffers, and copies whole words.
     const size = Math.max(4, Math.ceil(bytes / 4) * 4);
     this.#check(label, size, usage);
     return this.#counted(this.device.createBuffer({ label, size, usage }), size);
   }
 
-  /** A storage buffer holding `words`. */
+  /** Creates a storage buffer with the contents `words`. */
   createFilledBuffer(label: string, words: Uint32Array): GPUBuffer {
     const usage = GPUBufferUsage.STORAGE;
     const size = Math.max(4, words.byteLength);
@@ -57,7 +57,7 @@ export class GpuMemory {
     );
   }
 
-  /** A texture that is drawn into and read afterwards, by shaders or by the CPU. */
+  /** Creates a texture to draw into and to read afterwards, by shaders or by the CPU. */
   createTarget(
     label: string,
     format: GPUTextureFormat,
@@ -68,7 +68,7 @@ export class GpuMemory {
     return this.createTexture({ label, size: { width, height }, format, usage });
   }
 
-  /** What one of them takes; 0 for null. */
+  /** Returns the bytes of a resource; 0 for null. */
   bytesOf(resource: GPUBuffer | GPUTexture | null | undefined): number {
     return resource ? (this.#bytes.get(resource) ?? 0) : 0;
   }
@@ -110,7 +110,7 @@ export class GpuMemory {
       bytes,
       availableBytes,
       `${label} needs ${bytes} bytes in one buffer and this device allows ${availableBytes} (${limit}). ` +
-        'Load fewer splats, or let the engine make its own device, which asks for all that the adapter has.',
+        'Load fewer splats, or let the engine make its own device, with the adapter’s full limits.',
     );
   }
 }

@@ -11,31 +11,31 @@ export type BindingKind =
   | 'depth-texture'
   | 'multisampled-depth-texture';
 
-/** A stage as data: which shader, where it starts, what it is bound to in group 0. */
+/** A stage as data: its shader, its entry point, its bindings in group 0. */
 export interface StageDefinition<Binding extends string = string> extends ShaderVariant {
   /** Compute entry point; render stages have `vertexMain` and `fragmentMain`. */
   readonly entryPoint?: string;
   readonly bindings: Readonly<Record<Binding, readonly [binding: number, kind: BindingKind]>>;
 }
 
-/** What a render stage draws into, and how. */
+/** Targets, topology and depth state of a render stage. */
 export interface RenderState {
   readonly topology: GPUPrimitiveTopology;
   readonly targets: GPUColorTargetState[];
   readonly depth?: GPUDepthStencilState;
 }
 
-/** A stage with what has to be known to compile it. */
+/** A stage with everything that compiling it needs. */
 export type CompiledStage = StageDefinition | readonly [StageDefinition, RenderState];
 
-/** Buffers by the names that the stage gives its bindings. */
+/** Resources by the stage's names of its bindings. */
 export type Bindings<Binding extends string> = Readonly<
   Record<Binding, GPUBuffer | GPUBufferBinding | GPUTextureView>
 >;
 
 type Pipeline = GPUComputePipeline | GPURenderPipeline;
 
-/** What has been made on one device, by what it was made of: engines on the same device compile nothing twice. */
+/** Compiled pipelines of one device by their inputs, so that engines on the same device compile nothing twice. */
 interface DeviceCache {
   readonly layouts: Map<string, GPUBindGroupLayout>;
   /** By WGSL text. */
@@ -46,8 +46,8 @@ interface DeviceCache {
 const caches = new WeakMap<GPUDevice, DeviceCache>();
 
 /**
- * Links, compiles and keeps pipelines: each variant once. Compiling never blocks: `compute` and `render` answer undefined
- * until the pipeline is there, and `prepare` waits for it.
+ * Links, compiles and caches pipelines, each variant once. Compiling never blocks: `compute` and `render` return undefined
+ * until the pipeline exists, and `prepare` waits for it.
  */
 export class Pipelines {
   readonly #device: GPUDevice;
@@ -55,13 +55,13 @@ export class Pipelines {
   readonly #cache: DeviceCache;
   readonly #linked = new Map<string, string>();
   readonly #compiled = new Map<string, Pipeline>();
-  /** By the objects that stages and states are, which makes no text of them. */
+  /** Pipelines by the identity of stage and state, which needs no string keys. */
   readonly #found = new WeakMap<StageDefinition, { state: RenderState | undefined; pipeline: Pipeline }>();
   readonly #counting: Pick<Counting, 'pipelinesCompiled'>;
 
   /**
-   * @param mutation for tests alone: see ShaderMutation.
-   * @param counting where to count what is compiled.
+   * @param mutation for tests only: see ShaderMutation.
+   * @param counting where to count compiled pipelines.
    */
   constructor(device: GPUDevice, mutation?: ShaderMutation, counting = zeroCounters()) {
     this.#device = device;
@@ -71,7 +71,7 @@ export class Pipelines {
     caches.set(device, this.#cache);
   }
 
-  /** The pipeline, or undefined while it is compiling. */
+  /** Returns the pipeline, or undefined while it is compiling. */
   compute(stage: StageDefinition): GPUComputePipeline | undefined {
     return this.#find(stage, undefined) as GPUComputePipeline | undefined;
   }
@@ -80,12 +80,12 @@ export class Pipelines {
     return this.#find(stage, state) as GPURenderPipeline | undefined;
   }
 
-  /** Whether all are compiled. */
+  /** Whether all of `stages` are compiled. */
   areReady(stages: readonly CompiledStage[]): boolean {
     return stages.every((entry) => ('bindings' in entry ? this.compute(entry) : this.render(...entry)));
   }
 
-  /** Compiles what is not compiled yet. What fails is tried again at the next call. */
+  /** Compiles those of `stages` that are not compiled yet. The next call retries those that fail. */
   async prepare(stages: Iterable<CompiledStage>): Promise<void> {
     await Promise.all(
       Array.from(stages, async (entry) => {
@@ -96,7 +96,7 @@ export class Pipelines {
     );
   }
 
-  /** Resources for all of the stage's bindings; others are ignored. */
+  /** Makes a bind group for all of the stage's bindings; other entries of `bindings` are ignored. */
   bindGroup<Binding extends string>(
     stage: StageDefinition<Binding>,
     bindings: Bindings<NoInfer<Binding>>,
@@ -112,7 +112,7 @@ export class Pipelines {
     });
   }
 
-  /** Frames ask with the same objects again and again: their texts are made once. */
+  /** Finds a pipeline. Frames pass the same objects again and again, so their string keys are made once. */
   #find(stage: StageDefinition, state: RenderState | undefined): Pipeline | undefined {
     const known = this.#found.get(stage);
     if (known && known.state === state) return known.pipeline;

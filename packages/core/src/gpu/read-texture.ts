@@ -19,11 +19,11 @@ const DECODERS: Partial<
   rgba32float: (row, byteOffset, values) => new Float32Array(row, byteOffset, values),
 };
 
-/** Copies a texture of one of the color targets to the CPU. */
+/** Copies a texture in one of the `ColorTarget` formats to the CPU. */
 export async function readTexture(device: GPUDevice, texture: GPUTexture): Promise<TextureImage> {
   const { width, height, format } = texture;
   const decode = DECODERS[format];
-  if (!decode) throw new RangeError(`Textures of ${format} are not read back.`);
+  if (!decode) throw new RangeError(`Textures of ${format} cannot be read back.`);
   const bytesPerPixel = format === 'rgba8unorm' ? 4 : format === 'rgba16float' ? 8 : 16;
   const bytesPerRow = roundUp(width * bytesPerPixel, 256);
   const buffer = device.createBuffer({

@@ -1,23 +1,23 @@
 /** Splats per chunk: one workgroup culls one chunk. */
 export const CHUNK_SPLATS = 256;
 
-/** Constants that shaders import by these names (`import constants::CHUNK_SPLATS;`); 256 threads is WebGPU's default limit. */
+/** Constants that shaders import by name (`import constants::CHUNK_SPLATS;`). WebGPU's default limit is 256 threads. */
 export const SHADER_CONSTANTS = {
   CHUNK_SPLATS,
-  /** Words of a chunk's visibility mask, a bit per splat. */
+  /** Words of a chunk's visibility mask, one bit per splat. */
   MASK_WORDS: CHUNK_SPLATS / 32,
   CHUNK_WORKGROUP: 64,
   PROJECT_WORKGROUP: 256,
   PLAN_WORKGROUP: 64,
   REPACK_WORKGROUP: 256,
-  /** Places of the drawing order that one workgroup blends for a pick. */
+  /** Splats, in drawing order, that one workgroup blends for a pick. */
   PICK_WORKGROUP: 256,
   SCAN_WORKGROUP: 256,
   /** Counts per thread of a scan. */
   SCAN_ITEMS: 8,
   /** Side of the square of pixels that one workgroup compares. */
   COMPARE_TILE_PX: 16,
-  /** Reach of the Gaussian window of structural similarity. */
+  /** Radius of the Gaussian window of structural similarity. */
   SSIM_RADIUS_PX: 5,
 } as const;
 

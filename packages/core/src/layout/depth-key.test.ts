@@ -22,11 +22,11 @@ describe('depth keys', () => {
     expect(orderedBits(2 ** -149) - orderedBits(0)).toBe(1);
   });
 
-  test('both zeros are one key', () => {
+  test('both zeros have the same key', () => {
     expect(orderedBits(-0)).toBe(orderedBits(0));
   });
 
-  test('are far first: 0 for the farthest and whatever rounding puts beyond it', () => {
+  test('are far first: 0 for the farthest depth, and for any that rounding puts beyond it', () => {
     const farthest = orderedBits(10);
     expect(depthKey(10, farthest)).toBe(0);
     expect(depthKey(10.00001, farthest)).toBe(0);
@@ -44,14 +44,14 @@ function nextBelow(value: number): number {
 }
 
 describe('short keys', () => {
-  test('are as long as asked, keep the order, and end where the range does', () => {
+  test('have the requested length, keep the order, and end where the range does', () => {
     const depth = fc.float({ min: Math.fround(1e-3), max: Math.fround(1e5), noNaN: true });
     const bits = fc.constantFrom(24, 20, 16);
     fc.assert(
       fc.property(depth, depth, depth, depth, bits, (one, other, a, b, keyBits) => {
         const [nearest, farthest] = [Math.min(one, other), Math.max(one, other)].map(orderedBits);
         const key = (depthView: number) => shortDepthKey(depthView, farthest, nearest, keyBits);
-        // Far first; what is beyond the ends belongs to them.
+        // Far first; depths beyond the ends are clamped to them.
         if (a <= b) expect(key(a)).toBeGreaterThanOrEqual(key(b));
         for (const each of [a, b]) expect(key(each)).toBeLessThan(2 ** keyBits);
         expect(key(1e6)).toBe(0);

@@ -2,20 +2,20 @@ const f32 = new Float32Array(1);
 const u32 = new Uint32Array(f32.buffer);
 
 /**
- * Bits of the float32 nearest to `depthView`, as an unsigned integer in the order of the numbers: a < b exactly where
- * orderedBits(a) < orderedBits(b). −0 counts as 0. Twin of shaders/lib/depth-key.wgsl.
+ * Returns the bits of the float32 nearest to `depthView`, as an unsigned integer in the order of the numbers: a < b exactly
+ * if orderedBits(a) < orderedBits(b). −0 counts as 0. Twin of shaders/lib/depth-key.wgsl.
  */
 export function orderedBits(depthView: number): number {
   f32[0] = depthView + 0;
   return (u32[0] & 0x80000000 ? ~u32[0] : u32[0] | 0x80000000) >>> 0;
 }
 
-/** Sort key: far first, 0 for the farthest splat in the picture and whatever is beyond it. */
+/** Returns the sort key: far first, 0 for the farthest visible splat and for anything beyond it. */
 export function depthKey(depthView: number, farthestBits: number): number {
   return farthestBits - Math.min(farthestBits, orderedBits(depthView));
 }
 
-/** Of that key the top `keyBits` bits of the range of depths in the picture, what is beyond its ends counted to them. */
+/** Returns the top `keyBits` bits of `depthKey` within the range of visible depths; depths beyond it are clamped to it. */
 export function shortDepthKey(
   depthView: number,
   farthestBits: number,

@@ -26,7 +26,7 @@ describe('gpuStruct', () => {
     );
   });
 
-  test('writes every field where it belongs, columns padded, and nothing else', () => {
+  test('writes every field at its offset, columns padded, and nothing else', () => {
     const target = new ArrayBuffer(2 * Mixed.bytes);
     const sequence = (length: number, from: number) => Array.from({ length }, (_, i) => from + i);
     Mixed.write(
@@ -68,12 +68,12 @@ describe('gpuStruct', () => {
     expect(words[at('last')]).toBe(9);
   });
 
-  test('refuses a vector of the wrong length', () => {
+  test('rejects a vector of the wrong length', () => {
     const Pair = gpuStruct('Pair', { pair: 'vec2f' });
     expect(() => Pair.write(new ArrayBuffer(8), { pair: [1, 2, 3] })).toThrow(RangeError);
   });
 
-  test('refuses arrays that WGSL does not have, and values that do not fill one', () => {
+  test('rejects invalid array types, and values that do not fill an array', () => {
     for (const length of [0, -1, 1.5, Number.NaN])
       expect(() => gpuStruct('List', { list: `array<vec4f, ${length}>` })).toThrow(RangeError);
     const Three = gpuStruct('Three', { list: 'array<vec4f, 3>' });

@@ -6,7 +6,7 @@ interface TypeLayout {
   readonly scalar: 'f32' | 'u32';
 }
 
-/** WGSL types that GPU structs are made of, beside arrays of vec4f. */
+/** WGSL types of the fields of GPU structs, in addition to arrays of vec4f. */
 const TYPES = {
   f32: { bytes: 4, alignment: 4, components: 1, scalar: 'f32' },
   u32: { bytes: 4, alignment: 4, components: 1, scalar: 'u32' },
@@ -31,7 +31,7 @@ export type GpuValues<Fields extends GpuFields> = {
   readonly [Name in keyof Fields]: FieldValue<Fields[Name]>;
 };
 
-/** A struct that the GPU and the CPU share: defined here once, its WGSL text is made from it. */
+/** A struct that the GPU and the CPU share: defined once, with its WGSL text generated from it. */
 export interface GpuStruct<Fields extends GpuFields> {
   readonly name: string;
   readonly fields: Fields;
@@ -40,14 +40,14 @@ export interface GpuStruct<Fields extends GpuFields> {
   /** Size and array stride, in bytes. */
   readonly bytes: number;
   readonly wgsl: string;
-  /** Writes `values` at `byteOffset`, a multiple of 4, of a buffer of whole words. */
+  /** Writes `values` at `byteOffset`, a multiple of 4, into a buffer of whole words. */
   write(target: ArrayBuffer, values: GpuValues<Fields>, byteOffset?: number): void;
 }
 
 /**
  * Lays out a struct by WGSL's rules, which for these types are the same for uniform and storage buffers.
  *
- * @throws RangeError for a type that is none of these: an array whose length is no whole number of 1 or more.
+ * @throws RangeError for an unknown type, such as an array whose length is not a whole number of 1 or more.
  *
  * @__NO_SIDE_EFFECTS__
  */
@@ -62,7 +62,7 @@ export function gpuStruct<const Fields extends GpuFields>(name: string, fields: 
     alignment = Math.max(alignment, layout.alignment);
   }
   const lines = Object.entries(fields).map(([field, type]) => `  ${field}: ${type},`);
-  // In one array, with nothing to look up by name: frames write a struct per page.
+  // One array instead of lookups by name: frames write a struct per page.
   const places = layouts.map(([field, layout]) => ({
     field,
     type: fields[field],
@@ -92,15 +92,15 @@ export function roundUp(value: number, multiple: number): number {
 function layoutOf(type: GpuType): TypeLayout {
   if (Object.hasOwn(TYPES, type)) return TYPES[type as SimpleType];
   const count = /^array<vec4f, ([1-9]\d*)>$/.exec(type)?.[1];
-  if (!count) throw new RangeError(`${type} is not a type that structs are made of here.`);
+  if (!count) throw new RangeError(`${type} is not a type of struct fields.`);
   const { bytes, alignment, components, scalar } = TYPES.vec4f;
   return { bytes: bytes * Number(count), alignment, components: components * Number(count), scalar };
 }
 
-/** Where a field stands in its struct. */
+/** Place of a field in its struct. */
 interface FieldPlace {
   readonly type: GpuType;
-  /** In 32-bit words. */
+  /** Offset in 32-bit words. */
   readonly word: number;
   readonly layout: TypeLayout;
 }

@@ -32,7 +32,7 @@ function nearestMagnitude(value: number): number {
 }
 
 describe('binary16', () => {
-  test('all 65,536 bit patterns have the value that the format says', () => {
+  test('all 65,536 bit patterns have the value that the format defines', () => {
     for (let bits = 0; bits < 65_536; bits++) {
       if (!Object.is(fromHalfBits(bits), halfValue(bits)))
         expect.fail(`${bits}: ${fromHalfBits(bits)}, expected ${halfValue(bits)}`);
@@ -47,7 +47,7 @@ describe('binary16', () => {
     }
   });
 
-  test('between two neighbours the nearer is taken, at the middle the even one', () => {
+  test('values between two neighbours round to the nearer, and to the even one in the middle', () => {
     for (let bits = 0; bits < MAGNITUDES.length - 1; bits++) {
       const middle = (MAGNITUDES[bits] + MAGNITUDES[bits + 1]) / 2;
       const step = MAGNITUDES[bits + 1] - MAGNITUDES[bits];
@@ -63,7 +63,7 @@ describe('binary16', () => {
     }
   });
 
-  test('any float32 goes to the nearest finite value', () => {
+  test('any float32 rounds to the nearest finite value', () => {
     fc.assert(
       fc.property(fc.float({ noNaN: true, noDefaultInfinity: true }), (value) => {
         const sign = Object.is(value, -0) || value < 0 ? 0x8000 : 0;
@@ -73,7 +73,7 @@ describe('binary16', () => {
     );
   });
 
-  test('what is too large is clamped, never made infinite', () => {
+  test('values that are too large are clamped, never infinite', () => {
     for (const value of [HALF_MAX, 65_519, 65_520, 1e6, 3e38, Number.POSITIVE_INFINITY]) {
       expect(fromHalfBits(toHalfBits(value))).toBe(HALF_MAX);
       expect(fromHalfBits(toHalfBits(-value))).toBe(-HALF_MAX);

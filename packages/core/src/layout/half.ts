@@ -15,8 +15,8 @@ export function clampCoefficient(value: number): number {
 export const HALF_MAX = 65504;
 
 /**
- * Bits of the binary16 nearest to `value`, ties to even; beyond ±65504 the bits of ±65504, so that packing never
- * makes an infinity. `value` is finite.
+ * Returns the bits of the binary16 nearest to `value`, ties to even; beyond ±65504 the bits of ±65504, so that packing never
+ * produces an infinity. `value` is finite.
  */
 export function toHalfBits(value: number): number {
   f32[0] = Math.max(-HALF_MAX, Math.min(HALF_MAX, value));
@@ -32,7 +32,7 @@ export function toHalfBits(value: number): number {
   return sign | ((roundedToEven - 0x38000000) >>> 13);
 }
 
-/** Value of binary16 bits. */
+/** Returns the value of binary16 bits. */
 export function fromHalfBits(bits: number): number {
   const exponent = (bits >>> 10) & 0x1f;
   const mantissa = bits & 0x3ff;

@@ -1,6 +1,6 @@
 import { type GpuStruct, gpuStruct } from './gpu-struct.ts';
 
-/** The camera and the picture, as the per-splat stages see them. Units as in `Projection`. */
+/** The camera and the image, as the per-splat stages see them. Units as in `Projection`. */
 export const View = gpuStruct('View', {
   sizePx: 'vec2f',
   focalPx: 'vec2f',
@@ -15,7 +15,7 @@ export const View = gpuStruct('View', {
   dispatchRow: 'u32',
 });
 
-/** What one page of splats (a part of one cloud that fits one binding) needs to be seen by one camera. */
+/** One page (the part of a cloud's planes that fits one binding) as one camera sees it. */
 export const Page = gpuStruct('Page', {
   /** Cloud space to view space, about the cloud's origin. */
   linear: 'mat3x3f',
@@ -23,16 +23,16 @@ export const Page = gpuStruct('Page', {
   translation: 'vec3f',
   /** The camera in cloud space, about the cloud's origin. */
   camera: 'vec3f',
-  /** 1 where directions come from the camera's place, 0 where they are all `direction`. */
+  /** 1 if viewing directions start at the camera, 0 if they are all `direction`. */
   cameraWeight: 'f32',
   direction: 'vec3f',
-  /** Smallest log scale of the cloud, and the step of its unorm16 ones. */
+  /** Smallest log scale of the cloud, and the step of its unorm16 log scales. */
   logScales: 'vec2f',
-  /** Left, right, bottom, top, near, far in cloud space: a point is inside where dot(xyz, point) + w ≥ 0. */
+  /** Left, right, bottom, top, near, far in cloud space: a point is inside if dot(xyz, point) + w ≥ 0. */
   frustum: 'array<vec4f, 6>',
-  /** x: how far past the plane a splat still reaches, per unit of its largest standard deviation. */
+  /** x: how far a splat reaches across the side, per unit of its largest standard deviation. */
   frustumReach: 'array<vec4f, 6>',
-  /** Number of this page in the frame. */
+  /** Index of this page in the frame. */
   index: 'u32',
   /** First chunk, counting through all pages of the frame. */
   chunkStart: 'u32',
@@ -40,7 +40,7 @@ export const Page = gpuStruct('Page', {
   splatCount: 'u32',
 });
 
-/** Bounds of a chunk, about the cloud's origin: of the centres, and the largest standard deviation along any axis. */
+/** Bounds of the centres of a chunk, about the cloud's origin, and the largest standard deviation along any axis. */
 export const Chunk = gpuStruct('Chunk', {
   minPosition: 'vec3f',
   maxScale: 'f32',
@@ -48,19 +48,19 @@ export const Chunk = gpuStruct('Chunk', {
   padding: 'f32',
 });
 
-/** What the GPU finds out about a page during a frame. */
+/** Results of culling for one page, computed on the GPU in each frame. */
 export const PagePlan = gpuStruct('PagePlan', {
   chunkStart: 'u32',
   chunkEnd: 'u32',
-  /** First visible chunk of the page in the list of all visible chunks, and how many there are. */
+  /** First visible chunk of the page in the list of all visible chunks, and the number of them. */
   slotStart: 'u32',
   slotCount: 'u32',
-  /** First drawn splat of the page in the list of all drawn splats, and how many there are. */
+  /** First visible splat of the page in the list of all visible splats, and the number of them. */
   visibleStart: 'u32',
   visibleCount: 'u32',
 });
 
-/** Sizes of a frame that the host knows. */
+/** Sizes of a frame that are known on the host. */
 export const CullParameters = gpuStruct('CullParameters', {
   chunkCount: 'u32',
   pageCount: 'u32',
@@ -76,16 +76,16 @@ export const SortParameters = gpuStruct('SortParameters', {
   radix: 'u32',
   capacity: 'u32',
   dispatchRow: 'u32',
-  /** 1 in the pass that makes the payloads, else 0. */
+  /** 1 in the pass that makes the payloads, otherwise 0. */
   isFirst: 'u32',
-  /** 1 in the pass that leaves the keys behind, else 0. */
+  /** 1 in the pass that drops the keys, otherwise 0. */
   isLast: 'u32',
 });
 
-/** What the GPU finds out about a sort. */
+/** Sizes of a sort, computed on the GPU. */
 export const SortPlan = gpuStruct('SortPlan', { keyCount: 'u32', tileCount: 'u32' });
 
-/** A splat as it is drawn; lengths in pixels, y down. Axes are at √2 standard deviations. 32 bytes. */
+/** A visible splat as it is drawn; lengths in pixels, y down. Axes are at √2 standard deviations. 32 bytes. */
 export const SplatRecord = gpuStruct('SplatRecord', {
   centerPx: 'vec2f',
   majorPx: 'vec2f',
@@ -95,7 +95,7 @@ export const SplatRecord = gpuStruct('SplatRecord', {
   color: 'vec2u',
 });
 
-/** The same at `recordPrecision: 'f32'`. 48 bytes. */
+/** The record at `recordPrecision: 'f32'`. 48 bytes. */
 export const SplatRecordF32 = gpuStruct('SplatRecord', {
   centerPx: 'vec2f',
   majorPx: 'vec2f',
@@ -104,7 +104,7 @@ export const SplatRecordF32 = gpuStruct('SplatRecord', {
   color: 'vec4f',
 });
 
-/** The same at `recordPrecision: 'paper'`. 24 bytes. */
+/** The record at `recordPrecision: 'paper'`. 24 bytes. */
 export const SplatRecordPaper = gpuStruct('SplatRecord', {
   centerPx: 'vec2f',
   /** Two float16, none beyond ±65504. */
@@ -115,32 +115,32 @@ export const SplatRecordPaper = gpuStruct('SplatRecord', {
   depthView: 'f32',
 });
 
-/** The record of a projected splat, by its precision. */
+/** Records by their precision. */
 export const SPLAT_RECORDS = { f32: SplatRecordF32, f16: SplatRecord, paper: SplatRecordPaper };
 
-/** How the renderer around stores depth: see `DepthMapping`. */
+/** How the host renderer stores depth: see `DepthMapping`. */
 export const HostDepth = gpuStruct('HostDepth', { slope: 'vec2f', offset: 'f32', factor: 'f32' });
 
-/** Where the splats' picture lies in the host's textures. */
+/** Where the splats' image lies in the host's textures. */
 export const HostViewport = gpuStruct('HostViewport', {
-  /** Of its top left; modulo 2³², since it may lie outside. */
+  /** Top left of the image; modulo 2³², since it may lie outside. */
   colorOriginPx: 'vec2u',
   depthOriginPx: 'vec2u',
-  /** Width and height of the picture as multiples of those of the layer that splats are blended in. */
+  /** Width and height of the image as multiples of those of the layer that splats are blended in. */
   pxPerLayerPx: 'vec2f',
 });
 
-/** Width and height of the layer that splats are blended in, as parts of the picture's. */
+/** Width and height of the layer that splats are blended in, as fractions of the image's. */
 export const UpscaleParameters = gpuStruct('UpscaleParameters', { layerPerPx: 'vec2f' });
 
-/** Which pixel is asked for: its centre, from the picture's top left. */
+/** The pixel to pick: its centre, from the image's top left. */
 export const PickParameters = gpuStruct('PickParameters', { pixelPx: 'vec2f', blockCount: 'u32' });
 
-/** What a run of successive splats of the drawing order does to one pixel. */
+/** Contribution of a run of successive splats, in drawing order, to one pixel. */
 export const PickBlock = gpuStruct('PickBlock', {
-  /** Part of what is behind that all of them together let through. */
+  /** Fraction of the light from behind the run that passes through all its splats. */
   transmittance: 'f32',
-  /** Share of the pixel that the heaviest of them has, as if nothing were in front of the run; 0: none is there. */
+  /** Largest share of the pixel that one of the splats has, as if nothing were in front of the run; 0 if there is none. */
   weight: 'f32',
   /** That splat's number, counting through all chunks of the frame. */
   splat: 'u32',
@@ -153,18 +153,18 @@ export const CompositeParameters = gpuStruct('CompositeParameters', { background
 
 export const CompareParameters = gpuStruct('CompareParameters', { background: 'vec3f' });
 
-/** How one tile of a picture differs from that of another; sums over its pixels and r, g, b. */
+/** Difference of one tile of two images; sums over its pixels and r, g, b. */
 export const CompareTile = gpuStruct('CompareTile', {
   squaredErrorSum: 'f32',
   maxError: 'f32',
-  /** What structural similarity lacks to 1. */
+  /** Sum of 1 − structural similarity. */
   dissimilaritySum: 'f32',
-  /** Pixels with a value that is not finite. */
+  /** Number of pixels with a non-finite value. */
   brokenActual: 'u32',
   brokenExpected: 'u32',
 });
 
-/** Splats of a page that are repacked, and the cloud's log scales as in `Page`. */
+/** Number of splats of a page to repack, and the cloud's log scales as in `Page`. */
 export const RepackParameters = gpuStruct('RepackParameters', {
   logScales: 'vec2f',
   splatCount: 'u32',

@@ -15,7 +15,7 @@ const determinant = ([a, b, c, d, e, f, g, h, i]: readonly number[]) =>
   a * (e * i - f * h) - d * (b * i - c * h) + g * (b * f - c * e);
 
 describe('matrices', () => {
-  test('a product does one after the other', () => {
+  test('a product applies one matrix after the other', () => {
     fc.assert(
       fc.property(matrix4, matrix4, vector3, (a, b, v) => {
         const together = apply4(multiply4(a, b), [...v, 1]);
@@ -26,7 +26,7 @@ describe('matrices', () => {
     expect(multiply4(identity4(), identity4())).toEqual(identity4());
   });
 
-  test('a translation before a matrix moves what it is given', () => {
+  test('a translation before a matrix moves its argument', () => {
     fc.assert(
       fc.property(matrix4, vector3, vector3, (m, offset, v) => {
         const moved = apply4(translated4(m, offset), [...v, 1]);
@@ -42,9 +42,9 @@ describe('matrices', () => {
         const inverse = invert3(m);
         if (!inverse) return;
         const back = transform3(inverse, transform3(m, v));
-        // A cofactor is rounded by some ulps of the products that it is the difference of, whatever is left of them; divided
-        // by the determinant and multiplied with the matrix once more, that is up to stretch³/|determinant|. The rounding
-        // of the two products grows with how much the matrix squeezes and stretches.
+        // A cofactor is a difference of products, and off by some ulps of them, however small it is; divided by the
+        // determinant and multiplied with the matrix again, that is up to stretch³/|determinant|. The rounding of the two
+        // products grows with how much the matrix squeezes and stretches.
         const stretch = stretchBound(m);
         const growth = stretch ** 3 / Math.abs(determinant(m)) + stretch * stretchBound(inverse);
         const bound = 64 * Number.EPSILON * growth * Math.hypot(...v);
@@ -54,7 +54,7 @@ describe('matrices', () => {
     );
   });
 
-  test('an inverse is found at any scale, and none of what is singular or not finite', () => {
+  test('matrices of any scale have an inverse; singular and non-finite ones have none', () => {
     for (const scale of [1e-200, 1e-20, 1, 1e20, 1e200]) {
       const inverse = invert3([2 * scale, 0, 0, 0, 4 * scale, 0, 0, 0, -5 * scale])!;
       expect(inverse[0] * scale).toBeCloseTo(0.5, 12);
@@ -71,7 +71,7 @@ describe('matrices', () => {
   test('no vector is lengthened beyond the bound', () => {
     fc.assert(
       fc.property(matrix3, vector3, (m, v) => {
-        // Roundings: relative, and absolute where products are denormal.
+        // Rounding: relative, and absolute if products are denormal.
         const bound = stretchBound(m) * Math.hypot(...v) * (1 + 1e-12) + 10 * Number.MIN_VALUE;
         expect(Math.hypot(...transform3(m, v))).toBeLessThanOrEqual(bound);
       }),

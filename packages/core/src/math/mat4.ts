@@ -7,7 +7,7 @@ export function identity4(): Mat4 {
   return Float64Array.of(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);
 }
 
-/** a·b. */
+/** Returns a·b. */
 export function multiply4(a: ArrayLike<number>, b: ArrayLike<number>): Mat4 {
   const product = new Float64Array(16);
   for (let c = 0; c < 4; c++) {
@@ -20,7 +20,7 @@ export function multiply4(a: ArrayLike<number>, b: ArrayLike<number>): Mat4 {
   return product;
 }
 
-/** Translation by `offset` applied before `m`: m·T(offset). */
+/** Returns m·T(offset): a translation by `offset`, then `m`. */
 export function translated4(m: ArrayLike<number>, offset: Vec3): Mat4 {
   const result = new Float64Array(m);
   for (let r = 0; r < 4; r++) {
@@ -29,18 +29,18 @@ export function translated4(m: ArrayLike<number>, offset: Vec3): Mat4 {
   return result;
 }
 
-/** Upper left 3×3 of `m`, column-major. */
+/** Returns the upper left 3×3 of `m`, column-major. */
 export function linearPart(m: ArrayLike<number>): Float64Array {
   return Float64Array.of(m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]);
 }
 
-/** Inverse of a 3×3 matrix, or null where it is singular (or not finite). */
+/** Returns the inverse of a 3×3 matrix, or null if it is singular or not finite. */
 export function invert3(m: ArrayLike<number>): Float64Array | null {
   // Scaled first, so that the determinant neither overflows nor underflows.
   let largest = 0;
   for (let k = 0; k < 9; k++) largest = Math.max(largest, Math.abs(m[k]));
   if (!(largest > 0) || !Number.isFinite(largest)) return null;
-  // Spelled out: every cloud of every frame comes here.
+  // Spelled out for speed: it runs for every cloud of every frame.
   const a = m[0] / largest;
   const b = m[1] / largest;
   const c = m[2] / largest;
@@ -67,7 +67,7 @@ export function invert3(m: ArrayLike<number>): Float64Array | null {
   );
 }
 
-/** m·v for a column-major 3×3 matrix. */
+/** Returns m·v for a column-major 3×3 matrix. */
 export function transform3(m: ArrayLike<number>, v: ArrayLike<number>): [number, number, number] {
   return [
     m[0] * v[0] + m[3] * v[1] + m[6] * v[2],
@@ -76,7 +76,7 @@ export function transform3(m: ArrayLike<number>, v: ArrayLike<number>): [number,
   ];
 }
 
-/** Upper bound of the factor by which a column-major 3×3 matrix can lengthen a vector (its Frobenius norm). */
+/** Returns an upper bound of the factor by which a column-major 3×3 matrix lengthens a vector (its Frobenius norm). */
 export function stretchBound(m: ArrayLike<number>): number {
   return Math.hypot(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]);
 }

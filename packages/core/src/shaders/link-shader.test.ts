@@ -71,7 +71,7 @@ describe('linked shaders', () => {
         SplatRecord: record as never,
       };
       for (const { name, size, members } of reflection.structs) {
-        // Structs of functions' own never reach a buffer.
+        // Structs used only by functions never reach a buffer.
         if (!(name in known)) continue;
         unseen.delete(name);
         const expected = known[name];
@@ -83,7 +83,7 @@ describe('linked shaders', () => {
     expect([...unseen]).toEqual([]);
   });
 
-  test('carry nothing of a condition that is not met', () => {
+  test('contain no code of unmet conditions', () => {
     const variant = (changes: Partial<Parameters<typeof project>[0]>) =>
       linkShader(
         project({
@@ -119,19 +119,19 @@ describe('linked shaders', () => {
       /screenCovariance|reachInAxes/,
     );
     expect(linkShader(cullSplats({ ...cull, culling: 'bounding-box' }))).not.toContain('FARTHEST_CENTER_PX');
-    // At degree 0 it makes no difference how the coefficients that nobody reads are stored.
+    // At degree 0 no coefficients are read, so their precision makes no difference.
     expect(variant({ shDegree: 0, shPrecision: 'f32' })).toBe(none);
     for (const { wgsl } of linked) expect(wgsl).not.toMatch(/@(if|else|elif)\b|\bimport\b/);
   });
 
-  test('end: every loop counts up to, or down from, what cannot change while it runs', () => {
+  test('end: every loop counts up to, or down from, a value that cannot change while it runs', () => {
     for (const { stage, wgsl } of linked) {
       expect(wgsl, `${describeVariant(stage)} has an open loop`).not.toMatch(/\b(while|loop)\b/);
       for (const flaw of openLoops(wgsl)) expect.fail(`${describeVariant(stage)}: ${flaw}`);
     }
   });
 
-  test('the check of loops finds what it is there for', () => {
+  test('the check of loops finds open loops', () => {
     const loop = (header: string) => openLoops(`fn f() { for (${header}) { } }`).length;
     expect(loop('var i = 0u; i < 4u; i++')).toBe(0);
     expect(loop('var i = lane; i < frame.pageCount; i += STEP')).toBe(0);
@@ -145,16 +145,16 @@ describe('linked shaders', () => {
 });
 
 /**
- * Loops whose end could depend on memory that another workgroup writes: all but those whose own counter is compared with
- * a number, a constant, a local value or a member of a uniform (by name: an index, a call or a pointer is none), and is
- * moved by such a step.
+ * Returns the loops whose end could depend on memory that another workgroup writes. A loop is safe if its own counter is
+ * compared with, and moved by, a number, a constant, a local value or a member of a uniform (by name: not an index, a call or
+ * a pointer).
  */
 function openLoops(wgsl: string): string[] {
   const operand = String.raw`(?:\d+u?|[A-Za-z_]\w*(?:\.\w+)?)(?:\s*\/\s*\d+u?)?`;
   const header = new RegExp(
     String.raw`^var (\w+) = ${operand}; \1 (?:<|>|<=|>=) ${operand}; \1(?:\+\+|--| (?:\+|-|>>|<<)= ${operand})$`,
   );
-  // Headers hold no parentheses where they are of that kind, and do not match where they do.
+  // Headers of safe loops have no parentheses; headers with parentheses do not match.
   return [...wgsl.matchAll(/\bfor\s*\(((?:[^()]|\([^()]*\))*)\)\s*\{/g)]
     .map(([, text]) => text.replace(/\s+/g, ' ').trim())
     .filter((text) => !header.test(text));

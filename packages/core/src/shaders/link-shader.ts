@@ -3,13 +3,13 @@ import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { SHADER_STRUCTS, SPLAT_RECORDS } from '../layout/structs.ts';
 import { type LinkInput, linkModules, type ShaderModules } from './shader-linker.ts';
 
-/** All but those that only measuring and making planes need: they come with it. */
+/** All shader files except those that only measuring or making planes needs, which are loaded with that code. */
 const files = import.meta.glob<string>(
   ['../../../../shaders/**/*.wgsl', '!../../../../shaders/stages/{compare-images,repack-*}.wgsl'],
   { query: '?raw', import: 'default', eager: true },
 );
 
-/** Every file as a module. */
+/** Every shader file as a module. */
 const modules: ShaderModules = /* @__PURE__ */ modulesOf(files);
 
 function modulesOf(texts: Readonly<Record<string, string>>): ShaderModules {
@@ -18,13 +18,13 @@ function modulesOf(texts: Readonly<Record<string, string>>): ShaderModules {
   return Object.fromEntries(Object.entries(texts).map(named));
 }
 
-/** `package::stages::cull_splats` of `stages/cull-splats`: names with hyphens are no WGSL identifiers. */
+/** Returns `package::stages::cull_splats` for `stages/cull-splats`: WGSL identifiers have no hyphens. */
 function moduleName(file: string): string {
   return `package::${file.replaceAll('/', '::').replaceAll('-', '_')}`;
 }
 
 /**
- * Text of the shader of one of this package's own effects.
+ * Returns the shader text of one of this package's own effects.
  *
  * @__NO_SIDE_EFFECTS__
  */
@@ -32,21 +32,21 @@ export function effectShader(name: string): string {
   return modules[moduleName(`effects/${name}`)];
 }
 
-/** A shader as it is to be linked: what is not called for is not in its text. */
+/** A shader to link; code whose condition is not met is not in its text. */
 export interface ShaderVariant {
   /** File in shaders/stages, without its ending. */
   readonly stage: string;
-  /** Text of that file, where it does not come with the engine. */
+  /** Text of that file, if it is not among the engine's own modules. */
   readonly source?: string;
   readonly conditions?: Readonly<Record<string, boolean>>;
   readonly constants?: Readonly<Record<string, number>>;
-  /** Brings the modules `effects` and `parameters`, one object for equal modules; default none. */
+  /** Provides the modules `effects` and `parameters`; equal modules are the same object. Default none. */
   readonly effects?: { readonly modules: ShaderModules };
 }
 
 /**
- * One line of a shader replaced by another, to show that tests notice: with a remedy switched off, the case that it is
- * for has to fail. Never used outside of tests.
+ * Replaces some text of a shader, to show that tests notice: with a remedy removed, the test case for it must fail. Only used
+ * in tests.
  */
 export interface ShaderMutation {
   /** File below shaders/ without its ending, e.g. `lib/covariance`. */
@@ -56,7 +56,7 @@ export interface ShaderMutation {
   readonly replace: string;
 }
 
-/** Every condition that a shader may ask for; absent means false. */
+/** Every condition that shaders may use; absent means false. */
 const NO_CONDITIONS: LinkInput['conditions'] = {
   ORTHOGRAPHIC: false,
   GEOMETRY_F32: false,
@@ -86,12 +86,12 @@ const NO_CONDITIONS: LinkInput['conditions'] = {
   COLOR_EFFECTS: false,
 };
 
-/** WGSL of one stage with everything that it imports. */
+/** Returns the WGSL of one stage with everything that it imports. */
 export function linkShader(variant: ShaderVariant, mutation?: ShaderMutation): string {
   return linkModules(linkInput(variant, mutation));
 }
 
-/** A variant as the linker takes it: what shaders share with the host are modules like those of files. */
+/** Returns a variant as input of the linker: the host's structs and constants become modules, like files. */
 export function linkInput(
   { stage, source, conditions = {}, constants = {}, effects }: ShaderVariant,
   mutation?: ShaderMutation,

@@ -32,7 +32,7 @@ describe('the linker of shaders', () => {
     expect(namesIn(linkRoot(root, modules))).toEqual(['area', 'SIDE', 'shape', 'second', 'first', 'third']);
   });
 
-  test('takes exactly what is reached, however modules import each other', () => {
+  test('includes exactly the declarations that are reached, however modules import each other', () => {
     const anyNode = fc.record({ module: fc.nat(3), uses: fc.array(fc.nat(), { maxLength: 4 }) });
     fc.assert(
       fc.property(fc.array(anyNode, { minLength: 1, maxLength: 20 }), (nodes) => {
@@ -63,7 +63,7 @@ describe('the linker of shaders', () => {
     );
   });
 
-  test('leaves everything but comments and white space as it is', () => {
+  test('changes nothing except comments and white space', () => {
     const words = 'a _b1 x.y 0x1fu 1e-37 .5f 1.0 + - -> >>= << && & || | :: ! / * % @ align # ~'.split(' ');
     const gaps = [' ', '\n', '\t', '\r\n  ', ' // @if( {\n', ' /* { */', '/* /* ; */ "*/ ', ' /**/// /*\n'];
     fc.assert(
@@ -76,7 +76,7 @@ describe('the linker of shaders', () => {
         },
       ),
     );
-    // What separated words still does.
+    // Comments that separated words still do.
     expect(linkRoot('fn/**/f() { let a/* b */= 1; }')).toBe('fn f() { let a = 1; }');
   });
 
@@ -101,7 +101,7 @@ fn square(/* any */ x: f32) -> f32 {
     ['a size', '@compute @workgroup_size(x) fn f() { }'],
     ['a number of elements', 'var<workgroup> a: array<u32, x>;'],
     ['a function', 'fn f() { let a = -x(1); }'],
-    ['what a member is taken of', 'fn f() { x.y = 1; }'],
+    ['a value whose member is used', 'fn f() { x.y = 1; }'],
     ['the label of a case', 'fn f() { switch (1) { case x: { } default: { } } }'],
     ['another name for it', 'alias a = x;'],
   ])('takes %s for a use', (_, text) => {
@@ -112,7 +112,7 @@ fn square(/* any */ x: f32) -> f32 {
 
   test.each([
     ['a member', 'struct S { x: f32 }'],
-    ['what is taken of a value', 'fn f() { let a = b.x; }'],
+    ['a member of a value', 'fn f() { let a = b.x; }'],
     ['an attribute', 'struct S { @x(4) a: f32 }'],
     ['a part of a number', 'const a = 1.x; const b = 0x;'],
     ['a part of a name', 'const ax = 1; const xa = 2; const _x = 3;'],
@@ -122,7 +122,7 @@ fn square(/* any */ x: f32) -> f32 {
     expect(names).not.toContain('x');
   });
 
-  // «…» is what the condition is for.
+  // «…» marks the text that the condition guards.
   test.each([
     ['an import', '«import package::a::a;» fn f() { x = a; }'],
     [
@@ -143,10 +143,10 @@ fn square(/* any */ x: f32) -> f32 {
     ['a loop', 'fn f() { «for (var i = 0; i < 3; i++) { x = a[i]; }» z = 3; }'],
     ['a call', 'fn f() { if (a) { «workgroupBarrier();» } }'],
     [
-      'what has conditions itself',
+      'a block that has conditions itself',
       'fn f() { «{ @if(YES) let a = 1; @if(NO) { } @if(NO) let a = 2; }» z = 3; }',
     ],
-  ])('leaves out %s where the condition is not met, and nothing more', (_, text) => {
+  ])('removes %s if the condition is not met, and nothing else', (_, text) => {
     const modules = { 'package::a': 'const a = 1; const b = 1;', 'package::c': 'const c = 1;' };
     const link = (root: string) => declarationsIn(linkRoot(root, modules));
     expect(link(text.replace('«', '@if(YES) ').replace('»', ''))).toEqual(link(text.replace(/[«»]/g, '')));
@@ -162,7 +162,7 @@ fn square(/* any */ x: f32) -> f32 {
           .tuple(tie('condition'), fc.constantFrom('&&', ' || '), tie('condition'))
           .map((parts) => parts.join('')),
         tie('condition').map((inner) => `(${inner} )`),
-        // Without parentheses the sign is for the first operand alone, in both languages.
+        // Without parentheses the sign applies to the first operand alone, in both languages.
         tie('condition').map((inner) => `! ${inner}`),
       ),
     }));
@@ -304,7 +304,7 @@ fn square(/* any */ x: f32) -> f32 {
       { root: 'import a::x as y;', a: 'fn x() { }' },
       'root, line 1: ";" is expected, not "as".',
     ],
-  ])('refuses %s, and says where', (_, modules, message) => {
+  ])('rejects %s, and says where', (_, modules, message) => {
     const link = () => linkModules({ modules, root: 'root', conditions: CONDITIONS });
     expect(link).toThrow(new RangeError(message));
   });
@@ -324,8 +324,8 @@ function weslText({ modules, root, conditions }: LinkInput): Promise<string> {
 }
 
 /**
- * The declarations of a WGSL text, sorted, each as its tokens in one line. Commas after the last element of a list are
- * left out: they mean nothing, and wesl, which writes lists anew, has its own mind about them.
+ * Returns the declarations of a WGSL text, sorted, each as its tokens in one line, without commas after the last element of a
+ * list: they mean nothing, and wesl, which rewrites lists, adds or removes them.
  */
 function declarationsIn(wgsl: string): string[] {
   const declarations: string[] = [];
@@ -346,7 +346,7 @@ function declarationsIn(wgsl: string): string[] {
   return declarations.sort();
 }
 
-/** Names of what a WGSL text declares, in its order. */
+/** Returns the names that a WGSL text declares, in its order. */
 function namesIn(wgsl: string): string[] {
   return [...wgsl.matchAll(/\b(?:fn|struct|const) (\w+)/g)].map(([, name]) => name);
 }

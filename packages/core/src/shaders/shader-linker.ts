@@ -1,16 +1,17 @@
 /**
- * Links WGSL as shaders/ writes it: one module and what it needs of others become one text. Beyond WGSL there are
+ * Links the WGSL of shaders/: joins one module and the declarations that it needs from others into one text. In addition to
+ * WGSL, modules may contain
  *
  *     import package::lib::packing::unpackSplat;
  *     import package::lib::srgb::{decodeSrgb, encodeSrgb};
  *     @if(SH_1 && !SH_F32) …
  *
- * where the condition stands before an import, a declaration, a member of a struct or a statement, all of which is left
- * out where it is not met. Comments are left out too.
+ * where the condition precedes an import, a declaration, a member of a struct or a statement, which is removed if the
+ * condition is not met. Comments are removed too.
  *
- * Nothing is renamed, and scopes are not followed. So that this is safe, what would need either is an error: one name that
- * two of the linked modules declare, a local name that hides one of its own module, and the use of what another module
- * declares without an import. Every word that is a name of its module is then a use of it.
+ * The linker neither renames anything nor follows scopes. To keep that safe, code that would need either is an error: two
+ * linked modules that declare the same name, a local name that hides one of its module, and the use of another module's
+ * declaration without an import. Every word that is a name of its module is then a use of that name.
  */
 
 /** Text of modules by name, e.g. `package::lib::packing`. */
@@ -18,23 +19,23 @@ export type ShaderModules = Readonly<Record<string, string>>;
 
 export interface LinkInput {
   readonly modules: ShaderModules;
-  /** The module whose declarations all stay; of others only what it reaches does. */
+  /** The module whose declarations all stay; from others only the declarations that it reaches stay. */
   readonly root: string;
-  /** Every condition that a module may ask for. */
+  /** Every condition that modules may use. */
   readonly conditions: Readonly<Record<string, boolean>>;
 }
 
 interface Token {
   /** Empty at the end of the module. */
   readonly text: string;
-  /** What separates it from the token before: nothing, a space, or a line break with the indentation. */
+  /** White space before the token: nothing, a space, or a line break with the indentation. */
   readonly gap: string;
   readonly module: string;
   /** From 1. */
   readonly line: number;
 }
 
-/** What a name of a module stands for. */
+/** Meaning of a name in a module. */
 type Named = Declaration | Import;
 
 interface Declaration {
@@ -51,16 +52,16 @@ interface Import {
 type Scope = ReadonlyMap<string, Named>;
 
 /**
- * WGSL of the root module with everything that it reaches, each declaration once and after those that it uses.
- * @throws RangeError with module and line where the modules cannot be linked.
+ * Returns the WGSL of the root module with everything that it reaches, each declaration once and after those that it uses.
+ * @throws RangeError with module and line if the modules cannot be linked.
  */
 export function linkModules({ modules, root, conditions }: LinkInput): string {
   const scopes = new Map<string, Scope>();
-  /** By name, in the order of the result. */
+  /** Declarations by name, in the order of the result. */
   const linked = new Map<string, Declaration>();
-  /** Declarations that wait for what they use, outermost first. */
+  /** Declarations that wait for the ones that they use, outermost first. */
   const waiting: Declaration[] = [];
-  /** Words that mean nothing in their module: of WGSL itself, or forgotten imports. */
+  /** Words that are no names of their module: words of WGSL itself, or forgotten imports. */
   const foreign: Token[] = [];
 
   function scopeOf(module: string): Scope {
@@ -125,8 +126,8 @@ function fail(place: Pick<Token, 'module' | 'line'>, problem: string): never {
 }
 
 function tokenize(module: string, source: string): Token[] {
-  // As coarse as it may be, since the gaps put everything together again as it was: numbers and operators may fall apart,
-  // as long as their parts look like no names, and those of conditions and imports do not.
+  // As coarse as possible, since the gaps restore the original text: numbers and most operators may be split, as long as no
+  // part looks like a name; the operators of conditions and imports stay whole.
   const pattern = /\s+|\/\/.*|\/\*|\w+|::|&&|\|\||./y;
   const tokens: Token[] = [];
   let line = 1;
@@ -136,7 +137,7 @@ function tokenize(module: string, source: string): Token[] {
     if (text.trim() === '') {
       const lineBreak = text.lastIndexOf('\n');
       if (lineBreak >= 0) {
-        // Of several lines the indentation of the last one counts.
+        // After several line breaks, the last indentation counts.
         gap = text.slice(lineBreak);
         line += lineBreaksIn(text);
       } else if (gap === '') gap = ' ';
@@ -160,7 +161,7 @@ function lineBreaksIn(text: string): number {
   return text.split('\n').length - 1;
 }
 
-/** Undefined where there is none. Block comments nest. */
+/** Returns the end of a block comment, which may nest; undefined if it has none. */
 function endOfBlockComment(source: string, start: number): number | undefined {
   const mark = /\/\*|\*\//g;
   mark.lastIndex = start;
@@ -173,7 +174,7 @@ function endOfBlockComment(source: string, start: number): number | undefined {
   return mark.lastIndex;
 }
 
-/** A place among the tokens of a module. */
+/** A position among the tokens of a module. */
 class Cursor {
   readonly tokens: readonly Token[];
   at = 0;
@@ -190,7 +191,7 @@ class Cursor {
     return this.token.text === '';
   }
 
-  /** Whether `text` was next; then it is taken. */
+  /** Moves past `text` if it is next, and returns whether it was. */
   accept(text: string): boolean {
     const isNext = this.token.text === text;
     if (isNext) this.at++;
@@ -209,8 +210,8 @@ class Cursor {
   }
 
   /**
-   * Moves past one statement, declaration or import: each ends with its semicolon, or with its last brace where no `else`
-   * follows. The semicolon that ends an import in braces, or may follow a struct, belongs to it.
+   * Moves past one statement, declaration or import: each ends with its semicolon, or with its last brace if no `else`
+   * follows. A semicolon after the braces of an import or struct belongs to it.
    */
   skipStatement(): void {
     const first = this.#beginning();
@@ -229,10 +230,10 @@ class Cursor {
     fail(first, 'what begins here does not end');
   }
 
-  /** Moves past one member of a struct with its comma, which the last one need not have. */
+  /** Moves past one member of a struct and its comma, which the last member may lack. */
   skipMember(): void {
     const first = this.#beginning();
-    // In a type, angle brackets enclose a list; whatever else they mean stands in parentheses there.
+    // In a type, angle brackets enclose a list; as operators they only appear in parentheses there.
     for (let depth = 0; !this.isAtEnd; this.at++) {
       const { text } = this.token;
       if (depth === 0 && (text === '}' || this.accept(','))) return;
@@ -242,7 +243,7 @@ class Cursor {
     fail(first, 'what begins here does not end');
   }
 
-  /** The token that begins what is to be skipped. */
+  /** Returns the first token of the text to skip. */
   #beginning(): Token {
     if (this.isAtEnd || this.token.text === '}')
       fail(this.token, `${quoted(this.token)} is not expected here`);
@@ -258,15 +259,15 @@ function isWord({ text }: Token): boolean {
   return /^[A-Za-z_]/.test(text);
 }
 
-/** The tokens whose conditions are met, without the conditions. */
+/** Returns the tokens whose conditions are met, without the conditions. */
 function selectMet(tokens: readonly Token[], conditions: LinkInput['conditions']): Token[] {
   const met: Token[] = [];
   const cursor = new Cursor(tokens);
-  /** Brackets that are open. */
+  /** Open brackets, outermost first. */
   const open: string[] = [];
-  /** From the keyword to the closing brace: what braces there are, are its own. */
+  /** True from the keyword `struct` to its closing brace; structs contain no other braces. */
   let isStruct = false;
-  /** What a condition that was met leaves to the token after it. */
+  /** Gap of a met condition, which the token after it inherits. */
   let gap: string | undefined;
   while (!cursor.isAtEnd) {
     const { at, token } = cursor;
@@ -283,7 +284,7 @@ function selectMet(tokens: readonly Token[], conditions: LinkInput['conditions']
       if (isStruct) cursor.skipMember();
       else cursor.skipStatement();
       if (isMet) {
-        // What it stands before may hold further conditions.
+        // The guarded text may contain further conditions.
         cursor.at = start;
         gap = token.gap;
       }
@@ -300,7 +301,7 @@ function selectMet(tokens: readonly Token[], conditions: LinkInput['conditions']
   return met;
 }
 
-/** Reads `(A && !(B || C))`; both sides of an operator always, so that an unknown name never goes unnoticed. */
+/** Evaluates `(A && !(B || C))`. Always reads both sides of an operator, so that every unknown name is found. */
 function takeCondition(cursor: Cursor, conditions: LinkInput['conditions']): boolean {
   function takeOr(): boolean {
     let value = takeAnd();
@@ -338,7 +339,7 @@ function readScope(cursor: Cursor): Scope {
   return scope;
 }
 
-/** Reads what follows `import`. */
+/** Reads the text after `import`. */
 function takeImports(cursor: Cursor): Import[] {
   const path = [cursor.takeName()];
   const names: Token[] = [];
@@ -361,7 +362,7 @@ function takeDeclaration(cursor: Cursor): Declaration {
   const start = cursor.at;
   cursor.skipStatement();
   const tokens = cursor.tokens.slice(start, cursor.at);
-  // Attributes come first, and hold no keywords.
+  // Attributes come first, and contain no keywords.
   const keywordAt = tokens.findIndex(({ text }) => DECLARATION_KEYWORDS.has(text));
   if (keywordAt < 0) fail(tokens[0], `"${tokens[0].text}" begins no declaration`);
   const hasList = tokens[keywordAt + 1].text === '<';
@@ -369,7 +370,7 @@ function takeDeclaration(cursor: Cursor): Declaration {
   return { name: tokens[nameAt], isFunction: tokens[keywordAt].text === 'fn', tokens };
 }
 
-/** The words of a declaration but for its name, those of its members, parameters and local values, and what follows a dot. */
+/** Returns the words of a declaration, except its name, names of members, parameters and locals, and words after a dot. */
 function wordsUsed({ name, isFunction, tokens }: Declaration, scope: Scope): Token[] {
   const used: Token[] = [];
   const locals = new Set<string>();
