@@ -47,8 +47,8 @@ export function SplatCanvas({
     losses.length > MAX_LOSSES_PER_MINUTE && losses.at(-1)! - losses.at(-1 - MAX_LOSSES_PER_MINUTE)! < 60_000;
   if (isHopeless) {
     throw new WebGpuUnavailableError(
-      `The GPU device was lost ${MAX_LOSSES_PER_MINUTE + 1} times within a minute: the scene may need more memory than ` +
-        'the GPU has, or the driver may be at fault. Reload the page to try again.',
+      `The GPU device was lost ${MAX_LOSSES_PER_MINUTE + 1} times within a minute: its memory may be too small for the ` +
+        'scene, or the driver may be at fault. Reload the page to try again.',
     );
   }
   return (

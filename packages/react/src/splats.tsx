@@ -80,7 +80,7 @@ export function Splats({ fallback, ...props }: SplatsProps): ReactNode {
   if (!renderer) {
     if (isServer()) return null;
     throw new SplatsUnsupportedRendererError(
-      '<Splats> is outside of a Canvas: put it inside of <Canvas gl={createSplatRenderer}> or <SplatCanvas>.',
+      '<Splats> is outside of a Canvas: put it into <Canvas gl={createSplatRenderer}> or <SplatCanvas>.',
     );
   }
   let engine: SplatEngine;

@@ -70,7 +70,7 @@ export async function createSplatRenderer({
     await renderer.init();
     if (!hasWebGpuBackend(renderer)) {
       throw new SplatsUnsupportedRendererError(
-        'three chose its WebGL 2 backend although it was given a WebGPU device; its own message is on the console.',
+        'three chose its WebGL 2 backend despite its WebGPU device; its own message is on the console.',
       );
     }
     attach(renderer, engine);
@@ -133,11 +133,11 @@ function attach(renderer: WebGPURenderer, engine: SplatEngine): void {
 function stateOf(renderer: object): RendererState {
   const state = states.get(renderer);
   if (state) return state;
-  const what = (renderer as { isWebGLRenderer?: boolean }).isWebGLRenderer
-    ? 'This is three’s WebGLRenderer'
-    : 'This renderer was not made by createSplatRenderer';
+  const found = (renderer as { isWebGLRenderer?: boolean }).isWebGLRenderer
+    ? 'is three’s WebGLRenderer'
+    : 'was not made by createSplatRenderer';
   throw new SplatsUnsupportedRendererError(
-    `${what}, and splats are drawn by WebGPU on a device of their own making. Use ` +
-      '`const renderer = await createSplatRenderer({ canvas })`; in react-three-fiber, `<Canvas gl={createSplatRenderer}>`.',
+    `This renderer ${found}, and splats need WebGPU on a device made for them. Use ` +
+      '`await createSplatRenderer({ canvas })`; in react-three-fiber, `<Canvas gl={createSplatRenderer}>`.',
   );
 }

@@ -15,7 +15,7 @@ export class SplatsUnsupportedRendererError extends WebSplatterError {
 export class SplatsPrecisionError extends WebSplatterError {
   override readonly name = 'SplatsPrecisionError';
   constructor(cause: Error) {
-    super('precision-unavailable', `Splats keep the precision that they have. ${cause.message}`, { cause });
+    super('precision-unavailable', `Splats keep their present precision. ${cause.message}`, { cause });
   }
 }
 
@@ -38,8 +38,8 @@ export class ThreeInternalsError extends WebSplatterError {
   constructor(missing: string, revision: string) {
     super(
       'three-internals',
-      `three r${revision} has no ${missing}, which drawing splats between its passes needs. ` +
-        'Supported are three 0.185 to 0.187; install one of them, or a newer release of @websplatter/three.',
+      `three r${revision} has no ${missing}, which drawing splats needs. ` +
+        'Install three 0.185 to 0.187, or a newer release of @websplatter/three.',
     );
     this.missing = missing;
     this.revision = revision;

@@ -22,7 +22,7 @@ export function checkedReveal(animation: RevealAnimation): RevealAnimation {
   const { durationMs, ...options } = animation;
   reveal({ ...options, radius: 0 });
   if (durationMs > 0 && durationMs < Number.POSITIVE_INFINITY) return animation;
-  const message = `durationMs is ${durationMs}; it is how long a cloud takes to appear: milliseconds, finite and above 0.`;
+  const message = `durationMs is ${durationMs}; it must be a finite number of milliseconds above 0.`;
   throw new InvalidArgumentError('durationMs', message);
 }
 

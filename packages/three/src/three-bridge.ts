@@ -39,8 +39,8 @@ export function openPass(
   const data = probedData(backend.get(context));
   if ((camera as { isArrayCamera?: boolean }).isArrayCamera) {
     throw new SplatsPassError(
-      'Splats cannot be drawn with an ArrayCamera or in XR: their passes are drawn for several cameras at once. Render ' +
-        'each camera by itself, with a viewport of its own, or hide the splats while such a camera is used.',
+      'Splats cannot be drawn with an ArrayCamera or in XR, whose passes are for several cameras at once. Render each ' +
+        'camera by itself, with a viewport of its own, or hide the splats.',
     );
   }
   if (!data.currentPass) return null;
@@ -268,9 +268,8 @@ function checkResumable({ colorAttachments, depthStencilAttachment }: PassDescri
     depthStencilAttachment?.stencilStoreOp === 'discard';
   if (isDiscarded) {
     throw new SplatsPassError(
-      'Splats cannot be drawn into a RenderTarget that does not keep its samples: three’s pass is interrupted, and what ' +
-        'it had drawn would be lost. Leave storeMultisampledColorBuffer, storeMultisampledDepthBuffer and ' +
-        'storeMultisampledStencilBuffer of the RenderTarget on.',
+      'Splats cannot be drawn into a RenderTarget that loses its samples when they interrupt three’s pass. Leave its ' +
+        'storeMultisampledColorBuffer, storeMultisampledDepthBuffer and storeMultisampledStencilBuffer on.',
     );
   }
 }
