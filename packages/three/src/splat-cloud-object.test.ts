@@ -190,7 +190,7 @@ describe('the precision on the GPU for an accuracy', () => {
 
   test('is reported once if it is unavailable', async () => {
     const { cloud, hold, needsFrame, claim } = uploaded();
-    claim.mockRejectedValue(new Error('garden: what it was read from is gone.'));
+    claim.mockRejectedValue(new Error('garden: its source is gone.'));
     cloud.onError = vi.fn();
     for (let frame = 0; frame < 3; frame++) {
       hold();

@@ -59,8 +59,8 @@ export interface SplatCloudEventMap extends Object3DEventMap {
 
 /**
  * A cloud of splats anywhere in a scene. All clouds of a scene are sorted together, whatever their transforms, and drawn
- * as one of its transparent objects, in the middle of their common bounds and with the highest `renderOrder` of theirs.
- * Transforms may shear, mirror and scale; `visible` and `layers` work as on meshes.
+ * as one of its transparent objects, which lies in the middle of their common bounds and has the highest `renderOrder` of
+ * theirs. Transforms may shear, mirror and scale; `visible` and `layers` work as on meshes.
  */
 export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements LayerCloud {
   readonly isSplatCloudObject = true;
@@ -98,7 +98,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   readonly #failed = new Set<SplatEngine>();
   /** Promises of claims that have their handlers, so that each is handled once. */
   readonly #handled = new WeakSet<Promise<void>>();
-  readonly #told = new Set<string>();
+  readonly #reported = new Set<string>();
   #data: SplatData | null = null;
   #revealing: Revealing | null = null;
   #layer: SplatLayer | null = null;
@@ -207,7 +207,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     return this;
   }
 
-  /** Removes the cloud from the screen and frees its GPU memory. If it is drawn again, it is uploaded again. */
+  /** Removes the cloud from the screen and releases its GPU copy, which goes with its last user. Drawing uploads it again. */
   override dispose(): void {
     if (this.#layer) this.leave(this.#layer);
     this.#releaseUploads();
@@ -265,8 +265,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   tell(error: unknown): boolean {
     if (!this.onError) return false;
     const text = String(error);
-    if (!this.#told.has(text)) {
-      this.#told.add(text);
+    if (!this.#reported.has(text)) {
+      this.#reported.add(text);
       this.onError(error as Error);
     }
     return true;
@@ -314,7 +314,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     for (const engine of this.#uploads.keys()) this.#data?.release(engine, this);
     this.#uploads.clear();
     this.#failed.clear();
-    this.#told.clear();
+    this.#reported.clear();
   }
 }
 

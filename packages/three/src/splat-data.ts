@@ -51,7 +51,7 @@ export class SplatData {
     return this.packed.count;
   }
 
-  /** Returns rows, as a SplatSelection takes them, of splats with centres in a volume of the cloud's own space. Tests each. */
+  /** Returns the rows of splats with centres in a volume of the cloud's own space, for a SplatSelection. Tests each splat. */
   rowsIn(volume: Box3 | Sphere): number[] {
     const { geometry, origin, fileIndices } = this.packed;
     // A splat of any precision begins with its position in float32.
@@ -65,7 +65,7 @@ export class SplatData {
   }
 
   /**
-   * Returns the cloud on `engine`, for `user` until it calls `release`. Uploads it, as it was packed, if necessary.
+   * Returns the cloud on `engine`, and uploads it, as it was packed, if necessary. `user` keeps it until `release`.
    *
    * @throws GpuLimitError, DestroyedError.
    */

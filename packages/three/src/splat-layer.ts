@@ -80,7 +80,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     this.#depthMesh.onBeforeRender = () => this.#showDepth();
   }
 
-  /** Adds `cloud`, or follows it to where it has moved. */
+  /** Adds `cloud`, or updates the layer for its new place. */
   place(cloud: LayerCloud): void {
     this.#clouds.add(cloud);
     this.#arrange();
