@@ -143,10 +143,11 @@ function Cloud({
   const [drawError, setDrawError] = useState<{ readonly error: unknown } | null>(null);
   useLayoutEffect(() => {
     const cloud = object.current!;
-    const tellFirstFrame = () => latest.current.onFirstFrame?.();
-    cloud.addEventListener('firstframe', tellFirstFrame);
-    const tellChoice = ({ choice }: { choice: AccuracyChoice }) => latest.current.onAccuracyChosen?.(choice);
-    cloud.addEventListener('accuracychosen', tellChoice);
+    const reportFirstFrame = () => latest.current.onFirstFrame?.();
+    cloud.addEventListener('firstframe', reportFirstFrame);
+    const reportChoice = ({ choice }: { choice: AccuracyChoice }) =>
+      latest.current.onAccuracyChosen?.(choice);
+    cloud.addEventListener('accuracychosen', reportChoice);
     const requestFrame = () => invalidate();
     cloud.addEventListener('needsframe', requestFrame);
     cloud.onError = (error) => {
@@ -156,8 +157,8 @@ function Cloud({
       else setDrawError({ error });
     };
     return () => {
-      cloud.removeEventListener('firstframe', tellFirstFrame);
-      cloud.removeEventListener('accuracychosen', tellChoice);
+      cloud.removeEventListener('firstframe', reportFirstFrame);
+      cloud.removeEventListener('accuracychosen', reportChoice);
       cloud.removeEventListener('needsframe', requestFrame);
       cloud.onError = null;
     };
