@@ -7,7 +7,7 @@ const RADIUS = 1;
 const TUBE_RADIUS = 0.22;
 const GOLDEN_RATIO = (1 + Math.sqrt(5)) / 2;
 
-/** A torus of translucent splats about the z axis, its colour going once around the wheel. */
+/** Returns a torus of translucent splats about the z axis, whose colour goes once around the wheel. */
 export function ring(): SplatSet {
   const positions = new Float32Array(3 * COUNT);
   const logScales = new Float32Array(3 * COUNT).fill(Math.log(0.022));

@@ -1,17 +1,17 @@
 import type { Plugin } from 'vite';
 import { ring } from './ring.ts';
 
-/** The files that the examples show. Made by code, so that the repository needs no captures. */
+/** The files that the examples show. Code makes them, so that the repository needs no captures. */
 const SCENE_FILES = ['still-life.ply', 'ring.ply'] as const;
 
 async function sceneFile(name: (typeof SCENE_FILES)[number]): Promise<Uint8Array> {
-  // Not before they are needed: a server of what has been built does without them.
+  // Imported when they are needed: a server of the built app never needs them.
   const { encodePly } = await import('@websplatter/core');
   const { stillLife } = await import('@websplatter/scenes');
   return encodePly(name === 'ring.ply' ? ring() : stillLife({ splats: 60_000, shDegree: 1 }));
 }
 
-/** Serves the scenes as files beside the app, and builds them into it. */
+/** Serves the scenes as files next to the app, and builds them into it. */
 export function sceneFiles(): Plugin {
   return {
     name: 'scene-files',

@@ -2,7 +2,7 @@ import { SplatsFallback } from '@websplatter/react';
 import { Suspense, use, useRef, useState } from 'react';
 import type { Example } from './examples.ts';
 
-/** An example over the whole page, its title and a way to its source above it. */
+/** An example over the whole page, below its title and a button that shows its source. */
 export function ExamplePage({ example: { title, about, Component, loadSource } }: { example: Example }) {
   const dialog = useRef<HTMLDialogElement>(null);
   const [source, setSource] = useState<Promise<string>>();
@@ -45,7 +45,7 @@ export function ExamplePage({ example: { title, about, Component, loadSource } }
 
 function SourceText({ source }: { source: Promise<string> }) {
   return (
-    // biome-ignore lint/a11y/noNoninteractiveTabindex: what scrolls has to be reached by keyboard.
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: the keyboard must reach text that scrolls.
     <pre tabIndex={0}>
       <code>{use(source)}</code>
     </pre>

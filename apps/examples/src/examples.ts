@@ -1,6 +1,6 @@
 import { type ComponentType, type LazyExoticComponent, lazy } from 'react';
 
-/** What a file in routes/ is about; the list is the index page, in this order. */
+/** Descriptions of the files in routes/, in the order of the index page. */
 const DESCRIPTIONS = [
   {
     name: 'first-splat',
@@ -26,7 +26,7 @@ const DESCRIPTIONS = [
   {
     name: 'demand-loop',
     title: 'Drawing on demand',
-    about: 'Frames are drawn when something asks for one, and not one while nothing happens.',
+    about: 'Frames are drawn on request, and none while nothing changes.',
   },
   {
     name: 'suspense',
@@ -41,7 +41,7 @@ const DESCRIPTIONS = [
   {
     name: 'accuracy',
     title: 'Accuracy',
-    about: 'Settings by name, or an outcome: what keeps it is measured, chosen and explained.',
+    about: 'Settings by name, or an outcome, for which settings are measured, chosen and explained.',
   },
   {
     name: 'colour',
@@ -58,7 +58,7 @@ const DESCRIPTIONS = [
     name: 'reveal',
     title: 'Revealing',
     about:
-      'The scene appears from a point or from the camera, asks for the frames it takes, and comes to rest.',
+      'The scene appears from a point or from the camera, requests the frames it needs, and comes to rest.',
   },
   {
     name: 'selection',
@@ -72,7 +72,7 @@ const DESCRIPTIONS = [
   },
   {
     name: 'depth-write',
-    title: 'Depth for what comes after',
+    title: 'Writing depth',
     about: 'A transparent ring is drawn after the splats, and yet goes around the vase.',
   },
   {
@@ -83,7 +83,7 @@ const DESCRIPTIONS = [
 ] as const;
 
 export interface Example {
-  /** Its file in routes/, and `?example=` in the address. */
+  /** Name of its file in routes/, and of `?example=` in the address. */
   readonly name: string;
   readonly title: string;
   readonly about: string;

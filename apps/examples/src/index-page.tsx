@@ -1,13 +1,13 @@
 import { EXAMPLES } from './examples.ts';
 
-/** `missing`: what the address asked for, where there is no such example. */
+/** `missing`: the example that the address names, if it does not exist. */
 export function IndexPage({ missing }: { missing: string | null }) {
   return (
     <main className="index">
       <header>
         <h1>WebSplatter in react-three-fiber</h1>
         <p>Small examples of one thing each. Every page shows its whole source.</p>
-        {missing !== null && <p role="alert">There is no example “{missing}”. These there are:</p>}
+        {missing !== null && <p role="alert">There is no example “{missing}”. Choose one of these:</p>}
       </header>
       <ol>
         {EXAMPLES.map(({ name, title, about }) => (

@@ -1,9 +1,9 @@
 import { createSplatRenderer as create, type SplatRendererParameters } from '@websplatter/three';
 import type { WebGPURenderer } from 'three/webgpu';
 
-/** What a Canvas gives its `gl`, and what `createSplatRenderer` of @websplatter/three takes besides. */
+/** Parameters that a Canvas passes to its `gl`, and further options of `createSplatRenderer` of @websplatter/three. */
 export interface CanvasRendererParameters extends Omit<SplatRendererParameters, 'canvas' | 'context'> {
-  /** A canvas; @react-three/fiber does not say more of its type than this. */
+  /** A canvas; @react-three/fiber declares no closer type. */
   readonly canvas?: EventTarget;
 }
 

@@ -7,12 +7,12 @@ import { type EffectProps, isSameUses, isSameValue, revealAnimationOf, usesOfPro
 const optionsOf = (props: EffectProps) =>
   Object.fromEntries(usesOfProps(props).map(({ effect, options }) => [effect.name, options]));
 
-it('makes of each prop its effect, in three’s terms', () => {
+it('turns each prop, in three’s terms, into its effect', () => {
   const selection = new SplatSelection();
   const own = tint([1, 0.5, 0]);
   expect(usesOfProps({})).toEqual([]);
   expect(usesOfProps({ effects: [] })).toEqual([]);
-  // What a file says of itself can be refused.
+  // Overrides the file's own setting.
   expect(usesOfProps({ antialias: false })).toMatchObject([{ options: false, reason: null }]);
   expect(usesOfProps({ effects: [own] })).toEqual([own]);
   const sphere = { shape: 'sphere', center: [0, 0, 0], radius: 1, keep: 'outside' } as const;
@@ -61,7 +61,7 @@ it('leaves a reveal over a time to the object', () => {
   expect(() => revealAnimationOf({ reveal: endless })).toThrow(InvalidArgumentError);
 });
 
-it('knows equal props, however often they are written out', () => {
+it('recognises equal props that are written out again', () => {
   const selection = new SplatSelection();
   const same = (a: EffectProps, b: EffectProps) => isSameUses(usesOfProps(a), usesOfProps(b));
   const props = (radius: number): EffectProps => ({

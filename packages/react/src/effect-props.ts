@@ -14,7 +14,7 @@ import {
 import { checkedReveal, clipVolumeOf, encodedColor, type RevealAnimation } from '@websplatter/three';
 import { Box3, type ColorRepresentation, Plane, Sphere } from 'three';
 
-/** A prop for each effect. What is not asked for is in no shader and costs nothing. */
+/** One prop per effect. Shaders contain only the effects in use; the others cost nothing. */
 export interface EffectProps {
   /** Multiplies every colour, as a filter in front of the splats does. White changes nothing. */
   tint?: ColorRepresentation;
@@ -22,23 +22,23 @@ export interface EffectProps {
   brightness?: number;
   /** For scenes trained with antialiasing (Mip-Splatting, gsplat's `antialiased`): splats thinner than a pixel become fainter. */
   antialias?: boolean;
-  /** Cuts the splats off at volumes in world space; of a Plane the side that its normal points to stays. */
+  /** Clips the splats by volumes in world space; a Plane keeps the side that its normal points to. */
   clip?: Omit<ClipOptions, 'volumes'> & { readonly volumes: readonly (ClipVolume | Box3 | Sphere | Plane)[] };
   /**
-   * Only what is within a radius is there; or, with `durationMs` in place of `radius`, the splats appear by themselves: when
-   * they are first drawn, and again whenever these options or `src` change.
+   * Shows only splats within a radius. With `durationMs` in place of `radius`, makes the splats appear over time: when they
+   * are first drawn, and again whenever these options or `src` change.
    */
   reveal?: RevealOptions | RevealAnimation;
-  /** Mixes the colour of selected splats with another. After a change of the selection, ask for a frame by `invalidate()`. */
+  /** Mixes another colour into selected splats. After changing the selection, request a frame with `invalidate()`. */
   highlight?: Omit<HighlightOptions, 'color'> & { readonly color: ColorRepresentation };
-  /** More effects, of `@websplatter/core/effects` or of your own. */
+  /** More effects, from `@websplatter/core/effects` or your own. */
   effects?: readonly EffectUse[];
 }
 
 /**
- * What these props ask for.
+ * Returns the effects that these props request.
  *
- * @throws InvalidArgumentError for options that mean nothing.
+ * @throws InvalidArgumentError for invalid options.
  */
 export function usesOfProps(props: EffectProps): EffectUse[] {
   const uses: EffectUse[] = [];
@@ -54,15 +54,15 @@ export function usesOfProps(props: EffectProps): EffectUse[] {
 }
 
 /**
- * The animation that these props ask for, or null.
+ * Returns the animation that these props request, or null.
  *
- * @throws InvalidArgumentError for options that mean nothing.
+ * @throws InvalidArgumentError for invalid options.
  */
 export function revealAnimationOf({ reveal: options }: EffectProps): RevealAnimation | null {
   return options && isAnimation(options) ? checkedReveal(options) : null;
 }
 
-/** Whether both do the same. */
+/** Whether both lists have the same effects in the same order, with equal options. */
 export function isSameUses(a: readonly EffectUse[], b: readonly EffectUse[]): boolean {
   return (
     a.length === b.length &&
@@ -70,7 +70,7 @@ export function isSameUses(a: readonly EffectUse[], b: readonly EffectUse[]): bo
   );
 }
 
-/** Arrays and plain objects by what is in them, all else by identity. */
+/** Compares arrays and plain objects by content, everything else by identity. */
 export function isSameValue(a: unknown, b: unknown): boolean {
   if (Object.is(a, b)) return true;
   if (!(isPlain(a) && isPlain(b)) || Array.isArray(a) !== Array.isArray(b)) return false;

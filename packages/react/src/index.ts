@@ -1,6 +1,6 @@
 'use client';
 
-// What the components take, give and throw, for those who have installed this package alone.
+// Types, classes and errors that the components use, for applications that install only this package.
 export {
   type Accuracy,
   type AccuracyChoice,

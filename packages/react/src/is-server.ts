@@ -1,4 +1,4 @@
-/** Neither a page nor a worker: nothing can be fetched for it or drawn. */
+/** Whether this is neither a page nor a worker, so that nothing can be fetched or drawn. */
 export function isServer(): boolean {
   return !('document' in globalThis || 'importScripts' in globalThis);
 }

@@ -17,7 +17,7 @@ it('renders a page on a server', async () => {
   expect(await isSupported()).toBe(false);
 });
 
-it('leaves what needs a file to the browser', () => {
+it('leaves components that need a file to the browser', () => {
   function Count() {
     return useSplats('garden.ply').count;
   }

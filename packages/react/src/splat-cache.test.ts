@@ -16,7 +16,7 @@ interface Load {
   readonly reject: (error: Error) => void;
 }
 
-/** A cache whose loads end when the test says so. */
+/** A cache whose loads end when the test resolves or rejects them. */
 function testCache() {
   const loads: Load[] = [];
   const cache = new SplatCache<string>(
@@ -28,7 +28,7 @@ function testCache() {
 
 const request = (source: CacheableSource) => requestFor(source);
 
-/** Lets promises that have been settled call back. */
+/** Lets settled promises call back. */
 const settle = () => vi.advanceTimersByTimeAsync(0);
 
 beforeEach(() => {
@@ -39,7 +39,7 @@ afterEach(() => {
 });
 
 describe('the cache of parsed files', () => {
-  it('loads a source once for all who watch it, and tells each of progress and end', async () => {
+  it('loads a source once for all watchers, and reports progress and the end to each', async () => {
     const { cache, loads } = testCache();
     const changes = vi.fn();
     const progress = vi.fn();
@@ -58,7 +58,7 @@ describe('the cache of parsed files', () => {
     expect(cache.stateOf(request('https://example.org/a.ply'))).toEqual({ status: 'loaded', data: 'a' });
   });
 
-  it('tells files and buffers apart, whatever they are to be packed for', () => {
+  it('distinguishes files and buffers, but not accuracies', () => {
     const { cache, loads } = testCache();
     const [first, second] = [new Blob(['same']), new Blob(['same'])];
     const buffer = new ArrayBuffer(4);
@@ -70,7 +70,7 @@ describe('the cache of parsed files', () => {
     );
   });
 
-  it('aborts a load when its last user has gone, not before, and not where one comes back in time', async () => {
+  it('aborts a load when its last user has gone, not before, and not if one comes back in time', async () => {
     const { cache, loads } = testCache();
     const stopFirst = cache.watch(request('a.ply'), {});
     const stopSecond = cache.watch(request('a.ply'), {});
@@ -99,7 +99,7 @@ describe('the cache of parsed files', () => {
     expect(loads[0].signal.aborted).toBe(false);
   });
 
-  it('drops what was loaded after a grace, which may be longer', async () => {
+  it('drops loaded data after a grace time, which may be longer', async () => {
     const { cache, loads } = testCache();
     const stop = cache.watch(request('a.ply'), {});
     loads[0].resolve('a');
@@ -123,7 +123,7 @@ describe('the cache of parsed files', () => {
     expect(loads).toHaveLength(2);
   });
 
-  it('does not hear of an aborted load again, even where a new one has begun', async () => {
+  it('ignores an aborted load, even if a new one has begun', async () => {
     const { cache, loads } = testCache();
     cache.watch(request('a.ply'), {})();
     await vi.advanceTimersByTimeAsync(GRACE_MS);
@@ -135,7 +135,7 @@ describe('the cache of parsed files', () => {
     expect(cache.stateOf(request('a.ply'))?.status).toBe('pending');
   });
 
-  it('tells a render of a failure, and tries again some moments later', async () => {
+  it('returns a failure to a render, and tries again some moments later', async () => {
     const { cache, loads } = testCache();
     const state = cache.ask(request('a.ply'));
     const error = new Error('no');
@@ -146,7 +146,7 @@ describe('the cache of parsed files', () => {
     expect(cache.ask(request('a.ply')).status).toBe('pending');
   });
 
-  it('keeps what is preloaded until it is cleared', async () => {
+  it('keeps preloaded entries until they are cleared', async () => {
     const { cache, loads } = testCache();
     cache.preload(request('a.ply'));
     cache.preload(request('b.ply'));
@@ -159,7 +159,7 @@ describe('the cache of parsed files', () => {
     expect(loads.map(({ signal }) => signal.aborted)).toEqual([true, true]);
   });
 
-  it('leaves what is in use when cleared, to go with its last user', async () => {
+  it('keeps entries in use when cleared, and drops them with their last user', async () => {
     const { cache, loads } = testCache();
     cache.preload(request('a.ply'));
     const stop = cache.watch(request('a.ply'), {});
@@ -170,7 +170,7 @@ describe('the cache of parsed files', () => {
     expect(loads[0].signal.aborted).toBe(true);
   });
 
-  it('keeps what a render has asked for until a component has mounted with it, and not for ever', async () => {
+  it('keeps entries that a render has requested until a component has mounted with them, but not for ever', async () => {
     const { cache, loads } = testCache();
     cache.ask(request('a.ply'));
     cache.ask(request('b.ply'));

@@ -1,20 +1,20 @@
 import { type AccuracyRequest, DEFAULT_ACCURACY, lastingSource } from '@websplatter/core';
 
-/** What may be loaded through the cache: URLs count by their address, everything else by identity. */
+/** A source that can be loaded through the cache: URLs are compared by address, everything else by identity. */
 export type CacheableSource = string | URL | Blob | ArrayBuffer;
 
-/** One file. */
+/** A request for one file. */
 export interface SplatRequest {
   readonly source: CacheableSource;
-  /** What it is packed for if this request is the first for it: for another accuracy the GPU's copy is made anew. */
+  /** Accuracy that the first request for a file packs it for; for another accuracy, the GPU copy is made again. */
   readonly accuracy: AccuracyRequest;
   /** Equal for requests that share an entry. */
   readonly key: string;
 }
 
-/** How far a request has come. A new object whenever that changes, so that React can compare by identity. */
+/** State of a request. Each change creates a new object, so that React can compare by identity. */
 export type LoadState<Data> =
-  /** `settled` resolves when the load has ended, well or not; it never rejects. */
+  /** `settled` resolves when the load has succeeded or failed; it never rejects. */
   | { readonly status: 'pending'; readonly settled: Promise<void> }
   | { readonly status: 'loaded'; readonly data: Data }
   | { readonly status: 'failed'; readonly error: unknown };
@@ -25,17 +25,17 @@ export type LoadFunction<Data> = (
 ) => Promise<Data>;
 
 export interface CacheWatcher {
-  /** The request's state is another one now. */
+  /** Called when the request's state has changed. */
   readonly onChange?: () => void;
   readonly onProgress?: (progress: ProgressEvent) => void;
 }
 
-/** An entry outlives its last user by this much: StrictMode, hot reloads and changes of page unmount and mount again. */
+/** An entry outlives its last user by this time: StrictMode, hot reloads and changes of page unmount and mount again. */
 export const GRACE_MS = 500;
 
 /**
- * An entry that a render has asked for waits this long for a component to mount with it. Long, since the component may
- * have to wait for other files first, and dropping what it needs would make it start again.
+ * An entry that a render has requested waits this long for a component to mount with it. The time is long because the
+ * component may have to wait for other files first, and would start again if an entry that it needs were dropped.
  */
 export const UNCLAIMED_GRACE_MS = 60_000;
 
@@ -49,8 +49,8 @@ interface Entry<Data> {
 }
 
 /**
- * Parsed files, shared by all who show them. An entry lives as long as somebody watches it and a moment longer;
- * dropping it aborts its load. Nothing in here is on a GPU.
+ * Parsed files, shared by all components that use them. An entry lives as long as it is watched, and a moment longer;
+ * dropping it aborts its load. The cache holds no GPU memory.
  */
 export class SplatCache<Data> {
   readonly #load: LoadFunction<Data>;
@@ -60,39 +60,39 @@ export class SplatCache<Data> {
     this.#load = load;
   }
 
-  /** Undefined where nobody has asked for it. */
+  /** Returns the state of a request; undefined if the cache has no entry for it. */
   stateOf(request: SplatRequest): LoadState<Data> | undefined {
     return this.#entries.get(request.key)?.state;
   }
 
-  /** Holds the request's entry, loading it where need be, until the function returned is called (with the grace to give). */
+  /** Holds the request's entry, and loads it if necessary, until the returned function is called with a grace time. */
   watch(request: SplatRequest, watcher: CacheWatcher): (graceMs?: number) => void {
     const entry = this.#entryOf(request);
     clearTimeout(entry.dropTimer);
     entry.watchers.add(watcher);
     return (graceMs = GRACE_MS) => {
-      // A failed entry goes at once, so that the next attempt is one.
+      // A failed entry is dropped at once, so that the next request loads again.
       if (entry.watchers.delete(watcher))
         this.#dropLater(entry, entry.state.status === 'failed' ? 0 : graceMs);
     };
   }
 
-  /** For a render, which cannot watch: starts the load and keeps it for a component that will. */
+  /** Starts a load for a render, which cannot watch, and keeps it for a component that will. */
   ask(request: SplatRequest): LoadState<Data> {
     const entry = this.#entryOf(request);
-    // React renders a component that has thrown once more at once: it must find the same failure, not a new attempt.
+    // React renders a component that has thrown a second time at once: it must find the same failure, not a new attempt.
     this.#dropLater(entry, entry.state.status === 'failed' ? GRACE_MS : UNCLAIMED_GRACE_MS);
     return entry.state;
   }
 
-  /** Loads ahead of use, and keeps until `clear`. */
+  /** Loads a file ahead of its use, and keeps it until `clear`. */
   preload(request: SplatRequest): void {
     const entry = this.#entryOf(request);
     clearTimeout(entry.dropTimer);
     entry.isPreloaded = true;
   }
 
-  /** Drops what was preloaded or awaits a component; what is in use goes with its last user. Undefined: of every source. */
+  /** Drops entries that were preloaded or await a component, of `source` or all; entries in use go with their last user. */
   clear(source?: CacheableSource): void {
     const sourceKey = source === undefined ? undefined : sourceKeyOf(source);
     for (const entry of [...this.#entries.values()]) {
@@ -145,7 +145,7 @@ export class SplatCache<Data> {
   }
 }
 
-/** What stands for `source` in a cache. */
+/** Returns the request for `source`. */
 export function requestFor(
   source: CacheableSource,
   accuracy: AccuracyRequest = DEFAULT_ACCURACY,

@@ -11,22 +11,22 @@ import { type CanvasRendererParameters, createSplatRenderer } from './create-spl
 import { useCanvasRenderer } from './use-renderer.ts';
 
 export interface SplatCanvasProps extends Omit<CanvasProps, 'gl'> {
-  /** How exactly splats are drawn, and how fast: settings, or a wish such as `{ minPsnrDb: 45 }`; default `balanced`. */
+  /** How exactly and how fast to draw splats: settings, or a wish such as `{ minPsnrDb: 45 }`; default `balanced`. */
   accuracy?: AccuracyRequest;
-  /** More of what `createSplatRenderer` takes, read when the renderer is made. */
+  /** Further options of `createSplatRenderer`, read when the renderer is made. */
   gl?: Omit<CanvasRendererParameters, 'accuracy' | 'canvas'>;
 }
 
-/** More losses than this within a minute are not waited out: something on the page brings the GPU down. */
+/** After more losses than this within a minute, the Canvas gives up: something on the page brings the GPU down. */
 const MAX_LOSSES_PER_MINUTE = 3;
-/** A browser may have no adapter to give while its GPU process starts again. */
+/** A browser may have no adapter while its GPU process restarts. */
 const RETRY_DELAYS_MS = [250, 1000, 3000];
 
 /**
  * A `<Canvas>` of react-three-fiber that draws splats, and that replaces itself with a fresh one when its GPU device is
- * lost: what is inside mounts anew, and files that had been read are uploaded again without being fetched.
+ * lost: its contents mount again, and files that were read are uploaded again without being fetched.
  *
- * @throws WebGpuUnavailableError to the nearest error boundary where there is no WebGPU, or it is lost again and again.
+ * @throws WebGpuUnavailableError to the nearest error boundary if there is no WebGPU, or if the device is lost repeatedly.
  */
 export function SplatCanvas({
   accuracy = DEFAULT_ACCURACY,
@@ -38,7 +38,7 @@ export function SplatCanvas({
   const gl: CanvasProps['gl'] = async (defaults) => {
     const make = () => createSplatRenderer({ ...defaults, ...parameters, accuracy });
     const renderer = await (losses.length === 0 ? make() : retried(make));
-    toldAccuracy.set(renderer, JSON.stringify(accuracy));
+    engineAccuracies.set(renderer, JSON.stringify(accuracy));
     onDeviceLost(renderer, () => setLosses((times) => [...times, performance.now()]));
     return renderer;
   };
@@ -47,8 +47,8 @@ export function SplatCanvas({
     losses.length > MAX_LOSSES_PER_MINUTE && losses.at(-1)! - losses.at(-1 - MAX_LOSSES_PER_MINUTE)! < 60_000;
   if (isHopeless) {
     throw new WebGpuUnavailableError(
-      `The GPU device was lost ${MAX_LOSSES_PER_MINUTE + 1} times within a minute: the scene may need more memory than ` +
-        'the GPU has, or the driver may be at fault. Reload the page to try again.',
+      `The GPU device was lost ${MAX_LOSSES_PER_MINUTE + 1} times within a minute: its memory may be too small for the ` +
+        'scene, or the driver may be at fault. Reload the page to try again.',
     );
   }
   return (
@@ -59,20 +59,23 @@ export function SplatCanvas({
   );
 }
 
-/** By renderer, as JSON: asked for it again, the engine would ask clouds that have an accuracy of their own. */
-const toldAccuracy = new WeakMap<object, string>();
+/**
+ * Accuracy of each renderer's engine, as JSON. Setting the same one again would make the engine claim it for clouds that
+ * have an accuracy of their own.
+ */
+const engineAccuracies = new WeakMap<object, string>();
 
-/** Tells the engine of a Canvas what `accuracy` has become since its renderer was made. */
+/** Passes `accuracy` on to the engine of the Canvas when it changes. */
 function EngineAccuracy({ accuracy }: { accuracy: AccuracyRequest }): ReactNode {
   const renderer = useCanvasRenderer()!;
   const invalidate = useThree((state) => state.invalidate);
   const key = JSON.stringify(accuracy);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the key stands for the accuracy, which may be a new object at each render.
   useEffect(() => {
-    if (toldAccuracy.get(renderer) === key) return;
-    toldAccuracy.set(renderer, key);
+    if (engineAccuracies.get(renderer) === key) return;
+    engineAccuracies.set(renderer, key);
     try {
-      // What a cloud cannot have of it, the cloud tells.
+      // Each cloud reports the precisions that it cannot get.
       void splatEngineOf(renderer).setAccuracy(accuracy);
       invalidate();
     } catch (error) {

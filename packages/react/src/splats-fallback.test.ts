@@ -5,7 +5,7 @@ import { SplatsFallback, type SplatsFallbackProps } from './splats-fallback.tsx'
 
 const unavailable = new WebGpuUnavailableError('WebGPU is not available here.');
 
-/** What it shows after `error` has been thrown inside of it. */
+/** Returns the markup after `error` has been thrown inside of the boundary. */
 function shownAfter(error: unknown, props: SplatsFallbackProps): string {
   const boundary = new SplatsFallback(props);
   boundary.state = SplatsFallback.getDerivedStateFromError(error);
@@ -16,7 +16,7 @@ it('shows its children until they fail', () => {
   expect(renderToStaticMarkup(new SplatsFallback({ children: 'splats' }).render())).toBe('splats');
 });
 
-it('says why there is nothing to see, or shows what it is given', () => {
+it('says why there is nothing to see, or shows its fallback', () => {
   const sentence = '<p role="alert">This 3D view cannot be shown here. WebGPU is not available here.</p>';
   expect(shownAfter(unavailable, { children: 'splats' })).toBe(sentence);
   expect(shownAfter(unavailable, { fallback: 'a photograph' })).toBe('a photograph');

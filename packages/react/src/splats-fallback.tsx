@@ -6,12 +6,12 @@ type SupportError = WebGpuUnavailableError | SplatsUnsupportedRendererError;
 
 export interface SplatsFallbackProps {
   children?: ReactNode;
-  /** Shown in place of the children where they cannot draw; by default a sentence that says why. */
+  /** Shown in place of children that cannot draw; default: a sentence that says why. */
   fallback?: ReactNode | ((error: SupportError) => ReactNode);
 }
 
 /**
- * Goes around a `<Canvas>` or `<SplatCanvas>`: where there is no WebGPU, or the Canvas has a renderer that cannot draw
+ * An error boundary for a `<Canvas>` or `<SplatCanvas>`: if there is no WebGPU, or the Canvas has a renderer that cannot draw
  * splats, it shows `fallback` instead. Other errors pass through to the next error boundary.
  */
 export class SplatsFallback extends Component<SplatsFallbackProps, { readonly error: unknown }> {

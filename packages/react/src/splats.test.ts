@@ -22,7 +22,7 @@ const test = vi.hoisted(() => ({
   loseDevice: (_info: object) => {},
 }));
 
-// The renderer and the object in the scene are three's business; here they only have to be there.
+// The renderer and the object in the scene are tested with three; here they only have to exist.
 vi.mock('@websplatter/three', async () => {
   const three = await import('three');
   class SplatData {}
@@ -83,7 +83,7 @@ const renderer = { render() {}, setPixelRatio() {}, setSize() {}, dispose() {} }
 let root: ReturnType<typeof createRoot>;
 let scene: Object3D;
 let caught: unknown;
-/** Another number is another error boundary, which has not failed yet. */
+/** Each number has its own error boundary, which has not failed yet. */
 let attempt: number;
 
 beforeEach(async () => {
@@ -94,7 +94,7 @@ beforeEach(async () => {
   test.loads.length = 0;
   caught = undefined;
   attempt = 0;
-  // React and three have much to say about errors that a test wants, and about each other.
+  // React and three log much about errors that a test causes, and about each other.
   for (const level of ['error', 'warn'] as const) vi.spyOn(console, level).mockImplementation(() => {});
   const canvas = { addEventListener() {}, removeEventListener() {} } as unknown as HTMLCanvasElement;
   root = createRoot(canvas);
@@ -141,7 +141,7 @@ const object = () => scene.children.find((child) => 'data' in child) as Object3D
 const isFallbackShown = () => scene.getObjectByName('fallback') !== undefined;
 const splatData = (name: string) => Object.assign(Object.create(SplatData.prototype), { name }) as SplatData;
 
-it('suspends until the first file has been read, at the renderer’s precision, and tells how far it has come', async () => {
+it('suspends until the first file has been read, at the renderer’s precision, and reports progress', async () => {
   const onLoad = vi.fn();
   const onProgress = vi.fn();
   await show(splats({ src: 'a.ply', onLoad, onProgress, position: [1, 2, 3], opacity: 0.5 }));
@@ -159,7 +159,7 @@ it('suspends until the first file has been read, at the renderer’s precision, 
   expect(onLoad).toHaveBeenCalledExactlyOnceWith(a);
 });
 
-it('reads a file once for all who show it, and shows it at once where it has been read', async () => {
+it('reads a file once for all components, and shows it at once if it has been read', async () => {
   const first = splats({ key: '1', src: 'a.ply' } as SplatsProps);
   await show(first, splats({ key: '2', src: new URL('https://example.org/a.ply') } as SplatsProps));
   expect(test.loads).toHaveLength(1);
@@ -170,7 +170,7 @@ it('reads a file once for all who show it, and shows it at once where it has bee
   expect(test.loads).toHaveLength(1);
 });
 
-it('keeps showing what it had while a new file is read, and the object that shows it', async () => {
+it('keeps the splats on screen while a new file is read, and their object', async () => {
   await show(splats({ src: 'a.ply' }));
   const a = splatData('a');
   await act(async () => test.loads[0].resolve(a));
@@ -181,7 +181,7 @@ it('keeps showing what it had while a new file is read, and the object that show
   expect(isFallbackShown()).toBe(false);
   expect(object()).toMatchObject({ data: a, visible: true });
   expect(onLoad).not.toHaveBeenCalled();
-  // Back to what is still in sight: it is still in memory, and the other load is given up.
+  // Back to the file on screen: it is still in memory, and the other load is aborted.
   await show(splats({ src: 'a.ply' }));
   await act(() => vi.advanceTimersByTimeAsync(2 * GRACE_MS));
   expect(test.loads).toHaveLength(2);
@@ -194,7 +194,7 @@ it('keeps showing what it had while a new file is read, and the object that show
   expect(onLoad).toHaveBeenCalledExactlyOnceWith(c);
 });
 
-it('sets effects where they have changed, and not because they were written out anew', async () => {
+it('sets effects that have changed, but not those that are only written out again', async () => {
   const reveal = (durationMs: number) => ({ from: 'camera', durationMs }) as const;
   await show(splats({ src: 'a.ply', brightness: 2, reveal: reveal(100) }));
   await act(async () => test.loads[0].resolve(splatData('a')));
@@ -209,7 +209,7 @@ it('sets effects where they have changed, and not because they were written out 
   expect(object()).toMatchObject({ effects: [], reveal: null });
 });
 
-it('sets back what becomes undefined, as it does what is left out', async () => {
+it('resets props that become undefined, like props that are left out', async () => {
   const src = splatData('a');
   const onClick = () => {};
   for (const unset of [{}, { opacity: undefined, fog: undefined, position: undefined, onClick: undefined }]) {
@@ -229,7 +229,7 @@ it.each<Partial<SplatsProps>>([
   { brightness: -1 },
   { reveal: { from: 'camera', radius: -1 } },
   { reveal: { from: 'camera', durationMs: 0 } },
-])('hands effects that mean nothing to the error boundary: %o', async (props) => {
+])('passes errors of invalid effects to the error boundary: %o', async (props) => {
   const src = splatData('a');
   await show(splats({ src, ...props }));
   expect(caught).toBeInstanceOf(InvalidArgumentError);
@@ -241,14 +241,14 @@ it.each<Partial<SplatsProps>>([
   expect(caught).toBeInstanceOf(InvalidArgumentError);
 });
 
-it('aborts the load when it is unmounted meanwhile', async () => {
+it('aborts the load when it is unmounted', async () => {
   await show(splats({ src: 'a.ply' }));
   await show();
   await vi.advanceTimersByTimeAsync(GRACE_MS);
   expect(test.loads.map((load) => load.isAborted())).toEqual([true]);
 });
 
-it('hands a failure to the error boundary, and tries again when mounted again', async () => {
+it('passes a failure to the error boundary, and tries again when mounted again', async () => {
   await show(splats({ src: 'a.ply' }));
   const error = new Error('no such file');
   await act(async () => test.loads[0].reject(error));
@@ -260,7 +260,7 @@ it('hands a failure to the error boundary, and tries again when mounted again', 
   expect(object()).toMatchObject({ data: { name: 'a' }, visible: true });
 });
 
-it('hands a failure to onError instead, and keeps what it showed', async () => {
+it('passes a failure to onError if there is one, and keeps the splats on screen', async () => {
   const onError = vi.fn();
   await show(splats({ src: 'a.ply', onError }));
   const a = splatData('a');
@@ -273,7 +273,7 @@ it('hands a failure to onError instead, and keeps what it showed', async () => {
   expect(caught).toBeUndefined();
 });
 
-it('hands errors of drawing to onError or the error boundary', async () => {
+it('passes errors of drawing to onError or the error boundary', async () => {
   const onError = vi.fn();
   const a = splatData('a');
   await show(splats({ src: a, onError }));
@@ -287,7 +287,7 @@ it('hands errors of drawing to onError or the error boundary', async () => {
   expect(caught).toBe(error);
 });
 
-it('keeps what it shows where that cannot be as exact as asked for, and says so', async () => {
+it('keeps splats that cannot be drawn as exactly as requested, and logs a warning', async () => {
   await show(splats({ src: splatData('a'), accuracy: 'reference' }));
   const error = new SplatsPrecisionError(new Error('gone'));
   await act(async () => (object().onError as (error: unknown) => void)(error));
@@ -295,7 +295,7 @@ it('keeps what it shows where that cannot be as exact as asked for, and says so'
   expect(console.warn).toHaveBeenCalledWith(error);
 });
 
-it('takes another accuracy without reading or suspending, and tells what was chosen for a wish', async () => {
+it('changes accuracy without reading or suspending, and reports the choice for a wish', async () => {
   const onAccuracyChosen = vi.fn();
   await show(splats({ src: 'a.ply', accuracy: 'high' }));
   expect(test.loads.map((load) => load.accuracy)).toEqual(['high']);
@@ -314,7 +314,7 @@ it('takes another accuracy without reading or suspending, and tells what was cho
   expect(before.accuracy).toBeNull();
 });
 
-it('shows splats that are in memory without suspending, and tells of the first picture', async () => {
+it('shows splats in memory without suspending, and reports the first frame', async () => {
   const [onLoad, onFirstFrame] = [vi.fn(), vi.fn()];
   const a = splatData('a');
   await show(splats({ src: a, onLoad, onFirstFrame }));
@@ -324,7 +324,7 @@ it('shows splats that are in memory without suspending, and tells of the first p
   expect(onFirstFrame).toHaveBeenCalledOnce();
 });
 
-it('keeps what was read for a Canvas that comes back after the loss of its device', async () => {
+it('keeps read files for a Canvas that comes back after the loss of its device', async () => {
   const onDeviceLost = vi.fn();
   await show(splats({ src: 'a.ply', onDeviceLost }));
   await act(async () => test.loads[0].resolve(splatData('a')));
@@ -346,7 +346,7 @@ it('forwards its ref to the object', async () => {
   expect(ref.current).toBeNull();
 });
 
-it('says what to do where the renderer cannot draw splats, or shows its fallback', async () => {
+it('says what to do if the renderer cannot draw splats, or shows its fallback', async () => {
   const error = new Error('use gl={createSplatRenderer}');
   vi.mocked(splatEngineOf).mockImplementation(() => {
     throw error;
@@ -359,7 +359,7 @@ it('says what to do where the renderer cannot draw splats, or shows its fallback
   expect(test.loads).toHaveLength(0);
 });
 
-it('gives the splats of a file to other components, too', async () => {
+it('shares the splats of a file with other components', async () => {
   function Count({ src }: { src: string }) {
     return createElement('group', { name: useSplats(src).name });
   }

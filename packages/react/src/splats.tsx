@@ -26,7 +26,7 @@ import { useCanvasRenderer } from './use-renderer.ts';
 import { useSame } from './use-same.ts';
 import { useSource } from './use-source.ts';
 
-/** What `<Splats>` can show. */
+/** A source that `<Splats>` can show. */
 export type SplatsSource = CacheableSource | SplatData;
 
 export interface SplatsProps
@@ -35,52 +35,52 @@ export interface SplatsProps
       ThreeElement<typeof SplatsObject>,
       'accuracy' | 'args' | 'attach' | 'data' | 'dispose' | 'effects' | 'onError' | 'ref' | 'reveal'
     > {
-  /** A new one replaces what is shown as soon as it has been read. */
+  /** The splats to show. A new source replaces the splats on screen as soon as it has been read. */
   src: SplatsSource;
   /**
-   * How exactly splats are drawn, and how fast: settings, or a wish such as `{ minPsnrDb: 45 }`; by default the Canvas's. All
-   * clouds in view are one picture: see `SplatCloudObject.accuracy` of @websplatter/three for what it is drawn with. A
-   * change loads nothing and suspends nothing.
+   * How exactly and how fast to draw: settings, or a wish such as `{ minPsnrDb: 45 }`; default: the Canvas's. All clouds in
+   * view share one frame and its accuracy: `SplatCloudObject.accuracy` of @websplatter/three says which. A change suspends
+   * nothing, and reads a file again, in the background, only for a finer precision than it was packed for.
    */
   accuracy?: AccuracyRequest | null;
   /** The object in the scene. */
   ref?: Ref<SplatsObject>;
-  /** Splats have been read and are about to be drawn. */
+  /** Called when splats have been read and are about to be drawn. */
   onLoad?: (splats: SplatData) => void;
-  /** `loaded` and `total` are bytes; `lengthComputable` is false where the total is not known. */
+  /** Reports progress: `loaded` and `total` are bytes; `lengthComputable` is false if the total is not known. */
   onProgress?: (event: ProgressEvent) => void;
-  /** The first picture with these splats has been drawn. */
+  /** Called when the first frame with these splats has been submitted to the GPU. */
   onFirstFrame?: () => void;
-  /** Settings have been chosen because of a wish: which, and why. */
+  /** Called when settings were chosen for a wish; `choice.why` says which and why. */
   onAccuracyChosen?: (choice: AccuracyChoice) => void;
   /**
-   * Takes errors of reading and of drawing, which else reach the nearest error boundary; what was shown stays. A
-   * SplatsPrecisionError, after which splats are drawn less exactly than asked for, goes to the console else.
+   * Receives errors from reading and drawing; the splats on screen stay. Without it, errors reach the nearest error boundary,
+   * except a SplatsPrecisionError, which is logged: splats are then drawn less exactly than requested.
    */
   onError?: (error: unknown) => void;
-  /** The GPU device is gone, and with it all that this Canvas draws. Called once. */
+  /** Called once when the GPU device is lost, and with it everything that this Canvas draws. */
   onDeviceLost?: (info: GPUDeviceLostInfo) => void;
-  /** Shown where the Canvas has a renderer that cannot draw splats; without it that is an error. */
+  /** Shown if the Canvas has a renderer that cannot draw splats; without it, such a renderer is an error. */
   fallback?: ReactNode;
 }
 
-/** The Canvas of a lost device comes back within this, and finds what had been read. */
+/** Files outlive a lost device by this time, so that the Canvas that replaces it finds them. */
 const RECOVERY_GRACE_MS = 15_000;
 
 /**
- * Gaussian splats in a react-three-fiber scene. Suspends until the first `src` has been read; a `src` that changes
- * replaces what is shown when it has been read. All other props are set on the object as they change.
+ * Shows Gaussian splats in a react-three-fiber scene. Suspends until the first `src` has been read; when `src` changes, the
+ * old splats stay until the new ones have been read. All other props are set on the object as they change.
  *
- * @throws SplatsUnsupportedRendererError where the Canvas was not made with `gl={createSplatRenderer}` and there is no
- *   `fallback`; InvalidArgumentError for effects with options that mean nothing; SplatFileError, SplatSourceError,
- *   GpuLimitError where there is no `onError`.
+ * @throws SplatsUnsupportedRendererError if the Canvas was not made with `gl={createSplatRenderer}` and there is no
+ *   `fallback`; InvalidArgumentError for effects with invalid options; SplatFileError, SplatSourceError, GpuLimitError if
+ *   there is no `onError`.
  */
 export function Splats({ fallback, ...props }: SplatsProps): ReactNode {
   const renderer = useCanvasRenderer();
   if (!renderer) {
     if (isServer()) return null;
     throw new SplatsUnsupportedRendererError(
-      '<Splats> is outside of a Canvas: put it inside of <Canvas gl={createSplatRenderer}> or <SplatCanvas>.',
+      '<Splats> is outside of a Canvas: put it into <Canvas gl={createSplatRenderer}> or <SplatCanvas>.',
     );
   }
   let engine: SplatEngine;
@@ -93,7 +93,7 @@ export function Splats({ fallback, ...props }: SplatsProps): ReactNode {
   return <Cloud renderer={renderer} engine={engine} {...props} />;
 }
 
-// Given to `extend` here and not by name, so that nobody's `<splatCloudObject>` is overruled.
+// Passed to `extend` as a class, not by name, so that it overrides no application's `<splatCloudObject>`.
 const CloudElement = /* @__PURE__ */ extend(SplatsObject);
 
 function Cloud({
@@ -143,21 +143,22 @@ function Cloud({
   const [drawError, setDrawError] = useState<{ readonly error: unknown } | null>(null);
   useLayoutEffect(() => {
     const cloud = object.current!;
-    const tellFirstFrame = () => latest.current.onFirstFrame?.();
-    cloud.addEventListener('firstframe', tellFirstFrame);
-    const tellChoice = ({ choice }: { choice: AccuracyChoice }) => latest.current.onAccuracyChosen?.(choice);
-    cloud.addEventListener('accuracychosen', tellChoice);
+    const reportFirstFrame = () => latest.current.onFirstFrame?.();
+    cloud.addEventListener('firstframe', reportFirstFrame);
+    const reportChoice = ({ choice }: { choice: AccuracyChoice }) =>
+      latest.current.onAccuracyChosen?.(choice);
+    cloud.addEventListener('accuracychosen', reportChoice);
     const requestFrame = () => invalidate();
     cloud.addEventListener('needsframe', requestFrame);
     cloud.onError = (error) => {
       if (latest.current.onError) latest.current.onError(error);
-      // What is drawn goes on.
+      // Drawing goes on.
       else if (error instanceof SplatsPrecisionError) console.warn(error);
       else setDrawError({ error });
     };
     return () => {
-      cloud.removeEventListener('firstframe', tellFirstFrame);
-      cloud.removeEventListener('accuracychosen', tellChoice);
+      cloud.removeEventListener('firstframe', reportFirstFrame);
+      cloud.removeEventListener('accuracychosen', reportChoice);
       cloud.removeEventListener('needsframe', requestFrame);
       cloud.onError = null;
     };
@@ -172,8 +173,8 @@ function Cloud({
     [renderer, latest],
   );
 
-  // React tells a component nothing of its end that it suspended before it was ever mounted, and its load could not be
-  // aborted. So it mounts without splats first, and suspends before that is painted.
+  // React does not notify a component that suspended before its first mount when it is discarded, so its load could not be
+  // aborted. It therefore mounts without splats first, and suspends before that is painted.
   const [, suspendNow] = useReducer(() => true, false);
   useLayoutEffect(suspendNow, []);
   if (drawError) throw drawError.error;
@@ -181,7 +182,7 @@ function Cloud({
   // Thrown for the reason given in useSplats.
   if (load?.status === 'pending' && splats === null) throw load.settled;
 
-  // react-three-fiber passes over props that are undefined, and sets back those that are not there any more.
+  // react-three-fiber ignores props that are undefined, and resets props that are missing.
   for (const [name, value] of Object.entries(objectProps))
     if (value === undefined) delete objectProps[name as keyof typeof objectProps];
   return (

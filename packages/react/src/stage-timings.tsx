@@ -4,20 +4,20 @@ import { useCanvasRenderer } from './use-renderer.ts';
 import { useStageTimings } from './use-stage-timings.ts';
 
 export interface StageTimingsProps {
-  /** Outside of a Canvas, its renderer (`onCreated={({ gl }) => …}`); null while there is none. */
+  /** Needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`); null while there is none. */
   renderer?: object | null;
   /** Default `top-left`. */
   corner?: PanelCorner;
 }
 
 /**
- * What the splats cost per frame, in a corner over the canvas: an overlay of HTML, wherever in the tree this stands.
- * Figures are written four times a second at most and without rendering anything, in React or on the canvas.
+ * Shows what the splats cost per frame, in a corner over the canvas: an HTML overlay, wherever in the tree this component is.
+ * Updates it at most four times a second, and renders nothing for that, in React or on the canvas.
  */
 export function StageTimings({ renderer, corner = 'top-left' }: StageTimingsProps): ReactNode {
   const canvasRenderer = useCanvasRenderer();
   if (renderer === null) return null;
-  // A renderer that is missing is for `useStageTimings` to complain about.
+  // `useStageTimings` throws if there is no renderer.
   return <Overlay renderer={(renderer ?? canvasRenderer) as MeasuredRenderer} corner={corner} />;
 }
 
@@ -29,7 +29,7 @@ function Overlay({ renderer, corner }: { renderer: MeasuredRenderer; corner: Pan
   const panel = useRef<TimingsPanel>(null);
   useEffect(() => {
     let isGone = false;
-    // When it is shown: pages whose users never see it do not load it.
+    // Imported when the panel is shown: pages whose users never see it do not load it.
     import('./timings-panel.ts')
       .then(({ createTimingsPanel }) => {
         if (isGone) return;

@@ -18,7 +18,7 @@ const statistics = (timing: StageTimings): FrameStatistics => ({
   timing,
 });
 
-it('shows stages, splats, and where the times are from', () => {
+it('shows stages, splats, and the source of the times', () => {
   expect(wordsFor(statistics(gpuTiming))).toEqual({
     values: {
       'Pre-process': '1.23 ms',
@@ -33,14 +33,14 @@ it('shows stages, splats, and where the times are from', () => {
   });
 });
 
-it('calls wall-clock times by their name', () => {
+it('labels wall-clock times', () => {
   const { values, note } = wordsFor(statistics(wallClockTimings(20)));
   const unknown = { 'Pre-process': '–', Sort: '–', Rasterize: '–', Frame: '–' };
   expect(values).toMatchObject({ ...unknown, 'Wall clock': '20.00 ms' });
   expect(note).toBe('No GPU timestamps here');
 });
 
-it('doubts timestamps that are far from the wall clock', () => {
+it('labels timestamps that are far from the wall clock as doubtful', () => {
   const { values, note } = wordsFor(statistics({ ...gpuTiming, wallClockMs: 900 }));
   expect(values).toMatchObject({ Frame: '13.73 ms', 'Wall clock': '900.00 ms' });
   expect(note).toBe('GPU timestamps, doubtful');

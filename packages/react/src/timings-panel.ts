@@ -5,13 +5,13 @@ export type PanelCorner = 'top-left' | 'top-right' | 'bottom-left' | 'bottom-rig
 /** Figures that change sixty times a second cannot be read. */
 const UPDATE_INTERVAL_MS = 250;
 
-// Set through the style object, which a content security policy allows; `light-dark` follows the system.
+// Set through the style object, which a content security policy allows. `light-dark` follows the system.
 const PANEL_STYLE =
   'position:absolute;z-index:1;margin:8px;padding:6px 10px;border-radius:6px;width:max-content;pointer-events:none;' +
   'font:12px/1.4 system-ui,sans-serif;font-variant-numeric:tabular-nums;text-align:left;' +
   'color-scheme:light dark;color:light-dark(#1a1a1a,#f2f2f2);background:light-dark(#ffffffd9,#161616d9)';
 const LIST_STYLE = 'margin:0;display:grid;grid-template-columns:auto auto;gap:1px 12px';
-/** As wide as `1,234,567`, so that figures that grow move nothing. */
+/** As wide as `1,234,567`, so that growing figures move nothing. */
 const VALUE_STYLE = 'margin:0;min-width:9ch;text-align:right';
 
 const ROWS = [
@@ -27,13 +27,13 @@ type Row = (typeof ROWS)[number];
 
 export interface TimingsPanel {
   readonly element: HTMLElement;
-  /** Shows these figures now, or within a quarter of a second of the last. */
+  /** Shows these figures now, or a quarter of a second after the previous ones. */
   show(statistics: FrameStatistics): void;
-  /** Takes the element away. */
+  /** Removes the element. */
   remove(): void;
 }
 
-/** The overlay behind `<StageTimings>`: text nodes that are written to, and nothing else. */
+/** Creates the overlay of `<StageTimings>`. Updates write to its text nodes and change nothing else. */
 export function createTimingsPanel(document: Document, corner: PanelCorner): TimingsPanel {
   const element = document.createElement('div');
   element.style.cssText = PANEL_STYLE;
@@ -79,7 +79,7 @@ export function createTimingsPanel(document: Document, corner: PanelCorner): Tim
   };
 }
 
-/** The words and figures of the panel. */
+/** Returns the words and figures of the panel. */
 export function wordsFor({ timing, visibleSplats, loadedSplats }: FrameStatistics): {
   readonly values: Readonly<Record<Row, string>>;
   readonly note: string;

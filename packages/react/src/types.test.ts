@@ -12,7 +12,7 @@ import {
 } from './index.ts';
 
 // Checked by the compiler; at run time these do nothing.
-it('types what is passed to a Canvas and to <Splats>', () => {
+it('types the props of a Canvas and of <Splats>', () => {
   expectTypeOf(createSplatRenderer).toExtend<NonNullable<CanvasProps['gl']>>();
   expectTypeOf((props: Parameters<typeof createSplatRenderer>[0]) =>
     createSplatRenderer({ ...props, accuracy: 'high' }),
@@ -29,7 +29,7 @@ it('types what is passed to a Canvas and to <Splats>', () => {
   expectTypeOf<SplatsProps>().not.toHaveProperty('data');
 });
 
-it('types <splatCloudObject> for those who extend', () => {
+it('types <splatCloudObject> for applications that extend', () => {
   expectTypeOf<SplatData | null>().toExtend<ThreeElements['splatCloudObject']['data']>();
   expectTypeOf<ThreeElements['splatCloudObject']['opacity']>().toEqualTypeOf<number | undefined>();
 });

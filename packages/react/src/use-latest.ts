@@ -1,6 +1,6 @@
 import { type RefObject, useInsertionEffect, useRef } from 'react';
 
-/** The value of the last render, for callbacks that must not be set up again whenever a caller's function is a new one. */
+/** Returns a ref to the last render's value, for callbacks that must not be set up again for each new function. */
 export function useLatest<T>(value: T): Readonly<RefObject<T>> {
   const latest = useRef(value);
   useInsertionEffect(() => {

@@ -7,19 +7,19 @@ import { useLatest } from './use-latest.ts';
 
 export interface UseSourceOptions {
   readonly onProgress?: (event: ProgressEvent) => void;
-  /** How long the cache is to keep what was read after this; undefined: as long as it does for all. */
+  /** Returns the time for which the cache keeps the file after its last use; undefined: its default. */
   readonly graceMs: () => number | undefined;
 }
 
-/** What a source has become so far. */
+/** Progress of a source. */
 export interface SourceState {
-  /** Of this source or, until it has been read, of the one before; null before the first. */
+  /** Splats of this source or, until it has been read, of the previous one; null before the first. */
   readonly splats: SplatData | null;
-  /** Undefined until the load has begun, and where there is none. */
+  /** Undefined until the load has begun, and for splats in memory. */
   readonly load: LoadState<SplatData> | undefined;
 }
 
-/** Reads `src`, packed for `accuracy` where nobody has asked for it before, and keeps what it was before until then. */
+/** Reads `src`, packed for `accuracy` unless it was requested before, and keeps the previous splats until then. */
 export function useSource(
   src: CacheableSource | SplatData,
   accuracy: AccuracyRequest,
@@ -30,7 +30,7 @@ export function useSource(
   const [shown, setShown] = useState<Shown>(NOTHING);
   const loaded = src instanceof SplatData ? src : load?.status === 'loaded' ? load.data : null;
   if (loaded !== null && loaded !== shown.splats) setShown({ splats: loaded, request });
-  // Held in the cache as well: `src` may change back.
+  // Also hold the file on screen in the cache: `src` may change back.
   useLoadState(shown.request, { graceMs: options.graceMs });
   return { splats: loaded ?? shown.splats, load };
 }
@@ -43,8 +43,8 @@ interface Shown {
 const NOTHING: Shown = { splats: null, request: null };
 
 /**
- * Loads a request, and holds it in the cache for as long as the component is mounted: being hidden by Suspense does not end
- * that, since it is a passive effect. Undefined until the load has begun, and without a request.
+ * Loads a request, and holds it in the cache while the component is mounted. Suspense, which hides the component, does not
+ * end that, because this is a passive effect. Returns undefined until the load has begun, and without a request.
  */
 function useLoadState(
   request: SplatRequest | null,

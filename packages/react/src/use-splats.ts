@@ -8,17 +8,17 @@ import { useCanvasRenderer } from './use-renderer.ts';
 
 export interface UseSplatsOptions {
   /**
-   * For what the file is packed where it has not been read yet; by default as the Canvas around draws, `balanced` outside of
-   * one. To be drawn more exactly, it has to be read a second time.
+   * Accuracy that the file is packed for if it has not been read yet; default: that of the surrounding Canvas, or `balanced`
+   * outside of one. To be drawn more exactly, the file has to be read a second time.
    */
   readonly accuracy?: AccuracyRequest;
 }
 
 /**
- * The splats of a file, for `<Splats src={splats}>` and for whoever wants their number or bounds. Suspends until they are
- * read and throws what reading throws (`SplatFileError`, `SplatSourceError`). All who name one source share it.
+ * Returns the splats of a file, for `<Splats src={splats}>` or for their number and bounds. Suspends until they are read, and
+ * throws the errors of reading (`SplatFileError`, `SplatSourceError`). All components with the same source share its splats.
  *
- * A component that is unmounted before it has ever appeared leaves its load running, since React does not tell;
+ * A component that is unmounted before it has appeared leaves its load running, because React does not notify it;
  * `<Splats src="…">` aborts it. On a server it throws, so that the nearest Suspense boundary shows its fallback there.
  */
 export function useSplats(source: CacheableSource, options: UseSplatsOptions = {}): SplatData {
@@ -34,14 +34,14 @@ export function useSplats(source: CacheableSource, options: UseSplatsOptions = {
     return () => stop();
   }, [request.key]);
   if (state.status === 'loaded') return state.data;
-  // Not `use(state.settled)`: React then wants `use` again when the render goes on, with nothing to wait for any more.
+  // Not `use(state.settled)`: React would then expect `use` again when it renders again, with nothing left to wait for.
   throw state.status === 'failed' ? state.error : state.settled;
 }
 
-/** Starts to read a file ahead of its use, and keeps it until `useSplats.clear`. Does nothing on a server. */
+/** Starts reading a file ahead of its use, and keeps it until `useSplats.clear`. Does nothing on a server. */
 useSplats.preload = (source: CacheableSource, { accuracy }: UseSplatsOptions = {}): void => {
   if (!isServer()) sharedCache.preload(requestFor(source, accuracy));
 };
 
-/** Lets go of what was preloaded, of `source` or of all; what is on the screen goes with its last user. */
+/** Releases preloaded files, of `source` or all; files on screen are released with their last user. */
 useSplats.clear = (source?: CacheableSource): void => sharedCache.clear(source);

@@ -4,19 +4,19 @@ import { useEffect, useMemo } from 'react';
 import { useLatest } from './use-latest.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 
-/** The newest measurement of a renderer, to be read at any time and never the cause of a render. */
+/** The newest measurement of a renderer. It can be read at any time and never causes a render. */
 export interface StageTimingsSource {
   /** Null until a frame has been measured. */
   readonly current: FrameStatistics | null;
-  /** Calls `listener` for each frame that is measured, until the function returned is called. */
+  /** Calls `listener` for each measured frame, until the returned function is called. */
   subscribe(listener: (statistics: FrameStatistics) => void): () => void;
 }
 
 /**
- * What the stages of each frame cost, some frames after it was drawn. Nothing renders for it: give a `listener`, or read
- * `current` or `subscribe` to what is returned.
+ * Reports what the stages of each frame cost, some frames after it was drawn. This causes no render: pass a `listener`, or
+ * use `current` and `subscribe` of the result.
  *
- * @param renderer outside of a Canvas, its renderer (`onCreated={({ gl }) => …}`).
+ * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
  * @throws InvalidArgumentError outside of a Canvas without `renderer`; SplatsUnsupportedRendererError for renderers that
  *   `createSplatRenderer` did not make.
  */

@@ -3,19 +3,19 @@ import { WebGPURenderer, type WebGPURendererParameters } from 'three/webgpu';
 import { SplatsUnsupportedRendererError } from './errors.ts';
 import { hasWebGpuBackend } from './three-bridge.ts';
 
-/** What three's WebGPURenderer takes, and the engine. */
+/** Options of three's WebGPURenderer and of the engine. */
 export interface SplatRendererParameters
   extends Omit<WebGPURendererParameters, 'device' | 'forceWebGL' | 'powerPreference' | 'requiredLimits'> {
-  /** Limits of the device that the application needs, by name; three's own default is none. */
+  /** Device limits that the application needs, by name; default none, as in three. */
   readonly requiredLimits?: Readonly<Record<string, number>>;
-  /** How exactly splats are drawn, and how fast, or a wish for an outcome; default `balanced`. */
+  /** How exactly and how fast to draw splats, or a wish for an outcome; default `balanced`. */
   readonly accuracy?: AccuracyRequest;
   readonly powerPreference?: GPUPowerPreference | 'default';
-  /** Where WebGPU is to be had; default `navigator.gpu`. */
+  /** Entry point of WebGPU; default `navigator.gpu`. */
   readonly gpu?: GPU;
 }
 
-/** What three asks of a device that it makes itself, where the adapter has it. */
+/** Features that three requests for a device of its own if the adapter has them. */
 const THREE_FEATURES = [
   'depth-clip-control',
   'depth32float-stencil8',
@@ -45,11 +45,11 @@ interface RendererState {
 const states = new WeakMap<object, RendererState>();
 
 /**
- * three's WebGPURenderer, initialised, on a device with room for large scenes. Also what `<Canvas gl={…}>` of
- * react-three-fiber takes. `renderer.dispose()` frees the device and all splats on it, too.
+ * Creates and initialises three's WebGPURenderer on a device with room for large scenes. `<Canvas gl={…}>` of
+ * react-three-fiber accepts this function. `renderer.dispose()` also frees the device and all splats on it.
  *
- * @throws WebGpuUnavailableError where there is no WebGPU, InvalidArgumentError for accuracy that there is not,
- *   SplatsUnsupportedRendererError where three does not draw with WebGPU on the device.
+ * @throws WebGpuUnavailableError if there is no WebGPU, InvalidArgumentError for an unknown accuracy,
+ *   SplatsUnsupportedRendererError if three does not draw with WebGPU on the device.
  */
 export async function createSplatRenderer({
   accuracy,
@@ -70,7 +70,7 @@ export async function createSplatRenderer({
     await renderer.init();
     if (!hasWebGpuBackend(renderer)) {
       throw new SplatsUnsupportedRendererError(
-        'three chose its WebGL 2 backend although it was given a WebGPU device; its own message is on the console.',
+        'three chose its WebGL 2 backend despite its WebGPU device; its own message is on the console.',
       );
     }
     attach(renderer, engine);
@@ -82,9 +82,9 @@ export async function createSplatRenderer({
 }
 
 /**
- * The engine that draws splats for `renderer`.
+ * Returns the engine that draws splats for `renderer`.
  *
- * @throws SplatsUnsupportedRendererError for a renderer that `createSplatRenderer` has not made.
+ * @throws SplatsUnsupportedRendererError for a renderer that `createSplatRenderer` did not make.
  */
 export function splatEngineOf(renderer: object): SplatEngine {
   return stateOf(renderer).engine;
@@ -94,7 +94,7 @@ export function splatEngineOf(renderer: object): SplatEngine {
  * Calls `listener` when the renderer's device is lost: by a reset of the driver, the end of the browser's GPU process, or
  * `device.destroy()`, but not by `renderer.dispose()`. three draws nothing from then on; a new renderer is needed.
  *
- * @returns how to stop listening.
+ * @returns a function that stops listening.
  */
 export function onDeviceLost(renderer: object, listener: (info: GPUDeviceLostInfo) => void): () => void {
   const { lostListeners } = stateOf(renderer);
@@ -102,7 +102,7 @@ export function onDeviceLost(renderer: object, listener: (info: GPUDeviceLostInf
   return () => lostListeners.delete(listener);
 }
 
-/** Whether there is WebGPU here and a GPU that it may use. False on servers. */
+/** Whether WebGPU and a usable GPU adapter are available. False on servers. */
 export async function isSupported(gpu: GPU | undefined = globalThis.navigator?.gpu): Promise<boolean> {
   try {
     return Boolean(await gpu?.requestAdapter());
@@ -124,7 +124,7 @@ function attach(renderer: WebGPURenderer, engine: SplatEngine): void {
     try {
       await disposeThree();
     } finally {
-      // three destroys only a device that it has made.
+      // three destroys a device only if it created it.
       engine.destroy();
     }
   };
@@ -133,11 +133,11 @@ function attach(renderer: WebGPURenderer, engine: SplatEngine): void {
 function stateOf(renderer: object): RendererState {
   const state = states.get(renderer);
   if (state) return state;
-  const what = (renderer as { isWebGLRenderer?: boolean }).isWebGLRenderer
-    ? 'This is three’s WebGLRenderer'
-    : 'This renderer was not made by createSplatRenderer';
+  const found = (renderer as { isWebGLRenderer?: boolean }).isWebGLRenderer
+    ? 'is three’s WebGLRenderer'
+    : 'was not made by createSplatRenderer';
   throw new SplatsUnsupportedRendererError(
-    `${what}, and splats are drawn by WebGPU on a device of their own making. Use ` +
-      '`const renderer = await createSplatRenderer({ canvas })`; in react-three-fiber, `<Canvas gl={createSplatRenderer}>`.',
+    `This renderer ${found}, and splats need WebGPU on a device made for them. Use ` +
+      '`await createSplatRenderer({ canvas })`; in react-three-fiber, `<Canvas gl={createSplatRenderer}>`.',
   );
 }

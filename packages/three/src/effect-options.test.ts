@@ -4,7 +4,7 @@ import { expect, test } from 'vitest';
 import { clipVolumeOf, encodedColor, fogOptionsOf } from './effect-options.ts';
 
 // three rounds the exponents of the encoding.
-test('colours are those that were written down, however three keeps them', () => {
+test('colours keep their written values, however three stores them', () => {
   expect(encodedColor('white')).toEqual([1, 1, 1]);
   expect(encodedColor(0x000000)).toEqual([0, 0, 0]);
   const orange = [1, 128 / 255, 0.2];
@@ -14,7 +14,7 @@ test('colours are those that were written down, however three keeps them', () =>
     });
 });
 
-test('shapes are volumes that keep what three would keep', () => {
+test('volumes of shapes keep the side that three would keep', () => {
   const box = new Box3(new Vector3(-1, 0, 2), new Vector3(3, 1, 2.5));
   const sphere = new Sphere(new Vector3(1, 2, 3), 0.5);
   const plane = new Plane(new Vector3(0, 2, 0), -3).normalize();
@@ -29,13 +29,13 @@ test('shapes are volumes that keep what three would keep', () => {
   expect(() => clip({ volumes })).not.toThrow();
 });
 
-test('fog is that of the scene', () => {
+test('fog has the options of the scene’s fog', () => {
   expect(fogOptionsOf(new Fog('white', 2, 5))).toEqual({ color: [1, 1, 1], near: 2, far: 5 });
   expect(fogOptionsOf(new FogExp2('black', 0.1))).toEqual({ color: [0, 0, 0], density: 0.1 });
 });
 
 test.each([new Fog('white', 5, 5), new Fog('white', 5, 2)])(
-  'fog is not refused where three takes it: %o',
+  'fog that three accepts is accepted: %o',
   (ofScene) => {
     expect(() => fog(fogOptionsOf(ofScene))).not.toThrow();
   },

@@ -1,4 +1,4 @@
-// What three calls things, as effects take them.
+// Converts three's colours, shapes and fog into the options of effects.
 import type { Vec3 } from '@websplatter/core';
 import type { ClipVolume, FogOptions } from '@websplatter/core/effects';
 import {
@@ -13,18 +13,18 @@ import {
   Vector3,
 } from 'three/webgpu';
 
-/** Red, green and blue of any colour of three's, sRGB-encoded as effects take them. */
+/** Returns red, green and blue of any of three's colours, sRGB-encoded as effects take them. */
 export function encodedColor(color: ColorRepresentation): Vec3 {
   const { r, g, b } = new Color(color).getRGB(new Color(), SRGBColorSpace);
-  // As shaders have it: white comes back as 0.9999999999999999, which would be a tint.
+  // float32, as in shaders: three returns 0.9999999999999999 for white, which would count as a tint.
   return [Math.fround(r), Math.fround(g), Math.fround(b)];
 }
 
 /**
- * A shape of three's, in world space, as a volume for `clip`. Of a plane the side that its normal points to is the inside:
- * what stays is what three's own clipping planes leave.
+ * Converts one of three's shapes, in world space, into a volume for `clip`. The inside of a plane is the side that its
+ * normal points to, which is the side that three's own clipping planes keep.
  *
- * @param keep which side stays.
+ * @param keep the side to keep.
  */
 export function clipVolumeOf(
   shape: Box3 | Sphere | Plane,
@@ -40,10 +40,10 @@ export function clipVolumeOf(
   return { shape: 'plane', point, normal: shape.normal.toArray(), keep };
 }
 
-/** Fog of a scene, as `fog` takes it. */
+/** Converts a scene's fog into the options of `fog`. */
 export function fogOptionsOf(fog: Fog | FogExp2): FogOptions {
   const color = encodedColor(fog.color);
   if ('density' in fog) return { color, density: fog.density };
-  // three takes any numbers; where the end is not behind the beginning, fog stands there like a wall.
+  // three accepts any numbers: if `far` is not beyond `near`, its fog is a wall at `near`.
   return { color, near: fog.near, far: Math.max(fog.far, fog.near + 1e-6) };
 }

@@ -1,6 +1,6 @@
 import { WebSplatterError } from '@websplatter/core';
 
-/** The renderer cannot draw splats: it is not three's WebGPURenderer on a device of this library. */
+/** The renderer cannot draw splats: it is not three's WebGPURenderer on a device that this library requested. */
 export class SplatsUnsupportedRendererError extends WebSplatterError {
   override readonly name = 'SplatsUnsupportedRendererError';
   constructor(message: string) {
@@ -9,16 +9,17 @@ export class SplatsUnsupportedRendererError extends WebSplatterError {
 }
 
 /**
- * Splats are drawn less exactly than was asked for, or take more memory: `cause` says why. The picture stays as it was.
+ * Splats are drawn less exactly than requested, or use more memory than necessary: `cause` says why. The image stays as it
+ * was.
  */
 export class SplatsPrecisionError extends WebSplatterError {
   override readonly name = 'SplatsPrecisionError';
   constructor(cause: Error) {
-    super('precision-unavailable', `Splats keep the precision that they have. ${cause.message}`, { cause });
+    super('precision-unavailable', `Splats keep their present precision. ${cause.message}`, { cause });
   }
 }
 
-/** Splats cannot be drawn into this pass of three's, since it cannot be interrupted. */
+/** Splats cannot be drawn into one of three's passes, because that pass cannot be interrupted. */
 export class SplatsPassError extends WebSplatterError {
   override readonly name = 'SplatsPassError';
   constructor(message: string) {
@@ -26,10 +27,10 @@ export class SplatsPassError extends WebSplatterError {
   }
 }
 
-/** This release of three keeps its renderer's state elsewhere than the releases that are supported. */
+/** This release of three does not keep its renderer's state where the supported releases do. */
 export class ThreeInternalsError extends WebSplatterError {
   override readonly name = 'ThreeInternalsError';
-  /** Path of what was looked for, e.g. `renderer.backend.get`. */
+  /** Path of the missing property, e.g. `renderer.backend.get`. */
   readonly missing: string;
   /** three's `REVISION`. */
   readonly revision: string;
@@ -37,8 +38,8 @@ export class ThreeInternalsError extends WebSplatterError {
   constructor(missing: string, revision: string) {
     super(
       'three-internals',
-      `three r${revision} has no ${missing}, which drawing splats between its passes needs. ` +
-        'Supported are three 0.185 to 0.187; install one of them, or a newer release of @websplatter/three.',
+      `three r${revision} has no ${missing}, which drawing splats needs. ` +
+        'Install three 0.185 to 0.187, or a newer release of @websplatter/three.',
     );
     this.missing = missing;
     this.revision = revision;

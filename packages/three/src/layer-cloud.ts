@@ -9,7 +9,7 @@ import type {
 import type { EffectUse } from '@websplatter/core/effects';
 import type { Box3, Camera, Object3D, Scene } from 'three/webgpu';
 
-/** What a layer needs of each cloud that it draws: all that it knows of `SplatCloudObject`. */
+/** The part of `SplatCloudObject` that a layer knows and uses to draw it. */
 export interface LayerCloud extends Object3D {
   readonly opacity: number;
   readonly shDegree: ShDegree;
@@ -26,7 +26,7 @@ export interface LayerCloud extends Object3D {
   tell(error: unknown): boolean;
 }
 
-/** What a cloud needs of the layer that it leaves. */
+/** The part of a layer that a cloud uses to leave it. */
 export interface CloudLayer {
   drop(cloud: LayerCloud): void;
 }

@@ -12,48 +12,48 @@ import {
 } from 'three/webgpu';
 
 /**
- * Covers the viewport with a texture of its size, pixel on pixel.
+ * Covers the viewport with an image of its size, pixel by pixel.
  *
- * three builds one shader for the material and one set of bindings per kind of target and depth of nesting. It binds what
- * `show` has set when it draws the object, directly after `onBeforeRender`; a draw that was recorded before keeps its own
- * bind group. So one material serves all views as long as each draw is preceded by `show` or `showNothing`.
+ * three builds one shader for the material, and one set of bindings per kind of target and depth of nesting. When it draws
+ * the object, directly after `onBeforeRender`, it binds the image that `show` has set; draws recorded before keep their own
+ * bind groups. One material therefore serves all views, as long as `show` or `showNothing` precedes each draw.
  */
 abstract class ViewportMaterial extends NodeMaterial {
-  /** The picture's pixel at the fragment. */
+  /** The image's pixel at the fragment. */
   protected readonly texel;
   readonly #nothing: Texture;
-  readonly #picture;
+  readonly #image;
   readonly #originPx = uniform(new Vector2());
-  /** Pixels of the picture per pixel of the target: 0 shows its first everywhere. */
+  /** Pixels of the image per pixel of the target; 0 shows the image's first pixel everywhere. */
   readonly #scale = uniform(0);
 
-  /** @param nothing a texture of one pixel that the material leaves out; of the pictures' sample type. */
+  /** @param nothing a texture of one pixel that the material does not draw, with the sample type of the images. */
   constructor(nothing: Texture) {
     super();
     nothing.needsUpdate = true;
     this.#nothing = nothing;
-    this.#picture = texture(nothing);
-    this.texel = this.#picture.load(ivec2(screenCoordinate.sub(this.#originPx).mul(this.#scale)));
+    this.#image = texture(nothing);
+    this.texel = this.#image.load(ivec2(screenCoordinate.sub(this.#originPx).mul(this.#scale)));
     this.transparent = true;
     this.blending = NoBlending;
     this.fog = false;
     this.lights = false;
-    // Another material in its place would fill the whole viewport.
+    // An override material would fill the whole viewport.
     this.allowOverride = false;
     this.vertexNode = vec4(positionGeometry.xy, 0, 1);
-    // Towards the camera, for targets that take normals.
+    // A normal towards the camera, for targets with normals.
     this.normalNode = vec3(0, 0, 1);
   }
 
   /** @param xPx, yPx top left of the viewport in the target. */
-  show(picture: ExternalTexture, xPx: number, yPx: number): void {
-    this.#picture.value = picture;
+  show(image: ExternalTexture, xPx: number, yPx: number): void {
+    this.#image.value = image;
     this.#originPx.value.set(xPx, yPx);
     this.#scale.value = 1;
   }
 
   showNothing(): void {
-    this.#picture.value = this.#nothing;
+    this.#image.value = this.#nothing;
     this.#scale.value = 0;
   }
 
@@ -62,16 +62,16 @@ abstract class ViewportMaterial extends NodeMaterial {
     this.#nothing.dispose();
   }
 
-  /** Clipping planes cut meshes by their own position, and a triangle over the viewport has none that means anything. */
+  /** Ignores clipping planes: they cut meshes by position, and the position of a triangle over the viewport means nothing. */
   override setupClipping(): ReturnType<NodeMaterial['setupClipping']> {
-    // Where nothing clips three returns null, too; its declarations leave that out.
+    // three, too, returns null if nothing clips; its type declarations omit that.
     return null as never;
   }
 
   override setupHardwareClipping(): void {}
 }
 
-/** Replaces the target's colour wherever the picture has some opacity, by exactly what the picture holds. */
+/** Replaces the target's colour with the image's exact value wherever the image has some opacity. */
 export class ColorLayerMaterial extends ViewportMaterial {
   constructor() {
     super(new DataTexture(new Uint8Array(4), 1, 1));
@@ -82,7 +82,7 @@ export class ColorLayerMaterial extends ViewportMaterial {
   }
 }
 
-/** Writes the picture's values as depth, where they are not negative and nothing is in front of them. */
+/** Writes the image's values as depth, except negative ones and those with something in front of them. */
 export class DepthLayerMaterial extends ViewportMaterial {
   constructor() {
     super(new DataTexture(Float32Array.of(-1), 1, 1, RedFormat, FloatType));

@@ -24,7 +24,7 @@ test('views are kept by renderer, camera and target', () => {
   expect(new Set([outer, ...others]).size).toBe(4);
 });
 
-test('the latest of a renderer’s views from a camera is known', () => {
+test('finds the latest view of a renderer and camera', () => {
   const views = new LayerViews();
   expect(views.latest(renderer, camera)).toBeNull();
   views.use(renderer, camera, canvas, fakeView);
@@ -32,7 +32,7 @@ test('the latest of a renderer’s views from a camera is known', () => {
   expect(views.latest(renderer, camera)).toBe(latest);
 });
 
-test('the latest view with a cloud is known', () => {
+test('finds the latest view with a cloud', () => {
   const views = new LayerViews();
   const [shown, hidden] = [new SplatCloudObject(), new SplatCloudObject()];
   for (const target of [canvas, mirror])
@@ -42,7 +42,7 @@ test('the latest view with a cloud is known', () => {
   expect(views.latestWith(hidden)).toBeNull();
 });
 
-test('views that are no longer drawn are freed, and made anew where they are drawn again', () => {
+test('views that are no longer drawn are freed, and made again if they are drawn again', () => {
   const views = new LayerViews();
   const idle = fakeView();
   const abandoned = views.use(renderer, camera, mirror, () => idle);
@@ -51,7 +51,7 @@ test('views that are no longer drawn are freed, and made anew where they are dra
   expect(views.use(renderer, camera, mirror, fakeView)).not.toBe(abandoned);
 });
 
-test('all are freed together', () => {
+test('destroyAll frees all views', () => {
   const views = new LayerViews();
   const made = [fakeView(), fakeView()];
   views.use(renderer, camera, canvas, () => made[0]);
@@ -61,7 +61,7 @@ test('all are freed together', () => {
   expect(views.latest(renderer, camera)).toBeNull();
 });
 
-test('a texture keeps its wrapper, another one gets another', () => {
+test('a texture keeps its wrapper, and another texture gets another wrapper', () => {
   const views = new LayerViews();
   const view = views.use(renderer, camera, canvas, fakeView);
   const texture = (format: GPUTextureFormat) => ({ format }) as GPUTexture;

@@ -2,22 +2,22 @@ import type { CloudInstance, EmbeddedImage, EmbeddedView } from '@websplatter/co
 import { type Camera, ExternalTexture, FloatType, UnsignedByteType } from 'three/webgpu';
 import type { LayerCloud } from './layer-cloud.ts';
 
-/** Draws of a layer after which a view that had no part in them is freed: some seconds of frames with several views. */
+/** Number of a layer's draws after which a view without one of them is freed: some seconds of frames with several views. */
 const MAX_IDLE_DRAWS = 600;
 
-/** What a layer keeps for one renderer's pictures from one camera in one target. */
+/** State that a layer keeps for one renderer, camera and target. */
 export class LayerView {
   readonly embedded: EmbeddedView;
-  /** The last picture as three binds it; null before the first. */
+  /** The last image in a texture of three's; null before the first. */
   color: ExternalTexture | null = null;
-  /** Its depth; null where it has none. */
+  /** Depth of the last image; null if it has none. */
   depth: ExternalTexture | null = null;
-  /** What the embedded view has drawn last, in its order. */
+  /** Clouds of the embedded view's last frame, in its order. */
   clouds: ReadonlyMap<LayerCloud, CloudInstance> = new Map();
-  /** Top left of the viewport that the picture belongs to. */
+  /** Top left of the viewport that the image belongs to. */
   xPx = 0;
   yPx = 0;
-  /** Number of the layer's draw that used it last. */
+  /** Number of the layer's draw that used the view last. */
   usedAt = 0;
 
   constructor(embedded: EmbeddedView) {
@@ -39,22 +39,22 @@ export class LayerView {
   }
 }
 
-/** Of one renderer and one camera. */
+/** Views of one renderer and one camera. */
 interface CameraViews {
   readonly byTarget: WeakMap<object, LayerView>;
   latest: LayerView | null;
 }
 
 /**
- * The views of a layer, by renderer, camera and target: a render nested in another, a mirror's for example, must not
- * disturb the one around it.
+ * The views of a layer, by renderer, camera and target: a nested render, such as a mirror's, must not disturb the one around
+ * it.
  */
 export class LayerViews {
   readonly #byRenderer = new WeakMap<object, WeakMap<Camera, CameraViews>>();
   readonly #all = new Set<LayerView>();
   #draws = 0;
 
-  /** The view for a draw, made by `create` where there is none; frees those that have long been idle. */
+  /** Returns the view for a draw, made by `create` if there is none. Frees views that have long been idle. */
   use(renderer: object, camera: Camera, target: object, create: () => EmbeddedView): LayerView {
     const views = this.#of(renderer, camera);
     let view = views.byTarget.get(target);
@@ -69,13 +69,13 @@ export class LayerViews {
     return view;
   }
 
-  /** The view that was drawn last of those of `renderer` from `camera`. */
+  /** Returns the view that `renderer` drew last from `camera`, or null. */
   latest(renderer: object, camera: Camera): LayerView | null {
     const { latest } = this.#of(renderer, camera);
     return latest && this.#all.has(latest) ? latest : null;
   }
 
-  /** The view that was drawn last of those whose picture has `cloud`. */
+  /** Returns the view whose last frame has `cloud` and was drawn last, or null. */
   latestWith(cloud: LayerCloud): LayerView | null {
     const views = [...this.#all].filter(({ clouds }) => clouds.has(cloud));
     return views.sort((a, b) => b.usedAt - a.usedAt)[0] ?? null;
@@ -108,12 +108,12 @@ export class LayerViews {
   }
 }
 
-/** `old` where it wraps `texture` already: three keeps a texture's views, so that another one needs another object. */
+/** Returns `old` if it wraps `texture`; if not, a new object, because three keeps the views of a texture with its object. */
 function wrapping(old: ExternalTexture | null, texture: GPUTexture): ExternalTexture {
   if (old?.sourceTexture === texture) return old;
   old?.dispose();
   const wrapper = new ExternalTexture(texture);
-  // Decides whether three binds it as filterable.
+  // The type decides whether three binds the texture as filterable.
   wrapper.type = texture.format === 'r32float' ? FloatType : UnsignedByteType;
   return wrapper;
 }

@@ -11,7 +11,7 @@ function optionsAt(revealing: Revealing, nowMs: number): RevealOptions {
   return revealing.useAt(nowMs, bounds, camera).options as RevealOptions;
 }
 
-test('begins with the first picture, and goes to the farthest corner and its soft edge', () => {
+test('begins with the first frame, and reaches the farthest corner and its soft edge', () => {
   const revealing = new Revealing({ from: [0, 0, 0], durationMs: 1000, softEdge: 0.5, grow: false });
   expect(optionsAt(revealing, 300)).toEqual({ from: [0, 0, 0], radius: 0, softEdge: 0.5, grow: false });
   revealing.begin(500);
@@ -22,11 +22,11 @@ test('begins with the first picture, and goes to the farthest corner and its sof
     expect(revealing.isOver(500 + 1000 * progress)).toBe(false);
   }
   expect(revealing.isOver(1500)).toBe(true);
-  // The effect takes no part any more.
+  // The effect is off now.
   expect(revealing.useAt(1500, bounds, camera).reason).toBeNull();
 });
 
-test('from the camera goes as far as the camera is from the farthest corner, with an edge that grows with it', () => {
+test('reaches the corner farthest from the camera, with an edge that grows with the radius', () => {
   const revealing = new Revealing({ from: 'camera', durationMs: 100 });
   camera.position.set(0, 0, 10);
   camera.updateMatrixWorld();
@@ -41,7 +41,7 @@ test('from the camera goes as far as the camera is from the farthest corner, wit
 test.each<RevealAnimation>([
   { from: 'camera', durationMs: 100 },
   { from: [0, 0, 0], durationMs: 100, softEdge: 1 },
-])('of a cloud without splats goes nowhere, and ends: %o', (animation) => {
+])('stays small for a cloud without splats, and ends: %o', (animation) => {
   const revealing = new Revealing(animation);
   revealing.begin(0);
   for (const nowMs of [0, 50]) {
@@ -57,7 +57,7 @@ test.each<[string, Partial<RevealAnimation>]>([
   ['durationMs', { durationMs: Number.NaN }],
   ['from', { from: [0, 1, Number.NaN] }],
   ['softEdge', { softEdge: -1 }],
-])('is refused where %s means nothing', (argument, options) => {
+])('rejects an invalid %s', (argument, options) => {
   const make = () => new Revealing({ from: 'camera', durationMs: 1, ...options });
   expect(make).toThrow(InvalidArgumentError);
   expect(make).toThrow(expect.objectContaining({ argument }));

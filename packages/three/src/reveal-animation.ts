@@ -2,41 +2,41 @@ import { InvalidArgumentError } from '@websplatter/core';
 import { type EffectUse, type RevealOptions, reveal } from '@websplatter/core/effects';
 import { type Box3, type Camera, Vector3 } from 'three/webgpu';
 
-/** How a cloud appears by itself. */
+/** How a cloud appears over time. */
 export interface RevealAnimation extends Omit<RevealOptions, 'radius' | 'softEdge'> {
-  /** From nothing to all of it, milliseconds, above 0. */
+  /** Milliseconds until the whole cloud is visible, finite and above 0. */
   readonly durationMs: number;
-  /** As in `reveal`; default 0.3 times the radius that has been reached. */
+  /** As in `reveal`; default 0.3 times the radius reached so far. */
   readonly softEdge?: number;
 }
 
-/** Width of the band that fades in, as a part of the radius, where the caller names none. */
+/** Default width of the band that fades in, as a part of the radius. */
 const SOFT_PART = 0.3;
 
 /**
- * The same animation, for who sets it later than it is given.
+ * Checks an animation that is set later, and returns it.
  *
- * @throws InvalidArgumentError for what is no place, width or time.
+ * @throws InvalidArgumentError for an invalid place, width or time.
  */
 export function checkedReveal(animation: RevealAnimation): RevealAnimation {
   const { durationMs, ...options } = animation;
   reveal({ ...options, radius: 0 });
   if (durationMs > 0 && durationMs < Number.POSITIVE_INFINITY) return animation;
-  const message = `durationMs is ${durationMs}; it is how long a cloud takes to appear: milliseconds, finite and above 0.`;
+  const message = `durationMs is ${durationMs}; it must be a finite number of milliseconds above 0.`;
   throw new InvalidArgumentError('durationMs', message);
 }
 
-/** A cloud that appears, from the first picture that it is in. */
+/** A cloud that appears over time, from the first frame that draws it. */
 export class Revealing {
   readonly animation: RevealAnimation;
   #beganAtMs: number | null = null;
 
-  /** @throws InvalidArgumentError for what is no place, width or time. */
+  /** @throws InvalidArgumentError for an invalid place, width or time. */
   constructor(animation: RevealAnimation) {
     this.animation = checkedReveal(animation);
   }
 
-  /** The cloud has been drawn. */
+  /** Starts the animation when the cloud is drawn for the first time; later calls change nothing. */
   begin(nowMs: number): void {
     this.#beganAtMs ??= nowMs;
   }
@@ -46,17 +46,17 @@ export class Revealing {
   }
 
   /**
-   * What is there of the cloud: its radius grows with the cube of time, so that what is near is seen to appear however far
-   * the scene reaches, until the farthest corner of `bounds` has faded in.
+   * Returns the effect that shows the part revealed by now. Its radius grows with the cube of time, so that near splats
+   * appear visibly however far the scene reaches, until the farthest corner of `bounds` has faded in.
    *
-   * @param bounds of the cloud, world space.
+   * @param bounds the cloud's, in world space.
    */
   useAt(nowMs: number, bounds: Box3, camera: Camera): EffectUse {
     const { from, softEdge, grow } = this.animation;
     if (this.isOver(nowMs)) return reveal({ from, radius: Number.POSITIVE_INFINITY });
     const start =
       from === 'camera' ? new Vector3().setFromMatrixPosition(camera.matrixWorld) : new Vector3(...from);
-    // Of a cloud without splats the bounds are infinite, and inside out.
+    // The bounds of a cloud without splats are infinite and inside out.
     const farthest = new Vector3().max(bounds.max.clone().sub(start)).max(start.sub(bounds.min)).length();
     const end = softEdge === undefined ? farthest / (1 - SOFT_PART) : farthest + softEdge;
     const radius = end * this.#progressAt(nowMs) ** 3;

@@ -45,7 +45,7 @@ describe('rays', () => {
     expect(caster.ray.distanceToPoint(hit.point)).toBeLessThan(1e-9);
   });
 
-  test('miss what they pass by, and what is out of their range', () => {
+  test('miss clouds beside them, and clouds out of their range', () => {
     const cloud = cloudUnder(new Matrix4());
     const caster = new Raycaster(new Vector3(0, 0, 5), new Vector3(0, 0, -1));
     expect(caster.intersectObject(cloud)).toEqual([]);
@@ -58,7 +58,7 @@ describe('rays', () => {
     expect(caster.intersectObject(cloud)).toEqual([]);
   });
 
-  test('hit nothing of a cloud without data or extent', () => {
+  test('hit no cloud without data or extent', () => {
     const caster = new Raycaster(new Vector3(1, 0, 5), new Vector3(0, 0, -1));
     expect(caster.intersectObject(new SplatCloudObject())).toEqual([]);
     expect(caster.intersectObject(cloudUnder(new Matrix4().makeScale(1, 1, 0)))).toEqual([]);
@@ -66,7 +66,7 @@ describe('rays', () => {
 });
 
 describe('data', () => {
-  test('tells by an event that another picture is due', () => {
+  test('requests a frame when it changes', () => {
     const cloud = new SplatCloudObject();
     const needsFrame = vi.fn();
     cloud.addEventListener('needsframe', needsFrame);
@@ -103,7 +103,7 @@ describe('data', () => {
     expect(second.destroyed).toHaveBeenCalledTimes(1);
   });
 
-  test('that does not fit is told of once, and not tried again', () => {
+  test('that does not fit is reported once, and not tried again', () => {
     const { engine, addPacked } = fakeEngine();
     const error = new Error('too large');
     addPacked.mockImplementation(() => {
@@ -131,7 +131,7 @@ describe('data', () => {
     expect(cloud.onError).not.toHaveBeenCalled();
   });
 
-  test('comes with a clone, and so does the rest', () => {
+  test('is copied to a clone, and so are the other properties', () => {
     const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
     cloud.opacity = 0.5;
     cloud.writesDepth = true;
@@ -147,7 +147,7 @@ describe('data', () => {
     expect(cloud.clone().position.x).toBe(2);
   });
 
-  test('is seen by what measures objects', () => {
+  test('counts when objects are measured', () => {
     const cloud = new SplatCloudObject(splatDataAt([-1, 0, 0], [1, 2, 3]));
     cloud.position.x = 10;
     const scene = new Scene();
@@ -161,7 +161,7 @@ describe('data', () => {
   });
 });
 
-describe('what the GPU is to hold for an accuracy', () => {
+describe('the precision on the GPU for an accuracy', () => {
   const [fast, high] = [resolveAccuracy('fast'), resolveAccuracy('high')];
 
   function uploaded() {
@@ -175,7 +175,7 @@ describe('what the GPU is to hold for an accuracy', () => {
 
   const settle = () => new Promise((resolve) => setTimeout(resolve, 0));
 
-  test('is asked for, and a frame when it is there', async () => {
+  test('is claimed, and a frame is requested when the cloud holds it', async () => {
     const { hold, needsFrame, claim } = uploaded();
     hold(fast);
     await settle();
@@ -188,9 +188,9 @@ describe('what the GPU is to hold for an accuracy', () => {
     expect(needsFrame).toHaveBeenCalledTimes(1);
   });
 
-  test('is told of once where it cannot be had', async () => {
+  test('is reported once if it is unavailable', async () => {
     const { cloud, hold, needsFrame, claim } = uploaded();
-    claim.mockRejectedValue(new Error('garden: what it was read from is gone.'));
+    claim.mockRejectedValue(new Error('garden: its source is gone.'));
     cloud.onError = vi.fn();
     for (let frame = 0; frame < 3; frame++) {
       hold();
@@ -203,7 +203,7 @@ describe('what the GPU is to hold for an accuracy', () => {
     expect(needsFrame).not.toHaveBeenCalled();
   });
 
-  test('is told of on the console where nobody listens', async () => {
+  test('is logged if it is unavailable and there is no listener', async () => {
     const { hold, claim } = uploaded();
     claim.mockRejectedValue(new Error('gone'));
     const log = vi.spyOn(console, 'warn').mockImplementation(() => {});
@@ -213,7 +213,7 @@ describe('what the GPU is to hold for an accuracy', () => {
     log.mockRestore();
   });
 
-  test('is nobody’s problem where something else is wanted by then', async () => {
+  test('is not reported if it was replaced meanwhile', async () => {
     const { cloud, hold, claim } = uploaded();
     cloud.onError = vi.fn();
     claim.mockRejectedValue(new DOMException('A later request took its place.', 'AbortError'));
@@ -254,7 +254,7 @@ describe('effects', () => {
     return { cloud, scene, names: () => cloud.effectsAt(0, scene, camera).map(({ effect }) => effect.name) };
   }
 
-  test('are the cloud’s own and the scene’s fog, unless it has one itself or wants none', () => {
+  test('are the cloud’s own and the scene’s fog, unless the cloud has its own fog or none', () => {
     const { cloud, scene, names } = cloudInFog();
     cloud.effects = [tint([1, 0, 0])];
     expect(names()).toEqual(['tint', 'fog']);
@@ -269,7 +269,7 @@ describe('effects', () => {
     expect(names()).toEqual([]);
   });
 
-  test('reveal asks for frames until it is over, and begins again with other data', async () => {
+  test('reveal requests frames until it is over, and begins again with other data', async () => {
     const { cloud, scene } = cloudInFog();
     cloud.fog = false;
     cloud.reveal = { from: [0, 0, 0], durationMs: 100, softEdge: 0 };
@@ -301,7 +301,7 @@ describe('effects', () => {
   });
 });
 
-test('a choice is told once, however many views share it', () => {
+test('a choice is announced once, however many views share it', () => {
   const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
   const chosen = vi.fn();
   cloud.addEventListener('accuracychosen', ({ choice }) => chosen(choice));
@@ -310,12 +310,12 @@ test('a choice is told once, however many views share it', () => {
   expect(chosen.mock.calls).toEqual([[choices[0]], [choices[1]]]);
 });
 
-test('nothing is measured of what was never drawn', async () => {
+test('a cloud that was never drawn cannot be measured', async () => {
   const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
   await expect(cloud.chooseAccuracy()).rejects.toThrow(InvalidArgumentError);
 });
 
-test('nothing is picked of what was never drawn', async () => {
+test('a cloud that was never drawn has no splat to pick', async () => {
   const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
   expect(await cloud.pick({} as never, {} as never, 1, 1)).toBeNull();
 });

@@ -44,60 +44,61 @@ export interface SplatHit {
   readonly point: Vector3;
   /** Depth along the camera's line of sight, world units. */
   readonly depthView: number;
-  /** Its opacity at the pixel, 0…1. */
+  /** The splat's opacity at the pixel, 0…1. */
   readonly alpha: number;
 }
 
 export interface SplatCloudEventMap extends Object3DEventMap {
-  /** The first picture with the present data is being drawn. */
+  /** The first frame with the current data has been submitted to the GPU. */
   firstframe: object;
-  /** The next picture will be another one though nothing in the scene has changed: shaders or data have become ready. */
+  /** The next frame will differ although nothing in the scene has changed: shaders or data have become ready. */
   needsframe: object;
-  /** Settings have been chosen for a picture with this cloud, since a cloud in it or its renderer wishes for an outcome. */
+  /** Settings have been chosen for a frame with this cloud, because the renderer or a cloud in the frame has a wish. */
   accuracychosen: { readonly choice: AccuracyChoice };
 }
 
 /**
  * A cloud of splats anywhere in a scene. All clouds of a scene are sorted together, whatever their transforms, and drawn
- * among its transparent objects by where their common bounds lie (`renderOrder`: the highest of theirs). Shearing, mirroring
- * and scaling transforms are all right; `visible` and `layers` are as in meshes.
+ * as one of its transparent objects, which lies in the middle of their common bounds and has the highest `renderOrder` of
+ * theirs. Transforms may shear, mirror and scale; `visible` and `layers` work as on meshes.
  */
 export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements LayerCloud {
   readonly isSplatCloudObject = true;
   /** Multiplies every splat's opacity, 0…1. */
   opacity = 1;
-  /** Colours depend on the view up to this degree of spherical harmonics, at most. */
+  /** Colours depend on the view up to this degree of spherical harmonics. */
   shDegree: ShDegree = 3;
-  /** Effects of `@websplatter/core/effects`, or of your own, each once: `[tint([1, 0.8, 0.6])]`. What is in use costs time. */
+  /** Effects from `@websplatter/core/effects` or your own, each at most once: `[tint([1, 0.8, 0.6])]`. Effects cost time. */
   effects: readonly EffectUse[] = [];
-  /** Whether the fog of the scene (Fog, FogExp2) hides splats as it does meshes, where `effects` have no `fog` of their own. */
+  /** Whether the scene's fog (Fog, FogExp2) hides splats as it does meshes, unless `effects` has a `fog` of its own. */
   fog = true;
   /**
-   * Whether this cloud's splats, where they cover more than half of a pixel, hide what is drawn after them, and are seen by
-   * effects that read depth. Clouds in view share one layer: one that writes makes all write.
+   * Whether splats that cover more than half of a pixel hide objects that are drawn after them, and are visible to effects
+   * that read depth. Clouds in view share one layer: if one writes depth, all do.
    */
   writesDepth = false;
   /**
-   * How exactly splats are drawn, and how fast: settings, or a wish (`{ minPsnrDb: 45 }`, `{ maxFrameMs: 8 }`) for which
-   * settings are measured and chosen; null: as the renderer's accuracy says. Clouds in view are one picture, which has one
-   * accuracy: the most decibels that any wishes for, else settings, each at the most exact value that any asks for, else the
-   * shortest time. What the GPU holds of the splats follows in the background, the old picture staying meanwhile.
+   * How exactly and how fast to draw splats: settings, or a wish (`{ minPsnrDb: 45 }`, `{ maxFrameMs: 8 }`) for which
+   * settings are measured and chosen; null: the renderer's accuracy. All clouds in view share one frame and its accuracy. In
+   * order of precedence, that is: the highest `minPsnrDb` that any cloud wishes for; the settings that clouds request, each
+   * at its most exact value; the lowest `maxFrameMs` that any cloud wishes for. The planes on the GPU follow in the
+   * background; the old image stays until they are ready.
    */
   accuracy: AccuracyRequest | null = null;
   /**
-   * Told once of each thing that keeps the cloud from being drawn, or from being drawn as exactly as asked for (a
-   * SplatsPrecisionError); without it that goes to the console.
+   * Called once for each error that keeps the cloud from being drawn, or from being drawn as exactly as requested (a
+   * SplatsPrecisionError). Without a listener, errors go to the console.
    */
   onError: ((error: Error) => void) | null = null;
-  /** Empty but for its bounds, by which Box3.setFromObject and all that measures with it see the cloud. */
+  /** Empty except for its bounds, which make Box3.setFromObject, and code that measures with it, include the cloud. */
   readonly geometry = withBounds(new BufferGeometry(), new Box3());
   /** @internal Bounds in world space, as of the last update of the world matrix. */
   readonly worldBounds = new Box3();
   readonly #uploads = new Map<SplatEngine, SplatCloud>();
   readonly #failed = new Set<SplatEngine>();
-  /** The answers to what has been asked of the GPU's copies, to hear each once. */
-  readonly #heard = new WeakSet<Promise<void>>();
-  readonly #told = new Set<string>();
+  /** Promises of claims that have their handlers, so that each is handled once. */
+  readonly #handled = new WeakSet<Promise<void>>();
+  readonly #reported = new Set<string>();
   #data: SplatData | null = null;
   #revealing: Revealing | null = null;
   #layer: SplatLayer | null = null;
@@ -110,7 +111,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     this.addEventListener('removed', () => this.#layer && this.leave(this.#layer));
   }
 
-  /** What is drawn. May be replaced at any time; the GPU's copy of the former goes with its last user. */
+  /** The splats to draw. Replace them at any time; the GPU copy of the old ones is freed with its last user. */
   get data(): SplatData | null {
     return this.#data;
   }
@@ -126,10 +127,10 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   }
 
   /**
-   * How the cloud is to appear by itself: once from the first picture after this was set, and again from the first one of
-   * other data. The frames that it takes are asked for by `needsframe`. Null: it is simply there.
+   * How the cloud appears over time: once from the first frame after this was set, and again from the first frame with other
+   * data. `needsframe` events request the frames that this needs. Null: the cloud appears at once.
    *
-   * @throws InvalidArgumentError for what is no place, width or time.
+   * @throws InvalidArgumentError for an invalid place, width or time.
    */
   get reveal(): RevealAnimation | null {
     return this.#revealing?.animation ?? null;
@@ -167,8 +168,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   }
 
   /**
-   * The splat of this cloud that contributes most to a pixel of what `renderer` has drawn last from `camera`; null where it
-   * is another cloud's, where there is none, and before the first picture.
+   * Returns the splat that contributes most to a pixel of the frame that `renderer` drew last from `camera`. Null if it
+   * belongs to another cloud, if there is none, and before the first frame.
    *
    * @param xPx, yPx physical pixels from the canvas's top left.
    */
@@ -180,16 +181,16 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   }
 
   /**
-   * Measures again what meets the wish of the picture that this cloud was drawn in last. What is drawn until then, and where
-   * that fails, stays. An `accuracychosen` event tells all clouds of the picture.
+   * Measures again which settings meet the wish of the frame that drew this cloud last. The settings in use stay until then,
+   * and if measuring fails. All clouds of the frame dispatch an `accuracychosen` event.
    *
-   * @throws InvalidArgumentError where the cloud has not been drawn, or not under a wish; the signal's reason; an AbortError
-   *   where a later measurement takes over; DestroyedError.
+   * @throws InvalidArgumentError if the cloud has not been drawn, or not under a wish; the signal's reason; an AbortError
+   *   if a later measurement takes over; DestroyedError.
    */
   async chooseAccuracy(options?: ChooseAccuracyOptions): Promise<AccuracyChoice> {
     const choosing = this.#layer?.chooseAccuracy(this, options);
     if (choosing) return choosing;
-    const message = 'The cloud has not been drawn yet: there is no picture that could be measured.';
+    const message = 'The cloud has not been drawn yet: there is no frame to measure.';
     throw new InvalidArgumentError('chooseAccuracy', message);
   }
 
@@ -206,21 +207,21 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     return this;
   }
 
-  /** Takes the cloud off the screen and gives back its part of the GPU's memory. Drawn again, it is uploaded again. */
+  /** Removes the cloud from the screen and releases its GPU copy, which goes with its last user. Drawing uploads it again. */
   override dispose(): void {
     if (this.#layer) this.leave(this.#layer);
     this.#releaseUploads();
-    // Before 0.187 three's objects have none.
+    // three's objects have no `dispose` before 0.187.
     super.dispose?.();
   }
 
-  /** @internal No longer in the scene of `layer`. */
+  /** @internal The cloud is no longer in the scene of `layer`. */
   leave(layer: CloudLayer): void {
     if (this.#layer === layer) this.#layer = null;
     layer.drop(this);
   }
 
-  /** @internal The cloud on `engine`, uploaded where it is not there yet; null without data, and where that fails. */
+  /** @internal Returns the cloud on `engine`, and uploads it if necessary; null without data, and if the upload fails. */
   uploadedTo(engine: SplatEngine): SplatCloud | null {
     const uploaded = this.#uploads.get(engine);
     if (uploaded || !this.#data || this.#failed.has(engine)) return uploaded ?? null;
@@ -230,24 +231,24 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
       return cloud;
     } catch (error) {
       this.#failed.add(engine);
-      // Of a lost device its renderer tells.
+      // The renderer reports a lost device.
       if (!(error instanceof DestroyedError || this.tell(error))) console.error(error);
       return null;
     }
   }
 
   /**
-   * @internal Has the cloud on `engine`, where it was uploaded, hold what `settings` ask for; null: its view sees to that.
-   * Tells where that fails, and asks for a frame where it changes the picture.
+   * @internal Makes the cloud on `engine`, which has been uploaded, hold the planes that `settings` need; null: its view
+   * claims them. Reports a failure, and requests a frame if other planes change the image.
    */
   hold(engine: SplatEngine, settings: AccuracySettings | null): void {
     const data = this.#data!;
-    const answer = data.hold(engine, this, settings);
-    if (!answer || !settings || this.#heard.has(answer)) return;
-    this.#heard.add(answer);
+    const met = data.hold(engine, this, settings);
+    if (!met || !settings || this.#handled.has(met)) return;
+    this.#handled.add(met);
     const cloud = this.#uploads.get(engine)!;
     const before = cloud.pagesFor(settings);
-    answer.then(
+    met.then(
       () => {
         if (this.#data === data && cloud.pagesFor(settings) !== before) this.requestFrame();
       },
@@ -260,12 +261,12 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     );
   }
 
-  /** @internal Tells the listener of an error, once; false where there is none. */
+  /** @internal Passes an error to the listener, once per text; returns false if there is no listener. */
   tell(error: unknown): boolean {
     if (!this.onError) return false;
     const text = String(error);
-    if (!this.#told.has(text)) {
-      this.#told.add(text);
+    if (!this.#reported.has(text)) {
+      this.#reported.add(text);
       this.onError(error as Error);
     }
     return true;
@@ -276,7 +277,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     this.dispatchEvent({ type: 'needsframe' });
   }
 
-  /** @internal What it is to be drawn with in a picture of `scene` at this moment. */
+  /** @internal Returns the effects for a frame of `scene` at `nowMs`. */
   effectsAt(nowMs: number, scene: Scene, camera: Camera): readonly EffectUse[] {
     const uses = [...this.effects];
     if (this.#revealing) uses.push(this.#revealing.useAt(nowMs, this.worldBounds, camera));
@@ -285,7 +286,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     return uses;
   }
 
-  /** @internal A picture with this cloud, as it is at this moment, is being drawn. */
+  /** @internal Called while a frame with the cloud's current state is recorded. */
   announceDrawn(nowMs: number): void {
     this.#announceFirstFrame();
     if (!this.#revealing || this.#revealing.isOver(nowMs)) return;
@@ -301,7 +302,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     queueMicrotask(() => this.dispatchEvent({ type: 'firstframe' }));
   }
 
-  /** @internal This was chosen for a picture with this cloud. */
+  /** @internal Called with the settings chosen for a frame with this cloud. */
   announceAccuracy(choice: AccuracyChoice): void {
     // Several views of a scene share a choice.
     if (choice === this.#choice) return;
@@ -313,7 +314,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     for (const engine of this.#uploads.keys()) this.#data?.release(engine, this);
     this.#uploads.clear();
     this.#failed.clear();
-    this.#told.clear();
+    this.#reported.clear();
   }
 }
 

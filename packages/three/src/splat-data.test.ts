@@ -7,18 +7,18 @@ import { splatDataAt, splatSetAt } from './testing/test-clouds.ts';
 
 const FINEST: CloudPrecision = { geometryPrecision: 'f32', shPrecision: 'f32' };
 const MIDDLE: CloudPrecision = { geometryPrecision: 'f32', shPrecision: 'f16' };
-/** As `splatDataAt` packs. */
+/** Precision of `splatDataAt`. */
 const PACKED: CloudPrecision = { geometryPrecision: 'packed', shPrecision: 'u8' };
 
 describe('data', () => {
-  test('of another precision than the renderer’s is uploaded as it is', () => {
+  test('in another precision than the renderer’s is uploaded unchanged', () => {
     const { engine, addPacked } = fakeEngine({ accuracy: 'high' });
     const data = splatDataAt([0, 0, 0]);
     data.acquire(engine, {});
     expect(addPacked).toHaveBeenCalledExactlyOnceWith(data.packed, { name: 'test', source: data.packed });
   });
 
-  test('may be read again from its source, but first from memory', () => {
+  test('can be read again from memory, then from its source', () => {
     const { engine, addPacked } = fakeEngine();
     const packed = packCloud(splatSetAt([0, 0, 0]), { geometryPrecision: 'packed' });
     new SplatData(packed, 'garden', 'https://a.test/garden.ply').acquire(engine, {});
@@ -26,7 +26,7 @@ describe('data', () => {
     expect(addPacked).toHaveBeenCalledExactlyOnceWith(packed, { name: 'garden', source });
   });
 
-  test.each(['packed', 'f32'] as const)('knows which %s splats are in a volume', (geometryPrecision) => {
+  test.each(['packed', 'f32'] as const)('finds the %s splats in a volume', (geometryPrecision) => {
     const set = splatSetAt([4, 0, 0], [0, 0, 0], [1, 0, 0], [1, 1, 1]);
     const packed = packCloud({ ...set, origin: [100, 0, 0] }, { geometryPrecision });
     const data = new SplatData(packed);
@@ -37,7 +37,7 @@ describe('data', () => {
     expect(data.rowsIn(new Box3())).toEqual([]);
   });
 
-  test('is released by each user once, however often it is told', () => {
+  test('is released by each user once, however often the user calls release', () => {
     const { engine, destroyed } = fakeEngine();
     const data = splatDataAt([0, 0, 0]);
     const [first, second] = [{}, {}];
@@ -51,56 +51,56 @@ describe('data', () => {
   });
 });
 
-describe('what the GPU is to hold', () => {
-  /** Data on an engine, and what its cloud was asked for. */
+describe('the precision on the GPU', () => {
+  /** Data on an engine, and the claims on its cloud. */
   function uploaded(...users: object[]) {
     const { engine, claim, released, releaseOwn, setAccuracy } = fakeEngine();
     const data = splatDataAt([0, 0, 0]);
     for (const user of users) data.acquire(engine, user);
-    const asked = () => claim.mock.calls.map(([precision]) => precision);
+    const claims = () => claim.mock.calls.map(([precision]) => precision);
     const hold = (user: object, precision: CloudPrecision | null) => data.hold(engine, user, precision);
     const release = (user: object) => data.release(engine, user);
-    return { hold, asked, released, releaseOwn, setAccuracy, release };
+    return { hold, claims, released, releaseOwn, setAccuracy, release };
   }
 
-  test('is asked for where it changes, and once for all who need the same', async () => {
+  test('is claimed when it changes, and once for all users with the same need', async () => {
     const [first, second] = [{}, {}];
-    const { hold, asked } = uploaded(first, second);
+    const { hold, claims } = uploaded(first, second);
     hold(first, PACKED);
-    expect(asked()).toEqual([]);
-    const answer = hold(first, FINEST);
-    expect(hold(first, FINEST)).toBe(answer);
-    expect(hold(second, FINEST)).toBe(answer);
-    expect(asked()).toEqual([FINEST]);
+    expect(claims()).toEqual([]);
+    const met = hold(first, FINEST);
+    expect(hold(first, FINEST)).toBe(met);
+    expect(hold(second, FINEST)).toBe(met);
+    expect(claims()).toEqual([FINEST]);
   });
 
-  test('is what the finest user needs, as long as there is one', () => {
+  test('is the finest that a user needs, until that user releases the cloud', () => {
     const [coarse, fine] = [{}, {}];
-    const { hold, asked, release } = uploaded(coarse, fine);
+    const { hold, claims, release } = uploaded(coarse, fine);
     for (let frame = 0; frame < 2; frame++) {
       hold(coarse, PACKED);
       hold(fine, MIDDLE);
     }
-    expect(asked()).toEqual([MIDDLE]);
+    expect(claims()).toEqual([MIDDLE]);
     release(fine);
     hold(coarse, PACKED);
-    expect(asked()).toEqual([MIDDLE, PACKED]);
+    expect(claims()).toEqual([MIDDLE, PACKED]);
   });
 
-  test('is asked for again where others may have changed it', () => {
+  test('is claimed again if others may have changed it', () => {
     const user = {};
-    const { hold, asked, setAccuracy } = uploaded(user);
+    const { hold, claims, setAccuracy } = uploaded(user);
     hold(user, FINEST);
     setAccuracy('fast');
     hold(user, FINEST);
-    expect(asked()).toEqual([FINEST, FINEST]);
+    expect(claims()).toEqual([FINEST, FINEST]);
     expect(hold(user, null)).toBeNull();
     expect(hold(user, null)).toBeNull();
     hold(user, FINEST);
-    expect(asked()).toEqual([FINEST, FINEST, FINEST]);
+    expect(claims()).toEqual([FINEST, FINEST, FINEST]);
   });
 
-  test('may be more than can be had', async () => {
+  test('may be unavailable, and is then claimed only once', async () => {
     const user = {};
     const { engine, claim } = fakeEngine();
     claim.mockImplementation(vi.fn().mockRejectedValue(new Error('gone')));
@@ -111,26 +111,26 @@ describe('what the GPU is to hold', () => {
     expect(claim).toHaveBeenCalledTimes(1);
   });
 
-  test('is claimed for the users alone, once it is there', async () => {
+  test('is claimed by the users alone, once the cloud holds it', async () => {
     const user = {};
     const { hold, releaseOwn } = uploaded(user);
-    const answer = hold(user, FINEST);
+    const met = hold(user, FINEST);
     expect(releaseOwn).not.toHaveBeenCalled();
-    await answer;
+    await met;
     expect(releaseOwn).toHaveBeenCalledTimes(1);
   });
 
-  test('is claimed as long as a user needs anything', () => {
+  test('is claimed as long as a user has a need', () => {
     const [first, second] = [{}, {}];
-    const { hold, release, released, asked } = uploaded(first, second);
+    const { hold, release, released, claims } = uploaded(first, second);
     hold(first, FINEST);
     hold(second, MIDDLE);
     hold(first, null);
     expect(released).not.toHaveBeenCalled();
     release(second);
     expect(released).toHaveBeenCalledTimes(1);
-    // It is another claim then.
+    // The next need is another claim.
     hold(first, FINEST);
-    expect(asked()).toEqual([FINEST, FINEST]);
+    expect(claims()).toEqual([FINEST, FINEST]);
   });
 });

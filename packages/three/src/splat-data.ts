@@ -12,32 +12,32 @@ import { Box3, type Sphere, Vector3 } from 'three/webgpu';
 
 interface Upload {
   readonly cloud: SplatCloud;
-  /** What each user needs the cloud to hold; null of those who leave that to others. */
+  /** Precision that each user needs; null for users without a need of their own. */
   readonly users: Map<object, CloudPrecision | null>;
-  /** Claims what the users need; null before any of them needs more than was uploaded. */
+  /** Claims the precision that the users need; null before any of them needs another one than was uploaded. */
   lease: CloudLease | null;
-  /** What was claimed last, under which accuracy of the engine, and what becomes of it; null: nothing is. */
-  asked: (CloudPrecision & { readonly engineAccuracy: object; readonly answer: Promise<void> }) | null;
+  /** The last claim, the engine's accuracy at that time, and its outcome; null: nothing is claimed. */
+  claimed: (CloudPrecision & { readonly engineAccuracy: object; readonly met: Promise<void> }) | null;
 }
 
 /**
  * Splats in memory, and on the GPU of each engine that draws them: uploaded for the first user, freed after the last. The
- * copy in memory stays, so that another renderer, or the next one after a lost device, needs no second download.
+ * copy in memory stays, so that another renderer, or a new one after a lost device, needs no second download.
  */
 export class SplatData {
-  /** For messages and labels. */
+  /** Name for messages and labels. */
   readonly name: string;
   readonly packed: PackedCloud;
-  /** Of the centres, in the cloud's own space. */
+  /** Bounds of the centres, in the cloud's own space. */
   readonly bounds: Box3;
-  /** The same without the outermost splats: where the scene is. */
+  /** Bounds without the outermost splats, which enclose the scene itself. */
   readonly robustBounds: Box3;
   readonly #source: CloudSource | null;
   readonly #uploads = new Map<SplatEngine, Upload>();
 
   /**
-   * @param source where the same splats can be read again for a finer precision than that of `packed`; kept by reference.
-   *   Without one they are drawn no finer than they were packed.
+   * @param source from which the same splats can be read again for a finer precision than that of `packed`; kept by
+   *   reference. Without a source, they are drawn no more exactly than they were packed.
    */
   constructor(packed: PackedCloud, name = 'splats', source: CloudSource | null = null) {
     this.packed = packed;
@@ -51,10 +51,10 @@ export class SplatData {
     return this.packed.count;
   }
 
-  /** Rows of the splats whose centres are in a volume of the cloud's own space, as a SplatSelection takes them. Asks each. */
+  /** Returns the rows of splats with centres in a volume of the cloud's own space, for a SplatSelection. Tests each splat. */
   rowsIn(volume: Box3 | Sphere): number[] {
     const { geometry, origin, fileIndices } = this.packed;
-    // Whatever the precision, a splat begins with its position in float32.
+    // A splat of any precision begins with its position in float32.
     const values = new Float32Array(geometry.words.buffer, geometry.words.byteOffset, geometry.words.length);
     const stride = GEOMETRY_WORDS[geometry.precision];
     const middle = new Vector3(...origin);
@@ -65,7 +65,7 @@ export class SplatData {
   }
 
   /**
-   * The cloud on `engine`, uploaded as it was packed where it is not there yet, for `user` until it calls `release`.
+   * Returns the cloud on `engine`, and uploads it, as it was packed, if necessary. `user` keeps it until `release`.
    *
    * @throws GpuLimitError, DestroyedError.
    */
@@ -73,22 +73,22 @@ export class SplatData {
     let upload = this.#uploads.get(engine);
     if (!upload) {
       const { packed, name } = this;
-      // What is in memory anyway first: after the loss of a device nothing is fetched that was packed finely enough.
+      // The copy in memory first: after the loss of a device, nothing is fetched that was packed finely enough.
       const source = this.#source === null ? packed : [packed, this.#source];
-      const asked = {
+      const claimed = {
         geometryPrecision: packed.geometry.precision,
         shPrecision: packed.harmonics.precision,
         engineAccuracy: engine.accuracy,
-        answer: Promise.resolve(),
+        met: Promise.resolve(),
       };
-      upload = { cloud: engine.addPacked(packed, { name, source }), users: new Map(), lease: null, asked };
+      upload = { cloud: engine.addPacked(packed, { name, source }), users: new Map(), lease: null, claimed };
       this.#uploads.set(engine, upload);
     }
     if (!upload.users.has(user)) upload.users.set(user, null);
     return upload.cloud;
   }
 
-  /** Gives back what `acquire` gave to `user`; the last one frees the GPU's memory. */
+  /** Releases the cloud that `user` acquired; the last release frees the GPU memory. */
   release(engine: SplatEngine, user: object): void {
     const upload = this.#uploads.get(engine);
     if (!upload?.users.delete(user)) return;
@@ -101,17 +101,17 @@ export class SplatData {
   }
 
   /**
-   * @internal Has the cloud that `user` has acquired hold what it needs, and no less than its other users need. May be
-   * called as often as wanted: the answer is the same promise until something else is asked for. Null: `user` leaves that
-   * to others, who may have changed it when it is no longer null.
+   * @internal Makes the cloud that `user` has acquired hold the precision that `user` needs, and no less than its other
+   * users need. Call it as often as you like: it returns the same promise until another precision is needed. Null: `user`
+   * has no need of its own; others may then change the precision, so that the next need is claimed again.
    *
-   * @returns as the `met` of a lease; null where nothing was asked for.
+   * @returns the `met` of a lease; null without a need.
    */
   hold(engine: SplatEngine, user: object, precision: CloudPrecision | null): Promise<void> | null {
     const upload = this.#uploads.get(engine)!;
     const { users } = upload;
     if (precision === null) {
-      if (users.get(user)) upload.asked = null;
+      if (users.get(user)) upload.claimed = null;
       users.set(user, null);
       releaseUnneeded(upload);
       return null;
@@ -119,20 +119,20 @@ export class SplatData {
     users.set(user, precision);
     const needed = [...users.values()].filter((each) => each !== null);
     const { geometryPrecision, shPrecision } = mostExact(needed);
-    const { asked } = upload;
-    const isAsked =
-      asked?.geometryPrecision === geometryPrecision &&
-      asked.shPrecision === shPrecision &&
-      // Whoever changes that makes all clouds of the engine claim it.
-      asked.engineAccuracy === engine.accuracy;
-    if (isAsked) return asked.answer;
-    const answer = claim(upload, { geometryPrecision, shPrecision });
-    upload.asked = { geometryPrecision, shPrecision, engineAccuracy: engine.accuracy, answer };
-    return answer;
+    const { claimed } = upload;
+    const isClaimed =
+      claimed?.geometryPrecision === geometryPrecision &&
+      claimed.shPrecision === shPrecision &&
+      // `setAccuracy` makes the clouds' own leases claim a precision again, so this claim must release them again.
+      claimed.engineAccuracy === engine.accuracy;
+    if (isClaimed) return claimed.met;
+    const met = claim(upload, { geometryPrecision, shPrecision });
+    upload.claimed = { geometryPrecision, shPrecision, engineAccuracy: engine.accuracy, met };
+    return met;
   }
 }
 
-/** Resolves when the cloud holds `precision` and nothing that only its own lease claims: the users decide alone. */
+/** Claims `precision`; when the cloud holds it, releases the cloud's own lease, so that the users alone decide. */
 async function claim(upload: Upload, precision: CloudPrecision): Promise<void> {
   const { cloud, lease } = upload;
   if (lease) lease.change(precision);
@@ -141,12 +141,12 @@ async function claim(upload: Upload, precision: CloudPrecision): Promise<void> {
   cloud.ownLease.release();
 }
 
-/** Where all users leave that to others, nothing is claimed for them. */
+/** Releases the lease if no user has a need of its own. */
 function releaseUnneeded(upload: Upload): void {
   const isNeeded = [...upload.users.values()].some((precision) => precision !== null);
   if (isNeeded || !upload.lease) return;
   upload.lease.release();
-  upload.asked = null;
+  upload.claimed = null;
 }
 
 function boxOf({ min, max }: PackedCloud['bounds']): Box3 {

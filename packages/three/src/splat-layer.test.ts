@@ -18,7 +18,7 @@ function cloudAt(...place: [number, number, number]): SplatCloudObject {
 }
 
 describe('the layer of a scene', () => {
-  test('is one for all clouds, however deep, and lies in the middle of them', () => {
+  test('is shared by all clouds, however deep, and lies in their middle', () => {
     const scene = new Scene();
     const group = new Group();
     group.position.x = 10;
@@ -33,7 +33,7 @@ describe('the layer of a scene', () => {
     expect(placeOf(layersOf(scene)[0])).toEqual([10, 2, 0]);
   });
 
-  test('goes with the last of them', async () => {
+  test('leaves with the last cloud', async () => {
     const scene = new Scene();
     const [first, second] = [cloudAt(0, 0, 0), cloudAt(2, 0, 0)];
     scene.add(first, second);
@@ -46,7 +46,7 @@ describe('the layer of a scene', () => {
     expect(layersOf(scene)).toEqual([]);
   });
 
-  test('is another where a cloud moves to another scene', async () => {
+  test('changes when a cloud moves to another scene', async () => {
     const [from, to] = [new Scene(), new Scene()];
     const cloud = cloudAt(0, 0, 0);
     from.add(cloud);
@@ -58,7 +58,7 @@ describe('the layer of a scene', () => {
     expect(layersOf(to)).toHaveLength(1);
   });
 
-  test('of a group that is put into a scene ends, though three is just walking through it', async () => {
+  test('replaces that of a group that is added to it, even while three traverses the group', async () => {
     const group = new Group();
     group.add(cloudAt(0, 0, 0));
     group.updateMatrixWorld();
@@ -71,7 +71,7 @@ describe('the layer of a scene', () => {
     expect(layersOf(scene)).toHaveLength(1);
   });
 
-  test('stays where its only cloud is taken out and put back', async () => {
+  test('stays if its only cloud is removed and added again', async () => {
     const scene = new Scene();
     const cloud = cloudAt(0, 0, 0);
     scene.add(cloud);
@@ -84,7 +84,7 @@ describe('the layer of a scene', () => {
     expect(layersOf(scene)).toEqual([layer]);
   });
 
-  test('comes back where somebody has cleared the scene', () => {
+  test('comes back after the scene was cleared', () => {
     const scene = new Scene();
     const cloud = cloudAt(0, 0, 0);
     scene.add(cloud);
@@ -95,13 +95,13 @@ describe('the layer of a scene', () => {
     expect(layersOf(scene)).toHaveLength(1);
   });
 
-  test('is not made by a cloud that is in no scene', () => {
+  test('is not made by a cloud outside of a scene', () => {
     const cloud = cloudAt(0, 0, 0);
     cloud.updateMatrixWorld();
     expect(cloud.children).toEqual([]);
   });
 
-  test('is drawn in the highest order that a cloud asks for, and writes depth where one does', () => {
+  test('has the highest render order of its clouds, and writes depth if one does', () => {
     const scene = new Scene();
     const [first, second] = [cloudAt(0, 0, 0), cloudAt(2, 0, 0)];
     first.renderOrder = 3;
@@ -134,7 +134,7 @@ describe('a renderer that cannot draw splats', () => {
     );
   }
 
-  test('is told of once, to all clouds that listen', () => {
+  test('is reported once, to all clouds with a listener', () => {
     const scene = new Scene();
     const clouds = [cloudAt(0, 0, 0), cloudAt(2, 0, 0)];
     scene.add(...clouds);
@@ -151,7 +151,7 @@ describe('a renderer that cannot draw splats', () => {
     }
   });
 
-  test('is told of on the console where nobody listens', () => {
+  test('is logged once without listeners', () => {
     const scene = new Scene();
     scene.add(cloudAt(0, 0, 0));
     scene.updateMatrixWorld();
@@ -162,7 +162,7 @@ describe('a renderer that cannot draw splats', () => {
     log.mockRestore();
   });
 
-  test('of the WebGL kind stops at once: it would fail at the layer’s material', () => {
+  test('throws at once if it is a WebGLRenderer, which would fail at the layer’s material', () => {
     const scene = new Scene();
     const cloud = cloudAt(0, 0, 0);
     cloud.onError = () => {};
@@ -171,7 +171,7 @@ describe('a renderer that cannot draw splats', () => {
     expect(() => drawWith({ isWebGLRenderer: true }, scene)).toThrow(/createSplatRenderer/);
   });
 
-  test('is not asked for passes that are about meshes', () => {
+  test('is not used for passes that are about meshes', () => {
     const scene = new Scene();
     const cloud = cloudAt(0, 0, 0);
     cloud.onError = vi.fn();

@@ -32,7 +32,7 @@ import { type OpenPass, openPass } from './three-bridge.ts';
 
 const layers = new WeakMap<Object3D, SplatLayer>();
 
-/** The layer of the scene whose root is `root`, added to it where it has none. */
+/** Returns the layer of the scene whose root is `root`, and adds one if there is none. */
 export function layerOf(root: Object3D): SplatLayer {
   let layer = layers.get(root);
   if (!layer) {
@@ -43,7 +43,7 @@ export function layerOf(root: Object3D): SplatLayer {
   return layer;
 }
 
-/** The object at the top of the tree that `object` is in; itself where it is in none. */
+/** Returns the object at the top of the tree that `object` is in; `object` itself if it has no parent. */
 export function rootOf(object: Object3D): Object3D {
   let root = object;
   while (root.parent) root = root.parent;
@@ -51,15 +51,15 @@ export function rootOf(object: Object3D): Object3D {
 }
 
 /**
- * Draws all clouds of a scene, sorted together, as one of three's transparent objects. Before three draws it, the pass is
- * interrupted for the splats; the object itself is a triangle over the viewport that shows the result.
+ * Draws all clouds of a scene, sorted together, as one of three's transparent objects. Before three draws this object, the
+ * layer interrupts the pass to draw the splats; the object itself is a triangle over the viewport that shows their image.
  */
 export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   readonly #clouds = new Set<LayerCloud>();
   readonly #views = new LayerViews();
   readonly #depthMesh = new Mesh(this.geometry, new DepthLayerMaterial());
   readonly #reported = new Set<string>();
-  /** What the triangle shows in the draw that is going on; null where it shows nothing. */
+  /** View whose image the triangle shows in the current draw; null if it shows nothing. */
   #shown: LayerView | null = null;
 
   constructor() {
@@ -70,27 +70,27 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       mesh.frustumCulled = false;
       mesh.matrixAutoUpdate = false;
       mesh.matrixWorldAutoUpdate = false;
-      // Each cloud has layers of its own, which are looked at for each camera.
+      // Each cloud has layers of its own, which are tested for each camera.
       mesh.layers.enableAll();
       mesh.raycast = () => {};
     }
-    // One place for both and ids in succession: three draws the second directly after the first, sorted or not.
+    // Both have the same place and successive ids, so three draws the second directly after the first, sorted or not.
     this.#depthMesh.matrixWorld = this.matrixWorld;
     this.onBeforeRender = (renderer, scene, camera) => this.#draw(renderer, scene, camera);
     this.#depthMesh.onBeforeRender = () => this.#showDepth();
   }
 
-  /** Takes `cloud` in, or takes note of where it has moved to. */
+  /** Adds `cloud`, or updates the layer for its new place. */
   place(cloud: LayerCloud): void {
     this.#clouds.add(cloud);
     this.#arrange();
   }
 
-  /** Draws `cloud` no longer. With the last one the layer leaves the scene and frees what it holds. */
+  /** Stops drawing `cloud`. After the last cloud, the layer leaves the scene and frees its GPU memory. */
   drop(cloud: LayerCloud): void {
     if (!this.#clouds.delete(cloud)) return;
     this.#arrange();
-    // Not at once: three may be walking the scene or drawing this very object, and the cloud may come back in this task.
+    // Deferred: three may be traversing the scene or drawing this very object, and the cloud may come back in this task.
     queueMicrotask(() => {
       if (this.#clouds.size > 0) return;
       this.removeFromParent();
@@ -98,7 +98,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     });
   }
 
-  /** What is under a pixel of the latest picture from `camera`, or null. */
+  /** Returns the splat at a pixel of the latest frame from `camera`, or null. */
   async pick(
     renderer: WebGPURenderer,
     camera: Camera,
@@ -112,12 +112,12 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     return pick && { ...pick, object: [...clouds.keys()][pick.cloudIndex] };
   }
 
-  /** Measures the latest picture with `cloud`; null where there is none. */
+  /** Measures the latest frame with `cloud`; null if there is none. */
   chooseAccuracy(cloud: LayerCloud, options?: ChooseAccuracyOptions): Promise<AccuracyChoice> | null {
     return this.#views.latestWith(cloud)?.embedded.chooseAccuracy(options) ?? null;
   }
 
-  /** Frees what the layer holds on GPUs; it may be drawn again. */
+  /** Frees the layer's GPU memory; the layer may be drawn again. */
   #free(): void {
     this.#views.destroyAll();
     this.material.dispose();
@@ -125,7 +125,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     this.geometry.dispose();
   }
 
-  /** Where three sorts the layer among its transparent objects. */
+  /** Sets the layer's place in three's order of transparent objects, and whether it writes depth. */
   #arrange(): void {
     const box = new Box3();
     let renderOrder: number | null = null;
@@ -144,16 +144,16 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   #draw(renderer: object, scene: Scene, camera: Camera): void {
     this.#shown = null;
     this.material.showNothing();
-    // Such passes are about meshes: shadows, normals, depth.
+    // Passes with an override material are about meshes: shadows, normals, depth.
     if (scene.overrideMaterial) return;
     try {
       const engine = splatEngineOf(renderer);
       const pass = openPass(renderer as WebGPURenderer, scene, camera, this);
       if (pass) this.#drawInto(pass, renderer as WebGPURenderer, engine, scene, camera);
     } catch (error) {
-      // Of a lost device its renderer tells.
+      // The renderer reports a lost device.
       if (!(error instanceof DestroyedError)) this.#report(error);
-      // Nothing of this library can be shown by such a renderer, and it does not know the layer's material either.
+      // A WebGLRenderer can show nothing of this library, and it does not know the layer's material either.
       if ((renderer as { isWebGLRenderer?: boolean }).isWebGLRenderer) throw error;
     }
   }
@@ -194,7 +194,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       });
     const wasThere = ([object, { cloud }]: [LayerCloud, CloudInstance]) =>
       view.clouds.get(object)?.cloud === cloud;
-    // What was there stays, while shaders for what has come to it are being compiled.
+    // The clouds of the last frame stay while shaders for added clouds compile.
     const drawn = [clouds, new Map([...clouds].filter(wasThere))].find(isReady);
     if (!drawn) return;
     view.clouds = drawn;
@@ -212,33 +212,33 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     else material.showNothing();
   }
 
-  /** What there is to see for cameras of all layers. */
+  /** Returns the visible clouds, whatever their `layers`. */
   #shownClouds(): LayerCloud[] {
     for (const object of [...this.#clouds]) if (rootOf(object) !== this.parent) object.leave(this);
     return [...this.#clouds].filter((object) => object.opacity > 0 && isShown(object));
   }
 
-  /** three gives up its frame where a callback throws, and every one after: so errors are told of, each once. */
+  /** If a callback throws, three abandons this frame and every later one, so errors are reported instead, each once. */
   #report(error: unknown): void {
-    let isHeard = false;
-    for (const cloud of this.#clouds) isHeard = cloud.tell(error) || isHeard;
+    let hasListener = false;
+    for (const cloud of this.#clouds) hasListener = cloud.tell(error) || hasListener;
     const text = String(error);
-    if (isHeard || this.#reported.has(text)) return;
+    if (hasListener || this.#reported.has(text)) return;
     this.#reported.add(text);
     console.error(error);
   }
 }
 
-/** Objects, and what stands for them on the GPU. */
+/** Clouds in the scene, and their instances in a frame request. */
 type Clouds = LayerView['clouds'];
 
-/** Whether `object` and all that it is in are visible. */
+/** Whether `object` and all of its ancestors are visible. */
 function isShown(object: Object3D): boolean {
   for (let at: Object3D | null = object; at; at = at.parent) if (!at.visible) return false;
   return true;
 }
 
-/** Those of `objects` that `camera` is to see, and what stands for them on the GPU. */
+/** Returns the instances of those `objects` that share a layer with `camera` and are uploaded. */
 function instancesFor(
   objects: readonly LayerCloud[],
   engine: SplatEngine,
@@ -258,12 +258,12 @@ function instancesFor(
 }
 
 /**
- * Has `drawn` hold what the accuracy of all that is shown takes, whichever camera sees how much of it: else the views of a
- * frame would ask for one after the other.
+ * Makes the `drawn` clouds hold the planes for the accuracy of all shown clouds, even if this camera sees only some of them:
+ * otherwise several cameras with different clouds would claim different planes in turn.
  */
 function holdPlanes(shown: Iterable<LayerCloud>, drawn: Iterable<LayerCloud>, engine: SplatEngine): void {
   const accuracy = accuracyOf(shown);
-  // A view asks for what it has chosen because of a wish.
+  // Under a wish, the view itself claims the planes for the settings that it has chosen.
   const isWish = accuracy !== undefined && isAccuracyWish(accuracy);
   const settings = isWish ? null : engine.resolveAccuracy(accuracy).settings;
   for (const object of drawn) object.hold(engine, settings);
@@ -273,7 +273,7 @@ function accuracyOf(clouds: Iterable<LayerCloud>): AccuracyRequest | undefined {
   return combineAccuracies([...clouds].flatMap(({ accuracy }) => accuracy ?? []));
 }
 
-/** three's camera as three has prepared it for this render: matrices, clip depth from 0 to 1. */
+/** Converts three's camera, as three has prepared it for this render: matrices, clip depth from 0 to 1. */
 function engineCamera(camera: Camera, isReversed: boolean): EngineCamera {
   const projection = camera.projectionMatrix.elements;
   const inMatrix = depthRange(projection, isReversed);
@@ -281,7 +281,7 @@ function engineCamera(camera: Camera, isReversed: boolean): EngineCamera {
   return cameraFromMatrices(camera.matrixWorldInverse.elements, projection, { near, far });
 }
 
-/** Near and far of a camera that has only a matrix: where its clip depth is 0 and 1. */
+/** Returns near and far of a camera that has only a matrix: the depths at which its clip depth is 0 and 1. */
 function depthRange(p: readonly number[], isReversed: boolean): { near: number; far: number } {
   const isOrthographic = p[11] === 0;
   const atZero = p[14] / p[10];
@@ -292,7 +292,7 @@ function depthRange(p: readonly number[], isReversed: boolean): { near: number; 
 function viewportTriangle(): BufferGeometry {
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new Float32BufferAttribute([-1, -1, 0, 3, -1, 0, -1, 3, 0], 3));
-  // Sorted by the layer's place alone, and no part of the scene's extent.
+  // Empty bounds: three sorts the mesh by the layer's place alone, and the mesh adds nothing to the scene's extent.
   geometry.boundingSphere = new Sphere(new Vector3(), 0);
   geometry.boundingBox = new Box3();
   return geometry;

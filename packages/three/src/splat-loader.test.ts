@@ -7,7 +7,7 @@ import { splatSetAt } from './testing/test-clouds.ts';
 
 const file = encodePly(splatSetAt([0, 0, 0], [1, 2, 3])) as Uint8Array<ArrayBuffer>;
 
-/** A manager and what it was told, in order. */
+/** A manager and its events, in order. */
 function watchedManager() {
   const events: string[] = [];
   const manager = new LoadingManager(
@@ -28,7 +28,7 @@ function stubFetch(respond: (url: string, init?: RequestInit) => Promise<Respons
 }
 
 describe('a load', () => {
-  test('gives splats, and tells its manager', async () => {
+  test('returns splats, and reports to its manager', async () => {
     const { manager, events } = watchedManager();
     const data = await new SplatLoader(manager).loadAsync(new File([file], 'two.ply'));
     expect([data.count, data.name]).toEqual([2, 'two.ply']);
@@ -37,7 +37,7 @@ describe('a load', () => {
     expect(events).toEqual(['two.ply started', 'two.ply 1 of 1', 'all loaded']);
   });
 
-  test('by address honours path and the manager’s URLs', async () => {
+  test('by address uses the path and the manager’s URL modifier', async () => {
     const fetch = stubFetch(async () => new Response(file));
     const { manager, events } = watchedManager();
     manager.setURLModifier((url) => `${url}?v=2`);
@@ -47,7 +47,7 @@ describe('a load', () => {
     expect(events[0]).toBe('https://a.test/two.ply?v=2 started');
   });
 
-  test('sends the headers and credentials that it was given', async () => {
+  test('sends the loader’s headers and credentials', async () => {
     const fetch = stubFetch(async () => new Response(file));
     const loader = new SplatLoader().setRequestHeader({ authorization: 'token' }).setWithCredentials(true);
     await loader.loadAsync('https://a.test/two.ply');
@@ -70,7 +70,7 @@ describe('a load', () => {
     expect([last.lengthComputable, last.loaded, last.total]).toEqual([true, file.length, file.length]);
   });
 
-  test('packs for the accuracy that it was given', async () => {
+  test('packs for the loader’s accuracy', async () => {
     const loader = new SplatLoader();
     expect((await loader.loadAsync(new Blob([file]))).packed.geometry.precision).toBe('packed');
     loader.setAccuracy('high');
@@ -80,7 +80,7 @@ describe('a load', () => {
     expect(() => loader.setAccuracy('perfect' as never)).toThrow(/perfect/);
   });
 
-  test('leaves behind where the same can be read again, unless only the loader can', async () => {
+  test('records the source to read again, unless only the loader can read it', async () => {
     const { engine, addPacked } = fakeEngine();
     stubFetch(async () => new Response(file));
     const sourceOf = async (source: SplatSource, loader = new SplatLoader()) => {
@@ -101,9 +101,9 @@ describe('a load', () => {
 
 describe('a load that fails', () => {
   test.each([
-    ['for what the file is', async () => new Response('no splats'), SplatFileError],
-    ['for what the server says', async () => new Response('', { status: 404 }), SplatSourceError],
-  ])('%s rejects and tells the manager', async (_, respond, type) => {
+    ['because of the file', async () => new Response('no splats'), SplatFileError],
+    ['because of the server', async () => new Response('', { status: 404 }), SplatSourceError],
+  ])('%s rejects and is reported to the manager', async (_, respond, type) => {
     stubFetch(respond);
     const { manager, events } = watchedManager();
     const load = new SplatLoader(manager).loadAsync('https://a.test/x.ply');
@@ -117,7 +117,7 @@ describe('a load that fails', () => {
     ]);
   });
 
-  test('says so on the console where nobody listens', async () => {
+  test('is logged without a listener', async () => {
     const log = vi.spyOn(console, 'error').mockImplementation(() => {});
     new SplatLoader(new LoadingManager()).load(new Blob(['no splats']), () => {});
     await vi.waitFor(() => expect(log).toHaveBeenCalledWith(expect.any(SplatFileError)));
@@ -136,20 +136,20 @@ describe('abort', () => {
     );
   }
 
-  test.each(['loader', 'manager'] as const)('of the %s ends its loads', async (who) => {
+  test.each(['loader', 'manager'] as const)('of the %s ends its loads', async (owner) => {
     const fetch = silence();
     const { manager, events } = watchedManager();
     const loader = new SplatLoader(manager);
     const load = loader.loadAsync('https://a.test/x.ply');
     const outcome = expect(load).rejects.toMatchObject({ name: 'AbortError' });
     await vi.waitFor(() => expect(fetch).toHaveBeenCalled());
-    (who === 'loader' ? loader : manager).abort();
+    (owner === 'loader' ? loader : manager).abort();
     await outcome;
     await new Promise((resolve) => setTimeout(resolve, 0));
     expect(events).toContain('https://a.test/x.ply failed');
   });
 
-  test('does not keep later loads from being done', async () => {
+  test('does not affect later loads', async () => {
     const loader = new SplatLoader();
     loader.abort();
     expect((await loader.loadAsync(new Blob([file]))).count).toBe(2);

@@ -14,19 +14,19 @@ import { Loader } from 'three/webgpu';
 import { SplatData } from './splat-data.ts';
 
 /**
- * Loads splats of any format that is read here, in a worker where there are any. A source is an address, a File or Blob, a
+ * Loads splats of any supported format, in a worker if workers are available. A source is an address, a File or Blob, a
  * buffer or a stream. Reports to its LoadingManager.
  *
- * Addresses, Files and Blobs can be read again where a finer precision is wanted later; buffers, streams, and addresses
- * that need the loader's headers or credentials cannot.
+ * Addresses, Files and Blobs can be read again if a finer precision is needed later; buffers, streams, and addresses that
+ * need the loader's headers or credentials cannot.
  */
 export class SplatLoader extends Loader<SplatData, SplatSource> {
   #accuracy: AccuracySettings = resolveAccuracy(DEFAULT_ACCURACY);
   #aborter = new AbortController();
 
   /**
-   * Packs what is loaded from now on for renderers or clouds of this accuracy; default `balanced`, as theirs is. What a wish
-   * will need is not known before anything is drawn: until then it is `balanced`.
+   * Packs later loads for renderers or clouds of this accuracy; default `balanced`, as theirs is. A wish counts as
+   * `balanced`, because its settings are unknown before anything is drawn.
    *
    * @throws InvalidArgumentError for unknown settings.
    */
@@ -35,7 +35,7 @@ export class SplatLoader extends Loader<SplatData, SplatSource> {
     return this;
   }
 
-  /** Breaks off all loads that are under way: their `onError` gets an AbortError. */
+  /** Aborts all running loads: their `onError` receives an AbortError. */
   override abort(): this {
     this.#aborter.abort(new DOMException('Loading was aborted.', 'AbortError'));
     this.#aborter = new AbortController();
@@ -43,7 +43,8 @@ export class SplatLoader extends Loader<SplatData, SplatSource> {
   }
 
   /**
-   * Errors are SplatFileError, SplatSourceError, or an AbortError. `loaded` and `total` of the progress are bytes.
+   * Loads one source. `onError` receives a SplatFileError, a SplatSourceError or an AbortError; `loaded` and `total` of
+   * progress events are bytes.
    */
   override load(
     source: SplatSource,
@@ -84,7 +85,7 @@ export class SplatLoader extends Loader<SplatData, SplatSource> {
     return new SplatData(packed, name, readAgainFrom);
   }
 
-  /** The address whose request needs what only this loader knows of, or null. */
+  /** Returns the address if its request needs headers or credentials that only this loader knows; otherwise null. */
   #guardedAddress(source: SplatSource): string | null {
     const isGuarded = Object.keys(this.requestHeader).length > 0 || this.withCredentials;
     return isGuarded && typeof source === 'string' ? source : null;

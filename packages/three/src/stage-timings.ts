@@ -5,10 +5,10 @@ type Listener = (statistics: FrameStatistics) => void;
 const listenersOf = new WeakMap<object, Set<Listener>>();
 
 /**
- * Calls `listener` with what each measured frame of splats has cost, some frames later; where a renderer draws several
- * views, with each view's.
+ * Calls `listener` with the cost of each measured frame of splats, some frames after it was drawn. If a renderer draws
+ * several views, each view's frames are reported.
  *
- * @returns how to stop listening.
+ * @returns a function that stops listening.
  */
 export function onStageTimings(renderer: object, listener: Listener): () => void {
   let listeners = listenersOf.get(renderer);

@@ -7,7 +7,7 @@ const scene = new Scene();
 const camera = new PerspectiveCamera();
 const drawn = new Object3D();
 
-/** Says what was called on it, in order, and with what. */
+/** Records calls and their arguments, in order. */
 function recorder<Name extends string>(calls: unknown[][], ...names: Name[]) {
   return Object.fromEntries(
     names.map((name) => [name, (...args: unknown[]) => void calls.push([name, ...args])]),
@@ -18,7 +18,7 @@ function gpuTexture(label: string) {
   return { label, dimension: '2d', depthOrArrayLayers: 1 } as GPUTexture;
 }
 
-/** A renderer as far as the bridge looks at it, in the middle of a pass into a render target. */
+/** The parts of a renderer that the bridge reads, in the middle of a pass into a render target. */
 function fakeRenderer() {
   const calls: unknown[][] = [];
   const passMethods = [
@@ -121,14 +121,14 @@ function fakeRenderer() {
 const open = (fake: ReturnType<typeof fakeRenderer>) => openPass(fake.renderer, scene, camera, drawn)!;
 
 describe('the open pass', () => {
-  test('is what three draws into', () => {
+  test('has the target and viewport that three draws into', () => {
     const fake = fakeRenderer();
     expect(open(fake)).toMatchObject({ target: fake.target, xPx: 0, yPx: 0, widthPx: 100, heightPx: 80 });
     fake.context.viewport = true;
     expect(open(fake)).toMatchObject({ xPx: 10, yPx: 20, widthPx: 30, heightPx: 40 });
   });
 
-  test('of a canvas is the canvas’s, whatever three draws into first', () => {
+  test('of a canvas has the canvas as its target, whatever three draws into first', () => {
     const fake = fakeRenderer();
     fake.context.renderTarget = { isPostProcessingRenderTarget: true };
     expect(open(fake).target).toBe(fake.canvasTarget);
@@ -139,7 +139,7 @@ describe('the open pass', () => {
     expect(open(fake).target).toBe(output);
   });
 
-  test('tells how depth is stored', () => {
+  test('reports how depth is stored', () => {
     const fake = fakeRenderer();
     expect(open(fake).depth).toEqual({ compare: 'less-equal', mapping: 'projection' });
     fake.fields.reversedDepthBuffer = true;
@@ -151,7 +151,7 @@ describe('the open pass', () => {
     expect(open(fake).depth).toBeUndefined();
   });
 
-  test('is none while three compiles, and between renders', () => {
+  test('is null while three compiles, and between renders', () => {
     const compiling = fakeRenderer();
     compiling.fields._compilationPromises = [];
     expect(openPass(compiling.renderer, scene, camera, drawn)).toBeNull();
@@ -163,13 +163,13 @@ describe('the open pass', () => {
     expect(openPass(unbegun.renderer, scene, camera, drawn)).toBeNull();
   });
 
-  test('of several cameras at once is refused', () => {
+  test('for several cameras at once throws', () => {
     const { renderer } = fakeRenderer();
     expect(() => openPass(renderer, scene, new ArrayCamera(), drawn)).toThrow(SplatsPassError);
   });
 });
 
-describe('what may hide what is drawn', () => {
+describe('hasOccluders', () => {
   const writing = { object: new Object3D(), material: { depthWrite: true } };
   const sky = { object: new Object3D(), material: { depthWrite: false } };
 
@@ -179,7 +179,7 @@ describe('what may hide what is drawn', () => {
     return open(fake).hasOccluders;
   }
 
-  test('is what has written depth before it', () => {
+  test('is true if an object before the splats writes depth', () => {
     expect(hasOccluders(() => {})).toBe(false);
     expect(hasOccluders(({ list }) => list.opaque.push(sky))).toBe(false);
     expect(hasOccluders(({ list }) => list.transparent.push(writing))).toBe(false);
@@ -190,13 +190,13 @@ describe('what may hide what is drawn', () => {
     expect(hasOccluders(({ list }) => list.bundles.push({}))).toBe(true);
   });
 
-  test('may be in depth that is not cleared, or was drawn before an interruption', () => {
+  test('is true if depth is not cleared, and after an interruption', () => {
     const loaded = { colorAttachments: [], depthStencilAttachment: { depthLoadOp: 'load' } };
     expect(hasOccluders(({ data }) => Object.assign(data, { descriptor: loaded }))).toBe(true);
     expect(hasOccluders((fake) => open(fake).interrupt(() => {}))).toBe(true);
   });
 
-  test('is in doubt where three’s list is not the one that is drawn, or not to be found', () => {
+  test('is true if three’s list is not the one that is drawn, or missing', () => {
     expect(hasOccluders(({ list }) => list.transparent.pop())).toBe(true);
     expect(hasOccluders(({ fields }) => Object.assign(fields, { lighting: {} }))).toBe(true);
     expect(hasOccluders(({ fields }) => delete fields._renderLists)).toBe(true);
@@ -225,7 +225,7 @@ describe('an interruption', () => {
     expect(fake.data.currentSets).toEqual({ attributes: {}, bindingGroups: [], pipeline: null, index: null });
   });
 
-  test('puts back what three believes to be set', () => {
+  test('restores the state that three expects', () => {
     const fake = fakeRenderer();
     Object.assign(fake.context, { viewport: true, scissor: true, stencil: true });
     Object.assign(fake.data, {
@@ -244,7 +244,7 @@ describe('an interruption', () => {
     expect(resumed.depthStencilAttachment).toMatchObject({ depthLoadOp: 'load', stencilLoadOp: 'load' });
   });
 
-  test('first draws what three keeps for the end, and closes an occlusion query', () => {
+  test('first draws the bundles that three keeps for the end, and closes an occlusion query', () => {
     const fake = fakeRenderer();
     fake.data.renderBundles = ['bundle'];
     const queries = { lastOcclusionObject: { occlusionTest: true }, occlusionQueryIndex: 3 };
@@ -278,7 +278,7 @@ describe('an interruption', () => {
     expect(fake.calls[1][1]).not.toHaveProperty('timestampWrites.beginningOfPassWriteIndex');
   });
 
-  test('takes the canvas where three draws straight onto it', () => {
+  test('uses the canvas’s texture if three draws directly onto it', () => {
     const fake = fakeRenderer();
     Object.assign(fake.context, { textures: null, depthTexture: null, renderTarget: null });
     const record = vi.fn();
@@ -287,7 +287,7 @@ describe('an interruption', () => {
     expect([host.color.label, host.depth.label]).toEqual(['canvas', 'depth buffer']);
   });
 
-  test('ends as it should where recording fails', () => {
+  test('continues the pass if recording fails', () => {
     const fake = fakeRenderer();
     const fail = () => {
       throw new Error('no memory');
@@ -310,14 +310,14 @@ describe('an interruption', () => {
     expect(fake.data.currentPass).toBe(fake.oldPass);
   });
 
-  test('is refused for a mip level', () => {
+  test('throws for a mip level', () => {
     const fake = fakeRenderer();
     fake.context.activeMipmapLevel = 1;
     expect(() => open(fake).interrupt(() => {})).toThrow(/mip level/);
   });
 });
 
-describe('a three that has changed is told by name', () => {
+describe('an error names the property that a changed three lacks', () => {
   type Fake = ReturnType<typeof fakeRenderer>;
   const removals: [missing: string, part: (fake: Fake) => Record<string, unknown>, name: string][] = [
     ['renderer._currentRenderContext', ({ fields }) => fields, '_currentRenderContext'],
@@ -358,7 +358,7 @@ describe('a three that has changed is told by name', () => {
   });
 });
 
-test('a WebGPU backend is told from others', () => {
+test('hasWebGpuBackend distinguishes backends', () => {
   expect(hasWebGpuBackend({ backend: { isWebGPUBackend: true } })).toBe(true);
   expect(hasWebGpuBackend({ backend: { isWebGLBackend: true } })).toBe(false);
   expect(hasWebGpuBackend({})).toBe(false);

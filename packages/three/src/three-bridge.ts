@@ -1,30 +1,30 @@
-// Everything that is known here of three's inner life is in this file: three has no public way to draw with WebGPU in the
-// middle of its own pass. What is used keeps its names from 0.170 to 0.187; each is looked for before it is used.
+// All knowledge of three's internals is in this file: three has no public way to draw with WebGPU in the middle of its own
+// pass. The properties used here have kept their names from 0.170 to 0.187; each is checked before it is used.
 import type { DepthConvention, HostPass } from '@websplatter/core';
 import { type Camera, type Object3D, REVISION, type Scene, type WebGPURenderer } from 'three/webgpu';
 import { SplatsPassError, ThreeInternalsError } from './errors.ts';
 
-/** A render pass of three's that is being recorded. */
+/** One of three's render passes while it is recorded. */
 export interface OpenPass {
-  /** What is drawn into: a RenderTarget of the application, or the CanvasTarget. */
+  /** The target: a RenderTarget of the application, or the CanvasTarget. */
   readonly target: object;
   /** Top left and size of the viewport, whole pixels, y down. */
   readonly xPx: number;
   readonly yPx: number;
   readonly widthPx: number;
   readonly heightPx: number;
-  /** Undefined where the target has no depth. */
+  /** Undefined if the target has no depth. */
   readonly depth: DepthConvention | undefined;
-  /** Whether something that was drawn before may hide what is drawn now; in doubt it may. */
+  /** Whether objects drawn before may hide the splats; true if that is unknown. */
   readonly hasOccluders: boolean;
-  /** Ends the pass, lets `record` record passes of its own, and goes on with the pass as it was. */
+  /** Ends the pass, lets `record` record passes of its own, and continues the pass as it was. */
   interrupt(record: (encoder: GPUCommandEncoder, host: HostPass) => void): void;
 }
 
 /**
- * The pass that `renderer` is recording for the `onBeforeRender` of `drawn`, or null where it only compiles shaders.
+ * Returns the pass that `renderer` is recording during the `onBeforeRender` of `drawn`, or null if it only compiles shaders.
  *
- * @throws ThreeInternalsError where three has changed; SplatsPassError where the pass cannot be interrupted.
+ * @throws ThreeInternalsError if three has changed; SplatsPassError if the pass cannot be interrupted.
  */
 export function openPass(
   renderer: WebGPURenderer,
@@ -39,8 +39,8 @@ export function openPass(
   const data = probedData(backend.get(context));
   if ((camera as { isArrayCamera?: boolean }).isArrayCamera) {
     throw new SplatsPassError(
-      'Splats cannot be drawn with an ArrayCamera or in XR: their passes are drawn for several cameras at once. Render ' +
-        'each camera by itself, with a viewport of its own, or hide the splats while such a camera is used.',
+      'Splats cannot be drawn with an ArrayCamera or in XR, whose passes are for several cameras at once. Render each ' +
+        'camera by itself, with a viewport of its own, or hide the splats.',
     );
   }
   if (!data.currentPass) return null;
@@ -87,7 +87,7 @@ interface Rectangle {
   readonly height: number;
 }
 
-/** The parts of a RenderContext that are read. */
+/** The properties of a RenderContext that are read here. */
 interface RenderContext {
   readonly renderTarget: (object & { readonly isPostProcessingRenderTarget?: boolean }) | null;
   readonly textures: readonly { readonly name: string }[] | null;
@@ -120,7 +120,7 @@ const CONTEXT_SHAPE = {
   occlusionQueryCount: 'number',
 } as const;
 
-/** What the backend keeps of a RenderContext while it is drawn. */
+/** The backend's data about a RenderContext while it is drawn. */
 interface RenderContextData extends OcclusionData {
   currentPass: GPURenderPassEncoder | null | undefined;
   readonly encoder: GPUCommandEncoder;
@@ -148,10 +148,10 @@ type PassDescriptor = Omit<GPURenderPassDescriptor, 'colorAttachments'> & {
   readonly colorAttachments: readonly GPURenderPassColorAttachment[];
 };
 
-/** What the backend keeps of a Texture. */
+/** The backend's data about a Texture. */
 interface TextureData {
   readonly texture?: GPUTexture;
-  /** What is drawn into where the texture is resolved from several samples: one, or from 0.187 on one per layer. */
+  /** The target of draws if the texture is resolved from several samples: one texture, or since 0.187 one per layer. */
   readonly msaaTexture?: GPUTexture;
   readonly msaaTextures?: readonly GPUTexture[];
 }
@@ -160,21 +160,21 @@ interface Backend {
   get(of: object): object;
   readonly context: GPUCanvasContext;
   readonly textureUtils: { getDepthBuffer(depth: boolean, stencil: boolean): GPUTexture };
-  /** From 0.186 on; before, the render context's own data held it. */
+  /** Since 0.186; before, the render context's own data held it. */
   getOcclusionData?(context: RenderContext): OcclusionData;
 }
 
 interface RendererInternals {
   readonly _currentRenderContext: RenderContext | null;
   readonly _compilationPromises: readonly unknown[] | null;
-  /** Looked at where it is there: without it nothing is known of what was drawn. */
+  /** Read if present; without it, nothing is known about the objects drawn before. */
   readonly _renderLists?: { get?(scene: Scene, camera: Camera, lighting: unknown): RenderList };
-  /** Since 0.187 lists are kept by it, too. */
+  /** Since 0.187 part of the key of a list. */
   readonly lighting?: unknown;
   readonly backend: Backend;
 }
 
-/** What three draws of a scene for a camera, in its order: bundles, opaque objects and transparent ones. */
+/** Objects of a scene that three draws for a camera, in its order: bundles, opaque objects, transparent ones. */
 interface RenderList {
   readonly bundles?: readonly object[];
   readonly opaque?: readonly RenderItem[];
@@ -189,7 +189,7 @@ interface RenderItem {
 
 const probedRenderers = new WeakSet<object>();
 const probedContexts = new WeakSet<object>();
-/** Passes that go on with what an earlier part of them has drawn. */
+/** Passes that continue an interrupted one. */
 const resumedPasses = new WeakSet<object>();
 
 function internalsOf(renderer: WebGPURenderer): RendererInternals {
@@ -226,7 +226,7 @@ function probe(object: object, path: string, shape: Readonly<Record<string, stri
   }
 }
 
-/** What tells this target from others: three draws what goes to a canvas into a target of its own first. */
+/** Returns the object that identifies the target: three draws frames for a canvas into a target of its own first. */
 function targetKey(renderer: WebGPURenderer, { renderTarget }: RenderContext): object {
   const isCanvas = renderTarget === null || renderTarget.isPostProcessingRenderTarget === true;
   return isCanvas ? (renderer.getOutputRenderTarget() ?? renderer.getCanvasTarget()) : renderTarget;
@@ -239,12 +239,12 @@ function depthConvention(renderer: WebGPURenderer): DepthConvention {
   };
 }
 
-/** Whether the pass goes on with depth that another has left, or that this one had before it was interrupted. */
+/** Whether the pass starts with depth from an earlier pass, or from its own part before an interruption. */
 function isDepthLoaded({ descriptor, currentPass }: RenderContextData): boolean {
   return descriptor.depthStencilAttachment?.depthLoadOp !== 'clear' || resumedPasses.has(currentPass!);
 }
 
-/** Whether the list that three is going through has something that writes depth before `drawn`, or is another one. */
+/** Whether an object before `drawn` in three's list writes depth; true as well if `drawn` is in no list that can be found. */
 function mayHaveWrittenDepth(
   { _renderLists, lighting }: RendererInternals,
   scene: Scene,
@@ -268,18 +268,17 @@ function checkResumable({ colorAttachments, depthStencilAttachment }: PassDescri
     depthStencilAttachment?.stencilStoreOp === 'discard';
   if (isDiscarded) {
     throw new SplatsPassError(
-      'Splats cannot be drawn into a RenderTarget that does not keep its samples: three’s pass is interrupted, and what ' +
-        'it had drawn would be lost. Leave storeMultisampledColorBuffer, storeMultisampledDepthBuffer and ' +
-        'storeMultisampledStencilBuffer of the RenderTarget on.',
+      'Splats cannot be drawn into a RenderTarget that loses its samples when they interrupt three’s pass. Leave its ' +
+        'storeMultisampledColorBuffer, storeMultisampledDepthBuffer and storeMultisampledStencilBuffer on.',
     );
   }
 }
 
-/** The texture, with a sample per pixel, that holds what the ended pass has drawn. */
+/** Returns the texture, with one sample per pixel, that holds the colours of the ended pass. */
 function colorOf(backend: Backend, context: RenderContext, descriptor: PassDescriptor): GPUTexture {
   if (context.textures === null) return backend.context.getCurrentTexture();
   const { textures } = context;
-  // With several outputs three's own name for the picture is `output`.
+  // If there are several outputs, three names the image `output`.
   const index = Math.max(
     0,
     textures.findIndex(({ name }) => name === 'output'),
@@ -307,7 +306,7 @@ function depthOf(backend: Backend, { depthTexture, depth, stencil }: RenderConte
   return texture;
 }
 
-/** Ends the pass with all that three would still have done in it. */
+/** Ends the pass, after recording everything that three would still have recorded in it. */
 function suspend(backend: Backend, context: RenderContext, data: RenderContextData): void {
   const pass = data.currentPass!;
   // three draws bundles at the end of the pass, where they would cover the splats.
@@ -326,7 +325,7 @@ function suspend(backend: Backend, context: RenderContext, data: RenderContextDa
   pass.end();
 }
 
-/** Goes on with the pass, in the state in which three believes it to be. */
+/** Continues the pass, in the state that three expects. */
 function resume(context: RenderContext, data: RenderContextData): void {
   const { descriptor, encoder } = data;
   const pass = encoder.beginRenderPass(resumed(descriptor, context));
@@ -345,11 +344,11 @@ function resume(context: RenderContext, data: RenderContextData): void {
   }
   resumedPasses.add(pass);
   data.currentPass = pass;
-  // The new pass has no pipeline and no bindings: what three believes to be set must be set again.
+  // The new pass has no pipeline and no bindings: three must set again whatever it believes to be set.
   data.currentSets = { attributes: {}, bindingGroups: [], pipeline: null, index: null };
 }
 
-/** The same pass, but taking up what it has drawn already. */
+/** Returns the descriptor of the same pass, changed to load what the pass has already drawn. */
 function resumed(
   { colorAttachments, depthStencilAttachment, timestampWrites, ...rest }: PassDescriptor,
   { depth, stencil }: RenderContext,
@@ -362,7 +361,7 @@ function resumed(
       ...(depth && { depthLoadOp: 'load' }),
       ...(stencil && { stencilLoadOp: 'load' }),
     },
-    // The first part has written when the pass began; the time in between counts, too.
+    // The first part has written the time of the start; the time in between counts, too.
     ...(timestampWrites && {
       timestampWrites: {
         querySet: timestampWrites.querySet,

@@ -3,7 +3,7 @@ import type { EffectPlace } from '@websplatter/core/effects';
 import type { EffectTwin } from '@websplatter/core/reference';
 import type { WindSwayOptions } from './wind-sway.ts';
 
-/** What `windSway` ought to do, in float64 and from its options alone: what the shader is held against. */
+/** Computes `windSway` in float64, from its options alone. Tests compare the shader with it. */
 export function windSwayTwin(options: WindSwayOptions, { origin }: EffectPlace): EffectTwin {
   const { amplitude, timeS, periodS = 3, waveLength = 1, ground = 0, tall = 1 } = options;
   const { direction = [1, 0, 0], up = [0, 1, 0] } = options;

@@ -26,7 +26,7 @@ function splatAt(position: Vec3): SplatValues {
   return { row: 0, position, opacity: 1, rotation: [1, 0, 0, 0], logScales: [0, 0, 0] };
 }
 
-it('moves no splat farther than it says', () => {
+it('moves no splat farther than its reach', () => {
   fc.assert(
     fc.property(anyOptions, vector, (options, position) => {
       const moved = windSwayTwin(options, place).changeSplat!(splatAt(position), 0).position;
@@ -36,7 +36,7 @@ it('moves no splat farther than it says', () => {
   );
 });
 
-it('leaves what is on the ground, and takes no part without wind', () => {
+it('moves nothing on the ground, and is off without wind', () => {
   const below: Vec3 = [1, 2, 3];
   const options = { amplitude: 1, timeS: 0.4, ground: below[1] + place.origin[1] };
   expect(windSwayTwin(options, place).changeSplat!(splatAt(below), 0).position).toEqual(below);

@@ -2,34 +2,34 @@ import { InvalidArgumentError, type Vec3 } from '@websplatter/core';
 import { defineEffect } from '@websplatter/core/effects';
 import wgsl from './wind-sway.wgsl?raw';
 
-/** Directions and lengths are those of the cloud's own space. */
+/** Directions and lengths are in the cloud's own space. */
 export interface WindSwayOptions {
-  /** How far the highest splats go to either side; 0 is no wind. */
+  /** Distance by which the highest splats move to either side; 0 is no wind. */
   readonly amplitude: number;
-  /** Time of the picture, seconds. */
+  /** Time of the frame, seconds. */
   readonly timeS: number;
-  /** Of one oscillation, seconds; default 3. */
+  /** Duration of one oscillation, seconds; default 3. */
   readonly periodS?: number;
-  /** From one gust to the next, along `direction`; default 1. */
+  /** Distance from one gust to the next, along `direction`; default 1. */
   readonly waveLength?: number;
-  /** Where the wind blows to, of any length but 0; default along x. */
+  /** Direction that the wind blows to, of any length except 0; default along x. */
   readonly direction?: Vec3;
-  /** Of any length but 0; default along y. */
+  /** Upward direction, of any length except 0; default along y. */
   readonly up?: Vec3;
-  /** Height that nothing below moves from; default 0. */
+  /** Height of the ground; splats below it do not move; default 0. */
   readonly ground?: number;
-  /** Height above the ground from which on splats sway in full; default 1. */
+  /** Height above the ground from which splats sway fully; default 1. */
   readonly tall?: number;
 }
 
-/** An effect that is not one of the packages’: see docs/effects.md. */
+/** An effect from outside of the packages: see docs/effects.md. */
 export const windSway = defineEffect<
   WindSwayOptions,
   { up: 'vec3f'; upOffset: 'f32'; wave: 'vec3f'; phase: 'f32'; push: 'vec3f'; tall: 'f32' }
 >({
   name: 'wind-sway',
   label: 'Wind',
-  about: 'Lets what stands up sway.',
+  about: 'Sways splats above the ground.',
   hooks: { splat: 'swaySplat' },
   wgsl,
   fields: { up: 'vec3f', upOffset: 'f32', wave: 'vec3f', phase: 'f32', push: 'vec3f', tall: 'f32' },
@@ -46,7 +46,7 @@ export const windSway = defineEffect<
     }
   },
   calledFor: ({ amplitude }) => (amplitude === 0 ? null : `a wind moves it by up to ${amplitude}`),
-  // What is culled by its bounds alone must not have swayed into the picture.
+  // Chunks are culled by their bounds, enlarged by this: no splat may sway farther.
   reach: ({ amplitude }) => ({ displacement: amplitude, growth: 1 }),
   valuesAt(options, { origin }) {
     const { amplitude, timeS, periodS = 3, waveLength = 1, ground = 0, tall = 1 } = options;
@@ -56,7 +56,7 @@ export const windSway = defineEffect<
     const wave = scaled(direction, turn / waveLength);
     return {
       up,
-      // Shaders have positions about the cloud's origin. What else is far from 0 is taken in float64, here.
+      // Positions in shaders are relative to the cloud's origin. Other values far from 0 are computed here, in float64.
       upOffset: dot(up, origin) - ground,
       wave,
       phase: (dot(wave, origin) - (turn * timeS) / periodS) % turn,

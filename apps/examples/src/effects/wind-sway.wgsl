@@ -1,4 +1,4 @@
-// Lets what stands up sway in waves that run through the cloud. What is on the ground stays.
+// Sways splats in waves that run through the cloud. Splats on the ground stay.
 import package::lib::packing::Splat;
 import parameters::WindSway;
 

@@ -42,7 +42,7 @@ export default function Accuracy() {
           </select>
         </label>
         {isAccuracyWish(REQUESTS[request]) && (
-          <output>{choices[request]?.why ?? 'Measuring which settings keep that…'}</output>
+          <output>{choices[request]?.why ?? 'Measuring which settings meet that…'}</output>
         )}
       </form>
     </>

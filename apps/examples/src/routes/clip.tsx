@@ -3,7 +3,7 @@ import { Canvas } from '@react-three/fiber';
 import { type ClipVolume, createSplatRenderer, Splats } from '@websplatter/react';
 import { Suspense, useState } from 'react';
 
-/** Of a size: a plane stands there, a sphere and a box reach as far. */
+/** Volumes by size: the place of a plane, the radius of a sphere, half the edge of a box. */
 const SHAPES = {
   Plane: (size) => ({ shape: 'plane', point: [size, 0, 0], normal: [-1, 0, 0] }),
   Sphere: (size) => ({ shape: 'sphere', center: [0, 0.2, 0], radius: size }),

@@ -19,7 +19,7 @@ export default function Colour() {
         camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
       >
         <Suspense>
-          {/* White, 1, 3 and false change nothing: they are in no shader then. */}
+          {/* White, 1, 3 and false change nothing, so shaders do not contain these effects. */}
           <Splats
             src="still-life.ply"
             tint={tint}

@@ -31,7 +31,7 @@ export default function DemandLoop() {
   );
 }
 
-/** Counts without React, whose rendering would be no frame but work all the same. */
+/** Counts without React, which would otherwise render once per frame. */
 function FrameCounter({ counter }: { counter: RefObject<HTMLOutputElement | null> }) {
   const frames = useRef(0);
   useFrame(() => {

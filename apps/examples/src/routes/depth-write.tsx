@@ -16,7 +16,7 @@ export default function DepthWrite() {
         <Suspense>
           <Splats src="still-life.ply" writesDepth={writesDepth} />
         </Suspense>
-        {/* Transparent objects are drawn after opaque ones, and this one after the splats: their depth is all that hides it. */}
+        {/* Transparent objects are drawn after opaque ones, and this one after the splats: only their depth can hide it. */}
         <mesh position={[-0.2, 0.16, -0.12]} rotation-x={-1.2} renderOrder={1}>
           <torusGeometry args={[0.17, 0.018, 24, 96]} />
           <meshBasicMaterial color="#2d7dff" transparent opacity={0.75} />
@@ -30,7 +30,7 @@ export default function DepthWrite() {
             checked={writesDepth}
             onChange={({ target }) => setWritesDepth(target.checked)}
           />{' '}
-          Splats hide what is drawn after them
+          Splats hide objects that are drawn after them
         </label>
       </form>
     </>

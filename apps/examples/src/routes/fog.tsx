@@ -16,7 +16,7 @@ export default function Fog() {
         frameloop="demand"
         camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
       >
-        {/* The scene's own: nothing here is about splats. */}
+        {/* The scene's own background and fog: nothing here is about splats. */}
         <color attach="background" args={[FOG_COLOR]} />
         <fogExp2 attach="fog" args={[FOG_COLOR]} density={density} />
         {[0.4, -0.6, -1.6].map((z) => (

@@ -25,7 +25,7 @@ export default function Reveal() {
         camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
       >
         <Suspense>
-          {/* Another key is another appearance. The frames that it takes are asked for, and none after it. */}
+          {/* A new key starts again. Splats request the frames that this needs, and none afterwards. */}
           <Splats key={times} src="still-life.ply" reveal={reveal} />
         </Suspense>
         <OrbitControls />

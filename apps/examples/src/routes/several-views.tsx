@@ -28,7 +28,7 @@ export default function SeveralViews() {
 
 /**
  * Draws the scene once per camera. A priority above 0 takes drawing over from the Canvas. (drei's `<View>` does the same,
- * but measures from the bottom, as WebGL does: with a WebGPURenderer what is meant for the top appears below.)
+ * but measures from the bottom, as WebGL does: with a WebGPURenderer, views meant for the top appear below.)
  */
 function Views() {
   useFrame(({ gl, scene, size }) => {

@@ -5,7 +5,7 @@ import { Suspense, useRef } from 'react';
 
 export default function WithSuspense() {
   const bar = useRef<HTMLProgressElement>(null);
-  // Of three's LoadingManager, which hears of splats as it does of textures and models.
+  // Progress of three's LoadingManager, to which splats report as textures and models do.
   const { active, item } = useProgress();
   const showProgress = ({ loaded, total }: ProgressEvent) => {
     if (bar.current && total > 0) bar.current.value = loaded / total;

@@ -9,7 +9,7 @@ export default function TwoClouds() {
     <>
       <Canvas gl={createSplatRenderer} flat camera={{ position: [0, 1.3, 4], fov: 50 }}>
         <Splats src="ring.ply" position-x={-0.55} />
-        {/* Turned, mirrored and smaller. The file is read once and lies on the GPU once. */}
+        {/* Turned, mirrored and smaller. The file is read once and uploaded once. */}
         <Splats
           src="ring.ply"
           position-x={0.55}

@@ -45,7 +45,7 @@ interface WindProps {
   isMoving: boolean;
 }
 
-/** Sets the effect anew for each frame, without a render of React's. */
+/** Sets the effect again for each frame, without rendering in React. */
 function Wind({ splats, amplitude, isMoving }: WindProps) {
   const timeS = useRef(0);
   useFrame((_state, elapsedS) => {

@@ -9,7 +9,7 @@ import {
 } from '@websplatter/core';
 import { vi } from 'vitest';
 
-/** An engine whose only cloud takes note of what is claimed of it, and at once holds it. For tests. */
+/** An engine whose only cloud records claims and meets them at once. For tests. */
 export function fakeEngine({ accuracy = 'balanced' }: { accuracy?: Accuracy } = {}) {
   const destroyed = vi.fn();
   const state = { accuracy: resolveAccuracy(accuracy), pages: {} };
