@@ -12,7 +12,7 @@ import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, isScaled, perShape } from '../frame-shape.ts';
 import { depthView, isMultisampled } from '../host-views.ts';
 
-/** By whether the host's depth has several samples, which is known only when the frame is drawn; none without depth. */
+/** Two variants: whether the host's depth has several samples is known only when the frame is drawn. Null without depth. */
 const stageOf = perShape((shape) => {
   const { depth, output } = shape;
   if (!depth || output.kind !== 'host') return null;
@@ -23,7 +23,7 @@ const stageOf = perShape((shape) => {
 
 const stagesOf = perShape((shape): readonly CompiledStage[] => Object.values(stageOf(shape) ?? {}));
 
-/** Brings the host's depth under the splats: copied, since it may be multisampled, larger, or of another format. */
+/** Copies the host's depth, for splats to be tested against: it may be multisampled, larger, or in another format. */
 export class ResolveDepth implements FramePart<DrawRecording> {
   readonly #context: PartContext;
   #depth: GPUTexture | null = null;
@@ -41,7 +41,7 @@ export class ResolveDepth implements FramePart<DrawRecording> {
     return this.#context.memory.bytesOf(this.#depth);
   }
 
-  /** Textures of frames inside another renderer's are replaced when they are drawn: until then the host may show the old ones. */
+  /** Leaves the texture to `record`: until a frame is drawn the host may show the old one. */
   fit(_plan: FramePlan): PartChange | null {
     return null;
   }
