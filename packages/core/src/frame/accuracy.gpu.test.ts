@@ -93,7 +93,7 @@ describe('accuracy settings', () => {
     }
   });
 
-  gpuTest("the paper's records: what they hold is what is drawn", async () => {
+  gpuTest("the paper's records: drawn with exactly the values that they hold", async () => {
     for (const logScales of [
       [-4.5, -1.5],
       [-9, 1],
