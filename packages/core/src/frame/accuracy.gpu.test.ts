@@ -13,7 +13,7 @@ import { testCameras } from '../testing/test-cameras.ts';
 import { visibleSplatOf } from '../testing/visible-splat.ts';
 import type { SplatView } from '../views/splat-view.ts';
 
-/** Pictures with each setting, against float64 with the same settings. What the stages do is in their own tests. */
+/** Images with each setting, against float64 with the same settings. The stages have tests of their own. */
 
 const SIZE = { widthPx: 64, heightPx: 64 };
 const CAMERAS = testCameras(1);
@@ -63,7 +63,7 @@ describe('accuracy settings', () => {
     { culling: 'frustum' },
     { extent: 'fixed', culling: 'frustum' },
   ] as const) {
-    gpuTest(`${JSON.stringify(settings)}: the same picture`, async () => {
+    gpuTest(`${JSON.stringify(settings)}: the same image`, async () => {
       const large = randomSplats({ count: 800, seed: 41, logScales: [-4, 1], opacityLogits: [-5, 2] });
       for (const camera of [CAMERA, CAMERAS.inside, CAMERAS.orthographic]) {
         for (const set of [SCENE, large]) {
@@ -79,21 +79,21 @@ describe('accuracy settings', () => {
     });
   }
 
-  gpuTest('sort keys of fewer bits: the picture in the order of the shortened keys', async () => {
-    // Deep, so that a few bits are few.
+  gpuTest('sort keys of fewer bits: the image in the order of the shortened keys', async () => {
+    // A deep scene, so that few bits lose much.
     const set = randomSplats({ count: 1500, seed: 42, halfExtent: 30, logScales: [-2, 0] });
     const camera = CAMERAS.inside;
     const exact = await drawWith({}, set, camera);
     for (const sortKeyBits of [24, 20, 16] as const) {
       const data = await drawWith({ sortKeyBits }, set, camera);
-      // Float32 depths that fall on the other side of a step change places, of which the twin knows nothing.
+      // Splats change places if their float32 depths fall on the other side of a step, which the twin does not model.
       expect(psnrAgainstTwin(data, { sortKeyBits }, set, camera), `${sortKeyBits} bits`).toBeGreaterThan(55);
-      // Depths are within 2^-(bits − 4) of each other where they are taken for equal: the picture hardly changes.
+      // Depths with equal keys are within 2^-(bits − 4) of each other: the image hardly changes.
       expect(compareImages(data, exact, SIZE).psnrDb).toBeGreaterThan(45);
     }
   });
 
-  gpuTest("the paper's records: what they hold is what is drawn", async () => {
+  gpuTest("the paper's records: drawn with exactly the values that they hold", async () => {
     for (const logScales of [
       [-4.5, -1.5],
       [-9, 1],
@@ -117,8 +117,8 @@ describe('accuracy settings', () => {
     }
   });
 
-  gpuTest('the records of the paper: close to the picture of exact ones', async () => {
-    // Colours above 1 end there: those of the scene are kept below.
+  gpuTest('the records of the paper: close to the image of exact ones', async () => {
+    // Those records clamp colours at 1: the scene's stay below.
     const set = { ...SCENE, harmonics: NO_REST, colorDc: SCENE.colorDc.map((value) => value / 2) };
     const data = await drawWith({ recordPrecision: 'paper' }, set);
     expect(psnrAgainstTwin(data, {}, set)).toBeGreaterThan(45);
@@ -127,7 +127,7 @@ describe('accuracy settings', () => {
   gpuTest('an 8-bit target: every value a step of it', async () => {
     const data = await drawWith({ colorTarget: 'rgba8unorm' });
     expect(data.every((value) => Math.abs(255 * value - Math.round(255 * value)) < 1e-4)).toBe(true);
-    // A rounding of half a step per layer, of which later ones cover some; rounding once alone is 58.9 dB.
+    // Each layer rounds by half a step, partly covered by later layers; a single rounding is 58.9 dB.
     expect(psnrAgainstTwin(data, {})).toBeGreaterThan(44);
   });
 
@@ -135,7 +135,7 @@ describe('accuracy settings', () => {
     for (const resolutionScale of [0.25, 0.5, 0.77]) {
       const settings = { resolutionScale };
       for (const camera of [CAMERA, CAMERAS.orthographic, CAMERAS['off-centre']]) {
-        // As exact as at full size: enlarging averages.
+        // As exact as at full size, since enlarging averages.
         expect(
           psnrAgainstTwin(await drawWith(settings, SCENE, camera), settings, SCENE, camera),
         ).toBeGreaterThan(58);
@@ -143,7 +143,7 @@ describe('accuracy settings', () => {
     }
   });
 
-  gpuTest('a scaled resolution may change every frame, and picks follow the picture', async () => {
+  gpuTest('a scaled resolution may change every frame, and picks follow the image', async () => {
     const cloud = engine.add(SCENE);
     const frame = { camera: CAMERA, clouds: [{ cloud }], widthPx: 63, heightPx: 41 };
     const own = engine.createView();
@@ -160,7 +160,7 @@ describe('accuracy settings', () => {
       ]) {
         const picked = await own.pick(xPx, yPx);
         const alpha = data[4 * (Math.floor(yPx) * 63 + Math.floor(xPx)) + 3];
-        // The picture is averaged between pixels of the layer, a pick asks one of them.
+        // The image averages pixels of the layer; a pick reads one of them.
         if (resolutionScale === 1) expect(picked?.totalOpacity ?? 0).toBeCloseTo(alpha, 3);
         else if (alpha > 0.9) expect(picked?.totalOpacity).toBeGreaterThan(0.5);
       }
@@ -172,7 +172,7 @@ describe('accuracy settings', () => {
     expect(engine.memory().totalBytes).toBeLessThan(before);
   });
 
-  gpuTest('what is only a number or another shader takes no other buffers', async () => {
+  gpuTest('settings that only change a number or a shader need no other buffers', async () => {
     const cloud = engine.add(SCENE);
     const own = engine.createView();
     const frame = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
@@ -202,7 +202,7 @@ describe('accuracy settings', () => {
     ] as const) {
       expect(await buffersMadeFor(settings), JSON.stringify(settings)).toEqual([]);
       const { data } = await own.readPixels();
-      // The picture is that of a view that has never drawn anything else.
+      // The image equals that of a view that has never drawn anything else.
       expect(Buffer.compare(Buffer.from(data.buffer), Buffer.from((await drawWith(settings)).buffer))).toBe(
         0,
       );
@@ -213,7 +213,7 @@ describe('accuracy settings', () => {
   });
 
   for (const preset of ['fast', 'paper'] as const) {
-    gpuTest(`preset ${preset}: finite and close, also where scenes are hard`, async () => {
+    gpuTest(`preset ${preset}: finite and close, also in hard scenes`, async () => {
       const hard = [
         randomSplats({ count: 300, seed: 44, logScales: [-40, 40] }),
         randomSplats({ count: 300, seed: 45, halfExtent: 1e-4, logScales: [-18, 1] }),

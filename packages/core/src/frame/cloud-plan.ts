@@ -16,34 +16,34 @@ import type { CloudShape, OmittableEffect } from './frame-shape.ts';
 /** One effect of one cloud in one frame. */
 export interface PlannedUse {
   readonly use: EffectUse;
-  /** Contents of the effect's parameters; null where it has none. */
+  /** Values of the effect's parameters; null if it has none. */
   readonly values: GpuValues<GpuFields> | null;
-  /** Version of its selection; undefined where it takes none. */
+  /** Version of the effect's selection; undefined without one. */
   readonly selectionVersion: number | undefined;
 }
 
 /** One cloud of a frame. */
 export interface CloudPlan {
-  /** As the caller gave it, copied. */
+  /** Copy of the caller's instance. */
   readonly instance: CloudInstance;
   /** Scene to world, float64, column-major. */
   readonly modelMatrix: Mat4;
-  /** The effects that take part, in the order in which they act. */
+  /** Effects that the cloud is drawn with, in the order in which they act. */
   readonly uses: readonly PlannedUse[];
   readonly effects: EffectSet;
-  /** The parameters of all of them, as shaders read them. */
+  /** Packed parameters of all effects, as shaders read them. */
   readonly parameters: Uint8Array;
-  /** How far all effects together take splats from where they are stored. */
+  /** How far all effects together move splats, and how much they enlarge them. */
   readonly reach: SplatReach;
   readonly view: CloudView;
-  /** The frustum in the cloud's space. */
+  /** Sides of the frustum in the cloud's space. */
   readonly sides: readonly FrustumSide[];
 }
 
 /**
- * The effects that take part in drawing a cloud.
+ * Returns the effects that a cloud is drawn with.
  *
- * @throws InvalidArgumentError naming the cloud, for effects that do not go together.
+ * @throws InvalidArgumentError naming the cloud, if its effects cannot be combined.
  */
 export function effectsOf(instance: CloudInstance): readonly EffectUse[] {
   try {
@@ -54,7 +54,7 @@ export function effectsOf(instance: CloudInstance): readonly EffectUse[] {
   }
 }
 
-/** The plan of one cloud of a frame. */
+/** Plans one cloud of a frame. */
 export function planCloud(
   instance: CloudInstance,
   camera: Camera,
@@ -74,7 +74,11 @@ export function planCloud(
   }));
   const effects = effectSetOf(acting);
   return {
-    instance: { ...instance, ...(instance.modelMatrix && { modelMatrix }) },
+    instance: {
+      ...instance,
+      ...(instance.modelMatrix && { modelMatrix }),
+      ...(instance.effects && { effects: [...instance.effects] }),
+    },
     modelMatrix,
     uses,
     effects,
@@ -85,7 +89,7 @@ export function planCloud(
   };
 }
 
-/** A copy: values may be arrays of the caller's, who may change them later. */
+/** Copies values: callers may change their arrays later. */
 function ownValues(values: GpuValues<GpuFields> | null): GpuValues<GpuFields> | null {
   if (!values) return null;
   const own = Object.entries(values).map(([name, value]) => [
@@ -95,7 +99,7 @@ function ownValues(values: GpuValues<GpuFields> | null): GpuValues<GpuFields> | 
   return Object.fromEntries(own);
 }
 
-/** The shape of one cloud; it keeps no colours. */
+/** Returns the shape of one cloud, without kept colours: see `withKeptColors`. */
 export function cloudShape(
   { instance, effects }: CloudPlan,
   accuracy: AccuracySettings,
@@ -113,7 +117,7 @@ export function cloudShape(
   };
 }
 
-/** Effects of this package leave balls round; a caller's own may do anything. */
+/** This package's effects keep spheres round; callers' effects might not. */
 function isIsotropic(facts: CloudFacts, { effects }: EffectSet): boolean {
   return (
     facts.isIsotropic &&
@@ -121,10 +125,10 @@ function isIsotropic(facts: CloudFacts, { effects }: EffectSet): boolean {
   );
 }
 
-/** The step in which opacities are packed. */
+/** Step in which opacities are packed. */
 const OPACITY_STEP = 1 / 65535;
 
-/** Opacity hooks test by themselves the splats that they make fainter. */
+/** Opacity hooks do not count: they test the splats that they make fainter themselves. */
 function hasFaintSplats(facts: CloudFacts, effects: EffectSet, { alphaCutoff }: AccuracySettings): boolean {
   return hasHook(effects, 'splat') || facts.minOpacity - OPACITY_STEP < alphaCutoff;
 }

@@ -7,14 +7,14 @@ import type { FrameShape } from './frame-shape.ts';
 import { writeEffectUniforms } from './frame-uniforms.ts';
 import { SelectionBits } from './selection-bits.ts';
 
-/** The parameters of the effects of a frame's clouds, and which splats are selected for them; nothing where no effect takes any. */
+/** Parameters and selections of the effects of a frame's clouds; holds nothing if no effect takes any. */
 export class EffectBuffers {
   readonly #memory: GpuMemory;
   readonly #queue: GPUQueue;
   readonly #selections: SelectionBits;
   #parameters: GPUBuffer | null = null;
   #contents = new Uint8Array(0);
-  /** From one cloud's parameters to the next one's. */
+  /** From one cloud's parameters to the next cloud's. */
   #strideBytes = 0;
 
   constructor(memory: GpuMemory, queue: GPUQueue) {
@@ -23,7 +23,7 @@ export class EffectBuffers {
     this.#selections = new SelectionBits(memory, queue);
   }
 
-  /** Makes room for the effects of this shape, and for nothing else. */
+  /** Makes room for the effects of this shape, and frees the rest. */
   fit(shape: FrameShape): void {
     this.#selections.fit(shape.clouds, pagesOf(shape));
     this.#strideBytes = strideOf(shape);
@@ -34,7 +34,7 @@ export class EffectBuffers {
     this.#parameters = bytes > 0 ? this.#memory.createBuffer('frame effects', bytes, usage) : null;
   }
 
-  /** What the stages of one page are bound to. */
+  /** Returns the bindings of one page's stages. */
   bindingsOf(pageIndex: number, cloudIndex: number): Partial<Bindings<'effects' | 'selectedBits'>> {
     const selectedBits = this.#selections.bindingOf(pageIndex);
     const size = this.#strideBytes;
@@ -54,7 +54,7 @@ export class EffectBuffers {
     this.#selections.write(plan.clouds);
   }
 
-  /** Bytes of the bits of one cloud. */
+  /** Bytes of one cloud's selection bits. */
   selectionBytes(cloudIndex: number): number {
     return this.#selections.bytesOf(cloudIndex);
   }
@@ -66,7 +66,7 @@ export class EffectBuffers {
   }
 }
 
-/** 0 where no cloud's effects take parameters. */
+/** Returns 0 if no cloud's effects take parameters. */
 function strideOf({ clouds }: FrameShape): number {
   return roundUp(Math.max(0, ...clouds.map(({ effects }) => effects.parameterBytes)), UNIFORM_ALIGNMENT);
 }

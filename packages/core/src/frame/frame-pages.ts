@@ -4,19 +4,19 @@ import { roundUp } from '../layout/gpu-struct.ts';
 import { Page } from '../layout/structs.ts';
 import { type FrameShape, perShape } from './frame-shape.ts';
 
-/** Uniform buffers are bound at multiples of this many bytes. */
+/** Offsets of uniform bindings are multiples of this many bytes. */
 export const UNIFORM_ALIGNMENT = 256;
-/** From one `Page` to the next in a frame's uniforms. */
+/** Bytes from one `Page` to the next in a frame's uniforms. */
 export const PAGE_STRIDE_BYTES = roundUp(Page.bytes, UNIFORM_ALIGNMENT);
 
 /** One page of one of the frame's clouds. */
 export interface FramePage extends CloudPage {
   readonly cloudIndex: number;
-  /** First chunk, counting through the frame. */
+  /** First chunk of the page, counting through the frame. */
   readonly chunkStart: number;
 }
 
-/** All pages of a frame's clouds, in their order. */
+/** All pages of a frame's clouds, in the clouds' order. */
 export const pagesOf = perShape(({ clouds }: FrameShape): readonly FramePage[] => {
   let chunkStart = 0;
   return clouds.flatMap(({ planes }, cloudIndex) =>
@@ -37,24 +37,24 @@ export const firstPagesOf = perShape((shape: FrameShape): readonly number[] => {
   return first;
 });
 
-/** Most workgroups that the visible splats of a page of so many chunks take, at one thread per splat. */
+/** Largest number of workgroups that the visible splats of a page can take, at one thread per splat. */
 export function projectWorkgroups(chunkCount: number): number {
   return Math.ceil((chunkCount * CHUNK_SPLATS) / SHADER_CONSTANTS.PROJECT_WORKGROUP);
 }
 
-/** Chunks of all pages. */
+/** Number of chunks of all pages. */
 export function chunkCountOf(pages: readonly FramePage[]): number {
   return pages.reduce((sum, { chunkCount }) => sum + chunkCount, 0);
 }
 
-/** Cloud and place in its storage order of splat `number`, which counts through all chunks of the frame. */
+/** Finds the cloud of splat `number`, which counts through all chunks of the frame, and its place in storage order there. */
 export function locateSplat(
   pages: readonly FramePage[],
   number: number,
 ): { readonly cloudIndex: number; readonly storedIndex: number } {
   const chunk = Math.floor(number / CHUNK_SPLATS);
   const { cloudIndex } = pages.findLast(({ chunkStart }) => chunkStart <= chunk)!;
-  // Only the last page of a cloud has a chunk that is not full: its pages are one run of splats.
+  // Only the last page of a cloud may have a partial chunk, so its pages are one run of splats.
   const { chunkStart } = pages.find((page) => page.cloudIndex === cloudIndex)!;
   return { cloudIndex, storedIndex: number - CHUNK_SPLATS * chunkStart };
 }

@@ -5,7 +5,7 @@ import type { GpuTimer } from '../timing/gpu-timer.ts';
 import type { FramePlan } from './frame-plan.ts';
 import type { FrameShape } from './frame-shape.ts';
 
-/** Buffers that one part holds and stages of others bind, by the names that the stages give them. */
+/** Buffers that one part holds and stages of other parts bind, by their names in those stages. */
 export interface SharedBuffers {
   readonly view: GPUBuffer;
   readonly pageUniforms: GPUBuffer;
@@ -15,32 +15,32 @@ export interface SharedBuffers {
   readonly projectDispatches: GPUBuffer;
   readonly visibleSplats: GPUBuffer;
   readonly records: GPUBuffer;
-  /** How many splats are visible. */
+  /** Number of visible splats. */
   readonly visibleCount: GPUBuffer;
   readonly keys: GPUBuffer;
-  /** After the sort: the visible splats back to front. */
+  /** The visible splats back to front, after the sort. */
   readonly order: GPUBuffer;
   readonly drawArguments: GPUBuffer;
 }
 
-/** Textures that splats are blended in, or that take them from there. */
+/** Textures that splats are blended in, or that blended splats are enlarged into. */
 export interface LayerTextures {
   /** Premultiplied RGBA in the space that splats are blended in. */
   readonly color: GPUTexture;
-  /** View depth weighted like the colours, where the shape asks for it. */
+  /** View depth weighted like the colours; null if the shape does not need it. */
   readonly depthLayer: GPUTexture | null;
 }
 
-/** What parts hold for one another. Each part puts its own in, in `commit`, and reads that of others in `bind` and `record`. */
+/** GPU memory that parts share. Each part publishes its own in `commit`, and reads other parts' in `bind` and `record`. */
 export class SharedMemory {
   readonly buffers = {} as { -readonly [Name in keyof SharedBuffers]: SharedBuffers[Name] };
   /** One `HostDepth`, for shapes with depth. */
   hostDepth: GPUBuffer | null = null;
-  /** One `HostViewport`, for frames inside another renderer's. */
+  /** One `HostViewport`, for frames inside another renderer's frame. */
   viewport: GPUBuffer | null = null;
-  /** Buffers of kept colours, by page of the frame; null where none are kept. */
+  /** Buffers of kept colours, by page of the frame; null for pages that keep none. */
   keptColors: readonly (GPUBuffer | null)[] = [];
-  /** What splats are blended in: of the image's size, or smaller. */
+  /** The layer that splats are blended in: of the image's size, or smaller. */
   blended: LayerTextures | null = null;
   /** The blended splats at the image's size. */
   image: LayerTextures | null = null;
@@ -55,33 +55,30 @@ export interface PartContext {
   readonly shared: SharedMemory;
 }
 
-/** A change of what a part holds, ready to be made: `free` and `commit` are called, or `discard`. */
+/** A prepared change of a part's buffers and textures: `free` and `commit` are called, or `discard`. */
 export interface PartChange {
-  /**
-   * Frees memory before any part commits: textures of the image's size that `commit` replaces, so that old and new are never
-   * held together.
-   */
+  /** Frees textures of the image's size before any part commits, so that old and new ones are never held together. */
   free?(): void;
-  /** Takes over and frees what it replaces; cannot fail. */
+  /** Makes the change and frees what it replaces; cannot fail. */
   commit(): void;
-  /** Frees what was made for it. */
+  /** Frees what was made for the change. */
   discard(): void;
 }
 
-/** What lies behind the splats, between two passes of the host. */
+/** The host's textures behind the splats, between two of its passes. */
 export interface HostPass {
-  /** Linear light, premultiplied, one sample; with TEXTURE_BINDING or else COPY_SRC. */
+  /** Linear light, premultiplied, one sample; with usage TEXTURE_BINDING, or at least COPY_SRC. */
   readonly color: GPUTexture;
-  /** Of one or several samples, with TEXTURE_BINDING; null where the host has none. */
+  /** One or several samples, with usage TEXTURE_BINDING; null if the host has no depth. */
   readonly depth: GPUTexture | null;
-  /** Top left of the viewport within both, in pixels. */
+  /** Top left of the viewport within both textures, in pixels. */
   readonly xPx: number;
   readonly yPx: number;
-  /** Layer of textures that have several, e.g. a cube's face; default 0. */
+  /** Layer to use of array textures, e.g. a cube's face; default 0. */
   readonly layer?: number;
 }
 
-/** Where one frame is drawn; of the kind that its shape's `output` names. */
+/** Where one frame is drawn; its kind is that of the shape's `output`. */
 export type Destination =
   | { readonly kind: 'image' }
   | { readonly kind: 'canvas'; readonly canvas: GPUCanvasContext; readonly background: Vec3 }
@@ -94,7 +91,7 @@ export interface Recording {
 }
 
 export interface OrderRecording extends Recording {
-  /** Only colours have changed since the last frame: the visible splats and their order stay. */
+  /** Whether only colours have changed since the last frame, so that the visible splats and their order stay. */
   readonly isColorsOnly: boolean;
 }
 
@@ -104,31 +101,31 @@ export interface DrawRecording extends Recording {
 
 /**
  * A group of a frame's stages with the GPU memory that they need. A part that a shape does not use runs no stages and holds
- * nothing. Only frame.ts puts parts in order.
+ * nothing. Only frame.ts orders parts.
  */
 export interface FramePart<R extends Recording = Recording> {
   /**
-   * What the part has to change to hold what `plan` needs; null where it holds that already.
+   * Prepares the change that gives the part the memory that `plan` needs; null if it has that memory already.
    *
-   * @throws GpuLimitError where a buffer would pass the device's limits; nothing stays allocated then.
+   * @throws GpuLimitError if a buffer would exceed the device's limits; nothing stays allocated then.
    */
-  fit(plan: FramePlan): PartChange | null;
-  /** Binds the stages of `shape` to buffers, once all parts have what they need. */
-  bind(shape: FrameShape): void;
+  fit?(plan: FramePlan): PartChange | null;
+  /** Binds the stages of `shape`, after the changes of all parts. */
+  bind?(shape: FrameShape): void;
   /** Writes everything that changes from frame to frame. */
-  write(plan: FramePlan): void;
+  write?(plan: FramePlan): void;
   record(recording: R): void;
   destroy(): void;
 }
 
-/** A part before it is made: the stages that it runs are known without it. */
+/** Class of a part: its stages are known before a part is made. */
 export interface PartClass<R extends Recording = Recording> {
   new (context: PartContext): FramePart<R>;
-  /** Stages that frames of this shape run in this part; none where they do not use it. */
+  /** Stages that frames of this shape run in this part; none if they do not use it. */
   stages(shape: FrameShape): readonly CompiledStage[];
 }
 
-/** Sets pipeline and bind group of a compute stage that has been compiled. */
+/** Sets pipeline and bind group of a compiled compute stage. */
 export function useCompute(
   pass: GPUComputePassEncoder,
   pipelines: Pipelines,
@@ -139,7 +136,7 @@ export function useCompute(
   pass.setBindGroup(0, group);
 }
 
-/** Draws one triangle over all of the target by a render stage that has been compiled. */
+/** Draws one triangle over the whole target with a compiled render stage. */
 export function drawOverAll(
   pass: GPURenderPassEncoder,
   pipelines: Pipelines,

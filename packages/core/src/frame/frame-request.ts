@@ -6,38 +6,38 @@ import { DestroyedError, InvalidArgumentError } from '../errors.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree } from '../splats/splat-set.ts';
 
-/** A cloud and where it stands. */
+/** A cloud, its place and how to draw it. */
 export interface CloudInstance {
   readonly cloud: SplatCloud;
   /** Scene to world, 16 numbers, column-major, read in float64; default the identity. */
   readonly modelMatrix?: ArrayLike<number>;
-  /** Multiplies every splat's opacity, 0…1; default 1. At 0 nothing of the cloud is drawn. */
+  /** Multiplies every splat's opacity, 0…1; default 1. At 0 the cloud is not drawn. */
   readonly opacity?: number;
   /**
-   * Colours depend on the view up to this degree of spherical harmonics, at most: what is stored above it is not read.
-   * Default 3, whatever is stored and the frame's accuracy asks for.
+   * Highest degree of spherical harmonics to evaluate; stored bands above it are not read. Default 3: the degree that is
+   * stored, within the frame's accuracy.
    */
   readonly shDegree?: ShDegree;
-  /** Effects that this cloud is to be drawn with, each once: `[tint([1, 0.8, 0.6])]`. */
+  /** Effects to draw this cloud with, each at most once: `[tint([1, 0.8, 0.6])]`. */
   readonly effects?: readonly EffectUse[];
 }
 
-/** One picture. */
+/** What a caller asks a view to draw. */
 export interface FrameRequest {
   readonly camera: Camera;
-  /** In the order in which equal depths are drawn. */
+  /** Their order is that in which equal depths are drawn. */
   readonly clouds: readonly CloudInstance[];
-  /** Size in physical pixels, whole numbers; nothing is drawn where one is 0. */
+  /** Size in physical pixels, whole numbers; nothing is drawn if either is 0. */
   readonly widthPx: number;
   readonly heightPx: number;
-  /** What is behind the splats on a canvas, sRGB-encoded, 0…1; default black. */
+  /** Colour behind the splats on a canvas, sRGB-encoded, 0…1; default black. */
   readonly background?: Vec3;
   /**
-   * Settings, or a wish: see `SplatView.onAccuracyChosen`. Default the engine's. Pass the same object every frame, it is
-   * looked at once.
+   * Settings, or a wish: see `SplatView.onAccuracyChosen`. Default the engine's. Pass the same object every frame: each
+   * object is read once.
    */
   readonly accuracy?: AccuracyRequest;
-  /** Draw even where nothing has changed, as a benchmark needs it. */
+  /** Draw even if nothing has changed, e.g. for a benchmark. */
   readonly force?: boolean;
 }
 
@@ -45,12 +45,12 @@ function isMatrix(values: ArrayLike<number>): boolean {
   return values.length === 16 && Array.prototype.every.call(values, Number.isFinite);
 }
 
-/** @throws InvalidArgumentError naming what cannot be drawn and why, DestroyedError for a destroyed cloud. */
+/** @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a destroyed cloud. */
 export function checkRequest({ camera, clouds, widthPx, heightPx }: FrameRequest, device: GPUDevice): void {
   if (!(Number.isInteger(widthPx) && Number.isInteger(heightPx) && widthPx >= 0 && heightPx >= 0)) {
     throw new InvalidArgumentError(
       'widthPx',
-      `The picture is ${widthPx}×${heightPx}; it takes whole numbers of pixels.`,
+      `The image size is ${widthPx}×${heightPx}; use whole numbers of pixels.`,
     );
   }
   for (const name of ['viewMatrix', 'projectionMatrix'] as const) {
@@ -69,7 +69,7 @@ export function checkRequest({ camera, clouds, widthPx, heightPx }: FrameRequest
       throw new InvalidArgumentError('modelMatrix', message);
     }
     if (!(shDegree in SH_REST_COEFFICIENTS)) {
-      const message = `${cloud.name} is to be drawn with degree ${shDegree}; there are degrees 0, 1, 2 and 3.`;
+      const message = `The shDegree of ${cloud.name} is ${shDegree}; use 0, 1, 2 or 3.`;
       throw new InvalidArgumentError('shDegree', message);
     }
   }

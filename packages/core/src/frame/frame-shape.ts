@@ -5,17 +5,17 @@ import type { EffectSet } from '../effects/effect-set.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import { isSameDepth, type RasterizeDepth } from '../stages/rasterize.ts';
 
-/** How one cloud decides which shaders a frame runs and how large its buffers are. */
+/** Everything about one cloud that decides which shaders a frame runs and how large its buffers are. */
 export interface CloudShape {
   readonly cloud: SplatCloud;
-  /** The planes that are drawn: the nearest to the frame's accuracy that the cloud holds. */
+  /** The planes to draw: of those that the cloud holds, the nearest to the frame's accuracy. */
   readonly planes: CloudPages;
   readonly effects: EffectSet;
-  /** Degree of spherical harmonics that is evaluated. */
+  /** Degree of spherical harmonics to evaluate. */
   readonly shDegree: ShDegree;
-  /** Whether all splats are balls, after effects too: shaders leave their rotations out. */
+  /** Whether all splats are spheres, even after effects: shaders then ignore their rotations. */
   readonly isIsotropic: boolean;
-  /** Whether splats may be fainter than the cutoff, after effects too: shaders test each. */
+  /** Whether splats may be fainter than the cutoff, if only after effects: shaders then test each. */
   readonly hasFaintSplats: boolean;
   /** Whether colours are kept for frames from the same viewpoint. */
   readonly keepsColors: boolean;
@@ -23,32 +23,32 @@ export interface CloudShape {
 
 /** Where a frame's image goes. */
 export type FrameOutput =
-  /** Nowhere: it is read back, or compared on the GPU. */
+  /** Stays in a texture, to be read back or compared on the GPU. */
   | { readonly kind: 'image' }
   | { readonly kind: 'canvas'; readonly format: GPUTextureFormat }
   /** Into another renderer's frame. */
   | { readonly kind: 'host' };
 
-/** Everything that decides which shaders a frame runs and how large its buffers are; one object as long as it stays the same. */
+/** Everything that decides which shaders a frame runs and how large its buffers are. The object is kept until it changes. */
 export interface FrameShape {
-  /** In the order in which equal depths are drawn; a cloud may occur more than once. */
+  /** In the request's order; a cloud may occur more than once. */
   readonly clouds: readonly CloudShape[];
   readonly isOrthographic: boolean;
   readonly accuracy: AccuracySettings;
   /** Most workgroups in one dimension of a dispatch. */
   readonly dispatchRow: number;
-  /** Most splats that can be visible: buffers for visible splats have room for that many. */
+  /** Upper bound of the number of visible splats, and the size of the buffers for them. */
   readonly visibleCapacity: number;
-  /** Bits that the sort keys of this frame can differ in, at most 32. */
+  /** Number of bits in which sort keys of this frame can differ, at most 32. */
   readonly keyBits: number;
   /** Whether depths can differ in more bits than `keyBits`: keys keep `sortKeyBits` of them. */
   readonly shortensKeys: boolean;
-  /** How the host's depth hides splats; null where nothing can hide them. */
+  /** How the host's depth hides splats; null if nothing can hide them. */
   readonly depth: RasterizeDepth | null;
   readonly output: FrameOutput;
 }
 
-/** Found effects that can be left out of a frame: for measurements of what they cost. */
+/** Found effects that can be left out of a frame, to measure their cost. */
 export type OmittableEffect = 'isotropic' | 'faint-splats';
 
 /** Whether splats are blended in a layer smaller than the image. */
@@ -60,7 +60,7 @@ export function keepsColors({ clouds }: FrameShape): boolean {
   return clouds.some((cloud) => cloud.keepsColors);
 }
 
-/** Whether the buffers of a frame of one shape serve one of the other shape, maybe with other shaders. */
+/** Whether frames of both shapes can use the same buffers, maybe with other shaders. */
 export function hasSameBuffers(a: FrameShape, b: FrameShape): boolean {
   if (a === b) return true;
   return (
@@ -71,7 +71,7 @@ export function hasSameBuffers(a: FrameShape, b: FrameShape): boolean {
   );
 }
 
-/** Whether buffers, bindings and shaders of one shape serve the other. */
+/** Whether frames of both shapes can use the same buffers, bindings and shaders. */
 export function isSameShape(a: FrameShape, b: FrameShape): boolean {
   if (a === b) return true;
   return (
@@ -112,7 +112,7 @@ function isSameCloudShape(a: CloudShape, b: CloudShape): boolean {
   );
 }
 
-/** Remembers what `make` makes of each shape, so that frames of one shape share it. */
+/** Caches the result of `make` by shape, so that frames of one shape share it. */
 export function perShape<Made>(make: (shape: FrameShape) => Made): (shape: FrameShape) => Made {
   const made = new WeakMap<FrameShape, Made>();
   return (shape) => {

@@ -5,7 +5,7 @@ import { HostDepth, Page, View } from '../layout/structs.ts';
 import { PAGE_STRIDE_BYTES, pagesOf } from './frame-pages.ts';
 import type { FramePlan } from './frame-plan.ts';
 
-/** Contents of a frame's `view` buffer. */
+/** Returns the contents of a frame's `view` buffer. */
 export function viewUniforms({ projection, shape }: FramePlan): ArrayBuffer {
   const { widthPx, heightPx, focalPx, centerPx, clampX, clampY, near, far } = projection;
   const contents = new ArrayBuffer(View.bytes);
@@ -16,7 +16,7 @@ export function viewUniforms({ projection, shape }: FramePlan): ArrayBuffer {
     clampX,
     clampY,
     near,
-    // Shaders may assume that there are no infinities: the largest float32 is as good.
+    // Shaders may assume that there are no infinities; the largest float32 does the same.
     far: Math.min(far, 3.4028234663852886e38),
     alphaCutoff: shape.accuracy.alphaCutoff,
     dilationPx2: DILATION_PX2,
@@ -40,7 +40,7 @@ export function writeEffectUniforms(
   }
 }
 
-/** Contents of a frame's `hostDepth` buffer. */
+/** Returns the contents of a frame's `hostDepth` buffer. */
 export function hostDepthUniform({ camera }: FramePlan, mapping: DepthConvention['mapping']): ArrayBuffer {
   const contents = new ArrayBuffer(HostDepth.bytes);
   HostDepth.write(contents, depthMapping(camera, mapping));
@@ -50,7 +50,7 @@ export function hostDepthUniform({ camera }: FramePlan, mapping: DepthConvention
 /**
  * Writes the contents of a frame's `pageUniforms` buffer.
  *
- * @param contents PAGE_STRIDE_BYTES per page; used for every frame, since memory of its size is slow to come by.
+ * @param contents PAGE_STRIDE_BYTES per page; reused for every frame, since allocating memory of this size is slow.
  */
 export function writePageUniforms({ clouds, shape }: FramePlan, contents: ArrayBuffer): void {
   const pages = pagesOf(shape);
@@ -90,7 +90,7 @@ export function writePageUniforms({ clouds, shape }: FramePlan, contents: ArrayB
 
 const ORIGIN = [0, 0, 0] as const;
 
-/** Four numbers of each side. */
+/** Collects four numbers per side. */
 function fourEach(
   sides: readonly FrustumSide[],
   fill: (side: FrustumSide, into: number[], at: number) => void,

@@ -8,7 +8,7 @@ import { testCameras } from '../testing/test-cameras.ts';
 import { chunkCountOf } from './frame-pages.ts';
 
 describe('a frame', () => {
-  gpuTest('plans on the GPU what each page has to do, and lists it without gaps', async () => {
+  gpuTest('plans the work of each page on the GPU, and lists the visible splats without gaps', async () => {
     const device = await createTestDevice();
     const dispatchRow = 3;
     const frame = await InspectedFrame.draw(device, {

@@ -24,13 +24,13 @@ import { Upscale } from './parts/upscale.ts';
 
 // The order of a frame. Nothing else orders parts; each part orders its own stages.
 //
-// Kept colours come first: they are taken from the frame before. Then the visible splats are found and sorted, and then drawn.
-// A view that stands inside another renderer's frame submits the first half by itself and records the second for its host.
+// Kept colours come first: they are taken from the last frame. Then the visible splats are found and sorted, and then drawn.
+// A view inside another renderer's frame submits the first half itself and records the second half for its host to submit.
 
-/** Find the visible splats and their order. */
+/** Parts that find the visible splats and their order. */
 const ORDERING = [Preprocess, Sort] as const satisfies readonly PartClass<OrderRecording>[];
 
-/** Draw them. A shape uses those of them that its output, depth and scale ask for. */
+/** Parts that draw the visible splats. Output, depth and scale of a shape decide which of them it uses. */
 const DRAWING = [
   ResolveDepth,
   Quads,
@@ -41,12 +41,12 @@ const DRAWING = [
 
 const PARTS = [KeptColors, ...ORDERING, ...DRAWING] as const;
 
-/** All stages that frames of this shape run: to be compiled before. */
+/** All stages that frames of this shape run; compile them before drawing. */
 export const frameStages = perShape((shape): readonly CompiledStage[] =>
   PARTS.flatMap((part) => part.stages(shape)),
 );
 
-/** The parts of one view's frames, with what they hold on the GPU. */
+/** The parts of one view's frames, with their GPU memory. */
 export class FrameParts {
   readonly keptColors: KeptColors;
   readonly preprocess: Preprocess;
@@ -76,17 +76,17 @@ export class FrameParts {
     this.compose = find(this.#drawing, Compose);
   }
 
-  /** Shape of the frame that was made room for last; null before the first. */
+  /** Shape of the last frame that room was made for; null before the first. */
   get shape(): FrameShape | null {
     return this.#shape;
   }
 
-  /** Pages of that frame's clouds. */
+  /** Pages of the clouds of `shape`. */
   get pages(): readonly FramePage[] {
     return this.#shape ? pagesOf(this.#shape) : [];
   }
 
-  /** Every buffer of that frame that stages share or twins are compared with, by name. */
+  /** Buffers that stages share or that are compared with twins, by name. */
   get buffers() {
     return { ...this.shared.buffers, ...this.preprocess.buffers };
   }
@@ -95,7 +95,7 @@ export class FrameParts {
    * Makes room for a frame, binds its stages and writes its uniforms.
    *
    * @returns whether buffers or textures were replaced.
-   * @throws GpuLimitError where something passes the device's limits; everything stays as it was then.
+   * @throws GpuLimitError if something exceeds the device's limits; on failure nothing changes.
    */
   fit(plan: FramePlan): boolean {
     const { shape } = plan;
@@ -103,7 +103,7 @@ export class FrameParts {
     const changes: PartChange[] = [];
     try {
       for (const part of parts) {
-        const change = part.fit(plan);
+        const change = part.fit?.(plan);
         if (change) changes.push(change);
       }
       this.#keepColors(plan);
@@ -113,9 +113,9 @@ export class FrameParts {
     }
     for (const change of changes) change.free?.();
     for (const change of changes) change.commit();
-    if (changes.length > 0 || shape !== this.#shape) for (const part of parts) part.bind(shape);
+    if (changes.length > 0 || shape !== this.#shape) for (const part of parts) part.bind?.(shape);
     this.#shape = shape;
-    for (const part of parts) part.write(plan);
+    for (const part of parts) part.write?.(plan);
     return changes.length > 0;
   }
 
@@ -125,13 +125,13 @@ export class FrameParts {
     for (const part of this.#ordering) part.record(recording);
   }
 
-  /** Records drawing the visible splats, and putting them where they are to be seen. */
+  /** Records drawing the visible splats to `destination`. */
   recordDraw(encoder: GPUCommandEncoder, timer: GpuTimer, destination: Destination): void {
     const recording = { encoder, timer, shape: this.#shape!, destination };
     for (const part of this.#drawing) part.record(recording);
   }
 
-  /** Records putting the splats that were drawn last over another background. */
+  /** Records drawing the last image over another background. */
   recordBackground(encoder: GPUCommandEncoder, timer: GpuTimer, destination: Destination): void {
     this.composite.record({ encoder, timer, shape: this.#shape!, destination });
   }
@@ -140,7 +140,7 @@ export class FrameParts {
     for (const part of [this.keptColors, ...this.#ordering, ...this.#drawing]) part.destroy();
   }
 
-  /** Takes colours from the records of the frame before, which are replaced or written anew after this. */
+  /** Takes colours from the records of the last frame, before they are replaced or overwritten. */
   #keepColors(plan: FramePlan): void {
     const pages = this.keptColors.keep(plan);
     if (!this.#shape || pages.length === 0) return;

@@ -1,6 +1,6 @@
 import type { HostPass } from './frame-part.ts';
 
-/** The layer of one of the host's textures that its pass is about. */
+/** Creates a view of the layer of a host texture that the pass uses. */
 export function layerView(
   texture: GPUTexture,
   { layer = 0 }: HostPass,

@@ -17,7 +17,7 @@ function planned(set: SplatSet, modelMatrix: Mat4 = identity4()) {
   return { instance: { cloud, modelMatrix }, modelMatrix, reach: { displacement: 0, growth: 1 } };
 }
 
-/** Depths in float32, rounded after every operation as a GPU that fuses nothing rounds them. */
+/** Depths in float32, rounded after every operation, as on a GPU that fuses none. */
 function depthsOf(set: SplatSet, viewMatrix: ArrayLike<number>, modelMatrix: ArrayLike<number>): number[] {
   const f = Math.fround;
   const { linear, translation } = cloudView(viewMatrix, modelMatrix, set.origin, false);
@@ -30,12 +30,12 @@ function depthsOf(set: SplatSet, viewMatrix: ArrayLike<number>, modelMatrix: Arr
 }
 
 describe('keyBitsFor', () => {
-  test('keys of whatever lies in the depth range differ in no more bits', () => {
+  test('bounds the bits in which keys of any splats in the depth range differ', () => {
     const coordinate = uniform(-50, 50);
     const scene = fc.record({
       seed: fc.nat(),
       halfExtent: fc.constantFrom(1e-4, 0.01, 1, 30),
-      // Away from the file's origin, and the positions' own origin somewhere else again.
+      // Away from the file's origin, with the origin of the positions somewhere else again.
       origin: fc.oneof(fc.constant([0, 0, 0] as const), fc.tuple(coordinate, coordinate, coordinate)),
     });
     fc.assert(
@@ -51,7 +51,7 @@ describe('keyBitsFor', () => {
     );
   });
 
-  test('positions far from the origin that they are relative to: rounding is that of the large terms', () => {
+  test('counts the rounding of large terms for positions far from the origin that they are relative to', () => {
     const coordinate = uniform(-1, 1);
     const direction = fc
       .tuple(coordinate, coordinate, coordinate)
@@ -81,7 +81,7 @@ describe('keyBitsFor', () => {
     );
   });
 
-  test('most scenes need no more than 27 bits, shallow ones fewer', () => {
+  test('is at most 27 bits for most scenes, less for shallow ones', () => {
     const camera = perspectiveCamera({ position: [0, 0, 3], target: [0, 0, 0], fovYDegrees: 60, aspect: 1 });
     const bitsAt = (halfExtent: number) =>
       keyBitsFor(camera, [planned(randomSplats({ count: 100, shDegree: 0, halfExtent }))]);
@@ -92,7 +92,7 @@ describe('keyBitsFor', () => {
     expect(keyBitsFor(wide, [planned(randomSplats({ count: 100, shDegree: 0, halfExtent: 100 }))])).toBe(32);
   });
 
-  test('several clouds span the depths of all, empty ones none', () => {
+  test('spans the depths of all clouds and ignores empty ones', () => {
     const camera = perspectiveCamera({ position: [0, 0, 3], target: [0, 0, 0], fovYDegrees: 60, aspect: 1 });
     const small = randomSplats({ count: 10, shDegree: 0, halfExtent: 1e-5 });
     const behind = Float64Array.of(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -90, 1);

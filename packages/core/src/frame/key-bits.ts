@@ -4,11 +4,11 @@ import { multiply4 } from '../math/mat4.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 
 /**
- * How many bits the depth keys of a frame can differ in, from what the CPU knows of it: near, far and the clouds'
- * bounds. Depths within a factor of 2^k of each other differ in fewer than 23 + k bits (each power of two holds 2^23
+ * Bounds the number of bits in which the depth keys of a frame can differ, from near, far and the clouds' bounds, which the
+ * CPU knows. Depths within a factor of 2^k of each other differ in fewer than 23 + k bits (each power of two holds 2^23
  * floats), so most scenes need fewer passes than 32 bits would.
  *
- * @returns 16, 24, 27 or 32: as many bits as sorts are made for.
+ * @returns 16, 24, 27 or 32: the key widths that sorts are made for.
  */
 export function keyBitsFor(
   camera: Camera,
@@ -18,7 +18,7 @@ export function keyBitsFor(
   let nearest = Number.POSITIVE_INFINITY;
   for (const { instance, modelMatrix, reach } of clouds) {
     const { cloud } = instance;
-    // Without splats there are no bounds.
+    // A cloud without splats has no bounds.
     if (cloud.count === 0) continue;
     const modelView = multiply4(camera.viewMatrix, modelMatrix);
     const { origin, bounds } = cloud;

@@ -2,7 +2,7 @@ import type { GpuFields, GpuValues } from '../layout/gpu-struct.ts';
 import type { CloudPlan, PlannedUse } from './cloud-plan.ts';
 import type { FramePlan } from './frame-plan.ts';
 
-/** Whether the same splats are visible, in the same places and the same order. */
+/** Whether both frames show the same splats in the same places and the same order. */
 export function isSameOrder(a: FramePlan, b: FramePlan): boolean {
   return (
     a.request.widthPx === b.request.widthPx &&
@@ -24,7 +24,7 @@ export function isSameOrder(a: FramePlan, b: FramePlan): boolean {
   );
 }
 
-/** Whether splats have the same colours, where `isSameOrder`. */
+/** Whether splats have the same colours in both frames, given that `isSameOrder`. */
 export function isSameColors(a: FramePlan, b: FramePlan): boolean {
   return a.clouds.every((cloud, i) => {
     const other = b.clouds[i];
@@ -78,7 +78,7 @@ function isSameNumbers(a: ArrayLike<number>, b: ArrayLike<number>): boolean {
   return true;
 }
 
-/** NaN is itself, so that what is not a number is not drawn again in every frame. */
+/** NaN equals itself here: otherwise a frame with a NaN would be drawn again every time. */
 function isSameNumber(a: number, b: number): boolean {
   return a === b || (Number.isNaN(a) && Number.isNaN(b));
 }

@@ -6,7 +6,7 @@ import { SplatEngine } from '../engine.ts';
 import { identity4 } from '../math/mat4.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 
-/** Calls of what a plan works out for each cloud. */
+/** Number of calls of the functions that plan a cloud, by name. */
 const calls: Record<string, number> = {};
 
 function counted<Module extends object>(module: Module, name: keyof Module & string): Module {
@@ -28,7 +28,7 @@ vi.mock('../camera/frustum.ts', async (original) =>
   counted(await original<typeof import('../camera/frustum.ts')>(), 'frustumSides'),
 );
 
-/** An effect that a caller defines, which counts what is asked of it. */
+/** A caller's effect that counts the calls of its functions. */
 const glow = defineEffect<number, { by: 'f32' }>({
   name: 'test-glow',
   label: 'Glow',
@@ -93,7 +93,7 @@ beforeAll(() => {
   );
 });
 
-/** What one call asks of each cloud. */
+/** Counts the calls of those functions that `draw` makes. */
 function callsOf(draw: () => void): Record<string, number> {
   for (const name of Object.keys(calls)) delete calls[name];
   draw();
@@ -101,16 +101,16 @@ function callsOf(draw: () => void): Record<string, number> {
 }
 
 describe('a frame is planned once: uses of effects, view and frustum of each cloud are worked out once', () => {
-  gpuTest('by a view, whatever has changed since the frame before', async () => {
+  gpuTest('by a view, whatever has changed since the last frame', async () => {
     const view = engine.createView();
     view.render(request(3));
     await view.whenDrawn();
     expect(callsOf(() => view.render(request(4)))).toEqual(ONCE_EACH);
-    // Nothing, only colours, the size, the settings.
+    // Nothing has changed; then only colours, then the size.
     expect(callsOf(() => view.render(request(4)))).toEqual(ONCE_EACH);
     expect(callsOf(() => view.render(request(4, [glow(0.2)])))).toEqual(ONCE_EACH);
     expect(callsOf(() => view.render({ ...request(4), widthPx: 40 }))).toEqual(ONCE_EACH);
-    // Keeps no colours, unlike the frames before: its shaders come first.
+    // A forced frame keeps no colours, unlike the ones before: its shaders have to be compiled first.
     view.render({ ...request(4), force: true });
     await view.whenDrawn();
     expect(callsOf(() => view.render({ ...request(4), force: true }))).toEqual(ONCE_EACH);

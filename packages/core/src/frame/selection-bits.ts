@@ -7,28 +7,28 @@ import type { CloudPlan } from './cloud-plan.ts';
 import type { FramePage } from './frame-pages.ts';
 import type { CloudShape } from './frame-shape.ts';
 
-/** Storage buffers are bound at multiples of this many bytes. */
+/** Offsets of storage bindings are multiples of this many bytes. */
 const STORAGE_ALIGNMENT = 256;
 
-/** Where the bits of one page lie. */
+/** Position of one page's bits in the buffer. */
 interface PageSlice {
   readonly cloud: SplatCloud;
   readonly cloudIndex: number;
-  /** First splat, counting through the cloud. */
+  /** First splat of the page, counting through the cloud. */
   readonly splatStart: number;
   readonly splatCount: number;
   readonly byteOffset: number;
   readonly bytes: number;
 }
 
-/** A bit per splat of those clouds of a frame whose effects are told what is selected. */
+/** One bit per splat for the clouds of a frame whose effects take a selection. */
 export class SelectionBits {
   readonly #memory: GpuMemory;
   readonly #queue: GPUQueue;
   #buffer: GPUBuffer | null = null;
-  /** By page of the frame; null where nobody asks. */
+  /** By page of the frame; null for clouds whose effects take no selection. */
   #slices: readonly (PageSlice | null)[] = [];
-  /** By cloud of the frame: the version of its selection. */
+  /** By cloud of the frame: the version of the selection that the buffer holds. */
   readonly #written = new Map<number, number>();
 
   constructor(memory: GpuMemory, queue: GPUQueue) {
@@ -36,7 +36,7 @@ export class SelectionBits {
     this.#queue = queue;
   }
 
-  /** Makes room for the bits of these clouds, and for nothing where none of their effects takes a selection. */
+  /** Makes room for the bits of these clouds; holds nothing if none of their effects takes a selection. */
   fit(clouds: readonly CloudShape[], pages: readonly FramePage[]): void {
     const slices = slicesOf(clouds, pages);
     if (slices.length === this.#slices.length && slices.every((each, i) => isSame(each, this.#slices[i])))
@@ -49,7 +49,7 @@ export class SelectionBits {
     this.#buffer = this.#memory.createBuffer('frame selections', bytes, usage);
   }
 
-  /** What a page's stages are bound to, or null. */
+  /** Returns the binding of a page's stages, or null if they need none. */
   bindingOf(pageIndex: number): GPUBufferBinding | null {
     const slice = this.#slices[pageIndex];
     return slice && { buffer: this.#buffer!, offset: slice.byteOffset, size: slice.bytes };
@@ -60,7 +60,7 @@ export class SelectionBits {
     return this.#slices.reduce((sum, slice) => sum + (slice?.cloudIndex === cloudIndex ? slice.bytes : 0), 0);
   }
 
-  /** Writes what has changed since the last frame. */
+  /** Writes the selections that have changed since the last frame. */
   write(clouds: readonly CloudPlan[]): void {
     if (!this.#buffer) return;
     for (const [cloudIndex, { instance, uses }] of clouds.entries()) {

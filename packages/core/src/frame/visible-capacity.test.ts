@@ -17,7 +17,7 @@ const ALPHA_CUTOFF = 1 / 255;
 const SIZE = { widthPx: 64, heightPx: 48 };
 const CAMERA = perspectiveCamera({ position: [0, 0, 0], target: [0, 0, 1], fovYDegrees: 50, aspect: 1.3 });
 
-/** More than there is always room for; small splats, so that most chunks are clearly in or out. */
+/** More splats than there is always room for; small ones, so that most chunks are clearly in or out. */
 const set = randomSplats({ count: 270_000, shDegree: 0, logScales: [-9, -7] });
 const cloud = packCloud(set, { geometryPrecision: 'packed' }) as unknown as SplatCloud;
 
@@ -28,7 +28,7 @@ const cloudsOf = (camera: Camera, modelMatrix: ArrayLike<number> = identity4()) 
 };
 
 describe('visibleCapacity', () => {
-  test('there is room for whatever is drawn', () => {
+  test('suffices for all splats that are drawn', () => {
     fc.assert(
       fc.property(anyCamera, fc.constantFrom(...Object.values(TEST_MODELS)), (camera, modelMatrix) => {
         const projection = projectionOf(camera, SIZE.widthPx, SIZE.heightPx);
@@ -44,7 +44,7 @@ describe('visibleCapacity', () => {
     );
   });
 
-  test('is less than all where little is in sight, whole chunks, and never more than all', () => {
+  test('is a whole number of chunks, less than all splats if few are in sight, and never more than all', () => {
     const capacity = visibleCapacity(cloudsOf(CAMERA), 0);
     expect(capacity).toBeLessThan(set.count / 2);
     expect(capacity % 256).toBe(0);
@@ -52,7 +52,7 @@ describe('visibleCapacity', () => {
     expect(visibleCapacity(cloudsOf(away), 0)).toBe(set.count);
   });
 
-  test('room that suffices is kept, more is made where it does not', () => {
+  test('keeps the current room if it suffices, and grows if not', () => {
     const needed = visibleCapacity(cloudsOf(CAMERA), 0);
     expect(visibleCapacity(cloudsOf(CAMERA), needed)).toBe(needed);
     expect(visibleCapacity(cloudsOf(CAMERA), needed + 5)).toBe(needed + 5);
@@ -60,7 +60,7 @@ describe('visibleCapacity', () => {
     expect(visibleCapacity(cloudsOf(CAMERA), set.count)).toBe(set.count);
   });
 
-  test('small scenes have room for all of their splats', () => {
+  test('is all splats for small scenes', () => {
     const small = packCloud(randomSplats({ count: 1000, shDegree: 0 }), { geometryPrecision: 'packed' });
     const [planned] = cloudsOf(CAMERA);
     const clouds = [{ ...planned, instance: { cloud: small as unknown as SplatCloud } }];

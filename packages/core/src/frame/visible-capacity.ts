@@ -3,20 +3,20 @@ import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { Chunk } from '../layout/structs.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 
-/** Up to here room for all splats costs less (about 15 MB) than it is worth to find out how many are visible. */
+/** Up to this count, room for all splats (about 15 MB) is cheaper than finding out how many are visible. */
 const ALWAYS_ROOM_FOR = 1 << 18;
-/** Room beyond what is needed now, so that a moving camera does not ask for more every frame. */
+/** Spare room, so that a moving camera does not need larger buffers every frame. */
 const HEADROOM = 1.25;
-/** The GPU tests chunks in float32 with a slack of 1e-5: in doubt this test must keep what that one keeps. */
+/** The GPU tests chunks in float32 with a slack of 1e-5; this test must keep every chunk that the GPU keeps. */
 const SLACK = 1e-4;
 
 type SidedCloud = Pick<CloudPlan, 'instance' | 'sides'>;
 
 /**
- * Room for visible splats that is enough for a frame of `clouds` in any case: the CPU tests the chunks as the GPU will, so
- * that nothing has to be read back and no image ever lacks splats for lack of room.
+ * Returns a number of splats that is never less than the visible ones of a frame of `clouds`. The CPU tests the chunks as
+ * the GPU will, so nothing has to be read back, and no image ever lacks splats for lack of room.
  *
- * @param current what there is room for already; kept where it suffices.
+ * @param current number of splats that there is room for already; kept if it suffices.
  */
 export function visibleCapacity(clouds: readonly SidedCloud[], current: number): number {
   const total = clouds.reduce((sum, { instance }) => sum + instance.cloud.count, 0);

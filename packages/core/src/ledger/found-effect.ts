@@ -2,18 +2,18 @@ import type { CloudPlan } from '../frame/cloud-plan.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { CloudShape } from '../frame/frame-shape.ts';
 
-/** What a view holds on the GPU for effects, in bytes. */
+/** GPU memory that a view holds for effects, in bytes. */
 export interface EffectHoldings {
-  /** Of one cloud: a bit per splat, where an effect takes a selection. */
+  /** Selection of one cloud: a bit per splat, if an effect takes it. */
   selectionBytes(cloudIndex: number): number;
   readonly keptColorsBytes: number;
-  /** What the host has drawn, as the splats are tested against it. */
+  /** The host's depth that splats are tested against. */
   readonly testedDepthBytes: number;
   /** The splats' own depth, for the host. */
   readonly writtenDepthBytes: number;
 }
 
-/** A frame as it was drawn. */
+/** A frame that was drawn. */
 export interface DrawnFrame {
   readonly plan: FramePlan;
   readonly held: EffectHoldings;
@@ -22,7 +22,7 @@ export interface DrawnFrame {
 /** One cloud of a frame. */
 export interface DrawnCloud {
   readonly plan: FramePlan;
-  /** Number of the cloud in the frame. */
+  /** Index of the cloud in the frame. */
   readonly index: number;
   readonly cloud: CloudPlan;
   readonly shape: CloudShape;
@@ -32,34 +32,34 @@ interface FoundIn<Place> {
   /** Lower case with hyphens. */
   readonly name: string;
   readonly label: string;
-  /** What it does: one sentence. */
+  /** One sentence that says what the effect does. */
   readonly about: string;
-  /** What its lines in shaders stand under, `@if(NAME)`: where it is off none of them is met. */
+  /** Names of the conditions (`@if(NAME)`) that guard its code in shaders; all are false while it is off. */
   readonly conditions: readonly string[];
-  /** What stages are bound to for it, by the names in their shaders. */
+  /** Bindings that stages need for it, by their names in shaders. */
   readonly bindings: readonly string[];
-  /** Stages that it may take part in; none where no shader knows of it. */
+  /** Stages that it may take part in; none if it is not in any shader. */
   readonly stages: readonly string[];
-  /** Why it is on, in words, or null where it is off. */
+  /** Returns why it is on, or null if it is off. */
   readonly calledFor: (place: Place) => string | null;
-  /** Why it is off, where it is. */
+  /** Returns why it is off; call only if it is. */
   readonly offReason: (place: Place) => string;
-  /** What is held for it; default nothing. */
+  /** Bytes of GPU memory held for it; default none. */
   readonly bytes?: (frame: DrawnFrame) => number;
 }
 
-/** One that each cloud calls for by itself. */
+/** A found effect that is on or off per cloud. */
 export interface FoundInCloud extends FoundIn<DrawnCloud> {
   readonly of: 'cloud';
 }
 
-/** One that the whole view calls for. */
+/** A found effect that is on or off for the whole view. */
 export interface FoundInView extends FoundIn<DrawnFrame> {
   readonly of: 'view';
 }
 
 /**
- * An effect that nobody asks for: splats, camera and host call for it. The frame's shape says whether it is on, and with
- * that which shaders are run; this says why.
+ * An effect that splats, camera or host make necessary. The frame's shape decides whether it is on, and thereby which
+ * shaders run; this entry gives the reason.
  */
 export type FoundEffect = FoundInCloud | FoundInView;

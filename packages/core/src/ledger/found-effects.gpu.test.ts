@@ -25,7 +25,7 @@ beforeAll(async () => {
 });
 afterAll(() => device?.destroy());
 
-/** Splats as long as wide as high, and turned any way. */
+/** Spheres, with random rotations. */
 function balls(options: Parameters<typeof randomSplats>[0]): SplatSet {
   const set = randomSplats({ shDegree: 0, logScales: [-4.5, -2], ...options });
   for (let i = 0; i < set.count; i++) set.logScales.fill(set.logScales[3 * i], 3 * i, 3 * i + 3);
@@ -51,7 +51,7 @@ const FLATTEN_TWIN: Record<string, TwinFunction> = {
   }),
 };
 
-/** Draws the clouds and holds what is drawn, and how, against float64. */
+/** Draws the clouds, and compares visible splats and records with float64. */
 async function drawnAsTwin(
   clouds: InspectOptions['clouds'],
   camera: keyof typeof CAMERAS,
@@ -107,8 +107,8 @@ describe('round splats', () => {
   });
 });
 
-describe('splats of which none is faint', () => {
-  /** The least opacity from which on nothing that packing rounds can be under the cutoff. */
+describe('splats without faint ones', () => {
+  /** The lowest opacity that packing cannot round to below the cutoff. */
   const least = 1 / 255 + 1.01 / 65535;
   const logit = (opacity: number) => Math.log(opacity / (1 - opacity));
   const faint = (opacity: number) =>
@@ -124,7 +124,7 @@ describe('splats of which none is faint', () => {
     });
   }
 
-  gpuTest('are tested as soon as one may be, by itself or by an effect', async () => {
+  gpuTest('are tested as soon as one may be faint, by itself or by an effect', async () => {
     const { shapes } = await drawnAsTwin([{ set: faint(1 / 255) }], 'perspective');
     expect(shapes.map((cloud) => cloud.hasFaintSplats)).toEqual([true]);
     const faded = await drawnAsTwin([{ set: faint(0.3), opacity: 0.01 }], 'perspective');

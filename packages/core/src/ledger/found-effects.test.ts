@@ -7,14 +7,14 @@ import { allStageVariants } from '../testing/stage-variants.ts';
 import { withoutConditions } from '../testing/without-conditions.ts';
 import { FOUND_EFFECTS } from './found-effects.ts';
 
-/** Stages that are there for one effect alone, and run nowhere without it. */
+/** Stages that exist for one effect, and never run without it. */
 const OWN_STAGES: Readonly<Record<string, string>> = {
   'depth-test': 'resolve-depth',
   'kept-colors': 'keep-colors',
 };
-/** Repacks harmonics when clouds are asked for another precision: no stage of a frame. */
+/** Repacks harmonics in another precision: not a stage of a frame. */
 const REPACKING = 'repack-sh';
-/** Conditions of what comes only together with an effect. */
+/** Conditions of code that is linked only together with an effect. */
 const IMPLYING: Readonly<Record<string, readonly string[]>> = { 'depth-test': ['DEPTH_LAYER'] };
 
 const variants = allStageVariants();
@@ -25,7 +25,7 @@ function variantsWithout(conditions: readonly string[], ownStage: string | undef
   );
 }
 
-describe('effects that are found', () => {
+describe('found effects', () => {
   test('have names of their own', () => {
     const names = [...FOUND_EFFECTS, ...CLOUD_EFFECTS].map(({ name }) => name);
     expect(new Set(names).size).toBe(names.length);
@@ -35,7 +35,7 @@ describe('effects that are found', () => {
   for (const { name, conditions, bindings, stages } of FOUND_EFFECTS) {
     if (conditions.length === 0) continue;
     // Hundreds of variants, each linked twice.
-    test(`${name}: not called for, all stages are as in a build that does not know it`, {
+    test(`${name}: while off, all stages are as in a build without it`, {
       timeout: 30_000,
     }, () => {
       const without = variantsWithout([...conditions, ...(IMPLYING[name] ?? [])], OWN_STAGES[name]);
@@ -68,7 +68,7 @@ describe('effects that are found', () => {
   }
 });
 
-test('what a build without a condition is made of has none of its lines', () => {
+test('the sources of a build without a condition have none of its lines', () => {
   const source = `import a::b;
 @if(OLD && NEW) import c::{d, e};
 struct S {

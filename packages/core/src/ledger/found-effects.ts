@@ -8,7 +8,7 @@ import { orthographic } from './found/orthographic.ts';
 import { transform } from './found/transform.ts';
 import type { FoundEffect } from './found-effect.ts';
 
-/** All effects that are found: in the data of clouds, in the view, in what is drawn around it. */
+/** All found effects: those that the data of clouds, the view or its host make necessary. */
 export const FOUND_EFFECTS: readonly FoundEffect[] = [
   harmonics,
   isotropic,

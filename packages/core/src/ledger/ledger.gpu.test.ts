@@ -38,20 +38,20 @@ async function ledgerOf(clouds: readonly CloudInstance[], camera = CAMERAS.persp
   return Object.fromEntries(view.effects().map((entry) => [entry.name, entry]));
 }
 
-/** The camera rolled about its line of sight by a quarter: the same place. */
+/** The camera at the same place, rolled about its line of sight by a quarter turn. */
 function rolled(camera: Camera): Camera {
   const quarter = Float64Array.of(0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);
   return { ...camera, viewMatrix: multiply4(quarter, camera.viewMatrix) };
 }
 
-describe('the ledger, of effects that callers ask for', () => {
-  gpuTest('has nothing before the first picture', async () => {
+describe('the ledger of requested effects', () => {
+  gpuTest('is empty before the first frame', async () => {
     const fresh = engine.createView();
     expect(fresh.effects()).toEqual([]);
     fresh.destroy();
   });
 
-  gpuTest('lists all, on where a cloud calls for them, with what they hold', async () => {
+  gpuTest('lists all, on for the clouds that request them, with the bytes that they hold', async () => {
     const cloud = engine.add(SET, { name: 'garden' });
     const none = await ledgerOf([{ cloud }]);
     for (const { name } of CLOUD_EFFECTS) {
@@ -63,14 +63,14 @@ describe('the ledger, of effects that callers ask for', () => {
       expect(all[effect.name]).toMatchObject({ isOn: true, reason, clouds: ['garden'] });
       if (effect.parameters) expect(all[effect.name].bytes).toBeGreaterThanOrEqual(effect.parameters.bytes);
     }
-    // A bit for each of 300 splats, and its colour and strength.
+    // A bit for each of 300 splats, and the effect's colour and strength.
     expect(all.highlight.bytes).toBe(40 + 16);
     expect(all.tint.stages).toEqual(['project']);
     expect(all.clip.stages).toEqual(['cull-splats', 'project']);
     cloud.destroy();
   });
 
-  gpuTest('says which cloud has which reason, and what is asked for in vain', async () => {
+  gpuTest('says which cloud has which reason, and which requests change nothing', async () => {
     const left = engine.add(SET, { name: 'left' });
     const right = engine.add(SET, { name: 'right' });
     const { tint: entry, opacity } = await ledgerOf([
@@ -86,7 +86,7 @@ describe('the ledger, of effects that callers ask for', () => {
     right.destroy();
   });
 
-  gpuTest('is the engine’s of the view that was drawn last', async () => {
+  gpuTest('of the engine is that of the view that was drawn last', async () => {
     const cloud = engine.add(SET);
     const isTinted = () => engine.effects().find(({ name }) => name === 'tint')!.isOn;
     await ledgerOf([{ cloud, effects: [tint([0, 1, 0])] }]);
@@ -99,22 +99,22 @@ describe('the ledger, of effects that callers ask for', () => {
   });
 });
 
-describe('the ledger, of effects that are found', () => {
+describe('the ledger of found effects', () => {
   const ball = { logScales: [-2, -2, -2], opacityLogit: 3 };
-  const pictures: readonly (readonly [
+  const examples: readonly (readonly [
     string,
     CloudInstance['modelMatrix'],
     readonly EffectUse[],
     Accuracy,
   ])[] = [
-    ['as it is', undefined, [], 'high'],
+    ['unchanged', undefined, [], 'high'],
     ['moved, tinted, with degree 0', TEST_MODELS.moved, [tint([1, 0, 0])], { shDegree: 0 }],
     ['with all effects', undefined, EFFECT_EXAMPLES, 'high'],
   ];
 
-  for (const [name, modelMatrix, effects, accuracy] of pictures) {
+  for (const [name, modelMatrix, effects, accuracy] of examples) {
     for (const camera of ['perspective', 'orthographic'] as const) {
-      gpuTest(`${name}, ${camera}: says of each what the shaders of the picture say`, async () => {
+      gpuTest(`${name}, ${camera}: agrees with the frame's shaders on each`, async () => {
         const cloud = engine.add(SET);
         const round = engine.add(splatsOf([ball, ball]));
         const clouds = [{ cloud, modelMatrix, effects }, { cloud: round }];
@@ -136,7 +136,7 @@ describe('the ledger, of effects that are found', () => {
     }
   }
 
-  gpuTest('harmonics: which degree is evaluated, what decides that, and what is stored', async () => {
+  gpuTest('harmonics: the degree evaluated, its reason, and the bytes stored', async () => {
     const cloud = engine.add(SET, { name: 'garden' });
     const harmonics = async (instance: Partial<CloudInstance>, accuracy?: Accuracy) =>
       (await ledgerOf([{ cloud, ...instance }], CAMERAS.perspective, accuracy)).harmonics;
@@ -152,7 +152,7 @@ describe('the ledger, of effects that are found', () => {
     cloud.destroy();
   });
 
-  gpuTest('placement: what a matrix does, which no shader knows of', async () => {
+  gpuTest('placement: what a matrix does, without any shader', async () => {
     const cloud = engine.add(SET);
     const placement = async (modelMatrix?: ArrayLike<number>) => {
       const { transform } = await ledgerOf([{ cloud, modelMatrix }]);
@@ -171,7 +171,7 @@ describe('the ledger, of effects that are found', () => {
     cloud.destroy();
   });
 
-  gpuTest('kept colours: only where the camera turns, and how many bytes', async () => {
+  gpuTest('kept colours: only while the camera turns in place, and how many bytes', async () => {
     const cloud = engine.add(SET);
     const fresh = engine.createView();
     const keptFrom = async (camera: Camera) => {
@@ -182,7 +182,7 @@ describe('the ledger, of effects that are found', () => {
     let camera = CAMERAS.inside;
     let kept = await keptFrom(camera);
     expect(kept).toMatchObject({ isOn: false, bytes: 0 });
-    // Until then shaders for it are being compiled.
+    // Until its shaders are compiled, the effect is off.
     await expect
       .poll(async () => {
         camera = rolled(camera);
@@ -191,7 +191,7 @@ describe('the ledger, of effects that are found', () => {
       })
       .toBe(true);
     expect(kept).toMatchObject({ isOn: true, reason: 'the camera has turned and not moved' });
-    // Per splat its colour and for which place that is, and a number in front.
+    // Per splat its colour and the number of its viewpoint, and one number in front.
     expect(kept.bytes).toBe(8 * (SET.count + 1));
     fresh.destroy();
     cloud.destroy();

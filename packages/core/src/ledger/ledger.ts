@@ -6,27 +6,27 @@ import { roundUp } from '../layout/gpu-struct.ts';
 import type { DrawnFrame, FoundEffect } from './found-effect.ts';
 import { FOUND_EFFECTS } from './found-effects.ts';
 
-/** One effect, as it was in a picture. */
+/** State of one effect in a frame. */
 export interface EffectEntry {
   /** Lower case with hyphens. */
   readonly name: string;
-  /** What a person would call it. */
+  /** Name for people. */
   readonly label: string;
-  /** What it does: one sentence. */
+  /** One sentence that says what the effect does. */
   readonly about: string;
-  /** Whether it is in the shaders, the buffers or the passes of the picture; what is off costs nothing. */
+  /** Whether it is in the frame's shaders, buffers or passes; effects that are off cost nothing. */
   readonly isOn: boolean;
-  /** Why it is on, or why it is off, in words. */
+  /** Why it is on or off, for people. */
   readonly reason: string;
-  /** Names of the clouds that it is on for; empty where it is off, and where it is one of the whole view. */
+  /** Names of the clouds that it is on for; empty if it is off or belongs to the whole view. */
   readonly clouds: readonly string[];
-  /** Stages that it may take part in; none where it is done on the CPU alone. */
+  /** Stages that it may take part in; none if it is done on the CPU alone. */
   readonly stages: readonly string[];
-  /** What is held for it on the GPU now. What effects share is counted with each of them. */
+  /** GPU memory held for it now, in bytes. Memory that effects share counts for each of them. */
   readonly bytes: number;
 }
 
-/** All effects, also those that are off: those that are found, then the caller's in the order in which they act. */
+/** Lists all effects, on and off: the found ones, then the requested ones in the order in which they act. */
 export function effectsLedger(frame: DrawnFrame): readonly EffectEntry[] {
   const { clouds } = frame.plan.request;
   const asked = clouds.flatMap(({ effects = [] }) => effects.map(({ effect }) => effect));
@@ -37,7 +37,7 @@ export function effectsLedger(frame: DrawnFrame): readonly EffectEntry[] {
   ];
 }
 
-/** What is said of one cloud. */
+/** The reason for one cloud. */
 interface Finding {
   readonly cloud: string;
   readonly reason: string;
@@ -73,8 +73,8 @@ function callersEntry(effect: SplatEffect, { plan, held }: DrawnFrame): EffectEn
   for (const [index, { instance, uses }] of plan.clouds.entries()) {
     const planned = uses.find(({ use }) => use.effect === effect);
     if (!planned) continue;
-    // What is selected changes, and the picture only with the next frame.
-    const reason = planned.use.reason ?? 'it was called for when this was drawn';
+    // The selection may have changed since the last frame was drawn.
+    const reason = planned.use.reason ?? 'it was needed when this was drawn';
     findings.push({ cloud: instance.cloud.name, reason });
     bytes += roundUp(parameters?.bytes ?? 0, STRUCT_ALIGNMENT);
     if (takesSelection) bytes += held.selectionBytes(index);
@@ -104,7 +104,7 @@ function stagesOf({ hooks }: SplatEffect): readonly string[] {
   return hooks.splat || hooks.opacity ? ['cull-splats', 'project'] : ['project'];
 }
 
-/** One reason, or each with the clouds that it is about. */
+/** Joins reasons: a single one as it stands, several with the names of their clouds. */
 function together(findings: readonly Finding[]): string {
   const reasons = [...new Set(findings.map(({ reason }) => reason))];
   if (reasons.length === 0) return 'there is no cloud';

@@ -11,34 +11,34 @@ import { InvalidArgumentError } from '../errors.ts';
 /** Name of one setting. */
 export type SettingName = keyof AccuracySettings;
 
-/** Settings that are to be measured. */
+/** Settings to measure. */
 export interface Candidate {
-  /** A preset's name, or what differs from the base. */
+  /** A preset's name, or the differences from the base. */
   readonly name: string;
   readonly settings: AccuracySettings;
-  /** Names of the settings in which it differs from the base. */
+  /** Names of the settings that differ from the base. */
   readonly changed: readonly SettingName[];
 }
 
 const SETTING_NAMES = Object.keys(ACCURACY_SETTINGS) as SettingName[];
 
-/** What is tried of settings that are ranges. */
+/** Values to try of settings that are ranges. */
 const TRIED: { readonly [Name in SettingName]?: readonly AccuracySettings[Name][] } = {
   alphaCutoff: [1 / 1024, 1 / 255, 1 / 128, 1 / 64],
   resolutionScale: [1, 0.75, 0.5],
 };
 
-/** The paper's own pipeline with one of its optimizations switched off. */
+/** The paper's pipeline with one of its optimizations switched off. */
 const ABLATIONS: Readonly<Record<string, Partial<AccuracySettings>>> = {
   'paper −CULL': { culling: 'frustum' },
   'paper −RADIUS': { extent: 'fixed' },
 };
 
 /**
- * The base, the presets, the paper's ablations if they are wanted, and each of `names` one at a time away from the base; equal settings once,
- * under the first of their names.
+ * Lists the base, the presets, the paper's ablations if `withAblations`, and the base with one setting of `names` changed at
+ * a time. Equal settings occur once, under the first of their names.
  *
- * @throws InvalidArgumentError for a setting that does not exist.
+ * @throws InvalidArgumentError for an unknown setting.
  */
 export function singleCandidates(
   base: Accuracy,
@@ -48,7 +48,7 @@ export function singleCandidates(
   const baseSettings = internAccuracy(base);
   const chosen = names.map((name) => {
     if ((SETTING_NAMES as string[]).includes(name)) return name as SettingName;
-    const message = `There is no accuracy setting "${name}"; there are ${SETTING_NAMES.join(', ')}.`;
+    const message = `There is no accuracy setting "${name}"; use one of ${SETTING_NAMES.join(', ')}.`;
     throw new InvalidArgumentError('settings', message);
   });
   const presets = Object.keys(ACCURACY_PRESETS) as AccuracyPreset[];
@@ -67,16 +67,16 @@ export function singleCandidates(
   return [...first.values()];
 }
 
-/** Settings with all that `changes` says, as a candidate beside the base. */
+/** Returns the base with all of `changes` as a candidate. */
 export function combined(base: AccuracySettings, changes: Partial<AccuracySettings>): Candidate {
   return candidate(base, internAccuracy({ ...base, ...changes }));
 }
 
-/** `shDegree 2`, `alphaCutoff 1/128`: a setting as text. */
+/** Describes a setting for people: `shDegree 2`, `alphaCutoff 1/128`. */
 function describeSetting(settings: AccuracySettings, name: SettingName): string {
   const value = settings[name];
   const isFraction = name === 'alphaCutoff' && typeof value === 'number';
-  // Cutoffs are thought of as parts of what eight bits can show.
+  // People think of cutoffs as fractions: 1/255 is one step of eight bits.
   return `${name} ${isFraction ? `1/${Number((1 / value).toPrecision(4))}` : value}`;
 }
 

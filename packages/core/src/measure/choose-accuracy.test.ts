@@ -38,7 +38,7 @@ function table(...rows: readonly Row[]): AccuracyTable {
 const ordinary = table(['high', 65, 9], ['balanced', 52, 6], ['fast', 40, 3]);
 
 describe('chooseFrom', () => {
-  test('takes the fastest that is accurate enough', () => {
+  test('chooses the fastest that is accurate enough', () => {
     const choice = chooseFrom(ordinary, { minPsnrDb: 45 });
     expect(choice).toMatchObject({ isMet: true, settings: internAccuracy('balanced') });
     expect(choice.why).toBe(
@@ -46,12 +46,12 @@ describe('chooseFrom', () => {
     );
   });
 
-  test('takes the most accurate that is fast enough, by the whole interval', () => {
+  test('chooses the most accurate that is fast enough, by the whole interval', () => {
     expect(chooseFrom(ordinary, { maxFrameMs: 8 }).point.name).toBe('balanced');
     expect(chooseFrom(ordinary, { maxFrameMs: 6.05 }).point.name).toBe('fast');
   });
 
-  test('takes the closest where nothing meets the wish, and says so', () => {
+  test('chooses the closest if nothing meets the wish, and says so', () => {
     expect(chooseFrom(ordinary, { minPsnrDb: 80 })).toMatchObject({
       isMet: false,
       why: 'None of the 3 settings measured can reach 80 dB; “high” comes closest with 65.0 dB in 9 ms.',
@@ -73,14 +73,14 @@ describe('chooseFrom', () => {
     expect(kept.why).toContain('stays');
     const muchSlower = table(['high', 65, 12], ['balanced', 52, 9], ['fast', 40, 4]);
     expect(chooseFrom(muchSlower, wish, first).point.name).toBe('fast');
-    // Of settings that are equally fast the more accurate is taken, whichever median happens to be less.
+    // The more accurate of equally fast settings is chosen, whichever median happens to be lower.
     for (const noise of [-0.05, 0.05]) {
       const close = table(['high', 65, 6 + noise], ['balanced', 52, 6], ['fast', 40, 6 - noise]);
       expect(chooseFrom(close, { minPsnrDb: 35 }).point.name).toBe('high');
     }
   });
 
-  test('refuses what is no wish', () => {
+  test('rejects invalid wishes', () => {
     for (const wish of [{}, { minPsnrDb: -1 }, { maxFrameMs: Number.NaN }, { minPsnrDb: 40, maxFrameMs: 8 }])
       expect(() => chooseFrom(ordinary, wish as never)).toThrow(InvalidArgumentError);
   });
@@ -99,7 +99,7 @@ describe('candidates', () => {
     expect(candidates[0].changed).toEqual([]);
   });
 
-  test('changes that pay are put together, the best first, one value of each setting', () => {
+  test('changes that pay are combined, the best first, one value of each setting', () => {
     const named = (name: string, psnrDb: number, totalMs: number) => ({
       candidate: candidates.find((each) => each.name === name)!,
       psnrDb,

@@ -9,27 +9,27 @@ import {
 import type { MeasuredEngine } from './measured-engine.ts';
 import { overlap } from './time-spread.ts';
 
-/** Settings that were chosen by what they were measured to do. */
+/** Settings chosen by measurement. */
 export interface AccuracyChoice {
   readonly wish: AccuracyWish;
   readonly settings: AccuracySettings;
   readonly isMet: boolean;
-  /** What was chosen and why, in plain words. */
+  /** A sentence that says which settings were chosen and why. */
   readonly why: string;
   readonly point: AccuracyPoint;
   readonly table: AccuracyTable;
 }
 
-/** A choice that was made stays while it passes the wished time by no more than this part. */
+/** A previous choice may stay if it exceeds the wished time by no more than this fraction. */
 const KEPT_OVERRUN = 0.05;
 
 /**
- * Measures, and takes the settings that meet the wish: of those that are accurate enough the fastest, of those that are
- * fast enough the most accurate. Where none meets it, the closest.
+ * Measures, and chooses the settings that meet the wish: the fastest that are accurate enough, or the most accurate that are
+ * fast enough. If none meets it, chooses the closest.
  *
  * @param options as for `measureAccuracy`: with `sampleCameras` the wish is met from all sides, since the worst camera
- * counts. `previous`: what was chosen before; it stays where the measurement cannot tell that another is better.
- * @throws InvalidArgumentError for a wish that is no positive number; what `measureAccuracy` throws.
+ * counts. `previous`: the last choice; it stays unless the measurement shows that another is better.
+ * @throws InvalidArgumentError for a wish that is no positive number; errors of `measureAccuracy`.
  */
 export async function chooseAccuracy(
   engine: MeasuredEngine,
@@ -41,9 +41,9 @@ export async function chooseAccuracy(
 }
 
 /**
- * What `chooseAccuracy` does once it has measured.
+ * Chooses settings from a finished measurement, as `chooseAccuracy` does.
  *
- * @param previous what was chosen before, if it is not to change without a reason that was measured.
+ * @param previous the last choice, if it should stay unless the measurement shows that another is better.
  */
 export function chooseFrom(
   table: AccuracyTable,
@@ -64,23 +64,23 @@ export function chooseFrom(
 }
 
 function meets({ error, timeMs }: AccuracyPoint, wish: AccuracyWish): boolean {
-  // A time has to be met by all of its interval: by the median alone every other measurement would say otherwise.
+  // The whole interval must meet the time: with the median alone, the verdict would flip in every other measurement.
   return 'minPsnrDb' in wish ? error.psnrDb >= wish.minPsnrDb : timeMs.total.high <= wish.maxFrameMs;
 }
 
-/** The points that come nearest to the wish. */
+/** Returns the points nearest to the wish. */
 function closest(points: readonly AccuracyPoint[], wish: AccuracyWish): AccuracyPoint[] {
   if ('maxFrameMs' in wish) return indistinguishable(points);
   const highest = Math.max(...points.map(({ error }) => error.psnrDb));
   return points.filter(({ error }) => error.psnrDb === highest);
 }
 
-/** Of the fastest, as far as times can be told apart, the most accurate: errors are the same in every measurement. */
+/** Returns the most accurate of the `indistinguishable` points: errors, unlike times, are the same in every measurement. */
 function fastest(points: readonly AccuracyPoint[]): AccuracyPoint {
   return mostAccurate(indistinguishable(points));
 }
 
-/** The fastest point and all whose time cannot be told from its. */
+/** Returns the fastest point, and all points whose times cannot be told from its time. */
 function indistinguishable(points: readonly AccuracyPoint[]): AccuracyPoint[] {
   const first = points.reduce((best, each) =>
     each.timeMs.total.median < best.timeMs.total.median ? each : best,
@@ -98,12 +98,12 @@ function mostAccurate(points: readonly AccuracyPoint[]): AccuracyPoint {
   });
 }
 
-/** Whether what was chosen before is not measurably worse than what is best now. */
+/** Whether the previous choice is not measurably worse than the best point. */
 function mayStay(before: AccuracyPoint, best: AccuracyPoint, wish: AccuracyWish, isMet: boolean): boolean {
   const [then, now] = [before.timeMs.total, best.timeMs.total];
   if (!overlap(then, now)) return false;
   if ('minPsnrDb' in wish) return isMet ? meets(before, wish) : before.error.psnrDb === best.error.psnrDb;
-  // As accurate as the best, or more so and only just too slow.
+  // It must be at least as accurate as the best, and may be slightly too slow.
   const isFastEnough = !isMet || then.median <= (1 + KEPT_OVERRUN) * wish.maxFrameMs;
   return isFastEnough && before.error.psnrDb >= best.error.psnrDb;
 }
@@ -127,7 +127,7 @@ function sentence(
     const rivals = `None of the ${count} settings measured can ${goal}`;
     return `${rivals}; “${name}” comes closest with ${result}.`;
   }
-  if (isKept) return `“${name}” stays: ${result}, and nothing that was measured is clearly better.`;
+  if (isKept) return `“${name}” stays: ${result}, and no other settings are clearly better.`;
   return `“${name}” is the ${superlative} of ${count} settings measured that ${goal}: ${result}.`;
 }
 

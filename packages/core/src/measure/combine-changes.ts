@@ -1,7 +1,7 @@
 import type { AccuracySettings } from '../accuracy/accuracy.ts';
 import type { Candidate } from './candidates.ts';
 
-/** What a first look says of a candidate. */
+/** Error and rough time of a candidate. */
 export interface FirstLook {
   readonly candidate: Candidate;
   readonly psnrDb: number;
@@ -10,18 +10,18 @@ export interface FirstLook {
 
 const MAX_FASTER = 4;
 const MAX_FINER = 3;
-/** The most that `combineChanges` returns. */
+/** The largest number of combinations that `combineChanges` returns. */
 export const MAX_COMBINATIONS = MAX_FASTER + MAX_FINER;
-/** Less than this part of the base's time is not worth a combination. */
+/** Changes that save less than this fraction of the base's time are not combined. */
 const MIN_SAVING = 0.02;
 
 /**
- * Changes of single settings put together where that promises to lie on the front: one after the other those that save
- * the most time for what they err, and likewise those that gain the most accuracy for their time. Squared errors and
- * times are taken to add up; what the combinations really cost is measured afterwards.
+ * Combines changes of single settings if the result promises to lie on the front: one after the other, those that save the
+ * most time for their error, and likewise those that gain the most accuracy for their time. Assumes that squared errors and
+ * times add up; the combinations themselves are measured afterwards.
  *
  * @param singles candidates that differ from the base in one setting.
- * @returns the changes of each combination, two settings or more, none twice.
+ * @returns the changes of each combination: two settings or more, no combination twice.
  */
 export function combineChanges(base: FirstLook, singles: readonly FirstLook[]): Partial<AccuracySettings>[] {
   const baseError = squaredError(base);
@@ -40,7 +40,7 @@ export function combineChanges(base: FirstLook, singles: readonly FirstLook[]): 
   return [...cumulated(faster, MAX_FASTER), ...cumulated(finer, MAX_FINER)];
 }
 
-/** The best change, it and the next best of another setting, and so on; the first alone has been measured already. */
+/** Joins the best change with the next best of another setting, and so on; the best alone has been measured already. */
 function cumulated(
   changes: readonly { readonly look: FirstLook; readonly merit: number }[],
   limit: number,

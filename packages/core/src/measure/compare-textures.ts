@@ -7,29 +7,25 @@ import type { Vec3 } from '../math/mat4.ts';
 import type { ImageDifference } from '../reference/compare-images.ts';
 import { compareImages, countedError, ERROR_COUNTS } from '../stages/compare-images.ts';
 
-/** A picture with a value that is no finite number has no distance to anything. */
+/** Thrown for an image with non-finite values, which has no distance to any other. */
 export class NonFiniteImageError extends WebSplatterError {
   override readonly name = 'NonFiniteImageError';
-  readonly picture: 'actual' | 'expected';
+  readonly image: 'actual' | 'expected';
   /** Pixels with such a value. */
   readonly pixels: number;
 
-  constructor(
-    picture: 'actual' | 'expected',
-    pixels: number,
-    [xPx, yPx]: readonly [xPx: number, yPx: number],
-  ) {
+  constructor(image: 'actual' | 'expected', pixels: number, [xPx, yPx]: readonly [xPx: number, yPx: number]) {
     const { COMPARE_TILE_PX: side } = SHADER_CONSTANTS;
     super(
       'non-finite-image',
-      `The ${picture === 'actual' ? 'compared' : 'expected'} picture has values that are not finite in ${pixels} pixels, the first of them in the ${side}×${side} px from ${xPx}, ${yPx}.`,
+      `The ${image === 'actual' ? 'compared' : 'expected'} picture has values that are not finite in ${pixels} pixels, the first of them in the ${side}×${side} px from ${xPx}, ${yPx}.`,
     );
-    this.picture = picture;
+    this.image = image;
     this.pixels = pixels;
   }
 }
 
-/** What comparing needs of an engine. */
+/** The parts of an engine that comparing needs. */
 export interface CompareContext {
   readonly device: GPUDevice;
   readonly pipelines: Pipelines;
@@ -37,12 +33,12 @@ export interface CompareContext {
 }
 
 /**
- * How far one layer of premultiplied RGBA is from another, computed on the GPU: what `compareImages` says of the two
- * read back, as `raw`, but for the rounding of float32. The percentile lies within 1/256 of its own value.
+ * Compares two layers of premultiplied RGBA on the GPU. The result is that of `compareImages` for the two layers read back,
+ * as `raw`, except for the rounding of float32. The percentile lies within 1/256 of its own value.
  *
- * Submits before it returns, so that what is drawn into the textures later makes no difference.
+ * Submits before it returns, so that later drawing into the textures makes no difference.
  *
- * @param background what is behind both, 0…1.
+ * @param background colour behind both, 0…1.
  * @throws InvalidArgumentError for textures of different sizes, NonFiniteImageError.
  */
 export async function compareTextures(
@@ -53,7 +49,7 @@ export async function compareTextures(
 ): Promise<ImageDifference> {
   const { width, height } = actual;
   if (expected.width !== width || expected.height !== height) {
-    const message = `Pictures of ${width}×${height} and ${expected.width}×${expected.height} px cannot be compared; draw both in one size.`;
+    const message = `Images of ${width}×${height} and ${expected.width}×${expected.height} px cannot be compared; draw both in one size.`;
     throw new InvalidArgumentError('expected', message);
   }
   if (!pipelines.areReady([compareImages])) await pipelines.prepare([compareImages]);
@@ -96,7 +92,7 @@ export async function compareTextures(
   }
 }
 
-/** @param tiles a `CompareTile` per tile; @param counts errors by size, but for those that are 0. */
+/** @param tiles a `CompareTile` per tile; @param counts number of errors by size, except errors of 0. */
 function differenceOf(
   tiles: DataView,
   counts: Uint32Array,
@@ -123,10 +119,10 @@ function differenceOf(
   };
 }
 
-/** The 99.9th percentile by the same rank as on the CPU. */
+/** Returns the 99.9th percentile, by the same rank as on the CPU. */
 function percentile(counts: Uint32Array, values: number, maxError: number): number {
   const rank = Math.min(values - 1, Math.floor(0.999 * values));
-  // The last of them is known exactly.
+  // The largest error is known exactly.
   if (rank === values - 1) return maxError;
   let above = values - 1 - rank;
   for (let index = ERROR_COUNTS - 1; index >= 0; index--) {
@@ -136,9 +132,9 @@ function percentile(counts: Uint32Array, values: number, maxError: number): numb
   return 0;
 }
 
-function checkFinite(tiles: DataView, picture: 'actual' | 'expected', widthPx: number): void {
+function checkFinite(tiles: DataView, image: 'actual' | 'expected', widthPx: number): void {
   const { COMPARE_TILE_PX } = SHADER_CONSTANTS;
-  const offset = CompareTile.offsets[picture === 'actual' ? 'brokenActual' : 'brokenExpected'];
+  const offset = CompareTile.offsets[image === 'actual' ? 'brokenActual' : 'brokenExpected'];
   let pixels = 0;
   let firstTile = -1;
   for (let tile = 0; tile * CompareTile.bytes < tiles.byteLength; tile++) {
@@ -149,5 +145,5 @@ function checkFinite(tiles: DataView, picture: 'actual' | 'expected', widthPx: n
   if (pixels === 0) return;
   const tilesAcross = Math.ceil(widthPx / COMPARE_TILE_PX);
   const [column, row] = [firstTile % tilesAcross, Math.floor(firstTile / tilesAcross)];
-  throw new NonFiniteImageError(picture, pixels, [COMPARE_TILE_PX * column, COMPARE_TILE_PX * row]);
+  throw new NonFiniteImageError(image, pixels, [COMPARE_TILE_PX * column, COMPARE_TILE_PX * row]);
 }

@@ -6,12 +6,11 @@ import { compareTextures } from './compare-textures.ts';
 import type { ComparedView } from './measured-engine.ts';
 
 /**
- * How far the last picture of one view is from that of another of the same engine, computed on the GPU: only numbers are
- * read back, so that it takes milliseconds at any size.
+ * Compares the last images of two views of the same engine on the GPU: only numbers are read back, so it takes milliseconds
+ * at any size.
  *
- * @param background what is behind both, 0…1; default black.
- * @throws InvalidArgumentError where a view has no picture yet or the sizes differ, NonFiniteImageError,
- * DestroyedError.
+ * @param background colour behind both, 0…1; default black.
+ * @throws InvalidArgumentError if a view has no image yet or the sizes differ, NonFiniteImageError, DestroyedError.
  */
 export async function compareViews(
   actual: ComparedView,
@@ -19,12 +18,12 @@ export async function compareViews(
   background?: Vec3,
 ): Promise<ImageDifference> {
   await Promise.all([actual.whenDrawn(), expected.whenDrawn()]);
-  // Before the textures are taken: while it compiled, either view could have been drawn in another size.
+  // Compile before taking the textures: meanwhile, either view could be drawn in another size.
   await actual.blended().context.pipelines.prepare([compareImages]);
   const [a, b] = [actual.blended(), expected.blended()];
   if (!a.color || !b.color) {
     const missing = a.color ? 'expected' : 'actual';
-    throw new InvalidArgumentError(missing, `The view ${missing} has no picture yet: call render first.`);
+    throw new InvalidArgumentError(missing, `The view ${missing} has no image yet: call render first.`);
   }
   return compareTextures(a.context, a.color, b.color, background);
 }

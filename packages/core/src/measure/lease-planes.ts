@@ -6,20 +6,20 @@ import type { CloudPrecision } from '../packing/precision.ts';
 
 /** The planes that a measurement compares. */
 export interface LeasedPlanes {
-  /** Why precisions are missing, for people. */
+  /** Sentences that say why precisions are missing. */
   readonly notes: readonly string[];
   /**
-   * Gives up the measurement's claims. The cloud's own lease then claims `kept` too, or what comes nearest to it among the
-   * planes that were measured.
+   * Releases the measurement's leases. Each cloud's own lease then also claims `kept`, or the nearest precision to it among
+   * the measured planes.
    */
   release(kept: CloudPrecision | null): Promise<void>;
 }
 
 /**
- * Claims what all of `settings` ask for, the finest first, since the others are made of it. A note says which precision
- * cannot be had, because a cloud's source is gone or its memory does not suffice; the measurement goes on without it.
+ * Leases the precisions of all `settings`, the finest first, since the others are made of it. Precisions that cannot be made,
+ * because a cloud's source is gone or memory does not suffice, are skipped and get a note.
  *
- * @throws DestroyedError, the reason of `signal`; nothing stays claimed then.
+ * @throws DestroyedError, the reason of `signal`; on failure nothing stays leased.
  */
 export async function leasePlanes(
   clouds: readonly SplatCloud[],
@@ -32,7 +32,7 @@ export async function leasePlanes(
   const release = async (kept: CloudPrecision | null) => {
     if (kept) {
       const precisions = distinct.map((cloud) => cloud.ownLease.add(cloud.pagesFor(kept)));
-      // All of it is held: that can fail only where the cloud is gone.
+      // All these planes are held: this can fail only if the cloud is gone.
       await Promise.allSettled(precisions);
     }
     for (const lease of leases) lease.release();

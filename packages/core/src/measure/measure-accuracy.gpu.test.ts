@@ -12,7 +12,7 @@ import { compareViews } from './compare-views.ts';
 import { type AccuracyPoint, type MeasureProgress, measureAccuracy } from './measure-accuracy.ts';
 import { sampleCameras } from './sample-cameras.ts';
 
-// As little as will do: SwiftShader takes a second for some pictures of the whole scene, and a sweep is hundreds of them.
+// As small as possible: SwiftShader takes a second for some frames of the whole scene, and a measurement draws hundreds.
 const SIZE = { widthPx: 24, heightPx: 24 };
 const SPLATS = STILL_LIFE_MIN_SPLATS;
 
@@ -30,14 +30,14 @@ beforeAll(async () => {
 });
 afterAll(() => engine?.destroy());
 
-/** Makes the cloud hold what `settings` ask for: measuring frees what it made. */
+/** Makes the cloud hold the precisions of `settings`: measuring frees those that it made. */
 function hold({ geometryPrecision, shPrecision }: AccuracySettings): Promise<void> {
   const [{ cloud }] = clouds;
   return cloud.hold({ geometryPrecision, shPrecision }).met;
 }
 
 describe('measureAccuracy', () => {
-  gpuTest('errors are the CPU’s of pictures read back, to 0.1 dB', async () => {
+  gpuTest('errors equal those of the CPU for images read back, to 0.1 dB', async () => {
     const table = await measureAccuracy(engine, {
       ...common,
       frames: 1,
@@ -63,18 +63,18 @@ describe('measureAccuracy', () => {
     for (const view of views) view.destroy();
   });
 
-  gpuTest('two sweeps rank points alike where their intervals do not overlap', async () => {
+  gpuTest('two measurements rank points alike if their intervals do not overlap', async () => {
     // A hundred of the splats are in sight, so that drawing all that are near takes three times as long: there is a
-    // difference to be found, and a picture takes milliseconds.
+    // difference to find, and a frame takes milliseconds.
     const camera = perspectiveCamera({ ...stillLifeCameras[0], fovYDegrees: 4, aspect: 1 });
     const options = {
       ...common,
       cameras: [camera],
       settings: ['culling'],
       combinations: false,
-      // Six visits. What else this machine does slows the frames of a visit together, so that few visits could set points
-      // apart that take equally long. Of six it has to slow five of the one point and spare five of the other, and then
-      // in the second sweep the other way round.
+      // Six visits. Other work of this machine slows the frames of a visit together, so with few visits it could set points
+      // apart that take equally long. With six it has to slow five of one point and spare five of the other, and then, in
+      // the second measurement, the other way round.
       frames: 18,
     };
     const [first, second] = [await measureAccuracy(engine, options), await measureAccuracy(engine, options)];
@@ -88,7 +88,7 @@ describe('measureAccuracy', () => {
         .map((b) => `${a.name} before ${b.name}, then after it`),
     );
     expect(contradictions).toEqual([]);
-    // Nor are they silent about everything: what takes longer is seen to. The lower ends are what a busy machine moves least.
+    // Nor do they miss every difference: slower points have longer times. A busy machine moves the lower ends least.
     const leastMs = (name: string) =>
       Math.min(
         ...[first, second].map(({ points }) => points.find((each) => each.name === name)!.timeMs.total.low),
@@ -96,7 +96,7 @@ describe('measureAccuracy', () => {
     expect(leastMs('paper')).toBeLessThan(leastMs('paper −CULL'));
   });
 
-  gpuTest('reads finer planes again where they are needed, and frees them afterwards', async () => {
+  gpuTest('reads finer planes again if they are needed, and frees them afterwards', async () => {
     const cloud = engine.add(stillLife({ splats: SPLATS }));
     await engine.requestPrecision(cloud, { geometryPrecision: 'packed', shPrecision: 'u8' });
     const before = engine.memory().totalBytes;
@@ -112,7 +112,7 @@ describe('measureAccuracy', () => {
     cloud.destroy();
   });
 
-  gpuTest('tells what it does, tries combinations, and leaves nothing behind', async () => {
+  gpuTest('reports progress, tries combinations, and leaves nothing behind', async () => {
     const before = engine.memory().totalBytes;
     const progress: MeasureProgress[] = [];
     const { accuracy } = engine;
@@ -144,7 +144,7 @@ describe('measureAccuracy', () => {
     expect(table.points.filter(({ isOnFront }) => isOnFront).length).toBeGreaterThan(0);
   });
 
-  gpuTest('ends when it is told to, and frees its views', async () => {
+  gpuTest('ends when its signal is aborted, and frees its views', async () => {
     const before = engine.memory().totalBytes;
     const ending = new AbortController();
     const measuring = measureAccuracy(engine, {
@@ -158,7 +158,7 @@ describe('measureAccuracy', () => {
     expect(engine.memory().totalBytes).toBe(before);
   });
 
-  gpuTest('refuses what cannot be measured', async () => {
+  gpuTest('rejects invalid options', async () => {
     await expect(measureAccuracy(engine, { ...common, cameras: [] })).rejects.toThrow('no cameras');
     await expect(measureAccuracy(engine, { ...common, frames: 0 })).rejects.toThrow('frames is 0');
     await expect(measureAccuracy(engine, { ...common, settings: ['sharpness'] })).rejects.toThrow(
@@ -168,7 +168,7 @@ describe('measureAccuracy', () => {
 });
 
 describe('chooseAccuracy', () => {
-  gpuTest('picks a setting whose measured error meets the wish, from every side', async () => {
+  gpuTest('chooses settings whose measured error meets the wish, from every side', async () => {
     const cameras = sampleCameras(common.cameras[0], clouds[0].cloud.robustBounds, 2);
     const options = { ...common, cameras, frames: 1, settings: ['shDegree'], combinations: false };
     const choice = await chooseAccuracy(engine, { minPsnrDb: 40 }, options);

@@ -21,22 +21,22 @@ import { paretoFront } from './pareto-front.ts';
 import { type TimeSpread, timeSpread } from './time-spread.ts';
 
 export interface MeasureAccuracyOptions {
-  /** What is drawn, in the order of a frame. Shown elsewhere meanwhile or not: measuring draws pictures of its own. */
+  /** The clouds to draw, in a frame's order. Views may show them at the same time: measuring draws its own frames. */
   readonly clouds: readonly CloudInstance[];
-  /** At least one. Of several the worst counts: the largest error, and the time of the slowest. */
+  /** At least one. If there are several, the worst counts: the largest error, and the time of the slowest. */
   readonly cameras: readonly Camera[];
   /** Whole numbers from 1, pixels. */
   readonly widthPx: number;
   readonly heightPx: number;
-  /** What settings are changed from, one at a time; default `balanced`. */
+  /** Settings that are changed one at a time; default `balanced`. */
   readonly base?: Accuracy;
-  /** Names of the settings that are changed; default all. */
+  /** Names of the settings to change; default all. */
   readonly settings?: readonly string[];
-  /** Whether the paper's ablations are measured too; default true. */
+  /** Whether to measure the paper's ablations too; default true. */
   readonly ablations?: boolean;
-  /** Whether changes that pay are also tried together; default true. */
+  /** Whether to also combine changes that pay; default true. */
   readonly combinations?: boolean;
-  /** Measured frames per point and camera, default 15. Under 6 there is no interval of 95 % and all values are taken. */
+  /** Measured frames per point and camera, default 15. Fewer than 6 give no 95 % interval: it then spans all values. */
   readonly frames?: number;
   /** Ends the measurement: it rejects with the signal's reason and frees what it holds. */
   readonly signal?: AbortSignal;
@@ -44,24 +44,24 @@ export interface MeasureAccuracyOptions {
 }
 
 export interface MeasureProgress {
-  /** Steps of about the same length; `total` may shrink. */
+  /** Number of finished steps, each of about the same length; `total` may shrink. */
   readonly done: number;
   readonly total: number;
-  /** What is being done, for people. */
+  /** Name of the current step, for people. */
   readonly label: string;
 }
 
-/** What one choice of settings costs, and how far its picture is from the reference. */
+/** Cost of one set of settings, and the error of its image. */
 export interface AccuracyPoint {
-  /** A preset's name, or what differs from the base. */
+  /** A preset's name, or the differences from the base. */
   readonly name: string;
   readonly settings: AccuracySettings;
-  /** Names of the settings in which it differs from the base. */
+  /** Names of the settings that differ from the base. */
   readonly changed: readonly SettingName[];
-  /** Against the reference, over black, values clamped to 0…1; `psnrDb` is Infinity for equal pictures. */
+  /** Error against the reference, over black, values clamped to 0…1; `psnrDb` is Infinity for equal images. */
   readonly error: ImageDifference;
   readonly timeMs: {
-    /** Null where only the wall clock is known. */
+    /** Null if only the wall clock is known. */
     readonly preprocess: TimeSpread | null;
     readonly sort: TimeSpread | null;
     readonly rasterize: TimeSpread | null;
@@ -78,12 +78,12 @@ export interface AccuracyTable {
   /** The base first, then presets, single changes and combinations. */
   readonly points: readonly AccuracyPoint[];
   readonly base: AccuracySettings;
-  /** What errors are measured against: what the device and the clouds have of the preset `reference`. */
+  /** What errors are measured against: the preset `reference`, as far as the device and the clouds support it. */
   readonly reference: { readonly settings: AccuracySettings; readonly notes: readonly string[] };
-  /** What was left out, and what is to be known of all points. */
+  /** Notes about settings that were skipped, and about all points. */
   readonly notes: readonly string[];
   readonly timing: StageTimings['source'];
-  /** What a person would call the adapter. */
+  /** Name of the adapter, for people. */
   readonly adapter: string;
   readonly widthPx: number;
   readonly heightPx: number;
@@ -97,17 +97,18 @@ export interface AccuracyTable {
 }
 
 const DEFAULT_FRAMES = 15;
-/** Measured frames in a row, after one that is not: it makes the buffers and wakes the GPU. */
+/** Measured frames in a row, after an unmeasured one that makes the buffers and wakes the GPU. */
 const FRAMES_PER_VISIT = 3;
 
 /**
- * Measures what settings cost and what they buy, for these clouds and cameras: the error against the reference on the
- * GPU, at full size, and milliseconds per stage.
+ * Measures cost and error of settings, for these clouds and cameras: milliseconds per stage, and the error against the
+ * reference, computed on the GPU at full size.
  *
  * Points take turns, a few frames each (A B C, C B A, …), so that a GPU that warms up or is shared slows all of them
- * alike. One view at a time is measured, beside one that holds the reference: the memory needed does not grow with the
- * number of points. The clouds are held in every precision that is compared, which may mean to read their sources again;
- * afterwards they are as they were. Other work of the page goes on between frames; what it does on the GPU is measured with the rest.
+ * alike. One view at a time is measured, next to one that holds the reference: the memory needed does not grow with the
+ * number of points. The clouds are leased in every precision that is compared, which may require reading their sources
+ * again; afterwards they hold the same planes as before. Other work of the page goes on between frames; its GPU work is
+ * measured with the rest.
  *
  * @throws InvalidArgumentError, GpuLimitError, DestroyedError, NonFiniteImageError of the reference; the reason of
  * `signal`.
@@ -125,10 +126,10 @@ export async function measureAccuracy(
 }
 
 /**
- * As `measureAccuracy`, but for what the clouds hold afterwards.
+ * Measures as `measureAccuracy` does, but lets the clouds keep a precision.
  *
- * @param conclude what is made of the table.
- * @param keep which of the precisions that were made for the measurement are to stay; null: none.
+ * @param conclude makes the result from the table.
+ * @param keep returns the precision that the clouds keep of those made for the measurement; null: none.
  */
 export async function measureThen<Result>(
   engine: MeasuredEngine,
@@ -147,7 +148,7 @@ export async function measureThen<Result>(
   );
   let kept: CloudPrecision | null = null;
   try {
-    const result = conclude(await new Sweep(engine, options, candidates, planes.notes).run());
+    const result = conclude(await new Measurement(engine, options, candidates, planes.notes).run());
     kept = keep(result);
     return result;
   } finally {
@@ -155,7 +156,7 @@ export async function measureThen<Result>(
   }
 }
 
-/** A candidate with what has been measured of it so far. */
+/** A candidate and its measurements so far. */
 interface Measured {
   readonly candidate: Candidate;
   readonly error: ImageDifference;
@@ -165,7 +166,7 @@ interface Measured {
   readonly timings: StageTimings[][];
 }
 
-class Sweep {
+class Measurement {
   readonly #engine: MeasuredEngine;
   readonly #options: MeasureAccuracyOptions;
   readonly #frames: number;
@@ -210,7 +211,7 @@ class Sweep {
       measured.push(...(await this.#measureErrors(more)));
     }
     for (const [round, frames] of visits(this.#frames).entries()) {
-      // Every other round backwards: what comes late in one comes early in the next.
+      // Every other round runs backwards, so that late points of one round are early in the next.
       const order = round % 2 === 0 ? measured : [...measured].reverse();
       for (const each of order) {
         for (const [view, some] of (await this.#visit(each, frames)).entries())
@@ -259,7 +260,7 @@ class Sweep {
     return true;
   }
 
-  /** Errors over all cameras, the worst of each measure; candidates whose picture is broken are left out with a note. */
+  /** Measures errors over all cameras, the worst of each kind; leaves out candidates with non-finite images, with a note. */
   async #measureErrors(candidates: readonly Candidate[]): Promise<Measured[]> {
     const errors = new Map<Candidate, ImageDifference[]>(candidates.map((each) => [each, []]));
     const bytes = new Map<Candidate, number>();
@@ -269,7 +270,7 @@ class Sweep {
         for (const candidate of [...errors.keys()]) {
           this.#step(`Comparing ${candidate.name} with the reference`);
           const found = await this.#compare(candidate, camera, reference).catch((error) => {
-            if (!(error instanceof NonFiniteImageError) || error.picture !== 'actual') throw error;
+            if (!(error instanceof NonFiniteImageError) || error.image !== 'actual') throw error;
             this.#notes.push(`${candidate.name} is left out: ${error.message}`);
             return null;
           });
@@ -309,7 +310,7 @@ class Sweep {
     }
   }
 
-  /** A first look at times, far too short for the table, tells which changes to put together. */
+  /** Measures rough times, far too short for the table, to decide which changes to combine. */
   async #findCombinations(measured: readonly Measured[]): Promise<Candidate[]> {
     const looks: FirstLook[] = [];
     for (const each of measured) {
@@ -326,7 +327,7 @@ class Sweep {
       .filter(({ settings }) => !known.has(settings));
   }
 
-  /** Draws a point a few times with every camera, and answers with the times per camera. */
+  /** Draws a point a few times with every camera. Returns the times per camera. */
   async #visit({ candidate }: Measured, frames: number): Promise<StageTimings[][]> {
     return withView(this.#engine, async (view) => {
       const timings: StageTimings[][] = [];
@@ -350,7 +351,7 @@ class Sweep {
     return { camera, clouds, widthPx, heightPx, accuracy };
   }
 
-  /** What the clouds cannot be drawn with as `settings` ask for it. */
+  /** Notes about precisions in `settings` that the clouds do not hold. */
   #planeNotes(settings: AccuracySettings): string[] {
     return this.#options.clouds.flatMap(({ cloud }) => {
       const { geometryPrecision, shPrecision } = cloud.pagesFor(settings);
@@ -363,7 +364,7 @@ class Sweep {
     });
   }
 
-  /** Of the planes that are drawn with `settings`. */
+  /** Bytes of the planes that are drawn with `settings`. */
   #cloudBytes(settings: AccuracySettings): number {
     const distinct = new Set(this.#options.clouds.map(({ cloud }) => cloud));
     return [...distinct]
@@ -380,7 +381,7 @@ class Sweep {
   }
 }
 
-/** How many frames each round measures, `frames` in all. */
+/** Returns the number of frames that each round measures, `frames` in all. */
 function visits(frames: number): number[] {
   const full = Array<number>(Math.floor(frames / FRAMES_PER_VISIT)).fill(FRAMES_PER_VISIT);
   return frames % FRAMES_PER_VISIT === 0 ? full : [...full, frames % FRAMES_PER_VISIT];
@@ -407,7 +408,7 @@ function toPoints(measured: readonly Measured[]): AccuracyPoint[] {
   });
 }
 
-/** Times of the camera that takes longest. */
+/** Returns the times of the slowest camera. */
 function slowestOf(timings: readonly (readonly StageTimings[])[]): AccuracyPoint['timeMs'] {
   const spreads = timings.map((some) => {
     const spreadOf = (stage: 'preprocessMs' | 'sortMs' | 'rasterizeMs' | 'totalMs') =>
@@ -425,9 +426,9 @@ function slowestOf(timings: readonly (readonly StageTimings[])[]): AccuracyPoint
 
 function checkOptions({ cameras, widthPx, heightPx, frames = DEFAULT_FRAMES }: MeasureAccuracyOptions): void {
   if (cameras.length === 0)
-    throw new InvalidArgumentError('cameras', 'There are no cameras; measuring takes at least one.');
+    throw new InvalidArgumentError('cameras', 'There are no cameras; give at least one.');
   for (const [name, value] of Object.entries({ widthPx, heightPx, frames })) {
     if (!(Number.isInteger(value) && value >= 1))
-      throw new InvalidArgumentError(name, `${name} is ${value}; it must be a whole number from 1 on.`);
+      throw new InvalidArgumentError(name, `${name} is ${value}; it must be a whole number of at least 1.`);
   }
 }

@@ -26,7 +26,7 @@ afterAll(() => {
 });
 
 describe('measureEffects', () => {
-  gpuTest('measures each effect that a picture can do without, and leaves nothing behind', async () => {
+  gpuTest('measures each effect that a frame can do without, and leaves nothing behind', async () => {
     const before = engine.memory().totalBytes;
     const steps: string[] = [];
     const costs = await measureEffects(engine, frame, {
@@ -39,16 +39,16 @@ describe('measureEffects', () => {
     expect(steps.at(-1)).toBe('2/3 Timing Tint');
   });
 
-  gpuTest('compares what is drawn in the same buffers', async () => {
+  gpuTest('compares frames that are drawn in the same buffers', async () => {
     const createBuffer = vi.spyOn(device, 'createBuffer');
     await measureEffects(engine, frame, { frames: 1 });
     const labels = createBuffer.mock.calls.map(([{ label }]) => label);
     createBuffer.mockRestore();
-    for (const label of ['frame projected', 'frame visibleSplats', 'frame kept colors'])
+    for (const label of ['frame records', 'frame visibleSplats', 'frame kept colors'])
       expect(labels.filter((made) => made === label)).toEqual([label]);
   });
 
-  gpuTest('ends when it is told to', async () => {
+  gpuTest('ends when its signal is aborted', async () => {
     const before = engine.memory().totalBytes;
     const ended = new AbortController();
     const measured = measureEffects(engine, frame, {

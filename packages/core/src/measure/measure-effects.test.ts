@@ -8,7 +8,7 @@ import type { EffectEntry } from '../ledger/ledger.ts';
 import type { SplatView } from '../views/splat-view.ts';
 import { measureEffects } from './measure-effects.ts';
 
-/** What each takes, ms; round splats are quicker. */
+/** Cost of each effect, ms; round splats are faster. */
 const COSTS_MS: Readonly<Record<string, number>> = {
   harmonics: 3,
   isotropic: -2,
@@ -17,14 +17,14 @@ const COSTS_MS: Readonly<Record<string, number>> = {
   tint: 0.5,
 };
 const FRAME_MS = 10;
-/** By which each frame takes longer than the one before. */
+/** Additional time of each frame over the one before. */
 const DRIFT_MS = 0.01;
-/** By which each view is slower than the one before: its buffers lie elsewhere. */
+/** Additional time of each view over the one before: its buffers lie elsewhere. */
 const PLACE_MS = 5;
-/** By which the first frame with other effects is slower. */
+/** Additional time of the first frame with other effects. */
 const CHANGE_MS = 7;
 
-/** An engine whose frames take as long as their effects say, and longer for reasons that have nothing to do with them. */
+/** An engine whose frames take the time of their effects, and additional time that does not depend on them. */
 function fakeEngine(): SplatEngine {
   let framesDrawn = 0;
   let viewsMade = 0;
@@ -79,9 +79,9 @@ test('a cost is the time with an effect less the time without it, whatever drift
     { camera, clouds, widthPx: 8, heightPx: 8 },
     { frames: 8 },
   );
-  // Brightness is asked for and changes nothing.
+  // Brightness is requested and changes nothing.
   expect(costs.map(({ name }) => name)).toEqual(Object.keys(COSTS_MS));
-  // Between the two frames of a pair there is one that is not counted.
+  // Between the two frames of a pair, one is drawn that is not counted.
   const pairDriftMs = 2 * DRIFT_MS;
   for (const { name, costMs } of costs) {
     expect(costMs.median, name).toBeCloseTo(COSTS_MS[name], 9);

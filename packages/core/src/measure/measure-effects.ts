@@ -14,8 +14,8 @@ import { type TimeSpread, timeSpread } from './time-spread.ts';
 
 export interface MeasureEffectsOptions {
   /**
-   * Pairs of counted frames per effect, with it and without, default 15; half as many again are drawn and not counted. Under
-   * 6 there is no interval of 95 %: see `TimeSpread`.
+   * Pairs of counted frames per effect, with it and without, default 15; half as many again are drawn and not counted. Fewer
+   * than 6 pairs give no 95 % interval: see `TimeSpread`.
    */
   readonly frames?: number;
   /** Ends the measurement: it rejects with the signal's reason and frees what it holds. */
@@ -23,13 +23,13 @@ export interface MeasureEffectsOptions {
   readonly onProgress?: (progress: MeasureProgress) => void;
 }
 
-/** What one effect costs in a picture. */
+/** Cost of one effect in a frame. */
 export interface EffectCost {
-  /** As in the ledger. */
+  /** The effect's name in the ledger. */
   readonly name: string;
   /**
-   * A frame with the effect less one without it, milliseconds of the whole frame; below 0 where it saves more than it
-   * takes. Where `low` and `high` are on either side of 0 the two cannot be told apart.
+   * Time of a frame with the effect minus that of one without it, in milliseconds of the whole frame; below 0 if the effect
+   * saves more than it takes. If `low` and `high` are on either side of 0, the two cannot be told apart.
    */
   readonly costMs: Pick<TimeSpread, 'median' | 'low' | 'high'>;
 }
@@ -37,17 +37,16 @@ export interface EffectCost {
 const DEFAULT_FRAMES = 15;
 
 /**
- * Measures what each effect costs in `frame` by drawing it with the effect and without, A B, B A, A B, …, in one view of its
- * own; other work of the page goes on between frames. Where buffers and textures lie can change the time of a frame by more
- * than an effect does: both are drawn in the same ones, only by other shaders. The first frame after each change is not
- * counted: its parameters may be in a new buffer, and caches hold what the other kind of frame has read.
+ * Measures the cost of each effect in `frame` by drawing the frame with the effect and without, A B, B A, A B, …, in one view
+ * of its own; other work of the page goes on between frames. Where buffers and textures lie in memory can change the time of
+ * a frame by more than an effect does, so both kinds use the same ones and only other shaders. The first frame after each
+ * change is not counted: its parameters may be in a new buffer, and caches hold data that the other kind of frame has read.
  *
- * In the order of the ledger: the effects that callers ask for and of those that are found the ones that a picture can do
- * without, `harmonics`, `isotropic` and `faint-splats`; and `kept-colors`, whether on now or not, by a camera that turns in
- * place. Frames without it evaluate every colour and leave what is kept alone; the first with it, which is not counted, fills
- * it, and the counted one behind that finds all colours there. What is on because of a wish is measured with the settings that
- * the engine has. An effect that moves splats may make sort keys longer, for which buffers are made anew: that is the one case
- * in which the two are not drawn in the same.
+ * Measures, in the ledger's order: the requested effects; the found effects that a frame can do without (`harmonics`,
+ * `isotropic`, `faint-splats`); and `kept-colors`, whether on or not, with a camera that turns in place. Frames without kept
+ * colours evaluate every colour and leave the kept ones alone; the first frame with them, which is not counted, fills them,
+ * and the counted one after it finds all colours there. If `frame` has a wish, the engine's settings are measured. An effect
+ * that moves splats may lengthen sort keys, which takes new buffers: only then do the two kinds of frames not share theirs.
  *
  * @throws InvalidArgumentError, GpuLimitError, DestroyedError; the reason of `signal`.
  */
@@ -59,11 +58,11 @@ export async function measureEffects(
   checkOptions(frame, frames);
   const { accuracy = engine.accuracy } = frame;
   const settings = isAccuracyWish(accuracy) ? engine.accuracy : accuracy;
-  const picture: FrameRequest = { ...frame, accuracy: settings, force: true };
+  const request: FrameRequest = { ...frame, accuracy: settings, force: true };
   return withView(engine, async (view) => {
     signal?.throwIfAborted();
-    await drawMeasured(engine, view, picture);
-    const comparisons = view.effects().flatMap((entry) => comparisonFor(entry, picture) ?? []);
+    await drawMeasured(engine, view, request);
+    const comparisons = view.effects().flatMap((entry) => comparisonFor(entry, request) ?? []);
     const frameTimer = new FrameTimer(engine, view);
     const costs: EffectCost[] = [];
     for (const [index, comparison] of comparisons.entries()) {
@@ -74,7 +73,7 @@ export async function measureEffects(
         signal?.throwIfAborted();
         const done = index * frames + pair;
         onProgress?.({ done, total: comparisons.length * frames, label: `Timing ${entry.label}` });
-        // What drifts makes as many of the first as of the second of a pair slower.
+        // Alternate the order, so that drift slows the first and the second of a pair equally often.
         let withoutMs = pair % 2 === 0 ? null : await frameTimer.timeMs(comparison.without);
         const withMs = await frameTimer.timeMs(comparison.with);
         withoutMs ??= await frameTimer.timeMs(comparison.without);
@@ -87,19 +86,19 @@ export async function measureEffects(
   });
 }
 
-/** Frames that differ in nothing that takes time. */
+/** Frames that should all take the same time. */
 interface FrameKind {
-  /** What to draw next. */
+  /** Returns the next request to draw. */
   readonly next: () => FrameRequest;
   readonly omitted: readonly OmittableEffect[];
 }
 
-/** How one effect is measured. */
+/** The two kinds of frames that one effect is measured with. */
 interface Comparison {
   readonly entry: EffectEntry;
   readonly with: FrameKind;
   readonly without: FrameKind;
-  /** Whether the effect comes by itself, with the second frame or a later one. */
+  /** Whether the effect starts on its own, with the second frame or a later one. */
   readonly comesLater: boolean;
 }
 
@@ -114,13 +113,13 @@ class FrameTimer {
     this.#view = view;
   }
 
-  /** @returns milliseconds of a frame that follows another one of its kind. */
+  /** Returns the milliseconds of a frame that follows another of its kind. */
   async timeMs(kind: FrameKind): Promise<number> {
     if (kind !== this.#last) await this.draw(kind);
     return this.draw(kind);
   }
 
-  /** @returns milliseconds of the next frame of this kind, whatever was drawn before. */
+  /** Returns the milliseconds of the next frame of this kind, whatever was drawn before. */
   async draw(kind: FrameKind): Promise<number> {
     this.#view.omitEffects(kind.omitted);
     this.#last = kind;
@@ -129,10 +128,10 @@ class FrameTimer {
   }
 }
 
-/** Null for what a picture cannot do without, and what it does not have. */
-function comparisonFor(entry: EffectEntry, picture: FrameRequest): Comparison | null {
+/** Returns null for effects that a frame cannot do without, and for effects that are off. */
+function comparisonFor(entry: EffectEntry, request: FrameRequest): Comparison | null {
   const { name, isOn } = entry;
-  const whole: FrameKind = { next: () => picture, omitted: [] };
+  const whole: FrameKind = { next: () => request, omitted: [] };
   const comparedWith = (without: FrameKind): Comparison => ({
     entry,
     with: whole,
@@ -140,31 +139,31 @@ function comparisonFor(entry: EffectEntry, picture: FrameRequest): Comparison | 
     comesLater: false,
   });
   if (name === 'kept-colors') {
-    const turned = turning(picture);
-    // Frames that are forced keep no colours.
+    const turned = turning(request);
+    // Forced frames keep no colours.
     const keeping: FrameKind = { next: () => ({ ...turned(), force: false }), omitted: [] };
     return { entry, with: keeping, without: { next: turned, omitted: [] }, comesLater: true };
   }
   if (!isOn) return null;
   if (name === 'isotropic' || name === 'faint-splats') return comparedWith({ ...whole, omitted: [name] });
   if (name === 'harmonics') {
-    const clouds = picture.clouds.map((instance) => ({ ...instance, shDegree: 0 as const }));
-    return comparedWith({ ...whole, next: () => ({ ...picture, clouds }) });
+    const clouds = request.clouds.map((instance) => ({ ...instance, shDegree: 0 as const }));
+    return comparedWith({ ...whole, next: () => ({ ...request, clouds }) });
   }
   if (FOUND_EFFECTS.some((found) => found.name === name)) return null;
-  const clouds = picture.clouds.map(({ opacity, effects = [], ...instance }) => {
+  const clouds = request.clouds.map(({ opacity, effects = [], ...instance }) => {
     const others = effects.filter(({ effect }) => effect.name !== name);
     return {
       ...instance,
       opacity: name === 'opacity' ? undefined : opacity,
-      // Clouds may call for it by themselves.
+      // Clouds may need it on their own.
       effects: name === 'antialias' ? [...others, antialias(false)] : others,
     };
   });
-  return comparedWith({ ...whole, next: () => ({ ...picture, clouds }) });
+  return comparedWith({ ...whole, next: () => ({ ...request, clouds }) });
 }
 
-/** Frames that are not counted: they make shaders and buffers. Answers whether the effect takes part then. */
+/** Draws frames that are not counted, which make shaders and buffers. Returns whether the effect takes part after that. */
 async function warmUp(frameTimer: FrameTimer, view: MeasuredView, comparison: Comparison): Promise<boolean> {
   await frameTimer.draw(comparison.without);
   if (!comparison.comesLater) return true;
@@ -175,20 +174,20 @@ async function warmUp(frameTimer: FrameTimer, view: MeasuredView, comparison: Co
   return false;
 }
 
-/** Frames in which shaders are compiled, or never. */
+/** If shaders have not been compiled after this many frames, they never will be. */
 const MOST_ATTEMPTS = 30;
-/** Far less than a pixel across any picture. */
+/** Far less than a pixel across any image. */
 const TURN_RADIANS = 1e-6;
 
-/** The picture from one place, the camera each time turned a little further about its line of sight. */
-function turning(picture: FrameRequest): () => FrameRequest {
+/** Requests from one place; each turns the camera a little further about its line of sight. */
+function turning(request: FrameRequest): () => FrameRequest {
   let turns = 0;
   return () => {
     const angle = ++turns * TURN_RADIANS;
     const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
     const turn = Float64Array.of(cos, sin, 0, 0, -sin, cos, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);
-    const camera: Camera = { ...picture.camera, viewMatrix: multiply4(turn, picture.camera.viewMatrix) };
-    return { ...picture, camera };
+    const camera: Camera = { ...request.camera, viewMatrix: multiply4(turn, request.camera.viewMatrix) };
+    return { ...request, camera };
   };
 }
 
@@ -198,6 +197,6 @@ function checkOptions(
 ): void {
   for (const [name, value] of Object.entries({ widthPx, heightPx, frames })) {
     if (!(Number.isInteger(value) && value >= 1))
-      throw new InvalidArgumentError(name, `${name} is ${value}; it must be a whole number from 1 on.`);
+      throw new InvalidArgumentError(name, `${name} is ${value}; it must be a whole number of at least 1.`);
   }
 }

@@ -13,7 +13,7 @@ test('bounds of several clouds are those of all their corners in the world', () 
   expect(worldBounds([{ cloud, modelMatrix }, { cloud }])).toEqual({ min: [0, 0, 0], max: [10, 2, 3] });
 });
 
-test('a cloud without splats takes no part', () => {
+test('a cloud without splats is ignored', () => {
   expect(worldBounds([{ cloud }, { cloud: empty, modelMatrix: Array(16).fill(7) }])).toEqual(
     cloud.robustBounds,
   );

@@ -8,29 +8,29 @@ import { type MeasureProgress, measureThen } from './measure-accuracy.ts';
 import type { MeasuredEngine } from './measured-engine.ts';
 import { sampleCameras } from './sample-cameras.ts';
 
-/** The least that an interval of 95 % is made of: an application is waiting, and its own pictures take turns with these. */
+/** The fewest frames that give a 95 % interval: an application is waiting, and its own frames alternate with these. */
 const FRAMES = 6;
-/** The paper's ablations draw the same pictures more slowly: they fulfil no wish that others do not. */
+/** The paper's ablations draw the same image more slowly, so they never meet a wish that other settings miss. */
 const ABLATED: readonly string[] = ['extent', 'culling'];
 const SETTINGS = Object.keys(ACCURACY_SETTINGS).filter((name) => !ABLATED.includes(name));
 
 /** A software rasteriser takes as long for a frame as a GPU for a hundred, and varies less. */
 const SOFTWARE_FRAMES = 3;
-/** Its time is one of pixels. */
+/** A software rasteriser's time depends on the number of pixels. */
 const SOFTWARE_SETTINGS = ['resolutionScale'];
 
 export interface WishOptions {
   readonly signal: AbortSignal;
   readonly onProgress?: (progress: MeasureProgress) => void;
-  /** What is drawn at present, which is not to change without a reason that was measured. */
+  /** The current choice, which stays unless the measurement shows that another is better. */
   readonly previous: AccuracyChoice | null;
 }
 
 /**
- * Measures what `picture` shows, from where it is seen and from around there, and chooses what meets the wish or comes
- * closest. Afterwards the clouds hold what was chosen beside what they held before.
+ * Measures the frame of a request, from its camera and from around it, and chooses the settings that meet the wish or come
+ * closest. Afterwards the clouds hold the planes for the choice in addition to those that they held before.
  *
- * @throws what `measureAccuracy` throws.
+ * @throws errors of `measureAccuracy`.
  */
 export async function measureWish(
   engine: MeasuredEngine,
@@ -58,7 +58,7 @@ export async function measureWish(
   return { ...choice, why: `${choice.why} Without a GPU only a few settings were measured, from one side.` };
 }
 
-/** Where the scene is that clouds make together. */
+/** Returns the bounds of all clouds together, in world space. */
 export function worldBounds(clouds: readonly CloudInstance[]): Bounds {
   const min: [number, number, number] = [Infinity, Infinity, Infinity];
   const max: [number, number, number] = [-Infinity, -Infinity, -Infinity];

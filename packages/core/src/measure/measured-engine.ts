@@ -6,7 +6,7 @@ import type { EffectEntry } from '../ledger/ledger.ts';
 import type { FrameStatistics } from '../timing/frame-statistics.ts';
 import type { CompareContext } from './compare-textures.ts';
 
-/** What measuring needs of an engine: every `SplatEngine` has it. */
+/** The parts of an engine that measuring needs; every `SplatEngine` has them. */
 export interface MeasuredEngine {
   readonly device: GPUDevice;
   readonly adapterLabel: string;
@@ -17,14 +17,14 @@ export interface MeasuredEngine {
   memory(): GpuMemoryReport;
 }
 
-/** What comparing needs of a view: every `SplatView` has it. */
+/** The parts of a view that comparing needs; every `SplatView` has them. */
 export interface ComparedView {
   whenDrawn(): Promise<void>;
-  /** The splats of its last picture, in the space they were blended in; throws where it can draw no more. */
+  /** Returns the splats of its last image, in the space they were blended in; throws if the view cannot draw any more. */
   blended(): { readonly context: CompareContext; readonly color: GPUTexture | null };
 }
 
-/** What measuring needs of a view: every `SplatView` has it. */
+/** The parts of a view that measuring needs; every `SplatView` has them. */
 export interface MeasuredView extends ComparedView {
   onStatistics: ((statistics: FrameStatistics) => void) | null;
   render(frame: FrameRequest): boolean;

@@ -3,10 +3,10 @@ import type { FrameRequest } from '../frame/frame-request.ts';
 import type { StageTimings } from '../timing/frame-statistics.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 
-/** A measurement that has not come this long after the GPU was done is not coming. */
+/** Statistics that have not arrived this long after the GPU was done never will. */
 const STATISTICS_TIMEOUT_MS = 5000;
 
-/** Runs `use` with a view that lasts as long: what it holds on the GPU is gone afterwards. */
+/** Runs `use` with a view that is destroyed afterwards. */
 export async function withView<Result>(
   engine: MeasuredEngine,
   use: (view: MeasuredView) => Promise<Result>,
@@ -20,10 +20,10 @@ export async function withView<Result>(
 }
 
 /**
- * Draws `frame`, which has to be another one than the last or to be forced, and waits until it is drawn and measured: other tasks of the thread
- * run meanwhile.
+ * Draws `frame`, which must differ from the last one or be forced, and waits until it has been drawn and measured. Other
+ * tasks of the thread run in the meantime.
  *
- * @throws DestroyedError where the engine or the device ends meanwhile.
+ * @throws DestroyedError if the engine or the device ends first.
  */
 export async function drawMeasured(
   engine: MeasuredEngine,
@@ -36,12 +36,12 @@ export async function drawMeasured(
   view.render(frame);
   await view.whenDrawn();
   await Promise.race([engine.device.queue.onSubmittedWorkDone().catch(() => {}), engine.lost]);
-  // Throws where nothing can come any more.
+  // Throws if the view can no longer draw, and so nothing will arrive.
   view.blended();
   let timer: ReturnType<typeof setTimeout> | undefined;
   const givenUp = new Promise<never>((_, reject) => {
     timer = setTimeout(() => {
-      reject(new WebSplatterError('gpu-error', 'The GPU drew a picture and never said how long it took.'));
+      reject(new WebSplatterError('gpu-error', 'The GPU drew a frame but never reported its time.'));
     }, STATISTICS_TIMEOUT_MS);
   });
   try {

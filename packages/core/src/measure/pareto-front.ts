@@ -1,22 +1,22 @@
 import type { TimeSpread } from './time-spread.ts';
 
-/** What a setting costs and what it buys. */
+/** Accuracy and time of one set of settings. */
 export interface Tradeoff {
   readonly psnrDb: number;
   readonly totalMs: TimeSpread;
 }
 
 /**
- * The points of which none is both more accurate and faster, as far as the times can be told apart: going from the most
- * accurate to the fastest, every further point has to save time beyond the intervals. A point whose saving drowns in the
- * spread buys nothing that was measured.
+ * Returns the points that no other point beats in both accuracy and time, as far as the times can be told apart: from the
+ * most accurate to the fastest, every further point must save time beyond the intervals. A saving that drowns in the spread
+ * has not been measured.
  *
  * @returns the points on the front, most accurate first.
  */
 export function paretoFront<Point extends Tradeoff>(points: readonly Point[]): Point[] {
   const front: Point[] = [];
   const byAccuracy = [...points].sort((a, b) => {
-    // Not their difference: Infinity − Infinity is no number.
+    // Compare instead of subtracting: Infinity − Infinity is NaN.
     if (a.psnrDb !== b.psnrDb) return a.psnrDb > b.psnrDb ? -1 : 1;
     return a.totalMs.median - b.totalMs.median;
   });

@@ -28,7 +28,7 @@ test('samples the camera itself and others that look at the same place', () => {
   expect(positions.size).toBe(8);
 });
 
-test('turns about a place in front also from inside of the bounds', () => {
+test('turns about a place in front even from inside the bounds', () => {
   const inside = perspectiveCamera({ position: [0, 0, 0], target: [0, 0, -1], fovYDegrees: 50, aspect: 1 });
   for (const { viewMatrix } of sampleCameras(inside, bounds, 4))
     expect(Math.hypot(...cameraPosition(viewMatrix))).toBeLessThan(1);

@@ -3,30 +3,30 @@ import { InvalidArgumentError } from '../errors.ts';
 import { type Mat4, multiply4 } from '../math/mat4.ts';
 import type { Bounds } from '../packing/packed-cloud.ts';
 
-/** Farthest that a sampled view is turned away from the given one. */
+/** Largest angle between a sampled view and the given one. */
 const MAX_TURN = (35 * Math.PI) / 180;
-/** One after the other: as far away as now, nearer, farther. */
+/** Samples cycle through these: as far away as now, nearer, farther. */
 const DISTANCE_FACTORS = [1, 0.65, 1.5] as const;
 /** Turns by this angle never line up. */
 const GOLDEN_ANGLE = Math.PI * (3 - Math.sqrt(5));
 
 /**
- * Views around what `camera` sees now: the camera itself, then others that look at the same place from other sides, from
- * nearer and from farther. The same cameras for the same arguments.
+ * Samples cameras around the scene that `camera` sees: the camera itself, then others that look at the same place from other
+ * sides, from nearer and from farther. The same arguments give the same cameras.
  *
- * @param bounds of what is looked at, world space; with clouds of one matrix or none `cloud.robustBounds`.
- * @param count how many, from 1.
- * @throws InvalidArgumentError where `count` is no whole number from 1 on.
+ * @param bounds bounds of the scene, world space; for a single cloud without a model matrix `cloud.robustBounds`.
+ * @param count number of cameras, from 1.
+ * @throws InvalidArgumentError if `count` is not a whole number of at least 1.
  */
 export function sampleCameras(camera: Camera, bounds: Bounds, count = 8): Camera[] {
   if (!(Number.isInteger(count) && count >= 1))
-    throw new InvalidArgumentError('count', `count is ${count}; it must be a whole number from 1 on.`);
+    throw new InvalidArgumentError('count', `count is ${count}; it must be a whole number of at least 1.`);
   const depth = pivotDepth(camera, bounds);
   return Array.from({ length: count }, (_, index) => {
     if (index === 0) return camera;
     const turn = MAX_TURN * Math.sqrt(index / (count - 1));
     const towards = index * GOLDEN_ANGLE;
-    // In view space: to the place that is looked at, turned there, and back by another distance.
+    // In view space: move to the pivot, turn there, and move back by another distance.
     const there = alongView(depth);
     const turned = multiply4(rotation(turn * Math.cos(towards), turn * Math.sin(towards)), there);
     const factor = DISTANCE_FACTORS[index % DISTANCE_FACTORS.length];
@@ -35,7 +35,7 @@ export function sampleCameras(camera: Camera, bounds: Bounds, count = 8): Camera
   });
 }
 
-/** View depth of what is looked at: of the middle of the bounds, but never nearer than a fifth of their extent. */
+/** View depth of the pivot: the middle of the bounds, but never nearer than a fifth of their extent. */
 function pivotDepth({ viewMatrix: v, near }: Camera, { min, max }: Bounds): number {
   const middle = [0, 1, 2].map((axis) => (min[axis] + max[axis]) / 2);
   const extent = Math.hypot(...[0, 1, 2].map((axis) => max[axis] - min[axis]));
@@ -48,7 +48,7 @@ function alongView(depth: number): Mat4 {
   return Float64Array.of(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, depth, 1);
 }
 
-/** Turned about the picture's y axis, then about its x axis; radians. */
+/** Rotates about the image's y axis, then about its x axis; radians. */
 function rotation(aboutY: number, aboutX: number): Mat4 {
   const [cy, sy, cx, sx] = [Math.cos(aboutY), Math.sin(aboutY), Math.cos(aboutX), Math.sin(aboutX)];
   const yaw = Float64Array.of(cy, 0, -sy, 0, 0, 1, 0, 0, sy, 0, cy, 0, 0, 0, 0, 1);

@@ -5,7 +5,7 @@ import { paretoFront } from './pareto-front.ts';
 import { overlap, type TimeSpread, timeSpread } from './time-spread.ts';
 
 describe('timeSpread', () => {
-  test('gives the order statistics that tables of the sign test name', () => {
+  test('returns the order statistics in the tables of the sign test', () => {
     const upTo = (count: number) => Array.from({ length: count }, (_, i) => count - i);
     expect(timeSpread(upTo(15))).toEqual({ median: 8, low: 4, high: 12, p99: 15 });
     expect(timeSpread(upTo(20))).toEqual({ median: 10.5, low: 6, high: 15, p99: 20 });
@@ -14,12 +14,12 @@ describe('timeSpread', () => {
     expect(timeSpread(upTo(200)).p99).toBe(198);
   });
 
-  test('takes all there is where that is too little', () => {
+  test('spans all values if there are too few', () => {
     expect(timeSpread([3])).toEqual({ median: 3, low: 3, high: 3, p99: 3 });
     expect(timeSpread([5, 1, 3])).toMatchObject({ median: 3, low: 1, high: 5 });
   });
 
-  test('holds the median in 95 of 100 cases, however times are distributed', () => {
+  test('contains the median in 95 of 100 cases, however times are distributed', () => {
     const random = seededRandom(5);
     const TRIALS = 2000;
     let hits = 0;
@@ -45,17 +45,17 @@ describe('paretoFront', () => {
     totalMs: { median: (low + high) / 2, low, high, p99: high },
   });
 
-  test('keeps what is more accurate or faster, most accurate first', () => {
+  test('keeps points that are more accurate or faster, most accurate first', () => {
     const [exact, good, poor, bad] = [point(Infinity, 9), point(60, 5), point(40, 2), point(39, 3)];
     expect(paretoFront([poor, bad, exact, good])).toEqual([exact, good, poor]);
   });
 
-  test('of points alike in accuracy keeps the faster', () => {
+  test('keeps the faster of equally accurate points', () => {
     expect(paretoFront([point(50, 4), point(50, 3)])).toEqual([point(50, 3)]);
     expect(paretoFront([point(Infinity, 4), point(Infinity, 3)])).toEqual([point(Infinity, 3)]);
   });
 
-  test('takes no saving that the times cannot tell from none', () => {
+  test('ignores savings within the spread of the times', () => {
     const [exact, same, faster] = [point(60, 5, 6), point(50, 4.5, 5.2), point(45, 4, 4.4)];
     expect(paretoFront([exact, same, faster])).toEqual([exact, faster]);
   });

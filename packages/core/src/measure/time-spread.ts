@@ -1,7 +1,7 @@
-/** Times of one thing measured several times, in milliseconds. */
+/** Spread of repeated measurements of one time, in milliseconds. */
 export interface TimeSpread {
   readonly median: number;
-  /** An interval that holds the true median with 95 % confidence, or all that was measured where that is too little. */
+  /** An interval that holds the true median with 95 % confidence, or all values if there are too few. */
   readonly low: number;
   readonly high: number;
   /** 99th percentile, nearest rank. */
@@ -11,8 +11,8 @@ export interface TimeSpread {
 const CONFIDENCE = 0.95;
 
 /**
- * Median and spread of `values`, at least one. The interval runs between two of the sorted values and assumes nothing
- * about how they are distributed: the number of values under the true median is binomial, whatever they are.
+ * Returns median and spread of `values`, at least one. The interval runs between two of the sorted values and assumes nothing
+ * about their distribution: the number of values below the true median is always binomial.
  */
 export function timeSpread(values: readonly number[]): TimeSpread {
   const sorted = [...values].sort((a, b) => a - b);
@@ -28,8 +28,8 @@ export function timeSpread(values: readonly number[]): TimeSpread {
 }
 
 /**
- * How many of the least, and of the greatest, of `count` values lie outside of the interval: as many as leave a chance
- * under (1 − CONFIDENCE)/2 that no more values than these lie under the true median.
+ * Returns how many of the least, and of the greatest, of `count` values lie outside the interval: as many as keep the chance
+ * below (1 − CONFIDENCE)/2 that no more values than these lie below the true median.
  */
 function outerRank(count: number): number {
   let chance = 0.5 ** count;
@@ -43,7 +43,7 @@ function outerRank(count: number): number {
   return Math.max(0, rank - 1);
 }
 
-/** Whether the times cannot be told apart. */
+/** Whether the intervals overlap, so that the times cannot be told apart. */
 export function overlap(a: TimeSpread, b: TimeSpread): boolean {
   return a.low <= b.high && b.low <= a.high;
 }

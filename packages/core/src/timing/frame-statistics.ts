@@ -1,22 +1,22 @@
-/** Milliseconds of one picture. */
+/** Times of one frame, in milliseconds. */
 export interface StageTimings {
   /**
    * `gpu-timestamps`: measured by the GPU at the ends of its passes. `wall-clock`: this device has no timestamps, so
    * only `totalMs` is known, from submission to completion, and the stages are NaN.
    */
   readonly source: 'gpu-timestamps' | 'wall-clock';
-  /** Cull, project, colours; like the sort 0 where an embedded view kept what it had, as nothing moved. */
+  /** Culling, projection and colours; 0, like `sortMs`, if an embedded view kept its last order because nothing moved. */
   readonly preprocessMs: number;
   readonly sortMs: number;
-  /** Drawing the splats and putting them over what is behind. */
+  /** Drawing the splats and blending them over the background or the host's image. */
   readonly rasterizeMs: number;
-  /** From the first pass to the last; inside another renderer's frame that includes what it drew in between. */
+  /** From the first pass to the last; inside another renderer's frame that includes the host's work in between. */
   readonly totalMs: number;
-  /** From submission to completion as the CPU saw it: includes waiting for earlier pictures and for the browser. */
+  /** From submission to completion by the CPU's clock: includes waiting for earlier frames and for the browser. */
   readonly wallClockMs: number;
 }
 
-/** What is known without timestamps: the whole, by the wall clock. */
+/** Timings without timestamps: only the total is known, by the wall clock. */
 export function wallClockTimings(wallClockMs: number): StageTimings {
   const unknown = Number.NaN;
   return {
@@ -29,25 +29,25 @@ export function wallClockTimings(wallClockMs: number): StageTimings {
   };
 }
 
-/** Beyond this factor and this time apart, timestamps and wall clock do not tell of the same work. */
+/** If they differ by more than both this factor and this time, timestamps and wall clock do not describe the same work. */
 const PLAUSIBLE_FACTOR = 3;
 const PLAUSIBLE_DIFFERENCE_MS = 20;
 
 /**
- * Whether GPU timestamps fit what the CPU saw. Some browsers have been seen to report a hundredth of the true time; a
- * few milliseconds more on the wall clock are the browser's own.
+ * Whether GPU timestamps fit the wall clock. Some browsers have been seen to report a hundredth of the true time; a few
+ * milliseconds more on the wall clock are the browser's own.
  */
 export function isPlausible({ totalMs, wallClockMs }: StageTimings): boolean {
   const ratio = Math.max(totalMs, wallClockMs) / Math.min(totalMs, wallClockMs);
   return ratio <= PLAUSIBLE_FACTOR || Math.abs(totalMs - wallClockMs) <= PLAUSIBLE_DIFFERENCE_MS;
 }
 
-/** What is known of one picture, some frames after it was drawn. */
+/** Statistics of one frame, available some frames after it was drawn. */
 export interface FrameStatistics {
-  /** Number of the picture, from 1. */
+  /** Number of the frame, from 1. */
   readonly frame: number;
   readonly loadedSplats: number;
-  /** Splats in the chunks that can reach into the picture. */
+  /** Splats in the chunks that can reach into the image. */
   readonly candidateSplats: number;
   /** Splats drawn. */
   readonly visibleSplats: number;

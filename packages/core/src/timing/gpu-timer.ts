@@ -2,24 +2,24 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { type FrameStatistics, type StageTimings, wallClockTimings } from './frame-statistics.ts';
 
-/** Passes that are timed, in the order in which a frame runs them. */
+/** Timed passes, in the order in which a frame runs them. */
 const TIMED_PASSES = ['preprocess', 'sort', 'resolve-depth', 'rasterize', 'upscale', 'composite'] as const;
 type TimedPass = (typeof TIMED_PASSES)[number];
 
-/** Read-backs that may be under way at once; a frame that finds none free goes unmeasured and does not wait. */
+/** Number of read-backs that may be pending at once; if none is free, a frame goes unmeasured instead of waiting. */
 const RING_SIZE = 4;
 
 const TIMESTAMP_BYTES = 8 * 2 * TIMED_PASSES.length;
-/** Visible chunks and visible splats, a word each, behind the timestamps. */
+/** Timestamps, then the numbers of visible chunks and visible splats, a word each. */
 const READBACK_BYTES = TIMESTAMP_BYTES + 8;
 
-/** Where the counts of a frame are on the GPU. */
+/** Buffers with the counts of a frame. */
 export interface FrameCounts {
   readonly slotCount: GPUBuffer;
   readonly visibleCount: GPUBuffer;
 }
 
-/** Measures frames without ever waiting for the GPU: results come back through a ring of buffers, frames later. */
+/** Measures frames without ever waiting for the GPU: results are read through a ring of buffers, some frames later. */
 export class GpuTimer {
   readonly #memory: GpuMemory;
   readonly #queue: GPUQueue;
@@ -57,12 +57,12 @@ export class GpuTimer {
 
   /** Call first in a frame. */
   begin(): void {
-    // One that was begun and never drawn is used for this one.
+    // Reuse the buffer of a frame that was begun and never drawn.
     this.#measuring ??= this.#free.pop() ?? null;
     this.#passes = new Set();
   }
 
-  /** For the descriptor of a pass; undefined where this frame or device is not timed. */
+  /** Returns `timestampWrites` for the descriptor of a pass; undefined if this frame or device is not timed. */
   writes(pass: TimedPass): GPUComputePassTimestampWrites | undefined {
     this.#passes.add(pass);
     if (!this.#querySet || !this.#measuring) return undefined;
@@ -82,7 +82,7 @@ export class GpuTimer {
     encoder.copyBufferToBuffer(counts.visibleCount, 0, target, TIMESTAMP_BYTES + 4, 4);
   }
 
-  /** Call after submitting. Answers when the frame is done, or null where it was not measured. */
+  /** Call after submitting. Resolves when the frame is done; null if it was not measured. */
   async read(frame: number, loadedSplats: number): Promise<FrameStatistics | null> {
     const buffer = this.#measuring;
     const passes = this.#passes;
@@ -91,7 +91,7 @@ export class GpuTimer {
     const submittedMs = performance.now();
     try {
       const mapped = buffer.mapAsync(GPUMapMode.READ);
-      // Destroying the view rejects this while the line below still waits: it is looked at after that.
+      // Destroying the view rejects this while the line below still waits; the rejection is handled after that.
       mapped.catch(() => {});
       await this.#queue.onSubmittedWorkDone();
       const wallClockMs = performance.now() - submittedMs;
@@ -105,7 +105,7 @@ export class GpuTimer {
         : wallClockTimings(wallClockMs);
       return { frame, loadedSplats, candidateSplats, visibleSplats, timing };
     } catch (error) {
-      // Destroyed or lost while the read-back was under way: nobody waits for the numbers any more.
+      // Destroyed or lost while the read-back was pending: nobody needs the statistics any more.
       if (this.#isDestroyed || buffer.mapState === 'unmapped') return null;
       throw error;
     } finally {
@@ -121,13 +121,13 @@ export class GpuTimer {
   }
 }
 
-/** @param passes those that the frame ran: the queries of others are stale, or were never written. */
+/** @param passes the passes that the frame ran: queries of the others are stale, or were never written. */
 function timingsOf(
   nanoseconds: BigUint64Array,
   passes: ReadonlySet<TimedPass>,
   wallClockMs: number,
 ): StageTimings {
-  /** From the beginning of the first to the end of the last of those that ran. */
+  /** From the beginning of the first to the end of the last of those candidates that ran. */
   const spanMs = (...candidates: TimedPass[]) => {
     const indices = candidates.filter((pass) => passes.has(pass)).map((pass) => TIMED_PASSES.indexOf(pass));
     if (indices.length === 0) return 0;

@@ -39,7 +39,7 @@ describe('a view with a wish', () => {
   afterEach(() => expect(warn).not.toHaveBeenCalled());
 
   gpuTest(
-    'chooses by itself, keeps it while the camera moves, and chooses anew for other clouds',
+    'chooses automatically, keeps the choice while the camera moves, and chooses again for other clouds',
     async () => {
       const view = engine.createView();
       const told: AccuracyChoice[] = [];
@@ -76,7 +76,7 @@ describe('a view with a wish', () => {
       expect(onReady).toHaveBeenCalledOnce();
       embedded.destroy();
 
-      // It has been drawn again by itself, and is as close to the reference as was wished for.
+      // The view has drawn its frame again, as close to the reference as the wish requires.
       expect(view.render(frameOf([cloud]))).toBe(false);
       const planes = { geometryPrecision: 'f32', shPrecision: 'f32' } as const;
       const lease = cloud.hold(planes);
@@ -99,7 +99,7 @@ describe('a view with a wish', () => {
       const { table, settings } = await second;
       expect(table.splats).toBe(400);
       expect(told).toHaveLength(2);
-      // What is loaded for an engine with this wish is loaded for what was chosen.
+      // Clouds loaded by an engine with this wish are packed for the choice.
       await engine.setAccuracy({ ...WISH });
       expect(engine.accuracy).toBe(settings);
       await engine.setAccuracy('balanced');
@@ -108,7 +108,7 @@ describe('a view with a wish', () => {
     },
   );
 
-  gpuTest('measures on request, and holds what was chosen', async () => {
+  gpuTest('measures on request, and holds the planes for the choice', async () => {
     const view = engine.createView();
     view.render({ ...frameOf([cloud]), accuracy: { minPsnrDb: 200 } });
     const { settings, why } = await view.chooseAccuracy();
@@ -118,7 +118,7 @@ describe('a view with a wish', () => {
     view.destroy();
   });
 
-  gpuTest('measures nothing for settings, and stops when it is told to', async () => {
+  gpuTest('measures nothing for settings, and stops when its signal is aborted', async () => {
     const view = engine.createView();
     await expect(view.chooseAccuracy()).rejects.toThrow('without a wish');
     view.render({ ...frameOf([cloud]), accuracy: 'fast' });

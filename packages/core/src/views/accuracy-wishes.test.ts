@@ -12,9 +12,9 @@ const WISH = internWish({ minPsnrDb: 45 })!;
 const GARDEN = { precisions: { geometry: ['packed'], sh: ['u8'] } } as unknown as SplatCloud;
 const BICYCLE = { ...GARDEN } as SplatCloud;
 
-/** A measurement that has begun, to be ended by the test. */
+/** A running measurement, to be ended by the test. */
 interface Begun extends WishOptions {
-  readonly picture: FrameRequest;
+  readonly request: FrameRequest;
   end(settings: AccuracyChoice['settings']): Promise<AccuracyChoice>;
   fail(error: Error): Promise<void>;
 }
@@ -30,7 +30,7 @@ beforeEach(() => {
   begun = [];
   adopted = [];
   wishes = new AccuracyWishes({
-    measure: (wish, picture, options) =>
+    measure: (wish, request, options) =>
       new Promise((resolve, reject) => {
         options.signal.addEventListener('abort', () => reject(options.signal.reason));
         const end = async (settings: AccuracyChoice['settings']) => {
@@ -43,7 +43,7 @@ beforeEach(() => {
           reject(error);
           await passMs(0);
         };
-        begun.push({ ...options, picture, end, fail });
+        begun.push({ ...options, request, end, fail });
       }),
     adopt: async (choice, clouds) => void adopted.push({ choice, clouds }),
   });
@@ -53,12 +53,12 @@ afterEach(() => {
   vi.useRealTimers();
 });
 
-/** Lets time pass, and what waits for it be done. */
+/** Lets time pass, and runs the timers and promises that wait for it. */
 function passMs(durationMs: number): Promise<unknown> {
   return vi.advanceTimersByTimeAsync(durationMs);
 }
 
-function pictureOf(clouds: readonly SplatCloud[], widthPx = 64): FrameRequest {
+function requestOf(clouds: readonly SplatCloud[], widthPx = 64): FrameRequest {
   const instances = clouds.map((cloud) => ({ cloud }));
   return { camera: {} as FrameRequest['camera'], clouds: instances, widthPx, heightPx: 64 };
 }
@@ -67,14 +67,14 @@ class FakeView implements WishingView {
   readonly told: AccuracyChoice[] = [];
   scene: WishedScene | null = null;
 
-  show(picture: FrameRequest, wish = WISH): void {
-    const scene = wishes.sceneOf(wish, picture, this.scene?.choice ?? null);
+  show(request: FrameRequest, wish = WISH): void {
+    const scene = wishes.sceneOf(wish, request, this.scene?.choice ?? null);
     if (scene !== this.scene) {
       this.leave();
       this.scene = scene;
       scene.join(this);
     }
-    scene.show(this, picture);
+    scene.show(this, request);
   }
 
   leave(): void {
@@ -88,18 +88,18 @@ class FakeView implements WishingView {
 }
 
 describe('when a wish is measured', () => {
-  test('half a second after the first picture and the last change of a size, the largest of all views', async () => {
+  test('half a second after the first frame and the last change of a size, the largest of all views', async () => {
     const [small, large] = [new FakeView(), new FakeView()];
-    small.show(pictureOf([GARDEN], 32));
+    small.show(requestOf([GARDEN], 32));
     await passMs(400);
-    large.show(pictureOf([GARDEN], 100));
+    large.show(requestOf([GARDEN], 100));
     await passMs(400);
-    large.show(pictureOf([GARDEN], 128));
+    large.show(requestOf([GARDEN], 128));
     await passMs(499);
     expect(begun).toHaveLength(0);
     await passMs(1);
     expect(begun).toHaveLength(1);
-    expect(begun[0].picture.widthPx).toBe(128);
+    expect(begun[0].request.widthPx).toBe(128);
     const choice = await begun[0].end(internAccuracy('fast'));
     expect(adopted).toEqual([{ choice, clouds: [GARDEN] }]);
     for (const view of [small, large]) {
@@ -107,45 +107,45 @@ describe('when a wish is measured', () => {
       expect(view.scene!.choice).toBe(choice);
     }
     const mirror = new FakeView();
-    mirror.show(pictureOf([GARDEN], 16));
+    mirror.show(requestOf([GARDEN], 16));
     await passMs(0);
     expect(mirror.told).toEqual([choice]);
     expect(adopted[1].clouds).toEqual([]);
   });
 
-  test('a camera that moves neither puts it off nor begins it again', async () => {
+  test('a moving camera neither delays nor repeats it', async () => {
     const view = new FakeView();
     for (let frame = 0; frame < 10; frame++) {
-      view.show(pictureOf([GARDEN]));
+      view.show(requestOf([GARDEN]));
       await passMs(100);
     }
     expect(begun).toHaveLength(1);
     await begun[0].end(internAccuracy('high'));
     for (let frame = 0; frame < 10; frame++) {
-      view.show(pictureOf([GARDEN], 64 + frame));
+      view.show(requestOf([GARDEN], 64 + frame));
       await passMs(100);
     }
     expect(begun).toHaveLength(1);
     expect(view.told).toHaveLength(1);
   });
 
-  test('again for other clouds, drawn as before meanwhile; clouds that were measured are known', async () => {
+  test('again for other clouds, which keep the old choice until then; choices for known clouds stay', async () => {
     const view = new FakeView();
-    view.show(pictureOf([GARDEN]));
+    view.show(requestOf([GARDEN]));
     await passMs(500);
     const first = await begun[0].end(internAccuracy('high'));
-    view.show(pictureOf([GARDEN, BICYCLE]));
+    view.show(requestOf([GARDEN, BICYCLE]));
     expect(view.scene!.choice).toBe(first);
     await passMs(500);
     expect(begun[1].previous).toBe(first);
     const second = await begun[1].end(internAccuracy('fast'));
-    // In whatever order they are drawn.
-    view.show(pictureOf([BICYCLE, GARDEN]));
+    // The order of the clouds makes no difference.
+    view.show(requestOf([BICYCLE, GARDEN]));
     expect(view.scene!.choice).toBe(second);
-    view.show(pictureOf([GARDEN]));
+    view.show(requestOf([GARDEN]));
     expect(view.scene!.choice).toBe(first);
     await passMs(1000);
-    // The clouds may have been made to hold other planes meanwhile.
+    // The clouds may hold other planes by now.
     expect(adopted.slice(1)).toEqual([
       { choice: second, clouds: [GARDEN, BICYCLE] },
       { choice: first, clouds: [GARDEN] },
@@ -154,12 +154,12 @@ describe('when a wish is measured', () => {
     expect(wishes.latest(WISH)).toBe(first);
   });
 
-  test('another wish begins anew', async () => {
+  test('again for another wish', async () => {
     const view = new FakeView();
-    view.show(pictureOf([GARDEN]));
+    view.show(requestOf([GARDEN]));
     await passMs(500);
     await begun[0].end(internAccuracy('high'));
-    view.show(pictureOf([GARDEN]), internWish({ maxFrameMs: 8 })!);
+    view.show(requestOf([GARDEN]), internWish({ maxFrameMs: 8 })!);
     expect(view.scene!.choice).toBeNull();
     await passMs(500);
     expect(begun[1].previous).toBeNull();
@@ -169,8 +169,8 @@ describe('when a wish is measured', () => {
 
   test('one after the other', async () => {
     const views = [new FakeView(), new FakeView()];
-    views[0].show(pictureOf([GARDEN]));
-    views[1].show(pictureOf([BICYCLE]));
+    views[0].show(requestOf([GARDEN]));
+    views[1].show(requestOf([BICYCLE]));
     await passMs(1000);
     expect(begun).toHaveLength(1);
     await begun[0].end(internAccuracy('high'));
@@ -179,9 +179,9 @@ describe('when a wish is measured', () => {
     expect(views.map(({ told }) => told.length)).toEqual([1, 1]);
   });
 
-  test('nothing is measured where nothing is drawn', async () => {
+  test('never if nothing is drawn', async () => {
     const view = new FakeView();
-    view.show(pictureOf([]));
+    view.show(requestOf([]));
     await passMs(1000);
     expect(begun).toHaveLength(0);
     await expect(view.scene!.choose()).rejects.toThrow('no picture yet');
@@ -189,9 +189,9 @@ describe('when a wish is measured', () => {
 });
 
 describe('on request', () => {
-  test('measures at once, in place of what is under way, and tells all views', async () => {
+  test('measures at once, cancels the running measurement, and passes the choice to all views', async () => {
     const [view, other] = [new FakeView(), new FakeView()];
-    for (const each of [view, other]) each.show(pictureOf([GARDEN]));
+    for (const each of [view, other]) each.show(requestOf([GARDEN]));
     await passMs(500);
     const onProgress = vi.fn();
     const choosing = view.scene!.choose({ onProgress });
@@ -204,9 +204,9 @@ describe('on request', () => {
     expect(warn).not.toHaveBeenCalled();
   });
 
-  test('what is called off changes nothing; a first choice follows by itself', async () => {
+  test('a cancelled measurement changes nothing; a first choice follows automatically', async () => {
     const view = new FakeView();
-    view.show(pictureOf([GARDEN]));
+    view.show(requestOf([GARDEN]));
     const ending = new AbortController();
     const choosing = expect(view.scene!.choose({ signal: ending.signal })).rejects.toThrow('enough');
     await passMs(0);
@@ -220,9 +220,9 @@ describe('on request', () => {
 });
 
 describe('the end', () => {
-  test('the last view to leave ends what is measured, without a word', async () => {
+  test('the last view to leave ends the measurement silently', async () => {
     const views = [new FakeView(), new FakeView()];
-    for (const view of views) view.show(pictureOf([GARDEN]));
+    for (const view of views) view.show(requestOf([GARDEN]));
     await passMs(500);
     views[0].leave();
     expect(begun[0].signal.aborted).toBe(false);
@@ -231,30 +231,30 @@ describe('the end', () => {
     await passMs(1000);
     expect(begun).toHaveLength(1);
     expect(warn).not.toHaveBeenCalled();
-    views[0].show(pictureOf([GARDEN]));
+    views[0].show(requestOf([GARDEN]));
     await passMs(500);
     await begun[1].end(internAccuracy('fast'));
     expect(views[0].told).toHaveLength(1);
   });
 
-  test('a wish that is withdrawn is measured no more, until a view has it again', async () => {
+  test('a withdrawn wish is not measured until a view has it again', async () => {
     const [view, idle] = [new FakeView(), new FakeView()];
-    for (const each of [view, idle]) each.show(pictureOf([GARDEN]));
+    for (const each of [view, idle]) each.show(requestOf([GARDEN]));
     await passMs(500);
     wishes.withdraw(WISH);
     await passMs(1000);
     expect(begun.map(({ signal }) => signal.aborted)).toEqual([true]);
-    view.show(pictureOf([GARDEN]));
+    view.show(requestOf([GARDEN]));
     await passMs(500);
     const choice = await begun[1].end(internAccuracy('fast'));
     expect([view.told, idle.told]).toEqual([[choice], []]);
     expect(warn).not.toHaveBeenCalled();
   });
 
-  test('a cloud, or the engine, ends what shows it', async () => {
+  test('the end of a cloud or of the engine stops its measurements', async () => {
     const views = [new FakeView(), new FakeView()];
-    views[0].show(pictureOf([GARDEN, BICYCLE]));
-    views[1].show(pictureOf([BICYCLE]));
+    views[0].show(requestOf([GARDEN, BICYCLE]));
+    views[1].show(requestOf([BICYCLE]));
     await passMs(500);
     const waiting = expect(views[1].scene!.choose()).rejects.toThrow(DestroyedError);
     wishes.stop(new DestroyedError('The cloud', 'it was destroyed'), GARDEN);
@@ -268,15 +268,15 @@ describe('the end', () => {
     expect(warn).not.toHaveBeenCalled();
   });
 
-  test('what cannot be measured is told once, and tried again only on request', async () => {
+  test('a failed measurement is logged once, and repeated only on request', async () => {
     const view = new FakeView();
-    view.show(pictureOf([GARDEN]));
+    view.show(requestOf([GARDEN]));
     await passMs(500);
     await begun[0].fail(new Error('The reference is broken.'));
     expect(warn.mock.calls).toEqual([
       ['The wish {"minPsnrDb":45} could not be measured; pictures stay. The reference is broken.'],
     ]);
-    view.show(pictureOf([GARDEN], 128));
+    view.show(requestOf([GARDEN], 128));
     await passMs(1000);
     expect(begun).toHaveLength(1);
     const choosing = view.scene!.choose();

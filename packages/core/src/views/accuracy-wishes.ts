@@ -7,36 +7,36 @@ import type { MeasureProgress } from '../measure/measure-accuracy.ts';
 import type { WishOptions } from '../measure/measure-wish.ts';
 import { numberOf } from '../number-of.ts';
 
-/** Until nothing has changed for as long as this, a scene is taken to be still in the making. */
+/** A scene counts as still loading until nothing has changed for this long. */
 const SETTLED_AFTER_MS = 500;
 
 export interface ChooseAccuracyOptions {
-  /** Calls the measurement off: what was drawn before stays. */
+  /** Cancels the measurement: the settings stay. */
   readonly signal?: AbortSignal;
   readonly onProgress?: (progress: MeasureProgress) => void;
 }
 
-/** What a choice is told to. */
+/** Receives choices. */
 export interface WishingView {
-  /** @param picture its last one. */
-  onChosen(choice: AccuracyChoice, picture: FrameRequest): void;
+  /** @param request the view's last one. */
+  onChosen(choice: AccuracyChoice, request: FrameRequest): void;
 }
 
 interface WishContext {
-  /** Chooses settings for what `picture` shows, and makes its clouds hold what they take. */
+  /** Chooses settings for the frame of `request`, and makes its clouds hold the planes for them. */
   readonly measure: (
     wish: AccuracyWish,
-    picture: FrameRequest,
+    request: FrameRequest,
     options: WishOptions,
   ) => Promise<AccuracyChoice>;
-  /** Makes the clouds hold what `choice` takes, as far as it can be had, and nothing that no view is drawn with; never rejects. */
+  /** Makes the clouds hold the planes for `choice`, as far as possible, and frees those that no view draws; never rejects. */
   readonly adopt: (choice: AccuracyChoice, clouds: readonly SplatCloud[]) => Promise<void>;
 }
 
-/** The wishes of an engine's views, each met by measuring what is drawn: one measurement at a time. */
+/** The wishes of an engine's views, each met by measuring the views' frames: one measurement at a time. */
 export class AccuracyWishes {
   readonly #context: WishContext;
-  /** By wish and clouds. */
+  /** Keys are made of wish and clouds. */
   readonly #scenes = new Map<string, WishedScene>();
   readonly #latest = new WeakMap<AccuracyWish, AccuracyChoice>();
   #lastTurn: Promise<unknown> = Promise.resolve();
@@ -45,18 +45,18 @@ export class AccuracyWishes {
     this.#context = context;
   }
 
-  /** What was chosen last for `wish`, an interned one, whatever was drawn; null before the first choice. */
+  /** Returns the last choice for `wish` (interned), for any clouds; null before the first choice. */
   latest(wish: AccuracyWish): AccuracyChoice | null {
     return this.#latest.get(wish) ?? null;
   }
 
-  /** The scene that all views share that show these clouds with this wish, an interned one. */
+  /** Returns the scene that all views share that draw these clouds with this wish (interned). */
   sceneOf(wish: AccuracyWish, { clouds }: FrameRequest, previous: AccuracyChoice | null): WishedScene {
     const distinct = new Set(clouds.map(({ cloud }) => cloud));
     const key = JSON.stringify([numberOf(wish), ...[...distinct].map(numberOf).sort((a, b) => a - b)]);
     let scene = this.#scenes.get(key);
     if (!scene) {
-      const measure: WishContext['measure'] = (...request) => this.#inTurn(...request);
+      const measure: WishContext['measure'] = (...args) => this.#inTurn(...args);
       const adopt: WishContext['adopt'] = (choice, clouds) => {
         this.#latest.set(wish, choice);
         return this.#context.adopt(choice, clouds);
@@ -68,12 +68,12 @@ export class AccuracyWishes {
     return scene;
   }
 
-  /** Calls off what is measured for `wish`, an interned one, until a view shows again that it has it. */
+  /** Cancels the measurements for `wish` (interned), until a view draws a frame with it again. */
   withdraw(wish: AccuracyWish): void {
     for (const scene of this.#scenes.values()) if (scene.wish === wish) scene.pause();
   }
 
-  /** Ends what is measured: of the scenes with `cloud`, or of all. Who waits for a choice hears `reason`. */
+  /** Stops the measurements of scenes with `cloud`, or of all scenes. Pending choices reject with `reason`. */
   stop(reason: Error, cloud?: SplatCloud): void {
     for (const [key, scene] of this.#scenes) {
       if (cloud && !scene.clouds.has(cloud)) continue;
@@ -82,30 +82,30 @@ export class AccuracyWishes {
     }
   }
 
-  async #inTurn(wish: AccuracyWish, picture: FrameRequest, options: WishOptions): Promise<AccuracyChoice> {
+  async #inTurn(wish: AccuracyWish, request: FrameRequest, options: WishOptions): Promise<AccuracyChoice> {
     const turn = this.#lastTurn.then(() => {
       options.signal.throwIfAborted();
-      return this.#context.measure(wish, picture, options);
+      return this.#context.measure(wish, request, options);
     });
     this.#lastTurn = turn.catch(() => {});
     return turn;
   }
 }
 
-/** A wish and the clouds that it is for: what is chosen for them is drawn by all views that show them. */
+/** A wish and the clouds that it is for. All views that draw the clouds with this wish share one choice. */
 export class WishedScene {
   readonly wish: AccuracyWish;
   readonly clouds: ReadonlySet<SplatCloud>;
   readonly #context: WishContext;
-  /** The views that show it, and the last picture of each. */
+  /** The views of the scene, and the last request of each. */
   readonly #views = new Map<WishingView, FrameRequest | null>();
   #choice: AccuracyChoice | null;
-  /** Whether nothing is to be measured any more without being asked: it has been, or it cannot be. */
+  /** Whether automatic measuring is over: the scene was measured, or cannot be. */
   #isSettled = false;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #running: AbortController | null = null;
 
-  /** @param previous drawn until there is a choice for these very clouds. */
+  /** @param previous the choice to draw with until there is one for exactly these clouds. */
   constructor(
     wish: AccuracyWish,
     clouds: ReadonlySet<SplatCloud>,
@@ -118,7 +118,7 @@ export class WishedScene {
     this.#context = context;
   }
 
-  /** What is drawn, or null before the first choice. */
+  /** The choice to draw with, or null before the first. */
   get choice(): AccuracyChoice | null {
     return this.#choice;
   }
@@ -127,7 +127,7 @@ export class WishedScene {
     this.#views.set(view, null);
   }
 
-  /** The last view to leave ends what is measured. */
+  /** Removes a view. The last view to leave ends the measurement. */
   leave(view: WishingView): void {
     this.#views.delete(view);
     if (this.#views.size > 0) return;
@@ -135,24 +135,24 @@ export class WishedScene {
     this.#wait();
   }
 
-  /** Takes note of a picture that stands; a while after the first, and after the last change of a size, it is measured. */
-  show(view: WishingView, picture: FrameRequest): void {
+  /** Records a finished frame. Schedules a measurement some time after the first frame, and after each change of size. */
+  show(view: WishingView, request: FrameRequest): void {
     const before = this.#views.get(view);
-    this.#views.set(view, picture);
-    const isNew = before?.widthPx !== picture.widthPx || before.heightPx !== picture.heightPx;
+    this.#views.set(view, request);
+    const isNew = before?.widthPx !== request.widthPx || before.heightPx !== request.heightPx;
     if (isNew && !this.#isSettled && !this.#running) this.#wait();
     if (!before && this.#isSettled && this.#choice) void this.#resume(view, this.#choice);
   }
 
   /**
-   * Measures now and tells all views what was chosen. What is being measured already is called off.
+   * Measures now and passes the choice to all views. Cancels a measurement that is already running.
    *
-   * @throws InvalidArgumentError where there is no picture yet; the signal's reason; an AbortError where a later call takes
-   *   over; what `measureAccuracy` throws. What was drawn before stays then.
+   * @throws InvalidArgumentError if there is no frame yet; the signal's reason; an AbortError if a later call takes over;
+   *   errors of `measureAccuracy`. On failure the settings stay.
    */
   async choose({ signal, onProgress }: ChooseAccuracyOptions = {}): Promise<AccuracyChoice> {
-    const picture = this.#largestPicture();
-    if (!picture) {
+    const request = this.#largestRequest();
+    if (!request) {
       const message = 'There is no picture yet to measure: draw some clouds first.';
       throw new InvalidArgumentError('chooseAccuracy', message);
     }
@@ -163,31 +163,31 @@ export class WishedScene {
     const signals = signal ? [ending.signal, signal] : [ending.signal];
     const options = { signal: AbortSignal.any(signals), onProgress, previous: this.#choice };
     try {
-      const choice = await this.#context.measure(this.wish, picture, options);
+      const choice = await this.#context.measure(this.wish, request, options);
       options.signal.throwIfAborted();
       this.#isSettled = true;
       this.#choice = choice;
-      // Its planes are held since it was measured; the others go.
+      // The clouds hold its planes since the measurement; this frees the others.
       void this.#context.adopt(choice, [...this.clouds]);
       for (const [view, shown] of this.#views) if (shown) view.onChosen(choice, shown);
       return choice;
     } finally {
       if (this.#running === ending) {
         this.#running = null;
-        // Called off before there was any choice.
+        // Cancelled before there was any choice.
         if (!this.#isSettled) this.#wait();
       }
     }
   }
 
-  /** Calls off what is measured, until a view shows its next picture. */
+  /** Cancels the measurement, until a view draws its next frame. */
   pause(): void {
     for (const view of this.#views.keys()) this.#views.set(view, null);
     this.#running?.abort(new DOMException('The wish was withdrawn.', 'AbortError'));
     this.#wait();
   }
 
-  /** Measures no more and lets go of its views. */
+  /** Ends measuring for good and releases the views. */
   end(reason: Error): void {
     this.#isSettled = true;
     this.#views.clear();
@@ -195,20 +195,20 @@ export class WishedScene {
     this.#running?.abort(reason);
   }
 
-  /** Draws what was chosen earlier, for which the clouds may hold the planes no more. */
+  /** Passes an earlier choice to a new view; the clouds may no longer hold its planes. */
   async #resume(view: WishingView, choice: AccuracyChoice): Promise<void> {
     const { geometryPrecision, shPrecision } = choice.settings;
     const lacking = [...this.clouds].filter(({ precisions: { geometry, sh } }) => {
       return !(geometry.includes(geometryPrecision) && sh.includes(shPrecision));
     });
     await this.#context.adopt(choice, lacking);
-    const picture = this.#views.get(view);
-    if (picture && this.#choice === choice) view.onChosen(choice, picture);
+    const request = this.#views.get(view);
+    if (request && this.#choice === choice) view.onChosen(choice, request);
   }
 
   #wait(): void {
     clearTimeout(this.#timer);
-    if (this.#largestPicture()) this.#timer = setTimeout(() => void this.#chooseByItself(), SETTLED_AFTER_MS);
+    if (this.#largestRequest()) this.#timer = setTimeout(() => void this.#chooseByItself(), SETTLED_AFTER_MS);
   }
 
   async #chooseByItself(): Promise<void> {
@@ -223,16 +223,16 @@ export class WishedScene {
     }
   }
 
-  /** Of its last pictures, the one with most pixels. */
-  #largestPicture(): FrameRequest | null {
+  /** Returns the views' last request with the most pixels. */
+  #largestRequest(): FrameRequest | null {
     let largest: FrameRequest | null = null;
-    for (const picture of this.#views.values()) {
-      if (picture && pixelsOf(picture) > pixelsOf(largest)) largest = picture;
+    for (const request of this.#views.values()) {
+      if (request && pixelsOf(request) > pixelsOf(largest)) largest = request;
     }
     return largest;
   }
 }
 
-function pixelsOf(picture: FrameRequest | null): number {
-  return picture ? picture.widthPx * picture.heightPx * Math.min(1, picture.clouds.length) : 0;
+function pixelsOf(request: FrameRequest | null): number {
+  return request ? request.widthPx * request.heightPx * Math.min(1, request.clouds.length) : 0;
 }

@@ -58,11 +58,11 @@ const BEHIND = (() => {
   return values;
 })();
 
-/** A wall in the left half of the picture, nothing in the right. */
+/** A wall in the left half of the image, nothing in the right. */
 const hostDepthAt = (column: number) => (column < SIZE.widthPx / 2 ? WALL_DEPTH : Number.POSITIVE_INFINITY);
 const HOST_DEPTHS = Float64Array.from({ length: PIXELS }, (_, i) => hostDepthAt(i % SIZE.widthPx));
 
-/** A host's pass: textures larger than the picture, which lies at `origin` in them. */
+/** A host's pass: textures larger than the image, which lies at `origin` in them. */
 function hostPass(camera: Camera, depth: DepthConvention, host: Host) {
   const { colorFormat = 'rgba16float', depthFormat = 'depth24plus', sampleCount = 1, origin = [0, 0] } = host;
   const size = [SIZE.widthPx + origin[0] + 3, SIZE.heightPx + origin[1] + 2];
@@ -91,7 +91,7 @@ function hostPass(camera: Camera, depth: DepthConvention, host: Host) {
   return { pass: { color, depth: depthTexture, xPx: origin[0], yPx: origin[1] }, bytes, color };
 }
 
-/** Clears to the far plane and puts the wall into the left half, by a pass as a host would draw it. */
+/** Clears to the far plane and draws the wall into the left half, as a host's pass would. */
 function drawWall(
   texture: GPUTexture,
   stored: number,
@@ -128,7 +128,7 @@ function drawWall(
   device.queue.submit([encoder.finish()]);
 }
 
-/** Waits until `view` has what it needs. */
+/** Prepares a frame, and waits until the view has its shaders. */
 async function prepared(view: EmbeddedView, frame: EmbeddedFrameRequest): Promise<void> {
   while (!view.prepare(frame)) {
     await new Promise<void>((resolve) => {
@@ -139,12 +139,12 @@ async function prepared(view: EmbeddedView, frame: EmbeddedFrameRequest): Promis
 
 function record(view: EmbeddedView, pass: Parameters<EmbeddedView['draw']>[1]): EmbeddedImage {
   const encoder = device.createCommandEncoder();
-  const picture = view.draw(encoder, pass);
+  const image = view.draw(encoder, pass);
   device.queue.submit([encoder.finish()]);
-  return picture;
+  return image;
 }
 
-/** Values of an r32float texture. */
+/** Reads back an r32float texture. */
 async function readDepths(texture: GPUTexture): Promise<Float32Array> {
   const bytesPerRow = 256;
   const buffer = device.createBuffer({
@@ -178,9 +178,9 @@ async function expectRight(
   const frame = { camera, clouds: [{ cloud }], ...SIZE, depth, writesDepth: true } as const;
   await prepared(view, { ...frame, accuracy: { preset: 'high', resolutionScale } });
   const { pass, bytes, color } = hostPass(camera, depth, host);
-  const picture = record(view, pass);
-  const { data } = await readTexture(device, picture.color);
-  const depths = await readDepths(picture.depth!);
+  const image = record(view, pass);
+  const { data } = await readTexture(device, image.color);
+  const depths = await readDepths(image.depth!);
 
   const scene = { clouds: [{ set: SET }], camera, ...SIZE, hostDepths: HOST_DEPTHS };
   const layer = renderReference({ ...scene, settings: { resolutionScale } });
@@ -202,7 +202,7 @@ async function expectRight(
     }
     covered++;
     const mean = layer.depths![i] / coverage;
-    // Float16 where float32 cannot be blended: every layer rounds the sum to 11 bits.
+    // Float16 if float32 cannot be blended: every layer rounds the sum to 11 bits.
     const bounds = [mean * 0.98, mean * 1.02].map((value) => storedDepth(value, camera, depth.mapping));
     expect(depths[i]).toBeGreaterThanOrEqual(Math.min(...bounds));
     expect(depths[i]).toBeLessThanOrEqual(Math.max(...bounds));
@@ -216,7 +216,7 @@ const WALL_COLOR = [0.9, 0.5, 0.1] as const;
 const SKY_COLOR = [0.02, 0.04, 0.3] as const;
 const EDGE_SIZE = 64;
 
-/** A camera before a wall, with splats that fill the view in front of the wall and behind it. */
+/** A camera facing a wall, with splats that fill the view in front of the wall and behind it. */
 function edgeScene() {
   const camera = perspectiveCamera({ position: [0, 0, 2], target: [0, 0, 0], fovYDegrees: 40, aspect: 1 });
   const sheet = (z: number, opacityLogit: number, colorDc: readonly number[]) =>
@@ -224,7 +224,7 @@ function edgeScene() {
   return { camera, near: sheet(1, -0.5, [1.5, 1, -1]), far: sheet(-1, 4, [-1, 1.2, 0.8]) };
 }
 
-/** A wall with a slanting edge, drawn with four samples before the sky as a host would; its colours are resolved. */
+/** A wall with a slanting edge in front of the sky, drawn with four samples as a host would; its colours are resolved. */
 function drawSlantedWall(camera: Camera, { compare, mapping }: DepthConvention) {
   const texture = (format: GPUTextureFormat, sampleCount: number, usage: GPUTextureUsageFlags) =>
     device.createTexture({
@@ -278,9 +278,9 @@ function drawSlantedWall(camera: Camera, { compare, mapping }: DepthConvention) 
 }
 
 /**
- * Draws `sets` at the slanting wall and compares the pixels on its edge with what they should be: the mean, in linear
- * light, of what is three pixels further into the wall and three pixels out of it, by the part of the pixel that the wall
- * covers.
+ * Draws `sets` at the slanting wall and compares the pixels on its edge with the expected colour: the mean, in linear light,
+ * of the colours three pixels further into the wall and three pixels out of it, weighted by the part of the pixel that the
+ * wall covers.
  */
 async function drawEdge(camera: Camera, depth: DepthConvention, sets: readonly SplatSet[]) {
   const wall = drawSlantedWall(camera, depth);
@@ -288,13 +288,13 @@ async function drawEdge(camera: Camera, depth: DepthConvention, sets: readonly S
   const clouds = sets.map((set) => ({ cloud: engine.add(set) }));
   const view = engine.createEmbeddedView();
   await prepared(view, { camera, clouds, widthPx: EDGE_SIZE, heightPx: EDGE_SIZE, depth });
-  const picture = record(view, { ...wall, xPx: 0, yPx: 0 });
-  const { data } = await readTexture(device, picture.color);
+  const image = record(view, { ...wall, xPx: 0, yPx: 0 });
+  const { data } = await readTexture(device, image.color);
   view.destroy();
   for (const { cloud: each } of clouds) each.destroy();
   for (const each of Object.values(wall)) each.destroy();
 
-  // Where there is no splat the host goes on to show its own.
+  // Where there is no splat the host shows its own image.
   const shown = (channel: number) => (data[4 * (channel >> 2) + 3] > 0 ? data[channel] : host[channel]);
   let pixels = 0;
   let maxError = 0;
@@ -315,7 +315,7 @@ async function drawEdge(camera: Camera, depth: DepthConvention, sets: readonly S
 
 describe('an embedded view', () => {
   for (const [name, depth, isReversed] of CONVENTIONS) {
-    gpuTest(`hides splats behind the host's ${name}, and knows their own`, async () => {
+    gpuTest(`hides splats behind the host's ${name}, and returns their own`, async () => {
       const { perspective, orthographic } = testCameras(SIZE.widthPx / SIZE.heightPx);
       for (const camera of [perspective, orthographic]) {
         await expectRight(withClipDepth(camera, isReversed), depth);
@@ -324,35 +324,35 @@ describe('an embedded view', () => {
   }
 
   gpuTest(
-    'looks for what hides splats only where there may be something, and waits for no shader',
+    'tests depth only if there may be something that hides splats, and never waits for a shader',
     async () => {
       const depth = CONVENTIONS[0][1];
       const camera = withClipDepth(testCameras(SIZE.widthPx / SIZE.heightPx).perspective, false);
       const { pass, color } = hostPass(camera, depth, {});
       const frame = { camera, clouds: [{ cloud }], ...SIZE };
-      const pictureOf = async (view: EmbeddedView) =>
+      const imageOf = async (view: EmbeddedView) =>
         (await readTexture(device, record(view, pass).color)).data;
-      const pictureWith = async (options: Pick<EmbeddedFrameRequest, 'depth'>) => {
+      const imageWith = async (options: Pick<EmbeddedFrameRequest, 'depth'>) => {
         const view = engine.createEmbeddedView();
         await prepared(view, { ...frame, ...options });
-        const picture = await pictureOf(view);
+        const image = await imageOf(view);
         view.destroy();
-        return picture;
+        return image;
       };
-      const [unhidden, hidden] = [await pictureWith({}), await pictureWith({ depth })];
+      const [unhidden, hidden] = [await imageWith({}), await imageWith({ depth })];
       expect(hidden).not.toEqual(unhidden);
 
-      // What no other test has compiled.
+      // Shaders that no other test has compiled.
       const view = engine.createEmbeddedView();
       const changing = { ...frame, depth, accuracy: { preset: 'high', sortKeyBits: 20 } } as const;
       await prepared(view, { ...changing, hasOccluders: false });
       expect(view.shape?.depth).toBeNull();
-      expect(await pictureOf(view)).toEqual(unhidden);
+      expect(await imageOf(view)).toEqual(unhidden);
       expect(view.prepare(changing)).toBe(true);
       await expect.poll(() => view.prepare(changing) && view.shape?.depth).toBeTruthy();
-      expect(await pictureOf(view)).toEqual(hidden);
+      expect(await imageOf(view)).toEqual(hidden);
       expect(view.prepare({ ...changing, hasOccluders: false })).toBe(true);
-      expect(await pictureOf(view)).toEqual(unhidden);
+      expect(await imageOf(view)).toEqual(unhidden);
       view.destroy();
       color.destroy();
     },
@@ -400,14 +400,14 @@ describe('an embedded view', () => {
         ],
       })
       .end();
-    const picture = view.draw(encoder, { color, depth: null, xPx: 0, yPx: 0 });
+    const image = view.draw(encoder, { color, depth: null, xPx: 0, yPx: 0 });
     device.queue.submit([encoder.finish()]);
-    const { data } = await readTexture(device, picture.color);
+    const { data } = await readTexture(device, image.color);
     const [red, , , alpha] = data.subarray(4 * (20 * SIZE.widthPx + 24));
     expect(alpha).toBeCloseTo(1, 3);
     // The linear value that encodes to half of white.
     expect(red).toBeCloseTo(0.214, 3);
-    expect(picture.depth).toBeNull();
+    expect(image.depth).toBeNull();
     view.destroy();
     one.destroy();
     color.destroy();
@@ -417,7 +417,7 @@ describe('an embedded view', () => {
     const { camera, near, far } = edgeScene();
     for (const [, depth, isReversed] of CONVENTIONS) {
       const seenBy = withClipDepth(camera, isReversed);
-      // What is in front of the wall is a veil, what is behind it nearly opaque.
+      // The splats in front of the wall are a veil, those behind it nearly opaque.
       for (const sets of [[far], [near], [near, far]]) {
         const edge = await drawEdge(seenBy, depth, sets);
         expect(edge.pixels).toBeGreaterThan(30);
@@ -427,7 +427,7 @@ describe('an embedded view', () => {
   });
 
   gpuTest(
-    'computes only where something moved, draws again all the same, and frees what it held',
+    'prepares again only if something has moved, draws every time, and frees all memory it held',
     async () => {
       const bytesBefore = engine.memory().totalBytes;
       const { perspective, orthographic } = testCameras(1);
@@ -446,7 +446,7 @@ describe('an embedded view', () => {
       expect(engine.counters().framesPrepared).toBe(before);
       expect((await readTexture(device, record(view, pass).color)).data).toEqual(first.data);
       const moved = { camera: perspective, clouds: [{ cloud, opacity: 0.5 }], ...SIZE };
-      // Until the shaders are there that make it fainter, it is drawn as it was.
+      // Until the shaders that make it fainter are compiled, it is drawn as before.
       expect(view.prepare(moved)).toBe(true);
       expect(engine.counters().framesPrepared).toBe(before);
       await new Promise<void>((resolve) => {
@@ -456,7 +456,7 @@ describe('an embedded view', () => {
       expect(engine.counters().framesPrepared).toBe(before + 1);
       expect((await readTexture(device, record(view, pass).color)).data).not.toEqual(first.data);
 
-      // Another size, another camera: as a new view draws it.
+      // With another size and camera, the image equals that of a new view.
       const other = { camera: orthographic, clouds, widthPx: 20, heightPx: 30 };
       await prepared(view, other);
       const again = await readTexture(device, record(view, pass).color);
@@ -464,7 +464,7 @@ describe('an embedded view', () => {
       await prepared(fresh, other);
       expect((await readTexture(device, record(fresh, pass).color)).data).toEqual(again.data);
 
-      // Destroyed while the host is still recording.
+      // The view is destroyed while the host is still recording.
       const encoder = device.createCommandEncoder();
       fresh.draw(encoder, pass);
       fresh.destroy();
@@ -478,7 +478,7 @@ describe('an embedded view', () => {
     },
   );
 
-  gpuTest('always has something to draw while its clouds change their precision', async () => {
+  gpuTest('always has a frame to draw while its clouds change their precision', async () => {
     const set = randomSplats({ count: 300, seed: 77, shDegree: 2 });
     const one = engine.add(set);
     const view = engine.createEmbeddedView();
@@ -494,7 +494,7 @@ describe('an embedded view', () => {
     one.destroy();
   });
 
-  gpuTest('has nothing to draw without clouds or pixels, and says what is wrong', async () => {
+  gpuTest('has nothing to draw without clouds or pixels, and names missing depth', async () => {
     const { perspective: camera } = testCameras(1);
     const view = engine.createEmbeddedView();
     expect(view.prepare({ camera, clouds: [], ...SIZE })).toBe(false);

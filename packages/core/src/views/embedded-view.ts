@@ -8,27 +8,27 @@ import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { RasterizeDepth } from '../stages/rasterize.ts';
 import { type ViewContext, ViewCore } from './view-core.ts';
 
-/** What splats are to show in another renderer's picture. */
+/** A frame request of an embedded view. */
 export interface EmbeddedFrameRequest
   extends Pick<FrameRequest, 'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy'> {
   /** How the host stores depth; absent: nothing hides splats. */
   readonly depth?: DepthConvention;
   /**
-   * Whether there may be something in the host's depth; default true. Where not, splats are drawn without looking there. It
-   * may change from frame to frame.
+   * Whether the host's depth may have something that hides splats; default true. If false, splats are drawn without a depth
+   * test. The value may change from frame to frame.
    */
   readonly hasOccluders?: boolean;
-  /** Whether the picture is to have the splats' depth too; only with `depth`. */
+  /** Whether the image gets the splats' depth too; only with `depth`. */
   readonly writesDepth?: boolean;
 }
 
 /**
- * Splats inside another renderer's frame: hidden by what it has drawn, blended over it in the space that splats are
+ * Splats inside another renderer's frame: hidden by its meshes, and blended over its image in the space that splats are
  * trained in. The host ends its pass, lets this view record into its encoder, shows the image in its next pass, opaque
  * where there are splats, and goes on.
  */
 export class EmbeddedView extends ViewCore {
-  /** Called when shaders that a frame lacked have been compiled, or its accuracy has been chosen: prepare it again. */
+  /** Called when missing shaders of a frame have been compiled, or its accuracy has been chosen: prepare the frame again. */
   onReady: (() => void) | null = null;
 
   /**
@@ -40,11 +40,11 @@ export class EmbeddedView extends ViewCore {
   }
 
   /**
-   * Finds and sorts the visible splats: submits that work at once, or none where camera, clouds, size and accuracy are
-   * those of the last frame.
+   * Finds and sorts the visible splats. Submits that work at once, or none if camera, clouds, size and accuracy are those
+   * of the last frame.
    *
-   * @returns whether there is something to draw. False where there are no clouds or pixels, where shaders are still being
-   *   compiled (`onReady` is called when they are there), and after the loss of the device.
+   * @returns whether there is something to draw. False without clouds or pixels, while shaders compile and the last frame
+   *   cannot take their place (`onReady` is called when they are ready), and after the loss of the device.
    * @throws InvalidArgumentError, GpuLimitError, DestroyedError.
    */
   prepare(request: EmbeddedFrameRequest): boolean {
@@ -58,7 +58,7 @@ export class EmbeddedView extends ViewCore {
     if (!plan) return false;
     if (!stands) {
       this.#order(plan);
-      // Something may come to hide these splats: it does so from its first frame on.
+      // Prepare for occluders: they are to hide these splats from their first frame on.
       if (isAsked && request.depth && !depth) {
         this.expect('occluders', plan.shape, (drawn) => ({ ...drawn, depth: withOccluders! }));
       }
@@ -68,31 +68,28 @@ export class EmbeddedView extends ViewCore {
   }
 
   /**
-   * Records drawing the frame that was prepared last, between two passes of the host, which submits it.
+   * Records drawing the last prepared frame, between two passes of the host; the host submits the work.
    *
-   * @throws InvalidArgumentError where nothing was prepared, or depth was promised and is missing.
+   * @throws InvalidArgumentError if nothing was prepared, or if the frame was prepared with depth and the host has none.
    */
   draw(encoder: GPUCommandEncoder, pass: HostPass): EmbeddedImage {
     const { shape } = this;
     if (!shape) {
-      throw new InvalidArgumentError(
-        'draw',
-        'There is nothing to draw yet: prepare has to return true first.',
-      );
+      throw new InvalidArgumentError('draw', 'There is nothing to draw yet: prepare must return true first.');
     }
     if (shape.depth && !pass.depth) {
       throw new InvalidArgumentError(
         'depth',
-        'The frame was prepared to be hidden by depth and the host gave none.',
+        'The frame was prepared for a depth test and the host gave none.',
       );
     }
     this.recordDraw(encoder, { kind: 'host', pass });
-    // The host submits before it gives up control; reading back may not begin earlier.
+    // The host submits before it yields to microtasks; reading back must not begin earlier.
     queueMicrotask(() => void this.measure());
     return this.parts.compose.image!;
   }
 
-  /** Frees what the view holds on the GPU, once the host has submitted what it is recording; the clouds stay. */
+  /** Frees the view's GPU memory, after the host has submitted what it is recording; the clouds stay. */
   destroy(): void {
     if (this.end()) queueMicrotask(() => this.free());
   }
@@ -114,7 +111,7 @@ export class EmbeddedView extends ViewCore {
     device.queue.submit([encoder.finish()]);
   }
 
-  /** How depth is to hide splats as asked, and then what else may be drawn while shaders for that are lacking. */
+  /** Returns the requested depth test, then the alternatives to draw with while its shaders compile. */
   #depthsFor(request: EmbeddedFrameRequest): readonly [RasterizeDepth | null, ...(RasterizeDepth | null)[]] {
     const { camera, depth, hasOccluders = true, writesDepth = false } = request;
     if (!depth) return [null];

@@ -15,7 +15,7 @@ import { pick } from '../stages/pick.ts';
 
 /** The splat that contributes most to a pixel. */
 export interface SplatPick {
-  /** In the frame's list of clouds. */
+  /** Index in the frame's list of clouds. */
   readonly cloudIndex: number;
   readonly cloud: SplatCloud;
   /** Row of the splat in its cloud's file. */
@@ -28,9 +28,9 @@ export interface SplatPick {
   readonly point: Vec3;
   /** The splat's opacity at the pixel, cutoff…0.99. */
   readonly alpha: number;
-  /** Its share of the pixel: `alpha` times what the splats in front of it let through. */
+  /** The splat's share of the pixel: `alpha` times the transmittance of the splats in front of it. */
   readonly weight: number;
-  /** Opacity of all splats together at the pixel. */
+  /** Opacity of all splats at the pixel together. */
   readonly totalOpacity: number;
 }
 
@@ -43,16 +43,16 @@ interface PickContext {
 
 /**
  * Finds the splat that contributes most to one pixel of the layer that `frame` was last sorted for; the foremost among equal
- * contributions. Submits before it returns, so that later frames and the end of `frame` make no difference; the same frame
- * gives the same answer every time. Ignores everything that other renderers draw in front of the splats.
+ * contributions. Submits before it returns, so later frames and the destruction of `frame` make no difference. Repeated picks
+ * in the same frame return the same splat. Ignores everything that other renderers draw in front of the splats.
  *
- * The stage `pick` has to be compiled.
+ * The stage `pick` must be compiled.
  *
- * @param plan of that frame.
+ * @param plan the plan of that frame.
  * @param xPx column of the layer, from the left; the pixel is the one that contains the point.
  * @param yPx row, from the top.
- * @returns null where no splat reaches the cutoff at the pixel.
- * @throws InvalidArgumentError outside of the layer, DestroyedError where engine or device end meanwhile.
+ * @returns null if no splat reaches the cutoff at the pixel.
+ * @throws InvalidArgumentError outside the layer, DestroyedError if engine or device end before the result is read.
  */
 export async function pickSplat(
   context: PickContext,
@@ -63,7 +63,7 @@ export async function pickSplat(
 ): Promise<SplatPick | null> {
   const { widthPx, heightPx } = projection;
   if (!(xPx >= 0 && xPx < widthPx && yPx >= 0 && yPx < heightPx)) {
-    const message = `Pixel ${xPx}, ${yPx} is outside of the layer of ${widthPx}×${heightPx} px.`;
+    const message = `Pixel ${xPx}, ${yPx} is outside the layer of ${widthPx}×${heightPx} px.`;
     throw new InvalidArgumentError('xPx', message);
   }
   const pixelPx = [Math.floor(xPx) + 0.5, Math.floor(yPx) + 0.5] as const;
@@ -88,7 +88,7 @@ export async function pickSplat(
   };
 }
 
-/** Runs the stage and copies its blocks, as many as there may be, to the CPU. */
+/** Runs the stage and copies its blocks to the CPU: enough for the largest number of visible splats. */
 async function readBlocks(
   { device, pipelines, memory }: PickContext,
   { shared, shape }: FrameParts,
@@ -131,7 +131,7 @@ async function readBlocks(
   }
 }
 
-/** Goes through the blocks front to back, in float64: the heaviest splat of all, or null where there is none. */
+/** Combines the blocks front to back, in float64. Returns the splat with the largest weight, or null if there is none. */
 function heaviestOf(blocks: ArrayBuffer) {
   const floats = new Float32Array(blocks);
   const words = new Uint32Array(blocks);

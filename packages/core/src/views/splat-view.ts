@@ -11,10 +11,10 @@ import { type ViewContext, ViewCore } from './view-core.ts';
 
 const BLACK: Vec3 = [0, 0, 0];
 
-/** Draws clouds whenever something has changed: on a canvas, or to be read back. */
+/** Draws clouds whenever something has changed: on a canvas, or into a texture that can be read back. */
 export class SplatView extends ViewCore {
   readonly #canvas: GPUCanvasContext | null;
-  /** The background that the canvas shows. */
+  /** Background of the image on the canvas. */
   #shownBackground: readonly number[] = BLACK;
 
   /**
@@ -36,11 +36,11 @@ export class SplatView extends ViewCore {
   }
 
   /**
-   * Draws `request`: submits the GPU's work and returns at once. Where camera, clouds, size, background and accuracy are those of
-   * the last frame, nothing is submitted. Where a shader is still being compiled, the frame follows by itself when it is ready;
-   * until then the same clouds are drawn with their old settings and effects. `whenDrawn` waits.
+   * Draws `request`: submits the GPU's work and returns at once. If camera, clouds, size, background and accuracy are those
+   * of the last frame, nothing is submitted. If a shader is still compiling, the frame follows automatically when it is
+   * ready; until then the same clouds are drawn with their old settings and effects. `whenDrawn` waits for the frame.
    *
-   * @returns whether anything was, or will be, submitted.
+   * @returns whether work was, or will be, submitted.
    * @throws InvalidArgumentError, GpuLimitError, DestroyedError.
    */
   render(request: FrameRequest): boolean {
@@ -58,14 +58,14 @@ export class SplatView extends ViewCore {
     return isChanged;
   }
 
-  /** Resolves when the last frame asked for has been submitted; rejects where its shaders do not compile. */
+  /** Resolves when the last requested frame has been submitted; rejects if its shaders do not compile. */
   whenDrawn(): Promise<void> {
     return this.drawn;
   }
 
   /**
-   * Reads back the last frame, without its background: premultiplied RGBA in the space it was blended in (sRGB-encoded), top row
-   * first, 4·width·height values.
+   * Reads back the last image, without its background: premultiplied RGBA in the space that splats are blended in
+   * (sRGB-encoded), top row first, 4·width·height values.
    */
   async readPixels(): Promise<TextureImage> {
     await this.whenDrawn();
@@ -86,13 +86,13 @@ export class SplatView extends ViewCore {
     return super.chooseAccuracy(options);
   }
 
-  /** @internal The texture of the last frame, for comparisons that stay on the GPU: see measure/. */
+  /** @internal The texture of the last image, for comparisons on the GPU: see measure/. */
   blended(): { readonly context: ViewContext; readonly color: GPUTexture | null } {
     this.checkUsable();
     return { context: this.context, color: this.parts.shared.image?.color ?? null };
   }
 
-  /** Frees what the view holds on the GPU; the clouds stay. */
+  /** Frees the view's GPU memory; the clouds stay. */
   destroy(): void {
     if (!this.end()) return;
     this.#canvas?.unconfigure();
@@ -101,7 +101,7 @@ export class SplatView extends ViewCore {
 
   protected override onChosen(choice: AccuracyChoice, request: FrameRequest): void {
     try {
-      // A frame that waits for shaders is drawn with the choice anyway.
+      // A request that waits for shaders is drawn with the choice anyway.
       if (!this.isWaiting && this.canStillDraw(request)) this.render({ ...request, force: false });
     } catch (error) {
       console.warn(`The chosen settings could not be drawn; the image stays. ${(error as Error).message}`);
@@ -127,7 +127,7 @@ export class SplatView extends ViewCore {
     void this.measure();
   }
 
-  /** Puts the splats that stand over another background. */
+  /** Draws the last splats over another background. */
   #drawBackground(request: FrameRequest): void {
     const { device } = this.context;
     const encoder = device.createCommandEncoder({ label: 'websplatter background' });
@@ -147,7 +147,7 @@ export class SplatView extends ViewCore {
   }
 
   #destination({ background = BLACK }: FrameRequest): Destination {
-    // A copy: callers may change theirs.
+    // Copied, because callers may change their array.
     this.#shownBackground = [...background];
     return this.#canvas ? { kind: 'canvas', canvas: this.#canvas, background } : { kind: 'image' };
   }
@@ -158,7 +158,7 @@ function configure(canvas: HTMLCanvasElement | OffscreenCanvas, device: GPUDevic
   if (!context) {
     throw new InvalidArgumentError(
       'canvas',
-      'The canvas already has a context of another kind; give the view one of its own.',
+      'The canvas already has a context of another kind; give the view its own canvas.',
     );
   }
   context.configure({ device, format, alphaMode: 'opaque' });

@@ -5,24 +5,24 @@ import type { FrameRequest } from '../frame/frame-request.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { AccuracyWishes, ChooseAccuracyOptions, WishedScene, WishingView } from './accuracy-wishes.ts';
 
-/** What the settings of a frame follow from. */
+/** The engine's part in the settings of a frame. */
 export interface AccuracyContext {
-  /** The wish of a frame that asks for this, or for nothing: one object for equal wishes, null for settings. */
+  /** Returns the wish in `asked` (default: the engine's), or null for settings. Equal wishes are the same object. */
   readonly wishFor: (asked: AccuracyRequest | undefined) => AccuracyWish | null;
-  /** What the device can do of settings, default the engine's: one object for equal settings. */
+  /** Returns the closest settings that the device supports (default: the engine's). Equal settings are the same object. */
   readonly accuracyFor: (asked: Accuracy | undefined) => AccuracySettings;
   readonly wishes: AccuracyWishes;
 }
 
-/** What a view draws with: what its frames ask for, or what was chosen because of their wish. */
+/** The settings that a view draws with: the requested ones, or those chosen for a wish. */
 export class ViewAccuracy implements WishingView {
   readonly #context: AccuracyContext;
-  readonly #onChosen: (choice: AccuracyChoice, picture: FrameRequest) => void;
+  readonly #onChosen: (choice: AccuracyChoice, request: FrameRequest) => void;
   #scene: WishedScene | null = null;
-  #told: AccuracyChoice | null = null;
+  #reported: AccuracyChoice | null = null;
 
-  /** @param onChosen called with each new choice and the picture to be drawn again with it, once whoever chose is done. */
-  constructor(context: AccuracyContext, onChosen: (choice: AccuracyChoice, picture: FrameRequest) => void) {
+  /** @param onChosen called with each new choice and the request to draw again with it, in a microtask of its own. */
+  constructor(context: AccuracyContext, onChosen: (choice: AccuracyChoice, request: FrameRequest) => void) {
     this.#context = context;
     this.#onChosen = onChosen;
   }
@@ -32,16 +32,16 @@ export class ViewAccuracy implements WishingView {
   }
 
   /**
-   * The settings of a frame that is about to be drawn.
+   * Returns the settings of a frame that is about to be drawn.
    *
-   * @throws InvalidArgumentError for unknown settings and for what is no wish.
+   * @throws InvalidArgumentError for unknown settings and invalid wishes.
    */
   settingsFor(frame: FrameRequest): AccuracySettings {
     const { wishFor, accuracyFor, wishes } = this.#context;
     const wish = wishFor(frame.accuracy);
     if (!wish) {
       this.leave();
-      // With the engine's wish gone, `undefined` are its settings.
+      // Without a wish of the engine, `undefined` stands for its settings.
       return accuracyFor(frame.accuracy as Accuracy | undefined);
     }
     const scene = wishes.sceneOf(wish, frame, this.choice);
@@ -53,7 +53,7 @@ export class ViewAccuracy implements WishingView {
     return accuracyFor(scene.choice?.settings ?? DEFAULT_ACCURACY);
   }
 
-  /** Call when the picture of `frame` stands, or already did. */
+  /** Call when `frame` has been drawn, or was shown already. */
   show(frame: FrameRequest): void {
     this.#scene?.show(this, frame);
   }
@@ -62,16 +62,16 @@ export class ViewAccuracy implements WishingView {
   async choose(options: ChooseAccuracyOptions): Promise<AccuracyChoice> {
     if (this.#scene) return this.#scene.choose(options);
     const message =
-      'The last picture was drawn without a wish: give the frame or the engine one, and draw first.';
+      'The last frame was drawn without a wish: give the frame or the engine one, and draw first.';
     throw new InvalidArgumentError('chooseAccuracy', message);
   }
 
-  onChosen(choice: AccuracyChoice, picture: FrameRequest): void {
-    // What listeners throw is theirs, and no reason to tell other views nothing.
+  onChosen(choice: AccuracyChoice, request: FrameRequest): void {
+    // An error in one listener must not keep the other views from being notified.
     queueMicrotask(() => {
-      if (this.choice !== choice || this.#told === choice) return;
-      this.#told = choice;
-      this.#onChosen(choice, picture);
+      if (this.choice !== choice || this.#reported === choice) return;
+      this.#reported = choice;
+      this.#onChosen(choice, request);
     });
   }
 

@@ -21,42 +21,42 @@ import type { ChooseAccuracyOptions } from './accuracy-wishes.ts';
 import { pickSplat, type SplatPick } from './pick-splat.ts';
 import { type AccuracyContext, ViewAccuracy } from './view-accuracy.ts';
 
-/** What a view needs of its engine. */
+/** The parts of an engine that a view needs. */
 export interface ViewContext extends AccuracyContext {
   readonly device: GPUDevice;
   readonly pipelines: Pipelines;
   readonly memory: GpuMemory;
   readonly counting: Counting;
   readonly dispatchRow: number;
-  /** Why nothing can be drawn any more, or null. */
+  /** Returns why nothing can be drawn any more, or null. */
   readonly destroyedBecause: () => string | null;
 }
 
-/** What a view does with a frame that it was asked for. */
+/** The frame that a view draws in response to a request. */
 export interface NextFrame {
   /**
-   * The plan to draw: the one that was asked for; or, while its shaders compile, the same clouds with the settings and effects
-   * of the last frame; null where there is nothing to draw before that.
+   * The plan to draw: the requested one or, while its shaders compile, the same clouds with the settings and effects of the
+   * last frame. Null if there is nothing to draw until then.
    */
   readonly plan: FramePlan | null;
-  /** Whether that frame stands already: there is nothing to draw. */
+  /** Whether that frame is shown already, so that there is nothing to draw. */
   readonly stands: boolean;
-  /** Whether it is the one that was asked for. Where not, its shaders are being compiled: `retry` follows. */
+  /** Whether `plan` is the requested one. If not, shaders are compiling and `retry` will be called. */
   readonly isAsked: boolean;
 }
 
 /**
- * What views have in common, whatever they draw into: planning frames, waiting for shaders, settings that follow from a wish,
- * statistics, picking. Views decide when a frame is drawn and what becomes of it.
+ * Base class of views, whatever they draw into: plans frames, waits for shaders, applies the settings chosen for a wish,
+ * gathers statistics and picks splats. Subclasses decide when a frame is drawn and where its image goes.
  */
 export abstract class ViewCore {
-  /** Called some frames after each frame that was measured. */
+  /** Called with the statistics of each measured frame, some frames later. */
   onStatistics: ((statistics: FrameStatistics) => void) | null = null;
   /**
-   * Called when settings have been chosen because of a wish (`accuracy: { minPsnrDb: 45 }`). Measuring takes seconds and begins
-   * half a second after the first frame, and after the last change of its size. A scene is measured again when its clouds
-   * change, and not when the camera moves. The last frame has been drawn again with the choice by then, or, inside another
-   * renderer's frame, follows when `onReady` has been heard.
+   * Called when settings have been chosen for a wish (`accuracy: { minPsnrDb: 45 }`). Measuring takes seconds and begins half
+   * a second after the first frame, and after the last change of its size. A scene is measured again when its clouds change,
+   * but not when the camera moves. A `SplatView` has already drawn its last frame again with the choice; an `EmbeddedView`
+   * has called `onReady`, for its host to prepare the frame again.
    */
   onAccuracyChosen: ((choice: AccuracyChoice) => void) | null = null;
   protected readonly context: ViewContext;
@@ -67,13 +67,13 @@ export abstract class ViewCore {
   readonly #onDestroyed: () => void;
   #omittedEffects: readonly OmittableEffect[] = [];
   #prepared: FramePlan | null = null;
-  /** Whether the frame that is being drawn has the visible splats of the one before, in the same order. */
+  /** Whether the frame being drawn has the visible splats of the last one, in the same order. */
   #isColorsOnly = false;
   #wait: Wait | null = null;
   #whenDrawn: Promise<void> = Promise.resolve();
-  /** By reason, the shape whose change has its shaders already: see `expect`. */
+  /** By reason: the drawn shape whose expected successor has its shaders already; see `expect`. */
   readonly #expected = new Map<string, FrameShape>();
-  /** Shapes whose shaders are there. */
+  /** Shapes whose shaders have been compiled. */
   readonly #ready = new WeakSet<FrameShape>();
   #frameNumber = 0;
   #drawnAs = 0;
@@ -89,22 +89,22 @@ export abstract class ViewCore {
     this.#accuracy = new ViewAccuracy(context, (choice, request) => this.onChosen(choice, request));
   }
 
-  /** The newest measurement, or null before the first. */
+  /** The newest statistics, or null before the first. */
   get statistics(): FrameStatistics | null {
     return this.#statistics;
   }
 
-  /** The settings chosen because of a wish; null before the first choice, and where settings are asked for. */
+  /** The last choice for the wish; null before the first choice, and if settings were requested. */
   get accuracyChoice(): AccuracyChoice | null {
     return this.#accuracy.choice;
   }
 
   /**
-   * Measures now what the last frame shows, and chooses anew the settings that meet its wish: for all views with the same wish
-   * and the same clouds, at the size of the largest.
+   * Measures the last frame now, and chooses the settings that meet its wish again: for all views with the same wish and the
+   * same clouds, at the size of the largest.
    *
-   * @throws InvalidArgumentError where there is no frame yet, or it was drawn without a wish; DestroyedError; an AbortError
-   *   where the view is destroyed or a later call takes over; the signal's reason. Settings stay as they were then.
+   * @throws InvalidArgumentError if there is no frame yet, or it was drawn without a wish; DestroyedError; an AbortError if
+   *   the view is destroyed or a later call takes over; the signal's reason. On failure the settings stay.
    */
   async chooseAccuracy(options: ChooseAccuracyOptions = {}): Promise<AccuracyChoice> {
     this.checkUsable();
@@ -112,11 +112,11 @@ export abstract class ViewCore {
   }
 
   /**
-   * Returns the splat that contributes most to a pixel of the last frame, whatever another renderer draws in front of it; null
-   * where there is none, outside of the image, and before the first frame.
+   * Returns the splat that contributes most to a pixel of the last image, whatever another renderer draws in front of it;
+   * null if there is none, outside the image, and before the first frame.
    *
-   * @param xPx, yPx from the top left of the image; fractions fall to the pixel that they are in.
-   * @throws DestroyedError where the view or its engine end meanwhile.
+   * @param xPx, yPx from the top left of the image; a fractional position belongs to the pixel that contains it.
+   * @throws DestroyedError if the view or its engine ends before the result is read.
    */
   async pick(xPx: number, yPx: number): Promise<SplatPick | null> {
     this.checkUsable();
@@ -127,20 +127,20 @@ export abstract class ViewCore {
       if (!(xPx >= 0 && xPx < widthPx && yPx >= 0 && yPx < heightPx)) return null;
       const stage = pick(shape.accuracy.recordPrecision);
       if (pipelines.areReady([stage])) {
-        // The pixel of the layer behind the middle of the image's.
+        // The pixel of the layer behind the centre of the image's pixel.
         const layerX = ((Math.floor(xPx) + 0.5) * layer.widthPx) / widthPx;
         const layerY = ((Math.floor(yPx) + 0.5) * layer.heightPx) / heightPx;
         return pickSplat(this.context, this.parts, this.#prepared, layerX, layerY);
       }
-      // While this compiles another frame may be drawn, with other records, or the last one.
+      // While the stage compiles, a frame with other records may be drawn, or the view destroyed.
       await pipelines.prepare([stage]);
     }
     return null;
   }
 
   /**
-   * All effects of the last frame, on and off, with the reason; none before the first frame. While shaders for other effects are
-   * being compiled, that frame has the old ones.
+   * Lists all effects of the last frame, on and off, with the reason; empty before the first frame. While shaders for other
+   * effects compile, the last frame has the old effects.
    */
   effects(): readonly EffectEntry[] {
     if (!this.#prepared) return [];
@@ -161,12 +161,12 @@ export abstract class ViewCore {
     return effectsLedger({ plan: this.#prepared, held });
   }
 
-  /** @internal Draws the frames that follow without these effects, for measurements of what they cost. */
+  /** @internal Leaves these effects out of later frames, to measure their cost. */
   omitEffects(effects: readonly OmittableEffect[]): void {
     this.#omittedEffects = effects;
   }
 
-  /** @internal Number of the last frame among all that the engine has drawn; 0 before the first. */
+  /** @internal Number of the last frame among all frames of the engine; 0 before the first. */
   get drawnAs(): number {
     return this.#drawnAs;
   }
@@ -180,7 +180,7 @@ export abstract class ViewCore {
     return this.#isDestroyed;
   }
 
-  /** Resolves when the last frame asked for has been submitted; rejects where its shaders do not compile. */
+  /** Resolves when the last requested frame has been submitted; rejects if its shaders do not compile. */
   protected get drawn(): Promise<void> {
     return this.#whenDrawn;
   }
@@ -195,30 +195,30 @@ export abstract class ViewCore {
     return isUsable && clouds.every(({ cloud }) => !cloud.isDestroyed);
   }
 
-  /** A choice of settings was made because of a wish; `request` is the last frame that stands. */
+  /** Called when settings have been chosen for a wish; `request` is that of the last frame. */
   protected abstract onChosen(choice: AccuracyChoice, request: FrameRequest): void;
 
-  /** Shaders that `request`, the newest one, lacked have been compiled: it is to be drawn, or to wait on for others. */
+  /** Called when shaders for `request`, the newest one, have been compiled: draws it, or waits for further shaders. */
   protected abstract retry(request: FrameRequest): void;
 
   /**
    * Checks a request.
    *
    * @returns whether it has pixels.
-   * @throws InvalidArgumentError naming what cannot be drawn and why, DestroyedError for a destroyed cloud.
+   * @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a destroyed cloud.
    */
   protected check(request: FrameRequest): boolean {
     checkRequest(request, this.context.device);
     if (request.widthPx > 0 && request.heightPx > 0) return true;
-    // A plan would have found out.
+    // Without pixels there is no plan, which would check the effects.
     for (const instance of request.clouds) effectsOf(instance);
     return false;
   }
 
   /**
-   * Plans a frame, and compiles the shaders that it lacks.
+   * Plans a frame, and compiles its missing shaders.
    *
-   * @param depths how depth may hide splats: first as asked, then what else may be drawn while shaders for that are lacking.
+   * @param depths the requested depth test, then the alternatives to draw with while its shaders compile.
    */
   protected next(
     request: FrameRequest,
@@ -240,9 +240,9 @@ export abstract class ViewCore {
   }
 
   /**
-   * Compiles the shaders of another shape than the one that is drawn, so that they are there when `reason` brings one.
+   * Compiles the shaders of a shape that may follow the drawn one, so that they are ready when `reason` requires them.
    *
-   * @param change makes it of the one that is drawn.
+   * @param change returns the expected shape for the drawn one.
    */
   protected expect(
     reason: 'turning in place' | 'occluders',
@@ -256,9 +256,9 @@ export abstract class ViewCore {
   }
 
   /**
-   * Makes room for a frame and writes its uniforms. Record it then.
+   * Makes room for a frame and writes its uniforms. Call before recording.
    *
-   * @throws InvalidArgumentError, GpuLimitError; the old frame stays then.
+   * @throws InvalidArgumentError, GpuLimitError; on failure the last frame stays.
    */
   protected makeRoom(plan: FramePlan): void {
     const { widthPx, heightPx } = plan.request;
@@ -280,12 +280,12 @@ export abstract class ViewCore {
     this.timer.record(encoder, this.parts.shared.buffers);
   }
 
-  /** Call when the frame of `request` stands, or already did. */
+  /** Call when the frame of `request` has been drawn, or was shown already. */
   protected shown(request: FrameRequest): void {
     this.#accuracy.show(request);
   }
 
-  /** Call after submitting. */
+  /** Reads the frame's statistics; call after submitting. */
   protected async measure(): Promise<void> {
     const totalSplats = this.shape?.clouds.reduce((sum, { cloud }) => sum + cloud.count, 0) ?? 0;
     const statistics = await this.timer.read(++this.#frameNumber, totalSplats);
@@ -294,7 +294,7 @@ export abstract class ViewCore {
     this.onStatistics?.(statistics);
   }
 
-  /** Ends the view; `free` what it holds when nothing uses that any more. */
+  /** Ends the view, unless it has ended already. Call `free` when nothing uses its GPU memory any more. */
   protected end(): boolean {
     if (this.#isDestroyed) return false;
     this.#isDestroyed = true;
@@ -326,7 +326,7 @@ export abstract class ViewCore {
     });
   }
 
-  /** Whether the frame that `plan` would draw stands already. */
+  /** Whether the last frame is the one that `plan` would draw. */
   #isPrepared(plan: FramePlan): boolean {
     const last = this.#prepared;
     return (
@@ -337,7 +337,7 @@ export abstract class ViewCore {
     );
   }
 
-  /** `plan` with the colours kept of clouds that are seen again from one place, once the shaders for that are there. */
+  /** Keeps the colours of clouds that are seen again from the same place, once the shaders for that have been compiled. */
   #keepingColors(plan: FramePlan): FramePlan {
     const { keptColors } = this.parts;
     const wanted = keptColors.wants(plan);
@@ -345,7 +345,7 @@ export abstract class ViewCore {
       const keeping = withKeptColors(plan, wanted, this.#prepared);
       if (this.#isReady(keeping.shape) || !this.#isReady(plan.shape)) return keeping;
     }
-    // What moves at all may come to turn in place.
+    // A camera that moves may soon turn in place.
     if (this.#prepared && !plan.request.force) {
       this.expect('turning in place', plan.shape, () => {
         const possible = plan.clouds.map((_, i) => canKeepColors(plan, i));
@@ -356,8 +356,8 @@ export abstract class ViewCore {
   }
 
   /**
-   * The same frame with the settings and effects of the last one in place of those whose shaders are still compiling, so that
-   * nothing stands still for that; null where there is none, or it would show other clouds.
+   * Plans the same frame with the settings and effects of the last one, so that the view keeps moving while shaders compile.
+   * Null if there is no last frame, if it had other clouds, or if this plan lacks shaders too.
    */
   #stopgapFor({ request, shape }: FramePlan, depths: readonly (RasterizeDepth | null)[]): FramePlan | null {
     const last = this.#prepared;
@@ -369,7 +369,7 @@ export abstract class ViewCore {
       const { opacity, effects, shDegree } = last.clouds[i].instance;
       const drawn = last.shape.clouds[i].effects;
       if (shape.clouds[i].effects === drawn) return { ...instance, shDegree };
-      // One may have been called for only since then, by what was selected.
+      // A new selection may have turned an effect on since the last frame.
       const before = effects?.filter(
         ({ effect, reason }) => reason === null || drawn.effects.includes(effect),
       );
@@ -387,7 +387,7 @@ export abstract class ViewCore {
     return isReady;
   }
 
-  /** Compiles the shaders of `plan`, unless a request waits already: the newest one takes its place then. */
+  /** Compiles the shaders of `plan`. If a request waits already, `request` takes its place instead. */
   #waitFor(plan: FramePlan, request: FrameRequest): void {
     if (this.#wait) {
       this.#wait.request = request;
@@ -395,7 +395,7 @@ export abstract class ViewCore {
     }
     this.#wait = { request };
     this.#whenDrawn = this.#retryWhenCompiled(this.#wait, plan);
-    // A shader that does not compile is an error of the device already; a caller who waits for no frame gets no second one.
+    // The device itself reports a shader that does not compile; callers that do not await the frame get no second error.
     this.#whenDrawn.catch(() => {});
   }
 
@@ -408,7 +408,7 @@ export abstract class ViewCore {
     } finally {
       if (this.#wait === wait) this.#wait = null;
     }
-    // By then the newest request may lack other shaders.
+    // By now the newest request may wait for other shaders.
     if (this.#wait) await this.#whenDrawn;
   }
 
@@ -418,9 +418,9 @@ export abstract class ViewCore {
   }
 }
 
-/** A wait for shaders. */
+/** A request that waits for shaders. */
 interface Wait {
-  /** The newest one. */
+  /** The newest request. */
   request: FrameRequest;
 }
 

@@ -13,15 +13,15 @@ import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
 import { depthView, isMultisampled, layerView } from '../host-views.ts';
 
-/** Splats over what was behind them, of the viewport's size. Valid until the view draws again. */
+/** The splats blended over the host's image, at the viewport's size. Valid until the view draws again. */
 export interface EmbeddedImage {
-  /** rgba16float: linear light, premultiplied, what was behind included; opacity 0 exactly where there is no splat. */
+  /** rgba16float: linear light, premultiplied, over the host's image; opacity is 0 exactly where there is no splat. */
   readonly color: GPUTexture;
-  /** r32float: mean depth of the splats as the host stores it, −1 where they cover less than half; null unless asked for. */
+  /** r32float: mean depth of the splats, in the host's mapping; −1 where they cover less than half. Null unless requested. */
   readonly depth: GPUTexture | null;
 }
 
-/** By whether the host's depth has several samples, which is known only when the frame is drawn. */
+/** Two variants: whether the host's depth has several samples is known only when the frame is drawn. */
 const stageOf = perShape(({ depth, output }) => {
   if (output.kind !== 'host') return null;
   const variant = (isEdged: boolean) => [compose(depth, isEdged), composeState(depth)] as const;
@@ -32,7 +32,7 @@ const stagesOf = perShape((shape): readonly CompiledStage[] =>
   Object.values(stageOf(shape) ?? {}).filter((stage) => stage !== null),
 );
 
-/** Puts the splats over what the host has drawn, in the space that splats are blended in, for the host to show. */
+/** Blends the splats over the host's image, in the space that splats are blended in, for the host to show. */
 export class Compose implements FramePart<DrawRecording> {
   readonly #context: PartContext;
   #viewport: GPUBuffer | null = null;
@@ -48,12 +48,12 @@ export class Compose implements FramePart<DrawRecording> {
     return stagesOf(shape);
   }
 
-  /** What was drawn last. */
+  /** The last image; null before the first. */
   get image(): EmbeddedImage | null {
     return this.#image;
   }
 
-  /** Textures are replaced when they are drawn: until then the host may show the old ones. */
+  /** Leaves the textures to `record`: until a frame is drawn the host may show the old ones. */
   fit({ shape }: FramePlan): PartChange | null {
     if (shape.output.kind !== 'host' || this.#viewport) return null;
     const { memory, shared } = this.#context;
@@ -67,10 +67,6 @@ export class Compose implements FramePart<DrawRecording> {
       discard: () => memory.destroy(viewport),
     };
   }
-
-  bind(): void {}
-
-  write(): void {}
 
   record({ encoder, timer, shape, destination }: DrawRecording): void {
     const stages = stageOf(shape);
@@ -131,7 +127,7 @@ export class Compose implements FramePart<DrawRecording> {
     return image;
   }
 
-  /** Written before the encoder is submitted, so that `resolve-depth` reads it as well. */
+  /** The write comes before the encoder is submitted, so `resolve-depth` sees it too. */
   #writeViewport({ color, xPx, yPx }: HostPass, behind: GPUTexture, { width, height }: GPUTexture): void {
     const { device, shared } = this.#context;
     const blended = shared.blended!.color;
@@ -148,7 +144,7 @@ export class Compose implements FramePart<DrawRecording> {
     device.queue.writeBuffer(this.#viewport!, 0, contents);
   }
 
-  /** The host's colour where it can be bound, else a copy of what the viewport shows of it. */
+  /** Returns the host's colour if it can be bound, otherwise a copy of the viewport's part of it. */
   #readable(encoder: GPUCommandEncoder, host: HostPass, { width, height }: GPUTexture): GPUTexture {
     const { color, xPx, yPx, layer = 0 } = host;
     if (color.usage & GPUTextureUsage.TEXTURE_BINDING) return color;

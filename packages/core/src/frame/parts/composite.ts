@@ -11,7 +11,7 @@ import {
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
 
-/** The stage that puts the splats on the canvas; null for frames that do not go there. */
+/** The stage that draws the splats to the canvas; null for frames without a canvas. */
 const stageOf = perShape(({ output }) =>
   output.kind === 'canvas' ? ([composite, compositeState(output.format)] as const) : null,
 );
@@ -21,7 +21,7 @@ const stagesOf = perShape((shape): readonly CompiledStage[] => {
   return stage ? [stage] : [];
 });
 
-/** Puts the splats over the background, on a canvas. */
+/** Draws the splats over the background, on a canvas. */
 export class Composite implements FramePart<DrawRecording> {
   readonly #context: PartContext;
   #parameters: GPUBuffer | null = null;
@@ -57,8 +57,6 @@ export class Composite implements FramePart<DrawRecording> {
         layer: shared.image!.color.createView(),
       });
   }
-
-  write(): void {}
 
   record({ encoder, timer, shape, destination }: DrawRecording): void {
     const stage = stageOf(shape);

@@ -13,7 +13,7 @@ import type { CloudInstance, FrameRequest } from '../frame-request.ts';
 const SIZE = { widthPx: 48, heightPx: 48 };
 const SET = randomSplats({ count: 1500, seed: 70, shDegree: 2, logScales: [-4.5, -2.5] });
 
-/** Looks at the cloud, from `position` and rolled about the line of sight: a quarter of a turn shows the very same splats. */
+/** A camera that looks at the cloud, rolled by quarter turns about its line of sight: all turns show the same splats. */
 function camera(quarters: number, position: Vec3 = [0.3, -0.2, 3]): Camera {
   const up = (
     [
@@ -36,7 +36,7 @@ function camera(quarters: number, position: Vec3 = [0.3, -0.2, 3]): Camera {
 
 let device: GPUDevice;
 let engine: SplatEngine;
-/** Labels of the passes that were recorded. */
+/** Labels of the recorded passes. */
 const passes: string[] = [];
 
 beforeAll(async () => {
@@ -73,7 +73,7 @@ async function draw(
   return (await view.readPixels()).data;
 }
 
-/** The picture as a view draws it that has seen nothing before. */
+/** Returns the image of a new view. */
 async function drawAnew(frame: Omit<FrameRequest, 'widthPx' | 'heightPx'>): Promise<Float32Array> {
   const view = engine.createView();
   const data = await draw(view, frame);
@@ -81,7 +81,7 @@ async function drawAnew(frame: Omit<FrameRequest, 'widthPx' | 'heightPx'>): Prom
   return data;
 }
 
-/** Moves about until the shaders that keep colours are there: they are compiled in the background. */
+/** Moves about until the shaders that keep colours have been compiled in the background. */
 async function warmUp(
   view: SplatView,
   frame: Omit<FrameRequest, 'widthPx' | 'heightPx' | 'camera'>,
@@ -100,7 +100,7 @@ const SPOIL = `
     if (id.x < arrayLength(&words)) { words[id.x] = 0x35353535u; }
   }`;
 
-/** Makes all that is evaluated from now on wrong. */
+/** Overwrites the harmonics, so that colours evaluated from now on are wrong. */
 function spoilHarmonics(cloud: SplatCloud, settings = engine.accuracy): void {
   const module = device.createShaderModule({ code: SPOIL });
   const pipeline = device.createComputePipeline({ layout: 'auto', compute: { module } });
@@ -136,7 +136,7 @@ const sway = defineEffect<number, { by: 'f32' }>({
   reach: (by) => ({ displacement: Math.abs(by), growth: 1 }),
 });
 
-/** Changes what a splat's colour is evaluated from. */
+/** Changes the base colours that splats' colours are evaluated from. */
 const dye = defineEffect<number, { by: 'f32' }>({
   name: 'dye',
   label: 'Dye',
@@ -155,7 +155,7 @@ const dye = defineEffect<number, { by: 'f32' }>({
   valuesAt: (by) => ({ by }),
 });
 
-/** Writes as many values as it is told, where the shader takes three. */
+/** Passes `count` values to a parameter that takes three. */
 const fade = defineEffect<number, { factors: 'vec3f' }>({
   name: 'fade',
   label: 'Fade',
@@ -194,35 +194,38 @@ const keptBytes = () =>
 
 describe('colours', () => {
   for (const accuracy of ['balanced', 'reference', 'paper'] as const satisfies readonly AccuracyPreset[]) {
-    gpuTest(`${accuracy}: of what is turned in place are kept, and no harmonics read again`, async () => {
-      const cloud = engine.add(SET);
-      await engine.requestPrecision(cloud, engine.resolveAccuracy(accuracy).settings);
-      const view = engine.createView();
-      const clouds = [{ cloud }];
-      await warmUp(view, { clouds, accuracy });
-      const expected: Float32Array[] = [];
-      for (let i = 0; i < 4; i++) expected.push(await drawAnew({ camera: camera(i), clouds, accuracy }));
+    gpuTest(
+      `${accuracy}: are kept while the camera turns in place, and no harmonics are read again`,
+      async () => {
+        const cloud = engine.add(SET);
+        await engine.requestPrecision(cloud, engine.resolveAccuracy(accuracy).settings);
+        const view = engine.createView();
+        const clouds = [{ cloud }];
+        await warmUp(view, { clouds, accuracy });
+        const expected: Float32Array[] = [];
+        for (let i = 0; i < 4; i++) expected.push(await drawAnew({ camera: camera(i), clouds, accuracy }));
 
-      expect(await draw(view, { camera: camera(0), clouds, accuracy })).toEqual(expected[0]);
-      // All that is seen has been seen: were a single splat evaluated again, it would be another one.
-      spoilHarmonics(cloud, engine.resolveAccuracy(accuracy).settings);
-      expect(await drawAnew({ camera: camera(1), clouds, accuracy })).not.toEqual(expected[1]);
-      for (let i = 1; i < 9; i++)
-        expect(await draw(view, { camera: camera(i), clouds, accuracy })).toEqual(expected[i % 4]);
-      expect(keptBytes()).toBe((accuracy === 'reference' ? 16 : 8) * (cloud.count + 1));
+        expect(await draw(view, { camera: camera(0), clouds, accuracy })).toEqual(expected[0]);
+        // All visible splats have been evaluated: evaluating one again would change its colour.
+        spoilHarmonics(cloud, engine.resolveAccuracy(accuracy).settings);
+        expect(await drawAnew({ camera: camera(1), clouds, accuracy })).not.toEqual(expected[1]);
+        for (let i = 1; i < 9; i++)
+          expect(await draw(view, { camera: camera(i), clouds, accuracy })).toEqual(expected[i % 4]);
+        expect(keptBytes()).toBe((accuracy === 'reference' ? 16 : 8) * (cloud.count + 1));
 
-      // From another place they are others, and the old ones are not taken for them.
-      const elsewhere = camera(0, [0.3, -0.2, 3.001]);
-      expect(await draw(view, { camera: elsewhere, clouds, accuracy })).toEqual(
-        await drawAnew({ camera: elsewhere, clouds, accuracy }),
-      );
-      view.destroy();
-      cloud.destroy();
-      expect(keptBytes()).toBe(0);
-    });
+        // From another place, colours differ, and the old ones are not used.
+        const elsewhere = camera(0, [0.3, -0.2, 3.001]);
+        expect(await draw(view, { camera: elsewhere, clouds, accuracy })).toEqual(
+          await drawAnew({ camera: elsewhere, clouds, accuracy }),
+        );
+        view.destroy();
+        cloud.destroy();
+        expect(keptBytes()).toBe(0);
+      },
+    );
   }
 
-  gpuTest('take no memory any more after two seconds of moving about', async () => {
+  gpuTest('free their memory after two seconds of moving about', async () => {
     const cloud = engine.add(randomSplats({ count: 10 }));
     const view = engine.createView();
     const clouds = [{ cloud }];
@@ -238,7 +241,7 @@ describe('colours', () => {
     cloud.destroy();
   });
 
-  gpuTest('are evaluated once for a place, also of splats that come into sight later', async () => {
+  gpuTest('are evaluated once for a place, also for splats that come into sight later', async () => {
     const cloud = engine.add(SET);
     const view = engine.createView();
     const clouds = [{ cloud }];
@@ -268,7 +271,7 @@ describe('colours', () => {
     cloud.destroy();
   });
 
-  gpuTest('alone are made anew where only they have changed: nothing is culled or sorted', async () => {
+  gpuTest('are updated without culling or sorting if only they have changed', async () => {
     const cloud = engine.add(SET);
     const view = engine.createView();
     const reddish = (red: number) => ({
@@ -278,7 +281,7 @@ describe('colours', () => {
     await draw(view, reddish(0.1));
     await draw(view, reddish(0.2));
     const expected = await drawAnew(reddish(0.9));
-    // Effects act on kept colours, too.
+    // Effects act on kept colours too.
     spoilHarmonics(cloud);
     passes.length = 0;
     expect(await draw(view, reddish(0.9))).toEqual(expected);
@@ -289,9 +292,9 @@ describe('colours', () => {
 });
 
 describe('colours are not taken', () => {
-  gpuTest('from another page, where a cloud moves among the pages of the frame', async () => {
+  gpuTest('from another page, when a cloud moves among the pages of the frame', async () => {
     const cloud = engine.add(SET);
-    // Without a page, and with one.
+    // One without a page, and one with a page.
     const inFront = [0, 700].map((count) => engine.add(randomSplats({ count, seed: 5, shDegree: 2 })));
     const view = engine.createView();
     const frame = (pages: number, quarters: number, z: number) => ({
@@ -304,7 +307,7 @@ describe('colours are not taken', () => {
     expect(view.shape?.clouds[1].keepsColors).toBe(true);
     const moved = frame(1, 2, 3);
     expect(await draw(view, moved)).toEqual(await drawAnew(moved));
-    // And where none are kept yet, but in the records.
+    // The same while colours are only in the records, not kept yet.
     await draw(view, frame(1, 0, 3.1));
     const movedBack = frame(0, 1, 3.1);
     expect(await draw(view, movedBack)).toEqual(await drawAnew(movedBack));
@@ -315,18 +318,18 @@ describe('colours are not taken', () => {
     const cloud = engine.add(SET);
     const view = engine.createView();
     await warmUp(view, { clouds: [{ cloud }] });
-    // Where they were is not where they are.
+    // The effect has moved the splats away from their stored positions.
     await draw(view, { camera: camera(0, [0, 0, 2]), clouds: [{ cloud, effects: [sway(0.8)] }] });
     const plain = { camera: camera(1, [0, 0, 2]), clouds: [{ cloud }] };
     expect(await draw(view, plain)).toEqual(await drawAnew(plain));
-    // Nor is what is stored.
+    // The effect has changed the stored colours.
     const dyed = { camera: camera(2, [0, 0, 2]), clouds: [{ cloud, effects: [dye(0.4)] }] };
     expect(await draw(view, dyed)).toEqual(await drawAnew(dyed));
     view.destroy();
     cloud.destroy();
   });
 
-  gpuTest('at 8 bits and up to 1 where effects act on them', async () => {
+  gpuTest('at 8 bits and up to 1 if effects act on them', async () => {
     const cloud = engine.add(SET);
     const view = engine.createView();
     const clouds = [{ cloud }];
@@ -335,7 +338,7 @@ describe('colours are not taken', () => {
     await draw(view, { camera: camera(0), clouds, accuracy: 'paper' });
     await draw(view, { camera: camera(1), clouds, accuracy: 'paper' });
     const frame = { camera: camera(1), clouds: darker, accuracy: 'paper' } as const;
-    // The evaluated one last: where shaders are there that keep nothing, those that would keep colours are not waited for.
+    // The evaluated one comes last: once shaders without kept colours are compiled, views do not wait for those with them.
     const afterTurn = await draw(view, frame);
     const atOnce = await drawAnew(frame);
     const evaluated = await drawAnew({ ...frame, force: true });
@@ -355,7 +358,7 @@ describe('colours are not taken', () => {
     await warmUp(view, { clouds: [{ cloud }] });
     await draw(view, fading(3, 3.5));
     await draw(view, { camera: camera(0, [0, 0, 3]), clouds: [{ cloud }] });
-    // The parameter takes three values: told too late, after its place has been taken for the picture's.
+    // The parameter takes three values: the frame fails, and its place must not count as the last frame's.
     expect(() => view.render({ ...SIZE, ...fading(2, 2) })).toThrow(/takes 3 values/);
     const turned = { camera: camera(1, [0, 0, 2]), clouds: [{ cloud }] };
     expect(await draw(view, turned)).toEqual(await drawAnew(turned));
@@ -364,7 +367,7 @@ describe('colours are not taken', () => {
   });
 });
 
-gpuTest('a picture in which nothing changes takes no passes', async () => {
+gpuTest('an unchanged frame takes no passes', async () => {
   const cloud = engine.add(SET);
   const view = engine.createView();
   const frame = {
@@ -382,7 +385,7 @@ gpuTest('a picture in which nothing changes takes no passes', async () => {
 });
 
 describe('a view', () => {
-  gpuTest('sees what callers have changed in the objects that they gave it', async () => {
+  gpuTest('notices changes that callers make in the objects that they passed', async () => {
     const cloud = engine.add(SET);
     const other = engine.add(randomSplats({ count: 100, shDegree: 3 }));
     const view = engine.createView();
@@ -401,7 +404,7 @@ describe('a view', () => {
     for (const thing of [view, cloud, other]) thing.destroy();
   });
 
-  gpuTest('tells apart what is infinite', async () => {
+  gpuTest('tells infinite values apart', async () => {
     const cloud = engine.add(SET);
     const view = engine.createView();
     const dyed = (by: number) => ({ ...SIZE, camera: camera(0), clouds: [{ cloud, effects: [dye(by)] }] });
@@ -423,14 +426,14 @@ describe('a view', () => {
     const broken = colored('broken', 'color * vec2f(1.0)')();
     view.render({ ...plain, clouds: [{ cloud, effects: [broken] }] });
     const failing = view.whenDrawn();
-    // Drawn at once; then one that is still waiting when the first fails.
+    // This frame is drawn at once; the next one is still waiting when the first fails.
     view.render({ ...plain, camera: camera(1) });
     await view.whenDrawn();
     const later = { ...plain, clouds: [{ cloud, effects: [colored('later', 'color * 0.25')()] }] };
     view.render(later);
     await expect(failing).rejects.toThrow();
     expect((await view.readPixels()).data).toEqual(await drawAnew(later));
-    // Nor does one stay in the way of what stands already.
+    // A failed frame does not block a frame that is already shown.
     view.render({ ...later, clouds: [{ cloud, effects: [broken] }] });
     await expect(view.whenDrawn()).rejects.toThrow();
     expect(view.render(later)).toBe(false);

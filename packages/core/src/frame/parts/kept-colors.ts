@@ -18,37 +18,37 @@ import { type PartContext, useCompute } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type CloudShape, type FrameShape, keepsColors, perShape } from '../frame-shape.ts';
 
-/** From where a cloud is seen, in its own space: its colours depend on this besides its splats. */
+/** The camera relative to a cloud, in the cloud's space: the cloud's colours depend on this and on its splats. */
 interface Viewpoint {
-  /** Place of the camera about the cloud's origin or, without perspective, the direction that it looks in. */
+  /** Position of the camera relative to the cloud's origin or, without perspective, the direction that it looks in. */
   readonly at: Vec3;
   readonly isDirection: boolean;
-  /** How the cloud is turned to the camera: cloud space to view space, column-major 3×3. */
+  /** Orientation of the cloud to the camera: cloud space to view space, column-major 3×3. */
   readonly linear: Float64Array;
-  /** Viewpoints no further apart than this are the same: the numbers they come from are no more exact. */
+  /** Viewpoints no further apart than this count as the same: their inputs are no more precise. */
   readonly tolerance: number;
 }
 
-/** Relative rounding of a viewpoint: as the GPU gets it, and as the CPU computes it. */
+/** Relative rounding of a viewpoint as the GPU receives it, and as the CPU computes it. */
 const FLOAT32_TOLERANCE = 2 ** -22;
 const FLOAT64_TOLERANCE = 2 ** -44;
 
-/** Numbers of viewpoints fit 16 bits beside a colour in float16. */
+/** Numbers of viewpoints fit into the 16 bits next to a colour in float16. */
 const LAST_NUMBER = 0xffff;
 
-/** After so many frames that kept nothing, two seconds of moving about, the memory for it is freed. */
+/** The memory is freed after this many frames in a row that kept nothing: two seconds of moving about. */
 const MAX_FRAMES_UNKEPT = 120;
 
 /** The colours of one page. */
 interface KeptPage {
   readonly buffer: GPUBuffer;
-  /** Number of the viewpoint, from 1; entries with another number are of no use. 0 before the first: there are none. */
+  /** Number of the viewpoint, from 1; entries with another number are invalid. 0 before the first: no entry is valid. */
   number: number;
 }
 
-/** Everything but the viewpoint that kept colours depend on, and where they are. */
+/** Everything except the viewpoint that kept colours depend on, and where they are kept. */
 interface Source {
-  /** Index of the cloud's first page in the frame: colours do not move along with it. */
+  /** Index of the cloud's first page in the frame: if it changes, colours do not move along. */
   readonly firstPage: number;
   readonly planes: CloudShape['planes'];
   readonly shDegree: number;
@@ -56,13 +56,13 @@ interface Source {
   readonly maxColor: number;
 }
 
-/** Whether colours of one cloud are kept, and for which viewpoint. */
+/** State of one cloud's colours after the last frame. */
 interface KeptCloud {
   viewpoint: Viewpoint | null;
   source: Source;
   /** Whether the last frame kept its colours. */
   isKeeping: boolean;
-  /** Whether the records of the last frame have colours as they are seen, without effects that they depend on. */
+  /** Whether the records of the last frame have the splats' own colours, unchanged by effects. */
   hasPlainRecords: boolean;
 }
 
@@ -70,9 +70,9 @@ const stageOf = perShape(({ accuracy }) => keepColors(accuracy.recordPrecision))
 const stagesOf = perShape((shape): readonly CompiledStage[] => (keepsColors(shape) ? [stageOf(shape)] : []));
 
 /**
- * Keeps the colours that splats have been evaluated with, per view: where a cloud is seen again from the same place, because
- * the camera only turned or only effects changed, no splat's harmonics are evaluated twice. Views that never see a cloud
- * twice from one place keep nothing: the first colours are taken from the records of the frame before.
+ * Keeps evaluated colours of splats, per view: while a cloud is seen from the same place, because the camera only turns or
+ * only effects change, no splat's harmonics are evaluated twice. Views that never see a cloud twice from one place keep
+ * nothing: the first colours are taken from the records of the last frame.
  */
 export class KeptColors {
   readonly #context: PartContext;
@@ -95,26 +95,27 @@ export class KeptColors {
     return [...this.#pages.values()].reduce((sum, { buffer }) => sum + buffer.size, 0);
   }
 
-  /** By cloud, whether its colours are to be kept in a frame of this plan. */
+  /** Returns, per cloud, whether a frame of this plan should keep its colours. */
   wants(plan: FramePlan): boolean[] {
     return plan.clouds.map((cloud, i) => {
-      // A frame that is drawn without a reason is there to be timed, and stands for one that has moved.
+      // A forced frame exists to be timed, and stands in for one whose camera moved.
       if (plan.request.force || !canKeepColors(plan, i)) return false;
-      // Effects change while the camera stands still, and leave no plain colours in the records to begin with.
+      // Effects may change while the camera stands still, and then the records have no plain colours to start from.
       if (hasHook(plan.shape.clouds[i].effects, 'color')) return true;
       const kept = this.#clouds[i];
       const viewpoint = viewpointOf(plan, cloud);
-      // Another size or other settings alone are not worth the memory: they come once.
+      // A new size or new settings alone are not worth the memory: they change once.
       return isSame(kept?.viewpoint, viewpoint) && (kept.isKeeping || isTurned(kept.viewpoint!, viewpoint!));
     });
   }
 
   /**
    * Makes room for the colours that a frame keeps, and frees the room that it does not need. Call for each frame, before its
-   * buffers replace those of the frame before.
+   * buffers replace those of the last frame.
    *
-   * @returns the pages whose colours are to be taken from the records of the frame before: see `record`.
-   * @throws GpuLimitError where the colours of a page would pass the device's limits.
+   * No page exceeds the device's limits: its colours take at most 16 bytes per splat, and clouds are paged by at least 64.
+   *
+   * @returns the pages whose colours to take from the records of the last frame: see `record`.
    */
   keep(plan: FramePlan): readonly number[] {
     const { shape } = plan;
@@ -132,7 +133,7 @@ export class KeptColors {
         before !== undefined && isSameSource(before.source, source) && isSame(before.viewpoint, viewpoint);
       if (!isKeeping) {
         return {
-          // The place stays, lest it creeps away within its tolerance.
+          // The place is kept: updated every frame, it could drift in steps within its tolerance.
           viewpoint: isValid ? { ...before.viewpoint!, linear: viewpoint!.linear } : viewpoint,
           source,
           isKeeping,
@@ -161,7 +162,7 @@ export class KeptColors {
     return seeded;
   }
 
-  /** Takes the colours of these pages from the records of the frame of `shape`, which are still there. */
+  /** Records taking the colours of these pages from the records of the last frame, whose shape is `shape`. */
   record(encoder: GPUCommandEncoder, shape: FrameShape, pageIndices: readonly number[]): void {
     const { pipelines, shared } = this.#context;
     const { buffers } = shared;
@@ -185,7 +186,7 @@ export class KeptColors {
     this.#freeFrom(0);
   }
 
-  /** The colours of one page; made where there is nothing that fits. */
+  /** Returns the colours of one page, in a new buffer if the page has none of that size. */
   #pageFor(pageIndex: number, { splatCount }: FramePage, { recordPrecision }: AccuracySettings): KeptPage {
     const bytes = (recordPrecision === 'f32' ? 16 : 8) * (splatCount + 1);
     const current = this.#pages.get(pageIndex);
@@ -198,7 +199,7 @@ export class KeptColors {
     return page;
   }
 
-  /** Frees the colours of this page and those behind it. */
+  /** Frees the colours of this page and all later ones. */
   #freeFrom(pageIndex: number): void {
     for (const [index, { buffer }] of this.#pages) {
       if (index < pageIndex) continue;
@@ -210,20 +211,20 @@ export class KeptColors {
   #startOver(page: KeptPage): void {
     const { buffer } = page;
     const { queue } = this.#context.device;
-    // Entries as old as that would look like new ones; a new buffer has none.
+    // Numbers start over: entries from the previous round would look valid. A new buffer has none.
     if (page.number === LAST_NUMBER) queue.writeBuffer(buffer, 0, new Uint8Array(buffer.size));
     page.number = (page.number % LAST_NUMBER) + 1;
     queue.writeBuffer(buffer, 0, Uint32Array.of(page.number));
   }
 }
 
-/** Whether there is anything to keep, and nothing but the viewpoint changes it. */
+/** Whether a cloud has view-dependent colours that only the viewpoint changes. */
 export function canKeepColors({ clouds, shape }: FramePlan, cloudIndex: number): boolean {
   const { shDegree, effects } = shape.clouds[cloudIndex];
   if (shDegree === 0 || clouds[cloudIndex].reach.displacement > 0) return false;
-  // Effects of this package leave a splat's base colour as it is; a caller's own may do anything.
+  // This package's effects keep a splat's base colour; callers' effects might not.
   if (effects.effects.some((effect) => effect.hooks.splat && !CLOUD_EFFECTS.includes(effect))) return false;
-  // Colours are kept as records have them: at 8 bits and up to 1 that is too little for an effect to begin with.
+  // Colours are kept in the format of the records: 8 bits up to 1 are too coarse as the input of an effect.
   return !(shape.accuracy.recordPrecision === 'paper' && hasHook(effects, 'color'));
 }
 
@@ -249,7 +250,7 @@ function isSameSource(a: Source, b: Source): boolean {
 
 const viewpoints = new WeakMap<CloudPlan, Viewpoint | null>();
 
-/** Null where the model matrix is singular: there is no one viewpoint then. Asked for twice in a frame, and worked out once. */
+/** Null if the model matrix is singular: there is no single viewpoint then. Cached, since each frame needs it twice. */
 function viewpointOf(plan: FramePlan, cloud: CloudPlan): Viewpoint | null {
   let viewpoint = viewpoints.get(cloud);
   if (viewpoint === undefined) {
@@ -263,7 +264,7 @@ function findViewpoint({ camera: { viewMatrix } }: FramePlan, { view }: CloudPla
   const { linear, inverse, camera, direction } = view;
   if (!inverse) return null;
   const at = camera ?? direction;
-  // Near a cloud that is far from the world's origin, most of what the place is computed from cancels.
+  // Near a cloud that is far from the world's origin, most digits of the position's terms cancel.
   const cancelled = stretchBound(inverse) * Math.hypot(viewMatrix[12], viewMatrix[13], viewMatrix[14]);
   const tolerance = FLOAT32_TOLERANCE * Math.hypot(at[0], at[1], at[2]) + FLOAT64_TOLERANCE * cancelled;
   return { at, isDirection: camera === null, linear, tolerance };

@@ -31,7 +31,7 @@ import type { FramePlan } from '../frame-plan.ts';
 import { type CloudShape, type FrameShape, hasSameBuffers, perShape } from '../frame-shape.ts';
 import { viewUniforms, writePageUniforms } from '../frame-uniforms.ts';
 
-/** Names and sizes of the part's buffers; stages are bound to them by these names. */
+/** Names, sizes and usages of the part's buffers; stages bind them by these names. */
 function bufferTable({ accuracy, visibleCapacity }: FrameShape, pageCount: number, chunkCount: number) {
   const { STORAGE, UNIFORM, INDIRECT } = GPUBufferUsage;
   const record = SPLAT_RECORDS[accuracy.recordPrecision];
@@ -40,16 +40,16 @@ function bufferTable({ accuracy, visibleCapacity }: FrameShape, pageCount: numbe
     pageUniforms: [PAGE_STRIDE_BYTES * pageCount, UNIFORM],
     cullParameters: [CullParameters.bytes, UNIFORM],
     chunkCount: [4, STORAGE],
-    /** Per chunk 1 where it is visible, then the number of visible chunks before it. */
+    /** Per chunk: 1 if it is visible; after the scan, the number of visible chunks before it. */
     chunkOffsets: [4 * (chunkCount + 1), STORAGE],
     visibleChunks: [4 * chunkCount, STORAGE],
-    /** Number of visible chunks: their slots are numbered in storage order. */
+    /** Number of visible chunks: each has a slot, numbered in storage order. */
     slotCount: [4, STORAGE],
-    /** Per slot a bit per splat. */
+    /** Per slot: a bit per splat. */
     visibilityMasks: [(CHUNK_SPLATS / 8) * chunkCount, STORAGE],
-    /** Per slot its number of visible splats, then the number of them before it. */
+    /** Per slot: its number of visible splats; after the scan, the number of visible splats before it. */
     splatOffsets: [4 * (chunkCount + 1), STORAGE],
-    // A binding holds at least one element, also where there is nothing to draw.
+    // A binding holds at least one element, even if there is nothing to draw.
     pagePlans: [PagePlan.bytes * Math.max(1, pageCount), STORAGE],
     depthRange: [8, STORAGE | UNIFORM],
     cullDispatches: [12 * (pageCount + 1), STORAGE | INDIRECT],
@@ -76,12 +76,12 @@ const SHARED = [
   'drawArguments',
 ] as const satisfies readonly (BufferName & keyof SharedBuffers)[];
 
-/** What the part holds for frames that have the same buffers. */
+/** The part's memory for frames that have the same buffers. */
 interface Held {
   readonly buffers: Buffers;
   readonly chunkScan: PrefixScan;
   readonly splatScan: PrefixScan;
-  /** That they were made for. */
+  /** The shape that the buffers were made for. */
   readonly shape: FrameShape;
 }
 
@@ -97,7 +97,7 @@ interface Groups {
   }[];
 }
 
-/** The stages that differ from cloud to cloud, in the frame's order of clouds. */
+/** The stages that differ between clouds, by cloud of the frame. */
 const cloudStages = perShape((shape) =>
   shape.clouds.map((cloud) => ({
     cullSplats: cullSplatsStage(shape, cloud),
@@ -116,7 +116,7 @@ const stagesOf = perShape((shape): readonly CompiledStage[] => [
   ...cloudStages(shape).map((stages) => stages.project),
 ]);
 
-/** Finds the visible splats, lists them in storage order, and writes the record and the sort key of each. */
+/** Finds the visible splats, lists them in storage order, and writes each one's record and sort key. */
 export class Preprocess implements FramePart<OrderRecording> {
   readonly #context: PartContext;
   readonly #effects: EffectBuffers;
@@ -133,12 +133,12 @@ export class Preprocess implements FramePart<OrderRecording> {
     return stagesOf(shape);
   }
 
-  /** Everything that the part has written or found, by name; for comparisons with twins. */
+  /** The part's buffers by name, for comparisons with twins. */
   get buffers(): Buffers {
     return this.#held!.buffers;
   }
 
-  /** Bytes of the bits that tell the effects of one cloud which splats are selected. */
+  /** Bytes of one cloud's selection bits. */
   selectionBytes(cloudIndex: number): number {
     return this.#effects.selectionBytes(cloudIndex);
   }
@@ -226,7 +226,7 @@ export class Preprocess implements FramePart<OrderRecording> {
     const { buffers, chunkScan, splatScan } = this.#held!;
     const groups = this.#groups!;
     const stages = cloudStages(shape);
-    // At least one workgroup: Dawn warns of dispatches of nothing.
+    // At least one workgroup: Dawn warns about empty dispatches.
     const chunkWorkgroups = (chunks: number) =>
       dispatchSize(Math.max(1, Math.ceil(chunks / SHADER_CONSTANTS.CHUNK_WORKGROUP)), shape.dispatchRow);
     let stage: StageDefinition | null = null;
@@ -255,7 +255,7 @@ export class Preprocess implements FramePart<OrderRecording> {
     dispatchAtMost(pass, chunkCountOf(pages), shape.dispatchRow, indirect);
   }
 
-  /** Sets the pipeline of `stage`, unless it is the one in use; most pages have the same. */
+  /** Sets the pipeline of `stage` unless it is `current`: most pages use the same. */
   #usePipeline(
     pass: GPUComputePassEncoder,
     stage: StageDefinition,
@@ -303,7 +303,7 @@ export class Preprocess implements FramePart<OrderRecording> {
   }
 }
 
-/** Writes what stays the same as long as the buffers do: planes of any precision have the same pages. */
+/** Writes the contents that never change while the buffers exist: planes of any precision have the same pages. */
 function writeConstants(
   queue: GPUQueue,
   buffers: Buffers,

@@ -15,7 +15,7 @@ const stageOf = perShape(({ accuracy, depth }) => {
 
 const stagesOf = perShape((shape): readonly CompiledStage[] => [stageOf(shape)]);
 
-/** Blends the visible splats in their order, one instanced quad each, into a layer of its own. */
+/** Blends the visible splats in their sorted order, one instanced quad each, into a layer of its own. */
 export class Quads implements FramePart<DrawRecording> {
   readonly #context: PartContext;
   #layer: LayerTextures | null = null;
@@ -39,7 +39,7 @@ export class Quads implements FramePart<DrawRecording> {
     const keepsDepth = (this.#hostDepth !== null) === (shape.depth !== null);
     if (keepsLayer && keepsDepth) return null;
     return {
-      // Sizes were checked when the frame was: none of this can fail.
+      // The frame's size was checked before, so nothing here can fail.
       free: () => {
         if (keepsLayer) return;
         freeLayer(memory, this.#layer);

@@ -1,18 +1,11 @@
 import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { TESTED_DEPTH_FORMAT } from '../../stages/rasterize.ts';
 import { resolveDepth, resolveDepthState } from '../../stages/resolve-depth.ts';
-import {
-  type DrawRecording,
-  drawOverAll,
-  type FramePart,
-  type PartChange,
-  type PartContext,
-} from '../frame-part.ts';
-import type { FramePlan } from '../frame-plan.ts';
+import { type DrawRecording, drawOverAll, type FramePart, type PartContext } from '../frame-part.ts';
 import { type FrameShape, isScaled, perShape } from '../frame-shape.ts';
 import { depthView, isMultisampled } from '../host-views.ts';
 
-/** By whether the host's depth has several samples, which is known only when the frame is drawn; none without depth. */
+/** Two variants: whether the host's depth has several samples is known only when the frame is drawn. Null without depth. */
 const stageOf = perShape((shape) => {
   const { depth, output } = shape;
   if (!depth || output.kind !== 'host') return null;
@@ -23,7 +16,7 @@ const stageOf = perShape((shape) => {
 
 const stagesOf = perShape((shape): readonly CompiledStage[] => Object.values(stageOf(shape) ?? {}));
 
-/** Brings the host's depth under the splats: copied, since it may be multisampled, larger, or of another format. */
+/** Copies the host's depth, for splats to be tested against: it may be multisampled, larger, or in another format. */
 export class ResolveDepth implements FramePart<DrawRecording> {
   readonly #context: PartContext;
   #depth: GPUTexture | null = null;
@@ -40,15 +33,6 @@ export class ResolveDepth implements FramePart<DrawRecording> {
   get bytes(): number {
     return this.#context.memory.bytesOf(this.#depth);
   }
-
-  /** Textures of frames inside another renderer's are replaced when they are drawn: until then the host may show the old ones. */
-  fit(_plan: FramePlan): PartChange | null {
-    return null;
-  }
-
-  bind(): void {}
-
-  write(): void {}
 
   record({ encoder, timer, shape, destination }: DrawRecording): void {
     const stages = stageOf(shape);
@@ -83,6 +67,7 @@ export class ResolveDepth implements FramePart<DrawRecording> {
     shared.testedDepth = null;
   }
 
+  /** Made here and not in `fit`: until a frame is drawn, the host may show the last one. */
   #textureFor({ width, height }: GPUTexture): GPUTexture {
     if (this.#depth?.width === width && this.#depth.height === height) return this.#depth;
     this.destroy();

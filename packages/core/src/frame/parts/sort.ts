@@ -7,7 +7,7 @@ import { type FrameShape, perShape } from '../frame-shape.ts';
 
 const stagesOf = perShape(({ keyBits }) => radixSortStages(sortShapeFor(keyBits)));
 
-/** What the part holds for frames of one key width and capacity. */
+/** The part's memory for frames of one key width and capacity. */
 interface Held {
   readonly sort: RadixSort;
   readonly visibleCount: GPUBuffer;
@@ -15,7 +15,7 @@ interface Held {
   readonly capacity: number;
 }
 
-/** Puts the visible splats in order, far first: holds their keys, how many there are, and the order. */
+/** Sorts the visible splats, far first; holds their keys, their number and their order. */
 export class Sort implements FramePart<OrderRecording> {
   readonly #context: PartContext;
   #held: Held | null = null;
@@ -46,10 +46,6 @@ export class Sort implements FramePart<OrderRecording> {
       discard: () => this.#free(held),
     };
   }
-
-  bind(): void {}
-
-  write(): void {}
 
   record({ encoder, timer, isColorsOnly }: OrderRecording): void {
     if (isColorsOnly) return;

@@ -13,7 +13,7 @@ import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, isScaled, perShape } from '../frame-shape.ts';
 import { createLayer, fitsLayer, freeLayer } from '../layer-textures.ts';
 
-/** The stage that brings the layer to the image's size, and the targets that it draws into. */
+/** The stage that enlarges the layer to the image's size, and the targets that it draws into. */
 const stageOf = perShape(({ accuracy, depth }) => {
   const depthFormat = depth?.layerFormat ?? null;
   return [upscale(depthFormat !== null), upscaleState(accuracy.colorTarget, depthFormat)] as const;
@@ -21,7 +21,7 @@ const stageOf = perShape(({ accuracy, depth }) => {
 
 const stagesOf = perShape((shape): readonly CompiledStage[] => (isScaled(shape) ? [stageOf(shape)] : []));
 
-/** Brings the blended splats to the image's size, where they were blended in a smaller layer. */
+/** Enlarges the blended splats to the image's size if they were blended in a smaller layer. */
 export class Upscale implements FramePart<DrawRecording> {
   readonly #context: PartContext;
   #image: LayerTextures | null = null;

@@ -1,11 +1,11 @@
 import type { FoundInView } from '../found-effect.ts';
 
-/** Meshes in front of splats. */
+/** Meshes that hide splats. */
 export const depthTest: FoundInView = {
   of: 'view',
   name: 'depth-test',
   label: 'Hidden by meshes',
-  about: 'Tests splats against the depth of what was drawn before.',
+  about: 'Tests splats against the depth of meshes drawn before.',
   conditions: ['DEPTH_TEST', 'DEPTH_LOGARITHMIC', 'MULTISAMPLED', 'REVERSED_DEPTH'],
   bindings: ['hostDepth', 'hostDepths'],
   stages: ['resolve-depth', 'rasterize', 'compose'],
@@ -15,7 +15,7 @@ export const depthTest: FoundInView = {
     },
   }) =>
     depth &&
-    `something may stand in front of splats, and its depth is ${depth.mapping === 'logarithmic' ? 'logarithmic' : 'that of the projection'}`,
-  offReason: () => 'nothing else was drawn that could hide splats',
+    `something may hide splats, and its depth is ${depth.mapping === 'logarithmic' ? 'logarithmic' : 'that of the projection'}`,
+  offReason: () => 'nothing was drawn that could hide splats',
   bytes: ({ held }) => held.testedDepthBytes,
 };

@@ -1,11 +1,11 @@
 import type { FoundInView } from '../found-effect.ts';
 
-/** Splats in front of meshes that are drawn later. */
+/** Splats that hide meshes drawn later. */
 export const depthWrite: FoundInView = {
   of: 'view',
   name: 'depth-write',
   label: 'Depth of splats',
-  about: 'Blends the depth of the splats beside their colours, for what is drawn after them.',
+  about: 'Blends the depth of splats along with their colours, for meshes drawn later.',
   conditions: ['DEPTH_LAYER'],
   bindings: ['depthLayer'],
   stages: ['rasterize', 'upscale', 'compose'],
@@ -13,7 +13,7 @@ export const depthWrite: FoundInView = {
     plan: {
       shape: { depth },
     },
-  }) => (depth?.layerFormat ? `what is drawn later asks for it, blended in ${depth.layerFormat}` : null),
-  offReason: () => 'nothing that is drawn later asks for it',
+  }) => (depth?.layerFormat ? `the host needs it, blended in ${depth.layerFormat}` : null),
+  offReason: () => 'no host needs it',
   bytes: ({ held }) => held.writtenDepthBytes,
 };

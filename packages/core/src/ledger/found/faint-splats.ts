@@ -1,12 +1,12 @@
 import { hasHook } from '../../effects/effect-set.ts';
 import type { DrawnCloud, FoundInCloud } from '../found-effect.ts';
 
-/** Most clouds that were trained have splats that nobody can see. */
+/** Splats too faint to see, which most trained clouds have. */
 export const faintSplats: FoundInCloud = {
   of: 'cloud',
   name: 'faint-splats',
   label: 'Faint splats',
-  about: 'Tests each splat’s opacity against the cutoff before anything else is done with it.',
+  about: 'Tests each splat’s opacity against the cutoff before anything else.',
   conditions: ['FAINT_SPLATS'],
   bindings: [],
   stages: ['cull-splats'],
@@ -21,7 +21,7 @@ export const faintSplats: FoundInCloud = {
 function comparison({ plan, shape }: DrawnCloud): string {
   const { minOpacity } = shape.cloud.facts;
   const { alphaCutoff } = plan.shape.accuracy;
-  return `the least opacity is ${shortened(minOpacity)} and the cutoff ${shortened(alphaCutoff)}`;
+  return `the lowest opacity is ${shortened(minOpacity)} and the cutoff ${shortened(alphaCutoff)}`;
 }
 
 function shortened(value: number): number {

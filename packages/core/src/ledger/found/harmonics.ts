@@ -1,27 +1,25 @@
 import type { DrawnCloud, FoundInCloud } from '../found-effect.ts';
 
-/** Colours that depend on where a splat is seen from. */
+/** Colours that depend on the direction from which a splat is seen. */
 export const harmonics: FoundInCloud = {
   of: 'cloud',
   name: 'harmonics',
   label: 'View-dependent colour',
-  about: 'Evaluates spherical harmonics, up to the degree that can be seen.',
+  about: 'Evaluates spherical harmonics up to the highest visible degree.',
   conditions: ['SH_1', 'SH_2', 'SH_3', 'SH_F32', 'SH_F16', 'SH_U8'],
   bindings: ['shRest'],
   stages: ['project'],
   calledFor: (cloud) =>
-    cloud.shape.shDegree > 0
-      ? `colours depend on the direction that they are seen from: ${limitOf(cloud)}`
-      : null,
+    cloud.shape.shDegree > 0 ? `colours depend on the viewing direction: ${limitOf(cloud)}` : null,
   offReason: limitOf,
-  // Also what is stored and not evaluated.
+  // Includes stored bands that are not evaluated.
   bytes: ({ plan }) => {
     const pages = new Set(plan.shape.clouds.flatMap(({ planes }) => planes.pages));
     return [...pages].reduce((sum, { shRest }) => sum + (shRest?.size ?? 0), 0);
   },
 };
 
-/** What decides the degree. */
+/** Says what limits the degree. */
 function limitOf({ cloud: { instance }, shape }: DrawnCloud): string {
   const { declaredShDegree, trueShDegree } = instance.cloud.facts;
   const degree = shape.shDegree;

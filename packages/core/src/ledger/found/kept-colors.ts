@@ -2,7 +2,7 @@ import { hasHook } from '../../effects/effect-set.ts';
 import { canKeepColors } from '../../frame/parts/kept-colors.ts';
 import type { FoundInCloud } from '../found-effect.ts';
 
-/** One evaluation of the harmonics per splat and place of the camera. */
+/** Evaluates the harmonics once per splat and camera position. */
 export const keptColors: FoundInCloud = {
   of: 'cloud',
   name: 'kept-colors',
@@ -14,7 +14,7 @@ export const keptColors: FoundInCloud = {
   calledFor: ({ shape }) => {
     if (!shape.keepsColors) return null;
     return hasHook(shape.effects, 'color')
-      ? 'effects change its colours, which are evaluated once for each place of the camera'
+      ? 'effects change its colours, which are evaluated once per camera position'
       : 'the camera has turned and not moved';
   },
   offReason: ({ plan, index, shape }) => {

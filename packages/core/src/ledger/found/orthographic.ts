@@ -1,11 +1,11 @@
 import type { FoundInView } from '../found-effect.ts';
 
-/** Without perspective there is nothing to divide by. */
+/** Projection without a division by depth. */
 export const orthographic: FoundInView = {
   of: 'view',
   name: 'orthographic',
   label: 'Orthographic view',
-  about: 'Projects splats without perspective: one Jacobian does for all.',
+  about: 'Projects splats without perspective: all share one Jacobian.',
   conditions: ['ORTHOGRAPHIC'],
   bindings: [],
   stages: ['cull-splats', 'project', 'rasterize', 'compose'],

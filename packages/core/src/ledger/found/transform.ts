@@ -1,15 +1,15 @@
 import { linearPart } from '../../math/mat4.ts';
 import type { FoundInCloud } from '../found-effect.ts';
 
-/** Lengths and angles that differ by less are the same. */
+/** Lengths and angles that differ by less count as the same. */
 const TOLERANCE = 1e-6;
 
-/** Where a cloud stands costs no shader anything: the camera comes to it, as one matrix, in float64. */
+/** A cloud's transform costs shaders nothing: it is part of one matrix, computed in float64. */
 export const transform: FoundInCloud = {
   of: 'cloud',
   name: 'transform',
   label: 'Placement',
-  about: 'Puts a cloud into the world, on the CPU: shaders take one matrix, whatever it does.',
+  about: 'Places a cloud in the world, on the CPU: shaders always take one matrix.',
   conditions: [],
   bindings: [],
   stages: [],
@@ -18,10 +18,10 @@ export const transform: FoundInCloud = {
       instance: { modelMatrix },
     },
   }) => (modelMatrix ? describe(modelMatrix) : null),
-  offReason: () => 'it stands where its file has it',
+  offReason: () => 'it stands where its file puts it',
 };
 
-/** What a matrix does to a cloud; null for the identity. */
+/** Says what a matrix does to a cloud; null for the identity. */
 function describe(matrix: ArrayLike<number>): string | null {
   const m = linearPart(matrix);
   const dot = (a: number, b: number) =>
