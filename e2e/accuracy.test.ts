@@ -13,7 +13,7 @@ import {
   viewerHarness,
   viewerScreenshot,
   waitForFrameAfter,
-  waitForPicture,
+  waitForImage,
   waitForState,
 } from './viewer-page.ts';
 
@@ -82,7 +82,7 @@ describe('accuracy in the viewer', () => {
     expect(await textOf(other, 'notice')).toContain('no accuracy preset "best"');
   });
 
-  it('splits the picture between two settings', async () => {
+  it('splits the image between two settings', async () => {
     const page = await openViewer('?scene=still-life-small&accuracy=shDegree:0', SMALL);
     const left = await viewerScreenshot(page);
     const right = await redraw(page, async () => {
@@ -209,7 +209,7 @@ describe('accuracy in the viewer', () => {
     const page = await newPage(TINY);
     await page.addInitScript(loseDeviceOnDemand);
     await page.goto(`${harness.server.url}?scene=still-life-small&accuracy=minPsnrDb:40`);
-    await waitForPicture(page);
+    await waitForImage(page);
     await openTab(page, 'measure');
     const progress = page.getByTestId('sweep-progress');
     await progress.waitFor({ state: 'attached' });

@@ -26,7 +26,7 @@ async function open(page: Page, set: SplatSet): Promise<void> {
 }
 
 describe('effects in the viewer', () => {
-  it('lists what is in the picture and what is not, and why', async () => {
+  it('lists what is in the image and what is not, and why', async () => {
     const page = await openViewer(undefined, SMALL);
     await page.keyboard.press('e');
     expect(await page.getByTestId('command-effects').getAttribute('aria-pressed')).toBe('true');

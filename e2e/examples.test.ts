@@ -7,7 +7,7 @@ import { ring } from '../apps/examples/scenes/ring.ts';
 import { windSway } from '../apps/examples/src/effects/wind-sway.ts';
 import { windSwayTwin } from '../apps/examples/src/effects/wind-sway-twin.ts';
 import { appHarness } from './harness.ts';
-import { MIN_PSNR_DB, type ReferenceEffects, referencePicture } from './reference.ts';
+import { MIN_PSNR_DB, type ReferenceEffects, referenceImage } from './reference.ts';
 import { changedPart, type Screenshot, screenshot } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
 import { splatSet } from './three/splats.ts';
@@ -32,13 +32,13 @@ async function openExample(name: string, scene: SplatSet | Promise<SplatSet>): P
 }
 
 /** Takes a screenshot of the canvas without its controls, even before the canvas has its final size. */
-function picture(page: Page): Promise<Screenshot> {
+function image(page: Page): Promise<Screenshot> {
   return screenshot(page.locator('.stage'), '.panel, .view-names { visibility: hidden !important; }');
 }
 
 type Size = Pick<Screenshot, 'widthPx' | 'heightPx'>;
 
-const sizeOf = async (page: Page): Promise<Size> => picture(page);
+const sizeOf = async (page: Page): Promise<Size> => image(page);
 
 /** The reference over the page's colour: clouds without transforms from `position`, by default that of most examples. */
 function drawnFrom(
@@ -117,8 +117,8 @@ describe('examples', () => {
   it('first-splat shows the file as the float64 reference does', async () => {
     const page = await openExample('first-splat', testScene());
     const size = await sizeOf(page);
-    const psnrDb = referencePicture(drawnFrom([0.12, 0.45, 1.44], size), [testScene()], size);
-    await expect.poll(async () => psnrDb(await picture(page)), PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    const psnrDb = referenceImage(drawnFrom([0.12, 0.45, 1.44], size), [testScene()], size);
+    await expect.poll(async () => psnrDb(await image(page)), PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
   it('mesh-through-splats: a mesh in front hides splats, one behind shows through', async () => {
@@ -131,7 +131,7 @@ describe('examples', () => {
         slider.value = String(value);
       }, z);
       const { xPx, yPx } = projected(camera, [0, 0.18, z], size);
-      return async () => colorAt(await picture(page), xPx, yPx);
+      return async () => colorAt(await image(page), xPx, yPx);
     };
     const inFront = await ballColorAt(0.5);
     await expect.poll(inFront, PATIENCE).toSatisfy(([red, green]) => red > 1.5 * green);
@@ -150,8 +150,8 @@ describe('examples', () => {
       modelMatrices: [modelMatrix(-0.55), modelMatrix(0.55, Math.PI / 2, [-0.85, 0.85, 0.85])],
     };
     const psnrAs = (changes: Partial<DrawnCamera> = {}) => {
-      const psnrDb = referencePicture({ ...drawn, ...changes }, [ring(), ring()], size);
-      return async () => psnrDb(await picture(page));
+      const psnrDb = referenceImage({ ...drawn, ...changes }, [ring(), ring()], size);
+      return async () => psnrDb(await image(page));
     };
     await expect.poll(psnrAs(), PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
     // Make sure that the comparison can fail: with the second ring not mirrored, it does.
@@ -179,7 +179,7 @@ describe('examples', () => {
     const size = await sizeOf(page);
     const camera = drawnFrom([0.12, 0.45, 1.44], size);
     await expect
-      .poll(async () => colorAt(await picture(page), size.widthPx / 2, size.heightPx / 2), PATIENCE)
+      .poll(async () => colorAt(await image(page), size.widthPx / 2, size.heightPx / 2), PATIENCE)
       .toSatisfy(([red, , blue]) => blue > red + 60);
     for (const row of [2, 0, 3]) {
       const { xPx, yPx, depthView } = projected(camera, rows[row], size);
@@ -188,7 +188,7 @@ describe('examples', () => {
         .getByText(`Row ${row} · depth ${depthView.toFixed(3)}`)
         .waitFor({ timeout: PATIENCE.timeout });
       await expect
-        .poll(async () => colorAt(await picture(page), xPx, yPx), PATIENCE)
+        .poll(async () => colorAt(await image(page), xPx, yPx), PATIENCE)
         .toSatisfy(([red, green, blue]) => red > 200 && green < 120 && blue < 200);
     }
   });
@@ -196,7 +196,7 @@ describe('examples', () => {
   it('demand-loop draws one frame for each that is asked for, and none besides', async () => {
     const page = await openExample('demand-loop', stillLife({ splats: 5000, shDegree: 0 }));
     const frames = async () => Number(await page.locator('output').textContent());
-    await expect.poll(async () => new Set((await picture(page)).data).size, PATIENCE).toBeGreaterThan(100);
+    await expect.poll(async () => new Set((await image(page)).data).size, PATIENCE).toBeGreaterThan(100);
     // Shaders and data request frames when they become ready.
     let atRest = await frames();
     await expect
@@ -207,7 +207,7 @@ describe('examples', () => {
         return atRest - before;
       }, PATIENCE)
       .toBe(0);
-    const shotAtRest = await picture(page);
+    const shotAtRest = await image(page);
     await page.waitForTimeout(2000);
     expect(await frames()).toBe(atRest);
     for (const more of [1, 2, 3]) {
@@ -216,7 +216,7 @@ describe('examples', () => {
     }
     await page.waitForTimeout(300);
     expect(await frames()).toBe(atRest + 3);
-    expect(changedPart(shotAtRest, await picture(page), 0)).toBe(0);
+    expect(changedPart(shotAtRest, await image(page), 0)).toBe(0);
   });
 
   it('suspense shows a placeholder and a progress bar until the file is there', async () => {
@@ -230,12 +230,12 @@ describe('examples', () => {
     const bar = page.getByRole('progressbar', { name: 'Loading still-life.ply' });
     await bar.waitFor({ timeout: PATIENCE.timeout });
     const pageColor = PAGE_COLOR.map((value) => 255 * value);
-    await expect.poll(async () => part(await picture(page), pageColor), PATIENCE).toBeLessThan(0.99);
+    await expect.poll(async () => part(await image(page), pageColor), PATIENCE).toBeLessThan(0.99);
     deliver(testScene());
     await bar.waitFor({ state: 'detached', timeout: PATIENCE.timeout });
     const size = await sizeOf(page);
-    const psnrDb = referencePicture(drawnFrom([0.12, 0.45, 1.44], size), [testScene()], size);
-    await expect.poll(async () => psnrDb(await picture(page)), PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    const psnrDb = referenceImage(drawnFrom([0.12, 0.45, 1.44], size), [testScene()], size);
+    await expect.poll(async () => psnrDb(await image(page)), PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
   it('accuracy takes settings by name, or an outcome, and says what it chose for that and why', async () => {
@@ -246,8 +246,8 @@ describe('examples', () => {
     const scene = splatSet(positions.map((position) => ({ position, scale, color, opacity: 0.9 })));
     const page = await openExample('accuracy', scene);
     const size = await sizeOf(page);
-    const psnrDb = referencePicture(drawnFrom([0.12, 0.45, 1.44], size), [scene], size);
-    const shownDb = async () => psnrDb(await picture(page));
+    const psnrDb = referenceImage(drawnFrom([0.12, 0.45, 1.44], size), [scene], size);
+    const shownDb = async () => psnrDb(await image(page));
     await expect.poll(shownDb, PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
     const request = page.getByRole('combobox', { name: 'Accuracy' });
     await request.selectOption('Half the resolution');
@@ -262,7 +262,7 @@ describe('examples', () => {
     await expect.poll(shownDb, PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
-  it('several-views shows each camera its own picture', async () => {
+  it('several-views shows each camera its own image', async () => {
     const page = await openExample('several-views', testScene());
     const positions: Vec3[] = [
       [0.1, 0.45, 1.5],
@@ -273,10 +273,10 @@ describe('examples', () => {
     const size = { widthPx: widthPx / positions.length, heightPx };
     const views = positions.map((position) => {
       const camera = { target: [0, 0.2, 0] as const, fovYDegrees: 45, far: 400 };
-      return referencePicture(drawnFrom(position, size, camera), [testScene()], size);
+      return referenceImage(drawnFrom(position, size, camera), [testScene()], size);
     });
     const worstPsnrDb = async () => {
-      const shot = await picture(page);
+      const shot = await image(page);
       const strips = views.map((_, i) => columnsOf(shot, i * size.widthPx, size.widthPx));
       return Math.min(...views.map((psnrDb, i) => psnrDb(strips[i])));
     };
@@ -290,8 +290,8 @@ describe('examples of effects', () => {
     const page = await openExample(name, testScene());
     const size = await sizeOf(page);
     const psnrWith = (effects: ReferenceEffects = {}) => {
-      const psnrDb = referencePicture(drawnFrom([0.12, 0.45, 1.44], size), [testScene()], size, effects);
-      return async () => psnrDb(await picture(page));
+      const psnrDb = referenceImage(drawnFrom([0.12, 0.45, 1.44], size), [testScene()], size, effects);
+      return async () => psnrDb(await image(page));
     };
     return { page, psnrWith };
   }
@@ -304,9 +304,9 @@ describe('examples of effects', () => {
     await page.getByLabel('Opacity').fill('0.5');
     const effects = [opacity(0.5), brightness(2), tint([1, 128 / 255, 0])];
     await expect.poll(psnrWith({ effects }), PATIENCE).toBeGreaterThanOrEqual(MIN_PSNR_DB);
-    const before = await picture(page);
+    const before = await image(page);
     await page.getByLabel('depend on the view').uncheck();
-    const changed = async () => changedPart(before, await picture(page), 2);
+    const changed = async () => changedPart(before, await image(page), 2);
     await expect.poll(changed, PATIENCE).toBeGreaterThan(0.01);
     await page.getByLabel('depend on the view').check();
     await expect.poll(changed, PATIENCE).toBe(0);
@@ -350,7 +350,7 @@ describe('examples of effects', () => {
     const camera = drawnFrom([0.12, 0.45, 1.44], size);
     const redAt = async (row: number) => {
       const { xPx, yPx } = projected(camera, rows[row], size);
-      return colorAt(await picture(page), xPx, yPx)[0];
+      return colorAt(await image(page), xPx, yPx)[0];
     };
     await expect.poll(() => redAt(2), PATIENCE).toBeLessThan(40);
     const { xPx, yPx } = projected(camera, rows[0], size);
@@ -367,7 +367,7 @@ describe('examples of effects', () => {
       'fog',
       splatSet([{ color: [0, 0, 0], opacity: 0.98, position: [0, 0, -1] }]),
     );
-    const green = async () => colorAt(await picture(page), 200, 20)[1];
+    const green = async () => colorAt(await image(page), 200, 20)[1];
     await expect.poll(green, PATIENCE).toBeGreaterThan(150);
     await page.getByLabel('Splats, too').uncheck();
     await expect.poll(green, PATIENCE).toBeLessThan(40);
@@ -377,7 +377,7 @@ describe('examples of effects', () => {
     const page = await openExample('depth-write', splatSet([{ opacity: 0.98, position: [0, 0, -0.2] }]));
     const size = await sizeOf(page);
     const { xPx, yPx } = projected(drawnFrom([0.12, 0.45, 1.44], size), [-0.2, 0.222, -0.278], size);
-    const red = async () => colorAt(await picture(page), xPx, yPx)[0];
+    const red = async () => colorAt(await image(page), xPx, yPx)[0];
     await expect.poll(red, PATIENCE).toBeGreaterThan(240);
     await page.getByLabel('Splats hide').uncheck();
     await expect.poll(red, PATIENCE).toBeLessThan(200);

@@ -10,7 +10,7 @@ import {
   viewerHarness,
   viewerScreenshot,
   waitForFrameAfter,
-  waitForPicture,
+  waitForImage,
   waitForState,
 } from './viewer-page.ts';
 
@@ -50,7 +50,7 @@ describe('hard cases', () => {
       .toBe('camera orthographic means nothing');
     await page.keyboard.press('ArrowDown');
     await page.keyboard.press('Enter');
-    await waitForPicture(page);
+    await waitForImage(page);
     const hardCase = sceneCase('camera-orthographic');
     expect(await textOf(page, 'scene-title')).toBe(hardCase.name);
     expect(await textOf(page, 'scene-topic')).toBe('Camera');
@@ -58,7 +58,7 @@ describe('hard cases', () => {
     expect(await page.getByTestId('command-flip').isDisabled()).toBe(true);
 
     const sets = await setsOf(hardCase);
-    const expectOwnPicture = async (name: string) => {
+    const expectOwnImage = async (name: string) => {
       const drawn = await drawnCamera(page);
       const camera = hardCase.cameras(ASPECT)[name];
       expect(drawn.viewMatrix).toEqual(Array.from(camera.viewMatrix, (value) => value + 0));
@@ -72,10 +72,10 @@ describe('hard cases', () => {
       await page.keyboard.press(key);
       await waitForFrameAfter(page, frames);
     };
-    await expectOwnPicture('front');
+    await expectOwnImage('front');
     await press(']');
     expect(await textOf(page, 'camera')).toBe('oblique 2 of 2');
-    const oblique = await expectOwnPicture('oblique');
+    const oblique = await expectOwnImage('oblique');
 
     // Movement continues in perspective, and Reset restores exactly the same image.
     await press('ArrowRight');

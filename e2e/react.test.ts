@@ -99,7 +99,7 @@ const nextFrames = (page: Page) =>
     () => new Promise<void>((resolve) => requestAnimationFrame(() => requestAnimationFrame(() => resolve()))),
   );
 
-const picture = (page: Page) => screenshot(page.getByTestId('canvas'));
+const image = (page: Page) => screenshot(page.getByTestId('canvas'));
 
 const overlayOf = (page: Page) =>
   page.getByTestId('canvas').getByRole('group', { name: 'Cost of the splats per frame' });
@@ -160,7 +160,7 @@ it('suspends, loads, and draws as the float64 reference does over any background
     await show(page, canvas({ background: name }));
     await nextFrames(page);
     const background: [number, number, number] = [level, level, level];
-    const psnrDb = psnrAgainstReference(await picture(page), { ...camera, background }, [testScene()]);
+    const psnrDb = psnrAgainstReference(await image(page), { ...camera, background }, [testScene()]);
     expect(psnrDb, `PSNR over ${name}, dB`).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   }
 
@@ -175,7 +175,7 @@ it('suspends, loads, and draws as the float64 reference does over any background
     );
     await waitForLog(page, 'white firstframe');
     await nextFrames(page);
-    expect(Math.abs((await picture(page)).data[0] - red)).toBeLessThan(3);
+    expect(Math.abs((await image(page)).data[0] - red)).toBeLessThan(3);
   }
 });
 
@@ -200,7 +200,7 @@ it('draws no frame unless asked, and then one, or one more where a shader has ye
 
   const { uploads } = await countersOf(page);
   const rendersBefore = await page.evaluate(() => window.page.timingRenders);
-  const opaque = await picture(page);
+  const opaque = await image(page);
   const changed = { ...SPLATS, opacity: 0.2, position: [0, 0.2, 0] as const };
   await show(page, { ...quiet, splats: [changed] });
   const drawn = { timeout: 20_000 };
@@ -208,7 +208,7 @@ it('draws no frame unless asked, and then one, or one more where a shader has ye
   await expect.poll(() => framesOf(page), drawn).toEqual(plus(before, 5));
   await page.waitForTimeout(300);
   expect(await framesOf(page), 'frames after a shader was compiled').toEqual(plus(before, 5));
-  expect(changedPart(opaque, await picture(page))).toBeGreaterThan(0.1);
+  expect(changedPart(opaque, await image(page))).toBeGreaterThan(0.1);
   await show(page, { ...quiet, splats: [{ ...changed, opacity: 0.4 }] });
   await page.waitForTimeout(300);
   expect(await framesOf(page), 'frames after a change of props').toEqual(plus(before, 6));
@@ -241,16 +241,16 @@ it('takes effects as props, and draws what revealing takes and no frame more', a
   await page.waitForTimeout(300);
   const before = await framesOf(page);
   expect(before.splats).toBeGreaterThan(2);
-  const whole = await picture(page);
+  const whole = await image(page);
   // A new object with equal values is the same reveal, and gives the same image.
   await show(page, { ...quiet, splats: [{ ...revealed, reveal: { ...revealed.reveal } }] });
   await page.waitForTimeout(300);
   expect(await framesOf(page), 'frames after equal props').toEqual(before);
-  expect(changedPart(whole, await picture(page), 0)).toBe(0);
+  expect(changedPart(whole, await image(page), 0)).toBe(0);
 
   await show(page, { ...quiet, splats: [{ ...revealed, tint: '#ff0000' }] });
   const blueOrGreen = async () => {
-    const { data } = await picture(page);
+    const { data } = await image(page);
     return data.filter((value, i) => i % 4 !== 0 && i % 4 !== 3 && value > 0).length;
   };
   expect(whole.data.filter((value, i) => i % 4 === 2 && value > 50).length).toBeGreaterThan(1000);
@@ -316,7 +316,7 @@ it('takes another accuracy while it draws, in the same Canvas and without suspen
   const page = await open(quiet);
   await waitForLog(page, 'a firstframe');
   await nextFrames(page);
-  const balanced = await picture(page);
+  const balanced = await image(page);
   const held = () =>
     page.evaluate(() => {
       const engine = window.page.engine('canvas');
@@ -326,10 +326,10 @@ it('takes another accuracy while it draws, in the same Canvas and without suspen
   expect(await held()).toBe('packed u8');
 
   await show(page, { ...quiet, accuracy: { shDegree: 0, sortKeyBits: 16 } });
-  await expect.poll(async () => changedPart(balanced, await picture(page))).toBeGreaterThan(0.1);
+  await expect.poll(async () => changedPart(balanced, await image(page))).toBeGreaterThan(0.1);
   await show(page, { ...quiet, accuracy: 'high' });
   await expect.poll(held).toBe('f32 f16');
-  await expect.poll(async () => changedPart(balanced, await picture(page))).toBeLessThan(0.01);
+  await expect.poll(async () => changedPart(balanced, await image(page))).toBeLessThan(0.01);
 
   // Its own accuracy, whatever the Canvas has.
   await show(page, { ...quiet, accuracy: 'high', splats: [{ ...SPLATS, accuracy: 'fast' }] });
@@ -391,7 +391,7 @@ it('comes back from the loss of its device by itself, and tells where it cannot'
   const page = await open(canvas({ background: 'black' }), bare);
   for (const id of ['a', 'b']) await waitForLog(page, `${id} firstframe`);
   const requests = ['a.ply', 'b.ply'].map(harness.server.requests);
-  const before = await picture(page);
+  const before = await image(page);
   await page.evaluate(() => {
     for (const id of ['canvas', 'bare']) window.page.engine(id).device.destroy();
   });
@@ -399,7 +399,7 @@ it('comes back from the loss of its device by itself, and tells where it cannot'
   await waitForLog(page, 'b devicelost');
   await waitForLog(page, 'a firstframe', 2);
   await nextFrames(page);
-  expect(changedPart(before, await picture(page), 0)).toBe(0);
+  expect(changedPart(before, await image(page), 0)).toBe(0);
   expect(['a.ply', 'b.ply'].map(harness.server.requests), 'fetches').toEqual(requests);
   const log = await logOf(page);
   const times = (entry: string) => log.filter((each) => each === entry).length;
@@ -467,12 +467,12 @@ it('says what to do in a Canvas with a WebGLRenderer', async () => {
 it('comes back from the end of the GPU process', async () => {
   const page = await open(canvas({ background: 'black' }));
   await waitForLog(page, 'a firstframe');
-  const before = await picture(page);
+  const before = await image(page);
   for (const problem of [/WebGPU Device Lost/, /external Instance reference/]) harness.expectProblem(problem);
   const session = await harness.browser.newBrowserCDPSession();
   await session.send('Browser.crashGpuProcess' as never).catch(() => {});
   await waitForLog(page, 'a devicelost');
   await waitForLog(page, 'a firstframe', 2);
   await nextFrames(page);
-  expect(changedPart(before, await picture(page), 0)).toBe(0);
+  expect(changedPart(before, await image(page), 0)).toBe(0);
 });

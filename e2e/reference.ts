@@ -22,7 +22,7 @@ export interface ReferenceEffects {
  * Draws `sets` in float64, with the camera and the matrices that a page reports. Returns a function that computes the PSNR
  * of a screenshot of that size against the result.
  */
-export function referencePicture(
+export function referenceImage(
   drawn: DrawnCamera,
   sets: readonly SplatSet<Harmonics>[],
   { widthPx, heightPx }: Pick<Screenshot, 'widthPx' | 'heightPx'>,
@@ -49,5 +49,5 @@ export function psnrAgainstReference(
   drawn: DrawnCamera,
   sets: readonly SplatSet<Harmonics>[],
 ): number {
-  return referencePicture(drawn, sets, shot)(shot);
+  return referenceImage(drawn, sets, shot)(shot);
 }

@@ -3,7 +3,7 @@ import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { launchBrowser, newWatchedPage } from './browser.ts';
 import { type FreshApp, makeFreshApp } from './fresh-app.ts';
-import { MIN_PSNR_DB, referencePicture } from './reference.ts';
+import { MIN_PSNR_DB, referenceImage } from './reference.ts';
 import { type Screenshot, screenshot } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
 
@@ -79,7 +79,7 @@ async function expectSplats(
       modelMatrices: [null],
       background: [1, 1, 1] as [number, number, number],
     };
-    const psnrDb = referencePicture(drawn, [testScene()], { widthPx: 480, heightPx: 320 });
+    const psnrDb = referenceImage(drawn, [testScene()], { widthPx: 480, heightPx: 320 });
     await expect
       .poll(async () => psnrDb(await screenshot(page)), { timeout: 60_000, interval: 250 })
       .toBeGreaterThanOrEqual(MIN_PSNR_DB);

@@ -167,10 +167,10 @@ describe('three 0.187', () => {
     );
 
     test('over lit meshes with shadows', async () => {
-      const pictures = await run('overLitMeshes');
-      const brightness = pictures.without.data.filter((_, i) => i % 4 === 0);
+      const images = await run('overLitMeshes');
+      const brightness = images.without.data.filter((_, i) => i % 4 === 0);
       expect(Math.min(...brightness), 'the shadow').toBeLessThan(0.3 * Math.max(...brightness));
-      expectEachPixel(pictures.with, pictures.without, underHalfWhite);
+      expectEachPixel(images.with, images.without, underHalfWhite);
     });
 
     test('over lit multisampled meshes, at whose edges the light of both sides is averaged', async () => {
@@ -224,12 +224,12 @@ describe('three 0.187', () => {
     });
 
     test('averages, at the edge of a multisampled mesh, the light of both sides under splats', async () => {
-      const pictures = await run('multisampledEdge');
-      const values = pictures.without.data.filter((_, i) => i % 4 === 0);
+      const images = await run('multisampledEdge');
+      const values = images.without.data.filter((_, i) => i % 4 === 0);
       expect(values.filter((value) => value > 30 && value < 225).length).toBeGreaterThan(20);
       // White before black under black splats of half opacity: the light is the mesh's part of the pixel.
       const underHalfBlack = (value: number) => encoded(decoded(value) * decoded(127.5));
-      expectEachPixel(pictures.with, pictures.without, ([r, g, b, a]) => [
+      expectEachPixel(images.with, images.without, ([r, g, b, a]) => [
         underHalfBlack(r),
         underHalfBlack(g),
         underHalfBlack(b),
@@ -441,20 +441,20 @@ describe('three 0.187', () => {
       sheared: [1, 0, 0, 0, 0.7, 1, 0.2, 0, 0, 0.3, 1, 0, 0, 0, 0, 1],
     };
     test.each(Object.keys(transforms))('%s, against float64', async (name) => {
-      const { picture, camera, modelMatrix } = await run('transformed', transforms[name]);
-      expect(psnrOfTestScene(picture, camera, modelMatrix)).toBeGreaterThan(MIN_PSNR_DB);
+      const { image, camera, modelMatrix } = await run('transformed', transforms[name]);
+      expect(psnrOfTestScene(image, camera, modelMatrix)).toBeGreaterThan(MIN_PSNR_DB);
     });
 
     test('are drawn as exactly as they ask for, and keep what they have where that cannot be', async () => {
-      const { held, errors, otherErrors, pictures, camera } = await run('cloudAccuracy');
+      const { held, errors, otherErrors, images, camera } = await run('cloudAccuracy');
       expect(held).toEqual({
         loaded: 'packed u8',
         finer: 'f32 f32',
         coarser: 'packed u8',
         together: 'f32 f32',
       });
-      const [balancedDb, referenceDb] = [pictures.balanced, pictures.reference].map((picture) =>
-        psnrOfTestScene(picture, camera),
+      const [balancedDb, referenceDb] = [images.balanced, images.reference].map((image) =>
+        psnrOfTestScene(image, camera),
       );
       expect(balancedDb).toBeGreaterThan(MIN_PSNR_DB);
       // Both are shown through rgba16float, whose rounding hides most of what is between them: on one GPU 0.07 dB the wrong way.
@@ -464,11 +464,11 @@ describe('three 0.187', () => {
     });
 
     test('are measured where they wish for an outcome, and drawn with what was chosen', async () => {
-      const { tooEarly, isMet, why, psnrDb, isToldAgain, picture, camera } = await run('wishedAccuracy', 35);
+      const { tooEarly, isMet, why, psnrDb, isToldAgain, image, camera } = await run('wishedAccuracy', 35);
       expect(tooEarly).toBe('InvalidArgumentError');
       expect(isMet, why).toBe(true);
       expect(psnrDb).toBeGreaterThanOrEqual(35);
-      expect(psnrOfTestScene(picture, camera)).toBeGreaterThan(34);
+      expect(psnrOfTestScene(image, camera)).toBeGreaterThan(34);
       expect(isToldAgain).toBe(true);
     });
 
@@ -598,8 +598,8 @@ describe('three 0.185', () => {
   });
 
   test('lit meshes with shadows', async () => {
-    const pictures = await run('overLitMeshes', {});
-    expectEachPixel(pictures.with, pictures.without, underHalfWhite);
+    const images = await run('overLitMeshes', {});
+    expectEachPixel(images.with, images.without, underHalfWhite);
   });
 
   test('occlusion queries and bundles', async () => {

@@ -12,7 +12,7 @@ export function viewerHarness(): ViewerHarness {
   const harness = appHarness('apps/viewer');
   const openViewer = async (address = '?scene=still-life-small', options: BrowserContextOptions = {}) => {
     const page = await harness.open(address, options);
-    await waitForPicture(page);
+    await waitForImage(page);
     return page;
   };
   return Object.assign(harness, { openViewer });
@@ -50,7 +50,7 @@ export async function waitForFrameAfter(page: Page, frames: number): Promise<voi
 }
 
 /** Waits for the first frame. */
-export async function waitForPicture(page: Page): Promise<void> {
+export async function waitForImage(page: Page): Promise<void> {
   await waitForState(page, 'ready');
   await waitForFrameAfter(page, 0);
 }

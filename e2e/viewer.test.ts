@@ -13,7 +13,7 @@ import {
   viewerHarness,
   viewerScreenshot,
   waitForFrameAfter,
-  waitForPicture,
+  waitForImage,
   waitForState,
 } from './viewer-page.ts';
 
@@ -115,7 +115,7 @@ describe('viewer', () => {
     await page.evaluate(() => (window as unknown as HeldGpu).releaseWork());
     expect(await frameCount(page)).toBe(0);
     await page.evaluate(() => (window as unknown as HeldGpu).releasePipelines());
-    await waitForPicture(page);
+    await waitForImage(page);
     expect(colorsIn(await viewerScreenshot(page)), 'different colours').toBeGreaterThan(500);
   });
 
@@ -168,7 +168,7 @@ describe('viewer', () => {
       };
     });
     await page.goto(`${harness.server.url}?scene=still-life-small`);
-    await waitForPicture(page);
+    await waitForImage(page);
     await page.evaluate(() => Object.assign(window, { isHolding: true }));
     await dropFiles(page, [{ name: 'later.ply', bytes: encodePly(testScene()) }]);
     await page.waitForFunction(() => 'release' in window);
@@ -334,7 +334,7 @@ describe('viewer', () => {
     const page = await newPage();
     await page.addInitScript(loseDeviceOnDemand);
     await page.goto(`${harness.server.url}?scene=still-life-small`);
-    await waitForPicture(page);
+    await waitForImage(page);
     let frames = await frameCount(page);
     await page.keyboard.press('ArrowLeft');
     await waitForFrameAfter(page, frames);
@@ -361,7 +361,7 @@ describe('viewer', () => {
       };
     });
     await page.goto(`${harness.server.url}?scene=still-life-small`);
-    await waitForPicture(page);
+    await waitForImage(page);
     // The first measurement arrives after the frame, and checks whether there is more to draw.
     await waitForTimes(page);
     const requested = () =>
@@ -380,7 +380,7 @@ describe('viewer', () => {
     expect(await page.evaluate(() => document.documentElement.dataset.state)).toBe('loading');
     await page.getByTestId('cancel-load').click();
     await harness.server.whenEndlessFileIsDropped();
-    await waitForPicture(page);
+    await waitForImage(page);
     expect(await textOf(page, 'scene-title')).toContain('Still life');
     expect(await page.getByTestId('load').count()).toBe(0);
     expect(await page.getByTestId('error').count()).toBe(0);
@@ -391,7 +391,7 @@ describe('viewer', () => {
     await page.getByTestId('load-figures').getByText('of 100 MB').waitFor();
     await dropFiles(page, [{ name: 'next.ply', bytes: encodePly(testScene()) }]);
     await harness.server.whenEndlessFileIsDropped();
-    await waitForPicture(page);
+    await waitForImage(page);
     expect(await textOf(page, 'scene-title')).toBe('next.ply');
   });
 

@@ -75,7 +75,7 @@ function wall(color: number, z: number, options: Partial<Material> = {}): Mesh {
   return mesh;
 }
 
-/** Lets the left half of the picture free, at any distance. */
+/** Lets the left half of the image free, at any distance. */
 function rightHalf(mesh: Mesh): Mesh {
   mesh.position.x = 10;
   return mesh;
@@ -131,7 +131,7 @@ export const cases = {
     return shot(stage);
   },
 
-  /** The same over lit and shadowed meshes; both pictures. */
+  /** The same over lit and shadowed meshes; both images. */
   overLitMeshes: async (parameters: RendererParameters = {}) => {
     const stage = await newStage(parameters);
     litScene(stage);
@@ -157,7 +157,7 @@ export const cases = {
     return shotOf(stage, () => stage.renderer.render(stage.scene, camera));
   },
 
-  /** Tone mapping of the splat's picture, and of a background that has the colour `linear` from the start. */
+  /** Tone mapping of the splat's image, and of a background that has the colour `linear` from the start. */
   toneMapped: async (background: number, linear: number) => {
     const stage = await newStage();
     stage.renderer.toneMapping = ACESFilmicToneMapping;
@@ -210,10 +210,10 @@ export const cases = {
     scene.add(rightHalf(wall(0xff0000, 0.5)), splatCloud({}));
     const scenePass = pass(scene, camera);
     scenePass.setMRT(mrt({ output, emissive }));
-    const picture = scenePass.getTextureNode('output');
+    const image = scenePass.getTextureNode('output');
     // 0.185 draws only outputs that somebody has asked for.
     scenePass.getTextureNode('emissive');
-    const pipeline = new RenderPipeline(renderer, picture);
+    const pipeline = new RenderPipeline(renderer, image);
     return shotOf(stage, () => pipeline.render());
   },
 
@@ -225,9 +225,9 @@ export const cases = {
       scene.background = new Color(i === 0 ? 0x000000 : 0xffffff);
       scene.add(clouds[i]);
     });
-    const pictures: Pixels[] = [];
-    for (const stage of stages) pictures.push(await shot(stage));
-    return pictures;
+    const images: Pixels[] = [];
+    for (const stage of stages) images.push(await shot(stage));
+    return images;
   },
 
   /** The same scene, on the left with a red wall behind the splats, on the right without splats. */
@@ -346,11 +346,11 @@ export const cases = {
     const stage = { renderer, ...newScene() };
     stage.scene.add(rightHalf(wall(0xff0000, 0.5)), splatCloud({}));
     await renderer.compileAsync(stage.scene, stage.camera);
-    const picture = await shot(stage);
+    const image = await shot(stage);
     await renderer.compileAsync(stage.scene, stage.camera);
     const again = await shot(stage);
     await renderer.dispose();
-    return [picture, again];
+    return [image, again];
   },
 
   /** Red, green and red again from back to front, of two clouds. */
@@ -379,8 +379,8 @@ export const cases = {
     parent.add(cloud);
     scene.add(parent);
     lookAtTestScene(camera);
-    const picture = await shot(stage);
-    return { picture, ...cameraOf(camera), modelMatrix: [...cloud.matrixWorld.elements] };
+    const image = await shot(stage);
+    return { image, ...cameraOf(camera), modelMatrix: [...cloud.matrixWorld.elements] };
   },
 
   /** Opacity, visibility and layers of objects and of what they are in. */
@@ -452,7 +452,7 @@ export const cases = {
     return { alone, atOnce, both, replacedAtOnce, replaced };
   },
 
-  /** How often a cloud asks for a frame until it is revealed, and pictures from before and after. */
+  /** How often a cloud asks for a frame until it is revealed, and images from before and after. */
   reveal: async (durationMs: number) => {
     const stage = await newStage();
     const { renderer, scene, camera } = stage;
@@ -549,7 +549,7 @@ export const cases = {
       held: { loaded, finer, coarser, together },
       errors,
       otherErrors,
-      pictures: { balanced, reference },
+      images: { balanced, reference },
       ...cameraOf(camera),
     };
   },
@@ -573,7 +573,7 @@ export const cases = {
     scene.add(cloud);
     await shot(stage);
     await chosen;
-    const picture = await shot(stage);
+    const image = await shot(stage);
     const { isMet, why, point } = choices[0];
     const again = await cloud.chooseAccuracy();
     await Promise.resolve();
@@ -583,7 +583,7 @@ export const cases = {
       why,
       psnrDb: point.error.psnrDb,
       isToldAgain: choices[1] === again,
-      picture,
+      image,
       ...cameraOf(camera),
     };
   },
@@ -751,7 +751,7 @@ export const cases = {
     return meshShot({ renderer, scene, camera });
   },
 
-  /** A mesh over half of one pixel, so that its samples differ: the picture along its edge. */
+  /** A mesh over half of one pixel, so that its samples differ: the image along its edge. */
   multisampledEdge: async () => {
     const stage = await newStage({ antialias: true });
     const mesh = rightHalf(wall(0xffffff, -0.5));

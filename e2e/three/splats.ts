@@ -14,7 +14,7 @@ export interface SplatDescription {
 
 const SH_C0 = 0.28209479177387814;
 
-/** Much larger than any picture: its opacity is the same all over. */
+/** Much larger than any image: its opacity is the same all over. */
 const FLAT_SCALE = [500, 500, 0.001] as const;
 
 export function splatSet(splats: readonly SplatDescription[]): SplatSet {

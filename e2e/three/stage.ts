@@ -132,7 +132,7 @@ export async function shot(stage: Stage, splatPasses = 1): Promise<Pixels> {
 }
 
 /**
- * The same when effects are on or off as `expected`, by name: until their shaders are compiled the picture stays as it was.
+ * The same when effects are on or off as `expected`, by name: until their shaders are compiled the image stays as it was.
  */
 export async function shotWith(stage: Stage, expected: Readonly<Record<string, boolean>>): Promise<Pixels> {
   for (let attempt = 0; attempt < 10; attempt++) {
@@ -143,7 +143,7 @@ export async function shotWith(stage: Stage, expected: Readonly<Record<string, b
   throw new Error(`The effects never became ${JSON.stringify(expected)}.`);
 }
 
-/** Whether the last picture was drawn with these effects on and off. */
+/** Whether the last image was drawn with these effects on and off. */
 export function areOn(renderer: WebGPURenderer, expected: Readonly<Record<string, boolean>>): boolean {
   const entries = splatEngineOf(renderer).effects();
   return Object.entries(expected).every(

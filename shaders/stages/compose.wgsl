@@ -18,7 +18,7 @@ import package::lib::srgb::{decodeSrgb, encodeSrgb};
 @if(DEPTH_LAYER || MULTISAMPLED) @group(0) @binding(4) var<uniform> hostDepth: HostDepth;
 @if(MULTISAMPLED) @group(0) @binding(5) var hostDepths: texture_depth_multisampled_2d;
 
-struct Picture {
+struct ComposedImage {
   /// Linear light, premultiplied, including the host's colour; opacity 0 exactly where there is no splat.
   @location(0) color: vec4f,
   /// Mean depth of the splats as the host stores depth, −1 where they cover less than half.
@@ -92,17 +92,17 @@ fn over(splats: vec4f, host: vec4f) -> vec4f {
 }
 
 @fragment
-fn fragmentMain(@builtin(position) position: vec4f) -> Picture {
+fn fragmentMain(@builtin(position) position: vec4f) -> ComposedImage {
   let pixel = vec2u(position.xy);
   let splats = textureLoad(layer, pixel, 0);
   let host = textureLoad(behind, pixel + viewport.colorOriginPx, 0);
   @if(!MULTISAMPLED) let color = over(splats, host);
   @if(MULTISAMPLED) let color = overWithEdge(pixel, splats, host);
-  var picture: Picture;
-  picture.color = select(vec4f(0.0), color, splats.a > 0.0);
+  var image: ComposedImage;
+  image.color = select(vec4f(0.0), color, splats.a > 0.0);
   @if(DEPTH_LAYER) let depthView = textureLoad(depthLayer, pixel, 0).r / max(splats.a, 0.5);
   @if(DEPTH_LAYER) let ndc = (position.xy / vec2f(textureDimensions(layer)) * 2.0 - 1.0) * vec2f(1.0, -1.0);
   @if(DEPTH_LAYER) let depth = storedDepth(max(depthView, 1e-30), ndc, hostDepth);
-  @if(DEPTH_LAYER) picture.depth = vec4f(select(-1.0, depth, splats.a >= 0.5), 0.0, 0.0, 0.0);
-  return picture;
+  @if(DEPTH_LAYER) image.depth = vec4f(select(-1.0, depth, splats.a >= 0.5), 0.0, 0.0, 0.0);
+  return image;
 }

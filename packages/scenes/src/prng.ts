@@ -1,6 +1,6 @@
 /**
  * A small seeded random-number generator: a 32-bit Weyl sequence through an avalanche mix. `Math.random` cannot be
- * seeded, and a scene has to be the same on every machine for its pictures to be compared.
+ * seeded, and a scene has to be the same on every machine for its images to be compared.
  */
 export class Prng {
   #state: number;

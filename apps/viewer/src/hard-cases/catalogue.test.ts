@@ -68,8 +68,8 @@ describe('hard catalogue', () => {
     expect(errorFor('zzz').links).toHaveLength(1);
   });
 
-  it('says why a case without a picture cannot be opened', () => {
-    expect(errorFor('equal-keys').message).toMatch(/equal-keys cannot be opened.*no picture/);
+  it('says why a case without a image cannot be opened', () => {
+    expect(errorFor('equal-keys').message).toMatch(/equal-keys cannot be opened.*no image/);
   });
 
   it('puts the closest name first and leaves out what is not alike', () => {

@@ -67,7 +67,7 @@ export function noteOn(hardCase: HardCase): string {
     case 'refused-file':
       return 'No splats: opening it shows the error.';
     case 'sort':
-      return 'Keys for the sort alone, which make no picture; the tests check their order.';
+      return 'Keys for the sort alone, which make no image; the tests check their order.';
     case 'arithmetic':
       return 'Arithmetic alone, for scenes too large to draw; the tests check it.';
   }

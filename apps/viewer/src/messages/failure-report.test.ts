@@ -25,8 +25,8 @@ describe('reportFailure', () => {
   });
 
   it('counts lengths as lengths', () => {
-    const error = new GpuLimitError('maxTextureDimension2D', 9000, 8192, 'The picture is too large.');
-    expect(reportFailure(error, 'a.ply').message).toBe('The picture is too large.');
+    const error = new GpuLimitError('maxTextureDimension2D', 9000, 8192, 'The image is too large.');
+    expect(reportFailure(error, 'a.ply').message).toBe('The image is too large.');
   });
 
   it('takes what was not thrown on purpose for a fault', () => {

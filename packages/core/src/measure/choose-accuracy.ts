@@ -117,7 +117,7 @@ function sentence(
 ): string {
   const decibels =
     error.psnrDb === Number.POSITIVE_INFINITY
-      ? 'the picture of the reference itself'
+      ? 'the image of the reference itself'
       : `${error.psnrDb.toFixed(1)} dB`;
   const result = `${decibels} in ${milliseconds(timeMs.total.median)}`;
   const goal =

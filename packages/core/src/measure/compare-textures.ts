@@ -18,7 +18,7 @@ export class NonFiniteImageError extends WebSplatterError {
     const { COMPARE_TILE_PX: side } = SHADER_CONSTANTS;
     super(
       'non-finite-image',
-      `The ${image === 'actual' ? 'compared' : 'expected'} picture has values that are not finite in ${pixels} pixels, the first of them in the ${side}×${side} px from ${xPx}, ${yPx}.`,
+      `The ${image === 'actual' ? 'compared' : 'expected'} image has values that are not finite in ${pixels} pixels, the first of them in the ${side}×${side} px from ${xPx}, ${yPx}.`,
     );
     this.image = image;
     this.pixels = pixels;

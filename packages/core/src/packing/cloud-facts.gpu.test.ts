@@ -32,7 +32,7 @@ beforeAll(async () => {
 afterAll(() => device?.destroy());
 
 interface Drawn {
-  readonly picture: Float32Array;
+  readonly image: Float32Array;
   /** What it takes, and what had to be compiled for it that no engine on the device had compiled before. */
   readonly costs: {
     readonly memory: GpuMemoryReport;
@@ -40,11 +40,11 @@ interface Drawn {
     readonly shDegree: ShDegree;
     readonly newShaders: number;
   };
-  /** Draws the picture again; milliseconds until the GPU has done it. */
+  /** Draws the image again; milliseconds until the GPU has done it. */
   readonly again: () => Promise<number>;
 }
 
-/** A picture of what `addTo` adds, by an engine of its own. */
+/** A image of what `addTo` adds, by an engine of its own. */
 async function drawn(addTo: (engine: SplatEngine) => SplatCloud | Promise<SplatCloud>): Promise<Drawn> {
   const textsBefore = shaderTexts.size;
   const engine = await SplatEngine.create({ device });
@@ -53,7 +53,7 @@ async function drawn(addTo: (engine: SplatEngine) => SplatCloud | Promise<SplatC
   const view = engine.createView();
   const frame = { camera: CAMERA, clouds: [{ cloud }], force: true, ...SIZE };
   view.render(frame);
-  const { data: picture } = await view.readPixels();
+  const { data: image } = await view.readPixels();
   const costs = {
     memory: engine.memory(),
     uploadedBytes: engine.counters().uploadedBytes,
@@ -66,7 +66,7 @@ async function drawn(addTo: (engine: SplatEngine) => SplatCloud | Promise<SplatC
     await device.queue.onSubmittedWorkDone();
     return performance.now() - start;
   };
-  return { picture, costs, again };
+  return { image, costs, again };
 }
 
 /** Least milliseconds of a frame of each, drawn in turn, there and back: what else the machine does only adds to them. */
@@ -110,11 +110,11 @@ describe('a file of degree 3 with nothing above degree', () => {
       const expected = await drawn((engine) => engine.load(fileOf(lower), { name }));
       expect(expected.costs.shDegree).toBe(degree);
       expect(expected.costs.newShaders).toBeGreaterThan(0);
-      expect(new Set(expected.picture).size).toBeGreaterThan(100);
+      expect(new Set(expected.image).size).toBeGreaterThan(100);
       const loaded = await drawn((engine) => engine.load(fileOf(declared), { name }));
       const added = await drawn((engine) => engine.add(declared, { name }));
-      for (const { picture, costs } of [loaded, added]) {
-        expect(bytesOf(picture).equals(bytesOf(expected.picture))).toBe(true);
+      for (const { image, costs } of [loaded, added]) {
+        expect(bytesOf(image).equals(bytesOf(expected.image))).toBe(true);
         expect(costs).toEqual({ ...expected.costs, newShaders: 0 });
       }
       const times = await timesOf([expected, loaded, added]);

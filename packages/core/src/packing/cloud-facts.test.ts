@@ -72,17 +72,15 @@ describe('bands that cannot be seen', () => {
     const set = splatsWithBands([1, 3e-4, 1e-4], 300);
     const { trueShDegree } = cloudFacts(set);
     expect(trueShDegree).toBe(1);
-    const pictureOf = (each: SplatSet) =>
+    const imageOf = (each: SplatSet) =>
       renderReference({
         clouds: [{ set: each }],
         camera: testCameras(1).perspective,
         widthPx: 32,
         heightPx: 32,
       }).data;
-    const whole = pictureOf(set);
-    const changes = pictureOf(splatsOfDegree(set, trueShDegree)).map((value, i) =>
-      Math.abs(value - whole[i]),
-    );
+    const whole = imageOf(set);
+    const changes = imageOf(splatsOfDegree(set, trueShDegree)).map((value, i) => Math.abs(value - whole[i]));
     const most = changes.reduce((largest, change) => Math.max(largest, change), 0);
     expect(most).toBeLessThan(UNSEEN_CHANGE);
     expect(most).toBeGreaterThan(UNSEEN_CHANGE / 100);

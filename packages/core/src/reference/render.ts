@@ -51,7 +51,7 @@ export interface ReferenceFrame {
   };
 }
 
-export interface ReferencePicture extends ReferenceImage {
+export interface RenderedReference extends ReferenceImage {
   readonly visibleSplats: number;
   /** View depth of the splats per pixel, weighted like their colours; only with `hostDepths`. */
   readonly depths?: Float64Array;
@@ -66,7 +66,7 @@ interface DrawnSplat extends VisibleSplat {
  * in storage order (Morton order, file order among equal codes, clouds in the order given). Takes seconds for a million
  * splats.
  */
-export function renderReference(frame: ReferenceFrame): ReferencePicture {
+export function renderReference(frame: ReferenceFrame): RenderedReference {
   const settings = { ...resolveAccuracy('reference'), dilationPx2: DILATION_PX2, ...frame.settings };
   const layer = layerSize(frame, settings);
   const hostDepths = frame.hostDepths && nearestValues(frame.hostDepths, frame, layer);
@@ -94,7 +94,7 @@ function nearestValues(values: ArrayLike<number>, from: SizePx, to: SizePx): Flo
 type ReferenceSettings = Required<NonNullable<ReferenceFrame['settings']>>;
 
 /** Renders the layer: the image at the size that splats are blended at. */
-function renderLayer(frame: ReferenceFrame, settings: ReferenceSettings): ReferencePicture {
+function renderLayer(frame: ReferenceFrame, settings: ReferenceSettings): RenderedReference {
   const { camera, widthPx, heightPx, hostDepths } = frame;
   const { alphaCutoff } = settings;
   const projection = projectionOf(camera, widthPx, heightPx);

@@ -168,7 +168,7 @@ describe('compare-images', () => {
       const bad = Float32Array.from(good);
       bad[4 * (18 * 40 + 35) + 1] = value;
       await expect(onGpu(bad, good, size)).rejects.toThrow(
-        'The compared picture has values that are not finite in 1 pixels, the first of them in the 16×16 px from 32, 16.',
+        'The compared image has values that are not finite in 1 pixels, the first of them in the 16×16 px from 32, 16.',
       );
       await expect(onGpu(good, bad, size)).rejects.toThrow(NonFiniteImageError);
     }

@@ -184,7 +184,7 @@ describe('when a wish is measured', () => {
     view.show(requestOf([]));
     await passMs(1000);
     expect(begun).toHaveLength(0);
-    await expect(view.scene!.choose()).rejects.toThrow('no picture yet');
+    await expect(view.scene!.choose()).rejects.toThrow('no image yet');
   });
 });
 
@@ -274,7 +274,7 @@ describe('the end', () => {
     await passMs(500);
     await begun[0].fail(new Error('The reference is broken.'));
     expect(warn.mock.calls).toEqual([
-      ['The wish {"minPsnrDb":45} could not be measured; pictures stay. The reference is broken.'],
+      ['The wish {"minPsnrDb":45} could not be measured; images stay. The reference is broken.'],
     ]);
     view.show(requestOf([GARDEN], 128));
     await passMs(1000);

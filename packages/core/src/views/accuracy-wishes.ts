@@ -153,7 +153,7 @@ export class WishedScene {
   async choose({ signal, onProgress }: ChooseAccuracyOptions = {}): Promise<AccuracyChoice> {
     const request = this.#largestRequest();
     if (!request) {
-      const message = 'There is no picture yet to measure: draw some clouds first.';
+      const message = 'There is no image yet to measure: draw some clouds first.';
       throw new InvalidArgumentError('chooseAccuracy', message);
     }
     clearTimeout(this.#timer);
@@ -219,7 +219,7 @@ export class WishedScene {
       if (name === 'AbortError' || error instanceof DestroyedError) return;
       clearTimeout(this.#timer);
       this.#isSettled = true;
-      console.warn(`The wish ${JSON.stringify(this.wish)} could not be measured; pictures stay. ${message}`);
+      console.warn(`The wish ${JSON.stringify(this.wish)} could not be measured; images stay. ${message}`);
     }
   }
 
