@@ -68,7 +68,7 @@ describe('hard catalogue', () => {
     expect(errorFor('zzz').links).toHaveLength(1);
   });
 
-  it('says why a case without a image cannot be opened', () => {
+  it('says why a case without an image cannot be opened', () => {
     expect(errorFor('equal-keys').message).toMatch(/equal-keys cannot be opened.*no image/);
   });
 

@@ -69,7 +69,7 @@ export function checkRequest({ camera, clouds, widthPx, heightPx }: FrameRequest
       throw new InvalidArgumentError('modelMatrix', message);
     }
     if (!(shDegree in SH_REST_COEFFICIENTS)) {
-      const message = `The shDegree of ${cloud.name} is ${shDegree}; use 0, 1, 2 or 3.`;
+      const message = `${cloud.name} cannot be drawn with degree ${shDegree}; use 0, 1, 2 or 3.`;
       throw new InvalidArgumentError('shDegree', message);
     }
   }

@@ -60,7 +60,7 @@ async function requestAdapter({
     (await gpu.requestAdapter());
   if (!adapter) {
     throw new WebGpuUnavailableError(
-      'WebGPU found no usable GPU adapter: the driver may be blocked, or hardware acceleration may be off.',
+      'WebGPU found no GPU that it may use: the driver may be blocked, or hardware acceleration may be off.',
     );
   }
   return adapter;

@@ -44,7 +44,7 @@ interface Drawn {
   readonly again: () => Promise<number>;
 }
 
-/** A image of what `addTo` adds, by an engine of its own. */
+/** An image of what `addTo` adds, by an engine of its own. */
 async function drawn(addTo: (engine: SplatEngine) => SplatCloud | Promise<SplatCloud>): Promise<Drawn> {
   const textsBefore = shaderTexts.size;
   const engine = await SplatEngine.create({ device });

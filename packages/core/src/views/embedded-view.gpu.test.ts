@@ -427,6 +427,28 @@ describe('an embedded view', () => {
   });
 
   gpuTest(
+    'calls onReady for clouds that join, though the host goes on with the others meanwhile',
+    async () => {
+      const view = engine.createEmbeddedView();
+      const { perspective } = testCameras(1);
+      const alone = { camera: perspective, clouds: [{ cloud }], ...SIZE };
+      await prepared(view, alone);
+      // Of a degree that no shader has been compiled for yet.
+      const joining = engine.add(randomSplats({ count: 50, seed: 6, shDegree: 2 }));
+      const both = { ...alone, clouds: [{ cloud }, { cloud: joining, shDegree: 1 as const }] };
+      const ready = new Promise<void>((resolve) => {
+        view.onReady = resolve;
+      });
+      expect(view.prepare(both)).toBe(false);
+      expect(view.prepare(alone)).toBe(true);
+      await ready;
+      expect(view.prepare(both)).toBe(true);
+      view.destroy();
+      joining.destroy();
+    },
+  );
+
+  gpuTest(
     'prepares again only if something has moved, draws every time, and frees all memory it held',
     async () => {
       const bytesBefore = engine.memory().totalBytes;

@@ -99,6 +99,7 @@ export class EmbeddedView extends ViewCore {
     this.onAccuracyChosen?.(choice);
   }
 
+  /** The host may have drawn fewer clouds meanwhile, those whose shaders were there: it is to try again in any case. */
   protected override retry(): void {
     this.onReady?.();
   }

@@ -109,8 +109,8 @@ export class SplatView extends ViewCore {
     this.onAccuracyChosen?.(choice);
   }
 
-  protected override retry(request: FrameRequest): void {
-    this.render(request);
+  protected override retry(request: FrameRequest | null): void {
+    if (request && this.canStillDraw(request)) this.render(request);
   }
 
   #draw(plan: FramePlan): void {

@@ -198,8 +198,12 @@ export abstract class ViewCore {
   /** Called when settings have been chosen for a wish; `request` is that of the last frame. */
   protected abstract onChosen(choice: AccuracyChoice, request: FrameRequest): void;
 
-  /** Called when shaders for `request`, the newest one, have been compiled: draws it, or waits for further shaders. */
-  protected abstract retry(request: FrameRequest): void;
+  /**
+   * Called when shaders that a request lacked have been compiled.
+   *
+   * @param request the newest one, which still waits: draw it, or wait for further shaders. Null if another was drawn meanwhile.
+   */
+  protected abstract retry(request: FrameRequest | null): void;
 
   /**
    * Checks a request.
@@ -400,16 +404,18 @@ export abstract class ViewCore {
   }
 
   async #retryWhenCompiled(wait: Wait, { shape }: FramePlan): Promise<void> {
+    let isWaiting = true;
     try {
       await this.context.pipelines.prepare(frameStages(shape));
-      if (this.#wait !== wait) return;
-      this.#wait = null;
-      if (this.canStillDraw(wait.request)) this.retry(wait.request);
+      if (this.#isDestroyed) return;
+      isWaiting = this.#wait === wait;
+      if (isWaiting) this.#wait = null;
+      this.retry(isWaiting ? wait.request : null);
     } finally {
       if (this.#wait === wait) this.#wait = null;
     }
     // By now the newest request may wait for other shaders.
-    if (this.#wait) await this.#whenDrawn;
+    if (isWaiting && this.#wait) await this.#whenDrawn;
   }
 
   #endWait(): void {

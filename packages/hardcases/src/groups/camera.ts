@@ -130,7 +130,7 @@ export const CAMERA_CASES: readonly HardCase[] = [
   }),
   scene({
     name: 'camera-orthographic',
-    breaks: 'Sizes and directions are divided by a depth that has no meaning in this projection.',
+    breaks: 'Sizes and directions are divided by a depth that means nothing in this projection.',
     clouds: () => [{ set: splatsOf(colourful(4), { shDegree: 3 }) }],
     cameras: (aspect) => ({
       front: orthographicCamera({ position: [0, 0, 5], target: [0, 0, 0], aspect, height: 6 }),
