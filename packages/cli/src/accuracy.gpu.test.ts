@@ -1,7 +1,7 @@
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { expect } from 'vitest';
-import { runMain, TestFolder } from './test-folder.ts';
+import { runMain, TestFolder } from './testing/test-folder.ts';
 
 gpuTest('prints a table, writes a chart, and gives all of it as JSON', async () => {
   const folder = new TestFolder();

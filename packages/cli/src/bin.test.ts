@@ -2,7 +2,7 @@ import { spawnSync } from 'node:child_process';
 import { existsSync, mkdirSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { expect, test } from 'vitest';
-import { TestFolder } from './test-folder.ts';
+import { TestFolder } from './testing/test-folder.ts';
 
 const bin = fileURLToPath(new URL('../bin/websplatter.js', import.meta.url));
 const isBuilt = existsSync(new URL('../dist/main.js', import.meta.url));

@@ -1,6 +1,6 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { expect } from 'vitest';
-import { runMain } from './test-folder.ts';
+import { runMain } from './testing/test-folder.ts';
 
 gpuTest('hardcases runs the cases that are asked for and sums up', async () => {
   const table = await runMain('hardcases', '--filter', 'scale-unit', '--size', '32x32');

@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { runMain } from './test-folder.ts';
+import { runMain } from './testing/test-folder.ts';
 
 test.each([
   [['--filter', 'no such case'], '--filter is no such case; no case has that in its name'],

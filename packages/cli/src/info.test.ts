@@ -1,6 +1,6 @@
 import { readFileSync } from 'node:fs';
 import { expect, test } from 'vitest';
-import { runMain, TestFolder, threeSplats } from './test-folder.ts';
+import { runMain, TestFolder, threeSplats } from './testing/test-folder.ts';
 
 test('info describes a file', async () => {
   const scene = new TestFolder().scene();

@@ -2,7 +2,7 @@ import { readFileSync } from 'node:fs';
 import { compareImages } from '@websplatter/core/reference';
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { expect } from 'vitest';
-import { runMain, TestFolder } from './test-folder.ts';
+import { runMain, TestFolder } from './testing/test-folder.ts';
 
 const readRaw = (path: string) => new Float32Array(readFileSync(path).buffer.slice(0));
 

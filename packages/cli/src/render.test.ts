@@ -1,7 +1,7 @@
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { decode } from 'fast-png';
 import { expect, test } from 'vitest';
-import { runMain, TestFolder } from './test-folder.ts';
+import { runMain, TestFolder } from './testing/test-folder.ts';
 
 const SIZE = ['--size', '48x32'];
 const REFERENCE = ['--renderer', 'reference'];

@@ -3,7 +3,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { encodePly, type SplatSet } from '@websplatter/core';
 import { onTestFinished } from 'vitest';
-import { main } from './main.ts';
+import { main } from '../main.ts';
 
 /** A temporary folder for one test, with helpers that write the files that commands read. */
 export class TestFolder {
