@@ -341,7 +341,11 @@ export class SplatEngine {
       this.#checkUsable();
       if (planes.held === held) return;
     }
-    this.#planeMaker ??= this.#loadPlaneMaker();
+    this.#planeMaker ??= this.#loadPlaneMaker().catch((error) => {
+      // The chunk may be there at the next attempt.
+      this.#planeMaker = null;
+      throw error;
+    });
     await (await this.#planeMaker).make(...request);
   }
 
