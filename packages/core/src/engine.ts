@@ -7,7 +7,7 @@ import {
 } from './accuracy/accuracy.ts';
 import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy/accuracy-wish.ts';
 import type { HoldOptions } from './clouds/cloud-leases.ts';
-import type { HeldPrecisions } from './clouds/cloud-planes.ts';
+import { isHeld } from './clouds/cloud-planes.ts';
 import type { PlaneMaker } from './clouds/plane-maker.ts';
 import { type CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
 import { DestroyedError } from './errors.ts';
@@ -400,11 +400,4 @@ function possibleOn(device: GPUDevice, requested: AccuracySettings): PossibleAcc
     return { settings: internAccuracy({ ...requested, colorTarget: 'rgba16float' }), notices: [notice] };
   }
   return { settings: requested, notices: [] };
-}
-
-function isHeld(
-  { geometry, sh }: HeldPrecisions,
-  { geometryPrecision, shPrecision }: CloudPrecision,
-): boolean {
-  return geometry.includes(geometryPrecision) && sh.includes(shPrecision);
 }

@@ -14,6 +14,14 @@ export interface HeldPrecisions {
   readonly sh: readonly ShPrecision[];
 }
 
+/** Whether both planes of a precision are held. */
+export function isHeld(
+  { geometry, sh }: HeldPrecisions,
+  { geometryPrecision, shPrecision }: CloudPrecision,
+): boolean {
+  return geometry.includes(geometryPrecision) && sh.includes(shPrecision);
+}
+
 /** A part of a cloud that fits the device's bindings. */
 export interface CloudPage {
   readonly splatCount: number;
@@ -184,11 +192,7 @@ export class CloudPlanes {
       if (this.shDegree === 0 || claims.some(({ shPrecision }) => shPrecision === precision)) continue;
       this.#drop(this.#sh, precision, plane);
     }
-    const { geometry, sh } = this.held;
-    for (const [key, pages] of this.#pages) {
-      const isHeld = geometry.includes(pages.geometryPrecision) && sh.includes(pages.shPrecision);
-      if (!isHeld) this.#pages.delete(key);
-    }
+    for (const [key, pages] of this.#pages) if (!isHeld(this.held, pages)) this.#pages.delete(key);
   }
 
   free(plane: Plane): void {

@@ -1,4 +1,5 @@
 import type { AccuracyWish } from '../accuracy/accuracy-wish.ts';
+import { isHeld } from '../clouds/cloud-planes.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
@@ -197,10 +198,7 @@ export class WishedScene {
 
   /** Passes an earlier choice to a new view; the clouds may no longer hold its planes. */
   async #resume(view: WishingView, choice: AccuracyChoice): Promise<void> {
-    const { geometryPrecision, shPrecision } = choice.settings;
-    const lacking = [...this.clouds].filter(({ precisions: { geometry, sh } }) => {
-      return !(geometry.includes(geometryPrecision) && sh.includes(shPrecision));
-    });
+    const lacking = [...this.clouds].filter(({ precisions }) => !isHeld(precisions, choice.settings));
     await this.#context.adopt(choice, lacking);
     const request = this.#views.get(view);
     if (request && this.#choice === choice) view.onChosen(choice, request);
