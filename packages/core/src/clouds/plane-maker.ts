@@ -161,8 +161,7 @@ export class PlaneMaker {
       for (const [page, { start, end }] of planes.ranges.entries()) {
         const splatCount = end - start;
         const logScales = [logScaleRange.min, logScaleRange.step];
-        const contents = new ArrayBuffer(RepackParameters.bytes);
-        RepackParameters.write(contents, { logScales, splatCount, dispatchRow });
+        const contents = RepackParameters.pack({ logScales, splatCount, dispatchRow });
         const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
         const parameters = memory.createBuffer('repack parameters', RepackParameters.bytes, usage);
         made.push(parameters);

@@ -8,8 +8,7 @@ import type { FramePlan } from './frame-plan.ts';
 /** Returns the contents of a frame's `view` buffer. */
 export function viewUniforms({ projection, shape }: FramePlan): ArrayBuffer {
   const { widthPx, heightPx, focalPx, centerPx, clampX, clampY, near, far } = projection;
-  const contents = new ArrayBuffer(View.bytes);
-  View.write(contents, {
+  const contents = View.pack({
     sizePx: [widthPx, heightPx],
     focalPx,
     centerPx,
@@ -42,8 +41,7 @@ export function writeEffectUniforms(
 
 /** Returns the contents of a frame's `hostDepth` buffer. */
 export function hostDepthUniform({ camera }: FramePlan, mapping: DepthConvention['mapping']): ArrayBuffer {
-  const contents = new ArrayBuffer(HostDepth.bytes);
-  HostDepth.write(contents, depthMapping(camera, mapping));
+  const contents = HostDepth.pack(depthMapping(camera, mapping));
   return contents;
 }
 

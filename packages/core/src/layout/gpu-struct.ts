@@ -40,6 +40,8 @@ export interface GpuStruct<Fields extends GpuFields> {
   /** Size and array stride, in bytes. */
   readonly bytes: number;
   readonly wgsl: string;
+  /** A buffer with one struct that holds `values`. */
+  pack(values: GpuValues<Fields>): ArrayBuffer;
   /** Writes `values` at `byteOffset`, a multiple of 4, into a buffer of whole words. */
   write(target: ArrayBuffer, values: GpuValues<Fields>, byteOffset?: number): void;
 }
@@ -75,6 +77,11 @@ export function gpuStruct<const Fields extends GpuFields>(name: string, fields: 
     offsets: offsets as { [Name in keyof Fields]: number },
     bytes: roundUp(end, alignment),
     wgsl: `struct ${name} {\n${lines.join('\n')}\n}`,
+    pack(values) {
+      const packed = new ArrayBuffer(this.bytes);
+      this.write(packed, values);
+      return packed;
+    },
     write(target, values, byteOffset = 0) {
       const floats = new Float32Array(target, byteOffset);
       const words = new Uint32Array(target, byteOffset);

@@ -69,8 +69,7 @@ export async function compareTextures(
     const tiles = create('compare tiles', tileBytes, STORAGE | COPY_SRC);
     const errorCounts = create('compare error counts', countBytes, STORAGE | COPY_SRC);
     const readback = create('compare read-back', tileBytes + countBytes, COPY_DST | MAP_READ);
-    const contents = new ArrayBuffer(CompareParameters.bytes);
-    CompareParameters.write(contents, { background });
+    const contents = CompareParameters.pack({ background });
     device.queue.writeBuffer(parameters, 0, contents);
 
     const encoder = device.createCommandEncoder({ label: 'compare' });

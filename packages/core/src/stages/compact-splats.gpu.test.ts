@@ -30,8 +30,7 @@ describe('compact-splats', () => {
       const counts = visibleChunks.map(
         (_, slot) => compactTwin([0], masks.subarray(8 * slot, 8 * slot + 8)).length,
       );
-      const parameters = new ArrayBuffer(CullParameters.bytes);
-      CullParameters.write(parameters, { chunkCount, pageCount: 1, dispatchRow: 7 });
+      const parameters = CullParameters.pack({ chunkCount, pageCount: 1, dispatchRow: 7 });
       const chunkOffsets = new Uint32Array(chunkCount + 1);
       chunkOffsets[chunkCount] = slots;
       const visibleSplats = storageBuffer(device, new Uint32Array(256 * chunkCount).fill(0xffffffff));

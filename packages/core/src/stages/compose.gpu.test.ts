@@ -95,11 +95,9 @@ async function check(options: Options, pipelines = new Pipelines(device)) {
     SAMPLES,
     DEPTH_ORIGIN_PX,
   );
-  const viewport = new ArrayBuffer(HostViewport.bytes);
   const origins = { colorOriginPx: COLOR_ORIGIN_PX, depthOriginPx: DEPTH_ORIGIN_PX };
-  HostViewport.write(viewport, { ...origins, pxPerLayerPx: [1, 1] });
-  const hostDepth = new ArrayBuffer(HostDepth.bytes);
-  HostDepth.write(hostDepth, depthMapping(camera, mapping));
+  const viewport = HostViewport.pack({ ...origins, pxPerLayerPx: [1, 1] });
+  const hostDepth = HostDepth.pack(depthMapping(camera, mapping));
   // In float32, because the formats of real hosts would hide errors.
   const targets = (hasDepthLayer ? [0, 1] : [0]).map(() =>
     device.createTexture({

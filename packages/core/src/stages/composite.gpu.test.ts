@@ -28,8 +28,7 @@ describe('composite', () => {
         usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST,
       });
       device.queue.writeTexture({ texture: source }, layer, { bytesPerRow: 16 * width }, [width, height]);
-      const parameters = new ArrayBuffer(CompositeParameters.bytes);
-      CompositeParameters.write(parameters, { background });
+      const parameters = CompositeParameters.pack({ background });
       const target = device.createTexture({
         size: [width, height],
         format,

@@ -46,8 +46,7 @@ async function run({ pageCount, visiblePart, dispatchRow }: Frame, pipelines = n
     return new Uint32Array(plans);
   };
   const garbage = (words: number) => storageBuffer(device, new Uint32Array(words).fill(GARBAGE));
-  const parameters = new ArrayBuffer(CullParameters.bytes);
-  CullParameters.write(parameters, { chunkCount, pageCount, dispatchRow });
+  const parameters = CullParameters.pack({ chunkCount, pageCount, dispatchRow });
   const written = {
     pagePlans: storageBuffer(device, plansOf(pages.map(() => ({ slotStart: GARBAGE, slotCount: GARBAGE })))),
     slotCount: garbage(1),

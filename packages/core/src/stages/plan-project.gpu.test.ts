@@ -48,8 +48,7 @@ async function run({ pageCount, maxSlots, dispatchRow }: Frame, pipelines = new 
     return new Uint32Array(plans);
   };
   const garbage = (words: number) => storageBuffer(device, new Uint32Array(words).fill(GARBAGE));
-  const parameters = new ArrayBuffer(CullParameters.bytes);
-  CullParameters.write(parameters, { chunkCount: slotCount + 3, pageCount, dispatchRow });
+  const parameters = CullParameters.pack({ chunkCount: slotCount + 3, pageCount, dispatchRow });
   const written = {
     pagePlans: storageBuffer(
       device,

@@ -26,9 +26,8 @@ interface Keys {
 async function run({ keyBits, keyCount, capacity, dispatchRow }: Keys, pipelines = new Pipelines(device)) {
   const { digitBits, workgroup, itemsPerThread } = sortShapeFor(keyBits);
   const tileKeys = workgroup * itemsPerThread;
-  const parameters = new ArrayBuffer(SortParameters.bytes);
   const pass = { digitShift: 0, isFirst: 0, isLast: 0 };
-  SortParameters.write(parameters, { ...pass, radix: 2 ** digitBits, capacity, dispatchRow });
+  const parameters = SortParameters.pack({ ...pass, radix: 2 ** digitBits, capacity, dispatchRow });
   const garbage = (words: number) => storageBuffer(device, new Uint32Array(words).fill(0xdeadbeef));
   const written = { plan: garbage(2), digitCountCount: garbage(1), tileDispatch: garbage(3) };
   const bindings = {

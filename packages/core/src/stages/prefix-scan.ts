@@ -60,8 +60,7 @@ export class PrefixScan {
       const blockCount = Math.ceil((maxCount + 1) / SCAN_BLOCK);
       const label = `${options.label} scan level ${level}`;
       const parameters = this.#buffer(`${label} parameters`, ScanParameters.bytes, GPUBufferUsage.UNIFORM);
-      const contents = new ArrayBuffer(ScanParameters.bytes);
-      ScanParameters.write(contents, { blockCount, dispatchRow: options.dispatchRow });
+      const contents = ScanParameters.pack({ blockCount, dispatchRow: options.dispatchRow });
       device.queue.writeBuffer(parameters, 0, contents);
       const blockSums = this.#buffer(`${label} block sums`, 4 * (blockCount + 1), GPUBufferUsage.STORAGE);
       const bindGroup = pipelines.bindGroup(reduceBlocks, { parameters, inputCount, values, blockSums });

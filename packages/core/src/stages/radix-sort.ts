@@ -89,8 +89,7 @@ export class RadixSort {
         SortParameters.bytes,
         GPUBufferUsage.UNIFORM,
       );
-      const contents = new ArrayBuffer(SortParameters.bytes);
-      SortParameters.write(contents, {
+      const contents = SortParameters.pack({
         digitShift: pass * shape.digitBits,
         radix,
         capacity,

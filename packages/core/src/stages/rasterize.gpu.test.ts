@@ -41,8 +41,7 @@ interface DrawnSplat {
 const COLOR = [0.75, 0.5, 0.25] as const;
 
 async function drawOnGpu(splat: DrawnSplat, widthPx: number, heightPx: number) {
-  const view = new ArrayBuffer(View.bytes);
-  View.write(view, {
+  const view = View.pack({
     sizePx: [widthPx, heightPx],
     focalPx: [1, 1],
     centerPx: [0, 0],

@@ -29,8 +29,11 @@ const LOG_ROUNDING = 4e-6;
 
 async function repackOnGpu(finer: PackedGeometry, count: number): Promise<PackedGeometry> {
   const { min, step } = finer.logScaleRange;
-  const contents = new ArrayBuffer(RepackParameters.bytes);
-  RepackParameters.write(contents, { logScales: [min, step], splatCount: count, dispatchRow: DISPATCH_ROW });
+  const contents = RepackParameters.pack({
+    logScales: [min, step],
+    splatCount: count,
+    dispatchRow: DISPATCH_ROW,
+  });
   const coarser = storageBuffer(device, [], 32 * count);
   const bindings = {
     parameters: uniformBuffer(device, contents),

@@ -36,9 +36,8 @@ async function run({ compare, samples, place }: Options, pipelines = new Pipelin
     heightPx: originPx[1] + Math.round(heightPx * pxPerLayerPx[1]) + 3,
   };
   const host = { ...size, samples, values: randomDepths(samples * size.widthPx * size.heightPx) };
-  const viewport = new ArrayBuffer(HostViewport.bytes);
   // Only compose uses the origin within the colours.
-  HostViewport.write(viewport, { colorOriginPx: [1000, 1000], depthOriginPx: originPx, pxPerLayerPx });
+  const viewport = HostViewport.pack({ colorOriginPx: [1000, 1000], depthOriginPx: originPx, pxPerLayerPx });
   const target = device.createTexture({
     size: [widthPx, heightPx],
     format: TESTED_DEPTH_FORMAT,

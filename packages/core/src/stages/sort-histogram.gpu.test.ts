@@ -29,8 +29,7 @@ describe('sort-histogram', () => {
         const radix = 1 << shape.digitBits;
         for (let pass = 0; pass < shape.passes; pass++) {
           const digitShift = pass * shape.digitBits;
-          const parameters = new ArrayBuffer(SortParameters.bytes);
-          SortParameters.write(parameters, {
+          const parameters = SortParameters.pack({
             digitShift,
             radix,
             capacity: keys.length,

@@ -44,9 +44,8 @@ describe('sort-scatter', () => {
       const payloads = Uint32Array.from(keys, () => Math.floor(random() * 2 ** 32));
       const tileCount = Math.ceil(count / tileKeys);
       const digitOffsets = prefixScan(histogramTwin(keys, pass));
-      const parameters = new ArrayBuffer(SortParameters.bytes);
       const radix = 1 << shape.digitBits;
-      SortParameters.write(parameters, {
+      const parameters = SortParameters.pack({
         digitShift: pass.digitShift,
         radix,
         capacity: count,

@@ -51,8 +51,7 @@ describe('upscale', () => {
         device.queue.writeTexture({ texture }, values, { bytesPerRow: 16 * from[0] }, from);
         return texture.createView();
       });
-      const parameters = new ArrayBuffer(UpscaleParameters.bytes);
-      UpscaleParameters.write(parameters, { layerPerPx: [from[0] / to[0], from[1] / to[1]] });
+      const parameters = UpscaleParameters.pack({ layerPerPx: [from[0] / to[0], from[1] / to[1]] });
       const targets = layers.map(() =>
         device.createTexture({
           size: to,

@@ -109,8 +109,7 @@ async function readBlocks(
     const parameters = create('pick parameters', PickParameters.bytes, UNIFORM | COPY_DST);
     const blocks = create('pick blocks', bytes, STORAGE | COPY_SRC);
     const readback = create('pick read-back', bytes, COPY_DST | MAP_READ);
-    const contents = new ArrayBuffer(PickParameters.bytes);
-    PickParameters.write(contents, { pixelPx, blockCount });
+    const contents = PickParameters.pack({ pixelPx, blockCount });
     device.queue.writeBuffer(parameters, 0, contents);
 
     const stage = pick(accuracy.recordPrecision);

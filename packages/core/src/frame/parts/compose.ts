@@ -135,8 +135,7 @@ export class Compose implements FramePart<DrawRecording> {
     const key = `${xPx} ${yPx} ${behind === color} ${pxPerLayerPx}`;
     if (key === this.#viewportKey) return;
     this.#viewportKey = key;
-    const contents = new ArrayBuffer(HostViewport.bytes);
-    HostViewport.write(contents, {
+    const contents = HostViewport.pack({
       colorOriginPx: behind === color ? [xPx, yPx] : [0, 0],
       depthOriginPx: [xPx, yPx],
       pxPerLayerPx,

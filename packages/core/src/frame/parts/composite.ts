@@ -63,8 +63,7 @@ export class Composite implements FramePart<DrawRecording> {
     if (destination.kind !== 'canvas' || !stage) return;
     const { canvas, background } = destination;
     const { device, pipelines } = this.#context;
-    const contents = new ArrayBuffer(CompositeParameters.bytes);
-    CompositeParameters.write(contents, { background });
+    const contents = CompositeParameters.pack({ background });
     device.queue.writeBuffer(this.#parameters!, 0, contents);
     const pass = encoder.beginRenderPass({
       label: 'composite',
