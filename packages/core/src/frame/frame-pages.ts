@@ -43,7 +43,7 @@ export function projectWorkgroups(chunkCount: number): number {
 }
 
 /** Number of chunks of all pages. */
-export function chunkCountOf(pages: readonly FramePage[]): number {
+export function totalChunks(pages: readonly FramePage[]): number {
   return pages.reduce((sum, { chunkCount }) => sum + chunkCount, 0);
 }
 

@@ -5,7 +5,7 @@ import { PagePlan } from '../layout/structs.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
-import { chunkCountOf } from './frame-pages.ts';
+import { totalChunks } from './frame-pages.ts';
 
 describe('a frame', () => {
   gpuTest('plans the work of each page on the GPU, and lists the visible splats without gaps', async () => {
@@ -24,7 +24,7 @@ describe('a frame', () => {
       keyBits: 8,
     });
     const { pages } = frame.parts;
-    const chunkCount = chunkCountOf(pages);
+    const chunkCount = totalChunks(pages);
     expect(pages.map((page) => page.chunkCount)).toEqual([4, 4, 4, 3, 1, 3]);
     const chunkOffsets = await frame.words('chunkOffsets');
     const visibleChunks = await frame.words('visibleChunks');

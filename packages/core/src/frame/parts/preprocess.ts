@@ -13,11 +13,11 @@ import { PrefixScan, prefixScanStages } from '../../stages/prefix-scan.ts';
 import { project } from '../../stages/project.ts';
 import { EffectBuffers } from '../effect-buffers.ts';
 import {
-  chunkCountOf,
   type FramePage,
   PAGE_STRIDE_BYTES,
   pagesOf,
   projectWorkgroups,
+  totalChunks,
 } from '../frame-pages.ts';
 import {
   type FramePart,
@@ -237,7 +237,7 @@ export class Preprocess implements FramePart<OrderRecording> {
     }
     chunkScan.record(pass);
     useCompute(pass, pipelines, compactChunks, groups.compactChunks);
-    pass.dispatchWorkgroups(...chunkWorkgroups(chunkCountOf(pages)));
+    pass.dispatchWorkgroups(...chunkWorkgroups(totalChunks(pages)));
     useCompute(pass, pipelines, planCull, groups.planCull);
     pass.dispatchWorkgroups(1);
     stage = null;
@@ -252,7 +252,7 @@ export class Preprocess implements FramePart<OrderRecording> {
     pass.dispatchWorkgroups(1);
     useCompute(pass, pipelines, compactSplats, groups.compactSplats);
     const indirect = { buffer: buffers.cullDispatches, offset: 12 * pages.length };
-    dispatchAtMost(pass, chunkCountOf(pages), shape.dispatchRow, indirect);
+    dispatchAtMost(pass, totalChunks(pages), shape.dispatchRow, indirect);
   }
 
   /** Sets the pipeline of `stage` unless it is `current`: most pages use the same. */
@@ -268,7 +268,7 @@ export class Preprocess implements FramePart<OrderRecording> {
   #make(shape: FrameShape): Held {
     const { device, pipelines, memory } = this.#context;
     const pages = pagesOf(shape);
-    const chunkCount = chunkCountOf(pages);
+    const chunkCount = totalChunks(pages);
     const made: { destroy(): void }[] = [];
     const buffers = {} as Record<BufferName, GPUBuffer>;
     const scan = (values: GPUBuffer, inputCount: GPUBuffer) => {
@@ -310,9 +310,8 @@ function writeConstants(
   { dispatchRow }: FrameShape,
   pages: readonly FramePage[],
 ): void {
-  const chunkCount = chunkCountOf(pages);
-  const parameters = new ArrayBuffer(CullParameters.bytes);
-  CullParameters.write(parameters, { chunkCount, pageCount: pages.length, dispatchRow });
+  const chunkCount = totalChunks(pages);
+  const parameters = CullParameters.pack({ chunkCount, pageCount: pages.length, dispatchRow });
   queue.writeBuffer(buffers.cullParameters, 0, parameters);
   queue.writeBuffer(buffers.chunkCount, 0, Uint32Array.of(chunkCount));
   const plans = new ArrayBuffer(PagePlan.bytes * pages.length);

@@ -61,26 +61,22 @@ export class Upscale implements FramePart<DrawRecording> {
   }
 
   bind(shape: FrameShape): void {
-    const { pipelines, shared } = this.#context;
+    const { device, pipelines, shared } = this.#context;
     this.#group = null;
     if (!isScaled(shape)) {
       shared.image = shared.blended;
       return;
     }
     const { color, depthLayer } = shared.blended!;
+    const image = this.#image!.color;
+    const layerPerPx = [color.width / image.width, color.height / image.height];
+    const contents = UpscaleParameters.pack({ layerPerPx });
+    device.queue.writeBuffer(this.#parameters!, 0, contents);
     this.#group = pipelines.bindGroup(stageOf(shape)[0], {
       parameters: this.#parameters!,
       layer: color.createView(),
       ...(depthLayer && { depthLayer: depthLayer.createView() }),
     });
-  }
-
-  write({ request, layer }: FramePlan): void {
-    if (!this.#parameters) return;
-    const contents = new ArrayBuffer(UpscaleParameters.bytes);
-    const layerPerPx = [layer.widthPx / request.widthPx, layer.heightPx / request.heightPx];
-    UpscaleParameters.write(contents, { layerPerPx });
-    this.#context.device.queue.writeBuffer(this.#parameters, 0, contents);
   }
 
   record({ encoder, timer, shape }: DrawRecording): void {
