@@ -1,12 +1,12 @@
 // `npm run bench:render -- A B`: CPU time of view.render and EmbeddedView.prepare, the calls themselves, with a moving camera.
 // Checkouts take turns in one run, so that what else the machine does meets them alike: compare the ratios. On a
 // machine that others use too, P10 is the least disturbed figure.
-import { fork } from 'node:child_process';
 import os from 'node:os';
 import { resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 import { describeCheckout, findCheckout } from './checkouts/checkout.mjs';
+import { ForkedTimer, letterOf, medianOf, quantile, turns, wholeNumber } from './checkouts/forked-timer.mjs';
 
 const USAGE = `npm run bench:render -- CHECKOUT [CHECKOUT…] [OPTION…]
   CHECKOUT        folder with built packages (npm ci); node_modules and .git are not needed with --dawn
@@ -18,40 +18,6 @@ const USAGE = `npm run bench:render -- CHECKOUT [CHECKOUT…] [OPTION…]
 const TIME_FRAMES = fileURLToPath(new URL('checkouts/time-frames.mjs', import.meta.url));
 const BENCHES = ['view.render', 'EmbeddedView.prepare'];
 
-/** A process that draws with one checkout, and is idle unless it is asked. */
-class Timer {
-  #child;
-
-  constructor(options) {
-    this.#child = fork(TIME_FRAMES, [JSON.stringify(options)]);
-  }
-
-  /** Resolves with times of single frames, ms. */
-  async time(request) {
-    this.#child.send(request);
-    const { timesMs, error } = await this.answer();
-    if (error) throw new Error(error);
-    return timesMs;
-  }
-
-  /** The next thing that the process has to say. */
-  answer() {
-    return new Promise((resolve, reject) => {
-      const ended = (status, signal) =>
-        reject(new Error(`drawing ended with ${signal ?? `status ${status}`}.`));
-      this.#child.once('exit', ended);
-      this.#child.once('message', (message) => {
-        this.#child.off('exit', ended);
-        resolve(message);
-      });
-    });
-  }
-
-  end() {
-    this.#child.kill();
-  }
-}
-
 const { checkouts, cloudCounts, frames, rounds, dawn } = readOptions();
 const { model } = os.cpus()[0];
 console.log(
@@ -60,13 +26,13 @@ console.log(
 
 const timers = [];
 for (const [i, { path, folder }] of checkouts.entries()) {
-  const timer = new Timer({ folder, dawn });
+  const timer = new ForkedTimer(TIME_FRAMES, { folder, dawn });
   const { adapter } = await timer.answer().catch((error) => stop(`${path}: ${error.message}`));
   timers.push(timer);
   console.log(`${letterOf(i)}: ${path}, ${describeCheckout({ folder })}, on ${adapter}`);
 }
 console.log(
-  `${rounds} rounds of ${frames} frames each, in turns (${turns(0).map(letterOf).join(' ')}, then back)`,
+  `${rounds} rounds of ${frames} frames each, in turns (${turns(timers, 0).map(letterOf).join(' ')}, then back)`,
 );
 
 for (const bench of BENCHES) {
@@ -83,14 +49,8 @@ async function measure(bench, cloudCount) {
   const times = timers.map(() => []);
   for (const timer of timers) await timer.time({ bench, cloudCount, frames: 2 * frames, isWarmUp: true });
   for (let round = 0; round < rounds; round++)
-    for (const i of turns(round)) times[i].push(await timers[i].time({ bench, cloudCount, frames }));
+    for (const i of turns(timers, round)) times[i].push(await timers[i].time({ bench, cloudCount, frames }));
   return times;
-}
-
-/** Forwards and back: a machine that slows down in the course of a run meets all alike. */
-function turns(round) {
-  const order = timers.map((_, i) => i);
-  return round % 2 === 0 ? order : order.reverse();
 }
 
 function lineOf(index, times, firstTimes) {
@@ -105,21 +65,6 @@ function lineOf(index, times, firstTimes) {
   if (index === 0) return figures;
   const ratios = times.map((round, i) => medianOf(round) / medianOf(firstTimes[i])).sort((a, b) => a - b);
   return `${figures}  medians of single rounds ×${ratios[0].toFixed(3)}…${ratios.at(-1).toFixed(3)}`;
-}
-
-function medianOf(values) {
-  return quantile(
-    values.toSorted((a, b) => a - b),
-    0.5,
-  );
-}
-
-function quantile(sorted, part) {
-  return sorted[Math.min(sorted.length - 1, Math.floor(part * sorted.length))];
-}
-
-function letterOf(index) {
-  return String.fromCharCode('A'.charCodeAt(0) + index);
 }
 
 function readOptions() {
@@ -144,12 +89,6 @@ function readOptions() {
   } catch (error) {
     return stop(`${error.message}\n${USAGE}`);
   }
-}
-
-function wholeNumber(name, text) {
-  const number = Number(text);
-  if (Number.isInteger(number) && number >= 1) return number;
-  throw new Error(`--${name} has "${text}"; it takes whole numbers from 1 on.`);
 }
 
 function stop(message) {

@@ -1,9 +1,9 @@
-// First step of a radix pass: counts how often each digit occurs in each tile of keys.
-// Reads the keys and the sort's plan; writes digitCounts. One workgroup per tile of SORT_TILE keys.
+// First step of a radix pass: counts how often each digit occurs in each block of keys.
+// Reads the keys and the sort's plan; writes digitCounts. One workgroup per block of SORT_BLOCK keys.
 // Atomics in workgroup memory only count, so the result does not depend on their order.
 import constants::DIGIT_BITS;
 import constants::SORT_ITEMS;
-import constants::SORT_TILE;
+import constants::SORT_BLOCK;
 import constants::SORT_WORKGROUP;
 import layout::SortParameters;
 import layout::SortPlan;
@@ -14,23 +14,23 @@ const RADIX = 1u << DIGIT_BITS;
 @group(0) @binding(0) var<uniform> parameters: SortParameters;
 @group(0) @binding(1) var<storage, read> plan: SortPlan;
 @group(0) @binding(2) var<storage, read> keys: array<u32>;
-/// All tiles of digit 0, then all tiles of digit 1, …: a scan in this order turns the counts into places.
+/// All blocks of digit 0, then all blocks of digit 1, …: a scan in this order turns the counts into places.
 @group(0) @binding(3) var<storage, read_write> digitCounts: array<u32>;
 
 var<workgroup> counts: array<atomic<u32>, RADIX>;
 
 @compute @workgroup_size(SORT_WORKGROUP)
 fn sortHistogram(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
-  let tile = linearWorkgroup(workgroup, parameters.dispatchRow);
-  if (tile >= plan.tileCount) { return; }
+  let block = linearWorkgroup(workgroup, parameters.dispatchRow);
+  if (block >= plan.blockCount) { return; }
   for (var item = 0u; item < SORT_ITEMS; item++) {
-    let index = tile * SORT_TILE + item * SORT_WORKGROUP + lane;
+    let index = block * SORT_BLOCK + item * SORT_WORKGROUP + lane;
     if (index < plan.keyCount) {
       atomicAdd(&counts[extractBits(keys[index], parameters.digitShift, DIGIT_BITS)], 1u);
     }
   }
   workgroupBarrier();
   for (var digit = lane; digit < RADIX; digit += SORT_WORKGROUP) {
-    digitCounts[digit * plan.tileCount + tile] = atomicLoad(&counts[digit]);
+    digitCounts[digit * plan.blockCount + block] = atomicLoad(&counts[digit]);
   }
 }

@@ -1,76 +1,174 @@
 // Last step of a radix pass: moves every key and payload to its place.
-// Reads keys, payloads and the scanned digit counts; writes keys and payloads. One workgroup per tile of SORT_TILE keys.
-// Stable: within a tile, keys are taken in rounds of one per thread, and a key's rank among equal digits of its round is the
-// number of set bits before its own in that digit's mask.
+// Reads keys, payloads and the scanned digit counts; writes keys and payloads. One workgroup per block of SORT_BLOCK keys.
+// A block is sorted in workgroup memory first and then written in order, so that the keys of one digit leave in one run:
+// scattered writes took most of a pass before.
+// Stable: groups of GROUP threads take successive keys of the block, in rounds of one key per thread, and a key's rank is the
+// number of its digit's keys in the group's earlier rounds, plus those in this round at earlier threads, set bits of a mask.
 import constants::DIGIT_BITS;
 import constants::SORT_ITEMS;
-import constants::SORT_TILE;
+import constants::SORT_BLOCK;
 import constants::SORT_WORKGROUP;
 import layout::SortParameters;
 import layout::SortPlan;
 import package::lib::dispatch::linearWorkgroup;
 
 const RADIX = 1u << DIGIT_BITS;
-const ROUND_WORDS = SORT_WORKGROUP / 32u;
+const GROUP = 16u;
+const GROUPS = SORT_WORKGROUP / GROUP;
+/// Successive digits that one thread prepares.
+const THREAD_DIGITS = (RADIX + SORT_WORKGROUP - 1u) / SORT_WORKGROUP;
 
 @group(0) @binding(0) var<uniform> parameters: SortParameters;
 @group(0) @binding(1) var<storage, read> plan: SortPlan;
-/// First place for the keys of each digit and tile: the scanned digitCounts.
+/// Number of each digit's keys in the blocks before each block: the scanned digitCounts.
 @group(0) @binding(2) var<storage, read> digitOffsets: array<u32>;
-@group(0) @binding(3) var<storage, read> keysIn: array<u32>;
-@group(0) @binding(4) var<storage, read_write> payloadsOut: array<u32>;
-@group(0) @binding(5) var<storage, read> payloadsIn: array<u32>;
-@group(0) @binding(6) var<storage, read_write> keysOut: array<u32>;
+@group(0) @binding(3) var<storage, read> digitTotals: array<u32>;
+@group(0) @binding(4) var<storage, read> keysIn: array<u32>;
+@group(0) @binding(5) var<storage, read_write> payloadsOut: array<u32>;
+@group(0) @binding(6) var<storage, read> payloadsIn: array<u32>;
+@group(0) @binding(7) var<storage, read_write> keysOut: array<u32>;
 
-/// Next place per digit.
-var<workgroup> nextPlace: array<u32, RADIX>;
-/// A bit per digit and thread of the round; word by word, so that threads of one word hit different banks.
-var<workgroup> masks: array<atomic<u32>, ROUND_WORDS * RADIX>;
+/// One after another: a word per group and digit, the block's keys, the block's payloads. Such a word has the mask of the
+/// round in its lower half and the number of keys of earlier rounds in its upper half.
+var<workgroup> words: array<atomic<u32>, max(SORT_BLOCK, GROUPS * RADIX)>;
+/// Place of each digit's first key of this block, less its place within the block; modulo 2³².
+var<workgroup> shifts: array<u32, RADIX>;
+var<workgroup> threadSums: array<vec2u, SORT_WORKGROUP>;
+var<workgroup> groupSums: array<vec2u, GROUPS>;
 
 @compute @workgroup_size(SORT_WORKGROUP)
 fn sortScatter(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
-  let tile = linearWorkgroup(workgroup, parameters.dispatchRow);
-  if (tile >= plan.tileCount) { return; }
-  for (var digit = lane; digit < RADIX; digit += SORT_WORKGROUP) {
-    nextPlace[digit] = digitOffsets[digit * plan.tileCount + tile];
-  }
-  let word = lane / 32u;
-  let bit = 1u << (lane % 32u);
+  let block = linearWorkgroup(workgroup, parameters.dispatchRow);
+  if (block >= plan.blockCount) { return; }
+  let blockStart = block * SORT_BLOCK;
+  let blockKeys = min(SORT_BLOCK, plan.keyCount - blockStart);
+
+  let group = lane / GROUP;
+  let bit = 1u << (lane % GROUP);
+  let firstItem = group * GROUP * SORT_ITEMS + lane % GROUP;
+  var keys: array<u32, SORT_ITEMS>;
   for (var item = 0u; item < SORT_ITEMS; item++) {
-    let index = tile * SORT_TILE + item * SORT_WORKGROUP + lane;
-    let isKey = index < plan.keyCount;
-    var key = 0u;
-    var digit = 0u;
-    if (isKey) {
-      key = keysIn[index];
-      digit = extractBits(key, parameters.digitShift, DIGIT_BITS);
-      atomicOr(&masks[word * RADIX + digit], bit);
-    }
-    workgroupBarrier();
-
-    var place = 0u;
-    var rank = 0u;
-    if (isKey) {
-      rank = countOneBits(atomicLoad(&masks[word * RADIX + digit]) & (bit - 1u));
-      for (var before = 0u; before < word; before++) { rank += countOneBits(atomicLoad(&masks[before * RADIX + digit])); }
-      place = nextPlace[digit] + rank;
-    }
-    workgroupBarrier();
-
-    if (isKey) {
-      // The first key of each digit prepares the digit for the next round; all threads already have their places.
-      if (rank == 0u) {
-        var total = 0u;
-        for (var w = 0u; w < ROUND_WORDS; w++) { total += countOneBits(atomicExchange(&masks[w * RADIX + digit], 0u)); }
-        nextPlace[digit] += total;
-      }
-      // The payload of the first pass is each key's own index, and no later pass reads the keys of the last one. A uniform
-      // decides, because one shader for all passes compiles in a third of the time of three.
-      var payload = index;
-      if (parameters.isFirst == 0u) { payload = payloadsIn[index]; }
-      payloadsOut[place] = payload;
-      if (parameters.isLast == 0u) { keysOut[place] = key; }
-    }
-    workgroupBarrier();
+    let place = firstItem + item * GROUP;
+    if (place < blockKeys) { keys[item] = keysIn[blockStart + place]; }
   }
+  let localStart = prepareDigits(lane, block);
+
+  // Ranks within the group and digit; later places within the block.
+  var places: array<u32, SORT_ITEMS>;
+  for (var item = 0u; item < SORT_ITEMS; item++) {
+    let isKey = firstItem + item * GROUP < blockKeys;
+    let slot = group * RADIX + digitOf(keys[item]);
+    if (isKey) { atomicAdd(&words[slot], bit); }
+    workgroupBarrier();
+
+    var word = 0u;
+    if (isKey) { word = atomicLoad(&words[slot]); }
+    let before = word & (bit - 1u);
+    places[item] = (word >> 16u) + countOneBits(before);
+    workgroupBarrier();
+
+    // The first thread of each digit turns the mask into a count. Sums commute, so that threads which already add the next
+    // round's bits need not wait: what they add to a bit that is still set is carried, and the subtraction takes it back.
+    if (isKey && before == 0u) {
+      let mask = word & 0xffffu;
+      atomicAdd(&words[slot], (countOneBits(mask) << 16u) - mask);
+    }
+  }
+  workgroupBarrier();
+
+  // Counts of each group and digit become their places within the block.
+  var running = localStart;
+  for (var i = 0u; i < THREAD_DIGITS; i++) {
+    let digit = lane * THREAD_DIGITS + i;
+    if (digit >= RADIX) { break; }
+    for (var each = 0u; each < GROUPS; each++) {
+      let count = atomicLoad(&words[each * RADIX + digit]) >> 16u;
+      atomicStore(&words[each * RADIX + digit], running);
+      running += count;
+    }
+  }
+  workgroupBarrier();
+
+  for (var item = 0u; item < SORT_ITEMS; item++) {
+    places[item] += atomicLoad(&words[group * RADIX + digitOf(keys[item])]);
+  }
+  workgroupBarrier();
+
+  for (var item = 0u; item < SORT_ITEMS; item++) {
+    if (firstItem + item * GROUP < blockKeys) { atomicStore(&words[places[item]], keys[item]); }
+  }
+  workgroupBarrier();
+
+  // From here on a thread's items are those at its places of the sorted block.
+  var targets: array<u32, SORT_ITEMS>;
+  for (var item = 0u; item < SORT_ITEMS; item++) {
+    let place = item * SORT_WORKGROUP + lane;
+    if (place < blockKeys) {
+      let key = atomicLoad(&words[place]);
+      targets[item] = shifts[digitOf(key)] + place;
+      // A uniform decides, because one shader for all passes compiles in a third of the time of three.
+      if (parameters.writesKeys != 0u) { keysOut[targets[item]] = key; }
+    }
+  }
+  workgroupBarrier();
+
+  for (var item = 0u; item < SORT_ITEMS; item++) {
+    let place = firstItem + item * GROUP;
+    if (place < blockKeys) {
+      var payload = blockStart + place;
+      if (parameters.makesPayloads == 0u) { payload = payloadsIn[payload]; }
+      atomicStore(&words[places[item]], payload);
+    }
+  }
+  workgroupBarrier();
+
+  for (var item = 0u; item < SORT_ITEMS; item++) {
+    let place = item * SORT_WORKGROUP + lane;
+    if (place < blockKeys) { payloadsOut[targets[item]] = atomicLoad(&words[place]); }
+  }
+}
+
+fn digitOf(key: u32) -> u32 {
+  return extractBits(key, parameters.digitShift, DIGIT_BITS);
+}
+
+/// Number of the digit's keys in all blocks, and in this one. Two rows of scanned counts differ by a block's counts, so the block
+/// need not be counted again.
+fn digitCounts(digit: u32, block: u32) -> vec2u {
+  let total = digitTotals[digit];
+  let offset = digit * plan.blockCount + block;
+  var end = total;
+  if (block + 1u < plan.blockCount) { end = digitOffsets[offset + 1u]; }
+  return vec2u(total, end - digitOffsets[offset]);
+}
+
+/// Scans the digits' counts over the digits: writes `shifts` and returns the place within the block of the first key with one of
+/// this thread's digits. The caller's next barrier makes `shifts` visible.
+fn prepareDigits(lane: u32, block: u32) -> u32 {
+  var sum = vec2u(0u);
+  for (var i = 0u; i < THREAD_DIGITS; i++) {
+    let digit = lane * THREAD_DIGITS + i;
+    if (digit < RADIX) { sum += digitCounts(digit, block); }
+  }
+  threadSums[lane] = sum;
+  workgroupBarrier();
+
+  // Twice up to 16 additions take two barriers; a tree over 256 threads takes 16.
+  let group = lane / GROUP;
+  let groupStart = group * GROUP;
+  var start = vec2u(0u);
+  for (var other = groupStart; other < lane; other++) { start += threadSums[other]; }
+  if (lane % GROUP == GROUP - 1u) { groupSums[group] = start + sum; }
+  workgroupBarrier();
+
+  for (var other = 0u; other < group; other++) { start += groupSums[other]; }
+  let localStart = start.y;
+  for (var i = 0u; i < THREAD_DIGITS; i++) {
+    let digit = lane * THREAD_DIGITS + i;
+    if (digit < RADIX) {
+      shifts[digit] = start.x + digitOffsets[digit * plan.blockCount + block] - start.y;
+      start += digitCounts(digit, block);
+    }
+  }
+  return localStart;
 }

@@ -2,7 +2,7 @@ import { register } from 'node:module';
 
 /** Used where the adapter has them, as the engine does for a device of its own. */
 const OPTIONAL_FEATURES = ['timestamp-query', 'float32-blendable', 'core-features-and-limits'];
-const WIDENED_LIMITS = ['maxBufferSize', 'maxStorageBufferBindingSize'];
+const WIDENED_LIMITS = ['maxBufferSize', 'maxStorageBufferBindingSize', 'maxComputeWorkgroupStorageSize'];
 
 /**
  * Imports the packages of one checkout into this process, which can open no other afterwards, and makes a device.
@@ -12,15 +12,15 @@ const WIDENED_LIMITS = ['maxBufferSize', 'maxStorageBufferBindingSize'];
  */
 export async function openCheckout({ folder, dawn }) {
   register('./resolve-hooks.mjs', import.meta.url, { data: { checkout: folder, dawn } });
-  const [core, effects, node, scenes] = await Promise.all(
-    ['core', 'core/effects', 'node', 'scenes'].map((name) => import(`@websplatter/${name}`)),
+  const [core, effects, inspect, node, scenes] = await Promise.all(
+    ['core', 'core/effects', 'core/inspect', 'node', 'scenes'].map((name) => import(`@websplatter/${name}`)),
   );
   const { gpu, adapter, label } = await node.createNodeGpu();
   const device = await adapter.requestDevice({
     requiredFeatures: OPTIONAL_FEATURES.filter((feature) => adapter.features.has(feature)),
     requiredLimits: Object.fromEntries(WIDENED_LIMITS.map((limit) => [limit, adapter.limits[limit]])),
   });
-  return { core, effects, scenes, gpu, device, adapterLabel: label, ...watch(device) };
+  return { core, effects, inspect, scenes, gpu, device, adapterLabel: label, ...watch(device) };
 }
 
 /** What `device` is asked to compile, and its errors. */

@@ -18,7 +18,7 @@ export async function sortKeys(
   keyBits: number,
   dispatchRow = device.limits.maxComputeWorkgroupsPerDimension,
 ): Promise<Uint32Array> {
-  const shape = sortShapeFor(keyBits);
+  const shape = sortShapeFor(keyBits, device.limits.maxComputeWorkgroupStorageSize);
   await pipelines.prepare(radixSortStages(shape));
   const memory = new GpuMemory(device);
   const keyCount = memory.createFilledBuffer('key count', Uint32Array.of(keys.length));

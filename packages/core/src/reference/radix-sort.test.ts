@@ -8,9 +8,9 @@ import { radixSort } from './radix-sort.ts';
 describe('the integer twins', () => {
   test('the radix sort is a stable sort', () => {
     const shape = fc.constantFrom(
-      { digitBits: 8, passes: 4, tileKeys: 7 },
-      { digitBits: 9, passes: 4, tileKeys: 1000 },
-      { digitBits: 4, passes: 8, tileKeys: 1 },
+      { digitBits: 8, passes: 4, blockKeys: 7 },
+      { digitBits: 9, passes: 4, blockKeys: 1000 },
+      { digitBits: 4, passes: 8, blockKeys: 1 },
     );
     const key = fc.oneof(fc.nat(3), fc.integer({ min: 0, max: 2 ** 32 - 1 }));
     fc.assert(

@@ -1,12 +1,12 @@
-import { prefixScan } from './prefix-scan.ts';
 import { sortHistogram } from './sort-histogram.ts';
+import { sortScan } from './sort-scan.ts';
 import { sortScatter } from './sort-scatter.ts';
 
-/** Division of keys into digits and tiles. */
+/** Division of keys into digits and blocks. */
 export interface RadixSortShape {
   readonly digitBits: number;
   readonly passes: number;
-  readonly tileKeys: number;
+  readonly blockKeys: number;
 }
 
 /** Twin of the radix sort: the index of each key in ascending order of keys, equal keys in their given order. */
@@ -17,8 +17,8 @@ export function radixSort(keys: ArrayLike<number>, shape: RadixSortShape): Uint3
   };
   for (let index = 0; index < shape.passes; index++) {
     const pass = { ...shape, digitShift: index * shape.digitBits };
-    const offsets = prefixScan(sortHistogram(sorted.keys, pass));
-    sorted = sortScatter(sorted.keys, sorted.payloads, offsets, pass);
+    const places = sortScan(sortHistogram(sorted.keys, pass), shape.digitBits);
+    sorted = sortScatter(sorted.keys, sorted.payloads, places, pass);
   }
   return sorted.payloads;
 }

@@ -2,7 +2,7 @@
 export interface SortPass {
   readonly digitShift: number;
   readonly digitBits: number;
-  readonly tileKeys: number;
+  readonly blockKeys: number;
 }
 
 export function digitOf(key: number, { digitShift, digitBits }: SortPass): number {
@@ -10,12 +10,12 @@ export function digitOf(key: number, { digitShift, digitBits }: SortPass): numbe
   return (key >>> digitShift) & ((1 << digitBits) - 1);
 }
 
-/** Twin of sort-histogram: how often each digit occurs in each tile; all tiles of digit 0, then of digit 1, … */
+/** Twin of sort-histogram: how often each digit occurs in each block; all blocks of digit 0, then of digit 1, … */
 export function sortHistogram(keys: ArrayLike<number>, pass: SortPass): Uint32Array {
-  const tileCount = Math.ceil(keys.length / pass.tileKeys);
-  const counts = new Uint32Array(tileCount << pass.digitBits);
+  const blockCount = Math.ceil(keys.length / pass.blockKeys);
+  const counts = new Uint32Array(blockCount << pass.digitBits);
   for (let i = 0; i < keys.length; i++) {
-    counts[digitOf(keys[i], pass) * tileCount + Math.floor(i / pass.tileKeys)]++;
+    counts[digitOf(keys[i], pass) * blockCount + Math.floor(i / pass.blockKeys)]++;
   }
   return counts;
 }

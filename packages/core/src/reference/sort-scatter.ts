@@ -1,21 +1,21 @@
+import { prefixScan } from './prefix-scan.ts';
 import { digitOf, type SortPass } from './sort-histogram.ts';
+import type { DigitPlaces } from './sort-scan.ts';
 
-/**
- * Twin of sort-scatter: one stable pass of a radix sort.
- *
- * @param digitOffsets scanned counts of `sortHistogram`: the first place for the keys of each digit and tile.
- */
+/** Twin of sort-scatter: one stable pass of a radix sort. `places` are the scanned counts of `sortHistogram`. */
 export function sortScatter(
   keys: ArrayLike<number>,
   payloads: ArrayLike<number>,
-  digitOffsets: ArrayLike<number>,
+  places: DigitPlaces,
   pass: SortPass,
 ): { readonly keys: Uint32Array; readonly payloads: Uint32Array } {
-  const tileCount = Math.ceil(keys.length / pass.tileKeys);
-  const next = Uint32Array.from(digitOffsets);
+  const blockCount = Math.ceil(keys.length / pass.blockKeys);
+  const starts = prefixScan(places.digitTotals);
+  const next = Uint32Array.from(places.digitOffsets);
   const sorted = { keys: new Uint32Array(keys.length), payloads: new Uint32Array(keys.length) };
   for (let i = 0; i < keys.length; i++) {
-    const place = next[digitOf(keys[i], pass) * tileCount + Math.floor(i / pass.tileKeys)]++;
+    const digit = digitOf(keys[i], pass);
+    const place = starts[digit] + next[digit * blockCount + Math.floor(i / pass.blockKeys)]++;
     sorted.keys[place] = keys[i];
     sorted.payloads[place] = payloads[i];
   }

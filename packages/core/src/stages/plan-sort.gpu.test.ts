@@ -7,7 +7,7 @@ import { planSort as planTwin } from '../reference/plan-sort.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { dispatchSize } from './dispatch.ts';
 import { planSort } from './plan-sort.ts';
-import { sortShapeFor } from './sort-shape.ts';
+import { blockKeysOf, sortShapeFor } from './sort-shape.ts';
 
 let device: GPUDevice;
 beforeAll(async () => {
@@ -24,35 +24,32 @@ interface Keys {
 
 /** Contents of the buffers after the stage, and the contents that the twin expects. */
 async function run({ keyBits, keyCount, capacity, dispatchRow }: Keys, pipelines = new Pipelines(device)) {
-  const { digitBits, workgroup, itemsPerThread } = sortShapeFor(keyBits);
-  const tileKeys = workgroup * itemsPerThread;
-  const pass = { digitShift: 0, isFirst: 0, isLast: 0 };
-  const parameters = SortParameters.pack({ ...pass, radix: 2 ** digitBits, capacity, dispatchRow });
+  const blockKeys = blockKeysOf(sortShapeFor(keyBits));
+  const pass = { digitShift: 0, makesPayloads: 0, writesKeys: 0, scanLanes: 0 };
+  const parameters = SortParameters.pack({ ...pass, capacity, dispatchRow });
   const garbage = (words: number) => storageBuffer(device, new Uint32Array(words).fill(0xdeadbeef));
-  const written = { plan: garbage(2), digitCountCount: garbage(1), tileDispatch: garbage(3) };
+  const written = { plan: garbage(2), blockDispatch: garbage(3) };
   const bindings = {
     parameters: uniformBuffer(device, parameters),
     keyCount: storageBuffer(device, [keyCount]),
     ...written,
   };
-  await runStage(device, pipelines, planSort(tileKeys), bindings, [1, 1, 1]);
+  await runStage(device, pipelines, planSort(blockKeys), bindings, [1, 1, 1]);
   const actual: Record<string, number[]> = {};
   for (const [name, buffer] of Object.entries(written)) actual[name] = [...(await readWords(device, buffer))];
-  const twin = planTwin(keyCount, { capacity, tileKeys, digitBits });
+  const twin = planTwin(keyCount, { capacity, blockKeys });
   const expected = {
-    plan: [twin.keyCount, twin.tileCount],
-    digitCountCount: [twin.digitCountCount],
-    tileDispatch: dispatchSize(twin.tileCount, dispatchRow),
+    plan: [twin.keyCount, twin.blockCount],
+    blockDispatch: dispatchSize(twin.blockCount, dispatchRow),
   };
   return { actual, expected };
 }
 
 describe('plan-sort', () => {
   for (const keyBits of [24, 27, 32]) {
-    gpuTest(`keys of ${keyBits} bits: the twin's tiles and dispatch`, async () => {
-      const { workgroup, itemsPerThread } = sortShapeFor(keyBits);
-      const tile = workgroup * itemsPerThread;
-      for (const keyCount of [0, 1, tile - 1, tile, tile + 1, 7 * tile, 7 * tile + 1, 1_000_003]) {
+    gpuTest(`keys of ${keyBits} bits: the twin's blocks and dispatch`, async () => {
+      const block = blockKeysOf(sortShapeFor(keyBits));
+      for (const keyCount of [0, 1, block - 1, block, block + 1, 7 * block, 7 * block + 1, 1_000_003]) {
         for (const capacity of [keyCount, keyCount + 5000, Math.ceil(keyCount / 2)]) {
           for (const dispatchRow of [7, 65_535]) {
             const { actual, expected } = await run({ keyBits, keyCount, capacity, dispatchRow });

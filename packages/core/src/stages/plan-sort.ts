@@ -1,17 +1,16 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
 
 /** Sizes the passes of the sort by the number of keys. */
-export function planSort(tileKeys: number) {
+export function planSort(blockKeys: number) {
   return {
     stage: 'plan-sort',
     entryPoint: 'planSort',
-    constants: { SORT_TILE: tileKeys },
+    constants: { SORT_BLOCK: blockKeys },
     bindings: {
       parameters: [0, 'uniform'],
       keyCount: [1, 'read'],
       plan: [2, 'read-write'],
-      digitCountCount: [3, 'read-write'],
-      tileDispatch: [4, 'read-write'],
+      blockDispatch: [3, 'read-write'],
     },
   } as const satisfies StageDefinition;
 }

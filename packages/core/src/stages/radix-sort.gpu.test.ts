@@ -7,10 +7,13 @@ import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { orderFlaw } from '../inspect/compare-order.ts';
 import { radixSort } from '../reference/radix-sort.ts';
+import { sortHistogram } from '../reference/sort-histogram.ts';
 import { storageBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
+import { createSortDevice, sortLimitsOf } from '../testing/sort-device.ts';
+import { dispatchSize } from './dispatch.ts';
 import { RadixSort, radixSortStages } from './radix-sort.ts';
-import { type SortShape, sortShapeFor } from './sort-shape.ts';
+import { blockKeysOf, pairSortShapeFor, type SortShape, sortShapeFor } from './sort-shape.ts';
 
 let device: GPUDevice;
 let pipelines: Pipelines;
@@ -18,17 +21,19 @@ let pipelines: Pipelines;
 /** Number of workgroups that every device takes in one dimension of a dispatch. */
 const MAX_ROW = 65_535;
 
-/** Every shape that frames use, by the number of bits in which its keys may differ. */
+/** Numbers of bits in which keys of frames may differ, one for each shape. */
 const KEY_BITS = [8, 16, 20, 24, 27, 32];
 
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await createSortDevice();
   pipelines = new Pipelines(device);
-  await pipelines.prepare(KEY_BITS.flatMap((bits) => radixSortStages(sortShapeFor(bits))));
 });
+
+const PAIR_KEY_BITS = [0, 1, 4, 7, 8, 9, 10, 14, 16, 17, 18];
 
 /** Sorts in a buffer with room for `capacity` keys, with garbage after the given ones. */
 async function sortOnGpu(keys: Uint32Array, shape: SortShape, capacity = keys.length, dispatchRow = MAX_ROW) {
+  await pipelines.prepare(radixSortStages(shape));
   const memory = new GpuMemory(device);
   const keyCount = storageBuffer(device, [keys.length]);
   const sort = new RadixSort(device, pipelines, memory, { shape, capacity, keyCount, dispatchRow });
@@ -45,6 +50,94 @@ async function sortOnGpu(keys: Uint32Array, shape: SortShape, capacity = keys.le
   keyCount.destroy();
   expect(memory.report().totalBytes).toBe(0);
   return order;
+}
+
+/** How `sortPairs` sorts, other than by default. */
+interface PairOptions {
+  readonly plan?: 'with dispatch' | 'without dispatch';
+  readonly firstCounts?: 'counted' | 'given';
+  readonly dispatchRow?: number;
+  /** Number of pairs that there is room for beyond the given ones. */
+  readonly room?: number;
+}
+
+/** Sorts payloads by keys; returns both. */
+async function sortPairs(
+  keys: Uint32Array,
+  payloads: Uint32Array,
+  shape: SortShape,
+  { plan, firstCounts = 'counted', dispatchRow = MAX_ROW, room = 0 }: PairOptions = {},
+) {
+  await pipelines.prepare(radixSortStages(shape, { plans: plan === undefined, firstCounts }));
+  const memory = new GpuMemory(device);
+  const blockKeys = blockKeysOf(shape);
+  const blockCount = Math.ceil(keys.length / blockKeys);
+  const given = {
+    keyCount: storageBuffer(device, [keys.length]),
+    plan: storageBuffer(device, [keys.length, blockCount]),
+    dispatch: storageBuffer(
+      device,
+      [99, ...dispatchSize(blockCount, dispatchRow)],
+      0,
+      GPUBufferUsage.INDIRECT,
+    ),
+  };
+  const size = plan
+    ? {
+        plan: given.plan,
+        ...(plan === 'with dispatch' && { blockDispatch: { buffer: given.dispatch, offset: 4 } }),
+      }
+    : { keyCount: given.keyCount };
+  const sort = new RadixSort(device, pipelines, memory, {
+    ...size,
+    shape,
+    capacity: keys.length + room,
+    dispatchRow,
+    payloads: 'given',
+    writesKeys: true,
+    firstCounts,
+  });
+  device.queue.writeBuffer(sort.keys, 0, Uint32Array.from(keys));
+  device.queue.writeBuffer(sort.payloads, 0, Uint32Array.from(payloads));
+  if (firstCounts === 'given') {
+    const counts = sortHistogram(keys, { digitShift: 0, digitBits: shape.digitBits, blockKeys });
+    device.queue.writeBuffer(sort.digitCounts, 0, Uint32Array.from(counts));
+  }
+  const encoder = device.createCommandEncoder();
+  const pass = encoder.beginComputePass();
+  sort.record(pass);
+  pass.end();
+  device.queue.submit([encoder.finish()]);
+  const sorted = {
+    keys: (await readWords(device, sort.sortedKeys!)).subarray(0, keys.length),
+    payloads: (await readWords(device, sort.order)).subarray(0, keys.length),
+  };
+  sort.destroy();
+  for (const buffer of Object.values(given)) buffer.destroy();
+  return sorted;
+}
+
+/** Memory that runs out after a number of buffers. */
+class ScarceMemory extends GpuMemory {
+  buffersMade = 0;
+  readonly #maxBuffers: number;
+
+  constructor(device: GPUDevice, maxBuffers: number) {
+    super(device);
+    this.#maxBuffers = maxBuffers;
+  }
+
+  override createBuffer(...options: Parameters<GpuMemory['createBuffer']>): GPUBuffer {
+    if (this.buffersMade === this.#maxBuffers) throw new Error('no more buffers');
+    this.buffersMade++;
+    return super.createBuffer(...options);
+  }
+}
+
+/** Shapes of frames on devices with little and with much workgroup memory, as far as `device` has it. */
+function shapesFor(bits: number): SortShape[] {
+  const shapes = sortLimitsOf(device).map((bytes) => sortShapeFor(bits, bytes));
+  return shapes.filter((shape, i) => i === 0 || blockKeysOf(shape) !== blockKeysOf(shapes[i - 1]));
 }
 
 /** Keys below 2^bits, by name of their pattern. */
@@ -68,23 +161,29 @@ function keysOf(pattern: string, count: number, bits: number): Uint32Array {
 
 describe('radix sort', () => {
   for (const bits of KEY_BITS) {
-    const shape = sortShapeFor(bits);
-    const tileKeys = shape.workgroup * shape.itemsPerThread;
-    const name = `${bits} bits, ${shape.passes} passes of ${shape.digitBits}`;
+    const { passes, digitBits } = sortShapeFor(bits);
+    const name = `${bits} bits, ${passes} passes of ${digitBits}`;
 
     gpuTest(`${name}: any number of random keys`, async () => {
-      for (const count of [0, 1, 2, 255, 256, 257, tileKeys - 1, tileKeys, tileKeys + 1, 100_000]) {
-        const keys = keysOf('random', count, bits);
-        const order = await sortOnGpu(keys, shape);
-        expect(orderFlaw(keys, order), `${count} keys`).toBeNull();
-        if (count <= tileKeys + 1) expect(order).toEqual(radixSort(keys, { ...shape, tileKeys }));
+      for (const shape of shapesFor(bits)) {
+        const blockKeys = blockKeysOf(shape);
+        for (const count of [0, 1, 2, 255, 256, 257, blockKeys - 1, blockKeys, blockKeys + 1, 100_000]) {
+          const keys = keysOf('random', count, bits);
+          const order = await sortOnGpu(keys, shape);
+          expect(orderFlaw(keys, order), `${count} keys in blocks of ${blockKeys}`).toBeNull();
+          if (count <= blockKeys + 1) expect(order).toEqual(radixSort(keys, { ...shape, blockKeys }));
+        }
       }
     });
 
     gpuTest(`${name}: every pattern`, async () => {
-      for (const pattern of Object.keys(PATTERNS)) {
-        const keys = keysOf(pattern, 2 * tileKeys + 333, bits);
-        expect(orderFlaw(keys, await sortOnGpu(keys, shape)), pattern).toBeNull();
+      for (const shape of shapesFor(bits)) {
+        const blockKeys = blockKeysOf(shape);
+        for (const pattern of Object.keys(PATTERNS)) {
+          const keys = keysOf(pattern, 2 * blockKeys + 333, bits);
+          const flaw = orderFlaw(keys, await sortOnGpu(keys, shape));
+          expect(flaw, `${pattern} in blocks of ${blockKeys}`).toBeNull();
+        }
       }
     });
 
@@ -94,25 +193,95 @@ describe('radix sort', () => {
         fc.integer({ min: 0, max: 2 ** bits - 1 }),
         fc.nat({ max: 255 }).map((digit) => digit * 2 ** (bits - 8)),
       );
-      await fc.assert(
-        fc.asyncProperty(
-          fc.array(key, { maxLength: 3000, size: 'max' }),
-          fc.nat({ max: 5000 }),
-          async (values, room) => {
-            const keys = Uint32Array.from(values);
-            const order = await sortOnGpu(keys, shape, keys.length + room);
-            expect(orderFlaw(keys, order)).toBeNull();
-          },
-        ),
-        { numRuns: 8, seed: 5 },
-      );
+      for (const shape of shapesFor(bits)) {
+        await fc.assert(
+          fc.asyncProperty(
+            fc.array(key, { maxLength: 3000, size: 'max' }),
+            fc.nat({ max: 5000 }),
+            async (values, room) => {
+              const keys = Uint32Array.from(values);
+              const order = await sortOnGpu(keys, shape, keys.length + room);
+              expect(orderFlaw(keys, order)).toBeNull();
+            },
+          ),
+          { numRuns: 8, seed: 5 },
+        );
+      }
     });
 
     gpuTest(`${name}: rows of 7 workgroups, and room for more keys`, async () => {
-      const keys = keysOf('random', 9 * tileKeys + 1, bits);
-      expect(orderFlaw(keys, await sortOnGpu(keys, shape, 12 * tileKeys, 7))).toBeNull();
+      for (const shape of shapesFor(bits)) {
+        const blockKeys = blockKeysOf(shape);
+        const keys = keysOf('random', 9 * blockKeys + 1, bits);
+        expect(orderFlaw(keys, await sortOnGpu(keys, shape, 12 * blockKeys, 7))).toBeNull();
+      }
     });
   }
+
+  gpuTest('every shape compiles on a device with as little workgroup memory as it was made for', async () => {
+    for (const maxComputeWorkgroupStorageSize of sortLimitsOf(device)) {
+      const small = await createTestDevice({ requiredLimits: { maxComputeWorkgroupStorageSize } });
+      for (const shape of [
+        ...KEY_BITS.map((bits) => sortShapeFor(bits, maxComputeWorkgroupStorageSize)),
+        ...PAIR_KEY_BITS.map((bits) => pairSortShapeFor(bits, maxComputeWorkgroupStorageSize)),
+      ])
+        await new Pipelines(small).prepare(radixSortStages(shape));
+      small.destroy();
+    }
+    expect(() => sortShapeFor(24, 8000)).toThrow('8 bits need 14128 bytes');
+  });
+
+  for (const bits of PAIR_KEY_BITS) {
+    gpuTest(`pairs with keys of ${bits} bits: keys and given payloads in order`, async () => {
+      for (const workgroupBytes of sortLimitsOf(device)) {
+        const shape = pairSortShapeFor(bits, workgroupBytes);
+        expect(shape.passes).toBe(bits <= 9 ? 1 : 2);
+        const blockKeys = blockKeysOf(shape);
+        for (const count of [0, 1, blockKeys, 3 * blockKeys + 77]) {
+          const keys = keysOf('random', count, bits);
+          const payloads = keys.map((_, i) => i * 2654435761);
+          const sorted = await sortPairs(keys, payloads, shape);
+          const order = radixSort(keys, { ...shape, blockKeys });
+          expect(sorted.payloads).toEqual(payloads.map((_, i) => payloads[order[i]]));
+          expect(sorted.keys).toEqual(keys.map((_, i) => keys[order[i]]));
+        }
+      }
+    });
+  }
+
+  gpuTest(
+    'the caller writes the plan, the first counts or both, and may leave out the dispatch',
+    async () => {
+      for (const bits of [7, 14]) {
+        const shape = pairSortShapeFor(bits);
+        const keys = keysOf('random', 5 * blockKeysOf(shape) + 3, bits);
+        const payloads = keys.map((_, i) => 3 * i);
+        const expected = await sortPairs(keys, payloads, shape);
+        for (const plan of [undefined, 'with dispatch', 'without dispatch'] as const) {
+          for (const firstCounts of ['given', 'counted'] as const) {
+            // Rows of 4, and room for more than is dispatched directly.
+            const options = { plan, firstCounts, dispatchRow: 4, room: 70 * blockKeysOf(shape) };
+            expect(await sortPairs(keys, payloads, shape, options)).toEqual(expected);
+            const none = await sortPairs(new Uint32Array(), new Uint32Array(), shape, options);
+            expect(none.keys.length).toBe(0);
+          }
+        }
+      }
+    },
+  );
+
+  gpuTest('a buffer that cannot be had leaves nothing behind', () => {
+    const keyCount = storageBuffer(device, [0]);
+    const options = { shape: sortShapeFor(16), capacity: 1000, keyCount, dispatchRow: MAX_ROW };
+    const complete = new ScarceMemory(device, Number.POSITIVE_INFINITY);
+    new RadixSort(device, pipelines, complete, options).destroy();
+    expect(complete.buffersMade).toBeGreaterThan(8);
+    for (let buffers = 0; buffers < complete.buffersMade; buffers++) {
+      const memory = new ScarceMemory(device, buffers);
+      expect(() => new RadixSort(device, pipelines, memory, options)).toThrow('no more buffers');
+      expect(memory.report().totalBytes).toBe(0);
+    }
+  });
 
   gpuTest('a million keys (full mode)', async ({ skip }) => {
     if (!process.env.WEBSPLATTER_FULL) skip('set WEBSPLATTER_FULL=1');
@@ -127,20 +296,22 @@ describe('radix sort', () => {
     }
   });
 
-  gpuTest('more tiles than one dimension of a dispatch takes, at true size (full mode)', async ({ skip }) => {
-    const { adapter, isSoftware } = await createNodeGpu();
-    if (!process.env.WEBSPLATTER_FULL) skip('set WEBSPLATTER_FULL=1');
-    if (isSoftware) skip('needs a GPU: minutes and gigabytes in software');
-    const shape = sortShapeFor(32);
-    const count = (MAX_ROW + 1) * shape.workgroup * shape.itemsPerThread + 1;
-    const { maxBufferSize, maxStorageBufferBindingSize } = adapter.limits;
-    if (maxStorageBufferBindingSize < 4 * count) skip(`needs bindings of ${4 * count} bytes`);
-    device = await createTestDevice({ requiredLimits: { maxBufferSize, maxStorageBufferBindingSize } });
-    pipelines = new Pipelines(device);
-    await pipelines.prepare(radixSortStages(shape));
-    const keys = keysOf('random', count, 32);
-    expect(orderFlaw(keys, await sortOnGpu(keys, shape))).toBeNull();
-  });
+  gpuTest(
+    'more blocks than one dimension of a dispatch takes, at true size (full mode)',
+    async ({ skip }) => {
+      const { adapter, isSoftware } = await createNodeGpu();
+      if (!process.env.WEBSPLATTER_FULL) skip('set WEBSPLATTER_FULL=1');
+      if (isSoftware) skip('needs a GPU: minutes and gigabytes in software');
+      const shape = sortShapeFor(32);
+      const count = (MAX_ROW + 1) * shape.workgroup * shape.itemsPerThread + 1;
+      const { maxBufferSize, maxStorageBufferBindingSize } = adapter.limits;
+      if (maxStorageBufferBindingSize < 4 * count) skip(`needs bindings of ${4 * count} bytes`);
+      device = await createTestDevice({ requiredLimits: { maxBufferSize, maxStorageBufferBindingSize } });
+      pipelines = new Pipelines(device);
+      const keys = keysOf('random', count, 32);
+      expect(orderFlaw(keys, await sortOnGpu(keys, shape))).toBeNull();
+    },
+  );
 
   gpuTest('the checker finds a swapped pair, a lost key and an unstable pair', () => {
     const keys = Uint32Array.of(5, 1, 5, 3);

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
@@ -6,41 +6,45 @@ import { SortParameters } from '../layout/structs.ts';
 import { sortHistogram as histogramTwin } from '../reference/sort-histogram.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
+import { createSortDevice, sortLimitsOf } from '../testing/sort-device.ts';
 import { dispatchSize } from './dispatch.ts';
 import { sortHistogram } from './sort-histogram.ts';
-import { sortShapeFor } from './sort-shape.ts';
+import { blockKeysOf, sortShapeFor } from './sort-shape.ts';
 
 describe('sort-histogram', () => {
-  gpuTest('counts the digits of each tile as the twin does, in every pass', async () => {
-    const device = await createTestDevice();
+  gpuTest('counts the digits of each block as the twin does, in every pass', async () => {
+    const device = await createSortDevice();
     const pipelines = new Pipelines(device);
     const random = seededRandom(3);
-    for (const bits of [24, 27, 32]) {
-      const shape = sortShapeFor(bits);
-      const tileKeys = shape.workgroup * shape.itemsPerThread;
+    const shapes = sortLimitsOf(device).flatMap((bytes) =>
+      [24, 27, 32].map((bits) => sortShapeFor(bits, bytes)),
+    );
+    for (const shape of shapes) {
+      const bits = shape.digitBits * shape.passes;
+      const blockKeys = blockKeysOf(shape);
       for (const [count, dispatchRow] of [
         [1, 65_535],
-        [tileKeys, 65_535],
-        [9 * tileKeys + 17, 7],
+        [blockKeys, 65_535],
+        [9 * blockKeys + 17, 7],
       ]) {
         // Garbage after the keys must not be counted.
         const keys = Uint32Array.from({ length: count + 100 }, () => random() * 2 ** bits);
-        const tileCount = Math.ceil(count / tileKeys);
+        const blockCount = Math.ceil(count / blockKeys);
         const radix = 1 << shape.digitBits;
         for (let pass = 0; pass < shape.passes; pass++) {
           const digitShift = pass * shape.digitBits;
           const parameters = SortParameters.pack({
             digitShift,
-            radix,
             capacity: keys.length,
             dispatchRow,
-            isFirst: 0,
-            isLast: 0,
+            makesPayloads: 0,
+            writesKeys: 0,
+            scanLanes: 0,
           });
-          const digitCounts = storageBuffer(device, new Uint32Array(radix * tileCount).fill(99));
+          const digitCounts = storageBuffer(device, new Uint32Array(radix * blockCount).fill(99));
           const bindings = {
             parameters: uniformBuffer(device, parameters),
-            plan: storageBuffer(device, [count, tileCount]),
+            plan: storageBuffer(device, [count, blockCount]),
             keys: storageBuffer(device, keys),
             digitCounts,
           };
@@ -49,12 +53,12 @@ describe('sort-histogram', () => {
             pipelines,
             sortHistogram(shape),
             bindings,
-            dispatchSize(tileCount, dispatchRow),
+            dispatchSize(blockCount, dispatchRow),
           );
           const expected = histogramTwin(keys.subarray(0, count), {
             digitShift,
             digitBits: shape.digitBits,
-            tileKeys,
+            blockKeys,
           });
           expect(await readWords(device, digitCounts)).toEqual(expected);
         }

@@ -1,7 +1,7 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { type SortShape, sortConstants } from './sort-shape.ts';
 
-/** Counts the digits of each tile of keys. */
+/** Counts the digits of each block of keys. */
 export function sortHistogram(shape: SortShape) {
   return {
     stage: 'sort-histogram',

@@ -1,7 +1,7 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { type SortShape, sortConstants } from './sort-shape.ts';
 
-/** Moves keys and payloads to their places. The first pass makes the payloads; the last does not write the keys. */
+/** Moves keys and payloads to their places; each pass decides whether it makes the payloads and whether it writes the keys. */
 export function sortScatter(shape: SortShape) {
   return {
     stage: 'sort-scatter',
@@ -11,10 +11,11 @@ export function sortScatter(shape: SortShape) {
       parameters: [0, 'uniform'],
       plan: [1, 'read'],
       digitOffsets: [2, 'read'],
-      keysIn: [3, 'read'],
-      payloadsOut: [4, 'read-write'],
-      payloadsIn: [5, 'read'],
-      keysOut: [6, 'read-write'],
+      digitTotals: [3, 'read'],
+      keysIn: [4, 'read'],
+      payloadsOut: [5, 'read-write'],
+      payloadsIn: [6, 'read'],
+      keysOut: [7, 'read-write'],
     },
   } as const satisfies StageDefinition;
 }

@@ -1,13 +1,25 @@
-/** Division of keys into digits and tiles. */
+/** Division of keys into digits and blocks. */
 export interface SortShape {
   /** Bits per pass. */
   readonly digitBits: number;
   readonly passes: number;
-  /** Threads per workgroup. */
+  /** Threads per workgroup, a multiple of 32. */
   readonly workgroup: number;
-  /** Keys per thread; a tile has workgroup · itemsPerThread keys. */
+  /** Keys per thread; a block has workgroup · itemsPerThread keys. */
   readonly itemsPerThread: number;
 }
+
+/** Workgroup memory that every WebGPU device has: the default of `maxComputeWorkgroupStorageSize`. */
+export const DEFAULT_WORKGROUP_BYTES = 16_384;
+
+/** Threads and keys per thread: the first that fit the workgroup memory are taken. */
+const BLOCKS = [
+  [256, 16],
+  [256, 12],
+  [192, 24],
+  [192, 16],
+  [96, 32],
+] as const;
 
 /** Returns the shape as constants for the sort's shaders. */
 export function sortConstants({ digitBits, workgroup, itemsPerThread }: SortShape) {
@@ -15,25 +27,59 @@ export function sortConstants({ digitBits, workgroup, itemsPerThread }: SortShap
     DIGIT_BITS: digitBits,
     SORT_WORKGROUP: workgroup,
     SORT_ITEMS: itemsPerThread,
-    SORT_TILE: tileKeysOf({ workgroup, itemsPerThread }),
+    SORT_BLOCK: blockKeysOf({ workgroup, itemsPerThread }),
   };
 }
 
-/** Number of keys per tile: one workgroup of a pass takes one tile. */
-export function tileKeysOf({
+/** Number of keys per block: one workgroup of a pass takes one block. */
+export function blockKeysOf({
   workgroup,
   itemsPerThread,
 }: Pick<SortShape, 'workgroup' | 'itemsPerThread'>): number {
   return workgroup * itemsPerThread;
 }
 
+/** Bytes of workgroup memory that sort-scatter, the stage that needs most, declares. */
+export function workgroupBytesOf(shape: Omit<SortShape, 'passes'>): number {
+  const radix = 2 ** shape.digitBits;
+  const groups = shape.workgroup / 16;
+  const words = Math.max(blockKeysOf(shape), groups * radix);
+  return 4 * words + 4 * radix + 8 * shape.workgroup + 8 * groups;
+}
+
 /**
- * Chooses the shape with the fewest passes for keys below 2^keyBits. Masks of the scatter pass take 2^digitBits bits per
- * thread, so longer digits go with fewer threads to stay within WebGPU's 16 KiB of workgroup memory.
+ * Chooses the shape with the fewest passes for keys below 2^keyBits.
+ *
+ * @param workgroupBytes the device's `maxComputeWorkgroupStorageSize`: larger blocks give longer runs of keys to write.
  */
-export function sortShapeFor(keyBits: number): SortShape {
-  if (keyBits <= 24)
-    return { digitBits: 8, passes: Math.max(1, Math.ceil(keyBits / 8)), workgroup: 256, itemsPerThread: 8 };
-  if (keyBits <= 27) return { digitBits: 9, passes: 3, workgroup: 128, itemsPerThread: 16 };
-  return { digitBits: 8, passes: 4, workgroup: 256, itemsPerThread: 8 };
+export function sortShapeFor(keyBits: number, workgroupBytes = DEFAULT_WORKGROUP_BYTES): SortShape {
+  if (keyBits <= 24) return shapeOf(8, Math.max(1, Math.ceil(keyBits / 8)), workgroupBytes);
+  // Digits of 9 bits take twice the workgroup memory per thread, but save a pass here.
+  if (keyBits <= 27) return shapeOf(9, 3, workgroupBytes);
+  return shapeOf(8, 4, workgroupBytes);
+}
+
+/**
+ * Chooses the shape with the fewest passes, one or two, for keys below 2^keyBits with at most 18 bits.
+ *
+ * @param workgroupBytes as for `sortShapeFor`.
+ */
+export function pairSortShapeFor(keyBits: number, workgroupBytes = DEFAULT_WORKGROUP_BYTES): SortShape {
+  if (keyBits > 18) throw new RangeError(`Keys of ${keyBits} bits take more than two passes; 18 do not.`);
+  const passes = keyBits <= 9 ? 1 : 2;
+  return shapeOf(Math.max(1, Math.ceil(keyBits / passes)), passes, workgroupBytes);
+}
+
+function shapeOf(digitBits: number, passes: number, workgroupBytes: number): SortShape {
+  const shapes = BLOCKS.map(([workgroup, itemsPerThread]) => ({
+    digitBits,
+    passes,
+    workgroup,
+    itemsPerThread,
+  }));
+  const shape = shapes.find((each) => workgroupBytesOf(each) <= workgroupBytes);
+  if (shape) return shape;
+  throw new RangeError(
+    `Digits of ${digitBits} bits need ${workgroupBytesOf(shapes.at(-1)!)} bytes of workgroup memory, not ${workgroupBytes}.`,
+  );
 }

@@ -5,10 +5,10 @@ type KeyBits = SortCase['keyBits'];
 
 const WIDTHS: readonly KeyBits[] = [16, 24, 27, 32];
 
-/** Keys per tile of the sort: 256 threads of 8, or 128 of 16. */
-const TILE_KEYS = 2048;
-/** Two full tiles and part of a third. */
-const COUNT = 2 * TILE_KEYS + 77;
+/** Keys per block of the sort, by the device's workgroup memory and the digits. */
+const BLOCK_KEYS = [3072, 4096, 4608];
+/** At least two full blocks and part of another. */
+const COUNT = 2 * 4608 + 77;
 
 interface Pattern {
   readonly name: string;
@@ -20,7 +20,7 @@ interface Pattern {
 const PATTERNS: readonly Pattern[] = [
   {
     name: 'sorted',
-    breaks: 'Sorted keys put a whole tile into one digit, whose counter overflows its type.',
+    breaks: 'Sorted keys put a whole block into one digit, whose counter overflows its type.',
     at: (count) => (i) => i / count,
   },
   {
@@ -30,17 +30,17 @@ const PATTERNS: readonly Pattern[] = [
   },
   {
     name: 'all-equal',
-    breaks: 'Equal keys must keep their order, which atomics within a tile do not.',
+    breaks: 'Equal keys must keep their order, which atomics within a block do not.',
     at: () => (_, keyBits) => 1 - 2 ** -keyBits,
   },
   {
     name: 'one-differs',
-    breaks: 'A single smaller key moves all others by one, across the borders of tiles.',
+    breaks: 'A single smaller key moves all others by one, across the borders of blocks.',
     at: (count) => (i, keyBits) => (i === count >> 1 ? 0 : 1 - 2 ** -keyBits),
   },
   {
     name: 'sawtooth',
-    breaks: 'A period that is no divisor of the tile puts runs of one key on both sides of every border.',
+    breaks: 'A period that is no divisor of the block puts runs of one key on both sides of every border.',
     at: () => (i, keyBits) => (i % 200) / 2 ** keyBits,
   },
   {
@@ -90,6 +90,9 @@ function sortCase(
 const RANDOM = PATTERNS[PATTERNS.length - 1];
 const counted = (breaks: string): Pattern => ({ ...RANDOM, breaks });
 
+/** Numbers of keys about seven blocks, a row of them, and in several rows. */
+const ROW_COUNTS = [...BLOCK_KEYS.flatMap((keys) => [7 * keys - 1, 7 * keys, 7 * keys + 1]), 50 * 3072 + 3];
+
 export const SORT_CASES: readonly HardCase[] = [
   ...WIDTHS.flatMap((keyBits) =>
     PATTERNS.map((pattern) => sortCase(`sort-${pattern.name}-${keyBits}-bits`, pattern, keyBits, COUNT)),
@@ -102,18 +105,18 @@ export const SORT_CASES: readonly HardCase[] = [
       count,
     ),
   ),
-  ...[TILE_KEYS - 1, TILE_KEYS, TILE_KEYS + 1].map((count) =>
+  ...BLOCK_KEYS.flatMap((keys) => [keys - 1, keys, keys + 1]).map((count) =>
     sortCase(
       `sort-${count}-keys`,
-      counted('A tile that is full, or holds one key, is counted wrongly.'),
+      counted('A block that is full, or holds one key, is counted wrongly.'),
       32,
       count,
     ),
   ),
-  ...[7 * TILE_KEYS - 1, 7 * TILE_KEYS, 7 * TILE_KEYS + 1, 50 * TILE_KEYS + 3].map((count) =>
+  ...ROW_COUNTS.map((count) =>
     sortCase(
       `sort-${count}-keys-in-rows-of-7`,
-      counted('Tiles beyond the first row of a dispatch are left out or done twice.'),
+      counted('Blocks beyond the first row of a dispatch are left out or done twice.'),
       27,
       count,
       7,

@@ -5,7 +5,9 @@ import type { FramePart, OrderRecording, PartChange, PartContext } from '../fram
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
 
-const stagesOf = perShape(({ keyBits }) => radixSortStages(sortShapeFor(keyBits)));
+const stagesOf = perShape(({ keyBits, workgroupBytes }) =>
+  radixSortStages(sortShapeFor(keyBits, workgroupBytes)),
+);
 
 /** The part's memory for frames of one key width and capacity. */
 interface Held {
@@ -58,13 +60,13 @@ export class Sort implements FramePart<OrderRecording> {
     this.#free(this.#held);
   }
 
-  #make({ keyBits, visibleCapacity, dispatchRow }: FrameShape): Held {
+  #make({ keyBits, visibleCapacity, dispatchRow, workgroupBytes }: FrameShape): Held {
     const { device, pipelines, memory } = this.#context;
     const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;
     const visibleCount = memory.createBuffer('frame visibleCount', 4, usage);
     try {
       const options = {
-        shape: sortShapeFor(keyBits),
+        shape: sortShapeFor(keyBits, workgroupBytes),
         capacity: visibleCapacity,
         keyCount: visibleCount,
         dispatchRow,
