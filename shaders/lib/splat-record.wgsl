@@ -1,5 +1,6 @@
-// Reads records, which project writes, at each of their precisions. Used by keep-colors and pick, per visible splat, and by
-// rasterize, per vertex.
+// Reads records, which project writes, at each of their precisions, and defines the opacity of a splat at a pixel. Used by
+// keep-colors, pick and the tile stages, per visible splat, and by rasterize, per vertex and per fragment.
+import constants::MAX_FRAGMENT_ALPHA;
 import layout::SplatRecord;
 
 /// Half axes at √2 standard deviations.
@@ -21,18 +22,33 @@ fn axesOf(splat: SplatRecord) -> SplatAxes {
   @if(!RECORD_PAPER) return SplatAxes(majorUnit, majorLengthPx, vec2f(-majorUnit.y, majorUnit.x), splat.minorLengthPx);
 }
 
-/// Coordinate of a point `offset` px from the splat's centre, in units of its axes: the Gaussian is exp(−|local|²).
-fn localCoordinate(axes: SplatAxes, offset: vec2f) -> vec2f {
-  @if(!RECORD_PAPER) return vec2f(
-    dot(offset, axes.majorUnit) / axes.majorLengthPx,
-    dot(offset, axes.minorUnit) / axes.minorLengthPx,
-  );
+/// √log₂e: from units in which the Gaussian is exp(−|p|²) to those in which it is 2^(−|p|²), which GPUs compute at once.
+const TO_HALVINGS = 1.2011224087864498;
+
+/// Gradients of the two local coordinates of a splat, 1/px, as rows. In local coordinates the Gaussian is 2^(−|local|²).
+fn localGradients(splat: SplatRecord) -> vec4f {
+  @if(!RECORD_PAPER) let majorPx = splat.majorPx;
+  @if(!RECORD_PAPER) let length2 = dot(majorPx, majorPx);
+  @if(!RECORD_PAPER) let minor = TO_HALVINGS * inverseSqrt(length2) / splat.minorLengthPx;
+  @if(!RECORD_PAPER) return vec4f(majorPx * (TO_HALVINGS / length2), -majorPx.y * minor, majorPx.x * minor);
   // The axes are rounded independently, so they are not quite perpendicular.
-  @if(RECORD_PAPER) let determinant = cross2(axes.majorUnit, axes.minorUnit);
-  @if(RECORD_PAPER) return vec2f(
-    cross2(offset, axes.minorUnit) / determinant / axes.majorLengthPx,
-    cross2(axes.majorUnit, offset) / determinant / axes.minorLengthPx,
+  @if(RECORD_PAPER) let axes = axesOf(splat);
+  @if(RECORD_PAPER) let factor = TO_HALVINGS / cross2(axes.majorUnit, axes.minorUnit);
+  @if(RECORD_PAPER) return vec4f(
+    vec2f(axes.minorUnit.y, -axes.minorUnit.x) * (factor / axes.majorLengthPx),
+    vec2f(-axes.majorUnit.y, axes.majorUnit.x) * (factor / axes.minorLengthPx),
   );
+}
+
+/// Local coordinates of a point `offset` px from the splat's centre.
+fn localCoordinate(gradients: vec4f, offset: vec2f) -> vec2f {
+  return offset.x * gradients.xz + offset.y * gradients.yw;
+}
+
+/// Opacity of a splat at a pixel with these local coordinates; 0 below the cutoff.
+fn fragmentAlpha(opacity: f32, local: vec2f, alphaCutoff: f32) -> f32 {
+  let alpha = min(MAX_FRAGMENT_ALPHA, opacity * exp2(-dot(local, local)));
+  return select(0.0, alpha, alpha >= alphaCutoff);
 }
 
 @if(RECORD_PAPER)

@@ -3,14 +3,13 @@
 // transmittance and its heaviest splat. One workgroup per block, one thread per place. The host combines the blocks front to
 // back.
 // Without a list that could overflow and without atomics, so a pick gives the same result every time.
-import constants::MAX_FRAGMENT_ALPHA;
 import constants::PICK_WORKGROUP;
 import layout::PickBlock;
 import layout::PickParameters;
 import layout::SplatRecord;
 import layout::View;
 import package::lib::dispatch::linearWorkgroup;
-import package::lib::splat_record::{axesOf, localCoordinate, opacityOf};
+import package::lib::splat_record::{fragmentAlpha, localCoordinate, localGradients, opacityOf};
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> parameters: PickParameters;
@@ -52,9 +51,8 @@ fn pick(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index
   blocks[block] = found;
 }
 
-/// Alpha at the pixel, as in rasterize's fragment shader; 0 if that draws nothing.
+/// Opacity at the pixel; 0 where nothing is drawn.
 fn alphaAtPixel(splat: SplatRecord) -> f32 {
-  let local = localCoordinate(axesOf(splat), parameters.pixelPx - splat.centerPx);
-  let alpha = min(MAX_FRAGMENT_ALPHA, opacityOf(splat) * exp(-dot(local, local)));
-  return select(0.0, alpha, alpha >= view.alphaCutoff);
+  let local = localCoordinate(localGradients(splat), parameters.pixelPx - splat.centerPx);
+  return fragmentAlpha(opacityOf(splat), local, view.alphaCutoff);
 }

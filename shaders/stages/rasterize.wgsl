@@ -6,9 +6,8 @@
 import layout::HostDepth;
 import layout::SplatRecord;
 import layout::View;
-import constants::MAX_FRAGMENT_ALPHA;
 @if(DEPTH_TEST) import package::lib::host_depth::storedDepth;
-import package::lib::splat_record::{axesOf, localCoordinate, opacityOf};
+import package::lib::splat_record::{axesOf, fragmentAlpha, localCoordinate, localGradients, opacityOf};
 import package::lib::visible_ellipse::reachInAxes;
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -18,7 +17,7 @@ import package::lib::visible_ellipse::reachInAxes;
 
 struct Varyings {
   @builtin(position) position: vec4f,
-  /// Offset from the centre in units of the axes at √2 standard deviations: the Gaussian is exp(−|local|²).
+  /// The Gaussian is 2^(−|local|²).
   @location(0) local: vec2f,
   @if(RECORD_F32) @location(1) @interpolate(flat, either) color: vec4f,
   @if(RECORD_PAPER) @location(1) @interpolate(flat, either) color: u32,
@@ -69,7 +68,7 @@ fn vertexMain(@builtin(vertex_index) vertex: u32, @builtin(instance_index) insta
   @if(!DEPTH_TEST) let depth = 0.0;
   @if(DEPTH_TEST) let depth = storedDepth(splat.depthView, ndc, hostDepth);
   varyings.position = vec4f(ndc, depth, 1.0);
-  varyings.local = localCoordinate(axes, cornerPx - splat.centerPx);
+  varyings.local = localCoordinate(localGradients(splat), cornerPx - splat.centerPx);
   varyings.color = splat.color;
   @if(DEPTH_LAYER) varyings.depthView = splat.depthView;
   return varyings;
@@ -80,12 +79,11 @@ fn fragmentMain(varyings: Varyings) -> Fragment {
   @if(RECORD_F32) let color = varyings.color;
   @if(RECORD_PAPER) let color = unpack4x8unorm(varyings.color);
   @if(!RECORD_F32 && !RECORD_PAPER) let color = vec4f(unpack2x16float(varyings.color.x), unpack2x16float(varyings.color.y));
-  let alpha = min(MAX_FRAGMENT_ALPHA, color.w * exp(-dot(varyings.local, varyings.local)));
+  let alpha = fragmentAlpha(color.w, varyings.local, view.alphaCutoff);
   // Blending 0 over the target leaves it unchanged, bit for bit, and unlike `discard` keeps early tests possible.
-  let isDrawn = alpha >= view.alphaCutoff;
   var fragment: Fragment;
-  fragment.color = select(vec4f(0.0), vec4f(color.rgb * alpha, alpha), isDrawn);
+  fragment.color = vec4f(color.rgb * alpha, alpha);
   // Blended like a colour: the mean depth, weighted by each splat's contribution. A float16 target ends at 65504.
-  @if(DEPTH_LAYER) fragment.depth = select(vec4f(0.0), vec4f(min(varyings.depthView, 65504.0) * alpha, 0.0, 0.0, alpha), isDrawn);
+  @if(DEPTH_LAYER) fragment.depth = vec4f(min(varyings.depthView, 65504.0) * alpha, 0.0, 0.0, alpha);
   return fragment;
 }

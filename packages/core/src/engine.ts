@@ -13,6 +13,7 @@ import { type CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
 import { DestroyedError } from './errors.ts';
 import { frameStages } from './frame/frame.ts';
 import type { FrameShape } from './frame/frame-shape.ts';
+import { DEFAULT_TILE_BUDGET_BYTES } from './frame/pair-capacity.ts';
 import { adapterLabel, type DeviceOptions, requestSplatDevice } from './gpu/device.ts';
 import { type EngineCounters, zeroCounters } from './gpu/engine-counters.ts';
 import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
@@ -30,6 +31,7 @@ import type { ShaderMutation } from './shaders/link-shader.ts';
 import type { SplatSet } from './splats/splat-set.ts';
 import { AccuracyWishes } from './views/accuracy-wishes.ts';
 import { EmbeddedView } from './views/embedded-view.ts';
+import { rememberedRasterizer } from './views/remembered-rasterizer.ts';
 import { SplatView } from './views/splat-view.ts';
 import type { ViewContext } from './views/view-core.ts';
 
@@ -40,6 +42,10 @@ export interface EngineOptions extends DeviceOptions {
   readonly accuracy?: AccuracyRequest;
   /** Most workgroups in one dimension of a dispatch; default the device's limit. For tests of large dispatches. */
   readonly maxWorkgroupsPerDimension?: number;
+  /**
+   * Most bytes of GPU memory that the lists of tiles may take, per view; default 512 MiB. Frames that need more are drawn by quads.
+   */
+  readonly tileBudgetBytes?: number;
   /** @internal For tests only: see ShaderMutation. */
   readonly mutation?: ShaderMutation;
 }
@@ -65,6 +71,7 @@ export class SplatEngine {
   readonly #pipelines: Pipelines;
   readonly #ownsDevice: boolean;
   readonly #dispatchRow: number;
+  readonly #tileBudgetBytes: number;
   #planeMaker: Promise<PlaneMaker> | null = null;
   readonly #wishes: AccuracyWishes;
   readonly #views = new Set<SplatView | EmbeddedView>();
@@ -85,6 +92,7 @@ export class SplatEngine {
     this.#ownsDevice = ownsDevice;
     const limit = device.limits.maxComputeWorkgroupsPerDimension;
     this.#dispatchRow = Math.min(options.maxWorkgroupsPerDimension ?? limit, limit);
+    this.#tileBudgetBytes = options.tileBudgetBytes ?? DEFAULT_TILE_BUDGET_BYTES;
     this.#wishes = new AccuracyWishes({
       measure: async (wish, frame, options) => {
         // Most pages never use a wish, so they do not load this module.
@@ -321,6 +329,9 @@ export class SplatEngine {
       accuracyFor: (requested) => this.resolveAccuracy(requested).settings,
       wishes: this.#wishes,
       dispatchRow: this.#dispatchRow,
+      workgroupBytes: this.device.limits.maxComputeWorkgroupStorageSize,
+      tileBudgetBytes: this.#tileBudgetBytes,
+      fasterRasterizer: rememberedRasterizer(this.adapterLabel),
       destroyedBecause: () => this.#destroyedBecause,
     };
   }

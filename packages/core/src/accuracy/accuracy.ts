@@ -22,6 +22,12 @@ export type Extent = 'opacity' | 'fixed';
 /** Which splats of the visible chunks are drawn: those whose bounding box reaches into the image, or all. */
 export type Culling = 'bounding-box' | 'frustum';
 
+/**
+ * What draws the splats: tiles blend them in compute shaders, front to back in float32; quads blend them by the GPU's own
+ * rasteriser and blending, back to front, in the format of the layer. `auto` takes the faster of both.
+ */
+export type Rasterizer = 'tiles' | 'quads' | 'auto';
+
 /** All settings that trade accuracy for time or memory. */
 export interface AccuracySettings {
   readonly geometryPrecision: GeometryPrecision;
@@ -34,6 +40,7 @@ export interface AccuracySettings {
   readonly extent: Extent;
   readonly culling: Culling;
   readonly recordPrecision: RecordPrecision;
+  readonly rasterizer: Rasterizer;
   readonly colorTarget: ColorTarget;
   /** Width and height of the layer of splats, as a fraction of the image's. */
   readonly resolutionScale: number;
@@ -142,6 +149,15 @@ export const ACCURACY_SETTINGS: {
     change: 'shader',
     source: 'f16: colours err by at most 2^-11 of their value; paper: float16 axes, 8-bit colour and opacity',
   },
+  rasterizer: {
+    label: 'Rasteriser',
+    about: 'Whether compute shaders blend tiles of the image in float32, or the GPU blends a quad per splat.',
+    unit: 'method',
+    values: ['tiles', 'auto', 'quads'],
+    stage: 'rasterize',
+    change: 'shader',
+    source: 'the paper draws quads; auto measures both on this device',
+  },
   colorTarget: {
     label: 'Blending',
     about: 'Format that every blended layer is rounded to.',
@@ -175,6 +191,7 @@ export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings>
     extent: 'opacity',
     culling: 'bounding-box',
     recordPrecision: 'f32',
+    rasterizer: 'auto',
     colorTarget: 'rgba32float',
     resolutionScale: 1,
   },
@@ -187,6 +204,7 @@ export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings>
     extent: 'opacity',
     culling: 'bounding-box',
     recordPrecision: 'f16',
+    rasterizer: 'auto',
     colorTarget: 'rgba16float',
     resolutionScale: 1,
   },
@@ -199,6 +217,7 @@ export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings>
     extent: 'opacity',
     culling: 'bounding-box',
     recordPrecision: 'f16',
+    rasterizer: 'auto',
     colorTarget: 'rgba16float',
     resolutionScale: 1,
   },
@@ -216,6 +235,7 @@ export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings>
     extent: 'opacity',
     culling: 'bounding-box',
     recordPrecision: 'f16',
+    rasterizer: 'auto',
     colorTarget: 'rgba8unorm',
     resolutionScale: 1,
   },
@@ -232,6 +252,7 @@ export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings>
     extent: 'opacity',
     culling: 'bounding-box',
     recordPrecision: 'paper',
+    rasterizer: 'quads',
     colorTarget: 'rgba8unorm',
     resolutionScale: 1,
   },

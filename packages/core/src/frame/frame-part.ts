@@ -21,6 +21,14 @@ export interface SharedBuffers {
   /** The visible splats back to front, after the sort. */
   readonly order: GPUBuffer;
   readonly drawArguments: GPUBuffer;
+  /** One `TileGrid` and one `TilePlan`; these and the buffers below only for shapes with tiles. */
+  readonly tileGrid: GPUBuffer;
+  readonly tilePlan: GPUBuffer;
+  readonly binStarts: GPUBuffer;
+  readonly binOrder: GPUBuffer;
+  readonly tileMasks: GPUBuffer;
+  /** Records of the pairs, by bin and front to back. */
+  readonly sortedRecords: GPUBuffer;
 }
 
 /** Textures that splats are blended in, or that blended splats are enlarged into. */
@@ -53,6 +61,8 @@ export interface PartContext {
   readonly pipelines: Pipelines;
   readonly memory: GpuMemory;
   readonly shared: SharedMemory;
+  /** Most bytes that the tiles' own buffers may take. */
+  readonly tileBudgetBytes: number;
 }
 
 /** A prepared change of a part's buffers and textures: `free` and `commit` are called, or `discard`. */
@@ -95,8 +105,18 @@ export interface OrderRecording extends Recording {
   readonly isColorsOnly: boolean;
 }
 
+/** A part of the quads to draw only to be timed. */
+export interface QuadsSample {
+  /** Part of the visible splats, 0…1. */
+  readonly share: number;
+  /** Number of visible splats of a recent frame. */
+  readonly visibleSplats: number;
+}
+
 export interface DrawRecording extends Recording {
   readonly destination: Destination;
+  /** Null for no sample. Only in frames that tiles draw: they overwrite it. */
+  readonly sample: QuadsSample | null;
 }
 
 /**

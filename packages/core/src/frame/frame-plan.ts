@@ -1,5 +1,6 @@
 import { type AccuracySettings, layerSize, type SizePx } from '../accuracy/accuracy.ts';
 import { type Camera, type Projection, projectionOf } from '../camera/camera.ts';
+import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import type { RasterizeDepth } from '../stages/rasterize.ts';
 import { type CloudPlan, cloudShape, planCloud } from './cloud-plan.ts';
 import type { FrameRequest } from './frame-request.ts';
@@ -30,7 +31,10 @@ export interface PlanOptions {
   /** Equal settings are the same object. */
   readonly accuracy: AccuracySettings;
   readonly dispatchRow: number;
+  readonly workgroupBytes: number;
   readonly depth: RasterizeDepth | null;
+  /** The faster rasteriser, for the setting `auto`. */
+  readonly faster: 'quads' | 'tiles';
   /** The same object for all frames of a view. */
   readonly output: FrameOutput;
   /** Effects to leave out even if the frame needs them. */
@@ -45,17 +49,19 @@ export interface PlanOptions {
  * @throws InvalidArgumentError naming the cloud, if its effects cannot be combined; errors of callers' own effects.
  */
 export function planFrame(request: FrameRequest, options: PlanOptions): FramePlan {
-  const { accuracy, dispatchRow, depth, output, omitted, last } = options;
+  const { accuracy, dispatchRow, workgroupBytes, depth, output, omitted, last } = options;
   const camera = copied(request.camera);
   const layer = layerSize(request, accuracy);
   const projection = projectionOf(camera, layer.widthPx, layer.heightPx);
   const clouds = request.clouds.map((instance) => planCloud(instance, camera, projection, accuracy));
   const depthBits = keyBitsFor(camera, clouds);
+  const rasterizer = rasterizerOf(options);
   const shape: FrameShape = {
     clouds: clouds.map((cloud) => cloudShape(cloud, accuracy, omitted)),
     isOrthographic: projection.isOrthographic,
     accuracy,
     dispatchRow,
+    workgroupBytes,
     visibleCapacity: visibleCapacity(
       clouds,
       last && isOfSameClouds(last, clouds) ? last.shape.visibleCapacity : 0,
@@ -64,6 +70,8 @@ export function planFrame(request: FrameRequest, options: PlanOptions): FramePla
     shortensKeys: accuracy.sortKeyBits < depthBits,
     depth,
     output,
+    rasterizer,
+    binCount: rasterizer === 'tiles' ? binCountOf(layer) : 0,
   };
   const plan = {
     request: { ...request, clouds: clouds.map(({ instance }) => instance) },
@@ -95,6 +103,17 @@ export function withKeptColors(
   );
   const shape = { ...plan.shape, clouds };
   return { ...plan, shape: last && isSameShape(last.shape, shape) ? last.shape : shape };
+}
+
+function rasterizerOf({ accuracy, depth, faster }: PlanOptions): 'quads' | 'tiles' {
+  const rasterizer = accuracy.rasterizer === 'auto' ? faster : accuracy.rasterizer;
+  // Compute shaders cannot write r16float, the only depth that devices without float32-blendable blend.
+  return rasterizer === 'tiles' && depth?.layerFormat !== 'r16float' ? 'tiles' : 'quads';
+}
+
+function binCountOf({ widthPx, heightPx }: SizePx): number {
+  const { BIN_PX } = SHADER_CONSTANTS;
+  return Math.ceil(widthPx / BIN_PX) * Math.ceil(heightPx / BIN_PX);
 }
 
 function copied(camera: Camera): Camera {

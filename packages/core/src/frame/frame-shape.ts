@@ -3,6 +3,7 @@ import type { CloudPages } from '../clouds/cloud-planes.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { EffectSet } from '../effects/effect-set.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
+import type { StorableCanvasFormat } from '../stages/composite.ts';
 import { isSameDepth, type RasterizeDepth } from '../stages/rasterize.ts';
 
 /** Everything about one cloud that decides which shaders a frame runs and how large its buffers are. */
@@ -25,7 +26,12 @@ export interface CloudShape {
 export type FrameOutput =
   /** Stays in a texture, to be read back or compared on the GPU. */
   | { readonly kind: 'image' }
-  | { readonly kind: 'canvas'; readonly format: GPUTextureFormat }
+  | {
+      readonly kind: 'canvas';
+      readonly format: GPUTextureFormat;
+      /** The format, if compute shaders may write the canvas. */
+      readonly storable: StorableCanvasFormat | null;
+    }
   /** Into another renderer's frame. */
   | { readonly kind: 'host' };
 
@@ -37,6 +43,8 @@ export interface FrameShape {
   readonly accuracy: AccuracySettings;
   /** Most workgroups in one dimension of a dispatch. */
   readonly dispatchRow: number;
+  /** Memory that the threads of one workgroup can share. */
+  readonly workgroupBytes: number;
   /** Upper bound of the number of visible splats, and the size of the buffers for them. */
   readonly visibleCapacity: number;
   /** Number of bits in which sort keys of this frame can differ, at most 32. */
@@ -46,6 +54,10 @@ export interface FrameShape {
   /** How the host's depth hides splats; null if nothing can hide them. */
   readonly depth: RasterizeDepth | null;
   readonly output: FrameOutput;
+  /** What draws the splats. With tiles, quads draw the frames whose pairs do not fit. */
+  readonly rasterizer: 'quads' | 'tiles';
+  /** Bins of the layer; 0 for quads. */
+  readonly binCount: number;
 }
 
 /** Found effects that can be left out of a frame, to measure their cost. */
@@ -80,7 +92,10 @@ export function isSameShape(a: FrameShape, b: FrameShape): boolean {
     a.shortensKeys === b.shortensKeys &&
     a.accuracy === b.accuracy &&
     a.dispatchRow === b.dispatchRow &&
+    a.workgroupBytes === b.workgroupBytes &&
     a.output === b.output &&
+    a.rasterizer === b.rasterizer &&
+    a.binCount === b.binCount &&
     isSameDepth(a.depth, b.depth) &&
     isSameList(a.clouds, b.clouds, isSameCloudShape)
   );

@@ -9,6 +9,7 @@ import {
   type PartChange,
   type PartClass,
   type PartContext,
+  type QuadsSample,
   SharedMemory,
 } from './frame-part.ts';
 import type { FramePlan } from './frame-plan.ts';
@@ -20,6 +21,8 @@ import { Preprocess } from './parts/preprocess.ts';
 import { Quads } from './parts/quads.ts';
 import { ResolveDepth } from './parts/resolve-depth.ts';
 import { Sort } from './parts/sort.ts';
+import { TileLists } from './parts/tile-lists.ts';
+import { Tiles } from './parts/tiles.ts';
 import { Upscale } from './parts/upscale.ts';
 
 // The order of a frame. Nothing else orders parts; each part orders its own stages.
@@ -27,12 +30,13 @@ import { Upscale } from './parts/upscale.ts';
 // Kept colours come first: they are taken from the last frame. Then the visible splats are found and sorted, and then drawn.
 // A view inside another renderer's frame submits the first half itself and records the second half for its host to submit.
 
-/** Parts that find the visible splats and their order. */
-const ORDERING = [Preprocess, Sort] as const satisfies readonly PartClass<OrderRecording>[];
+/** Parts that find the visible splats, their order and, for tiles, their place. */
+const ORDERING = [Preprocess, Sort, TileLists] as const satisfies readonly PartClass<OrderRecording>[];
 
 /** Parts that draw the visible splats. Output, depth and scale of a shape decide which of them it uses. */
 const DRAWING = [
   ResolveDepth,
+  Tiles,
   Quads,
   Upscale,
   Composite,
@@ -51,6 +55,7 @@ export class FrameParts {
   readonly keptColors: KeptColors;
   readonly preprocess: Preprocess;
   readonly sort: Sort;
+  readonly tileLists: TileLists;
   readonly resolveDepth: ResolveDepth;
   readonly quads: Quads;
   readonly composite: Composite;
@@ -70,6 +75,7 @@ export class FrameParts {
     this.#drawing = DRAWING.map((Part) => new Part(own));
     this.preprocess = find(this.#ordering, Preprocess);
     this.sort = find(this.#ordering, Sort);
+    this.tileLists = find(this.#ordering, TileLists);
     this.resolveDepth = find(this.#drawing, ResolveDepth);
     this.quads = find(this.#drawing, Quads);
     this.composite = find(this.#drawing, Composite);
@@ -126,14 +132,23 @@ export class FrameParts {
   }
 
   /** Records drawing the visible splats to `destination`. */
-  recordDraw(encoder: GPUCommandEncoder, timer: GpuTimer, destination: Destination): void {
-    const recording = { encoder, timer, shape: this.#shape!, destination };
-    for (const part of this.#drawing) part.record(recording);
+  recordDraw(
+    encoder: GPUCommandEncoder,
+    timer: GpuTimer,
+    destination: Destination,
+    sample: QuadsSample | null = null,
+  ): void {
+    const recording = { encoder, timer, shape: this.#shape!, destination, sample };
+    for (const part of this.#drawing) {
+      // Before the tiles, which overwrite it.
+      if (part instanceof Tiles) this.quads.recordSample(recording);
+      part.record(recording);
+    }
   }
 
   /** Records drawing the last image over another background. */
   recordBackground(encoder: GPUCommandEncoder, timer: GpuTimer, destination: Destination): void {
-    this.composite.record({ encoder, timer, shape: this.#shape!, destination });
+    this.composite.record({ encoder, timer, shape: this.#shape!, destination, sample: null });
   }
 
   destroy(): void {

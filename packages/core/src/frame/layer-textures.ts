@@ -3,18 +3,20 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { DepthLayerFormat } from '../stages/rasterize.ts';
 import type { LayerTextures } from './frame-part.ts';
 
-/** Whether `layer` has this size and these formats. */
+/** Whether `layer` has this size, these formats and at least this usage. */
 export function fitsLayer(
   layer: LayerTextures | null,
   { widthPx, heightPx }: SizePx,
   colorTarget: ColorTarget,
   depthFormat: DepthLayerFormat | null,
+  usage: GPUTextureUsageFlags = 0,
 ): boolean {
   return (
     layer?.color.width === widthPx &&
     layer.color.height === heightPx &&
     layer.color.format === colorTarget &&
-    (layer.depthLayer?.format ?? null) === depthFormat
+    (layer.depthLayer?.format ?? null) === depthFormat &&
+    (layer.color.usage & usage) === usage
   );
 }
 
@@ -24,11 +26,12 @@ export function createLayer(
   { widthPx, heightPx }: SizePx,
   colorTarget: ColorTarget,
   depthFormat: DepthLayerFormat | null,
+  usage: GPUTextureUsageFlags = 0,
 ): LayerTextures {
   const size = { width: widthPx, height: heightPx };
   return {
-    color: memory.createTarget(label, colorTarget, size),
-    depthLayer: depthFormat && memory.createTarget(`${label} depth`, depthFormat, size),
+    color: memory.createTarget(label, colorTarget, size, usage),
+    depthLayer: depthFormat && memory.createTarget(`${label} depth`, depthFormat, size, usage),
   };
 }
 

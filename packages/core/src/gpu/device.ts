@@ -17,12 +17,17 @@ export interface DeviceOptions {
 const OPTIONAL_FEATURES: readonly GPUFeatureName[] = [
   'timestamp-query',
   'float32-blendable' as GPUFeatureName,
+  'bgra8unorm-storage',
   // Without it some adapters give a compatibility-mode device.
   'core-features-and-limits' as GPUFeatureName,
 ];
 
-/** Limits that bound the size of a scene; requested at the adapter's maximum. */
-const WIDENED_LIMITS = ['maxBufferSize', 'maxStorageBufferBindingSize'] as const;
+/** Limits that bound the size of a scene, or of the blocks that are sorted at a time; requested at the adapter's maximum. */
+const WIDENED_LIMITS = [
+  'maxBufferSize',
+  'maxStorageBufferBindingSize',
+  'maxComputeWorkgroupStorageSize',
+] as const;
 
 /**
  * Requests a device with every feature and limit of the adapter that the engine, or a renderer sharing the device, can use.

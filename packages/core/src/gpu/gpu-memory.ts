@@ -57,15 +57,16 @@ export class GpuMemory {
     );
   }
 
-  /** Creates a texture to draw into and to read afterwards, by shaders or by the CPU. */
+  /** Creates a texture to draw into and to read afterwards, by shaders or by the CPU; `usage` is added to that. */
   createTarget(
     label: string,
     format: GPUTextureFormat,
     { width, height }: Pick<GPUTexture, 'width' | 'height'>,
+    usage: GPUTextureUsageFlags = 0,
   ): GPUTexture {
     const { RENDER_ATTACHMENT, TEXTURE_BINDING, COPY_SRC } = GPUTextureUsage;
-    const usage = RENDER_ATTACHMENT | TEXTURE_BINDING | COPY_SRC;
-    return this.createTexture({ label, size: { width, height }, format, usage });
+    const all = RENDER_ATTACHMENT | TEXTURE_BINDING | COPY_SRC | usage;
+    return this.createTexture({ label, size: { width, height }, format, usage: all });
   }
 
   /** Returns the bytes of a resource; 0 for null. */

@@ -9,7 +9,9 @@ export type BindingKind =
   | 'read-write'
   | 'texture'
   | 'depth-texture'
-  | 'multisampled-depth-texture';
+  | 'multisampled-depth-texture'
+  /** A texture that a compute shader writes. */
+  | `${'bgra8unorm' | 'rgba8unorm' | 'rgba16float' | 'rgba32float' | 'r32float'} writes`;
 
 /** A stage as data: its shader, its entry point, its bindings in group 0. */
 export interface StageDefinition<Binding extends string = string> extends ShaderVariant {
@@ -211,11 +213,16 @@ function layoutEntry(binding: number, kind: BindingKind, isRender: boolean): GPU
     const multisampled = kind === 'multisampled-depth-texture';
     return { binding, visibility, texture: { sampleType: 'depth', multisampled } };
   }
+  if (kind.endsWith(' writes')) {
+    const format = kind.replace(' writes', '') as GPUTextureFormat;
+    return { binding, visibility, storageTexture: { access: 'write-only', format } };
+  }
   const types = { uniform: 'uniform', read: 'read-only-storage', 'read-write': 'storage' } as const;
-  return { binding, visibility, buffer: { type: types[kind] } };
+  return { binding, visibility, buffer: { type: types[kind as keyof typeof types] } };
 }
 
 function toResource(value: GPUBuffer | GPUBufferBinding | GPUTextureView): GPUBindingResource {
+  // Bindings of buffers have a size too.
   const isBuffer = 'size' in value && 'usage' in value;
   return isBuffer ? { buffer: value } : (value as GPUBindingResource);
 }

@@ -9,6 +9,7 @@ import { usesOf } from '../effects/effects.ts';
 import { FrameParts, frameStages } from '../frame/frame.ts';
 import { locateSplat } from '../frame/frame-pages.ts';
 import { type FramePlan, planFrame } from '../frame/frame-plan.ts';
+import { DEFAULT_TILE_BUDGET_BYTES } from '../frame/pair-capacity.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
@@ -109,9 +110,11 @@ export class InspectedFrame {
       {
         accuracy,
         dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,
+        workgroupBytes: device.limits.maxComputeWorkgroupStorageSize,
         depth: null,
         output: { kind: 'image' },
         omitted: [],
+        faster: 'quads',
         last: null,
       },
     );
@@ -126,7 +129,7 @@ export class InspectedFrame {
     };
     const { projection } = plan;
     await pipelines.prepare(frameStages(plan.shape));
-    const parts = new FrameParts({ device, pipelines, memory });
+    const parts = new FrameParts({ device, pipelines, memory, tileBudgetBytes: DEFAULT_TILE_BUDGET_BYTES });
     parts.fit(plan);
     const timer = new GpuTimer(device, memory);
     const encoder = device.createCommandEncoder();

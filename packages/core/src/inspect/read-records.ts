@@ -1,3 +1,4 @@
+import type { RecordPrecision } from '../accuracy/accuracy.ts';
 import { fromHalfBits } from '../layout/half.ts';
 import { SPLAT_RECORDS } from '../layout/structs.ts';
 import type { InspectedFrame } from './inspected-frame.ts';
@@ -32,13 +33,15 @@ async function parseRecords(frame: InspectedFrame): Promise<readonly DecodedReco
   const words = await frame.words('records');
   const { recordPrecision } = frame.accuracy;
   const length = SPLAT_RECORDS[recordPrecision].bytes / 4;
-  return Array.from({ length: count }, (_, i) => {
-    const record = words.subarray(i * length, (i + 1) * length);
-    const splat = visibleSplats[i];
-    return recordPrecision === 'paper'
-      ? { splat, ...readPaperRecord(record) }
-      : { splat, ...readRecord(record, recordPrecision) };
-  });
+  return Array.from({ length: count }, (_, i) => ({
+    splat: visibleSplats[i],
+    ...decodeRecord(words.subarray(i * length, (i + 1) * length), recordPrecision),
+  }));
+}
+
+/** Decodes the words of one record. */
+export function decodeRecord(words: Uint32Array, precision: RecordPrecision): Omit<DecodedRecord, 'splat'> {
+  return precision === 'paper' ? readPaperRecord(words) : readRecord(words, precision);
 }
 
 function readRecord(words: Uint32Array, precision: 'f32' | 'f16'): Omit<DecodedRecord, 'splat'> {

@@ -12,9 +12,29 @@ export const SHADER_CONSTANTS = {
   REPACK_WORKGROUP: 256,
   /** Splats, in drawing order, that one workgroup blends for a pick. */
   PICK_WORKGROUP: 256,
+  /** Side of a tile: one workgroup blends one tile. */
+  TILE_PX: 8,
+  /** Side of a bin in tiles, and in pixels. Pairs are sorted by bin. */
+  BIN_TILES: 8,
+  BIN_PX: 64,
+  /** Threads that blend a tile. */
+  TILE_THREADS: 32,
+  /** Splats that these threads load together. */
+  TILE_BATCH: 32,
+  /** Threads of the stages that list pairs. */
+  TILE_WORKGROUP: 256,
+  /** Ranks per thread, and per workgroup, whose pairs are counted. */
+  TILE_COUNT_ITEMS: 4,
+  TILE_COUNT_BLOCK: 1024,
+  /** Successive pairs that a thread lists at once. */
+  TILE_EMIT_RUN: 4,
+  /** Pairs whose masks lie together. */
+  MASK_GROUP: 256,
   SCAN_WORKGROUP: 256,
   /** Counts per thread of a scan. */
   SCAN_ITEMS: 8,
+  /** Side of the square of pixels that one workgroup composites. */
+  COMPOSITE_TILE_PX: 8,
   /** Side of the square of pixels that one workgroup compares. */
   COMPARE_TILE_PX: 16,
   /** Radius of the Gaussian window of structural similarity. */

@@ -73,17 +73,38 @@ export const ScanParameters = gpuStruct('ScanParameters', { blockCount: 'u32', d
 /** One pass of the sort. */
 export const SortParameters = gpuStruct('SortParameters', {
   digitShift: 'u32',
-  radix: 'u32',
   capacity: 'u32',
   dispatchRow: 'u32',
-  /** 1 in the pass that makes the payloads, otherwise 0. */
-  isFirst: 'u32',
-  /** 1 in the pass that drops the keys, otherwise 0. */
-  isLast: 'u32',
+  /** 1 where the payload of each key is its own index, 0 where payloads are read. */
+  makesPayloads: 'u32',
+  /** 1 where keys are written, 0 where only payloads are. */
+  writesKeys: 'u32',
+  /** Threads of sort-scan per digit. */
+  scanLanes: 'u32',
 });
 
 /** Sizes of a sort, computed on the GPU. */
-export const SortPlan = gpuStruct('SortPlan', { keyCount: 'u32', tileCount: 'u32' });
+export const SortPlan = gpuStruct('SortPlan', { keyCount: 'u32', blockCount: 'u32' });
+
+/** How the layer is divided for the tile stages. */
+export const TileGrid = gpuStruct('TileGrid', {
+  sizePx: 'vec2u',
+  binColumns: 'u32',
+  binRows: 'u32',
+  /** Number of pairs that there is room for. */
+  pairCapacity: 'u32',
+});
+
+/** Number of pairs of a frame, computed on the GPU. */
+export const TilePlan = gpuStruct('TilePlan', {
+  /** All pairs of the visible splats, whether they fit or not. */
+  neededPairs: 'u32',
+  /** Pairs to draw: all, or none if they do not fit. */
+  pairCount: 'u32',
+  /** 1 if the tiles draw this frame; 0 if the quads do. */
+  fits: 'u32',
+  visibleCount: 'u32',
+});
 
 /** A visible splat as it is drawn; lengths in pixels, y down. Axes are at √2 standard deviations. 32 bytes. */
 export const SplatRecord = gpuStruct('SplatRecord', {
@@ -190,4 +211,6 @@ export const SHADER_STRUCTS: readonly Pick<GpuStruct<never>, 'name' | 'wgsl'>[] 
   HostDepth,
   HostViewport,
   UpscaleParameters,
+  TileGrid,
+  TilePlan,
 ];

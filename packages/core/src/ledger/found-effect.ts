@@ -11,12 +11,16 @@ export interface EffectHoldings {
   readonly testedDepthBytes: number;
   /** The splats' own depth, for the host. */
   readonly writtenDepthBytes: number;
+  /** Lists of the tiles. */
+  readonly tilesBytes: number;
 }
 
 /** A frame that was drawn. */
 export interface DrawnFrame {
   readonly plan: FramePlan;
   readonly held: EffectHoldings;
+  /** Why it was drawn by tiles or quads, for people. */
+  readonly rasterizer: { readonly reason: string };
 }
 
 /** One cloud of a frame. */

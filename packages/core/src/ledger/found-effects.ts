@@ -5,6 +5,7 @@ import { harmonics } from './found/harmonics.ts';
 import { isotropic } from './found/isotropic.ts';
 import { keptColors } from './found/kept-colors.ts';
 import { orthographic } from './found/orthographic.ts';
+import { tiles } from './found/tiles.ts';
 import { transform } from './found/transform.ts';
 import type { FoundEffect } from './found-effect.ts';
 
@@ -18,4 +19,5 @@ export const FOUND_EFFECTS: readonly FoundEffect[] = [
   keptColors,
   depthTest,
   depthWrite,
+  tiles,
 ];

@@ -1,4 +1,5 @@
 import { describe, expect, test } from 'vitest';
+import type { TemplateInfo, TypeInfo } from 'wgsl_reflect';
 
 import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
 import type { GpuFields, GpuStruct } from '../layout/gpu-struct.ts';
@@ -30,6 +31,14 @@ const TEXTURE_KINDS: Partial<Record<string, BindingKind>> = {
   texture_depth_multisampled_2d: 'multisampled-depth-texture',
 };
 
+/** Kind of a texture that a shader writes; undefined for other types. */
+function storageTextureKind(type: TypeInfo): BindingKind | undefined {
+  if (type.name !== 'texture_storage_2d') return undefined;
+  const { format, access } = type as TemplateInfo;
+  expect(access).toBe('write');
+  return `${format!.name} writes` as BindingKind;
+}
+
 const describeVariant = ({ stage, conditions }: StageDefinition) =>
   `${stage} ${Object.keys(conditions ?? {}).filter((name) => conditions![name])}`;
 
@@ -53,7 +62,7 @@ describe('linked shaders', () => {
         if (!resource) continue;
         expect(resource.group).toBe(0);
         const isStorage = resource.resourceType === ResourceType.Storage;
-        const textureKind = TEXTURE_KINDS[resource.type.name];
+        const textureKind = TEXTURE_KINDS[resource.type.name] ?? storageTextureKind(resource.type);
         const storageKind = resource.access === 'read_write' ? 'read-write' : 'read';
         found[resource.name] = [resource.binding, textureKind ?? (isStorage ? storageKind : 'uniform')];
       }

@@ -5,7 +5,7 @@ import { compactChunks } from '../stages/compact-chunks.ts';
 import { compactSplats } from '../stages/compact-splats.ts';
 import { compareImages } from '../stages/compare-images.ts';
 import { compose } from '../stages/compose.ts';
-import { composite } from '../stages/composite.ts';
+import { composite, compositeInCompute } from '../stages/composite.ts';
 import { cullChunks } from '../stages/cull-chunks.ts';
 import { cullSplats } from '../stages/cull-splats.ts';
 import { keepColors } from '../stages/keep-colors.ts';
@@ -19,7 +19,13 @@ import { type RasterizeDepth, rasterize } from '../stages/rasterize.ts';
 import { repackGeometry } from '../stages/repack-geometry.ts';
 import { repackSh } from '../stages/repack-sh.ts';
 import { resolveDepth } from '../stages/resolve-depth.ts';
-import { sortShapeFor } from '../stages/sort-shape.ts';
+import { pairSortShapeFor, sortShapeFor } from '../stages/sort-shape.ts';
+import { tileCount } from '../stages/tile-count.ts';
+import { tileEmit } from '../stages/tile-emit.ts';
+import { tileMasks } from '../stages/tile-masks.ts';
+import { tilePlan } from '../stages/tile-plan.ts';
+import { tileRanges } from '../stages/tile-ranges.ts';
+import { tileRasterize } from '../stages/tile-rasterize.ts';
 import { upscale } from '../stages/upscale.ts';
 
 const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
@@ -29,7 +35,16 @@ const GEOMETRY = ['f32', 'packed'] as const;
 const RECORD = ['f32', 'f16', 'paper'] as const;
 const EXTENTS = ['opacity', 'fixed'] as const;
 const SHORT_KEYS = [24, 20, 16] as const;
+/** Every amount that devices have which makes a difference to the sort. */
+const WORKGROUP_BYTES = [16_384, 32_768, 49_152] as const;
+/** One for each length of digits, since two passes share the bits between them. */
+const PAIR_KEY_BITS = [1, 2, 3, 4, 5, 6, 7, 8, 9] as const;
+/** Sorts of pairs by bin, of layers with few bins, and with so many that two passes are needed. */
+const PAIR_SORTS = WORKGROUP_BYTES.flatMap((bytes) =>
+  [1, 7, 9, 10, 18].map((bits) => pairSortShapeFor(bits, bytes)),
+);
 
+const COLOR_TARGETS = ['rgba8unorm', 'rgba16float', 'rgba32float'] as const;
 const COMPARES = ['less-equal', 'greater-equal'] as const;
 const DEPTHS: readonly (RasterizeDepth | null)[] = [
   null,
@@ -44,6 +59,11 @@ const DEPTHS: readonly (RasterizeDepth | null)[] = [
     ),
   ),
 ];
+const TILE_DEPTHS: readonly (RasterizeDepth | null)[] = DEPTHS.flatMap((depth) =>
+  depth
+    ? COMPARES.map((compare) => ({ ...depth, compare, layerFormat: depth.layerFormat && 'r32float' }))
+    : [null],
+);
 
 /** All stages, in every variant that a frame may run. */
 export function allStageVariants(): StageDefinition[] {
@@ -54,6 +74,8 @@ export function allStageVariants(): StageDefinition[] {
     planCull,
     planProject,
     composite,
+    compositeInCompute('bgra8unorm'),
+    compositeInCompute('rgba8unorm'),
     compareImages,
     ...prefixScanStages,
     ...RECORD.flatMap((recordPrecision) =>
@@ -63,6 +85,20 @@ export function allStageVariants(): StageDefinition[] {
     ...COMPARES.flatMap((compare) =>
       BOTH.flatMap((many) => BOTH.map((scaled) => resolveDepth(compare, many, scaled))),
     ),
+    tileRanges,
+    ...RECORD.flatMap((recordPrecision) => [
+      ...EXTENTS.flatMap((extent) => [
+        tileCount({ recordPrecision, extent }),
+        tileMasks({ recordPrecision, extent }),
+        ...PAIR_SORTS.map((shape) => tileEmit({ recordPrecision, extent }, shape)),
+      ]),
+      ...COLOR_TARGETS.flatMap((colorTarget) =>
+        TILE_DEPTHS.flatMap((depth) =>
+          BOTH.map((isExactOrder) => tileRasterize({ recordPrecision, colorTarget, depth, isExactOrder })),
+        ),
+      ),
+    ]),
+    ...PAIR_SORTS.flatMap((shape) => [tilePlan(shape), ...radixSortStages(shape)]),
     ...BOTH.map(upscale),
     ...RECORD.map(pick),
     ...RECORD.map(keepColors),
@@ -72,7 +108,12 @@ export function allStageVariants(): StageDefinition[] {
       repackSh({ degree, from: 'f32', to: 'u8' }),
       repackSh({ degree, from: 'f16', to: 'u8' }),
     ]),
-    ...[8, 16, 20, 24, 27, 32].flatMap((keyBits) => radixSortStages(sortShapeFor(keyBits))),
+    ...WORKGROUP_BYTES.flatMap((bytes) =>
+      [
+        ...[8, 16, 20, 24, 27, 32].map((keyBits) => sortShapeFor(keyBits, bytes)),
+        ...PAIR_KEY_BITS.map((keyBits) => pairSortShapeFor(keyBits, bytes)),
+      ].flatMap((shape) => radixSortStages(shape)),
+    ),
   ];
   for (const isOrthographic of [false, true]) {
     for (const geometryPrecision of GEOMETRY) {

@@ -51,5 +51,11 @@ export interface FrameStatistics {
   readonly candidateSplats: number;
   /** Splats drawn. */
   readonly visibleSplats: number;
+  /** What drew them. */
+  readonly rasterizer: 'tiles' | 'quads';
+  /** Pairs of a visible splat and a bin that it may touch, drawn or not; null where tiles were not asked for. */
+  readonly tilePairs: number | null;
+  /** Time of a sample of the quads that was drawn besides the image, to compare both rasterisers; null if there was none. */
+  readonly quadsSampleMs: number | null;
   readonly timing: StageTimings;
 }

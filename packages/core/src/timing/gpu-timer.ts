@@ -3,20 +3,35 @@ import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { type FrameStatistics, type StageTimings, wallClockTimings } from './frame-statistics.ts';
 
 /** Timed passes, in the order in which a frame runs them. */
-const TIMED_PASSES = ['preprocess', 'sort', 'resolve-depth', 'rasterize', 'upscale', 'composite'] as const;
+const TIMED_PASSES = [
+  'preprocess',
+  'sort',
+  'tile-lists',
+  'resolve-depth',
+  'quads-sample',
+  'tiles',
+  'rasterize',
+  'upscale',
+  'composite',
+] as const;
 type TimedPass = (typeof TIMED_PASSES)[number];
 
 /** Number of read-backs that may be pending at once; if none is free, a frame goes unmeasured instead of waiting. */
 const RING_SIZE = 4;
 
 const TIMESTAMP_BYTES = 8 * 2 * TIMED_PASSES.length;
-/** Timestamps, then the numbers of visible chunks and visible splats, a word each. */
-const READBACK_BYTES = TIMESTAMP_BYTES + 8;
+/** Timestamps, then the numbers of visible chunks, visible splats and pairs, and whether the tiles drew, a word each. */
+const READBACK_BYTES = TIMESTAMP_BYTES + 20;
+
+/** The words of a `TilePlan` that are read: neededPairs, pairCount, fits. */
+const PLAN_BYTES = 12;
 
 /** Buffers with the counts of a frame. */
 export interface FrameCounts {
   readonly slotCount: GPUBuffer;
   readonly visibleCount: GPUBuffer;
+  /** One `TilePlan`; only for shapes with tiles. */
+  readonly tilePlan?: GPUBuffer;
 }
 
 /** Measures frames without ever waiting for the GPU: results are read through a ring of buffers, some frames later. */
@@ -29,6 +44,7 @@ export class GpuTimer {
   readonly #free: GPUBuffer[];
   #measuring: GPUBuffer | null = null;
   #passes = new Set<TimedPass>();
+  #hasPairs = false;
   #isDestroyed = false;
 
   constructor(device: GPUDevice, memory: GpuMemory) {
@@ -80,12 +96,16 @@ export class GpuTimer {
     }
     encoder.copyBufferToBuffer(counts.slotCount, 0, target, TIMESTAMP_BYTES, 4);
     encoder.copyBufferToBuffer(counts.visibleCount, 0, target, TIMESTAMP_BYTES + 4, 4);
+    this.#hasPairs = counts.tilePlan !== undefined;
+    if (counts.tilePlan)
+      encoder.copyBufferToBuffer(counts.tilePlan, 0, target, TIMESTAMP_BYTES + 8, PLAN_BYTES);
   }
 
   /** Call after submitting. Resolves when the frame is done; null if it was not measured. */
   async read(frame: number, loadedSplats: number): Promise<FrameStatistics | null> {
     const buffer = this.#measuring;
     const passes = this.#passes;
+    const hasPairs = this.#hasPairs;
     this.#measuring = null;
     if (!buffer) return null;
     const submittedMs = performance.now();
@@ -98,12 +118,23 @@ export class GpuTimer {
       await mapped;
       const contents = buffer.getMappedRange().slice(0);
       buffer.unmap();
-      const [slots, visibleSplats] = new Uint32Array(contents, TIMESTAMP_BYTES);
+      const [slots, visibleSplats, pairs, , fits] = new Uint32Array(contents, TIMESTAMP_BYTES);
       const candidateSplats = Math.min(loadedSplats, slots * CHUNK_SPLATS);
-      const timing = this.#querySet
-        ? timingsOf(new BigUint64Array(contents, 0, 2 * TIMED_PASSES.length), passes, wallClockMs)
-        : wallClockTimings(wallClockMs);
-      return { frame, loadedSplats, candidateSplats, visibleSplats, timing };
+      const spanMs = this.#querySet
+        ? spansOf(new BigUint64Array(contents, 0, 2 * TIMED_PASSES.length), passes)
+        : null;
+      const timing = spanMs ? timingsOf(spanMs, wallClockMs) : wallClockTimings(wallClockMs);
+      const quadsSampleMs = spanMs && passes.has('quads-sample') ? spanMs('quads-sample') : null;
+      return {
+        frame,
+        loadedSplats,
+        candidateSplats,
+        visibleSplats,
+        rasterizer: hasPairs && fits === 1 ? 'tiles' : 'quads',
+        tilePairs: hasPairs ? pairs : null,
+        quadsSampleMs,
+        timing,
+      };
     } catch (error) {
       // Destroyed or lost while the read-back was pending: nobody needs the statistics any more.
       if (this.#isDestroyed || buffer.mapState === 'unmapped') return null;
@@ -121,25 +152,27 @@ export class GpuTimer {
   }
 }
 
+/** Returns the time from the beginning of the first to the end of the last of some passes, ms; 0 if none of them ran. */
+type SpanMs = (...candidates: TimedPass[]) => number;
+
 /** @param passes the passes that the frame ran: queries of the others are stale, or were never written. */
-function timingsOf(
-  nanoseconds: BigUint64Array,
-  passes: ReadonlySet<TimedPass>,
-  wallClockMs: number,
-): StageTimings {
-  /** From the beginning of the first to the end of the last of those candidates that ran. */
-  const spanMs = (...candidates: TimedPass[]) => {
+function spansOf(nanoseconds: BigUint64Array, passes: ReadonlySet<TimedPass>): SpanMs {
+  return (...candidates) => {
     const indices = candidates.filter((pass) => passes.has(pass)).map((pass) => TIMED_PASSES.indexOf(pass));
     if (indices.length === 0) return 0;
     const span = nanoseconds[2 * indices[indices.length - 1] + 1] - nanoseconds[2 * indices[0]];
     // Some drivers have been seen to write an end before its beginning, or nothing at all.
     return Math.max(0, Number(span) / 1e6);
   };
+}
+
+function timingsOf(spanMs: SpanMs, wallClockMs: number): StageTimings {
   return {
     source: 'gpu-timestamps',
     preprocessMs: spanMs('preprocess'),
     sortMs: spanMs('sort'),
-    rasterizeMs: spanMs('resolve-depth', 'rasterize', 'upscale', 'composite'),
+    // Inside another renderer's frame, the host's work lies between these two.
+    rasterizeMs: spanMs('tile-lists') + spanMs('resolve-depth', 'tiles', 'rasterize', 'upscale', 'composite'),
     totalMs: spanMs(...TIMED_PASSES),
     wallClockMs,
   };

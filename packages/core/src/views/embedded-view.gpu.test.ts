@@ -1,5 +1,7 @@
+import { createNodeGpu } from '@websplatter/node';
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { afterAll, beforeAll, beforeEach, describe, expect } from 'vitest';
+import type { AccuracySettings } from '../accuracy/accuracy.ts';
 import { type Camera, perspectiveCamera } from '../camera/camera.ts';
 import { type DepthConvention, storedDepth } from '../camera/depth-convention.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
@@ -24,19 +26,26 @@ const SET = randomSplats({ count: 600, seed: 5, logScales: [-4, -1.5] });
 /** Splats lie at view depths of about 0.2 to 3.6. */
 const WALL_DEPTH = 1.9;
 
+const BLENDABLE = 'float32-blendable' as GPUFeatureName;
+
 let device: GPUDevice;
 let engine: SplatEngine;
 let cloud: SplatCloud;
+/** Preset `high` with the rasteriser under test. */
+let high: Partial<AccuracySettings> & { readonly preset: 'high' };
 
-beforeAll(async () => {
-  device = await createTestDevice();
-  engine = await SplatEngine.create({ device, accuracy: 'high' });
+/** Starts the device and the engine that the helpers below draw with. */
+async function start(rasterizer: AccuracySettings['rasterizer'], features: readonly GPUFeatureName[]) {
+  device = await createTestDevice({ requiredFeatures: [...features] });
+  high = { preset: 'high', rasterizer };
+  engine = await SplatEngine.create({ device, accuracy: high });
   cloud = engine.add(SET);
-});
-afterAll(() => {
+}
+
+function stop(): void {
   engine?.destroy();
   device?.destroy();
-});
+}
 
 interface Host {
   readonly colorFormat?: GPUTextureFormat;
@@ -176,8 +185,9 @@ async function expectRight(
 ): Promise<void> {
   const view = engine.createEmbeddedView();
   const frame = { camera, clouds: [{ cloud }], ...SIZE, depth, writesDepth: true } as const;
-  await prepared(view, { ...frame, accuracy: { preset: 'high', resolutionScale } });
+  await prepared(view, { ...frame, accuracy: { ...high, resolutionScale } });
   const { pass, bytes, color } = hostPass(camera, depth, host);
+  expect(view.shape?.rasterizer).toBe(high.rasterizer);
   const image = record(view, pass);
   const { data } = await readTexture(device, image.color);
   const depths = await readDepths(image.depth!);
@@ -313,7 +323,27 @@ async function drawEdge(camera: Camera, depth: DepthConvention, sets: readonly S
   return { pixels, maxError };
 }
 
-describe('an embedded view', () => {
+/**
+ * Without `float32-blendable`, splats' depth is blended in r16float, which compute shaders cannot write: quads draw such
+ * frames in any case.
+ */
+const VARIANTS = [
+  { rasterizer: 'quads', features: [] },
+  { rasterizer: 'tiles', features: [BLENDABLE] },
+] as const;
+
+describe.each(VARIANTS)('an embedded view that draws $rasterizer', ({ rasterizer, features }) => {
+  let canStart = true;
+  beforeAll(async () => {
+    const { adapter } = await createNodeGpu();
+    canStart = features.every((feature) => adapter.features.has(feature));
+    if (canStart) await start(rasterizer, features);
+  });
+  afterAll(() => stop());
+  beforeEach(({ skip }) => {
+    if (!canStart) skip(`this adapter lacks ${features.join(', ')}`);
+  });
+
   for (const [name, depth, isReversed] of CONVENTIONS) {
     gpuTest(`hides splats behind the host's ${name}, and returns their own`, async () => {
       const { perspective, orthographic } = testCameras(SIZE.widthPx / SIZE.heightPx);
@@ -344,7 +374,7 @@ describe('an embedded view', () => {
 
       // Shaders that no other test has compiled.
       const view = engine.createEmbeddedView();
-      const changing = { ...frame, depth, accuracy: { preset: 'high', sortKeyBits: 20 } } as const;
+      const changing = { ...frame, depth, accuracy: { ...high, sortKeyBits: 20 } } as const;
       await prepared(view, { ...changing, hasOccluders: false });
       expect(view.shape?.depth).toBeNull();
       expect(await imageOf(view)).toEqual(unhidden);
@@ -533,6 +563,91 @@ describe('an embedded view', () => {
     await prepared(view, { camera, clouds: [{ cloud }], ...SIZE, depth });
     expect(() => view.draw(encoder, pass)).toThrow(/host gave none/);
     view.destroy();
+    color.destroy();
+  });
+});
+
+/** `camera` with a near plane that is not parallel to the image, as a mirror's: stored depths depend on the pixel. */
+function oblique(camera: Camera): Camera {
+  const projectionMatrix = Float64Array.from(camera.projectionMatrix);
+  projectionMatrix[2] += 0.06;
+  projectionMatrix[6] -= 0.04;
+  return { ...camera, projectionMatrix };
+}
+
+describe('both rasterisers', () => {
+  let canWriteDepth = true;
+  beforeAll(async () => {
+    const { adapter } = await createNodeGpu();
+    canWriteDepth = adapter.features.has(BLENDABLE);
+    await start('tiles', canWriteDepth ? [BLENDABLE] : []);
+  });
+  afterAll(() => stop());
+
+  /** Draws twice from one preparation, as a host with two passes does, and returns image and depth. */
+  async function drawnBy(
+    by: SplatEngine,
+    rasterizer: 'quads' | 'tiles',
+    frame: EmbeddedFrameRequest,
+    pass: ReturnType<typeof hostPass>['pass'],
+  ) {
+    const own = by.add(SET);
+    const view = by.createEmbeddedView();
+    // A coverage rounded to float16 would move depths.
+    const colorTarget = canWriteDepth ? 'rgba32float' : 'rgba16float';
+    const accuracy = { ...high, rasterizer, colorTarget } as const;
+    await prepared(view, { ...frame, clouds: [{ cloud: own }], accuracy });
+    const first = (await readTexture(device, record(view, pass).color)).data;
+    const image = record(view, pass);
+    const { data } = await readTexture(device, image.color);
+    expect(data).toEqual(first);
+    const depths = image.depth && (await readDepths(image.depth));
+    view.destroy();
+    own.destroy();
+    return { data, depths };
+  }
+
+  for (const [name, depth, isReversed] of CONVENTIONS) {
+    gpuTest(`hide the same splats behind the host's ${name}, with an oblique near plane too`, async () => {
+      const { perspective, orthographic, mirrored } = testCameras(SIZE.widthPx / SIZE.heightPx);
+      const straight = withClipDepth(perspective, isReversed);
+      // A logarithm of depth has no oblique plane.
+      const bent = depth.mapping === 'logarithmic' ? [] : [oblique(straight)];
+      const cameras = [orthographic, mirrored].map((each) => withClipDepth(each, isReversed));
+      for (const camera of [straight, ...bent, ...cameras]) {
+        const { pass, color } = hostPass(camera, depth, {});
+        const frame = { camera, clouds: [], ...SIZE, depth, writesDepth: canWriteDepth };
+        const quads = await drawnBy(engine, 'quads', frame, pass);
+        const tiles = await drawnBy(engine, 'tiles', frame, pass);
+        expect(compareImages(tiles.data, quads.data, SIZE).psnrDb).toBeGreaterThan(60);
+        let differing = 0;
+        tiles.depths?.forEach((stored, i) => {
+          if (Math.abs(stored - quads.depths![i]) > 1e-4) differing++;
+        });
+        // Pixels about half covered have a depth or have none, by rounding.
+        expect(differing).toBeLessThan(3);
+        const unhidden = await drawnBy(
+          engine,
+          'tiles',
+          { ...frame, depth: undefined, writesDepth: false },
+          pass,
+        );
+        expect(compareImages(tiles.data, unhidden.data, SIZE).psnrDb).toBeLessThan(40);
+        color.destroy();
+      }
+    });
+  }
+
+  gpuTest('draw the same bits where tiles have no room', async () => {
+    const depth = CONVENTIONS[0][1];
+    const camera = withClipDepth(testCameras(SIZE.widthPx / SIZE.heightPx).perspective, false);
+    const { pass, color } = hostPass(camera, depth, {});
+    const frame = { camera, clouds: [], ...SIZE, depth, writesDepth: canWriteDepth };
+    const crowded = await SplatEngine.create({ device, accuracy: high, tileBudgetBytes: 0 });
+    const quads = await drawnBy(crowded, 'quads', frame, pass);
+    const tiles = await drawnBy(crowded, 'tiles', frame, pass);
+    expect(tiles).toEqual(quads);
+    crowded.destroy();
     color.destroy();
   });
 });

@@ -5,6 +5,7 @@ import type { FrameRequest } from '../frame/frame-request.ts';
 import { readTexture, type TextureImage } from '../gpu/read-texture.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
+import { storableCanvasFormat } from '../stages/composite.ts';
 import type { ChooseAccuracyOptions } from './accuracy-wishes.ts';
 import type { SplatPick } from './pick-splat.ts';
 import { type ViewContext, ViewCore } from './view-core.ts';
@@ -29,7 +30,11 @@ export class SplatView extends ViewCore {
   ) {
     const configured = canvas && configure(canvas, context.device, canvasFormat);
     const output = canvas
-      ? ({ kind: 'canvas', format: canvasFormat } as const)
+      ? ({
+          kind: 'canvas',
+          format: canvasFormat,
+          storable: storableCanvasFormat(context.device, canvasFormat),
+        } as const)
       : ({ kind: 'image' } as const);
     super(context, output, () => onDestroyed(this));
     this.#canvas = configured;
@@ -161,6 +166,9 @@ function configure(canvas: HTMLCanvasElement | OffscreenCanvas, device: GPUDevic
       'The canvas already has a context of another kind; give the view its own canvas.',
     );
   }
-  context.configure({ device, format, alphaMode: 'opaque' });
+  const usage =
+    GPUTextureUsage.RENDER_ATTACHMENT |
+    (storableCanvasFormat(device, format) ? GPUTextureUsage.STORAGE_BINDING : 0);
+  context.configure({ device, format, usage, alphaMode: 'opaque' });
   return context;
 }

@@ -2,7 +2,7 @@ import type { AccuracySettings } from '../accuracy/accuracy.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
 import { effectsOf } from '../frame/cloud-plan.ts';
 import { FrameParts, frameStages } from '../frame/frame.ts';
-import type { Destination } from '../frame/frame-part.ts';
+import type { Destination, QuadsSample } from '../frame/frame-part.ts';
 import { type FramePlan, planFrame, withKeptColors } from '../frame/frame-plan.ts';
 import { checkRequest, type FrameRequest } from '../frame/frame-request.ts';
 import type { FrameOutput, FrameShape, OmittableEffect } from '../frame/frame-shape.ts';
@@ -19,6 +19,11 @@ import type { FrameStatistics } from '../timing/frame-statistics.ts';
 import { GpuTimer } from '../timing/gpu-timer.ts';
 import type { ChooseAccuracyOptions } from './accuracy-wishes.ts';
 import { pickSplat, type SplatPick } from './pick-splat.ts';
+import {
+  RasterizerChoice,
+  type RasterizerChoiceOptions,
+  type RasterizerReport,
+} from './rasterizer-choice.ts';
 import { type AccuracyContext, ViewAccuracy } from './view-accuracy.ts';
 
 /** The parts of an engine that a view needs. */
@@ -28,6 +33,10 @@ export interface ViewContext extends AccuracyContext {
   readonly memory: GpuMemory;
   readonly counting: Counting;
   readonly dispatchRow: number;
+  readonly workgroupBytes: number;
+  readonly tileBudgetBytes: number;
+  /** The rasteriser that was faster on this adapter before, and where to keep that. */
+  readonly fasterRasterizer: Pick<RasterizerChoiceOptions, 'remembered' | 'remember'>;
   /** Returns why nothing can be drawn any more, or null. */
   readonly destroyedBecause: () => string | null;
 }
@@ -65,6 +74,8 @@ export abstract class ViewCore {
   readonly #output: FrameOutput;
   readonly #accuracy: ViewAccuracy;
   readonly #onDestroyed: () => void;
+  /** The faster rasteriser, for the setting `auto`. */
+  readonly #choice: RasterizerChoice;
   #omittedEffects: readonly OmittableEffect[] = [];
   #prepared: FramePlan | null = null;
   /** Whether the frame being drawn has the visible splats of the last one, in the same order. */
@@ -86,6 +97,10 @@ export abstract class ViewCore {
     this.#onDestroyed = onDestroyed;
     this.parts = new FrameParts(context);
     this.timer = new GpuTimer(context.device, context.memory);
+    this.#choice = new RasterizerChoice({
+      hasTimestamps: context.device.features.has('timestamp-query'),
+      ...context.fasterRasterizer,
+    });
     this.#accuracy = new ViewAccuracy(context, (choice, request) => this.onChosen(choice, request));
   }
 
@@ -145,7 +160,7 @@ export abstract class ViewCore {
   effects(): readonly EffectEntry[] {
     if (!this.#prepared) return [];
     const { memory } = this.context;
-    const { shared, preprocess, keptColors, resolveDepth, compose } = this.parts;
+    const { shared, preprocess, keptColors, resolveDepth, compose, tileLists } = this.parts;
     const bytesOf = (each: readonly (GPUBuffer | GPUTexture | null | undefined)[]) =>
       [...new Set(each)].reduce((sum, resource) => sum + memory.bytesOf(resource), 0);
     const held = {
@@ -157,13 +172,22 @@ export abstract class ViewCore {
         shared.blended?.depthLayer,
         compose.image?.depth,
       ]),
+      tilesBytes: tileLists.bytes,
     };
-    return effectsLedger({ plan: this.#prepared, held });
+    return effectsLedger({ plan: this.#prepared, held, rasterizer: this.rasterizer });
   }
 
   /** @internal Leaves these effects out of later frames, to measure their cost. */
   omitEffects(effects: readonly OmittableEffect[]): void {
     this.#omittedEffects = effects;
+  }
+
+  /** The rasteriser of this view, and the times of both as far as they are known. */
+  get rasterizer(): RasterizerReport {
+    const drawn = this.shape;
+    const { report } = this.#choice;
+    if (!drawn || drawn.accuracy.rasterizer === 'auto') return report;
+    return { ...report, rasterizer: drawn.rasterizer, reason: 'it was asked for' };
   }
 
   /** @internal Number of the last frame among all frames of the engine; 0 before the first. */
@@ -213,6 +237,8 @@ export abstract class ViewCore {
    */
   protected check(request: FrameRequest): boolean {
     checkRequest(request, this.context.device);
+    // Before anything is planned: another size may need other shaders.
+    checkSize(this.context.device, request.widthPx, request.heightPx);
     if (request.widthPx > 0 && request.heightPx > 0) return true;
     // Without pixels there is no plan, which would check the effects.
     for (const instance of request.clouds) effectsOf(instance);
@@ -233,7 +259,7 @@ export abstract class ViewCore {
       this.#endWait();
       return { plan: asked, stands: true, isAsked: true };
     }
-    const plan = this.#keepingColors(asked);
+    const plan = this.#withCompiledRasterizer(this.#keepingColors(asked), depths[0]);
     if (this.#isReady(plan.shape)) {
       this.#endWait();
       return { plan, stands: false, isAsked: true };
@@ -265,8 +291,6 @@ export abstract class ViewCore {
    * @throws InvalidArgumentError, GpuLimitError; on failure the last frame stays.
    */
   protected makeRoom(plan: FramePlan): void {
-    const { widthPx, heightPx } = plan.request;
-    checkSize(this.context.device, widthPx, heightPx);
     const isOrderKept = !plan.request.force && this.#prepared !== null && isSameOrder(this.#prepared, plan);
     const isReplaced = this.parts.fit(plan);
     this.#isColorsOnly = isOrderKept && !isReplaced;
@@ -279,9 +303,11 @@ export abstract class ViewCore {
   }
 
   protected recordDraw(encoder: GPUCommandEncoder, destination: Destination): void {
-    this.parts.recordDraw(encoder, this.timer, destination);
+    this.parts.recordDraw(encoder, this.timer, destination, this.#sample());
     this.#drawnAs = ++this.context.counting.framesDrawn;
-    this.timer.record(encoder, this.parts.shared.buffers);
+    const { slotCount, visibleCount, tilePlan } = this.parts.shared.buffers;
+    const hasTiles = this.shape?.rasterizer === 'tiles';
+    this.timer.record(encoder, { slotCount, visibleCount, ...(hasTiles && { tilePlan }) });
   }
 
   /** Call when the frame of `request` has been drawn, or was shown already. */
@@ -294,8 +320,31 @@ export abstract class ViewCore {
     const totalSplats = this.shape?.clouds.reduce((sum, { cloud }) => sum + cloud.count, 0) ?? 0;
     const statistics = await this.timer.read(++this.#frameNumber, totalSplats);
     if (!statistics || this.#isDestroyed) return;
+    this.#learn(statistics);
     this.#statistics = statistics;
     this.onStatistics?.(statistics);
+  }
+
+  /** Learns from a frame's statistics how much room the next one needs, and which rasteriser is faster. */
+  #learn({ tilePairs, rasterizer, quadsSampleMs, visibleSplats, timing }: FrameStatistics): void {
+    const { tileLists } = this.parts;
+    const { shape } = this;
+    if (tilePairs !== null) tileLists.expect(tilePairs);
+    if (shape?.accuracy.rasterizer !== 'auto') return;
+    const pixels = this.#prepared!.layer.widthPx * this.#prepared!.layer.heightPx;
+    const reason = tilePairs === null ? null : tileLists.whyTooMany(tilePairs);
+    if (reason !== null) this.#choice.rejectTiles(reason, { visibleSplats, pixels });
+    // A frame without room for its pairs has run the stages of both.
+    if (tilePairs !== null && rasterizer === 'quads') return;
+    const elapsedMs = timing.source === 'gpu-timestamps' ? timing.rasterizeMs : timing.wallClockMs;
+    this.#choice.take({ rasterizer, elapsedMs, visibleSplats, pixels, sampleMs: quadsSampleMs });
+  }
+
+  /** The sample of the quads that the next frame is to draw besides its image. */
+  #sample(): QuadsSample | null {
+    const share = this.#choice.sampleShare;
+    if (share === null || !this.#statistics || this.shape?.accuracy.rasterizer !== 'auto') return null;
+    return { share, visibleSplats: this.#statistics.visibleSplats };
   }
 
   /** Ends the view, unless it has ended already. Call `free` when nothing uses its GPU memory any more. */
@@ -319,15 +368,32 @@ export abstract class ViewCore {
     if (reason !== null) throw new DestroyedError('This view', reason);
   }
 
-  #plan(request: FrameRequest, accuracy: AccuracySettings, depth: RasterizeDepth | null): FramePlan {
+  #plan(
+    request: FrameRequest,
+    accuracy: AccuracySettings,
+    depth: RasterizeDepth | null,
+    faster = this.#choice.rasterizer,
+  ): FramePlan {
     return planFrame(request, {
       accuracy,
       depth,
+      faster,
       dispatchRow: this.context.dispatchRow,
+      workgroupBytes: this.context.workgroupBytes,
       output: this.#output,
       omitted: this.#omittedEffects,
       last: this.#prepared,
     });
+  }
+
+  /** While the shaders of the other rasteriser compile, the one of the last frame goes on. */
+  #withCompiledRasterizer(plan: FramePlan, depth: RasterizeDepth | null): FramePlan {
+    const { shape, request } = plan;
+    const last = this.shape;
+    if (!last || shape.accuracy.rasterizer !== 'auto' || shape.rasterizer === last.rasterizer) return plan;
+    if (this.#isReady(shape)) return plan;
+    this.context.pipelines.prepare(frameStages(shape)).catch(() => {});
+    return this.#keepingColors(this.#plan(request, shape.accuracy, depth, last.rasterizer));
   }
 
   /** Whether the last frame is the one that `plan` would draw. */

@@ -1,24 +1,28 @@
 import type { CompiledStage } from '../../gpu/pipelines.ts';
+import { SHADER_CONSTANTS } from '../../layout/constants.ts';
 import { CompositeParameters } from '../../layout/structs.ts';
-import { composite, compositeState } from '../../stages/composite.ts';
+import { composite, compositeInCompute, compositeState } from '../../stages/composite.ts';
 import {
   type DrawRecording,
   drawOverAll,
   type FramePart,
   type PartChange,
   type PartContext,
+  useCompute,
 } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
 
-/** The stage that draws the splats to the canvas; null for frames without a canvas. */
-const stageOf = perShape(({ output }) =>
-  output.kind === 'canvas' ? ([composite, compositeState(output.format)] as const) : null,
-);
+/** The stages that put the splats on the canvas, of which a frame runs one; null for frames without a canvas. */
+const stageOf = perShape(({ output, rasterizer }) => {
+  if (output.kind !== 'canvas') return null;
+  if (rasterizer === 'tiles' && output.storable) return { compute: compositeInCompute(output.storable) };
+  return { render: [composite, compositeState(output.format)] as const };
+});
 
 const stagesOf = perShape((shape): readonly CompiledStage[] => {
   const stage = stageOf(shape);
-  return stage ? [stage] : [];
+  return stage ? [stage.compute ?? stage.render] : [];
 });
 
 /** Draws the splats over the background, on a canvas. */
@@ -48,14 +52,16 @@ export class Composite implements FramePart<DrawRecording> {
     };
   }
 
-  bind(): void {
+  bind(shape: FrameShape): void {
     const { pipelines, shared } = this.#context;
+    const stage = stageOf(shape);
     this.#group =
-      this.#parameters &&
-      pipelines.bindGroup(composite, {
-        parameters: this.#parameters,
-        layer: shared.image!.color.createView(),
-      });
+      this.#parameters && stage?.render
+        ? pipelines.bindGroup(composite, {
+            parameters: this.#parameters,
+            layer: shared.image!.color.createView(),
+          })
+        : null;
   }
 
   record({ encoder, timer, shape, destination }: DrawRecording): void {
@@ -65,14 +71,29 @@ export class Composite implements FramePart<DrawRecording> {
     const { device, pipelines } = this.#context;
     const contents = CompositeParameters.pack({ background });
     device.queue.writeBuffer(this.#parameters!, 0, contents);
+    const target = canvas.getCurrentTexture();
+    const timestampWrites = timer.writes('composite');
+    if (stage.compute) {
+      const pass = encoder.beginComputePass({ label: 'composite', timestampWrites });
+      // A canvas has another texture in every frame.
+      const group = pipelines.bindGroup(stage.compute, {
+        parameters: this.#parameters!,
+        layer: this.#context.shared.image!.color.createView(),
+        canvas: target.createView(),
+      });
+      useCompute(pass, pipelines, stage.compute, group);
+      const { COMPOSITE_TILE_PX } = SHADER_CONSTANTS;
+      const tiles = (px: number) => Math.ceil(px / COMPOSITE_TILE_PX);
+      pass.dispatchWorkgroups(tiles(target.width), tiles(target.height));
+      pass.end();
+      return;
+    }
     const pass = encoder.beginRenderPass({
       label: 'composite',
-      colorAttachments: [
-        { view: canvas.getCurrentTexture().createView(), loadOp: 'clear', storeOp: 'store' },
-      ],
-      timestampWrites: timer.writes('composite'),
+      colorAttachments: [{ view: target.createView(), loadOp: 'clear', storeOp: 'store' }],
+      timestampWrites,
     });
-    drawOverAll(pass, pipelines, stage, this.#group!);
+    drawOverAll(pass, pipelines, stage.render, this.#group!);
     pass.end();
   }
 

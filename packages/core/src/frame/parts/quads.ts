@@ -15,6 +15,9 @@ const stageOf = perShape(({ accuracy, depth }) => {
 
 const stagesOf = perShape((shape): readonly CompiledStage[] => [stageOf(shape)]);
 
+/** Places of the order that a sample takes splats from: near ones are larger than far ones. */
+const SAMPLED_PLACES = 16;
+
 /** Blends the visible splats in their sorted order, one instanced quad each, into a layer of its own. */
 export class Quads implements FramePart<DrawRecording> {
   readonly #context: PartContext;
@@ -35,7 +38,9 @@ export class Quads implements FramePart<DrawRecording> {
     const { memory } = this.#context;
     const { colorTarget } = shape.accuracy;
     const depthFormat: DepthLayerFormat | null = shape.depth?.layerFormat ?? null;
-    const keepsLayer = fitsLayer(this.#layer, layer, colorTarget, depthFormat);
+    // Tiles write the same layer.
+    const usage = shape.rasterizer === 'tiles' ? GPUTextureUsage.STORAGE_BINDING : 0;
+    const keepsLayer = fitsLayer(this.#layer, layer, colorTarget, depthFormat, usage);
     const keepsDepth = (this.#hostDepth !== null) === (shape.depth !== null);
     if (keepsLayer && keepsDepth) return null;
     return {
@@ -48,12 +53,12 @@ export class Quads implements FramePart<DrawRecording> {
       commit: () => {
         if (!keepsLayer) {
           const label = isScaled(shape) ? 'small splat layer' : 'splat layer';
-          this.#layer = createLayer(memory, label, layer, colorTarget, depthFormat);
+          this.#layer = createLayer(memory, label, layer, colorTarget, depthFormat, usage);
         }
         if (!keepsDepth) {
           if (this.#hostDepth) memory.destroy(this.#hostDepth);
-          const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
-          this.#hostDepth = shape.depth && memory.createBuffer('frame hostDepth', HostDepth.bytes, usage);
+          const flags = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
+          this.#hostDepth = shape.depth && memory.createBuffer('frame hostDepth', HostDepth.bytes, flags);
         }
         const { shared } = this.#context;
         shared.blended = this.#layer;
@@ -79,28 +84,52 @@ export class Quads implements FramePart<DrawRecording> {
   }
 
   record({ encoder, timer, shape }: DrawRecording): void {
+    const pass = this.#begin(encoder, shape, 'rasterize', timer.writes('rasterize'));
+    pass.drawIndirect(this.#context.shared.buffers.drawArguments, 0);
+    pass.end();
+  }
+
+  /** Draws part of the quads, from places all over their order, to be timed. The layer is to be overwritten. */
+  recordSample({ encoder, timer, shape, sample }: DrawRecording): void {
+    if (!sample || shape.rasterizer !== 'tiles') return;
+    const pass = this.#begin(encoder, shape, 'quads sample', timer.writes('quads-sample'));
+    const { share, visibleSplats } = sample;
+    const each = Math.ceil((share * visibleSplats) / SAMPLED_PLACES);
+    for (let i = 0; i < SAMPLED_PLACES; i++) {
+      const first = Math.floor(((i + 0.5) / SAMPLED_PLACES) * visibleSplats - each / 2);
+      pass.draw(4, each, 0, Math.max(0, first));
+    }
+    pass.end();
+  }
+
+  #begin(
+    encoder: GPUCommandEncoder,
+    shape: FrameShape,
+    label: string,
+    timestampWrites: GPURenderPassTimestampWrites | undefined,
+  ): GPURenderPassEncoder {
     const { pipelines, shared } = this.#context;
     const { color, depthLayer } = this.#layer!;
     const testedDepth = shape.depth && shared.testedDepth;
     const pass = encoder.beginRenderPass({
-      label: 'rasterize',
+      label,
       colorAttachments: [color, depthLayer]
         .filter((texture) => texture !== null)
         .map((texture) => ({
           view: texture.createView(),
-          loadOp: 'clear',
+          // Tiles have written every pixel. Clearing takes longer than all their stages.
+          loadOp: shape.rasterizer === 'tiles' ? 'load' : 'clear',
           storeOp: 'store',
           clearValue: [0, 0, 0, 0],
         })),
       ...(testedDepth && {
         depthStencilAttachment: { view: testedDepth.createView(), depthReadOnly: true },
       }),
-      timestampWrites: timer.writes('rasterize'),
+      timestampWrites,
     });
     pass.setPipeline(pipelines.render(...stageOf(shape))!);
     pass.setBindGroup(0, this.#group);
-    pass.drawIndirect(shared.buffers.drawArguments, 0);
-    pass.end();
+    return pass;
   }
 
   destroy(): void {

@@ -8,7 +8,7 @@ export const depthTest: FoundInView = {
   about: 'Tests splats against the depth of meshes drawn before.',
   conditions: ['DEPTH_TEST', 'DEPTH_LOGARITHMIC', 'MULTISAMPLED', 'REVERSED_DEPTH'],
   bindings: ['hostDepth', 'hostDepths'],
-  stages: ['resolve-depth', 'rasterize', 'compose'],
+  stages: ['resolve-depth', 'rasterize', 'tile-rasterize', 'compose'],
   calledFor: ({
     plan: {
       shape: { depth },

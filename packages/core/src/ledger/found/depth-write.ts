@@ -8,7 +8,7 @@ export const depthWrite: FoundInView = {
   about: 'Blends the depth of splats along with their colours, for meshes drawn later.',
   conditions: ['DEPTH_LAYER'],
   bindings: ['depthLayer'],
-  stages: ['rasterize', 'upscale', 'compose'],
+  stages: ['rasterize', 'tile-rasterize', 'upscale', 'compose'],
   calledFor: ({
     plan: {
       shape: { depth },

@@ -8,7 +8,7 @@ export const orthographic: FoundInView = {
   about: 'Projects splats without perspective: all share one Jacobian.',
   conditions: ['ORTHOGRAPHIC'],
   bindings: [],
-  stages: ['cull-splats', 'project', 'rasterize', 'compose'],
+  stages: ['cull-splats', 'project', 'rasterize', 'tile-rasterize', 'compose'],
   calledFor: ({ plan }) => (plan.shape.isOrthographic ? 'the camera has no perspective' : null),
   offReason: () => 'the camera has perspective',
 };

@@ -1,0 +1,46 @@
+import { SHADER_CONSTANTS } from '../layout/constants.ts';
+
+/**
+ * Bytes per pair that the tiles hold: key and record after the sort, and a bit per tile of a bin, which take the place of key and
+ * record before the sort.
+ */
+export const PAIR_BYTES = 2 * 4 + (SHADER_CONSTANTS.BIN_TILES * SHADER_CONSTANTS.BIN_TILES) / 8;
+/** Most bytes that the tiles of a view may take, unless the caller says otherwise: 33 million pairs. */
+export const DEFAULT_TILE_BUDGET_BYTES = 2 ** 29;
+/** Spare room, so that a moving camera does not need larger buffers every frame. */
+const HEADROOM = 1.35;
+/** More room is made before it is needed: when a frame leaves less than this much spare. */
+const LEAST_HEADROOM = 1.12;
+/** Room is given back when less than this share of it was needed. */
+const LEAST_USE = 0.4;
+/** Up to this many pairs (2 MB), room for several bins per splat is made before the first frame. */
+const GENEROUS_PAIRS = 1 << 17;
+/** Room is made in steps of this many pairs, so that small changes need none. */
+const STEP = 1 << 14;
+
+/**
+ * Returns the number of pairs to make room for.
+ *
+ * @param current number of pairs that there is room for already; kept while it suits.
+ * @param needed most pairs that a recent frame had; null before any is known.
+ * @param visibleCapacity upper bound of the number of visible splats.
+ * @param mostPairs number of pairs that budget and device allow.
+ */
+export function pairCapacity(
+  current: number,
+  needed: number | null,
+  visibleCapacity: number,
+  mostPairs: number,
+): number {
+  // A first guess, generous where that costs little. Where it is too low, quads draw the frame, and the next one has room.
+  const expected = needed ?? Math.max(visibleCapacity, Math.min(4 * visibleCapacity, GENEROUS_PAIRS));
+  if (
+    current > 0 &&
+    current <= mostPairs &&
+    LEAST_HEADROOM * expected <= current &&
+    expected >= LEAST_USE * current
+  )
+    return current;
+  const roomy = Math.ceil((HEADROOM * expected + 1) / STEP) * STEP;
+  return Math.min(roomy, Math.max(mostPairs, 1));
+}

@@ -1,0 +1,191 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { type Camera, orthographicCamera } from '../../camera/camera.ts';
+import { type EngineOptions, SplatEngine } from '../../engine.ts';
+import { compareImages } from '../../reference/compare-images.ts';
+import { renderReference } from '../../reference/render.ts';
+import { splatsOf } from '../../testing/random-splats.ts';
+import type { SplatView } from '../../views/splat-view.ts';
+import type { FrameRequest } from '../frame-request.ts';
+import { PAIR_BYTES } from '../pair-capacity.ts';
+
+/** A row of 64 bins. */
+const SIZE = { widthPx: 4096, heightPx: 1 };
+const CAMERA = orthographicCamera({ position: [0, 0, 3], target: [0, 0, 0], aspect: 4096, height: 2 });
+/** Each splat covers every bin. Room is made for 16,384 pairs at first: for more than one pair per splat, for fewer than 64. */
+const COVERING = splatsOf(
+  Array.from({ length: 300 }, (_, i) => ({
+    position: [0, 0, i / 300],
+    logScales: [12, 12, -3],
+    opacityLogit: -4,
+    colorDc: [Math.sin(i), Math.cos(i), i / 300],
+  })),
+);
+const PAIRS = 300 * 64;
+
+/** Mutations that make one rasteriser draw nothing: an image shows which one drew it. */
+const BLIND = {
+  quads: {
+    file: 'stages/rasterize',
+    find: 'fragment.color = vec4f(color.rgb * alpha, alpha);',
+    replace: 'fragment.color = 0.0 * vec4f(color.rgb * alpha, alpha);',
+  },
+  tiles: {
+    file: 'stages/tile-rasterize',
+    find: 'vec4f(pixel.color, 1.0 - pixel.transmittance)',
+    replace: '0.0 * vec4f(pixel.color, 1.0 - pixel.transmittance)',
+  },
+} as const;
+
+let device: GPUDevice;
+let reference: Float64Array;
+beforeAll(async () => {
+  device = await createTestDevice();
+  reference = renderReference({ clouds: [{ set: COVERING }], camera: CAMERA, ...SIZE }).data;
+});
+afterAll(() => device?.destroy());
+
+/** An engine with one view of the covering splats. */
+async function stageWith(options: Omit<EngineOptions, 'device' | 'accuracy'> = {}) {
+  const engine = await SplatEngine.create({
+    device,
+    accuracy: { preset: 'high', rasterizer: 'tiles' },
+    ...options,
+  });
+  const cloud = engine.add(COVERING);
+  const view = engine.createView();
+  const draw = async (request: Partial<FrameRequest> = {}) => {
+    view.render({ camera: CAMERA, clouds: [{ cloud }], ...SIZE, ...request });
+    return (await view.readPixels()).data;
+  };
+  return { engine, cloud, view, draw };
+}
+
+/** Draws, and waits until the frame's statistics have arrived. */
+async function measured(view: SplatView, draw: () => Promise<Float32Array>): Promise<Float32Array> {
+  const before = view.statistics?.frame ?? 0;
+  const data = await draw();
+  await expect.poll(() => view.statistics?.frame).toBeGreaterThan(before);
+  return data;
+}
+
+const isEmpty = (data: Float32Array) => data.every((value) => value === 0);
+const isComplete = (data: Float32Array) => compareImages(data, reference, SIZE).psnrDb > 45;
+
+function tileBytes(engine: SplatEngine): number {
+  return engine
+    .memory()
+    .resources.filter(({ label }) => label.startsWith('tiles '))
+    .reduce((sum, { bytes }) => sum + bytes, 0);
+}
+
+describe('pairs of a frame', () => {
+  gpuTest('that find no room leave this very frame to quads, and the next one has room', async () => {
+    const [withoutQuads, withoutTiles] = [
+      await stageWith({ mutation: BLIND.quads }),
+      await stageWith({ mutation: BLIND.tiles }),
+    ];
+    for (const { engine, view, draw } of [withoutQuads, withoutTiles]) {
+      const first = await measured(view, draw);
+      expect(view.statistics?.tilePairs).toBe(PAIRS);
+      const second = await draw({ force: true });
+      expect([isComplete(first), isEmpty(second)]).toEqual(
+        engine === withoutTiles.engine ? [true, true] : [false, false],
+      );
+      expect([isEmpty(first), isComplete(second)]).toEqual(
+        engine === withoutTiles.engine ? [false, false] : [true, true],
+      );
+      engine.destroy();
+    }
+  });
+
+  gpuTest('that exceed the budget leave every frame to quads', async () => {
+    const tileBudgetBytes = (PAIRS - 256) * PAIR_BYTES;
+    const { engine, view, draw } = await stageWith({ tileBudgetBytes, mutation: BLIND.tiles });
+    for (let i = 0; i < 4; i++)
+      expect(isComplete(await measured(view, () => draw({ force: true })))).toBe(true);
+    expect(tileBytes(engine)).toBeLessThan(1.2 * tileBudgetBytes);
+    const drawn = await draw({ force: true });
+    const quads = await draw({ accuracy: { preset: 'high', rasterizer: 'quads' } });
+    expect(Buffer.compare(Buffer.from(drawn.buffer), Buffer.from(quads.buffer))).toBe(0);
+    engine.destroy();
+    // Not even room for one group of pairs.
+    const none = await stageWith({ tileBudgetBytes: 0, mutation: BLIND.tiles });
+    for (let i = 0; i < 2; i++)
+      expect(isComplete(await measured(none.view, () => none.draw({ force: true })))).toBe(true);
+    none.engine.destroy();
+  });
+
+  gpuTest('fit again after fewer of them, more of them and another size', async () => {
+    const { engine, cloud, view, draw } = await stageWith({ mutation: BLIND.quads });
+    // Among the splats: about half of them are behind it.
+    const amid: Camera = orthographicCamera({
+      position: [0, 0, 0.5],
+      target: [0, 0, 0],
+      aspect: 4096,
+      height: 2,
+    });
+    const bytes: number[] = [];
+    for (const camera of [CAMERA, amid, CAMERA]) {
+      await measured(view, () => draw({ camera }));
+      const data = await draw({ camera, force: true });
+      const twin = renderReference({ clouds: [{ set: COVERING }], camera, ...SIZE });
+      expect(twin.visibleSplats).toBeGreaterThan(100);
+      expect(compareImages(data, twin.data, SIZE).psnrDb).toBeGreaterThan(45);
+      bytes.push(tileBytes(engine));
+    }
+    // Room that was needed a moment ago is kept.
+    expect(bytes).toEqual([bytes[0], bytes[0], bytes[0]]);
+    for (const [widthPx, heightPx] of [
+      [64, 64],
+      [65, 70],
+      [63, 1],
+      [4096, 1],
+    ]) {
+      const request = { widthPx, heightPx };
+      await measured(view, () => draw(request));
+      const data = await draw({ ...request, force: true });
+      const twin = renderReference({ clouds: [{ set: COVERING }], camera: CAMERA, ...request });
+      expect(compareImages(data, twin.data, request).psnrDb, `${widthPx}×${heightPx}`).toBeGreaterThan(45);
+    }
+    view.destroy();
+    cloud.destroy();
+    await device.queue.onSubmittedWorkDone();
+    await expect.poll(() => engine.memory().totalBytes).toBe(0);
+    engine.destroy();
+  });
+});
+
+describe('a rasteriser', () => {
+  gpuTest('may change with every frame though the camera stands still', async () => {
+    const drawing = {
+      quads: await stageWith({ mutation: BLIND.tiles }),
+      tiles: await stageWith({ mutation: BLIND.quads }),
+    };
+    const rasterizers = ['quads', 'tiles', 'tiles', 'quads'] as const;
+    for (const { view, draw } of Object.values(drawing)) await measured(view, draw);
+    for (const rasterizer of rasterizers) {
+      const other = rasterizer === 'tiles' ? 'quads' : 'tiles';
+      const request = { accuracy: { preset: 'high', rasterizer }, force: true } as const;
+      // The first frame after a change may lack room, as the first of all.
+      for (const stage of Object.values(drawing)) await measured(stage.view, () => stage.draw(request));
+      expect(isComplete(await drawing[rasterizer].draw(request))).toBe(true);
+      expect(isEmpty(await drawing[other].draw(request))).toBe(true);
+    }
+    for (const { engine } of Object.values(drawing)) engine.destroy();
+  });
+
+  gpuTest('holds no lists where quads draw, and frees them when quads take over', async () => {
+    const { engine, view, draw } = await stageWith();
+    const quads = { accuracy: { preset: 'high', rasterizer: 'quads' } } as const;
+    expect(isComplete(await draw(quads))).toBe(true);
+    expect(tileBytes(engine)).toBe(0);
+    const before = engine.memory().totalBytes;
+    expect(isComplete(await measured(view, draw))).toBe(true);
+    expect(tileBytes(engine)).toBeGreaterThan(PAIR_BYTES * 16_384 * 0.3);
+    expect(isComplete(await draw(quads))).toBe(true);
+    expect(tileBytes(engine)).toBe(0);
+    expect(engine.memory().totalBytes).toBe(before);
+    engine.destroy();
+  });
+});

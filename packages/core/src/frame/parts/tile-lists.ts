@@ -1,0 +1,279 @@
+import type { CompiledStage } from '../../gpu/pipelines.ts';
+import { SHADER_CONSTANTS } from '../../layout/constants.ts';
+import { roundUp } from '../../layout/gpu-struct.ts';
+import { SortPlan, TileGrid, TilePlan } from '../../layout/structs.ts';
+import { dispatchSize } from '../../stages/dispatch.ts';
+import { RadixSort, radixSortStages } from '../../stages/radix-sort.ts';
+import { blockKeysOf, pairSortShapeFor, type SortShape } from '../../stages/sort-shape.ts';
+import { tileCount } from '../../stages/tile-count.ts';
+import { tileEmit } from '../../stages/tile-emit.ts';
+import { tileMasks } from '../../stages/tile-masks.ts';
+import { tilePlan } from '../../stages/tile-plan.ts';
+import { tileRanges } from '../../stages/tile-ranges.ts';
+import {
+  type FramePart,
+  type OrderRecording,
+  type PartChange,
+  type PartContext,
+  useCompute,
+} from '../frame-part.ts';
+import type { FramePlan } from '../frame-plan.ts';
+import { type FrameShape, perShape } from '../frame-shape.ts';
+import { PAIR_BYTES, pairCapacity } from '../pair-capacity.ts';
+
+const { BIN_PX, BIN_TILES, MASK_GROUP, TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
+const MASK_WORDS = (BIN_TILES * BIN_TILES * MASK_GROUP) / 32;
+
+/** Sort of the pairs by bin; one more key than bins, for pairs too many. */
+function sortShapeOf({ binCount, workgroupBytes }: FrameShape): SortShape {
+  return pairSortShapeFor(Math.ceil(Math.log2(binCount + 1)), workgroupBytes);
+}
+
+const stages = perShape((shape) => {
+  const { recordPrecision, extent } = shape.accuracy;
+  const variant = { recordPrecision, extent };
+  const sortShape = sortShapeOf(shape);
+  return {
+    tileCount: tileCount(variant),
+    tilePlan: tilePlan(sortShape),
+    tileEmit: tileEmit(variant, sortShape),
+    tileMasks: tileMasks(variant),
+    sortShape,
+  };
+});
+
+const stagesOf = perShape((shape): readonly CompiledStage[] => {
+  if (shape.rasterizer !== 'tiles') return [];
+  const { sortShape, ...own } = stages(shape);
+  return [...Object.values(own), ...radixSortStages(sortShape, SORT_OPTIONS), tileRanges];
+});
+
+/** Room that this many frames have not needed is given back. */
+const RECENT_FRAMES = 120;
+
+/** tile-plan and tile-emit do part of the sort's work. */
+const SORT_OPTIONS = { plans: false, firstCounts: 'given' } as const;
+
+/** Names and sizes of the part's own buffers. */
+function bufferTable(visibleCapacity: number, pairs: number, binCount: number) {
+  const { STORAGE, UNIFORM } = GPUBufferUsage;
+  return {
+    grid: [TileGrid.bytes, UNIFORM],
+    tilePlan: [TilePlan.bytes, STORAGE],
+    sortPlan: [SortPlan.bytes, STORAGE],
+    pairOffsets: [4 * Math.max(1, visibleCapacity), STORAGE],
+    blockPairs: [4 * Math.max(1, Math.ceil(visibleCapacity / TILE_COUNT_BLOCK)), STORAGE],
+    binStarts: [4 * (binCount + 1), STORAGE],
+    binOrder: [4 * binCount, STORAGE],
+    tileMasks: [4 * MASK_WORDS * Math.ceil(pairs / MASK_GROUP), STORAGE],
+  } as const;
+}
+
+type BufferName = keyof ReturnType<typeof bufferTable>;
+
+interface Held {
+  readonly buffers: Readonly<Record<BufferName, GPUBuffer>>;
+  readonly sort: RadixSort;
+  readonly visibleCapacity: number;
+  readonly pairCapacity: number;
+  readonly binCount: number;
+}
+
+interface Groups {
+  readonly tileCount: GPUBindGroup;
+  readonly tilePlan: GPUBindGroup;
+  readonly tileEmit: GPUBindGroup;
+  readonly tileRanges: GPUBindGroup;
+  readonly tileMasks: GPUBindGroup;
+}
+
+/**
+ * Lists, for each bin of the layer, the visible splats that it may show, front to back, with the tiles that each may touch.
+ * Where a frame's pairs do not fit, `drawArguments` leaves the frame to the quads.
+ */
+export class TileLists implements FramePart<OrderRecording> {
+  readonly #context: PartContext;
+  #held: Held | null = null;
+  #groups: Groups | null = null;
+  /** Most pairs of the frames of this and the last period. */
+  #needs = { before: 0, recent: 0, frames: 0 };
+
+  constructor(context: PartContext) {
+    this.#context = context;
+  }
+
+  static stages(shape: FrameShape): readonly CompiledStage[] {
+    return stagesOf(shape);
+  }
+
+  /** Buffers for comparisons with twins; null for shapes without tiles. */
+  get buffers(): Held['buffers'] | null {
+    return this.#held?.buffers ?? null;
+  }
+
+  /** Bytes of the part's buffers. */
+  get bytes(): number {
+    if (!this.#held) return 0;
+    const { memory } = this.#context;
+    const own = Object.values(this.#held.buffers).reduce((sum, buffer) => sum + memory.bytesOf(buffer), 0);
+    return own + this.#held.sort.bytes;
+  }
+
+  /** Why this many pairs never fit; null if they do, if only in the next frame. */
+  whyTooMany(pairs: number): string | null {
+    if (pairs <= this.#mostPairs()) return null;
+    const megabytes = (bytes: number) => `${Math.ceil(bytes / 1e6)} MB`;
+    const { tileBudgetBytes } = this.#context;
+    const needed = megabytes(pairs * PAIR_BYTES);
+    return `tiles would need ${needed} for their lists, and ${megabytes(Math.min(tileBudgetBytes, this.#mostPairs() * PAIR_BYTES))} are allowed`;
+  }
+
+  /** Takes the number of pairs of a recent frame, so that the next one has room. */
+  expect(neededPairs: number): void {
+    const { recent } = this.#needs;
+    const isOver = this.#needs.frames >= RECENT_FRAMES;
+    this.#needs = isOver
+      ? { before: recent, recent: neededPairs, frames: 0 }
+      : { ...this.#needs, recent: Math.max(recent, neededPairs), frames: this.#needs.frames + 1 };
+  }
+
+  fit({ shape }: FramePlan): PartChange | null {
+    const { visibleCapacity, binCount } = shape;
+    const held = this.#held;
+    if (shape.rasterizer !== 'tiles') {
+      if (!held) return null;
+      return { commit: () => this.destroy(), discard: () => {} };
+    }
+    const current = held?.pairCapacity ?? 0;
+    const needed = Math.max(this.#needs.before, this.#needs.recent);
+    const pairs = pairCapacity(current, needed || null, visibleCapacity, this.#mostPairs());
+    if (held?.visibleCapacity === visibleCapacity && held.binCount === binCount && pairs === current)
+      return null;
+    const made = this.#make(shape, pairs);
+    return {
+      commit: () => {
+        this.#free(held);
+        this.#held = made;
+        const { grid, tilePlan, binStarts, binOrder, tileMasks } = made.buffers;
+        const shared = { tileGrid: grid, tilePlan, binStarts, binOrder, tileMasks };
+        Object.assign(this.#context.shared.buffers, { ...shared, sortedRecords: made.sort.order });
+      },
+      discard: () => this.#free(made),
+    };
+  }
+
+  bind(shape: FrameShape): void {
+    this.#groups = null;
+    if (!this.#held || shape.rasterizer !== 'tiles') return;
+    const { pipelines, shared } = this.#context;
+    const { sort, buffers } = this.#held;
+    const all = {
+      ...shared.buffers,
+      ...buffers,
+      pairBins: sort.input.keys,
+      pairRecords: sort.input.payloads,
+      digitCounts: sort.digitCounts,
+      sortedBins: sort.sortedKeys!,
+      sortedRecords: sort.order,
+    };
+    const own = stages(shape);
+    this.#groups = {
+      tileCount: pipelines.bindGroup(own.tileCount, all),
+      tilePlan: pipelines.bindGroup(own.tilePlan, all),
+      tileEmit: pipelines.bindGroup(own.tileEmit, all),
+      tileRanges: pipelines.bindGroup(tileRanges, all),
+      tileMasks: pipelines.bindGroup(own.tileMasks, all),
+    };
+  }
+
+  write({ layer, shape }: FramePlan): void {
+    if (!this.#held || shape.rasterizer !== 'tiles') return;
+    const { widthPx, heightPx } = layer;
+    const contents = TileGrid.pack({
+      sizePx: [widthPx, heightPx],
+      binColumns: Math.ceil(widthPx / BIN_PX),
+      binRows: Math.ceil(heightPx / BIN_PX),
+      pairCapacity: this.#held.pairCapacity,
+    });
+    this.#context.device.queue.writeBuffer(this.#held.buffers.grid, 0, contents);
+  }
+
+  record({ encoder, timer, shape, isColorsOnly }: OrderRecording): void {
+    if (!this.#groups || !this.#held || isColorsOnly) return;
+    const { pipelines } = this.#context;
+    const { sort, visibleCapacity, pairCapacity } = this.#held;
+    const own = stages(shape);
+    const workgroups = (count: number, each: number) =>
+      dispatchSize(Math.max(1, Math.ceil(count / each)), shape.dispatchRow);
+    const pass = encoder.beginComputePass({
+      label: 'tile lists',
+      timestampWrites: timer.writes('tile-lists'),
+    });
+    useCompute(pass, pipelines, own.tileCount, this.#groups.tileCount);
+    pass.dispatchWorkgroups(...workgroups(visibleCapacity, TILE_COUNT_BLOCK));
+    useCompute(pass, pipelines, own.tilePlan, this.#groups.tilePlan);
+    pass.dispatchWorkgroups(1);
+    useCompute(pass, pipelines, own.tileEmit, this.#groups.tileEmit);
+    pass.dispatchWorkgroups(...workgroups(pairCapacity, blockKeysOf(own.sortShape)));
+    sort.record(pass);
+    useCompute(pass, pipelines, tileRanges, this.#groups.tileRanges);
+    pass.dispatchWorkgroups(1);
+    useCompute(pass, pipelines, own.tileMasks, this.#groups.tileMasks);
+    pass.dispatchWorkgroups(...workgroups(pairCapacity, MASK_GROUP));
+    pass.end();
+  }
+
+  destroy(): void {
+    this.#free(this.#held);
+    this.#held = null;
+    this.#groups = null;
+    this.#needs = { before: 0, recent: 0, frames: 0 };
+  }
+
+  #mostPairs(): number {
+    const { tileBudgetBytes } = this.#context;
+    const { maxBufferSize, maxStorageBufferBindingSize } = this.#context.device.limits;
+    const maskBytes = (4 * MASK_WORDS) / MASK_GROUP;
+    const bindable = Math.min(maxBufferSize, maxStorageBufferBindingSize) / maskBytes;
+    return Math.floor(Math.min(bindable, tileBudgetBytes / PAIR_BYTES) / MASK_GROUP) * MASK_GROUP;
+  }
+
+  #make(shape: FrameShape, pairs: number): Held {
+    const { device, pipelines, memory } = this.#context;
+    const { visibleCapacity, binCount, dispatchRow } = shape;
+    // The sort's halves of the masks begin at multiples of 256 bytes.
+    const room = roundUp(pairs, MASK_GROUP);
+    const made: GPUBuffer[] = [];
+    const buffers = {} as Record<BufferName, GPUBuffer>;
+    try {
+      for (const [name, [bytes, usage]] of Object.entries(bufferTable(visibleCapacity, room, binCount))) {
+        const flags = usage | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;
+        const buffer = memory.createBuffer(`tiles ${name}`, bytes, flags);
+        made.push(buffer);
+        buffers[name as BufferName] = buffer;
+      }
+      const sort = new RadixSort(device, pipelines, memory, {
+        shape: sortShapeOf(shape),
+        capacity: room,
+        dispatchRow,
+        payloads: 'given',
+        writesKeys: true,
+        firstCounts: SORT_OPTIONS.firstCounts,
+        plan: buffers.sortPlan,
+        // The masks are written after the sort.
+        spare: buffers.tileMasks,
+        label: 'tiles sort',
+      });
+      return { buffers, sort, visibleCapacity, pairCapacity: pairs, binCount };
+    } catch (error) {
+      for (const buffer of made) memory.destroy(buffer);
+      throw error;
+    }
+  }
+
+  #free(held: Held | null): void {
+    if (!held) return;
+    held.sort.destroy();
+    for (const buffer of Object.values(held.buffers)) this.#context.memory.destroy(buffer);
+  }
+}

@@ -1,0 +1,69 @@
+import type { CompiledStage } from '../../gpu/pipelines.ts';
+import { SHADER_CONSTANTS } from '../../layout/constants.ts';
+import { dispatchSize } from '../../stages/dispatch.ts';
+import { tileRasterize } from '../../stages/tile-rasterize.ts';
+import { type DrawRecording, type FramePart, type PartContext, useCompute } from '../frame-part.ts';
+import { type FrameShape, perShape } from '../frame-shape.ts';
+
+/** The stage that blends the tiles; null for shapes without tiles. */
+const stageOf = perShape(({ rasterizer, accuracy, depth, shortensKeys }) => {
+  if (rasterizer !== 'tiles') return null;
+  const { recordPrecision, colorTarget } = accuracy;
+  return tileRasterize({ recordPrecision, colorTarget, depth, isExactOrder: !shortensKeys });
+});
+
+const stagesOf = perShape((shape): readonly CompiledStage[] => {
+  const stage = stageOf(shape);
+  return stage ? [stage] : [];
+});
+
+/** Blends the visible splats front to back, a workgroup per tile, over what the quads left in their layer. */
+export class Tiles implements FramePart<DrawRecording> {
+  readonly #context: PartContext;
+  #group: GPUBindGroup | null = null;
+  /** The tested depth that `#group` binds: hosts may replace their depth texture between two frames. */
+  #testedDepth: GPUTexture | null = null;
+
+  constructor(context: PartContext) {
+    this.#context = context;
+  }
+
+  static stages(shape: FrameShape): readonly CompiledStage[] {
+    return stagesOf(shape);
+  }
+
+  bind(): void {
+    this.#group = null;
+  }
+
+  record({ encoder, timer, shape }: DrawRecording): void {
+    const stage = stageOf(shape);
+    if (!stage) return;
+    const { pipelines } = this.#context;
+    const group = this.#bound(shape);
+    const pass = encoder.beginComputePass({ label: 'tiles', timestampWrites: timer.writes('tiles') });
+    useCompute(pass, pipelines, stage, group);
+    const tilesPerBin = SHADER_CONSTANTS.BIN_TILES ** 2;
+    pass.dispatchWorkgroups(...dispatchSize(Math.max(1, shape.binCount * tilesPerBin), shape.dispatchRow));
+    pass.end();
+  }
+
+  destroy(): void {}
+
+  #bound(shape: FrameShape): GPUBindGroup {
+    const { pipelines, shared } = this.#context;
+    const testedDepth = shape.depth && shared.testedDepth;
+    if (this.#group && this.#testedDepth === testedDepth) return this.#group;
+    const { color, depthLayer } = shared.blended!;
+    this.#testedDepth = testedDepth;
+    this.#group = pipelines.bindGroup(stageOf(shape)!, {
+      ...shared.buffers,
+      grid: shared.buffers.tileGrid,
+      layer: color.createView(),
+      ...(shape.depth && { hostDepth: shared.hostDepth! }),
+      ...(testedDepth && { testedDepth: testedDepth.createView() }),
+      ...(depthLayer && { depthLayer: depthLayer.createView() }),
+    });
+    return this.#group;
+  }
+}

@@ -1,0 +1,19 @@
+import { type EllipseRecord, splatEllipse } from './splat-ellipse.ts';
+import { type BinGrid, touchedBins } from './tile-grid.ts';
+
+/** Pairs of a rank and a bin, nearest first. */
+export interface Pairs {
+  readonly bins: Uint32Array;
+  readonly ranks: Uint32Array;
+}
+
+/** Twin of tile-emit: all pairs of `ranked` records, nearest first, those of one splat bin by bin. */
+export function tileEmit(ranked: readonly EllipseRecord[], grid: BinGrid, alphaCutoff: number): Pairs {
+  const pairs = ranked.flatMap((record, rank) =>
+    touchedBins(splatEllipse(record, alphaCutoff), grid).map((bin) => [bin, rank] as const),
+  );
+  return {
+    bins: Uint32Array.from(pairs, ([bin]) => bin),
+    ranks: Uint32Array.from(pairs, ([, rank]) => rank),
+  };
+}

@@ -1,0 +1,30 @@
+import { SHADER_CONSTANTS } from '../layout/constants.ts';
+import { type SplatEllipse, touchedColumns, touchedRows } from './splat-ellipse.ts';
+
+const { BIN_PX } = SHADER_CONSTANTS;
+
+/** Bins of a layer. */
+export interface BinGrid {
+  readonly binColumns: number;
+  readonly binRows: number;
+}
+
+/** Returns the bins of a layer of this size. */
+export function binGrid(widthPx: number, heightPx: number): BinGrid {
+  return { binColumns: Math.ceil(widthPx / BIN_PX), binRows: Math.ceil(heightPx / BIN_PX) };
+}
+
+/** Twin of lib/tile-grid.wgsl: lists the bins that an ellipse touches, row by row; see `touchedColumns` for `slackPx`. */
+export function touchedBins(ellipse: SplatEllipse | null, grid: BinGrid, slackPx = 0): number[] {
+  if (!ellipse) return [];
+  const { binColumns, binRows } = grid;
+  const bins: number[] = [];
+  const [firstRow, lastRow] = touchedRows(ellipse, BIN_PX, binRows, slackPx);
+  for (let row = firstRow; row <= lastRow; row++) {
+    const rows = [row * BIN_PX + 0.5, (row + 1) * BIN_PX - 0.5] as const;
+    const columns = { left: 0, widthPx: BIN_PX, columns: binColumns };
+    const [first, last] = touchedColumns(ellipse, rows, columns, slackPx);
+    for (let column = first; column <= last; column++) bins.push(row * binColumns + column);
+  }
+  return bins;
+}

@@ -1,0 +1,22 @@
+import { SHADER_CONSTANTS } from '../layout/constants.ts';
+import { type SplatEllipse, touchedColumns } from './splat-ellipse.ts';
+
+const { BIN_TILES, TILE_PX, BIN_PX } = SHADER_CONSTANTS;
+
+/** Twin of tile-masks for one pair: the tiles of the bin that the ellipse touches, row by row; see `touchedColumns` for `slackPx`. */
+export function touchedTiles(
+  ellipse: SplatEllipse | null,
+  bin: { readonly column: number; readonly row: number },
+  slackPx = 0,
+): number[] {
+  if (!ellipse) return [];
+  const tiles: number[] = [];
+  for (let row = 0; row < BIN_TILES; row++) {
+    const top = bin.row * BIN_PX + row * TILE_PX;
+    const rows = [top + 0.5, top + TILE_PX - 0.5] as const;
+    const columns = { left: bin.column * BIN_PX, widthPx: TILE_PX, columns: BIN_TILES };
+    const [first, last] = touchedColumns(ellipse, rows, columns, slackPx);
+    for (let column = first; column <= last; column++) tiles.push(row * BIN_TILES + column);
+  }
+  return tiles;
+}

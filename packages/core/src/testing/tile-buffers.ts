@@ -1,0 +1,86 @@
+import type { SizePx } from '../accuracy/accuracy.ts';
+import { SHADER_CONSTANTS } from '../layout/constants.ts';
+import { TileGrid, View } from '../layout/structs.ts';
+import type { EllipseRecord, SplatEllipse } from '../reference/splat-ellipse.ts';
+import { splatEllipse } from '../reference/splat-ellipse.ts';
+import { type BinGrid, binGrid, touchedBins } from '../reference/tile-grid.ts';
+import { uniformBuffer } from './gpu-buffers.ts';
+import type { DrawnSplat } from './ranked-records.ts';
+
+interface TileUniforms {
+  readonly size: SizePx;
+  readonly alphaCutoff: number;
+  /** Workgroups per row of a dispatch; default so many that there is one row. */
+  readonly dispatchRow?: number;
+  readonly pairCapacity?: number;
+}
+
+/** The uniforms of the tile stages: the fields of `View` that they read, and the layer's bins. */
+export function tileUniforms(device: GPUDevice, options: TileUniforms) {
+  const { size, alphaCutoff, dispatchRow = 65_535, pairCapacity = 2 ** 24 } = options;
+  const { widthPx, heightPx } = size;
+  const view = View.pack({
+    sizePx: [widthPx, heightPx],
+    focalPx: [1, 1],
+    centerPx: [0, 0],
+    clampX: [0, 0],
+    clampY: [0, 0],
+    near: 0,
+    far: 1,
+    alphaCutoff,
+    dilationPx2: 0,
+    dispatchRow,
+  });
+  const grid = TileGrid.pack({ sizePx: [widthPx, heightPx], ...binGrid(widthPx, heightPx), pairCapacity });
+  return { view: uniformBuffer(device, view), grid: uniformBuffer(device, grid) };
+}
+
+/** More than the shader widens an ellipse by, px: it may find what the twin finds at up to this slack. */
+export function mostSlackPx({ centerPx, extentPx }: SplatEllipse): number {
+  const magnitude = [...centerPx, ...extentPx].reduce((sum, value) => sum + Math.abs(value), 0);
+  return 0.05 + 1e-5 * magnitude;
+}
+
+/** Bins that the GPU must find, and those that it may find. */
+export function binsOf(record: EllipseRecord, grid: BinGrid, alphaCutoff: number) {
+  const ellipse = splatEllipse(record, alphaCutoff);
+  const least = touchedBins(ellipse, grid);
+  return { least, most: ellipse ? touchedBins(ellipse, grid, mostSlackPx(ellipse)) : least };
+}
+
+/** Whether rounding and widening leave the record's bins as they are. */
+export function hasClearBins(record: EllipseRecord, grid: BinGrid, alphaCutoff: number): boolean {
+  const { least, most } = binsOf(record, grid, alphaCutoff);
+  return least.length === most.length;
+}
+
+/** A splat in or around the layer, of any slimness, fainter than usual cutoffs one time in four. */
+export function anySplat(random: () => number, { widthPx, heightPx }: SizePx): DrawnSplat {
+  const minorLengthPx = 0.78 * 40 ** random();
+  return {
+    centerPx: [(1.6 * random() - 0.3) * widthPx, (1.6 * random() - 0.3) * heightPx],
+    minorLengthPx,
+    majorLengthPx: minorLengthPx * 60 ** (random() * random()),
+    angle: Math.PI * random(),
+    opacity: random() < 0.25 ? 0.002 * random() : random(),
+  };
+}
+
+const { BIN_TILES, MASK_GROUP } = SHADER_CONSTANTS;
+const TILES = BIN_TILES * BIN_TILES;
+const GROUP_WORDS = MASK_GROUP / 32;
+
+/** The word and the bit of the masks that say whether a pair may touch a tile of its bin. */
+export function maskPlace(pair: number, tile: number): readonly [word: number, bit: number] {
+  const inGroup = pair % MASK_GROUP;
+  const word = (Math.floor(pair / MASK_GROUP) * TILES + tile) * GROUP_WORDS + Math.floor(inGroup / 32);
+  return [word, inGroup % 32];
+}
+
+/** Tiles that the masks name for a pair, row by row. */
+export function tilesOfPair(masks: Uint32Array, pair: number): number[] {
+  return Array.from({ length: TILES }, (_, tile) => tile).filter((tile) => {
+    const [word, bit] = maskPlace(pair, tile);
+    return (masks[word] >>> bit) & 1;
+  });
+}

@@ -1,0 +1,240 @@
+/** What draws a frame. */
+export type FrameRasterizer = 'tiles' | 'quads';
+
+/** The rasteriser that draws a view, and what is known about both. */
+export interface RasterizerReport {
+  readonly rasterizer: FrameRasterizer;
+  /** Why, for people. */
+  readonly reason: string;
+  /** Median time of recent frames, ms; null if unknown. */
+  readonly tilesMs: number | null;
+  /** The same for quads; estimated from samples if quads have not drawn whole frames here. */
+  readonly quadsMs: number | null;
+}
+
+/** A frame that was drawn and timed. */
+export interface TimedFrame {
+  readonly rasterizer: FrameRasterizer;
+  /** Time of drawing the splats or, without timestamps, of the whole frame, ms. */
+  readonly elapsedMs: number;
+  readonly visibleSplats: number;
+  readonly pixels: number;
+  /** Time of the sample of quads that the frame drew besides its image, if it did. */
+  readonly sampleMs: number | null;
+}
+
+export interface RasterizerChoiceOptions {
+  /** Whether the GPU itself times its passes: only then can samples be timed. */
+  readonly hasTimestamps: boolean;
+  /** The rasteriser that was found faster on this adapter before; null if none was. */
+  readonly remembered: FrameRasterizer | null;
+  /** Called with the faster rasteriser when both have been compared. */
+  readonly remember: (rasterizer: FrameRasterizer) => void;
+}
+
+/** Frames whose median counts as a rasteriser's time. */
+const FRAMES = 5;
+/** Shares of the quads that are drawn as samples, one after another, until it is clear that all of them would take longer. */
+const SAMPLE_SHARES = [1 / 1024, 1 / 128, 1 / 16] as const;
+/** A sample may take this part of a frame's time. */
+const LONGEST_SAMPLE = 0.4;
+/** Quads that would take this much longer than tiles need no closer look. */
+const CLEARLY_SLOWER = 2;
+/** The other rasteriser is tried where it is expected to take less than this part of the time. */
+const HYSTERESIS = 0.87;
+/** Tiles are tried where they are expected to take at most this much longer than quads: the estimate is rough. */
+const WORTH_A_TRY = 1.3;
+/** Visible splats or pixels have moved if they are this many times as many, or as few, as when both were compared. */
+const MOVED = 1.6;
+/** Frames between two comparisons. */
+const REST_FRAMES = 60;
+
+interface Load {
+  readonly visibleSplats: number;
+  readonly pixels: number;
+}
+
+interface Known {
+  readonly elapsedMs: number;
+  readonly load: Load;
+}
+
+/**
+ * Chooses between the two rasterisers by their times on this device and view. Tiles draw first, unless quads were found faster
+ * on this adapter before. While tiles draw, growing samples of the quads are drawn besides, in places of the layer that the
+ * tiles then overwrite, until their time shows what all of them would take; no frame is slowed by more than a part of itself.
+ * The other rasteriser draws whole frames only where it promises to be faster, and stays only if it is.
+ */
+export class RasterizerChoice {
+  readonly #options: RasterizerChoiceOptions;
+  #rasterizer: FrameRasterizer;
+  #reason: string;
+  readonly #known: Record<FrameRasterizer, Known | null> = { tiles: null, quads: null };
+  #recent: number[] = [];
+  /** Load of the first of these frames: those of another load are not comparable. */
+  #recentLoad: Load | null = null;
+  /** Index of the next sample; null if none is due. */
+  #step: number | null = null;
+  #samples: number[] = [];
+  /** Whether the current rasteriser draws only to be compared. */
+  #isTrial = false;
+  #comparedAt: Load | null = null;
+  #restFrames = 0;
+
+  constructor(options: RasterizerChoiceOptions) {
+    this.#options = options;
+    this.#rasterizer = options.remembered ?? 'tiles';
+    this.#reason = options.remembered
+      ? `${options.remembered} were faster on this device before`
+      : 'both are not compared yet';
+  }
+
+  /** The rasteriser for the next frame. */
+  get rasterizer(): FrameRasterizer {
+    return this.#rasterizer;
+  }
+
+  /** Share of the quads that the next frame is to draw as a sample; null for none. */
+  get sampleShare(): number | null {
+    return this.#step === null ? null : SAMPLE_SHARES[this.#step];
+  }
+
+  get report(): RasterizerReport {
+    const { tiles, quads } = this.#known;
+    return {
+      rasterizer: this.#rasterizer,
+      reason: this.#reason,
+      tilesMs: tiles?.elapsedMs ?? null,
+      quadsMs: quads?.elapsedMs ?? null,
+    };
+  }
+
+  /** Leaves this view to the quads because tiles cannot draw it; they are tried again when the load has moved. */
+  rejectTiles(reason: string, load: Load): void {
+    this.#switch('quads', reason);
+    this.#isTrial = false;
+    this.#comparedAt = load;
+  }
+
+  /** Takes the time of a frame; frames of a rasteriser that no longer draws are ignored. */
+  take(frame: TimedFrame): void {
+    if (frame.rasterizer !== this.#rasterizer) return;
+    if (frame.sampleMs !== null) {
+      this.#takeSample(frame.sampleMs, frame);
+      return;
+    }
+    if (this.#recentLoad && hasMoved(this.#recentLoad, frame)) this.#recent = [];
+    if (this.#recent.length === 0) this.#recentLoad = loadOf(frame);
+    this.#recent.push(frame.elapsedMs);
+    if (this.#recent.length > FRAMES) this.#recent.shift();
+    if (this.#recent.length < FRAMES) return;
+    this.#known[this.#rasterizer] = { elapsedMs: medianOf(this.#recent), load: loadOf(frame) };
+    if (this.#isTrial) this.#endTrial(frame);
+    else if (this.#isCheckDue(frame)) this.#check(frame);
+  }
+
+  #isCheckDue(frame: Load): boolean {
+    if (this.#step !== null) return false;
+    this.#restFrames++;
+    if (!this.#comparedAt) return true;
+    return this.#restFrames >= REST_FRAMES && hasMoved(this.#comparedAt, frame);
+  }
+
+  #check(frame: Load): void {
+    this.#restFrames = 0;
+    if (this.#rasterizer === 'tiles' && this.#options.hasTimestamps) {
+      this.#step = 0;
+      this.#samples = [];
+      return;
+    }
+    const now = this.#known[this.#rasterizer]!.elapsedMs;
+    const other = this.#known[otherThan(this.#rasterizer)];
+    // Without an estimate, one look at the other is the only way to know.
+    const expected = other ? other.elapsedMs * growth(other.load, frame) : 0;
+    if (expected <= WORTH_A_TRY * now) this.#try(otherThan(this.#rasterizer));
+    else this.#settle(frame);
+  }
+
+  #takeSample(sampleMs: number, frame: TimedFrame): void {
+    const step = this.#step;
+    const tiles = this.#known.tiles;
+    if (step === null || !tiles) return;
+    this.#samples.push(sampleMs);
+    // What every pass takes, however little it draws, is in all samples.
+    const [first] = this.#samples;
+    const share = SAMPLE_SHARES[step];
+    const estimateMs =
+      step === 0 ? sampleMs / share : Math.max(0, sampleMs - first) / (share - SAMPLE_SHARES[0]);
+    const next = step + 1;
+    const isClear = step > 0 && estimateMs > CLEARLY_SLOWER * tiles.elapsedMs;
+    const isLast = next === SAMPLE_SHARES.length;
+    const wouldTakeMs = isLast ? 0 : (sampleMs / share) * SAMPLE_SHARES[next];
+    if (!isClear && !isLast && wouldTakeMs <= LONGEST_SAMPLE * tiles.elapsedMs) {
+      this.#step = next;
+      return;
+    }
+    this.#step = null;
+    this.#known.quads = { elapsedMs: estimateMs, load: loadOf(frame) };
+    if (estimateMs < HYSTERESIS * tiles.elapsedMs) this.#try('quads');
+    else this.#settle(frame);
+  }
+
+  #try(rasterizer: FrameRasterizer): void {
+    this.#isTrial = true;
+    this.#switch(rasterizer, 'is being compared');
+  }
+
+  #endTrial(frame: Load): void {
+    this.#isTrial = false;
+    const now = this.#known[this.#rasterizer]!.elapsedMs;
+    const other = this.#known[otherThan(this.#rasterizer)]!.elapsedMs;
+    if (now > other) this.#switch(otherThan(this.#rasterizer), '');
+    this.#settle(frame);
+  }
+
+  #settle(frame: Load): void {
+    this.#comparedAt = loadOf(frame);
+    this.#restFrames = 0;
+    const { tiles, quads } = this.#known;
+    this.#reason =
+      tiles && quads
+        ? `on this device and view tiles take ${msOf(tiles)} and quads ${msOf(quads)}`
+        : `${this.#rasterizer} are the faster here`;
+    this.#options.remember(this.#rasterizer);
+  }
+
+  #switch(rasterizer: FrameRasterizer, reason: string): void {
+    this.#rasterizer = rasterizer;
+    this.#reason = reason;
+    this.#recent = [];
+    this.#step = null;
+  }
+}
+
+function otherThan(rasterizer: FrameRasterizer): FrameRasterizer {
+  return rasterizer === 'tiles' ? 'quads' : 'tiles';
+}
+
+function loadOf({ visibleSplats, pixels }: Load): Load {
+  return { visibleSplats, pixels };
+}
+
+function hasMoved(from: Load, to: Load): boolean {
+  const factor = (a: number, b: number) => Math.max(a, b, 1) / Math.max(1, Math.min(a, b));
+  return factor(from.visibleSplats, to.visibleSplats) >= MOVED || factor(from.pixels, to.pixels) >= MOVED;
+}
+
+/** How many times the work has grown; between that of splats and that of pixels. */
+function growth(from: Load, to: Load): number {
+  const splats = Math.max(1, to.visibleSplats) / Math.max(1, from.visibleSplats);
+  const pixels = Math.max(1, to.pixels) / Math.max(1, from.pixels);
+  return Math.sqrt(splats * pixels);
+}
+
+function medianOf(values: readonly number[]): number {
+  return values.toSorted((a, b) => a - b)[values.length >> 1];
+}
+
+function msOf({ elapsedMs }: Known): string {
+  return `${Number(elapsedMs.toPrecision(2))} ms`;
+}

@@ -1,0 +1,39 @@
+import type { FrameRasterizer, RasterizerChoiceOptions } from './rasterizer-choice.ts';
+
+const KEY = 'websplatter faster rasterizer';
+
+/** Choices by adapter: for this page, and for later ones where there is storage. */
+const choices = new Map<string, FrameRasterizer>();
+
+/** The rasteriser that was last found faster on an adapter, and where to keep that. */
+export function rememberedRasterizer(
+  adapterLabel: string,
+): Pick<RasterizerChoiceOptions, 'remembered' | 'remember'> {
+  const key = `${KEY} ${adapterLabel}`;
+  return {
+    remembered: choices.get(adapterLabel) ?? stored(key),
+    remember: (rasterizer) => {
+      if (choices.get(adapterLabel) === rasterizer) return;
+      choices.set(adapterLabel, rasterizer);
+      try {
+        storage()?.setItem(key, rasterizer);
+      } catch {
+        // A full or forbidden storage only costs the next page a comparison.
+      }
+    },
+  };
+}
+
+function stored(key: string): FrameRasterizer | null {
+  try {
+    const value = storage()?.getItem(key);
+    return value === 'tiles' || value === 'quads' ? value : null;
+  } catch {
+    return null;
+  }
+}
+
+/** Null in workers and in Node; reading it throws where a page may not store anything. */
+function storage(): Storage | null {
+  return typeof window === 'undefined' ? null : window.localStorage;
+}

@@ -1,0 +1,122 @@
+// Lists the pairs of visible splats and bins, front to back, and counts the digits of their keys for the first pass of the sort.
+// Reads the numbers of pairs from tile-count, and the records; writes each pair's key (its bin) and its record, and the digit
+// counts of each block of SORT_BLOCK pairs. One workgroup per block of pairs, not of splats, so that huge splats, which meet in
+// few places of the order, keep no workgroup longer than others.
+import constants::DIGIT_BITS;
+import constants::SORT_BLOCK;
+import constants::TILE_COUNT_BLOCK;
+import constants::TILE_EMIT_RUN;
+import constants::TILE_WORKGROUP;
+import layout::SplatRecord;
+import layout::TileGrid;
+import layout::TilePlan;
+import layout::View;
+import package::lib::dispatch::linearWorkgroup;
+import package::lib::splat_ellipse::splatEllipse;
+import package::lib::splat_record::{axesOf, opacityOf};
+import package::lib::tile_grid::{binColumns, binRows};
+
+const RADIX = 1u << DIGIT_BITS;
+/// Pairs that all threads list in one round.
+const ROUND = TILE_WORKGROUP * TILE_EMIT_RUN;
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<uniform> grid: TileGrid;
+@group(0) @binding(2) var<storage, read> tilePlan: TilePlan;
+@group(0) @binding(3) var<storage, read> order: array<u32>;
+@group(0) @binding(4) var<storage, read> records: array<SplatRecord>;
+@group(0) @binding(5) var<storage, read> pairOffsets: array<u32>;
+@group(0) @binding(6) var<storage, read> blockPairs: array<u32>;
+@group(0) @binding(7) var<storage, read_write> pairBins: array<u32>;
+@group(0) @binding(8) var<storage, read_write> pairRecords: array<u32>;
+@group(0) @binding(9) var<storage, read_write> digitCounts: array<u32>;
+
+var<workgroup> counts: array<atomic<u32>, RADIX>;
+/// Ranks of the block's first and last pair.
+var<workgroup> ends: array<u32, 2>;
+
+@compute @workgroup_size(TILE_WORKGROUP)
+fn tileEmit(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
+  let block = linearWorkgroup(workgroup, view.dispatchRow);
+  let blockCount = (tilePlan.pairCount + SORT_BLOCK - 1u) / SORT_BLOCK;
+  if (block >= blockCount) { return; }
+  let first = block * SORT_BLOCK;
+  if (lane < 2u) {
+    let pair = min(first + lane * (SORT_BLOCK - 1u), tilePlan.pairCount - 1u);
+    ends[lane] = rankOf(pair, 0u, tilePlan.visibleCount - 1u);
+  }
+  workgroupBarrier();
+  let firstRun = lane * TILE_EMIT_RUN;
+  for (var run = firstRun; run < SORT_BLOCK; run += ROUND) {
+    emitRun(first + run, min(first + run + TILE_EMIT_RUN, tilePlan.pairCount));
+  }
+  workgroupBarrier();
+  for (var digit = lane; digit < RADIX; digit += TILE_WORKGROUP) {
+    digitCounts[digit * blockCount + block] = atomicLoad(&counts[digit]);
+  }
+}
+
+/// Writes the pairs `start` ≤ pair < `end`.
+fn emitRun(start: u32, end: u32) {
+  if (start >= end) { return; }
+  let firstRank = rankOf(start, ends[0], ends[1]);
+  let lastRank = ends[1];
+  for (var rank = firstRank; rank <= lastRank; rank++) {
+    let splatStart = pairsBefore(rank);
+    if (splatStart >= end) { break; }
+    let splatEnd = min(end, endOfPairs(rank));
+    // Splats without pairs lie in between.
+    if (splatStart < splatEnd) { emitSplat(order[tilePlan.visibleCount - 1u - rank], splatStart, start, splatEnd); }
+  }
+}
+
+/// Writes the pairs of one splat, which begin at `splatStart`, that lie in `start` ≤ pair < `end`.
+fn emitSplat(index: u32, splatStart: u32, start: u32, end: u32) {
+  let splat = records[index];
+  let ellipse = splatEllipse(splat.centerPx, axesOf(splat), opacityOf(splat), view.alphaCutoff);
+  let rows = binRows(ellipse, grid);
+  var rowStart = splatStart;
+  for (var row = rows.x; row <= rows.y; row++) {
+    if (rowStart >= end) { break; }
+    let columns = binColumns(ellipse, row, grid);
+    let rowEnd = rowStart + u32(max(0, columns.y - columns.x + 1));
+    let first = max(start, rowStart);
+    let beyond = min(end, rowEnd);
+    for (var pair = first; pair < beyond; pair++) {
+      writePair(pair, u32(row) * grid.binColumns + u32(columns.x) + (pair - rowStart), index);
+    }
+    rowStart = rowEnd;
+  }
+  // This shader may round otherwise than the one that counted. A pair too many gets a key behind all bins.
+  let first = max(start, rowStart);
+  for (var pair = first; pair < end; pair++) { writePair(pair, grid.binColumns * grid.binRows, index); }
+}
+
+fn writePair(pair: u32, bin: u32, index: u32) {
+  pairBins[pair] = bin;
+  pairRecords[pair] = index;
+  atomicAdd(&counts[extractBits(bin, 0u, DIGIT_BITS)], 1u);
+}
+
+/// Number of pairs of all splats nearer than `rank`.
+fn pairsBefore(rank: u32) -> u32 {
+  return blockPairs[rank / TILE_COUNT_BLOCK] + pairOffsets[rank];
+}
+
+/// Number of pairs of all splats up to `rank`.
+fn endOfPairs(rank: u32) -> u32 {
+  if (rank + 1u >= tilePlan.visibleCount) { return tilePlan.pairCount; }
+  return pairsBefore(rank + 1u);
+}
+
+/// Last rank in `low`…`high` whose pairs begin at or before `pair`.
+fn rankOf(pair: u32, low: u32, high: u32) -> u32 {
+  var found = low;
+  var beyond = high + 1u;
+  for (var step = 0u; step < 32u; step++) {
+    if (beyond - found <= 1u) { break; }
+    let middle = found + (beyond - found) / 2u;
+    if (pairsBefore(middle) <= pair) { found = middle; } else { beyond = middle; }
+  }
+  return found;
+}
