@@ -9,6 +9,7 @@ import { OPACITY_CASES } from './groups/opacity.ts';
 import { ROTATION_CASES } from './groups/rotation.ts';
 import { SCALE_CASES } from './groups/scale.ts';
 import { SORT_CASES } from './groups/sort.ts';
+import { TILES_CASES } from './groups/tiles.ts';
 import { WORLD_CASES } from './groups/world.ts';
 import type { HardCase } from './hard-case.ts';
 
@@ -23,6 +24,7 @@ export const HARD_CASES: readonly HardCase[] = [
   ...WORLD_CASES,
   ...COLOUR_CASES,
   ...ACCUMULATE_CASES,
+  ...TILES_CASES,
   ...COUNTS_CASES,
   ...SORT_CASES,
   ...DEVICE_CASES,

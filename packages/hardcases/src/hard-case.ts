@@ -11,6 +11,7 @@ export const HARD_CASE_GROUPS = [
   'world',
   'colour',
   'accumulate',
+  'tiles',
   'counts',
   'sort',
   'device',

@@ -8,6 +8,7 @@ import type { HardCase, SceneCase } from './hard-case.ts';
 import { frontOnly } from './make-cases.ts';
 import { ordinarySplats, splatsOf } from './make-splats.ts';
 import { HardCaseRunner, type HardCaseRunnerOptions, type HardCaseRunOptions } from './run.ts';
+import { CASE_RASTERIZERS } from './run-result.ts';
 
 /** Also keeps adapters and devices from being garbage-collected, which Dawn does not survive. */
 const gpu = { requestAdapter: async () => (await createNodeGpu()).adapter };
@@ -70,7 +71,13 @@ describe('the runner', () => {
     const { failures, worstStage, images } = await runner.run(SOUND);
     expect(failures).toEqual([]);
     expect(worstStage?.ratio).toBeLessThan(1);
-    expect(Object.keys(images)).toEqual(['reference', 'high', 'balanced']);
+    expect(Object.keys(images.quads)).toEqual(['reference', 'high', 'balanced']);
+    // Without a bound, images are only reported, and one rasteriser suffices.
+    expect(Object.keys(images.tiles)).toEqual(['reference']);
+    const bounds = { high: { minPsnrDb: 50, cause: 'to see both rasterisers compared' } };
+    const bounded = await runner.run({ ...SOUND, bounds });
+    expect(Object.keys(bounded.images.tiles)).toEqual(['reference', 'high']);
+    expect(bounded.failures).toEqual([]);
   });
 
   gpuTest('fails if other splats are dropped than the case states', async () => {
@@ -85,15 +92,18 @@ describe('the runner', () => {
     const found = await failuresOf(SOUND, {}, doctored);
     doctored.destroy();
     expect(found).toMatch(
-      /^sound, camera front, reference: [\d.]+ dB, expected at least 55 dB; worst at column /m,
+      /^sound, camera front, reference, quads: [\d.]+ dB, expected at least 55 dB; worst at column /m,
     );
+    expect(found).toMatch(/^sound, camera front, reference, tiles: [\d.]+ dB, expected at least 55 dB/m);
     const bounds = { balanced: { minPsnrDb: 200, cause: 'to see it fail' } };
-    expect(await failuresOf({ ...SOUND, bounds })).toMatch(
-      /^sound, camera front, balanced: .* at least 200 dB/m,
-    );
+    const missed = await failuresOf({ ...SOUND, bounds });
+    for (const rasterizer of CASE_RASTERIZERS)
+      expect(missed).toMatch(
+        new RegExp(`^sound, camera front, balanced, ${rasterizer}: .* at least 200 dB`, 'm'),
+      );
   });
 
-  gpuTest('fails if a number is not finite, in the records and in the image', async () => {
+  gpuTest('fails if a number in the records is not finite', async () => {
     const mutation = {
       file: 'stages/project',
       find: 'record.depthView = onScreen.depthView;',
@@ -103,15 +113,34 @@ describe('the runner', () => {
     const found = await failuresOf(SOUND, { mutation });
     expect(found).toMatch(/sound, camera front, reference: .* majorPx length: got NaN, expected/);
     expect(found).toMatch(/sound, camera front, reference: records: record 0, majorPx is NaN/);
-    const infinite = {
+  });
+
+  for (const [rasterizer, infinite] of Object.entries({
+    quads: {
       file: 'stages/rasterize',
       find: 'vec4f(color.rgb * alpha, alpha)',
       replace: 'vec4f(color.rgb * bitcast<f32>(0x7fc00000u | (u32(alpha) & 1u)), alpha)',
-    };
-    expect(await failuresOf(SOUND, { mutation: infinite })).toMatch(
-      /^sound, camera front, high: column \d+, row \d+, channel 0: got NaN, which is not finite$/m,
-    );
-  });
+    },
+    tiles: {
+      file: 'stages/tile-rasterize',
+      find: 'vec4f(pixel.color, 1.0 - pixel.transmittance)',
+      replace:
+        'vec4f(pixel.color * bitcast<f32>(0x7fc00000u | (u32(pixel.color.r) & 1u)), 1.0 - pixel.transmittance)',
+    },
+  })) {
+    gpuTest(`fails if the image of ${rasterizer}, and no other, is not finite`, async () => {
+      const found = await failuresOf(SOUND, { mutation: infinite });
+      const place = 'column \\d+, row \\d+, channel 0';
+      expect(found).toMatch(
+        new RegExp(
+          `^sound, camera front, reference, ${rasterizer}: ${place}: got NaN, which is not finite$`,
+          'm',
+        ),
+      );
+      for (const other of CASE_RASTERIZERS)
+        if (other !== rasterizer) expect(found).not.toContain(`, ${other}: `);
+    });
+  }
 
   gpuTest('fails if a stage is wrong, even if the image hardly shows it', async () => {
     const mutation = {
@@ -120,7 +149,8 @@ describe('the runner', () => {
       replace: 'record.minorLengthPx = axes.minorLengthPx * 1.0003;',
     };
     const { failures, images } = await runner.run(SOUND, { mutation });
-    expect(images.reference?.psnrDb).toBeGreaterThan(55);
+    for (const rasterizer of CASE_RASTERIZERS)
+      expect(images[rasterizer].reference?.psnrDb).toBeGreaterThan(55);
     expect(failures.join('\n')).toMatch(
       /sound, camera front, reference: cloud 0, splat \d+, minorLengthPx: got /,
     );
@@ -182,7 +212,8 @@ describe('the runner', () => {
   gpuTest('runs on a device with fewer features, and a hundred frames on two devices', async () => {
     const device = await runner.run({ ...SOUND, kind: 'device', without: ['float32-blendable'] });
     expect(device.failures).toEqual([]);
-    expect(device.images.reference?.psnrDb).toBeLessThan(100);
+    for (const rasterizer of CASE_RASTERIZERS)
+      expect(device.images[rasterizer].reference?.psnrDb).toBeLessThan(100);
     expect((await runner.run({ ...SOUND, identicalFrames: 100 })).failures).toEqual([]);
   });
 });

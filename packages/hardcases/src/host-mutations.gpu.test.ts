@@ -3,6 +3,7 @@ import { createNodeGpu } from '@websplatter/node';
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect, vi } from 'vitest';
 import { HARD_CASES } from './catalogue.ts';
+import { CASE_RASTERIZERS } from './run-result.ts';
 
 type Exports = Record<string, (...args: never[]) => unknown>;
 
@@ -75,10 +76,14 @@ describe('without a remedy of the host, its case fails', () => {
       });
       const { HardCaseRunner } = await import('./run.ts');
       const runner = await HardCaseRunner.create({ gpu, renderReference });
-      const { verdict } = await runner.run(hardCase, { presets: ['reference'] });
+      const verdicts: string[] = [];
+      for (const rasterizer of CASE_RASTERIZERS) {
+        const options = { presets: ['reference'], rasterizers: [rasterizer] } as const;
+        verdicts.push((await runner.run(hardCase, options)).verdict);
+      }
       runner.destroy();
       vi.doUnmock(module);
-      expect(verdict).toBe('fail');
+      expect(verdicts).toEqual(CASE_RASTERIZERS.map(() => 'fail'));
     });
   }
 });

@@ -11,8 +11,11 @@ export {
 } from './report.ts';
 export { HardCaseRunner, type HardCaseRunnerOptions, type HardCaseRunOptions } from './run.ts';
 export {
+  CASE_RASTERIZERS,
+  type CaseRasterizer,
   type HardCaseResult,
   type ImageResult,
+  type ImageResults,
   MIN_REFERENCE_PSNR_DB,
   type StageError,
 } from './run-result.ts';

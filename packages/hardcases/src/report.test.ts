@@ -32,8 +32,11 @@ const PASSED: HardCaseResult = {
   worstStage: stage,
   unsureSplats: 0,
   images: {
-    reference: { camera: 'front', psnrDb: 137.25, maxError: 1.25e-6, minPsnrDb: 55 },
-    high: { camera: 'front', psnrDb: Number.POSITIVE_INFINITY, maxError: 0, minPsnrDb: null },
+    quads: {
+      reference: { camera: 'front', psnrDb: 137.25, maxError: 1e-6, minPsnrDb: 55 },
+      high: { camera: 'front', psnrDb: Number.POSITIVE_INFINITY, maxError: 0, minPsnrDb: null },
+    },
+    tiles: { reference: { camera: 'front', psnrDb: 131.5, maxError: 1.25e-6, minPsnrDb: 55 } },
   },
   dropped: {},
   elapsedMs: 1500,
@@ -47,7 +50,7 @@ const FAILED: HardCaseResult = {
   failures: ['sort-all-equal, 9 keys of 16 bits: place 1 | 2'],
   stages: {},
   worstStage: null,
-  images: {},
+  images: { quads: {}, tiles: {} },
 };
 
 const REPORT: HardCaseReport = {
@@ -58,7 +61,7 @@ const REPORT: HardCaseReport = {
   results: [PASSED, FAILED],
 };
 
-test('a line lists stage, decibels per preset, error and verdict under its heading', () => {
+test('a line lists stage, decibels per rasteriser and preset, error and verdict under its heading', () => {
   const [heading, line, failed] = [resultHeading(16), resultLine(PASSED, 16), resultLine(FAILED, 16)];
   expect(line.split(/ {2,}/)).toEqual([
     'needle',
@@ -66,10 +69,11 @@ test('a line lists stage, decibels per preset, error and verdict under its headi
     '137.3',
     'exact',
     '–',
+    '131.5',
     '1.3e-6',
     'pass',
   ]);
-  expect(failed.split(/ {2,}/)).toEqual(['sort-all-equal', '–', '–', '–', '–', '–', 'fail']);
+  expect(failed.split(/ {2,}/)).toEqual(['sort-all-equal', ...Array(6).fill('–'), 'fail']);
   expect(line.indexOf('pass')).toBe(heading.indexOf('verdict'));
   expect(failed.indexOf('fail')).toBe(heading.indexOf('verdict'));
 });
@@ -85,7 +89,7 @@ test('markdown has a row per case and lists failures', () => {
   const lines = markdownReport(REPORT).split('\n');
   expect(lines.filter((line) => line.startsWith('| '))).toHaveLength(4);
   expect(lines).toContain(
-    '| scale | needle | minorLengthPx 6.6e-6 (0.60) | 137.3 | exact | – | 1.3e-6 | pass |',
+    '| scale | needle | minorLengthPx 6.6e-6 (0.60) | 137.3 | exact | – | 131.5 | 1.3e-6 | pass |',
   );
   expect(lines).toContain(`- ${FAILED.failures[0]}`);
   expect(markdownReport({ ...REPORT, results: [PASSED] })).not.toContain('Failures');
@@ -93,8 +97,8 @@ test('markdown has a row per case and lists failures', () => {
 
 test('JSON keeps infinities as text', () => {
   const read = JSON.parse(jsonReport(REPORT));
-  expect(read.results[0].images.high.psnrDb).toBe('Infinity');
-  expect(read.results[0].images.reference.psnrDb).toBe(137.25);
+  expect(read.results[0].images.quads.high.psnrDb).toBe('Infinity');
+  expect(read.results[0].images.quads.reference.psnrDb).toBe(137.25);
 });
 
 test('failures are listed as they are', () => {

@@ -1,5 +1,5 @@
 import { COMPARED_PRESETS } from './run-images.ts';
-import type { HardCaseResult } from './run-result.ts';
+import { CASE_RASTERIZERS, type HardCaseResult } from './run-result.ts';
 
 /** Results of some hard cases, with the adapter and commit that gave them. */
 export interface HardCaseReport {
@@ -13,15 +13,23 @@ export interface HardCaseReport {
   readonly results: readonly HardCaseResult[];
 }
 
+/** All presets of the first rasteriser, and the one that every case bounds of the others. */
+const IMAGES = CASE_RASTERIZERS.flatMap((rasterizer, i) =>
+  COMPARED_PRESETS.filter((preset) => i === 0 || preset === 'reference').map((preset) => ({
+    rasterizer,
+    preset,
+    heading: `${rasterizer}, ${preset} dB`,
+  })),
+);
 const COLUMNS = [
   'case',
   'worst stage error (of its bound)',
-  ...COMPARED_PRESETS.map((p) => `${p} dB`),
+  ...IMAGES.map(({ heading }) => heading),
   'max error',
   'verdict',
 ];
 /** Widths of the columns after the first. */
-const COLUMN_WIDTHS = [34, 13, 9, 11, 9, 7];
+const COLUMN_WIDTHS = [34, ...IMAGES.map(({ heading }) => heading.length), 9, 7];
 
 /** Formats the heading of `resultLine`s, for names of up to `nameWidth` characters. */
 export function resultHeading(nameWidth: number): string {
@@ -73,11 +81,13 @@ function cellsOf({ name, worstStage, images, verdict }: HardCaseResult): string[
   const stage = worstStage
     ? `${worstStage.field} ${scientific(worstStage.error)} (${worstStage.ratio.toFixed(2)})`
     : '–';
-  const maxError = images.reference ? scientific(images.reference.maxError) : '–';
+  const maxErrors = CASE_RASTERIZERS.map((rasterizer) => images[rasterizer].reference?.maxError);
+  const known = maxErrors.filter((error) => error !== undefined);
+  const maxError = known.length > 0 ? scientific(Math.max(...known)) : '–';
   return [
     name,
     stage,
-    ...COMPARED_PRESETS.map((preset) => decibels(images[preset]?.psnrDb)),
+    ...IMAGES.map(({ rasterizer, preset }) => decibels(images[rasterizer][preset]?.psnrDb)),
     maxError,
     verdict,
   ];

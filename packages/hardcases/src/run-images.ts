@@ -1,8 +1,13 @@
-import type { AccuracyPreset, SplatEngine } from '@websplatter/core';
+import type { Accuracy, AccuracyPreset, SplatEngine } from '@websplatter/core';
 import { describePixel, nonFiniteWord } from '@websplatter/core/inspect';
 import { compareImages, type ReferenceImage } from '@websplatter/core/reference';
 import type { SceneCase } from './hard-case.ts';
-import { type ImageResult, MIN_REFERENCE_PSNR_DB, type ResultBuilder } from './run-result.ts';
+import {
+  type CaseRasterizer,
+  type ImageResult,
+  MIN_REFERENCE_PSNR_DB,
+  type ResultBuilder,
+} from './run-result.ts';
 import type { CaseFrame } from './run-stages.ts';
 
 /**
@@ -19,6 +24,7 @@ export const COMPARED_PRESETS: readonly AccuracyPreset[] = ['reference', 'high',
 export async function drawFrames(
   engine: SplatEngine,
   { clouds, camera, widthPx, heightPx }: CaseFrame,
+  accuracy: Accuracy,
   frames: number,
   fail: (what: string) => void,
 ): Promise<Float32Array> {
@@ -27,7 +33,14 @@ export async function drawFrames(
   try {
     let first: Float32Array | undefined;
     for (let frame = 1; frame <= frames; frame++) {
-      const isDrawn = view.render({ camera, clouds: instances, widthPx, heightPx, force: true });
+      const isDrawn = view.render({
+        camera,
+        clouds: instances,
+        widthPx,
+        heightPx,
+        accuracy,
+        force: true,
+      });
       // A frame without pixels is not drawn, and that is no failure.
       if (!isDrawn && widthPx * heightPx === 0) return new Float32Array();
       const { data } = await view.readPixels();
@@ -58,12 +71,13 @@ export function firstDifference(a: Float32Array, b: Float32Array): number {
 export function checkImage(
   { bounds }: Pick<SceneCase, 'bounds'>,
   preset: AccuracyPreset,
+  rasterizer: CaseRasterizer,
   caseFrame: CaseFrame,
   data: Float32Array,
   reference: ReferenceImage | null,
   result: ResultBuilder,
 ): void {
-  const where = [caseFrame.caseName, `camera ${caseFrame.cameraName}`, preset];
+  const where = [caseFrame.caseName, `camera ${caseFrame.cameraName}`, preset, rasterizer];
   const at = nonFiniteWord(new Uint32Array(data.buffer, data.byteOffset, data.length));
   if (at >= 0) {
     result.fail(where, `${describePixel(caseFrame.widthPx, at)}: got ${data[at]}, which is not finite`);
@@ -73,7 +87,7 @@ export function checkImage(
   const minPsnrDb = minPsnrOf(bounds, preset);
   const { psnrDb, maxError } = compareImages(data, reference.data, caseFrame);
   const image: ImageResult = { camera: caseFrame.cameraName, psnrDb, maxError, minPsnrDb };
-  result.addImage(preset, image);
+  result.addImage(preset, rasterizer, image);
   if (minPsnrDb === null || psnrDb >= minPsnrDb) return;
   const worst = worstPixel(data, reference);
   result.fail(
@@ -82,7 +96,8 @@ export function checkImage(
   );
 }
 
-function minPsnrOf(bounds: SceneCase['bounds'], preset: AccuracyPreset): number | null {
+/** Least PSNR that a case demands of a preset, dB; null if it is only reported. */
+export function minPsnrOf(bounds: SceneCase['bounds'], preset: AccuracyPreset): number | null {
   return bounds?.[preset]?.minPsnrDb ?? (preset === 'reference' ? MIN_REFERENCE_PSNR_DB : null);
 }
 

@@ -1,9 +1,14 @@
-import type { AccuracyPreset, DropCounts } from '@websplatter/core';
+import type { AccuracyPreset, AccuracySettings, DropCounts } from '@websplatter/core';
 import type { FieldError, RecordField } from '@websplatter/core/inspect';
 import type { HardCaseGroup } from './hard-case.ts';
 
 /** Least PSNR against float64 at preset `reference`, dB on raw values over black. */
 export const MIN_REFERENCE_PSNR_DB = 55;
+
+export type CaseRasterizer = Exclude<AccuracySettings['rasterizer'], 'auto'>;
+
+/** Every image that has a bound is drawn by each of them and must keep it; images without one are drawn by the first. */
+export const CASE_RASTERIZERS: readonly CaseRasterizer[] = ['quads', 'tiles'];
 
 /** A field's largest error in proportion to its bound, and where it was found. */
 export interface StageError extends FieldError<RecordField> {
@@ -13,7 +18,7 @@ export interface StageError extends FieldError<RecordField> {
 
 type StageErrors = Partial<Record<AccuracyPreset, Partial<Record<RecordField, StageError>>>>;
 
-/** Error of a case's images at one preset against float64: that of the worst camera. */
+/** Error of a case's images, of one preset and rasteriser, against float64: that of the worst camera. */
 export interface ImageResult {
   readonly camera: string;
   /** Infinity if the images are equal after clamping. */
@@ -24,12 +29,14 @@ export interface ImageResult {
   readonly minPsnrDb: number | null;
 }
 
+export type ImageResults = Partial<Readonly<Record<AccuracyPreset, ImageResult>>>;
+
 /** Result of one case, as plain data. */
 export interface HardCaseResult {
   readonly name: string;
   readonly group: HardCaseGroup;
   readonly verdict: 'pass' | 'fail';
-  /** One line per failure: case, camera, preset, splat, expected and got, as far as they apply. */
+  /** One line per failure: case, camera, preset, rasteriser, splat, expected and got, as far as they apply. */
   readonly failures: readonly string[];
   /** Worst error per preset and field of a splat's record; empty if no splat is drawn. */
   readonly stages: StageErrors;
@@ -40,7 +47,7 @@ export interface HardCaseResult {
   readonly worstStage: StageError | null;
   /** Number of splats, over all cameras, so close to a threshold that rounding may decide. */
   readonly unsureSplats: number;
-  readonly images: Partial<Readonly<Record<AccuracyPreset, ImageResult>>>;
+  readonly images: Readonly<Record<CaseRasterizer, ImageResults>>;
   /** Splats dropped before the GPU, by reason. */
   readonly dropped: DropCounts;
   readonly elapsedMs: number;
@@ -50,12 +57,15 @@ export interface HardCaseResult {
 export class ResultBuilder {
   readonly failures: string[] = [];
   readonly #stages: StageErrors = {};
-  readonly #images: Partial<Record<AccuracyPreset, ImageResult>> = {};
+  readonly #images: Record<CaseRasterizer, Partial<Record<AccuracyPreset, ImageResult>>> = {
+    quads: {},
+    tiles: {},
+  };
   readonly #startMs = performance.now();
   unsureSplats = 0;
   dropped: DropCounts = {};
 
-  /** @param where case, and camera and preset where they apply. */
+  /** @param where case, and camera, preset and rasteriser where they apply. */
   fail(where: readonly string[], what: string): void {
     this.failures.push(`${where.join(', ')}: ${what}`);
   }
@@ -66,12 +76,13 @@ export class ResultBuilder {
     if (error.ratio >= (ofPreset[error.field]?.ratio ?? 0)) ofPreset[error.field] = error;
   }
 
-  addImage(preset: AccuracyPreset, image: ImageResult): void {
-    const worst = this.#images[preset];
+  addImage(preset: AccuracyPreset, rasterizer: CaseRasterizer, image: ImageResult): void {
+    const images = this.#images[rasterizer];
+    const worst = images[preset];
     if (!worst || image.psnrDb < worst.psnrDb) {
-      this.#images[preset] = { ...image, maxError: Math.max(image.maxError, worst?.maxError ?? 0) };
+      images[preset] = { ...image, maxError: Math.max(image.maxError, worst?.maxError ?? 0) };
     } else if (image.maxError > worst.maxError) {
-      this.#images[preset] = { ...worst, maxError: image.maxError };
+      images[preset] = { ...worst, maxError: image.maxError };
     }
   }
 

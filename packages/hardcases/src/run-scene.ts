@@ -2,8 +2,8 @@ import { type AccuracyPreset, type DropCounts, type DropReason, readSplats } fro
 import type { renderReference } from '@websplatter/core/reference';
 import type { DeviceCase, HardCloud, SceneCase } from './hard-case.ts';
 import type { RunVariant, WatchedDevice } from './run-device.ts';
-import { checkImage, drawFrames, firstDifference } from './run-images.ts';
-import type { ResultBuilder } from './run-result.ts';
+import { checkImage, drawFrames, firstDifference, minPsnrOf } from './run-images.ts';
+import type { CaseRasterizer, ResultBuilder } from './run-result.ts';
 import { type CaseFrame, checkStages, type PlacedSet } from './run-stages.ts';
 
 export interface SceneRun {
@@ -12,6 +12,7 @@ export interface SceneRun {
   readonly secondDevice: () => Promise<WatchedDevice>;
   readonly variant: RunVariant;
   readonly presets: readonly AccuracyPreset[];
+  readonly rasterizers: readonly CaseRasterizer[];
   /** Width and height of images for cases that give no size. */
   readonly sizePx: number;
   readonly renderReference: typeof renderReference;
@@ -82,27 +83,49 @@ async function checkImages(
 ): Promise<void> {
   const isCompared = hardCase.decidesAtThreshold === undefined && caseFrame.widthPx * caseFrame.heightPx > 0;
   const reference = isCompared ? run.renderReference(caseFrame) : null;
+  const { identicalFrames = DEFAULT_FRAMES } = hardCase;
   for (const preset of run.presets) {
-    const where = [caseFrame.caseName, `camera ${caseFrame.cameraName}`, preset];
-    const fail = (what: string) => result.fail(where, what);
-    // Ties come out differently for the same reasons at every preset: many frames of one preset suffice.
-    const isFirst = preset === run.presets[0];
-    const frames = isFirst ? (hardCase.identicalFrames ?? DEFAULT_FRAMES) : DEFAULT_FRAMES;
-    const data = await drawFrames(await run.watched.engine(preset, run.variant), caseFrame, frames, fail);
-    checkImage(hardCase, preset, caseFrame, data, reference, result);
-    if (frames >= FRAMES_FOR_SECOND_DEVICE) await checkSecondDevice(run, preset, caseFrame, data, fail);
+    const engine = await run.watched.engine(preset, run.variant);
+    for (const rasterizer of rasterizersOf(hardCase, preset, run)) {
+      const where = [caseFrame.caseName, `camera ${caseFrame.cameraName}`, preset, rasterizer];
+      const fail = (what: string) => result.fail(where, what);
+      // Ties come out differently for the same reasons at every preset and, since both rasterisers draw in the order of one
+      // sort, with each of them: many frames of one suffice.
+      const isFirst = preset === run.presets[0] && rasterizer === run.rasterizers[0];
+      const frames = isFirst ? identicalFrames : DEFAULT_FRAMES;
+      const data = await drawFrames(engine, caseFrame, { preset, rasterizer }, frames, fail);
+      checkImage(hardCase, preset, rasterizer, caseFrame, data, reference, result);
+      if (preset === run.presets[0] && identicalFrames >= FRAMES_FOR_SECOND_DEVICE)
+        await checkSecondDevice(run, preset, rasterizer, caseFrame, data, fail);
+    }
   }
+}
+
+/** Images without a bound are only reported: those of one rasteriser suffice, and take half the time. */
+function rasterizersOf(
+  { bounds }: SceneCase | DeviceCase,
+  preset: AccuracyPreset,
+  { rasterizers }: SceneRun,
+): readonly CaseRasterizer[] {
+  return minPsnrOf(bounds, preset) === null ? rasterizers.slice(0, 1) : rasterizers;
 }
 
 async function checkSecondDevice(
   { secondDevice, variant }: SceneRun,
   preset: AccuracyPreset,
+  rasterizer: CaseRasterizer,
   caseFrame: CaseFrame,
   first: Float32Array,
   fail: (what: string) => void,
 ): Promise<void> {
   const second = await secondDevice();
-  const data = await drawFrames(await second.engine(preset, variant), caseFrame, 1, fail);
+  const data = await drawFrames(
+    await second.engine(preset, variant),
+    caseFrame,
+    { preset, rasterizer },
+    1,
+    fail,
+  );
   const at = firstDifference(first, data);
   if (at >= 0) fail(`on a second device value ${at}: got ${data[at]}, the first device had ${first[at]}`);
   for (const error of await second.takeErrors()) fail(`on a second device: ${error}`);

@@ -12,7 +12,7 @@ import { renderReference } from '@websplatter/core/reference';
 import type { DeviceCase, HardCase, RefusedFileCase, SceneCase, SortCase } from './hard-case.ts';
 import { type RunVariant, WatchedDevice } from './run-device.ts';
 import { COMPARED_PRESETS } from './run-images.ts';
-import { type HardCaseResult, ResultBuilder } from './run-result.ts';
+import { CASE_RASTERIZERS, type CaseRasterizer, type HardCaseResult, ResultBuilder } from './run-result.ts';
 import { runScene } from './run-scene.ts';
 
 export interface HardCaseRunnerOptions {
@@ -27,6 +27,8 @@ export interface HardCaseRunOptions {
   readonly sizePx?: number;
   /** Default `COMPARED_PRESETS`. */
   readonly presets?: readonly AccuracyPreset[];
+  /** Default `CASE_RASTERIZERS`. */
+  readonly rasterizers?: readonly CaseRasterizer[];
   /** A remedy of the shaders to switch off, for tests that the cases notice it. */
   readonly mutation?: ShaderMutation;
 }
@@ -103,7 +105,7 @@ export class HardCaseRunner {
   #runSceneOn(
     watched: WatchedDevice,
     hardCase: SceneCase | DeviceCase,
-    { sizePx = 64, presets = COMPARED_PRESETS, mutation }: HardCaseRunOptions,
+    { sizePx = 64, presets = COMPARED_PRESETS, rasterizers = CASE_RASTERIZERS, mutation }: HardCaseRunOptions,
     result: ResultBuilder,
   ): Promise<void> {
     const variant: RunVariant = { maxWorkgroupsPerDimension: hardCase.maxWorkgroupsPerDimension, mutation };
@@ -117,6 +119,7 @@ export class HardCaseRunner {
         },
         variant,
         presets,
+        rasterizers,
         sizePx,
         renderReference: this.#options.renderReference ?? renderReference,
       },

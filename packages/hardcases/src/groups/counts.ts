@@ -47,8 +47,8 @@ const ROW = 7;
 
 const CHUNK_BREAKS =
   'The last splat of a full chunk, or the only one of the next, is lost or read beyond the end.';
-const TILE_BREAKS =
-  'The tile of a sort or scan that is full, or has a single key, counts one too many or too few.';
+const BLOCK_BREAKS =
+  'The block of a sort or scan that is full, or has a single key, counts one too many or too few.';
 const ROW_BREAKS = 'A dispatch of more workgroups than one dimension takes is cut off, or runs past its end.';
 
 /** Writes and reads back the SH coefficients of a splat whose words start past 2^`exponent` bytes. */
@@ -116,10 +116,10 @@ export const COUNTS_CASES: readonly HardCase[] = [
   }),
   ...[1, 2].map((count) => counted(count, 'Bounds and depth ranges of so few splats have size 0.')),
   ...[255, 256, 257].map((count) => counted(count, CHUNK_BREAKS)),
-  ...[2047, 2048, 2049].map((count) => counted(count, TILE_BREAKS)),
+  ...[2047, 2048, 2049].map((count) => counted(count, BLOCK_BREAKS)),
   // Seven chunks fill a row, as do seven workgroups of the stage project.
   ...[7 * 256 - 1, 7 * 256, 7 * 256 + 1].map((count) => counted(count, ROW_BREAKS, ROW)),
-  // One key more than seven tiles of a sort, in nine rows of chunks.
+  // Nine rows of chunks.
   counted(7 * 2048 + 1, ROW_BREAKS, ROW),
   scene({
     name: 'counts-20-clouds',

@@ -1,4 +1,5 @@
 import type { ShaderMutation } from '@websplatter/core/inspect';
+import type { CaseRasterizer } from '../run-result.ts';
 
 /** A remedy of the shaders, switched off: the shader as a renderer without the remedy would have it. */
 export interface Mutation extends ShaderMutation {
@@ -6,6 +7,8 @@ export interface Mutation extends ShaderMutation {
   readonly remedy: string;
   /** Cases of the catalogue, at least one of which must fail without the remedy. */
   readonly cases: readonly string[];
+  /** The rasteriser whose remedy it is: the other one passes without it. Default: both need it. */
+  readonly rasterizer?: CaseRasterizer;
   /** Why GPUs may do without the remedy, so that only the software adapter has to fail. */
   readonly spareOnGpus?: string;
 }
@@ -82,6 +85,7 @@ export const MUTATIONS: readonly Mutation[] = [
     find: 'let cornerPx = select(round(oriented / SNAP_PX) * SNAP_PX, box, isBox);',
     replace: 'let cornerPx = select(round(oriented / SNAP_PX) * SNAP_PX, box, isBox && false);',
     cases: ['scale-log-40'],
+    rasterizer: 'quads',
     spareOnGpus: 'an NVIDIA H200 was seen to rasterise corners at 1e18 px, which SwiftShader cannot',
   },
   {
@@ -90,21 +94,21 @@ export const MUTATIONS: readonly Mutation[] = [
     find: 'let cornerPx = select(round(oriented / SNAP_PX) * SNAP_PX, box, isBox);',
     replace: 'let cornerPx = select(oriented, box, isBox);',
     cases: ['scale-points-between-pixels'],
+    rasterizer: 'quads',
     spareOnGpus: 'SwiftShader snaps corners to 1/16 px, most GPUs to 1/256 px',
   },
   {
     remedy: 'greatest-fragment-alpha',
-    file: 'stages/rasterize',
-    find: 'let alpha = min(MAX_FRAGMENT_ALPHA, color.w * exp(-dot(varyings.local, varyings.local)));',
-    replace:
-      'let alpha = min(MAX_FRAGMENT_ALPHA + 0.01, color.w * exp(-dot(varyings.local, varyings.local)));',
+    file: 'lib/splat-record',
+    find: 'let alpha = min(MAX_FRAGMENT_ALPHA, opacity * exp2(-dot(local, local)));',
+    replace: 'let alpha = min(MAX_FRAGMENT_ALPHA + 0.01, opacity * exp2(-dot(local, local)));',
     cases: ['accumulate-60-layers-alpha-0-99'],
   },
   {
     remedy: 'fragment-cutoff',
-    file: 'stages/rasterize',
-    find: 'let isDrawn = alpha >= view.alphaCutoff;',
-    replace: 'let isDrawn = alpha >= 0.0;',
+    file: 'lib/splat-record',
+    find: 'return select(0.0, alpha, alpha >= alphaCutoff);',
+    replace: 'return select(0.0, alpha, alpha >= 0.0 * alphaCutoff);',
     cases: ['accumulate-600-edges'],
   },
   {
@@ -167,8 +171,8 @@ export const MUTATIONS: readonly Mutation[] = [
   {
     remedy: 'stable-scatter',
     file: 'stages/sort-scatter',
-    find: 'rank = countOneBits(atomicLoad(&masks[word * RADIX + digit]) & (bit - 1u));',
-    replace: 'rank = countOneBits(atomicLoad(&masks[word * RADIX + digit]) & ~((bit << 1u) - 1u));',
+    find: 'let before = word & (bit - 1u);',
+    replace: 'let before = word & 0xffffu & ~((bit << 1u) - 1u);',
     cases: ['sort-few-distinct-24-bits'],
   },
   {
@@ -183,6 +187,38 @@ export const MUTATIONS: readonly Mutation[] = [
     file: 'lib/dispatch',
     find: 'return workgroup.y * row + workgroup.x;',
     replace: 'return workgroup.x + 0u * row;',
-    cases: ['counts-1793-in-rows-of-7', 'sort-14337-keys-in-rows-of-7'],
+    cases: ['counts-1793-in-rows-of-7', 'sort-32257-keys-in-rows-of-7'],
+  },
+  {
+    remedy: 'quads-give-way-to-tiles',
+    file: 'stages/tile-plan',
+    find: 'select(visibleCount, 0u, fits)',
+    replace: 'visibleCount',
+    cases: ['tiles-splats-in-all'],
+    rasterizer: 'tiles',
+  },
+  {
+    remedy: 'widest-point-of-an-ellipse-in-a-row',
+    file: 'lib/splat-ellipse',
+    find: 'let atRight = clamp(ellipse.rightmostPx, low, high);',
+    replace: 'let atRight = 0.5 * (low + high);',
+    cases: ['tiles-needles-across'],
+    rasterizer: 'tiles',
+  },
+  {
+    remedy: 'pairs-of-no-other-bin',
+    file: 'stages/tile-rasterize',
+    find: 'mask &= extractBits(0xffffffffu, 0u, beyond) & ~extractBits(0xffffffffu, 0u, first);',
+    replace: 'mask &= 0xffffffffu | beyond | first;',
+    cases: ['tiles-splats-in-all'],
+    rasterizer: 'tiles',
+  },
+  {
+    remedy: 'pixels-end-late',
+    file: 'stages/tile-rasterize',
+    find: 'const OPAQUE = 0.0000152587890625;',
+    replace: 'const OPAQUE = 0.02;',
+    cases: ['tiles-bright-behind-almost-opaque'],
+    rasterizer: 'tiles',
   },
 ];
