@@ -39,7 +39,7 @@ export const ROOMS: Arrows = {
   /** Effects that callers ask for, a file each. */
   effects: 'gpu shaders camera packing splats layout math',
   /** What frames take: GPU timestamps and their statistics. */
-  timing: 'gpu layout',
+  timing: 'gpu accuracy(types) layout',
   /** Host sides of the shaders in shaders/stages, under the same basenames. */
   stages: 'effects gpu camera accuracy packing splats layout',
   /** Clouds on the GPU: their planes, and rays through them. */

@@ -26,7 +26,10 @@ export type Culling = 'bounding-box' | 'frustum';
  * What draws the splats: tiles blend them in compute shaders, front to back in float32; quads blend them by the GPU's own
  * rasteriser and blending, back to front, in the format of the layer. `auto` takes the faster of both.
  */
-export type Rasterizer = 'tiles' | 'quads' | 'auto';
+export type Rasterizer = FrameRasterizer | 'auto';
+
+/** What draws one frame. */
+export type FrameRasterizer = 'tiles' | 'quads';
 
 /** All settings that trade accuracy for time or memory. */
 export interface AccuracySettings {

@@ -1,7 +1,7 @@
-import { type AccuracySettings, layerSize, type SizePx } from '../accuracy/accuracy.ts';
+import { type AccuracySettings, type FrameRasterizer, layerSize, type SizePx } from '../accuracy/accuracy.ts';
 import { type Camera, type Projection, projectionOf } from '../camera/camera.ts';
-import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import type { RasterizeDepth } from '../stages/rasterize.ts';
+import { binGridOf } from './bin-grid.ts';
 import { type CloudPlan, cloudShape, planCloud } from './cloud-plan.ts';
 import type { FrameRequest } from './frame-request.ts';
 import { type FrameOutput, type FrameShape, isSameShape, type OmittableEffect } from './frame-shape.ts';
@@ -34,7 +34,7 @@ export interface PlanOptions {
   readonly workgroupBytes: number;
   readonly depth: RasterizeDepth | null;
   /** The faster rasteriser, for the setting `auto`. */
-  readonly faster: 'quads' | 'tiles';
+  readonly faster: FrameRasterizer;
   /** The same object for all frames of a view. */
   readonly output: FrameOutput;
   /** Effects to leave out even if the frame needs them. */
@@ -105,15 +105,15 @@ export function withKeptColors(
   return { ...plan, shape: last && isSameShape(last.shape, shape) ? last.shape : shape };
 }
 
-function rasterizerOf({ accuracy, depth, faster }: PlanOptions): 'quads' | 'tiles' {
+function rasterizerOf({ accuracy, depth, faster }: PlanOptions): FrameRasterizer {
   const rasterizer = accuracy.rasterizer === 'auto' ? faster : accuracy.rasterizer;
   // Compute shaders cannot write r16float, the only depth that devices without float32-blendable blend.
   return rasterizer === 'tiles' && depth?.layerFormat !== 'r16float' ? 'tiles' : 'quads';
 }
 
-function binCountOf({ widthPx, heightPx }: SizePx): number {
-  const { BIN_PX } = SHADER_CONSTANTS;
-  return Math.ceil(widthPx / BIN_PX) * Math.ceil(heightPx / BIN_PX);
+function binCountOf(layer: SizePx): number {
+  const { binColumns, binRows } = binGridOf(layer);
+  return binColumns * binRows;
 }
 
 function copied(camera: Camera): Camera {

@@ -1,4 +1,4 @@
-import type { AccuracySettings } from '../accuracy/accuracy.ts';
+import type { AccuracySettings, FrameRasterizer } from '../accuracy/accuracy.ts';
 import type { CloudPages } from '../clouds/cloud-planes.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { EffectSet } from '../effects/effect-set.ts';
@@ -55,7 +55,7 @@ export interface FrameShape {
   readonly depth: RasterizeDepth | null;
   readonly output: FrameOutput;
   /** What draws the splats. With tiles, quads draw the frames whose pairs do not fit. */
-  readonly rasterizer: 'quads' | 'tiles';
+  readonly rasterizer: FrameRasterizer;
   /** Bins of the layer; 0 for quads. */
   readonly binCount: number;
 }

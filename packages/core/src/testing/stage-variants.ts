@@ -41,7 +41,7 @@ const WORKGROUP_BYTES = [16_384, 32_768, 49_152] as const;
 const PAIR_KEY_BITS = [1, 2, 3, 4, 5, 6, 7, 8, 9] as const;
 /** Sorts of pairs by bin, of layers with few bins, and with so many that two passes are needed. */
 const PAIR_SORTS = WORKGROUP_BYTES.flatMap((bytes) =>
-  [1, 7, 9, 10, 18].map((bits) => pairSortShapeFor(bits, bytes)),
+  PAIR_KEY_BITS.map((bits) => pairSortShapeFor(bits, bytes)),
 );
 
 const COLOR_TARGETS = ['rgba8unorm', 'rgba16float', 'rgba32float'] as const;
@@ -109,10 +109,7 @@ export function allStageVariants(): StageDefinition[] {
       repackSh({ degree, from: 'f16', to: 'u8' }),
     ]),
     ...WORKGROUP_BYTES.flatMap((bytes) =>
-      [
-        ...[8, 16, 20, 24, 27, 32].map((keyBits) => sortShapeFor(keyBits, bytes)),
-        ...PAIR_KEY_BITS.map((keyBits) => pairSortShapeFor(keyBits, bytes)),
-      ].flatMap((shape) => radixSortStages(shape)),
+      [8, 16, 20, 24, 27, 32].flatMap((keyBits) => radixSortStages(sortShapeFor(keyBits, bytes))),
     ),
   ];
   for (const isOrthographic of [false, true]) {

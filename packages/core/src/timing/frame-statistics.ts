@@ -1,3 +1,5 @@
+import type { FrameRasterizer } from '../accuracy/accuracy.ts';
+
 /** Times of one frame, in milliseconds. */
 export interface StageTimings {
   /**
@@ -52,7 +54,7 @@ export interface FrameStatistics {
   /** Splats drawn. */
   readonly visibleSplats: number;
   /** What drew them. */
-  readonly rasterizer: 'tiles' | 'quads';
+  readonly rasterizer: FrameRasterizer;
   /** Pairs of a visible splat and a bin that it may touch, drawn or not; null where tiles were not asked for. */
   readonly tilePairs: number | null;
   /** Time of a sample of the quads that was drawn besides the image, to compare both rasterisers; null if there was none. */

@@ -1,5 +1,6 @@
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
+import { TilePlan } from '../layout/structs.ts';
 import { type FrameStatistics, type StageTimings, wallClockTimings } from './frame-statistics.ts';
 
 /** Timed passes, in the order in which a frame runs them. */
@@ -20,11 +21,9 @@ type TimedPass = (typeof TIMED_PASSES)[number];
 const RING_SIZE = 4;
 
 const TIMESTAMP_BYTES = 8 * 2 * TIMED_PASSES.length;
-/** Timestamps, then the numbers of visible chunks, visible splats and pairs, and whether the tiles drew, a word each. */
-const READBACK_BYTES = TIMESTAMP_BYTES + 20;
-
-/** The words of a `TilePlan` that are read: neededPairs, pairCount, fits. */
-const PLAN_BYTES = 12;
+const COUNTS_BYTES = 8;
+/** Timestamps, then the numbers of visible chunks and visible splats, a word each, then one `TilePlan`. */
+const READBACK_BYTES = TIMESTAMP_BYTES + COUNTS_BYTES + TilePlan.bytes;
 
 /** Buffers with the counts of a frame. */
 export interface FrameCounts {
@@ -98,7 +97,7 @@ export class GpuTimer {
     encoder.copyBufferToBuffer(counts.visibleCount, 0, target, TIMESTAMP_BYTES + 4, 4);
     this.#hasPairs = counts.tilePlan !== undefined;
     if (counts.tilePlan)
-      encoder.copyBufferToBuffer(counts.tilePlan, 0, target, TIMESTAMP_BYTES + 8, PLAN_BYTES);
+      encoder.copyBufferToBuffer(counts.tilePlan, 0, target, TIMESTAMP_BYTES + COUNTS_BYTES, TilePlan.bytes);
   }
 
   /** Call after submitting. Resolves when the frame is done; null if it was not measured. */
@@ -118,7 +117,10 @@ export class GpuTimer {
       await mapped;
       const contents = buffer.getMappedRange().slice(0);
       buffer.unmap();
-      const [slots, visibleSplats, pairs, , fits] = new Uint32Array(contents, TIMESTAMP_BYTES);
+      const [slots, visibleSplats] = new Uint32Array(contents, TIMESTAMP_BYTES);
+      const tilePlan = new Uint32Array(contents, TIMESTAMP_BYTES + COUNTS_BYTES);
+      const neededPairs = tilePlan[TilePlan.offsets.neededPairs / 4];
+      const fits = tilePlan[TilePlan.offsets.fits / 4] === 1;
       const candidateSplats = Math.min(loadedSplats, slots * CHUNK_SPLATS);
       const spanMs = this.#querySet
         ? spansOf(new BigUint64Array(contents, 0, 2 * TIMED_PASSES.length), passes)
@@ -130,8 +132,8 @@ export class GpuTimer {
         loadedSplats,
         candidateSplats,
         visibleSplats,
-        rasterizer: hasPairs && fits === 1 ? 'tiles' : 'quads',
-        tilePairs: hasPairs ? pairs : null,
+        rasterizer: hasPairs && fits ? 'tiles' : 'quads',
+        tilePairs: hasPairs ? neededPairs : null,
         quadsSampleMs,
         timing,
       };

@@ -1,7 +1,7 @@
 import { createNodeGpu } from '@websplatter/node';
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, beforeEach, describe, expect } from 'vitest';
-import type { AccuracySettings } from '../accuracy/accuracy.ts';
+import type { AccuracySettings, FrameRasterizer } from '../accuracy/accuracy.ts';
 import { type Camera, perspectiveCamera } from '../camera/camera.ts';
 import { type DepthConvention, storedDepth } from '../camera/depth-convention.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
@@ -587,7 +587,7 @@ describe('both rasterisers', () => {
   /** Draws twice from one preparation, as a host with two passes does, and returns image and depth. */
   async function drawnBy(
     by: SplatEngine,
-    rasterizer: 'quads' | 'tiles',
+    rasterizer: FrameRasterizer,
     frame: EmbeddedFrameRequest,
     pass: ReturnType<typeof hostPass>['pass'],
   ) {

@@ -1,5 +1,6 @@
 import { describe, expect, test } from 'vitest';
-import { type FrameRasterizer, RasterizerChoice, type TimedFrame } from './rasterizer-choice.ts';
+import type { FrameRasterizer } from '../accuracy/accuracy.ts';
+import { RasterizerChoice, type TimedFrame } from './rasterizer-choice.ts';
 
 /** A device and view: times of both rasterisers, and of an empty pass, ms. */
 interface Device {

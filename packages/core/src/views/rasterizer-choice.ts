@@ -1,5 +1,4 @@
-/** What draws a frame. */
-export type FrameRasterizer = 'tiles' | 'quads';
+import type { FrameRasterizer } from '../accuracy/accuracy.ts';
 
 /** The rasteriser that draws a view, and what is known about both. */
 export interface RasterizerReport {

@@ -1,4 +1,5 @@
-import type { FrameRasterizer, RasterizerChoiceOptions } from './rasterizer-choice.ts';
+import type { FrameRasterizer } from '../accuracy/accuracy.ts';
+import type { RasterizerChoiceOptions } from './rasterizer-choice.ts';
 
 const KEY = 'websplatter faster rasterizer';
 

@@ -10,6 +10,7 @@ import { tileEmit } from '../../stages/tile-emit.ts';
 import { tileMasks } from '../../stages/tile-masks.ts';
 import { tilePlan } from '../../stages/tile-plan.ts';
 import { tileRanges } from '../../stages/tile-ranges.ts';
+import { binGridOf } from '../bin-grid.ts';
 import {
   type FramePart,
   type OrderRecording,
@@ -21,7 +22,7 @@ import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
 import { PAIR_BYTES, pairCapacity } from '../pair-capacity.ts';
 
-const { BIN_PX, BIN_TILES, MASK_GROUP, TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
+const { BIN_TILES, MASK_GROUP, TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
 const MASK_WORDS = (BIN_TILES * BIN_TILES * MASK_GROUP) / 32;
 
 /** Sort of the pairs by bin; one more key than bins, for pairs too many. */
@@ -123,9 +124,8 @@ export class TileLists implements FramePart<OrderRecording> {
   whyTooMany(pairs: number): string | null {
     if (pairs <= this.#mostPairs()) return null;
     const megabytes = (bytes: number) => `${Math.ceil(bytes / 1e6)} MB`;
-    const { tileBudgetBytes } = this.#context;
-    const needed = megabytes(pairs * PAIR_BYTES);
-    return `tiles would need ${needed} for their lists, and ${megabytes(Math.min(tileBudgetBytes, this.#mostPairs() * PAIR_BYTES))} are allowed`;
+    const [needed, allowed] = [pairs, this.#mostPairs()].map((count) => megabytes(count * PAIR_BYTES));
+    return `tiles would need ${needed} for their lists, and ${allowed} are allowed`;
   }
 
   /** Takes the number of pairs of a recent frame, so that the next one has room. */
@@ -188,11 +188,9 @@ export class TileLists implements FramePart<OrderRecording> {
 
   write({ layer, shape }: FramePlan): void {
     if (!this.#held || shape.rasterizer !== 'tiles') return;
-    const { widthPx, heightPx } = layer;
     const contents = TileGrid.pack({
-      sizePx: [widthPx, heightPx],
-      binColumns: Math.ceil(widthPx / BIN_PX),
-      binRows: Math.ceil(heightPx / BIN_PX),
+      sizePx: [layer.widthPx, layer.heightPx],
+      ...binGridOf(layer),
       pairCapacity: this.#held.pairCapacity,
     });
     this.#context.device.queue.writeBuffer(this.#held.buffers.grid, 0, contents);

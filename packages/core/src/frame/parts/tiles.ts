@@ -17,7 +17,7 @@ const stagesOf = perShape((shape): readonly CompiledStage[] => {
   return stage ? [stage] : [];
 });
 
-/** Blends the visible splats front to back, a workgroup per tile, over what the quads left in their layer. */
+/** Blends the visible splats front to back, a workgroup per tile. */
 export class Tiles implements FramePart<DrawRecording> {
   readonly #context: PartContext;
   #group: GPUBindGroup | null = null;

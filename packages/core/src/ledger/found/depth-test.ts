@@ -7,7 +7,7 @@ export const depthTest: FoundInView = {
   label: 'Hidden by meshes',
   about: 'Tests splats against the depth of meshes drawn before.',
   conditions: ['DEPTH_TEST', 'DEPTH_LOGARITHMIC', 'MULTISAMPLED', 'REVERSED_DEPTH'],
-  bindings: ['hostDepth', 'hostDepths'],
+  bindings: ['hostDepth', 'hostDepths', 'testedDepth'],
   stages: ['resolve-depth', 'rasterize', 'tile-rasterize', 'compose'],
   calledFor: ({
     plan: {
