@@ -60,14 +60,15 @@ export function sortShapeFor(keyBits: number, workgroupBytes = DEFAULT_WORKGROUP
 }
 
 /**
- * Chooses the shape with the fewest passes, one or two, for keys below 2^keyBits with at most 18 bits.
+ * Chooses the shape with the fewest passes, one or two, for keys below 2^keyBits with at most 18 bits. Digits have 8 bits where
+ * that suffices, as in most sorts of depths: the shaders of both sorts are then the same, and compile once.
  *
  * @param workgroupBytes as for `sortShapeFor`.
  */
 export function pairSortShapeFor(keyBits: number, workgroupBytes = DEFAULT_WORKGROUP_BYTES): SortShape {
   if (keyBits > 18) throw new RangeError(`Keys of ${keyBits} bits take more than two passes; 18 do not.`);
   const passes = keyBits <= 9 ? 1 : 2;
-  return shapeOf(Math.max(1, Math.ceil(keyBits / passes)), passes, workgroupBytes);
+  return shapeOf(keyBits <= 8 * passes ? 8 : 9, passes, workgroupBytes);
 }
 
 function shapeOf(digitBits: number, passes: number, workgroupBytes: number): SortShape {

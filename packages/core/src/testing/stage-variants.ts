@@ -37,8 +37,8 @@ const EXTENTS = ['opacity', 'fixed'] as const;
 const SHORT_KEYS = [24, 20, 16] as const;
 /** Every amount that devices have which makes a difference to the sort. */
 const WORKGROUP_BYTES = [16_384, 32_768, 49_152] as const;
-/** One for each length of digits, since two passes share the bits between them. */
-const PAIR_KEY_BITS = [1, 2, 3, 4, 5, 6, 7, 8, 9] as const;
+/** One for each length of digits. */
+const PAIR_KEY_BITS = [8, 9] as const;
 /** Sorts of pairs by bin, of layers with few bins, and with so many that two passes are needed. */
 const PAIR_SORTS = WORKGROUP_BYTES.flatMap((bytes) =>
   PAIR_KEY_BITS.map((bits) => pairSortShapeFor(bits, bytes)),
