@@ -107,11 +107,6 @@ export class TileLists implements FramePart<OrderRecording> {
     return stagesOf(shape);
   }
 
-  /** Buffers for comparisons with twins; null for shapes without tiles. */
-  get buffers(): Held['buffers'] | null {
-    return this.#held?.buffers ?? null;
-  }
-
   /** Bytes of the part's buffers. */
   get bytes(): number {
     if (!this.#held) return 0;
