@@ -114,6 +114,7 @@ export function linkInput(
     },
     root,
     conditions: { ...NO_CONDITIONS, ...conditions },
+    counts: Object.fromEntries(values),
   };
 }
 

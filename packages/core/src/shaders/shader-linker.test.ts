@@ -6,9 +6,10 @@ import { linkInput } from './link-shader.ts';
 import { type LinkInput, linkModules, type ShaderModules } from './shader-linker.ts';
 
 const CONDITIONS = { YES: true, NO: false };
+const COUNTS = { THREE: 3, TWO: 2 };
 
 function linkRoot(root: string, modules: ShaderModules = {}): string {
-  return linkModules({ modules: { ...modules, root }, root: 'root', conditions: CONDITIONS });
+  return linkModules({ modules: { ...modules, root }, root: 'root', conditions: CONDITIONS, counts: COUNTS });
 }
 
 describe('the linker of shaders', () => {
@@ -151,6 +152,32 @@ fn square(/* any */ x: f32) -> f32 {
     const link = (root: string) => declarationsIn(linkRoot(root, modules));
     expect(link(text.replace('«', '@if(YES) ').replace('»', ''))).toEqual(link(text.replace(/[«»]/g, '')));
     expect(link(text.replace('«', '@if(NO) ').replace('»', ''))).toEqual(link(text.replace(/«.*»/, '')));
+  });
+
+  test('writes out unrolled loops, nested ones too', () => {
+    const loop = (body: string, counter = 'i', bound = 'TWO') =>
+      `@unroll for (var ${counter} = 0u; ${counter} < ${bound}; ${counter}++) { ${body} }`;
+    const bodyOf = (statement: string) => linkRoot(`fn f() { ${statement} }`).replaceAll(/\s+/g, ' ');
+    expect(bodyOf(loop('a[i] = b.i;'))).toBe('fn f() { { a[0u] = b.i; } { a[1u] = b.i; } }');
+    expect(bodyOf(loop('@if(YES) g(i); @if(NO) h(i);', 'i', 'THREE'))).toBe(
+      'fn f() { { g(0u); } { g(1u); } { g(2u); } }',
+    );
+    expect(bodyOf(`g(); ${loop(loop('h(i, j);', 'j'))} g();`)).toBe(
+      'fn f() { g(); { { h(0u, 0u); } { h(0u, 1u); } } { { h(1u, 0u); } { h(1u, 1u); } } g(); }',
+    );
+  });
+
+  test.each([
+    ['a loop that counts to no constant', 'for (var i = 0u; i < OTHER; i++) { }', 'no constant "OTHER"'],
+    ['a loop of another form', 'for (var i = 1u; i < TWO; i++) { }', '"0u" is expected, not "1u"'],
+    ['a statement that is no loop', 'g();', '"for" is expected'],
+    [
+      'a loop that ends early',
+      'for (var i = 0u; i < TWO; i++) { if (i == 1u) { break; } }',
+      'cannot contain "break"',
+    ],
+  ])('does not unroll %s', (_, statement, problem) => {
+    expect(() => linkRoot(`fn f() {\n @unroll ${statement} }`)).toThrow(problem);
   });
 
   test('evaluates conditions as JavaScript does', () => {
@@ -305,22 +332,35 @@ fn square(/* any */ x: f32) -> f32 {
       'root, line 1: ";" is expected, not "as".',
     ],
   ])('rejects %s, and says where', (_, modules, message) => {
-    const link = () => linkModules({ modules, root: 'root', conditions: CONDITIONS });
+    const link = () => linkModules({ modules, root: 'root', conditions: CONDITIONS, counts: COUNTS });
     expect(link).toThrow(new RangeError(message));
   });
 });
 
-function weslText({ modules, root, conditions }: LinkInput): Promise<string> {
+/** What wesl links, which knows of no unrolled loops: those are written out beforehand, as text. */
+function weslText({ modules, root, conditions, counts }: LinkInput): Promise<string> {
   const { layout, constants, ...files } = modules;
   const weslSrc = Object.fromEntries(
     Object.entries(files).map(([name, text]) => [
       `${name.replace('package::', '').replaceAll('::', '/')}.wgsl`,
-      text,
+      unrolledText(text, counts),
     ]),
   );
   const virtualLibs = { layout: () => layout, constants: () => constants };
   const options = { weslSrc, rootModuleName: root, conditions: { ...conditions }, virtualLibs };
   return linkByWesl({ ...options, keepComments: false, sourceMap: false }).then(({ dest }) => dest);
+}
+
+/** Writes out unrolled loops, each of which ends at the first brace that is indented like its beginning. */
+function unrolledText(text: string, counts: LinkInput['counts']): string {
+  return text.replace(
+    /^( *)@unroll for \(var (\w+) = 0u; \2 < (\w+); \2\+\+\) \{(.*\}$|[\s\S]*?^\1\}$)/gm,
+    (_, indent: string, counter: string, bound: string, body: string) =>
+      Array.from(
+        { length: counts[bound] },
+        (_, i) => `${indent}{${body.replaceAll(new RegExp(`\\b${counter}\\b`, 'g'), `${i}u`)}`,
+      ).join('\n'),
+  );
 }
 
 /**

@@ -7,7 +7,12 @@
  *     @if(SH_1 && !SH_F32) …
  *
  * where the condition precedes an import, a declaration, a member of a struct or a statement, which is removed if the
- * condition is not met. Comments are removed too.
+ * condition is not met. Comments are removed too. A loop of the form
+ *
+ *     @unroll for (var item = 0u; item < ITEMS; item++) { … }
+ *
+ * becomes a block per value of its counter, which stands there as a number: drivers do not unroll loops that contain
+ * barriers, and an array that such a loop indexes then lies in memory instead of registers.
  *
  * The linker neither renames anything nor follows scopes. To keep that safe, code that would need either is an error: two
  * linked modules that declare the same name, a local name that hides one of its module, and the use of another module's
@@ -23,6 +28,8 @@ export interface LinkInput {
   readonly root: string;
   /** Every condition that modules may use. */
   readonly conditions: Readonly<Record<string, boolean>>;
+  /** Every constant that unrolled loops may count to. */
+  readonly counts: Readonly<Record<string, number>>;
 }
 
 interface Token {
@@ -55,7 +62,7 @@ type Scope = ReadonlyMap<string, Named>;
  * Returns the WGSL of the root module with everything that it reaches, each declaration once and after those that it uses.
  * @throws RangeError with module and line if the modules cannot be linked.
  */
-export function linkModules({ modules, root, conditions }: LinkInput): string {
+export function linkModules({ modules, root, conditions, counts }: LinkInput): string {
   const scopes = new Map<string, Scope>();
   /** Declarations by name, in the order of the result. */
   const linked = new Map<string, Declaration>();
@@ -67,7 +74,8 @@ export function linkModules({ modules, root, conditions }: LinkInput): string {
   function scopeOf(module: string): Scope {
     let scope = scopes.get(module);
     if (!scope) {
-      scope = readScope(new Cursor(selectMet(tokenize(module, modules[module]), conditions)));
+      const met = selectMet(tokenize(module, modules[module]), conditions);
+      scope = readScope(new Cursor(unroll(met, counts)));
       scopes.set(module, scope);
       for (const named of scope.values()) {
         if ('from' in named && !Object.hasOwn(modules, named.from))
@@ -324,6 +332,49 @@ function takeCondition(cursor: Cursor, conditions: LinkInput['conditions']): boo
   const value = takeOr();
   cursor.expect(')');
   return value;
+}
+
+/** Returns the tokens with every loop that is marked `@unroll` written out. */
+function unroll(tokens: readonly Token[], counts: LinkInput['counts']): Token[] {
+  const result: Token[] = [];
+  const cursor = new Cursor(tokens);
+  while (!cursor.isAtEnd) {
+    const mark = cursor.token;
+    if (mark.text !== '@' || tokens[cursor.at + 1].text !== 'unroll') {
+      result.push(mark);
+      cursor.at++;
+      continue;
+    }
+    cursor.at += 2;
+    const { counter, count } = takeLoopHead(cursor, counts);
+    const start = cursor.at;
+    cursor.skipStatement();
+    const end = cursor.token;
+    const [brace, ...rest] = unroll([...tokens.slice(start, cursor.at), { ...end, text: '' }], counts);
+    rest.pop();
+    const leaves = rest.find(({ text }) => text === 'break' || text === 'continue');
+    if (leaves) fail(leaves, `an unrolled loop cannot contain "${leaves.text}"`);
+    for (let value = 0; value < count; value++) {
+      result.push({ ...brace, gap: mark.gap });
+      for (const [i, token] of rest.entries()) {
+        const isCounter = token.text === counter && rest[i - 1]?.text !== '.';
+        result.push(isCounter ? { ...token, text: `${value}u` } : token);
+      }
+    }
+  }
+  result.push(cursor.token);
+  return result;
+}
+
+/** Reads `for (var item = 0u; item < ITEMS; item++)`. */
+function takeLoopHead(cursor: Cursor, counts: LinkInput['counts']): { counter: string; count: number } {
+  for (const text of ['for', '(', 'var']) cursor.expect(text);
+  const counter = cursor.takeName().text;
+  for (const text of ['=', '0u', ';', counter, '<']) cursor.expect(text);
+  const bound = cursor.takeName();
+  const count = counts[bound.text] ?? fail(bound, `there is no constant "${bound.text}" to count to`);
+  for (const text of [';', counter, '+', '+', ')']) cursor.expect(text);
+  return { counter, count };
 }
 
 function readScope(cursor: Cursor): Scope {
