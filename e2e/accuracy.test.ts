@@ -74,10 +74,13 @@ describe('accuracy in the viewer', () => {
   });
 
   it('opens with the accuracy of the address, and says what it does not know', async () => {
-    const page = await openViewer('?scene=still-life-small&accuracy=fast,shDegree:0', SMALL);
+    const page = await openViewer('?scene=still-life-small&accuracy=fast,shDegree:0,rasterizer:quads', SMALL);
     await openTab(page, 'settings');
     expect(await page.getByTestId('setting-shDegree').inputValue()).toBe('0');
     expect(await page.getByTestId('setting-colorTarget').inputValue()).toBe('rgba8unorm');
+    expect(await page.getByTestId('setting-rasterizer').inputValue()).toBe('quads');
+    await page.getByTestId('rasterizer').getByText('quads').waitFor({ state: 'attached' });
+    expect(await textOf(page, 'rasterizer-reason')).toBe('Quads were asked for');
     const other = await openViewer('?scene=still-life-small&accuracy=best', SMALL);
     expect(await textOf(other, 'notice')).toContain('no accuracy preset "best"');
   });

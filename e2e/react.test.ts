@@ -222,6 +222,7 @@ it('draws no frame unless asked, and then one, or one more where a shader has ye
   for (const row of ['Pre-process', 'Sort', 'Rasterize', 'Frame', 'Wall clock']) {
     expect(text).toMatch(new RegExp(`${row}\\s+\\d+\\.\\d\\d ms`));
   }
+  expect(text).toMatch(/Rasteriser\s+(tiles|quads)\s/);
   expect(text).toMatch(/Splats loaded\s+400\s/);
   expect(text).toContain('GPU timestamps');
 });

@@ -98,6 +98,10 @@ describe('viewer', () => {
       expect(Number((await textOf(page, stage)).replaceAll(',', '')), stage).toBeGreaterThan(0);
     }
     expect(await textOf(page, 'timing-source')).toBe('GPU timestamps');
+    expect(await textOf(page, 'rasterizer')).toMatch(/^(tiles|quads)$/);
+    const reason = await textOf(page, 'rasterizer-reason');
+    expect(reason).toMatch(/^[A-Z].*(compared|room)/);
+    expect(await page.getByTitle(reason).innerText()).toContain('Rasteriser');
     expect(await textOf(page, 'loaded-splats')).toBe('10,000');
     const visible = Number((await textOf(page, 'visible-splats')).replaceAll(',', ''));
     expect(visible).toBeGreaterThan(1000);

@@ -46,6 +46,7 @@ function table(): AccuracyTable {
       changed: [],
       error: { psnrDb, maxError: 0.01, p999Error: 0.001, ssim: 0.999 },
       timeMs: { preprocess: part(0.2), sort: part(0.2), rasterize: part(0.6), total },
+      rasterizers: i === 0 ? ['tiles', 'quads'] : ['tiles'],
       isOnFront,
       bytes: 5e8,
       notes: [],

@@ -12,6 +12,7 @@ const COLUMNS: readonly Column[] = [
   ['pre-process', ({ timeMs }) => milliseconds(timeMs.preprocess)],
   ['sort', ({ timeMs }) => milliseconds(timeMs.sort)],
   ['rasterize', ({ timeMs }) => milliseconds(timeMs.rasterize)],
+  ['drawn by', ({ rasterizers }) => rasterizers.join(', ')],
   ['total ms', ({ timeMs }) => milliseconds(timeMs.total)],
   ['interval', ({ timeMs: { total } }) => `${total.low.toFixed(2)}–${total.high.toFixed(2)}`],
   ['P99', ({ timeMs }) => timeMs.total.p99.toFixed(2)],

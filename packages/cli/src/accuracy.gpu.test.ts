@@ -10,7 +10,7 @@ gpuTest('prints a table, writes a chart, and gives all of it as JSON', async () 
   const few = [...common, '--frames', '2', '--settings', 'shDegree'];
   const text = await runMain(...few, '--svg', svg);
   expect(text.status, text.err).toBe(0);
-  expect(text.out).toMatch(/setting +PSNR dB +max error/);
+  expect(text.out).toMatch(/setting +PSNR dB +max error.* drawn by/);
   expect(text.out).toMatch(/> {2}balanced +\d+\.\d/);
   expect(text.out).toContain('paper −RADIUS');
   expect(text.err).toContain(' %: ');
@@ -21,6 +21,10 @@ gpuTest('prints a table, writes a chart, and gives all of it as JSON', async () 
   expect(table).toMatchObject({ widthPx: 32, heightPx: 24, splats: 3, frames: 2 });
   expect(table.points.length).toBeGreaterThanOrEqual(8);
   const [base, reference] = table.points;
+  for (const { name, settings, rasterizers } of table.points) {
+    if (settings.rasterizer !== 'auto') expect(rasterizers, name).toEqual([settings.rasterizer]);
+    expect(rasterizers.length, name).toBeGreaterThan(0);
+  }
   expect(base.error.psnrDb).toBeGreaterThan(30);
   expect(reference).toMatchObject({ name: 'reference', error: { psnrDb: null, maxError: 0 } });
   for (const { name } of table.points) expect(chart).toContain(`>${name}</text>`);

@@ -1,4 +1,4 @@
-import type { Camera, FrameStatistics, SplatCloud, SplatView } from '@websplatter/core';
+import type { Camera, FrameRasterizer, FrameStatistics, SplatCloud, SplatView } from '@websplatter/core';
 import { openGpuSession } from './gpu-session.ts';
 import type { RawImage } from './png.ts';
 import type { RenderOptions } from './render-options.ts';
@@ -37,7 +37,7 @@ async function renderFrames(
   models: readonly Float64Array[],
   camera: Camera,
   { widthPx, heightPx, frames, timings }: RenderOptions,
-): Promise<Pick<Rendered, 'image' | 'visibleSplats' | 'warmUpFrames' | 'timings' | 'firstDifference'>> {
+): Promise<Omit<Rendered, 'splatsPerScene' | 'label' | 'notices'>> {
   const placed = clouds.map((cloud, i) => ({ cloud, modelMatrix: models[i] }));
   const statistics: FrameStatistics[] = [];
   const draw = () => {
@@ -61,11 +61,15 @@ async function renderFrames(
     if (pixels > 0) firstDifference ??= { frame, pixels };
   }
   await waitUntil(() => statistics.length >= frames, STATISTICS_TIMEOUT_MS);
+  const drawnBy = (name: FrameRasterizer) =>
+    statistics.filter(({ rasterizer }) => rasterizer === name).length;
+  const { reason, tilesMs, quadsMs } = view.rasterizer;
   return {
     image: image!,
     visibleSplats: statistics.at(-1)?.visibleSplats ?? 0,
     warmUpFrames,
     timings: statistics.map(({ timing }) => timing),
+    rasterizer: { frames: { tiles: drawnBy('tiles'), quads: drawnBy('quads') }, reason, tilesMs, quadsMs },
     firstDifference,
   };
 }

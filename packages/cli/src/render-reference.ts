@@ -40,6 +40,7 @@ export async function renderOnReference(
     splatsPerScene: sets.map(({ count }) => count),
     warmUpFrames: 0,
     timings,
+    rasterizer: null,
     label: 'reference renderer, float64 on the CPU',
     notices: [],
     firstDifference,

@@ -35,6 +35,7 @@ gpuTest('the GPU draws what the reference draws, every frame the same bits', asy
   const report = JSON.parse(readFileSync(timings, 'utf8'));
   expect(report).toMatchObject({ frames: 3, measuredFrames: 3, framesIdentical: true, visibleSplats: 6 });
   expect(report.stages.totalMs.median).toBeGreaterThan(0);
+  expect(report.rasterizer).toMatchObject({ frames: { tiles: 3, quads: 0 }, reason: expect.any(String) });
 });
 
 gpuTest('presets and settings by name: the reference follows those that define the image', async () => {

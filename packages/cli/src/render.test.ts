@@ -50,6 +50,7 @@ test('the reference renderer writes an image, raw pixels and timings that agree'
   expect(JSON.parse(readFileSync(timings, 'utf8'))).toMatchObject({
     source: 'wall-clock',
     stages: { preprocessMs: null, totalMs: { median: expect.any(Number), p99: expect.any(Number) } },
+    rasterizer: null,
     frames: 2,
     framesIdentical: true,
     scenes: [{ splats: 3 }],

@@ -1,4 +1,4 @@
-import type { StageTimings } from '@websplatter/core';
+import type { FrameRasterizer, RasterizerReport, StageTimings } from '@websplatter/core';
 import type { RawImage } from './png.ts';
 
 /** Result of a renderer. */
@@ -11,12 +11,20 @@ export interface Rendered {
   readonly warmUpFrames: number;
   /** One per measured frame. */
   readonly timings: readonly StageTimings[];
+  /** What drew the measured frames; null for the reference renderer. */
+  readonly rasterizer: DrawnBy | null;
   /** Name of what rendered: a GPU's label, or the reference renderer. */
   readonly label: string;
   /** Messages for the user, e.g. that no GPU was found. */
   readonly notices: readonly string[];
   /** The earliest frame that differs from frame 1 in any bit, and in how many pixels; null if all are the same. */
   readonly firstDifference: { readonly frame: number; readonly pixels: number } | null;
+}
+
+/** What drew frames, and what is known about both rasterisers after them. */
+export interface DrawnBy extends Omit<RasterizerReport, 'rasterizer'> {
+  /** Number of measured frames by what drew them. */
+  readonly frames: Readonly<Record<FrameRasterizer, number>>;
 }
 
 /** Counts the pixels in which two images of one size differ in any bit. */

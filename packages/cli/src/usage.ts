@@ -14,7 +14,8 @@ websplatter render SCENE … --camera CAM.json --size WIDTHxHEIGHT --out image.p
   --set name=value       one accuracy setting; may be repeated
   --background 0,0,0     r,g,b, each 0 to 1, in the image's sRGB space
   --frames 1             renders this many times; fails if two frames differ in any bit
-  --timings t.json       writes milliseconds per stage, median and 99th percentile over the frames
+  --timings t.json       writes milliseconds per stage, median and 99th percentile over the frames, and
+                         which rasteriser drew them
 
 websplatter info SCENE [--json]
   counts, bounds, spherical harmonics per band, dropped splats by reason, bytes needed on the GPU

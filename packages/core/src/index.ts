@@ -10,6 +10,7 @@ export {
   DEFAULT_ACCURACY,
   type Extent,
   type PossibleAccuracy,
+  type Rasterizer,
   type RecordPrecision,
   resolveAccuracy,
   type SortKeyBits,
@@ -80,4 +81,5 @@ export {
 export type { ChooseAccuracyOptions } from './views/accuracy-wishes.ts';
 export type { EmbeddedFrameRequest, EmbeddedView } from './views/embedded-view.ts';
 export type { SplatPick } from './views/pick-splat.ts';
+export type { FrameRasterizer, RasterizerReport } from './views/rasterizer-choice.ts';
 export type { SplatView } from './views/splat-view.ts';

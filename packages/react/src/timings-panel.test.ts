@@ -29,6 +29,7 @@ it('shows stages, splats, and the source of the times', () => {
       Rasterize: '12.00 ms',
       Frame: '13.73 ms',
       'Wall clock': '15.00 ms',
+      Rasteriser: 'quads',
       'Splats visible': '1,234,567',
       'Splats loaded': '5,834,784',
     },

@@ -20,6 +20,7 @@ const ROWS = [
   'Rasterize',
   'Frame',
   'Wall clock',
+  'Rasteriser',
   'Splats visible',
   'Splats loaded',
 ] as const;
@@ -80,7 +81,7 @@ export function createTimingsPanel(document: Document, corner: PanelCorner): Tim
 }
 
 /** Returns the words and figures of the panel. */
-export function wordsFor({ timing, visibleSplats, loadedSplats }: FrameStatistics): {
+export function wordsFor({ timing, rasterizer, visibleSplats, loadedSplats }: FrameStatistics): {
   readonly values: Readonly<Record<Row, string>>;
   readonly note: string;
 } {
@@ -91,6 +92,7 @@ export function wordsFor({ timing, visibleSplats, loadedSplats }: FrameStatistic
     Rasterize: milliseconds(timing.rasterizeMs),
     Frame: milliseconds(isMeasuredByGpu ? timing.totalMs : Number.NaN),
     'Wall clock': milliseconds(timing.wallClockMs),
+    Rasteriser: rasterizer,
     'Splats visible': visibleSplats.toLocaleString('en'),
     'Splats loaded': loadedSplats.toLocaleString('en'),
   };

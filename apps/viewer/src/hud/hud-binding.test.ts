@@ -1,10 +1,20 @@
+import type { FrameStatistics, RasterizerReport } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
 import { createViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import { hudText, stageShares } from './hud-binding.ts';
 
 function stateWith(timing: object, changes: Partial<ViewerState> = {}): ViewerState {
-  const statistics = { frame: 1, visibleSplats: 1200, candidateSplats: 2000, loadedSplats: 5000, timing };
+  const statistics = {
+    frame: 1,
+    visibleSplats: 1200,
+    candidateSplats: 2000,
+    loadedSplats: 5000,
+    rasterizer: 'tiles',
+    tilePairs: 3000,
+    quadsSampleMs: null,
+    timing,
+  };
   return {
     ...createViewerStore().getState(),
     statistics: statistics as ViewerState['statistics'],
@@ -68,6 +78,54 @@ describe('HUD', () => {
     expect(hudText(stateWith(MEASURED, { frameRate, isIdle: false }))).toMatchObject({
       rate: '50',
       rateUnit: 'fps',
+    });
+  });
+
+  describe('says which rasteriser drew', () => {
+    const report = {
+      rasterizer: 'tiles',
+      reason: 'both are not compared yet',
+      tilesMs: null,
+      quadsMs: null,
+    } as const;
+    const textWith = (statistics: Partial<FrameStatistics>, rasterizer: RasterizerReport = report) => {
+      const state = stateWith(MEASURED, { rasterizer });
+      return hudText({ ...state, statistics: { ...state.statistics!, ...statistics } });
+    };
+
+    it('why, and how long the other takes once that is known', () => {
+      expect(textWith({})).toMatchObject({
+        rasterizer: 'tiles',
+        otherRasterizer: '',
+        rasterizerReason: 'Both are not compared yet',
+      });
+      const compared = { ...report, reason: 'tiles take 1.2 ms', tilesMs: 1.2, quadsMs: 22 };
+      expect(textWith({}, compared)).toMatchObject({
+        otherRasterizer: '(quads 22.0 ms)',
+        rasterizerReason: 'Tiles take 1.2 ms',
+      });
+      expect(textWith({ rasterizer: 'quads' }, { ...compared, rasterizer: 'quads' })).toMatchObject({
+        rasterizer: 'quads',
+        otherRasterizer: '(tiles 1.2 ms)',
+      });
+    });
+
+    it('where the tiles had no room, or the other one is next', () => {
+      expect(textWith({ rasterizer: 'quads' })).toMatchObject({
+        rasterizer: 'quads',
+        rasterizerReason: 'The lists of the tiles had no room in this frame',
+      });
+      expect(textWith({ rasterizer: 'quads', tilePairs: null }).rasterizerReason).toBe(
+        'Tiles are next: both are not compared yet',
+      );
+    });
+
+    it('and nothing before the first measurement', () => {
+      expect(hudText(createViewerStore().getState())).toMatchObject({
+        rasterizer: '–',
+        otherRasterizer: '',
+        rasterizerReason: '',
+      });
     });
   });
 

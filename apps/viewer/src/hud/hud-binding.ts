@@ -1,4 +1,9 @@
-import { isPlausible, type StageTimings } from '@websplatter/core';
+import {
+  type FrameStatistics,
+  isPlausible,
+  type RasterizerReport,
+  type StageTimings,
+} from '@websplatter/core';
 import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import { formatCount, formatMs, formatRate, UNKNOWN } from '../words/format.ts';
@@ -12,6 +17,9 @@ export type HudFigure =
   | 'rasterize'
   | 'total'
   | 'source'
+  | 'rasterizer'
+  | 'otherRasterizer'
+  | 'rasterizerReason'
   | 'visible'
   | 'loaded'
   | 'resolution'
@@ -22,7 +30,7 @@ const WRITE_INTERVAL_MS = 120;
 
 /** The state as text. */
 export function hudText(state: ViewerState): Record<HudFigure, string> {
-  const { statistics, frameRate, scene, isIdle, widthPx, heightPx, adapterLabel } = state;
+  const { statistics, rasterizer, frameRate, scene, isIdle, widthPx, heightPx, adapterLabel } = state;
   const timing = statistics?.timing;
   const rate = isIdle ? undefined : frameRate?.framesPerSecond;
   return {
@@ -36,6 +44,9 @@ export function hudText(state: ViewerState): Record<HudFigure, string> {
     rasterize: formatMs(timing?.rasterizeMs ?? Number.NaN),
     total: formatMs(timing?.totalMs ?? Number.NaN),
     source: timing ? sourceText(timing) : '',
+    rasterizer: statistics?.rasterizer ?? UNKNOWN,
+    otherRasterizer: statistics && rasterizer ? otherRasterizer(statistics, rasterizer) : '',
+    rasterizerReason: statistics && rasterizer ? rasterizerReason(statistics, rasterizer) : '',
     visible: formatCount(statistics?.visibleSplats ?? Number.NaN),
     loaded: formatCount(scene?.splats ?? Number.NaN),
     resolution: widthPx > 0 ? `${widthPx} × ${heightPx}` : UNKNOWN,
@@ -48,6 +59,23 @@ function sourceText(timing: StageTimings): string {
   return isPlausible(timing)
     ? 'GPU timestamps'
     : `GPU timestamps; the clock says ${formatMs(timing.wallClockMs)} ms`;
+}
+
+/** `(quads 22.0 ms)`: what did not draw the frame; empty while its time is unknown. The time of what did is the stage's. */
+function otherRasterizer({ rasterizer }: FrameStatistics, { tilesMs, quadsMs }: RasterizerReport): string {
+  const [other, otherMs] = rasterizer === 'tiles' ? ['quads', quadsMs] : ['tiles', tilesMs];
+  return otherMs === null ? '' : `(${other} ${formatMs(otherMs)} ms)`;
+}
+
+/** Why the frame was drawn by what drew it; where the next one will be drawn by the other, why that is so. */
+function rasterizerReason({ rasterizer, tilePairs }: FrameStatistics, report: RasterizerReport): string {
+  if (rasterizer === report.rasterizer) return capitalized(report.reason);
+  if (rasterizer === 'quads' && tilePairs !== null) return 'The lists of the tiles had no room in this frame';
+  return `${capitalized(report.rasterizer)} are next: ${report.reason}`;
+}
+
+function capitalized(text: string): string {
+  return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
 /** Each stage's part of the time of all three, 0…1; all 0 if they are not measured. */
@@ -65,8 +93,8 @@ export function stageShares({
 }
 
 /**
- * Writes the store's figures into the elements of `root` that carry `data-figure` and `data-share`, outside React and
- * slowly enough to be read. Returns what stops that.
+ * Writes the store's figures into the elements of `root` that carry `data-figure`, `data-title` and `data-share`, outside
+ * React and slowly enough to be read. Returns what stops that.
  */
 export function bindHud(root: HTMLElement, store: ViewerStore): () => void {
   const figures = [...root.querySelectorAll<HTMLElement>('[data-figure]')].map((element) => {
@@ -74,6 +102,7 @@ export function bindHud(root: HTMLElement, store: ViewerStore): () => void {
     element.replaceChildren(text);
     return { name: element.dataset.figure as HudFigure, text };
   });
+  const titled = [...root.querySelectorAll<HTMLElement>('[data-title]')];
   const bars = [...root.querySelectorAll<HTMLElement>('[data-share]')];
   let timer: ReturnType<typeof setTimeout> | null = null;
   let writtenMs = Number.NEGATIVE_INFINITY;
@@ -85,6 +114,10 @@ export function bindHud(root: HTMLElement, store: ViewerStore): () => void {
     const texts = hudText(state);
     for (const { name, text } of figures) {
       if (text.data !== texts[name]) text.data = texts[name];
+    }
+    for (const element of titled) {
+      const title = texts[element.dataset.title as HudFigure];
+      if (element.title !== title) element.title = title;
     }
     const shares: Record<string, number> = stageShares(state);
     for (const bar of bars) {

@@ -53,6 +53,18 @@ export const Hud = memo(function Hud({ store }: { store: ViewerStore }) {
       </dl>
       <p className="hud-source" data-figure="source" data-testid="timing-source" />
       <dl>
+        <div data-title="rasterizerReason">
+          <dt>Rasteriser</dt>
+          <dd>
+            <span data-figure="rasterizer" data-testid="rasterizer" />{' '}
+            <small data-figure="otherRasterizer" data-testid="other-rasterizer" />{' '}
+            <span
+              className="visually-hidden"
+              data-figure="rasterizerReason"
+              data-testid="rasterizer-reason"
+            />
+          </dd>
+        </div>
         <div>
           <dt>Visible</dt>
           <dd data-figure="visible" data-testid="visible-splats" />

@@ -12,6 +12,7 @@ function point(name: string, psnrDb: number, ms: number, isOnFront = false): Acc
     changed: [],
     error: { psnrDb, maxError: 0, p999Error: 0, ssim: 1 },
     timeMs: { preprocess: null, sort: null, rasterize: null, total: spread },
+    rasterizers: ['quads'],
     isOnFront,
     bytes: 0,
     notes: [],

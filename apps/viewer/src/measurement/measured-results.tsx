@@ -36,7 +36,7 @@ export function MeasuredResults({
 
 /** The figures of one point, with the interval of its time. */
 function Details({ point }: { point: AccuracyPoint }) {
-  const { name, error, timeMs, bytes, notes } = point;
+  const { name, error, timeMs, rasterizers, bytes, notes } = point;
   const { total, preprocess, sort, rasterize } = timeMs;
   const stages = [preprocess, sort, rasterize].map((spread) => (spread ? formatMs(spread.median) : null));
   return (
@@ -50,7 +50,8 @@ function Details({ point }: { point: AccuracyPoint }) {
       </p>
       <p>
         {formatMs(total.median)} ms ({formatMs(total.low)}–{formatMs(total.high)})
-        {!stages.includes(null) && ` · ${stages.join(' + ')} ms by stage`} · {formatBytes(bytes)}
+        {!stages.includes(null) && ` · ${stages.join(' + ')} ms by stage`} · drawn by{' '}
+        {rasterizers.join(' and ')} · {formatBytes(bytes)}
       </p>
       {notes.map((note) => (
         <p key={note}>{note}</p>

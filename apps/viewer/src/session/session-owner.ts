@@ -85,7 +85,9 @@ export class SessionOwner {
       console.error(`WebGPU: ${(event as GPUUncapturedErrorEvent).error.message}`);
     });
     const views = new Views(engine, canvas, (choice) => this.#events.onAccuracyChosen(engine, choice));
-    views.main.onStatistics = (statistics) => store.setState({ statistics });
+    views.main.onStatistics = (statistics) => {
+      store.setState({ statistics, rasterizer: views.main.rasterizer });
+    };
     if (this.#rightCanvas) views.createRight(this.#rightCanvas);
     const session: Session = { canvas, engine, views };
     this.#current = session;

@@ -39,6 +39,7 @@ export function createViewerStore(): ViewerStore {
     imageId: 0,
     restedFrames: 0,
     statistics: null,
+    rasterizer: null,
     frameRate: null,
     isIdle: true,
   }));

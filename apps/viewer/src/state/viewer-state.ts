@@ -4,6 +4,7 @@ import type {
   AccuracyWish,
   EffectEntry,
   FrameStatistics,
+  RasterizerReport,
 } from '@websplatter/core';
 import type { Comparison } from './comparison.ts';
 import type { FailureReport } from './failure.ts';
@@ -91,6 +92,8 @@ export interface ViewerState {
   /** How many frames had been drawn when the image came to rest. */
   readonly restedFrames: number;
   readonly statistics: FrameStatistics | null;
+  /** What draws after that frame, and what is known about both rasterisers. */
+  readonly rasterizer: RasterizerReport | null;
   /** Null after a single frame, which has no pace. */
   readonly frameRate: FrameRate | null;
   /** Nothing changes, so nothing is drawn. */

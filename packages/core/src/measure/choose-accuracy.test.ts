@@ -17,6 +17,7 @@ function table(...rows: readonly Row[]): AccuracyTable {
       changed: [],
       error: { psnrDb, maxError: 0, p999Error: 0, ssim: 1 },
       timeMs: { preprocess: null, sort: null, rasterize: null, total },
+      rasterizers: ['quads'],
       isOnFront: true,
       bytes: 0,
       notes: [],

@@ -9,7 +9,7 @@ import { InvalidArgumentError } from '../errors.ts';
 import type { CloudInstance, FrameRequest } from '../frame/frame-request.ts';
 import type { CloudPrecision } from '../packing/precision.ts';
 import type { ImageDifference } from '../reference/compare-images.ts';
-import { isPlausible, type StageTimings } from '../timing/frame-statistics.ts';
+import { type FrameStatistics, isPlausible, type StageTimings } from '../timing/frame-statistics.ts';
 import { type Candidate, combined, type SettingName, singleCandidates } from './candidates.ts';
 import { combineChanges, type FirstLook, MAX_COMBINATIONS } from './combine-changes.ts';
 import { NonFiniteImageError } from './compare-textures.ts';
@@ -67,6 +67,8 @@ export interface AccuracyPoint {
     readonly rasterize: TimeSpread | null;
     readonly total: TimeSpread;
   };
+  /** What drew the measured frames: both, if it changed meanwhile or differs between cameras. */
+  readonly rasterizers: readonly FrameStatistics['rasterizer'][];
   /** Whether no other point is both more accurate and faster, as far as the times can be told apart. */
   readonly isOnFront: boolean;
   /** GPU memory of the clouds in these precisions and of one view. */
@@ -163,7 +165,7 @@ interface Measured {
   readonly bytes: number;
   readonly notes: readonly string[];
   /** Per camera. */
-  readonly timings: StageTimings[][];
+  readonly frames: FrameStatistics[][];
 }
 
 class Measurement {
@@ -215,12 +217,12 @@ class Measurement {
       const order = round % 2 === 0 ? measured : [...measured].reverse();
       for (const each of order) {
         for (const [view, some] of (await this.#visit(each, frames)).entries())
-          each.timings[view].push(...some);
+          each.frames[view].push(...some);
       }
     }
 
     const points = toPoints(measured);
-    const sources = measured.flatMap(({ timings }) => timings.flat());
+    const sources = measured.flatMap(({ frames }) => frames.flat().map(({ timing }) => timing));
     if (sources.filter((timing) => !isPlausible(timing)).length > sources.length / 2) {
       this.#notes.push('GPU timestamps and wall clock disagree by more than a factor of three here.');
     }
@@ -291,7 +293,7 @@ class Measurement {
         ...this.#engine.resolveAccuracy(candidate.settings).notices,
         ...this.#planeNotes(candidate.settings),
       ],
-      timings: this.#options.cameras.map(() => []),
+      frames: this.#options.cameras.map(() => []),
     }));
   }
 
@@ -315,8 +317,10 @@ class Measurement {
     const looks: FirstLook[] = [];
     for (const each of measured) {
       const { candidate, error } = each;
-      const timings = await this.#visit(each, FRAMES_PER_VISIT);
-      const totalMs = Math.max(...timings.map((some) => timeSpread(some.map((one) => one.totalMs)).median));
+      const drawn = await this.#visit(each, FRAMES_PER_VISIT);
+      const totalMs = Math.max(
+        ...drawn.map((some) => timeSpread(some.map(({ timing }) => timing.totalMs)).median),
+      );
       looks.push({ candidate, psnrDb: error.psnrDb, totalMs });
     }
     const [base, ...others] = looks;
@@ -327,22 +331,22 @@ class Measurement {
       .filter(({ settings }) => !known.has(settings));
   }
 
-  /** Draws a point a few times with every camera. Returns the times per camera. */
-  async #visit({ candidate }: Measured, frames: number): Promise<StageTimings[][]> {
+  /** Draws a point a few times with every camera. Returns the frames per camera. */
+  async #visit({ candidate }: Measured, frames: number): Promise<FrameStatistics[][]> {
     return withView(this.#engine, async (view) => {
-      const timings: StageTimings[][] = [];
+      const drawn: FrameStatistics[][] = [];
       for (const camera of this.#options.cameras) {
         this.#step(`Timing ${candidate.name}`);
         const frame = { ...this.#frame(camera, candidate.settings), force: true };
         await drawMeasured(this.#engine, view, frame);
-        const measured: StageTimings[] = [];
+        const measured: FrameStatistics[] = [];
         for (let i = 0; i < frames; i++) {
           this.#options.signal?.throwIfAborted();
           measured.push(await drawMeasured(this.#engine, view, frame));
         }
-        timings.push(measured);
+        drawn.push(measured);
       }
-      return timings;
+      return drawn;
     });
   }
 
@@ -397,9 +401,11 @@ function worstOf(errors: readonly ImageDifference[]): ImageDifference {
 }
 
 function toPoints(measured: readonly Measured[]): AccuracyPoint[] {
-  const points = measured.map(({ candidate, error, bytes, notes, timings }) => {
-    const timeMs = slowestOf(timings);
-    return { ...candidate, error, timeMs, bytes, notes, psnrDb: error.psnrDb, totalMs: timeMs.total };
+  const points = measured.map(({ candidate, error, bytes, notes, frames }) => {
+    const timeMs = slowestOf(frames.map((some) => some.map(({ timing }) => timing)));
+    const rasterizers = [...new Set(frames.flat().map(({ rasterizer }) => rasterizer))];
+    const { psnrDb } = error;
+    return { ...candidate, error, timeMs, rasterizers, bytes, notes, psnrDb, totalMs: timeMs.total };
   });
   const front = new Set(paretoFront(points));
   return points.map((point) => {

@@ -123,8 +123,8 @@ class FrameTimer {
   async draw(kind: FrameKind): Promise<number> {
     this.#view.omitEffects(kind.omitted);
     this.#last = kind;
-    const { totalMs } = await drawMeasured(this.#engine, this.#view, kind.next());
-    return totalMs;
+    const { timing } = await drawMeasured(this.#engine, this.#view, kind.next());
+    return timing.totalMs;
   }
 }
 

@@ -1,6 +1,6 @@
 import { WebSplatterError } from '../errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
-import type { StageTimings } from '../timing/frame-statistics.ts';
+import type { FrameStatistics } from '../timing/frame-statistics.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 
 /** Statistics that have not arrived this long after the GPU was done never will. */
@@ -29,9 +29,9 @@ export async function drawMeasured(
   engine: MeasuredEngine,
   view: MeasuredView,
   frame: FrameRequest,
-): Promise<StageTimings> {
-  const measured = new Promise<StageTimings>((resolve) => {
-    view.onStatistics = ({ timing }) => resolve(timing);
+): Promise<FrameStatistics> {
+  const measured = new Promise<FrameStatistics>((resolve) => {
+    view.onStatistics = resolve;
   });
   view.render(frame);
   await view.whenDrawn();

@@ -10,7 +10,10 @@ export interface StageTimings {
   /** Culling, projection and colours; 0, like `sortMs`, if an embedded view kept its last order because nothing moved. */
   readonly preprocessMs: number;
   readonly sortMs: number;
-  /** Drawing the splats and blending them over the background or the host's image. */
+  /**
+   * Drawing the splats and blending them over the background or the host's image: with the lists of the tiles, where tiles
+   * draw, but without a sample of the quads.
+   */
   readonly rasterizeMs: number;
   /** From the first pass to the last; inside another renderer's frame that includes the host's work in between. */
   readonly totalMs: number;

@@ -173,8 +173,9 @@ function timingsOf(spanMs: SpanMs, wallClockMs: number): StageTimings {
     source: 'gpu-timestamps',
     preprocessMs: spanMs('preprocess'),
     sortMs: spanMs('sort'),
-    // Inside another renderer's frame, the host's work lies between these two.
-    rasterizeMs: spanMs('tile-lists') + spanMs('resolve-depth', 'tiles', 'rasterize', 'upscale', 'composite'),
+    // Three spans: a host's own work may lie behind the lists, and a sample of the quads before the tiles.
+    rasterizeMs:
+      spanMs('tile-lists') + spanMs('resolve-depth') + spanMs('tiles', 'rasterize', 'upscale', 'composite'),
     totalMs: spanMs(...TIMED_PASSES),
     wallClockMs,
   };

@@ -388,6 +388,26 @@ describe.each(VARIANTS)('an embedded view that draws $rasterizer', ({ rasterizer
     },
   );
 
+  gpuTest('says what draws it, and why', async () => {
+    const camera = withClipDepth(testCameras(SIZE.widthPx / SIZE.heightPx).perspective, false);
+    const frame = { camera, clouds: [{ cloud }], ...SIZE, depth: CONVENTIONS[0][1], writesDepth: true };
+    const ofTiles =
+      rasterizer === 'tiles'
+        ? { rasterizer, reason: 'tiles were asked for' }
+        : { rasterizer, reason: 'tiles cannot write depth on this device' };
+    for (const [asked, expected] of [
+      ['quads', { rasterizer: 'quads', reason: 'quads were asked for' }],
+      ['tiles', ofTiles],
+    ] as const) {
+      const view = engine.createEmbeddedView();
+      await prepared(view, { ...frame, accuracy: { ...high, rasterizer: asked } });
+      expect(view.rasterizer).toMatchObject(expected);
+      const effect = view.effects().find(({ name }) => name === 'tiles');
+      expect(effect).toMatchObject({ isOn: expected.rasterizer === 'tiles', reason: expected.reason });
+      view.destroy();
+    }
+  });
+
   gpuTest('draws splats at half and at two thirds of the resolution', async () => {
     const camera = withClipDepth(testCameras(SIZE.widthPx / SIZE.heightPx).perspective, false);
     const [, depth] = CONVENTIONS[0];

@@ -186,8 +186,15 @@ export abstract class ViewCore {
   get rasterizer(): RasterizerReport {
     const drawn = this.shape;
     const { report } = this.#choice;
-    if (!drawn || drawn.accuracy.rasterizer === 'auto') return report;
-    return { ...report, rasterizer: drawn.rasterizer, reason: 'it was asked for' };
+    if (!drawn) return report;
+    const { rasterizer, accuracy, depth } = drawn;
+    if (rasterizer === accuracy.rasterizer) {
+      return { ...report, rasterizer, reason: `${rasterizer} were asked for` };
+    }
+    if (depth?.layerFormat === 'r16float') {
+      return { ...report, rasterizer, reason: 'tiles cannot write depth on this device' };
+    }
+    return report;
   }
 
   /** @internal Number of the last frame among all frames of the engine; 0 before the first. */
