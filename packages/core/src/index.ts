@@ -9,6 +9,7 @@ export {
   type Culling,
   DEFAULT_ACCURACY,
   type Extent,
+  type FrameRasterizer,
   type PossibleAccuracy,
   type Rasterizer,
   type RecordPrecision,
@@ -81,5 +82,5 @@ export {
 export type { ChooseAccuracyOptions } from './views/accuracy-wishes.ts';
 export type { EmbeddedFrameRequest, EmbeddedView } from './views/embedded-view.ts';
 export type { SplatPick } from './views/pick-splat.ts';
-export type { FrameRasterizer, RasterizerReport } from './views/rasterizer-choice.ts';
+export type { RasterizerReport } from './views/rasterizer-choice.ts';
 export type { SplatView } from './views/splat-view.ts';
