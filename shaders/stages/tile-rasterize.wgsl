@@ -1,11 +1,14 @@
 // Blends the splats of each tile front to back, in float32, and writes the layer.
 // Reads each bin's sorted pairs, the tiles that they may touch, and the records; writes every pixel of the layer, and its depth
-// if requested. One workgroup per tile; each thread blends TILE_PX²/TILE_THREADS pixels, one above the other.
+// if requested. One workgroup per tile; each thread blends TILE_PIXELS pixels, one above the other.
+// With NARROW each thread reads the tile's splats by itself, without workgroup memory: where few threads run in lockstep, barriers
+// and shared lists cost more than that. Otherwise the threads load batches of splats together.
 // A pixel ends when less than 2⁻¹⁶ of the light behind passes through: what is left out is less than that share of the brightest
 // colour behind.
 import constants::BIN_TILES;
 import constants::MASK_GROUP;
-import constants::TILE_BATCH;
+@if(!NARROW) import constants::TILE_BATCH;
+import constants::TILE_PIXELS;
 import constants::TILE_PX;
 import constants::TILE_THREADS;
 @if(DEPTH_TEST) import layout::HostDepth;
@@ -32,6 +35,8 @@ import package::lib::splat_record::{colorOf, fragmentAlpha, localCoordinate, loc
 
 const TILES = BIN_TILES * BIN_TILES;
 const WORDS = MASK_GROUP / 32u;
+/// From each pixel of a thread to the one below.
+const STEP_PX = TILE_PX / TILE_PIXELS;
 /// Less light than this passes through a pixel that ends.
 const OPAQUE = 0.0000152587890625;
 
@@ -45,6 +50,14 @@ struct TileSplat {
   color: vec4f,
 }
 
+/// The pairs of a tile's bin.
+struct TileList {
+  /// Index of the tile within its bin.
+  tile: u32,
+  first: u32,
+  beyondLast: u32,
+}
+
 struct Pixel {
   color: vec3f,
   /// Share of the light behind that passes through.
@@ -54,19 +67,13 @@ struct Pixel {
   @if(DEPTH_LAYER) depthView: f32,
 }
 
-/// The pixels of one thread.
-struct Pixels {
-  upper: Pixel,
-  lower: Pixel,
-}
-
 /// The window's words of the masks: a bit per pair that may touch the tile, front to back.
-var<workgroup> words: array<u32, TILE_THREADS>;
+@if(!NARROW) var<workgroup> words: array<u32, TILE_THREADS>;
 /// Number of bits in each word and all words before it.
-var<workgroup> ends: array<u32, TILE_THREADS>;
-var<workgroup> batch: array<TileSplat, TILE_BATCH>;
+@if(!NARROW) var<workgroup> ends: array<u32, TILE_THREADS>;
+@if(!NARROW) var<workgroup> batch: array<TileSplat, TILE_BATCH>;
 /// Whether any pixel of the tile has not ended.
-var<workgroup> isOpen: atomic<u32>;
+@if(!NARROW) var<workgroup> isOpen: atomic<u32>;
 
 @compute @workgroup_size(TILE_THREADS)
 fn tileRasterize(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
@@ -76,18 +83,27 @@ fn tileRasterize(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocat
   let tile = index % TILES;
   let origin = (vec2u(bin % grid.binColumns, bin / grid.binColumns) * BIN_TILES + vec2u(tile % BIN_TILES, tile / BIN_TILES)) * TILE_PX;
   if (any(origin >= grid.sizePx)) { return; }
-  let start = binStarts[bin];
-  let end = binStarts[bin + 1u];
-
   let cell = origin + vec2u(lane % TILE_PX, lane / TILE_PX);
   let center = vec2f(cell) + 0.5;
-  let lowerCell = cell + vec2u(0u, TILE_PX / 2u);
-  var pixels = Pixels(emptyPixel(cell), emptyPixel(lowerCell));
+  var pixels: array<Pixel, TILE_PIXELS>;
+  @unroll for (var p = 0u; p < TILE_PIXELS; p++) {
+    pixels[p] = emptyPixel(cell + vec2u(0u, p * STEP_PX));
+  }
 
-  var isDone = false;
-  let windowEnd = (end + 31u) / 32u;
-  for (var window = start / 32u; window < windowEnd; window += TILE_THREADS) {
-    loadWindow(lane, window + lane, tile, start, end);
+  let list = TileList(tile, binStarts[bin], binStarts[bin + 1u]);
+  @if(!NARROW) blendTogether(&pixels, center, list, lane);
+  @if(NARROW) blendAlone(&pixels, center, list);
+  @unroll for (var p = 0u; p < TILE_PIXELS; p++) {
+    store(cell + vec2u(0u, p * STEP_PX), pixels[p]);
+  }
+}
+
+/// Blends the pairs of a list that may touch a tile, until all of its pixels have ended.
+@if(!NARROW)
+fn blendTogether(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, center: vec2f, list: TileList, lane: u32) {
+  let windowEnd = (list.beyondLast + 31u) / 32u;
+  for (var window = list.first / 32u; window < windowEnd; window += TILE_THREADS) {
+    loadWindow(lane, maskOf(list, window + lane));
     let length = workgroupUniformLoad(&ends[TILE_THREADS - 1u]);
     for (var first = 0u; first < length; first += TILE_BATCH) {
       let count = min(TILE_BATCH, length - first);
@@ -100,32 +116,47 @@ fn tileRasterize(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocat
         let splat1 = batch[i + 1u];
         let splat2 = batch[i + 2u];
         let splat3 = batch[i + 3u];
-        pixels = blend(pixels, center, splat0);
-        pixels = blend(pixels, center, splat1);
-        pixels = blend(pixels, center, splat2);
-        pixels = blend(pixels, center, splat3);
+        blend(pixels, center, splat0);
+        blend(pixels, center, splat1);
+        blend(pixels, center, splat2);
+        blend(pixels, center, splat3);
       }
-      let last = batch[count - 1u];
-      if (isPixelOpen(pixels.upper, last) || isPixelOpen(pixels.lower, last)) { atomicStore(&isOpen, 1u); }
-      isDone = workgroupUniformLoad(&isOpen) == 0u;
-      if (isDone) { break; }
+      if (isAnyOpen(pixels, batch[count - 1u])) { atomicStore(&isOpen, 1u); }
+      if (workgroupUniformLoad(&isOpen) == 0u) { return; }
     }
-    if (isDone) { break; }
   }
-  store(cell, pixels.upper);
-  store(lowerCell, pixels.lower);
 }
 
-/// Reads a window of masks; `word` is this thread's.
-fn loadWindow(lane: u32, word: u32, tile: u32, start: u32, beyondLast: u32) {
-  var mask = 0u;
-  if (word * 32u < beyondLast) {
-    mask = tileMasks[((word / WORDS) * TILES + tile) * WORDS + word % WORDS];
-    // The first and the last word may hold pairs of other bins.
-    let first = max(start, word * 32u) - word * 32u;
-    let beyond = min(beyondLast, word * 32u + 32u) - word * 32u;
-    mask &= extractBits(0xffffffffu, 0u, beyond) & ~extractBits(0xffffffffu, 0u, first);
+/// Blends the pairs of a list that may touch a tile, until this thread's pixels have ended.
+@if(NARROW)
+fn blendAlone(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, center: vec2f, list: TileList) {
+  let wordEnd = (list.beyondLast + 31u) / 32u;
+  for (var word = list.first / 32u; word < wordEnd; word++) {
+    var mask = maskOf(list, word);
+    var splat: TileSplat;
+    let count = countOneBits(mask);
+    for (var i = 0u; i < count; i++) {
+      splat = tileSplatOf(records[sortedRecords[word * 32u + firstTrailingBit(mask)]]);
+      mask &= mask - 1u;
+      blend(pixels, center, splat);
+    }
+    if (count > 0u && !isAnyOpen(pixels, splat)) { return; }
   }
+}
+
+/// Word of the masks of a tile: a bit per pair of the list that may touch the tile, front to back.
+fn maskOf(list: TileList, word: u32) -> u32 {
+  if (word * 32u >= list.beyondLast) { return 0u; }
+  let mask = tileMasks[((word / WORDS) * TILES + list.tile) * WORDS + word % WORDS];
+  // The first and the last word may hold pairs of other bins.
+  let first = max(list.first, word * 32u) - word * 32u;
+  let beyond = min(list.beyondLast, word * 32u + 32u) - word * 32u;
+  return mask & extractBits(0xffffffffu, 0u, beyond) & ~extractBits(0xffffffffu, 0u, first);
+}
+
+/// Takes this thread's word of a window of masks.
+@if(!NARROW)
+fn loadWindow(lane: u32, mask: u32) {
   words[lane] = mask;
   ends[lane] = countOneBits(mask);
   for (var step = 1u; step < TILE_THREADS; step <<= 1u) {
@@ -138,6 +169,7 @@ fn loadWindow(lane: u32, word: u32, tile: u32, start: u32, beyondLast: u32) {
 }
 
 /// Place of the window's set bit `index`.
+@if(!NARROW)
 fn pairOf(index: u32) -> u32 {
   // The first word that ends behind the bit.
   var word = 0u;
@@ -158,6 +190,7 @@ fn pairOf(index: u32) -> u32 {
 }
 
 /// Loads a splat of a batch: the window's pair `first` + `i`. An empty one draws nothing: splats are blended four at a time.
+@if(!NARROW)
 fn loadSplat(window: u32, first: u32, i: u32, count: u32) {
   var splat: TileSplat;
   if (i < count) { splat = tileSplatOf(records[sortedRecords[window * 32u + pairOf(first + i)]]); }
@@ -174,13 +207,12 @@ fn tileSplatOf(splat: SplatRecord) -> TileSplat {
   );
 }
 
-/// Blends a splat behind what a thread's pixels have; `center` is the upper one's.
-fn blend(pixels: Pixels, center: vec2f, splat: TileSplat) -> Pixels {
+/// Blends a splat behind what a thread's pixels have; `center` is the uppermost one's.
+fn blend(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, center: vec2f, splat: TileSplat) {
   let local = localCoordinate(splat.gradients, center - splat.place.xy);
-  return Pixels(
-    blendPixel(pixels.upper, local, splat),
-    blendPixel(pixels.lower, local + f32(TILE_PX / 2u) * splat.gradients.yw, splat),
-  );
+  @unroll for (var p = 0u; p < TILE_PIXELS; p++) {
+    (*pixels)[p] = blendPixel((*pixels)[p], local + f32(p * STEP_PX) * splat.gradients.yw, splat);
+  }
 }
 
 /// `local` is the pixel's place in units of the splat's axes.
@@ -193,6 +225,15 @@ fn blendPixel(pixel: Pixel, local: vec2f, splat: TileSplat) -> Pixel {
   blended.transmittance -= weight;
   @if(DEPTH_LAYER) blended.depthView += splat.color.w * weight;
   return blended;
+}
+
+/// Whether splats behind `last` may change a pixel of this thread.
+fn isAnyOpen(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, last: TileSplat) -> bool {
+  var isOpenHere = false;
+  @unroll for (var p = 0u; p < TILE_PIXELS; p++) {
+    isOpenHere |= isPixelOpen((*pixels)[p], last);
+  }
+  return isOpenHere;
 }
 
 /// Whether splats behind `last` may change a pixel.

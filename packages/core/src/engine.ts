@@ -14,7 +14,7 @@ import { DestroyedError } from './errors.ts';
 import { frameStages } from './frame/frame.ts';
 import type { FrameShape } from './frame/frame-shape.ts';
 import { DEFAULT_TILE_BUDGET_BYTES } from './frame/pair-capacity.ts';
-import { adapterLabel, type DeviceOptions, requestSplatDevice } from './gpu/device.ts';
+import { adapterLabel, type DeviceOptions, hasNarrowSubgroups, requestSplatDevice } from './gpu/device.ts';
 import { type EngineCounters, zeroCounters } from './gpu/engine-counters.ts';
 import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
 import { Pipelines } from './gpu/pipelines.ts';
@@ -330,6 +330,7 @@ export class SplatEngine {
       wishes: this.#wishes,
       dispatchRow: this.#dispatchRow,
       workgroupBytes: this.device.limits.maxComputeWorkgroupStorageSize,
+      hasNarrowSubgroups: hasNarrowSubgroups(this.device),
       tileBudgetBytes: this.#tileBudgetBytes,
       fasterRasterizer: rememberedRasterizer(this.adapterLabel),
       destroyedBecause: () => this.#destroyedBecause,

@@ -32,6 +32,7 @@ export interface PlanOptions {
   readonly accuracy: AccuracySettings;
   readonly dispatchRow: number;
   readonly workgroupBytes: number;
+  readonly hasNarrowSubgroups: boolean;
   readonly depth: RasterizeDepth | null;
   /** The faster rasteriser, for the setting `auto`. */
   readonly faster: FrameRasterizer;
@@ -49,7 +50,7 @@ export interface PlanOptions {
  * @throws InvalidArgumentError naming the cloud, if its effects cannot be combined; errors of callers' own effects.
  */
 export function planFrame(request: FrameRequest, options: PlanOptions): FramePlan {
-  const { accuracy, dispatchRow, workgroupBytes, depth, output, omitted, last } = options;
+  const { accuracy, dispatchRow, workgroupBytes, hasNarrowSubgroups, depth, output, omitted, last } = options;
   const camera = copied(request.camera);
   const layer = layerSize(request, accuracy);
   const projection = projectionOf(camera, layer.widthPx, layer.heightPx);
@@ -62,6 +63,7 @@ export function planFrame(request: FrameRequest, options: PlanOptions): FramePla
     accuracy,
     dispatchRow,
     workgroupBytes,
+    hasNarrowSubgroups,
     visibleCapacity: visibleCapacity(
       clouds,
       last && isOfSameClouds(last, clouds) ? last.shape.visibleCapacity : 0,

@@ -45,6 +45,8 @@ export interface FrameShape {
   readonly dispatchRow: number;
   /** Memory that the threads of one workgroup can share. */
   readonly workgroupBytes: number;
+  /** Whether few threads of the device run in lockstep. */
+  readonly hasNarrowSubgroups: boolean;
   /** Upper bound of the number of visible splats, and the size of the buffers for them. */
   readonly visibleCapacity: number;
   /** Number of bits in which sort keys of this frame can differ, at most 32. */
@@ -93,6 +95,7 @@ export function isSameShape(a: FrameShape, b: FrameShape): boolean {
     a.accuracy === b.accuracy &&
     a.dispatchRow === b.dispatchRow &&
     a.workgroupBytes === b.workgroupBytes &&
+    a.hasNarrowSubgroups === b.hasNarrowSubgroups &&
     a.output === b.output &&
     a.rasterizer === b.rasterizer &&
     a.binCount === b.binCount &&

@@ -83,3 +83,14 @@ export function isSoftwareAdapter({ isFallbackAdapter, architecture, description
     isFallbackAdapter || /swiftshader|llvmpipe|lavapipe|basic render/i.test(`${architecture} ${description}`)
   );
 }
+
+/** Subgroups of at most this many threads are narrow, as those of drivers that run on a CPU are. */
+const NARROW_SUBGROUP = 8;
+
+/**
+ * Whether few threads of the device run in lockstep, so that barriers within a workgroup take long. False where the browser does
+ * not tell.
+ */
+export function hasNarrowSubgroups({ adapterInfo }: GPUDevice): boolean {
+  return adapterInfo.subgroupMaxSize <= NARROW_SUBGROUP;
+}

@@ -10,6 +10,7 @@ import { FrameParts, frameStages } from '../frame/frame.ts';
 import { locateSplat } from '../frame/frame-pages.ts';
 import { type FramePlan, planFrame } from '../frame/frame-plan.ts';
 import { DEFAULT_TILE_BUDGET_BYTES } from '../frame/pair-capacity.ts';
+import { hasNarrowSubgroups } from '../gpu/device.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
@@ -111,6 +112,7 @@ export class InspectedFrame {
         accuracy,
         dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,
         workgroupBytes: device.limits.maxComputeWorkgroupStorageSize,
+        hasNarrowSubgroups: hasNarrowSubgroups(device),
         depth: null,
         output: { kind: 'image' },
         omitted: [],

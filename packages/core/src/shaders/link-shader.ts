@@ -73,6 +73,7 @@ const NO_CONDITIONS: LinkInput['conditions'] = {
   DEPTH_LOGARITHMIC: false,
   DEPTH_LAYER: false,
   COMPUTE: false,
+  NARROW: false,
   BGRA: false,
   LAYER_F32: false,
   LAYER_F16: false,

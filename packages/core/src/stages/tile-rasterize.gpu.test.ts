@@ -17,9 +17,9 @@ import { seededRandom } from '../testing/seeded-random.ts';
 import { maskPlace, tileUniforms } from '../testing/tile-buffers.ts';
 import { withClipDepth } from '../testing/with-clip-depth.ts';
 import { dispatchSize } from './dispatch.ts';
-import { tileRasterize } from './tile-rasterize.ts';
+import { TILE_THREADS, tileRasterize } from './tile-rasterize.ts';
 
-const { BIN_PX, BIN_TILES, MASK_GROUP, TILE_BATCH, TILE_PX, TILE_THREADS } = SHADER_CONSTANTS;
+const { BIN_PX, BIN_TILES, MASK_GROUP, TILE_BATCH, TILE_PX } = SHADER_CONSTANTS;
 const TILES = BIN_TILES * BIN_TILES;
 const ALPHA_CUTOFF = 1 / 255;
 /** No multiple of a tile's or a bin's size; 2×2 bins. */
@@ -86,7 +86,7 @@ function makeTarget(format: GPUTextureFormat, { widthPx, heightPx }: SizePx): GP
 }
 
 /** Draws a scene by the GPU. */
-async function drawOnGpu(scene: Scene, drawing: Pipelines) {
+async function drawOnGpu(scene: Scene, drawing: Pipelines, isNarrow: boolean) {
   const { ranked, size = SIZE, recordPrecision = 'f32', colorTarget = 'rgba32float', host } = scene;
   const packed = rankedRecords(ranked, recordPrecision);
   const pairs = pairsOf(scene);
@@ -102,6 +102,7 @@ async function drawOnGpu(scene: Scene, drawing: Pipelines) {
       ? { ...host, isOrthographic, layerFormat: host.hasDepthLayer ? ('r32float' as const) : null }
       : null,
     isExactOrder: host?.isExactOrder ?? true,
+    isNarrow,
   });
   const bindings = {
     ...tileUniforms(device, { size, alphaCutoff: ALPHA_CUTOFF, dispatchRow }),
@@ -187,11 +188,13 @@ function formatError(colorTarget: ColorTarget, value: number): number {
   return colorTarget === 'rgba16float' ? Math.max(Math.abs(value) * 2 ** -10, 2 ** -24) : 0;
 }
 
-/** Compares every pixel with the twin; returns statistics of the image. */
+/** Compares every pixel of both kinds of threads with the twin; returns statistics of the image. */
 async function check(scene: Scene, drawing = pipelines) {
   const { size = SIZE, colorTarget = 'rgba32float', host } = scene;
   const { widthPx, heightPx } = size;
-  const { data, depths, records, pairs } = await drawOnGpu(scene, drawing);
+  const together = await drawOnGpu(scene, drawing, false);
+  const alone = await drawOnGpu(scene, drawing, true);
+  const { records, pairs } = together;
   const surfaces = host && Float32Array.from(hostDepths(host, size));
   const brightest = Math.max(1, ...records.flatMap(({ color }) => color.slice(0, 3)));
   const farthest = Math.max(...records.map(({ depthView }) => depthView));
@@ -211,26 +214,28 @@ async function check(scene: Scene, drawing = pipelines) {
       );
       const twin = tilePixel(shown, [x, y], ALPHA_CUTOFF);
       const error = errorBound(shown, x, y);
-      const place = `column ${x}, row ${y}`;
-      for (let channel = 0; channel < 4; channel++) {
-        const value = twin.rgba[channel];
-        const expected = colorTarget === 'rgba8unorm' ? Math.min(1, value) : value;
-        const bound = (channel === 3 ? 1 : brightest) * error + formatError(colorTarget, expected);
-        const got = data[4 * pixel + channel];
-        if (!(Math.abs(got - expected) <= bound))
-          expect.fail(`${place}, channel ${channel}: got ${got}, expected ${expected} ± ${bound}`);
-      }
-      if (depths) {
-        const bound = farthest * error;
-        if (!(Math.abs(depths[pixel] - twin.depthView) <= bound))
-          expect.fail(`${place}: depth ${depths[pixel]}, expected ${twin.depthView} ± ${bound}`);
+      for (const [threads, { data, depths }] of Object.entries({ together, alone })) {
+        const place = `column ${x}, row ${y}, by threads ${threads}`;
+        for (let channel = 0; channel < 4; channel++) {
+          const value = twin.rgba[channel];
+          const expected = colorTarget === 'rgba8unorm' ? Math.min(1, value) : value;
+          const bound = (channel === 3 ? 1 : brightest) * error + formatError(colorTarget, expected);
+          const got = data[4 * pixel + channel];
+          if (!(Math.abs(got - expected) <= bound))
+            expect.fail(`${place}, channel ${channel}: got ${got}, expected ${expected} ± ${bound}`);
+        }
+        if (depths) {
+          const bound = farthest * error;
+          if (!(Math.abs(depths[pixel] - twin.depthView) <= bound))
+            expect.fail(`${place}: depth ${depths[pixel]}, expected ${twin.depthView} ± ${bound}`);
+        }
       }
       if (twin.rgba[3] > 0) covered++;
       if (shown.length < listed.length) hidden++;
       if (twin.tested < shown.length) ended++;
     }
   }
-  return { covered, hidden, ended, data };
+  return { covered, hidden, ended, data: together.data };
 }
 
 /** Splats of moderate sizes in and around a layer, nearest first: depths of 0.503…60 in 24 steps, far from the host's surfaces. */

@@ -1,5 +1,6 @@
 import type { ColorTarget, RecordPrecision } from '../accuracy/accuracy.ts';
 import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
+import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import type { RasterizeDepth } from './rasterize.ts';
 import { recordConditions } from './record-conditions.ts';
 
@@ -11,11 +12,19 @@ export interface TileRasterizeVariant {
   readonly depth: RasterizeDepth | null;
   /** Whether splats come in exact order of depth: a tile then ends at its farthest host depth. */
   readonly isExactOrder: boolean;
+  /** Whether few threads of the device run in lockstep: each then reads the splats by itself. */
+  readonly isNarrow: boolean;
 }
+
+/** Threads that blend a tile together: as many as most GPUs run in lockstep, so that barriers among them are cheap. */
+export const TILE_THREADS = 32;
+/** Threads that blend a tile where each works alone. */
+const NARROW_TILE_THREADS = 8;
 
 /** Blends the splats of each tile, front to back. */
 export function tileRasterize(variant: TileRasterizeVariant): StageDefinition {
-  const { recordPrecision, colorTarget, depth, isExactOrder } = variant;
+  const { recordPrecision, colorTarget, depth, isExactOrder, isNarrow } = variant;
+  const threads = isNarrow ? NARROW_TILE_THREADS : TILE_THREADS;
   const bindings: Record<string, readonly [number, BindingKind]> = {
     view: [0, 'uniform'],
     grid: [1, 'uniform'],
@@ -35,7 +44,9 @@ export function tileRasterize(variant: TileRasterizeVariant): StageDefinition {
   return {
     stage: 'tile-rasterize',
     entryPoint: 'tileRasterize',
+    constants: { TILE_THREADS: threads, TILE_PIXELS: SHADER_CONSTANTS.TILE_PX ** 2 / threads },
     conditions: {
+      NARROW: isNarrow,
       ...recordConditions(recordPrecision),
       LAYER_F32: colorTarget === 'rgba32float',
       LAYER_F16: colorTarget === 'rgba16float',

@@ -94,7 +94,11 @@ export function allStageVariants(): StageDefinition[] {
       ]),
       ...COLOR_TARGETS.flatMap((colorTarget) =>
         TILE_DEPTHS.flatMap((depth) =>
-          BOTH.map((isExactOrder) => tileRasterize({ recordPrecision, colorTarget, depth, isExactOrder })),
+          BOTH.flatMap((isExactOrder) =>
+            BOTH.map((isNarrow) =>
+              tileRasterize({ recordPrecision, colorTarget, depth, isExactOrder, isNarrow }),
+            ),
+          ),
         ),
       ),
     ]),

@@ -34,6 +34,7 @@ export interface ViewContext extends AccuracyContext {
   readonly counting: Counting;
   readonly dispatchRow: number;
   readonly workgroupBytes: number;
+  readonly hasNarrowSubgroups: boolean;
   readonly tileBudgetBytes: number;
   /** The rasteriser that was faster on this adapter before, and where to keep that. */
   readonly fasterRasterizer: Pick<RasterizerChoiceOptions, 'remembered' | 'remember'>;
@@ -387,6 +388,7 @@ export abstract class ViewCore {
       faster,
       dispatchRow: this.context.dispatchRow,
       workgroupBytes: this.context.workgroupBytes,
+      hasNarrowSubgroups: this.context.hasNarrowSubgroups,
       output: this.#output,
       omitted: this.#omittedEffects,
       last: this.#prepared,

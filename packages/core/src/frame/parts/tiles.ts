@@ -6,10 +6,16 @@ import { type DrawRecording, type FramePart, type PartContext, useCompute } from
 import { type FrameShape, perShape } from '../frame-shape.ts';
 
 /** The stage that blends the tiles; null for shapes without tiles. */
-const stageOf = perShape(({ rasterizer, accuracy, depth, shortensKeys }) => {
+const stageOf = perShape(({ rasterizer, accuracy, depth, shortensKeys, hasNarrowSubgroups }) => {
   if (rasterizer !== 'tiles') return null;
   const { recordPrecision, colorTarget } = accuracy;
-  return tileRasterize({ recordPrecision, colorTarget, depth, isExactOrder: !shortensKeys });
+  return tileRasterize({
+    recordPrecision,
+    colorTarget,
+    depth,
+    isExactOrder: !shortensKeys,
+    isNarrow: hasNarrowSubgroups,
+  });
 });
 
 const stagesOf = perShape((shape): readonly CompiledStage[] => {
