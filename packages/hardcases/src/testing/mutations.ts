@@ -208,8 +208,8 @@ export const MUTATIONS: readonly Mutation[] = [
   {
     remedy: 'pairs-of-no-other-bin',
     file: 'stages/tile-rasterize',
-    find: 'mask &= extractBits(0xffffffffu, 0u, beyond) & ~extractBits(0xffffffffu, 0u, first);',
-    replace: 'mask &= 0xffffffffu | beyond | first;',
+    find: 'return mask & extractBits(0xffffffffu, 0u, beyond) & ~extractBits(0xffffffffu, 0u, first);',
+    replace: 'return mask & (0xffffffffu | beyond | first);',
     cases: ['tiles-splats-in-all'],
     rasterizer: 'tiles',
   },
