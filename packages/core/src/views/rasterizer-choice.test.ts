@@ -63,11 +63,19 @@ describe('the choice of a rasteriser', () => {
     }
   }
 
+  test('knows what quads take, however long a pass takes that draws nothing', () => {
+    for (const passMs of [0.001, 15]) {
+      const { choice } = choiceOn();
+      draw(choice, { ...DEVICE, tilesMs: 150, quadsMs: 430, passMs }, 60);
+      expect(choice.report.quadsMs).toBeCloseTo(430, 6);
+    }
+  });
+
   test('changes to quads where they are faster', () => {
     const { choice, remembered } = choiceOn();
     const times = draw(choice, { ...DEVICE, tilesMs: 12, quadsMs: 5 }, 60);
     expect(choice.rasterizer).toBe('quads');
-    expect(choice.report.reason).toBe('on this device and view tiles take 12 ms and quads 5 ms');
+    expect(choice.report.reason).toBe('on this device and view tiles took 12 ms and quads 5 ms');
     expect(times.slice(20)).toEqual(times.slice(20).map(() => 5));
     expect(remembered).toEqual(['quads']);
   });

@@ -33,12 +33,15 @@ export interface RasterizerChoiceOptions {
 
 /** Frames whose median counts as a rasteriser's time. */
 const FRAMES = 5;
-/** Shares of the quads that are drawn as samples, one after another, until it is clear that all of them would take longer. */
-const SAMPLE_SHARES = [1 / 1024, 1 / 128, 1 / 16] as const;
+/**
+ * Shares of the quads that are drawn as samples, one after another, as long as the next is short enough. The first tells what a
+ * pass takes that draws nothing.
+ */
+const SAMPLE_SHARES = [0, 1 / 1024, 1 / 128, 1 / 16] as const;
+/** Samples of each share, whose median counts. */
+const SAMPLES = 3;
 /** A sample may take this part of a frame's time. */
 const LONGEST_SAMPLE = 0.4;
-/** Quads that would take this much longer than tiles need no closer look. */
-const CLEARLY_SLOWER = 2;
 /** The other rasteriser is tried where it is expected to take less than this part of the time. */
 const HYSTERESIS = 0.87;
 /** Tiles are tried where they are expected to take at most this much longer than quads: the estimate is rough. */
@@ -75,6 +78,8 @@ export class RasterizerChoice {
   /** Index of the next sample; null if none is due. */
   #step: number | null = null;
   #samples: number[] = [];
+  /** Time of a sample that draws nothing, ms. */
+  #emptySampleMs = 0;
   /** Whether the current rasteriser draws only to be compared. */
   #isTrial = false;
   #comparedAt: Load | null = null;
@@ -159,16 +164,20 @@ export class RasterizerChoice {
     const tiles = this.#known.tiles;
     if (step === null || !tiles) return;
     this.#samples.push(sampleMs);
-    // What every pass takes, however little it draws, is in all samples.
-    const [first] = this.#samples;
-    const share = SAMPLE_SHARES[step];
-    const estimateMs =
-      step === 0 ? sampleMs / share : Math.max(0, sampleMs - first) / (share - SAMPLE_SHARES[0]);
+    if (this.#samples.length < SAMPLES) return;
+    const medianMs = medianOf(this.#samples);
+    this.#samples = [];
+    if (step === 0) {
+      this.#emptySampleMs = medianMs;
+      this.#step = 1;
+      return;
+    }
+    const estimateMs = Math.max(0, medianMs - this.#emptySampleMs) / SAMPLE_SHARES[step];
     const next = step + 1;
-    const isClear = step > 0 && estimateMs > CLEARLY_SLOWER * tiles.elapsedMs;
-    const isLast = next === SAMPLE_SHARES.length;
-    const wouldTakeMs = isLast ? 0 : (sampleMs / share) * SAMPLE_SHARES[next];
-    if (!isClear && !isLast && wouldTakeMs <= LONGEST_SAMPLE * tiles.elapsedMs) {
+    if (
+      next < SAMPLE_SHARES.length &&
+      estimateMs * SAMPLE_SHARES[next] <= LONGEST_SAMPLE * tiles.elapsedMs
+    ) {
       this.#step = next;
       return;
     }
@@ -180,7 +189,7 @@ export class RasterizerChoice {
 
   #try(rasterizer: FrameRasterizer): void {
     this.#isTrial = true;
-    this.#switch(rasterizer, 'is being compared');
+    this.#switch(rasterizer, 'both are being compared');
   }
 
   #endTrial(frame: Load): void {
@@ -197,8 +206,8 @@ export class RasterizerChoice {
     const { tiles, quads } = this.#known;
     this.#reason =
       tiles && quads
-        ? `on this device and view tiles take ${msOf(tiles)} and quads ${msOf(quads)}`
-        : `${this.#rasterizer} are the faster here`;
+        ? `on this device and view tiles took ${msOf(tiles)} and quads ${msOf(quads)}`
+        : `${this.#rasterizer} were the faster here`;
     this.#options.remember(this.#rasterizer);
   }
 

@@ -94,9 +94,11 @@ export class Quads implements FramePart<DrawRecording> {
     if (!sample || shape.rasterizer !== 'tiles') return;
     const pass = this.#begin(encoder, shape, 'quads sample', timer.writes('quads-sample'));
     const { share, visibleSplats } = sample;
-    const each = Math.ceil((share * visibleSplats) / SAMPLED_PLACES);
-    for (let i = 0; i < SAMPLED_PLACES; i++) {
-      const first = Math.floor(((i + 0.5) / SAMPLED_PLACES) * visibleSplats - each / 2);
+    const count = share * visibleSplats;
+    const places = Math.min(SAMPLED_PLACES, Math.max(1, Math.floor(count)));
+    const each = Math.ceil(count / places);
+    for (let i = 0; i < places; i++) {
+      const first = Math.floor(((i + 0.5) / places) * visibleSplats - each / 2);
       pass.draw(4, each, 0, Math.max(0, first));
     }
     pass.end();
