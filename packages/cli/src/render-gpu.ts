@@ -51,16 +51,19 @@ async function renderFrames(
     if (each.frame > warmUpFrames) statistics.push(each);
   };
 
-  let first: RawImage | undefined;
+  // The choice of a rasteriser may change between two frames; each draws the same image every time.
+  const firstBy = new Map<FrameRasterizer | undefined, RawImage>();
   let image: RawImage | undefined;
   let firstDifference: Rendered['firstDifference'] = null;
   for (let frame = 1; frame <= frames; frame++) {
     image = await draw();
-    first ??= image;
+    await waitUntil(() => statistics.length >= frame, STATISTICS_TIMEOUT_MS);
+    const rasterizer = statistics.at(-1)?.rasterizer;
+    const first = firstBy.get(rasterizer) ?? image;
+    firstBy.set(rasterizer, first);
     const pixels = differingPixels(first.data, image.data);
     if (pixels > 0) firstDifference ??= { frame, pixels };
   }
-  await waitUntil(() => statistics.length >= frames, STATISTICS_TIMEOUT_MS);
   const drawnBy = (name: FrameRasterizer) =>
     statistics.filter(({ rasterizer }) => rasterizer === name).length;
   const { reason, tilesMs, quadsMs } = view.rasterizer;

@@ -17,7 +17,7 @@ export interface Rendered {
   readonly label: string;
   /** Messages for the user, e.g. that no GPU was found. */
   readonly notices: readonly string[];
-  /** The earliest frame that differs from frame 1 in any bit, and in how many pixels; null if all are the same. */
+  /** The earliest frame that differs in any bit from the first by the same rasteriser, and in how many pixels; null if none. */
   readonly firstDifference: { readonly frame: number; readonly pixels: number } | null;
 }
 
