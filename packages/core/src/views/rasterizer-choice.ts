@@ -174,10 +174,7 @@ export class RasterizerChoice {
     }
     const estimateMs = Math.max(0, medianMs - this.#emptySampleMs) / SAMPLE_SHARES[step];
     const next = step + 1;
-    if (
-      next < SAMPLE_SHARES.length &&
-      estimateMs * SAMPLE_SHARES[next] <= LONGEST_SAMPLE * tiles.elapsedMs
-    ) {
+    if (next < SAMPLE_SHARES.length && estimateMs * SAMPLE_SHARES[next] <= LONGEST_SAMPLE * tiles.elapsedMs) {
       this.#step = next;
       return;
     }
