@@ -95,7 +95,8 @@ export class Quads implements FramePart<DrawRecording> {
     const pass = this.#begin(encoder, shape, 'quads sample', timer.writes('quads-sample'));
     const { share, visibleSplats } = sample;
     const count = share * visibleSplats;
-    const places = Math.min(SAMPLED_PLACES, Math.max(1, Math.floor(count)));
+    // None for a share of none: drawing no instance is warned about.
+    const places = Math.min(SAMPLED_PLACES, Math.ceil(count));
     const each = Math.ceil(count / places);
     for (let i = 0; i < places; i++) {
       const first = Math.floor(((i + 0.5) / places) * visibleSplats - each / 2);
