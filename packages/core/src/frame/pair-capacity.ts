@@ -13,8 +13,11 @@ const HEADROOM = 1.35;
 const LEAST_HEADROOM = 1.12;
 /** Room is given back when less than this share of it was needed. */
 const LEAST_USE = 0.4;
-/** Up to this many pairs (2 MB), room for several bins per splat is made before the first frame. */
-const GENEROUS_PAIRS = 1 << 17;
+/** Bins per splat that room is made for before the first frame, each up to a number of pairs: 2 MB, then 16 MB. */
+const FIRST_GUESSES = [
+  { binsPerSplat: 4, mostPairs: 1 << 17 },
+  { binsPerSplat: 2, mostPairs: 1_000_000 },
+] as const;
 /** Room is made in steps of this many pairs, so that small changes need none. */
 const STEP = 1 << 14;
 
@@ -32,8 +35,7 @@ export function pairCapacity(
   visibleCapacity: number,
   mostPairs: number,
 ): number {
-  // A first guess, generous where that costs little. Where it is too low, quads draw the frame, and the next one has room.
-  const expected = needed ?? Math.max(visibleCapacity, Math.min(4 * visibleCapacity, GENEROUS_PAIRS));
+  const expected = needed ?? firstGuess(visibleCapacity);
   if (
     current > 0 &&
     current <= mostPairs &&
@@ -43,4 +45,12 @@ export function pairCapacity(
     return current;
   const roomy = Math.ceil((HEADROOM * expected + 1) / STEP) * STEP;
   return Math.min(roomy, Math.max(mostPairs, 1));
+}
+
+/** Generous where that costs little. Where it is too low, quads draw the frame, and the next one has room. */
+function firstGuess(visibleCapacity: number): number {
+  const guesses = FIRST_GUESSES.map(({ binsPerSplat, mostPairs }) =>
+    Math.min(binsPerSplat * visibleCapacity, mostPairs),
+  );
+  return Math.max(visibleCapacity, ...guesses);
 }
