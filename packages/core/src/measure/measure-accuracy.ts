@@ -268,7 +268,10 @@ class Measurement {
     const bytes = new Map<Candidate, number>();
     await withView(this.#engine, async (reference) => {
       for (const camera of this.#options.cameras) {
-        reference.render(this.#frame(camera, this.#reference.settings));
+        await drawMeasured(this.#engine, reference, {
+          ...this.#frame(camera, this.#reference.settings),
+          force: true,
+        });
         for (const candidate of [...errors.keys()]) {
           this.#step(`Comparing ${candidate.name} with the reference`);
           const found = await this.#compare(candidate, camera, reference).catch((error) => {
@@ -301,7 +304,7 @@ class Measurement {
     const engine = this.#engine;
     const view = engine.createView();
     try {
-      view.render(this.#frame(camera, settings));
+      await drawMeasured(engine, view, this.#frame(camera, settings));
       const error = await compareViews(view, reference);
       const { totalBytes } = engine.memory();
       view.destroy();
