@@ -1,3 +1,4 @@
+import { hasNarrowSubgroups } from '../gpu/device.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
@@ -18,7 +19,11 @@ export async function sortKeys(
   keyBits: number,
   dispatchRow = device.limits.maxComputeWorkgroupsPerDimension,
 ): Promise<Uint32Array> {
-  const shape = sortShapeFor(keyBits, device.limits.maxComputeWorkgroupStorageSize);
+  const shape = sortShapeFor(
+    keyBits,
+    device.limits.maxComputeWorkgroupStorageSize,
+    hasNarrowSubgroups(device),
+  );
   await pipelines.prepare(radixSortStages(shape));
   const memory = new GpuMemory(device);
   const keyCount = memory.createFilledBuffer('key count', Uint32Array.of(keys.length));

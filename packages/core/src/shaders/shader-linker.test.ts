@@ -167,6 +167,15 @@ fn square(/* any */ x: f32) -> f32 {
     );
   });
 
+  test('leaves a loop as it is where the condition for unrolling it is not met', () => {
+    const loop = 'for (var i = 0u; i < TWO; i++) { if (i == a) { break; } g(i); }';
+    expect(linkRoot(`fn f() {\n  @unroll(NO || !YES) ${loop}\n}`)).toBe(`fn f() {\n  ${loop}\n}`);
+    const body = (condition: string) =>
+      linkRoot(`fn f() { @unroll${condition} for (var i = 0u; i < TWO; i++) { g(i); } }`);
+    expect(body('(YES && !NO)')).toBe(body(''));
+    expect(() => body('(MAYBE)')).toThrow('no condition "MAYBE"');
+  });
+
   test.each([
     ['a loop that counts to no constant', 'for (var i = 0u; i < OTHER; i++) { }', 'no constant "OTHER"'],
     ['a loop of another form', 'for (var i = 1u; i < TWO; i++) { }', '"0u" is expected, not "1u"'],
@@ -343,7 +352,7 @@ function weslText({ modules, root, conditions, counts }: LinkInput): Promise<str
   const weslSrc = Object.fromEntries(
     Object.entries(files).map(([name, text]) => [
       `${name.replace('package::', '').replaceAll('::', '/')}.wgsl`,
-      unrolledText(text, counts),
+      unrolledText(text, conditions, counts),
     ]),
   );
   const virtualLibs = { layout: () => layout, constants: () => constants };
@@ -352,8 +361,15 @@ function weslText({ modules, root, conditions, counts }: LinkInput): Promise<str
 }
 
 /** Writes out unrolled loops, each of which ends at the first brace that is indented like its beginning. */
-function unrolledText(text: string, counts: LinkInput['counts']): string {
-  return text.replace(
+function unrolledText(
+  text: string,
+  conditions: LinkInput['conditions'],
+  counts: LinkInput['counts'],
+): string {
+  const marked = text.replaceAll(/@unroll\((!?)(\w+)\) /g, (_, not: string, condition: string) =>
+    conditions[condition] === (not === '') ? '@unroll ' : '',
+  );
+  return marked.replace(
     /^( *)@unroll for \(var (\w+) = 0u; \2 < (\w+); \2\+\+\) \{(.*\}$|[\s\S]*?^\1\}$)/gm,
     (_, indent: string, counter: string, bound: string, body: string) =>
       Array.from(

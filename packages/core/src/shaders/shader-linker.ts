@@ -9,10 +9,11 @@
  * where the condition precedes an import, a declaration, a member of a struct or a statement, which is removed if the
  * condition is not met. Comments are removed too. A loop of the form
  *
- *     @unroll for (var item = 0u; item < ITEMS; item++) { … }
+ *     @unroll(!NARROW) for (var item = 0u; item < ITEMS; item++) { … }
  *
  * becomes a block per value of its counter, which stands there as a number: drivers do not unroll loops that contain
- * barriers, and an array that such a loop indexes then lies in memory instead of registers.
+ * barriers, and an array that such a loop indexes then lies in memory instead of registers. Where the condition is not met,
+ * the loop stays as it is; without a condition it is always written out.
  *
  * The linker neither renames anything nor follows scopes. To keep that safe, code that would need either is an error: two
  * linked modules that declare the same name, a local name that hides one of its module, and the use of another module's
@@ -75,7 +76,7 @@ export function linkModules({ modules, root, conditions, counts }: LinkInput): s
     let scope = scopes.get(module);
     if (!scope) {
       const met = selectMet(tokenize(module, modules[module]), conditions);
-      scope = readScope(new Cursor(unroll(met, counts)));
+      scope = readScope(new Cursor(unroll(met, conditions, counts)));
       scopes.set(module, scope);
       for (const named of scope.values()) {
         if ('from' in named && !Object.hasOwn(modules, named.from))
@@ -334,8 +335,12 @@ function takeCondition(cursor: Cursor, conditions: LinkInput['conditions']): boo
   return value;
 }
 
-/** Returns the tokens with every loop that is marked `@unroll` written out. */
-function unroll(tokens: readonly Token[], counts: LinkInput['counts']): Token[] {
+/** Returns the tokens without marks `@unroll`, and with every loop so marked written out if its condition is met. */
+function unroll(
+  tokens: readonly Token[],
+  conditions: LinkInput['conditions'],
+  counts: LinkInput['counts'],
+): Token[] {
   const result: Token[] = [];
   const cursor = new Cursor(tokens);
   while (!cursor.isAtEnd) {
@@ -346,11 +351,17 @@ function unroll(tokens: readonly Token[], counts: LinkInput['counts']): Token[] 
       continue;
     }
     cursor.at += 2;
+    if (cursor.token.text === '(' && !takeCondition(cursor, conditions)) {
+      result.push({ ...cursor.token, gap: mark.gap });
+      cursor.at++;
+      continue;
+    }
     const { counter, count } = takeLoopHead(cursor, counts);
     const start = cursor.at;
     cursor.skipStatement();
     const end = cursor.token;
-    const [brace, ...rest] = unroll([...tokens.slice(start, cursor.at), { ...end, text: '' }], counts);
+    const body = [...tokens.slice(start, cursor.at), { ...end, text: '' }];
+    const [brace, ...rest] = unroll(body, conditions, counts);
     rest.pop();
     const leaves = rest.find(({ text }) => text === 'break' || text === 'continue');
     if (leaves) fail(leaves, `an unrolled loop cannot contain "${leaves.text}"`);

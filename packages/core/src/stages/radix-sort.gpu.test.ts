@@ -135,8 +135,8 @@ class ScarceMemory extends GpuMemory {
 }
 
 /** Shapes of frames on devices with little and with much workgroup memory, as far as `device` has it. */
-function shapesFor(bits: number): SortShape[] {
-  const shapes = sortLimitsOf(device).map((bytes) => sortShapeFor(bits, bytes));
+function shapesFor(bits: number, isNarrow = false): SortShape[] {
+  const shapes = sortLimitsOf(device).map((bytes) => sortShapeFor(bits, bytes, isNarrow));
   return shapes.filter((shape, i) => i === 0 || blockKeysOf(shape) !== blockKeysOf(shapes[i - 1]));
 }
 
@@ -209,8 +209,8 @@ describe('radix sort', () => {
       }
     });
 
-    gpuTest(`${name}: rows of 7 workgroups, and room for more keys`, async () => {
-      for (const shape of shapesFor(bits)) {
+    gpuTest(`${name}: rows of 7 workgroups, and room for more keys, on narrow devices too`, async () => {
+      for (const shape of [...shapesFor(bits), ...shapesFor(bits, true)]) {
         const blockKeys = blockKeysOf(shape);
         const keys = keysOf('random', 9 * blockKeys + 1, bits);
         expect(orderFlaw(keys, await sortOnGpu(keys, shape, 12 * blockKeys, 7))).toBeNull();
@@ -224,6 +224,7 @@ describe('radix sort', () => {
       for (const shape of [
         ...KEY_BITS.map((bits) => sortShapeFor(bits, maxComputeWorkgroupStorageSize)),
         ...PAIR_KEY_BITS.map((bits) => pairSortShapeFor(bits, maxComputeWorkgroupStorageSize)),
+        ...KEY_BITS.map((bits) => sortShapeFor(bits, maxComputeWorkgroupStorageSize, true)),
       ])
         await new Pipelines(small).prepare(radixSortStages(shape));
       small.destroy();

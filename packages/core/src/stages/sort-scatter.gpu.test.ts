@@ -25,13 +25,14 @@ afterAll(() => device.destroy());
 async function scatter(options: {
   readonly bits: number;
   readonly workgroupBytes: number;
+  readonly isNarrow?: boolean;
   readonly makesPayloads: boolean;
   readonly writesKeys: boolean;
   readonly countOf: (blockKeys: number) => number;
 }) {
-  const { bits, makesPayloads, writesKeys } = options;
+  const { bits, makesPayloads, writesKeys, isNarrow = false } = options;
   const random = seededRandom(4);
-  const shape = sortShapeFor(bits, options.workgroupBytes);
+  const shape = sortShapeFor(bits, options.workgroupBytes, isNarrow);
   const { digitBits } = shape;
   const blockKeys = blockKeysOf(shape);
   const dispatchRow = 2;
@@ -88,11 +89,14 @@ describe('sort-scatter', () => {
     const name = `${bits} bits, ${payloads}, ${writesKeys ? 'writes' : 'drops'} keys`;
     gpuTest(`${name}: moves keys and payloads to the twin's places`, async () => {
       for (const workgroupBytes of sortLimitsOf(device)) {
-        const countOf = (blockKeys: number) => 3 * blockKeys + 1234;
-        const options = { bits, workgroupBytes, makesPayloads, writesKeys, countOf };
-        const { actual, expected } = await scatter(options);
-        expect(actual.payloads, `${workgroupBytes} bytes`).toEqual(expected.payloads);
-        expect(actual.keys, `${workgroupBytes} bytes`).toEqual(expected.keys);
+        for (const isNarrow of [false, true]) {
+          const countOf = (blockKeys: number) => 3 * blockKeys + 1234;
+          const options = { bits, workgroupBytes, isNarrow, makesPayloads, writesKeys, countOf };
+          const { actual, expected } = await scatter(options);
+          const label = `${workgroupBytes} bytes${isNarrow ? ', narrow' : ''}`;
+          expect(actual.payloads, label).toEqual(expected.payloads);
+          expect(actual.keys, label).toEqual(expected.keys);
+        }
       }
     });
   }

@@ -6,6 +6,7 @@ export function sortScatter(shape: SortShape) {
   return {
     stage: 'sort-scatter',
     entryPoint: 'sortScatter',
+    conditions: { NARROW: shape.isNarrow },
     constants: sortConstants(shape),
     bindings: {
       parameters: [0, 'uniform'],

@@ -7,6 +7,8 @@ export interface SortShape {
   readonly workgroup: number;
   /** Keys per thread; a block has workgroup · itemsPerThread keys. */
   readonly itemsPerThread: number;
+  /** Whether few threads of the device run in lockstep: the shaders are then written to compile fast. */
+  readonly isNarrow: boolean;
 }
 
 /** Workgroup memory that every WebGPU device has: the default of `maxComputeWorkgroupStorageSize`. */
@@ -40,7 +42,7 @@ export function blockKeysOf({
 }
 
 /** Bytes of workgroup memory that sort-scatter, the stage that needs most, declares. */
-export function workgroupBytesOf(shape: Omit<SortShape, 'passes'>): number {
+export function workgroupBytesOf(shape: Omit<SortShape, 'passes' | 'isNarrow'>): number {
   const radix = 2 ** shape.digitBits;
   const groups = shape.workgroup / 16;
   const words = Math.max(blockKeysOf(shape), groups * radix);
@@ -51,12 +53,17 @@ export function workgroupBytesOf(shape: Omit<SortShape, 'passes'>): number {
  * Chooses the shape with the fewest passes for keys below 2^keyBits.
  *
  * @param workgroupBytes the device's `maxComputeWorkgroupStorageSize`: larger blocks give longer runs of keys to write.
+ * @param isNarrow the device's `hasNarrowSubgroups`.
  */
-export function sortShapeFor(keyBits: number, workgroupBytes = DEFAULT_WORKGROUP_BYTES): SortShape {
-  if (keyBits <= 24) return shapeOf(8, Math.max(1, Math.ceil(keyBits / 8)), workgroupBytes);
-  // Digits of 9 bits take twice the workgroup memory per thread, but save a pass here.
-  if (keyBits <= 27) return shapeOf(9, 3, workgroupBytes);
-  return shapeOf(8, 4, workgroupBytes);
+export function sortShapeFor(
+  keyBits: number,
+  workgroupBytes = DEFAULT_WORKGROUP_BYTES,
+  isNarrow = false,
+): SortShape {
+  // Digits of 9 bits take twice the workgroup memory per thread, but save a pass here. Drivers on a CPU take longer to compile
+  // the shaders for them, which no sort of pairs shares, than for many such passes.
+  if (keyBits > 24 && keyBits <= 27 && !isNarrow) return shapeOf(9, 3, workgroupBytes, isNarrow);
+  return shapeOf(8, Math.max(1, Math.ceil(keyBits / 8)), workgroupBytes, isNarrow);
 }
 
 /**
@@ -64,19 +71,25 @@ export function sortShapeFor(keyBits: number, workgroupBytes = DEFAULT_WORKGROUP
  * that suffices, as in most sorts of depths: the shaders of both sorts are then the same, and compile once.
  *
  * @param workgroupBytes as for `sortShapeFor`.
+ * @param isNarrow as for `sortShapeFor`.
  */
-export function pairSortShapeFor(keyBits: number, workgroupBytes = DEFAULT_WORKGROUP_BYTES): SortShape {
+export function pairSortShapeFor(
+  keyBits: number,
+  workgroupBytes = DEFAULT_WORKGROUP_BYTES,
+  isNarrow = false,
+): SortShape {
   if (keyBits > 18) throw new RangeError(`Keys of ${keyBits} bits take more than two passes; 18 do not.`);
   const passes = keyBits <= 9 ? 1 : 2;
-  return shapeOf(keyBits <= 8 * passes ? 8 : 9, passes, workgroupBytes);
+  return shapeOf(keyBits <= 8 * passes ? 8 : 9, passes, workgroupBytes, isNarrow);
 }
 
-function shapeOf(digitBits: number, passes: number, workgroupBytes: number): SortShape {
+function shapeOf(digitBits: number, passes: number, workgroupBytes: number, isNarrow: boolean): SortShape {
   const shapes = BLOCKS.map(([workgroup, itemsPerThread]) => ({
     digitBits,
     passes,
     workgroup,
     itemsPerThread,
+    isNarrow,
   }));
   const shape = shapes.find((each) => workgroupBytesOf(each) <= workgroupBytes);
   if (shape) return shape;

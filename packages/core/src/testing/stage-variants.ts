@@ -41,7 +41,7 @@ const WORKGROUP_BYTES = [16_384, 32_768, 49_152] as const;
 const PAIR_KEY_BITS = [8, 9] as const;
 /** Sorts of pairs by bin, of layers with few bins, and with so many that two passes are needed. */
 const PAIR_SORTS = WORKGROUP_BYTES.flatMap((bytes) =>
-  PAIR_KEY_BITS.map((bits) => pairSortShapeFor(bits, bytes)),
+  PAIR_KEY_BITS.flatMap((bits) => BOTH.map((isNarrow) => pairSortShapeFor(bits, bytes, isNarrow))),
 );
 
 const COLOR_TARGETS = ['rgba8unorm', 'rgba16float', 'rgba32float'] as const;
@@ -113,7 +113,9 @@ export function allStageVariants(): StageDefinition[] {
       repackSh({ degree, from: 'f16', to: 'u8' }),
     ]),
     ...WORKGROUP_BYTES.flatMap((bytes) =>
-      [8, 16, 20, 24, 27, 32].flatMap((keyBits) => radixSortStages(sortShapeFor(keyBits, bytes))),
+      [8, 16, 20, 24, 27, 32].flatMap((keyBits) =>
+        BOTH.flatMap((isNarrow) => radixSortStages(sortShapeFor(keyBits, bytes, isNarrow))),
+      ),
     ),
   ];
   for (const isOrthographic of [false, true]) {

@@ -1,13 +1,15 @@
 import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { RadixSort, radixSortStages } from '../../stages/radix-sort.ts';
-import { sortShapeFor } from '../../stages/sort-shape.ts';
+import { type SortShape, sortShapeFor } from '../../stages/sort-shape.ts';
 import type { FramePart, OrderRecording, PartChange, PartContext } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
 
-const stagesOf = perShape(({ keyBits, workgroupBytes }) =>
-  radixSortStages(sortShapeFor(keyBits, workgroupBytes)),
-);
+function sortShapeOf({ keyBits, workgroupBytes, hasNarrowSubgroups }: FrameShape): SortShape {
+  return sortShapeFor(keyBits, workgroupBytes, hasNarrowSubgroups);
+}
+
+const stagesOf = perShape((shape) => radixSortStages(sortShapeOf(shape)));
 
 /** The part's memory for frames of one key width and capacity. */
 interface Held {
@@ -60,13 +62,14 @@ export class Sort implements FramePart<OrderRecording> {
     this.#free(this.#held);
   }
 
-  #make({ keyBits, visibleCapacity, dispatchRow, workgroupBytes }: FrameShape): Held {
+  #make(frame: FrameShape): Held {
+    const { keyBits, visibleCapacity, dispatchRow } = frame;
     const { device, pipelines, memory } = this.#context;
     const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;
     const visibleCount = memory.createBuffer('frame visibleCount', 4, usage);
     try {
       const options = {
-        shape: sortShapeFor(keyBits, workgroupBytes),
+        shape: sortShapeOf(frame),
         capacity: visibleCapacity,
         keyCount: visibleCount,
         dispatchRow,

@@ -26,8 +26,8 @@ const { BIN_TILES, MASK_GROUP, TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
 const MASK_WORDS = (BIN_TILES * BIN_TILES * MASK_GROUP) / 32;
 
 /** Sort of the pairs by bin; one more key than bins, for pairs too many. */
-function sortShapeOf({ binCount, workgroupBytes }: FrameShape): SortShape {
-  return pairSortShapeFor(Math.ceil(Math.log2(binCount + 1)), workgroupBytes);
+function sortShapeOf({ binCount, workgroupBytes, hasNarrowSubgroups }: FrameShape): SortShape {
+  return pairSortShapeFor(Math.ceil(Math.log2(binCount + 1)), workgroupBytes, hasNarrowSubgroups);
 }
 
 const stages = perShape((shape) => {
