@@ -165,8 +165,9 @@ function slimShaders() {
         line
           .replace(/\/\/.*$/, '')
           .trim()
-          // Not around + and -, of which two in a row are another operator.
-          .replace(/ *([{}(),;:=*/<>&|]) */g, '$1'),
+          .replace(/ *([{}(),;:=*/<>&|%!^[\]]) */g, '$1')
+          // Two + or - in a row are another operator.
+          .replace(/(?<![-+]) *([-+]) *(?![-+])/g, '$1'),
       );
       const slim = lines
         .filter((line) => line !== '')
