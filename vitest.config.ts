@@ -29,11 +29,10 @@ export default defineConfig({
         resolve,
         ssr,
         test: {
-          // Dawn keeps one device per process: a process per file. Two at a time: on two cores that takes an eighth less time than
-          // one after another.
+          // Dawn keeps one device per process: a process per file. One at a time, since SwiftShader takes all cores.
           name: 'gpu',
           sequence: { groupOrder: 1 },
-          maxWorkers: 2,
+          fileParallelism: false,
           environment: 'node',
           include: ['packages/*/src/**/*.gpu.test.ts'],
           pool: 'forks',
