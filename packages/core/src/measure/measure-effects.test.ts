@@ -43,7 +43,8 @@ function fakeEngine(): SplatEngine {
         const effectsMs = on.reduce((sum, name) => sum + COSTS_MS[name], 0);
         const changeMs = on.join() === before.join() ? 0 : CHANGE_MS;
         const totalMs = FRAME_MS + effectsMs + placeMs + changeMs + DRIFT_MS * framesDrawn++;
-        queueMicrotask(() => view.onStatistics?.({ timing: { totalMs } } as never));
+        const statistics = { tilePairs: null, quadsSampleMs: null, timing: { totalMs } };
+        queueMicrotask(() => view.onStatistics?.(statistics as never));
         return true;
       },
       whenDrawn: () => Promise.resolve(),
