@@ -29,10 +29,10 @@ export default defineConfig({
         resolve,
         ssr,
         test: {
-          // Dawn keeps one device per process: a process per file. One at a time, since SwiftShader takes all cores.
+          // Dawn keeps one device per process: a process per file. Two at a time: SwiftShader rests while twins compute.
           name: 'gpu',
           sequence: { groupOrder: 1 },
-          fileParallelism: false,
+          maxWorkers: 2,
           environment: 'node',
           include: ['packages/*/src/**/*.gpu.test.ts'],
           pool: 'forks',
