@@ -91,6 +91,7 @@ const NARROW_SUBGROUP = 8;
  * Whether few threads of the device run in lockstep, so that barriers within a workgroup take long. False where the browser does
  * not tell.
  */
-export function hasNarrowSubgroups({ adapterInfo }: GPUDevice): boolean {
-  return adapterInfo.subgroupMaxSize <= NARROW_SUBGROUP;
+export function hasNarrowSubgroups({ adapterInfo }: Pick<GPUDevice, 'adapterInfo'>): boolean {
+  const { subgroupMaxSize } = adapterInfo;
+  return subgroupMaxSize > 0 && subgroupMaxSize <= NARROW_SUBGROUP;
 }
