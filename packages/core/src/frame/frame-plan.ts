@@ -1,7 +1,7 @@
 import { type AccuracySettings, type FrameRasterizer, layerSize, type SizePx } from '../accuracy/accuracy.ts';
 import { type Camera, type Projection, projectionOf } from '../camera/camera.ts';
+import { binGrid } from '../layout/bin-grid.ts';
 import type { RasterizeDepth } from '../stages/rasterize.ts';
-import { binGridOf } from './bin-grid.ts';
 import { type CloudPlan, cloudShape, planCloud } from './cloud-plan.ts';
 import type { FrameRequest } from './frame-request.ts';
 import { type FrameOutput, type FrameShape, isSameShape, type OmittableEffect } from './frame-shape.ts';
@@ -113,8 +113,8 @@ function rasterizerOf({ accuracy, depth, faster }: PlanOptions): FrameRasterizer
   return rasterizer === 'tiles' && depth?.layerFormat !== 'r16float' ? 'tiles' : 'quads';
 }
 
-function binCountOf(layer: SizePx): number {
-  const { binColumns, binRows } = binGridOf(layer);
+function binCountOf({ widthPx, heightPx }: SizePx): number {
+  const { binColumns, binRows } = binGrid(widthPx, heightPx);
   return binColumns * binRows;
 }
 

@@ -3,6 +3,7 @@ import {
   type Accuracy,
   type AccuracySettings,
   DEFAULT_ACCURACY,
+  type FrameRasterizer,
 } from '../accuracy/accuracy.ts';
 import type { Camera } from '../camera/camera.ts';
 import { InvalidArgumentError } from '../errors.ts';
@@ -68,7 +69,7 @@ export interface AccuracyPoint {
     readonly total: TimeSpread;
   };
   /** What drew the measured frames: both, if it changed meanwhile or differs between cameras. */
-  readonly rasterizers: readonly FrameStatistics['rasterizer'][];
+  readonly rasterizers: readonly FrameRasterizer[];
   /** Whether no other point is both more accurate and faster, as far as the times can be told apart. */
   readonly isOnFront: boolean;
   /** GPU memory of the clouds in these precisions and of one view. */

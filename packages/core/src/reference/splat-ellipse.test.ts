@@ -1,7 +1,8 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
+import { binGrid } from '../layout/bin-grid.ts';
 import { type EllipseRecord, splatEllipse } from './splat-ellipse.ts';
-import { binGrid, touchedBins } from './tile-grid.ts';
+import { touchedBins } from './tile-grid.ts';
 import { touchedTiles } from './tile-masks.ts';
 import { alphaAt } from './tile-rasterize.ts';
 

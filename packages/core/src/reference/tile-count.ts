@@ -1,6 +1,7 @@
+import type { BinGrid } from '../layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { type EllipseRecord, splatEllipse } from './splat-ellipse.ts';
-import { type BinGrid, touchedBins } from './tile-grid.ts';
+import { touchedBins } from './tile-grid.ts';
 
 const { TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
 

@@ -1,5 +1,6 @@
+import type { BinGrid } from '../layout/bin-grid.ts';
 import { type EllipseRecord, splatEllipse } from './splat-ellipse.ts';
-import { type BinGrid, touchedBins } from './tile-grid.ts';
+import { touchedBins } from './tile-grid.ts';
 
 /** Pairs of a rank and a bin, nearest first. */
 export interface Pairs {

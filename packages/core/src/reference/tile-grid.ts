@@ -1,18 +1,8 @@
+import type { BinGrid } from '../layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { type SplatEllipse, touchedColumns, touchedRows } from './splat-ellipse.ts';
 
 const { BIN_PX } = SHADER_CONSTANTS;
-
-/** Bins of a layer. */
-export interface BinGrid {
-  readonly binColumns: number;
-  readonly binRows: number;
-}
-
-/** Returns the bins of a layer of this size. */
-export function binGrid(widthPx: number, heightPx: number): BinGrid {
-  return { binColumns: Math.ceil(widthPx / BIN_PX), binRows: Math.ceil(heightPx / BIN_PX) };
-}
 
 /** Twin of lib/tile-grid.wgsl: lists the bins that an ellipse touches, row by row; see `touchedColumns` for `slackPx`. */
 export function touchedBins(ellipse: SplatEllipse | null, grid: BinGrid, slackPx = 0): number[] {

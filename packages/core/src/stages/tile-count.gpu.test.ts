@@ -3,10 +3,10 @@ import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { Extent, RecordPrecision } from '../accuracy/accuracy.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
+import { binGrid } from '../layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import type { EllipseRecord } from '../reference/splat-ellipse.ts';
 import { tileCount as countTwin } from '../reference/tile-count.ts';
-import { binGrid } from '../reference/tile-grid.ts';
 import { runStage, storageBuffer } from '../testing/gpu-buffers.ts';
 import {
   type DrawnSplat,

@@ -6,9 +6,9 @@ import { type DepthConvention, depthMapping, storedDepth } from '../camera/depth
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readTexture } from '../gpu/read-texture.ts';
 import { FLOAT32_ROUNDING } from '../inspect/error-bounds.ts';
+import { binGrid } from '../layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { HostDepth } from '../layout/structs.ts';
-import { binGrid } from '../reference/tile-grid.ts';
 import { alphaAt, OPAQUE, tilePixel } from '../reference/tile-rasterize.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { depthTexture, readFloats } from '../testing/gpu-textures.ts';

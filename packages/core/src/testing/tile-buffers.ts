@@ -1,9 +1,10 @@
 import type { SizePx } from '../accuracy/accuracy.ts';
+import { type BinGrid, binGrid } from '../layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { TileGrid, View } from '../layout/structs.ts';
 import type { EllipseRecord, SplatEllipse } from '../reference/splat-ellipse.ts';
 import { splatEllipse } from '../reference/splat-ellipse.ts';
-import { type BinGrid, binGrid, touchedBins } from '../reference/tile-grid.ts';
+import { touchedBins } from '../reference/tile-grid.ts';
 import { uniformBuffer } from './gpu-buffers.ts';
 import type { DrawnSplat } from './ranked-records.ts';
 

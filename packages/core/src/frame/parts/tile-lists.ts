@@ -1,4 +1,5 @@
 import type { CompiledStage } from '../../gpu/pipelines.ts';
+import { binGrid } from '../../layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../../layout/constants.ts';
 import { roundUp } from '../../layout/gpu-struct.ts';
 import { SortPlan, TileGrid, TilePlan } from '../../layout/structs.ts';
@@ -10,7 +11,6 @@ import { tileEmit } from '../../stages/tile-emit.ts';
 import { tileMasks } from '../../stages/tile-masks.ts';
 import { tilePlan } from '../../stages/tile-plan.ts';
 import { tileRanges } from '../../stages/tile-ranges.ts';
-import { binGridOf } from '../bin-grid.ts';
 import {
   type FramePart,
   type OrderRecording,
@@ -185,7 +185,7 @@ export class TileLists implements FramePart<OrderRecording> {
     if (!this.#held || shape.rasterizer !== 'tiles') return;
     const contents = TileGrid.pack({
       sizePx: [layer.widthPx, layer.heightPx],
-      ...binGridOf(layer),
+      ...binGrid(layer.widthPx, layer.heightPx),
       pairCapacity: this.#held.pairCapacity,
     });
     this.#context.device.queue.writeBuffer(this.#held.buffers.grid, 0, contents);
