@@ -2,11 +2,18 @@
 // Checkouts take turns in one run, so that what else the machine does meets them alike: compare the ratios. On a
 // machine that others use too, P10 is the least disturbed figure.
 import os from 'node:os';
-import { resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { parseArgs } from 'node:util';
-import { describeCheckout, findCheckout } from './checkouts/checkout.mjs';
-import { ForkedTimer, letterOf, medianOf, quantile, turns, wholeNumber } from './checkouts/forked-timer.mjs';
+import { describeCheckout } from './checkouts/checkout.mjs';
+import {
+  ForkedTimer,
+  letterOf,
+  medianOf,
+  quantile,
+  readBenchOptions,
+  stop,
+  turns,
+  wholeNumber,
+} from './checkouts/forked-timer.mjs';
 
 const USAGE = `npm run bench:render -- CHECKOUT [CHECKOUT…] [OPTION…]
   CHECKOUT        folder with built packages (npm ci); node_modules and .git are not needed with --dawn
@@ -68,30 +75,9 @@ function lineOf(index, times, firstTimes) {
 }
 
 function readOptions() {
-  try {
-    const { values, positionals } = parseArgs({
-      allowPositionals: true,
-      options: {
-        clouds: { type: 'string', default: '1,50' },
-        frames: { type: 'string', default: '30' },
-        rounds: { type: 'string', default: '6' },
-        dawn: { type: 'string' },
-      },
-    });
-    if (positionals.length === 0) throw new Error('No checkout is named.');
-    return {
-      checkouts: positionals.map(findCheckout),
-      cloudCounts: values.clouds.split(',').map((text) => wholeNumber('clouds', text)),
-      frames: wholeNumber('frames', values.frames),
-      rounds: wholeNumber('rounds', values.rounds),
-      dawn: values.dawn ? resolve(values.dawn) : null,
-    };
-  } catch (error) {
-    return stop(`${error.message}\n${USAGE}`);
-  }
-}
-
-function stop(message) {
-  console.error(message);
-  process.exit(2);
+  const own = { clouds: { type: 'string', default: '1,50' }, frames: { type: 'string', default: '30' } };
+  return readBenchOptions(USAGE, own, (values) => ({
+    cloudCounts: values.clouds.split(',').map((text) => wholeNumber('clouds', text)),
+    frames: wholeNumber('frames', values.frames),
+  }));
 }

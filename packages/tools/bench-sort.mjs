@@ -1,11 +1,17 @@
 // `npm run bench:sort -- A B`: GPU time of the radix sort alone, random keys. Checkouts take turns in one run, so that what
 // else the machine does meets them alike: compare the ratios.
 import os from 'node:os';
-import { resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { parseArgs } from 'node:util';
-import { describeCheckout, findCheckout } from './checkouts/checkout.mjs';
-import { ForkedTimer, letterOf, quantile, turns, wholeNumber } from './checkouts/forked-timer.mjs';
+import { describeCheckout } from './checkouts/checkout.mjs';
+import {
+  ForkedTimer,
+  letterOf,
+  quantile,
+  readBenchOptions,
+  stop,
+  turns,
+  wholeNumber,
+} from './checkouts/forked-timer.mjs';
 
 const USAGE = `npm run bench:sort -- CHECKOUT [CHECKOUT…] [OPTION…]
   CHECKOUT        folder with built packages (npm ci); node_modules and .git are not needed with --dawn
@@ -67,35 +73,19 @@ function figuresOf(sorted, first) {
 }
 
 function readOptions() {
-  try {
-    const { values, positionals } = parseArgs({
-      allowPositionals: true,
-      options: {
-        keys: { type: 'string', default: '100000,600000,3450000,6000000' },
-        bits: { type: 'string', default: '24,16' },
-        repeats: { type: 'string', default: '12' },
-        rounds: { type: 'string', default: '6' },
-        dawn: { type: 'string' },
-      },
-    });
-    if (positionals.length === 0) throw new Error('No checkout is named.');
+  const own = {
+    keys: { type: 'string', default: '100000,600000,3450000,6000000' },
+    bits: { type: 'string', default: '24,16' },
+    repeats: { type: 'string', default: '12' },
+  };
+  return readBenchOptions(USAGE, own, (values) => {
     const repeats = wholeNumber('repeats', values.repeats);
     if (repeats <= UNCOUNTED)
       throw new Error(`--repeats has ${repeats}; the first ${UNCOUNTED} are not counted.`);
     return {
-      checkouts: positionals.map(findCheckout),
       keyCounts: values.keys.split(',').map((text) => wholeNumber('keys', text)),
       keyBits: values.bits.split(',').map((text) => wholeNumber('bits', text)),
       repeats,
-      rounds: wholeNumber('rounds', values.rounds),
-      dawn: values.dawn ? resolve(values.dawn) : null,
     };
-  } catch (error) {
-    return stop(`${error.message}\n${USAGE}`);
-  }
-}
-
-function stop(message) {
-  console.error(message);
-  process.exit(2);
+  });
 }

@@ -1,4 +1,7 @@
 import { fork } from 'node:child_process';
+import { resolve } from 'node:path';
+import { parseArgs } from 'node:util';
+import { findCheckout } from './checkout.mjs';
 
 /** A process that times one checkout, and is idle unless it is asked. */
 export class ForkedTimer {
@@ -19,13 +22,13 @@ export class ForkedTimer {
 
   /** The next thing that the process has to say. */
   answer() {
-    return new Promise((resolve, reject) => {
+    return new Promise((fulfil, reject) => {
       const ended = (status, signal) =>
         reject(new Error(`drawing ended with ${signal ?? `status ${status}`}.`));
       this.#child.once('exit', ended);
       this.#child.once('message', (message) => {
         this.#child.off('exit', ended);
-        resolve(message);
+        fulfil(message);
       });
     });
   }
@@ -61,4 +64,32 @@ export function wholeNumber(option, text) {
   const number = Number(text);
   if (Number.isInteger(number) && number >= 1) return number;
   throw new Error(`--${option} has "${text}"; it takes whole numbers from 1 on.`);
+}
+
+/**
+ * Reads the command line of a bench: the checkouts, what all benches take, and what `convert` makes of its own options. Ends the
+ * process with `usage` where something is wrong.
+ */
+export function readBenchOptions(usage, ownOptions, convert) {
+  try {
+    const { values, positionals } = parseArgs({
+      allowPositionals: true,
+      options: { ...ownOptions, rounds: { type: 'string', default: '6' }, dawn: { type: 'string' } },
+    });
+    if (positionals.length === 0) throw new Error('No checkout is named.');
+    return {
+      checkouts: positionals.map(findCheckout),
+      ...convert(values),
+      rounds: wholeNumber('rounds', values.rounds),
+      dawn: values.dawn ? resolve(values.dawn) : null,
+    };
+  } catch (error) {
+    return stop(`${error.message}\n${usage}`);
+  }
+}
+
+/** Ends the process because it was called wrongly. */
+export function stop(message) {
+  console.error(message);
+  process.exit(2);
 }
