@@ -12,7 +12,6 @@ export {
 export { HardCaseRunner, type HardCaseRunnerOptions, type HardCaseRunOptions } from './run.ts';
 export {
   CASE_RASTERIZERS,
-  type CaseRasterizer,
   type HardCaseResult,
   type ImageResult,
   type ImageResults,

@@ -1,13 +1,8 @@
-import type { Accuracy, AccuracyPreset, SplatEngine } from '@websplatter/core';
+import type { Accuracy, AccuracyPreset, FrameRasterizer, SplatEngine } from '@websplatter/core';
 import { describePixel, nonFiniteWord } from '@websplatter/core/inspect';
 import { compareImages, type ReferenceImage } from '@websplatter/core/reference';
 import type { SceneCase } from './hard-case.ts';
-import {
-  type CaseRasterizer,
-  type ImageResult,
-  MIN_REFERENCE_PSNR_DB,
-  type ResultBuilder,
-} from './run-result.ts';
+import { type ImageResult, MIN_REFERENCE_PSNR_DB, type ResultBuilder } from './run-result.ts';
 import type { CaseFrame } from './run-stages.ts';
 
 /**
@@ -71,7 +66,7 @@ export function firstDifference(a: Float32Array, b: Float32Array): number {
 export function checkImage(
   { bounds }: Pick<SceneCase, 'bounds'>,
   preset: AccuracyPreset,
-  rasterizer: CaseRasterizer,
+  rasterizer: FrameRasterizer,
   caseFrame: CaseFrame,
   data: Float32Array,
   reference: ReferenceImage | null,

@@ -1,14 +1,12 @@
-import type { AccuracyPreset, AccuracySettings, DropCounts } from '@websplatter/core';
+import type { AccuracyPreset, DropCounts, FrameRasterizer } from '@websplatter/core';
 import type { FieldError, RecordField } from '@websplatter/core/inspect';
 import type { HardCaseGroup } from './hard-case.ts';
 
 /** Least PSNR against float64 at preset `reference`, dB on raw values over black. */
 export const MIN_REFERENCE_PSNR_DB = 55;
 
-export type CaseRasterizer = Exclude<AccuracySettings['rasterizer'], 'auto'>;
-
 /** Every image that has a bound is drawn by each of them and must keep it; images without one are drawn by the first. */
-export const CASE_RASTERIZERS: readonly CaseRasterizer[] = ['quads', 'tiles'];
+export const CASE_RASTERIZERS: readonly FrameRasterizer[] = ['quads', 'tiles'];
 
 /** A field's largest error in proportion to its bound, and where it was found. */
 export interface StageError extends FieldError<RecordField> {
@@ -47,7 +45,7 @@ export interface HardCaseResult {
   readonly worstStage: StageError | null;
   /** Number of splats, over all cameras, so close to a threshold that rounding may decide. */
   readonly unsureSplats: number;
-  readonly images: Readonly<Record<CaseRasterizer, ImageResults>>;
+  readonly images: Readonly<Record<FrameRasterizer, ImageResults>>;
   /** Splats dropped before the GPU, by reason. */
   readonly dropped: DropCounts;
   readonly elapsedMs: number;
@@ -57,7 +55,7 @@ export interface HardCaseResult {
 export class ResultBuilder {
   readonly failures: string[] = [];
   readonly #stages: StageErrors = {};
-  readonly #images: Record<CaseRasterizer, Partial<Record<AccuracyPreset, ImageResult>>> = {
+  readonly #images: Record<FrameRasterizer, Partial<Record<AccuracyPreset, ImageResult>>> = {
     quads: {},
     tiles: {},
   };
@@ -76,7 +74,7 @@ export class ResultBuilder {
     if (error.ratio >= (ofPreset[error.field]?.ratio ?? 0)) ofPreset[error.field] = error;
   }
 
-  addImage(preset: AccuracyPreset, rasterizer: CaseRasterizer, image: ImageResult): void {
+  addImage(preset: AccuracyPreset, rasterizer: FrameRasterizer, image: ImageResult): void {
     const images = this.#images[rasterizer];
     const worst = images[preset];
     if (!worst || image.psnrDb < worst.psnrDb) {

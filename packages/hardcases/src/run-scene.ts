@@ -1,9 +1,15 @@
-import { type AccuracyPreset, type DropCounts, type DropReason, readSplats } from '@websplatter/core';
+import {
+  type AccuracyPreset,
+  type DropCounts,
+  type DropReason,
+  type FrameRasterizer,
+  readSplats,
+} from '@websplatter/core';
 import type { renderReference } from '@websplatter/core/reference';
 import type { DeviceCase, HardCloud, SceneCase } from './hard-case.ts';
 import type { RunVariant, WatchedDevice } from './run-device.ts';
 import { checkImage, drawFrames, firstDifference, minPsnrOf } from './run-images.ts';
-import type { CaseRasterizer, ResultBuilder } from './run-result.ts';
+import type { ResultBuilder } from './run-result.ts';
 import { type CaseFrame, checkStages, type PlacedSet } from './run-stages.ts';
 
 export interface SceneRun {
@@ -12,7 +18,7 @@ export interface SceneRun {
   readonly secondDevice: () => Promise<WatchedDevice>;
   readonly variant: RunVariant;
   readonly presets: readonly AccuracyPreset[];
-  readonly rasterizers: readonly CaseRasterizer[];
+  readonly rasterizers: readonly FrameRasterizer[];
   /** Width and height of images for cases that give no size. */
   readonly sizePx: number;
   readonly renderReference: typeof renderReference;
@@ -106,14 +112,14 @@ function rasterizersOf(
   { bounds }: SceneCase | DeviceCase,
   preset: AccuracyPreset,
   { rasterizers }: SceneRun,
-): readonly CaseRasterizer[] {
+): readonly FrameRasterizer[] {
   return minPsnrOf(bounds, preset) === null ? rasterizers.slice(0, 1) : rasterizers;
 }
 
 async function checkSecondDevice(
   { secondDevice, variant }: SceneRun,
   preset: AccuracyPreset,
-  rasterizer: CaseRasterizer,
+  rasterizer: FrameRasterizer,
   caseFrame: CaseFrame,
   first: Float32Array,
   fail: (what: string) => void,

@@ -1,6 +1,7 @@
 import {
   type AccuracyPreset,
   adapterLabel,
+  type FrameRasterizer,
   isSoftwareAdapter,
   readSplats,
   requestSplatDevice,
@@ -12,7 +13,7 @@ import { renderReference } from '@websplatter/core/reference';
 import type { DeviceCase, HardCase, RefusedFileCase, SceneCase, SortCase } from './hard-case.ts';
 import { type RunVariant, WatchedDevice } from './run-device.ts';
 import { COMPARED_PRESETS } from './run-images.ts';
-import { CASE_RASTERIZERS, type CaseRasterizer, type HardCaseResult, ResultBuilder } from './run-result.ts';
+import { CASE_RASTERIZERS, type HardCaseResult, ResultBuilder } from './run-result.ts';
 import { runScene } from './run-scene.ts';
 
 export interface HardCaseRunnerOptions {
@@ -28,7 +29,7 @@ export interface HardCaseRunOptions {
   /** Default `COMPARED_PRESETS`. */
   readonly presets?: readonly AccuracyPreset[];
   /** Default `CASE_RASTERIZERS`. */
-  readonly rasterizers?: readonly CaseRasterizer[];
+  readonly rasterizers?: readonly FrameRasterizer[];
   /** A remedy of the shaders to switch off, for tests that the cases notice it. */
   readonly mutation?: ShaderMutation;
 }

@@ -1,5 +1,5 @@
+import type { FrameRasterizer } from '@websplatter/core';
 import type { ShaderMutation } from '@websplatter/core/inspect';
-import type { CaseRasterizer } from '../run-result.ts';
 
 /** A remedy of the shaders, switched off: the shader as a renderer without the remedy would have it. */
 export interface Mutation extends ShaderMutation {
@@ -8,7 +8,7 @@ export interface Mutation extends ShaderMutation {
   /** Cases of the catalogue, at least one of which must fail without the remedy. */
   readonly cases: readonly string[];
   /** The rasteriser whose remedy it is: the other one passes without it. Default: both need it. */
-  readonly rasterizer?: CaseRasterizer;
+  readonly rasterizer?: FrameRasterizer;
   /** Why GPUs may do without the remedy, so that only the software adapter has to fail. */
   readonly spareOnGpus?: string;
 }
