@@ -1,12 +1,12 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { DILATION_PX2 } from '../accuracy/accuracy.ts';
 import { Pipelines, type RenderState } from '../gpu/pipelines.ts';
 import { readTexture } from '../gpu/read-texture.ts';
 import { FLOAT32_ROUNDING } from '../inspect/error-bounds.ts';
-import { SplatRecordF32, View } from '../layout/structs.ts';
+import { SplatRecordF32 } from '../layout/structs.ts';
 import type { VisibleSplat } from '../reference/cull-splats.ts';
 import { rasterizeSplat } from '../reference/rasterize.ts';
+import { packFlatView } from '../testing/flat-view.ts';
 import { storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { rasterize } from './rasterize.ts';
@@ -41,18 +41,7 @@ interface DrawnSplat {
 const COLOR = [0.75, 0.5, 0.25] as const;
 
 async function drawOnGpu(splat: DrawnSplat, widthPx: number, heightPx: number) {
-  const view = View.pack({
-    sizePx: [widthPx, heightPx],
-    focalPx: [1, 1],
-    centerPx: [0, 0],
-    clampX: [0, 0],
-    clampY: [0, 0],
-    near: 0,
-    far: 1,
-    alphaCutoff: ALPHA_CUTOFF,
-    dilationPx2: DILATION_PX2,
-    dispatchRow: 1,
-  });
+  const view = packFlatView({ size: { widthPx, heightPx }, alphaCutoff: ALPHA_CUTOFF, dispatchRow: 1 });
   const record = new ArrayBuffer(SplatRecordF32.bytes);
   const { majorLengthPx, minorLengthPx, angle, centerPx, opacity } = splat;
   SplatRecordF32.write(record, {

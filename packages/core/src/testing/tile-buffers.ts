@@ -1,10 +1,11 @@
 import type { SizePx } from '../accuracy/accuracy.ts';
 import { type BinGrid, binGrid } from '../layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
-import { TileGrid, View } from '../layout/structs.ts';
+import { TileGrid } from '../layout/structs.ts';
 import type { EllipseRecord, SplatEllipse } from '../reference/splat-ellipse.ts';
 import { splatEllipse } from '../reference/splat-ellipse.ts';
 import { touchedBins } from '../reference/tile-grid.ts';
+import { packFlatView } from './flat-view.ts';
 import { uniformBuffer } from './gpu-buffers.ts';
 import type { DrawnSplat } from './ranked-records.ts';
 
@@ -20,18 +21,7 @@ interface TileUniforms {
 export function tileUniforms(device: GPUDevice, options: TileUniforms) {
   const { size, alphaCutoff, dispatchRow = 65_535, pairCapacity = 2 ** 24 } = options;
   const { widthPx, heightPx } = size;
-  const view = View.pack({
-    sizePx: [widthPx, heightPx],
-    focalPx: [1, 1],
-    centerPx: [0, 0],
-    clampX: [0, 0],
-    clampY: [0, 0],
-    near: 0,
-    far: 1,
-    alphaCutoff,
-    dilationPx2: 0,
-    dispatchRow,
-  });
+  const view = packFlatView({ size, alphaCutoff, dispatchRow });
   const grid = TileGrid.pack({ sizePx: [widthPx, heightPx], ...binGrid(widthPx, heightPx), pairCapacity });
   return { view: uniformBuffer(device, view), grid: uniformBuffer(device, grid) };
 }
