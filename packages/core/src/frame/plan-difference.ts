@@ -2,7 +2,7 @@ import type { GpuFields, GpuValues } from '../layout/gpu-struct.ts';
 import type { CloudPlan, PlannedUse } from './cloud-plan.ts';
 import type { FramePlan } from './frame-plan.ts';
 
-/** Whether both frames show the same splats in the same places and the same order. */
+/** Whether both frames show the same splats in the same places and the same order, whichever rasteriser draws them. */
 export function isSameOrder(a: FramePlan, b: FramePlan): boolean {
   return (
     a.request.widthPx === b.request.widthPx &&
@@ -10,7 +10,6 @@ export function isSameOrder(a: FramePlan, b: FramePlan): boolean {
     isSameNumber(a.camera.near, b.camera.near) &&
     isSameNumber(a.camera.far, b.camera.far) &&
     a.shape.accuracy === b.shape.accuracy &&
-    a.shape.rasterizer === b.shape.rasterizer &&
     isSameNumbers(a.camera.viewMatrix, b.camera.viewMatrix) &&
     isSameNumbers(a.camera.projectionMatrix, b.camera.projectionMatrix) &&
     a.clouds.length === b.clouds.length &&

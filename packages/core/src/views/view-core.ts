@@ -299,7 +299,13 @@ export abstract class ViewCore {
    * @throws InvalidArgumentError, GpuLimitError; on failure the last frame stays.
    */
   protected makeRoom(plan: FramePlan): void {
-    const isOrderKept = !plan.request.force && this.#prepared !== null && isSameOrder(this.#prepared, plan);
+    const last = this.#prepared;
+    const isOrderKept =
+      !plan.request.force &&
+      last !== null &&
+      // The other rasteriser has not filled its buffers.
+      last.shape.rasterizer === plan.shape.rasterizer &&
+      isSameOrder(last, plan);
     const isReplaced = this.parts.fit(plan);
     this.#isColorsOnly = isOrderKept && !isReplaced;
     this.#prepared = plan;
