@@ -23,6 +23,8 @@ const SMALL = { viewport: { width: 240, height: 160 } };
 /** A measurement draws a hundred frames, on the CPU. */
 const TINY = { viewport: { width: 160, height: 120 } };
 const SWEEP = { state: 'attached', timeout: 120_000 } as const;
+/** Steps of 255 that images of the same settings may differ by where each rasteriser may draw: presets leave that to times. */
+const ROUNDING = 1;
 const WITHOUT_LINE = '.split-line { visibility: hidden !important; }';
 
 /** The test scene without its spherical harmonics. */
@@ -104,8 +106,8 @@ describe('accuracy in the viewer', () => {
     await redraw(page, () => page.getByTestId('setting-shDegree').selectOption('0'));
     await page.addStyleTag({ content: WITHOUT_LINE });
     const split = await viewerScreenshot(page);
-    expect(changedPart(part(split, 'left'), part(left, 'left'), 0)).toBe(0);
-    expect(changedPart(part(split, 'right'), part(right, 'right'), 0)).toBe(0);
+    expect(changedPart(part(split, 'left'), part(left, 'left'), ROUNDING)).toBe(0);
+    expect(changedPart(part(split, 'right'), part(right, 'right'), ROUNDING)).toBe(0);
     expect(await textOf(page, 'split-label-left')).toMatch(/^A balanced, .* 0$/);
     expect(await textOf(page, 'split-label-right')).toBe('B balanced');
 
@@ -115,7 +117,9 @@ describe('accuracy in the viewer', () => {
     await page.keyboard.press('Home');
     expect(await line.getAttribute('aria-valuenow')).toBe('0');
     await page.addStyleTag({ content: '.split-line { visibility: hidden !important; }' });
-    expect(changedPart(columns(await viewerScreenshot(page), 4, 240), columns(right, 4, 240), 0)).toBe(0);
+    expect(changedPart(columns(await viewerScreenshot(page), 4, 240), columns(right, 4, 240), ROUNDING)).toBe(
+      0,
+    );
   });
 
   it('maps the error of a coarse setting, and none of reference', async () => {
@@ -157,7 +161,7 @@ describe('accuracy in the viewer', () => {
     expect(await coarse.getAttribute('aria-pressed')).toBe('true');
     expect(changedPart(before, clicked, 2)).toBeGreaterThan(0.01);
     const opened = await openViewer('?scene=still-life-small&accuracy=shDegree:0', TINY);
-    expect(changedPart(clicked, await viewerScreenshot(opened), 0)).toBe(0);
+    expect(changedPart(clicked, await viewerScreenshot(opened), ROUNDING)).toBe(0);
     expect(await page.getByTestId('results').getAttribute('data-stale')).toBe('false');
     await redraw(page, () => page.keyboard.press('ArrowRight'));
     expect(await page.getByTestId('results').getAttribute('data-stale')).toBe('true');

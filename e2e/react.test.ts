@@ -46,6 +46,9 @@ function dots(positions: readonly (readonly number[])[]): SplatSet {
   };
 }
 
+/** For images that are compared bit for bit: their rasteriser must not follow from times. */
+const BY_TILES = { rasterizer: 'tiles' } as const;
+
 const SPLATS: SplatsDescription = { id: 'a', src: 'a.ply' };
 
 /** The Canvas of most tests. */
@@ -389,7 +392,7 @@ it('leaves nothing behind after 50 mounts and unmounts', async () => {
 
 it('comes back from the loss of its device by itself, and tells where it cannot', async () => {
   const bare = canvas({ id: 'bare', kind: 'bare', splats: [{ id: 'b', src: 'b.ply' }] });
-  const page = await open(canvas({ background: 'black' }), bare);
+  const page = await open(canvas({ background: 'black', accuracy: BY_TILES }), bare);
   for (const id of ['a', 'b']) await waitForLog(page, `${id} firstframe`);
   const requests = ['a.ply', 'b.ply'].map(harness.server.requests);
   const before = await image(page);
@@ -405,7 +408,7 @@ it('comes back from the loss of its device by itself, and tells where it cannot'
   const log = await logOf(page);
   const times = (entry: string) => log.filter((each) => each === entry).length;
   // An application replaces its Canvas by giving it another key.
-  await show(page, canvas({ background: 'black' }), { ...bare, id: 'bare again' });
+  await show(page, canvas({ background: 'black', accuracy: BY_TILES }), { ...bare, id: 'bare again' });
   await waitForLog(page, 'b firstframe', 2);
   expect(harness.server.requests('b.ply')).toBe(requests[1]);
   expect(['a', 'b'].map((id) => times(`${id} devicelost`))).toEqual([1, 1]);
@@ -466,7 +469,7 @@ it('says what to do in a Canvas with a WebGLRenderer', async () => {
 });
 
 it('comes back from the end of the GPU process', async () => {
-  const page = await open(canvas({ background: 'black' }));
+  const page = await open(canvas({ background: 'black', accuracy: BY_TILES }));
   await waitForLog(page, 'a firstframe');
   const before = await image(page);
   for (const problem of [/WebGPU Device Lost/, /external Instance reference/]) harness.expectProblem(problem);

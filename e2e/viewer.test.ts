@@ -17,6 +17,9 @@ import {
   waitForState,
 } from './viewer-page.ts';
 
+/** For images that are compared bit for bit: their rasteriser must not follow from times. */
+const BY_TILES = '?scene=still-life-small&accuracy=balanced,rasterizer:tiles';
+
 const harness = viewerHarness();
 const { newPage, openViewer } = harness;
 
@@ -284,7 +287,7 @@ describe('viewer', () => {
   });
 
   it('moves the view by keys, mouse and wheel, and goes back', async () => {
-    const page = await openViewer();
+    const page = await openViewer(BY_TILES);
     const start = await viewerScreenshot(page);
     const act = async (what: string, action: () => Promise<void>) => {
       const before = await viewerScreenshot(page);
@@ -337,7 +340,7 @@ describe('viewer', () => {
   it('recovers the scene and the view after the device was lost', async () => {
     const page = await newPage();
     await page.addInitScript(loseDeviceOnDemand);
-    await page.goto(`${harness.server.url}?scene=still-life-small`);
+    await page.goto(`${harness.server.url}${BY_TILES}`);
     await waitForImage(page);
     let frames = await frameCount(page);
     await page.keyboard.press('ArrowLeft');

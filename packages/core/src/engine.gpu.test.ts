@@ -42,12 +42,18 @@ beforeAll(async () => {
   const requiredFeatures = offered.filter((feature) => adapter.features.has(feature));
   canBlendFloat32 = requiredFeatures.includes('float32-blendable' as GPUFeatureName);
   device = await createTestDevice({ requiredFeatures });
-  for (const accuracy of PRESETS) engines[accuracy] = await SplatEngine.create({ device, accuracy });
+  for (const preset of PRESETS)
+    engines[preset] = await SplatEngine.create({ device, accuracy: byTiles(preset) });
 });
 afterAll(() => {
   for (const engine of Object.values(engines)) engine.destroy();
   device?.destroy();
 });
+
+/** Images are compared bit for bit: their rasteriser must not follow from times. */
+function byTiles(preset: AccuracyPreset): Accuracy {
+  return { preset, rasterizer: 'tiles' };
+}
 
 interface Scene {
   readonly clouds: readonly {
@@ -245,7 +251,7 @@ describe('a view', () => {
     view.destroy();
     cloud.destroy();
 
-    const other = await SplatEngine.create({ device, accuracy: 'balanced' });
+    const other = await SplatEngine.create({ device, accuracy: byTiles('balanced') });
     const scene = { clouds: [{ set: randomSplats({ count: 500 }) }], camera: CAMERA };
     expectSameImage(await drawScene(other, scene), first);
     other.destroy();
@@ -285,6 +291,21 @@ describe('a view', () => {
     expectSameImage((await view.readPixels()).data, image);
     view.destroy();
     cloud.destroy();
+  });
+
+  gpuTest('keeps its image when the other rasteriser is chosen for later frames', async () => {
+    const engine = await SplatEngine.create({ device, tileBudgetBytes: 0 });
+    const view = engine.createView();
+    const cloud = engine.add(randomSplats({ count: 300 }));
+    const frame = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
+    const image = await draw(view, frame);
+    expect(view.shape?.rasterizer).toBe('tiles');
+    await expect.poll(() => view.rasterizer.rasterizer).toBe('quads');
+    expect(view.render({ ...frame })).toBe(false);
+    expectSameImage((await view.readPixels()).data, image);
+    expect(view.render({ ...frame, camera: CAMERAS.inside })).toBe(true);
+    expect(view.shape?.rasterizer).toBe('quads');
+    engine.destroy();
   });
 
   gpuTest('is drawn again when an opacity changes; the default is 1', async () => {
@@ -552,12 +573,17 @@ describe('an engine', () => {
   gpuTest(
     'draws each frame with its requested accuracy, else with the engine’s, which may change',
     async () => {
-      const engine = await SplatEngine.create({ device, accuracy: 'balanced' });
+      const engine = await SplatEngine.create({ device, accuracy: byTiles('balanced') });
       const cloud = engine.add(randomSplats({ count: 500 }));
       const view = engine.createView();
       const frame = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
       const own = await draw(view, frame);
-      const coarse = { shDegree: 0, alphaCutoff: 0.05, colorTarget: 'rgba8unorm' } as const;
+      const coarse = {
+        rasterizer: 'tiles',
+        shDegree: 0,
+        alphaCutoff: 0.05,
+        colorTarget: 'rgba8unorm',
+      } as const;
       const asked = await draw(view, { ...frame, accuracy: coarse });
       expect(asked).not.toEqual(own);
       expect(asked.every((value) => Math.abs(value * 255 - Math.round(value * 255)) < 1e-4)).toBe(true);
@@ -571,7 +597,7 @@ describe('an engine', () => {
       engine.setAccuracy(coarse);
       expect(engine.accuracy).toMatchObject(coarse);
       expectSameImage(await draw(view, frame), asked);
-      expectSameImage(await draw(view, { ...frame, accuracy: 'balanced' }), own);
+      expectSameImage(await draw(view, { ...frame, accuracy: byTiles('balanced') }), own);
       expect((await view.pick(32, 32))?.weight).toBeGreaterThan(0);
       engine.destroy();
     },

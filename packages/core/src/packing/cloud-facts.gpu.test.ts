@@ -47,7 +47,8 @@ interface Drawn {
 /** An image of what `addTo` adds, by an engine of its own. */
 async function drawn(addTo: (engine: SplatEngine) => SplatCloud | Promise<SplatCloud>): Promise<Drawn> {
   const textsBefore = shaderTexts.size;
-  const engine = await SplatEngine.create({ device });
+  // Images are compared bit for bit: their rasteriser must not follow from times.
+  const engine = await SplatEngine.create({ device, accuracy: { rasterizer: 'tiles' } });
   onTestFinished(() => engine.destroy());
   const cloud = await addTo(engine);
   const view = engine.createView();
