@@ -2,7 +2,7 @@ import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
 import { randomSplats } from '../testing/random-splats.ts';
 import { uniform } from '../testing/uniform.ts';
-import { mortonOrder, permuteSplats } from './morton-order.ts';
+import { type MortonFrame, mortonCell, mortonFrame, mortonOrder, permuteSplats } from './morton-order.ts';
 
 /** 48-bit Morton code of cell coordinates, bit by bit. */
 function mortonCode(cell: readonly number[]): number {
@@ -14,6 +14,66 @@ function mortonCode(cell: readonly number[]): number {
 }
 
 const coordinate = uniform(-1000, 1000);
+
+/** Largest float32, least normal one and least of all. */
+const [HUGEST, NORMAL, TINIEST] = [3.4028234663852886e38, 2 ** -126, 2 ** -149];
+
+/** Cells of coordinates along one axis, and the frame that they are counted in. */
+function cellsAlong(coordinates: readonly number[]): { cells: number[]; frame: MortonFrame } {
+  const values = Float32Array.from(coordinates);
+  const frame = mortonFrame([Math.min(...values), 0, 0], [Math.max(...values), 0, 0]);
+  return { cells: Array.from(values, (value) => mortonCell(value, 0, frame)), frame };
+}
+
+describe('cells of Morton codes', () => {
+  test('are as many for tiny clouds and huge ones as for others', () => {
+    for (const size of [1, 1e-30, 1e30, 2 ** 30 * NORMAL, HUGEST / 2]) {
+      for (const base of [0, size, -size / 3]) {
+        const { cells } = cellsAlong([0, 0.25, 0.5, 0.75, 1].map((part) => base + part * size));
+        for (const [i, cell] of cells.entries())
+          expect(Math.abs(cell - (i * 65_535) / 4), `${base} + ${i} / 4 · ${size}`).toBeLessThanOrEqual(1);
+      }
+    }
+    expect(cellsAlong([-HUGEST, 0, HUGEST]).cells).toEqual([0, 32_767, 65_535]);
+    expect(cellsAlong([NORMAL, NORMAL + TINIEST]).cells).toEqual([0, 65_535]);
+  });
+
+  test('are 0 along an axis without extent, whatever its coordinate', () => {
+    for (const coordinate of [0, -0, 7.5, -HUGEST, HUGEST, TINIEST]) {
+      const frame = mortonFrame([coordinate, -1e-30, 0], [coordinate, 1e-30, 0]);
+      expect(mortonCell(coordinate, 0, frame)).toBe(0);
+      expect(mortonCell(1e-30, 1, frame)).toBe(65_535);
+      const point = mortonFrame([coordinate, 0, 0], [coordinate, 0, 0]);
+      expect(mortonCell(coordinate, 0, point)).toBe(0);
+    }
+  });
+
+  test('take subnormal coordinates and −0 for 0', () => {
+    const { cells, frame } = cellsAlong([-NORMAL, NORMAL]);
+    expect(cells).toEqual([0, 65_535]);
+    for (const value of [-0, TINIEST, -TINIEST, NORMAL - TINIEST])
+      expect(mortonCell(value, 0, frame)).toBe(mortonCell(0, 0, frame));
+    expect(cellsAlong([-TINIEST, 0, TINIEST]).cells).toEqual([0, 0, 0]);
+  });
+
+  test('do not decrease with the coordinate, and reach from 0 to 65535 or one less', () => {
+    const any = fc.float({ noNaN: true, noDefaultInfinity: true });
+    fc.assert(
+      fc.property(fc.array(any, { minLength: 2, maxLength: 30 }), (coordinates) => {
+        const sorted = Float32Array.from(coordinates).sort();
+        const { cells, frame } = cellsAlong(Array.from(sorted));
+        for (let i = 1; i < cells.length; i++) expect(cells[i]).toBeGreaterThanOrEqual(cells[i - 1]);
+        expect(cells[0]).toBe(0);
+        if (frame.cellsPerUnit > 0) expect(cells.at(-1)).toBeGreaterThanOrEqual(65_534);
+        for (const value of [frame.scale[0], frame.scaledMin[0], frame.cellsPerUnit]) {
+          expect(Math.fround(value)).toBe(value);
+          expect(Number.isFinite(value)).toBe(true);
+        }
+      }),
+      { numRuns: 1000 },
+    );
+  });
+});
 
 describe('Morton order', () => {
   test('is a permutation for any positions', () => {

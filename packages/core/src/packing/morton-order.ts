@@ -1,9 +1,62 @@
+import type { Vec3 } from '../math/mat4.ts';
 import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 import { type Harmonics, isPacked } from './harmonics.ts';
 
 /** Bits per axis of a Morton code: 48 in all, three passes of a 16-bit radix sort. */
 const BITS_PER_AXIS = 16;
 const RADIX = 1 << BITS_PER_AXIS;
+/** Largest cell along an axis. */
+const LAST_CELL = RADIX - 1;
+
+/** Smallest normal float32: WGSL lets a device take any smaller number for 0. */
+const SMALLEST_NORMAL = 2 ** -126;
+/** Largest power of two in float32. */
+const LARGEST_POWER = 2 ** 127;
+
+/**
+ * The grid of cells, 2¹⁶ along the longest axis, from which Morton codes are made. All numbers are float32, and so is every
+ * step from a coordinate to its cell, each rounded to nearest: the GPU finds the same cells as the host to the bit.
+ *
+ *     cell = min(65535, floor((p · scale − scaledMin) · cellsPerUnit)), where p is 0 if it is subnormal
+ */
+export interface MortonFrame {
+  /**
+   * By axis. A power of two that brings the longest extent to 1…2, or as near to that as float32 allows, so that all other
+   * numbers are within range for any cloud; 0 where all centres have one coordinate, which may be too large for that. The
+   * product with it is exact wherever it decides on the cell.
+   */
+  readonly scale: Vec3;
+  /** Least corner of the centres, times `scale`. */
+  readonly scaledMin: Vec3;
+  /** Cells per scaled unit; 0 where all centres are in one cell. */
+  readonly cellsPerUnit: number;
+}
+
+/** The frame of centres whose least and largest float32 coordinates are `min` and `max`. */
+export function mortonFrame(min: ArrayLike<number>, max: ArrayLike<number>): MortonFrame {
+  const low = vec3((axis) => withoutSubnormals(min[axis]));
+  const extents = vec3((axis) => withoutSubnormals(max[axis]) - low[axis]);
+  // One step for all axes: cells are cubes, so a flat scene does not waste its order on its thin side.
+  const extent = Math.max(...extents);
+  // Of no splats, the least coordinate is above the largest.
+  if (!(extent > 0)) return { scale: [0, 0, 0], scaledMin: [0, 0, 0], cellsPerUnit: 0 };
+  const nearest = 2 ** -Math.floor(Math.log2(extent));
+  const power = Math.max(SMALLEST_NORMAL, Math.min(LARGEST_POWER, nearest));
+  const scale = vec3((axis) => (extents[axis] > 0 ? power : 0));
+  const scaledMin = vec3((axis) => Math.fround(low[axis] * scale[axis]));
+  return { scale, scaledMin, cellsPerUnit: Math.fround(LAST_CELL / (extent * power)) };
+}
+
+/** The cell of a float32 coordinate of a centre along `axis`, 0…65535. */
+export function mortonCell(coordinate: number, axis: number, frame: MortonFrame): number {
+  const scaled = Math.fround(withoutSubnormals(coordinate) * frame.scale[axis]);
+  const cells = Math.fround(Math.fround(scaled - frame.scaledMin[axis]) * frame.cellsPerUnit);
+  return Math.min(LAST_CELL, cells) | 0;
+}
+
+function withoutSubnormals(value: number): number {
+  return Math.abs(value) < SMALLEST_NORMAL ? 0 : value;
+}
 
 /**
  * Storage order of splats: by the Morton code of their centres within the bounds; equal codes keep the given order.
@@ -47,21 +100,12 @@ export function permuteSplats<Kind extends Harmonics>(
 
 /** The 48-bit codes as three columns of 16 bits, least significant first. */
 function mortonCodes(positions: Float32Array, count: number): Uint16Array[] {
-  const min = [Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
-  const max = [Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY];
-  for (let i = 0; i < 3 * count; i++) {
-    const axis = i % 3;
-    if (positions[i] < min[axis]) min[axis] = positions[i];
-    if (positions[i] > max[axis]) max[axis] = positions[i];
-  }
-  // One step for all axes: cells are cubes, so a flat scene does not waste its order on its thin side.
-  const extent = Math.max(max[0] - min[0], max[1] - min[1], max[2] - min[2]);
-  const cellsPerUnit = extent > 0 ? (RADIX - 1) / extent : 0;
+  const frame = frameOf(positions, count);
   const columns = [new Uint16Array(count), new Uint16Array(count), new Uint16Array(count)];
   for (let i = 0; i < count; i++) {
-    const x = (positions[3 * i] - min[0]) * cellsPerUnit;
-    const y = (positions[3 * i + 1] - min[1]) * cellsPerUnit;
-    const z = (positions[3 * i + 2] - min[2]) * cellsPerUnit;
+    const x = mortonCell(positions[3 * i], 0, frame);
+    const y = mortonCell(positions[3 * i + 1], 1, frame);
+    const z = mortonCell(positions[3 * i + 2], 2, frame);
     // 16 bits of code take 5⅓ bits of each axis: interleave bit by bit through a table of spread bytes.
     const lowBits = spread(x & 0xff) | (spread(y & 0xff) << 1) | (spread(z & 0xff) << 2);
     const highBits = spread(x >> 8) | (spread(y >> 8) << 1) | (spread(z >> 8) << 2);
@@ -70,6 +114,21 @@ function mortonCodes(positions: Float32Array, count: number): Uint16Array[] {
     columns[2][i] = highBits >>> 8;
   }
   return columns;
+}
+
+function frameOf(positions: Float32Array, count: number): MortonFrame {
+  const min = [Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
+  const max = [Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY];
+  for (let i = 0; i < 3 * count; i++) {
+    const axis = i % 3;
+    if (positions[i] < min[axis]) min[axis] = positions[i];
+    if (positions[i] > max[axis]) max[axis] = positions[i];
+  }
+  return mortonFrame(min, max);
+}
+
+function vec3(component: (axis: number) => number): Vec3 {
+  return [component(0), component(1), component(2)];
 }
 
 /** The eight bits of `byte` with two zeros between each. */
