@@ -1,5 +1,5 @@
-// Unpacks and packs splats as layout/geometry.ts stores them, per splat. cull-splats and project unpack; repack-geometry
-// also packs. Twin: reference/packing.ts.
+// Unpacks splats as packing/geometry.ts stores them, one by one. Used by cull-splats, project and repack-geometry. Twin:
+// reference/packing.ts.
 
 /// A splat's geometry and base colour, in the cloud's space.
 struct Splat {
@@ -52,56 +52,4 @@ fn unpackRotation(low: u32, high: u32) -> vec4f {
   let third = vec4f(rest.xy, w, rest.z);
   let fourth = vec4f(rest, w);
   return select(select(fourth, third, largest == 2u), select(second, first, largest == 0u), largest < 2u);
-}
-
-/// vec4u per packed splat.
-const PACKED_VECTORS = 2u;
-
-/// Packs `splat` into 32 bytes, as layout/geometry.ts does. Steps may differ by one from the host's, which rounds in float64.
-/// The step of `logScales` (its y) is 0 if all scales are the same.
-fn packSplat(splat: Splat, logScales: vec2f) -> array<vec4u, PACKED_VECTORS> {
-  let dc = vec3u(halfBits(splat.colorDc.x), halfBits(splat.colorDc.y), halfBits(splat.colorDc.z));
-  let opacity = u32(floor(splat.opacity * 65535.0 + 0.5));
-  var scale = vec3u(0u);
-  if (logScales.y > 0.0) {
-    let steps = floor((log(splat.scale) - logScales.x) / logScales.y + 0.5);
-    scale = vec3u(clamp(steps, vec3f(0.0), vec3f(65535.0)));
-  }
-  let rotation = packRotation(splat.rotation);
-  return array<vec4u, PACKED_VECTORS>(
-    vec4u(bitcast<vec3u>(splat.position), dc.x | (dc.y << 16u)),
-    vec4u(dc.z | (opacity << 16u), scale.x | (scale.y << 16u), scale.z | (rotation.x << 16u), rotation.y),
-  );
-}
-
-/// Packs a rotation for `unpackRotation`: low, high.
-fn packRotation(rotation: vec4f) -> vec2u {
-  let size = abs(rotation);
-  let ofFirstTwo = select(0u, 1u, size.y > size.x);
-  let ofLastTwo = select(2u, 3u, size.w > size.z);
-  let largest = select(ofFirstTwo, ofLastTwo, max(size.z, size.w) > max(size.x, size.y));
-  // A quaternion and its negative are the same rotation, so the omitted component is made positive.
-  let facing = select(rotation, -rotation, rotation[largest] < 0.0);
-  let rest = select(
-    select(facing.xyz, facing.xyw, largest == 2u),
-    select(facing.xzw, facing.yzw, largest == 0u),
-    largest < 2u,
-  );
-  let steps = vec3u(floor(rest * (1.4142135623730951 * 16383.0) + 0.5) + 16383.0);
-  return vec2u(steps.x | ((largest & 1u) << 15u), steps.y | ((largest >> 1u) << 15u) | (steps.z << 16u));
-}
-
-/// Bits of the binary16 nearest to `value`, ties to even; values beyond ±65504 become ±65504. Twin of layout/half.ts. Uses
-/// integers because WGSL leaves it to the device how pack2x16float rounds, and what it makes of 65520.
-fn halfBits(value: f32) -> u32 {
-  let bits = bitcast<u32>(value);
-  let sign = (bits >> 16u) & 0x8000u;
-  let magnitude = min(bits & 0x7fffffffu, 0x477fe000u);
-  if (magnitude >= 0x38800000u) {
-    return sign | ((magnitude + 0xfffu + ((magnitude >> 13u) & 1u) - 0x38000000u) >> 13u);
-  }
-  // Below 2^-14 binary16 is subnormal: multiples of 2^-24.
-  let mantissa = (magnitude & 0x7fffffu) | 0x800000u;
-  let shift = min(126u - (magnitude >> 23u), 31u);
-  return sign | ((mantissa + (1u << (shift - 1u)) - 1u + ((mantissa >> shift) & 1u)) >> shift);
 }

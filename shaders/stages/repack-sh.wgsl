@@ -3,19 +3,22 @@
 // Runs on the GPU, which already holds the finer plane, so that nothing is read back.
 import constants::COARSER_WORDS;
 import constants::FINER_WORDS;
-import constants::REPACK_WORKGROUP;
+import constants::CHUNK_SPLATS;
 import constants::SH_VALUES;
 import layout::RepackParameters;
 import package::lib::dispatch::linearWorkgroup;
-import package::lib::packing::halfBits;
+import package::lib::harmonics_packing::byteOf;
+import package::lib::harmonics_packing::scaleBitsOf;
+import package::lib::harmonics_packing::scaleOf;
+import package::lib::pack_splat::halfBits;
 
 @group(0) @binding(0) var<uniform> parameters: RepackParameters;
 @group(0) @binding(1) var<storage, read> finer: array<u32>;
 @group(0) @binding(2) var<storage, read_write> coarser: array<u32>;
 
-@compute @workgroup_size(REPACK_WORKGROUP)
+@compute @workgroup_size(CHUNK_SPLATS)
 fn repackSh(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
-  let index = linearWorkgroup(workgroup, parameters.dispatchRow) * REPACK_WORKGROUP + lane;
+  let index = linearWorkgroup(workgroup, parameters.dispatchRow) * CHUNK_SPLATS + lane;
   if (index >= parameters.splatCount) { return; }
   writeSplat(index * FINER_WORDS, index * COARSER_WORDS);
 }
@@ -35,19 +38,14 @@ fn writeSplat(first: u32, at: u32) {
 fn writeSplat(first: u32, at: u32) {
   var largest = 0.0;
   for (var i = 0u; i < SH_VALUES; i++) { largest = max(largest, abs(finerValue(first, i))); }
-  var scaleBits = halfBits(largest);
-  // Rounded up, so that the largest value still fits in ±127.
-  if (unpack2x16float(scaleBits).x < min(largest, 65504.0)) { scaleBits++; }
-  // At least the smallest binary16 above 0, in case a device flushes subnormal halves to 0. If the scale is 0, so are all
-  // values.
-  let scale = max(unpack2x16float(scaleBits).x, 5.960464477539063e-8);
+  let scaleBits = scaleBitsOf(largest);
+  let scale = scaleOf(scaleBits);
   for (var word = 0u; word < COARSER_WORDS; word++) {
     var bits = select(0u, scaleBits, word == 0u);
     for (var part = 0u; part < 4u; part++) {
       let place = 4u * word + part;
       if (place >= 2u && place < SH_VALUES + 2u) {
-        let step = clamp(floor(finerValue(first, place - 2u) / scale * 127.0 + 0.5), -127.0, 127.0);
-        bits = insertBits(bits, bitcast<u32>(i32(step)), 8u * part, 8u);
+        bits = insertBits(bits, byteOf(finerValue(first, place - 2u), scale), 8u * part, 8u);
       }
     }
     coarser[at + word] = bits;

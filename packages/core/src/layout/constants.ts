@@ -9,9 +9,6 @@ export const SHADER_CONSTANTS = {
   CHUNK_WORKGROUP: 64,
   PROJECT_WORKGROUP: 256,
   PLAN_WORKGROUP: 64,
-  REPACK_WORKGROUP: 256,
-  /** Splats, in drawing order, that one workgroup blends for a pick. */
-  PICK_WORKGROUP: 256,
   /** Side of a tile: one workgroup blends one tile. */
   TILE_PX: 8,
   /** Side of a bin in tiles, and in pixels. Pairs are sorted by bin. */
@@ -33,10 +30,6 @@ export const SHADER_CONSTANTS = {
   SCAN_ITEMS: 8,
   /** Side of the square of pixels that one workgroup composites. */
   COMPOSITE_TILE_PX: 8,
-  /** Side of the square of pixels that one workgroup compares. */
-  COMPARE_TILE_PX: 16,
-  /** Radius of the Gaussian window of structural similarity. */
-  SSIM_RADIUS_PX: 5,
 } as const;
 
 /** Counts that one workgroup scans. */

@@ -13,6 +13,7 @@ const Mixed = gpuStruct('Mixed', {
   toClip: 'mat4x4f',
   counts: 'vec2u',
   one: 'array<vec4f, 1>',
+  offsets: 'array<vec4u, 2>',
   color: 'vec4f',
   last: 'u32',
 });
@@ -42,6 +43,7 @@ describe('gpuStruct', () => {
         toClip: sequence(16, 400),
         counts: [200, 201],
         one: [300, 301, 302, 303],
+        offsets: sequence(8, 500),
         color: [0.25, 0.5, 0.75, 1],
         last: 9,
       },

@@ -6,7 +6,7 @@ interface TypeLayout {
   readonly scalar: 'f32' | 'u32';
 }
 
-/** WGSL types of the fields of GPU structs, in addition to arrays of vec4f. */
+/** WGSL types of the fields of GPU structs, in addition to arrays of vec4f and vec4u. */
 const TYPES = {
   f32: { bytes: 4, alignment: 4, components: 1, scalar: 'f32' },
   u32: { bytes: 4, alignment: 4, components: 1, scalar: 'u32' },
@@ -14,6 +14,7 @@ const TYPES = {
   vec2u: { bytes: 8, alignment: 8, components: 2, scalar: 'u32' },
   vec3f: { bytes: 12, alignment: 16, components: 3, scalar: 'f32' },
   vec4f: { bytes: 16, alignment: 16, components: 4, scalar: 'f32' },
+  vec4u: { bytes: 16, alignment: 16, components: 4, scalar: 'u32' },
   /** Columns are padded to 16 bytes. */
   mat3x3f: { bytes: 48, alignment: 16, components: 9, scalar: 'f32' },
   mat4x4f: { bytes: 64, alignment: 16, components: 16, scalar: 'f32' },
@@ -21,7 +22,7 @@ const TYPES = {
 
 type SimpleType = keyof typeof TYPES;
 /** Arrays of other elements would be padded in uniform buffers. */
-export type GpuType = SimpleType | `array<vec4f, ${number}>`;
+export type GpuType = SimpleType | `array<${'vec4f' | 'vec4u'}, ${number}>`;
 
 type ScalarType = { [T in SimpleType]: (typeof TYPES)[T]['components'] extends 1 ? T : never }[SimpleType];
 type FieldValue<T extends GpuType> = T extends ScalarType ? number : ArrayLike<number>;
@@ -98,9 +99,9 @@ export function roundUp(value: number, multiple: number): number {
 
 function layoutOf(type: GpuType): TypeLayout {
   if (Object.hasOwn(TYPES, type)) return TYPES[type as SimpleType];
-  const count = /^array<vec4f, ([1-9]\d*)>$/.exec(type)?.[1];
+  const [, element, count] = /^array<(vec4[fu]), ([1-9]\d*)>$/.exec(type) ?? [];
   if (!count) throw new RangeError(`${type} is not a type of struct fields.`);
-  const { bytes, alignment, components, scalar } = TYPES.vec4f;
+  const { bytes, alignment, components, scalar } = TYPES[element as 'vec4f' | 'vec4u'];
   return { bytes: bytes * Number(count), alignment, components: components * Number(count), scalar };
 }
 

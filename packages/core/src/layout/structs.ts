@@ -154,46 +154,13 @@ export const HostViewport = gpuStruct('HostViewport', {
 /** Width and height of the layer that splats are blended in, as fractions of the image's. */
 export const UpscaleParameters = gpuStruct('UpscaleParameters', { layerPerPx: 'vec2f' });
 
-/** The pixel to pick: its centre, from the image's top left. */
-export const PickParameters = gpuStruct('PickParameters', { pixelPx: 'vec2f', blockCount: 'u32' });
-
-/** Contribution of a run of successive splats, in drawing order, to one pixel. */
-export const PickBlock = gpuStruct('PickBlock', {
-  /** Fraction of the light from behind the run that passes through all its splats. */
-  transmittance: 'f32',
-  /** Largest share of the pixel that one of the splats has, as if nothing were in front of the run; 0 if there is none. */
-  weight: 'f32',
-  /** That splat's number, counting through all chunks of the frame. */
-  splat: 'u32',
-  /** Its opacity at the pixel. */
-  alpha: 'f32',
-  depthView: 'f32',
-});
-
 export const CompositeParameters = gpuStruct('CompositeParameters', { background: 'vec3f' });
 
-export const CompareParameters = gpuStruct('CompareParameters', { background: 'vec3f' });
+/** A struct as shaders see it. */
+export type ShaderStruct = Pick<GpuStruct<never>, 'name' | 'wgsl'>;
 
-/** Difference of one tile of two images; sums over its pixels and r, g, b. */
-export const CompareTile = gpuStruct('CompareTile', {
-  squaredErrorSum: 'f32',
-  maxError: 'f32',
-  /** Sum of 1 − structural similarity. */
-  dissimilaritySum: 'f32',
-  /** Number of pixels with a non-finite value. */
-  brokenActual: 'u32',
-  brokenExpected: 'u32',
-});
-
-/** Number of splats of a page to repack, and the cloud's log scales as in `Page`. */
-export const RepackParameters = gpuStruct('RepackParameters', {
-  logScales: 'vec2f',
-  splatCount: 'u32',
-  dispatchRow: 'u32',
-});
-
-/** Structs that shaders import by their names (`import layout::View;`). */
-export const SHADER_STRUCTS: readonly Pick<GpuStruct<never>, 'name' | 'wgsl'>[] = [
+/** Structs that any shader may import by their names (`import layout::View;`). */
+export const SHADER_STRUCTS: readonly ShaderStruct[] = [
   View,
   Page,
   Chunk,
@@ -202,12 +169,7 @@ export const SHADER_STRUCTS: readonly Pick<GpuStruct<never>, 'name' | 'wgsl'>[] 
   ScanParameters,
   SortParameters,
   SortPlan,
-  PickParameters,
-  PickBlock,
   CompositeParameters,
-  CompareParameters,
-  CompareTile,
-  RepackParameters,
   HostDepth,
   HostViewport,
   UpscaleParameters,

@@ -1,8 +1,7 @@
 import { InvalidArgumentError, WebSplatterError } from '../errors.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
-import { SHADER_CONSTANTS } from '../layout/constants.ts';
-import { CompareParameters, CompareTile } from '../layout/structs.ts';
+import { COMPARE_CONSTANTS, CompareParameters, CompareTile } from '../layout/compare-structs.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { ImageDifference } from '../reference/compare-images.ts';
 import { compareImages, countedError, ERROR_COUNTS } from '../stages/compare-images.ts';
@@ -15,7 +14,7 @@ export class NonFiniteImageError extends WebSplatterError {
   readonly pixels: number;
 
   constructor(image: 'actual' | 'expected', pixels: number, [xPx, yPx]: readonly [xPx: number, yPx: number]) {
-    const { COMPARE_TILE_PX: side } = SHADER_CONSTANTS;
+    const { COMPARE_TILE_PX: side } = COMPARE_CONSTANTS;
     super(
       'non-finite-image',
       `The ${image === 'actual' ? 'compared' : 'expected'} image has values that are not finite in ${pixels} pixels, the first of them in the ${side}×${side} px from ${xPx}, ${yPx}.`,
@@ -53,8 +52,8 @@ export async function compareTextures(
     throw new InvalidArgumentError('expected', message);
   }
   if (!pipelines.areReady([compareImages])) await pipelines.prepare([compareImages]);
-  const tilesAcross = Math.ceil(width / SHADER_CONSTANTS.COMPARE_TILE_PX);
-  const tilesDown = Math.ceil(height / SHADER_CONSTANTS.COMPARE_TILE_PX);
+  const tilesAcross = Math.ceil(width / COMPARE_CONSTANTS.COMPARE_TILE_PX);
+  const tilesDown = Math.ceil(height / COMPARE_CONSTANTS.COMPARE_TILE_PX);
   const tileBytes = CompareTile.bytes * tilesAcross * tilesDown;
   const countBytes = 4 * ERROR_COUNTS;
   const { UNIFORM, STORAGE, COPY_SRC, COPY_DST, MAP_READ } = GPUBufferUsage;
@@ -132,7 +131,7 @@ function percentile(counts: Uint32Array, values: number, maxError: number): numb
 }
 
 function checkFinite(tiles: DataView, image: 'actual' | 'expected', widthPx: number): void {
-  const { COMPARE_TILE_PX } = SHADER_CONSTANTS;
+  const { COMPARE_TILE_PX } = COMPARE_CONSTANTS;
   const offset = CompareTile.offsets[image === 'actual' ? 'brokenActual' : 'brokenExpected'];
   let pixels = 0;
   let firstTile = -1;

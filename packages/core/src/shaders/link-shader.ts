@@ -1,11 +1,15 @@
 import { MAX_FRAGMENT_ALPHA } from '../accuracy/accuracy.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
-import { SHADER_STRUCTS, SPLAT_RECORDS } from '../layout/structs.ts';
+import { SHADER_STRUCTS, type ShaderStruct, SPLAT_RECORDS } from '../layout/structs.ts';
 import { type LinkInput, linkModules, type ShaderModules } from './shader-linker.ts';
 
 /** All shader files except those that only measuring or making planes needs, which are loaded with that code. */
 const files = import.meta.glob<string>(
-  ['../../../../shaders/**/*.wgsl', '!../../../../shaders/stages/{compare-images,repack-*}.wgsl'],
+  [
+    '../../../../shaders/**/*.wgsl',
+    '!../../../../shaders/stages/{compare-images,ingest-*,pick,repack-*}.wgsl',
+    '!../../../../shaders/lib/{exact-exp,float-bits,harmonics-packing,pack-splat}.wgsl',
+  ],
   { query: '?raw', import: 'default', eager: true },
 );
 
@@ -38,6 +42,10 @@ export interface ShaderVariant {
   readonly stage: string;
   /** Text of that file, if it is not among the engine's own modules. */
   readonly source?: string;
+  /** Texts of other files below shaders/ that are not among those modules, by their names without endings. */
+  readonly libraries?: Readonly<Record<string, string>>;
+  /** Structs that it may import besides those of all shaders. */
+  readonly structs?: readonly ShaderStruct[];
   readonly conditions?: Readonly<Record<string, boolean>>;
   readonly constants?: Readonly<Record<string, number>>;
   /** Provides the modules `effects` and `parameters`; equal modules are the same object. Default none. */
@@ -98,19 +106,19 @@ export function linkShader(variant: ShaderVariant, mutation?: ShaderMutation): s
 
 /** Returns a variant as input of the linker: the host's structs and constants become modules, like files. */
 export function linkInput(
-  { stage, source, conditions = {}, constants = {}, effects }: ShaderVariant,
+  { stage, source, libraries = {}, structs = [], conditions = {}, constants = {}, effects }: ShaderVariant,
   mutation?: ShaderMutation,
 ): LinkInput {
   const { f32, f16, paper } = SPLAT_RECORDS;
   const record = conditions.RECORD_F32 ? f32 : conditions.RECORD_PAPER ? paper : f16;
   const root = moduleName(`stages/${stage}`);
   const values = Object.entries({ ...SHADER_CONSTANTS, MAX_FRAGMENT_ALPHA, ...constants });
+  const known = source === undefined ? modules : { ...modules, ...modulesOf(libraries), [root]: source };
   return {
     modules: {
-      ...(mutation ? mutated(mutation) : modules),
-      ...(source !== undefined && { [root]: source }),
+      ...(mutation ? mutated(known, mutation) : known),
       ...effects?.modules,
-      layout: [...SHADER_STRUCTS, record].map((struct) => struct.wgsl).join('\n'),
+      layout: [...SHADER_STRUCTS, ...structs, record].map((struct) => struct.wgsl).join('\n'),
       constants: values.map(([name, value]) => `const ${name} = ${value};`).join('\n'),
     },
     root,
@@ -119,10 +127,12 @@ export function linkInput(
   };
 }
 
-function mutated({ file, find, replace }: ShaderMutation): ShaderModules {
+function mutated(known: ShaderModules, { file, find, replace }: ShaderMutation): ShaderModules {
   const name = moduleName(file);
-  const parts = modules[name]?.split(find);
-  if (parts?.length !== 2)
+  // An engine's mutation is there for all of its shaders, and the file may come with only one of them.
+  if (!(name in known)) return known;
+  const parts = known[name].split(find);
+  if (parts.length !== 2)
     throw new RangeError(`"${find}" does not occur exactly once in shaders/${file}.wgsl.`);
-  return { ...modules, [name]: parts.join(replace) };
+  return { ...known, [name]: parts.join(replace) };
 }

@@ -1,10 +1,13 @@
 import source from '../../../../shaders/stages/compare-images.wgsl?raw';
 import type { StageDefinition } from '../gpu/pipelines.ts';
+import { COMPARE_CONSTANTS, COMPARE_STRUCTS } from '../layout/compare-structs.ts';
 
 /** Compares two layers of equal size: writes a `CompareTile` per tile, and how often each absolute error occurs. */
 export const compareImages = {
   stage: 'compare-images',
   source,
+  structs: COMPARE_STRUCTS,
+  constants: COMPARE_CONSTANTS,
   entryPoint: 'compareImages',
   bindings: {
     parameters: [0, 'uniform'],

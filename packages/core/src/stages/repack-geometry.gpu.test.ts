@@ -2,8 +2,8 @@ import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
-import { SHADER_CONSTANTS } from '../layout/constants.ts';
-import { RepackParameters } from '../layout/structs.ts';
+import { CHUNK_SPLATS } from '../layout/constants.ts';
+import { RepackParameters } from '../layout/packing-structs.ts';
 import { type PackedGeometry, packGeometry } from '../packing/geometry.ts';
 import { unpackSplat } from '../reference/packing.ts';
 import { repackGeometry as twin } from '../reference/repack-geometry.ts';
@@ -40,7 +40,7 @@ async function repackOnGpu(finer: PackedGeometry, count: number): Promise<Packed
     finer: storageBuffer(device, finer.words),
     coarser,
   };
-  const workgroups = Math.ceil(count / SHADER_CONSTANTS.REPACK_WORKGROUP);
+  const workgroups = Math.ceil(count / CHUNK_SPLATS);
   await runStage(device, pipelines, repackGeometry, bindings, dispatchSize(workgroups, DISPATCH_ROW));
   return { ...finer, precision: 'packed', words: await readWords(device, coarser) };
 }

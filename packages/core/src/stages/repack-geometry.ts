@@ -1,10 +1,14 @@
 import source from '../../../../shaders/stages/repack-geometry.wgsl?raw';
 import type { StageDefinition } from '../gpu/pipelines.ts';
+import { PACKING_STRUCTS } from '../layout/packing-structs.ts';
+import { PACKING_LIBRARIES } from './packing-libraries.ts';
 
 /** Packs a page of float32 geometry. */
 export const repackGeometry = {
   stage: 'repack-geometry',
   source,
+  structs: PACKING_STRUCTS,
+  libraries: PACKING_LIBRARIES,
   entryPoint: 'repackGeometry',
   conditions: { GEOMETRY_F32: true },
   bindings: {

@@ -2,8 +2,8 @@ import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
-import { SHADER_CONSTANTS } from '../layout/constants.ts';
-import { RepackParameters } from '../layout/structs.ts';
+import { CHUNK_SPLATS } from '../layout/constants.ts';
+import { RepackParameters } from '../layout/packing-structs.ts';
 import { type PackedHarmonics, readCoefficients } from '../packing/harmonics.ts';
 import { packHarmonics, repackHarmonics } from '../packing/repack-harmonics.ts';
 import { repackSh as twin } from '../reference/repack-sh.ts';
@@ -37,7 +37,7 @@ async function repackOnGpu(
     finer: storageBuffer(device, finer.words),
     coarser,
   };
-  const workgroups = Math.ceil(COUNT / SHADER_CONSTANTS.REPACK_WORKGROUP);
+  const workgroups = Math.ceil(COUNT / CHUNK_SPLATS);
   await runStage(device, shaders, stage, bindings, dispatchSize(workgroups, DISPATCH_ROW));
   return readWords(device, coarser);
 }
@@ -56,7 +56,7 @@ function coefficients(degree: RepackShVariant['degree']): PackedHarmonics {
 
 describe('repack-sh', () => {
   gpuTest('halves that are truncated instead of rounded are noticed', async () => {
-    const mutation = { file: 'lib/packing', find: '0xfffu + ((magnitude >> 13u) & 1u)', replace: '0u' };
+    const mutation = { file: 'lib/pack-splat', find: '0xfffu + ((magnitude >> 13u) & 1u)', replace: '0u' };
     const finer = coefficients(1);
     const cut = await repackOnGpu(
       finer,

@@ -1,8 +1,10 @@
 import source from '../../../../shaders/stages/repack-sh.wgsl?raw';
 import type { StageDefinition } from '../gpu/pipelines.ts';
+import { PACKING_STRUCTS } from '../layout/packing-structs.ts';
 import { shWordsPerSplat } from '../packing/harmonics.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import { coefficientsPerSplat } from '../splats/splat-set.ts';
+import { PACKING_LIBRARIES } from './packing-libraries.ts';
 
 /** Degree of a page's spherical harmonics, and the precisions to convert from and to. */
 export interface RepackShVariant {
@@ -18,6 +20,8 @@ export function repackSh({ degree, from, to }: RepackShVariant) {
   return {
     stage: 'repack-sh',
     source,
+    structs: PACKING_STRUCTS,
+    libraries: PACKING_LIBRARIES,
     entryPoint: 'repackSh',
     conditions: { SH_F32: from === 'f32', SH_F16: from === 'f16', REPACK_TO_U8: to === 'u8' },
     constants: {

@@ -4,14 +4,19 @@ import { DestroyedError, InvalidArgumentError } from '../errors.ts';
 import type { FrameParts } from '../frame/frame.ts';
 import { locateSplat } from '../frame/frame-pages.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
+import type { FrameShape } from '../frame/frame-shape.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import type { Pipelines } from '../gpu/pipelines.ts';
-import { SHADER_CONSTANTS } from '../layout/constants.ts';
-import { PickBlock, PickParameters } from '../layout/structs.ts';
+import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
+import { PICK_CONSTANTS, PickBlock, PickParameters } from '../layout/pick-structs.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
 import { pick } from '../stages/pick.ts';
+
+/** The stage that finds splats in frames of this shape. */
+export function pickStage({ accuracy }: FrameShape): StageDefinition {
+  return pick(accuracy.recordPrecision);
+}
 
 /** The splat that contributes most to a pixel. */
 export interface SplatPick {
@@ -46,7 +51,7 @@ interface PickContext {
  * contributions. Submits before it returns, so later frames and the destruction of `frame` make no difference. Repeated picks
  * in the same frame return the same splat. Ignores everything that other renderers draw in front of the splats.
  *
- * The stage `pick` must be compiled.
+ * `pickStage` must be compiled.
  *
  * @param plan the plan of that frame.
  * @param xPx column of the layer, from the left; the pixel is the one that contains the point.
@@ -95,7 +100,7 @@ async function readBlocks(
   pixelPx: readonly [number, number],
 ): Promise<ArrayBuffer> {
   const { visibleCapacity, dispatchRow, accuracy } = shape!;
-  const blockCount = Math.ceil(visibleCapacity / SHADER_CONSTANTS.PICK_WORKGROUP);
+  const blockCount = Math.ceil(visibleCapacity / PICK_CONSTANTS.PICK_WORKGROUP);
   if (blockCount === 0) return new ArrayBuffer(0);
   const bytes = blockCount * PickBlock.bytes;
   const { UNIFORM, STORAGE, COPY_SRC, COPY_DST, MAP_READ } = GPUBufferUsage;

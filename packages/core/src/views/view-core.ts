@@ -13,12 +13,11 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
 import { type EffectEntry, effectsLedger } from '../ledger/ledger.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
-import { pick } from '../stages/pick.ts';
 import { isSameDepth, type RasterizeDepth } from '../stages/rasterize.ts';
 import type { FrameStatistics } from '../timing/frame-statistics.ts';
 import { GpuTimer } from '../timing/gpu-timer.ts';
 import type { ChooseAccuracyOptions } from './accuracy-wishes.ts';
-import { pickSplat, type SplatPick } from './pick-splat.ts';
+import type { SplatPick } from './pick-splat.ts';
 import {
   RasterizerChoice,
   type RasterizerChoiceOptions,
@@ -54,6 +53,8 @@ export interface NextFrame {
   /** Whether `plan` is the requested one. If not, shaders are compiling and `retry` will be called. */
   readonly isAsked: boolean;
 }
+
+let picking: typeof import('./pick-splat.ts') | null = null;
 
 /**
  * Base class of views, whatever they draw into: plans frames, waits for shaders, applies the settings chosen for a wish,
@@ -137,16 +138,18 @@ export abstract class ViewCore {
   async pick(xPx: number, yPx: number): Promise<SplatPick | null> {
     this.checkUsable();
     const { pipelines } = this.context;
+    // Most pages never pick. Once the code is there, the frame that stands now is the one that is searched.
+    picking ??= await import('./pick-splat.ts');
     while (this.#prepared && !this.#isDestroyed) {
       const { request, layer, shape } = this.#prepared;
       const { widthPx, heightPx } = request;
       if (!(xPx >= 0 && xPx < widthPx && yPx >= 0 && yPx < heightPx)) return null;
-      const stage = pick(shape.accuracy.recordPrecision);
+      const stage = picking.pickStage(shape);
       if (pipelines.areReady([stage])) {
         // The pixel of the layer behind the centre of the image's pixel.
         const layerX = ((Math.floor(xPx) + 0.5) * layer.widthPx) / widthPx;
         const layerY = ((Math.floor(yPx) + 0.5) * layer.heightPx) / heightPx;
-        return pickSplat(this.context, this.parts, this.#prepared, layerX, layerY);
+        return picking.pickSplat(this.context, this.parts, this.#prepared, layerX, layerY);
       }
       // While the stage compiles, a frame with other records may be drawn, or the view destroyed.
       await pipelines.prepare([stage]);

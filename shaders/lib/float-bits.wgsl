@@ -1,0 +1,23 @@
+// Floats as bits. Devices may flush subnormal numbers to zero and may assume that there are no NaNs and infinities, so what
+// a file holds is tested and kept as bits.
+
+const EXPONENT_BITS = 0x7f800000u;
+const MAGNITUDE_BITS = 0x7fffffffu;
+
+fn isFiniteBits(bits: u32) -> bool {
+  return (bits & EXPONENT_BITS) != EXPONENT_BITS;
+}
+
+fn isNanBits(bits: u32) -> bool {
+  return (bits & MAGNITUDE_BITS) > EXPONENT_BITS;
+}
+
+/// A number that grows with the float, infinities included, and is above 0. −0 comes before 0.
+fn orderedBits(bits: u32) -> u32 {
+  return select(bits | 0x80000000u, ~bits, (bits >> 31u) == 1u);
+}
+
+/// Whether both floats are equal: the same bits, or both of them 0.
+fn isEqualBits(a: u32, b: u32) -> bool {
+  return a == b || ((a | b) & MAGNITUDE_BITS) == 0u;
+}
