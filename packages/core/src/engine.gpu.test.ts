@@ -397,7 +397,7 @@ describe('large clouds', () => {
       // Five chunks of degree 3 in float32 per page.
       const maxBufferSize = 5 * 256 * 4 * packed.harmonics.wordsPerSplat;
       const limits = { maxBufferSize, maxStorageBufferBindingSize: maxBufferSize } as GPUSupportedLimits;
-      const paged = new SplatCloud(memory, limits, packed, { name: 'paged' });
+      const paged = SplatCloud.upload(memory, limits, packed, { name: 'paged' });
       expect(paged.pagesFor(engine.accuracy).pages.map(({ splatCount }) => splatCount)).toEqual([
         1280, 1280, 1280, 1101,
       ]);

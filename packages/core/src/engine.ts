@@ -208,7 +208,7 @@ export class SplatEngine {
     this.#checkUsable();
     const counting = this.#counting;
     const name = options.name ?? 'splats';
-    const cloud = new SplatCloud(this.#memory, this.device.limits, packed, {
+    const cloud = SplatCloud.upload(this.#memory, this.device.limits, packed, {
       name,
       source: options.source,
       makePlanes: (...request) => this.#makePlanes(...request),

@@ -6,6 +6,7 @@ import type { CloudPrecision } from '../packing/precision.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { CloudLeases, type MakeOptions } from './cloud-leases.ts';
+import { uploadGeometry, uploadHarmonics } from './cloud-planes.ts';
 import { SplatCloud } from './splat-cloud.ts';
 
 const FINEST: CloudPrecision = { geometryPrecision: 'f32', shPrecision: 'f32' };
@@ -248,8 +249,8 @@ describe('a SplatCloud', () => {
     await Promise.resolve();
     signal.throwIfAborted();
     const { geometry, harmonics } = packSet(randomSplats({ count: 300, shDegree }), precision);
-    planes.adoptGeometry(precision.geometryPrecision, planes.uploadGeometry(geometry));
-    if (shDegree > 0) planes.adoptSh(precision.shPrecision, planes.uploadSh(harmonics));
+    planes.adoptGeometry(precision.geometryPrecision, uploadGeometry(planes.place, geometry));
+    if (shDegree > 0) planes.adoptSh(precision.shPrecision, uploadHarmonics(planes.place, harmonics));
   }
 
   function uploaded({ shDegree = 3 as ShDegree, isEngines = true } = {}) {
@@ -264,7 +265,7 @@ describe('a SplatCloud', () => {
     const limits = { maxBufferSize: 1e6, maxStorageBufferBindingSize: 1e6 } as GPUSupportedLimits;
     const packed = packSet(randomSplats({ count: 300, shDegree }), SMALLEST);
     const options = { name: 'garden', ...(isEngines && { makePlanes }) };
-    return { cloud: new SplatCloud(memory, limits, packed, options), buffers };
+    return { cloud: SplatCloud.upload(memory, limits, packed, options), buffers };
   }
 
   test('is drawn from the planes that it holds', async () => {

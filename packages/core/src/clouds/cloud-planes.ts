@@ -83,6 +83,16 @@ export function nearestPrecision<Precision>(
   return [...fineEnough, ...finestFirst].find((precision) => held.includes(precision))!;
 }
 
+/** Planes of one precision, on the GPU. */
+export interface MadePlanes extends CloudPrecision {
+  readonly shDegree: ShDegree;
+  readonly ranges: readonly PageRange[];
+  readonly chunks: Plane;
+  readonly geometry: Plane;
+  /** Empty at degree 0. */
+  readonly harmonics: Plane;
+}
+
 /** The GPU buffers of one cloud, in each precision that it holds. */
 export class CloudPlanes {
   readonly shDegree: ShDegree;
@@ -97,26 +107,43 @@ export class CloudPlanes {
   readonly #pages = new Map<string, CloudPages>();
   #held: HeldPrecisions | null = null;
 
+  /** Takes over planes that are on the GPU. */
+  constructor(memory: GpuMemory, name: string, made: MadePlanes) {
+    this.#memory = memory;
+    this.#name = name;
+    this.shDegree = made.shDegree;
+    this.ranges = made.ranges;
+    this.#chunks = made.chunks;
+    this.#geometry.set(made.geometryPrecision, made.geometry);
+    if (this.shDegree === 0) for (const precision of SH_FINEST_FIRST) this.#sh.set(precision, []);
+    else this.#sh.set(made.shPrecision, made.harmonics);
+  }
+
   /**
    * Uploads `packed`.
    *
    * @throws GpuLimitError, before anything is allocated, if a chunk of the largest plane cannot be bound.
    */
-  constructor(memory: GpuMemory, limits: DeviceLimits, packed: PackedCloud, name: string) {
-    this.#memory = memory;
-    this.#name = name;
-    this.shDegree = packed.harmonics.degree;
-    this.ranges = pageRanges(packed.count, pageSplats(limits, this.shDegree, name));
+  static upload(memory: GpuMemory, limits: DeviceLimits, packed: PackedCloud, name: string): CloudPlanes {
+    const { degree: shDegree, precision: shPrecision } = packed.harmonics;
+    const ranges = pagesOf(limits, packed.count, shDegree, name);
     const chunkWords = Chunk.bytes / 4;
-    const chunks = new Uint32Array(packed.chunks);
-    this.#chunks = this.ranges.map(({ start, end }, page) => {
+    const words = new Uint32Array(packed.chunks);
+    const chunks = ranges.map(({ start, end }, page) => {
       const first = start / CHUNK_SPLATS;
-      const words = chunks.subarray(first * chunkWords, (first + chunkCountOf(end - start)) * chunkWords);
-      return memory.createFilledBuffer(`${name} chunks ${page}`, words);
+      const own = words.subarray(first * chunkWords, (first + chunkCountOf(end - start)) * chunkWords);
+      return memory.createFilledBuffer(`${name} chunks ${page}`, own);
     });
-    this.#geometry.set(packed.geometry.precision, this.uploadGeometry(packed.geometry));
-    if (this.shDegree === 0) for (const precision of SH_FINEST_FIRST) this.#sh.set(precision, []);
-    else this.#sh.set(packed.harmonics.precision, this.uploadSh(packed.harmonics));
+    const place = { memory, name, ranges };
+    return new CloudPlanes(memory, name, {
+      shDegree,
+      shPrecision,
+      geometryPrecision: packed.geometry.precision,
+      ranges,
+      chunks,
+      geometry: uploadGeometry(place, packed.geometry),
+      harmonics: uploadHarmonics(place, packed.harmonics),
+    });
   }
 
   /** Precisions of the planes; the same object until a plane is added or freed. */
@@ -153,24 +180,6 @@ export class CloudPlanes {
 
   shPlane(precision: ShPrecision): Plane | undefined {
     return this.#sh.get(precision);
-  }
-
-  /** Uploads a plane that is not part of the cloud yet: adopt it, or free it. */
-  uploadGeometry({ precision, words }: PackedGeometry): Plane {
-    return this.#upload(words, GEOMETRY_WORDS[precision], 'geometry');
-  }
-
-  uploadSh({ words, wordsPerSplat }: PackedHarmonics): Plane {
-    return this.#upload(words, wordsPerSplat, 'spherical harmonics');
-  }
-
-  /** Creates an empty plane for the GPU to fill. */
-  createGeometry(precision: GeometryPrecision): Plane {
-    return this.#create(GEOMETRY_WORDS[precision], 'geometry');
-  }
-
-  createSh(precision: ShPrecision): Plane {
-    return this.#create(shWordsPerSplat(this.shDegree, precision), 'spherical harmonics');
   }
 
   /** Makes `plane` part of the cloud, or frees it if the cloud already holds its precision. */
@@ -231,33 +240,59 @@ export class CloudPlanes {
     return { ...precision, pages };
   }
 
-  #upload(words: Uint32Array, wordsPerSplat: number, what: string): Plane {
-    return this.#planeOf(({ start, end }, page) =>
-      this.#memory.createFilledBuffer(
-        `${this.#name} ${what} ${page}`,
-        words.subarray(start * wordsPerSplat, end * wordsPerSplat),
-      ),
-    );
+  /** Where further planes of the cloud belong. */
+  get place(): PlanePlace {
+    return { memory: this.#memory, name: this.#name, ranges: this.ranges };
   }
+}
 
-  #create(wordsPerSplat: number, what: string): Plane {
-    return this.#planeOf(({ start, end }, page) => {
-      const bytes = 4 * wordsPerSplat * (end - start);
-      return this.#memory.createBuffer(`${this.#name} ${what} ${page}`, bytes, GPUBufferUsage.STORAGE);
-    });
-  }
+/** Pages of a cloud, whose planes have a buffer for each. */
+export interface PlanePlace {
+  readonly memory: GpuMemory;
+  readonly name: string;
+  readonly ranges: readonly PageRange[];
+}
 
-  /** Makes a buffer per page. If one fails, it frees the others. */
-  #planeOf(make: (range: PageRange, page: number) => GPUBuffer): Plane {
-    const made: GPUBuffer[] = [];
-    try {
-      for (const [page, range] of this.ranges.entries()) made.push(make(range, page));
-      return made;
-    } catch (error) {
-      this.free(made);
-      throw error;
-    }
+/** Uploads a plane that is not part of a cloud yet. */
+export function uploadGeometry(place: PlanePlace, { precision, words }: PackedGeometry): Plane {
+  return uploadPlane(place, words, GEOMETRY_WORDS[precision], 'geometry');
+}
+
+export function uploadHarmonics(place: PlanePlace, { words, wordsPerSplat }: PackedHarmonics): Plane {
+  return wordsPerSplat === 0 ? [] : uploadPlane(place, words, wordsPerSplat, 'spherical harmonics');
+}
+
+function uploadPlane(place: PlanePlace, words: Uint32Array, wordsPerSplat: number, what: string): Plane {
+  return planeOf(place, ({ start, end }, page) =>
+    place.memory.createFilledBuffer(
+      `${place.name} ${what} ${page}`,
+      words.subarray(start * wordsPerSplat, end * wordsPerSplat),
+    ),
+  );
+}
+
+/** Makes a buffer per page. If one fails, it frees the others. */
+export function planeOf(
+  { memory, ranges }: PlanePlace,
+  make: (range: PageRange, page: number) => GPUBuffer,
+): Plane {
+  const made: GPUBuffer[] = [];
+  try {
+    for (const [page, range] of ranges.entries()) made.push(make(range, page));
+    return made;
+  } catch (error) {
+    for (const buffer of made) memory.destroy(buffer);
+    throw error;
   }
+}
+
+/**
+ * Pages of a cloud of `count` splats.
+ *
+ * @throws GpuLimitError if a chunk of the largest plane cannot be bound.
+ */
+export function pagesOf(limits: DeviceLimits, count: number, degree: ShDegree, name: string): PageRange[] {
+  return pageRanges(count, pageSplats(limits, degree, name));
 }
 
 function bindingBytes(limits: DeviceLimits): number {

@@ -4,8 +4,9 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { loadSplats } from '../io/load-splats.ts';
 import type { ReadOptions } from '../io/splat-source.ts';
-import { SHADER_CONSTANTS } from '../layout/constants.ts';
-import { RepackParameters } from '../layout/structs.ts';
+import { CHUNK_SPLATS } from '../layout/constants.ts';
+import { RepackParameters } from '../layout/packing-structs.ts';
+import { Chunk } from '../layout/structs.ts';
 import { GEOMETRY_WORDS } from '../packing/geometry.ts';
 import { type Harmonics, shWordsPerSplat } from '../packing/harmonics.ts';
 import { packSet } from '../packing/pack-set.ts';
@@ -16,7 +17,8 @@ import { dispatchSize } from '../stages/dispatch.ts';
 import { repackGeometry } from '../stages/repack-geometry.ts';
 import { type RepackShVariant, repackSh } from '../stages/repack-sh.ts';
 import type { MakeOptions } from './cloud-leases.ts';
-import { isGeometryAsFine, isShAsFine, type Plane } from './cloud-planes.ts';
+import { isGeometryAsFine, isShAsFine, type Plane, uploadGeometry, uploadHarmonics } from './cloud-planes.ts';
+import { createGeometry, createHarmonics } from './create-plane.ts';
 import type { CloudSource, SplatCloud } from './splat-cloud.ts';
 
 export interface PlaneMakerContext {
@@ -135,17 +137,23 @@ export class PlaneMaker {
     let geometry = planes.geometryPlane(planes.held.geometry[0])!;
     let sh = planes.shPlane(planes.held.sh[0])!;
     if (freshGeometry) {
-      geometry = keepGeometry(freshGeometry.precision, planes.uploadGeometry(freshGeometry));
+      geometry = keepGeometry(freshGeometry.precision, uploadGeometry(planes.place, freshGeometry));
     }
     if (freshSh) {
-      sh = keepSh(freshSh.precision, planes.uploadSh(freshSh));
+      sh = keepSh(freshSh.precision, uploadHarmonics(planes.place, freshSh));
     }
     if (geometryStage) {
-      const coarser = keepGeometry(wanted.geometryPrecision, planes.createGeometry(wanted.geometryPrecision));
+      const coarser = keepGeometry(
+        wanted.geometryPrecision,
+        createGeometry(planes.place, wanted.geometryPrecision),
+      );
       this.#repack(cloud, geometryStage, geometry, coarser);
     }
     if (shStage) {
-      const coarser = keepSh(wanted.shPrecision, planes.createSh(wanted.shPrecision));
+      const coarser = keepSh(
+        wanted.shPrecision,
+        createHarmonics(planes.place, planes.shDegree, wanted.shPrecision),
+      );
       this.#repack(cloud, shStage, sh, coarser);
     }
     this.#context.counting.uploadedBytes += uploadedBytes(work);
@@ -168,7 +176,7 @@ export class PlaneMaker {
         device.queue.writeBuffer(parameters, 0, contents);
         const bindings = { parameters, finer: finer[page], coarser: coarser[page] };
         pass.setBindGroup(0, pipelines.bindGroup(stage, bindings));
-        const workgroups = Math.ceil(splatCount / SHADER_CONSTANTS.REPACK_WORKGROUP);
+        const workgroups = Math.ceil(splatCount / CHUNK_SPLATS);
         pass.dispatchWorkgroups(...dispatchSize(workgroups, dispatchRow));
       }
       pass.end();
@@ -345,8 +353,16 @@ function isSameSplats(cloud: SplatCloud, fresh: PackedCloud): boolean {
     cloud.logScaleRange.min === fresh.geometry.logScaleRange.min &&
     cloud.logScaleRange.step === fresh.geometry.logScaleRange.step &&
     isSameWords(cloud.fileIndices, fresh.fileIndices) &&
-    isSameWords(new Uint32Array(cloud.chunks), new Uint32Array(fresh.chunks))
+    isSameChunks(new Float32Array(cloud.chunks), new Float32Array(fresh.chunks))
   );
+}
+
+/** Scales may differ by what they are rounded by where the GPU takes them from packed splats. */
+function isSameChunks(a: Float32Array, b: Float32Array): boolean {
+  const scaleAt = Chunk.offsets.maxScale / 4;
+  const isSameAt = (i: number) =>
+    i % (Chunk.bytes / 4) === scaleAt ? Math.abs(a[i] - b[i]) <= 1e-3 * b[i] : a[i] === b[i];
+  return a.length === b.length && a.every((_, i) => isSameAt(i));
 }
 
 function isSameWords(a: Uint32Array, b: Uint32Array): boolean {

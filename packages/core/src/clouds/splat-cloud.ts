@@ -27,6 +27,17 @@ export interface SplatCloudOptions {
   readonly onDestroyed?: (cloud: SplatCloud) => void;
 }
 
+/** What is known of a cloud's splats, besides its planes. */
+export interface CloudContents
+  extends Pick<
+    PackedCloud,
+    'count' | 'origin' | 'bounds' | 'robustBounds' | 'dropped' | 'fileIndices' | 'facts' | 'chunks'
+  > {
+  readonly logScaleRange: LogScaleRange;
+  /** Precision of the planes. */
+  readonly precision: CloudPrecision;
+}
+
 /** Splats on the GPU. */
 export class SplatCloud {
   /** For messages and labels. */
@@ -61,37 +72,29 @@ export class SplatCloud {
   readonly #onDestroyed: (cloud: SplatCloud) => void;
   #isDestroyed = false;
 
-  /**
-   * Uploads `packed`.
-   *
-   * @throws GpuLimitError, before anything is allocated, if it cannot be bound.
-   */
+  /** Takes over `planes`, which hold what `contents` describes. */
   constructor(
-    memory: GpuMemory,
-    limits: GPUSupportedLimits,
-    packed: PackedCloud,
+    device: GPUDevice,
+    planes: CloudPlanes,
+    contents: CloudContents,
     { name, source = null, makePlanes, onDestroyed = () => {} }: SplatCloudOptions,
   ) {
     this.name = name;
-    this.count = packed.count;
-    this.shDegree = packed.harmonics.degree;
-    this.facts = packed.facts;
-    this.origin = packed.origin;
-    this.bounds = packed.bounds;
-    this.robustBounds = packed.robustBounds;
-    this.dropped = packed.dropped;
-    this.fileIndices = packed.fileIndices;
+    this.count = contents.count;
+    this.shDegree = planes.shDegree;
+    this.facts = contents.facts;
+    this.origin = contents.origin;
+    this.bounds = contents.bounds;
+    this.robustBounds = contents.robustBounds;
+    this.dropped = contents.dropped;
+    this.fileIndices = contents.fileIndices;
     this.sources = [source ?? []].flat();
-    this.logScaleRange = packed.geometry.logScaleRange;
-    this.chunks = packed.chunks;
+    this.logScaleRange = contents.logScaleRange;
+    this.chunks = contents.chunks;
     this.#onDestroyed = onDestroyed;
-    this.device = memory.device;
-    this.planes = new CloudPlanes(memory, limits, packed, name);
-    const uploaded = {
-      geometryPrecision: packed.geometry.precision,
-      shPrecision: packed.harmonics.precision,
-    };
-    this.leases = new CloudLeases(uploaded, {
+    this.device = device;
+    this.planes = planes;
+    this.leases = new CloudLeases(contents.precision, {
       name,
       keepOnly: (claims) => this.planes.keepOnly(claims),
       make: async (precision, options) => {
@@ -100,6 +103,23 @@ export class SplatCloud {
         await makePlanes(this, precision, options);
       },
     });
+  }
+
+  /**
+   * Uploads `packed`.
+   *
+   * @throws GpuLimitError, before anything is allocated, if it cannot be bound.
+   */
+  static upload(
+    memory: GpuMemory,
+    limits: GPUSupportedLimits,
+    packed: PackedCloud,
+    options: SplatCloudOptions,
+  ): SplatCloud {
+    const { logScaleRange, precision: geometryPrecision } = packed.geometry;
+    const precision = { geometryPrecision, shPrecision: packed.harmonics.precision };
+    const planes = CloudPlanes.upload(memory, limits, packed, options.name);
+    return new SplatCloud(memory.device, planes, { ...packed, logScaleRange, precision }, options);
   }
 
   /** Precisions in which the cloud can be drawn without making or reading anything first. */

@@ -99,7 +99,7 @@ export class InspectedFrame {
     const sets = options.clouds.map(({ set }) => dropNonFinite(set));
     const packed = sets.map((set) => packCloud(set, accuracy));
     const instances = options.clouds.map(({ modelMatrix, opacity, effects, splatsPerPage }, i) => ({
-      cloud: new SplatCloud(memory, limitsFor(device, packed[i], splatsPerPage), packed[i], {
+      cloud: SplatCloud.upload(memory, limitsFor(device, packed[i], splatsPerPage), packed[i], {
         name: `cloud ${i}`,
       }),
       modelMatrix,

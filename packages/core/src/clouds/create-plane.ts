@@ -1,0 +1,22 @@
+import { GEOMETRY_WORDS } from '../packing/geometry.ts';
+import { shWordsPerSplat } from '../packing/harmonics.ts';
+import type { GeometryPrecision, ShPrecision } from '../packing/precision.ts';
+import type { ShDegree } from '../splats/splat-set.ts';
+import { type Plane, type PlanePlace, planeOf } from './cloud-planes.ts';
+
+/** Creates an empty plane for the GPU to fill. @throws GpuLimitError; nothing is left allocated then. */
+export function createGeometry(place: PlanePlace, precision: GeometryPrecision): Plane {
+  return createPlane(place, GEOMETRY_WORDS[precision], 'geometry');
+}
+
+/** The same for harmonics; empty at degree 0. */
+export function createHarmonics(place: PlanePlace, degree: ShDegree, precision: ShPrecision): Plane {
+  return degree === 0 ? [] : createPlane(place, shWordsPerSplat(degree, precision), 'spherical harmonics');
+}
+
+function createPlane(place: PlanePlace, wordsPerSplat: number, what: string): Plane {
+  return planeOf(place, ({ start, end }, page) => {
+    const bytes = 4 * wordsPerSplat * (end - start);
+    return place.memory.createBuffer(`${place.name} ${what} ${page}`, bytes, GPUBufferUsage.STORAGE);
+  });
+}
