@@ -32,6 +32,24 @@ test('fill, advance, skip and byteOffset agree with the bytes, whatever the chun
   }
 });
 
+test('readInto gives the next bytes past the window, and tells of each part', async () => {
+  const bytes = numbers(2_500_000);
+  for (const sizes of [[1_000_000], [70_001, 3], [5_000_000]]) {
+    const reader = readerOf(bytes, sizes);
+    await reader.fill(10);
+    reader.advance(4);
+    const offsets: number[] = [];
+    const target = new Uint8Array(2_000_000);
+    expect(await reader.readInto(target, () => offsets.push(reader.byteOffset))).toBe(true);
+    expect(Buffer.compare(target, bytes.subarray(4, 2_000_004))).toBe(0);
+    expect(offsets.at(-1)).toBe(2_000_004);
+    expect(offsets).toEqual(offsets.toSorted((a, b) => a - b));
+    expect(await reader.fill(6)).toBe(true);
+    expect(reader.bytes[reader.start]).toBe(bytes[2_000_004]);
+    expect(await reader.readInto(new Uint8Array(500_000), () => {})).toBe(false);
+  }
+});
+
 test('rest gives everything that was not passed over', async () => {
   const bytes = numbers(2_500_000);
   const reader = readerOf(bytes, [2_000_000, 1]);

@@ -73,6 +73,29 @@ export class ByteReader {
     return true;
   }
 
+  /**
+   * Fills `bytes` with what comes next, past the window; false if the stream ends first.
+   *
+   * @param onPart called when some have arrived.
+   */
+  async readInto(bytes: Uint8Array, onPart: () => void): Promise<boolean> {
+    const held = Math.min(this.available, bytes.length);
+    bytes.set(this.bytes.subarray(this.start, this.start + held));
+    this.advance(held);
+    onPart();
+    for (let at = held; at < bytes.length; ) {
+      if (this.#pending.length === 0 && !(await this.#readChunk())) return false;
+      const part = this.#pending.subarray(0, bytes.length - at);
+      bytes.set(part, at);
+      at += part.length;
+      this.#base += part.length;
+      this.#pending = this.#pending.subarray(part.length);
+      onPart();
+      await this.pause();
+    }
+    return true;
+  }
+
   /** Skips `byteCount` bytes without holding them; false if the stream ends first. */
   async skip(byteCount: number): Promise<boolean> {
     let left = byteCount;

@@ -8,6 +8,8 @@ import {
 } from '../errors.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
 import type { GeometryPrecision, ShPrecision } from '../packing/precision.ts';
+import type { RowLayout } from '../packing/row-layout.ts';
+import type { RowFiles } from './row-sink.ts';
 import type { LoadProgress, SplatSource } from './splat-source.ts';
 
 /** Settings of a load besides its source; all of them can be posted. */
@@ -17,11 +19,18 @@ export interface LoadSettings {
   readonly geometryPrecision: GeometryPrecision;
 }
 
-/** Page to worker: the only job that the worker gets. */
-export interface LoadRequest {
-  readonly source: SplatSource;
-  readonly settings: LoadSettings;
-}
+/** Page to worker. */
+export type LoadRequest =
+  /** The only job that the worker gets. */
+  | {
+      readonly kind: 'load';
+      readonly source: SplatSource;
+      readonly settings: LoadSettings;
+      /** Which files are posted as rows, if they are of that kind; null: none. */
+      readonly rows: RowFiles | null;
+    }
+  /** Memory of rows that the page has taken, to be used again. */
+  | { readonly kind: 'memory'; readonly memory: ArrayBuffer };
 
 /** Worker to page. */
 export type LoadReply =
@@ -29,6 +38,10 @@ export type LoadReply =
   | { readonly kind: 'ready' }
   | { readonly kind: 'progress'; readonly progress: LoadProgress }
   | { readonly kind: 'cloud'; readonly cloud: PackedCloud }
+  /** The file has rows that the page takes as they are; they follow, in pieces, and then their end. */
+  | { readonly kind: 'layout'; readonly layout: RowLayout }
+  | { readonly kind: 'rows'; readonly memory: ArrayBuffer; readonly rowCount: number }
+  | { readonly kind: 'rows-end' }
   | { readonly kind: 'error'; readonly error: PostedError };
 
 /** An error as plain data: structured clone keeps neither classes nor fields. */

@@ -1,10 +1,12 @@
 import { MessageChannel, type MessagePort } from 'node:worker_threads';
 import { afterEach, describe, expect, test, vi } from 'vitest';
 import { InvalidArgumentError, SplatFileError, SplatSourceError, WebSplatterError } from '../errors.ts';
+import type { RowLayout } from '../packing/row-layout.ts';
 import { chunked, plyBytes, splatElement } from '../testing/ply-fixture.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { fromPostedError, type LoadRequest, toPostedError } from './load-messages.ts';
-import { lastingSource, loadSplats } from './load-splats.ts';
+import { lastingSource, loadOrPass, loadSplats } from './load-splats.ts';
+import type { RowSink } from './row-sink.ts';
 import { type LoadPort, serveLoad } from './serve-load.ts';
 import type { LoadProgress, SplatSource } from './splat-source.ts';
 import { encodePly } from './write-ply.ts';
@@ -12,6 +14,30 @@ import { encodePly } from './write-ply.ts';
 const ply = plyBytes({ format: 'binary_little_endian', elements: [splatElement(300, 1)] });
 
 type Behaviour = 'works' | 'throws' | 'does not start' | 'never starts' | 'dies' | 'takes no streams';
+
+const FILES = { minRows: 1, maxRows: 1000, pieceBytes: 20_000 };
+
+/** Keeps the rows that it is given; all pieces are written to the same memory. */
+class RowList implements RowSink {
+  layout: RowLayout | null = null;
+  readonly rows: Uint8Array[] = [];
+  memories = 0;
+  #memory = new Uint8Array(0);
+
+  async begin(layout: RowLayout): Promise<void> {
+    this.layout = layout;
+    this.#memory = new Uint8Array(Math.min(layout.count, layout.pieceRows) * layout.strideBytes);
+    this.memories++;
+  }
+
+  async memory(): Promise<Uint8Array> {
+    return this.#memory;
+  }
+
+  take(rowCount: number): void {
+    this.rows.push(this.#memory.slice(0, rowCount * this.layout!.strideBytes));
+  }
+}
 
 /** A worker in this thread behind a real message channel: what crosses is cloned or transferred as between threads. */
 class FakeWorker {
@@ -39,7 +65,7 @@ class FakeWorker {
   }
 
   postMessage(request: LoadRequest, transfer: Transferable[]): void {
-    const isStream = request.source instanceof ReadableStream;
+    const isStream = request.kind === 'load' && request.source instanceof ReadableStream;
     if (FakeWorker.behaviour === 'takes no streams' && isStream) {
       throw new DOMException('cannot be cloned', 'DataCloneError');
     }
@@ -106,6 +132,39 @@ describe.each<Behaviour>(['works', 'throws', 'does not start', 'takes no streams
       expect(ply.length).toBeGreaterThan(0);
     });
 
+    test('rows are handed on as they are, in order, and their memory is used again', async () => {
+      useWorkers(behaviour);
+      const sink = new RowList();
+      expect(await loadOrPass(new Blob([ply]), {}, { sink, files: FILES })).toBeNull();
+      const { layout, rows, memories } = sink;
+      expect(layout).toMatchObject({ count: 300, strideBytes: 92, pieceRows: 256, isBigEndian: false });
+      expect(Buffer.concat(rows).equals(ply.subarray(ply.length - 300 * 92))).toBe(true);
+      expect(rows.map((piece) => piece.length / 92)).toEqual([256, 44]);
+      expect(memories).toBe(1);
+    });
+
+    test('rows are read here where the sink takes no such files, or the size is not known', async () => {
+      useWorkers(behaviour);
+      const sink = new RowList();
+      for (const files of [
+        { ...FILES, minRows: 301 },
+        { ...FILES, maxRows: 299 },
+      ])
+        expect((await loadOrPass(new Blob([ply]), {}, { sink, files }))?.count).toBe(300);
+      expect((await loadOrPass(chunked(ply, [1000]), {}, { sink, files: FILES }))?.count).toBe(300);
+      const text = plyBytes({ format: 'ascii', elements: [splatElement(300, 1)] });
+      expect((await loadOrPass(new Blob([text]), {}, { sink, files: FILES }))?.count).toBe(300);
+      expect(sink.layout).toBeNull();
+    });
+
+    test('what the sink throws ends the load', async () => {
+      useWorkers(behaviour);
+      const reason = new Error('no memory');
+      const sink = new RowList();
+      sink.begin = () => Promise.reject(reason);
+      expect(await failure(loadOrPass(new Blob([ply]), {}, { sink, files: FILES }))).toBe(reason);
+    });
+
     test('settings cross', async () => {
       useWorkers(behaviour);
       const { harmonics } = await loadSplats(ply, { shPrecision: 'f16', geometryPrecision: 'f32' });
@@ -143,7 +202,7 @@ test('URLs are resolved against the page, not the worker, and keep the name that
   useWorkers('works');
   vi.stubGlobal('document', { baseURI: 'http://127.0.0.1:1/app/page.html' });
   const error = await failure(loadSplats('scenes/garden.ply'));
-  expect(FakeWorker.requests[0].source).toBe('http://127.0.0.1:1/app/scenes/garden.ply');
+  expect(FakeWorker.requests[0]).toMatchObject({ source: 'http://127.0.0.1:1/app/scenes/garden.ply' });
   expect(error).toBeInstanceOf(SplatSourceError);
   expect(error).toMatchObject({ file: 'scenes/garden.ply' });
 });

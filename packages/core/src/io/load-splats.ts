@@ -4,12 +4,15 @@ import type { GeometryPrecision } from '../packing/precision.ts';
 import { lockedStreamError } from './byte-reader.ts';
 import { fromPostedError, type LoadReply, type LoadRequest, type LoadSettings } from './load-messages.ts';
 import { bytesOf, isBlob, isStream, shortName } from './open-source.ts';
+import type { RowsTo } from './row-sink.ts';
 import type { ReadOptions, ReadSplatsOptions, SplatSource } from './splat-source.ts';
 
 export interface LoadSplatsOptions extends ReadSplatsOptions {
   /** How positions, rotations and scales are stored; default `packed`. */
   readonly geometryPrecision?: GeometryPrecision;
 }
+
+type PostedPiece = Extract<LoadReply, { kind: 'rows' }>;
 
 type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
 
@@ -22,19 +25,29 @@ type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
  * and with the signal's reason, in which case the worker is stopped at once.
  */
 export async function loadSplats(source: SplatSource, options: LoadSplatsOptions = {}): Promise<PackedCloud> {
+  // Without a sink there is always a cloud.
+  return (await loadOrPass(source, options, undefined))!;
+}
+
+/** As `loadSplats`; null if the rows of the file went to `rowsTo` as they are. */
+export async function loadOrPass(
+  source: SplatSource,
+  options: LoadSplatsOptions,
+  rowsTo: RowsTo | undefined,
+): Promise<PackedCloud | null> {
   const { shPrecision = 'u8', geometryPrecision = 'packed', signal, onProgress } = options;
   signal?.throwIfAborted();
   const isUrl = typeof source === 'string' || source instanceof URL;
   const name = options.name ?? (isUrl ? shortName(String(source)) : undefined);
   const settings: LoadSettings = { name, shPrecision, geometryPrecision };
   const worker = await startWorker(signal);
-  if (worker === undefined) return readHere(source, settings, { signal, onProgress });
+  if (worker === undefined) return readHere(source, settings, { signal, onProgress }, rowsTo);
   // Always aborted at the end: a terminated worker does not tell a stream that nobody reads it any more.
   const stop = new AbortController();
   const onAbort = () => stop.abort(signal?.reason);
   signal?.addEventListener('abort', onAbort, { once: true });
   try {
-    return await loadInWorker(worker, source, settings, { signal: stop.signal, onProgress });
+    return await loadInWorker(worker, source, settings, { signal: stop.signal, onProgress }, rowsTo);
   } finally {
     signal?.removeEventListener('abort', onAbort);
     worker.terminate();
@@ -43,9 +56,14 @@ export async function loadSplats(source: SplatSource, options: LoadSplatsOptions
 }
 
 /** Reads in the calling thread. The code that reads is fetched only then: a page whose worker reads never needs it. */
-async function readHere(source: SplatSource, settings: LoadSettings, watch: Watch): Promise<PackedCloud> {
+async function readHere(
+  source: SplatSource,
+  settings: LoadSettings,
+  watch: Watch,
+  rowsTo: RowsTo | undefined,
+): Promise<PackedCloud | null> {
   const { readAndPack } = await import('./read-and-pack.ts');
-  return readAndPack(source, settings, watch);
+  return readAndPack(source, settings, watch, rowsTo);
 }
 
 /** A worker whose script is running; undefined where none can start. */
@@ -87,7 +105,15 @@ function loadInWorker(
   source: SplatSource,
   settings: LoadSettings,
   watch: Watch & { signal: AbortSignal },
-): Promise<PackedCloud> {
+  rowsTo: RowsTo | undefined,
+): Promise<PackedCloud | null> {
+  /** Settles when all rows so far have been taken. */
+  let taken: Promise<void> = Promise.resolve();
+  const takeRows = async ({ memory, rowCount }: PostedPiece) => {
+    (await rowsTo!.sink.memory()).set(new Uint8Array(memory));
+    rowsTo!.sink.take(rowCount);
+    worker.postMessage({ kind: 'memory', memory } satisfies LoadRequest, [memory]);
+  };
   return new Promise((resolve, reject) => {
     watch.signal.addEventListener('abort', () => reject(watch.signal.reason), { once: true });
     const fail = (event: Partial<ErrorEvent>) => {
@@ -102,13 +128,20 @@ function loadInWorker(
     worker.onerror = fail;
     worker.onmessageerror = fail;
     worker.onmessage = ({ data }: MessageEvent<LoadReply>) => {
+      const then = (next: () => Promise<void> | void) => {
+        taken = taken.then(next);
+        taken.catch(reject);
+      };
       if (data.kind === 'cloud') resolve(data.cloud);
+      else if (data.kind === 'layout') then(() => rowsTo!.sink.begin(data.layout));
+      else if (data.kind === 'rows') then(() => takeRows(data));
+      else if (data.kind === 'rows-end') then(() => resolve(null));
       else if (data.kind === 'error') reject(fromPostedError(data.error));
       else if (data.kind === 'progress') callOrReject(() => watch.onProgress?.(data.progress), reject);
     };
     callOrReject(() => {
-      const unposted = post(worker, source, settings, watch.signal);
-      if (unposted) resolve(readHere(unposted, settings, watch));
+      const unposted = post(worker, source, settings, rowsTo, watch.signal);
+      if (unposted) resolve(readHere(unposted, settings, watch, rowsTo));
     }, reject);
   });
 }
@@ -126,10 +159,12 @@ function post(
   worker: Worker,
   source: SplatSource,
   settings: LoadSettings,
+  rowsTo: RowsTo | undefined,
   signal: AbortSignal,
 ): SplatSource | undefined {
   const send = (posted: SplatSource, transfer: Transferable[]) => {
-    worker.postMessage({ source: posted, settings } satisfies LoadRequest, transfer);
+    const request: LoadRequest = { kind: 'load', source: posted, settings, rows: rowsTo?.files ?? null };
+    worker.postMessage(request, transfer);
   };
   if (typeof source === 'string' || source instanceof URL) send(absoluteUrl(String(source)), []);
   else if (isBlob(source)) send(source, []);

@@ -1,7 +1,10 @@
 import { SplatFileError } from '../errors.ts';
+import { type RowLayout, rowsWithin } from '../packing/row-layout.ts';
+import type { ShDegree } from '../splats/splat-set.ts';
 import type { ByteReader } from './byte-reader.ts';
 import { clip, type PlyBody, type PlyElement, type PlyType, TYPE_BYTES } from './ply-header.ts';
 import type { ReadProgress } from './progress.ts';
+import type { RowSink } from './row-sink.ts';
 import type { SplatSetBuilder } from './splat-set-builder.ts';
 
 type ReadScalar = (view: DataView, offset: number, littleEndian: boolean) => number;
@@ -20,6 +23,48 @@ const READ_SCALAR: Readonly<Record<PlyType, ReadScalar>> = {
 /** Rows with lists between two reports of progress. */
 const ROWS_PER_REPORT = 1024;
 
+/** Layout of the rows of splats, if they are all alike and have nothing but float32 in what is needed; else null. */
+export function rowLayoutOf(
+  { header, vertexIndex, slots }: PlyBody,
+  shDegree: ShDegree,
+  pieceBytes: number,
+): RowLayout | null {
+  const vertex = header.elements[vertexIndex];
+  const strideBytes = rowBytes(vertex);
+  const isFloat = vertex.properties.every(({ type }, i) => slots[i] < 0 || type === 'float32');
+  if (header.format === 'ascii' || strideBytes === undefined || !isFloat) return null;
+  const offsets: number[] = [];
+  let offset = 0;
+  for (const [i, { type }] of vertex.properties.entries()) {
+    if (slots[i] >= 0) offsets[slots[i]] = offset;
+    offset += TYPE_BYTES[type];
+  }
+  const isBigEndian = header.format === 'binary_big_endian';
+  const pieceRows = rowsWithin(pieceBytes, strideBytes);
+  return { count: vertex.count, strideBytes, pieceRows, offsets, isBigEndian, shDegree };
+}
+
+/** Hands the rows of splats of a binary body on as they are. */
+export async function passRows(
+  reader: ByteReader,
+  body: PlyBody,
+  layout: RowLayout,
+  sink: RowSink,
+  progress: ReadProgress,
+): Promise<void> {
+  const { count, strideBytes, pieceRows } = layout;
+  const vertex = body.header.elements[body.vertexIndex];
+  await skipTo(reader, body, progress);
+  for (let row = 0; row < count; row += pieceRows) {
+    const rowCount = Math.min(pieceRows, count - row);
+    const memory = await sink.memory();
+    const onPart = () => progress.report(reader.byteOffset, row);
+    const isWhole = await reader.readInto(memory.subarray(0, rowCount * strideBytes), onPart);
+    if (!isWhole) throw truncatedError(reader, body, vertex, row);
+    sink.take(rowCount);
+  }
+}
+
 /** Reads a binary body up to and including the splats, which go to `builder`. */
 export async function readBinaryRows(
   reader: ByteReader,
@@ -27,12 +72,18 @@ export async function readBinaryRows(
   builder: SplatSetBuilder,
   progress: ReadProgress,
 ): Promise<void> {
-  for (const element of body.header.elements.slice(0, body.vertexIndex + 1)) {
-    const isVertex = element === body.header.elements[body.vertexIndex];
+  await skipTo(reader, body, progress);
+  const vertex = body.header.elements[body.vertexIndex];
+  const stride = rowBytes(vertex);
+  if (stride === undefined) await readListRows(reader, body, vertex, builder, progress);
+  else await readFixedRows(reader, body, stride, builder, progress);
+}
+
+/** Skips the rows of the elements before the splats. */
+async function skipTo(reader: ByteReader, body: PlyBody, progress: ReadProgress): Promise<void> {
+  for (const element of body.header.elements.slice(0, body.vertexIndex)) {
     const stride = rowBytes(element);
-    if (stride === undefined)
-      await readListRows(reader, body, element, isVertex ? builder : undefined, progress);
-    else if (isVertex) await readFixedRows(reader, body, stride, builder, progress);
+    if (stride === undefined) await readListRows(reader, body, element, undefined, progress);
     else if (!(await reader.skip(element.count * stride))) throw truncatedError(reader, body, element);
   }
 }

@@ -9,7 +9,7 @@ import {
 } from '../splats/splat-set.ts';
 import { ByteReader } from './byte-reader.ts';
 import { readAsciiRows } from './ply-ascii.ts';
-import { readBinaryRows } from './ply-binary.ts';
+import { passRows, readBinaryRows, rowLayoutOf } from './ply-binary.ts';
 import {
   clip,
   type PlyBody,
@@ -19,6 +19,7 @@ import {
   TYPE_BYTES,
 } from './ply-header.ts';
 import { ReadProgress } from './progress.ts';
+import type { RowFiles, RowsTo } from './row-sink.ts';
 import type { SplatFormat, SplatFormatOptions } from './splat-format.ts';
 import { MAX_SPLATS, SplatSetBuilder } from './splat-set-builder.ts';
 import type { OpenedSource } from './splat-source.ts';
@@ -28,6 +29,7 @@ export const plyFormat: SplatFormat = {
   name: 'ply',
   sniff: (bytes) => /^ply\s/.test(String.fromCharCode(...bytes.subarray(0, 4))),
   read: readPly,
+  readRows: readPly,
 };
 
 const SLOT_OF_CORE_PROPERTY = new Map<string, number>([
@@ -49,13 +51,27 @@ const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
  * In the file: x y z; scale_0…2 (natural logarithms); rot_0…3 (w x y z); opacity (logit); f_dc_0…2; f_rest_0…3K−1, all
  * K of red, then green, then blue, K = 0, 3, 8 or 15. Integer types are read as plain numbers.
  *
+ * Rows that are all alike, with nothing but float32 in what is needed, go to `rowsTo` as they are, where it is given.
+ *
+ * @returns null if they did.
+ *
  * Rejects with `SplatFileError` (every code but 'unknown-format' except for compressed PLY), `SplatSourceError`, or the
  * signal's reason.
  */
 export async function readPly(
   source: OpenedSource,
   options: SplatFormatOptions,
-): Promise<SplatSet<PackedHarmonics>> {
+): Promise<SplatSet<PackedHarmonics>>;
+export async function readPly(
+  source: OpenedSource,
+  options: SplatFormatOptions,
+  rowsTo: RowsTo,
+): Promise<SplatSet<PackedHarmonics> | null>;
+export async function readPly(
+  source: OpenedSource,
+  options: SplatFormatOptions,
+  rowsTo?: RowsTo,
+): Promise<SplatSet<PackedHarmonics> | null> {
   const reader = new ByteReader(source, options.signal);
   try {
     const header = await readPlyHeader(reader, source.name);
@@ -69,6 +85,19 @@ export async function readPly(
       slots: slotsOf(vertex, shDegree, source.name),
     };
     const sizeIsKnown = checkCounts(source, header, vertexIndex, reader.byteOffset);
+    const progress = new ReadProgress(source.totalBytes, options.onProgress);
+    const layout = rowsTo && rowLayoutOf(body, shDegree, rowsTo.files.pieceBytes);
+    if (
+      rowsTo &&
+      layout &&
+      isBetween(vertex.count, rowsTo.files) &&
+      mayHold(source, vertex.count * layout.strideBytes)
+    ) {
+      await rowsTo.sink.begin(layout);
+      await passRows(reader, body, layout, rowsTo.sink, progress);
+      progress.finish(reader.byteOffset, vertex.count);
+      return null;
+    }
     const builder = new SplatSetBuilder({
       file: source.name,
       shDegree,
@@ -78,7 +107,6 @@ export async function readPly(
       ),
       expectedCount: sizeIsKnown ? vertex.count : 0,
     });
-    const progress = new ReadProgress(source.totalBytes, options.onProgress);
     const readRows = header.format === 'ascii' ? readAsciiRows : readBinaryRows;
     await readRows(reader, body, builder, progress);
     progress.finish(reader.byteOffset, builder.count);
@@ -167,6 +195,15 @@ function slotsOf(vertex: PlyElement, shDegree: ShDegree, file: string): number[]
   const missing = [...slotOf.keys()].find((name) => !seen.has(name));
   if (missing !== undefined) fail(missing, `${missing} is missing though others of its kind are there.`);
   return vertex.properties.map(({ name }) => slotOf.get(name) ?? -1);
+}
+
+function isBetween(count: number, { minRows, maxRows }: RowFiles): boolean {
+  return count >= minRows && count <= maxRows;
+}
+
+/** Whether a source may be as large as its header says. Memory for all rows is taken at once only then. */
+function mayHold({ totalBytes }: OpenedSource, bytes: number): boolean {
+  return totalBytes !== undefined && totalBytes >= bytes;
 }
 
 /** Throws if the source is too small for the promised rows; returns whether it is known to be large enough. */

@@ -1,26 +1,24 @@
 import { type PackedCloud, packCloud } from '../packing/packed-cloud.ts';
 import type { LoadSettings } from './load-messages.ts';
 import { readSource } from './read-source.ts';
+import type { RowsTo } from './row-sink.ts';
 import type { LoadProgress, ReadOptions, SplatSource } from './splat-source.ts';
 
-/** Does a whole load in the calling thread. */
+/** Does a whole load in the calling thread. Null if the rows of the file went to `rowsTo` as they are. */
 export async function readAndPack(
   source: SplatSource,
   { name, shPrecision, geometryPrecision }: LoadSettings,
   { signal, onProgress }: Pick<ReadOptions, 'signal' | 'onProgress'>,
-): Promise<PackedCloud> {
+  rowsTo?: RowsTo,
+): Promise<PackedCloud | null> {
   let last: LoadProgress | undefined;
-  const set = await readSource(source, {
-    name,
-    shPrecision,
-    signal,
-    onProgress: (progress) => {
-      last = progress;
-      onProgress?.(progress);
-    },
-  });
+  const watched = (progress: LoadProgress) => {
+    last = progress;
+    onProgress?.(progress);
+  };
+  const set = await readSource(source, { name, shPrecision, signal, onProgress: watched }, rowsTo);
   if (last) onProgress?.({ ...last, phase: 'arrange' });
   // Packing does not pause: this is the last chance to stop before it.
   signal?.throwIfAborted();
-  return packCloud(set, { geometryPrecision });
+  return set && packCloud(set, { geometryPrecision });
 }

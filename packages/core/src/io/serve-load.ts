@@ -1,5 +1,6 @@
 import { transferablesOf } from '../packing/packed-cloud.ts';
 import { type LoadReply, type LoadRequest, toPostedError } from './load-messages.ts';
+import { PostedRows } from './posted-rows.ts';
 import { readAndPack } from './read-and-pack.ts';
 
 /** The part of a worker's global scope that is used; a MessagePort has it too. */
@@ -10,12 +11,20 @@ export interface LoadPort {
 
 /** Does the one load that the page asks for and posts its progress and outcome. */
 export function serveLoad(port: LoadPort): void {
-  port.onmessage = async ({ data: { source, settings } }) => {
+  const sink = new PostedRows(port);
+  port.onmessage = async ({ data: request }) => {
+    if (request.kind === 'memory') {
+      sink.giveBack(request.memory);
+      return;
+    }
+    const { source, settings, rows } = request;
     try {
-      const cloud = await readAndPack(source, settings, {
+      const watch = {
         onProgress: (progress) => port.postMessage({ kind: 'progress', progress }, []),
-      });
-      port.postMessage({ kind: 'cloud', cloud }, transferablesOf(cloud));
+      } satisfies Parameters<typeof readAndPack>[2];
+      const cloud = await readAndPack(source, settings, watch, rows ? { sink, files: rows } : undefined);
+      if (cloud) port.postMessage({ kind: 'cloud', cloud }, transferablesOf(cloud));
+      else port.postMessage({ kind: 'rows-end' }, []);
     } catch (error) {
       port.postMessage({ kind: 'error', error: toPostedError(error) }, []);
     }

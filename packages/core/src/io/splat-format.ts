@@ -1,6 +1,7 @@
 import type { PackedHarmonics } from '../packing/harmonics.ts';
 import type { ShPrecision } from '../packing/precision.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
+import type { RowsTo } from './row-sink.ts';
 import type { OpenedSource, ReadOptions } from './splat-source.ts';
 
 export interface SplatFormatOptions extends Pick<ReadOptions, 'signal' | 'onProgress'> {
@@ -16,4 +17,10 @@ export interface SplatFormat {
   sniff(firstBytes: Uint8Array): boolean;
   /** Reads all splats; rejects with a `WebSplatterError` or the signal's reason. */
   read(source: OpenedSource, options: SplatFormatOptions): Promise<SplatSet<PackedHarmonics>>;
+  /** As `read`; but hands the file's rows on as they are, and returns null, if they are of the kind that `rowsTo` takes. */
+  readRows?(
+    source: OpenedSource,
+    options: SplatFormatOptions,
+    rowsTo: RowsTo,
+  ): Promise<SplatSet<PackedHarmonics> | null>;
 }

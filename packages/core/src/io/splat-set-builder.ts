@@ -1,9 +1,11 @@
 import { SplatFileError } from '../errors.ts';
 import { ShReachMeter } from '../packing/band-reach.ts';
 import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../packing/harmonics.ts';
+import { chooseOrigin } from '../packing/origin.ts';
 import type { ShPrecision } from '../packing/precision.ts';
 import { ROW_SLOT, reasonToDrop } from '../splats/splat-row.ts';
 import { coefficientsPerSplat, type DropCounts, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
+import { emptyError } from './empty-error.ts';
 
 /** Most splats that `SplatSet.fileIndices` can number. */
 export const MAX_SPLATS = 2 ** 32 - 1;
@@ -102,10 +104,10 @@ export class SplatSetBuilder {
 
   /** The finished set; throws `SplatFileError` 'empty' if no row was kept. */
   finish(): SplatSet<PackedHarmonics> {
-    if (this.#count === 0) throw this.#emptyError();
+    if (this.#count === 0) throw emptyError(this.#options.file, this.#dropped);
     this.#setCapacity(this.#count);
     const { positions, shWords, ...columns } = this.#columns;
-    const origin = chooseOrigin(positions);
+    const origin = originOfPositions(positions);
     return {
       ...columns,
       count: this.#count,
@@ -151,43 +153,12 @@ export class SplatSetBuilder {
     }
     this.#capacity = capacity;
   }
-
-  #emptyError(): SplatFileError {
-    const counts = Object.entries(this.#dropped).map(([reason, count]) => `${count} ${reason}`);
-    const why = counts.length === 0 ? 'it has none' : `all were left out: ${counts.join(', ')}`;
-    return new SplatFileError('empty', this.#options.file, `no splats to show: ${why}.`);
-  }
 }
 
 function resized<T extends Float32Array | Float64Array | Uint32Array>(column: T, length: number): T {
   const result = new (column.constructor as new (length: number) => T)(length);
   result.set(column.subarray(0, length));
   return result;
-}
-
-/**
- * The point that positions are stored relative to: 0 on an axis unless the bounds lie so far out that float32 would lose
- * precision there, that is unless |centre| > 4 · half the bounds' largest side; then the centre, as a float32.
- *
- * Most files thus keep their coordinates as they are. Where an origin is taken from float32 coordinates, all lie within
- * a quarter of it, so `p − origin` is exact in float32 (Sterbenz) and adding it again restores every bit.
- */
-function chooseOrigin(positions: Float32Array | Float64Array): [number, number, number] {
-  const min = [Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
-  const max = [Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY];
-  for (let i = 0; i < positions.length; i += 3) {
-    for (let axis = 0; axis < 3; axis++) {
-      const value = positions[i + axis];
-      if (value < min[axis]) min[axis] = value;
-      if (value > max[axis]) max[axis] = value;
-    }
-  }
-  const halfExtent = Math.max(max[0] - min[0], max[1] - min[1], max[2] - min[2]) / 2;
-  const originOf = (axis: number) => {
-    const centre = (min[axis] + max[axis]) / 2;
-    return Math.abs(centre) <= 4 * halfExtent ? 0 : Math.fround(centre);
-  };
-  return [originOf(0), originOf(1), originOf(2)];
 }
 
 function positionsFrom(
@@ -199,4 +170,25 @@ function positionsFrom(
   const relative = positions instanceof Float32Array ? positions : new Float32Array(positions.length);
   for (let i = 0; i < positions.length; i++) relative[i] = positions[i] - origin[i % 3];
   return relative;
+}
+
+function originOfPositions(positions: Float32Array | Float64Array): SplatSet['origin'] {
+  const min: [number, number, number] = [
+    Number.POSITIVE_INFINITY,
+    Number.POSITIVE_INFINITY,
+    Number.POSITIVE_INFINITY,
+  ];
+  const max: [number, number, number] = [
+    Number.NEGATIVE_INFINITY,
+    Number.NEGATIVE_INFINITY,
+    Number.NEGATIVE_INFINITY,
+  ];
+  for (let i = 0; i < positions.length; i += 3) {
+    for (let axis = 0; axis < 3; axis++) {
+      const value = positions[i + axis];
+      if (value < min[axis]) min[axis] = value;
+      if (value > max[axis]) max[axis] = value;
+    }
+  }
+  return chooseOrigin(min, max);
 }
