@@ -1,32 +1,34 @@
 import type { SplatSet } from '@websplatter/core';
 
+/** Splats that are as large as they are described; more are smaller. */
 const COUNT = 400;
 
 /**
  * Makes a small cloud of colourful splats that looks different from every side: on one side there are many more of them,
  * larger and redder. Deterministic; off the origin, so that turning about the wrong point shows.
  */
-export function testScene(): SplatSet {
+export function testScene(count = COUNT): SplatSet {
   const random = randomNumbers(7);
-  const positions = new Float32Array(3 * COUNT);
-  const logScales = new Float32Array(3 * COUNT);
-  const rotations = new Float32Array(4 * COUNT);
-  const opacityLogits = new Float32Array(COUNT);
-  const colorDc = new Float32Array(3 * COUNT);
-  const coefficients = new Float32Array(9 * COUNT);
-  for (let i = 0; i < COUNT; i++) {
+  const size = Math.cbrt(COUNT / count);
+  const positions = new Float32Array(3 * count);
+  const logScales = new Float32Array(3 * count);
+  const rotations = new Float32Array(4 * count);
+  const opacityLogits = new Float32Array(count);
+  const colorDc = new Float32Array(3 * count);
+  const coefficients = new Float32Array(9 * count);
+  for (let i = 0; i < count; i++) {
     const along = random() ** 2;
     positions.set([4 * along - 1, 1 + along * (random() - 0.5) * 2, random() * 2 - 1], 3 * i);
     for (let axis = 0; axis < 3; axis++)
-      logScales[3 * i + axis] = Math.log(0.02 + 0.2 * random() * (0.3 + along));
+      logScales[3 * i + axis] = Math.log(size * (0.02 + 0.2 * random() * (0.3 + along)));
     for (let axis = 0; axis < 4; axis++) rotations[4 * i + axis] = random() - 0.5;
     opacityLogits[i] = 6 * random() - 2;
     colorDc.set([2.5 * along - 0.5, 2 * random() - 1, 1.5 - 2.5 * along], 3 * i);
     for (let k = 0; k < 9; k++) coefficients[9 * i + k] = 0.4 * (random() - 0.5);
   }
-  const fileIndices = Uint32Array.from({ length: COUNT }, (_, i) => i);
+  const fileIndices = Uint32Array.from({ length: count }, (_, i) => i);
   return {
-    count: COUNT,
+    count,
     origin: [0, 0, 0],
     positions,
     logScales,

@@ -162,6 +162,18 @@ describe('viewer', () => {
     );
   });
 
+  it('shows a file whose rows the GPU takes', async () => {
+    const page = await openViewer('?scene=still-life-small', { viewport: { width: 160, height: 120 } });
+    const frames = await frameCount(page);
+    const set = testScene(70_000);
+    await dropFiles(page, [{ name: 'many.ply', bytes: encodePly(set) }]);
+    await waitForFrameAfter(page, frames);
+    await waitForState(page, 'ready');
+    expect(await textOf(page, 'scene')).toContain('70,000 splats');
+    const shot = await viewerScreenshot(page);
+    expect(psnrAgainstReference(shot, await drawnCamera(page), [set])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  });
+
   it('keeps the old scene on the screen, and movable, while a file is loading', async () => {
     const page = await newPage();
     await page.addInitScript(() => {

@@ -7,9 +7,9 @@ import {
 } from './accuracy/accuracy.ts';
 import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy/accuracy-wish.ts';
 import type { HoldOptions } from './clouds/cloud-leases.ts';
-import { isHeld } from './clouds/cloud-planes.ts';
+import { CloudPlanes, isHeld } from './clouds/cloud-planes.ts';
 import type { PlaneMaker } from './clouds/plane-maker.ts';
-import { type CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
+import { type CloudSource, SplatCloud, type SplatCloudOptions } from './clouds/splat-cloud.ts';
 import { DestroyedError } from './errors.ts';
 import { frameStages } from './frame/frame.ts';
 import type { FrameShape } from './frame/frame-shape.ts';
@@ -18,8 +18,11 @@ import { adapterLabel, type DeviceOptions, hasNarrowSubgroups, requestSplatDevic
 import { type EngineCounters, zeroCounters } from './gpu/engine-counters.ts';
 import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
 import { Pipelines } from './gpu/pipelines.ts';
-import { lastingSource, loadSplats } from './io/load-splats.ts';
+import { LazyIngest } from './ingest/lazy-ingest.ts';
+import type { IngestedCloud } from './ingest/row-ingest.ts';
+import { lastingSource, loadOrPass } from './io/load-splats.ts';
 import { sourceName } from './io/open-source.ts';
+import type { RowFiles } from './io/row-sink.ts';
 import type { ReadOptions, SplatSource } from './io/splat-source.ts';
 import type { EffectEntry } from './ledger/ledger.ts';
 import type { AccuracyChoice } from './measure/choose-accuracy.ts';
@@ -46,8 +49,20 @@ export interface EngineOptions extends DeviceOptions {
    * Most bytes of GPU memory that the lists of tiles may take, per view; default 512 MiB. Frames that need more are drawn by quads.
    */
   readonly tileBudgetBytes?: number;
+  /** @internal Files with at least this many rows are packed on the GPU. For tests of small files; default 65,536. */
+  readonly ingestMinRows?: number;
   /** @internal For tests only: see ShaderMutation. */
   readonly mutation?: ShaderMutation;
+}
+
+/** Smaller files are packed before the shaders for that would be compiled. */
+const INGEST_MIN_ROWS = 1 << 16;
+/** Few enough for a page to copy without a pause that a person would notice. */
+const PIECE_BYTES = 4 << 20;
+
+interface NewCloudOptions {
+  readonly name?: string;
+  readonly source?: CloudSource | readonly CloudSource[] | null;
 }
 
 /** A cloud that could not be given the precision of the engine's accuracy, and why. */
@@ -72,6 +87,7 @@ export class SplatEngine {
   readonly #ownsDevice: boolean;
   readonly #dispatchRow: number;
   readonly #tileBudgetBytes: number;
+  readonly #ingestMinRows: number;
   #planeMaker: Promise<PlaneMaker> | null = null;
   readonly #wishes: AccuracyWishes;
   readonly #views = new Set<SplatView | EmbeddedView>();
@@ -93,6 +109,7 @@ export class SplatEngine {
     const limit = device.limits.maxComputeWorkgroupsPerDimension;
     this.#dispatchRow = Math.min(options.maxWorkgroupsPerDimension ?? limit, limit);
     this.#tileBudgetBytes = options.tileBudgetBytes ?? DEFAULT_TILE_BUDGET_BYTES;
+    this.#ingestMinRows = options.ingestMinRows ?? INGEST_MIN_ROWS;
     this.#wishes = new AccuracyWishes({
       measure: async (wish, frame, options) => {
         // Most pages never use a wish, so they do not load this module.
@@ -175,11 +192,29 @@ export class SplatEngine {
     this.#checkUsable();
     const { accuracy } = this;
     const { geometryPrecision, shPrecision } = accuracy;
-    const packed = await loadSplats(source, { ...options, geometryPrecision, shPrecision });
-    const cloud = this.addPacked(packed, {
-      name: options.name ?? sourceName(source),
-      source: lastingSource(source),
-    });
+    const name = options.name ?? sourceName(source);
+    const made = { name, source: lastingSource(source) };
+    const ingest = new LazyIngest(
+      {
+        device: this.device,
+        pipelines: this.#pipelines,
+        memory: this.#memory,
+        dispatchRow: this.#dispatchRow,
+      },
+      { geometryPrecision, shPrecision, name },
+    );
+    let cloud: SplatCloud;
+    try {
+      const rowsTo = { sink: ingest, files: rowFilesFor(this.device.limits, this.#ingestMinRows) };
+      const packed = await loadOrPass(source, { ...options, geometryPrecision, shPrecision }, rowsTo);
+      cloud = packed ? this.addPacked(packed, made) : this.#addIngested(await ingest.finish(), made, options);
+    } catch (error) {
+      ingest.destroy();
+      options.signal?.throwIfAborted();
+      // What ended the engine or the device also ended what was waited for.
+      this.#checkUsable();
+      throw error;
+    }
     if (accuracy !== this.accuracy) void this.#requestPrecisions([cloud]);
     return cloud;
   }
@@ -201,27 +236,10 @@ export class SplatEngine {
    *   Kept by reference; by default nothing is kept.
    * @throws GpuLimitError.
    */
-  addPacked(
-    packed: PackedCloud,
-    options: { readonly name?: string; readonly source?: CloudSource | readonly CloudSource[] | null } = {},
-  ): SplatCloud {
+  addPacked(packed: PackedCloud, options: NewCloudOptions = {}): SplatCloud {
     this.#checkUsable();
-    const counting = this.#counting;
-    const name = options.name ?? 'splats';
-    const cloud = SplatCloud.upload(this.#memory, this.device.limits, packed, {
-      name,
-      source: options.source,
-      makePlanes: (...request) => this.#makePlanes(...request),
-      onDestroyed: (destroyed) => {
-        counting.cloudsDestroyed++;
-        this.#clouds.delete(destroyed);
-        this.#wishes.stop(new DestroyedError(`The cloud ${name}`, 'it was destroyed'), destroyed);
-      },
-    });
-    this.#clouds.add(cloud);
-    counting.uploads++;
-    counting.uploadedBytes += cloud.bytes;
-    return cloud;
+    const own = this.#optionsOf(options);
+    return this.#own(SplatCloud.upload(this.#memory, this.device.limits, packed, own));
   }
 
   /**
@@ -319,6 +337,43 @@ export class SplatEngine {
     return problems.filter(({ error }) => error.name !== 'AbortError' && !(error instanceof DestroyedError));
   }
 
+  #addIngested(
+    { planes, contents }: IngestedCloud,
+    options: NewCloudOptions,
+    { signal }: ReadOptions,
+  ): SplatCloud {
+    const own = this.#optionsOf(options);
+    const held = new CloudPlanes(this.#memory, own.name, planes);
+    try {
+      signal?.throwIfAborted();
+      this.#checkUsable();
+    } catch (error) {
+      held.destroy();
+      throw error;
+    }
+    return this.#own(new SplatCloud(this.device, held, contents, own));
+  }
+
+  #optionsOf({ name = 'splats', source }: NewCloudOptions): SplatCloudOptions {
+    return {
+      name,
+      source,
+      makePlanes: (...request) => this.#makePlanes(...request),
+      onDestroyed: (destroyed) => {
+        this.#counting.cloudsDestroyed++;
+        this.#clouds.delete(destroyed);
+        this.#wishes.stop(new DestroyedError(`The cloud ${name}`, 'it was destroyed'), destroyed);
+      },
+    };
+  }
+
+  #own(cloud: SplatCloud): SplatCloud {
+    this.#clouds.add(cloud);
+    this.#counting.uploads++;
+    this.#counting.uploadedBytes += cloud.bytes;
+    return cloud;
+  }
+
   #viewContext(): ViewContext {
     return {
       device: this.device,
@@ -389,6 +444,13 @@ export class SplatEngine {
   #checkUsable(): void {
     if (this.#destroyedBecause !== null) throw new DestroyedError('This engine', this.#destroyedBecause);
   }
+}
+
+/** Files whose rows the GPU takes. */
+function rowFilesFor(limits: GPUSupportedLimits, minRows: number): RowFiles {
+  const bytes = Math.min(limits.maxStorageBufferBindingSize, limits.maxBufferSize);
+  // There are lists with a word per row.
+  return { minRows, maxRows: Math.floor(bytes / 4), pieceBytes: Math.min(bytes / 2, PIECE_BYTES) };
 }
 
 /** Whether a frame shows `cloud` in a precision that is not `precision`. */

@@ -44,6 +44,8 @@ export const ROOMS: Arrows = {
   stages: 'effects gpu camera accuracy packing splats layout',
   /** Clouds on the GPU: their planes, and rays through them. */
   clouds: 'stages gpu accuracy io packing splats layout math',
+  /** Files' rows that become clouds on the GPU itself. Loaded only when a file has such rows. */
+  ingest: 'clouds stages gpu io packing splats layout math',
   /** One frame: what it needs, its buffers and the order of its stages. */
   frame: 'clouds stages timing effects gpu camera accuracy packing splats layout math',
   /** All effects of a frame, each with the reason why it takes part or not. */
@@ -58,7 +60,7 @@ export const ROOMS: Arrows = {
   /** Views: frames on a canvas or inside of another renderer. What measures is loaded only when it is asked for. */
   views: 'measure(types) ledger frame clouds stages timing gpu camera accuracy layout math',
   /** The engine: one device, its clouds and its views. */
-  'engine.ts': 'views measure ledger frame clouds gpu shaders accuracy io packing splats',
+  'engine.ts': 'views measure ledger frame ingest clouds gpu shaders accuracy io packing splats',
   /** The public interface. */
   'index.ts': 'engine.ts views measure ledger frame clouds timing gpu camera accuracy io packing splats math',
 };

@@ -12,8 +12,8 @@ const OWN_STAGES: Readonly<Record<string, string>> = {
   'depth-test': 'resolve-depth',
   'kept-colors': 'keep-colors',
 };
-/** Repacks harmonics in another precision: not a stage of a frame. */
-const REPACKING = 'repack-sh';
+/** They pack harmonics, and are no stages of a frame. */
+const PACKING: readonly string[] = ['ingest-rows', 'repack-sh'];
 /** Conditions of code that is linked only together with an effect. */
 const IMPLYING: Readonly<Record<string, readonly string[]>> = { 'depth-test': ['DEPTH_LAYER'] };
 
@@ -60,7 +60,7 @@ describe('found effects', () => {
 
     test(`${name}: takes part in the stages that it names, and in no others`, () => {
       const asking = variants.filter(
-        ({ stage, conditions: met = {} }) => conditions.some((each) => met[each]) && stage !== REPACKING,
+        ({ stage, conditions: met = {} }) => conditions.some((each) => met[each]) && !PACKING.includes(stage),
       );
       const own = OWN_STAGES[name] ? [OWN_STAGES[name]] : [];
       expect(new Set([...asking.map(({ stage }) => stage), ...own])).toEqual(new Set(stages));

@@ -65,6 +65,11 @@ export class ShReachMeter {
 
   /** `shBandReach` of all splats included so far. */
   reaches(): number[] {
-    return this.#squares.map((squares, i) => Math.sqrt(((2 * i + 3) / (4 * Math.PI)) * squares));
+    return reachesOf(this.#squares);
   }
+}
+
+/** `shBandReach` of the largest sum of squares of one channel's coefficients, by band. */
+export function reachesOf(squares: readonly number[]): number[] {
+  return squares.map((sum, i) => Math.sqrt(((2 * i + 3) / (4 * Math.PI)) * sum));
 }

@@ -1,5 +1,6 @@
 import type { ShDegree, SplatColumns, SplatSet } from '../splats/splat-set.ts';
 import { shBandReach } from './band-reach.ts';
+import { opacityOf } from './geometry.ts';
 import type { Harmonics } from './harmonics.ts';
 
 /** Facts about a cloud's splats that hold from any viewpoint, found in the data when they are packed. */
@@ -37,7 +38,7 @@ export interface CloudFacts {
 export const UNSEEN_CHANGE = 1 / (16 * 255);
 
 /** Logit of opacity 1/255. */
-const FAINT_LOGIT = -Math.log(254);
+export const FAINT_LOGIT = -Math.log(254);
 
 /**
  * Facts about `set`, whose rows must be finite. Takes a pass over the splats, and one over their harmonics unless their
@@ -56,7 +57,7 @@ export function cloudFacts(set: SplatSet<Harmonics>): CloudFacts {
 }
 
 /** Leaves out as many of the highest bands as stay unseen together. */
-function trueShDegree(reach: readonly number[]): ShDegree {
+export function trueShDegree(reach: readonly number[]): ShDegree {
   let degree = reach.length;
   for (let change = 0; degree > 0; degree--) {
     change += reach[degree - 1];
@@ -80,5 +81,5 @@ function opacityFacts({ count, opacityLogits }: SplatColumns): Pick<CloudFacts, 
     if (logit < least) least = logit;
     if (logit < FAINT_LOGIT) faintCount++;
   }
-  return { minOpacity: 1 / (1 + Math.exp(-least)), faintCount };
+  return { minOpacity: opacityOf(least), faintCount };
 }

@@ -91,10 +91,15 @@ function logScaleRangeOf({ logScales }: SplatColumns): LogScaleRange {
     if (logScale < min) min = logScale;
     if (logScale > max) max = logScale;
   }
-  // Rounded to the values that the shader will compute with.
-  return max > min
-    ? { min: Math.fround(min), step: Math.fround((max - min) / 65535) }
-    : { min: Math.fround(min), step: 0 };
+  return logScaleRange(min, max);
+}
+
+/** The range from the smallest to the largest clamped log scale, rounded to the values that shaders compute with. */
+export function logScaleRange(min: number, max: number): LogScaleRange {
+  // Sizes that differ by less are one size; their step might be a number that devices flush to 0.
+  const step = max - min > 2 ** -80 ? Math.fround((max - min) / 65535) : 0;
+  // Not −0, which the order of splats would decide about.
+  return { min: Math.fround(min) + 0, step };
 }
 
 function logScaleSteps(logScale: number, min: number, step: number): number {

@@ -56,7 +56,7 @@ export function packCloud(set: SplatSet<Harmonics>, options: PackOptions): Packe
     count: stored.count,
     origin: stored.origin,
     bounds,
-    robustBounds: stored.count > 0 ? quantileBounds(stored, OUTER_PART) : bounds,
+    robustBounds: stored.count > 0 ? sampledBounds(stored) : bounds,
     geometry: packGeometry(stored, options.geometryPrecision),
     harmonics: stored.harmonics,
     chunks,
@@ -98,7 +98,8 @@ export function chunkCountOf(splatCount: number): number {
   return Math.ceil(splatCount / CHUNK_SPLATS);
 }
 
-function chunkBounds({ count, positions, logScales }: SplatColumns): ArrayBuffer {
+/** The `Chunk` structs of splats in storage order. */
+export function chunkBounds({ count, positions, logScales }: SplatColumns): ArrayBuffer {
   const chunks = new ArrayBuffer(chunkCountOf(count) * Chunk.bytes);
   for (let chunk = 0; chunk < chunkCountOf(count); chunk++) {
     const min = [Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
@@ -118,7 +119,8 @@ function chunkBounds({ count, positions, logScales }: SplatColumns): ArrayBuffer
   return chunks;
 }
 
-function totalBounds(chunks: ArrayBuffer, origin: Vec3): Bounds {
+/** Bounds of the centres, in scene space, from those of the chunks. */
+export function totalBounds(chunks: ArrayBuffer, origin: Vec3): Bounds {
   const values = new Float32Array(chunks);
   const stride = Chunk.bytes / 4;
   const minAt = Chunk.offsets.minPosition / 4;
@@ -147,16 +149,24 @@ const OUTER_PART = 0.02;
 /** Number of splats sampled for quantiles, evenly spread over the storage order and so over space. */
 const SAMPLES = 1 << 16;
 
-function quantileBounds({ count, positions, origin }: SplatColumns, outerPart: number): Bounds {
+/** Indices of the splats, in storage order, that robust bounds are taken from. */
+export function boundsSamples(count: number): Uint32Array {
   const step = Math.max(1, Math.floor(count / SAMPLES));
-  const sampleCount = Math.ceil(count / step);
-  const [x, y, z] = [0, 1, 2].map((axis) => {
-    const sorted = Float32Array.from(
-      { length: sampleCount },
-      (_, i) => positions[3 * i * step + axis],
-    ).sort();
-    const low = Math.floor(outerPart * (sampleCount - 1));
-    return [sorted[low] + origin[axis], sorted[sampleCount - 1 - low] + origin[axis]];
+  return Uint32Array.from({ length: Math.ceil(count / step) }, (_, i) => i * step);
+}
+
+/** Bounds of most of the sampled centres, in scene space. @param axes the samples' x, y and z about `origin`. */
+export function robustBounds(axes: readonly Float32Array[], origin: Vec3): Bounds {
+  const [x, y, z] = axes.map((samples, axis) => {
+    const sorted = samples.toSorted();
+    const low = Math.floor(OUTER_PART * (sorted.length - 1));
+    return [sorted[low] + origin[axis], sorted[sorted.length - 1 - low] + origin[axis]];
   });
   return { min: [x[0], y[0], z[0]], max: [x[1], y[1], z[1]] };
+}
+
+function sampledBounds({ count, positions, origin }: SplatColumns): Bounds {
+  const samples = boundsSamples(count);
+  const axes = [0, 1, 2].map((axis) => Float32Array.from(samples, (i) => positions[3 * i + axis]));
+  return robustBounds(axes, origin);
 }

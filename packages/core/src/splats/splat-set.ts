@@ -16,13 +16,17 @@ export interface TrainedHarmonics {
   readonly coefficients: Float32Array;
 }
 
+/** Reasons to drop a splat; where several hold, the first is counted. */
+export const DROP_REASONS = [
+  'non-finite-position',
+  'non-finite-scale',
+  'non-finite-rotation',
+  'non-finite-opacity',
+  'non-finite-color',
+] as const;
+
 /** Why a splat was dropped. */
-export type DropReason =
-  | 'non-finite-position'
-  | 'non-finite-scale'
-  | 'non-finite-rotation'
-  | 'non-finite-opacity'
-  | 'non-finite-color';
+export type DropReason = (typeof DROP_REASONS)[number];
 
 /** Number of dropped splats by reason; reasons that did not occur are absent. */
 export type DropCounts = Partial<Record<DropReason, number>>;

@@ -16,6 +16,7 @@ const EXCEPTIONS: Readonly<Record<string, string>> = {
   'stages/radix-sort.ts': 'combines the stages of the sort: plan-sort, and the three stages of every pass',
   'stages/radix-sort.gpu.test.ts': 'compares the combined stages of the sort with a sort on the CPU',
   'reference/radix-sort.ts': 'combines the twins of the stages of the sort',
+  'stages/packing-libraries.ts': 'is shared by the stages that pack splats',
   'stages/record-conditions.ts': 'is shared by the stages that write or read records',
   'stages/tile-lists.gpu.test.ts': 'checks the combined stages that list bins and tiles for any splat',
   'stages/sort-shape.ts': 'is shared by the stages of the sort',

@@ -8,6 +8,12 @@ import { compose } from '../stages/compose.ts';
 import { composite, compositeInCompute } from '../stages/composite.ts';
 import { cullChunks } from '../stages/cull-chunks.ts';
 import { cullSplats } from '../stages/cull-splats.ts';
+import { ingestChunks } from '../stages/ingest-chunks.ts';
+import { ingestGather } from '../stages/ingest-gather.ts';
+import { ingestKeys } from '../stages/ingest-keys.ts';
+import { ingestRows } from '../stages/ingest-rows.ts';
+import { ingestScatter } from '../stages/ingest-scatter.ts';
+import { ingestSettle } from '../stages/ingest-settle.ts';
 import { keepColors } from '../stages/keep-colors.ts';
 import { pick } from '../stages/pick.ts';
 import { planCull } from '../stages/plan-cull.ts';
@@ -106,6 +112,16 @@ export function allStageVariants(): StageDefinition[] {
     ...BOTH.map(upscale),
     ...RECORD.map(pick),
     ...RECORD.map(keepColors),
+    ...GEOMETRY.flatMap((geometryPrecision) => [
+      ingestSettle(geometryPrecision),
+      ingestKeys(geometryPrecision),
+      ingestChunks(geometryPrecision),
+      ...SH_PRECISIONS.flatMap((shPrecision) =>
+        DEGREES.map((shDegree) => ingestRows({ geometryPrecision, shPrecision, shDegree })),
+      ),
+    ]),
+    ingestGather,
+    ingestScatter,
     repackGeometry,
     ...DEGREES.slice(1).flatMap((degree) => [
       repackSh({ degree, from: 'f32', to: 'f16' }),

@@ -1,0 +1,41 @@
+import type { RowSink } from '../io/row-sink.ts';
+import type { RowLayout } from '../packing/row-layout.ts';
+import type { ArrangeContext } from './arrange-planes.ts';
+import type { IngestedCloud, RowIngest, RowIngestOptions } from './row-ingest.ts';
+
+/** A `RowIngest` whose code is fetched when a file turns out to have rows for it. */
+export class LazyIngest implements RowSink {
+  readonly #context: ArrangeContext;
+  readonly #options: RowIngestOptions;
+  #ingest: RowIngest | null = null;
+  #isDestroyed = false;
+
+  constructor(context: ArrangeContext, options: RowIngestOptions) {
+    this.#context = context;
+    this.#options = options;
+  }
+
+  async begin(layout: RowLayout): Promise<void> {
+    const { RowIngest } = await import('./row-ingest.ts');
+    if (this.#isDestroyed) return;
+    this.#ingest = new RowIngest(this.#context, this.#options);
+    await this.#ingest.begin(layout);
+  }
+
+  memory(): Promise<Uint8Array> {
+    return this.#ingest!.memory();
+  }
+
+  take(rowCount: number): void {
+    this.#ingest!.take(rowCount);
+  }
+
+  finish(): Promise<IngestedCloud> {
+    return this.#ingest!.finish();
+  }
+
+  destroy(): void {
+    this.#isDestroyed = true;
+    this.#ingest?.destroy();
+  }
+}

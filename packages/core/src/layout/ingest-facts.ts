@@ -1,0 +1,19 @@
+/**
+ * Words of the facts that ingest-rows gathers about the rows that it keeps. Smallest values are kept as the largest
+ * complement of `orderedBits`, so that all facts begin at 0.
+ */
+export const INGEST_FACTS = {
+  FACT_MIN_POSITION: 0,
+  FACT_MAX_POSITION: 3,
+  FACT_MIN_LOG_SCALE: 6,
+  FACT_MAX_LOG_SCALE: 7,
+  /** 1 if a splat is not round. */
+  FACT_STRETCHED: 8,
+  FACT_MIN_LOGIT: 9,
+  /** For each band, the largest sum of squares of a channel's coefficients, as a float. */
+  FACT_REACH: 10,
+  /** Numbers of rows: faint ones, and those that were dropped, by reason. */
+  FACT_FAINT: 13,
+  FACT_DROPPED: 14,
+  FACTS: 19,
+} as const;

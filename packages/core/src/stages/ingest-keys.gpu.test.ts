@@ -1,0 +1,109 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { Pipelines } from '../gpu/pipelines.ts';
+import { readWords } from '../gpu/read-buffer.ts';
+import { MortonParameters } from '../layout/packing-structs.ts';
+import { GEOMETRY_WORDS, packGeometry } from '../packing/geometry.ts';
+import { type MortonFrame, mortonFrame } from '../packing/morton-order.ts';
+import type { GeometryPrecision } from '../packing/precision.ts';
+import { ingestKeys as twin } from '../reference/ingest-keys.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
+import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
+import { randomSplats } from '../testing/random-splats.ts';
+import { dispatchSize } from './dispatch.ts';
+import { ingestKeys } from './ingest-keys.ts';
+
+const COUNT = 700;
+const DISPATCH_ROW = 2;
+/** Two pages. */
+const PAGES = [
+  [0, 512],
+  [512, COUNT],
+] as const;
+const isDropped = (splat: number) => splat % 7 === 3;
+
+let device: GPUDevice;
+let pipelines: Pipelines;
+beforeAll(async () => {
+  device = await createTestDevice();
+  pipelines = new Pipelines(device);
+});
+afterAll(() => device.destroy());
+
+function frameOf({ positions }: SplatSet): MortonFrame {
+  const axes = [0, 1, 2].map((axis) => positions.filter((_, i) => i % 3 === axis));
+  return mortonFrame(
+    axes.map((values) => Math.min(...values)),
+    axes.map((values) => Math.max(...values)),
+  );
+}
+
+async function keysOf(
+  set: SplatSet,
+  order: Uint32Array,
+  round: 0 | 1,
+  precision: GeometryPrecision,
+  shaders = pipelines,
+) {
+  const { words } = packGeometry(set, precision);
+  const width = GEOMETRY_WORDS[precision];
+  const dropMask = new Uint32Array(Math.ceil(COUNT / 32));
+  for (let i = 0; i < COUNT; i++) if (isDropped(i)) dropMask[i >> 5] |= 1 << (i & 31);
+  const shared = {
+    dropMask: storageBuffer(device, dropMask),
+    order: storageBuffer(device, order),
+    keys: storageBuffer(device, [], 4 * COUNT),
+    payloads: storageBuffer(device, [], 4 * COUNT),
+  };
+  for (const [pageStart, pageEnd] of PAGES) {
+    const sizes = { pageStart, pageEnd, slotCount: COUNT, dispatchRow: DISPATCH_ROW };
+    const parameters = uniformBuffer(device, MortonParameters.pack({ ...frameOf(set), round, ...sizes }));
+    const geometry = storageBuffer(device, words.subarray(pageStart * width, pageEnd * width));
+    const size = dispatchSize(Math.ceil(COUNT / 256), DISPATCH_ROW);
+    await runStage(device, shaders, ingestKeys(precision), { ...shared, parameters, geometry }, size);
+  }
+  return { keys: await readWords(device, shared.keys), payloads: await readWords(device, shared.payloads) };
+}
+
+describe('ingest-keys', () => {
+  const slots = Uint32Array.from({ length: COUNT }, (_, i) => i);
+  const shuffled = slots.map((i) => (i * 311) % COUNT);
+  for (const [what, change] of Object.entries({
+    'in a cube': () => {},
+    'far apart': (set: SplatSet) => set.positions.set([3e38, -3e38, 1e-42, 1e-38, -1e-40, 0]),
+    'close together': (set: SplatSet) => {
+      for (let i = 0; i < set.positions.length; i++) set.positions[i] *= 1e-36;
+    },
+    'in a plane': (set: SplatSet) => {
+      for (let i = 1; i < set.positions.length; i += 3) set.positions[i] = 5;
+    },
+    'at one point': (set: SplatSet) => set.positions.fill(1e30),
+  })) {
+    for (const precision of ['packed', 'f32'] as const) {
+      gpuTest(`splats ${what}, ${precision}: the keys of the twin, bit for bit`, async () => {
+        const set = randomSplats({ count: COUNT, seed: 6, shDegree: 0 });
+        change(set);
+        for (const [round, order] of [
+          [0, slots],
+          [1, shuffled],
+        ] as const) {
+          const { keys, payloads } = await keysOf(set, shuffled, round, precision);
+          expect(payloads).toEqual(order);
+          expect(keys).toEqual(twin(set.positions, order, frameOf(set), round, isDropped));
+        }
+      });
+    }
+  }
+
+  gpuTest('a code without dropped rows, or with other cells, is noticed', async () => {
+    const set = randomSplats({ count: COUNT, seed: 6, shDegree: 0 });
+    const expected = twin(set.positions, shuffled, frameOf(set), 1, isDropped);
+    for (const [find, replace] of [
+      ['isDropped << 24u', '0u'],
+      ['0.0, 65535.0', '0.0, 60000.0'],
+    ]) {
+      const mutated = new Pipelines(device, { file: 'stages/ingest-keys', find, replace });
+      expect((await keysOf(set, shuffled, 1, 'packed', mutated)).keys).not.toEqual(expected);
+    }
+  });
+});

@@ -1,0 +1,56 @@
+import source from '../../../../shaders/stages/ingest-rows.wgsl?raw';
+import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
+import { INGEST_FACTS } from '../layout/ingest-facts.ts';
+import { PACKING_STRUCTS } from '../layout/packing-structs.ts';
+import { GEOMETRY_WORDS } from '../packing/geometry.ts';
+import { shWordsPerSplat } from '../packing/harmonics.ts';
+import type { CloudPrecision } from '../packing/precision.ts';
+import { ROW_SLOT } from '../splats/splat-row.ts';
+import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
+import { PACKING_LIBRARIES } from './packing-libraries.ts';
+
+export interface IngestVariant extends CloudPrecision {
+  /** Degree of the file. */
+  readonly shDegree: ShDegree;
+}
+
+/** Packs rows of a file as they arrive, and gathers facts about them. */
+export function ingestRows({ geometryPrecision, shPrecision, shDegree }: IngestVariant): StageDefinition {
+  const bindings: Record<string, readonly [number, BindingKind]> = {
+    parameters: [0, 'uniform'],
+    rows: [1, 'read'],
+    geometry: [2, 'read-write'],
+    dropMask: [5, 'read-write'],
+    facts: [6, 'read-write'],
+  };
+  if (geometryPrecision === 'packed') bindings.logScaleRests = [3, 'read-write'];
+  if (shDegree >= 1) bindings.harmonics = [4, 'read-write'];
+  return {
+    stage: 'ingest-rows',
+    source,
+    structs: PACKING_STRUCTS,
+    libraries: PACKING_LIBRARIES,
+    entryPoint: 'ingestRows',
+    conditions: {
+      GEOMETRY_F32: geometryPrecision === 'f32',
+      SH_1: shDegree >= 1,
+      SH_F32: shPrecision === 'f32',
+      SH_F16: shPrecision === 'f16',
+      SH_U8: shPrecision === 'u8',
+    },
+    constants: {
+      ...INGEST_FACTS,
+      GEOMETRY_WORDS: GEOMETRY_WORDS[geometryPrecision],
+      SH_BANDS: shDegree,
+      SH_VALUES: coefficientsPerSplat(shDegree),
+      SH_WORDS: shWordsPerSplat(shDegree, shPrecision),
+      ROW_POSITION: ROW_SLOT.position,
+      ROW_LOG_SCALE: ROW_SLOT.logScale,
+      ROW_ROTATION: ROW_SLOT.rotation,
+      ROW_OPACITY: ROW_SLOT.opacity,
+      ROW_COLOR: ROW_SLOT.colorDc,
+      ROW_HARMONICS: ROW_SLOT.harmonics,
+    },
+    bindings,
+  };
+}

@@ -1,0 +1,40 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { expect } from 'vitest';
+import { Pipelines } from '../gpu/pipelines.ts';
+import { readWords } from '../gpu/read-buffer.ts';
+import { PermuteParameters } from '../layout/packing-structs.ts';
+import { ingestScatter as twin } from '../reference/ingest-scatter.ts';
+import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
+import { dispatchSize } from './dispatch.ts';
+import { ingestScatter } from './ingest-scatter.ts';
+
+const SPLATS = 600;
+const WIDTH = 3;
+const DISPATCH_ROW = 2;
+/** Splats of the cloud before those of the page. */
+const PAGE_START = 256;
+
+gpuTest('ingest-scatter writes one word of all splats of a page, and nothing else', async () => {
+  const device = await createTestDevice();
+  const before = Uint32Array.from({ length: SPLATS * WIDTH }, (_, i) => Math.imul(i, 0x9e3779b1));
+  const words = Uint32Array.from({ length: PAGE_START + SPLATS }, (_, i) => Math.imul(i, 0x85ebca6b));
+  const contents = PermuteParameters.pack({
+    word: 1,
+    wordsPerSplat: WIDTH,
+    mask: 0,
+    pageStart: PAGE_START,
+    pageEnd: PAGE_START + SPLATS,
+    count: words.length,
+    dispatchRow: DISPATCH_ROW,
+  });
+  const plane = storageBuffer(device, before);
+  const bindings = {
+    parameters: uniformBuffer(device, contents),
+    words: storageBuffer(device, words),
+    plane,
+  };
+  const size = dispatchSize(Math.ceil(SPLATS / 256), DISPATCH_ROW);
+  await runStage(device, new Pipelines(device), ingestScatter, bindings, size);
+  expect(await readWords(device, plane)).toEqual(twin(before, WIDTH, 1, words.subarray(PAGE_START)));
+  device.destroy();
+});

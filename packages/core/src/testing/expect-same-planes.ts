@@ -1,0 +1,114 @@
+import { expect } from 'vitest';
+import { Chunk } from '../layout/structs.ts';
+import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
+import { type PackedHarmonics, readCoefficients } from '../packing/harmonics.ts';
+import { unpackSplat } from '../reference/packing.ts';
+import { coefficientsPerSplat } from '../splats/splat-set.ts';
+
+/** Part of the steps that may differ by one, where float32 and float64 fall to different sides of half a step. */
+const DIFFERING_PART = 0.03;
+/** Fewer splats may have been chosen to be halfway between steps. */
+const MANY_SPLATS = 100;
+/** Units in the last place by which float32 values may differ. */
+const MAX_ULPS = 8;
+/** Log scales are kept in steps of this until the cloud's range is known. */
+const INGEST_LOG_SCALE_STEP = 2 ** -19;
+
+/**
+ * Expects the same geometry. Positions and half floats are the same bits. Other packed values differ by one step at most (log
+ * scales by INGEST_LOG_SCALE_STEP where steps are finer than that), and few of them do; float32 values by a few units in the
+ * last place. Of two components of a rotation that are as large, either may be the one left out.
+ */
+export function expectSameGeometry(actual: PackedGeometry, expected: PackedGeometry): void {
+  expect(actual.words.length).toBe(expected.words.length);
+  if (expected.precision === 'f32') expectSameFloats(actual.words, expected.words);
+  else expectSamePacked(actual, expected);
+}
+
+function expectSamePacked(actual: PackedGeometry, expected: PackedGeometry): void {
+  const width = GEOMETRY_WORDS.packed;
+  const count = expected.words.length / width;
+  const { step } = expected.logScaleRange;
+  const logScaleSteps = step > 0 ? 1 + Math.floor(INGEST_LOG_SCALE_STEP / step) : 0;
+  const areStepsFine = step < 32 * INGEST_LOG_SCALE_STEP;
+  let differing = 0;
+  for (let i = 0; i < count; i++) {
+    const [a, b] = [actual, expected].map(({ words }) => words.subarray(i * width, (i + 1) * width));
+    const place = `splat ${i}`;
+    expect(a.subarray(0, 4), place).toEqual(b.subarray(0, 4));
+    expect(a[4] & 0xffff, place).toBe(b[4] & 0xffff);
+    const expectSteps = (x: number, y: number, most: number, what: string) => {
+      if (x !== y && !(areStepsFine && what === 'log scale')) differing++;
+      expect(Math.abs(x - y), `${place}, ${what}: ${x} for ${y}`).toBeLessThanOrEqual(most);
+    };
+    expectSteps(a[4] >>> 16, b[4] >>> 16, 1, 'opacity');
+    expectSteps(a[5] & 0xffff, b[5] & 0xffff, logScaleSteps, 'log scale');
+    expectSteps(a[5] >>> 16, b[5] >>> 16, logScaleSteps, 'log scale');
+    expectSteps(a[6] & 0xffff, b[6] & 0xffff, logScaleSteps, 'log scale');
+    const [left, right] = [a, b].map(leftOut);
+    if (left === right) {
+      expectSteps((a[6] >>> 16) & 0x7fff, (b[6] >>> 16) & 0x7fff, 1, 'rotation');
+      expectSteps(a[7] & 0x7fff, b[7] & 0x7fff, 1, 'rotation');
+      expectSteps(a[7] >>> 16, b[7] >>> 16, 1, 'rotation');
+    } else {
+      const [q, r] = [actual, expected].map((geometry) => unpackSplat(geometry, i).rotation);
+      const cosine = q.reduce((sum: number, value: number, k: number) => sum + value * r[k], 0);
+      expect(Math.abs(cosine), `${place}, rotation`).toBeGreaterThan(1 - 1e-7);
+    }
+  }
+  if (count >= MANY_SPLATS) expect(differing).toBeLessThanOrEqual(DIFFERING_PART * 7 * count);
+}
+
+/** Index of the component of the rotation that is left out. */
+function leftOut(words: Uint32Array): number {
+  return ((words[6] >>> 31) & 1) | (((words[7] >>> 15) & 1) << 1);
+}
+
+function expectSameFloats(actual: Uint32Array, expected: Uint32Array): void {
+  for (let i = 0; i < expected.length; i++) {
+    if (actual[i] === expected[i]) continue;
+    const place = `word ${i}: ${actual[i].toString(16)} for ${expected[i].toString(16)}`;
+    // Below the smallest normal number, devices may flush to zero.
+    if ((expected[i] & 0x7fffffff) < 0x800000 && (actual[i] & 0x7fffffff) <= 0x800000) continue;
+    expect(Math.abs(actual[i] - expected[i]), place).toBeLessThanOrEqual(MAX_ULPS);
+  }
+}
+
+/** Expects the same harmonics: the same bits, but for bytes, which may differ by one step, and few of which do. */
+export function expectSameHarmonics(actual: PackedHarmonics, expected: PackedHarmonics, count: number): void {
+  if (expected.precision !== 'u8') {
+    expect(actual.words).toEqual(expected.words);
+    return;
+  }
+  const width = coefficientsPerSplat(expected.degree);
+  const [a, b] = [new Float64Array(width), new Float64Array(width)];
+  let differing = 0;
+  for (let i = 0; i < count && width > 0; i++) {
+    const at = i * expected.wordsPerSplat;
+    expect(actual.words[at] & 0xffff, `scale of splat ${i}`).toBe(expected.words[at] & 0xffff);
+    readCoefficients(actual, i, a);
+    readCoefficients(expected, i, b);
+    const step = Math.max(...b.map(Math.abs)) / 127;
+    for (let k = 0; k < width; k++) {
+      if (a[k] === b[k]) continue;
+      differing++;
+      expect(Math.abs(a[k] - b[k]), `splat ${i}, value ${k}`).toBeLessThanOrEqual(1.01 * step);
+    }
+  }
+  expect(differing).toBeLessThanOrEqual((count * width) / 1000);
+}
+
+/**
+ * Expects the same chunks: the same bounds (−0 is 0), and scales that differ by no more than half a step of the coarsest range of log
+ * scales, 80 / 65535.
+ */
+export function expectSameChunks(actual: ArrayBuffer, expected: ArrayBuffer): void {
+  const [a, b] = [new Float32Array(actual), new Float32Array(expected)];
+  expect(a.length).toBe(b.length);
+  const scaleAt = Chunk.offsets.maxScale / 4;
+  for (const [i, value] of b.entries()) {
+    const place = `chunk ${Math.floor((4 * i) / Chunk.bytes)}, word ${i % (Chunk.bytes / 4)}`;
+    if (i % (Chunk.bytes / 4) === scaleAt) expect(Math.abs(a[i] / value - 1), place).toBeLessThan(6.2e-4);
+    else expect(a[i] === value, `${place}: ${a[i]} for ${value}`).toBe(true);
+  }
+}

@@ -1,0 +1,39 @@
+import type { RowLayout } from '../packing/row-layout.ts';
+import { ROW_SLOT } from '../splats/splat-row.ts';
+import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
+
+export interface FileRowsOptions {
+  readonly isBigEndian?: boolean;
+  /** Bytes before each value, which belong to something else; default 0. */
+  readonly gapBytes?: number;
+}
+
+/** Writes splats as rows of a file, value by value in the order of `ROW_SLOT`. */
+export function fileRows(
+  set: SplatSet,
+  { isBigEndian = false, gapBytes = 0 }: FileRowsOptions = {},
+): { readonly bytes: Uint8Array<ArrayBuffer>; readonly layout: RowLayout } {
+  const coefficients = coefficientsPerSplat(set.harmonics.degree);
+  const values = ROW_SLOT.harmonics + coefficients;
+  const strideBytes = values * (4 + gapBytes) + gapBytes;
+  const offsets = Array.from({ length: values }, (_, slot) => slot * (4 + gapBytes) + gapBytes);
+  const bytes = new Uint8Array(set.count * strideBytes).fill(0xff);
+  const view = new DataView(bytes.buffer);
+  for (let row = 0; row < set.count; row++) {
+    const rowValues = [
+      ...set.positions.subarray(3 * row, 3 * row + 3),
+      ...set.logScales.subarray(3 * row, 3 * row + 3),
+      ...set.rotations.subarray(4 * row, 4 * row + 4),
+      set.opacityLogits[row],
+      ...set.colorDc.subarray(3 * row, 3 * row + 3),
+      ...set.harmonics.coefficients.subarray(row * coefficients, (row + 1) * coefficients),
+    ];
+    for (const [slot, value] of rowValues.entries())
+      view.setFloat32(row * strideBytes + offsets[slot], value, !isBigEndian);
+  }
+  const { count, harmonics } = set;
+  return {
+    bytes,
+    layout: { count, strideBytes, pieceRows: count, offsets, isBigEndian, shDegree: harmonics.degree },
+  };
+}
