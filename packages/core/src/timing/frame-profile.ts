@@ -95,14 +95,10 @@ export class FrameProfile {
   #splitCompute(encoder: GPUCommandEncoder, part: string): GPUComputePassEncoder {
     let pass: GPUComputePassEncoder | null = null;
     let current: GPUComputePipeline | null = null;
-    const counted =
-      <Arguments extends unknown[]>(
-        dispatch: (pass: GPUComputePassEncoder, ...rest: Arguments) => undefined,
-      ) =>
-      (...rest: Arguments): undefined => {
-        this.#passes.at(-1)!.dispatches++;
-        dispatch(pass!, ...rest);
-      };
+    const counted = () => {
+      this.#passes.at(-1)!.dispatches++;
+      return pass!;
+    };
     // Everything that parts of a frame call; a method that is missing here fails at once.
     const split: Pick<
       GPUComputePassEncoder,
@@ -118,12 +114,8 @@ export class FrameProfile {
       },
       setBindGroup: (index: number, group: GPUBindGroup | null | undefined) =>
         pass!.setBindGroup(index, group),
-      dispatchWorkgroups: counted((to, ...size: [number, number?, number?]) =>
-        to.dispatchWorkgroups(...size),
-      ),
-      dispatchWorkgroupsIndirect: counted((to, buffer: GPUBuffer, offset: number) =>
-        to.dispatchWorkgroupsIndirect(buffer, offset),
-      ),
+      dispatchWorkgroups: (...size) => counted().dispatchWorkgroups(...size),
+      dispatchWorkgroupsIndirect: (...where) => counted().dispatchWorkgroupsIndirect(...where),
       end: () => pass?.end(),
     };
     return split as GPUComputePassEncoder;

@@ -5,7 +5,7 @@ import type { FramePart, OrderRecording, PartChange, PartContext } from '../fram
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
 
-function sortShapeOf({ keyBits, workgroupBytes, hasNarrowSubgroups }: FrameShape): SortShape {
+export function sortShapeOf({ keyBits, workgroupBytes, hasNarrowSubgroups }: FrameShape): SortShape {
   return sortShapeFor(keyBits, workgroupBytes, hasNarrowSubgroups);
 }
 

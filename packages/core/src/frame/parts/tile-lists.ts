@@ -26,7 +26,7 @@ const { BIN_TILES, MASK_GROUP, TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
 const MASK_WORDS = (BIN_TILES * BIN_TILES * MASK_GROUP) / 32;
 
 /** Sort of the pairs by bin; one more key than bins, for pairs too many. */
-function sortShapeOf({ binCount, workgroupBytes, hasNarrowSubgroups }: FrameShape): SortShape {
+export function sortShapeOf({ binCount, workgroupBytes, hasNarrowSubgroups }: FrameShape): SortShape {
   return pairSortShapeFor(Math.ceil(Math.log2(binCount + 1)), workgroupBytes, hasNarrowSubgroups);
 }
 
