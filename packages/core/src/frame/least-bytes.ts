@@ -6,8 +6,7 @@ import { shWordsPerSplat } from '../packing/harmonics.ts';
 import { blockKeysOf, type SortShape } from '../stages/sort-shape.ts';
 import type { FrameStatistics } from '../timing/frame-statistics.ts';
 import type { FrameShape } from './frame-shape.ts';
-import { sortShapeOf as depthSortShapeOf } from './parts/sort.ts';
-import { sortShapeOf as pairSortShapeOf } from './parts/tile-lists.ts';
+import { depthSortShape, pairSortShape } from './sort-shapes.ts';
 
 /** Bytes that a pass moves between the GPU's memory and its cores. */
 export interface PassBytes {
@@ -208,7 +207,7 @@ function countsOf({ shape, statistics, size, pixelBytes }: DrawnFrame): Counts {
     geometryBytes: mean(({ planes }) => GEOMETRY_WORDS[planes.geometryPrecision]),
     harmonicsBytes: mean(({ planes, shDegree }) => shWordsPerSplat(shDegree, planes.shPrecision)),
     recordBytes: SPLAT_RECORDS[accuracy.recordPrecision].bytes,
-    depthSort: depthSortShapeOf(shape),
-    pairSort: pairSortShapeOf(shape),
+    depthSort: depthSortShape(shape),
+    pairSort: pairSortShape(shape),
   };
 }
