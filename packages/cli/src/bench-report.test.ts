@@ -46,6 +46,7 @@ const MEASUREMENT: FrameMeasurement = {
 
 const REPORT: BenchReport = {
   scene: 'scene.ply',
+  isMade: false,
   shDegree: 2,
   accuracyLabel: 'balanced',
   orbitDegrees: 15,
@@ -94,6 +95,12 @@ test('without timestamps it says so, and has only the wall clock', () => {
   expect(text).toContain('whole, wall clock');
   for (const absent of ['pre-process', 'whole, GPU', 'cull-splats', 'pairs', 'NaN', 'null'])
     expect(text).not.toContain(absent);
+});
+
+test('says that a scene was made while it was read', () => {
+  expect(benchText({ ...REPORT, isMade: true })).toContain(
+    '153 ms: making and reading 100 ms, packing 50 ms',
+  );
 });
 
 test('the JSON has everything', () => {

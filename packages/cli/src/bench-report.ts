@@ -13,6 +13,8 @@ import { alignedColumns } from './text-table.ts';
 /** Everything that one run of `websplatter bench` found. */
 export interface BenchReport {
   readonly scene: string;
+  /** Whether code makes the splats, in the time that is counted as reading. */
+  readonly isMade: boolean;
   /** Degree that is stored: bands that cannot be seen are not. */
   readonly shDegree: ShDegree;
   /** The settings as the user wrote them. */
@@ -31,7 +33,7 @@ export function benchJson(report: BenchReport): string {
 
 /** Formats a report for people. */
 export function benchText(report: BenchReport): string {
-  const { measurement, load, machine } = report;
+  const { measurement, machine } = report;
   const { passes, copyBytesPerSecond, notes, timing, memory } = measurement;
   const { cpu, cpuCount, memoryGiB, system, node } = machine;
   const hasTimestamps = timing === 'gpu-timestamps';
@@ -43,7 +45,7 @@ export function benchText(report: BenchReport): string {
     ...alignedColumns(
       [
         ['image', imageText(report)],
-        ['loading', loadText(load)],
+        ['loading', loadText(report)],
         ['visible', visibleText(measurement)],
         ['GPU memory', `${megabytes(memory.totalBytes)} MB, at most ${megabytes(memory.peakBytes)} MB`],
         ['copies', `${gigabytesPerSecond(copyBytesPerSecond)} GB/s read and written`],
@@ -77,10 +79,10 @@ function imageText({ measurement, accuracyLabel, orbitDegrees }: BenchReport): s
   return `${widthPx}×${heightPx} px, ${accuracyLabel}, ${drawn}; ${frames} frames over ${orbitDegrees}°`;
 }
 
-function loadText({ readMs, packMs, uploadMs }: LoadTimes): string {
+function loadText({ isMade, load: { readMs, packMs, uploadMs } }: BenchReport): string {
   const total = readMs + packMs + uploadMs;
   const [read, pack, upload, whole] = [readMs, packMs, uploadMs, total].map((ms) => `${ms.toFixed(0)} ms`);
-  return `${whole}: reading ${read}, packing ${pack}, uploading ${upload}`;
+  return `${whole}: ${isMade ? 'making and reading' : 'reading'} ${read}, packing ${pack}, uploading ${upload}`;
 }
 
 function visibleText({ visibleSplats, candidateSplats, tilePairs, loadedSplats }: FrameMeasurement): string {

@@ -12,7 +12,7 @@ import { findScene, type SceneSource } from './scene-source.ts';
 
 /** What loading a scene took, in milliseconds. */
 export interface LoadTimes {
-  /** Reading and decoding; of a scene that is made by code, making it. */
+  /** Reading and decoding the splats; making them too where code does. */
   readonly readMs: number;
   /** Sorting into storage order and packing. */
   readonly packMs: number;
@@ -26,12 +26,21 @@ export interface LoadedScene extends Gpu {
   readonly load: LoadTimes;
 }
 
+/** A scene to measure, still unread. */
+export interface BenchScene extends SceneSource {
+  /** Whether code makes the splats. */
+  readonly isMade: boolean;
+}
+
 /** Finds the scene of a command line, which it does not read yet. */
-export async function findBenchScene(scene: BenchOptions['scene']): Promise<SceneSource> {
-  if (scene.kind === 'named') return findScene(scene.name);
+export async function findBenchScene(scene: BenchOptions['scene']): Promise<BenchScene> {
+  if (scene.kind === 'named') {
+    const found = await findScene(scene.name);
+    return { ...found, isMade: 'make' in found.content };
+  }
   const { splats, shDegree, seed } = scene;
   const name = `synthetic (degree ${shDegree}, seed ${seed})`;
-  return { name, content: { source: syntheticPly({ splats, shDegree, seed }) } };
+  return { name, content: { source: syntheticPly({ splats, shDegree, seed }) }, isMade: true };
 }
 
 /**
@@ -40,13 +49,13 @@ export async function findBenchScene(scene: BenchOptions['scene']): Promise<Scen
  * @param accuracy the engine's settings, for which the splats are packed.
  */
 export async function loadTimed(scene: SceneSource, accuracy: AccuracySettings): Promise<LoadedScene> {
-  const { packed, readMs, packMs } = await readTimed(scene, accuracy);
+  const { packed, ...read } = await readTimed(scene, accuracy);
   const gpu = await openGpu(accuracy);
   try {
     const startedMs = performance.now();
     const cloud = gpu.engine.addPacked(packed, { name: scene.name });
     await gpu.engine.device.queue.onSubmittedWorkDone();
-    return { ...gpu, cloud, load: { readMs, packMs, uploadMs: performance.now() - startedMs } };
+    return { ...gpu, cloud, load: { ...read, uploadMs: performance.now() - startedMs } };
   } catch (error) {
     gpu.engine.destroy();
     throw error;
@@ -56,7 +65,7 @@ export async function loadTimed(scene: SceneSource, accuracy: AccuracySettings):
 async function readTimed(
   { name, content }: SceneSource,
   { geometryPrecision, shPrecision }: AccuracySettings,
-): Promise<{ packed: PackedCloud; readMs: number; packMs: number }> {
+): Promise<{ packed: PackedCloud } & Omit<LoadTimes, 'uploadMs'>> {
   const precision = { geometryPrecision, shPrecision };
   const startedMs = performance.now();
   let readMs: number | null = null;

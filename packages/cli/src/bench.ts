@@ -33,6 +33,7 @@ async function measure(options: BenchOptions, console: Console): Promise<BenchRe
     checkGpuErrors();
     return {
       scene: scene.name,
+      isMade: scene.isMade,
       shDegree: cloud.shDegree,
       accuracyLabel,
       orbitDegrees,

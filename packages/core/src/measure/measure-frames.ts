@@ -6,11 +6,11 @@ import type { FrameRequest } from '../frame/frame-request.ts';
 import { leastBytes, type PassBytes } from '../frame/least-bytes.ts';
 import type { GpuMemoryReport } from '../gpu/gpu-memory.ts';
 import { FrameProfile, type PassTime } from '../timing/frame-profile.ts';
-import { type FrameStatistics, isPlausible } from '../timing/frame-statistics.ts';
+import type { FrameStatistics } from '../timing/frame-statistics.ts';
 import { measureCopyBandwidth } from './copy-bandwidth.ts';
 import type { MeasureProgress } from './measure-accuracy.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
-import { drawMeasured, withView } from './measured-frames.ts';
+import { clockNotes, drawMeasured, withView } from './measured-frames.ts';
 import { standardDeviation, type TimeSpread, timeSpread } from './time-spread.ts';
 
 export interface MeasureFramesOptions extends Pick<FrameRequest, 'clouds' | 'widthPx' | 'heightPx'> {
@@ -77,8 +77,9 @@ export interface FrameMeasurement {
   /** GPU time of each stage; null without timestamps. */
   readonly stageMs: Readonly<Record<'preprocess' | 'sort' | 'rasterize', TimeSpread>> | null;
   /**
-   * Each stage by itself, in the order of the frame, from as many further frames of the same cameras; null without timestamps. The
-   * GPU pauses between passes: their sum exceeds the time of the undivided frame.
+   * Each stage by itself, in the order of the frame, from as many further frames of the same cameras; null without timestamps.
+   * The GPU pauses between passes: their sum exceeds the time of the undivided frame. Browsers round timestamps, to about a
+   * tenth of a millisecond, unless they are told not to.
    */
   readonly passes: readonly PassCost[] | null;
   /** Bytes per second, read and written together, that the device moves when it copies large buffers. */
@@ -93,12 +94,11 @@ export interface FrameMeasurement {
 const WARM_UP_FRAMES = 3;
 /** As many if a rasteriser is to be chosen: enough to compare both. */
 const CHOICE_FRAMES = 30;
-const CLOCKS_DISAGREE = 'GPU timestamps and wall clock disagree by more than a factor of three here.';
 
 /**
- * Measures what frames take on this device: whole, and each pass by itself with the bytes that it must move. Draws in a view of its
- * own, one frame after another; each is complete before the next begins, and other tasks of the thread run in between. Every
- * frame is culled, sorted and drawn anew.
+ * Measures what frames take on this device: whole, and each pass by itself with the bytes that it must move. Draws in a view of
+ * its own, one frame after another; each is complete before the next begins, and other tasks of the thread run in between.
+ * Every frame is culled, sorted and drawn anew.
  *
  * Where the settings leave the rasteriser open, the faster one is found first, and draws all measured frames.
  *
@@ -117,7 +117,6 @@ export async function measureFrames(
     const stageMs = (stage: 'preprocessMs' | 'sortMs' | 'rasterizeMs') =>
       timeSpread(timings.map((timing) => timing[stage]));
     const pairs = drawn.flatMap(({ tilePairs }) => tilePairs ?? []);
-    const isOdd = timings.filter((timing) => !isPlausible(timing)).length > timings.length / 2;
     return {
       adapter: engine.adapterLabel,
       settings: runs.settings,
@@ -138,7 +137,7 @@ export async function measureFrames(
       passes: profiled && passCosts(profiled, bytesOfFrames(view, drawn, options)),
       copyBytesPerSecond: await measureCopyBandwidth(engine.device, { bytes: options.copyBytes }),
       memory: runs.memory,
-      notes: [...runs.notices, ...(isOdd ? [CLOCKS_DISAGREE] : [])],
+      notes: [...runs.notices, ...clockNotes(timings)],
     };
   });
 }

@@ -64,7 +64,7 @@ export class FrameProfile {
     });
   }
 
-  /** Waits for the last frame that was split, and submitted, and returns the times of its stages in the order of their first passes. */
+  /** Returns the times of the last frame that was split and submitted, stage by stage in the order of their first passes. */
   async read(): Promise<PassTime[]> {
     const passes = this.#passes;
     await this.#readback.mapAsync(GPUMapMode.READ);
