@@ -1,4 +1,5 @@
 import type { AccuracyPoint, AccuracyTable, TimeSpread } from '@websplatter/core/measure';
+import { alignedColumns } from './text-table.ts';
 
 type Column = readonly [heading: string, cell: (point: AccuracyPoint, table: AccuracyTable) => string];
 
@@ -18,7 +19,7 @@ const COLUMNS: readonly Column[] = [
   ['P99', ({ timeMs }) => timeMs.total.p99.toFixed(2)],
   ['MB', ({ bytes }) => (bytes / 1e6).toFixed(1)],
 ];
-/** The first columns, the rest is right-aligned. */
+/** Columns of text; the others, of numbers, are right-aligned. */
 const LEFT_ALIGNED = 2;
 
 /** With fewer frames there is no interval of 95 % confidence: it spans all measured times instead. */
@@ -36,15 +37,7 @@ export function accuracyText(table: AccuracyTable, scene: string): string {
     COLUMNS.map(([heading]) => heading),
     ...points.map((point) => COLUMNS.map(([, cell]) => cell(point, table))),
   ];
-  const widths = COLUMNS.map((_, column) => Math.max(...rows.map((row) => row[column].length)));
-  const lines = rows.map((row) =>
-    row
-      .map((cell, column) =>
-        column < LEFT_ALIGNED ? cell.padEnd(widths[column]) : cell.padStart(widths[column]),
-      )
-      .join('  ')
-      .trimEnd(),
-  );
+  const lines = alignedColumns(rows, LEFT_ALIGNED);
   const { widthPx, heightPx, splats, adapter, frames, views, timing, elapsedMs } = table;
   const notes = [
     ...table.reference.notes.map((note) => `reference: ${note}`),

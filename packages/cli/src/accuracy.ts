@@ -7,6 +7,7 @@ import { readCameraFile } from './camera-file.ts';
 import type { Console } from './console.ts';
 import { openGpuSession } from './gpu-session.ts';
 import { checkWritable, writeFiles } from './output-files.ts';
+import { tenthsOf } from './progress-lines.ts';
 import { findScene } from './scene-source.ts';
 
 /** `websplatter accuracy SCENE … --camera CAM.json --size WIDTHxHEIGHT [--json] [--svg chart.svg]`. */
@@ -31,7 +32,6 @@ async function measure(options: AccuracyOptions, console: Console): Promise<Accu
   try {
     if (notice !== null) console.err(`note: ${notice}\n`);
     const clouds = session.clouds.map((cloud) => ({ cloud }));
-    let shownPercent = -1;
     const table = await measureAccuracy(engine, {
       clouds,
       cameras: [camera],
@@ -40,12 +40,7 @@ async function measure(options: AccuracyOptions, console: Console): Promise<Accu
       base,
       settings,
       frames,
-      onProgress: ({ done, total, label }) => {
-        const percent = Math.floor((100 * done) / total);
-        // One line per ten percent: stderr may be a file.
-        if (Math.floor(percent / 10) > Math.floor(shownPercent / 10)) console.err(`${percent} %: ${label}\n`);
-        shownPercent = Math.max(shownPercent, percent);
-      },
+      onProgress: tenthsOf(console),
     });
     checkGpuErrors();
     return table;

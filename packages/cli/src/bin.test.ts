@@ -27,7 +27,7 @@ binTest('--help lists the commands that exist', () => {
   expect(stdout).toContain('websplatter render SCENE');
   expect(stdout).toContain('websplatter info SCENE');
   expect(stdout).toContain('websplatter accuracy SCENE');
-  expect(stdout).not.toContain('websplatter bench');
+  expect(stdout).toContain('websplatter bench SCENE');
 });
 
 binTest('a bad file ends it with status 2 and one line', () => {

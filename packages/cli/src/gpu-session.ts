@@ -9,20 +9,24 @@ import {
 import { createNodeGpu } from '@websplatter/node';
 import type { SceneSource } from './scene-source.ts';
 
-/** An engine with the scenes of a command line. */
-export interface GpuSession {
+/** An engine on a GPU or a software adapter. */
+export interface Gpu {
   readonly engine: SplatEngine;
-  /** One per scene, in order. */
-  readonly clouds: readonly SplatCloud[];
   /** Message for the user when no GPU was found, otherwise null. */
   readonly notice: string | null;
   /** @throws WebSplatterError 'gpu-error' with the first GPU error, if there was one. */
   checkGpuErrors(): void;
 }
 
+/** An engine with the scenes of a command line. */
+export interface GpuSession extends Gpu {
+  /** One per scene, in order. */
+  readonly clouds: readonly SplatCloud[];
+}
+
 /**
- * Reads `scenes`, then uploads them to a GPU or a software adapter. No driver is opened before all scenes have been read:
- * bad input fails sooner, and nothing that a driver writes precedes the one line about it.
+ * Reads `scenes`, then uploads them. No driver is opened before all scenes have been read: bad input fails sooner, and nothing
+ * that a driver writes precedes the one line about it.
  *
  * @param accuracy the engine's settings, for which the splats are packed.
  */
@@ -32,6 +36,17 @@ export async function openGpuSession(
 ): Promise<GpuSession> {
   const uploads: Upload[] = [];
   for (const scene of scenes) uploads.push(await readForUpload(scene, accuracy));
+  const gpu = await openGpu(accuracy);
+  try {
+    return { ...gpu, clouds: uploads.map((upload) => upload(gpu.engine)) };
+  } catch (error) {
+    gpu.engine.destroy();
+    throw error;
+  }
+}
+
+/** @param accuracy the engine's settings. */
+export async function openGpu(accuracy: AccuracySettings): Promise<Gpu> {
   const { gpu, adapter, notice } = await createNodeGpu();
   const engine = await SplatEngine.create({ gpu, adapter, accuracy });
   const gpuErrors: string[] = [];
@@ -42,12 +57,7 @@ export async function openGpuSession(
   const checkGpuErrors = () => {
     if (gpuErrors.length > 0) throw new WebSplatterError('gpu-error', `the GPU refused: ${gpuErrors[0]}`);
   };
-  try {
-    return { engine, clouds: uploads.map((upload) => upload(engine)), notice, checkGpuErrors };
-  } catch (error) {
-    engine.destroy();
-    throw error;
-  }
+  return { engine, notice, checkGpuErrors };
 }
 
 type Upload = (engine: SplatEngine) => SplatCloud;

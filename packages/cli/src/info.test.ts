@@ -63,7 +63,7 @@ test.each([
   [['info'], 'websplatter: info needs one SCENE, found 0 (see websplatter --help)'],
   [['info', 'a', '--yaml'], "websplatter: Unknown option '--yaml' (see websplatter --help)"],
   [['accuracy', 'a'], 'websplatter: accuracy needs --camera CAM.json (see websplatter --help)'],
-  [['bench', 'a'], 'websplatter: there is no command bench (see websplatter --help)'],
+  [['paint', 'a'], 'websplatter: there is no command paint (see websplatter --help)'],
   [[], 'websplatter: no command (see websplatter --help)'],
 ])('%j fails in one line with status 2', async (args, line) => {
   const { status, out, err } = await runMain(...args);

@@ -1,6 +1,7 @@
 import { WebSplatterError } from '@websplatter/core';
 import packageJson from '../package.json' with { type: 'json' };
 import { accuracy } from './accuracy.ts';
+import { bench } from './bench.ts';
 import type { Console } from './console.ts';
 import { hardcases } from './hardcases.ts';
 import { info } from './info.ts';
@@ -11,7 +12,7 @@ import { USAGE } from './usage.ts';
 /** A command: does its work or throws. */
 type Command = (args: readonly string[], console: Console) => Promise<void>;
 
-const COMMANDS: Readonly<Record<string, Command>> = { render, info, accuracy, hardcases };
+const COMMANDS: Readonly<Record<string, Command>> = { render, info, accuracy, bench, hardcases };
 
 /** Codes of errors that the input did not cause. */
 const FAILURE_CODES = new Set([

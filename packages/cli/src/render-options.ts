@@ -63,10 +63,6 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
     throw new UsageError('--renderer', `--renderer is ${renderer}; it must be gpu or reference`);
   }
   const [widthPx, heightPx] = parseSize(values.size);
-  const accuracy = {
-    ...(values.accuracy && { preset: values.accuracy }),
-    ...parseSettings(values.set),
-  } as Accuracy;
   return {
     scenes: positionals,
     camera: values.camera,
@@ -76,8 +72,7 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
     out: values.out,
     raw: values.raw,
     renderer,
-    accuracy: resolveAccuracy(accuracy),
-    accuracyLabel: [values.accuracy ?? DEFAULT_ACCURACY, ...values.set].join(' '),
+    ...parseAccuracy(values.accuracy, values.set),
     background: parseBackground(values.background),
     frames: parseFrames(values.frames),
     timings: values.timings,
@@ -122,6 +117,18 @@ export function parseFrames(text: string): number {
   if (!/^[1-9]\d{0,5}$/.test(text))
     throw new UsageError('--frames', `--frames is ${text}; it must be a whole number from 1 on`);
   return Number(text);
+}
+
+/** The settings of `--accuracy` and `--set`. */
+export function parseAccuracy(
+  preset: string | undefined,
+  assignments: readonly string[],
+): Pick<RenderOptions, 'accuracy' | 'accuracyLabel'> {
+  const accuracy = { ...(preset && { preset }), ...parseSettings(assignments) } as Accuracy;
+  return {
+    accuracy: resolveAccuracy(accuracy),
+    accuracyLabel: [preset ?? DEFAULT_ACCURACY, ...assignments].join(' '),
+  };
 }
 
 function parseSettings(assignments: readonly string[]): Record<string, unknown> {

@@ -28,6 +28,19 @@ websplatter accuracy SCENE … --camera CAM.json --size WIDTHxHEIGHT [options]
   --settings a,b         only these settings, e.g. shDegree,colorTarget; default all
   --frames 15            measured frames per setting
 
+websplatter bench SCENE|--synthetic N [options]
+  measures frames on this GPU while the camera orbits: each stage and each pass, bytes that a pass must move against the
+  rate at which the GPU copies, steadiness, visible splats, loading and memory
+  --synthetic N          random splats instead of a SCENE: 10k to 16M
+  --degree 3             their spherical harmonics, 0 to 3
+  --seed 1               their seed
+  --camera CAM.json      as for render; synthetic scenes have one
+  --size 1920x1080       in pixels
+  --frames 100           measured frames
+  --orbit 15             degrees that the camera covers in all of them, up to 360, with --camera in the middle
+  --accuracy, --set      as for render
+  --json                 prints everything that was measured, instead of tables
+
 websplatter hardcases [--json | --markdown] [--filter text] [--size 64x64]
   renders scenes that break splat renderers and compares each with float64: worst stage error, dB per preset, verdict
   --filter text          only cases with this text in their name

@@ -8,6 +8,13 @@ export {
   type StillLifeOptions,
   stillLife,
 } from './still-life.ts';
+export {
+  SYNTHETIC_MAX_SPLATS,
+  SYNTHETIC_MIN_SPLATS,
+  type SyntheticOptions,
+  syntheticCamera,
+  syntheticPly,
+} from './synthetic.ts';
 export { type SceneCamera, stillLifeCameras };
 
 /** A scene made by code. */

@@ -198,6 +198,11 @@ export class Pipelines {
   }
 }
 
+/** Name of the stage, as in shaders/stages, that a pipeline was compiled for. */
+export function stageNameOf({ label }: GPUObjectBase): string {
+  return label.split(' ')[0];
+}
+
 function isRenderStage({ entryPoint }: StageDefinition): boolean {
   return entryPoint === undefined;
 }

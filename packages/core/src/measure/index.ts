@@ -4,6 +4,7 @@ export type { SettingName } from './candidates.ts';
 export { type AccuracyChoice, chooseAccuracy, chooseFrom } from './choose-accuracy.ts';
 export { NonFiniteImageError } from './compare-textures.ts';
 export { compareViews } from './compare-views.ts';
+export { type CopyBandwidthOptions, measureCopyBandwidth } from './copy-bandwidth.ts';
 export {
   type AccuracyPoint,
   type AccuracyTable,
@@ -12,6 +13,15 @@ export {
   measureAccuracy,
 } from './measure-accuracy.ts';
 export { type EffectCost, type MeasureEffectsOptions, measureEffects } from './measure-effects.ts';
+export {
+  type CountSpread,
+  type FrameMeasurement,
+  type FrameSpread,
+  type MeasureFramesOptions,
+  measureFrames,
+  type PassCost,
+} from './measure-frames.ts';
 export type { ComparedView, MeasuredEngine, MeasuredView } from './measured-engine.ts';
+export { orbitCameras } from './orbit-cameras.ts';
 export { sampleCameras } from './sample-cameras.ts';
 export type { TimeSpread } from './time-spread.ts';

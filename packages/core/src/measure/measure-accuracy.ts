@@ -10,14 +10,14 @@ import { InvalidArgumentError } from '../errors.ts';
 import type { CloudInstance, FrameRequest } from '../frame/frame-request.ts';
 import type { CloudPrecision } from '../packing/precision.ts';
 import type { ImageDifference } from '../reference/compare-images.ts';
-import { type FrameStatistics, isPlausible, type StageTimings } from '../timing/frame-statistics.ts';
+import type { FrameStatistics, StageTimings } from '../timing/frame-statistics.ts';
 import { type Candidate, combined, type SettingName, singleCandidates } from './candidates.ts';
 import { combineChanges, type FirstLook, MAX_COMBINATIONS } from './combine-changes.ts';
 import { NonFiniteImageError } from './compare-textures.ts';
 import { compareViews } from './compare-views.ts';
 import { leasePlanes } from './lease-planes.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
-import { drawMeasured, withView } from './measured-frames.ts';
+import { clockNotes, drawMeasured, withView } from './measured-frames.ts';
 import { paretoFront } from './pareto-front.ts';
 import { type TimeSpread, timeSpread } from './time-spread.ts';
 
@@ -224,9 +224,7 @@ class Measurement {
 
     const points = toPoints(measured);
     const sources = measured.flatMap(({ frames }) => frames.flat().map(({ timing }) => timing));
-    if (sources.filter((timing) => !isPlausible(timing)).length > sources.length / 2) {
-      this.#notes.push('GPU timestamps and wall clock disagree by more than a factor of three here.');
-    }
+    this.#notes.push(...clockNotes(sources));
     return {
       points,
       base: measured[0].candidate.settings,

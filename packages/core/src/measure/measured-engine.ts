@@ -1,8 +1,9 @@
-import type { Accuracy, AccuracySettings, PossibleAccuracy } from '../accuracy/accuracy.ts';
+import type { Accuracy, AccuracySettings, FrameRasterizer, PossibleAccuracy } from '../accuracy/accuracy.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
-import type { OmittableEffect } from '../frame/frame-shape.ts';
+import type { FrameShape, OmittableEffect } from '../frame/frame-shape.ts';
 import type { GpuMemoryReport } from '../gpu/gpu-memory.ts';
 import type { EffectEntry } from '../ledger/ledger.ts';
+import type { FrameProfile } from '../timing/frame-profile.ts';
 import type { FrameStatistics } from '../timing/frame-statistics.ts';
 import type { CompareContext } from './compare-textures.ts';
 
@@ -27,6 +28,12 @@ export interface ComparedView {
 /** The parts of a view that measuring needs; every `SplatView` has them. */
 export interface MeasuredView extends ComparedView {
   onStatistics: ((statistics: FrameStatistics) => void) | null;
+  /** Splits frames into their passes while it is set; they have no statistics then. */
+  profile: FrameProfile | null;
+  /** Shape of the last frame; null before the first. */
+  readonly shape: FrameShape | null;
+  /** What draws, and why. */
+  readonly rasterizer: { readonly rasterizer: FrameRasterizer; readonly reason: string };
   render(frame: FrameRequest): boolean;
   effects(): readonly EffectEntry[];
   omitEffects(effects: readonly OmittableEffect[]): void;

@@ -1,6 +1,6 @@
 import { WebSplatterError } from '../errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
-import type { FrameStatistics } from '../timing/frame-statistics.ts';
+import { type FrameStatistics, isPlausible, type StageTimings } from '../timing/frame-statistics.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 
 /** Statistics that have not arrived this long after the GPU was done never will. */
@@ -67,4 +67,12 @@ async function drawOnce(
     clearTimeout(timer);
     view.onStatistics = null;
   }
+}
+
+/** Says so if the clocks contradict each other in most of the frames. */
+export function clockNotes(timings: readonly StageTimings[]): string[] {
+  const implausible = timings.filter((timing) => !isPlausible(timing)).length;
+  return implausible > timings.length / 2
+    ? ['GPU timestamps and wall clock disagree by more than a factor of three here.']
+    : [];
 }

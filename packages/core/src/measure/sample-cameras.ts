@@ -1,7 +1,7 @@
 import type { Camera } from '../camera/camera.ts';
 import { InvalidArgumentError } from '../errors.ts';
-import { type Mat4, multiply4 } from '../math/mat4.ts';
 import type { Bounds } from '../packing/packed-cloud.ts';
+import { pivotDepth, turnedAboutPivot } from './camera-pivot.ts';
 
 /** Largest angle between a sampled view and the given one. */
 const MAX_TURN = (35 * Math.PI) / 180;
@@ -26,32 +26,10 @@ export function sampleCameras(camera: Camera, bounds: Bounds, count = 8): Camera
     if (index === 0) return camera;
     const turn = MAX_TURN * Math.sqrt(index / (count - 1));
     const towards = index * GOLDEN_ANGLE;
-    // In view space: move to the pivot, turn there, and move back by another distance.
-    const there = alongView(depth);
-    const turned = multiply4(rotation(turn * Math.cos(towards), turn * Math.sin(towards)), there);
-    const factor = DISTANCE_FACTORS[index % DISTANCE_FACTORS.length];
-    const back = multiply4(alongView(-depth * factor), turned);
-    return { ...camera, viewMatrix: multiply4(back, camera.viewMatrix) };
+    return turnedAboutPivot(camera, depth, {
+      aboutY: turn * Math.cos(towards),
+      aboutX: turn * Math.sin(towards),
+      distanceFactor: DISTANCE_FACTORS[index % DISTANCE_FACTORS.length],
+    });
   });
-}
-
-/** View depth of the pivot: the middle of the bounds, but never nearer than a fifth of their extent. */
-function pivotDepth({ viewMatrix: v, near }: Camera, { min, max }: Bounds): number {
-  const middle = [0, 1, 2].map((axis) => (min[axis] + max[axis]) / 2);
-  const extent = Math.hypot(...[0, 1, 2].map((axis) => max[axis] - min[axis]));
-  const depth = -(v[2] * middle[0] + v[6] * middle[1] + v[10] * middle[2] + v[14]);
-  return Math.max(depth, extent / 5, 2 * near);
-}
-
-/** Moves by `depth` along the view's z axis. */
-function alongView(depth: number): Mat4 {
-  return Float64Array.of(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, depth, 1);
-}
-
-/** Rotates about the image's y axis, then about its x axis; radians. */
-function rotation(aboutY: number, aboutX: number): Mat4 {
-  const [cy, sy, cx, sx] = [Math.cos(aboutY), Math.sin(aboutY), Math.cos(aboutX), Math.sin(aboutX)];
-  const yaw = Float64Array.of(cy, 0, -sy, 0, 0, 1, 0, 0, sy, 0, cy, 0, 0, 0, 0, 1);
-  const pitch = Float64Array.of(1, 0, 0, 0, 0, cx, sx, 0, 0, -sx, cx, 0, 0, 0, 0, 1);
-  return multiply4(pitch, yaw);
 }

@@ -2,7 +2,7 @@ import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { paretoFront } from './pareto-front.ts';
-import { overlap, type TimeSpread, timeSpread } from './time-spread.ts';
+import { overlap, standardDeviation, type TimeSpread, timeSpread } from './time-spread.ts';
 
 describe('timeSpread', () => {
   test('returns the order statistics in the tables of the sign test', () => {
@@ -29,6 +29,11 @@ describe('timeSpread', () => {
       if (low <= 2 && 2 <= high) hits++;
     }
     expect(hits / TRIALS).toBeGreaterThan(0.95);
+  });
+
+  test('the standard deviation is that of all values about their mean', () => {
+    expect(standardDeviation([2, 4, 4, 4, 5, 5, 7, 9])).toBe(2);
+    expect(standardDeviation([3])).toBe(0);
   });
 
   test('overlap is symmetric, and touching is overlapping', () => {

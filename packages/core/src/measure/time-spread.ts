@@ -27,6 +27,12 @@ export function timeSpread(values: readonly number[]): TimeSpread {
   };
 }
 
+/** Returns the standard deviation of `values`, at least one, about their mean. */
+export function standardDeviation(values: readonly number[]): number {
+  const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
+  return Math.sqrt(values.reduce((sum, value) => sum + (value - mean) ** 2, 0) / values.length);
+}
+
 /**
  * Returns how many of the least, and of the greatest, of `count` values lie outside the interval: as many as keep the chance
  * below (1 − CONFIDENCE)/2 that no more values than these lie below the true median.

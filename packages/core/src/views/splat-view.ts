@@ -6,6 +6,7 @@ import { readTexture, type TextureImage } from '../gpu/read-texture.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import { storableCanvasFormat } from '../stages/composite.ts';
+import type { FrameProfile } from '../timing/frame-profile.ts';
 import type { ChooseAccuracyOptions } from './accuracy-wishes.ts';
 import type { SplatPick } from './pick-splat.ts';
 import { type ViewContext, ViewCore } from './view-core.ts';
@@ -14,6 +15,8 @@ const BLACK: Vec3 = [0, 0, 0];
 
 /** Draws clouds whenever something has changed: on a canvas, or into a texture that can be read back. */
 export class SplatView extends ViewCore {
+  /** @internal Splits frames into their passes and times those; such frames have no statistics. Null for whole frames. */
+  profile: FrameProfile | null = null;
   readonly #canvas: GPUCanvasContext | null;
   /** Background of the image on the canvas. */
   #shownBackground: readonly number[] = BLACK;
@@ -123,8 +126,9 @@ export class SplatView extends ViewCore {
     const { request } = plan;
     this.makeRoom(plan);
     this.#fitCanvas(request);
-    this.timer.begin();
-    const encoder = device.createCommandEncoder({ label: 'websplatter frame' });
+    if (!this.profile) this.timer.begin();
+    const whole = device.createCommandEncoder({ label: 'websplatter frame' });
+    const encoder = this.profile?.split(whole) ?? whole;
     this.recordOrder(encoder);
     this.recordDraw(encoder, this.#destination(request));
     device.queue.submit([encoder.finish()]);

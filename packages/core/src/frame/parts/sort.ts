@@ -1,15 +1,11 @@
 import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { RadixSort, radixSortStages } from '../../stages/radix-sort.ts';
-import { type SortShape, sortShapeFor } from '../../stages/sort-shape.ts';
 import type { FramePart, OrderRecording, PartChange, PartContext } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
+import { depthSortShape } from '../sort-shapes.ts';
 
-function sortShapeOf({ keyBits, workgroupBytes, hasNarrowSubgroups }: FrameShape): SortShape {
-  return sortShapeFor(keyBits, workgroupBytes, hasNarrowSubgroups);
-}
-
-const stagesOf = perShape((shape) => radixSortStages(sortShapeOf(shape)));
+const stagesOf = perShape((shape) => radixSortStages(depthSortShape(shape)));
 
 /** The part's memory for frames of one key width and capacity. */
 interface Held {
@@ -69,7 +65,7 @@ export class Sort implements FramePart<OrderRecording> {
     const visibleCount = memory.createBuffer('frame visibleCount', 4, usage);
     try {
       const options = {
-        shape: sortShapeOf(frame),
+        shape: depthSortShape(frame),
         capacity: visibleCapacity,
         keyCount: visibleCount,
         dispatchRow,

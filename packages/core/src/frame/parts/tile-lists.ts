@@ -5,7 +5,7 @@ import { roundUp } from '../../layout/gpu-struct.ts';
 import { SortPlan, TileGrid, TilePlan } from '../../layout/structs.ts';
 import { dispatchSize } from '../../stages/dispatch.ts';
 import { RadixSort, radixSortStages } from '../../stages/radix-sort.ts';
-import { blockKeysOf, pairSortShapeFor, type SortShape } from '../../stages/sort-shape.ts';
+import { blockKeysOf } from '../../stages/sort-shape.ts';
 import { tileCount } from '../../stages/tile-count.ts';
 import { tileEmit } from '../../stages/tile-emit.ts';
 import { tileMasks } from '../../stages/tile-masks.ts';
@@ -21,19 +21,15 @@ import {
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
 import { PAIR_BYTES, pairCapacity } from '../pair-capacity.ts';
+import { pairSortShape } from '../sort-shapes.ts';
 
 const { BIN_TILES, MASK_GROUP, TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
 const MASK_WORDS = (BIN_TILES * BIN_TILES * MASK_GROUP) / 32;
 
-/** Sort of the pairs by bin; one more key than bins, for pairs too many. */
-function sortShapeOf({ binCount, workgroupBytes, hasNarrowSubgroups }: FrameShape): SortShape {
-  return pairSortShapeFor(Math.ceil(Math.log2(binCount + 1)), workgroupBytes, hasNarrowSubgroups);
-}
-
 const stages = perShape((shape) => {
   const { recordPrecision, extent } = shape.accuracy;
   const variant = { recordPrecision, extent };
-  const sortShape = sortShapeOf(shape);
+  const sortShape = pairSortShape(shape);
   return {
     tileCount: tileCount(variant),
     tilePlan: tilePlan(sortShape),
@@ -246,7 +242,7 @@ export class TileLists implements FramePart<OrderRecording> {
         buffers[name as BufferName] = buffer;
       }
       const sort = new RadixSort(device, pipelines, memory, {
-        shape: sortShapeOf(shape),
+        shape: pairSortShape(shape),
         capacity: room,
         dispatchRow,
         payloads: 'given',

@@ -1,0 +1,98 @@
+import type { AccuracySettings, ShDegree } from '@websplatter/core';
+import { SYNTHETIC_MAX_SPLATS, SYNTHETIC_MIN_SPLATS, type SyntheticOptions } from '@websplatter/scenes';
+import { UsageError } from './input-error.ts';
+import { parseAccuracy, parseFrames, parseSize, parseStrictly } from './render-options.ts';
+
+/** Arguments of `websplatter bench`. */
+export interface BenchOptions {
+  readonly scene:
+    | { readonly kind: 'named'; readonly name: string }
+    | ({ readonly kind: 'synthetic' } & Required<SyntheticOptions>);
+  /** Camera file; undefined for a synthetic scene's own camera. */
+  readonly camera: string | undefined;
+  readonly widthPx: number;
+  readonly heightPx: number;
+  /** Measured frames. */
+  readonly frames: number;
+  /** Angle that the camera covers in all of them. */
+  readonly orbitDegrees: number;
+  readonly accuracy: AccuracySettings;
+  /** The settings as the user wrote them. */
+  readonly accuracyLabel: string;
+  readonly isJson: boolean;
+}
+
+/** Options that only synthetic scenes have. */
+const SYNTHETIC_ONLY = ['degree', 'seed'] as const;
+
+/** @throws UsageError or InvalidArgumentError that names the argument. */
+export function parseBenchArguments(args: readonly string[]): BenchOptions {
+  const { values, positionals } = parseStrictly(args, {
+    synthetic: { type: 'string' },
+    degree: { type: 'string' },
+    seed: { type: 'string' },
+    camera: { type: 'string' },
+    size: { type: 'string', default: '1920x1080' },
+    frames: { type: 'string', default: '100' },
+    orbit: { type: 'string', default: '15' },
+    accuracy: { type: 'string' },
+    set: { type: 'string', multiple: true, default: [] },
+    json: { type: 'boolean', default: false },
+  });
+  const { synthetic } = values;
+  if (positionals.length + Number(synthetic !== undefined) !== 1)
+    throw new UsageError('SCENE', 'bench needs one SCENE, or --synthetic N');
+  if (synthetic === undefined) {
+    if (values.camera === undefined) throw new UsageError('--camera', 'bench SCENE needs --camera CAM.json');
+    const useless = SYNTHETIC_ONLY.find((name) => values[name] !== undefined);
+    if (useless) throw new UsageError(`--${useless}`, `--${useless} needs --synthetic N`);
+  }
+  const [widthPx, heightPx] = parseSize(values.size);
+  return {
+    scene:
+      synthetic === undefined
+        ? { kind: 'named', name: positionals[0] }
+        : {
+            kind: 'synthetic',
+            splats: parseCount(synthetic),
+            shDegree: parseDegree(values.degree ?? '3'),
+            seed: parseSeed(values.seed ?? '1'),
+          },
+    camera: values.camera,
+    widthPx,
+    heightPx,
+    frames: parseFrames(values.frames),
+    orbitDegrees: parseOrbit(values.orbit),
+    ...parseAccuracy(values.accuracy, values.set),
+    isJson: values.json,
+  };
+}
+
+const FACTORS: Readonly<Record<string, number>> = { '': 1, k: 1e3, m: 1e6 };
+
+/** Parses a number of splats such as 250000, 250k or 6M. */
+function parseCount(text: string): number {
+  const [, digits, unit] = /^(\d+(?:\.\d+)?)([kM]?)$/i.exec(text) ?? [];
+  const count = digits === undefined ? Number.NaN : Math.round(Number(digits) * FACTORS[unit.toLowerCase()]);
+  if (count >= SYNTHETIC_MIN_SPLATS && count <= SYNTHETIC_MAX_SPLATS) return count;
+  const range = `${SYNTHETIC_MIN_SPLATS / 1e3}k to ${SYNTHETIC_MAX_SPLATS / 1e6}M`;
+  throw new UsageError('--synthetic', `--synthetic is ${text}; it must be a number of splats, ${range}`);
+}
+
+function parseDegree(text: string): ShDegree {
+  if (!/^[0-3]$/.test(text)) throw new UsageError('--degree', `--degree is ${text}; it must be 0, 1, 2 or 3`);
+  return Number(text) as ShDegree;
+}
+
+function parseSeed(text: string): number {
+  if (!/^\d{1,9}$/.test(text))
+    throw new UsageError('--seed', `--seed is ${text}; it must be a whole number from 0 to 999999999`);
+  return Number(text);
+}
+
+function parseOrbit(text: string): number {
+  const degrees = text.trim() === '' ? Number.NaN : Number(text);
+  if (!(degrees > 0 && degrees <= 360))
+    throw new UsageError('--orbit', `--orbit is ${text}; it must be degrees above 0 and up to 360`);
+  return degrees;
+}

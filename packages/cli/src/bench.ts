@@ -1,0 +1,55 @@
+import { type Camera, perspectiveCamera } from '@websplatter/core';
+import { measureFrames, orbitCameras } from '@websplatter/core/measure';
+import { syntheticCamera } from '@websplatter/scenes';
+import { type BenchOptions, parseBenchArguments } from './bench-options.ts';
+import { type BenchReport, benchJson, benchText } from './bench-report.ts';
+import { findBenchScene, loadTimed } from './bench-scene.ts';
+import { readCameraFile } from './camera-file.ts';
+import type { Console } from './console.ts';
+import { currentCommit, describeMachine } from './machine.ts';
+import { tenthsOf } from './progress-lines.ts';
+
+/** `websplatter bench SCENE|--synthetic N [--camera CAM.json] [--json]`. */
+export async function bench(args: readonly string[], console: Console): Promise<void> {
+  const options = parseBenchArguments(args);
+  const report = await measure(options, console);
+  console.out(options.isJson ? benchJson(report) : benchText(report));
+}
+
+async function measure(options: BenchOptions, console: Console): Promise<BenchReport> {
+  const { widthPx, heightPx, frames, orbitDegrees, accuracy, accuracyLabel } = options;
+  const camera = await cameraOf(options);
+  const scene = await findBenchScene(options.scene);
+  const { engine, cloud, load, notice, checkGpuErrors } = await loadTimed(scene, accuracy);
+  try {
+    if (notice !== null) console.err(`note: ${notice}\n`);
+    const measurement = await measureFrames(engine, {
+      clouds: [{ cloud }],
+      cameras: orbitCameras(camera, cloud.robustBounds, { count: frames, sweepDegrees: orbitDegrees }),
+      widthPx,
+      heightPx,
+      onProgress: tenthsOf(console),
+    });
+    checkGpuErrors();
+    return {
+      scene: scene.name,
+      isMade: scene.isMade,
+      shDegree: cloud.shDegree,
+      accuracyLabel,
+      orbitDegrees,
+      load,
+      measurement,
+      commit: currentCommit(),
+      machine: describeMachine(),
+    };
+  } finally {
+    engine.destroy();
+  }
+}
+
+async function cameraOf({ camera, widthPx, heightPx }: BenchOptions): Promise<Camera> {
+  const aspect = widthPx / heightPx;
+  return camera === undefined
+    ? perspectiveCamera({ ...syntheticCamera, aspect })
+    : readCameraFile(camera, aspect);
+}

@@ -1,0 +1,213 @@
+import { layerSize, type SizePx } from '../accuracy/accuracy.ts';
+import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../layout/constants.ts';
+import { Chunk, SPLAT_RECORDS } from '../layout/structs.ts';
+import { GEOMETRY_WORDS } from '../packing/geometry.ts';
+import { shWordsPerSplat } from '../packing/harmonics.ts';
+import { blockKeysOf, type SortShape } from '../stages/sort-shape.ts';
+import type { FrameStatistics } from '../timing/frame-statistics.ts';
+import type { FrameShape } from './frame-shape.ts';
+import { depthSortShape, pairSortShape } from './sort-shapes.ts';
+
+/** Bytes that a pass moves between the GPU's memory and its cores. */
+export interface PassBytes {
+  readonly read: number;
+  readonly written: number;
+}
+
+/** A frame that was drawn, without kept colours and host. */
+export interface DrawnFrame {
+  readonly shape: FrameShape;
+  readonly statistics: Pick<
+    FrameStatistics,
+    'candidateSplats' | 'visibleSplats' | 'rasterizer' | 'tilePairs'
+  >;
+  /** Size of the image. */
+  readonly size: SizePx;
+  /** Bytes of a pixel of the layer. */
+  readonly pixelBytes: number;
+}
+
+/** The numbers that the bytes of passes follow from. */
+interface Counts {
+  readonly chunks: number;
+  readonly visibleChunks: number;
+  /** Splats of the visible chunks. */
+  readonly candidates: number;
+  readonly visible: number;
+  /** Pairs that the tiles draw; 0 where quads draw. */
+  readonly pairs: number;
+  /** 1 where quads draw, 0 where their pass draws nothing. */
+  readonly drawsQuads: number;
+  readonly layerBytes: number;
+  readonly imagePixels: number;
+  readonly imageBytes: number;
+  /** Mean bytes of a splat's planes; visible splats of several clouds are taken to be spread over them as all splats are. */
+  readonly geometryBytes: number;
+  readonly harmonicsBytes: number;
+  readonly recordBytes: number;
+  readonly depthSort: SortShape;
+  readonly pairSort: SortShape;
+}
+
+type Rule = (counts: Counts) => readonly [readBytes: number, writtenBytes: number];
+
+const WORD_BYTES = 4;
+const { MASK_WORDS, BIN_TILES, TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
+/** Bits of one splat of a chunk, for each chunk. */
+const CHUNK_MASK_BYTES = WORD_BYTES * MASK_WORDS;
+const PAIR_MASK_BYTES = BIN_TILES ** 2 / 8;
+const CANVAS_PIXEL_BYTES = 4;
+
+/** The stages of a radix sort. */
+function sortRules(
+  shapeOf: (counts: Counts) => SortShape,
+  keysOf: (counts: Counts) => number,
+  has: { readonly givenPayloads: boolean; readonly givenFirstCounts: boolean; readonly sortedKeys: boolean },
+): Record<string, Rule> {
+  /** Bytes of a word per key in so many passes, and of the digit counts of as many. */
+  const sizes = (counts: Counts) => {
+    const shape = shapeOf(counts);
+    const keys = keysOf(counts);
+    const blocks = Math.ceil(keys / blockKeysOf(shape));
+    return {
+      passes: shape.passes,
+      words: (passes: number) => passes * WORD_BYTES * keys,
+      digitCounts: (passes: number) => passes * WORD_BYTES * 2 ** shape.digitBits * blocks,
+    };
+  };
+  return {
+    'plan-sort': () => [0, 0],
+    'sort-histogram': (counts) => {
+      const { passes, words, digitCounts } = sizes(counts);
+      const counted = passes - Number(has.givenFirstCounts);
+      return [words(counted), digitCounts(counted)];
+    },
+    'sort-scan': (counts) => {
+      const { passes, digitCounts } = sizes(counts);
+      return [digitCounts(passes), digitCounts(passes)];
+    },
+    'sort-scatter': (counts) => {
+      const { passes, words, digitCounts } = sizes(counts);
+      const payloads = passes - Number(!has.givenPayloads);
+      const keys = passes - Number(!has.sortedKeys);
+      return [words(passes + payloads) + digitCounts(passes), words(passes + keys)];
+    },
+  };
+}
+
+/** By the label of a frame's pass, then by stage. */
+const RULES: Readonly<Record<string, Readonly<Record<string, Rule>>>> = {
+  'pre-process': {
+    'cull-chunks': ({ chunks }) => [Chunk.bytes * chunks, WORD_BYTES * chunks],
+    // Two scans: of the chunks, and of the visible chunks.
+    'prefix-scan': ({ chunks, visibleChunks }) => {
+      const words = WORD_BYTES * (chunks + visibleChunks);
+      return [words, words];
+    },
+    'compact-chunks': ({ chunks, visibleChunks }) => [WORD_BYTES * chunks, WORD_BYTES * visibleChunks],
+    'plan-cull': () => [0, 0],
+    'cull-splats': ({ candidates, visibleChunks, geometryBytes }) => [
+      geometryBytes * candidates + WORD_BYTES * visibleChunks,
+      (CHUNK_MASK_BYTES + WORD_BYTES) * visibleChunks,
+    ],
+    'plan-project': () => [0, 0],
+    'compact-splats': ({ visibleChunks, visible }) => [
+      (CHUNK_MASK_BYTES + 2 * WORD_BYTES) * visibleChunks,
+      WORD_BYTES * visible,
+    ],
+    project: ({ visible, geometryBytes, harmonicsBytes, recordBytes }) => [
+      (WORD_BYTES + geometryBytes + harmonicsBytes) * visible,
+      (recordBytes + WORD_BYTES) * visible,
+    ],
+  },
+  sort: sortRules(
+    ({ depthSort }) => depthSort,
+    ({ visible }) => visible,
+    { givenPayloads: false, givenFirstCounts: false, sortedKeys: false },
+  ),
+  'tile lists': {
+    'tile-count': ({ visible, recordBytes }) => [
+      (WORD_BYTES + recordBytes) * visible,
+      WORD_BYTES * visible + WORD_BYTES * Math.ceil(visible / TILE_COUNT_BLOCK),
+    ],
+    'tile-plan': ({ visible }) => {
+      const words = WORD_BYTES * Math.ceil(visible / TILE_COUNT_BLOCK);
+      return [words, words];
+    },
+    'tile-emit': ({ visible, pairs, recordBytes }) =>
+      pairs === 0 ? [0, 0] : [(2 * WORD_BYTES + recordBytes) * visible, 2 * WORD_BYTES * pairs],
+    ...sortRules(
+      ({ pairSort }) => pairSort,
+      ({ pairs }) => pairs,
+      // tile-emit counts the first digits.
+      { givenPayloads: true, givenFirstCounts: true, sortedKeys: true },
+    ),
+    // Searches a few of the keys.
+    'tile-ranges': () => [0, 0],
+    'tile-masks': ({ visible, pairs, recordBytes }) =>
+      pairs === 0 ? [0, 0] : [2 * WORD_BYTES * pairs + recordBytes * visible, PAIR_MASK_BYTES * pairs],
+  },
+  tiles: {
+    'tile-rasterize': ({ visible, pairs, recordBytes, layerBytes }) =>
+      pairs === 0
+        ? [0, layerBytes]
+        : [(PAIR_MASK_BYTES + WORD_BYTES) * pairs + recordBytes * visible, layerBytes],
+  },
+  'quads sample': { rasterize: () => [0, 0] },
+  rasterize: {
+    rasterize: ({ visible, drawsQuads, recordBytes, layerBytes }) => [
+      drawsQuads * (WORD_BYTES + recordBytes) * visible,
+      drawsQuads * layerBytes,
+    ],
+  },
+  upscale: { upscale: ({ layerBytes, imageBytes }) => [layerBytes, imageBytes] },
+  composite: {
+    composite: ({ imageBytes, imagePixels }) => [imageBytes, CANVAS_PIXEL_BYTES * imagePixels],
+  },
+};
+
+/**
+ * Returns the bytes that the passes of a stage must read and write at the least in `frame`, by the label of their pass and the
+ * name of their stage; null for passes of other frames.
+ *
+ * Counts every element that a pass needs, once: a splat's whole geometry, record or coefficients even where only some of their
+ * fields are used, since memory gives no less; lists and keys; each pixel of a layer, written once. Counts nothing twice that
+ * caches could keep, no uniforms or plans, and no blending: neither pixels that several quads cover, nor splats that several
+ * tiles load. Takes no tile to end before its last splat.
+ */
+export function leastBytes(frame: DrawnFrame): (part: string, stage: string) => PassBytes | null {
+  const counts = countsOf(frame);
+  return (part, stage) => {
+    const rule = RULES[part]?.[stage];
+    if (!rule) return null;
+    const [read, written] = rule(counts);
+    return { read, written };
+  };
+}
+
+function countsOf({ shape, statistics, size, pixelBytes }: DrawnFrame): Counts {
+  const { clouds, accuracy } = shape;
+  const { candidateSplats, visibleSplats, rasterizer, tilePairs } = statistics;
+  const layer = layerSize(size, accuracy);
+  const imagePixels = size.widthPx * size.heightPx;
+  const splats = clouds.reduce((sum, { cloud }) => sum + cloud.count, 0);
+  const mean = (wordsOf: (cloud: FrameShape['clouds'][number]) => number) =>
+    clouds.reduce((sum, each) => sum + WORD_BYTES * wordsOf(each) * each.cloud.count, 0) /
+    Math.max(1, splats);
+  return {
+    chunks: clouds.reduce((sum, { cloud }) => sum + Math.ceil(cloud.count / CHUNK_SPLATS), 0),
+    visibleChunks: Math.ceil(candidateSplats / CHUNK_SPLATS),
+    candidates: candidateSplats,
+    visible: visibleSplats,
+    pairs: rasterizer === 'tiles' ? (tilePairs ?? 0) : 0,
+    drawsQuads: Number(rasterizer === 'quads'),
+    layerBytes: pixelBytes * layer.widthPx * layer.heightPx,
+    imagePixels,
+    imageBytes: pixelBytes * imagePixels,
+    geometryBytes: mean(({ planes }) => GEOMETRY_WORDS[planes.geometryPrecision]),
+    harmonicsBytes: mean(({ planes, shDegree }) => shWordsPerSplat(shDegree, planes.shPrecision)),
+    recordBytes: SPLAT_RECORDS[accuracy.recordPrecision].bytes,
+    depthSort: depthSortShape(shape),
+    pairSort: pairSortShape(shape),
+  };
+}

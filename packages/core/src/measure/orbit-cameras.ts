@@ -1,0 +1,30 @@
+import type { Camera } from '../camera/camera.ts';
+import { InvalidArgumentError } from '../errors.ts';
+import type { Bounds } from '../packing/packed-cloud.ts';
+import { pivotDepth, turnedAboutPivot } from './camera-pivot.ts';
+
+/**
+ * Returns the cameras of `count` successive frames that go around the scene in front of `camera`, in even steps of less than the
+ * `sweepDegrees` that they cover together, with `camera` in their middle. They look at one point of its line of sight, and turn
+ * about the image's vertical. At 360° the last step leads back to the first camera.
+ *
+ * @param bounds bounds of the scene, world space; for a single cloud without a model matrix `cloud.robustBounds`.
+ * @throws InvalidArgumentError if `count` is not a whole number of at least 1, or `sweepDegrees` is not above 0 and at most 360.
+ */
+export function orbitCameras(
+  camera: Camera,
+  bounds: Bounds,
+  { count, sweepDegrees }: { readonly count: number; readonly sweepDegrees: number },
+): Camera[] {
+  if (!(Number.isInteger(count) && count >= 1))
+    throw new InvalidArgumentError('count', `count is ${count}; it must be a whole number of at least 1.`);
+  if (!(sweepDegrees > 0 && sweepDegrees <= 360)) {
+    const message = `sweepDegrees is ${sweepDegrees}; it must be above 0 and at most 360.`;
+    throw new InvalidArgumentError('sweepDegrees', message);
+  }
+  const depth = pivotDepth(camera, bounds);
+  const step = ((sweepDegrees / count) * Math.PI) / 180;
+  return Array.from({ length: count }, (_, index) =>
+    turnedAboutPivot(camera, depth, { aboutY: (index - Math.floor(count / 2)) * step }),
+  );
+}
