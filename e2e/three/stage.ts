@@ -136,9 +136,12 @@ export async function shot(stage: Stage, splatPasses = 1): Promise<Pixels> {
  */
 export async function shotWith(stage: Stage, expected: Readonly<Record<string, boolean>>): Promise<Pixels> {
   for (let attempt = 0; attempt < 10; attempt++) {
+    // Listens before: shaders may be ready while the pixels are read, and nothing would tell so again.
+    const needed = nextNeededFrame(stage.scene);
+    needed.catch(() => {});
     const pixels = await shot(stage);
     if (areOn(stage.renderer, expected)) return pixels;
-    await nextNeededFrame(stage.scene);
+    await needed;
   }
   throw new Error(`The effects never became ${JSON.stringify(expected)}.`);
 }
