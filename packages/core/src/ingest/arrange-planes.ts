@@ -81,7 +81,8 @@ export function arrangeStages(
 
 /**
  * Puts planes into storage order on the GPU: sorts their splats by Morton code and moves them word by word, in place where few
- * rows were dropped, so that beside the planes there are never more than 16 bytes per splat. Frees those that it replaces.
+ * rows were dropped, so that beside the planes there are never more than 20 bytes per splat, and 4 of them last: the rows of the
+ * file. Frees those that it replaces.
  * All stages must have been compiled. Submits, and does not wait.
  *
  * @throws GpuLimitError; the given planes are the caller's then, in any order.
