@@ -9,6 +9,7 @@ import { orderFlaw } from '../inspect/compare-order.ts';
 import { radixSort } from '../reference/radix-sort.ts';
 import { sortHistogram } from '../reference/sort-histogram.ts';
 import { storageBuffer } from '../testing/gpu-buffers.ts';
+import { ScarceMemory } from '../testing/scarce-memory.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { createSortDevice, sortLimitsOf } from '../testing/sort-device.ts';
 import { dispatchSize } from './dispatch.ts';
@@ -115,23 +116,6 @@ async function sortPairs(
   sort.destroy();
   for (const buffer of Object.values(given)) buffer.destroy();
   return sorted;
-}
-
-/** Memory that runs out after a number of buffers. */
-class ScarceMemory extends GpuMemory {
-  buffersMade = 0;
-  readonly #maxBuffers: number;
-
-  constructor(device: GPUDevice, maxBuffers: number) {
-    super(device);
-    this.#maxBuffers = maxBuffers;
-  }
-
-  override createBuffer(...options: Parameters<GpuMemory['createBuffer']>): GPUBuffer {
-    if (this.buffersMade === this.#maxBuffers) throw new Error('no more buffers');
-    this.buffersMade++;
-    return super.createBuffer(...options);
-  }
 }
 
 /** Shapes of frames on devices with little and with much workgroup memory, as far as `device` has it. */
