@@ -5,6 +5,7 @@ import type { IngestedCloud, RowIngest, RowIngestOptions } from './row-ingest.ts
 
 /** A `RowIngest` whose code is fetched when a file turns out to have rows for it. */
 export class LazyIngest implements RowSink {
+  readonly mayDetach = false;
   readonly #context: ArrangeContext;
   readonly #options: RowIngestOptions;
   #ingest: RowIngest | null = null;
@@ -22,7 +23,7 @@ export class LazyIngest implements RowSink {
     await this.#ingest.begin(layout);
   }
 
-  memory(): Promise<Uint8Array> {
+  memory(): Promise<Uint8Array<ArrayBuffer>> {
     return this.#ingest!.memory();
   }
 

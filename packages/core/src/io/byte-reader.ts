@@ -1,8 +1,14 @@
 import { SplatSourceError, WebSplatterError } from '../errors.ts';
 import type { OpenedSource } from './splat-source.ts';
 
+type Reader =
+  | { readonly kind: 'into'; readonly reader: ReadableStreamBYOBReader }
+  | { readonly kind: 'chunks'; readonly reader: ReadableStreamDefaultReader<Uint8Array> };
+
 /** Bytes held at once, unless one item needs more: bounds both memory and the work between two pauses. */
 const WINDOW_BYTES = 1 << 20;
+/** Most bytes of a read that is copied into the window. */
+const CHUNK_BYTES = 1 << 18;
 /** Longest time a page's thread is kept busy before its event loop gets a turn. */
 const MAX_BUSY_MS = 16;
 
@@ -25,13 +31,15 @@ export class ByteReader {
 
   readonly #name: string;
   readonly #signal: AbortSignal | undefined;
-  readonly #reader: ReadableStreamDefaultReader<Uint8Array>;
+  readonly #reader: Reader;
   readonly #onAbort = () => this.#cancel(this.#signal?.reason);
   #end = 0;
   /** Offset in the file of `bytes[0]`. */
   #base = 0;
   /** The part of the last chunk that has not been copied yet. */
   #pending: Uint8Array = NO_BYTES;
+  /** Where a stream that writes into given memory writes next. */
+  #chunkMemory = new ArrayBuffer(0);
   #lastPauseMs = performance.now();
 
   constructor(source: Pick<OpenedSource, 'name' | 'stream'>, signal?: AbortSignal) {
@@ -39,7 +47,7 @@ export class ByteReader {
     this.#signal = signal;
     signal?.throwIfAborted();
     if (source.stream.locked) throw lockedStreamError(source.name);
-    this.#reader = source.stream.getReader();
+    this.#reader = readerOf(source.stream);
     // Cancelling ends a pending read at once, even one on a stream that would never deliver.
     signal?.addEventListener('abort', this.#onAbort, { once: true });
   }
@@ -74,26 +82,47 @@ export class ByteReader {
   }
 
   /**
-   * Fills `bytes` with what comes next, past the window; false if the stream ends first.
+   * Fills `bytes` with what comes next, past the window; null if the stream ends first.
    *
+   * @param mayDetach whether the memory of `bytes` may move to another buffer, of the same size, as it does where a stream
+   *   writes into it by itself.
    * @param onPart called when some have arrived.
+   * @returns `bytes`, where they are now.
    */
-  async readInto(bytes: Uint8Array, onPart: () => void): Promise<boolean> {
-    const held = Math.min(this.available, bytes.length);
-    bytes.set(this.bytes.subarray(this.start, this.start + held));
-    this.advance(held);
-    onPart();
-    for (let at = held; at < bytes.length; ) {
-      if (this.#pending.length === 0 && !(await this.#readChunk())) return false;
-      const part = this.#pending.subarray(0, bytes.length - at);
-      bytes.set(part, at);
-      at += part.length;
-      this.#base += part.length;
-      this.#pending = this.#pending.subarray(part.length);
+  async readInto(
+    bytes: Uint8Array<ArrayBuffer>,
+    mayDetach: boolean,
+    onPart: () => void,
+  ): Promise<Uint8Array<ArrayBuffer> | null> {
+    const { byteOffset, length } = bytes;
+    let target = bytes;
+    let at = 0;
+    const onMore = (byteCount: number) => {
+      at += byteCount;
       onPart();
+    };
+    const held = Math.min(this.available, length);
+    target.set(this.bytes.subarray(this.start, this.start + held));
+    this.advance(held);
+    onMore(held);
+    while (at < length) {
+      if (this.#pending.length === 0 && mayDetach && this.#reader.kind === 'into') {
+        const read = await this.#readByReader(new Uint8Array(target.buffer, byteOffset + at, length - at));
+        if (read === undefined) return null;
+        target = new Uint8Array(read.buffer as ArrayBuffer, byteOffset, length);
+        this.#base += read.length;
+        onMore(read.length);
+      } else {
+        if (this.#pending.length === 0 && !(await this.#readChunk())) return null;
+        const part = this.#pending.subarray(0, length - at);
+        target.set(part, at);
+        this.#base += part.length;
+        this.#pending = this.#pending.subarray(part.length);
+        onMore(part.length);
+      }
       await this.pause();
     }
-    return true;
+    return target;
   }
 
   /** Skips `byteCount` bytes without holding them; false if the stream ends first. */
@@ -117,23 +146,6 @@ export class ByteReader {
     this.#signal?.throwIfAborted();
   }
 
-  /** A stream of everything from `start` on. Do not use this reader afterwards. */
-  rest(): ReadableStream<Uint8Array> {
-    const parts = [this.bytes.slice(this.start, this.#end), this.#pending].filter((part) => part.length > 0);
-    return new ReadableStream<Uint8Array>(
-      {
-        pull: async (controller) => {
-          const held = parts.shift();
-          if (held) controller.enqueue(held);
-          else if (await this.#readChunk()) controller.enqueue(this.#pending);
-          else controller.close();
-        },
-        cancel: (reason) => this.#cancel(reason),
-      },
-      { highWaterMark: 0 },
-    );
-  }
-
   /** Releases the stream and cancels what has not been read. */
   close(): void {
     this.#cancel(undefined);
@@ -142,7 +154,7 @@ export class ByteReader {
   #cancel(reason: unknown): void {
     this.#signal?.removeEventListener('abort', this.#onAbort);
     // If the stream has failed already, this rejects with the error that the read has reported.
-    this.#reader.cancel(reason).catch(() => {});
+    this.#reader.reader.cancel(reason).catch(() => {});
   }
 
   /** Moves the available bytes to the start of the window, so that `byteCount` bytes fit. */
@@ -164,9 +176,7 @@ export class ByteReader {
   /** False at the end of the stream. */
   async #readChunk(): Promise<boolean> {
     for (;;) {
-      this.#signal?.throwIfAborted();
-      const chunk = await this.#read();
-      this.#signal?.throwIfAborted();
+      const chunk = await this.#readByReader();
       if (chunk === undefined) return false;
       if (!ArrayBuffer.isView(chunk) || !('subarray' in chunk) || chunk.BYTES_PER_ELEMENT !== 1) {
         throw new SplatSourceError(
@@ -175,21 +185,45 @@ export class ByteReader {
         );
       }
       this.#pending = chunk;
+      if (this.#reader.kind === 'into') this.#chunkMemory = chunk.buffer as ArrayBuffer;
       if (chunk.length > 0) return true;
     }
   }
 
-  async #read(): Promise<Uint8Array | undefined> {
+  /** Reads some bytes, into `target` if the stream can; undefined at its end. */
+  async #readByReader(target?: Uint8Array<ArrayBuffer>): Promise<Uint8Array | undefined> {
+    this.#signal?.throwIfAborted();
     try {
-      const { done, value } = await this.#reader.read();
+      const { done, value } = await this.#readSome(target);
       if (done) this.#signal?.removeEventListener('abort', this.#onAbort);
-      return value;
+      this.#signal?.throwIfAborted();
+      return done ? undefined : value;
     } catch (cause) {
       this.#signal?.removeEventListener('abort', this.#onAbort);
       this.#signal?.throwIfAborted();
       if (cause instanceof WebSplatterError) throw cause;
       throw new SplatSourceError(this.#name, `reading stopped: ${messageOf(cause)}`, undefined, { cause });
     }
+  }
+
+  async #readSome(target?: Uint8Array<ArrayBuffer>): Promise<{ done: boolean; value?: Uint8Array }> {
+    if (this.#reader.kind === 'chunks') return this.#reader.reader.read();
+    return this.#reader.reader.read(target ?? this.#chunkTarget());
+  }
+
+  /** Where the next chunk may be written: the one before has been used up. */
+  #chunkTarget(): Uint8Array<ArrayBuffer> {
+    if (this.#chunkMemory.byteLength !== CHUNK_BYTES) this.#chunkMemory = new ArrayBuffer(CHUNK_BYTES);
+    return new Uint8Array(this.#chunkMemory);
+  }
+}
+
+/** Files and responses write into memory that they are given, in most browsers; other streams give chunks. */
+function readerOf(stream: ReadableStream<Uint8Array>): Reader {
+  try {
+    return { kind: 'into', reader: stream.getReader({ mode: 'byob' }) };
+  } catch {
+    return { kind: 'chunks', reader: stream.getReader() };
   }
 }
 

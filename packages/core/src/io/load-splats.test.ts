@@ -19,6 +19,7 @@ const FILES = { minRows: 1, maxRows: 1000, pieceBytes: 20_000 };
 
 /** Keeps the rows that it is given; all pieces are written to the same memory. */
 class RowList implements RowSink {
+  readonly mayDetach = false;
   layout: RowLayout | null = null;
   readonly rows: Uint8Array[] = [];
   memories = 0;
@@ -30,7 +31,7 @@ class RowList implements RowSink {
     this.memories++;
   }
 
-  async memory(): Promise<Uint8Array> {
+  async memory(): Promise<Uint8Array<ArrayBuffer>> {
     return this.#memory;
   }
 

@@ -110,8 +110,10 @@ function loadInWorker(
   /** Settles when all rows so far have been taken. */
   let taken: Promise<void> = Promise.resolve();
   const takeRows = async ({ memory, rowCount }: PostedPiece) => {
-    (await rowsTo!.sink.memory()).set(new Uint8Array(memory));
-    rowsTo!.sink.take(rowCount);
+    const { sink } = rowsTo!;
+    const own = await sink.memory();
+    own.set(new Uint8Array(memory));
+    sink.take(rowCount, own);
     worker.postMessage({ kind: 'memory', memory } satisfies LoadRequest, [memory]);
   };
   return new Promise((resolve, reject) => {

@@ -1,5 +1,5 @@
 import { InvalidArgumentError, SplatSourceError } from '../errors.ts';
-import { ByteReader, lockedStreamError, messageOf } from './byte-reader.ts';
+import { lockedStreamError, messageOf } from './byte-reader.ts';
 import type { OpenedSource, ReadOptions, SplatSource } from './splat-source.ts';
 
 /** Memory is streamed in pieces of this size, so that reading it does not block a page. */
@@ -26,18 +26,6 @@ export async function openSource(source: SplatSource, options: ReadOptions = {})
   }
   const bytes = bytesOf(source);
   return { name, totalBytes: bytes.length, totalBytesCertain: true, stream: streamOfBytes(bytes) };
-}
-
-/** Reads ahead: the first `byteCount` bytes (fewer if there are no more) and the same source, still whole. */
-export async function peekSource(
-  source: OpenedSource,
-  byteCount: number,
-  signal?: AbortSignal,
-): Promise<{ firstBytes: Uint8Array; source: OpenedSource }> {
-  const reader = new ByteReader(source, signal);
-  await reader.fill(byteCount);
-  const firstBytes = reader.bytes.slice(reader.start, reader.start + Math.min(byteCount, reader.available));
-  return { firstBytes, source: { ...source, stream: reader.rest() } };
 }
 
 /** Name of a source in messages, unless the caller gives one. */

@@ -59,9 +59,10 @@ export async function passRows(
     const rowCount = Math.min(pieceRows, count - row);
     const memory = await sink.memory();
     const onPart = () => progress.report(reader.byteOffset, row);
-    const isWhole = await reader.readInto(memory.subarray(0, rowCount * strideBytes), onPart);
-    if (!isWhole) throw truncatedError(reader, body, vertex, row);
-    sink.take(rowCount);
+    const rows = memory.subarray(0, rowCount * strideBytes);
+    const filled = await reader.readInto(rows, sink.mayDetach, onPart);
+    if (!filled) throw truncatedError(reader, body, vertex, row);
+    sink.take(rowCount, filled);
   }
 }
 

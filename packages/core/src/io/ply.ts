@@ -7,7 +7,6 @@ import {
   type ShDegree,
   type SplatSet,
 } from '../splats/splat-set.ts';
-import { ByteReader } from './byte-reader.ts';
 import { readAsciiRows } from './ply-ascii.ts';
 import { passRows, readBinaryRows, rowLayoutOf } from './ply-binary.ts';
 import {
@@ -20,9 +19,8 @@ import {
 } from './ply-header.ts';
 import { ReadProgress } from './progress.ts';
 import type { RowFiles, RowsTo } from './row-sink.ts';
-import type { SplatFormat, SplatFormatOptions } from './splat-format.ts';
+import type { SplatFormat, SplatFormatOptions, SplatInput } from './splat-format.ts';
 import { MAX_SPLATS, SplatSetBuilder } from './splat-set-builder.ts';
-import type { OpenedSource } from './splat-source.ts';
 
 /** PLY as written by 3D Gaussian Splatting and its descendants; also the file that `encodePly` writes. */
 export const plyFormat: SplatFormat = {
@@ -59,61 +57,52 @@ const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
  * signal's reason.
  */
 export async function readPly(
-  source: OpenedSource,
+  input: SplatInput,
   options: SplatFormatOptions,
 ): Promise<SplatSet<PackedHarmonics>>;
 export async function readPly(
-  source: OpenedSource,
+  input: SplatInput,
   options: SplatFormatOptions,
   rowsTo: RowsTo,
 ): Promise<SplatSet<PackedHarmonics> | null>;
 export async function readPly(
-  source: OpenedSource,
+  input: SplatInput,
   options: SplatFormatOptions,
   rowsTo?: RowsTo,
 ): Promise<SplatSet<PackedHarmonics> | null> {
-  const reader = new ByteReader(source, options.signal);
-  try {
-    const header = await readPlyHeader(reader, source.name);
-    const vertexIndex = findVertex(header, source.name);
-    const vertex = header.elements[vertexIndex];
-    const shDegree = shDegreeOf(vertex, source.name);
-    const body: PlyBody = {
-      file: source.name,
-      header,
-      vertexIndex,
-      slots: slotsOf(vertex, shDegree, source.name),
-    };
-    const sizeIsKnown = checkCounts(source, header, vertexIndex, reader.byteOffset);
-    const progress = new ReadProgress(source.totalBytes, options.onProgress);
-    const layout = rowsTo && rowLayoutOf(body, shDegree, rowsTo.files.pieceBytes);
-    if (
-      rowsTo &&
-      layout &&
-      isBetween(vertex.count, rowsTo.files) &&
-      mayHold(source, vertex.count * layout.strideBytes)
-    ) {
-      await rowsTo.sink.begin(layout);
-      await passRows(reader, body, layout, rowsTo.sink, progress);
-      progress.finish(reader.byteOffset, vertex.count);
-      return null;
-    }
-    const builder = new SplatSetBuilder({
-      file: source.name,
-      shDegree,
-      shPrecision: options.shPrecision,
-      widePositions: vertex.properties.some(
-        ({ name, type }) => /^[xyz]$/.test(name) && WIDE_TYPES.includes(type),
-      ),
-      expectedCount: sizeIsKnown ? vertex.count : 0,
-    });
-    const readRows = header.format === 'ascii' ? readAsciiRows : readBinaryRows;
-    await readRows(reader, body, builder, progress);
-    progress.finish(reader.byteOffset, builder.count);
-    return builder.finish();
-  } finally {
-    reader.close();
+  const { reader, name: file } = input;
+  const header = await readPlyHeader(reader, file);
+  const vertexIndex = findVertex(header, file);
+  const vertex = header.elements[vertexIndex];
+  const shDegree = shDegreeOf(vertex, file);
+  const body: PlyBody = { file, header, vertexIndex, slots: slotsOf(vertex, shDegree, file) };
+  const sizeIsKnown = checkCounts(input, header, vertexIndex, reader.byteOffset);
+  const progress = new ReadProgress(input.totalBytes, options.onProgress);
+  const layout = rowsTo && rowLayoutOf(body, shDegree, rowsTo.files.pieceBytes);
+  if (
+    rowsTo &&
+    layout &&
+    isBetween(vertex.count, rowsTo.files) &&
+    mayHold(input, vertex.count * layout.strideBytes)
+  ) {
+    await rowsTo.sink.begin(layout);
+    await passRows(reader, body, layout, rowsTo.sink, progress);
+    progress.finish(reader.byteOffset, vertex.count);
+    return null;
   }
+  const builder = new SplatSetBuilder({
+    file,
+    shDegree,
+    shPrecision: options.shPrecision,
+    widePositions: vertex.properties.some(
+      ({ name, type }) => /^[xyz]$/.test(name) && WIDE_TYPES.includes(type),
+    ),
+    expectedCount: sizeIsKnown ? vertex.count : 0,
+  });
+  const readRows = header.format === 'ascii' ? readAsciiRows : readBinaryRows;
+  await readRows(reader, body, builder, progress);
+  progress.finish(reader.byteOffset, builder.count);
+  return builder.finish();
 }
 
 /** Index of the element that holds splats; throws if there is none. */
@@ -202,17 +191,12 @@ function isBetween(count: number, { minRows, maxRows }: RowFiles): boolean {
 }
 
 /** Whether a source may be as large as its header says. Memory for all rows is taken at once only then. */
-function mayHold({ totalBytes }: OpenedSource, bytes: number): boolean {
+function mayHold({ totalBytes }: SplatInput, bytes: number): boolean {
   return totalBytes !== undefined && totalBytes >= bytes;
 }
 
 /** Throws if the source is too small for the promised rows; returns whether it is known to be large enough. */
-function checkCounts(
-  source: OpenedSource,
-  header: PlyHeader,
-  vertexIndex: number,
-  bodyStart: number,
-): boolean {
+function checkCounts(source: SplatInput, header: PlyHeader, vertexIndex: number, bodyStart: number): boolean {
   const vertex = header.elements[vertexIndex];
   if (vertex.count === 0) {
     throw new SplatFileError('empty', source.name, 'the header promises 0 splats.', { element: 'vertex' });

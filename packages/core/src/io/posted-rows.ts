@@ -7,12 +7,11 @@ const PIECES = 4;
 
 /** Posts rows to the page, which gives their memory back. */
 export class PostedRows implements RowSink {
+  readonly mayDetach = true;
   readonly #port: { postMessage(reply: LoadReply, transfer: Transferable[]): void };
   readonly #free: ArrayBuffer[] = [];
   #made = 0;
   #pieceBytes = 0;
-  /** Memory that is being filled. */
-  #current: ArrayBuffer | null = null;
   #onFree: (() => void) | null = null;
 
   constructor(port: { postMessage(reply: LoadReply, transfer: Transferable[]): void }) {
@@ -24,7 +23,7 @@ export class PostedRows implements RowSink {
     this.#port.postMessage({ kind: 'layout', layout }, []);
   }
 
-  async memory(): Promise<Uint8Array> {
+  async memory(): Promise<Uint8Array<ArrayBuffer>> {
     while (this.#free.length === 0 && this.#made === PIECES) {
       await new Promise<void>((resolve) => {
         this.#onFree = resolve;
@@ -34,13 +33,10 @@ export class PostedRows implements RowSink {
       this.#made++;
       this.#free.push(new ArrayBuffer(this.#pieceBytes));
     }
-    this.#current = this.#free.pop()!;
-    return new Uint8Array(this.#current);
+    return new Uint8Array(this.#free.pop()!);
   }
 
-  take(rowCount: number): void {
-    const memory = this.#current!;
-    this.#current = null;
+  take(rowCount: number, { buffer: memory }: Uint8Array<ArrayBuffer>): void {
     this.#port.postMessage({ kind: 'rows', memory, rowCount }, [memory]);
   }
 

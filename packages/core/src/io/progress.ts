@@ -7,6 +7,7 @@ const REPORT_EVERY_MS = 30;
 export class ReadProgress {
   readonly #totalBytes: number | undefined;
   readonly #onProgress: ((progress: LoadProgress) => void) | undefined;
+  readonly #startMs = performance.now();
   #lastReportMs = Number.NEGATIVE_INFINITY;
 
   constructor(totalBytes: number | undefined, onProgress: ((progress: LoadProgress) => void) | undefined) {
@@ -22,6 +23,7 @@ export class ReadProgress {
   /** As `report`, but always. */
   finish(loadedBytes: number, splats: number): void {
     this.#lastReportMs = performance.now();
+    const elapsedMs = this.#lastReportMs - this.#startMs;
     // A stated size that has been exceeded was that of the compressed bytes.
     const known = this.#totalBytes !== undefined && loadedBytes <= this.#totalBytes;
     this.#onProgress?.({
@@ -29,6 +31,7 @@ export class ReadProgress {
       loadedBytes,
       totalBytes: known ? this.#totalBytes : undefined,
       splats,
+      bytesPerSecond: elapsedMs > 0 ? (1000 * loadedBytes) / elapsedMs : 0,
     });
   }
 }

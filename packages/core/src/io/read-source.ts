@@ -1,7 +1,8 @@
 import type { PackedHarmonics } from '../packing/harmonics.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
+import { ByteReader } from './byte-reader.ts';
 import { detectFormat, SNIFF_BYTES } from './detect.ts';
-import { openSource, peekSource } from './open-source.ts';
+import { openSource } from './open-source.ts';
 import type { RowsTo } from './row-sink.ts';
 import type { ReadSplatsOptions, SplatSource } from './splat-source.ts';
 
@@ -26,15 +27,16 @@ export async function readSource(
 ): Promise<SplatSet<PackedHarmonics> | null> {
   const { signal, onProgress, shPrecision = 'u8' } = options;
   const opened = await openSource(source, options);
-  const { firstBytes, source: whole } = await peekSource(opened, SNIFF_BYTES, signal);
+  const reader = new ByteReader(opened, signal);
   try {
-    const format = detectFormat(firstBytes, whole.name);
+    await reader.fill(SNIFF_BYTES);
+    const end = reader.start + Math.min(SNIFF_BYTES, reader.available);
+    const format = detectFormat(reader.bytes.subarray(reader.start, end), opened.name);
+    const input = { ...opened, reader };
     const formatOptions = { shPrecision, signal, onProgress };
-    if (rowsTo && format.readRows) return await format.readRows(whole, formatOptions, rowsTo);
-    return await format.read(whole, formatOptions);
-  } catch (error) {
-    // A source of unknown format has no reader that would release it.
-    if (!whole.stream.locked) whole.stream.cancel(error).catch(() => {});
-    throw error;
+    if (rowsTo && format.readRows) return await format.readRows(input, formatOptions, rowsTo);
+    return await format.read(input, formatOptions);
+  } finally {
+    reader.close();
   }
 }

@@ -12,6 +12,8 @@ export interface LoadProgress {
   readonly totalBytes: number | undefined;
   /** Splats decoded so far. */
   readonly splats: number;
+  /** Bytes that were read per second, on average since reading began; 0 as long as that cannot be told. */
+  readonly bytesPerSecond: number;
 }
 
 export interface ReadOptions {
