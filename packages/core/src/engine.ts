@@ -19,6 +19,7 @@ import { type EngineCounters, zeroCounters } from './gpu/engine-counters.ts';
 import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
 import { Pipelines } from './gpu/pipelines.ts';
 import { LazyIngest } from './ingest/lazy-ingest.ts';
+import { LoadPreviews } from './ingest/load-previews.ts';
 import type { IngestedCloud } from './ingest/row-ingest.ts';
 import { lastingSource, loadOrPass } from './io/load-splats.ts';
 import { sourceName } from './io/open-source.ts';
@@ -59,6 +60,16 @@ export interface EngineOptions extends DeviceOptions {
 const INGEST_MIN_ROWS = 1 << 16;
 /** Few enough for a page to copy without a pause that a person would notice. */
 const PIECE_BYTES = 4 << 20;
+
+export interface LoadOptions extends ReadOptions {
+  /**
+   * Called again and again while a large file arrives, with a cloud of the splats that are there. Show it instead of the one
+   * before, which is destroyed as soon as this returns. The last one lasts until the load fails, or else as long as the cloud
+   * that `load` resolves with, and looks the same. Only binary PLYs whose size is known have previews. They have no
+   * `fileIndices`, are missed by rays and cannot be given another precision.
+   */
+  readonly onPreview?: (preview: SplatCloud) => void;
+}
 
 interface NewCloudOptions {
   readonly name?: string;
@@ -188,12 +199,14 @@ export class SplatEngine {
    *
    * @throws SplatFileError, SplatSourceError, GpuLimitError; the signal's reason if it aborts. Nothing is kept then.
    */
-  async load(source: SplatSource, options: ReadOptions = {}): Promise<SplatCloud> {
+  async load(source: SplatSource, options: LoadOptions = {}): Promise<SplatCloud> {
     this.#checkUsable();
     const { accuracy } = this;
     const { geometryPrecision, shPrecision } = accuracy;
     const name = options.name ?? sourceName(source);
     const made = { name, source: lastingSource(source) };
+    const { onPreview } = options;
+    const previews = onPreview && new LoadPreviews(this.#memory, name, onPreview);
     const ingest = new LazyIngest(
       {
         device: this.device,
@@ -201,14 +214,17 @@ export class SplatEngine {
         memory: this.#memory,
         dispatchRow: this.#dispatchRow,
       },
-      { geometryPrecision, shPrecision, name },
+      { geometryPrecision, shPrecision, name, onArrived: previews && ((arrived) => previews.show(arrived)) },
     );
     let cloud: SplatCloud;
     try {
       const rowsTo = { sink: ingest, files: rowFilesFor(this.device.limits, this.#ingestMinRows) };
       const packed = await loadOrPass(source, { ...options, geometryPrecision, shPrecision }, rowsTo);
-      cloud = packed ? this.addPacked(packed, made) : this.#addIngested(await ingest.finish(), made, options);
+      cloud = packed
+        ? this.addPacked(packed, made)
+        : this.#addIngested(await ingest.finish(), made, options, previews);
     } catch (error) {
+      previews?.end();
       ingest.destroy();
       options.signal?.throwIfAborted();
       // What ended the engine or the device also ended what was waited for.
@@ -341,9 +357,10 @@ export class SplatEngine {
     { planes, contents }: IngestedCloud,
     options: NewCloudOptions,
     { signal }: ReadOptions,
+    previews: LoadPreviews | undefined,
   ): SplatCloud {
     const own = this.#optionsOf(options);
-    const held = new CloudPlanes(this.#memory, own.name, planes);
+    const held = previews?.shown?.planes ?? new CloudPlanes(this.#memory, own.name, planes);
     try {
       signal?.throwIfAborted();
       this.#checkUsable();
@@ -351,7 +368,11 @@ export class SplatEngine {
       held.destroy();
       throw error;
     }
-    return this.#own(new SplatCloud(this.device, held, contents, own));
+    const onDestroyed = (cloud: SplatCloud) => {
+      previews?.end();
+      own.onDestroyed?.(cloud);
+    };
+    return this.#own(new SplatCloud(this.device, held, contents, { ...own, onDestroyed }));
   }
 
   #optionsOf({ name = 'splats', source }: NewCloudOptions): SplatCloudOptions {

@@ -23,6 +23,8 @@ export interface SplatCloudOptions {
    * the uploaded planes.
    */
   readonly makePlanes?: (cloud: SplatCloud, precision: CloudPrecision, options: MakeOptions) => Promise<void>;
+  /** Whether the planes belong to something else, for which the cloud stands while that is loading. Default false. */
+  readonly isPreview?: boolean;
   /** Called when the cloud has been destroyed. */
   readonly onDestroyed?: (cloud: SplatCloud) => void;
 }
@@ -69,6 +71,8 @@ export class SplatCloud {
   readonly leases: CloudLeases;
   /** @internal Device that holds the cloud. */
   readonly device: GPUDevice;
+  /** Whether this is a part of a cloud that is loading: see `LoadOptions`. */
+  readonly isPreview: boolean;
   readonly #onDestroyed: (cloud: SplatCloud) => void;
   #isDestroyed = false;
 
@@ -77,7 +81,7 @@ export class SplatCloud {
     device: GPUDevice,
     planes: CloudPlanes,
     contents: CloudContents,
-    { name, source = null, makePlanes, onDestroyed = () => {} }: SplatCloudOptions,
+    { name, source = null, makePlanes, isPreview = false, onDestroyed = () => {} }: SplatCloudOptions,
   ) {
     this.name = name;
     this.count = contents.count;
@@ -91,15 +95,23 @@ export class SplatCloud {
     this.sources = [source ?? []].flat();
     this.logScaleRange = contents.logScaleRange;
     this.chunks = contents.chunks;
+    this.isPreview = isPreview;
     this.#onDestroyed = onDestroyed;
     this.device = device;
     this.planes = planes;
     this.leases = new CloudLeases(contents.precision, {
       name,
-      keepOnly: (claims) => this.planes.keepOnly(claims),
+      keepOnly: (claims) => {
+        if (!isPreview) this.planes.keepOnly(claims);
+      },
       make: async (precision, options) => {
         if (!makePlanes)
-          throw new SplatSourceError(name, 'no engine has uploaded it, so no other planes can be made.');
+          throw new SplatSourceError(
+            name,
+            isPreview
+              ? 'it is still loading, so no other planes can be made yet.'
+              : 'no engine has uploaded it, so no other planes can be made.',
+          );
         await makePlanes(this, precision, options);
       },
     });
@@ -152,9 +164,9 @@ export class SplatCloud {
     return this.leases.hold(precision, options);
   }
 
-  /** GPU memory of all planes of the cloud together. */
+  /** GPU memory of all planes of the cloud together; 0 for a preview, whose planes are not its own. */
   get bytes(): number {
-    return this.#isDestroyed ? 0 : this.planes.bytes;
+    return this.#isDestroyed || this.isPreview ? 0 : this.planes.bytes;
   }
 
   get isDestroyed(): boolean {
@@ -174,7 +186,7 @@ export class SplatCloud {
     if (this.#isDestroyed) return;
     this.#isDestroyed = true;
     this.leases.end(new DestroyedError(`The cloud ${this.name}`, 'it was destroyed'));
-    this.planes.destroy();
+    if (!this.isPreview) this.planes.destroy();
     this.#onDestroyed(this);
   }
 }

@@ -1,4 +1,4 @@
-import { type MadePlanes, type PageRange, type Plane, pagesOf } from '../clouds/cloud-planes.ts';
+import { type MadePlanes, type PageRange, type Plane, pagesOf, planeOf } from '../clouds/cloud-planes.ts';
 import { createGeometry, createHarmonics } from '../clouds/create-plane.ts';
 import type { CloudContents } from '../clouds/splat-cloud.ts';
 import { GpuLimitError } from '../errors.ts';
@@ -10,28 +10,35 @@ import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { roundUp } from '../layout/gpu-struct.ts';
 import { INGEST_FACTS } from '../layout/ingest-facts.ts';
 import { orderedBits } from '../layout/ordered-bits.ts';
-import { IngestParameters, PermuteParameters, SettleParameters } from '../layout/packing-structs.ts';
+import { IngestParameters, SettleParameters } from '../layout/packing-structs.ts';
+import { Chunk } from '../layout/structs.ts';
 import { FAINT_LOGIT } from '../packing/cloud-facts.ts';
-import { GEOMETRY_WORDS, logScaleRange } from '../packing/geometry.ts';
+import { logScaleRange } from '../packing/geometry.ts';
 import { ingestLogScaleSteps } from '../packing/ingest-log-scale.ts';
 import { mortonFrame } from '../packing/morton-order.ts';
 import { chooseOrigin } from '../packing/origin.ts';
-import { boundsSamples, robustBounds, totalBounds } from '../packing/packed-cloud.ts';
+import { type Bounds, chunkCountOf, robustBounds, totalBounds } from '../packing/packed-cloud.ts';
 import type { CloudPrecision } from '../packing/precision.ts';
 import type { RowLayout } from '../packing/row-layout.ts';
-import { ingestGather } from '../stages/ingest-gather.ts';
 import { ingestRows } from '../stages/ingest-rows.ts';
 import { ingestSettle } from '../stages/ingest-settle.ts';
-import { type ArrangeContext, type ArrangedPlanes, arrangePlanes, arrangeStages } from './arrange-planes.ts';
+import { type ArrangeContext, arrangePlanes, arrangeStages } from './arrange-planes.ts';
+import { Arrivals, type ArrivedCloud, robustCentres } from './arrivals.ts';
 import { Dispatches } from './dispatches.ts';
 import { type RowFacts, readRowFacts } from './row-facts.ts';
+import { sampleCentres } from './sample-centres.ts';
 
 /** Pieces that are written, or being read by the GPU, at once. */
-const STAGING_BUFFERS = 3;
+const STAGING_BUFFERS = 4;
 
 export interface RowIngestOptions extends CloudPrecision {
   /** For labels and messages. */
   readonly name: string;
+  /**
+   * Called each time when a good part more of the rows can be drawn, and once when all are in storage order. What it is given is
+   * of no use any more when it is called again, or when `finish` has rejected.
+   */
+  readonly onArrived?: (arrived: ArrivedCloud) => void;
 }
 
 /** A cloud that was made from the rows of a file. */
@@ -55,6 +62,15 @@ interface Held {
   /** A piece of the file. */
   readonly rows: GPUBuffer;
   readonly offsets: Uint32Array;
+  /** Null if nobody looks. */
+  readonly arrivals: Arrivals | null;
+}
+
+/** Rows in staging memory. */
+interface Piece {
+  readonly staging: GPUBuffer;
+  readonly firstRow: number;
+  readonly rowCount: number;
 }
 
 /**
@@ -64,6 +80,8 @@ interface Held {
  * Call `finish` after the last row, or `destroy`.
  */
 export class RowIngest implements RowSink {
+  /** Mapped memory cannot. */
+  readonly mayDetach = false;
   readonly #context: ArrangeContext;
   readonly #options: RowIngestOptions;
   readonly #staging: GPUBuffer[] = [];
@@ -73,6 +91,10 @@ export class RowIngest implements RowSink {
   #held: Held | null = null;
   #current: GPUBuffer | null = null;
   #rowsTaken = 0;
+  /** Settles when rows can be packed and `#waiting` has been. */
+  #compiled: Promise<void> = Promise.resolve();
+  /** Pieces that wait for shaders; null once there are some. */
+  #waiting: Piece[] | null = [];
 
   constructor(context: ArrangeContext, options: RowIngestOptions) {
     this.#context = context;
@@ -82,80 +104,189 @@ export class RowIngest implements RowSink {
   /** @throws GpuLimitError; nothing is left allocated then. */
   async begin(layout: RowLayout): Promise<void> {
     const { device, memory, pipelines } = this.#context;
-    const { geometryPrecision, shPrecision, name } = this.#options;
+    const { geometryPrecision, shPrecision, name, onArrived } = this.#options;
     const { count, shDegree, strideBytes, pieceRows } = layout;
-    const stage = ingestRows({ geometryPrecision, shPrecision, shDegree });
+    const precision = { geometryPrecision, shPrecision };
+    const stage = ingestRows({ ...precision, shDegree });
     const compiled = pipelines.prepare([stage]);
     // What is needed only at the end compiles while rows arrive.
     pipelines.prepare(this.#lateStages()).catch(() => {});
     const { STORAGE, COPY_DST, COPY_SRC, MAP_WRITE } = GPUBufferUsage;
-    device.pushErrorScope('out-of-memory');
-    let lacking: Promise<GPUError | null> | null = null;
     try {
-      const ranges = pagesOf(device.limits, count, shDegree, name);
-      const place = { memory, name, ranges };
-      const keep = <Made extends GPUBuffer | Plane>(made: Made): Made => {
-        for (const buffer of [made].flat()) this.#buffers.add(buffer as GPUBuffer);
-        return made;
-      };
-      const create = (label: string, bytes: number, usage: GPUBufferUsageFlags = 0) =>
-        keep(memory.createBuffer(`ingest ${label}`, bytes, STORAGE | usage));
-      const pieceBytes = roundUp(Math.min(count, pieceRows) * strideBytes, 4);
-      const offsets = new Uint32Array(60);
-      offsets.set(layout.offsets);
-      this.#held = {
-        layout,
-        stage,
-        ranges,
-        geometry: keep(createGeometry(place, geometryPrecision)),
-        harmonics: keep(createHarmonics(place, shDegree, shPrecision)),
-        dropMask: create('drop mask', roundUp(count, CHUNK_SPLATS) / 8),
-        facts: create('facts', 4 * INGEST_FACTS.FACTS, COPY_SRC),
-        logScaleRests: geometryPrecision === 'packed' ? create('log scale rests', 4 * count) : null,
-        // A value that begins between words is read from two of them.
-        rows: create('rows', pieceBytes + 4, COPY_DST),
-        offsets,
-      };
-      const stagingCount = Math.min(STAGING_BUFFERS, Math.ceil(count / pieceRows));
-      for (let i = 0; i < stagingCount; i++) {
-        const staging = keep(memory.createBuffer(`ingest staging ${i}`, pieceBytes, MAP_WRITE | COPY_SRC));
-        this.#staging.push(staging);
-        this.#free.push(mapped(staging));
-      }
-      lacking = device.popErrorScope();
-      if (await lacking) throw this.#memoryError();
-      await compiled;
+      const { checked } = this.#allocate(() => {
+        const ranges = pagesOf(device.limits, count, shDegree, name);
+        const place = { memory, name, ranges };
+        const keep = <Made extends GPUBuffer | Plane>(made: Made): Made => {
+          for (const buffer of [made].flat()) this.#buffers.add(buffer as GPUBuffer);
+          return made;
+        };
+        const create = (label: string, bytes: number, usage: GPUBufferUsageFlags = 0) =>
+          keep(memory.createBuffer(`ingest ${label}`, bytes, STORAGE | usage));
+        const pieceBytes = roundUp(Math.min(count, pieceRows) * strideBytes, 4);
+        const offsets = new Uint32Array(60);
+        offsets.set(layout.offsets);
+        const geometry = keep(createGeometry(place, geometryPrecision));
+        const harmonics = keep(createHarmonics(place, shDegree, shPrecision));
+        const facts = create('facts', 4 * INGEST_FACTS.FACTS, COPY_SRC);
+        let arrivals: Arrivals | null = null;
+        if (onArrived) {
+          const chunks = planeOf(place, ({ start, end }, page) =>
+            create(`arrived chunks ${page}`, Chunk.bytes * chunkCountOf(end - start)),
+          );
+          const planes = { ...precision, shDegree, ranges, geometry, harmonics, chunks, facts };
+          arrivals = new Arrivals(this.#context, planes, onArrived);
+        }
+        this.#held = {
+          layout,
+          stage,
+          ranges,
+          geometry,
+          harmonics,
+          dropMask: create('drop mask', roundUp(count, CHUNK_SPLATS) / 8),
+          facts,
+          logScaleRests: geometryPrecision === 'packed' ? create('log scale rests', 4 * count) : null,
+          // A value that begins between words is read from two of them.
+          rows: create('rows', pieceBytes + 4, COPY_DST),
+          offsets,
+          arrivals,
+        };
+        const stagingCount = Math.min(STAGING_BUFFERS, Math.ceil(count / pieceRows));
+        for (let i = 0; i < stagingCount; i++) {
+          const staging = keep(memory.createBuffer(`ingest staging ${i}`, pieceBytes, MAP_WRITE | COPY_SRC));
+          this.#staging.push(staging);
+          this.#free.push(mapped(staging));
+        }
+      });
+      await checked;
     } catch (error) {
-      if (!lacking) device.popErrorScope().catch(() => {});
+      compiled.catch(() => {});
       this.destroy();
       throw error;
     }
+    // Rows may come before the shaders are there.
+    this.#compiled = compiled.then(() => {
+      const waiting = this.#waiting ?? [];
+      this.#waiting = null;
+      for (const piece of waiting) this.#submit(piece);
+    });
+    this.#compiled.catch(() => {});
   }
 
-  async memory(): Promise<Uint8Array> {
+  async memory(): Promise<Uint8Array<ArrayBuffer>> {
+    if (this.#free.length === 0) await this.#compiled;
     this.#current = await this.#free.shift()!;
     return new Uint8Array(this.#current.getMappedRange());
   }
 
   take(rowCount: number): void {
-    const { device, memory, pipelines, dispatchRow } = this.#context;
-    const { stage, ranges, layout, geometry, harmonics, rows, offsets, ...shared } = this.#held!;
-    const staging = this.#current!;
-    const first = this.#rowsTaken;
-    const end = first + rowCount;
+    const piece = { staging: this.#current!, firstRow: this.#rowsTaken, rowCount };
     this.#current = null;
-    this.#rowsTaken = end;
+    this.#rowsTaken += rowCount;
+    if (this.#waiting) this.#waiting.push(piece);
+    else this.#submit(piece);
+  }
+
+  /**
+   * Puts the splats into storage order. The planes are the caller's then; all else is freed.
+   *
+   * @throws GpuLimitError; SplatFileError 'empty' if no row was kept; what `onArrived` has thrown; nothing is left allocated then.
+   */
+  async finish(): Promise<IngestedCloud> {
+    const { device, pipelines } = this.#context;
+    const { geometryPrecision, name, onArrived } = this.#options;
+    const arranged: GPUBuffer[] = [];
+    try {
+      await this.#compiled;
+      const { layout, facts, rows, ranges, geometry, arrivals } = this.#held!;
+      for (const staging of this.#staging) this.#destroy(staging);
+      this.#destroy(rows);
+      await pipelines.prepare(this.#lateStages());
+      const slots = { count: layout.count, ranges, geometry, geometryPrecision };
+      const [words, centres] = await Promise.all([
+        readWords(device, facts),
+        onArrived ? sampleCentres(this.#context, slots) : null,
+      ]);
+      const found = readRowFacts(words, layout.count, layout.shDegree);
+      if (found.count === 0) throw emptyError(name, found.dropped);
+      arrivals?.end();
+      const { result, checked } = this.#allocate(() => {
+        const { fileRows, ...rest } = this.#arrange(found, arranged);
+        const reading = this.#read(rest.planes, fileRows, rest.contents);
+        reading.catch(() => {});
+        return { ...rest, reading };
+      });
+      const { planes, contents, reading } = result;
+      checked.catch(() => {});
+      // At once: from here on frames show the new order, whatever they were given before.
+      onArrived?.({ contents: { ...contents, robustBounds: robustCentres(centres!, found) }, planes });
+      await checked;
+      return { contents: { ...contents, ...(await reading) }, planes };
+    } catch (error) {
+      for (const buffer of arranged) this.#context.memory.destroy(buffer);
+      throw error;
+    } finally {
+      this.destroy();
+    }
+  }
+
+  /** Frees everything. */
+  destroy(): void {
+    for (const buffer of [...this.#buffers]) this.#destroy(buffer);
+    this.#held = null;
+  }
+
+  /** Does work that allocates. @returns its result, and what rejects with a GpuLimitError if memory is lacking. */
+  #allocate<Result>(work: () => Result): { readonly result: Result; readonly checked: Promise<void> } {
+    const { device } = this.#context;
+    // Work with buffers that could not be had is not valid either.
+    device.pushErrorScope('validation');
+    device.pushErrorScope('out-of-memory');
+    let result: Result;
+    let errors: Promise<[GPUError | null, GPUError | null]>;
+    try {
+      result = work();
+    } finally {
+      errors = Promise.all([device.popErrorScope(), device.popErrorScope()]);
+    }
+    const check = async () => {
+      const [lacking, invalid] = await errors;
+      if (lacking) throw this.#memoryError();
+      if (invalid) throw new Error(invalid.message);
+    };
+    return { result, checked: check() };
+  }
+
+  #memoryError(): GpuLimitError {
+    const { name } = this.#options;
+    const bytes = [...this.#buffers].reduce((sum, buffer) => sum + buffer.size, 0);
+    const advice = 'Load fewer splats, or with a coarser accuracy.';
+    return new GpuLimitError(
+      'memory',
+      bytes,
+      0,
+      `${name} needs ${bytes} bytes of the GPU's memory, which it lacks. ${advice}`,
+    );
+  }
+
+  #destroy(buffer: GPUBuffer): void {
+    if (this.#buffers.delete(buffer)) this.#context.memory.destroy(buffer);
+  }
+
+  #submit({ staging, firstRow, rowCount }: Piece): void {
+    const { device, memory, pipelines, dispatchRow } = this.#context;
+    const { stage, ranges, layout, geometry, harmonics, rows, offsets, arrivals, ...shared } = this.#held!;
+    const endRow = firstRow + rowCount;
     staging.unmap();
     const dispatches = new Dispatches(device, pipelines, memory, dispatchRow);
     for (const [page, range] of ranges.entries()) {
-      const start = Math.max(first, range.start);
-      const rowsOfPage = Math.min(end, range.end) - start;
+      const start = Math.max(firstRow, range.start);
+      const rowsOfPage = Math.min(endRow, range.end) - start;
       if (rowsOfPage <= 0) continue;
       const parameters = IngestParameters.pack({
         offsets,
         strideBytes: layout.strideBytes,
         isBigEndian: Number(layout.isBigEndian),
-        firstRow: start - first,
+        firstRow: start - firstRow,
         rowCount: rowsOfPage,
         pageSlot: start - range.start,
         maskRow: start,
@@ -179,53 +310,7 @@ export class RowIngest implements RowSink {
     device.queue.submit([encoder.finish()]);
     memory.destroy(parameters);
     this.#free.push(mapped(staging));
-  }
-
-  /**
-   * Puts the splats into storage order. The planes are the caller's then; all else is freed.
-   *
-   * @throws GpuLimitError; SplatFileError 'empty' if no row was kept; nothing is left allocated then.
-   */
-  async finish(): Promise<IngestedCloud> {
-    const { device, pipelines } = this.#context;
-    const { layout, facts } = this.#held!;
-    for (const staging of this.#staging) this.#destroy(staging);
-    this.#destroy(this.#held!.rows);
-    const arranged: GPUBuffer[] = [];
-    try {
-      const found = readRowFacts(await readWords(device, facts), layout.count, layout.shDegree);
-      if (found.count === 0) throw emptyError(this.#options.name, found.dropped);
-      await pipelines.prepare(this.#lateStages());
-      const cloud = await this.#arrange(found, arranged);
-      return cloud;
-    } catch (error) {
-      for (const buffer of arranged) this.#context.memory.destroy(buffer);
-      throw error;
-    } finally {
-      this.destroy();
-    }
-  }
-
-  /** Frees everything. */
-  destroy(): void {
-    for (const buffer of [...this.#buffers]) this.#destroy(buffer);
-    this.#held = null;
-  }
-
-  #memoryError(): GpuLimitError {
-    const { name } = this.#options;
-    const bytes = [...this.#buffers].reduce((sum, buffer) => sum + buffer.size, 0);
-    const advice = 'Load fewer splats, or with a coarser accuracy.';
-    return new GpuLimitError(
-      'memory',
-      bytes,
-      0,
-      `${name} needs ${bytes} bytes of the GPU's memory, which it lacks. ${advice}`,
-    );
-  }
-
-  #destroy(buffer: GPUBuffer): void {
-    if (this.#buffers.delete(buffer)) this.#context.memory.destroy(buffer);
+    arrivals?.add(endRow);
   }
 
   /** Stages that run after the last row. Whether rows were dropped is not known before. */
@@ -238,20 +323,24 @@ export class RowIngest implements RowSink {
     ];
   }
 
-  /** @param made lists the buffers that the cloud will hold, as soon as they exist. */
-  async #arrange(found: RowFacts, made: GPUBuffer[]): Promise<IngestedCloud> {
-    const { device } = this.#context;
+  /**
+   * Puts splats into storage order, in one step on the GPU.
+   *
+   * @param made lists the buffers that the cloud will hold, as soon as they exist.
+   * @returns all that is known then: neither rows in the file, nor bounds of chunks, nor robust ones.
+   */
+  #arrange(found: RowFacts, made: GPUBuffer[]) {
     const { geometryPrecision, shPrecision, name } = this.#options;
-    const held = this.#held!;
+    const { ranges, geometry, harmonics, dropMask, layout } = this.#held!;
     const origin = chooseOrigin(found.min, found.max);
     const range = logScaleRange(...found.logScales);
     this.#settle(origin, range.step, found.logScales[0]);
     const about = (corner: readonly number[]) =>
       corner.map((value, axis) => Math.fround(value - origin[axis]));
     const { trueShDegree } = found.facts;
-    const { ranges, geometry, harmonics, dropMask, layout } = held;
     const precision = { geometryPrecision, shPrecision };
-    const planes = arrangePlanes(this.#context, {
+    const frame = mortonFrame(about(found.min), about(found.max));
+    const { fileRows, ...planes } = arrangePlanes(this.#context, {
       ...precision,
       name,
       ranges,
@@ -261,31 +350,49 @@ export class RowIngest implements RowSink {
       shDegree: layout.shDegree,
       keptShDegree: trueShDegree,
       kept: found.count,
-      frame: mortonFrame(about(found.min), about(found.max)),
+      frame,
       logScaleRange: range,
     });
     // The planes are in other hands now: those that were kept, and those that took the place of others.
     for (const buffer of [...geometry, ...harmonics]) this.#buffers.delete(buffer);
     made.push(...planes.geometry, ...planes.harmonics, ...planes.chunks);
-    this.#buffers.add(planes.fileRows);
-    const samples = await this.#samples(planes, found.count);
-    const fileIndices = await readWords(device, planes.fileRows);
-    const chunkWords = await Promise.all(planes.chunks.map((page) => readWords(device, page)));
-    const chunks = await new Blob(chunkWords).arrayBuffer();
+    this.#buffers.add(fileRows);
+    const corner = (stored: readonly number[]) => stored.map((value, axis) => value + origin[axis]);
+    const bounds = { min: corner(about(found.min)), max: corner(about(found.max)) } as unknown as Bounds;
+    const contents: CloudContents = {
+      count: found.count,
+      origin,
+      bounds,
+      robustBounds: bounds,
+      dropped: found.dropped,
+      fileIndices: new Uint32Array(0),
+      facts: found.facts,
+      chunks: new ArrayBuffer(0),
+      logScaleRange: range,
+      precision,
+    };
+    return { contents, fileRows, planes: { ...planes, ...precision, shDegree: trueShDegree } };
+  }
+
+  /** Reads what else a page may ask for. */
+  async #read(planes: MadePlanes, fileRows: GPUBuffer, { count, origin }: CloudContents) {
+    const { device } = this.#context;
+    const [centres, fileIndices, ...chunkPages] = await Promise.all([
+      sampleCentres(this.#context, { ...planes, count }),
+      readWords(device, fileRows),
+      ...planes.chunks.map((page) => readWords(device, page)),
+    ]);
+    const chunks = new Uint32Array(chunkPages.reduce((sum, { length }) => sum + length, 0));
+    let at = 0;
+    for (const page of chunkPages) {
+      chunks.set(page, at);
+      at += page.length;
+    }
     return {
-      contents: {
-        count: found.count,
-        origin,
-        bounds: totalBounds(chunks, origin),
-        robustBounds: robustBounds(samples, origin),
-        dropped: found.dropped,
-        fileIndices,
-        facts: found.facts,
-        chunks,
-        logScaleRange: range,
-        precision,
-      },
-      planes: { ...planes, ...precision, shDegree: trueShDegree },
+      bounds: totalBounds(chunks.buffer, origin),
+      robustBounds: robustBounds(centres, origin),
+      fileIndices,
+      chunks: chunks.buffer,
     };
   }
 
@@ -312,42 +419,6 @@ export class RowIngest implements RowSink {
     device.queue.submit([encoder.finish()]);
     memory.destroy(parameters);
     if (logScaleRests) this.#destroy(logScaleRests);
-  }
-
-  /** Coordinates of the splats that robust bounds are taken from, by axis. */
-  async #samples({ ranges, geometry }: ArrangedPlanes, count: number): Promise<Float32Array[]> {
-    const { device, memory, pipelines, dispatchRow } = this.#context;
-    const indices = boundsSamples(count);
-    const list = memory.createFilledBuffer('ingest samples', indices);
-    const axes: GPUBuffer[] = [];
-    try {
-      const dispatches = new Dispatches(device, pipelines, memory, dispatchRow);
-      for (let word = 0; word < 3; word++) {
-        const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC;
-        const words = memory.createBuffer('ingest sampled words', 4 * indices.length, usage);
-        axes.push(words);
-        for (const [page, { start, end }] of ranges.entries()) {
-          const parameters = PermuteParameters.pack({
-            word,
-            wordsPerSplat: GEOMETRY_WORDS[this.#options.geometryPrecision],
-            mask: 0xffffffff,
-            pageStart: start,
-            pageEnd: end,
-            count: indices.length,
-            dispatchRow,
-          });
-          const workgroups = Math.ceil(indices.length / CHUNK_SPLATS);
-          dispatches.add(ingestGather, parameters, { plane: geometry[page], list, words }, workgroups);
-        }
-      }
-      const encoder = device.createCommandEncoder({ label: 'ingest samples' });
-      axes.push(dispatches.record(encoder, 'ingest samples'));
-      device.queue.submit([encoder.finish()]);
-      const words = await Promise.all(axes.slice(0, 3).map((axis) => readWords(device, axis)));
-      return words.map(({ buffer }) => new Float32Array(buffer));
-    } finally {
-      for (const buffer of [list, ...axes]) memory.destroy(buffer);
-    }
   }
 }
 

@@ -117,6 +117,8 @@ export class WishedScene {
     this.clouds = clouds;
     this.#choice = previous;
     this.#context = context;
+    // Another cloud will soon take its place.
+    this.#isSettled = [...clouds].some(({ isPreview }) => isPreview);
   }
 
   /** The choice to draw with, or null before the first. */

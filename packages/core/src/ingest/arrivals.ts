@@ -1,0 +1,139 @@
+import type { MadePlanes, Plane } from '../clouds/cloud-planes.ts';
+import type { CloudContents } from '../clouds/splat-cloud.ts';
+import { readWords } from '../gpu/read-buffer.ts';
+import { ChunkParameters } from '../layout/packing-structs.ts';
+import type { Vec3 } from '../math/mat4.ts';
+import { INGEST_LOG_SCALES } from '../packing/ingest-log-scale.ts';
+import { type Bounds, chunkCountOf, robustBounds } from '../packing/packed-cloud.ts';
+import { ingestChunks } from '../stages/ingest-chunks.ts';
+import { ingestGather } from '../stages/ingest-gather.ts';
+import type { ArrangeContext } from './arrange-planes.ts';
+import { Dispatches } from './dispatches.ts';
+import { type RowFacts, readRowFacts } from './row-facts.ts';
+import { sampleCentres } from './sample-centres.ts';
+
+/** A cloud that can be drawn while the rest of its file arrives; its planes are lent. */
+export interface ArrivedCloud {
+  readonly contents: CloudContents;
+  readonly planes: MadePlanes;
+}
+
+/** Planes of a file whose rows are arriving, with a slot per row, in the order of the file. */
+export interface ArrivingPlanes extends Omit<MadePlanes, 'chunks'> {
+  /** Room for the bounds of all chunks. */
+  readonly chunks: Plane;
+  /** What ingest-rows has found so far. */
+  readonly facts: GPUBuffer;
+}
+
+/** By this factor more rows must have arrived before they are shown: no scene is shown more often than some dozens of times. */
+const GROWTH = 1.25;
+
+/** Shows what has arrived of a file, again and again. */
+export class Arrivals {
+  readonly #context: ArrangeContext;
+  readonly #planes: ArrivingPlanes;
+  readonly #show: (arrived: ArrivedCloud) => void;
+  /** Rows that have been submitted. */
+  #rows = 0;
+  #leastRows = 1;
+  #isReading = false;
+  #isOver = false;
+  #failure: { readonly error: unknown } | null = null;
+
+  /** @param show called with what has arrived; the planes change once `end` has been called. */
+  constructor(context: ArrangeContext, planes: ArrivingPlanes, show: (arrived: ArrivedCloud) => void) {
+    this.#context = context;
+    this.#planes = planes;
+    this.#show = show;
+  }
+
+  /** Tells that the first `rows` rows have been submitted. @throws what showing earlier ones has thrown. */
+  add(rows: number): void {
+    this.#rows = rows;
+    if (this.#failure) throw this.#failure.error;
+    if (this.#isReading || rows < this.#leastRows) return;
+    this.#isReading = true;
+    this.#read()
+      .catch((error: unknown) => {
+        this.#failure = { error };
+      })
+      .finally(() => {
+        this.#isReading = false;
+      });
+  }
+
+  /** Shows nothing from now on. @throws what showing has thrown. */
+  end(): void {
+    this.#isOver = true;
+    if (this.#failure) throw this.#failure.error;
+  }
+
+  async #read(): Promise<void> {
+    const { device, pipelines } = this.#context;
+    const { facts, chunks, ...made } = this.#planes;
+    await pipelines.prepare([ingestChunks(made.geometryPrecision), ingestGather]);
+    if (this.#isOver) return;
+    const count = this.#rows;
+    this.#leastRows = GROWTH * count;
+    const ranges = made.ranges
+      .filter(({ start }) => start < count)
+      .map(({ start, end }) => ({ start, end: Math.min(end, count) }));
+    const pages = (plane: Plane) => plane.slice(0, ranges.length);
+    const planes = {
+      ...made,
+      ranges,
+      chunks: pages(chunks),
+      geometry: pages(made.geometry),
+      harmonics: pages(made.harmonics),
+    };
+    this.#boundChunks(planes);
+    const [words, centres] = await Promise.all([
+      readWords(device, facts),
+      sampleCentres(this.#context, { ...planes, count }),
+    ]);
+    if (this.#isOver) return;
+    const found = readRowFacts(words, count, planes.shDegree);
+    if (found.count === 0) return;
+    const { geometryPrecision, shPrecision } = planes;
+    const contents = {
+      count,
+      origin: [0, 0, 0] as Vec3,
+      bounds: { min: found.min, max: found.max },
+      robustBounds: robustCentres(centres, found),
+      dropped: found.dropped,
+      fileIndices: new Uint32Array(0),
+      // Slots of dropped rows are splats of opacity 0.
+      facts: found.count < count ? { ...found.facts, minOpacity: 0 } : found.facts,
+      chunks: new ArrayBuffer(0),
+      logScaleRange: INGEST_LOG_SCALES,
+      precision: { geometryPrecision, shPrecision },
+    };
+    this.#show({ contents, planes });
+  }
+
+  #boundChunks({ ranges, geometry, chunks, geometryPrecision }: MadePlanes): void {
+    const { device, memory, pipelines, dispatchRow } = this.#context;
+    const dispatches = new Dispatches(device, pipelines, memory, dispatchRow);
+    const { min, step } = INGEST_LOG_SCALES;
+    for (const [page, { start, end }] of ranges.entries()) {
+      const splatCount = end - start;
+      const parameters = ChunkParameters.pack({ logScales: [min, step], splatCount, dispatchRow });
+      const bindings = { geometry: geometry[page], chunks: chunks[page] };
+      dispatches.add(ingestChunks(geometryPrecision), parameters, bindings, chunkCountOf(splatCount));
+    }
+    const encoder = device.createCommandEncoder({ label: 'ingest arrived chunks' });
+    const parameters = dispatches.record(encoder, 'ingest arrived chunks');
+    device.queue.submit([encoder.finish()]);
+    memory.destroy(parameters);
+  }
+}
+
+/** Robust bounds of sampled slots. @param centres as in the file. */
+export function robustCentres(centres: readonly Float32Array[], { min, max }: RowFacts): Bounds {
+  // Slots of dropped rows lie at 0, which may be far from all splats.
+  const isInside = (i: number) =>
+    centres.every((values, axis) => values[i] >= min[axis] && values[i] <= max[axis]);
+  const inside = centres.map((values) => values.filter((_, i) => isInside(i)));
+  return inside[0].length > 0 ? robustBounds(inside, [0, 0, 0]) : { min, max };
+}

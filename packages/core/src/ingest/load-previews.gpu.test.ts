@@ -1,0 +1,217 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { perspectiveCamera } from '../camera/camera.ts';
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
+import { SplatEngine } from '../engine.ts';
+import { DestroyedError, SplatFileError, SplatSourceError } from '../errors.ts';
+import { encodePly } from '../io/write-ply.ts';
+import { randomSplats } from '../testing/random-splats.ts';
+import type { SplatView } from '../views/splat-view.ts';
+
+const SIZE = { widthPx: 48, heightPx: 48 };
+const CAMERA = perspectiveCamera({
+  position: [0, 0, 6],
+  target: [0, 0, 0],
+  up: [0, 1, 0],
+  fovYDegrees: 50,
+  near: 0.1,
+  far: 100,
+  aspect: 1,
+});
+
+let device: GPUDevice;
+let engine: SplatEngine;
+let view: SplatView;
+beforeAll(async () => {
+  device = await createTestDevice();
+  engine = await SplatEngine.create({ device, ingestMinRows: 1 });
+  view = engine.createView();
+});
+afterAll(() => {
+  engine?.destroy();
+  device?.destroy();
+});
+
+/** A promise, and what resolves it. */
+function signalOf(): { readonly when: Promise<void>; readonly give: () => void } {
+  let give = () => {};
+  const when = new Promise<void>((resolve) => {
+    give = resolve;
+  });
+  return { when, give };
+}
+
+/** A file of which `firstBytes` can be read at once, and the rest after `go`. */
+function slowFile(bytes: Uint8Array<ArrayBuffer>, firstBytes: number, go: Promise<void>): Blob {
+  const stream = () =>
+    new ReadableStream<Uint8Array<ArrayBuffer>>({
+      async start(controller) {
+        controller.enqueue(bytes.slice(0, firstBytes));
+        await go;
+        controller.enqueue(bytes.slice(firstBytes));
+        controller.close();
+      },
+    });
+  return { size: bytes.length, stream } as unknown as Blob;
+}
+
+async function draw(cloud: SplatCloud): Promise<Float32Array> {
+  view.render({ camera: CAMERA, clouds: [{ cloud }], ...SIZE });
+  return (await view.readPixels()).data;
+}
+
+function greatestDifference(a: Float32Array, b: Float32Array): number {
+  return a.reduce((most, value, i) => Math.max(most, Math.abs(value - b[i])), 0);
+}
+
+const COUNT = 40_000;
+/** More than one piece. */
+const SET = randomSplats({ count: COUNT, seed: 3, shDegree: 3 });
+const FILE = encodePly(SET);
+
+describe('while a file arrives', () => {
+  gpuTest('what is there can be drawn, and looks as those splats do', async () => {
+    const before = engine.memory().totalBytes;
+    const rest = signalOf();
+    const counts: number[] = [];
+    let early: { cloud: SplatCloud; pixels: Promise<Float32Array> } | null = null;
+    const previews: SplatCloud[] = [];
+    const cloud = await engine.load(slowFile(FILE, 0.6 * FILE.length, rest.when), {
+      name: 'slow',
+      onPreview: (preview) => {
+        for (const earlier of previews.slice(0, -1)) expect(earlier.isDestroyed).toBe(true);
+        previews.push(preview);
+        counts.push(preview.count);
+        expect(preview.isPreview).toBe(true);
+        if (early) return;
+        early = { cloud: preview, pixels: draw(preview) };
+        void early.pixels.then(rest.give, rest.give);
+      },
+    });
+    const { cloud: first, pixels } = early!;
+    expect(first.count).toBeLessThan(0.6 * COUNT);
+    expect(first.count).toBeGreaterThan(1000);
+    expect(counts).toEqual(counts.toSorted((a, b) => a - b));
+    expect(counts.at(-1)).toBe(COUNT);
+
+    const only = engine.add(firstSplats(first.count));
+    expect(first.bounds).toEqual(only.bounds);
+    // Sizes are rounded to 2⁻⁹ of a logarithm until the range of all is known.
+    expect(greatestDifference(await pixels, await draw(only))).toBeLessThan(0.02);
+    only.destroy();
+
+    // The last one has the order, and all, of the cloud itself.
+    const last = previews.at(-1)!;
+    expect(last.isDestroyed).toBe(false);
+    expect(await draw(last)).toEqual(await draw(cloud));
+    expect(last.bytes).toBe(0);
+    expect(engine.memory().totalBytes - cloud.bytes).toBeGreaterThanOrEqual(before);
+    cloud.destroy();
+    expect(previews.every(({ isDestroyed }) => isDestroyed)).toBe(true);
+    expect(() => view.render({ camera: CAMERA, clouds: [{ cloud: last }], ...SIZE })).toThrow(DestroyedError);
+  });
+
+  gpuTest('splats that cannot be drawn leave no trace', async () => {
+    const set = { ...SET, positions: SET.positions.slice() };
+    for (let i = 0; i < COUNT; i += 2) set.positions[3 * i + 1] = Number.NaN;
+    const file = encodePly(set);
+    const rest = signalOf();
+    let early: Promise<Float32Array> | null = null;
+    let firstCount = 0;
+    const cloud = await engine.load(slowFile(file, 0.6 * file.length, rest.when), {
+      onPreview: (preview) => {
+        if (early) return;
+        firstCount = preview.count;
+        expect(preview.dropped).toEqual({ 'non-finite-position': preview.count / 2 });
+        early = draw(preview);
+        void early.then(rest.give, rest.give);
+      },
+    });
+    const only = engine.add({
+      ...firstSplats(firstCount),
+      positions: set.positions.slice(0, 3 * firstCount),
+    });
+    expect(greatestDifference((await early)!, await draw(only))).toBeLessThan(0.02);
+    only.destroy();
+    cloud.destroy();
+  });
+
+  gpuTest('a preview cannot be given another precision', async () => {
+    let asked: Promise<unknown> | undefined;
+    const cloud = await engine.load(new Blob([FILE]), {
+      name: 'part.ply',
+      onPreview: (preview) => {
+        asked ??= engine
+          .requestPrecision(preview, { geometryPrecision: 'f32', shPrecision: 'f32' })
+          .catch((error: Error) => error);
+      },
+    });
+    const error = await asked;
+    expect(error).toBeInstanceOf(SplatSourceError);
+    expect((error as Error).message).toMatch(/part\.ply.*still loading/);
+    cloud.destroy();
+  });
+
+  for (const [what, file] of [
+    ['is cut off', slowFileCutOff],
+    ['is aborted', slowFileWhole],
+  ] as const) {
+    gpuTest(`a load that ${what} takes its previews with it`, async () => {
+      const before = engine.memory().totalBytes;
+      const stop = new AbortController();
+      const rest = signalOf();
+      let last: SplatCloud | null = null;
+      const load = engine.load(file(rest.when), {
+        name: 'cut.ply',
+        signal: stop.signal,
+        onPreview: (preview) => {
+          last = preview;
+          if (what === 'is aborted') stop.abort(new Error('enough'));
+          rest.give();
+        },
+      });
+      await expect(load).rejects.toThrow(what === 'is aborted' ? 'enough' : SplatFileError);
+      expect(last!.isDestroyed).toBe(true);
+      expect(engine.memory().totalBytes).toBe(before);
+    });
+  }
+
+  gpuTest('an error of the callback fails the load, and leaves nothing', async () => {
+    const before = engine.memory().totalBytes;
+    const seen: SplatCloud[] = [];
+    const load = engine.load(new Blob([FILE]), {
+      onPreview: (preview) => {
+        seen.push(preview);
+        throw new Error('no room on the screen');
+      },
+    });
+    await expect(load).rejects.toThrow('no room on the screen');
+    expect(seen).toHaveLength(1);
+    expect(seen[0].isDestroyed).toBe(true);
+    expect(engine.memory().totalBytes).toBe(before);
+  });
+});
+
+function firstSplats(count: number): typeof SET {
+  return {
+    ...SET,
+    count,
+    positions: SET.positions.subarray(0, 3 * count),
+    logScales: SET.logScales.subarray(0, 3 * count),
+    rotations: SET.rotations.subarray(0, 4 * count),
+    opacityLogits: SET.opacityLogits.subarray(0, count),
+    colorDc: SET.colorDc.subarray(0, 3 * count),
+    harmonics: { ...SET.harmonics, coefficients: SET.harmonics.coefficients.subarray(0, 45 * count) },
+  };
+}
+
+function slowFileWhole(go: Promise<void>): Blob {
+  return slowFile(FILE, 0.6 * FILE.length, go);
+}
+
+/** Says that it is as large as the whole. */
+function slowFileCutOff(go: Promise<void>): Blob {
+  const cut = FILE.slice(0, 0.9 * FILE.length);
+  const { stream } = slowFile(cut, 0.6 * FILE.length, go);
+  return { size: FILE.length, stream } as unknown as Blob;
+}
