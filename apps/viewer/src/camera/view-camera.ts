@@ -71,6 +71,13 @@ export class ViewCamera {
     this.controls.setPose(pose);
   }
 
+  /** After `follow`, shows the first view of a scene of which more has become known, unless the view has been moved. */
+  showFirstViewAgain(): void {
+    const subject = this.#subject;
+    if (!subject || !this.controls.isHome) return;
+    this.controls.setPose(firstPose(this.#placed(subject.sphere), this.#fovYDegrees, this.#aspect));
+  }
+
   snapshot(): CameraSnapshot {
     const { pose, home } = this.controls;
     const { isFlipped, cameraIndex } = this.#store.getState();

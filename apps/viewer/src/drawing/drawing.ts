@@ -21,7 +21,7 @@ export interface DrawingOptions {
   readonly camera: ViewCamera;
 }
 
-/** Draws the newest scene when something has changed, and writes to the store when the image has come to rest. */
+/** Draws the scene when something has changed, and writes to the store when the image has come to rest. */
 export class Drawing {
   readonly #options: DrawingOptions;
   readonly #loop: FrameLoop;
@@ -73,7 +73,7 @@ export class Drawing {
   #draw(elapsedMs: number): Promise<unknown> | null {
     const { store, sessions, scenes, camera } = this.#options;
     const session = sessions.current;
-    const scene = scenes.newest;
+    const scene = scenes.drawable;
     const { widthPx } = store.getState();
     if (!session || scene?.session !== session || widthPx === 0) return null;
     if (camera.update(elapsedMs)) this.#loop.request();
@@ -146,7 +146,9 @@ export class Drawing {
   }
 
   #becomeIdle(): void {
-    const { store, sessions } = this.#options;
+    const { store, sessions, scenes } = this.#options;
+    // More of the scene is on its way.
+    if (scenes.isPartial) return;
     const session = sessions.current;
     const drawn = this.#drawn;
     if (!session || !drawn) {

@@ -14,7 +14,7 @@ const PHASES: Readonly<Record<LoadState['phase'], string>> = {
 export function LoadPanel({ store, onCancel }: { store: ViewerStore; onCancel: () => void }) {
   const load = useStore(store, (state) => state.load);
   if (!load) return null;
-  const { title, phase, loadedBytes, totalBytes, splats } = load;
+  const { title, phase, loadedBytes, totalBytes, splats, bytesPerSecond } = load;
   const part = phase === 'read' && totalBytes ? Math.min(1, loadedBytes / totalBytes) : undefined;
   return (
     <section className="panel load" data-testid="load" aria-label={`Opening ${title}`}>
@@ -35,6 +35,7 @@ export function LoadPanel({ store, onCancel }: { store: ViewerStore; onCancel: (
               : formatBytes(loadedBytes))}
           {loadedBytes > 0 && splats > 0 && ' · '}
           {splats > 0 && formatSplats(splats)}
+          {phase === 'read' && bytesPerSecond > 0 && ` · ${formatBytes(bytesPerSecond)}/s`}
         </span>
       </div>
     </section>

@@ -1,4 +1,4 @@
-import type { CloudInstance, LoadProgress, SplatEngine } from '@websplatter/core';
+import type { CloudInstance, LoadOptions, SplatCloud, SplatEngine } from '@websplatter/core';
 import type { CameraSubject } from '../camera/view-camera.ts';
 import { findHardCase, groupTitle, loadHardCases } from '../hard-cases/catalogue.ts';
 import type { SceneAbout } from '../state/scene-summary.ts';
@@ -11,13 +11,19 @@ export interface LoadedScene extends Pick<CameraSubject, 'firstView' | 'ownCamer
   readonly about: SceneAbout | null;
 }
 
+export interface LoadSceneOptions extends Pick<LoadOptions, 'onProgress'> {
+  readonly signal: AbortSignal;
+  /** Called with what can be shown already, again and again: see `LoadOptions.onPreview`. */
+  readonly onPreview: (preview: LoadedScene) => void;
+}
+
 /** Makes or reads `source` and uploads it. A load that fails or is called off leaves nothing on the GPU. */
 export async function loadScene(
   engine: SplatEngine,
   source: SceneSource,
-  signal: AbortSignal,
-  onProgress: (progress: LoadProgress) => void,
+  options: LoadSceneOptions,
 ): Promise<LoadedScene> {
+  const { signal, onProgress } = options;
   const plain = { firstView: null, ownCameras: null, about: null };
   if (source.kind === 'builtin') {
     const { name, title, cameras } = source.scene;
@@ -25,13 +31,15 @@ export async function loadScene(
     const clouds = [{ cloud: engine.addPacked(packed, { name: title, source: set }) }];
     return { ...plain, clouds, firstView: cameras[0], isUpsideDown: false };
   }
-  if (source.kind === 'hard-case') return loadHardCase(engine, source.name, signal, onProgress);
+  if (source.kind === 'hard-case') return loadHardCase(engine, source.name, options);
+  const sceneOf = (cloud: SplatCloud) => ({ ...plain, clouds: [{ cloud }], isUpsideDown: true });
   const cloud = await engine.load(source.kind === 'file' ? source.file : source.url, {
     name: titleOf(source),
     signal,
     onProgress,
+    onPreview: (preview) => options.onPreview(sceneOf(preview)),
   });
-  return { ...plain, clouds: [{ cloud }], isUpsideDown: true };
+  return sceneOf(cloud);
 }
 
 export function destroyClouds({ clouds }: Pick<LoadedScene, 'clouds'>): void {
@@ -41,8 +49,7 @@ export function destroyClouds({ clouds }: Pick<LoadedScene, 'clouds'>): void {
 async function loadHardCase(
   engine: SplatEngine,
   name: string,
-  signal: AbortSignal,
-  onProgress: (progress: LoadProgress) => void,
+  { signal, onProgress }: LoadSceneOptions,
 ): Promise<LoadedScene> {
   const hardCase = findHardCase(await loadHardCases(), name);
   const loadFile = (file: Uint8Array) => engine.load(file, { name, signal, onProgress });

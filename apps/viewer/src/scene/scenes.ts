@@ -1,5 +1,6 @@
 import { isSoftwareAdapter, type SplatEngine } from '@websplatter/core';
-import type { ViewCamera } from '../camera/view-camera.ts';
+import type { Sphere } from '../camera/scene-bounds.ts';
+import type { CameraSnapshot, ViewCamera } from '../camera/view-camera.ts';
 import { reportFailure } from '../messages/failure-report.ts';
 import type { Session } from '../session/session.ts';
 import type { SessionOwner } from '../session/session-owner.ts';
@@ -22,10 +23,23 @@ export interface ScenesOptions {
   readonly onShow: () => void;
 }
 
+/** What can be shown of the scene that is being loaded. */
+interface Preview {
+  readonly scene: ShownScene;
+  /** Bounds that the camera shows. */
+  readonly framed: Sphere;
+  /** How the camera looked at the scene before; null if there was none. */
+  readonly camera: CameraSnapshot | null;
+}
+
+/** By this part of their radius bounds may change before the camera follows. */
+const FRAMED_CHANGE = 0.1;
+
 /** Loads scenes, one at a time, and knows which is to be drawn. */
 export class Scenes {
   readonly #options: ScenesOptions;
   #newest: ShownScene | null = null;
+  #preview: Preview | null = null;
   /** Scenes that are no longer asked for, but stay on the screen until the newest has been drawn. */
   #replaced: ReplacedScene[] = [];
   #loading: AbortController | null = null;
@@ -35,9 +49,19 @@ export class Scenes {
     this.#options = options;
   }
 
-  /** The scene to draw; its session may have ended. */
+  /** The scene that was opened last, as a whole; its session may have ended. */
   get newest(): ShownScene | null {
     return this.#newest;
+  }
+
+  /** The scene to draw: the newest, or what is there of the one that is being loaded. */
+  get drawable(): ShownScene | null {
+    return this.#preview?.scene ?? this.#newest;
+  }
+
+  /** Whether only a part of the scene can be drawn yet. */
+  get isPartial(): boolean {
+    return this.#preview !== null;
   }
 
   /** Opens `source` in place of what is shown, which stays until then; calls off what is being loaded. */
@@ -70,16 +94,25 @@ export class Scenes {
   endSession(): void {
     this.#loading?.abort();
     this.#loading = null;
+    this.#preview = null;
     this.#replaced = [];
   }
 
   /** The newest scene has been asked of the GPU; the caller destroys the returned scenes when it has been drawn. */
   takeReplaced(): readonly ShownScene[] {
+    // If loading fails, the one before is shown again.
+    if (this.#preview) return [];
     return this.#replaced.splice(0).map(({ scene }) => scene);
   }
 
-  /** The newest scene cannot be drawn: goes back to the one before it. */
+  /** The drawable scene cannot be drawn: goes back to the one before it. */
   takeBack(error: unknown): void {
+    if (this.#preview) {
+      this.#fail(error, titleOf(this.#preview.scene.source));
+      this.#loading?.abort();
+      this.#endPreview();
+      return;
+    }
     const failed = this.#newest;
     const last = this.#replaced.pop();
     this.#fail(error, failed ? titleOf(failed.source) : 'The scene');
@@ -92,6 +125,7 @@ export class Scenes {
   async #load(source: SceneSource): Promise<void> {
     const { store, sessions } = this.#options;
     this.#loading?.abort();
+    this.#endPreview();
     const loading = new AbortController();
     this.#loading = loading;
     const title = titleOf(source);
@@ -103,13 +137,22 @@ export class Scenes {
       loadedBytes: 0,
       totalBytes: undefined,
       splats: 0,
+      bytesPerSecond: 0,
     });
     try {
       const session = await sessions.whenStarted();
-      const loaded = await loadScene(session.engine, source, loading.signal, report);
+      const loaded = await loadScene(session.engine, source, {
+        signal: loading.signal,
+        onProgress: report,
+        onPreview: (preview) => {
+          if (!loading.signal.aborted && session === sessions.current)
+            this.#showPreview(session, source, preview);
+        },
+      });
       if (loading.signal.aborted || session !== sessions.current) destroyClouds(loaded);
       else this.#show(session, source, loaded);
     } catch (error) {
+      if (this.#loading === loading) this.#endPreview();
       if (this.#loading === loading && !loading.signal.aborted) this.#fail(error, title);
     }
     // A newer load, or the end of the session, has taken over.
@@ -127,18 +170,59 @@ export class Scenes {
     const previous = this.#newest;
     const isReopened = previous?.source === source;
     const scene = shownScene(++this.#shown, session, source, loaded);
+    const preview = this.#preview;
+    this.#preview = null;
     // Clouds of an ended session are gone with it and cannot come back.
-    if (previous?.session === session) this.#replaced.push({ scene: previous, camera: camera.snapshot() });
+    if (previous?.session === session)
+      this.#replaced.push({ scene: previous, camera: preview?.camera ?? camera.snapshot() });
     this.#setNewest(scene);
     onClouds();
     // After the device was lost the view goes on where it was.
-    if (!isReopened) camera.showFirstView();
+    if (!isReopened) {
+      if (preview) camera.showFirstViewAgain();
+      else camera.showFirstView();
+    }
+    onShow();
+  }
+
+  #showPreview(session: Session, source: SceneSource, loaded: LoadedScene): void {
+    const { camera, onShow } = this.#options;
+    const before = this.#preview;
+    const isReopened = this.#newest?.source === source;
+    const scene = shownScene(++this.#shown, session, source, loaded);
+    const hasMoved = !before || isOtherSphere(before.framed, scene.sphere);
+    this.#preview = {
+      scene,
+      framed: hasMoved ? scene.sphere : before.framed,
+      camera: before ? before.camera : this.#newest && camera.snapshot(),
+    };
+    this.#present(scene);
+    if (!isReopened) {
+      if (!before) camera.showFirstView();
+      else if (hasMoved) camera.showFirstViewAgain();
+    }
+    onShow();
+  }
+
+  /** Shows the scene again that was shown before the preview. */
+  #endPreview(): void {
+    const { store, camera, onShow } = this.#options;
+    const preview = this.#preview;
+    if (!preview) return;
+    this.#preview = null;
+    if (this.#newest) this.#present(this.#newest);
+    else store.setState({ scene: null });
+    if (preview.camera) camera.restore(preview.camera);
     onShow();
   }
 
   #setNewest(scene: ShownScene): void {
-    const { store, camera } = this.#options;
     this.#newest = scene;
+    this.#present(scene);
+  }
+
+  #present(scene: ShownScene): void {
+    const { store, camera } = this.#options;
     camera.follow(scene);
     const summary = summaryOf(scene, camera.ownCameraNames);
     store.setState({
@@ -164,6 +248,11 @@ export class Scenes {
     if (notice !== null) this.#options.store.setState({ notice });
     return source;
   }
+}
+
+function isOtherSphere(a: Sphere, b: Sphere): boolean {
+  const offset = Math.hypot(...a.center.map((value, axis) => value - b.center[axis]));
+  return Math.max(offset, Math.abs(a.radius - b.radius)) > FRAMED_CHANGE * a.radius;
 }
 
 function isSoftware({ device }: SplatEngine): boolean {

@@ -14,7 +14,14 @@ const scene = {
   cameras: [],
   canFlip: true,
 };
-const load = { title: 'b.ply', phase: 'read', loadedBytes: 0, totalBytes: undefined, splats: 0 } as const;
+const load = {
+  title: 'b.ply',
+  phase: 'read',
+  loadedBytes: 0,
+  totalBytes: undefined,
+  splats: 0,
+  bytesPerSecond: 0,
+} as const;
 const failure = { title: 'x', message: 'y', advice: '', isFault: false };
 
 function stateWith(changes: Partial<ViewerState>): ViewerState {

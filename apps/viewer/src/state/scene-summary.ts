@@ -39,4 +39,5 @@ export interface LoadState {
   readonly loadedBytes: number;
   readonly totalBytes: number | undefined;
   readonly splats: number;
+  readonly bytesPerSecond: number;
 }
