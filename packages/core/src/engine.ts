@@ -214,7 +214,13 @@ export class SplatEngine {
         memory: this.#memory,
         dispatchRow: this.#dispatchRow,
       },
-      { geometryPrecision, shPrecision, name, onArrived: previews && ((arrived) => previews.show(arrived)) },
+      {
+        geometryPrecision,
+        shPrecision,
+        name,
+        onArrived: previews && ((arrived) => previews.show(arrived)),
+        onArranging: () => previews?.hold(),
+      },
     );
     let cloud: SplatCloud;
     try {

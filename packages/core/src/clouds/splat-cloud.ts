@@ -73,6 +73,8 @@ export class SplatCloud {
   readonly device: GPUDevice;
   /** Whether this is a part of a cloud that is loading: see `LoadOptions`. */
   readonly isPreview: boolean;
+  /** @internal Whether views keep the last image of it because the planes of this preview are changing. */
+  isHeld = false;
   readonly #onDestroyed: (cloud: SplatCloud) => void;
   #isDestroyed = false;
 

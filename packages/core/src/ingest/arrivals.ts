@@ -9,6 +9,7 @@ import { ingestChunks } from '../stages/ingest-chunks.ts';
 import { ingestGather } from '../stages/ingest-gather.ts';
 import type { ArrangeContext } from './arrange-planes.ts';
 import { Dispatches } from './dispatches.ts';
+import { readChunks } from './read-chunks.ts';
 import { type RowFacts, readRowFacts } from './row-facts.ts';
 import { sampleCentres } from './sample-centres.ts';
 
@@ -57,21 +58,26 @@ export class Arrivals {
   /** Tells that the first `rows` rows have been submitted. @throws what showing earlier ones has thrown. */
   add(rows: number): void {
     this.#rows = rows;
-    if (this.#failure) throw this.#failure.error;
+    this.check();
     if (this.#isReading || rows < this.#leastRows || performance.now() < this.#earliestMs) return;
     this.#isReading = true;
     this.#read()
       .catch((error: unknown) => {
-        this.#failure = { error };
+        // What was asked of a device that is lost, say, does not matter any more.
+        if (!this.#isOver) this.#failure = { error };
       })
       .finally(() => {
         this.#isReading = false;
       });
   }
 
-  /** Shows nothing from now on. @throws what showing has thrown. */
+  /** Shows nothing from now on. */
   end(): void {
     this.#isOver = true;
+  }
+
+  /** @throws what showing has thrown. */
+  check(): void {
     if (this.#failure) throw this.#failure.error;
   }
 
@@ -95,9 +101,10 @@ export class Arrivals {
       harmonics: pages(made.harmonics),
     };
     this.#boundChunks(planes);
-    const [words, centres] = await Promise.all([
+    const [words, centres, chunkBounds] = await Promise.all([
       readWords(device, facts),
       sampleCentres(this.#context, { ...planes, count }),
+      readChunks(device, planes),
     ]);
     if (this.#isOver) return;
     const found = readRowFacts(words, count, planes.shDegree);
@@ -112,7 +119,7 @@ export class Arrivals {
       fileIndices: new Uint32Array(0),
       // Slots of dropped rows are splats of opacity 0.
       facts: found.count < count ? { ...found.facts, minOpacity: 0 } : found.facts,
-      chunks: new ArrayBuffer(0),
+      chunks: chunkBounds,
       logScaleRange: INGEST_LOG_SCALES,
       precision: { geometryPrecision, shPrecision },
     };
@@ -137,7 +144,7 @@ export class Arrivals {
 }
 
 /** Robust bounds of sampled slots. @param centres as in the file. */
-export function robustCentres(centres: readonly Float32Array[], { min, max }: RowFacts): Bounds {
+function robustCentres(centres: readonly Float32Array[], { min, max }: RowFacts): Bounds {
   // Slots of dropped rows lie at 0, which may be far from all splats.
   const isInside = (i: number) =>
     centres.every((values, axis) => values[i] >= min[axis] && values[i] <= max[axis]);

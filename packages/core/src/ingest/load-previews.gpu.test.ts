@@ -9,15 +9,15 @@ import { randomSplats } from '../testing/random-splats.ts';
 import type { SplatView } from '../views/splat-view.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };
-const CAMERA = perspectiveCamera({
-  position: [0, 0, 6],
+const LENS = {
   target: [0, 0, 0],
   up: [0, 1, 0],
   fovYDegrees: 50,
   near: 0.1,
   far: 100,
   aspect: 1,
-});
+} as const;
+const CAMERA = perspectiveCamera({ ...LENS, position: [0, 0, 6] });
 
 let device: GPUDevice;
 let engine: SplatEngine;
@@ -100,6 +100,7 @@ describe('while a file arrives', () => {
     expect(greatestDifference(await pixels, await draw(only))).toBeLessThan(0.02);
     only.destroy();
 
+    expect(new Float32Array(first.chunks)).toHaveLength(8 * Math.ceil(first.count / 256));
     // The last one has the order, and all, of the cloud itself.
     const last = previews.at(-1)!;
     expect(last.isDestroyed).toBe(false);
@@ -149,6 +150,30 @@ describe('while a file arrives', () => {
     const error = await asked;
     expect(error).toBeInstanceOf(SplatSourceError);
     expect((error as Error).message).toMatch(/part\.ply.*still loading/);
+    cloud.destroy();
+  });
+
+  gpuTest('while the planes change, frames keep the image', async () => {
+    const rest = signalOf();
+    let before: Promise<Float32Array> | null = null;
+    let held: Promise<Float32Array> | null = null;
+    const cloud = await engine.load(slowFileWhole(rest.when), {
+      onPreview: (preview) => {
+        if (before) return;
+        before = draw(preview).then((image) => {
+          preview.isHeld = true;
+          const { framesDrawn } = engine.counters();
+          const moved = perspectiveCamera({ ...LENS, position: [1, 0, 5] });
+          view.render({ camera: moved, clouds: [{ cloud: preview }], ...SIZE, force: true });
+          expect(engine.counters().framesDrawn).toBe(framesDrawn);
+          held = view.readPixels().then(({ data }) => data as Float32Array);
+          void held.then(rest.give, rest.give);
+          return image;
+        });
+        before.catch(rest.give);
+      },
+    });
+    expect(await held).toEqual(await before);
     cloud.destroy();
   });
 

@@ -33,6 +33,11 @@ export class LoadPreviews {
     }
   }
 
+  /** Frames keep the image of the preview until the next one is shown. */
+  hold(): void {
+    if (this.#shown) this.#shown.isHeld = true;
+  }
+
   end(): void {
     this.#shown?.destroy();
   }

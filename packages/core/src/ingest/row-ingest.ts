@@ -17,14 +17,15 @@ import { logScaleRange } from '../packing/geometry.ts';
 import { ingestLogScaleSteps } from '../packing/ingest-log-scale.ts';
 import { mortonFrame } from '../packing/morton-order.ts';
 import { chooseOrigin } from '../packing/origin.ts';
-import { type Bounds, chunkCountOf, robustBounds, totalBounds } from '../packing/packed-cloud.ts';
+import { chunkCountOf, robustBounds, totalBounds } from '../packing/packed-cloud.ts';
 import type { CloudPrecision } from '../packing/precision.ts';
 import type { RowLayout } from '../packing/row-layout.ts';
 import { ingestRows } from '../stages/ingest-rows.ts';
 import { ingestSettle } from '../stages/ingest-settle.ts';
 import { type ArrangeContext, arrangePlanes, arrangeStages } from './arrange-planes.ts';
-import { Arrivals, type ArrivedCloud, robustCentres } from './arrivals.ts';
+import { Arrivals, type ArrivedCloud } from './arrivals.ts';
 import { Dispatches } from './dispatches.ts';
+import { readChunks } from './read-chunks.ts';
 import { type RowFacts, readRowFacts } from './row-facts.ts';
 import { sampleCentres } from './sample-centres.ts';
 
@@ -34,11 +35,10 @@ const STAGING_BUFFERS = 4;
 export interface RowIngestOptions extends CloudPrecision {
   /** For labels and messages. */
   readonly name: string;
-  /**
-   * Called each time when a good part more of the rows can be drawn, and once when all are in storage order. What it is given is
-   * of no use any more when it is called again, or when `finish` has rejected.
-   */
+  /** Called with what can be drawn each time when a good part more has arrived, and when all is in storage order. */
   readonly onArrived?: (arrived: ArrivedCloud) => void;
+  /** Called once when what was given to `onArrived` can no longer be drawn, until that is called again. */
+  readonly onArranging?: () => void;
 }
 
 /** A cloud that was made from the rows of a file. */
@@ -131,7 +131,7 @@ export class RowIngest implements RowSink {
         let arrivals: Arrivals | null = null;
         if (onArrived) {
           const chunks = planeOf(place, ({ start, end }, page) =>
-            create(`arrived chunks ${page}`, Chunk.bytes * chunkCountOf(end - start)),
+            create(`arrived chunks ${page}`, Chunk.bytes * chunkCountOf(end - start), COPY_SRC),
           );
           const planes = { ...precision, shDegree, ranges, geometry, harmonics, chunks, facts };
           arrivals = new Arrivals(this.#context, planes, onArrived);
@@ -193,34 +193,31 @@ export class RowIngest implements RowSink {
    */
   async finish(): Promise<IngestedCloud> {
     const { device, pipelines } = this.#context;
-    const { geometryPrecision, name, onArrived } = this.#options;
+    const { name, onArrived, onArranging } = this.#options;
     const arranged: GPUBuffer[] = [];
     try {
       await this.#compiled;
-      const { layout, facts, rows, ranges, geometry, arrivals } = this.#held!;
+      const { layout, facts, rows, arrivals } = this.#held!;
       for (const staging of this.#staging) this.#destroy(staging);
       this.#destroy(rows);
       await pipelines.prepare(this.#lateStages());
-      const slots = { count: layout.count, ranges, geometry, geometryPrecision };
-      const [words, centres] = await Promise.all([
-        readWords(device, facts),
-        onArrived ? sampleCentres(this.#context, slots) : null,
-      ]);
-      const found = readRowFacts(words, layout.count, layout.shDegree);
+      const found = readRowFacts(await readWords(device, facts), layout.count, layout.shDegree);
       if (found.count === 0) throw emptyError(name, found.dropped);
       arrivals?.end();
+      arrivals?.check();
+      onArranging?.();
       const { result, checked } = this.#allocate(() => {
-        const { fileRows, ...rest } = this.#arrange(found, arranged);
-        const reading = this.#read(rest.planes, fileRows, rest.contents);
-        reading.catch(() => {});
-        return { ...rest, reading };
+        const { planes, contents, fileRows } = this.#arrange(found, arranged);
+        const reading = [this.#readBounds(planes, contents), readWords(device, fileRows)] as const;
+        // Read only if memory was there.
+        for (const each of reading) each.catch(() => {});
+        return { planes, contents, reading };
       });
-      const { planes, contents, reading } = result;
-      checked.catch(() => {});
-      // At once: from here on frames show the new order, whatever they were given before.
-      onArrived?.({ contents: { ...contents, robustBounds: robustCentres(centres!, found) }, planes });
       await checked;
-      return { contents: { ...contents, ...(await reading) }, planes };
+      const { planes, contents, reading } = result;
+      const drawable = { ...contents, ...(await reading[0]) };
+      onArrived?.({ contents: drawable, planes });
+      return { contents: { ...drawable, fileIndices: await reading[1] }, planes };
     } catch (error) {
       for (const buffer of arranged) this.#context.memory.destroy(buffer);
       throw error;
@@ -231,6 +228,7 @@ export class RowIngest implements RowSink {
 
   /** Frees everything. */
   destroy(): void {
+    this.#held?.arrivals?.end();
     for (const buffer of [...this.#buffers]) this.#destroy(buffer);
     this.#held = null;
   }
@@ -324,10 +322,10 @@ export class RowIngest implements RowSink {
   }
 
   /**
-   * Puts splats into storage order, in one step on the GPU.
+   * Puts splats into storage order.
    *
    * @param made lists the buffers that the cloud will hold, as soon as they exist.
-   * @returns all that is known then: neither rows in the file, nor bounds of chunks, nor robust ones.
+   * @returns planes and contents, but for what has to be read from the GPU.
    */
   #arrange(found: RowFacts, made: GPUBuffer[]) {
     const { geometryPrecision, shPrecision, name } = this.#options;
@@ -357,43 +355,24 @@ export class RowIngest implements RowSink {
     for (const buffer of [...geometry, ...harmonics]) this.#buffers.delete(buffer);
     made.push(...planes.geometry, ...planes.harmonics, ...planes.chunks);
     this.#buffers.add(fileRows);
-    const corner = (stored: readonly number[]) => stored.map((value, axis) => value + origin[axis]);
-    const bounds = { min: corner(about(found.min)), max: corner(about(found.max)) } as unknown as Bounds;
-    const contents: CloudContents = {
+    const contents = {
       count: found.count,
       origin,
-      bounds,
-      robustBounds: bounds,
       dropped: found.dropped,
       fileIndices: new Uint32Array(0),
       facts: found.facts,
-      chunks: new ArrayBuffer(0),
       logScaleRange: range,
       precision,
     };
     return { contents, fileRows, planes: { ...planes, ...precision, shDegree: trueShDegree } };
   }
 
-  /** Reads what else a page may ask for. */
-  async #read(planes: MadePlanes, fileRows: GPUBuffer, { count, origin }: CloudContents) {
-    const { device } = this.#context;
-    const [centres, fileIndices, ...chunkPages] = await Promise.all([
+  async #readBounds(planes: MadePlanes, { count, origin }: Pick<CloudContents, 'count' | 'origin'>) {
+    const [centres, chunks] = await Promise.all([
       sampleCentres(this.#context, { ...planes, count }),
-      readWords(device, fileRows),
-      ...planes.chunks.map((page) => readWords(device, page)),
+      readChunks(this.#context.device, planes),
     ]);
-    const chunks = new Uint32Array(chunkPages.reduce((sum, { length }) => sum + length, 0));
-    let at = 0;
-    for (const page of chunkPages) {
-      chunks.set(page, at);
-      at += page.length;
-    }
-    return {
-      bounds: totalBounds(chunks.buffer, origin),
-      robustBounds: robustBounds(centres, origin),
-      fileIndices,
-      chunks: chunks.buffer,
-    };
+    return { bounds: totalBounds(chunks, origin), robustBounds: robustBounds(centres, origin), chunks };
   }
 
   #settle(origin: readonly number[], logScaleStep: number, minLogScale: number): void {

@@ -50,7 +50,10 @@ export interface NextFrame {
   readonly plan: FramePlan | null;
   /** Whether that frame is shown already, so that there is nothing to draw. */
   readonly stands: boolean;
-  /** Whether `plan` is the requested one. If not, shaders are compiling and `retry` will be called. */
+  /**
+   * Whether `plan` is the requested one. If not, shaders are compiling and `retry` will be called, or a preview is held, which
+   * another will replace.
+   */
   readonly isAsked: boolean;
 }
 
@@ -265,6 +268,10 @@ export abstract class ViewCore {
     request: FrameRequest,
     depths: readonly [RasterizeDepth | null, ...(RasterizeDepth | null)[]],
   ): NextFrame {
+    if (request.clouds.some(({ cloud }) => cloud.isHeld)) {
+      const last = this.#prepared;
+      return { plan: last, stands: last !== null, isAsked: false };
+    }
     const asked = this.#plan(request, this.#accuracy.settingsFor(request), depths[0]);
     if (!request.force && this.#isPrepared(asked)) {
       this.#endWait();
