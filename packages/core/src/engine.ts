@@ -8,13 +8,20 @@ import {
 import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy/accuracy-wish.ts';
 import type { HoldOptions } from './clouds/cloud-leases.ts';
 import { CloudPlanes, isHeld } from './clouds/cloud-planes.ts';
+import { emptyCloud } from './clouds/empty-cloud.ts';
 import type { PlaneMaker } from './clouds/plane-maker.ts';
 import { type CloudSource, SplatCloud, type SplatCloudOptions } from './clouds/splat-cloud.ts';
 import { DestroyedError } from './errors.ts';
 import { frameStages } from './frame/frame.ts';
 import type { FrameShape } from './frame/frame-shape.ts';
 import { DEFAULT_TILE_BUDGET_BYTES } from './frame/pair-capacity.ts';
-import { adapterLabel, type DeviceOptions, hasNarrowSubgroups, requestSplatDevice } from './gpu/device.ts';
+import {
+  adapterLabel,
+  type DeviceOptions,
+  hasNarrowSubgroups,
+  isSoftwareAdapter,
+  requestSplatDevice,
+} from './gpu/device.ts';
 import { type EngineCounters, zeroCounters } from './gpu/engine-counters.ts';
 import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
 import { Pipelines } from './gpu/pipelines.ts';
@@ -58,6 +65,10 @@ export interface EngineOptions extends DeviceOptions {
 
 /** Smaller files are packed before the shaders for that would be compiled. */
 const INGEST_MIN_ROWS = 1 << 16;
+/** Bytes of a splat without harmonics. */
+const LEAST_ROW_BYTES = 56;
+/** Most captures have all harmonics. */
+const LIKELY_SH_DEGREE = 3;
 /** Few enough for a page to copy without a pause that a person would notice. */
 const PIECE_BYTES = 4 << 20;
 
@@ -225,7 +236,9 @@ export class SplatEngine {
     let cloud: SplatCloud;
     try {
       const rowsTo = { sink: ingest, files: rowFilesFor(this.device.limits, this.#ingestMinRows) };
-      const packed = await loadOrPass(source, { ...options, geometryPrecision, shPrecision }, rowsTo);
+      const loading = loadOrPass(source, { ...options, geometryPrecision, shPrecision }, rowsTo);
+      this.#foreseeRows(source, ingest);
+      const packed = await loading;
       cloud = packed
         ? this.addPacked(packed, made)
         : this.#addIngested(await ingest.finish(), made, options, previews);
@@ -286,6 +299,7 @@ export class SplatEngine {
     const forget = (destroyed: SplatView) => this.#views.delete(destroyed);
     const view = new SplatView(this.#viewContext(), options.canvas ?? null, format, forget);
     this.#views.add(view);
+    this.#foreseeFrames(view);
     return view;
   }
 
@@ -357,6 +371,24 @@ export class SplatEngine {
     );
     const problems = (await Promise.all(outcomes)).filter((problem) => problem !== null);
     return problems.filter(({ error }) => error.name !== 'AbortError' && !(error instanceof DestroyedError));
+  }
+
+  /** Compiles what a first frame is likely to need, while the page looks for its file. */
+  #foreseeFrames(view: SplatView): void {
+    if (this.#compilesAhead) view.expectCloud(emptyCloud(this.#memory, LIKELY_SH_DEGREE, this.accuracy));
+  }
+
+  /** Compiles what the rows of `source` are likely to need, while it is opened. */
+  #foreseeRows(source: SplatSource, ingest: LazyIngest): void {
+    const { size, byteLength } = source as Partial<Blob & ArrayBuffer>;
+    const bytes = size ?? byteLength ?? Number.POSITIVE_INFINITY;
+    if (this.#compilesAhead && bytes >= this.#ingestMinRows * LEAST_ROW_BYTES)
+      ingest.foresee(LIKELY_SH_DEGREE);
+  }
+
+  /** On a CPU, shaders that turn out not to be needed would take the time of those that are. */
+  get #compilesAhead(): boolean {
+    return !isSoftwareAdapter(this.device.adapterInfo);
   }
 
   #addIngested(

@@ -1,5 +1,6 @@
 import type { RowSink } from '../io/row-sink.ts';
 import type { RowLayout } from '../packing/row-layout.ts';
+import type { ShDegree } from '../splats/splat-set.ts';
 import type { ArrangeContext } from './arrange-planes.ts';
 import type { IngestedCloud, RowIngest, RowIngestOptions } from './row-ingest.ts';
 
@@ -14,6 +15,15 @@ export class LazyIngest implements RowSink {
   constructor(context: ArrangeContext, options: RowIngestOptions) {
     this.#context = context;
     this.#options = options;
+  }
+
+  /** Fetches the code and compiles what rows of this degree need, in case that they come. */
+  foresee(shDegree: ShDegree): void {
+    const prepare = async () => {
+      const { rowStages } = await import('./row-ingest.ts');
+      await this.#context.pipelines.prepare(rowStages({ ...this.#options, shDegree }));
+    };
+    prepare().catch(() => {});
   }
 
   async begin(layout: RowLayout): Promise<void> {

@@ -20,6 +20,7 @@ import { chooseOrigin } from '../packing/origin.ts';
 import { chunkCountOf, robustBounds, totalBounds } from '../packing/packed-cloud.ts';
 import type { CloudPrecision } from '../packing/precision.ts';
 import type { RowLayout } from '../packing/row-layout.ts';
+import type { ShDegree } from '../splats/splat-set.ts';
 import { ingestRows } from '../stages/ingest-rows.ts';
 import { ingestSettle } from '../stages/ingest-settle.ts';
 import { type ArrangeContext, arrangePlanes, arrangeStages } from './arrange-planes.ts';
@@ -110,7 +111,7 @@ export class RowIngest implements RowSink {
     const stage = ingestRows({ ...precision, shDegree });
     const compiled = pipelines.prepare([stage]);
     // What is needed only at the end compiles while rows arrive.
-    pipelines.prepare(this.#lateStages()).catch(() => {});
+    pipelines.prepare(lateStages(this.#options)).catch(() => {});
     const { STORAGE, COPY_DST, COPY_SRC, MAP_WRITE } = GPUBufferUsage;
     try {
       const { checked } = this.#allocate(() => {
@@ -200,7 +201,7 @@ export class RowIngest implements RowSink {
       const { layout, facts, rows, arrivals } = this.#held!;
       for (const staging of this.#staging) this.#destroy(staging);
       this.#destroy(rows);
-      await pipelines.prepare(this.#lateStages());
+      await pipelines.prepare(lateStages(this.#options));
       const found = readRowFacts(await readWords(device, facts), layout.count, layout.shDegree);
       if (found.count === 0) throw emptyError(name, found.dropped);
       arrivals?.end();
@@ -311,16 +312,6 @@ export class RowIngest implements RowSink {
     arrivals?.add(endRow);
   }
 
-  /** Stages that run after the last row. Whether rows were dropped is not known before. */
-  #lateStages(): StageDefinition[] {
-    const { geometryPrecision } = this.#options;
-    return [
-      ingestSettle(geometryPrecision),
-      ...arrangeStages({ geometryPrecision }, false),
-      ...arrangeStages({ geometryPrecision }, true),
-    ];
-  }
-
   /**
    * Puts splats into storage order.
    *
@@ -399,6 +390,20 @@ export class RowIngest implements RowSink {
     memory.destroy(parameters);
     if (logScaleRests) this.#destroy(logScaleRests);
   }
+}
+
+/** Stages that make a cloud of rows of this degree. */
+export function rowStages(variant: CloudPrecision & { readonly shDegree: ShDegree }): StageDefinition[] {
+  return [ingestRows(variant), ...lateStages(variant)];
+}
+
+/** Stages that run after the last row. Whether rows were dropped is not known before. */
+function lateStages({ geometryPrecision }: CloudPrecision): StageDefinition[] {
+  return [
+    ingestSettle(geometryPrecision),
+    ...arrangeStages({ geometryPrecision }, false),
+    ...arrangeStages({ geometryPrecision }, true),
+  ];
 }
 
 function mapped(staging: GPUBuffer): Promise<GPUBuffer> {

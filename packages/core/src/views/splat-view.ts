@@ -1,3 +1,5 @@
+import { perspectiveCamera } from '../camera/camera.ts';
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import type { Destination } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
@@ -12,6 +14,15 @@ import type { SplatPick } from './pick-splat.ts';
 import { type ViewContext, ViewCore } from './view-core.ts';
 
 const BLACK: Vec3 = [0, 0, 0];
+
+// Of a size and of depths, only orders of magnitude matter to shaders.
+const LIKELY_SIZE = { widthPx: 1920, heightPx: 1080 };
+const LIKELY_CAMERA = perspectiveCamera({
+  position: [0, 0, 1],
+  target: [0, 0, 0],
+  fovYDegrees: 60,
+  aspect: LIKELY_SIZE.widthPx / LIKELY_SIZE.heightPx,
+});
 
 /** Draws clouds whenever something has changed: on a canvas, or into a texture that can be read back. */
 export class SplatView extends ViewCore {
@@ -64,6 +75,11 @@ export class SplatView extends ViewCore {
     else if (isChanged) this.#drawBackground(request);
     if (stands) this.shown(request);
     return isChanged;
+  }
+
+  /** @internal Compiles the shaders that the first frame of such a cloud alone is likely to need. */
+  expectCloud(cloud: SplatCloud): void {
+    this.foresee({ camera: LIKELY_CAMERA, clouds: [{ cloud }], ...LIKELY_SIZE });
   }
 
   /** Resolves when the last requested frame has been submitted; rejects if its shaders do not compile. */

@@ -303,6 +303,12 @@ export abstract class ViewCore {
     else this.context.pipelines.prepare(frameStages(shape)).catch(() => {});
   }
 
+  /** Compiles the shaders of frames like `request`, without drawing any. */
+  protected foresee(request: FrameRequest): void {
+    const { shape } = this.#plan(request, this.context.accuracyFor(undefined), null);
+    this.context.pipelines.prepare(frameStages(shape)).catch(() => {});
+  }
+
   /**
    * Makes room for a frame and writes its uniforms. Call before recording.
    *
@@ -440,8 +446,8 @@ export abstract class ViewCore {
       const keeping = withKeptColors(plan, wanted, this.#prepared);
       if (this.#isReady(keeping.shape) || !this.#isReady(plan.shape)) return keeping;
     }
-    // A camera that moves may soon turn in place.
-    if (this.#prepared && !plan.request.force) {
+    // A camera that moves may soon turn in place. Not before a second frame: the first is not to wait for shaders of others.
+    if (this.#prepared?.shape === plan.shape && !plan.request.force) {
       this.expect('turning in place', plan.shape, () => {
         const possible = plan.clouds.map((_, i) => canKeepColors(plan, i));
         return withKeptColors(plan, possible, this.#prepared).shape;

@@ -1,0 +1,34 @@
+import type { GpuMemory } from '../gpu/gpu-memory.ts';
+import type { CloudPrecision } from '../packing/precision.ts';
+import type { ShDegree } from '../splats/splat-set.ts';
+import { CloudPlanes } from './cloud-planes.ts';
+import { SplatCloud } from './splat-cloud.ts';
+
+/** A cloud without splats that has the shaders of most clouds of this degree and precision. */
+export function emptyCloud(memory: GpuMemory, shDegree: ShDegree, precision: CloudPrecision): SplatCloud {
+  const name = 'empty';
+  const none = { ranges: [], chunks: [], geometry: [], harmonics: [] };
+  const planes = new CloudPlanes(memory, name, { ...precision, ...none, shDegree });
+  const bounds = { min: [0, 0, 0], max: [0, 0, 0] } as const;
+  const contents = {
+    count: 0,
+    origin: [0, 0, 0],
+    bounds,
+    robustBounds: bounds,
+    dropped: {},
+    fileIndices: new Uint32Array(0),
+    facts: {
+      declaredShDegree: shDegree,
+      trueShDegree: shDegree,
+      shBandReach: [],
+      isIsotropic: false,
+      minOpacity: 0,
+      faintCount: 0,
+      isAntialiased: null,
+    },
+    chunks: new ArrayBuffer(0),
+    logScaleRange: { min: 0, step: 0 },
+    precision,
+  } as const;
+  return new SplatCloud(memory.device, planes, contents, { name });
+}
