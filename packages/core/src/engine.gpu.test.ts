@@ -11,6 +11,7 @@ import { DestroyedError, GpuLimitError, InvalidArgumentError } from './errors.ts
 import type { FrameRequest } from './frame/frame-request.ts';
 import { GpuMemory } from './gpu/gpu-memory.ts';
 import { readSplats } from './io/read-splats.ts';
+import { Chunk } from './layout/structs.ts';
 import { type Mat4, translated4 } from './math/mat4.ts';
 import type { Harmonics } from './packing/harmonics.ts';
 import { packCloud } from './packing/packed-cloud.ts';
@@ -456,6 +457,46 @@ describe('an engine', () => {
     await device.queue.onSubmittedWorkDone();
     await expect.poll(() => engine.memory().totalBytes).toBe(0);
     expect(engine.memory()).toMatchObject({ peakBytes: totalBytes, resources: [] });
+    engine.destroy();
+  });
+
+  gpuTest('counts its memory by cloud and precision, and by view', async () => {
+    const engine = await SplatEngine.create({ device, accuracy: byTiles('balanced') });
+    const cloud = engine.add(randomSplats({ count: 1000, shDegree: 1 }), { name: 'garden' });
+    const plain = engine.add(randomSplats({ count: 256, shDegree: 0 }), { name: 'plain' });
+    const [one, other] = [engine.createView(), engine.createEmbeddedView()];
+    const idle = engine.memory();
+    await draw(one, { camera: CAMERA, clouds: [{ cloud }], ...SIZE });
+    await engine.requestPrecision(cloud, { geometryPrecision: 'f32', shPrecision: 'u8' });
+    const { totalBytes, peakBytes, scene, frames } = engine.memory();
+    expect(scene.clouds).toEqual([
+      {
+        name: 'garden',
+        totalBytes: cloud.bytes,
+        geometryBytes: { f32: 64 * 1000 },
+        shBytes: { u8: 12 * 1000 },
+        chunksBytes: 4 * Chunk.bytes,
+      },
+      {
+        name: 'plain',
+        totalBytes: plain.bytes,
+        geometryBytes: { packed: 32 * 256 },
+        shBytes: {},
+        chunksBytes: Chunk.bytes,
+      },
+    ]);
+    expect(scene.totalBytes).toBe(cloud.bytes + plain.bytes);
+    expect(frames.views).toHaveLength(2);
+    expect(frames.views[1]).toEqual(idle.frames.views[1]);
+    const [{ resources }] = frames.views;
+    expect(resources.find(({ label }) => label === 'splat layer')?.bytes).toBe(8 * 64 * 64);
+    expect(frames.views[0].totalBytes).toBe(resources.reduce((sum, { bytes }) => sum + bytes, 0));
+    expect(scene.totalBytes + frames.totalBytes).toBe(totalBytes);
+    expect(peakBytes).toBeGreaterThanOrEqual(totalBytes);
+    other.destroy();
+    plain.destroy();
+    await expect.poll(() => engine.memory().frames.totalBytes).toBe(frames.views[0].totalBytes);
+    expect(engine.memory().scene.totalBytes).toBe(cloud.bytes);
     engine.destroy();
   });
 

@@ -7,7 +7,7 @@ import {
 } from './accuracy/accuracy.ts';
 import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy/accuracy-wish.ts';
 import type { HoldOptions } from './clouds/cloud-leases.ts';
-import { CloudPlanes, isHeld } from './clouds/cloud-planes.ts';
+import { type CloudMemory, CloudPlanes, isHeld } from './clouds/cloud-planes.ts';
 import { emptyCloud } from './clouds/empty-cloud.ts';
 import type { PlaneMaker } from './clouds/plane-maker.ts';
 import { type CloudSource, SplatCloud, type SplatCloudOptions } from './clouds/splat-cloud.ts';
@@ -85,6 +85,24 @@ export interface LoadOptions extends ReadOptions {
 interface NewCloudOptions {
   readonly name?: string;
   readonly source?: CloudSource | readonly CloudSource[] | null;
+}
+
+/**
+ * GPU memory that an engine holds. What is neither of the scene nor of frames belongs to work under way, such as making planes
+ * or measuring.
+ */
+export interface EngineMemory extends GpuMemoryReport {
+  /** What is loaded. */
+  readonly scene: {
+    readonly totalBytes: number;
+    readonly clouds: readonly (CloudMemory & { readonly name: string })[];
+  };
+  /** What drawing takes; most of it follows what is visible. */
+  readonly frames: {
+    readonly totalBytes: number;
+    /** In the order in which the views were created. */
+    readonly views: readonly GpuMemoryReport[];
+  };
 }
 
 /** A cloud that could not be given the precision of the engine's accuracy, and why. */
@@ -318,8 +336,14 @@ export class SplatEngine {
   }
 
   /** GPU memory that the engine holds now. */
-  memory(): GpuMemoryReport {
-    return this.#memory.report();
+  memory(): EngineMemory {
+    const clouds = [...this.#clouds].map(({ name, planes }) => ({ name, ...planes.memory() }));
+    const views = [...this.#views].map((view) => view.memory);
+    return {
+      ...this.#memory.report(),
+      scene: { totalBytes: totalOf(clouds), clouds },
+      frames: { totalBytes: totalOf(views), views },
+    };
   }
 
   /** Counts of the engine's work so far. */
@@ -437,7 +461,7 @@ export class SplatEngine {
     return {
       device: this.device,
       pipelines: this.#pipelines,
-      memory: this.#memory,
+      memory: this.#memory.part(),
       counting: this.#counting,
       wishFor: (requested) => (requested === undefined ? this.#wish : internWish(requested)),
       accuracyFor: (requested) => this.resolveAccuracy(requested).settings,
@@ -510,6 +534,10 @@ function rowFilesFor(limits: GPUSupportedLimits, minRows: number): RowFiles {
   const bytes = Math.min(limits.maxStorageBufferBindingSize, limits.maxBufferSize);
   // There are lists with a word per row.
   return { minRows, maxRows: Math.floor(bytes / 4), pieceBytes: Math.min(bytes / 2, PIECE_BYTES) };
+}
+
+function totalOf(parts: readonly { readonly totalBytes: number }[]): number {
+  return parts.reduce((sum, { totalBytes }) => sum + totalBytes, 0);
 }
 
 /** Whether a frame shows `cloud` in a precision that is not `precision`. */

@@ -28,10 +28,16 @@ export {
 } from './camera/camera.ts';
 export type { DepthConvention } from './camera/depth-convention.ts';
 export type { CloudLease, HoldOptions } from './clouds/cloud-leases.ts';
-export type { CloudPage, CloudPages, HeldPrecisions } from './clouds/cloud-planes.ts';
+export type { CloudMemory, CloudPage, CloudPages, HeldPrecisions } from './clouds/cloud-planes.ts';
 export { type CloudHit, raycastCloud } from './clouds/raycast-cloud.ts';
 export type { CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
-export { type EngineOptions, type LoadOptions, type PrecisionProblem, SplatEngine } from './engine.ts';
+export {
+  type EngineMemory,
+  type EngineOptions,
+  type LoadOptions,
+  type PrecisionProblem,
+  SplatEngine,
+} from './engine.ts';
 export * from './errors.ts';
 export type { HostPass } from './frame/frame-part.ts';
 export type { CloudInstance, FrameRequest } from './frame/frame-request.ts';

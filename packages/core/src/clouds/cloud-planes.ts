@@ -37,6 +37,16 @@ export interface CloudPages extends CloudPrecision {
   readonly pages: readonly CloudPage[];
 }
 
+/** GPU memory of one cloud, by planes. */
+export interface CloudMemory {
+  readonly totalBytes: number;
+  readonly geometryBytes: Readonly<Partial<Record<GeometryPrecision, number>>>;
+  /** Empty at degree 0. */
+  readonly shBytes: Readonly<Partial<Record<ShPrecision, number>>>;
+  /** Bounds of the chunks. */
+  readonly chunksBytes: number;
+}
+
 /** One buffer per page; at degree 0 a plane of spherical harmonics has none. */
 export type Plane = readonly GPUBuffer[];
 
@@ -156,8 +166,15 @@ export class CloudPlanes {
   }
 
   get bytes(): number {
-    const planes = [this.#chunks, ...this.#geometry.values(), ...this.#sh.values()];
-    return planes.flat().reduce((sum, { size }) => sum + size, 0);
+    return this.memory().totalBytes;
+  }
+
+  memory(): CloudMemory {
+    const geometryBytes = bytesByPrecision(this.#geometry);
+    const shBytes = bytesByPrecision(this.#sh);
+    const chunksBytes = bytesOf(this.#chunks);
+    const all = [chunksBytes, ...Object.values(geometryBytes), ...Object.values(shBytes)];
+    return { totalBytes: all.reduce((sum, bytes) => sum + bytes, 0), geometryBytes, shBytes, chunksBytes };
   }
 
   /**
@@ -293,6 +310,18 @@ export function planeOf(
  */
 export function pagesOf(limits: DeviceLimits, count: number, degree: ShDegree, name: string): PageRange[] {
   return pageRanges(count, pageSplats(limits, degree, name));
+}
+
+function bytesByPrecision<Precision extends string>(planes: ReadonlyMap<Precision, Plane>) {
+  // At degree 0, planes without buffers stand for every precision of the harmonics.
+  const held = [...planes].filter(([, plane]) => plane.length > 0);
+  return Object.fromEntries(held.map(([precision, plane]) => [precision, bytesOf(plane)])) as Partial<
+    Record<Precision, number>
+  >;
+}
+
+function bytesOf(plane: Plane): number {
+  return plane.reduce((sum, { size }) => sum + size, 0);
 }
 
 function bindingBytes(limits: DeviceLimits): number {

@@ -58,12 +58,6 @@ export class EffectBuffers {
   selectionBytes(cloudIndex: number): number {
     return this.#selections.bytesOf(cloudIndex);
   }
-
-  destroy(): void {
-    this.#selections.destroy();
-    if (this.#parameters) this.#memory.destroy(this.#parameters);
-    this.#parameters = null;
-  }
 }
 
 /** Returns 0 if no cloud's effects take parameters. */

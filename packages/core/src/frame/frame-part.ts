@@ -17,6 +17,7 @@ export interface SharedBuffers {
   readonly records: GPUBuffer;
   /** Number of visible splats. */
   readonly visibleCount: GPUBuffer;
+  /** Keys of the visible splats until they are sorted; then a word per visible splat for any use. */
   readonly keys: GPUBuffer;
   /** The visible splats back to front, after the sort. */
   readonly order: GPUBuffer;
@@ -59,20 +60,19 @@ export class SharedMemory {
 export interface PartContext {
   readonly device: GPUDevice;
   readonly pipelines: Pipelines;
+  /** Freed as a whole when the parts end. */
   readonly memory: GpuMemory;
   readonly shared: SharedMemory;
   /** Most bytes that the tiles' own buffers may take. */
   readonly tileBudgetBytes: number;
 }
 
-/** A prepared change of a part's buffers and textures: `free` and `commit` are called, or `discard`. */
+/** A change of a part's buffers and textures that the device's limits allow. */
 export interface PartChange {
-  /** Frees textures of the image's size before any part commits, so that old and new ones are never held together. */
-  free?(): void;
-  /** Makes the change and frees what it replaces; cannot fail. */
-  commit(): void;
-  /** Frees what was made for the change. */
-  discard(): void;
+  /** Frees what the change replaces. All parts free before any makes: old and new are never held together. */
+  free(): void;
+  /** Makes what takes its place. Fails only for lack of memory, and ends all parts then. */
+  make(): void;
 }
 
 /** The host's textures behind the splats, between two of its passes. */
@@ -125,9 +125,9 @@ export interface DrawRecording extends Recording {
  */
 export interface FramePart<R extends Recording = Recording> {
   /**
-   * Prepares the change that gives the part the memory that `plan` needs; null if it has that memory already.
+   * Returns the change that gives the part the memory that `plan` needs; null if it has that memory already.
    *
-   * @throws GpuLimitError if a buffer would exceed the device's limits; nothing stays allocated then.
+   * @throws GpuLimitError if a buffer would exceed the device's limits.
    */
   fit?(plan: FramePlan): PartChange | null;
   /** Binds the stages of `shape`, after the changes of all parts. */
@@ -135,7 +135,6 @@ export interface FramePart<R extends Recording = Recording> {
   /** Writes everything that changes from frame to frame. */
   write?(plan: FramePlan): void;
   record(recording: R): void;
-  destroy(): void;
 }
 
 /** Class of a part: its stages are known before a part is made. */

@@ -3,10 +3,10 @@ import { type Camera, type Projection, projectionOf } from '../camera/camera.ts'
 import { binGrid } from '../layout/bin-grid.ts';
 import type { RasterizeDepth } from '../stages/rasterize.ts';
 import { type CloudPlan, cloudShape, planCloud } from './cloud-plan.ts';
-import type { FrameRequest } from './frame-request.ts';
+import type { CloudInstance, FrameRequest } from './frame-request.ts';
 import { type FrameOutput, type FrameShape, isSameShape, type OmittableEffect } from './frame-shape.ts';
 import { keyBitsFor } from './key-bits.ts';
-import { visibleCapacity } from './visible-capacity.ts';
+import { mostVisibleSplats, visibleCapacity } from './visible-capacity.ts';
 
 /**
  * Everything that follows from a frame request, worked out once per frame and never changed. The data written to the GPU,
@@ -24,6 +24,15 @@ export interface FramePlan {
   /** In the request's order. */
   readonly clouds: readonly CloudPlan[];
   readonly shape: FrameShape;
+  readonly needs: FrameNeeds;
+}
+
+/** What a frame needs, that changes as the camera moves; buffers and shaders are made for a little more. */
+export interface FrameNeeds {
+  /** Never less than the number of visible splats. */
+  readonly visibleSplats: number;
+  /** Number of bits in which depths can differ: see `keyBitsFor`. */
+  readonly depthBits: number;
 }
 
 /** Everything but the request that a plan depends on. */
@@ -42,6 +51,11 @@ export interface PlanOptions {
   readonly omitted: readonly OmittableEffect[];
   /** Plan of the last frame: its shape is kept until the shape changes, its buffers while they are large enough. */
   readonly last: FramePlan | null;
+  /**
+   * The largest needs of recent frames of the clouds of `last`. Buffers and shaders stay as they are while they were needed a
+   * moment ago.
+   */
+  readonly recent: FrameNeeds;
 }
 
 /**
@@ -50,12 +64,15 @@ export interface PlanOptions {
  * @throws InvalidArgumentError naming the cloud, if its effects cannot be combined; errors of callers' own effects.
  */
 export function planFrame(request: FrameRequest, options: PlanOptions): FramePlan {
-  const { accuracy, dispatchRow, workgroupBytes, hasNarrowSubgroups, depth, output, omitted, last } = options;
+  const { accuracy, dispatchRow, workgroupBytes, hasNarrowSubgroups, depth, output, omitted } = options;
+  const { last } = options;
   const camera = copied(request.camera);
   const layer = layerSize(request, accuracy);
   const projection = projectionOf(camera, layer.widthPx, layer.heightPx);
   const clouds = request.clouds.map((instance) => planCloud(instance, camera, projection, accuracy));
-  const depthBits = keyBitsFor(camera, clouds);
+  const isSameScene = last !== null && showsClouds(last, request.clouds);
+  const recent = isSameScene ? options.recent : { visibleSplats: 0, depthBits: 0 };
+  const needs = { visibleSplats: mostVisibleSplats(clouds), depthBits: keyBitsFor(camera, clouds) };
   const rasterizer = rasterizerOf(options);
   const shape: FrameShape = {
     clouds: clouds.map((cloud) => cloudShape(cloud, accuracy, omitted)),
@@ -65,11 +82,14 @@ export function planFrame(request: FrameRequest, options: PlanOptions): FramePla
     workgroupBytes,
     hasNarrowSubgroups,
     visibleCapacity: visibleCapacity(
-      clouds,
-      last && isOfSameClouds(last, clouds) ? last.shape.visibleCapacity : 0,
+      needs.visibleSplats,
+      clouds.reduce((sum, { instance }) => sum + instance.cloud.count, 0),
+      isSameScene ? last.shape.visibleCapacity : 0,
+      recent.visibleSplats,
     ),
-    keyBits: Math.min(depthBits, accuracy.sortKeyBits),
-    shortensKeys: accuracy.sortKeyBits < depthBits,
+    // More bits than the depths need take a pass more and sort the same; other buffers and shaders take longer than that.
+    keyBits: Math.min(Math.max(needs.depthBits, recent.depthBits), accuracy.sortKeyBits),
+    shortensKeys: accuracy.sortKeyBits < needs.depthBits,
     depth,
     output,
     rasterizer,
@@ -81,6 +101,7 @@ export function planFrame(request: FrameRequest, options: PlanOptions): FramePla
     layer,
     projection,
     clouds,
+    needs,
   };
   return { ...plan, shape: last && isSameShape(last.shape, shape) ? last.shape : shape };
 }
@@ -126,9 +147,9 @@ function copied(camera: Camera): Camera {
   };
 }
 
-function isOfSameClouds({ shape }: FramePlan, clouds: readonly CloudPlan[]): boolean {
+/** Whether a frame shows these clouds, in this order. */
+export function showsClouds({ shape }: FramePlan, clouds: readonly CloudInstance[]): boolean {
   return (
-    clouds.length === shape.clouds.length &&
-    clouds.every(({ instance }, i) => instance.cloud === shape.clouds[i].cloud)
+    clouds.length === shape.clouds.length && clouds.every(({ cloud }, i) => cloud === shape.clouds[i].cloud)
   );
 }

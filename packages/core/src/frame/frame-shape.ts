@@ -74,11 +74,10 @@ export function keepsColors({ clouds }: FrameShape): boolean {
   return clouds.some((cloud) => cloud.keepsColors);
 }
 
-/** Whether frames of both shapes can use the same buffers, maybe with other shaders. */
+/** Whether frames of both shapes can be pre-processed with the same buffers, maybe by other shaders. */
 export function hasSameBuffers(a: FrameShape, b: FrameShape): boolean {
   if (a === b) return true;
   return (
-    a.keyBits === b.keyBits &&
     a.visibleCapacity === b.visibleCapacity &&
     a.accuracy.recordPrecision === b.accuracy.recordPrecision &&
     isSameList(a.clouds, b.clouds, isSameCloud)
@@ -90,6 +89,7 @@ export function isSameShape(a: FrameShape, b: FrameShape): boolean {
   if (a === b) return true;
   return (
     hasSameBuffers(a, b) &&
+    a.keyBits === b.keyBits &&
     a.isOrthographic === b.isOrthographic &&
     a.shortensKeys === b.shortensKeys &&
     a.accuracy === b.accuracy &&

@@ -1,3 +1,4 @@
+import { GpuLimitError } from '../errors.ts';
 import type { CompiledStage } from '../gpu/pipelines.ts';
 import type { GpuTimer } from '../timing/gpu-timer.ts';
 import { type FramePage, pagesOf } from './frame-pages.ts';
@@ -50,6 +51,12 @@ export const frameStages = perShape((shape): readonly CompiledStage[] =>
   PARTS.flatMap((part) => part.stages(shape)),
 );
 
+/** What the parts of a view need from it. */
+export interface FrameContext extends Omit<PartContext, 'shared'> {
+  /** Called some time after `fit`, if memory was lacking: frames drawn since then are void, and the parts have ended. */
+  readonly onLack: (lack: GpuLimitError) => void;
+}
+
 /** The parts of one view's frames, with their GPU memory. */
 export class FrameParts {
   readonly keptColors: KeptColors;
@@ -61,18 +68,21 @@ export class FrameParts {
   readonly composite: Composite;
   readonly compose: Compose;
   readonly shared = new SharedMemory();
-  readonly #context: PartContext;
+  readonly #context: FrameContext;
   readonly #ordering: readonly FramePart<OrderRecording>[];
   readonly #drawing: readonly FramePart<DrawRecording>[];
+  readonly #parts: readonly FramePart<never>[];
   #shape: FrameShape | null = null;
+  #isDestroyed = false;
 
-  constructor(context: Omit<PartContext, 'shared'>) {
+  constructor(context: FrameContext) {
     const { shared } = this;
-    const own = { ...context, shared };
+    const own = { ...context, memory: context.memory.part(), shared };
     this.#context = own;
     this.keptColors = new KeptColors(own);
     this.#ordering = ORDERING.map((Part) => new Part(own));
     this.#drawing = DRAWING.map((Part) => new Part(own));
+    this.#parts = [...this.#ordering, ...this.#drawing];
     this.preprocess = find(this.#ordering, Preprocess);
     this.sort = find(this.#ordering, Sort);
     this.tileLists = find(this.#ordering, TileLists);
@@ -80,6 +90,11 @@ export class FrameParts {
     this.quads = find(this.#drawing, Quads);
     this.composite = find(this.#drawing, Composite);
     this.compose = find(this.#drawing, Compose);
+  }
+
+  /** Whether the parts have ended, and others are to be made. */
+  get isDestroyed(): boolean {
+    return this.#isDestroyed;
   }
 
   /** Shape of the last frame that room was made for; null before the first. */
@@ -101,28 +116,23 @@ export class FrameParts {
    * Makes room for a frame, binds its stages and writes its uniforms.
    *
    * @returns whether buffers or textures were replaced.
-   * @throws GpuLimitError if something exceeds the device's limits; on failure nothing changes.
+   * @throws GpuLimitError if something exceeds the device's limits: nothing changes then. If a device throws because memory
+   *   is lacking, what was replaced is gone, and the parts have ended.
    */
   fit(plan: FramePlan): boolean {
     const { shape } = plan;
-    const parts = [...this.#ordering, ...this.#drawing];
     const changes: PartChange[] = [];
-    try {
-      for (const part of parts) {
-        const change = part.fit?.(plan);
-        if (change) changes.push(change);
-      }
-      this.#keepColors(plan);
-    } catch (error) {
-      for (const change of changes) change.discard();
-      throw error;
+    for (const part of this.#parts) {
+      const change = part.fit?.(plan);
+      if (change) changes.push(change);
     }
-    for (const change of changes) change.free?.();
-    for (const change of changes) change.commit();
-    if (changes.length > 0 || shape !== this.#shape) for (const part of parts) part.bind?.(shape);
+    this.#keepColors(plan);
+    const isReplaced = changes.length > 0;
+    if (isReplaced) this.#make(changes);
+    if (isReplaced || shape !== this.#shape) for (const part of this.#parts) part.bind?.(shape);
     this.#shape = shape;
-    for (const part of parts) part.write?.(plan);
-    return changes.length > 0;
+    for (const part of this.#parts) part.write?.(plan);
+    return isReplaced;
   }
 
   /** Records finding and sorting the visible splats. */
@@ -152,7 +162,33 @@ export class FrameParts {
   }
 
   destroy(): void {
-    for (const part of [this.keptColors, ...this.#ordering, ...this.#drawing]) part.destroy();
+    this.#isDestroyed = true;
+    this.#context.memory.destroyAll();
+  }
+
+  /** The old memory is freed before the new is made: both together would be the most that a view ever holds. */
+  #make(changes: readonly PartChange[]): void {
+    const { device } = this.#context;
+    device.pushErrorScope('out-of-memory');
+    try {
+      for (const change of changes) change.free();
+      for (const change of changes) change.make();
+    } catch (error) {
+      this.destroy();
+      throw error;
+    } finally {
+      void this.#checkMemory(device.popErrorScope());
+    }
+  }
+
+  /** Frames do not wait for the answer. If the device is lost, there is none. */
+  async #checkMemory(popped: Promise<GPUError | null>): Promise<void> {
+    const error = await popped.catch(() => null);
+    if (!error || this.#isDestroyed) return;
+    const { totalBytes } = this.#context.memory.report();
+    this.destroy();
+    const message = `The ${totalBytes} bytes of a frame do not fit into the GPU's memory; the next one starts from scratch. Load fewer splats, or draw a smaller image.`;
+    this.#context.onLack(new GpuLimitError('memory', totalBytes, 0, message));
   }
 
   /** Takes colours from the records of the last frame, before they are replaced or overwritten. */

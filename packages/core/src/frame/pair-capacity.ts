@@ -1,4 +1,5 @@
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
+import { LEAST_USE } from './recent-peak.ts';
 
 /**
  * Bytes per pair that the tiles hold: key and record after the sort, and a bit per tile of a bin, which take the place of key and
@@ -11,8 +12,6 @@ export const DEFAULT_TILE_BUDGET_BYTES = 2 ** 29;
 const HEADROOM = 1.35;
 /** More room is made before it is needed: when a frame leaves less than this much spare. */
 const LEAST_HEADROOM = 1.12;
-/** Room is given back when less than this share of it was needed. */
-const LEAST_USE = 0.4;
 /** Bins per splat that room is made for before the first frame, each up to a number of pairs: 2 MB, then 16 MB. */
 const FIRST_GUESSES = [
   { binsPerSplat: 4, mostPairs: 1 << 17 },
@@ -25,7 +24,7 @@ const STEP = 1 << 14;
  * Returns the number of pairs to make room for.
  *
  * @param current number of pairs that there is room for already; kept while it suits.
- * @param needed most pairs that a recent frame had; null before any is known.
+ * @param needed the largest of the recent frames' numbers of pairs; null before any is known.
  * @param visibleCapacity upper bound of the number of visible splats.
  * @param mostPairs number of pairs that budget and device allow.
  */

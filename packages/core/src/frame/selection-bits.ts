@@ -41,7 +41,9 @@ export class SelectionBits {
     const slices = slicesOf(clouds, pages);
     if (slices.length === this.#slices.length && slices.every((each, i) => isSame(each, this.#slices[i])))
       return;
-    this.destroy();
+    if (this.#buffer) this.#memory.destroy(this.#buffer);
+    this.#buffer = null;
+    this.#written.clear();
     this.#slices = slices;
     const bytes = Math.max(0, ...slices.map((slice) => (slice ? slice.byteOffset + slice.bytes : 0)));
     if (bytes === 0) return;
@@ -74,13 +76,6 @@ export class SelectionBits {
       }
       this.#written.set(cloudIndex, selection.version);
     }
-  }
-
-  destroy(): void {
-    if (this.#buffer) this.#memory.destroy(this.#buffer);
-    this.#buffer = null;
-    this.#slices = [];
-    this.#written.clear();
   }
 }
 

@@ -11,7 +11,8 @@ import { cullSplat } from '../reference/cull-splats.ts';
 import { anyCamera } from '../testing/any-view.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { TEST_MODELS } from '../testing/test-cameras.ts';
-import { visibleCapacity } from './visible-capacity.ts';
+import { RecentNeeds } from './recent-needs.ts';
+import { mostVisibleSplats, visibleCapacity } from './visible-capacity.ts';
 
 const ALPHA_CUTOFF = 1 / 255;
 const SIZE = { widthPx: 64, heightPx: 48 };
@@ -27,7 +28,7 @@ const cloudsOf = (camera: Camera, modelMatrix: ArrayLike<number> = identity4()) 
   return [{ instance: { cloud }, sides: frustumSides(view, projection, ALPHA_CUTOFF, DILATION_PX2) }];
 };
 
-describe('visibleCapacity', () => {
+describe('mostVisibleSplats', () => {
   test('suffices for all splats that are drawn', () => {
     fc.assert(
       fc.property(anyCamera, fc.constantFrom(...Object.values(TEST_MODELS)), (camera, modelMatrix) => {
@@ -38,33 +39,90 @@ describe('visibleCapacity', () => {
           const settings = { alphaCutoff: ALPHA_CUTOFF, dilationPx2: DILATION_PX2 };
           if (cullSplat(set, i, view, projection, settings)) drawn++;
         }
-        expect(visibleCapacity(cloudsOf(camera, modelMatrix), 0)).toBeGreaterThanOrEqual(drawn);
+        expect(mostVisibleSplats(cloudsOf(camera, modelMatrix))).toBeGreaterThanOrEqual(drawn);
       }),
       { numRuns: 5, seed: 1 },
     );
   });
 
-  test('is a whole number of chunks, less than all splats if few are in sight, and never more than all', () => {
-    const capacity = visibleCapacity(cloudsOf(CAMERA), 0);
-    expect(capacity).toBeLessThan(set.count / 2);
-    expect(capacity % 256).toBe(0);
+  test('is less than all splats if few are in sight, and never more than all', () => {
+    expect(mostVisibleSplats(cloudsOf(CAMERA))).toBeLessThan(set.count / 2);
     const away = perspectiveCamera({ position: [0, 0, 9], target: [0, 0, 0], fovYDegrees: 50, aspect: 1 });
-    expect(visibleCapacity(cloudsOf(away), 0)).toBe(set.count);
-  });
-
-  test('keeps the current room if it suffices, and grows if not', () => {
-    const needed = visibleCapacity(cloudsOf(CAMERA), 0);
-    expect(visibleCapacity(cloudsOf(CAMERA), needed)).toBe(needed);
-    expect(visibleCapacity(cloudsOf(CAMERA), needed + 5)).toBe(needed + 5);
-    expect(visibleCapacity(cloudsOf(CAMERA), 256)).toBe(needed);
-    expect(visibleCapacity(cloudsOf(CAMERA), set.count)).toBe(set.count);
+    expect(mostVisibleSplats(cloudsOf(away))).toBe(set.count);
   });
 
   test('is all splats for small scenes', () => {
     const small = packCloud(randomSplats({ count: 1000, shDegree: 0 }), { geometryPrecision: 'packed' });
     const [planned] = cloudsOf(CAMERA);
-    const clouds = [{ ...planned, instance: { cloud: small as unknown as SplatCloud } }];
-    expect(visibleCapacity(clouds, 0)).toBe(1000);
-    expect(visibleCapacity([], 0)).toBe(0);
+    expect(mostVisibleSplats([{ ...planned, instance: { cloud: small as unknown as SplatCloud } }])).toBe(
+      1000,
+    );
+    expect(mostVisibleSplats([])).toBe(0);
+  });
+});
+
+describe('visibleCapacity', () => {
+  const TOTAL = 1_000_000;
+
+  test('has spare room in whole chunks, and never more than for all splats', () => {
+    const capacity = visibleCapacity(100_000, TOTAL, 0, 0);
+    expect(capacity).toBeGreaterThan(110_000);
+    expect(capacity).toBeLessThan(140_000);
+    expect(capacity % 256).toBe(0);
+    expect(visibleCapacity(950_000, TOTAL, 0, 0)).toBe(TOTAL);
+    expect(visibleCapacity(0, 0, 0, 0)).toBe(0);
+  });
+
+  test('is kept while it suffices, and grows at once if it does not', () => {
+    expect(visibleCapacity(100_000, TOTAL, 100_000, 100_000)).toBe(100_000);
+    expect(visibleCapacity(60_000, TOTAL, 100_000, 60_000)).toBe(100_000);
+    expect(visibleCapacity(100_001, TOTAL, 100_000, 90_000)).toBeGreaterThan(120_000);
+    expect(visibleCapacity(TOTAL, TOTAL, TOTAL, TOTAL)).toBe(TOTAL);
+  });
+
+  test('shrinks only after no recent frame needed much of it', () => {
+    expect(visibleCapacity(10_000, TOTAL, 100_000, 90_000)).toBe(100_000);
+    expect(visibleCapacity(10_000, TOTAL, 100_000, 10_000)).toBeLessThan(15_000);
+    expect(visibleCapacity(10_000, TOTAL, 100_000, 30_000)).toBeGreaterThan(30_000);
+  });
+
+  test('suffices, and settles: with the same needs, the next frame changes nothing', () => {
+    const splats = fc.nat(TOTAL);
+    fc.assert(
+      fc.property(splats, splats, splats, (needed, current, peak) => {
+        const recent = Math.max(peak, needed);
+        const capacity = visibleCapacity(needed, TOTAL, current, recent);
+        expect(capacity).toBeGreaterThanOrEqual(needed);
+        expect(capacity).toBeLessThanOrEqual(TOTAL);
+        expect(visibleCapacity(needed, TOTAL, capacity, recent)).toBe(capacity);
+      }),
+    );
+  });
+
+  /** Changes of the capacity in each of six rounds, from near the edge of the cloud, looking out, to where most of it is in sight. */
+  function changesByRound(roundMs: number): number[] {
+    const framesPerRound = 200;
+    const recent = new RecentNeeds();
+    const changes = [0, 0, 0, 0, 0, 0];
+    let capacity = 0;
+    for (let frame = 0; frame < changes.length * framesPerRound; frame++) {
+      const angle = (2 * Math.PI * frame) / framesPerRound;
+      const position = [0.3 * Math.sin(angle), 0, -0.3 - 0.5 * Math.cos(angle)] as const;
+      const camera = perspectiveCamera({ position, target: [0, 0, 2], fovYDegrees: 50, aspect: 1.3 });
+      const needed = mostVisibleSplats(cloudsOf(camera));
+      const next = visibleCapacity(needed, set.count, capacity, recent.value.visibleSplats);
+      if (next !== capacity) changes[Math.floor(frame / framesPerRound)]++;
+      capacity = next;
+      recent.take({ visibleSplats: needed, depthBits: 24 }, (frame * roundMs) / framesPerRound);
+    }
+    return changes;
+  }
+
+  test('changes a few times in the first round of an orbit, and never after that, however slow it is', () => {
+    for (const roundMs of [5000, 17_000, 60_000, 120_000]) {
+      const [first, ...later] = changesByRound(roundMs);
+      expect(first, `rounds of ${roundMs} ms`).toBeLessThan(8);
+      expect(later, `rounds of ${roundMs} ms`).toEqual([0, 0, 0, 0, 0]);
+    }
   });
 });

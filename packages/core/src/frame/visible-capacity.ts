@@ -2,6 +2,7 @@ import type { FrustumSide } from '../camera/frustum.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { Chunk } from '../layout/structs.ts';
 import type { CloudPlan } from './cloud-plan.ts';
+import { LEAST_USE } from './recent-peak.ts';
 
 /** Up to this count, room for all splats (about 15 MB) is cheaper than finding out how many are visible. */
 const ALWAYS_ROOM_FOR = 1 << 18;
@@ -15,15 +16,24 @@ type SidedCloud = Pick<CloudPlan, 'instance' | 'sides'>;
 /**
  * Returns a number of splats that is never less than the visible ones of a frame of `clouds`. The CPU tests the chunks as
  * the GPU will, so nothing has to be read back, and no image ever lacks splats for lack of room.
- *
- * @param current number of splats that there is room for already; kept if it suffices.
  */
-export function visibleCapacity(clouds: readonly SidedCloud[], current: number): number {
+export function mostVisibleSplats(clouds: readonly SidedCloud[]): number {
   const total = clouds.reduce((sum, { instance }) => sum + instance.cloud.count, 0);
-  if (total <= ALWAYS_ROOM_FOR || current >= total) return Math.max(total, current);
-  const needed = Math.min(total, CHUNK_SPLATS * countVisibleChunks(clouds));
-  if (needed <= current) return current;
-  return Math.min(total, Math.ceil((needed * HEADROOM) / CHUNK_SPLATS) * CHUNK_SPLATS);
+  return total <= ALWAYS_ROOM_FOR ? total : Math.min(total, CHUNK_SPLATS * countVisibleChunks(clouds));
+}
+
+/**
+ * Returns the number of visible splats to make room for: at least `needed`.
+ *
+ * @param needed `mostVisibleSplats` of the frame.
+ * @param total number of splats of the frame's clouds.
+ * @param current number of splats that there is room for already; kept while it suits.
+ * @param recent the largest need of recent frames of the same clouds.
+ */
+export function visibleCapacity(needed: number, total: number, current: number, recent: number): number {
+  const peak = Math.max(needed, recent);
+  if (needed <= current && peak >= LEAST_USE * current) return current;
+  return Math.min(total, Math.ceil((peak * HEADROOM) / CHUNK_SPLATS) * CHUNK_SPLATS);
 }
 
 function countVisibleChunks(clouds: readonly SidedCloud[]): number {

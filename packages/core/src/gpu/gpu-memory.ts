@@ -1,9 +1,9 @@
 import { GpuLimitError } from '../errors.ts';
 
-/** GPU memory that the engine holds. */
+/** Buffers and textures of an engine, or of one of its views. */
 export interface GpuMemoryReport {
   readonly totalBytes: number;
-  /** Largest `totalBytes` since the engine was created. */
+  /** Largest `totalBytes` so far. */
   readonly peakBytes: number;
   /** Buffers and textures, largest first. */
   readonly resources: readonly { readonly label: string; readonly bytes: number }[];
@@ -19,27 +19,34 @@ const BYTES_PER_PIXEL: Partial<Record<GPUTextureFormat, number>> = {
 /** The only place that creates buffers and textures, so that every byte is labelled and counted. */
 export class GpuMemory {
   readonly device: GPUDevice;
+  readonly #whole: GpuMemory | null;
   readonly #bytes = new Map<GPUBuffer | GPUTexture, number>();
   #totalBytes = 0;
   #peakBytes = 0;
 
-  constructor(device: GPUDevice) {
+  /** @param whole the memory that this is a part of: see `part`. */
+  constructor(device: GPUDevice, whole: GpuMemory | null = null) {
     this.device = device;
+    this.#whole = whole;
+  }
+
+  /** Returns memory that is counted by itself and here. */
+  part(): GpuMemory {
+    return new GpuMemory(this.device, this);
   }
 
   /** @throws GpuLimitError, before anything is allocated, if the buffer would exceed the device's limits. */
   createBuffer(label: string, bytes: number, usage: GPUBufferUsageFlags): GPUBuffer {
-    // WebGPU cannot bind empty buffers, and copies whole words.
-    const size = Math.max(4, Math.ceil(bytes / 4) * 4);
-    this.#check(label, size, usage);
+    const size = sizeOf(bytes);
+    this.check(label, size, usage);
     return this.#counted(this.device.createBuffer({ label, size, usage }), size);
   }
 
   /** Creates a storage buffer with the contents `words`. */
   createFilledBuffer(label: string, words: Uint32Array): GPUBuffer {
     const usage = GPUBufferUsage.STORAGE;
-    const size = Math.max(4, words.byteLength);
-    this.#check(label, size, usage);
+    const size = sizeOf(words.byteLength);
+    this.check(label, size, usage);
     // Mapped at creation: the data goes straight to the driver's staging memory, without a second copy here.
     const buffer = this.device.createBuffer({ label, size, usage, mappedAtCreation: true });
     new Uint32Array(buffer.getMappedRange()).set(words);
@@ -75,8 +82,7 @@ export class GpuMemory {
   }
 
   destroy(resource: GPUBuffer | GPUTexture): void {
-    this.#totalBytes -= this.#bytes.get(resource) ?? 0;
-    this.#bytes.delete(resource);
+    this.#forget(resource);
     resource.destroy();
   }
 
@@ -90,14 +96,8 @@ export class GpuMemory {
     return { totalBytes: this.#totalBytes, peakBytes: this.#peakBytes, resources };
   }
 
-  #counted<Resource extends GPUBuffer | GPUTexture>(resource: Resource, bytes: number): Resource {
-    this.#bytes.set(resource, bytes);
-    this.#totalBytes += bytes;
-    this.#peakBytes = Math.max(this.#peakBytes, this.#totalBytes);
-    return resource;
-  }
-
-  #check(label: string, bytes: number, usage: GPUBufferUsageFlags): void {
+  /** @throws GpuLimitError if such a buffer would exceed the device's limits. */
+  check(label: string, bytes: number, usage: GPUBufferUsageFlags): void {
     const { maxBufferSize, maxStorageBufferBindingSize } = this.device.limits;
     const isStorage = (usage & GPUBufferUsage.STORAGE) !== 0;
     const limit =
@@ -114,4 +114,23 @@ export class GpuMemory {
         'Load fewer splats, or let the engine make its own device, with the adapter’s full limits.',
     );
   }
+
+  #counted<Resource extends GPUBuffer | GPUTexture>(resource: Resource, bytes: number): Resource {
+    this.#bytes.set(resource, bytes);
+    this.#totalBytes += bytes;
+    this.#peakBytes = Math.max(this.#peakBytes, this.#totalBytes);
+    if (this.#whole) this.#whole.#counted(resource, bytes);
+    return resource;
+  }
+
+  #forget(resource: GPUBuffer | GPUTexture): void {
+    this.#totalBytes -= this.#bytes.get(resource) ?? 0;
+    this.#bytes.delete(resource);
+    if (this.#whole) this.#whole.#forget(resource);
+  }
+}
+
+/** WebGPU cannot bind empty buffers, and copies whole words. */
+function sizeOf(bytes: number): number {
+  return Math.max(4, Math.ceil(bytes / 4) * 4);
 }

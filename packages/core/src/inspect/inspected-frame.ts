@@ -118,6 +118,7 @@ export class InspectedFrame {
         omitted: [],
         faster: 'quads',
         last: null,
+        recent: { visibleSplats: 0, depthBits: 0 },
       },
     );
     const plan = {
@@ -131,7 +132,15 @@ export class InspectedFrame {
     };
     const { projection } = plan;
     await pipelines.prepare(frameStages(plan.shape));
-    const parts = new FrameParts({ device, pipelines, memory, tileBudgetBytes: DEFAULT_TILE_BUDGET_BYTES });
+    const parts = new FrameParts({
+      device,
+      pipelines,
+      memory,
+      tileBudgetBytes: DEFAULT_TILE_BUDGET_BYTES,
+      onLack: (lack) => {
+        throw lack;
+      },
+    });
     parts.fit(plan);
     const timer = new GpuTimer(device, memory);
     const encoder = device.createCommandEncoder();

@@ -32,7 +32,6 @@ interface ScanLevel {
 export class PrefixScan {
   readonly #pipelines: Pipelines;
   readonly #memory: GpuMemory;
-  readonly #buffers: GPUBuffer[] = [];
   readonly #levels: ScanLevel[] = [];
   readonly #dispatchRow: number;
 
@@ -81,10 +80,6 @@ export class PrefixScan {
     for (let level = last - 1; level >= 0; level--) this.#dispatch(pass, scanBlocks, level);
   }
 
-  destroy(): void {
-    for (const buffer of this.#buffers) this.#memory.destroy(buffer);
-  }
-
   #dispatch(pass: GPUComputePassEncoder, stage: StageDefinition, level: number): void {
     const { blockCount, bindGroup } = this.#levels[level];
     pass.setPipeline(this.#pipelines.compute(stage)!);
@@ -93,8 +88,6 @@ export class PrefixScan {
   }
 
   #buffer(label: string, bytes: number, usage: GPUBufferUsageFlags): GPUBuffer {
-    const buffer = this.#memory.createBuffer(label, bytes, usage | GPUBufferUsage.COPY_DST);
-    this.#buffers.push(buffer);
-    return buffer;
+    return this.#memory.createBuffer(label, bytes, usage | GPUBufferUsage.COPY_DST);
   }
 }

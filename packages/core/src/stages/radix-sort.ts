@@ -210,11 +210,6 @@ export class RadixSort {
     }
   }
 
-  /** Bytes of the sort's buffers. */
-  get bytes(): number {
-    return this.#buffers.reduce((sum, buffer) => sum + this.#memory.bytesOf(buffer), 0);
-  }
-
   destroy(): void {
     for (const buffer of this.#buffers) this.#memory.destroy(buffer);
   }

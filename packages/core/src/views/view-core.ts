@@ -1,15 +1,16 @@
 import type { AccuracySettings } from '../accuracy/accuracy.ts';
-import { DestroyedError, InvalidArgumentError } from '../errors.ts';
+import { DestroyedError, type GpuLimitError, InvalidArgumentError } from '../errors.ts';
 import { effectsOf } from '../frame/cloud-plan.ts';
 import { FrameParts, frameStages } from '../frame/frame.ts';
 import type { Destination, QuadsSample } from '../frame/frame-part.ts';
-import { type FramePlan, planFrame, withKeptColors } from '../frame/frame-plan.ts';
+import { type FramePlan, planFrame, showsClouds, withKeptColors } from '../frame/frame-plan.ts';
 import { checkRequest, type FrameRequest } from '../frame/frame-request.ts';
 import type { FrameOutput, FrameShape, OmittableEffect } from '../frame/frame-shape.ts';
 import { canKeepColors } from '../frame/parts/kept-colors.ts';
 import { isSameColors, isSameOrder } from '../frame/plan-difference.ts';
+import { RecentNeeds } from '../frame/recent-needs.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
-import type { GpuMemory } from '../gpu/gpu-memory.ts';
+import type { GpuMemory, GpuMemoryReport } from '../gpu/gpu-memory.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
 import { type EffectEntry, effectsLedger } from '../ledger/ledger.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
@@ -29,6 +30,7 @@ import { type AccuracyContext, ViewAccuracy } from './view-accuracy.ts';
 export interface ViewContext extends AccuracyContext {
   readonly device: GPUDevice;
   readonly pipelines: Pipelines;
+  /** Counts what the view holds, by itself and in the engine's. */
   readonly memory: GpuMemory;
   readonly counting: Counting;
   readonly dispatchRow: number;
@@ -74,13 +76,17 @@ export abstract class ViewCore {
    */
   onAccuracyChosen: ((choice: AccuracyChoice) => void) | null = null;
   protected readonly context: ViewContext;
-  protected readonly parts: FrameParts;
+  protected parts: FrameParts;
   protected readonly timer: GpuTimer;
   readonly #output: FrameOutput;
   readonly #accuracy: ViewAccuracy;
   readonly #onDestroyed: () => void;
   /** The faster rasteriser, for the setting `auto`. */
   readonly #choice: RasterizerChoice;
+  /** What the buffers and shaders of the next frame should suit, besides that frame. */
+  #needs = new RecentNeeds();
+  /** Why the last frame is void, until a caller has been told. */
+  #lack: GpuLimitError | null = null;
   #omittedEffects: readonly OmittableEffect[] = [];
   #prepared: FramePlan | null = null;
   /** Whether the frame being drawn has the visible splats of the last one, in the same order. */
@@ -100,7 +106,7 @@ export abstract class ViewCore {
     this.context = context;
     this.#output = output;
     this.#onDestroyed = onDestroyed;
-    this.parts = new FrameParts(context);
+    this.parts = this.#newParts();
     this.timer = new GpuTimer(context.device, context.memory);
     this.#choice = new RasterizerChoice({
       hasTimestamps: context.device.features.has('timestamp-query'),
@@ -209,6 +215,11 @@ export abstract class ViewCore {
     return this.#drawnAs;
   }
 
+  /** @internal GPU memory of the view. */
+  get memory(): GpuMemoryReport {
+    return this.context.memory.report();
+  }
+
   /** @internal Shape of the last frame; null before the first. */
   get shape(): FrameShape | null {
     return this.parts.shape;
@@ -247,9 +258,13 @@ export abstract class ViewCore {
    * Checks a request.
    *
    * @returns whether it has pixels.
-   * @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a destroyed cloud.
+   * @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a destroyed cloud,
+   *   GpuLimitError, once, if the last frame found no memory.
    */
   protected check(request: FrameRequest): boolean {
+    const lack = this.#lack;
+    this.#lack = null;
+    if (lack) throw lack;
     checkRequest(request, this.context.device);
     // Before anything is planned: another size may need other shaders.
     checkSize(this.context.device, request.widthPx, request.heightPx);
@@ -312,7 +327,8 @@ export abstract class ViewCore {
   /**
    * Makes room for a frame and writes its uniforms. Call before recording.
    *
-   * @throws InvalidArgumentError, GpuLimitError; on failure the last frame stays.
+   * @throws GpuLimitError if the device's limits do not allow the frame: the last one stays. Also if memory is lacking: the
+   *   last frame is gone then, and the next one starts from scratch.
    */
   protected makeRoom(plan: FramePlan): void {
     const last = this.#prepared;
@@ -322,9 +338,30 @@ export abstract class ViewCore {
       // The other rasteriser has not filled its buffers.
       last.shape.rasterizer === plan.shape.rasterizer &&
       isSameOrder(last, plan);
-    const isReplaced = this.parts.fit(plan);
+    let isReplaced: boolean;
+    try {
+      isReplaced = this.parts.fit(plan);
+    } catch (error) {
+      if (this.parts.isDestroyed) this.#startOver(null);
+      throw error;
+    }
+    if (last && !showsClouds(last, plan.request.clouds)) this.#needs = new RecentNeeds();
+    this.#needs.take(plan.needs, performance.now());
     this.#isColorsOnly = isOrderKept && !isReplaced;
     this.#prepared = plan;
+  }
+
+  #newParts(): FrameParts {
+    return new FrameParts({ ...this.context, onLack: (lack) => this.#startOver(lack) });
+  }
+
+  /** Forgets the last frame, whose memory is gone. */
+  #startOver(lack: GpuLimitError | null): void {
+    this.#lack = lack;
+    this.parts = this.#newParts();
+    this.#prepared = null;
+    this.#needs = new RecentNeeds();
+    this.#expected.clear();
   }
 
   protected recordOrder(encoder: GPUCommandEncoder): void {
@@ -349,7 +386,7 @@ export abstract class ViewCore {
   protected async measure(): Promise<void> {
     const totalSplats = this.shape?.clouds.reduce((sum, { cloud }) => sum + cloud.count, 0) ?? 0;
     const statistics = await this.timer.read(++this.#frameNumber, totalSplats);
-    if (!statistics || this.#isDestroyed) return;
+    if (!statistics || this.#isDestroyed || !this.#prepared) return;
     this.#learn(statistics);
     this.#statistics = statistics;
     this.onStatistics?.(statistics);
@@ -359,7 +396,7 @@ export abstract class ViewCore {
   #learn({ tilePairs, rasterizer, quadsSampleMs, visibleSplats, timing }: FrameStatistics): void {
     const { tileLists } = this.parts;
     const { shape } = this;
-    if (tilePairs !== null) tileLists.expect(tilePairs);
+    if (tilePairs !== null) tileLists.expect(tilePairs, performance.now());
     if (shape?.accuracy.rasterizer !== 'auto') return;
     const pixels = this.#prepared!.layer.widthPx * this.#prepared!.layer.heightPx;
     const reason = tilePairs === null ? null : tileLists.whyTooMany(tilePairs);
@@ -414,6 +451,7 @@ export abstract class ViewCore {
       output: this.#output,
       omitted: this.#omittedEffects,
       last: this.#prepared,
+      recent: this.#needs.value,
     });
   }
 

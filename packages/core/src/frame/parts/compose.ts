@@ -11,6 +11,7 @@ import {
 } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
+import { HostGroup } from '../host-group.ts';
 import { depthView, isMultisampled, layerView } from '../host-views.ts';
 
 /** The splats blended over the host's image, at the viewport's size. Valid until the view draws again. */
@@ -39,6 +40,7 @@ export class Compose implements FramePart<DrawRecording> {
   #viewportKey = '';
   #image: EmbeddedImage | null = null;
   #behindCopy: GPUTexture | null = null;
+  readonly #group = new HostGroup();
 
   constructor(context: PartContext) {
     this.#context = context;
@@ -57,15 +59,18 @@ export class Compose implements FramePart<DrawRecording> {
   fit({ shape }: FramePlan): PartChange | null {
     if (shape.output.kind !== 'host' || this.#viewport) return null;
     const { memory, shared } = this.#context;
-    const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
-    const viewport = memory.createBuffer('host viewport', HostViewport.bytes, usage);
     return {
-      commit: () => {
-        this.#viewport = viewport;
-        shared.viewport = viewport;
+      free: () => {},
+      make: () => {
+        const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
+        this.#viewport = memory.createBuffer('host viewport', HostViewport.bytes, usage);
+        shared.viewport = this.#viewport;
       },
-      discard: () => memory.destroy(viewport),
     };
+  }
+
+  bind(): void {
+    this.#group.clear();
   }
 
   record({ encoder, timer, shape, destination }: DrawRecording): void {
@@ -87,22 +92,19 @@ export class Compose implements FramePart<DrawRecording> {
     });
     const { color, depthLayer } = shared.image!;
     const { hostDepth } = shared;
-    const bindings = {
-      viewport: this.#viewport!,
-      layer: color.createView(),
-      behind: behind === host.color ? layerView(behind, host) : behind.createView(),
-      ...(depthLayer && { depthLayer: depthLayer.createView() }),
-      ...(hostDepth && { hostDepth }),
-      ...(isEdged && { hostDepths: depthView(host) }),
-    };
-    drawOverAll(pass, pipelines, stage, pipelines.bindGroup(stage[0], bindings));
+    // Whether the depth is read decides between both variants of the stage.
+    const group = this.#group.for([behind, host.layer, isEdged ? host.depth : null], () =>
+      pipelines.bindGroup(stage[0], {
+        viewport: this.#viewport!,
+        layer: color.createView(),
+        behind: behind === host.color ? layerView(behind, host) : behind.createView(),
+        ...(depthLayer && { depthLayer: depthLayer.createView() }),
+        ...(hostDepth && { hostDepth }),
+        ...(isEdged && { hostDepths: depthView(host) }),
+      }),
+    );
+    drawOverAll(pass, pipelines, stage, group);
     pass.end();
-  }
-
-  destroy(): void {
-    const { memory } = this.#context;
-    if (this.#viewport) memory.destroy(this.#viewport);
-    this.#free(this.#image?.color, this.#image?.depth, this.#behindCopy);
   }
 
   #imageFor({ depth }: FrameShape): EmbeddedImage {

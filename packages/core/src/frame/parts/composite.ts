@@ -42,13 +42,12 @@ export class Composite implements FramePart<DrawRecording> {
   fit({ shape }: FramePlan): PartChange | null {
     if (shape.output.kind !== 'canvas' || this.#parameters) return null;
     const { memory } = this.#context;
-    const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
-    const parameters = memory.createBuffer('composite parameters', CompositeParameters.bytes, usage);
     return {
-      commit: () => {
-        this.#parameters = parameters;
+      free: () => {},
+      make: () => {
+        const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
+        this.#parameters = memory.createBuffer('composite parameters', CompositeParameters.bytes, usage);
       },
-      discard: () => memory.destroy(parameters),
     };
   }
 
@@ -95,9 +94,5 @@ export class Composite implements FramePart<DrawRecording> {
     });
     drawOverAll(pass, pipelines, stage.render, this.#group!);
     pass.end();
-  }
-
-  destroy(): void {
-    if (this.#parameters) this.#context.memory.destroy(this.#parameters);
   }
 }

@@ -182,10 +182,6 @@ export class KeptColors {
     pass.end();
   }
 
-  destroy(): void {
-    this.#freeFrom(0);
-  }
-
   /** Returns the colours of one page, in a new buffer if the page has none of that size. */
   #pageFor(pageIndex: number, { splatCount }: FramePage, { recordPrecision }: AccuracySettings): KeptPage {
     const bytes = (recordPrecision === 'f32' ? 16 : 8) * (splatCount + 1);

@@ -1,4 +1,5 @@
 import { maxColor } from '../../accuracy/accuracy.ts';
+import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { CompiledStage, StageDefinition } from '../../gpu/pipelines.ts';
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../../layout/constants.ts';
 import { CullParameters, Page, PagePlan, SPLAT_RECORDS, View } from '../../layout/structs.ts';
@@ -119,6 +120,8 @@ const stagesOf = perShape((shape): readonly CompiledStage[] => [
 /** Finds the visible splats, lists them in storage order, and writes each one's record and sort key. */
 export class Preprocess implements FramePart<OrderRecording> {
   readonly #context: PartContext;
+  /** Memory of `#held`. */
+  readonly #memory: GpuMemory;
   readonly #effects: EffectBuffers;
   #held: Held | null = null;
   #pageContents = new ArrayBuffer(0);
@@ -126,6 +129,7 @@ export class Preprocess implements FramePart<OrderRecording> {
 
   constructor(context: PartContext) {
     this.#context = context;
+    this.#memory = context.memory.part();
     this.#effects = new EffectBuffers(context.memory, context.device.queue);
   }
 
@@ -145,15 +149,17 @@ export class Preprocess implements FramePart<OrderRecording> {
 
   fit({ shape }: FramePlan): PartChange | null {
     if (this.#held && hasSameBuffers(this.#held.shape, shape)) return null;
-    const held = this.#make(shape);
+    const { shared } = this.#context;
+    const pages = pagesOf(shape);
+    // The largest buffer of a frame, besides the pairs', whose number is limited.
+    const [bytes, usage] = bufferTable(shape, pages.length, totalChunks(pages)).records;
+    this.#memory.check('frame records', bytes, usage);
     return {
-      commit: () => {
-        this.#free(this.#held);
-        this.#held = held;
-        const { buffers } = this.#context.shared;
-        for (const name of SHARED) buffers[name] = held.buffers[name];
+      free: () => this.#memory.destroyAll(),
+      make: () => {
+        this.#held = this.#make(shape, pages);
+        for (const name of SHARED) shared.buffers[name] = this.#held.buffers[name];
       },
-      discard: () => this.#free(held),
     };
   }
 
@@ -215,11 +221,6 @@ export class Preprocess implements FramePart<OrderRecording> {
     pass.end();
   }
 
-  destroy(): void {
-    this.#effects.destroy();
-    this.#free(this.#held);
-  }
-
   /** Lists the visible splats in storage order. */
   #recordCulling(pass: GPUComputePassEncoder, shape: FrameShape, pages: readonly FramePage[]): void {
     const { pipelines } = this.#context;
@@ -265,41 +266,24 @@ export class Preprocess implements FramePart<OrderRecording> {
     return stage;
   }
 
-  #make(shape: FrameShape): Held {
-    const { device, pipelines, memory } = this.#context;
-    const pages = pagesOf(shape);
+  #make(shape: FrameShape, pages: readonly FramePage[]): Held {
+    const { device, pipelines } = this.#context;
+    const memory = this.#memory;
     const chunkCount = totalChunks(pages);
-    const made: { destroy(): void }[] = [];
     const buffers = {} as Record<BufferName, GPUBuffer>;
     const scan = (values: GPUBuffer, inputCount: GPUBuffer) => {
       const { label } = values;
       const options = { label, values, inputCount, maxCount: chunkCount, dispatchRow: shape.dispatchRow };
-      const prefixScan = new PrefixScan(device, pipelines, memory, options);
-      made.push(prefixScan);
-      return prefixScan;
+      return new PrefixScan(device, pipelines, memory, options);
     };
-    try {
-      for (const [name, [bytes, usage]] of Object.entries(bufferTable(shape, pages.length, chunkCount))) {
-        const flags = usage | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;
-        const buffer = memory.createBuffer(`frame ${name}`, bytes, flags);
-        made.push({ destroy: () => memory.destroy(buffer) });
-        buffers[name as BufferName] = buffer;
-      }
-      const chunkScan = scan(buffers.chunkOffsets, buffers.chunkCount);
-      const splatScan = scan(buffers.splatOffsets, buffers.slotCount);
-      writeConstants(device.queue, buffers, shape, pages);
-      return { buffers, chunkScan, splatScan, shape };
-    } catch (error) {
-      for (const each of made) each.destroy();
-      throw error;
+    for (const [name, [bytes, usage]] of Object.entries(bufferTable(shape, pages.length, chunkCount))) {
+      const flags = usage | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;
+      buffers[name as BufferName] = memory.createBuffer(`frame ${name}`, bytes, flags);
     }
-  }
-
-  #free(held: Held | null): void {
-    if (!held) return;
-    held.chunkScan.destroy();
-    held.splatScan.destroy();
-    for (const buffer of Object.values(held.buffers)) this.#context.memory.destroy(buffer);
+    const chunkScan = scan(buffers.chunkOffsets, buffers.chunkCount);
+    const splatScan = scan(buffers.splatOffsets, buffers.slotCount);
+    writeConstants(device.queue, buffers, shape, pages);
+    return { buffers, chunkScan, splatScan, shape };
   }
 }
 

@@ -44,19 +44,17 @@ export class Quads implements FramePart<DrawRecording> {
     const keepsDepth = (this.#hostDepth !== null) === (shape.depth !== null);
     if (keepsLayer && keepsDepth) return null;
     return {
-      // The frame's size was checked before, so nothing here can fail.
+      // The frame's size was checked before.
       free: () => {
-        if (keepsLayer) return;
-        freeLayer(memory, this.#layer);
-        this.#layer = null;
+        if (!keepsLayer) freeLayer(memory, this.#layer);
+        if (!keepsDepth && this.#hostDepth) memory.destroy(this.#hostDepth);
       },
-      commit: () => {
+      make: () => {
         if (!keepsLayer) {
           const label = isScaled(shape) ? 'small splat layer' : 'splat layer';
           this.#layer = createLayer(memory, label, layer, colorTarget, depthFormat, usage);
         }
         if (!keepsDepth) {
-          if (this.#hostDepth) memory.destroy(this.#hostDepth);
           const flags = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
           this.#hostDepth = shape.depth && memory.createBuffer('frame hostDepth', HostDepth.bytes, flags);
         }
@@ -64,7 +62,6 @@ export class Quads implements FramePart<DrawRecording> {
         shared.blended = this.#layer;
         shared.hostDepth = this.#hostDepth;
       },
-      discard: () => {},
     };
   }
 
@@ -133,11 +130,5 @@ export class Quads implements FramePart<DrawRecording> {
     pass.setPipeline(pipelines.render(...stageOf(shape))!);
     pass.setBindGroup(0, this.#group);
     return pass;
-  }
-
-  destroy(): void {
-    const { memory } = this.#context;
-    freeLayer(memory, this.#layer);
-    if (this.#hostDepth) memory.destroy(this.#hostDepth);
   }
 }

@@ -3,6 +3,7 @@ import { TESTED_DEPTH_FORMAT } from '../../stages/rasterize.ts';
 import { resolveDepth, resolveDepthState } from '../../stages/resolve-depth.ts';
 import { type DrawRecording, drawOverAll, type FramePart, type PartContext } from '../frame-part.ts';
 import { type FrameShape, isScaled, perShape } from '../frame-shape.ts';
+import { HostGroup } from '../host-group.ts';
 import { depthView, isMultisampled } from '../host-views.ts';
 
 /** Two variants: whether the host's depth has several samples is known only when the frame is drawn. Null without depth. */
@@ -20,6 +21,7 @@ const stagesOf = perShape((shape): readonly CompiledStage[] => Object.values(sta
 export class ResolveDepth implements FramePart<DrawRecording> {
   readonly #context: PartContext;
   #depth: GPUTexture | null = null;
+  readonly #group = new HostGroup();
 
   constructor(context: PartContext) {
     this.#context = context;
@@ -34,10 +36,14 @@ export class ResolveDepth implements FramePart<DrawRecording> {
     return this.#context.memory.bytesOf(this.#depth);
   }
 
+  bind(): void {
+    this.#group.clear();
+  }
+
   record({ encoder, timer, shape, destination }: DrawRecording): void {
     const stages = stageOf(shape);
     if (!stages || destination.kind !== 'host') {
-      this.destroy();
+      this.#leave();
       return;
     }
     const { pipelines, shared } = this.#context;
@@ -55,12 +61,15 @@ export class ResolveDepth implements FramePart<DrawRecording> {
       },
       timestampWrites: timer.writes('resolve-depth'),
     });
-    const bindings = { viewport: shared.viewport!, hostDepths: depthView(host) };
-    drawOverAll(pass, pipelines, stage, pipelines.bindGroup(stage[0], bindings));
+    // Both variants of the stage follow from the depth.
+    const group = this.#group.for([host.depth, host.layer], () =>
+      pipelines.bindGroup(stage[0], { viewport: shared.viewport!, hostDepths: depthView(host) }),
+    );
+    drawOverAll(pass, pipelines, stage, group);
     pass.end();
   }
 
-  destroy(): void {
+  #leave(): void {
     const { memory, shared } = this.#context;
     if (this.#depth) memory.destroy(this.#depth);
     this.#depth = null;
@@ -70,7 +79,7 @@ export class ResolveDepth implements FramePart<DrawRecording> {
   /** Made here and not in `fit`: until a frame is drawn, the host may show the last one. */
   #textureFor({ width, height }: GPUTexture): GPUTexture {
     if (this.#depth?.width === width && this.#depth.height === height) return this.#depth;
-    this.destroy();
+    this.#leave();
     const { memory, shared } = this.#context;
     this.#depth = memory.createTarget('depth of the host', TESTED_DEPTH_FORMAT, { width, height });
     shared.testedDepth = this.#depth;

@@ -1,3 +1,4 @@
+import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { RadixSort, radixSortStages } from '../../stages/radix-sort.ts';
 import type { FramePart, OrderRecording, PartChange, PartContext } from '../frame-part.ts';
@@ -18,10 +19,13 @@ interface Held {
 /** Sorts the visible splats, far first; holds their keys, their number and their order. */
 export class Sort implements FramePart<OrderRecording> {
   readonly #context: PartContext;
+  /** Memory of `#held`. */
+  readonly #memory: GpuMemory;
   #held: Held | null = null;
 
   constructor(context: PartContext) {
     this.#context = context;
+    this.#memory = context.memory.part();
   }
 
   static stages(shape: FrameShape): readonly CompiledStage[] {
@@ -35,15 +39,14 @@ export class Sort implements FramePart<OrderRecording> {
   fit({ shape }: FramePlan): PartChange | null {
     const { keyBits, visibleCapacity } = shape;
     if (this.#held?.keyBits === keyBits && this.#held.capacity === visibleCapacity) return null;
-    const held = this.#make(shape);
+    // No buffer is larger than that of the records, which pre-process checks.
     return {
-      commit: () => {
-        this.#free(this.#held);
-        this.#held = held;
-        const { sort, visibleCount } = held;
+      free: () => this.#memory.destroyAll(),
+      make: () => {
+        this.#held = this.#make(shape);
+        const { sort, visibleCount } = this.#held;
         Object.assign(this.#context.shared.buffers, { visibleCount, keys: sort.keys, order: sort.order });
       },
-      discard: () => this.#free(held),
     };
   }
 
@@ -54,33 +57,18 @@ export class Sort implements FramePart<OrderRecording> {
     pass.end();
   }
 
-  destroy(): void {
-    this.#free(this.#held);
-  }
-
   #make(frame: FrameShape): Held {
     const { keyBits, visibleCapacity, dispatchRow } = frame;
-    const { device, pipelines, memory } = this.#context;
+    const { device, pipelines } = this.#context;
+    const memory = this.#memory;
     const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;
     const visibleCount = memory.createBuffer('frame visibleCount', 4, usage);
-    try {
-      const options = {
-        shape: depthSortShape(frame),
-        capacity: visibleCapacity,
-        keyCount: visibleCount,
-        dispatchRow,
-      };
-      const sort = new RadixSort(device, pipelines, memory, options);
-      return { sort, visibleCount, keyBits, capacity: visibleCapacity };
-    } catch (error) {
-      memory.destroy(visibleCount);
-      throw error;
-    }
-  }
-
-  #free(held: Held | null): void {
-    if (!held) return;
-    held.sort.destroy();
-    this.#context.memory.destroy(held.visibleCount);
+    const sort = new RadixSort(device, pipelines, memory, {
+      shape: depthSortShape(frame),
+      capacity: visibleCapacity,
+      keyCount: visibleCount,
+      dispatchRow,
+    });
+    return { sort, visibleCount, keyBits, capacity: visibleCapacity };
   }
 }

@@ -1,3 +1,4 @@
+import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { binGrid } from '../../layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../../layout/constants.ts';
@@ -21,6 +22,7 @@ import {
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
 import { PAIR_BYTES, pairCapacity } from '../pair-capacity.ts';
+import { RecentPeak, ROOM_PERIOD_MS } from '../recent-peak.ts';
 import { pairSortShape } from '../sort-shapes.ts';
 
 const { BIN_TILES, MASK_GROUP, TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
@@ -45,8 +47,8 @@ const stagesOf = perShape((shape): readonly CompiledStage[] => {
   return [...Object.values(own), ...radixSortStages(sortShape, SORT_OPTIONS), tileRanges];
 });
 
-/** Room that this many frames have not needed is given back. */
-const RECENT_FRAMES = 120;
+/** Frames that quads draw in a row only to be compared before the room for tiles is given back. */
+const MAX_FRAMES_UNUSED = 120;
 
 /** tile-plan and tile-emit do part of the sort's work. */
 const SORT_OPTIONS = { plans: false, firstCounts: 'given' } as const;
@@ -58,7 +60,6 @@ function bufferTable(visibleCapacity: number, pairs: number, binCount: number) {
     grid: [TileGrid.bytes, UNIFORM],
     tilePlan: [TilePlan.bytes, STORAGE],
     sortPlan: [SortPlan.bytes, STORAGE],
-    pairOffsets: [4 * Math.max(1, visibleCapacity), STORAGE],
     blockPairs: [4 * Math.max(1, Math.ceil(visibleCapacity / TILE_COUNT_BLOCK)), STORAGE],
     binStarts: [4 * (binCount + 1), STORAGE],
     binOrder: [4 * binCount, STORAGE],
@@ -90,13 +91,18 @@ interface Groups {
  */
 export class TileLists implements FramePart<OrderRecording> {
   readonly #context: PartContext;
+  /** Memory of `#held`. */
+  readonly #memory: GpuMemory;
   #held: Held | null = null;
   #groups: Groups | null = null;
-  /** Most pairs of the frames of this and the last period. */
-  #needs = { before: 0, recent: 0, frames: 0 };
+  /** Numbers of pairs of recent frames. */
+  #pairs = new RecentPeak(ROOM_PERIOD_MS);
+  /** Frames in a row that quads drew. */
+  #framesUnused = 0;
 
   constructor(context: PartContext) {
     this.#context = context;
+    this.#memory = context.memory.part();
   }
 
   static stages(shape: FrameShape): readonly CompiledStage[] {
@@ -105,10 +111,7 @@ export class TileLists implements FramePart<OrderRecording> {
 
   /** Bytes of the part's buffers. */
   get bytes(): number {
-    if (!this.#held) return 0;
-    const { memory } = this.#context;
-    const own = Object.values(this.#held.buffers).reduce((sum, buffer) => sum + memory.bytesOf(buffer), 0);
-    return own + this.#held.sort.bytes;
+    return this.#memory.report().totalBytes;
   }
 
   /** Why this many pairs never fit; null if they do, if only in the next frame. */
@@ -119,37 +122,33 @@ export class TileLists implements FramePart<OrderRecording> {
     return `tiles would need ${needed} for their lists, and ${allowed} are allowed`;
   }
 
-  /** Takes the number of pairs of a recent frame, so that the next one has room. */
-  expect(neededPairs: number): void {
-    const { recent } = this.#needs;
-    const isOver = this.#needs.frames >= RECENT_FRAMES;
-    this.#needs = isOver
-      ? { before: recent, recent: neededPairs, frames: 0 }
-      : { ...this.#needs, recent: Math.max(recent, neededPairs), frames: this.#needs.frames + 1 };
+  /** Takes the number of pairs of a frame whose statistics arrived at `atMs`, so that the next one has room. */
+  expect(neededPairs: number, atMs: number): void {
+    this.#pairs.take(neededPairs, atMs);
   }
 
   fit({ shape }: FramePlan): PartChange | null {
     const { visibleCapacity, binCount } = shape;
     const held = this.#held;
     if (shape.rasterizer !== 'tiles') {
-      if (!held) return null;
-      return { commit: () => this.destroy(), discard: () => {} };
+      if (!held || this.#isCompared(shape, held)) return null;
+      return { free: () => this.#leave(), make: () => {} };
     }
+    this.#framesUnused = 0;
     const current = held?.pairCapacity ?? 0;
-    const needed = Math.max(this.#needs.before, this.#needs.recent);
-    const pairs = pairCapacity(current, needed || null, visibleCapacity, this.#mostPairs());
+    const pairs = pairCapacity(current, this.#pairs.value || null, visibleCapacity, this.#mostPairs());
     if (held?.visibleCapacity === visibleCapacity && held.binCount === binCount && pairs === current)
       return null;
-    const made = this.#make(shape, pairs);
+    // No buffer is larger than those of the pairs, whose number has been limited, or of the records.
     return {
-      commit: () => {
-        this.#free(held);
+      free: () => this.#memory.destroyAll(),
+      make: () => {
+        const made = this.#make(shape, pairs);
         this.#held = made;
         const { grid, tilePlan, binStarts, binOrder, tileMasks } = made.buffers;
         const shared = { tileGrid: grid, tilePlan, binStarts, binOrder, tileMasks };
         Object.assign(this.#context.shared.buffers, { ...shared, sortedRecords: made.sort.order });
       },
-      discard: () => this.#free(made),
     };
   }
 
@@ -161,6 +160,8 @@ export class TileLists implements FramePart<OrderRecording> {
     const all = {
       ...shared.buffers,
       ...buffers,
+      // The keys are of no use once they are sorted.
+      pairOffsets: shared.buffers.keys,
       pairBins: sort.input.keys,
       pairRecords: sort.input.payloads,
       digitCounts: sort.digitCounts,
@@ -212,11 +213,23 @@ export class TileLists implements FramePart<OrderRecording> {
     pass.end();
   }
 
-  destroy(): void {
-    this.#free(this.#held);
+  /** Frees the lists, because quads draw. */
+  #leave(): void {
+    this.#memory.destroyAll();
     this.#held = null;
     this.#groups = null;
-    this.#needs = { before: 0, recent: 0, frames: 0 };
+    this.#pairs = new RecentPeak(ROOM_PERIOD_MS);
+    this.#framesUnused = 0;
+  }
+
+  /** Whether quads draw a frame only to be compared, so that tiles may soon draw again. */
+  #isCompared({ accuracy, visibleCapacity }: FrameShape, held: Held): boolean {
+    this.#framesUnused++;
+    return (
+      accuracy.rasterizer === 'auto' &&
+      held.visibleCapacity === visibleCapacity &&
+      this.#framesUnused <= MAX_FRAMES_UNUSED
+    );
   }
 
   #mostPairs(): number {
@@ -228,41 +241,28 @@ export class TileLists implements FramePart<OrderRecording> {
   }
 
   #make(shape: FrameShape, pairs: number): Held {
-    const { device, pipelines, memory } = this.#context;
+    const { device, pipelines } = this.#context;
+    const memory = this.#memory;
     const { visibleCapacity, binCount, dispatchRow } = shape;
     // The sort's halves of the masks begin at multiples of 256 bytes.
     const room = roundUp(pairs, MASK_GROUP);
-    const made: GPUBuffer[] = [];
     const buffers = {} as Record<BufferName, GPUBuffer>;
-    try {
-      for (const [name, [bytes, usage]] of Object.entries(bufferTable(visibleCapacity, room, binCount))) {
-        const flags = usage | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;
-        const buffer = memory.createBuffer(`tiles ${name}`, bytes, flags);
-        made.push(buffer);
-        buffers[name as BufferName] = buffer;
-      }
-      const sort = new RadixSort(device, pipelines, memory, {
-        shape: pairSortShape(shape),
-        capacity: room,
-        dispatchRow,
-        payloads: 'given',
-        writesKeys: true,
-        firstCounts: SORT_OPTIONS.firstCounts,
-        plan: buffers.sortPlan,
-        // The masks are written after the sort.
-        spare: buffers.tileMasks,
-        label: 'tiles sort',
-      });
-      return { buffers, sort, visibleCapacity, pairCapacity: pairs, binCount };
-    } catch (error) {
-      for (const buffer of made) memory.destroy(buffer);
-      throw error;
+    for (const [name, [bytes, usage]] of Object.entries(bufferTable(visibleCapacity, room, binCount))) {
+      const flags = usage | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;
+      buffers[name as BufferName] = memory.createBuffer(`tiles ${name}`, bytes, flags);
     }
-  }
-
-  #free(held: Held | null): void {
-    if (!held) return;
-    held.sort.destroy();
-    for (const buffer of Object.values(held.buffers)) this.#context.memory.destroy(buffer);
+    const sort = new RadixSort(device, pipelines, memory, {
+      shape: pairSortShape(shape),
+      capacity: room,
+      dispatchRow,
+      payloads: 'given',
+      writesKeys: true,
+      firstCounts: SORT_OPTIONS.firstCounts,
+      plan: buffers.sortPlan,
+      // The masks are written after the sort.
+      spare: buffers.tileMasks,
+      label: 'tiles sort',
+    });
+    return { buffers, sort, visibleCapacity, pairCapacity: pairs, binCount };
   }
 }

@@ -4,6 +4,7 @@ import { dispatchSize } from '../../stages/dispatch.ts';
 import { tileRasterize } from '../../stages/tile-rasterize.ts';
 import { type DrawRecording, type FramePart, type PartContext, useCompute } from '../frame-part.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
+import { HostGroup } from '../host-group.ts';
 
 /** The stage that blends the tiles; null for shapes without tiles. */
 const stageOf = perShape(({ rasterizer, accuracy, depth, shortensKeys, hasNarrowSubgroups }) => {
@@ -26,9 +27,8 @@ const stagesOf = perShape((shape): readonly CompiledStage[] => {
 /** Blends the visible splats front to back, a workgroup per tile. */
 export class Tiles implements FramePart<DrawRecording> {
   readonly #context: PartContext;
-  #group: GPUBindGroup | null = null;
-  /** The tested depth that `#group` binds: hosts may replace their depth texture between two frames. */
-  #testedDepth: GPUTexture | null = null;
+  /** By the tested depth: hosts may replace their depth texture between two frames. */
+  readonly #group = new HostGroup();
 
   constructor(context: PartContext) {
     this.#context = context;
@@ -39,7 +39,7 @@ export class Tiles implements FramePart<DrawRecording> {
   }
 
   bind(): void {
-    this.#group = null;
+    this.#group.clear();
   }
 
   record({ encoder, timer, shape }: DrawRecording): void {
@@ -54,22 +54,19 @@ export class Tiles implements FramePart<DrawRecording> {
     pass.end();
   }
 
-  destroy(): void {}
-
   #bound(shape: FrameShape): GPUBindGroup {
     const { pipelines, shared } = this.#context;
     const testedDepth = shape.depth && shared.testedDepth;
-    if (this.#group && this.#testedDepth === testedDepth) return this.#group;
     const { color, depthLayer } = shared.blended!;
-    this.#testedDepth = testedDepth;
-    this.#group = pipelines.bindGroup(stageOf(shape)!, {
-      ...shared.buffers,
-      grid: shared.buffers.tileGrid,
-      layer: color.createView(),
-      ...(shape.depth && { hostDepth: shared.hostDepth! }),
-      ...(testedDepth && { testedDepth: testedDepth.createView() }),
-      ...(depthLayer && { depthLayer: depthLayer.createView() }),
-    });
-    return this.#group;
+    return this.#group.for([testedDepth], () =>
+      pipelines.bindGroup(stageOf(shape)!, {
+        ...shared.buffers,
+        grid: shared.buffers.tileGrid,
+        layer: color.createView(),
+        ...(shape.depth && { hostDepth: shared.hostDepth! }),
+        ...(testedDepth && { testedDepth: testedDepth.createView() }),
+        ...(depthLayer && { depthLayer: depthLayer.createView() }),
+      }),
+    );
   }
 }

@@ -42,7 +42,7 @@ export class Upscale implements FramePart<DrawRecording> {
     const depthFormat = shape.depth?.layerFormat ?? null;
     if (!isScaled(shape)) {
       if (!this.#image) return null;
-      return { free: () => this.destroy(), commit: () => {}, discard: () => {} };
+      return { free: () => this.#leave(), make: () => {} };
     }
     if (fitsLayer(this.#image, request, colorTarget, depthFormat)) return null;
     return {
@@ -50,13 +50,12 @@ export class Upscale implements FramePart<DrawRecording> {
         freeLayer(memory, this.#image);
         this.#image = null;
       },
-      commit: () => {
+      make: () => {
         this.#image = createLayer(memory, 'splat layer', request, colorTarget, depthFormat);
         shared.image = this.#image;
         const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
         this.#parameters ??= memory.createBuffer('upscale parameters', UpscaleParameters.bytes, usage);
       },
-      discard: () => {},
     };
   }
 
@@ -93,11 +92,13 @@ export class Upscale implements FramePart<DrawRecording> {
     pass.end();
   }
 
-  destroy(): void {
+  /** Frees everything, because splats are blended at the image's size. */
+  #leave(): void {
     const { memory } = this.#context;
     freeLayer(memory, this.#image);
     this.#image = null;
     if (this.#parameters) memory.destroy(this.#parameters);
     this.#parameters = null;
+    this.#group = null;
   }
 }

@@ -1,0 +1,135 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, afterEach, beforeAll, describe, expect, vi } from 'vitest';
+import { type Camera, perspectiveCamera } from '../camera/camera.ts';
+import { SplatEngine } from '../engine.ts';
+import { GpuLimitError, InvalidArgumentError } from '../errors.ts';
+import { randomSplats } from '../testing/random-splats.ts';
+import type { SplatView } from '../views/splat-view.ts';
+import type { FrameRequest } from './frame-request.ts';
+import { ROOM_PERIOD_MS } from './recent-peak.ts';
+
+const SIZE = { widthPx: 32, heightPx: 32 };
+/** More splats than there is always room for; small ones, so that most chunks are clearly in or out. */
+const MANY = randomSplats({ count: 270_000, shDegree: 0, logScales: [-9, -7] });
+const OVERVIEW = cameraAt([0, 0, 5]);
+/** Looks out of the cloud, at a small part of it. */
+const DETAIL = cameraAt([0, 0, -0.8]);
+
+function cameraAt(position: [number, number, number]): Camera {
+  return perspectiveCamera({ position, target: [0, 0, -1], fovYDegrees: 50, aspect: 1 });
+}
+
+/** The buffer that finds no memory, if any, and how the device reports that. */
+let lacking: { readonly label: string; readonly how: 'throws' | 'reports' } | null = null;
+let device: GPUDevice;
+beforeAll(async () => {
+  device = thatMayLackMemory(await createTestDevice());
+});
+afterEach(() => {
+  lacking = null;
+  vi.restoreAllMocks();
+});
+afterAll(() => device?.destroy());
+
+function thatMayLackMemory(whole: GPUDevice): GPUDevice {
+  let isLacking = false;
+  const createBuffer = (descriptor: GPUBufferDescriptor) => {
+    if (lacking && lacking.label === descriptor.label) {
+      if (lacking.how === 'throws') throw new RangeError('createBuffer failed');
+      isLacking = true;
+    }
+    return whole.createBuffer(descriptor);
+  };
+  const popErrorScope = async () => {
+    const wasLacking = isLacking;
+    isLacking = false;
+    const error = await whole.popErrorScope();
+    return wasLacking ? ({ message: 'out of memory' } as GPUOutOfMemoryError) : error;
+  };
+  return new Proxy(whole, {
+    get(target, name) {
+      if (name === 'createBuffer') return createBuffer;
+      if (name === 'popErrorScope') return popErrorScope;
+      const value = Reflect.get(target, name);
+      return typeof value === 'function' ? value.bind(target) : value;
+    },
+  });
+}
+
+async function draw(view: SplatView, request: FrameRequest): Promise<Float32Array> {
+  view.render(request);
+  return (await view.readPixels()).data;
+}
+
+describe('room for visible splats', () => {
+  gpuTest('grows without holding old and new, and shrinks some seconds after it was needed', async () => {
+    const engine = await SplatEngine.create({ device, accuracy: { preset: 'fast', rasterizer: 'quads' } });
+    const clouds = [{ cloud: engine.add(MANY) }];
+    const view = engine.createView();
+    const detail = { camera: DETAIL, clouds, ...SIZE };
+    const overview = { ...detail, camera: OVERVIEW };
+    const detailImage = await draw(view, detail);
+    const { totalBytes: detailBytes, scene, frames } = engine.memory();
+    // What grows with the loaded splats is a few words per chunk, besides the layer and a ring of statistics.
+    const visibleBytes = 56 * (view.shape?.visibleCapacity ?? 0);
+    expect(frames.totalBytes - visibleBytes).toBeLessThan(100_000);
+    expect(frames.totalBytes).toBeLessThan(0.4 * scene.totalBytes);
+    const overviewImage = await draw(view, overview);
+    const { totalBytes: overviewBytes, peakBytes } = engine.memory();
+    expect(overviewBytes).toBeGreaterThan(1.2 * detailBytes);
+    expect(peakBytes).toBe(overviewBytes);
+
+    const now = performance.now.bind(performance);
+    let passedMs = 0;
+    vi.spyOn(performance, 'now').mockImplementation(() => now() + passedMs);
+    // A view at rest draws nothing, however long it rests.
+    await draw(view, detail);
+    passedMs += 10 * ROOM_PERIOD_MS;
+    await draw(view, detail);
+    expect(engine.memory().totalBytes).toBe(overviewBytes);
+    for (let frame = 0; frame < 65; frame++) {
+      passedMs += ROOM_PERIOD_MS / 25;
+      view.render({ ...detail, force: true });
+      await device.queue.onSubmittedWorkDone();
+    }
+    expect(await draw(view, { ...detail, force: true })).toEqual(detailImage);
+    expect(engine.memory()).toMatchObject({ totalBytes: detailBytes, peakBytes });
+    expect(await draw(view, overview)).toEqual(overviewImage);
+    expect(engine.memory()).toMatchObject({ totalBytes: overviewBytes, peakBytes });
+    engine.destroy();
+  });
+});
+
+describe('a frame that finds no memory', () => {
+  for (const rasterizer of ['quads', 'tiles'] as const) {
+    for (const label of ['frame records', 'frame splatOffsets scan level 0 block sums', 'sort keys 1']) {
+      for (const how of ['throws', 'reports'] as const) {
+        gpuTest(`for ${label} of ${rasterizer}, if a device ${how} that: the next starts over`, async () => {
+          const engine = await SplatEngine.create({ device, accuracy: { preset: 'balanced', rasterizer } });
+          const few = engine.add(randomSplats({ count: 100 }));
+          const many = engine.add(randomSplats({ count: 5000 }));
+          const view = engine.createView();
+          const request = { camera: OVERVIEW, clouds: [{ cloud: many }], ...SIZE };
+          const expected = await draw(engine.createView(), request);
+          const idleBytes = engine.memory().totalBytes;
+          await draw(view, { ...request, clouds: [{ cloud: few }] });
+
+          lacking = { label, how };
+          if (how === 'reports') {
+            view.render(request);
+            await expect.poll(() => engine.memory().totalBytes).toBe(idleBytes);
+          }
+          // Told once, by the frame itself or by the next.
+          expect(() => view.render(request)).toThrow(how === 'throws' ? RangeError : GpuLimitError);
+          lacking = null;
+          expect(engine.memory().totalBytes).toBe(idleBytes);
+          await expect(view.readPixels()).rejects.toThrow(InvalidArgumentError);
+          expect(view.effects()).toEqual([]);
+          expect(await view.pick(16, 16)).toBeNull();
+          expect(await draw(view, request)).toEqual(expected);
+          engine.destroy();
+        });
+      }
+    }
+  }
+});
