@@ -67,6 +67,8 @@ export const ROOMS: Arrows = {
 
 /** Packages and apps by folder name. Each line agrees with the dependencies of its package.json. */
 export const PACKAGES: Arrows = {
+  /** Chores of this repository. */
+  tools: '',
   /** WGSL only. */
   shaders: '',
   /** The engine. */
@@ -89,10 +91,10 @@ export const PACKAGES: Arrows = {
   viewer: 'charts hardcases scenes core',
   /** Examples for react-three-fiber. */
   examples: 'react scenes core',
+  /** This project beside other renderers. */
+  bench: 'three scenes core tools',
   /** Apps and packages in a browser. */
-  e2e: 'react(tests) three(tests) hardcases(tests) scenes(tests) core(tests)',
-  /** Chores of this repository. */
-  tools: '',
+  e2e: 'tools(tests) react(tests) three(tests) hardcases(tests) scenes(tests) core(tests)',
 };
 
 /** Files that reach into another package by path, and why. All others import what a package exports. */

@@ -1,0 +1,4 @@
+import * as pc from 'playcanvas';
+import { playCanvasPeer } from './playcanvas-peer.js';
+
+export default playCanvasPeer(pc);

@@ -1,0 +1,69 @@
+import type { SceneCamera } from '@websplatter/scenes';
+
+/** What the page gives to an adapter. */
+export interface PeerHost {
+  /** In the page, of the picture's size in CSS pixels and in device pixels. All drawing goes to it. */
+  readonly canvas: HTMLCanvasElement;
+  /** Address of a PLY in the layout of 3DGS. */
+  readonly url: string;
+  /** What stands behind the peer's name on the command line: `websplatter?accuracy=fast`. */
+  readonly options: URLSearchParams;
+}
+
+/**
+ * The default export of an adapter: loads the scene and prepares to draw it over black. Resolves when everything is there
+ * that a frame needs, and rejects if the scene cannot be drawn; the page times it together with the first frame.
+ */
+export type LoadPeer = (host: PeerHost) => Promise<Peer>;
+
+/** A renderer with a scene. The page waits for the GPU, keeps the time and takes the pictures, alike for all. */
+export interface Peer {
+  /** What is set otherwise than by default, or is not drawn. */
+  readonly note: string;
+  setCamera(camera: SceneCamera): void;
+  /** Submits one frame by the newest camera, even if nothing has changed. */
+  draw(): void | Promise<void>;
+  /**
+   * Only where the order is made outside of the frame, by a worker or the CPU: resolves when there is an order for the
+   * newest camera, which the next frame shows.
+   */
+  order?(): Promise<void>;
+  /** With {@link order}: how many orders have been made so far. */
+  orders?(): number;
+  /** The peer's own figures, for the JSON. */
+  figures?(): Readonly<Record<string, unknown>>;
+}
+
+type Vector = readonly [number, number, number];
+
+/** The camera's axes in the world as COLMAP and the first splat renderers have them: right, down and forward. */
+export function cameraAxes({ position, target, up }: SceneCamera): {
+  readonly right: Vector;
+  readonly down: Vector;
+  readonly forward: Vector;
+} {
+  const forward = unit([target[0] - position[0], target[1] - position[1], target[2] - position[2]]);
+  const right = unit(cross(forward, up));
+  return { right, down: cross(forward, right), forward };
+}
+
+/** Resolves in the next task, so that messages of workers are handled in between; unlike timers, without a delay. */
+export function nextTask(): Promise<void> {
+  return new Promise((resolve) => {
+    const { port1, port2 } = new MessageChannel();
+    port1.onmessage = () => {
+      port1.close();
+      resolve();
+    };
+    port2.postMessage(null);
+  });
+}
+
+function cross(a: Vector, b: Vector): Vector {
+  return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+}
+
+function unit(vector: Vector): Vector {
+  const length = Math.hypot(...vector);
+  return [vector[0] / length, vector[1] / length, vector[2] / length];
+}

@@ -1,0 +1,37 @@
+import type { AccuracyPreset } from '@websplatter/core';
+import { createSplatRenderer, SplatCloudObject, SplatLoader, splatEngineOf } from '@websplatter/three';
+import { REVISION } from 'three/webgpu';
+import { type LoadPeer, nextTask } from '../adapter.ts';
+import { threeScene } from './three-scene.ts';
+
+/** This project's engine in three.js. `?accuracy=PRESET`. */
+const loadWebsplatterThree: LoadPeer = async ({ canvas, url, options }) => {
+  const accuracy = (options.get('accuracy') ?? 'balanced') as AccuracyPreset;
+  const renderer = await createSplatRenderer({ canvas, antialias: false, accuracy });
+  const { scene, setCamera, draw } = threeScene(renderer, canvas);
+  const object = new SplatCloudObject(await new SplatLoader().loadAsync(url));
+  scene.add(object);
+  let isShown = false;
+  let problem: unknown;
+  object.addEventListener('firstframe', () => {
+    isShown = true;
+  });
+  object.onError = (error) => {
+    problem = error;
+  };
+  return {
+    note: `${accuracy}, WebGPURenderer r${REVISION}`,
+    setCamera,
+    draw: async () => {
+      draw();
+      // Until its shaders are compiled an object is left out of the image.
+      while (!isShown) {
+        await nextTask();
+        if (problem) throw problem;
+        draw();
+      }
+    },
+    figures: () => ({ memory: splatEngineOf(renderer)?.memory() }),
+  };
+};
+export default loadWebsplatterThree;

@@ -1,0 +1,5 @@
+/** The adapter that this page is built for; src/runner/build-page.ts says which file it is. */
+declare module 'virtual:bench-adapter' {
+  const loadPeer: import('../adapter.ts').LoadPeer;
+  export default loadPeer;
+}

@@ -1,0 +1,68 @@
+import type { SceneCamera } from '@websplatter/scenes';
+import type { Wait } from './completion.ts';
+
+/** What the runner calls in a page, as `window.bench`. Everything is timed in the page: no message falls in between. */
+export interface BenchPage {
+  load(request: LoadRequest): Promise<Loaded>;
+  measure(request: MeasureRequest): Promise<Measured>;
+  /** The picture by each camera. */
+  pictures(cameras: readonly SceneCamera[]): Promise<Picture[]>;
+  state(): PageState;
+}
+
+export interface LoadRequest {
+  readonly url: string;
+  readonly widthPx: number;
+  readonly heightPx: number;
+  readonly wait: Wait;
+  readonly camera: SceneCamera;
+}
+
+export interface Loaded {
+  /** From the call of the adapter to the end of the first frame in the right order. */
+  readonly loadMs: number;
+  /** Longest time that the page's thread was blocked meanwhile; 0 below the 50 ms that browsers report. */
+  readonly longestTaskMs: number;
+  readonly api: 'webgpu' | 'webgl2';
+  readonly note: string;
+}
+
+export interface MeasureRequest {
+  /** Turned about its target. */
+  readonly camera: SceneCamera;
+  /** Frames of one turn. */
+  readonly frames: number;
+  /** Frames before anything is measured. */
+  readonly warmUpFrames: number;
+  /** Frames that are each seen from far away from the one before. */
+  readonly jumps: number;
+}
+
+/** Times are from the change of the camera to the end of the GPU's work, one per frame. */
+export interface Measured {
+  /** Frames of a steady turn; where the order is made outside of the frame, by the newest order that there is. */
+  readonly turnMs: readonly number[];
+  /** How many orders were made in the turn; null where every frame makes its own. */
+  readonly orders: number | null;
+  /** Frames after jumps, in the right order. */
+  readonly correctMs: readonly number[];
+}
+
+/** Opaque, over black. */
+export interface Picture {
+  readonly camera: string;
+  readonly widthPx: number;
+  readonly heightPx: number;
+  /** RGBA, 8 bits each, top row first. */
+  readonly rgbaBase64: string;
+  readonly pngBase64: string;
+}
+
+export interface PageState {
+  readonly gpuBytes: number;
+  readonly gpuPeakBytes: number;
+  /** WebGPU's adapter or WebGL's renderer, in words. */
+  readonly adapter: string | null;
+  readonly figures: Readonly<Record<string, unknown>>;
+  readonly problems: readonly string[];
+}

@@ -1,0 +1,118 @@
+import { resolve } from 'node:path';
+import { parseArgs } from 'node:util';
+import { BenchError } from './bench-error.ts';
+import { type ChosenPeer, choosePeers, PEER_NAMES } from './peer-list.ts';
+
+export const USAGE = `npm run bench:peers -- --scenes FILE,… | --synthetic N,… [OPTION…]
+  --scenes FILE,…     PLY files; NAME.cameras.json beside NAME.ply has its cameras
+  --synthetic N,…     scenes made by code, of that many splats
+  --cameras FILE      cameras for all scenes instead: a list of { name, position, target, up, fovYDegrees, near, far };
+                      the first is turned about its target for the times, the pictures are taken by all
+  --peers NAME,…      ${PEER_NAMES.slice(0, 5).join(', ')},
+                      ${PEER_NAMES.slice(5).join(', ')}; default all;
+                      NAME=ADAPTER for one's own, NAME?OPTIONS for an adapter's options
+  --size WxH          pixels; default 1920x1080
+  --picture-size WxH  pixels of the pictures that are held against float64; default 480x270
+  --rounds N          rounds, in each of which every peer has a fresh browser; default 2
+  --frames N          frames of a turn; default 120
+  --warm-up N         frames before it; default 20
+  --jumps N           frames after jumps; default 16
+  --time-limit S      seconds that a peer may take in one round; default 300
+  --software          draws on the CPU by SwiftShader
+  --out FOLDER        keeps the pictures there
+  --json FILE         writes everything that was measured
+  --no-install        leaves out peers whose packages are not installed, instead of installing them`;
+
+export interface SizePx {
+  readonly widthPx: number;
+  readonly heightPx: number;
+}
+
+export interface BenchOptions {
+  /** Paths. */
+  readonly scenes: readonly string[];
+  /** Numbers of splats. */
+  readonly synthetic: readonly number[];
+  readonly camerasFile: string | null;
+  readonly peers: readonly ChosenPeer[];
+  readonly size: SizePx;
+  readonly pictureSize: SizePx;
+  readonly rounds: number;
+  readonly frames: number;
+  readonly warmUpFrames: number;
+  readonly jumps: number;
+  readonly timeLimitMs: number;
+  readonly isSoftware: boolean;
+  readonly outFolder: string | null;
+  readonly jsonFile: string | null;
+  readonly installs: boolean;
+}
+
+/**
+ * Reads the command line; paths are from `folder`.
+ *
+ * @throws BenchError naming the option.
+ */
+export function readOptions(args: readonly string[], folder: string): BenchOptions {
+  const values = parse(args);
+  const path = (file: string | undefined) => (file === undefined ? null : resolve(folder, file));
+  const scenes = values.scenes?.split(',').map((file) => resolve(folder, file)) ?? [];
+  const synthetic = values.synthetic?.split(',').map((text) => wholeNumber('synthetic', text)) ?? [];
+  if (scenes.length + synthetic.length === 0) throw new BenchError('No scene: give --scenes or --synthetic.');
+  return {
+    scenes,
+    synthetic,
+    camerasFile: path(values.cameras),
+    peers: choosePeers(values.peers, folder),
+    size: size('size', values.size),
+    pictureSize: size('picture-size', values['picture-size']),
+    rounds: wholeNumber('rounds', values.rounds),
+    frames: wholeNumber('frames', values.frames),
+    warmUpFrames: wholeNumber('warm-up', values['warm-up']),
+    jumps: wholeNumber('jumps', values.jumps),
+    timeLimitMs: 1000 * wholeNumber('time-limit', values['time-limit']),
+    isSoftware: values.software,
+    outFolder: path(values.out),
+    jsonFile: path(values.json),
+    installs: !values['no-install'],
+  };
+}
+
+function parse(args: readonly string[]) {
+  try {
+    return parseArgs({
+      args: [...args],
+      options: {
+        scenes: { type: 'string' },
+        synthetic: { type: 'string' },
+        cameras: { type: 'string' },
+        peers: { type: 'string', default: 'all' },
+        size: { type: 'string', default: '1920x1080' },
+        'picture-size': { type: 'string', default: '480x270' },
+        rounds: { type: 'string', default: '2' },
+        frames: { type: 'string', default: '120' },
+        'warm-up': { type: 'string', default: '20' },
+        jumps: { type: 'string', default: '16' },
+        'time-limit': { type: 'string', default: '300' },
+        software: { type: 'boolean', default: false },
+        out: { type: 'string' },
+        json: { type: 'string' },
+        'no-install': { type: 'boolean', default: false },
+      },
+    }).values;
+  } catch (error) {
+    throw new BenchError((error as Error).message);
+  }
+}
+
+function wholeNumber(option: string, text: string): number {
+  const number = Number(text);
+  if (Number.isInteger(number) && number >= 1) return number;
+  throw new BenchError(`--${option} has "${text}"; it takes whole numbers from 1 on.`);
+}
+
+function size(option: string, text: string): SizePx {
+  const [, width, height] = /^([1-9]\d*)x([1-9]\d*)$/.exec(text) ?? [];
+  if (!height) throw new BenchError(`--${option} has "${text}"; it takes pixels as WIDTHxHEIGHT.`);
+  return { widthPx: Number(width), heightPx: Number(height) };
+}

@@ -1,0 +1,56 @@
+import type { Wait } from '../page/completion.ts';
+import type { Loaded, Measured, PageState } from '../page/protocol.ts';
+import type { Heap } from './visit.ts';
+
+/** One peer in one round, in a browser of its own. */
+export interface Round {
+  readonly loaded: Loaded;
+  readonly measured: Measured;
+  readonly state: PageState;
+  readonly heap: Heap;
+}
+
+/** How far a picture is from float64, both rounded to 8 bits. */
+export interface PictureError {
+  readonly camera: string;
+  readonly psnrDb: number;
+}
+
+/** One peer with one scene. */
+export interface Row {
+  readonly peer: string;
+  readonly isFloor: boolean;
+  /** Null where the peer is no package. */
+  readonly version: string | null;
+  readonly rounds: Round[];
+  readonly pictures: PictureError[];
+  /** Why rounds or pictures are missing. */
+  readonly failures: string[];
+}
+
+export interface SceneReport {
+  readonly scene: string;
+  readonly splats: number;
+  readonly shDegree: number;
+  readonly rows: readonly Row[];
+}
+
+/** Everything that one run found. */
+export interface Report {
+  readonly date: string;
+  /** What was called, after `npm run bench:peers --`. */
+  readonly command: string;
+  readonly commit: string | null;
+  readonly machine: string;
+  readonly browser: string;
+  readonly adapter: string | null;
+  /** How the end of WebGPU's work was awaited. */
+  readonly wait: Wait;
+  readonly widthPx: number;
+  readonly heightPx: number;
+  readonly pictureWidthPx: number;
+  readonly pictureHeightPx: number;
+  readonly frames: number;
+  readonly jumps: number;
+  readonly scenes: readonly SceneReport[];
+}

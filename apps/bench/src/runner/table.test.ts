@@ -1,0 +1,96 @@
+import { expect, test } from 'vitest';
+import type { Report, Round, Row } from './report.ts';
+import { reportText } from './table.ts';
+
+function round(fields: { correctMs: number[]; orders?: number; problems?: string[] }): Round {
+  const { correctMs, orders = null, problems = [] } = fields;
+  return {
+    loaded: { loadMs: 1234.4, longestTaskMs: 60, api: 'webgpu', note: 'as it comes' },
+    measured: { turnMs: [4, 5, 6], orders, correctMs },
+    state: {
+      gpuBytes: 12e6,
+      gpuPeakBytes: 3.2e8,
+      adapter: 'test',
+      figures: {},
+      problems,
+    },
+    heap: { jsBytes: 4.56e6 },
+  };
+}
+
+function row(peer: string, fields: Partial<Row>): Row {
+  return { peer, isFloor: false, version: null, rounds: [], pictures: [], failures: [], ...fields };
+}
+
+function textOf(...rows: Row[]): string {
+  const report: Report = {
+    date: '2026-01-01T00:00:00.000Z',
+    command: '--scenes a.ply',
+    commit: 'abc',
+    machine: 'a machine',
+    browser: 'Chromium 1',
+    adapter: 'an adapter',
+    wait: 'done',
+    widthPx: 64,
+    heightPx: 32,
+    pictureWidthPx: 16,
+    pictureHeightPx: 8,
+    frames: 3,
+    jumps: 2,
+    scenes: [{ scene: 'a', splats: 12_345, shDegree: 3, rows }],
+  };
+  return reportText(report);
+}
+
+/** The cells of a peer's line. */
+function cells(text: string, peer: string): string[] {
+  const line = text.split('\n').find((each) => each.startsWith(`| ${peer} `))!;
+  return line
+    .split('|')
+    .slice(1, -1)
+    .map((cell) => cell.trim());
+}
+
+test('a line has medians and tails over all rounds, memory, and the least PSNR', () => {
+  const pictures = [60, 40, 50].map((psnrDb, i) => ({ camera: `${i}`, psnrDb }));
+  const rounds = [round({ correctMs: [1, 2, 3] }), round({ correctMs: [4, 5, 60], orders: 7 })];
+  expect(cells(textOf(row('websplatter', { version: '1.2.3', rounds, pictures })), 'websplatter')).toEqual([
+    'websplatter',
+    '1.2.3',
+    '1234',
+    '60',
+    '3.50 / 60.00',
+    '1.00 (1.00–1.00)',
+    '5.00 / 6.00',
+    '7',
+    '12 / 320',
+    '4.6',
+    '50.0 (40.0)',
+  ]);
+});
+
+test('ratios are taken round by round', () => {
+  const base = row('websplatter', { rounds: [round({ correctMs: [1] }), round({ correctMs: [10] })] });
+  const other = row('other', { rounds: [round({ correctMs: [2] }), round({ correctMs: [40] })] });
+  expect(cells(textOf(other, base), 'other')[5]).toBe('3.00 (2.00–4.00)');
+});
+
+test('what failed has no figures but a reason, and complaints are shown once', () => {
+  const complaining = row('loud', {
+    rounds: [1, 2].map(() => round({ correctMs: [1], problems: ['WebGPU: invalid'] })),
+  });
+  const text = textOf(complaining, row('broken', { failures: ['round 1: the page crashed'] }));
+  expect(cells(text, 'broken').slice(1)).toEqual(Array(10).fill('–'));
+  expect(text).toContain('- broken FAILED: round 1: the page crashed');
+  expect(text.match(/loud complains: WebGPU: invalid/g)).toHaveLength(1);
+});
+
+test('the lines of a table are equally long', () => {
+  const text = textOf(row('a', {}), row('a-longer-name', { rounds: [round({ correctMs: [1000] })] }));
+  const lengths = text
+    .split('\n')
+    .filter((line) => line.startsWith('|'))
+    .map((line) => line.length);
+  expect(new Set(lengths).size).toBe(1);
+  expect(text).toContain('### a: 12,345 splats, spherical harmonics of degree 3, 64×32');
+});

@@ -1,0 +1,155 @@
+import type { SceneCamera } from '@websplatter/scenes';
+import { launchBrowser } from '@websplatter/tools/browser';
+import type { Browser, Page } from 'playwright-core';
+import type {
+  BenchPage,
+  Loaded,
+  LoadRequest,
+  Measured,
+  MeasureRequest,
+  PageState,
+  Picture,
+} from '../page/protocol.ts';
+import type { SizePx } from './options.ts';
+
+/** Besides what any headless browser here gets: nothing in it may slow down a page that nobody looks at. */
+const BROWSER_ARGS = [
+  '--disable-renderer-backgrounding',
+  '--disable-backgrounding-occluded-windows',
+  '--disable-background-timer-throttling',
+  '--force-device-scale-factor=1',
+  '--force-color-profile=srgb',
+  '--hide-scrollbars',
+];
+
+/** File at the server's root, without anything in it. */
+export const BLANK_PAGE = 'blank.html';
+
+export interface VisitorOptions {
+  readonly executablePath: string;
+  readonly usesGpu: boolean;
+  readonly timeLimitMs: number;
+}
+
+export interface Heap {
+  /** Objects and ArrayBuffers of the page's thread, after a garbage collection. */
+  readonly jsBytes: number;
+}
+
+declare const window: { readonly bench: BenchPage };
+
+/** A page in a browser; see {@link BenchPage}. */
+export interface OpenPage {
+  load(request: LoadRequest): Promise<Loaded>;
+  measure(request: MeasureRequest): Promise<Measured>;
+  pictures(cameras: readonly SceneCamera[]): Promise<Picture[]>;
+  state(): Promise<PageState>;
+  heap(): Promise<Heap>;
+}
+
+/** Opens pages, each in a browser of its own. */
+export class Visitor {
+  readonly #options: VisitorOptions;
+
+  constructor(options: VisitorOptions) {
+    this.#options = options;
+  }
+
+  /** Opens the page at `url` in a fresh browser, lets `use` work with it, and ends the browser. */
+  async visit<Result>(
+    url: string,
+    { widthPx, heightPx }: SizePx,
+    use: (page: OpenPage) => Promise<Result>,
+  ): Promise<Result> {
+    const { timeLimitMs, ...browserOptions } = this.#options;
+    const browser = await launchBrowser({ ...browserOptions, args: BROWSER_ARGS });
+    const problems: string[] = [];
+    const limit = timeLimit(timeLimitMs);
+    const work = async () => {
+      await settleGpu(browser, new URL(`/${BLANK_PAGE}`, url).href);
+      const viewport = { width: widthPx, height: heightPx };
+      const page = await (await browser.newContext({ viewport, deviceScaleFactor: 1 })).newPage();
+      page.on('pageerror', ({ message }) => problems.push(message));
+      await page.goto(url);
+      await page.waitForFunction(() => 'bench' in window);
+      return Promise.race([use(openPage(page)), crashOf(page)]);
+    };
+    try {
+      return await Promise.race([work(), limit.passed]);
+    } catch (error) {
+      throw new Error([...new Set([reasonOf(error), ...problems])].join('; '));
+    } finally {
+      limit.end();
+      await browser.close();
+    }
+  }
+}
+
+/** The page's own message: Playwright puts the call in front of it, and the call stack behind. */
+function reasonOf(error: unknown): string {
+  const [message] = (error as Error).message.split('\n');
+  return message.replace(/^page\.evaluate: /, '');
+}
+
+function openPage(page: Page): OpenPage {
+  return {
+    load: (request) => page.evaluate((asked) => window.bench.load(asked), request),
+    measure: (request) => page.evaluate((asked) => window.bench.measure(asked), request),
+    pictures: (cameras) => page.evaluate((by) => window.bench.pictures(by), cameras),
+    state: () => page.evaluate(() => window.bench.state()),
+    heap: async () => {
+      const session = await page.context().newCDPSession(page);
+      await session.send('HeapProfiler.collectGarbage');
+      const { usedSize, backingStorageSize = 0 } = await session.send('Runtime.getHeapUsage');
+      return { jsBytes: usedSize + backingStorageSize };
+    },
+  };
+}
+
+/** Rejects when the page crashes: its calls would wait for ever. */
+function crashOf(page: Page): Promise<never> {
+  return new Promise((_, reject) => {
+    page.on('crash', () => reject(new Error('the page crashed')));
+  });
+}
+
+function timeLimit(limitMs: number): { readonly passed: Promise<never>; end(): void } {
+  let timer: NodeJS.Timeout | undefined;
+  const passed = new Promise<never>((_, reject) => {
+    timer = setTimeout(() => reject(new Error(`not done within ${limitMs / 1000} s`)), limitMs);
+  });
+  return { passed, end: () => clearTimeout(timer) };
+}
+
+const SETTLE_ATTEMPTS = 12;
+const SETTLED_AFTER_MS = 600;
+
+/**
+ * Waits on a blank page until a device and a WebGL context have lived for a while: on an NVIDIA H200 the GPU process can die
+ * once, soon after the browser's start, and takes the first of both with it.
+ */
+async function settleGpu(browser: Browser, blankUrl: string): Promise<void> {
+  const context = await browser.newContext();
+  const page = await context.newPage();
+  await page.goto(blankUrl);
+  await page.evaluate(
+    async ({ attempts, aliveMs }) => {
+      for (let attempt = 0; attempt < attempts; attempt++) {
+        const gl = document.createElement('canvas').getContext('webgl2');
+        const adapter = await navigator.gpu?.requestAdapter().catch(() => null);
+        const device = await adapter?.requestDevice().catch(() => null);
+        let isLost = false;
+        device?.lost.then(() => {
+          isLost = true;
+        });
+        await new Promise((resolve) => setTimeout(resolve, aliveMs));
+        const lives = gl && !gl.isContextLost() && device && !isLost;
+        gl?.getExtension('WEBGL_lose_context')?.loseContext();
+        device?.destroy();
+        if (lives) return;
+      }
+    },
+    { attempts: SETTLE_ATTEMPTS, aliveMs: SETTLED_AFTER_MS },
+  );
+  await context.close();
+}

@@ -1,0 +1,92 @@
+import { execFile } from 'node:child_process';
+import { mkdtemp, readdir, readFile, rm, writeFile } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { encodePly } from '@websplatter/core';
+import { afterAll, beforeAll, expect, test } from 'vitest';
+import { MIN_PSNR_DB } from './reference.ts';
+import { testScene } from './test-scene.ts';
+
+const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
+const runner = join(repositoryRoot, 'packages/tools/bench-peers.mjs');
+const faintAdapter = join(repositoryRoot, 'e2e/bench/faint.js');
+const camera = {
+  name: 'front',
+  position: [1, 1.5, 6],
+  target: [1, 1, 0],
+  up: [0, 1, 0],
+  fovYDegrees: 45,
+  near: 0.1,
+  far: 100,
+};
+
+let folder = '';
+beforeAll(async () => {
+  folder = await mkdtemp(join(tmpdir(), 'websplatter-e2e-bench-'));
+  await writeFile(join(folder, 'tiny.ply'), encodePly(testScene()));
+  await writeFile(join(folder, 'tiny.cameras.json'), JSON.stringify([camera]));
+});
+afterAll(() => rm(folder, { recursive: true, force: true }));
+
+/** Runs the bench from `folder`, in a process with none of Vitest's settings. */
+function bench(...args: string[]): Promise<{ status: number; output: string; complaints: string }> {
+  const { NODE_ENV: _, NODE_OPTIONS: __, INIT_CWD: ___, ...env } = process.env;
+  return new Promise((resolve) => {
+    const child = execFile(
+      process.execPath,
+      [runner, ...args],
+      { cwd: folder, env },
+      (_error, output, complaints) => resolve({ status: child.exitCode ?? -1, output, complaints }),
+    );
+  });
+}
+
+test('one command measures this project beside a peer that draws less, whose pictures show it', async () => {
+  const few = '--size 64x48 --picture-size 64x48 --rounds 1 --frames 3 --warm-up 1 --jumps 2'.split(' ');
+  const peers = `floor-webgl2,websplatter,websplatter-three,faint=${faintAdapter}`;
+  const files = ['--scenes', 'tiny.ply', '--json', 'report.json', '--out', 'pictures'];
+  const { status, output, complaints } = await bench('--software', '--peers', peers, ...files, ...few);
+  expect(status, complaints).toBe(0);
+
+  const report = JSON.parse(await readFile(join(folder, 'report.json'), 'utf8'));
+  const [{ scene, splats, rows }] = report.scenes;
+  expect({ scene, splats }).toEqual({ scene: 'tiny', splats: testScene().count });
+  const [floor, ours, three, faint] = rows;
+  for (const { peer, rounds } of rows) {
+    const [{ loaded, measured, heap }] = rounds;
+    expect(loaded.loadMs, peer).toBeGreaterThan(0);
+    expect(measured.turnMs, peer).toHaveLength(3);
+    expect(measured.correctMs, peer).toHaveLength(2);
+    expect(heap.jsBytes, peer).toBeGreaterThan(0);
+  }
+  expect(floor.pictures).toEqual([]);
+  for (const { peer, pictures, rounds } of [ours, three]) {
+    expect(pictures[0].psnrDb, peer).toBeGreaterThan(MIN_PSNR_DB);
+    expect(rounds[0].state.gpuBytes, peer).toBeGreaterThan(0);
+  }
+  expect(faint.pictures[0].psnrDb).toBeLessThan(MIN_PSNR_DB - 10);
+  // What the calls of the API add up to is what the engine knows of itself.
+  const { state } = ours.rounds[0];
+  expect(state.gpuBytes).toBeGreaterThanOrEqual(state.figures.memory.totalBytes);
+
+  for (const { peer } of rows) expect(output).toContain(`| ${peer} `);
+  expect(await readdir(join(folder, 'pictures'))).toEqual([
+    'tiny.faint.front.png',
+    'tiny.websplatter-three.front.png',
+    'tiny.websplatter.front.png',
+  ]);
+});
+
+test('a file that is no scene ends the bench with one line and the usage', async () => {
+  await writeFile(join(folder, 'broken.ply'), 'no splats');
+  const { status, complaints } = await bench(
+    '--software',
+    '--peers',
+    'floor-webgl2',
+    '--scenes',
+    'broken.ply',
+  );
+  expect(status).toBe(2);
+  expect(complaints).toMatch(/broken\.ply: .*\nnpm run bench:peers/);
+});

@@ -1,0 +1,15 @@
+// `npm run bench:peers`: this project beside other renderers, in one browser; see apps/bench. The runner is TypeScript, which
+// Vite loads.
+import { join } from 'node:path';
+import { ensureChromium, ensureInstalled, fail, repositoryRoot } from './setup.mjs';
+
+ensureInstalled();
+const executablePath = ensureChromium();
+const { build } = await import('./build.mjs');
+await build().catch((error) => fail(error.message));
+
+const { runnerImport } = await import('vite');
+const runner = join(repositoryRoot, 'apps/bench/src/runner/main.ts');
+const { module } = await runnerImport(runner, { configFile: false, logLevel: 'error' });
+const folder = process.env.INIT_CWD ?? process.cwd();
+process.exit(await module.benchPeers(process.argv.slice(2), { executablePath, repositoryRoot, folder }));

@@ -1,0 +1,66 @@
+import { existsSync, realpathSync } from 'node:fs';
+import { dirname, join } from 'node:path';
+import { type Browser, chromium } from 'playwright-core';
+
+export interface BrowserOptions {
+  /** Chromium's program. */
+  readonly executablePath: string;
+  /** Whether this machine's GPU draws; otherwise SwiftShader does, alike everywhere. */
+  readonly usesGpu: boolean;
+  /** More arguments for Chromium. */
+  readonly args?: readonly string[];
+}
+
+const COMMON_ARGS = [
+  '--headless=new',
+  '--no-sandbox',
+  '--enable-unsafe-webgpu',
+  '--disable-background-networking',
+  '--disable-component-update',
+  '--disable-sync',
+  '--use-angle=vulkan',
+  // Without it Chromium 156 finds no shared image that both WebGPU and the compositor can use.
+  '--enable-features=Vulkan',
+];
+
+/** WebGPU and canvases on SwiftShader: unless canvases use Vulkan too, the first `getCurrentTexture` ends WebGPU. */
+const SWIFTSHADER_ARGS = [
+  '--use-webgpu-adapter=swiftshader',
+  '--use-gl=angle',
+  '--use-vulkan=swiftshader',
+  // SwiftShader takes most of a second to compile a shader that zeroes 16 KiB of workgroup memory in this way.
+  '--disable-dawn-features=use_vulkan_zero_initialize_workgroup_memory_extension',
+];
+
+/** Without a display there is no Vulkan surface, and the sandbox of the GPU process hides the driver's files. */
+const GPU_ARGS = [
+  '--use-webgpu-adapter=default',
+  '--ignore-gpu-blocklist',
+  '--disable-gpu-sandbox',
+  '--disable-vulkan-surface',
+];
+
+/**
+ * ANGLE asks the system's Vulkan loader for a driver, whatever --use-vulkan says. Without a GPU the only driver is Chromium's
+ * SwiftShader, which the loader finds through this variable alone.
+ */
+function vulkanEnvironment(executablePath: string): Record<string, string> {
+  const folders = [dirname(realpathSync(executablePath)), '/usr/lib/chromium'];
+  const driver = folders.map((folder) => join(folder, 'vk_swiftshader_icd.json')).find(existsSync);
+  return driver ? { VK_ICD_FILENAMES: driver, VK_DRIVER_FILES: driver } : {};
+}
+
+/** Starts a headless Chromium in which WebGPU, WebGL and canvases work, with and without a GPU. */
+export function launchBrowser({ executablePath, usesGpu, args = [] }: BrowserOptions): Promise<Browser> {
+  const env = { ...process.env, ...(!usesGpu && vulkanEnvironment(executablePath)) } as Record<
+    string,
+    string
+  >;
+  return chromium.launch({
+    executablePath,
+    args: [...COMMON_ARGS, ...(usesGpu ? GPU_ARGS : SWIFTSHADER_ARGS), ...args],
+    // Playwright disables the GPU if there is no display.
+    ignoreDefaultArgs: usesGpu ? ['--disable-gpu', '--disable-software-rasterizer'] : [],
+    env,
+  });
+}
