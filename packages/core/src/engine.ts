@@ -7,7 +7,7 @@ import {
 } from './accuracy/accuracy.ts';
 import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy/accuracy-wish.ts';
 import type { HoldOptions } from './clouds/cloud-leases.ts';
-import { type CloudMemory, CloudPlanes, isHeld } from './clouds/cloud-planes.ts';
+import { type CloudMemory, isHeld } from './clouds/cloud-planes.ts';
 import { emptyCloud } from './clouds/empty-cloud.ts';
 import type { PlaneMaker } from './clouds/plane-maker.ts';
 import { type CloudSource, SplatCloud, type SplatCloudOptions } from './clouds/splat-cloud.ts';
@@ -26,7 +26,6 @@ import { type EngineCounters, zeroCounters } from './gpu/engine-counters.ts';
 import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
 import { Pipelines } from './gpu/pipelines.ts';
 import { LazyIngest } from './ingest/lazy-ingest.ts';
-import { LoadPreviews } from './ingest/load-previews.ts';
 import type { IngestedCloud } from './ingest/row-ingest.ts';
 import { lastingSource, loadOrPass } from './io/load-splats.ts';
 import { sourceName } from './io/open-source.ts';
@@ -234,8 +233,6 @@ export class SplatEngine {
     const { geometryPrecision, shPrecision } = accuracy;
     const name = options.name ?? sourceName(source);
     const made = { name, source: lastingSource(source) };
-    const { onPreview } = options;
-    const previews = onPreview && new LoadPreviews(this.#memory, name, onPreview);
     const ingest = new LazyIngest(
       {
         device: this.device,
@@ -243,13 +240,7 @@ export class SplatEngine {
         memory: this.#memory,
         dispatchRow: this.#dispatchRow,
       },
-      {
-        geometryPrecision,
-        shPrecision,
-        name,
-        onArrived: previews && ((arrived) => previews.show(arrived)),
-        onArranging: () => previews?.hold(),
-      },
+      { geometryPrecision, shPrecision, name, onPreview: options.onPreview },
     );
     let cloud: SplatCloud;
     try {
@@ -257,11 +248,8 @@ export class SplatEngine {
       const loading = loadOrPass(source, { ...options, geometryPrecision, shPrecision }, rowsTo);
       this.#foreseeRows(source, ingest);
       const packed = await loading;
-      cloud = packed
-        ? this.addPacked(packed, made)
-        : this.#addIngested(await ingest.finish(), made, options, previews);
+      cloud = packed ? this.addPacked(packed, made) : this.#addIngested(await ingest.finish(), made, options);
     } catch (error) {
-      previews?.end();
       ingest.destroy();
       options.signal?.throwIfAborted();
       // What ended the engine or the device also ended what was waited for.
@@ -416,25 +404,23 @@ export class SplatEngine {
   }
 
   #addIngested(
-    { planes, contents }: IngestedCloud,
+    { planes, contents, preview }: IngestedCloud,
     options: NewCloudOptions,
     { signal }: ReadOptions,
-    previews: LoadPreviews | undefined,
   ): SplatCloud {
     const own = this.#optionsOf(options);
-    const held = previews?.shown?.planes ?? new CloudPlanes(this.#memory, own.name, planes);
     try {
       signal?.throwIfAborted();
       this.#checkUsable();
     } catch (error) {
-      held.destroy();
+      planes.destroy();
       throw error;
     }
     const onDestroyed = (cloud: SplatCloud) => {
-      previews?.end();
+      preview?.destroy();
       own.onDestroyed?.(cloud);
     };
-    return this.#own(new SplatCloud(this.device, held, contents, { ...own, onDestroyed }));
+    return this.#own(new SplatCloud(this.device, planes, contents, { ...own, onDestroyed }));
   }
 
   #optionsOf({ name = 'splats', source }: NewCloudOptions): SplatCloudOptions {

@@ -1,5 +1,4 @@
-import type { MadePlanes, Plane } from '../clouds/cloud-planes.ts';
-import type { CloudContents } from '../clouds/splat-cloud.ts';
+import { CloudPlanes, type MadePlanes, type Plane } from '../clouds/cloud-planes.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { ChunkParameters } from '../layout/packing-structs.ts';
 import type { Vec3 } from '../math/mat4.ts';
@@ -9,15 +8,10 @@ import { ingestChunks } from '../stages/ingest-chunks.ts';
 import { ingestGather } from '../stages/ingest-gather.ts';
 import type { ArrangeContext } from './arrange-planes.ts';
 import { Dispatches } from './dispatches.ts';
+import type { LoadPreviews } from './load-previews.ts';
 import { readChunks } from './read-chunks.ts';
 import { type RowFacts, readRowFacts } from './row-facts.ts';
 import { sampleCentres } from './sample-centres.ts';
-
-/** A cloud that can be drawn while the rest of its file arrives; its planes are lent. */
-export interface ArrivedCloud {
-  readonly contents: CloudContents;
-  readonly planes: MadePlanes;
-}
 
 /** Planes of a file whose rows are arriving, with a slot per row, in the order of the file. */
 export interface ArrivingPlanes extends Omit<MadePlanes, 'chunks'> {
@@ -39,7 +33,7 @@ const PAUSE_MS = 250;
 export class Arrivals {
   readonly #context: ArrangeContext;
   readonly #planes: ArrivingPlanes;
-  readonly #show: (arrived: ArrivedCloud) => void;
+  readonly #previews: LoadPreviews;
   /** Rows that have been submitted. */
   #rows = 0;
   #leastRows = 1;
@@ -48,11 +42,10 @@ export class Arrivals {
   #isOver = false;
   #failure: { readonly error: unknown } | null = null;
 
-  /** @param show called with what has arrived; the planes change once `end` has been called. */
-  constructor(context: ArrangeContext, planes: ArrivingPlanes, show: (arrived: ArrivedCloud) => void) {
+  constructor(context: ArrangeContext, planes: ArrivingPlanes, previews: LoadPreviews) {
     this.#context = context;
     this.#planes = planes;
-    this.#show = show;
+    this.#previews = previews;
   }
 
   /** Tells that the first `rows` rows have been submitted. @throws what showing earlier ones has thrown. */
@@ -123,7 +116,7 @@ export class Arrivals {
       logScaleRange: INGEST_LOG_SCALES,
       precision: { geometryPrecision, shPrecision },
     };
-    this.#show({ contents, planes });
+    this.#previews.show(new CloudPlanes(this.#context.memory, 'arrived', planes), contents);
   }
 
   #boundChunks({ ranges, geometry, chunks, geometryPrecision }: MadePlanes): void {

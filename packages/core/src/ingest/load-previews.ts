@@ -1,17 +1,15 @@
-import { CloudPlanes } from '../clouds/cloud-planes.ts';
-import { SplatCloud } from '../clouds/splat-cloud.ts';
-import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import type { ArrivedCloud } from './arrivals.ts';
+import type { CloudPlanes } from '../clouds/cloud-planes.ts';
+import { type CloudContents, SplatCloud } from '../clouds/splat-cloud.ts';
 
 /** The previews of one load; there is one at a time. */
 export class LoadPreviews {
-  readonly #memory: GpuMemory;
+  readonly #device: GPUDevice;
   readonly #name: string;
   readonly #onPreview: (preview: SplatCloud) => void;
   #shown: SplatCloud | null = null;
 
-  constructor(memory: GpuMemory, name: string, onPreview: (preview: SplatCloud) => void) {
-    this.#memory = memory;
+  constructor(device: GPUDevice, name: string, onPreview: (preview: SplatCloud) => void) {
+    this.#device = device;
     this.#name = name;
     this.#onPreview = onPreview;
   }
@@ -21,11 +19,10 @@ export class LoadPreviews {
     return this.#shown;
   }
 
-  /** Replaces the preview. @throws what the callback throws. */
-  show({ contents, planes }: ArrivedCloud): void {
+  /** Replaces the preview; the planes stay their owner's. @throws what the callback throws. */
+  show(planes: CloudPlanes, contents: CloudContents): void {
     const before = this.#shown;
-    const held = new CloudPlanes(this.#memory, this.#name, planes);
-    this.#shown = new SplatCloud(this.#memory.device, held, contents, { name: this.#name, isPreview: true });
+    this.#shown = new SplatCloud(this.#device, planes, contents, { name: this.#name, isPreview: true });
     try {
       this.#onPreview(this.#shown);
     } finally {

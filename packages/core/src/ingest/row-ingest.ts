@@ -1,6 +1,13 @@
-import { type MadePlanes, type PageRange, type Plane, pagesOf, planeOf } from '../clouds/cloud-planes.ts';
+import {
+  CloudPlanes,
+  type MadePlanes,
+  type PageRange,
+  type Plane,
+  pagesOf,
+  planeOf,
+} from '../clouds/cloud-planes.ts';
 import { createGeometry, createHarmonics } from '../clouds/create-plane.ts';
-import type { CloudContents } from '../clouds/splat-cloud.ts';
+import type { CloudContents, SplatCloud } from '../clouds/splat-cloud.ts';
 import { GpuLimitError } from '../errors.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
@@ -24,8 +31,9 @@ import type { ShDegree } from '../splats/splat-set.ts';
 import { ingestRows } from '../stages/ingest-rows.ts';
 import { ingestSettle } from '../stages/ingest-settle.ts';
 import { type ArrangeContext, arrangePlanes, arrangeStages } from './arrange-planes.ts';
-import { Arrivals, type ArrivedCloud } from './arrivals.ts';
+import { Arrivals } from './arrivals.ts';
 import { Dispatches } from './dispatches.ts';
+import { LoadPreviews } from './load-previews.ts';
 import { readChunks } from './read-chunks.ts';
 import { type RowFacts, readRowFacts } from './row-facts.ts';
 import { sampleCentres } from './sample-centres.ts';
@@ -36,16 +44,16 @@ const STAGING_BUFFERS = 4;
 export interface RowIngestOptions extends CloudPrecision {
   /** For labels and messages. */
   readonly name: string;
-  /** Called with what can be drawn each time when a good part more has arrived, and when all is in storage order. */
-  readonly onArrived?: (arrived: ArrivedCloud) => void;
-  /** Called once when what was given to `onArrived` can no longer be drawn, until that is called again. */
-  readonly onArranging?: () => void;
+  /** See `LoadOptions`. */
+  readonly onPreview?: (preview: SplatCloud) => void;
 }
 
 /** A cloud that was made from the rows of a file. */
 export interface IngestedCloud {
   readonly contents: CloudContents;
-  readonly planes: MadePlanes;
+  readonly planes: CloudPlanes;
+  /** Shares the planes, and lasts as long as they do; null if nobody looks. */
+  readonly preview: SplatCloud | null;
 }
 
 /** Memory for the rows of one file, and for what is made of them. */
@@ -85,6 +93,8 @@ export class RowIngest implements RowSink {
   readonly mayDetach = false;
   readonly #context: ArrangeContext;
   readonly #options: RowIngestOptions;
+  /** Null if nobody looks. */
+  readonly #previews: LoadPreviews | null;
   readonly #staging: GPUBuffer[] = [];
   /** Mapped, or about to be. */
   readonly #free: Promise<GPUBuffer>[] = [];
@@ -100,12 +110,14 @@ export class RowIngest implements RowSink {
   constructor(context: ArrangeContext, options: RowIngestOptions) {
     this.#context = context;
     this.#options = options;
+    const { name, onPreview } = options;
+    this.#previews = onPreview ? new LoadPreviews(context.device, name, onPreview) : null;
   }
 
   /** @throws GpuLimitError; nothing is left allocated then. */
   async begin(layout: RowLayout): Promise<void> {
     const { device, memory, pipelines } = this.#context;
-    const { geometryPrecision, shPrecision, name, onArrived } = this.#options;
+    const { geometryPrecision, shPrecision, name } = this.#options;
     const { count, shDegree, strideBytes, pieceRows } = layout;
     const precision = { geometryPrecision, shPrecision };
     const stage = ingestRows({ ...precision, shDegree });
@@ -130,12 +142,12 @@ export class RowIngest implements RowSink {
         const harmonics = keep(createHarmonics(place, shDegree, shPrecision));
         const facts = create('facts', 4 * INGEST_FACTS.FACTS, COPY_SRC);
         let arrivals: Arrivals | null = null;
-        if (onArrived) {
+        if (this.#previews) {
           const chunks = planeOf(place, ({ start, end }, page) =>
             create(`arrived chunks ${page}`, Chunk.bytes * chunkCountOf(end - start), COPY_SRC),
           );
           const planes = { ...precision, shDegree, ranges, geometry, harmonics, chunks, facts };
-          arrivals = new Arrivals(this.#context, planes, onArrived);
+          arrivals = new Arrivals(this.#context, planes, this.#previews);
         }
         this.#held = {
           layout,
@@ -190,11 +202,12 @@ export class RowIngest implements RowSink {
   /**
    * Puts the splats into storage order. The planes are the caller's then; all else is freed.
    *
-   * @throws GpuLimitError; SplatFileError 'empty' if no row was kept; what `onArrived` has thrown; nothing is left allocated then.
+   * @throws GpuLimitError; SplatFileError 'empty' if no row was kept; what `onPreview` has thrown; nothing is left allocated then.
    */
   async finish(): Promise<IngestedCloud> {
-    const { device, pipelines } = this.#context;
-    const { name, onArrived, onArranging } = this.#options;
+    const { device, memory, pipelines } = this.#context;
+    const { name } = this.#options;
+    const previews = this.#previews;
     const arranged: GPUBuffer[] = [];
     try {
       await this.#compiled;
@@ -206,7 +219,7 @@ export class RowIngest implements RowSink {
       if (found.count === 0) throw emptyError(name, found.dropped);
       arrivals?.end();
       arrivals?.check();
-      onArranging?.();
+      previews?.hold();
       const { result, checked } = this.#allocate(() => {
         const { planes, contents, fileRows } = this.#arrange(found, arranged);
         const reading = [this.#readBounds(planes, contents), readWords(device, fileRows)] as const;
@@ -215,20 +228,28 @@ export class RowIngest implements RowSink {
         return { planes, contents, reading };
       });
       await checked;
-      const { planes, contents, reading } = result;
+      const { contents, reading } = result;
       const drawable = { ...contents, ...(await reading[0]) };
-      onArrived?.({ contents: drawable, planes });
-      return { contents: { ...drawable, fileIndices: await reading[1] }, planes };
+      const planes = new CloudPlanes(memory, name, result.planes);
+      previews?.show(planes, drawable);
+      const whole = { ...drawable, fileIndices: await reading[1] };
+      return { contents: whole, planes, preview: previews?.shown ?? null };
     } catch (error) {
-      for (const buffer of arranged) this.#context.memory.destroy(buffer);
+      previews?.end();
+      for (const buffer of arranged) memory.destroy(buffer);
       throw error;
     } finally {
-      this.destroy();
+      this.#freeBuffers();
     }
   }
 
-  /** Frees everything. */
+  /** Frees everything, and ends the previews. */
   destroy(): void {
+    this.#previews?.end();
+    this.#freeBuffers();
+  }
+
+  #freeBuffers(): void {
     this.#held?.arrivals?.end();
     for (const buffer of [...this.#buffers]) this.#destroy(buffer);
     this.#held = null;
