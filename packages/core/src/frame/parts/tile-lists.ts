@@ -136,7 +136,10 @@ export class TileLists implements FramePart<OrderRecording> {
     }
     this.#framesUnused = 0;
     const current = held?.pairCapacity ?? 0;
-    const pairs = pairCapacity(current, this.#pairs.value || null, visibleCapacity, this.#mostPairs());
+    // Room for more splats is made before they are seen, as when more of a file has arrived.
+    const growth = held ? Math.max(1, visibleCapacity / held.visibleCapacity) : 1;
+    const needed = Math.ceil(growth * this.#pairs.value) || null;
+    const pairs = pairCapacity(current, needed, visibleCapacity, this.#mostPairs());
     if (held?.visibleCapacity === visibleCapacity && held.binCount === binCount && pairs === current)
       return null;
     // No buffer is larger than those of the pairs, whose number has been limited, or of the records.
