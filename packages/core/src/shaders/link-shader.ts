@@ -7,7 +7,7 @@ import { type LinkInput, linkModules, type ShaderModules } from './shader-linker
 const files = import.meta.glob<string>(
   [
     '../../../../shaders/**/*.wgsl',
-    '!../../../../shaders/stages/{compare-images,ingest-*,pick,repack-*}.wgsl',
+    '!../../../../shaders/stages/{compare-images,copy-words,ingest-*,pick,repack-*}.wgsl',
     '!../../../../shaders/lib/{exact-exp,float-bits,harmonics-packing,pack-splat}.wgsl',
   ],
   { query: '?raw', import: 'default', eager: true },

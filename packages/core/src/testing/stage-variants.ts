@@ -6,6 +6,7 @@ import { compactSplats } from '../stages/compact-splats.ts';
 import { compareImages } from '../stages/compare-images.ts';
 import { compose } from '../stages/compose.ts';
 import { composite, compositeInCompute } from '../stages/composite.ts';
+import { copyWords } from '../stages/copy-words.ts';
 import { cullChunks } from '../stages/cull-chunks.ts';
 import { cullSplats } from '../stages/cull-splats.ts';
 import { ingestChunks } from '../stages/ingest-chunks.ts';
@@ -77,6 +78,7 @@ export function allStageVariants(): StageDefinition[] {
     cullChunks,
     compactChunks,
     compactSplats,
+    copyWords,
     planCull,
     planProject,
     composite,
