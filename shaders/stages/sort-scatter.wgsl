@@ -2,19 +2,24 @@
 // Reads keys, payloads and the scanned digit counts; writes keys and payloads. One workgroup per block of SORT_BLOCK keys.
 // A block is sorted in workgroup memory first and then written in order, so that the keys of one digit leave in one run:
 // scattered writes took most of a pass before.
-// Stable: groups of GROUP threads take successive keys of the block, in rounds of one key per thread, and a key's rank is the
-// number of its digit's keys in the group's earlier rounds, plus those in this round at earlier threads, set bits of a mask.
+// Stable: groups of threads take successive keys of the block, in rounds of one key per thread, and a key's rank is the number
+// of its digit's keys in the group's earlier rounds, plus those in this round at earlier threads. Groups are subgroups, whose
+// threads learn of each other's digits by ballots, or else 16 threads that set bits of a mask in workgroup memory.
 import constants::DIGIT_BITS;
 import constants::SORT_ITEMS;
 import constants::SORT_BLOCK;
+import constants::SORT_GROUP;
 import constants::SORT_WORKGROUP;
 import layout::SortParameters;
 import layout::SortPlan;
 import package::lib::dispatch::linearWorkgroup;
 
 const RADIX = 1u << DIGIT_BITS;
-const GROUP = 16u;
-const GROUPS = SORT_WORKGROUP / GROUP;
+/// Most groups: SORT_GROUP is the size of the smallest.
+const GROUPS = SORT_WORKGROUP / SORT_GROUP;
+/// Successive threads whose digits are summed by one of them.
+const RUN = 16u;
+const RUNS = SORT_WORKGROUP / RUN;
 /// Successive digits that one thread prepares.
 const THREAD_DIGITS = (RADIX + SORT_WORKGROUP - 1u) / SORT_WORKGROUP;
 
@@ -28,27 +33,53 @@ const THREAD_DIGITS = (RADIX + SORT_WORKGROUP - 1u) / SORT_WORKGROUP;
 @group(0) @binding(6) var<storage, read> payloadsIn: array<u32>;
 @group(0) @binding(7) var<storage, read_write> keysOut: array<u32>;
 
-/// One after another: a word per group and digit, the block's keys, the block's payloads. Such a word has the mask of the
-/// round in its lower half and the number of keys of earlier rounds in its upper half.
+/// One after another: a word per group and digit, the block's keys, the block's payloads. With masks, such a word has that of the
+/// round in its lower half and the number of keys of earlier rounds in its upper half; otherwise it has this number.
 var<workgroup> words: array<atomic<u32>, max(SORT_BLOCK, GROUPS * RADIX)>;
 /// Place of each digit's first key of this block, less its place within the block; modulo 2³².
 var<workgroup> shifts: array<u32, RADIX>;
 var<workgroup> threadSums: array<vec2u, SORT_WORKGROUP>;
-var<workgroup> groupSums: array<vec2u, GROUPS>;
+var<workgroup> runSums: array<vec2u, RUNS>;
+@if(SUBGROUPS) var<workgroup> groupCount: atomic<u32>;
 
+/// Threads that rank keys together.
+struct Group {
+  index: u32,
+  /// This thread's place in it.
+  lane: u32,
+  size: u32,
+}
+
+@if(SUBGROUPS)
+@compute @workgroup_size(SORT_WORKGROUP)
+fn sortScatter(
+  @builtin(workgroup_id) workgroup: vec3u,
+  @builtin(local_invocation_index) lane: u32,
+  @builtin(subgroup_invocation_id) groupLane: u32,
+  @builtin(subgroup_size) groupSize: u32,
+) {
+  // Which threads a subgroup consists of is not specified, so that the groups number themselves.
+  var index = 0u;
+  if (subgroupElect()) { index = atomicAdd(&groupCount, 1u); }
+  scatterBlock(linearWorkgroup(workgroup, parameters.dispatchRow), lane, Group(subgroupBroadcastFirst(index), groupLane, groupSize));
+}
+
+@if(!SUBGROUPS)
 @compute @workgroup_size(SORT_WORKGROUP)
 fn sortScatter(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
-  let block = linearWorkgroup(workgroup, parameters.dispatchRow);
+  let group = Group(lane / SORT_GROUP, lane % SORT_GROUP, SORT_GROUP);
+  scatterBlock(linearWorkgroup(workgroup, parameters.dispatchRow), lane, group);
+}
+
+fn scatterBlock(block: u32, lane: u32, group: Group) {
   if (block >= plan.blockCount) { return; }
   let blockStart = block * SORT_BLOCK;
   let blockKeys = min(SORT_BLOCK, plan.keyCount - blockStart);
 
-  let group = lane / GROUP;
-  let bit = 1u << (lane % GROUP);
-  let firstItem = group * GROUP * SORT_ITEMS + lane % GROUP;
+  let firstItem = group.index * group.size * SORT_ITEMS + group.lane;
   var keys: array<u32, SORT_ITEMS>;
-  for (var item = 0u; item < SORT_ITEMS; item++) {
-    let place = firstItem + item * GROUP;
+  @unroll(SUBGROUPS) for (var item = 0u; item < SORT_ITEMS; item++) {
+    let place = firstItem + item * group.size;
     if (place < blockKeys) { keys[item] = keysIn[blockStart + place]; }
   }
   let localStart = prepareDigits(lane, block);
@@ -57,23 +88,8 @@ fn sortScatter(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
   var places: array<u32, SORT_ITEMS>;
   // Where few threads run in lockstep, on a CPU, unrolling gains nothing and doubles the time to compile.
   @unroll(!NARROW) for (var item = 0u; item < SORT_ITEMS; item++) {
-    let isKey = firstItem + item * GROUP < blockKeys;
-    let slot = group * RADIX + digitOf(keys[item]);
-    if (isKey) { atomicAdd(&words[slot], bit); }
-    workgroupBarrier();
-
-    var word = 0u;
-    if (isKey) { word = atomicLoad(&words[slot]); }
-    let before = word & (bit - 1u);
-    places[item] = (word >> 16u) + countOneBits(before);
-    workgroupBarrier();
-
-    // The first thread of each digit turns the mask into a count. Sums commute, so that threads which already add the next
-    // round's bits need not wait: what they add to a bit that is still set is carried, and the subtraction takes it back.
-    if (isKey && before == 0u) {
-      let mask = word & 0xffffu;
-      atomicAdd(&words[slot], (countOneBits(mask) << 16u) - mask);
-    }
+    let isKey = firstItem + item * group.size < blockKeys;
+    places[item] = rank(digitOf(keys[item]), isKey, group);
   }
   workgroupBarrier();
 
@@ -83,26 +99,26 @@ fn sortScatter(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
     let digit = lane * THREAD_DIGITS + i;
     if (digit >= RADIX) { break; }
     for (var each = 0u; each < GROUPS; each++) {
-      let count = atomicLoad(&words[each * RADIX + digit]) >> 16u;
+      let count = countOf(atomicLoad(&words[each * RADIX + digit]));
       atomicStore(&words[each * RADIX + digit], running);
       running += count;
     }
   }
   workgroupBarrier();
 
-  for (var item = 0u; item < SORT_ITEMS; item++) {
-    places[item] += atomicLoad(&words[group * RADIX + digitOf(keys[item])]);
+  @unroll(SUBGROUPS) for (var item = 0u; item < SORT_ITEMS; item++) {
+    places[item] += atomicLoad(&words[group.index * RADIX + digitOf(keys[item])]);
   }
   workgroupBarrier();
 
-  for (var item = 0u; item < SORT_ITEMS; item++) {
-    if (firstItem + item * GROUP < blockKeys) { atomicStore(&words[places[item]], keys[item]); }
+  @unroll(SUBGROUPS) for (var item = 0u; item < SORT_ITEMS; item++) {
+    if (firstItem + item * group.size < blockKeys) { atomicStore(&words[places[item]], keys[item]); }
   }
   workgroupBarrier();
 
   // From here on a thread's items are those at its places of the sorted block.
   var targets: array<u32, SORT_ITEMS>;
-  for (var item = 0u; item < SORT_ITEMS; item++) {
+  @unroll(SUBGROUPS) for (var item = 0u; item < SORT_ITEMS; item++) {
     let place = item * SORT_WORKGROUP + lane;
     if (place < blockKeys) {
       let key = atomicLoad(&words[place]);
@@ -113,8 +129,8 @@ fn sortScatter(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
   }
   workgroupBarrier();
 
-  for (var item = 0u; item < SORT_ITEMS; item++) {
-    let place = firstItem + item * GROUP;
+  @unroll(SUBGROUPS) for (var item = 0u; item < SORT_ITEMS; item++) {
+    let place = firstItem + item * group.size;
     if (place < blockKeys) {
       var payload = blockStart + place;
       if (parameters.makesPayloads == 0u) { payload = payloadsIn[payload]; }
@@ -123,10 +139,93 @@ fn sortScatter(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
   }
   workgroupBarrier();
 
-  for (var item = 0u; item < SORT_ITEMS; item++) {
+  @unroll(SUBGROUPS) for (var item = 0u; item < SORT_ITEMS; item++) {
     let place = item * SORT_WORKGROUP + lane;
     if (place < blockKeys) { payloadsOut[targets[item]] = atomicLoad(&words[place]); }
   }
+}
+
+/// Number of keys of a digit that the group had in earlier rounds, or has in this one at earlier threads.
+@if(SUBGROUPS)
+fn rank(digit: u32, isKey: bool, group: Group) -> u32 {
+  // Threads of the group whose keys have the same digit, as bits.
+  var peers = subgroupBallot(isKey);
+  @unroll for (var bit = 0u; bit < DIGIT_BITS; bit++) {
+    let isSet = ((digit >> bit) & 1u) == 1u;
+    let withBit = subgroupBallot(isSet);
+    peers &= select(~withBit, withBit, isSet);
+  }
+  let first = firstOf(peers, group.lane);
+  var start = 0u;
+  // Nobody waits for this sum but for the shuffle: a round of the group begins when the one before has been counted.
+  if (isKey && first == group.lane) { start = atomicAdd(&words[group.index * RADIX + digit], countOf4(peers)); }
+  return subgroupShuffle(start, first) + countOf4(peers & before(group.lane));
+}
+
+/// The lowest set bit; `lane` if none is set.
+@if(SUBGROUPS && !WIDE_SUBGROUPS)
+fn firstOf(bits: vec4u, lane: u32) -> u32 {
+  return select(firstTrailingBit(bits.x), lane, bits.x == 0u);
+}
+
+@if(SUBGROUPS && WIDE_SUBGROUPS)
+fn firstOf(bits: vec4u, lane: u32) -> u32 {
+  var first = lane;
+  if (bits.w != 0u) { first = 96u + firstTrailingBit(bits.w); }
+  if (bits.z != 0u) { first = 64u + firstTrailingBit(bits.z); }
+  if (bits.y != 0u) { first = 32u + firstTrailingBit(bits.y); }
+  if (bits.x != 0u) { first = firstTrailingBit(bits.x); }
+  return first;
+}
+
+@if(SUBGROUPS && !WIDE_SUBGROUPS)
+fn countOf4(bits: vec4u) -> u32 {
+  return countOneBits(bits.x);
+}
+
+@if(SUBGROUPS && WIDE_SUBGROUPS)
+fn countOf4(bits: vec4u) -> u32 {
+  let counts = countOneBits(bits);
+  return counts.x + counts.y + counts.z + counts.w;
+}
+
+/// The bits below that of `lane`.
+@if(SUBGROUPS)
+fn before(lane: u32) -> vec4u {
+  let lanes = vec4u(0u, 32u, 64u, 96u);
+  let inWord = clamp(vec4i(i32(lane)) - vec4i(lanes), vec4i(0), vec4i(32));
+  return select((vec4u(1u) << vec4u(inWord)) - 1u, vec4u(0xffffffffu), inWord == vec4i(32));
+}
+
+@if(SUBGROUPS)
+fn countOf(word: u32) -> u32 {
+  return word;
+}
+
+@if(!SUBGROUPS)
+fn rank(digit: u32, isKey: bool, group: Group) -> u32 {
+  let bit = 1u << group.lane;
+  let slot = group.index * RADIX + digit;
+  if (isKey) { atomicAdd(&words[slot], bit); }
+  workgroupBarrier();
+
+  var word = 0u;
+  if (isKey) { word = atomicLoad(&words[slot]); }
+  let before = word & (bit - 1u);
+  workgroupBarrier();
+
+  // The first thread of each digit turns the mask into a count. Sums commute, so that threads which already add the next
+  // round's bits need not wait: what they add to a bit that is still set is carried, and the subtraction takes it back.
+  if (isKey && before == 0u) {
+    let mask = word & 0xffffu;
+    atomicAdd(&words[slot], (countOneBits(mask) << 16u) - mask);
+  }
+  return (word >> 16u) + countOneBits(before);
+}
+
+@if(!SUBGROUPS)
+fn countOf(word: u32) -> u32 {
+  return word >> 16u;
 }
 
 fn digitOf(key: u32) -> u32 {
@@ -155,14 +254,14 @@ fn prepareDigits(lane: u32, block: u32) -> u32 {
   workgroupBarrier();
 
   // Twice up to 16 additions take two barriers; a tree over 256 threads takes 16.
-  let group = lane / GROUP;
-  let groupStart = group * GROUP;
+  let run = lane / RUN;
+  let runStart = run * RUN;
   var start = vec2u(0u);
-  for (var other = groupStart; other < lane; other++) { start += threadSums[other]; }
-  if (lane % GROUP == GROUP - 1u) { groupSums[group] = start + sum; }
+  for (var other = runStart; other < lane; other++) { start += threadSums[other]; }
+  if (lane % RUN == RUN - 1u) { runSums[run] = start + sum; }
   workgroupBarrier();
 
-  for (var other = 0u; other < group; other++) { start += groupSums[other]; }
+  for (var other = 0u; other < run; other++) { start += runSums[other]; }
   let localStart = start.y;
   for (var i = 0u; i < THREAD_DIGITS; i++) {
     let digit = lane * THREAD_DIGITS + i;

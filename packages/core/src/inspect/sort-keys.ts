@@ -3,7 +3,7 @@ import { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { RadixSort, radixSortStages } from '../stages/radix-sort.ts';
-import { sortShapeFor } from '../stages/sort-shape.ts';
+import { type SortShape, sortShapeFor } from '../stages/sort-shape.ts';
 
 /**
  * Runs the GPU's sort alone.
@@ -18,12 +18,12 @@ export async function sortKeys(
   keys: Uint32Array,
   keyBits: number,
   dispatchRow = device.limits.maxComputeWorkgroupsPerDimension,
-): Promise<Uint32Array> {
-  const shape = sortShapeFor(
+  shape: SortShape = sortShapeFor(
     keyBits,
     device.limits.maxComputeWorkgroupStorageSize,
     hasNarrowSubgroups(device),
-  );
+  ),
+): Promise<Uint32Array> {
   await pipelines.prepare(radixSortStages(shape));
   const memory = new GpuMemory(device);
   const keyCount = memory.createFilledBuffer('key count', Uint32Array.of(keys.length));

@@ -53,7 +53,7 @@ describe('measureFrames', () => {
       const view: SplatView = createView.mock.results[0].value;
       createView.mockRestore();
       expect(engine.memory().totalBytes).toBe(heldBytes);
-      expect([steps[0], steps.at(-1)]).toEqual(['0/9 Warming up', '8/9 Timing passes']);
+      expect([steps[0], steps.at(-1)]).toEqual(['0/12 Warming up', '11/12 Timing passes']);
 
       expect(measured).toMatchObject({
         ...SIZE,

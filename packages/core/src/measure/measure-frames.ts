@@ -100,7 +100,8 @@ const CHOICE_FRAMES = 30;
  * its own, one frame after another; each is complete before the next begins, and other tasks of the thread run in between.
  * Every frame is culled, sorted and drawn anew.
  *
- * Where the settings leave the rasteriser open, the faster one is found first, and draws all measured frames.
+ * Where the settings leave the rasteriser open, the faster one is found first, and draws all measured frames. All cameras are
+ * drawn once before any is measured.
  *
  * @throws InvalidArgumentError, GpuLimitError, DestroyedError; the reason of `signal`.
  */
@@ -170,7 +171,7 @@ async function drawFrames(
   const asked = engine.resolveAccuracy(isAccuracyWish(accuracy) ? engine.accuracy : accuracy);
   const hasTimestamps = engine.device.features.has('timestamp-query');
   const warmUpFrames = asked.settings.rasterizer === 'auto' ? CHOICE_FRAMES : WARM_UP_FRAMES;
-  const total = warmUpFrames + cameras.length * (hasTimestamps ? 2 : 1);
+  const total = warmUpFrames + cameras.length * (hasTimestamps ? 3 : 2);
   let done = 0;
   const step = (label: string) => {
     signal?.throwIfAborted();
@@ -188,9 +189,11 @@ async function drawFrames(
   }
   const { rasterizer, reason } = view.rasterizer;
   settings = engine.resolveAccuracy({ ...settings, rasterizer }).settings;
-  // Makes what the settled choice still needs.
-  await drawMeasured(engine, view, frame(cameras[0]));
-
+  // Once around with the settled choice: what grows on the way has grown then.
+  for (const camera of cameras) {
+    step('Going around');
+    await drawMeasured(engine, view, frame(camera));
+  }
   const drawn: FrameStatistics[] = [];
   for (const camera of cameras) {
     step('Timing frames');

@@ -9,6 +9,7 @@ import type { FrameOutput, FrameShape, OmittableEffect } from '../frame/frame-sh
 import { canKeepColors } from '../frame/parts/kept-colors.ts';
 import { isSameColors, isSameOrder } from '../frame/plan-difference.ts';
 import { RecentNeeds } from '../frame/recent-needs.ts';
+import type { BallotDevice } from '../gpu/device.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory, GpuMemoryReport } from '../gpu/gpu-memory.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
@@ -36,6 +37,10 @@ export interface ViewContext extends AccuracyContext {
   readonly dispatchRow: number;
   readonly workgroupBytes: number;
   readonly hasNarrowSubgroups: boolean;
+  /** The device, once ranking keys by ballots has been found faster there; else null. */
+  readonly ballots: () => BallotDevice | null;
+  /** Called when a frame has been measured. */
+  readonly onMeasured: () => void;
   readonly tileBudgetBytes: number;
   /** The rasteriser that was faster on this adapter before, and where to keep that. */
   readonly fasterRasterizer: Pick<RasterizerChoiceOptions, 'remembered' | 'remember'>;
@@ -388,6 +393,7 @@ export abstract class ViewCore {
     const statistics = await this.timer.read(++this.#frameNumber, totalSplats);
     if (!statistics || this.#isDestroyed || !this.#prepared) return;
     this.#learn(statistics);
+    this.context.onMeasured();
     this.#statistics = statistics;
     this.onStatistics?.(statistics);
   }
@@ -448,6 +454,7 @@ export abstract class ViewCore {
       dispatchRow: this.context.dispatchRow,
       workgroupBytes: this.context.workgroupBytes,
       hasNarrowSubgroups: this.context.hasNarrowSubgroups,
+      ballots: this.context.ballots(),
       output: this.#output,
       omitted: this.#omittedEffects,
       last: this.#prepared,

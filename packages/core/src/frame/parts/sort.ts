@@ -8,11 +8,12 @@ import { depthSortShape } from '../sort-shapes.ts';
 
 const stagesOf = perShape((shape) => radixSortStages(depthSortShape(shape)));
 
-/** The part's memory for frames of one key width and capacity. */
+/** The part's memory for frames of one key width, ranking and capacity. */
 interface Held {
   readonly sort: RadixSort;
   readonly visibleCount: GPUBuffer;
   readonly keyBits: number;
+  readonly ballots: FrameShape['ballots'];
   readonly capacity: number;
 }
 
@@ -37,8 +38,10 @@ export class Sort implements FramePart<OrderRecording> {
   }
 
   fit({ shape }: FramePlan): PartChange | null {
-    const { keyBits, visibleCapacity } = shape;
-    if (this.#held?.keyBits === keyBits && this.#held.capacity === visibleCapacity) return null;
+    const { keyBits, visibleCapacity, ballots } = shape;
+    const held = this.#held;
+    if (held?.keyBits === keyBits && held.ballots === ballots && held.capacity === visibleCapacity)
+      return null;
     // No buffer is larger than that of the records, which pre-process checks.
     return {
       free: () => this.#memory.destroyAll(),
@@ -58,7 +61,7 @@ export class Sort implements FramePart<OrderRecording> {
   }
 
   #make(frame: FrameShape): Held {
-    const { keyBits, visibleCapacity, dispatchRow } = frame;
+    const { keyBits, visibleCapacity, dispatchRow, ballots } = frame;
     const { device, pipelines } = this.#context;
     const memory = this.#memory;
     const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;
@@ -69,6 +72,6 @@ export class Sort implements FramePart<OrderRecording> {
       keyCount: visibleCount,
       dispatchRow,
     });
-    return { sort, visibleCount, keyBits, capacity: visibleCapacity };
+    return { sort, visibleCount, keyBits, ballots, capacity: visibleCapacity };
   }
 }

@@ -75,6 +75,7 @@ interface Held {
   readonly visibleCapacity: number;
   readonly pairCapacity: number;
   readonly binCount: number;
+  readonly ballots: FrameShape['ballots'];
 }
 
 interface Groups {
@@ -128,7 +129,7 @@ export class TileLists implements FramePart<OrderRecording> {
   }
 
   fit({ shape }: FramePlan): PartChange | null {
-    const { visibleCapacity, binCount } = shape;
+    const { visibleCapacity, binCount, ballots } = shape;
     const held = this.#held;
     if (shape.rasterizer !== 'tiles') {
       if (!held || this.#isCompared(shape, held)) return null;
@@ -140,8 +141,9 @@ export class TileLists implements FramePart<OrderRecording> {
     const growth = held ? Math.max(1, visibleCapacity / held.visibleCapacity) : 1;
     const needed = Math.ceil(growth * this.#pairs.value) || null;
     const pairs = pairCapacity(current, needed, visibleCapacity, this.#mostPairs());
-    if (held?.visibleCapacity === visibleCapacity && held.binCount === binCount && pairs === current)
-      return null;
+    const isSame =
+      held?.visibleCapacity === visibleCapacity && held.binCount === binCount && held.ballots === ballots;
+    if (isSame && pairs === current) return null;
     // No buffer is larger than those of the pairs, whose number has been limited, or of the records.
     return {
       free: () => this.#memory.destroyAll(),
@@ -246,7 +248,7 @@ export class TileLists implements FramePart<OrderRecording> {
   #make(shape: FrameShape, pairs: number): Held {
     const { device, pipelines } = this.#context;
     const memory = this.#memory;
-    const { visibleCapacity, binCount, dispatchRow } = shape;
+    const { visibleCapacity, binCount, dispatchRow, ballots } = shape;
     // The sort's halves of the masks begin at multiples of 256 bytes.
     const room = roundUp(pairs, MASK_GROUP);
     const buffers = {} as Record<BufferName, GPUBuffer>;
@@ -266,6 +268,6 @@ export class TileLists implements FramePart<OrderRecording> {
       spare: buffers.tileMasks,
       label: 'tiles sort',
     });
-    return { buffers, sort, visibleCapacity, pairCapacity: pairs, binCount };
+    return { buffers, sort, visibleCapacity, pairCapacity: pairs, binCount, ballots };
   }
 }
