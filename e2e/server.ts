@@ -5,7 +5,9 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { promisify } from 'node:util';
+import { encodePly } from '@websplatter/core';
 import { type Plugin, preview } from 'vite';
+import { slowScene } from './test-scene.ts';
 
 const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 
@@ -17,6 +19,8 @@ export interface AppServer {
   readonly url: string;
   /** Resolves when a browser has aborted a request for `endless.ply`. */
   readonly whenEndlessFileIsDropped: () => Promise<void>;
+  /** Sends the rest of `slow.ply` to whoever has asked for it. */
+  readonly sendRestOfSlowFile: () => void;
   /** Number of requests for the file at `path` so far. */
   readonly requests: (path: string) => number;
   readonly close: () => Promise<void>;
@@ -24,7 +28,7 @@ export interface AppServer {
 
 /**
  * Builds an app as it is shipped, into a folder of its own, and serves it on a free port. Its file `endless.ply` begins
- * like a splat file and never continues.
+ * like a splat file and never continues; its file `slow.ply` pauses after three fifths of `slowScene`.
  *
  * @param appFolder folder of the app's `vite.config.ts`, relative to the repository's root, e.g. `apps/viewer`
  */
@@ -34,6 +38,7 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
   await buildApp(configFile, outDir);
   const requests = new Map<string, number>();
   let dropped = withResolvers();
+  let sendRest = () => {};
   const testFiles: Plugin = {
     name: 'test-files',
     configurePreviewServer({ middlewares }) {
@@ -51,6 +56,16 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
           response.end(bytes);
         });
       }
+      middlewares.use('/slow.ply', (_request, response: ServerResponse) => {
+        const bytes = encodePly(slowScene());
+        response.writeHead(200, {
+          'content-type': 'application/octet-stream',
+          'content-length': bytes.length,
+        });
+        const pause = Math.floor(0.6 * bytes.length);
+        response.write(bytes.subarray(0, pause));
+        sendRest = () => response.end(bytes.subarray(pause));
+      });
       middlewares.use('/endless.ply', (_request, response: ServerResponse) => {
         dropped = withResolvers();
         response.on('close', dropped.resolve);
@@ -76,6 +91,7 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
   return {
     url,
     whenEndlessFileIsDropped: () => dropped.promise,
+    sendRestOfSlowFile: () => sendRest(),
     requests: (path) => requests.get(path) ?? 0,
     close: async () => {
       await server.close();

@@ -51,3 +51,8 @@ function randomNumbers(seed: number): () => number {
     return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
   };
 }
+
+/** A scene whose file is large enough to be shown while it arrives. */
+export function slowScene(): SplatSet {
+  return testScene(120_000);
+}

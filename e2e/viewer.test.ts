@@ -3,7 +3,7 @@ import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { changedPart, type Screenshot } from './screenshot.ts';
-import { testScene } from './test-scene.ts';
+import { slowScene, testScene } from './test-scene.ts';
 import {
   drawnCamera,
   dropFiles,
@@ -172,6 +172,61 @@ describe('viewer', () => {
     expect(await textOf(page, 'scene')).toContain('70,000 splats');
     const shot = await viewerScreenshot(page);
     expect(psnrAgainstReference(shot, await drawnCamera(page), [set])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  });
+
+  it('shows what has arrived of a file, can be moved, and then shows all of it', async () => {
+    const page = await openViewer('?scene=still-life-small', { viewport: { width: 160, height: 120 } });
+    const before = await viewerScreenshot(page);
+    await page.goto(`${harness.server.url}?file=/slow.ply`);
+    // The rest comes only after the test has seen a part.
+    await page.waitForFunction(
+      () => document.querySelector('[data-testid=scene-title]')?.textContent === 'slow.ply',
+      null,
+      { timeout: 60_000 },
+    );
+    const part = Number(/([\d,]+) splats/.exec(await textOf(page, 'scene'))![1].replaceAll(',', ''));
+    expect(part).toBeGreaterThan(10_000);
+    expect(part).toBeLessThan(120_000);
+    await waitForState(page, 'loading');
+    expect(await page.getByTestId('load').isVisible()).toBe(true);
+    await expect
+      .poll(async () => colorsIn(await viewerScreenshot(page)), { timeout: 60_000 })
+      .toBeGreaterThan(50);
+    const early = await viewerScreenshot(page);
+    expect(changedPart(before, early)).toBeGreaterThan(0.1);
+    await page.keyboard.press('ArrowRight');
+    await expect
+      .poll(async () => changedPart(early, await viewerScreenshot(page)), { timeout: 60_000 })
+      .toBeGreaterThan(0.02);
+
+    harness.server.sendRestOfSlowFile();
+    await waitForState(page, 'ready');
+    expect(await textOf(page, 'scene')).toContain('120,000 splats');
+    expect(await page.getByTestId('load').count()).toBe(0);
+    await waitForFrameAfter(page, 0);
+    const drawn = await drawnCamera(page);
+    expect(psnrAgainstReference(await viewerScreenshot(page), drawn, [slowScene()])).toBeGreaterThanOrEqual(
+      MIN_PSNR_DB,
+    );
+  });
+
+  it('goes back to a whole scene if the rest of a file is called off', async () => {
+    const page = await newPage({ viewport: { width: 160, height: 120 } });
+    await page.goto(`${harness.server.url}?file=/slow.ply`);
+    await page.waitForFunction(
+      () => document.querySelector('[data-testid=scene-title]')?.textContent === 'slow.ply',
+      null,
+      { timeout: 60_000 },
+    );
+    // The button lies outside of so small a window.
+    await page.getByTestId('cancel-load').dispatchEvent('click');
+    await page.waitForFunction(
+      () => document.querySelector('[data-testid=scene-title]')?.textContent?.includes('Still life'),
+      null,
+      { timeout: 60_000 },
+    );
+    await waitForImage(page);
+    expect(colorsIn(await viewerScreenshot(page)), 'different colours').toBeGreaterThan(500);
   });
 
   it('keeps the old scene on the screen, and movable, while a file is loading', async () => {
