@@ -1,10 +1,11 @@
 import { type Camera, cameraFromMatrices } from '@websplatter/core';
 import { compareImages, renderReference } from '@websplatter/core/reference';
+import { syntheticPly } from '@websplatter/scenes';
 import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
 import { launchBrowser, newWatchedPage, type WatchedPage } from './browser.ts';
 import { MIN_PSNR_DB } from './reference.ts';
-import { type AppServer, startAppServer } from './server.ts';
+import { type AppServer, type ServedFiles, startAppServer } from './server.ts';
 import { testScene } from './test-scene.ts';
 import type { cases as pageCases } from './three/cases.ts';
 import type { Pixels } from './three/stage.ts';
@@ -19,14 +20,17 @@ beforeAll(async () => {
 });
 afterAll(() => browser?.close());
 
-/** A page with the release of three in `appFolder`. All tests in a block share it, with its devices and shaders. */
-function threePage(appFolder: string) {
+/**
+ * A page with the release of three in `appFolder`, where `run` runs a case. All tests in a block share it, with its devices
+ * and shaders. `heldBytes` are those of the arrays that the page holds after garbage was collected.
+ */
+function threePage(appFolder: string, filesToServe: () => Promise<ServedFiles> = async () => ({})) {
   let server: AppServer;
   const pages = new Map<string, WatchedPage>();
   let problemsSeen = 0;
 
   beforeAll(async () => {
-    server = await startAppServer(appFolder);
+    server = await startAppServer(appFolder, await filesToServe());
   });
   afterAll(async () => {
     for (const { page } of pages.values()) await page.context().close();
@@ -47,7 +51,16 @@ function threePage(appFolder: string) {
     return watched;
   }
 
-  return async function run<Name extends CaseName>(
+  async function heldBytes(): Promise<number> {
+    const { page } = pages.get('other') ?? (await open('other'));
+    const session = await page.context().newCDPSession(page);
+    await session.send('HeapProfiler.collectGarbage');
+    const usage: { backingStorageSize?: number } = await session.send('Runtime.getHeapUsage');
+    await session.detach();
+    return usage.backingStorageSize!;
+  }
+
+  async function run<Name extends CaseName>(
     name: Name,
     ...args: Parameters<Cases[Name]>
   ): Promise<Awaited<ReturnType<Cases[Name]>>> {
@@ -57,7 +70,8 @@ function threePage(appFolder: string) {
     const call: [string, unknown[]] = [name, args];
     const result: unknown = await page.evaluate(runCase, call);
     return result as Awaited<ReturnType<Cases[Name]>>;
-  };
+  }
+  return { run, heldBytes };
 }
 
 /** Runs in the page. */
@@ -138,6 +152,9 @@ function neighborhood(pixel: number, widthPx: number, heightPx: number): number[
   return near(row, heightPx).flatMap((y) => near(column, widthPx).map((x) => y * widthPx + x));
 }
 
+/** Enough for the GPU to pack them. */
+const KEPT_SPLATS = 100_000;
+
 const GREY: Rgba = [128, 128, 128, 255];
 const RED: Rgba = [255, 0, 0, 255];
 const BLUE_UNDER_WHITE: Rgba = [128, 128, 255, 255];
@@ -149,7 +166,10 @@ function expectBetweenMeshes(pixels: Pixels): void {
 }
 
 describe('three 0.187', () => {
-  const run = threePage('e2e/three');
+  const { run, heldBytes } = threePage('e2e/three', async () => {
+    const synthetic = new Response(syntheticPly({ splats: KEPT_SPLATS }));
+    return { 'kept.ply': new Uint8Array(await synthetic.arrayBuffer()) };
+  });
 
   test('is what the page runs', async () => {
     expect(await run('revision')).toBe('187');
@@ -490,6 +510,55 @@ describe('three 0.187', () => {
       });
     });
 
+    test('are packed by the GPU of a renderer that they are loaded for, and read again where they were freed', async () => {
+      const { images, rows, ...rest } = await run('loadedForRenderer');
+      expect(rest).toEqual({
+        packedOnCpu: 0,
+        // A geometry of 32 bytes each, and bounds of chunks.
+        bytesLoaded: 32 * 70_000 + 32 * Math.ceil(70_000 / 256),
+        bytesDisposed: 0,
+        bytesLeft: 0,
+        errors: [],
+      });
+      expect(Math.max(...images.first.data)).toBeGreaterThan(100);
+      expect(images.again).toEqual(images.first);
+      expect(images.other).toEqual(images.first);
+      // Opacities, rotations and sizes may have been rounded to the next step.
+      expectEachPixel(images.cpu, images.first, (pixel) => pixel, 1);
+      expect(rows.inMemory.length).toBeGreaterThan(100);
+      expect(rows.onGpu).toEqual(rows.inMemory);
+      expect(rows.readAgain).toEqual(rows.inMemory);
+    });
+
+    test.each([
+      ['loaded for its renderer', 'renderer', 0, 8],
+      ['packed on the CPU', 'memory', 0, 8],
+      // Shows that the bytes are seen: 32 of geometry, and at degree 3 more than 45 of harmonics.
+      ['from a buffer, which cannot be read again', 'buffer', 77, 100],
+    ] as const)('hold on the page, %s, some bytes each', async (_, how, least, most) => {
+      // What any load leaves.
+      await run('keepShown', how, 'kept.ply');
+      await run('letGo');
+      const before = await heldBytes();
+      await run('keepShown', how, 'kept.ply');
+      const bytesEach = ((await heldBytes()) - before) / KEPT_SPLATS;
+      await run('letGo');
+      expect(bytesEach).toBeGreaterThan(least);
+      expect(bytesEach).toBeLessThan(most);
+    });
+
+    test('that fail to load, are aborted or never shown leave nothing', async () => {
+      expect(await run('failedLoads')).toEqual({
+        'cut short': { error: 'SplatFileError', bytesLeft: 0 },
+        aborted: { error: 'AbortError', bytesLeft: 0 },
+        disposed: { error: 'none', bytesLeft: 0 },
+      });
+    });
+
+    test('are loaded for the next renderer where theirs is lost meanwhile', async () => {
+      expect(await run('loadBeyondDevice')).toEqual({ isLost: true, isDrawn: true });
+    });
+
     test('are sorted again only where something has moved', async () => {
       expect(await run('stillness')).toEqual({ still: 0, moved: 1 });
     });
@@ -559,7 +628,7 @@ describe('three 0.187', () => {
 });
 
 describe('three 0.185', () => {
-  const run = threePage('e2e/three/oldest');
+  const { run } = threePage('e2e/three/oldest');
 
   test('is what the page runs', async () => {
     expect(await run('revision')).toBe('185');

@@ -43,12 +43,13 @@ import {
   RenderPipeline,
   RenderTarget,
   ReplaceStencilOp,
+  Sphere,
   Vector2,
   Vector3,
   Vector4,
 } from 'three/webgpu';
 import { testScene } from '../test-scene.ts';
-import { splatCloud, splatData } from './splats.ts';
+import { manySplats, splatCloud, splatData, splatSet } from './splats.ts';
 import {
   areOn,
   drawn,
@@ -66,6 +67,12 @@ import {
   targetPixels,
   targetShot,
 } from './stage.ts';
+
+/** For images that are compared: their rasteriser must not follow from times. */
+const BY_TILES = { accuracy: { rasterizer: 'tiles' } } as const;
+
+/** Of `keepShown`. */
+let kept: SplatCloudObject | null = null;
 
 /** A large square across the line of sight. */
 function wall(color: number, z: number, options: Partial<Material> = {}): Mesh {
@@ -513,9 +520,9 @@ export const cases = {
     const { renderer, scene, camera } = stage;
     const engine = splatEngineOf(renderer);
     const data = await new SplatLoader().loadAsync(new Blob([encodePly(testScene()) as BlobPart]));
+    const cloud = new SplatCloudObjectClass(data);
     const held = () => {
-      const { geometry, sh } = data.acquire(engine, stage).precisions;
-      data.release(engine, stage);
+      const { geometry, sh } = cloud.uploadedTo(engine)!.precisions;
       return [...geometry, ...sh].join(' ');
     };
     const becomes = async (precisions: string) => {
@@ -523,7 +530,6 @@ export const cases = {
         await new Promise((resolve) => setTimeout(resolve, 10));
       return held();
     };
-    const cloud = new SplatCloudObjectClass(data);
     const errors = errorsOf(cloud);
     lookAtTestScene(camera);
     scene.add(cloud);
@@ -537,7 +543,9 @@ export const cases = {
     await shot(stage);
     const coarser = await becomes('packed u8');
     // Beside one that asks for nothing and cannot be read again.
-    const other = new SplatCloudObjectClass(new SplatData(data.packed, 'no source'));
+    const other = new SplatCloudObjectClass(
+      new SplatData(packCloud(testScene(), { geometryPrecision: 'packed', shPrecision: 'u8' }), 'no source'),
+    );
     const otherErrors = errorsOf(other);
     scene.add(other);
     cloud.accuracy = { shDegree: 0 };
@@ -623,6 +631,113 @@ export const cases = {
       childrenAfter,
       bytesLeft: engine.memory().totalBytes - start.bytes,
     };
+  },
+
+  /**
+   * A file with as many rows as the GPU packs: loaded for a renderer and drawn by it, drawn again after it was freed, and
+   * drawn by another renderer; and the same file packed on the CPU. `packedOnCpu` counts what was packed there for the first.
+   */
+  loadedForRenderer: async () => {
+    const stages = [await newStage(BY_TILES), await newStage({ ...BY_TILES, antialias: false })];
+    const [stage, otherStage] = stages;
+    const engine = splatEngineOf(stage.renderer);
+    const start = engine.memory().totalBytes;
+    let packedOnCpu = 0;
+    const addPacked = engine.addPacked.bind(engine);
+    engine.addPacked = (...args) => {
+      packedOnCpu++;
+      return addPacked(...args);
+    };
+    const file = new Blob([encodePly(splatSet(manySplats(70_000))) as BlobPart]);
+    const data = await new SplatLoader().detectSupport(stage.renderer).loadAsync(file);
+    const bytesLoaded = engine.memory().totalBytes - start;
+    const cloud = new SplatCloudObjectClass(data);
+    const errors = errorsOf(cloud);
+    const draw = async (where: Stage) => {
+      where.scene.add(cloud);
+      const image = await shot(where);
+      cloud.removeFromParent();
+      return image;
+    };
+    const volume = new Sphere(new Vector3(0.5, 0.2, -0.3), 0.4);
+    const images = { first: await draw(stage), again: null as Pixels | null, other: null as Pixels | null };
+    const rows = { onGpu: await data.rowsIn(volume), readAgain: null as number[] | null };
+    cloud.dispose();
+    await Promise.resolve();
+    const bytesDisposed = engine.memory().totalBytes - start;
+    rows.readAgain = await data.rowsIn(volume);
+    images.again = await draw(stage);
+    images.other = await draw(otherStage);
+    cloud.dispose();
+    const onCpu = await new SplatLoader().loadAsync(file);
+    cloud.data = onCpu;
+    const inMemory = await onCpu.rowsIn(volume);
+    const result = { packedOnCpu, bytesLoaded, bytesDisposed, errors };
+    const cpu = await draw(stage);
+    cloud.dispose();
+    engine.addPacked = addPacked;
+    await Promise.resolve();
+    const bytesLeft = engine.memory().totalBytes - start;
+    return { ...result, bytesLeft, images: { ...images, cpu }, rows: { ...rows, inMemory } };
+  },
+
+  /** Shows the file at `address` and keeps it until `letGo`. */
+  keepShown: async (how: 'renderer' | 'memory' | 'buffer', address: string) => {
+    const stage = await newStage();
+    const loader = new SplatLoader();
+    if (how === 'renderer') loader.detectSupport(stage.renderer);
+    const source = how === 'buffer' ? await (await fetch(address)).arrayBuffer() : address;
+    kept = new SplatCloudObjectClass(await loader.loadAsync(source));
+    stage.scene.add(kept);
+    await shot(stage);
+    kept.removeFromParent();
+  },
+
+  letGo: async () => {
+    kept?.dispose();
+    kept = null;
+  },
+
+  /** Loads for a renderer that fail, are aborted or are never shown, and the bytes that each leaves. */
+  failedLoads: async () => {
+    const { renderer } = await newStage();
+    const engine = splatEngineOf(renderer);
+    const start = engine.memory().totalBytes;
+    const bytes = encodePly(splatSet(manySplats(70_000))) as Uint8Array<ArrayBuffer>;
+    const outcomes: Record<string, { readonly error: string; readonly bytesLeft: number }> = {};
+    const note = async (name: string, load: Promise<unknown>) => {
+      const error = await load.then(
+        () => 'none',
+        (reason: Error) => reason.name,
+      );
+      outcomes[name] = { error, bytesLeft: engine.memory().totalBytes - start };
+    };
+    const loader = new SplatLoader().detectSupport(renderer);
+    await note('cut short', loader.loadAsync(new Blob([bytes.subarray(0, bytes.length - 1000)])));
+    await note(
+      'aborted',
+      loader.loadAsync(new Blob([bytes]), () => void loader.abort()),
+    );
+    const disposed = loader.loadAsync(new Blob([bytes])).then((data) => data.dispose());
+    await note('disposed', disposed);
+    return outcomes;
+  },
+
+  /** A load that its renderer does not survive, shown by the next one. */
+  loadBeyondDevice: async () => {
+    const lost = await makeRenderer({});
+    const bytes = encodePly(splatSet(manySplats(70_000))) as BlobPart;
+    let isLost = false;
+    const loader = new SplatLoader().detectSupport(lost);
+    const data = await loader.loadAsync(new Blob([bytes]), () => {
+      if (!isLost) splatEngineOf(lost).device.destroy();
+      isLost = true;
+    });
+    const stage = await newStage();
+    stage.scene.add(new SplatCloudObjectClass(data));
+    const { data: pixels } = await shot(stage);
+    await lost.dispose();
+    return { isLost, isDrawn: pixels.some((value, i) => i % 4 < 3 && value > 50) };
   },
 
   /** Nothing is prepared again where nothing has moved. */

@@ -35,6 +35,23 @@ export function splatSet(splats: readonly SplatDescription[]): SplatSet {
   };
 }
 
+/** Coloured splats of many sizes and opacities in a cube about the origin, the same in every call. */
+export function manySplats(count: number): SplatDescription[] {
+  let state = 1;
+  // Numerical Recipes' generator.
+  const next = () => {
+    state = (1664525 * state + 1013904223) >>> 0;
+    return state / 2 ** 32;
+  };
+  const three = (make: () => number): [number, number, number] => [make(), make(), make()];
+  return Array.from({ length: count }, () => ({
+    position: three(() => 2 * next() - 1),
+    scale: three(() => 0.005 + 0.02 * next()),
+    opacity: 0.1 + 0.8 * next(),
+    color: three(next),
+  }));
+}
+
 export function splatData(...splats: SplatDescription[]): SplatData {
   return new SplatData(packCloud(splatSet(splats), { geometryPrecision: 'packed' }), 'test splats');
 }

@@ -11,6 +11,7 @@ import { DestroyedError, GpuLimitError, InvalidArgumentError } from './errors.ts
 import type { FrameRequest } from './frame/frame-request.ts';
 import { GpuMemory } from './gpu/gpu-memory.ts';
 import { readSplats } from './io/read-splats.ts';
+import { encodePly } from './io/write-ply.ts';
 import { Chunk } from './layout/structs.ts';
 import { type Mat4, translated4 } from './math/mat4.ts';
 import type { Harmonics } from './packing/harmonics.ts';
@@ -663,6 +664,21 @@ describe('an engine', () => {
       engine.destroy();
     },
   );
+
+  gpuTest('loads the precision that is asked for, whatever its accuracy is and becomes', async () => {
+    const file = new Blob([encodePly(randomSplats({ count: 20, shDegree: 1, seed: 5 })) as BlobPart]);
+    const finest = { geometryPrecision: 'f32', shPrecision: 'f32' } as const;
+    // Packed on the CPU, and on the GPU.
+    for (const ingestMinRows of [undefined, 1]) {
+      const engine = await SplatEngine.create({ device, ingestMinRows });
+      const loading = engine.load(file, { precision: finest });
+      await engine.setAccuracy('fast');
+      const cloud = await loading;
+      await cloud.ownLease.met;
+      expect(cloud.precisions).toEqual({ geometry: ['f32'], sh: ['f32'] });
+      engine.destroy();
+    }
+  });
 
   gpuTest('draws clouds that were packed for another accuracy from the planes that they hold', async () => {
     const [set] = smallScene.clouds.map((cloud) => cloud.set);

@@ -76,6 +76,8 @@ const LIKELY_SH_DEGREE = 3;
 const PIECE_BYTES = 4 << 20;
 
 export interface LoadOptions extends ReadOptions {
+  /** Precision of the planes; default that of the engine's accuracy, also if it changes meanwhile. */
+  readonly precision?: CloudPrecision;
   /**
    * Called again and again while a large file arrives, with a cloud of the splats that are there. Show it instead of the one
    * before, which is destroyed as soon as this returns. The last one lasts until the load fails, or else as long as the cloud
@@ -237,7 +239,7 @@ export class SplatEngine {
   async load(source: SplatSource, options: LoadOptions = {}): Promise<SplatCloud> {
     this.#checkUsable();
     const { accuracy } = this;
-    const { geometryPrecision, shPrecision } = accuracy;
+    const { geometryPrecision, shPrecision } = options.precision ?? accuracy;
     const name = options.name ?? sourceName(source);
     const made = { name, source: lastingSource(source) };
     const ingest = new LazyIngest(
@@ -263,7 +265,7 @@ export class SplatEngine {
       this.#checkUsable();
       throw error;
     }
-    if (accuracy !== this.accuracy) void this.#requestPrecisions([cloud]);
+    if (!options.precision && accuracy !== this.accuracy) void this.#requestPrecisions([cloud]);
     return cloud;
   }
 

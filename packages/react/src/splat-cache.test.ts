@@ -19,11 +19,13 @@ interface Load {
 /** A cache whose loads end when the test resolves or rejects them. */
 function testCache() {
   const loads: Load[] = [];
+  const dispose = vi.fn<(data: string) => void>();
   const cache = new SplatCache<string>(
     (request, { signal, onProgress }) =>
       new Promise((resolve, reject) => loads.push({ request, signal, onProgress, resolve, reject })),
+    dispose,
   );
-  return { cache, loads };
+  return { cache, loads, dispose };
 }
 
 const request = (source: CacheableSource) => requestFor(source);
@@ -99,16 +101,33 @@ describe('the cache of parsed files', () => {
     expect(loads[0].signal.aborted).toBe(false);
   });
 
-  it('drops loaded data after a grace time, which may be longer', async () => {
-    const { cache, loads } = testCache();
+  it('disposes of loaded data after a grace time', async () => {
+    const { cache, loads, dispose } = testCache();
     const stop = cache.watch(request('a.ply'), {});
     loads[0].resolve('a');
     await settle();
-    stop(10 * GRACE_MS);
-    await vi.advanceTimersByTimeAsync(9 * GRACE_MS);
+    stop();
+    await vi.advanceTimersByTimeAsync(GRACE_MS - 1);
     expect(cache.stateOf(request('a.ply'))).toEqual({ status: 'loaded', data: 'a' });
-    await vi.advanceTimersByTimeAsync(GRACE_MS);
+    expect(dispose).not.toHaveBeenCalled();
+    await vi.advanceTimersByTimeAsync(1);
     expect(cache.stateOf(request('a.ply'))).toBeUndefined();
+    expect(dispose).toHaveBeenCalledExactlyOnceWith('a');
+  });
+
+  it('disposes of data that is loaded although its load was aborted, and leaves the next load alone', async () => {
+    const { cache, loads, dispose } = testCache();
+    cache.watch(request('a.ply'), {})();
+    await vi.advanceTimersByTimeAsync(GRACE_MS);
+    expect(loads[0].signal.aborted).toBe(true);
+    cache.watch(request('a.ply'), {});
+    loads[0].resolve('too late');
+    await settle();
+    expect(dispose).toHaveBeenCalledExactlyOnceWith('too late');
+    loads[1].resolve('a');
+    await settle();
+    expect(cache.stateOf(request('a.ply'))).toEqual({ status: 'loaded', data: 'a' });
+    expect(dispose).toHaveBeenCalledTimes(1);
   });
 
   it('tries again after a failure as soon as the last user has gone', async () => {

@@ -1,4 +1,4 @@
-import { type AccuracyRequest, DEFAULT_ACCURACY, lastingSource } from '@websplatter/core';
+import { type AccuracyRequest, lastingSource } from '@websplatter/core';
 
 /** A source that can be loaded through the cache: URLs are compared by address, everything else by identity. */
 export type CacheableSource = string | URL | Blob | ArrayBuffer;
@@ -6,8 +6,10 @@ export type CacheableSource = string | URL | Blob | ArrayBuffer;
 /** A request for one file. */
 export interface SplatRequest {
   readonly source: CacheableSource;
-  /** Accuracy that the first request for a file packs it for; for another accuracy, the GPU copy is made again. */
-  readonly accuracy: AccuracyRequest;
+  /** Accuracy that the first request for a file packs it for; default the renderer's. For another, planes are made anew. */
+  readonly accuracy: AccuracyRequest | null | undefined;
+  /** Renderer that the first request for a file loads it for; undefined outside of a Canvas. */
+  readonly renderer: object | undefined;
   /** Equal for requests that share an entry. */
   readonly key: string;
 }
@@ -49,15 +51,17 @@ interface Entry<Data> {
 }
 
 /**
- * Parsed files, shared by all components that use them. An entry lives as long as it is watched, and a moment longer;
- * dropping it aborts its load. The cache holds no GPU memory.
+ * Loaded files, shared by all components that use them. An entry lives as long as it is watched, and a moment longer;
+ * dropping it aborts its load, or disposes of what was loaded.
  */
 export class SplatCache<Data> {
   readonly #load: LoadFunction<Data>;
+  readonly #dispose: (data: Data) => void;
   readonly #entries = new Map<string, Entry<Data>>();
 
-  constructor(load: LoadFunction<Data>) {
+  constructor(load: LoadFunction<Data>, dispose: (data: Data) => void) {
     this.#load = load;
+    this.#dispose = dispose;
   }
 
   /** Returns the state of a request; undefined if the cache has no entry for it. */
@@ -65,15 +69,15 @@ export class SplatCache<Data> {
     return this.#entries.get(request.key)?.state;
   }
 
-  /** Holds the request's entry, and loads it if necessary, until the returned function is called with a grace time. */
-  watch(request: SplatRequest, watcher: CacheWatcher): (graceMs?: number) => void {
+  /** Holds the request's entry, and loads it if necessary, until the returned function is called. */
+  watch(request: SplatRequest, watcher: CacheWatcher): () => void {
     const entry = this.#entryOf(request);
     clearTimeout(entry.dropTimer);
     entry.watchers.add(watcher);
-    return (graceMs = GRACE_MS) => {
+    return () => {
       // A failed entry is dropped at once, so that the next request loads again.
       if (entry.watchers.delete(watcher))
-        this.#dropLater(entry, entry.state.status === 'failed' ? 0 : graceMs);
+        this.#dropLater(entry, entry.state.status === 'failed' ? 0 : GRACE_MS);
     };
   }
 
@@ -127,8 +131,11 @@ export class SplatCache<Data> {
   }
 
   #settle(entry: Entry<Data>, state: LoadState<Data>): void {
-    if (entry.abort.signal.aborted) return;
     entry.state = state;
+    if (entry.abort.signal.aborted) {
+      this.#drop(entry);
+      return;
+    }
     for (const watcher of [...entry.watchers]) watcher.onChange?.();
   }
 
@@ -140,17 +147,19 @@ export class SplatCache<Data> {
   }
 
   #drop(entry: Entry<Data>): void {
-    this.#entries.delete(entry.request.key);
+    if (this.#entries.get(entry.request.key) === entry) this.#entries.delete(entry.request.key);
     entry.abort.abort();
+    if (entry.state.status === 'loaded') this.#dispose(entry.state.data);
   }
 }
 
 /** Returns the request for `source`. */
 export function requestFor(
   source: CacheableSource,
-  accuracy: AccuracyRequest = DEFAULT_ACCURACY,
+  accuracy?: AccuracyRequest | null,
+  renderer?: object,
 ): SplatRequest {
-  return { source, accuracy, key: sourceKeyOf(source) };
+  return { source, accuracy, renderer, key: sourceKeyOf(source) };
 }
 
 const objectKeys = new WeakMap<object, string>();

@@ -24,7 +24,7 @@ const RETRY_DELAYS_MS = [250, 1000, 3000];
 
 /**
  * A `<Canvas>` of react-three-fiber that draws splats, and that replaces itself with a fresh one when its GPU device is
- * lost: its contents mount again, and files that were read are uploaded again without being fetched.
+ * lost: its contents mount again, and their files are read again.
  *
  * @throws WebGpuUnavailableError to the nearest error boundary if there is no WebGPU, or if the device is lost repeatedly.
  */

@@ -1,5 +1,5 @@
 import { extend, type ThreeElement, useThree } from '@react-three/fiber';
-import type { AccuracyChoice, AccuracyRequest, SplatEngine } from '@websplatter/core';
+import type { AccuracyChoice, AccuracyRequest } from '@websplatter/core';
 import {
   onDeviceLost as listenForDeviceLoss,
   type SplatData,
@@ -64,9 +64,6 @@ export interface SplatsProps
   fallback?: ReactNode;
 }
 
-/** Files outlive a lost device by this time, so that the Canvas that replaces it finds them. */
-const RECOVERY_GRACE_MS = 15_000;
-
 /**
  * Shows Gaussian splats in a react-three-fiber scene. Suspends until the first `src` has been read; when `src` changes, the
  * old splats stay until the new ones have been read. All other props are set on the object as they change.
@@ -83,14 +80,13 @@ export function Splats({ fallback, ...props }: SplatsProps): ReactNode {
       '<Splats> is outside of a Canvas: put it into <Canvas gl={createSplatRenderer}> or <SplatCanvas>.',
     );
   }
-  let engine: SplatEngine;
   try {
-    engine = splatEngineOf(renderer);
+    splatEngineOf(renderer);
   } catch (error) {
     if (fallback === undefined) throw error;
     return fallback;
   }
-  return <Cloud renderer={renderer} engine={engine} {...props} />;
+  return <Cloud renderer={renderer} {...props} />;
 }
 
 // Passed to `extend` as a class, not by name, so that it overrides no application's `<splatCloudObject>`.
@@ -98,7 +94,6 @@ const CloudElement = /* @__PURE__ */ extend(SplatsObject);
 
 function Cloud({
   renderer,
-  engine,
   src,
   accuracy = null,
   ref,
@@ -116,19 +111,17 @@ function Cloud({
   highlight,
   effects,
   ...objectProps
-}: Omit<SplatsProps, 'fallback'> & { renderer: object; engine: SplatEngine }): ReactNode {
+}: Omit<SplatsProps, 'fallback'> & { renderer: object }): ReactNode {
   const object = useRef<SplatsObject>(null);
   useImperativeHandle(ref, () => object.current!, []);
   const invalidate = useThree((state) => state.invalidate);
   const latest = useLatest({ onLoad, onFirstFrame, onAccuracyChosen, onError, onDeviceLost });
-  const isLost = useRef(false);
-  const graceMs = () => (isLost.current ? RECOVERY_GRACE_MS : undefined);
 
   const effectProps = { tint, brightness, antialias, clip, reveal, highlight, effects };
   const uses = useSame(usesOfProps(effectProps), isSameUses);
   const animation = useSame(revealAnimationOf(effectProps), isSameValue);
 
-  const { splats, load } = useSource(src, accuracy ?? engine.accuracy, { onProgress, graceMs });
+  const { splats, load } = useSource(src, renderer, accuracy, onProgress);
   useEffect(() => {
     if (load?.status === 'failed') latest.current.onError?.(load.error);
   }, [load, latest]);
@@ -165,11 +158,7 @@ function Cloud({
   }, [latest, invalidate]);
 
   useEffect(
-    () =>
-      listenForDeviceLoss(renderer, (info) => {
-        isLost.current = true;
-        latest.current.onDeviceLost?.(info);
-      }),
+    () => listenForDeviceLoss(renderer, (info) => latest.current.onDeviceLost?.(info)),
     [renderer, latest],
   );
 

@@ -5,12 +5,6 @@ import { sharedCache } from './shared-cache.ts';
 import { type CacheableSource, type LoadState, requestFor, type SplatRequest } from './splat-cache.ts';
 import { useLatest } from './use-latest.ts';
 
-export interface UseSourceOptions {
-  readonly onProgress?: (event: ProgressEvent) => void;
-  /** Returns the time for which the cache keeps the file after its last use; undefined: its default. */
-  readonly graceMs: () => number | undefined;
-}
-
 /** Progress of a source. */
 export interface SourceState {
   /** Splats of this source or, until it has been read, of the previous one; null before the first. */
@@ -19,19 +13,23 @@ export interface SourceState {
   readonly load: LoadState<SplatData> | undefined;
 }
 
-/** Reads `src`, packed for `accuracy` unless it was requested before, and keeps the previous splats until then. */
+/**
+ * Loads `src` for `renderer`, packed for `accuracy` or the renderer's own unless it was requested before, and keeps the previous
+ * splats until then.
+ */
 export function useSource(
   src: CacheableSource | SplatData,
-  accuracy: AccuracyRequest,
-  options: UseSourceOptions,
+  renderer: object,
+  accuracy: AccuracyRequest | null,
+  onProgress?: (event: ProgressEvent) => void,
 ): SourceState {
-  const request = src instanceof SplatData ? null : requestFor(src, accuracy);
-  const load = useLoadState(request, options);
+  const request = src instanceof SplatData ? null : requestFor(src, accuracy, renderer);
+  const load = useLoadState(request, onProgress);
   const [shown, setShown] = useState<Shown>(NOTHING);
   const loaded = src instanceof SplatData ? src : load?.status === 'loaded' ? load.data : null;
   if (loaded !== null && loaded !== shown.splats) setShown({ splats: loaded, request });
   // Also hold the file on screen in the cache: `src` may change back.
-  useLoadState(shown.request, { graceMs: options.graceMs });
+  useLoadState(shown.request);
   return { splats: loaded ?? shown.splats, load };
 }
 
@@ -48,16 +46,14 @@ const NOTHING: Shown = { splats: null, request: null };
  */
 function useLoadState(
   request: SplatRequest | null,
-  options: UseSourceOptions,
+  onProgress?: (event: ProgressEvent) => void,
 ): LoadState<SplatData> | undefined {
-  const latest = useLatest(options);
+  const latest = useLatest(onProgress);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the key stands for the request.
   const watch = useCallback(
     (onChange: () => void) => {
       if (!request) return () => {};
-      const onProgress = (event: ProgressEvent) => latest.current.onProgress?.(event);
-      const stop = sharedCache.watch(request, { onChange, onProgress });
-      return () => stop(latest.current.graceMs());
+      return sharedCache.watch(request, { onChange, onProgress: (event) => latest.current?.(event) });
     },
     [request?.key, latest],
   );

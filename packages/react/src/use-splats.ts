@@ -23,16 +23,14 @@ export interface UseSplatsOptions {
  */
 export function useSplats(source: CacheableSource, options: UseSplatsOptions = {}): SplatData {
   const renderer = useCanvasRenderer();
-  const accuracy = options.accuracy ?? (renderer ? splatEngineOf(renderer).accuracy : undefined);
-  const request = requestFor(source, accuracy);
+  // Fails here where it has to, and not in a load that other Canvases share.
+  if (renderer) splatEngineOf(renderer);
+  const request = requestFor(source, options.accuracy, renderer);
   if (isServer())
     throw new Error(`useSplats(${source}) can only read in a browser: put a <Suspense> around it.`);
   const state = sharedCache.ask(request);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the key stands for the request.
-  useEffect(() => {
-    const stop = sharedCache.watch(request, {});
-    return () => stop();
-  }, [request.key]);
+  useEffect(() => sharedCache.watch(request, {}), [request.key]);
   if (state.status === 'loaded') return state.data;
   // Not `use(state.settled)`: React would then expect `use` again when it renders again, with nothing left to wait for.
   throw state.status === 'failed' ? state.error : state.settled;

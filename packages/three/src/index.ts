@@ -14,6 +14,6 @@ export {
 } from './errors.ts';
 export { checkedReveal, type RevealAnimation } from './reveal-animation.ts';
 export { type SplatCloudEventMap, SplatCloudObject, type SplatHit } from './splat-cloud-object.ts';
-export { SplatData } from './splat-data.ts';
+export { type LoadedCloud, SplatData } from './splat-data.ts';
 export { SplatLoader } from './splat-loader.ts';
 export { onStageTimings } from './stage-timings.ts';

@@ -3,14 +3,17 @@ import {
   DestroyedError,
   InvalidArgumentError,
   resolveAccuracy,
+  type SplatCloud,
+  SplatSourceError,
 } from '@websplatter/core';
 import { brightness, type EffectUse, fog, type RevealOptions, tint } from '@websplatter/core/effects';
 import { Box3, Fog, Matrix4, PerspectiveCamera, Raycaster, Scene, Vector3 } from 'three/webgpu';
 import { describe, expect, test, vi } from 'vitest';
 import { SplatsPrecisionError } from './errors.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
+import { SplatData } from './splat-data.ts';
 import { fakeEngine } from './testing/fake-engine.ts';
-import { splatDataAt } from './testing/test-clouds.ts';
+import { packedCloudAt, splatDataAt } from './testing/test-clouds.ts';
 
 describe('rays', () => {
   /** A cloud of one splat at x = 1. */
@@ -129,6 +132,67 @@ describe('data', () => {
     cloud.onError = vi.fn();
     expect(cloud.uploadedTo(engine)).toBeNull();
     expect(cloud.onError).not.toHaveBeenCalled();
+  });
+
+  /** A cloud whose splats were freed on their engine, and its next load. */
+  function readingAgain() {
+    const fake = fakeEngine();
+    let end = { resolve: (_: SplatCloud) => {}, reject: (_: Error) => {} };
+    fake.load.mockImplementation(
+      (_source, { signal } = {}) =>
+        new Promise((resolve, reject) => {
+          end = { resolve, reject };
+          signal?.addEventListener('abort', () => reject(signal.reason as Error));
+        }),
+    );
+    const packed = packedCloudAt([1, 0, 0]);
+    const cloud = new SplatCloudObject(new SplatData(packed, 'garden', 'https://a.test/garden.ply'));
+    cloud.uploadedTo(fake.engine);
+    cloud.dispose();
+    const [onError, needsFrame] = [vi.fn(), vi.fn()];
+    cloud.onError = onError;
+    cloud.addEventListener('needsframe', needsFrame);
+    expect(cloud.uploadedTo(fake.engine)).toBeNull();
+    const finish = () => end.resolve(Object.assign(fake.cloud, packed));
+    const fail = (error: Error) => end.reject(error);
+    const whenReading = () => vi.waitFor(() => expect(fake.load).toHaveBeenCalled());
+    return { ...fake, object: cloud, onError, needsFrame, finish, fail, whenReading };
+  }
+
+  test('is not drawn while it is read again, and requests a frame then', async () => {
+    const { object, engine, cloud, needsFrame, onError, finish, whenReading } = readingAgain();
+    await whenReading();
+    expect(object.uploadedTo(engine)).toBeNull();
+    expect(needsFrame).not.toHaveBeenCalled();
+    finish();
+    await vi.waitFor(() => expect(needsFrame).toHaveBeenCalledTimes(1));
+    expect(object.uploadedTo(engine)).toBe(cloud);
+    expect(onError).not.toHaveBeenCalled();
+  });
+
+  test('that cannot be read again is reported once, and hit by rays still', async () => {
+    const { object, engine, load, onError, fail, whenReading } = readingAgain();
+    await whenReading();
+    const error = new SplatSourceError('garden', 'the server answered 404', 404);
+    fail(error);
+    await vi.waitFor(() => expect(onError).toHaveBeenCalledExactlyOnceWith(error));
+    expect(object.uploadedTo(engine)).toBeNull();
+    expect(load).toHaveBeenCalledTimes(1);
+    const caster = new Raycaster(new Vector3(1, 0, 5), new Vector3(0, 0, -1));
+    expect(caster.intersectObject(object)).toHaveLength(1);
+  });
+
+  test.each(['disposed', 'replaced'])('that is %s while it is read again is no error', async (how) => {
+    const { object, load, onError, needsFrame, whenReading } = readingAgain();
+    await whenReading();
+    if (how === 'disposed') object.dispose();
+    else object.data = null;
+    needsFrame.mockClear();
+    const { signal } = load.mock.calls[0][1]!;
+    expect(signal!.aborted).toBe(true);
+    await new Promise((resolve) => setTimeout(resolve, 0));
+    expect(onError).not.toHaveBeenCalled();
+    expect(needsFrame).not.toHaveBeenCalled();
   });
 
   test('is copied to a clone, and so are the other properties', () => {

@@ -94,10 +94,9 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   readonly geometry = withBounds(new BufferGeometry(), new Box3());
   /** @internal Bounds in world space, as of the last update of the world matrix. */
   readonly worldBounds = new Box3();
-  readonly #uploads = new Map<SplatEngine, SplatCloud>();
-  readonly #failed = new Set<SplatEngine>();
-  /** Promises of claims that have their handlers, so that each is handled once. */
-  readonly #handled = new WeakSet<Promise<void>>();
+  #failed = new WeakSet<SplatEngine>();
+  /** Promises of clouds and claims that have their handlers, so that each is handled once. */
+  readonly #handled = new WeakSet<Promise<unknown>>();
   readonly #reported = new Set<string>();
   #data: SplatData | null = null;
   #revealing: Revealing | null = null;
@@ -159,7 +158,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     const { origin, direction } = new Ray()
       .copy(raycaster.ray)
       .applyMatrix4(new Matrix4().copy(this.matrixWorld).invert());
-    const hit = raycastCloud(this.#data.packed, origin.toArray(), direction.toArray());
+    const hit = raycastCloud(this.#data.outline, origin.toArray(), direction.toArray());
     if (!hit) return;
     const point = new Vector3(...hit.point).applyMatrix4(this.matrixWorld);
     const distance = raycaster.ray.origin.distanceTo(point);
@@ -221,20 +220,28 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     layer.drop(this);
   }
 
-  /** @internal Returns the cloud on `engine`, and uploads it if necessary; null without data, and if the upload fails. */
+  /**
+   * @internal Returns the cloud on `engine`, and brings it there if necessary; null without data, as long as these are being
+   * read again, and if that or the upload fails.
+   */
   uploadedTo(engine: SplatEngine): SplatCloud | null {
-    const uploaded = this.#uploads.get(engine);
-    if (uploaded || !this.#data || this.#failed.has(engine)) return uploaded ?? null;
-    try {
-      const cloud = this.#data.acquire(engine, this);
-      this.#uploads.set(engine, cloud);
-      return cloud;
-    } catch (error) {
+    const data = this.#data;
+    if (!data || this.#failed.has(engine)) return null;
+    const fail = (error: Error) => {
+      if (this.#data !== data || error.name === 'AbortError') return;
       this.#failed.add(engine);
       // The renderer reports a lost device.
       if (!(error instanceof DestroyedError || this.tell(error))) console.error(error);
-      return null;
+    };
+    try {
+      const cloud = data.acquire(engine, this);
+      if (!(cloud instanceof Promise)) return cloud;
+      if (!this.#handled.has(cloud)) cloud.then(() => this.requestFrame(), fail);
+      this.#handled.add(cloud);
+    } catch (error) {
+      fail(error as Error);
     }
+    return null;
   }
 
   /**
@@ -246,7 +253,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     const met = data.hold(engine, this, settings);
     if (!met || !settings || this.#handled.has(met)) return;
     this.#handled.add(met);
-    const cloud = this.#uploads.get(engine)!;
+    const cloud = this.uploadedTo(engine)!;
     const before = cloud.pagesFor(settings);
     met.then(
       () => {
@@ -311,9 +318,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   }
 
   #releaseUploads(): void {
-    for (const engine of this.#uploads.keys()) this.#data?.release(engine, this);
-    this.#uploads.clear();
-    this.#failed.clear();
+    this.#data?.release(this);
+    this.#failed = new WeakSet();
     this.#reported.clear();
   }
 }

@@ -1,9 +1,16 @@
-import { type CloudPrecision, packCloud, type SplatEngine } from '@websplatter/core';
+import {
+  type CloudPrecision,
+  DestroyedError,
+  encodePly,
+  packCloud,
+  type SplatCloud,
+  SplatSourceError,
+} from '@websplatter/core';
 import { Box3, Sphere, Vector3 } from 'three/webgpu';
 import { describe, expect, test, vi } from 'vitest';
 import { SplatData } from './splat-data.ts';
 import { fakeEngine } from './testing/fake-engine.ts';
-import { splatDataAt, splatSetAt } from './testing/test-clouds.ts';
+import { packedCloudAt, splatDataAt, splatSetAt } from './testing/test-clouds.ts';
 
 const FINEST: CloudPrecision = { geometryPrecision: 'f32', shPrecision: 'f32' };
 const MIDDLE: CloudPrecision = { geometryPrecision: 'f32', shPrecision: 'f16' };
@@ -13,28 +20,19 @@ const PACKED: CloudPrecision = { geometryPrecision: 'packed', shPrecision: 'u8' 
 describe('data', () => {
   test('in another precision than the renderer’s is uploaded unchanged', () => {
     const { engine, addPacked } = fakeEngine({ accuracy: 'high' });
-    const data = splatDataAt([0, 0, 0]);
-    data.acquire(engine, {});
-    expect(addPacked).toHaveBeenCalledExactlyOnceWith(data.packed, { name: 'test', source: data.packed });
+    const packed = packedCloudAt([0, 0, 0]);
+    new SplatData(packed, 'test').acquire(engine, {});
+    expect(addPacked).toHaveBeenCalledExactlyOnceWith(packed, { name: 'test', source: packed });
   });
 
-  test('can be read again from memory, then from its source', () => {
-    const { engine, addPacked } = fakeEngine();
-    const packed = packCloud(splatSetAt([0, 0, 0]), { geometryPrecision: 'packed' });
-    new SplatData(packed, 'garden', 'https://a.test/garden.ply').acquire(engine, {});
-    const source = [packed, 'https://a.test/garden.ply'];
-    expect(addPacked).toHaveBeenCalledExactlyOnceWith(packed, { name: 'garden', source });
-  });
-
-  test.each(['packed', 'f32'] as const)('finds the %s splats in a volume', (geometryPrecision) => {
+  test.each(['packed', 'f32'] as const)('finds the %s splats in a volume', async (geometryPrecision) => {
     const set = splatSetAt([4, 0, 0], [0, 0, 0], [1, 0, 0], [1, 1, 1]);
     const packed = packCloud({ ...set, origin: [100, 0, 0] }, { geometryPrecision });
     const data = new SplatData(packed);
-    expect(data.rowsIn(new Sphere(new Vector3(101, 0, 0), 1.1)).sort()).toEqual([1, 2]);
-    expect(data.rowsIn(new Box3(new Vector3(100.5, -1, -1), new Vector3(105, 2, 0.5))).sort()).toEqual([
-      0, 2,
-    ]);
-    expect(data.rowsIn(new Box3())).toEqual([]);
+    const rowsIn = async (volume: Box3 | Sphere) => (await data.rowsIn(volume)).sort();
+    expect(await rowsIn(new Sphere(new Vector3(101, 0, 0), 1.1))).toEqual([1, 2]);
+    expect(await rowsIn(new Box3(new Vector3(100.5, -1, -1), new Vector3(105, 2, 0.5)))).toEqual([0, 2]);
+    expect(await rowsIn(new Box3())).toEqual([]);
   });
 
   test('is released by each user once, however often the user calls release', () => {
@@ -42,12 +40,218 @@ describe('data', () => {
     const data = splatDataAt([0, 0, 0]);
     const [first, second] = [{}, {}];
     for (const user of [first, first, second]) data.acquire(engine, user);
-    data.release(engine, first);
-    data.release(engine, first);
+    data.release(first);
+    data.release(first);
     expect(destroyed).not.toHaveBeenCalled();
-    data.release(engine, second);
+    data.release(second);
     expect(destroyed).toHaveBeenCalledTimes(1);
-    expect(() => data.release({} as SplatEngine, first)).not.toThrow();
+    expect(() => data.release(first)).not.toThrow();
+  });
+});
+
+const ADDRESS = 'https://a.test/garden.ply';
+const file = encodePly(splatSetAt([0, 0, 0], [1, 2, 3])) as BlobPart;
+const packedFile = packedCloudAt([0, 0, 0], [1, 2, 3]);
+
+/** What a load resolves with: the engine's only cloud, with the contents of `packed`. */
+function loadedBy({ cloud }: ReturnType<typeof fakeEngine>, packed = packedFile): SplatCloud {
+  const { count, origin, chunks, bounds, robustBounds } = packed;
+  return Object.assign(cloud, { count, origin, chunks, bounds, robustBounds });
+}
+
+/** An engine whose loads end when a test says so, and what they were called with. */
+function loadingEngine() {
+  const fake = fakeEngine();
+  const ends: { readonly resolve: (cloud: SplatCloud) => void; readonly reject: (error: Error) => void }[] =
+    [];
+  fake.load.mockImplementation(
+    (_source, { signal } = {}) =>
+      new Promise((resolve, reject) => {
+        ends.push({ resolve, reject });
+        signal?.addEventListener('abort', () => reject(signal.reason as Error));
+      }),
+  );
+  return { ...fake, ends };
+}
+
+describe('data that can be read again', () => {
+  test('leaves memory with its first upload, and is read again for another engine', async () => {
+    const [first, second] = [fakeEngine(), loadingEngine()];
+    const data = new SplatData(packedFile, 'garden', new URL(ADDRESS));
+    expect(data.acquire(first.engine, {})).toBe(first.cloud);
+    expect(first.addPacked).toHaveBeenCalledExactlyOnceWith(packedFile, { name: 'garden', source: ADDRESS });
+    const user = {};
+    const reading = data.acquire(second.engine, user);
+    expect(data.acquire(second.engine, {})).toBe(reading);
+    await vi.waitFor(() => expect(second.ends).toHaveLength(1));
+    const signal = expect.any(AbortSignal);
+    expect(second.load).toHaveBeenCalledExactlyOnceWith(ADDRESS, {
+      name: 'garden',
+      signal,
+      precision: PACKED,
+    });
+    second.ends[0].resolve(loadedBy(second));
+    expect(await reading).toBe(second.cloud);
+    expect(data.acquire(second.engine, user)).toBe(second.cloud);
+    expect(second.addPacked).not.toHaveBeenCalled();
+  });
+
+  test('is read again where nobody had it any more', async () => {
+    const fake = loadingEngine();
+    const data = new SplatData(packedFile, 'garden', ADDRESS);
+    const user = {};
+    data.acquire(fake.engine, user);
+    data.release(user);
+    const again = data.acquire(fake.engine, user);
+    await vi.waitFor(() => expect(fake.ends).toHaveLength(1));
+    fake.ends[0].resolve(loadedBy(fake));
+    await again;
+    expect(fake.destroyed).toHaveBeenCalledTimes(1);
+    expect(fake.addPacked).toHaveBeenCalledTimes(1);
+  });
+
+  /** Data that has left memory, and is being read again. */
+  async function readingAgain() {
+    const [first, fake] = [fakeEngine(), loadingEngine()];
+    const data = new SplatData(packedFile, 'garden', ADDRESS);
+    data.acquire(first.engine, {});
+    const users = [{}, {}];
+    const reading = users.map((user) => data.acquire(fake.engine, user))[0];
+    await vi.waitFor(() => expect(fake.ends).toHaveLength(1));
+    return { ...fake, data, users, reading };
+  }
+
+  test('is no longer read when its last user has released it', async () => {
+    const { data, users, reading, load, engine } = await readingAgain();
+    const { signal } = load.mock.calls[0][1]!;
+    data.release(users[0]);
+    expect(signal!.aborted).toBe(false);
+    data.release(users[1]);
+    await expect(reading).rejects.toMatchObject({ name: 'AbortError' });
+    data.acquire(engine, users[0]);
+    await vi.waitFor(() => expect(load).toHaveBeenCalledTimes(2));
+  });
+
+  test('leaves nothing where it was released as its reading ended', async () => {
+    const { data, users, reading, ends, destroyed, ...fake } = await readingAgain();
+    ends[0].resolve(loadedBy({ ...fake, destroyed }));
+    for (const user of users) data.release(user);
+    await expect(reading).rejects.toMatchObject({ name: 'AbortError' });
+    expect(destroyed).toHaveBeenCalledTimes(1);
+  });
+
+  test('is read anew after that has failed', async () => {
+    const { data, users, reading, load, ends, engine } = await readingAgain();
+    ends[0].reject(new SplatSourceError('garden', 'the server answered 404', 404));
+    await expect(reading).rejects.toMatchObject({ status: 404 });
+    data.acquire(engine, users[0]);
+    await vi.waitFor(() => expect(load).toHaveBeenCalledTimes(2));
+  });
+
+  test.each([
+    ['fewer', packedCloudAt([1, 2, 3])],
+    ['others', packedCloudAt([0, 0, 0], [1, 2, 4])],
+  ])('fails where there are %s now', async (_, packed) => {
+    const { reading, ends, destroyed, ...fake } = await readingAgain();
+    ends[0].resolve(loadedBy({ ...fake, destroyed }, packed));
+    await expect(reading).rejects.toThrow(SplatSourceError);
+    await expect(reading).rejects.toThrow(/garden.*other splats/);
+    expect(destroyed).toHaveBeenCalledTimes(1);
+  });
+
+  test('forgets a lost engine', async () => {
+    const fake = fakeEngine();
+    fake.load.mockRejectedValue(new DestroyedError('This engine', 'the device was lost'));
+    const data = new SplatData(packedFile, 'garden', ADDRESS);
+    const user = {};
+    data.acquire(fake.engine, user);
+    fake.lose();
+    await Promise.resolve();
+    await expect(data.acquire(fake.engine, user)).rejects.toThrow(DestroyedError);
+    data.release(user);
+    expect(fake.destroyed).not.toHaveBeenCalled();
+  });
+
+  test('is searched where it was freed', async () => {
+    const { engine } = fakeEngine();
+    const data = new SplatData(packedFile, 'garden', new Blob([file]));
+    const user = {};
+    data.acquire(engine, user);
+    data.release(user);
+    expect(await data.rowsIn(new Sphere(new Vector3(1, 2, 3), 1))).toEqual([1]);
+  });
+});
+
+describe('data without a source', () => {
+  test('stays in memory', () => {
+    const [first, second] = [fakeEngine(), fakeEngine()];
+    const data = new SplatData(packedFile, 'garden');
+    for (const { engine } of [first, second]) data.acquire(engine, {});
+    for (const { addPacked } of [first, second])
+      expect(addPacked).toHaveBeenCalledExactlyOnceWith(packedFile, { name: 'garden', source: packedFile });
+  });
+
+  test('and on a GPU only cannot come back', async () => {
+    const fake = fakeEngine();
+    const loaded = { engine: fake.engine, cloud: loadedBy(fake), precision: PACKED };
+    const data = new SplatData(loaded, 'garden');
+    data.dispose();
+    await expect(data.acquire(fake.engine, {})).rejects.toThrow(SplatSourceError);
+    const freed = new SplatData(loaded, 'garden');
+    freed.dispose();
+    await expect(freed.rowsIn(new Box3())).rejects.toThrow(DestroyedError);
+  });
+});
+
+describe('data that an engine has loaded', () => {
+  function loaded() {
+    const fake = fakeEngine();
+    const cloud = loadedBy(fake);
+    const data = new SplatData({ engine: fake.engine, cloud, precision: PACKED }, 'garden', ADDRESS);
+    return { ...fake, data };
+  }
+
+  test('has its count and bounds, and waits for its first user', () => {
+    const { data, engine, cloud, destroyed, addPacked } = loaded();
+    expect([data.count, data.bounds.max.toArray()]).toEqual([2, [1, 2, 3]]);
+    data.release({});
+    expect(destroyed).not.toHaveBeenCalled();
+    const user = {};
+    expect(data.acquire(engine, user)).toBe(cloud);
+    data.release(user);
+    expect(destroyed).toHaveBeenCalledTimes(1);
+    expect(addPacked).not.toHaveBeenCalled();
+  });
+
+  test('is disposed of only where nobody uses it', () => {
+    const unused = loaded();
+    unused.data.dispose();
+    expect(unused.destroyed).toHaveBeenCalledTimes(1);
+    const { data, engine, destroyed } = loaded();
+    data.acquire(engine, {});
+    data.dispose();
+    expect(destroyed).not.toHaveBeenCalled();
+  });
+
+  test('stays on the last GPU that a cache has it on', async () => {
+    const { data, engine, cloud, destroyed } = loaded();
+    data.isCached = true;
+    const user = {};
+    for (let time = 0; time < 2; time++) {
+      expect(data.acquire(engine, user)).toBe(cloud);
+      data.release(user);
+    }
+    expect(destroyed).not.toHaveBeenCalled();
+    const other = loadingEngine();
+    const reading = data.acquire(other.engine, user);
+    expect(destroyed).toHaveBeenCalledTimes(1);
+    await vi.waitFor(() => expect(other.ends).toHaveLength(1));
+    other.ends[0].resolve(loadedBy(other));
+    await reading;
+    data.release(user);
+    expect(other.destroyed).not.toHaveBeenCalled();
+    data.dispose();
+    expect(other.destroyed).toHaveBeenCalledTimes(1);
   });
 });
 
@@ -59,7 +263,7 @@ describe('the precision on the GPU', () => {
     for (const user of users) data.acquire(engine, user);
     const claims = () => claim.mock.calls.map(([precision]) => precision);
     const hold = (user: object, precision: CloudPrecision | null) => data.hold(engine, user, precision);
-    const release = (user: object) => data.release(engine, user);
+    const release = (user: object) => data.release(user);
     return { hold, claims, released, releaseOwn, setAccuracy, release };
   }
 

@@ -1,8 +1,8 @@
 import {
   type CloudLease,
+  type CloudOutline,
   type CloudPrecision,
-  type CloudSource,
-  GEOMETRY_WORDS,
+  lastingSource,
   mostExact,
   type PackedCloud,
   type SplatCloud,
@@ -10,8 +10,12 @@ import {
 } from '@websplatter/core';
 import { Box3, type Sphere, Vector3 } from 'three/webgpu';
 
+/** The splats on one engine. */
 interface Upload {
-  readonly cloud: SplatCloud;
+  /** A promise while they are being read again. */
+  cloud: SplatCloud | Promise<SplatCloud>;
+  /** Ends the reading. */
+  readonly abort: AbortController;
   /** Precision that each user needs; null for users without a need of their own. */
   readonly users: Map<object, CloudPrecision | null>;
   /** Claims the precision that the users need; null before any of them needs another one than was uploaded. */
@@ -20,84 +24,101 @@ interface Upload {
   claimed: (CloudPrecision & { readonly engineAccuracy: object; readonly met: Promise<void> }) | null;
 }
 
+/** A cloud on the engine that has loaded it. */
+export interface LoadedCloud {
+  readonly engine: SplatEngine;
+  readonly cloud: SplatCloud;
+  /** Precision that the cloud was loaded in. */
+  readonly precision: CloudPrecision;
+}
+
 /**
- * Splats in memory, and on the GPU of each engine that draws them: uploaded for the first user, freed after the last. The
- * copy in memory stays, so that another renderer, or a new one after a lost device, needs no second download.
+ * Splats on the GPU of each engine that draws them, freed after the last user there. Those of an address, File or Blob are in
+ * memory until their first upload at most: another engine, such as the one after a lost device, reads them again. Those of
+ * other sources stay in memory.
  */
 export class SplatData {
   /** Name for messages and labels. */
   readonly name: string;
-  readonly packed: PackedCloud;
+  readonly count: number;
   /** Bounds of the centres, in the cloud's own space. */
   readonly bounds: Box3;
   /** Bounds without the outermost splats, which enclose the scene itself. */
   readonly robustBounds: Box3;
-  readonly #source: CloudSource | null;
+  /** @internal What rays are tested against. */
+  readonly outline: CloudOutline;
+  /** @internal Keeps the last upload until `dispose`, because a cache may hand the splats to another user. */
+  isCached = false;
+  /** Where the splats can be read again; null: nowhere, so that they stay in memory. */
+  readonly #source: string | Blob | null;
+  /** Precision of new uploads. */
+  readonly #precision: CloudPrecision;
   readonly #uploads = new Map<SplatEngine, Upload>();
+  #packed: PackedCloud | null;
 
   /**
-   * @param source from which the same splats can be read again for a finer precision than that of `packed`; kept by
-   *   reference. Without a source, they are drawn no more exactly than they were packed.
+   * @param splats packed; or on an engine, where they are freed after their last user, or by `dispose` if there is none.
+   * @param source from which the same splats can be read again; kept by reference. Without a source, they are drawn no more
+   *   exactly than they were packed.
    */
-  constructor(packed: PackedCloud, name = 'splats', source: CloudSource | null = null) {
-    this.packed = packed;
+  constructor(splats: PackedCloud | LoadedCloud, name = 'splats', source: string | URL | Blob | null = null) {
+    const isLoaded = 'engine' in splats;
+    const { count, origin, chunks, bounds, robustBounds } = isLoaded ? splats.cloud : splats;
     this.name = name;
-    this.bounds = boxOf(packed.bounds);
-    this.robustBounds = boxOf(packed.robustBounds);
-    this.#source = source;
-  }
-
-  get count(): number {
-    return this.packed.count;
-  }
-
-  /** Returns the rows of splats with centres in a volume of the cloud's own space, for a SplatSelection. Tests each splat. */
-  rowsIn(volume: Box3 | Sphere): number[] {
-    const { geometry, origin, fileIndices } = this.packed;
-    // A splat of any precision begins with its position in float32.
-    const values = new Float32Array(geometry.words.buffer, geometry.words.byteOffset, geometry.words.length);
-    const stride = GEOMETRY_WORDS[geometry.precision];
-    const middle = new Vector3(...origin);
-    const center = new Vector3();
-    const isInside = (_row: number, i: number) =>
-      volume.containsPoint(center.fromArray(values, stride * i).add(middle));
-    return Array.from(fileIndices).filter(isInside);
+    this.count = count;
+    this.bounds = boxOf(bounds);
+    this.robustBounds = boxOf(robustBounds);
+    this.outline = { origin, chunks, robustBounds };
+    this.#source = source && lastingSource(source);
+    this.#packed = isLoaded ? null : splats;
+    this.#precision = isLoaded
+      ? splats.precision
+      : { geometryPrecision: splats.geometry.precision, shPrecision: splats.harmonics.precision };
+    if (isLoaded) this.#place(splats.engine, () => splats.cloud).users.set(this, null);
   }
 
   /**
-   * Returns the cloud on `engine`, and uploads it, as it was packed, if necessary. `user` keeps it until `release`.
+   * Returns the rows of splats with centres in a volume of the cloud's own space, for a SplatSelection. Tests each splat.
    *
-   * @throws GpuLimitError, DestroyedError.
+   * @throws DestroyedError if the engine that holds them ends; the errors of reading, if they have to be read again.
    */
-  acquire(engine: SplatEngine, user: object): SplatCloud {
-    let upload = this.#uploads.get(engine);
-    if (!upload) {
-      const { packed, name } = this;
-      // The copy in memory first: after the loss of a device, nothing is fetched that was packed finely enough.
-      const source = this.#source === null ? packed : [packed, this.#source];
-      const claimed = {
-        geometryPrecision: packed.geometry.precision,
-        shPrecision: packed.harmonics.precision,
-        engineAccuracy: engine.accuracy,
-        met: Promise.resolve(),
-      };
-      upload = { cloud: engine.addPacked(packed, { name, source }), users: new Map(), lease: null, claimed };
-      this.#uploads.set(engine, upload);
+  async rowsIn(volume: Box3 | Sphere): Promise<number[]> {
+    const { rowsIn } = await import('./rows-in.ts');
+    const user = {};
+    try {
+      return await rowsIn(volume, user, this.#uploads.values(), this.#packed ?? this.#source);
+    } finally {
+      this.release(user);
     }
-    if (!upload.users.has(user)) upload.users.set(user, null);
-    return upload.cloud;
   }
 
-  /** Releases the cloud that `user` acquired; the last release frees the GPU memory. */
-  release(engine: SplatEngine, user: object): void {
-    const upload = this.#uploads.get(engine);
-    if (!upload?.users.delete(user)) return;
-    if (upload.users.size > 0) {
-      releaseUnneeded(upload);
-      return;
+  /**
+   * Returns the cloud on `engine`. Uploads it, as it was packed, if necessary; or reads it again, and returns the same promise
+   * until that is done. `user` keeps the cloud until `release`.
+   *
+   * @throws GpuLimitError, DestroyedError. The promise rejects with the errors of `engine.load`; with a SplatSourceError if
+   *   the source has other splats now; and with an AbortError if its last user releases it first.
+   */
+  acquire(engine: SplatEngine, user: object): SplatCloud | Promise<SplatCloud> {
+    const { cloud, users } = this.#uploads.get(engine) ?? this.#upload(engine);
+    if (!users.has(user)) {
+      users.set(user, null);
+      users.delete(this);
+      this.#freeUnused();
     }
-    this.#uploads.delete(engine);
-    upload.cloud.destroy();
+    return cloud;
+  }
+
+  /** Releases the clouds that `user` acquired; the last release on an engine frees the GPU memory there. */
+  release(user: object): void {
+    for (const upload of this.#uploads.values()) if (upload.users.delete(user)) releaseUnneeded(upload);
+    this.#freeUnused();
+  }
+
+  /** Frees GPU memory that waits for a first user. The splats can still be used. */
+  dispose(): void {
+    this.isCached = false;
+    this.release(this);
   }
 
   /**
@@ -130,11 +151,54 @@ export class SplatData {
     upload.claimed = { geometryPrecision, shPrecision, engineAccuracy: engine.accuracy, met };
     return met;
   }
+
+  #upload(engine: SplatEngine): Upload {
+    const { name } = this;
+    const packed = this.#packed;
+    const upload = this.#place(engine, (signal) => {
+      if (!packed) return this.#readAgain(engine, signal);
+      return engine.addPacked(packed, { name, source: this.#source ?? packed });
+    });
+    if (this.#source !== null) this.#packed = null;
+    return upload;
+  }
+
+  async #readAgain(engine: SplatEngine, signal: AbortSignal): Promise<SplatCloud> {
+    const { readAgain } = await import('./read-again.ts');
+    return readAgain(this, this.#source, engine, { precision: this.#precision, signal });
+  }
+
+  #place(engine: SplatEngine, bring: (signal: AbortSignal) => Upload['cloud']): Upload {
+    const abort = new AbortController();
+    const { signal } = abort;
+    const claimed = { ...this.#precision, engineAccuracy: engine.accuracy, met: Promise.resolve() };
+    const upload: Upload = { cloud: bring(signal), abort, users: new Map(), lease: null, claimed };
+    this.#uploads.set(engine, upload);
+    const uploads = new WeakRef(this.#uploads);
+    // An engine lives longer than most of its data, and must not keep them.
+    const forget = () => signal.aborted || uploads.deref()?.delete(engine);
+    void engine.lost.then(forget);
+    Promise.resolve(upload.cloud).then((cloud) => {
+      upload.cloud = cloud;
+    }, forget);
+    return upload;
+  }
+
+  #freeUnused(): void {
+    for (const [engine, { cloud, abort, users }] of this.#uploads) {
+      const isKept = this.isCached && this.#uploads.size === 1;
+      if (users.size > 0 || isKept) continue;
+      this.#uploads.delete(engine);
+      abort.abort();
+      if (!(cloud instanceof Promise)) cloud.destroy();
+    }
+  }
 }
 
 /** Claims `precision`; when the cloud holds it, releases the cloud's own lease, so that the users alone decide. */
 async function claim(upload: Upload, precision: CloudPrecision): Promise<void> {
-  const { cloud, lease } = upload;
+  const { lease } = upload;
+  const cloud = upload.cloud as SplatCloud;
   if (lease) lease.change(precision);
   else upload.lease = cloud.hold(precision);
   await upload.lease!.met;

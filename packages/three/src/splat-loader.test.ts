@@ -1,9 +1,20 @@
-import { encodePly, SplatFileError, type SplatSource, SplatSourceError } from '@websplatter/core';
+import {
+  DestroyedError,
+  encodePly,
+  GpuLimitError,
+  SplatFileError,
+  type SplatSource,
+  SplatSourceError,
+} from '@websplatter/core';
 import { LoadingManager } from 'three/webgpu';
 import { afterEach, describe, expect, test, vi } from 'vitest';
+import { splatEngineOf } from './create-splat-renderer.ts';
+import type { SplatData } from './splat-data.ts';
 import { SplatLoader } from './splat-loader.ts';
 import { fakeEngine } from './testing/fake-engine.ts';
-import { splatSetAt } from './testing/test-clouds.ts';
+import { packedCloudAt, splatSetAt } from './testing/test-clouds.ts';
+
+vi.mock('./create-splat-renderer.ts');
 
 const file = encodePly(splatSetAt([0, 0, 0], [1, 2, 3])) as Uint8Array<ArrayBuffer>;
 
@@ -70,32 +81,112 @@ describe('a load', () => {
     expect([last.lengthComputable, last.loaded, last.total]).toEqual([true, file.length, file.length]);
   });
 
+  /** What an engine is given to upload. */
+  function uploadOf(data: SplatData) {
+    const { engine, addPacked } = fakeEngine();
+    data.acquire(engine, {});
+    const [packed, { source } = {}] = addPacked.mock.lastCall!;
+    return { packed, source };
+  }
+
   test('packs for the loader’s accuracy', async () => {
     const loader = new SplatLoader();
-    expect((await loader.loadAsync(new Blob([file]))).packed.geometry.precision).toBe('packed');
+    const precision = async () =>
+      uploadOf(await loader.loadAsync(new Blob([file]))).packed.geometry.precision;
+    expect(await precision()).toBe('packed');
     loader.setAccuracy('high');
-    expect((await loader.loadAsync(new Blob([file]))).packed.geometry.precision).toBe('f32');
+    expect(await precision()).toBe('f32');
     loader.setAccuracy({ minPsnrDb: 60 });
-    expect((await loader.loadAsync(new Blob([file]))).packed.geometry.precision).toBe('packed');
+    expect(await precision()).toBe('packed');
     expect(() => loader.setAccuracy('perfect' as never)).toThrow(/perfect/);
   });
 
   test('records the source to read again, unless only the loader can read it', async () => {
-    const { engine, addPacked } = fakeEngine();
     stubFetch(async () => new Response(file));
     const sourceOf = async (source: SplatSource, loader = new SplatLoader()) => {
-      const data = await loader.loadAsync(source);
-      data.acquire(engine, {});
-      const [packed, ...others] = [addPacked.mock.lastCall![1]!.source].flat();
-      expect(packed).toBe(data.packed);
-      return others;
+      const upload = uploadOf(await loader.loadAsync(source));
+      return upload.source === upload.packed ? 'memory' : upload.source;
     };
     const blob = new Blob([file]);
-    expect(await sourceOf(blob)).toEqual([blob]);
-    expect(await sourceOf(new URL('https://a.test/two.ply'))).toEqual(['https://a.test/two.ply']);
-    expect(await sourceOf(file)).toEqual([]);
-    expect(await sourceOf(blob.stream())).toEqual([]);
-    expect(await sourceOf('https://a.test/two.ply', new SplatLoader().setWithCredentials(true))).toEqual([]);
+    expect(await sourceOf(blob)).toBe(blob);
+    expect(await sourceOf(new URL('https://a.test/two.ply'))).toBe('https://a.test/two.ply');
+    expect(await sourceOf(file)).toBe('memory');
+    expect(await sourceOf(blob.stream())).toBe('memory');
+    const guarded = new SplatLoader().setWithCredentials(true);
+    expect(await sourceOf('https://a.test/two.ply', guarded)).toBe('memory');
+    expect(await sourceOf(blob, guarded)).toBe(blob);
+  });
+});
+
+describe('a load for a renderer', () => {
+  const { count, origin, chunks, bounds, robustBounds } = packedCloudAt([0, 0, 0], [1, 2, 3]);
+
+  function rendererAndLoader() {
+    const fake = fakeEngine({ accuracy: 'high' });
+    const cloud = Object.assign(fake.cloud, { count, origin, chunks, bounds, robustBounds });
+    fake.load.mockResolvedValue(cloud);
+    vi.mocked(splatEngineOf).mockReturnValue(fake.engine);
+    return { ...fake, loader: new SplatLoader().detectSupport({}) };
+  }
+
+  test('goes to its engine, with the renderer’s accuracy unless the loader has another', async () => {
+    const { engine, cloud, load, addPacked, loader } = rendererAndLoader();
+    const blob = new Blob([file]);
+    const data = await loader.loadAsync(blob);
+    expect(data.count).toBe(2);
+    expect(load.mock.calls[0][0]).toBe(blob);
+    expect(load.mock.calls[0][1]).toMatchObject({
+      name: 'splats',
+      precision: { geometryPrecision: 'f32', shPrecision: 'f16' },
+    });
+    expect(data.acquire(engine, {})).toBe(cloud);
+    expect(addPacked).not.toHaveBeenCalled();
+    loader.setAccuracy('fast');
+    await loader.loadAsync('https://a.test/two.ply');
+    loader.setAccuracy({ maxFrameMs: 8 });
+    await loader.loadAsync(blob);
+    expect(load.mock.lastCall![1]).toMatchObject({
+      precision: { geometryPrecision: 'f32', shPrecision: 'f16' },
+    });
+    loader.setAccuracy('fast');
+    await loader.loadAsync('https://a.test/two.ply');
+    expect(load.mock.lastCall![0]).toBe('https://a.test/two.ply');
+    expect(load.mock.lastCall![1]).toMatchObject({
+      precision: { geometryPrecision: 'packed', shPrecision: 'u8' },
+    });
+  });
+
+  test('reads what can be read only once into memory', async () => {
+    stubFetch(async () => new Response(file));
+    const { load, loader } = rendererAndLoader();
+    for (const source of [file, new Blob([file]).stream()]) await loader.loadAsync(source);
+    await loader.setWithCredentials(true).loadAsync('https://a.test/two.ply');
+    expect(load).not.toHaveBeenCalled();
+  });
+
+  test('goes on in memory for the next renderer where this one ends', async () => {
+    const { load, loader } = rendererAndLoader();
+    load.mockRejectedValue(new DestroyedError('This engine', 'the device was lost'));
+    const data = await loader.loadAsync(new Blob([file]));
+    const next = fakeEngine();
+    data.acquire(next.engine, {});
+    expect(next.addPacked).toHaveBeenCalledTimes(1);
+  });
+
+  test('fails with the engine, and ends with the loader', async () => {
+    const { load, loader } = rendererAndLoader();
+    const tooLarge = new GpuLimitError('memory', 2, 1, 'garden does not fit');
+    load.mockRejectedValueOnce(tooLarge);
+    await expect(loader.loadAsync(new Blob([file]))).rejects.toBe(tooLarge);
+    load.mockImplementation(
+      (_source, { signal } = {}) =>
+        new Promise((_resolve, reject) => {
+          signal!.addEventListener('abort', () => reject(signal!.reason as Error));
+        }),
+    );
+    const loading = loader.loadAsync(new Blob([file]));
+    loader.abort();
+    await expect(loading).rejects.toMatchObject({ name: 'AbortError' });
   });
 });
 

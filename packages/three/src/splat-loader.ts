@@ -2,36 +2,50 @@ import {
   type AccuracyRequest,
   type AccuracySettings,
   DEFAULT_ACCURACY,
+  DestroyedError,
   isAccuracyWish,
   type LoadProgress,
   lastingSource,
   loadSplats,
   resolveAccuracy,
+  type SplatEngine,
   type SplatSource,
-  SplatSourceError,
 } from '@websplatter/core';
 import { Loader } from 'three/webgpu';
+import { splatEngineOf } from './create-splat-renderer.ts';
 import { SplatData } from './splat-data.ts';
 
 /**
  * Loads splats of any supported format, in a worker if workers are available. A source is an address, a File or Blob, a
  * buffer or a stream. Reports to its LoadingManager.
  *
- * Addresses, Files and Blobs can be read again if a finer precision is needed later; buffers, streams, and addresses that
- * need the loader's headers or credentials cannot.
+ * Addresses, Files and Blobs can be read again for a finer precision or another renderer, so their splats leave memory once
+ * they are on a GPU. Buffers, streams, and addresses that need the loader's headers or credentials cannot; their splats stay.
  */
 export class SplatLoader extends Loader<SplatData, SplatSource> {
-  #accuracy: AccuracySettings = resolveAccuracy(DEFAULT_ACCURACY);
+  #engine: SplatEngine | null = null;
+  #accuracy: AccuracySettings | null = null;
   #aborter = new AbortController();
 
   /**
-   * Packs later loads for renderers or clouds of this accuracy; default `balanced`, as theirs is. A wish counts as
-   * `balanced`, because its settings are unknown before anything is drawn.
+   * Loads later sources that can be read again straight into the memory of this renderer's GPU, where large files are packed,
+   * too. Splats that no cloud shows then stay there until `data.dispose()`.
+   *
+   * @throws SplatsUnsupportedRendererError for a renderer that `createSplatRenderer` did not make.
+   */
+  detectSupport(renderer: object): this {
+    this.#engine = splatEngineOf(renderer);
+    return this;
+  }
+
+  /**
+   * Packs later loads for renderers or clouds of this accuracy; default that of the renderer in `detectSupport`, else
+   * `balanced`. A wish counts as the default, because its settings are unknown before anything is drawn.
    *
    * @throws InvalidArgumentError for unknown settings.
    */
   setAccuracy(accuracy: AccuracyRequest): this {
-    this.#accuracy = resolveAccuracy(isAccuracyWish(accuracy) ? DEFAULT_ACCURACY : accuracy);
+    this.#accuracy = isAccuracyWish(accuracy) ? null : resolveAccuracy(accuracy);
     return this;
   }
 
@@ -72,34 +86,35 @@ export class SplatLoader extends Loader<SplatData, SplatSource> {
     name: string,
     onProgress: ((event: ProgressEvent) => void) | undefined,
   ): Promise<SplatData> {
-    const { geometryPrecision, shPrecision } = this.#accuracy;
-    const readAgainFrom = this.#guardedAddress(source) === null ? lastingSource(source) : null;
+    const engine = this.#engine;
+    const accuracy = this.#accuracy ?? engine?.accuracy ?? resolveAccuracy(DEFAULT_ACCURACY);
+    const { geometryPrecision, shPrecision } = accuracy;
+    // Only this loader knows the headers and credentials.
+    const isGuarded = Object.keys(this.requestHeader).length > 0 || this.withCredentials;
+    const readAgainFrom = isGuarded && typeof source === 'string' ? null : lastingSource(source);
     const signal = AbortSignal.any([this.#aborter.signal, this.manager.abortController.signal]);
-    const packed = await loadSplats(await this.#opened(source, name, signal), {
+    const options = {
       name,
       signal,
-      geometryPrecision,
-      shPrecision,
-      onProgress: onProgress && ((progress) => onProgress(progressEvent(progress))),
-    });
-    return new SplatData(packed, name, readAgainFrom);
-  }
-
-  /** Returns the address if its request needs headers or credentials that only this loader knows; otherwise null. */
-  #guardedAddress(source: SplatSource): string | null {
-    const isGuarded = Object.keys(this.requestHeader).length > 0 || this.withCredentials;
-    return isGuarded && typeof source === 'string' ? source : null;
-  }
-
-  async #opened(source: SplatSource, name: string, signal: AbortSignal): Promise<SplatSource> {
-    const address = this.#guardedAddress(source);
-    if (address === null) return source;
-    const credentials = this.withCredentials ? 'include' : 'same-origin';
-    const response = await fetch(address, { headers: this.requestHeader, credentials, signal });
-    if (!response.ok || !response.body) {
-      throw new SplatSourceError(name, `the server answered ${response.status}`, response.status);
+      onProgress: onProgress && ((progress: LoadProgress) => onProgress(progressEvent(progress))),
+    };
+    if (engine && readAgainFrom !== null) {
+      try {
+        const precision = { geometryPrecision, shPrecision };
+        const cloud = await engine.load(readAgainFrom, { ...options, precision });
+        return new SplatData({ engine, cloud, precision }, name, readAgainFrom);
+      } catch (error) {
+        // The splats may be shown by the renderer that takes the place of this one.
+        if (!(error instanceof DestroyedError)) throw error;
+      }
     }
-    return response.body;
+    let opened = source;
+    if (isGuarded && typeof source === 'string') {
+      const { fetchGuarded } = await import('./fetch-guarded.ts');
+      opened = await fetchGuarded(source, this, signal);
+    }
+    const packed = await loadSplats(opened, { ...options, geometryPrecision, shPrecision });
+    return new SplatData(packed, name, readAgainFrom);
   }
 }
 

@@ -18,7 +18,7 @@ export default function Selection() {
     const object = splats.current;
     const hit = await object?.pick(offsetX, offsetY);
     if (!object?.data || !hit) return;
-    selection.add(object.data.rowsIn(new Sphere(object.worldToLocal(hit.point), radius)));
+    selection.add(await object.data.rowsIn(new Sphere(object.worldToLocal(hit.point), radius)));
     show();
   };
   return (

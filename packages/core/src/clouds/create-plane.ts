@@ -17,6 +17,7 @@ export function createHarmonics(place: PlanePlace, degree: ShDegree, precision: 
 function createPlane(place: PlanePlace, wordsPerSplat: number, what: string): Plane {
   return planeOf(place, ({ start, end }, page) => {
     const bytes = 4 * wordsPerSplat * (end - start);
-    return place.memory.createBuffer(`${place.name} ${what} ${page}`, bytes, GPUBufferUsage.STORAGE);
+    const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC;
+    return place.memory.createBuffer(`${place.name} ${what} ${page}`, bytes, usage);
   });
 }

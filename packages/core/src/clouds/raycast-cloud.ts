@@ -2,7 +2,9 @@ import { Chunk } from '../layout/structs.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
 import { BoxTree } from './box-tree.ts';
-import type { SplatCloud } from './splat-cloud.ts';
+
+/** What rays are tested against: a part of a SplatCloud or a PackedCloud. */
+export type CloudOutline = Pick<PackedCloud, 'origin' | 'chunks' | 'robustBounds'>;
 
 /** Where a ray meets a cloud's bounds, in scene space. */
 export interface CloudHit {
@@ -25,11 +27,7 @@ export interface CloudHit {
  * @param direction vector of any length.
  * @returns null if the ray misses or is not finite.
  */
-export function raycastCloud(
-  cloud: SplatCloud | PackedCloud,
-  origin: Vec3,
-  direction: Vec3,
-): CloudHit | null {
+export function raycastCloud(cloud: CloudOutline, origin: Vec3, direction: Vec3): CloudHit | null {
   const local = origin.map((value, axis) => value - cloud.origin[axis]);
   const { distance } = chunkTree(cloud).nearestEntry(local, direction);
   if (distance === Number.POSITIVE_INFINITY) return null;
@@ -41,7 +39,7 @@ export function raycastCloud(
 const trees = new WeakMap<ArrayBuffer, BoxTree>();
 
 /** @internal Returns the tree over a cloud's widened chunk bounds, relative to its origin; built on first use. */
-export function chunkTree(cloud: SplatCloud | PackedCloud): BoxTree {
+export function chunkTree(cloud: CloudOutline): BoxTree {
   let tree = trees.get(cloud.chunks);
   if (!tree) {
     tree = new BoxTree(chunkBoxes(cloud));
@@ -62,7 +60,7 @@ function longestBox(chunkCount: number): number {
   return Math.max(1 / 4, 8 / Math.sqrt(chunkCount));
 }
 
-function chunkBoxes({ chunks, robustBounds }: SplatCloud | PackedCloud): Float64Array {
+function chunkBoxes({ chunks, robustBounds }: CloudOutline): Float64Array {
   const values = new Float32Array(chunks);
   const stride = Chunk.bytes / 4;
   const chunkCount = values.length / stride;

@@ -42,9 +42,9 @@ export class GpuMemory {
     return this.#counted(this.device.createBuffer({ label, size, usage }), size);
   }
 
-  /** Creates a storage buffer with the contents `words`. */
+  /** Creates a storage buffer with the contents `words`, which can be read back. */
   createFilledBuffer(label: string, words: Uint32Array): GPUBuffer {
-    const usage = GPUBufferUsage.STORAGE;
+    const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC;
     const size = sizeOf(words.byteLength);
     this.check(label, size, usage);
     // Mapped at creation: the data goes straight to the driver's staging memory, without a second copy here.

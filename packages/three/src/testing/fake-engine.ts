@@ -9,7 +9,7 @@ import {
 } from '@websplatter/core';
 import { vi } from 'vitest';
 
-/** An engine whose only cloud records claims and meets them at once. For tests. */
+/** An engine whose only cloud records claims and meets them at once; a test decides what `load` does. For tests. */
 export function fakeEngine({ accuracy = 'balanced' }: { accuracy?: Accuracy } = {}) {
   const destroyed = vi.fn();
   const state = { accuracy: resolveAccuracy(accuracy), pages: {} };
@@ -37,8 +37,15 @@ export function fakeEngine({ accuracy = 'balanced' }: { accuracy?: Accuracy } = 
     ownLease: { release: releaseOwn },
   } as unknown as SplatCloud;
   const addPacked = vi.fn<SplatEngine['addPacked']>(() => cloud);
+  const load = vi.fn<SplatEngine['load']>();
+  let lose = () => {};
+  const lost = new Promise<void>((resolve) => {
+    lose = resolve;
+  });
   const engine = {
     addPacked,
+    load,
+    lost,
     get accuracy(): AccuracySettings {
       return state.accuracy;
     },
@@ -47,5 +54,5 @@ export function fakeEngine({ accuracy = 'balanced' }: { accuracy?: Accuracy } = 
   const setAccuracy = (changed: Accuracy) => {
     state.accuracy = resolveAccuracy(changed);
   };
-  return { engine, addPacked, claim, released, releaseOwn, destroyed, setAccuracy };
+  return { engine, cloud, addPacked, load, lose, claim, released, releaseOwn, destroyed, setAccuracy };
 }

@@ -1,4 +1,4 @@
-import { packCloud, type SplatSet } from '@websplatter/core';
+import { type PackedCloud, packCloud, type SplatSet } from '@websplatter/core';
 import { SplatData } from '../splat-data.ts';
 
 /** Small white splats at `positions`. For tests. */
@@ -18,9 +18,11 @@ export function splatSetAt(...positions: readonly (readonly [number, number, num
   };
 }
 
+/** The same, packed as `balanced` has it. */
+export function packedCloudAt(...positions: readonly (readonly [number, number, number])[]): PackedCloud {
+  return packCloud(splatSetAt(...positions), { geometryPrecision: 'packed', shPrecision: 'u8' });
+}
+
 export function splatDataAt(...positions: readonly (readonly [number, number, number])[]): SplatData {
-  return new SplatData(
-    packCloud(splatSetAt(...positions), { geometryPrecision: 'packed', shPrecision: 'u8' }),
-    'test',
-  );
+  return new SplatData(packedCloudAt(...positions), 'test');
 }

@@ -1,0 +1,96 @@
+import {
+  DestroyedError,
+  GEOMETRY_WORDS,
+  loadSplats,
+  type PackedCloud,
+  type SplatCloud,
+} from '@websplatter/core';
+import { type Box3, type Sphere, Vector3 } from 'three/webgpu';
+
+/** Splats that are copied to the CPU and tested at once, too few to block the page. */
+const PIECE_SPLATS = 1 << 16;
+
+/** Splats on one engine. */
+interface Place {
+  readonly cloud: SplatCloud | Promise<SplatCloud>;
+  /** The cloud lives as long as it has some. */
+  readonly users: Map<object, unknown>;
+}
+
+/**
+ * Returns the rows of splats with centres in `volume`: see `SplatData.rowsIn`. Takes them from the first of `places` that has
+ * the cloud, of which `user` becomes a user, else from `otherwise`.
+ */
+export async function rowsIn(
+  volume: Box3 | Sphere,
+  user: object,
+  places: Iterable<Place>,
+  otherwise: PackedCloud | string | Blob | null,
+): Promise<number[]> {
+  for (const { cloud, users } of places) {
+    if (cloud instanceof Promise) continue;
+    users.set(user, null);
+    return rowsOnGpu(cloud, volume);
+  }
+  if (otherwise === null)
+    throw new DestroyedError('These splats', 'the engine that held them has freed them');
+  const isFile = typeof otherwise === 'string' || otherwise instanceof Blob;
+  const packed = isFile ? await loadSplats(otherwise) : otherwise;
+  const rows: number[] = [];
+  const { words, precision } = packed.geometry;
+  addRows(rows, packed, 0, words, GEOMETRY_WORDS[precision], volume);
+  return rows;
+}
+
+/** The cloud must not be destroyed meanwhile. */
+async function rowsOnGpu(cloud: SplatCloud, volume: Box3 | Sphere): Promise<number[]> {
+  const { device, name } = cloud;
+  const size = 4 * GEOMETRY_WORDS.f32 * Math.min(PIECE_SPLATS, cloud.count);
+  const usage = GPUBufferUsage.COPY_DST | GPUBufferUsage.MAP_READ;
+  const staging = device.createBuffer({ label: `${name} centres`, size, usage });
+  // Positions are the same in planes of all precisions, and other planes may take their place while one piece is tested.
+  const planes = () => cloud.pagesFor({ geometryPrecision: 'packed', shPrecision: 'u8' });
+  const rows: number[] = [];
+  try {
+    let first = 0;
+    for (const [page, { splatCount }] of planes().pages.entries()) {
+      for (let at = 0; at < splatCount; at += PIECE_SPLATS) {
+        const { pages, geometryPrecision } = planes();
+        const stride = GEOMETRY_WORDS[geometryPrecision];
+        const bytes = 4 * stride * Math.min(PIECE_SPLATS, splatCount - at);
+        const encoder = device.createCommandEncoder({ label: 'read centres' });
+        encoder.copyBufferToBuffer(pages[page].geometry, 4 * stride * at, staging, 0, bytes);
+        device.queue.submit([encoder.finish()]);
+        await staging.mapAsync(GPUMapMode.READ, 0, bytes).catch((cause: Error) => {
+          throw new DestroyedError(`The cloud ${name}`, cause.message);
+        });
+        const words = new Uint32Array(staging.getMappedRange(0, bytes));
+        addRows(rows, cloud, first + at, words, stride, volume);
+        staging.unmap();
+      }
+      first += splatCount;
+    }
+  } finally {
+    staging.destroy();
+  }
+  return rows;
+}
+
+/** Adds the rows of those splats from `first` on whose geometry is `words` and whose centre is in `volume`. */
+function addRows(
+  rows: number[],
+  { origin, fileIndices }: Pick<SplatCloud, 'origin' | 'fileIndices'>,
+  first: number,
+  words: Uint32Array,
+  stride: number,
+  volume: Box3 | Sphere,
+): void {
+  // A splat of any precision begins with its position in float32.
+  const values = new Float32Array(words.buffer, words.byteOffset, words.length);
+  const middle = new Vector3(...origin);
+  const center = new Vector3();
+  for (let i = 0; i < words.length / stride; i++) {
+    if (volume.containsPoint(center.fromArray(values, stride * i).add(middle)))
+      rows.push(fileIndices[first + i]);
+  }
+}
