@@ -9,7 +9,7 @@ const loadWebsplatterThree: LoadPeer = async ({ canvas, url, options }) => {
   const accuracy = (options.get('accuracy') ?? 'balanced') as AccuracyPreset;
   const renderer = await createSplatRenderer({ canvas, antialias: false, accuracy });
   const { scene, setCamera, draw } = threeScene(renderer, canvas);
-  const object = new SplatCloudObject(await new SplatLoader().loadAsync(url));
+  const object = new SplatCloudObject(await new SplatLoader().detectSupport(renderer).loadAsync(url));
   scene.add(object);
   let isShown = false;
   let problem: unknown;
