@@ -610,7 +610,7 @@ describe('three 0.187', () => {
     });
 
     test('reveal a cloud over a time, asking for the frames, and end', async () => {
-      const { shown, hidden, frames, revealed } = await run('reveal', 400);
+      const { shown, hidden, frames, revealed } = await run('reveal', 2000);
       expect(rightOf(shown)[0]).toBeGreaterThan(150);
       expect(rightOf(hidden)[0]).toBeLessThan(rightOf(shown)[0] / 2);
       expect(frames).toBeGreaterThan(1);
