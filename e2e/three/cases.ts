@@ -466,8 +466,10 @@ export const cases = {
     const cloud = splatCloud({ scale: [2, 2, 0.01], opacity: 0.99 });
     scene.add(cloud);
     const shown = await shot(stage);
-    cloud.reveal = { from: [0, 0, 0], durationMs };
+    // Compiling takes part of a reveal's time: of this one, that is nothing.
+    cloud.reveal = { from: [0, 0, 0], durationMs: 1e9 };
     const hidden = await shotWith(stage, { reveal: true });
+    cloud.reveal = { from: [0, 0, 0], durationMs };
     let frames = 0;
     const revealed = new Promise<void>((resolve) => {
       cloud.addEventListener('needsframe', () => {

@@ -135,7 +135,8 @@ export async function shot(stage: Stage, splatPasses = 1): Promise<Pixels> {
  * The same when effects are on or off as `expected`, by name: until their shaders are compiled the image stays as it was.
  */
 export async function shotWith(stage: Stage, expected: Readonly<Record<string, boolean>>): Promise<Pixels> {
-  for (let attempt = 0; attempt < 10; attempt++) {
+  // Many, because what is animated asks for frames while shaders compile.
+  for (let attempt = 0; attempt < 500; attempt++) {
     // Listens before: shaders may be ready while the pixels are read, and nothing would tell so again.
     const needed = nextNeededFrame(stage.scene);
     needed.catch(() => {});
