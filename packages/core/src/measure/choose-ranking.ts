@@ -109,19 +109,21 @@ async function timesOf(
   const { QUERY_RESOLVE, COPY_SRC } = GPUBufferUsage;
   const resolved = memory.createBuffer('ranking times', 8 * count, QUERY_RESOLVE | COPY_SRC);
   try {
-    const encoder = device.createCommandEncoder({ label: 'ranking times' });
     for (let turn = 0; turn < turns; turn++) {
       for (const [i, sort] of sorts.entries()) {
         const at = 2 * (turn * sorts.length + i);
+        const encoder = device.createCommandEncoder({ label: 'ranking times' });
         encoder.copyBufferToBuffer(keys, 0, sort.keys, 0, keys.size);
         const timestampWrites = { querySet, beginningOfPassWriteIndex: at, endOfPassWriteIndex: at + 1 };
         const pass = encoder.beginComputePass({ timestampWrites });
         for (let repeat = 0; repeat < sortsPerTurn; repeat++) sort.record(pass);
         pass.end();
+        if (at === count - 2) encoder.resolveQuerySet(querySet, 0, count, resolved, 0);
+        device.queue.submit([encoder.finish()]);
+        // Frames that are drawn meanwhile wait for no more than this.
+        await device.queue.onSubmittedWorkDone();
       }
     }
-    encoder.resolveQuerySet(querySet, 0, count, resolved, 0);
-    device.queue.submit([encoder.finish()]);
     const ns = new BigUint64Array((await readWords(device, resolved)).buffer);
     return sorts.map((_, i) => {
       const ms = Array.from({ length: turns }, (_, turn) => {
