@@ -1,7 +1,7 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import type { Plane } from '../clouds/cloud-planes.ts';
+import type { PageRange, Plane } from '../clouds/cloud-planes.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
@@ -41,6 +41,8 @@ interface Rows {
   readonly precision: CloudPrecision;
   readonly keptShDegree: ShDegree;
   readonly pageSplats: number;
+  /** Splats per page in storage order; null: as in the file. */
+  readonly storedPageSplats: number | null;
 }
 
 /** A set in which every third splat lies where the first does, so that the order of the file decides. */
@@ -56,8 +58,15 @@ const rowsOf = (count: number, shDegree: ShDegree, changes: Partial<Rows> = {}):
   precision: PACKED,
   keptShDegree: shDegree,
   pageSplats: PAGE_SPLATS,
+  storedPageSplats: null,
   ...changes,
 });
+
+const pagesOf = (count: number, pageSplats: number): PageRange[] =>
+  Array.from({ length: Math.ceil(count / pageSplats) }, (_, page) => ({
+    start: page * pageSplats,
+    end: Math.min(count, (page + 1) * pageSplats),
+  }));
 
 /** The rows as the host arranges them. */
 function onHost({ set, isDropped, precision, keptShDegree }: Rows) {
@@ -79,12 +88,9 @@ function onHost({ set, isDropped, precision, keptShDegree }: Rows) {
 
 /** The rows as they arrive on the GPU: a slot for each in the order of the file. */
 function arrivedOf(rows: Rows, memory: GpuMemory): ArrivedPlanes {
-  const { set, isDropped, precision, keptShDegree, pageSplats } = rows;
+  const { set, isDropped, precision, keptShDegree, pageSplats, storedPageSplats } = rows;
   const { harmonicsInFile, kept, geometry } = onHost(rows);
-  const ranges = Array.from({ length: Math.ceil(set.count / pageSplats) }, (_, page) => ({
-    start: page * pageSplats,
-    end: Math.min(set.count, (page + 1) * pageSplats),
-  }));
+  const ranges = pagesOf(set.count, pageSplats);
   const dropMask = new Uint32Array(Math.ceil(set.count / 32));
   for (const row of set.fileIndices) if (isDropped(row)) dropMask[row >> 5] |= 1 << (row & 31);
   const planeOf = (words: Uint32Array, perSplat: number): Plane => {
@@ -108,6 +114,7 @@ function arrivedOf(rows: Rows, memory: GpuMemory): ArrivedPlanes {
     ),
     logScaleRange: geometry.logScaleRange,
     keptShDegree,
+    ...(storedPageSplats && { pages: pagesOf(kept.count, storedPageSplats) }),
   };
 }
 
@@ -205,6 +212,13 @@ describe('planes in the order of a file become those that the host makes', () =>
         await check(rowsOf(700, 3, { precision, keptShDegree }));
       });
     }
+  }
+
+  for (const storedPageSplats of [256, 512, 768, 2048]) {
+    gpuTest(`in pages of ${storedPageSplats} splats, from pages of 512`, async () => {
+      await check(rowsOf(1300, 1, { storedPageSplats }));
+      await check(rowsOf(1300, 2, { storedPageSplats, keptShDegree: 0, isDropped: (row) => row % 97 === 5 }));
+    });
   }
 
   gpuTest('in an order that is a stable permutation of the rows kept, for any places', async () => {

@@ -42,6 +42,8 @@ export interface ArrivedPlanes extends CloudPrecision {
   readonly logScaleRange: LogScaleRange;
   /** Degree to keep, at most `shDegree`. */
   readonly keptShDegree: ShDegree;
+  /** Pages of the planes in storage order, for `kept` splats; default those of the slots, as far as they are filled. */
+  readonly pages?: readonly PageRange[];
 }
 
 /** Planes in storage order. */
@@ -81,7 +83,7 @@ export function arrangeStages(
 
 /**
  * Puts planes into storage order on the GPU: sorts their splats by Morton code and moves them word by word, in place where few
- * rows were dropped, so that beside the planes there are never more than 20 bytes per splat, and 4 of them last: the rows of the
+ * rows were dropped and pages stay, so that beside the planes there are never more than 20 bytes per splat, and 4 of them last: the rows of the
  * file. Frees those that it replaces.
  * All stages must have been compiled. Submits, and does not wait.
  *
@@ -182,14 +184,16 @@ function permute(
   create: (label: string, bytes: number) => GPUBuffer,
 ): ArrangedPlanes {
   const { name, kept, geometryPrecision, shPrecision, shDegree, keptShDegree } = arrived;
-  const ranges = arrived.ranges
+  const filled = arrived.ranges
     .filter(({ start }) => start < kept)
     .map(({ start, end }) => ({ start, end: Math.min(end, kept) }));
+  const ranges = arrived.pages ?? filled;
+  const isRepaged = ranges.length !== filled.length || ranges.some(({ end }, i) => end !== filled[i].end);
   const isRoomy = kept < (1 - SPARE_PART) * slotsOf(arrived.ranges);
   const planeOf = (what: string, words: number): Plane =>
     ranges.map(({ start, end }, page) => create(`${name} ${what} ${page}`, 4 * words * (end - start)));
   const moveOf = (what: string, from: Plane, wordsBefore: number, words: number, lastMask: number): Move => {
-    const isNew = words > 0 && (isRoomy || words !== wordsBefore);
+    const isNew = words > 0 && (isRoomy || isRepaged || words !== wordsBefore);
     return {
       from,
       to: isNew ? planeOf(what, words) : from.slice(0, ranges.length),
