@@ -28,7 +28,7 @@ import { type EngineCounters, zeroCounters } from './gpu/engine-counters.ts';
 import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
 import { Pipelines } from './gpu/pipelines.ts';
 import { LazyIngest } from './ingest/lazy-ingest.ts';
-import type { IngestedCloud } from './ingest/row-ingest.ts';
+import type { IngestedCloud, RowIngestOptions } from './ingest/row-ingest.ts';
 import { lastingSource, loadOrPass } from './io/load-splats.ts';
 import { sourceName } from './io/open-source.ts';
 import type { RowFiles } from './io/row-sink.ts';
@@ -242,18 +242,10 @@ export class SplatEngine {
     const { geometryPrecision, shPrecision } = options.precision ?? accuracy;
     const name = options.name ?? sourceName(source);
     const made = { name, source: lastingSource(source) };
-    const ingest = new LazyIngest(
-      {
-        device: this.device,
-        pipelines: this.#pipelines,
-        memory: this.#memory,
-        dispatchRow: this.#dispatchRow,
-      },
-      { geometryPrecision, shPrecision, name, onPreview: options.onPreview },
-    );
+    const rowsTo = this.#rowsTo({ geometryPrecision, shPrecision, name, onPreview: options.onPreview });
+    const ingest = rowsTo.sink;
     let cloud: SplatCloud;
     try {
-      const rowsTo = { sink: ingest, files: rowFilesFor(this.device.limits, this.#ingestMinRows) };
       const loading = loadOrPass(source, { ...options, geometryPrecision, shPrecision }, rowsTo);
       this.#foreseeRows(source, ingest);
       const packed = await loading;
@@ -412,6 +404,20 @@ export class SplatEngine {
     return !isSoftwareAdapter(this.device.adapterInfo);
   }
 
+  /** Takes the rows of one file to the GPU. */
+  #rowsTo(options: RowIngestOptions) {
+    const context = {
+      device: this.device,
+      pipelines: this.#pipelines,
+      memory: this.#memory,
+      dispatchRow: this.#dispatchRow,
+    };
+    return {
+      sink: new LazyIngest(context, options),
+      files: rowFilesFor(this.device.limits, this.#ingestMinRows),
+    };
+  }
+
   #addIngested(
     { planes, contents, preview }: IngestedCloud,
     options: NewCloudOptions,
@@ -521,6 +527,7 @@ export class SplatEngine {
       dispatchRow: this.#dispatchRow,
       destroyedBecause: () => this.#destroyedBecause,
       compileFor: (cloud, precision) => this.#compileFor(cloud, precision),
+      openRowPlanes: (options) => this.#rowsTo(options),
     });
   }
 

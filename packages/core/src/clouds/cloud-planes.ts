@@ -225,8 +225,10 @@ export class CloudPlanes {
     for (const buffer of plane) this.#memory.destroy(buffer);
   }
 
-  destroy(): void {
-    for (const plane of [this.#chunks, ...this.#geometry.values(), ...this.#sh.values()]) this.free(plane);
+  /** @param others planes that are part of another cloud now. */
+  destroy(others: readonly Plane[] = []): void {
+    for (const plane of [this.#chunks, ...this.#geometry.values(), ...this.#sh.values()])
+      if (!others.includes(plane)) this.free(plane);
   }
 
   #adopt<Precision>(planes: Map<Precision, Plane>, precision: Precision, plane: Plane): void {

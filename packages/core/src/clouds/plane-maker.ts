@@ -1,25 +1,20 @@
-import { DestroyedError, GpuLimitError, SplatSourceError } from '../errors.ts';
+import { DestroyedError, GpuLimitError } from '../errors.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
-import { loadSplats } from '../io/load-splats.ts';
-import type { ReadOptions } from '../io/splat-source.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { RepackParameters } from '../layout/packing-structs.ts';
-import { Chunk } from '../layout/structs.ts';
 import { GEOMETRY_WORDS } from '../packing/geometry.ts';
-import { type Harmonics, shWordsPerSplat } from '../packing/harmonics.ts';
-import { packSet } from '../packing/pack-set.ts';
-import type { PackedCloud } from '../packing/packed-cloud.ts';
+import { shWordsPerSplat } from '../packing/harmonics.ts';
 import type { CloudPrecision } from '../packing/precision.ts';
-import type { SplatSet } from '../splats/splat-set.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
 import { repackGeometry } from '../stages/repack-geometry.ts';
 import { type RepackShVariant, repackSh } from '../stages/repack-sh.ts';
 import type { MakeOptions } from './cloud-leases.ts';
-import { isGeometryAsFine, isShAsFine, type Plane, uploadGeometry, uploadHarmonics } from './cloud-planes.ts';
+import { isGeometryAsFine, isShAsFine, type Plane } from './cloud-planes.ts';
 import { createGeometry, createHarmonics } from './create-plane.ts';
-import type { CloudSource, SplatCloud } from './splat-cloud.ts';
+import { describePrecision, type FreshPlanes, type OpenRowPlanes, readAgain } from './read-again.ts';
+import type { SplatCloud } from './splat-cloud.ts';
 
 export interface PlaneMakerContext {
   readonly device: GPUDevice;
@@ -31,14 +26,16 @@ export interface PlaneMakerContext {
   readonly destroyedBecause: () => string | null;
   /** Compiles the pipelines that draw the cloud with this precision, in every view that shows it. */
   readonly compileFor: (cloud: SplatCloud, precision: CloudPrecision) => Promise<void>;
+  readonly openRowPlanes: OpenRowPlanes;
 }
 
 type RepackStage = StageDefinition<'parameters' | 'finer' | 'coarser'>;
 
 /** Work that a request needs; null parts are not needed. */
 interface Work {
-  readonly freshGeometry: PackedCloud['geometry'] | null;
-  readonly freshSh: PackedCloud['harmonics'] | null;
+  /** Read again, to be taken. */
+  readonly freshGeometry: FreshPlanes | null;
+  readonly freshSh: FreshPlanes | null;
   readonly geometryStage: RepackStage | null;
   readonly shStage: RepackStage | null;
 }
@@ -83,15 +80,32 @@ export class PlaneMaker {
     signal.throwIfAborted();
     await Promise.race([earlier, whenAborted(signal)]);
     signal.throwIfAborted();
-    let fresh: PackedCloud | null = null;
-    while (!(await this.#makeFrom(fresh, cloud, wanted, options))) {
-      fresh = await readAgain(cloud, missingOf(cloud, wanted), options);
+    let fresh: FreshPlanes | null = null;
+    try {
+      while (!(await this.#makeFrom(fresh, cloud, wanted, options))) {
+        fresh?.destroy();
+        fresh = await this.#read(cloud, wanted, options);
+      }
+    } finally {
+      fresh?.destroy();
+    }
+  }
+
+  async #read(cloud: SplatCloud, wanted: CloudPrecision, options: MakeOptions): Promise<FreshPlanes> {
+    try {
+      return await readAgain(cloud, missingOf(cloud, wanted), this.#context.openRowPlanes, options);
+    } catch (error) {
+      // What ended the engine or the device also ended what was waited for.
+      this.#checkUsable(options.signal);
+      if (error instanceof GpuLimitError && error.limit === 'memory')
+        throw memoryError(cloud, wanted, error.neededBytes);
+      throw error;
     }
   }
 
   /** @returns false, without making anything, if both the cloud's planes and `fresh` are too coarse. */
   async #makeFrom(
-    fresh: PackedCloud | null,
+    fresh: FreshPlanes | null,
     cloud: SplatCloud,
     wanted: CloudPrecision,
     { signal }: MakeOptions,
@@ -137,10 +151,10 @@ export class PlaneMaker {
     let geometry = planes.geometryPlane(planes.held.geometry[0])!;
     let sh = planes.shPlane(planes.held.sh[0])!;
     if (freshGeometry) {
-      geometry = keepGeometry(freshGeometry.precision, uploadGeometry(planes.place, freshGeometry));
+      geometry = keepGeometry(freshGeometry.geometryPrecision, freshGeometry.takeGeometry());
     }
     if (freshSh) {
-      sh = keepSh(freshSh.precision, uploadHarmonics(planes.place, freshSh));
+      sh = keepSh(freshSh.shPrecision, freshSh.takeHarmonics());
     }
     if (geometryStage) {
       const coarser = keepGeometry(
@@ -156,7 +170,7 @@ export class PlaneMaker {
       );
       this.#repack(cloud, shStage, sh, coarser);
     }
-    this.#context.counting.uploadedBytes += uploadedBytes(work);
+    this.#context.counting.uploadedBytes += freshBytes(cloud, work);
   }
 
   #repack({ planes, logScaleRange }: SplatCloud, stage: RepackStage, finer: Plane, coarser: Plane): void {
@@ -188,7 +202,7 @@ export class PlaneMaker {
 
   /** Calls `make`. @throws GpuLimitError if its buffers do not fit into the GPU's memory. */
   async #withMemoryFor(
-    { name }: SplatCloud,
+    cloud: SplatCloud,
     wanted: CloudPrecision,
     neededBytes: number,
     make: () => void,
@@ -205,10 +219,7 @@ export class PlaneMaker {
       throw new DestroyedError('This request', cause.message);
     });
     // If a buffer cannot be mapped for its contents, creating it throws a RangeError instead.
-    if (lacking || thrown instanceof RangeError) {
-      const message = `${name} does not fit into the GPU's memory with ${describe(wanted)} (${neededBytes} bytes more); it is unchanged. Request a coarser precision.`;
-      throw new GpuLimitError('memory', neededBytes, 0, message);
-    }
+    if (lacking || thrown instanceof RangeError) throw memoryError(cloud, wanted, neededBytes);
     if (thrown) throw thrown;
   }
 
@@ -217,6 +228,11 @@ export class PlaneMaker {
     const reason = this.#context.destroyedBecause();
     if (reason !== null) throw new DestroyedError('This request', reason);
   }
+}
+
+function memoryError({ name }: SplatCloud, wanted: CloudPrecision, neededBytes: number): GpuLimitError {
+  const message = `${name} does not fit into the GPU's memory with ${describePrecision(wanted)} (${neededBytes} bytes more); it is unchanged. Request a coarser precision.`;
+  return new GpuLimitError('memory', neededBytes, 0, message);
 }
 
 /** Returns the precision to read, so that `wanted` can be made from it and from the planes that `cloud` holds. */
@@ -236,21 +252,21 @@ function missingOf(
 function workFor(
   { planes, shDegree }: SplatCloud,
   { geometryPrecision, shPrecision }: CloudPrecision,
-  fresh: PackedCloud | null,
+  fresh: FreshPlanes | null,
 ): Work | null {
   const [finestGeometry] = planes.held.geometry;
   const [finestSh] = planes.held.sh;
-  const freshGeometry = fresh && !isGeometryAsFine(finestGeometry, geometryPrecision) ? fresh.geometry : null;
-  const freshSh = fresh && !isShAsFine(finestSh, shPrecision) ? fresh.harmonics : null;
+  const freshGeometry = fresh && !isGeometryAsFine(finestGeometry, geometryPrecision) ? fresh : null;
+  const freshSh = fresh && !isShAsFine(finestSh, shPrecision) ? fresh : null;
   const isFineEnough =
-    isGeometryAsFine(freshGeometry?.precision ?? finestGeometry, geometryPrecision) &&
-    isShAsFine(freshSh?.precision ?? finestSh, shPrecision);
+    isGeometryAsFine(freshGeometry?.geometryPrecision ?? finestGeometry, geometryPrecision) &&
+    isShAsFine(freshSh?.shPrecision ?? finestSh, shPrecision);
   if (!isFineEnough) return null;
   const hasGeometry =
-    planes.geometryPlane(geometryPrecision) || freshGeometry?.precision === geometryPrecision;
-  const hasSh = planes.shPlane(shPrecision) || freshSh?.precision === shPrecision;
+    planes.geometryPlane(geometryPrecision) || freshGeometry?.geometryPrecision === geometryPrecision;
+  const hasSh = planes.shPlane(shPrecision) || freshSh?.shPrecision === shPrecision;
   // From the finest available, so that nothing is rounded twice needlessly.
-  const from = (freshSh?.precision ?? finestSh) as RepackShVariant['from'];
+  const from = (freshSh?.shPrecision ?? finestSh) as RepackShVariant['from'];
   return {
     freshGeometry,
     freshSh,
@@ -259,116 +275,19 @@ function workFor(
   };
 }
 
-function uploadedBytes({ freshGeometry, freshSh }: Work): number {
-  return (freshGeometry?.words.byteLength ?? 0) + (freshSh?.words.byteLength ?? 0);
+/** Bytes of what `work` takes of splats that were read again. */
+function freshBytes({ count, shDegree }: SplatCloud, { freshGeometry, freshSh }: Work): number {
+  const geometryWords = freshGeometry ? GEOMETRY_WORDS[freshGeometry.geometryPrecision] : 0;
+  const shWords = freshSh ? shWordsPerSplat(shDegree, freshSh.shPrecision) : 0;
+  return 4 * count * (geometryWords + shWords);
 }
 
-/** Bytes that `work` allocates. */
-function bytesOf({ count, shDegree }: SplatCloud, wanted: CloudPrecision, work: Work): number {
+/** Bytes of the planes that `work` adds. */
+function bytesOf(cloud: SplatCloud, wanted: CloudPrecision, work: Work): number {
+  const { count, shDegree } = cloud;
   const geometryWords = work.geometryStage ? GEOMETRY_WORDS[wanted.geometryPrecision] : 0;
   const shWords = work.shStage ? shWordsPerSplat(shDegree, wanted.shPrecision) : 0;
-  return uploadedBytes(work) + 4 * count * (geometryWords + shWords);
-}
-
-/**
- * Reads the splats of `cloud` at least as finely as `wanted` from the first source that has them, and verifies that they are
- * the same splats.
- */
-async function readAgain(
-  cloud: SplatCloud,
-  wanted: CloudPrecision,
-  options: MakeOptions,
-): Promise<PackedCloud> {
-  const { sources, name } = cloud;
-  const gone = `a finer precision (${describe(wanted)}) must be read again, and the source is gone; load it from a URL, a File or a Blob, or pass its source when adding it.`;
-  let problem: unknown = new SplatSourceError(name, gone);
-  for (const source of sources) {
-    try {
-      return await readFrom(source, cloud, wanted, options);
-    } catch (error) {
-      options.signal.throwIfAborted();
-      problem = error;
-    }
-  }
-  throw problem;
-}
-
-async function readFrom(
-  source: CloudSource,
-  cloud: SplatCloud,
-  wanted: CloudPrecision,
-  options: MakeOptions,
-): Promise<PackedCloud> {
-  const { name, shDegree } = cloud;
-  const fresh = await packedFrom(source, wanted, { name, ...options });
-  const { geometry, harmonics } = fresh;
-  const isFine =
-    isGeometryAsFine(geometry.precision, wanted.geometryPrecision) &&
-    (shDegree === 0 || isShAsFine(harmonics.precision, wanted.shPrecision));
-  if (!isFine) {
-    const has = describe({ geometryPrecision: geometry.precision, shPrecision: harmonics.precision });
-    throw new SplatSourceError(
-      name,
-      `its source has only ${has}, not ${describe(wanted)}; load it with that, or from a URL, a File or a Blob.`,
-    );
-  }
-  if (!isSameSplats(cloud, fresh)) {
-    const message = `its source has other splats than when it was loaded (${fresh.count}, then ${cloud.count}); it is unchanged. Load it again to see them.`;
-    throw new SplatSourceError(name, message);
-  }
-  return fresh;
-}
-
-function describe({ geometryPrecision, shPrecision }: CloudPrecision): string {
-  return `${geometryPrecision} geometry, ${shPrecision} harmonics`;
-}
-
-async function packedFrom(
-  source: CloudSource,
-  wanted: CloudPrecision,
-  options: ReadOptions,
-): Promise<PackedCloud> {
-  if (isPackedCloud(source)) return source;
-  if (isSplatSet(source)) return packSet(source, wanted);
-  return loadSplats(source, { ...options, ...wanted });
-}
-
-function isPackedCloud(source: CloudSource): source is PackedCloud {
-  return typeof source === 'object' && 'geometry' in source;
-}
-
-function isSplatSet(source: CloudSource): source is SplatSet<Harmonics> {
-  return typeof source === 'object' && 'logScales' in source;
-}
-
-/**
- * Compares the rows kept, their order, and each chunk's bounds (positions and sizes). Does not compare colours: the held ones
- * are too coarse.
- */
-function isSameSplats(cloud: SplatCloud, fresh: PackedCloud): boolean {
-  return (
-    cloud.count === fresh.count &&
-    cloud.shDegree === fresh.harmonics.degree &&
-    cloud.origin.every((value, axis) => value === fresh.origin[axis]) &&
-    cloud.logScaleRange.min === fresh.geometry.logScaleRange.min &&
-    cloud.logScaleRange.step === fresh.geometry.logScaleRange.step &&
-    isSameWords(cloud.fileIndices, fresh.fileIndices) &&
-    isSameChunks(new Float32Array(cloud.chunks), new Float32Array(fresh.chunks))
-  );
-}
-
-/** Scales may differ by what they are rounded by where the GPU takes them from packed splats. */
-function isSameChunks(a: Float32Array, b: Float32Array): boolean {
-  const scaleAt = Chunk.offsets.maxScale / 4;
-  const isSameAt = (i: number) =>
-    i % (Chunk.bytes / 4) === scaleAt ? Math.abs(a[i] - b[i]) <= 1e-3 * b[i] : a[i] === b[i];
-  return a.length === b.length && a.every((_, i) => isSameAt(i));
-}
-
-function isSameWords(a: Uint32Array, b: Uint32Array): boolean {
-  if (a.length !== b.length) return false;
-  for (let i = 0; i < a.length; i++) if (a[i] !== b[i]) return false;
-  return true;
+  return freshBytes(cloud, work) + 4 * count * (geometryWords + shWords);
 }
 
 function whenAborted(signal: AbortSignal): Promise<void> {

@@ -1,17 +1,17 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../engine.ts';
 import { SplatFileError } from '../errors.ts';
-import { readWords } from '../gpu/read-buffer.ts';
 import { readSplats } from '../io/read-splats.ts';
 import { encodePly } from '../io/write-ply.ts';
 import { packSet } from '../packing/pack-set.ts';
-import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
+import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 import { expectSameChunks, expectSameGeometry, expectSameHarmonics } from '../testing/expect-same-planes.ts';
+import { planeWords } from '../testing/plane-words.ts';
 import { type Fixture, plyBytes, splatNames } from '../testing/ply-fixture.ts';
-import { randomSplats } from '../testing/random-splats.ts';
+import { randomSplats, splatsWithTies } from '../testing/random-splats.ts';
+import { readableDevice } from '../testing/readable-device.ts';
 
 const PACKED = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
 const FINEST = { geometryPrecision: 'f32', shPrecision: 'f32' } as const;
@@ -23,50 +23,15 @@ let large: SplatEngine;
 beforeAll(async () => {
   device = await createTestDevice();
   const bytes = 180 * 512;
-  const limited = readable(device, { maxStorageBufferBindingSize: bytes });
+  const limited = readableDevice(device, { maxStorageBufferBindingSize: bytes });
   small = await SplatEngine.create({ device: limited, ingestMinRows: 1, maxWorkgroupsPerDimension: 2 });
-  large = await SplatEngine.create({ device: readable(device, {}), ingestMinRows: 1 });
+  large = await SplatEngine.create({ device: readableDevice(device), ingestMinRows: 1 });
 });
 afterAll(() => {
   small?.destroy();
   large?.destroy();
   device?.destroy();
 });
-
-/** `whole` with these limits, all of whose storage buffers can be read back. */
-function readable(whole: GPUDevice, limits: Partial<Record<keyof GPUSupportedLimits, number>>): GPUDevice {
-  const limited = new Proxy(whole.limits, {
-    get: (target, name) => limits[name as keyof GPUSupportedLimits] ?? Reflect.get(target, name),
-  });
-  const createBuffer = (descriptor: GPUBufferDescriptor) => {
-    const isStorage = (descriptor.usage & GPUBufferUsage.STORAGE) !== 0;
-    return whole.createBuffer({
-      ...descriptor,
-      usage: descriptor.usage | (isStorage ? GPUBufferUsage.COPY_SRC : 0),
-    });
-  };
-  return new Proxy(whole, {
-    get: (target, name) => {
-      if (name === 'limits') return limited;
-      if (name === 'createBuffer') return createBuffer;
-      const value = Reflect.get(target, name);
-      return typeof value === 'function' ? value.bind(target) : value;
-    },
-  });
-}
-
-async function planeWords(
-  pages: readonly GPUBuffer[],
-  perSplat: number,
-  cloud: SplatCloud,
-): Promise<Uint32Array> {
-  if (perSplat === 0) return new Uint32Array(0);
-  const words = await Promise.all(pages.map((page) => readWords(device, page)));
-  const parts = cloud.planes.ranges.map(({ start, end }, i) =>
-    words[i].subarray(0, (end - start) * perSplat),
-  );
-  return Uint32Array.from(parts.flatMap((part) => Array.from(part)));
-}
 
 /** Loads `file` on the GPU and on the CPU, and expects the same cloud. */
 async function expectSame(
@@ -99,10 +64,10 @@ async function expectSame(
   expect(page.splatCount).toBeLessThanOrEqual(cloud.count);
   const { geometry, harmonics } = expected;
   const geometryPlane = cloud.planes.geometryPlane(precision.geometryPrecision)!;
-  const geometryWords = await planeWords(geometryPlane, geometry.words.length / cloud.count, cloud);
+  const geometryWords = await planeWords(cloud, geometryPlane, geometry.words.length / cloud.count);
   expectSameGeometry({ ...geometry, words: geometryWords }, geometry);
   const shPlane = cloud.planes.shPlane(precision.shPrecision)!;
-  const shWords = await planeWords(shPlane, harmonics.wordsPerSplat, cloud);
+  const shWords = await planeWords(cloud, shPlane, harmonics.wordsPerSplat);
   expectSameHarmonics({ ...harmonics, words: shWords }, harmonics, cloud.count);
   cloud.destroy();
   expect(engine.memory().totalBytes).toBe(before);
@@ -111,25 +76,17 @@ async function expectSame(
 
 const plyOf = (set: SplatSet) => new Blob([encodePly(set)]);
 
-/** Splats that share places, so that file order decides, and rows that are dropped. */
-function withTies(count: number, shDegree: ShDegree, droppedEvery = 0): SplatSet {
-  const set = randomSplats({ count, seed: count + shDegree, shDegree });
-  for (let i = 0; i < count; i += 3) set.positions.copyWithin(3 * i, 0, 3);
-  for (let i = 1; droppedEvery > 0 && i < count; i += droppedEvery) set.positions[3 * i + 1] = Number.NaN;
-  return set;
-}
-
 describe('a file whose rows are taken by the GPU becomes the cloud that the CPU makes', () => {
   for (const shDegree of [0, 1, 2, 3] as const) {
     for (const precision of [PACKED, FINEST]) {
       gpuTest(`degree ${shDegree}, ${precision.geometryPrecision}, several pages`, async () => {
-        await expectSame(plyOf(withTies(1300, shDegree)), precision, small);
+        await expectSame(plyOf(splatsWithTies(1300, shDegree)), precision, small);
       });
     }
   }
 
   for (const count of [1, 2, 255, 256, 257, 3000]) {
-    gpuTest(`${count} splats`, () => expectSame(plyOf(withTies(count, 1)), PACKED, large));
+    gpuTest(`${count} splats`, () => expectSame(plyOf(splatsWithTies(count, 1)), PACKED, large));
   }
 
   for (const [what, droppedEvery] of [
@@ -138,14 +95,14 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
   ] as const) {
     for (const engine of [() => small, () => large]) {
       gpuTest(`without ${what} rows, which are not finite`, async () => {
-        await expectSame(plyOf(withTies(1400, 2, droppedEvery)), PACKED, engine());
+        await expectSame(plyOf(splatsWithTies(1400, 2, droppedEvery)), PACKED, engine());
       });
     }
   }
 
   for (const trueDegree of [0, 1, 2] as const) {
     gpuTest(`of degree 3, with nothing above degree ${trueDegree}`, async () => {
-      const set = withTies(900, 3);
+      const set = splatsWithTies(900, 3);
       for (let i = 0; i < set.count; i++)
         set.harmonics.coefficients.fill(0, 45 * i + coefficientsPerSplat(trueDegree), 45 * (i + 1));
       await expectSame(plyOf(set), PACKED, small);
@@ -154,7 +111,7 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
   }
 
   gpuTest('far from its origin', async () => {
-    const set = withTies(700, 0);
+    const set = splatsWithTies(700, 0);
     for (let i = 0; i < set.positions.length; i++) set.positions[i] += [5000, 0, -70_000][i % 3];
     await expectSame(plyOf(set), PACKED, small);
     await expectSame(plyOf(set), FINEST, small);

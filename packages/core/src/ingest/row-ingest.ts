@@ -46,6 +46,8 @@ export interface RowIngestOptions extends CloudPrecision {
   readonly name: string;
   /** See `LoadOptions`. */
   readonly onPreview?: (preview: SplatCloud) => void;
+  /** Pages that the planes should have if there are as many splats; default those that follow from the file. */
+  readonly pages?: readonly PageRange[];
 }
 
 /** A cloud that was made from the rows of a file. */
@@ -340,7 +342,7 @@ export class RowIngest implements RowSink {
    * @returns planes and contents, but for what has to be read from the GPU.
    */
   #arrange(found: RowFacts, made: GPUBuffer[]) {
-    const { geometryPrecision, shPrecision, name } = this.#options;
+    const { geometryPrecision, shPrecision, name, pages } = this.#options;
     const { ranges, geometry, harmonics, dropMask, layout } = this.#held!;
     const origin = chooseOrigin(found.min, found.max);
     const range = logScaleRange(...found.logScales);
@@ -362,6 +364,7 @@ export class RowIngest implements RowSink {
       kept: found.count,
       frame,
       logScaleRange: range,
+      pages: pages?.at(-1)?.end === found.count ? pages : undefined,
     });
     // The planes are in other hands now: those that were kept, and those that took the place of others.
     for (const buffer of [...geometry, ...harmonics]) this.#buffers.delete(buffer);

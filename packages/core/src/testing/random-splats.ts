@@ -40,6 +40,14 @@ export function randomSplats(options: RandomSplatOptions): SplatSet {
   };
 }
 
+/** Random splats, a third of which share places, so that file order decides; every so often, one is not finite. */
+export function splatsWithTies(count: number, shDegree: ShDegree, droppedEvery = 0): SplatSet {
+  const set = randomSplats({ count, seed: count + shDegree, shDegree });
+  for (let i = 0; i < count; i += 3) set.positions.copyWithin(3 * i, 0, 3);
+  for (let i = 1; droppedEvery > 0 && i < count; i += droppedEvery) set.positions[3 * i + 1] = Number.NaN;
+  return set;
+}
+
 /** Properties of one splat; the defaults are a round, opaque, grey splat at the origin. */
 export interface SplatValues {
   readonly position?: readonly number[];

@@ -1,0 +1,215 @@
+import { GpuLimitError, SplatSourceError } from '../errors.ts';
+import { loadOrPass } from '../io/load-splats.ts';
+import type { RowFiles, RowSink } from '../io/row-sink.ts';
+import { Chunk } from '../layout/structs.ts';
+import type { Harmonics } from '../packing/harmonics.ts';
+import { packSet } from '../packing/pack-set.ts';
+import type { PackedCloud } from '../packing/packed-cloud.ts';
+import type { CloudPrecision } from '../packing/precision.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
+import type { MakeOptions } from './cloud-leases.ts';
+import {
+  type CloudPlanes,
+  isGeometryAsFine,
+  isShAsFine,
+  type PageRange,
+  type Plane,
+  type PlanePlace,
+  uploadGeometry,
+  uploadHarmonics,
+} from './cloud-planes.ts';
+import type { CloudContents, CloudSource, SplatCloud } from './splat-cloud.ts';
+
+/** Makes planes of the rows of a file on the GPU. `finish` follows the last row; `destroy` calls everything off. */
+export interface PlaneSink extends RowSink {
+  /** The planes are the caller's. */
+  finish(): Promise<{ readonly contents: CloudContents; readonly planes: CloudPlanes }>;
+  destroy(): void;
+}
+
+export interface RowPlanesOptions extends CloudPrecision {
+  /** For labels and messages. */
+  readonly name: string;
+  /** Pages that the planes should have if there are as many splats. */
+  readonly pages: readonly PageRange[];
+}
+
+/** Opens a sink for the rows of one file, and says which files it takes. */
+export type OpenRowPlanes = (options: RowPlanesOptions) => {
+  readonly sink: PlaneSink;
+  readonly files: RowFiles;
+};
+
+/** Planes of a cloud that are not part of it yet. Those that are taken are the caller's; `destroy` frees all others. */
+export interface FreshPlanes extends CloudPrecision {
+  readonly takeGeometry: () => Plane;
+  readonly takeHarmonics: () => Plane;
+  readonly destroy: () => void;
+}
+
+/** What shows that splats are the same ones. */
+type Identity = Pick<
+  SplatCloud,
+  'count' | 'shDegree' | 'origin' | 'logScaleRange' | 'fileIndices' | 'chunks'
+>;
+
+interface ReadSplats {
+  readonly fresh: FreshPlanes;
+  readonly identity: Identity;
+}
+
+/**
+ * Reads the splats of `cloud` at least as finely as `wanted` from the first source that has them, and verifies that they are
+ * the same splats. Rows of files that `openRowPlanes` takes become planes on the GPU; others are packed in a worker.
+ *
+ * @throws GpuLimitError, SplatSourceError, SplatFileError; the signal's reason. Nothing is left then.
+ */
+export async function readAgain(
+  cloud: SplatCloud,
+  wanted: CloudPrecision,
+  openRowPlanes: OpenRowPlanes,
+  options: MakeOptions,
+): Promise<FreshPlanes> {
+  const { sources, name } = cloud;
+  const gone = `a finer precision (${describePrecision(wanted)}) must be read again, and the source is gone; load it from a URL, a File or a Blob, or pass its source when adding it.`;
+  let problem: unknown = new SplatSourceError(name, gone);
+  for (const source of sources) {
+    try {
+      return await readFrom(source, cloud, wanted, openRowPlanes, options);
+    } catch (error) {
+      options.signal.throwIfAborted();
+      // Another source needs as much.
+      if (error instanceof GpuLimitError) throw error;
+      problem = error;
+    }
+  }
+  throw problem;
+}
+
+/** For messages. */
+export function describePrecision({ geometryPrecision, shPrecision }: CloudPrecision): string {
+  return `${geometryPrecision} geometry, ${shPrecision} harmonics`;
+}
+
+async function readFrom(
+  source: CloudSource,
+  cloud: SplatCloud,
+  wanted: CloudPrecision,
+  openRowPlanes: OpenRowPlanes,
+  options: MakeOptions,
+): Promise<FreshPlanes> {
+  const { fresh, identity } = await splatsOf(source, cloud, wanted, openRowPlanes, options);
+  try {
+    checkFine(cloud, wanted, fresh);
+    checkSame(cloud, identity);
+    return fresh;
+  } catch (error) {
+    fresh.destroy();
+    throw error;
+  }
+}
+
+async function splatsOf(
+  source: CloudSource,
+  { name, planes }: SplatCloud,
+  wanted: CloudPrecision,
+  openRowPlanes: OpenRowPlanes,
+  options: MakeOptions,
+): Promise<ReadSplats> {
+  if (isPackedCloud(source)) return fromPacked(source, planes.place);
+  if (isSplatSet(source)) return fromPacked(packSet(source, wanted), planes.place);
+  const { geometryPrecision, shPrecision } = wanted;
+  const precision = { geometryPrecision, shPrecision };
+  const { sink, files } = openRowPlanes({ ...precision, name, pages: planes.ranges });
+  try {
+    const packed = await loadOrPass(source, { ...options, ...precision, name }, { sink, files });
+    if (packed) return fromPacked(packed, planes.place);
+    const made = await sink.finish();
+    return fromRows(made.contents, made.planes);
+  } catch (error) {
+    sink.destroy();
+    throw error;
+  }
+}
+
+function fromPacked(packed: PackedCloud, place: PlanePlace): ReadSplats {
+  const { geometry, harmonics } = packed;
+  const fresh: FreshPlanes = {
+    geometryPrecision: geometry.precision,
+    shPrecision: harmonics.precision,
+    takeGeometry: () => uploadGeometry(place, geometry),
+    takeHarmonics: () => uploadHarmonics(place, harmonics),
+    destroy: () => {},
+  };
+  const { logScaleRange } = geometry;
+  return { fresh, identity: { ...packed, logScaleRange, shDegree: harmonics.degree } };
+}
+
+function fromRows(contents: CloudContents, planes: CloudPlanes): ReadSplats {
+  const { geometryPrecision, shPrecision } = contents.precision;
+  const taken: Plane[] = [];
+  const take = (plane: Plane) => {
+    taken.push(plane);
+    return plane;
+  };
+  const fresh: FreshPlanes = {
+    geometryPrecision,
+    shPrecision,
+    takeGeometry: () => take(planes.geometryPlane(geometryPrecision)!),
+    takeHarmonics: () => take(planes.shPlane(shPrecision)!),
+    destroy: () => planes.destroy(taken),
+  };
+  return { fresh, identity: { ...contents, shDegree: planes.shDegree } };
+}
+
+function isPackedCloud(source: CloudSource): source is PackedCloud {
+  return typeof source === 'object' && 'geometry' in source;
+}
+
+function isSplatSet(source: CloudSource): source is SplatSet<Harmonics> {
+  return typeof source === 'object' && 'logScales' in source;
+}
+
+/** @throws SplatSourceError if `fresh` is coarser than `wanted`. */
+function checkFine({ name, shDegree }: SplatCloud, wanted: CloudPrecision, fresh: FreshPlanes): void {
+  const isFine =
+    isGeometryAsFine(fresh.geometryPrecision, wanted.geometryPrecision) &&
+    (shDegree === 0 || isShAsFine(fresh.shPrecision, wanted.shPrecision));
+  if (isFine) return;
+  const message = `its source has only ${describePrecision(fresh)}, not ${describePrecision(wanted)}; load it with that, or from a URL, a File or a Blob.`;
+  throw new SplatSourceError(name, message);
+}
+
+/**
+ * Compares the rows kept, their order, and each chunk's bounds (positions and sizes). Does not compare colours: the held ones
+ * are too coarse.
+ *
+ * @throws SplatSourceError if `read` are not the splats of `cloud`.
+ */
+function checkSame(cloud: SplatCloud, read: Identity): void {
+  const isSame =
+    cloud.count === read.count &&
+    cloud.shDegree === read.shDegree &&
+    cloud.origin.every((value, axis) => value === read.origin[axis]) &&
+    cloud.logScaleRange.min === read.logScaleRange.min &&
+    cloud.logScaleRange.step === read.logScaleRange.step &&
+    isSameWords(cloud.fileIndices, read.fileIndices) &&
+    isSameChunks(new Float32Array(cloud.chunks), new Float32Array(read.chunks));
+  if (isSame) return;
+  const message = `its source has other splats than when it was loaded (${read.count}, then ${cloud.count}); it is unchanged. Load it again to see them.`;
+  throw new SplatSourceError(cloud.name, message);
+}
+
+/** Scales may differ by what they are rounded by where the GPU takes them from packed splats. */
+function isSameChunks(a: Float32Array, b: Float32Array): boolean {
+  const scaleAt = Chunk.offsets.maxScale / 4;
+  const isSameAt = (i: number) =>
+    i % (Chunk.bytes / 4) === scaleAt ? Math.abs(a[i] - b[i]) <= 1e-3 * b[i] : a[i] === b[i];
+  return a.length === b.length && a.every((_, i) => isSameAt(i));
+}
+
+function isSameWords(a: Uint32Array, b: Uint32Array): boolean {
+  if (a.length !== b.length) return false;
+  for (let i = 0; i < a.length; i++) if (a[i] !== b[i]) return false;
+  return true;
+}
