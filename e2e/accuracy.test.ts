@@ -57,6 +57,48 @@ function columns({ data, widthPx, heightPx }: Screenshot, from: number, to: numb
   return { widthPx: to - from, heightPx, data: Uint8Array.from(rows.flatMap((row) => [...row])) };
 }
 
+/** Keeps a list of a page's buffers. */
+function watchBuffers(): void {
+  const { createBuffer } = GPUDevice.prototype;
+  const { destroy } = GPUBuffer.prototype;
+  const made: WatchedBuffer[] = [];
+  const byBuffer = new WeakMap<GPUBuffer, WatchedBuffer>();
+  GPUDevice.prototype.createBuffer = function (descriptor) {
+    const buffer = createBuffer.call(this, descriptor);
+    const watched = { label: descriptor.label ?? '', bytes: descriptor.size, isHeld: true };
+    made.push(watched);
+    byBuffer.set(buffer, watched);
+    return buffer;
+  };
+  GPUBuffer.prototype.destroy = function () {
+    const watched = byBuffer.get(this);
+    if (watched) watched.isHeld = false;
+    return destroy.call(this);
+  };
+  Object.assign(window, { buffersMade: made });
+}
+
+interface WatchedBuffer {
+  readonly label: string;
+  readonly bytes: number;
+  isHeld: boolean;
+}
+
+const buffersLike = (page: Page, label: string) =>
+  page.evaluate(
+    (wanted) =>
+      (window as unknown as { buffersMade: WatchedBuffer[] }).buffersMade.filter(
+        (each) => each.label === wanted,
+      ),
+    label,
+  );
+
+const buffersMade = async (page: Page, label: string) => (await buffersLike(page, label)).length;
+
+/** Sizes of the buffers with this label that have not been destroyed. */
+const bytesHeld = async (page: Page, label: string) =>
+  (await buffersLike(page, label)).filter(({ isHeld }) => isHeld).map(({ bytes }) => bytes);
+
 describe('accuracy in the viewer', () => {
   it('draws with the setting that is chosen, and keeps it in the address', async () => {
     const page = await openViewer(undefined, SMALL);
@@ -73,6 +115,29 @@ describe('accuracy in the viewer', () => {
     const full = await redraw(page, () => press(page, 'preset-balanced'));
     expect(psnrAgainstReference(full, drawn, [testScene()])).toBeGreaterThan(MIN_PSNR_DB);
     await page.waitForURL((url) => !url.search.includes('accuracy'));
+  });
+
+  it('reads a file whose rows the GPU takes again in the same way, for finer planes', async () => {
+    const page = await newPage(TINY);
+    await page.addInitScript(watchBuffers);
+    await page.goto(`${harness.server.url}?scene=still-life-small`);
+    await waitForImage(page);
+    const set = testScene(70_000);
+    await redraw(page, () => dropFiles(page, [{ name: 'many.ply', bytes: encodePly(set) }]));
+    await waitForState(page, 'ready');
+    expect(await bytesHeld(page, 'many.ply geometry 0')).toEqual([32 * set.count]);
+    expect(await buffersMade(page, 'ingest rows')).toBe(1);
+
+    await openTab(page, 'settings');
+    await press(page, 'preset-reference');
+    await expect
+      .poll(() => bytesHeld(page, 'many.ply geometry 0'), { timeout: 60_000 })
+      .toEqual([64 * set.count]);
+    expect(await buffersMade(page, 'ingest rows')).toBe(2);
+    expect(await bytesHeld(page, 'ingest rows')).toEqual([]);
+    const psnrDb = async () =>
+      psnrAgainstReference(await viewerScreenshot(page), await drawnCamera(page), [set]);
+    await expect.poll(psnrDb, { timeout: 60_000 }).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
   it('opens with the accuracy of the address, and says what it does not know', async () => {
