@@ -1,4 +1,4 @@
-import { LogLevel, RenderMode, SceneRevealMode, Viewer } from '@mkkellogg/gaussian-splats-3d';
+import { LogLevel, RenderMode, SceneFormat, SceneRevealMode, Viewer } from '@mkkellogg/gaussian-splats-3d';
 import { nextTask } from '../src/adapter.ts';
 import { threeWebGl } from './three-webgl.js';
 
@@ -30,6 +30,7 @@ export default async function loadMkkellogg({ canvas, url }) {
     return run;
   };
   await viewer.addSplatScene(url, {
+    format: SceneFormat.Ply,
     showLoadingUI: false,
     progressiveLoad: false,
     splatAlphaRemovalThreshold: 1,

@@ -4,10 +4,16 @@ import type { SceneCamera } from '@websplatter/scenes';
 export interface PeerHost {
   /** In the page, of the picture's size in CSS pixels and in device pixels. All drawing goes to it. */
   readonly canvas: HTMLCanvasElement;
-  /** Address of a PLY in the layout of 3DGS. */
+  /** Address of a PLY in the layout of 3DGS; where there is a file, a `blob:` address of its bytes. */
   readonly url: string;
+  /** What somebody dropped onto the page, where the scene is not fetched. */
+  readonly file: File | null;
+  /** The one that `setCamera` gets first, for what is drawn while the scene loads. */
+  readonly camera: SceneCamera;
   /** What stands behind the peer's name on the command line: `websplatter?accuracy=fast`. */
   readonly options: URLSearchParams;
+  /** Only where a part is shown while the rest loads: to be called when a frame with the first splats has been submitted. */
+  shown(): void;
 }
 
 /**

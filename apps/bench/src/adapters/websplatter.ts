@@ -1,18 +1,28 @@
-import { type AccuracyPreset, type Camera, perspectiveCamera, SplatEngine } from '@websplatter/core';
+import { type AccuracyPreset, perspectiveCamera, type SplatCloud, SplatEngine } from '@websplatter/core';
+import type { SceneCamera } from '@websplatter/scenes';
 import type { LoadPeer } from '../adapter.ts';
 
-/** This project's engine on a canvas. `?accuracy=PRESET`. */
-const loadWebsplatter: LoadPeer = async ({ canvas, url, options }) => {
+/** This project's engine on a canvas. `?accuracy=PRESET`; `?previews` shows what has arrived while the rest loads. */
+const loadWebsplatter: LoadPeer = async (host) => {
+  const { canvas, options } = host;
   const accuracy = (options.get('accuracy') ?? 'balanced') as AccuracyPreset;
   const engine = await SplatEngine.create({ accuracy });
   const view = engine.createView({ canvas });
-  const clouds = [{ cloud: await engine.load(url) }];
   const size = { widthPx: canvas.width, heightPx: canvas.height };
-  let camera: Camera;
+  const cameraBy = (by: SceneCamera) => perspectiveCamera({ ...by, aspect: size.widthPx / size.heightPx });
+  let camera = cameraBy(host.camera);
+  const onPreview = (cloud: SplatCloud) => {
+    view.render({ camera, clouds: [{ cloud }], ...size });
+    // A view that cannot draw says so to the first frame that is asked for.
+    view.whenDrawn().then(host.shown, () => {});
+  };
+  const hasPreviews = options.has('previews');
+  const cloud = await engine.load(host.file ?? host.url, hasPreviews ? { onPreview } : {});
+  const clouds = [{ cloud }];
   return {
-    note: accuracy,
+    note: hasPreviews ? `${accuracy}, shown while it loads` : accuracy,
     setCamera: (by) => {
-      camera = perspectiveCamera({ ...by, aspect: size.widthPx / size.heightPx });
+      camera = cameraBy(by);
     },
     draw: () => {
       view.render({ camera, clouds, ...size, force: true });

@@ -11,7 +11,8 @@ export interface BenchPage {
 }
 
 export interface LoadRequest {
-  readonly url: string;
+  /** Null for the file that the page was given. */
+  readonly url: string | null;
   readonly widthPx: number;
   readonly heightPx: number;
   readonly wait: Wait;
@@ -21,6 +22,8 @@ export interface LoadRequest {
 export interface Loaded {
   /** From the call of the adapter to the end of the first frame in the right order. */
   readonly loadMs: number;
+  /** From there to the end of the first frame with any splats: the same, unless a part is shown while the rest loads. */
+  readonly firstSplatsMs: number;
   /** Longest time that the page's thread was blocked meanwhile; 0 below the 50 ms that browsers report. */
   readonly longestTaskMs: number;
   readonly api: 'webgpu' | 'webgl2';

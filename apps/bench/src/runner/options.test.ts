@@ -16,13 +16,23 @@ describe('the options of the peer bench', () => {
       frames: 120,
       warmUpFrames: 20,
       jumps: 16,
+      peers: 'all',
+      isFromFile: false,
+      takesPictures: true,
       timeLimitMs: 300_000,
       isSoftware: false,
       outFolder: null,
       jsonFile: null,
       installs: true,
+      packFolder: null,
     });
-    expect(options.peers.map(({ name }) => name)).toEqual(PEER_NAMES);
+  });
+
+  test('need no scene to pack a bench', () => {
+    expect(readOptions(['--pack', 'there'], '/here')).toMatchObject({
+      scenes: [],
+      packFolder: '/here/there',
+    });
   });
 
   test('take paths from where the command was called', () => {
@@ -41,7 +51,6 @@ describe('the options of the peer bench', () => {
     [['--scenes', 'a.ply', '--size', '1920'], /--size has "1920"/],
     [['--scenes', 'a.ply', '--picture-size', '0x9'], /--picture-size has "0x9"/],
     [['--scenes', 'a.ply', '--rounds', '0'], /--rounds has "0"/],
-    [['--scenes', 'a.ply', '--peers', 'nobody'], /nobody/],
     [['--scenes', 'a.ply', '--quick'], /--quick/],
     [['a.ply'], /a\.ply/],
   ])('%j is an error that names the option', (args, message) => {

@@ -1,7 +1,7 @@
 import { resolve } from 'node:path';
 import { parseArgs } from 'node:util';
 import { BenchError } from './bench-error.ts';
-import { type ChosenPeer, choosePeers, PEER_NAMES } from './peer-list.ts';
+import { PEER_NAMES } from './peer-list.ts';
 
 export const USAGE = `npm run bench:peers -- --scenes FILE,… | --synthetic N,… [OPTION…]
   --scenes FILE,…     PLY files; NAME.cameras.json beside NAME.ply has its cameras
@@ -17,11 +17,14 @@ export const USAGE = `npm run bench:peers -- --scenes FILE,… | --synthetic N,�
   --frames N          frames of a turn; default 120
   --warm-up N         frames before it; default 20
   --jumps N           frames after jumps; default 16
+  --from-file         gives pages the file, as if it had been dropped there, instead of its address
+  --no-pictures       takes no pictures: float64 needs minutes for millions of splats
   --time-limit S      seconds that a peer may take in one round; default 300
   --software          draws on the CPU by SwiftShader
   --out FOLDER        keeps the pictures there
   --json FILE         writes everything that was measured
-  --no-install        leaves out peers whose packages are not installed, instead of installing them`;
+  --no-install        leaves out peers whose packages are not installed, instead of installing them
+  --pack FOLDER       measures nothing, but writes a bench of the peers there that needs only Node and a Chromium`;
 
 export interface SizePx {
   readonly widthPx: number;
@@ -34,18 +37,22 @@ export interface BenchOptions {
   /** Numbers of splats. */
   readonly synthetic: readonly number[];
   readonly camerasFile: string | null;
-  readonly peers: readonly ChosenPeer[];
+  /** Names, separated by commas. */
+  readonly peers: string;
   readonly size: SizePx;
   readonly pictureSize: SizePx;
   readonly rounds: number;
   readonly frames: number;
   readonly warmUpFrames: number;
   readonly jumps: number;
+  readonly isFromFile: boolean;
+  readonly takesPictures: boolean;
   readonly timeLimitMs: number;
   readonly isSoftware: boolean;
   readonly outFolder: string | null;
   readonly jsonFile: string | null;
   readonly installs: boolean;
+  readonly packFolder: string | null;
 }
 
 /**
@@ -58,23 +65,28 @@ export function readOptions(args: readonly string[], folder: string): BenchOptio
   const path = (file: string | undefined) => (file === undefined ? null : resolve(folder, file));
   const scenes = values.scenes?.split(',').map((file) => resolve(folder, file)) ?? [];
   const synthetic = values.synthetic?.split(',').map((text) => wholeNumber('synthetic', text)) ?? [];
-  if (scenes.length + synthetic.length === 0) throw new BenchError('No scene: give --scenes or --synthetic.');
+  const packFolder = path(values.pack);
+  if (scenes.length + synthetic.length === 0 && !packFolder)
+    throw new BenchError('No scene: give --scenes or --synthetic.');
   return {
     scenes,
     synthetic,
     camerasFile: path(values.cameras),
-    peers: choosePeers(values.peers, folder),
+    peers: values.peers,
     size: size('size', values.size),
     pictureSize: size('picture-size', values['picture-size']),
     rounds: wholeNumber('rounds', values.rounds),
     frames: wholeNumber('frames', values.frames),
     warmUpFrames: wholeNumber('warm-up', values['warm-up']),
     jumps: wholeNumber('jumps', values.jumps),
+    isFromFile: values['from-file'],
+    takesPictures: !values['no-pictures'],
     timeLimitMs: 1000 * wholeNumber('time-limit', values['time-limit']),
     isSoftware: values.software,
     outFolder: path(values.out),
     jsonFile: path(values.json),
     installs: !values['no-install'],
+    packFolder,
   };
 }
 
@@ -93,11 +105,14 @@ function parse(args: readonly string[]) {
         frames: { type: 'string', default: '120' },
         'warm-up': { type: 'string', default: '20' },
         jumps: { type: 'string', default: '16' },
+        'from-file': { type: 'boolean', default: false },
+        'no-pictures': { type: 'boolean', default: false },
         'time-limit': { type: 'string', default: '300' },
         software: { type: 'boolean', default: false },
         out: { type: 'string' },
         json: { type: 'string' },
         'no-install': { type: 'boolean', default: false },
+        pack: { type: 'string' },
       },
     }).values;
   } catch (error) {

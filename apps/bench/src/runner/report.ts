@@ -46,6 +46,8 @@ export interface Report {
   readonly adapter: string | null;
   /** How the end of WebGPU's work was awaited. */
   readonly wait: Wait;
+  /** Whether the page was given the scenes as files, instead of fetching them. */
+  readonly isFromFile: boolean;
   readonly widthPx: number;
   readonly heightPx: number;
   readonly pictureWidthPx: number;

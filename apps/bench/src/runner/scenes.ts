@@ -6,7 +6,7 @@ import { renderReference } from '@websplatter/core/reference';
 import { type SceneCamera, syntheticCamera, syntheticPly } from '@websplatter/scenes';
 import { BenchError } from './bench-error.ts';
 import { camerasAround, readCameras, viewsAround } from './cameras.ts';
-import type { BenchOptions, SizePx } from './options.ts';
+import type { BenchOptions } from './options.ts';
 
 /** A scene, and what a picture of it must be. */
 export interface BenchScene {
@@ -15,7 +15,7 @@ export interface BenchScene {
   readonly splats: number;
   readonly shDegree: number;
   readonly cameras: readonly SceneCamera[];
-  /** Premultiplied RGBA in float64 by each camera, at the pictures' size. */
+  /** Premultiplied RGBA in float64 by each camera, at the pictures' size; none where no pictures are taken. */
   readonly references: readonly Float64Array[];
 }
 
@@ -44,26 +44,25 @@ function synthesize(splats: number): ReturnType<typeof syntheticPly> {
 }
 
 /**
- * Reads a scene, takes its cameras from `camerasFile`, the file beside it or its bounds, and draws its references.
+ * Reads a scene, takes its cameras from the options' file, the file beside it or its bounds, and draws its references.
  *
  * @throws BenchError if a file cannot be read.
  */
 export async function readScene(
   plyFile: string,
-  camerasFile: string | null,
-  size: SizePx,
+  { camerasFile, pictureSize, takesPictures }: BenchOptions,
 ): Promise<BenchScene> {
   const name = basename(plyFile).replace(/\.ply$/, '');
   const set = await readPly(plyFile);
   const ownCameras = camerasFileOf(plyFile);
   const file = camerasFile ?? (existsSync(ownCameras) ? ownCameras : null);
   const cameras = file ? await readCameras(file) : camerasAround(set);
-  const aspect = size.widthPx / size.heightPx;
-  const references = cameras.map((camera) => {
+  const aspect = pictureSize.widthPx / pictureSize.heightPx;
+  const references = (takesPictures ? cameras : []).map((camera) => {
     const { data } = renderReference({
       clouds: [{ set }],
       camera: perspectiveCamera({ ...camera, aspect }),
-      ...size,
+      ...pictureSize,
     });
     return data;
   });

@@ -1,11 +1,25 @@
 import { expect, test } from 'vitest';
+import type { Loaded } from '../page/protocol.ts';
 import type { Report, Round, Row } from './report.ts';
 import { reportText } from './table.ts';
 
-function round(fields: { correctMs: number[]; orders?: number; problems?: string[] }): Round {
-  const { correctMs, orders = null, problems = [] } = fields;
+const LOADED: Loaded = {
+  loadMs: 1234.4,
+  firstSplatsMs: 321,
+  longestTaskMs: 60,
+  api: 'webgpu',
+  note: 'as it comes',
+};
+
+function round(fields: {
+  correctMs: number[];
+  loaded?: Partial<Loaded>;
+  orders?: number;
+  problems?: string[];
+}): Round {
+  const { correctMs, loaded, orders = null, problems = [] } = fields;
   return {
-    loaded: { loadMs: 1234.4, longestTaskMs: 60, api: 'webgpu', note: 'as it comes' },
+    loaded: { ...LOADED, ...loaded },
     measured: { turnMs: [4, 5, 6], orders, correctMs },
     state: {
       gpuBytes: 12e6,
@@ -25,12 +39,13 @@ function row(peer: string, fields: Partial<Row>): Row {
 function textOf(...rows: Row[]): string {
   const report: Report = {
     date: '2026-01-01T00:00:00.000Z',
-    command: '--scenes a.ply',
+    command: 'npm run bench:peers -- --scenes a.ply',
     commit: 'abc',
     machine: 'a machine',
     browser: 'Chromium 1',
     adapter: 'an adapter',
     wait: 'done',
+    isFromFile: false,
     widthPx: 64,
     heightPx: 32,
     pictureWidthPx: 16,
@@ -58,10 +73,13 @@ test('a line has medians and tails over all rounds, memory, and the least PSNR',
     'websplatter',
     '1.2.3',
     '1234',
+    '–',
+    '321',
     '60',
     '3.50 / 60.00',
     '1.00 (1.00–1.00)',
     '5.00 / 6.00',
+    '16',
     '7',
     '12 / 320',
     '4.6',
@@ -72,7 +90,22 @@ test('a line has medians and tails over all rounds, memory, and the least PSNR',
 test('ratios are taken round by round', () => {
   const base = row('websplatter', { rounds: [round({ correctMs: [1] }), round({ correctMs: [10] })] });
   const other = row('other', { rounds: [round({ correctMs: [2] }), round({ correctMs: [40] })] });
-  expect(cells(textOf(other, base), 'other')[5]).toBe('3.00 (2.00–4.00)');
+  expect(cells(textOf(other, base), 'other')[7]).toBe('3.00 (2.00–4.00)');
+});
+
+test('loads are held against the floor of the same API, round by round', () => {
+  const loads = (api: 'webgpu' | 'webgl2', ...loadMs: number[]) => ({
+    rounds: loadMs.map((ms) => round({ correctMs: [1], loaded: { loadMs: ms, api } })),
+  });
+  const rows = [
+    row('floor-webgl2', { isFloor: true, ...loads('webgl2', 1, 1) }),
+    row('floor-webgpu', { isFloor: true, ...loads('webgpu', 100, 200) }),
+    row('websplatter', loads('webgpu', 150, 250)),
+    row('without-rounds', {}),
+  ];
+  const text = textOf(...rows);
+  expect(cells(text, 'websplatter')[3]).toBe('1.38 (1.25–1.50)');
+  for (const peer of ['floor-webgpu', 'without-rounds']) expect(cells(text, peer)[3]).toBe('–');
 });
 
 test('what failed has no figures but a reason, and complaints are shown once', () => {
@@ -80,7 +113,7 @@ test('what failed has no figures but a reason, and complaints are shown once', (
     rounds: [1, 2].map(() => round({ correctMs: [1], problems: ['WebGPU: invalid'] })),
   });
   const text = textOf(complaining, row('broken', { failures: ['round 1: the page crashed'] }));
-  expect(cells(text, 'broken').slice(1)).toEqual(Array(10).fill('–'));
+  expect(cells(text, 'broken').slice(1)).toEqual(Array(13).fill('–'));
   expect(text).toContain('- broken FAILED: round 1: the page crashed');
   expect(text.match(/loud complains: WebGPU: invalid/g)).toHaveLength(1);
 });

@@ -1,14 +1,17 @@
 import type { Report, Round, Row, SceneReport } from './report.ts';
-import { spreadOf } from './spread.ts';
+import { type Spread, spreadOf } from './spread.ts';
 
 const HEADS = [
   'peer',
   'version',
   'load',
+  '× fetch',
+  'first splats',
   'longest task',
   'correct frame',
   '×',
   'turn',
+  '± %',
   'orders',
   'GPU MB',
   'JS MB',
@@ -20,16 +23,18 @@ const BASE = 'websplatter';
 
 /** Formats a report as Markdown that can also be read as it is. */
 export function reportText(report: Report): string {
-  const { widthPx, heightPx, pictureWidthPx, pictureHeightPx, frames, jumps, wait } = report;
+  const { widthPx, heightPx, pictureWidthPx, pictureHeightPx, frames, jumps, wait, isFromFile } = report;
+  const source = isFromFile ? 'dropped file' : 'address';
   return [
-    `${report.date}, commit ${report.commit ?? 'unknown'}: npm run bench:peers -- ${report.command}`,
+    `${report.date}, commit ${report.commit ?? 'unknown'}: ${report.command}`,
     `${report.adapter ?? 'no adapter'}; ${report.browser}; ${report.machine}`,
     '',
     ...report.scenes.flatMap((scene) => [...sceneLines(scene, `${widthPx}×${heightPx}`), '']),
     `Times are ms, median / P99 over all rounds, from the change of the camera to the end of the GPU's work (WebGPU by "${wait}").`,
-    `load: from the address to the first correct frame. longest task: of the page's thread meanwhile; 0 below 50 ms.`,
+    `load: from the ${source} to the first correct frame; × fetch: beside the floor of the same API, which throws the bytes away.`,
+    `first splats: on the way there. longest task: of the page's thread meanwhile; 0 below 50 ms.`,
     `correct frame: in the right order, after each of ${jumps} jumps; ×: its median beside the base's, the least and the most of any round.`,
-    `turn: ${frames} frames once around; orders: how many were made in it, where frames do not make their own.`,
+    `turn: ${frames} frames once around; ± %: their standard deviation; orders: how many were made in it, where frames do not make their own.`,
     `GPU MB: what the page held at the end / at most, by the API's calls. JS MB: after a garbage collection.`,
     `PSNR: pictures of ${pictureWidthPx}×${pictureHeightPx} against float64, 8 bits, median and least over the cameras; a peer that leaves splats out has less.`,
     '',
@@ -39,7 +44,7 @@ export function reportText(report: Report): string {
 function sceneLines({ scene, splats, shDegree, rows }: SceneReport, size: string): string[] {
   const base =
     rows.find(({ peer }) => peer === BASE) ?? rows.find(({ isFloor, rounds }) => !isFloor && rounds.length);
-  const cells = rows.map((row) => cellsOf(row, base));
+  const cells = rows.map((row) => cellsOf(row, base, floorOf(row, rows)));
   const notes = rows.flatMap(({ peer, rounds, failures }) => [
     ...(rounds.length ? [`${peer}: ${rounds[0].loaded.api}, ${rounds[0].loaded.note}`] : []),
     ...new Set(failures.map((failure) => `${peer} FAILED: ${failure}`)),
@@ -56,10 +61,17 @@ function sceneLines({ scene, splats, shDegree, rows }: SceneReport, size: string
   ];
 }
 
-function cellsOf(row: Row, base: Row | undefined): string[] {
+/** The floor that draws by the same API. */
+function floorOf(row: Row, rows: readonly Row[]): Row | undefined {
+  const apiOf = ({ rounds }: Row) => rounds[0]?.loaded.api;
+  return rows.find((each) => each.isFloor && apiOf(each) === apiOf(row));
+}
+
+function cellsOf(row: Row, base: Row | undefined, floor: Row | undefined): string[] {
   const { rounds, pictures } = row;
   const times = (of: (round: Round) => readonly number[]) => rounds.flatMap(of);
   const correctMs = times(({ measured }) => measured.correctMs);
+  const turn = spreadOf(times(({ measured }) => measured.turnMs));
   const last = rounds.at(-1);
   return [
     row.peer,
@@ -69,17 +81,21 @@ function cellsOf(row: Row, base: Row | undefined): string[] {
       0,
       { hasTail: false },
     ),
+    row.isFloor || !floor ? NONE : ratioCell(row, floor, ({ loaded }) => loaded.loadMs),
+    spreadCell(
+      times(({ loaded }) => [loaded.firstSplatsMs]),
+      0,
+      { hasTail: false },
+    ),
     spreadCell(
       times(({ loaded }) => [loaded.longestTaskMs]),
       0,
       { hasTail: false },
     ),
     spreadCell(correctMs, 2),
-    row.isFloor || !base ? NONE : ratioCell(row, base),
-    spreadCell(
-      times(({ measured }) => measured.turnMs),
-      2,
-    ),
+    row.isFloor || !base ? NONE : ratioCell(row, base, medianCorrectMs),
+    spreadText(turn, 2),
+    turn ? (100 * turn.deviation).toFixed(0) : NONE,
     last ? String(last.measured.orders ?? 'each') : NONE,
     last ? `${megabytes(last.state.gpuBytes)} / ${megabytes(last.state.gpuPeakBytes)}` : NONE,
     last ? megabytes(last.heap.jsBytes) : NONE,
@@ -88,16 +104,22 @@ function cellsOf(row: Row, base: Row | undefined): string[] {
 }
 
 function spreadCell(values: readonly number[], digits: number, { hasTail = true } = {}): string {
-  const spread = spreadOf(values);
+  return spreadText(spreadOf(values), digits, { hasTail });
+}
+
+function spreadText(spread: Spread | null, digits: number, { hasTail = true } = {}): string {
   if (!spread) return NONE;
   const { median, p99 } = spread;
   return hasTail ? `${median.toFixed(digits)} / ${p99.toFixed(digits)}` : median.toFixed(digits);
 }
 
-/** Ratio of the medians, and how far the rounds differ: both were measured in the same ones. */
-function ratioCell(row: Row, base: Row): string {
-  const medians = (of: Row) => of.rounds.map(({ measured }) => spreadOf(measured.correctMs)!.median);
-  const [own, others] = [medians(row), medians(base)];
+function medianCorrectMs({ measured }: Round): number {
+  return spreadOf(measured.correctMs)!.median;
+}
+
+/** Ratio of what rounds took, and how far they differ: both peers were measured in the same ones. */
+function ratioCell(row: Row, base: Row, roundMs: (round: Round) => number): string {
+  const [own, others] = [row.rounds.map(roundMs), base.rounds.map(roundMs)];
   if (own.length === 0 || own.length !== others.length) return NONE;
   const ratios = own.map((value, round) => value / others[round]);
   const [middle, least, most] = [spreadOf(ratios)!.median, Math.min(...ratios), Math.max(...ratios)];

@@ -22,13 +22,12 @@ const BROWSER_ARGS = [
   '--hide-scrollbars',
 ];
 
-/** File at the server's root, without anything in it. */
-export const BLANK_PAGE = 'blank.html';
-
 export interface VisitorOptions {
   readonly executablePath: string;
   readonly usesGpu: boolean;
   readonly timeLimitMs: number;
+  /** Address of a page without anything in it, where the GPU process settles. */
+  readonly blankUrl: string;
 }
 
 export interface Heap {
@@ -40,6 +39,8 @@ declare const window: { readonly bench: BenchPage };
 
 /** A page in a browser; see {@link BenchPage}. */
 export interface OpenPage {
+  /** Gives the page a file, as if somebody had dropped it there. */
+  giveFile(path: string): Promise<void>;
   load(request: LoadRequest): Promise<Loaded>;
   measure(request: MeasureRequest): Promise<Measured>;
   pictures(cameras: readonly SceneCamera[]): Promise<Picture[]>;
@@ -61,12 +62,12 @@ export class Visitor {
     { widthPx, heightPx }: SizePx,
     use: (page: OpenPage) => Promise<Result>,
   ): Promise<Result> {
-    const { timeLimitMs, ...browserOptions } = this.#options;
+    const { timeLimitMs, blankUrl, ...browserOptions } = this.#options;
     const browser = await launchBrowser({ ...browserOptions, args: BROWSER_ARGS });
     const problems: string[] = [];
     const limit = timeLimit(timeLimitMs);
     const work = async () => {
-      await settleGpu(browser, new URL(`/${BLANK_PAGE}`, url).href);
+      await settleGpu(browser, blankUrl);
       const viewport = { width: widthPx, height: heightPx };
       const page = await (await browser.newContext({ viewport, deviceScaleFactor: 1 })).newPage();
       page.on('pageerror', ({ message }) => problems.push(message));
@@ -93,6 +94,7 @@ function reasonOf(error: unknown): string {
 
 function openPage(page: Page): OpenPage {
   return {
+    giveFile: (path) => page.setInputFiles('input', path),
     load: (request) => page.evaluate((asked) => window.bench.load(asked), request),
     measure: (request) => page.evaluate((asked) => window.bench.measure(asked), request),
     pictures: (cameras) => page.evaluate((by) => window.bench.pictures(by), cameras),

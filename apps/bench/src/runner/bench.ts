@@ -1,0 +1,212 @@
+import { execFileSync } from 'node:child_process';
+import { mkdir, writeFile } from 'node:fs/promises';
+import os from 'node:os';
+import { join } from 'node:path';
+import { WAITS, type Wait } from '../page/completion.ts';
+import type { Loaded, LoadRequest, MeasureRequest } from '../page/protocol.ts';
+import { BLANK_PAGE, type BuiltPages, type BuiltPeer } from './built-pages.ts';
+import type { BenchOptions } from './options.ts';
+import { psnrOf } from './picture-error.ts';
+import type { Report, Row, SceneReport } from './report.ts';
+import { type BenchScene, readScene, sceneFiles } from './scenes.ts';
+import { serve } from './serve.ts';
+import { spreadOf } from './spread.ts';
+import { type OpenPage, Visitor } from './visit.ts';
+
+/** What a bench works with, besides its options. */
+export interface BenchSetup {
+  /** Chromium's program. */
+  readonly executablePath: string;
+  /** The command line, for the report. */
+  readonly command: string;
+  readonly pages: BuiltPages;
+  /** Where the pages are. */
+  readonly pagesFolder: string;
+  /** For scenes that are made; it goes away with the bench. */
+  readonly workFolder: string;
+  readonly say: (line: string) => void;
+}
+
+/**
+ * Measures `peers` with all scenes.
+ *
+ * @throws BenchError if a scene cannot be read.
+ */
+export async function measurePeers(
+  options: BenchOptions,
+  peers: readonly BuiltPeer[],
+  setup: BenchSetup,
+): Promise<Report> {
+  const { size, pictureSize, frames, jumps, timeLimitMs, isSoftware, isFromFile } = options;
+  const { executablePath, command, pages, pagesFolder, workFolder, say } = setup;
+  const plyFiles = await sceneFiles(options, workFolder);
+  const addresses = new Map(plyFiles.map((file, i) => [`/scenes/${i}.ply`, file]));
+  const server = await serve(pagesFolder, addresses);
+  const visitor = new Visitor({
+    executablePath,
+    usesGpu: !isSoftware,
+    timeLimitMs,
+    blankUrl: `${server.url}/${BLANK_PAGE}`,
+  });
+  try {
+    const pageOf = ({ page }: BuiltPeer) => `${server.url}/${page}`;
+    let adapter: string | null = null;
+    let wait: Wait = WAITS[0];
+    const scenes: SceneReport[] = [];
+    for (const [i, file] of plyFiles.entries()) {
+      say(`${file}: reading${options.takesPictures ? ', and drawing in float64' : ''} …`);
+      const scene = await readScene(file, options);
+      const bench = new SceneBench(options, scene, `${server.url}/scenes/${i}.ply`, visitor, pageOf, say);
+      if (i === 0) ({ wait, adapter } = await bench.quickestWait(pages.floor, `${server.url}/${BLANK_PAGE}`));
+      const rows = peers.map(emptyRow);
+      if (options.takesPictures) await bench.takePictures(rows, peers, wait);
+      await bench.measure(rows, peers, wait);
+      scenes.push({ scene: scene.name, splats: scene.splats, shDegree: scene.shDegree, rows });
+    }
+    return {
+      date: new Date().toISOString(),
+      command,
+      commit: pages.commit,
+      machine: machine(),
+      browser: execFileSync(executablePath, ['--version'], { encoding: 'utf8' }).trim(),
+      adapter,
+      wait,
+      isFromFile,
+      ...size,
+      pictureWidthPx: pictureSize.widthPx,
+      pictureHeightPx: pictureSize.heightPx,
+      frames,
+      jumps,
+      scenes,
+    };
+  } finally {
+    await server.close();
+  }
+}
+
+function emptyRow({ name, isFloor, version }: BuiltPeer): Row {
+  return { peer: name, isFloor, version, rounds: [], pictures: [], failures: [] };
+}
+
+/** All peers with one scene. */
+class SceneBench {
+  readonly #options: BenchOptions;
+  readonly #scene: BenchScene;
+  readonly #sceneUrl: string;
+  readonly #visitor: Visitor;
+  readonly #pageOf: (peer: BuiltPeer) => string;
+  readonly #say: (line: string) => void;
+
+  constructor(
+    options: BenchOptions,
+    scene: BenchScene,
+    sceneUrl: string,
+    visitor: Visitor,
+    pageOf: (peer: BuiltPeer) => string,
+    say: (line: string) => void,
+  ) {
+    this.#options = options;
+    this.#scene = scene;
+    this.#sceneUrl = sceneUrl;
+    this.#visitor = visitor;
+    this.#pageOf = pageOf;
+    this.#say = say;
+  }
+
+  /** Finds the wait that takes the least when nothing is drawn, not even loaded: all peers get it. */
+  async quickestWait(floor: BuiltPeer, emptyUrl: string): Promise<{ wait: Wait; adapter: string | null }> {
+    const { size } = this.#options;
+    const floors = await this.#visitor.visit(this.#pageOf(floor), size, async (page) => {
+      const found = [];
+      for (const wait of WAITS) {
+        await page.load({ ...this.#load(size, wait), url: emptyUrl });
+        const { correctMs } = await page.measure(this.#measureRequest);
+        const { adapter } = await page.state();
+        found.push({ wait, ms: spreadOf(correctMs)!.median, adapter });
+      }
+      return found;
+    });
+    const quickest = floors.reduce((best, each) => (each.ms < best.ms ? each : best));
+    this.#say(
+      `Waiting for WebGPU: ${floors.map(({ wait, ms }) => `${wait} ${ms.toFixed(2)} ms`).join(', ')}.`,
+    );
+    return quickest;
+  }
+
+  /** Before anything is timed: who draws less than the others is seen first. */
+  async takePictures(rows: readonly Row[], peers: readonly BuiltPeer[], wait: Wait): Promise<void> {
+    const { outFolder, pictureSize } = this.#options;
+    const { cameras, references, name } = this.#scene;
+    if (outFolder) await mkdir(outFolder, { recursive: true });
+    for (const [i, peer] of peers.entries()) {
+      if (peer.isFloor) continue;
+      await this.#try(rows[i], 'pictures', async () => {
+        const pictures = await this.#visitor.visit(this.#pageOf(peer), pictureSize, async (page) => {
+          await page.load(this.#load(pictureSize, wait));
+          return page.pictures(cameras);
+        });
+        for (const [view, picture] of pictures.entries()) {
+          rows[i].pictures.push({ camera: picture.camera, psnrDb: psnrOf(picture, references[view]) });
+          if (!outFolder) continue;
+          const file = `${name}.${peer.name}.${picture.camera}.png`.replace(/[^\w.-]/g, '_');
+          await writeFile(join(outFolder, file), Buffer.from(picture.pngBase64, 'base64'));
+        }
+      });
+    }
+  }
+
+  /** Rounds forwards and back, so that a machine that slows down in a run meets all alike. */
+  async measure(rows: readonly Row[], peers: readonly BuiltPeer[], wait: Wait): Promise<void> {
+    const order = peers.map((_, i) => i);
+    for (let round = 0; round < this.#options.rounds; round++) {
+      for (const i of round % 2 === 0 ? order : order.toReversed()) {
+        await this.#try(rows[i], `round ${round + 1}`, async () => {
+          const { size } = this.#options;
+          const found = await this.#visitor.visit(this.#pageOf(peers[i]), size, async (page) => ({
+            loaded: await this.#loadTimed(page, wait),
+            measured: await page.measure(this.#measureRequest),
+            state: await page.state(),
+            heap: await page.heap(),
+          }));
+          rows[i].rounds.push(found);
+        });
+      }
+    }
+  }
+
+  async #try(row: Row, what: string, work: () => Promise<void>): Promise<void> {
+    const startedMs = performance.now();
+    const label = `${this.#scene.name}, ${row.peer}, ${what}`;
+    try {
+      await work();
+      this.#say(`${label}: ${((performance.now() - startedMs) / 1000).toFixed(1)} s`);
+    } catch (error) {
+      const { message } = error as Error;
+      row.failures.push(`${what}: ${message}`);
+      this.#say(`${label}: FAILED: ${message}`);
+    }
+  }
+
+  async #loadTimed(page: OpenPage, wait: Wait): Promise<Loaded> {
+    const { size, isFromFile } = this.#options;
+    const request = this.#load(size, wait);
+    if (!isFromFile) return page.load(request);
+    await page.giveFile(this.#scene.plyFile);
+    return page.load({ ...request, url: null });
+  }
+
+  #load(size: BenchOptions['size'], wait: Wait): LoadRequest {
+    return { url: this.#sceneUrl, ...size, wait, camera: this.#scene.cameras[0] };
+  }
+
+  get #measureRequest(): MeasureRequest {
+    const { frames, warmUpFrames, jumps } = this.#options;
+    return { camera: this.#scene.cameras[0], frames, warmUpFrames, jumps };
+  }
+}
+
+function machine(): string {
+  const cpus = os.cpus();
+  const memoryGiB = Math.round(os.totalmem() / 2 ** 30);
+  return `${cpus.length} × ${cpus[0]?.model ?? 'unknown'}, ${memoryGiB} GiB; ${os.type()} ${os.release()}; Node ${process.versions.node}`;
+}

@@ -1,0 +1,38 @@
+import { mkdtemp, rm, writeFile } from 'node:fs/promises';
+import os from 'node:os';
+import { join } from 'node:path';
+import { BenchError } from './bench-error.ts';
+import { type BenchOptions, USAGE } from './options.ts';
+import type { Report } from './report.ts';
+import { reportText } from './table.ts';
+
+interface Command {
+  /** Goes away when the command ends. */
+  readonly workFolder: string;
+  readonly say: (line: string) => void;
+}
+
+interface Outcome {
+  readonly options: BenchOptions;
+  readonly report: Report;
+}
+
+/** Runs a command of the bench and prints its report, if it makes one; returns the process's exit status. */
+export async function runCommand(work: (command: Command) => Promise<Outcome | null>): Promise<number> {
+  const workFolder = await mkdtemp(join(os.tmpdir(), 'websplatter-bench-'));
+  const say = (line: string) => console.error(line);
+  try {
+    const outcome = await work({ workFolder, say });
+    if (!outcome) return 0;
+    const { options, report } = outcome;
+    console.log(reportText(report));
+    if (options.jsonFile) await writeFile(options.jsonFile, `${JSON.stringify(report, null, 2)}\n`);
+    return report.scenes.some(({ rows }) => rows.some(({ failures }) => failures.length)) ? 1 : 0;
+  } catch (error) {
+    if (!(error instanceof BenchError)) throw error;
+    say(`${error.message}\n${USAGE}`);
+    return 2;
+  } finally {
+    await rm(workFolder, { recursive: true, force: true });
+  }
+}
