@@ -23,21 +23,21 @@ export async function canvasPicture(drawn: DrawnPeer, webgpu: WebGpuWatch, camer
   }
   const blob = await taken;
   if (!blob) throw new Error('The frame left no picture on the canvas.');
-  return { camera, ...(await overBlack(blob)) };
+  return { camera, ...(await pixelsOf(blob)) };
 }
 
-async function overBlack(blob: Blob): Promise<Omit<Picture, 'camera'>> {
-  const bitmap = await createImageBitmap(blob);
+/** Decodes what `toBlob` encoded; encoding it once more would wait for the page to be idle. */
+async function pixelsOf(png: Blob): Promise<Omit<Picture, 'camera'>> {
+  const bitmap = await createImageBitmap(png);
   const { width: widthPx, height: heightPx } = bitmap;
-  const canvas = new OffscreenCanvas(widthPx, heightPx);
-  const context = canvas.getContext('2d', { willReadFrequently: true });
+  const context = new OffscreenCanvas(widthPx, heightPx).getContext('2d', { willReadFrequently: true });
   if (!context) throw new Error('This browser has no 2D context.');
   context.fillStyle = '#000';
   context.fillRect(0, 0, widthPx, heightPx);
   context.drawImage(bitmap, 0, 0);
   const { data } = context.getImageData(0, 0, widthPx, heightPx);
-  const png = new Uint8Array(await (await canvas.convertToBlob({ type: 'image/png' })).arrayBuffer());
-  return { widthPx, heightPx, rgbaBase64: base64(data), pngBase64: base64(png) };
+  const pngBase64 = base64(new Uint8Array(await png.arrayBuffer()));
+  return { widthPx, heightPx, rgbaBase64: base64(data), pngBase64 };
 }
 
 function base64(bytes: Uint8Array | Uint8ClampedArray): string {

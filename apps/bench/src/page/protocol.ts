@@ -51,13 +51,13 @@ export interface Measured {
   readonly correctMs: readonly number[];
 }
 
-/** Opaque, over black. */
 export interface Picture {
   readonly camera: string;
   readonly widthPx: number;
   readonly heightPx: number;
-  /** RGBA, 8 bits each, top row first. */
+  /** RGBA over black, 8 bits each, top row first. */
   readonly rgbaBase64: string;
+  /** As the canvas has it. */
   readonly pngBase64: string;
 }
 

@@ -3,10 +3,11 @@ import { mkdir, writeFile } from 'node:fs/promises';
 import os from 'node:os';
 import { join } from 'node:path';
 import { WAITS, type Wait } from '../page/completion.ts';
-import type { Loaded, LoadRequest, MeasureRequest } from '../page/protocol.ts';
+import type { Loaded, LoadRequest, MeasureRequest, Picture } from '../page/protocol.ts';
 import { BLANK_PAGE, type BuiltPages, type BuiltPeer } from './built-pages.ts';
 import type { BenchOptions } from './options.ts';
 import { psnrOf } from './picture-error.ts';
+import { drawReferences } from './references.ts';
 import type { Report, Row, SceneReport } from './report.ts';
 import { type BenchScene, readScene, sceneFiles } from './scenes.ts';
 import { serve } from './serve.ts';
@@ -54,8 +55,8 @@ export async function measurePeers(
     let wait: Wait = WAITS[0];
     const scenes: SceneReport[] = [];
     for (const [i, file] of plyFiles.entries()) {
-      say(`${file}: reading${options.takesPictures ? ', and drawing in float64' : ''} …`);
-      const scene = await readScene(file, options);
+      say(`${file}: reading …`);
+      const scene = await readScene(file, options.camerasFile);
       const bench = new SceneBench(options, scene, `${server.url}/scenes/${i}.ply`, visitor, pageOf, say);
       if (i === 0) ({ wait, adapter } = await bench.quickestWait(pages.floor, `${server.url}/${BLANK_PAGE}`));
       const rows = peers.map(emptyRow);
@@ -133,25 +134,36 @@ class SceneBench {
     return quickest;
   }
 
-  /** Before anything is timed: who draws less than the others is seen first. */
+  /** Before anything is timed: who draws less than the others is seen first. Meanwhile threads draw in float64. */
   async takePictures(rows: readonly Row[], peers: readonly BuiltPeer[], wait: Wait): Promise<void> {
-    const { outFolder, pictureSize } = this.#options;
-    const { cameras, references, name } = this.#scene;
-    if (outFolder) await mkdir(outFolder, { recursive: true });
-    for (const [i, peer] of peers.entries()) {
-      if (peer.isFloor) continue;
-      await this.#try(rows[i], 'pictures', async () => {
-        const pictures = await this.#visitor.visit(this.#pageOf(peer), pictureSize, async (page) => {
-          await page.load(this.#load(pictureSize, wait));
-          return page.pictures(cameras);
+    const { pictureSize } = this.#options;
+    const { plyFile, cameras } = this.#scene;
+    const taken: Picture[][] = rows.map(() => []);
+    const takeAll = async () => {
+      for (const [i, peer] of peers.entries()) {
+        if (peer.isFloor) continue;
+        await this.#try(rows[i], 'pictures', async () => {
+          taken[i] = await this.#visitor.visit(this.#pageOf(peer), pictureSize, async (page) => {
+            await page.load(this.#load(pictureSize, wait));
+            return page.pictures(cameras);
+          });
+          await this.#keep(taken[i], peer);
         });
-        for (const [view, picture] of pictures.entries()) {
-          rows[i].pictures.push({ camera: picture.camera, psnrDb: psnrOf(picture, references[view]) });
-          if (!outFolder) continue;
-          const file = `${name}.${peer.name}.${picture.camera}.png`.replace(/[^\w.-]/g, '_');
-          await writeFile(join(outFolder, file), Buffer.from(picture.pngBase64, 'base64'));
-        }
-      });
+      }
+    };
+    const [references] = await Promise.all([drawReferences(plyFile, cameras, pictureSize), takeAll()]);
+    for (const [i, { pictures }] of rows.entries())
+      for (const [view, picture] of taken[i].entries())
+        pictures.push({ camera: picture.camera, psnrDb: psnrOf(picture, references[view]) });
+  }
+
+  async #keep(pictures: readonly Picture[], peer: BuiltPeer): Promise<void> {
+    const { outFolder } = this.#options;
+    if (!outFolder) return;
+    await mkdir(outFolder, { recursive: true });
+    for (const { camera, pngBase64 } of pictures) {
+      const file = `${this.#scene.name}.${peer.name}.${camera}.png`.replace(/[^\w.-]/g, '_');
+      await writeFile(join(outFolder, file), Buffer.from(pngBase64, 'base64'));
     }
   }
 

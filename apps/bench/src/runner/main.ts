@@ -2,7 +2,7 @@
 import { execFileSync } from 'node:child_process';
 import { join } from 'node:path';
 import { measurePeers } from './bench.ts';
-import { buildPages } from './built-pages.ts';
+import { buildPages } from './build-pages.ts';
 import { withPackages } from './install-peers.ts';
 import { readOptions } from './options.ts';
 import { writePack } from './pack.ts';

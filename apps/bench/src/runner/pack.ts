@@ -3,7 +3,7 @@ import { createRequire } from 'node:module';
 import { dirname, join, relative } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { build } from 'vite';
-import { buildPages } from './built-pages.ts';
+import { buildPages } from './build-pages.ts';
 import { PACK_COMMAND, PAGES_FOLDER, PAGES_LIST } from './pack-layout.ts';
 import type { ChosenPeer } from './peer-list.ts';
 
@@ -28,11 +28,18 @@ export async function writePack(
     logLevel: 'error',
     ssr: { noExternal: true, external: ['playwright-core'] },
     build: {
-      ssr: join(runnerFolder, 'packed-main.ts'),
+      ssr: true,
       target: 'es2022',
       outDir: folder,
       emptyOutDir: false,
-      rolldownOptions: { output: { entryFileNames: PACK_COMMAND } },
+      rolldownOptions: {
+        input: {
+          [PACK_COMMAND]: join(runnerFolder, 'packed-main.ts'),
+          'reference-worker.mjs': join(runnerFolder, 'reference-worker.mjs'),
+        },
+        // In one folder, as the threads' file is found beside whatever starts them.
+        output: { entryFileNames: '[name]', chunkFileNames: '[name]-[hash].mjs' },
+      },
     },
   });
   const pages = await buildPages(peers, join(folder, PAGES_FOLDER), commit, say);

@@ -1,22 +1,19 @@
 import { existsSync, openAsBlob } from 'node:fs';
 import { writeFile } from 'node:fs/promises';
 import { basename, join } from 'node:path';
-import { perspectiveCamera, readSplats } from '@websplatter/core';
-import { renderReference } from '@websplatter/core/reference';
+import { readSplats } from '@websplatter/core';
 import { type SceneCamera, syntheticCamera, syntheticPly } from '@websplatter/scenes';
 import { BenchError } from './bench-error.ts';
 import { camerasAround, readCameras, viewsAround } from './cameras.ts';
 import type { BenchOptions } from './options.ts';
 
-/** A scene, and what a picture of it must be. */
+/** A scene to measure. */
 export interface BenchScene {
   readonly name: string;
   readonly plyFile: string;
   readonly splats: number;
   readonly shDegree: number;
   readonly cameras: readonly SceneCamera[];
-  /** Premultiplied RGBA in float64 by each camera, at the pictures' size; none where no pictures are taken. */
-  readonly references: readonly Float64Array[];
 }
 
 /**
@@ -44,34 +41,22 @@ function synthesize(splats: number): ReturnType<typeof syntheticPly> {
 }
 
 /**
- * Reads a scene, takes its cameras from the options' file, the file beside it or its bounds, and draws its references.
+ * Reads a scene and takes its cameras from `camerasFile`, else from the file beside it, else from its bounds.
  *
  * @throws BenchError if a file cannot be read.
  */
-export async function readScene(
-  plyFile: string,
-  { camerasFile, pictureSize, takesPictures }: BenchOptions,
-): Promise<BenchScene> {
+export async function readScene(plyFile: string, camerasFile: string | null): Promise<BenchScene> {
   const name = basename(plyFile).replace(/\.ply$/, '');
   const set = await readPly(plyFile);
   const ownCameras = camerasFileOf(plyFile);
   const file = camerasFile ?? (existsSync(ownCameras) ? ownCameras : null);
   const cameras = file ? await readCameras(file) : camerasAround(set);
-  const aspect = pictureSize.widthPx / pictureSize.heightPx;
-  const references = (takesPictures ? cameras : []).map((camera) => {
-    const { data } = renderReference({
-      clouds: [{ set }],
-      camera: perspectiveCamera({ ...camera, aspect }),
-      ...pictureSize,
-    });
-    return data;
-  });
-  return { name, plyFile, splats: set.count, shDegree: set.harmonics.degree, cameras, references };
+  return { name, plyFile, splats: set.count, shDegree: set.harmonics.degree, cameras };
 }
 
 async function readPly(file: string) {
   try {
-    return await readSplats(await openAsBlob(file), { name: file, shPrecision: 'f32' });
+    return await readSplats(await openAsBlob(file), { name: file });
   } catch (error) {
     throw new BenchError(`${file}: ${(error as Error).message}`);
   }

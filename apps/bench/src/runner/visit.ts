@@ -67,7 +67,7 @@ export class Visitor {
     const problems: string[] = [];
     const limit = timeLimit(timeLimitMs);
     const work = async () => {
-      await settleGpu(browser, blankUrl);
+      if (browserOptions.usesGpu) await settleGpu(browser, blankUrl);
       const viewport = { width: widthPx, height: heightPx };
       const page = await (await browser.newContext({ viewport, deviceScaleFactor: 1 })).newPage();
       page.on('pageerror', ({ message }) => problems.push(message));

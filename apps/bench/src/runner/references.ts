@@ -1,0 +1,46 @@
+import { stat } from 'node:fs/promises';
+import os from 'node:os';
+import { Worker } from 'node:worker_threads';
+import type { SceneCamera } from '@websplatter/scenes';
+import type { SizePx } from './options.ts';
+
+/** What a thread is asked for. */
+export interface ReferenceRequest extends SizePx {
+  readonly plyFile: string;
+  readonly camera: SceneCamera;
+}
+
+/** Memory that a thread needs at most, in terms of its file: splats, the same in Morton order, and those that are seen. */
+const MEMORY_PER_FILE = 4;
+/** Node's own limit is too low for the splats that are seen of the largest scenes. */
+const MAX_HEAP_MB = 16_384;
+
+/** Draws a scene by each camera in float64, as many at once as this machine can: premultiplied RGBA. */
+export async function drawReferences(
+  plyFile: string,
+  cameras: readonly SceneCamera[],
+  { widthPx, heightPx }: SizePx,
+): Promise<Float64Array[]> {
+  const fitting = Math.floor(os.freemem() / (MEMORY_PER_FILE * (await stat(plyFile)).size));
+  const atOnce = Math.max(1, Math.min(cameras.length, os.availableParallelism(), fitting));
+  const references: Float64Array[] = [];
+  let next = 0;
+  const drawSome = async () => {
+    while (next < cameras.length) {
+      const view = next++;
+      references[view] = await drawInThread({ plyFile, camera: cameras[view], widthPx, heightPx });
+    }
+  };
+  await Promise.all(Array.from({ length: atOnce }, drawSome));
+  return references;
+}
+
+function drawInThread(request: ReferenceRequest): Promise<Float64Array> {
+  const worker = new Worker(new URL('./reference-worker.mjs', import.meta.url), {
+    workerData: request,
+    resourceLimits: { maxOldGenerationSizeMb: MAX_HEAP_MB },
+  });
+  return new Promise((resolve, reject) => {
+    worker.on('message', resolve).on('error', reject);
+  });
+}
