@@ -29,24 +29,31 @@ beforeAll(async () => {
 });
 afterAll(() => rm(folder, { recursive: true, force: true }));
 
-/** Runs the bench from `folder`, in a process with none of Vitest's settings. */
-function bench(...args: string[]): Promise<{ status: number; output: string; complaints: string }> {
+/** Runs a script from `folder`, in a process with none of Vitest's settings. */
+function run(
+  script: string,
+  ...args: string[]
+): Promise<{ status: number; output: string; complaints: string }> {
   const { NODE_ENV: _, NODE_OPTIONS: __, INIT_CWD: ___, ...env } = process.env;
   return new Promise((resolve) => {
     const child = execFile(
       process.execPath,
-      [runner, ...args],
+      [script, ...args],
       { cwd: folder, env },
       (_error, output, complaints) => resolve({ status: child.exitCode ?? -1, output, complaints }),
     );
   });
 }
 
-test('one command measures this project beside a peer that draws less, whose pictures show it', async () => {
+test('what was packed measures this project beside a peer that draws less, whose pictures show it', async () => {
   const few = '--size 64x48 --picture-size 64x48 --rounds 1 --frames 3 --warm-up 1 --jumps 2'.split(' ');
   const peers = `floor-webgl2,websplatter,websplatter-three,faint=${faintAdapter}`;
+  const packing = await run(runner, '--pack', 'pack', '--peers', peers);
+  expect(packing.status, packing.complaints).toBe(0);
+
   const files = ['--scenes', 'tiny.ply', '--json', 'report.json', '--out', 'pictures'];
-  const { status, output, complaints } = await bench('--software', '--peers', peers, ...files, ...few);
+  const packed = join(folder, 'pack/bench-peers.mjs');
+  const { status, output, complaints } = await run(packed, '--software', ...files, ...few);
   expect(status, complaints).toBe(0);
 
   const report = JSON.parse(await readFile(join(folder, 'report.json'), 'utf8'));
@@ -80,7 +87,8 @@ test('one command measures this project beside a peer that draws less, whose pic
 
 test('a file that is no scene ends the bench with one line and the usage', async () => {
   await writeFile(join(folder, 'broken.ply'), 'no splats');
-  const { status, complaints } = await bench(
+  const { status, complaints } = await run(
+    runner,
     '--software',
     '--peers',
     'floor-webgl2',

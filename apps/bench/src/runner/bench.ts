@@ -9,6 +9,7 @@ import type { BenchOptions } from './options.ts';
 import { psnrOf } from './picture-error.ts';
 import { drawReferences } from './references.ts';
 import type { Report, Row, SceneReport } from './report.ts';
+import type { CommandLine } from './run-command.ts';
 import { type BenchScene, readScene, sceneFiles } from './scenes.ts';
 import { serve } from './serve.ts';
 import { spreadOf } from './spread.ts';
@@ -18,8 +19,8 @@ import { type OpenPage, Visitor } from './visit.ts';
 export interface BenchSetup {
   /** Chromium's program. */
   readonly executablePath: string;
-  /** The command line, for the report. */
-  readonly command: string;
+  /** For the report. */
+  readonly commandLine: CommandLine;
   readonly pages: BuiltPages;
   /** Where the pages are. */
   readonly pagesFolder: string;
@@ -39,7 +40,7 @@ export async function measurePeers(
   setup: BenchSetup,
 ): Promise<Report> {
   const { size, pictureSize, frames, jumps, timeLimitMs, isSoftware, isFromFile } = options;
-  const { executablePath, command, pages, pagesFolder, workFolder, say } = setup;
+  const { executablePath, commandLine, pages, pagesFolder, workFolder, say } = setup;
   const plyFiles = await sceneFiles(options, workFolder);
   const addresses = new Map(plyFiles.map((file, i) => [`/scenes/${i}.ply`, file]));
   const server = await serve(pagesFolder, addresses);
@@ -66,7 +67,7 @@ export async function measurePeers(
     }
     return {
       date: new Date().toISOString(),
-      command,
+      command: [commandLine.name, ...commandLine.args].join(' '),
       commit: pages.commit,
       machine: machine(),
       browser: execFileSync(executablePath, ['--version'], { encoding: 'utf8' }).trim(),

@@ -22,7 +22,8 @@ export function benchPeers(
   args: readonly string[],
   { executablePath, repositoryRoot, folder }: Surroundings,
 ): Promise<number> {
-  return runCommand(async ({ workFolder, say }) => {
+  const commandLine = { name: 'npm run bench:peers --', args };
+  return runCommand(commandLine, async ({ workFolder, say }) => {
     const options = readOptions(args, folder);
     const peers = withPackages(choosePeers(options.peers, folder), options.installs, say);
     const commit = commitOf(repositoryRoot);
@@ -32,8 +33,7 @@ export function benchPeers(
     }
     const pagesFolder = join(workFolder, 'pages');
     const pages = await buildPages(peers, pagesFolder, commit, say);
-    const command = `npm run bench:peers -- ${args.join(' ')}`;
-    const setup = { executablePath, command, pages, pagesFolder, workFolder, say };
+    const setup = { executablePath, commandLine, pages, pagesFolder, workFolder, say };
     return { options, report: await measurePeers(options, pages.peers, setup) };
   });
 }

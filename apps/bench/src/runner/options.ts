@@ -3,7 +3,8 @@ import { parseArgs } from 'node:util';
 import { BenchError } from './bench-error.ts';
 import { PEER_NAMES } from './peer-list.ts';
 
-export const USAGE = `npm run bench:peers -- --scenes FILE,… | --synthetic N,… [OPTION…]
+/** Behind the command's name. */
+export const USAGE = `--scenes FILE,… | --synthetic N,… [OPTION…]
   --scenes FILE,…     PLY files; NAME.cameras.json beside NAME.ply has its cameras
   --synthetic N,…     scenes made by code, of that many splats
   --cameras FILE      cameras for all scenes instead: a list of { name, position, target, up, fovYDegrees, near, far };
@@ -24,7 +25,8 @@ export const USAGE = `npm run bench:peers -- --scenes FILE,… | --synthetic N,�
   --out FOLDER        keeps the pictures there
   --json FILE         writes everything that was measured
   --no-install        leaves out peers whose packages are not installed, instead of installing them
-  --pack FOLDER       measures nothing, but writes a bench of the peers there that needs only Node and a Chromium`;
+  --pack FOLDER       measures nothing, but writes a bench of the peers there that needs only Node and a Chromium
+  --help              prints this`;
 
 export interface SizePx {
   readonly widthPx: number;

@@ -10,15 +10,15 @@ import { PACK_COMMAND, PAGES_FOLDER, PAGES_LIST } from './pack-layout.ts';
 import { runCommand } from './run-command.ts';
 
 const packFolder = fileURLToPath(new URL('.', import.meta.url));
-const args = process.argv.slice(2);
+const commandLine = { name: `node ${PACK_COMMAND}`, args: process.argv.slice(2) };
 
-process.exitCode = await runCommand(async ({ workFolder, say }) => {
-  const options = readOptions(args, process.cwd());
+process.exitCode = await runCommand(commandLine, async ({ workFolder, say }) => {
+  const options = readOptions(commandLine.args, process.cwd());
+  if (options.packFolder) throw new BenchError('--pack: what is packed cannot pack; it takes a checkout.');
   const executablePath = process.env.CHROMIUM_PATH;
   if (!executablePath) throw new BenchError('Set CHROMIUM_PATH to the program of a Chromium.');
   const pages: BuiltPages = JSON.parse(await readFile(join(packFolder, PAGES_LIST), 'utf8'));
-  const command = `node ${PACK_COMMAND} ${args.join(' ')}`;
   const pagesFolder = join(packFolder, PAGES_FOLDER);
-  const setup = { executablePath, command, pages, pagesFolder, workFolder, say };
+  const setup = { executablePath, commandLine, pages, pagesFolder, workFolder, say };
   return { options, report: await measurePeers(options, chooseBuilt(options.peers, pages.peers), setup) };
 });

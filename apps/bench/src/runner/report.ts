@@ -38,7 +38,7 @@ export interface SceneReport {
 /** Everything that one run found. */
 export interface Report {
   readonly date: string;
-  /** What was called, after `npm run bench:peers --`. */
+  /** What was called. */
   readonly command: string;
   readonly commit: string | null;
   readonly machine: string;

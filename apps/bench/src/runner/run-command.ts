@@ -6,7 +6,14 @@ import { type BenchOptions, USAGE } from './options.ts';
 import type { Report } from './report.ts';
 import { reportText } from './table.ts';
 
-interface Command {
+/** What was called. */
+export interface CommandLine {
+  /** Before the arguments. */
+  readonly name: string;
+  readonly args: readonly string[];
+}
+
+interface Surroundings {
   /** Goes away when the command ends. */
   readonly workFolder: string;
   readonly say: (line: string) => void;
@@ -18,7 +25,15 @@ interface Outcome {
 }
 
 /** Runs a command of the bench and prints its report, if it makes one; returns the process's exit status. */
-export async function runCommand(work: (command: Command) => Promise<Outcome | null>): Promise<number> {
+export async function runCommand(
+  { name, args }: CommandLine,
+  work: (surroundings: Surroundings) => Promise<Outcome | null>,
+): Promise<number> {
+  const usage = `${name} ${USAGE}`;
+  if (args.includes('--help')) {
+    console.log(usage);
+    return 0;
+  }
   const workFolder = await mkdtemp(join(os.tmpdir(), 'websplatter-bench-'));
   const say = (line: string) => console.error(line);
   try {
@@ -30,7 +45,7 @@ export async function runCommand(work: (command: Command) => Promise<Outcome | n
     return report.scenes.some(({ rows }) => rows.some(({ failures }) => failures.length)) ? 1 : 0;
   } catch (error) {
     if (!(error instanceof BenchError)) throw error;
-    say(`${error.message}\n${USAGE}`);
+    say(`${error.message}\n${usage}`);
     return 2;
   } finally {
     await rm(workFolder, { recursive: true, force: true });

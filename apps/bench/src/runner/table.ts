@@ -36,7 +36,7 @@ export function reportText(report: Report): string {
     `correct frame: in the right order, after each of ${jumps} jumps; ×: its median beside the base's, the least and the most of any round.`,
     `turn: ${frames} frames once around; ± %: their standard deviation; orders: how many were made in it, where frames do not make their own.`,
     `GPU MB: what the page held at the end / at most, by the API's calls. JS MB: after a garbage collection.`,
-    `PSNR: pictures of ${pictureWidthPx}×${pictureHeightPx} against float64, 8 bits, median and least over the cameras; a peer that leaves splats out has less.`,
+    `PSNR, where pictures are taken: ${pictureWidthPx}×${pictureHeightPx} against float64, 8 bits, median and least over the cameras; a peer that leaves splats out has less.`,
     '',
   ].join('\n');
 }
