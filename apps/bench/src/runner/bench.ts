@@ -39,7 +39,7 @@ export async function measurePeers(
   peers: readonly BuiltPeer[],
   setup: BenchSetup,
 ): Promise<Report> {
-  const { size, pictureSize, frames, jumps, timeLimitMs, isSoftware, isFromFile } = options;
+  const { size, pictureSize, frames, jumps, timeLimitMs, budgetMs, isSoftware, isFromFile } = options;
   const { executablePath, commandLine, pages, pagesFolder, workFolder, say } = setup;
   const plyFiles = await sceneFiles(options, workFolder);
   const addresses = new Map(plyFiles.map((file, i) => [`/scenes/${i}.ply`, file]));
@@ -48,6 +48,7 @@ export async function measurePeers(
     executablePath,
     usesGpu: !isSoftware,
     timeLimitMs,
+    deadlineMs: performance.now() + budgetMs,
     blankUrl: `${server.url}/${BLANK_PAGE}`,
   });
   try {
@@ -176,6 +177,7 @@ class SceneBench {
         await this.#try(rows[i], `round ${round + 1}`, async () => {
           const { size } = this.#options;
           const found = await this.#visitor.visit(this.#pageOf(peers[i]), size, async (page) => ({
+            round,
             loaded: await this.#loadTimed(page, wait),
             measured: await page.measure(this.#measureRequest),
             state: await page.state(),

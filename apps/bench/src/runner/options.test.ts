@@ -20,6 +20,7 @@ describe('the options of the peer bench', () => {
       isFromFile: false,
       takesPictures: true,
       timeLimitMs: 300_000,
+      budgetMs: Infinity,
       isSoftware: false,
       outFolder: null,
       jsonFile: null,
@@ -51,6 +52,7 @@ describe('the options of the peer bench', () => {
     [['--scenes', 'a.ply', '--size', '1920'], /--size has "1920"/],
     [['--scenes', 'a.ply', '--picture-size', '0x9'], /--picture-size has "0x9"/],
     [['--scenes', 'a.ply', '--rounds', '0'], /--rounds has "0"/],
+    [['--scenes', 'a.ply', '--budget', 'all'], /--budget has "all"/],
     [['--scenes', 'a.ply', '--quick'], /--quick/],
     [['a.ply'], /a\.ply/],
   ])('%j is an error that names the option', (args, message) => {

@@ -21,6 +21,7 @@ export const USAGE = `--scenes FILE,… | --synthetic N,… [OPTION…]
   --from-file         gives pages the file, as if it had been dropped there, instead of its address
   --no-pictures       takes no pictures: float64 needs minutes for millions of splats
   --time-limit S      seconds that a peer may take in one round; default 300
+  --budget S          seconds that all peers may take; what is not done then is left out of the table
   --software          draws on the CPU by SwiftShader
   --out FOLDER        keeps the pictures there
   --json FILE         writes everything that was measured
@@ -50,6 +51,8 @@ export interface BenchOptions {
   readonly isFromFile: boolean;
   readonly takesPictures: boolean;
   readonly timeLimitMs: number;
+  /** Infinity without a limit. */
+  readonly budgetMs: number;
   readonly isSoftware: boolean;
   readonly outFolder: string | null;
   readonly jsonFile: string | null;
@@ -84,6 +87,7 @@ export function readOptions(args: readonly string[], folder: string): BenchOptio
     isFromFile: values['from-file'],
     takesPictures: !values['no-pictures'],
     timeLimitMs: 1000 * wholeNumber('time-limit', values['time-limit']),
+    budgetMs: values.budget === undefined ? Infinity : 1000 * wholeNumber('budget', values.budget),
     isSoftware: values.software,
     outFolder: path(values.out),
     jsonFile: path(values.json),
@@ -110,6 +114,7 @@ function parse(args: readonly string[]) {
         'from-file': { type: 'boolean', default: false },
         'no-pictures': { type: 'boolean', default: false },
         'time-limit': { type: 'string', default: '300' },
+        budget: { type: 'string' },
         software: { type: 'boolean', default: false },
         out: { type: 'string' },
         json: { type: 'string' },

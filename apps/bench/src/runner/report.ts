@@ -4,6 +4,8 @@ import type { Heap } from './visit.ts';
 
 /** One peer in one round, in a browser of its own. */
 export interface Round {
+  /** From 0; of a peer that failed in one, that is missing. */
+  readonly round: number;
   readonly loaded: Loaded;
   readonly measured: Measured;
   readonly state: PageState;

@@ -13,12 +13,14 @@ const LOADED: Loaded = {
 
 function round(fields: {
   correctMs: number[];
+  index?: number;
   loaded?: Partial<Loaded>;
   orders?: number;
   problems?: string[];
 }): Round {
-  const { correctMs, loaded, orders = null, problems = [] } = fields;
+  const { correctMs, index = 0, loaded, orders = null, problems = [] } = fields;
   return {
+    round: index,
     loaded: { ...LOADED, ...loaded },
     measured: { turnMs: [4, 5, 6], orders, correctMs },
     state: {
@@ -68,7 +70,7 @@ function cells(text: string, peer: string): string[] {
 
 test('a line has medians and tails over all rounds, memory, and the least PSNR', () => {
   const pictures = [60, 40, 50].map((psnrDb, i) => ({ camera: `${i}`, psnrDb }));
-  const rounds = [round({ correctMs: [1, 2, 3] }), round({ correctMs: [4, 5, 60], orders: 7 })];
+  const rounds = [round({ correctMs: [1, 2, 3] }), round({ index: 1, correctMs: [4, 5, 60], orders: 7 })];
   expect(cells(textOf(row('websplatter', { version: '1.2.3', rounds, pictures })), 'websplatter')).toEqual([
     'websplatter',
     '1.2.3',
@@ -88,14 +90,18 @@ test('a line has medians and tails over all rounds, memory, and the least PSNR',
 });
 
 test('ratios are taken round by round', () => {
-  const base = row('websplatter', { rounds: [round({ correctMs: [1] }), round({ correctMs: [10] })] });
-  const other = row('other', { rounds: [round({ correctMs: [2] }), round({ correctMs: [40] })] });
-  expect(cells(textOf(other, base), 'other')[7]).toBe('3.00 (2.00–4.00)');
+  const rounds = (...correctMs: number[]) => correctMs.map((ms, index) => round({ index, correctMs: [ms] }));
+  const base = row('websplatter', { rounds: rounds(1, 10) });
+  const other = row('other', { rounds: rounds(2, 40) });
+  const once = row('once', { rounds: rounds(2, 40).slice(1) });
+  const text = textOf(other, once, base);
+  expect(cells(text, 'other')[7]).toBe('3.00 (2.00–4.00)');
+  expect(cells(text, 'once')[7]).toBe('4.00 (4.00–4.00)');
 });
 
 test('loads are held against the floor of the same API, round by round', () => {
   const loads = (api: 'webgpu' | 'webgl2', ...loadMs: number[]) => ({
-    rounds: loadMs.map((ms) => round({ correctMs: [1], loaded: { loadMs: ms, api } })),
+    rounds: loadMs.map((ms, index) => round({ index, correctMs: [1], loaded: { loadMs: ms, api } })),
   });
   const rows = [
     row('floor-webgl2', { isFloor: true, ...loads('webgl2', 1, 1) }),

@@ -117,11 +117,13 @@ function medianCorrectMs({ measured }: Round): number {
   return spreadOf(measured.correctMs)!.median;
 }
 
-/** Ratio of what rounds took, and how far they differ: both peers were measured in the same ones. */
+/** Ratio of what rounds took, and how far they differ, in the rounds in which both peers were measured. */
 function ratioCell(row: Row, base: Row, roundMs: (round: Round) => number): string {
-  const [own, others] = [row.rounds.map(roundMs), base.rounds.map(roundMs)];
-  if (own.length === 0 || own.length !== others.length) return NONE;
-  const ratios = own.map((value, round) => value / others[round]);
+  const ratios = row.rounds.flatMap((own) => {
+    const other = base.rounds.find(({ round }) => round === own.round);
+    return other ? [roundMs(own) / roundMs(other)] : [];
+  });
+  if (ratios.length === 0) return NONE;
   const [middle, least, most] = [spreadOf(ratios)!.median, Math.min(...ratios), Math.max(...ratios)];
   return `${middle.toFixed(2)} (${least.toFixed(2)}–${most.toFixed(2)})`;
 }

@@ -26,6 +26,8 @@ export interface VisitorOptions {
   readonly executablePath: string;
   readonly usesGpu: boolean;
   readonly timeLimitMs: number;
+  /** By `performance.now()`; no visit goes on after it. */
+  readonly deadlineMs: number;
   /** Address of a page without anything in it, where the GPU process settles. */
   readonly blankUrl: string;
 }
@@ -62,10 +64,12 @@ export class Visitor {
     { widthPx, heightPx }: SizePx,
     use: (page: OpenPage) => Promise<Result>,
   ): Promise<Result> {
-    const { timeLimitMs, blankUrl, ...browserOptions } = this.#options;
+    const { timeLimitMs, deadlineMs, blankUrl, ...browserOptions } = this.#options;
+    const leftMs = deadlineMs - performance.now();
+    if (leftMs <= 0) throw new Error('not begun within the budget');
     const browser = await launchBrowser({ ...browserOptions, args: BROWSER_ARGS });
     const problems: string[] = [];
-    const limit = timeLimit(timeLimitMs);
+    const limit = timeLimit(Math.min(timeLimitMs, leftMs));
     const work = async () => {
       if (browserOptions.usesGpu) await settleGpu(browser, blankUrl);
       const viewport = { width: widthPx, height: heightPx };
@@ -118,7 +122,7 @@ function crashOf(page: Page): Promise<never> {
 function timeLimit(limitMs: number): { readonly passed: Promise<never>; end(): void } {
   let timer: NodeJS.Timeout | undefined;
   const passed = new Promise<never>((_, reject) => {
-    timer = setTimeout(() => reject(new Error(`not done within ${limitMs / 1000} s`)), limitMs);
+    timer = setTimeout(() => reject(new Error(`not done within ${(limitMs / 1000).toFixed(0)} s`)), limitMs);
   });
   return { passed, end: () => clearTimeout(timer) };
 }
