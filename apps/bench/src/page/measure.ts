@@ -20,7 +20,8 @@ export async function measure(drawn: DrawnPeer, request: MeasureRequest): Promis
   await drawn.correctFrame(camera);
   const ordersBefore = peer.orders?.();
   const turnMs: number[] = [];
-  for (let frame = 0; frame < frames; frame++) {
+  // From the first step on: a peer may leave out a frame in which nothing has changed.
+  for (let frame = 1; frame <= frames; frame++) {
     const startedMs = performance.now();
     peer.setCamera(turnedCamera(camera, frame * step));
     await drawn.frame();
