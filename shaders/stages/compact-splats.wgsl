@@ -1,4 +1,4 @@
-// Lists the visible splats of the frame in storage order.
+// Lists the visible splats of the frame in storage order, as many as there is room for.
 // Reads the visibility masks of cull-splats and the scanned counts; writes visibleSplats. One workgroup per visible chunk,
 // one thread per splat. A splat's number counts through all chunks of the frame.
 // Places come from a scan instead of atomics, so that a frame is the same every time.
@@ -25,5 +25,6 @@ fn compactSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocat
   if ((bits & bit) == 0u) { return; }
   var rank = countOneBits(bits & (bit - 1u));
   for (var before = 0u; before < word; before++) { rank += countOneBits(visibilityMasks[masks + before]); }
-  visibleSplats[splatOffsets[slot] + rank] = visibleChunks[slot] * CHUNK_SPLATS + lane;
+  let place = splatOffsets[slot] + rank;
+  if (place < cullParameters.visibleCapacity) { visibleSplats[place] = visibleChunks[slot] * CHUNK_SPLATS + lane; }
 }

@@ -21,8 +21,8 @@ import package::lib::dispatch::dispatchSize;
 fn planProject(@builtin(local_invocation_index) lane: u32) {
   for (var page = lane; page < cullParameters.pageCount; page += PLAN_WORKGROUP) {
     let slotStart = pagePlans[page].slotStart;
-    let start = splatOffsets[slotStart];
-    let end = splatOffsets[slotStart + pagePlans[page].slotCount];
+    let start = min(splatOffsets[slotStart], cullParameters.visibleCapacity);
+    let end = min(splatOffsets[slotStart + pagePlans[page].slotCount], cullParameters.visibleCapacity);
     pagePlans[page].visibleStart = start;
     pagePlans[page].visibleCount = end - start;
     let size = dispatchSize((end - start + PROJECT_WORKGROUP - 1u) / PROJECT_WORKGROUP, cullParameters.dispatchRow);
@@ -31,7 +31,7 @@ fn planProject(@builtin(local_invocation_index) lane: u32) {
     projectDispatches[3u * page + 2u] = size.z;
   }
   if (lane == 0u) {
-    let visible = splatOffsets[slotCount];
+    let visible = min(splatOffsets[slotCount], cullParameters.visibleCapacity);
     visibleCount = visible;
     drawArguments = array<u32, 4>(4u, visible, 0u, 0u);
   }

@@ -81,8 +81,9 @@ export interface LoadOptions extends ReadOptions {
   /**
    * Called again and again while a large file arrives, with a cloud of the splats that are there. Show it instead of the one
    * before, which is destroyed as soon as this returns. The last one lasts until the load fails, or else as long as the cloud
-   * that `load` resolves with, and looks the same. Only binary PLYs whose size is known have previews. They have no
-   * `fileIndices`, are missed by rays and cannot be given another precision.
+   * that `load` resolves with, and looks the same; those before it show at most 786,432 visible splats, the first in the file,
+   * so that loading takes no more memory than showing the cloud. Only binary PLYs whose size is known have previews. They have
+   * no `fileIndices`, are missed by rays and cannot be given another precision.
    */
   readonly onPreview?: (preview: SplatCloud) => void;
 }

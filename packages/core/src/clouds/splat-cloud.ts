@@ -25,6 +25,8 @@ export interface SplatCloudOptions {
   readonly makePlanes?: (cloud: SplatCloud, precision: CloudPrecision, options: MakeOptions) => Promise<void>;
   /** Whether the planes belong to something else, for which the cloud stands while that is loading. Default false. */
   readonly isPreview?: boolean;
+  /** Most visible splats that a frame of the cloud alone draws: the first in storage order. Default all. */
+  readonly visibleLimit?: number;
   /** Called when the cloud has been destroyed. */
   readonly onDestroyed?: (cloud: SplatCloud) => void;
 }
@@ -73,18 +75,16 @@ export class SplatCloud {
   readonly device: GPUDevice;
   /** Whether this is a part of a cloud that is loading: see `LoadOptions`. */
   readonly isPreview: boolean;
+  /** @internal See `SplatCloudOptions`. */
+  readonly visibleLimit: number;
   /** @internal Whether views keep the last image of it because the planes of this preview are changing. */
   isHeld = false;
   readonly #onDestroyed: (cloud: SplatCloud) => void;
   #isDestroyed = false;
 
   /** Takes over `planes`, which hold what `contents` describes. */
-  constructor(
-    device: GPUDevice,
-    planes: CloudPlanes,
-    contents: CloudContents,
-    { name, source = null, makePlanes, isPreview = false, onDestroyed = () => {} }: SplatCloudOptions,
-  ) {
+  constructor(device: GPUDevice, planes: CloudPlanes, contents: CloudContents, options: SplatCloudOptions) {
+    const { name, source = null, makePlanes, isPreview = false, onDestroyed = () => {} } = options;
     this.name = name;
     this.count = contents.count;
     this.shDegree = planes.shDegree;
@@ -98,6 +98,7 @@ export class SplatCloud {
     this.logScaleRange = contents.logScaleRange;
     this.chunks = contents.chunks;
     this.isPreview = isPreview;
+    this.visibleLimit = options.visibleLimit ?? Number.POSITIVE_INFINITY;
     this.#onDestroyed = onDestroyed;
     this.device = device;
     this.planes = planes;

@@ -1,8 +1,10 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, afterEach, beforeAll, describe, expect, vi } from 'vitest';
 import { type Camera, perspectiveCamera } from '../camera/camera.ts';
+import { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../engine.ts';
 import { GpuLimitError, InvalidArgumentError } from '../errors.ts';
+import { drawMeasured } from '../measure/measured-frames.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import type { SplatView } from '../views/splat-view.ts';
 import type { FrameRequest } from './frame-request.ts';
@@ -133,3 +135,42 @@ describe('a frame that finds no memory', () => {
     }
   }
 });
+
+gpuTest(
+  'a cloud with a limit has room for that many visible splats, and draws the first of them',
+  async () => {
+    const engine = await SplatEngine.create({ device });
+    const view = engine.createView();
+    const set = randomSplats({ count: 3000, shDegree: 0 });
+    const whole = engine.add(set);
+    const precision = {
+      geometryPrecision: whole.precisions.geometry[0],
+      shPrecision: whole.precisions.sh[0],
+    };
+    const seenWith = async (visibleLimit?: number) => {
+      const options = { name: 'limited', isPreview: true, visibleLimit };
+      const cloud = new SplatCloud(device, whole.planes, { ...whole, precision }, options);
+      const request = { ...SIZE, camera: OVERVIEW, clouds: [{ cloud }], force: true };
+      const { visibleSplats: visible } = await drawMeasured(engine, view, request);
+      return { pixels: (await view.readPixels()).data, visible, room: view.shape?.visibleCapacity };
+    };
+    const all = await seenWith();
+    expect(all).toMatchObject({ visible: 3000, room: 3000 });
+    expect(await seenWith(5000)).toEqual(all);
+
+    const some = await seenWith(1000);
+    expect(some).toMatchObject({ visible: 1000, room: 1000 });
+    expect(some.pixels).not.toEqual(all.pixels);
+    // Beside another cloud there is room for all of both.
+    const { planes } = whole;
+    const limited = new SplatCloud(
+      device,
+      planes,
+      { ...whole, precision },
+      { name: 'limited', visibleLimit: 9 },
+    );
+    await draw(view, { ...SIZE, camera: OVERVIEW, clouds: [{ cloud: limited }, { cloud: whole }] });
+    expect(view.shape?.visibleCapacity).toBe(6000);
+    engine.destroy();
+  },
+);

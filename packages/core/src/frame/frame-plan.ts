@@ -7,7 +7,7 @@ import { type CloudPlan, cloudShape, planCloud } from './cloud-plan.ts';
 import type { CloudInstance, FrameRequest } from './frame-request.ts';
 import { type FrameOutput, type FrameShape, isSameShape, type OmittableEffect } from './frame-shape.ts';
 import { keyBitsFor } from './key-bits.ts';
-import { mostVisibleSplats, visibleCapacity } from './visible-capacity.ts';
+import { mostDrawnSplats, mostVisibleSplats, visibleCapacity } from './visible-capacity.ts';
 
 /**
  * Everything that follows from a frame request, worked out once per frame and never changed. The data written to the GPU,
@@ -86,7 +86,7 @@ export function planFrame(request: FrameRequest, options: PlanOptions): FramePla
     ballots,
     visibleCapacity: visibleCapacity(
       needs.visibleSplats,
-      clouds.reduce((sum, { instance }) => sum + instance.cloud.count, 0),
+      mostDrawnSplats(clouds),
       isSameScene ? last.shape.visibleCapacity : 0,
       recent.visibleSplats,
     ),

@@ -8,11 +8,12 @@ import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { identity4 } from '../math/mat4.ts';
 import { packCloud } from '../packing/packed-cloud.ts';
 import { cullSplat } from '../reference/cull-splats.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
 import { anyCamera } from '../testing/any-view.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { TEST_MODELS } from '../testing/test-cameras.ts';
 import { RecentNeeds } from './recent-needs.ts';
-import { mostVisibleSplats, visibleCapacity } from './visible-capacity.ts';
+import { mostDrawnSplats, mostVisibleSplats, visibleCapacity } from './visible-capacity.ts';
 
 const ALPHA_CUTOFF = 1 / 255;
 const SIZE = { widthPx: 64, heightPx: 48 };
@@ -20,7 +21,11 @@ const CAMERA = perspectiveCamera({ position: [0, 0, 0], target: [0, 0, 1], fovYD
 
 /** More splats than there is always room for; small ones, so that most chunks are clearly in or out. */
 const set = randomSplats({ count: 270_000, shDegree: 0, logScales: [-9, -7] });
-const cloud = packCloud(set, { geometryPrecision: 'packed' }) as unknown as SplatCloud;
+const cloud = packed(set);
+
+function packed(splats: SplatSet, visibleLimit = Number.POSITIVE_INFINITY): SplatCloud {
+  return { ...packCloud(splats, { geometryPrecision: 'packed' }), visibleLimit } as unknown as SplatCloud;
+}
 
 const cloudsOf = (camera: Camera, modelMatrix: ArrayLike<number> = identity4()) => {
   const projection = projectionOf(camera, SIZE.widthPx, SIZE.heightPx);
@@ -52,12 +57,19 @@ describe('mostVisibleSplats', () => {
   });
 
   test('is all splats for small scenes', () => {
-    const small = packCloud(randomSplats({ count: 1000, shDegree: 0 }), { geometryPrecision: 'packed' });
+    const small = packed(randomSplats({ count: 1000, shDegree: 0 }));
     const [planned] = cloudsOf(CAMERA);
-    expect(mostVisibleSplats([{ ...planned, instance: { cloud: small as unknown as SplatCloud } }])).toBe(
-      1000,
-    );
+    expect(mostVisibleSplats([{ ...planned, instance: { cloud: small } }])).toBe(1000);
     expect(mostVisibleSplats([])).toBe(0);
+  });
+
+  test('is at most the limit of a cloud that is drawn alone', () => {
+    const limited = packed(randomSplats({ count: 1000, shDegree: 0 }), 300);
+    const [planned] = cloudsOf(CAMERA);
+    const inLimit = { ...planned, instance: { cloud: limited } };
+    expect(mostDrawnSplats([inLimit])).toBe(300);
+    expect(mostVisibleSplats([inLimit])).toBe(300);
+    expect(mostDrawnSplats([planned, inLimit])).toBe(set.count + 1000);
   });
 });
 

@@ -10,12 +10,19 @@ const HEADROOM = 1.25;
 
 type SidedCloud = Pick<CloudPlan, 'instance' | 'sides'>;
 
+/** Returns the number of splats that frames of `clouds` never exceed, whatever is in sight. */
+export function mostDrawnSplats(clouds: readonly Pick<CloudPlan, 'instance'>[]): number {
+  const total = clouds.reduce((sum, { instance }) => sum + instance.cloud.count, 0);
+  // Beside others, the splats left out might be theirs.
+  return clouds.length === 1 ? Math.min(total, clouds[0].instance.cloud.visibleLimit) : total;
+}
+
 /**
- * Returns a number of splats that is never less than the visible ones of a frame of `clouds`. The CPU tests the chunks as
- * the GPU will, so nothing has to be read back, and no image ever lacks splats for lack of room.
+ * Returns a number of splats that is never less than those that a frame of `clouds` draws. The CPU tests the chunks as the GPU
+ * will, so nothing has to be read back, and no image ever lacks splats for lack of room.
  */
 export function mostVisibleSplats(clouds: readonly SidedCloud[]): number {
-  const total = clouds.reduce((sum, { instance }) => sum + instance.cloud.count, 0);
+  const total = mostDrawnSplats(clouds);
   if (total <= ALWAYS_ROOM_FOR) return total;
   const chunks = clouds.reduce(
     (sum, { instance, sides }) => sum + countChunksInFrustum(instance.cloud.chunks, sides),
@@ -28,7 +35,7 @@ export function mostVisibleSplats(clouds: readonly SidedCloud[]): number {
  * Returns the number of visible splats to make room for: at least `needed`.
  *
  * @param needed `mostVisibleSplats` of the frame.
- * @param total number of splats of the frame's clouds.
+ * @param total `mostDrawnSplats` of the frame.
  * @param current number of splats that there is room for already; kept while it suits.
  * @param recent the largest need of recent frames of the same clouds.
  */

@@ -52,7 +52,7 @@ export interface ArrangedPlanes {
   readonly geometry: Plane;
   readonly harmonics: Plane;
   readonly chunks: Plane;
-  /** Row in the file of each splat. */
+  /** Row in the file of each splat, then the dropped rows. */
   readonly fileRows: GPUBuffer;
 }
 
@@ -83,8 +83,8 @@ export function arrangeStages(
 
 /**
  * Puts planes into storage order on the GPU: sorts their splats by Morton code and moves them word by word, in place where few
- * rows were dropped and pages stay, so that beside the planes there are never more than 20 bytes per splat, and 4 of them last: the rows of the
- * file. Frees those that it replaces.
+ * rows were dropped and pages stay, so that beside the planes there are never more than 16 bytes per splat, and 4 of them last:
+ * the rows of the file. Frees those that it replaces.
  * All stages must have been compiled. Submits, and does not wait.
  *
  * @throws GpuLimitError; the given planes are the caller's then, in any order.
@@ -98,7 +98,7 @@ export function arrangePlanes(context: ArrangeContext, arrived: ArrivedPlanes): 
     return buffer;
   };
   try {
-    const fileRows = create(`${arrived.name} file rows`, 4 * arrived.kept);
+    const fileRows = create(`${arrived.name} file rows`, 4 * slotsOf(arrived.ranges));
     sortSplats(context, arrived, fileRows);
     return permute(context, arrived, fileRows, create);
   } catch (error) {
@@ -118,7 +118,7 @@ function slotsOf(ranges: readonly PageRange[]): number {
   return ranges.at(-1)?.end ?? 0;
 }
 
-/** Writes the slots of the kept splats to `fileRows`, in storage order: a slot is a row of the file. */
+/** Writes the slots to `fileRows`, those of kept splats first and in storage order: a slot is a row of the file. */
 function sortSplats(
   { device, pipelines, memory, dispatchRow }: ArrangeContext,
   { ranges, geometry, geometryPrecision, dropMask, kept, frame }: ArrivedPlanes,
@@ -136,10 +136,11 @@ function sortSplats(
       keyCount,
       dispatchRow,
       payloads: 'given',
+      order: fileRows,
       label: 'ingest',
     } as const;
     sort = new RadixSort(device, pipelines, memory, options);
-    const { input, order } = sort;
+    const { input } = sort;
     const dispatches = new Dispatches(device, pipelines, memory, dispatchRow);
     const stage = ingestKeys(geometryPrecision);
     for (const round of [0, 1]) {
@@ -152,14 +153,13 @@ function sortSplats(
           slotCount: slots,
           dispatchRow,
         });
-        const bindings = { geometry: geometry[page], dropMask, order, ...input };
+        const bindings = { geometry: geometry[page], dropMask, order: fileRows, ...input };
         dispatches.add(stage, parameters, bindings, workgroupsFor(slots));
       }
       dispatches.call((pass) => sort!.record(pass));
     }
     const encoder = device.createCommandEncoder({ label: 'ingest sort' });
     temporary.push(dispatches.record(encoder, 'ingest sort'));
-    encoder.copyBufferToBuffer(order, 0, fileRows, 0, 4 * kept);
     device.queue.submit([encoder.finish()]);
   } finally {
     sort?.destroy();

@@ -28,6 +28,11 @@ const GROWTH = 1.25;
  * million splats took twice as long when it was shown nine times on its way.
  */
 const PAUSE_MS = 250;
+/**
+ * Most visible splats that are shown of a file that is arriving. Frames take more memory per splat than sorting the file does
+ * afterwards, and all of an arriving file may be in sight: with this many, loading takes little more than the cloud does then.
+ */
+const MOST_VISIBLE = 3 << 18;
 
 /** Shows what has arrived of a file, again and again. */
 export class Arrivals {
@@ -116,7 +121,8 @@ export class Arrivals {
       logScaleRange: INGEST_LOG_SCALES,
       precision: { geometryPrecision, shPrecision },
     };
-    this.#previews.show(new CloudPlanes(this.#context.memory, 'arrived', planes), contents);
+    const shown = new CloudPlanes(this.#context.memory, 'arrived', planes);
+    this.#previews.show(shown, contents, MOST_VISIBLE);
   }
 
   #boundChunks({ ranges, geometry, chunks, geometryPrecision }: MadePlanes): void {

@@ -20,9 +20,10 @@ export class LoadPreviews {
   }
 
   /** Replaces the preview; the planes stay their owner's. @throws what the callback throws. */
-  show(planes: CloudPlanes, contents: CloudContents): void {
+  show(planes: CloudPlanes, contents: CloudContents, visibleLimit?: number): void {
     const before = this.#shown;
-    this.#shown = new SplatCloud(this.#device, planes, contents, { name: this.#name, isPreview: true });
+    const options = { name: this.#name, isPreview: true, visibleLimit };
+    this.#shown = new SplatCloud(this.#device, planes, contents, options);
     try {
       this.#onPreview(this.#shown);
     } finally {

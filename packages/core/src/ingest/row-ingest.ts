@@ -224,7 +224,10 @@ export class RowIngest implements RowSink {
       previews?.hold();
       const { result, checked } = this.#allocate(() => {
         const { planes, contents, fileRows } = this.#arrange(found, arranged);
-        const reading = [this.#readBounds(planes, contents), readWords(device, fileRows)] as const;
+        const reading = [
+          this.#readBounds(planes, contents),
+          readWords(device, fileRows, found.count),
+        ] as const;
         // Read only if memory was there.
         for (const each of reading) each.catch(() => {});
         return { planes, contents, reading };

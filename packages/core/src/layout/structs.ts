@@ -64,6 +64,8 @@ export const PagePlan = gpuStruct('PagePlan', {
 export const CullParameters = gpuStruct('CullParameters', {
   chunkCount: 'u32',
   pageCount: 'u32',
+  /** Visible splats that there is room for; those behind them in storage order are left out. */
+  visibleCapacity: 'u32',
   dispatchRow: 'u32',
 });
 

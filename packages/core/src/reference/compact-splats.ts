@@ -5,10 +5,12 @@ import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../layout/constants.ts';
  *
  * @param visibleChunks chunk of each slot, ascending.
  * @param visibilityMasks MASK_WORDS words per slot, one bit per splat.
+ * @param visibleCapacity most splats to list.
  */
 export function compactSplats(
   visibleChunks: ArrayLike<number>,
   visibilityMasks: ArrayLike<number>,
+  visibleCapacity: number,
 ): number[] {
   const visibleSplats: number[] = [];
   for (let slot = 0; slot < visibleChunks.length; slot++) {
@@ -17,5 +19,5 @@ export function compactSplats(
       if ((word >>> (lane & 31)) & 1) visibleSplats.push(visibleChunks[slot] * CHUNK_SPLATS + lane);
     }
   }
-  return visibleSplats;
+  return visibleSplats.slice(0, visibleCapacity);
 }

@@ -33,6 +33,8 @@ describe('the integer twins', () => {
     masks[0] = 0b101;
     masks[7] = 0x80000000;
     masks[9] = 1;
-    expect(compactSplats([2, 5], masks)).toEqual([512, 514, 767, 1280 + 32]);
+    const all = [512, 514, 767, 1280 + 32];
+    expect(compactSplats([2, 5], masks, 1000)).toEqual(all);
+    expect(compactSplats([2, 5], masks, 3)).toEqual(all.slice(0, 3));
   });
 });

@@ -19,7 +19,7 @@ describe('compact-chunks', () => {
         const random = seededRandom(chunkCount);
         const flags = Array.from({ length: chunkCount }, () => (random() < visiblePart ? 1 : 0));
         const dispatchRow = 7;
-        const parameters = CullParameters.pack({ chunkCount, pageCount: 1, dispatchRow });
+        const parameters = CullParameters.pack({ chunkCount, pageCount: 1, visibleCapacity: 0, dispatchRow });
         const visibleChunks = storageBuffer(device, new Uint32Array(chunkCount).fill(0xffffffff));
         await runStage(
           device,

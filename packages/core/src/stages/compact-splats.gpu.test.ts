@@ -11,14 +11,16 @@ import { compactSplats } from './compact-splats.ts';
 import { dispatchSize } from './dispatch.ts';
 
 describe('compact-splats', () => {
-  gpuTest('lists the visible splats in storage order', async () => {
+  gpuTest('lists the visible splats in storage order, as many as there is room for', async () => {
     const device = await createTestDevice();
     const pipelines = new Pipelines(device);
-    for (const [slots, chunkCount] of [
-      [0, 3],
-      [1, 1],
-      [1, 9],
-      [40, 100],
+    for (const [slots, chunkCount, room] of [
+      [0, 3, 0],
+      [1, 1, 256],
+      [1, 9, 2304],
+      [40, 100, 25_600],
+      // Some splats, and whole slots, find no room.
+      [40, 100, 3000],
     ]) {
       const random = seededRandom(slots);
       const visibleChunks = Array.from({ length: slots }, (_, slot) => 2 * slot + (slots === 40 ? 1 : 0));
@@ -26,11 +28,16 @@ describe('compact-splats', () => {
       const masks = Uint32Array.from({ length: 8 * chunkCount }, (_, i) =>
         i >= 8 * slots ? 0xffffffff : [0, 0xffffffff, random() * 2 ** 32][i % 3],
       );
-      const expected = compactTwin(visibleChunks, masks);
+      const expected = compactTwin(visibleChunks, masks, room);
       const counts = visibleChunks.map(
-        (_, slot) => compactTwin([0], masks.subarray(8 * slot, 8 * slot + 8)).length,
+        (_, slot) => compactTwin([0], masks.subarray(8 * slot, 8 * slot + 8), 256).length,
       );
-      const parameters = CullParameters.pack({ chunkCount, pageCount: 1, dispatchRow: 7 });
+      const parameters = CullParameters.pack({
+        chunkCount,
+        pageCount: 1,
+        visibleCapacity: room,
+        dispatchRow: 7,
+      });
       const chunkOffsets = new Uint32Array(chunkCount + 1);
       chunkOffsets[chunkCount] = slots;
       const visibleSplats = storageBuffer(device, new Uint32Array(256 * chunkCount).fill(0xffffffff));

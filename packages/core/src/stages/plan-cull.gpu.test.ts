@@ -46,7 +46,7 @@ async function run({ pageCount, visiblePart, dispatchRow }: Frame, pipelines = n
     return new Uint32Array(plans);
   };
   const garbage = (words: number) => storageBuffer(device, new Uint32Array(words).fill(GARBAGE));
-  const parameters = CullParameters.pack({ chunkCount, pageCount, dispatchRow });
+  const parameters = CullParameters.pack({ chunkCount, pageCount, visibleCapacity: 0, dispatchRow });
   const written = {
     pagePlans: storageBuffer(device, plansOf(pages.map(() => ({ slotStart: GARBAGE, slotCount: GARBAGE })))),
     slotCount: garbage(1),

@@ -24,10 +24,15 @@ interface Frame {
   /** Largest number of visible chunks of each page. */
   readonly maxSlots: number;
   readonly dispatchRow: number;
+  /** Default room for all. */
+  readonly visibleCapacity?: number;
 }
 
 /** Contents of the buffers after the stage, and the contents that the twin expects. */
-async function run({ pageCount, maxSlots, dispatchRow }: Frame, pipelines = new Pipelines(device)) {
+async function run(
+  { pageCount, maxSlots, dispatchRow, visibleCapacity = 2 ** 31 }: Frame,
+  pipelines = new Pipelines(device),
+) {
   const random = seededRandom(pageCount + maxSlots);
   const slotCounts = Array.from({ length: pageCount }, () => Math.floor((maxSlots + 1) * random()));
   const slotStarts = prefixScan(slotCounts);
@@ -48,7 +53,12 @@ async function run({ pageCount, maxSlots, dispatchRow }: Frame, pipelines = new 
     return new Uint32Array(plans);
   };
   const garbage = (words: number) => storageBuffer(device, new Uint32Array(words).fill(GARBAGE));
-  const parameters = CullParameters.pack({ chunkCount: slotCount + 3, pageCount, dispatchRow });
+  const parameters = CullParameters.pack({
+    chunkCount: slotCount + 3,
+    pageCount,
+    visibleCapacity,
+    dispatchRow,
+  });
   const written = {
     pagePlans: storageBuffer(
       device,
@@ -66,7 +76,7 @@ async function run({ pageCount, maxSlots, dispatchRow }: Frame, pipelines = new 
     ...written,
   };
   await runStage(device, pipelines, planProject, bindings, [1, 1, 1]);
-  const { splats, visibleCount, workgroups } = planTwin(splatCounts, pages);
+  const { splats, visibleCount, workgroups } = planTwin(splatCounts, pages, visibleCapacity);
   const actual: Record<string, number[]> = {};
   for (const [name, buffer] of Object.entries(written)) actual[name] = [...(await readWords(device, buffer))];
   const expected = {
@@ -85,8 +95,10 @@ describe('plan-project', () => {
     gpuTest(`${pageCount} pages: the twin's splats, dispatches and draw`, async () => {
       for (const maxSlots of [0, 1, 60]) {
         for (const dispatchRow of [7, 65_535]) {
-          const { actual, expected } = await run({ pageCount, maxSlots, dispatchRow });
-          expect(actual).toEqual(expected);
+          for (const visibleCapacity of [undefined, 0, 3000]) {
+            const { actual, expected } = await run({ pageCount, maxSlots, dispatchRow, visibleCapacity });
+            expect(actual).toEqual(expected);
+          }
         }
       }
     });

@@ -26,6 +26,8 @@ export type RadixSortOptions = SortSize & {
    * that the result does not: the given ones if the number of passes is odd.
    */
   readonly spare?: GPUBuffer;
+  /** Takes the order, four bytes per key; it stays the caller's. By default the sort has a buffer of its own for it. */
+  readonly order?: GPUBuffer;
   /** Begins the labels of the buffers. Default 'sort'. */
   readonly label?: string;
 };
@@ -133,7 +135,9 @@ export class RadixSort {
         ? { buffer: spare, offset, ...half }
         : { buffer: this.#buffer(`${label} ${name} ${i}`, isUsed ? 4 * capacity : 4) };
     const keys = usesKeys.map((isUsed, i) => place('keys', isUsed, i, 0));
-    const payloads = usesPayloads.map((isUsed, i) => place('payloads', isUsed, i, 4 * capacity));
+    const payloads = usesPayloads.map((isUsed, i) =>
+      options.order && i === last ? { buffer: options.order } : place('payloads', isUsed, i, 4 * capacity),
+    );
     const digitCounts = this.#buffer(`${label} digit counts`, 4 * radix * this.#maxBlocks);
     const digitTotals = this.#buffer(`${label} digit totals`, 4 * radix);
     this.keys = keys[0].buffer;

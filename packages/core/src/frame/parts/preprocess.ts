@@ -291,11 +291,12 @@ export class Preprocess implements FramePart<OrderRecording> {
 function writeConstants(
   queue: GPUQueue,
   buffers: Buffers,
-  { dispatchRow }: FrameShape,
+  { visibleCapacity, dispatchRow }: FrameShape,
   pages: readonly FramePage[],
 ): void {
   const chunkCount = totalChunks(pages);
-  const parameters = CullParameters.pack({ chunkCount, pageCount: pages.length, dispatchRow });
+  const counts = { chunkCount, pageCount: pages.length, visibleCapacity };
+  const parameters = CullParameters.pack({ ...counts, dispatchRow });
   queue.writeBuffer(buffers.cullParameters, 0, parameters);
   queue.writeBuffer(buffers.chunkCount, 0, Uint32Array.of(chunkCount));
   const plans = new ArrayBuffer(PagePlan.bytes * pages.length);
