@@ -137,6 +137,26 @@ describe('while a file arrives', () => {
     cloud.destroy();
   });
 
+  gpuTest(
+    'picks find splats of the finished cloud, and none of a preview, whose rows are unknown',
+    async () => {
+      const rest = signalOf();
+      const middle = SIZE.widthPx / 2;
+      let early: Promise<unknown> | null = null;
+      const cloud = await engine.load(slowFile(FILE, 0.6 * FILE.length, rest.when), {
+        onPreview: (preview) => {
+          if (early) return;
+          early = draw(preview).then(() => view.pick(middle, middle));
+          void early.then(rest.give, rest.give);
+        },
+      });
+      expect(await early).toBeNull();
+      await draw(cloud);
+      expect(await view.pick(middle, middle)).toMatchObject({ cloud, splatIndex: expect.any(Number) });
+      cloud.destroy();
+    },
+  );
+
   gpuTest('a preview cannot be given another precision', async () => {
     let asked: Promise<unknown> | undefined;
     const cloud = await engine.load(new Blob([FILE]), {

@@ -56,7 +56,7 @@ interface PickContext {
  * @param plan the plan of that frame.
  * @param xPx column of the layer, from the left; the pixel is the one that contains the point.
  * @param yPx row, from the top.
- * @returns null if no splat reaches the cutoff at the pixel.
+ * @returns null if no splat reaches the cutoff at the pixel, and for splats of previews.
  * @throws InvalidArgumentError outside the layer, DestroyedError if engine or device end before the result is read.
  */
 export async function pickSplat(
@@ -82,6 +82,8 @@ export async function pickSplat(
   const { splat, ...shares } = found;
   const { cloudIndex, storedIndex } = locateSplat(pages, splat);
   const cloud = shape.clouds[cloudIndex].cloud;
+  // Its rows are known when it has loaded.
+  if (cloud.isPreview) return null;
   const along = (axis: number) => origin[axis] + found.depthView * direction[axis];
   return {
     ...shares,
