@@ -1,4 +1,4 @@
-import type { CanvasProps, ThreeElements } from '@react-three/fiber';
+import { type CanvasProps, type ThreeElements, useLoader } from '@react-three/fiber';
 import type { Ref } from 'react';
 import { expectTypeOf, it } from 'vitest';
 import {
@@ -7,6 +7,7 @@ import {
   type EffectUse,
   type RevealAnimation,
   type SplatData,
+  SplatLoader,
   type SplatsObject,
   type SplatsProps,
 } from './index.ts';
@@ -27,6 +28,12 @@ it('types the props of a Canvas and of <Splats>', () => {
   expectTypeOf<RevealAnimation>().toExtend<SplatsProps['reveal']>();
   expectTypeOf<SplatsProps['onClick']>().not.toBeAny();
   expectTypeOf<SplatsProps>().not.toHaveProperty('data');
+});
+
+it('types useLoader with a SplatLoader', () => {
+  const load = () => useLoader(SplatLoader, 'garden.ply', (loader) => loader.setAccuracy('high'));
+  expectTypeOf(load).returns.toEqualTypeOf<SplatData>();
+  expectTypeOf<SplatLoader['loadAsync']>().toBeCallableWith(new Blob());
 });
 
 it('types <splatCloudObject> for applications that extend', () => {

@@ -6,15 +6,21 @@ interface KnownSplats {
   readonly name: string;
   readonly count: number;
   readonly bounds: Box3;
+  readonly isPreview: boolean;
 }
 
-/** Loads splats from `source` once more. @throws SplatSourceError if it is gone, or has other splats now. */
+/**
+ * Loads splats from `source` once more. For a preview, waits until nobody asks any more: the whole splats will take its place.
+ *
+ * @throws SplatSourceError if the source is gone, or has other splats now.
+ */
 export async function readAgain(
-  { name, count, bounds }: KnownSplats,
+  { name, count, bounds, isPreview }: KnownSplats,
   source: string | Blob | null,
   engine: SplatEngine,
   options: { readonly precision: CloudPrecision; readonly signal: AbortSignal },
 ): Promise<SplatCloud> {
+  if (isPreview) return aborted(options.signal);
   if (source === null) {
     const gone =
       'its splats have left the only GPU that held them, and were given without a source to read again.';
@@ -29,4 +35,13 @@ export async function readAgain(
   options.signal.throwIfAborted();
   const message = `its source has other splats than when it was loaded (${cloud.count}, then ${count}). Load it again to see them.`;
   throw new SplatSourceError(name, message);
+}
+
+/** Rejects with the signal's reason when it aborts. */
+function aborted(signal: AbortSignal): Promise<never> {
+  return new Promise((_, reject) => {
+    const end = () => reject(signal.reason);
+    if (signal.aborted) end();
+    else signal.addEventListener('abort', end);
+  });
 }

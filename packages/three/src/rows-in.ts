@@ -4,6 +4,7 @@ import {
   loadSplats,
   type PackedCloud,
   type SplatCloud,
+  SplatSourceError,
 } from '@websplatter/core';
 import { type Box3, type Sphere, Vector3 } from 'three/webgpu';
 
@@ -29,6 +30,8 @@ export async function rowsIn(
 ): Promise<number[]> {
   for (const { cloud, users } of places) {
     if (cloud instanceof Promise) continue;
+    if (cloud.isPreview)
+      throw new SplatSourceError(cloud.name, 'it is still loading, so its rows are not known yet.');
     users.set(user, null);
     return rowsOnGpu(cloud, volume);
   }

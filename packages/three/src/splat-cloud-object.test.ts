@@ -306,6 +306,73 @@ test('the first frame is announced once for each data, after three’s frame', a
   expect(first).toHaveBeenCalledTimes(2);
 });
 
+describe('previews', () => {
+  function previewOn({ engine, cloud }: ReturnType<typeof fakeEngine>): SplatData {
+    const { count, origin, chunks, bounds, robustBounds } = packedCloudAt([0, 0, 0]);
+    const preview = { ...cloud, count, origin, chunks, bounds, robustBounds, isPreview: true } as SplatCloud;
+    const precision = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
+    return new SplatData({ engine, cloud: preview, precision });
+  }
+
+  test('announce no first frame, and request one each', async () => {
+    const fake = fakeEngine();
+    const cloud = new SplatCloudObject();
+    const [first, needsFrame] = [vi.fn(), vi.fn()];
+    cloud.addEventListener('firstframe', first);
+    cloud.addEventListener('needsframe', needsFrame);
+    for (let i = 1; i <= 2; i++) {
+      cloud.data = previewOn(fake);
+      expect(needsFrame).toHaveBeenCalledTimes(i);
+      cloud.announceDrawn(0);
+    }
+    await Promise.resolve();
+    expect(first).not.toHaveBeenCalled();
+    cloud.data = splatDataAt([0, 0, 0]);
+    cloud.announceDrawn(0);
+    await Promise.resolve();
+    expect(first).toHaveBeenCalledTimes(1);
+  });
+
+  test('are revealed once, with what follows them', () => {
+    const fake = fakeEngine();
+    const [scene, camera] = [new Scene(), new PerspectiveCamera()];
+    const cloud = new SplatCloudObject();
+    cloud.reveal = { from: [0, 0, 0], durationMs: 100 };
+    const radiusAt = (nowMs: number) => {
+      const [{ options }] = cloud.effectsAt(nowMs, scene, camera);
+      return (options as RevealOptions).radius;
+    };
+    cloud.data = previewOn(fake);
+    cloud.announceDrawn(1000);
+    cloud.data = previewOn(fake);
+    cloud.data = splatDataAt([1, 2, 3]);
+    expect(radiusAt(1100)).toBe(Number.POSITIVE_INFINITY);
+    cloud.data = splatDataAt([1, 2, 3]);
+    expect(radiusAt(1100)).toBe(0);
+  });
+
+  test('of a load that has failed are not drawn', () => {
+    const fake = fakeEngine();
+    const data = previewOn(fake);
+    const cloud = new SplatCloudObject(data);
+    const preview = cloud.uploadedTo(fake.engine)!;
+    expect(preview.isPreview).toBe(true);
+    Object.assign(preview, { isDestroyed: true });
+    expect(cloud.uploadedTo(fake.engine)).toBeNull();
+  });
+
+  test('are not drawn by another renderer, which reports nothing', async () => {
+    const cloud = new SplatCloudObject(previewOn(fakeEngine()));
+    const onError = vi.fn();
+    cloud.onError = onError;
+    const other = fakeEngine();
+    expect(cloud.uploadedTo(other.engine)).toBeNull();
+    cloud.data = null;
+    await new Promise((resolve) => setTimeout(resolve, 0));
+    expect(onError).not.toHaveBeenCalled();
+  });
+});
+
 describe('effects', () => {
   const camera = new PerspectiveCamera();
 

@@ -49,7 +49,7 @@ export interface SplatHit {
 }
 
 export interface SplatCloudEventMap extends Object3DEventMap {
-  /** The first frame with the current data has been submitted to the GPU. */
+  /** The first frame with the current data has been submitted to the GPU; not dispatched for previews. */
   firstframe: object;
   /** The next frame will differ although nothing in the scene has changed: shaders or data have become ready. */
   needsframe: object;
@@ -110,24 +110,29 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     this.addEventListener('removed', () => this.#layer && this.leave(this.#layer));
   }
 
-  /** The splats to draw. Replace them at any time; the GPU copy of the old ones is freed with its last user. */
+  /**
+   * The splats to draw. Replace them at any time; the GPU copy of the old ones is freed with its last user. Draws no preview of
+   * a load that has failed.
+   */
   get data(): SplatData | null {
     return this.#data;
   }
 
   set data(data: SplatData | null) {
     if (data === this.#data) return;
+    // What takes the place of a preview goes on appearing.
+    if (!this.#data?.isPreview) this.#revealing &&= new Revealing(this.#revealing.animation);
     this.#releaseUploads();
     this.#data = data;
     this.#isAnnounced = false;
-    this.#revealing &&= new Revealing(this.#revealing.animation);
     withBounds(this.geometry, data?.robustBounds.clone() ?? new Box3());
     this.requestFrame();
   }
 
   /**
    * How the cloud appears over time: once from the first frame after this was set, and again from the first frame with other
-   * data. `needsframe` events request the frames that this needs. Null: the cloud appears at once.
+   * data, unless that takes the place of a preview. `needsframe` events request the frames that this needs. Null: the cloud
+   * appears at once.
    *
    * @throws InvalidArgumentError for an invalid place, width or time.
    */
@@ -168,7 +173,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
 
   /**
    * Returns the splat that contributes most to a pixel of the frame that `renderer` drew last from `camera`. Null if it
-   * belongs to another cloud, if there is none, and before the first frame.
+   * belongs to another cloud or a preview, if there is none, and before the first frame.
    *
    * @param xPx, yPx physical pixels from the canvas's top left.
    */
@@ -195,15 +200,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
 
   override copy(source: this, recursive?: boolean): this {
     super.copy(source, recursive);
-    this.data = source.data;
-    this.opacity = source.opacity;
-    this.shDegree = source.shDegree;
-    this.effects = source.effects;
-    this.fog = source.fog;
-    this.reveal = source.reveal;
-    this.writesDepth = source.writesDepth;
-    this.accuracy = source.accuracy;
-    return this;
+    const { data, opacity, shDegree, effects, fog, reveal, writesDepth, accuracy } = source;
+    return Object.assign(this, { data, opacity, shDegree, effects, fog, reveal, writesDepth, accuracy });
   }
 
   /** Removes the cloud from the screen and releases its GPU copy, which goes with its last user. Drawing uploads it again. */
@@ -222,7 +220,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
 
   /**
    * @internal Returns the cloud on `engine`, and brings it there if necessary; null without data, as long as these are being
-   * read again, and if that or the upload fails.
+   * read again, and if that, the upload or the load of a preview fails.
    */
   uploadedTo(engine: SplatEngine): SplatCloud | null {
     const data = this.#data;
@@ -235,7 +233,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     };
     try {
       const cloud = data.acquire(engine, this);
-      if (!(cloud instanceof Promise)) return cloud;
+      // A preview ends with the load that it is of.
+      if (!(cloud instanceof Promise)) return cloud.isDestroyed ? null : cloud;
       if (!this.#handled.has(cloud)) cloud.then(() => this.requestFrame(), fail);
       this.#handled.add(cloud);
     } catch (error) {
@@ -303,7 +302,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   }
 
   #announceFirstFrame(): void {
-    if (this.#isAnnounced) return;
+    if (this.#isAnnounced || this.#data!.isPreview) return;
     this.#isAnnounced = true;
     // three is in the middle of its frame.
     queueMicrotask(() => this.dispatchEvent({ type: 'firstframe' }));

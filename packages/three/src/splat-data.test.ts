@@ -255,6 +255,44 @@ describe('data that an engine has loaded', () => {
   });
 });
 
+describe('a preview', () => {
+  function preview() {
+    const fake = fakeEngine();
+    const cloud = Object.assign(loadedBy(fake), { isPreview: true, name: 'garden' });
+    const data = new SplatData({ engine: fake.engine, cloud, precision: PACKED }, 'garden', ADDRESS);
+    return { ...fake, data };
+  }
+
+  test('waits on other engines until it is released, and is read for none', async () => {
+    const { data } = preview();
+    const other = fakeEngine();
+    const user = {};
+    const waiting = data.acquire(other.engine, user);
+    const outcome = expect(waiting).rejects.toMatchObject({ name: 'AbortError' });
+    // By now it waits.
+    await new Promise((resolve) => setTimeout(resolve, 0));
+    data.release(user);
+    await outcome;
+    const late = data.acquire(other.engine, user);
+    data.release(user);
+    await expect(late).rejects.toMatchObject({ name: 'AbortError' });
+    expect(other.load).not.toHaveBeenCalled();
+  });
+
+  test('keeps the precision that it has', async () => {
+    const { data, engine, claim, releaseOwn } = preview();
+    const user = {};
+    data.acquire(engine, user);
+    await data.hold(engine, user, FINEST);
+    expect(claim).not.toHaveBeenCalled();
+    expect(releaseOwn).not.toHaveBeenCalled();
+  });
+
+  test('has no rows', async () => {
+    await expect(preview().data.rowsIn(new Box3())).rejects.toThrow(/garden.*still loading/);
+  });
+});
+
 describe('the precision on the GPU', () => {
   /** Data on an engine, and the claims on its cloud. */
   function uploaded(...users: object[]) {

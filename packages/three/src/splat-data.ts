@@ -41,6 +41,8 @@ export class SplatData {
   /** Name for messages and labels. */
   readonly name: string;
   readonly count: number;
+  /** Whether these are only what has arrived of a file: see `SplatLoader.onPreview`. */
+  readonly isPreview: boolean;
   /** Bounds of the centres, in the cloud's own space. */
   readonly bounds: Box3;
   /** Bounds without the outermost splats, which enclose the scene itself. */
@@ -66,6 +68,7 @@ export class SplatData {
     const { count, origin, chunks, bounds, robustBounds } = isLoaded ? splats.cloud : splats;
     this.name = name;
     this.count = count;
+    this.isPreview = isLoaded && splats.cloud.isPreview;
     this.bounds = boxOf(bounds);
     this.robustBounds = boxOf(robustBounds);
     this.outline = { origin, chunks, robustBounds };
@@ -80,7 +83,8 @@ export class SplatData {
   /**
    * Returns the rows of splats with centres in a volume of the cloud's own space, for a SplatSelection. Tests each splat.
    *
-   * @throws DestroyedError if the engine that holds them ends; the errors of reading, if they have to be read again.
+   * @throws DestroyedError if the engine that holds them ends; SplatSourceError for a preview; the errors of reading, if they
+   *   have to be read again.
    */
   async rowsIn(volume: Box3 | Sphere): Promise<number[]> {
     const { rowsIn } = await import('./rows-in.ts');
@@ -94,7 +98,8 @@ export class SplatData {
 
   /**
    * Returns the cloud on `engine`. Uploads it, as it was packed, if necessary; or reads it again, and returns the same promise
-   * until that is done. `user` keeps the cloud until `release`.
+   * until that is done. A preview is on the engine that loads it alone; elsewhere its promise stays pending. `user` keeps the
+   * cloud until `release`.
    *
    * @throws GpuLimitError, DestroyedError. The promise rejects with the errors of `engine.load`; with a SplatSourceError if
    *   the source has other splats now; and with an AbortError if its last user releases it first.
@@ -199,6 +204,8 @@ export class SplatData {
 async function claim(upload: Upload, precision: CloudPrecision): Promise<void> {
   const { lease } = upload;
   const cloud = upload.cloud as SplatCloud;
+  // Its planes are still being made.
+  if (cloud.isPreview) return;
   if (lease) lease.change(precision);
   else upload.lease = cloud.hold(precision);
   await upload.lease!.met;

@@ -2,6 +2,7 @@ import {
   DestroyedError,
   encodePly,
   GpuLimitError,
+  type SplatCloud,
   SplatFileError,
   type SplatSource,
   SplatSourceError,
@@ -154,6 +155,31 @@ describe('a load for a renderer', () => {
     expect(load.mock.lastCall![1]).toMatchObject({
       precision: { geometryPrecision: 'packed', shPrecision: 'u8' },
     });
+  });
+
+  test('hands out what has arrived, until it is aborted', async () => {
+    const { engine, cloud, load, loader } = rendererAndLoader();
+    const blob = new Blob([file]);
+    await loader.loadAsync(blob);
+    expect(load.mock.lastCall![1]!.onPreview).toBeUndefined();
+    const onPreview = vi.fn<(preview: SplatData) => void>();
+    loader.onPreview = onPreview;
+    let arrive = () => {};
+    load.mockImplementation(async (_source, options) => {
+      arrive = () => options!.onPreview!({ ...cloud, isPreview: true, count: 1 } as SplatCloud);
+      arrive();
+      arrive();
+      return cloud;
+    });
+    const data = await loader.loadAsync(blob);
+    const [first, second] = onPreview.mock.calls.map(([preview]) => preview);
+    expect(first).toMatchObject({ isPreview: true, count: 1, name: 'splats' });
+    expect(second).not.toBe(first);
+    expect(first.acquire(engine, {})).toMatchObject({ isPreview: true });
+    expect(data).toMatchObject({ isPreview: false, count: 2 });
+    loader.abort();
+    arrive();
+    expect(onPreview).toHaveBeenCalledTimes(2);
   });
 
   test('reads what can be read only once into memory', async () => {

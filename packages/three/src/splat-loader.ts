@@ -8,12 +8,16 @@ import {
   lastingSource,
   loadSplats,
   resolveAccuracy,
+  type SplatCloud,
   type SplatEngine,
   type SplatSource,
 } from '@websplatter/core';
-import { Loader } from 'three/webgpu';
+import { Loader, type LoadingManager } from 'three/webgpu';
 import { splatEngineOf } from './create-splat-renderer.ts';
 import { SplatData } from './splat-data.ts';
+
+/** A Loader of all sources, and by its type also of addresses alone, as react-three-fiber's `useLoader` asks for. */
+type SourceLoader = Loader<SplatData, string> & Loader<SplatData, SplatSource>;
 
 /**
  * Loads splats of any supported format, in a worker if workers are available. A source is an address, a File or Blob, a
@@ -22,7 +26,13 @@ import { SplatData } from './splat-data.ts';
  * Addresses, Files and Blobs can be read again for a finer precision or another renderer, so their splats leave memory once
  * they are on a GPU. Buffers, streams, and addresses that need the loader's headers or credentials cannot; their splats stay.
  */
-export class SplatLoader extends Loader<SplatData, SplatSource> {
+export class SplatLoader extends (Loader as new (manager?: LoadingManager) => SourceLoader) {
+  /**
+   * Receives what has arrived of a large binary PLY, again and again, while it is loaded for the renderer of `detectSupport`.
+   * Show it in place of the preview before, which is drawn no more; the last one looks as the loaded splats do. Previews are
+   * drawn by that renderer alone, and no more once their load has failed. Set this before `load`.
+   */
+  onPreview?: (preview: SplatData) => void;
   #engine: SplatEngine | null = null;
   #accuracy: AccuracySettings | null = null;
   #aborter = new AbortController();
@@ -60,6 +70,8 @@ export class SplatLoader extends Loader<SplatData, SplatSource> {
    * Loads one source. `onError` receives a SplatFileError, a SplatSourceError or an AbortError; `loaded` and `total` of
    * progress events are bytes.
    */
+  override load(...address: Parameters<Loader<SplatData, string>['load']>): void;
+  override load(...source: Parameters<Loader<SplatData, SplatSource>['load']>): void;
   override load(
     source: SplatSource,
     onLoad: (data: SplatData) => void,
@@ -76,7 +88,7 @@ export class SplatLoader extends Loader<SplatData, SplatSource> {
       else console.error(error);
       manager.itemError(item);
     };
-    this.#load(isAddress ? address : source, item, onProgress)
+    this.#load(address || source, item, onProgress)
       .then(onLoad, onFailure)
       .finally(() => manager.itemEnd(item));
   }
@@ -87,11 +99,13 @@ export class SplatLoader extends Loader<SplatData, SplatSource> {
     onProgress: ((event: ProgressEvent) => void) | undefined,
   ): Promise<SplatData> {
     const engine = this.#engine;
+    const { onPreview } = this;
     const accuracy = this.#accuracy ?? engine?.accuracy ?? resolveAccuracy(DEFAULT_ACCURACY);
     const { geometryPrecision, shPrecision } = accuracy;
     // Only this loader knows the headers and credentials.
-    const isGuarded = Object.keys(this.requestHeader).length > 0 || this.withCredentials;
-    const readAgainFrom = isGuarded && typeof source === 'string' ? null : lastingSource(source);
+    const isGuarded =
+      typeof source === 'string' && (Object.keys(this.requestHeader).length > 0 || this.withCredentials);
+    const readAgainFrom = isGuarded ? null : lastingSource(source);
     const signal = AbortSignal.any([this.#aborter.signal, this.manager.abortController.signal]);
     const options = {
       name,
@@ -101,15 +115,17 @@ export class SplatLoader extends Loader<SplatData, SplatSource> {
     if (engine && readAgainFrom !== null) {
       try {
         const precision = { geometryPrecision, shPrecision };
-        const cloud = await engine.load(readAgainFrom, { ...options, precision });
-        return new SplatData({ engine, cloud, precision }, name, readAgainFrom);
+        const dataOf = (cloud: SplatCloud) =>
+          new SplatData({ engine, cloud, precision }, name, readAgainFrom);
+        const show = onPreview && ((preview: SplatCloud) => signal.aborted || onPreview(dataOf(preview)));
+        return dataOf(await engine.load(readAgainFrom, { ...options, precision, onPreview: show }));
       } catch (error) {
         // The splats may be shown by the renderer that takes the place of this one.
         if (!(error instanceof DestroyedError)) throw error;
       }
     }
     let opened = source;
-    if (isGuarded && typeof source === 'string') {
+    if (isGuarded) {
       const { fetchGuarded } = await import('./fetch-guarded.ts');
       opened = await fetchGuarded(source, this, signal);
     }

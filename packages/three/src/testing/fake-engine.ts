@@ -31,6 +31,8 @@ export function fakeEngine({ accuracy = 'balanced' }: { accuracy?: Accuracy } = 
     return lease as unknown as CloudLease;
   };
   const cloud = {
+    isPreview: false,
+    isDestroyed: false,
     destroy: destroyed,
     pagesFor: () => state.pages,
     hold,
