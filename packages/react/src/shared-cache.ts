@@ -3,11 +3,12 @@ import { SplatCache } from './splat-cache.ts';
 
 /** The cache of `<Splats>` and `useSplats` in all Canvases. Each load has its own loader, so that it can be aborted alone. */
 export const sharedCache = new SplatCache<SplatData>(
-  async ({ source, accuracy, renderer }, { signal, onProgress }) => {
+  async ({ source, accuracy, renderer }, { signal, onProgress, onPreview }) => {
     const loader = new SplatLoader();
+    loader.onPreview = onPreview;
     if (accuracy) loader.setAccuracy(accuracy);
     if (renderer) loader.detectSupport(renderer);
-    signal.addEventListener('abort', () => loader.abort(), { once: true });
+    signal.addEventListener('abort', () => loader.abort());
     const data = await loader.loadAsync(source, onProgress);
     data.isCached = true;
     return data;

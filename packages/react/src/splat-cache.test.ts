@@ -12,6 +12,7 @@ interface Load {
   readonly request: SplatRequest;
   readonly signal: AbortSignal;
   readonly onProgress: (progress: ProgressEvent) => void;
+  readonly onPreview: (preview: string) => void;
   readonly resolve: (data: string) => void;
   readonly reject: (error: Error) => void;
 }
@@ -21,8 +22,7 @@ function testCache() {
   const loads: Load[] = [];
   const dispose = vi.fn<(data: string) => void>();
   const cache = new SplatCache<string>(
-    (request, { signal, onProgress }) =>
-      new Promise((resolve, reject) => loads.push({ request, signal, onProgress, resolve, reject })),
+    (request, watch) => new Promise((resolve, reject) => loads.push({ request, ...watch, resolve, reject })),
     dispose,
   );
   return { cache, loads, dispose };
@@ -58,6 +58,33 @@ describe('the cache of parsed files', () => {
     await settle();
     expect(changes).toHaveBeenCalledTimes(2);
     expect(cache.stateOf(request('https://example.org/a.ply'))).toEqual({ status: 'loaded', data: 'a' });
+  });
+
+  it('shows previews until the load ends, and none of an aborted one', async () => {
+    const { cache, loads, dispose } = testCache();
+    const renderer = {};
+    const asked = requestFor('a.ply', null, renderer);
+    const onChange = vi.fn();
+    const stop = cache.watch(asked, { onChange });
+    const before = cache.stateOf(asked);
+    expect(before).toMatchObject({ status: 'pending', data: null });
+    for (const preview of ['part', 'larger part']) {
+      loads[0].onPreview(preview);
+      expect(cache.stateOf(asked)).toEqual({ ...before, data: preview, renderer });
+    }
+    expect(onChange).toHaveBeenCalledTimes(2);
+    const error = new Error('cut off');
+    loads[0].reject(error);
+    await settle();
+    expect(cache.stateOf(asked)).toEqual({ status: 'failed', error });
+    stop();
+    cache.watch(asked, { onChange })();
+    await vi.advanceTimersByTimeAsync(GRACE_MS);
+    loads[1].onPreview('late');
+    expect(cache.stateOf(asked)).toBeUndefined();
+    expect(onChange).toHaveBeenCalledTimes(3);
+    // The engine ends them.
+    expect(dispose).not.toHaveBeenCalled();
   });
 
   it('distinguishes files and buffers, but not accuracies', () => {

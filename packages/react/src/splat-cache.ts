@@ -16,14 +16,25 @@ export interface SplatRequest {
 
 /** State of a request. Each change creates a new object, so that React can compare by identity. */
 export type LoadState<Data> =
-  /** `settled` resolves when the load has succeeded or failed; it never rejects. */
-  | { readonly status: 'pending'; readonly settled: Promise<void> }
+  | {
+      readonly status: 'pending';
+      /** Resolves when the load has succeeded or failed; never rejects. */
+      readonly settled: Promise<void>;
+      /** A preview; null if there is none yet. */
+      readonly data: Data | null;
+      /** Alone can show the preview. */
+      readonly renderer: object | undefined;
+    }
   | { readonly status: 'loaded'; readonly data: Data }
   | { readonly status: 'failed'; readonly error: unknown };
 
 export type LoadFunction<Data> = (
   request: SplatRequest,
-  watch: { readonly signal: AbortSignal; readonly onProgress: (progress: ProgressEvent) => void },
+  watch: {
+    readonly signal: AbortSignal;
+    readonly onProgress: (progress: ProgressEvent) => void;
+    readonly onPreview: (preview: Data) => void;
+  },
 ) => Promise<Data>;
 
 export interface CacheWatcher {
@@ -98,9 +109,8 @@ export class SplatCache<Data> {
 
   /** Drops entries that were preloaded or await a component, of `source` or all; entries in use go with their last user. */
   clear(source?: CacheableSource): void {
-    const sourceKey = source === undefined ? undefined : sourceKeyOf(source);
     for (const entry of [...this.#entries.values()]) {
-      if (sourceKey !== undefined && entry.request.key !== sourceKey) continue;
+      if (source !== undefined && entry.request.key !== sourceKeyOf(source)) continue;
       entry.isPreloaded = false;
       this.#dropLater(entry, 0);
     }
@@ -114,15 +124,17 @@ export class SplatCache<Data> {
     const onProgress = (progress: ProgressEvent) => {
       for (const watcher of [...watchers]) watcher.onProgress?.(progress);
     };
-    const settled = this.#load(request, { signal: abort.signal, onProgress }).then(
-      (data) => this.#settle(entry, { status: 'loaded', data }),
-      (error: unknown) => this.#settle(entry, { status: 'failed', error }),
+    const onPreview = (preview: Data) => this.#change(entry, { ...pending, data: preview });
+    const settled = this.#load(request, { signal: abort.signal, onProgress, onPreview }).then(
+      (data) => this.#change(entry, { status: 'loaded', data }),
+      (error: unknown) => this.#change(entry, { status: 'failed', error }),
     );
+    const pending = { status: 'pending', settled, data: null, renderer: request.renderer } as const;
     const entry: Entry<Data> = {
       request,
       abort,
       watchers,
-      state: { status: 'pending', settled },
+      state: pending,
       isPreloaded: false,
       dropTimer: undefined,
     };
@@ -130,7 +142,7 @@ export class SplatCache<Data> {
     return entry;
   }
 
-  #settle(entry: Entry<Data>, state: LoadState<Data>): void {
+  #change(entry: Entry<Data>, state: LoadState<Data>): void {
     entry.state = state;
     if (entry.abort.signal.aborted) {
       this.#drop(entry);

@@ -15,6 +15,7 @@ interface Load {
   readonly renderer: unknown;
   readonly isAborted: () => boolean;
   readonly onProgress: (progress: ProgressEvent) => void;
+  readonly onPreview: (preview: SplatData) => void;
   readonly resolve: (data: SplatData) => void;
   readonly reject: (error: Error) => void;
 }
@@ -47,6 +48,7 @@ vi.mock('@websplatter/three', async () => {
     #accuracy: unknown;
     #renderer: unknown;
     #isAborted = false;
+    onPreview = (_preview: SplatData) => {};
     detectSupport(renderer: unknown) {
       this.#renderer = renderer;
       return this;
@@ -62,7 +64,8 @@ vi.mock('@websplatter/three', async () => {
       return new Promise<SplatData>((resolve, reject) => {
         const isAborted = () => this.#isAborted;
         const [accuracy, renderer] = [this.#accuracy, this.#renderer];
-        test.loads.push({ source, accuracy, renderer, isAborted, onProgress, resolve, reject });
+        const { onPreview } = this;
+        test.loads.push({ source, accuracy, renderer, isAborted, onProgress, onPreview, resolve, reject });
       });
     }
   }
@@ -150,7 +153,8 @@ const splats = (props: SplatsProps) => createElement(Splats, props);
 /** The object of the first `<Splats>`. */
 const object = () => scene.children.find((child) => 'data' in child) as Object3D & Record<string, unknown>;
 const isFallbackShown = () => scene.getObjectByName('fallback') !== undefined;
-const splatData = (name: string) => Object.assign(Object.create(SplatData.prototype), { name }) as SplatData;
+const splatData = (name: string, isPreview = false) =>
+  Object.assign(Object.create(SplatData.prototype), { name, isPreview }) as SplatData;
 
 it('suspends until the first file has been loaded for its renderer, and reports progress', async () => {
   const onLoad = vi.fn();
@@ -205,6 +209,68 @@ it('keeps the splats on screen while a new file is read, and their object', asyn
   expect(object()).toBe(before);
   expect(object().data).toBe(c);
   expect(onLoad).toHaveBeenCalledExactlyOnceWith(c);
+});
+
+it('shows what has arrived of the first file, and loads it afterwards', async () => {
+  const onLoad = vi.fn();
+  await show(splats({ src: 'a.ply', onLoad }));
+  for (const name of ['part', 'larger part']) {
+    const part = splatData(name, true);
+    await act(async () => test.loads[0].onPreview(part));
+    expect(isFallbackShown()).toBe(false);
+    expect(object()).toMatchObject({ data: part, visible: true });
+  }
+  expect(onLoad).not.toHaveBeenCalled();
+  const before = object();
+  const a = splatData('a');
+  await act(async () => test.loads[0].resolve(a));
+  expect(object()).toBe(before);
+  expect(before.data).toBe(a);
+  expect(onLoad).toHaveBeenCalledExactlyOnceWith(a);
+  // From now on whole files replace each other.
+  await show(splats({ src: 'b.ply', onLoad }));
+  await act(async () => test.loads[1].onPreview(splatData('part of b', true)));
+  expect(before.data).toBe(a);
+});
+
+it('takes a part of a file away when its load fails', async () => {
+  const onError = vi.fn();
+  await show(splats({ src: 'a.ply', onError }));
+  await act(async () => test.loads[0].onPreview(splatData('part', true)));
+  const error = new Error('cut off');
+  await act(async () => test.loads[0].reject(error));
+  expect(onError).toHaveBeenCalledExactlyOnceWith(error);
+  expect(object().data).toBeNull();
+});
+
+it('takes a part of a file away when another is to be shown, and aborts its load', async () => {
+  await show(splats({ src: 'a.ply' }));
+  await act(async () => test.loads[0].onPreview(splatData('part of a', true)));
+  await show(splats({ src: 'b.ply' }));
+  expect(isFallbackShown()).toBe(true);
+  expect(object().data).toBeNull();
+  const part = splatData('part of b', true);
+  await act(async () => test.loads[1].onPreview(part));
+  expect(isFallbackShown()).toBe(false);
+  expect(object()).toMatchObject({ data: part, visible: true });
+  await act(() => vi.advanceTimersByTimeAsync(GRACE_MS));
+  expect(test.loads.map((load) => load.isAborted())).toEqual([true, false]);
+});
+
+it('shows no part of a file that another renderer loads, and none to useSplats', async () => {
+  function Count() {
+    return createElement('group', { name: useSplats('b.ply').name });
+  }
+  // Loaded for no renderer.
+  useSplats.preload('a.ply');
+  await show(splats({ src: 'a.ply' }));
+  await act(async () => test.loads[0].onPreview(splatData('part', true)));
+  expect(isFallbackShown()).toBe(true);
+  await show(createElement(Count));
+  await act(async () => test.loads[1].onPreview(splatData('part', true)));
+  expect(isFallbackShown()).toBe(true);
+  await act(async () => test.loads[1].resolve(splatData('b')));
+  expect(scene.getObjectByName('b')).toBeDefined();
 });
 
 it('sets effects that have changed, but not those that are only written out again', async () => {

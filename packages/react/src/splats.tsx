@@ -35,7 +35,10 @@ export interface SplatsProps
       ThreeElement<typeof SplatsObject>,
       'accuracy' | 'args' | 'attach' | 'data' | 'dispose' | 'effects' | 'onError' | 'ref' | 'reveal'
     > {
-  /** The splats to show. A new source replaces the splats on screen as soon as it has been read. */
+  /**
+   * The splats to show. A new source replaces the splats on screen as soon as it has been read; if there are none, what has
+   * arrived of it is shown before.
+   */
   src: SplatsSource;
   /**
    * How exactly and how fast to draw: settings, or a wish such as `{ minPsnrDb: 45 }`; default: the Canvas's. All clouds in
@@ -45,7 +48,7 @@ export interface SplatsProps
   accuracy?: AccuracyRequest | null;
   /** The object in the scene. */
   ref?: Ref<SplatsObject>;
-  /** Called when splats have been read and are about to be drawn. */
+  /** Called when all splats have been read and are about to be drawn. */
   onLoad?: (splats: SplatData) => void;
   /** Reports progress: `loaded` and `total` are bytes; `lengthComputable` is false if the total is not known. */
   onProgress?: (event: ProgressEvent) => void;
@@ -65,8 +68,8 @@ export interface SplatsProps
 }
 
 /**
- * Shows Gaussian splats in a react-three-fiber scene. Suspends until the first `src` has been read; when `src` changes, the
- * old splats stay until the new ones have been read. All other props are set on the object as they change.
+ * Shows Gaussian splats in a react-three-fiber scene. Suspends until something of the first `src` can be shown; when `src`
+ * changes, the old splats stay until the new ones have been read. All other props are set on the object as they change.
  *
  * @throws SplatsUnsupportedRendererError if the Canvas was not made with `gl={createSplatRenderer}` and there is no
  *   `fallback`; InvalidArgumentError for effects with invalid options; SplatFileError, SplatSourceError, GpuLimitError if
@@ -128,7 +131,7 @@ function Cloud({
 
   const reported = useRef<SplatData>(null);
   useEffect(() => {
-    if (splats === null || splats === reported.current) return;
+    if (splats === null || splats.isPreview || splats === reported.current) return;
     reported.current = splats;
     latest.current.onLoad?.(splats);
   }, [splats, latest]);

@@ -2,53 +2,52 @@ import type { AccuracyRequest } from '@websplatter/core';
 import { SplatData } from '@websplatter/three';
 import { useCallback, useState, useSyncExternalStore } from 'react';
 import { sharedCache } from './shared-cache.ts';
-import { type CacheableSource, type LoadState, requestFor, type SplatRequest } from './splat-cache.ts';
+import { type CacheableSource, type LoadState, requestFor } from './splat-cache.ts';
 import { useLatest } from './use-latest.ts';
 
 /** Progress of a source. */
 export interface SourceState {
-  /** Splats of this source or, until it has been read, of the previous one; null before the first. */
+  /** Splats to show; null if there are none yet. */
   readonly splats: SplatData | null;
-  /** Undefined until the load has begun, and for splats in memory. */
+  /** Undefined until the load has begun. */
   readonly load: LoadState<SplatData> | undefined;
 }
 
+type Source = CacheableSource | SplatData;
+
 /**
- * Loads `src` for `renderer`, packed for `accuracy` or the renderer's own unless it was requested before, and keeps the previous
- * splats until then.
+ * Loads `src` for `renderer`, packed for `accuracy` or the renderer's own unless it was requested before. Keeps the previous
+ * splats until then; if there are none, returns previews.
  */
 export function useSource(
-  src: CacheableSource | SplatData,
+  src: Source,
   renderer: object,
   accuracy: AccuracyRequest | null,
   onProgress?: (event: ProgressEvent) => void,
 ): SourceState {
-  const request = src instanceof SplatData ? null : requestFor(src, accuracy, renderer);
-  const load = useLoadState(request, onProgress);
-  const [shown, setShown] = useState<Shown>(NOTHING);
-  const loaded = src instanceof SplatData ? src : load?.status === 'loaded' ? load.data : null;
-  if (loaded !== null && loaded !== shown.splats) setShown({ splats: loaded, request });
-  // Also hold the file on screen in the cache: `src` may change back.
-  useLoadState(shown.request);
-  return { splats: loaded ?? shown.splats, load };
+  const load = useLoadState(src, renderer, accuracy, onProgress);
+  const [shown, setShown] = useState(src);
+  // Also holds the file on screen in the cache: `src` may change back.
+  const onScreen = useLoadState(shown, renderer, accuracy);
+  if (shown !== src && (load?.status === 'loaded' || onScreen?.status !== 'loaded')) setShown(src);
+  // Previews are on one renderer alone.
+  const isHere =
+    onScreen?.status === 'loaded' || (onScreen?.status === 'pending' && onScreen.renderer === renderer);
+  return { splats: isHere ? onScreen.data : null, load };
 }
-
-interface Shown {
-  readonly splats: SplatData | null;
-  readonly request: SplatRequest | null;
-}
-
-const NOTHING: Shown = { splats: null, request: null };
 
 /**
- * Loads a request, and holds it in the cache while the component is mounted. Suspense, which hides the component, does not
- * end that, because this is a passive effect. Returns undefined until the load has begun, and without a request.
+ * Loads a source, and holds it in the cache while the component is mounted. Suspense, which hides the component, does not
+ * end that, because this is a passive effect. Returns undefined until the load has begun.
  */
 function useLoadState(
-  request: SplatRequest | null,
+  src: Source,
+  renderer: object,
+  accuracy: AccuracyRequest | null,
   onProgress?: (event: ProgressEvent) => void,
 ): LoadState<SplatData> | undefined {
   const latest = useLatest(onProgress);
+  const request = src instanceof SplatData ? null : requestFor(src, accuracy, renderer);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the key stands for the request.
   const watch = useCallback(
     (onChange: () => void) => {
@@ -58,5 +57,6 @@ function useLoadState(
     [request?.key, latest],
   );
   const read = () => (request ? sharedCache.stateOf(request) : undefined);
-  return useSyncExternalStore(watch, read, read);
+  const state = useSyncExternalStore(watch, read, read);
+  return src instanceof SplatData ? { status: 'loaded', data: src } : state;
 }
