@@ -5,7 +5,7 @@ import { appHarness } from './harness.ts';
 import type { CanvasDescription, SplatsDescription } from './react/main.tsx';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { changedPart, screenshot } from './screenshot.ts';
-import { testScene } from './test-scene.ts';
+import { slowScene, testScene } from './test-scene.ts';
 
 /** Rows of `dots.ply`: small opaque splats, far enough apart for each to have pixels of its own. */
 const DOTS = [
@@ -125,6 +125,14 @@ function projected(page: Page, point: readonly number[]): Promise<[number, numbe
   );
 }
 
+/** What the reference needs to know of the Canvas's camera. */
+const cameraOf = (page: Page) =>
+  page.evaluate(() => {
+    const { matrixWorldInverse, projectionMatrix, near, far } = window.page.canvases.get('canvas')!.camera;
+    const [viewMatrix, projection] = [matrixWorldInverse.elements, projectionMatrix.elements];
+    return { viewMatrix, projectionMatrix: projection, near, far, modelMatrices: [null] };
+  });
+
 const pickAt = (page: Page, id: string, place: readonly [number, number]) =>
   page.evaluate(
     async ([name, [x, y]]) => {
@@ -150,11 +158,7 @@ it('suspends, loads, and draws as the float64 reference does over any background
     'a load a.ply',
     'a firstframe',
   ]);
-  const { camera } = await page.evaluate(() => {
-    const { matrixWorldInverse, projectionMatrix, near, far } = window.page.canvases.get('canvas')!.camera;
-    const [viewMatrix, projection] = [matrixWorldInverse.elements, projectionMatrix.elements];
-    return { camera: { viewMatrix, projectionMatrix: projection, near, far, modelMatrices: [null] } };
-  });
+  const camera = await cameraOf(page);
   for (const [name, level] of [
     ['black', 0],
     ['white', 1],
@@ -262,7 +266,12 @@ it('takes effects as props, and draws what revealing takes and no frame more', a
 });
 
 it('reads a file once and uploads it once, however often it is shown, and keeps it while a new one is read', async () => {
-  const second = { id: 'second', src: 'a.ply', position: [1, 0, 0] as const, isHandedOn: true };
+  const second = {
+    id: 'second',
+    src: 'a.ply',
+    position: [1, 0, 0] as const,
+    handedOnBy: 'useSplats' as const,
+  };
   const requestsBefore = harness.server.requests('a.ply');
   const page = await open(canvas({ splats: [SPLATS, second] }));
   await waitForLog(page, 'second firstframe');
@@ -315,6 +324,85 @@ it('reads a file once and uploads it once, however often it is shown, and keeps 
   expect(await page.evaluate(settings, 'canvas')).toMatchObject({ samples: 4 });
   await expect.poll(() => countersOf(page)).toMatchObject({ cloudsDestroyed: 2 });
 });
+
+/** Waits until the Canvas, of black background, has resumed `times` times and shows splats. */
+async function waitForSplats(page: Page, times = 1): Promise<void> {
+  await waitForLog(page, 'canvas resumed', times);
+  await expect
+    .poll(async () => (await image(page)).data.filter((value, i) => i % 4 < 3 && value > 50).length, {
+      timeout: 60_000,
+    })
+    .toBeGreaterThan(1000);
+}
+
+const SLOW: SplatsDescription = { id: 'slow', src: 'slow.ply' };
+
+it('shows what has arrived of a file, and then all of it', async () => {
+  const page = await open(canvas({ background: 'black', frameloop: 'demand', splats: [SLOW] }));
+  // The rest comes only after the test has seen a part.
+  await waitForSplats(page);
+  expect(await logOf(page)).toEqual([
+    'canvas created',
+    'manager start slow.ply',
+    'canvas suspended',
+    'canvas resumed',
+  ]);
+  const countOf = () => page.evaluate(() => window.page.objects.get('slow')!.data!.count);
+  expect(await countOf()).toBeLessThan(slowScene().count);
+  expect(await pickAt(page, 'slow', await projected(page, [0, 0, 0]))).toBeNull();
+  harness.server.sendRestOfSlowFile();
+  await waitForLog(page, 'slow firstframe');
+  expect((await logOf(page)).slice(4)).toEqual(['manager idle', 'slow load slow.ply', 'slow firstframe']);
+  expect(await countOf()).toBe(slowScene().count);
+  await nextFrames(page);
+  const drawn = { ...(await cameraOf(page)), background: [0, 0, 0] as [number, number, number] };
+  expect(psnrAgainstReference(await image(page), drawn, [slowScene()])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+}, 120_000);
+
+it('leaves nothing of a part on screen, nor in memory, when it is unmounted or fails', async () => {
+  const quiet = canvas({ background: 'black', frameloop: 'demand', splats: [] });
+  const page = await open(quiet);
+  await waitForLog(page, 'canvas created');
+  await nextFrames(page);
+  const empty = await image(page);
+  const expectNothing = async () => {
+    await expect.poll(async () => changedPart(empty, await image(page), 0), { timeout: 20_000 }).toBe(0);
+    const left = () =>
+      page.evaluate(() => {
+        const { totalBytes, frames } = window.page.engine('canvas').memory();
+        const { workers } = window.page.countResources();
+        return { workers, bytes: totalBytes - frames.totalBytes };
+      });
+    await expect.poll(left, { timeout: 20_000 }).toEqual({ workers: 0, bytes: 0 });
+  };
+  await show(page, { ...quiet, splats: [SLOW] });
+  await waitForSplats(page);
+  await show(page, quiet);
+  await expectNothing();
+  await show(page, { ...quiet, splats: [{ ...SLOW, hasErrors: true }] });
+  await waitForSplats(page, 2);
+  harness.server.cutSlowFile();
+  await waitForLog(page, 'slow error SplatSourceError');
+  await expectNothing();
+}, 120_000);
+
+it('shows what useLoader has loaded for the renderer, which packs it', async () => {
+  const requests = harness.server.requests('slow.ply');
+  const page = await open(canvas({ background: 'black', splats: [{ ...SLOW, handedOnBy: 'useLoader' }] }));
+  await expect.poll(() => harness.server.requests('slow.ply')).toBe(requests + 1);
+  await waitForLog(page, 'canvas created');
+  await page.evaluate(() => {
+    window.page.engine('canvas').addPacked = () => {
+      throw new Error('The CPU has packed it.');
+    };
+  });
+  harness.server.sendRestOfSlowFile();
+  await waitForLog(page, 'slow firstframe');
+  expect(await countersOf(page)).toMatchObject({ uploads: 1 });
+  const drawn = { ...(await cameraOf(page)), background: [0, 0, 0] as [number, number, number] };
+  await nextFrames(page);
+  expect(psnrAgainstReference(await image(page), drawn, [slowScene()])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+}, 120_000);
 
 it('takes another accuracy while it draws, in the same Canvas and without suspending', async () => {
   const quiet = canvas({ frameloop: 'demand', background: 'black' });

@@ -21,6 +21,8 @@ export interface AppServer {
   readonly whenEndlessFileIsDropped: () => Promise<void>;
   /** Sends the rest of `slow.ply` to whoever has asked for it. */
   readonly sendRestOfSlowFile: () => void;
+  /** Ends the connection of whoever has asked for `slow.ply`, without the rest. */
+  readonly cutSlowFile: () => void;
   /** Number of requests for the file at `path` so far. */
   readonly requests: (path: string) => number;
   readonly close: () => Promise<void>;
@@ -39,6 +41,7 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
   const requests = new Map<string, number>();
   let dropped = withResolvers();
   let sendRest = () => {};
+  let cut = () => {};
   const testFiles: Plugin = {
     name: 'test-files',
     configurePreviewServer({ middlewares }) {
@@ -65,6 +68,7 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
         const pause = Math.floor(0.6 * bytes.length);
         response.write(bytes.subarray(0, pause));
         sendRest = () => response.end(bytes.subarray(pause));
+        cut = () => response.destroy();
       });
       middlewares.use('/endless.ply', (_request, response: ServerResponse) => {
         dropped = withResolvers();
@@ -92,6 +96,7 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
     url,
     whenEndlessFileIsDropped: () => dropped.promise,
     sendRestOfSlowFile: () => sendRest(),
+    cutSlowFile: () => cut(),
     requests: (path) => requests.get(path) ?? 0,
     close: async () => {
       await server.close();

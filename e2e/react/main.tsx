@@ -1,11 +1,12 @@
 // A page that shows what a test describes, and writes down what happens to it.
-import { Canvas, type RootState } from '@react-three/fiber';
+import { Canvas, type RootState, useLoader, useThree } from '@react-three/fiber';
 import {
   type AccuracyRequest,
   createSplatRenderer,
   type FrameStatistics,
   type RevealAnimation,
   SplatCanvas,
+  SplatLoader,
   Splats,
   SplatsFallback,
   type SplatsObject,
@@ -30,10 +31,12 @@ export interface SplatsDescription {
   readonly tint?: string;
   readonly accuracy?: AccuracyRequest;
   readonly visible?: boolean;
-  /** Read by `useSplats` and handed on. */
-  readonly isHandedOn?: boolean;
+  /** Read by `useSplats`, or by `useLoader` for the Canvas's renderer, and handed on. */
+  readonly handedOnBy?: 'useSplats' | 'useLoader';
   /** Has handlers of pointer events, which are written down. */
   readonly hasEvents?: boolean;
+  /** Has a handler of errors, which are written down. */
+  readonly hasErrors?: boolean;
 }
 
 export interface CanvasDescription {
@@ -139,7 +142,7 @@ function OneCanvas(description: CanvasDescription): ReactNode {
     onPointerMissed: () => note(id, 'missed'),
   };
   const clouds = splats.map((each) => {
-    const Shown = each.isHandedOn ? HandedOnSplats : OneSplats;
+    const Shown = each.handedOnBy ? HANDED_ON[each.handedOnBy] : OneSplats;
     return <Shown key={each.id} {...each} />;
   });
   const children = (
@@ -179,15 +182,23 @@ function Waiting({ id }: { id: string }): ReactNode {
   return null;
 }
 
-function HandedOnSplats(description: SplatsDescription): ReactNode {
-  return <OneSplats {...description} src={useSplats(description.src)} />;
-}
+const HANDED_ON = {
+  useSplats: (description: SplatsDescription) => (
+    <OneSplats {...description} src={useSplats(description.src)} />
+  ),
+  useLoader: (description: SplatsDescription) => {
+    const renderer = useThree((state) => state.gl);
+    const forRenderer = (loader: SplatLoader) => void loader.detectSupport(renderer);
+    return <OneSplats {...description} src={useLoader(SplatLoader, description.src, forRenderer)} />;
+  },
+};
 
 function OneSplats({
   id,
   hasEvents,
+  hasErrors,
   position,
-  isHandedOn: _,
+  handedOnBy: _,
   ...props
 }: Omit<SplatsDescription, 'src'> & { src: SplatsSource }): ReactNode {
   const object = useRef<SplatsObject>(null);
@@ -210,6 +221,7 @@ function OneSplats({
       onLoad={(splats) => note(id, `load ${fileName(splats.name)}`)}
       onFirstFrame={() => note(id, 'firstframe')}
       onDeviceLost={() => note(id, 'devicelost')}
+      onError={hasErrors ? (error) => note(id, `error ${(error as Error).name}`) : undefined}
       {...(hasEvents ? events : {})}
     />
   );
