@@ -388,7 +388,8 @@ it('leaves nothing of a part on screen, nor in memory, when it is unmounted or f
 
 it('shows what useLoader has loaded for the renderer, which packs it', async () => {
   const requests = harness.server.requests('slow.ply');
-  const page = await open(canvas({ background: 'black', splats: [{ ...SLOW, handedOnBy: 'useLoader' }] }));
+  const loaded = { ...SLOW, handedOnBy: 'useLoader' as const };
+  const page = await open(canvas({ background: 'black', frameloop: 'demand', splats: [loaded] }));
   await expect.poll(() => harness.server.requests('slow.ply')).toBe(requests + 1);
   await waitForLog(page, 'canvas created');
   await page.evaluate(() => {
