@@ -157,6 +157,45 @@ describe('while a file arrives', () => {
     },
   );
 
+  gpuTest(
+    'a view inside of another frame keeps its image while what follows needs other shaders',
+    async () => {
+      const set = {
+        ...SET,
+        opacityLogits: SET.opacityLogits.map((logit, i) => (i < 0.7 * COUNT ? logit : -8)),
+      };
+      const file = encodePly(set);
+      // One that has compiled nothing yet.
+      const other = await SplatEngine.create({ device, ingestMinRows: 1 });
+      const embedded = other.createEmbeddedView();
+      const prepare = (cloud: SplatCloud) =>
+        embedded.prepare({ camera: CAMERA, clouds: [{ cloud }], ...SIZE });
+      const prepared = async (cloud: SplatCloud) => {
+        const { when, give } = signalOf();
+        embedded.onReady = give;
+        if (!prepare(cloud)) await when;
+        expect(prepare(cloud)).toBe(true);
+      };
+      const rest = signalOf();
+      let early: Promise<void> | null = null;
+      const cloud = await other.load(slowFile(file, 0.6 * file.length, rest.when), {
+        onPreview: (preview) => {
+          early ??= prepared(preview).finally(rest.give);
+        },
+      });
+      await early;
+      const { framesPrepared } = other.counters();
+      const { when, give } = signalOf();
+      embedded.onReady = give;
+      expect(prepare(cloud)).toBe(true);
+      expect(other.counters().framesPrepared, 'while shaders compile').toBe(framesPrepared);
+      await when;
+      expect(prepare(cloud)).toBe(true);
+      expect(other.counters().framesPrepared).toBe(framesPrepared + 1);
+      other.destroy();
+    },
+  );
+
   gpuTest('a preview cannot be given another precision', async () => {
     let asked: Promise<unknown> | undefined;
     const cloud = await engine.load(new Blob([FILE]), {

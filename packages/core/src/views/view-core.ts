@@ -503,14 +503,18 @@ export abstract class ViewCore {
 
   /**
    * Plans the same frame with the settings and effects of the last one, so that the view keeps moving while shaders compile.
-   * Null if there is no last frame, if it had other clouds, or if this plan lacks shaders too.
+   * Null if there is no last frame, if it had other clouds, or if this plan lacks shaders too. The last frame itself if it had
+   * previews.
    */
   #stopgapFor({ request, shape }: FramePlan, depths: readonly (RasterizeDepth | null)[]): FramePlan | null {
     const last = this.#prepared;
     if (!last || last.clouds.length !== request.clouds.length) return null;
     const { depth } = last.shape;
     if (!depths.some((possible) => isSameDepth(possible, depth))) return null;
-    if (request.clouds.some(({ cloud }, i) => cloud !== last.shape.clouds[i].cloud)) return null;
+    const lastClouds = last.shape.clouds.map(({ cloud }) => cloud);
+    // Nothing new can be drawn of a preview that has been replaced, but its image is there.
+    if (request.clouds.some(({ cloud }, i) => cloud !== lastClouds[i]))
+      return lastClouds.some(({ isPreview }) => isPreview) ? last : null;
     const clouds = request.clouds.map((instance, i) => {
       const { opacity, effects, shDegree } = last.clouds[i].instance;
       const drawn = last.shape.clouds[i].effects;
