@@ -4,7 +4,7 @@ import { InvalidArgumentError } from '../errors.ts';
 import type { Destination } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
-import { readTexture, type TextureImage } from '../gpu/read-texture.ts';
+import type { TextureImage } from '../gpu/read-texture.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import { storableCanvasFormat } from '../stages/composite.ts';
@@ -92,6 +92,8 @@ export class SplatView extends ViewCore {
    * (sRGB-encoded), top row first, 4·width·height values.
    */
   async readPixels(): Promise<TextureImage> {
+    // Most pages never do.
+    const { readTexture } = await import('../gpu/read-texture.ts');
     await this.whenDrawn();
     this.checkUsable();
     const { image } = this.parts.shared;
