@@ -11,97 +11,67 @@ const MIN = Chunk.offsets.minPosition / 4;
 const MAX = Chunk.offsets.maxPosition / 4;
 const SCALE = Chunk.offsets.maxScale / 4;
 
-/** The bounds of a cloud's chunks and of groups of them, as `Chunk` structs. */
-interface ChunkGroups {
-  readonly chunks: Float32Array;
-  readonly groups: Float32Array;
-}
-
-const known = new WeakMap<ArrayBuffer, ChunkGroups>();
+/** Bounds of the groups of chunks, as `Chunk` structs too, by the chunks' buffer. */
+const known = new WeakMap<ArrayBuffer, Float32Array>();
 
 /**
  * Returns the number of chunks that may reach into a frustum: all that the GPU finds there, and a few at its sides. Most groups
  * are wholly inside or outside, which spares their chunks the test: six million splats take a quarter of the time.
  *
- * @param chunks one `Chunk` struct per chunk; must not change.
+ * @param buffer one `Chunk` struct per chunk; must not change.
  */
-export function countChunksInFrustum(chunks: ArrayBuffer, sides: readonly FrustumSide[]): number {
-  const grouped = groupsOf(chunks);
-  const chunkCount = grouped.chunks.length / WORDS;
+export function countChunksInFrustum(buffer: ArrayBuffer, sides: readonly FrustumSide[]): number {
+  const chunks = new Float32Array(buffer);
+  let groups = known.get(buffer);
+  if (!groups) {
+    groups = boundGroups(chunks);
+    known.set(buffer, groups);
+  }
   let count = 0;
-  for (let first = 0, at = 0; first < chunkCount; first += GROUP_CHUNKS, at += WORDS) {
-    const end = Math.min(chunkCount, first + GROUP_CHUNKS);
-    const place = placeIn(sides, grouped.groups, at);
-    if (place === 'inside') count += end - first;
-    if (place !== 'across') continue;
-    for (let chunk = first; chunk < end; chunk++)
-      if (placeIn(sides, grouped.chunks, chunk * WORDS) !== 'outside') count++;
+  for (let group = 0; group < groups.length; group += WORDS) {
+    const start = group * GROUP_CHUNKS;
+    const end = Math.min(chunks.length, start + WORDS * GROUP_CHUNKS);
+    const areInside = isInside(sides, groups, group);
+    if (areInside) count += (end - start) / WORDS;
+    if (areInside !== null) continue;
+    for (let at = start; at < end; at += WORDS) if (isInside(sides, chunks, at) !== false) count++;
   }
   return count;
 }
 
-function groupsOf(buffer: ArrayBuffer): ChunkGroups {
-  let grouped = known.get(buffer);
-  if (!grouped) {
-    const chunks = new Float32Array(buffer);
-    grouped = { chunks, groups: boundGroups(chunks) };
-    known.set(buffer, grouped);
-  }
-  return grouped;
-}
-
 function boundGroups(chunks: Float32Array): Float32Array {
-  const chunkCount = chunks.length / WORDS;
-  const groups = new Float32Array(WORDS * Math.ceil(chunkCount / GROUP_CHUNKS));
-  for (let chunk = 0; chunk < chunkCount; chunk++) {
-    const from = chunk * WORDS;
-    const to = Math.floor(chunk / GROUP_CHUNKS) * WORDS;
+  const groups = new Float32Array(WORDS * Math.ceil(chunks.length / (WORDS * GROUP_CHUNKS)));
+  for (let from = 0; from < chunks.length; from++) {
+    const word = from % WORDS;
+    const chunk = (from - word) / WORDS;
+    const to = WORDS * Math.floor(chunk / GROUP_CHUNKS) + word;
+    const isLow = word >= MIN && word < MIN + 3;
     const isFirst = chunk % GROUP_CHUNKS === 0;
-    groups[to + SCALE] = Math.max(groups[to + SCALE], chunks[from + SCALE]);
-    for (let axis = 0; axis < 3; axis++) {
-      const low = chunks[from + MIN + axis];
-      const high = chunks[from + MAX + axis];
-      groups[to + MIN + axis] = isFirst ? low : Math.min(groups[to + MIN + axis], low);
-      groups[to + MAX + axis] = isFirst ? high : Math.max(groups[to + MAX + axis], high);
-    }
+    groups[to] = isFirst ? chunks[from] : (isLow ? Math.min : Math.max)(groups[to], chunks[from]);
   }
   return groups;
 }
 
 /**
- * Tests bounds against all sides. What is inside or outside is so with all that it contains: the nearest corner of a part is no
- * nearer to a side than that of the whole, and its slack is no larger.
+ * Tests bounds against all sides; null if they are inside in part. What is inside or outside is so with all that it contains: the
+ * nearest corner of a part is no nearer to a side than that of the whole, and its slack is no larger.
  */
-function placeIn(
-  sides: readonly FrustumSide[],
-  bounds: Float32Array,
-  at: number,
-): 'inside' | 'outside' | 'across' {
-  const lowX = bounds[at + MIN];
-  const lowY = bounds[at + MIN + 1];
-  const lowZ = bounds[at + MIN + 2];
-  const highX = bounds[at + MAX];
-  const highY = bounds[at + MAX + 1];
-  const highZ = bounds[at + MAX + 2];
-  const scale = bounds[at + SCALE];
-  let isInside = true;
-  // Spelled out, since frames spend most of their planning here.
+function isInside(sides: readonly FrustumSide[], bounds: Float32Array, at: number): boolean | null {
+  let isWhole = true;
   for (const { normal, offset, reach } of sides) {
-    const [x, y, z] = normal;
-    const extent = reach * scale;
-    const nearest =
-      offset + x * (x > 0 ? highX : lowX) + y * (y > 0 ? highY : lowY) + z * (z > 0 ? highZ : lowZ);
-    const farthest =
-      offset + x * (x > 0 ? lowX : highX) + y * (y > 0 ? lowY : highY) + z * (z > 0 ? lowZ : highZ);
-    if (nearest + extent < 0) {
-      const magnitude =
-        Math.abs(offset) +
-        Math.abs(x) * (Math.abs(lowX) + Math.abs(highX)) +
-        Math.abs(y) * (Math.abs(lowY) + Math.abs(highY)) +
-        Math.abs(z) * (Math.abs(lowZ) + Math.abs(highZ));
-      if (nearest + extent + SLACK * (magnitude + extent) < 0) return 'outside';
+    const extent = reach * bounds[at + SCALE];
+    let nearest = offset + extent;
+    let farthest = offset;
+    let magnitude = Math.abs(offset) + extent;
+    for (let axis = 0; axis < 3; axis++) {
+      const low = normal[axis] * bounds[at + MIN + axis];
+      const high = normal[axis] * bounds[at + MAX + axis];
+      nearest += Math.max(low, high);
+      farthest += Math.min(low, high);
+      magnitude += Math.abs(low) + Math.abs(high);
     }
-    if (!(farthest >= 0)) isInside = false;
+    if (nearest + SLACK * magnitude < 0) return false;
+    isWhole &&= farthest >= 0;
   }
-  return isInside ? 'inside' : 'across';
+  return isWhole || null;
 }
