@@ -143,10 +143,21 @@ describe('pairs of a frame', () => {
     // Not so few that room is given back in any case.
     expect(pairs * PAIR_BYTES).toBeGreaterThan(0.4 * guessed);
     let last = first;
-    for (let frame = 0; frame < 9; frame++) last = await measured(view, () => draw(large, within));
+    for (let frame = 0; frame < 13; frame++) last = await measured(view, () => draw(large, within));
     expect(tileBytes(engine)).toBeLessThan(0.85 * guessed);
     expect(tileBytes(engine)).toBeGreaterThan(pairs * PAIR_BYTES);
     expect(last).toEqual(first);
+    engine.destroy();
+  });
+
+  gpuTest('have as much room after a frame of nothing as before it', async () => {
+    const { engine, view, draw } = await stageWith();
+    await measured(view, draw);
+    await draw({ force: true });
+    const before = tileBytes(engine);
+    expect(isEmpty(await measured(view, () => draw({ clouds: [] })))).toBe(true);
+    expect(isComplete(await measured(view, draw))).toBe(true);
+    expect(tileBytes(engine)).toBeLessThanOrEqual(before);
     engine.destroy();
   });
 

@@ -50,9 +50,9 @@ const stagesOf = perShape((shape): readonly CompiledStage[] => {
 /** Frames that quads draw in a row only to be compared before the room for tiles is given back. */
 const MAX_FRAMES_UNUSED = 120;
 
-/** Room that was a guess is judged after this many measured frames: the first of them were drawn before it was made. */
-const FRAMES_TO_JUDGE = 8;
-/** A guess stays unless what is needed takes less than this share of it. */
+/** Room, which may have been a guess, is judged once after this many frames: by then some have been measured. */
+const FRAMES_TO_JUDGE = 12;
+/** It stays unless what is needed takes less than this share of it. */
 const GOOD_GUESS = 0.85;
 
 /** tile-plan and tile-emit do part of the sort's work. */
@@ -103,8 +103,10 @@ export class TileLists implements FramePart<OrderRecording> {
   #groups: Groups | null = null;
   /** Numbers of pairs of recent frames. */
   #pairs = new RecentPeak(ROOM_PERIOD_MS);
-  /** Frames measured since room was made by a guess; null if it was not. */
-  #framesSinceGuess: number | null = null;
+  /** Most splats that there was room for in those frames. */
+  #pairsOf = 0;
+  /** Frames since room was made. */
+  #framesInRoom = 0;
   /** Frames in a row that quads drew. */
   #framesUnused = 0;
 
@@ -133,7 +135,6 @@ export class TileLists implements FramePart<OrderRecording> {
   /** Takes the number of pairs of a frame whose statistics arrived at `atMs`, so that the next one has room. */
   expect(neededPairs: number, atMs: number): void {
     this.#pairs.take(neededPairs, atMs);
-    if (this.#framesSinceGuess !== null) this.#framesSinceGuess++;
   }
 
   fit({ shape }: FramePlan): PartChange | null {
@@ -146,26 +147,25 @@ export class TileLists implements FramePart<OrderRecording> {
     this.#framesUnused = 0;
     const current = held?.pairCapacity ?? 0;
     // Room for more splats is made before they are seen, as when more of a file has arrived.
-    const growth = held ? Math.max(1, visibleCapacity / held.visibleCapacity) : 1;
+    const growth = this.#pairsOf > 0 ? Math.max(1, visibleCapacity / this.#pairsOf) : 1;
     const needed = Math.ceil(growth * this.#pairs.value) || null;
     const capacityFrom = (room: number) => pairCapacity(room, needed, visibleCapacity, this.#mostPairs());
     const isSame =
       held?.visibleCapacity === visibleCapacity && held.binCount === binCount && held.ballots === ballots;
     let pairs = capacityFrom(current);
-    if (isSame && this.#framesSinceGuess !== null && this.#framesSinceGuess >= FRAMES_TO_JUDGE) {
-      this.#framesSinceGuess = null;
+    if (isSame && ++this.#framesInRoom === FRAMES_TO_JUDGE) {
       const fitting = capacityFrom(0);
       if (fitting < GOOD_GUESS * current) pairs = fitting;
     }
     if (isSame && pairs === current) return null;
-    const isGuess = needed === null || growth > 1;
     // No buffer is larger than those of the pairs, whose number has been limited, or of the records.
     return {
       free: () => this.#memory.destroyAll(),
       make: () => {
         const made = this.#make(shape, pairs);
         this.#held = made;
-        this.#framesSinceGuess = isGuess ? 0 : null;
+        this.#framesInRoom = 0;
+        this.#pairsOf = Math.max(this.#pairsOf, visibleCapacity);
         const { grid, tilePlan, binStarts, binOrder, tileMasks } = made.buffers;
         const shared = { tileGrid: grid, tilePlan, binStarts, binOrder, tileMasks };
         Object.assign(this.#context.shared.buffers, { ...shared, sortedRecords: made.sort.order });
@@ -240,6 +240,7 @@ export class TileLists implements FramePart<OrderRecording> {
     this.#held = null;
     this.#groups = null;
     this.#pairs = new RecentPeak(ROOM_PERIOD_MS);
+    this.#pairsOf = 0;
     this.#framesUnused = 0;
   }
 
