@@ -1,7 +1,7 @@
 import { encodePly, perspectiveCamera, type SplatSet, type Vec3 } from '@websplatter/core';
 import { brightness, clip, opacity, tint } from '@websplatter/core/effects';
 import { stillLife } from '@websplatter/scenes';
-import type { Page } from 'playwright-core';
+import type { BrowserContextOptions, Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { ring } from '../apps/examples/scenes/ring.ts';
 import { windSway } from '../apps/examples/src/effects/wind-sway.ts';
@@ -18,12 +18,21 @@ const harness = appHarness('apps/examples');
 /** SwiftShader draws these pages at a few frames per second. */
 const PATIENCE = { timeout: 60_000, interval: 250 };
 
+/** Pages are small, since SwiftShader takes its time for every pixel. */
+const SMALL = { viewport: { width: 240, height: 160 } };
+/** For clicks that a panel would cover on a small page. */
+const LARGE = { viewport: { width: 480, height: 320 } };
+
 /** Colour of the page behind a canvas in the light theme. */
 const PAGE_COLOR = [0xf4 / 255, 0xf5 / 255, 0xf7 / 255] as const;
 
 /** Opens the page of an example, with `scene` in place of the still life. */
-async function openExample(name: string, scene: SplatSet | Promise<SplatSet>): Promise<Page> {
-  const page = await harness.newPage();
+async function openExample(
+  name: string,
+  scene: SplatSet | Promise<SplatSet>,
+  size: BrowserContextOptions = SMALL,
+): Promise<Page> {
+  const page = await harness.newPage(size);
   await page.route('**/still-life.ply', async (route) =>
     route.fulfill({ body: Buffer.from(encodePly(await scene)) }),
   );
@@ -175,6 +184,7 @@ describe('examples', () => {
     const page = await openExample(
       'picking',
       splatSet(rows.map((position) => ({ position, scale, opacity, color: [0, 0.3, 0.6] }))),
+      LARGE,
     );
     const size = await sizeOf(page);
     const camera = drawnFrom([0.12, 0.45, 1.44], size);
@@ -345,6 +355,7 @@ describe('examples of effects', () => {
     const page = await openExample(
       'selection',
       splatSet(rows.map((position) => ({ position, scale, opacity: 0.97, color: [0, 0.3, 0.6] }))),
+      LARGE,
     );
     const size = await sizeOf(page);
     const camera = drawnFrom([0.12, 0.45, 1.44], size);
@@ -367,7 +378,7 @@ describe('examples of effects', () => {
       'fog',
       splatSet([{ color: [0, 0, 0], opacity: 0.98, position: [0, 0, -1] }]),
     );
-    const green = async () => colorAt(await image(page), 200, 20)[1];
+    const green = async () => colorAt(await image(page), 100, 10)[1];
     await expect.poll(green, PATIENCE).toBeGreaterThan(150);
     await page.getByLabel('Splats, too').uncheck();
     await expect.poll(green, PATIENCE).toBeLessThan(40);
