@@ -36,10 +36,15 @@ export class GpuMemory {
   }
 
   /** @throws GpuLimitError, before anything is allocated, if the buffer would exceed the device's limits. */
-  createBuffer(label: string, bytes: number, usage: GPUBufferUsageFlags): GPUBuffer {
+  createBuffer(
+    label: string,
+    bytes: number,
+    usage: GPUBufferUsageFlags,
+    mappedAtCreation = false,
+  ): GPUBuffer {
     const size = sizeOf(bytes);
     this.check(label, size, usage);
-    return this.#counted(this.device.createBuffer({ label, size, usage }), size);
+    return this.#counted(this.device.createBuffer({ label, size, usage, mappedAtCreation }), size);
   }
 
   /** Creates a storage buffer with the contents `words`, which can be read back. */

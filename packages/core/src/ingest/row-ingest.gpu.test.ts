@@ -2,7 +2,7 @@ import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../engine.ts';
-import { SplatFileError } from '../errors.ts';
+import { GpuLimitError, SplatFileError } from '../errors.ts';
 import { readSplats } from '../io/read-splats.ts';
 import { encodePly } from '../io/write-ply.ts';
 import { packSet } from '../packing/pack-set.ts';
@@ -131,6 +131,62 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
       { numRuns: 30 },
     );
   });
+});
+
+/** A device that compiles shaders only after `go`. */
+function withLateShaders(whole: GPUDevice, go: Promise<void>): GPUDevice {
+  return new Proxy(whole, {
+    get: (target, name) => {
+      const value = Reflect.get(target, name);
+      if (name === 'createComputePipelineAsync')
+        return (descriptor: GPUComputePipelineDescriptor) => go.then(() => value.call(target, descriptor));
+      return typeof value === 'function' ? value.bind(target) : value;
+    },
+  });
+}
+
+gpuTest('rows are read while shaders compile, up to sixteen pieces, and the cloud is the same', async () => {
+  let compile = () => {};
+  const go = new Promise<void>((resolve) => {
+    compile = resolve;
+  });
+  const limited = readableDevice(device, { maxStorageBufferBindingSize: 180 * 512 });
+  const late = await SplatEngine.create({ device: withLateShaders(limited, go), ingestMinRows: 1 });
+  const pieces = () => late.memory().resources.filter(({ label }) => label.startsWith('ingest staging'));
+  // Twenty pieces of one chunk.
+  const same = expectSame(plyOf(splatsWithTies(20 * 256, 1)), PACKED, late);
+  await expect.poll(() => pieces().length).toBe(16);
+  compile();
+  await same;
+  late.destroy();
+});
+
+gpuTest('memory that is lacking for pieces that wait fails the load, and leaves nothing', async () => {
+  let compile = () => {};
+  const go = new Promise<void>((resolve) => {
+    compile = resolve;
+  });
+  let pieces = 0;
+  const limits = { maxStorageBufferBindingSize: 180 * 512 };
+  const counted = readableDevice(device, limits, (label) => {
+    if (label.startsWith('ingest staging')) pieces++;
+    if (pieces === 7) compile();
+  });
+  const lacking = new Proxy(counted, {
+    get: (target, name) => {
+      const value = Reflect.get(target, name);
+      if (name === 'popErrorScope')
+        return async () => (await value.call(target)) ?? (pieces >= 6 ? { message: 'out of memory' } : null);
+      return value;
+    },
+  });
+  const late = await SplatEngine.create({ device: withLateShaders(lacking, go), ingestMinRows: 1 });
+  const before = late.memory().totalBytes;
+  await expect(late.load(plyOf(splatsWithTies(20 * 256, 1)), { name: 'many' })).rejects.toThrow(
+    GpuLimitError,
+  );
+  expect(late.memory().totalBytes).toBe(before);
+  late.destroy();
 });
 
 const RUNS = process.env.WEBSPLATTER_FULL ? 2000 : 60;

@@ -40,6 +40,8 @@ import { sampleCentres } from './sample-centres.ts';
 
 /** Pieces that are written, or being read by the GPU, at once. */
 const STAGING_BUFFERS = 4;
+/** Pieces that may wait for shaders: reading goes on meanwhile. */
+const MOST_WAITING = 16;
 
 export interface RowIngestOptions extends CloudPrecision {
   /** For labels and messages. */
@@ -106,6 +108,8 @@ export class RowIngest implements RowSink {
   #rowsTaken = 0;
   /** Settles when rows can be packed and `#waiting` has been. */
   #compiled: Promise<void> = Promise.resolve();
+  /** Reject if memory was lacking for what has been allocated in the meantime. */
+  readonly #checks: Promise<void>[] = [];
   /** Pieces that wait for shaders; null once there are some. */
   #waiting: Piece[] | null = [];
 
@@ -165,11 +169,13 @@ export class RowIngest implements RowSink {
           offsets,
           arrivals,
         };
+        // Mapped at once: while shaders compile, the GPU's process may take long to answer.
+        const usage = MAP_WRITE | COPY_SRC;
         const stagingCount = Math.min(STAGING_BUFFERS, Math.ceil(count / pieceRows));
         for (let i = 0; i < stagingCount; i++) {
-          const staging = keep(memory.createBuffer(`ingest staging ${i}`, pieceBytes, MAP_WRITE | COPY_SRC));
+          const staging = keep(memory.createBuffer(`ingest staging ${i}`, pieceBytes, usage, true));
           this.#staging.push(staging);
-          this.#free.push(mapped(staging));
+          this.#free.push(Promise.resolve(staging));
         }
       });
       await checked;
@@ -188,8 +194,11 @@ export class RowIngest implements RowSink {
   }
 
   async memory(): Promise<Uint8Array<ArrayBuffer>> {
-    if (this.#free.length === 0) await this.#compiled;
-    this.#current = await this.#free.shift()!;
+    this.#current = this.#free.length === 0 ? this.#stagingForNow() : null;
+    if (!this.#current) {
+      if (this.#free.length === 0) await this.#compiled;
+      this.#current = await this.#free.shift()!;
+    }
     return new Uint8Array(this.#current.getMappedRange());
   }
 
@@ -213,6 +222,7 @@ export class RowIngest implements RowSink {
     const arranged: GPUBuffer[] = [];
     try {
       await this.#compiled;
+      await Promise.all(this.#checks);
       const { layout, facts, rows, arrivals } = this.#held!;
       for (const staging of this.#staging) this.#destroy(staging);
       this.#destroy(rows);
@@ -260,6 +270,24 @@ export class RowIngest implements RowSink {
     this.#held = null;
   }
 
+  /** Returns memory for one more piece that has to wait for shaders; null if there is none, or if none has to wait. */
+  #stagingForNow(): GPUBuffer | null {
+    const { memory } = this.#context;
+    if (!this.#waiting || this.#waiting.length >= MOST_WAITING) return null;
+    const { size, usage } = this.#staging[0];
+    try {
+      const { result, checked } = this.#allocate(() =>
+        memory.createBuffer('ingest staging', size, usage, true),
+      );
+      checked.catch(() => {});
+      this.#checks.push(checked);
+      this.#buffers.add(result);
+      return result;
+    } catch {
+      return null;
+    }
+  }
+
   /** Does work that allocates. @returns its result, and what rejects with a GpuLimitError if memory is lacking. */
   #allocate<Result>(work: () => Result): { readonly result: Result; readonly checked: Promise<void> } {
     const { device } = this.#context;
@@ -270,6 +298,9 @@ export class RowIngest implements RowSink {
     let errors: Promise<[GPUError | null, GPUError | null]>;
     try {
       result = work();
+    } catch (error) {
+      // A buffer that cannot be mapped for its contents.
+      throw error instanceof RangeError ? this.#memoryError() : error;
     } finally {
       errors = Promise.all([device.popErrorScope(), device.popErrorScope()]);
     }
@@ -334,7 +365,8 @@ export class RowIngest implements RowSink {
     const parameters = dispatches.record(encoder, 'ingest rows');
     device.queue.submit([encoder.finish()]);
     memory.destroy(parameters);
-    this.#free.push(mapped(staging));
+    if (this.#staging.includes(staging)) this.#free.push(mapped(staging));
+    else this.#destroy(staging);
     arrivals?.add(endRow);
   }
 

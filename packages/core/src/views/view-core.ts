@@ -64,6 +64,9 @@ export interface NextFrame {
   readonly isAsked: boolean;
 }
 
+/** Bits in which the depths of most scenes differ that a camera stands in. */
+const LIKELY_KEY_BITS = 27;
+
 let picking: typeof import('./pick-splat.ts') | null = null;
 
 /**
@@ -323,10 +326,12 @@ export abstract class ViewCore {
     else this.context.pipelines.prepare(frameStages(shape)).catch(() => {});
   }
 
-  /** Compiles the shaders of frames like `request`, without drawing any. */
+  /** Compiles the shaders of frames like `request`, for depths near and far, without drawing any. */
   protected foresee(request: FrameRequest): void {
     const { shape } = this.#plan(request, this.context.accuracyFor(undefined), null);
-    this.context.pipelines.prepare(frameStages(shape)).catch(() => {});
+    const keyBits = Math.min(LIKELY_KEY_BITS, shape.accuracy.sortKeyBits);
+    for (const likely of [shape, { ...shape, keyBits }])
+      this.context.pipelines.prepare(frameStages(likely)).catch(() => {});
   }
 
   /**
