@@ -9,6 +9,7 @@ import { ingestGather } from '../stages/ingest-gather.ts';
 import type { ArrangeContext } from './arrange-planes.ts';
 import { Dispatches } from './dispatches.ts';
 import type { LoadPreviews } from './load-previews.ts';
+import { nextTask } from './next-task.ts';
 import { readChunks } from './read-chunks.ts';
 import { type RowFacts, readRowFacts } from './row-facts.ts';
 import { sampleCentres } from './sample-centres.ts';
@@ -104,6 +105,7 @@ export class Arrivals {
       sampleCentres(this.#context, { ...planes, count }),
       readChunks(device, planes),
     ]);
+    await nextTask();
     if (this.#isOver) return;
     const found = readRowFacts(words, count, planes.shDegree);
     if (found.count === 0) return;

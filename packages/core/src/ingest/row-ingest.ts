@@ -34,6 +34,7 @@ import { type ArrangeContext, arrangePlanes, arrangeStages } from './arrange-pla
 import { Arrivals } from './arrivals.ts';
 import { Dispatches } from './dispatches.ts';
 import { LoadPreviews } from './load-previews.ts';
+import { nextTask } from './next-task.ts';
 import { readChunks } from './read-chunks.ts';
 import { type RowFacts, readRowFacts } from './row-facts.ts';
 import { sampleCentres } from './sample-centres.ts';
@@ -248,6 +249,8 @@ export class RowIngest implements RowSink {
       const planes = new CloudPlanes(memory, name, result.planes);
       previews?.show(planes, drawable);
       const whole = { ...drawable, fileIndices: await reading[1] };
+      // The copy of millions of rows is work enough for one task; whoever waits for the cloud has more to do.
+      await nextTask();
       return { contents: whole, planes, preview: previews?.shown ?? null };
     } catch (error) {
       previews?.end();
@@ -422,6 +425,7 @@ export class RowIngest implements RowSink {
       sampleCentres(this.#context, { ...planes, count }),
       readChunks(this.#context.device, planes),
     ]);
+    await nextTask();
     return { bounds: totalBounds(chunks, origin), robustBounds: robustBounds(centres, origin), chunks };
   }
 
