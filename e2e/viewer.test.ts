@@ -212,6 +212,15 @@ describe('viewer', () => {
 
   it('goes back to a whole scene if the rest of a file is called off', async () => {
     const page = await newPage({ viewport: { width: 160, height: 120 } });
+    await page.addInitScript(() => {
+      const titles: (string | undefined)[] = [];
+      Object.assign(window, { titlesAtRest: titles });
+      const title = () => document.querySelector('[data-testid=scene-title]')?.textContent ?? undefined;
+      new MutationObserver(() => titles.push(title())).observe(document, {
+        subtree: true,
+        attributeFilter: ['data-frames'],
+      });
+    });
     await page.goto(`${harness.server.url}?file=/slow.ply`);
     await page.waitForFunction(
       () => document.querySelector('[data-testid=scene-title]')?.textContent === 'slow.ply',
@@ -227,6 +236,12 @@ describe('viewer', () => {
     );
     await waitForImage(page);
     expect(colorsIn(await viewerScreenshot(page)), 'different colours').toBeGreaterThan(500);
+    // It never says that an image stands while there is none.
+    const titles = await page.evaluate(
+      () => (window as unknown as { titlesAtRest: (string | undefined)[] }).titlesAtRest,
+    );
+    expect(titles).not.toEqual([]);
+    for (const title of titles) expect(title).toContain('Still life');
   });
 
   it('keeps the old scene on the screen, and movable, while a file is loading', async () => {

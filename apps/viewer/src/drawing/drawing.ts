@@ -150,7 +150,8 @@ export class Drawing {
     // More of the scene is on its way.
     if (scenes.isPartial) return;
     const session = sessions.current;
-    const drawn = this.#drawn;
+    // What was drawn last may be gone: a part of a scene whose loading was called off, say.
+    const drawn = this.shown;
     if (!session || !drawn) {
       store.setState({ isIdle: true });
       return;
