@@ -1,5 +1,6 @@
 import { CloudPlanes, type MadePlanes, type Plane } from '../clouds/cloud-planes.ts';
 import { readWords } from '../gpu/read-buffer.ts';
+import { nextTask } from '../io/next-task.ts';
 import { ChunkParameters } from '../layout/packing-structs.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { INGEST_LOG_SCALES } from '../packing/ingest-log-scale.ts';
@@ -9,7 +10,6 @@ import { ingestGather } from '../stages/ingest-gather.ts';
 import type { ArrangeContext } from './arrange-planes.ts';
 import { Dispatches } from './dispatches.ts';
 import type { LoadPreviews } from './load-previews.ts';
-import { nextTask } from './next-task.ts';
 import { readChunks } from './read-chunks.ts';
 import { type RowFacts, readRowFacts } from './row-facts.ts';
 import { sampleCentres } from './sample-centres.ts';

@@ -12,6 +12,7 @@ import { GpuLimitError } from '../errors.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { emptyError } from '../io/empty-error.ts';
+import { nextTask } from '../io/next-task.ts';
 import type { RowSink } from '../io/row-sink.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { roundUp } from '../layout/gpu-struct.ts';
@@ -34,7 +35,6 @@ import { type ArrangeContext, arrangePlanes, arrangeStages } from './arrange-pla
 import { Arrivals } from './arrivals.ts';
 import { Dispatches } from './dispatches.ts';
 import { LoadPreviews } from './load-previews.ts';
-import { nextTask } from './next-task.ts';
 import { readChunks } from './read-chunks.ts';
 import { type RowFacts, readRowFacts } from './row-facts.ts';
 import { sampleCentres } from './sample-centres.ts';

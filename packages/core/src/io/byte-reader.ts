@@ -1,4 +1,5 @@
 import { SplatSourceError, WebSplatterError } from '../errors.ts';
+import { nextTask } from './next-task.ts';
 import type { OpenedSource } from './splat-source.ts';
 
 type Reader =
@@ -242,16 +243,4 @@ function describeChunk(chunk: unknown): string {
   return typeof chunk === 'object' && chunk !== null
     ? `a chunk of ${chunk.constructor?.name}`
     : `a ${typeof chunk}`;
-}
-
-/** Resolves in a new task. Uses a message, since timers are held back to 4 ms in pages and to 1 s in hidden ones. */
-function nextTask(): Promise<void> {
-  return new Promise((resolve) => {
-    const { port1, port2 } = new MessageChannel();
-    port1.onmessage = () => {
-      port1.close();
-      resolve();
-    };
-    port2.postMessage(null);
-  });
 }
