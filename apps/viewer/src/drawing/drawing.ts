@@ -88,12 +88,13 @@ export class Drawing {
       scenes.takeBack(error);
       return null;
     }
-    if (!isSubmitted) return null;
+    // Also if nothing has to be drawn: a whole scene looks as its last part does.
     this.#drawn = { scene, frame };
-    this.#frameCount++;
-    this.#report(session, ownCamera !== undefined);
     const replaced = scenes.takeReplaced();
     if (replaced.length > 0) void destroyWhenReplaced(session, replaced);
+    if (!isSubmitted) return null;
+    this.#frameCount++;
+    this.#report(session, ownCamera !== undefined);
     // While shaders compile, views go on with the old ones where they can; the loop does not wait for the new ones.
     const isDrawn = session.engine.counters().framesDrawn > framesDrawn;
     return isDrawn ? session.engine.device.queue.onSubmittedWorkDone() : null;
