@@ -99,3 +99,13 @@ describe.each(STREAMS)('a stream that $kind', ({ kind, streamOf }) => {
     await expect(reading).rejects.toThrow('enough');
   });
 });
+
+test('a stream of empty chunks without end lets the event loop run, and can be aborted', async () => {
+  const stop = new AbortController();
+  const stream = new ReadableStream<Uint8Array<ArrayBuffer>>({
+    pull: (controller) => controller.enqueue(new Uint8Array(0)),
+  });
+  const reader = new ByteReader({ name: 'test', stream }, stop.signal);
+  setTimeout(() => stop.abort(new Error('enough')));
+  await expect(reader.fill(1)).rejects.toThrow('enough');
+});

@@ -77,8 +77,8 @@ export class ByteReader {
       this.bytes.set(part, this.#end);
       this.#end += part.length;
       this.#pending = this.#pending.subarray(part.length);
+      await this.pause();
     }
-    await this.pause();
     return true;
   }
 
@@ -188,6 +188,8 @@ export class ByteReader {
       this.#pending = chunk;
       if (this.#reader.kind === 'into') this.#chunkMemory = chunk.buffer as ArrayBuffer;
       if (chunk.length > 0) return true;
+      // A stream may give empty chunks for ever, each without a task of its own.
+      await this.pause();
     }
   }
 

@@ -7,7 +7,8 @@ import type { SplatSetBuilder } from './splat-set-builder.ts';
 /** Longest line that is held; a row of a real file has some hundred bytes. */
 const MAX_LINE_BYTES = 1 << 24;
 
-const NUMBER = /^[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?$/;
+/** Digits can match in one way only: megabytes of them must not be tried in every way. */
+const NUMBER = /^[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?$/;
 /** As C libraries print it, Microsoft's old ones included. */
 const NOT_A_NUMBER = /^[+-]?(?:nan(?:\(\w*\))?|1\.#(?:qnan|snan|ind)0*)$/i;
 const INFINITE = /^[+-]?(?:inf(?:inity)?|1\.#inf0*)$/i;

@@ -134,6 +134,7 @@ class HeaderParser {
   lineCount = 0;
   readonly #file: string;
   readonly #elements: MutableElement[] = [];
+  readonly #elementNames = new Set<string>();
   #format: PlyFormat | undefined;
   #byte = 0;
 
@@ -194,9 +195,10 @@ class HeaderParser {
     if (!/^\d+$/.test(countText) || !Number.isSafeInteger(count)) {
       this.#fail('bad-header', `"${clip(countText)}" is no count of rows`, name);
     }
-    if (this.#elements.some((element) => element.name === name)) {
+    if (this.#elementNames.has(name)) {
       this.#fail('bad-header', `element ${clip(name)} is declared twice`, name);
     }
+    this.#elementNames.add(name);
     this.#elements.push({ name, count, properties: [] });
   }
 

@@ -313,6 +313,16 @@ describe('what is refused', () => {
       code: 'bad-header',
       says: /first 1048576 bytes/,
     },
+    {
+      name: 'as many elements as a header can hold',
+      bytes: header(
+        'format ascii 1.0',
+        ...Array.from({ length: 60_000 }, (_, i) => `element ${i.toString(36)} 1`),
+        'end_header',
+      ),
+      code: 'not-splats',
+      says: /no element vertex; elements found: 0, .*7, and 59992 others/,
+    },
     { name: 'no format', bytes: header('end_header'), code: 'bad-header', says: /no "format" line/ },
     {
       name: 'other format',
@@ -478,6 +488,12 @@ describe('what is refused', () => {
       code: 'bad-value',
       says: /"0x6" is no number/,
       place: { line: 20, row: 1, property: 'f_dc_2' },
+    },
+    {
+      name: 'two megabytes of digits that end in a letter',
+      bytes: asciiWith(`${'1'.repeat(2 << 20)}x 2 3 4 5 6 7 8 9 10 11 12 13 14`),
+      code: 'bad-value',
+      says: /"1{60}…" is no number/,
     },
     {
       name: 'a comma',

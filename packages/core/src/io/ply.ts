@@ -39,6 +39,8 @@ const SLOT_OF_CORE_PROPERTY = new Map<string, number>([
 ]);
 
 const SH_DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
+/** Most elements that a message names. */
+const MOST_LISTED = 8;
 const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
 
 /**
@@ -131,7 +133,10 @@ function notSplatsError(
   file: string,
 ): SplatFileError {
   if (vertex === undefined) {
-    const found = header.elements.map((element) => clip(element.name)).join(', ') || 'none';
+    const { elements } = header;
+    const listed = elements.slice(0, MOST_LISTED).map((element) => clip(element.name));
+    if (listed.length < elements.length) listed.push(`and ${elements.length - listed.length} others`);
+    const found = listed.join(', ') || 'none';
     return new SplatFileError('not-splats', file, `there is no element vertex; elements found: ${found}.`);
   }
   const list = `its vertices lack ${missing.join(', ')}`;
