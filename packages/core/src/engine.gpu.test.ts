@@ -366,8 +366,20 @@ describe('a view', () => {
     expect(() => view.render({ ...frame, clouds: [{ cloud, modelMatrix: [1, 2, 3] }] })).toThrow(/garden/);
     for (const opacity of [-0.1, 1.1, Number.NaN])
       expect(() => view.render({ ...frame, clouds: [{ cloud, opacity }] })).toThrow(/garden.*0…1/);
-    const shDegree = 4 as ShDegree;
-    expect(() => view.render({ ...frame, clouds: [{ cloud, shDegree }] })).toThrow(/garden.*degree 4/);
+    for (const shDegree of [4, 'toString'] as unknown[] as ShDegree[])
+      expect(() => view.render({ ...frame, clouds: [{ cloud, shDegree }] })).toThrow(
+        `garden cannot be drawn with degree ${shDegree}`,
+      );
+    for (const depths of [
+      { far: Number.NaN },
+      { far: CAMERA.near },
+      { near: Number.NaN },
+      { near: -Infinity },
+    ])
+      expect(() => view.render({ ...frame, camera: { ...CAMERA, ...depths } })).toThrow(
+        /near is .* and far is .*; far must be greater/,
+      );
+    expect(view.render({ ...frame, camera: { ...CAMERA, far: Number.POSITIVE_INFINITY } })).toBe(true);
     const elsewhere = await SplatEngine.create({ device: await createTestDevice() });
     const stranger = elsewhere.add(randomSplats({ count: 10 }), { name: 'stranger' });
     expect(() => view.render({ ...frame, clouds: [{ cloud: stranger }] })).toThrow(

@@ -250,6 +250,11 @@ function checkRange(aspect: number, near: number, far: number): void {
   if (!(aspect > 0 && Number.isFinite(aspect))) {
     throw new InvalidArgumentError('aspect', `aspect is ${aspect}; it must be width divided by height.`);
   }
+  checkDepths(near, far);
+}
+
+/** @throws InvalidArgumentError unless near is finite and far is greater. */
+export function checkDepths(near: number, far: number): void {
   if (!Number.isFinite(near) || !(far > near)) {
     throw new InvalidArgumentError('far', `near is ${near} and far is ${far}; far must be greater.`);
   }

@@ -1,5 +1,5 @@
 import type { AccuracyRequest } from '../accuracy/accuracy-wish.ts';
-import type { Camera } from '../camera/camera.ts';
+import { type Camera, checkDepths } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { EffectUse } from '../effects/effect.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
@@ -58,6 +58,7 @@ export function checkRequest({ camera, clouds, widthPx, heightPx }: FrameRequest
       throw new InvalidArgumentError(name, `The camera's ${name} must be 16 finite numbers, column-major.`);
     }
   }
+  checkDepths(camera.near, camera.far);
   for (const { cloud, modelMatrix, shDegree = 3 } of clouds) {
     if (cloud.isDestroyed) throw new DestroyedError(`The cloud ${cloud.name}`, 'it was destroyed');
     if (cloud.device !== device) {
@@ -68,7 +69,7 @@ export function checkRequest({ camera, clouds, widthPx, heightPx }: FrameRequest
       const message = `The model matrix of ${cloud.name} must be 16 finite numbers, column-major.`;
       throw new InvalidArgumentError('modelMatrix', message);
     }
-    if (!(shDegree in SH_REST_COEFFICIENTS)) {
+    if (!Object.hasOwn(SH_REST_COEFFICIENTS, shDegree)) {
       const message = `${cloud.name} cannot be drawn with degree ${shDegree}; use 0, 1, 2 or 3.`;
       throw new InvalidArgumentError('shDegree', message);
     }
