@@ -59,6 +59,7 @@ test('built-in scenes have names', async () => {
 test.each([
   [['info', 'no-such.ply'], 'websplatter: no-such.ply: cannot be read: there is no such file or folder'],
   [['info', '.'], 'websplatter: .: it is a folder, not a file'],
+  [['info', 'https://'], 'websplatter: https://: it is no valid address'],
   [['info', 'package.json'], 'websplatter: package.json: '],
   [['info'], 'websplatter: info needs one SCENE, found 0 (see websplatter --help)'],
   [['info', 'a', '--yaml'], "websplatter: Unknown option '--yaml' (see websplatter --help)"],

@@ -1,4 +1,4 @@
-import { constants, createReadStream, openAsBlob } from 'node:fs';
+import { constants, createReadStream } from 'node:fs';
 import { access, stat } from 'node:fs/promises';
 import { Readable } from 'node:stream';
 import { fileURLToPath } from 'node:url';
@@ -22,6 +22,8 @@ export interface SceneSource {
 }
 
 const BUILTIN_PREFIX = 'builtin:';
+/** Bytes that are read from a file at once. */
+const READ_BYTES = 1 << 20;
 
 /**
  * Resolves `scene`: `builtin:NAME`, the NAME of a built-in scene, a URL (http, https, file) or a path.
@@ -36,7 +38,10 @@ export async function findScene(scene: string): Promise<SceneSource> {
     const names = builtinScenes.map(({ name }) => `${BUILTIN_PREFIX}${name}`).join(', ');
     throw new UsageError('SCENE', `there is no scene ${scene}; there are ${names}`);
   }
-  if (/^(https?|data):/.test(scene)) return { name: scene, content: { source: new URL(scene) } };
+  if (/^(https?|data):/.test(scene)) {
+    if (!URL.canParse(scene)) throw new SplatSourceError(scene, 'it is no valid address');
+    return { name: scene, content: { source: new URL(scene) } };
+  }
   return { name: scene, content: { source: await openFile(scene) } };
 }
 
@@ -52,9 +57,10 @@ async function openFile(scene: string): Promise<SplatSource> {
     const found = await stat(path);
     if (found.isDirectory()) throw new SplatSourceError(scene, 'it is a folder, not a file');
     await access(path, constants.R_OK);
-    // A Blob has a known size, but a pipe can only be streamed.
-    if (found.isFile()) return await openAsBlob(path);
-    return Readable.toWeb(createReadStream(path)) as ReadableStream<Uint8Array>;
+    const stream = () =>
+      Readable.toWeb(createReadStream(path, { highWaterMark: READ_BYTES })) as ReadableStream<Uint8Array>;
+    // A file has a size, but a pipe can only be streamed. Node's own `openAsBlob` takes sizes modulo 4 GiB.
+    return found.isFile() ? ({ size: found.size, stream } as Blob) : stream();
   } catch (error) {
     if (error instanceof SplatSourceError) throw error;
     throw new SplatSourceError(scene, `cannot be read: ${describeSystemError(error)}`, undefined, {

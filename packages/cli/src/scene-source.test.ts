@@ -1,0 +1,28 @@
+import { truncateSync } from 'node:fs';
+import { readSplats } from '@websplatter/core';
+import { describe, expect, test } from 'vitest';
+import { findScene } from './scene-source.ts';
+import { TestFolder } from './testing/test-folder.ts';
+
+async function sourceOf(path: string): Promise<Blob> {
+  const { content } = await findScene(path);
+  if (!('source' in content)) throw new Error('it is made by code');
+  return content.source as Blob;
+}
+
+describe('a file', () => {
+  test('can be read any number of times', async () => {
+    const source = await sourceOf(new TestFolder().scene());
+    for (let i = 0; i < 2; i++) expect((await readSplats(source)).count).toBe(3);
+  });
+
+  test('of more than 4 GiB has its whole size', async () => {
+    const path = new TestFolder().scene();
+    // Takes no space on a disk.
+    const bytes = 2 ** 32 + 1000;
+    truncateSync(path, bytes);
+    const source = await sourceOf(path);
+    expect(source.size).toBe(bytes);
+    expect((await readSplats(source)).count).toBe(3);
+  });
+});
