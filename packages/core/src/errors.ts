@@ -1,3 +1,5 @@
+import { printable } from './printable.ts';
+
 /**
  * Base of every error that the engine throws on purpose. Each message names the thing, what was found and what to do about
  * it. `code` is stable and meant for programs, `message` for people.
@@ -60,8 +62,8 @@ export class SplatFileError extends WebSplatterError {
     place: FilePlace = {},
     options?: ErrorOptions,
   ) {
-    super(code, `${file}: ${message}${describePlace(place)}`, options);
-    this.file = file;
+    super(code, printable(`${file}: ${message}${describePlace(place)}`), options);
+    this.file = printable(file);
     this.place = place;
   }
 }
@@ -74,8 +76,8 @@ export class SplatSourceError extends WebSplatterError {
   readonly status: number | undefined;
 
   constructor(file: string, message: string, status?: number, options?: ErrorOptions) {
-    super('unreadable-source', `${file}: ${message}`, options);
-    this.file = file;
+    super('unreadable-source', printable(`${file}: ${message}`), options);
+    this.file = printable(file);
     this.status = status;
   }
 }

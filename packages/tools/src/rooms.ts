@@ -7,13 +7,15 @@
 export type Arrows = Readonly<Record<string, string>>;
 
 /** Rooms that all others may import without saying so. */
-export const FOR_ALL_ROOMS = ['errors.ts', 'number-of.ts'] as const;
+export const FOR_ALL_ROOMS = ['errors.ts', 'number-of.ts', 'printable.ts'] as const;
 
 /**
  * The rooms of packages/core/src: folders, and files at its root. Tests and testing/ may import all of them, and nothing
  * else may import those.
  */
 export const ROOMS: Arrows = {
+  /** Text from outside, fit for messages. */
+  'printable.ts': '',
   /** Every error that is thrown on purpose. */
   'errors.ts': '',
   /** Numbers for objects, for keys made of text. */

@@ -1,4 +1,5 @@
 import { InvalidArgumentError, SplatSourceError } from '../errors.ts';
+import { printable } from '../printable.ts';
 import { lockedStreamError, messageOf } from './byte-reader.ts';
 import type { OpenedSource, ReadOptions, SplatSource } from './splat-source.ts';
 
@@ -32,13 +33,14 @@ export async function openSource(source: SplatSource, options: ReadOptions = {})
 export function sourceName(source: SplatSource): string {
   if (typeof source === 'string' || source instanceof URL) return shortName(String(source));
   if (isStream(source)) return 'stream';
-  if (isBlob(source)) return (source as Partial<File>).name ?? 'blob';
+  if (isBlob(source)) return shortName((source as Partial<File>).name ?? 'blob');
   return 'buffer';
 }
 
-/** `text`, shortened if it is long. */
+/** `text` as messages show it, shortened if it is long. */
 export function shortName(text: string): string {
-  return text.length <= MAX_NAME_LENGTH ? text : `${text.slice(0, MAX_NAME_LENGTH)}…`;
+  const shown = printable(text.slice(0, MAX_NAME_LENGTH));
+  return text.length <= MAX_NAME_LENGTH ? shown : `${shown}…`;
 }
 
 export function isStream(source: unknown): source is ReadableStream<Uint8Array> {
