@@ -6,7 +6,7 @@ import { InvalidArgumentError, SplatFileError, SplatSourceError } from '../error
 import { chunked, plyBytes, splatElement } from '../testing/ply-fixture.ts';
 import { ByteReader } from './byte-reader.ts';
 import { detectFormat } from './detect.ts';
-import { openSource } from './open-source.ts';
+import { openSource, sourceName } from './open-source.ts';
 import { readSplats } from './read-splats.ts';
 import type { LoadProgress, SplatSource } from './splat-source.ts';
 
@@ -85,6 +85,11 @@ describe('sources', () => {
     expect((await readSplats(make())).count).toBe(100);
     const error = await failure(openSource(make(), { signal: AbortSignal.abort(new Error('no more')) }));
     expect(error.message).toBe('no more');
+  });
+
+  test('the name of an address has no credentials, however long they are', () => {
+    const address = `https://me:${'x'.repeat(300)}@example.org/a.ply`;
+    expect(sourceName(address)).toBe('https://example.org/a.ply');
   });
 
   test('a URL as text and as an object', async () => {

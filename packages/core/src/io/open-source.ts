@@ -39,8 +39,8 @@ export function sourceName(source: SplatSource): string {
 
 /** `text` as messages show it, shortened if it is long. */
 export function shortName(text: string): string {
-  const shown = printable(text.slice(0, MAX_NAME_LENGTH));
-  return text.length <= MAX_NAME_LENGTH ? shown : `${shown}…`;
+  const shown = printable(text);
+  return shown.length <= MAX_NAME_LENGTH ? shown : `${shown.slice(0, MAX_NAME_LENGTH)}…`;
 }
 
 export function isStream(source: unknown): source is ReadableStream<Uint8Array> {
