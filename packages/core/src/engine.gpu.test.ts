@@ -18,6 +18,7 @@ import type { Harmonics } from './packing/harmonics.ts';
 import { packCloud } from './packing/packed-cloud.ts';
 import { compareImages, renderReference } from './reference/index.ts';
 import type { ShDegree, SplatSet } from './splats/splat-set.ts';
+import { deviceWith, limitsWith } from './testing/device-with.ts';
 import { randomSplats, splatsOf } from './testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from './testing/test-cameras.ts';
 import type { FrameStatistics } from './timing/frame-statistics.ts';
@@ -425,7 +426,8 @@ describe('large clouds', () => {
   }
 
   gpuTest('that fit no binding fail before anything is allocated', async () => {
-    const small = withLimits(device, { maxStorageBufferBindingSize: 10_000, maxBufferSize: 10_000 });
+    const limits = limitsWith(device, { maxStorageBufferBindingSize: 10_000, maxBufferSize: 10_000 });
+    const small = deviceWith(device, { limits });
     const engine = await SplatEngine.create({ device: small, accuracy: 'reference' });
     const before = engine.memory().totalBytes;
     const add = () => engine.add(randomSplats({ count: 10 }), { name: 'garden' });
@@ -437,7 +439,8 @@ describe('large clouds', () => {
 
   gpuTest('whose frame does not fit leave nothing behind, and the view keeps its last image', async () => {
     // Room for the cloud in pages, but not for the records of the visible splats.
-    const small = withLimits(device, { maxStorageBufferBindingSize: 60_000, maxBufferSize: 60_000 });
+    const limits = limitsWith(device, { maxStorageBufferBindingSize: 60_000, maxBufferSize: 60_000 });
+    const small = deviceWith(device, { limits });
     const engine = await SplatEngine.create({ device: small, accuracy: 'balanced' });
     const view = engine.createView();
     const few = engine.add(randomSplats({ count: 100 }));
@@ -737,20 +740,6 @@ async function drawMeasured(
   return { image, statistics };
 }
 
-/** `device` with other limits: WebGPU gives no limits below its defaults. */
-function withLimits(whole: GPUDevice, limits: Partial<Record<keyof GPUSupportedLimits, number>>): GPUDevice {
-  const limited = new Proxy(whole.limits, {
-    get: (target, name) => limits[name as keyof GPUSupportedLimits] ?? Reflect.get(target, name),
-  });
-  return new Proxy(whole, {
-    get(target, name) {
-      if (name === 'limits') return limited;
-      const value = Reflect.get(target, name);
-      return typeof value === 'function' ? value.bind(target) : value;
-    },
-  });
-}
-
 /** `whole`, which says that it belongs to another adapter. */
 function withAdapter(whole: GPUDevice, info: Partial<GPUAdapterInfo>): GPUDevice {
   const { subgroupMinSize, subgroupMaxSize } = whole.adapterInfo;
@@ -764,11 +753,5 @@ function withAdapter(whole: GPUDevice, info: Partial<GPUAdapterInfo>): GPUDevice
     subgroupMaxSize,
     ...info,
   };
-  return new Proxy(whole, {
-    get: (target, name) => {
-      if (name === 'adapterInfo') return adapterInfo;
-      const value = Reflect.get(target, name);
-      return typeof value === 'function' ? value.bind(target) : value;
-    },
-  });
+  return deviceWith(whole, { adapterInfo });
 }

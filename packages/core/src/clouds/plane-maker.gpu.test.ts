@@ -7,7 +7,9 @@ import { encodePly } from '../io/write-ply.ts';
 import { packSet } from '../packing/pack-set.ts';
 import type { CloudPrecision } from '../packing/precision.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
+import { deviceWith, limitsWith, type SomeLimits } from '../testing/device-with.ts';
 import { randomSplats } from '../testing/random-splats.ts';
+import { signalOf } from '../testing/signal.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
@@ -339,10 +341,7 @@ describe('a request', () => {
 describe('several holders', () => {
   /** A file whose reading waits for `open`, and how often it was requested. */
   function gatedFile() {
-    let open = () => {};
-    const opened = new Promise<void>((resolve) => {
-      open = resolve;
-    });
+    const { when: opened, give: open } = signalOf();
     const bytes = encodePly(set);
     const state = { reads: 0 };
     const stream = () => {
@@ -430,10 +429,7 @@ describe('several holders', () => {
 let lacksMemory: { readonly label: string; readonly how: 'throws' | 'reports' } | null = null;
 
 /** `whole` with these limits, and out of memory for the buffer `lacksMemory`. */
-function withLimits(whole: GPUDevice, limits: Partial<Record<keyof GPUSupportedLimits, number>>): GPUDevice {
-  const limited = new Proxy(whole.limits, {
-    get: (target, name) => limits[name as keyof GPUSupportedLimits] ?? Reflect.get(target, name),
-  });
+function withLimits(whole: GPUDevice, limits: SomeLimits): GPUDevice {
   const createBuffer = (descriptor: GPUBufferDescriptor) => {
     if (lacksMemory?.how === 'throws' && lacksMemory.label === descriptor.label)
       throw new RangeError('createBuffer failed');
@@ -443,15 +439,7 @@ function withLimits(whole: GPUDevice, limits: Partial<Record<keyof GPUSupportedL
     const error = await whole.popErrorScope();
     return lacksMemory ? ({ message: 'out of memory' } as GPUOutOfMemoryError) : error;
   };
-  return new Proxy(whole, {
-    get(target, name) {
-      if (name === 'limits') return limited;
-      if (name === 'createBuffer') return createBuffer;
-      if (name === 'popErrorScope') return popErrorScope;
-      const value = Reflect.get(target, name);
-      return typeof value === 'function' ? value.bind(target) : value;
-    },
-  });
+  return deviceWith(whole, { limits: limitsWith(whole, limits), createBuffer, popErrorScope });
 }
 
 /** Bit for bit. */

@@ -8,11 +8,13 @@ import { GEOMETRY_WORDS } from '../packing/geometry.ts';
 import { shWordsPerSplat } from '../packing/harmonics.ts';
 import { packSet } from '../packing/pack-set.ts';
 import type { CloudPrecision } from '../packing/precision.ts';
+import { deviceWith } from '../testing/device-with.ts';
 import { expectSameGeometry, expectSameHarmonics } from '../testing/expect-same-planes.ts';
 import { planeWords } from '../testing/plane-words.ts';
 import { plyBytes, splatElement } from '../testing/ply-fixture.ts';
 import { randomSplats, splatsWithTies } from '../testing/random-splats.ts';
 import { readableDevice } from '../testing/readable-device.ts';
+import { signalOf } from '../testing/signal.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
@@ -57,9 +59,7 @@ function withScarceMemory(whole: GPUDevice): GPUDevice {
     const error = await whole.popErrorScope();
     return isLacking ? ({ message: 'out of memory' } as GPUOutOfMemoryError) : error;
   };
-  return new Proxy(whole, {
-    get: (target, name) => (name === 'popErrorScope' ? popErrorScope : Reflect.get(target, name)),
-  });
+  return deviceWith(whole, { popErrorScope });
 }
 
 const plyOf = (...set: Parameters<typeof splatsWithTies>) => new Blob([encodePly(splatsWithTies(...set))]);
@@ -76,10 +76,7 @@ function changing(...files: readonly Blob[]) {
 
 /** A file that stops halfway from its second reading on, until `open`. */
 function halting(file: Blob) {
-  let open = () => {};
-  const opened = new Promise<void>((resolve) => {
-    open = resolve;
-  });
+  const { when: opened, give: open } = signalOf();
   const state = { reads: 0, hasHalted: false };
   const stream = () => {
     const isHalting = state.reads++ > 0;

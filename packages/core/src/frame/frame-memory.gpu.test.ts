@@ -5,6 +5,7 @@ import { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../engine.ts';
 import { GpuLimitError, InvalidArgumentError } from '../errors.ts';
 import { drawMeasured } from '../measure/measured-frames.ts';
+import { deviceWith } from '../testing/device-with.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import type { SplatView } from '../views/splat-view.ts';
 import type { FrameRequest } from './frame-request.ts';
@@ -48,14 +49,7 @@ function thatMayLackMemory(whole: GPUDevice): GPUDevice {
     const error = await whole.popErrorScope();
     return wasLacking ? ({ message: 'out of memory' } as GPUOutOfMemoryError) : error;
   };
-  return new Proxy(whole, {
-    get(target, name) {
-      if (name === 'createBuffer') return createBuffer;
-      if (name === 'popErrorScope') return popErrorScope;
-      const value = Reflect.get(target, name);
-      return typeof value === 'function' ? value.bind(target) : value;
-    },
-  });
+  return deviceWith(whole, { createBuffer, popErrorScope });
 }
 
 async function draw(view: SplatView, request: FrameRequest): Promise<Float32Array> {

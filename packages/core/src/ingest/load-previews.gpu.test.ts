@@ -6,6 +6,7 @@ import { SplatEngine } from '../engine.ts';
 import { DestroyedError, SplatFileError, SplatSourceError } from '../errors.ts';
 import { encodePly } from '../io/write-ply.ts';
 import { randomSplats } from '../testing/random-splats.ts';
+import { signalOf } from '../testing/signal.ts';
 import type { SplatView } from '../views/splat-view.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };
@@ -31,15 +32,6 @@ afterAll(() => {
   engine?.destroy();
   device?.destroy();
 });
-
-/** A promise, and what resolves it. */
-function signalOf(): { readonly when: Promise<void>; readonly give: () => void } {
-  let give = () => {};
-  const when = new Promise<void>((resolve) => {
-    give = resolve;
-  });
-  return { when, give };
-}
 
 /** A file of which `firstBytes` can be read at once, and the rest after `go`. */
 function slowFile(bytes: Uint8Array<ArrayBuffer>, firstBytes: number, go: Promise<void>): Blob {

@@ -7,11 +7,13 @@ import { readSplats } from '../io/read-splats.ts';
 import { encodePly } from '../io/write-ply.ts';
 import { packSet } from '../packing/pack-set.ts';
 import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
+import { deviceWith } from '../testing/device-with.ts';
 import { expectSameChunks, expectSameGeometry, expectSameHarmonics } from '../testing/expect-same-planes.ts';
 import { planeWords } from '../testing/plane-words.ts';
 import { type Fixture, plyBytes, splatNames } from '../testing/ply-fixture.ts';
 import { randomSplats, splatsWithTies } from '../testing/random-splats.ts';
 import { readableDevice } from '../testing/readable-device.ts';
+import { signalOf } from '../testing/signal.ts';
 
 const PACKED = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
 const FINEST = { geometryPrecision: 'f32', shPrecision: 'f32' } as const;
@@ -135,21 +137,14 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
 
 /** A device that compiles shaders only after `go`. */
 function withLateShaders(whole: GPUDevice, go: Promise<void>): GPUDevice {
-  return new Proxy(whole, {
-    get: (target, name) => {
-      const value = Reflect.get(target, name);
-      if (name === 'createComputePipelineAsync')
-        return (descriptor: GPUComputePipelineDescriptor) => go.then(() => value.call(target, descriptor));
-      return typeof value === 'function' ? value.bind(target) : value;
-    },
+  return deviceWith(whole, {
+    createComputePipelineAsync: (descriptor: GPUComputePipelineDescriptor) =>
+      go.then(() => whole.createComputePipelineAsync(descriptor)),
   });
 }
 
 gpuTest('rows are read while shaders compile, up to sixteen pieces, and the cloud is the same', async () => {
-  let compile = () => {};
-  const go = new Promise<void>((resolve) => {
-    compile = resolve;
-  });
+  const { when: go, give: compile } = signalOf();
   const limited = readableDevice(device, { maxStorageBufferBindingSize: 180 * 512 });
   const late = await SplatEngine.create({ device: withLateShaders(limited, go), ingestMinRows: 1 });
   const pieces = () => late.memory().resources.filter(({ label }) => label.startsWith('ingest staging'));
@@ -162,23 +157,16 @@ gpuTest('rows are read while shaders compile, up to sixteen pieces, and the clou
 });
 
 gpuTest('memory that is lacking for pieces that wait fails the load, and leaves nothing', async () => {
-  let compile = () => {};
-  const go = new Promise<void>((resolve) => {
-    compile = resolve;
-  });
+  const { when: go, give: compile } = signalOf();
   let pieces = 0;
   const limits = { maxStorageBufferBindingSize: 180 * 512 };
   const counted = readableDevice(device, limits, (label) => {
     if (label.startsWith('ingest staging')) pieces++;
     if (pieces === 7) compile();
   });
-  const lacking = new Proxy(counted, {
-    get: (target, name) => {
-      const value = Reflect.get(target, name);
-      if (name === 'popErrorScope')
-        return async () => (await value.call(target)) ?? (pieces >= 6 ? { message: 'out of memory' } : null);
-      return value;
-    },
+  const lacking = deviceWith(counted, {
+    popErrorScope: async () =>
+      (await counted.popErrorScope()) ?? (pieces >= 6 ? { message: 'out of memory' } : null),
   });
   const late = await SplatEngine.create({ device: withLateShaders(lacking, go), ingestMinRows: 1 });
   const before = late.memory().totalBytes;

@@ -1,3 +1,5 @@
+import { deviceWith, limitsWith, type SomeLimits } from './device-with.ts';
+
 /**
  * `whole` with these limits, all of whose storage buffers can be read back.
  *
@@ -5,12 +7,9 @@
  */
 export function readableDevice(
   whole: GPUDevice,
-  limits: Partial<Record<keyof GPUSupportedLimits, number>> = {},
+  limits: SomeLimits = {},
   onBuffer: (label: string) => void = () => {},
 ): GPUDevice {
-  const limited = new Proxy(whole.limits, {
-    get: (target, name) => limits[name as keyof GPUSupportedLimits] ?? Reflect.get(target, name),
-  });
   const createBuffer = (descriptor: GPUBufferDescriptor) => {
     onBuffer(descriptor.label ?? '');
     const isStorage = (descriptor.usage & GPUBufferUsage.STORAGE) !== 0;
@@ -19,12 +18,5 @@ export function readableDevice(
       usage: descriptor.usage | (isStorage ? GPUBufferUsage.COPY_SRC : 0),
     });
   };
-  return new Proxy(whole, {
-    get: (target, name) => {
-      if (name === 'limits') return limited;
-      if (name === 'createBuffer') return createBuffer;
-      const value = Reflect.get(target, name);
-      return typeof value === 'function' ? value.bind(target) : value;
-    },
-  });
+  return deviceWith(whole, { limits: limitsWith(whole, limits), createBuffer });
 }
