@@ -85,6 +85,7 @@ export class SplatCloud {
   /** Takes over `planes`, which hold what `contents` describes. */
   constructor(device: GPUDevice, planes: CloudPlanes, contents: CloudContents, options: SplatCloudOptions) {
     const { name, source = null, makePlanes, isPreview = false, onDestroyed = () => {} } = options;
+    const { visibleLimit = Number.POSITIVE_INFINITY } = options;
     this.name = name;
     this.count = contents.count;
     this.shDegree = planes.shDegree;
@@ -98,7 +99,7 @@ export class SplatCloud {
     this.logScaleRange = contents.logScaleRange;
     this.chunks = contents.chunks;
     this.isPreview = isPreview;
-    this.visibleLimit = options.visibleLimit ?? Number.POSITIVE_INFINITY;
+    this.visibleLimit = visibleLimit;
     this.#onDestroyed = onDestroyed;
     this.device = device;
     this.planes = planes;

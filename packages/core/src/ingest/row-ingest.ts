@@ -287,6 +287,7 @@ export class RowIngest implements RowSink {
       this.#buffers.add(result);
       return result;
     } catch {
+      // Reading waits, then.
       return null;
     }
   }
