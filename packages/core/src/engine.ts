@@ -40,6 +40,7 @@ import { packSet } from './packing/pack-set.ts';
 import type { PackedCloud } from './packing/packed-cloud.ts';
 import type { CloudPrecision } from './packing/precision.ts';
 import type { ShaderMutation } from './shaders/link-shader.ts';
+import { foreseeTiles } from './shaders/tile-source.ts';
 import type { SplatSet } from './splats/splat-set.ts';
 import { AccuracyWishes } from './views/accuracy-wishes.ts';
 import { EmbeddedView } from './views/embedded-view.ts';
@@ -184,6 +185,7 @@ export class SplatEngine {
     // Reject unknown settings before a device is requested in vain.
     const { accuracy = DEFAULT_ACCURACY } = options;
     if (!internWish(accuracy)) internAccuracy(accuracy as Accuracy);
+    foreseeTiles();
     const device = options.device ?? (await requestSplatDevice(options));
     return new SplatEngine(device, options.device === undefined, options);
   }

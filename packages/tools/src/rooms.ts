@@ -43,7 +43,7 @@ export const ROOMS: Arrows = {
   /** What frames take: GPU timestamps and their statistics. */
   timing: 'gpu accuracy(types) layout',
   /** Host sides of the shaders in shaders/stages, under the same basenames. */
-  stages: 'effects gpu camera accuracy packing splats layout',
+  stages: 'effects gpu shaders camera accuracy packing splats layout',
   /** Clouds on the GPU: their planes, and rays through them. */
   clouds: 'stages gpu accuracy io packing splats layout math',
   /** Files' rows that become clouds on the GPU itself. Loaded only when a file has such rows. */

@@ -95,8 +95,8 @@ describe('effects', () => {
   }
 
   // Hundreds of variants, each linked twice.
-  test('that are not used leave all stages as in a build without effects', { timeout: 30_000 }, () => {
-    for (const stage of allStageVariants()) expectNothingOf(CLOUD_EFFECTS, stage);
+  test('that are not used leave all stages as in a build without effects', { timeout: 30_000 }, async () => {
+    for (const stage of await allStageVariants()) expectNothingOf(CLOUD_EFFECTS, stage);
   });
 
   test('all together link, and their parameters lie where the host writes them', () => {
@@ -120,8 +120,9 @@ describe('effects', () => {
     }
   });
 
-  test('stages bind nothing for an effect that no cloud uses', () => {
-    for (const stage of allStageVariants()) expect(Object.keys(stage.bindings)).not.toContain('effects');
+  test('stages bind nothing for an effect that no cloud uses', async () => {
+    for (const stage of await allStageVariants())
+      expect(Object.keys(stage.bindings)).not.toContain('effects');
     const colorsOnly = effectSetOf(EFFECT_EXAMPLES.filter(({ effect }) => effect.name === 'tint'));
     expect(cullSplats({ ...CULL, effects: colorsOnly })).toEqual(cullSplats(CULL));
   });

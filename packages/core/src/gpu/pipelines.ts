@@ -1,5 +1,5 @@
 import { numberOf } from '../number-of.ts';
-import { linkShader, type ShaderMutation, type ShaderVariant } from '../shaders/link-shader.ts';
+import { linkShader, loadVariant, type ShaderMutation, type ShaderVariant } from '../shaders/link-shader.ts';
 import { type Counting, zeroCounters } from './engine-counters.ts';
 
 /** How a shader sees a resource. */
@@ -123,8 +123,8 @@ export class Pipelines {
     return pipeline;
   }
 
-  #pipeline(stage: StageDefinition, state: RenderState | undefined): Promise<Pipeline> {
-    const code = this.#link(stage);
+  async #pipeline(stage: StageDefinition, state: RenderState | undefined): Promise<Pipeline> {
+    const code = await this.#link(stage);
     const key = JSON.stringify([code, stage.entryPoint, state, layoutKey(stage)]);
     const { pipelines } = this.#cache;
     let pipeline = pipelines.get(key);
@@ -137,11 +137,12 @@ export class Pipelines {
     return pipeline;
   }
 
-  #link(stage: StageDefinition): string {
+  async #link(stage: StageDefinition): Promise<string> {
     const key = variantKey(stage);
+    const loaded = await loadVariant(stage);
     let linked = this.#linked.get(key);
     if (linked === undefined) {
-      linked = linkShader(stage, this.#mutation);
+      linked = linkShader(loaded, this.#mutation);
       this.#linked.set(key, linked);
     }
     return linked;

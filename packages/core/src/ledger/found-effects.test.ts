@@ -17,7 +17,7 @@ const PACKING: readonly string[] = ['ingest-rows', 'repack-sh'];
 /** Conditions of code that is linked only together with an effect. */
 const IMPLYING: Readonly<Record<string, readonly string[]>> = { 'depth-test': ['DEPTH_LAYER'] };
 
-const variants = allStageVariants();
+const variants = await allStageVariants();
 
 function variantsWithout(conditions: readonly string[], ownStage: string | undefined): StageDefinition[] {
   return variants.filter(

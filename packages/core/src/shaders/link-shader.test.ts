@@ -20,7 +20,7 @@ interface Linked {
   readonly reflection: WgslReflection;
 }
 
-const linked: readonly Linked[] = allStageVariants().map((stage) => {
+const linked: readonly Linked[] = (await allStageVariants()).map((stage) => {
   const wgsl = linkShader(stage);
   return { stage, wgsl, reflection: reflectWgsl(wgsl) };
 });

@@ -3,11 +3,11 @@ import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { SHADER_STRUCTS, type ShaderStruct, SPLAT_RECORDS } from '../layout/structs.ts';
 import { type LinkInput, linkModules, type ShaderModules } from './shader-linker.ts';
 
-/** All shader files except those that only measuring or making planes needs, which are loaded with that code. */
+/** All shader files except those that only measuring, making planes or tiles need, which are loaded with that code. */
 const files = import.meta.glob<string>(
   [
     '../../../../shaders/**/*.wgsl',
-    '!../../../../shaders/stages/{compare-images,copy-words,ingest-*,pick,repack-*}.wgsl',
+    '!../../../../shaders/stages/{compare-images,copy-words,ingest-*,pick,repack-*,tile-*}.wgsl',
     '!../../../../shaders/lib/{exact-exp,float-bits,harmonics-packing,pack-splat}.wgsl',
   ],
   { query: '?raw', import: 'default', eager: true },
@@ -40,8 +40,8 @@ export function effectShader(name: string): string {
 export interface ShaderVariant {
   /** File in shaders/stages, without its ending. */
   readonly stage: string;
-  /** Text of that file, if it is not among the engine's own modules. */
-  readonly source?: string;
+  /** Text of that file, or what loads it, if it is not among the engine's own modules. */
+  readonly source?: string | (() => Promise<string>);
   /** Texts of other files below shaders/ that are not among those modules, by their names without endings. */
   readonly libraries?: Readonly<Record<string, string>>;
   /** Structs that it may import besides those of all shaders. */
@@ -52,6 +52,12 @@ export interface ShaderVariant {
   readonly usesSubgroups?: boolean;
   /** Provides the modules `effects` and `parameters`; equal modules are the same object. Default none. */
   readonly effects?: { readonly modules: ShaderModules };
+}
+
+/** Loads the variant's text where that is still to be loaded, as it must be before it is linked. */
+export async function loadVariant<Variant extends ShaderVariant>(variant: Variant): Promise<Variant> {
+  const { source } = variant;
+  return { ...variant, source: typeof source === 'function' ? await source() : source };
 }
 
 /**
@@ -118,7 +124,8 @@ export function linkInput(
   const record = conditions.RECORD_F32 ? f32 : conditions.RECORD_PAPER ? paper : f16;
   const root = moduleName(`stages/${stage}`);
   const values = Object.entries({ ...SHADER_CONSTANTS, MAX_FRAGMENT_ALPHA, ...constants });
-  const known = source === undefined ? modules : { ...modules, ...modulesOf(libraries), [root]: source };
+  const known =
+    typeof source === 'string' ? { ...modules, ...modulesOf(libraries), [root]: source } : modules;
   return {
     modules: {
       ...(mutation ? mutated(known, mutation) : known),

@@ -14,7 +14,7 @@ function linkRoot(root: string, modules: ShaderModules = {}): string {
 
 describe('the linker of shaders', () => {
   test('agrees with wesl on every variant of every stage', { timeout: 60_000 }, async () => {
-    for (const variant of allStageVariants()) {
+    for (const variant of await allStageVariants()) {
       const input = linkInput(variant);
       const label = `${variant.stage} ${JSON.stringify(variant.conditions)}`;
       expect(declarationsIn(linkModules(input)), label).toEqual(declarationsIn(await weslText(input)));

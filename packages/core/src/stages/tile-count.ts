@@ -1,5 +1,6 @@
 import type { Extent, RecordPrecision } from '../accuracy/accuracy.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
+import { tileSource } from '../shaders/tile-source.ts';
 import { recordConditions } from './record-conditions.ts';
 
 /** Settings that decide which bins and tiles a splat may touch. */
@@ -17,6 +18,7 @@ export function tileListConditions({ recordPrecision, extent }: TileListVariant)
 export function tileCount(variant: TileListVariant) {
   return {
     stage: 'tile-count',
+    source: tileSource('tile-count'),
     entryPoint: 'tileCount',
     conditions: tileListConditions(variant),
     bindings: {

@@ -1,4 +1,5 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
+import { tileSource } from '../shaders/tile-source.ts';
 import { type SortShape, sortConstants } from './sort-shape.ts';
 import { type TileListVariant, tileListConditions } from './tile-count.ts';
 
@@ -6,6 +7,7 @@ import { type TileListVariant, tileListConditions } from './tile-count.ts';
 export function tileEmit(variant: TileListVariant, shape: SortShape) {
   return {
     stage: 'tile-emit',
+    source: tileSource('tile-emit'),
     entryPoint: 'tileEmit',
     conditions: tileListConditions(variant),
     constants: sortConstants(shape),

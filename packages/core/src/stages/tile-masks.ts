@@ -1,10 +1,12 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
+import { tileSource } from '../shaders/tile-source.ts';
 import { type TileListVariant, tileListConditions } from './tile-count.ts';
 
 /** Finds the tiles that each pair may touch. */
 export function tileMasks(variant: TileListVariant) {
   return {
     stage: 'tile-masks',
+    source: tileSource('tile-masks'),
     entryPoint: 'maskTiles',
     conditions: tileListConditions(variant),
     bindings: {

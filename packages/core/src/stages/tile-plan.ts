@@ -1,10 +1,12 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
+import { tileSource } from '../shaders/tile-source.ts';
 import { type SortShape, sortConstants } from './sort-shape.ts';
 
 /** Decides whether the pairs fit, and sizes the stages that follow. */
 export function tilePlan(shape: SortShape) {
   return {
     stage: 'tile-plan',
+    source: tileSource('tile-plan'),
     entryPoint: 'planTiles',
     constants: sortConstants(shape),
     bindings: {

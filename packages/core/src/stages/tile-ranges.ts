@@ -1,8 +1,10 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
+import { tileSource } from '../shaders/tile-source.ts';
 
 /** Finds each bin's pairs, and the order of the bins. */
 export const tileRanges = {
   stage: 'tile-ranges',
+  source: tileSource('tile-ranges'),
   entryPoint: 'tileRanges',
   bindings: {
     grid: [0, 'uniform'],

@@ -1,6 +1,7 @@
 import type { ColorTarget, RecordPrecision } from '../accuracy/accuracy.ts';
 import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
+import { tileSource } from '../shaders/tile-source.ts';
 import type { RasterizeDepth } from './rasterize.ts';
 import { recordConditions } from './record-conditions.ts';
 
@@ -43,6 +44,7 @@ export function tileRasterize(variant: TileRasterizeVariant): StageDefinition {
   if (hasDepthLayer) bindings.depthLayer = [11, 'r32float writes'];
   return {
     stage: 'tile-rasterize',
+    source: tileSource('tile-rasterize'),
     entryPoint: 'tileRasterize',
     constants: { TILE_THREADS: threads, TILE_PIXELS: SHADER_CONSTANTS.TILE_PX ** 2 / threads },
     conditions: {

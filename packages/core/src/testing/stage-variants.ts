@@ -1,5 +1,6 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import type { ShPrecision } from '../packing/precision.ts';
+import { loadVariant } from '../shaders/link-shader.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import { compactChunks } from '../stages/compact-chunks.ts';
 import { compactSplats } from '../stages/compact-splats.ts';
@@ -78,8 +79,8 @@ const TILE_DEPTHS: readonly (RasterizeDepth | null)[] = DEPTHS.flatMap((depth) =
     : [null],
 );
 
-/** All stages, in every variant that a frame may run. */
-export function allStageVariants(): StageDefinition[] {
+/** All stages, in every variant that a frame may run, with their texts. */
+export function allStageVariants(): Promise<StageDefinition[]> {
   const stages: StageDefinition[] = [
     cullChunks,
     compactChunks,
@@ -183,7 +184,7 @@ export function allStageVariants(): StageDefinition[] {
     const degrees = { storedShDegree: 3, shDegree: 3 } as const;
     stages.push(project({ isOrthographic: false, ...precisions, shortKeyBits, maxColor: 65504, ...degrees }));
   }
-  return uniqueByText(stages);
+  return Promise.all(uniqueByText(stages).map(loadVariant));
 }
 
 function uniqueByText(stages: readonly StageDefinition[]): StageDefinition[] {

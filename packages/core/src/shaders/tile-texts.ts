@@ -1,0 +1,16 @@
+import tileCount from '../../../../shaders/stages/tile-count.wgsl?raw';
+import tileEmit from '../../../../shaders/stages/tile-emit.wgsl?raw';
+import tileMasks from '../../../../shaders/stages/tile-masks.wgsl?raw';
+import tilePlan from '../../../../shaders/stages/tile-plan.wgsl?raw';
+import tileRanges from '../../../../shaders/stages/tile-ranges.wgsl?raw';
+import tileRasterize from '../../../../shaders/stages/tile-rasterize.wgsl?raw';
+
+/** Texts of the stages that only tiles need. Loaded by `tileSource`, so that they arrive besides the engine's own code. */
+export const TILE_TEXTS = {
+  'tile-count': tileCount,
+  'tile-emit': tileEmit,
+  'tile-masks': tileMasks,
+  'tile-plan': tilePlan,
+  'tile-ranges': tileRanges,
+  'tile-rasterize': tileRasterize,
+} as const;
