@@ -1,7 +1,7 @@
 import type { AccuracySettings, ShDegree } from '@websplatter/core';
 import { SYNTHETIC_MAX_SPLATS, SYNTHETIC_MIN_SPLATS, type SyntheticOptions } from '@websplatter/scenes';
 import { UsageError } from './input-error.ts';
-import { parseAccuracy, parseFrames, parseSize, parseStrictly } from './render-options.ts';
+import { parseAccuracy, parseFrames, parseSeed, parseSize, parseStrictly } from './render-options.ts';
 
 /** Arguments of `websplatter bench`. */
 export interface BenchOptions {
@@ -82,12 +82,6 @@ function parseCount(text: string): number {
 function parseDegree(text: string): ShDegree {
   if (!/^[0-3]$/.test(text)) throw new UsageError('--degree', `--degree is ${text}; it must be 0, 1, 2 or 3`);
   return Number(text) as ShDegree;
-}
-
-function parseSeed(text: string): number {
-  if (!/^\d{1,9}$/.test(text))
-    throw new UsageError('--seed', `--seed is ${text}; it must be a whole number from 0 to 999999999`);
-  return Number(text);
 }
 
 function parseOrbit(text: string): number {

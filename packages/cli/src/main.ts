@@ -7,12 +7,13 @@ import { hardcases } from './hardcases.ts';
 import { info } from './info.ts';
 import { UsageError } from './input-error.ts';
 import { render } from './render.ts';
+import { soak } from './soak.ts';
 import { USAGE } from './usage.ts';
 
 /** A command: does its work or throws. */
 type Command = (args: readonly string[], console: Console) => Promise<void>;
 
-const COMMANDS: Readonly<Record<string, Command>> = { render, info, accuracy, bench, hardcases };
+const COMMANDS: Readonly<Record<string, Command>> = { render, info, accuracy, bench, hardcases, soak };
 
 /** Codes of errors that the input did not cause. */
 const FAILURE_CODES = new Set([
@@ -22,6 +23,7 @@ const FAILURE_CODES = new Set([
   'gpu-error',
   'non-finite-image',
   'hard-cases-failed',
+  'soak-failed',
 ]);
 
 /** Runs one command line and returns its exit status: 0, 2 on bad input, 1 on any other failure. */

@@ -113,6 +113,13 @@ function parseBackground(text: string): Vec3 {
   return numbers as [number, number, number];
 }
 
+/** Parses a seed: a whole number. */
+export function parseSeed(text: string): number {
+  if (!/^\d{1,9}$/.test(text))
+    throw new UsageError('--seed', `--seed is ${text}; it must be a whole number from 0 to 999999999`);
+  return Number(text);
+}
+
 export function parseFrames(text: string): number {
   if (!/^[1-9]\d{0,5}$/.test(text))
     throw new UsageError('--frames', `--frames is ${text}; it must be a whole number from 1 on`);

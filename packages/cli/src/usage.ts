@@ -46,6 +46,11 @@ websplatter hardcases [--json | --markdown] [--filter text] [--size 64x64]
   --filter text          only cases with this text in their name
   --size 64x64           a square, for cases that give no image size
 
+websplatter soak [--frames 1000] [--seed 1] [--json]
+  draws frames while cameras, clouds, sizes, settings and effects change at random and devices are lost; compares pictures with
+  those of fresh engines, bit for bit, and counts the memory that remains
+  --seed 1               decides everything that happens
+
 websplatter --help | --version
 
 Exit status: 0 on success, 2 on bad input, 1 otherwise; errors are one line (WEBSPLATTER_DEBUG=1 adds the stack).

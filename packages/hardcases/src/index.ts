@@ -18,3 +18,4 @@ export {
   MIN_REFERENCE_PSNR_DB,
   type StageError,
 } from './run-result.ts';
+export { type SoakOptions, type SoakReport, soak } from './soak/soak.ts';

@@ -1,4 +1,9 @@
-import { type AccuracyPreset, SplatEngine } from '@websplatter/core';
+import {
+  type AccuracyPreset,
+  requestSplatDevice,
+  SplatEngine,
+  WebGpuUnavailableError,
+} from '@websplatter/core';
 import { Pipelines, type ShaderMutation } from '@websplatter/core/inspect';
 
 /** Deviations of an engine or a set of pipelines from the defaults. */
@@ -7,6 +12,13 @@ export interface RunVariant {
   readonly maxWorkgroupsPerDimension?: number;
   /** A remedy of the shaders to switch off, for tests that the cases notice it. */
   readonly mutation?: ShaderMutation;
+}
+
+/** @throws WebGpuUnavailableError if there is none. */
+export async function requestAdapter(gpu: Pick<GPU, 'requestAdapter'>): Promise<GPUAdapter> {
+  const adapter = await gpu.requestAdapter({ powerPreference: 'high-performance' });
+  if (!adapter) throw new WebGpuUnavailableError('WebGPU is available but found no GPU that it may use.');
+  return adapter;
 }
 
 /** A device that records its errors and loss, with its engines: all cases share what they have compiled. */
@@ -28,6 +40,15 @@ export class WatchedDevice {
       this.#isLost = true;
       if (!this.#isClosing) this.#errors.push(`the device was lost (${reason}): ${message}`);
     });
+  }
+
+  /**
+   * Requests an adapter and its device.
+   *
+   * @throws WebGpuUnavailableError if there is none.
+   */
+  static async request(gpu: Pick<GPU, 'requestAdapter'>): Promise<WatchedDevice> {
+    return new WatchedDevice(await requestSplatDevice({ adapter: await requestAdapter(gpu) }));
   }
 
   /** Whether the device is lost and must be replaced. */

@@ -4,14 +4,12 @@ import {
   type FrameRasterizer,
   isSoftwareAdapter,
   readSplats,
-  requestSplatDevice,
   SplatFileError,
-  WebGpuUnavailableError,
 } from '@websplatter/core';
 import { orderFlaw, type ShaderMutation, sortKeys } from '@websplatter/core/inspect';
 import { renderReference } from '@websplatter/core/reference';
 import type { DeviceCase, HardCase, RefusedFileCase, SceneCase, SortCase } from './hard-case.ts';
-import { type RunVariant, WatchedDevice } from './run-device.ts';
+import { type RunVariant, requestAdapter, WatchedDevice } from './run-device.ts';
 import { COMPARED_PRESETS } from './run-images.ts';
 import { CASE_RASTERIZERS, type HardCaseResult, ResultBuilder } from './run-result.ts';
 import { runScene } from './run-scene.ts';
@@ -61,7 +59,7 @@ export class HardCaseRunner {
 
   /** @throws WebGpuUnavailableError if there is no adapter or no device. */
   static async create(options: HardCaseRunnerOptions): Promise<HardCaseRunner> {
-    return new HardCaseRunner(options, await watchedDevice(options));
+    return new HardCaseRunner(options, await WatchedDevice.request(options.gpu));
   }
 
   /** Never rejects: a case that throws counts as failed. */
@@ -72,7 +70,7 @@ export class HardCaseRunner {
       if (this.#watched.isLost) {
         // The device was lost between two cases, which no case has reported.
         for (const error of await this.#watched.takeErrors()) fail(error);
-        this.#watched = await watchedDevice(this.#options);
+        this.#watched = await WatchedDevice.request(this.#options.gpu);
       }
       await withinLimit(this.#runKind(hardCase, options, result));
     } catch (error) {
@@ -115,7 +113,8 @@ export class HardCaseRunner {
       {
         watched,
         secondDevice: async () => {
-          if (!this.#second || this.#second.isLost) this.#second = await watchedDevice(this.#options);
+          if (!this.#second || this.#second.isLost)
+            this.#second = await WatchedDevice.request(this.#options.gpu);
           return this.#second;
         },
         variant,
@@ -130,7 +129,7 @@ export class HardCaseRunner {
 
   /** Runs a case on a device of its own, with WebGPU's default limits and without the features that the case names. */
   async #runDevice(hardCase: DeviceCase, options: HardCaseRunOptions, result: ResultBuilder): Promise<void> {
-    const adapter = await requestAdapter(this.#options);
+    const adapter = await requestAdapter(this.#options.gpu);
     const requiredFeatures = ENGINE_FEATURES.filter(
       (feature) => adapter.features.has(feature) && !hardCase.without.includes(feature),
     );
@@ -173,16 +172,6 @@ async function runRefusedFile({ name, file, code }: RefusedFileCase, result: Res
 async function runArithmetic(name: string, check: () => string | null, result: ResultBuilder): Promise<void> {
   const wrong = check();
   if (wrong !== null) result.fail([name], wrong);
-}
-
-async function requestAdapter({ gpu }: HardCaseRunnerOptions): Promise<GPUAdapter> {
-  const adapter = await gpu.requestAdapter({ powerPreference: 'high-performance' });
-  if (!adapter) throw new WebGpuUnavailableError('WebGPU is available but found no GPU that it may use.');
-  return adapter;
-}
-
-async function watchedDevice(options: HardCaseRunnerOptions): Promise<WatchedDevice> {
-  return new WatchedDevice(await requestSplatDevice({ adapter: await requestAdapter(options) }));
 }
 
 class CaseTimeoutError extends Error {

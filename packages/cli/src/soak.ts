@@ -1,0 +1,74 @@
+import { setFlagsFromString } from 'node:v8';
+import { runInNewContext } from 'node:vm';
+import { WebSplatterError } from '@websplatter/core';
+import { soak as runSoak, type SoakReport } from '@websplatter/hardcases';
+import { createNodeGpu } from '@websplatter/node';
+import type { Console } from './console.ts';
+import { UsageError } from './input-error.ts';
+import { currentCommit, describeMachine } from './machine.ts';
+import { tenthsOf } from './progress-lines.ts';
+import { parseFrames, parseSeed, parseStrictly } from './render-options.ts';
+
+/** `websplatter soak [--frames N] [--seed N] [--json]`. */
+export async function soak(args: readonly string[], console: Console): Promise<void> {
+  const { frames, seed, json } = parseSoakArguments(args);
+  const { notice } = await createNodeGpu();
+  if (notice !== null) console.err(`note: ${notice}\n`);
+  // A fresh adapter per device. createNodeGpu also keeps devices from being garbage-collected, which Dawn does not survive.
+  const gpu = { requestAdapter: async () => (await createNodeGpu()).adapter };
+  const showTenths = tenthsOf(console);
+  const onFrame = (frame: number) => showTenths({ done: frame, total: frames, label: `frame ${frame}` });
+  const report = await runSoak({ gpu, frames, seed, heapBytes: heapBytesReader(), onFrame });
+  console.out(
+    json
+      ? `${JSON.stringify({ ...report, commit: currentCommit(), machine: describeMachine() }, null, 2)}\n`
+      : textOf(report),
+  );
+  if (report.failures.length > 0) throw new WebSplatterError('soak-failed', report.failures.join(' '));
+}
+
+function textOf(report: SoakReport): string {
+  const { gpuBytes, heapBytes } = report;
+  return [
+    `${report.frames} frames with seed ${report.seed} in ${(report.elapsedMs / 1000).toFixed(1)} s on ${report.adapter}`,
+    `steps: ${Object.entries(report.steps)
+      .toSorted(([, a], [, b]) => b - a)
+      .map(([name, count]) => `${name} ${count}`)
+      .join(', ')}`,
+    `pictures equal to those of fresh engines, bit for bit: ${report.pictures}`,
+    `GPU memory: ${mib(gpuBytes.most)} at most, ${mib(gpuBytes.atRest)} without clouds and views, every time`,
+    heapBytes && `JavaScript heap: ${mib(heapBytes.early)} after a tenth, ${mib(heapBytes.end)} at the end`,
+    '',
+  ]
+    .filter((line) => line !== null)
+    .join('\n');
+}
+
+function mib(bytes: number): string {
+  return `${(bytes / 2 ** 20).toFixed(2)} MiB`;
+}
+
+/** Collects garbage and says what is left. Node has no garbage collector to call unless it is told to show it. */
+function heapBytesReader(): () => number {
+  setFlagsFromString('--expose-gc');
+  const collect = runInNewContext('gc') as () => void;
+  return () => {
+    collect();
+    return process.memoryUsage().heapUsed;
+  };
+}
+
+/** @throws UsageError that names the argument. */
+function parseSoakArguments(args: readonly string[]) {
+  const { values, positionals } = parseStrictly(args, {
+    frames: { type: 'string', default: '1000' },
+    seed: { type: 'string', default: '1' },
+    json: { type: 'boolean', default: false },
+  });
+  if (positionals.length > 0) throw new UsageError('arguments', `soak takes no ${positionals[0]}`);
+  return {
+    frames: parseFrames(values.frames),
+    seed: parseSeed(values.seed),
+    json: values.json,
+  };
+}

@@ -1,0 +1,379 @@
+import { adapterLabel, SplatEngine, type SplatView, WebSplatterError } from '@websplatter/core';
+import { describePixel } from '@websplatter/core/inspect';
+import { WatchedDevice } from '../run-device.ts';
+import { firstDifference } from '../run-images.ts';
+import { Chance } from './chance.ts';
+import {
+  type CloudRecipe,
+  makeCloud,
+  randomAccuracy,
+  randomCamera,
+  randomEffects,
+  randomPlacing,
+  randomPrecision,
+  randomRecipe,
+  randomSize,
+  requestOf,
+  type SoakCloud,
+  type SoakView,
+} from './soak-scene.ts';
+
+export interface SoakOptions {
+  /** `navigator.gpu`, or anything that returns a fresh adapter at each request; an adapter gives one device. */
+  readonly gpu: Pick<GPU, 'requestAdapter'>;
+  /** Whole number that decides everything that happens. */
+  readonly seed: number;
+  readonly frames: number;
+  /** Compares the picture with that of a fresh engine at every so many frames; default 20. */
+  readonly compareEvery?: number;
+  /** Bytes of JavaScript objects in use, after garbage has been collected, if the caller can tell. */
+  readonly heapBytes?: () => number;
+  readonly signal?: AbortSignal;
+  readonly onFrame?: (frame: number) => void;
+  /** Changes what a fresh engine draws, for tests that a difference is noticed. */
+  readonly doctor?: (picture: Float32Array) => void;
+}
+
+export interface SoakReport {
+  readonly adapter: string;
+  readonly seed: number;
+  readonly frames: number;
+  readonly elapsedMs: number;
+  /** How often each kind of step was taken. */
+  readonly steps: Readonly<Record<string, number>>;
+  /** Pictures that were compared with those of a fresh engine, bit for bit. */
+  readonly pictures: number;
+  readonly gpuBytes: { readonly most: number; readonly atRest: number };
+  /** Bytes in use once the first tenth of the frames was drawn, and in the end; null where the caller cannot tell. */
+  readonly heapBytes: { readonly early: number; readonly end: number } | null;
+  /** What went wrong, with the number of the frame. */
+  readonly failures: readonly string[];
+}
+
+/** More clouds take longer to draw, and show nothing that three do not. */
+const MOST_CLOUDS = 3;
+/** Small enough that the GPU packs the rows of every file of some hundred splats. */
+const INGEST_MIN_ROWS = 200;
+
+interface Step {
+  readonly name: string;
+  /** How often it is taken, compared with the others. */
+  readonly weight: number;
+  run(soak: Soak, chance: Chance): Promise<void> | void;
+}
+
+/** Everything that may happen between two frames. */
+const STEPS: readonly Step[] = [
+  { name: 'orbit', weight: 30, run: (soak, chance) => soak.orbit(chance.within(-0.3, 0.3)) },
+  { name: 'turn', weight: 10, run: (soak, chance) => soak.turnTo(chance.vector(2)) },
+  {
+    name: 'jump',
+    weight: 6,
+    run: (soak, chance) => {
+      soak.shown.camera = randomCamera(chance);
+    },
+  },
+  {
+    name: 'resize',
+    weight: 5,
+    run: (soak, chance) => {
+      soak.shown = { ...soak.shown, size: randomSize(chance) };
+    },
+  },
+  {
+    name: 'accuracy',
+    weight: 6,
+    run: (soak, chance) => {
+      soak.shown.accuracy = randomAccuracy(chance);
+    },
+  },
+  {
+    name: 'background',
+    weight: 2,
+    run: (soak, chance) => {
+      soak.shown.background = [chance.within(0, 1), chance.within(0, 1), chance.within(0, 1)];
+    },
+  },
+  {
+    name: 'effects',
+    weight: 8,
+    run: (soak, chance) => soak.place(chance, () => ({ effects: randomEffects(chance) })),
+  },
+  { name: 'place', weight: 6, run: (soak, chance) => soak.place(chance, () => randomPlacing(chance)) },
+  { name: 'add', weight: 6, run: (soak, chance) => soak.add(chance) },
+  { name: 'remove', weight: 4, run: (soak, chance) => soak.remove(chance) },
+  { name: 'abort a load', weight: 3, run: (soak, chance) => soak.abortLoad(chance) },
+  { name: 'precision', weight: 4, run: (soak, chance) => soak.requestPrecision(chance) },
+  { name: 'pick', weight: 2, run: (soak, chance) => soak.pick(chance) },
+  { name: 'new view', weight: 2, run: (soak) => soak.renewView() },
+  { name: 'clear', weight: 1, run: (soak) => soak.clear() },
+  { name: 'lose the device', weight: 2, run: (soak, chance) => soak.loseDevice(chance) },
+];
+
+/**
+ * Draws frames while cameras, clouds, sizes, settings and effects change at random and devices are lost, and checks that
+ * nothing remains of it: pictures equal those of a fresh engine bit for bit, memory returns to where it started, and the GPU
+ * reports no error. Everything follows from the seed.
+ *
+ * @throws the signal's reason if it aborts, WebGpuUnavailableError.
+ */
+export async function soak(options: SoakOptions): Promise<SoakReport> {
+  const { seed, frames, compareEvery = 20, signal, onFrame, heapBytes } = options;
+  const startedMs = performance.now();
+  const chance = new Chance(seed);
+  const run = await Soak.start(options, chance);
+  const steps: Record<string, number> = {};
+  let earlyHeapBytes = 0;
+  try {
+    for (let frame = 1; frame <= frames && run.failures.length === 0; frame++) {
+      signal?.throwIfAborted();
+      const step = chance.weighted(STEPS);
+      steps[step.name] = (steps[step.name] ?? 0) + 1;
+      await run.take(frame, step, chance);
+      if (frame % compareEvery === 0) await run.compare();
+      if (frame === Math.ceil(frames / 10)) earlyHeapBytes = heapBytes?.() ?? 0;
+      onFrame?.(frame);
+    }
+    await run.clear();
+    return {
+      adapter: run.adapterLabel,
+      seed,
+      frames,
+      elapsedMs: performance.now() - startedMs,
+      steps,
+      pictures: run.pictures,
+      gpuBytes: run.gpuBytes,
+      heapBytes: heapBytes ? { early: earlyHeapBytes, end: heapBytes() } : null,
+      failures: run.failures,
+    };
+  } finally {
+    run.end();
+  }
+}
+
+/** One soak under way. */
+class Soak {
+  readonly failures: string[] = [];
+  readonly adapterLabel: string;
+  pictures = 0;
+  shown: SoakView;
+  readonly #options: SoakOptions;
+  #watched: WatchedDevice;
+  #engine: SplatEngine;
+  #view: SplatView;
+  #clouds: SoakCloud[] = [];
+  #frame = 0;
+  #stepName = 'start';
+  #mostBytes = 0;
+  /** Bytes that the engine held when it had neither cloud nor view for the first time. */
+  #bytesAtRest: number | null = null;
+
+  private constructor(options: SoakOptions, watched: WatchedDevice, engine: SplatEngine, shown: SoakView) {
+    this.#options = options;
+    this.#watched = watched;
+    this.#engine = engine;
+    this.#view = engine.createView();
+    this.shown = shown;
+    this.adapterLabel = adapterLabel(watched.device.adapterInfo);
+  }
+
+  static async start(options: SoakOptions, chance: Chance): Promise<Soak> {
+    const watched = await WatchedDevice.request(options.gpu);
+    const shown: SoakView = {
+      camera: randomCamera(chance),
+      size: randomSize(chance),
+      accuracy: randomAccuracy(chance),
+      background: [0, 0, 0],
+    };
+    return new Soak(options, watched, await engineOn(watched), shown);
+  }
+
+  get gpuBytes(): SoakReport['gpuBytes'] {
+    return { most: this.#mostBytes, atRest: this.#bytesAtRest ?? 0 };
+  }
+
+  /** Takes a step and draws a frame. */
+  async take(frame: number, step: Step, chance: Chance): Promise<void> {
+    this.#frame = frame;
+    this.#stepName = step.name;
+    try {
+      await step.run(this, chance);
+      this.#view.render(requestOf(this.shown, this.#clouds));
+      // As in a page, frames mostly follow one another before shaders of the last are compiled.
+      if (chance.happens(0.3)) await this.#view.whenDrawn();
+      await this.#watched.device.queue.onSubmittedWorkDone();
+    } catch (error) {
+      this.#fail(describe(error));
+    }
+    this.#mostBytes = Math.max(this.#mostBytes, this.#engine.memory().totalBytes);
+    await this.#takeErrors();
+  }
+
+  /** Compares the picture with that of an engine that was made for it. */
+  async compare(): Promise<void> {
+    const { accuracy } = this.shown;
+    // The choice between the rasterisers follows times, which no two engines share.
+    const isAuto = typeof accuracy === 'object' && accuracy.rasterizer === 'auto';
+    if (isAuto) this.shown.accuracy = { ...accuracy, rasterizer: 'tiles' };
+    try {
+      this.#view.render(requestOf(this.shown, this.#clouds));
+      const { data } = await this.#view.readPixels();
+      const fresh = await this.#freshPicture();
+      this.#options.doctor?.(fresh);
+      const at = firstDifference(data, fresh);
+      if (at >= 0) {
+        const pixel = describePixel(this.shown.size.widthPx, at);
+        this.#fail(`${pixel}: got ${data[at]}, a fresh engine ${fresh[at]}`);
+      }
+      this.pictures++;
+    } catch (error) {
+      this.#fail(`while comparing: ${describe(error)}`);
+    }
+    await this.#takeErrors();
+  }
+
+  end(): void {
+    this.#watched.destroy();
+  }
+
+  orbit(angle: number): void {
+    const { camera } = this.shown;
+    const [x, y, z] = camera.position;
+    const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
+    this.shown.camera = { ...camera, position: [cos * x + sin * z, y, cos * z - sin * x] };
+  }
+
+  /** Looks elsewhere from the same place. */
+  turnTo(target: [number, number, number]): void {
+    this.shown.camera = { ...this.shown.camera, target };
+  }
+
+  place(chance: Chance, change: () => Partial<SoakCloud['placing']>): void {
+    if (this.#clouds.length === 0) return;
+    const cloud = chance.of(this.#clouds);
+    cloud.placing = { ...cloud.placing, ...change() };
+  }
+
+  async add(chance: Chance): Promise<void> {
+    if (this.#clouds.length === MOST_CLOUDS) this.remove(chance);
+    const recipe = randomRecipe(chance);
+    const placing = randomPlacing(chance);
+    this.#clouds.push({ recipe, placing, cloud: await makeCloud(this.#engine, recipe) });
+  }
+
+  remove(chance: Chance): void {
+    if (this.#clouds.length === 0) return;
+    const [{ cloud }] = this.#clouds.splice(chance.whole(0, this.#clouds.length - 1), 1);
+    cloud.destroy();
+  }
+
+  /** Begins a load and calls it off at some moment. */
+  async abortLoad(chance: Chance): Promise<void> {
+    const recipe: CloudRecipe = { ...randomRecipe(chance), isFile: true };
+    const controller = new AbortController();
+    const loading = makeCloud(this.#engine, recipe, controller.signal);
+    const turns = chance.whole(0, 8);
+    loading.catch(() => {});
+    for (let turn = 0; turn < turns; turn++) await nextTask();
+    controller.abort();
+    const cloud = await loading.catch((error) => {
+      if (error !== controller.signal.reason) throw error;
+      return null;
+    });
+    cloud?.destroy();
+  }
+
+  async requestPrecision(chance: Chance): Promise<void> {
+    const precision = randomPrecision(chance);
+    if (this.#clouds.length === 0) return;
+    const item = chance.of(this.#clouds);
+    await this.#engine.requestPrecision(item.cloud, precision);
+    item.recipe = { ...item.recipe, precisions: [...item.recipe.precisions, precision] };
+  }
+
+  async pick(chance: Chance): Promise<void> {
+    const { widthPx, heightPx } = this.shown.size;
+    const [x, y] = [chance.within(0, 1), chance.within(0, 1)];
+    this.#view.render(requestOf(this.shown, this.#clouds));
+    await this.#view.pick(Math.floor(x * widthPx), Math.floor(y * heightPx));
+  }
+
+  renewView(): void {
+    this.#view.destroy();
+    this.#view = this.#engine.createView();
+  }
+
+  /** Frees everything, and checks that the engine is back where it was. */
+  async clear(): Promise<void> {
+    this.#view.destroy();
+    for (const { cloud } of this.#clouds.splice(0)) cloud.destroy();
+    await this.#watched.device.queue.onSubmittedWorkDone();
+    const { totalBytes } = this.#engine.memory();
+    this.#bytesAtRest ??= totalBytes;
+    if (totalBytes !== this.#bytesAtRest)
+      this.#fail(
+        `${totalBytes} bytes are left without clouds and views, ${this.#bytesAtRest} the first time`,
+      );
+    this.#view = this.#engine.createView();
+  }
+
+  /** Loses the device in the middle of work, and makes everything anew on another one. */
+  async loseDevice(chance: Chance): Promise<void> {
+    const recipe = randomRecipe(chance);
+    const work: Promise<unknown>[] = [makeCloud(this.#engine, recipe)];
+    this.#view.render(requestOf(this.shown, this.#clouds));
+    work.push(this.#view.whenDrawn(), this.#view.readPixels());
+    const precision = randomPrecision(chance);
+    if (this.#clouds.length > 0)
+      work.push(this.#engine.requestPrecision(chance.of(this.#clouds).cloud, precision));
+    const settled = Promise.allSettled(work);
+    const turns = chance.whole(0, 12);
+    for (let turn = 0; turn < turns; turn++) await nextTask();
+    this.#watched.destroy();
+    await this.#engine.lost;
+    for (const outcome of await settled) {
+      if (outcome.status === 'rejected' && !(outcome.reason instanceof WebSplatterError))
+        this.#fail(`work under way ended with ${describe(outcome.reason)}`);
+    }
+    this.#engine.destroy();
+    const { totalBytes } = this.#engine.memory();
+    if (totalBytes !== 0) this.#fail(`${totalBytes} bytes are counted after the engine was destroyed`);
+    await this.#takeErrors();
+    this.#watched = await WatchedDevice.request(this.#options.gpu);
+    this.#engine = await engineOn(this.#watched);
+    this.#view = this.#engine.createView();
+    for (const item of this.#clouds) item.cloud = await makeCloud(this.#engine, item.recipe);
+  }
+
+  async #freshPicture(): Promise<Float32Array> {
+    const engine = await engineOn(this.#watched);
+    const clouds = await Promise.all(
+      this.#clouds.map(async ({ recipe, placing }) => ({ placing, cloud: await makeCloud(engine, recipe) })),
+    );
+    const view = engine.createView();
+    view.render(requestOf(this.shown, clouds));
+    const { data } = await view.readPixels();
+    engine.destroy();
+    return data;
+  }
+
+  async #takeErrors(): Promise<void> {
+    for (const error of await this.#watched.takeErrors()) this.#fail(error);
+  }
+
+  #fail(what: string): void {
+    this.failures.push(`seed ${this.#options.seed}, frame ${this.#frame} (${this.#stepName}): ${what}`);
+  }
+}
+
+function engineOn({ device }: WatchedDevice): Promise<SplatEngine> {
+  return SplatEngine.create({ device, ingestMinRows: INGEST_MIN_ROWS });
+}
+
+function describe(error: unknown): string {
+  return error instanceof Error ? `${error.name}: ${error.message}` : String(error);
+}
+
+function nextTask(): Promise<void> {
+  return new Promise((resolve) => setTimeout(resolve, 0));
+}
