@@ -1,6 +1,6 @@
 // Blends the splats of each tile front to back, in float32, and writes the layer.
 // Reads each bin's sorted pairs, the tiles that they may touch, and the records; writes every pixel of the layer, and its depth
-// if requested. One workgroup per tile; each thread blends TILE_PIXELS pixels, one above the other.
+// if requested. One workgroup per tile, from the grid's first on; each thread blends TILE_PIXELS pixels, one above the other.
 // With NARROW each thread reads the tile's splats by itself, without workgroup memory: where few threads run in lockstep, barriers
 // and shared lists cost more than that. Otherwise the threads load batches of splats together.
 // A pixel ends when less than 2⁻¹⁶ of the light behind passes through: what is left out is less than that share of the brightest
@@ -77,7 +77,7 @@ struct Pixel {
 
 @compute @workgroup_size(TILE_THREADS)
 fn tileRasterize(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
-  let index = linearWorkgroup(workgroup, view.dispatchRow);
+  let index = grid.firstTile + linearWorkgroup(workgroup, view.dispatchRow);
   if (index >= grid.binColumns * grid.binRows * TILES) { return; }
   let bin = binOrder[index / TILES];
   let tile = index % TILES;

@@ -11,7 +11,7 @@ import { type CloudMemory, isHeld } from './clouds/cloud-planes.ts';
 import { emptyCloud } from './clouds/empty-cloud.ts';
 import type { PlaneMaker } from './clouds/plane-maker.ts';
 import { type CloudSource, SplatCloud, type SplatCloudOptions } from './clouds/splat-cloud.ts';
-import { DestroyedError } from './errors.ts';
+import { DestroyedError, InvalidArgumentError } from './errors.ts';
 import { frameStages } from './frame/frame.ts';
 import type { FrameShape } from './frame/frame-shape.ts';
 import { DEFAULT_TILE_BUDGET_BYTES } from './frame/pair-capacity.ts';
@@ -46,6 +46,7 @@ import { AccuracyWishes } from './views/accuracy-wishes.ts';
 import { EmbeddedView } from './views/embedded-view.ts';
 import { rememberedRasterizer } from './views/remembered-rasterizer.ts';
 import { SplatView } from './views/splat-view.ts';
+import { DEFAULT_SUBMISSION_BUDGET_MS } from './views/submission-forecast.ts';
 import type { ViewContext } from './views/view-core.ts';
 
 export interface EngineOptions extends DeviceOptions {
@@ -59,6 +60,13 @@ export interface EngineOptions extends DeviceOptions {
    * Most bytes of GPU memory that the lists of tiles may take, per view; default 512 MiB. Frames that need more are drawn by quads.
    */
   readonly tileBudgetBytes?: number;
+  /**
+   * Longest that one submission of a `SplatView`'s frame may keep the GPU, in milliseconds; default 250. Drivers are reset after
+   * some seconds, two on Windows, and the page freezes while the GPU is kept. Frames that were measured to take longer, and those
+   * of clouds that a view has not drawn before, are submitted in parts, each complete before the next; the image is the same, and
+   * `whenDrawn` waits for it. A host of an `EmbeddedView` makes its own submissions. Infinity: never divide a frame.
+   */
+  readonly submissionBudgetMs?: number;
   /** @internal Files with at least this many rows are packed on the GPU. For tests of small files; default 65,536. */
   readonly ingestMinRows?: number;
   /** @internal For tests only: see ShaderMutation. */
@@ -134,6 +142,7 @@ export class SplatEngine {
   readonly #ownsDevice: boolean;
   readonly #dispatchRow: number;
   readonly #tileBudgetBytes: number;
+  readonly #submissionBudgetMs: number;
   readonly #ingestMinRows: number;
   /** The device, once its sorts are known to be faster by ballots. */
   #ballots: BallotDevice | null = null;
@@ -159,6 +168,7 @@ export class SplatEngine {
     const limit = device.limits.maxComputeWorkgroupsPerDimension;
     this.#dispatchRow = Math.min(options.maxWorkgroupsPerDimension ?? limit, limit);
     this.#tileBudgetBytes = options.tileBudgetBytes ?? DEFAULT_TILE_BUDGET_BYTES;
+    this.#submissionBudgetMs = options.submissionBudgetMs ?? DEFAULT_SUBMISSION_BUDGET_MS;
     this.#ingestMinRows = options.ingestMinRows ?? INGEST_MIN_ROWS;
     this.#wishes = new AccuracyWishes({
       measure: async (wish, frame, options) => {
@@ -179,12 +189,18 @@ export class SplatEngine {
   /**
    * Creates an engine on `options.device`, or on a device of its own.
    *
-   * @throws WebGpuUnavailableError if WebGPU is not available, InvalidArgumentError for unknown accuracy settings.
+   * @throws WebGpuUnavailableError if WebGPU is not available, InvalidArgumentError for unknown accuracy settings and for a
+   *   budget that is none.
    */
   static async create(options: EngineOptions = {}): Promise<SplatEngine> {
     // Reject unknown settings before a device is requested in vain.
     const { accuracy = DEFAULT_ACCURACY } = options;
     if (!internWish(accuracy)) internAccuracy(accuracy as Accuracy);
+    const { submissionBudgetMs = DEFAULT_SUBMISSION_BUDGET_MS } = options;
+    if (!(submissionBudgetMs > 0)) {
+      const message = `submissionBudgetMs is ${submissionBudgetMs}; it must be more than 0 milliseconds.`;
+      throw new InvalidArgumentError('submissionBudgetMs', message);
+    }
     foreseeTiles();
     const device = options.device ?? (await requestSplatDevice(options));
     return new SplatEngine(device, options.device === undefined, options);
@@ -476,6 +492,7 @@ export class SplatEngine {
       ballots: () => this.#ballots,
       onMeasured: () => this.#rankFaster(),
       tileBudgetBytes: this.#tileBudgetBytes,
+      submissionBudgetMs: this.#submissionBudgetMs,
       fasterRasterizer: rememberedRasterizer(this.adapterLabel),
       destroyedBecause: () => this.#destroyedBecause,
     };

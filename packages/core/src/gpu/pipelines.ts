@@ -1,6 +1,7 @@
 import { numberOf } from '../number-of.ts';
 import { linkShader, loadVariant, type ShaderMutation, type ShaderVariant } from '../shaders/link-shader.ts';
 import { type Counting, zeroCounters } from './engine-counters.ts';
+import { RecentMap } from './recent-map.ts';
 
 /** How a shader sees a resource. */
 export type BindingKind =
@@ -37,12 +38,19 @@ export type Bindings<Binding extends string> = Readonly<
 
 type Pipeline = GPUComputePipeline | GPURenderPipeline;
 
+/**
+ * Most pipelines that are kept for frames that may return, and as many shader texts and modules. A frame of one cloud runs 20 to
+ * 30 of them; without a bound, a page that goes through settings or effects would gather all that there are.
+ */
+export const MAX_KEPT_PIPELINES = 256;
+
 /** Compiled pipelines of one device by their inputs, so that engines on the same device compile nothing twice. */
 interface DeviceCache {
+  /** As many as there are lists of bindings, a few dozen. */
   readonly layouts: Map<string, GPUBindGroupLayout>;
   /** By WGSL text. */
-  readonly modules: Map<string, GPUShaderModule>;
-  readonly pipelines: Map<string, Promise<Pipeline>>;
+  readonly modules: RecentMap<string, GPUShaderModule>;
+  readonly pipelines: RecentMap<string, Promise<Pipeline>>;
 }
 
 const caches = new WeakMap<GPUDevice, DeviceCache>();
@@ -50,15 +58,18 @@ const caches = new WeakMap<GPUDevice, DeviceCache>();
 /**
  * Links, compiles and caches pipelines, each variant once. Compiling never blocks: `compute` and `render` return undefined
  * until the pipeline exists, and `prepare` waits for it.
+ *
+ * A prepared stage object has its pipeline for as long as somebody holds that object, as a live plan does through its shape.
+ * Besides, the pipelines that were used last are kept, for equal stages of other shapes.
  */
 export class Pipelines {
   readonly #device: GPUDevice;
   readonly #mutation: ShaderMutation | undefined;
   readonly #cache: DeviceCache;
-  readonly #linked = new Map<string, string>();
-  readonly #compiled = new Map<string, Pipeline>();
-  /** Pipelines by the identity of stage and state, which needs no string keys. */
-  readonly #found = new WeakMap<StageDefinition, { state: RenderState | undefined; pipeline: Pipeline }>();
+  readonly #linked = new RecentMap<string, string>(MAX_KEPT_PIPELINES);
+  readonly #compiled = new RecentMap<string, Pipeline>(MAX_KEPT_PIPELINES);
+  /** Pipelines by the identity of stage and state, which needs no string keys; those of compute stages by the stage twice. */
+  readonly #found = new WeakMap<StageDefinition, WeakMap<StageDefinition | RenderState, Pipeline>>();
   readonly #counting: Pick<Counting, 'pipelinesCompiled'>;
 
   /**
@@ -69,7 +80,11 @@ export class Pipelines {
     this.#device = device;
     this.#counting = counting;
     this.#mutation = mutation;
-    this.#cache = caches.get(device) ?? { layouts: new Map(), modules: new Map(), pipelines: new Map() };
+    this.#cache = caches.get(device) ?? {
+      layouts: new Map(),
+      modules: new RecentMap(MAX_KEPT_PIPELINES),
+      pipelines: new RecentMap(MAX_KEPT_PIPELINES),
+    };
     caches.set(device, this.#cache);
   }
 
@@ -92,8 +107,11 @@ export class Pipelines {
     await Promise.all(
       Array.from(stages, async (entry) => {
         const [stage, state] = 'bindings' in entry ? [entry, undefined] : entry;
-        const key = keyOf(stage, state);
-        if (!this.#compiled.has(key)) this.#compiled.set(key, await this.#pipeline(stage, state));
+        if (this.#find(stage, state)) return;
+        const pipeline = await this.#pipeline(stage, state);
+        this.#compiled.set(keyOf(stage, state), pipeline);
+        // Now: others may take its place in the map before the frame looks for it.
+        this.#remember(stage, state, pipeline);
       }),
     );
   }
@@ -116,11 +134,16 @@ export class Pipelines {
 
   /** Finds a pipeline. Frames pass the same objects again and again, so their string keys are made once. */
   #find(stage: StageDefinition, state: RenderState | undefined): Pipeline | undefined {
-    const known = this.#found.get(stage);
-    if (known && known.state === state) return known.pipeline;
+    const known = this.#found.get(stage)?.get(state ?? stage);
+    if (known) return known;
     const pipeline = this.#compiled.get(keyOf(stage, state));
-    if (pipeline) this.#found.set(stage, { state, pipeline });
+    if (pipeline) this.#remember(stage, state, pipeline);
     return pipeline;
+  }
+
+  #remember(stage: StageDefinition, state: RenderState | undefined, pipeline: Pipeline): void {
+    const byState = this.#found.get(stage) ?? new WeakMap();
+    this.#found.set(stage, byState.set(state ?? stage, pipeline));
   }
 
   async #pipeline(stage: StageDefinition, state: RenderState | undefined): Promise<Pipeline> {

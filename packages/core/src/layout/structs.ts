@@ -95,6 +95,8 @@ export const TileGrid = gpuStruct('TileGrid', {
   binRows: 'u32',
   /** Number of pairs that there is room for. */
   pairCapacity: 'u32',
+  /** Number of the tile that the first workgroup of tile-rasterize draws. */
+  firstTile: 'u32',
 });
 
 /** Number of pairs of a frame, computed on the GPU. */

@@ -15,14 +15,16 @@ interface TileUniforms {
   /** Workgroups per row of a dispatch; default so many that there is one row. */
   readonly dispatchRow?: number;
   readonly pairCapacity?: number;
+  readonly firstTile?: number;
 }
 
 /** The uniforms of the tile stages: the fields of `View` that they read, and the layer's bins. */
 export function tileUniforms(device: GPUDevice, options: TileUniforms) {
-  const { size, alphaCutoff, dispatchRow = 65_535, pairCapacity = 2 ** 24 } = options;
+  const { size, alphaCutoff, dispatchRow = 65_535, pairCapacity = 2 ** 24, firstTile = 0 } = options;
   const { widthPx, heightPx } = size;
   const view = packFlatView({ size, alphaCutoff, dispatchRow });
-  const grid = TileGrid.pack({ sizePx: [widthPx, heightPx], ...binGrid(widthPx, heightPx), pairCapacity });
+  const sizePx = [widthPx, heightPx] as const;
+  const grid = TileGrid.pack({ sizePx, ...binGrid(widthPx, heightPx), pairCapacity, firstTile });
   return { view: uniformBuffer(device, view), grid: uniformBuffer(device, grid) };
 }
 

@@ -100,14 +100,21 @@ export class GpuTimer {
       encoder.copyBufferToBuffer(counts.tilePlan, 0, target, TIMESTAMP_BYTES + COUNTS_BYTES, TilePlan.bytes);
   }
 
-  /** Call after submitting. Resolves when the frame is done; null if it was not measured. */
-  async read(frame: number, loadedSplats: number): Promise<FrameStatistics | null> {
+  /**
+   * Call after submitting. Resolves when the frame is done; null if it was not measured.
+   *
+   * @param submittedMs `performance.now()` when the frame's first submission was made.
+   */
+  async read(
+    frame: number,
+    loadedSplats: number,
+    submittedMs = performance.now(),
+  ): Promise<FrameStatistics | null> {
     const buffer = this.#measuring;
     const passes = this.#passes;
     const hasPairs = this.#hasPairs;
     this.#measuring = null;
     if (!buffer) return null;
-    const submittedMs = performance.now();
     try {
       const mapped = buffer.mapAsync(GPUMapMode.READ);
       // Destroying the view rejects this while the line below still waits; the rejection is handled after that.

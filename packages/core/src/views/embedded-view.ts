@@ -26,6 +26,10 @@ export interface EmbeddedFrameRequest
  * Splats inside another renderer's frame: hidden by its meshes, and blended over its image in the space that splats are
  * trained in. The host ends its pass, lets this view record into its encoder, shows the image in its next pass, opaque
  * where there are splats, and goes on.
+ *
+ * `prepare` makes one submission and the host makes that of `draw`, however long they take: only a `SplatView` divides frames that
+ * keep the GPU for long (`EngineOptions.submissionBudgetMs`). On slow devices, ask for a smaller `resolutionScale`, or for
+ * `{ maxFrameMs }`.
  */
 export class EmbeddedView extends ViewCore {
   /** Called when missing shaders of a frame have been compiled, or its accuracy has been chosen: prepare the frame again. */

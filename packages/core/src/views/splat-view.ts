@@ -10,7 +10,9 @@ import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import { storableCanvasFormat } from '../stages/composite.ts';
 import type { FrameProfile } from '../timing/frame-profile.ts';
 import type { ChooseAccuracyOptions } from './accuracy-wishes.ts';
+import type { FrameDivider } from './frame-divider.ts';
 import type { SplatPick } from './pick-splat.ts';
+import { SubmissionForecast } from './submission-forecast.ts';
 import { type ViewContext, ViewCore } from './view-core.ts';
 
 const BLACK: Vec3 = [0, 0, 0];
@@ -31,6 +33,15 @@ export class SplatView extends ViewCore {
   readonly #canvas: GPUCanvasContext | null;
   /** Background of the image on the canvas. */
   #shownBackground: readonly number[] = BLACK;
+  #forecast: SubmissionForecast;
+  /** Made for the first frame that is submitted in parts. */
+  #divider: FrameDivider | null = null;
+  /** Resolves when the last frame that was submitted in parts is complete, and the request that waited for that is under way. */
+  #inParts: Promise<void> = Promise.resolve();
+  /** Whether a frame is being submitted in parts: its buffers must stay as they are. */
+  #isInParts = false;
+  /** The newest request since that frame began. */
+  #held: FrameRequest | null = null;
 
   /**
    * @internal Use `engine.createView`.
@@ -52,12 +63,14 @@ export class SplatView extends ViewCore {
       : ({ kind: 'image' } as const);
     super(context, output, () => onDestroyed(this));
     this.#canvas = configured;
+    this.#forecast = new SubmissionForecast(context.submissionBudgetMs);
   }
 
   /**
    * Draws `request`: submits the GPU's work and returns at once. If camera, clouds, size, background and accuracy are those
    * of the last frame, nothing is submitted. If a shader is still compiling, the frame follows automatically when it is
-   * ready; until then the same clouds are drawn with their old settings and effects. `whenDrawn` waits for the frame.
+   * ready; until then the same clouds are drawn with their old settings and effects. A frame that may keep the GPU for long is
+   * submitted in parts; of the requests that come meanwhile, the newest is drawn next. `whenDrawn` waits for the frame.
    *
    * @returns whether work was, or will be, submitted.
    * @throws InvalidArgumentError, GpuLimitError, DestroyedError.
@@ -65,6 +78,10 @@ export class SplatView extends ViewCore {
   render(request: FrameRequest): boolean {
     this.checkUsable();
     if (!this.check(request)) return false;
+    if (this.#isInParts) {
+      this.#held = request;
+      return true;
+    }
     const { plan, stands, isAsked } = this.next(request, [null]);
     if (!isAsked) {
       if (plan && !stands) this.#draw(plan);
@@ -83,8 +100,12 @@ export class SplatView extends ViewCore {
   }
 
   /** Resolves when the last requested frame has been submitted; rejects if its shaders do not compile. */
-  whenDrawn(): Promise<void> {
-    return this.drawn;
+  async whenDrawn(): Promise<void> {
+    // A frame in parts, and then the request that waited for it.
+    for (let frame = 0; frame < 2; frame++) {
+      await this.drawn;
+      await this.#inParts;
+    }
   }
 
   /**
@@ -127,8 +148,9 @@ export class SplatView extends ViewCore {
 
   protected override onChosen(choice: AccuracyChoice, request: FrameRequest): void {
     try {
-      // A request that waits for shaders is drawn with the choice anyway.
-      if (!this.isWaiting && this.canStillDraw(request)) this.render({ ...request, force: false });
+      // A request that waits is drawn with the choice anyway.
+      if (!this.isWaiting && !this.#held && this.canStillDraw(request))
+        this.render({ ...request, force: false });
     } catch (error) {
       console.warn(`The chosen settings could not be drawn; the image stays. ${(error as Error).message}`);
     }
@@ -136,13 +158,20 @@ export class SplatView extends ViewCore {
   }
 
   protected override retry(request: FrameRequest | null): void {
-    if (request && this.canStillDraw(request)) this.render(request);
+    // One that waits for a frame in parts is newer.
+    if (request && !this.#held && this.canStillDraw(request)) this.render(request);
   }
 
   #draw(plan: FramePlan): void {
     const { device } = this.context;
     const { request } = plan;
     this.makeRoom(plan);
+    if (!this.profile && this.#forecast.mayExceed(plan)) {
+      this.#inParts = this.#drawInParts(plan);
+      // As where shaders do not compile: only callers that await the frame get the error.
+      this.#inParts.catch(() => {});
+      return;
+    }
     this.#fitCanvas(request);
     if (!this.profile) this.timer.begin();
     const whole = device.createCommandEncoder({ label: 'websplatter frame' });
@@ -151,7 +180,71 @@ export class SplatView extends ViewCore {
     this.recordDraw(encoder, this.#destination(request));
     device.queue.submit([encoder.finish()]);
     this.shown(request);
-    void this.measure();
+    void this.#learn(plan);
+  }
+
+  async #learn(plan: FramePlan): Promise<void> {
+    const statistics = await this.measure();
+    if (statistics) this.#forecast.take(plan, statistics.timing);
+  }
+
+  async #drawInParts(plan: FramePlan): Promise<void> {
+    const { request } = plan;
+    const { parts } = this;
+    this.#isInParts = true;
+    let isDrawn = false;
+    try {
+      isDrawn = await this.#submitInParts(plan);
+    } finally {
+      this.#isInParts = false;
+      if (!isDrawn && !this.isDestroyed && parts === this.parts) this.giveUp();
+    }
+    const next = this.#held ?? (isDrawn ? null : request);
+    this.#held = null;
+    if (next && this.canStillDraw(next)) this.render(next);
+  }
+
+  /** Returns whether the frame was drawn to its end. */
+  async #submitInParts(plan: FramePlan): Promise<boolean> {
+    const { request, shape } = plan;
+    const { parts, timer, context } = this;
+    if (!this.#divider) {
+      // Small scenes never need it.
+      const module = await import('./frame-divider.ts').catch(() => null);
+      if (!module) {
+        // Better slow than nothing.
+        this.#forecast = new SubmissionForecast(Number.POSITIVE_INFINITY);
+        return false;
+      }
+      this.#divider = new module.FrameDivider(context);
+    }
+    const submittedMs = performance.now();
+    timer.begin();
+    const canDraw = () =>
+      !this.isDestroyed && context.destroyedBecause() === null && parts === this.parts && !parts.isDestroyed;
+    const elapsedMs = await this.#divider.submit({
+      parts,
+      plan,
+      recordOrder: (encoder) => this.recordOrder(encoder),
+      recordLayer: (encoder) => parts.recordDraw(encoder, timer, { kind: 'image' }),
+      recordEnd: (encoder) => {
+        // A canvas that is given a size is cleared.
+        this.#fitCanvas(request);
+        parts.recordBackground(encoder, timer, this.#destination(request));
+        this.recordEnd(encoder);
+      },
+      canOrder: () =>
+        canDraw() &&
+        shape.clouds.every(({ cloud, planes }) => {
+          return !cloud.isDestroyed && !cloud.isHeld && cloud.pagesFor(planes) === planes;
+        }),
+      canDraw,
+    });
+    if (elapsedMs === null) return false;
+    this.#forecast.takeParts(plan, elapsedMs);
+    this.shown(request);
+    void this.measure(submittedMs);
+    return true;
   }
 
   /** Draws the last splats over another background. */

@@ -42,6 +42,7 @@ export interface ViewContext extends AccuracyContext {
   /** Called when a frame has been measured. */
   readonly onMeasured: () => void;
   readonly tileBudgetBytes: number;
+  readonly submissionBudgetMs: number;
   /** The rasteriser that was faster on this adapter before, and where to keep that. */
   readonly fasterRasterizer: Pick<RasterizerChoiceOptions, 'remembered' | 'remember'>;
   /** Returns why nothing can be drawn any more, or null. */
@@ -365,6 +366,12 @@ export abstract class ViewCore {
     return new FrameParts({ ...this.context, onLack: (lack) => this.#startOver(lack) });
   }
 
+  /** Gives up the last frame, which was not drawn to its end. */
+  protected giveUp(): void {
+    this.parts.destroy();
+    this.#startOver(null);
+  }
+
   /** Forgets the last frame, whose memory is gone. */
   #startOver(lack: GpuLimitError | null): void {
     this.#lack = lack;
@@ -381,6 +388,11 @@ export abstract class ViewCore {
 
   protected recordDraw(encoder: GPUCommandEncoder, destination: Destination): void {
     this.parts.recordDraw(encoder, this.timer, destination, this.#sample());
+    this.recordEnd(encoder);
+  }
+
+  /** Records what belongs to the end of a frame that has been drawn. */
+  protected recordEnd(encoder: GPUCommandEncoder): void {
     this.#drawnAs = ++this.context.counting.framesDrawn;
     const { slotCount, visibleCount, tilePlan } = this.parts.shared.buffers;
     const hasTiles = this.shape?.rasterizer === 'tiles';
@@ -392,15 +404,16 @@ export abstract class ViewCore {
     this.#accuracy.show(request);
   }
 
-  /** Reads the frame's statistics; call after submitting. */
-  protected async measure(): Promise<void> {
+  /** Reads the frame's statistics; call after submitting. Null if it was not measured. */
+  protected async measure(submittedMs = performance.now()): Promise<FrameStatistics | null> {
     const totalSplats = this.shape?.clouds.reduce((sum, { cloud }) => sum + cloud.count, 0) ?? 0;
-    const statistics = await this.timer.read(++this.#frameNumber, totalSplats);
-    if (!statistics || this.#isDestroyed || !this.#prepared) return;
+    const statistics = await this.timer.read(++this.#frameNumber, totalSplats, submittedMs);
+    if (!statistics || this.#isDestroyed || !this.#prepared) return null;
     this.#learn(statistics);
     this.context.onMeasured();
     this.#statistics = statistics;
     this.onStatistics?.(statistics);
+    return statistics;
   }
 
   /** Learns from a frame's statistics how much room the next one needs, and which rasteriser is faster. */

@@ -205,6 +205,7 @@ export class TileLists implements FramePart<OrderRecording> {
       sizePx: [layer.widthPx, layer.heightPx],
       ...binGrid(layer.widthPx, layer.heightPx),
       pairCapacity: this.#held.pairCapacity,
+      firstTile: 0,
     });
     this.#context.device.queue.writeBuffer(this.#held.buffers.grid, 0, contents);
   }

@@ -1,0 +1,91 @@
+import { setFlagsFromString } from 'node:v8';
+import { runInNewContext } from 'node:vm';
+import { beforeAll, describe, expect, test, vi } from 'vitest';
+import { zeroCounters } from './engine-counters.ts';
+import { MAX_KEPT_PIPELINES, Pipelines, type StageDefinition } from './pipelines.ts';
+
+beforeAll(() => {
+  vi.stubGlobal('GPUShaderStage', { VERTEX: 1, FRAGMENT: 2, COMPUTE: 4 });
+});
+
+/** A device whose pipelines and shader modules are empty objects, and references to all that it made. */
+function fakeDevice() {
+  const made: WeakRef<object>[] = [];
+  const make = () => {
+    const thing = {};
+    made.push(new WeakRef(thing));
+    return thing;
+  };
+  const device = {
+    createBindGroupLayout: () => ({}),
+    createPipelineLayout: () => ({}),
+    createShaderModule: make,
+    createComputePipelineAsync: async () => make(),
+  } as unknown as GPUDevice;
+  return { device, alive: () => made.filter((each) => each.deref() !== undefined).length };
+}
+
+/** Stages that differ in a setting, which their shaders use. */
+function variants(count: number): StageDefinition[] {
+  const source =
+    'import constants::SETTING;\n@compute @workgroup_size(1)\nfn main() { let setting = SETTING; }';
+  return Array.from({ length: count }, (_, SETTING) => ({
+    stage: 'variant',
+    source,
+    entryPoint: 'main',
+    constants: { SETTING },
+    bindings: {},
+  }));
+}
+
+async function collectGarbage(): Promise<void> {
+  setFlagsFromString('--expose-gc');
+  const gc = runInNewContext('gc') as () => void;
+  for (let i = 0; i < 3; i++) {
+    // Objects that were looked at stay until the task ends.
+    await new Promise((resolve) => setTimeout(resolve));
+    gc();
+  }
+}
+
+describe('Pipelines', () => {
+  test('of ever more settings leave memory, but for those that were used last', async () => {
+    const { device, alive } = fakeDevice();
+    const counting = zeroCounters();
+    const pipelines = new Pipelines(device, undefined, counting);
+    const count = 3 * MAX_KEPT_PIPELINES;
+    for (const stage of variants(count)) await pipelines.prepare([stage]);
+    expect(counting.pipelinesCompiled).toBe(count);
+    await collectGarbage();
+    // As many modules as pipelines.
+    expect(alive()).toBe(2 * MAX_KEPT_PIPELINES);
+  });
+
+  test('stay for as long as somebody holds their stage, in whatever number', async () => {
+    const { device } = fakeDevice();
+    const counting = zeroCounters();
+    const pipelines = new Pipelines(device, undefined, counting);
+    const stages = variants(MAX_KEPT_PIPELINES + 50);
+    await pipelines.prepare(stages);
+    expect(pipelines.areReady(stages)).toBe(true);
+    const first = pipelines.compute(stages[0]);
+    await pipelines.prepare(stages);
+    expect(counting.pipelinesCompiled).toBe(stages.length);
+    expect(pipelines.compute(stages[0])).toBe(first);
+  });
+
+  test('are compiled again for an equal stage whose last use is long ago, and only for that', async () => {
+    const { device } = fakeDevice();
+    const counting = zeroCounters();
+    const pipelines = new Pipelines(device, undefined, counting);
+    const count = MAX_KEPT_PIPELINES + 1;
+    await pipelines.prepare(variants(count));
+    const [oldest, ...recent] = variants(count);
+    expect(pipelines.areReady(recent)).toBe(true);
+    await pipelines.prepare(recent);
+    expect(counting.pipelinesCompiled).toBe(count);
+    expect(pipelines.compute(oldest)).toBeUndefined();
+    await pipelines.prepare([oldest]);
+    expect(counting.pipelinesCompiled).toBe(count + 1);
+  });
+});

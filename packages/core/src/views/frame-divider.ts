@@ -1,0 +1,205 @@
+import type { FrameParts } from '../frame/frame.ts';
+import { useCompute } from '../frame/frame-part.ts';
+import type { FramePlan } from '../frame/frame-plan.ts';
+import { GpuMemory } from '../gpu/gpu-memory.ts';
+import { readWords } from '../gpu/read-buffer.ts';
+import { SHADER_CONSTANTS } from '../layout/constants.ts';
+import { TileGrid, TilePlan } from '../layout/structs.ts';
+import { dispatchSize } from '../stages/dispatch.ts';
+import { tileCount } from '../stages/tile-count.ts';
+import { type CommandPart, commandsOf, type FrameCommand } from './frame-commands.ts';
+import { SubmissionPacer } from './submission-pacer.ts';
+import type { ViewContext } from './view-core.ts';
+
+const { BIN_TILES, TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
+const TILES_PER_BIN = BIN_TILES * BIN_TILES;
+
+/** Pixels of quads are counted in cells of this side. */
+const CELL_PX = 8;
+/** What blending a splat over a cell takes the slowest devices, and what drawing a quad takes besides its pixels. */
+const SLOWEST_CELL_MS = 1.3e-3;
+
+type Context = Pick<ViewContext, 'device' | 'pipelines' | 'dispatchRow' | 'submissionBudgetMs'>;
+
+/** A frame to submit in parts. */
+export interface DividedFrame {
+  readonly parts: FrameParts;
+  readonly plan: FramePlan;
+  /** Records finding and sorting the visible splats. */
+  readonly recordOrder: (encoder: GPUCommandEncoder) => void;
+  /** Records drawing them into their layer. */
+  readonly recordLayer: (encoder: GPUCommandEncoder) => void;
+  /** Records the short rest. */
+  readonly recordEnd: (encoder: GPUCommandEncoder) => void;
+  /** Whether what `recordOrder` reads is still there. */
+  readonly canOrder: () => boolean;
+  /** Whether what `recordLayer` and `recordEnd` read is still there. */
+  readonly canDraw: () => boolean;
+}
+
+/**
+ * Submits frames of one view in parts, each complete before the next is submitted, so that no part takes longer than the budget
+ * and the page runs in between. Draws the same images, bit for bit, as one submission: quads range after range of their order,
+ * tiles range after range. A dispatch that finds or sorts splats, one quad, and one tile are not divided.
+ */
+export class FrameDivider {
+  readonly #context: Context;
+  readonly #pacer: SubmissionPacer;
+
+  constructor(context: Context) {
+    this.#context = context;
+    this.#pacer = new SubmissionPacer(context.submissionBudgetMs);
+  }
+
+  /** Returns the time of all parts, without the pauses between them, ms; null if something that the frame needs has gone. */
+  async submit(frame: DividedFrame): Promise<number | null> {
+    const { device } = this.#context;
+    const { dispatchRow } = frame.plan.shape;
+    // The time of earlier work is none of the first part's.
+    await this.#allDone();
+    const orderMs = await this.#submitOrder(commandsOf(frame.recordOrder, dispatchRow), frame);
+    if (orderMs === null) return null;
+    let elapsedMs = orderMs;
+    for (const command of commandsOf(frame.recordLayer, dispatchRow)) {
+      const tookMs = await this.#submitDivided(command, frame);
+      if (tookMs === null) return null;
+      elapsedMs += tookMs;
+    }
+    if (!frame.canDraw()) return null;
+    const encoder = device.createCommandEncoder({ label: 'websplatter end of a frame' });
+    frame.recordEnd(encoder);
+    device.queue.submit([encoder.finish()]);
+    return elapsedMs;
+  }
+
+  async #submitOrder(commands: readonly FrameCommand[], { canOrder }: DividedFrame): Promise<number | null> {
+    let elapsedMs = 0;
+    for (let first = 0; first < commands.length; ) {
+      let end = first + 1;
+      while (end < commands.length && this.#pacer.fits(commands.slice(first, end + 1))) end++;
+      if (!canOrder()) return null;
+      const together = commands.slice(first, end);
+      const tookMs = await this.#submit(together);
+      this.#pacer.take(together, tookMs);
+      elapsedMs += tookMs;
+      first = end;
+    }
+    return elapsedMs;
+  }
+
+  async #submitDivided(command: FrameCommand, frame: DividedFrame): Promise<number | null> {
+    const { stage } = command;
+    const slowestMs = await this.#slowestMsOfUnits(stage, frame);
+    const units = slowestMs.length - 1;
+    let elapsedMs = 0;
+    let first = 0;
+    do {
+      if (!frame.canDraw()) return null;
+      const count = Math.min(this.#pacer.unitsFrom(first, stage, slowestMs), units - first);
+      if (stage === 'tile-rasterize') this.#writeFirstTile(first, frame);
+      const tookMs = await this.#submit([command], { first, count, isLast: first + count >= units });
+      const work = { stage, slowestMs: slowestMs[first + count] - slowestMs[first] };
+      if (count > 0) this.#pacer.take([work], tookMs);
+      elapsedMs += tookMs;
+      first += count;
+    } while (first < units);
+    return elapsedMs;
+  }
+
+  async #submit(commands: readonly FrameCommand[], part?: CommandPart): Promise<number> {
+    const { device } = this.#context;
+    const encoder = device.createCommandEncoder({ label: 'websplatter part of a frame' });
+    for (const command of commands) command.encode(encoder, part);
+    const submittedMs = performance.now();
+    device.queue.submit([encoder.finish()]);
+    await this.#allDone();
+    return performance.now() - submittedMs;
+  }
+
+  /** Resolves also when the device is lost. */
+  async #allDone(): Promise<void> {
+    await this.#context.device.queue.onSubmittedWorkDone().catch(() => {});
+  }
+
+  /** Per unit: what those before it would take the slowest device, and at last what all would. Other stages are one unit. */
+  async #slowestMsOfUnits(stage: string, frame: DividedFrame): Promise<Float64Array> {
+    if (stage === 'tile-rasterize') return this.#slowestMsOfTiles(frame);
+    if (stage === 'rasterize') return this.#slowestMsOfQuads(frame);
+    const { widthPx, heightPx } = frame.plan.request;
+    return Float64Array.of(0, (SLOWEST_CELL_MS * widthPx * heightPx) / CELL_PX ** 2);
+  }
+
+  #writeFirstTile(tile: number, { parts }: DividedFrame): void {
+    const { tileGrid } = parts.shared.buffers;
+    this.#context.device.queue.writeBuffer(tileGrid, TileGrid.offsets.firstTile, Uint32Array.of(tile));
+  }
+
+  /** In the order in which tiles are dispatched, as if each blended every pair of its bin. */
+  async #slowestMsOfTiles({ parts, plan }: DividedFrame): Promise<Float64Array> {
+    const { device } = this.#context;
+    const { tilePlan, binStarts, binOrder } = parts.shared.buffers;
+    const words = await Promise.all([tilePlan, binStarts, binOrder].map((each) => readWords(device, each)));
+    const [counts, starts, order] = words;
+    const fits = counts[TilePlan.offsets.fits / 4];
+    const before = new Float64Array(plan.shape.binCount * TILES_PER_BIN + 1);
+    for (let tile = 0; tile + 1 < before.length; tile++) {
+      const bin = order[Math.floor(tile / TILES_PER_BIN)];
+      const pairs = fits * (starts[bin + 1] - starts[bin]);
+      before[tile + 1] = before[tile] + SLOWEST_CELL_MS * (1 + pairs);
+    }
+    return before;
+  }
+
+  /** In the order in which quads are drawn, far first, by the cells that each may touch. */
+  async #slowestMsOfQuads({ parts, plan }: DividedFrame): Promise<Float64Array> {
+    const { device, pipelines, dispatchRow } = this.#context;
+    const { shape, layer } = plan;
+    const { buffers } = parts.shared;
+    const [, count] = await readWords(device, buffers.drawArguments);
+    const before = new Float64Array(count + 1);
+    if (count === 0) return before;
+    // The stage that counts the bins of each splat counts cells where bins are as small as those.
+    const { recordPrecision, extent } = shape.accuracy;
+    const stage = { ...tileCount({ recordPrecision, extent }), constants: { BIN_PX: CELL_PX } };
+    await pipelines.prepare([stage]);
+    // Not the view's memory, whose peak would count these.
+    const memory = new GpuMemory(device);
+    try {
+      const { UNIFORM, STORAGE, COPY_SRC, COPY_DST } = GPUBufferUsage;
+      const grid = memory.createBuffer('cell grid', TileGrid.bytes, UNIFORM | COPY_DST);
+      const contents = TileGrid.pack({
+        sizePx: [layer.widthPx, layer.heightPx],
+        binColumns: Math.ceil(layer.widthPx / CELL_PX),
+        binRows: Math.ceil(layer.heightPx / CELL_PX),
+        pairCapacity: 0,
+        firstTile: 0,
+      });
+      device.queue.writeBuffer(grid, 0, contents);
+      const blocks = Math.ceil(count / TILE_COUNT_BLOCK);
+      const blockPairs = memory.createBuffer('cells of blocks', 4 * blocks, STORAGE | COPY_SRC);
+      // The keys are of no use once they are sorted.
+      const pairOffsets = buffers.keys;
+      const encoder = device.createCommandEncoder({ label: 'websplatter cells of quads' });
+      const pass = encoder.beginComputePass({ label: 'cells of quads' });
+      const group = pipelines.bindGroup(stage, { ...buffers, grid, pairOffsets, blockPairs });
+      useCompute(pass, pipelines, stage, group);
+      pass.dispatchWorkgroups(...dispatchSize(blocks, dispatchRow));
+      pass.end();
+      device.queue.submit([encoder.finish()]);
+      const [offsets, sums] = await Promise.all([
+        readWords(device, pairOffsets, count),
+        readWords(device, blockPairs),
+      ]);
+      for (let i = 0; i < count; i++) {
+        // Ranks count from the nearest.
+        const rank = count - 1 - i;
+        const isLastOfBlock = rank + 1 === count || (rank + 1) % TILE_COUNT_BLOCK === 0;
+        const end = isLastOfBlock ? sums[Math.floor(rank / TILE_COUNT_BLOCK)] : offsets[rank + 1];
+        before[i + 1] = before[i] + SLOWEST_CELL_MS * (1 + end - offsets[rank]);
+      }
+      return before;
+    } finally {
+      memory.destroyAll();
+    }
+  }
+}

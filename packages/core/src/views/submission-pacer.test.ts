@@ -1,0 +1,96 @@
+import fc from 'fast-check';
+import { describe, expect, test } from 'vitest';
+import { SubmissionPacer } from './submission-pacer.ts';
+
+const BUDGET_MS = 250;
+
+/** What units before each would take the slowest device, ms, then what all would. */
+function sumsOf(unitsMs: readonly number[]): Float64Array {
+  const sums = new Float64Array(unitsMs.length + 1);
+  for (const [i, ms] of unitsMs.entries()) sums[i + 1] = sums[i] + ms;
+  return sums;
+}
+
+/**
+ * Submits all units in turn on a device that takes `shareAt(unit)` of the slowest device's time for each. Returns the time and
+ * the number of units of each submission.
+ */
+function submitAll(pacer: SubmissionPacer, unitsMs: readonly number[], shareAt: (unit: number) => number) {
+  const sums = sumsOf(unitsMs);
+  const submissions: { readonly ms: number; readonly units: number }[] = [];
+  for (let first = 0; first < unitsMs.length; ) {
+    const units = Math.min(pacer.unitsFrom(first, 'stage', sums), unitsMs.length - first);
+    const work = { stage: 'stage', slowestMs: sums[first + units] - sums[first] };
+    const ms = unitsMs
+      .slice(first, first + units)
+      .reduce((sum, unitMs, i) => sum + unitMs * shareAt(first + i), 0);
+    pacer.take([work], ms);
+    submissions.push({ ms, units });
+    first += units;
+  }
+  return submissions;
+}
+
+/** Times of units on the slowest device, each far shorter than the budget. */
+const units = fc.array(fc.double({ min: 1e-4, max: 5, noNaN: true }), { minLength: 1, maxLength: 2000 });
+
+describe('SubmissionPacer', () => {
+  test('keeps every submission within the budget, on any device as fast as the slowest or faster', () => {
+    const share = fc.double({ min: 1e-6, max: 1, noNaN: true });
+    fc.assert(
+      fc.property(units, share, (unitsMs, share) => {
+        const submissions = submitAll(new SubmissionPacer(BUDGET_MS), unitsMs, () => share);
+        expect(Math.max(...submissions.map(({ ms }) => ms))).toBeLessThanOrEqual(BUDGET_MS);
+        expect(submissions.reduce((sum, { units }) => sum + units, 0)).toBe(unitsMs.length);
+      }),
+    );
+  });
+
+  test('keeps within the budget where work becomes four times harder from one unit to the next', () => {
+    // A submission aims at a quarter of the budget.
+    fc.assert(
+      fc.property(units, fc.double({ min: 1e-6, max: 1 / 4, noNaN: true }), (unitsMs, share) => {
+        const hardFrom = unitsMs.length / 2;
+        const shareAt = (unit: number) => (unit < hardFrom ? share : 4 * share);
+        const submissions = submitAll(new SubmissionPacer(BUDGET_MS), unitsMs, shareAt);
+        expect(Math.max(...submissions.map(({ ms }) => ms))).toBeLessThanOrEqual(BUDGET_MS);
+      }),
+    );
+  });
+
+  test('trusts work that becomes easy only step by step', () => {
+    const unitsMs = Array.from({ length: 4000 }, () => 5);
+    const submissions = submitAll(new SubmissionPacer(BUDGET_MS), unitsMs, () => 1e-6);
+    expect(submissions.map(({ units }) => units)).toEqual([12, 50, 200, 800, 2938]);
+  });
+
+  test('submits a unit alone that is longer than the budget: nothing is shorter', () => {
+    expect(submitAll(new SubmissionPacer(BUDGET_MS), [1000, 1000], () => 1)).toEqual([
+      { ms: 1000, units: 1 },
+      { ms: 1000, units: 1 },
+    ]);
+  });
+
+  test('takes a stage that was never measured for eight times slower than others', () => {
+    const pacer = new SubmissionPacer(BUDGET_MS);
+    const work = (stage: string, slowestMs: number) => ({ stage, slowestMs });
+    expect(pacer.fits([work('first', 62)])).toBe(true);
+    expect(pacer.fits([work('first', 63)])).toBe(false);
+    pacer.take([work('first', 1000)], 1);
+    expect(pacer.fits([work('second', 7800)])).toBe(true);
+    expect(pacer.fits([work('second', 7900)])).toBe(false);
+    expect(pacer.fits([work('second', 4000), work('third', 4000)])).toBe(false);
+  });
+
+  test('takes the time of stages together in proportion, and at once when it is longer', () => {
+    const pacer = new SubmissionPacer(BUDGET_MS);
+    const both = [
+      { stage: 'a', slowestMs: 10 },
+      { stage: 'b', slowestMs: 30 },
+    ];
+    pacer.take(both, 80);
+    expect(pacer.fits(both)).toBe(false);
+    expect(pacer.fits([{ stage: 'a', slowestMs: 31 }])).toBe(true);
+    expect(pacer.fits([{ stage: 'b', slowestMs: 32 }])).toBe(false);
+  });
+});

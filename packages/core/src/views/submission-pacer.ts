@@ -1,0 +1,70 @@
+/** Work of one stage, to be submitted. */
+export interface Work {
+  readonly stage: string;
+  /** What it would take the slowest device, ms. Only comparable within a stage: other stages may be far from theirs. */
+  readonly slowestMs: number;
+}
+
+/** Submissions are made for this part of the budget, so that one may take four times what is predicted. */
+const AIM = 1 / 4;
+/** A stage that was never measured may be this many times slower, next to the slowest device, than all that were. */
+const UNKNOWN_STAGE = 8;
+/** A stage's prediction falls to no less than this part of the last: work that follows may be harder. It rises at once. */
+const LEAST_FALL = 1 / 4;
+
+/**
+ * Divides the work of frames into submissions that stay within a budget, by the times of those before. Predicts for each stage
+ * which part of the slowest device's time this one takes. Begins with the slowest device's own times.
+ */
+export class SubmissionPacer {
+  readonly #aimMs: number;
+  /** By stage: the part of the slowest device's time that it is predicted to take. */
+  readonly #shares = new Map<string, number>();
+  #elapsedMs = 0;
+  #slowestMs = 0;
+
+  constructor(budgetMs: number) {
+    this.#aimMs = AIM * budgetMs;
+  }
+
+  /** Whether `work` may be submitted together. */
+  fits(work: readonly Work[]): boolean {
+    return this.#predictMs(work) <= this.#aimMs;
+  }
+
+  /**
+   * Returns how many units, from `first` on, may be submitted together: at least one.
+   *
+   * @param slowestMs per unit: what those before it would take the slowest device, and at last what all of them would.
+   */
+  unitsFrom(first: number, stage: string, slowestMs: Float64Array): number {
+    const most = slowestMs[first] + this.#aimMs / this.#shareOf(stage);
+    let [fitting, beyond] = [first + 1, slowestMs.length];
+    while (fitting + 1 < beyond) {
+      const middle = (fitting + beyond) >>> 1;
+      if (slowestMs[middle] <= most) fitting = middle;
+      else beyond = middle;
+    }
+    return fitting - first;
+  }
+
+  /** Takes the time of a submission. */
+  take(work: readonly Work[], elapsedMs: number): void {
+    const factor = elapsedMs / this.#predictMs(work);
+    const stages = new Set(work.map(({ stage }) => stage));
+    const shares = [...stages].map((stage) => [stage, this.#shareOf(stage)] as const);
+    for (const [stage, share] of shares) this.#shares.set(stage, share * Math.max(factor, LEAST_FALL));
+    this.#elapsedMs += elapsedMs;
+    this.#slowestMs += work.reduce((sum, { slowestMs }) => sum + slowestMs, 0);
+  }
+
+  #predictMs(work: readonly Work[]): number {
+    return work.reduce((sum, { stage, slowestMs }) => sum + this.#shareOf(stage) * slowestMs, 0);
+  }
+
+  #shareOf(stage: string): number {
+    const known = this.#shares.get(stage);
+    if (known !== undefined) return known;
+    return this.#slowestMs === 0 ? 1 : Math.min(1, (UNKNOWN_STAGE * this.#elapsedMs) / this.#slowestMs);
+  }
+}
