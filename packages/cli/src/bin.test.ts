@@ -50,14 +50,6 @@ binTest.each(['render', 'accuracy'])('%s opens no graphics driver for a bad file
   expect(stderr).toMatch(/^websplatter: \S+bad\.ply: [^\n]+\n$/);
 });
 
-binTest('what a terminal would obey is not repeated to it', () => {
-  const { status, stderr } = websplatter('\u001b[31m\nrender');
-  expect([status, stderr]).toEqual([
-    2,
-    'websplatter: there is no command ·[31m render (see websplatter --help)\n',
-  ]);
-});
-
 binTest('it ends quietly when its reader has gone, and with one line when its disk is full', ({ skip }) => {
   const shell = (command: string) =>
     spawnSync('bash', ['-c', command, process.execPath, bin], { encoding: 'utf8' });
