@@ -23,19 +23,20 @@ process.exit((await create([]).requestAdapter(JSON.parse(options))) ? 0 : 1);
 export function opensAdapter(
   loader: string,
   env: Readonly<Record<string, string>>,
-  options: GPURequestAdapterOptions,
+  adapterOptions: GPURequestAdapterOptions,
 ): Promise<boolean> {
-  const libraries = [isAbsolute(loader) ? dirname(loader) : '', process.env.LD_LIBRARY_PATH ?? ''];
-  const LD_LIBRARY_PATH = libraries.filter((path) => path !== '').join(delimiter);
   const webgpu = pathToFileURL(createRequire(import.meta.url).resolve('webgpu')).href;
-  const args = ['--input-type=module', '--eval', PROBE, webgpu, JSON.stringify(options)];
-  const { NODE_OPTIONS: _, ...inherited } = process.env;
+  const args = ['--input-type=module', '--eval', PROBE, webgpu, JSON.stringify(adapterOptions)];
+  const surroundings: NodeJS.ProcessEnv = { ...process.env, ...env };
+  // What this process preloads or watches is not for that one.
+  delete surroundings.NODE_OPTIONS;
+  // Dawn asks for the loader by name.
+  if (isAbsolute(loader)) {
+    const others = surroundings.LD_LIBRARY_PATH;
+    surroundings.LD_LIBRARY_PATH = others ? `${dirname(loader)}${delimiter}${others}` : dirname(loader);
+  }
   return new Promise((resolve) => {
-    execFile(
-      process.execPath,
-      args,
-      { env: { ...inherited, ...env, LD_LIBRARY_PATH }, timeout: PROBE_TIMEOUT_MS },
-      (error) => resolve(error === null),
-    );
+    const options = { env: surroundings, timeout: PROBE_TIMEOUT_MS };
+    execFile(process.execPath, args, options, (error) => resolve(error === null));
   });
 }
