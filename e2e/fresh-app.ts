@@ -4,6 +4,7 @@ import { tmpdir } from 'node:os';
 import { basename, dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { promisify } from 'node:util';
+import { CONTENT_SECURITY_POLICY } from './server.ts';
 
 const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 
@@ -22,9 +23,13 @@ const DEV_DEPENDENCIES = [
 const SOURCES: Readonly<Record<string, string>> = {
   'index.html': `<!doctype html>
 <html lang="en">
-  <head><title>Fresh</title><link rel="icon" href="data:," /></head>
-  <body style="margin: 0">
-    <div id="root" style="height: 100vh"></div>
+  <head>
+    <title>Fresh</title>
+    <link rel="icon" href="/icon.svg" />
+    <link rel="stylesheet" href="/src/page.css" />
+  </head>
+  <body>
+    <div id="root"></div>
     <script type="module" src="/src/main.tsx"></script>
   </body>
 </html>
@@ -32,7 +37,14 @@ const SOURCES: Readonly<Record<string, string>> = {
   'vite.config.ts': `import react from '@vitejs/plugin-react';
 import { defineConfig } from 'vite';
 
-export default defineConfig({ plugins: [react()] });
+export default defineConfig({
+  plugins: [react()],
+  preview: { headers: { 'content-security-policy': "${CONTENT_SECURITY_POLICY}" } },
+});
+`,
+  'public/icon.svg': '<svg xmlns="http://www.w3.org/2000/svg" />',
+  'src/page.css': `body { margin: 0; }
+#root { height: 100vh; }
 `,
   // Strict, and without skipLibCheck, so that the declarations of dependencies are checked too.
   'tsconfig.json': `{

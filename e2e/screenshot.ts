@@ -7,14 +7,27 @@ export interface Screenshot {
   readonly data: Uint8Array;
 }
 
-/** Captures a page, or an element of it, as shown on the screen; `style` (CSS) may hide parts. */
+/**
+ * Captures a page, or an element of it, as shown on the screen; `style` (CSS) may hide parts. Adopted style sheets and the
+ * caret as it is, because a strict content security policy blocks the style elements that Playwright would write.
+ */
 export async function screenshot(shown: Page | Locator, style = ''): Promise<Screenshot> {
-  const png = await shown.screenshot({ style });
   const page = 'page' in shown ? shown.page() : shown;
+  const added = await page.evaluateHandle((css) => {
+    const sheet = new CSSStyleSheet();
+    sheet.replaceSync(css);
+    document.adoptedStyleSheets.push(sheet);
+    return sheet;
+  }, style);
+  const png = await shown.screenshot({ caret: 'initial' });
+  await added.evaluate((sheet) => {
+    const sheets = document.adoptedStyleSheets;
+    sheets.splice(sheets.indexOf(sheet), 1);
+  });
   // The browser decodes its own PNG, which needs no library.
   const { widthPx, heightPx, base64 } = await page.evaluate(async (encoded) => {
-    const response = await fetch(`data:image/png;base64,${encoded}`);
-    const bitmap = await createImageBitmap(await response.blob());
+    const png = Uint8Array.from(atob(encoded), (character) => character.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([png]));
     const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
     const context = canvas.getContext('2d', { willReadFrequently: true });
     if (!context) throw new Error('no 2D context');

@@ -11,6 +11,12 @@ import { slowScene } from './test-scene.ts';
 
 const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 
+/**
+ * Sent with every page. What breaks it is logged as an error, and so fails the test.
+ */
+export const CONTENT_SECURITY_POLICY =
+  "default-src 'self'; script-src 'self'; worker-src 'self'; style-src 'self'";
+
 /** Files to serve besides an app's own, by path from the root, e.g. `scene.ply`. */
 export type ServedFiles = Readonly<Record<string, Uint8Array>>;
 
@@ -50,6 +56,10 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
         requests.set(path, (requests.get(path) ?? 0) + 1);
         next();
       });
+      // Browsers ask for it where a page has no icon of its own.
+      middlewares.use('/favicon.ico', (_request, response: ServerResponse) => {
+        response.writeHead(204).end();
+      });
       for (const [path, bytes] of Object.entries(files)) {
         middlewares.use(`/${path}`, (_request, response: ServerResponse) => {
           response.writeHead(200, {
@@ -88,7 +98,7 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
     build: { outDir },
     plugins: [testFiles],
     // Port 0: the system picks a free one.
-    preview: { host: '127.0.0.1', port: 0 },
+    preview: { host: '127.0.0.1', port: 0, headers: { 'content-security-policy': CONTENT_SECURITY_POLICY } },
   });
   const url = server.resolvedUrls?.local[0];
   if (!url) throw new Error('The preview server has no address.');

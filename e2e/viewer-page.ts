@@ -63,11 +63,11 @@ export function drawnCamera(page: Page): Promise<DrawnCamera> {
   return page.getByTestId('viewport').evaluate((canvas) => JSON.parse(canvas.dataset.camera ?? 'null'));
 }
 
-/** Captures the image as shown on the screen, without the interface over it. */
-export function viewerScreenshot(page: Page): Promise<Screenshot> {
+/** Captures the image as shown on the screen, without the interface over it; `style` (CSS) may hide more. */
+export function viewerScreenshot(page: Page, style = ''): Promise<Screenshot> {
   return screenshot(
     page,
-    '.overlay, .drop-overlay { visibility: hidden !important; } canvas { outline: none !important; }',
+    `.overlay, .drop-overlay { visibility: hidden !important; } canvas { outline: none !important; } ${style}`,
   );
 }
 

@@ -3,6 +3,7 @@ import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { changedPart, type Screenshot } from './screenshot.ts';
+import { CONTENT_SECURITY_POLICY } from './server.ts';
 import { slowScene, testScene } from './test-scene.ts';
 import {
   drawnCamera,
@@ -94,6 +95,8 @@ describe('viewer', () => {
   it('opens on its scene, with the figures of each stage', async () => {
     const page = await openViewer();
     expect(await page.title()).toContain('Still life');
+    const { headers } = await fetch(harness.server.url);
+    expect(headers.get('content-security-policy')).toBe(CONTENT_SECURITY_POLICY);
     const shot = await viewerScreenshot(page);
     expect(colorsIn(shot), 'different colours').toBeGreaterThan(500);
     await waitForTimes(page);

@@ -1,12 +1,16 @@
-// `npm run check:packages`: packs the published packages and checks the tarballs. publint and attw must report nothing,
-// not even suggestions; README and LICENSE must be there; sizes must stay within .size-limit.json.
+// `npm run check:packages`: packs the published packages and checks the tarballs. publint, attw and a publication that npm
+// only pretends must report nothing, not even suggestions; README and LICENSE must be there, and manifests complete; no
+// script, nor any of the viewer's, may make code from text; sizes must stay within .size-limit.json.
 import { spawn } from 'node:child_process';
-import { existsSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { existsSync, mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
-import { basename, join } from 'node:path';
+import { basename, join, relative } from 'node:path';
 import { publint } from 'publint';
 import { formatMessage } from 'publint/utils';
+import { build } from 'vite';
 import { PUBLISHED, pack } from './pack.mjs';
+import { codeFromText } from './package-checks/code-from-text.mjs';
+import { manifestProblems } from './package-checks/manifests.mjs';
 import { fail, repositoryRoot } from './setup.mjs';
 
 const folder = mkdtempSync(join(tmpdir(), 'websplatter-packages-'));
@@ -16,6 +20,10 @@ const packed = await pack(folder).catch((error) => fail(error.stderr || error.me
 const problems = (
   await Promise.all([
     ...PUBLISHED.map(missingFiles),
+    allManifestProblems(),
+    changelogProblems(),
+    publishProblems(),
+    scriptProblems(),
     ...packed.map(({ tarball }) => publintProblems(tarball)),
     // One after the other, since each occupies a core.
     attwProblems(packed.map(({ tarball }) => tarball)),
@@ -24,7 +32,9 @@ const problems = (
 ).flat();
 for (const problem of problems) console.error(problem);
 if (problems.length > 0) fail(`\n${problems.length} package checks failed.`);
-console.log(`publint and attw report nothing for ${packed.map(({ name }) => name).join(', ')}.`);
+console.log(
+  `publint, attw and npm publish --dry-run report nothing for ${packed.map(({ name }) => name).join(', ')}.`,
+);
 
 function missingFiles(name) {
   const path = (file) => join(repositoryRoot, 'packages', name, file);
@@ -34,6 +44,64 @@ function missingFiles(name) {
   if (!existsSync(path('LICENSE')) || readFileSync(path('LICENSE'), 'utf8') !== license)
     missing.push(`packages/${name}: LICENSE is not a copy of the repository's`);
   return missing;
+}
+
+function allManifestProblems() {
+  const root = readManifest('.');
+  const folders = root.workspaces.flatMap((pattern) =>
+    pattern.endsWith('/*') ? packagesIn(pattern.slice(0, -'/*'.length)) : [pattern],
+  );
+  const manifests = Object.fromEntries(folders.map((path) => [path, readManifest(path)]));
+  return manifestProblems(
+    root,
+    manifests,
+    PUBLISHED.map((name) => `packages/${name}`),
+  );
+}
+
+function packagesIn(path) {
+  return readdirSync(join(repositoryRoot, path))
+    .map((name) => `${path}/${name}`)
+    .filter((each) => existsSync(join(repositoryRoot, each, 'package.json')));
+}
+
+function readManifest(path) {
+  return JSON.parse(readFileSync(join(repositoryRoot, path, 'package.json'), 'utf8'));
+}
+
+function changelogProblems() {
+  const changelog = readFileSync(join(repositoryRoot, 'CHANGELOG.md'), 'utf8');
+  const versions = PUBLISHED.map((name) => readManifest(`packages/${name}`).version);
+  return [...new Set(versions)]
+    .filter((version) => !changelog.includes(`\n## ${version} `))
+    .map((version) => `CHANGELOG.md: there is no section for ${version}`);
+}
+
+/** Lets npm do all of a publication but the last step, from the packages' folders, without asking a registry. */
+async function publishProblems() {
+  const workspaces = PUBLISHED.flatMap((name) => ['--workspace', `packages/${name}`]);
+  const args = ['publish', '--dry-run', '--offline', '--ignore-scripts', '--loglevel', 'warn', ...workspaces];
+  const { status, stderr } = await run('npm', args, { shell: process.platform === 'win32' });
+  if (status !== 0) return [`npm publish --dry-run:\n${stderr}`];
+  const warnings = stderr.match(/^npm warn publish .*$/gm) ?? [];
+  return warnings.filter((line) => !line.includes('requires you to be logged in'));
+}
+
+/** Looks at the scripts of the published packages and of the viewer, as they are built. */
+async function scriptProblems() {
+  const viewer = join(folder, 'viewer');
+  await build({
+    configFile: join(repositoryRoot, 'apps/viewer/vite.config.ts'),
+    logLevel: 'error',
+    build: { outDir: viewer },
+  });
+  const packed = PUBLISHED.map((name) => join(repositoryRoot, 'packages', name, 'dist'));
+  return [...packed, viewer].flatMap((built) =>
+    readdirSync(built, { recursive: true })
+      .filter((name) => name.endsWith('.js'))
+      .map((name) => join(built, name))
+      .flatMap((path) => codeFromText(relative(repositoryRoot, path), readFileSync(path, 'utf8'))),
+  );
 }
 
 async function publintProblems(tarball) {
@@ -49,24 +117,30 @@ async function attwProblems(tarballs) {
   const problems = [];
   for (const tarball of tarballs) {
     const args = [tarball, '--profile', 'esm-only', '--format', 'ascii', '--no-color', '--no-emoji'];
-    const { status, output } = await runNode('@arethetypeswrong/cli/dist/index.js', args);
-    if (status !== 0) problems.push(`attw, ${basename(tarball)}:\n${output}`);
+    const { status, stdout, stderr } = await runTool('@arethetypeswrong/cli/dist/index.js', args);
+    if (status !== 0) problems.push(`attw, ${basename(tarball)}:\n${stdout}${stderr}`);
   }
   return problems;
 }
 
 async function sizeProblems() {
-  const { status, output } = await runNode('size-limit/bin.js', []);
-  if (status !== 0) return [`size-limit:\n${output}`];
-  console.log(output);
+  const { status, stdout, stderr } = await runTool('size-limit/bin.js', []);
+  if (status !== 0) return [`size-limit:\n${stdout}${stderr}`];
+  console.log(stdout.trimEnd());
   return [];
 }
 
-/** Runs a tool of node_modules at the repository's root and returns its stdout, and its stderr if it fails. */
-function runNode(script, args) {
-  const child = spawn(process.execPath, [join(repositoryRoot, 'node_modules', script), ...args], {
+/** Runs a tool of node_modules. */
+function runTool(script, args) {
+  return run(process.execPath, [join(repositoryRoot, 'node_modules', script), ...args]);
+}
+
+/** Runs a program at the repository's root. Resolves with its exit status and what it has printed. */
+function run(program, args, options = {}) {
+  const child = spawn(program, args, {
     cwd: repositoryRoot,
     env: { ...process.env, FORCE_COLOR: '0' },
+    ...options,
   });
   const printed = { stdout: '', stderr: '' };
   for (const stream of ['stdout', 'stderr']) {
@@ -76,9 +150,6 @@ function runNode(script, args) {
   }
   return new Promise((resolve, reject) => {
     child.once('error', reject);
-    child.once('close', (status) => {
-      const output = status === 0 ? printed.stdout : printed.stdout + printed.stderr;
-      resolve({ status, output: output.trimEnd() });
-    });
+    child.once('close', (status) => resolve({ status, ...printed }));
   });
 }

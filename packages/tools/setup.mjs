@@ -24,12 +24,15 @@ export function ensureInstalled() {
   const installed = join(repositoryRoot, 'node_modules/.package-lock.json');
   const lock = join(repositoryRoot, 'package-lock.json');
   if (existsSync(installed) && statSync(installed).mtimeMs >= statSync(lock).mtimeMs) return;
-  console.log('Installing dependencies (npm ci) …');
+  console.log('Installing dependencies (npm ci), from npm’s registry or its cache …');
   const npm = process.env.npm_execpath;
   const { status } = npm
     ? spawnSync(process.execPath, [npm, 'ci'], { cwd: repositoryRoot, stdio: 'inherit' })
     : spawnSync('npm ci', { cwd: repositoryRoot, stdio: 'inherit', shell: true });
-  if (status !== 0) fail('npm ci failed; its messages are above.');
+  if (status !== 0)
+    fail(
+      'The dependencies could not be installed; npm’s messages are above. Without a network, npm’s cache must hold them.',
+    );
 }
 
 /**
@@ -40,14 +43,13 @@ export function ensureChromium() {
   const found = findChromium();
   if (found) return found;
   if (process.env.CHROMIUM_PATH) fail(`CHROMIUM_PATH is ${process.env.CHROMIUM_PATH}, which does not exist.`);
+  const command =
+    process.platform === 'darwin'
+      ? 'brew install --cask chromium'
+      : 'sudo apt-get update && sudo apt-get install -y chromium';
+  const remedy = `Install it with\n  ${command}\nor set CHROMIUM_PATH to the program.`;
   const isDebianRoot = existsSync('/etc/debian_version') && process.getuid?.() === 0;
-  if (!isDebianRoot) {
-    const command =
-      process.platform === 'darwin'
-        ? 'brew install --cask chromium'
-        : 'sudo apt-get update && sudo apt-get install -y chromium';
-    fail(`The tests need Chromium. Install it with\n  ${command}\nor set CHROMIUM_PATH to the program.`);
-  }
+  if (!isDebianRoot) fail(`The tests need Chromium. ${remedy}`);
   console.log('Installing Chromium (apt-get) …');
   const { status } = spawnSync('apt-get update && apt-get install -y chromium', {
     shell: true,
@@ -55,7 +57,8 @@ export function ensureChromium() {
     env: { ...process.env, DEBIAN_FRONTEND: 'noninteractive' },
   });
   const installed = findChromium();
-  if (status !== 0 || !installed) fail('Chromium could not be installed; apt-get’s messages are above.');
+  if (status !== 0 || !installed)
+    fail(`The tests need Chromium, which apt-get could not install; its messages are above. ${remedy}`);
   return installed;
 }
 

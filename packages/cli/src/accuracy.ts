@@ -1,4 +1,4 @@
-import { ACCURACY_PRESETS } from '@websplatter/core';
+import { ACCURACY_PRESETS, printable } from '@websplatter/core';
 import { type AccuracyTable, measureAccuracy } from '@websplatter/core/measure';
 import { accuracyChart } from './accuracy-chart.ts';
 import { type AccuracyOptions, parseAccuracyArguments } from './accuracy-options.ts';
@@ -15,7 +15,7 @@ export async function accuracy(args: readonly string[], console: Console): Promi
   const options = parseAccuracyArguments(args);
   if (options.svg !== undefined) await checkWritable(options.svg);
   const table = await measure(options, console);
-  const title = options.scenes.join(', ');
+  const title = printable(options.scenes.join(', '));
   // Format everything before writing anything, so that an interrupted run leaves no partial file.
   const text = options.isJson ? accuracyJson(table, options.scenes) : accuracyText(table, title);
   if (options.svg !== undefined)

@@ -1,4 +1,4 @@
-import type { ShDegree } from '@websplatter/core';
+import { printable, type ShDegree } from '@websplatter/core';
 import type {
   CountSpread,
   FrameMeasurement,
@@ -38,7 +38,7 @@ export function benchText(report: BenchReport): string {
   const { cpu, cpuCount, memoryGiB, system, node } = machine;
   const hasTimestamps = timing === 'gpu-timestamps';
   return [
-    `${report.scene}: ${count(measurement.loadedSplats)} splats, spherical harmonics of degree ${report.shDegree}`,
+    `${printable(report.scene)}: ${count(measurement.loadedSplats)} splats, spherical harmonics of degree ${report.shDegree}`,
     `${measurement.adapter}; ${cpuCount} × ${cpu}, ${memoryGiB} GiB; ${system}; Node ${node}`,
     `commit ${report.commit ?? 'unknown'}`,
     '',

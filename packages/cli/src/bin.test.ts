@@ -50,6 +50,17 @@ binTest.each(['render', 'accuracy'])('%s opens no graphics driver for a bad file
   expect(stderr).toMatch(/^websplatter: \S+bad\.ply: [^\n]+\n$/);
 });
 
+binTest('it ends quietly when its reader has gone, and with one line when its disk is full', ({ skip }) => {
+  const shell = (command: string) =>
+    spawnSync('bash', ['-c', command, process.execPath, bin], { encoding: 'utf8' });
+  expect(shell('set -o pipefail; "$0" "$1" --help | true')).toMatchObject({ status: 1, stderr: '' });
+  if (!existsSync('/dev/full')) skip('no /dev/full here');
+  expect(shell('"$0" "$1" --help > /dev/full')).toMatchObject({
+    status: 1,
+    stderr: 'websplatter: cannot write: the disk is full\n',
+  });
+});
+
 binTest('info prints JSON', () => {
   const { status, stdout, stderr } = websplatter('info', new TestFolder().scene(), '--json');
   expect([status, stderr]).toEqual([0, '']);
@@ -96,3 +107,15 @@ binTest(
   },
   60_000,
 );
+
+binTest('where no driver opens, that is the one line', () => {
+  const folder = new TestFolder();
+  const ICD = { api_version: '1.1.230', library_path: folder.file('none.so') };
+  const driver = folder.write('driver.json', { file_format_version: '1.0.0', ICD });
+  const { status, stdout, stderr } = websplatterIn(
+    { VK_DRIVER_FILES: driver, WEBSPLATTER_VK_ICD: driver, XDG_RUNTIME_DIR: undefined },
+    ...['hardcases', '--filter', 'sort-1-keys'],
+  );
+  expect([status, stdout]).toEqual([1, '']);
+  expect(stderr).toMatch(/^websplatter: No WebGPU adapter: [^\n]+\n$/);
+});

@@ -48,6 +48,11 @@ test('invisible bands are reported and take no memory', async () => {
   expect((await runMain('info', scene)).out).toMatch(/^SH degree +1, seen up to 0$/m);
 });
 
+test('what a terminal would obey in the name of a file is not repeated to it', async () => {
+  const { out } = await runMain('info', new TestFolder().scene('a\u001b[31m.ply'));
+  expect(out).toMatch(/^scene .*a·\[31m\.ply$/m);
+});
+
 test('built-in scenes have names', async () => {
   const { out } = await runMain('info', 'builtin:still-life-small', '--json');
   expect(JSON.parse(out).count).toBeGreaterThan(1000);
@@ -65,6 +70,7 @@ test.each([
   [['info', 'a', '--yaml'], "websplatter: Unknown option '--yaml' (see websplatter --help)"],
   [['accuracy', 'a'], 'websplatter: accuracy needs --camera CAM.json (see websplatter --help)'],
   [['paint', 'a'], 'websplatter: there is no command paint (see websplatter --help)'],
+  [['\u001b[31m\npaint'], 'websplatter: there is no command ·[31m paint (see websplatter --help)'],
   [[], 'websplatter: no command (see websplatter --help)'],
 ])('%j fails in one line with status 2', async (args, line) => {
   const { status, out, err } = await runMain(...args);

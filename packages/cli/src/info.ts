@@ -2,6 +2,7 @@ import {
   cloudFacts,
   type DropCounts,
   type Harmonics,
+  printable,
   type ShDegree,
   type SplatColumns,
   type SplatSet,
@@ -89,7 +90,7 @@ function table(found: SceneInfo): string {
   const point = (values: readonly number[]) => values.map((value) => Number(value.toPrecision(7))).join('  ');
   const drops = Object.entries(found.dropped).map(([reason, count]) => `${count} ${reason}`);
   const rows: [string, string][] = [
-    ['scene', found.scene],
+    ['scene', printable(found.scene)],
     ['splats', found.count.toLocaleString('en')],
     ['left out', drops.length === 0 ? 'none' : drops.join(', ')],
     ['bounds min', point(found.bounds.min)],

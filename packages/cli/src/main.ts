@@ -1,11 +1,11 @@
-import { WebSplatterError } from '@websplatter/core';
+import { printable, WebSplatterError } from '@websplatter/core';
 import packageJson from '../package.json' with { type: 'json' };
 import { accuracy } from './accuracy.ts';
 import { bench } from './bench.ts';
 import type { Console } from './console.ts';
 import { hardcases } from './hardcases.ts';
 import { info } from './info.ts';
-import { UsageError } from './input-error.ts';
+import { describeSystemError, UsageError } from './input-error.ts';
 import { render } from './render.ts';
 import { soak } from './soak.ts';
 import { USAGE } from './usage.ts';
@@ -40,6 +40,7 @@ export async function main(args: readonly string[], console: Console): Promise<n
 
 /** Runs `args` with this process's own streams, then ends the process. */
 export async function run(args: readonly string[]): Promise<never> {
+  for (const stream of [process.stdout, process.stderr]) stream.once('error', endWithoutOutput);
   const status = await main(args, {
     out: (text) => process.stdout.write(text),
     err: (text) => process.stderr.write(text),
@@ -49,6 +50,12 @@ export async function run(args: readonly string[]): Promise<never> {
   }
   // Dawn's threads can keep an idle process from ending.
   process.exit(status);
+}
+
+/** Ends the process whose output cannot be written; silently where a reader, such as `head`, wants no more of it. */
+function endWithoutOutput(error: NodeJS.ErrnoException): void {
+  if (error.code !== 'EPIPE') console.error(`websplatter: cannot write: ${describeSystemError(error)}`);
+  process.exit(1);
 }
 
 async function dispatch([name, ...args]: readonly string[], console: Console): Promise<void> {
@@ -62,7 +69,7 @@ async function dispatch([name, ...args]: readonly string[], console: Console): P
 
 function oneLine(error: unknown): string {
   const message = error instanceof Error ? error.message : String(error);
-  const text = message.replace(/\s+/g, ' ').trim();
+  const text = printable(message.replace(/\s+/g, ' ').trim());
   const isExpected = error instanceof WebSplatterError;
   return `websplatter: ${isExpected ? text : `failed: ${text} (WEBSPLATTER_DEBUG=1 shows where)`}`;
 }

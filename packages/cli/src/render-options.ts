@@ -1,3 +1,4 @@
+import { resolve } from 'node:path';
 import { type ParseArgsConfig, parseArgs } from 'node:util';
 import {
   ACCURACY_SETTINGS,
@@ -54,6 +55,9 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
   if (values.out === undefined && values.raw === undefined) {
     throw new UsageError('--out', 'render needs --out image.png or --raw image.f32, or both');
   }
+  const outputs = [values.out, values.raw, values.timings].filter((path) => path !== undefined);
+  if (new Set(outputs.map((path) => resolve(path))).size < outputs.length)
+    throw new UsageError('--out', '--out, --raw and --timings need files of their own');
   if (values.model.length !== 0 && values.model.length !== positionals.length) {
     const found = `${values.model.length} --model for ${positionals.length} scene${positionals.length === 1 ? '' : 's'}`;
     throw new UsageError('--model', `${found}; give one for each, in the order of the scenes, or none`);
@@ -79,13 +83,30 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
   };
 }
 
-/** `parseArgs` with one-line messages for unknown arguments. */
+/**
+ * `parseArgs` with one-line messages for unknown arguments, and for empty ones, which it would take.
+ *
+ * @throws UsageError that names the argument.
+ */
 export function parseStrictly<Options extends NonNullable<ParseArgsConfig['options']>>(
   args: readonly string[],
   options: Options,
 ) {
+  const parsed = parse(args, options);
+  for (const token of parsed.tokens) {
+    if (token.kind === 'option-terminator' || token.value !== '') continue;
+    const name = token.kind === 'option' ? token.rawName : 'an argument';
+    throw new UsageError(name, `${name} is empty`);
+  }
+  return parsed;
+}
+
+function parse<Options extends NonNullable<ParseArgsConfig['options']>>(
+  args: readonly string[],
+  options: Options,
+) {
   try {
-    return parseArgs({ args: [...args], options, allowPositionals: true, strict: true });
+    return parseArgs({ args: [...args], options, allowPositionals: true, strict: true, tokens: true });
   } catch (error) {
     const [firstSentence] = (error as Error).message.split(/\. |\n/);
     throw new UsageError('arguments', firstSentence.replace(/\.$/, ''));

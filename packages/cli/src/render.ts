@@ -1,4 +1,4 @@
-import { WebSplatterError } from '@websplatter/core';
+import { printable, WebSplatterError } from '@websplatter/core';
 import { readCameraFile } from './camera-file.ts';
 import type { Console } from './console.ts';
 import { readModelFile } from './model-file.ts';
@@ -40,6 +40,6 @@ export async function render(args: readonly string[], console: Console): Promise
   }
   const splats = rendered.splatsPerScene.reduce((sum, count) => sum + count, 0);
   console.out(
-    `${outputs.join(', ')}: ${widthPx}×${heightPx}, ${rendered.visibleSplats} of ${splats} splats, ${rendered.label}\n`,
+    `${printable(outputs.join(', '))}: ${widthPx}×${heightPx}, ${rendered.visibleSplats} of ${splats} splats, ${rendered.label}\n`,
   );
 }

@@ -1,6 +1,3 @@
-import { constants, createReadStream } from 'node:fs';
-import { access, stat } from 'node:fs/promises';
-import { Readable } from 'node:stream';
 import { fileURLToPath } from 'node:url';
 import {
   type Harmonics,
@@ -10,6 +7,7 @@ import {
   type SplatSource,
   SplatSourceError,
 } from '@websplatter/core';
+import { openFile } from '@websplatter/node';
 import { builtinScenes } from '@websplatter/scenes';
 import { describeSystemError, UsageError } from './input-error.ts';
 
@@ -22,8 +20,6 @@ export interface SceneSource {
 }
 
 const BUILTIN_PREFIX = 'builtin:';
-/** Bytes that are read from a file at once. */
-const READ_BYTES = 1 << 20;
 
 /**
  * Resolves `scene`: `builtin:NAME`, the NAME of a built-in scene, a URL (http, https, file) or a path.
@@ -42,7 +38,7 @@ export async function findScene(scene: string): Promise<SceneSource> {
     if (!URL.canParse(scene)) throw new SplatSourceError(scene, 'it is no valid address');
     return { name: scene, content: { source: new URL(scene) } };
   }
-  return { name: scene, content: { source: await openFile(scene) } };
+  return { name: scene, content: { source: await openNamed(scene) } };
 }
 
 /** Reads the splats of a scene into memory. */
@@ -51,19 +47,13 @@ export async function readScene(scene: SceneSource, shPrecision: ShPrecision): P
   return readSplats(scene.content.source, { name: scene.name, shPrecision });
 }
 
-async function openFile(scene: string): Promise<SplatSource> {
+async function openNamed(scene: string): Promise<SplatSource> {
   try {
-    const path = scene.startsWith('file:') ? fileURLToPath(scene) : scene;
-    const found = await stat(path);
-    if (found.isDirectory()) throw new SplatSourceError(scene, 'it is a folder, not a file');
-    await access(path, constants.R_OK);
-    const stream = () =>
-      Readable.toWeb(createReadStream(path, { highWaterMark: READ_BYTES })) as ReadableStream<Uint8Array>;
-    // A file has a size, but a pipe can only be streamed. Node's own `openAsBlob` takes sizes modulo 4 GiB.
-    return found.isFile() ? ({ size: found.size, stream } as Blob) : stream();
+    return await openFile(scene.startsWith('file:') ? fileURLToPath(scene) : scene);
   } catch (error) {
-    if (error instanceof SplatSourceError) throw error;
-    throw new SplatSourceError(scene, `cannot be read: ${describeSystemError(error)}`, undefined, {
+    const cause = describeSystemError(error);
+    const isFolder = (error as NodeJS.ErrnoException).code === 'EISDIR';
+    throw new SplatSourceError(scene, isFolder ? cause : `cannot be read: ${cause}`, undefined, {
       cause: error,
     });
   }

@@ -70,6 +70,7 @@ export {
   transferablesOf,
 } from './packing/packed-cloud.ts';
 export type { CloudPrecision, GeometryPrecision, ShPrecision } from './packing/precision.ts';
+export { printable } from './printable.ts';
 export {
   coefficientsPerSplat,
   type DropCounts,

@@ -1,6 +1,7 @@
 import os from 'node:os';
 import { basename } from 'node:path';
 import { adapterLabel, isSoftwareAdapter, WebGpuUnavailableError } from '@websplatter/core';
+import { opensAdapter } from './driver-probe.ts';
 import { installedDrivers } from './installed-drivers.ts';
 import { routeEnvironment } from './route-environment.ts';
 import { type VulkanRoute, vulkanRoutes } from './vulkan-routes.ts';
@@ -80,12 +81,18 @@ async function choose(forceSoftware: boolean): Promise<Choice> {
   const surroundings = process.platform === 'linux' ? realSurroundings() : null;
   const routes = surroundings ? vulkanRoutes(surroundings, forceSoftware) : [null];
   for (const route of routes) {
-    if (route && !loadVulkan(route.loaders)) {
+    const loader = route?.loaders.find(loadVulkan);
+    if (route && !loader) {
       tried.push(`no Vulkan loader (${route.loaders.join(', ')}) can be loaded`);
       continue;
     }
     const dawn = await loadDawn();
-    const choice = await onRoute(route, () => openGpu(dawn, forceSoftware, route?.isSoftware ?? false));
+    const isOpenable =
+      !route?.mayFail ||
+      !loader ||
+      (await opensAdapter(loader, routeEnvironment(route, process.env), adapterOptions(forceSoftware)));
+    const choice =
+      isOpenable && (await onRoute(route, () => openGpu(dawn, forceSoftware, route?.isSoftware ?? false)));
     if (choice) return choice;
     const drivers = route?.driverFiles?.join(', ') ?? 'the system’s graphics driver';
     tried.push(`${drivers} offers no WebGPU adapter`);
@@ -136,21 +143,19 @@ async function loadDawn(): Promise<Dawn> {
 }
 
 /**
- * Loads the first of `loaders` that can be loaded. Dawn asks for `libvulkan.so.1` by name and gets the one that is already
- * in the process: this makes Chromium's copy work, which lies outside the library path.
+ * Loads a Vulkan loader, if that can be done. Dawn asks for `libvulkan.so.1` by name and gets the one that is already in the
+ * process: this makes Chromium's copy work, which lies outside the library path.
  */
-function loadVulkan(loaders: readonly string[]): boolean {
+function loadVulkan(loader: string): boolean {
   const { RTLD_NOW, RTLD_GLOBAL } = os.constants.dlopen;
   const RTLD_NODELETE = 0x1000;
-  return loaders.some((loader) => {
-    try {
-      process.dlopen({ exports: {} }, loader, RTLD_NOW | RTLD_GLOBAL | RTLD_NODELETE);
-      return true;
-    } catch (error) {
-      // Node complains that the library is no addon, but RTLD_NODELETE keeps it loaded.
-      return error instanceof Error && error.message.includes('did not self-register');
-    }
-  });
+  try {
+    process.dlopen({ exports: {} }, loader, RTLD_NOW | RTLD_GLOBAL | RTLD_NODELETE);
+    return true;
+  } catch (error) {
+    // Node complains that the library is no addon, but RTLD_NODELETE keeps it loaded.
+    return error instanceof Error && error.message.includes('did not self-register');
+  }
 }
 
 /** Runs `open` in the environment that `route` needs; child processes that are started later do not inherit it. */

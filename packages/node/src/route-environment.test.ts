@@ -6,6 +6,7 @@ const route = (driverFiles: string[] | null): VulkanRoute => ({
   loaders: ['libvulkan.so.1'],
   driverFiles,
   isSoftware: false,
+  mayFail: false,
 });
 const SESSION = { XDG_RUNTIME_DIR: '/run/user/1000' };
 

@@ -24,7 +24,12 @@ test('a bare machine has no way to a driver', () => {
 
 test('with only Chromium, SwiftShader is reached through Chromium’s own loader', () => {
   expect(vulkanRoutes(machine([SWIFTSHADER, CHROMIUM_LOADER]))).toEqual([
-    { loaders: ['libvulkan.so.1', CHROMIUM_LOADER], driverFiles: [SWIFTSHADER], isSoftware: true },
+    {
+      loaders: ['libvulkan.so.1', CHROMIUM_LOADER],
+      driverFiles: [SWIFTSHADER],
+      isSoftware: true,
+      mayFail: false,
+    },
   ]);
 });
 
@@ -53,7 +58,7 @@ test('Mesa’s drivers without a GPU are not tried, and lavapipe does not take S
 
 test('lavapipe is the software driver where there is no SwiftShader', () => {
   expect(vulkanRoutes(machine([RADEON, LAVAPIPE]))).toEqual([
-    { loaders: ['libvulkan.so.1'], driverFiles: [LAVAPIPE], isSoftware: true },
+    { loaders: ['libvulkan.so.1'], driverFiles: [LAVAPIPE], isSoftware: true, mayFail: true },
   ]);
   expect(vulkanRoutes(machine([RADEON, LAVAPIPE, RENDER_NODE]), true)).toMatchObject([
     { driverFiles: [LAVAPIPE], isSoftware: true },
@@ -67,6 +72,16 @@ test('WEBSPLATTER_VK_ICD replaces the places where SwiftShader is looked for, th
       loaders: ['libvulkan.so.1', '/opt/sw/libvulkan.so.1', CHROMIUM_LOADER],
       driverFiles: ['/opt/sw/icd.json'],
       isSoftware: true,
+      mayFail: true,
     },
   ]);
+});
+
+test('a driver may fail unless it needs no GPU or its GPU is there', () => {
+  const mayFail = (files: string[], env?: Record<string, string>) =>
+    vulkanRoutes(machine(files, env)).map((route) => route.mayFail);
+  expect(mayFail([SWIFTSHADER, RADEON, RENDER_NODE])).toEqual([true, false]);
+  expect(mayFail([SWIFTSHADER], { VK_DRIVER_FILES: '/opt/driver.json' })).toEqual([true, false]);
+  expect(mayFail([NVIDIA])).toEqual([true]);
+  expect(mayFail([NVIDIA, '/dev/nvidiactl'])).toEqual([false]);
 });

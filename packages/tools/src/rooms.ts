@@ -77,7 +77,7 @@ export const PACKAGES: Arrows = {
   core: 'shaders node(tests) scenes(tests)',
   /** Scenes made by code. */
   scenes: 'core',
-  /** WebGPU in Node. */
+  /** WebGPU and files in Node. */
   node: 'core',
   /** Scenes that break splat renderers, and what is right for each. */
   hardcases: 'core shaders(tests) node(tests)',
@@ -94,7 +94,7 @@ export const PACKAGES: Arrows = {
   /** Examples for react-three-fiber. */
   examples: 'react scenes core',
   /** This project beside other renderers. */
-  bench: 'three scenes core tools',
+  bench: 'three scenes node core tools',
   /** Apps and packages in a browser. */
   e2e: 'tools(tests) react(tests) three(tests) hardcases(tests) scenes(tests) core(tests)',
 };

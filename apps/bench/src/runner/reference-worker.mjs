@@ -1,12 +1,12 @@
 // A thread that draws a scene by one camera in float64. JavaScript, because Node runs it as it is, and so does a pack.
-import { openAsBlob } from 'node:fs';
 import { parentPort, workerData } from 'node:worker_threads';
 import { perspectiveCamera, readSplats } from '@websplatter/core';
 import { renderReference } from '@websplatter/core/reference';
+import { openFile } from '@websplatter/node';
 
 /** @type {import('./references.ts').ReferenceRequest} */
 const { plyFile, camera, widthPx, heightPx } = workerData;
-const set = await readSplats(await openAsBlob(plyFile), { name: plyFile, shPrecision: 'f32' });
+const set = await readSplats(await openFile(plyFile), { name: plyFile, shPrecision: 'f32' });
 const { data } = renderReference({
   clouds: [{ set }],
   camera: perspectiveCamera({ ...camera, aspect: widthPx / heightPx }),

@@ -1,7 +1,8 @@
-import { existsSync, openAsBlob } from 'node:fs';
+import { existsSync } from 'node:fs';
 import { writeFile } from 'node:fs/promises';
 import { basename, join } from 'node:path';
 import { readSplats } from '@websplatter/core';
+import { openFile } from '@websplatter/node';
 import { type SceneCamera, syntheticCamera, syntheticPly } from '@websplatter/scenes';
 import { BenchError } from './bench-error.ts';
 import { camerasAround, readCameras, viewsAround } from './cameras.ts';
@@ -56,7 +57,7 @@ export async function readScene(plyFile: string, camerasFile: string | null): Pr
 
 async function readPly(file: string) {
   try {
-    return await readSplats(await openAsBlob(file), { name: file });
+    return await readSplats(await openFile(file), { name: file });
   } catch (error) {
     throw new BenchError(`${file}: ${(error as Error).message}`);
   }

@@ -1,0 +1,42 @@
+import { execFile } from 'node:child_process';
+import { createRequire } from 'node:module';
+import { delimiter, dirname, isAbsolute } from 'node:path';
+import { pathToFileURL } from 'node:url';
+
+/** A driver that has not opened by then never will. */
+const PROBE_TIMEOUT_MS = 30_000;
+
+/** Arguments: the address of the package webgpu, and the options of `requestAdapter`. */
+const PROBE = `
+const [webgpu, options] = process.argv.slice(1);
+const { create } = await import(webgpu);
+process.exit((await create([]).requestAdapter(JSON.parse(options))) ? 0 : 1);
+`;
+
+/**
+ * Finds out in a process of its own whether Dawn gets an adapter. For a driver that fails, the loader and Dawn write lines
+ * to stderr that cannot be turned off, and drivers have ended the process: neither reaches this one.
+ *
+ * @param loader name or path of the Vulkan loader.
+ * @param env environment variables that choose the drivers, besides this process's own.
+ */
+export function opensAdapter(
+  loader: string,
+  env: Readonly<Record<string, string>>,
+  adapterOptions: GPURequestAdapterOptions,
+): Promise<boolean> {
+  const webgpu = pathToFileURL(createRequire(import.meta.url).resolve('webgpu')).href;
+  const args = ['--input-type=module', '--eval', PROBE, webgpu, JSON.stringify(adapterOptions)];
+  const surroundings: NodeJS.ProcessEnv = { ...process.env, ...env };
+  // What this process preloads or watches is not for that one.
+  delete surroundings.NODE_OPTIONS;
+  // Dawn asks for the loader by name.
+  if (isAbsolute(loader)) {
+    const others = surroundings.LD_LIBRARY_PATH;
+    surroundings.LD_LIBRARY_PATH = others ? `${dirname(loader)}${delimiter}${others}` : dirname(loader);
+  }
+  return new Promise((resolve) => {
+    const options = { env: surroundings, timeout: PROBE_TIMEOUT_MS };
+    execFile(process.execPath, args, options, (error) => resolve(error === null));
+  });
+}

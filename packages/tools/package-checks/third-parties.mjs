@@ -1,0 +1,52 @@
+import { lstatSync, readdirSync } from 'node:fs';
+import { join } from 'node:path';
+
+/**
+ * Lists what the packages of this repository need at run time from others: `dependencies` and `peerDependencies`.
+ *
+ * @param {object} lock package-lock.json.
+ * @returns {Map<string, string[]>} folders that need it, sorted, by the dependency's name.
+ */
+export function thirdParties(lock) {
+  const needed = new Map();
+  for (const [folder, { dependencies, peerDependencies }] of Object.entries(lock.packages)) {
+    if (folder === '' || folder.includes('node_modules')) continue;
+    for (const name of Object.keys({ ...dependencies, ...peerDependencies })) {
+      if (name.startsWith('@websplatter/')) continue;
+      needed.set(name, [...(needed.get(name) ?? []), folder].sort());
+    }
+  }
+  return needed;
+}
+
+/** Bytes that a dependency takes in node_modules, with all that it depends on itself. */
+export function installedBytes(lock, root, name) {
+  const counted = new Set();
+  const add = (path) => {
+    if (path === undefined || counted.has(path)) return;
+    counted.add(path);
+    for (const each of Object.keys(lock.packages[path].dependencies ?? {})) add(locked(lock, path, each));
+  };
+  add(locked(lock, '', name));
+  return [...counted].reduce((sum, path) => sum + folderBytes(join(root, path)), 0);
+}
+
+/** Where npm has put the `name` that the package at `from` finds; undefined if it is optional and left out. */
+function locked(lock, from, name) {
+  for (let at = from; ; at = at.slice(0, Math.max(0, at.lastIndexOf('/node_modules/')))) {
+    const path = `${at === '' ? '' : `${at}/`}node_modules/${name}`;
+    if (lock.packages[path]) return path;
+    if (at === '') return undefined;
+  }
+}
+
+function folderBytes(folder) {
+  let bytes = 0;
+  for (const entry of readdirSync(folder, { withFileTypes: true })) {
+    const path = join(folder, entry.name);
+    if (!entry.isDirectory()) bytes += lstatSync(path).size;
+    // Packages of their own.
+    else if (entry.name !== 'node_modules') bytes += folderBytes(path);
+  }
+  return bytes;
+}
