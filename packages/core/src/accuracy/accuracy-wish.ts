@@ -11,7 +11,9 @@ const WISHES = ['minPsnrDb', 'maxFrameMs'] as const;
 
 /** Whether `request` is for an outcome rather than for settings. */
 export function isAccuracyWish(request: AccuracyRequest): request is AccuracyWish {
-  return typeof request === 'object' && WISHES.some((name) => Object.hasOwn(request, name));
+  return (
+    typeof request === 'object' && request !== null && WISHES.some((name) => Object.hasOwn(request, name))
+  );
 }
 
 /** @throws InvalidArgumentError unless the wish is one positive number under a known name. */

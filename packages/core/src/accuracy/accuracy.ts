@@ -1,6 +1,11 @@
 import { InvalidArgumentError } from '../errors.ts';
 import { HALF_MAX } from '../layout/half.ts';
-import type { GeometryPrecision, ShPrecision } from '../packing/precision.ts';
+import {
+  GEOMETRY_PRECISIONS,
+  type GeometryPrecision,
+  SH_PRECISIONS,
+  type ShPrecision,
+} from '../packing/precision.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 
 /**
@@ -82,7 +87,7 @@ export const ACCURACY_SETTINGS: {
     label: 'Geometry',
     about: 'Precision of stored rotations, scales, base colours and opacities: 64 or 32 bytes per splat.',
     unit: 'storage',
-    values: ['f32', 'packed'],
+    values: GEOMETRY_PRECISIONS,
     stage: 'load',
     change: 'plane',
     source: 'packed: smallest-three rotation of 3×15 bits, unorm16 log scales over the range of the cloud',
@@ -91,7 +96,7 @@ export const ACCURACY_SETTINGS: {
     label: 'Harmonics',
     about: 'Precision of the stored coefficients that make colours depend on the view.',
     unit: 'storage',
-    values: ['f32', 'f16', 'u8'],
+    values: SH_PRECISIONS,
     stage: 'load',
     change: 'plane',
     source: 'u8: one byte per coefficient, scaled per splat by the largest one',
@@ -272,6 +277,12 @@ export type Accuracy = AccuracyPreset | ({ readonly preset?: AccuracyPreset } & 
  * @throws InvalidArgumentError naming the preset or setting, the value found and the valid ones.
  */
 export function resolveAccuracy(accuracy: Accuracy = DEFAULT_ACCURACY): AccuracySettings {
+  if (typeof accuracy !== 'string' && Object.prototype.toString.call(accuracy) !== '[object Object]') {
+    throw new InvalidArgumentError(
+      'accuracy',
+      `The accuracy is ${String(accuracy)}; it must be the name of a preset, or an object of settings.`,
+    );
+  }
   const { preset = DEFAULT_ACCURACY, ...changes } =
     typeof accuracy === 'string' ? { preset: accuracy } : accuracy;
   if (!Object.hasOwn(ACCURACY_PRESETS, preset)) {
