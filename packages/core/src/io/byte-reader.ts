@@ -116,6 +116,7 @@ export class ByteReader {
     const { byteOffset, length } = bytes;
     const startOffset = this.byteOffset;
     let target = bytes;
+    let detaches = mayDetach;
     let at = 0;
     const onMore = (byteCount: number) => {
       at += byteCount;
@@ -126,12 +127,13 @@ export class ByteReader {
     this.advance(held);
     onMore(held);
     while (at < length) {
-      if (this.#pending.length === 0 && mayDetach && this.#reader.kind === 'into' && this.#toDrop === 0) {
+      if (this.#pending.length === 0 && detaches && this.#reader.kind === 'into' && this.#toDrop === 0) {
         const memoryBytes = target.buffer.byteLength;
         const read = await this.#readByReader(new Uint8Array(target.buffer, byteOffset + at, length - at));
         if (read === undefined) return null;
         if (read instanceof SplatSourceError) {
-          // The memory went with the stream, and with it what had been read.
+          // The memory went with the stream, and with it what had been read. That must not happen again and again.
+          detaches = false;
           await this.#resume(startOffset, read);
           target = new Uint8Array(new ArrayBuffer(memoryBytes), byteOffset, length);
           this.#base = startOffset - this.#end;
