@@ -4,6 +4,7 @@ import { Readable } from 'node:stream';
 import { fileURLToPath } from 'node:url';
 import {
   type Harmonics,
+  type ReadLimits,
   readSplats,
   type ShPrecision,
   type SplatSet,
@@ -18,10 +19,12 @@ export interface SceneSource {
   /** As given on the command line; messages use it. */
   readonly name: string;
   /** Makes the splats of a built-in scene, or the source to read them from. */
-  readonly content: { readonly make: () => SplatSet } | { readonly source: SplatSource };
+  readonly content: { readonly make: () => SplatSet } | ({ readonly source: SplatSource } & ReadLimits);
 }
 
 const BUILTIN_PREFIX = 'builtin:';
+/** A file on this machine may be as large as its owner likes. What an address sends has the usual limits. */
+const NO_LIMITS: ReadLimits = { maxBytes: Number.POSITIVE_INFINITY, maxSplats: Number.POSITIVE_INFINITY };
 /** Bytes that are read from a file at once. */
 const READ_BYTES = 1 << 20;
 
@@ -42,13 +45,14 @@ export async function findScene(scene: string): Promise<SceneSource> {
     if (!URL.canParse(scene)) throw new SplatSourceError(scene, 'it is no valid address');
     return { name: scene, content: { source: new URL(scene) } };
   }
-  return { name: scene, content: { source: await openFile(scene) } };
+  return { name: scene, content: { source: await openFile(scene), ...NO_LIMITS } };
 }
 
 /** Reads the splats of a scene into memory. */
 export async function readScene(scene: SceneSource, shPrecision: ShPrecision): Promise<SplatSet<Harmonics>> {
   if ('make' in scene.content) return scene.content.make();
-  return readSplats(scene.content.source, { name: scene.name, shPrecision });
+  const { source, ...limits } = scene.content;
+  return readSplats(source, { ...limits, name: scene.name, shPrecision });
 }
 
 async function openFile(scene: string): Promise<SplatSource> {

@@ -10,12 +10,11 @@ import type { PackedCloud } from '../packing/packed-cloud.ts';
 import type { GeometryPrecision, ShPrecision } from '../packing/precision.ts';
 import type { RowLayout } from '../packing/row-layout.ts';
 import type { RowFiles } from './row-sink.ts';
-import type { LoadProgress, ReadLimits, RequestOptions, SplatSource } from './splat-source.ts';
+import type { LoadProgress, SourceOptions, SplatSource } from './splat-source.ts';
 
 /** Settings of a load besides its source; all of them can be posted. */
-export interface LoadSettings extends ReadLimits {
+export interface LoadSettings extends SourceOptions {
   readonly name: string | undefined;
-  readonly request: RequestOptions | undefined;
   readonly shPrecision: ShPrecision;
   readonly geometryPrecision: GeometryPrecision;
 }

@@ -47,12 +47,16 @@ export interface RequestOptions {
   readonly maxRetries?: number;
 }
 
-export interface ReadOptions extends ReadLimits {
+/** What holds for a source whenever it is read. */
+export interface SourceOptions extends ReadLimits {
+  /** For addresses. */
+  readonly request?: RequestOptions;
+}
+
+export interface ReadOptions extends SourceOptions {
   /** Name for messages; by default the file's name or the URL. */
   readonly name?: string;
   readonly signal?: AbortSignal;
-  /** For addresses. */
-  readonly request?: RequestOptions;
   readonly onProgress?: (progress: LoadProgress) => void;
 }
 
