@@ -6,6 +6,7 @@ import {
   SH_PRECISIONS,
   type ShPrecision,
 } from '../packing/precision.ts';
+import { shown } from '../printable.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 
 /**
@@ -280,16 +281,16 @@ export function resolveAccuracy(accuracy: Accuracy = DEFAULT_ACCURACY): Accuracy
   if (typeof accuracy !== 'string' && Object.prototype.toString.call(accuracy) !== '[object Object]') {
     throw new InvalidArgumentError(
       'accuracy',
-      `The accuracy is ${String(accuracy)}; it must be the name of a preset, or an object of settings.`,
+      `The accuracy is ${shown(accuracy)}; it must be the name of a preset, or an object of settings.`,
     );
   }
   const { preset = DEFAULT_ACCURACY, ...changes } =
     typeof accuracy === 'string' ? { preset: accuracy } : accuracy;
-  if (!Object.hasOwn(ACCURACY_PRESETS, preset)) {
+  if (typeof preset !== 'string' || !Object.hasOwn(ACCURACY_PRESETS, preset)) {
     const names = Object.keys(ACCURACY_PRESETS).join(', ');
     throw new InvalidArgumentError(
       'accuracy',
-      `There is no accuracy preset "${preset}"; there are ${names}.`,
+      `There is no accuracy preset "${shown(preset)}"; there are ${names}.`,
     );
   }
   for (const [name, value] of Object.entries(changes)) checkSetting(name, value);
@@ -353,17 +354,23 @@ function checkSetting(name: string, value: unknown): void {
   const setting = (ACCURACY_SETTINGS as Record<string, AccuracySetting<unknown>>)[name];
   if (!Object.hasOwn(ACCURACY_SETTINGS, name)) {
     const names = Object.keys(ACCURACY_SETTINGS).join(', ');
-    throw new InvalidArgumentError(name, `There is no accuracy setting "${name}"; there are ${names}.`);
+    throw new InvalidArgumentError(
+      name,
+      `There is no accuracy setting "${shown(name)}"; there are ${names}.`,
+    );
   }
   const { values } = setting;
   if ('min' in values) {
     if (typeof value === 'number' && value >= values.min && value <= values.max) return;
     throw new InvalidArgumentError(
       name,
-      `${name} is ${value}; it must lie in ${values.min}…${values.max} (${setting.unit}).`,
+      `${name} is ${shown(value)}; it must lie in ${values.min}…${values.max} (${setting.unit}).`,
     );
   }
   if (!values.includes(value)) {
-    throw new InvalidArgumentError(name, `${name} is ${value}; it must be one of ${values.join(', ')}.`);
+    throw new InvalidArgumentError(
+      name,
+      `${name} is ${shown(value)}; it must be one of ${values.join(', ')}.`,
+    );
   }
 }

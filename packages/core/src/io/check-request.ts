@@ -1,4 +1,5 @@
 import { InvalidArgumentError } from '../errors.ts';
+import { shown } from '../printable.ts';
 import type { RequestOptions } from './splat-source.ts';
 
 const CREDENTIALS: readonly unknown[] = ['omit', 'same-origin', 'include'];
@@ -11,7 +12,7 @@ const LONGEST_TIMER_MS = 2 ** 31 - 1;
 export function checkRequest(request: RequestOptions): Required<RequestOptions> {
   const { headers = {}, credentials = 'same-origin', idleTimeoutMs = 30_000, maxRetries = 4 } = request;
   const refuse = (argument: string, value: unknown, expected: string): never => {
-    throw new InvalidArgumentError(argument, `${argument} is ${String(value)}; it must be ${expected}.`);
+    throw new InvalidArgumentError(argument, `${argument} is ${shown(value)}; it must be ${expected}.`);
   };
   if (!CREDENTIALS.includes(credentials)) refuse('credentials', credentials, CREDENTIALS.join(', '));
   if (!(typeof idleTimeoutMs === 'number' && idleTimeoutMs > 0))

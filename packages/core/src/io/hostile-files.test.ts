@@ -188,7 +188,8 @@ function checkOutcome(outcome: Outcome, { maxSplats = Number.POSITIVE_INFINITY }
   lengths.push(rotations.length / 4, opacityLogits.length, fileIndices.length);
   if (count < 1 || count > maxSplats || lengths.some((length) => length !== count))
     throw new Error(`${count} splats with columns of ${lengths}`);
-  for (const column of [positions, logScales, rotations, opacityLogits, colorDc, origin]) {
+  if (opacityLogits.some(Number.isNaN)) throw new Error('an opacity that is no number');
+  for (const column of [positions, logScales, rotations, colorDc, origin]) {
     if (!column.every(Number.isFinite)) throw new Error(`not finite: ${column}`);
   }
   const { geometry, bounds } = packCloud(outcome, { geometryPrecision: 'packed' });

@@ -1,4 +1,5 @@
 import { InvalidArgumentError, SplatFileError } from '../errors.ts';
+import { shown } from '../printable.ts';
 import type { OpenedSource, ReadLimits } from './splat-source.ts';
 
 /** Splats of degree 3 as they are trained, 248 bytes each, fit into as many bytes as `DEFAULT_MAX_BYTES`. */
@@ -27,7 +28,7 @@ export function limitsOf(
 
 function checkLimit(argument: string, value: number): void {
   if (typeof value === 'number' && value > 0) return;
-  throw new InvalidArgumentError(argument, `${argument} is ${String(value)}; it must be a number above 0.`);
+  throw new InvalidArgumentError(argument, `${argument} is ${shown(value)}; it must be a number above 0.`);
 }
 
 /** @throws SplatFileError 'too-large' if the source says itself that it has more bytes. */

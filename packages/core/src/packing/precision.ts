@@ -1,4 +1,5 @@
 import { InvalidArgumentError } from '../errors.ts';
+import { shown } from '../printable.ts';
 
 /** From the finest on. */
 export const GEOMETRY_PRECISIONS = ['f32', 'packed'] as const;
@@ -25,8 +26,5 @@ export function checkPrecision({ geometryPrecision, shPrecision }: Partial<Cloud
 
 function checkOneOf(name: string, value: string | undefined, values: readonly string[]): void {
   if (value === undefined || values.includes(value)) return;
-  throw new InvalidArgumentError(
-    name,
-    `${name} is ${String(value)}; it must be one of ${values.join(', ')}.`,
-  );
+  throw new InvalidArgumentError(name, `${name} is ${shown(value)}; it must be one of ${values.join(', ')}.`);
 }
