@@ -41,7 +41,7 @@ interface EffectSource {
  */
 export function usesOf(source: EffectSource): readonly EffectUse[] {
   const { effects: requested = [] } = source;
-  if (!Array.isArray(requested) || requested.some((use) => !use?.effect))
+  if (!Array.isArray(requested) || [...requested].some((use) => !use?.effect))
     throw new InvalidArgumentError(
       'effects',
       `effects is ${shown(requested)}; it must be a list of what effects return, such as [tint([1, 0, 0])].`,

@@ -49,7 +49,7 @@ function isMatrix(values: ArrayLike<number>): boolean {
 
 /** @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a destroyed cloud. */
 export function checkRequest(request: FrameRequest, device: GPUDevice): void {
-  const { camera, clouds, widthPx, heightPx, background = [0, 0, 0] } = request;
+  const { camera, clouds, widthPx, heightPx, background = [0, 0, 0] } = request ?? {};
   if (!(Number.isInteger(widthPx) && Number.isInteger(heightPx) && widthPx >= 0 && heightPx >= 0)) {
     throw new InvalidArgumentError(
       'widthPx',
@@ -63,7 +63,7 @@ export function checkRequest(request: FrameRequest, device: GPUDevice): void {
   }
   checkDepths(camera.near, camera.far);
   checkVector('background', background, 'the sRGB-encoded colour behind the splats');
-  if (!Array.isArray(clouds) || clouds.some((instance) => !instance?.cloud)) {
+  if (!Array.isArray(clouds) || [...clouds].some((instance) => !instance?.cloud)) {
     throw new InvalidArgumentError('clouds', `clouds is ${shown(clouds)}; it must be a list of { cloud }.`);
   }
   for (const { cloud, modelMatrix, shDegree = 3 } of clouds as readonly CloudInstance[]) {
