@@ -78,7 +78,9 @@ async function readTimed(
     endReading();
     packed = packCloud(set, precision);
   } else {
-    packed = await loadSplats(content.source, {
+    const { source, ...limits } = content;
+    packed = await loadSplats(source, {
+      ...limits,
       ...precision,
       name,
       onProgress: ({ phase }) => {

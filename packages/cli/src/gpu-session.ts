@@ -65,6 +65,7 @@ type Upload = (engine: SplatEngine) => SplatCloud;
 async function readForUpload({ name, content }: SceneSource, accuracy: AccuracySettings): Promise<Upload> {
   if ('make' in content) return (engine) => engine.add(content.make(), { name });
   const { geometryPrecision, shPrecision } = accuracy;
-  const packed = await loadSplats(content.source, { name, geometryPrecision, shPrecision });
-  return (engine) => engine.addPacked(packed, { name, source: lastingSource(content.source) });
+  const { source, ...sourceOptions } = content;
+  const packed = await loadSplats(source, { ...sourceOptions, name, geometryPrecision, shPrecision });
+  return (engine) => engine.addPacked(packed, { name, source: lastingSource(source), sourceOptions });
 }

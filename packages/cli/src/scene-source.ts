@@ -1,6 +1,7 @@
 import { fileURLToPath } from 'node:url';
 import {
   type Harmonics,
+  type ReadLimits,
   readSplats,
   type ShPrecision,
   type SplatSet,
@@ -16,10 +17,12 @@ export interface SceneSource {
   /** As given on the command line; messages use it. */
   readonly name: string;
   /** Makes the splats of a built-in scene, or the source to read them from. */
-  readonly content: { readonly make: () => SplatSet } | { readonly source: SplatSource };
+  readonly content: { readonly make: () => SplatSet } | ({ readonly source: SplatSource } & ReadLimits);
 }
 
 const BUILTIN_PREFIX = 'builtin:';
+/** A file on this machine may be as large as its owner likes. What an address sends has the usual limits. */
+const NO_LIMITS: ReadLimits = { maxBytes: Number.POSITIVE_INFINITY, maxSplats: Number.POSITIVE_INFINITY };
 
 /**
  * Resolves `scene`: `builtin:NAME`, the NAME of a built-in scene, a URL (http, https, file) or a path.
@@ -38,13 +41,14 @@ export async function findScene(scene: string): Promise<SceneSource> {
     if (!URL.canParse(scene)) throw new SplatSourceError(scene, 'it is no valid address');
     return { name: scene, content: { source: new URL(scene) } };
   }
-  return { name: scene, content: { source: await openNamed(scene) } };
+  return { name: scene, content: { source: await openNamed(scene), ...NO_LIMITS } };
 }
 
 /** Reads the splats of a scene into memory. */
 export async function readScene(scene: SceneSource, shPrecision: ShPrecision): Promise<SplatSet<Harmonics>> {
   if ('make' in scene.content) return scene.content.make();
-  return readSplats(scene.content.source, { name: scene.name, shPrecision });
+  const { source, ...limits } = scene.content;
+  return readSplats(source, { ...limits, name: scene.name, shPrecision });
 }
 
 async function openNamed(scene: string): Promise<SplatSource> {

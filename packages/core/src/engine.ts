@@ -30,9 +30,9 @@ import { Pipelines } from './gpu/pipelines.ts';
 import { LazyIngest } from './ingest/lazy-ingest.ts';
 import type { IngestedCloud, RowIngestOptions } from './ingest/row-ingest.ts';
 import { lastingSource, loadOrPass } from './io/load-splats.ts';
-import { sourceName } from './io/open-source.ts';
 import type { RowFiles } from './io/row-sink.ts';
-import type { ReadOptions, SplatSource } from './io/splat-source.ts';
+import { sourceName } from './io/source-kind.ts';
+import type { ReadOptions, SourceOptions, SplatSource } from './io/splat-source.ts';
 import type { EffectEntry } from './ledger/ledger.ts';
 import type { AccuracyChoice } from './measure/choose-accuracy.ts';
 import type { Harmonics } from './packing/harmonics.ts';
@@ -100,6 +100,7 @@ export interface LoadOptions extends ReadOptions {
 interface NewCloudOptions {
   readonly name?: string;
   readonly source?: CloudSource | readonly CloudSource[] | null;
+  readonly sourceOptions?: SourceOptions;
 }
 
 /**
@@ -253,14 +254,17 @@ export class SplatEngine {
    * Reads splats, in a worker if workers are available, and uploads them. Addresses, Files and Blobs are kept as handles, so
    * that `requestPrecision` can read them again.
    *
-   * @throws SplatFileError, SplatSourceError, GpuLimitError; the signal's reason if it aborts. Nothing is kept then.
+   * @throws SplatFileError, SplatSourceError, GpuLimitError, InvalidArgumentError; the signal's reason if it aborts. Nothing
+   *   is kept then.
    */
   async load(source: SplatSource, options: LoadOptions = {}): Promise<SplatCloud> {
     this.#checkUsable();
     const { accuracy } = this;
     const { geometryPrecision, shPrecision } = options.precision ?? accuracy;
     const name = options.name ?? sourceName(source);
-    const made = { name, source: lastingSource(source) };
+    const { maxBytes, maxSplats, request } = options;
+    const sourceOptions = { maxBytes, maxSplats, request };
+    const made = { name, source: lastingSource(source), sourceOptions };
     const rowsTo = this.#rowsTo({ geometryPrecision, shPrecision, name, onPreview: options.onPreview });
     const ingest = rowsTo.sink;
     let cloud: SplatCloud;
@@ -295,6 +299,7 @@ export class SplatEngine {
    * @param options.source where `requestPrecision` can read the same splats again: their file, or `packed` itself if its
    *   memory stays in use anyway. If there are several, the first that is fine enough is used, so list cheap sources first.
    *   Kept by reference; by default nothing is kept.
+   * @param options.sourceOptions how that file is read.
    * @throws GpuLimitError.
    */
   addPacked(packed: PackedCloud, options: NewCloudOptions = {}): SplatCloud {
@@ -457,10 +462,11 @@ export class SplatEngine {
     return this.#own(new SplatCloud(this.device, planes, contents, { ...own, onDestroyed }));
   }
 
-  #optionsOf({ name = 'splats', source }: NewCloudOptions): SplatCloudOptions {
+  #optionsOf({ name = 'splats', source, sourceOptions }: NewCloudOptions): SplatCloudOptions {
     return {
       name,
       source,
+      sourceOptions,
       makePlanes: (...request) => this.#makePlanes(...request),
       onDestroyed: (destroyed) => {
         this.#counting.cloudsDestroyed++;

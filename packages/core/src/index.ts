@@ -48,7 +48,14 @@ export type { GpuMemoryReport } from './gpu/gpu-memory.ts';
 export type { TextureImage } from './gpu/read-texture.ts';
 export { type LoadSplatsOptions, lastingSource, loadSplats } from './io/load-splats.ts';
 export { readSplats } from './io/read-splats.ts';
-export type { LoadProgress, ReadOptions, SplatSource } from './io/splat-source.ts';
+export type {
+  LoadProgress,
+  ReadLimits,
+  ReadOptions,
+  RequestOptions,
+  SourceOptions,
+  SplatSource,
+} from './io/splat-source.ts';
 export { encodePly } from './io/write-ply.ts';
 export type { EffectEntry } from './ledger/ledger.ts';
 export type { Vec3 } from './math/mat4.ts';

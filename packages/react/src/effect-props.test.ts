@@ -90,3 +90,44 @@ it.each<[unknown, unknown, boolean]>([
   expect(isSameValue(a, b)).toBe(expected);
   expect(isSameValue(b, a)).toBe(expected);
 });
+
+const HOSTILE: unknown[] = [
+  ...[Number.NaN, Number.POSITIVE_INFINITY, -1, 1e39, 10n, true, 'x', Symbol('s'), null, {}, [], [undefined]],
+  ...[[Number.NaN, 0, 0], new Map(), () => 3, Object.create(null), Array(3)],
+];
+
+it('takes any value of any prop, or refuses it by name', () => {
+  const good = {
+    tint: 'red',
+    brightness: 2,
+    antialias: true,
+    clip: {
+      volumes: [new Sphere(new Vector3(), 1), { shape: 'box', center: [0, 0, 0], size: [1, 1, 1] }],
+      softEdge: 1,
+    },
+    reveal: { from: 'camera', durationMs: 500, softEdge: 1 },
+    highlight: { selection: new SplatSelection(), color: 'red', strength: 1 },
+    effects: [],
+  };
+  expect(usesOfProps(good as EffectProps)).toHaveLength(5);
+  let refused = 0;
+  const give = (props: object) => {
+    try {
+      usesOfProps(props as EffectProps);
+      revealAnimationOf(props as EffectProps);
+    } catch (error) {
+      expect(error).toBeInstanceOf(InvalidArgumentError);
+      refused++;
+    }
+  };
+  for (const value of HOSTILE) {
+    for (const [name, options] of Object.entries(good)) {
+      give({ ...good, [name]: value });
+      if (typeof options !== 'object') continue;
+      for (const option of Object.keys(options)) give({ ...good, [name]: { ...options, [option]: value } });
+    }
+    give({ clip: { volumes: [value] } });
+    give({ effects: [value] });
+  }
+  expect(refused).toBeGreaterThan(100);
+});

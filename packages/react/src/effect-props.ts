@@ -1,3 +1,4 @@
+import { InvalidArgumentError } from '@websplatter/core';
 import {
   antialias,
   brightness,
@@ -42,15 +43,28 @@ export interface EffectProps {
  */
 export function usesOfProps(props: EffectProps): EffectUse[] {
   const uses: EffectUse[] = [];
-  if (props.clip)
-    uses.push(clip({ ...props.clip, volumes: props.clip.volumes.map((volume) => toVolume(volume)) }));
+  if (props.clip) {
+    const { volumes } = props.clip;
+    uses.push(
+      clip({
+        ...props.clip,
+        volumes: Array.isArray(volumes) ? volumes.map((volume) => toVolume(volume)) : [],
+      }),
+    );
+  }
   if (props.reveal && !isAnimation(props.reveal)) uses.push(reveal(props.reveal));
   if (props.antialias !== undefined) uses.push(antialias(props.antialias));
   if (props.brightness !== undefined) uses.push(brightness(props.brightness));
   if (props.tint !== undefined) uses.push(tint(encodedColor(props.tint)));
   if (props.highlight)
     uses.push(highlight({ ...props.highlight, color: encodedColor(props.highlight.color) }));
-  return [...uses, ...(props.effects ?? [])];
+  const effects = props.effects ?? [];
+  if (!Array.isArray(effects) || [...effects].some((use) => !use?.effect))
+    throw new InvalidArgumentError(
+      'effects',
+      'effects must be a list of what effects return: [tint([1, 0, 0])].',
+    );
+  return [...uses, ...effects];
 }
 
 /**
@@ -86,7 +100,7 @@ function isPlain(value: unknown): value is Record<string, unknown> {
 }
 
 function isAnimation(options: RevealOptions | RevealAnimation): options is RevealAnimation {
-  return 'durationMs' in options;
+  return typeof options === 'object' && 'durationMs' in options;
 }
 
 function toVolume(volume: ClipVolume | Box3 | Sphere | Plane): ClipVolume {

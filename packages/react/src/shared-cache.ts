@@ -3,9 +3,10 @@ import { SplatCache } from './splat-cache.ts';
 
 /** The cache of `<Splats>` and `useSplats` in all Canvases. Each load has its own loader, so that it can be aborted alone. */
 export const sharedCache = new SplatCache<SplatData>(
-  async ({ source, accuracy, renderer }, { signal, onProgress, onPreview }) => {
+  async ({ source, accuracy, renderer, sourceOptions = {} }, { signal, onProgress, onPreview }) => {
     const loader = new SplatLoader();
     loader.onPreview = onPreview;
+    loader.sourceOptions = sourceOptions;
     if (accuracy) loader.setAccuracy(accuracy);
     if (renderer) loader.detectSupport(renderer);
     signal.addEventListener('abort', () => loader.abort());

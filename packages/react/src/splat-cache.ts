@@ -1,4 +1,4 @@
-import { type AccuracyRequest, lastingSource } from '@websplatter/core';
+import { type AccuracyRequest, lastingSource, type SourceOptions } from '@websplatter/core';
 
 /** A source that can be loaded through the cache: URLs are compared by address, everything else by identity. */
 export type CacheableSource = string | URL | Blob | ArrayBuffer;
@@ -10,6 +10,8 @@ export interface SplatRequest {
   readonly accuracy: AccuracyRequest | null | undefined;
   /** Renderer that the first request for a file loads it for; undefined outside of a Canvas. */
   readonly renderer: object | undefined;
+  /** How the first request for a file reads it. */
+  readonly sourceOptions: SourceOptions | undefined;
   /** Equal for requests that share an entry. */
   readonly key: string;
 }
@@ -170,8 +172,9 @@ export function requestFor(
   source: CacheableSource,
   accuracy?: AccuracyRequest | null,
   renderer?: object,
+  sourceOptions?: SourceOptions,
 ): SplatRequest {
-  return { source, accuracy, renderer, key: sourceKeyOf(source) };
+  return { source, accuracy, renderer, sourceOptions, key: sourceKeyOf(source) };
 }
 
 const objectKeys = new WeakMap<object, string>();

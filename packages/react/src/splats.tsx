@@ -1,5 +1,5 @@
 import { extend, type ThreeElement, useThree } from '@react-three/fiber';
-import type { AccuracyChoice, AccuracyRequest } from '@websplatter/core';
+import type { AccuracyChoice, AccuracyRequest, SourceOptions } from '@websplatter/core';
 import {
   onDeviceLost as listenForDeviceLoss,
   type SplatData,
@@ -46,6 +46,8 @@ export interface SplatsProps
    * nothing, and reads a file again, in the background, only for a finer precision than it was packed for.
    */
   accuracy?: AccuracyRequest | null;
+  /** Limits of reading `src`, and how it is fetched if it is an address; the first request for a file decides. */
+  sourceOptions?: SourceOptions;
   /** The object in the scene. */
   ref?: Ref<SplatsObject>;
   /** Called when all splats have been read and are about to be drawn. */
@@ -99,6 +101,7 @@ function Cloud({
   renderer,
   src,
   accuracy = null,
+  sourceOptions,
   ref,
   onLoad,
   onProgress,
@@ -124,7 +127,7 @@ function Cloud({
   const uses = useSame(usesOfProps(effectProps), isSameUses);
   const animation = useSame(revealAnimationOf(effectProps), isSameValue);
 
-  const { splats, load } = useSource(src, renderer, accuracy, onProgress);
+  const { splats, load } = useSource(src, renderer, accuracy, sourceOptions, onProgress);
   useEffect(() => {
     if (load?.status === 'failed') latest.current.onError?.(load.error);
   }, [load, latest]);

@@ -1,4 +1,4 @@
-import type { AccuracyRequest } from '@websplatter/core';
+import type { AccuracyRequest, SourceOptions } from '@websplatter/core';
 import { SplatData } from '@websplatter/three';
 import { useCallback, useState, useSyncExternalStore } from 'react';
 import { sharedCache } from './shared-cache.ts';
@@ -23,12 +23,13 @@ export function useSource(
   src: Source,
   renderer: object,
   accuracy: AccuracyRequest | null,
+  sourceOptions?: SourceOptions,
   onProgress?: (event: ProgressEvent) => void,
 ): SourceState {
-  const load = useLoadState(src, renderer, accuracy, onProgress);
+  const load = useLoadState(src, renderer, accuracy, sourceOptions, onProgress);
   const [shown, setShown] = useState(src);
   // Also holds the file on screen in the cache: `src` may change back.
-  const onScreen = useLoadState(shown, renderer, accuracy);
+  const onScreen = useLoadState(shown, renderer, accuracy, sourceOptions);
   if (shown !== src && (load?.status === 'loaded' || onScreen?.status !== 'loaded')) setShown(src);
   // Previews are on one renderer alone.
   const isHere =
@@ -44,10 +45,11 @@ function useLoadState(
   src: Source,
   renderer: object,
   accuracy: AccuracyRequest | null,
+  sourceOptions?: SourceOptions,
   onProgress?: (event: ProgressEvent) => void,
 ): LoadState<SplatData> | undefined {
   const latest = useLatest(onProgress);
-  const request = src instanceof SplatData ? null : requestFor(src, accuracy, renderer);
+  const request = src instanceof SplatData ? null : requestFor(src, accuracy, renderer, sourceOptions);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the key stands for the request.
   const watch = useCallback(
     (onChange: () => void) => {

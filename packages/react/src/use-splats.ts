@@ -1,4 +1,4 @@
-import type { AccuracyRequest } from '@websplatter/core';
+import type { AccuracyRequest, SourceOptions } from '@websplatter/core';
 import { type SplatData, splatEngineOf } from '@websplatter/three';
 import { useEffect } from 'react';
 import { isServer } from './is-server.ts';
@@ -12,6 +12,8 @@ export interface UseSplatsOptions {
    * outside of one. To be drawn more exactly, the file has to be read a second time.
    */
   readonly accuracy?: AccuracyRequest;
+  /** Limits of reading, and how an address is fetched; the first request for a file decides. */
+  readonly sourceOptions?: SourceOptions;
 }
 
 /**
@@ -25,7 +27,7 @@ export function useSplats(source: CacheableSource, options: UseSplatsOptions = {
   const renderer = useCanvasRenderer();
   // Fails here where it has to, and not in a load that other Canvases share.
   if (renderer) splatEngineOf(renderer);
-  const request = requestFor(source, options.accuracy, renderer);
+  const request = requestFor(source, options.accuracy, renderer, options.sourceOptions);
   if (isServer())
     throw new Error(`useSplats(${source}) can only read in a browser: put a <Suspense> around it.`);
   const state = sharedCache.ask(request);
@@ -37,8 +39,9 @@ export function useSplats(source: CacheableSource, options: UseSplatsOptions = {
 }
 
 /** Starts reading a file ahead of its use, and keeps it until `useSplats.clear`. Does nothing on a server. */
-useSplats.preload = (source: CacheableSource, { accuracy }: UseSplatsOptions = {}): void => {
-  if (!isServer()) sharedCache.preload(requestFor(source, accuracy));
+useSplats.preload = (source: CacheableSource, options: UseSplatsOptions = {}): void => {
+  const { accuracy, sourceOptions } = options;
+  if (!isServer()) sharedCache.preload(requestFor(source, accuracy, undefined, sourceOptions));
 };
 
 /** Releases preloaded files, of `source` or all; files on screen are released with their last user. */

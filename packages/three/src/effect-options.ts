@@ -1,5 +1,5 @@
 // Converts three's colours, shapes and fog into the options of effects.
-import type { Vec3 } from '@websplatter/core';
+import { InvalidArgumentError, type Vec3 } from '@websplatter/core';
 import type { ClipVolume, FogOptions } from '@websplatter/core/effects';
 import {
   Box3,
@@ -13,8 +13,15 @@ import {
   Vector3,
 } from 'three/webgpu';
 
-/** Returns red, green and blue of any of three's colours, sRGB-encoded as effects take them. */
+/**
+ * Returns red, green and blue of any of three's colours, sRGB-encoded as effects take them.
+ *
+ * @throws InvalidArgumentError for what is no colour; a name that three does not know is white.
+ */
 export function encodedColor(color: ColorRepresentation): Vec3 {
+  const isColor = typeof color === 'string' || Number.isFinite(color) || (color as Color | null)?.isColor;
+  if (!isColor)
+    throw new InvalidArgumentError('color', `A colour is a name, a number or a Color, no ${typeof color}.`);
   const { r, g, b } = new Color(color).getRGB(new Color(), SRGBColorSpace);
   // float32, as in shaders: three returns 0.9999999999999999 for white, which would count as a tint.
   return [Math.fround(r), Math.fround(g), Math.fround(b)];

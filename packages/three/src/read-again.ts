@@ -1,4 +1,10 @@
-import { type CloudPrecision, type SplatCloud, type SplatEngine, SplatSourceError } from '@websplatter/core';
+import {
+  type CloudPrecision,
+  type SourceOptions,
+  type SplatCloud,
+  type SplatEngine,
+  SplatSourceError,
+} from '@websplatter/core';
 import { type Box3, Vector3 } from 'three/webgpu';
 
 /** What is known of splats since their first load. */
@@ -18,7 +24,7 @@ export async function readAgain(
   { name, count, bounds, isPreview }: KnownSplats,
   source: string | Blob | null,
   engine: SplatEngine,
-  options: { readonly precision: CloudPrecision; readonly signal: AbortSignal },
+  options: SourceOptions & { readonly precision: CloudPrecision; readonly signal: AbortSignal },
 ): Promise<SplatCloud> {
   if (isPreview) return aborted(options.signal);
   if (source === null) {

@@ -21,8 +21,9 @@ const SOFT_PART = 0.3;
 export function checkedReveal(animation: RevealAnimation): RevealAnimation {
   const { durationMs, ...options } = animation;
   reveal({ ...options, radius: 0 });
-  if (durationMs > 0 && durationMs < Number.POSITIVE_INFINITY) return animation;
-  const message = `durationMs is ${durationMs}; it must be a finite number of milliseconds above 0.`;
+  if (Number.isFinite(durationMs) && durationMs > 0) return animation;
+  const found = typeof durationMs === 'number' ? durationMs : `a ${typeof durationMs}`;
+  const message = `durationMs is ${found}; it must be a finite number of milliseconds above 0.`;
   throw new InvalidArgumentError('durationMs', message);
 }
 

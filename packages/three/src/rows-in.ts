@@ -3,6 +3,7 @@ import {
   GEOMETRY_WORDS,
   loadSplats,
   type PackedCloud,
+  type SourceOptions,
   type SplatCloud,
   SplatSourceError,
 } from '@websplatter/core';
@@ -27,6 +28,7 @@ export async function rowsIn(
   user: object,
   places: Iterable<Place>,
   otherwise: PackedCloud | string | Blob | null,
+  sourceOptions: SourceOptions,
 ): Promise<number[]> {
   for (const { cloud, users } of places) {
     if (cloud instanceof Promise) continue;
@@ -38,7 +40,7 @@ export async function rowsIn(
   if (otherwise === null)
     throw new DestroyedError('These splats', 'the engine that held them has freed them');
   const isFile = typeof otherwise === 'string' || otherwise instanceof Blob;
-  const packed = isFile ? await loadSplats(otherwise) : otherwise;
+  const packed = isFile ? await loadSplats(otherwise, sourceOptions) : otherwise;
   const rows: number[] = [];
   const { words, precision } = packed.geometry;
   addRows(rows, packed, 0, words, GEOMETRY_WORDS[precision], volume);

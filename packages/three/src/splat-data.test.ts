@@ -22,7 +22,11 @@ describe('data', () => {
     const { engine, addPacked } = fakeEngine({ accuracy: 'high' });
     const packed = packedCloudAt([0, 0, 0]);
     new SplatData(packed, 'test').acquire(engine, {});
-    expect(addPacked).toHaveBeenCalledExactlyOnceWith(packed, { name: 'test', source: packed });
+    expect(addPacked).toHaveBeenCalledExactlyOnceWith(packed, {
+      name: 'test',
+      source: packed,
+      sourceOptions: {},
+    });
   });
 
   test.each(['packed', 'f32'] as const)('finds the %s splats in a volume', async (geometryPrecision) => {
@@ -77,9 +81,14 @@ function loadingEngine() {
 describe('data that can be read again', () => {
   test('leaves memory with its first upload, and is read again for another engine', async () => {
     const [first, second] = [fakeEngine(), loadingEngine()];
-    const data = new SplatData(packedFile, 'garden', new URL(ADDRESS));
+    const sourceOptions = { maxSplats: 7, request: { maxRetries: 1 } };
+    const data = new SplatData(packedFile, 'garden', new URL(ADDRESS), sourceOptions);
     expect(data.acquire(first.engine, {})).toBe(first.cloud);
-    expect(first.addPacked).toHaveBeenCalledExactlyOnceWith(packedFile, { name: 'garden', source: ADDRESS });
+    expect(first.addPacked).toHaveBeenCalledExactlyOnceWith(packedFile, {
+      name: 'garden',
+      source: ADDRESS,
+      sourceOptions,
+    });
     const user = {};
     const reading = data.acquire(second.engine, user);
     expect(data.acquire(second.engine, {})).toBe(reading);
@@ -89,6 +98,7 @@ describe('data that can be read again', () => {
       name: 'garden',
       signal,
       precision: PACKED,
+      ...sourceOptions,
     });
     second.ends[0].resolve(loadedBy(second));
     expect(await reading).toBe(second.cloud);
@@ -188,7 +198,11 @@ describe('data without a source', () => {
     const data = new SplatData(packedFile, 'garden');
     for (const { engine } of [first, second]) data.acquire(engine, {});
     for (const { addPacked } of [first, second])
-      expect(addPacked).toHaveBeenCalledExactlyOnceWith(packedFile, { name: 'garden', source: packedFile });
+      expect(addPacked).toHaveBeenCalledExactlyOnceWith(packedFile, {
+        name: 'garden',
+        source: packedFile,
+        sourceOptions: {},
+      });
   });
 
   test('and on a GPU only cannot come back', async () => {

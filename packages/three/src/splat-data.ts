@@ -5,6 +5,7 @@ import {
   lastingSource,
   mostExact,
   type PackedCloud,
+  type SourceOptions,
   type SplatCloud,
   type SplatEngine,
 } from '@websplatter/core';
@@ -53,6 +54,7 @@ export class SplatData {
   isCached = false;
   /** Where the splats can be read again; null: nowhere, so that they stay in memory. */
   readonly #source: string | Blob | null;
+  readonly #sourceOptions: SourceOptions;
   /** Precision of new uploads. */
   readonly #precision: CloudPrecision;
   readonly #uploads = new Map<SplatEngine, Upload>();
@@ -62,8 +64,14 @@ export class SplatData {
    * @param splats packed; or on an engine, where they are freed after their last user, or by `dispose` if there is none.
    * @param source from which the same splats can be read again; kept by reference. Without a source, they are drawn no more
    *   exactly than they were packed.
+   * @param sourceOptions how it is read then.
    */
-  constructor(splats: PackedCloud | LoadedCloud, name = 'splats', source: string | URL | Blob | null = null) {
+  constructor(
+    splats: PackedCloud | LoadedCloud,
+    name = 'splats',
+    source: string | URL | Blob | null = null,
+    sourceOptions: SourceOptions = {},
+  ) {
     const isLoaded = 'engine' in splats;
     const { count, origin, chunks, bounds, robustBounds } = isLoaded ? splats.cloud : splats;
     this.name = name;
@@ -73,6 +81,7 @@ export class SplatData {
     this.robustBounds = boxOf(robustBounds);
     this.outline = { origin, chunks, robustBounds };
     this.#source = source && lastingSource(source);
+    this.#sourceOptions = sourceOptions;
     this.#packed = isLoaded ? null : splats;
     this.#precision = isLoaded
       ? splats.precision
@@ -90,7 +99,13 @@ export class SplatData {
     const { rowsIn } = await import('./rows-in.ts');
     const user = {};
     try {
-      return await rowsIn(volume, user, this.#uploads.values(), this.#packed ?? this.#source);
+      return await rowsIn(
+        volume,
+        user,
+        this.#uploads.values(),
+        this.#packed ?? this.#source,
+        this.#sourceOptions,
+      );
     } finally {
       this.release(user);
     }
@@ -162,7 +177,8 @@ export class SplatData {
     const packed = this.#packed;
     const upload = this.#place(engine, (signal) => {
       if (!packed) return this.#readAgain(engine, signal);
-      return engine.addPacked(packed, { name, source: this.#source ?? packed });
+      const sourceOptions = this.#sourceOptions;
+      return engine.addPacked(packed, { name, source: this.#source ?? packed, sourceOptions });
     });
     if (this.#source !== null) this.#packed = null;
     return upload;
@@ -170,7 +186,8 @@ export class SplatData {
 
   async #readAgain(engine: SplatEngine, signal: AbortSignal): Promise<SplatCloud> {
     const { readAgain } = await import('./read-again.ts');
-    return readAgain(this, this.#source, engine, { precision: this.#precision, signal });
+    const options = { ...this.#sourceOptions, precision: this.#precision, signal };
+    return readAgain(this, this.#source, engine, options);
   }
 
   #place(engine: SplatEngine, bring: (signal: AbortSignal) => Upload['cloud']): Upload {

@@ -215,7 +215,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   /** Returns the visible clouds, whatever their `layers`. */
   #shownClouds(): LayerCloud[] {
     for (const object of [...this.#clouds]) if (rootOf(object) !== this.parent) object.leave(this);
-    return [...this.#clouds].filter((object) => object.opacity > 0 && isShown(object));
+    return [...this.#clouds].filter((object) => object.opacity !== 0 && isShown(object));
   }
 
   /** If a callback throws, three abandons this frame and every later one, so errors are reported instead, each once. */

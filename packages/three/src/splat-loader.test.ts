@@ -74,6 +74,14 @@ describe('a load', () => {
     });
   });
 
+  test('reads no more than its limits allow', async () => {
+    const loader = new SplatLoader();
+    loader.sourceOptions = { maxSplats: 1 };
+    await expect(loader.loadAsync(new Blob([file]))).rejects.toMatchObject({ code: 'too-large' });
+    loader.sourceOptions = { maxSplats: 2, maxBytes: file.length - 1 };
+    await expect(loader.loadAsync(new Blob([file]))).rejects.toMatchObject({ code: 'too-large' });
+  });
+
   test('reports bytes', async () => {
     const events: ProgressEvent[] = [];
     await new SplatLoader().loadAsync(file, (event) => events.push(event));
@@ -102,7 +110,7 @@ describe('a load', () => {
     expect(() => loader.setAccuracy('perfect' as never)).toThrow(/perfect/);
   });
 
-  test('records the source to read again, unless only the loader can read it', async () => {
+  test('records the source to read again, and how', async () => {
     stubFetch(async () => new Response(file));
     const sourceOf = async (source: SplatSource, loader = new SplatLoader()) => {
       const upload = uploadOf(await loader.loadAsync(source));
@@ -114,8 +122,7 @@ describe('a load', () => {
     expect(await sourceOf(file)).toBe('memory');
     expect(await sourceOf(blob.stream())).toBe('memory');
     const guarded = new SplatLoader().setWithCredentials(true);
-    expect(await sourceOf('https://a.test/two.ply', guarded)).toBe('memory');
-    expect(await sourceOf(blob, guarded)).toBe(blob);
+    expect(await sourceOf('https://a.test/two.ply', guarded)).toBe('https://a.test/two.ply');
   });
 });
 
@@ -133,8 +140,14 @@ describe('a load for a renderer', () => {
   test('goes to its engine, with the renderer’s accuracy unless the loader has another', async () => {
     const { engine, cloud, load, addPacked, loader } = rendererAndLoader();
     const blob = new Blob([file]);
+    loader.sourceOptions = { maxSplats: 7, request: { maxRetries: 1 } };
+    loader.setRequestHeader({ 'x-key': '1' });
     const data = await loader.loadAsync(blob);
     expect(data.count).toBe(2);
+    expect(load.mock.calls[0][1]).toMatchObject({
+      maxSplats: 7,
+      request: { maxRetries: 1, headers: { 'x-key': '1' }, credentials: 'same-origin' },
+    });
     expect(load.mock.calls[0][0]).toBe(blob);
     expect(load.mock.calls[0][1]).toMatchObject({
       name: 'splats',
@@ -183,10 +196,8 @@ describe('a load for a renderer', () => {
   });
 
   test('reads what can be read only once into memory', async () => {
-    stubFetch(async () => new Response(file));
     const { load, loader } = rendererAndLoader();
     for (const source of [file, new Blob([file]).stream()]) await loader.loadAsync(source);
-    await loader.setWithCredentials(true).loadAsync('https://a.test/two.ply');
     expect(load).not.toHaveBeenCalled();
   });
 

@@ -8,6 +8,7 @@ import {
   lastingSource,
   loadSplats,
   resolveAccuracy,
+  type SourceOptions,
   type SplatCloud,
   type SplatEngine,
   type SplatSource,
@@ -24,7 +25,8 @@ type SourceLoader = Loader<SplatData, string> & Loader<SplatData, SplatSource>;
  * buffer or a stream. Reports to its LoadingManager.
  *
  * Addresses, Files and Blobs can be read again for a finer precision or another renderer, so their splats leave memory once
- * they are on a GPU. Buffers, streams, and addresses that need the loader's headers or credentials cannot; their splats stay.
+ * they are on a GPU. Buffers and streams cannot; their splats stay. The loader's headers and credentials hold for every
+ * request; they go to no other origin than the address's.
  */
 export class SplatLoader extends (Loader as new (manager?: LoadingManager) => SourceLoader) {
   /**
@@ -33,6 +35,8 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
    * drawn by that renderer alone, and no more once their load has failed. Set this before `load`.
    */
   onPreview?: (preview: SplatData) => void;
+  /** Limits of later loads, and how addresses are fetched, but for headers and credentials, which three has its own setters for. */
+  sourceOptions: SourceOptions = {};
   #engine: SplatEngine | null = null;
   #accuracy: AccuracySettings | null = null;
   #aborter = new AbortController();
@@ -102,12 +106,13 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
     const { onPreview } = this;
     const accuracy = this.#accuracy ?? engine?.accuracy ?? resolveAccuracy(DEFAULT_ACCURACY);
     const { geometryPrecision, shPrecision } = accuracy;
-    // Only this loader knows the headers and credentials.
-    const isGuarded =
-      typeof source === 'string' && (Object.keys(this.requestHeader).length > 0 || this.withCredentials);
-    const readAgainFrom = isGuarded ? null : lastingSource(source);
+    const readAgainFrom = lastingSource(source);
+    const { requestHeader: headers, withCredentials, sourceOptions: given } = this;
+    const credentials = withCredentials ? 'include' : 'same-origin';
+    const sourceOptions: SourceOptions = { ...given, request: { headers, credentials, ...given.request } };
     const signal = AbortSignal.any([this.#aborter.signal, this.manager.abortController.signal]);
     const options = {
+      ...sourceOptions,
       name,
       signal,
       onProgress: onProgress && ((progress: LoadProgress) => onProgress(progressEvent(progress))),
@@ -116,7 +121,7 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
       try {
         const precision = { geometryPrecision, shPrecision };
         const dataOf = (cloud: SplatCloud) =>
-          new SplatData({ engine, cloud, precision }, name, readAgainFrom);
+          new SplatData({ engine, cloud, precision }, name, readAgainFrom, sourceOptions);
         const show = onPreview && ((preview: SplatCloud) => signal.aborted || onPreview(dataOf(preview)));
         return dataOf(await engine.load(readAgainFrom, { ...options, precision, onPreview: show }));
       } catch (error) {
@@ -124,13 +129,8 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
         if (!(error instanceof DestroyedError)) throw error;
       }
     }
-    let opened = source;
-    if (isGuarded) {
-      const { fetchGuarded } = await import('./fetch-guarded.ts');
-      opened = await fetchGuarded(source, this, signal);
-    }
-    const packed = await loadSplats(opened, { ...options, geometryPrecision, shPrecision });
-    return new SplatData(packed, name, readAgainFrom);
+    const packed = await loadSplats(source, { ...options, geometryPrecision, shPrecision });
+    return new SplatData(packed, name, readAgainFrom, sourceOptions);
   }
 }
 

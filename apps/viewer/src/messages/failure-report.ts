@@ -17,7 +17,7 @@ const FILE_PROBLEMS: Readonly<Record<SplatFileErrorCode, string>> = {
   'not-splats': 'Not a Gaussian-splat scene',
   truncated: 'The file is incomplete',
   'bad-value': 'The file holds a value that is no number',
-  'too-large': 'Too many splats',
+  'too-large': 'The file is too large',
   empty: 'The file has no splats',
 };
 

@@ -33,8 +33,11 @@ export async function loadScene(
   }
   if (source.kind === 'hard-case') return loadHardCase(engine, source.name, options);
   const sceneOf = (cloud: SplatCloud) => ({ ...plain, clouds: [{ cloud }], isUpsideDown: true });
-  const cloud = await engine.load(source.kind === 'file' ? source.file : source.url, {
+  const isFile = source.kind === 'file';
+  const cloud = await engine.load(isFile ? source.file : source.url, {
     name: titleOf(source),
+    // Whoever opens a file of their own wants to see all of it.
+    maxSplats: isFile ? Number.POSITIVE_INFINITY : undefined,
     signal,
     onProgress,
     onPreview: (preview) => options.onPreview(sceneOf(preview)),

@@ -1,4 +1,5 @@
 import { InvalidArgumentError } from '../errors.ts';
+import { shown } from '../printable.ts';
 import type { Accuracy } from './accuracy.ts';
 
 /** An outcome requested instead of settings: a minimum PSNR in dB, or a maximum frame time in milliseconds. */
@@ -11,16 +12,18 @@ const WISHES = ['minPsnrDb', 'maxFrameMs'] as const;
 
 /** Whether `request` is for an outcome rather than for settings. */
 export function isAccuracyWish(request: AccuracyRequest): request is AccuracyWish {
-  return typeof request === 'object' && WISHES.some((name) => Object.hasOwn(request, name));
+  return (
+    typeof request === 'object' && request !== null && WISHES.some((name) => Object.hasOwn(request, name))
+  );
 }
 
-/** @throws InvalidArgumentError unless the wish is one positive number under a known name. */
+/** @throws InvalidArgumentError unless the wish is one positive, finite number under a known name. */
 export function checkWish(wish: AccuracyWish): void {
   const [name, value] = Object.entries(wish)[0] ?? ['accuracy', undefined];
   const isKnown = (WISHES as readonly string[]).includes(name) && Object.keys(wish).length === 1;
-  if (isKnown && typeof value === 'number' && value > 0) return;
-  const found = JSON.stringify(wish);
-  const message = `The wish is ${found}; it must be { minPsnrDb } in decibels or { maxFrameMs } in milliseconds, above 0.`;
+  if (isKnown && Number.isFinite(value) && value > 0) return;
+  const found = Object.entries(wish).map(([key, each]) => `${shown(key)}: ${shown(each)}`);
+  const message = `The wish is { ${found.join(', ')} }; it must be { minPsnrDb } in decibels or { maxFrameMs } in milliseconds, finite and above 0.`;
   throw new InvalidArgumentError(name, message);
 }
 

@@ -80,6 +80,7 @@ describe('accuracy', () => {
     expect(refusal({ preset: 'hasOwnProperty' })[0]).toBe('accuracy');
     expect(refusal({ sharpness: 3 })).toEqual(['sharpness', expect.stringContaining('shDegree')]);
     expect(refusal({ constructor: 1 })[0]).toBe('constructor');
+    for (const wrong of [3, null, true, [], () => 'high']) expect(refusal(wrong)[0]).toBe('accuracy');
   });
 
   test('invalid values are rejected, with the valid ones', () => {

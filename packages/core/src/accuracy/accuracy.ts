@@ -1,6 +1,12 @@
 import { InvalidArgumentError } from '../errors.ts';
 import { HALF_MAX } from '../layout/half.ts';
-import type { GeometryPrecision, ShPrecision } from '../packing/precision.ts';
+import {
+  GEOMETRY_PRECISIONS,
+  type GeometryPrecision,
+  SH_PRECISIONS,
+  type ShPrecision,
+} from '../packing/precision.ts';
+import { shown } from '../printable.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 
 /**
@@ -82,7 +88,7 @@ export const ACCURACY_SETTINGS: {
     label: 'Geometry',
     about: 'Precision of stored rotations, scales, base colours and opacities: 64 or 32 bytes per splat.',
     unit: 'storage',
-    values: ['f32', 'packed'],
+    values: GEOMETRY_PRECISIONS,
     stage: 'load',
     change: 'plane',
     source: 'packed: smallest-three rotation of 3×15 bits, unorm16 log scales over the range of the cloud',
@@ -91,7 +97,7 @@ export const ACCURACY_SETTINGS: {
     label: 'Harmonics',
     about: 'Precision of the stored coefficients that make colours depend on the view.',
     unit: 'storage',
-    values: ['f32', 'f16', 'u8'],
+    values: SH_PRECISIONS,
     stage: 'load',
     change: 'plane',
     source: 'u8: one byte per coefficient, scaled per splat by the largest one',
@@ -272,13 +278,19 @@ export type Accuracy = AccuracyPreset | ({ readonly preset?: AccuracyPreset } & 
  * @throws InvalidArgumentError naming the preset or setting, the value found and the valid ones.
  */
 export function resolveAccuracy(accuracy: Accuracy = DEFAULT_ACCURACY): AccuracySettings {
+  if (typeof accuracy !== 'string' && Object.prototype.toString.call(accuracy) !== '[object Object]') {
+    throw new InvalidArgumentError(
+      'accuracy',
+      `The accuracy is ${shown(accuracy)}; it must be the name of a preset, or an object of settings.`,
+    );
+  }
   const { preset = DEFAULT_ACCURACY, ...changes } =
     typeof accuracy === 'string' ? { preset: accuracy } : accuracy;
-  if (!Object.hasOwn(ACCURACY_PRESETS, preset)) {
+  if (typeof preset !== 'string' || !Object.hasOwn(ACCURACY_PRESETS, preset)) {
     const names = Object.keys(ACCURACY_PRESETS).join(', ');
     throw new InvalidArgumentError(
       'accuracy',
-      `There is no accuracy preset "${preset}"; there are ${names}.`,
+      `There is no accuracy preset "${shown(preset)}"; there are ${names}.`,
     );
   }
   for (const [name, value] of Object.entries(changes)) checkSetting(name, value);
@@ -342,17 +354,23 @@ function checkSetting(name: string, value: unknown): void {
   const setting = (ACCURACY_SETTINGS as Record<string, AccuracySetting<unknown>>)[name];
   if (!Object.hasOwn(ACCURACY_SETTINGS, name)) {
     const names = Object.keys(ACCURACY_SETTINGS).join(', ');
-    throw new InvalidArgumentError(name, `There is no accuracy setting "${name}"; there are ${names}.`);
+    throw new InvalidArgumentError(
+      name,
+      `There is no accuracy setting "${shown(name)}"; there are ${names}.`,
+    );
   }
   const { values } = setting;
   if ('min' in values) {
     if (typeof value === 'number' && value >= values.min && value <= values.max) return;
     throw new InvalidArgumentError(
       name,
-      `${name} is ${value}; it must lie in ${values.min}…${values.max} (${setting.unit}).`,
+      `${name} is ${shown(value)}; it must lie in ${values.min}…${values.max} (${setting.unit}).`,
     );
   }
   if (!values.includes(value)) {
-    throw new InvalidArgumentError(name, `${name} is ${value}; it must be one of ${values.join(', ')}.`);
+    throw new InvalidArgumentError(
+      name,
+      `${name} is ${shown(value)}; it must be one of ${values.join(', ')}.`,
+    );
   }
 }

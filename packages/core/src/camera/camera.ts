@@ -1,5 +1,6 @@
 import { InvalidArgumentError } from '../errors.ts';
 import { invert3, linearPart, type Mat4, transform3, type Vec3 } from '../math/mat4.ts';
+import { shown } from '../printable.ts';
 
 /**
  * A view of the world, in three.js's conventions: the camera looks along −z with y up, matrices are column-major.
@@ -31,12 +32,12 @@ export interface LookAtOptions {
 
 /** Makes a perspective camera. `fovYDegrees` is the full vertical angle, 0…180 exclusive. */
 export function perspectiveCamera(options: LookAtOptions & { readonly fovYDegrees: number }): Camera {
-  const { aspect, near = 0.01, far = 1000, fovYDegrees } = options;
+  const { aspect, near = 0.01, far = 1000, fovYDegrees } = given(options);
   checkRange(aspect, near, far);
-  if (!(fovYDegrees > 0 && fovYDegrees < 180)) {
+  if (!(Number.isFinite(fovYDegrees) && fovYDegrees > 0 && fovYDegrees < 180)) {
     throw new InvalidArgumentError(
       'fovYDegrees',
-      `fovYDegrees is ${fovYDegrees}; it must lie between 0 and 180.`,
+      `fovYDegrees is ${shown(fovYDegrees)}; it must lie between 0 and 180.`,
     );
   }
   if (!(near > 0)) {
@@ -52,17 +53,17 @@ export function perspectiveCamera(options: LookAtOptions & { readonly fovYDegree
   projectionMatrix[10] = far === Number.POSITIVE_INFINITY ? -1 : -(far + near) / (far - near);
   projectionMatrix[11] = -1;
   projectionMatrix[14] = far === Number.POSITIVE_INFINITY ? -2 * near : (-2 * far * near) / (far - near);
-  return { viewMatrix: lookAtMatrix(options), projectionMatrix, near, far };
+  return checked({ viewMatrix: lookAtMatrix(options), projectionMatrix, near, far });
 }
 
 /** Makes an orthographic camera. `height` is the height of the image in world units. */
 export function orthographicCamera(options: LookAtOptions & { readonly height: number }): Camera {
-  const { aspect, near = 0.01, far = 1000, height } = options;
+  const { aspect, near = 0.01, far = 1000, height } = given(options);
   checkRange(aspect, near, far);
-  if (!(height > 0 && Number.isFinite(height))) {
+  if (!(Number.isFinite(height) && height > 0)) {
     throw new InvalidArgumentError(
       'height',
-      `height is ${height}; it must be a positive length in world units.`,
+      `height is ${shown(height)}; it must be a positive length in world units.`,
     );
   }
   const projectionMatrix = new Float64Array(16);
@@ -71,7 +72,7 @@ export function orthographicCamera(options: LookAtOptions & { readonly height: n
   projectionMatrix[10] = far === Number.POSITIVE_INFINITY ? 0 : -2 / (far - near);
   projectionMatrix[14] = far === Number.POSITIVE_INFINITY ? 0 : -(far + near) / (far - near);
   projectionMatrix[15] = 1;
-  return { viewMatrix: lookAtMatrix(options), projectionMatrix, near, far };
+  return checked({ viewMatrix: lookAtMatrix(options), projectionMatrix, near, far });
 }
 
 /**
@@ -89,22 +90,24 @@ export function cameraFromMatrices(
   checkMatrix('projectionMatrix', projectionMatrix);
   const p = projectionMatrix;
   const isPerspective = p[11] !== 0;
-  const near = range.near ?? (isPerspective ? p[14] / (p[10] - 1) : (p[14] + 1) / p[10]);
-  const far = range.far ?? (isPerspective ? p[14] / (p[10] + 1) : (p[14] - 1) / p[10]);
+  const { near: givenNear, far: givenFar } = given(range);
+  checkDepths(givenNear ?? 0, givenFar ?? Number.POSITIVE_INFINITY);
+  const near = givenNear ?? (isPerspective ? p[14] / (p[10] - 1) : (p[14] + 1) / p[10]);
+  const far = givenFar ?? (isPerspective ? p[14] / (p[10] + 1) : (p[14] - 1) / p[10]);
   const farDepth = far < 0 || Number.isNaN(far) ? Number.POSITIVE_INFINITY : far;
   checkRange(1, near, farDepth);
   if (isPerspective && !(near > 0)) {
     throw new InvalidArgumentError(
       'near',
-      `near is ${near}${range.near === undefined ? ' by the projection matrix' : ''}; a perspective camera needs a near plane in front of it. Pass near and far if the matrix has another depth convention than −1…1.`,
+      `near is ${near}${givenNear === undefined ? ' by the projection matrix' : ''}; a perspective camera needs a near plane in front of it. Pass near and far if the matrix has another depth convention than −1…1.`,
     );
   }
-  return {
+  return checked({
     viewMatrix: Float64Array.from(viewMatrix),
     projectionMatrix: Float64Array.from(p),
     near,
     far: farDepth,
-  };
+  });
 }
 
 /** The part of a camera and an image size that projecting splats needs; lengths in pixels, x right, y down. */
@@ -208,7 +211,29 @@ function widened([low, high]: readonly [number, number]): [number, number] {
   return margin >= 0 ? [low - margin, high + margin] : [high + margin, low - margin];
 }
 
+/** @throws InvalidArgumentError unless there are options at all. */
+function given<Options extends object>(options: Options): Options {
+  if (typeof options === 'object' && options !== null) return options;
+  throw new InvalidArgumentError(
+    'options',
+    `The camera's options are ${shown(options)}; they must be an object.`,
+  );
+}
+
+/** @throws InvalidArgumentError if a matrix is more than float32 holds. */
+function checked(camera: Camera): Camera {
+  for (const name of ['viewMatrix', 'projectionMatrix'] as const) {
+    if (Array.prototype.every.call(camera[name], (value) => Number.isFinite(Math.fround(value)))) continue;
+    throw new InvalidArgumentError(name, `The camera's numbers are too large or too small for its ${name}.`);
+  }
+  return camera;
+}
+
 function lookAtMatrix({ position, target, up = [0, 1, 0] }: LookAtOptions): Mat4 {
+  for (const [name, place] of Object.entries({ position, target, up })) {
+    if (place?.length === 3 && Array.prototype.every.call(place, Number.isFinite)) continue;
+    throw new InvalidArgumentError(name, `${name} is ${shown(place)}; it must be three finite numbers.`);
+  }
   const back = normalized(subtract(position, target));
   const right = back && normalized(cross(up, back));
   if (!back || !right) {
@@ -237,26 +262,32 @@ function lookAtMatrix({ position, target, up = [0, 1, 0] }: LookAtOptions): Mat4
 }
 
 function checkMatrix(name: string, matrix: ArrayLike<number>): void {
-  const isMatrix = matrix.length === 16 && Array.prototype.every.call(matrix, Number.isFinite);
+  const isMatrix = matrix?.length === 16 && Array.prototype.every.call(matrix, Number.isFinite);
   if (!isMatrix) {
     throw new InvalidArgumentError(
       name,
-      `${name} must be 16 finite numbers, column-major; found ${matrix.length} values.`,
+      `${name} must be 16 finite numbers, column-major; found ${shown(matrix)}.`,
     );
   }
 }
 
 function checkRange(aspect: number, near: number, far: number): void {
-  if (!(aspect > 0 && Number.isFinite(aspect))) {
-    throw new InvalidArgumentError('aspect', `aspect is ${aspect}; it must be width divided by height.`);
+  if (!(Number.isFinite(aspect) && aspect > 0)) {
+    throw new InvalidArgumentError(
+      'aspect',
+      `aspect is ${shown(aspect)}; it must be width divided by height.`,
+    );
   }
   checkDepths(near, far);
 }
 
 /** @throws InvalidArgumentError unless near is finite and far is greater. */
 export function checkDepths(near: number, far: number): void {
-  if (!Number.isFinite(near) || !(far > near)) {
-    throw new InvalidArgumentError('far', `near is ${near} and far is ${far}; far must be greater.`);
+  if (!Number.isFinite(near) || typeof far !== 'number' || !(far > near)) {
+    throw new InvalidArgumentError(
+      'far',
+      `near is ${shown(near)} and far is ${shown(far)}; far must be greater.`,
+    );
   }
 }
 

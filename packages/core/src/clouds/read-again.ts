@@ -111,7 +111,7 @@ async function readFrom(
 
 async function splatsOf(
   source: CloudSource,
-  { name, planes }: SplatCloud,
+  { name, planes, sourceOptions }: SplatCloud,
   wanted: CloudPrecision,
   openRowPlanes: OpenRowPlanes,
   options: MakeOptions,
@@ -122,7 +122,8 @@ async function splatsOf(
   const precision = { geometryPrecision, shPrecision };
   const { sink, files } = openRowPlanes({ ...precision, name, pages: planes.ranges });
   try {
-    const packed = await loadOrPass(source, { ...options, ...precision, name }, { sink, files });
+    const loadOptions = { ...sourceOptions, ...options, ...precision, name };
+    const packed = await loadOrPass(source, loadOptions, { sink, files });
     if (packed) return fromPacked(packed, planes.place);
     const made = await sink.finish();
     return fromRows(made.contents, made.planes);

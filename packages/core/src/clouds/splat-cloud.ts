@@ -1,5 +1,6 @@
 import { DestroyedError, SplatSourceError } from '../errors.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
+import type { SourceOptions } from '../io/splat-source.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { CloudFacts } from '../packing/cloud-facts.ts';
 import type { LogScaleRange } from '../packing/geometry.ts';
@@ -18,6 +19,8 @@ export interface SplatCloudOptions {
   readonly name: string;
   /** Tried in this order; kept by reference as long as the cloud lives. */
   readonly source?: CloudSource | readonly CloudSource[] | null;
+  /** How files among the sources are read. */
+  readonly sourceOptions?: SourceOptions;
   /**
    * Adds the planes of a precision to those that `cloud` holds; if it rejects, it adds none. Without it the cloud holds only
    * the uploaded planes.
@@ -63,6 +66,8 @@ export class SplatCloud {
   readonly fileIndices: Uint32Array;
   /** @internal Empty if the sources are gone: see `hold`. */
   readonly sources: readonly CloudSource[];
+  /** @internal */
+  readonly sourceOptions: SourceOptions;
   /** @internal Range of log scales that all packed geometry of the cloud uses. */
   readonly logScaleRange: LogScaleRange;
   /** @internal One `Chunk` struct per chunk. */
@@ -96,6 +101,7 @@ export class SplatCloud {
     this.dropped = contents.dropped;
     this.fileIndices = contents.fileIndices;
     this.sources = [source ?? []].flat();
+    this.sourceOptions = options.sourceOptions ?? {};
     this.logScaleRange = contents.logScaleRange;
     this.chunks = contents.chunks;
     this.isPreview = isPreview;

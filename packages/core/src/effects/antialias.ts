@@ -1,5 +1,6 @@
 import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
+import { invalidOption } from './option-checks.ts';
 
 /**
  * Multiplies every splat's opacity by √(det Σ / det Σ′), where Σ is its covariance on the screen and Σ′ is Σ with the
@@ -13,5 +14,8 @@ export const antialias = /* @__PURE__ */ defineEffect<boolean | undefined>({
   about: 'Makes splats thinner than a pixel fainter, by the factor that they are drawn wider.',
   hooks: { opacity: 'compensateDilation' },
   wgsl: effectShader('antialias'),
+  check(isOn = true) {
+    if (typeof isOn !== 'boolean') throw invalidOption('antialias', isOn, 'true or false');
+  },
   calledFor: (isOn = true) => (isOn ? 'scenes trained with antialiasing expect it' : null),
 });

@@ -1,6 +1,6 @@
-import { InvalidArgumentError } from '../errors.ts';
 import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
+import { checkRange } from './option-checks.ts';
 
 /** Twenty stops: its product with any colour stays in float32's range. */
 const LARGEST_FACTOR = 2 ** 20;
@@ -17,9 +17,7 @@ export const brightness = /* @__PURE__ */ defineEffect<number, { factor: 'f32' }
   wgsl: effectShader('brightness'),
   fields: { factor: 'f32' },
   check(factor) {
-    if (factor >= 0 && factor <= LARGEST_FACTOR) return;
-    const message = `The brightness is ${factor}; it is a factor of linear light, 0…${LARGEST_FACTOR}.`;
-    throw new InvalidArgumentError('brightness', message);
+    checkRange('brightness', factor, LARGEST_FACTOR, 'a factor of linear light');
   },
   calledFor: (factor) => (factor === 1 ? null : `the cloud’s light is multiplied by ${factor}`),
   valuesAt: (factor) => ({ factor }),

@@ -2,7 +2,7 @@ import { InvalidArgumentError } from '../errors.ts';
 import { type Mat4, translated4, type Vec3 } from '../math/mat4.ts';
 import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
-import { checkLength, checkVector, invalidOption } from './option-checks.ts';
+import { checkLength, checkOptions, checkVector, invalidOption } from './option-checks.ts';
 
 /** x, y, z, w; any length except 0. */
 export type Quaternion = readonly [x: number, y: number, z: number, w: number];
@@ -82,8 +82,10 @@ export const clip = /* @__PURE__ */ defineEffect<ClipOptions, typeof FIELDS>({
   hooks: { splat: 'clipSplat' },
   wgsl: effectShader('clip'),
   fields: FIELDS,
-  check({ volumes, softEdge = 0 }) {
-    if (!(volumes?.length >= 1 && volumes.length <= MOST_VOLUMES)) {
+  check(options) {
+    checkOptions('clip', options);
+    const { volumes, softEdge = 0 } = options;
+    if (!(Array.isArray(volumes) && volumes.length >= 1 && volumes.length <= MOST_VOLUMES)) {
       const message = `There are ${volumes?.length ?? 'no'} volumes; clip takes 1 to ${MOST_VOLUMES}. To cut nothing off, leave the effect out.`;
       throw new InvalidArgumentError('volumes', message);
     }
@@ -112,6 +114,7 @@ export const clip = /* @__PURE__ */ defineEffect<ClipOptions, typeof FIELDS>({
 });
 
 function checkVolume(name: string, volume: ClipVolume): void {
+  checkOptions(name, volume);
   const { keep = 'inside' } = volume;
   if (keep !== 'inside' && keep !== 'outside')
     throw invalidOption(`${name}.keep`, keep, 'the side that stays: "inside" or "outside"');

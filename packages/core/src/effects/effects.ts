@@ -1,6 +1,7 @@
 import type { SplatReach } from '../camera/frustum.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import type { CloudFacts } from '../packing/cloud-facts.ts';
+import { shown } from '../printable.ts';
 import { antialias } from './antialias.ts';
 import { brightness } from './brightness.ts';
 import { clip } from './clip.ts';
@@ -39,7 +40,13 @@ interface EffectSource {
  * @throws InvalidArgumentError if an effect is used twice, two take different selections, or the opacity is out of range.
  */
 export function usesOf(source: EffectSource): readonly EffectUse[] {
-  const uses = [...(source.effects ?? [])];
+  const { effects: requested = [] } = source;
+  if (!Array.isArray(requested) || [...requested].some((use) => !use?.effect))
+    throw new InvalidArgumentError(
+      'effects',
+      `effects is ${shown(requested)}; it must be a list of what effects return, such as [tint([1, 0, 0])].`,
+    );
+  const uses = [...requested];
   const { opacity: factor = 1 } = source;
   // Host objects always have an opacity: if it is 1, the caller's effects may include the opacity effect.
   if (factor !== 1) uses.push(opacity(factor));

@@ -1,7 +1,7 @@
 import type { Vec3 } from '../math/mat4.ts';
 import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
-import { checkVector, invalidOption, isFiniteF32 } from './option-checks.ts';
+import { checkOptions, checkVector, invalidOption, isFiniteF32 } from './option-checks.ts';
 
 interface FogColor {
   /** sRGB-encoded red, green and blue, 0 or more. */
@@ -39,6 +39,7 @@ export const fog = /* @__PURE__ */ defineEffect<
   wgsl: effectShader('fog'),
   fields: { color: 'vec3f', near: 'f32', range: 'f32', density: 'f32' },
   check(options) {
+    checkOptions('fog', options);
     checkVector('color', options.color, 'the sRGB-encoded colour of fog', { isNonNegative: true });
     if ('density' in options) {
       const { density } = options;

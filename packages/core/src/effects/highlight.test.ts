@@ -26,7 +26,7 @@ describe('highlight', () => {
   test('rejects colours and strengths out of range', () => {
     expect(() => highlight({ ...HIGHLIGHT, color: [1, 1.2, 0] })).toThrow(InvalidArgumentError);
     expect(() => highlight({ ...HIGHLIGHT, color: [1, Number.NaN, 0] })).toThrow(/1, NaN, 0/);
-    expect(() => highlight({ ...HIGHLIGHT, strength: -0.1 })).toThrow(/strength of the highlight is -0.1/);
+    expect(() => highlight({ ...HIGHLIGHT, strength: -0.1 })).toThrow(/strength is -0.1/);
   });
 
   test('is rejected together with an effect of another selection', () => {

@@ -1,8 +1,8 @@
-import { InvalidArgumentError } from '../errors.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { effectShader } from '../shaders/link-shader.ts';
 import type { SplatSelection } from '../splats/splat-selection.ts';
 import { defineEffect } from './effect.ts';
+import { checkOptions, checkRange, checkVector, invalidOption } from './option-checks.ts';
 
 export interface HighlightOptions {
   /** The selection to show; kept by reference, changes show in the next frame. */
@@ -21,14 +21,15 @@ export const highlight = /* @__PURE__ */ defineEffect<HighlightOptions, { color:
   hooks: { color: 'highlightColor' },
   wgsl: effectShader('highlight'),
   fields: { color: 'vec3f', strength: 'f32' },
-  check({ color, strength }) {
-    if (!(color.length === 3 && color.every((value) => value >= 0 && value <= 1))) {
-      const message = `The highlight is [${color.join(', ')}]; it takes red, green and blue, each 0…1.`;
-      throw new InvalidArgumentError('color', message);
-    }
-    if (strength >= 0 && strength <= 1) return;
-    const message = `The strength of the highlight is ${strength}; it must lie in 0…1.`;
-    throw new InvalidArgumentError('strength', message);
+  check(options) {
+    checkOptions('highlight', options);
+    const { selection, color, strength } = options;
+    if (typeof selection?.bitsOf !== 'function')
+      throw invalidOption('selection', selection, 'the SplatSelection to show');
+    checkVector('color', color, 'red, green and blue of a highlight, each 0…1', { isNonNegative: true });
+    if (color.some((value) => value > 1))
+      throw invalidOption('color', color, 'red, green and blue of a highlight, each 0…1');
+    checkRange('strength', strength, 1, 'the share of that colour');
   },
   calledFor: ({ selection: { count }, strength }) =>
     count === 0 || strength === 0 ? null : `${count} ${count === 1 ? 'splat is' : 'splats are'} selected`,

@@ -1,6 +1,6 @@
-import { InvalidArgumentError } from '../errors.ts';
 import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
+import { checkRange } from './option-checks.ts';
 
 /** Multiplies every splat's opacity by a factor, 0…1. */
 export const opacity = /* @__PURE__ */ defineEffect<number, { factor: 'f32' }>({
@@ -11,8 +11,7 @@ export const opacity = /* @__PURE__ */ defineEffect<number, { factor: 'f32' }>({
   wgsl: effectShader('opacity'),
   fields: { factor: 'f32' },
   check(factor) {
-    if (factor >= 0 && factor <= 1) return;
-    throw new InvalidArgumentError('opacity', `The opacity is ${factor}; it must lie in 0…1.`);
+    checkRange('opacity', factor, 1, 'a factor of every splat’s opacity');
   },
   calledFor: (factor) =>
     factor === 1 ? null : `the cloud is drawn at ${Number((100 * factor).toFixed(1))} %`,

@@ -1,7 +1,9 @@
 import { InvalidArgumentError } from '../errors.ts';
+import { shown } from '../printable.ts';
 
 /** Whether `value` is finite in float32, which shaders take. */
 export function isFiniteF32(value: number): boolean {
+  // Number.isFinite refuses what is no number at all, which Math.fround would not.
   return Number.isFinite(value) && Number.isFinite(Math.fround(value));
 }
 
@@ -25,8 +27,8 @@ export function checkVector(
   what: string,
   { length = 3, isNonNegative = false, isDirection = false }: VectorRules = {},
 ): void {
-  // Callers without types may pass anything.
-  const numbers = Array.from(value ?? []);
+  // Callers without types may pass anything, even what only seems to be an array.
+  const numbers = Object(value)[Symbol.iterator] && value.length === length ? Array.from(value) : [];
   const isRight =
     numbers.length === length &&
     numbers.every(isFiniteF32) &&
@@ -43,8 +45,19 @@ export function checkLength(argument: string, value: number, what: string): void
   throw invalidOption(argument, value, `${what}: a finite number of world units, 0 or more`);
 }
 
+/** @throws InvalidArgumentError unless there are options at all. */
+export function checkOptions(argument: string, options: object): void {
+  if (typeof options === 'object' && options !== null) return;
+  throw invalidOption(argument, options, 'an object with options');
+}
+
+/** @throws InvalidArgumentError unless `value` lies in 0…`max`. */
+export function checkRange(argument: string, value: number, max: number, what: string): void {
+  if (typeof value === 'number' && value >= 0 && value <= max) return;
+  throw invalidOption(argument, value, `${what}, 0…${max}`);
+}
+
 /** Returns the error for an invalid option. `expected`: meaning of the option and its valid values. */
 export function invalidOption(argument: string, value: unknown, expected: string): InvalidArgumentError {
-  const found = Array.isArray(value) ? `[${value.join(', ')}]` : String(value);
-  return new InvalidArgumentError(argument, `${argument} is ${found}; it is ${expected}.`);
+  return new InvalidArgumentError(argument, `${argument} is ${shown(value)}; it is ${expected}.`);
 }

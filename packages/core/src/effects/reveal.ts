@@ -1,7 +1,7 @@
 import { linearPart, multiply4, translated4, type Vec3 } from '../math/mat4.ts';
 import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
-import { checkLength, checkVector, invalidOption } from './option-checks.ts';
+import { checkLength, checkOptions, checkVector, invalidOption } from './option-checks.ts';
 
 export interface RevealOptions {
   /** Where the cloud appears from: a point in world space, or the camera's position. */
@@ -28,7 +28,9 @@ export const reveal = /* @__PURE__ */ defineEffect<
   hooks: { splat: 'revealSplat' },
   wgsl: effectShader('reveal'),
   fields: { linear: 'mat3x3f', offset: 'vec3f', radius: 'f32', softEdge: 'f32', grows: 'u32' },
-  check({ from, radius, softEdge = 0 }) {
+  check(options) {
+    checkOptions('reveal', options);
+    const { from, radius, softEdge = 0 } = options;
     const place = 'where the cloud appears from, "camera" or a point in world space';
     if (typeof from === 'string') {
       if (from !== 'camera') throw invalidOption('from', from, `${place}: 3 finite numbers`);

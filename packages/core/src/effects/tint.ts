@@ -1,7 +1,7 @@
-import { InvalidArgumentError } from '../errors.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
+import { checkVector } from './option-checks.ts';
 
 /** Multiplies every colour by red, green and blue, sRGB-encoded, 0 or more; [1, 1, 1] changes nothing. */
 export const tint = /* @__PURE__ */ defineEffect<Vec3, { color: 'vec3f' }>({
@@ -12,9 +12,7 @@ export const tint = /* @__PURE__ */ defineEffect<Vec3, { color: 'vec3f' }>({
   wgsl: effectShader('tint'),
   fields: { color: 'vec3f' },
   check(color) {
-    if (color.length === 3 && color.every((value) => value >= 0 && Number.isFinite(value))) return;
-    const message = `The tint is [${color.join(', ')}]; it takes red, green and blue, finite and 0 or more.`;
-    throw new InvalidArgumentError('tint', message);
+    checkVector('tint', color, 'a factor for red, green and blue', { isNonNegative: true });
   },
   calledFor: (color) =>
     color.every((value) => value === 1) ? null : `colours are multiplied by ${color.join(', ')}`,

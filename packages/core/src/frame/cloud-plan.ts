@@ -5,6 +5,7 @@ import { type FrustumSide, frustumSides, type SplatReach } from '../camera/frust
 import type { EffectPlace, EffectUse } from '../effects/effect.ts';
 import { type EffectSet, effectSetOf, hasHook, packParameters } from '../effects/effect-set.ts';
 import { CLOUD_EFFECTS, reachOf, usesOf } from '../effects/effects.ts';
+import { isFiniteF32 } from '../effects/option-checks.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import type { GpuFields, GpuValues } from '../layout/gpu-struct.ts';
 import { identity4, type Mat4 } from '../math/mat4.ts';
@@ -67,6 +68,10 @@ export function planCloud(
   const place: EffectPlace = { modelMatrix, origin: cloud.origin, viewMatrix: camera.viewMatrix };
   const reach = reachOf(acting);
   const view = cloudView(camera.viewMatrix, modelMatrix, cloud.origin, projection.isOrthographic);
+  if (![...view.linear, ...view.translation].every(isFiniteF32)) {
+    const message = `${cloud.name} is too large or too far away for this camera: its place in view space exceeds float32.`;
+    throw new InvalidArgumentError('modelMatrix', message);
+  }
   const uses = acting.map((use) => ({
     use,
     values: ownValues(use.valuesAt(place)),

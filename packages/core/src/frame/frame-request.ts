@@ -2,8 +2,10 @@ import type { AccuracyRequest } from '../accuracy/accuracy-wish.ts';
 import { type Camera, checkDepths } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { EffectUse } from '../effects/effect.ts';
+import { checkVector } from '../effects/option-checks.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
 import type { Vec3 } from '../math/mat4.ts';
+import { shown } from '../printable.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree } from '../splats/splat-set.ts';
 
 /** A cloud, its place and how to draw it. */
@@ -42,24 +44,29 @@ export interface FrameRequest {
 }
 
 function isMatrix(values: ArrayLike<number>): boolean {
-  return values.length === 16 && Array.prototype.every.call(values, Number.isFinite);
+  return values?.length === 16 && Array.prototype.every.call(values, Number.isFinite);
 }
 
 /** @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a destroyed cloud. */
-export function checkRequest({ camera, clouds, widthPx, heightPx }: FrameRequest, device: GPUDevice): void {
+export function checkRequest(request: FrameRequest, device: GPUDevice): void {
+  const { camera, clouds, widthPx, heightPx, background = [0, 0, 0] } = request ?? {};
   if (!(Number.isInteger(widthPx) && Number.isInteger(heightPx) && widthPx >= 0 && heightPx >= 0)) {
     throw new InvalidArgumentError(
       'widthPx',
-      `The image size is ${widthPx}×${heightPx}; use whole numbers of pixels.`,
+      `The image size is ${shown(widthPx)}×${shown(heightPx)}; use whole numbers of pixels.`,
     );
   }
   for (const name of ['viewMatrix', 'projectionMatrix'] as const) {
-    if (!isMatrix(camera[name])) {
+    if (!isMatrix(camera?.[name])) {
       throw new InvalidArgumentError(name, `The camera's ${name} must be 16 finite numbers, column-major.`);
     }
   }
   checkDepths(camera.near, camera.far);
-  for (const { cloud, modelMatrix, shDegree = 3 } of clouds) {
+  checkVector('background', background, 'the sRGB-encoded colour behind the splats');
+  if (!Array.isArray(clouds) || [...clouds].some((instance) => !instance?.cloud)) {
+    throw new InvalidArgumentError('clouds', `clouds is ${shown(clouds)}; it must be a list of { cloud }.`);
+  }
+  for (const { cloud, modelMatrix, shDegree = 3 } of clouds as readonly CloudInstance[]) {
     if (cloud.isDestroyed) throw new DestroyedError(`The cloud ${cloud.name}`, 'it was destroyed');
     if (cloud.device !== device) {
       const message = `${cloud.name} is on another GPU device than this view; load it with the engine that draws it.`;
@@ -69,8 +76,8 @@ export function checkRequest({ camera, clouds, widthPx, heightPx }: FrameRequest
       const message = `The model matrix of ${cloud.name} must be 16 finite numbers, column-major.`;
       throw new InvalidArgumentError('modelMatrix', message);
     }
-    if (!Object.hasOwn(SH_REST_COEFFICIENTS, shDegree)) {
-      const message = `${cloud.name} cannot be drawn with degree ${shDegree}; use 0, 1, 2 or 3.`;
+    if (typeof shDegree !== 'number' || !Object.hasOwn(SH_REST_COEFFICIENTS, shDegree)) {
+      const message = `${cloud.name} cannot be drawn with degree ${shown(shDegree)}; use 0, 1, 2 or 3.`;
       throw new InvalidArgumentError('shDegree', message);
     }
   }

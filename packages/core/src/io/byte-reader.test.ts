@@ -84,6 +84,74 @@ describe.each(STREAMS)('a stream that $kind', ({ kind, streamOf }) => {
     },
   );
 
+  /** A stream of `bytes` from `start` on that breaks after `count` of them, if there are more. */
+  function breaking(bytes: Uint8Array, start: number, count: number): ReadableStream<Uint8Array> {
+    const part = bytes.subarray(start, start + count);
+    const whole = streamOf(part, [70_001]);
+    if (start + count >= bytes.length) return whole;
+    let left = part.length;
+    if (kind === 'gives chunks') {
+      const breakOff = new TransformStream<Uint8Array, Uint8Array>({
+        flush: () => Promise.reject(new Error('gone')),
+      });
+      return whole.pipeThrough(breakOff);
+    }
+    return new ReadableStream<Uint8Array>({
+      type: 'bytes',
+      autoAllocateChunkSize: 1,
+      pull(controller) {
+        const request = (controller as unknown as ReadableByteStreamController).byobRequest!;
+        const target = request.view as Uint8Array;
+        if (left === 0) return controller.error(new Error('gone'));
+        const given = part.subarray(part.length - left).subarray(0, Math.min(70_001, target.length));
+        target.set(given);
+        left -= given.length;
+        request.respond(given.length);
+      },
+    } as UnderlyingSource<Uint8Array>);
+  }
+
+  test.each([{ mayDetach: true }, { mayDetach: false }])(
+    'a source that breaks off is resumed, from before where it was if need be ($mayDetach: memory may move)',
+    async ({ mayDetach }) => {
+      const bytes = numbers(2_500_000);
+      for (const back of [0, 100_000, 1e9]) {
+        const resumes: number[] = [];
+        const resume = async (offset: number, failure: Error) => {
+          expect(failure.message).toBe('test: reading stopped: gone');
+          resumes.push(offset);
+          const startsAt = Math.max(0, offset - back);
+          return { startsAt, stream: breaking(bytes, startsAt, offset - startsAt + 900_000) };
+        };
+        const reader = new ByteReader({ name: 'test', stream: breaking(bytes, 0, 900_000), resume });
+        expect(await reader.fill(10)).toBe(true);
+        reader.advance(4);
+        const target = await reader.readInto(new Uint8Array(2_000_000).subarray(7), mayDetach, () => {});
+        expect(Buffer.compare(target!, bytes.subarray(4, 2_000_000 - 3))).toBe(0);
+        expect(reader.byteOffset).toBe(2_000_000 - 3);
+        expect(await reader.fill(500_003)).toBe(true);
+        const rest = reader.bytes.subarray(reader.start, reader.start + 500_003);
+        expect(Buffer.compare(rest, bytes.subarray(2_000_000 - 3))).toBe(0);
+        expect(await reader.fill(500_004)).toBe(false);
+        expect(resumes.length).toBeGreaterThan(0);
+      }
+    },
+  );
+
+  test('a source that cannot be resumed fails with the reason', async () => {
+    const stream = breaking(numbers(300_000), 0, 200_000);
+    const reader = new ByteReader({ name: 'test', stream });
+    await expect(reader.skip(250_000)).rejects.toThrow('test: reading stopped: gone');
+  });
+
+  test('no more than the most bytes are read', async () => {
+    const bytes = numbers(300_000);
+    const reading = (maxBytes: number) =>
+      new ByteReader({ name: 'test', stream: streamOf(bytes, [1000]) }, undefined, maxBytes).skip(300_000);
+    expect(await reading(300_000)).toBe(true);
+    await expect(reading(299_999)).rejects.toMatchObject({ code: 'too-large', place: { byte: 299_999 } });
+  });
+
   test('a signal that outlives the read keeps no listener', async () => {
     const { signal } = new AbortController();
     const reader = readerOf(streamOf, numbers(10), [3], signal);

@@ -1,6 +1,9 @@
-import { SplatSourceError, WebSplatterError } from '../errors.ts';
+import { SplatFileError, SplatSourceError, WebSplatterError } from '../errors.ts';
 import { nextTask } from './next-task.ts';
-import type { OpenedSource } from './splat-source.ts';
+import { lockedStreamError } from './source-kind.ts';
+import type { OpenedSource, ResumeSource } from './splat-source.ts';
+
+type ReaderSource = Pick<OpenedSource, 'name' | 'stream' | 'idleTimeoutMs' | 'resume'>;
 
 type Reader =
   | { readonly kind: 'into'; readonly reader: ReadableStreamBYOBReader }
@@ -12,6 +15,8 @@ const WINDOW_BYTES = 1 << 20;
 const CHUNK_BYTES = 1 << 18;
 /** Longest time a page's thread is kept busy before its event loop gets a turn. */
 const MAX_BUSY_MS = 16;
+/** A server that gives less in the time that it has drips: it could hold a reader for days. */
+const LEAST_BYTES_IN_TIME = 1 << 14;
 
 const NO_BYTES = new Uint8Array(0);
 
@@ -19,8 +24,10 @@ const NO_BYTES = new Uint8Array(0);
  * Shows a stream as a window of contiguous bytes that moves forward. Chunks are copied into the window, at most
  * `WINDOW_BYTES` at a time, so that items which straddle chunks need no special case and a huge chunk is never doubled.
  *
- * Rejects with the signal's reason once it aborts, and with `SplatSourceError` if the stream fails or yields anything
- * but bytes.
+ * A stream that fails, or that gives next to nothing for long, is resumed where its source can be.
+ *
+ * Rejects with the signal's reason once it aborts; with `SplatSourceError` if the stream fails for good or yields anything
+ * but bytes; and with `SplatFileError` 'too-large' if it gives more than `maxBytes`.
  */
 export class ByteReader {
   /** The window's memory; valid from `start` on for `available` bytes, until the next `fill` or `skip`. */
@@ -32,7 +39,15 @@ export class ByteReader {
 
   readonly #name: string;
   readonly #signal: AbortSignal | undefined;
-  readonly #reader: Reader;
+  readonly #maxBytes: number;
+  readonly #idleTimeoutMs: number;
+  readonly #resumeSource: ResumeSource | undefined;
+  #reader: Reader;
+  /** Bytes at the beginning of the stream that have been read before. */
+  #toDrop = 0;
+  /** Time spent waiting, and bytes that came, since as many came as must. */
+  #waitedMs = 0;
+  #cameBytes = 0;
   readonly #onAbort = () => this.#cancel(this.#signal?.reason);
   #end = 0;
   /** Offset in the file of `bytes[0]`. */
@@ -43,9 +58,12 @@ export class ByteReader {
   #chunkMemory = new ArrayBuffer(0);
   #lastPauseMs = performance.now();
 
-  constructor(source: Pick<OpenedSource, 'name' | 'stream'>, signal?: AbortSignal) {
+  constructor(source: ReaderSource, signal?: AbortSignal, maxBytes = Number.POSITIVE_INFINITY) {
     this.#name = source.name;
     this.#signal = signal;
+    this.#maxBytes = maxBytes;
+    this.#idleTimeoutMs = source.idleTimeoutMs ?? Number.POSITIVE_INFINITY;
+    this.#resumeSource = source.resume;
     signal?.throwIfAborted();
     if (source.stream.locked) throw lockedStreamError(source.name);
     this.#reader = readerOf(source.stream);
@@ -96,7 +114,9 @@ export class ByteReader {
     onPart: () => void,
   ): Promise<Uint8Array<ArrayBuffer> | null> {
     const { byteOffset, length } = bytes;
+    const startOffset = this.byteOffset;
     let target = bytes;
+    let detaches = mayDetach;
     let at = 0;
     const onMore = (byteCount: number) => {
       at += byteCount;
@@ -107,9 +127,19 @@ export class ByteReader {
     this.advance(held);
     onMore(held);
     while (at < length) {
-      if (this.#pending.length === 0 && mayDetach && this.#reader.kind === 'into') {
+      if (this.#pending.length === 0 && detaches && this.#reader.kind === 'into' && this.#toDrop === 0) {
+        const memoryBytes = target.buffer.byteLength;
         const read = await this.#readByReader(new Uint8Array(target.buffer, byteOffset + at, length - at));
         if (read === undefined) return null;
+        if (read instanceof SplatSourceError) {
+          // The memory went with the stream, and with it what had been read. That must not happen again and again.
+          detaches = false;
+          await this.#resume(startOffset, read);
+          target = new Uint8Array(new ArrayBuffer(memoryBytes), byteOffset, length);
+          this.#base = startOffset - this.#end;
+          at = 0;
+          continue;
+        }
         target = new Uint8Array(read.buffer as ArrayBuffer, byteOffset, length);
         this.#base += read.length;
         onMore(read.length);
@@ -177,35 +207,87 @@ export class ByteReader {
   /** False at the end of the stream. */
   async #readChunk(): Promise<boolean> {
     for (;;) {
+      const offset = this.#base + this.#end;
       const chunk = await this.#readByReader();
       if (chunk === undefined) return false;
+      if (chunk instanceof SplatSourceError) {
+        await this.#resume(offset, chunk);
+        continue;
+      }
       if (!ArrayBuffer.isView(chunk) || !('subarray' in chunk) || chunk.BYTES_PER_ELEMENT !== 1) {
         throw new SplatSourceError(
           this.#name,
           `the stream gave ${describeChunk(chunk)}; it must give Uint8Array chunks`,
         );
       }
-      this.#pending = chunk;
+      const dropped = Math.min(this.#toDrop, chunk.length);
+      this.#toDrop -= dropped;
+      this.#pending = chunk.subarray(dropped);
       if (this.#reader.kind === 'into') this.#chunkMemory = chunk.buffer as ArrayBuffer;
-      if (chunk.length > 0) return true;
+      if (this.#pending.length > 0) return true;
       // A stream may give empty chunks for ever, each without a task of its own.
       await this.pause();
     }
   }
 
-  /** Reads some bytes, into `target` if the stream can; undefined at its end. */
-  async #readByReader(target?: Uint8Array<ArrayBuffer>): Promise<Uint8Array | undefined> {
+  /** Goes on at byte `offset` after the stream has failed. */
+  async #resume(offset: number, failure: SplatSourceError): Promise<void> {
+    if (!this.#resumeSource) throw failure;
+    const { stream, startsAt } = await this.#resumeSource(offset, failure);
+    this.#reader = readerOf(stream);
+    this.#toDrop = offset - startsAt;
+    this.#waitedMs = 0;
+    this.#cameBytes = 0;
+    this.#signal?.addEventListener('abort', this.#onAbort, { once: true });
+    if (this.#signal?.aborted) this.#onAbort();
+  }
+
+  /** Reads some bytes, into `target` if the stream can; undefined at its end, or why the stream has failed. */
+  async #readByReader(target?: Uint8Array<ArrayBuffer>): Promise<Uint8Array | SplatSourceError | undefined> {
     this.#signal?.throwIfAborted();
+    const startMs = performance.now();
+    const timeLeftMs = this.#idleTimeoutMs - this.#waitedMs;
+    let isLate = false;
+    const onLate = () => {
+      isLate = true;
+      this.#reader.reader.cancel().catch(() => {});
+    };
+    const timer = Number.isFinite(timeLeftMs) ? setTimeout(onLate, timeLeftMs) : undefined;
     try {
       const { done, value } = await this.#readSome(target);
       if (done) this.#signal?.removeEventListener('abort', this.#onAbort);
       this.#signal?.throwIfAborted();
+      if (isLate) {
+        const late = `the server sent less than ${LEAST_BYTES_IN_TIME} bytes in ${this.#idleTimeoutMs} ms`;
+        return new SplatSourceError(this.#name, `reading stopped: ${late}`);
+      }
+      if (!done) this.#noteArrival(value?.byteLength ?? 0, performance.now() - startMs);
       return done ? undefined : value;
     } catch (cause) {
       this.#signal?.removeEventListener('abort', this.#onAbort);
       this.#signal?.throwIfAborted();
       if (cause instanceof WebSplatterError) throw cause;
-      throw new SplatSourceError(this.#name, `reading stopped: ${messageOf(cause)}`, undefined, { cause });
+      return new SplatSourceError(this.#name, `reading stopped: ${messageOf(cause)}`, undefined, { cause });
+    } finally {
+      clearTimeout(timer);
+    }
+  }
+
+  #noteArrival(byteCount: number, waitedMs: number): void {
+    this.#waitedMs += waitedMs;
+    this.#cameBytes += byteCount;
+    if (this.#cameBytes >= LEAST_BYTES_IN_TIME) {
+      this.#waitedMs = 0;
+      this.#cameBytes = 0;
+    }
+    const givenBytes = this.#base + this.#end + byteCount - this.#toDrop;
+    if (givenBytes > this.#maxBytes) {
+      throw new SplatFileError(
+        'too-large',
+        this.#name,
+        `there are more than ${this.#maxBytes} bytes, unpacked. Pass a larger maxBytes if that is right.`,
+        { byte: this.#maxBytes },
+      );
     }
   }
 
@@ -228,13 +310,6 @@ function readerOf(stream: ReadableStream<Uint8Array>): Reader {
   } catch {
     return { kind: 'chunks', reader: stream.getReader() };
   }
-}
-
-export function lockedStreamError(name: string): SplatSourceError {
-  return new SplatSourceError(
-    name,
-    'the stream is locked: something else is reading it, or has read it. Pass a fresh stream, or the Blob or URL itself.',
-  );
 }
 
 export function messageOf(cause: unknown): string {

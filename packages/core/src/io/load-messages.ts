@@ -10,10 +10,10 @@ import type { PackedCloud } from '../packing/packed-cloud.ts';
 import type { GeometryPrecision, ShPrecision } from '../packing/precision.ts';
 import type { RowLayout } from '../packing/row-layout.ts';
 import type { RowFiles } from './row-sink.ts';
-import type { LoadProgress, SplatSource } from './splat-source.ts';
+import type { LoadProgress, SourceOptions, SplatSource } from './splat-source.ts';
 
 /** Settings of a load besides its source; all of them can be posted. */
-export interface LoadSettings {
+export interface LoadSettings extends SourceOptions {
   readonly name: string | undefined;
   readonly shPrecision: ShPrecision;
   readonly geometryPrecision: GeometryPrecision;
@@ -21,7 +21,7 @@ export interface LoadSettings {
 
 /** Page to worker. */
 export type LoadRequest =
-  /** The only job that the worker gets. */
+  /** A job. The next one comes after the outcome of this one. */
   | {
       readonly kind: 'load';
       readonly source: SplatSource;

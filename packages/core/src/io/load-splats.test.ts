@@ -257,6 +257,72 @@ describe('abort', () => {
   });
 });
 
+describe('many loads at once', () => {
+  const threads = (count: number) => vi.stubGlobal('navigator', { hardwareConcurrency: count });
+
+  test('share as many workers as there are threads, 2 to 8, in the order in which they came', async () => {
+    for (const [count, workers] of [
+      [1, 2],
+      [4, 4],
+      [64, 8],
+    ]) {
+      useWorkers('works');
+      threads(count);
+      const done: number[] = [];
+      const loads = Array.from({ length: 50 }, async (_, i) => {
+        expect((await loadSplats(ply)).count).toBe(300);
+        done.push(i);
+      });
+      await Promise.all(loads);
+      expect(FakeWorker.started).toHaveLength(workers);
+      for (const [place, i] of done.entries()) expect(Math.abs(place - i)).toBeLessThan(2 * workers);
+      for (const worker of FakeWorker.started) expect(worker.isTerminated).toBe(true);
+    }
+  });
+
+  test('those that fail or are called off make room for others', async () => {
+    useWorkers('works');
+    threads(2);
+    const stalled = () => new ReadableStream<Uint8Array>({ pull: () => new Promise(() => {}) });
+    const controllers = Array.from({ length: 4 }, () => new AbortController());
+    const outcomes = controllers.map(({ signal }) => failure(loadSplats(stalled(), { signal })));
+    const broken = failure(loadSplats(ply.slice(0, 1000)));
+    const last = loadSplats(new Blob([ply]));
+    // One that waits, one that runs, then all.
+    for (const i of [3, 0, 1, 2]) controllers[i].abort(new Error(`stopped ${i}`));
+    expect((await Promise.all(outcomes)).map(({ message }) => message)).toEqual(
+      [0, 1, 2, 3].map((i) => `stopped ${i}`),
+    );
+    expect(await broken).toBeInstanceOf(SplatFileError);
+    expect((await last).count).toBe(300);
+  });
+
+  test('take turns where no worker starts, too', async () => {
+    useWorkers('throws');
+    threads(1);
+    let running = 0;
+    let most = 0;
+    const source = () => {
+      most = Math.max(most, ++running);
+      return ply;
+    };
+    const streamOf = () =>
+      new ReadableStream<Uint8Array>(
+        {
+          pull(controller) {
+            controller.enqueue(source());
+            controller.close();
+            running--;
+          },
+        },
+        { highWaterMark: 0 },
+      );
+    const clouds = await Promise.all(Array.from({ length: 10 }, () => loadSplats(streamOf())));
+    expect(clouds.map(({ count }) => count)).toEqual(Array(10).fill(300));
+    expect(most).toBeLessThanOrEqual(2);
+  });
+});
+
 describe('what can be read again', () => {
   test('is an address, as the page has it now, a Blob or a File', () => {
     vi.stubGlobal('document', { baseURI: 'https://example.org/scenes/' });

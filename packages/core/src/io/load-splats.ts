@@ -1,11 +1,11 @@
 import { WebSplatterError } from '../errors.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../packing/precision.ts';
-import { lockedStreamError } from './byte-reader.ts';
 import { fromPostedError, type LoadReply, type LoadRequest, type LoadSettings } from './load-messages.ts';
-import { bytesOf, isBlob, isStream, shortName } from './open-source.ts';
 import type { RowsTo } from './row-sink.ts';
+import { bytesOf, isBlob, isStream, lockedStreamError, shortName } from './source-kind.ts';
 import type { ReadOptions, ReadSplatsOptions, SplatSource } from './splat-source.ts';
+import { endTurn, takeTurn } from './worker-turns.ts';
 
 export interface LoadSplatsOptions extends ReadSplatsOptions {
   /** How positions, rotations and scales are stored; default `packed`. */
@@ -19,7 +19,7 @@ type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
 /**
  * Reads splats and packs them for the GPU: in a worker where one can start, else in the calling thread (in Node, or
  * under a content security policy that forbids workers). Buffers are copied to the worker, so that the caller's stay
- * usable; a stream is consumed.
+ * usable; a stream is consumed. As many loads run at once as the machine has threads, 2 to 8; others wait for their turn.
  *
  * Rejects as `readSplats` does; with `WebSplatterError` 'worker-failed' if the worker dies, mostly for lack of memory;
  * and with the signal's reason, in which case the worker is stopped at once.
@@ -35,22 +35,32 @@ export async function loadOrPass(
   options: LoadSplatsOptions,
   rowsTo: RowsTo | undefined,
 ): Promise<PackedCloud | null> {
-  const { shPrecision = 'u8', geometryPrecision = 'packed', signal, onProgress } = options;
+  const { shPrecision = 'u8', geometryPrecision = 'packed', maxBytes, maxSplats, request } = options;
+  const { signal, onProgress } = options;
   signal?.throwIfAborted();
   const isUrl = typeof source === 'string' || source instanceof URL;
   const name = options.name ?? (isUrl ? shortName(String(source)) : undefined);
-  const settings: LoadSettings = { name, shPrecision, geometryPrecision };
-  const worker = await startWorker(signal);
-  if (worker === undefined) return readHere(source, settings, { signal, onProgress }, rowsTo);
+  const settings: LoadSettings = { name, shPrecision, geometryPrecision, maxBytes, maxSplats, request };
+  const spare = await takeTurn(signal);
+  let worker: Worker | null | undefined = spare;
+  let isDone = false;
   // Always aborted at the end: a terminated worker does not tell a stream that nobody reads it any more.
   const stop = new AbortController();
   const onAbort = () => stop.abort(signal?.reason);
   signal?.addEventListener('abort', onAbort, { once: true });
   try {
-    return await loadInWorker(worker, source, settings, { signal: stop.signal, onProgress }, rowsTo);
+    signal?.throwIfAborted();
+    worker ??= await startWorker(signal);
+    if (worker === undefined) return await readHere(source, settings, { signal, onProgress }, rowsTo);
+    const onDone = () => {
+      isDone = true;
+    };
+    const watch = { signal: stop.signal, onProgress, onDone };
+    return await loadInWorker(worker, source, settings, watch, rowsTo);
   } finally {
     signal?.removeEventListener('abort', onAbort);
-    worker.terminate();
+    if (!isDone) worker?.terminate();
+    endTurn(isDone ? worker! : null);
     stop.abort();
   }
 }
@@ -99,12 +109,15 @@ function newWorker(): Worker | undefined {
   }
 }
 
-/** Settles at the latest when `watch.signal` aborts, which stops a stream as well. */
+/**
+ * Settles at the latest when `watch.signal` aborts, which stops a stream as well. Calls `watch.onDone` when the worker is free
+ * for another load.
+ */
 function loadInWorker(
   worker: Worker,
   source: SplatSource,
   settings: LoadSettings,
-  watch: Watch & { signal: AbortSignal },
+  watch: Watch & { readonly signal: AbortSignal; readonly onDone: () => void },
   rowsTo: RowsTo | undefined,
 ): Promise<PackedCloud | null> {
   /** Settles when all rows so far have been taken. */
@@ -127,6 +140,10 @@ function loadInWorker(
         ),
       );
     };
+    const finish = (cloud: PackedCloud | null) => {
+      watch.onDone();
+      resolve(cloud);
+    };
     worker.onerror = fail;
     worker.onmessageerror = fail;
     worker.onmessage = ({ data }: MessageEvent<LoadReply>) => {
@@ -134,10 +151,10 @@ function loadInWorker(
         taken = taken.then(next);
         taken.catch(reject);
       };
-      if (data.kind === 'cloud') resolve(data.cloud);
+      if (data.kind === 'cloud') finish(data.cloud);
       else if (data.kind === 'layout') then(() => rowsTo!.sink.begin(data.layout));
       else if (data.kind === 'rows') then(() => takeRows(data));
-      else if (data.kind === 'rows-end') then(() => resolve(null));
+      else if (data.kind === 'rows-end') then(() => finish(null));
       else if (data.kind === 'error') reject(fromPostedError(data.error));
       else if (data.kind === 'progress') callOrReject(() => watch.onProgress?.(data.progress), reject);
     };

@@ -6,8 +6,9 @@ import { InvalidArgumentError, SplatFileError, SplatSourceError } from '../error
 import { chunked, plyBytes, splatElement } from '../testing/ply-fixture.ts';
 import { ByteReader } from './byte-reader.ts';
 import { detectFormat } from './detect.ts';
-import { openSource, sourceName } from './open-source.ts';
+import { openSource } from './open-source.ts';
 import { readSplats } from './read-splats.ts';
+import { sourceName } from './source-kind.ts';
 import type { LoadProgress, SplatSource } from './splat-source.ts';
 
 const ply = plyBytes({ format: 'binary_little_endian', elements: [splatElement(100, 1)] });
@@ -119,6 +120,7 @@ describe('sources', () => {
       { ...opened, ...size, reader: new ByteReader(opened) },
       {
         shPrecision: 'u8',
+        maxSplats: 100,
         onProgress: (progress) => reports.push(progress),
       },
     );

@@ -65,7 +65,7 @@ async function nextLines(
 ): Promise<string | undefined> {
   let scanned = 0;
   for (;;) {
-    const held = reader.bytes.subarray(reader.start, reader.start + reader.available);
+    const held = window(reader);
     const length = held.lastIndexOf(lineEnd);
     if (length >= scanned) {
       reader.advance(length + 1);
@@ -77,9 +77,16 @@ async function nextLines(
       throw new SplatFileError('bad-value', file, message, { line, byte: reader.byteOffset });
     }
     if (await reader.fill(held.length + 1)) continue;
-    reader.advance(held.length);
-    return held.length === 0 ? undefined : decode(held);
+    // Looking for more may have moved the window.
+    const last = window(reader);
+    const text = last.length === 0 ? undefined : decode(last);
+    reader.advance(last.length);
+    return text;
   }
+}
+
+function window(reader: ByteReader): Uint8Array {
+  return reader.bytes.subarray(reader.start, reader.start + reader.available);
 }
 
 function decode(bytes: Uint8Array): string {

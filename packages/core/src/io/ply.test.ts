@@ -176,6 +176,14 @@ describe('what is read', () => {
     expect(set.opacityLogits[0]).toBe(Math.fround(-0.01));
   });
 
+  test('a last line without a line end, longer than all before it', async () => {
+    const text = new TextDecoder('latin1').decode(plyBytes({ format: 'ascii', elements: [splatElement(1)] }));
+    const long = text.trimEnd().replace(/\S+$/, `${'0'.repeat(5000)}7`);
+    const bytes = textFile(long);
+    for (const source of [bytes, chunked(bytes, [3])])
+      expect((await readSplats(source)).rotations[3]).toBe(7);
+  });
+
   test('bytes after the splats are ignored', async () => {
     const bytes = plyBytes({ format: LE, elements: [splatElement(2)] });
     expect((await read(new Uint8Array([...bytes, 1, 2, 3]))).count).toBe(2);
@@ -559,7 +567,9 @@ describe('what is refused', () => {
       const before = process.memoryUsage().arrayBuffers;
       expect((await failure(read(bytes))).code).toBe('truncated');
       const code = count > 2 ** 32 ? 'too-large' : 'truncated';
-      expect((await failure(readSplats(chunked(bytes, [64])))).code).toBe(code);
+      const unlimited = { maxSplats: Number.POSITIVE_INFINITY };
+      expect((await failure(readSplats(chunked(bytes, [64]), unlimited))).code).toBe(code);
+      expect((await failure(readSplats(chunked(bytes, [64])))).code).toBe('too-large');
       expect(process.memoryUsage().arrayBuffers - before).toBeLessThan(64e6);
     },
   );

@@ -78,7 +78,7 @@ export async function readPly(
   const vertex = header.elements[vertexIndex];
   const shDegree = shDegreeOf(vertex, file);
   const body: PlyBody = { file, header, vertexIndex, slots: slotsOf(vertex, shDegree, file) };
-  const sizeIsKnown = checkCounts(input, header, vertexIndex, reader.byteOffset);
+  checkCounts(input, header, vertexIndex, reader.byteOffset, options.maxSplats);
   const progress = new ReadProgress(input.totalBytes, options.onProgress);
   const layout = rowsTo && rowLayoutOf(body, shDegree, rowsTo.files.pieceBytes);
   if (
@@ -99,7 +99,9 @@ export async function readPly(
     widePositions: vertex.properties.some(
       ({ name, type }) => /^[xyz]$/.test(name) && WIDE_TYPES.includes(type),
     ),
-    expectedCount: sizeIsKnown ? vertex.count : 0,
+    promisedCount: vertex.count,
+    // What only a server or a header promises may never come.
+    isHeld: input.isHeld,
   });
   const readRows = header.format === 'ascii' ? readAsciiRows : readBinaryRows;
   await readRows(reader, body, builder, progress);
@@ -200,14 +202,19 @@ function mayHold({ totalBytes }: SplatInput, bytes: number): boolean {
   return totalBytes !== undefined && totalBytes >= bytes;
 }
 
-/** Throws if the source is too small for the promised rows; returns whether it is known to be large enough. */
-function checkCounts(source: SplatInput, header: PlyHeader, vertexIndex: number, bodyStart: number): boolean {
+/** Throws if the source is known to be too small for the promised rows, or if there are too many of them. */
+function checkCounts(
+  source: SplatInput,
+  header: PlyHeader,
+  vertexIndex: number,
+  bodyStart: number,
+  maxSplats: number,
+): void {
   const vertex = header.elements[vertexIndex];
   if (vertex.count === 0) {
     throw new SplatFileError('empty', source.name, 'the header promises 0 splats.', { element: 'vertex' });
   }
-  const isKnown = source.totalBytes !== undefined && source.totalBytesCertain;
-  if (isKnown) {
+  if (source.totalBytes !== undefined && source.totalBytesCertain) {
     const elements = header.elements.slice(0, vertexIndex + 1);
     const neededBytes = elements.reduce(
       (sum, element) => sum + element.count * leastRowBytes(element, header),
@@ -233,7 +240,14 @@ function checkCounts(source: SplatInput, header: PlyHeader, vertexIndex: number,
       { element: 'vertex' },
     );
   }
-  return isKnown;
+  if (vertex.count > maxSplats) {
+    throw new SplatFileError(
+      'too-large',
+      source.name,
+      `it has ${vertex.count} splats, more than maxSplats, ${maxSplats}. Pass a larger maxSplats if there is memory for them.`,
+      { element: 'vertex' },
+    );
+  }
 }
 
 /** Least bytes of one row: lists are empty; in text each number is a digit and a separator. */

@@ -1,8 +1,10 @@
 import type { PackedHarmonics } from '../packing/harmonics.ts';
+import { checkPrecision } from '../packing/precision.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { ByteReader } from './byte-reader.ts';
 import { detectFormat, SNIFF_BYTES } from './detect.ts';
 import { openSource } from './open-source.ts';
+import { checkSize, limitsOf } from './read-limits.ts';
 import type { RowsTo } from './row-sink.ts';
 import type { ReadSplatsOptions, SplatSource } from './splat-source.ts';
 
@@ -26,17 +28,22 @@ export async function readSource(
   rowsTo?: RowsTo,
 ): Promise<SplatSet<PackedHarmonics> | null> {
   const { signal, onProgress, shPrecision = 'u8' } = options;
+  checkPrecision({ shPrecision });
   const opened = await openSource(source, options);
-  const reader = new ByteReader(opened, signal);
+  let reader: ByteReader | undefined;
   try {
+    const { maxBytes, maxSplats } = limitsOf(options, opened);
+    checkSize(opened, maxBytes);
+    reader = new ByteReader(opened, signal, maxBytes);
     await reader.fill(SNIFF_BYTES);
     const end = reader.start + Math.min(SNIFF_BYTES, reader.available);
     const format = detectFormat(reader.bytes.subarray(reader.start, end), opened.name);
     const input = { ...opened, reader };
-    const formatOptions = { shPrecision, signal, onProgress };
+    const formatOptions = { shPrecision, maxSplats, signal, onProgress };
     if (rowsTo && format.readRows) return await format.readRows(input, formatOptions, rowsTo);
     return await format.read(input, formatOptions);
   } finally {
-    reader.close();
+    if (reader) reader.close();
+    else opened.stream.cancel().catch(() => {});
   }
 }

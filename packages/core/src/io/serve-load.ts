@@ -9,15 +9,16 @@ export interface LoadPort {
   postMessage(reply: LoadReply, transfer: Transferable[]): void;
 }
 
-/** Does the one load that the page asks for and posts its progress and outcome. */
+/** Does the loads that the page asks for, one after another, and posts their progress and outcome. */
 export function serveLoad(port: LoadPort): void {
-  const sink = new PostedRows(port);
+  let sink = new PostedRows(port);
   port.onmessage = async ({ data: request }) => {
     if (request.kind === 'memory') {
       sink.giveBack(request.memory);
       return;
     }
     const { source, settings, rows } = request;
+    sink = new PostedRows(port);
     try {
       const watch = {
         onProgress: (progress) => port.postMessage({ kind: 'progress', progress }, []),

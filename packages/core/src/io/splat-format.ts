@@ -8,6 +8,8 @@ import type { OpenedSource, ReadOptions } from './splat-source.ts';
 export interface SplatFormatOptions extends Pick<ReadOptions, 'signal' | 'onProgress'> {
   /** Precision in which to pack the spherical harmonics above degree 0. */
   readonly shPrecision: ShPrecision;
+  /** Files with more splats are refused. */
+  readonly maxSplats: number;
 }
 
 /** A source that is being read. */

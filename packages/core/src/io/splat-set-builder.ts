@@ -29,8 +29,10 @@ export interface SplatSetBuilderOptions {
   readonly shPrecision: ShPrecision;
   /** Whether positions have more precision than float32; it is kept until the origin is known. */
   readonly widePositions: boolean;
-  /** Rows to allocate at once; pass only what the source is known to hold. */
-  readonly expectedCount: number;
+  /** Most rows that will be pushed. */
+  readonly promisedCount: number;
+  /** Whether as many rows are there already, so that memory for them may be taken at once. */
+  readonly isHeld: boolean;
 }
 
 /**
@@ -64,7 +66,8 @@ export class SplatSetBuilder {
       shWords: new Uint32Array(0),
       fileIndices: new Uint32Array(0),
     };
-    this.#setCapacity(Math.max(FIRST_CAPACITY, options.expectedCount));
+    const { promisedCount, isHeld } = options;
+    this.#setCapacity(isHeld ? promisedCount : Math.min(FIRST_CAPACITY, promisedCount));
   }
 
   /** Splats kept so far. */
@@ -80,7 +83,8 @@ export class SplatSetBuilder {
       this.#dropped[reason] = (this.#dropped[reason] ?? 0) + 1;
       return;
     }
-    if (this.#count === this.#capacity) this.#setCapacity(2 * this.#capacity);
+    if (this.#count === this.#capacity)
+      this.#setCapacity(Math.min(2 * this.#capacity, this.#options.promisedCount));
     const index = this.#count++;
     const { positions, logScales, rotations, opacityLogits, colorDc, shWords, fileIndices } = this.#columns;
     for (let i = 0; i < 3; i++) {

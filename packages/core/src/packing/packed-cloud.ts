@@ -7,7 +7,7 @@ import { type PackedGeometry, packGeometry } from './geometry.ts';
 import { type Harmonics, isPacked, type PackedHarmonics } from './harmonics.ts';
 import { clampLogScale } from './log-scale.ts';
 import { mortonOrder, permuteSplats } from './morton-order.ts';
-import type { GeometryPrecision, ShPrecision } from './precision.ts';
+import { checkPrecision, type GeometryPrecision, type ShPrecision } from './precision.ts';
 import { packHarmonics, repackHarmonics, truncateHarmonics } from './repack-harmonics.ts';
 
 /** An axis-aligned box, corners included. */
@@ -45,10 +45,14 @@ export interface PackOptions {
 
 /**
  * Arranges `set`, which may have any order, in storage order and packs it. Takes about a second per two million splats.
+ *
+ * @throws InvalidArgumentError for a precision that there is not.
  */
 export function packCloud(set: SplatSet<Harmonics>, options: PackOptions): PackedCloud {
+  const { geometryPrecision, shPrecision = precisionOf(set.harmonics) } = options;
+  checkPrecision({ geometryPrecision, shPrecision });
   const facts = cloudFacts(set);
-  const harmonics = packedHarmonics(set, facts, options.shPrecision ?? precisionOf(set.harmonics));
+  const harmonics = packedHarmonics(set, facts, shPrecision);
   const stored = permuteSplats({ ...set, harmonics }, mortonOrder(set.positions, set.count));
   const chunks = chunkBounds(stored);
   const bounds = totalBounds(chunks, stored.origin);
@@ -57,7 +61,7 @@ export function packCloud(set: SplatSet<Harmonics>, options: PackOptions): Packe
     origin: stored.origin,
     bounds,
     robustBounds: stored.count > 0 ? sampledBounds(stored) : bounds,
-    geometry: packGeometry(stored, options.geometryPrecision),
+    geometry: packGeometry(stored, geometryPrecision),
     harmonics: stored.harmonics,
     chunks,
     fileIndices: stored.fileIndices,

@@ -1,0 +1,125 @@
+import { describe, expect, test } from 'vitest';
+import { internAccuracy, resolveAccuracy } from './accuracy/accuracy.ts';
+import { internWish } from './accuracy/accuracy-wish.ts';
+import { cameraFromMatrices, orthographicCamera, perspectiveCamera, projectionOf } from './camera/camera.ts';
+import * as effects from './effects/index.ts';
+import { InvalidArgumentError } from './errors.ts';
+import { planCloud } from './frame/cloud-plan.ts';
+import { checkRequest } from './frame/frame-request.ts';
+import { identity4 } from './math/mat4.ts';
+import { fuzz } from './testing/fuzz.ts';
+import { withHostilePart } from './testing/hostile-values.ts';
+
+const CAMERA = { position: [1, 2, 3], target: [0, 0, 0], up: [0, 1, 0], aspect: 1.5, near: 0.1, far: 100 };
+const SELECTION = new effects.SplatSelection();
+SELECTION.add([1, 2]);
+
+const device = {} as GPUDevice;
+/** Neither plain objects, so that they are replaced as a whole. */
+const cloud = Object.assign(Object.create({}), {
+  name: 'garden',
+  device,
+  isDestroyed: false,
+  origin: [0, 0, 0],
+  facts: {},
+});
+const EFFECTS = [effects.tint([1, 0, 0]), effects.brightness(2)].map((use) => Object.setPrototypeOf(use, {}));
+
+/** Calls with good arguments, and what must be finite of what they return. */
+const CALLS: Record<string, { good: unknown[]; call: (...given: never[]) => unknown }> = {
+  resolveAccuracy: { good: [{ preset: 'high', shDegree: 2, alphaCutoff: 0.01 }], call: resolveAccuracy },
+  internAccuracy: { good: [{ preset: 'fast', resolutionScale: 0.5 }], call: internAccuracy },
+  internWish: { good: [{ minPsnrDb: 40 }], call: (request) => internWish(request)?.toString() },
+  perspectiveCamera: { good: [{ ...CAMERA, fovYDegrees: 60 }], call: perspectiveCamera },
+  orthographicCamera: { good: [{ ...CAMERA, height: 3 }], call: orthographicCamera },
+  cameraFromMatrices: {
+    good: [
+      identity4(),
+      perspectiveCamera({ ...CAMERA, fovYDegrees: 60 } as never).projectionMatrix,
+      { near: 0.1, far: 10 },
+    ],
+    call: cameraFromMatrices,
+  },
+  'a frame request': {
+    good: [
+      {
+        camera: perspectiveCamera({ ...CAMERA, fovYDegrees: 60 } as never),
+        clouds: [{ cloud, modelMatrix: identity4(), opacity: 0.5, shDegree: 2, effects: EFFECTS }],
+        widthPx: 64,
+        heightPx: 48,
+        background: [0, 0.5, 1],
+      },
+    ],
+    call: (request: Parameters<typeof checkRequest>[0]) => {
+      checkRequest(request, device);
+      const projection = projectionOf(request.camera, 64, 48);
+      return request.clouds.map((each) => {
+        const { parameters, view } = planCloud(each, request.camera, projection, resolveAccuracy());
+        return [new Float32Array(parameters.slice().buffer), view];
+      });
+    },
+  },
+  ...Object.fromEntries(
+    Object.entries({
+      tint: [[1, 0.5, 0]],
+      brightness: [2],
+      opacity: [0.5],
+      antialias: [true],
+      clip: [
+        {
+          volumes: [
+            { shape: 'box', center: [0, 0, 0], size: [1, 2, 3], rotation: [0, 0, 0, 1], keep: 'outside' },
+            { shape: 'sphere', center: [0, 1, 0], radius: 2 },
+            { shape: 'plane', point: [0, 0, 1], normal: [0, 1, 0] },
+          ],
+          softEdge: 0.1,
+        },
+      ],
+      fog: [{ color: [0.5, 0.5, 0.5], near: 1, far: 10 }],
+      reveal: [{ from: [0, 0, 0], radius: 3, softEdge: 0.5, grow: true }],
+      highlight: [{ selection: SELECTION, color: [1, 0, 0], strength: 0.5 }],
+    } satisfies Partial<Record<keyof typeof effects, unknown[]>>).map(([name, good]) => {
+      const effect = new Map(Object.entries(effects)).get(name) as typeof effects.tint;
+      const place = { modelMatrix: identity4(), origin: [0, 0, 0] as const, viewMatrix: identity4() };
+      const call = (...options: never[]) => {
+        const use = effect(...(options as unknown as [never]));
+        return [use.reason === null ? null : use.valuesAt(place), use.reach];
+      };
+      return [name, { good, call }];
+    }),
+  ),
+};
+
+/** Throws for a number that float32 cannot hold, at any depth; `near` and `far` may be, which draws nothing or everything. */
+function expectFinite(value: unknown, name = 'result'): void {
+  if (typeof value === 'number') {
+    if (!Number.isFinite(Math.fround(value)) && !/\.(near|far)$/.test(name))
+      throw new Error(`${name} is ${value}`);
+  } else if (Array.isArray(value) || ArrayBuffer.isView(value)) {
+    for (const [i, part] of Array.from(value as ArrayLike<unknown>).entries())
+      expectFinite(part, `${name}.${i}`);
+  } else if (typeof value === 'object' && value !== null) {
+    for (const [key, part] of Object.entries(value)) expectFinite(part, `${name}.${key}`);
+  }
+}
+
+describe('any argument is taken or refused by name', () => {
+  test.each(Object.entries(CALLS))('%s', { timeout: 600_000 }, async (name, { good, call }) => {
+    expectFinite(call(...(good as never[])));
+    let refused = 0;
+    await fuzz({ few: 1000, many: 20_000 }, (choices) => {
+      const given = [...good];
+      const which = choices.below(given.length);
+      given[which] = withHostilePart(given[which], choices);
+      try {
+        expectFinite(call(...(given as never[])));
+      } catch (error) {
+        if (!(error instanceof InvalidArgumentError)) throw error;
+        if (error.argument === '' || error.message.length > 1000)
+          throw new Error(`A bad message: ${error.message.slice(0, 200)}`);
+        refused++;
+      }
+    });
+    expect(refused, name).toBeGreaterThan(100);
+  });
+});
