@@ -2,11 +2,15 @@ import { type AccuracyPreset, perspectiveCamera, type SplatCloud, SplatEngine } 
 import type { SceneCamera } from '@websplatter/scenes';
 import type { LoadPeer } from '../adapter.ts';
 
-/** This project's engine on a canvas. `?accuracy=PRESET`; `?previews` shows what has arrived while the rest loads. */
+/**
+ * This project's engine on a canvas. `?accuracy=PRESET`; `?previews` shows what has arrived while the rest loads; `?undivided`
+ * submits every frame at once, however long it may take.
+ */
 const loadWebsplatter: LoadPeer = async (host) => {
   const { canvas, options } = host;
   const accuracy = (options.get('accuracy') ?? 'balanced') as AccuracyPreset;
-  const engine = await SplatEngine.create({ accuracy });
+  const submissionBudgetMs = options.has('undivided') ? Number.POSITIVE_INFINITY : undefined;
+  const engine = await SplatEngine.create({ accuracy, submissionBudgetMs });
   const view = engine.createView({ canvas });
   const size = { widthPx: canvas.width, heightPx: canvas.height };
   const cameraBy = (by: SceneCamera) => perspectiveCamera({ ...by, aspect: size.widthPx / size.heightPx });
