@@ -82,7 +82,10 @@ export class SplatView extends ViewCore {
     this.foresee({ camera: LIKELY_CAMERA, clouds: [{ cloud }], ...LIKELY_SIZE });
   }
 
-  /** Resolves when the last requested frame has been submitted; rejects if its shaders do not compile. */
+  /**
+   * Resolves when the last requested frame has been submitted. Rejects if its shaders do not compile, and with a DestroyedError if
+   * one of its clouds, the view, the engine or the device ends before.
+   */
   whenDrawn(): Promise<void> {
     return this.drawn;
   }
@@ -90,6 +93,9 @@ export class SplatView extends ViewCore {
   /**
    * Reads back the last image, without its background: premultiplied RGBA in the space that splats are blended in
    * (sRGB-encoded), top row first, 4·width·height values.
+   *
+   * @throws InvalidArgumentError before the first frame; DestroyedError if the view, its engine or the device ends before the
+   *   image is read; what `whenDrawn` rejects with.
    */
   async readPixels(): Promise<TextureImage> {
     // Most pages never do.
@@ -136,7 +142,8 @@ export class SplatView extends ViewCore {
   }
 
   protected override retry(request: FrameRequest | null): void {
-    if (request && this.canStillDraw(request)) this.render(request);
+    // Where a cloud has ended meanwhile, whoever waits for the frame is told.
+    if (request) this.render(request);
   }
 
   #draw(plan: FramePlan): void {
