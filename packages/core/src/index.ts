@@ -45,6 +45,7 @@ export type { EmbeddedImage } from './frame/parts/compose.ts';
 export { adapterLabel, type DeviceOptions, isSoftwareAdapter, requestSplatDevice } from './gpu/device.ts';
 export type { EngineCounters } from './gpu/engine-counters.ts';
 export type { GpuMemoryReport } from './gpu/gpu-memory.ts';
+export { RecoveryPace } from './gpu/recovery-pace.ts';
 export type { TextureImage } from './gpu/read-texture.ts';
 export { type LoadSplatsOptions, lastingSource, loadSplats } from './io/load-splats.ts';
 export { readSplats } from './io/read-splats.ts';

@@ -14,11 +14,11 @@ export function isAccuracyWish(request: AccuracyRequest): request is AccuracyWis
   return typeof request === 'object' && WISHES.some((name) => Object.hasOwn(request, name));
 }
 
-/** @throws InvalidArgumentError unless the wish is one positive number under a known name. */
+/** @throws InvalidArgumentError unless the wish is one finite, positive number under a known name. */
 export function checkWish(wish: AccuracyWish): void {
   const [name, value] = Object.entries(wish)[0] ?? ['accuracy', undefined];
   const isKnown = (WISHES as readonly string[]).includes(name) && Object.keys(wish).length === 1;
-  if (isKnown && typeof value === 'number' && value > 0) return;
+  if (isKnown && Number.isFinite(value) && value > 0) return;
   const found = JSON.stringify(wish);
   const message = `The wish is ${found}; it must be { minPsnrDb } in decibels or { maxFrameMs } in milliseconds, above 0.`;
   throw new InvalidArgumentError(name, message);
