@@ -98,13 +98,7 @@ function PrimaryButton(props: { testId: string; onClick: () => void; children: s
   const button = useRef<HTMLButtonElement>(null);
   useEffect(() => button.current?.focus(), []);
   return (
-    <button
-      ref={button}
-      type="button"
-      className="text-button primary"
-      data-testid={testId}
-      onClick={onClick}
-    >
+    <button ref={button} type="button" className="text-button primary" data-testid={testId} onClick={onClick}>
       {children}
     </button>
   );

@@ -21,7 +21,12 @@ test('equal wishes are the same object, even if the caller changes the original'
 });
 
 test('rejects values that are not positive, finite numbers, and settings next to a wish', () => {
-  const refused = [{ minPsnrDb: 0 }, { maxFrameMs: Number.NaN }, { minPsnrDb: Number.POSITIVE_INFINITY }, { minPsnrDb: '45' }];
+  const refused = [
+    { minPsnrDb: 0 },
+    { maxFrameMs: Number.NaN },
+    { minPsnrDb: Number.POSITIVE_INFINITY },
+    { minPsnrDb: '45' },
+  ];
   for (const wish of [...refused, { minPsnrDb: 45, maxFrameMs: 8 }, { minPsnrDb: 45, preset: 'high' }])
     expect(() => internWish(wish as never), JSON.stringify(wish)).toThrow(InvalidArgumentError);
 });

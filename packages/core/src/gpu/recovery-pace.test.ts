@@ -9,5 +9,7 @@ test('attempts follow ever more slowly, and end', () => {
 
 test('a device that has lasted a minute begins anew', () => {
   const pace = new RecoveryPace();
-  expect([0, 1000, 61_000, 121_001, 121_002].map((nowMs) => pace.next(nowMs))).toEqual([0, 1000, 4000, 0, 1000]);
+  expect([0, 1000, 61_000, 121_001, 121_002].map((nowMs) => pace.next(nowMs))).toEqual([
+    0, 1000, 4000, 0, 1000,
+  ]);
 });
