@@ -485,7 +485,15 @@ it('comes back from the loss of its device by itself, and tells where it cannot'
   const page = await open(canvas({ background: 'black', accuracy: BY_TILES }), bare);
   for (const id of ['a', 'b']) await waitForLog(page, `${id} firstframe`);
   const requests = ['a.ply', 'b.ply'].map(harness.server.requests);
+  const atFirst = await image(page);
+  await page.evaluate(() => {
+    const { camera, invalidate } = window.page.canvases.get('canvas')!;
+    camera.position.x -= 2;
+    invalidate();
+  });
+  await nextFrames(page);
   const before = await image(page);
+  expect(changedPart(atFirst, before)).toBeGreaterThan(0.02);
   await page.evaluate(() => {
     for (const id of ['canvas', 'bare']) window.page.engine(id).device.destroy();
   });

@@ -1,4 +1,4 @@
-import { Canvas, type CanvasProps, useThree } from '@react-three/fiber';
+import { Canvas, type CanvasProps, type RootState, useThree } from '@react-three/fiber';
 import {
   type AccuracyRequest,
   DEFAULT_ACCURACY,
@@ -7,7 +7,7 @@ import {
   WebGpuUnavailableError,
 } from '@websplatter/core';
 import { onDeviceLost, splatEngineOf } from '@websplatter/three';
-import { type ReactNode, useEffect, useRef, useState } from 'react';
+import { type ReactNode, type RefObject, useEffect, useRef, useState } from 'react';
 import { type CanvasRendererParameters, createSplatRenderer } from './create-splat-renderer.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 
@@ -22,9 +22,16 @@ const LOST_REPEATEDLY =
   'The GPU device was lost again and again: its memory may be too small for the scene, or the driver at fault. ' +
   'Reload the page, or mount the Canvas again.';
 
+/** One of the Canvases that follow one another. */
+interface Life {
+  readonly generation: number;
+  /** The camera of the one before. */
+  readonly camera?: RootState['camera'];
+}
+
 /**
  * A `<Canvas>` of react-three-fiber that draws splats, and that replaces itself with a fresh one when its GPU device is
- * lost: its contents mount again, and their files are read again. If the device is lost again within a minute, that waits for
+ * lost: its camera stays, its contents mount again, and their files are read again. If the device is lost again within a minute, that waits for
  * 1, 4 and then 16 seconds.
  *
  * @throws WebGpuUnavailableError to the nearest error boundary if there is no WebGPU, or if the device is lost once more. To
@@ -37,14 +44,19 @@ export function SplatCanvas({
   ...props
 }: SplatCanvasProps): ReactNode {
   const [pace] = useState(() => new RecoveryPace());
-  const [generation, setGeneration] = useState(0);
+  const [{ generation, camera }, setLife] = useState<Life>({ generation: 0 });
+  const shownBy = useRef<Life['camera']>(undefined);
   const [failure, setFailure] = useState<{ readonly error: unknown } | null>(null);
   const timer = useRef<ReturnType<typeof setTimeout>>(undefined);
   useEffect(() => () => clearTimeout(timer.current), []);
   const replace = (error: unknown) => {
     const waitMs = pace.next();
     if (waitMs === null) setFailure({ error });
-    else timer.current = setTimeout(() => setGeneration(generation + 1), waitMs);
+    else
+      timer.current = setTimeout(
+        () => setLife({ generation: generation + 1, camera: shownBy.current }),
+        waitMs,
+      );
   };
   const gl: CanvasProps['gl'] = async (defaults) => {
     try {
@@ -62,11 +74,21 @@ export function SplatCanvas({
 
   if (failure) throw failure.error;
   return (
-    <Canvas key={generation} {...props} gl={gl}>
+    <Canvas key={generation} {...props} {...(camera && { camera })} gl={gl}>
       <EngineAccuracy accuracy={accuracy} />
+      <CameraWatch camera={shownBy} />
       {children}
     </Canvas>
   );
+}
+
+/** Tells which camera the Canvas draws with. */
+function CameraWatch({ camera }: { camera: RefObject<Life['camera']> }): ReactNode {
+  const current = useThree((state) => state.camera);
+  useEffect(() => {
+    camera.current = current;
+  }, [camera, current]);
+  return null;
 }
 
 /**
