@@ -1,4 +1,4 @@
-import { type SplatEngine, WebGpuUnavailableError } from '@websplatter/core';
+import { DestroyedError, type SplatEngine, WebGpuUnavailableError } from '@websplatter/core';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
 import { SessionOwner } from './session-owner.ts';
@@ -86,6 +86,22 @@ describe('SessionOwner', () => {
       statusReason: NO_GPU.message,
       retryWaitMs: 1000,
     });
+    await passMs(1000);
+    expect(store.getState().status).toBe('running');
+  });
+
+  it('goes on asking where the new device is lost before it is used', async () => {
+    sessions.attach(canvas);
+    await passMs(0);
+    const destroy = vi.fn();
+    const createView = () => {
+      throw new DestroyedError('This engine', 'the GPU device was lost');
+    };
+    const device = { addEventListener: () => {} };
+    createEngine.mockResolvedValueOnce({ device, createView, destroy } as unknown as SplatEngine);
+    await loseDevice();
+    expect(store.getState()).toMatchObject({ status: 'lost', retryWaitMs: 1000 });
+    expect(destroy).toHaveBeenCalledOnce();
     await passMs(1000);
     expect(store.getState().status).toBe('running');
   });

@@ -1,4 +1,10 @@
-import { type AccuracyChoice, RecoveryPace, SplatEngine, WebGpuUnavailableError } from '@websplatter/core';
+import {
+  type AccuracyChoice,
+  DestroyedError,
+  RecoveryPace,
+  SplatEngine,
+  WebGpuUnavailableError,
+} from '@websplatter/core';
 import type { ViewerStore } from '../state/store.ts';
 import type { Session } from './session.ts';
 import { Views } from './views.ts';
@@ -85,32 +91,27 @@ export class SessionOwner {
 
   async #start(canvas: HTMLCanvasElement, signal: AbortSignal): Promise<void> {
     const store = this.#store;
-    let engine: SplatEngine;
+    let engine: SplatEngine | null = null;
+    let session: Session;
     try {
       const { wish, accuracy } = store.getState();
       engine = await this.#createEngine({ accuracy: wish ?? accuracy });
+      if (signal.aborted) {
+        engine.destroy();
+        return;
+      }
+      // Throws if the device has been lost already.
+      session = this.#sessionOf(engine, canvas);
     } catch (error) {
+      engine?.destroy();
       if (signal.aborted) return;
       const reason = error instanceof Error ? error.message : String(error);
-      if (!(error instanceof WebGpuUnavailableError)) console.error(error);
+      if (!(error instanceof WebGpuUnavailableError || error instanceof DestroyedError)) console.error(error);
       // A GPU that was there may come back.
       if (this.#hasStarted) this.#becomeLost(reason);
       else store.setState({ status: 'unavailable', statusReason: reason, load: null });
       return;
     }
-    if (signal.aborted) {
-      engine.destroy();
-      return;
-    }
-    engine.device.addEventListener('uncapturederror', (event) => {
-      console.error(`WebGPU: ${(event as GPUUncapturedErrorEvent).error.message}`);
-    });
-    const views = new Views(engine, canvas, (choice) => this.#events.onAccuracyChosen(engine, choice));
-    views.main.onStatistics = (statistics) => {
-      store.setState({ statistics, rasterizer: views.main.rasterizer });
-    };
-    if (this.#rightCanvas) views.createRight(this.#rightCanvas);
-    const session: Session = { canvas, engine, views };
     this.#current = session;
     this.#hasStarted = true;
     void engine.lost.then((info) => {
@@ -119,6 +120,18 @@ export class SessionOwner {
     store.setState({ status: 'running', adapterLabel: engine.adapterLabel });
     this.#events.onStart(session);
     for (const resolve of this.#waiters.splice(0)) resolve(session);
+  }
+
+  #sessionOf(engine: SplatEngine, canvas: HTMLCanvasElement): Session {
+    engine.device.addEventListener('uncapturederror', (event) => {
+      console.error(`WebGPU: ${(event as GPUUncapturedErrorEvent).error.message}`);
+    });
+    const views = new Views(engine, canvas, (choice) => this.#events.onAccuracyChosen(engine, choice));
+    views.main.onStatistics = (statistics) => {
+      this.#store.setState({ statistics, rasterizer: views.main.rasterizer });
+    };
+    if (this.#rightCanvas) views.createRight(this.#rightCanvas);
+    return { canvas, engine, views };
   }
 
   #lose(info: GPUDeviceLostInfo): void {
