@@ -485,7 +485,15 @@ it('comes back from the loss of its device by itself, and tells where it cannot'
   const page = await open(canvas({ background: 'black', accuracy: BY_TILES }), bare);
   for (const id of ['a', 'b']) await waitForLog(page, `${id} firstframe`);
   const requests = ['a.ply', 'b.ply'].map(harness.server.requests);
+  const atFirst = await image(page);
+  await page.evaluate(() => {
+    const { camera, invalidate } = window.page.canvases.get('canvas')!;
+    camera.position.x -= 2;
+    invalidate();
+  });
+  await nextFrames(page);
   const before = await image(page);
+  expect(changedPart(atFirst, before)).toBeGreaterThan(0.02);
   await page.evaluate(() => {
     for (const id of ['canvas', 'bare']) window.page.engine(id).device.destroy();
   });
@@ -506,16 +514,36 @@ it('comes back from the loss of its device by itself, and tells where it cannot'
   expect(['canvas', 'bare'].map((id) => times(`${id} created`))).toEqual([2, 1]);
 });
 
-it('gives up where the device is lost again and again', async () => {
-  harness.expectProblem(/lost 4 times within a minute/);
-  const page = await open(canvas({ splats: [] }));
-  await waitForLog(page, 'canvas created');
-  for (let losses = 1; losses <= 4; losses++) {
+it('gives up where the device is lost again and again, or there is no adapter any more', async () => {
+  harness.expectProblem(/lost again and again/);
+  const page = await harness.newPage();
+  // The waits of a recovery pass at once.
+  await page.addInitScript(() => {
+    const { setTimeout } = window;
+    const isWait = (ms: number) => [1000, 4000, 16_000].includes(ms);
+    window.setTimeout = ((run: () => void, ms = 0, ...values: []) =>
+      setTimeout(run, isWait(ms) ? 0 : ms, ...values)) as typeof window.setTimeout;
+  });
+  await page.goto(harness.server.url);
+  await page.waitForFunction(() => 'page' in window);
+  await show(page, canvas({ splats: [] }));
+  for (let losses = 1; losses <= 5; losses++) {
     await waitForLog(page, 'canvas created', losses);
     await page.evaluate(() => window.page.engine('canvas').device.destroy());
   }
-  const message = /^canvas fallback WebGpuUnavailableError: The GPU device was lost 4 times within a minute/;
+  const message = /^canvas fallback WebGpuUnavailableError: The GPU device was lost again and again/;
   await expect.poll(() => logOf(page)).toContainEqual(expect.stringMatching(message));
+
+  // Another one begins anew.
+  harness.expectProblem(/found no GPU/);
+  await show(page, canvas({ id: 'next', splats: [] }));
+  await waitForLog(page, 'next created');
+  await page.evaluate(() => {
+    GPU.prototype.requestAdapter = async () => null;
+    window.page.engine('next').device.destroy();
+  });
+  const noGpu = /^next fallback WebGpuUnavailableError: WebGPU found no GPU/;
+  await expect.poll(() => logOf(page)).toContainEqual(expect.stringMatching(noGpu));
 });
 
 it('sends pointer events to splats, and picks the row of the file under a pixel', async () => {

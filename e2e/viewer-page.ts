@@ -40,10 +40,16 @@ export function frameCount(page: Page): Promise<number> {
   return page.getByTestId('viewport').evaluate((canvas) => Number(canvas.dataset.frames ?? 0));
 }
 
-/** Waits until the viewer has drawn more than `frames` frames and has come to rest. */
+/**
+ * Waits until the viewer has drawn more than `frames` frames and is at rest. What a test has done before by keys or mouse has
+ * ended the rest already, so that no image before that counts, however late its frame was.
+ */
 export async function waitForFrameAfter(page: Page, frames: number): Promise<void> {
   await page.waitForFunction(
-    (least) => Number(document.querySelector('canvas')?.dataset.frames ?? 0) > least,
+    (least) => {
+      const canvas = document.querySelector('canvas');
+      return canvas?.dataset.resting !== undefined && Number(canvas.dataset.frames) > least;
+    },
     frames,
     { timeout: 60_000 },
   );

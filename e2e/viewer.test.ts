@@ -415,11 +415,18 @@ describe('viewer', () => {
   it('says so where there is WebGPU but no GPU for it', async () => {
     const page = await newPage();
     await page.addInitScript(() => {
+      Object.assign(window, { request: GPU.prototype.requestAdapter });
       GPU.prototype.requestAdapter = async () => null;
     });
-    await page.goto(harness.server.url);
+    await page.goto(`${harness.server.url}?scene=still-life-small`);
     await waitForState(page, 'unavailable');
     expect(await textOf(page, 'status-reason')).toContain('no GPU');
+    await page.evaluate(() => {
+      GPU.prototype.requestAdapter = (window as unknown as { request: GPU['requestAdapter'] }).request;
+    });
+    // The button has the keyboard.
+    await page.keyboard.press('Enter');
+    await waitForImage(page);
   });
 
   it('recovers the scene and the view after the device was lost', async () => {
@@ -432,13 +439,45 @@ describe('viewer', () => {
     await waitForFrameAfter(page, frames);
     const before = await viewerScreenshot(page);
 
-    await page.evaluate(() => dispatchEvent(new Event('lose-device')));
-    await waitForState(page, 'lost');
+    // The GPU process ends, and there is no adapter at that moment.
+    harness.expectProblem(/external Instance reference|WebGPU Device Lost/);
+    await page.evaluate(() => {
+      const { requestAdapter } = GPU.prototype;
+      GPU.prototype.requestAdapter = async () => null;
+      addEventListener('adapter-is-back', () => {
+        GPU.prototype.requestAdapter = requestAdapter;
+      });
+    });
     frames = await frameCount(page);
-    await page.getByTestId('recover').click();
-    await waitForState(page, 'ready');
+    const session = await harness.browser.newBrowserCDPSession();
+    await session.send('Browser.crashGpuProcess' as never).catch(() => {});
+    await page.getByTestId('status-reason').getByText('no GPU').waitFor();
+    await page.evaluate(() => void dispatchEvent(new Event('adapter-is-back')));
+    // A person need not wait: the button has the keyboard.
+    await page.keyboard.press('Enter');
     await waitForFrameAfter(page, frames);
     expect(changedPart(before, await viewerScreenshot(page), 0)).toBe(0);
+
+    // By itself, with what was being opened.
+    await page.evaluate(() => {
+      // The worker gets its job when there is another device.
+      const { postMessage } = Worker.prototype;
+      Worker.prototype.postMessage = () => {};
+      const { requestDevice } = GPUAdapter.prototype;
+      GPUAdapter.prototype.requestDevice = function (...options) {
+        Worker.prototype.postMessage = postMessage;
+        return requestDevice.apply(this, options);
+      };
+      addEventListener('drop', () => dispatchEvent(new Event('lose-device')), { once: true });
+    });
+    await dropFiles(page, [{ name: 'asked.ply', bytes: encodePly(testScene()) }]);
+    await page.getByTestId('scene-title').getByText('asked.ply').waitFor();
+    expect(await textOf(page, 'notice')).toContain('GPU was lost');
+  });
+
+  it('draws with the default accuracy, and says so, where the address asks for none that exists', async () => {
+    const page = await openViewer('?scene=still-life-small&accuracy=minPsnrDb:1e999');
+    expect(await textOf(page, 'notice')).toContain('minPsnrDb:1e999');
   });
 
   it('draws nothing and asks for no frame while nothing happens', async () => {

@@ -158,6 +158,8 @@ export class SplatEngine {
   #wish: AccuracyWish | null = null;
   #accuracy: PossibleAccuracy = { settings: internAccuracy(), notices: [] };
   #destroyedBecause: string | null = null;
+  /** Aborts when the engine or its device ends. */
+  readonly #ended = new AbortController();
 
   private constructor(device: GPUDevice, ownsDevice: boolean, options: EngineOptions) {
     this.device = device;
@@ -254,8 +256,8 @@ export class SplatEngine {
    * Reads splats, in a worker if workers are available, and uploads them. Addresses, Files and Blobs are kept as handles, so
    * that `requestPrecision` can read them again.
    *
-   * @throws SplatFileError, SplatSourceError, GpuLimitError, InvalidArgumentError; the signal's reason if it aborts. Nothing
-   *   is kept then.
+   * @throws SplatFileError, SplatSourceError, GpuLimitError, InvalidArgumentError; the signal's reason if it aborts;
+   *   DestroyedError if the engine or the device ends. Reading stops then, and nothing is kept.
    */
   async load(source: SplatSource, options: LoadOptions = {}): Promise<SplatCloud> {
     this.#checkUsable();
@@ -265,19 +267,25 @@ export class SplatEngine {
     const { maxBytes, maxSplats, request } = options;
     const sourceOptions = { maxBytes, maxSplats, request };
     const made = { name, source: lastingSource(source), sourceOptions };
-    const rowsTo = this.#rowsTo({ geometryPrecision, shPrecision, name, onPreview: options.onPreview });
+    const signal = AbortSignal.any([this.#ended.signal, options.signal ?? []].flat());
+    const rowsTo = this.#rowsTo({
+      geometryPrecision,
+      shPrecision,
+      name,
+      onPreview: options.onPreview,
+      signal,
+    });
     const ingest = rowsTo.sink;
     let cloud: SplatCloud;
     try {
-      const loading = loadOrPass(source, { ...options, geometryPrecision, shPrecision }, rowsTo);
+      const loading = loadOrPass(source, { ...options, signal, geometryPrecision, shPrecision }, rowsTo);
       this.#foreseeRows(source, ingest);
       const packed = await loading;
-      cloud = packed ? this.addPacked(packed, made) : this.#addIngested(await ingest.finish(), made, options);
+      cloud = packed ? this.addPacked(packed, made) : this.#addIngested(await ingest.finish(), made, signal);
     } catch (error) {
       ingest.destroy();
-      options.signal?.throwIfAborted();
-      // What ended the engine or the device also ended what was waited for.
-      this.#checkUsable();
+      // What ended the load also ended what was waited for.
+      signal.throwIfAborted();
       throw error;
     }
     if (!options.precision && accuracy !== this.accuracy) void this.#requestPrecisions([cloud]);
@@ -370,8 +378,11 @@ export class SplatEngine {
     this.#destroyedBecause = 'the engine was destroyed';
     this.#stopWork(this.#destroyedBecause);
     for (const view of [...this.#views]) view.destroy();
-    this.#memory.destroyAll();
-    if (this.#ownsDevice) this.device.destroy();
+    // A host submits what embedded views have recorded before it yields to microtasks.
+    queueMicrotask(() => {
+      this.#memory.destroyAll();
+      if (this.#ownsDevice) this.device.destroy();
+    });
   }
 
   #takeAccuracy(request: AccuracyRequest): void {
@@ -445,12 +456,11 @@ export class SplatEngine {
   #addIngested(
     { planes, contents, preview }: IngestedCloud,
     options: NewCloudOptions,
-    { signal }: ReadOptions,
+    signal: AbortSignal,
   ): SplatCloud {
     const own = this.#optionsOf(options);
     try {
-      signal?.throwIfAborted();
-      this.#checkUsable();
+      signal.throwIfAborted();
     } catch (error) {
       planes.destroy();
       throw error;
@@ -520,6 +530,7 @@ export class SplatEngine {
   }
 
   #stopWork(because: string): void {
+    this.#ended.abort(new DestroyedError('This engine', because));
     for (const { leases } of this.#clouds) leases.end(new DestroyedError('This request', because));
     this.#wishes.stop(new DestroyedError('This measurement', because));
   }

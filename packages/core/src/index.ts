@@ -46,6 +46,7 @@ export { adapterLabel, type DeviceOptions, isSoftwareAdapter, requestSplatDevice
 export type { EngineCounters } from './gpu/engine-counters.ts';
 export type { GpuMemoryReport } from './gpu/gpu-memory.ts';
 export type { TextureImage } from './gpu/read-texture.ts';
+export { RecoveryPace } from './gpu/recovery-pace.ts';
 export { type LoadSplatsOptions, lastingSource, loadSplats } from './io/load-splats.ts';
 export { readSplats } from './io/read-splats.ts';
 export type {

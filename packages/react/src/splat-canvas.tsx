@@ -1,12 +1,13 @@
-import { Canvas, type CanvasProps, useThree } from '@react-three/fiber';
+import { Canvas, type CanvasProps, type RootState, useThree } from '@react-three/fiber';
 import {
   type AccuracyRequest,
   DEFAULT_ACCURACY,
   DestroyedError,
+  RecoveryPace,
   WebGpuUnavailableError,
 } from '@websplatter/core';
 import { onDeviceLost, splatEngineOf } from '@websplatter/three';
-import { type ReactNode, useEffect, useState } from 'react';
+import { type ReactNode, type RefObject, useEffect, useRef, useState } from 'react';
 import { type CanvasRendererParameters, createSplatRenderer } from './create-splat-renderer.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 
@@ -17,16 +18,24 @@ export interface SplatCanvasProps extends Omit<CanvasProps, 'gl'> {
   gl?: Omit<CanvasRendererParameters, 'accuracy' | 'canvas'>;
 }
 
-/** After more losses than this within a minute, the Canvas gives up: something on the page brings the GPU down. */
-const MAX_LOSSES_PER_MINUTE = 3;
-/** A browser may have no adapter while its GPU process restarts. */
-const RETRY_DELAYS_MS = [250, 1000, 3000];
+const LOST_REPEATEDLY =
+  'The GPU device was lost again and again: its memory may be too small for the scene, or the driver at fault. ' +
+  'Reload the page, or mount the Canvas again.';
+
+/** One of the Canvases that follow one another. */
+interface Life {
+  readonly generation: number;
+  /** The camera of the one before. */
+  readonly camera?: RootState['camera'];
+}
 
 /**
  * A `<Canvas>` of react-three-fiber that draws splats, and that replaces itself with a fresh one when its GPU device is
- * lost: its contents mount again, and their files are read again.
+ * lost: its camera stays, its contents mount again, and their files are read again. If the device is lost again within a minute, that waits for
+ * 1, 4 and then 16 seconds.
  *
- * @throws WebGpuUnavailableError to the nearest error boundary if there is no WebGPU, or if the device is lost repeatedly.
+ * @throws WebGpuUnavailableError to the nearest error boundary if there is no WebGPU, or if the device is lost once more. To
+ *   try again, mount another one.
  */
 export function SplatCanvas({
   accuracy = DEFAULT_ACCURACY,
@@ -34,29 +43,52 @@ export function SplatCanvas({
   children,
   ...props
 }: SplatCanvasProps): ReactNode {
-  const [losses, setLosses] = useState<readonly number[]>([]);
+  const [pace] = useState(() => new RecoveryPace());
+  const [{ generation, camera }, setLife] = useState<Life>({ generation: 0 });
+  const shownBy = useRef<Life['camera']>(undefined);
+  const [failure, setFailure] = useState<{ readonly error: unknown } | null>(null);
+  const timer = useRef<ReturnType<typeof setTimeout>>(undefined);
+  useEffect(() => () => clearTimeout(timer.current), []);
+  const replace = (error: unknown) => {
+    const waitMs = pace.next();
+    if (waitMs === null) setFailure({ error });
+    else
+      timer.current = setTimeout(
+        () => setLife({ generation: generation + 1, camera: shownBy.current }),
+        waitMs,
+      );
+  };
   const gl: CanvasProps['gl'] = async (defaults) => {
-    const make = () => createSplatRenderer({ ...defaults, ...parameters, accuracy });
-    const renderer = await (losses.length === 0 ? make() : retried(make));
-    engineAccuracies.set(renderer, JSON.stringify(accuracy));
-    onDeviceLost(renderer, () => setLosses((times) => [...times, performance.now()]));
-    return renderer;
+    try {
+      const renderer = await createSplatRenderer({ ...defaults, ...parameters, accuracy });
+      engineAccuracies.set(renderer, JSON.stringify(accuracy));
+      onDeviceLost(renderer, () => replace(new WebGpuUnavailableError(LOST_REPEATEDLY)));
+      return renderer;
+    } catch (error) {
+      if (generation === 0) throw error;
+      // A browser may have no adapter while its GPU process restarts.
+      replace(error);
+      return new Promise(() => {});
+    }
   };
 
-  const isHopeless =
-    losses.length > MAX_LOSSES_PER_MINUTE && losses.at(-1)! - losses.at(-1 - MAX_LOSSES_PER_MINUTE)! < 60_000;
-  if (isHopeless) {
-    throw new WebGpuUnavailableError(
-      `The GPU device was lost ${MAX_LOSSES_PER_MINUTE + 1} times within a minute: its memory may be too small for the ` +
-        'scene, or the driver may be at fault. Reload the page to try again.',
-    );
-  }
+  if (failure) throw failure.error;
   return (
-    <Canvas key={losses.length} {...props} gl={gl}>
+    <Canvas key={generation} {...props} {...(camera && { camera })} gl={gl}>
       <EngineAccuracy accuracy={accuracy} />
+      <CameraWatch camera={shownBy} />
       {children}
     </Canvas>
   );
+}
+
+/** Tells which camera the Canvas draws with. */
+function CameraWatch({ camera }: { camera: RefObject<Life['camera']> }): ReactNode {
+  const current = useThree((state) => state.camera);
+  useEffect(() => {
+    camera.current = current;
+  }, [camera, current]);
+  return null;
 }
 
 /**
@@ -84,15 +116,4 @@ function EngineAccuracy({ accuracy }: { accuracy: AccuracyRequest }): ReactNode 
     }
   }, [renderer, key, invalidate]);
   return null;
-}
-
-async function retried<T>(make: () => Promise<T>): Promise<T> {
-  for (const delayMs of RETRY_DELAYS_MS) {
-    try {
-      return await make();
-    } catch {
-      await new Promise((resolve) => setTimeout(resolve, delayMs));
-    }
-  }
-  return make();
 }

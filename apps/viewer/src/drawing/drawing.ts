@@ -12,7 +12,7 @@ import type { ViewerStore } from '../state/store.ts';
 import { type DrawnFrame, imageKey } from './drawn-frame.ts';
 import { FrameLoop } from './frame-loop.ts';
 import { FrameMeter } from './frame-meter.ts';
-import { writeTestHooks } from './test-hooks.ts';
+import { clearRest, writeRest } from './test-hooks.ts';
 
 export interface DrawingOptions {
   readonly store: ViewerStore;
@@ -40,6 +40,7 @@ export class Drawing {
       draw: (elapsedMs) => this.#draw(elapsedMs),
       onDrawn: (completedMs) => options.store.setState({ frameRate: this.#meter.add(completedMs) }),
       onIdle: () => void this.#rest(),
+      onWake: () => options.sessions.current && clearRest(options.sessions.current.canvas),
     });
   }
 
@@ -166,7 +167,7 @@ export class Drawing {
       restedFrames: this.#frameCount,
       imageId: isSame ? imageId : imageId + 1,
     }));
-    writeTestHooks(session.canvas, drawn, this.#frameCount);
+    writeRest(session.canvas, drawn, this.#frameCount);
   }
 
   #listEffects(view: SplatView): void {

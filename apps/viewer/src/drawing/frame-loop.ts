@@ -8,6 +8,8 @@ export interface FrameLoopOptions {
   readonly onDrawn: (completedMs: number) => void;
   /** Every requested frame has been drawn; no callback is pending until the next request. */
   readonly onIdle: () => void;
+  /** A frame is requested while none was. */
+  readonly onWake: () => void;
 }
 
 /** Calls `draw` at the screen's pace while frames are requested, never without a request. */
@@ -23,6 +25,7 @@ export class FrameLoop {
   }
 
   request(): void {
+    if (this.isResting) this.#options.onWake();
     this.#isWanted = true;
     if (this.#handle === 0 && this.#framesInFlight < MAX_FRAMES_IN_FLIGHT) {
       this.#handle = requestAnimationFrame((nowMs) => this.#run(nowMs));

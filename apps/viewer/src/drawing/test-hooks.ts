@@ -1,11 +1,12 @@
 import type { DrawnFrame } from './drawn-frame.ts';
 
 /**
- * For tests and other observers of the page: writes on the canvas how many frames were drawn (`data-frames`) and the
- * camera of the frame at rest (`data-camera`).
+ * For tests and other observers of the page: writes on the canvas that an image is at rest (`data-resting`), its camera
+ * (`data-camera`), and how many frames have been drawn (`data-frames`).
  */
-export function writeTestHooks(canvas: HTMLCanvasElement, { frame }: DrawnFrame, frameCount: number): void {
+export function writeRest(canvas: HTMLCanvasElement, { frame }: DrawnFrame, frameCount: number): void {
   const { camera, clouds, background } = frame;
+  canvas.dataset.resting = '';
   canvas.dataset.frames = String(frameCount);
   canvas.dataset.camera = JSON.stringify({
     viewMatrix: Array.from(camera.viewMatrix),
@@ -15,4 +16,9 @@ export function writeTestHooks(canvas: HTMLCanvasElement, { frame }: DrawnFrame,
     modelMatrices: clouds.map(({ modelMatrix }) => (modelMatrix ? Array.from(modelMatrix) : null)),
     background,
   });
+}
+
+/** Another image has been asked for. Whoever asked finds this written at once, and waits for the next rest. */
+export function clearRest(canvas: HTMLCanvasElement): void {
+  delete canvas.dataset.resting;
 }

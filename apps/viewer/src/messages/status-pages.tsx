@@ -3,7 +3,7 @@ import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
 
 /** In place of the viewer if the browser offers no WebGPU. */
-export function UnavailablePage({ store }: { store: ViewerStore }) {
+export function UnavailablePage({ store, onRetry }: { store: ViewerStore; onRetry: () => void }) {
   const reason = useStore(store, (state) => state.statusReason);
   return (
     <main className="status-page" data-testid="webgpu-unavailable">
@@ -31,9 +31,16 @@ export function UnavailablePage({ store }: { store: ViewerStore }) {
       </p>
       {/* Without any WebGPU the reason repeats the above. */}
       {navigator.gpu !== undefined && (
-        <p className="particulars" data-testid="status-reason">
-          {reason}
-        </p>
+        <>
+          <p className="particulars" data-testid="status-reason">
+            {reason}
+          </p>
+          <p className="actions">
+            <PrimaryButton testId="retry" onClick={onRetry}>
+              Try again
+            </PrimaryButton>
+          </p>
+        </>
       )}
     </main>
   );
@@ -57,8 +64,7 @@ export function GalleryFailedPage() {
 /** Over the viewer when the GPU was taken away. */
 export function LostPage({ store, onRecover }: { store: ViewerStore; onRecover: () => void }) {
   const reason = useStore(store, (state) => state.statusReason);
-  const recover = useRef<HTMLButtonElement>(null);
-  useEffect(() => recover.current?.focus(), []);
+  const waitMs = useStore(store, (state) => state.retryWaitMs);
   return (
     <main className="status-page covering" role="alert" data-testid="device-lost">
       <h1>The connection to the GPU was lost</h1>
@@ -66,23 +72,34 @@ export function LostPage({ store, onRecover }: { store: ViewerStore; onRecover: 
         This happens when the graphics driver restarts, the computer wakes up, or memory runs out. Your scene
         can be opened again where you were.
       </p>
+      <p data-testid="next-attempt">
+        {waitMs === null
+          ? 'Several attempts in a row have failed: the GPU’s memory may be too small for the scene, or its driver may be at fault.'
+          : `The viewer asks for the GPU again by itself after ${waitMs / 1000} s.`}
+      </p>
       <p className="particulars" data-testid="status-reason">
         {reason}
       </p>
       <p className="actions">
-        <button
-          ref={recover}
-          type="button"
-          className="text-button primary"
-          data-testid="recover"
-          onClick={onRecover}
-        >
-          Recover
-        </button>
+        <PrimaryButton testId="recover" onClick={onRecover}>
+          Recover now
+        </PrimaryButton>
         <button type="button" className="text-button" onClick={() => location.reload()}>
           Reload the page
         </button>
       </p>
     </main>
+  );
+}
+
+/** The button of a page that has taken the place of everything: it has the keyboard. */
+function PrimaryButton(props: { testId: string; onClick: () => void; children: string }) {
+  const { testId, onClick, children } = props;
+  const button = useRef<HTMLButtonElement>(null);
+  useEffect(() => button.current?.focus(), []);
+  return (
+    <button ref={button} type="button" className="text-button primary" data-testid={testId} onClick={onClick}>
+      {children}
+    </button>
   );
 }

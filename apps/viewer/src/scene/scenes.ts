@@ -43,6 +43,8 @@ export class Scenes {
   /** Scenes that are no longer asked for, but stay on the screen until the newest has been drawn. */
   #replaced: ReplacedScene[] = [];
   #loading: AbortController | null = null;
+  /** What a person has asked for, until it has been opened, has failed or was called off. */
+  #asked: SceneSource | null = null;
   #shown = 0;
 
   constructor(options: ScenesOptions) {
@@ -73,12 +75,14 @@ export class Scenes {
     void this.#load(source);
   }
 
-  /** For a new session: opens what was shown before the device was lost, otherwise what the address asks for. */
+  /**
+   * For a new session: opens what was being opened or shown before the device was lost, otherwise what the address asks for.
+   */
   openFirst({ engine }: Session): void {
     if (this.#loading) return;
     const { addressed } = this.#options;
     const first = () => this.#withNotice(firstSource(addressed, location.href, isSoftware(engine)));
-    void this.#load(this.#newest?.source ?? first());
+    void this.#load(this.#asked ?? this.#newest?.source ?? first());
   }
 
   /** Calls off what is being loaded; what is shown stays. */
@@ -128,6 +132,7 @@ export class Scenes {
     this.#endPreview();
     const loading = new AbortController();
     this.#loading = loading;
+    this.#asked = source;
     const title = titleOf(source);
     const report = (progress: Omit<LoadState, 'title'>) => {
       if (this.#loading === loading) store.setState({ load: { title, ...progress } });
@@ -158,6 +163,7 @@ export class Scenes {
     // A newer load, or the end of the session, has taken over.
     if (this.#loading !== loading) return;
     this.#loading = null;
+    this.#asked = null;
     store.setState({ load: null });
     // An empty window helps nobody: the built-in scene replaces a first file that failed or was called off.
     const session = sessions.current;

@@ -1,4 +1,10 @@
-import { type AccuracyChoice, SplatEngine, WebGpuUnavailableError } from '@websplatter/core';
+import {
+  type AccuracyChoice,
+  DestroyedError,
+  RecoveryPace,
+  SplatEngine,
+  WebGpuUnavailableError,
+} from '@websplatter/core';
 import type { ViewerStore } from '../state/store.ts';
 import type { Session } from './session.ts';
 import { Views } from './views.ts';
@@ -10,19 +16,29 @@ export interface SessionEvents {
   readonly onAccuracyChosen: (engine: SplatEngine, choice: AccuracyChoice) => void;
 }
 
-/** Owns the engine: asks for the GPU, frees it, and starts anew after the device was lost. */
+/**
+ * Owns the engine: asks for the GPU, frees it, and starts anew after the device was lost: by itself at the pace of
+ * `RecoveryPace`, or when a person asks.
+ */
 export class SessionOwner {
   readonly #store: ViewerStore;
   readonly #events: SessionEvents;
+  readonly #createEngine: typeof SplatEngine.create;
   #current: Session | null = null;
   /** Starts a session on the mounted canvas; null while none is mounted. */
   #restart: (() => void) | null = null;
   #rightCanvas: HTMLCanvasElement | null = null;
   #waiters: ((session: Session) => void)[] = [];
+  /** Whether there has been a GPU. */
+  #hasStarted = false;
+  #pace = new RecoveryPace();
+  #retryTimer: ReturnType<typeof setTimeout> | undefined;
 
-  constructor(store: ViewerStore, events: SessionEvents) {
+  /** @param createEngine for tests. */
+  constructor(store: ViewerStore, events: SessionEvents, createEngine = SplatEngine.create) {
     this.#store = store;
     this.#events = events;
+    this.#createEngine = createEngine;
   }
 
   /** Null while the GPU is asked for, and after it was lost. */
@@ -42,6 +58,7 @@ export class SessionOwner {
     this.#restart();
     return () => {
       detached.abort();
+      clearTimeout(this.#retryTimer);
       this.#restart = null;
       this.#end();
     };
@@ -57,40 +74,46 @@ export class SessionOwner {
     };
   }
 
-  /** Asks for the GPU again after it was lost. */
+  /** A person asks for the GPU again, after it was lost or could not be had. */
   recover(): void {
-    if (this.#store.getState().status !== 'lost') return;
-    this.#store.setState({ status: 'starting', statusReason: '' });
+    const { status } = this.#store.getState();
+    if (status !== 'lost' && status !== 'unavailable') return;
+    this.#pace = new RecoveryPace();
+    this.#tryAgain();
+  }
+
+  #tryAgain(): void {
+    clearTimeout(this.#retryTimer);
+    // Where there is no canvas, this brings it back, and with it a session.
+    this.#store.setState({ status: 'starting', statusReason: '', retryWaitMs: null });
     this.#restart?.();
   }
 
   async #start(canvas: HTMLCanvasElement, signal: AbortSignal): Promise<void> {
     const store = this.#store;
-    let engine: SplatEngine;
+    let engine: SplatEngine | null = null;
+    let session: Session;
     try {
       const { wish, accuracy } = store.getState();
-      engine = await SplatEngine.create({ accuracy: wish ?? accuracy });
+      engine = await this.#createEngine({ accuracy: wish ?? accuracy });
+      if (signal.aborted) {
+        engine.destroy();
+        return;
+      }
+      // Throws if the device has been lost already.
+      session = this.#sessionOf(engine, canvas);
     } catch (error) {
+      engine?.destroy();
       if (signal.aborted) return;
       const reason = error instanceof Error ? error.message : String(error);
-      store.setState({ status: 'unavailable', statusReason: reason, load: null });
-      if (!(error instanceof WebGpuUnavailableError)) console.error(error);
+      if (!(error instanceof WebGpuUnavailableError || error instanceof DestroyedError)) console.error(error);
+      // A GPU that was there may come back.
+      if (this.#hasStarted) this.#becomeLost(reason);
+      else store.setState({ status: 'unavailable', statusReason: reason, load: null });
       return;
     }
-    if (signal.aborted) {
-      engine.destroy();
-      return;
-    }
-    engine.device.addEventListener('uncapturederror', (event) => {
-      console.error(`WebGPU: ${(event as GPUUncapturedErrorEvent).error.message}`);
-    });
-    const views = new Views(engine, canvas, (choice) => this.#events.onAccuracyChosen(engine, choice));
-    views.main.onStatistics = (statistics) => {
-      store.setState({ statistics, rasterizer: views.main.rasterizer });
-    };
-    if (this.#rightCanvas) views.createRight(this.#rightCanvas);
-    const session: Session = { canvas, engine, views };
     this.#current = session;
+    this.#hasStarted = true;
     void engine.lost.then((info) => {
       if (this.#current === session) this.#lose(info);
     });
@@ -99,15 +122,38 @@ export class SessionOwner {
     for (const resolve of this.#waiters.splice(0)) resolve(session);
   }
 
+  #sessionOf(engine: SplatEngine, canvas: HTMLCanvasElement): Session {
+    engine.device.addEventListener('uncapturederror', (event) => {
+      console.error(`WebGPU: ${(event as GPUUncapturedErrorEvent).error.message}`);
+    });
+    const views = new Views(engine, canvas, (choice) => this.#events.onAccuracyChosen(engine, choice));
+    views.main.onStatistics = (statistics) => {
+      this.#store.setState({ statistics, rasterizer: views.main.rasterizer });
+    };
+    if (this.#rightCanvas) views.createRight(this.#rightCanvas);
+    return { canvas, engine, views };
+  }
+
   #lose(info: GPUDeviceLostInfo): void {
     this.#end();
+    this.#becomeLost(info.message || 'The browser gives no reason.');
+  }
+
+  #becomeLost(reason: string): void {
+    const waitMs = this.#pace.next();
     this.#store.setState({
       status: 'lost',
-      statusReason: info.message || 'The browser gives no reason.',
+      statusReason: reason,
+      retryWaitMs: waitMs,
       load: null,
       failure: null,
       isIdle: true,
     });
+    if (waitMs === null) return;
+    if (waitMs === 0) {
+      this.#store.setState({ notice: 'The connection to the GPU was lost. The scene is opened again.' });
+      this.#tryAgain();
+    } else this.#retryTimer = setTimeout(() => this.#tryAgain(), waitMs);
   }
 
   #end(): void {

@@ -42,7 +42,7 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
     if (notice) store.setState({ notice });
   };
 
-  if (status === 'unavailable') return <UnavailablePage store={store} />;
+  if (status === 'unavailable') return <UnavailablePage store={store} onRetry={() => viewer.recover()} />;
   return (
     <>
       <Viewport store={store} viewer={viewer} />

@@ -8,6 +8,7 @@ export function createViewerStore(): ViewerStore {
   return createStore<ViewerState>(() => ({
     status: 'starting',
     statusReason: '',
+    retryWaitMs: null,
     scene: null,
     load: null,
     failure: null,

@@ -23,7 +23,7 @@ export type ViewerStatus =
   | 'running'
   /** There is no WebGPU here. */
   | 'unavailable'
-  /** The GPU was taken away: nothing can be drawn until it is asked for again. */
+  /** The GPU was taken away, and could not be had again yet: nothing can be drawn until it is asked for again. */
   | 'lost';
 
 /** Pace of the newest run of frames. */
@@ -45,6 +45,8 @@ export interface ViewerState {
   readonly status: ViewerStatus;
   /** Why the status is `unavailable` or `lost`, in the browser's words. */
   readonly statusReason: string;
+  /** After what wait the viewer asks for a lost GPU again by itself, ms; null if it does not. */
+  readonly retryWaitMs: number | null;
   readonly scene: SceneSummary | null;
   readonly load: LoadState | null;
   readonly failure: FailureReport | null;

@@ -96,7 +96,7 @@ export class Viewer {
     return detach;
   }
 
-  /** Asks for the GPU again after it was lost, and opens what was shown. */
+  /** Asks for the GPU again after it was lost or could not be had, and opens what was shown. */
   recover(): void {
     this.#sessions.recover();
   }

@@ -35,7 +35,7 @@ describe('accuracy in the address', () => {
     (text) => expect(() => decodeAccuracy(text)).toThrow(/there are|must be|must lie/),
   );
 
-  it.each(['minPsnrDb:0', 'minPsnrDb:', 'maxFrameMs:soon', 'fast,minPsnrDb:45'])(
+  it.each(['minPsnrDb:0', 'minPsnrDb:', 'minPsnrDb:1e999', 'maxFrameMs:soon', 'fast,minPsnrDb:45'])(
     'refuses the wish %j with what would do',
     (text) => expect(() => decodeAccuracy(text)).toThrow(/write minPsnrDb|there are/),
   );

@@ -33,7 +33,9 @@ export function decodeAccuracy(text: string | null): AccuracySettings | Accuracy
   });
   const asked = Object.fromEntries(changes);
   if (!text.includes(',') && isAccuracyWish(asked)) {
-    if (Object.values(asked)[0] > 0) return asked;
+    // Text that is no finite number stays text, whatever it compares as.
+    const [amount] = Object.values<unknown>(asked);
+    if (typeof amount === 'number' && amount > 0) return asked;
     const message = `The wish "${text}" has no number above 0; write minPsnrDb:45 for decibels or maxFrameMs:8 for milliseconds.`;
     throw new InvalidArgumentError('accuracy', message);
   }

@@ -20,8 +20,13 @@ test('equal wishes are the same object, even if the caller changes the original'
   expect(internWish({ maxFrameMs: 45 })).not.toBe(wish);
 });
 
-test('rejects values that are not positive numbers, and settings next to a wish', () => {
-  const refused = [{ minPsnrDb: 0 }, { maxFrameMs: Number.NaN }, { minPsnrDb: '45' }];
+test('rejects values that are not positive, finite numbers, and settings next to a wish', () => {
+  const refused = [
+    { minPsnrDb: 0 },
+    { maxFrameMs: Number.NaN },
+    { minPsnrDb: Number.POSITIVE_INFINITY },
+    { minPsnrDb: '45' },
+  ];
   for (const wish of [...refused, { minPsnrDb: 45, maxFrameMs: 8 }, { minPsnrDb: 45, preset: 'high' }])
     expect(() => internWish(wish as never), JSON.stringify(wish)).toThrow(InvalidArgumentError);
 });

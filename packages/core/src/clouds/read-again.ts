@@ -32,6 +32,8 @@ export interface RowPlanesOptions extends CloudPrecision {
   readonly name: string;
   /** Pages that the planes should have if there are as many splats. */
   readonly pages: readonly PageRange[];
+  /** Calls everything off. */
+  readonly signal: AbortSignal;
 }
 
 /** Opens a sink for the rows of one file, and says which files it takes. */
@@ -120,7 +122,7 @@ async function splatsOf(
   if (isSplatSet(source)) return fromPacked(packSet(source, wanted), planes.place);
   const { geometryPrecision, shPrecision } = wanted;
   const precision = { geometryPrecision, shPrecision };
-  const { sink, files } = openRowPlanes({ ...precision, name, pages: planes.ranges });
+  const { sink, files } = openRowPlanes({ ...precision, name, pages: planes.ranges, signal: options.signal });
   try {
     const loadOptions = { ...sourceOptions, ...options, ...precision, name };
     const packed = await loadOrPass(source, loadOptions, { sink, files });

@@ -1,3 +1,4 @@
+import { DestroyedError } from '../errors.ts';
 import { roundUp } from '../layout/gpu-struct.ts';
 import { fromHalfBits } from '../layout/half.ts';
 
@@ -16,7 +17,7 @@ const CHANNELS = {
   rgba32float: { Words: Float32Array, decode: (word: number) => word },
 } as const;
 
-/** Copies a texture in one of the `ColorTarget` formats to the CPU. */
+/** Copies a texture in one of the `ColorTarget` formats to the CPU. @throws DestroyedError if the device ends before. */
 export async function readTexture(device: GPUDevice, texture: GPUTexture): Promise<TextureImage> {
   const { width, height, format } = texture;
   if (!(format in CHANNELS)) throw new RangeError(`Textures of ${format} cannot be read back.`);
@@ -31,7 +32,9 @@ export async function readTexture(device: GPUDevice, texture: GPUTexture): Promi
   const encoder = device.createCommandEncoder();
   encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow }, { width, height });
   device.queue.submit([encoder.finish()]);
-  await buffer.mapAsync(GPUMapMode.READ);
+  await buffer.mapAsync(GPUMapMode.READ).catch((cause: Error) => {
+    throw new DestroyedError('This image', cause.message);
+  });
   const contents = buffer.getMappedRange();
   const data = new Float32Array(rowValues * height);
   for (let row = 0; row < height; row++) {

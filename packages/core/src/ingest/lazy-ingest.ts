@@ -4,17 +4,22 @@ import type { ShDegree } from '../splats/splat-set.ts';
 import type { ArrangeContext } from './arrange-planes.ts';
 import type { IngestedCloud, RowIngest, RowIngestOptions } from './row-ingest.ts';
 
-/** A `RowIngest` whose code is fetched when a file turns out to have rows for it. */
+/**
+ * A `RowIngest` whose code is fetched when a file turns out to have rows for it. It is destroyed as soon as its signal aborts,
+ * unless it has finished.
+ */
 export class LazyIngest implements RowSink {
   readonly mayDetach = false;
   readonly #context: ArrangeContext;
   readonly #options: RowIngestOptions;
   #ingest: RowIngest | null = null;
+  readonly #stop = () => this.destroy();
   #isDestroyed = false;
 
   constructor(context: ArrangeContext, options: RowIngestOptions) {
     this.#context = context;
     this.#options = options;
+    options.signal.addEventListener('abort', this.#stop);
   }
 
   /** Fetches the code and compiles what rows of this degree need, in case that they come. */
@@ -41,8 +46,10 @@ export class LazyIngest implements RowSink {
     this.#ingest!.take(rowCount);
   }
 
-  finish(): Promise<IngestedCloud> {
-    return this.#ingest!.finish();
+  async finish(): Promise<IngestedCloud> {
+    const cloud = await this.#ingest!.finish();
+    this.#options.signal.removeEventListener('abort', this.#stop);
+    return cloud;
   }
 
   destroy(): void {

@@ -51,6 +51,8 @@ export interface RowIngestOptions extends CloudPrecision {
   readonly onPreview?: (preview: SplatCloud) => void;
   /** Pages that the planes should have if there are as many splats; default those that follow from the file. */
   readonly pages?: readonly PageRange[];
+  /** Whoever aborts it calls `destroy` in the same task. */
+  readonly signal: AbortSignal;
 }
 
 /** A cloud that was made from the rows of a file. */
@@ -187,6 +189,7 @@ export class RowIngest implements RowSink {
     }
     // Rows may come before the shaders are there.
     this.#compiled = compiled.then(() => {
+      this.#live();
       const waiting = this.#waiting ?? [];
       this.#waiting = null;
       for (const piece of waiting) this.#submit(piece);
@@ -199,6 +202,7 @@ export class RowIngest implements RowSink {
     if (!this.#current) {
       if (this.#free.length === 0) await this.#compiled;
       this.#current = await this.#free.shift()!;
+      this.#live();
     }
     return new Uint8Array(this.#current.getMappedRange());
   }
@@ -224,11 +228,13 @@ export class RowIngest implements RowSink {
     try {
       await this.#compiled;
       await Promise.all(this.#checks);
-      const { layout, facts, rows, arrivals } = this.#held!;
+      const { layout, facts, rows, arrivals } = this.#live();
       for (const staging of this.#staging) this.#destroy(staging);
       this.#destroy(rows);
       await pipelines.prepare(lateStages(this.#options));
+      this.#live();
       const found = readRowFacts(await readWords(device, facts), layout.count, layout.shDegree);
+      this.#live();
       if (found.count === 0) throw emptyError(name, found.dropped);
       arrivals?.end();
       arrivals?.check();
@@ -246,6 +252,7 @@ export class RowIngest implements RowSink {
       await checked;
       const { contents, reading } = result;
       const drawable = { ...contents, ...(await reading[0]) };
+      this.#live();
       const planes = new CloudPlanes(memory, name, result.planes);
       previews?.show(planes, drawable);
       const whole = { ...drawable, fileIndices: await reading[1] };
@@ -265,6 +272,12 @@ export class RowIngest implements RowSink {
   destroy(): void {
     this.#previews?.end();
     this.#freeBuffers();
+  }
+
+  /** Call after each wait: what was there before may have been destroyed meanwhile. @throws the signal's reason. */
+  #live(): Held {
+    this.#options.signal.throwIfAborted();
+    return this.#held!;
   }
 
   #freeBuffers(): void {

@@ -179,6 +179,21 @@ describe('when a wish is measured', () => {
     expect(views.map(({ told }) => told.length)).toEqual([1, 1]);
   });
 
+  test('also where the view leaves that was drawn first, and the other still waits for its shaders', async () => {
+    const [first, compiling] = [new FakeView(), new FakeView()];
+    first.show(requestOf([GARDEN]));
+    compiling.scene = first.scene;
+    first.scene!.join(compiling);
+    first.leave();
+    await passMs(1000);
+    expect(begun).toHaveLength(0);
+    compiling.show(requestOf([GARDEN]));
+    await passMs(500);
+    const choice = await begun[0].end(internAccuracy('fast'));
+    expect(compiling.told).toEqual([choice]);
+    expect(warn).not.toHaveBeenCalled();
+  });
+
   test('never if nothing is drawn', async () => {
     const view = new FakeView();
     view.show(requestOf([]));

@@ -133,9 +133,10 @@ export class WishedScene {
   /** Removes a view. The last view to leave ends the measurement. */
   leave(view: WishingView): void {
     this.#views.delete(view);
-    if (this.#views.size > 0) return;
-    this.#running?.abort(new DOMException('No view shows what was measured any more.', 'AbortError'));
-    this.#wait();
+    if (this.#views.size === 0)
+      this.#running?.abort(new DOMException('No view shows what was measured any more.', 'AbortError'));
+    // Views that stay may still wait for their shaders: the first frame of one waits again.
+    if (!this.#largestRequest()) clearTimeout(this.#timer);
   }
 
   /** Records a finished frame. Schedules a measurement some time after the first frame, and after each change of size. */
@@ -174,6 +175,10 @@ export class WishedScene {
       void this.#context.adopt(choice, [...this.clouds]);
       for (const [view, shown] of this.#views) if (shown) view.onChosen(choice, shown);
       return choice;
+    } catch (error) {
+      // What ended the measurement also ended what it waited for.
+      options.signal.throwIfAborted();
+      throw error;
     } finally {
       if (this.#running === ending) {
         this.#running = null;

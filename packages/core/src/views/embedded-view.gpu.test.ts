@@ -544,6 +544,10 @@ describe.each(VARIANTS)('an embedded view that draws $rasterizer', ({ rasterizer
       view.destroy();
       view.destroy();
       expect(() => view.prepare(other)).toThrow(DestroyedError);
+      // What the host has recorded so far stays valid.
+      const last = device.createCommandEncoder();
+      expect(() => view.draw(last, pass)).toThrow(DestroyedError);
+      device.queue.submit([last.finish()]);
       await device.queue.onSubmittedWorkDone();
       expect(engine.memory().totalBytes).toBe(bytesBefore);
       color.destroy();

@@ -74,9 +74,11 @@ export class EmbeddedView extends ViewCore {
   /**
    * Records drawing the last prepared frame, between two passes of the host; the host submits the work.
    *
-   * @throws InvalidArgumentError if nothing was prepared, or if the frame was prepared with depth and the host has none.
+   * @throws InvalidArgumentError if nothing was prepared, or if the frame was prepared with depth and the host has none;
+   *   DestroyedError. Nothing is recorded then, and the host can submit what it has.
    */
   draw(encoder: GPUCommandEncoder, pass: HostPass): EmbeddedImage {
+    this.checkUsable();
     const { shape } = this;
     if (!shape) {
       throw new InvalidArgumentError('draw', 'There is nothing to draw yet: prepare must return true first.');

@@ -99,7 +99,10 @@ export class SplatView extends ViewCore {
     this.foresee({ camera: LIKELY_CAMERA, clouds: [{ cloud }], ...LIKELY_SIZE });
   }
 
-  /** Resolves when the last requested frame has been submitted; rejects if its shaders do not compile. */
+  /**
+   * Resolves when the last requested frame has been submitted. Rejects if its shaders do not compile, and with a DestroyedError if
+   * one of its clouds, the view, the engine or the device ends before.
+   */
   async whenDrawn(): Promise<void> {
     // A frame in parts, and then the request that waited for it.
     for (let frame = 0; frame < 2; frame++) {
@@ -111,6 +114,9 @@ export class SplatView extends ViewCore {
   /**
    * Reads back the last image, without its background: premultiplied RGBA in the space that splats are blended in
    * (sRGB-encoded), top row first, 4·width·height values.
+   *
+   * @throws InvalidArgumentError before the first frame; DestroyedError if the view, its engine or the device ends before the
+   *   image is read; what `whenDrawn` rejects with.
    */
   async readPixels(): Promise<TextureImage> {
     // Most pages never do.
@@ -158,8 +164,8 @@ export class SplatView extends ViewCore {
   }
 
   protected override retry(request: FrameRequest | null): void {
-    // One that waits for a frame in parts is newer.
-    if (request && !this.#held && this.canStillDraw(request)) this.render(request);
+    // One that waits for a frame in parts is newer. Where a cloud has ended meanwhile, whoever waits for the frame is told.
+    if (request && !this.#held) this.render(request);
   }
 
   #draw(plan: FramePlan): void {
@@ -201,7 +207,8 @@ export class SplatView extends ViewCore {
     }
     const next = this.#held ?? (isDrawn ? null : request);
     this.#held = null;
-    if (next && this.canStillDraw(next)) this.render(next);
+    // Where something that it needs has ended, whoever waits for the frame is told.
+    if (next) this.render(next);
   }
 
   /** Returns whether the frame was drawn to its end. */

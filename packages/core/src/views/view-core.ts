@@ -238,7 +238,7 @@ export abstract class ViewCore {
     return this.#isDestroyed;
   }
 
-  /** Resolves when the last requested frame has been submitted; rejects if its shaders do not compile. */
+  /** See `SplatView.whenDrawn`. */
   protected get drawn(): Promise<void> {
     return this.#whenDrawn;
   }
@@ -442,7 +442,6 @@ export abstract class ViewCore {
   protected end(): boolean {
     if (this.#isDestroyed) return false;
     this.#isDestroyed = true;
-    this.#wait = null;
     this.#accuracy.leave();
     this.#onDestroyed();
     return true;
@@ -571,10 +570,12 @@ export abstract class ViewCore {
     let isWaiting = true;
     try {
       await this.context.pipelines.prepare(frameStages(shape));
-      if (this.#isDestroyed) return;
       isWaiting = this.#wait === wait;
-      if (isWaiting) this.#wait = null;
-      this.retry(isWaiting ? wait.request : null);
+      if (isWaiting) {
+        this.#wait = null;
+        this.checkUsable();
+      }
+      if (!this.#isDestroyed) this.retry(isWaiting ? wait.request : null);
     } finally {
       if (this.#wait === wait) this.#wait = null;
     }

@@ -1,0 +1,144 @@
+import { DestroyedError, type SplatEngine, WebGpuUnavailableError } from '@websplatter/core';
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { createViewerStore, type ViewerStore } from '../state/store.ts';
+import { SessionOwner } from './session-owner.ts';
+
+const canvas = {} as HTMLCanvasElement;
+const NO_GPU = new WebGpuUnavailableError('WebGPU found no GPU that it may use.');
+
+let store: ViewerStore;
+let sessions: SessionOwner;
+const onStart = vi.fn();
+/** One of the engines that were asked for. */
+let loseDevice: () => Promise<unknown>;
+const createEngine = vi.fn<typeof SplatEngine.create>();
+
+beforeEach(() => {
+  vi.useFakeTimers();
+  onStart.mockClear();
+  createEngine.mockReset();
+  createEngine.mockImplementation(async () => {
+    let lose = (_info: GPUDeviceLostInfo) => {};
+    const lost = new Promise<GPUDeviceLostInfo>((resolve) => {
+      lose = resolve;
+    });
+    loseDevice = () => {
+      lose({ message: 'The driver was reset.' } as GPUDeviceLostInfo);
+      return passMs(0);
+    };
+    const device = { addEventListener: () => {} };
+    return {
+      lost,
+      device,
+      adapterLabel: 'fake',
+      destroy: vi.fn(),
+      createView: () => ({}),
+    } as unknown as SplatEngine;
+  });
+  store = createViewerStore();
+  const events = { onStart, onEnd: () => {}, onAccuracyChosen: () => {} };
+  sessions = new SessionOwner(store, events, createEngine);
+});
+afterEach(() => void vi.useRealTimers());
+
+function passMs(durationMs: number): Promise<unknown> {
+  return vi.advanceTimersByTimeAsync(durationMs);
+}
+
+describe('SessionOwner', () => {
+  it('asks for a lost GPU again by itself, at once and then ever more slowly, and then leaves it to a person', async () => {
+    sessions.attach(canvas);
+    await passMs(0);
+    const { current } = sessions;
+    await loseDevice();
+    expect(store.getState()).toMatchObject({ status: 'running', retryWaitMs: null });
+    expect(store.getState().notice).toContain('lost');
+    expect(sessions.current).not.toBe(current);
+    for (const [attempts, waitMs] of [1000, 4000, 16_000].entries()) {
+      await loseDevice();
+      expect(store.getState()).toMatchObject({
+        status: 'lost',
+        statusReason: 'The driver was reset.',
+        retryWaitMs: waitMs,
+      });
+      await passMs(waitMs - 1);
+      expect(createEngine).toHaveBeenCalledTimes(attempts + 2);
+      await passMs(1);
+      expect(store.getState().status).toBe('running');
+    }
+    await loseDevice();
+    await passMs(1e6);
+    expect(store.getState()).toMatchObject({ status: 'lost', retryWaitMs: null });
+    sessions.recover();
+    await passMs(0);
+    expect(store.getState().status).toBe('running');
+    expect(onStart).toHaveBeenCalledTimes(6);
+    expect(createEngine).toHaveBeenCalledTimes(6);
+  });
+
+  it('goes on asking where there is no GPU at that moment', async () => {
+    sessions.attach(canvas);
+    await passMs(0);
+    createEngine.mockRejectedValueOnce(NO_GPU);
+    await loseDevice();
+    expect(store.getState()).toMatchObject({
+      status: 'lost',
+      statusReason: NO_GPU.message,
+      retryWaitMs: 1000,
+    });
+    await passMs(1000);
+    expect(store.getState().status).toBe('running');
+  });
+
+  it('goes on asking where the new device is lost before it is used', async () => {
+    sessions.attach(canvas);
+    await passMs(0);
+    const destroy = vi.fn();
+    const createView = () => {
+      throw new DestroyedError('This engine', 'the GPU device was lost');
+    };
+    const device = { addEventListener: () => {} };
+    createEngine.mockResolvedValueOnce({ device, createView, destroy } as unknown as SplatEngine);
+    await loseDevice();
+    expect(store.getState()).toMatchObject({ status: 'lost', retryWaitMs: 1000 });
+    expect(destroy).toHaveBeenCalledOnce();
+    await passMs(1000);
+    expect(store.getState().status).toBe('running');
+  });
+
+  it('a person need not wait', async () => {
+    sessions.attach(canvas);
+    await passMs(0);
+    await loseDevice();
+    await loseDevice();
+    expect(store.getState().status).toBe('lost');
+    sessions.recover();
+    await passMs(20_000);
+    expect(store.getState().status).toBe('running');
+    expect(createEngine).toHaveBeenCalledTimes(3);
+  });
+
+  it('says so where there has been no GPU at all, and tries again with another canvas', async () => {
+    createEngine.mockRejectedValueOnce(NO_GPU);
+    const detach = sessions.attach(canvas);
+    await passMs(20_000);
+    expect(store.getState()).toMatchObject({ status: 'unavailable', statusReason: NO_GPU.message });
+    detach();
+    sessions.recover();
+    expect(store.getState().status).toBe('starting');
+    sessions.attach(canvas);
+    await passMs(0);
+    expect(store.getState().status).toBe('running');
+  });
+
+  it('asks for nothing any more once the canvas is gone', async () => {
+    const detach = sessions.attach(canvas);
+    await passMs(0);
+    await loseDevice();
+    await loseDevice();
+    detach();
+    await passMs(20_000);
+    expect(createEngine).toHaveBeenCalledTimes(2);
+    expect(vi.getTimerCount()).toBe(0);
+  });
+});

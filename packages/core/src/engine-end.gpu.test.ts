@@ -1,0 +1,205 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { perspectiveCamera } from './camera/camera.ts';
+import type { SplatCloud } from './clouds/splat-cloud.ts';
+import { SplatEngine } from './engine.ts';
+import { DestroyedError } from './errors.ts';
+import { encodePly } from './io/write-ply.ts';
+import { randomSplats } from './testing/random-splats.ts';
+import { seededRandom } from './testing/seeded-random.ts';
+import { signalOf } from './testing/signal.ts';
+
+const SIZE = { widthPx: 48, heightPx: 48 };
+const SET = randomSplats({ count: 2000, seed: 4, shDegree: 1 });
+const ROWS = encodePly(SET);
+/** Images are compared bit for bit: their rasteriser must not follow from times. */
+const ACCURACY = { preset: 'balanced', rasterizer: 'tiles' } as const;
+
+function cameraAt(x: number) {
+  return perspectiveCamera({ position: [x, 0, 4], target: [0, 0, 0], fovYDegrees: 45, aspect: 1 });
+}
+
+let device: GPUDevice;
+beforeAll(async () => {
+  device = await createTestDevice();
+});
+afterAll(() => device?.destroy());
+
+function newEngine(onto = device): Promise<SplatEngine> {
+  return SplatEngine.create({ device: onto, accuracy: ACCURACY, ingestMinRows: 1 });
+}
+
+async function imageOf(engine: SplatEngine): Promise<Float32Array> {
+  const view = engine.createView();
+  view.render({ camera: cameraAt(1), clouds: [{ cloud: engine.add(SET) }], ...SIZE });
+  return (await view.readPixels()).data;
+}
+
+/** A file that begins and never goes on. */
+function endlessFile() {
+  const [read, dropped] = [signalOf(), signalOf()];
+  const stream = new ReadableStream<Uint8Array>({
+    start: (controller) => controller.enqueue(ROWS.slice(0, ROWS.length / 2)),
+    pull: () => {
+      read.give();
+      return new Promise(() => {});
+    },
+    cancel: dropped.give,
+  });
+  return { stream, whenRead: read.when, whenDropped: dropped.when };
+}
+
+describe('what waits for a frame', () => {
+  gpuTest('is told where a cloud, the view or the engine ends before the shaders are there', async () => {
+    const own = await createTestDevice();
+    const engine = await newEngine(own);
+    const [dead, alive] = [engine.add(SET, { name: 'dead' }), engine.add(SET)];
+    const [first, second, third] = [engine.createView(), engine.createView(), engine.createView()];
+    const frame = { camera: cameraAt(0), ...SIZE };
+    first.render({ ...frame, clouds: [{ cloud: dead }] });
+    const outcome = expect(first.whenDrawn()).rejects.toThrow(/The cloud dead can no longer be used/);
+    second.render({ ...frame, clouds: [{ cloud: dead }] });
+    // A later request takes its place.
+    second.render({ ...frame, clouds: [{ cloud: alive }] });
+    const replaced = second.whenDrawn();
+    third.render({ ...frame, clouds: [{ cloud: alive }] });
+    const ended = expect(third.readPixels()).rejects.toThrow(DestroyedError);
+    third.destroy();
+    dead.destroy();
+    await Promise.all([outcome, replaced, ended]);
+    expect(engine.counters().framesDrawn).toBe(1);
+    engine.destroy();
+    own.destroy();
+  });
+});
+
+describe('the end of an engine', () => {
+  gpuTest.each(['engine', 'device'] as const)('ends what it loads: %s', async (end) => {
+    const own = await createTestDevice();
+    const engine = await newEngine(own);
+    const { stream, whenRead, whenDropped } = endlessFile();
+    const rejected = expect(engine.load(stream)).rejects.toThrow(DestroyedError);
+    await whenRead;
+    if (end === 'engine') engine.destroy();
+    else own.destroy();
+    await Promise.all([rejected, whenDropped]);
+    expect(engine.memory().totalBytes).toBe(0);
+    own.destroy();
+  });
+
+  gpuTest('leaves valid what a host has recorded', async () => {
+    const engine = await newEngine();
+    const view = engine.createEmbeddedView();
+    const frame = { camera: cameraAt(0), clouds: [{ cloud: engine.add(SET) }], ...SIZE };
+    while (!view.prepare(frame)) {
+      await new Promise<void>((resolve) => {
+        view.onReady = resolve;
+      });
+    }
+    const color = device.createTexture({
+      size: [SIZE.widthPx, SIZE.heightPx],
+      format: 'rgba16float',
+      usage: GPUTextureUsage.TEXTURE_BINDING,
+    });
+    const pass = { color, depth: null, xPx: 0, yPx: 0 };
+    const encoder = device.createCommandEncoder();
+    view.draw(encoder, pass);
+    engine.destroy();
+    expect(() => view.draw(encoder, pass)).toThrow(DestroyedError);
+    device.queue.submit([encoder.finish()]);
+    color.destroy();
+  });
+});
+
+/** The seed of the first round; each further round has the next. */
+const SEED = Number(process.env.WEBSPLATTER_SEED ?? 1);
+const ROUNDS = process.env.WEBSPLATTER_FULL ? 200 : 6;
+/** Longest time that a round runs, in turns of the event loop. */
+const MOST_TURNS = 400;
+
+function nextTurn(): Promise<void> {
+  return new Promise((resolve) => setImmediate(resolve));
+}
+
+/** Everything that an engine does at once, again and again until it ends. Returns what each kind of work rejected with. */
+function busyWork(engine: SplatEngine, random: () => number): Promise<unknown>[] {
+  const [view, wishing] = [engine.createView(), engine.createView()];
+  const cloud = engine.add(SET);
+  const shown = { cloud: cloud as SplatCloud };
+  const frameAt = (sizePx: number) => ({
+    camera: cameraAt(random()),
+    clouds: [{ cloud: shown.cloud.isDestroyed ? cloud : shown.cloud }],
+    widthPx: sizePx,
+    heightPx: sizePx,
+  });
+  const works: (() => Promise<unknown>)[] = [
+    async () => {
+      const loaded = await engine.load(new Blob([ROWS]), {
+        onPreview: (preview) => {
+          shown.cloud = preview;
+        },
+      });
+      loaded.destroy();
+    },
+    async () => {
+      view.render(frameAt(16 + Math.floor(32 * random())));
+      await view.readPixels();
+    },
+    async () => {
+      view.render({ ...frameAt(48), clouds: [{ cloud }] });
+      await view.pick(24, 24);
+    },
+    async () => {
+      const shPrecision = random() < 0.5 ? 'u8' : 'f16';
+      await engine.requestPrecision(cloud, { geometryPrecision: 'f32', shPrecision });
+    },
+    async () => {
+      wishing.render({ ...frameAt(48), clouds: [{ cloud }], accuracy: { minPsnrDb: 45 } });
+      await wishing.chooseAccuracy();
+    },
+    async () => {
+      const embedded = engine.createEmbeddedView();
+      embedded.prepare({ ...frameAt(48), clouds: [{ cloud }] });
+      await nextTurn();
+      embedded.destroy();
+    },
+  ];
+  return works.map(async (work) => {
+    try {
+      for (;;) {
+        await work();
+        // Work that had nothing to do must not keep the others from theirs.
+        await nextTurn();
+      }
+    } catch (error) {
+      return error;
+    }
+  });
+}
+
+describe(`the end at any moment, of ${ROUNDS} rounds`, () => {
+  for (let seed = SEED; seed < SEED + ROUNDS; seed++) {
+    // A device that is lost takes its shaders with it.
+    const end = seed % 3 === 0 ? 'device' : 'engine';
+    gpuTest(`${end}, seed ${seed}`, async () => {
+      const random = seededRandom(seed);
+      const own = end === 'device' ? await createTestDevice() : device;
+      const engine = await newEngine(own);
+      const work = busyWork(engine, random);
+      const turns = Math.floor(MOST_TURNS * random() ** 2);
+      for (let turn = 0; turn < turns; turn++) await nextTurn();
+      if (end === 'engine') engine.destroy();
+      else own.destroy();
+      for (const error of await Promise.all(work)) expect(error).toBeInstanceOf(DestroyedError);
+      if (end === 'engine') expect(engine.memory().totalBytes).toBe(0);
+      else await engine.lost;
+      engine.destroy();
+    });
+  }
+
+  gpuTest('and the next engine draws as the first did', async () => {
+    const [used, fresh] = [await newEngine(), await newEngine(await createTestDevice())];
+    expect(await imageOf(used)).toEqual(await imageOf(fresh));
+    for (const engine of [used, fresh]) engine.destroy();
+  });
+});

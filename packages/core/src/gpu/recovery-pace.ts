@@ -1,0 +1,26 @@
+/** How long to wait before the first, second, … attempt in a row to get a GPU again. */
+const WAITS_MS = [0, 1000, 4000, 16_000];
+/** A device that has lasted this long has recovered, and its loss is the first in a row. */
+const RECOVERED_AFTER_MS = 60_000;
+
+/**
+ * Paces attempts to get a GPU again after the device was lost: at once, then after 1, 4 and 16 seconds, and then no more. What
+ * brings the GPU down again and again, such as a scene that its memory is too small for, must not do so for ever; and a browser
+ * may have no adapter while its GPU process restarts.
+ */
+export class RecoveryPace {
+  #attempts = 0;
+  #lastMs = Number.NEGATIVE_INFINITY;
+
+  /**
+   * Call when the device was lost, and when an attempt to get another has failed.
+   *
+   * @param nowMs present time on any clock, ms.
+   * @returns how long to wait before the next attempt, ms; null: leave it to a person to try again, with a new pace.
+   */
+  next(nowMs = performance.now()): number | null {
+    if (nowMs - this.#lastMs > RECOVERED_AFTER_MS) this.#attempts = 0;
+    this.#lastMs = nowMs;
+    return WAITS_MS[this.#attempts++] ?? null;
+  }
+}
