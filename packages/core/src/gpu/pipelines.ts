@@ -147,7 +147,9 @@ export class Pipelines {
   }
 
   async #pipeline(stage: StageDefinition, state: RenderState | undefined): Promise<Pipeline> {
-    const code = await this.#link(stage);
+    // All others start compiling at once.
+    const loaded = typeof stage.source === 'function' ? await loadVariant(stage) : stage;
+    const code = this.#link(loaded);
     const key = JSON.stringify([code, stage.entryPoint, state, layoutKey(stage)]);
     const { pipelines } = this.#cache;
     let pipeline = pipelines.get(key);
@@ -160,12 +162,11 @@ export class Pipelines {
     return pipeline;
   }
 
-  async #link(stage: StageDefinition): Promise<string> {
+  #link(stage: StageDefinition): string {
     const key = variantKey(stage);
-    const loaded = await loadVariant(stage);
     let linked = this.#linked.get(key);
     if (linked === undefined) {
-      linked = linkShader(loaded, this.#mutation);
+      linked = linkShader(stage, this.#mutation);
       this.#linked.set(key, linked);
     }
     return linked;
