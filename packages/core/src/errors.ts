@@ -42,7 +42,7 @@ export type SplatFileErrorCode =
   | 'truncated'
   /** A value in a text body cannot be read as a number. */
   | 'bad-value'
-  /** The file has more splats than can be held. */
+  /** The file has more bytes or splats than its limits allow (`maxBytes`, `maxSplats`), or than can be held. */
   | 'too-large'
   /** The file has no splats. */
   | 'empty';

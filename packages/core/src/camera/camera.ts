@@ -214,17 +214,14 @@ function widened([low, high]: readonly [number, number]): [number, number] {
 /** @throws InvalidArgumentError unless there are options at all. */
 function given<Options extends object>(options: Options): Options {
   if (typeof options === 'object' && options !== null) return options;
-  throw new InvalidArgumentError(
-    'options',
-    `The camera's options are ${shown(options)}; they must be an object.`,
-  );
+  throw new InvalidArgumentError('options', `options is ${shown(options)}; it must be an object.`);
 }
 
 /** @throws InvalidArgumentError if a matrix is more than float32 holds. */
 function checked(camera: Camera): Camera {
   for (const name of ['viewMatrix', 'projectionMatrix'] as const) {
     if (Array.prototype.every.call(camera[name], (value) => Number.isFinite(Math.fround(value)))) continue;
-    throw new InvalidArgumentError(name, `The camera's numbers are too large or too small for its ${name}.`);
+    throw new InvalidArgumentError(name, `The camera's ${name} exceeds float32.`);
   }
   return camera;
 }

@@ -69,7 +69,7 @@ export function planCloud(
   const reach = reachOf(acting);
   const view = cloudView(camera.viewMatrix, modelMatrix, cloud.origin, projection.isOrthographic);
   if (![...view.linear, ...view.translation].every(isFiniteF32)) {
-    const message = `${cloud.name} is too large or too far away for this camera: its place in view space exceeds float32.`;
+    const message = `${cloud.name}: its place in view space exceeds float32.`;
     throw new InvalidArgumentError('modelMatrix', message);
   }
   const uses = acting.map((use) => ({

@@ -206,7 +206,7 @@ function expectSame(a: Outcome, b: Outcome): void {
 }
 
 test('any damage to a file gives splats or a typed error, however it comes', {
-  timeout: 900_000,
+  timeout: 3_600_000,
 }, async () => {
   const found: Record<string, number> = {};
   let slowestMs = 0;
