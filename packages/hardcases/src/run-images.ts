@@ -62,9 +62,9 @@ export function firstDifference(a: Float32Array, b: Float32Array): number {
   return wordsA.findIndex((word, i) => word !== wordsB[i]);
 }
 
-/** Compares an image with the float64 one: it must be finite, and as close as the case demands. */
+/** Compares an image with the float64 one: it must be finite and, but for null, reach `minPsnrDb`. */
 export function checkImage(
-  { bounds }: Pick<SceneCase, 'bounds'>,
+  minPsnrDb: number | null,
   preset: AccuracyPreset,
   rasterizer: FrameRasterizer,
   caseFrame: CaseFrame,
@@ -79,7 +79,6 @@ export function checkImage(
     return;
   }
   if (!reference || data.length === 0) return;
-  const minPsnrDb = minPsnrOf(bounds, preset);
   const { psnrDb, maxError } = compareImages(data, reference.data, caseFrame);
   const image: ImageResult = { camera: caseFrame.cameraName, psnrDb, maxError, minPsnrDb };
   result.addImage(preset, rasterizer, image);
@@ -91,9 +90,19 @@ export function checkImage(
   );
 }
 
-/** Least PSNR that a case demands of a preset, dB; null if it is only reported. */
-export function minPsnrOf(bounds: SceneCase['bounds'], preset: AccuracyPreset): number | null {
-  return bounds?.[preset]?.minPsnrDb ?? (preset === 'reference' ? MIN_REFERENCE_PSNR_DB : null);
+/**
+ * Least PSNR that a case demands of a preset, dB; null if it is only reported.
+ *
+ * @param isTruncating whether the device blends halves by truncation.
+ */
+export function minPsnrOf(
+  bounds: SceneCase['bounds'],
+  preset: AccuracyPreset,
+  isTruncating: boolean,
+): number | null {
+  const bound = bounds?.[preset];
+  if (!bound) return preset === 'reference' ? MIN_REFERENCE_PSNR_DB : null;
+  return (isTruncating ? bound.minPsnrTruncatedDb : undefined) ?? bound.minPsnrDb;
 }
 
 function worstPixel(data: Float32Array, reference: ReferenceImage): number {
