@@ -11,8 +11,26 @@ export interface Screenshot {
 export async function screenshot(shown: Page | Locator, style = ''): Promise<Screenshot> {
   const png = await shown.screenshot({ style });
   const page = 'page' in shown ? shown.page() : shown;
-  // The browser decodes its own PNG, which needs no library.
-  const { widthPx, heightPx, base64 } = await page.evaluate(async (encoded) => {
+  return decodePng(png.toString('base64'), (decode, encoded) => page.evaluate(decode, encoded));
+}
+
+interface Decoded {
+  readonly widthPx: number;
+  readonly heightPx: number;
+  readonly base64: string;
+}
+
+/**
+ * Decodes a PNG by the browser that has made it, which needs no library.
+ *
+ * @param png the file in base64.
+ * @param inPage evaluates a function of one argument in a page.
+ */
+export async function decodePng(
+  png: string,
+  inPage: (decode: (png: string) => Promise<Decoded>, png: string) => Promise<Decoded>,
+): Promise<Screenshot> {
+  const { widthPx, heightPx, base64 } = await inPage(async (encoded) => {
     const response = await fetch(`data:image/png;base64,${encoded}`);
     const bitmap = await createImageBitmap(await response.blob());
     const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
@@ -23,7 +41,7 @@ export async function screenshot(shown: Page | Locator, style = ''): Promise<Scr
     let binary = '';
     for (let i = 0; i < data.length; i += 8192) binary += String.fromCharCode(...data.subarray(i, i + 8192));
     return { widthPx: bitmap.width, heightPx: bitmap.height, base64: btoa(binary) };
-  }, png.toString('base64'));
+  }, png);
   return { widthPx, heightPx, data: new Uint8Array(Buffer.from(base64, 'base64')) };
 }
 

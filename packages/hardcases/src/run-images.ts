@@ -1,4 +1,10 @@
-import type { Accuracy, AccuracyPreset, FrameRasterizer, SplatEngine } from '@websplatter/core';
+import type {
+  Accuracy,
+  AccuracyPreset,
+  AccuracySettings,
+  FrameRasterizer,
+  SplatEngine,
+} from '@websplatter/core';
 import { describePixel, nonFiniteWord } from '@websplatter/core/inspect';
 import { compareImages, type ReferenceImage } from '@websplatter/core/reference';
 import type { SceneCase } from './hard-case.ts';
@@ -90,17 +96,21 @@ export function checkImage(
   );
 }
 
-/**
- * Least PSNR that a case demands of a preset, dB; null if it is only reported.
- *
- * @param isTruncating whether the device blends halves by truncation.
- */
+/** What a device makes of a preset's target. */
+export interface DrawnTarget extends Pick<AccuracySettings, 'colorTarget'> {
+  /** Whether the device blends halves by truncation. */
+  readonly isTruncating: boolean;
+}
+
+/** Least PSNR that a case demands of a preset, dB; null if it is only reported. */
 export function minPsnrOf(
   bounds: SceneCase['bounds'],
   preset: AccuracyPreset,
-  isTruncating: boolean,
+  { colorTarget, isTruncating }: DrawnTarget,
 ): number | null {
-  const bound = bounds?.[preset];
+  // Devices that cannot blend float32 draw `reference` in halves, as they do `high`.
+  const isInHalves = preset === 'reference' && colorTarget !== 'rgba32float';
+  const bound = bounds?.[preset] ?? (isInHalves ? bounds?.high : undefined);
   if (!bound) return preset === 'reference' ? MIN_REFERENCE_PSNR_DB : null;
   return (isTruncating ? bound.minPsnrTruncatedDb : undefined) ?? bound.minPsnrDb;
 }

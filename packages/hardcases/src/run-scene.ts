@@ -94,7 +94,10 @@ async function checkImages(
   const { identicalFrames = DEFAULT_FRAMES } = hardCase;
   for (const preset of run.presets) {
     const engine = await run.watched.engine(preset, run.variant);
-    const minPsnrDb = minPsnrOf(hardCase.bounds, preset, run.isTruncating);
+    const minPsnrDb = minPsnrOf(hardCase.bounds, preset, {
+      colorTarget: engine.accuracy.colorTarget,
+      isTruncating: run.isTruncating,
+    });
     for (const rasterizer of rasterizersOf(minPsnrDb, run)) {
       const where = [caseFrame.caseName, `camera ${caseFrame.cameraName}`, preset, rasterizer];
       const fail = (what: string) => result.fail(where, what);

@@ -91,6 +91,8 @@ export const PACKAGES: Arrows = {
   cli: 'charts hardcases node scenes core',
   /** The viewer; nothing imports an app. */
   viewer: 'charts hardcases scenes core',
+  /** The hard cases in any browser, with a report to paste. */
+  conformance: 'hardcases',
   /** Examples for react-three-fiber. */
   examples: 'react scenes core',
   /** This project beside other renderers. */
