@@ -16,8 +16,14 @@ export function launch(): Promise<Browser> {
 /**
  * Opens a page at `url`. Firefox tells nobody of WebGPU's errors that no scope has caught, nor of lost devices, so the page
  * itself does.
+ *
+ * @param scripts run in the page before its own.
  */
-export async function openPage(browser: Browser, url: string): Promise<FirefoxPage> {
+export async function openPage(
+  browser: Browser,
+  url: string,
+  scripts: readonly (() => void)[] = [],
+): Promise<FirefoxPage> {
   const page = await browser.newPage();
   const problems: string[] = [];
   page.on('pageerror', (error) => problems.push(`page error: ${error}`));
@@ -25,7 +31,7 @@ export async function openPage(browser: Browser, url: string): Promise<FirefoxPa
     if (message.type() === 'error') problems.push(`console error: ${message.text()}`);
   });
   await page.setViewport({ width: 240, height: 160 });
-  await page.evaluateOnNewDocument(reportGpuErrors);
+  for (const script of [reportGpuErrors, ...scripts]) await page.evaluateOnNewDocument(script);
   await page.goto(url);
   return { page, problems };
 }

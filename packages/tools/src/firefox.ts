@@ -14,6 +14,8 @@ export function launchFirefox({ executablePath, driverFile }: FirefoxOptions): P
     browser: 'firefox',
     executablePath,
     headless: true,
+    // Tests have limits of their own, and hard cases take minutes.
+    protocolTimeout: 0,
     env: environmentWith(driverFile),
     extraPrefsFirefox: {
       'dom.webgpu.enabled': true,
