@@ -162,7 +162,7 @@ firefoxTest('React draws, changes and leaves nothing behind', async () => {
 });
 
 /** One of each kind, and those in which Firefox has fewer features than Chromium. */
-const SHORT_CASES = ['accumulate-600-layers', 'counts-no-clouds', 'sort-0-keys'];
+const SHORT_CASES = ['tiles-splats-in-all', 'counts-no-clouds', 'sort-0-keys'];
 
 // Firefox tells every tenth of a second whether the GPU is done, so that a case takes seconds.
 firefoxTest('hard cases pass on their page, which gives a report', { timeout: 3_600_000 }, async () => {

@@ -7,7 +7,7 @@ import type {
 } from '@websplatter/core';
 import { describePixel, nonFiniteWord } from '@websplatter/core/inspect';
 import { compareImages, type ReferenceImage } from '@websplatter/core/reference';
-import type { SceneCase } from './hard-case.ts';
+import type { DeviceCase, SceneCase } from './hard-case.ts';
 import { type ImageResult, MIN_REFERENCE_PSNR_DB, type ResultBuilder } from './run-result.ts';
 import type { CaseFrame } from './run-stages.ts';
 
@@ -96,22 +96,25 @@ export function checkImage(
   );
 }
 
-/** What a device makes of a preset's target. */
-export interface DrawnTarget extends Pick<AccuracySettings, 'colorTarget'> {
+/** How an image is drawn. */
+export interface ImageTarget extends Pick<AccuracySettings, 'colorTarget'> {
+  readonly preset: AccuracyPreset;
+  readonly rasterizer: FrameRasterizer;
   /** Whether the device blends halves by truncation. */
   readonly isTruncating: boolean;
 }
 
-/** Least PSNR that a case demands of a preset, dB; null if it is only reported. */
+/** Least PSNR that a case demands of an image, dB; null if it is only reported. */
 export function minPsnrOf(
-  bounds: SceneCase['bounds'],
-  preset: AccuracyPreset,
-  { colorTarget, isTruncating }: DrawnTarget,
+  { kind, bounds }: Pick<SceneCase | DeviceCase, 'kind' | 'bounds'>,
+  { preset, rasterizer, colorTarget, isTruncating }: ImageTarget,
 ): number | null {
-  // Devices that cannot blend float32 draw `reference` in halves, as they do `high`.
-  const isInHalves = preset === 'reference' && colorTarget !== 'rgba32float';
-  const bound = bounds?.[preset] ?? (isInHalves ? bounds?.high : undefined);
-  if (!bound) return preset === 'reference' ? MIN_REFERENCE_PSNR_DB : null;
+  // Where float32 cannot be blended, quads draw `reference` in halves, as they do `high`; tiles blend in registers. Cases
+  // about such devices are made so that halves suffice.
+  const isInHalves = rasterizer === 'quads' && colorTarget !== 'rgba32float' && kind === 'scene';
+  const demanded = preset === 'reference' && isInHalves ? 'high' : preset;
+  const bound = bounds?.[demanded];
+  if (!bound) return demanded === 'reference' ? MIN_REFERENCE_PSNR_DB : null;
   return (isTruncating ? bound.minPsnrTruncatedDb : undefined) ?? bound.minPsnrDb;
 }
 
