@@ -1,10 +1,17 @@
-import { defaultClientConditions } from 'vite';
+import { defaultClientConditions, defaultServerConditions } from 'vite';
 import { defineConfig } from 'vitest/config';
 
 // Tests run on the sources, not on dist: every workspace package exports its src under this condition.
 const conditions = ['@websplatter/source', ...defaultClientConditions];
 const resolve = { conditions };
 const ssr = { resolve: { conditions, externalConditions: conditions } };
+
+// What drives browsers runs in Node: puppeteer-core's WebSockets are of no use under the condition `browser`.
+const nodeConditions = ['@websplatter/source', ...defaultServerConditions];
+const node = {
+  resolve: { conditions: nodeConditions },
+  ssr: { resolve: { conditions: nodeConditions, externalConditions: nodeConditions } },
+};
 
 export default defineConfig({
   test: {
@@ -41,8 +48,7 @@ export default defineConfig({
         },
       },
       {
-        resolve,
-        ssr,
+        ...node,
         test: {
           name: 'e2e',
           // Pages wait more than they compute.

@@ -24,10 +24,28 @@ export async function screenshot(shown: Page | Locator, style = ''): Promise<Scr
     const sheets = document.adoptedStyleSheets;
     sheets.splice(sheets.indexOf(sheet), 1);
   });
-  // The browser decodes its own PNG, which needs no library.
-  const { widthPx, heightPx, base64 } = await page.evaluate(async (encoded) => {
-    const png = Uint8Array.from(atob(encoded), (character) => character.charCodeAt(0));
-    const bitmap = await createImageBitmap(new Blob([png]));
+  return decodePng(png.toString('base64'), (decode, encoded) => page.evaluate(decode, encoded));
+}
+
+interface Decoded {
+  readonly widthPx: number;
+  readonly heightPx: number;
+  readonly base64: string;
+}
+
+/**
+ * Decodes a PNG by the browser that has made it, which needs no library.
+ *
+ * @param png the file in base64.
+ * @param inPage evaluates a function of one argument in a page.
+ */
+export async function decodePng(
+  png: string,
+  inPage: (decode: (png: string) => Promise<Decoded>, png: string) => Promise<Decoded>,
+): Promise<Screenshot> {
+  const { widthPx, heightPx, base64 } = await inPage(async (encoded) => {
+    const bytes = Uint8Array.from(atob(encoded), (character) => character.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([bytes]));
     const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
     const context = canvas.getContext('2d', { willReadFrequently: true });
     if (!context) throw new Error('no 2D context');
@@ -36,7 +54,7 @@ export async function screenshot(shown: Page | Locator, style = ''): Promise<Scr
     let binary = '';
     for (let i = 0; i < data.length; i += 8192) binary += String.fromCharCode(...data.subarray(i, i + 8192));
     return { widthPx: bitmap.width, heightPx: bitmap.height, base64: btoa(binary) };
-  }, png.toString('base64'));
+  }, png);
   return { widthPx, heightPx, data: new Uint8Array(Buffer.from(base64, 'base64')) };
 }
 

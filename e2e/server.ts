@@ -41,9 +41,8 @@ export interface AppServer {
  * @param appFolder folder of the app's `vite.config.ts`, relative to the repository's root, e.g. `apps/viewer`
  */
 export async function startAppServer(appFolder: string, files: ServedFiles = {}): Promise<AppServer> {
-  const configFile = join(repositoryRoot, appFolder, 'vite.config.ts');
   const outDir = await mkdtemp(join(tmpdir(), 'websplatter-app-'));
-  await buildApp(configFile, outDir);
+  await buildApp(appFolder, outDir);
   const requests = new Map<string, number>();
   let dropped = withResolvers();
   let sendRest = () => {};
@@ -93,7 +92,7 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
     },
   };
   const server = await preview({
-    configFile,
+    configFile: configFileOf(appFolder),
     logLevel: 'error',
     build: { outDir },
     plugins: [testFiles],
@@ -115,10 +114,26 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
   };
 }
 
-/** Builds in a process of its own: NODE_ENV and the export conditions of Vitest's process change the build. */
-async function buildApp(configFile: string, outDir: string): Promise<void> {
+function configFileOf(appFolder: string): string {
+  return join(repositoryRoot, appFolder, 'vite.config.ts');
+}
+
+/**
+ * Builds an app into `outDir`, in a process of its own: NODE_ENV and the export conditions of Vitest's process change the
+ * build.
+ */
+export async function buildApp(appFolder: string, outDir: string): Promise<void> {
   const vite = join(repositoryRoot, 'node_modules/vite/bin/vite.js');
-  const args = ['build', '--config', configFile, '--outDir', outDir, '--emptyOutDir', '--logLevel', 'error'];
+  const args = [
+    'build',
+    '--config',
+    configFileOf(appFolder),
+    '--outDir',
+    outDir,
+    '--emptyOutDir',
+    '--logLevel',
+    'error',
+  ];
   const { NODE_ENV: _, NODE_OPTIONS: __, ...env } = process.env;
   await promisify(execFile)(process.execPath, [vite, ...args], { env });
 }

@@ -69,12 +69,13 @@ export function drawnCamera(page: Page): Promise<DrawnCamera> {
   return page.getByTestId('viewport').evaluate((canvas) => JSON.parse(canvas.dataset.camera ?? 'null'));
 }
 
+/** Style that hides the viewer's interface. */
+export const IMAGE_ALONE =
+  '.overlay, .drop-overlay { visibility: hidden !important; } canvas { outline: none !important; }';
+
 /** Captures the image as shown on the screen, without the interface over it; `style` (CSS) may hide more. */
 export function viewerScreenshot(page: Page, style = ''): Promise<Screenshot> {
-  return screenshot(
-    page,
-    `.overlay, .drop-overlay { visibility: hidden !important; } canvas { outline: none !important; } ${style}`,
-  );
+  return screenshot(page, `${IMAGE_ALONE} ${style}`);
 }
 
 /** For `addInitScript`: makes the page lose its device on the event `lose-device`. */

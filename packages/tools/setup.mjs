@@ -1,6 +1,6 @@
 // Runs before anything is installed: imports only Node's own modules.
 import { spawnSync } from 'node:child_process';
-import { existsSync, statSync } from 'node:fs';
+import { existsSync, readdirSync, statSync } from 'node:fs';
 import { delimiter, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
@@ -48,18 +48,66 @@ export function ensureChromium() {
       ? 'brew install --cask chromium'
       : 'sudo apt-get update && sudo apt-get install -y chromium';
   const remedy = `Install it with\n  ${command}\nor set CHROMIUM_PATH to the program.`;
-  const isDebianRoot = existsSync('/etc/debian_version') && process.getuid?.() === 0;
-  if (!isDebianRoot) fail(`The tests need Chromium. ${remedy}`);
-  console.log('Installing Chromium (apt-get) …');
-  const { status } = spawnSync('apt-get update && apt-get install -y chromium', {
+  if (!isDebianRoot()) fail(`The tests need Chromium. ${remedy}`);
+  const isInstalled = installPackages(['chromium']);
+  const installed = findChromium();
+  if (!isInstalled || !installed)
+    fail(`The tests need Chromium, which apt-get could not install; its messages are above. ${remedy}`);
+  return installed;
+}
+
+/**
+ * Installs Firefox and a Vulkan driver for the CPU, for the tests of a second WebGPU, and returns whether they must run. Where
+ * that would need a confirmation, or another system, prints what will be skipped.
+ */
+export function ensureSecondWebGpu() {
+  const missing = SECOND_WEBGPU_PACKAGES.filter(({ isInstalled }) => !isInstalled()).map(({ name }) => name);
+  if (missing.length > 0 && isDebianRoot()) {
+    if (!installPackages(missing, '--no-install-recommends'))
+      fail(`${missing.join(' and ')} could not be installed; apt-get’s messages are above.`);
+  } else if (missing.length > 0) {
+    const command = `sudo apt-get update && sudo apt-get install -y ${missing.join(' ')}`;
+    console.warn(
+      `Tests in Firefox and Deno will be skipped. On Debian, install what they need with\n  ${command}`,
+    );
+    return false;
+  }
+  // npm has Deno for other processors too, but package-lock.json names this one.
+  return process.arch === 'x64';
+}
+
+/** Debian's packages that hold the second WebGPU. */
+const SECOND_WEBGPU_PACKAGES = [
+  {
+    name: 'firefox-esr',
+    isInstalled: () =>
+      Boolean(process.env.FIREFOX_PATH) ||
+      existsSync('/usr/bin/firefox-esr') ||
+      existsSync('/usr/bin/firefox'),
+  },
+  {
+    name: 'mesa-vulkan-drivers',
+    isInstalled: () => {
+      const folder = '/usr/share/vulkan/icd.d';
+      return existsSync(folder) && readdirSync(folder).some((name) => name.startsWith('lvp_icd'));
+    },
+  },
+];
+
+/** Whether packages can be installed without a confirmation. */
+function isDebianRoot() {
+  return existsSync('/etc/debian_version') && process.getuid?.() === 0;
+}
+
+/** Installs Debian packages, by default with those that they recommend, and returns whether that worked. */
+function installPackages(names, options = '') {
+  console.log(`Installing ${names.join(' and ')} (apt-get) …`);
+  const { status } = spawnSync(`apt-get update && apt-get install -y ${options} ${names.join(' ')}`, {
     shell: true,
     stdio: ['ignore', 'inherit', 'inherit'],
     env: { ...process.env, DEBIAN_FRONTEND: 'noninteractive' },
   });
-  const installed = findChromium();
-  if (status !== 0 || !installed)
-    fail(`The tests need Chromium, which apt-get could not install; its messages are above. ${remedy}`);
-  return installed;
+  return status === 0;
 }
 
 function findChromium() {

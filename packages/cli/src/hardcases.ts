@@ -4,15 +4,15 @@ import {
   HARD_CASES,
   type HardCase,
   type HardCaseReport,
-  type HardCaseResult,
-  HardCaseRunner,
   jsonReport,
   markdownReport,
   resultHeading,
   resultLine,
+  runHardCases,
   summaryLine,
 } from '@websplatter/hardcases';
 import { createNodeGpu } from '@websplatter/node';
+import packageJson from '../package.json' with { type: 'json' };
 import type { Console } from './console.ts';
 import { UsageError } from './input-error.ts';
 import { currentCommit } from './machine.ts';
@@ -32,22 +32,23 @@ export async function hardcases(args: readonly string[], console: Console): Prom
   if (notice !== null) console.err(`note: ${notice}\n`);
   // A fresh adapter per device. createNodeGpu also keeps devices from being garbage-collected, which Dawn does not survive.
   const gpu = { requestAdapter: async () => (await createNodeGpu()).adapter };
-  const runner = await HardCaseRunner.create({ gpu });
   const nameWidth = Math.max(...cases.map(({ name }) => name.length));
-  const results: HardCaseResult[] = [];
   if (format === 'table') console.out(`${resultHeading(nameWidth)}\n`);
-  try {
-    for (const hardCase of cases) {
-      const result = await runner.run(hardCase, { sizePx });
-      results.push(result);
+  const report = await runHardCases({
+    gpu,
+    cases,
+    sizePx,
+    place: {
+      program: `Node ${process.versions.node}`,
+      version: packageJson.version,
+      commit: currentCommit(),
+    },
+    onResult: (result) => {
       if (format === 'table') console.out(`${resultLine(result, nameWidth)}\n`);
-    }
-  } finally {
-    runner.destroy();
-  }
-  const date = new Date().toISOString().slice(0, 10);
-  const report = { adapter: runner.adapterLabel, date, commit: currentCommit(), sizePx, results };
+    },
+  });
   console.out(textOf(report, format));
+  const { results } = report;
   const failed = results.filter(({ verdict }) => verdict === 'fail').length;
   if (failed > 0)
     throw new WebSplatterError('hard-cases-failed', `${failed} of ${results.length} hard cases fail`);

@@ -30,6 +30,8 @@ export type HardCloud = HardSplats & {
 export interface BoundException {
   /** PSNR of raw values over black, dB. */
   readonly minPsnrDb: number;
+  /** The same where the device blends halves by truncation (`truncatesHalves`), for cases that this tells in; dB. */
+  readonly minPsnrTruncatedDb?: number;
   /** Why precision or definition allows no better; one sentence. */
   readonly cause: string;
 }

@@ -67,6 +67,12 @@ async function failuresOf(hardCase: HardCase, options?: HardCaseRunOptions, by =
 }
 
 describe('the runner', () => {
+  gpuTest('measures how halves are rounded', async ({ skip }) => {
+    if (!/swiftshader/.test(runner.adapterLabel))
+      skip('only known of SwiftShader, which rounds to the nearest');
+    expect(runner.isTruncating).toBe(false);
+  });
+
   gpuTest('passes a sound scene', async () => {
     const { failures, worstStage, images } = await runner.run(SOUND);
     expect(failures).toEqual([]);

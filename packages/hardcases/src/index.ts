@@ -5,11 +5,14 @@ export {
   type HardCaseReport,
   jsonReport,
   markdownReport,
+  type ReportPlace,
   resultHeading,
   resultLine,
   summaryLine,
+  textReport,
 } from './report.ts';
 export { HardCaseRunner, type HardCaseRunnerOptions, type HardCaseRunOptions } from './run.ts';
+export { DEFAULT_SIZE_PX, type HardCasesOptions, runHardCases } from './run-all.ts';
 export {
   CASE_RASTERIZERS,
   type HardCaseResult,

@@ -7,6 +7,7 @@ import {
   resultHeading,
   resultLine,
   summaryLine,
+  textReport,
 } from './report.ts';
 import type { HardCaseResult } from './run-result.ts';
 
@@ -55,6 +56,11 @@ const FAILED: HardCaseResult = {
 
 const REPORT: HardCaseReport = {
   adapter: 'acme gpu',
+  isSoftware: false,
+  isTruncating: true,
+  features: ['float32-blendable', 'timestamp-query'],
+  program: 'Acme Browser 1',
+  version: '0.1.0',
   date: '2026-01-02',
   commit: 'abc',
   sizePx: 64,
@@ -103,4 +109,32 @@ test('JSON keeps infinities as text', () => {
 
 test('failures are listed as they are', () => {
   expect(failureLines(REPORT.results)).toEqual(FAILED.failures);
+});
+
+test('the text to paste has adapter, program, version, worst figures and failures', () => {
+  expect(textReport(REPORT).split('\n')).toEqual([
+    'WebSplatter: 1 of 2 hard cases pass',
+    'adapter              acme gpu',
+    'program              Acme Browser 1',
+    'version              0.1.0, commit abc',
+    'date                 2026-01-02',
+    'images               64×64',
+    'features             float32-blendable timestamp-query',
+    'halves               blended by truncation',
+    'quads, reference dB  137.3 at worst (needle)',
+    'quads, high dB       exact at worst (needle)',
+    'quads, balanced dB   –',
+    'tiles, reference dB  131.5 at worst (needle)',
+    'stages               minorLengthPx 0.60 of its bound at worst (needle)',
+    'time                 3.0 s',
+    '',
+    FAILED.failures[0],
+    '',
+  ]);
+  const sound = { ...REPORT, isSoftware: true, isTruncating: false, commit: null, results: [PASSED] };
+  const lines = textReport(sound).split('\n');
+  expect(lines).toContain('adapter              acme gpu, software');
+  expect(lines).toContain('version              0.1.0');
+  expect(lines).toContain('halves               blended to the nearest');
+  expect(lines.slice(-2)).toEqual(['time                 1.5 s', '']);
 });

@@ -1,13 +1,26 @@
 import { COMPARED_PRESETS } from './run-images.ts';
 import { CASE_RASTERIZERS, type HardCaseResult } from './run-result.ts';
 
-/** Results of some hard cases, with the adapter and commit that gave them. */
-export interface HardCaseReport {
-  readonly adapter: string;
-  /** ISO 8601. */
-  readonly date: string;
+/** The program and the version of WebSplatter that run hard cases. */
+export interface ReportPlace {
+  /** What provides WebGPU: a browser's user agent, or `Node 20.20.2`. */
+  readonly program: string;
+  /** Version of `@websplatter/core`. */
+  readonly version: string;
   /** Commit of the working copy that was run, null if unknown. */
   readonly commit: string | null;
+}
+
+/** Results of some hard cases, with the adapter, program and commit that gave them. */
+export interface HardCaseReport extends ReportPlace {
+  readonly adapter: string;
+  readonly isSoftware: boolean;
+  /** Whether the GPU blends halves by truncation. */
+  readonly isTruncating: boolean;
+  /** Features of the device. */
+  readonly features: readonly string[];
+  /** ISO 8601. */
+  readonly date: string;
   /** Width and height of images for cases that give no size. */
   readonly sizePx: number;
   readonly results: readonly HardCaseResult[];
@@ -49,9 +62,57 @@ export function failureLines(results: readonly HardCaseResult[]): string[] {
 /** Sums up how many cases passed, where, when and in what time. */
 export function summaryLine({ adapter, date, commit, sizePx, results }: HardCaseReport): string {
   const passed = results.filter(({ verdict }) => verdict === 'pass').length;
-  const seconds = results.reduce((sum, { elapsedMs }) => sum + elapsedMs, 0) / 1000;
   const places = [adapter, `${sizePx}×${sizePx}`, date, ...(commit === null ? [] : [`commit ${commit}`])];
-  return `${passed} of ${results.length} hard cases pass in ${seconds.toFixed(1)} s (${places.join(', ')})`;
+  return `${passed} of ${results.length} hard cases pass in ${secondsOf(results).toFixed(1)} s (${places.join(', ')})`;
+}
+
+/** Formats a short report that people can paste: where the cases ran, how many passed, the worst figures, all failures. */
+export function textReport(report: HardCaseReport): string {
+  const { adapter, isSoftware, isTruncating, features, program, version, commit, date, sizePx, results } =
+    report;
+  const passed = results.filter(({ verdict }) => verdict === 'pass').length;
+  const failures = failureLines(results);
+  const lines = [
+    ['adapter', `${adapter}${isSoftware ? ', software' : ''}`],
+    ['program', program],
+    ['version', commit === null ? version : `${version}, commit ${commit}`],
+    ['date', date],
+    ['images', `${sizePx}×${sizePx}`],
+    ['features', features.join(' ') || 'none'],
+    ['halves', isTruncating ? 'blended by truncation' : 'blended to the nearest'],
+    ...IMAGES.map((image) => [image.heading, worstImage(results, image)]),
+    ['stages', worstStage(results)],
+    ['time', `${secondsOf(results).toFixed(1)} s`],
+  ];
+  const width = Math.max(...lines.map(([name]) => name.length));
+  return [
+    `WebSplatter: ${passed} of ${results.length} hard cases pass`,
+    ...lines.map(([name, value]) => `${name.padEnd(width)}  ${value}`),
+    ...(failures.length > 0 ? ['', ...failures] : []),
+    '',
+  ].join('\n');
+}
+
+function worstImage(
+  results: readonly HardCaseResult[],
+  { rasterizer, preset }: (typeof IMAGES)[number],
+): string {
+  const images = results.flatMap(({ name, images }) => {
+    const psnrDb = images[rasterizer][preset]?.psnrDb;
+    return psnrDb === undefined ? [] : [{ name, psnrDb }];
+  });
+  if (images.length === 0) return '–';
+  const { name, psnrDb } = images.reduce((worst, each) => (each.psnrDb < worst.psnrDb ? each : worst));
+  return `${decibels(psnrDb)} at worst (${name})`;
+}
+
+function worstStage(results: readonly HardCaseResult[]): string {
+  const stages = results.flatMap(({ name, worstStage: stage }) => (stage ? [{ name, stage }] : []));
+  if (stages.length === 0) return '–';
+  const { name, stage } = stages.reduce((worst, each) =>
+    each.stage.ratio > worst.stage.ratio ? each : worst,
+  );
+  return `${stage.field} ${stage.ratio.toFixed(2)} of its bound at worst (${name})`;
 }
 
 /** Formats the report as a Markdown table. */
@@ -91,6 +152,10 @@ function cellsOf({ name, worstStage, images, verdict }: HardCaseResult): string[
     maxError,
     verdict,
   ];
+}
+
+function secondsOf(results: readonly HardCaseResult[]): number {
+  return results.reduce((sum, { elapsedMs }) => sum + elapsedMs, 0) / 1000;
 }
 
 function decibels(psnrDb: number | undefined): string {

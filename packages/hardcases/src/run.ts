@@ -13,6 +13,7 @@ import { type RunVariant, requestAdapter, WatchedDevice } from './run-device.ts'
 import { COMPARED_PRESETS } from './run-images.ts';
 import { CASE_RASTERIZERS, type HardCaseResult, ResultBuilder } from './run-result.ts';
 import { runScene } from './run-scene.ts';
+import { truncatesHalves } from './truncates-halves.ts';
 
 export interface HardCaseRunnerOptions {
   /** `navigator.gpu`, or anything that returns a fresh adapter at each request; an adapter gives one device. */
@@ -45,21 +46,28 @@ const ENGINE_FEATURES = [
 export class HardCaseRunner {
   readonly adapterLabel: string;
   readonly isSoftware: boolean;
+  /** Features of the device, in alphabetical order. */
+  readonly features: readonly string[];
+  /** Whether the GPU blends halves by truncation, which is measured. */
+  readonly isTruncating: boolean;
   readonly #options: HardCaseRunnerOptions;
   #watched: WatchedDevice;
   #second: WatchedDevice | null = null;
 
-  private constructor(options: HardCaseRunnerOptions, watched: WatchedDevice) {
+  private constructor(options: HardCaseRunnerOptions, watched: WatchedDevice, isTruncating: boolean) {
     const { adapterInfo } = watched.device;
     this.#options = options;
     this.#watched = watched;
     this.adapterLabel = adapterLabel(adapterInfo);
     this.isSoftware = isSoftwareAdapter(adapterInfo);
+    this.features = [...watched.device.features].sort();
+    this.isTruncating = isTruncating;
   }
 
   /** @throws WebGpuUnavailableError if there is no adapter or no device. */
   static async create(options: HardCaseRunnerOptions): Promise<HardCaseRunner> {
-    return new HardCaseRunner(options, await WatchedDevice.request(options.gpu));
+    const watched = await WatchedDevice.request(options.gpu);
+    return new HardCaseRunner(options, watched, await truncatesHalves(watched.device));
   }
 
   /** Never rejects: a case that throws counts as failed. */
@@ -118,6 +126,7 @@ export class HardCaseRunner {
           return this.#second;
         },
         variant,
+        isTruncating: this.isTruncating,
         presets,
         rasterizers,
         sizePx,

@@ -91,6 +91,8 @@ export const PACKAGES: Arrows = {
   cli: 'charts hardcases node scenes core',
   /** The viewer; nothing imports an app. */
   viewer: 'charts hardcases scenes core',
+  /** The hard cases in any browser, with a report to paste. */
+  conformance: 'hardcases',
   /** Examples for react-three-fiber. */
   examples: 'react scenes core',
   /** This project beside other renderers. */
@@ -103,5 +105,6 @@ export const PACKAGES: Arrows = {
 export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
   'packages/hardcases/src/host-mutations.gpu.test.ts':
     'replaces modules inside of core, to show that hard cases fail without them',
+  'e2e/wgpu/shaders.ts': "compiles every variant of core's shaders, which core exports to nobody",
   'e2e/examples.test.ts': "draws the examples' own scene and effect in float64; apps export nothing",
 };

@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { hasNarrowSubgroups } from './device.ts';
+import { adapterLabel, hasNarrowSubgroups } from './device.ts';
 
 test.each([
   ['SwiftShader', 4, true],
@@ -11,4 +11,26 @@ test.each([
 ])('%s: subgroups of up to %s threads', (_, subgroupMaxSize, isNarrow) => {
   const adapterInfo = { subgroupMaxSize } as GPUAdapterInfo;
   expect(hasNarrowSubgroups({ adapterInfo })).toBe(isNarrow);
+});
+
+const NOTHING = { vendor: '', architecture: '', device: '', description: '', isFallbackAdapter: false };
+
+test.each([
+  [
+    'nvidia hopper',
+    { vendor: 'nvidia', architecture: 'hopper', device: '0x2330', description: 'NVIDIA H200' },
+  ],
+  ['acme 0x2330', { vendor: 'acme', device: '0x2330', description: 'an adapter' }],
+  // Deno 2.9 on Mesa.
+  [
+    'llvmpipe (LLVM 15.0.6, 256 bits)',
+    { vendor: '65541', device: '0', description: 'llvmpipe (LLVM 15.0.6, 256 bits)' },
+  ],
+  ['65541 0', { vendor: '65541', device: '0' }],
+  ['NVIDIA H200', { description: 'NVIDIA H200' }],
+  // Firefox 153.
+  ['unnamed software adapter', { isFallbackAdapter: true }],
+  ['unnamed adapter', {}],
+])('adapters are labelled, %s', (label, info) => {
+  expect(adapterLabel({ ...NOTHING, ...info } as GPUAdapterInfo)).toBe(label);
 });

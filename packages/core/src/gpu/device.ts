@@ -74,10 +74,15 @@ async function requestAdapter({
   return adapter;
 }
 
-/** Returns a human-readable name of the adapter, e.g. "nvidia hopper" or "google swiftshader". */
-export function adapterLabel({ vendor, architecture, device, description }: GPUAdapterInfo): string {
+/**
+ * Returns a human-readable name of the adapter, e.g. "nvidia hopper" or "google swiftshader". Deno names vendors by number
+ * and describes the adapter besides; Firefox names nothing.
+ */
+export function adapterLabel(info: GPUAdapterInfo): string {
+  const { vendor, architecture, device, description, isFallbackAdapter } = info;
+  if (/^\d+$/.test(vendor) && description) return description;
   const name = [vendor, architecture || device].filter(Boolean).join(' ');
-  return name || description || 'unknown adapter';
+  return name || description || (isFallbackAdapter ? 'unnamed software adapter' : 'unnamed adapter');
 }
 
 /** Whether the adapter is a (slow) software renderer on the CPU. */

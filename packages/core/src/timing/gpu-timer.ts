@@ -37,7 +37,10 @@ export interface FrameCounts {
 export class GpuTimer {
   readonly #memory: GpuMemory;
   readonly #queue: GPUQueue;
-  readonly #querySet: GPUQuerySet | null;
+  /** Null without timestamps, and until it is known to work. */
+  #querySet: GPUQuerySet | null = null;
+  /** That of the frame that is being recorded. */
+  #recorded: GPUQuerySet | null = null;
   readonly #resolved: GPUBuffer | null;
   readonly #ring: readonly GPUBuffer[];
   readonly #free: GPUBuffer[];
@@ -50,9 +53,7 @@ export class GpuTimer {
     this.#memory = memory;
     this.#queue = device.queue;
     const hasTimestamps = device.features.has('timestamp-query');
-    this.#querySet = hasTimestamps
-      ? device.createQuerySet({ type: 'timestamp', count: 2 * TIMED_PASSES.length })
-      : null;
+    if (hasTimestamps) void this.#makeQuerySet(device);
     this.#resolved = hasTimestamps
       ? memory.createBuffer(
           'timestamps',
@@ -75,22 +76,23 @@ export class GpuTimer {
     // Reuse the buffer of a frame that was begun and never drawn.
     this.#measuring ??= this.#free.pop() ?? null;
     this.#passes = new Set();
+    this.#recorded = this.#querySet;
   }
 
   /** Returns `timestampWrites` for the descriptor of a pass; undefined if this frame or device is not timed. */
   writes(pass: TimedPass): GPUComputePassTimestampWrites | undefined {
     this.#passes.add(pass);
-    if (!this.#querySet || !this.#measuring) return undefined;
+    if (!this.#recorded || !this.#measuring) return undefined;
     const first = 2 * TIMED_PASSES.indexOf(pass);
-    return { querySet: this.#querySet, beginningOfPassWriteIndex: first, endOfPassWriteIndex: first + 1 };
+    return { querySet: this.#recorded, beginningOfPassWriteIndex: first, endOfPassWriteIndex: first + 1 };
   }
 
   /** Call after the last pass, before the encoder is finished. */
   record(encoder: GPUCommandEncoder, counts: FrameCounts): void {
     const target = this.#measuring;
     if (!target) return;
-    if (this.#querySet && this.#resolved) {
-      encoder.resolveQuerySet(this.#querySet, 0, 2 * TIMED_PASSES.length, this.#resolved, 0);
+    if (this.#recorded && this.#resolved) {
+      encoder.resolveQuerySet(this.#recorded, 0, 2 * TIMED_PASSES.length, this.#resolved, 0);
       encoder.copyBufferToBuffer(this.#resolved, 0, target, 0, TIMESTAMP_BYTES);
     }
     encoder.copyBufferToBuffer(counts.slotCount, 0, target, TIMESTAMP_BYTES, 4);
@@ -113,6 +115,7 @@ export class GpuTimer {
     const buffer = this.#measuring;
     const passes = this.#passes;
     const hasPairs = this.#hasPairs;
+    const isTimed = this.#recorded !== null;
     this.#measuring = null;
     if (!buffer) return null;
     try {
@@ -129,7 +132,7 @@ export class GpuTimer {
       const neededPairs = tilePlan[TilePlan.offsets.neededPairs / 4];
       const fits = tilePlan[TilePlan.offsets.fits / 4] === 1;
       const candidateSplats = Math.min(loadedSplats, slots * CHUNK_SPLATS);
-      const spanMs = this.#querySet
+      const spanMs = isTimed
         ? spansOf(new BigUint64Array(contents, 0, 2 * TIMED_PASSES.length), passes)
         : null;
       const timing = spanMs ? timingsOf(spanMs, wallClockMs) : wallClockTimings(wallClockMs);
@@ -158,6 +161,19 @@ export class GpuTimer {
     for (const buffer of this.#ring) this.#memory.destroy(buffer);
     if (this.#resolved) this.#memory.destroy(this.#resolved);
     this.#querySet?.destroy();
+  }
+
+  /**
+   * Makes the set of queries, and keeps it only if it works: Metal has 32 for all pages together
+   * (https://github.com/gpuweb/gpuweb/issues/5261), and passes that name one that failed are not run.
+   */
+  async #makeQuerySet(device: GPUDevice): Promise<void> {
+    device.pushErrorScope('validation');
+    const querySet = device.createQuerySet({ type: 'timestamp', count: 2 * TIMED_PASSES.length });
+    // A lost device answers no more, and times nothing.
+    const error = await device.popErrorScope().catch((reason: Error) => reason);
+    if (error || this.#isDestroyed) querySet.destroy();
+    else this.#querySet = querySet;
   }
 }
 

@@ -199,7 +199,8 @@ export class Preprocess implements FramePart<OrderRecording> {
     const bytes = PAGE_STRIDE_BYTES * pagesOf(plan.shape).length;
     if (this.#pageContents.byteLength !== bytes) this.#pageContents = new ArrayBuffer(bytes);
     writePageUniforms(plan, this.#pageContents);
-    queue.writeBuffer(this.buffers.pageUniforms, 0, this.#pageContents);
+    // Deno 2.9 ends at a write of no bytes.
+    if (bytes > 0) queue.writeBuffer(this.buffers.pageUniforms, 0, this.#pageContents);
     this.#effects.write(plan);
   }
 
@@ -305,7 +306,7 @@ function writeConstants(
     const chunks = { chunkStart: page.chunkStart, chunkEnd: page.chunkStart + page.chunkCount };
     PagePlan.write(plans, { ...chunks, ...found }, index * PagePlan.bytes);
   }
-  queue.writeBuffer(buffers.pagePlans, 0, plans);
+  if (plans.byteLength > 0) queue.writeBuffer(buffers.pagePlans, 0, plans);
 }
 
 function cullSplatsStage(

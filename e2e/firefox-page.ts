@@ -1,0 +1,58 @@
+import { launchFirefox } from '@websplatter/tools/firefox';
+import type { Browser, Page } from 'puppeteer-core';
+import { decodePng, type Screenshot } from './screenshot.ts';
+import { firefox, lavapipe } from './second-webgpu.ts';
+
+/** A page in Firefox with its warnings and errors, of which a passing test must have none. */
+export interface FirefoxPage {
+  readonly page: Page;
+  readonly problems: readonly string[];
+}
+
+export function launch(): Promise<Browser> {
+  return launchFirefox({ executablePath: firefox, driverFile: lavapipe });
+}
+
+/**
+ * Opens a page at `url`. Firefox tells nobody of WebGPU's errors that no scope has caught, nor of lost devices, so the page
+ * itself does.
+ *
+ * @param scripts run in the page before its own.
+ */
+export async function openPage(
+  browser: Browser,
+  url: string,
+  scripts: readonly (() => void)[] = [],
+): Promise<FirefoxPage> {
+  const page = await browser.newPage();
+  const problems: string[] = [];
+  page.on('pageerror', (error) => problems.push(`page error: ${error}`));
+  page.on('console', (message) => {
+    if (message.type() === 'error') problems.push(`console error: ${message.text()}`);
+  });
+  await page.setViewport({ width: 240, height: 160 });
+  for (const script of [reportGpuErrors, ...scripts]) await page.evaluateOnNewDocument(script);
+  await page.goto(url);
+  return { page, problems };
+}
+
+function reportGpuErrors(): void {
+  if (!('GPUAdapter' in window)) return;
+  const { requestDevice } = GPUAdapter.prototype;
+  GPUAdapter.prototype.requestDevice = async function (...options) {
+    const device = await requestDevice.apply(this, options);
+    device.addEventListener('uncapturederror', ({ error }) => console.error(`WebGPU: ${error.message}`));
+    void device.lost.then(({ reason, message }) => {
+      if (reason !== 'destroyed') console.error(`WebGPU: the device was lost: ${message}`);
+    });
+    return device;
+  };
+}
+
+/** Captures an element as shown on the screen. */
+export async function screenshotOf(page: Page, selector: string): Promise<Screenshot> {
+  const element = await page.$(selector);
+  if (!element) throw new Error(`The page has no ${selector}.`);
+  const png = await element.screenshot({ encoding: 'base64' });
+  return decodePng(png, (decode, encoded) => page.evaluate(decode, encoded));
+}

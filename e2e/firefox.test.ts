@@ -1,0 +1,185 @@
+// The main paths of the viewer and of React, and hard cases, in Firefox: one browser, and a page for each.
+import { mkdtemp, rm, writeFile } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { encodePly } from '@websplatter/core';
+import { HARD_CASES, type HardCaseReport, textReport } from '@websplatter/hardcases';
+import type { Browser, Page } from 'puppeteer-core';
+import { afterAll, afterEach, beforeAll, expect } from 'vitest';
+import { type FirefoxPage, launch, openPage, screenshotOf } from './firefox-page.ts';
+import type { CanvasDescription } from './react/main.tsx';
+import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
+import { changedPart } from './screenshot.ts';
+import { firefox, lavapipe, testWith } from './second-webgpu.ts';
+import { type AppServer, startAppServer } from './server.ts';
+import { testScene } from './test-scene.ts';
+import { type DrawnCamera, IMAGE_ALONE, loseDeviceOnDemand } from './viewer-page.ts';
+
+const firefoxTest = testWith({ Firefox: firefox, 'lavapipe (mesa-vulkan-drivers)': lavapipe });
+const isFull = process.env.WEBSPLATTER_FULL === '1';
+/** Most time for anything that a page is waited for, ms: lavapipe compiles for seconds. */
+const PATIENCE_MS = 60_000;
+
+const scene = testScene();
+/** In the full run enough rows for the GPU to take them. */
+const other = testScene(isFull ? 70_000 : 900);
+const servers: AppServer[] = [];
+let browser: Browser | undefined;
+let folder: string;
+let watched: FirefoxPage[] = [];
+beforeAll(async () => {
+  folder = await mkdtemp(join(tmpdir(), 'websplatter-firefox-'));
+  if (firefox && lavapipe) browser = await launch();
+});
+afterEach(async () => {
+  const pages = watched;
+  watched = [];
+  for (const { page } of pages) await page.close();
+  expect(
+    pages.flatMap(({ problems }) => problems),
+    'what the page complained about',
+  ).toEqual([]);
+});
+afterAll(async () => {
+  await browser?.close();
+  for (const server of servers) await server.close();
+  await rm(folder, { recursive: true, force: true });
+});
+
+/** Serves an app, with a file `scene.ply`, and opens its page. */
+async function open(appFolder: string, address = ''): Promise<Page> {
+  const server = await startAppServer(appFolder, { 'scene.ply': encodePly(scene) });
+  servers.push(server);
+  const opened = await openPage(browser!, `${server.url}${address}`, [loseDeviceOnDemand]);
+  watched.push(opened);
+  return opened.page;
+}
+
+const frameCount = (page: Page) =>
+  page.evaluate(() => Number(document.querySelector('canvas')?.dataset.frames ?? 0));
+
+/** Waits until the viewer has drawn more than `frames` frames and is at rest. */
+async function waitForFrameAfter(page: Page, frames: number): Promise<void> {
+  const least = { timeout: PATIENCE_MS };
+  await page.waitForSelector('html[data-state="ready"]', least);
+  await page.waitForFunction(
+    (count) => Number(document.querySelector('canvas')?.dataset.frames ?? 0) > count,
+    least,
+    frames,
+  );
+}
+
+/** Does something that changes the viewer's image, and waits for it. */
+async function redraw(page: Page, act: () => Promise<unknown>): Promise<void> {
+  const frames = await frameCount(page);
+  await act();
+  await waitForFrameAfter(page, frames);
+}
+
+async function expectViewerAsReference(page: Page, set: typeof scene): Promise<DrawnCamera> {
+  const drawn: DrawnCamera = await page.evaluate(() =>
+    JSON.parse(document.querySelector('canvas')?.dataset.camera ?? 'null'),
+  );
+  const shot = await screenshotOf(page, '[data-testid=viewport]');
+  expect(psnrAgainstReference(shot, drawn, [set])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  return drawn;
+}
+
+firefoxTest(
+  'the viewer opens, moves, resizes, takes a file and comes back from the loss of its device',
+  async () => {
+    const page = await open('apps/viewer', '?file=/scene.ply');
+    await waitForFrameAfter(page, 0);
+    await page.addStyleTag({ content: IMAGE_ALONE });
+    const before = await expectViewerAsReference(page, scene);
+
+    await redraw(page, () => page.keyboard.press('ArrowRight'));
+    await redraw(page, async () => {
+      await page.mouse.move(100, 80);
+      await page.mouse.down();
+      await page.mouse.move(130, 75);
+      await page.mouse.up();
+    });
+    const moved = await expectViewerAsReference(page, scene);
+    expect(moved.viewMatrix).not.toEqual(before.viewMatrix);
+
+    await redraw(page, () => page.setViewport({ width: 160, height: 200 }));
+    const resized = await expectViewerAsReference(page, scene);
+    expect(resized.projectionMatrix[5] / resized.projectionMatrix[0]).toBeCloseTo(160 / 200);
+
+    // The file stays: it is read again for another device.
+    const path = join(folder, 'other.ply');
+    await writeFile(path, encodePly(other));
+    const input = await (await page.$('[data-testid=file-input]'))!.toElement('input');
+    await redraw(page, () => input.uploadFile(path));
+    await page.waitForFunction(
+      () => document.querySelector('[data-testid=scene-title]')?.textContent === 'other.ply',
+      { timeout: PATIENCE_MS },
+    );
+    await expectViewerAsReference(page, other);
+
+    const framesBefore = await frameCount(page);
+    await page.evaluate(() => dispatchEvent(new Event('lose-device')));
+    await page.waitForSelector('html[data-state="lost"]', { timeout: PATIENCE_MS });
+    await page.click('[data-testid=recover]');
+    await waitForFrameAfter(page, framesBefore);
+    await expectViewerAsReference(page, other);
+  },
+);
+
+firefoxTest('React draws, changes and leaves nothing behind', async () => {
+  const page = await open('e2e/react');
+  await page.waitForFunction(() => 'page' in window, { timeout: PATIENCE_MS });
+  const show = (splats: CanvasDescription['splats']) =>
+    page.evaluate((list) => window.page.show(list), [
+      { id: 'canvas', kind: 'splats', background: 'black', splats },
+    ] as CanvasDescription[]);
+  const waitForLog = (entry: string) =>
+    page.waitForFunction((text) => window.page.log.includes(text), { timeout: PATIENCE_MS }, entry);
+  const bytes = () => page.evaluate(() => window.page.engine('canvas').memory().totalBytes);
+
+  await show([{ id: 'a', src: 'scene.ply' }]);
+  await waitForLog('a firstframe');
+  const camera = await page.evaluate(() => {
+    const { matrixWorldInverse, projectionMatrix, near, far } = window.page.canvases.get('canvas')!.camera;
+    const viewMatrix = [...matrixWorldInverse.elements];
+    return { viewMatrix, projectionMatrix: [...projectionMatrix.elements], near, far };
+  });
+  const drawn: DrawnCamera = { ...camera, modelMatrices: [null], background: [0, 0, 0] };
+  const image = await screenshotOf(page, '[data-testid=canvas]');
+  expect(psnrAgainstReference(image, drawn, [scene])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+
+  await show([{ id: 'a', src: 'scene.ply', opacity: 0.3 }]);
+  await expect
+    .poll(async () => changedPart(image, await screenshotOf(page, '[data-testid=canvas]')), {
+      timeout: PATIENCE_MS,
+    })
+    .toBeGreaterThan(0.1);
+
+  expect(await bytes()).toBeGreaterThan(0);
+  await show([]);
+  await expect.poll(bytes, { timeout: PATIENCE_MS }).toBe(0);
+});
+
+/** One of each kind, and those in which Firefox has fewer features than Chromium. */
+const SHORT_CASES = ['tiles-splats-in-all', 'counts-no-clouds', 'sort-0-keys'];
+
+// Firefox tells every tenth of a second whether the GPU is done, so that a case takes seconds.
+firefoxTest('hard cases pass on their page, which gives a report', { timeout: 3_600_000 }, async () => {
+  const page = await open('apps/conformance', isFull ? '' : `?cases=${SHORT_CASES}`);
+  await page.waitForSelector('html[data-state=idle]');
+  await page.click('#run');
+  await page.waitForSelector('html[data-state=done]', { timeout: 3_600_000 });
+  const report = await page.evaluate(() => JSON.parse(JSON.stringify(window.report)) as HardCaseReport);
+  const text = textReport(report);
+  if (isFull) console.log(text);
+  expect(report.results.flatMap(({ failures }) => failures)).toEqual([]);
+  const count = isFull ? HARD_CASES.length : SHORT_CASES.length;
+  expect(text).toContain(`WebSplatter: ${count} of ${count} hard cases pass`);
+  expect(text).toMatch(/^program +Mozilla.*Firefox/m);
+  expect(text).toMatch(/^adapter +.*software$/m);
+  // JSON has no infinities, which are the decibels of images that are equal.
+  const withoutDecibels = (shown: string | null) => shown?.replace(/^(quads|tiles), .*$/gm, '');
+  const shown = await page.$eval('#report', (pre) => pre.textContent);
+  expect(withoutDecibels(shown)).toBe(withoutDecibels(text));
+});

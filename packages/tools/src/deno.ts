@@ -1,0 +1,37 @@
+import { execFile } from 'node:child_process';
+import { createRequire } from 'node:module';
+import { promisify } from 'node:util';
+import { environmentWith } from './vulkan.ts';
+
+/**
+ * Path of Deno, whose WebGPU is wgpu, as Firefox's is; undefined where npm has installed none. The package of one platform is
+ * a dependency by itself: the one for all of them fails to install where a platform's is missing.
+ */
+export function findDeno(): string | undefined {
+  try {
+    return createRequire(import.meta.url).resolve('@deno/linux-x64-glibc/deno');
+  } catch {
+    return undefined;
+  }
+}
+
+export interface DenoOptions {
+  /** Description (ICD) of the Vulkan driver that WebGPU uses. */
+  readonly driverFile: string;
+  readonly args?: readonly string[];
+}
+
+/**
+ * Runs a script in Deno and returns what it writes.
+ *
+ * @throws Error with the end of its stderr if it fails.
+ */
+export async function runInDeno(
+  denoPath: string,
+  script: string,
+  { driverFile, args = [] }: DenoOptions,
+): Promise<string> {
+  const options = { env: environmentWith(driverFile), maxBuffer: 64 * 2 ** 20 };
+  const { stdout } = await promisify(execFile)(denoPath, ['run', '--allow-all', script, ...args], options);
+  return stdout;
+}

@@ -1,0 +1,28 @@
+import puppeteer, { type Browser } from 'puppeteer-core';
+import { environmentWith } from './vulkan.ts';
+
+export interface FirefoxOptions {
+  /** Firefox's program. */
+  readonly executablePath: string;
+  /** Description (ICD) of the Vulkan driver that WebGPU uses. */
+  readonly driverFile: string;
+}
+
+/** Starts a headless Firefox with WebGPU on one Vulkan driver, driven by WebDriver BiDi. */
+export function launchFirefox({ executablePath, driverFile }: FirefoxOptions): Promise<Browser> {
+  return puppeteer.launch({
+    browser: 'firefox',
+    executablePath,
+    headless: true,
+    // Tests have limits of their own, and hard cases take minutes.
+    protocolTimeout: 0,
+    env: environmentWith(driverFile),
+    extraPrefsFirefox: {
+      'dom.webgpu.enabled': true,
+      // Drivers for the CPU are on the list.
+      'gfx.webgpu.ignore-blocklist': true,
+      // With smooth steps the number of frames would depend on the machine's speed.
+      'ui.prefersReducedMotion': 1,
+    },
+  });
+}
