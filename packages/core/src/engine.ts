@@ -58,6 +58,11 @@ export interface EngineOptions extends DeviceOptions {
    * Most bytes of GPU memory that the lists of tiles may take, per view; default 512 MiB. Frames that need more are drawn by quads.
    */
   readonly tileBudgetBytes?: number;
+  /**
+   * Most bytes of GPU memory that the engine may hold, of clouds, views and work under way; default no limit of its own. What
+   * would exceed them is refused with a GpuLimitError before it is allocated.
+   */
+  readonly memoryBudgetBytes?: number;
   /** @internal Files with at least this many rows are packed on the GPU. For tests of small files; default 65,536. */
   readonly ingestMinRows?: number;
   /** @internal For tests only: see ShaderMutation. */
@@ -152,7 +157,7 @@ export class SplatEngine {
     this.device = device;
     this.adapterLabel = adapterLabel(device.adapterInfo);
     this.hasGpuTimestamps = device.features.has('timestamp-query');
-    this.#memory = new GpuMemory(device);
+    this.#memory = new GpuMemory(device, options.memoryBudgetBytes);
     this.#pipelines = new Pipelines(device, options.mutation, this.#counting);
     this.#ownsDevice = ownsDevice;
     const limit = device.limits.maxComputeWorkgroupsPerDimension;
@@ -251,6 +256,7 @@ export class SplatEngine {
       this.#foreseeRows(source, ingest);
       const packed = await loading;
       cloud = packed ? this.addPacked(packed, made) : this.#addIngested(await ingest.finish(), made, options);
+      await cloud.uploaded;
     } catch (error) {
       ingest.destroy();
       options.signal?.throwIfAborted();
@@ -265,6 +271,8 @@ export class SplatEngine {
   /**
    * Packs and uploads splats that are already in memory, in any order; rows with non-finite values are dropped and counted.
    * The cloud keeps `set` by reference, for `requestPrecision`.
+   *
+   * @throws GpuLimitError; the device tells later whether it has had memory: see `SplatCloud.uploaded`.
    */
   add(set: SplatSet<Harmonics>, options: { readonly name?: string } = {}): SplatCloud {
     return this.addPacked(packSet(set, this.accuracy), { ...options, source: set });
@@ -277,7 +285,7 @@ export class SplatEngine {
    * @param options.source where `requestPrecision` can read the same splats again: their file, or `packed` itself if its
    *   memory stays in use anyway. If there are several, the first that is fine enough is used, so list cheap sources first.
    *   Kept by reference; by default nothing is kept.
-   * @throws GpuLimitError.
+   * @throws GpuLimitError; the device tells later whether it has had memory: see `SplatCloud.uploaded`.
    */
   addPacked(packed: PackedCloud, options: NewCloudOptions = {}): SplatCloud {
     this.#checkUsable();

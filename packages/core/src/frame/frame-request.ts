@@ -45,7 +45,10 @@ function isMatrix(values: ArrayLike<number>): boolean {
   return values.length === 16 && Array.prototype.every.call(values, Number.isFinite);
 }
 
-/** @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a destroyed cloud. */
+/**
+ * @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a destroyed cloud, GpuLimitError
+ *   for one that found no memory.
+ */
 export function checkRequest({ camera, clouds, widthPx, heightPx }: FrameRequest, device: GPUDevice): void {
   if (!(Number.isInteger(widthPx) && Number.isInteger(heightPx) && widthPx >= 0 && heightPx >= 0)) {
     throw new InvalidArgumentError(
@@ -60,7 +63,7 @@ export function checkRequest({ camera, clouds, widthPx, heightPx }: FrameRequest
   }
   checkDepths(camera.near, camera.far);
   for (const { cloud, modelMatrix, shDegree = 3 } of clouds) {
-    if (cloud.isDestroyed) throw new DestroyedError(`The cloud ${cloud.name}`, 'it was destroyed');
+    if (cloud.isDestroyed) throw cloud.lack ?? new DestroyedError(`The cloud ${cloud.name}`, 'it was destroyed');
     if (cloud.device !== device) {
       const message = `${cloud.name} is on another GPU device than this view; load it with the engine that draws it.`;
       throw new InvalidArgumentError('clouds', message);

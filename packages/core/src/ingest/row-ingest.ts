@@ -7,8 +7,8 @@ import {
   planeOf,
 } from '../clouds/cloud-planes.ts';
 import { createGeometry, createHarmonics } from '../clouds/create-plane.ts';
-import type { CloudContents, SplatCloud } from '../clouds/splat-cloud.ts';
-import { GpuLimitError } from '../errors.ts';
+import { type CloudContents, MEMORY_ADVICE, type SplatCloud } from '../clouds/splat-cloud.ts';
+import type { Guarded } from '../gpu/gpu-memory.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { emptyError } from '../io/empty-error.ts';
@@ -110,7 +110,7 @@ export class RowIngest implements RowSink {
   /** Settles when rows can be packed and `#waiting` has been. */
   #compiled: Promise<void> = Promise.resolve();
   /** Reject if memory was lacking for what has been allocated in the meantime. */
-  readonly #checks: Promise<void>[] = [];
+  readonly #checks: (Promise<void> | null)[] = [];
   /** Pieces that wait for shaders; null once there are some. */
   #waiting: Piece[] | null = [];
 
@@ -282,7 +282,6 @@ export class RowIngest implements RowSink {
       const { result, checked } = this.#allocate(() =>
         memory.createBuffer('ingest staging', size, usage, true),
       );
-      checked.catch(() => {});
       this.#checks.push(checked);
       this.#buffers.add(result);
       return result;
@@ -293,39 +292,8 @@ export class RowIngest implements RowSink {
   }
 
   /** Does work that allocates. @returns its result, and what rejects with a GpuLimitError if memory is lacking. */
-  #allocate<Result>(work: () => Result): { readonly result: Result; readonly checked: Promise<void> } {
-    const { device } = this.#context;
-    // Work with buffers that could not be had is not valid either.
-    device.pushErrorScope('validation');
-    device.pushErrorScope('out-of-memory');
-    let result: Result;
-    let errors: Promise<[GPUError | null, GPUError | null]>;
-    try {
-      result = work();
-    } catch (error) {
-      // A buffer that cannot be mapped for its contents.
-      throw error instanceof RangeError ? this.#memoryError() : error;
-    } finally {
-      errors = Promise.all([device.popErrorScope(), device.popErrorScope()]);
-    }
-    const check = async () => {
-      const [lacking, invalid] = await errors;
-      if (lacking) throw this.#memoryError();
-      if (invalid) throw new Error(invalid.message);
-    };
-    return { result, checked: check() };
-  }
-
-  #memoryError(): GpuLimitError {
-    const { name } = this.#options;
-    const bytes = [...this.#buffers].reduce((sum, buffer) => sum + buffer.size, 0);
-    const advice = 'Load fewer splats, or with a coarser accuracy.';
-    return new GpuLimitError(
-      'memory',
-      bytes,
-      0,
-      `${name} needs ${bytes} bytes of the GPU's memory, which it lacks. ${advice}`,
-    );
+  #allocate<Result>(work: () => Result): Guarded<Result> {
+    return this.#context.memory.guard(this.#options.name, MEMORY_ADVICE, work, true);
   }
 
   #destroy(buffer: GPUBuffer): void {
@@ -337,6 +305,7 @@ export class RowIngest implements RowSink {
     const { stage, ranges, layout, geometry, harmonics, rows, offsets, arrivals, ...shared } = this.#held!;
     const endRow = firstRow + rowCount;
     staging.unmap();
+    const { checked } = this.#allocate(() => {
     const dispatches = new Dispatches(device, pipelines, memory, dispatchRow);
     for (const [page, range] of ranges.entries()) {
       const start = Math.max(firstRow, range.start);
@@ -369,6 +338,8 @@ export class RowIngest implements RowSink {
     const parameters = dispatches.record(encoder, 'ingest rows');
     device.queue.submit([encoder.finish()]);
     memory.destroy(parameters);
+    });
+    this.#checks.push(checked);
     if (this.#staging.includes(staging)) this.#free.push(mapped(staging));
     else this.#destroy(staging);
     arrivals?.add(endRow);

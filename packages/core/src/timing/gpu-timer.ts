@@ -38,9 +38,10 @@ export class GpuTimer {
   readonly #memory: GpuMemory;
   readonly #queue: GPUQueue;
   readonly #querySet: GPUQuerySet | null;
-  readonly #resolved: GPUBuffer | null;
-  readonly #ring: readonly GPUBuffer[];
-  readonly #free: GPUBuffer[];
+  #resolved: GPUBuffer | null = null;
+  /** Made with the first frame, whose memory is checked. */
+  #ring: readonly GPUBuffer[] | null = null;
+  #free: GPUBuffer[] = [];
   #measuring: GPUBuffer | null = null;
   #passes = new Set<TimedPass>();
   #hasPairs = false;
@@ -53,25 +54,11 @@ export class GpuTimer {
     this.#querySet = hasTimestamps
       ? device.createQuerySet({ type: 'timestamp', count: 2 * TIMED_PASSES.length })
       : null;
-    this.#resolved = hasTimestamps
-      ? memory.createBuffer(
-          'timestamps',
-          TIMESTAMP_BYTES,
-          GPUBufferUsage.QUERY_RESOLVE | GPUBufferUsage.COPY_SRC,
-        )
-      : null;
-    this.#ring = Array.from({ length: RING_SIZE }, (_, i) =>
-      memory.createBuffer(
-        `statistics ${i}`,
-        READBACK_BYTES,
-        GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST,
-      ),
-    );
-    this.#free = [...this.#ring];
   }
 
   /** Call first in a frame. */
   begin(): void {
+    this.#ring ??= this.#makeRing();
     // Reuse the buffer of a frame that was begun and never drawn.
     this.#measuring ??= this.#free.pop() ?? null;
     this.#passes = new Set();
@@ -148,9 +135,23 @@ export class GpuTimer {
 
   destroy(): void {
     this.#isDestroyed = true;
-    for (const buffer of this.#ring) this.#memory.destroy(buffer);
+    for (const buffer of this.#ring ?? []) this.#memory.destroy(buffer);
     if (this.#resolved) this.#memory.destroy(this.#resolved);
     this.#querySet?.destroy();
+  }
+
+  #makeRing(): readonly GPUBuffer[] {
+    const { QUERY_RESOLVE, COPY_SRC, COPY_DST, MAP_READ } = GPUBufferUsage;
+    const memory = this.#memory;
+    if (this.#querySet)
+      this.#resolved = memory.createBuffer('timestamps', TIMESTAMP_BYTES, QUERY_RESOLVE | COPY_SRC);
+    const ring: GPUBuffer[] = [];
+    // What exists when one fails is listed, to be freed.
+    this.#ring = ring;
+    for (let i = 0; i < RING_SIZE; i++)
+      ring.push(memory.createBuffer(`statistics ${i}`, READBACK_BYTES, MAP_READ | COPY_DST));
+    this.#free = [...ring];
+    return ring;
   }
 }
 

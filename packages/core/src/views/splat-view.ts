@@ -59,6 +59,9 @@ export class SplatView extends ViewCore {
    * of the last frame, nothing is submitted. If a shader is still compiling, the frame follows automatically when it is
    * ready; until then the same clouds are drawn with their old settings and effects. `whenDrawn` waits for the frame.
    *
+   * If memory turns out to be lacking, which the device tells some time later, the picture before is drawn again, `whenDrawn`
+   * rejects, and so does the next call, once. Later calls look for memory and draw when there is some.
+   *
    * @returns whether work was, or will be, submitted.
    * @throws InvalidArgumentError, GpuLimitError, DestroyedError.
    */
@@ -68,7 +71,7 @@ export class SplatView extends ViewCore {
     const { plan, stands, isAsked } = this.next(request, [null]);
     if (!isAsked) {
       if (plan && !stands) this.#draw(plan);
-      return true;
+      return !this.isLackingRoom;
     }
     const isChanged = !stands || !this.#showsBackground(request);
     if (!stands) this.#draw(plan!);
@@ -82,7 +85,10 @@ export class SplatView extends ViewCore {
     this.foresee({ camera: LIKELY_CAMERA, clouds: [{ cloud }], ...LIKELY_SIZE });
   }
 
-  /** Resolves when the last requested frame has been submitted; rejects if its shaders do not compile. */
+  /**
+   * Resolves when the last requested frame has been submitted and the device has had memory for it. Rejects with a GpuLimitError
+   * if it has not, and if shaders do not compile.
+   */
   whenDrawn(): Promise<void> {
     return this.drawn;
   }
@@ -139,17 +145,23 @@ export class SplatView extends ViewCore {
     if (request && this.canStillDraw(request)) this.render(request);
   }
 
+  protected override redraw(plan: FramePlan): void {
+    this.#draw(plan);
+  }
+
   #draw(plan: FramePlan): void {
     const { device } = this.context;
     const { request } = plan;
-    this.makeRoom(plan);
-    this.#fitCanvas(request);
-    if (!this.profile) this.timer.begin();
-    const whole = device.createCommandEncoder({ label: 'websplatter frame' });
-    const encoder = this.profile?.split(whole) ?? whole;
-    this.recordOrder(encoder);
-    this.recordDraw(encoder, this.#destination(request));
-    device.queue.submit([encoder.finish()]);
+    this.withMemory(plan, () => {
+      this.makeRoom(plan);
+      this.#fitCanvas(request);
+      if (!this.profile) this.timer.begin();
+      const whole = device.createCommandEncoder({ label: 'websplatter frame' });
+      const encoder = this.profile?.split(whole) ?? whole;
+      this.recordOrder(encoder);
+      this.recordDraw(encoder, this.#destination(request));
+      device.queue.submit([encoder.finish()]);
+    });
     this.shown(request);
     void this.measure();
   }
