@@ -9,9 +9,10 @@ import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy/
 import type { HoldOptions } from './clouds/cloud-leases.ts';
 import { type CloudMemory, isHeld } from './clouds/cloud-planes.ts';
 import { emptyCloud } from './clouds/empty-cloud.ts';
+import type { CloudFit, FitMode } from './clouds/fit-settings.ts';
 import type { PlaneMaker } from './clouds/plane-maker.ts';
 import { type CloudSource, SplatCloud, type SplatCloudOptions } from './clouds/splat-cloud.ts';
-import { DestroyedError } from './errors.ts';
+import { DestroyedError, GpuLimitError } from './errors.ts';
 import { frameStages } from './frame/frame.ts';
 import type { FrameShape } from './frame/frame-shape.ts';
 import { DEFAULT_TILE_BUDGET_BYTES } from './frame/pair-capacity.ts';
@@ -91,12 +92,22 @@ export interface LoadOptions extends ReadOptions {
    * no `fileIndices`, are missed by rays and picks, and cannot be given another precision.
    */
   readonly onPreview?: (preview: SplatCloud) => void;
+  /**
+   * What to do where the cloud would not fit into the GPU's memory or the engine's budget. `exact`, the default: the load fails
+   * with a GpuLimitError that names settings which would fit. `auto`: it takes the finest of these, first coarser harmonics, then
+   * packed geometry, then fewer degrees of harmonics, and `SplatCloud.fit` says which and why. Files that are not packed on
+   * the GPU keep their geometry, and a cloud with fewer degrees cannot be given a finer precision later.
+   */
+  readonly fit?: FitMode;
 }
 
 interface NewCloudOptions {
   readonly name?: string;
   readonly source?: CloudSource | readonly CloudSource[] | null;
 }
+
+/** What a load adds to the options of its cloud. */
+type LoadedCloudOptions = NewCloudOptions & Pick<SplatCloudOptions, 'fit'>;
 
 /**
  * GPU memory that an engine holds. What is neither of the scene nor of frames belongs to work under way, such as making planes
@@ -248,15 +259,17 @@ export class SplatEngine {
     const { geometryPrecision, shPrecision } = options.precision ?? accuracy;
     const name = options.name ?? sourceName(source);
     const made = { name, source: lastingSource(source) };
-    const rowsTo = this.#rowsTo({ geometryPrecision, shPrecision, name, onPreview: options.onPreview });
+    const { onPreview, fit } = options;
+    const rowsTo = this.#rowsTo({ geometryPrecision, shPrecision, name, onPreview, fit });
     const ingest = rowsTo.sink;
     let cloud: SplatCloud;
     try {
       const loading = loadOrPass(source, { ...options, geometryPrecision, shPrecision }, rowsTo);
       this.#foreseeRows(source, ingest);
       const packed = await loading;
-      cloud = packed ? this.addPacked(packed, made) : this.#addIngested(await ingest.finish(), made, options);
-      await cloud.uploaded;
+      cloud = packed
+        ? await this.#addFitting(packed, made, fit)
+        : this.#addIngested(await ingest.finish(), made, options);
     } catch (error) {
       ingest.destroy();
       options.signal?.throwIfAborted();
@@ -288,6 +301,10 @@ export class SplatEngine {
    * @throws GpuLimitError; the device tells later whether it has had memory: see `SplatCloud.uploaded`.
    */
   addPacked(packed: PackedCloud, options: NewCloudOptions = {}): SplatCloud {
+    return this.#upload(packed, options);
+  }
+
+  #upload(packed: PackedCloud, options: LoadedCloudOptions): SplatCloud {
     this.#checkUsable();
     const own = this.#optionsOf(options);
     return this.#own(SplatCloud.upload(this.#memory, this.device.limits, packed, own));
@@ -427,12 +444,33 @@ export class SplatEngine {
     };
   }
 
+  /** Uploads a cloud and waits for its memory. Under `auto`, makes it coarser if it finds none. */
+  async #addFitting(
+    packed: PackedCloud,
+    made: NewCloudOptions,
+    mode: FitMode = 'exact',
+  ): Promise<SplatCloud> {
+    try {
+      const cloud = this.addPacked(packed, made);
+      await cloud.uploaded;
+      return cloud;
+    } catch (failure) {
+      if (!(failure instanceof GpuLimitError) || !failure.limit.startsWith('memory')) throw failure;
+      const { fitPacked } = await import('./clouds/fit-settings.ts');
+      const { name = 'splats' } = made;
+      const fitted = await fitPacked(packed, { memory: this.#memory, name, failure }, mode);
+      const cloud = this.#upload(fitted.packed, { ...made, ...sourceOf(fitted.fit, made), fit: fitted.fit });
+      await cloud.uploaded;
+      return cloud;
+    }
+  }
+
   #addIngested(
-    { planes, contents, preview }: IngestedCloud,
+    { planes, contents, preview, fit }: IngestedCloud,
     options: NewCloudOptions,
     { signal }: ReadOptions,
   ): SplatCloud {
-    const own = this.#optionsOf(options);
+    const own = this.#optionsOf({ ...options, ...sourceOf(fit, options), fit });
     try {
       signal?.throwIfAborted();
       this.#checkUsable();
@@ -447,10 +485,11 @@ export class SplatEngine {
     return this.#own(new SplatCloud(this.device, planes, contents, { ...own, onDestroyed }));
   }
 
-  #optionsOf({ name = 'splats', source }: NewCloudOptions): SplatCloudOptions {
+  #optionsOf({ name = 'splats', source, fit }: LoadedCloudOptions): SplatCloudOptions {
     return {
       name,
       source,
+      fit,
       makePlanes: (...request) => this.#makePlanes(...request),
       onDestroyed: (destroyed) => {
         this.#counting.cloudsDestroyed++;
@@ -562,6 +601,11 @@ function rowFilesFor(limits: GPUSupportedLimits, minRows: number): RowFiles {
   const bytes = Math.min(limits.maxStorageBufferBindingSize, limits.maxBufferSize);
   // There are lists with a word per row.
   return { minRows, maxRows: Math.floor(bytes / 4), pieceBytes: Math.min(bytes / 2, PIECE_BYTES) };
+}
+
+/** A cloud with fewer degrees than its file cannot be read again. */
+function sourceOf(fit: CloudFit | null, { source }: NewCloudOptions): Pick<NewCloudOptions, 'source'> {
+  return { source: fit && fit.taken.shDegree < fit.wanted.shDegree ? null : source };
 }
 
 function totalOf(parts: readonly { readonly totalBytes: number }[]): number {

@@ -9,6 +9,7 @@ import type { CloudPrecision } from '../packing/precision.ts';
 import type { DropCounts, ShDegree, SplatSet } from '../splats/splat-set.ts';
 import { type CloudLease, CloudLeases, type HoldOptions, type MakeOptions } from './cloud-leases.ts';
 import { type CloudPages, CloudPlanes, type HeldPrecisions } from './cloud-planes.ts';
+import type { CloudFit } from './fit-settings.ts';
 
 /** A source from which a cloud's splats can be read again, any number of times, in other precisions than it holds. */
 export type CloudSource = string | URL | Blob | SplatSet<Harmonics> | PackedCloud;
@@ -29,6 +30,8 @@ export interface SplatCloudOptions {
   readonly visibleLimit?: number;
   /** Rejects if memory was lacking for the planes; null if they are there. */
   readonly checked?: Promise<void> | null;
+  /** See `SplatCloud.fit`. */
+  readonly fit?: CloudFit | null;
   /** Called when the cloud has been destroyed. */
   readonly onDestroyed?: (cloud: SplatCloud) => void;
 }
@@ -82,6 +85,8 @@ export class SplatCloud {
   readonly isPreview: boolean;
   /** @internal See `SplatCloudOptions`. */
   readonly visibleLimit: number;
+  /** Coarser settings that the load has taken because memory was lacking (`LoadOptions.fit`); null if it has not. */
+  readonly fit: CloudFit | null;
   /** @internal Whether views keep the last image of it because the planes of this preview are changing. */
   isHeld = false;
   /**
@@ -112,6 +117,7 @@ export class SplatCloud {
     this.chunks = contents.chunks;
     this.isPreview = isPreview;
     this.visibleLimit = visibleLimit;
+    this.fit = options.fit ?? null;
     this.#onDestroyed = onDestroyed;
     this.device = device;
     this.planes = planes;

@@ -63,7 +63,8 @@ export function checkRequest({ camera, clouds, widthPx, heightPx }: FrameRequest
   }
   checkDepths(camera.near, camera.far);
   for (const { cloud, modelMatrix, shDegree = 3 } of clouds) {
-    if (cloud.isDestroyed) throw cloud.lack ?? new DestroyedError(`The cloud ${cloud.name}`, 'it was destroyed');
+    if (cloud.isDestroyed)
+      throw cloud.lack ?? new DestroyedError(`The cloud ${cloud.name}`, 'it was destroyed');
     if (cloud.device !== device) {
       const message = `${cloud.name} is on another GPU device than this view; load it with the engine that draws it.`;
       throw new InvalidArgumentError('clouds', message);

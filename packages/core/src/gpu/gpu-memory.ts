@@ -96,22 +96,6 @@ export class GpuMemory {
     return { result, checked };
   }
 
-  /** Whether `bytes` more can be had now: allocates them for a moment. */
-  async probe(bytes: number): Promise<boolean> {
-    if (bytes > this.availableBytes) return false;
-    const { device } = this;
-    const { maxBufferSize } = device.limits;
-    device.pushErrorScope('out-of-memory');
-    const made: GPUBuffer[] = [];
-    for (let left = sizeOf(bytes); left > 0; left -= maxBufferSize) {
-      const size = Math.min(left, maxBufferSize);
-      made.push(device.createBuffer({ label: 'probe', size, usage: GPUBufferUsage.COPY_DST }));
-    }
-    for (const buffer of made) buffer.destroy();
-    // A lost device answers nothing, and whoever asks finds that out.
-    return (await device.popErrorScope().catch(() => null)) === null;
-  }
-
   /** Bytes that the budget has left. */
   get availableBytes(): number {
     return this.#budgetBytes - this.#root.#totalBytes;

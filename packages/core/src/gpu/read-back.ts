@@ -23,9 +23,10 @@ export async function readBack(
   const encoder = device.createCommandEncoder({ label: 'read-back' });
   record(encoder, target);
   device.queue.submit([encoder.finish()]);
+  const mapping = target.mapAsync(GPUMapMode.READ);
   const errors = [device.popErrorScope(), device.popErrorScope()];
   try {
-    const [mapped, lacking, invalid] = await Promise.allSettled([target.mapAsync(GPUMapMode.READ), ...errors]);
+    const [mapped, lacking, invalid] = await Promise.allSettled([mapping, ...errors]);
     if (lacking.status === 'fulfilled' && lacking.value) {
       const message = `Reading back needs ${size} bytes of memory, which the GPU lacks. Read a smaller image, or show less.`;
       throw new GpuLimitError('memory', size, 0, message, { cause: lacking.value });

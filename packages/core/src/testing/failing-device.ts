@@ -3,10 +3,10 @@ import { deviceWith } from './device-with.ts';
 /** A device whose memory is lacking when a test says so. */
 export interface FailingDevice {
   readonly device: GPUDevice;
-  /** Number of buffers and textures that were asked for. */
-  readonly allocations: number;
   /** Lets the allocation after `count` more fail, and no other. */
   failAfter(count: number): void;
+  /** Lets none fail from now on. @returns whether one has. */
+  stop(): boolean;
 }
 
 /**
@@ -15,11 +15,11 @@ export interface FailingDevice {
  * test whose device is watched.
  */
 export function failingDevice(whole: GPUDevice): FailingDevice {
-  let allocations = 0;
-  let failsAt = Number.POSITIVE_INFINITY;
+  /** Allocations before the one that fails; negative when it has. */
+  let remaining = Number.POSITIVE_INFINITY;
   const scopes: { readonly filter: GPUErrorFilter; lacks: boolean }[] = [];
   const make = <Made>(create: () => Made, createInvalid: () => Made): Made => {
-    if (allocations++ !== failsAt) return create();
+    if (remaining-- !== 0) return create();
     const scope = scopes.findLast(({ filter }) => filter === 'out-of-memory');
     if (!scope) throw new Error('An allocation failed outside of any scope.');
     scope.lacks = true;
@@ -51,11 +51,13 @@ export function failingDevice(whole: GPUDevice): FailingDevice {
   });
   return {
     device,
-    get allocations() {
-      return allocations;
-    },
     failAfter: (count) => {
-      failsAt = allocations + count;
+      remaining = count;
+    },
+    stop: () => {
+      const hasFailed = remaining < 0;
+      remaining = Number.POSITIVE_INFINITY;
+      return hasFailed;
     },
   };
 }

@@ -386,7 +386,7 @@ export abstract class ViewCore {
       ({ checked } = this.context.memory.guard('A frame', advice, work, this.#isChecking));
     } catch (error) {
       if (parts.isDestroyed) {
-        this.#takeLack(error as Error, plan);
+        void this.#restore(this.#takeLack(error as Error, plan));
         this.#untold = null;
       }
       throw error;
@@ -402,47 +402,52 @@ export abstract class ViewCore {
         if (check === this.#newestCheck) this.#isChecking = false;
         if (parts === this.parts) this.#sound = plan;
       },
-      (error: Error) => {
-        if (this.#isDestroyed) return undefined;
+      async (error: Error) => {
+        if (this.#isDestroyed) return;
         // Frames that followed in the same memory are void for the same reason.
         if (parts !== this.parts) throw this.#untold ?? error;
-        if (this.#takeLack(error, plan)) return this.drawn;
-        throw error;
+        const sound = this.#takeLack(error, plan);
+        const { reclaimMemory } = await import('../gpu/probe-memory.ts');
+        await reclaimMemory(this.context.device);
+        await this.#restore(sound);
+        if (!this.#isDestroyed) this.retry(isByChoice(plan) ? plan.request : null);
+        if (!isByChoice(plan)) throw error;
+        await this.drawn;
       },
     );
     checking.catch(() => {});
     this.#checking = checking;
   }
 
-  /**
-   * Gives up the memory of a frame that lacks some, and draws the last sound frame again.
-   *
-   * @returns whether the frame itself will be drawn, in another way.
-   */
-  #takeLack(error: Error, plan: FramePlan): boolean {
+  /** Gives up the memory of a frame that lacks some. @returns the frame to draw again instead. */
+  #takeLack(error: Error, plan: FramePlan): FramePlan | null {
     const sound = this.#sound;
     const bytes = Math.max(this.memory.totalBytes, (error as GpuLimitError).neededBytes ?? 0);
-    const { shape, layer, request } = plan;
     this.#startOver();
-    const isByTiles = shape.rasterizer === 'tiles' && shape.accuracy.rasterizer === 'auto';
-    if (isByTiles) {
+    if (isByChoice(plan)) {
+      const { shape, layer } = plan;
       const load = { visibleSplats: shape.visibleCapacity, pixels: layer.widthPx * layer.heightPx };
       this.#choice.rejectTiles('tiles found no memory for their lists', load);
     } else {
       this.#untold ??= error;
       this.#lack ??= { plan, bytes, error, probedMs: Number.NEGATIVE_INFINITY };
     }
-    if (sound && this.canStillDraw(sound.request)) {
-      const { accuracy, depth, rasterizer } = sound.shape;
-      const again = this.#plan(sound.request, accuracy, depth, rasterizer);
-      try {
-        if (this.#isReady(again.shape)) this.redraw(again);
-      } catch {
-        // Then there is no memory for that either, and the view holds nothing.
-      }
+    return sound;
+  }
+
+  /** Draws the last sound frame again. @returns what settles when it is known whether there was memory for that. */
+  async #restore(sound: FramePlan | null): Promise<void> {
+    // Another frame may have been drawn since.
+    if (!sound || this.#prepared || !this.canStillDraw(sound.request)) return;
+    const { accuracy, depth, rasterizer } = sound.shape;
+    const again = this.#plan(sound.request, accuracy, depth, rasterizer);
+    try {
+      if (!this.#isReady(again.shape)) return;
+      this.redraw(again);
+      await this.#checking;
+    } catch {
+      // Then there is no memory for that either, and the view holds nothing.
     }
-    this.retry(isByTiles ? request : null);
-    return isByTiles;
   }
 
   /**
@@ -688,7 +693,9 @@ export abstract class ViewCore {
     const lack = this.#lack;
     if (!lack) return;
     lack.probedMs = performance.now();
-    const isThere = await this.context.memory.probe(lack.bytes - this.memory.totalBytes);
+    // Few pages ever lack memory.
+    const { probeMemory } = await import('../gpu/probe-memory.ts');
+    const isThere = await probeMemory(this.context.memory, lack.bytes - this.memory.totalBytes);
     if (!isThere) throw lack.error;
     this.#lack = null;
   }
@@ -713,6 +720,11 @@ interface Lack {
   readonly error: Error;
   /** When it was last asked whether there is memory by now. */
   probedMs: number;
+}
+
+/** Whether a plan has tiles that were not asked for. */
+function isByChoice({ shape }: FramePlan): boolean {
+  return shape.rasterizer === 'tiles' && shape.accuracy.rasterizer === 'auto';
 }
 
 /** Whether `plan` needs as much memory as the plan that found none. */
