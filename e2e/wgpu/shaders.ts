@@ -25,7 +25,7 @@ function describe({ stage, entryPoint, conditions }: StageDefinition): string {
   return `${stage} ${entryPoint ?? ''} ${JSON.stringify(conditions)}`;
 }
 
-const variants = allStageVariants().filter(({ conditions }) => {
+const variants = (await allStageVariants()).filter(({ conditions }) => {
   if (!conditions?.SUBGROUPS || device.features.has('subgroups')) return true;
   leftOut.subgroups = (leftOut.subgroups ?? 0) + 1;
   return false;

@@ -9,9 +9,10 @@ import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy/
 import type { HoldOptions } from './clouds/cloud-leases.ts';
 import { type CloudMemory, isHeld } from './clouds/cloud-planes.ts';
 import { emptyCloud } from './clouds/empty-cloud.ts';
+import type { CloudFit, FitMode } from './clouds/fit-settings.ts';
 import type { PlaneMaker } from './clouds/plane-maker.ts';
 import { type CloudSource, SplatCloud, type SplatCloudOptions } from './clouds/splat-cloud.ts';
-import { DestroyedError, InvalidArgumentError } from './errors.ts';
+import { DestroyedError, GpuLimitError, InvalidArgumentError } from './errors.ts';
 import { frameStages } from './frame/frame.ts';
 import type { FrameShape } from './frame/frame-shape.ts';
 import { DEFAULT_TILE_BUDGET_BYTES } from './frame/pair-capacity.ts';
@@ -67,6 +68,11 @@ export interface EngineOptions extends DeviceOptions {
    * `whenDrawn` waits for it. A host of an `EmbeddedView` makes its own submissions. Infinity: never divide a frame.
    */
   readonly submissionBudgetMs?: number;
+  /**
+   * Most bytes of GPU memory that the engine may hold, of clouds, views and work under way; default no limit of its own. What
+   * would exceed them is refused with a GpuLimitError before it is allocated.
+   */
+  readonly memoryBudgetBytes?: number;
   /** @internal Files with at least this many rows are packed on the GPU. For tests of small files; default 65,536. */
   readonly ingestMinRows?: number;
   /** @internal For tests only: see ShaderMutation. */
@@ -95,6 +101,13 @@ export interface LoadOptions extends ReadOptions {
    * no `fileIndices`, are missed by rays and picks, and cannot be given another precision.
    */
   readonly onPreview?: (preview: SplatCloud) => void;
+  /**
+   * What to do where the cloud would not fit into the GPU's memory or the engine's budget. `exact`, the default: the load fails
+   * with a GpuLimitError that names settings which would fit. `auto`: it takes the finest of these, first coarser harmonics, then
+   * packed geometry, then fewer degrees of harmonics, and `SplatCloud.fit` says which and why. Files that are not packed on
+   * the GPU keep their geometry, and a cloud with fewer degrees cannot be given a finer precision later.
+   */
+  readonly fit?: FitMode;
 }
 
 interface NewCloudOptions {
@@ -102,6 +115,9 @@ interface NewCloudOptions {
   readonly source?: CloudSource | readonly CloudSource[] | null;
   readonly sourceOptions?: SourceOptions;
 }
+
+/** What a load adds to the options of its cloud. */
+type LoadedCloudOptions = NewCloudOptions & Pick<SplatCloudOptions, 'fit'>;
 
 /**
  * GPU memory that an engine holds. What is neither of the scene nor of frames belongs to work under way, such as making planes
@@ -165,7 +181,7 @@ export class SplatEngine {
     this.device = device;
     this.adapterLabel = adapterLabel(device.adapterInfo);
     this.hasGpuTimestamps = device.features.has('timestamp-query');
-    this.#memory = new GpuMemory(device);
+    this.#memory = new GpuMemory(device, options.memoryBudgetBytes);
     this.#pipelines = new Pipelines(device, options.mutation, this.#counting);
     this.#ownsDevice = ownsDevice;
     const limit = device.limits.maxComputeWorkgroupsPerDimension;
@@ -264,24 +280,20 @@ export class SplatEngine {
     const { accuracy } = this;
     const { geometryPrecision, shPrecision } = options.precision ?? accuracy;
     const name = options.name ?? sourceName(source);
-    const { maxBytes, maxSplats, request } = options;
+    const { maxBytes, maxSplats, request, onPreview, fit } = options;
     const sourceOptions = { maxBytes, maxSplats, request };
     const made = { name, source: lastingSource(source), sourceOptions };
     const signal = AbortSignal.any([this.#ended.signal, options.signal ?? []].flat());
-    const rowsTo = this.#rowsTo({
-      geometryPrecision,
-      shPrecision,
-      name,
-      onPreview: options.onPreview,
-      signal,
-    });
+    const rowsTo = this.#rowsTo({ geometryPrecision, shPrecision, name, onPreview, fit, signal });
     const ingest = rowsTo.sink;
     let cloud: SplatCloud;
     try {
       const loading = loadOrPass(source, { ...options, signal, geometryPrecision, shPrecision }, rowsTo);
       this.#foreseeRows(source, ingest);
       const packed = await loading;
-      cloud = packed ? this.addPacked(packed, made) : this.#addIngested(await ingest.finish(), made, signal);
+      cloud = packed
+        ? await this.#addFitting(packed, made, fit)
+        : this.#addIngested(await ingest.finish(), made, signal);
     } catch (error) {
       ingest.destroy();
       // What ended the load also ended what was waited for.
@@ -295,6 +307,8 @@ export class SplatEngine {
   /**
    * Packs and uploads splats that are already in memory, in any order; rows with non-finite values are dropped and counted.
    * The cloud keeps `set` by reference, for `requestPrecision`.
+   *
+   * @throws GpuLimitError; the device tells later whether it has had memory: see `SplatCloud.uploaded`.
    */
   add(set: SplatSet<Harmonics>, options: { readonly name?: string } = {}): SplatCloud {
     return this.addPacked(packSet(set, this.accuracy), { ...options, source: set });
@@ -308,9 +322,13 @@ export class SplatEngine {
    *   memory stays in use anyway. If there are several, the first that is fine enough is used, so list cheap sources first.
    *   Kept by reference; by default nothing is kept.
    * @param options.sourceOptions how that file is read.
-   * @throws GpuLimitError.
+   * @throws GpuLimitError; the device tells later whether it has had memory: see `SplatCloud.uploaded`.
    */
   addPacked(packed: PackedCloud, options: NewCloudOptions = {}): SplatCloud {
+    return this.#upload(packed, options);
+  }
+
+  #upload(packed: PackedCloud, options: LoadedCloudOptions): SplatCloud {
     this.#checkUsable();
     const own = this.#optionsOf(options);
     return this.#own(SplatCloud.upload(this.#memory, this.device.limits, packed, own));
@@ -453,12 +471,33 @@ export class SplatEngine {
     };
   }
 
+  /** Uploads a cloud and waits for its memory. Under `auto`, makes it coarser if it finds none. */
+  async #addFitting(
+    packed: PackedCloud,
+    made: NewCloudOptions,
+    mode: FitMode = 'exact',
+  ): Promise<SplatCloud> {
+    try {
+      const cloud = this.addPacked(packed, made);
+      await cloud.uploaded;
+      return cloud;
+    } catch (failure) {
+      if (!(failure instanceof GpuLimitError) || !failure.limit.startsWith('memory')) throw failure;
+      const { fitPacked } = await import('./clouds/fit-settings.ts');
+      const { name = 'splats' } = made;
+      const fitted = await fitPacked(packed, { memory: this.#memory, name, failure }, mode);
+      const cloud = this.#upload(fitted.packed, { ...made, ...sourceOf(fitted.fit, made), fit: fitted.fit });
+      await cloud.uploaded;
+      return cloud;
+    }
+  }
+
   #addIngested(
-    { planes, contents, preview }: IngestedCloud,
+    { planes, contents, preview, fit }: IngestedCloud,
     options: NewCloudOptions,
     signal: AbortSignal,
   ): SplatCloud {
-    const own = this.#optionsOf(options);
+    const own = this.#optionsOf({ ...options, ...sourceOf(fit, options), fit });
     try {
       signal.throwIfAborted();
     } catch (error) {
@@ -472,11 +511,12 @@ export class SplatEngine {
     return this.#own(new SplatCloud(this.device, planes, contents, { ...own, onDestroyed }));
   }
 
-  #optionsOf({ name = 'splats', source, sourceOptions }: NewCloudOptions): SplatCloudOptions {
+  #optionsOf({ name = 'splats', source, sourceOptions, fit }: LoadedCloudOptions): SplatCloudOptions {
     return {
       name,
       source,
       sourceOptions,
+      fit,
       makePlanes: (...request) => this.#makePlanes(...request),
       onDestroyed: (destroyed) => {
         this.#counting.cloudsDestroyed++;
@@ -590,6 +630,11 @@ function rowFilesFor(limits: GPUSupportedLimits, minRows: number): RowFiles {
   const bytes = Math.min(limits.maxStorageBufferBindingSize, limits.maxBufferSize);
   // There are lists with a word per row.
   return { minRows, maxRows: Math.floor(bytes / 4), pieceBytes: Math.min(bytes / 2, PIECE_BYTES) };
+}
+
+/** A cloud with fewer degrees than its file cannot be read again. */
+function sourceOf(fit: CloudFit | null, { source }: NewCloudOptions): Pick<NewCloudOptions, 'source'> {
+  return { source: fit && fit.taken.shDegree < fit.wanted.shDegree ? null : source };
 }
 
 function totalOf(parts: readonly { readonly totalBytes: number }[]): number {

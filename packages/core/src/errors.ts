@@ -90,18 +90,42 @@ export class WebGpuUnavailableError extends WebSplatterError {
   }
 }
 
-/** A cloud or a view exceeds the device's limits; thrown before anything is allocated. */
+/** More of what a GpuLimitError says, where it is known. */
+export interface GpuLimitDetails extends ErrorOptions {
+  /** Bytes that the engine held already. */
+  readonly heldBytes?: number;
+  /** Settings of a load that would fit. */
+  readonly fitting?: Readonly<Record<string, string | number>> | null;
+}
+
+/**
+ * A cloud or a view exceeds a limit of the device (`maxBufferSize`, …), the engine's budget (`memoryBudgetBytes`), or the GPU's
+ * memory (`memory`). Everything that was there before still is.
+ */
 export class GpuLimitError extends WebSplatterError {
   override readonly name = 'GpuLimitError';
   readonly limit: string;
   readonly neededBytes: number;
+  /** 0 for `memory`, of which WebGPU does not tell how much there is. */
   readonly availableBytes: number;
+  /** Bytes that the engine held already; undefined where they do not matter. */
+  readonly heldBytes: number | undefined;
+  /** Settings of a load that would fit; null if none are known. */
+  readonly fitting: GpuLimitDetails['fitting'];
 
-  constructor(limit: string, neededBytes: number, availableBytes: number, message: string) {
-    super('gpu-limit', message);
+  constructor(
+    limit: string,
+    neededBytes: number,
+    availableBytes: number,
+    message: string,
+    { heldBytes, fitting = null, ...options }: GpuLimitDetails = {},
+  ) {
+    super('gpu-limit', message, options);
     this.limit = limit;
     this.neededBytes = neededBytes;
     this.availableBytes = availableBytes;
+    this.heldBytes = heldBytes;
+    this.fitting = fitting;
   }
 }
 

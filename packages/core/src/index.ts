@@ -29,6 +29,7 @@ export {
 export type { DepthConvention } from './camera/depth-convention.ts';
 export type { CloudLease, HoldOptions } from './clouds/cloud-leases.ts';
 export type { CloudMemory, CloudPage, CloudPages, HeldPrecisions } from './clouds/cloud-planes.ts';
+export type { CloudFit, FitMode, FitSettings } from './clouds/fit-settings.ts';
 export { type CloudHit, type CloudOutline, raycastCloud } from './clouds/raycast-cloud.ts';
 export type { CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
 export {

@@ -39,11 +39,11 @@ export function reportFailure(error: unknown, title: string): FailureReport {
   }
   if (error instanceof GpuLimitError) {
     const sizes = `${formatBytes(error.neededBytes)} needed, ${formatBytes(error.availableBytes)} available`;
-    // Limits of textures are in pixels, although the fields say bytes.
-    const isLength = error.limit.includes('Dimension');
+    // Limits of textures are in pixels, although the fields say bytes; how much memory there is, WebGPU does not tell.
+    const hasSizes = !error.limit.includes('Dimension') && error.limit !== 'memory';
     return {
       title: 'Too large for this GPU',
-      message: isLength ? error.message : `${error.message} (${sizes})`,
+      message: hasSizes ? `${error.message} (${sizes})` : error.message,
       advice: 'Open a smaller scene, or use a GPU with larger limits.',
       isFault: false,
     };

@@ -261,6 +261,10 @@ describe('a SplatCloud', () => {
         return { label, size: byteLength };
       },
       destroy: ({ label }: GPUBuffer) => buffers.delete(label),
+      guard: <Result>(_what: string, _advice: string, work: () => Result) => ({
+        result: work(),
+        checked: null,
+      }),
     } as unknown as GpuMemory;
     const limits = { maxBufferSize: 1e6, maxStorageBufferBindingSize: 1e6 } as GPUSupportedLimits;
     const packed = packSet(randomSplats({ count: 300, shDegree }), SMALLEST);

@@ -132,28 +132,39 @@ export class CloudPlanes {
   /**
    * Uploads `packed`.
    *
-   * @throws GpuLimitError, before anything is allocated, if a chunk of the largest plane cannot be bound.
+   * @throws GpuLimitError if a chunk of the largest plane cannot be bound, or the planes exceed the budget; nothing is left
+   *   allocated then.
    */
   static upload(memory: GpuMemory, limits: DeviceLimits, packed: PackedCloud, name: string): CloudPlanes {
     const { degree: shDegree, precision: shPrecision } = packed.harmonics;
     const ranges = pagesOf(limits, packed.count, shDegree, name);
     const chunkWords = Chunk.bytes / 4;
     const words = new Uint32Array(packed.chunks);
-    const chunks = ranges.map(({ start, end }, page) => {
-      const first = start / CHUNK_SPLATS;
-      const own = words.subarray(first * chunkWords, (first + chunkCountOf(end - start)) * chunkWords);
-      return memory.createFilledBuffer(`${name} chunks ${page}`, own);
-    });
     const place = { memory, name, ranges };
-    return new CloudPlanes(memory, name, {
-      shDegree,
-      shPrecision,
-      geometryPrecision: packed.geometry.precision,
-      ranges,
-      chunks,
-      geometry: uploadGeometry(place, packed.geometry),
-      harmonics: uploadHarmonics(place, packed.harmonics),
-    });
+    const made: Plane[] = [];
+    const keep = (plane: Plane) => {
+      made.push(plane);
+      return plane;
+    };
+    try {
+      const uploadChunks = ({ start, end }: PageRange, page: number) => {
+        const first = start / CHUNK_SPLATS;
+        const own = words.subarray(first * chunkWords, (first + chunkCountOf(end - start)) * chunkWords);
+        return memory.createFilledBuffer(`${name} chunks ${page}`, own);
+      };
+      return new CloudPlanes(memory, name, {
+        shDegree,
+        shPrecision,
+        geometryPrecision: packed.geometry.precision,
+        ranges,
+        chunks: keep(planeOf(place, uploadChunks)),
+        geometry: keep(uploadGeometry(place, packed.geometry)),
+        harmonics: keep(uploadHarmonics(place, packed.harmonics)),
+      });
+    } catch (error) {
+      for (const buffer of made.flat()) memory.destroy(buffer);
+      throw error;
+    }
   }
 
   /** Precisions of the planes; the same object until a plane is added or freed. */

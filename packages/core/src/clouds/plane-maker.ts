@@ -97,9 +97,7 @@ export class PlaneMaker {
     } catch (error) {
       // What ended the engine or the device also ended what was waited for.
       this.#checkUsable(options.signal);
-      if (error instanceof GpuLimitError && error.limit === 'memory')
-        throw memoryError(cloud, wanted, error.neededBytes);
-      throw error;
+      throw isLack(error) ? memoryError(cloud, wanted, error.neededBytes, error) : error;
     }
   }
 
@@ -207,20 +205,11 @@ export class PlaneMaker {
     neededBytes: number,
     make: () => void,
   ): Promise<void> {
-    const { device } = this.#context;
-    device.pushErrorScope('out-of-memory');
-    let thrown: unknown = null;
     try {
-      make();
+      await this.#context.memory.guard(cloud.name, '', make).checked;
     } catch (error) {
-      thrown = error;
+      throw isLack(error) ? memoryError(cloud, wanted, neededBytes, error) : error;
     }
-    const lacking = await device.popErrorScope().catch((cause: Error) => {
-      throw new DestroyedError('This request', cause.message);
-    });
-    // If a buffer cannot be mapped for its contents, creating it throws a RangeError instead.
-    if (lacking || thrown instanceof RangeError) throw memoryError(cloud, wanted, neededBytes);
-    if (thrown) throw thrown;
   }
 
   #checkUsable(signal: AbortSignal): void {
@@ -230,9 +219,19 @@ export class PlaneMaker {
   }
 }
 
-function memoryError({ name }: SplatCloud, wanted: CloudPrecision, neededBytes: number): GpuLimitError {
+function isLack(error: unknown): error is GpuLimitError {
+  return error instanceof GpuLimitError && error.limit === 'memory';
+}
+
+function memoryError(
+  { name }: SplatCloud,
+  wanted: CloudPrecision,
+  neededBytes: number,
+  cause: GpuLimitError,
+): GpuLimitError {
   const message = `${name} does not fit into the GPU's memory with ${describePrecision(wanted)} (${neededBytes} bytes more); it is unchanged. Request a coarser precision.`;
-  return new GpuLimitError('memory', neededBytes, 0, message);
+  const { heldBytes } = cause;
+  return new GpuLimitError('memory', neededBytes, 0, message, { heldBytes, cause });
 }
 
 /** Returns the precision to read, so that `wanted` can be made from it and from the planes that `cloud` holds. */

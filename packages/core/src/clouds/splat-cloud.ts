@@ -10,6 +10,7 @@ import type { CloudPrecision } from '../packing/precision.ts';
 import type { DropCounts, ShDegree, SplatSet } from '../splats/splat-set.ts';
 import { type CloudLease, CloudLeases, type HoldOptions, type MakeOptions } from './cloud-leases.ts';
 import { type CloudPages, CloudPlanes, type HeldPrecisions } from './cloud-planes.ts';
+import type { CloudFit } from './fit-settings.ts';
 
 /** A source from which a cloud's splats can be read again, any number of times, in other precisions than it holds. */
 export type CloudSource = string | URL | Blob | SplatSet<Harmonics> | PackedCloud;
@@ -30,6 +31,10 @@ export interface SplatCloudOptions {
   readonly isPreview?: boolean;
   /** Most visible splats that a frame of the cloud alone draws: the first in storage order. Default all. */
   readonly visibleLimit?: number;
+  /** Rejects if memory was lacking for the planes; null if they are there. */
+  readonly checked?: Promise<void> | null;
+  /** See `SplatCloud.fit`. */
+  readonly fit?: CloudFit | null;
   /** Called when the cloud has been destroyed. */
   readonly onDestroyed?: (cloud: SplatCloud) => void;
 }
@@ -44,6 +49,9 @@ export interface CloudContents
   /** Precision of the planes. */
   readonly precision: CloudPrecision;
 }
+
+/** What to do where a cloud finds no memory. */
+export const MEMORY_ADVICE = 'Load fewer splats, or with a coarser accuracy.';
 
 /** Splats on the GPU. */
 export class SplatCloud {
@@ -82,15 +90,24 @@ export class SplatCloud {
   readonly isPreview: boolean;
   /** @internal See `SplatCloudOptions`. */
   readonly visibleLimit: number;
+  /** Coarser settings that the load has taken because memory was lacking (`LoadOptions.fit`); null if it has not. */
+  readonly fit: CloudFit | null;
   /** @internal Whether views keep the last image of it because the planes of this preview are changing. */
   isHeld = false;
+  /**
+   * Resolves when the device has had memory for the cloud; views draw it from then on. Rejects with a GpuLimitError if it has
+   * not, and then the cloud has been destroyed.
+   */
+  readonly uploaded: Promise<void>;
   readonly #onDestroyed: (cloud: SplatCloud) => void;
+  #isUploaded = false;
+  #lack: Error | null = null;
   #isDestroyed = false;
 
   /** Takes over `planes`, which hold what `contents` describes. */
   constructor(device: GPUDevice, planes: CloudPlanes, contents: CloudContents, options: SplatCloudOptions) {
     const { name, source = null, makePlanes, isPreview = false, onDestroyed = () => {} } = options;
-    const { visibleLimit = Number.POSITIVE_INFINITY } = options;
+    const { visibleLimit = Number.POSITIVE_INFINITY, checked = null } = options;
     this.name = name;
     this.count = contents.count;
     this.shDegree = planes.shDegree;
@@ -106,6 +123,7 @@ export class SplatCloud {
     this.chunks = contents.chunks;
     this.isPreview = isPreview;
     this.visibleLimit = visibleLimit;
+    this.fit = options.fit ?? null;
     this.#onDestroyed = onDestroyed;
     this.device = device;
     this.planes = planes;
@@ -122,15 +140,40 @@ export class SplatCloud {
               ? 'it is still loading, so no other planes can be made yet.'
               : 'no engine has uploaded it, so no other planes can be made.',
           );
+        await this.uploaded;
         await makePlanes(this, precision, options);
       },
     });
+    this.#isUploaded = checked === null;
+    this.uploaded = this.#awaitMemory(checked);
+    this.uploaded.catch(() => {});
+  }
+
+  /** @internal Whether `uploaded` has resolved. */
+  get isUploaded(): boolean {
+    return this.#isUploaded;
+  }
+
+  /** Why there was no memory for the cloud, which is destroyed then; else null. */
+  get lack(): Error | null {
+    return this.#lack;
+  }
+
+  async #awaitMemory(checked: Promise<void> | null): Promise<void> {
+    try {
+      await checked;
+      this.#isUploaded = true;
+    } catch (error) {
+      this.#lack = error as Error;
+      this.destroy();
+      throw error;
+    }
   }
 
   /**
    * Uploads `packed`.
    *
-   * @throws GpuLimitError, before anything is allocated, if it cannot be bound.
+   * @throws GpuLimitError if it cannot be bound, or exceeds the engine's budget; nothing is left allocated then.
    */
   static upload(
     memory: GpuMemory,
@@ -140,8 +183,11 @@ export class SplatCloud {
   ): SplatCloud {
     const { logScaleRange, precision: geometryPrecision } = packed.geometry;
     const precision = { geometryPrecision, shPrecision: packed.harmonics.precision };
-    const planes = CloudPlanes.upload(memory, limits, packed, options.name);
-    return new SplatCloud(memory.device, planes, { ...packed, logScaleRange, precision }, options);
+    const { result: planes, checked } = memory.guard(options.name, MEMORY_ADVICE, () =>
+      CloudPlanes.upload(memory, limits, packed, options.name),
+    );
+    const contents = { ...packed, logScaleRange, precision };
+    return new SplatCloud(memory.device, planes, contents, { ...options, checked });
   }
 
   /** Precisions in which the cloud can be drawn without making or reading anything first. */

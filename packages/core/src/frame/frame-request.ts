@@ -47,7 +47,10 @@ function isMatrix(values: ArrayLike<number>): boolean {
   return values?.length === 16 && Array.prototype.every.call(values, Number.isFinite);
 }
 
-/** @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a destroyed cloud. */
+/**
+ * @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a destroyed cloud, GpuLimitError
+ *   for one that found no memory.
+ */
 export function checkRequest(request: FrameRequest, device: GPUDevice): void {
   const { camera, clouds, widthPx, heightPx, background = [0, 0, 0] } = request ?? {};
   if (!(Number.isInteger(widthPx) && Number.isInteger(heightPx) && widthPx >= 0 && heightPx >= 0)) {
@@ -67,7 +70,8 @@ export function checkRequest(request: FrameRequest, device: GPUDevice): void {
     throw new InvalidArgumentError('clouds', `clouds is ${shown(clouds)}; it must be a list of { cloud }.`);
   }
   for (const { cloud, modelMatrix, shDegree = 3 } of clouds as readonly CloudInstance[]) {
-    if (cloud.isDestroyed) throw new DestroyedError(`The cloud ${cloud.name}`, 'it was destroyed');
+    if (cloud.isDestroyed)
+      throw cloud.lack ?? new DestroyedError(`The cloud ${cloud.name}`, 'it was destroyed');
     if (cloud.device !== device) {
       const message = `${cloud.name} is on another GPU device than this view; load it with the engine that draws it.`;
       throw new InvalidArgumentError('clouds', message);

@@ -1,4 +1,4 @@
-import { GpuLimitError } from '../errors.ts';
+import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { CompiledStage } from '../gpu/pipelines.ts';
 import type { GpuTimer } from '../timing/gpu-timer.ts';
 import { type FramePage, pagesOf } from './frame-pages.ts';
@@ -51,13 +51,7 @@ export const frameStages = perShape((shape): readonly CompiledStage[] =>
   PARTS.flatMap((part) => part.stages(shape)),
 );
 
-/** What the parts of a view need from it. */
-export interface FrameContext extends Omit<PartContext, 'shared'> {
-  /** Called some time after `fit`, if memory was lacking: frames drawn since then are void, and the parts have ended. */
-  readonly onLack: (lack: GpuLimitError) => void;
-}
-
-/** The parts of one view's frames, with their GPU memory. */
+/** The parts of one view's frames, with their GPU memory. Fit and record frames under `GpuMemory.guard`. */
 export class FrameParts {
   readonly keptColors: KeptColors;
   readonly preprocess: Preprocess;
@@ -68,17 +62,20 @@ export class FrameParts {
   readonly composite: Composite;
   readonly compose: Compose;
   readonly shared = new SharedMemory();
-  readonly #context: FrameContext;
+  readonly #memory: GpuMemory;
+  readonly #device: GPUDevice;
   readonly #ordering: readonly FramePart<OrderRecording>[];
   readonly #drawing: readonly FramePart<DrawRecording>[];
   readonly #parts: readonly FramePart<never>[];
   #shape: FrameShape | null = null;
   #isDestroyed = false;
 
-  constructor(context: FrameContext) {
+  /** @param context what the parts of a view need from it. */
+  constructor(context: Omit<PartContext, 'shared'>) {
     const { shared } = this;
     const own = { ...context, memory: context.memory.part(), shared };
-    this.#context = own;
+    this.#memory = own.memory;
+    this.#device = own.device;
     this.keptColors = new KeptColors(own);
     this.#ordering = ORDERING.map((Part) => new Part(own));
     this.#drawing = DRAWING.map((Part) => new Part(own));
@@ -116,8 +113,8 @@ export class FrameParts {
    * Makes room for a frame, binds its stages and writes its uniforms.
    *
    * @returns whether buffers or textures were replaced.
-   * @throws GpuLimitError if something exceeds the device's limits: nothing changes then. If a device throws because memory
-   *   is lacking, what was replaced is gone, and the parts have ended.
+   * @throws GpuLimitError if something exceeds the device's limits: nothing changes then. If it exceeds the engine's budget, or a
+   *   device throws because memory is lacking, what was replaced is gone, and the parts have ended.
    */
   fit(plan: FramePlan): boolean {
     const { shape } = plan;
@@ -126,9 +123,16 @@ export class FrameParts {
       const change = part.fit?.(plan);
       if (change) changes.push(change);
     }
-    this.#keepColors(plan);
     const isReplaced = changes.length > 0;
-    if (isReplaced) this.#make(changes);
+    try {
+      this.#keepColors(plan);
+      // The old memory is freed before the new is made: both together would be the most that a view ever holds.
+      for (const change of changes) change.free();
+      for (const change of changes) change.make();
+    } catch (error) {
+      this.destroy();
+      throw error;
+    }
     if (isReplaced || shape !== this.#shape) for (const part of this.#parts) part.bind?.(shape);
     this.#shape = shape;
     for (const part of this.#parts) part.write?.(plan);
@@ -163,42 +167,16 @@ export class FrameParts {
 
   destroy(): void {
     this.#isDestroyed = true;
-    this.#context.memory.destroyAll();
-  }
-
-  /** The old memory is freed before the new is made: both together would be the most that a view ever holds. */
-  #make(changes: readonly PartChange[]): void {
-    const { device } = this.#context;
-    device.pushErrorScope('out-of-memory');
-    try {
-      for (const change of changes) change.free();
-      for (const change of changes) change.make();
-    } catch (error) {
-      this.destroy();
-      throw error;
-    } finally {
-      void this.#checkMemory(device.popErrorScope());
-    }
-  }
-
-  /** Frames do not wait for the answer. If the device is lost, there is none. */
-  async #checkMemory(popped: Promise<GPUError | null>): Promise<void> {
-    const error = await popped.catch(() => null);
-    if (!error || this.#isDestroyed) return;
-    const { totalBytes } = this.#context.memory.report();
-    this.destroy();
-    const message = `The ${totalBytes} bytes of a frame do not fit into the GPU's memory; the next one starts from scratch. Load fewer splats, or draw a smaller image.`;
-    this.#context.onLack(new GpuLimitError('memory', totalBytes, 0, message));
+    this.#memory.destroyAll();
   }
 
   /** Takes colours from the records of the last frame, before they are replaced or overwritten. */
   #keepColors(plan: FramePlan): void {
     const pages = this.keptColors.keep(plan);
     if (!this.#shape || pages.length === 0) return;
-    const { device } = this.#context;
-    const encoder = device.createCommandEncoder({ label: 'websplatter keep colors' });
+    const encoder = this.#device.createCommandEncoder({ label: 'websplatter keep colors' });
     this.keptColors.record(encoder, this.#shape, pages);
-    device.queue.submit([encoder.finish()]);
+    this.#device.queue.submit([encoder.finish()]);
   }
 }
 

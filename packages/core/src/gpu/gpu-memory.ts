@@ -16,26 +16,97 @@ const BYTES_PER_PIXEL: Partial<Record<GPUTextureFormat, number>> = {
   rgba32float: 16,
 };
 
+/** What work that may allocate has returned, and whether there was memory for it. */
+export interface Guarded<Result> {
+  readonly result: Result;
+  /**
+   * Rejects, some time later, with a GpuLimitError if memory was lacking: what the work made is of no use then, and to be
+   * destroyed. Null if nothing was allocated. Need not be awaited.
+   */
+  readonly checked: Promise<void> | null;
+}
+
+/** Work under way that allocates. */
+interface Section {
+  /** Bytes allocated so far. */
+  bytes: number;
+  /** Whether the device collects errors. */
+  isOpen: boolean;
+}
+
 /** The only place that creates buffers and textures, so that every byte is labelled and counted. */
 export class GpuMemory {
   readonly device: GPUDevice;
   readonly #whole: GpuMemory | null;
+  readonly #root: GpuMemory;
+  readonly #budgetBytes: number;
   readonly #bytes = new Map<GPUBuffer | GPUTexture, number>();
   #totalBytes = 0;
   #peakBytes = 0;
+  /** Only of the root. */
+  #section: Section | null = null;
 
-  /** @param whole the memory that this is a part of: see `part`. */
-  constructor(device: GPUDevice, whole: GpuMemory | null = null) {
+  /**
+   * @param budgetBytes most bytes that may be held.
+   * @param whole the memory that this is a part of: see `part`.
+   */
+  constructor(device: GPUDevice, budgetBytes = Number.POSITIVE_INFINITY, whole: GpuMemory | null = null) {
     this.device = device;
+    this.#budgetBytes = budgetBytes;
     this.#whole = whole;
+    this.#root = whole ? whole.#root : this;
   }
 
   /** Returns memory that is counted by itself and here. */
   part(): GpuMemory {
-    return new GpuMemory(this.device, this);
+    return new GpuMemory(this.device, this.#budgetBytes, this);
   }
 
-  /** @throws GpuLimitError, before anything is allocated, if the buffer would exceed the device's limits. */
+  /**
+   * Does `work`, which may create buffers and textures, and use them in commands that it submits. The device reports a lack of
+   * memory later, and refuses those commands: both are collected, and told once.
+   *
+   * @param what begins the sentence that says what finds no memory: "garden", "A frame".
+   * @param advice says what to do about that.
+   * @param isAlways also if nothing is allocated, because `work` uses what is still being checked.
+   * @throws GpuLimitError if a buffer cannot be mapped for lack of memory, or would exceed the budget; the errors of `work`.
+   */
+  guard<Result>(what: string, advice: string, work: () => Result, isAlways = false): Guarded<Result> {
+    const root = this.#root;
+    const outer = root.#section;
+    const section: Section = { bytes: 0, isOpen: false };
+    const heldBytes = root.#totalBytes;
+    const lackOf = (cause: unknown) => {
+      const message = `${what} needs ${section.bytes} bytes more of the GPU's memory, which lacks them; ${heldBytes} are held here. ${advice}`;
+      return new GpuLimitError('memory', section.bytes, 0, message, { heldBytes, cause });
+    };
+    let result: Result;
+    let checked: Promise<void> | null = null;
+    root.#section = section;
+    if (isAlways) root.#open(section);
+    try {
+      result = work();
+    } catch (error) {
+      // A buffer that cannot be mapped for its contents.
+      throw error instanceof RangeError ? lackOf(error) : error;
+    } finally {
+      root.#section = outer;
+      if (section.isOpen) checked = root.#close(lackOf);
+    }
+    return { result, checked };
+  }
+
+  /** Bytes that the budget has left. */
+  get availableBytes(): number {
+    return this.#budgetBytes - this.#root.#totalBytes;
+  }
+
+  /** Bytes of everything that this is a part of. */
+  get heldBytes(): number {
+    return this.#root.#totalBytes;
+  }
+
+  /** @throws GpuLimitError, before anything is allocated, if the buffer would exceed the device's limits or the budget. */
   createBuffer(
     label: string,
     bytes: number,
@@ -44,6 +115,7 @@ export class GpuMemory {
   ): GPUBuffer {
     const size = sizeOf(bytes);
     this.check(label, size, usage);
+    this.#begin(label, size);
     return this.#counted(this.device.createBuffer({ label, size, usage, mappedAtCreation }), size);
   }
 
@@ -52,6 +124,7 @@ export class GpuMemory {
     const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC;
     const size = sizeOf(words.byteLength);
     this.check(label, size, usage);
+    this.#begin(label, size);
     // Mapped at creation: the data goes straight to the driver's staging memory, without a second copy here.
     const buffer = this.device.createBuffer({ label, size, usage, mappedAtCreation: true });
     new Uint32Array(buffer.getMappedRange()).set(words);
@@ -63,10 +136,9 @@ export class GpuMemory {
     descriptor: GPUTextureDescriptor & { readonly size: { width: number; height: number } },
   ): GPUTexture {
     const { width, height } = descriptor.size;
-    return this.#counted(
-      this.device.createTexture(descriptor),
-      width * height * (BYTES_PER_PIXEL[descriptor.format] ?? 4),
-    );
+    const bytes = width * height * (BYTES_PER_PIXEL[descriptor.format] ?? 4);
+    this.#begin(descriptor.label ?? 'texture', bytes);
+    return this.#counted(this.device.createTexture(descriptor), bytes);
   }
 
   /** Creates a texture to draw into and to read afterwards, by shaders or by the CPU; `usage` is added to that. */
@@ -118,6 +190,41 @@ export class GpuMemory {
       `${label} needs ${bytes} bytes in one buffer and this device allows ${availableBytes} (${limit}). ` +
         'Load fewer splats, or let the engine make its own device, with the adapter’s full limits.',
     );
+  }
+
+  /** Before an allocation. */
+  #begin(label: string, bytes: number): void {
+    const root = this.#root;
+    const section = root.#section;
+    if (section) {
+      section.bytes += bytes;
+      root.#open(section);
+    }
+    const { availableBytes, heldBytes } = this;
+    if (bytes <= availableBytes) return;
+    const message = `${label} needs ${bytes} bytes and ${heldBytes} of the ${this.#budgetBytes} that are allowed are held (memoryBudgetBytes). Load fewer splats or with a coarser accuracy, draw a smaller image, or allow more.`;
+    throw new GpuLimitError('memoryBudgetBytes', bytes, Math.max(0, availableBytes), message, { heldBytes });
+  }
+
+  #open(section: Section): void {
+    if (section.isOpen) return;
+    section.isOpen = true;
+    // Commands with buffers that could not be had are not valid either.
+    this.device.pushErrorScope('validation');
+    this.device.pushErrorScope('out-of-memory');
+  }
+
+  #close(lackOf: (cause: unknown) => GpuLimitError): Promise<void> {
+    const errors = [this.device.popErrorScope(), this.device.popErrorScope()];
+    const check = async () => {
+      // A lost device answers nothing, and ends everything anyway.
+      const [lacking, invalid] = await Promise.all(errors).catch(() => []);
+      if (lacking) throw lackOf(lacking);
+      if (invalid) throw new Error(invalid.message);
+    };
+    const checked = check();
+    checked.catch(() => {});
+    return checked;
   }
 
   #counted<Resource extends GPUBuffer | GPUTexture>(resource: Resource, bytes: number): Resource {

@@ -1,6 +1,6 @@
-import { DestroyedError } from '../errors.ts';
 import { roundUp } from '../layout/gpu-struct.ts';
 import { fromHalfBits } from '../layout/half.ts';
+import { readBack } from './read-back.ts';
 
 /** RGBA of a texture, top row first. */
 export interface TextureImage {
@@ -17,32 +17,38 @@ const CHANNELS = {
   rgba32float: { Words: Float32Array, decode: (word: number) => word },
 } as const;
 
-/** Copies a texture in one of the `ColorTarget` formats to the CPU. @throws DestroyedError if the device ends before. */
+/**
+ * Copies a texture in one of the `ColorTarget` formats to the CPU, in strips where it exceeds `maxBufferSize`. Submits before it
+ * returns.
+ *
+ * @throws GpuLimitError if memory is lacking, or a row of pixels exceeds `maxBufferSize`; DestroyedError if the device ends
+ *   before.
+ */
 export async function readTexture(device: GPUDevice, texture: GPUTexture): Promise<TextureImage> {
   const { width, height, format } = texture;
   if (!(format in CHANNELS)) throw new RangeError(`Textures of ${format} cannot be read back.`);
   const { Words, decode } = CHANNELS[format as keyof typeof CHANNELS];
   const rowValues = 4 * width;
   const bytesPerRow = roundUp(rowValues * Words.BYTES_PER_ELEMENT, 256);
-  const buffer = device.createBuffer({
-    label: 'read-back',
-    size: bytesPerRow * height,
-    usage: GPUBufferUsage.COPY_DST | GPUBufferUsage.MAP_READ,
+  const stripRows = Math.max(1, Math.floor(device.limits.maxBufferSize / bytesPerRow));
+  const strips = Array.from({ length: Math.ceil(height / stripRows) }, (_, strip) => {
+    const y = strip * stripRows;
+    const rows = Math.min(stripRows, height - y);
+    return readBack(device, bytesPerRow * rows, (encoder, buffer) =>
+      encoder.copyTextureToBuffer(
+        { texture, origin: { x: 0, y } },
+        { buffer, bytesPerRow },
+        { width, height: rows },
+      ),
+    );
   });
-  const encoder = device.createCommandEncoder();
-  encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow }, { width, height });
-  device.queue.submit([encoder.finish()]);
-  await buffer.mapAsync(GPUMapMode.READ).catch((cause: Error) => {
-    throw new DestroyedError('This image', cause.message);
-  });
-  const contents = buffer.getMappedRange();
+  const contents = await Promise.all(strips);
   const data = new Float32Array(rowValues * height);
   for (let row = 0; row < height; row++) {
-    const words = new Words(contents, row * bytesPerRow, rowValues);
+    const strip = contents[Math.floor(row / stripRows)];
+    const words = new Words(strip, (row % stripRows) * bytesPerRow, rowValues);
     // `Float32Array.from` goes through an iterator, which takes several times as long.
     for (let i = 0; i < rowValues; i++) data[row * rowValues + i] = decode(words[i]);
   }
-  buffer.unmap();
-  buffer.destroy();
   return { widthPx: width, heightPx: height, data };
 }

@@ -1,4 +1,5 @@
 import { CloudPlanes, type MadePlanes, type Plane } from '../clouds/cloud-planes.ts';
+import { GpuLimitError } from '../errors.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { nextTask } from '../io/next-task.ts';
 import { ChunkParameters } from '../layout/packing-structs.ts';
@@ -62,8 +63,8 @@ export class Arrivals {
     this.#isReading = true;
     this.#read()
       .catch((error: unknown) => {
-        // What was asked of a device that is lost, say, does not matter any more.
-        if (!this.#isOver) this.#failure = { error };
+        // What was asked of a device that is lost, say, does not matter any more. A preview without memory is left out.
+        if (!this.#isOver && !(error instanceof GpuLimitError)) this.#failure = { error };
       })
       .finally(() => {
         this.#isReading = false;
@@ -99,12 +100,20 @@ export class Arrivals {
       geometry: pages(made.geometry),
       harmonics: pages(made.harmonics),
     };
-    this.#boundChunks(planes);
-    const [words, centres, chunkBounds] = await Promise.all([
-      readWords(device, facts),
-      sampleCentres(this.#context, { ...planes, count }),
-      readChunks(device, planes),
-    ]);
+    const read = () => {
+      this.#boundChunks(planes);
+      const reading = Promise.all([
+        readWords(device, facts),
+        sampleCentres(this.#context, { ...planes, count }),
+        readChunks(device, planes),
+      ]);
+      // Awaited only if memory was there.
+      reading.catch(() => {});
+      return reading;
+    };
+    const { result, checked } = this.#context.memory.guard('A preview', '', read);
+    await checked;
+    const [words, centres, chunkBounds] = await result;
     await nextTask();
     if (this.#isOver) return;
     const found = readRowFacts(words, count, planes.shDegree);

@@ -7,8 +7,15 @@ import {
   planeOf,
 } from '../clouds/cloud-planes.ts';
 import { createGeometry, createHarmonics } from '../clouds/create-plane.ts';
-import type { CloudContents, SplatCloud } from '../clouds/splat-cloud.ts';
-import { GpuLimitError } from '../errors.ts';
+import {
+  type CloudFit,
+  cloudBytes,
+  type FitMode,
+  type FitSettings,
+  fitSettings,
+} from '../clouds/fit-settings.ts';
+import { type CloudContents, MEMORY_ADVICE, type SplatCloud } from '../clouds/splat-cloud.ts';
+import type { Guarded } from '../gpu/gpu-memory.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { emptyError } from '../io/empty-error.ts';
@@ -41,6 +48,10 @@ import { sampleCentres } from './sample-centres.ts';
 
 /** Pieces that are written, or being read by the GPU, at once. */
 const STAGING_BUFFERS = 4;
+/** Loads of fewer bytes are not foreseen: what they allocate is checked anyway. */
+const PROBED_BYTES = 64 << 20;
+/** Most bytes per splat that putting splats into storage order takes besides the planes. */
+const ARRANGE_BYTES = 16;
 /** Pieces that may wait for shaders: reading goes on meanwhile. */
 const MOST_WAITING = 16;
 
@@ -53,6 +64,8 @@ export interface RowIngestOptions extends CloudPrecision {
   readonly pages?: readonly PageRange[];
   /** Whoever aborts it calls `destroy` in the same task. */
   readonly signal: AbortSignal;
+  /** What to do where memory is lacking; default `exact`. */
+  readonly fit?: FitMode;
 }
 
 /** A cloud that was made from the rows of a file. */
@@ -61,6 +74,8 @@ export interface IngestedCloud {
   readonly planes: CloudPlanes;
   /** Shares the planes, and lasts as long as they do; null if nobody looks. */
   readonly preview: SplatCloud | null;
+  /** Coarser settings than the file's and the options', which lacked memory; else null. */
+  readonly fit: CloudFit | null;
 }
 
 /** Memory for the rows of one file, and for what is made of them. */
@@ -99,7 +114,8 @@ export class RowIngest implements RowSink {
   /** Mapped memory cannot. */
   readonly mayDetach = false;
   readonly #context: ArrangeContext;
-  readonly #options: RowIngestOptions;
+  #options: RowIngestOptions;
+  #fit: CloudFit | null = null;
   /** Null if nobody looks. */
   readonly #previews: LoadPreviews | null;
   readonly #staging: GPUBuffer[] = [];
@@ -112,7 +128,7 @@ export class RowIngest implements RowSink {
   /** Settles when rows can be packed and `#waiting` has been. */
   #compiled: Promise<void> = Promise.resolve();
   /** Reject if memory was lacking for what has been allocated in the meantime. */
-  readonly #checks: Promise<void>[] = [];
+  readonly #checks: (Promise<void> | null)[] = [];
   /** Pieces that wait for shaders; null once there are some. */
   #waiting: Piece[] | null = [];
 
@@ -124,7 +140,8 @@ export class RowIngest implements RowSink {
   }
 
   /** @throws GpuLimitError; nothing is left allocated then. */
-  async begin(layout: RowLayout): Promise<void> {
+  async begin(rows: RowLayout): Promise<void> {
+    const layout = await this.#fitted(rows);
     const { device, memory, pipelines } = this.#context;
     const { geometryPrecision, shPrecision, name } = this.#options;
     const { count, shDegree, strideBytes, pieceRows } = layout;
@@ -174,7 +191,7 @@ export class RowIngest implements RowSink {
         };
         // Mapped at once: while shaders compile, the GPU's process may take long to answer.
         const usage = MAP_WRITE | COPY_SRC;
-        const stagingCount = Math.min(STAGING_BUFFERS, Math.ceil(count / pieceRows));
+        const stagingCount = stagingCountOf(layout);
         for (let i = 0; i < stagingCount; i++) {
           const staging = keep(memory.createBuffer(`ingest staging ${i}`, pieceBytes, usage, true));
           this.#staging.push(staging);
@@ -195,6 +212,21 @@ export class RowIngest implements RowSink {
       for (const piece of waiting) this.#submit(piece);
     });
     this.#compiled.catch(() => {});
+  }
+
+  /** Takes coarser settings if memory is lacking and they may be taken. @returns the layout with the degree to store. */
+  async #fitted(layout: RowLayout): Promise<RowLayout> {
+    const { geometryPrecision, shPrecision, name, fit = 'exact' } = this.#options;
+    const { memory } = this.#context;
+    const wanted = { geometryPrecision, shPrecision, shDegree: layout.shDegree };
+    const bytesOf = (settings: FitSettings) => ingestBytes(layout, settings);
+    if (fit === 'exact' && bytesOf(wanted) < PROBED_BYTES && bytesOf(wanted) <= memory.availableBytes)
+      return layout;
+    this.#fit = await fitSettings({ memory, name, bytesOf }, wanted, fit);
+    if (!this.#fit) return layout;
+    const { shDegree, ...precision } = this.#fit.taken;
+    this.#options = { ...this.#options, ...precision };
+    return { ...layout, shDegree };
   }
 
   async memory(): Promise<Uint8Array<ArrayBuffer>> {
@@ -258,7 +290,7 @@ export class RowIngest implements RowSink {
       const whole = { ...drawable, fileIndices: await reading[1] };
       // The copy of millions of rows is work enough for one task; whoever waits for the cloud has more to do.
       await nextTask();
-      return { contents: whole, planes, preview: previews?.shown ?? null };
+      return { contents: whole, planes, preview: previews?.shown ?? null, fit: this.#fit };
     } catch (error) {
       previews?.end();
       for (const buffer of arranged) memory.destroy(buffer);
@@ -295,7 +327,6 @@ export class RowIngest implements RowSink {
       const { result, checked } = this.#allocate(() =>
         memory.createBuffer('ingest staging', size, usage, true),
       );
-      checked.catch(() => {});
       this.#checks.push(checked);
       this.#buffers.add(result);
       return result;
@@ -306,39 +337,8 @@ export class RowIngest implements RowSink {
   }
 
   /** Does work that allocates. @returns its result, and what rejects with a GpuLimitError if memory is lacking. */
-  #allocate<Result>(work: () => Result): { readonly result: Result; readonly checked: Promise<void> } {
-    const { device } = this.#context;
-    // Work with buffers that could not be had is not valid either.
-    device.pushErrorScope('validation');
-    device.pushErrorScope('out-of-memory');
-    let result: Result;
-    let errors: Promise<[GPUError | null, GPUError | null]>;
-    try {
-      result = work();
-    } catch (error) {
-      // A buffer that cannot be mapped for its contents.
-      throw error instanceof RangeError ? this.#memoryError() : error;
-    } finally {
-      errors = Promise.all([device.popErrorScope(), device.popErrorScope()]);
-    }
-    const check = async () => {
-      const [lacking, invalid] = await errors;
-      if (lacking) throw this.#memoryError();
-      if (invalid) throw new Error(invalid.message);
-    };
-    return { result, checked: check() };
-  }
-
-  #memoryError(): GpuLimitError {
-    const { name } = this.#options;
-    const bytes = [...this.#buffers].reduce((sum, buffer) => sum + buffer.size, 0);
-    const advice = 'Load fewer splats, or with a coarser accuracy.';
-    return new GpuLimitError(
-      'memory',
-      bytes,
-      0,
-      `${name} needs ${bytes} bytes of the GPU's memory, which it lacks. ${advice}`,
-    );
+  #allocate<Result>(work: () => Result): Guarded<Result> {
+    return this.#context.memory.guard(this.#options.name, MEMORY_ADVICE, work, true);
   }
 
   #destroy(buffer: GPUBuffer): void {
@@ -350,38 +350,41 @@ export class RowIngest implements RowSink {
     const { stage, ranges, layout, geometry, harmonics, rows, offsets, arrivals, ...shared } = this.#held!;
     const endRow = firstRow + rowCount;
     staging.unmap();
-    const dispatches = new Dispatches(device, pipelines, memory, dispatchRow);
-    for (const [page, range] of ranges.entries()) {
-      const start = Math.max(firstRow, range.start);
-      const rowsOfPage = Math.min(endRow, range.end) - start;
-      if (rowsOfPage <= 0) continue;
-      const parameters = IngestParameters.pack({
-        offsets,
-        strideBytes: layout.strideBytes,
-        isBigEndian: Number(layout.isBigEndian),
-        firstRow: start - firstRow,
-        rowCount: rowsOfPage,
-        pageSlot: start - range.start,
-        maskRow: start,
-        faintLogit: orderedBits(FAINT_LOGIT),
-        dispatchRow,
-      });
-      const { dropMask, facts, logScaleRests } = shared;
-      const bindings = {
-        rows,
-        dropMask,
-        facts,
-        geometry: geometry[page],
-        harmonics: harmonics[page],
-        ...(logScaleRests && { logScaleRests }),
-      };
-      dispatches.add(stage, parameters, bindings, Math.ceil(rowsOfPage / CHUNK_SPLATS));
-    }
-    const encoder = device.createCommandEncoder({ label: 'ingest rows' });
-    encoder.copyBufferToBuffer(staging, 0, rows, 0, roundUp(rowCount * layout.strideBytes, 4));
-    const parameters = dispatches.record(encoder, 'ingest rows');
-    device.queue.submit([encoder.finish()]);
-    memory.destroy(parameters);
+    const { checked } = this.#allocate(() => {
+      const dispatches = new Dispatches(device, pipelines, memory, dispatchRow);
+      for (const [page, range] of ranges.entries()) {
+        const start = Math.max(firstRow, range.start);
+        const rowsOfPage = Math.min(endRow, range.end) - start;
+        if (rowsOfPage <= 0) continue;
+        const parameters = IngestParameters.pack({
+          offsets,
+          strideBytes: layout.strideBytes,
+          isBigEndian: Number(layout.isBigEndian),
+          firstRow: start - firstRow,
+          rowCount: rowsOfPage,
+          pageSlot: start - range.start,
+          maskRow: start,
+          faintLogit: orderedBits(FAINT_LOGIT),
+          dispatchRow,
+        });
+        const { dropMask, facts, logScaleRests } = shared;
+        const bindings = {
+          rows,
+          dropMask,
+          facts,
+          geometry: geometry[page],
+          harmonics: harmonics[page],
+          ...(logScaleRests && { logScaleRests }),
+        };
+        dispatches.add(stage, parameters, bindings, Math.ceil(rowsOfPage / CHUNK_SPLATS));
+      }
+      const encoder = device.createCommandEncoder({ label: 'ingest rows' });
+      encoder.copyBufferToBuffer(staging, 0, rows, 0, roundUp(rowCount * layout.strideBytes, 4));
+      const parameters = dispatches.record(encoder, 'ingest rows');
+      device.queue.submit([encoder.finish()]);
+      memory.destroy(parameters);
+    });
+    this.#checks.push(checked);
     if (this.#staging.includes(staging)) this.#free.push(mapped(staging));
     else this.#destroy(staging);
     arrivals?.add(endRow);
@@ -467,6 +470,19 @@ export class RowIngest implements RowSink {
     memory.destroy(parameters);
     if (logScaleRests) this.#destroy(logScaleRests);
   }
+}
+
+function stagingCountOf({ count, pieceRows }: RowLayout): number {
+  return Math.min(STAGING_BUFFERS, Math.ceil(count / pieceRows));
+}
+
+/** Most bytes that a file takes at once while it becomes a cloud: the planes, and what reading or arranging needs besides. */
+function ingestBytes(layout: RowLayout, settings: FitSettings): number {
+  const { count, strideBytes, pieceRows } = layout;
+  const pieceBytes = Math.min(count, pieceRows) * strideBytes;
+  const reading =
+    (1 + stagingCountOf(layout)) * pieceBytes + (settings.geometryPrecision === 'packed' ? 4 * count : 0);
+  return cloudBytes(count, settings) + Math.max(reading, ARRANGE_BYTES * count);
 }
 
 /** Stages that make a cloud of rows of this degree. */

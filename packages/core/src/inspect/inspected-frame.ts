@@ -138,9 +138,6 @@ export class InspectedFrame {
       pipelines,
       memory,
       tileBudgetBytes: DEFAULT_TILE_BUDGET_BYTES,
-      onLack: (lack) => {
-        throw lack;
-      },
     });
     parts.fit(plan);
     const timer = new GpuTimer(device, memory);

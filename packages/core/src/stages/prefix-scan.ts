@@ -32,12 +32,14 @@ interface ScanLevel {
 export class PrefixScan {
   readonly #pipelines: Pipelines;
   readonly #memory: GpuMemory;
+  readonly #buffers: GPUBuffer[] = [];
   readonly #levels: ScanLevel[] = [];
   readonly #dispatchRow: number;
 
   /**
    * @param values a buffer with room for maxCount + 1 words.
    * @param inputCount one word on the GPU: the number of counts, at most `maxCount`.
+   * @throws GpuLimitError; nothing is left allocated then.
    */
   constructor(
     device: GPUDevice,
@@ -87,7 +89,15 @@ export class PrefixScan {
     pass.dispatchWorkgroups(...dispatchSize(blockCount, this.#dispatchRow));
   }
 
+  /** Creates a buffer, or frees those made before it if it cannot be had. */
   #buffer(label: string, bytes: number, usage: GPUBufferUsageFlags): GPUBuffer {
-    return this.#memory.createBuffer(label, bytes, usage | GPUBufferUsage.COPY_DST);
+    try {
+      const buffer = this.#memory.createBuffer(label, bytes, usage | GPUBufferUsage.COPY_DST);
+      this.#buffers.push(buffer);
+      return buffer;
+    } catch (error) {
+      for (const buffer of this.#buffers) this.#memory.destroy(buffer);
+      throw error;
+    }
   }
 }

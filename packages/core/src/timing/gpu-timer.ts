@@ -37,13 +37,15 @@ export interface FrameCounts {
 export class GpuTimer {
   readonly #memory: GpuMemory;
   readonly #queue: GPUQueue;
+  readonly #hasTimestamps: boolean;
   /** Null without timestamps, and until it is known to work. */
   #querySet: GPUQuerySet | null = null;
   /** That of the frame that is being recorded. */
   #recorded: GPUQuerySet | null = null;
-  readonly #resolved: GPUBuffer | null;
-  readonly #ring: readonly GPUBuffer[];
-  readonly #free: GPUBuffer[];
+  #resolved: GPUBuffer | null = null;
+  /** Made with the first frame, whose memory is checked. */
+  #ring: readonly GPUBuffer[] | null = null;
+  #free: GPUBuffer[] = [];
   #measuring: GPUBuffer | null = null;
   #passes = new Set<TimedPass>();
   #hasPairs = false;
@@ -52,27 +54,13 @@ export class GpuTimer {
   constructor(device: GPUDevice, memory: GpuMemory) {
     this.#memory = memory;
     this.#queue = device.queue;
-    const hasTimestamps = device.features.has('timestamp-query');
-    if (hasTimestamps) void this.#makeQuerySet(device);
-    this.#resolved = hasTimestamps
-      ? memory.createBuffer(
-          'timestamps',
-          TIMESTAMP_BYTES,
-          GPUBufferUsage.QUERY_RESOLVE | GPUBufferUsage.COPY_SRC,
-        )
-      : null;
-    this.#ring = Array.from({ length: RING_SIZE }, (_, i) =>
-      memory.createBuffer(
-        `statistics ${i}`,
-        READBACK_BYTES,
-        GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST,
-      ),
-    );
-    this.#free = [...this.#ring];
+    this.#hasTimestamps = device.features.has('timestamp-query');
+    if (this.#hasTimestamps) void this.#makeQuerySet(device);
   }
 
   /** Call first in a frame. */
   begin(): void {
+    this.#ring ??= this.#makeRing();
     // Reuse the buffer of a frame that was begun and never drawn.
     this.#measuring ??= this.#free.pop() ?? null;
     this.#passes = new Set();
@@ -158,7 +146,7 @@ export class GpuTimer {
 
   destroy(): void {
     this.#isDestroyed = true;
-    for (const buffer of this.#ring) this.#memory.destroy(buffer);
+    for (const buffer of this.#ring ?? []) this.#memory.destroy(buffer);
     if (this.#resolved) this.#memory.destroy(this.#resolved);
     this.#querySet?.destroy();
   }
@@ -174,6 +162,20 @@ export class GpuTimer {
     const error = await device.popErrorScope().catch((reason: Error) => reason);
     if (error || this.#isDestroyed) querySet.destroy();
     else this.#querySet = querySet;
+  }
+
+  #makeRing(): readonly GPUBuffer[] {
+    const { QUERY_RESOLVE, COPY_SRC, COPY_DST, MAP_READ } = GPUBufferUsage;
+    const memory = this.#memory;
+    if (this.#hasTimestamps)
+      this.#resolved = memory.createBuffer('timestamps', TIMESTAMP_BYTES, QUERY_RESOLVE | COPY_SRC);
+    const ring: GPUBuffer[] = [];
+    // What exists when one fails is listed, to be freed.
+    this.#ring = ring;
+    for (let i = 0; i < RING_SIZE; i++)
+      ring.push(memory.createBuffer(`statistics ${i}`, READBACK_BYTES, MAP_READ | COPY_DST));
+    this.#free = [...ring];
+    return ring;
   }
 }
 

@@ -48,7 +48,8 @@ export class EmbeddedView extends ViewCore {
    * of the last frame.
    *
    * @returns whether there is something to draw. False without clouds or pixels, while shaders compile and the last frame
-   *   cannot take their place (`onReady` is called when they are ready), and after the loss of the device.
+   *   cannot take their place (`onReady` is called when they are ready), and after the loss of the device. True where memory
+   *   is lacking, for the last frame for which there was some: the next call throws, once, and later ones look for memory.
    * @throws InvalidArgumentError, GpuLimitError, DestroyedError.
    */
   prepare(request: EmbeddedFrameRequest): boolean {
@@ -57,10 +58,10 @@ export class EmbeddedView extends ViewCore {
     if (!hasPixels || request.clouds.length === 0 || this.context.destroyedBecause() !== null) return false;
     const depths = this.#depthsFor(request);
     const [depth, withOccluders] = depths;
-    this.timer.begin();
     const { plan, stands, isAsked } = this.next(request, depths);
     if (!plan) return false;
-    if (!stands) {
+    if (stands) this.timer.begin();
+    else {
       this.#order(plan);
       // Prepare for occluders: they are to hide these splats from their first frame on.
       if (isAsked && request.depth && !depth) {
@@ -89,7 +90,8 @@ export class EmbeddedView extends ViewCore {
         'The frame was prepared for a depth test and the host gave none.',
       );
     }
-    this.recordDraw(encoder, { kind: 'host', pass });
+    // The image is made with the first draw of its size.
+    this.withMemory(this.prepared!, () => this.recordDraw(encoder, { kind: 'host', pass }));
     // The host submits before it yields to microtasks; reading back must not begin earlier.
     queueMicrotask(() => void this.measure());
     return this.parts.compose.image!;
@@ -110,12 +112,19 @@ export class EmbeddedView extends ViewCore {
     this.onReady?.();
   }
 
+  protected override redraw(plan: FramePlan): void {
+    this.#order(plan);
+  }
+
   #order(plan: FramePlan): void {
-    this.makeRoom(plan);
-    const { device } = this.context;
-    const encoder = device.createCommandEncoder({ label: 'websplatter pre-process and sort' });
-    this.recordOrder(encoder);
-    device.queue.submit([encoder.finish()]);
+    this.withMemory(plan, () => {
+      this.makeRoom(plan);
+      this.timer.begin();
+      const { device } = this.context;
+      const encoder = device.createCommandEncoder({ label: 'websplatter pre-process and sort' });
+      this.recordOrder(encoder);
+      device.queue.submit([encoder.finish()]);
+    });
   }
 
   /** Returns the requested depth test, then the alternatives to draw with while its shaders compile. */

@@ -1,6 +1,6 @@
 import { pixelRay } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { DestroyedError, InvalidArgumentError } from '../errors.ts';
+import { DestroyedError, GpuLimitError, InvalidArgumentError } from '../errors.ts';
 import type { FrameParts } from '../frame/frame.ts';
 import { locateSplat } from '../frame/frame-pages.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
@@ -8,6 +8,7 @@ import type { FrameShape } from '../frame/frame-shape.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
+import { readBack } from '../gpu/read-back.ts';
 import { PICK_CONSTANTS, PickBlock, PickParameters } from '../layout/pick-structs.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
@@ -57,7 +58,8 @@ interface PickContext {
  * @param xPx column of the layer, from the left; the pixel is the one that contains the point.
  * @param yPx row, from the top.
  * @returns null if no splat reaches the cutoff at the pixel, and for splats of previews.
- * @throws InvalidArgumentError outside the layer, DestroyedError if engine or device end before the result is read.
+ * @throws InvalidArgumentError outside the layer, GpuLimitError if memory is lacking, DestroyedError if engine or device end
+ *   before the result is read.
  */
 export async function pickSplat(
   context: PickContext,
@@ -105,33 +107,37 @@ async function readBlocks(
   const blockCount = Math.ceil(visibleCapacity / PICK_CONSTANTS.PICK_WORKGROUP);
   if (blockCount === 0) return new ArrayBuffer(0);
   const bytes = blockCount * PickBlock.bytes;
-  const { UNIFORM, STORAGE, COPY_SRC, COPY_DST, MAP_READ } = GPUBufferUsage;
+  const { UNIFORM, STORAGE, COPY_SRC, COPY_DST } = GPUBufferUsage;
   const made: GPUBuffer[] = [];
   const create = (label: string, size: number, usage: GPUBufferUsageFlags) => {
     const buffer = memory.createBuffer(label, size, usage);
     made.push(buffer);
     return buffer;
   };
-  try {
+  const find = () => {
     const parameters = create('pick parameters', PickParameters.bytes, UNIFORM | COPY_DST);
     const blocks = create('pick blocks', bytes, STORAGE | COPY_SRC);
-    const readback = create('pick read-back', bytes, COPY_DST | MAP_READ);
     const contents = PickParameters.pack({ pixelPx, blockCount });
     device.queue.writeBuffer(parameters, 0, contents);
-
     const stage = pick(accuracy.recordPrecision);
-    const encoder = device.createCommandEncoder({ label: 'pick' });
-    const pass = encoder.beginComputePass({ label: 'pick' });
-    pass.setPipeline(pipelines.compute(stage)!);
-    pass.setBindGroup(0, pipelines.bindGroup(stage, { ...shared.buffers, parameters, blocks }));
-    pass.dispatchWorkgroups(...dispatchSize(blockCount, dispatchRow));
-    pass.end();
-    encoder.copyBufferToBuffer(blocks, 0, readback, 0, bytes);
-    device.queue.submit([encoder.finish()]);
-    await readback.mapAsync(GPUMapMode.READ).catch((cause: Error) => {
-      throw new DestroyedError('This pick', cause.message);
+    const group = pipelines.bindGroup(stage, { ...shared.buffers, parameters, blocks });
+    return readBack(device, bytes, (encoder, target) => {
+      const pass = encoder.beginComputePass({ label: 'pick' });
+      pass.setPipeline(pipelines.compute(stage)!);
+      pass.setBindGroup(0, group);
+      pass.dispatchWorkgroups(...dispatchSize(blockCount, dispatchRow));
+      pass.end();
+      encoder.copyBufferToBuffer(blocks, 0, target, 0, bytes);
     });
-    return readback.getMappedRange().slice(0);
+  };
+  try {
+    const { result, checked } = memory.guard('Picking', 'Pick when less is shown.', find);
+    result.catch(() => {});
+    await checked;
+    return await result;
+  } catch (error) {
+    if (error instanceof GpuLimitError) throw error;
+    throw new DestroyedError('This pick', (error as Error).message);
   } finally {
     for (const buffer of made) memory.destroy(buffer);
   }

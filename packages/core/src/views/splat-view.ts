@@ -72,6 +72,9 @@ export class SplatView extends ViewCore {
    * ready; until then the same clouds are drawn with their old settings and effects. A frame that may keep the GPU for long is
    * submitted in parts; of the requests that come meanwhile, the newest is drawn next. `whenDrawn` waits for the frame.
    *
+   * If memory turns out to be lacking, which the device tells some time later, the picture before is drawn again, `whenDrawn`
+   * rejects, and so does the next call, once. Later calls look for memory and draw when there is some.
+   *
    * @returns whether work was, or will be, submitted.
    * @throws InvalidArgumentError, GpuLimitError, DestroyedError.
    */
@@ -85,7 +88,7 @@ export class SplatView extends ViewCore {
     const { plan, stands, isAsked } = this.next(request, [null]);
     if (!isAsked) {
       if (plan && !stands) this.#draw(plan);
-      return true;
+      return !this.isLackingRoom;
     }
     const isChanged = !stands || !this.#showsBackground(request);
     if (!stands) this.#draw(plan!);
@@ -100,8 +103,9 @@ export class SplatView extends ViewCore {
   }
 
   /**
-   * Resolves when the last requested frame has been submitted. Rejects if its shaders do not compile, and with a DestroyedError if
-   * one of its clouds, the view, the engine or the device ends before.
+   * Resolves when the last requested frame has been submitted and the device has had memory for it. Rejects with a GpuLimitError
+   * if it has not, if shaders do not compile, and with a DestroyedError if one of its clouds, the view, the engine or the device
+   * ends before.
    */
   async whenDrawn(): Promise<void> {
     // A frame in parts, and then the request that waited for it.
@@ -164,27 +168,41 @@ export class SplatView extends ViewCore {
   }
 
   protected override retry(request: FrameRequest | null): void {
-    // One that waits for a frame in parts is newer. Where a cloud has ended meanwhile, whoever waits for the frame is told.
-    if (request && !this.#held) this.render(request);
+    // A request that waits for a frame in parts is newer, and follows it.
+    if (this.#isInParts && this.#held) return;
+    const newest = this.#held ?? request;
+    this.#held = null;
+    // Where a cloud has ended meanwhile, whoever waits for the frame is told.
+    if (newest) this.render(newest);
+  }
+
+  protected override redraw(plan: FramePlan): void {
+    this.#draw(plan);
   }
 
   #draw(plan: FramePlan): void {
     const { device } = this.context;
     const { request } = plan;
-    this.makeRoom(plan);
     if (!this.profile && this.#forecast.mayExceed(plan)) {
-      this.#inParts = this.#drawInParts(plan);
+      const checked = this.withMemory(plan, () => {
+        this.makeRoom(plan);
+        this.timer.begin();
+      });
+      this.#inParts = this.#drawInParts(plan, checked);
       // As where shaders do not compile: only callers that await the frame get the error.
       this.#inParts.catch(() => {});
       return;
     }
-    this.#fitCanvas(request);
-    if (!this.profile) this.timer.begin();
-    const whole = device.createCommandEncoder({ label: 'websplatter frame' });
-    const encoder = this.profile?.split(whole) ?? whole;
-    this.recordOrder(encoder);
-    this.recordDraw(encoder, this.#destination(request));
-    device.queue.submit([encoder.finish()]);
+    this.withMemory(plan, () => {
+      this.makeRoom(plan);
+      this.#fitCanvas(request);
+      if (!this.profile) this.timer.begin();
+      const whole = device.createCommandEncoder({ label: 'websplatter frame' });
+      const encoder = this.profile?.split(whole) ?? whole;
+      this.recordOrder(encoder);
+      this.recordDraw(encoder, this.#destination(request));
+      device.queue.submit([encoder.finish()]);
+    });
     this.shown(request);
     void this.#learn(plan);
   }
@@ -194,10 +212,23 @@ export class SplatView extends ViewCore {
     if (statistics) this.#forecast.take(plan, statistics.timing);
   }
 
-  async #drawInParts(plan: FramePlan): Promise<void> {
+  /** @param checked whether there was memory for the frame's buffers; null if it has had them before. */
+  async #drawInParts(plan: FramePlan, checked: Promise<void> | null): Promise<void> {
     const { request } = plan;
     const { parts } = this;
     this.#isInParts = true;
+    // Nothing collects the errors of parts, so none is submitted before its buffers are known to exist.
+    const hasRoom =
+      (await checked?.then(
+        () => true,
+        () => false,
+      )) ?? true;
+    if (!hasRoom) {
+      // `drawn` tells. Other stages may draw the newest request, in less memory.
+      this.#isInParts = false;
+      if (this.isLackingRoom) this.#held = null;
+      return;
+    }
     let isDrawn = false;
     try {
       isDrawn = await this.#submitInParts(plan);
@@ -226,7 +257,6 @@ export class SplatView extends ViewCore {
       this.#divider = new module.FrameDivider(context);
     }
     const submittedMs = performance.now();
-    timer.begin();
     const canDraw = () =>
       !this.isDestroyed && context.destroyedBecause() === null && parts === this.parts && !parts.isDestroyed;
     const elapsedMs = await this.#divider.submit({

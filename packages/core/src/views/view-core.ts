@@ -59,11 +59,14 @@ export interface NextFrame {
   /** Whether that frame is shown already, so that there is nothing to draw. */
   readonly stands: boolean;
   /**
-   * Whether `plan` is the requested one. If not, shaders are compiling and `retry` will be called, or a preview is held, which
-   * another will replace.
+   * Whether `plan` is the requested one. If not, shaders are compiling, clouds are being uploaded or memory is sought and
+   * `retry` will be called, or a preview is held, which another will replace.
    */
   readonly isAsked: boolean;
 }
+
+/** Shortest time between two probes for memory that was lacking, ms: a page may ask for the same frame sixty times a second. */
+const PROBE_PAUSE_MS = 250;
 
 /** Bits in which the depths of most scenes differ that a camera stands in. */
 const LIKELY_KEY_BITS = 27;
@@ -86,7 +89,7 @@ export abstract class ViewCore {
   onAccuracyChosen: ((choice: AccuracyChoice) => void) | null = null;
   protected readonly context: ViewContext;
   protected parts: FrameParts;
-  protected readonly timer: GpuTimer;
+  protected timer: GpuTimer;
   readonly #output: FrameOutput;
   readonly #accuracy: ViewAccuracy;
   readonly #onDestroyed: () => void;
@@ -94,8 +97,16 @@ export abstract class ViewCore {
   readonly #choice: RasterizerChoice;
   /** What the buffers and shaders of the next frame should suit, besides that frame. */
   #needs = new RecentNeeds();
-  /** Why the last frame is void, until a caller has been told. */
-  #lack: GpuLimitError | null = null;
+  /** Why the last frame could not be drawn, until a caller has been told. */
+  #untold: Error | null = null;
+  /** The frame that found no memory, as long as none so large has. */
+  #lack: Lack | null = null;
+  /** Settles when the device has said whether it had memory for the last frames; rejects if not. */
+  #checking: Promise<void> = Promise.resolve();
+  #isChecking = false;
+  #newestCheck = 0;
+  /** The last frame for which there was memory. */
+  #sound: FramePlan | null = null;
   #omittedEffects: readonly OmittableEffect[] = [];
   #prepared: FramePlan | null = null;
   /** Whether the frame being drawn has the visible splats of the last one, in the same order. */
@@ -116,7 +127,7 @@ export abstract class ViewCore {
     this.#output = output;
     this.#onDestroyed = onDestroyed;
     this.parts = this.#newParts();
-    this.timer = new GpuTimer(context.device, context.memory);
+    this.timer = this.#newTimer();
     this.#choice = new RasterizerChoice({
       hasTimestamps: context.device.features.has('timestamp-query'),
       ...context.fasterRasterizer,
@@ -234,13 +245,24 @@ export abstract class ViewCore {
     return this.parts.shape;
   }
 
+  /** Plan of the last frame; null before the first. */
+  protected get prepared(): FramePlan | null {
+    return this.#prepared;
+  }
+
   protected get isDestroyed(): boolean {
     return this.#isDestroyed;
   }
 
   /** See `SplatView.whenDrawn`. */
   protected get drawn(): Promise<void> {
-    return this.#whenDrawn;
+    if (this.#untold) return Promise.reject(this.#untold);
+    return this.#whenDrawn.then(() => this.#checking);
+  }
+
+  /** Whether the last requested frame waits for memory, which may be lacking still. */
+  protected get isLackingRoom(): boolean {
+    return this.#lack !== null;
   }
 
   /** Whether a request waits for its shaders. */
@@ -252,6 +274,9 @@ export abstract class ViewCore {
     const isUsable = !this.#isDestroyed && this.context.destroyedBecause() === null;
     return isUsable && clouds.every(({ cloud }) => !cloud.isDestroyed);
   }
+
+  /** Draws the last sound frame again, or what takes the place of one that found no memory. */
+  protected abstract redraw(plan: FramePlan): void;
 
   /** Called when settings have been chosen for a wish; `request` is that of the last frame. */
   protected abstract onChosen(choice: AccuracyChoice, request: FrameRequest): void;
@@ -268,12 +293,15 @@ export abstract class ViewCore {
    *
    * @returns whether it has pixels.
    * @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a destroyed cloud,
-   *   GpuLimitError, once, if the last frame found no memory.
+   *   GpuLimitError for a cloud, and once for the last frame, that found no memory.
    */
   protected check(request: FrameRequest): boolean {
-    const lack = this.#lack;
-    this.#lack = null;
-    if (lack) throw lack;
+    const untold = this.#untold;
+    this.#untold = null;
+    if (untold) {
+      this.#checking = Promise.resolve();
+      throw untold;
+    }
     checkRequest(request, this.context.device);
     // Before anything is planned: another size may need other shaders.
     checkSize(this.context.device, request.widthPx, request.heightPx);
@@ -302,7 +330,13 @@ export abstract class ViewCore {
       return { plan: asked, stands: true, isAsked: true };
     }
     const plan = this.#withCompiledRasterizer(this.#keepingColors(asked), depths[0]);
-    if (this.#isReady(plan.shape)) {
+    const mayLackRoom = this.#lack !== null && isAsLarge(plan, this.#lack.plan);
+    if (mayLackRoom) {
+      const last = this.#prepared;
+      if (performance.now() - this.#lack!.probedMs > PROBE_PAUSE_MS) this.#waitFor(plan, request);
+      return { plan: last, stands: last !== null, isAsked: false };
+    }
+    if (this.#isReady(plan.shape) && areUploaded(request)) {
       this.#endWait();
       return { plan, stands: false, isAsked: true };
     }
@@ -336,10 +370,90 @@ export abstract class ViewCore {
   }
 
   /**
-   * Makes room for a frame and writes its uniforms. Call before recording.
+   * Makes room for a frame, and records and submits it by `work`. If memory is lacking for it, which the device tells later, the
+   * last frame is drawn again.
    *
-   * @throws GpuLimitError if the device's limits do not allow the frame: the last one stays. Also if memory is lacking: the
-   *   last frame is gone then, and the next one starts from scratch.
+   * @returns what rejects if memory was lacking; null if the frame takes no more than those before.
+   * @throws GpuLimitError if limits or the engine's budget do not allow the frame; the last one stays, or is drawn again.
+   */
+  protected withMemory(plan: FramePlan, work: () => void): Promise<void> | null {
+    const { parts } = this;
+    const advice = 'Draw a smaller image, or with a coarser accuracy or by quads, or load fewer splats.';
+    let checked: Promise<void> | null;
+    try {
+      // A frame in memory that is still being checked may be as invalid as that.
+      ({ checked } = this.context.memory.guard('A frame', advice, work, this.#isChecking));
+    } catch (error) {
+      if (parts.isDestroyed) {
+        void this.#restore(this.#takeLack(error as Error, plan));
+        this.#untold = null;
+      }
+      throw error;
+    }
+    if (!checked) {
+      this.#sound = this.#prepared;
+      return null;
+    }
+    const check = ++this.#newestCheck;
+    this.#isChecking = true;
+    const checking = checked.then(
+      () => {
+        if (check === this.#newestCheck) this.#isChecking = false;
+        if (parts === this.parts) this.#sound = plan;
+      },
+      async (error: Error) => {
+        if (this.#isDestroyed) return;
+        // Frames that followed in the same memory are void for the same reason.
+        if (parts !== this.parts) throw this.#untold ?? error;
+        const sound = this.#takeLack(error, plan);
+        const { reclaimMemory } = await import('../gpu/probe-memory.ts');
+        await reclaimMemory(this.context.device);
+        await this.#restore(sound);
+        if (!this.#isDestroyed) this.retry(isByChoice(plan) ? plan.request : null);
+        if (!isByChoice(plan)) throw error;
+        await this.drawn;
+      },
+    );
+    checking.catch(() => {});
+    this.#checking = checking;
+    return checked;
+  }
+
+  /** Gives up the memory of a frame that lacks some. @returns the frame to draw again instead. */
+  #takeLack(error: Error, plan: FramePlan): FramePlan | null {
+    const sound = this.#sound;
+    const bytes = Math.max(this.memory.totalBytes, (error as GpuLimitError).neededBytes ?? 0);
+    this.#startOver();
+    if (isByChoice(plan)) {
+      const { shape, layer } = plan;
+      const load = { visibleSplats: shape.visibleCapacity, pixels: layer.widthPx * layer.heightPx };
+      this.#choice.rejectTiles('tiles found no memory for their lists', load);
+    } else {
+      this.#untold ??= error;
+      this.#lack ??= { plan, bytes, error, probedMs: Number.NEGATIVE_INFINITY };
+    }
+    return sound;
+  }
+
+  /** Draws the last sound frame again. @returns what settles when it is known whether there was memory for that. */
+  async #restore(sound: FramePlan | null): Promise<void> {
+    // Another frame may have been drawn since.
+    if (!sound || this.#prepared || !this.canStillDraw(sound.request)) return;
+    const { accuracy, depth, rasterizer } = sound.shape;
+    const again = this.#plan(sound.request, accuracy, depth, rasterizer);
+    try {
+      if (!this.#isReady(again.shape)) return;
+      this.redraw(again);
+      await this.#checking;
+    } catch {
+      // Then there is no memory for that either, and the view holds nothing.
+    }
+  }
+
+  /**
+   * Makes room for a frame and writes its uniforms. Call within `withMemory`, before recording.
+   *
+   * @throws GpuLimitError
    */
   protected makeRoom(plan: FramePlan): void {
     const last = this.#prepared;
@@ -349,13 +463,7 @@ export abstract class ViewCore {
       // The other rasteriser has not filled its buffers.
       last.shape.rasterizer === plan.shape.rasterizer &&
       isSameOrder(last, plan);
-    let isReplaced: boolean;
-    try {
-      isReplaced = this.parts.fit(plan);
-    } catch (error) {
-      if (this.parts.isDestroyed) this.#startOver(null);
-      throw error;
-    }
+    const isReplaced = this.parts.fit(plan);
     if (last && !showsClouds(last, plan.request.clouds)) this.#needs = new RecentNeeds();
     this.#needs.take(plan.needs, performance.now());
     this.#isColorsOnly = isOrderKept && !isReplaced;
@@ -363,19 +471,25 @@ export abstract class ViewCore {
   }
 
   #newParts(): FrameParts {
-    return new FrameParts({ ...this.context, onLack: (lack) => this.#startOver(lack) });
+    return new FrameParts(this.context);
+  }
+
+  #newTimer(): GpuTimer {
+    return new GpuTimer(this.context.device, this.context.memory);
   }
 
   /** Gives up the last frame, which was not drawn to its end. */
   protected giveUp(): void {
-    this.parts.destroy();
-    this.#startOver(null);
+    this.#startOver();
   }
 
-  /** Forgets the last frame, whose memory is gone. */
-  #startOver(lack: GpuLimitError | null): void {
-    this.#lack = lack;
+  /** Forgets the last frame and frees its memory. */
+  #startOver(): void {
+    this.free();
     this.parts = this.#newParts();
+    this.timer = this.#newTimer();
+    this.#isChecking = false;
+    this.#sound = null;
     this.#prepared = null;
     this.#needs = new RecentNeeds();
     this.#expected.clear();
@@ -407,7 +521,9 @@ export abstract class ViewCore {
   /** Reads the frame's statistics; call after submitting. Null if it was not measured. */
   protected async measure(submittedMs = performance.now()): Promise<FrameStatistics | null> {
     const totalSplats = this.shape?.clouds.reduce((sum, { cloud }) => sum + cloud.count, 0) ?? 0;
-    const statistics = await this.timer.read(++this.#frameNumber, totalSplats, submittedMs);
+    const read = () => this.timer.read(++this.#frameNumber, totalSplats, submittedMs);
+    // What is read may turn out not to exist.
+    const statistics = await this.context.memory.guard('A frame', '', read, this.#isChecking).result;
     if (!statistics || this.#isDestroyed || !this.#prepared) return null;
     this.#learn(statistics);
     this.context.onMeasured();
@@ -566,10 +682,11 @@ export abstract class ViewCore {
     this.#whenDrawn.catch(() => {});
   }
 
-  async #retryWhenCompiled(wait: Wait, { shape }: FramePlan): Promise<void> {
+  async #retryWhenCompiled(wait: Wait, { shape, request }: FramePlan): Promise<void> {
     let isWaiting = true;
     try {
-      await this.context.pipelines.prepare(frameStages(shape));
+      const uploads = request.clouds.map(({ cloud }) => cloud.uploaded);
+      await Promise.all([this.context.pipelines.prepare(frameStages(shape)), this.#findRoom(), ...uploads]);
       isWaiting = this.#wait === wait;
       if (isWaiting) {
         this.#wait = null;
@@ -583,16 +700,58 @@ export abstract class ViewCore {
     if (isWaiting && this.#wait) await this.#whenDrawn;
   }
 
+  /** Asks whether there is memory by now. @throws the error of the frame that lacked it, if not. */
+  async #findRoom(): Promise<void> {
+    const lack = this.#lack;
+    if (!lack) return;
+    lack.probedMs = performance.now();
+    // Few pages ever lack memory.
+    const { probeMemory } = await import('../gpu/probe-memory.ts');
+    const isThere = await probeMemory(this.context.memory, lack.bytes - this.memory.totalBytes);
+    if (!isThere) throw lack.error;
+    this.#lack = null;
+  }
+
   #endWait(): void {
     this.#wait = null;
     this.#whenDrawn = Promise.resolve();
   }
 }
 
-/** A request that waits for shaders. */
+/** A request that waits for shaders, clouds or memory. */
 interface Wait {
   /** The newest request. */
   request: FrameRequest;
+}
+
+/** A frame that found no memory. */
+interface Lack {
+  readonly plan: FramePlan;
+  /** Bytes that the view would hold with that frame. */
+  readonly bytes: number;
+  readonly error: Error;
+  /** When it was last asked whether there is memory by now. */
+  probedMs: number;
+}
+
+/** Whether a plan has tiles that were not asked for. */
+function isByChoice({ shape }: FramePlan): boolean {
+  return shape.rasterizer === 'tiles' && shape.accuracy.rasterizer === 'auto';
+}
+
+/** Whether `plan` needs as much memory as the plan that found none. */
+function isAsLarge({ shape, layer, request }: FramePlan, lacking: FramePlan): boolean {
+  return (
+    shape.visibleCapacity >= lacking.shape.visibleCapacity &&
+    layer.widthPx * layer.heightPx >= lacking.layer.widthPx * lacking.layer.heightPx &&
+    request.widthPx * request.heightPx >= lacking.request.widthPx * lacking.request.heightPx &&
+    (shape.rasterizer === 'tiles' || lacking.shape.rasterizer === 'quads')
+  );
+}
+
+/** Whether all clouds of `request` are known to be on the GPU. */
+function areUploaded({ clouds }: FrameRequest): boolean {
+  return clouds.every(({ cloud }) => cloud.isUploaded);
 }
 
 function checkSize({ limits }: GPUDevice, widthPx: number, heightPx: number): void {

@@ -1,0 +1,133 @@
+import { GpuLimitError } from '../errors.ts';
+import type { GpuMemory } from '../gpu/gpu-memory.ts';
+import { probeMemory } from '../gpu/probe-memory.ts';
+import { Chunk } from '../layout/structs.ts';
+import { GEOMETRY_WORDS } from '../packing/geometry.ts';
+import { shWordsPerSplat } from '../packing/harmonics.ts';
+import { chunkCountOf, type PackedCloud } from '../packing/packed-cloud.ts';
+import type { CloudPrecision, ShPrecision } from '../packing/precision.ts';
+import { repackHarmonics, truncateHarmonics } from '../packing/repack-harmonics.ts';
+import type { ShDegree } from '../splats/splat-set.ts';
+
+/** How a cloud may be loaded: what decides its bytes per splat. */
+export interface FitSettings extends CloudPrecision {
+  /** Highest degree of harmonics that is stored. */
+  readonly shDegree: ShDegree;
+}
+
+/** Coarser settings that a load has taken because memory was lacking for those asked for. */
+export interface CloudFit {
+  readonly wanted: FitSettings;
+  readonly taken: FitSettings;
+  /** Bytes that the wanted settings need. */
+  readonly wantedBytes: number;
+  /** Bytes that the taken settings need. */
+  readonly takenBytes: number;
+  /** A sentence for people. */
+  readonly why: string;
+}
+
+/** `exact`: a load that does not fit fails. `auto`: it takes the finest settings that fit. */
+export type FitMode = 'exact' | 'auto';
+
+interface Fitting {
+  readonly memory: GpuMemory;
+  /** Of the cloud, for messages. */
+  readonly name: string;
+  /** Most bytes that a load with these settings takes at once. */
+  readonly bytesOf: (settings: FitSettings) => number;
+  /** What the limits say already; default to ask. */
+  readonly failure?: GpuLimitError;
+}
+
+/** Bytes of the planes and chunks of a cloud. */
+export function cloudBytes(count: number, { geometryPrecision, shPrecision, shDegree }: FitSettings): number {
+  const words = GEOMETRY_WORDS[geometryPrecision] + shWordsPerSplat(shDegree, shPrecision);
+  return 4 * words * count + Chunk.bytes * chunkCountOf(count);
+}
+
+const COARSER_SH: Readonly<Record<ShPrecision, readonly ShPrecision[]>> = {
+  f32: ['f16', 'u8'],
+  f16: ['u8'],
+  u8: [],
+};
+
+/** Settings coarser than `wanted`, the finest first: what changes colours least goes first, bands of harmonics last. */
+export function coarserSettings({ geometryPrecision, shPrecision, shDegree }: FitSettings): FitSettings[] {
+  const coarser: FitSettings[] = [];
+  const sh = shDegree > 0 ? COARSER_SH[shPrecision] : [];
+  for (const each of sh) coarser.push({ geometryPrecision, shPrecision: each, shDegree });
+  const coarsest = sh.at(-1) ?? shPrecision;
+  if (geometryPrecision === 'f32')
+    coarser.push({ geometryPrecision: 'packed', shPrecision: coarsest, shDegree });
+  for (let degree = shDegree - 1; degree >= 0; degree--)
+    coarser.push({ geometryPrecision: 'packed', shPrecision: coarsest, shDegree: degree as ShDegree });
+  return coarser;
+}
+
+/**
+ * Compares what a load needs with the budget and, by a probe, with the GPU's memory.
+ *
+ * @returns null if `wanted` fits.
+ * @throws GpuLimitError, with the settings that would fit, if it does not and `mode` is `exact`, or nothing fits.
+ */
+export async function fitSettings(
+  { memory, name, bytesOf, failure }: Fitting,
+  wanted: FitSettings,
+  mode: FitMode,
+): Promise<CloudFit | null> {
+  const wantedBytes = bytesOf(wanted);
+  if (!failure && (await probeMemory(memory, wantedBytes))) return null;
+  const taken = await firstThatFits(memory, coarserSettings(wanted), bytesOf);
+  const { heldBytes, availableBytes } = memory;
+  const needs = `${name} needs ${wantedBytes} bytes of the GPU's memory with ${describe(wanted)}; ${heldBytes} are held, and there is no room for as many more`;
+  if (taken && mode === 'auto') {
+    const takenBytes = bytesOf(taken);
+    const why = `${needs}: it has ${describe(taken)} instead, ${takenBytes} bytes.`;
+    return { wanted, taken, wantedBytes, takenBytes, why };
+  }
+  const limit = wantedBytes > availableBytes ? 'memoryBudgetBytes' : 'memory';
+  const advice = taken
+    ? `With ${describe(taken)} it would fit: load it with fit: 'auto'.`
+    : 'No coarser settings would fit either: load fewer splats.';
+  const room = limit === 'memory' ? 0 : Math.max(0, availableBytes);
+  const details = { heldBytes, fitting: taken && { ...taken }, cause: failure };
+  throw new GpuLimitError(limit, wantedBytes, room, `${needs}. ${advice}`, details);
+}
+
+/**
+ * Makes a cloud that found no memory coarser, on the CPU. Its geometry stays as it is packed.
+ *
+ * @throws GpuLimitError, with the settings that would fit, if `mode` is `exact`, or nothing fits.
+ */
+export async function fitPacked(
+  packed: PackedCloud,
+  fitting: Pick<Fitting, 'memory' | 'name' | 'failure'>,
+  mode: FitMode,
+): Promise<{ readonly packed: PackedCloud; readonly fit: CloudFit }> {
+  const { count, geometry, harmonics } = packed;
+  const geometryPrecision = geometry.precision;
+  const wanted = { geometryPrecision, shPrecision: harmonics.precision, shDegree: harmonics.degree };
+  const bytesOf = (settings: FitSettings) => cloudBytes(count, { ...settings, geometryPrecision });
+  // Null only where nothing has failed.
+  const fit = (await fitSettings({ ...fitting, bytesOf }, wanted, mode))!;
+  const taken = { ...fit.taken, geometryPrecision };
+  const whole = truncateHarmonics(harmonics, count, taken.shDegree);
+  return {
+    packed: { ...packed, harmonics: repackHarmonics(whole, count, taken.shPrecision) },
+    fit: { ...fit, taken },
+  };
+}
+
+async function firstThatFits(
+  memory: GpuMemory,
+  candidates: readonly FitSettings[],
+  bytesOf: (settings: FitSettings) => number,
+): Promise<FitSettings | null> {
+  for (const settings of candidates) if (await probeMemory(memory, bytesOf(settings))) return settings;
+  return null;
+}
+
+function describe({ geometryPrecision, shPrecision, shDegree }: FitSettings): string {
+  return `${geometryPrecision} geometry and ${shPrecision} harmonics of degree ${shDegree}`;
+}

@@ -1,0 +1,30 @@
+import type { GpuMemory } from './gpu-memory.ts';
+
+/** Whether `bytes` more can be had now, within the budget too: allocates them for a moment. */
+export async function probeMemory({ device, availableBytes }: GpuMemory, bytes: number): Promise<boolean> {
+  if (bytes > availableBytes) return false;
+  await reclaimMemory(device);
+  const { maxBufferSize } = device.limits;
+  const made: GPUBuffer[] = [];
+  device.pushErrorScope('out-of-memory');
+  for (let left = Math.ceil(bytes / 4) * 4; left > 0; left -= maxBufferSize) {
+    const size = Math.min(left, maxBufferSize);
+    made.push(device.createBuffer({ label: 'probe', size, usage: GPUBufferUsage.COPY_DST }));
+  }
+  const error = device.popErrorScope();
+  for (const buffer of made) buffer.destroy();
+  // A lost device answers nothing, and whoever asks finds that out.
+  const isLacking = (await error.catch(() => null)) !== null;
+  await reclaimMemory(device);
+  return !isLacking;
+}
+
+/**
+ * Waits until what was destroyed is free. Dawn gives memory back when a submission that follows is done; without one, a buffer of
+ * 256 MiB was still missing after `onSubmittedWorkDone`, and an empty list of commands did not count.
+ */
+export async function reclaimMemory(device: GPUDevice): Promise<void> {
+  device.queue.submit([device.createCommandEncoder({ label: 'reclaim memory' }).finish()]);
+  // A lost device has no memory to give back.
+  await device.queue.onSubmittedWorkDone().catch(() => {});
+}
