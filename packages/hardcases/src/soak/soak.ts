@@ -336,6 +336,8 @@ class Soak {
         this.#fail(`work under way ended with ${describe(outcome.reason)}`);
     }
     this.#engine.destroy();
+    // Memory is freed when the caller's task is done, whose commands may still use it.
+    await nextTask();
     const { totalBytes } = this.#engine.memory();
     if (totalBytes !== 0) this.#fail(`${totalBytes} bytes are counted after the engine was destroyed`);
     await this.#takeErrors();
