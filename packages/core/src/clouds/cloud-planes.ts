@@ -108,6 +108,8 @@ export class CloudPlanes {
   readonly shDegree: ShDegree;
   /** Pages of every plane. */
   readonly ranges: readonly PageRange[];
+  /** The same object for planes of the same buffers, as those of one load's previews are. */
+  readonly storage: object;
   readonly #memory: GpuMemory;
   readonly #name: string;
   readonly #chunks: Plane;
@@ -123,6 +125,7 @@ export class CloudPlanes {
     this.#name = name;
     this.shDegree = made.shDegree;
     this.ranges = made.ranges;
+    this.storage = made.geometry[0] ?? this;
     this.#chunks = made.chunks;
     this.#geometry.set(made.geometryPrecision, made.geometry);
     if (this.shDegree === 0) for (const precision of SH_FINEST_FIRST) this.#sh.set(precision, []);

@@ -16,13 +16,17 @@ function fakeDevice() {
     made.push(new WeakRef(thing));
     return thing;
   };
+  let lose = () => {};
   const device = {
+    lost: new Promise<void>((resolve) => {
+      lose = resolve;
+    }),
     createBindGroupLayout: () => ({}),
     createPipelineLayout: () => ({}),
     createShaderModule: make,
     createComputePipelineAsync: async () => make(),
   } as unknown as GPUDevice;
-  return { device, alive: () => made.filter((each) => each.deref() !== undefined).length };
+  return { device, lose, alive: () => made.filter((each) => each.deref() !== undefined).length };
 }
 
 /** Stages that differ in a setting, which their shaders use. */
@@ -59,6 +63,18 @@ describe('Pipelines', () => {
     await collectGarbage();
     // As many modules as pipelines.
     expect(alive()).toBe(2 * MAX_KEPT_PIPELINES);
+  });
+
+  test('leave memory when their device is lost, though that is held', async () => {
+    const { device, lose, alive } = fakeDevice();
+    await new Pipelines(device).prepare(variants(3));
+    await collectGarbage();
+    // Another engine on the device would find them.
+    expect(alive()).toBe(6);
+    lose();
+    await collectGarbage();
+    expect(alive()).toBe(0);
+    expect(device.lost).toBeDefined();
   });
 
   test('stay for as long as somebody holds their stage, in whatever number', async () => {

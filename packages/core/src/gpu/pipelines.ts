@@ -80,12 +80,7 @@ export class Pipelines {
     this.#device = device;
     this.#counting = counting;
     this.#mutation = mutation;
-    this.#cache = caches.get(device) ?? {
-      layouts: new Map(),
-      modules: new RecentMap(MAX_KEPT_PIPELINES),
-      pipelines: new RecentMap(MAX_KEPT_PIPELINES),
-    };
-    caches.set(device, this.#cache);
+    this.#cache = caches.get(device) ?? newCache(device);
   }
 
   /** Returns the pipeline, or undefined while it is compiling. */
@@ -221,6 +216,18 @@ export class Pipelines {
     }
     return layout;
   }
+}
+
+function newCache(device: GPUDevice): DeviceCache {
+  const cache = {
+    layouts: new Map(),
+    modules: new RecentMap<string, GPUShaderModule>(MAX_KEPT_PIPELINES),
+    pipelines: new RecentMap<string, Promise<Pipeline>>(MAX_KEPT_PIPELINES),
+  };
+  caches.set(device, cache);
+  // Whoever holds a lost device need not hold its shaders too.
+  void device.lost.then(() => caches.delete(device));
+  return cache;
 }
 
 /** Name of the stage, as in shaders/stages, that a pipeline was compiled for. */

@@ -3,11 +3,11 @@ import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { SHADER_STRUCTS, type ShaderStruct, SPLAT_RECORDS } from '../layout/structs.ts';
 import { type LinkInput, linkModules, type ShaderModules } from './shader-linker.ts';
 
-/** All shader files except those that only measuring, making planes or tiles need, which are loaded with that code. */
+/** All shader files except those that come later: with code that only some pages need, or see `later-source.ts`. */
 const files = import.meta.glob<string>(
   [
     '../../../../shaders/**/*.wgsl',
-    '!../../../../shaders/stages/{compare-images,copy-words,ingest-*,pick,repack-*,tile-*}.wgsl',
+    '!../../../../shaders/stages/{compare-images,copy-words,ingest-*,keep-colors,pick,repack-*,resolve-depth,tile-*,upscale}.wgsl',
     '!../../../../shaders/lib/{exact-exp,float-bits,harmonics-packing,pack-splat}.wgsl',
   ],
   { query: '?raw', import: 'default', eager: true },

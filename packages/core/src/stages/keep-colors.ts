@@ -1,11 +1,13 @@
 import type { RecordPrecision } from '../accuracy/accuracy.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
+import { rareSource } from '../shaders/later-source.ts';
 import { recordConditions } from './record-conditions.ts';
 
 /** Keeps the colours that a page's splats were drawn with. */
 export function keepColors(recordPrecision: RecordPrecision): StageDefinition {
   return {
     stage: 'keep-colors',
+    source: rareSource('keep-colors'),
     entryPoint: 'keepColors',
     conditions: recordConditions(recordPrecision),
     bindings: {

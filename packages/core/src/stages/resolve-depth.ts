@@ -1,5 +1,6 @@
 import type { DepthConvention } from '../camera/depth-convention.ts';
 import type { RenderState, StageDefinition } from '../gpu/pipelines.ts';
+import { rareSource } from '../shaders/later-source.ts';
 import { TESTED_DEPTH_FORMAT } from './rasterize.ts';
 
 /**
@@ -14,6 +15,7 @@ export function resolveDepth(
 ) {
   return {
     stage: 'resolve-depth',
+    source: rareSource('resolve-depth'),
     conditions: {
       MULTISAMPLED: isMultisampled,
       SCALED: isScaled,

@@ -1,6 +1,6 @@
 import type { Extent, RecordPrecision } from '../accuracy/accuracy.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
-import { tileSource } from '../shaders/tile-source.ts';
+import { tileSource } from '../shaders/later-source.ts';
 import { recordConditions } from './record-conditions.ts';
 
 /** Settings that decide which bins and tiles a splat may touch. */

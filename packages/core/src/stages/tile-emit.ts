@@ -1,5 +1,5 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
-import { tileSource } from '../shaders/tile-source.ts';
+import { tileSource } from '../shaders/later-source.ts';
 import { type SortShape, sortConstants } from './sort-shape.ts';
 import { type TileListVariant, tileListConditions } from './tile-count.ts';
 

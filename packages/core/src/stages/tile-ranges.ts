@@ -1,5 +1,5 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
-import { tileSource } from '../shaders/tile-source.ts';
+import { tileSource } from '../shaders/later-source.ts';
 
 /** Finds each bin's pairs, and the order of the bins. */
 export const tileRanges = {

@@ -1,7 +1,7 @@
 import type { ColorTarget, RecordPrecision } from '../accuracy/accuracy.ts';
 import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
-import { tileSource } from '../shaders/tile-source.ts';
+import { tileSource } from '../shaders/later-source.ts';
 import type { RasterizeDepth } from './rasterize.ts';
 import { recordConditions } from './record-conditions.ts';
 

@@ -3,7 +3,8 @@ import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { type ForecastPlan, SubmissionForecast } from './submission-forecast.ts';
 
 const BUDGET_MS = 250;
-const CLOUD = {} as SplatCloud;
+const cloudOf = (storage = {}) => ({ planes: { storage } }) as SplatCloud;
+const CLOUD = cloudOf();
 const FULL_HD = { widthPx: 1920, heightPx: 1080 };
 
 function planOf(visibleSplats: number, layer = FULL_HD, cloud = CLOUD): ForecastPlan {
@@ -28,7 +29,15 @@ describe('SubmissionForecast', () => {
     expect(forecast.mayExceed(planOf(100_000))).toBe(true);
     forecast.takeParts(planOf(100_000), 1);
     expect(forecast.mayExceed(planOf(100_000))).toBe(false);
-    expect(forecast.mayExceed(planOf(100_000, FULL_HD, {} as SplatCloud))).toBe(true);
+    expect(forecast.mayExceed(planOf(100_000, FULL_HD, cloudOf()))).toBe(true);
+  });
+
+  test('knows a cloud by the previews of its load', () => {
+    const forecast = new SubmissionForecast(BUDGET_MS);
+    const storage = {};
+    forecast.takeParts(planOf(100_000, FULL_HD, cloudOf(storage)), 1);
+    expect(forecast.mayExceed(planOf(400_000, FULL_HD, cloudOf(storage)))).toBe(false);
+    expect(forecast.mayExceed(planOf(400_000, FULL_HD, cloudOf()))).toBe(true);
   });
 
   test('follows the last frame, and expects as many times its time as there are more splats and pixels', () => {

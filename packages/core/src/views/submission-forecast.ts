@@ -27,7 +27,8 @@ export type ForecastPlan = Pick<FramePlan, 'needs' | 'layer'> & {
  */
 export class SubmissionForecast {
   readonly #budgetMs: number;
-  readonly #drawn = new WeakSet<SplatCloud>();
+  /** By the storage of their planes, which the previews of a load share. */
+  readonly #drawn = new WeakSet<object>();
   #elapsedMs = 0;
   /** What the last measured frame might have taken the slowest device. */
   #slowestMs = 0;
@@ -41,7 +42,7 @@ export class SubmissionForecast {
   mayExceed(plan: ForecastPlan): boolean {
     const slowestMs = slowestFrameMs(plan);
     if (slowestMs <= this.#budgetMs) return false;
-    if (plan.clouds.some(({ instance }) => !this.#drawn.has(instance.cloud))) return true;
+    if (plan.clouds.some(({ instance }) => !this.#drawn.has(instance.cloud.planes.storage))) return true;
     return this.#elapsedMs * Math.max(1, slowestMs / this.#slowestMs) > this.#budgetMs;
   }
 
@@ -61,7 +62,7 @@ export class SubmissionForecast {
   #take(plan: ForecastPlan, elapsedMs: number): void {
     this.#elapsedMs = elapsedMs;
     this.#slowestMs = slowestFrameMs(plan);
-    for (const { instance } of plan.clouds) this.#drawn.add(instance.cloud);
+    for (const { instance } of plan.clouds) this.#drawn.add(instance.cloud.planes.storage);
   }
 }
 
