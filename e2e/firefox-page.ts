@@ -49,6 +49,15 @@ function reportGpuErrors(): void {
   };
 }
 
+/** Adds CSS to the page, as a strict content security policy allows. */
+export function adoptStyle(page: Page, css: string): Promise<void> {
+  return page.evaluate((text) => {
+    const sheet = new CSSStyleSheet();
+    sheet.replaceSync(text);
+    document.adoptedStyleSheets.push(sheet);
+  }, css);
+}
+
 /** Captures an element as shown on the screen. */
 export async function screenshotOf(page: Page, selector: string): Promise<Screenshot> {
   const element = await page.$(selector);
