@@ -214,6 +214,29 @@ describe('a frame in parts', () => {
     engine.destroy();
   });
 
+  gpuTest('has few parts where the device is only looked at now and then', async () => {
+    // As Firefox does, every tenth of a second.
+    const lookMs = 40;
+    const seldom = deviceWith(device, {
+      queue: new Proxy(device.queue, {
+        get: (target, name) => {
+          const value = Reflect.get(target, name);
+          if (name !== 'onSubmittedWorkDone') return typeof value === 'function' ? value.bind(target) : value;
+          return async () => {
+            await device.queue.onSubmittedWorkDone();
+            const now = performance.now();
+            await new Promise((resolve) => setTimeout(resolve, lookMs - (now % lookMs)));
+          };
+        },
+      }),
+    });
+    const { engine, view, request } = await engineWith(60, 'tiles', {}, seldom);
+    submissions = [];
+    await draw(view, request);
+    expect(submissions.length).toBeLessThan(60);
+    engine.destroy();
+  });
+
   gpuTest('is followed by frames of one submission where it took little', async () => {
     const { engine, view, request } = await engineWith(10_000, 'tiles');
     // The slowest device might take longer for this many.

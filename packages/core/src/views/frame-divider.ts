@@ -19,6 +19,9 @@ const CELL_PX = 8;
 /** What blending a splat over a cell takes the slowest devices, and what drawing a quad takes besides its pixels. */
 const SLOWEST_CELL_MS = 1.3e-3;
 
+/** Work that is done by the first look may have taken this part of the time until then, or more. */
+const LEAST_WORK = 1 / 8;
+
 type Context = Pick<ViewContext, 'device' | 'pipelines' | 'dispatchRow' | 'submissionBudgetMs'>;
 
 /** A frame to submit in parts. */
@@ -45,6 +48,8 @@ export interface DividedFrame {
 export class FrameDivider {
   readonly #context: Context;
   readonly #pacer: SubmissionPacer;
+  /** The shortest time after which a submission was known to be complete: Firefox, for one, looks every tenth of a second. */
+  #waitMs = Number.POSITIVE_INFINITY;
 
   constructor(context: Context) {
     this.#context = context;
@@ -57,6 +62,7 @@ export class FrameDivider {
     const { dispatchRow } = frame.plan.shape;
     // The time of earlier work is none of the first part's.
     await this.#allDone();
+    if (this.#waitMs === Number.POSITIVE_INFINITY) await this.#submit([]);
     const orderMs = await this.#submitOrder(commandsOf(frame.recordOrder, dispatchRow), frame);
     if (orderMs === null) return null;
     let elapsedMs = orderMs;
@@ -106,6 +112,7 @@ export class FrameDivider {
     return elapsedMs;
   }
 
+  /** Returns the time that the work took, ms, as far as waiting for it shows. */
   async #submit(commands: readonly FrameCommand[], part?: CommandPart): Promise<number> {
     const { device } = this.#context;
     const encoder = device.createCommandEncoder({ label: 'websplatter part of a frame' });
@@ -113,7 +120,9 @@ export class FrameDivider {
     const submittedMs = performance.now();
     device.queue.submit([encoder.finish()]);
     await this.#allDone();
-    return performance.now() - submittedMs;
+    const tookMs = performance.now() - submittedMs;
+    this.#waitMs = Math.min(this.#waitMs, tookMs);
+    return Math.max(tookMs - this.#waitMs, LEAST_WORK * tookMs);
   }
 
   /** Resolves also when the device is lost. */
