@@ -291,6 +291,7 @@ export class SplatEngine {
       const loading = loadOrPass(source, { ...options, signal, geometryPrecision, shPrecision }, rowsTo);
       this.#foreseeRows(source, ingest);
       const packed = await loading;
+      if (packed) ingest.destroy();
       cloud = packed
         ? await this.#addFitting(packed, made, fit)
         : this.#addIngested(await ingest.finish(), made, signal);

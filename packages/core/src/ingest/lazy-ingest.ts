@@ -48,12 +48,18 @@ export class LazyIngest implements RowSink {
 
   async finish(): Promise<IngestedCloud> {
     const cloud = await this.#ingest!.finish();
-    this.#options.signal.removeEventListener('abort', this.#stop);
+    this.#ignoreSignal();
     return cloud;
   }
 
   destroy(): void {
+    this.#ignoreSignal();
     this.#isDestroyed = true;
     this.#ingest?.destroy();
+  }
+
+  /** A signal that lasts longer than the load would keep this until then. */
+  #ignoreSignal(): void {
+    this.#options.signal.removeEventListener('abort', this.#stop);
   }
 }
