@@ -1,0 +1,40 @@
+// docs/faults.md says what follows from a fault, and which test shows it: those tests must exist.
+import { existsSync, readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { expect, test } from 'vitest';
+import { repositoryRoot } from '../setup.mjs';
+
+/** Rows of all tables that name a test. */
+function rowsOf(text) {
+  const lines = text.split('\n').filter((line) => /^\|(?! Fault |-)/.test(line));
+  return lines.map((line) => {
+    const [, fault, outcome, file, name] = /^\| (.+?) \| (.+?) \| `([^`]+)`: (.+) \|$/.exec(line) ?? [];
+    return { line, fault, outcome, file, name };
+  });
+}
+
+/** What is wrong with a row; null if nothing is. */
+function flawOf({ line, file, name }) {
+  if (!file) return `no fault, outcome and test: ${line}`;
+  const path = join(repositoryRoot, file);
+  if (!existsSync(path)) return `${file} does not exist`;
+  return readFileSync(path, 'utf8').includes(name) ? null : `${file} has no test "${name}"`;
+}
+
+test('docs/faults.md names a test that exists for each fault', () => {
+  const rows = rowsOf(readFileSync(join(repositoryRoot, 'docs/faults.md'), 'utf8'));
+  expect(rows.length).toBeGreaterThan(50);
+  expect(rows.map(flawOf).filter((flaw) => flaw !== null)).toEqual([]);
+});
+
+test('a row without a test, or with one that is gone, is found', () => {
+  // In parts, because this file is searched.
+  const name = ['no', 'such', 'test'].join(' ');
+  const own = 'packages/tools/package-checks/faults.test.mjs';
+  const [bare, gone, moved] = rowsOf(
+    `| a | b | |\n| a | b | \`packages/no.test.ts\`: c |\n| a | b | \`${own}\`: ${name} |\n`,
+  );
+  expect(flawOf(bare)).toBe('no fault, outcome and test: | a | b | |');
+  expect(flawOf(gone)).toBe('packages/no.test.ts does not exist');
+  expect(flawOf(moved)).toBe(`${own} has no test "${name}"`);
+});
