@@ -1,5 +1,6 @@
 import { defaultClientConditions, defaultServerConditions } from 'vite';
 import { defineConfig } from 'vitest/config';
+import LongestFirst from './packages/tools/longest-first.ts';
 
 // Tests run on the sources, not on dist: every workspace package exports its src under this condition.
 const conditions = ['@websplatter/source', ...defaultClientConditions];
@@ -15,6 +16,7 @@ const node = {
 
 export default defineConfig({
   test: {
+    sequence: { sequencer: LongestFirst },
     reporters: ['default', './packages/tools/plain-line-reporter.ts'],
     projects: [
       {
@@ -51,8 +53,8 @@ export default defineConfig({
         ...node,
         test: {
           name: 'e2e',
-          // Pages wait more than they compute.
-          sequence: { groupOrder: 2 },
+          // With those before: pages wait more than they compute.
+          sequence: { groupOrder: 1 },
           maxWorkers: 2,
           environment: 'node',
           include: ['e2e/**/*.test.ts'],

@@ -29,6 +29,11 @@ export interface HardCaseRunOptions {
   readonly presets?: readonly AccuracyPreset[];
   /** Default `CASE_RASTERIZERS`. */
   readonly rasterizers?: readonly FrameRasterizer[];
+  /**
+   * Which images are drawn twice, to see that they do not differ: those of all presets and rasterisers, which is the default, or
+   * those of the first.
+   */
+  readonly repeats?: 'all' | 'first';
   /** A remedy of the shaders to switch off, for tests that the cases notice it. */
   readonly mutation?: ShaderMutation;
 }
@@ -112,9 +117,11 @@ export class HardCaseRunner {
   #runSceneOn(
     watched: WatchedDevice,
     hardCase: SceneCase | DeviceCase,
-    { sizePx = 64, presets = COMPARED_PRESETS, rasterizers = CASE_RASTERIZERS, mutation }: HardCaseRunOptions,
+    options: HardCaseRunOptions,
     result: ResultBuilder,
   ): Promise<void> {
+    const { sizePx = 64, presets = COMPARED_PRESETS, rasterizers = CASE_RASTERIZERS } = options;
+    const { repeats = 'all', mutation } = options;
     const variant: RunVariant = { maxWorkgroupsPerDimension: hardCase.maxWorkgroupsPerDimension, mutation };
     return runScene(
       hardCase,
@@ -130,6 +137,7 @@ export class HardCaseRunner {
         presets,
         rasterizers,
         sizePx,
+        repeats,
         renderReference: this.#options.renderReference ?? renderReference,
       },
       result,
