@@ -38,10 +38,10 @@ export default defineConfig({
         resolve,
         ssr,
         test: {
-          // Dawn keeps one device per process: a process per file. More than cores: SwiftShader rests while twins compute.
+          // Dawn keeps one device per process: a process per file. Two at a time: SwiftShader rests while twins compute.
           name: 'gpu',
           sequence: { groupOrder: 1 },
-          maxWorkers: 3,
+          maxWorkers: 2,
           environment: 'node',
           include: ['packages/*/src/**/*.gpu.test.ts'],
           pool: 'forks',
@@ -55,7 +55,7 @@ export default defineConfig({
           name: 'e2e',
           // With those before: pages wait more than they compute.
           sequence: { groupOrder: 1 },
-          maxWorkers: 3,
+          maxWorkers: 2,
           environment: 'node',
           include: ['e2e/**/*.test.ts'],
           pool: 'forks',
