@@ -234,7 +234,7 @@ export class SplatView extends ViewCore {
       isDrawn = await this.#submitInParts(plan);
     } finally {
       this.#isInParts = false;
-      if (!isDrawn && !this.isDestroyed && parts === this.parts) this.giveUp();
+      if (!isDrawn && !this.isDestroyed && parts === this.parts) this.startOver();
     }
     const next = this.#held ?? (isDrawn ? null : request);
     this.#held = null;

@@ -423,7 +423,7 @@ export abstract class ViewCore {
   #takeLack(error: Error, plan: FramePlan): FramePlan | null {
     const sound = this.#sound;
     const bytes = Math.max(this.memory.totalBytes, (error as GpuLimitError).neededBytes ?? 0);
-    this.#startOver();
+    this.startOver();
     if (isByChoice(plan)) {
       const { shape, layer } = plan;
       const load = { visibleSplats: shape.visibleCapacity, pixels: layer.widthPx * layer.heightPx };
@@ -478,13 +478,8 @@ export abstract class ViewCore {
     return new GpuTimer(this.context.device, this.context.memory);
   }
 
-  /** Gives up the last frame, which was not drawn to its end. */
-  protected giveUp(): void {
-    this.#startOver();
-  }
-
   /** Forgets the last frame and frees its memory. */
-  #startOver(): void {
+  protected startOver(): void {
     this.free();
     this.parts = this.#newParts();
     this.timer = this.#newTimer();
