@@ -24,6 +24,9 @@ export default defineConfig({
         ssr,
         test: {
           name: 'unit',
+          // As many as there are cores in CI, where Vitest would take one of two.
+          maxWorkers: 2,
+          pool: 'threads',
           environment: 'node',
           include: [
             'packages/*/src/**/*.test.ts',
