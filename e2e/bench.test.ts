@@ -11,6 +11,8 @@ import { testScene } from './test-scene.ts';
 const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 const runner = join(repositoryRoot, 'packages/tools/bench-peers.mjs');
 const faintAdapter = join(repositoryRoot, 'e2e/bench/faint.js');
+/** In the short run, the engine alone and a peer that is wrong show that what was packed works. */
+const isFull = process.env.WEBSPLATTER_FULL === '1';
 const camera = {
   name: 'front',
   position: [1, 1.5, 6],
@@ -47,7 +49,8 @@ function run(
 
 test('what was packed measures this project beside a peer that draws less, whose pictures show it', async () => {
   const few = '--size 64x48 --picture-size 64x48 --rounds 1 --frames 3 --warm-up 1 --jumps 2'.split(' ');
-  const peers = `floor-webgl2,websplatter,websplatter-three,faint=${faintAdapter}`;
+  const own = isFull ? ['floor-webgl2', 'websplatter', 'websplatter-three'] : ['websplatter'];
+  const peers = [...own, `faint=${faintAdapter}`].join();
   const packing = await run(runner, '--pack', 'pack', '--peers', peers);
   expect(packing.status, packing.complaints).toBe(0);
 
@@ -59,7 +62,6 @@ test('what was packed measures this project beside a peer that draws less, whose
   const report = JSON.parse(await readFile(join(folder, 'report.json'), 'utf8'));
   const [{ scene, splats, rows }] = report.scenes;
   expect({ scene, splats }).toEqual({ scene: 'tiny', splats: testScene().count });
-  const [floor, ours, three, faint] = rows;
   for (const { peer, rounds } of rows) {
     const [{ loaded, measured, heap }] = rounds;
     expect(loaded.loadMs, peer).toBeGreaterThan(0);
@@ -67,22 +69,23 @@ test('what was packed measures this project beside a peer that draws less, whose
     expect(measured.correctMs, peer).toHaveLength(2);
     expect(heap.jsBytes, peer).toBeGreaterThan(0);
   }
-  expect(floor.pictures).toEqual([]);
-  for (const { peer, pictures, rounds } of [ours, three]) {
-    expect(pictures[0].psnrDb, peer).toBeGreaterThan(MIN_PSNR_DB);
-    expect(rounds[0].state.gpuBytes, peer).toBeGreaterThan(0);
+  for (const { peer, pictures, rounds } of rows) {
+    const [{ state }] = rounds;
+    if (peer === 'floor-webgl2') expect(pictures).toEqual([]);
+    else if (peer === 'faint') expect(pictures[0].psnrDb).toBeLessThan(MIN_PSNR_DB - 10);
+    else {
+      expect(pictures[0].psnrDb, peer).toBeGreaterThan(MIN_PSNR_DB);
+      expect(state.gpuBytes, peer).toBeGreaterThan(0);
+    }
+    // What the calls of the API add up to is what the engine knows of itself.
+    if (peer === 'websplatter')
+      expect(state.gpuBytes).toBeGreaterThanOrEqual(state.figures.memory.totalBytes);
   }
-  expect(faint.pictures[0].psnrDb).toBeLessThan(MIN_PSNR_DB - 10);
-  // What the calls of the API add up to is what the engine knows of itself.
-  const { state } = ours.rounds[0];
-  expect(state.gpuBytes).toBeGreaterThanOrEqual(state.figures.memory.totalBytes);
 
   for (const { peer } of rows) expect(output).toContain(`| ${peer} `);
-  expect(await readdir(join(folder, 'pictures'))).toEqual([
-    'tiny.faint.front.png',
-    'tiny.websplatter-three.front.png',
-    'tiny.websplatter.front.png',
-  ]);
+  const drawn = [...own.filter((peer) => peer !== 'floor-webgl2'), 'faint'];
+  const pictures = drawn.map((peer) => `tiny.${peer}.front.png`).sort();
+  expect(await readdir(join(folder, 'pictures'))).toEqual(pictures);
 });
 
 test('a file that is no scene ends the bench with one line and the usage', async () => {
