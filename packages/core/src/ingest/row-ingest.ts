@@ -502,8 +502,8 @@ function stagingCountOf({ count, pieceRows }: RowLayout): number {
 
 /**
  * Most bytes that a file needs at once while it becomes a cloud: the planes, and what reading or arranging needs besides. Pieces
- * that wait for shaders, and planes without the slots of dropped rows, take more where there is more. Only a file whose highest
- * bands cannot be seen needs more, harmonics with and without these: that shows at the end, and seldom happens.
+ * that wait for shaders, and planes without the slots of dropped rows, take more where there is more. Planes of fewer bands or of
+ * other pages than the rows arrive in are made beside those all the same: that shows at the end, and seldom happens.
  */
 function ingestBytes(layout: RowLayout, settings: FitSettings): number {
   const { count, strideBytes, pieceRows } = layout;
