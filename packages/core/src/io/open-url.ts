@@ -145,7 +145,7 @@ class Transfer {
     const timer = Number.isFinite(idleTimeoutMs) ? setTimeout(() => late.abort(), idleTimeoutMs) : undefined;
     const signals = this.#signal ? [this.#signal, late.signal] : [late.signal];
     try {
-      return await fetch(this.#url, {
+      return await fetch(this.#url.href, {
         headers: { ...own, ...headers },
         credentials,
         // Of all headers, browsers keep only Authorization from another origin.
