@@ -3,8 +3,9 @@ import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { perspectiveCamera } from './camera/camera.ts';
 import type { SplatCloud } from './clouds/splat-cloud.ts';
 import { SplatEngine } from './engine.ts';
-import { DestroyedError } from './errors.ts';
+import { DestroyedError, InvalidArgumentError } from './errors.ts';
 import { encodePly } from './io/write-ply.ts';
+import { deviceWith } from './testing/device-with.ts';
 import { randomSplats } from './testing/random-splats.ts';
 import { seededRandom } from './testing/seeded-random.ts';
 import { signalOf } from './testing/signal.ts';
@@ -71,6 +72,44 @@ describe('what waits for a frame', () => {
     engine.destroy();
     own.destroy();
   });
+});
+
+/** `device` that tells of no error, and of no lack of one, until `go`. */
+function withLateAnswers(go: Promise<void>): { readonly late: GPUDevice; readonly whenAsked: Promise<void> } {
+  const asked = signalOf();
+  const popErrorScope = () => {
+    const answer = device.popErrorScope();
+    asked.give();
+    return go.then(() => answer);
+  };
+  return { late: deviceWith(device, { popErrorScope }), whenAsked: asked.when };
+}
+
+describe('a load that ends while its cloud is uploaded', () => {
+  for (const end of ['signal', 'engine'] as const) {
+    gpuTest(`by the ${end} keeps nothing`, async () => {
+      const go = signalOf();
+      const { late, whenAsked } = withLateAnswers(go.when);
+      const engine = await SplatEngine.create({ device: late });
+      const [caller, reason] = [new AbortController(), new Error('enough')];
+      const loading = engine.load(ROWS, { signal: caller.signal });
+      await whenAsked;
+      if (end === 'signal') caller.abort(reason);
+      else engine.destroy();
+      go.give();
+      if (end === 'signal') await expect(loading).rejects.toBe(reason);
+      else await expect(loading).rejects.toThrow(DestroyedError);
+      expect(engine.memory()).toMatchObject({ totalBytes: 0, scene: { clouds: [] } });
+      engine.destroy();
+    });
+  }
+});
+
+gpuTest('what is no source is refused by name', async () => {
+  const engine = await newEngine();
+  for (const wrong of [null, undefined])
+    await expect(engine.load(wrong as never)).rejects.toThrow(InvalidArgumentError);
+  engine.destroy();
 });
 
 describe('the end of an engine', () => {

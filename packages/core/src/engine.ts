@@ -280,7 +280,7 @@ export class SplatEngine {
     const { accuracy } = this;
     const { geometryPrecision, shPrecision } = options.precision ?? accuracy;
     const name = options.name ?? sourceName(source);
-    const { maxBytes, maxSplats, request, onPreview, fit } = options;
+    const { maxBytes, maxSplats, request, onPreview, fit = 'exact' } = options;
     const sourceOptions = { maxBytes, maxSplats, request };
     const made = { name, source: lastingSource(source), sourceOptions };
     const signal = AbortSignal.any([this.#ended.signal, options.signal ?? []].flat());
@@ -288,13 +288,14 @@ export class SplatEngine {
     const ingest = rowsTo.sink;
     let cloud: SplatCloud;
     try {
-      const loading = loadOrPass(source, { ...options, signal, geometryPrecision, shPrecision }, rowsTo);
       this.#foreseeRows(source, ingest);
-      const packed = await loading;
+      const packed = await loadOrPass(source, { ...options, signal, geometryPrecision, shPrecision }, rowsTo);
       if (packed) ingest.destroy();
       cloud = packed
-        ? await this.#addFitting(packed, made, fit)
-        : this.#addIngested(await ingest.finish(), made, signal);
+        ? await this.#addFitting(packed, made, fit, signal)
+        : this.#addIngested(await ingest.finish(), made);
+      if (signal.aborted) cloud.destroy();
+      signal.throwIfAborted();
     } catch (error) {
       ingest.destroy();
       // What ended the load also ended what was waited for.
@@ -447,7 +448,7 @@ export class SplatEngine {
 
   /** Compiles what the rows of `source` are likely to need, while it is opened. */
   #foreseeRows(source: SplatSource, ingest: LazyIngest): void {
-    const { size, byteLength } = source as Partial<Blob & ArrayBuffer>;
+    const { size, byteLength } = (source ?? {}) as Partial<Blob & ArrayBuffer>;
     const bytes = size ?? byteLength ?? Number.POSITIVE_INFINITY;
     if (this.#compilesAhead && bytes >= this.#ingestMinRows * LEAST_ROW_BYTES)
       ingest.foresee(LIKELY_SH_DEGREE);
@@ -476,7 +477,8 @@ export class SplatEngine {
   async #addFitting(
     packed: PackedCloud,
     made: NewCloudOptions,
-    mode: FitMode = 'exact',
+    mode: FitMode,
+    signal: AbortSignal,
   ): Promise<SplatCloud> {
     try {
       const cloud = this.addPacked(packed, made);
@@ -486,25 +488,15 @@ export class SplatEngine {
       if (!(failure instanceof GpuLimitError) || !failure.limit.startsWith('memory')) throw failure;
       const { fitPacked } = await import('./clouds/fit-settings.ts');
       const { name = 'splats' } = made;
-      const fitted = await fitPacked(packed, { memory: this.#memory, name, failure }, mode);
+      const fitted = await fitPacked(packed, { memory: this.#memory, name, failure, signal }, mode);
       const cloud = this.#upload(fitted.packed, { ...made, ...sourceOf(fitted.fit, made), fit: fitted.fit });
       await cloud.uploaded;
       return cloud;
     }
   }
 
-  #addIngested(
-    { planes, contents, preview, fit }: IngestedCloud,
-    options: NewCloudOptions,
-    signal: AbortSignal,
-  ): SplatCloud {
+  #addIngested({ planes, contents, preview, fit }: IngestedCloud, options: NewCloudOptions): SplatCloud {
     const own = this.#optionsOf({ ...options, ...sourceOf(fit, options), fit });
-    try {
-      signal.throwIfAborted();
-    } catch (error) {
-      planes.destroy();
-      throw error;
-    }
     const onDestroyed = (cloud: SplatCloud) => {
       preview?.destroy();
       own.onDestroyed?.(cloud);

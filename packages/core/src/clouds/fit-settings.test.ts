@@ -1,5 +1,10 @@
-import { expect, test } from 'vitest';
-import { cloudBytes, coarserSettings } from './fit-settings.ts';
+import { expect, test, vi } from 'vitest';
+import { GpuLimitError } from '../errors.ts';
+import { GpuMemory } from '../gpu/gpu-memory.ts';
+import { packSet } from '../packing/pack-set.ts';
+import { BUFFER_USAGE, deviceWithoutGpu } from '../testing/device-without-gpu.ts';
+import { randomSplats } from '../testing/random-splats.ts';
+import { cloudBytes, coarserSettings, type FitMode, fitPacked } from './fit-settings.ts';
 
 test('settings get coarser step by step, and every step takes fewer bytes', () => {
   const wanted = { geometryPrecision: 'f32', shPrecision: 'f32', shDegree: 3 } as const;
@@ -22,4 +27,45 @@ test('a cloud without harmonics can only have its geometry packed', () => {
     { geometryPrecision: 'packed', shPrecision: 'f32', shDegree: 0 },
   ]);
   expect(coarserSettings({ geometryPrecision: 'packed', shPrecision: 'u8', shDegree: 0 })).toEqual([]);
+});
+
+vi.stubGlobal('GPUBufferUsage', BUFFER_USAGE);
+
+const FINEST = { geometryPrecision: 'f32', shPrecision: 'f32' } as const;
+const PACKED = packSet(randomSplats({ count: 1000, shDegree: 3 }), FINEST);
+
+/** Fits a cloud that was packed on the CPU into so much memory. `onProbe` is called whenever that is looked for. */
+function fitInto(
+  availableBytes: number,
+  mode: FitMode,
+  onProbe = () => {},
+  signal = new AbortController().signal,
+) {
+  const device = deviceWithoutGpu(async () => onProbe());
+  const memory = new GpuMemory(device, availableBytes);
+  const failure = new GpuLimitError('memoryBudgetBytes', 1, 0, 'none');
+  return fitPacked(PACKED, { memory, name: 'garden', failure, signal }, mode);
+}
+
+test('what was packed keeps its geometry: that is what counts, and what is told', async () => {
+  const taken = { geometryPrecision: 'f32', shPrecision: 'u8', shDegree: 2 } as const;
+  const availableBytes = cloudBytes(1000, taken);
+  const { packed, fit } = await fitInto(availableBytes, 'auto');
+  expect(packed.geometry).toBe(PACKED.geometry);
+  expect(packed.harmonics).toMatchObject({ precision: 'u8', degree: 2 });
+  expect(fit).toMatchObject({ taken, takenBytes: availableBytes });
+  expect(fit.why).toMatch(/it has f32 geometry and u8 harmonics of degree 2 instead/);
+  await expect(fitInto(availableBytes, 'exact')).rejects.toMatchObject({ fitting: taken });
+});
+
+test('a load that is called off looks for no more memory', async () => {
+  const [caller, reason] = [new AbortController(), new Error('enough')];
+  let probes = 0;
+  const onProbe = () => {
+    probes++;
+    caller.abort(reason);
+  };
+  await expect(fitInto(Number.POSITIVE_INFINITY, 'auto', onProbe, caller.signal)).rejects.toBe(reason);
+  // Before and after the allocation.
+  expect(probes).toBe(2);
 });

@@ -38,6 +38,10 @@ interface Fitting {
   readonly bytesOf: (settings: FitSettings) => number;
   /** What the limits say already; default to ask. */
   readonly failure?: GpuLimitError;
+  /** Calls the search off. */
+  readonly signal: AbortSignal;
+  /** Whether coarser geometry cannot be had; default false. */
+  readonly isGeometryFixed?: boolean;
 }
 
 /** Bytes of the planes and chunks of a cloud. */
@@ -52,16 +56,28 @@ const COARSER_SH: Readonly<Record<ShPrecision, readonly ShPrecision[]>> = {
   u8: [],
 };
 
-/** Settings coarser than `wanted`, the finest first: what changes colours least goes first, bands of harmonics last. */
-export function coarserSettings({ geometryPrecision, shPrecision, shDegree }: FitSettings): FitSettings[] {
+/**
+ * Settings coarser than `wanted`, the finest first: what changes colours least goes first, bands of harmonics last.
+ *
+ * @param isGeometryFixed whether geometry stays as it is in all of them.
+ */
+export function coarserSettings(
+  { geometryPrecision, shPrecision, shDegree }: FitSettings,
+  isGeometryFixed = false,
+): FitSettings[] {
   const coarser: FitSettings[] = [];
   const sh = shDegree > 0 ? COARSER_SH[shPrecision] : [];
   for (const each of sh) coarser.push({ geometryPrecision, shPrecision: each, shDegree });
   const coarsest = sh.at(-1) ?? shPrecision;
-  if (geometryPrecision === 'f32')
-    coarser.push({ geometryPrecision: 'packed', shPrecision: coarsest, shDegree });
+  const coarsestGeometry = isGeometryFixed ? geometryPrecision : 'packed';
+  if (geometryPrecision !== coarsestGeometry)
+    coarser.push({ geometryPrecision: coarsestGeometry, shPrecision: coarsest, shDegree });
   for (let degree = shDegree - 1; degree >= 0; degree--)
-    coarser.push({ geometryPrecision: 'packed', shPrecision: coarsest, shDegree: degree as ShDegree });
+    coarser.push({
+      geometryPrecision: coarsestGeometry,
+      shPrecision: coarsest,
+      shDegree: degree as ShDegree,
+    });
   return coarser;
 }
 
@@ -69,16 +85,22 @@ export function coarserSettings({ geometryPrecision, shPrecision, shDegree }: Fi
  * Compares what a load needs with the budget and, by a probe, with the GPU's memory.
  *
  * @returns null if `wanted` fits.
- * @throws GpuLimitError, with the settings that would fit, if it does not and `mode` is `exact`, or nothing fits.
+ * @throws GpuLimitError, with the settings that would fit, if it does not and `mode` is `exact`, or nothing fits; the signal's
+ *   reason.
  */
 export async function fitSettings(
-  { memory, name, bytesOf, failure }: Fitting,
+  { memory, name, bytesOf, failure, signal, isGeometryFixed }: Fitting,
   wanted: FitSettings,
   mode: FitMode,
 ): Promise<CloudFit | null> {
+  const hasRoomFor = async (settings: FitSettings) => {
+    const hasRoom = await probeMemory(memory, bytesOf(settings));
+    signal.throwIfAborted();
+    return hasRoom;
+  };
   const wantedBytes = bytesOf(wanted);
-  if (!failure && (await probeMemory(memory, wantedBytes))) return null;
-  const taken = await firstThatFits(memory, coarserSettings(wanted), bytesOf);
+  if (!failure && (await hasRoomFor(wanted))) return null;
+  const taken = await firstOf(coarserSettings(wanted, isGeometryFixed), hasRoomFor);
   const { heldBytes, availableBytes } = memory;
   const needs = `${name} needs ${wantedBytes} bytes of the GPU's memory with ${describe(wanted)}; ${heldBytes} are held, and there is no room for as many more`;
   if (taken && mode === 'auto') {
@@ -98,33 +120,31 @@ export async function fitSettings(
 /**
  * Makes a cloud that found no memory coarser, on the CPU. Its geometry stays as it is packed.
  *
- * @throws GpuLimitError, with the settings that would fit, if `mode` is `exact`, or nothing fits.
+ * @throws GpuLimitError, with the settings that would fit, if `mode` is `exact`, or nothing fits; the signal's reason.
  */
 export async function fitPacked(
   packed: PackedCloud,
-  fitting: Pick<Fitting, 'memory' | 'name' | 'failure'>,
+  fitting: Pick<Fitting, 'memory' | 'name' | 'failure' | 'signal'>,
   mode: FitMode,
 ): Promise<{ readonly packed: PackedCloud; readonly fit: CloudFit }> {
   const { count, geometry, harmonics } = packed;
-  const geometryPrecision = geometry.precision;
-  const wanted = { geometryPrecision, shPrecision: harmonics.precision, shDegree: harmonics.degree };
-  const bytesOf = (settings: FitSettings) => cloudBytes(count, { ...settings, geometryPrecision });
-  // Null only where nothing has failed.
-  const fit = (await fitSettings({ ...fitting, bytesOf }, wanted, mode))!;
-  const taken = { ...fit.taken, geometryPrecision };
-  const whole = truncateHarmonics(harmonics, count, taken.shDegree);
-  return {
-    packed: { ...packed, harmonics: repackHarmonics(whole, count, taken.shPrecision) },
-    fit: { ...fit, taken },
+  const wanted = {
+    geometryPrecision: geometry.precision,
+    shPrecision: harmonics.precision,
+    shDegree: harmonics.degree,
   };
+  const bytesOf = (settings: FitSettings) => cloudBytes(count, settings);
+  // Null only where nothing has failed.
+  const fit = (await fitSettings({ ...fitting, bytesOf, isGeometryFixed: true }, wanted, mode))!;
+  const whole = truncateHarmonics(harmonics, count, fit.taken.shDegree);
+  return { packed: { ...packed, harmonics: repackHarmonics(whole, count, fit.taken.shPrecision) }, fit };
 }
 
-async function firstThatFits(
-  memory: GpuMemory,
-  candidates: readonly FitSettings[],
-  bytesOf: (settings: FitSettings) => number,
-): Promise<FitSettings | null> {
-  for (const settings of candidates) if (await probeMemory(memory, bytesOf(settings))) return settings;
+async function firstOf<Candidate>(
+  candidates: readonly Candidate[],
+  isGood: (candidate: Candidate) => Promise<boolean>,
+): Promise<Candidate | null> {
+  for (const candidate of candidates) if (await isGood(candidate)) return candidate;
   return null;
 }
 

@@ -43,6 +43,7 @@ interface Rows {
   readonly pageSplats: number;
   /** Splats per page in storage order; null: as in the file. */
   readonly storedPageSplats: number | null;
+  readonly hasRoom: boolean;
 }
 
 /** A set in which every third splat lies where the first does, so that the order of the file decides. */
@@ -59,6 +60,7 @@ const rowsOf = (count: number, shDegree: ShDegree, changes: Partial<Rows> = {}):
   keptShDegree: shDegree,
   pageSplats: PAGE_SPLATS,
   storedPageSplats: null,
+  hasRoom: true,
   ...changes,
 });
 
@@ -88,7 +90,7 @@ function onHost({ set, isDropped, precision, keptShDegree }: Rows) {
 
 /** The rows as they arrive on the GPU: a slot for each in the order of the file. */
 function arrivedOf(rows: Rows, memory: GpuMemory): ArrivedPlanes {
-  const { set, isDropped, precision, keptShDegree, pageSplats, storedPageSplats } = rows;
+  const { set, isDropped, precision, keptShDegree, pageSplats, storedPageSplats, hasRoom } = rows;
   const { harmonicsInFile, kept, geometry } = onHost(rows);
   const ranges = pagesOf(set.count, pageSplats);
   const dropMask = new Uint32Array(Math.ceil(set.count / 32));
@@ -108,6 +110,7 @@ function arrivedOf(rows: Rows, memory: GpuMemory): ArrivedPlanes {
     shDegree: set.harmonics.degree,
     dropMask: filled(memory, dropMask),
     kept: kept.count,
+    hasRoom,
     frame: mortonFrame(
       axes.map((values) => Math.min(...values)),
       axes.map((values) => Math.max(...values)),
@@ -202,6 +205,7 @@ describe('planes in the order of a file become those that the host makes', () =>
   ] as const) {
     gpuTest(`without ${what}`, async () => {
       await check(rowsOf(1300, 2, { isDropped }));
+      await check(rowsOf(1300, 2, { isDropped, hasRoom: false }));
       await check(rowsOf(1300, 3, { isDropped, precision: FINEST, keptShDegree: 1 }));
     });
   }
@@ -242,6 +246,10 @@ describe('planes in the order of a file become those that the host makes', () =>
     const { workBytes } = await check(rowsOf(20_000, 0, { pageSplats: 1 << 20 }));
     // Not per splat: parameters of each dispatch, and digit counts.
     expect(workBytes).toBeLessThan(WORK_BYTES_PER_SPLAT * 20_000 + 65_536);
+    // Where there is no room, dropped rows leave their slots to the planes.
+    const isDropped = (row: number) => row % 2 === 0;
+    const half = await check(rowsOf(20_000, 0, { pageSplats: 1 << 20, isDropped, hasRoom: false }));
+    expect(half.workBytes).toBeLessThan(WORK_BYTES_PER_SPLAT * 20_000 + 65_536);
   });
 });
 

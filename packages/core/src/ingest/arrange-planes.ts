@@ -38,6 +38,8 @@ export interface ArrivedPlanes extends CloudPrecision {
   readonly dropMask: GPUBuffer;
   /** Rows that were kept, at least 1. */
   readonly kept: number;
+  /** Whether there is memory for new planes where the given ones are roomy. */
+  readonly hasRoom: boolean;
   readonly frame: MortonFrame;
   readonly logScaleRange: LogScaleRange;
   /** Degree to keep, at most `shDegree`. */
@@ -58,6 +60,11 @@ export interface ArrangedPlanes {
 
 /** Rows may be this part of the slots fewer before planes are made anew instead of being arranged in place. */
 const SPARE_PART = 1 / 16;
+
+/** Whether planes with this many slots are much larger than those of the rows that were kept. */
+export function isRoomy(kept: number, slots: number): boolean {
+  return kept < (1 - SPARE_PART) * slots;
+}
 
 /** Bits of the sort keys: half of a Morton code, and one more where dropped rows must go behind all others. */
 const KEY_BITS = { none: 24, some: 25 } as const;
@@ -83,8 +90,8 @@ export function arrangeStages(
 
 /**
  * Puts planes into storage order on the GPU: sorts their splats by Morton code and moves them word by word, in place where few
- * rows were dropped and pages stay, so that beside the planes there are never more than 16 bytes per splat, and 4 of them last:
- * the rows of the file. Frees those that it replaces.
+ * rows were dropped or there is no room, and pages and degree stay, so that beside the planes there are never more than 16 bytes
+ * per splat, and 4 of them last: the rows of the file. Frees those that it replaces.
  * All stages must have been compiled. Submits, and does not wait.
  *
  * @throws GpuLimitError; the given planes are the caller's then, in any order.
@@ -189,11 +196,11 @@ function permute(
     .map(({ start, end }) => ({ start, end: Math.min(end, kept) }));
   const ranges = arrived.pages ?? filled;
   const isRepaged = ranges.length !== filled.length || ranges.some(({ end }, i) => end !== filled[i].end);
-  const isRoomy = kept < (1 - SPARE_PART) * slotsOf(arrived.ranges);
+  const isShrunk = arrived.hasRoom && isRoomy(kept, slotsOf(arrived.ranges));
   const planeOf = (what: string, words: number): Plane =>
     ranges.map(({ start, end }, page) => create(`${name} ${what} ${page}`, 4 * words * (end - start)));
   const moveOf = (what: string, from: Plane, wordsBefore: number, words: number, lastMask: number): Move => {
-    const isNew = words > 0 && (isRoomy || isRepaged || words !== wordsBefore);
+    const isNew = words > 0 && (isShrunk || isRepaged || words !== wordsBefore);
     return {
       from,
       to: isNew ? planeOf(what, words) : from.slice(0, ranges.length),

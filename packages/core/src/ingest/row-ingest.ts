@@ -15,8 +15,10 @@ import {
   fitSettings,
 } from '../clouds/fit-settings.ts';
 import { type CloudContents, MEMORY_ADVICE, type SplatCloud } from '../clouds/splat-cloud.ts';
+import { DestroyedError } from '../errors.ts';
 import type { Guarded } from '../gpu/gpu-memory.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
+import { probeMemory } from '../gpu/probe-memory.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { emptyError } from '../io/empty-error.ts';
 import { nextTask } from '../io/next-task.ts';
@@ -38,7 +40,7 @@ import type { RowLayout } from '../packing/row-layout.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import { ingestRows } from '../stages/ingest-rows.ts';
 import { ingestSettle } from '../stages/ingest-settle.ts';
-import { type ArrangeContext, arrangePlanes, arrangeStages } from './arrange-planes.ts';
+import { type ArrangeContext, arrangePlanes, arrangeStages, isRoomy } from './arrange-planes.ts';
 import { Arrivals } from './arrivals.ts';
 import { Dispatches } from './dispatches.ts';
 import { LoadPreviews } from './load-previews.ts';
@@ -62,7 +64,6 @@ export interface RowIngestOptions extends CloudPrecision {
   readonly onPreview?: (preview: SplatCloud) => void;
   /** Pages that the planes should have if there are as many splats; default those that follow from the file. */
   readonly pages?: readonly PageRange[];
-  /** Whoever aborts it calls `destroy` in the same task. */
   readonly signal: AbortSignal;
   /** What to do where memory is lacking; default `exact`. */
   readonly fit?: FitMode;
@@ -131,6 +132,7 @@ export class RowIngest implements RowSink {
   readonly #checks: (Promise<void> | null)[] = [];
   /** Pieces that wait for shaders; null once there are some. */
   #waiting: Piece[] | null = [];
+  #isDestroyed = false;
 
   constructor(context: ArrangeContext, options: RowIngestOptions) {
     this.#context = context;
@@ -139,9 +141,10 @@ export class RowIngest implements RowSink {
     this.#previews = onPreview ? new LoadPreviews(context.device, name, onPreview) : null;
   }
 
-  /** @throws GpuLimitError; nothing is left allocated then. */
+  /** @throws GpuLimitError; the signal's reason; DestroyedError. Nothing is left allocated then. */
   async begin(rows: RowLayout): Promise<void> {
     const layout = await this.#fitted(rows);
+    this.#live();
     const { device, memory, pipelines } = this.#context;
     const { geometryPrecision, shPrecision, name } = this.#options;
     const { count, shDegree, strideBytes, pieceRows } = layout;
@@ -216,13 +219,13 @@ export class RowIngest implements RowSink {
 
   /** Takes coarser settings if memory is lacking and they may be taken. @returns the layout with the degree to store. */
   async #fitted(layout: RowLayout): Promise<RowLayout> {
-    const { geometryPrecision, shPrecision, name, fit = 'exact' } = this.#options;
+    const { geometryPrecision, shPrecision, name, signal, fit = 'exact' } = this.#options;
     const { memory } = this.#context;
     const wanted = { geometryPrecision, shPrecision, shDegree: layout.shDegree };
     const bytesOf = (settings: FitSettings) => ingestBytes(layout, settings);
     if (fit === 'exact' && bytesOf(wanted) < PROBED_BYTES && bytesOf(wanted) <= memory.availableBytes)
       return layout;
-    this.#fit = await fitSettings({ memory, name, bytesOf }, wanted, fit);
+    this.#fit = await fitSettings({ memory, name, bytesOf, signal }, wanted, fit);
     if (!this.#fit) return layout;
     const { shDegree, ...precision } = this.#fit.taken;
     this.#options = { ...this.#options, ...precision };
@@ -230,6 +233,7 @@ export class RowIngest implements RowSink {
   }
 
   async memory(): Promise<Uint8Array<ArrayBuffer>> {
+    this.#live();
     this.#current = this.#free.length === 0 ? this.#stagingForNow() : null;
     if (!this.#current) {
       if (this.#free.length === 0) await this.#compiled;
@@ -270,9 +274,11 @@ export class RowIngest implements RowSink {
       if (found.count === 0) throw emptyError(name, found.dropped);
       arrivals?.end();
       arrivals?.check();
+      const hasRoom = await this.#hasRoomFor(found);
+      this.#live();
       previews?.hold();
       const { result, checked } = this.#allocate(() => {
-        const { planes, contents, fileRows } = this.#arrange(found, arranged);
+        const { planes, contents, fileRows } = this.#arrange(found, hasRoom, arranged);
         const reading = [
           this.#readBounds(planes, contents),
           readWords(device, fileRows, found.count),
@@ -302,13 +308,21 @@ export class RowIngest implements RowSink {
 
   /** Frees everything, and ends the previews. */
   destroy(): void {
+    this.#isDestroyed = true;
     this.#previews?.end();
     this.#freeBuffers();
   }
 
-  /** Call after each wait: what was there before may have been destroyed meanwhile. @throws the signal's reason. */
+  /**
+   * Call after each wait: what was there before may have been destroyed meanwhile, and nobody would free what is made now. A load
+   * ends by its signal, or by an error of its reader.
+   *
+   * @throws the signal's reason, DestroyedError.
+   */
   #live(): Held {
-    this.#options.signal.throwIfAborted();
+    const { signal, name } = this.#options;
+    signal.throwIfAborted();
+    if (this.#isDestroyed) throw new DestroyedError(`The load of ${name}`, 'it has ended');
     return this.#held!;
   }
 
@@ -390,13 +404,22 @@ export class RowIngest implements RowSink {
     arrivals?.add(endRow);
   }
 
+  /** Whether there is memory for planes beside those with slots of dropped rows, if there are enough of these to matter. */
+  async #hasRoomFor({ count }: RowFacts): Promise<boolean> {
+    const { layout } = this.#held!;
+    if (!isRoomy(count, layout.count)) return true;
+    const planes = cloudBytes(count, { ...this.#options, shDegree: layout.shDegree });
+    return probeMemory(this.#context.memory, planes + ARRANGE_BYTES * layout.count);
+  }
+
   /**
    * Puts splats into storage order.
    *
+   * @param hasRoom see `ArrivedPlanes`.
    * @param made lists the buffers that the cloud will hold, as soon as they exist.
    * @returns planes and contents, but for what has to be read from the GPU.
    */
-  #arrange(found: RowFacts, made: GPUBuffer[]) {
+  #arrange(found: RowFacts, hasRoom: boolean, made: GPUBuffer[]) {
     const { geometryPrecision, shPrecision, name, pages } = this.#options;
     const { ranges, geometry, harmonics, dropMask, layout } = this.#held!;
     const origin = chooseOrigin(found.min, found.max);
@@ -417,6 +440,7 @@ export class RowIngest implements RowSink {
       shDegree: layout.shDegree,
       keptShDegree: trueShDegree,
       kept: found.count,
+      hasRoom,
       frame,
       logScaleRange: range,
       pages: pages?.at(-1)?.end === found.count ? pages : undefined,
@@ -476,7 +500,11 @@ function stagingCountOf({ count, pieceRows }: RowLayout): number {
   return Math.min(STAGING_BUFFERS, Math.ceil(count / pieceRows));
 }
 
-/** Most bytes that a file takes at once while it becomes a cloud: the planes, and what reading or arranging needs besides. */
+/**
+ * Most bytes that a file needs at once while it becomes a cloud: the planes, and what reading or arranging needs besides. Pieces
+ * that wait for shaders, and planes without the slots of dropped rows, take more where there is more. Planes of fewer bands or of
+ * other pages than the rows arrive in are made beside those all the same: that shows at the end, and seldom happens.
+ */
 function ingestBytes(layout: RowLayout, settings: FitSettings): number {
   const { count, strideBytes, pieceRows } = layout;
   const pieceBytes = Math.min(count, pieceRows) * strideBytes;

@@ -184,6 +184,19 @@ describe.each<Behaviour>(['works', 'throws', 'does not start', 'takes no streams
       expect(harmonics).toMatchObject({ degree: 0, words: new Uint32Array() });
     });
 
+    test('options that cannot cross are taken here, or refused', async () => {
+      useWorkers(behaviour);
+      // In browsers, Headers are such.
+      const headers = Object.assign([['x-key', '1']], { cannotCross: () => {} });
+      for (const { name, make } of sources) {
+        const cloud = await loadSplats(make(), { request: { headers: headers as never } });
+        expect(cloud.count, name).toBe(300);
+      }
+      expect(await failure(loadSplats(ply, { name: Symbol('s') as never }))).toBeInstanceOf(
+        InvalidArgumentError,
+      );
+    });
+
     test('typed errors cross', async () => {
       useWorkers(behaviour);
       const error = await failure(loadSplats(ply.slice(0, ply.length - 5), { name: 'cut.ply' }));

@@ -3,7 +3,7 @@ import type { PackedCloud } from '../packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../packing/precision.ts';
 import { fromPostedError, type LoadReply, type LoadRequest, type LoadSettings } from './load-messages.ts';
 import type { RowsTo } from './row-sink.ts';
-import { bytesOf, isBlob, isStream, lockedStreamError, shortName } from './source-kind.ts';
+import { baseUrl, bytesOf, isBlob, isStream, shortName } from './source-kind.ts';
 import type { ReadOptions, ReadSplatsOptions, SplatSource } from './splat-source.ts';
 import { endTurn, takeTurn } from './worker-turns.ts';
 
@@ -173,7 +173,7 @@ function callOrReject(call: () => void, reject: (reason: unknown) => void): void
   }
 }
 
-/** Posts the job. If the source cannot be posted, returns what to read in this thread instead. */
+/** Posts the job. If it cannot be posted, returns what to read in this thread instead. */
 function post(
   worker: Worker,
   source: SplatSource,
@@ -181,35 +181,28 @@ function post(
   rowsTo: RowsTo | undefined,
   signal: AbortSignal,
 ): SplatSource | undefined {
-  const send = (posted: SplatSource, transfer: Transferable[]) => {
+  let posted = source;
+  let transfer: Transferable[] = [];
+  if (typeof source === 'string' || source instanceof URL) posted = absoluteUrl(String(source));
+  else if (isStream(source)) {
+    // Whoever opens it refuses it.
+    if (source.locked) return source;
+    // A pipe of our own in between, since a posted stream can no longer be cancelled from here.
+    const piped = source.pipeThrough(new TransformStream<Uint8Array, Uint8Array>(), { signal });
+    posted = piped;
+    transfer = [piped];
+  } else if (!isBlob(source)) {
+    const copy = bytesOf(source).slice();
+    posted = copy;
+    transfer = [copy.buffer];
+  }
+  try {
     const request: LoadRequest = { kind: 'load', source: posted, settings, rows: rowsTo?.files ?? null };
     worker.postMessage(request, transfer);
-  };
-  if (typeof source === 'string' || source instanceof URL) send(absoluteUrl(String(source)), []);
-  else if (isBlob(source)) send(source, []);
-  else if (isStream(source)) return postStream(source, settings, signal, send);
-  else {
-    const copy = bytesOf(source).slice();
-    send(copy, [copy.buffer]);
-  }
-  return undefined;
-}
-
-function postStream(
-  source: ReadableStream<Uint8Array>,
-  settings: LoadSettings,
-  signal: AbortSignal,
-  send: (posted: SplatSource, transfer: Transferable[]) => void,
-): SplatSource | undefined {
-  if (source.locked) throw lockedStreamError(settings.name ?? 'stream');
-  // A pipe of our own in between, since a posted stream can no longer be cancelled from here.
-  const piped = source.pipeThrough(new TransformStream<Uint8Array, Uint8Array>(), { signal });
-  try {
-    send(piped, [piped]);
     return undefined;
   } catch (error) {
-    // Safari cannot transfer streams; the attempt leaves the stream as it was.
-    if (error instanceof DOMException && error.name === 'DataCloneError') return piped;
+    // Safari cannot transfer streams, and options such as Headers are no data. The attempt leaves the source as it was.
+    if (error instanceof DOMException && error.name === 'DataCloneError') return posted;
     throw error;
   }
 }
@@ -225,6 +218,6 @@ export function lastingSource(source: SplatSource): string | Blob | null {
 
 /** A worker resolves relative URLs against its own script, the caller means the page. */
 function absoluteUrl(url: string): string {
-  const base = typeof document === 'undefined' ? globalThis.location?.href : document.baseURI;
+  const base = baseUrl();
   return URL.canParse(url, base) ? new URL(url, base).href : url;
 }

@@ -1,3 +1,5 @@
+import { InvalidArgumentError } from '../errors.ts';
+import { shown } from '../printable.ts';
 import { openUrl } from './open-url.ts';
 import { bytesOf, isBlob, isStream, lockedStreamError, sourceName } from './source-kind.ts';
 import type { OpenedSource, ReadOptions, SplatSource } from './splat-source.ts';
@@ -13,6 +15,8 @@ const PIECE_BYTES = 1 << 20;
  */
 export async function openSource(source: SplatSource, options: ReadOptions = {}): Promise<OpenedSource> {
   options.signal?.throwIfAborted();
+  if (!['string', 'undefined'].includes(typeof options.name))
+    throw new InvalidArgumentError('name', `name is ${shown(options.name)}; it must be text.`);
   if (typeof source === 'string' || source instanceof URL) return openUrl(String(source), options);
   const { name = sourceName(source) } = options;
   if (isStream(source)) {

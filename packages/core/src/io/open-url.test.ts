@@ -1,6 +1,7 @@
 import { randomBytes } from 'node:crypto';
 import { createServer, type IncomingMessage, type Server, type ServerResponse } from 'node:http';
 import type { AddressInfo } from 'node:net';
+import { inspect } from 'node:util';
 import { gzipSync } from 'node:zlib';
 import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, test, vi } from 'vitest';
 import { InvalidArgumentError, SplatFileError, SplatSourceError } from '../errors.ts';
@@ -58,6 +59,7 @@ beforeEach(() => {
 });
 
 afterEach(() => {
+  vi.restoreAllMocks();
   for (const each of [server, otherServer]) each.closeAllConnections();
 });
 
@@ -205,7 +207,7 @@ describe('a transfer that breaks off', () => {
   });
 
   test.each<[why: string, then: Answer, says: RegExp]>([
-    ['the file has changed', (request, response) => sendRange(request, response, '"v2"'), /has changed/],
+    ['the file has changed', (request, response) => sendRange(request, response, '"v2"'), /may have changed/],
     [
       'another part is sent',
       (_, response) => {
@@ -217,7 +219,7 @@ describe('a transfer that breaks off', () => {
     [
       'the part does not say which it is',
       (_, response) => void response.writeHead(206, { etag: '"v1"' }).end(ply.subarray(CUT)),
-      /another part/,
+      /does not say which part/,
     ],
     ['the range is refused', (_, response) => void response.writeHead(416).end(), /answered 416/],
   ])('fails where %s', async (_, then, says) => {
@@ -229,6 +231,46 @@ describe('a transfer that breaks off', () => {
     const error = await failureOf();
     expect(error).toBeInstanceOf(SplatSourceError);
     expect(error.message).toMatch(says);
+    expect(requests).toHaveLength(2);
+  });
+
+  test('goes on where the server no longer says how long the file is', async () => {
+    answer = (_, response, attempt) => {
+      response.setHeader('etag', '"v1"');
+      if (attempt === 1) breakOff(response, ply.subarray(0, CUT));
+      // Without a length.
+      else response.write(ply, () => response.end());
+    };
+    expect(await readSplats(url)).toEqual(await readSplats(ply));
+  });
+
+  test('and then answers no more fails as it broke off', async () => {
+    answer = (request, response, attempt) => {
+      response.setHeader('etag', '"v1"');
+      if (attempt === 1) breakOff(response, ply.subarray(0, CUT));
+      else request.socket.destroy();
+    };
+    expect((await failureOf()).message).toContain('reading stopped');
+    expect(requests).toHaveLength(5);
+  });
+
+  test('goes on from another origin, of which a page sees less and may ask less', async () => {
+    const date = 'Wed, 21 Oct 2015 07:28:00 GMT';
+    const really = globalThis.fetch;
+    vi.spyOn(globalThis, 'fetch').mockImplementation(async (address, init) => {
+      if (new Headers(init?.headers).has('if-range')) throw new TypeError('the preflight was refused');
+      const response = await really(address, init);
+      const seen = ['content-length', 'content-type', 'last-modified'];
+      const headers = new Headers([...response.headers].filter(([name]) => seen.includes(name)));
+      const { body, status } = response;
+      return Object.defineProperty(new Response(body, { headers, status }), 'type', { value: 'cors' });
+    });
+    answer = (request, response, attempt) => {
+      response.setHeader('last-modified', date);
+      if (attempt === 1) breakOff(response, ply.subarray(0, CUT));
+      else sendRange(request, response, date);
+    };
+    expect(await readSplats(url)).toEqual(await readSplats(ply));
     expect(requests).toHaveLength(2);
   });
 
@@ -448,12 +490,35 @@ describe('credentials', () => {
     answer = (_, response) => void response.writeHead(403).end();
     const error = await failureOf({ headers: secret });
     expect(fetching.mock.calls[0][1]).toMatchObject({ credentials: 'same-origin' });
-    fetching.mockRestore();
-    expect(error.message).not.toContain('secret');
-    const inAddress = url.replace('://', '://user:secret@');
-    const refused = await failure(readSplats(inAddress));
-    expect(refused).toBeInstanceOf(SplatSourceError);
-    expect(`${refused.message}${(refused as SplatSourceError).file}`).not.toContain('secret');
+    expect(inspect(error)).not.toContain('secret');
+    const unsendable = await failureOf({ headers: { authorization: 'secret\n2' } });
+    expect(inspect(unsendable)).not.toContain('secret');
+  });
+
+  test.each([
+    [(address: string) => address.replace('://', '://user:secret@'), /pass them in request\.headers/],
+    [(address: string) => address.replace('http://', '//user:secret@'), /only absolute/],
+    [() => 'http://user:secret@[/', /only absolute/],
+  ])('in an address are not sent, nor told', async (addressOf, advice) => {
+    answer = (_, response) => void response.end(ply);
+    const error = await failure(readSplats(addressOf(url)));
+    expect(error).toBeInstanceOf(SplatSourceError);
+    expect(error.message).toMatch(advice);
+    expect(inspect(error)).not.toContain('secret');
+    expect(requests).toHaveLength(0);
+    expect(waitsMs).toEqual([]);
+  });
+
+  test.each<[form: string, headers: unknown]>([
+    ['Headers', new Headers(secret)],
+    ['a list', Object.entries(secret)],
+    ['a Map', new Map(Object.entries(secret))],
+  ])('in headers as %s are sent', async (_, headers) => {
+    const fetching = vi.spyOn(globalThis, 'fetch');
+    answer = (_, response) => void response.end(ply);
+    await readSplats(url, { request: { headers: headers as never } });
+    expect(requests[0].headers).toMatchObject(secret);
+    expect(fetching.mock.calls[0][1]).toMatchObject({ redirect: 'error' });
   });
 });
 
@@ -465,6 +530,10 @@ test.each<[name: string, options: ReadOptions]>([
   ['credentials', { request: { credentials: 'all' as never } }],
   ['idleTimeoutMs', { request: { idleTimeoutMs: 0 } }],
   ['maxRetries', { request: { maxRetries: Number.POSITIVE_INFINITY } }],
+  ['request', { request: null as never }],
+  ['request', { request: 'x' as never }],
+  ['name', { name: 5 as never }],
+  ['name', { name: Symbol('s') as never }],
   ['headers', { request: { headers: { 'bad name': 'x' } } }],
   ['headers', { request: { headers: { name: 'line\nbreak' } } }],
 ])('%s that is no such thing is refused', async (argument, options) => {

@@ -1,12 +1,12 @@
 import { SplatSourceError } from '../errors.ts';
 import { messageOf } from './byte-reader.ts';
 import { checkRequest } from './check-request.ts';
-import { shortName } from './source-kind.ts';
+import { baseUrl, shortName } from './source-kind.ts';
 import type { OpenedSource, ReadOptions, RequestOptions, ResumedStream } from './splat-source.ts';
 import { waitMs } from './wait-ms.ts';
 
 const FIRST_WAIT_MS = 500;
-/** A server that wants a longer pause has no answer for whoever waits for splats. */
+/** A server that wants a longer pause would keep the reader waiting too long. */
 const LONGEST_WAIT_MS = 30_000;
 /** Too early, too many requests, or a gateway without a server behind it. Other failures would come again. */
 const PASSING_STATUSES: readonly number[] = [408, 425, 429, 502, 503, 504];
@@ -16,27 +16,46 @@ const PASSING_STATUSES: readonly number[] = [408, 425, 429, 502, 503, 504];
  */
 const UNANSWERED_TRIES = 2;
 
+const ABSOLUTE_ADVICE =
+  'cannot be fetched: outside a page only absolute http, https, data and blob URLs can be; read a local file yourself and pass its Blob or bytes';
+
 /**
  * Opens an address. Requests that a server cannot answer for the moment are repeated, and a transfer that breaks off goes on
- * where it was, if the server can tell that the file is still the same.
+ * where it was, if the server can tell that the file is still the same. A page is not told which part another origin sends, nor
+ * whether that is packed; the file is asked for from its beginning then.
  *
- * Rejects with SplatSourceError (network, HTTP status), InvalidArgumentError for options, and the signal's reason.
+ * Rejects with SplatSourceError (no valid address, credentials in it, network, HTTP status), InvalidArgumentError for options, and
+ * the signal's reason.
  */
 export async function openUrl(url: string, options: ReadOptions): Promise<OpenedSource> {
   const { name = shortName(url), signal, request = {} } = options;
-  return new Transfer(url, name, checkRequest(request), signal).open();
+  const checked = checkRequest(request);
+  return new Transfer(addressOf(url, name), name, checked, signal).open();
+}
+
+/** @throws SplatSourceError; the error of `fetch` would repeat the address, credentials included. */
+function addressOf(url: string, name: string): URL {
+  const base = baseUrl();
+  if (!URL.canParse(url, base))
+    throw new SplatSourceError(name, base === undefined ? ABSOLUTE_ADVICE : 'it is no valid address');
+  const address = new URL(url, base);
+  if (address.username === '' && address.password === '') return address;
+  throw new SplatSourceError(
+    name,
+    'an address with credentials cannot be fetched; leave them out, and pass them in request.headers, as Authorization',
+  );
 }
 
 class Transfer {
-  readonly #url: string;
+  readonly #url: URL;
   readonly #name: string;
   readonly #request: Required<RequestOptions>;
   readonly #signal: AbortSignal | undefined;
   #retries = 0;
   /** What the first answer says of the file; null before. */
-  #file: { readonly validator: string | null; readonly totalBytes: number | undefined } | null = null;
+  #file: FileFacts | null = null;
 
-  constructor(url: string, name: string, request: Required<RequestOptions>, signal: AbortSignal | undefined) {
+  constructor(url: URL, name: string, request: Required<RequestOptions>, signal: AbortSignal | undefined) {
     this.#url = url;
     this.#name = name;
     this.#request = request;
@@ -46,10 +65,9 @@ class Transfer {
   async open(): Promise<OpenedSource> {
     const response = await this.#ask({});
     const { headers } = response;
-    const totalBytes = isPacked(headers) ? undefined : lengthOf(headers);
-    const validator = isPacked(headers) ? null : validatorOf(headers);
-    this.#file = { validator, totalBytes };
     const totalBytesCertain = response.type !== 'cors';
+    this.#file = { ...factsOf(headers), hasRanges: totalBytesCertain };
+    const { totalBytes } = this.#file;
     return {
       name: this.#name,
       totalBytes,
@@ -65,28 +83,39 @@ class Transfer {
 
   /** See `ResumeSource`. */
   async #resume(offset: number, failure: SplatSourceError): Promise<ResumedStream> {
-    const { validator, totalBytes } = this.#file!;
+    const { validator, totalBytes, hasRanges } = this.#file!;
     if (validator === null) throw failure;
     await this.#waitAfter(failure);
-    const response = await this.#ask({ Range: `bytes=${offset}-`, 'If-Range': validator });
-    const { headers } = response;
-    const range = /^bytes (\d+)-\d+\/(\d+|\*)$/.exec(headers.get('content-range') ?? '');
+    const response = await this.#askAgain(
+      hasRanges ? { range: `bytes=${offset}-`, 'if-range': validator } : {},
+      failure,
+    );
     const isPart = response.status === 206;
-    const newTotal = isPart ? Number(range?.[2]) : lengthOf(headers);
+    const now = isPart ? partOf(response.headers) : { ...factsOf(response.headers), startsAt: 0 };
+    const { startsAt } = now;
     const isSame =
-      validatorOf(headers) === validator &&
-      !isPacked(headers) &&
-      (Number.isNaN(newTotal) || totalBytes === undefined || newTotal === totalBytes);
-    const startsAt = isPart ? Number(range?.[1]) : 0;
-    if (isSame && (isPart ? startsAt === offset : true)) return { stream: bodyOf(response), startsAt };
+      now.validator === validator &&
+      (now.totalBytes === undefined || totalBytes === undefined || now.totalBytes === totalBytes);
+    if (isSame && startsAt === (isPart ? offset : 0)) return { stream: bodyOf(response), startsAt };
     cancelBody(response);
-    const why = isSame ? 'the server sent another part of it' : 'the file has changed meanwhile';
+    const whyNot =
+      startsAt === null ? 'the server does not say which part it sent' : 'the server sent another part of it';
     throw new SplatSourceError(
       this.#name,
-      `the transfer broke off after ${offset} bytes, and ${why}. Load it again.`,
+      `the transfer broke off after ${offset} bytes, and ${isSame ? whyNot : 'the file may have changed meanwhile'}. Load it again.`,
       undefined,
       { cause: failure },
     );
+  }
+
+  /** Rejects with `failure` if there is no answer: what came first says more. */
+  async #askAgain(headers: Readonly<Record<string, string>>, failure: SplatSourceError): Promise<Response> {
+    try {
+      return await this.#ask(headers);
+    } catch (error) {
+      this.#signal?.throwIfAborted();
+      throw (error as SplatSourceError).status === undefined ? failure : error;
+    }
   }
 
   /** Sends the request until there is an answer that has a body to read. */
@@ -116,7 +145,7 @@ class Transfer {
     const timer = Number.isFinite(idleTimeoutMs) ? setTimeout(() => late.abort(), idleTimeoutMs) : undefined;
     const signals = this.#signal ? [this.#signal, late.signal] : [late.signal];
     try {
-      return await fetch(this.#url, {
+      return await fetch(this.#url.href, {
         headers: { ...own, ...headers },
         credentials,
         // Of all headers, browsers keep only Authorization from another origin.
@@ -127,7 +156,7 @@ class Transfer {
       this.#signal?.throwIfAborted();
       const why = late.signal.aborted
         ? `the server did not answer within ${idleTimeoutMs} ms`
-        : `cannot be fetched: ${this.#explain(cause)}`;
+        : this.#explain(cause);
       return new SplatSourceError(this.#name, why, undefined, { cause });
     } finally {
       clearTimeout(timer);
@@ -137,7 +166,7 @@ class Transfer {
   /** Waits before another try, at least as long as the server asks for. Throws `failure` if no try is left. */
   async #waitAfter(failure: SplatSourceError, askedMs = 0): Promise<void> {
     if (this.#retries >= this.#request.maxRetries || askedMs > LONGEST_WAIT_MS) throw failure;
-    // Not all at the same time that were refused at the same time.
+    // Spread out, so that clients refused together do not return together.
     const backoffMs = FIRST_WAIT_MS * 2 ** this.#retries * (0.5 + Math.random() / 2);
     this.#retries++;
     await waitMs(Math.min(Math.max(backoffMs, askedMs), LONGEST_WAIT_MS), this.#signal);
@@ -149,25 +178,45 @@ class Transfer {
 
   /** Whether a server may be asked again. */
   get #isRemote(): boolean {
-    const base = globalThis.location?.href;
-    return URL.canParse(this.#url, base) && /^https?:$/.test(new URL(this.#url, base).protocol);
+    return /^https?:$/.test(this.#url.protocol);
   }
 
   #explain(cause: unknown): string {
-    const url = this.#url;
-    if (typeof document === 'undefined' && (!URL.canParse(url) || url.startsWith('file:'))) {
-      return 'outside a page only absolute http, https, data and blob URLs can be; read a local file yourself and pass its Blob or bytes';
-    }
+    if (typeof document === 'undefined' && this.#url.protocol === 'file:') return ABSOLUTE_ADVICE;
     // Node says only "fetch failed", with the reason one level down.
     const reason = cause instanceof Error && cause.cause instanceof Error ? cause.cause : cause;
     const redirected = this.#hasOwnHeaders
       ? ', or a redirect, which requests with headers do not follow'
       : '';
-    return `${messageOf(reason)} (offline, blocked by CORS, or no such host${redirected}?)`;
+    return `cannot be fetched: ${messageOf(reason)} (offline, blocked by CORS, or no such host${redirected}?)`;
   }
 }
 
-/** What shows that a file is still the same; null without. */
+/** What an answer says of the whole file. */
+interface AnswerFacts {
+  /** What shows that the file is still the same; null without, and for packed files. */
+  readonly validator: string | null;
+  /** Undefined if it does not say, and for packed files. */
+  readonly totalBytes: number | undefined;
+}
+
+interface FileFacts extends AnswerFacts {
+  /** Whether an answer with a part says which one that is. */
+  readonly hasRanges: boolean;
+}
+
+function factsOf(headers: Headers): AnswerFacts {
+  if (isPacked(headers)) return { validator: null, totalBytes: undefined };
+  return { validator: validatorOf(headers), totalBytes: lengthOf(headers) };
+}
+
+/** The same of an answer with a part, and where that begins; null if it does not say. */
+function partOf(headers: Headers): AnswerFacts & { readonly startsAt: number | null } {
+  const [, start, total] = /^bytes (\d+)-\d+\/(\d+|\*)$/.exec(headers.get('content-range') ?? '') ?? [];
+  const totalBytes = total === undefined || total === '*' ? undefined : Number(total);
+  return { ...factsOf(headers), totalBytes, startsAt: start === undefined ? null : Number(start) };
+}
+
 function validatorOf(headers: Headers): string | null {
   const tag = headers.get('etag');
   // Weak tags are equal for files that differ in some bytes.

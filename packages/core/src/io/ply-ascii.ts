@@ -66,7 +66,8 @@ async function nextLines(
   let scanned = 0;
   for (;;) {
     const held = window(reader);
-    const length = held.lastIndexOf(lineEnd);
+    // A line may come in a thousand chunks: only the new bytes are searched.
+    const length = scanned + held.subarray(scanned).lastIndexOf(lineEnd);
     if (length >= scanned) {
       reader.advance(length + 1);
       return decode(held.subarray(0, length));

@@ -575,6 +575,17 @@ describe('what is refused', () => {
   );
 });
 
+test('no byte of a long line is searched twice', async () => {
+  const text = new TextDecoder().decode(plyBytes({ format: 'ascii', elements: [splatElement(1)] }));
+  const bytes = textFile(`${text.trimEnd()}${' '.repeat(1 << 18)}\n`);
+  const searching = vi.spyOn(Object.getPrototypeOf(Uint8Array.prototype), 'lastIndexOf');
+  expect((await readSplats(chunked(bytes, [1024]))).count).toBe(1);
+  const searched = (searching.mock.contexts as Uint8Array[]).reduce((sum, { length }) => sum + length, 0);
+  searching.mockRestore();
+  expect(searched).toBeGreaterThan(1 << 18);
+  expect(searched).toBeLessThanOrEqual(bytes.length);
+});
+
 describe('progress and abort', () => {
   const big = plyBytes({ format: LE, elements: [splatElement(2000, 1)] });
 

@@ -19,6 +19,11 @@ export function shortName(text: string): string {
   return shown.length <= MAX_NAME_LENGTH ? shown : `${shown.slice(0, MAX_NAME_LENGTH)}…`;
 }
 
+/** What relative addresses are resolved against; undefined outside a page. */
+export function baseUrl(): string | undefined {
+  return typeof document === 'undefined' ? globalThis.location?.href : document.baseURI;
+}
+
 export function isStream(source: unknown): source is ReadableStream<Uint8Array> {
   return typeof (source as Partial<ReadableStream>)?.getReader === 'function';
 }

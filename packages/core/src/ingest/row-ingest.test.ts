@@ -1,0 +1,75 @@
+import { describe, expect, test, vi } from 'vitest';
+import { DestroyedError } from '../errors.ts';
+import { GpuMemory } from '../gpu/gpu-memory.ts';
+import type { Pipelines } from '../gpu/pipelines.ts';
+import type { RowLayout } from '../packing/row-layout.ts';
+import { BUFFER_USAGE, deviceWithoutGpu } from '../testing/device-without-gpu.ts';
+import { signalOf } from '../testing/signal.ts';
+import { RowIngest } from './row-ingest.ts';
+
+vi.stubGlobal('GPUBufferUsage', BUFFER_USAGE);
+
+const LAYOUT: RowLayout = {
+  count: 5120,
+  strideBytes: 56,
+  pieceRows: 256,
+  offsets: Array.from({ length: 14 }, (_, i) => 4 * i),
+  isBigEndian: false,
+  shDegree: 0,
+};
+
+/** Takes rows of `LAYOUT` on a device that has no shaders yet, and is idle only after `go`. */
+function ingestOf(go: Promise<void>) {
+  const asked = signalOf();
+  const device = deviceWithoutGpu(() => {
+    asked.give();
+    return go;
+  });
+  const memory = new GpuMemory(device);
+  const pipelines = { prepare: () => new Promise(() => {}) } as unknown as Pipelines;
+  const caller = new AbortController();
+  const options = {
+    geometryPrecision: 'packed',
+    shPrecision: 'u8',
+    name: 'garden',
+    signal: caller.signal,
+    // Looks for memory however small the file is.
+    fit: 'auto',
+  } as const;
+  const ingest = new RowIngest({ device, pipelines, memory, dispatchRow: 65_535 }, options);
+  return { ingest, memory, caller, whenAsked: asked.when };
+}
+
+/** A load ends by its signal, or by an error of whoever reads. */
+const ENDS = [
+  ['its signal', new Error('enough'), (caller: AbortController) => caller.abort(new Error('enough'))],
+  ['an error', DestroyedError, () => {}],
+] as const;
+
+describe.each(ENDS)('a load that %s ends leaves nothing', (_, expected, end) => {
+  test('while memory is looked for', async () => {
+    const go = signalOf();
+    const { ingest, memory, caller, whenAsked } = ingestOf(go.when);
+    const beginning = ingest.begin(LAYOUT);
+    await whenAsked;
+    end(caller);
+    ingest.destroy();
+    go.give();
+    await expect(beginning).rejects.toThrow(expected);
+    expect(memory.report().resources).toEqual([]);
+  });
+
+  test('before it asks for memory for another piece', async () => {
+    const { ingest, memory, caller } = ingestOf(Promise.resolve());
+    await ingest.begin(LAYOUT);
+    // No piece is free after these, and those that come wait for shaders.
+    for (let piece = 0; piece < 4; piece++) {
+      await ingest.memory();
+      ingest.take(LAYOUT.pieceRows);
+    }
+    end(caller);
+    ingest.destroy();
+    await expect(ingest.memory()).rejects.toThrow(expected);
+    expect(memory.report().resources).toEqual([]);
+  });
+});
