@@ -3,6 +3,7 @@ import type { Page } from 'playwright-core';
 import { expect, it } from 'vitest';
 import { appHarness } from './harness.ts';
 import type { CanvasDescription, SplatsDescription } from './react/main.tsx';
+import { skipRecoveryWaits } from './recovery-waits.ts';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { changedPart, screenshot } from './screenshot.ts';
 import { slowScene, testScene } from './test-scene.ts';
@@ -517,13 +518,7 @@ it('comes back from the loss of its device by itself, and tells where it cannot'
 it('gives up where the device is lost again and again, or there is no adapter any more', async () => {
   harness.expectProblem(/lost again and again/);
   const page = await harness.newPage();
-  // The waits of a recovery pass at once.
-  await page.addInitScript(() => {
-    const { setTimeout } = window;
-    const isWait = (ms: number) => [1000, 4000, 16_000].includes(ms);
-    window.setTimeout = ((run: () => void, ms = 0, ...values: []) =>
-      setTimeout(run, isWait(ms) ? 0 : ms, ...values)) as typeof window.setTimeout;
-  });
+  await page.addInitScript(skipRecoveryWaits);
   await page.goto(harness.server.url);
   await page.waitForFunction(() => 'page' in window);
   await show(page, canvas({ splats: [] }));
