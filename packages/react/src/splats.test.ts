@@ -321,6 +321,12 @@ it.each<Partial<SplatsProps>>([
   expect(caught).toBeInstanceOf(InvalidArgumentError);
 });
 
+it.each([null, 5, true, Symbol('s')])('passes on what is wrong with a src that is none: %s', async (src) => {
+  await show(splats({ src: src as never }));
+  expect(caught).toBeInstanceOf(InvalidArgumentError);
+  expect(caught).toMatchObject({ argument: 'source' });
+});
+
 it('aborts the load when it is unmounted', async () => {
   await show(splats({ src: 'a.ply' }));
   await show();
