@@ -6,6 +6,7 @@ import { describe, expect, it } from 'vitest';
 import { ring } from '../apps/examples/scenes/ring.ts';
 import { windSway } from '../apps/examples/src/effects/wind-sway.ts';
 import { windSwayTwin } from '../apps/examples/src/effects/wind-sway-twin.ts';
+import { atRest, passTurns } from './at-rest.ts';
 import { appHarness } from './harness.ts';
 import { MIN_PSNR_DB, type ReferenceEffects, referenceImage } from './reference.ts';
 import { changedPart, type Screenshot, screenshot } from './screenshot.ts';
@@ -208,24 +209,14 @@ describe('examples', () => {
     const frames = async () => Number(await page.locator('output').textContent());
     await expect.poll(async () => new Set((await image(page)).data).size, PATIENCE).toBeGreaterThan(100);
     // Shaders and data request frames when they become ready.
-    let atRest = await frames();
-    await expect
-      .poll(async () => {
-        const before = atRest;
-        await page.waitForTimeout(500);
-        atRest = await frames();
-        return atRest - before;
-      }, PATIENCE)
-      .toBe(0);
+    const before = await atRest(page, frames);
+    await passTurns(page, 60);
+    expect(await frames()).toBe(before);
     const shotAtRest = await image(page);
-    await page.waitForTimeout(2000);
-    expect(await frames()).toBe(atRest);
     for (const more of [1, 2, 3]) {
       await page.getByRole('button', { name: 'Draw one more' }).click();
-      await expect.poll(frames, PATIENCE).toBe(atRest + more);
+      expect(await atRest(page, frames)).toBe(before + more);
     }
-    await page.waitForTimeout(300);
-    expect(await frames()).toBe(atRest + 3);
     expect(changedPart(shotAtRest, await image(page), 0)).toBe(0);
   });
 

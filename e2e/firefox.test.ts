@@ -126,14 +126,16 @@ firefoxTest(
 firefoxTest('React draws, changes and leaves nothing behind', async () => {
   const page = await open('e2e/react');
   await page.waitForFunction(() => 'page' in window, { timeout: PATIENCE_MS });
+  const showAll = (canvases: CanvasDescription[]) =>
+    page.evaluate((list) => window.page.show(list), canvases);
   const show = (splats: CanvasDescription['splats']) =>
-    page.evaluate((list) => window.page.show(list), [
-      { id: 'canvas', kind: 'splats', background: 'black', splats },
-    ] as CanvasDescription[]);
+    showAll([{ id: 'canvas', kind: 'splats', background: 'black', splats }]);
+  const held = () => page.evaluate(() => window.page.countResources());
   const waitForLog = (entry: string) =>
     page.waitForFunction((text) => window.page.log.includes(text), { timeout: PATIENCE_MS }, entry);
   const bytes = () => page.evaluate(() => window.page.engine('canvas').memory().totalBytes);
 
+  const heldBefore = await held();
   await show([{ id: 'a', src: 'scene.ply' }]);
   await waitForLog('a firstframe');
   const camera = await page.evaluate(() => {
@@ -155,6 +157,8 @@ firefoxTest('React draws, changes and leaves nothing behind', async () => {
   expect(await bytes()).toBeGreaterThan(0);
   await show([]);
   await expect.poll(bytes, { timeout: PATIENCE_MS }).toBe(0);
+  await showAll([]);
+  await expect.poll(held, { timeout: PATIENCE_MS }).toEqual(heldBefore);
 });
 
 /** One of each kind, and those in which Firefox has fewer features than Chromium. */

@@ -1,8 +1,10 @@
 import { encodePly, type SplatSet } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { expect, it } from 'vitest';
+import { atRest, passTurns } from './at-rest.ts';
 import { appHarness } from './harness.ts';
 import type { CanvasDescription, SplatsDescription } from './react/main.tsx';
+import { skipRecoveryWaits } from './recovery-waits.ts';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { changedPart, screenshot } from './screenshot.ts';
 import { slowScene, testScene } from './test-scene.ts';
@@ -195,14 +197,14 @@ it('draws no frame unless asked, and then one, or one more where a shader has ye
     const { timings, log } = window.page;
     timings!.subscribe((statistics) => log.push(`frame ${statistics === timings!.current}`));
   });
-  await page.waitForTimeout(300);
-  const before = await framesOf(page);
-  await page.waitForTimeout(2000);
-  expect(await framesOf(page), 'frames after 2 s').toEqual(before);
+  const before = await atRest(page, () => framesOf(page));
+  await passTurns(page, 60);
+  expect(await framesOf(page), 'frames that nobody has asked for').toEqual(before);
   for (let i = 1; i <= 3; i++) {
     await page.evaluate(() => window.page.canvases.get('canvas')!.invalidate());
-    await page.waitForTimeout(150);
-    expect(await framesOf(page), `frames after ${i} calls of invalidate()`).toEqual(plus(before, i));
+    expect(await atRest(page, () => framesOf(page)), `frames after ${i} calls of invalidate()`).toEqual(
+      plus(before, i),
+    );
   }
 
   const { uploads } = await countersOf(page);
@@ -213,11 +215,12 @@ it('draws no frame unless asked, and then one, or one more where a shader has ye
   const drawn = { timeout: 20_000 };
   // At once with the shaders at hand, and again with the one for opacity.
   await expect.poll(() => framesOf(page), drawn).toEqual(plus(before, 5));
-  await page.waitForTimeout(300);
+  await passTurns(page);
   expect(await framesOf(page), 'frames after a shader was compiled').toEqual(plus(before, 5));
   expect(changedPart(opaque, await image(page))).toBeGreaterThan(0.1);
   await show(page, { ...quiet, splats: [{ ...changed, opacity: 0.4 }] });
-  await page.waitForTimeout(300);
+  await expect.poll(() => framesOf(page)).toEqual(plus(before, 6));
+  await passTurns(page);
   expect(await framesOf(page), 'frames after a change of props').toEqual(plus(before, 6));
   expect((await countersOf(page)).uploads, 'uploads').toBe(uploads);
 
@@ -246,13 +249,12 @@ it('takes effects as props, and draws what revealing takes and no frame more', a
     });
   expect(await isRevealed()).toBe(false);
   await expect.poll(isRevealed, { timeout: 20_000 }).toBe(true);
-  await page.waitForTimeout(300);
-  const before = await framesOf(page);
+  const before = await atRest(page, () => framesOf(page));
   expect(before.splats).toBeGreaterThan(2);
   const whole = await image(page);
   // A new object with equal values is the same reveal, and gives the same image.
   await show(page, { ...quiet, splats: [{ ...revealed, reveal: { ...revealed.reveal } }] });
-  await page.waitForTimeout(300);
+  await passTurns(page);
   expect(await framesOf(page), 'frames after equal props').toEqual(before);
   expect(changedPart(whole, await image(page), 0)).toBe(0);
 
@@ -463,16 +465,17 @@ it('leaves nothing behind after 50 mounts and unmounts', async () => {
   const mount = async (i: number) => {
     const isUnmountedWhileLoading = i % 5 === 4;
     const src = isUnmountedWhileLoading ? `endless.ply?${i}` : `a.ply?${i}`;
+    const requests = harness.server.requests('endless.ply');
     await show(page, canvas({ splats: [{ id: `a${i}`, src }] }));
-    if (isUnmountedWhileLoading) await page.waitForTimeout(50);
+    if (isUnmountedWhileLoading)
+      await expect.poll(() => harness.server.requests('endless.ply')).toBe(requests + 1);
     else await waitForLog(page, `a${i} firstframe`);
     await show(page, canvas({ splats: [] }));
   };
   // The first one makes what all others share: pipelines, and the objects that three keeps.
   await mount(0);
-  await page.waitForTimeout(1000);
-  const before = await resourcesOf(page);
-  expect(before).toMatchObject({ engineBytes: 0, workers: 0 });
+  await expect.poll(() => resourcesOf(page)).toMatchObject({ engineBytes: 0, workers: 0 });
+  const before = await atRest(page, () => resourcesOf(page));
   for (let i = 1; i <= 50; i++) await mount(i);
   await expect.poll(() => resourcesOf(page), { timeout: 5000 }).toEqual(before);
   expect(await page.evaluate(() => window.page.effects), 'StrictMode mounts twice').toBeGreaterThanOrEqual(
@@ -517,13 +520,7 @@ it('comes back from the loss of its device by itself, and tells where it cannot'
 it('gives up where the device is lost again and again, or there is no adapter any more', async () => {
   harness.expectProblem(/lost again and again/);
   const page = await harness.newPage();
-  // The waits of a recovery pass at once.
-  await page.addInitScript(() => {
-    const { setTimeout } = window;
-    const isWait = (ms: number) => [1000, 4000, 16_000].includes(ms);
-    window.setTimeout = ((run: () => void, ms = 0, ...values: []) =>
-      setTimeout(run, isWait(ms) ? 0 : ms, ...values)) as typeof window.setTimeout;
-  });
+  await page.addInitScript(skipRecoveryWaits);
   await page.goto(harness.server.url);
   await page.waitForFunction(() => 'page' in window);
   await show(page, canvas({ splats: [] }));

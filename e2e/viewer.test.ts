@@ -1,6 +1,8 @@
 import { encodePly } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
+import { passTurns } from './at-rest.ts';
+import { skipRecoveryWaits } from './recovery-waits.ts';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { changedPart, type Screenshot } from './screenshot.ts';
 import { CONTENT_SECURITY_POLICY } from './server.ts';
@@ -35,6 +37,24 @@ async function waitForTimes(page: Page): Promise<void> {
   await page.waitForFunction(() => {
     const text = document.querySelector('[data-testid=total-ms]')?.textContent ?? '';
     return Number(text.replaceAll(',', '')) > 0;
+  });
+}
+
+/** What has the keyboard; undefined where it is nothing that tests know. */
+const focusedTestId = (page: Page) =>
+  page.evaluate(() => (document.activeElement as HTMLElement | null)?.dataset.testid);
+
+const send = (page: Page, event: string) =>
+  page.evaluate((type) => void dispatchEvent(new Event(type)), event);
+
+/** For `addInitScript`: between the events `adapters-go` and `adapters-come-back` the page finds no GPU. */
+function loseAdaptersOnDemand(): void {
+  const { requestAdapter } = GPU.prototype;
+  addEventListener('adapters-go', () => {
+    GPU.prototype.requestAdapter = async () => null;
+  });
+  addEventListener('adapters-come-back', () => {
+    GPU.prototype.requestAdapter = requestAdapter;
   });
 }
 
@@ -424,14 +444,15 @@ describe('viewer', () => {
     await page.evaluate(() => {
       GPU.prototype.requestAdapter = (window as unknown as { request: GPU['requestAdapter'] }).request;
     });
-    // The button has the keyboard.
+    expect(await focusedTestId(page)).toBe('retry');
     await page.keyboard.press('Enter');
     await waitForImage(page);
   });
 
   it('recovers the scene and the view after the device was lost', async () => {
     const page = await newPage();
-    await page.addInitScript(loseDeviceOnDemand);
+    for (const script of [loseDeviceOnDemand, skipRecoveryWaits, loseAdaptersOnDemand])
+      await page.addInitScript(script);
     await page.goto(`${harness.server.url}${BY_TILES}`);
     await waitForImage(page);
     let frames = await frameCount(page);
@@ -439,23 +460,35 @@ describe('viewer', () => {
     await waitForFrameAfter(page, frames);
     const before = await viewerScreenshot(page);
 
-    // The GPU process ends, and there is no adapter at that moment.
+    // The GPU process ends, and there is no adapter from then on.
     harness.expectProblem(/external Instance reference|WebGPU Device Lost/);
-    await page.evaluate(() => {
-      const { requestAdapter } = GPU.prototype;
-      GPU.prototype.requestAdapter = async () => null;
-      addEventListener('adapter-is-back', () => {
-        GPU.prototype.requestAdapter = requestAdapter;
-      });
-    });
     frames = await frameCount(page);
+    await page.keyboard.press('?');
+    await send(page, 'adapters-go');
     const session = await harness.browser.newBrowserCDPSession();
     await session.send('Browser.crashGpuProcess' as never).catch(() => {});
-    await page.getByTestId('status-reason').getByText('no GPU').waitFor();
-    await page.evaluate(() => void dispatchEvent(new Event('adapter-is-back')));
-    // A person need not wait: the button has the keyboard.
+    // All attempts have failed: it is left to a person.
+    await page.getByTestId('prospect').getByText('Several attempts').waitFor();
+    expect(await textOf(page, 'status-reason')).toContain('no GPU');
+    expect(await page.getByTestId('help').isVisible()).toBe(false);
+    // The page stays, has the keyboard, and keeps it.
+    for (const key of ['Escape', 'Escape']) await page.keyboard.press(key);
+    expect(await focusedTestId(page)).toBe('recover');
+    await page.getByTestId('viewport').focus();
+    expect(await focusedTestId(page)).toBe('recover');
+    for (const [key, reached] of [
+      ['Tab', 'open-small-scene'],
+      ['Tab', 'reload'],
+      ['Shift+Tab', 'open-small-scene'],
+      ['Shift+Tab', 'recover'],
+    ]) {
+      await page.keyboard.press(key);
+      expect(await focusedTestId(page)).toBe(reached);
+    }
+    await send(page, 'adapters-come-back');
     await page.keyboard.press('Enter');
     await waitForFrameAfter(page, frames);
+    expect(await focusedTestId(page)).toBe('viewport');
     expect(changedPart(before, await viewerScreenshot(page), 0)).toBe(0);
 
     // By itself, with what was being opened.
@@ -473,6 +506,15 @@ describe('viewer', () => {
     await dropFiles(page, [{ name: 'asked.ply', bytes: encodePly(testScene()) }]);
     await page.getByTestId('scene-title').getByText('asked.ply').waitFor();
     expect(await textOf(page, 'notice')).toContain('GPU was lost');
+
+    // A scene that takes the GPU down can be left.
+    await waitForImage(page);
+    await send(page, 'adapters-go');
+    await send(page, 'lose-device');
+    await page.getByTestId('prospect').getByText('Several attempts').waitFor();
+    await send(page, 'adapters-come-back');
+    await page.getByTestId('open-small-scene').click();
+    await page.getByTestId('scene-title').getByText('Still life, small').waitFor();
   });
 
   it('draws with the default accuracy, and says so, where the address asks for none that exists', async () => {
@@ -499,10 +541,11 @@ describe('viewer', () => {
       page.evaluate(() => (window as unknown as { requestedFrames: number }).requestedFrames);
     const framesBefore = await frameCount(page);
     const requestedBefore = await requested();
-    await page.waitForTimeout(1000);
-    expect(await frameCount(page)).toBe(framesBefore);
-    expect(await requested()).toBe(requestedBefore);
     expect(requestedBefore).toBeGreaterThan(0);
+    await passTurns(page, 60);
+    expect(await frameCount(page)).toBe(framesBefore);
+    // Those 60, and none of the viewer's.
+    expect(await requested()).toBe(requestedBefore + 60);
   });
 
   it('stops a load that is cancelled, and shows the built-in scene in place of the file', async () => {

@@ -96,7 +96,7 @@ const HOSTILE: unknown[] = [
   ...[[Number.NaN, 0, 0], new Map(), () => 3, Object.create(null), Array(3)],
 ];
 
-it('takes any value of any prop, or refuses it by name', () => {
+it('takes any value of any effect’s prop, or refuses it by the name of the option', () => {
   const good = {
     tint: 'red',
     brightness: 2,
@@ -111,23 +111,27 @@ it('takes any value of any prop, or refuses it by name', () => {
   };
   expect(usesOfProps(good as EffectProps)).toHaveLength(5);
   let refused = 0;
-  const give = (props: object) => {
+  const give = (props: object, ...names: string[]) => {
     try {
       usesOfProps(props as EffectProps);
       revealAnimationOf(props as EffectProps);
     } catch (error) {
       expect(error).toBeInstanceOf(InvalidArgumentError);
+      // Of `volumes[0].size`, say, the first part.
+      const [named] = (error as InvalidArgumentError).argument.split(/[.[]/);
+      expect(names).toContain(named);
       refused++;
     }
   };
   for (const value of HOSTILE) {
     for (const [name, options] of Object.entries(good)) {
-      give({ ...good, [name]: value });
+      const optionNames = name === 'tint' ? ['color'] : Object.keys(options);
+      give({ ...good, [name]: value }, name, ...optionNames);
       if (typeof options !== 'object') continue;
-      for (const option of Object.keys(options)) give({ ...good, [name]: { ...options, [option]: value } });
+      for (const option of optionNames) give({ ...good, [name]: { ...options, [option]: value } }, option);
     }
-    give({ clip: { volumes: [value] } });
-    give({ effects: [value] });
+    give({ clip: { volumes: [value] } }, 'volumes');
+    give({ effects: [value] }, 'effects');
   }
   expect(refused).toBeGreaterThan(100);
 });

@@ -8,6 +8,7 @@ export {
   type AccuracyWish,
   type FrameStatistics,
   GpuLimitError,
+  RecoveryPace,
   SplatFileError,
   SplatSourceError,
   WebGpuUnavailableError,

@@ -181,14 +181,14 @@ const objectKeys = new WeakMap<object, string>();
 let objectCount = 0;
 
 function sourceKeyOf(source: CacheableSource): string {
-  if (typeof source === 'string' || source instanceof URL) {
-    // One address has one entry, however it is written.
-    return String(lastingSource(source));
-  }
-  let key = objectKeys.get(source);
+  const lasting = lastingSource(source);
+  // One address has one entry, however it is written.
+  if (typeof lasting === 'string') return lasting;
+  const object = source as Blob | ArrayBuffer;
+  let key = objectKeys.get(object);
   if (key === undefined) {
     key = `object ${++objectCount}`;
-    objectKeys.set(source, key);
+    objectKeys.set(object, key);
   }
   return key;
 }

@@ -7,7 +7,8 @@ import {
   WebGpuUnavailableError,
 } from '@websplatter/core';
 import { onDeviceLost, splatEngineOf } from '@websplatter/three';
-import { type ReactNode, type RefObject, useEffect, useRef, useState } from 'react';
+import { type ReactNode, useEffect, useRef, useState } from 'react';
+import { canvasStates } from './canvas-states.ts';
 import { type CanvasRendererParameters, createSplatRenderer } from './create-splat-renderer.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 
@@ -19,20 +20,21 @@ export interface SplatCanvasProps extends Omit<CanvasProps, 'gl'> {
 }
 
 const LOST_REPEATEDLY =
-  'The GPU device was lost again and again: its memory may be too small for the scene, or the driver at fault. ' +
-  'Reload the page, or mount the Canvas again.';
+  'The GPU device was lost again and again: the scene may be too large for it. To try again, reload the page.';
 
 /** One of the Canvases that follow one another. */
 interface Life {
   readonly generation: number;
+  /** How long it waits before it asks for a GPU, ms. */
+  readonly waitMs: number;
   /** The camera of the one before. */
   readonly camera?: RootState['camera'];
 }
 
 /**
  * A `<Canvas>` of react-three-fiber that draws splats, and that replaces itself with a fresh one when its GPU device is
- * lost: its camera stays, its contents mount again, and their files are read again. If the device is lost again within a minute, that waits for
- * 1, 4 and then 16 seconds.
+ * lost: the camera that it made or was given stays, its contents mount again, and their files are read again. If the device is
+ * lost again less than a minute after all splats of a `<Splats>` have been drawn, it waits for 1, 4 and then 16 seconds.
  *
  * @throws WebGpuUnavailableError to the nearest error boundary if there is no WebGPU, or if the device is lost once more. To
  *   try again, mount another one.
@@ -44,58 +46,47 @@ export function SplatCanvas({
   ...props
 }: SplatCanvasProps): ReactNode {
   const [pace] = useState(() => new RecoveryPace());
-  const [{ generation, camera }, setLife] = useState<Life>({ generation: 0 });
-  const shownBy = useRef<Life['camera']>(undefined);
-  const [failure, setFailure] = useState<{ readonly error: unknown } | null>(null);
-  const timer = useRef<ReturnType<typeof setTimeout>>(undefined);
-  useEffect(() => () => clearTimeout(timer.current), []);
+  const [{ generation, waitMs, camera }, setLife] = useState<Life>({ generation: 0, waitMs: 0 });
+  const created = useRef<RootState>(null);
   const replace = (error: unknown) => {
-    const waitMs = pace.next();
-    if (waitMs === null) setFailure({ error });
-    else
-      timer.current = setTimeout(
-        () => setLife({ generation: generation + 1, camera: shownBy.current }),
-        waitMs,
-      );
+    const nextMs = pace.next();
+    setLife(() => {
+      if (nextMs === null) throw error;
+      return { generation: generation + 1, waitMs: nextMs, camera: created.current?.get().camera ?? camera };
+    });
   };
   const gl: CanvasProps['gl'] = async (defaults) => {
     try {
+      // Here, not in an effect: a hidden `<Activity>` and Fast Refresh end effects.
+      await new Promise((resolve) => setTimeout(resolve, waitMs));
+      if (!(defaults.canvas as HTMLCanvasElement).isConnected) throw new Error('unmounted');
       const renderer = await createSplatRenderer({ ...defaults, ...parameters, accuracy });
-      engineAccuracies.set(renderer, JSON.stringify(accuracy));
+      canvasStates.set(renderer, { pace, accuracyKey: JSON.stringify(accuracy) });
       onDeviceLost(renderer, () => replace(new WebGpuUnavailableError(LOST_REPEATEDLY)));
       return renderer;
     } catch (error) {
-      if (generation === 0) throw error;
-      // A browser may have no adapter while its GPU process restarts.
-      replace(error);
-      return new Promise(() => {});
+      // A browser may have no adapter while its GPU process restarts. The next Canvas is there before this one could throw.
+      if (generation > 0) replace(error);
+      throw error;
     }
   };
 
-  if (failure) throw failure.error;
   return (
-    <Canvas key={generation} {...props} {...(camera && { camera })} gl={gl}>
+    <Canvas
+      key={generation}
+      {...props}
+      camera={camera ?? props.camera}
+      gl={gl}
+      onCreated={(state) => {
+        created.current = state;
+        props.onCreated?.(state);
+      }}
+    >
       <EngineAccuracy accuracy={accuracy} />
-      <CameraWatch camera={shownBy} />
       {children}
     </Canvas>
   );
 }
-
-/** Tells which camera the Canvas draws with. */
-function CameraWatch({ camera }: { camera: RefObject<Life['camera']> }): ReactNode {
-  const current = useThree((state) => state.camera);
-  useEffect(() => {
-    camera.current = current;
-  }, [camera, current]);
-  return null;
-}
-
-/**
- * Accuracy of each renderer's engine, as JSON. Setting the same one again would make the engine claim it for clouds that
- * have an accuracy of their own.
- */
-const engineAccuracies = new WeakMap<object, string>();
 
 /** Passes `accuracy` on to the engine of the Canvas when it changes. */
 function EngineAccuracy({ accuracy }: { accuracy: AccuracyRequest }): ReactNode {
@@ -104,8 +95,9 @@ function EngineAccuracy({ accuracy }: { accuracy: AccuracyRequest }): ReactNode 
   const key = JSON.stringify(accuracy);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the key stands for the accuracy, which may be a new object at each render.
   useEffect(() => {
-    if (engineAccuracies.get(renderer) === key) return;
-    engineAccuracies.set(renderer, key);
+    const state = canvasStates.get(renderer)!;
+    if (state.accuracyKey === key) return;
+    state.accuracyKey = key;
     try {
       // Each cloud reports the precisions that it cannot get.
       void splatEngineOf(renderer).setAccuracy(accuracy);

@@ -1,9 +1,10 @@
 import { createRoot, extend } from '@react-three/fiber';
-import { InvalidArgumentError, type SplatEngine } from '@websplatter/core';
+import { InvalidArgumentError, type RecoveryPace, type SplatEngine } from '@websplatter/core';
 import { SplatData, SplatsPrecisionError, splatEngineOf } from '@websplatter/three';
 import { act, Component, createElement, type ReactNode, StrictMode, Suspense } from 'react';
 import { Group, type Object3D } from 'three';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
+import { canvasStates } from './canvas-states.ts';
 import { GRACE_MS } from './splat-cache.ts';
 import { Splats, type SplatsProps } from './splats.tsx';
 import { useSplats } from './use-splats.ts';
@@ -320,6 +321,12 @@ it.each<Partial<SplatsProps>>([
   expect(caught).toBeInstanceOf(InvalidArgumentError);
 });
 
+it.each([null, 5, true, Symbol('s')])('passes on what is wrong with a src that is none: %s', async (src) => {
+  await show(splats({ src: src as never }));
+  expect(caught).toBeInstanceOf(InvalidArgumentError);
+  expect(caught).toMatchObject({ argument: 'source' });
+});
+
 it('aborts the load when it is unmounted', async () => {
   await show(splats({ src: 'a.ply' }));
   await show();
@@ -399,8 +406,12 @@ it('shows splats in memory without suspending, and reports the first frame', asy
   await show(splats({ src: a, onLoad, onFirstFrame }));
   expect(object()).toMatchObject({ data: a, visible: true });
   expect(onLoad).toHaveBeenCalledExactlyOnceWith(a);
+  const pace = { recovered: vi.fn() };
+  canvasStates.set(renderer, { pace: pace as unknown as RecoveryPace, accuracyKey: '' });
   object().dispatchEvent({ type: 'firstframe' } as never);
   expect(onFirstFrame).toHaveBeenCalledOnce();
+  // The device of a SplatCanvas has been put to use.
+  expect(pace.recovered).toHaveBeenCalledOnce();
 });
 
 it('tells of the loss of its device', async () => {

@@ -17,6 +17,7 @@ import {
   useRef,
   useState,
 } from 'react';
+import { canvasStates } from './canvas-states.ts';
 import { type EffectProps, isSameUses, isSameValue, revealAnimationOf, usesOfProps } from './effect-props.ts';
 import { isServer } from './is-server.ts';
 import type { CacheableSource } from './splat-cache.ts';
@@ -142,7 +143,10 @@ function Cloud({
   const [drawError, setDrawError] = useState<{ readonly error: unknown } | null>(null);
   useLayoutEffect(() => {
     const cloud = object.current!;
-    const reportFirstFrame = () => latest.current.onFirstFrame?.();
+    const reportFirstFrame = () => {
+      canvasStates.get(renderer)?.pace.recovered();
+      latest.current.onFirstFrame?.();
+    };
     cloud.addEventListener('firstframe', reportFirstFrame);
     const reportChoice = ({ choice }: { choice: AccuracyChoice }) =>
       latest.current.onAccuracyChosen?.(choice);
@@ -161,7 +165,7 @@ function Cloud({
       cloud.removeEventListener('needsframe', requestFrame);
       cloud.onError = null;
     };
-  }, [latest, invalidate]);
+  }, [renderer, latest, invalidate]);
 
   useEffect(
     () => listenForDeviceLoss(renderer, (info) => latest.current.onDeviceLost?.(info)),

@@ -16,7 +16,7 @@ import { clearRest, writeRest } from './test-hooks.ts';
 
 export interface DrawingOptions {
   readonly store: ViewerStore;
-  readonly sessions: SessionOwner;
+  readonly sessions: Pick<SessionOwner, 'current' | 'confirmRecovery'>;
   readonly scenes: Scenes;
   readonly camera: ViewCamera;
 }
@@ -167,6 +167,7 @@ export class Drawing {
       restedFrames: this.#frameCount,
       imageId: isSame ? imageId : imageId + 1,
     }));
+    sessions.confirmRecovery();
     writeRest(session.canvas, drawn, this.#frameCount);
   }
 

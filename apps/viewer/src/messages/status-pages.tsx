@@ -1,6 +1,7 @@
-import { useEffect, useRef } from 'react';
+import { useEffect, useLayoutEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
 
 /** In place of the viewer if the browser offers no WebGPU. */
 export function UnavailablePage({ store, onRetry }: { store: ViewerStore; onRetry: () => void }) {
@@ -49,9 +50,9 @@ export function UnavailablePage({ store, onRetry }: { store: ViewerStore; onRetr
 /** In place of the gallery if its catalogue could not be loaded. */
 export function GalleryFailedPage() {
   return (
-    <main className="status-page" role="alert">
+    <main className="status-page">
       <h1>The hard cases could not be loaded</h1>
-      <p>Check the connection; the browser’s console has the particulars.</p>
+      <p role="alert">Check the connection; the browser’s console has the particulars.</p>
       <p className="actions">
         <button type="button" className="text-button primary" onClick={() => location.reload()}>
           Try again
@@ -61,21 +62,31 @@ export function GalleryFailedPage() {
   );
 }
 
-/** Over the viewer when the GPU was taken away. */
-export function LostPage({ store, onRecover }: { store: ViewerStore; onRecover: () => void }) {
+/** Over the viewer when the GPU was taken away, until there is one again. */
+export function LostPage(props: { store: ViewerStore; onRecover: () => void; onSmallScene: () => void }) {
+  const { store, onRecover, onSmallScene } = props;
   const reason = useStore(store, (state) => state.statusReason);
-  const waitMs = useStore(store, (state) => state.retryWaitMs);
+  const prospect = useStore(store, prospectOf);
+  const dialog = useRef<HTMLDialogElement>(null);
+  const show = () => dialog.current?.showModal();
+  // Before the button takes the keyboard: what a modal dialog covers cannot have it.
+  useLayoutEffect(show, []);
   return (
-    <main className="status-page covering" role="alert" data-testid="device-lost">
-      <h1>The connection to the GPU was lost</h1>
+    <dialog
+      ref={dialog}
+      className="status-page"
+      aria-labelledby="lost-title"
+      data-testid="device-lost"
+      // There is nothing behind it that a gesture could go back to. `listenToKeys` keeps Escape away.
+      onClose={show}
+    >
+      <h1 id="lost-title">The connection to the GPU was lost</h1>
       <p>
         This happens when the graphics driver restarts, the computer wakes up, or memory runs out. Your scene
-        can be opened again where you were.
+        can be opened again where you were, or another file dropped here.
       </p>
-      <p data-testid="next-attempt">
-        {waitMs === null
-          ? 'Several attempts in a row have failed: the GPU’s memory may be too small for the scene, or its driver may be at fault.'
-          : `The viewer asks for the GPU again by itself after ${waitMs / 1000} s.`}
+      <p role="status" data-testid="prospect">
+        {prospect}
       </p>
       <p className="particulars" data-testid="status-reason">
         {reason}
@@ -84,12 +95,23 @@ export function LostPage({ store, onRecover }: { store: ViewerStore; onRecover: 
         <PrimaryButton testId="recover" onClick={onRecover}>
           Recover now
         </PrimaryButton>
-        <button type="button" className="text-button" onClick={() => location.reload()}>
+        <button type="button" className="text-button" data-testid="open-small-scene" onClick={onSmallScene}>
+          Open a small scene
+        </button>
+        <button type="button" className="text-button" data-testid="reload" onClick={() => location.reload()}>
           Reload the page
         </button>
       </p>
-    </main>
+    </dialog>
   );
+}
+
+/** What becomes of a lost GPU, in words. */
+function prospectOf({ status, retryWaitMs }: ViewerState): string {
+  if (status === 'recovering') return 'The viewer is asking for the GPU again…';
+  return retryWaitMs === null
+    ? 'Several attempts in a row have failed: the GPU’s memory may be too small for the scene, or its driver may be at fault.'
+    : `The viewer asks for the GPU again by itself after ${retryWaitMs / 1000} s.`;
 }
 
 /** The button of a page that has taken the place of everything: it has the keyboard. */

@@ -29,6 +29,11 @@ export function firstSource(
   return { source: builtin.source, notice: builtin.notice ?? notice };
 }
 
+/** The built-in scene that no GPU is too small for. */
+export function smallSource(): SceneSource {
+  return builtinSource(null, true).source;
+}
+
 /** The built-in scene that `?scene=` asks for, or the default. */
 export function builtinSource(asked: string | null | undefined, isSoftwareAdapter: boolean): FirstSource {
   const name = hardCaseNameIn(asked) === null ? asked : null;

@@ -6,15 +6,22 @@ import type { Session } from '../session/session.ts';
 import type { SessionOwner } from '../session/session-owner.ts';
 import type { LoadState } from '../state/scene-summary.ts';
 import type { ViewerStore } from '../state/store.ts';
+import { isGpuLost } from '../state/viewer-state.ts';
 import { droppedWarning } from './dropped-splats.ts';
-import { type AddressedScene, builtinSource, type FirstSource, firstSource } from './first-source.ts';
+import {
+  type AddressedScene,
+  builtinSource,
+  type FirstSource,
+  firstSource,
+  smallSource,
+} from './first-source.ts';
 import { destroyClouds, type LoadedScene, loadScene } from './load-scene.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
 import { type ReplacedScene, type ShownScene, shownScene, summaryOf } from './shown-scene.ts';
 
 export interface ScenesOptions {
   readonly store: ViewerStore;
-  readonly sessions: SessionOwner;
+  readonly sessions: Pick<SessionOwner, 'current' | 'whenStarted' | 'recover'>;
   readonly camera: ViewCamera;
   readonly addressed: AddressedScene;
   /** The newest scene is another one: its clouds have to be prepared. The camera still looks at the one before. */
@@ -66,13 +73,28 @@ export class Scenes {
     return this.#preview !== null;
   }
 
-  /** Opens `source` in place of what is shown, which stays until then; calls off what is being loaded. */
+  /**
+   * Opens `source` in place of what is shown, which stays until then; calls off what is being loaded. Where the GPU was lost,
+   * asks for it again first.
+   */
   open(source: SceneSource): void {
-    const { store } = this.#options;
-    const { status } = store.getState();
-    if (status === 'unavailable' || status === 'lost') return;
+    const { store, sessions } = this.#options;
+    const state = store.getState();
+    if (state.status === 'unavailable') return;
     store.setState({ failure: null, notice: null });
-    void this.#load(source);
+    if (!isGpuLost(state)) {
+      void this.#load(source);
+      return;
+    }
+    this.#asked = source;
+    sessions.recover();
+  }
+
+  /** Where the GPU was lost: forgets what was shown, which may be what takes the GPU down, and opens a scene that does not. */
+  openSmallScene(): void {
+    this.#newest = null;
+    this.#options.store.setState({ scene: null, warning: null });
+    this.open(smallSource());
   }
 
   /**
@@ -94,11 +116,11 @@ export class Scenes {
     this.#loading.abort();
   }
 
-  /** The session ends: loading stops, and its scenes cannot come back. */
+  /** The session ends: loading stops, and its scenes cannot come back. The camera goes back to the newest, which is opened again. */
   endSession(): void {
     this.#loading?.abort();
     this.#loading = null;
-    this.#preview = null;
+    this.#endPreview();
     this.#replaced = [];
   }
 
@@ -165,10 +187,19 @@ export class Scenes {
     this.#loading = null;
     this.#asked = null;
     store.setState({ load: null });
-    // An empty window helps nobody: the built-in scene replaces a first file that failed or was called off.
     const session = sessions.current;
-    if (session && !this.#newest && source.kind !== 'builtin')
-      void this.#load(this.#builtinSource(session.engine));
+    if (session && this.#newest?.session !== session) this.#fillWindow(session, source);
+  }
+
+  /** An empty window helps nobody: opens what was shown before the device was lost, or the built-in scene, in place of `failed`. */
+  #fillWindow({ engine }: Session, failed: SceneSource): void {
+    const shown = this.#newest?.source;
+    if (failed.kind !== 'builtin') {
+      void this.#load(shown && shown !== failed ? shown : this.#builtinSource(engine));
+      return;
+    }
+    this.#newest = null;
+    this.#options.store.setState({ scene: null });
   }
 
   #show(session: Session, source: SceneSource, loaded: LoadedScene): void {

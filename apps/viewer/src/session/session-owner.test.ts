@@ -9,6 +9,7 @@ const NO_GPU = new WebGpuUnavailableError('WebGPU found no GPU that it may use.'
 let store: ViewerStore;
 let sessions: SessionOwner;
 const onStart = vi.fn();
+const onEnd = vi.fn();
 /** One of the engines that were asked for. */
 let loseDevice: () => Promise<unknown>;
 const createEngine = vi.fn<typeof SplatEngine.create>();
@@ -36,7 +37,7 @@ beforeEach(() => {
     } as unknown as SplatEngine;
   });
   store = createViewerStore();
-  const events = { onStart, onEnd: () => {}, onAccuracyChosen: () => {} };
+  const events = { onStart, onEnd, onAccuracyChosen: () => {} };
   sessions = new SessionOwner(store, events, createEngine);
 });
 afterEach(() => void vi.useRealTimers());
@@ -64,7 +65,7 @@ describe('SessionOwner', () => {
       await passMs(waitMs - 1);
       expect(createEngine).toHaveBeenCalledTimes(attempts + 2);
       await passMs(1);
-      expect(store.getState().status).toBe('running');
+      expect(store.getState()).toMatchObject({ status: 'running', statusReason: '', retryWaitMs: null });
     }
     await loseDevice();
     await passMs(1e6);
@@ -80,14 +81,50 @@ describe('SessionOwner', () => {
     sessions.attach(canvas);
     await passMs(0);
     createEngine.mockRejectedValueOnce(NO_GPU);
+    store.setState({ isHelpVisible: true });
     await loseDevice();
     expect(store.getState()).toMatchObject({
       status: 'lost',
       statusReason: NO_GPU.message,
       retryWaitMs: 1000,
+      // The page that says so comes in its place.
+      isHelpVisible: false,
     });
+    const statuses: unknown[] = [];
+    store.subscribe((state) => statuses.push(state.status));
     await passMs(1000);
+    // The page stays meanwhile.
+    expect(statuses).toEqual(['recovering', 'running']);
+  });
+
+  it('begins anew where a whole image has been on the screen for a minute, however long it took to get there', async () => {
+    sessions.attach(canvas);
+    await passMs(0);
+    await loseDevice();
+    await passMs(300_000);
+    await loseDevice();
+    expect(store.getState().retryWaitMs).toBe(1000);
+    await passMs(300_000);
+    sessions.confirmRecovery();
+    await passMs(59_000);
+    await loseDevice();
+    expect(store.getState().retryWaitMs).toBe(4000);
+    await passMs(300_000);
+    sessions.confirmRecovery();
+    await passMs(61_000);
+    await loseDevice();
     expect(store.getState().status).toBe('running');
+    await loseDevice();
+    expect(store.getState().retryWaitMs).toBe(1000);
+  });
+
+  it('ends loads that wait for a GPU where there is none again', async () => {
+    sessions.attach(canvas);
+    await passMs(0);
+    createEngine.mockRejectedValueOnce(NO_GPU);
+    onEnd.mockClear();
+    await loseDevice();
+    expect(onEnd).toHaveBeenCalledTimes(2);
   });
 
   it('goes on asking where the new device is lost before it is used', async () => {

@@ -79,13 +79,18 @@ export class SessionOwner {
     const { status } = this.#store.getState();
     if (status !== 'lost' && status !== 'unavailable') return;
     this.#pace = new RecoveryPace();
-    this.#tryAgain();
+    clearTimeout(this.#retryTimer);
+    // Where there is no canvas, `starting` brings it back, and with it a session.
+    this.#tryAgain(status === 'lost' ? 'recovering' : 'starting');
   }
 
-  #tryAgain(): void {
-    clearTimeout(this.#retryTimer);
-    // Where there is no canvas, this brings it back, and with it a session.
-    this.#store.setState({ status: 'starting', statusReason: '', retryWaitMs: null });
+  /** A whole image is on the screen. */
+  confirmRecovery(): void {
+    this.#pace.recovered();
+  }
+
+  #tryAgain(status: 'starting' | 'recovering'): void {
+    this.#store.setState({ status });
     this.#restart?.();
   }
 
@@ -115,9 +120,14 @@ export class SessionOwner {
     this.#current = session;
     this.#hasStarted = true;
     void engine.lost.then((info) => {
-      if (this.#current === session) this.#lose(info);
+      if (this.#current === session) this.#becomeLost(info.message || 'The browser gives no reason.');
     });
-    store.setState({ status: 'running', adapterLabel: engine.adapterLabel });
+    store.setState({
+      status: 'running',
+      statusReason: '',
+      retryWaitMs: null,
+      adapterLabel: engine.adapterLabel,
+    });
     this.#events.onStart(session);
     for (const resolve of this.#waiters.splice(0)) resolve(session);
   }
@@ -134,26 +144,18 @@ export class SessionOwner {
     return { canvas, engine, views };
   }
 
-  #lose(info: GPUDeviceLostInfo): void {
-    this.#end();
-    this.#becomeLost(info.message || 'The browser gives no reason.');
-  }
-
   #becomeLost(reason: string): void {
+    this.#end();
     const waitMs = this.#pace.next();
-    this.#store.setState({
-      status: 'lost',
-      statusReason: reason,
-      retryWaitMs: waitMs,
-      load: null,
-      failure: null,
-      isIdle: true,
-    });
-    if (waitMs === null) return;
+    this.#store.setState({ statusReason: reason, load: null, failure: null, isIdle: true });
     if (waitMs === 0) {
+      // Mostly it succeeds at once: no page says so.
       this.#store.setState({ notice: 'The connection to the GPU was lost. The scene is opened again.' });
-      this.#tryAgain();
-    } else this.#retryTimer = setTimeout(() => this.#tryAgain(), waitMs);
+      this.#tryAgain('starting');
+      return;
+    }
+    this.#store.setState({ status: 'lost', retryWaitMs: waitMs, isHelpVisible: false });
+    if (waitMs !== null) this.#retryTimer = setTimeout(() => this.#tryAgain('recovering'), waitMs);
   }
 
   #end(): void {

@@ -17,6 +17,7 @@ import { LostPage, UnavailablePage } from '../messages/status-pages.tsx';
 import { WarningPanel } from '../messages/warning-panel.tsx';
 import { SceneCaption } from '../scene/scene-caption.tsx';
 import type { ViewerStore } from '../state/store.ts';
+import { isGpuLost } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { createCommands, listenToKeys } from './commands.ts';
 import { Help } from './help.tsx';
@@ -24,7 +25,8 @@ import { Toolbar } from './toolbar.tsx';
 import { Viewport } from './viewport.tsx';
 
 export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
-  const status = useStore(store, (state) => state.status);
+  const isUnavailable = useStore(store, (state) => state.status === 'unavailable');
+  const isLost = useStore(store, isGpuLost);
   const comparison = useStore(store, (state) => state.comparison);
   const fileInput = useRef<HTMLInputElement>(null);
   const run = useMemo(() => createCommands(viewer, store, () => fileInput.current?.click()), [viewer, store]);
@@ -42,7 +44,7 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
     if (notice) store.setState({ notice });
   };
 
-  if (status === 'unavailable') return <UnavailablePage store={store} onRetry={() => viewer.recover()} />;
+  if (isUnavailable) return <UnavailablePage store={store} onRetry={() => viewer.recover()} />;
   return (
     <>
       <Viewport store={store} viewer={viewer} />
@@ -76,7 +78,13 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
       />
       <DropZone onDrop={follow} />
       <Help store={store} />
-      {status === 'lost' && <LostPage store={store} onRecover={() => viewer.recover()} />}
+      {isLost && (
+        <LostPage
+          store={store}
+          onRecover={() => viewer.recover()}
+          onSmallScene={() => viewer.scenes.openSmallScene()}
+        />
+      )}
     </>
   );
 }

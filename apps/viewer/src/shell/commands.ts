@@ -1,5 +1,5 @@
 import type { ViewerStore } from '../state/store.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
+import { isGpuLost, type ViewerState } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 
 export type CommandName = 'open' | 'flip' | 'reset' | 'frame' | 'hud' | 'accuracy' | 'effects' | 'help';
@@ -44,9 +44,12 @@ export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand
   const onKeyDown = (event: KeyboardEvent) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (isTyping(event.target) || isScrolling(event)) return;
-    const { isHelpVisible, status } = store.getState();
+    const state = store.getState();
+    const { isHelpVisible, status } = state;
     if (event.key === 'Escape') {
-      store.setState(withoutTopmost(store.getState()));
+      // The page that says so lies on top, and stays.
+      if (isGpuLost(state)) event.preventDefault();
+      else store.setState(withoutTopmost(state));
       return;
     }
     if (status !== 'running') return;

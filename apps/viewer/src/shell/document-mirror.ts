@@ -1,11 +1,12 @@
 import type { ViewerStore } from '../state/store.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
+import { isGpuLost, type ViewerState } from '../state/viewer-state.ts';
 
 /** The viewer's state in one word, for style sheets and for tests (`data-state` of the document's element). */
 export type DocumentState = 'starting' | 'loading' | 'ready' | 'error' | 'unavailable' | 'lost';
 
 export function documentState(state: ViewerState): DocumentState {
-  if (state.status === 'unavailable' || state.status === 'lost') return state.status;
+  if (state.status === 'unavailable') return 'unavailable';
+  if (isGpuLost(state)) return 'lost';
   if (state.load) return 'loading';
   if (state.failure) return 'error';
   return state.status === 'running' && state.scene ? 'ready' : 'starting';

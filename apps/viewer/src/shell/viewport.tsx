@@ -1,13 +1,17 @@
 import { useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
+import { isGpuLost } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 
 /** The canvas: while it is mounted the viewer draws to it. */
 export function Viewport({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const title = useStore(store, (state) => state.scene?.title);
+  const isLost = useStore(store, isGpuLost);
   useEffect(() => (canvas.current ? viewer.attach(canvas.current) : undefined), [viewer]);
+  // A page lay over the canvas and had the keyboard.
+  useEffect(() => (isLost ? () => canvas.current?.focus() : undefined), [isLost]);
   return (
     // biome-ignore lint/a11y/noInteractiveElementToNoninteractiveRole: without the role, screen readers keep the keys.
     <canvas

@@ -24,7 +24,14 @@ export type ViewerStatus =
   /** There is no WebGPU here. */
   | 'unavailable'
   /** The GPU was taken away, and could not be had again yet: nothing can be drawn until it is asked for again. */
-  | 'lost';
+  | 'lost'
+  /** Asking for it again. */
+  | 'recovering';
+
+/** Whether a page over the viewer says that the GPU was taken away. */
+export function isGpuLost({ status }: Pick<ViewerState, 'status'>): boolean {
+  return status === 'lost' || status === 'recovering';
+}
 
 /** Pace of the newest run of frames. */
 export interface FrameRate {
@@ -43,7 +50,7 @@ export interface ErrorFigures {
 
 export interface ViewerState {
   readonly status: ViewerStatus;
-  /** Why the status is `unavailable` or `lost`, in the browser's words. */
+  /** Why there is no GPU, in the browser's words. */
   readonly statusReason: string;
   /** After what wait the viewer asks for a lost GPU again by itself, ms; null if it does not. */
   readonly retryWaitMs: number | null;

@@ -50,8 +50,8 @@ export class Viewer {
     this.#sessions = new SessionOwner(store, {
       onStart: (session) => this.#startSession(session),
       onEnd: () => {
-        this.#drawing.stop();
         this.scenes.endSession();
+        this.#drawing.stop();
       },
       onAccuracyChosen: (engine, choice) => this.#takeChoice(engine, choice),
     });

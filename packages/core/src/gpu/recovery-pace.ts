@@ -1,6 +1,6 @@
 /** How long to wait before the first, second, … attempt in a row to get a GPU again. */
 const WAITS_MS = [0, 1000, 4000, 16_000];
-/** A device that has lasted this long has recovered, and its loss is the first in a row. */
+/** A device that has lasted this long after it was put to use has recovered, and its loss is the first in a row. */
 const RECOVERED_AFTER_MS = 60_000;
 
 /**
@@ -10,7 +10,7 @@ const RECOVERED_AFTER_MS = 60_000;
  */
 export class RecoveryPace {
   #attempts = 0;
-  #lastMs = Number.NEGATIVE_INFINITY;
+  #recoveredMs = Number.POSITIVE_INFINITY;
 
   /**
    * Call when the device was lost, and when an attempt to get another has failed.
@@ -19,8 +19,19 @@ export class RecoveryPace {
    * @returns how long to wait before the next attempt, ms; null: leave it to a person to try again, with a new pace.
    */
   next(nowMs = performance.now()): number | null {
-    if (nowMs - this.#lastMs > RECOVERED_AFTER_MS) this.#attempts = 0;
-    this.#lastMs = nowMs;
+    if (nowMs - this.#recoveredMs > RECOVERED_AFTER_MS) this.#attempts = 0;
+    this.#recoveredMs = Number.POSITIVE_INFINITY;
     return WAITS_MS[this.#attempts++] ?? null;
+  }
+
+  /**
+   * Call when everything is on the screen again; further calls change nothing. If the device lasts for a minute from then on, its
+   * loss counts as the first. Waiting for a device, reading files and uploading them may take longer than that, and what brings
+   * the GPU down may come only then: none of it counts.
+   *
+   * @param nowMs present time on the same clock, ms.
+   */
+  recovered(nowMs = performance.now()): void {
+    this.#recoveredMs = Math.min(this.#recoveredMs, nowMs);
   }
 }

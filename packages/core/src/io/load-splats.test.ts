@@ -349,6 +349,8 @@ describe('what can be read again', () => {
     expect(lastingSource(new ReadableStream())).toBeNull();
     expect(lastingSource(ply)).toBeNull();
     expect(lastingSource(ply.buffer)).toBeNull();
+    for (const none of [null, undefined, 5, true, Symbol('s')])
+      expect(() => lastingSource(none as never)).toThrow(/^source is .*; it must be a URL/);
   });
 });
 

@@ -210,10 +210,14 @@ function post(
 /**
  * A source from which the same splats can be read again, any number of times: the absolute URL, or the very same Blob
  * or File. Null for streams, which are consumed, and for buffers, which would have to be kept in memory.
+ *
+ * @throws InvalidArgumentError for what is neither text nor an object, and so no source of any kind.
  */
 export function lastingSource(source: SplatSource): string | Blob | null {
   if (typeof source === 'string' || source instanceof URL) return absoluteUrl(String(source));
-  return isBlob(source) ? source : null;
+  if (isBlob(source)) return source;
+  if (Object(source) !== source) bytesOf(source as never);
+  return null;
 }
 
 /** A worker resolves relative URLs against its own script, the caller means the page. */

@@ -1,0 +1,187 @@
+import type { SplatCloud } from '@websplatter/core';
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { ViewCamera } from '../camera/view-camera.ts';
+import type { Session } from '../session/session.ts';
+import { createViewerStore, type ViewerStore } from '../state/store.ts';
+import { type LoadedScene, type LoadSceneOptions, loadScene } from './load-scene.ts';
+import type { SceneSource } from './scene-source.ts';
+import { Scenes } from './scenes.ts';
+
+vi.mock('./load-scene.ts', () => ({ loadScene: vi.fn(), destroyClouds: vi.fn() }));
+
+interface Load {
+  readonly source: SceneSource;
+  readonly options: LoadSceneOptions;
+  readonly resolve: (scene: LoadedScene) => void;
+  readonly reject: (error: Error) => void;
+}
+
+const [a, b, c] = ['a.ply', 'b.ply', 'c.ply'].map(
+  (name): SceneSource => ({ kind: 'file', file: new File([], name) }),
+);
+
+let store: ViewerStore;
+let camera: ViewCamera;
+let scenes: Scenes;
+let loads: Load[];
+const sessions = {
+  current: null as Session | null,
+  whenStarted: async () => sessions.current!,
+  recover: vi.fn(),
+};
+
+beforeEach(() => {
+  vi.stubGlobal('location', { href: 'https://example.org/' });
+  vi.spyOn(console, 'error').mockImplementation(() => {});
+  loads = [];
+  vi.mocked(loadScene).mockImplementation(
+    (_engine, source, options) =>
+      new Promise((resolve, reject) => {
+        options.signal.addEventListener('abort', () => reject(new Error('called off')));
+        loads.push({ source, options, resolve, reject });
+      }),
+  );
+  store = createViewerStore();
+  store.setState({ widthPx: 300, heightPx: 200 });
+  camera = new ViewCamera(store, { onChange: () => {}, isMotionReduced: () => true });
+  sessions.recover.mockReset();
+  scenes = new Scenes({ store, sessions, camera, addressed: {}, onClouds: () => {}, onShow: () => {} });
+});
+afterEach(() => {
+  vi.unstubAllGlobals();
+  vi.restoreAllMocks();
+});
+
+/** A scene of one cloud, `radius` around its origin. */
+function sceneOf(radius = 1): LoadedScene {
+  const bounds = { min: [-radius, -radius, -radius], max: [radius, radius, radius] };
+  const facts = { declaredShDegree: 0 };
+  const cloud = { count: 5, bounds, robustBounds: bounds, dropped: {}, shDegree: 0, facts };
+  const clouds = [{ cloud: cloud as unknown as SplatCloud }];
+  return { clouds, firstView: null, ownCameras: null, about: null, isUpsideDown: false };
+}
+
+const settled = () => new Promise<void>((resolve) => setImmediate(resolve));
+
+async function startSession(): Promise<void> {
+  const engine = { device: { adapterInfo: {} } };
+  sessions.current = { engine } as unknown as Session;
+  store.setState({ status: 'running' });
+  scenes.openFirst(sessions.current);
+  await settled();
+}
+
+function loseSession(status: 'starting' | 'lost' = 'starting'): void {
+  sessions.current = null;
+  store.setState({ status, load: null, failure: null });
+  scenes.endSession();
+}
+
+const newestLoad = () => loads.at(-1)!;
+const openedKinds = () =>
+  loads.map(({ source }) => (source.kind === 'file' ? source.file.name : source.kind));
+
+/** Answers the newest load. */
+async function loaded(scene = sceneOf()): Promise<void> {
+  newestLoad().resolve(scene);
+  await settled();
+}
+
+async function failed(): Promise<void> {
+  newestLoad().reject(new Error('offline'));
+  await settled();
+}
+
+async function calledOff(): Promise<void> {
+  scenes.cancelLoad();
+  await settled();
+}
+
+/** Shows `source` in a new session. */
+async function show(source: SceneSource): Promise<void> {
+  await startSession();
+  scenes.open(source);
+  await settled();
+  await loaded();
+  loads.length = 0;
+}
+
+describe('After the device was lost', () => {
+  it('opens the scene again that was shown, where the camera was', async () => {
+    await show(a);
+    camera.controls.setPose({ ...camera.controls.pose, distance: 7 });
+    loseSession();
+    expect(scenes.drawable?.session).not.toBe(sessions.current);
+    await startSession();
+    await loaded();
+    expect(openedKinds()).toEqual(['a.ply']);
+    expect(scenes.drawable).toMatchObject({ source: a, session: sessions.current });
+    expect(camera.controls.pose.distance).toBe(7);
+  });
+
+  it('opens what was being opened, and what was shown where that fails or is called off', async () => {
+    for (const end of [failed, calledOff]) {
+      await show(a);
+      camera.controls.setPose({ ...camera.controls.pose, distance: 7 });
+      scenes.open(b);
+      await settled();
+      // A part of it is shown, from elsewhere.
+      newestLoad().options.onPreview(sceneOf(50));
+      expect(camera.controls.pose.distance).not.toBe(7);
+      loseSession();
+      expect(store.getState().scene?.title).toBe('a.ply');
+      await startSession();
+      newestLoad().options.onPreview(sceneOf(50));
+      await end();
+      expect(openedKinds()).toEqual(['b.ply', 'b.ply', 'a.ply']);
+      await loaded();
+      expect(scenes.drawable).toMatchObject({ source: a, session: sessions.current });
+      expect(camera.controls.pose.distance).toBe(7);
+      expect(store.getState()).toMatchObject({ load: null, scene: { title: 'a.ply' } });
+    }
+  });
+
+  it('opens the built-in scene where neither can be opened any more, and says so where not even that', async () => {
+    await show(a);
+    scenes.open(b);
+    loseSession();
+    await startSession();
+    await failed();
+    await failed();
+    expect(openedKinds().slice(-3)).toEqual(['b.ply', 'a.ply', 'builtin']);
+    expect(store.getState().failure).not.toBeNull();
+    await failed();
+    expect(store.getState()).toMatchObject({ scene: null, load: null });
+    expect(scenes.drawable).toBeNull();
+    expect(openedKinds().at(-1)).toBe('builtin');
+  });
+
+  it('asks for the GPU at once to open a file that a person drops, in place of what was shown', async () => {
+    await show(a);
+    loseSession('lost');
+    scenes.open(b);
+    expect(sessions.recover).toHaveBeenCalledOnce();
+    // Before there is a GPU.
+    store.setState({ status: 'recovering' });
+    scenes.open(c);
+    expect(openedKinds()).toEqual([]);
+    await startSession();
+    expect(openedKinds()).toEqual(['c.ply']);
+  });
+
+  it('leaves a scene that takes the GPU down', async () => {
+    await show(a);
+    scenes.open(b);
+    loseSession('lost');
+    scenes.openSmallScene();
+    expect(sessions.recover).toHaveBeenCalledOnce();
+    expect(store.getState().scene).toBeNull();
+    await startSession();
+    expect(newestLoad().source).toMatchObject({ kind: 'builtin', scene: { name: 'still-life-small' } });
+    await loaded();
+    expect(scenes.drawable).toMatchObject({ source: newestLoad().source, session: sessions.current });
+    loseSession();
+    await startSession();
+    expect(newestLoad().source.kind).toBe('builtin');
+  });
+});

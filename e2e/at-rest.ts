@@ -1,0 +1,29 @@
+import { isDeepStrictEqual } from 'node:util';
+import type { Page } from 'playwright-core';
+
+/** Long enough for whatever a page has asked for in one of its frames to be drawn in the next ones. */
+const QUIET_TURNS = 15;
+
+/** Lets `page` run for `turns` animation frames, whether or not it draws in them. */
+export function passTurns(page: Page, turns = QUIET_TURNS): Promise<void> {
+  return page.evaluate(
+    (count) =>
+      new Promise<void>((resolve) => {
+        const next = (left: number) => {
+          if (left === 0) resolve();
+          else requestAnimationFrame(() => next(left - 1));
+        };
+        next(count);
+      }),
+    turns,
+  );
+}
+
+/** Waits until `read` gives the same before and after 15 animation frames of `page`; returns that. */
+export async function atRest<T>(page: Page, read: () => Promise<T>): Promise<T> {
+  for (;;) {
+    const before = await read();
+    await passTurns(page);
+    if (isDeepStrictEqual(await read(), before)) return before;
+  }
+}

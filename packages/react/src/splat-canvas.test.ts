@@ -1,0 +1,208 @@
+import { type CanvasProps, createRoot, type RootState } from '@react-three/fiber';
+import { WebGpuUnavailableError } from '@websplatter/core';
+import {
+  Activity,
+  act,
+  Component,
+  createElement,
+  type ReactNode,
+  StrictMode,
+  useInsertionEffect,
+  useLayoutEffect,
+  useRef,
+  useState,
+} from 'react';
+import { PerspectiveCamera } from 'three';
+import { afterEach, beforeEach, expect, it, vi } from 'vitest';
+import { canvasStates } from './canvas-states.ts';
+import { createSplatRenderer } from './create-splat-renderer.ts';
+import { SplatCanvas } from './splat-canvas.tsx';
+
+/** A Canvas that has asked for its renderer. */
+interface FakeCanvas {
+  readonly camera: unknown;
+  /** What becomes of the renderer that it asked for: react-three-fiber frees a Canvas only after that is settled. */
+  outcome: 'pending' | 'created' | 'failed';
+}
+
+const test = vi.hoisted(() => ({
+  canvases: [] as FakeCanvas[],
+  loseDevice: [] as (() => void)[],
+}));
+
+vi.mock('./create-splat-renderer.ts', () => ({ createSplatRenderer: vi.fn() }));
+vi.mock('@websplatter/three', () => ({
+  onDeviceLost: (_renderer: object, listener: () => void) => test.loseDevice.push(listener),
+}));
+// What matters here of Canvas: it asks for its renderer in a layout effect, and throws where there is none.
+vi.mock('@react-three/fiber', async (importOriginal) => {
+  function Canvas({ gl, camera, onCreated }: CanvasProps) {
+    const [error, setError] = useState<unknown>(null);
+    if (error) throw error;
+    const element = useRef<{ isConnected: boolean }>(null);
+    useInsertionEffect(() => {
+      element.current = { isConnected: true };
+      return () => {
+        element.current!.isConnected = false;
+      };
+    }, []);
+    const isAsked = useRef(false);
+    useLayoutEffect(() => {
+      if (isAsked.current) return;
+      isAsked.current = true;
+      const fake: FakeCanvas = { camera, outcome: 'pending' };
+      test.canvases.push(fake);
+      (gl as (defaults: object) => Promise<object>)({ canvas: element.current! }).then(
+        () => {
+          fake.outcome = 'created';
+          onCreated?.({ get: () => ({ camera }) } as unknown as RootState);
+        },
+        (failure) => {
+          fake.outcome = 'failed';
+          setError(failure);
+        },
+      );
+    });
+    return null;
+  }
+  return { ...(await importOriginal<typeof import('@react-three/fiber')>()), Canvas };
+});
+
+let root: ReturnType<typeof createRoot>;
+let caught: unknown;
+const create = vi.mocked(createSplatRenderer);
+const NO_GPU = new WebGpuUnavailableError('WebGPU found no GPU that it may use.');
+
+beforeEach(async () => {
+  vi.useFakeTimers();
+  vi.stubGlobal('IS_REACT_ACT_ENVIRONMENT', true);
+  for (const level of ['error', 'warn'] as const) vi.spyOn(console, level).mockImplementation(() => {});
+  test.canvases.length = 0;
+  test.loseDevice.length = 0;
+  caught = undefined;
+  create.mockReset();
+  create.mockImplementation(async () => ({}) as never);
+  const canvas = { addEventListener() {}, removeEventListener() {} } as unknown as HTMLCanvasElement;
+  root = createRoot(canvas);
+  const renderer = { render() {}, setPixelRatio() {}, setSize() {}, dispose() {} };
+  const size = { width: 96, height: 64, top: 0, left: 0 };
+  await root.configure({ gl: renderer as never, frameloop: 'never', size, dpr: 1 });
+});
+afterEach(async () => {
+  await act(async () => root.unmount());
+  vi.unstubAllGlobals();
+  vi.restoreAllMocks();
+  vi.useRealTimers();
+});
+
+class Boundary extends Component<{ children?: ReactNode }> {
+  override state = { hasFailed: false };
+  static getDerivedStateFromError(error: unknown) {
+    caught = error;
+    return { hasFailed: true };
+  }
+  override render() {
+    return this.state.hasFailed ? null : this.props.children;
+  }
+}
+
+const passMs = (durationMs: number) => act(() => vi.advanceTimersByTimeAsync(durationMs));
+
+async function show(mode: 'visible' | 'hidden' = 'visible'): Promise<void> {
+  const children = createElement(SplatCanvas, { camera: new PerspectiveCamera() });
+  const boundary = createElement(Boundary, null, createElement(Activity, { mode, children }));
+  await act(async () => void root.render(createElement(StrictMode, null, boundary)));
+  await passMs(0);
+}
+
+const loseDevice = () => act(async () => test.loseDevice.at(-1)!());
+const outcomes = () => test.canvases.map(({ outcome }) => outcome);
+
+it('follows the pace of a recovery, with the camera that was there, and then tells the error boundary', async () => {
+  await show();
+  expect(outcomes()).toEqual(['created']);
+  for (const waitMs of [0, 1000, 4000, 16_000]) {
+    const created = create.mock.calls.length;
+    await loseDevice();
+    if (waitMs > 0) await passMs(waitMs - 1);
+    expect(create).toHaveBeenCalledTimes(created);
+    await passMs(1);
+    expect(create).toHaveBeenCalledTimes(created + 1);
+  }
+  expect(new Set(test.canvases.map(({ camera }) => camera)).size).toBe(1);
+  await loseDevice();
+  expect(caught).toBeInstanceOf(WebGpuUnavailableError);
+  expect((caught as Error).message).toContain('lost again and again');
+});
+
+it('begins anew where splats have been drawn for a minute', async () => {
+  await show();
+  await loseDevice();
+  await passMs(0);
+  await passMs(100_000);
+  await loseDevice();
+  await passMs(999);
+  expect(create).toHaveBeenCalledTimes(2);
+  await passMs(1);
+  const renderer = await create.mock.results.at(-1)!.value;
+  canvasStates.get(renderer)!.pace.recovered();
+  await passMs(61_000);
+  await loseDevice();
+  await passMs(0);
+  expect(create).toHaveBeenCalledTimes(4);
+});
+
+it('comes back where it is hidden while it waits, and shown again', async () => {
+  await show();
+  await loseDevice();
+  await passMs(0);
+  await loseDevice();
+  await show('hidden');
+  await passMs(500);
+  await show();
+  await passMs(1000);
+  expect(outcomes()).toEqual(['created', 'created', 'created']);
+});
+
+it('leaves no attempt that has failed, so that react-three-fiber frees its Canvas', async () => {
+  await show();
+  create.mockRejectedValue(NO_GPU);
+  await loseDevice();
+  await passMs(0);
+  expect(outcomes()).toEqual(['created', 'failed', 'pending']);
+  expect(caught).toBeUndefined();
+  for (const waitMs of [1000, 4000]) await passMs(waitMs);
+  expect(outcomes()).toEqual(['created', 'failed', 'failed', 'failed', 'pending']);
+  await passMs(16_000);
+  expect(caught).toBe(NO_GPU);
+  expect(outcomes()).not.toContain('pending');
+});
+
+it('asks for no GPU any more once it is unmounted', async () => {
+  await show();
+  await loseDevice();
+  let fail = (_error: Error) => {};
+  create.mockImplementation(
+    () =>
+      new Promise((_, reject) => {
+        fail = reject;
+      }),
+  );
+  await passMs(0);
+  await act(async () => void root.render(null));
+  fail(NO_GPU);
+  await passMs(20_000);
+  expect(create).toHaveBeenCalledTimes(2);
+  expect(outcomes()).toEqual(['created', 'failed']);
+  expect(vi.getTimerCount()).toBe(0);
+
+  create.mockImplementation(async () => ({}) as never);
+  await show();
+  await loseDevice();
+  await passMs(0);
+  await loseDevice();
+  await act(async () => void root.render(null));
+  await passMs(20_000);
+  expect(create).toHaveBeenCalledTimes(4);
+  expect(outcomes().slice(2)).toEqual(['created', 'created', 'failed']);
+});
