@@ -38,6 +38,7 @@ export async function loadScene(
     name: titleOf(source),
     // Whoever opens a file of their own wants to see all of it.
     maxSplats: isFile ? Number.POSITIVE_INFINITY : undefined,
+    fit: 'auto',
     signal,
     onProgress,
     onPreview: (preview) => options.onPreview(sceneOf(preview)),

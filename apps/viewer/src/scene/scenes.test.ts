@@ -106,6 +106,16 @@ async function show(source: SceneSource): Promise<void> {
   loads.length = 0;
 }
 
+it('says so where a scene is shown coarser than it was wanted', async () => {
+  const scene = sceneOf();
+  const wanted = { geometryPrecision: 'packed', shPrecision: 'f16', shDegree: 3 };
+  const fit = { wanted, taken: { ...wanted, shPrecision: 'u8' }, wantedBytes: 2e9, takenBytes: 1e9, why: '' };
+  Object.assign(scene.clouds[0].cloud, { fit });
+  await startSession();
+  await loaded(scene);
+  expect(store.getState().notice).toContain('shown with u8 harmonics');
+});
+
 describe('After the device was lost', () => {
   it('opens the scene again that was shown, where the camera was', async () => {
     await show(a);

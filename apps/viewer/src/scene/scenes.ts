@@ -15,6 +15,7 @@ import {
   firstSource,
   smallSource,
 } from './first-source.ts';
+import { fitNotice } from './fit-notice.ts';
 import { destroyClouds, type LoadedScene, loadScene } from './load-scene.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
 import { type ReplacedScene, type ShownScene, shownScene, summaryOf } from './shown-scene.ts';
@@ -213,6 +214,8 @@ export class Scenes {
     if (previous?.session === session)
       this.#replaced.push({ scene: previous, camera: preview?.camera ?? camera.snapshot() });
     this.#setNewest(scene);
+    for (const { cloud } of loaded.clouds)
+      if (cloud.fit) this.#options.store.setState({ notice: fitNotice(titleOf(source), cloud.fit) });
     onClouds();
     // After the device was lost the view goes on where it was.
     if (!isReopened) {
