@@ -45,6 +45,7 @@ export interface SoakReport {
   readonly pictures: number;
   /** Those of them that were equal only when drawn anew, and before that within one step of 255: colours had been kept. */
   readonly ofKeptColors: number;
+  /** Bytes at most, and when there were neither clouds nor views the last time. */
   readonly gpuBytes: { readonly most: number; readonly atRest: number };
   /** Bytes in use once the first tenth of the frames was drawn, and in the end; null where the caller cannot tell. */
   readonly heapBytes: { readonly early: number; readonly end: number } | null;
@@ -56,6 +57,12 @@ export interface SoakReport {
 const MOST_CLOUDS = 3;
 /** Small enough that the GPU packs the rows of every file of some hundred splats. */
 const INGEST_MIN_ROWS = 200;
+
+/**
+ * Most by which JavaScript objects in use may grow after the first tenth of the frames. Code and shaders that only some steps
+ * need took up to 5 MiB in soaks of 150 frames.
+ */
+const HEAP_GROWTH_BYTES = 16 * 2 ** 20;
 
 /** A colour that was kept may round otherwise, by one step of the coarsest layer. */
 const KEPT_COLORS_TOLERANCE = 1.01 / 255;
@@ -117,8 +124,8 @@ const STEPS: readonly Step[] = [
 
 /**
  * Draws frames while cameras, clouds, sizes, settings and effects change at random and devices are lost, and checks that
- * nothing remains of it: pictures equal those of a fresh engine bit for bit, memory returns to where it started, and the GPU
- * reports no error. Everything follows from the seed.
+ * nothing remains of it: pictures equal those of a fresh engine bit for bit, memory returns to where it started, JavaScript's
+ * stays bounded, and the GPU reports no error. Everything follows from the seed. The first failure ends it.
  *
  * @throws the signal's reason if it aborts, WebGpuUnavailableError.
  */
@@ -135,11 +142,15 @@ export async function soak(options: SoakOptions): Promise<SoakReport> {
       const step = chance.weighted(STEPS);
       steps[step.name] = (steps[step.name] ?? 0) + 1;
       await run.take(frame, step, chance);
+      // What failed may have left neither device nor engine.
+      if (run.failures.length > 0) break;
       if (frame % compareEvery === 0) await run.compare();
       if (frame === Math.ceil(frames / 10)) earlyHeapBytes = heapBytes?.() ?? 0;
       onFrame?.(frame);
     }
-    await run.clear();
+    if (run.failures.length === 0) await run.finish();
+    const heap = heapBytes ? { early: earlyHeapBytes, end: heapBytes() } : null;
+    if (heap && run.failures.length === 0) run.checkHeap(heap);
     return {
       adapter: run.adapterLabel,
       seed,
@@ -149,7 +160,7 @@ export async function soak(options: SoakOptions): Promise<SoakReport> {
       pictures: run.pictures,
       ofKeptColors: run.ofKeptColors,
       gpuBytes: run.gpuBytes,
-      heapBytes: heapBytes ? { early: earlyHeapBytes, end: heapBytes() } : null,
+      heapBytes: heap,
       failures: run.failures,
     };
   } finally {
@@ -172,13 +183,16 @@ class Soak {
   #frame = 0;
   #stepName = 'start';
   #mostBytes = 0;
-  /** Bytes that the engine held when it had neither cloud nor view for the first time. */
-  #bytesAtRest: number | null = null;
+  /** Bytes that the first engine held before it had a view. */
+  readonly #bytesAtStart: number;
+  #bytesAtRest: number;
 
   private constructor(options: SoakOptions, watched: WatchedDevice, engine: SplatEngine, shown: SoakView) {
     this.#options = options;
     this.#watched = watched;
     this.#engine = engine;
+    this.#bytesAtStart = engine.memory().totalBytes;
+    this.#bytesAtRest = this.#bytesAtStart;
     this.#view = engine.createView();
     this.shown = shown;
     this.adapterLabel = adapterLabel(watched.device.adapterInfo);
@@ -196,7 +210,7 @@ class Soak {
   }
 
   get gpuBytes(): SoakReport['gpuBytes'] {
-    return { most: this.#mostBytes, atRest: this.#bytesAtRest ?? 0 };
+    return { most: this.#mostBytes, atRest: this.#bytesAtRest };
   }
 
   /** Takes a step and draws a frame. */
@@ -237,6 +251,22 @@ class Soak {
       this.#fail(`while comparing: ${describe(error)}`);
     }
     await this.#takeErrors();
+  }
+
+  /** Frees everything after the last frame, and checks that nothing is left. */
+  async finish(): Promise<void> {
+    this.#stepName = 'end';
+    try {
+      await this.#free();
+    } catch (error) {
+      this.#fail(describe(error));
+    }
+    await this.#takeErrors();
+  }
+
+  checkHeap({ early, end }: NonNullable<SoakReport['heapBytes']>): void {
+    if (end - early > HEAP_GROWTH_BYTES)
+      this.#fail(`JavaScript objects take ${end} bytes, ${early} after a tenth of the frames`);
   }
 
   end(): void {
@@ -310,18 +340,21 @@ class Soak {
     this.#view = this.#engine.createView();
   }
 
-  /** Frees everything, and checks that the engine is back where it was. */
   async clear(): Promise<void> {
+    await this.#free();
+    this.#view = this.#engine.createView();
+  }
+
+  /** Frees everything, and checks that the engine is back where it started. */
+  async #free(): Promise<void> {
     this.#view.destroy();
     for (const { cloud } of this.#clouds.splice(0)) cloud.destroy();
     await this.#watched.device.queue.onSubmittedWorkDone();
-    const { totalBytes } = this.#engine.memory();
-    this.#bytesAtRest ??= totalBytes;
-    if (totalBytes !== this.#bytesAtRest)
+    this.#bytesAtRest = this.#engine.memory().totalBytes;
+    if (this.#bytesAtRest !== this.#bytesAtStart)
       this.#fail(
-        `${totalBytes} bytes are left without clouds and views, ${this.#bytesAtRest} the first time`,
+        `${this.#bytesAtRest} bytes are left without clouds and views, ${this.#bytesAtStart} at the start`,
       );
-    this.#view = this.#engine.createView();
   }
 
   /** Loses the device in the middle of work, and makes everything anew on another one. */
