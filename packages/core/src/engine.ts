@@ -6,13 +6,14 @@ import {
   type PossibleAccuracy,
 } from './accuracy/accuracy.ts';
 import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy/accuracy-wish.ts';
+import { checkEngineNumbers, checkLoadOptions } from './check-options.ts';
 import type { HoldOptions } from './clouds/cloud-leases.ts';
 import { type CloudMemory, isHeld } from './clouds/cloud-planes.ts';
 import { emptyCloud } from './clouds/empty-cloud.ts';
 import type { CloudFit, FitMode } from './clouds/fit-settings.ts';
 import type { PlaneMaker } from './clouds/plane-maker.ts';
 import { type CloudSource, SplatCloud, type SplatCloudOptions } from './clouds/splat-cloud.ts';
-import { DestroyedError, GpuLimitError, InvalidArgumentError } from './errors.ts';
+import { DestroyedError, GpuLimitError } from './errors.ts';
 import { frameStages } from './frame/frame.ts';
 import type { FrameShape } from './frame/frame-shape.ts';
 import { DEFAULT_TILE_BUDGET_BYTES } from './frame/pair-capacity.ts';
@@ -209,17 +210,13 @@ export class SplatEngine {
    * Creates an engine on `options.device`, or on a device of its own.
    *
    * @throws WebGpuUnavailableError if WebGPU is not available, InvalidArgumentError for unknown accuracy settings and for a
-   *   budget that is none.
+   *   limit or a budget that is none.
    */
   static async create(options: EngineOptions = {}): Promise<SplatEngine> {
     // Reject unknown settings before a device is requested in vain.
     const { accuracy = DEFAULT_ACCURACY } = options;
     if (!internWish(accuracy)) internAccuracy(accuracy as Accuracy);
-    const { submissionBudgetMs = DEFAULT_SUBMISSION_BUDGET_MS } = options;
-    if (!(submissionBudgetMs > 0)) {
-      const message = `submissionBudgetMs is ${submissionBudgetMs}; it must be more than 0 milliseconds.`;
-      throw new InvalidArgumentError('submissionBudgetMs', message);
-    }
+    checkEngineNumbers(options);
     foreseeTiles();
     const device = options.device ?? (await requestSplatDevice(options));
     return new SplatEngine(device, options.device === undefined, options);
@@ -277,6 +274,7 @@ export class SplatEngine {
    */
   async load(source: SplatSource, options: LoadOptions = {}): Promise<SplatCloud> {
     this.#checkUsable();
+    checkLoadOptions(options);
     const { accuracy } = this;
     const { geometryPrecision, shPrecision } = options.precision ?? accuracy;
     const name = options.name ?? sourceName(source);

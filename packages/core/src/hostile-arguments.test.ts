@@ -1,20 +1,44 @@
-import { describe, expect, test } from 'vitest';
+import { describe, expect, test, vi } from 'vitest';
 import { internAccuracy, resolveAccuracy } from './accuracy/accuracy.ts';
 import { internWish } from './accuracy/accuracy-wish.ts';
 import { cameraFromMatrices, orthographicCamera, perspectiveCamera, projectionOf } from './camera/camera.ts';
 import * as effects from './effects/index.ts';
-import { InvalidArgumentError } from './errors.ts';
+import { type EngineOptions, type LoadOptions, SplatEngine } from './engine.ts';
+import { InvalidArgumentError, SplatFileError } from './errors.ts';
 import { planCloud } from './frame/cloud-plan.ts';
 import { checkRequest } from './frame/frame-request.ts';
+import { encodePly } from './io/write-ply.ts';
 import { identity4 } from './math/mat4.ts';
 import { fuzz } from './testing/fuzz.ts';
 import { withHostilePart } from './testing/hostile-values.ts';
+import { randomSplats } from './testing/random-splats.ts';
 
 const CAMERA = { position: [1, 2, 3], target: [0, 0, 0], up: [0, 1, 0], aspect: 1.5, near: 0.1, far: 100 };
 const SELECTION = new effects.SplatSelection();
 SELECTION.add([1, 2]);
 
-const device = {} as GPUDevice;
+vi.stubGlobal('GPUBufferUsage', {});
+/** Draws nothing; has any memory. */
+const device = {
+  features: new Set(),
+  limits: {
+    maxComputeWorkgroupsPerDimension: 65_535,
+    maxBufferSize: 2 ** 28,
+    maxStorageBufferBindingSize: 2 ** 27,
+  },
+  adapterInfo: { vendor: 'acme', isFallbackAdapter: true },
+  lost: new Promise(() => {}),
+  queue: { writeBuffer: () => {} },
+  createBuffer: ({ size }: GPUBufferDescriptor) => ({
+    getMappedRange: () => new ArrayBuffer(size),
+    unmap: () => {},
+    destroy: () => {},
+  }),
+  pushErrorScope: () => {},
+  popErrorScope: async () => null,
+} as unknown as GPUDevice;
+const FILE = encodePly(randomSplats({ count: 3 }));
+const engine = await SplatEngine.create({ device });
 /** Neither plain objects, so that they are replaced as a whole. */
 const cloud = Object.assign(Object.create({}), {
   name: 'garden',
@@ -25,13 +49,25 @@ const cloud = Object.assign(Object.create({}), {
 });
 const EFFECTS = [effects.tint([1, 0, 0]), effects.brightness(2)].map((use) => Object.setPrototypeOf(use, {}));
 
-/** Calls with good arguments, and what must be finite of what they return. */
-const CALLS: Record<string, { good: unknown[]; call: (...given: never[]) => unknown }> = {
+interface Call {
+  readonly good: readonly unknown[];
+  /** Returns what must be finite. */
+  readonly call: (...given: never[]) => unknown;
+  /** Arguments that an error may name besides the names in `good`. */
+  readonly others?: readonly string[];
+}
+
+/** What errors call an argument without a name of its own. */
+const NAMELESS = ['options', 'accuracy'];
+/** What becomes of a camera's options. */
+const MATRICES = ['viewMatrix', 'projectionMatrix'];
+
+const CALLS: Record<string, Call> = {
   resolveAccuracy: { good: [{ preset: 'high', shDegree: 2, alphaCutoff: 0.01 }], call: resolveAccuracy },
   internAccuracy: { good: [{ preset: 'fast', resolutionScale: 0.5 }], call: internAccuracy },
   internWish: { good: [{ minPsnrDb: 40 }], call: (request) => internWish(request)?.toString() },
-  perspectiveCamera: { good: [{ ...CAMERA, fovYDegrees: 60 }], call: perspectiveCamera },
-  orthographicCamera: { good: [{ ...CAMERA, height: 3 }], call: orthographicCamera },
+  perspectiveCamera: { good: [{ ...CAMERA, fovYDegrees: 60 }], call: perspectiveCamera, others: MATRICES },
+  orthographicCamera: { good: [{ ...CAMERA, height: 3 }], call: orthographicCamera, others: MATRICES },
   cameraFromMatrices: {
     good: [
       identity4(),
@@ -39,6 +75,45 @@ const CALLS: Record<string, { good: unknown[]; call: (...given: never[]) => unkn
       { near: 0.1, far: 10 },
     ],
     call: cameraFromMatrices,
+    others: MATRICES,
+  },
+  'an engine': {
+    good: [
+      {
+        accuracy: { preset: 'high', sortKeyBits: 24 },
+        maxWorkgroupsPerDimension: 100,
+        tileBudgetBytes: 2 ** 20,
+        submissionBudgetMs: 100,
+        memoryBudgetBytes: 2 ** 20,
+      },
+    ],
+    call: async (options: EngineOptions) => {
+      const made = await SplatEngine.create({ ...options, device });
+      made.destroy();
+      return [made.accuracy.sortKeyBits];
+    },
+  },
+  'a load': {
+    good: [
+      {
+        maxBytes: 1e6,
+        maxSplats: 100,
+        precision: { geometryPrecision: 'packed', shPrecision: 'f16' },
+        fit: 'auto',
+      },
+    ],
+    call: async (options: LoadOptions) => {
+      const { maxBytes, maxSplats } = options ?? {};
+      try {
+        const loaded = await engine.load(FILE, options);
+        loaded.destroy();
+      } catch (error) {
+        // A limit that is one, but too low for the file.
+        if (!(error instanceof SplatFileError && error.code === 'too-large')) throw error;
+        expect(Math.min(maxBytes!, maxSplats!)).toBeGreaterThan(0);
+      }
+      expect(engine.memory().totalBytes).toBe(0);
+    },
   },
   'a frame request': {
     good: [
@@ -90,6 +165,12 @@ const CALLS: Record<string, { good: unknown[]; call: (...given: never[]) => unkn
   ),
 };
 
+/** Names of all members of `value`, at any depth. */
+function namesIn(value: unknown): string[] {
+  if (typeof value !== 'object' || value === null || ArrayBuffer.isView(value)) return [];
+  return Object.entries(value).flatMap(([name, part]) => [name, ...namesIn(part)]);
+}
+
 /** Throws for a number that float32 cannot hold, at any depth; `near` and `far` may be, which draws nothing or everything. */
 function expectFinite(value: unknown, name = 'result'): void {
   if (typeof value === 'number') {
@@ -104,22 +185,44 @@ function expectFinite(value: unknown, name = 'result'): void {
 }
 
 describe('any argument is taken or refused by name', () => {
-  test.each(Object.entries(CALLS))('%s', { timeout: 600_000 }, async (name, { good, call }) => {
-    expectFinite(call(...(good as never[])));
+  test.each(Object.entries(CALLS))('%s', { timeout: 600_000 }, async (name, { good, call, others = [] }) => {
+    expectFinite(await call(...(good as never[])));
+    const known = new Set([name, ...NAMELESS, ...others, ...namesIn(good)]);
     let refused = 0;
-    await fuzz({ few: 1000, many: 20_000 }, (choices) => {
+    await fuzz({ few: 1000, many: 20_000 }, async (choices) => {
       const given = [...good];
       const which = choices.below(given.length);
       given[which] = withHostilePart(given[which], choices);
       try {
-        expectFinite(call(...(given as never[])));
+        expectFinite(await call(...(given as never[])));
       } catch (error) {
         if (!(error instanceof InvalidArgumentError)) throw error;
-        if (error.argument === '' || error.message.length > 1000)
-          throw new Error(`A bad message: ${error.message.slice(0, 200)}`);
+        const argument = error.argument.replace(/\[\d+\]$/, '').replace(/^.*\./, '');
+        const isNamed = known.has(argument) || namesIn(given).includes(argument);
+        if (!isNamed || error.message.length > 1000)
+          throw new Error(`Of ${error.argument}, a bad message: ${error.message.slice(0, 200)}`);
         refused++;
       }
     });
     expect(refused, name).toBeGreaterThan(100);
   });
+});
+
+test.each<[string, () => Promise<unknown>]>([
+  ...[0, -1, Number.NaN].map((submissionBudgetMs): [string, () => Promise<unknown>] => [
+    'submissionBudgetMs',
+    () => SplatEngine.create({ device, submissionBudgetMs }),
+  ]),
+  ['memoryBudgetBytes', () => SplatEngine.create({ device, memoryBudgetBytes: Number.NaN })],
+  ['tileBudgetBytes', () => SplatEngine.create({ device, tileBudgetBytes: '1e6' as never })],
+  ['maxWorkgroupsPerDimension', () => SplatEngine.create({ device, maxWorkgroupsPerDimension: 0 })],
+  ['maxBytes', () => engine.load(FILE, { maxBytes: Number.NaN })],
+  ['fit', () => engine.load(FILE, { fit: 'Auto' as never })],
+  ['precision', () => engine.load(FILE, { precision: 'f32' as never })],
+  [
+    'shPrecision',
+    () => engine.load(FILE, { precision: { geometryPrecision: 'f32', shPrecision: 'f64' as never } }),
+  ],
+])('a %s that is none is refused', async (argument, call) => {
+  await expect(call()).rejects.toMatchObject({ name: 'InvalidArgumentError', argument });
 });

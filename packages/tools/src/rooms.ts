@@ -61,8 +61,11 @@ export const ROOMS: Arrows = {
   measure: 'reference ledger frame clouds stages timing effects gpu camera accuracy packing layout math',
   /** Views: frames on a canvas or inside of another renderer. What measures is loaded only when it is asked for. */
   views: 'measure(types) ledger frame clouds stages timing gpu camera accuracy layout math',
+  /** What callers give besides requests of frames. */
+  'check-options.ts': 'clouds(types) packing',
   /** The engine: one device, its clouds and its views. */
-  'engine.ts': 'views measure ledger frame ingest clouds gpu shaders accuracy io packing splats',
+  'engine.ts':
+    'check-options.ts views measure ledger frame ingest clouds gpu shaders accuracy io packing splats',
   /** The public interface. */
   'index.ts': 'engine.ts views measure ledger frame clouds timing gpu camera accuracy io packing splats math',
 };

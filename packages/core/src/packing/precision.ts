@@ -24,7 +24,8 @@ export function checkPrecision({ geometryPrecision, shPrecision }: Partial<Cloud
   checkOneOf('shPrecision', shPrecision, SH_PRECISIONS);
 }
 
-function checkOneOf(name: string, value: string | undefined, values: readonly string[]): void {
+/** @throws InvalidArgumentError for a value that is none of `values`. */
+export function checkOneOf(name: string, value: string | undefined, values: readonly string[]): void {
   if (value === undefined || values.includes(value)) return;
   throw new InvalidArgumentError(name, `${name} is ${shown(value)}; it must be one of ${values.join(', ')}.`);
 }

@@ -46,7 +46,7 @@ test('times frames from the first on that is begun after the queries are known t
 test.each([
   ['the queries fail, as the 33rd set of a Mac does', { message: 'no sample buffer' }, false],
   ['the device is lost', null, true],
-])('draws without timestamps where %s', async (_, error, isLost) => {
+])('asks for no timestamps, and holds none, where %s', async (_, error, isLost) => {
   const { querySet, answer, writesOfNextFrame } = timerWith(error, isLost);
   await answer();
   expect(writesOfNextFrame()).toBeUndefined();
