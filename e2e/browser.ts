@@ -15,10 +15,16 @@ export interface WatchedPage {
   readonly problems: readonly string[];
 }
 
-/** Chrome reports some WebGPU failures as warnings only. */
+/** Browsers report some WebGPU failures as warnings only. */
 const WEBGPU_WARNING = /webgpu|\bGPU|Instance reference|WGSL/i;
 /** @react-three/fiber 9 always requests a kind of shadow that three no longer has. */
 const WARNING_OF_FIBER = /^THREE\.WebGPURenderer: PCFSoftShadowMap has been removed/;
+
+/** What a test must not see of a page's console; null for all other messages. `type`: as the browser's driver calls it. */
+export function consoleProblem(type: string, text: string): string | null {
+  const isWarning = type.startsWith('warn') && WEBGPU_WARNING.test(text) && !WARNING_OF_FIBER.test(text);
+  return type === 'error' || isWarning ? `console ${type}: ${text}` : null;
+}
 
 export async function newWatchedPage(browser: Browser, options: BrowserContextOptions): Promise<WatchedPage> {
   const context = await browser.newContext({
@@ -32,10 +38,8 @@ export async function newWatchedPage(browser: Browser, options: BrowserContextOp
   page.on('pageerror', (error) => problems.push(`page error: ${error.stack ?? error.message}`));
   page.on('crash', () => problems.push('the page crashed'));
   page.on('console', (message) => {
-    const text = message.text();
-    const isWarning =
-      message.type() === 'warning' && WEBGPU_WARNING.test(text) && !WARNING_OF_FIBER.test(text);
-    if (message.type() === 'error' || isWarning) problems.push(`console ${message.type()}: ${text}`);
+    const problem = consoleProblem(message.type(), message.text());
+    if (problem !== null) problems.push(problem);
   });
   return { page, problems };
 }

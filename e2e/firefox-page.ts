@@ -1,9 +1,10 @@
 import { launchFirefox } from '@websplatter/tools/firefox';
 import type { Browser, Page } from 'puppeteer-core';
+import { consoleProblem } from './browser.ts';
 import { decodePng, type Screenshot } from './screenshot.ts';
 import { firefox, lavapipe } from './second-webgpu.ts';
 
-/** A page in Firefox with its warnings and errors, of which a passing test must have none. */
+/** A page in Firefox with its errors and warnings of WebGPU, of which a passing test must have none. */
 export interface FirefoxPage {
   readonly page: Page;
   readonly problems: readonly string[];
@@ -28,7 +29,8 @@ export async function openPage(
   const problems: string[] = [];
   page.on('pageerror', (error) => problems.push(`page error: ${error}`));
   page.on('console', (message) => {
-    if (message.type() === 'error') problems.push(`console error: ${message.text()}`);
+    const problem = consoleProblem(message.type(), message.text());
+    if (problem !== null) problems.push(problem);
   });
   await page.setViewport({ width: 240, height: 160 });
   for (const script of [reportGpuErrors, ...scripts]) await page.evaluateOnNewDocument(script);

@@ -41,18 +41,17 @@ export function frameCount(page: Page): Promise<number> {
 }
 
 /**
- * Waits until the viewer has drawn more than `frames` frames and is at rest. What a test has done before by keys or mouse has
- * ended the rest already, so that no image before that counts, however late its frame was.
+ * For any browser's `waitForFunction`: whether the viewer has drawn more than `frames` frames and is at rest. What a test has
+ * done before by keys or mouse has ended the rest already, so that no image before that counts, however late its frame was.
  */
+export function isAtRestAfter(frames: number): boolean {
+  const canvas = document.querySelector('canvas');
+  return canvas?.dataset.resting !== undefined && Number(canvas.dataset.frames) > frames;
+}
+
+/** Waits until the viewer has drawn more than `frames` frames and is at rest. */
 export async function waitForFrameAfter(page: Page, frames: number): Promise<void> {
-  await page.waitForFunction(
-    (least) => {
-      const canvas = document.querySelector('canvas');
-      return canvas?.dataset.resting !== undefined && Number(canvas.dataset.frames) > least;
-    },
-    frames,
-    { timeout: 60_000 },
-  );
+  await page.waitForFunction(isAtRestAfter, frames, { timeout: 60_000 });
 }
 
 /** Waits for the first frame. */

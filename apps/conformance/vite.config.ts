@@ -1,19 +1,21 @@
 import { execFileSync } from 'node:child_process';
 import { fileURLToPath } from 'node:url';
 import { defaultClientConditions, defineConfig } from 'vite';
-import packageJson from './package.json' with { type: 'json' };
+import corePackage from '../../packages/core/package.json' with { type: 'json' };
 
 const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
 
-/** Commit of the working copy, null outside of git. */
+/** Commit of the working copy, with `+changes` if files differ, as in the command line's reports; null outside of git. */
 function currentCommit(): string | null {
-  try {
-    const text = execFileSync('git', ['rev-parse', 'HEAD'], {
+  const git = (...args: string[]) =>
+    execFileSync('git', args, {
       cwd: repositoryRoot,
       encoding: 'utf8',
       stdio: ['ignore', 'pipe', 'ignore'],
-    });
-    return text.trim();
+    }).trim();
+  try {
+    const commit = git('rev-parse', 'HEAD');
+    return git('status', '--porcelain', '--untracked-files=no') === '' ? commit : `${commit}+changes`;
   } catch {
     return null;
   }
@@ -26,7 +28,7 @@ export default defineConfig({
   // The packages run from their sources, so that editing them reloads the page.
   resolve: { conditions: ['@websplatter/source', ...defaultClientConditions] },
   define: {
-    WEBSPLATTER_BUILD: JSON.stringify({ version: packageJson.version, commit: currentCommit() }),
+    WEBSPLATTER_BUILD: JSON.stringify({ version: corePackage.version, commit: currentCommit() }),
   },
   worker: { format: 'es' },
   server: { fs: { allow: [repositoryRoot] } },

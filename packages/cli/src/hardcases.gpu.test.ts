@@ -5,7 +5,9 @@ import { runMain } from './testing/test-folder.ts';
 gpuTest('hardcases runs the cases that are asked for and sums up', async () => {
   const table = await runMain('hardcases', '--filter', 'scale-unit', '--size', '32x32');
   expect(table.out).toMatch(/^scale-unit .* pass$/m);
-  expect(table.out).toMatch(/^1 of 1 hard cases pass in [\d.]+ s \(.+, 32×32, \d{4}-\d\d-\d\d/m);
+  expect(table.out).toMatch(
+    /^1 of 1 chosen hard cases \(\d+ in all\) pass in [\d.]+ s \(.+, 32×32, \d{4}-\d\d-\d\d/m,
+  );
   expect(table.status).toBe(0);
 
   const json = JSON.parse((await runMain('hardcases', '--filter', 'scale-unit', '--json')).out);

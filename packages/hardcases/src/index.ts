@@ -1,4 +1,5 @@
 export { HARD_CASES } from './catalogue.ts';
+export { chooseCases } from './choose-cases.ts';
 export * from './hard-case.ts';
 export {
   failureLines,

@@ -64,6 +64,8 @@ const REPORT: HardCaseReport = {
   date: '2026-01-02',
   commit: 'abc',
   sizePx: 64,
+  casesInAll: 2,
+  casesChosen: 2,
   results: [PASSED, FAILED],
 };
 
@@ -89,6 +91,15 @@ test('the summary states how many cases passed, where, when and in what time', (
     '1 of 2 hard cases pass in 3.0 s (acme gpu, 64×64, 2026-01-02, commit abc)',
   );
   expect(summaryLine({ ...REPORT, commit: null })).toMatch(/2026-01-02\)$/);
+});
+
+test('a report of a part says so', () => {
+  const part = { ...REPORT, casesInAll: 9 };
+  expect(summaryLine(part)).toMatch(/^1 of 2 chosen hard cases \(9 in all\) pass in 3\.0 s /);
+  expect(textReport(part)).toMatch(/^WebSplatter: 1 of 2 chosen hard cases \(9 in all\) pass\n/);
+  const stopped = { ...REPORT, casesInAll: 9, casesChosen: 9 };
+  expect(textReport(stopped)).toMatch(/^WebSplatter: 1 of 2 hard cases \(stopped before 7 more\) pass\n/);
+  expect(textReport({ ...part, casesChosen: 4 })).toContain('(9 in all, stopped before 2 more)');
 });
 
 test('markdown has a row per case and lists failures', () => {

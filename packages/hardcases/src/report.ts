@@ -23,6 +23,11 @@ export interface HardCaseReport extends ReportPlace {
   readonly date: string;
   /** Width and height of images for cases that give no size. */
   readonly sizePx: number;
+  /** Cases that there are. */
+  readonly casesInAll: number;
+  /** Cases that were to run. */
+  readonly casesChosen: number;
+  /** Of the cases that ran: fewer than were chosen if the run was stopped. */
   readonly results: readonly HardCaseResult[];
 }
 
@@ -60,17 +65,16 @@ export function failureLines(results: readonly HardCaseResult[]): string[] {
 }
 
 /** Sums up how many cases passed, where, when and in what time. */
-export function summaryLine({ adapter, date, commit, sizePx, results }: HardCaseReport): string {
-  const passed = results.filter(({ verdict }) => verdict === 'pass').length;
+export function summaryLine(report: HardCaseReport): string {
+  const { adapter, date, commit, sizePx, results } = report;
   const places = [adapter, `${sizePx}×${sizePx}`, date, ...(commit === null ? [] : [`commit ${commit}`])];
-  return `${passed} of ${results.length} hard cases pass in ${secondsOf(results).toFixed(1)} s (${places.join(', ')})`;
+  return `${passedLine(report)} in ${secondsOf(results).toFixed(1)} s (${places.join(', ')})`;
 }
 
 /** Formats a short report that people can paste: where the cases ran, how many passed, the worst figures, all failures. */
 export function textReport(report: HardCaseReport): string {
   const { adapter, isSoftware, isTruncating, features, program, version, commit, date, sizePx, results } =
     report;
-  const passed = results.filter(({ verdict }) => verdict === 'pass').length;
   const failures = failureLines(results);
   const lines = [
     ['adapter', `${adapter}${isSoftware ? ', software' : ''}`],
@@ -86,11 +90,24 @@ export function textReport(report: HardCaseReport): string {
   ];
   const width = Math.max(...lines.map(([name]) => name.length));
   return [
-    `WebSplatter: ${passed} of ${results.length} hard cases pass`,
+    `WebSplatter: ${passedLine(report)}`,
     ...lines.map(([name, value]) => `${name.padEnd(width)}  ${value}`),
     ...(failures.length > 0 ? ['', ...failures] : []),
     '',
   ].join('\n');
+}
+
+/** How many passed, and whether that is all that there are. */
+function passedLine({ results, casesChosen, casesInAll }: HardCaseReport): string {
+  const passed = results.filter(({ verdict }) => verdict === 'pass').length;
+  const left = casesChosen - results.length;
+  const notes = [
+    ...(casesChosen < casesInAll ? [`${casesInAll} in all`] : []),
+    ...(left > 0 ? [`stopped before ${left} more`] : []),
+  ];
+  const cases = casesChosen < casesInAll ? 'chosen hard cases' : 'hard cases';
+  const note = notes.length > 0 ? ` (${notes.join(', ')})` : '';
+  return `${passed} of ${results.length} ${cases}${note} pass`;
 }
 
 function worstImage(

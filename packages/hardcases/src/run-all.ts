@@ -1,3 +1,4 @@
+import { HARD_CASES } from './catalogue.ts';
 import type { HardCase } from './hard-case.ts';
 import type { HardCaseReport, ReportPlace } from './report.ts';
 import { HardCaseRunner, type HardCaseRunnerOptions, type HardCaseRunOptions } from './run.ts';
@@ -42,7 +43,20 @@ export async function runHardCases({
     }
     const { adapterLabel: adapter, isSoftware, isTruncating, features } = runner;
     const date = new Date().toISOString().slice(0, 10);
-    return { ...place, adapter, isSoftware, isTruncating, features, date, sizePx, results };
+    const casesInAll = HARD_CASES.length;
+    const casesChosen = cases.length;
+    return {
+      ...place,
+      adapter,
+      isSoftware,
+      isTruncating,
+      features,
+      date,
+      sizePx,
+      casesInAll,
+      casesChosen,
+      results,
+    };
   } finally {
     runner.destroy();
   }
