@@ -58,22 +58,33 @@ export function ensureChromium() {
 
 /**
  * Installs Firefox and a Vulkan driver for the CPU, for the tests of a second WebGPU, and returns whether they must run. Where
- * that would need a confirmation, or another system, prints what will be skipped.
+ * that would need a confirmation, another system or a network that is not there, prints what will be skipped. In CI, where
+ * nobody would read it, a failed installation ends the process.
+ *
+ * @param {object} machine what this machine lacks and may do, for tests.
  */
-export function ensureSecondWebGpu() {
-  const missing = SECOND_WEBGPU_PACKAGES.filter(({ isInstalled }) => !isInstalled()).map(({ name }) => name);
-  if (missing.length > 0 && isDebianRoot()) {
-    if (!installPackages(missing, '--no-install-recommends'))
-      fail(`${missing.join(' and ')} could not be installed; apt-get’s messages are above.`);
-  } else if (missing.length > 0) {
+export function ensureSecondWebGpu({
+  missing = missingPackages(),
+  mayInstall = isDebianRoot(),
+  install = installPackages,
+  isCi = Boolean(process.env.CI),
+} = {}) {
+  if (missing.length > 0 && !(mayInstall && install(missing, '--no-install-recommends'))) {
+    const names = missing.join(' and ');
+    if (mayInstall && isCi) fail(`${names} could not be installed; apt-get’s messages are above.`);
     const command = `sudo apt-get update && sudo apt-get install -y ${missing.join(' ')}`;
+    const why = mayInstall ? `apt-get could not install ${names}` : `${names} cannot be found`;
     console.warn(
-      `Tests in Firefox and Deno will be skipped. On Debian, install what they need with\n  ${command}`,
+      `Tests in Firefox and Deno will be skipped: ${why}. On Debian, install what they need with\n  ${command}`,
     );
     return false;
   }
   // npm has Deno for other processors too, but package-lock.json names this one.
   return process.arch === 'x64';
+}
+
+function missingPackages() {
+  return SECOND_WEBGPU_PACKAGES.filter(({ isInstalled }) => !isInstalled()).map(({ name }) => name);
 }
 
 /** Debian's packages that hold the second WebGPU. */
@@ -94,7 +105,7 @@ const SECOND_WEBGPU_PACKAGES = [
   },
 ];
 
-/** Whether packages can be installed without a confirmation. */
+/** Whether Debian's packages, or those of a system that is made from it, can be installed without a confirmation. */
 function isDebianRoot() {
   return existsSync('/etc/debian_version') && process.getuid?.() === 0;
 }

@@ -1,5 +1,5 @@
-// `npm start`: starts the viewer, even from a fresh clone; `npm start -- examples` the examples for react-three-fiber.
-// Other arguments go to Vite, e.g. `npm start -- --port 4000 --host`.
+// `npm start`: starts the viewer, even from a fresh clone; `npm start -- examples` the examples for react-three-fiber, and
+// `npm start -- conformance` the page that runs the hard cases. Other arguments go to Vite, e.g. `npm start -- --port 4000 --host`.
 import { existsSync } from 'node:fs';
 import { join } from 'node:path';
 import { runTool } from './run-tool.mjs';
@@ -8,7 +8,8 @@ import { ensureInstalled, fail, repositoryRoot } from './setup.mjs';
 const args = process.argv.slice(2);
 const app = args[0] === undefined || args[0].startsWith('-') ? 'viewer' : args.shift();
 const folder = join(repositoryRoot, 'apps', app);
-if (!existsSync(folder)) fail(`There is no app “${app}”: start the viewer (no name) or the examples.`);
+if (!existsSync(folder))
+  fail(`There is no app “${app}”: start the viewer (no name), examples or conformance.`);
 
 ensureInstalled();
 const { build } = await import('./build.mjs');

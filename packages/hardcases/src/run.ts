@@ -72,7 +72,12 @@ export class HardCaseRunner {
   /** @throws WebGpuUnavailableError if there is no adapter or no device. */
   static async create(options: HardCaseRunnerOptions): Promise<HardCaseRunner> {
     const watched = await WatchedDevice.request(options.gpu);
-    return new HardCaseRunner(options, watched, await truncatesHalves(watched.device));
+    try {
+      return new HardCaseRunner(options, watched, await truncatesHalves(watched.device));
+    } catch (error) {
+      watched.destroy();
+      throw error;
+    }
   }
 
   /** Never rejects: a case that throws counts as failed. */

@@ -1,0 +1,40 @@
+import { afterEach, expect, test, vi } from 'vitest';
+import { ensureSecondWebGpu } from './setup.mjs';
+
+const warn = vi.spyOn(console, 'warn').mockImplementation(() => {});
+vi.spyOn(console, 'error').mockImplementation(() => {});
+const exit = vi.spyOn(process, 'exit').mockImplementation((status) => {
+  throw new Error(`exit ${status}`);
+});
+afterEach(() => {
+  vi.clearAllMocks();
+});
+
+const missing = ['firefox-esr'];
+const lacking = { missing, mayInstall: true, install: () => false, isCi: false };
+
+test('where apt-get cannot install the second WebGPU, its tests are skipped with a reason', () => {
+  expect(ensureSecondWebGpu(lacking)).toBe(false);
+  expect(warn).toHaveBeenCalledWith(
+    expect.stringContaining('will be skipped: apt-get could not install firefox'),
+  );
+  expect(exit).not.toHaveBeenCalled();
+});
+
+test('where it may not be installed, nothing is tried', () => {
+  const install = vi.fn();
+  expect(ensureSecondWebGpu({ ...lacking, mayInstall: false, install, isCi: true })).toBe(false);
+  expect(install).not.toHaveBeenCalled();
+  expect(warn).toHaveBeenCalledWith(expect.stringContaining('firefox-esr cannot be found'));
+});
+
+test('in CI, a failed installation ends the process', () => {
+  expect(() => ensureSecondWebGpu({ ...lacking, isCi: true })).toThrow('exit 1');
+});
+
+test('what is installed must run', () => {
+  const isDenoThere = process.arch === 'x64';
+  expect(ensureSecondWebGpu({ ...lacking, install: () => true })).toBe(isDenoThere);
+  expect(ensureSecondWebGpu({ ...lacking, missing: [] })).toBe(isDenoThere);
+  expect(warn).not.toHaveBeenCalled();
+});
