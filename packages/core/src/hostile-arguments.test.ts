@@ -96,6 +96,7 @@ const CALLS: Record<string, Call> = {
   'a load': {
     good: [
       {
+        name: 'garden',
         maxBytes: 1e6,
         maxSplats: 100,
         precision: { geometryPrecision: 'packed', shPrecision: 'f16' },
