@@ -27,6 +27,8 @@ export default defineConfig({
           // As many as there are cores in CI, where Vitest would take one of two.
           maxWorkers: 2,
           pool: 'threads',
+          // A machine that does other things, too, may take much longer than usual.
+          testTimeout: 60_000,
           environment: 'node',
           include: [
             'packages/*/src/**/*.test.ts',

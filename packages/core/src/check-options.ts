@@ -3,24 +3,22 @@ import { InvalidArgumentError } from './errors.ts';
 import { type CloudPrecision, checkOneOf, checkPrecision } from './packing/precision.ts';
 import { shown } from './printable.ts';
 
-/** Options of an engine that are numbers, and whether each may be 0. */
+/** Options of an engine that are numbers: what each must be. */
 const ENGINE_NUMBERS = {
-  maxWorkgroupsPerDimension: false,
-  tileBudgetBytes: true,
-  submissionBudgetMs: false,
-  memoryBudgetBytes: true,
-};
+  maxWorkgroupsPerDimension: ['a whole number, 1 or more', (value: number) => value >= 1 && isWhole(value)],
+  tileBudgetBytes: ['a number, 0 or more', (value: number) => value >= 0],
+  submissionBudgetMs: ['a number, more than 0', (value: number) => value > 0],
+  memoryBudgetBytes: ['a number, 0 or more', (value: number) => value >= 0],
+} as const;
 
 const FIT_MODES: readonly FitMode[] = ['exact', 'auto'];
 
 /** @throws InvalidArgumentError for a limit or a budget that is none. Infinity is one. */
 export function checkEngineNumbers(options: Partial<Record<keyof typeof ENGINE_NUMBERS, number>>): void {
-  for (const [name, mayBeZero] of Object.entries(ENGINE_NUMBERS)) {
+  for (const [name, [expected, isValid]] of Object.entries(ENGINE_NUMBERS)) {
     const value = options[name as keyof typeof ENGINE_NUMBERS];
-    if (value === undefined) continue;
-    if (typeof value === 'number' && (value > 0 || (mayBeZero && value === 0))) continue;
-    const expected = mayBeZero ? '0 or more' : 'more than 0';
-    throw new InvalidArgumentError(name, `${name} is ${shown(value)}; it must be a number, ${expected}.`);
+    if (value === undefined || (typeof value === 'number' && isValid(value))) continue;
+    throw new InvalidArgumentError(name, `${name} is ${shown(value)}; it must be ${expected}.`);
   }
 }
 
@@ -37,4 +35,9 @@ export function checkLoadOptions(options: {
     throw new InvalidArgumentError('precision', message);
   }
   checkPrecision(precision);
+}
+
+/** Infinity is whole, too. */
+function isWhole(value: number): boolean {
+  return Math.floor(value) === value;
 }

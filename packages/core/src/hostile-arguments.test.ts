@@ -217,6 +217,7 @@ test.each<[string, () => Promise<unknown>]>([
   ['memoryBudgetBytes', () => SplatEngine.create({ device, memoryBudgetBytes: Number.NaN })],
   ['tileBudgetBytes', () => SplatEngine.create({ device, tileBudgetBytes: '1e6' as never })],
   ['maxWorkgroupsPerDimension', () => SplatEngine.create({ device, maxWorkgroupsPerDimension: 0 })],
+  ['maxWorkgroupsPerDimension', () => SplatEngine.create({ device, maxWorkgroupsPerDimension: 1.5 })],
   ['maxBytes', () => engine.load(FILE, { maxBytes: Number.NaN })],
   ['fit', () => engine.load(FILE, { fit: 'Auto' as never })],
   ['precision', () => engine.load(FILE, { precision: 'f32' as never })],
