@@ -14,6 +14,9 @@ const node = {
   ssr: { resolve: { conditions: nodeConditions, externalConditions: nodeConditions } },
 };
 
+/** For `expect.poll`, which would wait for a second: a machine that does other things, too, takes much longer than usual. */
+const patience = { poll: { timeout: 60_000 } };
+
 export default defineConfig({
   test: {
     sequence: { sequencer: LongestFirst },
@@ -27,8 +30,8 @@ export default defineConfig({
           // As many as there are cores in CI, where Vitest would take one of two.
           maxWorkers: 2,
           pool: 'threads',
-          // A machine that does other things, too, may take much longer than usual.
           testTimeout: 60_000,
+          expect: patience,
           environment: 'node',
           include: [
             'packages/*/src/**/*.test.ts',
@@ -51,6 +54,7 @@ export default defineConfig({
           include: ['packages/*/src/**/*.gpu.test.ts'],
           pool: 'forks',
           testTimeout: 120_000,
+          expect: patience,
           hookTimeout: 120_000,
         },
       },
@@ -65,6 +69,7 @@ export default defineConfig({
           include: ['e2e/**/*.test.ts'],
           pool: 'forks',
           testTimeout: 180_000,
+          expect: patience,
           hookTimeout: 180_000,
         },
       },

@@ -2,7 +2,7 @@ import { existsSync, readFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { createNodeGpu } from '@websplatter/node';
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { Accuracy, AccuracyPreset } from './accuracy/accuracy.ts';
 import { type Camera, cameraFromMatrices, perspectiveCamera } from './camera/camera.ts';
 import { SplatCloud } from './clouds/splat-cloud.ts';
@@ -552,7 +552,7 @@ describe('an engine', () => {
     const { pipelinesCompiled: first } = engine.counters();
     expect(first).toBeGreaterThan(15);
     // The texts of the tiles' shaders come later; all their stages are compiled in one task.
-    await vi.waitUntil(() => engine.counters().pipelinesCompiled > first);
+    await expect.poll(() => engine.counters().pipelinesCompiled).toBeGreaterThan(first);
     const ahead = engine.counters().pipelinesCompiled;
     const cloud = engine.add(randomSplats({ count: 300, shDegree: 3 }));
     await draw(view, { camera: CAMERA, clouds: [{ cloud }], widthPx: 1920, heightPx: 1080 });

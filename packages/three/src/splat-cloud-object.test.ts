@@ -155,7 +155,7 @@ describe('data', () => {
     expect(cloud.uploadedTo(fake.engine)).toBeNull();
     const finish = () => end.resolve(Object.assign(fake.cloud, packed));
     const fail = (error: Error) => end.reject(error);
-    const whenReading = () => vi.waitFor(() => expect(fake.load).toHaveBeenCalled());
+    const whenReading = () => expect.poll(() => fake.load).toHaveBeenCalled();
     return { ...fake, object: cloud, onError, needsFrame, finish, fail, whenReading };
   }
 
@@ -165,7 +165,7 @@ describe('data', () => {
     expect(object.uploadedTo(engine)).toBeNull();
     expect(needsFrame).not.toHaveBeenCalled();
     finish();
-    await vi.waitFor(() => expect(needsFrame).toHaveBeenCalledTimes(1));
+    await expect.poll(() => needsFrame).toHaveBeenCalledTimes(1);
     expect(object.uploadedTo(engine)).toBe(cloud);
     expect(onError).not.toHaveBeenCalled();
   });
@@ -175,7 +175,7 @@ describe('data', () => {
     await whenReading();
     const error = new SplatSourceError('garden', 'the server answered 404', 404);
     fail(error);
-    await vi.waitFor(() => expect(onError).toHaveBeenCalledExactlyOnceWith(error));
+    await expect.poll(() => onError).toHaveBeenCalledExactlyOnceWith(error);
     expect(object.uploadedTo(engine)).toBeNull();
     expect(load).toHaveBeenCalledTimes(1);
     const caster = new Raycaster(new Vector3(1, 0, 5), new Vector3(0, 0, -1));

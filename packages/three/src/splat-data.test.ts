@@ -92,7 +92,7 @@ describe('data that can be read again', () => {
     const user = {};
     const reading = data.acquire(second.engine, user);
     expect(data.acquire(second.engine, {})).toBe(reading);
-    await vi.waitFor(() => expect(second.ends).toHaveLength(1));
+    await expect.poll(() => second.ends).toHaveLength(1);
     const signal = expect.any(AbortSignal);
     expect(second.load).toHaveBeenCalledExactlyOnceWith(ADDRESS, {
       name: 'garden',
@@ -113,7 +113,7 @@ describe('data that can be read again', () => {
     data.acquire(fake.engine, user);
     data.release(user);
     const again = data.acquire(fake.engine, user);
-    await vi.waitFor(() => expect(fake.ends).toHaveLength(1));
+    await expect.poll(() => fake.ends).toHaveLength(1);
     fake.ends[0].resolve(loadedBy(fake));
     await again;
     expect(fake.destroyed).toHaveBeenCalledTimes(1);
@@ -127,7 +127,7 @@ describe('data that can be read again', () => {
     data.acquire(first.engine, {});
     const users = [{}, {}];
     const reading = users.map((user) => data.acquire(fake.engine, user))[0];
-    await vi.waitFor(() => expect(fake.ends).toHaveLength(1));
+    await expect.poll(() => fake.ends).toHaveLength(1);
     return { ...fake, data, users, reading };
   }
 
@@ -139,7 +139,7 @@ describe('data that can be read again', () => {
     data.release(users[1]);
     await expect(reading).rejects.toMatchObject({ name: 'AbortError' });
     data.acquire(engine, users[0]);
-    await vi.waitFor(() => expect(load).toHaveBeenCalledTimes(2));
+    await expect.poll(() => load).toHaveBeenCalledTimes(2);
   });
 
   test('leaves nothing where it was released as its reading ended', async () => {
@@ -155,7 +155,7 @@ describe('data that can be read again', () => {
     ends[0].reject(new SplatSourceError('garden', 'the server answered 404', 404));
     await expect(reading).rejects.toMatchObject({ status: 404 });
     data.acquire(engine, users[0]);
-    await vi.waitFor(() => expect(load).toHaveBeenCalledTimes(2));
+    await expect.poll(() => load).toHaveBeenCalledTimes(2);
   });
 
   test.each([
@@ -259,7 +259,7 @@ describe('data that an engine has loaded', () => {
     const other = loadingEngine();
     const reading = data.acquire(other.engine, user);
     expect(destroyed).toHaveBeenCalledTimes(1);
-    await vi.waitFor(() => expect(other.ends).toHaveLength(1));
+    await expect.poll(() => other.ends).toHaveLength(1);
     other.ends[0].resolve(loadedBy(other));
     await reading;
     data.release(user);

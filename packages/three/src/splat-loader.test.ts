@@ -248,7 +248,7 @@ describe('a load that fails', () => {
   test('is logged without a listener', async () => {
     const log = vi.spyOn(console, 'error').mockImplementation(() => {});
     new SplatLoader(new LoadingManager()).load(new Blob(['no splats']), () => {});
-    await vi.waitFor(() => expect(log).toHaveBeenCalledWith(expect.any(SplatFileError)));
+    await expect.poll(() => log).toHaveBeenCalledWith(expect.any(SplatFileError));
     log.mockRestore();
   });
 });
@@ -270,7 +270,7 @@ describe('abort', () => {
     const loader = new SplatLoader(manager);
     const load = loader.loadAsync('https://a.test/x.ply');
     const outcome = expect(load).rejects.toMatchObject({ name: 'AbortError' });
-    await vi.waitFor(() => expect(fetch).toHaveBeenCalled());
+    await expect.poll(() => fetch).toHaveBeenCalled();
     (owner === 'loader' ? loader : manager).abort();
     await outcome;
     await new Promise((resolve) => setTimeout(resolve, 0));

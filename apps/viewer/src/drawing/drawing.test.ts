@@ -39,11 +39,11 @@ it('has recovered when a whole scene is at rest on the screen, not with a part o
     camera: camera as unknown as ViewCamera,
   });
   drawing.request();
-  await vi.waitFor(() => expect(whenComplete).toHaveBeenCalled());
+  await expect.poll(() => whenComplete).toHaveBeenCalled();
   await new Promise((resolve) => setImmediate(resolve));
   expect(confirmRecovery).not.toHaveBeenCalled();
   Object.assign(scenes, { newest: scene, isPartial: false });
   drawing.request();
-  await vi.waitFor(() => expect(confirmRecovery).toHaveBeenCalledOnce());
+  await expect.poll(() => confirmRecovery).toHaveBeenCalledOnce();
   expect(session.canvas.dataset.resting).toBe('');
 });

@@ -257,7 +257,7 @@ describe('abort', () => {
       const controller = new AbortController();
       setTimeout(() => controller.abort(new Error('enough')), 20);
       await expect(loadSplats(stalled, { signal: controller.signal })).rejects.toThrow('enough');
-      await vi.waitFor(() => expect(cancelled).toMatchObject({ message: 'enough' }));
+      await expect.poll(() => cancelled).toMatchObject({ message: 'enough' });
     },
   );
 

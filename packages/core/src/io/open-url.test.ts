@@ -147,7 +147,7 @@ describe('a server that cannot answer for the moment', () => {
     vi.mocked(waitMs).mockImplementation(reallyWait);
     const controller = new AbortController();
     const reading = failureOf({}, { signal: controller.signal });
-    await vi.waitFor(() => expect(waitMs).toHaveBeenCalledTimes(1));
+    await expect.poll(() => waitMs).toHaveBeenCalledTimes(1);
     controller.abort(new Error('no more'));
     expect((await reading).message).toBe('no more');
     expect(requests).toHaveLength(1);

@@ -12,7 +12,6 @@ import { randomSplats } from '../testing/random-splats.ts';
 
 const SIZE = { widthPx: 64, heightPx: 64 };
 const WISH = { minPsnrDb: 45 };
-const PATIENT = { timeout: 20_000 };
 
 let engine: SplatEngine;
 let cloud: SplatCloud;
@@ -58,7 +57,7 @@ describe('a view with a wish', () => {
       view.render(frameOf([cloud]));
       embedded.onReady = () => embedded.prepare({ ...frameOf([cloud]), widthPx: 16, heightPx: 16 });
       embedded.onReady();
-      await vi.waitFor(() => expect(embedded.shape).not.toBeNull(), PATIENT);
+      await expect.poll(() => embedded.shape).not.toBeNull();
       embedded.onReady = onReady;
       expect(view.accuracyChoice).toBeNull();
       const choice = await first;
@@ -66,10 +65,7 @@ describe('a view with a wish', () => {
       expect(choice.table.points.map(({ name }) => name)).not.toContain('paper −CULL');
       expect(view.accuracyChoice).toBe(choice);
       const { geometryPrecision, shPrecision } = choice.settings;
-      await vi.waitFor(
-        () => expect(cloud.precisions).toEqual({ geometry: [geometryPrecision], sh: [shPrecision] }),
-        PATIENT,
-      );
+      await expect.poll(() => cloud.precisions).toEqual({ geometry: [geometryPrecision], sh: [shPrecision] });
 
       // Another view of the same clouds with the same wish has the same choice.
       expect(embeddedTold.mock.calls).toEqual([[choice]]);
@@ -114,7 +110,7 @@ describe('a view with a wish', () => {
     const { settings, why } = await view.chooseAccuracy();
     expect(settings).toMatchObject({ geometryPrecision: 'f32', shPrecision: 'f32' });
     expect(why).toContain('the image of the reference itself');
-    await vi.waitFor(() => expect(cloud.precisions).toEqual({ geometry: ['f32'], sh: ['f32'] }), PATIENT);
+    await expect.poll(() => cloud.precisions).toEqual({ geometry: ['f32'], sh: ['f32'] });
     view.destroy();
   });
 
