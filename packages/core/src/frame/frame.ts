@@ -129,11 +129,11 @@ export class FrameParts {
       // The old memory is freed before the new is made: both together would be the most that a view ever holds.
       for (const change of changes) change.free();
       for (const change of changes) change.make();
+      if (isReplaced || shape !== this.#shape) for (const part of this.#parts) part.bind?.(shape);
     } catch (error) {
       this.destroy();
       throw error;
     }
-    if (isReplaced || shape !== this.#shape) for (const part of this.#parts) part.bind?.(shape);
     this.#shape = shape;
     for (const part of this.#parts) part.write?.(plan);
     return isReplaced;
@@ -145,14 +145,16 @@ export class FrameParts {
     for (const part of this.#ordering) part.record(recording);
   }
 
-  /** Records drawing the visible splats to `destination`. */
+  /** Records drawing the visible splats to `destination`. @throws GpuLimitError before it records anything. */
   recordDraw(
     encoder: GPUCommandEncoder,
     timer: GpuTimer,
     destination: Destination,
     sample: QuadsSample | null = null,
   ): void {
-    const recording = { encoder, timer, shape: this.#shape!, destination, sample };
+    const shape = this.#shape!;
+    if (destination.kind === 'host') this.compose.fitHost(shape, destination.pass);
+    const recording = { encoder, timer, shape, destination, sample };
     for (const part of this.#drawing) {
       // Before the tiles, which overwrite it.
       if (part instanceof Tiles) this.quads.recordSample(recording);

@@ -44,11 +44,11 @@ export class SelectionBits {
     if (this.#buffer) this.#memory.destroy(this.#buffer);
     this.#buffer = null;
     this.#written.clear();
-    this.#slices = slices;
+    this.#slices = [];
     const bytes = Math.max(0, ...slices.map((slice) => (slice ? slice.byteOffset + slice.bytes : 0)));
-    if (bytes === 0) return;
     const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_DST;
-    this.#buffer = this.#memory.createBuffer('frame selections', bytes, usage);
+    if (bytes > 0) this.#buffer = this.#memory.createBuffer('frame selections', bytes, usage);
+    this.#slices = slices;
   }
 
   /** Returns the binding of a page's stages, or null if they need none. */

@@ -3,6 +3,7 @@ import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { Accuracy } from '../accuracy/accuracy.ts';
 import { perspectiveCamera } from '../camera/camera.ts';
 import { CloudPlanes } from '../clouds/cloud-planes.ts';
+import { clip } from '../effects/clip.ts';
 import { SplatEngine } from '../engine.ts';
 import { DestroyedError, GpuLimitError } from '../errors.ts';
 import { encodePly } from '../io/write-ply.ts';
@@ -276,7 +277,154 @@ gpuTest('pixels above the largest buffer are read in strips', async () => {
   engine.destroy();
 });
 
+/** `failing`, and what is called when a frame's memory has been given up and is being reclaimed. */
+function reclaiming(onReclaim: () => void): GPUDevice {
+  const { device } = failing;
+  return deviceWith(device, {
+    createCommandEncoder: (descriptor: GPUCommandEncoderDescriptor) => {
+      if (descriptor.label === 'reclaim memory') onReclaim();
+      return device.createCommandEncoder(descriptor);
+    },
+  });
+}
+
+describe('where tiles that were not asked for find no memory', () => {
+  gpuTest('a newer request is drawn, and not overtaken by their frame', async () => {
+    let onReclaim = () => {};
+    const engine = await SplatEngine.create({ device: reclaiming(() => onReclaim()) });
+    const view = engine.createView();
+    const request = { camera: CAMERA, clouds: [{ cloud: engine.add(FEW) }], ...SIZE };
+    view.render(request);
+    await view.whenDrawn();
+    failing.failAfter(0);
+    onReclaim = () => {
+      onReclaim = () => {};
+      expect(failing.stop()).toBe(true);
+      view.render(request);
+    };
+    view.render({ ...request, ...LARGE_SIZE });
+    await view.whenDrawn();
+    expect(await view.readPixels()).toMatchObject(SIZE);
+    engine.destroy();
+  });
+
+  gpuTest('and their cloud is held by then, waiting for the frame ends', async () => {
+    let onReclaim = () => {};
+    const engine = await SplatEngine.create({ device: reclaiming(() => onReclaim()) });
+    const view = engine.createView();
+    const cloud = engine.add(FEW);
+    const request = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
+    // Once its shaders are there.
+    const first = engine.createView();
+    first.render(request);
+    await first.whenDrawn();
+    onReclaim = () => {
+      expect(failing.stop()).toBe(true);
+      cloud.isHeld = true;
+    };
+    failing.failAfter(0);
+    view.render(request);
+    await view.whenDrawn();
+    expect(cloud.isHeld).toBe(true);
+    engine.destroy();
+  });
+});
+
 describe('a budget', () => {
+  gpuTest('that one frame exceeds keeps no smaller one waiting, whose shaders come later', async () => {
+    const accuracy = { rasterizer: 'quads' } as const;
+    const engine = await SplatEngine.create({ device: failing.device, accuracy, memoryBudgetBytes: 400_000 });
+    const view = engine.createView();
+    const small = { camera: CAMERA, clouds: [{ cloud: engine.add(FEW) }], ...SIZE };
+    view.render(small);
+    await view.whenDrawn();
+    expect(() => view.render({ ...small, widthPx: 1000, heightPx: 1000 })).toThrow(GpuLimitError);
+    expect(view.render({ ...small, accuracy: { ...accuracy, extent: 'fixed' } })).toBe(true);
+    await view.whenDrawn();
+    expect(view.shape?.accuracy.extent).toBe('fixed');
+    engine.destroy();
+  });
+
+  gpuTest('without room for the effects of a frame: the one before stays', async () => {
+    const large = { camera: CAMERA, widthPx: 200, heightPx: 200 };
+    const drawWith = async (memoryBudgetBytes?: number) => {
+      const accuracy = { rasterizer: 'quads' } as const;
+      const engine = await SplatEngine.create({ device: failing.device, accuracy, memoryBudgetBytes });
+      const cloud = engine.add(FEW);
+      const small = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
+      const view = engine.createView();
+      view.render(small);
+      const before = await view.readPixels();
+      view.render({
+        ...large,
+        clouds: [
+          { cloud, effects: [clip({ volumes: [{ shape: 'plane', point: [0, 0, 0], normal: [0, 0, 1] }] })] },
+        ],
+      });
+      return { engine, view, small, before, drawn: view.whenDrawn() };
+    };
+    const whole = await drawWith();
+    await whole.drawn;
+    const { totalBytes } = whole.engine.memory();
+    whole.engine.destroy();
+    const { engine, view, small, before, drawn } = await drawWith(totalBytes - 1);
+    await expect(drawn).rejects.toThrow(/^frame effects needs/);
+    expect(view.render(small)).toBe(false);
+    expect(await view.readPixels()).toEqual(before);
+    engine.destroy();
+  });
+
+  gpuTest(
+    'without room for the image over a host: nothing is recorded, and a smaller one is drawn',
+    async () => {
+      const { device } = failing;
+      const camera = CAMERA;
+      const color = device.createTexture({
+        size: [200, 200],
+        format: 'rgba16float',
+        usage: GPUTextureUsage.COPY_SRC | GPUTextureUsage.RENDER_ATTACHMENT,
+      });
+      const start = async (memoryBudgetBytes?: number) => {
+        const accuracy = { rasterizer: 'quads' } as const;
+        const engine = await SplatEngine.create({ device, accuracy, memoryBudgetBytes });
+        const view = engine.createEmbeddedView();
+        const small = { camera, clouds: [{ cloud: engine.add(FEW) }], ...SIZE };
+        const draw = async (request: typeof small) => {
+          for (;;) {
+            const ready = new Promise<void>((resolve) => {
+              view.onReady = resolve;
+            });
+            if (view.prepare(request)) break;
+            await ready;
+          }
+          const encoder = device.createCommandEncoder();
+          try {
+            return view.draw(encoder, { color, depth: null, xPx: 0, yPx: 0 });
+          } finally {
+            device.queue.submit([encoder.finish()]);
+            await device.queue.onSubmittedWorkDone();
+          }
+        };
+        await draw(small);
+        return { engine, small, large: { ...small, widthPx: 200, heightPx: 200 }, draw };
+      };
+      const whole = await start();
+      await whole.draw(whole.large);
+      const { totalBytes } = whole.engine.memory();
+      whole.engine.destroy();
+      const bytesPerPixel = 8;
+      // For neither the image, nor the copy of what is behind it.
+      for (const lackingBytes of [1, 1 + 200 * 200 * bytesPerPixel]) {
+        const { engine, small, large, draw } = await start(totalBytes - lackingBytes);
+        await expect(draw(large)).rejects.toThrow(GpuLimitError);
+        const { color } = await draw(small);
+        expect([color.width, color.height]).toEqual([SIZE.widthPx, SIZE.heightPx]);
+        engine.destroy();
+      }
+      color.destroy();
+    },
+  );
+
   gpuTest('refuses clouds and frames above it; what was there stays', async () => {
     const accuracy = { rasterizer: 'quads' } as const;
     const engine = await SplatEngine.create({ device: failing.device, accuracy, memoryBudgetBytes: 300_000 });

@@ -54,6 +54,7 @@ export class EmbeddedView extends ViewCore {
    */
   prepare(request: EmbeddedFrameRequest): boolean {
     if (this.isDestroyed) throw new DestroyedError('This view', 'it was destroyed');
+    this.tellLack();
     const hasPixels = this.check(request);
     if (!hasPixels || request.clouds.length === 0 || this.context.destroyedBecause() !== null) return false;
     const depths = this.#depthsFor(request);
@@ -76,7 +77,8 @@ export class EmbeddedView extends ViewCore {
    * Records drawing the last prepared frame, between two passes of the host; the host submits the work.
    *
    * @throws InvalidArgumentError if nothing was prepared, or if the frame was prepared with depth and the host has none;
-   *   DestroyedError. Nothing is recorded then, and the host can submit what it has.
+   *   GpuLimitError if limits or the engine's budget do not allow the image; DestroyedError. Nothing is recorded then, and the
+   *   host can submit what it has.
    */
   draw(encoder: GPUCommandEncoder, pass: HostPass): EmbeddedImage {
     this.checkUsable();
@@ -108,8 +110,9 @@ export class EmbeddedView extends ViewCore {
   }
 
   /** The host may have drawn fewer clouds meanwhile, those whose shaders were there: it is to try again in any case. */
-  protected override retry(): void {
+  protected override retry(): boolean {
     this.onReady?.();
+    return false;
   }
 
   protected override redraw(plan: FramePlan): void {

@@ -4,10 +4,11 @@ import { afterAll, beforeAll, beforeEach, describe, expect, vi } from 'vitest';
 import { perspectiveCamera } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../engine.ts';
-import { DestroyedError, InvalidArgumentError } from '../errors.ts';
+import { DestroyedError, GpuLimitError, InvalidArgumentError } from '../errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import { isSoftwareAdapter } from '../gpu/device.ts';
 import { deviceWith } from '../testing/device-with.ts';
+import { failingDevice } from '../testing/failing-device.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import type { SplatView } from './splat-view.ts';
 
@@ -23,6 +24,8 @@ interface Taken {
 }
 /** The submissions that were made; null while they are not complete. */
 let submissions: (Taken | null)[] = [];
+/** For each part of a frame: the number of tasks of the page, as far as they came between parts, before it. */
+let tasksBeforeParts: number[] = [];
 /** Called before each submission for a frame, with the number of those before it. */
 let onSubmit: (before: number) => void = () => {};
 let device: GPUDevice;
@@ -31,13 +34,32 @@ beforeAll(async () => {
 });
 beforeEach(() => {
   submissions = [];
+  tasksBeforeParts = [];
   onSubmit = () => {};
 });
 afterAll(() => device?.destroy());
 
 function watched(whole: GPUDevice): GPUDevice {
+  const parts = new WeakSet<GPUCommandBuffer>();
+  let tasks = 0;
+  const createCommandEncoder = (descriptor: GPUCommandEncoderDescriptor) => {
+    const encoder = whole.createCommandEncoder(descriptor);
+    if (descriptor.label !== 'websplatter part of a frame') return encoder;
+    const finish = encoder.finish.bind(encoder);
+    return Object.assign(encoder, {
+      finish: () => {
+        const buffer = finish();
+        parts.add(buffer);
+        return buffer;
+      },
+    });
+  };
   const submit = (buffers: GPUCommandBuffer[]) => {
     onSubmit(submissions.length);
+    if (buffers.some((buffer) => parts.has(buffer))) {
+      tasksBeforeParts.push(tasks);
+      setImmediate(() => tasks++);
+    }
     const [startedMs, startedCpu] = [performance.now(), process.cpuUsage()];
     whole.queue.submit(buffers);
     const [all, index] = [submissions, submissions.push(null) - 1];
@@ -53,7 +75,7 @@ function watched(whole: GPUDevice): GPUDevice {
       return typeof value === 'function' ? value.bind(target) : value;
     },
   });
-  return deviceWith(whole, { queue });
+  return deviceWith(whole, { queue, createCommandEncoder });
 }
 
 function cameraAt(distance: number) {
@@ -64,6 +86,7 @@ function cameraAt(distance: number) {
 
 /** Splats of all sizes, many over each pixel. */
 const SET = randomSplats({ count: 3000, shDegree: 1, logScales: [-6, -1.5], opacityLogits: [-4, 0] });
+const FEW = randomSplats({ count: 600, shDegree: 0, logScales: [-4, -2] });
 
 async function engineWith(
   submissionBudgetMs: number,
@@ -105,10 +128,13 @@ describe('a frame in parts', () => {
       expect(expected[0].some((value) => value > 0.2)).toBe(true);
       const { engine, view, request } = await engineWith(BUDGET_MS, rasterizer, more);
       for (const [i, distance] of distances.entries()) {
-        submissions = [];
+        tasksBeforeParts = [];
         expect(await draw(view, { ...request, camera: cameraAt(distance) })).toEqual(expected[i]);
         // A fast device has shown by then that it need not divide them.
-        if (i === 0 || isSoftwareAdapter(device.adapterInfo)) expect(submissions.length).toBeGreaterThan(3);
+        if (i === 0 || isSoftwareAdapter(device.adapterInfo))
+          expect(tasksBeforeParts.length).toBeGreaterThan(3);
+        // The page runs before each.
+        expect(new Set(tasksBeforeParts).size).toBe(tasksBeforeParts.length);
       }
       expect(engine.counters()).toMatchObject({ framesPrepared: 2, framesDrawn: 2 });
       engine.destroy();
@@ -158,11 +184,70 @@ describe('a frame in parts', () => {
     engine.destroy();
   });
 
+  for (const rasterizer of process.env.WEBSPLATTER_FULL
+    ? (['quads', 'tiles'] as const)
+    : (['quads'] as const)) {
+    gpuTest(`by ${rasterizer} that finds no memory, wherever it is: the picture before stays`, async () => {
+      const failing = failingDevice(device);
+      const { engine, ...more } = await engineWith(BUDGET_MS, rasterizer, {}, failing.device);
+      const request = { ...more.request, clouds: [{ cloud: engine.add(FEW) }] };
+      const at = (distance: number) => ({ ...request, camera: cameraAt(distance) });
+      const expected = await draw(more.view, at(2.5));
+      const before = await draw(more.view, request);
+      const isSame = (a: Float32Array, b: Float32Array) => a.every((value, i) => value === b[i]);
+      let lacks = 0;
+      // Those of telling where to divide it, and of its statistics.
+      for (let allocation = 0; allocation < 6; allocation++) {
+        const view = engine.createView();
+        await draw(view, request);
+        const { totalBytes } = view.memory;
+        // Every second time with a request that waits.
+        const isFollowed = allocation % 2 === 1;
+        failing.failAfter(allocation);
+        expect(view.render(at(2.9))).toBe(true);
+        if (isFollowed) expect(view.render(at(2.5))).toBe(true);
+        const error = await view.whenDrawn().catch((reason) => reason);
+        failing.stop();
+        if (error) {
+          lacks++;
+          expect(error).toBeInstanceOf(GpuLimitError);
+          expect(() => view.render(request)).toThrow(error);
+          const isRestored = isSame((await view.readPixels()).data, before);
+          expect(isRestored || isFollowed).toBe(true);
+        } else if (isFollowed) expect(isSame((await view.readPixels()).data, expected)).toBe(true);
+        expect(view.memory.totalBytes).toBe(totalBytes);
+        view.destroy();
+      }
+      expect(lacks).toBeGreaterThan(1);
+      engine.destroy();
+    });
+  }
+
+  gpuTest('of a preview that is held meanwhile keeps the image, and its cloud follows', async () => {
+    const [expected] = await wholeImages('tiles', [2]);
+    const { engine, cloud, view, request } = await engineWith(BUDGET_MS, 'tiles');
+    const before = await draw(view, request);
+    onSubmit = () => {
+      cloud.isHeld = true;
+    };
+    view.render({ ...request, camera: cameraAt(2.5) });
+    expect((await view.readPixels()).data).toEqual(before);
+    const whole = { ...request, clouds: [{ cloud: engine.add(SET) }], camera: cameraAt(2) };
+    expect(await draw(view, whole)).toEqual(expected);
+    engine.destroy();
+  });
+
   gpuTest('ends with its view, its engine or its device, wherever it is', async () => {
-    for (const end of ['view', 'engine', 'device'] as const) {
-      for (const after of [0, 3, 8]) {
+    const ends = [
+      ['view', 'tiles', [0, 3, 8]],
+      ['view', 'quads', [0, 1, 2, 3, 4, 5]],
+      ['engine', 'tiles', [0, 3, 8]],
+      ['device', 'tiles', [0, 3, 8]],
+    ] as const;
+    for (const [end, rasterizer, moments] of ends) {
+      for (const after of moments) {
         const own = end === 'device' ? watched(await createTestDevice()) : device;
-        const { engine, view, request } = await engineWith(BUDGET_MS, 'tiles', {}, own);
+        const { engine, view, request } = await engineWith(BUDGET_MS, rasterizer, {}, own);
         view.render(request);
         submissions = [];
         const ended = new Promise<void>((resolve) => {
@@ -179,7 +264,9 @@ describe('a frame in parts', () => {
         const made = submissions.length;
         await expect(view.whenDrawn()).rejects.toThrow(DestroyedError);
         // The loss of a device is known a little later.
-        expect(submissions.length).toBeLessThanOrEqual(end === 'device' ? made + 2 : made);
+        expect(submissions.length, `${end} ${rasterizer} ${after}`).toBeLessThanOrEqual(
+          end === 'device' ? made + 2 : made,
+        );
         engine.destroy();
       }
     }

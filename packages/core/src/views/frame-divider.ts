@@ -1,7 +1,6 @@
 import type { FrameParts } from '../frame/frame.ts';
 import { useCompute } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
-import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { TileGrid, TilePlan } from '../layout/structs.ts';
@@ -22,7 +21,10 @@ const SLOWEST_CELL_MS = 1.3e-3;
 /** Work that is done by the first look may have taken this part of the time until then, or more. */
 const LEAST_WORK = 1 / 8;
 
-type Context = Pick<ViewContext, 'device' | 'pipelines' | 'dispatchRow' | 'submissionBudgetMs'>;
+/** Where there is no memory for telling how to divide a frame. */
+const ADVICE = 'Draw a smaller image, or load fewer splats.';
+
+type Context = Pick<ViewContext, 'device' | 'pipelines' | 'memory' | 'dispatchRow' | 'submissionBudgetMs'>;
 
 /** A frame to submit in parts. */
 export interface DividedFrame {
@@ -56,8 +58,22 @@ export class FrameDivider {
     this.#pacer = new SubmissionPacer(context.submissionBudgetMs);
   }
 
-  /** Returns the time of all parts, without the pauses between them, ms; null if something that the frame needs has gone. */
+  /**
+   * Returns the time of all parts, without the pauses between them, ms; null if something that the frame needs has gone.
+   *
+   * @throws GpuLimitError if there is no memory for what tells how to divide the frame.
+   */
   async submit(frame: DividedFrame): Promise<number | null> {
+    try {
+      return await this.#submitParts(frame);
+    } catch (error) {
+      // What was waited for may end with the view.
+      if (!frame.canDraw()) return null;
+      throw error;
+    }
+  }
+
+  async #submitParts(frame: DividedFrame): Promise<number | null> {
     const { device } = this.#context;
     const { dispatchRow } = frame.plan.shape;
     // The time of earlier work is none of the first part's.
@@ -95,7 +111,9 @@ export class FrameDivider {
 
   async #submitDivided(command: FrameCommand, frame: DividedFrame): Promise<number | null> {
     const { stage } = command;
+    if (!frame.canDraw()) return null;
     const slowestMs = await this.#slowestMsOfUnits(stage, frame);
+    if (!slowestMs) return null;
     const units = slowestMs.length - 1;
     let elapsedMs = 0;
     let first = 0;
@@ -130,8 +148,11 @@ export class FrameDivider {
     await this.#context.device.queue.onSubmittedWorkDone().catch(() => {});
   }
 
-  /** Per unit: what those before it would take the slowest device, and at last what all would. Other stages are one unit. */
-  async #slowestMsOfUnits(stage: string, frame: DividedFrame): Promise<Float64Array> {
+  /**
+   * Per unit: what those before it would take the slowest device, and at last what all would. Other stages are one unit. Null if
+   * something that the frame needs has gone.
+   */
+  async #slowestMsOfUnits(stage: string, frame: DividedFrame): Promise<Float64Array | null> {
     if (stage === 'tile-rasterize') return this.#slowestMsOfTiles(frame);
     if (stage === 'rasterize') return this.#slowestMsOfQuads(frame);
     const { widthPx, heightPx } = frame.plan.request;
@@ -160,7 +181,7 @@ export class FrameDivider {
   }
 
   /** In the order in which quads are drawn, far first, by the cells that each may touch. */
-  async #slowestMsOfQuads({ parts, plan }: DividedFrame): Promise<Float64Array> {
+  async #slowestMsOfQuads({ parts, plan, canDraw }: DividedFrame): Promise<Float64Array | null> {
     const { device, pipelines, dispatchRow } = this.#context;
     const { shape, layer } = plan;
     const { buffers } = parts.shared;
@@ -171,9 +192,12 @@ export class FrameDivider {
     const { recordPrecision, extent } = shape.accuracy;
     const stage = { ...tileCount({ recordPrecision, extent }), constants: { BIN_PX: CELL_PX } };
     await pipelines.prepare([stage]);
-    // Not the view's memory, whose peak would count these.
-    const memory = new GpuMemory(device);
-    try {
+    if (!canDraw()) return null;
+    const blocks = Math.ceil(count / TILE_COUNT_BLOCK);
+    // The keys are of no use once they are sorted.
+    const pairOffsets = buffers.keys;
+    const memory = this.#context.memory.part();
+    const countCells = () => {
       const { UNIFORM, STORAGE, COPY_SRC, COPY_DST } = GPUBufferUsage;
       const grid = memory.createBuffer('cell grid', TileGrid.bytes, UNIFORM | COPY_DST);
       const contents = TileGrid.pack({
@@ -184,10 +208,7 @@ export class FrameDivider {
         firstTile: 0,
       });
       device.queue.writeBuffer(grid, 0, contents);
-      const blocks = Math.ceil(count / TILE_COUNT_BLOCK);
       const blockPairs = memory.createBuffer('cells of blocks', 4 * blocks, STORAGE | COPY_SRC);
-      // The keys are of no use once they are sorted.
-      const pairOffsets = buffers.keys;
       const encoder = device.createCommandEncoder({ label: 'websplatter cells of quads' });
       const pass = encoder.beginComputePass({ label: 'cells of quads' });
       const group = pipelines.bindGroup(stage, { ...buffers, grid, pairOffsets, blockPairs });
@@ -195,6 +216,12 @@ export class FrameDivider {
       pass.dispatchWorkgroups(...dispatchSize(blocks, dispatchRow));
       pass.end();
       device.queue.submit([encoder.finish()]);
+      return blockPairs;
+    };
+    try {
+      const { result: blockPairs, checked } = memory.guard('A frame in parts', ADVICE, countCells);
+      await checked;
+      if (!canDraw()) return null;
       const [offsets, sums] = await Promise.all([
         readWords(device, pairOffsets, count),
         readWords(device, blockPairs),

@@ -40,6 +40,8 @@ export class SplatView extends ViewCore {
   #inParts: Promise<void> = Promise.resolve();
   /** Whether a frame is being submitted in parts: its buffers must stay as they are. */
   #isInParts = false;
+  /** Whether the last frame was left in the middle, so that nothing of it can be used but its image. */
+  #isUnfinished = false;
   /** The newest request since that frame began. */
   #held: FrameRequest | null = null;
 
@@ -80,11 +82,19 @@ export class SplatView extends ViewCore {
    */
   render(request: FrameRequest): boolean {
     this.checkUsable();
+    this.tellLack();
+    return this.#request(request);
+  }
+
+  /** Like `render`, but leaves it to callers to be told of a lack of memory before. */
+  #request(request: FrameRequest): boolean {
+    this.checkUsable();
     if (!this.check(request)) return false;
     if (this.#isInParts) {
       this.#held = request;
       return true;
     }
+    this.#inParts = Promise.resolve();
     const { plan, stands, isAsked } = this.next(request, [null]);
     if (!isAsked) {
       if (plan && !stands) this.#draw(plan);
@@ -108,8 +118,8 @@ export class SplatView extends ViewCore {
    * ends before.
    */
   async whenDrawn(): Promise<void> {
-    // A frame in parts, and then the request that waited for it.
-    for (let frame = 0; frame < 2; frame++) {
+    // A frame in parts; where that finds no memory, the one before it; then the request that waited for both.
+    for (let frame = 0; frame < 3; frame++) {
       await this.drawn;
       await this.#inParts;
     }
@@ -160,20 +170,21 @@ export class SplatView extends ViewCore {
     try {
       // A request that waits is drawn with the choice anyway.
       if (!this.isWaiting && !this.#held && this.canStillDraw(request))
-        this.render({ ...request, force: false });
+        this.#request({ ...request, force: false });
     } catch (error) {
       console.warn(`The chosen settings could not be drawn; the image stays. ${(error as Error).message}`);
     }
     this.onAccuracyChosen?.(choice);
   }
 
-  protected override retry(request: FrameRequest | null): void {
+  protected override retry(request: FrameRequest | null): boolean {
     // A request that waits for a frame in parts is newer, and follows it.
-    if (this.#isInParts && this.#held) return;
+    if (this.#isInParts && this.#held) return true;
     const newest = this.#held ?? request;
     this.#held = null;
     // Where a cloud has ended meanwhile, whoever waits for the frame is told.
-    if (newest) this.render(newest);
+    if (newest) this.#request(newest);
+    return newest !== null;
   }
 
   protected override redraw(plan: FramePlan): void {
@@ -183,6 +194,8 @@ export class SplatView extends ViewCore {
   #draw(plan: FramePlan): void {
     const { device } = this.context;
     const { request } = plan;
+    if (this.#isUnfinished) this.startOver();
+    this.#isUnfinished = false;
     if (!this.profile && this.#forecast.mayExceed(plan)) {
       const checked = this.withMemory(plan, () => {
         this.makeRoom(plan);
@@ -223,23 +236,18 @@ export class SplatView extends ViewCore {
         () => true,
         () => false,
       )) ?? true;
-    if (!hasRoom) {
-      // `drawn` tells. Other stages may draw the newest request, in less memory.
-      this.#isInParts = false;
-      if (this.isLackingRoom) this.#held = null;
-      return;
+    const isDrawn = hasRoom && (await this.#submitInParts(plan).catch((error: Error) => error));
+    this.#isInParts = false;
+    // `drawn` tells, and the newest request follows.
+    if (!hasRoom) return;
+    if (isDrawn instanceof Error) return this.giveUp(isDrawn, plan, parts);
+    if (!isDrawn && !this.isDestroyed && parts === this.parts) {
+      // A preview that is held is not drawn again: its image stays until another cloud takes its place.
+      this.#isUnfinished = request.clouds.some(({ cloud }) => cloud.isHeld);
+      if (!this.#isUnfinished) this.startOver();
     }
-    let isDrawn = false;
-    try {
-      isDrawn = await this.#submitInParts(plan);
-    } finally {
-      this.#isInParts = false;
-      if (!isDrawn && !this.isDestroyed && parts === this.parts) this.startOver();
-    }
-    const next = this.#held ?? (isDrawn ? null : request);
-    this.#held = null;
     // Where something that it needs has ended, whoever waits for the frame is told.
-    if (next) this.render(next);
+    this.retry(isDrawn ? null : request);
   }
 
   /** Returns whether the frame was drawn to its end. */

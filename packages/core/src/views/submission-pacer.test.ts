@@ -11,11 +11,22 @@ function sumsOf(unitsMs: readonly number[]): Float64Array {
   return sums;
 }
 
+/** The time that a clock tells in multiples of `tickMs`; 0: exactly. */
+function told(ms: number, tickMs: number): number {
+  return tickMs === 0 ? ms : tickMs * Math.floor(ms / tickMs);
+}
+
 /**
- * Submits all units in turn on a device that takes `shareAt(unit)` of the slowest device's time for each. Returns the time and
- * the number of units of each submission.
+ * Submits all units in turn on a device that takes `shareAt(unit)` of the slowest device's time for each, by a clock that tells
+ * multiples of `tickMs`. Returns the time and the number of units of each submission.
  */
-function submitAll(pacer: SubmissionPacer, unitsMs: readonly number[], shareAt: (unit: number) => number) {
+function submitAll(
+  pacer: SubmissionPacer,
+  unitsMs: readonly number[],
+  shareAt: (unit: number) => number,
+  tickMs = 0,
+) {
+  let nowMs = 0;
   const sums = sumsOf(unitsMs);
   const submissions: { readonly ms: number; readonly units: number }[] = [];
   for (let first = 0; first < unitsMs.length; ) {
@@ -24,7 +35,8 @@ function submitAll(pacer: SubmissionPacer, unitsMs: readonly number[], shareAt: 
     const ms = unitsMs
       .slice(first, first + units)
       .reduce((sum, unitMs, i) => sum + unitMs * shareAt(first + i), 0);
-    pacer.take([work], ms);
+    pacer.take([work], told(nowMs + ms, tickMs) - told(nowMs, tickMs));
+    nowMs += ms;
     submissions.push({ ms, units });
     first += units;
   }
@@ -32,7 +44,12 @@ function submitAll(pacer: SubmissionPacer, unitsMs: readonly number[], shareAt: 
 }
 
 /** Times of units on the slowest device, each far shorter than the budget. */
-const units = fc.array(fc.double({ min: 1e-4, max: 5, noNaN: true }), { minLength: 1, maxLength: 2000 });
+const units = fc.array(fc.double({ min: 1e-4, max: 5, noNaN: true }), {
+  minLength: 1,
+  maxLength: 2000,
+  // By default fast-check tries about ten.
+  size: 'max',
+});
 
 describe('SubmissionPacer', () => {
   test('keeps every submission within the budget, on any device as fast as the slowest or faster', () => {
@@ -62,6 +79,40 @@ describe('SubmissionPacer', () => {
     const unitsMs = Array.from({ length: 4000 }, () => 5);
     const submissions = submitAll(new SubmissionPacer(BUDGET_MS), unitsMs, () => 1e-6);
     expect(submissions.map(({ units }) => units)).toEqual([12, 50, 200, 800, 2938]);
+  });
+
+  test('keeps within the budget by a clock that tells whole milliseconds or frames, and stalls by none', () => {
+    const share = fc.integer({ min: 1, max: 1000 }).map((thousandths) => thousandths / 1000);
+    fc.assert(
+      fc.property(units, share, fc.constantFrom(1, 1000 / 60, 100), (unitsMs, share, tickMs) => {
+        const submitAfterOther = (tickMs: number) => {
+          const pacer = new SubmissionPacer(BUDGET_MS);
+          const otherMs = 60 * share;
+          pacer.take([{ stage: 'other', slowestMs: 60 }], told(otherMs, tickMs));
+          return submitAll(pacer, unitsMs, () => share, tickMs);
+        };
+        const submissions = submitAfterOther(tickMs);
+        // Where work of less than a tick is told to take no time, eight times as much may follow, to the next unit.
+        const mostMs = Math.max(BUDGET_MS, 8 * (tickMs + 5));
+        expect(Math.max(...submissions.map(({ ms }) => ms))).toBeLessThanOrEqual(mostMs);
+        const exact = submitAfterOther(0);
+        expect(submissions.length).toBeLessThanOrEqual(exact.length * (1 + tickMs));
+      }),
+      // To shrink thousands of units takes minutes.
+      { endOnFailure: true },
+    );
+  });
+
+  test('is not misled by a thousand submissions that a clock tells to take no time', () => {
+    const pacer = new SubmissionPacer(BUDGET_MS);
+    const sums = sumsOf(Array.from({ length: 100_000 }, () => 5));
+    pacer.take([{ stage: 'other', slowestMs: 60 }], 0);
+    // The slowest device would take 500 s.
+    expect(pacer.unitsFrom(0, 'stage', sums)).toBeLessThan(100);
+    for (let i = 0; i < 1000; i++) pacer.take([{ stage: 'stage', slowestMs: 100 }], 0);
+    expect(pacer.unitsFrom(0, 'stage', sums)).toBeLessThan(2000);
+    pacer.take([{ stage: 'stage', slowestMs: 100 }], 100);
+    expect(pacer.unitsFrom(0, 'stage', sums)).toBe(12);
   });
 
   test('submits a unit alone that is longer than the budget: nothing is shorter', () => {

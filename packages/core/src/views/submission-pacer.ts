@@ -11,6 +11,8 @@ const AIM = 1 / 4;
 const UNKNOWN_STAGE = 8;
 /** A stage's prediction falls to no less than this part of the last: work that follows may be harder. It rises at once. */
 const LEAST_FALL = 1 / 4;
+/** Work that was foreseen to take longer is not taken for shorter than this, ms: clocks of browsers tell whole ones, or less. */
+const LEAST_MS = 1;
 
 /**
  * Divides the work of frames into submissions that stay within a budget, by the times of those before. Predicts for each stage
@@ -50,11 +52,13 @@ export class SubmissionPacer {
 
   /** Takes the time of a submission. */
   take(work: readonly Work[], elapsedMs: number): void {
-    const factor = elapsedMs / this.#predictMs(work);
+    const predictedMs = this.#predictMs(work);
+    const countedMs = Math.max(elapsedMs, Math.min(LEAST_MS, predictedMs));
+    const factor = countedMs / predictedMs;
     const stages = new Set(work.map(({ stage }) => stage));
     const shares = [...stages].map((stage) => [stage, this.#shareOf(stage)] as const);
     for (const [stage, share] of shares) this.#shares.set(stage, share * Math.max(factor, LEAST_FALL));
-    this.#elapsedMs += elapsedMs;
+    this.#elapsedMs += countedMs;
     this.#slowestMs += work.reduce((sum, { slowestMs }) => sum + slowestMs, 0);
   }
 

@@ -101,12 +101,17 @@ export abstract class ViewCore {
   #untold: Error | null = null;
   /** The frame that found no memory, as long as none so large has. */
   #lack: Lack | null = null;
+  /** Whether the last requested frame waits for memory, which may be lacking still. */
+  protected isLackingRoom = false;
+  /** The plan of the newest request; null if that is not drawn yet. */
+  #asked: FramePlan | null = null;
   /** Settles when the device has said whether it had memory for the last frames; rejects if not. */
   #checking: Promise<void> = Promise.resolve();
   #isChecking = false;
   #newestCheck = 0;
-  /** The last frame for which there was memory. */
+  /** The last frame for which there was memory, and the one before: to divide a frame takes memory, too. */
   #sound: FramePlan | null = null;
+  #soundBefore: FramePlan | null = null;
   #omittedEffects: readonly OmittableEffect[] = [];
   #prepared: FramePlan | null = null;
   /** Whether the frame being drawn has the visible splats of the last one, in the same order. */
@@ -256,13 +261,10 @@ export abstract class ViewCore {
 
   /** See `SplatView.whenDrawn`. */
   protected get drawn(): Promise<void> {
-    if (this.#untold) return Promise.reject(this.#untold);
-    return this.#whenDrawn.then(() => this.#checking);
-  }
-
-  /** Whether the last requested frame waits for memory, which may be lacking still. */
-  protected get isLackingRoom(): boolean {
-    return this.#lack !== null;
+    return this.#whenDrawn.then(() => {
+      if (this.#untold) throw this.#untold;
+      return this.#checking;
+    });
   }
 
   /** Whether a request waits for its shaders. */
@@ -285,23 +287,18 @@ export abstract class ViewCore {
    * Called when shaders that a request lacked have been compiled.
    *
    * @param request the newest one, which still waits: draw it, or wait for further shaders. Null if another was drawn meanwhile.
+   * @returns whether a frame follows.
    */
-  protected abstract retry(request: FrameRequest | null): void;
+  protected abstract retry(request: FrameRequest | null): boolean;
 
   /**
    * Checks a request.
    *
    * @returns whether it has pixels.
    * @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a destroyed cloud,
-   *   GpuLimitError for a cloud, and once for the last frame, that found no memory.
+   *   GpuLimitError for a cloud that found no memory.
    */
   protected check(request: FrameRequest): boolean {
-    const untold = this.#untold;
-    this.#untold = null;
-    if (untold) {
-      this.#checking = Promise.resolve();
-      throw untold;
-    }
     checkRequest(request, this.context.device);
     // Before anything is planned: another size may need other shaders.
     checkSize(this.context.device, request.widthPx, request.heightPx);
@@ -309,6 +306,12 @@ export abstract class ViewCore {
     // Without pixels there is no plan, which would check the effects.
     for (const instance of request.clouds) effectsOf(instance);
     return false;
+  }
+
+  /** @throws GpuLimitError, once, if the last frame found no memory. */
+  protected tellLack(): void {
+    const untold = this.#takeUntold();
+    if (untold) throw untold;
   }
 
   /**
@@ -320,6 +323,7 @@ export abstract class ViewCore {
     request: FrameRequest,
     depths: readonly [RasterizeDepth | null, ...(RasterizeDepth | null)[]],
   ): NextFrame {
+    this.isLackingRoom = false;
     if (request.clouds.some(({ cloud }) => cloud.isHeld)) {
       const last = this.#prepared;
       return { plan: last, stands: last !== null, isAsked: false };
@@ -329,15 +333,17 @@ export abstract class ViewCore {
       this.#endWait();
       return { plan: asked, stands: true, isAsked: true };
     }
+    this.#asked = null;
     const plan = this.#withCompiledRasterizer(this.#keepingColors(asked), depths[0]);
-    const mayLackRoom = this.#lack !== null && isAsLarge(plan, this.#lack.plan);
-    if (mayLackRoom) {
+    if (this.#lack && isAsLarge(plan, this.#lack)) {
+      this.isLackingRoom = true;
       const last = this.#prepared;
-      if (performance.now() - this.#lack!.probedMs > PROBE_PAUSE_MS) this.#waitFor(plan, request);
+      if (performance.now() - this.#lack.probedMs > PROBE_PAUSE_MS) this.#waitFor(plan, request);
       return { plan: last, stands: last !== null, isAsked: false };
     }
     if (this.#isReady(plan.shape) && areUploaded(request)) {
       this.#endWait();
+      this.#asked = plan;
       return { plan, stands: false, isAsked: true };
     }
     this.#waitFor(plan, request);
@@ -391,46 +397,72 @@ export abstract class ViewCore {
       throw error;
     }
     if (!checked) {
-      this.#sound = this.#prepared;
+      this.#takeSound(this.#prepared);
       return null;
     }
     const check = ++this.#newestCheck;
     this.#isChecking = true;
-    const checking = checked.then(
+    const checking: Promise<void> = checked.then(
       () => {
         if (check === this.#newestCheck) this.#isChecking = false;
-        if (parts === this.parts) this.#sound = plan;
+        if (parts === this.parts) this.#takeSound(plan);
       },
-      async (error: Error) => {
-        if (this.#isDestroyed) return;
-        // Frames that followed in the same memory are void for the same reason.
-        if (parts !== this.parts) throw this.#untold ?? error;
-        const sound = this.#takeLack(error, plan);
-        const { reclaimMemory } = await import('../gpu/probe-memory.ts');
-        await reclaimMemory(this.context.device);
-        await this.#restore(sound);
-        if (!this.#isDestroyed) this.retry(isByChoice(plan) ? plan.request : null);
-        if (!isByChoice(plan)) throw error;
-        await this.drawn;
-      },
+      (error: Error) => this.giveUp(error, plan, parts, checking),
     );
     checking.catch(() => {});
     this.#checking = checking;
     return checked;
   }
 
+  /**
+   * Frees a frame that found no memory, draws the last one for which there was some, and lets another take its place: the
+   * newest request, or the same one by quads.
+   *
+   * @param parts those of the frame.
+   * @param checking what settles with this.
+   * @throws `error` if none follows; else why that one could not be drawn.
+   */
+  protected async giveUp(
+    error: Error,
+    plan: FramePlan,
+    parts: FrameParts,
+    checking?: Promise<void>,
+  ): Promise<void> {
+    if (this.#isDestroyed) return;
+    // Frames that followed in the same memory are void for the same reason.
+    if (parts !== this.parts) throw this.#untold ?? error;
+    const sound = this.#takeLack(error, plan);
+    const { reclaimMemory } = await import('../gpu/probe-memory.ts');
+    await reclaimMemory(this.context.device);
+    await this.#restore(sound);
+    if (this.#isDestroyed) return;
+    // Nothing may follow that is checked, and this must not wait for itself.
+    if (this.#checking === checking) this.#checking = Promise.resolve();
+    const isByChoice = hasChosenTiles(plan);
+    // A caller may have asked for another one meanwhile.
+    const follows = this.retry(isByChoice && this.#asked === plan ? plan.request : null);
+    // Then this was not the last one.
+    if (follows) this.#takeUntold();
+    else if (!isByChoice) throw error;
+    await this.drawn;
+  }
+
+  #takeSound(plan: FramePlan | null): void {
+    if (plan !== this.#sound) this.#soundBefore = this.#sound;
+    this.#sound = plan;
+  }
+
   /** Gives up the memory of a frame that lacks some. @returns the frame to draw again instead. */
   #takeLack(error: Error, plan: FramePlan): FramePlan | null {
-    const sound = this.#sound;
+    const sound = this.#sound === plan ? this.#soundBefore : this.#sound;
     const bytes = Math.max(this.memory.totalBytes, (error as GpuLimitError).neededBytes ?? 0);
     this.startOver();
-    if (isByChoice(plan)) {
-      const { shape, layer } = plan;
-      const load = { visibleSplats: shape.visibleCapacity, pixels: layer.widthPx * layer.heightPx };
-      this.#choice.rejectTiles('tiles found no memory for their lists', load);
+    if (hasChosenTiles(plan)) {
+      const { visibleSplats, layerPixels: pixels } = sizeOf(plan);
+      this.#choice.rejectTiles('tiles found no memory for their lists', { visibleSplats, pixels });
     } else {
       this.#untold ??= error;
-      this.#lack ??= { plan, bytes, error, probedMs: Number.NEGATIVE_INFINITY };
+      this.#lack ??= { ...sizeOf(plan), bytes, error, probedMs: Number.NEGATIVE_INFINITY };
     }
     return sound;
   }
@@ -484,7 +516,7 @@ export abstract class ViewCore {
     this.parts = this.#newParts();
     this.timer = this.#newTimer();
     this.#isChecking = false;
-    this.#sound = null;
+    this.#sound = this.#soundBefore = null;
     this.#prepared = null;
     this.#needs = new RecentNeeds();
     this.#expected.clear();
@@ -667,11 +699,13 @@ export abstract class ViewCore {
 
   /** Compiles the shaders of `plan`. If a request waits already, `request` takes its place instead. */
   #waitFor(plan: FramePlan, request: FrameRequest): void {
-    if (this.#wait) {
+    const seeksRoom = this.isLackingRoom;
+    // One that is smaller does not wait for memory that may not be found.
+    if (this.#wait?.seeksRoom === seeksRoom) {
       this.#wait.request = request;
       return;
     }
-    this.#wait = { request };
+    this.#wait = { request, seeksRoom };
     this.#whenDrawn = this.#retryWhenCompiled(this.#wait, plan);
     // The device itself reports a shader that does not compile; callers that do not await the frame get no second error.
     this.#whenDrawn.catch(() => {});
@@ -681,7 +715,11 @@ export abstract class ViewCore {
     let isWaiting = true;
     try {
       const uploads = request.clouds.map(({ cloud }) => cloud.uploaded);
-      await Promise.all([this.context.pipelines.prepare(frameStages(shape)), this.#findRoom(), ...uploads]);
+      await Promise.all([
+        this.context.pipelines.prepare(frameStages(shape)),
+        wait.seeksRoom && this.#findRoom(),
+        ...uploads,
+      ]);
       isWaiting = this.#wait === wait;
       if (isWaiting) {
         this.#wait = null;
@@ -710,6 +748,15 @@ export abstract class ViewCore {
   #endWait(): void {
     this.#wait = null;
     this.#whenDrawn = Promise.resolve();
+    // The last frame is another one now.
+    this.#takeUntold();
+  }
+
+  #takeUntold(): Error | null {
+    const untold = this.#untold;
+    this.#untold = null;
+    if (untold) this.#checking = Promise.resolve();
+    return untold;
   }
 }
 
@@ -717,11 +764,20 @@ export abstract class ViewCore {
 interface Wait {
   /** The newest request. */
   request: FrameRequest;
+  /** Whether it waits for memory, too. */
+  readonly seeksRoom: boolean;
+}
+
+/** What decides how much memory a frame needs. */
+interface FrameSize {
+  readonly visibleSplats: number;
+  readonly layerPixels: number;
+  readonly imagePixels: number;
+  readonly hasTiles: boolean;
 }
 
 /** A frame that found no memory. */
-interface Lack {
-  readonly plan: FramePlan;
+interface Lack extends FrameSize {
   /** Bytes that the view would hold with that frame. */
   readonly bytes: number;
   readonly error: Error;
@@ -730,17 +786,27 @@ interface Lack {
 }
 
 /** Whether a plan has tiles that were not asked for. */
-function isByChoice({ shape }: FramePlan): boolean {
+function hasChosenTiles({ shape }: FramePlan): boolean {
   return shape.rasterizer === 'tiles' && shape.accuracy.rasterizer === 'auto';
 }
 
-/** Whether `plan` needs as much memory as the plan that found none. */
-function isAsLarge({ shape, layer, request }: FramePlan, lacking: FramePlan): boolean {
+function sizeOf({ shape, layer, request }: FramePlan): FrameSize {
+  return {
+    visibleSplats: shape.visibleCapacity,
+    layerPixels: layer.widthPx * layer.heightPx,
+    imagePixels: request.widthPx * request.heightPx,
+    hasTiles: shape.rasterizer === 'tiles',
+  };
+}
+
+/** Whether `plan` needs as much memory as the frame that found none. */
+function isAsLarge(plan: FramePlan, lack: Lack): boolean {
+  const { visibleSplats, layerPixels, imagePixels, hasTiles } = sizeOf(plan);
   return (
-    shape.visibleCapacity >= lacking.shape.visibleCapacity &&
-    layer.widthPx * layer.heightPx >= lacking.layer.widthPx * lacking.layer.heightPx &&
-    request.widthPx * request.heightPx >= lacking.request.widthPx * lacking.request.heightPx &&
-    (shape.rasterizer === 'tiles' || lacking.shape.rasterizer === 'quads')
+    visibleSplats >= lack.visibleSplats &&
+    layerPixels >= lack.layerPixels &&
+    imagePixels >= lack.imagePixels &&
+    (hasTiles || !lack.hasTiles)
   );
 }
 

@@ -55,7 +55,7 @@ export class Compose implements FramePart<DrawRecording> {
     return this.#image;
   }
 
-  /** Leaves the textures to `record`: until a frame is drawn the host may show the old ones. */
+  /** Leaves the textures to `fitHost`: until a frame is drawn the host may show the old ones. */
   fit({ shape }: FramePlan): PartChange | null {
     if (shape.output.kind !== 'host' || this.#viewport) return null;
     const { memory, shared } = this.#context;
@@ -78,7 +78,7 @@ export class Compose implements FramePart<DrawRecording> {
     if (!stages || destination.kind !== 'host') return;
     const { pass: host } = destination;
     const { pipelines, shared } = this.#context;
-    const image = this.#imageFor(shape);
+    const image = this.#image!;
     const behind = this.#readable(encoder, host, image.color);
     this.#writeViewport(host, behind, image.color);
     const isEdged = shape.depth !== null && isMultisampled(host);
@@ -107,7 +107,21 @@ export class Compose implements FramePart<DrawRecording> {
     pass.end();
   }
 
-  #imageFor({ depth }: FrameShape): EmbeddedImage {
+  /** Makes the textures for drawing over `host`. Call before anything is recorded. @throws GpuLimitError */
+  fitHost(shape: FrameShape, { color: { format, usage } }: HostPass): void {
+    const { width, height } = this.#fitImage(shape).color;
+    if (usage & GPUTextureUsage.TEXTURE_BINDING || this.#behindCopy?.format === format) return;
+    this.#free(this.#behindCopy);
+    this.#behindCopy = null;
+    this.#behindCopy = this.#context.memory.createTexture({
+      label: 'behind the splats',
+      size: { width, height },
+      format,
+      usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST,
+    });
+  }
+
+  #fitImage({ depth }: FrameShape): EmbeddedImage {
     const { width, height } = this.#context.shared.image!.color;
     const old = this.#image;
     const isSame =
@@ -116,17 +130,17 @@ export class Compose implements FramePart<DrawRecording> {
       (old.depth !== null) === (depth?.layerFormat != null);
     if (isSame) return old;
     this.#free(old?.color, old?.depth, this.#behindCopy);
+    // No texture that is destroyed may be left where the budget does not allow others.
+    this.#image = null;
     this.#behindCopy = null;
     const { memory } = this.#context;
     const size = { width, height };
-    const image = {
-      color: memory.createTarget('splats over the host', COMPOSED_COLOR_FORMAT, size),
-      depth: depth?.layerFormat
-        ? memory.createTarget('depth of the splats', COMPOSED_DEPTH_FORMAT, size)
-        : null,
-    };
-    this.#image = image;
-    return image;
+    const color = memory.createTarget('splats over the host', COMPOSED_COLOR_FORMAT, size);
+    this.#image = { color, depth: null };
+    if (depth?.layerFormat) {
+      this.#image = { color, depth: memory.createTarget('depth of the splats', COMPOSED_DEPTH_FORMAT, size) };
+    }
+    return this.#image;
   }
 
   /** The write comes before the encoder is submitted, so `resolve-depth` sees it too. */
@@ -149,16 +163,7 @@ export class Compose implements FramePart<DrawRecording> {
   #readable(encoder: GPUCommandEncoder, host: HostPass, { width, height }: GPUTexture): GPUTexture {
     const { color, xPx, yPx, layer = 0 } = host;
     if (color.usage & GPUTextureUsage.TEXTURE_BINDING) return color;
-    if (this.#behindCopy?.format !== color.format) {
-      this.#free(this.#behindCopy);
-      this.#behindCopy = this.#context.memory.createTexture({
-        label: 'behind the splats',
-        size: { width, height },
-        format: color.format,
-        usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST,
-      });
-    }
-    const copy = this.#behindCopy;
+    const copy = this.#behindCopy!;
     // A viewport may reach beyond its target.
     const [left, top] = [Math.max(0, xPx), Math.max(0, yPx)];
     const [right, bottom] = [Math.min(color.width, xPx + width), Math.min(color.height, yPx + height)];
