@@ -3,20 +3,28 @@ import { InvalidArgumentError } from './errors.ts';
 import { type CloudPrecision, checkOneOf, checkPrecision } from './packing/precision.ts';
 import { shown } from './printable.ts';
 
-/** Options of an engine that are numbers: what each must be. */
-const ENGINE_NUMBERS = {
-  maxWorkgroupsPerDimension: ['a whole number, 1 or more', (value: number) => value >= 1 && isWhole(value)],
-  tileBudgetBytes: ['a number, 0 or more', (value: number) => value >= 0],
-  submissionBudgetMs: ['a number, more than 0', (value: number) => value > 0],
-  memoryBudgetBytes: ['a number, 0 or more', (value: number) => value >= 0],
-} as const;
+/** What a number must be, in words and as a test. */
+type Rule = readonly [expected: string, isValid: (value: number) => boolean];
+
+const AMOUNT: Rule = ['a number, 0 or more', (value) => value >= 0];
+/** Options of an engine that are numbers. */
+const ENGINE_NUMBERS: Readonly<Record<string, Rule>> = {
+  // Infinity is whole, too.
+  maxWorkgroupsPerDimension: [
+    'a whole number, 1 or more',
+    (value) => value >= 1 && Math.floor(value) === value,
+  ],
+  tileBudgetBytes: AMOUNT,
+  submissionBudgetMs: ['a number above 0', (value) => value > 0],
+  memoryBudgetBytes: AMOUNT,
+};
 
 const FIT_MODES: readonly FitMode[] = ['exact', 'auto'];
 
 /** @throws InvalidArgumentError for a limit or a budget that is none. Infinity is one. */
-export function checkEngineNumbers(options: Partial<Record<keyof typeof ENGINE_NUMBERS, number>>): void {
+export function checkEngineNumbers(options: object): void {
   for (const [name, [expected, isValid]] of Object.entries(ENGINE_NUMBERS)) {
-    const value = options[name as keyof typeof ENGINE_NUMBERS];
+    const value: unknown = options[name as keyof typeof options];
     if (value === undefined || (typeof value === 'number' && isValid(value))) continue;
     throw new InvalidArgumentError(name, `${name} is ${shown(value)}; it must be ${expected}.`);
   }
@@ -35,9 +43,4 @@ export function checkLoadOptions(options: {
     throw new InvalidArgumentError('precision', message);
   }
   checkPrecision(precision);
-}
-
-/** Infinity is whole, too. */
-function isWhole(value: number): boolean {
-  return Math.floor(value) === value;
 }

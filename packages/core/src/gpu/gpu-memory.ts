@@ -202,7 +202,7 @@ export class GpuMemory {
     }
     const { availableBytes, heldBytes } = this;
     if (bytes <= availableBytes) return;
-    const message = `${label} needs ${bytes} bytes and ${heldBytes} of the ${this.#budgetBytes} that are allowed are held (memoryBudgetBytes). Load fewer splats or with a coarser accuracy, draw a smaller image, or allow more.`;
+    const message = `${label} needs ${bytes} bytes, and ${heldBytes} of ${this.#budgetBytes} (memoryBudgetBytes) are held. Load fewer splats, draw a smaller image, or allow more.`;
     throw new GpuLimitError('memoryBudgetBytes', bytes, Math.max(0, availableBytes), message, { heldBytes });
   }
 
