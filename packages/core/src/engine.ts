@@ -553,7 +553,12 @@ export class SplatEngine {
     if (!ballots || !this.hasGpuTimestamps) return;
     const choose = async () => {
       const { isFasterByBallots } = await import('./measure/choose-ranking.ts');
-      const isFaster = await isFasterByBallots(this.device, this.#pipelines, ballots);
+      const isFaster = await isFasterByBallots(
+        this.device,
+        this.#pipelines,
+        ballots,
+        this.#memory.availableBytes,
+      );
       if (isFaster) this.#ballots = ballots;
     };
     // Without an answer, for lack of memory say, sorts stay as they are.

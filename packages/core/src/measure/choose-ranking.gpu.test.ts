@@ -2,6 +2,7 @@ import { gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { sortShapeFor } from '../stages/sort-shape.ts';
+import { failingDevice } from '../testing/failing-device.ts';
 import { byBallots, createSortDevice } from '../testing/sort-device.ts';
 import { compareSorts, isFasterByBallots } from './choose-ranking.ts';
 
@@ -40,6 +41,31 @@ describe('comparing two sorts', () => {
     expect(isSameOrder).toBe(false);
   });
 });
+
+gpuTest(
+  'any allocation of a comparison may find no memory: it rejects, and so it does above a budget',
+  async (context) => {
+    context.skip(!device.features.has('timestamp-query'), 'no timestamps');
+    const failing = failingDevice(device);
+    const pipelines = new Pipelines(device);
+    const shape = sortShapeFor(32);
+    const compare = (availableBytes?: number) =>
+      compareSorts(failing.device, pipelines, [shape, shape], { ...FEW, availableBytes });
+    await expect(compare(10_000)).rejects.toMatchObject({ limit: 'memoryBudgetBytes' });
+    let failures = 0;
+    for (let hasFailed = true; hasFailed; failures++) {
+      failing.failAfter(failures);
+      const lack = await compare().then(
+        () => null,
+        (error) => error,
+      );
+      hasFailed = failing.stop();
+      if (hasFailed) expect(lack).toMatchObject({ name: 'GpuLimitError', limit: 'memory' });
+      else expect(lack).toBeNull();
+    }
+    expect(failures).toBeGreaterThan(10);
+  },
+);
 
 gpuTest('where no block suits ballots, nothing is measured', async () => {
   const ballots = { min: 4, max: 4, workgroupThreads: 64 };

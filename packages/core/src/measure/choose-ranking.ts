@@ -19,12 +19,14 @@ const WORTH_IT = 0.97;
  * Returns whether sorts are faster on this device by ballots than by masks, and right. If so, it has compiled all sorts of frames
  * for that. Takes some milliseconds of the GPU, and memory of 8 MB, which it frees.
  *
+ * @param availableBytes most that it may take.
  * @throws GpuLimitError.
  */
 export async function isFasterByBallots(
   device: GPUDevice,
   pipelines: Pipelines,
   ballots: BallotDevice,
+  availableBytes = Number.POSITIVE_INFINITY,
 ): Promise<boolean> {
   const shapesOf = (by: BallotDevice | null) => {
     const traits = [device.limits.maxComputeWorkgroupStorageSize, hasNarrowSubgroups(device), by] as const;
@@ -33,7 +35,9 @@ export async function isFasterByBallots(
   };
   const [[byMasks], [byBallots]] = [shapesOf(null), shapesOf(ballots)];
   if (!byBallots.subgroups) return false;
-  const { isSameOrder, medianMs } = await compareSorts(device, pipelines, [byMasks, byBallots]);
+  const { isSameOrder, medianMs } = await compareSorts(device, pipelines, [byMasks, byBallots], {
+    availableBytes,
+  });
   if (!isSameOrder || medianMs[1] >= WORTH_IT * medianMs[0]) return false;
   await pipelines.prepare(shapesOf(ballots).flatMap((shape) => radixSortStages(shape)));
   return true;
@@ -45,31 +49,51 @@ export interface CompareSortsOptions {
   /** Sorts that are timed together. */
   readonly sortsPerTurn?: number;
   readonly turns?: number;
+  /** Most memory that it may take; default no limit. */
+  readonly availableBytes?: number;
 }
 
-/** Sorts the same keys in two ways: whether both give the same order, and the GPU's time for some sorts, ms. */
+/**
+ * Sorts the same keys in two ways: whether both give the same order, and the GPU's time for some sorts, ms.
+ *
+ * @throws GpuLimitError.
+ */
 export async function compareSorts(
   device: GPUDevice,
   pipelines: Pipelines,
   shapes: readonly [SortShape, SortShape],
-  { keyCount: count = KEYS, sortsPerTurn = SORTS, turns = TURNS }: CompareSortsOptions = {},
+  { keyCount: count = KEYS, sortsPerTurn = SORTS, turns = TURNS, availableBytes }: CompareSortsOptions = {},
 ): Promise<{ readonly isSameOrder: boolean; readonly medianMs: readonly number[] }> {
   await pipelines.prepare(shapes.flatMap((shape) => radixSortStages(shape)));
-  // Not the engine's memory, whose peak would count these.
-  const memory = new GpuMemory(device);
-  try {
+  // Not the engine's memory, whose peak would count these, and which may end meanwhile.
+  const memory = new GpuMemory(device, availableBytes);
+  const make = () => {
     const keys = randomKeys(memory, count);
     const keyCount = memory.createFilledBuffer('ranking key count', Uint32Array.of(count));
     const dispatchRow = device.limits.maxComputeWorkgroupsPerDimension;
     const sorts = shapes.map(
       (shape) => new RadixSort(device, pipelines, memory, { shape, capacity: count, keyCount, dispatchRow }),
     );
+    const { QUERY_RESOLVE, COPY_SRC } = GPUBufferUsage;
+    const stampBytes = 8 * stampsOf(turns, sorts.length);
+    const resolved = memory.createBuffer('ranking times', stampBytes, QUERY_RESOLVE | COPY_SRC);
+    return { keys, sorts, resolved };
+  };
+  try {
+    const { result, checked } = memory.guard('Comparing sorts', 'They stay as they are.', make);
+    await checked;
+    const { keys, sorts, resolved } = result;
     const [a, b] = await Promise.all(sorts.map((sort) => orderOf(device, sort, keys)));
     const isSameOrder = a.every((index, i) => index === b[i]);
-    return { isSameOrder, medianMs: await timesOf(device, memory, sorts, keys, sortsPerTurn, turns) };
+    return { isSameOrder, medianMs: await timesOf(device, resolved, sorts, keys, sortsPerTurn, turns) };
   } finally {
     memory.destroyAll();
   }
+}
+
+/** Timestamps of all turns: one before and one after each. */
+function stampsOf(turns: number, sorts: number): number {
+  return 2 * turns * sorts;
 }
 
 function randomKeys(memory: GpuMemory, count: number): GPUBuffer {
@@ -98,16 +122,14 @@ function orderOf(device: GPUDevice, sort: RadixSort, keys: GPUBuffer): Promise<U
 /** Median GPU time of each of `sorts`, ms, in turns. */
 async function timesOf(
   device: GPUDevice,
-  memory: GpuMemory,
+  resolved: GPUBuffer,
   sorts: readonly RadixSort[],
   keys: GPUBuffer,
   sortsPerTurn: number,
   turns: number,
 ): Promise<number[]> {
-  const count = 2 * turns * sorts.length;
+  const count = stampsOf(turns, sorts.length);
   const querySet = device.createQuerySet({ type: 'timestamp', count });
-  const { QUERY_RESOLVE, COPY_SRC } = GPUBufferUsage;
-  const resolved = memory.createBuffer('ranking times', 8 * count, QUERY_RESOLVE | COPY_SRC);
   try {
     for (let turn = 0; turn < turns; turn++) {
       for (const [i, sort] of sorts.entries()) {

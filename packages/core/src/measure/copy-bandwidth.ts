@@ -21,6 +21,8 @@ const MOST_COPIES = 256;
  * Measures how many bytes per second the device moves when a shader copies one large buffer into another: bytes read plus bytes
  * written. The device's own command for copies moved a quarter of that on an H200. Allocates two buffers of that size and frees them. Measured by the wall clock, so that devices without timestamps
  * can be compared: a sample of one copy is taken off each sample of many, and what both spend besides copying drops out.
+ *
+ * @throws GpuLimitError if there is no memory for them.
  */
 export async function measureCopyBandwidth(
   device: GPUDevice,
@@ -32,9 +34,12 @@ export async function measureCopyBandwidth(
   const { maxBufferSize, maxStorageBufferBindingSize } = device.limits;
   try {
     const size = 16 * Math.floor(Math.min(bytes, maxBufferSize, maxStorageBufferBindingSize) / 16);
-    const [a, b] = ['a', 'b'].map((name) =>
-      memory.createBuffer(`copy ${name}`, size, GPUBufferUsage.STORAGE),
+    const advice = 'Copy fewer bytes, or measure with less loaded.';
+    const { result, checked } = memory.guard('Measuring the bandwidth', advice, () =>
+      ['a', 'b'].map((name) => memory.createBuffer(`copy ${name}`, size, GPUBufferUsage.STORAGE)),
     );
+    const [a, b] = result;
+    await checked;
     await pipelines.prepare([copyWords]);
     const pipeline = pipelines.compute(copyWords)!;
     const groups = [

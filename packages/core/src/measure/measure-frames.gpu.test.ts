@@ -2,8 +2,9 @@ import { createNodeGpu } from '@websplatter/node';
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
 import { SplatEngine } from '../engine.ts';
-import { InvalidArgumentError } from '../errors.ts';
+import { GpuLimitError, InvalidArgumentError } from '../errors.ts';
 import { frameStages } from '../frame/frame.ts';
+import { failingDevice } from '../testing/failing-device.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import type { SplatView } from '../views/splat-view.ts';
@@ -131,6 +132,9 @@ describe('measureFrames', () => {
 });
 
 gpuTest('the bandwidth of copies is a rate, and leaves nothing on the device', async () => {
+  const failing = failingDevice(device);
+  failing.failAfter(1);
+  await expect(measureCopyBandwidth(failing.device, { bytes: COPY_BYTES })).rejects.toThrow(GpuLimitError);
   const few = await measureCopyBandwidth(device, { bytes: COPY_BYTES, samples: 3 });
   expect(few).toBeGreaterThan(1e6);
   expect(few).toBeLessThan(1e15);

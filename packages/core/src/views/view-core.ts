@@ -458,11 +458,11 @@ export abstract class ViewCore {
     const bytes = Math.max(this.memory.totalBytes, (error as GpuLimitError).neededBytes ?? 0);
     this.startOver();
     if (hasChosenTiles(plan)) {
-      const { visibleSplats, layerPixels: pixels } = sizeOf(plan);
+      const [visibleSplats, pixels] = sizesOf(plan);
       this.#choice.rejectTiles('tiles found no memory for their lists', { visibleSplats, pixels });
     } else {
       this.#untold ??= error;
-      this.#lack ??= { ...sizeOf(plan), bytes, error, probedMs: Number.NEGATIVE_INFINITY };
+      this.#lack ??= { sizes: sizesOf(plan), bytes, error, probedMs: Number.NEGATIVE_INFINITY };
     }
     return sound;
   }
@@ -768,16 +768,9 @@ interface Wait {
   readonly seeksRoom: boolean;
 }
 
-/** What decides how much memory a frame needs. */
-interface FrameSize {
-  readonly visibleSplats: number;
-  readonly layerPixels: number;
-  readonly imagePixels: number;
-  readonly hasTiles: boolean;
-}
-
 /** A frame that found no memory. */
-interface Lack extends FrameSize {
+interface Lack {
+  readonly sizes: readonly number[];
   /** Bytes that the view would hold with that frame. */
   readonly bytes: number;
   readonly error: Error;
@@ -790,24 +783,20 @@ function hasChosenTiles({ shape }: FramePlan): boolean {
   return shape.rasterizer === 'tiles' && shape.accuracy.rasterizer === 'auto';
 }
 
-function sizeOf({ shape, layer, request }: FramePlan): FrameSize {
-  return {
-    visibleSplats: shape.visibleCapacity,
-    layerPixels: layer.widthPx * layer.heightPx,
-    imagePixels: request.widthPx * request.heightPx,
-    hasTiles: shape.rasterizer === 'tiles',
-  };
+/** What decides how much memory a frame needs: visible splats, pixels of the layer, pixels of the image, and whether by tiles. */
+function sizesOf({ shape, layer, request }: FramePlan): readonly number[] {
+  const hasTiles = Number(shape.rasterizer === 'tiles');
+  return [
+    shape.visibleCapacity,
+    layer.widthPx * layer.heightPx,
+    request.widthPx * request.heightPx,
+    hasTiles,
+  ];
 }
 
 /** Whether `plan` needs as much memory as the frame that found none. */
-function isAsLarge(plan: FramePlan, lack: Lack): boolean {
-  const { visibleSplats, layerPixels, imagePixels, hasTiles } = sizeOf(plan);
-  return (
-    visibleSplats >= lack.visibleSplats &&
-    layerPixels >= lack.layerPixels &&
-    imagePixels >= lack.imagePixels &&
-    (hasTiles || !lack.hasTiles)
-  );
+function isAsLarge(plan: FramePlan, { sizes }: Lack): boolean {
+  return sizesOf(plan).every((size, i) => size >= sizes[i]);
 }
 
 /** Whether all clouds of `request` are known to be on the GPU. */
