@@ -20,7 +20,7 @@ export interface SplatCanvasProps extends Omit<CanvasProps, 'gl'> {
 }
 
 const LOST_REPEATEDLY =
-  'The GPU device was lost again and again: the scene may be too large for it. To try again, reload the page.';
+  'The GPU device was lost again and again: the scene may be too large. Reload the page.';
 
 /** One of the Canvases that follow one another. */
 interface Life {
@@ -57,11 +57,9 @@ export function SplatCanvas({
   };
   const gl: CanvasProps['gl'] = async (defaults) => {
     try {
-      if (generation > 0) {
-        // Here, not in an effect: a hidden `<Activity>` and Fast Refresh end effects.
-        await new Promise((resolve) => setTimeout(resolve, waitMs));
-        if (!(defaults.canvas as HTMLCanvasElement).isConnected) throw new Error('unmounted');
-      }
+      // Here, not in an effect: a hidden `<Activity>` and Fast Refresh end effects.
+      if (waitMs > 0) await new Promise((resolve) => setTimeout(resolve, waitMs));
+      if (generation > 0 && !(defaults.canvas as HTMLCanvasElement).isConnected) throw new Error('unmounted');
       const renderer = await createSplatRenderer({ ...defaults, ...parameters, accuracy });
       canvasStates.set(renderer, { pace, accuracyKey: JSON.stringify(accuracy) });
       onDeviceLost(renderer, () => replace(new WebGpuUnavailableError(LOST_REPEATEDLY)));

@@ -1,6 +1,7 @@
 import {
   DestroyedError,
   GEOMETRY_WORDS,
+  GpuLimitError,
   loadSplats,
   type PackedCloud,
   type SourceOptions,
@@ -32,8 +33,7 @@ export async function rowsIn(
 ): Promise<number[]> {
   for (const { cloud, users } of places) {
     if (cloud instanceof Promise) continue;
-    if (cloud.isPreview)
-      throw new SplatSourceError(cloud.name, 'it is still loading, so its rows are not known yet.');
+    if (cloud.isPreview) throw new SplatSourceError(cloud.name, 'its rows are known once it is loaded.');
     users.set(user, null);
     return rowsOnGpu(cloud, volume);
   }
@@ -52,11 +52,19 @@ async function rowsOnGpu(cloud: SplatCloud, volume: Box3 | Sphere): Promise<numb
   const { device, name } = cloud;
   const size = 4 * GEOMETRY_WORDS.f32 * Math.min(PIECE_SPLATS, cloud.count);
   const usage = GPUBufferUsage.COPY_DST | GPUBufferUsage.MAP_READ;
+  device.pushErrorScope('out-of-memory');
   const staging = device.createBuffer({ label: `${name} centres`, size, usage });
+  const lacking = device.popErrorScope();
   // Positions are the same in planes of all precisions, and other planes may take their place while one piece is tested.
   const planes = () => cloud.pagesFor({ geometryPrecision: 'packed', shPrecision: 'u8' });
   const rows: number[] = [];
   try {
+    // A lost device answers nothing, and ends what follows.
+    const cause = await lacking.catch(() => null);
+    if (cause) {
+      const message = `Finding splats of ${name} needs ${size} bytes that the GPU lacks. Show less.`;
+      throw new GpuLimitError('memory', size, 0, message, { cause });
+    }
     let first = 0;
     for (const [page, { splatCount }] of planes().pages.entries()) {
       for (let at = 0; at < splatCount; at += PIECE_SPLATS) {

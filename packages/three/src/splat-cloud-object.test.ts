@@ -123,6 +123,20 @@ describe('data', () => {
     expect(onError).toHaveBeenCalledTimes(2);
   });
 
+  test('that finds no memory later is reported once, and not tried again', async () => {
+    const { engine, cloud: uploaded, addPacked } = fakeEngine();
+    const error = new Error('no memory');
+    addPacked.mockReturnValue({ ...uploaded, uploaded: Promise.reject(error) } as unknown as SplatCloud);
+    const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
+    const told = new Promise((resolve) => {
+      cloud.onError = resolve;
+    });
+    expect(cloud.uploadedTo(engine)).not.toBeNull();
+    expect(await told).toBe(error);
+    expect(cloud.uploadedTo(engine)).toBeNull();
+    expect(addPacked).toHaveBeenCalledTimes(1);
+  });
+
   test('on a lost device is no error of the cloud', () => {
     const { engine, addPacked } = fakeEngine();
     addPacked.mockImplementation(() => {

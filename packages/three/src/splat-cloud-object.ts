@@ -233,10 +233,11 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     };
     try {
       const cloud = data.acquire(engine, this);
+      const there: Promise<unknown> = cloud instanceof Promise ? cloud : cloud.uploaded;
+      if (!this.#handled.has(there)) there.then((loaded) => loaded && this.requestFrame(), fail);
+      this.#handled.add(there);
       // A preview ends with the load that it is of.
-      if (!(cloud instanceof Promise)) return cloud.isDestroyed ? null : cloud;
-      if (!this.#handled.has(cloud)) cloud.then(() => this.requestFrame(), fail);
-      this.#handled.add(cloud);
+      return cloud instanceof Promise || cloud.isDestroyed ? null : cloud;
     } catch (error) {
       fail(error as Error);
     }

@@ -2,12 +2,14 @@ import {
   type CloudPrecision,
   DestroyedError,
   encodePly,
+  GpuLimitError,
   packCloud,
   type SplatCloud,
   SplatSourceError,
 } from '@websplatter/core';
 import { Box3, Sphere, Vector3 } from 'three/webgpu';
 import { describe, expect, test, vi } from 'vitest';
+import { rowsIn } from './rows-in.ts';
 import { SplatData } from './splat-data.ts';
 import { fakeEngine } from './testing/fake-engine.ts';
 import { packedCloudAt, splatDataAt, splatSetAt } from './testing/test-clouds.ts';
@@ -37,6 +39,31 @@ describe('data', () => {
     expect(await rowsIn(new Sphere(new Vector3(101, 0, 0), 1.1))).toEqual([1, 2]);
     expect(await rowsIn(new Box3(new Vector3(100.5, -1, -1), new Vector3(105, 2, 0.5)))).toEqual([0, 2]);
     expect(await rowsIn(new Box3())).toEqual([]);
+  });
+
+  test('is uploaded anew after an upload that found no memory', async () => {
+    const { engine, cloud, addPacked } = fakeEngine();
+    const uploaded = Promise.reject(new Error('no memory'));
+    addPacked.mockReturnValueOnce({ ...cloud, uploaded, isDestroyed: true } as unknown as SplatCloud);
+    const data = splatDataAt([0, 0, 0]);
+    const lacking = data.acquire(engine, {});
+    await vi.waitFor(() => expect(data.acquire(engine, {})).not.toBe(lacking));
+    expect(data.acquire(engine, {})).toBe(cloud);
+  });
+
+  test('whose splats are sought on a GPU without memory for that says so', async () => {
+    vi.stubGlobal('GPUBufferUsage', {});
+    const destroy = vi.fn();
+    const device = {
+      pushErrorScope: () => {},
+      popErrorScope: async () => ({ message: 'none' }),
+      createBuffer: () => ({ destroy }),
+    };
+    const cloud = { name: 'garden', count: 10, device } as unknown as SplatCloud;
+    const found = rowsIn(new Box3(), {}, [{ cloud, users: new Map() }], null, {});
+    await expect(found).rejects.toThrow(GpuLimitError);
+    expect(destroy).toHaveBeenCalledOnce();
+    vi.unstubAllGlobals();
   });
 
   test('is released by each user once, however often the user calls release', () => {

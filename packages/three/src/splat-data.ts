@@ -200,9 +200,12 @@ export class SplatData {
     // An engine lives longer than most of its data, and must not keep them.
     const forget = () => signal.aborted || uploads.deref()?.delete(engine);
     void engine.lost.then(forget);
-    Promise.resolve(upload.cloud).then((cloud) => {
-      upload.cloud = cloud;
-    }, forget);
+    Promise.resolve(upload.cloud)
+      .then((cloud) => {
+        upload.cloud = cloud;
+        return cloud.uploaded;
+      })
+      .catch(forget);
     return upload;
   }
 

@@ -39,8 +39,8 @@ export function openPass(
   const data = probedData(backend.get(context));
   if ((camera as { isArrayCamera?: boolean }).isArrayCamera) {
     throw new SplatsPassError(
-      'Splats cannot be drawn with an ArrayCamera or in XR, whose passes are for several cameras at once. Render each ' +
-        'camera by itself, with a viewport of its own, or hide the splats.',
+      'Splats cannot be drawn with an ArrayCamera or in XR, for several cameras in a pass. Render each ' +
+        'camera alone, in a viewport of its own, or hide the splats.',
     );
   }
   if (!data.currentPass) return null;

@@ -33,6 +33,7 @@ export function fakeEngine({ accuracy = 'balanced' }: { accuracy?: Accuracy } = 
   const cloud = {
     isPreview: false,
     isDestroyed: false,
+    uploaded: Promise.resolve(),
     destroy: destroyed,
     pagesFor: () => state.pages,
     hold,
