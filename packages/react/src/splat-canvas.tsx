@@ -57,9 +57,11 @@ export function SplatCanvas({
   };
   const gl: CanvasProps['gl'] = async (defaults) => {
     try {
-      // Here, not in an effect: a hidden `<Activity>` and Fast Refresh end effects.
-      if (waitMs > 0) await new Promise((resolve) => setTimeout(resolve, waitMs));
-      if (generation > 0 && !(defaults.canvas as HTMLCanvasElement).isConnected) throw new Error('unmounted');
+      if (generation > 0) {
+        // Here, not in an effect: a hidden `<Activity>` and Fast Refresh end effects.
+        await new Promise((resolve) => setTimeout(resolve, waitMs));
+        if (!(defaults.canvas as HTMLCanvasElement).isConnected) throw new Error('unmounted');
+      }
       const renderer = await createSplatRenderer({ ...defaults, ...parameters, accuracy });
       canvasStates.set(renderer, { pace, accuracyKey: JSON.stringify(accuracy) });
       onDeviceLost(renderer, () => replace(new WebGpuUnavailableError(LOST_REPEATEDLY)));

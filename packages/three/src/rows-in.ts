@@ -33,7 +33,8 @@ export async function rowsIn(
 ): Promise<number[]> {
   for (const { cloud, users } of places) {
     if (cloud instanceof Promise) continue;
-    if (cloud.isPreview) throw new SplatSourceError(cloud.name, 'its rows are known once it is loaded.');
+    if (cloud.isPreview)
+      throw new SplatSourceError(cloud.name, 'it is still loading: its rows are not known yet.');
     users.set(user, null);
     return rowsOnGpu(cloud, volume);
   }
