@@ -127,6 +127,6 @@ function shapeOf(
   const shape = [...byBallots, ...byMasks].find((each) => workgroupBytesOf(each) <= workgroupBytes);
   if (shape) return shape;
   throw new RangeError(
-    `Digits of ${digitBits} bits need more workgroup memory than ${workgroupBytes} bytes.`,
+    `Digits of ${digitBits} bits need ${workgroupBytesOf(byMasks.at(-1)!)} bytes of workgroup memory, not ${workgroupBytes}.`,
   );
 }
