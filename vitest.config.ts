@@ -1,3 +1,5 @@
+import { readdirSync, readFileSync } from 'node:fs';
+import { join } from 'node:path';
 import { defaultClientConditions, defaultServerConditions } from 'vite';
 import { defineConfig } from 'vitest/config';
 import LongestFirst from './packages/tools/longest-first.ts';
@@ -17,6 +19,29 @@ const node = {
 /** For `expect.poll`, which would wait for a second: a machine that does other things, too, takes much longer than usual. */
 const patience = { poll: { timeout: 60_000 } };
 
+const unit = {
+  // As many as there are cores in CI, where Vitest would take one of two.
+  maxWorkers: 2,
+  pool: 'threads',
+  testTimeout: 60_000,
+  expect: patience,
+  environment: 'node',
+} as const;
+const unitTests = [
+  'packages/*/src/**/*.test.ts',
+  'packages/tools/**/*.test.mjs',
+  'apps/*/src/**/*.test.ts',
+  'apps/*/src/**/*.test.tsx',
+];
+
+/** Tests that put other modules in place of imported ones, for which they must be the first to import them. */
+const mockingTests = ['packages', 'apps'].flatMap((room) =>
+  readdirSync(room, { recursive: true, encoding: 'utf8' })
+    .map((path) => join(room, path))
+    .filter((path) => /^[^/]+\/[^/]+\/src\/.*(?<!\.gpu)\.test\.tsx?$/.test(path))
+    .filter((path) => /\bvi\.(?:do)?[mM]ock\(/.test(readFileSync(path, 'utf8'))),
+);
+
 export default defineConfig({
   test: {
     sequence: { sequencer: LongestFirst },
@@ -26,20 +51,21 @@ export default defineConfig({
         resolve,
         ssr,
         test: {
+          ...unit,
           name: 'unit',
-          // As many as there are cores in CI, where Vitest would take one of two.
-          maxWorkers: 2,
-          pool: 'threads',
-          testTimeout: 60_000,
-          expect: patience,
-          environment: 'node',
-          include: [
-            'packages/*/src/**/*.test.ts',
-            'packages/tools/**/*.test.mjs',
-            'apps/*/src/**/*.test.ts',
-            'apps/*/src/**/*.test.tsx',
-          ],
-          exclude: ['**/*.gpu.test.ts'],
+          // The same two threads take file after file: importing the sources again for each would take as long as the tests.
+          isolate: false,
+          include: unitTests,
+          exclude: ['**/*.gpu.test.ts', ...mockingTests],
+        },
+      },
+      {
+        resolve,
+        ssr,
+        test: {
+          ...unit,
+          name: 'unit-mocking',
+          include: mockingTests,
         },
       },
       {

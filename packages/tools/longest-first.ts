@@ -6,14 +6,12 @@ const LONGEST = [
   'e2e/viewer.test.ts',
   'e2e/react.test.ts',
   'e2e/examples.test.ts',
-  'e2e/accuracy.test.ts',
   'e2e/three.test.ts',
-  'frame/frame-memory.gpu.test.ts',
+  'e2e/accuracy.test.ts',
   'hardcases/src/mutations.gpu.test.ts',
   'views/steady-frames.gpu.test.ts',
   'e2e/firefox.test.ts',
   'e2e/bench.test.ts',
-  'measure/measure-accuracy.gpu.test.ts',
   'e2e/hard-cases.test.ts',
 ];
 

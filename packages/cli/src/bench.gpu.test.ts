@@ -1,23 +1,19 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
-import { afterEach, expect, vi } from 'vitest';
+import { expect, vi } from 'vitest';
 import { runMain, TestFolder } from './testing/test-folder.ts';
 
-/** Bytes of the copies that bandwidth is measured by; the default takes seconds in software, so that one test suffices. */
-let copyBytes: number | undefined;
+/** Bytes of the copies that bandwidth is measured by: in the short run fewer than usual, which take seconds in software. */
+const copyBytes = process.env.WEBSPLATTER_FULL === '1' ? undefined : 2 ** 20;
 vi.mock('@websplatter/core/measure', async (original) => {
   const module = await original<typeof import('@websplatter/core/measure')>();
   const measureFrames: typeof module.measureFrames = (engine, options) =>
     module.measureFrames(engine, { ...options, copyBytes });
   return { ...module, measureFrames };
 });
-afterEach(() => {
-  copyBytes = undefined;
-});
 
 const SMALL = ['--size', '48x32', '--frames', '2', '--set', 'rasterizer=tiles'];
 
 gpuTest('measures a file and prints tables', async () => {
-  copyBytes = 2 ** 20;
   const folder = new TestFolder();
   const { status, out, err } = await runMain('bench', folder.scene(), '--camera', folder.camera(), ...SMALL);
   expect(err).not.toContain('failed');
