@@ -29,7 +29,7 @@ const PACKAGES = [
       reference: 'src/reference/index.ts',
       inspect: 'src/inspect/index.ts',
       measure: 'src/measure/index.ts',
-      'load-worker': 'src/io/load-worker.ts',
+      'load-worker': 'src/io/loading/load-worker.ts',
     },
     inputs: ['shaders'],
     hasDeclarations: true,

@@ -1,6 +1,6 @@
 import { DestroyedError, SplatSourceError } from '../errors.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import type { SourceOptions } from '../io/splat-source.ts';
+import type { SourceOptions } from '../io/sources/splat-source.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { CloudFacts } from '../packing/cloud-facts.ts';
 import type { LogScaleRange } from '../packing/geometry.ts';

@@ -1,0 +1,64 @@
+import { SplatFileError } from '../../errors.ts';
+import { plyFormat } from './ply/ply.ts';
+import type { SplatFormat } from './splat-format.ts';
+
+/** Every format that can be read. To add one, write its file and list it here. */
+const FORMATS: readonly SplatFormat[] = [plyFormat];
+
+/** Number of a file's first bytes that `detectFormat` needs. */
+export const SNIFF_BYTES = 512;
+
+/** Files that people open by mistake, each with advice. Tried in order. */
+const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string }[] = [
+  {
+    pattern: /^$/,
+    message: 'the file is empty (or the stream has been read before); check the download or the path',
+  },
+  {
+    // biome-ignore lint/suspicious/noControlCharactersInRegex: the first byte of gzip is one
+    pattern: /^\x1f\x8b/,
+    message: 'it is gzip-compressed, as .spz and .ply.gz are; unpack or convert it to PLY first',
+  },
+  { pattern: /^PK/, message: 'it is a zip archive, as .sog is; unpack or convert it to PLY first' },
+  { pattern: /^\x28\xb5\x2f\xfd/, message: 'it is zstd-compressed; unpack it first' },
+  { pattern: /^glTF/, message: 'it is a binary glTF (.glb); convert it to PLY first' },
+  { pattern: /^NGSP/, message: 'it is an .spz file; convert it to PLY first' },
+  {
+    pattern: /^version https:\/\/git-lfs/,
+    message: 'it is a Git LFS pointer, not the file itself; run "git lfs pull" in its repository',
+  },
+  {
+    pattern: /^(?:\xef\xbb\xbf)?\s*<(?:!doctype|html|head|body|\?xml|!--)/i,
+    message: 'it is a web page or XML, as servers send for a wrong address or a missing login; check the URL',
+  },
+  {
+    pattern: /^(?:\xef\xbb\xbf)?\s*[{[]/,
+    message: "it looks like JSON (glTF, SOG metadata or a server's error); give the PLY itself",
+  },
+  { pattern: /^(?:\x89PNG|\xff\xd8\xff|RIFF....WEBP|GIF8)/s, message: 'it is an image; give the PLY itself' },
+  { pattern: /^(?:\xef\xbb\xbf\s*|\s+)ply\s/, message: 'there are bytes before its "ply" line; remove them' },
+];
+
+/**
+ * Detects a file's format by its first bytes (`SNIFF_BYTES`, or all if there are fewer); names and extensions are
+ * ignored.
+ *
+ * @param file its name in messages.
+ * @throws SplatFileError 'unknown-format', which says what the bytes look like.
+ */
+export function detectFormat(firstBytes: Uint8Array, file = 'source'): SplatFormat {
+  const format = FORMATS.find((candidate) => candidate.sniff(firstBytes));
+  if (format) return format;
+  const known = FORMATS.map(({ name }) => name).join(', ');
+  throw new SplatFileError('unknown-format', file, `${describe(firstBytes)}. Formats read: ${known}.`, {
+    byte: 0,
+  });
+}
+
+function describe(firstBytes: Uint8Array): string {
+  const text = String.fromCharCode(...firstBytes.subarray(0, SNIFF_BYTES));
+  const lookalike = LOOKALIKES.find(({ pattern }) => pattern.test(text));
+  if (lookalike) return lookalike.message;
+  const hex = Array.from(firstBytes.subarray(0, 8), (byte) => byte.toString(16).padStart(2, '0')).join(' ');
+  return `the first bytes (${hex}) are of no known format; convert it to PLY first`;
+}

@@ -1,0 +1,257 @@
+import { SplatFileError } from '../../../errors.ts';
+import type { PackedHarmonics } from '../../../packing/harmonics.ts';
+import { ROW_SLOT } from '../../../splats/splat-row.ts';
+import {
+  coefficientsPerSplat,
+  SH_REST_COEFFICIENTS,
+  type ShDegree,
+  type SplatSet,
+} from '../../../splats/splat-set.ts';
+import { readAsciiRows } from './ply-ascii.ts';
+import { passRows, readBinaryRows, rowLayoutOf } from './ply-binary.ts';
+import {
+  clip,
+  type PlyBody,
+  type PlyElement,
+  type PlyHeader,
+  readPlyHeader,
+  TYPE_BYTES,
+} from './ply-header.ts';
+import { ReadProgress } from '../progress.ts';
+import type { RowFiles, RowsTo } from '../row-sink.ts';
+import type { SplatFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
+import { MAX_SPLATS, SplatSetBuilder } from '../splat-set-builder.ts';
+
+/** PLY as written by 3D Gaussian Splatting and its descendants; also the file that `encodePly` writes. */
+export const plyFormat: SplatFormat = {
+  name: 'ply',
+  sniff: (bytes) => /^ply\s/.test(String.fromCharCode(...bytes.subarray(0, 4))),
+  read: readPly,
+  readRows: readPly,
+};
+
+const SLOT_OF_CORE_PROPERTY = new Map<string, number>([
+  ...['x', 'y', 'z'].map((name, i): [string, number] => [name, ROW_SLOT.position + i]),
+  ...[0, 1, 2].map((i): [string, number] => [`scale_${i}`, ROW_SLOT.logScale + i]),
+  ...[0, 1, 2, 3].map((i): [string, number] => [`rot_${i}`, ROW_SLOT.rotation + i]),
+  ['opacity', ROW_SLOT.opacity],
+  ...[0, 1, 2].map((i): [string, number] => [`f_dc_${i}`, ROW_SLOT.colorDc + i]),
+]);
+
+const SH_DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
+/** Most elements that a message names. */
+const MOST_LISTED = 8;
+const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
+
+/**
+ * Reads splats from a PLY: ascii or binary of either byte order, with properties in any order and of any scalar type.
+ * Other properties and elements are skipped. Memory grows with the rows that arrive, not with what the header promises;
+ * what comes after the splats is not read.
+ *
+ * In the file: x y z; scale_0…2 (natural logarithms); rot_0…3 (w x y z); opacity (logit); f_dc_0…2; f_rest_0…3K−1, all
+ * K of red, then green, then blue, K = 0, 3, 8 or 15. Integer types are read as plain numbers.
+ *
+ * Rows that are all alike, with nothing but float32 in what is needed, go to `rowsTo` as they are, where it is given.
+ *
+ * @returns null if they did.
+ *
+ * Rejects with `SplatFileError` (every code but 'unknown-format' except for compressed PLY), `SplatSourceError`, or the
+ * signal's reason.
+ */
+export async function readPly(
+  input: SplatInput,
+  options: SplatFormatOptions,
+): Promise<SplatSet<PackedHarmonics>>;
+export async function readPly(
+  input: SplatInput,
+  options: SplatFormatOptions,
+  rowsTo: RowsTo,
+): Promise<SplatSet<PackedHarmonics> | null>;
+export async function readPly(
+  input: SplatInput,
+  options: SplatFormatOptions,
+  rowsTo?: RowsTo,
+): Promise<SplatSet<PackedHarmonics> | null> {
+  const { reader, name: file } = input;
+  const header = await readPlyHeader(reader, file);
+  const vertexIndex = findVertex(header, file);
+  const vertex = header.elements[vertexIndex];
+  const shDegree = shDegreeOf(vertex, file);
+  const body: PlyBody = { file, header, vertexIndex, slots: slotsOf(vertex, shDegree, file) };
+  checkCounts(input, header, vertexIndex, reader.byteOffset, options.maxSplats);
+  const progress = new ReadProgress(input.totalBytes, options.onProgress);
+  const layout = rowsTo && rowLayoutOf(body, shDegree, rowsTo.files.pieceBytes);
+  if (
+    rowsTo &&
+    layout &&
+    isBetween(vertex.count, rowsTo.files) &&
+    mayHold(input, vertex.count * layout.strideBytes)
+  ) {
+    await rowsTo.sink.begin(layout);
+    await passRows(reader, body, layout, rowsTo.sink, progress);
+    progress.finish(reader.byteOffset, vertex.count);
+    return null;
+  }
+  const builder = new SplatSetBuilder({
+    file,
+    shDegree,
+    shPrecision: options.shPrecision,
+    widePositions: vertex.properties.some(
+      ({ name, type }) => /^[xyz]$/.test(name) && WIDE_TYPES.includes(type),
+    ),
+    promisedCount: vertex.count,
+    // What only a server or a header promises may never come.
+    isHeld: input.isHeld,
+  });
+  const readRows = header.format === 'ascii' ? readAsciiRows : readBinaryRows;
+  await readRows(reader, body, builder, progress);
+  progress.finish(reader.byteOffset, builder.count);
+  return builder.finish();
+}
+
+/** Index of the element that holds splats; throws if there is none. */
+function findVertex(header: PlyHeader, file: string): number {
+  const index = header.elements.findIndex((element) => element.name === 'vertex');
+  const vertex = header.elements[index];
+  const names = new Set(vertex?.properties.map((property) => property.name));
+  if (names.has('packed_position')) {
+    const advice = 'convert it to the standard layout, for example with splat-transform';
+    throw new SplatFileError(
+      'unknown-format',
+      file,
+      `this is a compressed PLY (it has packed_position), which is not read yet; ${advice}.`,
+      { element: 'vertex', property: 'packed_position' },
+    );
+  }
+  const missing = [...SLOT_OF_CORE_PROPERTY.keys()].filter((name) => !names.has(name));
+  if (missing.length > 0) throw notSplatsError(header, vertex, missing, file);
+  return index;
+}
+
+function notSplatsError(
+  header: PlyHeader,
+  vertex: PlyElement | undefined,
+  missing: readonly string[],
+  file: string,
+): SplatFileError {
+  if (vertex === undefined) {
+    const { elements } = header;
+    const listed = elements.slice(0, MOST_LISTED).map((element) => clip(element.name));
+    if (listed.length < elements.length) listed.push(`and ${elements.length - listed.length} others`);
+    const found = listed.join(', ') || 'none';
+    return new SplatFileError('not-splats', file, `there is no element vertex; elements found: ${found}.`);
+  }
+  const list = `its vertices lack ${missing.join(', ')}`;
+  const message = `${describeKind(header, missing)}: ${list}. Splats come from Gaussian-splatting training.`;
+  return new SplatFileError('not-splats', file, message, { element: 'vertex' });
+}
+
+function describeKind(header: PlyHeader, missing: readonly string[]): string {
+  const lacksShape = ['scale_0', 'rot_0', 'f_dc_0'].every((name) => missing.includes(name));
+  if (!lacksShape) return 'these are not complete splats';
+  const faces = header.elements.find(
+    ({ name, count }) => (name === 'face' || name === 'tristrips') && count > 0,
+  );
+  return faces
+    ? `this is a mesh (${faces.count} ${faces.name} rows), not splats`
+    : 'this is a plain point cloud, not splats';
+}
+
+function shDegreeOf(vertex: PlyElement, file: string): ShDegree {
+  const count = vertex.properties.filter(({ name }) => /^f_rest_\d+$/.test(name)).length;
+  const degree = SH_DEGREES.find((candidate) => coefficientsPerSplat(candidate) === count);
+  if (degree !== undefined) return degree;
+  throw new SplatFileError(
+    'bad-property',
+    file,
+    `there are ${count} f_rest properties; spherical harmonics of degree 0, 1, 2 or 3 have 0, 9, 24 or 45.`,
+    { element: 'vertex' },
+  );
+}
+
+/** For each property of `vertex`, its index in a builder's row; -1 if it is not needed. */
+function slotsOf(vertex: PlyElement, shDegree: ShDegree, file: string): number[] {
+  const slotOf = new Map(SLOT_OF_CORE_PROPERTY);
+  const coefficients = SH_REST_COEFFICIENTS[shDegree];
+  for (let channel = 0; channel < 3; channel++) {
+    for (let k = 0; k < coefficients; k++) {
+      slotOf.set(`f_rest_${channel * coefficients + k}`, ROW_SLOT.harmonics + 3 * k + channel);
+    }
+  }
+  const fail = (property: string, message: string): never => {
+    throw new SplatFileError('bad-property', file, message, { element: 'vertex', property });
+  };
+  const seen = new Set<string>();
+  for (const { name, countType } of vertex.properties) {
+    if (!slotOf.has(name)) continue;
+    if (countType !== undefined) fail(name, `${name} is a list; it must be one number.`);
+    if (seen.has(name)) fail(name, `${name} is declared twice.`);
+    seen.add(name);
+  }
+  const missing = [...slotOf.keys()].find((name) => !seen.has(name));
+  if (missing !== undefined) fail(missing, `${missing} is missing though others of its kind are there.`);
+  return vertex.properties.map(({ name }) => slotOf.get(name) ?? -1);
+}
+
+function isBetween(count: number, { minRows, maxRows }: RowFiles): boolean {
+  return count >= minRows && count <= maxRows;
+}
+
+/** Whether a source may be as large as its header says. Memory for all rows is taken at once only then. */
+function mayHold({ totalBytes }: SplatInput, bytes: number): boolean {
+  return totalBytes !== undefined && totalBytes >= bytes;
+}
+
+/** Throws if the source is known to be too small for the promised rows, or if there are too many of them. */
+function checkCounts(
+  source: SplatInput,
+  header: PlyHeader,
+  vertexIndex: number,
+  bodyStart: number,
+  maxSplats: number,
+): void {
+  const vertex = header.elements[vertexIndex];
+  if (vertex.count === 0) {
+    throw new SplatFileError('empty', source.name, 'the header promises 0 splats.', { element: 'vertex' });
+  }
+  if (source.totalBytes !== undefined && source.totalBytesCertain) {
+    const elements = header.elements.slice(0, vertexIndex + 1);
+    const neededBytes = elements.reduce(
+      (sum, element) => sum + element.count * leastRowBytes(element, header),
+      0,
+    );
+    // A text body's last line may go without its line end.
+    const availableBytes = source.totalBytes - bodyStart + (header.format === 'ascii' ? 1 : 0);
+    if (neededBytes > availableBytes) {
+      throw new SplatFileError(
+        'truncated',
+        source.name,
+        `${vertex.count} splats need at least ${neededBytes} bytes after the header, the file has ${availableBytes}. ` +
+          'Download or export it again.',
+        { element: 'vertex', byte: source.totalBytes },
+      );
+    }
+  }
+  if (vertex.count > MAX_SPLATS) {
+    throw new SplatFileError(
+      'too-large',
+      source.name,
+      `the header promises ${vertex.count} splats; at most ${MAX_SPLATS} can be numbered. Split the file.`,
+      { element: 'vertex' },
+    );
+  }
+  if (vertex.count > maxSplats) {
+    throw new SplatFileError(
+      'too-large',
+      source.name,
+      `it has ${vertex.count} splats, more than maxSplats, ${maxSplats}. Pass a larger maxSplats if there is memory for them.`,
+      { element: 'vertex' },
+    );
+  }
+}
+
+/** Least bytes of one row: lists are empty; in text each number is a digit and a separator. */
+function leastRowBytes(element: PlyElement, header: PlyHeader): number {
+  if (header.format === 'ascii') return 2 * element.properties.length;
+  return element.properties.reduce((sum, { type, countType }) => sum + TYPE_BYTES[countType ?? type], 0);
+}

@@ -1,0 +1,227 @@
+import { WebSplatterError } from '../../errors.ts';
+import type { PackedCloud } from '../../packing/packed-cloud.ts';
+import type { GeometryPrecision } from '../../packing/precision.ts';
+import { fromPostedError, type LoadReply, type LoadRequest, type LoadSettings } from './load-messages.ts';
+import type { RowsTo } from '../formats/row-sink.ts';
+import { baseUrl, bytesOf, isBlob, isStream, shortName } from '../sources/source-kind.ts';
+import type { ReadOptions, ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
+import { endTurn, takeTurn } from './worker-turns.ts';
+
+export interface LoadSplatsOptions extends ReadSplatsOptions {
+  /** How positions, rotations and scales are stored; default `packed`. */
+  readonly geometryPrecision?: GeometryPrecision;
+}
+
+type PostedPiece = Extract<LoadReply, { kind: 'rows' }>;
+
+type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
+
+/**
+ * Reads splats and packs them for the GPU: in a worker where one can start, else in the calling thread (in Node, or
+ * under a content security policy that forbids workers). Buffers are copied to the worker, so that the caller's stay
+ * usable; a stream is consumed. As many loads run at once as the machine has threads, 2 to 8; others wait for their turn.
+ *
+ * Rejects as `readSplats` does; with `WebSplatterError` 'worker-failed' if the worker dies, mostly for lack of memory;
+ * and with the signal's reason, in which case the worker is stopped at once.
+ */
+export async function loadSplats(source: SplatSource, options: LoadSplatsOptions = {}): Promise<PackedCloud> {
+  // Without a sink there is always a cloud.
+  return (await loadOrPass(source, options, undefined))!;
+}
+
+/** As `loadSplats`; null if the rows of the file went to `rowsTo` as they are. */
+export async function loadOrPass(
+  source: SplatSource,
+  options: LoadSplatsOptions,
+  rowsTo: RowsTo | undefined,
+): Promise<PackedCloud | null> {
+  const { shPrecision = 'u8', geometryPrecision = 'packed', maxBytes, maxSplats, request } = options;
+  const { signal, onProgress } = options;
+  signal?.throwIfAborted();
+  const isUrl = typeof source === 'string' || source instanceof URL;
+  const name = options.name ?? (isUrl ? shortName(String(source)) : undefined);
+  const settings: LoadSettings = { name, shPrecision, geometryPrecision, maxBytes, maxSplats, request };
+  const spare = await takeTurn(signal);
+  let worker: Worker | null | undefined = spare;
+  let isDone = false;
+  // Always aborted at the end: a terminated worker does not tell a stream that nobody reads it any more.
+  const stop = new AbortController();
+  const onAbort = () => stop.abort(signal?.reason);
+  signal?.addEventListener('abort', onAbort, { once: true });
+  try {
+    signal?.throwIfAborted();
+    worker ??= await startWorker(signal);
+    if (worker === undefined) return await readHere(source, settings, { signal, onProgress }, rowsTo);
+    const onDone = () => {
+      isDone = true;
+    };
+    const watch = { signal: stop.signal, onProgress, onDone };
+    return await loadInWorker(worker, source, settings, watch, rowsTo);
+  } finally {
+    signal?.removeEventListener('abort', onAbort);
+    if (!isDone) worker?.terminate();
+    endTurn(isDone ? worker! : null);
+    stop.abort();
+  }
+}
+
+/** Reads in the calling thread. The code that reads is fetched only then: a page whose worker reads never needs it. */
+async function readHere(
+  source: SplatSource,
+  settings: LoadSettings,
+  watch: Watch,
+  rowsTo: RowsTo | undefined,
+): Promise<PackedCloud | null> {
+  const { readAndPack } = await import('./read-and-pack.ts');
+  return readAndPack(source, settings, watch, rowsTo);
+}
+
+/** A worker whose script is running; undefined where none can start. */
+async function startWorker(signal: AbortSignal | undefined): Promise<Worker | undefined> {
+  const worker = newWorker();
+  if (worker === undefined) return undefined;
+  return new Promise((resolve, reject) => {
+    const onAbort = () => {
+      worker.terminate();
+      reject(signal?.reason);
+    };
+    signal?.addEventListener('abort', onAbort, { once: true });
+    worker.onmessage = () => {
+      signal?.removeEventListener('abort', onAbort);
+      resolve(worker);
+    };
+    worker.onerror = (event) => {
+      event.preventDefault();
+      signal?.removeEventListener('abort', onAbort);
+      worker.terminate();
+      resolve(undefined);
+    };
+  });
+}
+
+function newWorker(): Worker | undefined {
+  if (typeof Worker === 'undefined') return undefined;
+  try {
+    // In one piece, since this is the form that bundlers recognise.
+    return new Worker(new URL('./load-worker.ts', import.meta.url), { type: 'module' });
+  } catch {
+    return undefined;
+  }
+}
+
+/**
+ * Settles at the latest when `watch.signal` aborts, which stops a stream as well. Calls `watch.onDone` when the worker is free
+ * for another load.
+ */
+function loadInWorker(
+  worker: Worker,
+  source: SplatSource,
+  settings: LoadSettings,
+  watch: Watch & { readonly signal: AbortSignal; readonly onDone: () => void },
+  rowsTo: RowsTo | undefined,
+): Promise<PackedCloud | null> {
+  /** Settles when all rows so far have been taken. */
+  let taken: Promise<void> = Promise.resolve();
+  const takeRows = async ({ memory, rowCount }: PostedPiece) => {
+    const { sink } = rowsTo!;
+    const own = await sink.memory();
+    own.set(new Uint8Array(memory));
+    sink.take(rowCount, own);
+    worker.postMessage({ kind: 'memory', memory } satisfies LoadRequest, [memory]);
+  };
+  return new Promise((resolve, reject) => {
+    watch.signal.addEventListener('abort', () => reject(watch.signal.reason), { once: true });
+    const fail = (event: Partial<ErrorEvent>) => {
+      const detail = event.message ? `: ${event.message}` : ', perhaps for lack of memory';
+      reject(
+        new WebSplatterError(
+          'worker-failed',
+          `${settings.name ?? 'source'}: the loading worker stopped${detail}.`,
+        ),
+      );
+    };
+    const finish = (cloud: PackedCloud | null) => {
+      watch.onDone();
+      resolve(cloud);
+    };
+    worker.onerror = fail;
+    worker.onmessageerror = fail;
+    worker.onmessage = ({ data }: MessageEvent<LoadReply>) => {
+      const then = (next: () => Promise<void> | void) => {
+        taken = taken.then(next);
+        taken.catch(reject);
+      };
+      if (data.kind === 'cloud') finish(data.cloud);
+      else if (data.kind === 'layout') then(() => rowsTo!.sink.begin(data.layout));
+      else if (data.kind === 'rows') then(() => takeRows(data));
+      else if (data.kind === 'rows-end') then(() => finish(null));
+      else if (data.kind === 'error') reject(fromPostedError(data.error));
+      else if (data.kind === 'progress') callOrReject(() => watch.onProgress?.(data.progress), reject);
+    };
+    callOrReject(() => {
+      const unposted = post(worker, source, settings, rowsTo, watch.signal);
+      if (unposted) resolve(readHere(unposted, settings, watch, rowsTo));
+    }, reject);
+  });
+}
+
+function callOrReject(call: () => void, reject: (reason: unknown) => void): void {
+  try {
+    call();
+  } catch (error) {
+    reject(error);
+  }
+}
+
+/** Posts the job. If it cannot be posted, returns what to read in this thread instead. */
+function post(
+  worker: Worker,
+  source: SplatSource,
+  settings: LoadSettings,
+  rowsTo: RowsTo | undefined,
+  signal: AbortSignal,
+): SplatSource | undefined {
+  let posted = source;
+  let transfer: Transferable[] = [];
+  if (typeof source === 'string' || source instanceof URL) posted = absoluteUrl(String(source));
+  else if (isStream(source)) {
+    // Whoever opens it refuses it.
+    if (source.locked) return source;
+    // A pipe of our own in between, since a posted stream can no longer be cancelled from here.
+    const piped = source.pipeThrough(new TransformStream<Uint8Array, Uint8Array>(), { signal });
+    posted = piped;
+    transfer = [piped];
+  } else if (!isBlob(source)) {
+    const copy = bytesOf(source).slice();
+    posted = copy;
+    transfer = [copy.buffer];
+  }
+  try {
+    const request: LoadRequest = { kind: 'load', source: posted, settings, rows: rowsTo?.files ?? null };
+    worker.postMessage(request, transfer);
+    return undefined;
+  } catch (error) {
+    // Safari cannot transfer streams, and options such as Headers are no data. The attempt leaves the source as it was.
+    if (error instanceof DOMException && error.name === 'DataCloneError') return posted;
+    throw error;
+  }
+}
+
+/**
+ * A source from which the same splats can be read again, any number of times: the absolute URL, or the very same Blob
+ * or File. Null for streams, which are consumed, and for buffers, which would have to be kept in memory.
+ *
+ * @throws InvalidArgumentError for what is neither text nor an object, and so no source of any kind.
+ */
+export function lastingSource(source: SplatSource): string | Blob | null {
+  if (typeof source === 'string' || source instanceof URL) return absoluteUrl(String(source));
+  if (isBlob(source)) return source;
+  if (Object(source) !== source) bytesOf(source as never);
+  return null;
+}
+
+/** A worker resolves relative URLs against its own script, the caller means the page. */
+function absoluteUrl(url: string): string {
+  const base = baseUrl();
+  return URL.canParse(url, base) ? new URL(url, base).href : url;
+}
