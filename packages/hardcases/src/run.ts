@@ -30,10 +30,10 @@ export interface HardCaseRunOptions {
   /** Default `CASE_RASTERIZERS`. */
   readonly rasterizers?: readonly FrameRasterizer[];
   /**
-   * Which images are drawn twice, to see that they do not differ: those of all presets and rasterisers, which is the default, or
-   * those of the first.
+   * Which images are drawn again, to see that they do not differ: those of all presets and rasterisers, which is the default, or
+   * `few`, those of the first, and no more often than 20 times.
    */
-  readonly repeats?: 'all' | 'first';
+  readonly repeats?: 'all' | 'few';
   /** A remedy of the shaders to switch off, for tests that the cases notice it. */
   readonly mutation?: ShaderMutation;
 }
