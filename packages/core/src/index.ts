@@ -48,17 +48,21 @@ export type { EngineCounters } from './gpu/engine-counters.ts';
 export type { GpuMemoryReport } from './gpu/gpu-memory.ts';
 export type { TextureImage } from './gpu/read-texture.ts';
 export { RecoveryPace } from './gpu/recovery-pace.ts';
+export { SPLAT_FORMATS } from './io/formats/formats.ts';
+export { encodePly } from './io/formats/ply/write-ply.ts';
+export type { SplatFormat } from './io/formats/splat-format.ts';
 export { type LoadSplatsOptions, lastingSource, loadSplats } from './io/loading/load-splats.ts';
 export { readSplats } from './io/loading/read-splats.ts';
 export type {
+  LastingSource,
   LoadProgress,
   ReadLimits,
   ReadOptions,
   RequestOptions,
+  SceneFiles,
   SourceOptions,
   SplatSource,
 } from './io/sources/splat-source.ts';
-export { encodePly } from './io/formats/ply/write-ply.ts';
 export type { EffectEntry } from './ledger/ledger.ts';
 export type { Vec3 } from './math/mat4.ts';
 export type { AccuracyChoice } from './measure/choose-accuracy.ts';

@@ -116,7 +116,7 @@ export class Arrivals {
     const [words, centres, chunkBounds] = await result;
     await nextTask();
     if (this.#isOver) return;
-    const found = readRowFacts(words, count, planes.shDegree);
+    const found = readRowFacts(words, { count, shDegree: planes.shDegree });
     if (found.count === 0) return;
     const { geometryPrecision, shPrecision } = planes;
     const contents = {

@@ -21,8 +21,8 @@ import type { StageDefinition } from '../gpu/pipelines.ts';
 import { probeMemory } from '../gpu/probe-memory.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { emptyError } from '../io/formats/empty-error.ts';
-import { nextTask } from '../io/sources/next-task.ts';
 import type { RowSink } from '../io/formats/row-sink.ts';
+import { nextTask } from '../io/sources/next-task.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { roundUp } from '../layout/gpu-struct.ts';
 import { INGEST_FACTS } from '../layout/ingest-facts.ts';
@@ -269,7 +269,7 @@ export class RowIngest implements RowSink {
       this.#destroy(rows);
       await pipelines.prepare(lateStages(this.#options));
       this.#live();
-      const found = readRowFacts(await readWords(device, facts), layout.count, layout.shDegree);
+      const found = readRowFacts(await readWords(device, facts), layout);
       this.#live();
       if (found.count === 0) throw emptyError(name, found.dropped);
       arrivals?.end();

@@ -1,8 +1,8 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
+import { encodePly } from '../io/formats/ply/write-ply.ts';
 import { loadSplats } from '../io/loading/load-splats.ts';
 import { readSplats } from '../io/loading/read-splats.ts';
-import { encodePly } from '../io/formats/ply/write-ply.ts';
 import { renderReference } from '../reference/render.ts';
 import { shColor } from '../reference/spherical-harmonics.ts';
 import {

@@ -12,6 +12,8 @@ export interface RowLayout {
   readonly offsets: readonly number[];
   readonly isBigEndian: boolean;
   readonly shDegree: ShDegree;
+  /** See `SplatColumns`. */
+  readonly isAntialiased?: boolean;
 }
 
 /** Rows in as many whole chunks as fit `bytes`, at least one. */

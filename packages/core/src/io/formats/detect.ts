@@ -1,9 +1,7 @@
 import { SplatFileError } from '../../errors.ts';
-import { plyFormat } from './ply/ply.ts';
+import { SPLAT_FORMATS } from './formats.ts';
+import { latin1 } from './latin1.ts';
 import type { SplatFormat } from './splat-format.ts';
-
-/** Every format that can be read. To add one, write its file and list it here. */
-const FORMATS: readonly SplatFormat[] = [plyFormat];
 
 /** Number of a file's first bytes that `detectFormat` needs. */
 export const SNIFF_BYTES = 512;
@@ -17,7 +15,7 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
   {
     // biome-ignore lint/suspicious/noControlCharactersInRegex: the first byte of gzip is one
     pattern: /^\x1f\x8b/,
-    message: 'it is gzip-compressed, as .spz and .ply.gz are; unpack or convert it to PLY first',
+    message: 'it is gzip-compressed twice; unpack it first',
   },
   { pattern: /^PK/, message: 'it is a zip archive, as .sog is; unpack or convert it to PLY first' },
   { pattern: /^\x28\xb5\x2f\xfd/, message: 'it is zstd-compressed; unpack it first' },
@@ -40,23 +38,24 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
 ];
 
 /**
- * Detects a file's format by its first bytes (`SNIFF_BYTES`, or all if there are fewer); names and extensions are
- * ignored.
+ * Detects the format of a file by its first bytes (`SNIFF_BYTES`, or all if there are fewer), and by its name only where nothing in
+ * the bytes tells it.
  *
  * @param file its name in messages.
+ * @param fileName its own name.
  * @throws SplatFileError 'unknown-format', which says what the bytes look like.
  */
-export function detectFormat(firstBytes: Uint8Array, file = 'source'): SplatFormat {
-  const format = FORMATS.find((candidate) => candidate.sniff(firstBytes));
+export function detectFormat(firstBytes: Uint8Array, file = 'source', fileName = file): SplatFormat {
+  const format = SPLAT_FORMATS.find((candidate) => candidate.recognise(firstBytes, fileName));
   if (format) return format;
-  const known = FORMATS.map(({ name }) => name).join(', ');
+  const known = SPLAT_FORMATS.map(({ title }) => title).join(', ');
   throw new SplatFileError('unknown-format', file, `${describe(firstBytes)}. Formats read: ${known}.`, {
     byte: 0,
   });
 }
 
 function describe(firstBytes: Uint8Array): string {
-  const text = String.fromCharCode(...firstBytes.subarray(0, SNIFF_BYTES));
+  const text = latin1(firstBytes.subarray(0, SNIFF_BYTES));
   const lookalike = LOOKALIKES.find(({ pattern }) => pattern.test(text));
   if (lookalike) return lookalike.message;
   const hex = Array.from(firstBytes.subarray(0, 8), (byte) => byte.toString(16).padStart(2, '0')).join(' ');

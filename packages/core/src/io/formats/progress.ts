@@ -1,35 +1,38 @@
 import type { LoadProgress } from '../sources/splat-source.ts';
+import type { SplatInput } from './splat-format.ts';
 
 /** Shortest time between two reports. */
 const REPORT_EVERY_MS = 30;
 
 /** Passes on a reader's progress, no more often than a person can see. */
 export class ReadProgress {
-  readonly #totalBytes: number | undefined;
+  readonly #input: SplatInput;
   readonly #onProgress: ((progress: LoadProgress) => void) | undefined;
   readonly #startMs = performance.now();
   #lastReportMs = Number.NEGATIVE_INFINITY;
 
-  constructor(totalBytes: number | undefined, onProgress: ((progress: LoadProgress) => void) | undefined) {
-    this.#totalBytes = totalBytes;
+  constructor(input: SplatInput, onProgress: ((progress: LoadProgress) => void) | undefined) {
+    // What is packed is counted as it arrives.
+    this.#input = input.packed ?? input;
     this.#onProgress = onProgress;
   }
 
-  report(loadedBytes: number, splats: number): void {
-    if (this.#onProgress && performance.now() - this.#lastReportMs >= REPORT_EVERY_MS)
-      this.finish(loadedBytes, splats);
+  report(splats: number): void {
+    if (this.#onProgress && performance.now() - this.#lastReportMs >= REPORT_EVERY_MS) this.finish(splats);
   }
 
   /** As `report`, but always. */
-  finish(loadedBytes: number, splats: number): void {
+  finish(splats: number): void {
+    const { totalBytes, reader } = this.#input;
+    const loadedBytes = reader.byteOffset;
     this.#lastReportMs = performance.now();
     const elapsedMs = this.#lastReportMs - this.#startMs;
     // A stated size that has been exceeded was that of the compressed bytes.
-    const known = this.#totalBytes !== undefined && loadedBytes <= this.#totalBytes;
+    const known = totalBytes !== undefined && loadedBytes <= totalBytes;
     this.#onProgress?.({
       phase: 'read',
       loadedBytes,
-      totalBytes: known ? this.#totalBytes : undefined,
+      totalBytes: known ? totalBytes : undefined,
       splats,
       bytesPerSecond: elapsedMs > 0 ? (1000 * loadedBytes) / elapsedMs : 0,
     });

@@ -4,11 +4,13 @@ import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../../p
 import { chooseOrigin } from '../../packing/origin.ts';
 import type { ShPrecision } from '../../packing/precision.ts';
 import { ROW_SLOT, reasonToDrop } from '../../splats/splat-row.ts';
-import { coefficientsPerSplat, type DropCounts, type ShDegree, type SplatSet } from '../../splats/splat-set.ts';
+import {
+  coefficientsPerSplat,
+  type DropCounts,
+  type ShDegree,
+  type SplatSet,
+} from '../../splats/splat-set.ts';
 import { emptyError } from './empty-error.ts';
-
-/** Most splats that `SplatSet.fileIndices` can number. */
-export const MAX_SPLATS = 2 ** 32 - 1;
 
 const FIRST_CAPACITY = 4096;
 
@@ -33,6 +35,8 @@ export interface SplatSetBuilderOptions {
   readonly promisedCount: number;
   /** Whether as many rows are there already, so that memory for them may be taken at once. */
   readonly isHeld: boolean;
+  /** See `SplatColumns`. */
+  readonly isAntialiased?: boolean;
 }
 
 /**
@@ -125,6 +129,7 @@ export class SplatSetBuilder {
         bandReach: this.#reach.reaches(),
       },
       dropped: this.#dropped,
+      ...(this.#options.isAntialiased !== undefined && { isAntialiased: this.#options.isAntialiased }),
     };
   }
 

@@ -42,6 +42,12 @@ export type LoadReply =
   | { readonly kind: 'layout'; readonly layout: RowLayout }
   | { readonly kind: 'rows'; readonly memory: ArrayBuffer; readonly rowCount: number }
   | { readonly kind: 'rows-end' }
+  /** The file is of another format than the worker reads. A stream goes on, from its beginning, with the one given back. */
+  | {
+      readonly kind: 'other-format';
+      readonly format: string;
+      readonly stream: ReadableStream<Uint8Array> | null;
+    }
   | { readonly kind: 'error'; readonly error: PostedError };
 
 /** An error as plain data: structured clone keeps neither classes nor fields. */

@@ -4,12 +4,14 @@ import { InvalidArgumentError, SplatFileError, SplatSourceError, WebSplatterErro
 import type { RowLayout } from '../../packing/row-layout.ts';
 import { chunked, plyBytes, splatElement } from '../../testing/ply-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
+import { readPly } from '../formats/ply/ply.ts';
+import { plyFormat } from '../formats/ply/ply-format.ts';
+import { encodePly } from '../formats/ply/write-ply.ts';
+import type { RowSink } from '../formats/row-sink.ts';
+import type { LoadProgress, SplatSource } from '../sources/splat-source.ts';
 import { fromPostedError, type LoadRequest, toPostedError } from './load-messages.ts';
 import { lastingSource, loadOrPass, loadSplats } from './load-splats.ts';
-import type { RowSink } from '../formats/row-sink.ts';
 import { type LoadPort, serveLoad } from './serve-load.ts';
-import type { LoadProgress, SplatSource } from '../sources/splat-source.ts';
-import { encodePly } from '../formats/ply/write-ply.ts';
 
 const ply = plyBytes({ format: 'binary_little_endian', elements: [splatElement(300, 1)] });
 
@@ -86,7 +88,7 @@ class FakeWorker {
       postMessage: (reply, transfer) => this.#inside.postMessage(reply, transfer as never),
     };
     inside.on('message', (data) => port.onmessage?.({ data } as MessageEvent<LoadRequest>));
-    serveLoad(port);
+    serveLoad(port, plyFormat, readPly);
   }
 }
 

@@ -1,10 +1,19 @@
 import { WebSplatterError } from '../../errors.ts';
 import type { PackedCloud } from '../../packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../../packing/precision.ts';
-import { fromPostedError, type LoadReply, type LoadRequest, type LoadSettings } from './load-messages.ts';
 import type { RowsTo } from '../formats/row-sink.ts';
-import { baseUrl, bytesOf, isBlob, isStream, shortName } from '../sources/source-kind.ts';
-import type { ReadOptions, ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
+import {
+  baseUrl,
+  bytesOf,
+  fileNameOf,
+  isBlob,
+  isFiles,
+  isStream,
+  shortName,
+} from '../sources/source-kind.ts';
+import type { LastingSource, ReadOptions, ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
+import { fromPostedError, type LoadReply, type LoadRequest, type LoadSettings } from './load-messages.ts';
+import { OtherFormat } from './other-format.ts';
 import { endTurn, takeTurn } from './worker-turns.ts';
 
 export interface LoadSplatsOptions extends ReadSplatsOptions {
@@ -41,28 +50,54 @@ export async function loadOrPass(
   const isUrl = typeof source === 'string' || source instanceof URL;
   const name = options.name ?? (isUrl ? shortName(String(source)) : undefined);
   const settings: LoadSettings = { name, shPrecision, geometryPrecision, maxBytes, maxSplats, request };
-  const spare = await takeTurn(signal);
-  let worker: Worker | null | undefined = spare;
+  let worker = await takeTurn(signal);
+  let format: string | null = null;
   let isDone = false;
   // Always aborted at the end: a terminated worker does not tell a stream that nobody reads it any more.
   const stop = new AbortController();
   const onAbort = () => stop.abort(signal?.reason);
   signal?.addEventListener('abort', onAbort, { once: true });
+  const watch = {
+    signal: stop.signal,
+    onProgress,
+    onDone: () => {
+      isDone = true;
+    },
+  };
   try {
     signal?.throwIfAborted();
-    worker ??= await startWorker(signal);
-    if (worker === undefined) return await readHere(source, settings, { signal, onProgress }, rowsTo);
-    const onDone = () => {
-      isDone = true;
-    };
-    const watch = { signal: stop.signal, onProgress, onDone };
-    return await loadInWorker(worker, source, settings, watch, rowsTo);
+    if (isNamedOtherwise(fileNameOf(source, name))) {
+      const { formatByName } = await import('./format-workers.ts');
+      format = formatByName(fileNameOf(source, name));
+      if (format !== null) worker = endWorker(worker);
+    }
+    for (let from = source; ; ) {
+      worker ??= await startWorker(await newWorker(format), signal);
+      if (worker === null) return await readHere(from, settings, { signal, onProgress }, rowsTo);
+      try {
+        return await loadInWorker(worker, from, settings, watch, rowsTo);
+      } catch (error) {
+        if (!(error instanceof OtherFormat)) throw error;
+        worker = endWorker(worker);
+        from = error.stream ?? from;
+        format = error.format;
+      }
+    }
   } finally {
     signal?.removeEventListener('abort', onAbort);
-    if (!isDone) worker?.terminate();
-    endTurn(isDone ? worker! : null);
+    // Most loads are of PLY: only such workers are kept for the next.
+    if (!isDone || format !== null) worker = endWorker(worker);
+    endTurn(worker);
     stop.abort();
   }
+}
+
+/** Whether a name says that a file is no ordinary PLY, whose worker needs no more code to be started. */
+const isNamedOtherwise = (fileName: string) => /\.compressed\.ply$|\.(?!ply$)\w+$/i.test(fileName);
+
+function endWorker(worker: Worker | null): null {
+  worker?.terminate();
+  return null;
 }
 
 /** Reads in the calling thread. The code that reads is fetched only then: a page whose worker reads never needs it. */
@@ -72,14 +107,16 @@ async function readHere(
   watch: Watch,
   rowsTo: RowsTo | undefined,
 ): Promise<PackedCloud | null> {
-  const { readAndPack } = await import('./read-and-pack.ts');
-  return readAndPack(source, settings, watch, rowsTo);
+  const [{ readAndPack }, { readerOf }] = await Promise.all([
+    import('./read-and-pack.ts'),
+    import('../formats/readers.ts'),
+  ]);
+  return readAndPack(source, settings, watch, readerOf, rowsTo);
 }
 
-/** A worker whose script is running; undefined where none can start. */
-async function startWorker(signal: AbortSignal | undefined): Promise<Worker | undefined> {
-  const worker = newWorker();
-  if (worker === undefined) return undefined;
+/** Resolves with `worker` when its script is running; with null where it cannot. */
+async function startWorker(worker: Worker | null, signal: AbortSignal | undefined): Promise<Worker | null> {
+  if (worker === null) return null;
   return new Promise((resolve, reject) => {
     const onAbort = () => {
       worker.terminate();
@@ -93,19 +130,21 @@ async function startWorker(signal: AbortSignal | undefined): Promise<Worker | un
     worker.onerror = (event) => {
       event.preventDefault();
       signal?.removeEventListener('abort', onAbort);
-      worker.terminate();
-      resolve(undefined);
+      resolve(endWorker(worker));
     };
   });
 }
 
-function newWorker(): Worker | undefined {
-  if (typeof Worker === 'undefined') return undefined;
+/** The worker that reads `format`, by default PLY; null where none can start. */
+async function newWorker(format: string | null): Promise<Worker | null> {
+  if (typeof Worker === 'undefined') return null;
   try {
+    if (format !== null && format !== 'ply')
+      return (await import('./format-workers.ts')).newFormatWorker(format);
     // In one piece, since this is the form that bundlers recognise.
     return new Worker(new URL('./load-worker.ts', import.meta.url), { type: 'module' });
   } catch {
-    return undefined;
+    return null;
   }
 }
 
@@ -155,6 +194,7 @@ function loadInWorker(
       else if (data.kind === 'layout') then(() => rowsTo!.sink.begin(data.layout));
       else if (data.kind === 'rows') then(() => takeRows(data));
       else if (data.kind === 'rows-end') then(() => finish(null));
+      else if (data.kind === 'other-format') reject(new OtherFormat(data.format, data.stream));
       else if (data.kind === 'error') reject(fromPostedError(data.error));
       else if (data.kind === 'progress') callOrReject(() => watch.onProgress?.(data.progress), reject);
     };
@@ -191,7 +231,7 @@ function post(
     const piped = source.pipeThrough(new TransformStream<Uint8Array, Uint8Array>(), { signal });
     posted = piped;
     transfer = [piped];
-  } else if (!isBlob(source)) {
+  } else if (!isBlob(source) && !isFiles(source)) {
     const copy = bytesOf(source).slice();
     posted = copy;
     transfer = [copy.buffer];
@@ -209,13 +249,14 @@ function post(
 
 /**
  * A source from which the same splats can be read again, any number of times: the absolute URL, or the very same Blob
- * or File. Null for streams, which are consumed, and for buffers, which would have to be kept in memory.
+ * or Files. Null for streams, which are consumed, and for buffers, which would have to be kept in memory.
  *
  * @throws InvalidArgumentError for what is neither text nor an object, and so no source of any kind.
  */
-export function lastingSource(source: SplatSource): string | Blob | null {
+export function lastingSource(source: SplatSource): LastingSource | null {
   if (typeof source === 'string' || source instanceof URL) return absoluteUrl(String(source));
   if (isBlob(source)) return source;
+  if (isFiles(source)) return { files: [...source.files] };
   if (Object(source) !== source) bytesOf(source as never);
   return null;
 }

@@ -1,3 +1,5 @@
+import { readPly } from '../formats/ply/ply.ts';
+import { plyFormat } from '../formats/ply/ply-format.ts';
 import { type LoadPort, serveLoad } from './serve-load.ts';
 
-serveLoad(self as unknown as LoadPort);
+serveLoad(self as unknown as LoadPort, plyFormat, readPly);

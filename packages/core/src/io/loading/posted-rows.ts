@@ -1,6 +1,6 @@
 import type { RowLayout } from '../../packing/row-layout.ts';
-import type { LoadReply } from './load-messages.ts';
 import type { RowSink } from '../formats/row-sink.ts';
+import type { LoadReply } from './load-messages.ts';
 
 /** Pieces that are filled or on their way at once. */
 const PIECES = 4;

@@ -13,6 +13,9 @@ export async function readSplats(
   source: SplatSource,
   options: ReadSplatsOptions = {},
 ): Promise<SplatSet<PackedHarmonics>> {
-  const { readSource } = await import('./read-source.ts');
-  return readSource(source, options);
+  const [{ readSource }, { readerOf }] = await Promise.all([
+    import('./read-source.ts'),
+    import('../formats/readers.ts'),
+  ]);
+  return readSource(source, options, readerOf);
 }

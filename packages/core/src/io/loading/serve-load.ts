@@ -1,5 +1,7 @@
 import { transferablesOf } from '../../packing/packed-cloud.ts';
+import type { ReadFormat, SplatFormat } from '../formats/splat-format.ts';
 import { type LoadReply, type LoadRequest, toPostedError } from './load-messages.ts';
+import { OtherFormat } from './other-format.ts';
 import { PostedRows } from './posted-rows.ts';
 import { readAndPack } from './read-and-pack.ts';
 
@@ -9,8 +11,13 @@ export interface LoadPort {
   postMessage(reply: LoadReply, transfer: Transferable[]): void;
 }
 
-/** Does the loads that the page asks for, one after another, and posts their progress and outcome. */
-export function serveLoad(port: LoadPort): void {
+/**
+ * Does the loads that the page asks for, one after another, and posts their progress and outcome.
+ *
+ * @param format the only one that is read; files of others are given back.
+ */
+export function serveLoad(port: LoadPort, format: SplatFormat, read: ReadFormat): void {
+  const pickReader = ({ name }: SplatFormat) => (name === format.name ? read : null);
   let sink = new PostedRows(port);
   port.onmessage = async ({ data: request }) => {
     if (request.kind === 'memory') {
@@ -23,11 +30,20 @@ export function serveLoad(port: LoadPort): void {
       const watch = {
         onProgress: (progress) => port.postMessage({ kind: 'progress', progress }, []),
       } satisfies Parameters<typeof readAndPack>[2];
-      const cloud = await readAndPack(source, settings, watch, rows ? { sink, files: rows } : undefined);
+      const cloud = await readAndPack(
+        source,
+        settings,
+        watch,
+        pickReader,
+        rows ? { sink, files: rows } : undefined,
+      );
       if (cloud) port.postMessage({ kind: 'cloud', cloud }, transferablesOf(cloud));
       else port.postMessage({ kind: 'rows-end' }, []);
     } catch (error) {
-      port.postMessage({ kind: 'error', error: toPostedError(error) }, []);
+      if (error instanceof OtherFormat) {
+        const { format, stream } = error;
+        port.postMessage({ kind: 'other-format', format, stream }, stream ? [stream] : []);
+      } else port.postMessage({ kind: 'error', error: toPostedError(error) }, []);
     }
   };
   port.postMessage({ kind: 'ready' }, []);

@@ -57,6 +57,7 @@ export class ByteReader {
   /** Where a stream that writes into given memory writes next. */
   #chunkMemory = new ArrayBuffer(0);
   #lastPauseMs = performance.now();
+  #isHandedOn = false;
 
   constructor(source: ReaderSource, signal?: AbortSignal, maxBytes = Number.POSITIVE_INFINITY) {
     this.#name = source.name;
@@ -177,9 +178,25 @@ export class ByteReader {
     this.#signal?.throwIfAborted();
   }
 
-  /** Releases the stream and cancels what has not been read. */
+  /** What has not been read yet, as a stream of its own, which ends this reader's use. */
+  rest(): ReadableStream<Uint8Array<ArrayBuffer>> {
+    this.#isHandedOn = true;
+    return new ReadableStream(
+      {
+        pull: async (controller) => {
+          if (!(await this.fill(1))) return controller.close();
+          controller.enqueue(this.bytes.slice(this.start, this.#end));
+          this.advance(this.available);
+        },
+        cancel: (reason) => this.#cancel(reason),
+      },
+      { highWaterMark: 0 },
+    );
+  }
+
+  /** Releases the stream and cancels what has not been read, unless that was handed on. */
   close(): void {
-    this.#cancel(undefined);
+    if (!this.#isHandedOn) this.#cancel(undefined);
   }
 
   #cancel(reason: unknown): void {

@@ -26,6 +26,14 @@ export function limitsOf(
   return limits;
 }
 
+/** Returns the most bytes that may be unpacked of a packed source. */
+export function unpackedLimit(
+  { maxBytes }: ReadLimits,
+  { totalBytes = Number.POSITIVE_INFINITY }: Pick<OpenedSource, 'totalBytes'>,
+): number {
+  return maxBytes ?? Math.min(DEFAULT_MAX_BYTES, Math.max(HARMLESS_BYTES, MOST_UNPACKED * totalBytes));
+}
+
 function checkLimit(argument: string, value: number): void {
   if (typeof value === 'number' && value > 0) return;
   throw new InvalidArgumentError(argument, `${argument} is ${shown(value)}; it must be a number above 0.`);

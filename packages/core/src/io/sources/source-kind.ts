@@ -1,6 +1,6 @@
 import { InvalidArgumentError, SplatSourceError } from '../../errors.ts';
 import { printable } from '../../printable.ts';
-import type { SplatSource } from './splat-source.ts';
+import type { SceneFiles, SplatSource } from './splat-source.ts';
 
 /** Longest name shown in messages: data URLs can be megabytes. */
 const MAX_NAME_LENGTH = 200;
@@ -10,7 +10,22 @@ export function sourceName(source: SplatSource): string {
   if (typeof source === 'string' || source instanceof URL) return shortName(String(source));
   if (isStream(source)) return 'stream';
   if (isBlob(source)) return shortName((source as Partial<File>).name ?? 'blob');
+  if (isFiles(source)) return 'files';
   return 'buffer';
+}
+
+/**
+ * Name by which to tell the kind of file that `source` is: the file's own, or the last part of an address, without queries.
+ *
+ * @param name what the caller calls the source; taken where the source has no name.
+ */
+export function fileNameOf(source: SplatSource, name: string | undefined): string {
+  if (typeof source === 'string' || source instanceof URL) {
+    const address = String(source);
+    if (!/^(?:blob|data):/i.test(address)) return address.replace(/[?#].*$/s, '').replace(/^.*\//s, '');
+  }
+  const names: readonly unknown[] = [(source as Partial<File> | null)?.name, name];
+  return (names.find((each) => typeof each === 'string') as string | undefined) ?? '';
 }
 
 /** `text` as messages show it, shortened if it is long. */
@@ -33,6 +48,11 @@ export function isBlob(source: unknown): source is Blob {
   return typeof blob?.stream === 'function' && typeof blob.size === 'number';
 }
 
+/** Whether `source` has a list, of whatever. */
+export function isFiles(source: unknown): source is SceneFiles {
+  return Array.isArray((source as Partial<SceneFiles> | null)?.files);
+}
+
 /**
  * The bytes of a buffer, or of the part that a view shows, without a copy. Throws `InvalidArgumentError` for anything
  * else.
@@ -50,7 +70,7 @@ export function bytesOf(source: ArrayBuffer | ArrayBufferView): Uint8Array {
       `source is a ${tag} that has been transferred away; pass it before, or a copy.`,
     );
   }
-  const expected = 'it must be a URL, Blob, File, ArrayBuffer, view or ReadableStream';
+  const expected = 'it must be a URL, Blob, File, { files }, ArrayBuffer, view or ReadableStream';
   throw new InvalidArgumentError('source', `source is ${tag}; ${expected}.`);
 }
 

@@ -1,8 +1,23 @@
 import type { SplatSourceError } from '../../errors.ts';
 import type { ShPrecision } from '../../packing/precision.ts';
 
+/** The files of one scene that has several, such as `meta.json` and its images; of those in folders, a browser knows the paths. */
+export interface SceneFiles {
+  readonly files: readonly Blob[];
+}
+
+/** What the same splats can be read from again, any number of times. */
+export type LastingSource = string | Blob | SceneFiles;
+
 /** Anything that splats can be read from. */
-export type SplatSource = string | URL | Blob | ArrayBuffer | ArrayBufferView | ReadableStream<Uint8Array>;
+export type SplatSource =
+  | string
+  | URL
+  | Blob
+  | SceneFiles
+  | ArrayBuffer
+  | ArrayBufferView
+  | ReadableStream<Uint8Array>;
 
 /** Progress of a load. */
 export interface LoadProgress {
@@ -86,6 +101,11 @@ export interface OpenedSource {
   readonly idleTimeoutMs?: number;
   /** Undefined where a stream cannot be had again. */
   readonly resume?: ResumeSource;
+  /**
+   * Opens another file of the same scene, by its path from the folder of this one; undefined where there is none. Rejects with
+   * SplatFileError 'missing-part', and as `openSource`.
+   */
+  readonly openPart?: (path: string) => Promise<OpenedSource>;
 }
 
 /**

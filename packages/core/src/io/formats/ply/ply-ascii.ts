@@ -1,8 +1,8 @@
 import { SplatFileError } from '../../../errors.ts';
 import type { ByteReader } from '../../sources/byte-reader.ts';
-import { clip, type PlyBody, type PlyElement, type PlyType } from './ply-header.ts';
 import type { ReadProgress } from '../progress.ts';
 import type { SplatSetBuilder } from '../splat-set-builder.ts';
+import { clip, type PlyBody, type PlyElement, type PlyType } from './ply-header.ts';
 
 /** Longest line that is held; a row of a real file has some hundred bytes. */
 const MAX_LINE_BYTES = 1 << 24;
@@ -49,7 +49,7 @@ export async function readAsciiRows(
       }
       if (++row === vertex.count) break;
     }
-    progress.report(reader.byteOffset, builder.count);
+    progress.report(builder.count);
   }
 }
 

@@ -2,10 +2,10 @@ import { SplatFileError } from '../../../errors.ts';
 import { type RowLayout, rowsWithin } from '../../../packing/row-layout.ts';
 import type { ShDegree } from '../../../splats/splat-set.ts';
 import type { ByteReader } from '../../sources/byte-reader.ts';
-import { clip, type PlyBody, type PlyElement, type PlyType, TYPE_BYTES } from './ply-header.ts';
 import type { ReadProgress } from '../progress.ts';
 import type { RowSink } from '../row-sink.ts';
 import type { SplatSetBuilder } from '../splat-set-builder.ts';
+import { clip, type PlyBody, type PlyElement, type PlyType, TYPE_BYTES } from './ply-header.ts';
 
 type ReadScalar = (view: DataView, offset: number, littleEndian: boolean) => number;
 
@@ -58,7 +58,7 @@ export async function passRows(
   for (let row = 0; row < count; row += pieceRows) {
     const rowCount = Math.min(pieceRows, count - row);
     const memory = await sink.memory();
-    const onPart = () => progress.report(reader.byteOffset, row);
+    const onPart = () => progress.report(row);
     const rows = memory.subarray(0, rowCount * strideBytes);
     const filled = await reader.readInto(rows, sink.mayDetach, onPart);
     if (!filled) throw truncatedError(reader, body, vertex, row);
@@ -113,7 +113,7 @@ async function readFixedRows(
     }
     reader.advance(rowCount * stride);
     row += rowCount;
-    progress.report(reader.byteOffset, builder.count);
+    progress.report(builder.count);
   }
 }
 
@@ -182,7 +182,7 @@ async function readListRows(
       else if (!(await reader.skip(itemBytes))) throw truncatedError(reader, body, element, row);
     }
     builder?.push(row);
-    if (row % ROWS_PER_REPORT === 0) progress.report(reader.byteOffset, builder?.count ?? 0);
+    if (row % ROWS_PER_REPORT === 0) progress.report(builder?.count ?? 0);
   }
 }
 

@@ -7,6 +7,11 @@ import {
   type ShDegree,
   type SplatSet,
 } from '../../../splats/splat-set.ts';
+import { checkCount } from '../check-count.ts';
+import { ReadProgress } from '../progress.ts';
+import type { RowFiles, RowsTo } from '../row-sink.ts';
+import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
+import { SplatSetBuilder } from '../splat-set-builder.ts';
 import { readAsciiRows } from './ply-ascii.ts';
 import { passRows, readBinaryRows, rowLayoutOf } from './ply-binary.ts';
 import {
@@ -17,18 +22,6 @@ import {
   readPlyHeader,
   TYPE_BYTES,
 } from './ply-header.ts';
-import { ReadProgress } from '../progress.ts';
-import type { RowFiles, RowsTo } from '../row-sink.ts';
-import type { SplatFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
-import { MAX_SPLATS, SplatSetBuilder } from '../splat-set-builder.ts';
-
-/** PLY as written by 3D Gaussian Splatting and its descendants; also the file that `encodePly` writes. */
-export const plyFormat: SplatFormat = {
-  name: 'ply',
-  sniff: (bytes) => /^ply\s/.test(String.fromCharCode(...bytes.subarray(0, 4))),
-  read: readPly,
-  readRows: readPly,
-};
 
 const SLOT_OF_CORE_PROPERTY = new Map<string, number>([
   ...['x', 'y', 'z'].map((name, i): [string, number] => [name, ROW_SLOT.position + i]),
@@ -79,7 +72,7 @@ export async function readPly(
   const shDegree = shDegreeOf(vertex, file);
   const body: PlyBody = { file, header, vertexIndex, slots: slotsOf(vertex, shDegree, file) };
   checkCounts(input, header, vertexIndex, reader.byteOffset, options.maxSplats);
-  const progress = new ReadProgress(input.totalBytes, options.onProgress);
+  const progress = new ReadProgress(input, options.onProgress);
   const layout = rowsTo && rowLayoutOf(body, shDegree, rowsTo.files.pieceBytes);
   if (
     rowsTo &&
@@ -89,7 +82,7 @@ export async function readPly(
   ) {
     await rowsTo.sink.begin(layout);
     await passRows(reader, body, layout, rowsTo.sink, progress);
-    progress.finish(reader.byteOffset, vertex.count);
+    progress.finish(vertex.count);
     return null;
   }
   const builder = new SplatSetBuilder({
@@ -105,7 +98,7 @@ export async function readPly(
   });
   const readRows = header.format === 'ascii' ? readAsciiRows : readBinaryRows;
   await readRows(reader, body, builder, progress);
-  progress.finish(reader.byteOffset, builder.count);
+  progress.finish(builder.count);
   return builder.finish();
 }
 
@@ -211,10 +204,7 @@ function checkCounts(
   maxSplats: number,
 ): void {
   const vertex = header.elements[vertexIndex];
-  if (vertex.count === 0) {
-    throw new SplatFileError('empty', source.name, 'the header promises 0 splats.', { element: 'vertex' });
-  }
-  if (source.totalBytes !== undefined && source.totalBytesCertain) {
+  if (vertex.count > 0 && source.totalBytes !== undefined && source.totalBytesCertain) {
     const elements = header.elements.slice(0, vertexIndex + 1);
     const neededBytes = elements.reduce(
       (sum, element) => sum + element.count * leastRowBytes(element, header),
@@ -232,22 +222,7 @@ function checkCounts(
       );
     }
   }
-  if (vertex.count > MAX_SPLATS) {
-    throw new SplatFileError(
-      'too-large',
-      source.name,
-      `the header promises ${vertex.count} splats; at most ${MAX_SPLATS} can be numbered. Split the file.`,
-      { element: 'vertex' },
-    );
-  }
-  if (vertex.count > maxSplats) {
-    throw new SplatFileError(
-      'too-large',
-      source.name,
-      `it has ${vertex.count} splats, more than maxSplats, ${maxSplats}. Pass a larger maxSplats if there is memory for them.`,
-      { element: 'vertex' },
-    );
-  }
+  checkCount(vertex.count, source.name, maxSplats, { element: 'vertex' });
 }
 
 /** Least bytes of one row: lists are empty; in text each number is a digit and a separator. */

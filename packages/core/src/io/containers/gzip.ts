@@ -1,0 +1,52 @@
+import { SplatFileError, WebSplatterError } from '../../errors.ts';
+import type { SplatInput } from '../formats/splat-format.ts';
+import { ByteReader, messageOf } from '../sources/byte-reader.ts';
+
+export function isGzip(firstBytes: Uint8Array): boolean {
+  return firstBytes[0] === 0x1f && firstBytes[1] === 0x8b;
+}
+
+/**
+ * What is in a gzip stream (RFC 1952), as an input of its own.
+ *
+ * @param maxBytes most that it may have.
+ */
+export function unpackGzip(
+  packed: SplatInput,
+  signal: AbortSignal | undefined,
+  maxBytes: number,
+): SplatInput {
+  const { name, reader } = packed;
+  const stream = unpackedStream(reader, name);
+  return {
+    name,
+    totalBytes: undefined,
+    totalBytesCertain: false,
+    isHeld: false,
+    packed,
+    reader: new ByteReader({ name, stream }, signal, maxBytes),
+  };
+}
+
+function unpackedStream(packed: ByteReader, name: string): ReadableStream<Uint8Array> {
+  const unpacking = packed.rest().pipeThrough(new DecompressionStream('gzip')).getReader();
+  return new ReadableStream(
+    {
+      async pull(controller) {
+        try {
+          const { done, value } = await unpacking.read();
+          if (done) controller.close();
+          else controller.enqueue(value);
+        } catch (cause) {
+          // What fails before the unpacking says so itself.
+          if (cause instanceof WebSplatterError) throw cause;
+          const advice = 'Download or export it again';
+          const message = `it cannot be unpacked (${messageOf(cause)}). ${advice}.`;
+          throw new SplatFileError('damaged', name, message, { byte: packed.byteOffset }, { cause });
+        }
+      },
+      cancel: (reason) => unpacking.cancel(reason),
+    },
+    { highWaterMark: 0 },
+  );
+}
