@@ -29,6 +29,7 @@ const PACKAGES = [
       reference: 'src/reference/index.ts',
       inspect: 'src/inspect/index.ts',
       measure: 'src/measure/index.ts',
+      formats: 'src/io/formats/formats.ts',
       'load-worker': 'src/io/loading/load-worker.ts',
     },
     inputs: ['shaders'],

@@ -48,9 +48,7 @@ export type { EngineCounters } from './gpu/engine-counters.ts';
 export type { GpuMemoryReport } from './gpu/gpu-memory.ts';
 export type { TextureImage } from './gpu/read-texture.ts';
 export { RecoveryPace } from './gpu/recovery-pace.ts';
-export { SPLAT_FORMATS } from './io/formats/formats.ts';
 export { encodePly } from './io/formats/ply/write-ply.ts';
-export type { SplatFormat } from './io/formats/splat-format.ts';
 export { type LoadSplatsOptions, lastingSource, loadSplats } from './io/loading/load-splats.ts';
 export { readSplats } from './io/loading/read-splats.ts';
 export type {

@@ -1,10 +1,7 @@
 import { SplatFileError } from '../../errors.ts';
 import { SPLAT_FORMATS } from './formats.ts';
 import { latin1 } from './latin1.ts';
-import type { SplatFormat } from './splat-format.ts';
-
-/** Number of a file's first bytes that `detectFormat` needs. */
-export const SNIFF_BYTES = 512;
+import { SNIFF_BYTES, type SplatFormat } from './splat-format.ts';
 
 /** Files that people open by mistake, each with advice. Tried in order. */
 const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string }[] = [
@@ -15,7 +12,7 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
   {
     // biome-ignore lint/suspicious/noControlCharactersInRegex: the first byte of gzip is one
     pattern: /^\x1f\x8b/,
-    message: 'it is gzip-compressed twice; unpack it first',
+    message: 'it is gzip-compressed; unpack it first',
   },
   { pattern: /^PK/, message: 'it is a zip archive, as .sog is; unpack or convert it to PLY first' },
   { pattern: /^\x28\xb5\x2f\xfd/, message: 'it is zstd-compressed; unpack it first' },

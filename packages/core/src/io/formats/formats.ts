@@ -6,3 +6,12 @@ import type { SplatFormat } from './splat-format.ts';
  * code to `readers.ts` and its worker to `../loading/format-workers.ts`.
  */
 export const SPLAT_FORMATS: readonly SplatFormat[] = [plyFormat];
+
+/** The format that files with this name usually have; undefined if the name does not tell. */
+export function formatByName(fileName: string): SplatFormat | undefined {
+  const lower = fileName.toLowerCase();
+  return SPLAT_FORMATS.find(
+    ({ extensions, leadingFile }) =>
+      extensions.some((end) => lower.endsWith(end)) || leadingFile?.test(lower),
+  );
+}

@@ -1,10 +1,14 @@
-import type { ReadFormat, SplatFormat } from './splat-format.ts';
+import { openFiles } from '../sources/open-files.ts';
+import { detectFormat } from './detect.ts';
+import type { FormatReaders, ReadFormat } from './splat-format.ts';
 
 /** The code of each format, fetched when a file is of it. */
 const READERS: Readonly<Record<string, () => Promise<ReadFormat>>> = {
   ply: async () => (await import('./ply/ply.ts')).readPly,
 };
 
-export function readerOf({ name }: SplatFormat): Promise<ReadFormat> {
-  return READERS[name]();
-}
+/** All formats, for threads without a worker. */
+export const ALL_READERS: FormatReaders = {
+  pick: (firstBytes, file, fileName) => READERS[detectFormat(firstBytes, file, fileName).name](),
+  openFiles,
+};

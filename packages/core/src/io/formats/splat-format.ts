@@ -2,7 +2,7 @@ import type { PackedHarmonics } from '../../packing/harmonics.ts';
 import type { ShPrecision } from '../../packing/precision.ts';
 import type { SplatSet } from '../../splats/splat-set.ts';
 import type { ByteReader } from '../sources/byte-reader.ts';
-import type { OpenedSource, ReadOptions } from '../sources/splat-source.ts';
+import type { OpenedSource, ReadOptions, SceneFiles } from '../sources/splat-source.ts';
 import type { RowsTo } from './row-sink.ts';
 
 /** A file format as it can be told from others, without the code that reads it. */
@@ -33,12 +33,29 @@ export interface SplatFormatOptions extends Pick<ReadOptions, 'signal' | 'onProg
   readonly maxBytes: number;
 }
 
+/** Number of a file's first bytes that formats are told by. */
+export const SNIFF_BYTES = 512;
+
 /** A source that is being read. */
 export interface SplatInput extends Omit<OpenedSource, 'stream'> {
   /** At the first byte. */
   readonly reader: ByteReader;
   /** The input that this one was unpacked from, if it was. */
   readonly packed?: SplatInput;
+}
+
+/** The formats that a thread reads. */
+export interface FormatReaders {
+  /**
+   * Returns the code that reads a file; null if that is for other threads.
+   *
+   * @param firstBytes see `SplatFormat.recognise`.
+   * @param file its name in messages.
+   * @param fileName its own name.
+   */
+  pick(firstBytes: Uint8Array, file: string, fileName: string): Promise<ReadFormat> | ReadFormat | null;
+  /** For formats that have several files. */
+  readonly openFiles?: (source: SceneFiles, options: ReadOptions) => OpenedSource;
 }
 
 /**
@@ -52,3 +69,8 @@ export type ReadFormat = (
   options: SplatFormatOptions,
   rowsTo?: RowsTo,
 ) => Promise<SplatSet<PackedHarmonics> | null>;
+
+/** A thread's readers if it reads a single format. */
+export function onlyOf({ recognise }: SplatFormat, read: ReadFormat): FormatReaders {
+  return { pick: (firstBytes, _file, fileName) => (recognise(firstBytes, fileName) ? read : null) };
+}

@@ -1,13 +1,26 @@
-import { SPLAT_FORMATS } from '../formats/formats.ts';
+import { detectFormat } from '../formats/detect.ts';
+import { formatByName } from '../formats/formats.ts';
+import { leadingFile } from '../sources/open-files.ts';
+import { fileNameOf, isFiles } from '../sources/source-kind.ts';
+import type { SplatSource } from '../sources/splat-source.ts';
+import type { OtherFormat } from './other-format.ts';
 
 /** A worker for each format but PLY, which `load-splats.ts` starts by itself. In one piece each, the form that bundlers recognise. */
 const WORKERS: Readonly<Record<string, () => Worker>> = {};
 
-/** Name of the format that files with this name are most likely of; null if it may be any. */
-export function formatByName(fileName: string): string | null {
-  const lower = fileName.toLowerCase();
-  const format = SPLAT_FORMATS.find(({ extensions }) => extensions.some((end) => lower.endsWith(end)));
-  return format?.name ?? null;
+/** Name of the format that a source most likely has; null if its name does not tell. */
+export function likelyFormat(source: SplatSource, name: string | undefined): string | null {
+  const named = isFiles(source) ? leadingFile(source) : source;
+  return formatByName(fileNameOf(named, name))?.name ?? null;
+}
+
+/**
+ * Name of the format of a source that a worker gave back.
+ *
+ * @throws SplatFileError 'unknown-format'.
+ */
+export function formatOf({ firstBytes }: OtherFormat, source: SplatSource, name: string | undefined): string {
+  return detectFormat(firstBytes, name, fileNameOf(source, name)).name;
 }
 
 /** The worker that reads a format other than PLY. */

@@ -45,7 +45,7 @@ export type LoadReply =
   /** The file is of another format than the worker reads. A stream goes on, from its beginning, with the one given back. */
   | {
       readonly kind: 'other-format';
-      readonly format: string;
+      readonly firstBytes: Uint8Array;
       readonly stream: ReadableStream<Uint8Array> | null;
     }
   | { readonly kind: 'error'; readonly error: PostedError };

@@ -8,6 +8,7 @@ import { readPly } from '../formats/ply/ply.ts';
 import { plyFormat } from '../formats/ply/ply-format.ts';
 import { encodePly } from '../formats/ply/write-ply.ts';
 import type { RowSink } from '../formats/row-sink.ts';
+import { onlyOf } from '../formats/splat-format.ts';
 import type { LoadProgress, SplatSource } from '../sources/splat-source.ts';
 import { fromPostedError, type LoadRequest, toPostedError } from './load-messages.ts';
 import { lastingSource, loadOrPass, loadSplats } from './load-splats.ts';
@@ -88,7 +89,7 @@ class FakeWorker {
       postMessage: (reply, transfer) => this.#inside.postMessage(reply, transfer as never),
     };
     inside.on('message', (data) => port.onmessage?.({ data } as MessageEvent<LoadRequest>));
-    serveLoad(port, plyFormat, readPly);
+    serveLoad(port, onlyOf(plyFormat, readPly));
   }
 }
 

@@ -66,9 +66,9 @@ export async function loadOrPass(
   };
   try {
     signal?.throwIfAborted();
-    if (isNamedOtherwise(fileNameOf(source, name))) {
-      const { formatByName } = await import('./format-workers.ts');
-      format = formatByName(fileNameOf(source, name));
+    if (isFiles(source) || isNamedOtherwise(fileNameOf(source, name))) {
+      const { likelyFormat } = await import('./format-workers.ts');
+      format = likelyFormat(source, name);
       if (format !== null) worker = endWorker(worker);
     }
     for (let from = source; ; ) {
@@ -80,7 +80,7 @@ export async function loadOrPass(
         if (!(error instanceof OtherFormat)) throw error;
         worker = endWorker(worker);
         from = error.stream ?? from;
-        format = error.format;
+        format = (await import('./format-workers.ts')).formatOf(error, source, name);
       }
     }
   } finally {
@@ -107,11 +107,11 @@ async function readHere(
   watch: Watch,
   rowsTo: RowsTo | undefined,
 ): Promise<PackedCloud | null> {
-  const [{ readAndPack }, { readerOf }] = await Promise.all([
+  const [{ readAndPack }, { ALL_READERS }] = await Promise.all([
     import('./read-and-pack.ts'),
     import('../formats/readers.ts'),
   ]);
-  return readAndPack(source, settings, watch, readerOf, rowsTo);
+  return readAndPack(source, settings, watch, ALL_READERS, rowsTo);
 }
 
 /** Resolves with `worker` when its script is running; with null where it cannot. */
@@ -194,7 +194,7 @@ function loadInWorker(
       else if (data.kind === 'layout') then(() => rowsTo!.sink.begin(data.layout));
       else if (data.kind === 'rows') then(() => takeRows(data));
       else if (data.kind === 'rows-end') then(() => finish(null));
-      else if (data.kind === 'other-format') reject(new OtherFormat(data.format, data.stream));
+      else if (data.kind === 'other-format') reject(new OtherFormat(data.firstBytes, data.stream));
       else if (data.kind === 'error') reject(fromPostedError(data.error));
       else if (data.kind === 'progress') callOrReject(() => watch.onProgress?.(data.progress), reject);
     };

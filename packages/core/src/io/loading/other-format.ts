@@ -1,13 +1,13 @@
 /** Thrown by a worker that reads one format for a file of another. Callers of loads never see it: another worker takes over. */
 export class OtherFormat extends Error {
-  /** Name of the file's format. */
-  readonly format: string;
+  /** By which the format is told: `SNIFF_BYTES`, or all there are. */
+  readonly firstBytes: Uint8Array;
   /** What to read instead of a stream, of which the first bytes have been taken; null for other sources. */
   readonly stream: ReadableStream<Uint8Array> | null;
 
-  constructor(format: string, stream: ReadableStream<Uint8Array> | null) {
-    super(`The file is of the format ${format}.`);
-    this.format = format;
+  constructor(firstBytes: Uint8Array, stream: ReadableStream<Uint8Array> | null) {
+    super('The file is of another format.');
+    this.firstBytes = firstBytes;
     this.stream = stream;
   }
 }

@@ -13,9 +13,9 @@ export async function readSplats(
   source: SplatSource,
   options: ReadSplatsOptions = {},
 ): Promise<SplatSet<PackedHarmonics>> {
-  const [{ readSource }, { readerOf }] = await Promise.all([
+  const [{ readSource }, { ALL_READERS }] = await Promise.all([
     import('./read-source.ts'),
     import('../formats/readers.ts'),
   ]);
-  return readSource(source, options, readerOf);
+  return readSource(source, options, ALL_READERS);
 }

@@ -1,5 +1,5 @@
 import { transferablesOf } from '../../packing/packed-cloud.ts';
-import type { ReadFormat, SplatFormat } from '../formats/splat-format.ts';
+import type { FormatReaders } from '../formats/splat-format.ts';
 import { type LoadReply, type LoadRequest, toPostedError } from './load-messages.ts';
 import { OtherFormat } from './other-format.ts';
 import { PostedRows } from './posted-rows.ts';
@@ -14,10 +14,9 @@ export interface LoadPort {
 /**
  * Does the loads that the page asks for, one after another, and posts their progress and outcome.
  *
- * @param format the only one that is read; files of others are given back.
+ * @param readers files of other formats are given back.
  */
-export function serveLoad(port: LoadPort, format: SplatFormat, read: ReadFormat): void {
-  const pickReader = ({ name }: SplatFormat) => (name === format.name ? read : null);
+export function serveLoad(port: LoadPort, readers: FormatReaders): void {
   let sink = new PostedRows(port);
   port.onmessage = async ({ data: request }) => {
     if (request.kind === 'memory') {
@@ -34,15 +33,15 @@ export function serveLoad(port: LoadPort, format: SplatFormat, read: ReadFormat)
         source,
         settings,
         watch,
-        pickReader,
+        readers,
         rows ? { sink, files: rows } : undefined,
       );
       if (cloud) port.postMessage({ kind: 'cloud', cloud }, transferablesOf(cloud));
       else port.postMessage({ kind: 'rows-end' }, []);
     } catch (error) {
       if (error instanceof OtherFormat) {
-        const { format, stream } = error;
-        port.postMessage({ kind: 'other-format', format, stream }, stream ? [stream] : []);
+        const { firstBytes, stream } = error;
+        port.postMessage({ kind: 'other-format', firstBytes, stream }, stream ? [stream] : []);
       } else port.postMessage({ kind: 'error', error: toPostedError(error) }, []);
     }
   };

@@ -1,5 +1,6 @@
 import { InvalidArgumentError, SplatFileError } from '../../errors.ts';
 import { SPLAT_FORMATS } from '../formats/formats.ts';
+import { openBlob } from './open-blob.ts';
 import { isBlob } from './source-kind.ts';
 import type { OpenedSource, ReadOptions, SceneFiles } from './splat-source.ts';
 
@@ -12,20 +13,9 @@ const MOST_LISTED = 5;
  *
  * @throws InvalidArgumentError for anything but Blobs, or if several files have none that leads.
  */
-export function openFiles({ files }: SceneFiles, { name }: ReadOptions): OpenedSource {
-  for (const file of files) {
-    if (isBlob(file)) continue;
-    const message = 'source.files has something else than Files; pass those of one scene.';
-    throw new InvalidArgumentError('source', message);
-  }
-  const leading = files.length === 1 ? files[0] : files.find((file) => isLeading(pathOf(file)));
-  if (!leading) {
-    const names = files.slice(0, MOST_LISTED).map(pathOf).join(', ');
-    const found =
-      files.length === 0 ? 'source.files is empty' : `source has ${files.length} files (${names})`;
-    const message = `${found}, and none of them leads to the others, as meta.json does; pass one scene at a time.`;
-    throw new InvalidArgumentError('source', message);
-  }
+export function openFiles(source: SceneFiles, { name }: ReadOptions): OpenedSource {
+  const { files } = source;
+  const leading = leadingFile(source);
   const folder = pathOf(leading).replace(/[^/]*$/, '');
   const byPath = new Map(files.map((file) => [normalized(pathOf(file)), file]));
   const openPart = async (path: string): Promise<OpenedSource> => {
@@ -38,10 +28,6 @@ export function openFiles({ files }: SceneFiles, { name }: ReadOptions): OpenedS
     );
   };
   return { ...openBlob(leading, name ?? pathOf(leading)), openPart };
-}
-
-export function openBlob(blob: Blob, name: string): OpenedSource {
-  return { name, totalBytes: blob.size, totalBytesCertain: true, isHeld: true, stream: blob.stream() };
 }
 
 function isLeading(path: string): boolean {
@@ -62,4 +48,22 @@ function normalized(path: string): string {
     else if (part !== '.' && part !== '') parts.push(part);
   }
   return parts.join('/');
+}
+
+/**
+ * The file that leads to the others.
+ *
+ * @throws InvalidArgumentError for anything but Blobs, or if several files have none that leads.
+ */
+export function leadingFile({ files }: SceneFiles): Blob {
+  if (!files.every(isBlob)) {
+    const message = 'source.files has something else than Files; pass those of one scene.';
+    throw new InvalidArgumentError('source', message);
+  }
+  const leading = files.length === 1 ? files[0] : files.find((file) => isLeading(pathOf(file)));
+  if (leading) return leading;
+  const names = files.slice(0, MOST_LISTED).map(pathOf).join(', ');
+  const found = files.length === 0 ? 'source.files is empty' : `source has ${files.length} files (${names})`;
+  const message = `${found}, and none of them leads to the others, as meta.json does; pass one scene at a time.`;
+  throw new InvalidArgumentError('source', message);
 }

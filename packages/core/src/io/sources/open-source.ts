@@ -1,8 +1,8 @@
 import { InvalidArgumentError } from '../../errors.ts';
 import { shown } from '../../printable.ts';
-import { openBlob, openFiles } from './open-files.ts';
+import { openBlob } from './open-blob.ts';
 import { openUrl } from './open-url.ts';
-import { bytesOf, isBlob, isFiles, isStream, lockedStreamError, sourceName } from './source-kind.ts';
+import { bytesOf, isBlob, isStream, lockedStreamError, sourceName } from './source-kind.ts';
 import type { OpenedSource, ReadOptions, SplatSource } from './splat-source.ts';
 
 /** Memory is streamed in pieces of this size, so that reading it does not block a page. */
@@ -19,14 +19,13 @@ export async function openSource(source: SplatSource, options: ReadOptions = {})
   if (!['string', 'undefined'].includes(typeof options.name))
     throw new InvalidArgumentError('name', `name is ${shown(options.name)}; it must be text.`);
   if (typeof source === 'string' || source instanceof URL) return openUrl(String(source), options);
-  if (isFiles(source)) return openFiles(source, options);
   const { name = sourceName(source) } = options;
   if (isStream(source)) {
     if (source.locked) throw lockedStreamError(name);
     return { name, totalBytes: undefined, totalBytesCertain: false, isHeld: false, stream: source };
   }
   if (isBlob(source)) return openBlob(source, name);
-  const bytes = bytesOf(source);
+  const bytes = bytesOf(source as ArrayBuffer | ArrayBufferView);
   return {
     name,
     totalBytes: bytes.length,
