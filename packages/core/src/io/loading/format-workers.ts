@@ -1,8 +1,11 @@
 import { detectFormat } from '../formats/detect.ts';
 import { formatByName } from '../formats/formats.ts';
-import { leadingFile } from '../sources/open-files.ts';
+import { leadingPath } from '../sources/open-files.ts';
 import { fileNameOf, isFiles } from '../sources/source-kind.ts';
 import type { SplatSource } from '../sources/splat-source.ts';
+
+export { withPaths } from '../sources/open-files.ts';
+
 import type { OtherFormat } from './other-format.ts';
 
 /** A worker for each format but PLY, which `load-splats.ts` starts by itself. In one piece each, the form that bundlers recognise. */
@@ -10,8 +13,8 @@ const WORKERS: Readonly<Record<string, () => Worker>> = {};
 
 /** Name of the format that a source most likely has; null if its name does not tell. */
 export function likelyFormat(source: SplatSource, name: string | undefined): string | null {
-  const named = isFiles(source) ? leadingFile(source) : source;
-  return formatByName(fileNameOf(named, name))?.name ?? null;
+  const fileName = isFiles(source) ? leadingPath(source) : fileNameOf(source, name);
+  return formatByName(fileName.replace(/^.*\//, ''))?.name ?? null;
 }
 
 /**

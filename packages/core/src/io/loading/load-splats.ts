@@ -66,12 +66,14 @@ export async function loadOrPass(
   };
   try {
     signal?.throwIfAborted();
+    let from = source;
     if (isFiles(source) || isNamedOtherwise(fileNameOf(source, name))) {
-      const { likelyFormat } = await import('./format-workers.ts');
+      const { likelyFormat, withPaths } = await import('./format-workers.ts');
+      if (isFiles(source)) from = withPaths(source);
       format = likelyFormat(source, name);
       if (format !== null) worker = endWorker(worker);
     }
-    for (let from = source; ; ) {
+    for (;;) {
       worker ??= await startWorker(await newWorker(format), signal);
       if (worker === null) return await readHere(from, settings, { signal, onProgress }, rowsTo);
       try {
@@ -256,7 +258,7 @@ function post(
 export function lastingSource(source: SplatSource): LastingSource | null {
   if (typeof source === 'string' || source instanceof URL) return absoluteUrl(String(source));
   if (isBlob(source)) return source;
-  if (isFiles(source)) return { files: [...source.files] };
+  if (isFiles(source)) return { files: [...source.files], paths: source.paths && [...source.paths] };
   if (Object(source) !== source) bytesOf(source as never);
   return null;
 }

@@ -8,36 +8,70 @@ import type { OpenedSource, ReadOptions, SceneFiles } from './splat-source.ts';
 const MOST_LISTED = 5;
 
 /**
- * Opens the files of one scene at the one that leads to the others, such as `meta.json`. They may be in folders, as far as
- * browsers tell.
+ * Opens the files of one scene at the one that leads to the others, such as `meta.json`.
+ *
+ * @throws InvalidArgumentError as `leadingPath`.
+ */
+export function openFiles(source: SceneFiles, { name }: ReadOptions): OpenedSource {
+  const leading = leadingPath(source);
+  const shownName = name ?? leading;
+  const folder = leading.replace(/[^/]*$/, '');
+  const { files, paths } = withPaths(source);
+  const byPath = new Map(files.map((file, i) => [normalized(paths[i]), file]));
+  const fileAt = (path: string): Blob => {
+    const file = byPath.get(normalized(path));
+    if (file) return file;
+    const message = `it needs ${path}, which is not among the files that were opened. Open them all together.`;
+    throw new SplatFileError('missing-part', shownName, message);
+  };
+  return {
+    ...openBlob(fileAt(leading), shownName),
+    openPart: async (path) => openBlob(fileAt(folder + path), path),
+  };
+}
+
+/**
+ * Path of the file that leads to the others.
  *
  * @throws InvalidArgumentError for anything but Blobs, or if several files have none that leads.
  */
-export function openFiles(source: SceneFiles, { name }: ReadOptions): OpenedSource {
-  const { files } = source;
-  const leading = leadingFile(source);
-  const folder = pathOf(leading).replace(/[^/]*$/, '');
-  const byPath = new Map(files.map((file) => [normalized(pathOf(file)), file]));
-  const openPart = async (path: string): Promise<OpenedSource> => {
-    const file = byPath.get(normalized(folder + path));
-    if (file) return openBlob(file, path);
-    throw new SplatFileError(
-      'missing-part',
-      name ?? pathOf(leading),
-      `it needs ${path}, which is not among the files that were opened. Open them all together.`,
+export function leadingPath(source: SceneFiles): string {
+  const { files, paths } = withPaths(source);
+  const leading = files.length === 1 ? paths[0] : paths.find(isLeading);
+  if (leading !== undefined) return leading;
+  const names = paths.slice(0, MOST_LISTED).join(', ');
+  const found = files.length === 0 ? 'source.files is empty' : `source has ${files.length} files (${names})`;
+  throw new InvalidArgumentError(
+    'source',
+    `${found}, and none of them leads to the others, as meta.json does; pass one scene at a time.`,
+  );
+}
+
+/**
+ * `source` with its paths written out: Files that are posted lose theirs.
+ *
+ * @throws InvalidArgumentError for anything but Blobs, or if there are fewer or more paths than files.
+ */
+export function withPaths({ files, paths = files.map(ownPath) }: SceneFiles): Required<SceneFiles> {
+  if (!files.every(isBlob))
+    throw new InvalidArgumentError(
+      'source',
+      'source.files has something else than Files; pass those of one scene.',
     );
-  };
-  return { ...openBlob(leading, name ?? pathOf(leading)), openPart };
+  if (paths.length === files.length) return { files, paths };
+  throw new InvalidArgumentError(
+    'source',
+    `source has ${files.length} files and ${paths.length} paths; give each file its path.`,
+  );
+}
+
+function ownPath(file: Partial<File> | null): string {
+  return file?.webkitRelativePath || (file?.name ?? '');
 }
 
 function isLeading(path: string): boolean {
   const fileName = path.replace(/^.*\//, '').toLowerCase();
   return SPLAT_FORMATS.some(({ leadingFile }) => leadingFile?.test(fileName));
-}
-
-function pathOf(file: Blob): string {
-  const { webkitRelativePath, name = '' } = file as Partial<File>;
-  return webkitRelativePath || name;
 }
 
 /** `path` without `.` and `..`. */
@@ -48,22 +82,4 @@ function normalized(path: string): string {
     else if (part !== '.' && part !== '') parts.push(part);
   }
   return parts.join('/');
-}
-
-/**
- * The file that leads to the others.
- *
- * @throws InvalidArgumentError for anything but Blobs, or if several files have none that leads.
- */
-export function leadingFile({ files }: SceneFiles): Blob {
-  if (!files.every(isBlob)) {
-    const message = 'source.files has something else than Files; pass those of one scene.';
-    throw new InvalidArgumentError('source', message);
-  }
-  const leading = files.length === 1 ? files[0] : files.find((file) => isLeading(pathOf(file)));
-  if (leading) return leading;
-  const names = files.slice(0, MOST_LISTED).map(pathOf).join(', ');
-  const found = files.length === 0 ? 'source.files is empty' : `source has ${files.length} files (${names})`;
-  const message = `${found}, and none of them leads to the others, as meta.json does; pass one scene at a time.`;
-  throw new InvalidArgumentError('source', message);
 }

@@ -1,9 +1,11 @@
 import type { SplatSourceError } from '../../errors.ts';
 import type { ShPrecision } from '../../packing/precision.ts';
 
-/** The files of one scene that has several, such as `meta.json` and its images; of those in folders, a browser knows the paths. */
+/** The files of one scene that has several, such as `meta.json` and its images. */
 export interface SceneFiles {
   readonly files: readonly Blob[];
+  /** Path of each, from any folder that holds them all; default their `webkitRelativePath`, or their names. */
+  readonly paths?: readonly string[];
 }
 
 /** What the same splats can be read from again, any number of times. */
