@@ -23,7 +23,12 @@ export interface RowFacts {
 /** Reads the words that ingest-rows leaves. Bounds and log scales mean nothing if no row was kept. */
 export function readRowFacts(
   words: Uint32Array,
-  { count: rows, shDegree, isAntialiased }: Pick<RowLayout, 'count' | 'shDegree' | 'isAntialiased'>,
+  {
+    count: rows,
+    shDegree,
+    isAntialiased,
+    fileFacts,
+  }: Pick<RowLayout, 'count' | 'shDegree' | 'isAntialiased' | 'fileFacts'>,
 ): RowFacts {
   const c = INGEST_FACTS;
   const floats = new Float32Array(words.buffer, words.byteOffset, words.length);
@@ -54,6 +59,7 @@ export function readRowFacts(
       minOpacity: count > 0 ? opacityOf(smallest(c.FACT_MIN_LOGIT)) : 1,
       faintCount: words[c.FACT_FAINT],
       isAntialiased: isAntialiased ?? null,
+      fileFacts: fileFacts ?? null,
     },
   };
 }

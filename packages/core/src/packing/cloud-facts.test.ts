@@ -217,5 +217,6 @@ test('no splats call for nothing', () => {
     minOpacity: 1,
     faintCount: 0,
     isAntialiased: null,
+    fileFacts: null,
   });
 });

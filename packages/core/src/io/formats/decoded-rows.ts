@@ -1,7 +1,12 @@
 import type { PackedHarmonics } from '../../packing/harmonics.ts';
 import { type RowLayout, rowsWithin } from '../../packing/row-layout.ts';
 import { ROW_SLOT } from '../../splats/splat-row.ts';
-import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../../splats/splat-set.ts';
+import {
+  coefficientsPerSplat,
+  type FileFacts,
+  type ShDegree,
+  type SplatSet,
+} from '../../splats/splat-set.ts';
 import { checkCount } from './check-count.ts';
 import { ReadProgress } from './progress.ts';
 import type { RowsTo } from './row-sink.ts';
@@ -18,6 +23,7 @@ export interface DecodedRows {
   readonly shDegree: ShDegree;
   /** Whether the file says that its splats were trained with an antialias filter; undefined if it does not say. */
   readonly isAntialiased?: boolean;
+  readonly fileFacts?: FileFacts;
   /**
    * Writes the next `rowCount` rows into `rows`, which has room for them: each has `rowLength(shDegree)` values by `ROW_SLOT`, as
    * they were trained (log scales, logits, w x y z).
@@ -48,7 +54,7 @@ export async function deliverRows(
 }
 
 async function passRows(
-  { count, shDegree, isAntialiased, decode }: DecodedRows,
+  { count, shDegree, isAntialiased, fileFacts, decode }: DecodedRows,
   { reader }: SplatInput,
   { sink, files }: RowsTo,
   progress: ReadProgress,
@@ -65,6 +71,7 @@ async function passRows(
     isBigEndian: false,
     shDegree,
     isAntialiased,
+    fileFacts,
   };
   await sink.begin(layout);
   for (let row = 0; row < count; row += pieceRows) {
@@ -81,7 +88,7 @@ async function passRows(
 }
 
 async function collectRows(
-  { count, shDegree, isAntialiased, decode }: DecodedRows,
+  { count, shDegree, isAntialiased, fileFacts, decode }: DecodedRows,
   { name, reader }: SplatInput,
   { shPrecision }: SplatFormatOptions,
   progress: ReadProgress,
@@ -95,6 +102,7 @@ async function collectRows(
     promisedCount: count,
     isHeld: true,
     isAntialiased,
+    fileFacts,
   });
   const values = new Float32Array(Math.min(count, ROWS_AT_ONCE) * length);
   for (let row = 0; row < count; row += ROWS_AT_ONCE) {

@@ -7,6 +7,7 @@ import { ROW_SLOT, reasonToDrop } from '../../splats/splat-row.ts';
 import {
   coefficientsPerSplat,
   type DropCounts,
+  type FileFacts,
   type ShDegree,
   type SplatSet,
 } from '../../splats/splat-set.ts';
@@ -37,6 +38,7 @@ export interface SplatSetBuilderOptions {
   readonly isHeld: boolean;
   /** See `SplatColumns`. */
   readonly isAntialiased?: boolean;
+  readonly fileFacts?: FileFacts;
 }
 
 /**
@@ -116,6 +118,7 @@ export class SplatSetBuilder {
     this.#setCapacity(this.#count);
     const { positions, shWords, ...columns } = this.#columns;
     const origin = originOfPositions(positions);
+    const { isAntialiased, fileFacts } = this.#options;
     return {
       ...columns,
       count: this.#count,
@@ -129,7 +132,8 @@ export class SplatSetBuilder {
         bandReach: this.#reach.reaches(),
       },
       dropped: this.#dropped,
-      ...(this.#options.isAntialiased !== undefined && { isAntialiased: this.#options.isAntialiased }),
+      ...(isAntialiased !== undefined && { isAntialiased }),
+      ...(fileFacts && { fileFacts }),
     };
   }
 
