@@ -119,6 +119,10 @@ async function readHere(
 /** Resolves with `worker` when its script is running; with null where it cannot. */
 async function startWorker(worker: Worker | null, signal: AbortSignal | undefined): Promise<Worker | null> {
   if (worker === null) return null;
+  if (signal?.aborted) {
+    worker.terminate();
+    throw signal.reason;
+  }
   return new Promise((resolve, reject) => {
     const onAbort = () => {
       worker.terminate();
@@ -170,6 +174,7 @@ function loadInWorker(
     sink.take(rowCount, own);
     worker.postMessage({ kind: 'memory', memory } satisfies LoadRequest, [memory]);
   };
+  watch.signal.throwIfAborted();
   return new Promise((resolve, reject) => {
     watch.signal.addEventListener('abort', () => reject(watch.signal.reason), { once: true });
     const fail = (event: Partial<ErrorEvent>) => {
