@@ -1,0 +1,86 @@
+import { isGlb, unpackGlb } from '../../containers/glb.ts';
+import { readAll } from '../../sources/read-all.ts';
+import { type DecodedRows, deliverRows } from '../decoded-rows.ts';
+import type { ReadFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
+import { GltfBuffers } from './gltf-buffers.ts';
+import { GltfJson, objectOf, SPLATTING } from './gltf-json.ts';
+import { meshesOfScene } from './gltf-scene.ts';
+import { joinedRows } from './joined-rows.ts';
+import { placedRows, reasonNotToPlace } from './placed-rows.ts';
+import { isSplats, type SplatPrimitive, splatPrimitiveOf } from './splat-primitive.ts';
+
+/**
+ * Nodes may show a mesh again and again, and attributes share their bytes, so that few bytes could become any number of splats.
+ * A splat of its own has 28 bytes or more: this allows for about sixty copies of each.
+ */
+const MOST_ROWS_PER_BYTE = 2;
+/** However few bytes they come from, so many do no harm. */
+const HARMLESS_ROWS = 2 ** 19;
+
+/** The splats of a glTF's scene. */
+interface GltfSplats {
+  readonly rows: DecodedRows;
+  /** Whether any are to be blended in the order of their distances from the camera, not in that of their depths. */
+  readonly isSortedByDistance: boolean;
+}
+
+/**
+ * Reads the splats of a glTF 2.0 by KHR_gaussian_splatting: those of all meshes in its scene, where their nodes put them, in the
+ * scene's space (y up). Other geometry is left out.
+ *
+ * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
+ */
+export const readGltf: ReadFormat = async (input, options, rowsTo) => {
+  const { rows } = await splatsOf(input, options);
+  return deliverRows(rows, input, options, rowsTo);
+};
+
+async function splatsOf(input: SplatInput, options: SplatFormatOptions): Promise<GltfSplats> {
+  const { reader, name, isHeld, totalBytes } = input;
+  const bytes = await readAll(reader, undefined, isHeld ? totalBytes : 0);
+  const chunks = isGlb(bytes) ? unpackGlb(bytes, name) : { json: bytes };
+  const json = new GltfJson(chunks.json, name);
+  const buffers = new GltfBuffers(json, chunks.binary, input, options);
+  const primitivesByMesh = new Map<unknown, SplatPrimitive[]>();
+  const parts: DecodedRows[] = [];
+  let isSortedByDistance = false;
+  let rowCount = 0;
+  let otherCount = 0;
+  for (const { mesh: index, element, matrix } of meshesOfScene(json)) {
+    let primitives = primitivesByMesh.get(index);
+    if (!primitives) {
+      const mesh = json.entryOf('meshes', index, element);
+      primitives = [];
+      for (const [i, entry] of json.listOf(mesh, 'primitives', `meshes[${index}]`).entries()) {
+        const primitive = objectOf(entry);
+        if (!isSplats(primitive)) otherCount++;
+        else
+          primitives.push(
+            await splatPrimitiveOf(json, buffers, primitive, `meshes[${index}].primitives[${i}]`),
+          );
+      }
+      primitivesByMesh.set(index, primitives);
+    }
+    if (primitives.length === 0) continue;
+    const reason = reasonNotToPlace(matrix);
+    if (reason) {
+      const message = `${element} cannot place splats: ${reason}. Apply its transformation to them, and export it again.`;
+      throw json.error('bad-property', message, { element, property: 'matrix' });
+    }
+    for (const primitive of primitives) {
+      rowCount += primitive.count;
+      if (rowCount > Math.max(HARMLESS_ROWS, MOST_ROWS_PER_BYTE * buffers.byteCount)) {
+        const message = `its nodes show more than ${rowCount} splats out of ${buffers.byteCount} bytes. Show them less often.`;
+        throw json.error('too-large', message, { element });
+      }
+      isSortedByDistance ||= primitive.isSortedByDistance;
+      parts.push(placedRows(primitive.rows(), matrix));
+    }
+  }
+  if (parts.length > 0) return { rows: joinedRows(parts), isSortedByDistance };
+  const found =
+    otherCount > 0
+      ? `its scene has ${otherCount} primitives, all of them without`
+      : 'nothing in its scene has';
+  throw json.error('not-splats', `this is no glTF with splats: ${found} ${SPLATTING}.`);
+}
