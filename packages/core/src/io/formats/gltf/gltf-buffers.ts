@@ -85,7 +85,7 @@ export class GltfBuffers {
     element: string,
     view: JsonObject,
   ): Promise<Uint8Array<ArrayBuffer>> {
-    if (uri === undefined && index === 0 && this.#binary) return this.#count(this.#binary);
+    if (uri === undefined && index === 0 && this.#binary) return this.#count(aligned(this.#binary));
     if (typeof uri !== 'string') {
       const packedBy = Object.keys(objectOf(view.extensions)).join(', ');
       const why = packedBy
@@ -124,6 +124,11 @@ export class GltfBuffers {
     const message = `the address of ${element} is ${shown(uri)}, no valid one.`;
     throw this.#json.error('bad-header', message, { element, property: 'uri' });
   }
+}
+
+/** Writers may forget to pad the JSON of a .glb; typed arrays need what they look at to be aligned. */
+function aligned(bytes: Uint8Array<ArrayBuffer>): Uint8Array<ArrayBuffer> {
+  return bytes.byteOffset % 4 === 0 ? bytes : bytes.slice();
 }
 
 function isFile(uri: unknown): boolean {

@@ -36,7 +36,7 @@ export function meshesOfScene(json: GltfJson): PlacedMesh[] {
       throw json.error('damaged', message, { element });
     }
     visited.add(index);
-    const matrix = multiply4(parent, localMatrix(json, node, element));
+    const matrix = isMoved(node) ? multiply4(parent, localMatrix(json, node, element)) : parent;
     if (node.mesh !== undefined) meshes.push({ mesh: node.mesh, element, matrix });
     const children = json.listOf(node, 'children', element);
     for (let i = children.length - 1; i >= 0; i--)
@@ -59,6 +59,10 @@ function rootsOf(json: GltfJson): Visit[] {
   return [...nodes.keys()]
     .filter((index) => !children.has(index))
     .map((index) => ({ index, user: 'the file', parent }));
+}
+
+function isMoved({ matrix, translation, rotation, scale }: JsonObject): boolean {
+  return (matrix ?? translation ?? rotation ?? scale) !== undefined;
 }
 
 /** The node's matrix, or that of its translation, rotation and scale, in this order from the left. */

@@ -16,6 +16,8 @@ import { isSplats, type SplatPrimitive, splatPrimitiveOf } from './splat-primiti
 const MOST_ROWS_PER_BYTE = 2;
 /** However few bytes they come from, so many do no harm. */
 const HARMLESS_ROWS = 2 ** 19;
+/** Each takes time, however few splats it has. */
+const MOST_PARTS = 2 ** 14;
 
 /** The splats of a glTF's scene. */
 interface GltfSplats {
@@ -69,8 +71,9 @@ async function splatsOf(input: SplatInput, options: SplatFormatOptions): Promise
     }
     for (const primitive of primitives) {
       rowCount += primitive.count;
-      if (rowCount > Math.max(HARMLESS_ROWS, MOST_ROWS_PER_BYTE * buffers.byteCount)) {
-        const message = `its nodes show more than ${rowCount} splats out of ${buffers.byteCount} bytes. Show them less often.`;
+      const mostRows = Math.max(HARMLESS_ROWS, MOST_ROWS_PER_BYTE * buffers.byteCount);
+      if (rowCount > mostRows || parts.length === MOST_PARTS) {
+        const message = `its nodes show ${rowCount} splats or more, in ${parts.length + 1} places, out of ${buffers.byteCount} bytes. Show them less often.`;
         throw json.error('too-large', message, { element });
       }
       isSortedByDistance ||= primitive.isSortedByDistance;

@@ -1,4 +1,4 @@
-import type { Mat4 } from '../../../math/mat4.ts';
+import { identity4, type Mat4 } from '../../../math/mat4.ts';
 import { normalizedRotation } from '../../../packing/rotation.ts';
 import { HarmonicsTurn } from '../../../splats/harmonics-turn.ts';
 import { ROW_SLOT } from '../../../splats/splat-row.ts';
@@ -35,6 +35,7 @@ export function reasonNotToPlace(matrix: Mat4): string | undefined {
  * Splats are ellipsoids again however they are scaled: their covariance becomes M·C·Cᵀ·Mᵀ, for M the matrix and C the splat's axes.
  */
 export function placedRows(rows: DecodedRows, matrix: Mat4): DecodedRows {
+  if (identity4().every((value, i) => matrix[i] === value)) return rows;
   const { lengths, axes } = columnsOf(matrix);
   const isUniform = Math.max(...lengths) <= (1 + ROUNDING) * Math.min(...lengths);
   const moveShape = isUniform ? turnedShape(lengths, axes) : stretchedShape(matrix);
