@@ -18,7 +18,7 @@ import { readSource } from '../../loading/read-source.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 import type { SplatSource } from '../../sources/splat-source.ts';
 import { detectFormat } from '../detect.ts';
-import { readerOf } from '../readers.ts';
+import { ALL_READERS } from '../readers.ts';
 import type { RowSink } from '../row-sink.ts';
 
 const SPLATTING = 'KHR_gaussian_splatting';
@@ -95,6 +95,7 @@ describe('what is read', () => {
       const found = await read(glbBytes(gltfOf(splatAttributes(set), isInterleaved)));
       expect(found).toMatchObject({ count: 5, dropped: {}, harmonics: { degree: shDegree } });
       expect(found.isAntialiased).toBeUndefined();
+      expect(found.fileFacts).toMatchObject({ format: 'gltf', variant: 'glb' });
       expect([...found.fileIndices]).toEqual([0, 1, 2, 3, 4]);
       expect(found.positions).toEqual(set.positions);
       expect(found.rotations).toEqual(set.rotations);
@@ -181,7 +182,7 @@ describe('what is read', () => {
       take: (count, { buffer }) => pieces.push(new Float32Array(buffer, 0, 59 * count).slice()),
     };
     const files = { minRows: 1, maxRows: 1000, pieceBytes: 1 };
-    expect(await readSource(bytes, {}, readerOf, { sink, files })).toBeNull();
+    expect(await readSource(bytes, {}, ALL_READERS, { sink, files })).toBeNull();
     const rows = Float32Array.from(pieces.flatMap((piece) => [...piece]));
     expect(rows.length).toBe(300 * 59);
     expect(rows.filter((_, i) => i % 59 < 3)).toEqual(set.positions);
@@ -225,12 +226,32 @@ describe('what is read', () => {
   });
 });
 
+test('what the file says of itself, and what is shown otherwise', async () => {
+  const fixture = gltfOf(splatAttributes(randomSplats({ count: 1, shDegree: 0 })));
+  const { json } = fixture;
+  json.asset.generator = 'a tool 1.2';
+  json.meshes[0].primitives.push({ attributes: { POSITION: 0 } });
+  const extension = json.meshes[0].primitives[0].extensions[SPLATTING];
+  const base64 = Buffer.from(fixture.binary).toString('base64');
+  const byDistance = await read(gltfBytes(fixture, `data:;base64,${base64}`));
+  expect(byDistance.fileFacts).toEqual({
+    format: 'gltf',
+    variant: 'gltf',
+    writer: 'a tool 1.2',
+    notes: [expect.stringMatching(/order of their depths/), expect.stringMatching(/^1 other primitive/)],
+  });
+  extension.sortingMethod = 'zDepth';
+  json.meshes[0].primitives.pop();
+  delete json.asset.generator;
+  expect((await read(glbBytes(fixture))).fileFacts).toEqual({ format: 'gltf', variant: 'glb' });
+});
+
 describe('buffers', () => {
   const fixture = gltfOf(splatAttributes(randomSplats({ count: 3, shDegree: 1 })));
   const file = (name: string, bytes: Uint8Array<ArrayBuffer>) => new File([bytes], name);
 
   test('a file beside the .gltf, also with blanks in its name', async () => {
-    const plain = await read(glbBytes(fixture));
+    const plain = { ...(await read(glbBytes(fixture))), fileFacts: expect.anything() };
     const gltf = file('scene.gltf', gltfBytes(fixture, 'parts/my%20splats.bin'));
     const binary = file('my splats.bin', fixture.binary);
     Object.defineProperty(binary, 'webkitRelativePath', { value: 'parts/my splats.bin' });
@@ -238,7 +259,7 @@ describe('buffers', () => {
   });
 
   test('a data: URI', async () => {
-    const plain = await read(glbBytes(fixture));
+    const plain = { ...(await read(glbBytes(fixture))), fileFacts: expect.anything() };
     const base64 = Buffer.from(fixture.binary).toString('base64');
     for (const type of ['application/octet-stream', 'application/gltf-buffer', ''])
       expect(await read(gltfBytes(fixture, `data:${type};base64,${base64}`))).toEqual(plain);

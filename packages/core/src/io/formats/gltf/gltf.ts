@@ -1,7 +1,9 @@
+import { shown } from '../../../printable.ts';
+import type { FileFacts } from '../../../splats/splat-set.ts';
 import { isGlb, unpackGlb } from '../../containers/glb.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { type DecodedRows, deliverRows } from '../decoded-rows.ts';
-import type { ReadFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
+import type { ReadFormat } from '../splat-format.ts';
 import { GltfBuffers } from './gltf-buffers.ts';
 import { GltfJson, objectOf, SPLATTING } from './gltf-json.ts';
 import { meshesOfScene } from './gltf-scene.ts';
@@ -24,6 +26,8 @@ interface GltfSplats {
   readonly rows: DecodedRows;
   /** Whether any are to be blended in the order of their distances from the camera, not in that of their depths. */
   readonly isSortedByDistance: boolean;
+  /** Primitives of the scene that are anything else. */
+  readonly otherCount: number;
 }
 
 /**
@@ -33,16 +37,17 @@ interface GltfSplats {
  * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
  */
 export const readGltf: ReadFormat = async (input, options, rowsTo) => {
-  const { rows } = await splatsOf(input, options);
-  return deliverRows(rows, input, options, rowsTo);
-};
-
-async function splatsOf(input: SplatInput, options: SplatFormatOptions): Promise<GltfSplats> {
   const { reader, name, isHeld, totalBytes } = input;
   const bytes = await readAll(reader, undefined, isHeld ? totalBytes : 0);
-  const chunks = isGlb(bytes) ? unpackGlb(bytes, name) : { json: bytes };
+  const isBinary = isGlb(bytes);
+  const chunks = isBinary ? unpackGlb(bytes, name) : { json: bytes };
   const json = new GltfJson(chunks.json, name);
-  const buffers = new GltfBuffers(json, chunks.binary, input, options);
+  const splats = await splatsOf(json, new GltfBuffers(json, chunks.binary, input, options));
+  const fileFacts = factsOf(json, isBinary, splats);
+  return deliverRows({ ...splats.rows, fileFacts }, input, options, rowsTo);
+};
+
+async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplats> {
   const primitivesByMesh = new Map<unknown, SplatPrimitive[]>();
   const parts: DecodedRows[] = [];
   let isSortedByDistance = false;
@@ -80,10 +85,29 @@ async function splatsOf(input: SplatInput, options: SplatFormatOptions): Promise
       parts.push(placedRows(primitive.rows(), matrix));
     }
   }
-  if (parts.length > 0) return { rows: joinedRows(parts), isSortedByDistance };
+  if (parts.length > 0) return { rows: joinedRows(parts), isSortedByDistance, otherCount };
   const found =
     otherCount > 0
       ? `its scene has ${otherCount} primitives, all of them without`
       : 'nothing in its scene has';
   throw json.error('not-splats', `this is no glTF with splats: ${found} ${SPLATTING}.`);
+}
+
+function factsOf(
+  json: GltfJson,
+  isBinary: boolean,
+  { isSortedByDistance, otherCount }: GltfSplats,
+): FileFacts {
+  const { generator } = objectOf(json.root.asset);
+  const notes: string[] = [];
+  if (isSortedByDistance)
+    notes.push('Splats are drawn in the order of their depths, not of their distances from the camera.');
+  if (otherCount > 0)
+    notes.push(`${otherCount} other primitive${otherCount === 1 ? ' is' : 's are'} left out.`);
+  return {
+    format: 'gltf',
+    variant: isBinary ? 'glb' : 'gltf',
+    ...(typeof generator === 'string' && { writer: shown(generator) }),
+    ...(notes.length > 0 && { notes }),
+  };
 }
