@@ -31,6 +31,7 @@ const PACKAGES = [
       measure: 'src/measure/index.ts',
       formats: 'src/io/formats/formats.ts',
       'load-worker': 'src/io/loading/load-worker.ts',
+      'gltf-worker': 'src/io/formats/gltf/gltf-worker.ts',
     },
     inputs: ['shaders'],
     hasDeclarations: true,

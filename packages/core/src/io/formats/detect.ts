@@ -16,7 +16,6 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
   },
   { pattern: /^PK/, message: 'it is a zip archive, as .sog is; unpack or convert it to PLY first' },
   { pattern: /^\x28\xb5\x2f\xfd/, message: 'it is zstd-compressed; unpack it first' },
-  { pattern: /^glTF/, message: 'it is a binary glTF (.glb); convert it to PLY first' },
   { pattern: /^NGSP/, message: 'it is an .spz file; convert it to PLY first' },
   {
     pattern: /^version https:\/\/git-lfs/,
@@ -27,8 +26,12 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
     message: 'it is a web page or XML, as servers send for a wrong address or a missing login; check the URL',
   },
   {
+    pattern: /^(?:\xef\xbb\xbf)?\s*\{.*"(?:geometricError|root)"/s,
+    message: 'it is a tileset of 3D Tiles, which is not read; open one of its .glb files',
+  },
+  {
     pattern: /^(?:\xef\xbb\xbf)?\s*[{[]/,
-    message: "it looks like JSON (glTF, SOG metadata or a server's error); give the PLY itself",
+    message: "it looks like JSON (SOG metadata or a server's error); give the PLY itself",
   },
   { pattern: /^(?:\x89PNG|\xff\xd8\xff|RIFF....WEBP|GIF8)/s, message: 'it is an image; give the PLY itself' },
   { pattern: /^(?:\xef\xbb\xbf\s*|\s+)ply\s/, message: 'there are bytes before its "ply" line; remove them' },

@@ -5,6 +5,7 @@ import type { FormatReaders, ReadFormat } from './splat-format.ts';
 /** The code of each format, fetched when a file is of it. */
 const READERS: Readonly<Record<string, () => Promise<ReadFormat>>> = {
   ply: async () => (await import('./ply/ply.ts')).readPly,
+  gltf: async () => (await import('./gltf/gltf.ts')).readGltf,
 };
 
 /** All formats, for threads without a worker. */

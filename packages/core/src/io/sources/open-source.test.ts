@@ -210,7 +210,7 @@ describe('detectFormat', () => {
     { bytes: '\x1f\x8b\x08', says: /gzip/ },
     { bytes: 'PK\x03\x04', says: /zip archive/ },
     { bytes: '\x28\xb5\x2f\xfd', says: /zstd/ },
-    { bytes: 'glTF\x02', says: /glb/ },
+    { bytes: '{"asset":{"version":"1.1"},"geometricError":500', says: /3D Tiles/ },
     { bytes: 'NGSP', says: /spz/ },
     { bytes: 'version https://git-lfs.github.com/spec/v1', says: /git lfs pull/ },
     { bytes: '\n<!doctype html>', says: /web page/ },
