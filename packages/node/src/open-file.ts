@@ -33,16 +33,19 @@ function isLeading(fileName: string): boolean {
   return SPLAT_FORMATS.some(({ leadingFile }) => leadingFile?.test(fileName.toLowerCase()));
 }
 
-/** The file at `leading` with all others of its folder, itself first. */
+/** The file at `leading` with those that it may lead to, itself first. */
 async function openFolder(leading: string): Promise<SplatSource> {
   const folder = dirname(leading);
-  const entries = await readdir(folder, { recursive: true, withFileTypes: true });
-  const others = entries
-    .filter((entry) => entry.isFile())
-    .slice(0, MOST_PARTS)
-    .map((entry) => join(entry.parentPath, entry.name))
-    .filter((path) => path !== join(leading));
-  const paths = [leading, ...others];
+  const paths = [leading];
+  const folders = [folder];
+  for (const each of folders) {
+    for (const entry of await readdir(each, { withFileTypes: true })) {
+      const path = join(each, entry.name);
+      if (entry.isDirectory()) folders.push(path);
+      else if (entry.isFile() && path !== join(leading)) paths.push(path);
+    }
+    if (paths.length > MOST_PARTS) break;
+  }
   const files = await Promise.all(paths.map(async (path) => fileOf(path, (await stat(path)).size)));
   return { files, paths: paths.map((path) => relative(folder, path).replaceAll('\\', '/')) };
 }

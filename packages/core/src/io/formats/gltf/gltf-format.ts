@@ -9,7 +9,7 @@ export const gltfFormat: SplatFormat = {
   name: 'gltf',
   title: 'glTF',
   extensions: ['.glb', '.gltf'],
-  leadingFile: /\.gl(?:b|tf)$/,
+  leadingFile: /\.gltf$/,
   recognise(firstBytes, fileName) {
     const text = latin1(firstBytes);
     if (text.startsWith('glTF')) return true;
