@@ -30,6 +30,7 @@ const PACKAGES = [
       inspect: 'src/inspect/index.ts',
       measure: 'src/measure/index.ts',
       'load-worker': 'src/io/loading/load-worker.ts',
+      'spz-worker': 'src/io/formats/spz/spz-worker.ts',
     },
     inputs: ['shaders'],
     hasDeclarations: true,

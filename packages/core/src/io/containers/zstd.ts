@@ -249,7 +249,8 @@ class ZstdUnpacking {
     }
     const part = (size + 3) >> 2;
     let from = at + 6;
-    if (from > end || 3 * part > size) throw new ZstdDamage('a block has not the four streams that it promises');
+    if (from > end || 3 * part > size)
+      throw new ZstdDamage('a block has not the four streams that it promises');
     for (let stream = 0; stream < 4; stream++, at += 2) {
       const to = stream < 3 ? from + bytes[at] + 256 * bytes[at + 1] : end;
       if (to > end) throw new ZstdDamage('a Huffman stream has no end');

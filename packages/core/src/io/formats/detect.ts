@@ -20,7 +20,6 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
   { pattern: /^PK/, message: 'it is a zip archive, as .sog is; unpack or convert it to PLY first' },
   { pattern: /^\x28\xb5\x2f\xfd/, message: 'it is zstd-compressed; unpack it first' },
   { pattern: /^glTF/, message: 'it is a binary glTF (.glb); convert it to PLY first' },
-  { pattern: /^NGSP/, message: 'it is an .spz file; convert it to PLY first' },
   {
     pattern: /^version https:\/\/git-lfs/,
     message: 'it is a Git LFS pointer, not the file itself; run "git lfs pull" in its repository',

@@ -211,7 +211,6 @@ describe('detectFormat', () => {
     { bytes: 'PK\x03\x04', says: /zip archive/ },
     { bytes: '\x28\xb5\x2f\xfd', says: /zstd/ },
     { bytes: 'glTF\x02', says: /glb/ },
-    { bytes: 'NGSP', says: /spz/ },
     { bytes: 'version https://git-lfs.github.com/spec/v1', says: /git lfs pull/ },
     { bytes: '\n<!doctype html>', says: /web page/ },
     { bytes: '<?xml version="1.0"?>', says: /web page or XML/ },

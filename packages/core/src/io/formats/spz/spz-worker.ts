@@ -1,0 +1,5 @@
+import { type LoadPort, serveLoad } from '../../loading/serve-load.ts';
+import { readSpz } from './spz.ts';
+import { spzFormat } from './spz-format.ts';
+
+serveLoad(self as unknown as LoadPort, spzFormat, readSpz);
