@@ -92,7 +92,7 @@ export async function readSpzHeader(reader: ByteReader, file: string, maxSplats:
 }
 
 /**
- * Reads extensions up to byte `end`, or to the end of the file, and returns the number of the coordinate system that they name;
+ * Reads extensions up to byte `end`, or to the end of the file and at least one, and returns the number of the coordinate system that they name;
  * null if they name none. Other extensions are passed over.
  *
  * Rejects with SplatFileError 'truncated', 'bad-header'.
@@ -103,7 +103,11 @@ export async function readSpzExtensions(
   end = Number.POSITIVE_INFINITY,
 ): Promise<number | null> {
   let found: number | null = null;
-  while (end - reader.byteOffset >= 8 && (await reader.fill(8))) {
+  for (let count = 0; end - reader.byteOffset >= 8; count++) {
+    if (!(await reader.fill(8))) {
+      if (count > 0 && reader.available === 0 && end === Number.POSITIVE_INFINITY) break;
+      throw truncated(file, 'the extensions', reader);
+    }
     const place = { byte: reader.byteOffset };
     const type = reader.view.getUint32(reader.start, true);
     const length = reader.view.getUint32(reader.start + 4, true);

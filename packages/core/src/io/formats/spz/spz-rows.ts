@@ -9,7 +9,12 @@ import { turnToPlyAxes } from './turn-axes.ts';
 const ATTRIBUTES = ['positions', 'alphas', 'colors', 'scales', 'rotations', 'harmonics'] as const;
 type Attribute = (typeof ATTRIBUTES)[number];
 /** Bytes of each attribute of all splats, one splat after another. */
-export type SpzAttributes = Readonly<Record<Attribute, Uint8Array>>;
+export type SpzAttributes = Record<Attribute, Uint8Array>;
+
+export function emptyAttributes(): SpzAttributes {
+  const none = new Uint8Array(0);
+  return { positions: none, alphas: none, colors: none, scales: none, rotations: none, harmonics: none };
+}
 
 /** Coefficients of harmonics above degree 0 for one channel; ours end at degree 3. */
 const FILE_COEFFICIENTS = [0, 3, 8, 15, 24];

@@ -13,7 +13,7 @@ import {
   type SpzHeader,
   truncated,
 } from './spz-header.ts';
-import { type SpzAttributes, spzAttributeBytes, spzRows } from './spz-rows.ts';
+import { emptyAttributes, type SpzAttributes, spzAttributeBytes, spzRows } from './spz-rows.ts';
 
 /** What a file holds besides its header. */
 interface SpzBody {
@@ -44,19 +44,17 @@ async function readWhole(header: SpzHeader, input: SplatInput): Promise<SpzBody>
   const { reader, name } = input;
   const sizes = spzAttributeBytes(header);
   const splatBytes = sizes.reduce((sum, size) => sum + size.splatBytes, 0);
-  const all = await readBytes(
-    input,
-    header.count * splatBytes,
-    `the ${header.count} splats that its header promises`,
-  );
+  const what = `the ${header.count} splats that its header promises`;
+  const all = await readBytes(input, header.count * splatBytes, what);
+  const attributes = emptyAttributes();
   let at = 0;
-  const attributes = sizes.map(({ attribute, splatBytes }) => {
+  for (const { attribute, splatBytes } of sizes) {
     const start = at;
     at += header.count * splatBytes;
-    return [attribute, all.subarray(start, at)] as const;
-  });
+    attributes[attribute] = all.subarray(start, at);
+  }
   const coordinateSystem = header.hasExtensions ? await readSpzExtensions(reader, name) : null;
-  return { attributes: attributesOf(attributes), coordinateSystem };
+  return { attributes, coordinateSystem };
 }
 
 /** From version 4 on: extensions, a table of sizes, and a stream for each attribute that takes any bytes. */
@@ -70,15 +68,12 @@ async function readStreams(
   const coordinateSystem = hasExtensions ? await readSpzExtensions(reader, name, tableByte) : null;
   if (!(await reader.skip(tableByte - reader.byteOffset))) throw truncated(name, 'the extensions', reader);
   const table = await readTable(reader, streamCount, name);
-  const attributes: [keyof SpzAttributes, Uint8Array][] = [];
+  const sizes = spzAttributeBytes(header).filter(({ splatBytes }) => splatBytes > 0);
+  const attributes = emptyAttributes();
   let packedBytes = 0;
   let unpackedBytes = 0;
-  for (const { attribute, splatBytes } of spzAttributeBytes(header)) {
-    const size = table[attributes.length];
-    if (splatBytes === 0) {
-      attributes.push([attribute, new Uint8Array(0)]);
-      continue;
-    }
+  for (const [i, { attribute, splatBytes }] of sizes.entries()) {
+    const size = table[i];
     if (size.unpackedBytes !== count * splatBytes) {
       const message = `the ${attribute} of ${count} splats take ${count * splatBytes} bytes, but its table says ${size.unpackedBytes}.`;
       throw new SplatFileError('damaged', name, message, { byte: size.byte });
@@ -88,14 +83,14 @@ async function readStreams(
     packedBytes += packed.length;
     unpackedBytes += size.unpackedBytes;
     checkUnpacked(unpackedBytes, packedBytes, maxBytes, name);
-    attributes.push([attribute, unpackZstd(packed, size.unpackedBytes, name, place)]);
+    attributes[attribute] = unpackZstd(packed, size.unpackedBytes, name, place);
     await reader.pause();
   }
   if (await reader.fill(1)) {
     const message = 'there are bytes after the last of its streams. Download or export it again.';
     throw new SplatFileError('damaged', name, message, { byte: reader.byteOffset });
   }
-  return { attributes: attributesOf(attributes), coordinateSystem };
+  return { attributes, coordinateSystem };
 }
 
 interface StreamSize {
@@ -143,8 +138,4 @@ function checkUnpacked(unpackedBytes: number, packedBytes: number, maxBytes: num
   if (unpackedBytes <= limit) return;
   const message = `it unpacks to ${unpackedBytes} bytes or more, and ${limit} are the limit. Pass a larger maxBytes if that is right.`;
   throw new SplatFileError('too-large', file, message);
-}
-
-function attributesOf(attributes: readonly (readonly [keyof SpzAttributes, Uint8Array])[]): SpzAttributes {
-  return Object.fromEntries(attributes) as unknown as SpzAttributes;
 }
