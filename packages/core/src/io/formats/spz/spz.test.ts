@@ -158,7 +158,8 @@ describe('what is read', () => {
 describe('coordinate systems', () => {
   const NAMES = [
     ...['LDB', 'RDB', 'LUB', 'RUB', 'LDF', 'RDF', 'LUF', 'RUF'],
-    ...['LFD', 'RFD', 'LFU', 'RFU', 'LBD', 'RBD', 'LBU', 'RBU'],
+    // Four of these have each other's names in the library that writes them; see `turnToPlyAxes`.
+    ...['LBU', 'RBU', 'LFU', 'RFU', 'LBD', 'RBD', 'LFD', 'RFD'],
   ];
   /** Where each letter points to along the axes of PLY files: right, down, front. */
   const DIRECTIONS: Readonly<Record<string, readonly number[]>> = {

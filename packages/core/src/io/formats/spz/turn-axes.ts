@@ -4,7 +4,7 @@ import { ROW_SLOT } from '../../../splats/splat-row.ts';
 const IS_RIGHT = 1;
 const IS_UP = 2;
 const IS_FRONT = 4;
-/** The second axis points to the front, or back where the bit above is set, and the third one up or down. */
+/** The axes come from those that the other bits tell by (x, y, z) -> (x, -z, y). */
 const IS_Z_UP = 8;
 /** Right, down, front: the axes of PLY files, as cameras have them. */
 const PLY_AXES = IS_RIGHT | IS_FRONT;
@@ -64,14 +64,19 @@ export type TurnRows = (rows: Float32Array, rowLength: number, rowCount: number)
 /**
  * Returns what turns splats from a coordinate system, by its number in SPZ files, to that of PLY files; null if that changes nothing.
  * Mirrored axes turn the ellipsoids' rotations and the harmonics as well.
+ *
+ * That is how Niantic's library turns them, which is the only one that writes such numbers. Its names for 9 and 10 (left or right,
+ * front, down) and for 15 and 16 (left or right, back, up) fit only the other way around.
  */
 export function turnToPlyAxes(coordinateSystem: number): TurnRows | null {
   const axes = coordinateSystem - 1;
   if (axes === PLY_AXES) return null;
   const isZUp = (axes & IS_Z_UP) !== 0;
   const x = axes & IS_RIGHT ? 1 : -1;
-  const y = axes & IS_UP ? -1 : 1;
-  const z = axes & IS_FRONT ? 1 : -1;
+  const first = axes & IS_UP ? -1 : 1;
+  const second = axes & IS_FRONT ? 1 : -1;
+  // Signs count before the quarter turn, and are applied after it.
+  const [y, z] = isZUp ? [second, first] : [first, second];
   const signs = ODD_AXES.map((odd) => (odd & 1 ? x : 1) * (odd & 2 ? y : 1) * (odd & 4 ? z : 1));
   return (rows, rowLength, rowCount) => {
     const harmonics = rowLength - ROW_SLOT.harmonics;
