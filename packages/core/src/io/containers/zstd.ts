@@ -11,6 +11,8 @@ const BLOCK_BYTES = 1 << 17;
 /** Copies of at least as many bytes are left to the engine's own functions. */
 const LONG_COPY = 64;
 
+const MOST_BITS_AT_ONCE = 25;
+
 /** One of the three values that make up a sequence: how its code is packed, and what each code means. */
 interface Field {
   readonly maxLog: number;
@@ -321,33 +323,39 @@ class ZstdUnpacking {
     let [recent0, recent1, recent2] = this.#recentOffsets;
     let left = backwardBits(bytes, start, end);
 
-    /** The next bits, up to 25 of them. Past the first one, there are none: that shows in `left`. */
-    const read = (bitCount: number): number => {
-      left -= bitCount;
-      const at = start + (left >> 3);
-      const word =
-        (bytes[at] | (bytes[at + 1] << 8) | (bytes[at + 2] << 16) | (bytes[at + 3] << 24)) >>> (left & 7);
-      return word & ((1 << bitCount) - 1);
-    };
-    let literalsState = read(literalsLog);
-    let offsetsState = read(offsetsLog);
-    let matchesState = read(matchesLog);
+    left -= literalsLog;
+    let literalsState = bitsAt(bytes, start, left, literalsLog);
+    left -= offsetsLog;
+    let offsetsState = bitsAt(bytes, start, left, offsetsLog);
+    left -= matchesLog;
+    let matchesState = bitsAt(bytes, start, left, matchesLog);
     for (let i = 0; i < count; i++) {
-      const offsetBits = offsetCodes[offsetsState];
-      // Offsets of more bits lead before the beginning anyway.
-      if (offsetBits > 30) throw new ZstdDamage('a sequence refers to what is not there');
-      const offsetValue =
-        offsetBits > 16
-          ? (1 << offsetBits) + (read(offsetBits - 16) << 16) + read(16)
-          : (1 << offsetBits) + read(offsetBits);
+      let offsetBits = offsetCodes[offsetsState];
+      let offsetValue = 1 << offsetBits;
+      if (offsetBits > MOST_BITS_AT_ONCE) {
+        // Larger ones lead to before the beginning anyway.
+        if (offsetBits > 30) throw new ZstdDamage('a sequence refers to what is not there');
+        offsetBits -= 16;
+        left -= offsetBits;
+        offsetValue += bitsAt(bytes, start, left, offsetBits) << 16;
+        offsetBits = 16;
+      }
+      left -= offsetBits;
+      offsetValue += bitsAt(bytes, start, left, offsetBits);
       const matchCode = matchCodes[matchesState];
-      let matchLength = MATCH_BASES[matchCode] + read(MATCH_BITS[matchCode]);
+      left -= MATCH_BITS[matchCode];
+      let matchLength = MATCH_BASES[matchCode] + bitsAt(bytes, start, left, MATCH_BITS[matchCode]);
       const literalCode = literalCodes[literalsState];
-      let literalCount = LITERAL_BASES[literalCode] + read(LITERAL_BITS[literalCode]);
+      left -= LITERAL_BITS[literalCode];
+      let literalCount = LITERAL_BASES[literalCode] + bitsAt(bytes, start, left, LITERAL_BITS[literalCode]);
       if (i < count - 1) {
-        literalsState = literalsBases[literalsState] + read(literalsBits[literalsState]);
-        matchesState = matchesBases[matchesState] + read(matchesBits[matchesState]);
-        offsetsState = offsetsBases[offsetsState] + read(offsetsBits[offsetsState]);
+        left -= literalsBits[literalsState];
+        literalsState =
+          literalsBases[literalsState] + bitsAt(bytes, start, left, literalsBits[literalsState]);
+        left -= matchesBits[matchesState];
+        matchesState = matchesBases[matchesState] + bitsAt(bytes, start, left, matchesBits[matchesState]);
+        left -= offsetsBits[offsetsState];
+        offsetsState = offsetsBases[offsetsState] + bitsAt(bytes, start, left, offsetsBits[offsetsState]);
       }
       if (left < 0) throw new ZstdDamage('the sequences of a block end too early');
 
@@ -383,4 +391,12 @@ class ZstdUnpacking {
     this.#literalsAt = literalsAt;
     this.#outAt = outAt;
   }
+}
+
+/** As many bits from bit `from` on, counted from byte `start`; up to `MOST_BITS_AT_ONCE`. Before the first one, anything. */
+function bitsAt(bytes: Uint8Array, start: number, from: number, count: number): number {
+  const at = start + (from >> 3);
+  const word =
+    (bytes[at] | (bytes[at + 1] << 8) | (bytes[at + 2] << 16) | (bytes[at + 3] << 24)) >>> (from & 7);
+  return word & ((1 << count) - 1);
 }

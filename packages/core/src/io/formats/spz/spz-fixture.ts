@@ -29,7 +29,7 @@ export interface SpzFixture {
 }
 
 export const FLAG_ANTIALIASED = 1;
-export const FLAG_EXTENSIONS = 2;
+const FLAG_EXTENSIONS = 2;
 
 /** A splat whose bytes all differ, and differ from those of other rows. */
 export function distinctSplat(version: number, degree: number, row: number): SpzFixtureSplat {
