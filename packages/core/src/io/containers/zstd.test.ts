@@ -55,6 +55,10 @@ describe('what is refused', () => {
     );
   });
 
+  test('a length that no memory has room for', () => {
+    expect(failure(packed, 2 ** 53 - 1).code).toBe('too-large');
+  });
+
   test.each(ZSTD_EXAMPLES)('every beginning of $name', ({ unpacked, packed }) => {
     for (let length = 0; length < packed.length; length++) {
       const { code } = failure(packed.subarray(0, length), unpacked.length);

@@ -77,7 +77,7 @@ function basesOf(bits: Uint8Array, first: number): Int32Array {
  *
  * @param length what it must unpack to, in bytes.
  * @param file its name in messages.
- * @throws SplatFileError 'damaged'.
+ * @throws SplatFileError 'damaged', or 'too-large' where there is no memory for it.
  */
 export function unpackZstd(
   packed: Uint8Array,
@@ -88,6 +88,10 @@ export function unpackZstd(
   try {
     return new ZstdUnpacking(packed, length).run();
   } catch (cause) {
+    if (cause instanceof RangeError) {
+      const message = `no memory for the ${length} bytes that it unpacks to. Read a smaller scene.`;
+      throw new SplatFileError('too-large', file, message, place, { cause });
+    }
     if (!(cause instanceof ZstdDamage)) throw cause;
     const message = `it cannot be unpacked: ${cause.message}. Download or export it again.`;
     throw new SplatFileError('damaged', file, message, place, { cause });

@@ -45,8 +45,7 @@ export function spzAttributeBytes({
 }
 
 /**
- * The splats of a file whose attributes are all there. Harmonics of degree 4 are left out: they are the last ones of each splat, and
- * those of lower degrees stay as they are.
+ * The splats of a file whose attributes are all there. Harmonics of degree 4, the last ones of each splat, are left out.
  *
  * @param coordinateSystem its number, if the file names one; its axes are turned to those of PLY files.
  */

@@ -25,7 +25,8 @@ interface SpzBody {
 const TABLE_ENTRY_BYTES = 16;
 
 /**
- * Reads SPZ, versions 1 to 4. Values are decoded as the format's own library does; harmonics of degree 4 are left out.
+ * Reads SPZ, versions 1 to 4. Values are decoded as the format's own library does. Of harmonics, those of degree 4 are left out and
+ * the others stay as they are.
  *
  * Splats are turned to the axes of PLY files (right, down, front) where the file names its coordinate system. Where it does not, they
  * stay as they are: the library says that such files have y up and z to the back, but its own converter, splat-transform and Spark
