@@ -31,6 +31,8 @@ const PACKAGES = [
       measure: 'src/measure/index.ts',
       formats: 'src/io/formats/formats.ts',
       'load-worker': 'src/io/loading/load-worker.ts',
+      'spz-worker': 'src/io/formats/spz/spz-worker.ts',
+      'gzip-worker': 'src/io/formats/gzip/gzip-worker.ts',
       'gltf-worker': 'src/io/formats/gltf/gltf-worker.ts',
     },
     inputs: ['shaders'],

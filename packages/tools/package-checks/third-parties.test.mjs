@@ -30,13 +30,9 @@ test.each(rows)('docs/dependencies.md says how many megabytes $name takes', ({ n
   );
 });
 
-/** What published packages may bring with them: codecs that come only with a file that needs them. */
-const CODECS = ['fzstd'];
-
-test('published packages need nothing but each other, their peers and codecs', () => {
+test('published packages need nothing but each other and their peers', () => {
   for (const folder of PUBLISHED) {
     const dependencies = Object.keys(lock.packages[`packages/${folder}`].dependencies ?? {});
-    const others = dependencies.filter((name) => !name.startsWith('@websplatter/'));
-    expect(CODECS).toEqual(expect.arrayContaining(others));
+    expect(dependencies.filter((name) => !name.startsWith('@websplatter/'))).toEqual([]);
   }
 });

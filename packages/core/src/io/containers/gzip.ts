@@ -1,21 +1,30 @@
 import { SplatFileError, WebSplatterError } from '../../errors.ts';
-import type { SplatInput } from '../formats/splat-format.ts';
+import type { RowsTo } from '../formats/row-sink.ts';
+import type { ReadFormat, SplatFormatOptions, SplatInput } from '../formats/splat-format.ts';
 import { ByteReader, messageOf } from '../sources/byte-reader.ts';
+import { unpackedLimit } from '../sources/read-limits.ts';
 
-export function isGzip(firstBytes: Uint8Array): boolean {
-  return firstBytes[0] === 0x1f && firstBytes[1] === 0x8b;
+/** Reads what is in a gzip stream (RFC 1952) by `read`. */
+export async function readGzipped(
+  packed: SplatInput,
+  options: SplatFormatOptions,
+  rowsTo: RowsTo | undefined,
+  read: ReadFormat,
+): ReturnType<ReadFormat> {
+  const input = unpackGzip(packed, options.signal, unpackedLimit(options, packed));
+  try {
+    return await read(input, options, rowsTo);
+  } finally {
+    input.reader.close();
+  }
 }
 
 /**
- * What is in a gzip stream (RFC 1952), as an input of its own.
+ * What is in a gzip stream, as an input of its own.
  *
  * @param maxBytes most that it may have.
  */
-export function unpackGzip(
-  packed: SplatInput,
-  signal: AbortSignal | undefined,
-  maxBytes: number,
-): SplatInput {
+function unpackGzip(packed: SplatInput, signal: AbortSignal | undefined, maxBytes: number): SplatInput {
   const { name, reader } = packed;
   const stream = unpackedStream(reader, name);
   return {

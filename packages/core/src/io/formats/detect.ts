@@ -9,14 +9,8 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
     pattern: /^$/,
     message: 'the file is empty (or the stream has been read before); check the download or the path',
   },
-  {
-    // biome-ignore lint/suspicious/noControlCharactersInRegex: the first byte of gzip is one
-    pattern: /^\x1f\x8b/,
-    message: 'it is gzip-compressed; unpack it first',
-  },
   { pattern: /^PK/, message: 'it is a zip archive, as .sog is; unpack or convert it to PLY first' },
   { pattern: /^\x28\xb5\x2f\xfd/, message: 'it is zstd-compressed; unpack it first' },
-  { pattern: /^NGSP/, message: 'it is an .spz file; convert it to PLY first' },
   {
     pattern: /^version https:\/\/git-lfs/,
     message: 'it is a Git LFS pointer, not the file itself; run "git lfs pull" in its repository',

@@ -202,7 +202,8 @@ function checkOutcome(outcome: Outcome, { maxSplats = Number.POSITIVE_INFINITY }
 function expectSame(a: Outcome, b: Outcome): void {
   const codes = [a, b].map((outcome) => (outcome instanceof WebSplatterError ? outcome.code : 'splats'));
   if (codes.includes('truncated') || codes.includes('too-large')) return;
-  expect(codes[0]).toBe(codes[1]);
+  // What is wrong with packed bytes shows at once, or only after the first of them: that depends on how they come.
+  if (!codes.includes('damaged')) expect(codes[0]).toBe(codes[1]);
   if (codes[0] === 'splats') expect(a).toEqual(b);
 }
 

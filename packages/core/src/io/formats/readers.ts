@@ -5,6 +5,8 @@ import type { FormatReaders, ReadFormat } from './splat-format.ts';
 /** The code of each format, fetched when a file is of it. */
 const READERS: Readonly<Record<string, () => Promise<ReadFormat>>> = {
   ply: async () => (await import('./ply/ply.ts')).readPly,
+  spz: async () => (await import('./spz/spz.ts')).readSpz,
+  gzip: async () => (await import('./gzip/gzip.ts')).readGzip,
   gltf: async () => (await import('./gltf/gltf.ts')).readGltf,
 };
 

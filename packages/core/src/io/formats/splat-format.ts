@@ -29,8 +29,8 @@ export interface SplatFormatOptions extends Pick<ReadOptions, 'signal' | 'onProg
   readonly shPrecision: ShPrecision;
   /** Files with more splats are refused. */
   readonly maxSplats: number;
-  /** Most bytes of all that is unpacked or read of other files. */
-  readonly maxBytes: number;
+  /** See `ReadLimits`; undefined for the default. */
+  readonly maxBytes: number | undefined;
 }
 
 /** Number of a file's first bytes that formats are told by. */

@@ -10,6 +10,8 @@ import type { OtherFormat } from './other-format.ts';
 
 /** A worker for each format but PLY, which `load-splats.ts` starts by itself. In one piece each, the form that bundlers recognise. */
 const WORKERS: Readonly<Record<string, () => Worker>> = {
+  spz: () => new Worker(new URL('../formats/spz/spz-worker.ts', import.meta.url), { type: 'module' }),
+  gzip: () => new Worker(new URL('../formats/gzip/gzip-worker.ts', import.meta.url), { type: 'module' }),
   gltf: () => new Worker(new URL('../formats/gltf/gltf-worker.ts', import.meta.url), { type: 'module' }),
 };
 

@@ -51,7 +51,11 @@ export async function readSource(
     const read = await pick(firstBytes, opened.name, fileNameOf(source, opened.name));
     if (!read) throw new OtherFormat(firstBytes.slice(), isStream(source) ? reader.rest() : null);
     const { stream, ...about } = opened;
-    return await read({ ...about, reader }, { shPrecision, maxSplats, maxBytes, signal, onProgress }, rowsTo);
+    return await read(
+      { ...about, reader },
+      { shPrecision, maxSplats, maxBytes: options.maxBytes, signal, onProgress },
+      rowsTo,
+    );
   } finally {
     if (reader) reader.close();
     else opened.stream.cancel().catch(() => {});

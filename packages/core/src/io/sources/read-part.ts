@@ -2,6 +2,7 @@ import { SplatFileError } from '../../errors.ts';
 import type { SplatFormatOptions, SplatInput } from '../formats/splat-format.ts';
 import { ByteReader } from './byte-reader.ts';
 import { readAll } from './read-all.ts';
+import { limitsOf } from './read-limits.ts';
 
 /**
  * Reads another file of the scene of `input`.
@@ -21,7 +22,7 @@ export async function readPart(
     throw new SplatFileError('missing-part', name, `it needs ${path}, another file. ${advice}.`);
   }
   const opened = await openPart(path);
-  const reader = new ByteReader(opened, signal, maxBytes);
+  const reader = new ByteReader(opened, signal, limitsOf({ maxBytes }, opened).maxBytes);
   try {
     return await readAll(reader, Number.POSITIVE_INFINITY, opened.isHeld ? opened.totalBytes : 0);
   } finally {

@@ -103,7 +103,8 @@ export class GltfBuffers {
     const path = this.#pathOf(uri, element);
     const known = this.#files.get(path);
     if (known) return known;
-    const maxBytes = this.#options.maxBytes - this.#byteCount;
+    const { maxBytes: most } = this.#options;
+    const maxBytes = most && Math.max(1, most - this.#byteCount);
     const bytes = await readPart(this.#input, path, { ...this.#options, maxBytes });
     this.#files.set(path, bytes);
     return this.#count(bytes);

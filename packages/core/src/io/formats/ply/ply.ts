@@ -58,7 +58,7 @@ export async function readPly(
 export async function readPly(
   input: SplatInput,
   options: SplatFormatOptions,
-  rowsTo: RowsTo,
+  rowsTo: RowsTo | undefined,
 ): Promise<SplatSet<PackedHarmonics> | null>;
 export async function readPly(
   input: SplatInput,
