@@ -30,6 +30,8 @@ const PACKAGES = [
       inspect: 'src/inspect/index.ts',
       measure: 'src/measure/index.ts',
       'load-worker': 'src/io/loading/load-worker.ts',
+      'sog-worker': 'src/io/formats/sog/sog-worker.ts',
+      'zip-worker': 'src/io/formats/zip/zip-worker.ts',
     },
     inputs: ['shaders'],
     hasDeclarations: true,

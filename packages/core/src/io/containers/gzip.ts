@@ -17,7 +17,7 @@ export function unpackGzip(
   maxBytes: number,
 ): SplatInput {
   const { name, reader } = packed;
-  const stream = unpackedStream(reader, name);
+  const stream = gunzip(reader.rest(), name, () => reader.byteOffset);
   return {
     name,
     totalBytes: undefined,
@@ -28,8 +28,17 @@ export function unpackGzip(
   };
 }
 
-function unpackedStream(packed: ByteReader, name: string): ReadableStream<Uint8Array> {
-  const unpacking = packed.rest().pipeThrough(new DecompressionStream('gzip')).getReader();
+/**
+ * What is in a gzip stream. It fails with SplatFileError 'damaged'.
+ *
+ * @param byteOffset where in `file` the stream is, for that error.
+ */
+export function gunzip(
+  packed: ReadableStream<Uint8Array<ArrayBuffer>>,
+  file: string,
+  byteOffset: () => number,
+): ReadableStream<Uint8Array> {
+  const unpacking = packed.pipeThrough(new DecompressionStream('gzip')).getReader();
   return new ReadableStream(
     {
       async pull(controller) {
@@ -42,7 +51,7 @@ function unpackedStream(packed: ByteReader, name: string): ReadableStream<Uint8A
           if (cause instanceof WebSplatterError) throw cause;
           const advice = 'Download or export it again';
           const message = `it cannot be unpacked (${messageOf(cause)}). ${advice}.`;
-          throw new SplatFileError('damaged', name, message, { byte: packed.byteOffset }, { cause });
+          throw new SplatFileError('damaged', file, message, { byte: byteOffset() }, { cause });
         }
       },
       cancel: (reason) => unpacking.cancel(reason),

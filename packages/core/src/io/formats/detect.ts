@@ -17,7 +17,7 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
     pattern: /^\x1f\x8b/,
     message: 'it is gzip-compressed twice; unpack it first',
   },
-  { pattern: /^PK/, message: 'it is a zip archive, as .sog is; unpack or convert it to PLY first' },
+  { pattern: /^PK/, message: 'it is an empty zip archive, or a part of one that was split' },
   { pattern: /^\x28\xb5\x2f\xfd/, message: 'it is zstd-compressed; unpack it first' },
   { pattern: /^glTF/, message: 'it is a binary glTF (.glb); convert it to PLY first' },
   { pattern: /^NGSP/, message: 'it is an .spz file; convert it to PLY first' },
@@ -31,7 +31,7 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
   },
   {
     pattern: /^(?:\xef\xbb\xbf)?\s*[{[]/,
-    message: "it looks like JSON (glTF, SOG metadata or a server's error); give the PLY itself",
+    message: "it looks like JSON (glTF or a server's error); give the PLY itself",
   },
   { pattern: /^(?:\x89PNG|\xff\xd8\xff|RIFF....WEBP|GIF8)/s, message: 'it is an image; give the PLY itself' },
   { pattern: /^(?:\xef\xbb\xbf\s*|\s+)ply\s/, message: 'there are bytes before its "ply" line; remove them' },
