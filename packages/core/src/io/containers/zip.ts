@@ -183,20 +183,24 @@ export function openZipEntry(bytes: Uint8Array<ArrayBuffer>, entry: ZipEntry, na
   };
 }
 
+/** Checks the CRC-32 before the last piece: whoever has read enough may not ask for the end. */
 function checkedStream(
   bytes: Uint8Array<ArrayBuffer>,
   entry: ZipEntry,
   name: string,
 ): ReadableStream<Uint8Array> {
   let crc = 0;
+  let given = 0;
   return streamOf(function* () {
     for (const piece of piecesOf(bytes)) {
       crc = crc32(piece, crc);
+      given += piece.length;
+      if (given === bytes.length && crc !== entry.crc) {
+        const message = `its bytes are not those that were packed (CRC-32 differs). ${DOWNLOAD_AGAIN}.`;
+        throw new SplatFileError('damaged', name, message);
+      }
       yield piece;
     }
-    if (crc === entry.crc) return;
-    const message = `its bytes are not those that were packed (CRC-32 differs). ${DOWNLOAD_AGAIN}.`;
-    throw new SplatFileError('damaged', name, message);
   });
 }
 
@@ -216,15 +220,23 @@ function inflatedStream(
     yield new Uint8Array(trailer.buffer);
   });
   let given = 0;
-  const counting = new TransformStream<Uint8Array, Uint8Array>({
+  let last: Uint8Array | undefined;
+  const checking = new TransformStream<Uint8Array, Uint8Array>({
     transform(piece, controller) {
       given += piece.length;
-      if (given <= unpackedBytes) return controller.enqueue(piece);
-      const message = `it unpacks to more than its ${unpackedBytes} bytes. ${DOWNLOAD_AGAIN}.`;
-      throw new SplatFileError('damaged', name, message);
+      if (given > unpackedBytes) {
+        const message = `it unpacks to more than its ${unpackedBytes} bytes. ${DOWNLOAD_AGAIN}.`;
+        throw new SplatFileError('damaged', name, message);
+      }
+      if (last) controller.enqueue(last);
+      last = piece;
+    },
+    // Only now is it known that all are right.
+    flush(controller) {
+      if (last) controller.enqueue(last);
     },
   });
-  return gunzip(gzip, name, () => start).pipeThrough(counting);
+  return gunzip(gzip, name, () => start).pipeThrough(checking);
 }
 
 function* piecesOf(bytes: Uint8Array<ArrayBuffer>): Generator<Uint8Array<ArrayBuffer>> {

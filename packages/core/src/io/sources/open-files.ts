@@ -18,7 +18,7 @@ export function openFiles({ files }: SceneFiles, { name }: ReadOptions): OpenedS
     const message = 'source.files has something else than Files; pass those of one scene.';
     throw new InvalidArgumentError('source', message);
   }
-  const leading = files.length === 1 ? files[0] : files.find((file) => isLeading(pathOf(file)));
+  const leading = files.length === 1 ? files[0] : leadingOf(files);
   if (!leading) {
     const names = files.slice(0, MOST_LISTED).map(pathOf).join(', ');
     const found =
@@ -38,6 +38,13 @@ export function openFiles({ files }: SceneFiles, { name }: ReadOptions): OpenedS
     );
   };
   return { ...openBlob(leading, name ?? pathOf(leading)), openPart };
+}
+
+/** The outermost file that leads to others: those of a streamed scene lead to files of their own. */
+function leadingOf(files: readonly Blob[]): Blob | undefined {
+  const depthOf = (file: Blob) => pathOf(file).split('/').length;
+  const leading = files.filter((file) => isLeading(pathOf(file)));
+  return leading.sort((a, b) => depthOf(a) - depthOf(b))[0];
 }
 
 export function openBlob(blob: Blob, name: string): OpenedSource {

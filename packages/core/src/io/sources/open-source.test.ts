@@ -208,7 +208,7 @@ describe('detectFormat', () => {
   test.each([
     { bytes: '', says: /file is empty/ },
     { bytes: '\x1f\x8b\x08', says: /gzip-compressed twice/ },
-    { bytes: 'PK\x03\x04', says: /zip archive/ },
+    { bytes: 'PK\x05\x06', says: /zip archive/ },
     { bytes: '\x28\xb5\x2f\xfd', says: /zstd/ },
     { bytes: 'glTF\x02', says: /glb/ },
     { bytes: 'NGSP', says: /spz/ },
