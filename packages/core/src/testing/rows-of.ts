@@ -19,7 +19,13 @@ export async function rowsOf(source: SplatSource, options: ReadSplatsOptions = {
   const files = { minRows: 0, maxRows: Number.POSITIVE_INFINITY, pieceBytes: 1 << 16 };
   const set: SplatSet<PackedHarmonics> | null = await readSource(source, options, readerOf, { sink, files });
   if (set !== null || sink.layout === null) throw new Error('The rows were not handed over.');
-  return { layout: sink.layout, values: Float32Array.from(sink.pieces.flatMap((piece) => [...piece])) };
+  const values = new Float32Array(sink.pieces.reduce((sum, { length }) => sum + length, 0));
+  let at = 0;
+  for (const piece of sink.pieces) {
+    values.set(piece, at);
+    at += piece.length;
+  }
+  return { layout: sink.layout, values };
 }
 
 class Collector implements RowSink {

@@ -1,7 +1,14 @@
 import { describe, expect, test } from 'vitest';
 import { Choices, fuzz } from '../../testing/fuzz.ts';
+import {
+  BitWriter,
+  type CodedImage,
+  flatCode,
+  type Item,
+  steepCode,
+  vp8lBytes,
+} from '../../testing/webp-fixture.ts';
 import { decodeVp8l, Vp8lError } from './vp8l.ts';
-import { BitWriter, type CodedImage, flatCode, type Item, steepCode, vp8lBytes } from './vp8l-fixture.ts';
 
 const choices = new Choices(7);
 const noise = (count: number) =>

@@ -1,7 +1,11 @@
 import { SplatFileError } from '../../../errors.ts';
 import { readPart } from '../../sources/read-part.ts';
+import { clip } from '../ply/ply-header.ts';
 import type { ReadProgress } from '../progress.ts';
 import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
+
+/** Far above what any file system has, and short enough for a message. */
+const MOST_PATH = 1024;
 
 /** Reads the other files of a scene, each of them once: a few that are named again and again would make a large scene. */
 export class PartReader {
@@ -23,8 +27,8 @@ export class PartReader {
    */
   async read(path: string): Promise<Uint8Array<ArrayBuffer>> {
     const { name } = this.#input;
-    if (path.split('/').some((part) => /^\.{0,2}$/.test(part))) {
-      const message = `it names a file ${JSON.stringify(path)}, outside of its folder. Export the scene again.`;
+    if (path.length > MOST_PATH || path.split('/').some((part) => /^\.{0,2}$/.test(part))) {
+      const message = `it names a file "${clip(path)}", which may lie outside of its folder. Export the scene again.`;
       throw new SplatFileError('damaged', name, message);
     }
     if (this.#paths.has(path)) {

@@ -6,7 +6,7 @@ import type { PartReader } from './part-reader.ts';
 import type { SogHarmonics, SogMeta } from './sog-meta.ts';
 
 /** Colours in a row of a palette's image. */
-export const PALETTE_COLUMNS = 64;
+const PALETTE_COLUMNS = 64;
 
 /** The images of a SOG, decoded: R, G, B, A of each splat in turn. */
 export interface SogImages {

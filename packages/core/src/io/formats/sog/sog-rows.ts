@@ -25,9 +25,7 @@ export function sogRows(
   shDegree: ShDegree,
 ): DecodedRows['decode'] {
   const { positionsLow, positionsHigh, rotations, scales, colors } = images;
-  const [xValues, yValues, zValues] = positions.mins.map((min, axis) =>
-    positionValues(min, positions.maxs[axis]),
-  );
+  const [x, y, z] = positions.mins.map((min, axis) => new Axis(min, positions.maxs[axis]));
   const [scaleX, scaleY, scaleZ] = logScales;
   const [reds, greens, blues, logits] = colorValues;
   const palette = images.harmonics && paletteRows(images.harmonics, harmonics!.values);
@@ -39,9 +37,9 @@ export function sogRows(
     for (let row = 0; row < rowCount * length; row += length, next++) {
       const at = 4 * next;
       const position = row + ROW_SLOT.position;
-      rows[position] = xValues[positionsLow[at] | (positionsHigh[at] << 8)];
-      rows[position + 1] = yValues[positionsLow[at + 1] | (positionsHigh[at + 1] << 8)];
-      rows[position + 2] = zValues[positionsLow[at + 2] | (positionsHigh[at + 2] << 8)];
+      rows[position] = x.at(positionsLow[at] | (positionsHigh[at] << 8));
+      rows[position + 1] = y.at(positionsLow[at + 1] | (positionsHigh[at + 1] << 8));
+      rows[position + 2] = z.at(positionsLow[at + 2] | (positionsHigh[at + 2] << 8));
 
       const logScale = row + ROW_SLOT.logScale;
       rows[logScale] = scaleX[scales[at]];
@@ -80,14 +78,25 @@ export function sogRows(
   };
 }
 
-/** The coordinate of each 16-bit value between the limits of sign(v) ln(|v| + 1). */
-function positionValues(min: number, max: number): Float32Array {
-  const values = new Float32Array(POSITION_STEPS + 1);
-  for (let step = 0; step <= POSITION_STEPS; step++) {
-    const n = min + (max - min) * (step / POSITION_STEPS);
-    values[step] = Math.sign(n) * Math.expm1(Math.abs(n));
+/** The coordinates of one axis. Each is computed once, since scenes have many splats for every one that there can be. */
+class Axis {
+  readonly #min: number;
+  readonly #step: number;
+  readonly #values = new Float32Array(POSITION_STEPS + 1).fill(Number.NaN);
+
+  /** @param min and `max`: of sign(v) ln(|v| + 1) */
+  constructor(min: number, max: number) {
+    this.#min = min;
+    this.#step = (max - min) / POSITION_STEPS;
   }
-  return values;
+
+  at(step: number): number {
+    const value = this.#values[step];
+    if (!Number.isNaN(value)) return value;
+    const n = this.#min + this.#step * step;
+    this.#values[step] = Math.sign(n) * Math.expm1(Math.abs(n));
+    return this.#values[step];
+  }
 }
 
 /** The coefficients of each colour of a palette, k-major as in rows. */

@@ -5,12 +5,18 @@ import { SplatFileError, WebSplatterError } from '../../../errors.ts';
 import { ROW_SLOT } from '../../../splats/splat-row.ts';
 import { Choices, fuzz } from '../../../testing/fuzz.ts';
 import { type FileRows, rowsOf } from '../../../testing/rows-of.ts';
-import { rgbaWebp, vp8lBytes, webpBytes } from '../../containers/vp8l-fixture.ts';
-import { zipBytes } from '../../containers/zip-fixture.ts';
+import {
+  droppedFiles,
+  type SogExample,
+  type SogFixture,
+  sogExample,
+  sogFiles,
+} from '../../../testing/sog-fixture.ts';
+import { rgbaWebp, vp8lBytes, webpBytes } from '../../../testing/webp-fixture.ts';
+import { zipBytes } from '../../../testing/zip-fixture.ts';
 import { readSource } from '../../loading/read-source.ts';
 import type { LoadProgress, ReadSplatsOptions } from '../../sources/splat-source.ts';
 import { readerOf } from '../readers.ts';
-import { droppedFiles, type SogExample, type SogFixture, sogExample, sogFiles } from './sog-fixture.ts';
 
 const exampleOf = (fixture: Partial<SogFixture> = {}, seed = 1) =>
   sogExample({ version: 2, count: 11, shDegree: 1, ...fixture }, new Choices(seed));
@@ -221,7 +227,12 @@ describe('what is refused', () => {
     ['more splats than can be', (meta) => (meta.count = 2 ** 50), 'too-large', /numbered/],
     ['a palette that is smaller', (meta) => (meta.shN.count = 10), 'damaged', /palette of 10/],
     ['a file twice', (meta) => (meta.quats.files = meta.scales.files), 'damaged', /scales.webp twice/],
-    ['a file outside', (meta) => (meta.quats.files = ['../quats.webp']), 'damaged', /outside of its folder/],
+    [
+      'a file outside',
+      (meta) => (meta.quats.files = ['../quats.webp']),
+      'damaged',
+      /may lie outside of its folder/,
+    ],
     ['a list', (meta) => (meta.quats = []), 'bad-header', /quats is \[\]/],
   ])('%s', async (_, change, code, message) => {
     const example = exampleOf();
@@ -406,7 +417,8 @@ describe.skipIf(!scenesExist)('a real scene (playbot-lod3.sog)', () => {
     const means = new Float64Array(length);
     const found = new Set<number>();
     const sigmoid = (logit: number) => 1 / (1 + Math.exp(-logit));
-    for (let i = 0; i < 31_000; i++) {
+    // One in five, which takes a fifth of the time.
+    for (let i = 0; i < 31_000; i += 5) {
       const row = sog.values.subarray(i * length, (i + 1) * length);
       const at = nearest(row);
       found.add(at);
@@ -419,25 +431,21 @@ describe.skipIf(!scenesExist)('a real scene (playbot-lod3.sog)', () => {
         if (slot >= 6 && slot < 10) error = Math.abs(row[slot] - values[slot] / norm);
         if (slot === ROW_SLOT.opacity) error = Math.abs(sigmoid(row[slot]) - sigmoid(values[slot]));
         worst[slot] = Math.max(worst[slot], error);
-        means[slot] += error / 31_000;
+        means[slot] += error / 6200;
       }
     }
-    expect(found.size).toBeGreaterThan(30_900);
+    expect(found.size).toBeGreaterThan(6190);
     // Positions: the writer rounds down, to a step of (max − min) / 65535 of ln(|v| + 1), which stretches by up to e^0.74.
     const step = (1.43 / 65535) * Math.exp(0.74);
     for (let slot = 0; slot < 3; slot++) expect(worst[slot]).toBeLessThan(step);
-    // Log scales and base colours have 256 values between them, the nearest of which is taken.
+    // Log scales and base colours: the nearest of 256 values; were they as far apart as can be, half a step of 10 / 255.
     for (let slot = 3; slot < 6; slot++) expect(means[slot]).toBeLessThan(0.02);
     for (let slot = 11; slot < 14; slot++) expect(means[slot]).toBeLessThan(0.02);
     // Rotations: the writer rounds down, to a step of √2 / 255; the largest component follows from three such errors.
     for (let slot = 6; slot < 10; slot++) expect(worst[slot]).toBeLessThan((3 * Math.SQRT2) / 255);
     // Opacities: rounded down to a step of 1 / 255.
     expect(worst[ROW_SLOT.opacity]).toBeLessThan(1.001 / 255);
-    console.info(
-      Array.from(
-        worst,
-        (value, slot) => `${names[slot]} ${value.toPrecision(2)}/${(means[slot]).toPrecision(2)}`,
-      ).join(' '),
-    );
+    // Harmonics: half as many colours as splats, found by clustering, for which there is no bound; a wrong order would be far off.
+    for (let slot = ROW_SLOT.harmonics; slot < length; slot++) expect(means[slot]).toBeLessThan(0.006);
   });
 });

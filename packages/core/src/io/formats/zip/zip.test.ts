@@ -3,12 +3,12 @@ import { SplatFileError, WebSplatterError } from '../../../errors.ts';
 import { Choices, fuzz } from '../../../testing/fuzz.ts';
 import { plyBytes, splatElement } from '../../../testing/ply-fixture.ts';
 import { rowsOf } from '../../../testing/rows-of.ts';
+import { sogExample, sogFiles } from '../../../testing/sog-fixture.ts';
+import { type ZipOptions, zipBytes } from '../../../testing/zip-fixture.ts';
 import { openZipEntry, readZipDirectory } from '../../containers/zip.ts';
-import { type ZipOptions, zipBytes } from '../../containers/zip-fixture.ts';
 import { readSource } from '../../loading/read-source.ts';
 import type { LoadProgress, ReadSplatsOptions } from '../../sources/splat-source.ts';
 import { readerOf } from '../readers.ts';
-import { sogExample, sogFiles } from '../sog/sog-fixture.ts';
 
 const sog = sogFiles(sogExample({ version: 2, count: 7, shDegree: 1, paletteSize: 5 }, new Choices(1)));
 const ply = plyBytes({ format: 'binary_little_endian', elements: [splatElement(5)] });

@@ -1,7 +1,7 @@
 // Writes SOG for tests, and says which rows must come of it.
-import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../splats/splat-set.ts';
-import type { Choices } from '../../../testing/fuzz.ts';
-import { rgbaWebp } from '../../containers/vp8l-fixture.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree } from '../splats/splat-set.ts';
+import type { Choices } from './fuzz.ts';
+import { rgbaWebp } from './webp-fixture.ts';
 
 export interface SogFixture {
   readonly version: 1 | 2;

@@ -1,6 +1,6 @@
 // Writes zip archives for tests.
 import { deflateRawSync } from 'node:zlib';
-import { crc32 } from './crc32.ts';
+import { crc32 } from '../io/containers/crc32.ts';
 
 export interface ZipOptions {
   readonly isDeflated?: boolean;
