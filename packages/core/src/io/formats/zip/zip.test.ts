@@ -224,7 +224,7 @@ describe('what is refused', () => {
     expect(await failure(stored, { maxBytes: 100 })).toMatchObject({ code: 'too-large' });
   });
 
-  test('any change gives splats or a typed error', async () => {
+  test('any change gives splats or a typed error', { timeout: 3_600_000 }, async () => {
     const found: Record<string, number> = {};
     const small = sogFiles(sogExample({ version: 2, count: 1, shDegree: 0, width: 1 }, new Choices(2)));
     await fuzz({ few: 300, many: 20_000 }, async (choices) => {
