@@ -34,6 +34,8 @@ const PACKAGES = [
       'spz-worker': 'src/io/formats/spz/spz-worker.ts',
       'gzip-worker': 'src/io/formats/gzip/gzip-worker.ts',
       'gltf-worker': 'src/io/formats/gltf/gltf-worker.ts',
+      'sog-worker': 'src/io/formats/sog/sog-worker.ts',
+      'zip-worker': 'src/io/formats/zip/zip-worker.ts',
     },
     inputs: ['shaders'],
     hasDeclarations: true,

@@ -26,7 +26,7 @@ export async function readGzipped(
  */
 function unpackGzip(packed: SplatInput, signal: AbortSignal | undefined, maxBytes: number): SplatInput {
   const { name, reader } = packed;
-  const stream = unpackedStream(reader, name);
+  const stream = gunzip(reader.rest(), name, () => reader.byteOffset);
   return {
     name,
     totalBytes: undefined,
@@ -37,8 +37,17 @@ function unpackGzip(packed: SplatInput, signal: AbortSignal | undefined, maxByte
   };
 }
 
-function unpackedStream(packed: ByteReader, name: string): ReadableStream<Uint8Array> {
-  const unpacking = packed.rest().pipeThrough(new DecompressionStream('gzip')).getReader();
+/**
+ * What is in a gzip stream. It fails with SplatFileError 'damaged'.
+ *
+ * @param byteOffset where in `file` the stream is, for that error.
+ */
+export function gunzip(
+  packed: ReadableStream<Uint8Array<ArrayBuffer>>,
+  file: string,
+  byteOffset: () => number,
+): ReadableStream<Uint8Array> {
+  const unpacking = packed.pipeThrough(new DecompressionStream('gzip')).getReader();
   return new ReadableStream(
     {
       async pull(controller) {
@@ -51,7 +60,7 @@ function unpackedStream(packed: ByteReader, name: string): ReadableStream<Uint8A
           if (cause instanceof WebSplatterError) throw cause;
           const advice = 'Download or export it again';
           const message = `it cannot be unpacked (${messageOf(cause)}). ${advice}.`;
-          throw new SplatFileError('damaged', name, message, { byte: packed.byteOffset }, { cause });
+          throw new SplatFileError('damaged', file, message, { byte: byteOffset() }, { cause });
         }
       },
       cancel: (reason) => unpacking.cancel(reason),

@@ -36,16 +36,20 @@ export function rowLength(shDegree: ShDegree): number {
   return ROW_SLOT.harmonics + coefficientsPerSplat(shDegree);
 }
 
-/** Delivers decoded rows as `ReadFormat` promises: to `rowsTo`, if it takes as many, or as a set. */
+/**
+ * Delivers decoded rows as `ReadFormat` promises: to `rowsTo`, if it takes as many, or as a set.
+ *
+ * @param progress that of the reading so far, where the scene has several files.
+ */
 export async function deliverRows(
   rows: DecodedRows,
   input: SplatInput,
   options: SplatFormatOptions,
   rowsTo: RowsTo | undefined,
+  progress = new ReadProgress(input, options.onProgress),
 ): Promise<SplatSet<PackedHarmonics> | null> {
   const { count } = rows;
   checkCount(count, input.name, options.maxSplats);
-  const progress = new ReadProgress(input, options.onProgress);
   const isPassed = rowsTo && count >= rowsTo.files.minRows && count <= rowsTo.files.maxRows;
   if (isPassed) await passRows(rows, input, rowsTo, progress);
   const set = isPassed ? null : await collectRows(rows, input, options, progress);

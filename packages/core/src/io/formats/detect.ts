@@ -9,7 +9,7 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
     pattern: /^$/,
     message: 'the file is empty (or the stream has been read before); check the download or the path',
   },
-  { pattern: /^PK/, message: 'it is a zip archive, as .sog is; unpack or convert it to PLY first' },
+  { pattern: /^PK/, message: 'it is an empty zip archive, or a part of one that was split' },
   { pattern: /^\x28\xb5\x2f\xfd/, message: 'it is zstd-compressed; unpack it first' },
   {
     pattern: /^version https:\/\/git-lfs/,
@@ -25,7 +25,7 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
   },
   {
     pattern: /^(?:\xef\xbb\xbf)?\s*[{[]/,
-    message: "it looks like JSON (SOG metadata or a server's error); give the PLY itself",
+    message: "it looks like JSON (a server's error, perhaps), and is no scene",
   },
   { pattern: /^(?:\x89PNG|\xff\xd8\xff|RIFF....WEBP|GIF8)/s, message: 'it is an image; give the PLY itself' },
   { pattern: /^(?:\xef\xbb\xbf\s*|\s+)ply\s/, message: 'there are bytes before its "ply" line; remove them' },

@@ -10,11 +10,19 @@ export class ReadProgress {
   readonly #onProgress: ((progress: LoadProgress) => void) | undefined;
   readonly #startMs = performance.now();
   #lastReportMs = Number.NEGATIVE_INFINITY;
+  #partBytes = 0;
 
   constructor(input: SplatInput, onProgress: ((progress: LoadProgress) => void) | undefined) {
-    // What is packed is counted as it arrives.
-    this.#input = input.packed ?? input;
+    this.#input = input;
     this.#onProgress = onProgress;
+  }
+
+  /** Counts another file of the scene, which has been read. */
+  addPart(bytes: number): void {
+    // What is packed has them in it.
+    if (this.#input.packed) return;
+    this.#partBytes += bytes;
+    this.report(0);
   }
 
   report(splats: number): void {
@@ -23,11 +31,12 @@ export class ReadProgress {
 
   /** As `report`, but always. */
   finish(splats: number): void {
-    const { totalBytes, reader } = this.#input;
-    const loadedBytes = reader.byteOffset;
+    // What is packed is counted as it arrives.
+    const { totalBytes, reader } = this.#input.packed ?? this.#input;
+    const loadedBytes = reader.byteOffset + this.#partBytes;
     this.#lastReportMs = performance.now();
     const elapsedMs = this.#lastReportMs - this.#startMs;
-    // A stated size that has been exceeded was that of the compressed bytes.
+    // A stated size that has been exceeded was that of the compressed bytes, or of the first file of several.
     const known = totalBytes !== undefined && loadedBytes <= totalBytes;
     this.#onProgress?.({
       phase: 'read',

@@ -8,6 +8,8 @@ const READERS: Readonly<Record<string, () => Promise<ReadFormat>>> = {
   spz: async () => (await import('./spz/spz.ts')).readSpz,
   gzip: async () => (await import('./gzip/gzip.ts')).readGzip,
   gltf: async () => (await import('./gltf/gltf.ts')).readGltf,
+  sog: async () => (await import('./sog/sog.ts')).readSog,
+  zip: async () => (await import('./zip/zip.ts')).readZip,
 };
 
 /** All formats, for threads without a worker. */

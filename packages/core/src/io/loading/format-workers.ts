@@ -13,6 +13,8 @@ const WORKERS: Readonly<Record<string, () => Worker>> = {
   spz: () => new Worker(new URL('../formats/spz/spz-worker.ts', import.meta.url), { type: 'module' }),
   gzip: () => new Worker(new URL('../formats/gzip/gzip-worker.ts', import.meta.url), { type: 'module' }),
   gltf: () => new Worker(new URL('../formats/gltf/gltf-worker.ts', import.meta.url), { type: 'module' }),
+  sog: () => new Worker(new URL('../formats/sog/sog-worker.ts', import.meta.url), { type: 'module' }),
+  zip: () => new Worker(new URL('../formats/zip/zip-worker.ts', import.meta.url), { type: 'module' }),
 };
 
 /** Name of the format that a source most likely has; null if its name does not tell. */

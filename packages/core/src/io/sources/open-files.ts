@@ -37,7 +37,7 @@ export function openFiles(source: SceneFiles, { name }: ReadOptions): OpenedSour
  */
 export function leadingPath(source: SceneFiles): string {
   const { files, paths } = withPaths(source);
-  const leading = files.length === 1 ? paths[0] : paths.find(isLeading);
+  const leading = files.length === 1 ? paths[0] : outermost(paths.filter(isLeading));
   if (leading !== undefined) return leading;
   const names = paths.slice(0, MOST_LISTED).join(', ');
   const found = files.length === 0 ? 'source.files is empty' : `source has ${files.length} files (${names})`;
@@ -67,6 +67,12 @@ export function withPaths({ files, paths = files.map(ownPath) }: SceneFiles): Re
 
 function ownPath(file: Partial<File> | null): string {
   return file?.webkitRelativePath || (file?.name ?? '');
+}
+
+/** Those of a streamed scene lead to files of their own. */
+function outermost(paths: readonly string[]): string | undefined {
+  const depthOf = (path: string) => path.split('/').length;
+  return paths.toSorted((a, b) => depthOf(a) - depthOf(b))[0];
 }
 
 function isLeading(path: string): boolean {

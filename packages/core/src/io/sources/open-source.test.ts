@@ -207,7 +207,7 @@ describe('detectFormat', () => {
 
   test.each([
     { bytes: '', says: /file is empty/ },
-    { bytes: 'PK\x03\x04', says: /zip archive/ },
+    { bytes: 'PK\x05\x06', says: /zip archive/ },
     { bytes: '\x28\xb5\x2f\xfd', says: /zstd/ },
     { bytes: '{"asset":{"version":"1.1"},"geometricError":500', says: /3D Tiles/ },
     { bytes: 'version https://git-lfs.github.com/spec/v1', says: /git lfs pull/ },

@@ -1,6 +1,6 @@
 import type { ByteReader } from './byte-reader.ts';
 
-/** Memory grows by at least this much. */
+/** Memory to begin with, where nothing is known. */
 const FIRST_BYTES = 1 << 20;
 
 /**
@@ -13,7 +13,7 @@ export async function readAll(
   maxBytes = Number.POSITIVE_INFINITY,
   expectedBytes = 0,
 ): Promise<Uint8Array<ArrayBuffer>> {
-  let bytes = new Uint8Array(Math.max(FIRST_BYTES, expectedBytes));
+  let bytes = new Uint8Array(expectedBytes > 0 ? expectedBytes : FIRST_BYTES);
   let length = 0;
   while (length < maxBytes && (await reader.fill(1))) {
     const part = reader.bytes.subarray(

@@ -83,7 +83,7 @@ describe('how files are told', () => {
 
   test('JSON that begins with anything is one by its name', () => {
     expect(detectFormat(bytes('{"extras":{'), 'scene', 'scene.GLTF').name).toBe('gltf');
-    expect(() => detectFormat(bytes('{"extras":{'), 'scene', 'meta.json')).toThrow(SplatFileError);
+    expect(() => detectFormat(bytes('{"extras":{'), 'scene', 'other.json')).toThrow(SplatFileError);
     expect(() => detectFormat(bytes('x'), 'scene', 'scene.gltf')).toThrow(SplatFileError);
   });
 });
