@@ -4,6 +4,7 @@ import type { FormatReaders, ReadFormat } from './splat-format.ts';
 
 /** The code of each format, fetched when a file is of it. */
 const READERS: Readonly<Record<string, () => Promise<ReadFormat>>> = {
+  'compressed-ply': async () => (await import('./compressed-ply/compressed-ply.ts')).readCompressedPly,
   ply: async () => (await import('./ply/ply.ts')).readPly,
 };
 

@@ -9,7 +9,12 @@ export { withPaths } from '../sources/open-files.ts';
 import type { OtherFormat } from './other-format.ts';
 
 /** A worker for each format but PLY, which `load-splats.ts` starts by itself. In one piece each, the form that bundlers recognise. */
-const WORKERS: Readonly<Record<string, () => Worker>> = {};
+const WORKERS: Readonly<Record<string, () => Worker>> = {
+  'compressed-ply': () =>
+    new Worker(new URL('../formats/compressed-ply/compressed-ply-worker.ts', import.meta.url), {
+      type: 'module',
+    }),
+};
 
 /** Name of the format that a source most likely has; null if its name does not tell. */
 export function likelyFormat(source: SplatSource, name: string | undefined): string | null {

@@ -13,7 +13,7 @@ export async function readAll(
   maxBytes = Number.POSITIVE_INFINITY,
   expectedBytes = 0,
 ): Promise<Uint8Array<ArrayBuffer>> {
-  let bytes = new Uint8Array(Math.max(FIRST_BYTES, expectedBytes));
+  let bytes = new Uint8Array(Math.max(Math.min(FIRST_BYTES, maxBytes), expectedBytes));
   let length = 0;
   while (length < maxBytes && (await reader.fill(1))) {
     const part = reader.bytes.subarray(

@@ -1,3 +1,4 @@
+import { compressedPlyFormat } from '../compressed-ply/compressed-ply-format.ts';
 import { latin1 } from '../latin1.ts';
 import type { SplatFormat } from '../splat-format.ts';
 
@@ -6,5 +7,6 @@ export const plyFormat: SplatFormat = {
   name: 'ply',
   title: 'PLY',
   extensions: ['.ply'],
-  recognise: (firstBytes) => /^ply\s/.test(latin1(firstBytes)),
+  recognise: (firstBytes, fileName) =>
+    /^ply\s/.test(latin1(firstBytes)) && !compressedPlyFormat.recognise(firstBytes, fileName),
 };

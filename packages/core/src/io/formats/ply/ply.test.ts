@@ -466,9 +466,10 @@ describe('what is refused', () => {
       says: /no element vertex; elements found: face/,
     },
     {
-      name: 'compressed',
+      name: 'compressed, which nothing in the first bytes tells',
       bytes: header(
         `format ${LE} 1.0`,
+        `comment ${'x'.repeat(512)}`,
         'element chunk 1',
         'property float min_x',
         'element vertex 1',

@@ -1,12 +1,7 @@
 import { SplatFileError } from '../../../errors.ts';
 import type { PackedHarmonics } from '../../../packing/harmonics.ts';
 import { ROW_SLOT } from '../../../splats/splat-row.ts';
-import {
-  coefficientsPerSplat,
-  SH_REST_COEFFICIENTS,
-  type ShDegree,
-  type SplatSet,
-} from '../../../splats/splat-set.ts';
+import type { ShDegree, SplatSet } from '../../../splats/splat-set.ts';
 import { checkCount } from '../check-count.ts';
 import { ReadProgress } from '../progress.ts';
 import type { RowFiles, RowsTo } from '../row-sink.ts';
@@ -22,6 +17,7 @@ import {
   readPlyHeader,
   TYPE_BYTES,
 } from './ply-header.ts';
+import { shDegreeOf, shNames } from './sh-properties.ts';
 
 const SLOT_OF_CORE_PROPERTY = new Map<string, number>([
   ...['x', 'y', 'z'].map((name, i): [string, number] => [name, ROW_SLOT.position + i]),
@@ -31,7 +27,6 @@ const SLOT_OF_CORE_PROPERTY = new Map<string, number>([
   ...[0, 1, 2].map((i): [string, number] => [`f_dc_${i}`, ROW_SLOT.colorDc + i]),
 ]);
 
-const SH_DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
 /** Most elements that a message names. */
 const MOST_LISTED = 8;
 const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
@@ -108,11 +103,11 @@ function findVertex(header: PlyHeader, file: string): number {
   const vertex = header.elements[index];
   const names = new Set(vertex?.properties.map((property) => property.name));
   if (names.has('packed_position')) {
-    const advice = 'convert it to the standard layout, for example with splat-transform';
+    const advice = 'move the comments before its element chunk behind it';
     throw new SplatFileError(
       'unknown-format',
       file,
-      `this is a compressed PLY (it has packed_position), which is not read yet; ${advice}.`,
+      `this is a compressed PLY (it has packed_position) with an unusual header; ${advice}.`,
       { element: 'vertex', property: 'packed_position' },
     );
   }
@@ -150,27 +145,10 @@ function describeKind(header: PlyHeader, missing: readonly string[]): string {
     : 'this is a plain point cloud, not splats';
 }
 
-function shDegreeOf(vertex: PlyElement, file: string): ShDegree {
-  const count = vertex.properties.filter(({ name }) => /^f_rest_\d+$/.test(name)).length;
-  const degree = SH_DEGREES.find((candidate) => coefficientsPerSplat(candidate) === count);
-  if (degree !== undefined) return degree;
-  throw new SplatFileError(
-    'bad-property',
-    file,
-    `there are ${count} f_rest properties; spherical harmonics of degree 0, 1, 2 or 3 have 0, 9, 24 or 45.`,
-    { element: 'vertex' },
-  );
-}
-
 /** For each property of `vertex`, its index in a builder's row; -1 if it is not needed. */
 function slotsOf(vertex: PlyElement, shDegree: ShDegree, file: string): number[] {
   const slotOf = new Map(SLOT_OF_CORE_PROPERTY);
-  const coefficients = SH_REST_COEFFICIENTS[shDegree];
-  for (let channel = 0; channel < 3; channel++) {
-    for (let k = 0; k < coefficients; k++) {
-      slotOf.set(`f_rest_${channel * coefficients + k}`, ROW_SLOT.harmonics + 3 * k + channel);
-    }
-  }
+  for (const [i, name] of shNames(shDegree).entries()) slotOf.set(name, ROW_SLOT.harmonics + i);
   const fail = (property: string, message: string): never => {
     throw new SplatFileError('bad-property', file, message, { element: 'vertex', property });
   };
