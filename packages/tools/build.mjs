@@ -32,6 +32,7 @@ const PACKAGES = [
       formats: 'src/io/formats/formats.ts',
       'compressed-ply-worker': 'src/io/formats/compressed-ply/compressed-ply-worker.ts',
       'load-worker': 'src/io/loading/load-worker.ts',
+      'splat-worker': 'src/io/formats/splat/splat-worker.ts',
     },
     inputs: ['shaders'],
     hasDeclarations: true,

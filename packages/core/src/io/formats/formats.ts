@@ -1,12 +1,18 @@
 import { compressedPlyFormat } from './compressed-ply/compressed-ply-format.ts';
 import { plyFormat } from './ply/ply-format.ts';
+import { splatFormat } from './splat/splat-format.ts';
 import type { SplatFormat } from './splat-format.ts';
 
 /**
  * Every format that can be read, in the order in which files are tried. To add one, write its folder, list it here, and give its
  * code to `readers.ts` and its worker to `../loading/format-workers.ts`.
  */
-export const SPLAT_FORMATS: readonly SplatFormat[] = [compressedPlyFormat, plyFormat];
+export const SPLAT_FORMATS: readonly SplatFormat[] = [
+  compressedPlyFormat,
+  plyFormat,
+  // By its name only.
+  splatFormat,
+];
 
 /** The format that files with this name usually have; undefined if the name does not tell. */
 export function formatByName(fileName: string): SplatFormat | undefined {

@@ -6,6 +6,7 @@ import type { FormatReaders, ReadFormat } from './splat-format.ts';
 const READERS: Readonly<Record<string, () => Promise<ReadFormat>>> = {
   'compressed-ply': async () => (await import('./compressed-ply/compressed-ply.ts')).readCompressedPly,
   ply: async () => (await import('./ply/ply.ts')).readPly,
+  splat: async () => (await import('./splat/splat.ts')).readSplat,
 };
 
 /** All formats, for threads without a worker. */

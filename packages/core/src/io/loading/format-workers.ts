@@ -14,6 +14,7 @@ const WORKERS: Readonly<Record<string, () => Worker>> = {
     new Worker(new URL('../formats/compressed-ply/compressed-ply-worker.ts', import.meta.url), {
       type: 'module',
     }),
+  splat: () => new Worker(new URL('../formats/splat/splat-worker.ts', import.meta.url), { type: 'module' }),
 };
 
 /** Name of the format that a source most likely has; null if its name does not tell. */
