@@ -31,6 +31,7 @@ const PACKAGES = [
       measure: 'src/measure/index.ts',
       formats: 'src/io/formats/formats.ts',
       'compressed-ply-worker': 'src/io/formats/compressed-ply/compressed-ply-worker.ts',
+      'ksplat-worker': 'src/io/formats/ksplat/ksplat-worker.ts',
       'load-worker': 'src/io/loading/load-worker.ts',
       'splat-worker': 'src/io/formats/splat/splat-worker.ts',
     },

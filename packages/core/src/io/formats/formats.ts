@@ -1,4 +1,5 @@
 import { compressedPlyFormat } from './compressed-ply/compressed-ply-format.ts';
+import { ksplatFormat } from './ksplat/ksplat-format.ts';
 import { plyFormat } from './ply/ply-format.ts';
 import { splatFormat } from './splat/splat-format.ts';
 import type { SplatFormat } from './splat-format.ts';
@@ -10,6 +11,7 @@ import type { SplatFormat } from './splat-format.ts';
 export const SPLAT_FORMATS: readonly SplatFormat[] = [
   compressedPlyFormat,
   plyFormat,
+  ksplatFormat,
   // By its name only.
   splatFormat,
 ];

@@ -5,6 +5,7 @@ import type { FormatReaders, ReadFormat } from './splat-format.ts';
 /** The code of each format, fetched when a file is of it. */
 const READERS: Readonly<Record<string, () => Promise<ReadFormat>>> = {
   'compressed-ply': async () => (await import('./compressed-ply/compressed-ply.ts')).readCompressedPly,
+  ksplat: async () => (await import('./ksplat/ksplat.ts')).readKsplat,
   ply: async () => (await import('./ply/ply.ts')).readPly,
   splat: async () => (await import('./splat/splat.ts')).readSplat,
 };

@@ -14,6 +14,8 @@ const WORKERS: Readonly<Record<string, () => Worker>> = {
     new Worker(new URL('../formats/compressed-ply/compressed-ply-worker.ts', import.meta.url), {
       type: 'module',
     }),
+  ksplat: () =>
+    new Worker(new URL('../formats/ksplat/ksplat-worker.ts', import.meta.url), { type: 'module' }),
   splat: () => new Worker(new URL('../formats/splat/splat-worker.ts', import.meta.url), { type: 'module' }),
 };
 
