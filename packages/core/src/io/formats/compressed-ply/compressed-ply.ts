@@ -77,7 +77,9 @@ export const readCompressedPly: ReadFormat = async (input, options, rowsTo) => {
   const bytes = await readExactly(input, totalBytes, `its ${count} splats`);
   const body = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
   const decode = rowDecoder(body, layout, header.format !== 'binary_big_endian');
-  return deliverRows({ count, shDegree, decode }, input, options, rowsTo);
+  const { isAntialiased, format: variant, writer } = header;
+  const fileFacts = { format: 'compressed-ply', variant, writer };
+  return deliverRows({ count, shDegree, isAntialiased, fileFacts, decode }, input, options, rowsTo);
 };
 
 function boundsNames(stems: readonly string[]): string[] {
