@@ -33,6 +33,7 @@ const PACKAGES = [
       'compressed-ply-worker': 'src/io/formats/compressed-ply/compressed-ply-worker.ts',
       'ksplat-worker': 'src/io/formats/ksplat/ksplat-worker.ts',
       'load-worker': 'src/io/loading/load-worker.ts',
+      'ply-points-worker': 'src/io/formats/ply-points/ply-points-worker.ts',
       'splat-worker': 'src/io/formats/splat/splat-worker.ts',
     },
     inputs: ['shaders'],

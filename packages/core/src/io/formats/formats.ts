@@ -1,6 +1,7 @@
 import { compressedPlyFormat } from './compressed-ply/compressed-ply-format.ts';
 import { ksplatFormat } from './ksplat/ksplat-format.ts';
 import { plyFormat } from './ply/ply-format.ts';
+import { plyPointsFormat } from './ply-points/ply-points-format.ts';
 import { splatFormat } from './splat/splat-format.ts';
 import type { SplatFormat } from './splat-format.ts';
 
@@ -11,6 +12,7 @@ import type { SplatFormat } from './splat-format.ts';
 export const SPLAT_FORMATS: readonly SplatFormat[] = [
   compressedPlyFormat,
   plyFormat,
+  plyPointsFormat,
   ksplatFormat,
   // By its name only.
   splatFormat,

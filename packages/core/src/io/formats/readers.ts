@@ -7,6 +7,7 @@ const READERS: Readonly<Record<string, () => Promise<ReadFormat>>> = {
   'compressed-ply': async () => (await import('./compressed-ply/compressed-ply.ts')).readCompressedPly,
   ksplat: async () => (await import('./ksplat/ksplat.ts')).readKsplat,
   ply: async () => (await import('./ply/ply.ts')).readPly,
+  'ply-points': async () => (await import('./ply-points/ply-points.ts')).readPlyPoints,
   splat: async () => (await import('./splat/splat.ts')).readSplat,
 };
 

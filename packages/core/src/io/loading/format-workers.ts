@@ -16,6 +16,8 @@ const WORKERS: Readonly<Record<string, () => Worker>> = {
     }),
   ksplat: () =>
     new Worker(new URL('../formats/ksplat/ksplat-worker.ts', import.meta.url), { type: 'module' }),
+  'ply-points': () =>
+    new Worker(new URL('../formats/ply-points/ply-points-worker.ts', import.meta.url), { type: 'module' }),
   splat: () => new Worker(new URL('../formats/splat/splat-worker.ts', import.meta.url), { type: 'module' }),
 };
 
