@@ -56,7 +56,7 @@ describe('dropped files', () => {
     const found = await droppedFiles([{ kind: 'string', getAsFile: () => null }]);
     expect(decideFiles(found)).toMatchObject({
       opened: null,
-      notice: expect.stringMatching(/no file in that; drop a scene: PLY/),
+      notice: expect.stringMatching(/no file in that; drop a scene: PLY, SPZ, SOG/),
     });
   });
 });

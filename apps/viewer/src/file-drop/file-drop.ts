@@ -41,9 +41,9 @@ export const ACCEPTED_FILES = [
 ].join();
 
 /** What people may drop, e.g. `PLY, SPZ or SOG`. */
-export const READABLE_FORMATS = new Intl.ListFormat('en', { type: 'disjunction' }).format(
-  SPLAT_FORMATS.map(({ title }) => title),
-);
+export const READABLE_FORMATS = new Intl.ListFormat('en', { type: 'disjunction' }).format([
+  ...new Set(SPLAT_FORMATS.map(({ title }) => title)),
+]);
 
 /** Lists the files of a drop, those in folders too. Call it within the event, after which the browser empties the items. */
 export async function droppedFiles(items: Iterable<DroppedItem>): Promise<FoundFile[]> {

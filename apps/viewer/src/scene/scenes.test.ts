@@ -78,8 +78,7 @@ function loseSession(status: 'starting' | 'lost' = 'starting'): void {
 }
 
 const newestLoad = () => loads.at(-1)!;
-const openedKinds = () =>
-  loads.map(({ source }) => (source.kind === 'file' ? source.name : source.kind));
+const openedKinds = () => loads.map(({ source }) => (source.kind === 'file' ? source.name : source.kind));
 
 /** Answers the newest load. */
 async function loaded(scene = sceneOf()): Promise<void> {

@@ -42,7 +42,7 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
 export function detectFormat(firstBytes: Uint8Array, file = 'source', fileName = file): SplatFormat {
   const format = SPLAT_FORMATS.find((candidate) => candidate.recognise(firstBytes, fileName));
   if (format) return format;
-  const known = SPLAT_FORMATS.map(({ title }) => title).join(', ');
+  const known = [...new Set(SPLAT_FORMATS.map(({ title }) => title))].join(', ');
   throw new SplatFileError('unknown-format', file, `${describe(firstBytes)}. Formats read: ${known}.`, {
     byte: 0,
   });

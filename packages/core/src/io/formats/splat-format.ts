@@ -9,7 +9,7 @@ import type { RowsTo } from './row-sink.ts';
 export interface SplatFormat {
   /** Short lower-case name, also that of the format's folder. */
   readonly name: string;
-  /** What people call it. */
+  /** What people call it; kinds of a format share it. */
   readonly title: string;
   /** Ends of file names, in lower case, e.g. `.ply`; the usual one first. */
   readonly extensions: readonly string[];

@@ -15,6 +15,15 @@ const WORKERS: Readonly<Record<string, () => Worker>> = {
   gltf: () => new Worker(new URL('../formats/gltf/gltf-worker.ts', import.meta.url), { type: 'module' }),
   sog: () => new Worker(new URL('../formats/sog/sog-worker.ts', import.meta.url), { type: 'module' }),
   zip: () => new Worker(new URL('../formats/zip/zip-worker.ts', import.meta.url), { type: 'module' }),
+  'compressed-ply': () =>
+    new Worker(new URL('../formats/compressed-ply/compressed-ply-worker.ts', import.meta.url), {
+      type: 'module',
+    }),
+  ksplat: () =>
+    new Worker(new URL('../formats/ksplat/ksplat-worker.ts', import.meta.url), { type: 'module' }),
+  'ply-points': () =>
+    new Worker(new URL('../formats/ply-points/ply-points-worker.ts', import.meta.url), { type: 'module' }),
+  splat: () => new Worker(new URL('../formats/splat/splat-worker.ts', import.meta.url), { type: 'module' }),
 };
 
 /** Name of the format that a source most likely has; null if its name does not tell. */

@@ -13,7 +13,7 @@ export async function readAll(
   maxBytes = Number.POSITIVE_INFINITY,
   expectedBytes = 0,
 ): Promise<Uint8Array<ArrayBuffer>> {
-  let bytes = new Uint8Array(expectedBytes > 0 ? expectedBytes : FIRST_BYTES);
+  let bytes = new Uint8Array(expectedBytes > 0 ? expectedBytes : Math.min(FIRST_BYTES, maxBytes));
   let length = 0;
   while (length < maxBytes && (await reader.fill(1))) {
     const part = reader.bytes.subarray(

@@ -2,6 +2,7 @@ import { shown } from '../../../printable.ts';
 import { ROW_SLOT } from '../../../splats/splat-row.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../splats/splat-set.ts';
 import { type DecodedRows, rowLength } from '../decoded-rows.ts';
+import { logScaleOf } from '../flat-scale.ts';
 import { type AttributeRule, type Column, columnOf, copyRows, rowCountOf } from './accessor-column.ts';
 import type { GltfBuffers } from './gltf-buffers.ts';
 import { type GltfJson, type JsonObject, SPLATTING } from './gltf-json.ts';
@@ -24,13 +25,6 @@ const RULES = {
   rotation: { semantic: `${SPLATTING}:ROTATION`, type: 'VEC4', kinds: ['float', 'signed normalized'] },
   opacity: { semantic: `${SPLATTING}:OPACITY`, type: 'SCALAR', kinds: ['float', 'unsigned normalized'] },
 } as const satisfies Readonly<Record<string, AttributeRule>>;
-
-const HARMONICS = new RegExp(`^${SPLATTING}:SH_DEGREE_\\d+_COEF_\\d+$`);
-/**
- * Log scale of an axis without any length, 2·10⁻⁹: a splat may be flat, a logarithm not. Other formats end their scales there, and
- * a much smaller number would take precision from all others, which are stored over the range of their logarithms.
- */
-const FLAT_LOG_SCALE = -20;
 /** Rows whose values stay in a processor's nearest memory while column after column is copied to them. */
 const ROWS_AT_ONCE = 128;
 
@@ -134,8 +128,7 @@ export function attributeRows({ count, shDegree, columns }: SplatAttributes): De
 
 /** Makes what training has of what a renderer needs: logarithms, logits, and rotations that begin with w. */
 function undoActivations(values: Float32Array, at: number): void {
-  for (let i = at + ROW_SLOT.logScale; i < at + ROW_SLOT.logScale + 3; i++)
-    values[i] = values[i] === 0 ? FLAT_LOG_SCALE : Math.log(values[i]);
+  for (let i = at + ROW_SLOT.logScale; i < at + ROW_SLOT.logScale + 3; i++) values[i] = logScaleOf(values[i]);
   const opacity = values[at + ROW_SLOT.opacity];
   values[at + ROW_SLOT.opacity] = Math.log(opacity / (1 - opacity));
   const rotation = at + ROW_SLOT.rotation;

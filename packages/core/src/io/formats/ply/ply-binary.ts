@@ -1,4 +1,5 @@
 import { SplatFileError } from '../../../errors.ts';
+import { fromHalfBits } from '../../../layout/half.ts';
 import { type RowLayout, rowsWithin } from '../../../packing/row-layout.ts';
 import type { ShDegree } from '../../../splats/splat-set.ts';
 import type { ByteReader } from '../../sources/byte-reader.ts';
@@ -16,6 +17,7 @@ const READ_SCALAR: Readonly<Record<PlyType, ReadScalar>> = {
   uint16: (view, offset, littleEndian) => view.getUint16(offset, littleEndian),
   int32: (view, offset, littleEndian) => view.getInt32(offset, littleEndian),
   uint32: (view, offset, littleEndian) => view.getUint32(offset, littleEndian),
+  float16: (view, offset, littleEndian) => fromHalfBits(view.getUint16(offset, littleEndian)),
   float32: (view, offset, littleEndian) => view.getFloat32(offset, littleEndian),
   float64: (view, offset, littleEndian) => view.getFloat64(offset, littleEndian),
 };

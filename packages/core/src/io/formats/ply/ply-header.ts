@@ -2,7 +2,16 @@ import { SplatFileError, type SplatFileErrorCode } from '../../../errors.ts';
 import type { ByteReader } from '../../sources/byte-reader.ts';
 
 export type PlyFormat = 'ascii' | 'binary_little_endian' | 'binary_big_endian';
-export type PlyType = 'int8' | 'uint8' | 'int16' | 'uint16' | 'int32' | 'uint32' | 'float32' | 'float64';
+export type PlyType =
+  | 'int8'
+  | 'uint8'
+  | 'int16'
+  | 'uint16'
+  | 'int32'
+  | 'uint32'
+  | 'float16'
+  | 'float32'
+  | 'float64';
 
 export interface PlyProperty {
   readonly name: string;
@@ -23,6 +32,10 @@ export interface PlyHeader {
   readonly format: PlyFormat;
   /** In the order of their rows in the body. */
   readonly elements: readonly PlyElement[];
+  /** What comments say of an antialias filter in training; undefined if they say nothing. */
+  readonly isAntialiased: boolean | undefined;
+  /** Program that wrote the file, if a comment says so. */
+  readonly writer: string | undefined;
   /** Number of lines, so that a text body can continue the numbering. */
   readonly lineCount: number;
   /** The byte that ends a line: LF (also in CR LF), or CR in old files. */
@@ -46,6 +59,7 @@ export const TYPE_BYTES: Readonly<Record<PlyType, number>> = {
   uint16: 2,
   int32: 4,
   uint32: 4,
+  float16: 2,
   float32: 4,
   float64: 8,
 };
@@ -58,6 +72,7 @@ const TYPES = new Map<string, PlyType>([
   ['ushort', 'uint16'],
   ['int', 'int32'],
   ['uint', 'uint32'],
+  ['half', 'float16'],
   ['float', 'float32'],
   ['double', 'float64'],
 ]);
@@ -137,6 +152,8 @@ class HeaderParser {
   readonly #elementNames = new Set<string>();
   #format: PlyFormat | undefined;
   #byte = 0;
+  #isAntialiased: boolean | undefined;
+  #writer: string | undefined;
 
   constructor(file: string) {
     this.#file = file;
@@ -165,6 +182,8 @@ class HeaderParser {
         this.#takeProperty(words);
         break;
       case 'comment':
+        this.#takeComment(words.slice(1).join(' '));
+        break;
       case 'obj_info':
       case '':
         break;
@@ -176,7 +195,21 @@ class HeaderParser {
 
   finish(): Omit<PlyHeader, 'lineEnd'> {
     if (this.#format === undefined) this.#fail('bad-header', 'the header has no "format" line');
-    return { format: this.#format, elements: this.#elements, lineCount: this.lineCount };
+    return {
+      format: this.#format,
+      elements: this.#elements,
+      isAntialiased: this.#isAntialiased,
+      writer: this.#writer,
+      lineCount: this.lineCount,
+    };
+  }
+
+  /** Brush writes its mode, Postshot a flag. The last one holds. */
+  #takeComment(text: string): void {
+    const mode = /^(?:SplatRenderMode: (default|mip|2dgs)|antialiased ([01]))$/i.exec(text);
+    if (mode) this.#isAntialiased = mode[1]?.toLowerCase() === 'mip' || mode[2] === '1';
+    const writer = /^(?:generated|exported|created|written) (?:by|from|with) (.+)/i.exec(text);
+    if (writer) this.#writer = clip(writer[1]);
   }
 
   #takeFormat([, format, version, ...more]: string[]): void {

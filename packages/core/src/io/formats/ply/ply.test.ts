@@ -3,7 +3,9 @@ import { resolve } from 'node:path';
 import fc from 'fast-check';
 import { describe, expect, test, vi } from 'vitest';
 import { SplatFileError, WebSplatterError } from '../../../errors.ts';
+import { toHalfBits } from '../../../layout/half.ts';
 import { type PackedHarmonics, readCoefficients } from '../../../packing/harmonics.ts';
+import { packCloud } from '../../../packing/packed-cloud.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../../../splats/splat-set.ts';
 import {
   CORE_NAMES,
@@ -16,6 +18,7 @@ import {
   splatElement,
   splatNames,
 } from '../../../testing/ply-fixture.ts';
+import { passedRows } from '../../../testing/read-damaged.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 import { encodePly } from './write-ply.ts';
 
@@ -143,8 +146,6 @@ describe('what is read', () => {
     'uint8',
     'short',
     'int16',
-    'ushort',
-    'uint16',
     'int',
     'int32',
     'uint',
@@ -163,6 +164,111 @@ describe('what is read', () => {
           name,
         ).toEqual(values);
     }
+  });
+
+  test.each(['ushort', 'uint16'])(
+    'values of type %s are plain numbers in text, and beside others',
+    async (type) => {
+      const values = [0, 1, 100];
+      const properties = splatNames(0).map((name) => ({ name, type, values }));
+      const beside = properties.map((property) =>
+        property.name === 'y' ? { ...property, type: 'float' } : property,
+      );
+      for (const [format, columns] of [
+        ['ascii', properties],
+        [LE, beside],
+        ['binary_big_endian', beside],
+      ] as const) {
+        const set = await read(
+          plyBytes({ format, elements: [{ name: 'vertex', count: 3, properties: columns }] }),
+        );
+        for (const name of splatNames(0))
+          expect(
+            [0, 1, 2].map((i) => valueIn(set, name, i)),
+            name,
+          ).toEqual(values);
+      }
+    },
+  );
+
+  test.each(['half', 'float16', 'ushort', 'uint16'])(
+    'binary files with nothing but %s hold halves',
+    async (type) => {
+      const splats = splatElement(5, 3);
+      const properties = splats.properties.map((property) => ({
+        ...property,
+        type: 'ushort',
+        values: property.values.map((value) => toHalfBits(value as number)),
+      }));
+      // What is not needed may be anything.
+      const extra: FixtureProperty = { name: 'nx', type: 'float', values: [1, 2, 3, 4, 5] };
+      for (const format of [LE, 'binary_big_endian'] as const) {
+        const bytes = plyBytes({ format, elements: [{ ...splats, properties: [extra, ...properties] }] });
+        const text = Buffer.from(bytes).toString('latin1').replaceAll('property ushort', `property ${type}`);
+        expectDistinctValues(await read(Buffer.from(text, 'latin1')), 5, 3);
+      }
+    },
+  );
+
+  test('halves beside floats; halves that are not finite', async () => {
+    const splats = withProperty(splatElement(4), 'opacity', {
+      type: 'ushort',
+      values: [0x3c00, 0xfc00, 0x7e00, 0x0001],
+    });
+    const bytes = plyBytes({ format: LE, elements: [splats] });
+    const text = Buffer.from(bytes).toString('latin1').replace('ushort opacity', 'half opacity');
+    const set = await read(Buffer.from(text, 'latin1'));
+    expect([...set.opacityLogits]).toEqual([1, Number.NEGATIVE_INFINITY, 2 ** -24]);
+    expect(set.dropped).toEqual({ 'non-finite-opacity': 1 });
+  });
+
+  test.each(FORMATS)('%s of 2DGS, without scale_2: flat, and said so', async (format) => {
+    const splats = splatElement(3, 1);
+    const properties = splats.properties.filter(({ name }) => name !== 'scale_2');
+    const bytes = plyBytes({ format, elements: [{ ...splats, properties }] });
+    const set = await read(bytes);
+    expect(set).toMatchObject({
+      count: 3,
+      dropped: {},
+      fileFacts: { notes: [expect.stringMatching(/2DGS/)] },
+    });
+    for (let i = 0; i < 3; i++) {
+      const expected = ['scale_0', 'scale_1'].map((name) => distinctValue(name, i));
+      expect([...set.logScales.subarray(3 * i, 3 * i + 3)]).toEqual([...expected, -20]);
+    }
+    const { geometry } = packCloud(set, { geometryPrecision: 'f32' });
+    expect(new Float32Array(geometry.words.buffer).every(Number.isFinite)).toBe(true);
+  });
+
+  test.each([
+    ['SplatRenderMode: default', false],
+    ['SplatRenderMode: mip', true],
+    ['splatrendermode:  MIP', true],
+    ['SplatRenderMode: 2dgs', false],
+    ['SplatRenderMode: other', undefined],
+    ['antialiased 0', false],
+    ['antialiased 1', true],
+    ['antialiased 2', undefined],
+    ['not antialiased 1', undefined],
+    ['antialiased 1\ncomment SplatRenderMode: default', false],
+  ] as const)('"comment %s" says of an antialias filter: %s', async (comment, isAntialiased) => {
+    const fixture = { elements: [splatElement(2)], comments: [`comment ${comment}`] };
+    for (const format of FORMATS)
+      expect((await read(plyBytes({ ...fixture, format }))).isAntialiased).toBe(isAntialiased);
+    const bytes = plyBytes({ ...fixture, format: LE });
+    expect((await passedRows(bytes, 'a.ply')).layout.isAntialiased).toBe(isAntialiased);
+    const set = await read(bytes);
+    expect(await read(encodePly(set))).toEqual(set);
+  });
+
+  test('what the file says of itself', async () => {
+    const comments = ['comment Generated by SuperSplat 2.6.2'];
+    const bytes = plyBytes({ format: LE, elements: [splatElement(2)], comments });
+    const expected = { format: 'ply', variant: LE, writer: 'SuperSplat 2.6.2' };
+    expect((await read(bytes)).fileFacts).toEqual(expected);
+    expect((await passedRows(bytes, 'a.ply')).layout.fileFacts).toEqual(expected);
+    const plain = await read(plyBytes({ format: 'ascii', elements: [splatElement(2)] }));
+    expect(plain.fileFacts).toEqual({ format: 'ply', variant: 'ascii' });
   });
 
   test('whitespace, blank lines, and every spelling of numbers in text', async () => {
@@ -391,9 +497,9 @@ describe('what is refused', () => {
     },
     {
       name: 'unknown type',
-      bytes: header('format ascii 1.0', 'element vertex 1', 'property half x', 'end_header'),
+      bytes: header('format ascii 1.0', 'element vertex 1', 'property quarter x', 'end_header'),
       code: 'bad-property',
-      says: /"half" is no type/,
+      says: /"quarter" is no type/,
       place: { line: 4, property: 'x' },
     },
     {
@@ -466,9 +572,10 @@ describe('what is refused', () => {
       says: /no element vertex; elements found: face/,
     },
     {
-      name: 'compressed',
+      name: 'compressed, which nothing in the first bytes tells',
       bytes: header(
         `format ${LE} 1.0`,
+        `comment ${'x'.repeat(512)}`,
         'element chunk 1',
         'property float min_x',
         'element vertex 1',

@@ -1,16 +1,12 @@
 import { SplatFileError } from '../../../errors.ts';
 import type { PackedHarmonics } from '../../../packing/harmonics.ts';
 import { ROW_SLOT } from '../../../splats/splat-row.ts';
-import {
-  coefficientsPerSplat,
-  SH_REST_COEFFICIENTS,
-  type ShDegree,
-  type SplatSet,
-} from '../../../splats/splat-set.ts';
+import type { FileFacts, ShDegree, SplatColumns, SplatSet } from '../../../splats/splat-set.ts';
 import { checkCount } from '../check-count.ts';
+import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import { ReadProgress } from '../progress.ts';
 import type { RowFiles, RowsTo } from '../row-sink.ts';
-import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
+import type { ReadFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
 import { SplatSetBuilder } from '../splat-set-builder.ts';
 import { readAsciiRows } from './ply-ascii.ts';
 import { passRows, readBinaryRows, rowLayoutOf } from './ply-binary.ts';
@@ -19,9 +15,29 @@ import {
   type PlyBody,
   type PlyElement,
   type PlyHeader,
+  type PlyProperty,
   readPlyHeader,
   TYPE_BYTES,
 } from './ply-header.ts';
+import { shDegreeOf, shNames } from './sh-properties.ts';
+
+/** A file that lacks properties of the standard layout, and is understood. */
+export interface PlyVariant {
+  /** Slots of what is read instead. */
+  readonly slotOf?: ReadonlyMap<string, number>;
+  /** Values for slots for which there is nothing to read. */
+  readonly defaults: readonly (readonly [slot: number, value: number])[];
+  /** See `FileFacts`. */
+  readonly note: string | undefined;
+  /** Turns what was read instead into what is missing. */
+  complete?(set: SplatColumns): void;
+}
+
+type VariantOf = (
+  header: PlyHeader,
+  vertex: PlyElement,
+  missing: readonly string[],
+) => PlyVariant | undefined;
 
 const SLOT_OF_CORE_PROPERTY = new Map<string, number>([
   ...['x', 'y', 'z'].map((name, i): [string, number] => [name, ROW_SLOT.position + i]),
@@ -31,7 +47,12 @@ const SLOT_OF_CORE_PROPERTY = new Map<string, number>([
   ...[0, 1, 2].map((i): [string, number] => [`f_dc_${i}`, ROW_SLOT.colorDc + i]),
 ]);
 
-const SH_DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
+/** 2DGS: discs instead of ellipsoids. */
+const FLAT: PlyVariant = {
+  defaults: [[ROW_SLOT.logScale + 2, FLAT_LOG_SCALE]],
+  note: 'Its splats have no third scale (2DGS) and are shown as flat ellipsoids.',
+};
+
 /** Most elements that a message names. */
 const MOST_LISTED = 8;
 const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
@@ -44,6 +65,9 @@ const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
  * In the file: x y z; scale_0…2 (natural logarithms); rot_0…3 (w x y z); opacity (logit); f_dc_0…2; f_rest_0…3K−1, all
  * K of red, then green, then blue, K = 0, 3, 8 or 15. Integer types are read as plain numbers.
  *
+ * Files of 2DGS have no scale_2: their splats are flat. Halves are `half` or `float16`, or `uint16` in a binary
+ * file with nothing else in what is needed, since as plain numbers these could be no splats.
+ *
  * Rows that are all alike, with nothing but float32 in what is needed, go to `rowsTo` as they are, where it is given.
  *
  * @returns null if they did.
@@ -51,36 +75,40 @@ const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
  * Rejects with `SplatFileError` (every code but 'unknown-format' except for compressed PLY), `SplatSourceError`, or the
  * signal's reason.
  */
-export async function readPly(
-  input: SplatInput,
-  options: SplatFormatOptions,
-): Promise<SplatSet<PackedHarmonics>>;
-export async function readPly(
+export const readPly: ReadFormat = (input, options, rowsTo) => readPlyWith(input, options, rowsTo);
+
+/** As `readPly`, for files that lack more than that. */
+export async function readPlyWith(
   input: SplatInput,
   options: SplatFormatOptions,
   rowsTo: RowsTo | undefined,
-): Promise<SplatSet<PackedHarmonics> | null>;
-export async function readPly(
-  input: SplatInput,
-  options: SplatFormatOptions,
-  rowsTo?: RowsTo,
+  variantOf?: VariantOf,
 ): Promise<SplatSet<PackedHarmonics> | null> {
   const { reader, name: file } = input;
-  const header = await readPlyHeader(reader, file);
-  const vertexIndex = findVertex(header, file);
+  const declared = await readPlyHeader(reader, file);
+  const { vertexIndex, variant } = findVertex(declared, file, variantOf);
+  const shDegree = shDegreeOf(declared.elements[vertexIndex], file);
+  const slots = slotsOf(declared.elements[vertexIndex], shDegree, variant, file);
+  const header = withHalves(declared, vertexIndex, slots);
   const vertex = header.elements[vertexIndex];
-  const shDegree = shDegreeOf(vertex, file);
-  const body: PlyBody = { file, header, vertexIndex, slots: slotsOf(vertex, shDegree, file) };
+  const body: PlyBody = { file, header, vertexIndex, slots };
   checkCounts(input, header, vertexIndex, reader.byteOffset, options.maxSplats);
   const progress = new ReadProgress(input, options.onProgress);
-  const layout = rowsTo && rowLayoutOf(body, shDegree, rowsTo.files.pieceBytes);
+  const { isAntialiased, writer } = header;
+  const fileFacts: FileFacts = {
+    format: 'ply',
+    variant: header.format,
+    writer,
+    notes: variant?.note ? [variant.note] : undefined,
+  };
+  const layout = rowsTo && !variant && rowLayoutOf(body, shDegree, rowsTo.files.pieceBytes);
   if (
     rowsTo &&
     layout &&
     isBetween(vertex.count, rowsTo.files) &&
     mayHold(input, vertex.count * layout.strideBytes)
   ) {
-    await rowsTo.sink.begin(layout);
+    await rowsTo.sink.begin({ ...layout, isAntialiased, fileFacts });
     await passRows(reader, body, layout, rowsTo.sink, progress);
     progress.finish(vertex.count);
     return null;
@@ -95,30 +123,40 @@ export async function readPly(
     promisedCount: vertex.count,
     // What only a server or a header promises may never come.
     isHeld: input.isHeld,
+    isAntialiased,
+    fileFacts,
   });
+  for (const [slot, value] of variant?.defaults ?? []) builder.row[slot] = value;
   const readRows = header.format === 'ascii' ? readAsciiRows : readBinaryRows;
   await readRows(reader, body, builder, progress);
   progress.finish(builder.count);
-  return builder.finish();
+  const set = builder.finish();
+  variant?.complete?.(set);
+  return set;
 }
 
-/** Index of the element that holds splats; throws if there is none. */
-function findVertex(header: PlyHeader, file: string): number {
+/** The element that holds splats, and what stands for properties that are missing; throws if there is none. */
+function findVertex(
+  header: PlyHeader,
+  file: string,
+  variantOf: VariantOf | undefined,
+): { readonly vertexIndex: number; readonly variant: PlyVariant | undefined } {
   const index = header.elements.findIndex((element) => element.name === 'vertex');
   const vertex = header.elements[index];
   const names = new Set(vertex?.properties.map((property) => property.name));
   if (names.has('packed_position')) {
-    const advice = 'convert it to the standard layout, for example with splat-transform';
+    const advice = 'move the comments before its element chunk behind it';
     throw new SplatFileError(
       'unknown-format',
       file,
-      `this is a compressed PLY (it has packed_position), which is not read yet; ${advice}.`,
+      `this is a compressed PLY (it has packed_position) with an unusual header; ${advice}.`,
       { element: 'vertex', property: 'packed_position' },
     );
   }
   const missing = [...SLOT_OF_CORE_PROPERTY.keys()].filter((name) => !names.has(name));
-  if (missing.length > 0) throw notSplatsError(header, vertex, missing, file);
-  return index;
+  const variant = String(missing) === 'scale_2' ? FLAT : vertex && variantOf?.(header, vertex, missing);
+  if (missing.length > 0 && !variant) throw notSplatsError(header, vertex, missing, file);
+  return { vertexIndex: index, variant };
 }
 
 function notSplatsError(
@@ -150,27 +188,18 @@ function describeKind(header: PlyHeader, missing: readonly string[]): string {
     : 'this is a plain point cloud, not splats';
 }
 
-function shDegreeOf(vertex: PlyElement, file: string): ShDegree {
-  const count = vertex.properties.filter(({ name }) => /^f_rest_\d+$/.test(name)).length;
-  const degree = SH_DEGREES.find((candidate) => coefficientsPerSplat(candidate) === count);
-  if (degree !== undefined) return degree;
-  throw new SplatFileError(
-    'bad-property',
-    file,
-    `there are ${count} f_rest properties; spherical harmonics of degree 0, 1, 2 or 3 have 0, 9, 24 or 45.`,
-    { element: 'vertex' },
-  );
-}
-
 /** For each property of `vertex`, its index in a builder's row; -1 if it is not needed. */
-function slotsOf(vertex: PlyElement, shDegree: ShDegree, file: string): number[] {
-  const slotOf = new Map(SLOT_OF_CORE_PROPERTY);
-  const coefficients = SH_REST_COEFFICIENTS[shDegree];
-  for (let channel = 0; channel < 3; channel++) {
-    for (let k = 0; k < coefficients; k++) {
-      slotOf.set(`f_rest_${channel * coefficients + k}`, ROW_SLOT.harmonics + 3 * k + channel);
-    }
-  }
+function slotsOf(
+  vertex: PlyElement,
+  shDegree: ShDegree,
+  variant: PlyVariant | undefined,
+  file: string,
+): number[] {
+  const names = new Set(vertex.properties.map(({ name }) => name));
+  // Those that are missing have been made up for.
+  const slotOf = new Map([...SLOT_OF_CORE_PROPERTY].filter(([name]) => names.has(name)));
+  for (const [name, slot] of variant?.slotOf ?? []) slotOf.set(name, slot);
+  for (const [i, name] of shNames(shDegree).entries()) slotOf.set(name, ROW_SLOT.harmonics + i);
   const fail = (property: string, message: string): never => {
     throw new SplatFileError('bad-property', file, message, { element: 'vertex', property });
   };
@@ -184,6 +213,18 @@ function slotsOf(vertex: PlyElement, shDegree: ShDegree, file: string): number[]
   const missing = [...slotOf.keys()].find((name) => !seen.has(name));
   if (missing !== undefined) fail(missing, `${missing} is missing though others of its kind are there.`);
   return vertex.properties.map(({ name }) => slotOf.get(name) ?? -1);
+}
+
+/** The header of a file with nothing but uint16 in what is needed of its splats: these are halves. */
+function withHalves(header: PlyHeader, vertexIndex: number, slots: readonly number[]): PlyHeader {
+  const vertex = header.elements[vertexIndex];
+  const isPacked = vertex.properties.every(({ type }, i) => slots[i] < 0 || type === 'uint16');
+  if (!isPacked || header.format === 'ascii' || !slots.includes(ROW_SLOT.rotation)) return header;
+  const properties = vertex.properties.map((property, i): PlyProperty => {
+    return slots[i] < 0 ? property : { ...property, type: 'float16' };
+  });
+  const elements = header.elements.map((each) => (each === vertex ? { ...vertex, properties } : each));
+  return { ...header, elements };
 }
 
 function isBetween(count: number, { minRows, maxRows }: RowFiles): boolean {

@@ -3,7 +3,7 @@ import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.t
 
 /**
  * Encodes `set` as a PLY in the standard 3DGS layout: binary little-endian, float32 x y z, f_dc, f_rest (all of red,
- * then green, then blue), opacity, scale, rot; no normals. Rows keep the set's order; `fileIndices` and `dropped` are
+ * then green, then blue), opacity, scale, rot; no normals. A comment says what is known of an antialias filter. Rows keep the set's order; `fileIndices` and `dropped` are
  * not kept.
  *
  * Where the origin is not 0, x y z are doubles with the origin added, since float32 could not hold them. Read again at
@@ -14,7 +14,7 @@ export function encodePly(set: SplatSet<Harmonics>): Uint8Array<ArrayBuffer> {
   const shValues = coefficientsPerSplat(set.harmonics.degree);
   const isWide = set.origin.some((value) => value !== 0);
   const positionBytes = isWide ? 8 : 4;
-  const header = new TextEncoder().encode(headerText(set.count, shValues, isWide ? 'double' : 'float'));
+  const header = new TextEncoder().encode(headerText(set, shValues, isWide ? 'double' : 'float'));
   const stride = 3 * positionBytes + 4 * (3 + shValues + 1 + 3 + 4);
   const bytes = new Uint8Array(header.length + set.count * stride);
   bytes.set(header);
@@ -47,7 +47,11 @@ function absolute(position: number, origin: number): number {
   return origin === 0 ? position : position + origin;
 }
 
-function headerText(count: number, shValues: number, positionType: 'float' | 'double'): string {
+function headerText(
+  { count, isAntialiased }: SplatSet<Harmonics>,
+  shValues: number,
+  positionType: 'float' | 'double',
+): string {
   const floats = [
     ...names('f_dc', 3),
     ...names('f_rest', shValues),
@@ -58,6 +62,8 @@ function headerText(count: number, shValues: number, positionType: 'float' | 'do
   return [
     'ply',
     'format binary_little_endian 1.0',
+    // As Brush says it, and what reads its files understands.
+    ...(isAntialiased === undefined ? [] : [`comment SplatRenderMode: ${isAntialiased ? 'mip' : 'default'}`]),
     `element vertex ${count}`,
     ...['x', 'y', 'z'].map((name) => `property ${positionType} ${name}`),
     ...floats.map((name) => `property float ${name}`),
