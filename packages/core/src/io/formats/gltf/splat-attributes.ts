@@ -25,6 +25,7 @@ const RULES = {
   rotation: { semantic: `${SPLATTING}:ROTATION`, type: 'VEC4', kinds: ['float', 'signed normalized'] },
   opacity: { semantic: `${SPLATTING}:OPACITY`, type: 'SCALAR', kinds: ['float', 'unsigned normalized'] },
 } as const satisfies Readonly<Record<string, AttributeRule>>;
+const HARMONICS = new RegExp(`^${SPLATTING}:SH_DEGREE_\\d+_COEF_\\d+$`);
 /** Rows whose values stay in a processor's nearest memory while column after column is copied to them. */
 const ROWS_AT_ONCE = 128;
 
