@@ -1,10 +1,8 @@
 import { detectFormat } from '../formats/detect.ts';
 import { formatByName } from '../formats/formats.ts';
-import { leadingPath } from '../sources/open-files.ts';
+import { leadingPath, withPaths } from '../sources/open-files.ts';
 import { fileNameOf, isFiles } from '../sources/source-kind.ts';
-import type { SplatSource } from '../sources/splat-source.ts';
-
-export { withPaths } from '../sources/open-files.ts';
+import type { SceneFiles, SplatSource } from '../sources/splat-source.ts';
 
 import type { OtherFormat } from './other-format.ts';
 
@@ -44,4 +42,14 @@ export function formatOf({ firstBytes }: OtherFormat, source: SplatSource, name:
 /** The worker that reads a format other than PLY. */
 export function newFormatWorker(format: string): Worker {
   return WORKERS[format]();
+}
+
+/**
+ * `source` as workers take it: one file alone is read by any of them.
+ *
+ * @throws InvalidArgumentError as `withPaths`.
+ */
+export function postableFiles(source: SceneFiles): SceneFiles | Blob {
+  const { files, paths } = withPaths(source);
+  return files.length === 1 ? files[0] : { files, paths };
 }

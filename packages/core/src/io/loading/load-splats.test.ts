@@ -1,14 +1,17 @@
 import { MessageChannel, type MessagePort } from 'node:worker_threads';
+import { gzipSync } from 'node:zlib';
 import { afterEach, describe, expect, test, vi } from 'vitest';
 import { InvalidArgumentError, SplatFileError, SplatSourceError, WebSplatterError } from '../../errors.ts';
 import type { RowLayout } from '../../packing/row-layout.ts';
 import { chunked, plyBytes, splatElement } from '../../testing/ply-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
+import { readGzip } from '../formats/gzip/gzip.ts';
+import { gzipFormat } from '../formats/gzip/gzip-format.ts';
 import { readPly } from '../formats/ply/ply.ts';
 import { plyFormat } from '../formats/ply/ply-format.ts';
 import { encodePly } from '../formats/ply/write-ply.ts';
 import type { RowSink } from '../formats/row-sink.ts';
-import { onlyOf } from '../formats/splat-format.ts';
+import { type FormatReaders, onlyOf } from '../formats/splat-format.ts';
 import type { LoadProgress, SplatSource } from '../sources/splat-source.ts';
 import { fromPostedError, type LoadRequest, toPostedError } from './load-messages.ts';
 import { lastingSource, loadOrPass, loadSplats } from './load-splats.ts';
@@ -16,7 +19,15 @@ import { type LoadPort, serveLoad } from './serve-load.ts';
 
 const ply = plyBytes({ format: 'binary_little_endian', elements: [splatElement(300, 1)] });
 
+/** What each worker reads, by the beginning of its name. */
+const READERS: Readonly<Record<string, FormatReaders>> = {
+  load: onlyOf(plyFormat, readPly),
+  gzip: onlyOf(gzipFormat, readGzip),
+};
+
 type Behaviour = 'works' | 'throws' | 'does not start' | 'never starts' | 'dies' | 'takes no streams';
+
+const packed = gzipSync(ply);
 
 const FILES = { minRows: 1, maxRows: 1000, pieceBytes: 20_000 };
 
@@ -52,11 +63,13 @@ class FakeWorker {
   onerror: ((event: Partial<ErrorEvent>) => void) | null = null;
   onmessageerror: (() => void) | null = null;
   isTerminated = false;
+  /** Beginning of the worker's name. */
+  readonly kind: string;
   readonly #page: MessagePort;
   readonly #inside: MessagePort;
 
   constructor(url: URL, options: WorkerOptions) {
-    expect(url.pathname).toMatch(/load-worker/);
+    this.kind = /([a-z-]+)-worker/.exec(url.pathname)![1];
     expect(options.type).toBe('module');
     if (FakeWorker.behaviour === 'throws') throw new DOMException('not allowed here', 'SecurityError');
     FakeWorker.started.push(this);
@@ -89,7 +102,7 @@ class FakeWorker {
       postMessage: (reply, transfer) => this.#inside.postMessage(reply, transfer as never),
     };
     inside.on('message', (data) => port.onmessage?.({ data } as MessageEvent<LoadRequest>));
-    serveLoad(port, onlyOf(plyFormat, readPly));
+    serveLoad(port, READERS[this.kind]);
   }
 }
 
@@ -167,6 +180,33 @@ describe.each<Behaviour>(['works', 'throws', 'does not start', 'takes no streams
       const sink = new RowList();
       sink.begin = () => Promise.reject(reason);
       expect(await failure(loadOrPass(new Blob([ply]), {}, { sink, files: FILES }))).toBe(reason);
+    });
+
+    test.each([
+      { name: 'Blob', make: () => new Blob([packed]), kinds: ['load', 'gzip'] },
+      { name: 'named File', make: () => new File([packed], 'A.PLY.GZ'), kinds: ['gzip'] },
+      { name: 'misnamed File', make: () => new File([ply], 'a.gz'), kinds: ['gzip', 'load'] },
+      { name: 'list of one', make: () => ({ files: [new File([packed], 'a.gz')] }), kinds: ['gzip'] },
+      { name: 'stream', make: () => chunked(packed, [700]), kinds: ['load', 'gzip'] },
+    ])('$name of another format', async ({ name, make, kinds }) => {
+      const here = await loadSplats(make());
+      useWorkers(behaviour);
+      const reports: LoadProgress[] = [];
+      const cloud = await loadSplats(make(), { onProgress: (progress) => reports.push(progress) });
+      expect(cloud).toEqual(here);
+      expect(cloud.facts.fileFacts?.format).toBe('ply');
+      expect(reports.at(-1)).toMatchObject({ phase: 'arrange', splats: 300 });
+      if (behaviour === 'works') expect(FakeWorker.started.map(({ kind }) => kind)).toEqual(kinds);
+      // A Blob that was given back is posted again.
+      if (behaviour === 'works' && name === 'Blob') expect(FakeWorker.requests).toHaveLength(2);
+    });
+
+    test('a file of no known format', async () => {
+      useWorkers(behaviour);
+      for (const make of [() => new Blob(['plywood']), () => chunked(Buffer.from('plywood'), [3])]) {
+        const error = await failure(loadSplats(make(), { name: 'shed' }));
+        expect(error).toMatchObject({ code: 'unknown-format', file: 'shed' });
+      }
     });
 
     test('settings cross', async () => {

@@ -68,8 +68,8 @@ export async function loadOrPass(
     signal?.throwIfAborted();
     let from = source;
     if (isFiles(source) || isNamedOtherwise(fileNameOf(source, name))) {
-      const { likelyFormat, withPaths } = await import('./format-workers.ts');
-      if (isFiles(source)) from = withPaths(source);
+      const { likelyFormat, postableFiles } = await import('./format-workers.ts');
+      if (isFiles(source)) from = postableFiles(source);
       format = likelyFormat(source, name);
       if (format !== null) worker = endWorker(worker);
     }
