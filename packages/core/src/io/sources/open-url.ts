@@ -1,4 +1,4 @@
-import { SplatFileError, SplatSourceError } from '../../errors.ts';
+import { SplatSourceError } from '../../errors.ts';
 import { messageOf } from './byte-reader.ts';
 import { checkRequest } from './check-request.ts';
 import { baseUrl, shortName } from './source-kind.ts';
@@ -78,19 +78,8 @@ class Transfer {
       stream: bodyOf(response),
       idleTimeoutMs: this.#request.idleTimeoutMs,
       resume: this.#isRemote ? (offset, failure) => this.#resume(offset, failure) : undefined,
-      ...(this.#isRemote && { openPart: (path) => this.#openPart(path, response.url) }),
+      ...(this.#isRemote && { fetched: { url: response.url || this.#url.href, request: this.#request } }),
     };
-  }
-
-  /** Parts come from the same origin: credentials go with them. */
-  #openPart(path: string, answeredBy: string): Promise<OpenedSource> {
-    const base = answeredBy || this.#url.href;
-    const url = URL.canParse(path, base) ? new URL(path, base) : null;
-    if (url?.origin !== new URL(base).origin) {
-      const message = `it needs ${shortName(path)}, which lies on another server. Put all files of the scene together.`;
-      throw new SplatFileError('missing-part', this.#name, message);
-    }
-    return new Transfer(url, shortName(path), this.#request, this.#signal).open();
   }
 
   /** See `ResumeSource`. */

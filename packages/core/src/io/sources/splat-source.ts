@@ -103,9 +103,11 @@ export interface OpenedSource {
   readonly idleTimeoutMs?: number;
   /** Undefined where a stream cannot be had again. */
   readonly resume?: ResumeSource;
+  /** Address that answered, and how it was asked; undefined for what is not fetched. */
+  readonly fetched?: { readonly url: string; readonly request: RequestOptions };
   /**
-   * Opens another file of the same scene, by its path from the folder of this one; undefined where there is none. Rejects with
-   * SplatFileError 'missing-part', and as `openSource`.
+   * Opens another file of the same scene, by its path from the folder of this one; undefined where there is none, and for what is
+   * fetched. Rejects with SplatFileError 'missing-part', and as `openSource`.
    */
   readonly openPart?: (path: string) => Promise<OpenedSource>;
 }
