@@ -1,3 +1,6 @@
+import { existsSync, readFileSync } from 'node:fs';
+import { fileURLToPath } from 'node:url';
+import { gzipSync } from 'node:zlib';
 import { encodePly } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
@@ -22,6 +25,9 @@ import {
 
 /** For images that are compared bit for bit: their rasteriser must not follow from times. */
 const BY_TILES = '?scene=still-life-small&accuracy=balanced,rasterizer:tiles';
+
+/** One scene in several formats; they are skipped where they are not there. */
+const SCENES = fileURLToPath(new URL('../../shared/scenes/', import.meta.url));
 
 const harness = viewerHarness();
 const { newPage, openViewer } = harness;
@@ -147,6 +153,33 @@ describe('viewer', () => {
     await page.evaluate(() => (window as unknown as HeldGpu).releasePipelines());
     await waitForImage(page);
     expect(colorsIn(await viewerScreenshot(page)), 'different colours').toBeGreaterThan(500);
+  });
+
+  it('reads each format in a worker of its own, by its bytes where its name is wrong', async () => {
+    const page = await openViewer('?scene=still-life-small', { viewport: { width: 160, height: 120 } });
+    let started: string[] = [];
+    page.on('worker', (worker) => started.push(worker.url()));
+    const open = async (name: string, bytes: Uint8Array, ...formats: readonly string[]) => {
+      started = [];
+      const frames = await frameCount(page);
+      await dropFiles(page, [{ name, bytes }]);
+      await waitForFrameAfter(page, frames);
+      await waitForState(page, 'ready');
+      expect(await textOf(page, 'scene-title')).toBe(name);
+      expect(started.map((url) => /([a-z-]+)-worker/.exec(url)?.[1])).toEqual(formats);
+    };
+    await open('packed.ply.gz', gzipSync(encodePly(testScene())), 'gzip');
+    expect(
+      psnrAgainstReference(await viewerScreenshot(page), await drawnCamera(page), [testScene()]),
+    ).toBeGreaterThan(MIN_PSNR_DB);
+    await open('misnamed.spz', encodePly(testScene()), 'spz', 'load');
+    if (!existsSync(SCENES)) return console.info(`skipped: ${SCENES} is not there`);
+    const scene = (end: string) => new Uint8Array(readFileSync(`${SCENES}playbot-lod3.${end}`));
+    await open('a.spz', scene('spz'), 'spz');
+    await open('misnamed.ply', scene('sog'), 'load', 'zip');
+    await open('a.compressed.ply', scene('compressed.ply'), 'compressed-ply');
+    await open('a.splat', scene('splat'), 'splat');
+    expect(await textOf(page, 'scene')).toContain('31,000 splats');
   });
 
   it('shows a PLY that is dropped, as the float64 reference does', async () => {

@@ -40,6 +40,10 @@ export type SplatFileErrorCode =
   | 'not-splats'
   /** The file ends before all the data that its header promises. */
   | 'truncated'
+  /** Packed data cannot be unpacked, or what it holds contradicts itself. */
+  | 'damaged'
+  /** Another file that the scene needs is not there. */
+  | 'missing-part'
   /** A value in a text body cannot be read as a number. */
   | 'bad-value'
   /** The file has more bytes or splats than its limits allow (`maxBytes`, `maxSplats`), or than can be held. */

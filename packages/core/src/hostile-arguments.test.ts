@@ -7,7 +7,7 @@ import { type EngineOptions, type LoadOptions, SplatEngine } from './engine.ts';
 import { InvalidArgumentError, SplatFileError } from './errors.ts';
 import { planCloud } from './frame/cloud-plan.ts';
 import { checkRequest } from './frame/frame-request.ts';
-import { encodePly } from './io/write-ply.ts';
+import { encodePly } from './io/formats/ply/write-ply.ts';
 import { identity4 } from './math/mat4.ts';
 import { fuzz } from './testing/fuzz.ts';
 import { withHostilePart } from './testing/hostile-values.ts';

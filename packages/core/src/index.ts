@@ -48,17 +48,19 @@ export type { EngineCounters } from './gpu/engine-counters.ts';
 export type { GpuMemoryReport } from './gpu/gpu-memory.ts';
 export type { TextureImage } from './gpu/read-texture.ts';
 export { RecoveryPace } from './gpu/recovery-pace.ts';
-export { type LoadSplatsOptions, lastingSource, loadSplats } from './io/load-splats.ts';
-export { readSplats } from './io/read-splats.ts';
+export { encodePly } from './io/formats/ply/write-ply.ts';
+export { type LoadSplatsOptions, lastingSource, loadSplats } from './io/loading/load-splats.ts';
+export { readSplats } from './io/loading/read-splats.ts';
 export type {
+  LastingSource,
   LoadProgress,
   ReadLimits,
   ReadOptions,
   RequestOptions,
+  SceneFiles,
   SourceOptions,
   SplatSource,
-} from './io/splat-source.ts';
-export { encodePly } from './io/write-ply.ts';
+} from './io/sources/splat-source.ts';
 export type { EffectEntry } from './ledger/ledger.ts';
 export type { Vec3 } from './math/mat4.ts';
 export type { AccuracyChoice } from './measure/choose-accuracy.ts';

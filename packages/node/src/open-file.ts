@@ -1,23 +1,62 @@
 import { constants, createReadStream } from 'node:fs';
-import { access, stat } from 'node:fs/promises';
+import { access, readdir, stat } from 'node:fs/promises';
+import { basename, dirname, join, relative } from 'node:path';
 import { Readable } from 'node:stream';
 import type { SplatSource } from '@websplatter/core';
+import { SPLAT_FORMATS } from '@websplatter/core/formats';
 
 /** Bytes that are read from a file at once. */
 const READ_BYTES = 1 << 20;
+/** Most files that are looked at beside one that leads to others. */
+const MOST_PARTS = 10_000;
 
 /**
  * A file as a source of splats: one of any size, which can be read again, or a pipe, which can be read once. Node's own
- * `openAsBlob` takes sizes modulo 4 GiB.
+ * `openAsBlob` takes sizes modulo 4 GiB. A file that leads to others, such as `meta.json`, comes with those of its folder; a folder
+ * is opened by such a file.
  *
- * @throws the system's error (`code`, e.g. `ENOENT`, `EACCES` or `EISDIR`) if the file cannot be read.
+ * @throws the system's error (`code`, e.g. `ENOENT`, `EACCES`, or `EISDIR` for a folder without one) if the file cannot be read.
  */
 export async function openFile(path: string): Promise<SplatSource> {
   const found = await stat(path);
-  if (found.isDirectory())
+  if (found.isDirectory()) {
+    const leading = (await readdir(path)).find(isLeading);
+    if (leading !== undefined) return openFile(join(path, leading));
     throw Object.assign(new Error(`${path} is a folder, not a file`), { code: 'EISDIR' });
+  }
   await access(path, constants.R_OK);
-  const stream = () =>
-    Readable.toWeb(createReadStream(path, { highWaterMark: READ_BYTES })) as ReadableStream<Uint8Array>;
-  return found.isFile() ? ({ size: found.size, stream } as Blob) : stream();
+  if (!found.isFile()) return streamOf(path);
+  return isLeading(basename(path)) ? openFolder(path) : fileOf(path, found.size);
+}
+
+function isLeading(fileName: string): boolean {
+  return SPLAT_FORMATS.some(({ leadingFile }) => leadingFile?.test(fileName.toLowerCase()));
+}
+
+/** The file at `leading` with those that it may lead to, itself first. */
+async function openFolder(leading: string): Promise<SplatSource> {
+  const folder = dirname(leading);
+  const paths = [leading];
+  const folders = [folder];
+  for (const each of folders) {
+    for (const entry of await readdir(each, { withFileTypes: true })) {
+      const path = join(each, entry.name);
+      if (entry.isDirectory()) folders.push(path);
+      else if (entry.isFile() && path !== join(leading)) paths.push(path);
+    }
+    if (paths.length > MOST_PARTS) break;
+  }
+  const files = await Promise.all(paths.map(async (path) => fileOf(path, (await stat(path)).size)));
+  return { files, paths: paths.map((path) => relative(folder, path).replaceAll('\\', '/')) };
+}
+
+/** What readers need of a File. */
+function fileOf(path: string, size: number): Blob {
+  return { name: basename(path), size, stream: () => streamOf(path) } as unknown as Blob;
+}
+
+function streamOf(path: string): ReadableStream<Uint8Array<ArrayBuffer>> {
+  return Readable.toWeb(createReadStream(path, { highWaterMark: READ_BYTES })) as ReadableStream<
+    Uint8Array<ArrayBuffer>
+  >;
 }

@@ -1,5 +1,6 @@
 import {
   type CloudPrecision,
+  type LastingSource,
   type SourceOptions,
   type SplatCloud,
   type SplatEngine,
@@ -22,7 +23,7 @@ interface KnownSplats {
  */
 export async function readAgain(
   { name, count, bounds, isPreview }: KnownSplats,
-  source: string | Blob | null,
+  source: LastingSource | null,
   engine: SplatEngine,
   options: SourceOptions & { readonly precision: CloudPrecision; readonly signal: AbortSignal },
 ): Promise<SplatCloud> {

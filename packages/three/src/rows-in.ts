@@ -2,6 +2,7 @@ import {
   DestroyedError,
   GEOMETRY_WORDS,
   GpuLimitError,
+  type LastingSource,
   loadSplats,
   type PackedCloud,
   type SourceOptions,
@@ -28,7 +29,7 @@ export async function rowsIn(
   volume: Box3 | Sphere,
   user: object,
   places: Iterable<Place>,
-  otherwise: PackedCloud | string | Blob | null,
+  otherwise: PackedCloud | LastingSource | null,
   sourceOptions: SourceOptions,
 ): Promise<number[]> {
   for (const { cloud, users } of places) {
@@ -40,8 +41,8 @@ export async function rowsIn(
   }
   if (otherwise === null)
     throw new DestroyedError('These splats', 'the engine that held them has freed them');
-  const isFile = typeof otherwise === 'string' || otherwise instanceof Blob;
-  const packed = isFile ? await loadSplats(otherwise, sourceOptions) : otherwise;
+  const isPacked = typeof otherwise === 'object' && 'geometry' in otherwise;
+  const packed = isPacked ? otherwise : await loadSplats(otherwise, sourceOptions);
   const rows: number[] = [];
   const { words, precision } = packed.geometry;
   addRows(rows, packed, 0, words, GEOMETRY_WORDS[precision], volume);

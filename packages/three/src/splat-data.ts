@@ -2,6 +2,7 @@ import {
   type CloudLease,
   type CloudOutline,
   type CloudPrecision,
+  type LastingSource,
   lastingSource,
   mostExact,
   type PackedCloud,
@@ -53,7 +54,7 @@ export class SplatData {
   /** @internal Keeps the last upload until `dispose`, because a cache may hand the splats to another user. */
   isCached = false;
   /** Where the splats can be read again; null: nowhere, so that they stay in memory. */
-  readonly #source: string | Blob | null;
+  readonly #source: LastingSource | null;
   readonly #sourceOptions: SourceOptions;
   /** Precision of new uploads. */
   readonly #precision: CloudPrecision;
@@ -69,7 +70,7 @@ export class SplatData {
   constructor(
     splats: PackedCloud | LoadedCloud,
     name = 'splats',
-    source: string | URL | Blob | null = null,
+    source: LastingSource | URL | null = null,
     sourceOptions: SourceOptions = {},
   ) {
     const isLoaded = 'engine' in splats;

@@ -29,7 +29,7 @@ export const ROOMS: Arrows = {
   /** Splats as the GPU reads them: precisions, storage order, chunks with bounds. */
   packing: 'splats layout math',
   /** File formats, and reading them in a worker. */
-  io: 'packing splats',
+  io: 'packing splats layout math',
   /** Every setting, cutoff and preset of accuracy. */
   accuracy: 'packing splats layout',
   /** Cameras, and each cloud as a camera sees it. */

@@ -1,5 +1,5 @@
 import { useEffect, useRef, useState } from 'react';
-import { decideDrop, type FileDropDecision } from './file-drop.ts';
+import { decideFiles, droppedFiles, type FileDropDecision, READABLE_FORMATS } from './file-drop.ts';
 
 /** Takes files that are dropped anywhere in the window, and shows so while they hover. */
 export function DropZone({ onDrop }: { onDrop: (decision: FileDropDecision) => void }) {
@@ -43,7 +43,10 @@ export function DropZone({ onDrop }: { onDrop: (decision: FileDropDecision) => v
     listen('drop', (event) => {
       depth = 0;
       setHovering(false);
-      latestOnDrop.current(decideDrop(event.dataTransfer?.items ?? []));
+      droppedFiles(event.dataTransfer?.items ?? []).then(
+        (found) => latestOnDrop.current(decideFiles(found)),
+        (error) => latestOnDrop.current({ opened: null, notice: `The folder cannot be read: ${error}` }),
+      );
     });
     return () => listeners.abort();
   }, []);
@@ -52,7 +55,7 @@ export function DropZone({ onDrop }: { onDrop: (decision: FileDropDecision) => v
     <div className="drop-overlay" data-testid="drop-overlay" hidden={!isHovering}>
       <p>
         <strong>Drop to open</strong>
-        <span>One Gaussian-splat PLY file</span>
+        <span>A Gaussian-splat scene: {READABLE_FORMATS}</span>
       </p>
     </div>
   );

@@ -1,41 +1,114 @@
-/** The answer to dropped or chosen files: a file to open, a reason why not, or both. */
+import type { SceneFiles } from '@websplatter/core';
+import { SPLAT_FORMATS } from '@websplatter/core/formats';
+
+/** Files that make one scene, and what to call it. */
+export interface OpenedFiles {
+  readonly name: string;
+  readonly source: File | SceneFiles;
+}
+
+/** The answer to dropped or chosen files: a scene to open, a reason why not, or both. */
 export interface FileDropDecision {
-  readonly file: File | null;
+  readonly opened: OpenedFiles | null;
   readonly notice: string | null;
 }
+
+/** A file, and its path from the folder that was dropped or chosen. */
+export interface FoundFile {
+  readonly path: string;
+  readonly file: File;
+}
+
+type DroppedEntry = Pick<FileSystemEntry, 'isDirectory' | 'fullPath'> &
+  Partial<Pick<FileSystemDirectoryEntry, 'createReader'>> &
+  Partial<Pick<FileSystemFileEntry, 'file'>>;
 
 interface DroppedItem {
   readonly kind: string;
   getAsFile(): File | null;
-  webkitGetAsEntry?(): { readonly isDirectory: boolean } | null;
+  webkitGetAsEntry?(): DroppedEntry | null;
 }
 
-/** Decides over the items of a drop; call it within the event, after which the browser empties them. */
-export function decideDrop(items: Iterable<DroppedItem>): FileDropDecision {
-  const files: File[] = [];
-  let folders = 0;
+/** A dropped folder may be a whole disk. */
+const MOST_FILES = 2000;
+
+/** Ends of names that an input for files accepts. */
+export const ACCEPTED_FILES = [
+  ...SPLAT_FORMATS.flatMap(({ extensions }) => extensions),
+  '.webp',
+  '.bin',
+  '.gz',
+].join();
+
+/** What people may drop, e.g. `PLY, SPZ or SOG`. */
+export const READABLE_FORMATS = new Intl.ListFormat('en', { type: 'disjunction' }).format([
+  ...new Set(SPLAT_FORMATS.map(({ title }) => title)),
+]);
+
+/** Lists the files of a drop, those in folders too. Call it within the event, after which the browser empties the items. */
+export async function droppedFiles(items: Iterable<DroppedItem>): Promise<FoundFile[]> {
+  const found: (FoundFile | DroppedEntry)[] = [];
   for (const item of items) {
     if (item.kind !== 'file') continue;
-    if (item.webkitGetAsEntry?.()?.isDirectory) {
-      folders++;
-      continue;
-    }
+    const entry = item.webkitGetAsEntry?.();
     const file = item.getAsFile();
-    if (file) files.push(file);
+    if (entry?.isDirectory) found.push(entry);
+    else if (file) found.push({ path: file.name, file });
   }
-  if (files.length > 0) return decideFiles(files);
-  return {
-    file: null,
-    notice:
-      folders > 0 ? 'That is a folder; drop the PLY file inside it.' : 'That is no file; drop a PLY file.',
-  };
+  const files: FoundFile[] = [];
+  for (const each of found) {
+    if ('file' in each && each.file instanceof File) files.push(each as FoundFile);
+    else await addFolder(each as DroppedEntry, files);
+  }
+  return files;
 }
 
-/** Opens the first PLY of several files: the viewer shows one scene at a time. */
-export function decideFiles(files: readonly File[]): FileDropDecision {
-  const file = files.find(({ name }) => /\.ply$/i.test(name)) ?? files[0] ?? null;
-  const others = files.length - 1;
-  if (!file || others < 1) return { file, notice: null };
-  const left = others === 1 ? 'the other file was' : `the other ${others} files were`;
-  return { file, notice: `One scene at a time: ${file.name} is opened, ${left} left out.` };
+async function addFolder(folder: DroppedEntry, files: FoundFile[]): Promise<void> {
+  const reader = folder.createReader?.();
+  while (reader && files.length < MOST_FILES) {
+    // Browsers give a hundred at a time, and none at the end.
+    const entries = await new Promise<FileSystemEntry[]>((resolve, reject) => {
+      reader.readEntries(resolve, reject);
+    });
+    if (entries.length === 0) return;
+    for (const entry of entries as DroppedEntry[]) {
+      if (entry.isDirectory) await addFolder(entry, files);
+      else {
+        const file = await new Promise<File>((resolve, reject) => {
+          entry.file?.(resolve, reject);
+        });
+        files.push({ path: entry.fullPath.replace(/^\//, ''), file });
+      }
+    }
+  }
 }
+
+/** Files of an input, with their paths where a folder was chosen. */
+export function chosenFiles(files: Iterable<File>): FoundFile[] {
+  return Array.from(files, (file) => ({ path: file.webkitRelativePath || file.name, file }));
+}
+
+/** Opens the scene that several files make, else the first that may be a scene: the viewer shows one at a time. */
+export function decideFiles(found: readonly FoundFile[]): FileDropDecision {
+  if (found.length === 0)
+    return { opened: null, notice: `There is no file in that; drop a scene: ${READABLE_FORMATS}.` };
+  const leading = found.find(({ path }) => isLeading(nameOf(path)));
+  if (leading && found.length > 1) {
+    const source = { files: found.map(({ file }) => file), paths: found.map(({ path }) => path) };
+    const folder = leading.path.split('/').at(-2);
+    return { opened: { name: folder ?? leading.file.name, source }, notice: null };
+  }
+  const { file } = found.find(({ path }) => isScene(nameOf(path))) ?? found[0];
+  const opened = { name: file.name, source: file };
+  const others = found.length - 1;
+  if (others < 1) return { opened, notice: null };
+  const left = others === 1 ? 'the other file was' : `the other ${others} files were`;
+  return { opened, notice: `One scene at a time: ${file.name} is opened, ${left} left out.` };
+}
+
+const nameOf = (path: string) => path.replace(/^.*\//, '').toLowerCase();
+
+const isLeading = (fileName: string) => SPLAT_FORMATS.some(({ leadingFile }) => leadingFile?.test(fileName));
+
+const isScene = (fileName: string) =>
+  SPLAT_FORMATS.some(({ extensions }) => extensions.some((end) => fileName.endsWith(end)));

@@ -16,6 +16,8 @@ const FILE_PROBLEMS: Readonly<Record<SplatFileErrorCode, string>> = {
   'bad-property': 'The file has an unusable property',
   'not-splats': 'Not a Gaussian-splat scene',
   truncated: 'The file is incomplete',
+  damaged: 'The file is damaged',
+  'missing-part': 'A file of the scene is missing',
   'bad-value': 'The file holds a value that is no number',
   'too-large': 'The file is too large',
   empty: 'The file has no splats',

@@ -34,7 +34,7 @@ export async function loadScene(
   if (source.kind === 'hard-case') return loadHardCase(engine, source.name, options);
   const sceneOf = (cloud: SplatCloud) => ({ ...plain, clouds: [{ cloud }], isUpsideDown: true });
   const isFile = source.kind === 'file';
-  const cloud = await engine.load(isFile ? source.file : source.url, {
+  const cloud = await engine.load(isFile ? source.source : source.url, {
     name: titleOf(source),
     // Whoever opens a file of their own wants to see all of it.
     maxSplats: isFile ? Number.POSITIVE_INFINITY : undefined,

@@ -17,7 +17,7 @@ interface Load {
 }
 
 const [a, b, c] = ['a.ply', 'b.ply', 'c.ply'].map(
-  (name): SceneSource => ({ kind: 'file', file: new File([], name) }),
+  (name): SceneSource => ({ kind: 'file', name, source: new File([], name) }),
 );
 
 let store: ViewerStore;
@@ -78,8 +78,7 @@ function loseSession(status: 'starting' | 'lost' = 'starting'): void {
 }
 
 const newestLoad = () => loads.at(-1)!;
-const openedKinds = () =>
-  loads.map(({ source }) => (source.kind === 'file' ? source.file.name : source.kind));
+const openedKinds = () => loads.map(({ source }) => (source.kind === 'file' ? source.name : source.kind));
 
 /** Answers the newest load. */
 async function loaded(scene = sceneOf()): Promise<void> {

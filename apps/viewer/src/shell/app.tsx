@@ -6,7 +6,7 @@ import { ErrorMapLegend } from '../comparison/error-map-legend.tsx';
 import { SplitImage } from '../comparison/split-image.tsx';
 import { EffectsPanel } from '../effects/effects-panel.tsx';
 import { DropZone } from '../file-drop/drop-zone.tsx';
-import { decideFiles, type FileDropDecision } from '../file-drop/file-drop.ts';
+import { ACCEPTED_FILES, chosenFiles, decideFiles, type FileDropDecision } from '../file-drop/file-drop.ts';
 import { Hud } from '../hud/hud.tsx';
 import { AccuracyMeasurement } from '../measurement/accuracy-measurement.ts';
 import { Measurement } from '../measurement/measurement.ts';
@@ -39,8 +39,8 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   useEffect(() => accuracyMeasurement.watch(), [accuracyMeasurement]);
   useEffect(() => listenToKeys(viewer, store, run), [viewer, store, run]);
 
-  const follow = ({ file, notice }: FileDropDecision) => {
-    if (file) viewer.scenes.open({ kind: 'file', file });
+  const follow = ({ opened, notice }: FileDropDecision) => {
+    if (opened) viewer.scenes.open({ kind: 'file', ...opened });
     if (notice) store.setState({ notice });
   };
 
@@ -67,11 +67,12 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
       <input
         ref={fileInput}
         type="file"
-        accept=".ply"
+        accept={ACCEPTED_FILES}
+        multiple
         hidden
         data-testid="file-input"
         onChange={(event) => {
-          follow(decideFiles([...(event.target.files ?? [])]));
+          follow(decideFiles(chosenFiles(event.target.files ?? [])));
           // So that choosing the same file again is a change.
           event.target.value = '';
         }}

@@ -1,5 +1,6 @@
 import { useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
+import { READABLE_FORMATS } from '../file-drop/file-drop.ts';
 import { GALLERY_ADDRESS } from '../hard-cases/catalogue.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { Icon } from '../ui/icon.tsx';
@@ -77,7 +78,8 @@ export function Help({ store }: { store: ViewerStore }) {
           ))}
         </dl>
         <p>
-          Drop a Gaussian-splat PLY anywhere in the window. Captures often have y pointing down: U turns them.
+          Drop a Gaussian-splat scene ({READABLE_FORMATS}), or its folder, anywhere in the window. Captures
+          often have y pointing down: U turns them.
         </p>
         <p>
           Scenes that break splat renderers: <a href={GALLERY_ADDRESS}>all hard cases</a>.

@@ -1,5 +1,5 @@
 import { resolveAccuracy } from '../accuracy/accuracy.ts';
-import type { ReadOptions } from '../io/splat-source.ts';
+import type { ReadOptions } from '../io/sources/splat-source.ts';
 import type { CloudPrecision } from '../packing/precision.ts';
 
 /** `signal` cancels the claim until it is met; `onProgress` reports the progress of reading, if anything is read. */

@@ -25,6 +25,7 @@ export function emptyCloud(memory: GpuMemory, shDegree: ShDegree, precision: Clo
       minOpacity: 0,
       faintCount: 0,
       isAntialiased: null,
+      fileFacts: null,
     },
     chunks: new ArrayBuffer(0),
     logScaleRange: { min: 0, step: 0 },

@@ -3,7 +3,7 @@ import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { type Accuracy, resolveAccuracy } from '../accuracy/accuracy.ts';
 import { SplatEngine } from '../engine.ts';
 import { DestroyedError, GpuLimitError, InvalidArgumentError, SplatSourceError } from '../errors.ts';
-import { encodePly } from '../io/write-ply.ts';
+import { encodePly } from '../io/formats/ply/write-ply.ts';
 import { packSet } from '../packing/pack-set.ts';
 import type { CloudPrecision } from '../packing/precision.ts';
 import { compareImages, renderReference } from '../reference/index.ts';

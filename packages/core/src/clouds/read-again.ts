@@ -1,6 +1,6 @@
 import { GpuLimitError, SplatSourceError } from '../errors.ts';
-import { loadOrPass } from '../io/load-splats.ts';
-import type { RowFiles, RowSink } from '../io/row-sink.ts';
+import type { RowFiles, RowSink } from '../io/formats/row-sink.ts';
+import { loadOrPass } from '../io/loading/load-splats.ts';
 import { Chunk } from '../layout/structs.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
 import { packSet } from '../packing/pack-set.ts';

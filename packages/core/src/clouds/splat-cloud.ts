@@ -1,6 +1,6 @@
 import { DestroyedError, SplatSourceError } from '../errors.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import type { SourceOptions } from '../io/splat-source.ts';
+import type { LastingSource, SourceOptions } from '../io/sources/splat-source.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { CloudFacts } from '../packing/cloud-facts.ts';
 import type { LogScaleRange } from '../packing/geometry.ts';
@@ -13,7 +13,7 @@ import { type CloudPages, CloudPlanes, type HeldPrecisions } from './cloud-plane
 import type { CloudFit } from './fit-settings.ts';
 
 /** A source from which a cloud's splats can be read again, any number of times, in other precisions than it holds. */
-export type CloudSource = string | URL | Blob | SplatSet<Harmonics> | PackedCloud;
+export type CloudSource = LastingSource | URL | SplatSet<Harmonics> | PackedCloud;
 
 export interface SplatCloudOptions {
   /** For messages and labels. */

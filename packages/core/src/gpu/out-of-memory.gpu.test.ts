@@ -6,7 +6,7 @@ import { CloudPlanes } from '../clouds/cloud-planes.ts';
 import { clip } from '../effects/clip.ts';
 import { SplatEngine } from '../engine.ts';
 import { DestroyedError, GpuLimitError } from '../errors.ts';
-import { encodePly } from '../io/write-ply.ts';
+import { encodePly } from '../io/formats/ply/write-ply.ts';
 import { packSet } from '../packing/pack-set.ts';
 import { PrefixScan } from '../stages/prefix-scan.ts';
 import { deviceWith, limitsWith } from '../testing/device-with.ts';

@@ -1,7 +1,7 @@
 import { CloudPlanes, type MadePlanes, type Plane } from '../clouds/cloud-planes.ts';
 import { GpuLimitError } from '../errors.ts';
 import { readWords } from '../gpu/read-buffer.ts';
-import { nextTask } from '../io/next-task.ts';
+import { nextTask } from '../io/sources/next-task.ts';
 import { ChunkParameters } from '../layout/packing-structs.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { INGEST_LOG_SCALES } from '../packing/ingest-log-scale.ts';
@@ -116,7 +116,7 @@ export class Arrivals {
     const [words, centres, chunkBounds] = await result;
     await nextTask();
     if (this.#isOver) return;
-    const found = readRowFacts(words, count, planes.shDegree);
+    const found = readRowFacts(words, { count, shDegree: planes.shDegree });
     if (found.count === 0) return;
     const { geometryPrecision, shPrecision } = planes;
     const contents = {

@@ -1,4 +1,4 @@
-import type { RowSink } from '../io/row-sink.ts';
+import type { RowSink } from '../io/formats/row-sink.ts';
 import type { RowLayout } from '../packing/row-layout.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import type { ArrangeContext } from './arrange-planes.ts';

@@ -4,7 +4,7 @@ import { perspectiveCamera } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../engine.ts';
 import { DestroyedError, SplatFileError, SplatSourceError } from '../errors.ts';
-import { encodePly } from '../io/write-ply.ts';
+import { encodePly } from '../io/formats/ply/write-ply.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { signalOf } from '../testing/signal.ts';
 import type { SplatView } from '../views/splat-view.ts';

@@ -4,7 +4,8 @@ import type { Vec3 } from '../math/mat4.ts';
 import { reachesOf } from '../packing/band-reach.ts';
 import { type CloudFacts, trueShDegree } from '../packing/cloud-facts.ts';
 import { opacityOf } from '../packing/geometry.ts';
-import { DROP_REASONS, type DropCounts, type ShDegree } from '../splats/splat-set.ts';
+import type { RowLayout } from '../packing/row-layout.ts';
+import { DROP_REASONS, type DropCounts } from '../splats/splat-set.ts';
 
 /** What ingest-rows found in the rows of a file. */
 export interface RowFacts {
@@ -19,8 +20,16 @@ export interface RowFacts {
   readonly facts: CloudFacts;
 }
 
-/** Reads the words that ingest-rows leaves, of `rows` rows. Bounds and log scales mean nothing if no row was kept. */
-export function readRowFacts(words: Uint32Array, rows: number, shDegree: ShDegree): RowFacts {
+/** Reads the words that ingest-rows leaves. Bounds and log scales mean nothing if no row was kept. */
+export function readRowFacts(
+  words: Uint32Array,
+  {
+    count: rows,
+    shDegree,
+    isAntialiased,
+    fileFacts,
+  }: Pick<RowLayout, 'count' | 'shDegree' | 'isAntialiased' | 'fileFacts'>,
+): RowFacts {
   const c = INGEST_FACTS;
   const floats = new Float32Array(words.buffer, words.byteOffset, words.length);
   const largest = (word: number) => fromOrderedBits(words[word]);
@@ -49,7 +58,8 @@ export function readRowFacts(words: Uint32Array, rows: number, shDegree: ShDegre
       isIsotropic: words[c.FACT_STRETCHED] === 0,
       minOpacity: count > 0 ? opacityOf(smallest(c.FACT_MIN_LOGIT)) : 1,
       faintCount: words[c.FACT_FAINT],
-      isAntialiased: null,
+      isAntialiased: isAntialiased ?? null,
+      fileFacts: fileFacts ?? null,
     },
   };
 }

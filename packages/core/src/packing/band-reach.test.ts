@@ -1,6 +1,6 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
-import { shRestBasis } from '../reference/spherical-harmonics.ts';
+import { shRestBasis } from '../splats/spherical-harmonics.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree } from '../splats/splat-set.ts';
 import { coefficientRows, packedRows } from '../testing/coefficient-rows.ts';
 import { uniform } from '../testing/uniform.ts';

@@ -6,7 +6,7 @@ import type { GpuMemoryReport } from '../gpu/gpu-memory.ts';
 import { compareRecords } from '../inspect/compare-records.ts';
 import { describeFieldError } from '../inspect/field-error.ts';
 import { InspectedFrame } from '../inspect/inspected-frame.ts';
-import { encodePly } from '../io/write-ply.ts';
+import { encodePly } from '../io/formats/ply/write-ply.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 import { randomSplats } from '../testing/random-splats.ts';

@@ -1,4 +1,4 @@
-import type { ShDegree, SplatColumns, SplatSet } from '../splats/splat-set.ts';
+import type { FileFacts, ShDegree, SplatColumns, SplatSet } from '../splats/splat-set.ts';
 import { shBandReach } from './band-reach.ts';
 import { opacityOf } from './geometry.ts';
 import type { Harmonics } from './harmonics.ts';
@@ -24,6 +24,8 @@ export interface CloudFacts {
   readonly faintCount: number;
   /** Whether the splats were trained with an antialias filter; null where the format does not say. */
   readonly isAntialiased: boolean | null;
+  /** Null where the splats are of no file. */
+  readonly fileFacts: FileFacts | null;
 }
 
 /**
@@ -53,6 +55,7 @@ export function cloudFacts(set: SplatSet<Harmonics>): CloudFacts {
     isIsotropic: isIsotropic(set),
     ...opacityFacts(set),
     isAntialiased: set.isAntialiased ?? null,
+    fileFacts: set.fileFacts ?? null,
   };
 }
 

@@ -1,7 +1,7 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
 import type { SplatEngine } from '../engine.ts';
-import type { readSplats } from '../io/read-splats.ts';
+import type { readSplats } from '../io/loading/read-splats.ts';
 import { HALF_MAX } from '../layout/half.ts';
 import {
   coefficientsPerSplat,

@@ -1,5 +1,5 @@
 import { CHUNK_SPLATS } from '../layout/constants.ts';
-import type { ShDegree } from '../splats/splat-set.ts';
+import type { FileFacts, ShDegree } from '../splats/splat-set.ts';
 
 /** Where the values of splats stand in the rows of a file; all of them are float32. */
 export interface RowLayout {
@@ -12,6 +12,10 @@ export interface RowLayout {
   readonly offsets: readonly number[];
   readonly isBigEndian: boolean;
   readonly shDegree: ShDegree;
+  /** See `SplatColumns`. */
+  readonly isAntialiased?: boolean;
+  /** See `SplatColumns`. */
+  readonly fileFacts?: FileFacts;
 }
 
 /** Rows in as many whole chunks as fit `bytes`, at least one. */

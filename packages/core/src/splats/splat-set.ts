@@ -31,6 +31,18 @@ export type DropReason = (typeof DROP_REASONS)[number];
 /** Number of dropped splats by reason; reasons that did not occur are absent. */
 export type DropCounts = Partial<Record<DropReason, number>>;
 
+/** What a file says of itself. */
+export interface FileFacts {
+  /** Name of the format, e.g. `spz`. */
+  readonly format: string;
+  /** Version or kind within the format, e.g. `3` or `binary_little_endian`; absent where there is only one. */
+  readonly variant?: string;
+  /** Program that wrote the file, if the file says so. */
+  readonly writer?: string;
+  /** What is shown otherwise than the file has it, a sentence each; absent if nothing is. */
+  readonly notes?: readonly string[];
+}
+
 /**
  * Splats on the CPU without their harmonics: a column per property, N = `count` rows, in any order. Values are as
  * trained (log scales, logit opacity): readers change nothing, and only drop and count rows that are not finite.
@@ -56,6 +68,8 @@ export interface SplatColumns {
   readonly dropped: DropCounts;
   /** Whether the splats were trained with an antialias filter; absent where the format does not say. */
   readonly isAntialiased?: boolean;
+  /** Absent where the splats are of no file. */
+  readonly fileFacts?: FileFacts;
 }
 
 /**

@@ -98,7 +98,7 @@ async function take(
     harmonics: harmonics.subarray(PAGE_SLOT * shWords, (PAGE_SLOT + count) * shWords),
     rests: rests.subarray(CLOUD_SLOT),
     dropped: Array.from({ length: count }, (_, row) => row).filter(isDropped),
-    facts: readRowFacts(facts, count, shDegree),
+    facts: readRowFacts(facts, { count, shDegree }),
   };
 }
 

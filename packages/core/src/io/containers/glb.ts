@@ -1,0 +1,58 @@
+import { SplatFileError } from '../../errors.ts';
+
+const HEADER_BYTES = 12;
+const CHUNK_HEADER_BYTES = 8;
+/** "glTF", "JSON" and "BIN\0", little-endian. */
+const MAGIC = 0x46546c67;
+const JSON_CHUNK = 0x4e4f534a;
+const BINARY_CHUNK = 0x004e4942;
+
+/** What a binary glTF holds. */
+export interface GlbChunks {
+  readonly json: Uint8Array<ArrayBuffer>;
+  /** The buffer that has no address. */
+  readonly binary?: Uint8Array<ArrayBuffer>;
+}
+
+export function isGlb({ buffer, byteOffset, length }: Uint8Array): boolean {
+  return length >= 4 && new DataView(buffer, byteOffset).getUint32(0, true) === MAGIC;
+}
+
+/**
+ * Finds the chunks of a binary glTF 2.0 (.glb). Chunks of other kinds, and what comes after the end that its header states, are
+ * passed over.
+ *
+ * @param bytes the whole file, of which `isGlb` is true.
+ * @param file its name in messages.
+ * @throws SplatFileError 'truncated', 'damaged'; 'unknown-format' for other versions.
+ */
+export function unpackGlb(bytes: Uint8Array<ArrayBuffer>, file: string): GlbChunks {
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
+  if (bytes.length < HEADER_BYTES) throw truncated(bytes, file, HEADER_BYTES);
+  const version = view.getUint32(4, true);
+  if (version !== 2) {
+    const message = `it is a binary glTF of version ${version}; version 2 is read. Export it again as glTF 2.0.`;
+    throw new SplatFileError('unknown-format', file, message, { byte: 4 });
+  }
+  const end = view.getUint32(8, true);
+  if (end > bytes.length) throw truncated(bytes, file, end);
+  const chunkAt = (at: number, kind: number): Uint8Array<ArrayBuffer> | undefined => {
+    if (at + CHUNK_HEADER_BYTES > end || view.getUint32(at + 4, true) !== kind) return undefined;
+    const start = at + CHUNK_HEADER_BYTES;
+    const length = view.getUint32(at, true);
+    if (length <= end - start) return bytes.subarray(start, start + length);
+    const message = `a chunk of ${length} bytes goes past the end of the file at byte ${end}. Download or export it again.`;
+    throw new SplatFileError('damaged', file, message, { byte: at });
+  };
+  const json = chunkAt(HEADER_BYTES, JSON_CHUNK);
+  if (!json) {
+    const message = 'its first chunk is not the JSON that a binary glTF begins with. Export it again.';
+    throw new SplatFileError('damaged', file, message, { byte: HEADER_BYTES });
+  }
+  return { json, binary: chunkAt(HEADER_BYTES + CHUNK_HEADER_BYTES + json.length, BINARY_CHUNK) };
+}
+
+function truncated({ length }: Uint8Array, file: string, neededBytes: number): SplatFileError {
+  const message = `it must have ${neededBytes} bytes and has ${length}. Download or export it again.`;
+  return new SplatFileError('truncated', file, message, { byte: length });
+}

@@ -1,0 +1,676 @@
+// Lossless WebP images (VP8L, RFC 9649 section 3). "Sections" in comments are of that document.
+
+/** Thrown for bytes that are no lossless image; `decodeWebp` makes it a SplatFileError. */
+export class Vp8lError extends Error {
+  override readonly name = 'Vp8lError';
+}
+
+export interface ImageSize {
+  readonly width: number;
+  readonly height: number;
+}
+
+/** Bytes before the coded image: signature, width, height, alpha hint, version. */
+const HEADER_BYTES = 5;
+const SIGNATURE = 0x2f;
+/** Positions in bits must fit into an int32. */
+const MAX_BYTES = 2 ** 28 - 16;
+
+const TRANSFORM = { predictor: 0, crossColor: 1, subtractGreen: 2, colorIndexing: 3 } as const;
+
+const CODE_LENGTH_ORDER = [17, 18, 0, 1, 2, 3, 4, 5, 16, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+const MAX_CODE_LENGTH = 15;
+/** Lengths of at most this many bits are found by one look into a table. */
+const ROOT_BITS = 8;
+const LENGTH_CODES = 24;
+const DISTANCE_CODES = 40;
+const MAX_CACHE_BITS = 11;
+/** Most entries of all tables of an image: encoders need far fewer, and a few bits could ask for many. */
+const MAX_TABLE_ENTRIES = 2 ** 23;
+
+/** Offsets [x, y] to the left and upwards of the distance codes 1 to 120 (section 3.6.2.2). */
+const NEIGHBOURS = neighboursByDistance();
+
+/**
+ * Size of a lossless image.
+ *
+ * @throws Vp8lError
+ */
+export function vp8lSize(data: Uint8Array): ImageSize {
+  if (data.length < HEADER_BYTES) throw new Vp8lError('it ends within its header');
+  if (data[0] !== SIGNATURE) throw new Vp8lError('its signature is wrong');
+  const bits = data[1] | (data[2] << 8) | (data[3] << 16) | (data[4] << 24);
+  if (bits >>> 29 !== 0) throw new Vp8lError(`its version is ${bits >>> 29}, not 0`);
+  return { width: (bits & 0x3fff) + 1, height: ((bits >>> 14) & 0x3fff) + 1 };
+}
+
+/**
+ * Decodes a lossless image: R, G, B, A of each pixel, row by row from the top left.
+ *
+ * @throws Vp8lError
+ */
+export function decodeVp8l(data: Uint8Array): Uint8Array<ArrayBuffer> {
+  const { width, height } = vp8lSize(data);
+  if (data.length > MAX_BYTES) throw new Vp8lError(`it has more than ${MAX_BYTES} bytes`);
+  const bits = new BitReader(data);
+  bits.position = 8 * HEADER_BYTES;
+  try {
+    const argb = decodeTransformed(bits, width, height);
+    bits.checkEnd();
+    return toRgba(argb);
+  } catch (error) {
+    if (error instanceof RangeError) throw new Vp8lError('it ends too early');
+    // Zeros follow the end, which may be found wrong first.
+    bits.checkEnd();
+    throw error;
+  }
+}
+
+/** Bits from the lowest of each byte on. Reading far past the end throws a RangeError. */
+class BitReader {
+  /** Index of the next bit. */
+  position = 0;
+  readonly view: DataView;
+  readonly #endPosition: number;
+
+  constructor(data: Uint8Array) {
+    this.#endPosition = 8 * data.length;
+    // Four bytes at once are read at any position before the end.
+    const padded = new Uint8Array(data.length + 8);
+    padded.set(data);
+    this.view = new DataView(padded.buffer);
+  }
+
+  /** @param count up to 25. */
+  read(count: number): number {
+    const window = this.view.getInt32(this.position >>> 3, true) >>> (this.position & 7);
+    this.position += count;
+    return window & ((1 << count) - 1);
+  }
+
+  checkEnd(): void {
+    if (this.position > this.#endPosition) throw new Vp8lError('it ends too early');
+  }
+}
+
+/** Lookup tables of prefix codes, one after another in one array. */
+class Tables {
+  /**
+   * By the next bits: symbol × 16 + length of its code; or, for a code longer than ROOT_BITS, −1 − (index of a second table × 16 +
+   * its bits).
+   */
+  entries = new Int32Array(1 << 12);
+  #length = 0;
+
+  /** Index of room for `count` entries. */
+  allocate(count: number): number {
+    const start = this.#length;
+    this.#length += count;
+    if (this.#length > MAX_TABLE_ENTRIES) throw new Vp8lError('its prefix codes take too much memory');
+    if (this.#length > this.entries.length) {
+      const larger = new Int32Array(Math.max(this.#length, 2 * this.entries.length));
+      larger.set(this.entries);
+      this.entries = larger;
+    }
+    return start;
+  }
+}
+
+/** Where a prefix code's table is, and the bits that its first look takes. */
+interface PrefixCode {
+  readonly table: number;
+  readonly mask: number;
+}
+
+/** The five codes of a part of an image (section 3.7.2.2). */
+interface CodeGroup {
+  readonly green: PrefixCode;
+  readonly red: PrefixCode;
+  readonly blue: PrefixCode;
+  readonly alpha: PrefixCode;
+  readonly distance: PrefixCode;
+}
+
+interface Transform {
+  readonly type: number;
+  /** Log2 of the side of a block, or of the pixels that share one. */
+  readonly bits: number;
+  /** Width of the image that the transform makes. */
+  readonly width: number;
+  readonly data: Int32Array;
+}
+
+function decodeTransformed(bits: BitReader, width: number, height: number): Int32Array<ArrayBuffer> {
+  const transforms: Transform[] = [];
+  let codedWidth = width;
+  while (bits.read(1) === 1) {
+    const transform = readTransform(bits, codedWidth, height);
+    if (transforms.some(({ type }) => type === transform.type))
+      throw new Vp8lError('it has a transform twice');
+    transforms.push(transform);
+    if (transform.type === TRANSFORM.colorIndexing) codedWidth = blocks(codedWidth, transform.bits);
+  }
+  let argb = decodePixels(bits, codedWidth, height, true);
+  for (const transform of transforms.reverse()) {
+    if (transform.type === TRANSFORM.predictor) addPredictions(argb, transform, height);
+    else if (transform.type === TRANSFORM.crossColor) addCrossColor(argb, transform, height);
+    else if (transform.type === TRANSFORM.subtractGreen) addGreen(argb);
+    else argb = lookUpColors(argb, transform, height);
+  }
+  return argb;
+}
+
+/** Number of blocks of 2^bits pixels that cover `size` pixels. */
+function blocks(size: number, bits: number): number {
+  return (size + (1 << bits) - 1) >> bits;
+}
+
+function readTransform(bits: BitReader, width: number, height: number): Transform {
+  const type = bits.read(2);
+  if (type === TRANSFORM.subtractGreen) return { type, bits: 0, width, data: new Int32Array(0) };
+  if (type === TRANSFORM.colorIndexing) {
+    const count = bits.read(8) + 1;
+    const data = decodePixels(bits, count, 1, false);
+    // Each is given as what it differs by from the one before.
+    for (let i = 1; i < count; i++) data[i] = addPixels(data[i], data[i - 1]);
+    return { type, bits: count <= 2 ? 3 : count <= 4 ? 2 : count <= 16 ? 1 : 0, width, data };
+  }
+  const sizeBits = bits.read(3) + 2;
+  const data = decodePixels(bits, blocks(width, sizeBits), blocks(height, sizeBits), false);
+  return { type, bits: sizeBits, width, data };
+}
+
+/** Decodes an entropy-coded image (section 3.6) to A, R, G, B in one int32 each. Only a main image has several code groups. */
+function decodePixels(
+  bits: BitReader,
+  width: number,
+  height: number,
+  isMain: boolean,
+): Int32Array<ArrayBuffer> {
+  const cacheBits = bits.read(1) === 1 ? bits.read(4) : 0;
+  if (cacheBits > MAX_CACHE_BITS) throw new Vp8lError(`its colour cache has ${cacheBits} bits`);
+  let blockBits = 0;
+  let groupOfBlock: Int32Array | null = null;
+  let groupCount = 1;
+  if (isMain && bits.read(1) === 1) {
+    blockBits = bits.read(3) + 2;
+    groupOfBlock = decodePixels(bits, blocks(width, blockBits), blocks(height, blockBits), false);
+    for (let i = 0; i < groupOfBlock.length; i++) {
+      const group = (groupOfBlock[i] >>> 8) & 0xffff;
+      groupOfBlock[i] = group;
+      if (group >= groupCount) groupCount = group + 1;
+    }
+  }
+  const tables = new Tables();
+  const lengths = new Uint8Array(256 + LENGTH_CODES + (1 << MAX_CACHE_BITS));
+  const groups: CodeGroup[] = [];
+  while (groups.length < groupCount) {
+    const greenCodes = 256 + LENGTH_CODES + (cacheBits > 0 ? 1 << cacheBits : 0);
+    groups.push({
+      green: readCode(bits, tables, lengths.subarray(0, greenCodes)),
+      red: readCode(bits, tables, lengths.subarray(0, 256)),
+      blue: readCode(bits, tables, lengths.subarray(0, 256)),
+      alpha: readCode(bits, tables, lengths.subarray(0, 256)),
+      distance: readCode(bits, tables, lengths.subarray(0, DISTANCE_CODES)),
+    });
+    bits.checkEnd();
+  }
+  // Only now: what comes before has been there.
+  const pixels = pixelMemory(width * height);
+  readPixels(bits, pixels, width, tables.entries, groups, groupOfBlock, blockBits, cacheBits);
+  return pixels;
+}
+
+function pixelMemory(count: number): Int32Array<ArrayBuffer> {
+  try {
+    return new Int32Array(count);
+  } catch {
+    throw new Vp8lError(`there is no memory for ${count} pixels`);
+  }
+}
+
+function readPixels(
+  bits: BitReader,
+  pixels: Int32Array,
+  width: number,
+  entries: Int32Array,
+  groups: readonly CodeGroup[],
+  groupOfBlock: Int32Array | null,
+  blockBits: number,
+  cacheBits: number,
+): void {
+  const { view } = bits;
+  const cache = cacheBits > 0 ? new Int32Array(1 << cacheBits) : null;
+  const cacheShift = 32 - cacheBits;
+  const blocksPerRow = blocks(width, blockBits);
+  const blockMask = groupOfBlock ? (1 << blockBits) - 1 : -1;
+  const count = pixels.length;
+  let { green, red, blue, alpha, distance } = groups[0];
+  let position = bits.position;
+  let x = 0;
+  let y = 0;
+  /** Pixels before it are in the cache. */
+  let cached = 0;
+  for (let at = 0; at < count; ) {
+    if ((x & blockMask) === 0 && groupOfBlock) {
+      const group = groups[groupOfBlock[(y >> blockBits) * blocksPerRow + (x >> blockBits)]];
+      ({ green, red, blue, alpha, distance } = group);
+    }
+    let window = view.getInt32(position >>> 3, true) >>> (position & 7);
+    let entry = entries[green.table + (window & green.mask)];
+    if (entry < 0) entry = longEntry(entries, entry, window);
+    position += entry & 15;
+    const symbol = entry >> 4;
+    if (symbol < 256) {
+      window = view.getInt32(position >>> 3, true) >>> (position & 7);
+      entry = entries[red.table + (window & red.mask)];
+      if (entry < 0) entry = longEntry(entries, entry, window);
+      position += entry & 15;
+      let argb = ((entry >> 4) << 16) | (symbol << 8);
+      window = view.getInt32(position >>> 3, true) >>> (position & 7);
+      entry = entries[blue.table + (window & blue.mask)];
+      if (entry < 0) entry = longEntry(entries, entry, window);
+      position += entry & 15;
+      argb |= entry >> 4;
+      window = view.getInt32(position >>> 3, true) >>> (position & 7);
+      entry = entries[alpha.table + (window & alpha.mask)];
+      if (entry < 0) entry = longEntry(entries, entry, window);
+      position += entry & 15;
+      pixels[at++] = argb | ((entry >> 4) << 24);
+      if (++x === width) {
+        x = 0;
+        y++;
+      }
+    } else if (symbol < 256 + LENGTH_CODES) {
+      bits.position = position;
+      const length = readLength(bits, symbol - 256);
+      window = view.getInt32(bits.position >>> 3, true) >>> (bits.position & 7);
+      entry = entries[distance.table + (window & distance.mask)];
+      if (entry < 0) entry = longEntry(entries, entry, window);
+      bits.position += entry & 15;
+      const from = at - distanceOf(readLength(bits, entry >> 4), width);
+      position = bits.position;
+      if (from < 0 || length > count - at) throw new Vp8lError('it copies pixels from outside of it');
+      for (let i = 0; i < length; i++) pixels[at + i] = pixels[from + i];
+      at += length;
+      x += length;
+      while (x >= width) {
+        x -= width;
+        y++;
+      }
+      // Else the group is that of the pixel before.
+      if (groupOfBlock && (x & blockMask) !== 0 && at < count) {
+        const group = groups[groupOfBlock[(y >> blockBits) * blocksPerRow + (x >> blockBits)]];
+        ({ green, red, blue, alpha, distance } = group);
+      }
+    } else {
+      for (; cached < at; cached++)
+        cache![Math.imul(0x1e35a7bd, pixels[cached]) >>> cacheShift] = pixels[cached];
+      pixels[at++] = cache![symbol - 256 - LENGTH_CODES];
+      if (++x === width) {
+        x = 0;
+        y++;
+      }
+    }
+  }
+  bits.position = position;
+}
+
+/** The entry of a code that is longer than ROOT_BITS, of which `entry` tells the second table. */
+function longEntry(entries: Int32Array, entry: number, window: number): number {
+  const second = -1 - entry;
+  return entries[(second >> 4) + ((window >>> ROOT_BITS) & ((1 << (second & 15)) - 1))];
+}
+
+/** A length or distance code (section 3.6.2.2). */
+function readLength(bits: BitReader, symbol: number): number {
+  if (symbol < 4) return symbol + 1;
+  const extraBits = (symbol - 2) >> 1;
+  return ((2 + (symbol & 1)) << extraBits) + bits.read(extraBits) + 1;
+}
+
+/** Distance in pixels, in the order of the scan. */
+function distanceOf(code: number, width: number): number {
+  if (code > NEIGHBOURS.length) return code - NEIGHBOURS.length;
+  const [x, y] = NEIGHBOURS[code - 1];
+  return Math.max(1, x + y * width);
+}
+
+/** Reads a prefix code, whose alphabet has as many symbols as `lengths` (section 3.7.2.1). */
+function readCode(bits: BitReader, tables: Tables, lengths: Uint8Array): PrefixCode {
+  lengths.fill(0);
+  if (bits.read(1) === 1) {
+    const symbols = bits.read(1) + 1;
+    const first = bits.read(bits.read(1) === 1 ? 8 : 1);
+    const second = symbols === 2 ? bits.read(8) : first;
+    if (first >= lengths.length || second >= lengths.length)
+      throw new Vp8lError('a prefix code has a symbol that its alphabet lacks');
+    lengths[first] = 1;
+    lengths[second] = 1;
+  } else readLengths(bits, lengths);
+  return buildTable(tables, lengths);
+}
+
+function readLengths(bits: BitReader, lengths: Uint8Array): void {
+  const lengthLengths = new Uint8Array(CODE_LENGTH_ORDER.length);
+  const lengthCount = 4 + bits.read(4);
+  for (let i = 0; i < lengthCount; i++) lengthLengths[CODE_LENGTH_ORDER[i]] = bits.read(3);
+  const lengthTables = new Tables();
+  const { table, mask } = buildTable(lengthTables, lengthLengths);
+  let left = lengths.length;
+  if (bits.read(1) === 1) {
+    left = 2 + bits.read(2 + 2 * bits.read(3));
+    if (left > lengths.length) throw new Vp8lError('a prefix code has more symbols than its alphabet');
+  }
+  let previous = 8;
+  for (let symbol = 0; symbol < lengths.length && left > 0; left--) {
+    const window = bits.view.getInt32(bits.position >>> 3, true) >>> (bits.position & 7);
+    // No length of a length is above 7.
+    const entry = lengthTables.entries[table + (window & mask)];
+    bits.position += entry & 15;
+    const code = entry >> 4;
+    if (code < 16) {
+      lengths[symbol++] = code;
+      if (code !== 0) previous = code;
+      continue;
+    }
+    const repeats = code === 16 ? 3 + bits.read(2) : code === 17 ? 3 + bits.read(3) : 11 + bits.read(7);
+    if (symbol + repeats > lengths.length)
+      throw new Vp8lError('a prefix code has more symbols than its alphabet');
+    if (code === 16) lengths.fill(previous, symbol, symbol + repeats);
+    symbol += repeats;
+  }
+}
+
+/** Makes the table of a canonical prefix code from the length of each symbol's code. */
+function buildTable(tables: Tables, lengths: Uint8Array): PrefixCode {
+  const countOf = new Int32Array(MAX_CODE_LENGTH + 1);
+  let last = 0;
+  for (let symbol = 0; symbol < lengths.length; symbol++) {
+    if (lengths[symbol] === 0) continue;
+    countOf[lengths[symbol]]++;
+    last = symbol;
+  }
+  countOf[0] = 0;
+  let used = 0;
+  let longest = 0;
+  /** How many more codes of the length there is room for. */
+  let open = 1;
+  for (let length = 1; length <= MAX_CODE_LENGTH; length++) {
+    open = 2 * open - countOf[length];
+    if (open < 0) throw new Vp8lError('a prefix code has too many codes');
+    if (countOf[length] === 0) continue;
+    used += countOf[length];
+    longest = length;
+  }
+  if (used === 1) {
+    // A lone symbol takes no bits.
+    const table = tables.allocate(1);
+    tables.entries[table] = last << 4;
+    return { table, mask: 0 };
+  }
+  if (open !== 0) throw new Vp8lError('a prefix code is incomplete');
+
+  // Symbols in the order of their codes: by length, then by number.
+  const startOf = new Int32Array(MAX_CODE_LENGTH + 2);
+  for (let length = 1; length <= MAX_CODE_LENGTH; length++)
+    startOf[length + 1] = startOf[length] + countOf[length];
+  const symbols = new Int32Array(used);
+  for (let symbol = 0; symbol < lengths.length; symbol++)
+    if (lengths[symbol] > 0) symbols[startOf[lengths[symbol]]++] = symbol;
+
+  const rootBits = Math.min(longest, ROOT_BITS);
+  const mask = (1 << rootBits) - 1;
+  const table = tables.allocate(1 << rootBits);
+  let second = 0;
+  let secondBits = 0;
+  let secondRoot = -1;
+  /** The code as it is read, its first bit lowest. */
+  let reversed = 0;
+  let next = 0;
+  for (let length = 1; length <= longest; length++) {
+    for (let left = countOf[length]; left > 0; left--) {
+      const entry = (symbols[next++] << 4) | length;
+      if (length <= rootBits) {
+        for (let i = reversed; i <= mask; i += 1 << length) tables.entries[table + i] = entry;
+      } else {
+        const root = reversed & mask;
+        if (root !== secondRoot) {
+          secondBits = secondTableBits(countOf, length, left, rootBits);
+          second = tables.allocate(1 << secondBits);
+          tables.entries[table + root] = -1 - ((second << 4) | secondBits);
+          secondRoot = root;
+        }
+        for (let i = reversed >> rootBits; i < 1 << secondBits; i += 1 << (length - rootBits))
+          tables.entries[second + i] = entry;
+      }
+      reversed = nextReversed(reversed, length);
+    }
+  }
+  return { table, mask };
+}
+
+/** Bits of the second table that begins with a code of `length`, when `left` codes of that length are left. */
+function secondTableBits(countOf: Int32Array, length: number, left: number, rootBits: number): number {
+  let bits = length - rootBits;
+  let open = (1 << bits) - left;
+  while (open > 0 && length < MAX_CODE_LENGTH) {
+    length++;
+    bits++;
+    open = 2 * open - countOf[length];
+  }
+  return bits;
+}
+
+/** The next code of `length` bits: adds one where the first bit read is the highest. */
+function nextReversed(reversed: number, length: number): number {
+  let bit = 1 << (length - 1);
+  while ((reversed & bit) !== 0) bit >>= 1;
+  return bit === 0 ? 0 : (reversed & (bit - 1)) | bit;
+}
+
+/** Adds each channel modulo 256. */
+function addPixels(a: number, b: number): number {
+  return (
+    (((a & 0xff00ff00) + (b & 0xff00ff00)) & 0xff00ff00) |
+    (((a & 0x00ff00ff) + (b & 0x00ff00ff)) & 0x00ff00ff)
+  );
+}
+
+/** Section 3.5.1. */
+function addPredictions(argb: Int32Array, { bits, width, data }: Transform, height: number): void {
+  argb[0] = addPixels(argb[0], 0xff000000);
+  for (let x = 1; x < width; x++) argb[x] = addPixels(argb[x], argb[x - 1]);
+  const blocksPerRow = blocks(width, bits);
+  for (let y = 1; y < height; y++) {
+    const row = y * width;
+    argb[row] = addPixels(argb[row], argb[row - width]);
+    const blockRow = (y >> bits) * blocksPerRow;
+    for (let x = 1; x < width; ) {
+      const end = Math.min(width, ((x >> bits) + 1) << bits);
+      const mode = (data[blockRow + (x >> bits)] >> 8) & 15;
+      addPredictionsIn(argb, row + x, row + end, width, mode);
+      x = end;
+    }
+  }
+}
+
+/** Of the pixels from `from` to before `to`, in one row and block. */
+function addPredictionsIn(argb: Int32Array, from: number, to: number, width: number, mode: number): void {
+  let left = argb[from - 1];
+  // A loop for each mode, since a choice for each pixel takes longer than most predictions.
+  switch (mode) {
+    case 1:
+      for (let i = from; i < to; i++) argb[i] = left = addPixels(argb[i], left);
+      break;
+    case 2:
+      for (let i = from; i < to; i++) argb[i] = addPixels(argb[i], argb[i - width]);
+      break;
+    case 3:
+      for (let i = from; i < to; i++) argb[i] = addPixels(argb[i], argb[i - width + 1]);
+      break;
+    case 4:
+      for (let i = from; i < to; i++) argb[i] = addPixels(argb[i], argb[i - width - 1]);
+      break;
+    case 5:
+      for (let i = from; i < to; i++)
+        argb[i] = left = addPixels(argb[i], average(average(left, argb[i - width + 1]), argb[i - width]));
+      break;
+    case 6:
+      for (let i = from; i < to; i++) argb[i] = left = addPixels(argb[i], average(left, argb[i - width - 1]));
+      break;
+    case 7:
+      for (let i = from; i < to; i++) argb[i] = left = addPixels(argb[i], average(left, argb[i - width]));
+      break;
+    case 8:
+      for (let i = from; i < to; i++)
+        argb[i] = addPixels(argb[i], average(argb[i - width - 1], argb[i - width]));
+      break;
+    case 9:
+      for (let i = from; i < to; i++)
+        argb[i] = addPixels(argb[i], average(argb[i - width], argb[i - width + 1]));
+      break;
+    case 10:
+      for (let i = from; i < to; i++) {
+        const top = i - width;
+        const prediction = average(average(left, argb[top - 1]), average(argb[top], argb[top + 1]));
+        argb[i] = left = addPixels(argb[i], prediction);
+      }
+      break;
+    case 11:
+      for (let i = from; i < to; i++) {
+        const top = i - width;
+        argb[i] = left = addPixels(argb[i], select(left, argb[top], argb[top - 1]));
+      }
+      break;
+    case 12:
+      for (let i = from; i < to; i++) {
+        const top = i - width;
+        argb[i] = left = addPixels(argb[i], clampedSum(left, argb[top], argb[top - 1]));
+      }
+      break;
+    case 13:
+      for (let i = from; i < to; i++) {
+        const top = i - width;
+        argb[i] = left = addPixels(argb[i], clampedHalf(average(left, argb[top]), argb[top - 1]));
+      }
+      break;
+    default:
+      for (let i = from; i < to; i++) argb[i] = addPixels(argb[i], 0xff000000);
+  }
+}
+
+/** Half of each channel's sum, rounded down. */
+function average(a: number, b: number): number {
+  return (((a ^ b) & 0xfefefefe) >>> 1) + (a & b);
+}
+
+/** `left` or `top`, whichever is nearer to left + top − topLeft. */
+function select(left: number, top: number, topLeft: number): number {
+  let toLeft = 0;
+  let toTop = 0;
+  for (let shift = 0; shift < 32; shift += 8) {
+    const corner = (topLeft >>> shift) & 255;
+    toLeft += Math.abs(((top >>> shift) & 255) - corner);
+    toTop += Math.abs(((left >>> shift) & 255) - corner);
+  }
+  return toLeft < toTop ? left : top;
+}
+
+function clampedSum(left: number, top: number, topLeft: number): number {
+  let result = 0;
+  for (let shift = 0; shift < 32; shift += 8) {
+    const sum = ((left >>> shift) & 255) + ((top >>> shift) & 255) - ((topLeft >>> shift) & 255);
+    result |= clamp(sum) << shift;
+  }
+  return result;
+}
+
+function clampedHalf(mean: number, topLeft: number): number {
+  let result = 0;
+  for (let shift = 0; shift < 32; shift += 8) {
+    const value = (mean >>> shift) & 255;
+    // Rounded towards zero.
+    result |= clamp(value + (((value - ((topLeft >>> shift) & 255)) / 2) | 0)) << shift;
+  }
+  return result;
+}
+
+function clamp(value: number): number {
+  return value < 0 ? 0 : value > 255 ? 255 : value;
+}
+
+/** Section 3.5.2. */
+function addCrossColor(argb: Int32Array, { bits, width, data }: Transform, height: number): void {
+  const blocksPerRow = blocks(width, bits);
+  for (let y = 0; y < height; y++) {
+    const row = y * width;
+    const blockRow = (y >> bits) * blocksPerRow;
+    for (let x = 0; x < width; ) {
+      const end = Math.min(width, ((x >> bits) + 1) << bits);
+      const factors = data[blockRow + (x >> bits)];
+      const greenToRed = (factors << 24) >> 24;
+      const greenToBlue = (factors << 16) >> 24;
+      const redToBlue = (factors << 8) >> 24;
+      for (; x < end; x++) {
+        const pixel = argb[row + x];
+        const green = (pixel << 16) >> 24;
+        const red = (pixel >> 16) + ((greenToRed * green) >> 5);
+        const blue = pixel + ((greenToBlue * green) >> 5) + ((redToBlue * ((red << 24) >> 24)) >> 5);
+        argb[row + x] = (pixel & 0xff00ff00) | ((red & 255) << 16) | (blue & 255);
+      }
+    }
+  }
+}
+
+/** Section 3.5.3. */
+function addGreen(argb: Int32Array): void {
+  for (let i = 0; i < argb.length; i++) {
+    const pixel = argb[i];
+    const green = (pixel >>> 8) & 255;
+    argb[i] = (pixel & 0xff00ff00) | (((pixel & 0x00ff00ff) + ((green << 16) | green)) & 0x00ff00ff);
+  }
+}
+
+/** Section 3.5.4. */
+function lookUpColors(
+  indices: Int32Array,
+  { bits, width, data }: Transform,
+  height: number,
+): Int32Array<ArrayBuffer> {
+  // What is not in the table is transparent black.
+  const colors = new Int32Array(256);
+  colors.set(data);
+  const argb = pixelMemory(width * height);
+  const packedWidth = blocks(width, bits);
+  const bitsEach = 8 >> bits;
+  const mask = (1 << bitsEach) - 1;
+  const withinMask = (1 << bits) - 1;
+  for (let y = 0; y < height; y++) {
+    for (let x = 0; x < width; x++) {
+      const packed = (indices[y * packedWidth + (x >> bits)] >>> 8) & 255;
+      argb[y * width + x] = colors[(packed >> ((x & withinMask) * bitsEach)) & mask];
+    }
+  }
+  return argb;
+}
+
+/** Changes the order of the channels in place, and shows the pixels as bytes. */
+function toRgba(argb: Int32Array<ArrayBuffer>): Uint8Array<ArrayBuffer> {
+  for (let i = 0; i < argb.length; i++) {
+    const pixel = argb[i];
+    argb[i] = (pixel & 0xff00ff00) | ((pixel >>> 16) & 255) | ((pixel & 255) << 16);
+  }
+  return new Uint8Array(argb.buffer);
+}
+
+/**
+ * Neighbours up to 7 rows above, 8 columns to the left and 7 to the right, nearest first; of equally near ones that in the nearer
+ * column, the left one before the right one.
+ */
+function neighboursByDistance(): readonly (readonly [number, number])[] {
+  const neighbours: [number, number][] = [];
+  for (let y = 0; y <= 7; y++) for (let x = y === 0 ? 1 : -7; x <= 8; x++) neighbours.push([x, y]);
+  const squared = ([x, y]: readonly [number, number]) => x * x + y * y;
+  return neighbours.sort((a, b) => squared(a) - squared(b) || Math.abs(a[0]) - Math.abs(b[0]) || b[0] - a[0]);
+}

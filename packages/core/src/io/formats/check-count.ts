@@ -1,0 +1,21 @@
+import { type FilePlace, SplatFileError } from '../../errors.ts';
+
+/** Most splats that `SplatSet.fileIndices` can number. */
+const MAX_SPLATS = 2 ** 32 - 1;
+
+/**
+ * Checks how many splats a header promises.
+ *
+ * @throws SplatFileError 'empty', 'too-large'.
+ */
+export function checkCount(count: number, file: string, maxSplats: number, place: FilePlace = {}): void {
+  if (count === 0) throw new SplatFileError('empty', file, 'the header promises 0 splats.', place);
+  if (count > MAX_SPLATS) {
+    const message = `the header promises ${count} splats; at most ${MAX_SPLATS} can be numbered. Split the file.`;
+    throw new SplatFileError('too-large', file, message, place);
+  }
+  if (count > maxSplats) {
+    const message = `it has ${count} splats, more than maxSplats, ${maxSplats}. Pass a larger maxSplats if there is memory for them.`;
+    throw new SplatFileError('too-large', file, message, place);
+  }
+}

@@ -1,0 +1,226 @@
+import { SplatFileError, type SplatFileErrorCode } from '../../../errors.ts';
+import { ROW_SLOT } from '../../../splats/splat-row.ts';
+import type { ShDegree } from '../../../splats/splat-set.ts';
+import { readExactly } from '../../sources/read-exactly.ts';
+import { checkCount } from '../check-count.ts';
+import { colorDcOf, logitOf, tableOfBytes } from '../color-values.ts';
+import { deliverRows, rowLength } from '../decoded-rows.ts';
+import {
+  clip,
+  type PlyElement,
+  type PlyHeader,
+  type PlyType,
+  readPlyHeader,
+  TYPE_BYTES,
+} from '../ply/ply-header.ts';
+import { shDegreeOf, shNames } from '../ply/sh-properties.ts';
+import type { ReadFormat } from '../splat-format.ts';
+
+/** Splats that share their bounds. */
+const CHUNK_ROWS = 256;
+
+/** Bounds of a chunk: least values, then greatest, of positions, log scales and base colours. */
+const GEOMETRY_BOUNDS = boundsNames(['x', 'y', 'z', 'scale_x', 'scale_y', 'scale_z']);
+const COLOR_BOUNDS = boundsNames(['r', 'g', 'b']);
+const PACKED = ['packed_position', 'packed_rotation', 'packed_scale', 'packed_color'];
+
+const LOGITS = tableOfBytes(logitOf);
+
+/**
+ * Writers cut −4 … 4 into 256 steps and keep the number of the step, of which the middle is nearest on average. What lies beyond is in
+ * the outermost steps.
+ */
+const SH_VALUES = Float32Array.from({ length: 256 }, (_, byte) => {
+  if (byte === 0) return -4;
+  return byte === 255 ? 4 : (byte + 0.5) / 32 - 4;
+});
+
+/** Where the rows of an element are. */
+interface Rows {
+  /** Offset of the first row. */
+  readonly start: number;
+  readonly strideBytes: number;
+  /** Offset in a row of each property that is read. */
+  readonly offsets: readonly number[];
+}
+
+interface Layout {
+  /** Splats. */
+  readonly count: number;
+  readonly shDegree: ShDegree;
+  /** Chunks have bounds of colours, which older files lack: there, 0 is black and 1 is white. */
+  readonly hasColorBounds: boolean;
+  readonly chunks: Rows;
+  readonly vertices: Rows;
+  readonly harmonics: Rows | undefined;
+  /** Bytes of the body up to the last that is needed. */
+  readonly totalBytes: number;
+}
+
+/**
+ * Reads a compressed PLY of either byte order: an element `chunk` with bounds of 256 splats each; `vertex` with packed_position and
+ * packed_scale (11, 10, 11 bits, from the chunk's least value to its greatest), packed_rotation (2 bits for which of w, x, y, z is
+ * largest, 10 for each of the others, in that order) and packed_color (a byte each for r, g, b, opacity); and `sh`, if there is any,
+ * with a byte for each f_rest.
+ *
+ * An opacity of 0 or 255 is a logit of ±Infinity.
+ *
+ * Rejects with `SplatFileError`: 'damaged' if the numbers of rows contradict each other; 'bad-header', 'bad-property', 'truncated',
+ * 'too-large', 'empty'.
+ */
+export const readCompressedPly: ReadFormat = async (input, options, rowsTo) => {
+  const { reader, name: file } = input;
+  const header = await readPlyHeader(reader, file);
+  const layout = layoutOf(header, file);
+  const { count, shDegree, totalBytes } = layout;
+  checkCount(count, file, options.maxSplats, { element: 'vertex' });
+  const bytes = await readExactly(input, totalBytes, `its ${count} splats`);
+  const body = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
+  const decode = rowDecoder(body, layout, header.format !== 'binary_big_endian');
+  const { isAntialiased, format: variant, writer } = header;
+  const fileFacts = { format: 'compressed-ply', variant, writer };
+  return deliverRows({ count, shDegree, isAntialiased, fileFacts, decode }, input, options, rowsTo);
+};
+
+function boundsNames(stems: readonly string[]): string[] {
+  return [...stems.map((stem) => `min_${stem}`), ...stems.map((stem) => `max_${stem}`)];
+}
+
+/** Finds what is needed in the body; throws if it is not there. */
+function layoutOf({ format, elements }: PlyHeader, file: string): Layout {
+  const fail = (code: SplatFileErrorCode, message: string, element?: string): never => {
+    throw new SplatFileError(code, file, `${message}.`, { element });
+  };
+  if (format === 'ascii') fail('bad-header', 'it is a compressed PLY in text; such files are binary');
+  const found = (name: string) => elements.find((element) => element.name === name);
+  const chunk = found('chunk') ?? fail('bad-header', 'it is a compressed PLY without an element chunk');
+  const vertex = found('vertex') ?? fail('bad-header', 'it is a compressed PLY without an element vertex');
+  const sh = found('sh');
+  const { count } = vertex;
+  if (chunk.count < Math.ceil(count / CHUNK_ROWS)) {
+    const message = `${count} splats in chunks of ${CHUNK_ROWS} need more than ${chunk.count} chunks`;
+    fail('damaged', message, 'chunk');
+  }
+  if (sh && sh.count !== count) {
+    fail('damaged', `it has ${count} splats, but harmonics of ${sh.count}`, 'sh');
+  }
+  const shDegree = sh ? shDegreeOf(sh, file) : 0;
+  const hasColorBounds = chunk.properties.some(({ name }) => COLOR_BOUNDS.includes(name));
+  const bounds = hasColorBounds ? [...GEOMETRY_BOUNDS, ...COLOR_BOUNDS] : GEOMETRY_BOUNDS;
+  const rowsOf = (element: PlyElement, names: readonly string[], type: PlyType): Rows => ({
+    start: elements.slice(0, elements.indexOf(element)).reduce((sum, each) => sum + bytesOf(each, file), 0),
+    strideBytes: strideOf(element, file),
+    offsets: offsetsOf(element, names, type, file),
+  });
+  const needed = [chunk, vertex, ...(sh ? [sh] : [])];
+  const last = Math.max(...needed.map((element) => elements.indexOf(element)));
+  return {
+    count,
+    shDegree,
+    hasColorBounds,
+    chunks: rowsOf(chunk, bounds, 'float32'),
+    vertices: rowsOf(vertex, PACKED, 'uint32'),
+    harmonics: sh && rowsOf(sh, shNames(shDegree), 'uint8'),
+    totalBytes: elements.slice(0, last + 1).reduce((sum, each) => sum + bytesOf(each, file), 0),
+  };
+}
+
+function bytesOf(element: PlyElement, file: string): number {
+  return element.count * strideOf(element, file);
+}
+
+function strideOf({ name: element, properties }: PlyElement, file: string): number {
+  const list = properties.find(({ countType }) => countType !== undefined);
+  if (list) {
+    const message = `${clip(list.name)} is a list; a compressed PLY has none.`;
+    throw new SplatFileError('bad-property', file, message, {
+      element: clip(element),
+      property: clip(list.name),
+    });
+  }
+  return properties.reduce((sum, { type }) => sum + TYPE_BYTES[type], 0);
+}
+
+/** Offsets in a row of properties, all of which must be of `type`. */
+function offsetsOf(
+  { name: element, properties }: PlyElement,
+  names: readonly string[],
+  type: PlyType,
+  file: string,
+): number[] {
+  const fail = (property: string, message: string): never => {
+    throw new SplatFileError('bad-property', file, `${property} ${message}.`, { element, property });
+  };
+  const needed = new Set(names);
+  const offsets = new Map<string, number>();
+  let offset = 0;
+  for (const property of properties) {
+    if (needed.has(property.name)) {
+      if (offsets.has(property.name)) fail(property.name, 'is declared twice');
+      if (property.type !== type) fail(property.name, `is of type ${property.type}; it must be ${type}`);
+      offsets.set(property.name, offset);
+    }
+    offset += TYPE_BYTES[property.type];
+  }
+  return names.map((name) => offsets.get(name) ?? fail(name, 'is missing'));
+}
+
+function rowDecoder(
+  body: DataView,
+  { shDegree, hasColorBounds, chunks, vertices, harmonics }: Layout,
+  isLittleEndian: boolean,
+): (rows: Float32Array, rowCount: number) => void {
+  const length = rowLength(shDegree);
+  const [positionAt, rotationAt, scaleAt, colorAt] = vertices.offsets;
+  const shOffsets = Int32Array.from(harmonics?.offsets ?? []);
+  const shStride = harmonics?.strideBytes ?? 0;
+  /** What 0 stands for, and how much more the greatest number does; of x, y, z, three scales, r, g, b. */
+  const least = new Float64Array(9);
+  const extent = new Float64Array(9).fill(1);
+  const takeBounds = (chunk: number) => {
+    const start = chunks.start + chunk * chunks.strideBytes;
+    const bound = (i: number) => body.getFloat32(start + chunks.offsets[i], isLittleEndian);
+    for (let i = 0; i < (hasColorBounds ? 9 : 6); i++) {
+      const [minAt, maxAt] = i < 6 ? [i, i + 6] : [i + 6, i + 9];
+      least[i] = bound(minAt);
+      extent[i] = bound(maxAt) - least[i];
+    }
+  };
+  let row = 0;
+  return (rows, rowCount) => {
+    for (let at = 0; at < rowCount * length; at += length, row++) {
+      if (row % CHUNK_ROWS === 0) takeBounds(row / CHUNK_ROWS);
+      const start = vertices.start + row * vertices.strideBytes;
+      const position = body.getUint32(start + positionAt, isLittleEndian);
+      const scale = body.getUint32(start + scaleAt, isLittleEndian);
+      const color = body.getUint32(start + colorAt, isLittleEndian);
+      rows[at + ROW_SLOT.position] = least[0] + extent[0] * ((position >>> 21) / 2047);
+      rows[at + ROW_SLOT.position + 1] = least[1] + extent[1] * (((position >>> 11) & 1023) / 1023);
+      rows[at + ROW_SLOT.position + 2] = least[2] + extent[2] * ((position & 2047) / 2047);
+      rows[at + ROW_SLOT.logScale] = least[3] + extent[3] * ((scale >>> 21) / 2047);
+      rows[at + ROW_SLOT.logScale + 1] = least[4] + extent[4] * (((scale >>> 11) & 1023) / 1023);
+      rows[at + ROW_SLOT.logScale + 2] = least[5] + extent[5] * ((scale & 2047) / 2047);
+      unpackRotation(body.getUint32(start + rotationAt, isLittleEndian), rows, at + ROW_SLOT.rotation);
+      rows[at + ROW_SLOT.opacity] = LOGITS[color & 255];
+      rows[at + ROW_SLOT.colorDc] = colorDcOf(least[6] + extent[6] * ((color >>> 24) / 255));
+      rows[at + ROW_SLOT.colorDc + 1] = colorDcOf(least[7] + extent[7] * (((color >>> 16) & 255) / 255));
+      rows[at + ROW_SLOT.colorDc + 2] = colorDcOf(least[8] + extent[8] * (((color >>> 8) & 255) / 255));
+      const shStart = (harmonics?.start ?? 0) + row * shStride;
+      for (let i = 0; i < shOffsets.length; i++)
+        rows[at + ROW_SLOT.harmonics + i] = SH_VALUES[body.getUint8(shStart + shOffsets[i])];
+    }
+  };
+}
+
+/** The smaller components are at most √½; the largest, which is not stored, makes the length 1. */
+function unpackRotation(packed: number, rows: Float32Array, at: number): void {
+  const a = (((packed >>> 20) & 1023) / 1023 - 0.5) * Math.SQRT2;
+  const b = (((packed >>> 10) & 1023) / 1023 - 0.5) * Math.SQRT2;
+  const c = ((packed & 1023) / 1023 - 0.5) * Math.SQRT2;
+  const largest = packed >>> 30;
+  rows[at] = a;
+  rows[at + 1] = largest < 1 ? a : b;
+  rows[at + 2] = largest < 2 ? b : c;
+  rows[at + 3] = c;
+  rows[at + largest] = Math.sqrt(Math.max(0, 1 - a * a - b * b - c * c));
+}

@@ -1,0 +1,123 @@
+import type { PackedHarmonics } from '../../packing/harmonics.ts';
+import { type RowLayout, rowsWithin } from '../../packing/row-layout.ts';
+import { ROW_SLOT } from '../../splats/splat-row.ts';
+import {
+  coefficientsPerSplat,
+  type FileFacts,
+  type ShDegree,
+  type SplatSet,
+} from '../../splats/splat-set.ts';
+import { checkCount } from './check-count.ts';
+import { ReadProgress } from './progress.ts';
+import type { RowsTo } from './row-sink.ts';
+import type { SplatFormatOptions, SplatInput } from './splat-format.ts';
+import { SplatSetBuilder } from './splat-set-builder.ts';
+
+/** Rows between two chances of a page's thread to do something else. */
+const ROWS_AT_ONCE = 4096;
+
+/** Splats of a file whose bytes are there, to be decoded one after another. */
+export interface DecodedRows {
+  /** Number of rows. Memory for all of them is taken at once: there must be bytes for each. */
+  readonly count: number;
+  readonly shDegree: ShDegree;
+  /** Whether the file says that its splats were trained with an antialias filter; undefined if it does not say. */
+  readonly isAntialiased?: boolean;
+  readonly fileFacts?: FileFacts;
+  /**
+   * Writes the next `rowCount` rows into `rows`, which has room for them: each has `rowLength(shDegree)` values by `ROW_SLOT`, as
+   * they were trained (log scales, logits, w x y z).
+   */
+  decode(rows: Float32Array, rowCount: number): void;
+}
+
+/** Values of a row. */
+export function rowLength(shDegree: ShDegree): number {
+  return ROW_SLOT.harmonics + coefficientsPerSplat(shDegree);
+}
+
+/**
+ * Delivers decoded rows as `ReadFormat` promises: to `rowsTo`, if it takes as many, or as a set.
+ *
+ * @param progress that of the reading so far, where the scene has several files.
+ */
+export async function deliverRows(
+  rows: DecodedRows,
+  input: SplatInput,
+  options: SplatFormatOptions,
+  rowsTo: RowsTo | undefined,
+  progress = new ReadProgress(input, options.onProgress),
+): Promise<SplatSet<PackedHarmonics> | null> {
+  const { count } = rows;
+  checkCount(count, input.name, options.maxSplats);
+  const isPassed = rowsTo && count >= rowsTo.files.minRows && count <= rowsTo.files.maxRows;
+  if (isPassed) await passRows(rows, input, rowsTo, progress);
+  const set = isPassed ? null : await collectRows(rows, input, options, progress);
+  progress.finish(count);
+  return set;
+}
+
+async function passRows(
+  { count, shDegree, isAntialiased, fileFacts, decode }: DecodedRows,
+  { reader }: SplatInput,
+  { sink, files }: RowsTo,
+  progress: ReadProgress,
+): Promise<void> {
+  const length = rowLength(shDegree);
+  const strideBytes = 4 * length;
+  const pieceRows = rowsWithin(files.pieceBytes, strideBytes);
+  const offsets = Array.from({ length }, (_, slot) => 4 * slot);
+  const layout: RowLayout = {
+    count,
+    strideBytes,
+    pieceRows,
+    offsets,
+    isBigEndian: false,
+    shDegree,
+    isAntialiased,
+    fileFacts,
+  };
+  await sink.begin(layout);
+  for (let row = 0; row < count; row += pieceRows) {
+    const rowCount = Math.min(pieceRows, count - row);
+    const memory = await sink.memory();
+    const values = new Float32Array(memory.buffer, memory.byteOffset, rowCount * length);
+    for (let done = 0; done < rowCount; done += ROWS_AT_ONCE) {
+      decode(values.subarray(done * length), Math.min(ROWS_AT_ONCE, rowCount - done));
+      progress.report(row + done);
+      await reader.pause();
+    }
+    sink.take(rowCount, memory);
+  }
+}
+
+async function collectRows(
+  { count, shDegree, isAntialiased, fileFacts, decode }: DecodedRows,
+  { name, reader }: SplatInput,
+  { shPrecision }: SplatFormatOptions,
+  progress: ReadProgress,
+): Promise<SplatSet<PackedHarmonics>> {
+  const length = rowLength(shDegree);
+  const builder = new SplatSetBuilder({
+    file: name,
+    shDegree,
+    shPrecision,
+    widePositions: false,
+    promisedCount: count,
+    isHeld: true,
+    isAntialiased,
+    fileFacts,
+  });
+  const values = new Float32Array(Math.min(count, ROWS_AT_ONCE) * length);
+  for (let row = 0; row < count; row += ROWS_AT_ONCE) {
+    const rowCount = Math.min(ROWS_AT_ONCE, count - row);
+    decode(values, rowCount);
+    for (let i = 0; i < rowCount; i++) {
+      builder.row.set(values.subarray(i * length, (i + 1) * length));
+      builder.push(row + i);
+    }
+    progress.report(row);
+    await reader.pause();
+  }
+  return builder.finish();
+}

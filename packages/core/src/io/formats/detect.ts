@@ -1,0 +1,57 @@
+import { SplatFileError } from '../../errors.ts';
+import { SPLAT_FORMATS } from './formats.ts';
+import { latin1 } from './latin1.ts';
+import { SNIFF_BYTES, type SplatFormat } from './splat-format.ts';
+
+/** Files that people open by mistake, each with advice. Tried in order. */
+const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string }[] = [
+  {
+    pattern: /^$/,
+    message: 'the file is empty (or the stream has been read before); check the download or the path',
+  },
+  { pattern: /^PK/, message: 'it is an empty zip archive, or a part of one that was split' },
+  { pattern: /^\x28\xb5\x2f\xfd/, message: 'it is zstd-compressed; unpack it first' },
+  {
+    pattern: /^version https:\/\/git-lfs/,
+    message: 'it is a Git LFS pointer, not the file itself; run "git lfs pull" in its repository',
+  },
+  {
+    pattern: /^(?:\xef\xbb\xbf)?\s*<(?:!doctype|html|head|body|\?xml|!--)/i,
+    message: 'it is a web page or XML, as servers send for a wrong address or a missing login; check the URL',
+  },
+  {
+    pattern: /^(?:\xef\xbb\xbf)?\s*\{.*"(?:geometricError|root)"/s,
+    message: 'it is a tileset of 3D Tiles, which is not read; open one of its .glb files',
+  },
+  {
+    pattern: /^(?:\xef\xbb\xbf)?\s*[{[]/,
+    message: "it looks like JSON (a server's error, perhaps), and is no scene",
+  },
+  { pattern: /^(?:\x89PNG|\xff\xd8\xff|RIFF....WEBP|GIF8)/s, message: 'it is an image; give the PLY itself' },
+  { pattern: /^(?:\xef\xbb\xbf\s*|\s+)ply\s/, message: 'there are bytes before its "ply" line; remove them' },
+];
+
+/**
+ * Detects the format of a file by its first bytes (`SNIFF_BYTES`, or all if there are fewer), and by its name only where nothing in
+ * the bytes tells it.
+ *
+ * @param file its name in messages.
+ * @param fileName its own name.
+ * @throws SplatFileError 'unknown-format', which says what the bytes look like.
+ */
+export function detectFormat(firstBytes: Uint8Array, file = 'source', fileName = file): SplatFormat {
+  const format = SPLAT_FORMATS.find((candidate) => candidate.recognise(firstBytes, fileName));
+  if (format) return format;
+  const known = [...new Set(SPLAT_FORMATS.map(({ title }) => title))].join(', ');
+  throw new SplatFileError('unknown-format', file, `${describe(firstBytes)}. Formats read: ${known}.`, {
+    byte: 0,
+  });
+}
+
+function describe(firstBytes: Uint8Array): string {
+  const text = latin1(firstBytes.subarray(0, SNIFF_BYTES));
+  const lookalike = LOOKALIKES.find(({ pattern }) => pattern.test(text));
+  if (lookalike) return lookalike.message;
+  const hex = Array.from(firstBytes.subarray(0, 8), (byte) => byte.toString(16).padStart(2, '0')).join(' ');
+  return `the first bytes (${hex}) are of no known format; convert it to PLY first`;
+}

@@ -1,0 +1,38 @@
+import { compressedPlyFormat } from './compressed-ply/compressed-ply-format.ts';
+import { gltfFormat } from './gltf/gltf-format.ts';
+import { gzipFormat } from './gzip/gzip-format.ts';
+import { ksplatFormat } from './ksplat/ksplat-format.ts';
+import { plyFormat } from './ply/ply-format.ts';
+import { plyPointsFormat } from './ply-points/ply-points-format.ts';
+import { sogFormat } from './sog/sog-format.ts';
+import { splatFormat } from './splat/splat-format.ts';
+import type { SplatFormat } from './splat-format.ts';
+import { spzFormat } from './spz/spz-format.ts';
+import { zipFormat } from './zip/zip-format.ts';
+
+/**
+ * Every format that can be read, in the order in which files are tried. To add one, write its folder, list it here, and give its
+ * code to `readers.ts` and its worker to `../loading/format-workers.ts`.
+ */
+export const SPLAT_FORMATS: readonly SplatFormat[] = [
+  compressedPlyFormat,
+  plyFormat,
+  plyPointsFormat,
+  spzFormat,
+  sogFormat,
+  gltfFormat,
+  ksplatFormat,
+  gzipFormat,
+  zipFormat,
+  // By its name only.
+  splatFormat,
+];
+
+/** The format that files with this name usually have; undefined if the name does not tell. */
+export function formatByName(fileName: string): SplatFormat | undefined {
+  const lower = fileName.toLowerCase();
+  return SPLAT_FORMATS.find(
+    ({ extensions, leadingFile }) =>
+      extensions.some((end) => lower.endsWith(end)) || leadingFile?.test(lower),
+  );
+}

@@ -1,0 +1,137 @@
+import { shown } from '../../../printable.ts';
+import { decodeDataUri, isDataUri } from '../../containers/data-uri.ts';
+import { readPart } from '../../sources/read-part.ts';
+import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
+import { type GltfJson, type JsonObject, objectOf } from './gltf-json.ts';
+
+/** Characters of an address: enough for any name, and for most signatures behind it. */
+const LONGEST_PATH = 1000;
+
+/** The part of a buffer that a bufferView shows. */
+export interface BufferView {
+  readonly bytes: Uint8Array<ArrayBuffer>;
+  /** Bytes from one element to the next; undefined where elements follow each other. */
+  readonly strideBytes: number | undefined;
+}
+
+/** The buffers of a glTF, each read when something in it is needed. */
+export class GltfBuffers {
+  readonly #json: GltfJson;
+  readonly #binary: Uint8Array<ArrayBuffer> | undefined;
+  readonly #input: SplatInput;
+  readonly #options: SplatFormatOptions;
+  readonly #buffers = new Map<number, Uint8Array<ArrayBuffer>>();
+  readonly #files = new Map<string, Uint8Array<ArrayBuffer>>();
+  #byteCount = 0;
+
+  /** @param binary the buffer without an address, in a .glb. */
+  constructor(
+    json: GltfJson,
+    binary: Uint8Array<ArrayBuffer> | undefined,
+    input: SplatInput,
+    options: SplatFormatOptions,
+  ) {
+    this.#json = json;
+    this.#binary = binary;
+    this.#input = input;
+    this.#options = options;
+  }
+
+  /** Bytes of all buffers that have been needed. */
+  get byteCount(): number {
+    return this.#byteCount;
+  }
+
+  /**
+   * Reads a bufferView.
+   *
+   * Rejects with SplatFileError 'bad-header', 'damaged', 'truncated', 'too-large'; and as `readPart`.
+   */
+  async view(index: unknown, user: string): Promise<BufferView> {
+    const json = this.#json;
+    const view = json.entryOf('bufferViews', index, user);
+    const element = `bufferViews[${index}]`;
+    const start = json.countOf(view, 'byteOffset', element, 0);
+    const length = json.countOf(view, 'byteLength', element);
+    const strideBytes = view.byteStride === undefined ? undefined : json.countOf(view, 'byteStride', element);
+    const buffer = await this.#buffer(view, element);
+    if (length <= buffer.length - start)
+      return { bytes: buffer.subarray(start, start + length), strideBytes };
+    const message = `${element} has bytes ${start} to ${start + length} of a buffer of ${buffer.length}. Export it again.`;
+    throw json.error('damaged', message, { element });
+  }
+
+  async #buffer(view: JsonObject, user: string): Promise<Uint8Array<ArrayBuffer>> {
+    const json = this.#json;
+    const buffer = json.entryOf('buffers', view.buffer, user);
+    const index = view.buffer as number;
+    const known = this.#buffers.get(index);
+    if (known) return known;
+    const element = `buffers[${index}]`;
+    const length = json.countOf(buffer, 'byteLength', element);
+    const bytes = await this.#load(buffer.uri, index, element, view);
+    if (bytes.length < length) {
+      const message = `${element} must have ${length} bytes and has ${bytes.length}. Download or export it again.`;
+      throw json.error(isFile(buffer.uri) ? 'truncated' : 'damaged', message, { element });
+    }
+    const used = bytes.subarray(0, length);
+    this.#buffers.set(index, used);
+    return used;
+  }
+
+  async #load(
+    uri: unknown,
+    index: number,
+    element: string,
+    view: JsonObject,
+  ): Promise<Uint8Array<ArrayBuffer>> {
+    if (uri === undefined && index === 0 && this.#binary) return this.#count(aligned(this.#binary));
+    if (typeof uri !== 'string') {
+      const packedBy = Object.keys(objectOf(view.extensions)).join(', ');
+      const why = packedBy
+        ? `it is packed by ${shown(packedBy)}, which is not read; export it without`
+        : 'it has no address, and there is no binary chunk for it; export it again';
+      throw this.#json.error('damaged', `${element} has no bytes: ${why}.`, { element });
+    }
+    if (isDataUri(uri)) {
+      const bytes = decodeDataUri(uri);
+      if (bytes) return this.#count(bytes);
+      throw this.#json.error('damaged', `the data: URI of ${element} is no base64. Export it again.`, {
+        element,
+      });
+    }
+    const path = this.#pathOf(uri, element);
+    const known = this.#files.get(path);
+    if (known) return known;
+    const { maxBytes: most } = this.#options;
+    const maxBytes = most && Math.max(1, most - this.#byteCount);
+    const bytes = await readPart(this.#input, path, { ...this.#options, maxBytes });
+    this.#files.set(path, bytes);
+    return this.#count(bytes);
+  }
+
+  #count(bytes: Uint8Array<ArrayBuffer>): Uint8Array<ArrayBuffer> {
+    this.#byteCount += bytes.length;
+    return bytes;
+  }
+
+  /** An address as a path: what is encoded in it but needs not be is decoded. */
+  #pathOf(uri: string, element: string): string {
+    try {
+      if (uri.length <= LONGEST_PATH) return decodeURI(uri);
+    } catch {
+      // Said below.
+    }
+    const message = `the address of ${element} is ${shown(uri)}, no valid one.`;
+    throw this.#json.error('bad-header', message, { element, property: 'uri' });
+  }
+}
+
+/** Writers may forget to pad the JSON of a .glb; typed arrays need what they look at to be aligned. */
+function aligned(bytes: Uint8Array<ArrayBuffer>): Uint8Array<ArrayBuffer> {
+  return bytes.byteOffset % 4 === 0 ? bytes : bytes.slice();
+}
+
+function isFile(uri: unknown): boolean {
+  return typeof uri === 'string' && !isDataUri(uri);
+}

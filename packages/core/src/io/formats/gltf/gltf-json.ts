@@ -1,0 +1,131 @@
+import { type FilePlace, SplatFileError, type SplatFileErrorCode } from '../../../errors.ts';
+import { shown } from '../../../printable.ts';
+import { messageOf } from '../../sources/byte-reader.ts';
+
+/** As many take up to 64 MiB when parsed. Scenes of splats have a few hundred. */
+const MOST_VALUES = 2 ** 20;
+/** `,`, `[`, `{`: each value but the first stands behind one. */
+const COMMA = 0x2c;
+const BRACKET = 0x5b;
+const BRACE = 0x7b;
+
+/** What is in these extensions is not splats, or is nothing that changes them. */
+const HARMLESS_EXTENSIONS = /^[A-Z]+_(?:materials|texture|lights)_|^KHR_draco_mesh_compression$/;
+/** Splats as attributes of points. */
+export const SPLATTING = 'KHR_gaussian_splatting';
+/** Draft: splats as an .spz in a bufferView. The second is an earlier name. */
+export const SPZ_COMPRESSIONS: readonly string[] = [
+  'KHR_gaussian_splatting_compression_spz_2',
+  'KHR_gaussian_splatting_compression_spz',
+];
+const READ_EXTENSIONS: readonly string[] = [SPLATTING, 'KHR_mesh_quantization', ...SPZ_COMPRESSIONS];
+
+export type JsonObject = Readonly<Record<string, unknown>>;
+
+/** The JSON of a glTF, with checks for what is taken from it. */
+export class GltfJson {
+  readonly #file: string;
+  readonly #root: JsonObject;
+
+  /** @throws SplatFileError 'bad-header', 'too-large'; 'unknown-format' for other versions and required extensions. */
+  constructor(bytes: Uint8Array, file: string) {
+    this.#file = file;
+    this.#root = this.#parse(bytes);
+    const version = objectOf(this.#root.asset).version;
+    if (typeof version !== 'string' || !/^\d+\.\d+$/.test(version)) {
+      const message = `its asset.version is ${shown(version)}, not "2.0": this is no glTF, or a damaged one.`;
+      throw this.error('bad-header', message, { property: 'version' });
+    }
+    if (!version.startsWith('2.')) {
+      const message = `it is glTF ${shown(version)}; version 2 is read. Export it again as glTF 2.0.`;
+      throw this.error('unknown-format', message, { property: 'version' });
+    }
+    const required = this.listOf(this.#root, 'extensionsRequired');
+    const unknown = required.filter((name) => !isRead(name));
+    if (unknown.length > 0) {
+      const message = `it cannot be shown without ${shown(unknown)}, which is not read; export it without.`;
+      throw this.error('unknown-format', message, { property: 'extensionsRequired' });
+    }
+  }
+
+  error(code: SplatFileErrorCode, message: string, place: FilePlace = {}): SplatFileError {
+    return new SplatFileError(code, this.#file, message, place);
+  }
+
+  get root(): JsonObject {
+    return this.#root;
+  }
+
+  /** Entry `index` of one of the file's lists; `user` names what refers to it. */
+  entryOf(list: string, index: unknown, user: string): JsonObject {
+    const entries = this.listOf(this.#root, list);
+    if (typeof index === 'number' && Object.hasOwn(entries, index)) {
+      const entry = entries[index];
+      if (isObject(entry)) return entry;
+    }
+    const message = `${user} refers to ${list}[${shown(index)}], which is not there. Export it again.`;
+    throw this.error('damaged', message, { element: user });
+  }
+
+  /** A list in `object`, which may lack it. */
+  listOf(object: JsonObject, key: string, element?: string): readonly unknown[] {
+    const list = object[key] ?? [];
+    if (Array.isArray(list)) return list;
+    throw this.error('bad-header', `${key} is ${shown(list)}, no list.`, { element, property: key });
+  }
+
+  /** A whole number, not negative. */
+  countOf(object: JsonObject, key: string, element: string, byDefault?: number): number {
+    const value = object[key] ?? byDefault;
+    if (typeof value === 'number' && Number.isSafeInteger(value) && value >= 0) return value;
+    const message = `${key} of ${element} is ${shown(value)}; it must be a whole number, not negative.`;
+    throw this.error('bad-header', message, { element, property: key });
+  }
+
+  /** `length` finite numbers; undefined if there are none. */
+  numbersOf(object: JsonObject, key: string, length: number, element: string): readonly number[] | undefined {
+    const value = object[key];
+    if (value === undefined) return undefined;
+    const isRight = Array.isArray(value) && value.length === length && value.every(Number.isFinite);
+    if (isRight) return value;
+    const message = `${key} of ${element} is ${shown(value)}; it must be ${length} numbers.`;
+    throw this.error('bad-header', message, { element, property: key });
+  }
+
+  #parse(bytes: Uint8Array): JsonObject {
+    let valueCount = 1;
+    for (const byte of bytes) if (byte === COMMA || byte === BRACKET || byte === BRACE) valueCount++;
+    if (valueCount > MOST_VALUES) {
+      const message = `its JSON may have ${valueCount} values; at most ${MOST_VALUES} are read. Put the splats into few accessors.`;
+      throw this.error('too-large', message);
+    }
+    let root: unknown;
+    try {
+      root = JSON.parse(new TextDecoder('utf-8', { fatal: true }).decode(bytes));
+    } catch (cause) {
+      const isTooLong = cause instanceof RangeError;
+      const message = isTooLong
+        ? `its JSON of ${bytes.length} bytes is too long for this browser. Export it as .glb.`
+        : `its JSON cannot be read (${shown(messageOf(cause))}). Download or export it again.`;
+      throw this.error(isTooLong ? 'too-large' : 'bad-header', message);
+    }
+    if (isObject(root)) return root;
+    throw this.error('bad-header', 'its JSON is no object: this is no glTF.');
+  }
+}
+
+/** `value` if it is an object; else one without properties. */
+export function objectOf(value: unknown): JsonObject {
+  return isObject(value) ? value : {};
+}
+
+function isObject(value: unknown): value is JsonObject {
+  return typeof value === 'object' && value !== null && !Array.isArray(value);
+}
+
+function isRead(extension: unknown): boolean {
+  return (
+    typeof extension === 'string' &&
+    (READ_EXTENSIONS.includes(extension) || HARMLESS_EXTENSIONS.test(extension))
+  );
+}

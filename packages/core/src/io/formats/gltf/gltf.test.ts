@@ -1,0 +1,562 @@
+import { describe, expect, test } from 'vitest';
+import { SplatFileError, WebSplatterError } from '../../../errors.ts';
+import { type PackedHarmonics, readCoefficients } from '../../../packing/harmonics.ts';
+import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.ts';
+import { type Choices, fuzz } from '../../../testing/fuzz.ts';
+import {
+  type AnyJson,
+  type FixtureAttribute,
+  type GltfFixture,
+  glbBytes,
+  gltfBytes,
+  gltfOf,
+  splatAttributes,
+} from '../../../testing/gltf-fixture.ts';
+import { randomSplats } from '../../../testing/random-splats.ts';
+import { unpackGlb } from '../../containers/glb.ts';
+import { readSource } from '../../loading/read-source.ts';
+import { readSplats } from '../../loading/read-splats.ts';
+import type { SplatSource } from '../../sources/splat-source.ts';
+import { detectFormat } from '../detect.ts';
+import { ALL_READERS } from '../readers.ts';
+import type { RowSink } from '../row-sink.ts';
+
+const SPLATTING = 'KHR_gaussian_splatting';
+const SPZ = 'KHR_gaussian_splatting_compression_spz_2';
+
+const read = (source: SplatSource) => readSplats(source, { shPrecision: 'f32', name: 'scene' });
+
+async function failure(source: SplatSource): Promise<SplatFileError> {
+  const error = await read(source).then(
+    () => undefined,
+    (reason) => reason,
+  );
+  expect(error).toBeInstanceOf(SplatFileError);
+  return error;
+}
+
+function coefficientsOf({ harmonics, count }: SplatSet<PackedHarmonics>): Float64Array {
+  const perSplat = coefficientsPerSplat(harmonics.degree);
+  const all = new Float64Array(count * perSplat);
+  for (let i = 0; i < count; i++)
+    readCoefficients(harmonics, i, all.subarray(i * perSplat, (i + 1) * perSplat));
+  return all;
+}
+
+function expectNear(found: ArrayLike<number>, expected: ArrayLike<number>, bound: number): void {
+  expect(found.length).toBe(expected.length);
+  for (let i = 0; i < found.length; i++) {
+    const isNear = Math.abs(found[i] - expected[i]) <= bound;
+    if (!isNear) expect(found[i], `value ${i}`).toBeCloseTo(expected[i], -Math.log10(2 * bound));
+  }
+}
+
+/** Unit quaternions x, y, z, w: fractions can hold no others. */
+function withUnitRotations(set: SplatSet): SplatSet {
+  const rotations = set.rotations.map((value, i) => {
+    const q = set.rotations.subarray(i - (i % 4), i - (i % 4) + 4);
+    return value / Math.hypot(...q);
+  });
+  return { ...set, rotations };
+}
+
+/** The attribute as integers, `one` of which stand for 1. */
+function quantized(
+  { values, size }: FixtureAttribute,
+  Integers: typeof Int8Array | typeof Uint8Array | typeof Int16Array | typeof Uint16Array,
+  one: number,
+): FixtureAttribute {
+  return { size, isNormalized: true, values: new Integers(values.map((value) => Math.round(value * one))) };
+}
+
+describe('how files are told', () => {
+  const bytes = (text: string) => new TextEncoder().encode(text);
+
+  test.each([
+    'glTF\x02\0\0\0',
+    '{"asset":{"generator":"x","version":"2.0"}',
+    '\ufeff { "accessors" : []',
+    '{"scene":0,"meshes":[{',
+  ])('%j is a glTF, whatever its name', (start) => {
+    expect(detectFormat(bytes(start), 'scene', 'scene.txt').name).toBe('gltf');
+  });
+
+  test('JSON that begins with anything is one by its name', () => {
+    expect(detectFormat(bytes('{"extras":{'), 'scene', 'scene.GLTF').name).toBe('gltf');
+    expect(() => detectFormat(bytes('{"extras":{'), 'scene', 'other.json')).toThrow(SplatFileError);
+    expect(() => detectFormat(bytes('x'), 'scene', 'scene.gltf')).toThrow(SplatFileError);
+  });
+});
+
+describe('what is read', () => {
+  for (const isInterleaved of [false, true]) {
+    test.each([0, 1, 2, 3] as const)(`SH degree %i, interleaved: ${isInterleaved}`, async (shDegree) => {
+      const set = randomSplats({ count: 5, shDegree });
+      const found = await read(glbBytes(gltfOf(splatAttributes(set), isInterleaved)));
+      expect(found).toMatchObject({ count: 5, dropped: {}, harmonics: { degree: shDegree } });
+      expect(found.isAntialiased).toBeUndefined();
+      expect(found.fileFacts).toMatchObject({ format: 'gltf', variant: 'glb' });
+      expect([...found.fileIndices]).toEqual([0, 1, 2, 3, 4]);
+      expect(found.positions).toEqual(set.positions);
+      expect(found.rotations).toEqual(set.rotations);
+      expect(found.colorDc).toEqual(set.colorDc);
+      expect([...coefficientsOf(found)]).toEqual([...set.harmonics.coefficients]);
+      // Scales are rounded to float32 by 2⁻²⁴ of themselves, their logarithms up to 5 by 2⁻²² of 1.
+      expectNear(found.logScales, set.logScales, 2 ** -24 + 2 ** -22);
+      // Opacities to σ(4) are rounded by 2⁻²⁵, which logits show 1/(σ(4)·(1 − σ(4))) = 56.6 times; those by 2⁻²².
+      expectNear(found.opacityLogits, set.opacityLogits, 56.7 * 2 ** -25 + 2 ** -22);
+    });
+  }
+
+  test.each([
+    { Signed: Int8Array, Unsigned: Uint8Array, bits: 8 },
+    { Signed: Int16Array, Unsigned: Uint16Array, bits: 16 },
+  ])('integers of $bits bits that stand for fractions', async ({ Signed, Unsigned, bits }) => {
+    const set = withUnitRotations(randomSplats({ count: 50, shDegree: 0, opacityLogits: [-2, 2] }));
+    const attributes = splatAttributes(set);
+    const most = 2 ** bits - 1;
+    const mostSigned = 2 ** (bits - 1) - 1;
+    const scales = attributes[`${SPLATTING}:SCALE`];
+    const opacities = attributes[`${SPLATTING}:OPACITY`];
+    const found = await read(
+      glbBytes(
+        gltfOf({
+          ...attributes,
+          POSITION: quantized(attributes.POSITION, Signed, mostSigned),
+          [`${SPLATTING}:ROTATION`]: quantized(attributes[`${SPLATTING}:ROTATION`], Signed, mostSigned),
+          [`${SPLATTING}:SCALE`]: quantized(scales, Unsigned, most),
+          [`${SPLATTING}:OPACITY`]: quantized(opacities, Unsigned, most),
+        }),
+      ),
+    );
+    // Half a step, and what float32 rounds.
+    expectNear(found.positions, set.positions, 0.5 / mostSigned + 2 ** -24);
+    expectNear(found.rotations, set.rotations, 0.5 / mostSigned + 2 ** -24);
+    expectNear(found.logScales.map(Math.exp), scales.values, 0.5 / most + 2 ** -20);
+    const sigmoids = found.opacityLogits.map((logit) => 1 / (1 + Math.exp(-logit)));
+    expectNear(sigmoids, opacities.values, 0.5 / most + 2 ** -22);
+  });
+
+  test('integers that stand for themselves, and the lowest one, which is −1 as the next is', async () => {
+    const attributes = splatAttributes(randomSplats({ count: 2, shDegree: 0 }));
+    const found = await read(
+      glbBytes(
+        gltfOf({
+          ...attributes,
+          POSITION: { size: 3, values: Int16Array.of(-300, 0, 7, 1, 2, 3) },
+          [`${SPLATTING}:SCALE`]: { size: 3, values: Uint8Array.of(1, 2, 0, 255, 1, 1) },
+          [`${SPLATTING}:ROTATION`]: {
+            size: 4,
+            isNormalized: true,
+            values: Int8Array.of(-128, 0, 0, 0, 0, -127, 127, 0),
+          },
+        }),
+      ),
+    );
+    expect([...found.positions]).toEqual([-300, 0, 7, 1, 2, 3]);
+    // A splat may be flat; a logarithm not.
+    expectNear(found.logScales, [0, Math.log(2), -20, Math.log(255), 0, 0], 2 ** -21);
+    expect([...found.rotations]).toEqual([0, -1, 0, 0, 0, 0, -1, 1]);
+  });
+
+  test('opacities of 0 and 1; what is out of range is left out and counted', async () => {
+    const attributes = splatAttributes(randomSplats({ count: 6, shDegree: 0 }));
+    attributes[`${SPLATTING}:OPACITY`].values.set([0, 1, 1.5, -0.5, Number.NaN, 0.5]);
+    attributes[`${SPLATTING}:SCALE`].values.set([-1], 15);
+    const found = await read(glbBytes(gltfOf(attributes)));
+    expect([...found.opacityLogits]).toEqual([Number.NEGATIVE_INFINITY, Number.POSITIVE_INFINITY]);
+    expect(found.dropped).toEqual({ 'non-finite-opacity': 3, 'non-finite-scale': 1 });
+  });
+
+  test('rows for the GPU are those of a set', async () => {
+    const bytes = glbBytes(gltfOf(splatAttributes(randomSplats({ count: 300 }))));
+    const set = await read(bytes);
+    const pieces: Float32Array[] = [];
+    let pieceBytes = 0;
+    const sink: RowSink = {
+      mayDetach: false,
+      async begin({ strideBytes, pieceRows }) {
+        pieceBytes = strideBytes * pieceRows;
+      },
+      memory: async () => new Uint8Array(pieceBytes),
+      take: (count, { buffer }) => pieces.push(new Float32Array(buffer, 0, 59 * count).slice()),
+    };
+    const files = { minRows: 1, maxRows: 1000, pieceBytes: 1 };
+    expect(await readSource(bytes, {}, ALL_READERS, { sink, files })).toBeNull();
+    const rows = Float32Array.from(pieces.flatMap((piece) => [...piece]));
+    expect(rows.length).toBe(300 * 59);
+    expect(rows.filter((_, i) => i % 59 < 3)).toEqual(set.positions);
+    expect(rows.filter((_, i) => i % 59 >= 6 && i % 59 < 10)).toEqual(set.rotations);
+    expect([...rows.filter((_, i) => i % 59 >= 14)]).toEqual([...coefficientsOf(set)]);
+  });
+
+  test('an early end of the chunk, unknown chunks and what follows the stated end are as the container allows', async () => {
+    const fixture = gltfOf(splatAttributes(randomSplats({ count: 2, shDegree: 0 })));
+    const plain = await read(glbBytes(fixture));
+    const padded = glbBytes({ ...fixture, binary: Uint8Array.of(...fixture.binary, 0, 0, 0) });
+    expect(await read(padded)).toEqual(plain);
+    expect(await read(Uint8Array.of(...glbBytes(fixture), 1, 2, 3))).toEqual(plain);
+    const unaligned = JSON.stringify(fixture.json).replace('"2.0"', '"2.0" ');
+    const text = new TextEncoder().encode(unaligned + ' '.repeat((5 - (unaligned.length % 4)) % 4));
+    const bytes = new Uint8Array(28 + text.length + fixture.binary.length);
+    bytes.set(glbBytes(fixture).subarray(0, 20));
+    bytes.set(text, 20);
+    const view = new DataView(bytes.buffer);
+    view.setUint32(8, bytes.length, true);
+    view.setUint32(12, text.length, true);
+    view.setUint32(20 + text.length, fixture.binary.length, true);
+    view.setUint32(24 + text.length, 0x004e4942, true);
+    bytes.set(fixture.binary, 28 + text.length);
+    expect(text.length % 4).not.toBe(0);
+    expect(await read(bytes)).toEqual(plain);
+  });
+
+  test.each([
+    {
+      accepts: 'optional properties',
+      change: { projection: 'perspective', sortingMethod: 'cameraDistance' },
+    },
+    { accepts: 'the order of depths, of a draft', change: { sortingMethod: 'zDepth' } },
+    { accepts: 'extensions that need not be known', change: { extensions: { EXT_more: { x: 1 } } } },
+  ])('$accepts', async ({ change }) => {
+    const fixture = gltfOf(splatAttributes(randomSplats({ count: 1, shDegree: 0 })));
+    Object.assign(fixture.json.meshes[0].primitives[0].extensions[SPLATTING], change);
+    fixture.json.extensionsRequired = [SPLATTING, 'KHR_mesh_quantization', 'KHR_materials_unlit'];
+    expect((await read(glbBytes(fixture))).count).toBe(1);
+  });
+});
+
+test('what the file says of itself, and what is shown otherwise', async () => {
+  const fixture = gltfOf(splatAttributes(randomSplats({ count: 1, shDegree: 0 })));
+  const { json } = fixture;
+  json.asset.generator = 'a tool 1.2';
+  json.meshes[0].primitives.push({ attributes: { POSITION: 0 } });
+  const extension = json.meshes[0].primitives[0].extensions[SPLATTING];
+  const base64 = Buffer.from(fixture.binary).toString('base64');
+  const byDistance = await read(gltfBytes(fixture, `data:;base64,${base64}`));
+  expect(byDistance.fileFacts).toEqual({
+    format: 'gltf',
+    variant: 'gltf',
+    writer: 'a tool 1.2',
+    notes: [expect.stringMatching(/order of their depths/), expect.stringMatching(/^1 other primitive/)],
+  });
+  extension.sortingMethod = 'zDepth';
+  json.meshes[0].primitives.pop();
+  delete json.asset.generator;
+  expect((await read(glbBytes(fixture))).fileFacts).toEqual({ format: 'gltf', variant: 'glb' });
+});
+
+describe('buffers', () => {
+  const fixture = gltfOf(splatAttributes(randomSplats({ count: 3, shDegree: 1 })));
+  const file = (name: string, bytes: Uint8Array<ArrayBuffer>) => new File([bytes], name);
+
+  test('a file beside the .gltf, also with blanks in its name', async () => {
+    const plain = { ...(await read(glbBytes(fixture))), fileFacts: expect.anything() };
+    const gltf = file('scene.gltf', gltfBytes(fixture, 'parts/my%20splats.bin'));
+    const binary = file('my splats.bin', fixture.binary);
+    Object.defineProperty(binary, 'webkitRelativePath', { value: 'parts/my splats.bin' });
+    expect(await readSplats({ files: [binary, gltf] }, { shPrecision: 'f32' })).toEqual(plain);
+  });
+
+  test('a data: URI', async () => {
+    const plain = { ...(await read(glbBytes(fixture))), fileFacts: expect.anything() };
+    const base64 = Buffer.from(fixture.binary).toString('base64');
+    for (const type of ['application/octet-stream', 'application/gltf-buffer', ''])
+      expect(await read(gltfBytes(fixture, `data:${type};base64,${base64}`))).toEqual(plain);
+  });
+
+  test('one file for several buffers is read once, and buffers that splats do not need not at all', async () => {
+    const { json, binary } = gltfOf(splatAttributes(randomSplats({ count: 3, shDegree: 0 })));
+    json.buffers = [{ byteLength: 1e9, uri: 'textures.bin' }];
+    json.bufferViews.forEach((view: AnyJson, i: number) => {
+      json.buffers.push({ byteLength: binary.length, uri: 'splats.bin' });
+      view.buffer = i + 1;
+    });
+    const gltf = file('scene.gltf', new TextEncoder().encode(JSON.stringify(json)));
+    const maxBytes = gltf.size + binary.length;
+    const set = await readSplats({ files: [gltf, file('splats.bin', binary)] }, { maxBytes });
+    expect(set.count).toBe(3);
+  });
+
+  test.each([
+    { source: () => gltfBytes(fixture, 'scene.bin'), code: 'missing-part', says: /needs scene\.bin/ },
+    {
+      source: () => ({ files: [file('scene.gltf', gltfBytes(fixture, '../scene.bin'))] }),
+      code: 'missing-part',
+      says: /scene\.bin, which is not among/,
+    },
+    {
+      source: () => ({
+        files: [
+          file('scene.gltf', gltfBytes(fixture, 'scene.bin')),
+          file('scene.bin', fixture.binary.subarray(1)),
+        ],
+      }),
+      code: 'truncated',
+      says: /buffers\[0\] must have 276 bytes and has 275/,
+    },
+    { source: () => gltfBytes(fixture, '%ff'), code: 'bad-header', says: /address of buffers\[0\] is %ff/ },
+    { source: () => gltfBytes(fixture, 'a'.repeat(2000)), code: 'bad-header', says: /no valid one/ },
+    { source: () => gltfBytes(fixture, 'data:,x'), code: 'damaged', says: /is no base64/ },
+    {
+      source: () => gltfBytes(fixture, 'data:;base64,AAA'),
+      code: 'damaged',
+      says: /must have 276 bytes and has 2/,
+    },
+    {
+      source: () => new TextEncoder().encode(JSON.stringify(fixture.json)),
+      code: 'damaged',
+      says: /no address/,
+    },
+  ])('$code: $says', async ({ source, code, says }) => {
+    const error = await failure(source());
+    expect(error.code).toBe(code);
+    expect(error.message).toMatch(says);
+  });
+
+  test('what is read of other files is limited', async () => {
+    const gltf = file('scene.gltf', gltfBytes(fixture, 'scene.bin'));
+    const reading = readSplats({ files: [gltf, file('scene.bin', fixture.binary)] }, { maxBytes: gltf.size });
+    if (gltf.size >= fixture.binary.length) return expect((await reading).count).toBe(3);
+    await expect(reading).rejects.toMatchObject({ code: 'too-large' });
+  });
+});
+
+describe('files that are refused', () => {
+  const primitiveOf = (json: AnyJson) => json.meshes[0].primitives[0];
+  const extensionOf = (json: AnyJson) => primitiveOf(json).extensions[SPLATTING];
+  const cases: readonly [code: string, says: RegExp, change: (json: AnyJson) => void][] = [
+    ['bad-header', /asset\.version is undefined/, (json) => delete json.asset],
+    ['unknown-format', /it is glTF 1\.0/, (json) => (json.asset.version = '1.0')],
+    [
+      'unknown-format',
+      /without \[KHR_future\]/,
+      (json) => (json.extensionsRequired = [SPLATTING, 'KHR_future']),
+    ],
+    [
+      'unknown-format',
+      /without \[an unusual object\]/,
+      (json) => (json.extensionsRequired = [{ toString: 1 }]),
+    ],
+    ['bad-header', /extensionsRequired is x, no list/, (json) => (json.extensionsRequired = 'x')],
+    ['not-splats', /has 1 primitives, all of them without/, (json) => delete primitiveOf(json).extensions],
+    ['not-splats', /nothing in its scene has/, (json) => (json.scenes[0].nodes = [])],
+    ['damaged', /the file refers to scenes\[3\]/, (json) => (json.scene = 3)],
+    ['damaged', /scenes\[0\] refers to nodes\[7\]/, (json) => json.scenes[0].nodes.push(7)],
+    ['damaged', /refers to meshes\[length\]/, (json) => (json.nodes[0].mesh = 'length')],
+    ['damaged', /nodes\[0\] hangs below two nodes/, (json) => json.scenes[0].nodes.push(0)],
+    ['damaged', /nodes\[0\] hangs below two nodes/, (json) => (json.nodes[0].children = [0])],
+    [
+      'bad-header',
+      /matrix of nodes\[0\] is \[1, 2\]; it must be 16/,
+      (json) => (json.nodes[0].matrix = [1, 2]),
+    ],
+    ['bad-header', /last row/, (json) => (json.nodes[0].matrix = new Array(16).fill(1))],
+    ['bad-header', /no unit quaternion/, (json) => (json.nodes[0].rotation = [0, 0, 0, 0])],
+    ['bad-property', /an axis has no length/, (json) => (json.nodes[0].scale = [1, 0, 1])],
+    [
+      'bad-property',
+      /axes are not perpendicular/,
+      (json) => (json.nodes[0].matrix = [1, 0, 0, 0, 0.1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]),
+    ],
+    ['bad-property', /mode of meshes\[0\]\.primitives\[0\] is 4/, (json) => (primitiveOf(json).mode = 4)],
+    ['bad-property', /kernel of .* is undefined/, (json) => delete extensionOf(json).kernel],
+    ['bad-property', /kernel of .* is box/, (json) => (extensionOf(json).kernel = 'box')],
+    [
+      'bad-property',
+      /colorSpace .* is lin_rec709_display; .* is srgb_rec709_display/,
+      (json) => (extensionOf(json).colorSpace = 'lin_rec709_display'),
+    ],
+    ['bad-property', /projection/, (json) => (extensionOf(json).projection = 'fisheye')],
+    ['bad-property', /sortingMethod/, (json) => (extensionOf(json).sortingMethod = 'none')],
+    [
+      'unknown-format',
+      /as \.spz .* not read yet/,
+      (json) => (extensionOf(json).extensions = { [SPZ]: { bufferView: 0 } }),
+    ],
+    ['not-splats', /lacks \[POSITION\]/, (json) => delete primitiveOf(json).attributes.POSITION],
+    [
+      'not-splats',
+      /lacks \[SCALE, ROTATION, OPACITY, SH_DEGREE_0_COEF_0\]/,
+      (json) => (primitiveOf(json).attributes = { POSITION: 0 }),
+    ],
+    [
+      'bad-property',
+      /lacks KHR_gaussian_splatting:SH_DEGREE_1_COEF_2/,
+      (json) => delete primitiveOf(json).attributes[`${SPLATTING}:SH_DEGREE_1_COEF_2`],
+    ],
+    [
+      'bad-property',
+      /has 17 coefficients/,
+      (json) => {
+        for (let n = 0; n < 13; n++) primitiveOf(json).attributes[`${SPLATTING}:SH_DEGREE_4_COEF_${n}`] = 0;
+      },
+    ],
+    ['damaged', /refers to accessors\[99\]/, (json) => (primitiveOf(json).attributes.POSITION = 99)],
+    [
+      'bad-property',
+      /VEC3 of unsigned; .*ROTATION must be VEC4/,
+      (json) => {
+        json.accessors[1].componentType = 5121;
+        json.accessors[1].type = 'VEC3';
+      },
+    ],
+    ['bad-property', /component type 5125/, (json) => (json.accessors[0].componentType = 5125)],
+    ['bad-property', /is sparse/, (json) => (json.accessors[2].sparse = { count: 1 })],
+    ['damaged', /has no bufferView/, (json) => delete json.accessors[2].bufferView],
+    ['damaged', /has 4 rows; POSITION of the same splats has 3/, (json) => (json.accessors[2].count = 4)],
+    [
+      'damaged',
+      /needs 48 bytes of a bufferView that has 36/,
+      (json) => {
+        for (const accessor of json.accessors) accessor.count = 4;
+      },
+    ],
+    ['damaged', /of a bufferView that has 36/, (json) => (json.accessors[0].count = 2 ** 53 - 1)],
+    ['bad-header', /count of accessors\[0\] is -1/, (json) => (json.accessors[0].count = -1)],
+    [
+      'empty',
+      /0 splats/,
+      (json) => {
+        for (const accessor of json.accessors) accessor.count = 0;
+      },
+    ],
+    ['damaged', /begins at a byte that is no multiple of 4/, (json) => (json.accessors[3].byteOffset = 2)],
+    ['damaged', /rows 8 bytes apart/, (json) => (json.bufferViews[0].byteStride = 8)],
+    ['damaged', /rows 14 bytes apart/, (json) => (json.bufferViews[0].byteStride = 14)],
+    ['damaged', /bytes 0 to 1000 of a buffer of 276/, (json) => (json.bufferViews[0].byteLength = 1000)],
+    ['bad-header', /byteLength of bufferViews\[0\]/, (json) => (json.bufferViews[0].byteLength = 1e300)],
+    ['damaged', /must have 9000 bytes and has 276/, (json) => (json.buffers[0].byteLength = 9000)],
+    ['damaged', /refers to buffers\[null\]/, (json) => (json.bufferViews[0].buffer = null)],
+    [
+      'damaged',
+      /packed by EXT_meshopt_compression/,
+      (json) => {
+        json.buffers.push({ byteLength: 36 });
+        json.bufferViews[0] = { buffer: 1, byteLength: 36, extensions: { EXT_meshopt_compression: {} } };
+      },
+    ],
+    [
+      'too-large',
+      /nodes show 49155 splats or more, in 16385 places, out of 276 bytes/,
+      (json) => {
+        json.nodes = [{ children: Array.from({ length: 2 ** 15 }, (_, i) => i + 1) }];
+        for (let i = 0; i < 2 ** 15; i++) json.nodes.push({ mesh: 0 });
+      },
+    ],
+    ['too-large', /JSON may have \d+ values/, (json) => (json.extras = new Array(2 ** 20).fill(0))],
+  ];
+  const fixture = gltfOf(splatAttributes(randomSplats({ count: 3, shDegree: 1 })));
+
+  test.each(cases)('%s: %s', async (code, says, change) => {
+    const json = structuredClone(fixture.json);
+    change(json);
+    const error = await failure(glbBytes({ ...fixture, json }));
+    expect(error.message).toMatch(says);
+    expect(error.code).toBe(code);
+  });
+
+  test.each([
+    { code: 'unknown-format', says: /version 1; version 2/, word: 1, value: 1 },
+    { code: 'truncated', says: /must have 100000 bytes/, word: 2, value: 100_000 },
+    { code: 'damaged', says: /first chunk/, word: 2, value: 8 },
+    { code: 'damaged', says: /a chunk of 4294967295 bytes/, word: 3, value: 0xffffffff },
+    { code: 'damaged', says: /first chunk is not the JSON/, word: 4, value: 7 },
+    { code: 'bad-header', says: /JSON cannot be read/, word: 5, value: 0xffffffff },
+    { code: 'bad-header', says: /JSON cannot be read/, word: 5, value: 0x2020202c },
+  ])('a .glb whose word $word is $value: $code', async ({ code, says, word, value }) => {
+    const bytes = glbBytes(fixture);
+    new DataView(bytes.buffer).setUint32(4 * word, value, true);
+    const error = await failure(bytes);
+    expect(error.message).toMatch(says);
+    expect(error.code).toBe(code);
+  });
+
+  test('a file that ends early, at every length', async () => {
+    const small = gltfOf(splatAttributes(randomSplats({ count: 1, shDegree: 0 })));
+    const bytes = glbBytes(small);
+    const codes = new Set<string>();
+    for (let length = 4; length < bytes.length; length += 97)
+      codes.add((await failure(bytes.subarray(0, length))).code);
+    expect([...codes]).toEqual(['truncated']);
+    for (let length = 4; length < bytes.length; length++) {
+      const unpack = () => unpackGlb(bytes.subarray(0, length), 'scene');
+      expect(unpack).toThrow(expect.objectContaining({ code: 'truncated', place: { byte: length } }));
+    }
+    const base64 = Buffer.from(small.binary).toString('base64');
+    const text = gltfBytes(small, `data:;base64,${base64}`);
+    // Without its beginning, it is any JSON.
+    for (let length = 30; length < text.length; length += 97)
+      codes.add((await failure(text.subarray(0, length))).code);
+    expect([...codes]).toEqual(['truncated', 'bad-header']);
+  });
+});
+
+describe('damage', () => {
+  const EVIL: readonly unknown[] = [
+    ...[null, true, '', 'x', -1, 0.5, 0, 1, 2, 5121, 5126, 2 ** 31, 2 ** 53, 1e308],
+    ...[[], {}, [0], [[]], { toString: 1 }, '__proto__', 'data:;base64,AAAA', 'y'.repeat(5000), [1, 0, 0, 0]],
+  ];
+
+  /** Replaces, removes or copies a value anywhere in the JSON. */
+  function damageJson(json: AnyJson, choices: Choices): void {
+    let object = json;
+    for (;;) {
+      const keys = Object.keys(object);
+      if (keys.length === 0) return;
+      const key = choices.of(keys);
+      const value = object[key];
+      if (typeof value === 'object' && value !== null && choices.isTrue(0.85)) {
+        object = value;
+        continue;
+      }
+      if (choices.isTrue(0.1)) delete object[key];
+      else if (choices.isTrue(0.2)) object[choices.of(keys)] = value;
+      else if (typeof value === 'number' && choices.isTrue(0.5))
+        object[key] = value + choices.of([-4, -1, 1, 4]);
+      else object[key] = choices.of(EVIL);
+      return;
+    }
+  }
+
+  function damaged(fixture: GltfFixture, choices: Choices): Uint8Array<ArrayBuffer> {
+    const json = structuredClone(fixture.json);
+    if (choices.isTrue(0.3)) json.nodes.push({ mesh: 0, scale: [1, 2, 3], rotation: [0, 0.6, 0, 0.8] });
+    if (choices.isTrue(0.3)) json.nodes[0].children = [json.nodes.length - 1];
+    for (let i = choices.below(3); i > 0; i--) damageJson(json, choices);
+    const bytes = choices.isTrue(0.8)
+      ? glbBytes({ ...fixture, json })
+      : gltfBytes(
+          { ...fixture, json: { ...json, buffers: [{ byteLength: 8 }] } },
+          'data:;base64,AAAAAAAAAAA=',
+        );
+    for (let i = choices.below(4); i > 0; i--)
+      bytes[choices.isTrue(0.1) ? choices.below(bytes.length) : bytes.length - 1 - choices.below(150)] =
+        choices.of([0, 0x7f, 0x80, 0xff, choices.below(256)]);
+    return choices.isTrue(0.1) ? bytes.slice(0, choices.below(bytes.length + 1)) : bytes;
+  }
+
+  test('any damage gives splats or a typed error', { timeout: 3_600_000 }, async () => {
+    const fixtures = [0, 2].map((shDegree) =>
+      gltfOf(splatAttributes(randomSplats({ count: 3, shDegree: shDegree as 0 | 2 }))),
+    );
+    const found: Record<string, number> = {};
+    await fuzz({ few: 300, many: 20_000 }, async (choices) => {
+      const bytes = damaged(choices.of(fixtures), choices);
+      const outcome: SplatSet<PackedHarmonics> | WebSplatterError = await read(bytes).catch((error) => error);
+      const code =
+        'count' in outcome ? 'splats' : outcome instanceof WebSplatterError ? outcome.code : 'other';
+      found[code] = (found[code] ?? 0) + 1;
+      if (outcome instanceof WebSplatterError) {
+        if (outcome.message.length > 1200) throw new Error(`too long: ${outcome.message}`);
+        return;
+      }
+      if (!('count' in outcome)) throw outcome;
+      const { positions, logScales, rotations, colorDc } = outcome;
+      for (const column of [positions, logScales, rotations, colorDc])
+        if (!column.every(Number.isFinite)) throw new Error(`not finite: ${column}`);
+    });
+    console.info(JSON.stringify(found));
+    expect(Object.keys(found)).toEqual(expect.arrayContaining(['splats', 'damaged', 'bad-header']));
+  });
+});

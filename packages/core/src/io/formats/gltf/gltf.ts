@@ -1,0 +1,113 @@
+import { shown } from '../../../printable.ts';
+import type { FileFacts } from '../../../splats/splat-set.ts';
+import { isGlb, unpackGlb } from '../../containers/glb.ts';
+import { readAll } from '../../sources/read-all.ts';
+import { type DecodedRows, deliverRows } from '../decoded-rows.ts';
+import type { ReadFormat } from '../splat-format.ts';
+import { GltfBuffers } from './gltf-buffers.ts';
+import { GltfJson, objectOf, SPLATTING } from './gltf-json.ts';
+import { meshesOfScene } from './gltf-scene.ts';
+import { joinedRows } from './joined-rows.ts';
+import { placedRows, reasonNotToPlace } from './placed-rows.ts';
+import { isSplats, type SplatPrimitive, splatPrimitiveOf } from './splat-primitive.ts';
+
+/**
+ * Nodes may show a mesh again and again, and attributes share their bytes, so that few bytes could become any number of splats.
+ * A splat of its own has 28 bytes or more: this allows for about sixty copies of each.
+ */
+const MOST_ROWS_PER_BYTE = 2;
+/** However few bytes they come from, so many do no harm. */
+const HARMLESS_ROWS = 2 ** 19;
+/** Each takes time, however few splats it has. */
+const MOST_PARTS = 2 ** 14;
+
+/** The splats of a glTF's scene. */
+interface GltfSplats {
+  readonly rows: DecodedRows;
+  /** Whether any are to be blended in the order of their distances from the camera, not in that of their depths. */
+  readonly isSortedByDistance: boolean;
+  /** Primitives of the scene that are anything else. */
+  readonly otherCount: number;
+}
+
+/**
+ * Reads the splats of a glTF 2.0 by KHR_gaussian_splatting: those of all meshes in its scene, where their nodes put them, in the
+ * scene's space (y up). Other geometry is left out.
+ *
+ * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
+ */
+export const readGltf: ReadFormat = async (input, options, rowsTo) => {
+  const { reader, name, isHeld, totalBytes } = input;
+  const bytes = await readAll(reader, undefined, isHeld ? totalBytes : 0);
+  const isBinary = isGlb(bytes);
+  const chunks = isBinary ? unpackGlb(bytes, name) : { json: bytes };
+  const json = new GltfJson(chunks.json, name);
+  const splats = await splatsOf(json, new GltfBuffers(json, chunks.binary, input, options));
+  const fileFacts = factsOf(json, isBinary, splats);
+  return deliverRows({ ...splats.rows, fileFacts }, input, options, rowsTo);
+};
+
+async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplats> {
+  const primitivesByMesh = new Map<unknown, SplatPrimitive[]>();
+  const parts: DecodedRows[] = [];
+  let isSortedByDistance = false;
+  let rowCount = 0;
+  let otherCount = 0;
+  for (const { mesh: index, element, matrix } of meshesOfScene(json)) {
+    let primitives = primitivesByMesh.get(index);
+    if (!primitives) {
+      const mesh = json.entryOf('meshes', index, element);
+      primitives = [];
+      for (const [i, entry] of json.listOf(mesh, 'primitives', `meshes[${index}]`).entries()) {
+        const primitive = objectOf(entry);
+        if (!isSplats(primitive)) otherCount++;
+        else
+          primitives.push(
+            await splatPrimitiveOf(json, buffers, primitive, `meshes[${index}].primitives[${i}]`),
+          );
+      }
+      primitivesByMesh.set(index, primitives);
+    }
+    if (primitives.length === 0) continue;
+    const reason = reasonNotToPlace(matrix);
+    if (reason) {
+      const message = `${element} cannot place splats: ${reason}. Apply its transformation to them, and export it again.`;
+      throw json.error('bad-property', message, { element, property: 'matrix' });
+    }
+    for (const primitive of primitives) {
+      rowCount += primitive.count;
+      const mostRows = Math.max(HARMLESS_ROWS, MOST_ROWS_PER_BYTE * buffers.byteCount);
+      if (rowCount > mostRows || parts.length === MOST_PARTS) {
+        const message = `its nodes show ${rowCount} splats or more, in ${parts.length + 1} places, out of ${buffers.byteCount} bytes. Show them less often.`;
+        throw json.error('too-large', message, { element });
+      }
+      isSortedByDistance ||= primitive.isSortedByDistance;
+      parts.push(placedRows(primitive.rows(), matrix));
+    }
+  }
+  if (parts.length > 0) return { rows: joinedRows(parts), isSortedByDistance, otherCount };
+  const found =
+    otherCount > 0
+      ? `its scene has ${otherCount} primitives, all of them without`
+      : 'nothing in its scene has';
+  throw json.error('not-splats', `this is no glTF with splats: ${found} ${SPLATTING}.`);
+}
+
+function factsOf(
+  json: GltfJson,
+  isBinary: boolean,
+  { isSortedByDistance, otherCount }: GltfSplats,
+): FileFacts {
+  const { generator } = objectOf(json.root.asset);
+  const notes: string[] = [];
+  if (isSortedByDistance)
+    notes.push('Splats are drawn in the order of their depths, not of their distances from the camera.');
+  if (otherCount > 0)
+    notes.push(`${otherCount} other primitive${otherCount === 1 ? ' is' : 's are'} left out.`);
+  return {
+    format: 'gltf',
+    variant: isBinary ? 'glb' : 'gltf',
+    ...(typeof generator === 'string' && { writer: shown(generator) }),
+    ...(notes.length > 0 && { notes }),
+  };
+}

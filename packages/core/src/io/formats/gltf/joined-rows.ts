@@ -1,0 +1,46 @@
+import type { ShDegree } from '../../../splats/splat-set.ts';
+import { type DecodedRows, rowLength } from '../decoded-rows.ts';
+
+/** Rows of several parts, one part after another; those of lower degrees get zeros as their further harmonics. */
+export function joinedRows(parts: readonly DecodedRows[]): DecodedRows {
+  const shDegree = parts.reduce<ShDegree>(
+    (degree, part) => (part.shDegree > degree ? part.shDegree : degree),
+    0,
+  );
+  const length = rowLength(shDegree);
+  const widened = parts.map((part) => (part.shDegree === shDegree ? part : widenedRows(part, length)));
+  let index = 0;
+  let done = 0;
+  return {
+    count: parts.reduce((sum, { count }) => sum + count, 0),
+    shDegree,
+    decode(values, rowCount) {
+      for (let row = 0; row < rowCount; ) {
+        const part = widened[index];
+        const rows = Math.min(rowCount - row, part.count - done);
+        part.decode(values.subarray(row * length), rows);
+        row += rows;
+        done += rows;
+        if (done === part.count) {
+          index++;
+          done = 0;
+        }
+      }
+    },
+  };
+}
+
+function widenedRows(rows: DecodedRows, length: number): DecodedRows {
+  const narrow = rowLength(rows.shDegree);
+  return {
+    ...rows,
+    decode(values, rowCount) {
+      rows.decode(values, rowCount);
+      // From the last row on: each moves to where the ones behind it were.
+      for (let row = rowCount - 1; row >= 0; row--) {
+        values.copyWithin(row * length, row * narrow, (row + 1) * narrow);
+        values.fill(0, row * length + narrow, (row + 1) * length);
+      }
+    },
+  };
+}

@@ -1,0 +1,205 @@
+import { identity4, type Mat4 } from '../../../math/mat4.ts';
+import { normalizedRotation } from '../../../packing/rotation.ts';
+import { HarmonicsTurn } from '../../../splats/harmonics-turn.ts';
+import { ROW_SLOT } from '../../../splats/splat-row.ts';
+import { type DecodedRows, rowLength } from '../decoded-rows.ts';
+
+/** Lengths of axes that differ by less count as equal: writers round matrices to float32. */
+const ROUNDING = 1e-6;
+/** Cosine between two axes of a node up to which they count as perpendicular: matrices may be products of rounded ones. */
+const MOST_SHEAR = 1e-4;
+/** Pairs of a matrix's columns, as offsets. */
+const COLUMN_PAIRS = [
+  [0, 3],
+  [0, 6],
+  [3, 6],
+] as const;
+/** Jacobi's method converges quadratically; matrices of 3×3 need five sweeps or six. */
+const MOST_SWEEPS = 16;
+
+/**
+ * Why splats cannot be placed by `matrix`; undefined if they can. Mirrors can be: splats and their harmonics are mirrored.
+ */
+export function reasonNotToPlace(matrix: Mat4): string | undefined {
+  const { lengths, axes } = columnsOf(matrix);
+  if (!lengths.every((length) => length > 0 && Number.isFinite(length)))
+    return 'an axis has no length, or no finite one';
+  const isSheared = COLUMN_PAIRS.some(([a, b]) => !(Math.abs(dot(axes, a, b)) <= MOST_SHEAR));
+  return isSheared ? 'its axes are not perpendicular' : undefined;
+}
+
+/**
+ * Moves splats by the transformation of a node, of which `reasonNotToPlace` knows nothing: a rotation or mirror, a scale for each
+ * axis, and a translation.
+ *
+ * Splats are ellipsoids again however they are scaled: their covariance becomes M·C·Cᵀ·Mᵀ, for M the matrix and C the splat's axes.
+ */
+export function placedRows(rows: DecodedRows, matrix: Mat4): DecodedRows {
+  if (identity4().every((value, i) => matrix[i] === value)) return rows;
+  const { lengths, axes } = columnsOf(matrix);
+  const isUniform = Math.max(...lengths) <= (1 + ROUNDING) * Math.min(...lengths);
+  const moveShape = isUniform ? turnedShape(lengths, axes) : stretchedShape(matrix);
+  const isTurned = axes.some((value, i) => value !== (i % 4 === 0 ? 1 : 0));
+  const harmonics = isTurned && rows.shDegree > 0 ? new HarmonicsTurn(rows.shDegree, axes) : null;
+  const rowValues = rowLength(rows.shDegree);
+  return {
+    ...rows,
+    decode(values, rowCount) {
+      rows.decode(values, rowCount);
+      for (let row = 0; row < rowCount; row++) {
+        const at = row * rowValues;
+        movePosition(values, at + ROW_SLOT.position, matrix);
+        moveShape(values, at);
+        harmonics?.apply(values, at + ROW_SLOT.harmonics);
+      }
+    },
+  };
+}
+
+/** Changes rotation and scale of the row from `at` on. */
+type MoveShape = (values: Float32Array, at: number) => void;
+
+/** Lengths of a matrix's columns, and the 3×3 matrix of the columns divided by them. */
+function columnsOf(m: Mat4): { lengths: number[]; axes: Float64Array } {
+  const lengths = [0, 4, 8].map((column) => Math.hypot(m[column], m[column + 1], m[column + 2]));
+  const axes = Float64Array.from({ length: 9 }, (_, i) => m[4 * Math.floor(i / 3) + (i % 3)]);
+  for (let i = 0; i < 9; i++) axes[i] /= lengths[Math.floor(i / 3)];
+  return { lengths, axes };
+}
+
+function movePosition(values: Float32Array, at: number, m: Mat4): void {
+  const x = values[at];
+  const y = values[at + 1];
+  const z = values[at + 2];
+  values[at] = m[0] * x + m[4] * y + m[8] * z + m[12];
+  values[at + 1] = m[1] * x + m[5] * y + m[9] * z + m[13];
+  values[at + 2] = m[2] * x + m[6] * y + m[10] * z + m[14];
+}
+
+function turnedShape(lengths: readonly number[], axes: Float64Array): MoveShape {
+  const logScale = lengths.reduce((sum, length) => sum + Math.log(length), 0) / 3;
+  // An ellipsoid looks the same after all axes are reversed, which makes a mirror a rotation.
+  const [w, x, y, z] = quaternionOf(axes, new Float64Array(4));
+  return (values, at) => {
+    for (let i = 0; i < 3; i++) values[at + ROW_SLOT.logScale + i] += logScale;
+    const q = at + ROW_SLOT.rotation;
+    const qx = values[q + 1];
+    const qy = values[q + 2];
+    const qz = values[q + 3];
+    const isZero = values[q] === 0 && qx === 0 && qy === 0 && qz === 0;
+    const qw = isZero ? 1 : values[q];
+    values[q] = w * qw - x * qx - y * qy - z * qz;
+    values[q + 1] = w * qx + x * qw + y * qz - z * qy;
+    values[q + 2] = w * qy - x * qz + y * qw + z * qx;
+    values[q + 3] = w * qz + x * qy - y * qx + z * qw;
+  };
+}
+
+/**
+ * Finds the axes M·C·Cᵀ·Mᵀ = U·S²·Uᵀ by turning the columns of M·C until they are perpendicular (Jacobi's method, one-sided):
+ * unlike that of the covariance, the precision of a thin axis does not suffer from a long one.
+ */
+function stretchedShape(m: Mat4): MoveShape {
+  const unit = new Float64Array(4);
+  const splatAxes = new Float64Array(9);
+  const columns = new Float64Array(9);
+  return (values, at) => {
+    normalizedRotation(values, at + ROW_SLOT.rotation, unit);
+    rotationMatrix(unit, splatAxes);
+    for (let column = 0; column < 3; column++) {
+      const scale = Math.exp(values[at + ROW_SLOT.logScale + column]);
+      const x = splatAxes[3 * column];
+      const y = splatAxes[3 * column + 1];
+      const z = splatAxes[3 * column + 2];
+      for (let row = 0; row < 3; row++)
+        columns[3 * column + row] = (m[row] * x + m[4 + row] * y + m[8 + row] * z) * scale;
+    }
+    makePerpendicular(columns);
+    for (let column = 0; column < 3; column++) {
+      const length = Math.hypot(columns[3 * column], columns[3 * column + 1], columns[3 * column + 2]);
+      values[at + ROW_SLOT.logScale + column] = Math.log(length);
+      for (let row = 0; row < 3; row++) columns[3 * column + row] /= length;
+    }
+    quaternionOf(columns, unit);
+    for (let i = 0; i < 4; i++) values[at + ROW_SLOT.rotation + i] = unit[i];
+  };
+}
+
+/** Rotates pairs of columns among themselves until all are perpendicular. */
+function makePerpendicular(columns: Float64Array): void {
+  for (let sweep = 0; sweep < MOST_SWEEPS; sweep++) {
+    let isDone = true;
+    for (const [a, b] of COLUMN_PAIRS) {
+      const aa = dot(columns, a, a);
+      const bb = dot(columns, b, b);
+      const ab = dot(columns, a, b);
+      if (Math.abs(ab) <= 1e-15 * Math.sqrt(aa) * Math.sqrt(bb)) continue;
+      isDone = false;
+      const slope = (bb - aa) / (2 * ab);
+      const tangent = (slope < 0 ? -1 : 1) / (Math.abs(slope) + Math.sqrt(1 + slope * slope));
+      const cosine = 1 / Math.sqrt(1 + tangent * tangent);
+      const sine = tangent * cosine;
+      for (let row = 0; row < 3; row++) {
+        const left = columns[a + row];
+        const right = columns[b + row];
+        columns[a + row] = cosine * left - sine * right;
+        columns[b + row] = sine * left + cosine * right;
+      }
+    }
+    if (isDone) return;
+  }
+}
+
+function dot(columns: Float64Array, a: number, b: number): number {
+  return columns[a] * columns[b] + columns[a + 1] * columns[b + 1] + columns[a + 2] * columns[b + 2];
+}
+
+/** Column-major matrix of the unit quaternion w, x, y, z. */
+function rotationMatrix(unit: Float64Array, result: Float64Array): void {
+  const w = unit[0];
+  const x = unit[1];
+  const y = unit[2];
+  const z = unit[3];
+  result[0] = 1 - 2 * (y * y + z * z);
+  result[1] = 2 * (x * y + w * z);
+  result[2] = 2 * (x * z - w * y);
+  result[3] = 2 * (x * y - w * z);
+  result[4] = 1 - 2 * (x * x + z * z);
+  result[5] = 2 * (y * z + w * x);
+  result[6] = 2 * (x * z + w * y);
+  result[7] = 2 * (y * z - w * x);
+  result[8] = 1 - 2 * (x * x + y * y);
+}
+
+/** Writes the unit quaternion w, x, y, z of an orthogonal matrix; of its negative where it mirrors. */
+function quaternionOf(m: Float64Array, result: Float64Array): Float64Array {
+  const determinant =
+    m[0] * (m[4] * m[8] - m[5] * m[7]) -
+    m[3] * (m[1] * m[8] - m[2] * m[7]) +
+    m[6] * (m[1] * m[5] - m[2] * m[4]);
+  const sign = determinant < 0 ? -1 : 1;
+  // Four times w², x², y², z². The largest is at least 1, so nothing is divided by little.
+  const ww = 1 + sign * (m[0] + m[4] + m[8]);
+  const xx = 1 + sign * (m[0] - m[4] - m[8]);
+  const yy = 1 + sign * (m[4] - m[0] - m[8]);
+  const zz = 1 + sign * (m[8] - m[0] - m[4]);
+  const wx = sign * (m[5] - m[7]);
+  const wy = sign * (m[6] - m[2]);
+  const wz = sign * (m[1] - m[3]);
+  const yz = sign * (m[5] + m[7]);
+  const zx = sign * (m[6] + m[2]);
+  const xy = sign * (m[1] + m[3]);
+  if (ww >= xx && ww >= yy && ww >= zz) setUnit(result, ww, wx, wy, wz);
+  else if (xx >= yy && xx >= zz) setUnit(result, wx, xx, xy, zx);
+  else if (yy >= zz) setUnit(result, wy, xy, yy, yz);
+  else setUnit(result, wz, zx, yz, zz);
+  return result;
+}
+
+function setUnit(result: Float64Array, w: number, x: number, y: number, z: number): void {
+  const inverse = 1 / Math.sqrt(w * w + x * x + y * y + z * z);
+  result[0] = w * inverse;
+  result[1] = x * inverse;
+  result[2] = y * inverse;
+  result[3] = z * inverse;
+}

@@ -1,0 +1,141 @@
+import { shown } from '../../../printable.ts';
+import { ROW_SLOT } from '../../../splats/splat-row.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../splats/splat-set.ts';
+import { type DecodedRows, rowLength } from '../decoded-rows.ts';
+import { logScaleOf } from '../flat-scale.ts';
+import { type AttributeRule, type Column, columnOf, copyRows, rowCountOf } from './accessor-column.ts';
+import type { GltfBuffers } from './gltf-buffers.ts';
+import { type GltfJson, type JsonObject, SPLATTING } from './gltf-json.ts';
+
+/**
+ * What the extension's table of attributes allows; of POSITION, what KHR_mesh_quantization adds. Scales and opacities are linear,
+ * rotations x, y, z, w.
+ */
+const RULES = {
+  position: {
+    semantic: 'POSITION',
+    type: 'VEC3',
+    kinds: ['float', 'signed', 'signed normalized', 'unsigned', 'unsigned normalized'],
+  },
+  scale: {
+    semantic: `${SPLATTING}:SCALE`,
+    type: 'VEC3',
+    kinds: ['float', 'unsigned', 'unsigned normalized'],
+  },
+  rotation: { semantic: `${SPLATTING}:ROTATION`, type: 'VEC4', kinds: ['float', 'signed normalized'] },
+  opacity: { semantic: `${SPLATTING}:OPACITY`, type: 'SCALAR', kinds: ['float', 'unsigned normalized'] },
+} as const satisfies Readonly<Record<string, AttributeRule>>;
+const HARMONICS = new RegExp(`^${SPLATTING}:SH_DEGREE_\\d+_COEF_\\d+$`);
+/** Rows whose values stay in a processor's nearest memory while column after column is copied to them. */
+const ROWS_AT_ONCE = 128;
+
+interface PlacedColumn {
+  readonly column: Column;
+  /** Place in a row. */
+  readonly slot: number;
+}
+
+/** Splats as attributes of a primitive; their rows can be read any number of times. */
+export interface SplatAttributes {
+  readonly count: number;
+  readonly shDegree: ShDegree;
+  readonly columns: readonly PlacedColumn[];
+}
+
+/**
+ * Finds the splats in the attributes of a primitive.
+ *
+ * Rejects with SplatFileError 'not-splats', 'bad-property', and as `columnOf`.
+ *
+ * @param element names the primitive.
+ */
+export async function splatAttributesOf(
+  json: GltfJson,
+  buffers: GltfBuffers,
+  attributes: JsonObject,
+  element: string,
+): Promise<SplatAttributes> {
+  const shDegree = shDegreeOf(json, attributes, element);
+  const rules = [
+    { ...RULES.position, slot: ROW_SLOT.position },
+    { ...RULES.scale, slot: ROW_SLOT.logScale },
+    { ...RULES.rotation, slot: ROW_SLOT.rotation },
+    { ...RULES.opacity, slot: ROW_SLOT.opacity },
+    ...harmonicsOf(shDegree).map((semantic, k) => ({
+      semantic,
+      type: 'VEC3' as const,
+      kinds: ['float'] as const,
+      slot: k === 0 ? ROW_SLOT.colorDc : ROW_SLOT.harmonics + 3 * (k - 1),
+    })),
+  ];
+  const missing = rules
+    .map(({ semantic }) => semantic)
+    .filter((semantic) => attributes[semantic] === undefined);
+  if (missing.length > 0) {
+    const names = missing.map((semantic) => semantic.replace(`${SPLATTING}:`, ''));
+    const advice = 'Drafts of the extension had others; export it again.';
+    const message = `${element} lacks ${shown(names)}, which splats need. ${advice}`;
+    throw json.error('not-splats', message, { element });
+  }
+  const count = rowCountOf(json, attributes.POSITION, element);
+  const columns: PlacedColumn[] = [];
+  for (const { slot, ...rule } of rules) {
+    columns.push({ slot, column: await columnOf(json, buffers, attributes[rule.semantic], rule, count) });
+  }
+  return { count, shDegree, columns };
+}
+
+/** Semantics of the coefficients up to a degree, in the order of rows. */
+function harmonicsOf(degree: number): string[] {
+  return Array.from({ length: degree + 1 }, (_, l) =>
+    Array.from({ length: 2 * l + 1 }, (_, n) => `${SPLATTING}:SH_DEGREE_${l}_COEF_${n}`),
+  ).flat();
+}
+
+function shDegreeOf(json: GltfJson, attributes: JsonObject, element: string): ShDegree {
+  const found = Object.keys(attributes).filter((semantic) => HARMONICS.test(semantic));
+  for (const degree of [0, 1, 2, 3] as const) {
+    const expected = harmonicsOf(degree);
+    if (found.length > expected.length) continue;
+    const missing = expected.filter((semantic) => attributes[semantic] === undefined);
+    // What splats lack altogether is said with the rest of it.
+    if (missing.length === 0 || degree === 0) return degree;
+    const message = `${element} has ${found.length} coefficients of spherical harmonics, and lacks ${missing[0]}; degrees must be whole.`;
+    throw json.error('bad-property', message, { element, property: missing[0] });
+  }
+  const most = SH_REST_COEFFICIENTS[3] + 1;
+  const message = `${element} has ${found.length} coefficients of spherical harmonics; degree 3, the highest, has ${most}.`;
+  throw json.error('bad-property', message, { element });
+}
+
+/** The rows of splats, from the first. */
+export function attributeRows({ count, shDegree, columns }: SplatAttributes): DecodedRows {
+  const length = rowLength(shDegree);
+  let next = 0;
+  return {
+    count,
+    shDegree,
+    decode(values, rowCount) {
+      for (let done = 0; done < rowCount; done += ROWS_AT_ONCE) {
+        const rows = Math.min(ROWS_AT_ONCE, rowCount - done);
+        const start = done * length;
+        for (const { column, slot } of columns) copyRows(column, next, rows, values, start + slot, length);
+        for (let row = 0; row < rows; row++) undoActivations(values, start + row * length);
+        next += rows;
+      }
+    },
+  };
+}
+
+/** Makes what training has of what a renderer needs: logarithms, logits, and rotations that begin with w. */
+function undoActivations(values: Float32Array, at: number): void {
+  for (let i = at + ROW_SLOT.logScale; i < at + ROW_SLOT.logScale + 3; i++) values[i] = logScaleOf(values[i]);
+  const opacity = values[at + ROW_SLOT.opacity];
+  values[at + ROW_SLOT.opacity] = Math.log(opacity / (1 - opacity));
+  const rotation = at + ROW_SLOT.rotation;
+  const w = values[rotation + 3];
+  values[rotation + 3] = values[rotation + 2];
+  values[rotation + 2] = values[rotation + 1];
+  values[rotation + 1] = values[rotation];
+  values[rotation] = w;
+}

@@ -1,0 +1,84 @@
+import { shown } from '../../../printable.ts';
+import type { DecodedRows } from '../decoded-rows.ts';
+import type { GltfBuffers } from './gltf-buffers.ts';
+import { type GltfJson, type JsonObject, objectOf, SPLATTING, SPZ_COMPRESSIONS } from './gltf-json.ts';
+import { attributeRows, splatAttributesOf } from './splat-attributes.ts';
+
+const POINTS = 0;
+/** By the distance from the camera, not along its axis. */
+const BY_DISTANCE = 'cameraDistance';
+
+/**
+ * Values that are drawn as they are meant. `lin_rec709_display` is not: its splats must be blended before they are encoded for the
+ * display, and a renderer that blends what is encoded cannot make up for that in the colours of single splats.
+ */
+const VALUES_READ: Readonly<Record<string, readonly string[]>> = {
+  kernel: ['ellipse'],
+  colorSpace: ['srgb_rec709_display'],
+  projection: ['perspective'],
+  // The second is of a draft.
+  sortingMethod: [BY_DISTANCE, 'zDepth'],
+};
+const OPTIONAL: readonly string[] = ['projection', 'sortingMethod'];
+
+/** Splats of a primitive; their rows can be read any number of times. */
+export interface SplatPrimitive {
+  readonly count: number;
+  /** Whether they are to be blended in the order of their distances from the camera, not in that of their depths. */
+  readonly isSortedByDistance: boolean;
+  rows(): DecodedRows;
+}
+
+/** Whether a primitive is splats. */
+export function isSplats(primitive: JsonObject): boolean {
+  return objectOf(primitive.extensions)[SPLATTING] !== undefined;
+}
+
+/**
+ * Finds the splats of a primitive.
+ *
+ * Rejects with SplatFileError 'bad-property', 'unknown-format' for compressions, and as `splatAttributesOf`.
+ *
+ * @param element names the primitive.
+ */
+export async function splatPrimitiveOf(
+  json: GltfJson,
+  buffers: GltfBuffers,
+  primitive: JsonObject,
+  element: string,
+): Promise<SplatPrimitive> {
+  const extension = objectOf(objectOf(primitive.extensions)[SPLATTING]);
+  if (primitive.mode !== POINTS) {
+    const message = `the mode of ${element} is ${shown(primitive.mode)}; that of splats is 0, points. Export it again.`;
+    throw json.error('bad-property', message, { element, property: 'mode' });
+  }
+  const compression = Object.keys(objectOf(extension.extensions)).find((name) =>
+    SPZ_COMPRESSIONS.includes(name),
+  );
+  if (compression) {
+    const message = `${element} has its splats as .spz (${compression}, a draft), which is not read yet inside of a glTF. Export it without compression, or as .spz.`;
+    throw json.error('unknown-format', message, { element, property: compression });
+  }
+  for (const [property, read] of Object.entries(VALUES_READ))
+    checkValue(json, extension, property, read, element);
+  const splats = await splatAttributesOf(json, buffers, objectOf(primitive.attributes), element);
+  return {
+    count: splats.count,
+    isSortedByDistance: (extension.sortingMethod ?? BY_DISTANCE) === BY_DISTANCE,
+    rows: () => attributeRows(splats),
+  };
+}
+
+function checkValue(
+  json: GltfJson,
+  extension: JsonObject,
+  property: string,
+  read: readonly string[],
+  element: string,
+): void {
+  const value = extension[property];
+  if (value === undefined && OPTIONAL.includes(property)) return;
+  if (typeof value === 'string' && read.includes(value)) return;
+  const message = `${property} of ${element} is ${shown(value)}; what can be drawn as it is meant is ${read.join(' or ')}.`;
+  throw json.error('bad-property', message, { element, property });
+}

@@ -1,0 +1,964 @@
+import { existsSync, readFileSync } from 'node:fs';
+import { resolve } from 'node:path';
+import fc from 'fast-check';
+import { describe, expect, test, vi } from 'vitest';
+import { SplatFileError, WebSplatterError } from '../../../errors.ts';
+import { toHalfBits } from '../../../layout/half.ts';
+import { type PackedHarmonics, readCoefficients } from '../../../packing/harmonics.ts';
+import { packCloud } from '../../../packing/packed-cloud.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../../../splats/splat-set.ts';
+import {
+  CORE_NAMES,
+  chunked,
+  distinctValue,
+  type Fixture,
+  type FixtureElement,
+  type FixtureProperty,
+  plyBytes,
+  splatElement,
+  splatNames,
+} from '../../../testing/ply-fixture.ts';
+import { passedRows } from '../../../testing/read-damaged.ts';
+import { readSplats } from '../../loading/read-splats.ts';
+import { encodePly } from './write-ply.ts';
+
+// Properties run hundreds of reads, on machines that may be busy with other tests.
+vi.setConfig({ testTimeout: 60_000 });
+
+const FORMATS = ['ascii', 'binary_little_endian', 'binary_big_endian'] as const;
+const LE = 'binary_little_endian';
+
+const read = (bytes: Uint8Array, shPrecision: 'f32' | 'f16' | 'u8' = 'f32') =>
+  readSplats(bytes, { shPrecision });
+const readFixture = (...elements: FixtureElement[]) => read(plyBytes({ format: LE, elements }));
+
+async function failure(promise: Promise<unknown>): Promise<SplatFileError> {
+  const error = await promise.then(
+    () => undefined,
+    (reason) => reason,
+  );
+  expect(error).toBeInstanceOf(SplatFileError);
+  return error;
+}
+
+/** Text header and body, as a file would have them. */
+const textFile = (text: string) => new TextEncoder().encode(text);
+
+/** A vertex element whose property `name` is another. */
+function withProperty(
+  element: FixtureElement,
+  name: string,
+  change: Partial<FixtureProperty>,
+): FixtureElement {
+  const properties = element.properties.map((property) =>
+    property.name === name ? { ...property, ...change } : property,
+  );
+  return { ...element, properties };
+}
+
+/** What a set holds of one property of the file. */
+function valueIn(set: SplatSet<PackedHarmonics>, name: string, index: number): number {
+  const axis = 'xyz'.indexOf(name);
+  if (axis >= 0) return set.positions[3 * index + axis] + set.origin[axis];
+  const number = Number(name.split('_').at(-1));
+  if (name.startsWith('scale')) return set.logScales[3 * index + number];
+  if (name.startsWith('rot')) return set.rotations[4 * index + number];
+  if (name === 'opacity') return set.opacityLogits[index];
+  if (name.startsWith('f_dc')) return set.colorDc[3 * index + number];
+  const coefficients = SH_REST_COEFFICIENTS[set.harmonics.degree];
+  const values = new Float64Array(3 * coefficients);
+  readCoefficients(set.harmonics, index, values);
+  return values[3 * (number % coefficients) + Math.floor(number / coefficients)];
+}
+
+function expectDistinctValues(set: SplatSet<PackedHarmonics>, count: number, degree: ShDegree): void {
+  expect(set.count).toBe(count);
+  expect(set.harmonics.degree).toBe(degree);
+  expect([...set.fileIndices]).toEqual(Array.from({ length: count }, (_, i) => i));
+  for (const name of splatNames(degree)) {
+    const found = Array.from({ length: count }, (_, row) => valueIn(set, name, row));
+    expect(found, name).toEqual(Array.from({ length: count }, (_, row) => distinctValue(name, row)));
+  }
+}
+
+describe('what is read', () => {
+  for (const format of FORMATS) {
+    test.each([0, 1, 2, 3] as const)(`${format}, SH degree %i`, async (degree) => {
+      expectDistinctValues(await read(plyBytes({ format, elements: [splatElement(5, degree)] })), 5, degree);
+    });
+
+    test(`${format}: further elements, properties, lists and comments are passed over`, async () => {
+      const splats = splatElement(3, 1);
+      const extra: FixtureProperty[] = [
+        { name: 'nx', type: 'double', values: [1, 2, 3] },
+        { name: 'red', type: 'uchar', values: [255, 0, 7] },
+        { name: 'neighbours', type: 'int', countType: 'uchar', values: [[], [4], [1, 2, 3]] },
+      ];
+      const properties = splats.properties.flatMap((property, i) =>
+        i % 5 === 1 ? [extra[(i - 1) / 5], property] : [property],
+      );
+      const face: FixtureElement = {
+        name: 'face',
+        count: 2,
+        properties: [
+          {
+            name: 'vertex_indices',
+            type: 'ushort',
+            countType: 'int',
+            values: [
+              [0, 1, 2],
+              [2, 1, 0, 3],
+            ],
+          },
+        ],
+      };
+      const camera: FixtureElement = {
+        name: 'camera',
+        count: 2,
+        properties: [{ name: 'fov', type: 'short', values: [-60, 90] }],
+      };
+      const nothing: FixtureElement = { name: 'nothing', count: 4, properties: [] };
+      const elements = [
+        nothing,
+        face,
+        camera,
+        { ...splats, properties: properties.filter(Boolean) },
+        { ...face, name: 'more' },
+      ];
+      const comments = ['comment made by hand', 'obj_info a b  c', 'comment end_header is not here', ''];
+      for (const lineEnd of ['\n', '\r\n', '\r']) {
+        expectDistinctValues(await read(plyBytes({ format, elements, comments, lineEnd })), 3, 1);
+      }
+    });
+  }
+
+  test('a CR-only header whose body starts with the byte LF', async () => {
+    const element = { ...splatElement(1) };
+    const properties = [{ name: 'first', type: 'uchar', values: [10] }, ...element.properties];
+    const bytes = plyBytes({ format: LE, elements: [{ ...element, properties }], lineEnd: '\r' });
+    expectDistinctValues(await read(bytes), 1, 0);
+  });
+
+  test.each([
+    'char',
+    'int8',
+    'uchar',
+    'uint8',
+    'short',
+    'int16',
+    'int',
+    'int32',
+    'uint',
+    'uint32',
+    'double',
+    'float64',
+    'float32',
+  ])('values of type %s are plain numbers', async (type) => {
+    const values = type.startsWith('u') ? [0, 1, 100] : [-100, 0, 127];
+    for (const format of FORMATS) {
+      const properties = splatNames(0).map((name) => ({ name, type, values }));
+      const set = await read(plyBytes({ format, elements: [{ name: 'vertex', count: 3, properties }] }));
+      for (const name of splatNames(0))
+        expect(
+          [0, 1, 2].map((i) => valueIn(set, name, i)),
+          name,
+        ).toEqual(values);
+    }
+  });
+
+  test.each(['ushort', 'uint16'])(
+    'values of type %s are plain numbers in text, and beside others',
+    async (type) => {
+      const values = [0, 1, 100];
+      const properties = splatNames(0).map((name) => ({ name, type, values }));
+      const beside = properties.map((property) =>
+        property.name === 'y' ? { ...property, type: 'float' } : property,
+      );
+      for (const [format, columns] of [
+        ['ascii', properties],
+        [LE, beside],
+        ['binary_big_endian', beside],
+      ] as const) {
+        const set = await read(
+          plyBytes({ format, elements: [{ name: 'vertex', count: 3, properties: columns }] }),
+        );
+        for (const name of splatNames(0))
+          expect(
+            [0, 1, 2].map((i) => valueIn(set, name, i)),
+            name,
+          ).toEqual(values);
+      }
+    },
+  );
+
+  test.each(['half', 'float16', 'ushort', 'uint16'])(
+    'binary files with nothing but %s hold halves',
+    async (type) => {
+      const splats = splatElement(5, 3);
+      const properties = splats.properties.map((property) => ({
+        ...property,
+        type: 'ushort',
+        values: property.values.map((value) => toHalfBits(value as number)),
+      }));
+      // What is not needed may be anything.
+      const extra: FixtureProperty = { name: 'nx', type: 'float', values: [1, 2, 3, 4, 5] };
+      for (const format of [LE, 'binary_big_endian'] as const) {
+        const bytes = plyBytes({ format, elements: [{ ...splats, properties: [extra, ...properties] }] });
+        const text = Buffer.from(bytes).toString('latin1').replaceAll('property ushort', `property ${type}`);
+        expectDistinctValues(await read(Buffer.from(text, 'latin1')), 5, 3);
+      }
+    },
+  );
+
+  test('halves beside floats; halves that are not finite', async () => {
+    const splats = withProperty(splatElement(4), 'opacity', {
+      type: 'ushort',
+      values: [0x3c00, 0xfc00, 0x7e00, 0x0001],
+    });
+    const bytes = plyBytes({ format: LE, elements: [splats] });
+    const text = Buffer.from(bytes).toString('latin1').replace('ushort opacity', 'half opacity');
+    const set = await read(Buffer.from(text, 'latin1'));
+    expect([...set.opacityLogits]).toEqual([1, Number.NEGATIVE_INFINITY, 2 ** -24]);
+    expect(set.dropped).toEqual({ 'non-finite-opacity': 1 });
+  });
+
+  test.each(FORMATS)('%s of 2DGS, without scale_2: flat, and said so', async (format) => {
+    const splats = splatElement(3, 1);
+    const properties = splats.properties.filter(({ name }) => name !== 'scale_2');
+    const bytes = plyBytes({ format, elements: [{ ...splats, properties }] });
+    const set = await read(bytes);
+    expect(set).toMatchObject({
+      count: 3,
+      dropped: {},
+      fileFacts: { notes: [expect.stringMatching(/2DGS/)] },
+    });
+    for (let i = 0; i < 3; i++) {
+      const expected = ['scale_0', 'scale_1'].map((name) => distinctValue(name, i));
+      expect([...set.logScales.subarray(3 * i, 3 * i + 3)]).toEqual([...expected, -20]);
+    }
+    const { geometry } = packCloud(set, { geometryPrecision: 'f32' });
+    expect(new Float32Array(geometry.words.buffer).every(Number.isFinite)).toBe(true);
+  });
+
+  test.each([
+    ['SplatRenderMode: default', false],
+    ['SplatRenderMode: mip', true],
+    ['splatrendermode:  MIP', true],
+    ['SplatRenderMode: 2dgs', false],
+    ['SplatRenderMode: other', undefined],
+    ['antialiased 0', false],
+    ['antialiased 1', true],
+    ['antialiased 2', undefined],
+    ['not antialiased 1', undefined],
+    ['antialiased 1\ncomment SplatRenderMode: default', false],
+  ] as const)('"comment %s" says of an antialias filter: %s', async (comment, isAntialiased) => {
+    const fixture = { elements: [splatElement(2)], comments: [`comment ${comment}`] };
+    for (const format of FORMATS)
+      expect((await read(plyBytes({ ...fixture, format }))).isAntialiased).toBe(isAntialiased);
+    const bytes = plyBytes({ ...fixture, format: LE });
+    expect((await passedRows(bytes, 'a.ply')).layout.isAntialiased).toBe(isAntialiased);
+    const set = await read(bytes);
+    expect(await read(encodePly(set))).toEqual(set);
+  });
+
+  test('what the file says of itself', async () => {
+    const comments = ['comment Generated by SuperSplat 2.6.2'];
+    const bytes = plyBytes({ format: LE, elements: [splatElement(2)], comments });
+    const expected = { format: 'ply', variant: LE, writer: 'SuperSplat 2.6.2' };
+    expect((await read(bytes)).fileFacts).toEqual(expected);
+    expect((await passedRows(bytes, 'a.ply')).layout.fileFacts).toEqual(expected);
+    const plain = await read(plyBytes({ format: 'ascii', elements: [splatElement(2)] }));
+    expect(plain.fileFacts).toEqual({ format: 'ply', variant: 'ascii' });
+  });
+
+  test('whitespace, blank lines, and every spelling of numbers in text', async () => {
+    const values = '1 -2 +3 .5 1. 1e2 -1E-2 0 0 0 1 0 0 0'.split(' ');
+    const header = plyBytes({ format: 'ascii', elements: [splatElement(0)] });
+    const text = `${new TextDecoder().decode(header).replace('vertex 0', 'vertex 2')}\n  ${values.join(' \t ')}  \r\n\r\n\n${values.join(' ')}`;
+    const set = await read(textFile(text));
+    expect(set.count).toBe(2);
+    expect(set.origin).toEqual([1, -2, 3]);
+    expect([...set.colorDc.subarray(3)]).toEqual([0.5, 1, 100]);
+    expect(set.opacityLogits[0]).toBe(Math.fround(-0.01));
+  });
+
+  test('a last line without a line end, longer than all before it', async () => {
+    const text = new TextDecoder('latin1').decode(plyBytes({ format: 'ascii', elements: [splatElement(1)] }));
+    const long = text.trimEnd().replace(/\S+$/, `${'0'.repeat(5000)}7`);
+    const bytes = textFile(long);
+    for (const source of [bytes, chunked(bytes, [3])])
+      expect((await readSplats(source)).rotations[3]).toBe(7);
+  });
+
+  test('bytes after the splats are ignored', async () => {
+    const bytes = plyBytes({ format: LE, elements: [splatElement(2)] });
+    expect((await read(new Uint8Array([...bytes, 1, 2, 3]))).count).toBe(2);
+  });
+});
+
+describe('rows that are not finite', () => {
+  const bad = [Number.NaN, Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
+  const reasonOf = (name: string) => {
+    if (/^[xyz]$/.test(name)) return 'non-finite-position';
+    if (name.startsWith('f_')) return 'non-finite-color';
+    return { scale: 'non-finite-scale', rot: 'non-finite-rotation', opacity: 'non-finite-opacity' }[
+      name.split('_')[0]
+    ];
+  };
+  for (const name of splatNames(1)) {
+    test(`${name} is left out and counted`, async () => {
+      const splats = splatElement(5, 1, (property, row) =>
+        property === name && row >= 1 && row <= 3 ? bad[row - 1] : distinctValue(property, row),
+      );
+      for (const format of FORMATS) {
+        const { fileIndices, dropped, opacityLogits } = await read(
+          spelled(plyBytes({ format, elements: [splats] })),
+        );
+        if (name === 'opacity') {
+          expect([...fileIndices]).toEqual([0, 2, 3, 4]);
+          expect([...opacityLogits.subarray(1, 3)]).toEqual([
+            Number.POSITIVE_INFINITY,
+            Number.NEGATIVE_INFINITY,
+          ]);
+          expect(dropped).toEqual({ 'non-finite-opacity': 1 });
+        } else {
+          expect([...fileIndices]).toEqual([0, 4]);
+          expect(dropped).toEqual({ [reasonOf(name) as string]: 3 });
+        }
+      }
+    });
+  }
+
+  /** In text as C prints it. */
+  function spelled(bytes: Uint8Array): Uint8Array {
+    const text = new TextDecoder('latin1').decode(bytes);
+    return text.includes('ascii')
+      ? textFile(text.replaceAll('Infinity', 'inf').replaceAll('NaN', '-nan(ind)'))
+      : bytes;
+  }
+
+  test('a double beyond float32 counts as not finite', async () => {
+    const splats = splatElement(2);
+    const wide = withProperty(splats, 'x', { type: 'double', values: [1, 1e39] });
+    expect((await readFixture(wide)).dropped).toEqual({ 'non-finite-position': 1 });
+  });
+
+  test('all left out: empty, with the counts', async () => {
+    const splats = splatElement(3, 0, (name, row) => (name === (row < 2 ? 'x' : 'rot_1') ? Number.NaN : 1));
+    const error = await failure(readFixture(splats));
+    expect(error.code).toBe('empty');
+    expect(error.message).toContain('2 non-finite-position, 1 non-finite-rotation');
+  });
+});
+
+describe('origin', () => {
+  const at = (type: string, xs: number[]) =>
+    readFixture(
+      withProperty(
+        splatElement(xs.length, 0, (name) => (name === 'x' ? 0 : 1e-3)),
+        'x',
+        { type, values: xs },
+      ),
+    );
+
+  test.each([
+    { name: 'around zero', xs: [-1, 2], origin: 0 },
+    { name: 'up to four half-extents away', xs: [3, 5], origin: 0 },
+    { name: 'beyond', xs: [3.1, 5.1], origin: Math.fround((Math.fround(3.1) + Math.fround(5.1)) / 2) },
+    { name: 'one splat', xs: [7], origin: 7 },
+  ])('$name', async ({ xs, origin }) => {
+    const set = await at('float', xs);
+    expect(set.origin[0]).toBe(origin);
+    // float32 files keep every bit, whatever the origin.
+    expect(xs.map((_, i) => set.positions[3 * i] + origin)).toEqual(xs.map(Math.fround));
+  });
+
+  test('doubles far out keep millimetres', async () => {
+    const xs = [6.4e6, 6.4e6 + 0.001, 6.4e6 + 0.002];
+    const set = await at('double', xs);
+    const found = xs.map((_, i) => set.positions[3 * i] + set.origin[0]);
+    found.forEach((x, i) => {
+      expect(Math.abs(x - xs[i])).toBeLessThan(1e-9);
+    });
+  });
+
+  test('32-bit integers keep their last unit', async () => {
+    const xs = [2_000_000_001, 2_000_000_003, -2_000_000_000 + 4_000_000_000];
+    const set = await at('uint', xs);
+    expect(xs.map((_, i) => set.positions[3 * i] + set.origin[0])).toEqual(xs);
+  });
+});
+
+describe('what is refused', () => {
+  const header = (...lines: string[]) => textFile(`${['ply', ...lines].join('\n')}\n`);
+  const splats = splatElement(4);
+  const without = (...names: string[]) => ({
+    ...splats,
+    properties: splats.properties.filter(({ name }) => !names.includes(name)),
+  });
+  const whole = plyBytes({ format: LE, elements: [splats] });
+  const face: FixtureElement = {
+    name: 'face',
+    count: 1,
+    properties: [{ name: 'vertex_indices', type: 'int', countType: 'uchar', values: [[0, 1, 2]] }],
+  };
+  const asciiWith = (line: string) => {
+    const text = new TextDecoder().decode(plyBytes({ format: 'ascii', elements: [splatElement(2)] }));
+    const lines = text.split('\n');
+    lines[lines.length - 2] = line;
+    return textFile(lines.join('\n'));
+  };
+  const cases: { name: string; bytes: Uint8Array; code: string; says: RegExp; place?: object }[] = [
+    {
+      name: 'no end_header',
+      bytes: header('format ascii 1.0'),
+      code: 'bad-header',
+      says: /no end_header before the file ends/,
+    },
+    {
+      name: 'endless header',
+      bytes: textFile(`ply\n${'comment x\n'.repeat(200_000)}`),
+      code: 'bad-header',
+      says: /first 1048576 bytes/,
+    },
+    {
+      name: 'endless line',
+      bytes: textFile(`ply\ncomment ${'x'.repeat(2 << 20)}`),
+      code: 'bad-header',
+      says: /first 1048576 bytes/,
+    },
+    {
+      name: 'as many elements as a header can hold',
+      bytes: header(
+        'format ascii 1.0',
+        ...Array.from({ length: 60_000 }, (_, i) => `element ${i.toString(36)} 1`),
+        'end_header',
+      ),
+      code: 'not-splats',
+      says: /no element vertex; elements found: 0, .*7, and 59992 others/,
+    },
+    { name: 'no format', bytes: header('end_header'), code: 'bad-header', says: /no "format" line/ },
+    {
+      name: 'other format',
+      bytes: header('format binary_middle_endian 1.0', 'end_header'),
+      code: 'bad-header',
+      says: /binary_middle_endian/,
+      place: { line: 2 },
+    },
+    {
+      name: 'other version',
+      bytes: header('format ascii 2.0', 'end_header'),
+      code: 'bad-header',
+      says: /2\.0/,
+    },
+    {
+      name: 'second format',
+      bytes: header('format ascii 1.0', 'format ascii 1.0', 'end_header'),
+      code: 'bad-header',
+      says: /second/,
+      place: { line: 3, byte: 21 },
+    },
+    {
+      name: 'unknown line',
+      bytes: header('format ascii 1.0', 'hello world', 'end_header'),
+      code: 'bad-header',
+      says: /hello world/,
+      place: { line: 3 },
+    },
+    {
+      name: 'negative count',
+      bytes: header('format ascii 1.0', 'element vertex -1', 'end_header'),
+      code: 'bad-header',
+      says: /"-1" is no count/,
+    },
+    {
+      name: 'count beyond doubles',
+      bytes: header('format ascii 1.0', 'element vertex 99999999999999999999', 'end_header'),
+      code: 'bad-header',
+      says: /no count/,
+    },
+    {
+      name: 'element twice',
+      bytes: plyBytes({ format: LE, elements: [face, face] }),
+      code: 'bad-header',
+      says: /face is declared twice/,
+    },
+    {
+      name: 'property without element',
+      bytes: header('format ascii 1.0', 'property float x', 'end_header'),
+      code: 'bad-header',
+      says: /before any "element"/,
+    },
+    {
+      name: 'short property line',
+      bytes: header('format ascii 1.0', 'element vertex 1', 'property float', 'end_header'),
+      code: 'bad-header',
+      says: /expected "property/,
+    },
+    {
+      name: 'unknown type',
+      bytes: header('format ascii 1.0', 'element vertex 1', 'property quarter x', 'end_header'),
+      code: 'bad-property',
+      says: /"quarter" is no type/,
+      place: { line: 4, property: 'x' },
+    },
+    {
+      name: 'list length in floats',
+      bytes: header('format ascii 1.0', 'element face 1', 'property list float int i', 'end_header'),
+      code: 'bad-property',
+      says: /length cannot be float/,
+    },
+    {
+      name: 'position as a list',
+      bytes: plyBytes({
+        format: LE,
+        elements: [withProperty(splats, 'x', { countType: 'uchar', values: [[1], [1], [1], [1]] })],
+      }),
+      code: 'bad-property',
+      says: /x is a list/,
+    },
+    {
+      name: 'property twice',
+      bytes: plyBytes({
+        format: LE,
+        elements: [{ ...splats, properties: [...splats.properties, splats.properties[0]] }],
+      }),
+      code: 'bad-property',
+      says: /x is declared twice/,
+    },
+    {
+      name: 'odd number of f_rest',
+      bytes: plyBytes({
+        format: LE,
+        elements: [{ ...splats, properties: splatElement(4, 3).properties.slice(0, 14 + 44) }],
+      }),
+      code: 'bad-property',
+      says: /44 f_rest/,
+    },
+    {
+      name: 'a gap in f_rest',
+      bytes: plyBytes({
+        format: LE,
+        elements: [withProperty(splatElement(4, 1), 'f_rest_4', { name: 'f_rest_40' })],
+      }),
+      code: 'bad-property',
+      says: /f_rest_4 is missing/,
+    },
+    {
+      name: 'point cloud',
+      bytes: plyBytes({ format: LE, elements: [{ ...splats, properties: splats.properties.slice(0, 3) }] }),
+      code: 'not-splats',
+      says: /plain point cloud.*lack scale_0, scale_1.*f_dc_2/,
+    },
+    {
+      name: 'mesh',
+      bytes: plyBytes({
+        format: LE,
+        elements: [{ ...splats, properties: splats.properties.slice(0, 3) }, face],
+      }),
+      code: 'not-splats',
+      says: /mesh \(1 face rows\)/,
+    },
+    ...['opacity', 'rot_3', 'scale_1', 'f_dc_0', 'y'].map((name) => ({
+      name: `no ${name}`,
+      bytes: plyBytes({ format: LE, elements: [without(name)] }),
+      code: 'not-splats',
+      says: new RegExp(`not complete splats.*lack ${name}\\.`),
+    })),
+    {
+      name: 'no vertex element',
+      bytes: plyBytes({ format: LE, elements: [face] }),
+      code: 'not-splats',
+      says: /no element vertex; elements found: face/,
+    },
+    {
+      name: 'compressed, which nothing in the first bytes tells',
+      bytes: header(
+        `format ${LE} 1.0`,
+        `comment ${'x'.repeat(512)}`,
+        'element chunk 1',
+        'property float min_x',
+        'element vertex 1',
+        'property uint packed_position',
+        'end_header',
+      ),
+      code: 'unknown-format',
+      says: /compressed PLY/,
+    },
+    {
+      name: 'zero splats',
+      bytes: plyBytes({ format: LE, elements: [splatElement(0)] }),
+      code: 'empty',
+      says: /0 splats/,
+    },
+    {
+      name: 'cut off',
+      bytes: whole.subarray(0, whole.length - 1),
+      code: 'truncated',
+      says: /4 splats need at least 224 bytes after the header, the file has 223/,
+    },
+    {
+      name: 'a bad word',
+      bytes: asciiWith('1 2 3 4 5 0x6 7 8 9 10 11 12 13 14'),
+      code: 'bad-value',
+      says: /"0x6" is no number/,
+      place: { line: 20, row: 1, property: 'f_dc_2' },
+    },
+    {
+      name: 'two megabytes of digits that end in a letter',
+      bytes: asciiWith(`${'1'.repeat(2 << 20)}x 2 3 4 5 6 7 8 9 10 11 12 13 14`),
+      code: 'bad-value',
+      says: /"1{60}…" is no number/,
+    },
+    {
+      name: 'a comma',
+      bytes: asciiWith('1,5 2 3 4 5 6 7 8 9 10 11 12 13 14'),
+      code: 'bad-value',
+      says: /"1,5"/,
+      place: { property: 'x' },
+    },
+    {
+      name: 'a short line',
+      bytes: asciiWith('1 2 3'),
+      code: 'bad-value',
+      says: /ends before f_dc_0/,
+      place: { row: 1 },
+    },
+    {
+      name: 'a long line',
+      bytes: asciiWith('1 2 3 4 5 6 7 8 9 10 11 12 13 14 15'),
+      code: 'bad-value',
+      says: /15 values where 14/,
+    },
+    {
+      name: 'too few lines',
+      bytes: asciiWith(' '.repeat(60)),
+      code: 'truncated',
+      says: /before its 2 splats/,
+      place: { row: 1 },
+    },
+  ];
+  test.each(cases)('$name', async ({ bytes, code, says, place }) => {
+    const error = await failure(readSplats(bytes, { name: 'scene.ply' }));
+    expect(error.message).toMatch(says);
+    expect(error.message.startsWith('scene.ply: ')).toBe(true);
+    expect(error.code).toBe(code);
+    expect(error.file).toBe('scene.ply');
+    if (place) expect(error.place).toMatchObject(place);
+  });
+
+  test('a cut-off stream of unknown size names the row and the byte', async () => {
+    const error = await failure(readSplats(chunked(whole.subarray(0, whole.length - 57), [100])));
+    expect(error.code).toBe('truncated');
+    expect(error.place).toEqual({ element: 'vertex', row: 2, byte: whole.length - 57 });
+  });
+
+  test('a list of negative length', async () => {
+    const negative: FixtureElement = {
+      name: 'face',
+      count: 1,
+      properties: [{ name: 'i', type: 'char', values: [-1] }],
+    };
+    const text = new TextDecoder('latin1').decode(plyBytes({ format: LE, elements: [negative, splats] }));
+    const bytes = Uint8Array.from(text.replace('property char i', 'property list char int i'), (c) =>
+      c.charCodeAt(0),
+    );
+    expect((await failure(read(bytes))).message).toMatch(/list of -1 items/);
+  });
+
+  test.each([4_000_000_000, 2 ** 40])(
+    'a header that promises %i splats allocates nothing for them',
+    async (count) => {
+      const text = new TextDecoder('latin1').decode(whole).replace('vertex 4', `vertex ${count}`);
+      const bytes = Uint8Array.from(text, (c) => c.charCodeAt(0));
+      const before = process.memoryUsage().arrayBuffers;
+      expect((await failure(read(bytes))).code).toBe('truncated');
+      const code = count > 2 ** 32 ? 'too-large' : 'truncated';
+      const unlimited = { maxSplats: Number.POSITIVE_INFINITY };
+      expect((await failure(readSplats(chunked(bytes, [64]), unlimited))).code).toBe(code);
+      expect((await failure(readSplats(chunked(bytes, [64])))).code).toBe('too-large');
+      expect(process.memoryUsage().arrayBuffers - before).toBeLessThan(64e6);
+    },
+  );
+});
+
+test('no byte of a long line is searched twice', async () => {
+  const text = new TextDecoder().decode(plyBytes({ format: 'ascii', elements: [splatElement(1)] }));
+  const bytes = textFile(`${text.trimEnd()}${' '.repeat(1 << 18)}\n`);
+  const searching = vi.spyOn(Object.getPrototypeOf(Uint8Array.prototype), 'lastIndexOf');
+  expect((await readSplats(chunked(bytes, [1024]))).count).toBe(1);
+  const searched = (searching.mock.contexts as Uint8Array[]).reduce((sum, { length }) => sum + length, 0);
+  searching.mockRestore();
+  expect(searched).toBeGreaterThan(1 << 18);
+  expect(searched).toBeLessThanOrEqual(bytes.length);
+});
+
+describe('progress and abort', () => {
+  const big = plyBytes({ format: LE, elements: [splatElement(2000, 1)] });
+
+  test('the last report is complete', async () => {
+    const reports: unknown[] = [];
+    await readSplats(big, { onProgress: (progress) => reports.push(progress) });
+    expect(reports.at(-1)).toMatchObject({
+      phase: 'read',
+      loadedBytes: big.length,
+      totalBytes: big.length,
+      splats: 2000,
+    });
+  });
+
+  test('an abort ends a read that waits for ever, and cancels the stream', async () => {
+    let cancelled: unknown;
+    const stalled = new ReadableStream<Uint8Array>({
+      start: (controller) => controller.enqueue(big.slice(0, 3000)),
+      cancel: (reason) => {
+        cancelled = reason;
+      },
+    });
+    const controller = new AbortController();
+    const reading = readSplats(stalled, { signal: controller.signal });
+    setTimeout(() => controller.abort(new Error('enough')), 5);
+    await expect(reading).rejects.toThrow('enough');
+    expect((cancelled as Error).message).toBe('enough');
+  });
+
+  test('an abort from within progress', async () => {
+    const controller = new AbortController();
+    const onProgress = () => controller.abort();
+    const endless = chunked(big, [1000]);
+    await expect(readSplats(endless, { signal: controller.signal, onProgress })).rejects.toThrow(/abort/i);
+  });
+
+  test('a page gets turns while a large buffer is read', async () => {
+    const rows = 200_000;
+    const text = new TextDecoder('latin1').decode(plyBytes({ format: LE, elements: [splatElement(1, 3)] }));
+    const start = text.indexOf('end_header\n') + 11;
+    const large = Uint8Array.from(text.slice(0, start).replace('vertex 1', `vertex ${rows}`), (c) =>
+      c.charCodeAt(0),
+    );
+    const bytes = new Uint8Array(large.length + rows * 236);
+    bytes.set(large);
+    let turns = 0;
+    const timer = setInterval(() => turns++, 0);
+    await read(bytes, 'u8');
+    clearInterval(timer);
+    expect(turns).toBeGreaterThan(0);
+  });
+});
+
+describe('properties', () => {
+  const float = fc.float({
+    noNaN: true,
+    noDefaultInfinity: true,
+    min: Math.fround(-1e6),
+    max: Math.fround(1e6),
+  });
+  const small = fc.integer({ min: 0, max: 127 });
+
+  /** A file of splats with anything else in any order, and what must be read from it. */
+  const fixtures = fc
+    .record({
+      format: fc.constantFrom(...FORMATS),
+      degree: fc.constantFrom<ShDegree>(0, 1, 2, 3),
+      count: fc.integer({ min: 1, max: 6 }),
+      lineEnd: fc.constantFrom('\n', '\r\n', '\r'),
+    })
+    .chain(({ format, degree, count, lineEnd }) => {
+      const column = fc.oneof(
+        fc.record({
+          type: fc.constantFrom('float', 'float32', 'double', 'float64'),
+          values: fc.array(float, { minLength: count, maxLength: count }),
+        }),
+        fc.record({
+          type: fc.constantFrom(
+            'char',
+            'uchar',
+            'short',
+            'ushort',
+            'int',
+            'uint',
+            'int8',
+            'uint8',
+            'int16',
+            'uint16',
+            'int32',
+            'uint32',
+          ),
+          values: fc.array(small, { minLength: count, maxLength: count }),
+        }),
+      );
+      const list = fc.record({
+        type: fc.constantFrom('uchar', 'double'),
+        countType: fc.constantFrom('uchar', 'int'),
+        values: fc.array(fc.array(small, { maxLength: 3 }), { minLength: count, maxLength: count }),
+      });
+      const named = splatNames(degree).map((name) => column.map((values) => ({ name, ...values })));
+      const extras = fc.array(fc.oneof(column, list), { maxLength: 3 });
+      const properties = fc
+        .tuple(fc.tuple(...named), extras)
+        .map(([core, more]): FixtureProperty[] => [
+          ...core,
+          ...more.map((extra, i) => ({ name: `extra_${i}`, ...extra })),
+        ])
+        .chain((all) => fc.shuffledSubarray(all, { minLength: all.length }));
+      return properties.map(
+        (all): Fixture => ({ format, lineEnd, elements: [{ name: 'vertex', count, properties: all }] }),
+      );
+    });
+
+  test('any order, type and byte order reads back', () =>
+    fc.assert(
+      fc.asyncProperty(fixtures, async (fixture) => {
+        const set = await read(plyBytes(fixture));
+        const { count, properties } = fixture.elements[0];
+        expect(set.count).toBe(count);
+        for (const { name, values } of properties.filter(({ name }) => !name.startsWith('extra'))) {
+          for (let i = 0; i < count; i++) {
+            const expected = values[i] as number;
+            const tolerance = /^[xyz]$/.test(name) ? 4e-7 * Math.max(...set.positions.map(Math.abs)) : 0;
+            const found = valueIn(set, name, i);
+            expect(Math.abs(found - (tolerance ? expected : Math.fround(expected)))).toBeLessThanOrEqual(
+              tolerance,
+            );
+          }
+        }
+      }),
+      { numRuns: 100 },
+    ));
+
+  test('any chunking gives the same set', () =>
+    fc.assert(
+      fc.asyncProperty(
+        fixtures,
+        fc.array(fc.integer({ min: 1, max: 300 }), { minLength: 1, maxLength: 5 }),
+        async (fixture, sizes) => {
+          const bytes = plyBytes(fixture);
+          expect(await readSplats(chunked(bytes, sizes))).toEqual(await readSplats(bytes));
+        },
+      ),
+      { numRuns: 100 },
+    ));
+
+  /** Reads in any way; any outcome but splats or a typed error fails. */
+  async function readAnything(bytes: Uint8Array): Promise<void> {
+    // Both caught from the start: the one that is awaited last may reject while the other one pauses.
+    const attempts = [readSplats(chunked(bytes, [97])), readSplats(bytes)].map((attempt) =>
+      attempt.catch((error: unknown) => error),
+    );
+    for (const outcome of await Promise.all(attempts)) {
+      if (outcome instanceof WebSplatterError) continue;
+      expect(outcome).toHaveProperty('count');
+    }
+  }
+
+  test('any bytes give splats or a typed error', () =>
+    fc.assert(
+      fc.asyncProperty(fc.uint8Array({ maxLength: 400 }), fc.boolean(), async (bytes, asPly) => {
+        await readAnything(asPly ? new Uint8Array([...textFile('ply\n'), ...bytes]) : bytes);
+      }),
+      { numRuns: 200 },
+    ));
+
+  test('any damage to a file gives splats or a typed error', () =>
+    fc.assert(
+      fc.asyncProperty(
+        fixtures,
+        fc.array(fc.record({ at: fc.nat(), byte: fc.integer({ min: 0, max: 255 }), insert: fc.boolean() }), {
+          maxLength: 4,
+        }),
+        fc.nat(),
+        fc.boolean(),
+        async (fixture, damages, cut, isCut) => {
+          let bytes: Uint8Array = plyBytes(fixture);
+          for (const { at, byte, insert } of damages) {
+            const i = at % bytes.length;
+            if (insert) bytes = new Uint8Array([...bytes.subarray(0, i), byte, ...bytes.subarray(i)]);
+            else bytes[i] = byte;
+          }
+          await readAnything(isCut ? bytes.subarray(0, cut % (bytes.length + 1)) : bytes);
+        },
+      ),
+      { numRuns: 300 },
+    ));
+
+  test('header words in any order give splats or a typed error', () => {
+    const word = fc.constantFrom(
+      'element',
+      'vertex',
+      'property',
+      'list',
+      'float',
+      'int',
+      'uchar',
+      'x',
+      'f_rest_0',
+      '3',
+      '-1',
+      '4000000000',
+      'format',
+      'ascii',
+      '1.0',
+      'end_header',
+      'comment',
+      '',
+    );
+    const line = fc.array(word, { maxLength: 5 }).map((words) => words.join(' '));
+    return fc.assert(
+      fc.asyncProperty(fc.array(line, { maxLength: 12 }), (lines) =>
+        readAnything(textFile(`ply\nformat ${LE} 1.0\n${lines.join('\n')}\nend_header\n`)),
+      ),
+      { numRuns: 200 },
+    );
+  });
+
+  test('written files read back to the bit', () =>
+    fc.assert(
+      fc.asyncProperty(
+        fc.constantFrom<ShDegree>(0, 1, 2, 3),
+        fc.integer({ min: 1, max: 8 }),
+        fc.constantFrom(0, 10, 1e5),
+        fc.infiniteStream(float),
+        async (degree, count, offset, stream) => {
+          const next = () => stream.next().value as number;
+          const splats = splatElement(count, degree, (name) =>
+            CORE_NAMES.indexOf(name) < 3 ? offset + (next() % 1) : next(),
+          );
+          const set = await readFixture(splats);
+          expect(await read(encodePly(set))).toEqual(set);
+        },
+      ),
+      { numRuns: 100 },
+    ));
+});
+
+const playbot = resolve(import.meta.dirname, '../../../../../../../shared/scenes/playbot-lod3.ply');
+const playbotExists = existsSync(playbot);
+if (!playbotExists) console.info('skipped: ../shared/scenes/playbot-lod3.ply is not there');
+
+describe.skipIf(!playbotExists)('a real scene (playbot-lod3.ply)', () => {
+  test('31,000 splats of degree 2, as its bytes say, and back to the same bytes', async () => {
+    const bytes = readFileSync(playbot);
+    const set = await read(bytes);
+    expect(set).toMatchObject({ count: 31_000, origin: [0, 0, 0], dropped: {}, harmonics: { degree: 2 } });
+    const body = bytes.subarray(bytes.indexOf('end_header\n') + 11);
+    const names = [
+      'x',
+      'y',
+      'z',
+      'rot_0',
+      'rot_1',
+      'rot_2',
+      'rot_3',
+      'scale_0',
+      'scale_1',
+      'scale_2',
+      'opacity',
+    ];
+    names.push('f_dc_0', 'f_dc_1', 'f_dc_2', ...Array.from({ length: 24 }, (_, i) => `f_rest_${i}`));
+    for (const row of [0, 1, 12_345, 30_999]) {
+      const expected = names.map((_, i) => body.readFloatLE((row * names.length + i) * 4));
+      expect(names.map((name) => valueIn(set, name, row))).toEqual(expected);
+    }
+    expect(await read(encodePly(set))).toEqual(set);
+  });
+});

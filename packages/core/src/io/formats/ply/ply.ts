@@ -1,0 +1,273 @@
+import { SplatFileError } from '../../../errors.ts';
+import type { PackedHarmonics } from '../../../packing/harmonics.ts';
+import { ROW_SLOT } from '../../../splats/splat-row.ts';
+import type { FileFacts, ShDegree, SplatColumns, SplatSet } from '../../../splats/splat-set.ts';
+import { checkCount } from '../check-count.ts';
+import { FLAT_LOG_SCALE } from '../flat-scale.ts';
+import { ReadProgress } from '../progress.ts';
+import type { RowFiles, RowsTo } from '../row-sink.ts';
+import type { ReadFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
+import { SplatSetBuilder } from '../splat-set-builder.ts';
+import { readAsciiRows } from './ply-ascii.ts';
+import { passRows, readBinaryRows, rowLayoutOf } from './ply-binary.ts';
+import {
+  clip,
+  type PlyBody,
+  type PlyElement,
+  type PlyHeader,
+  type PlyProperty,
+  readPlyHeader,
+  TYPE_BYTES,
+} from './ply-header.ts';
+import { shDegreeOf, shNames } from './sh-properties.ts';
+
+/** A file that lacks properties of the standard layout, and is understood. */
+export interface PlyVariant {
+  /** Slots of what is read instead. */
+  readonly slotOf?: ReadonlyMap<string, number>;
+  /** Values for slots for which there is nothing to read. */
+  readonly defaults: readonly (readonly [slot: number, value: number])[];
+  /** See `FileFacts`. */
+  readonly note: string | undefined;
+  /** Turns what was read instead into what is missing. */
+  complete?(set: SplatColumns): void;
+}
+
+type VariantOf = (
+  header: PlyHeader,
+  vertex: PlyElement,
+  missing: readonly string[],
+) => PlyVariant | undefined;
+
+const SLOT_OF_CORE_PROPERTY = new Map<string, number>([
+  ...['x', 'y', 'z'].map((name, i): [string, number] => [name, ROW_SLOT.position + i]),
+  ...[0, 1, 2].map((i): [string, number] => [`scale_${i}`, ROW_SLOT.logScale + i]),
+  ...[0, 1, 2, 3].map((i): [string, number] => [`rot_${i}`, ROW_SLOT.rotation + i]),
+  ['opacity', ROW_SLOT.opacity],
+  ...[0, 1, 2].map((i): [string, number] => [`f_dc_${i}`, ROW_SLOT.colorDc + i]),
+]);
+
+/** 2DGS: discs instead of ellipsoids. */
+const FLAT: PlyVariant = {
+  defaults: [[ROW_SLOT.logScale + 2, FLAT_LOG_SCALE]],
+  note: 'Its splats have no third scale (2DGS) and are shown as flat ellipsoids.',
+};
+
+/** Most elements that a message names. */
+const MOST_LISTED = 8;
+const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
+
+/**
+ * Reads splats from a PLY: ascii or binary of either byte order, with properties in any order and of any scalar type.
+ * Other properties and elements are skipped. Memory grows with the rows that arrive, not with what the header promises;
+ * what comes after the splats is not read.
+ *
+ * In the file: x y z; scale_0…2 (natural logarithms); rot_0…3 (w x y z); opacity (logit); f_dc_0…2; f_rest_0…3K−1, all
+ * K of red, then green, then blue, K = 0, 3, 8 or 15. Integer types are read as plain numbers.
+ *
+ * Files of 2DGS have no scale_2: their splats are flat. Halves are `half` or `float16`, or `uint16` in a binary
+ * file with nothing else in what is needed, since as plain numbers these could be no splats.
+ *
+ * Rows that are all alike, with nothing but float32 in what is needed, go to `rowsTo` as they are, where it is given.
+ *
+ * @returns null if they did.
+ *
+ * Rejects with `SplatFileError` (every code but 'unknown-format' except for compressed PLY), `SplatSourceError`, or the
+ * signal's reason.
+ */
+export const readPly: ReadFormat = (input, options, rowsTo) => readPlyWith(input, options, rowsTo);
+
+/** As `readPly`, for files that lack more than that. */
+export async function readPlyWith(
+  input: SplatInput,
+  options: SplatFormatOptions,
+  rowsTo: RowsTo | undefined,
+  variantOf?: VariantOf,
+): Promise<SplatSet<PackedHarmonics> | null> {
+  const { reader, name: file } = input;
+  const declared = await readPlyHeader(reader, file);
+  const { vertexIndex, variant } = findVertex(declared, file, variantOf);
+  const shDegree = shDegreeOf(declared.elements[vertexIndex], file);
+  const slots = slotsOf(declared.elements[vertexIndex], shDegree, variant, file);
+  const header = withHalves(declared, vertexIndex, slots);
+  const vertex = header.elements[vertexIndex];
+  const body: PlyBody = { file, header, vertexIndex, slots };
+  checkCounts(input, header, vertexIndex, reader.byteOffset, options.maxSplats);
+  const progress = new ReadProgress(input, options.onProgress);
+  const { isAntialiased, writer } = header;
+  const fileFacts: FileFacts = {
+    format: 'ply',
+    variant: header.format,
+    writer,
+    notes: variant?.note ? [variant.note] : undefined,
+  };
+  const layout = rowsTo && !variant && rowLayoutOf(body, shDegree, rowsTo.files.pieceBytes);
+  if (
+    rowsTo &&
+    layout &&
+    isBetween(vertex.count, rowsTo.files) &&
+    mayHold(input, vertex.count * layout.strideBytes)
+  ) {
+    await rowsTo.sink.begin({ ...layout, isAntialiased, fileFacts });
+    await passRows(reader, body, layout, rowsTo.sink, progress);
+    progress.finish(vertex.count);
+    return null;
+  }
+  const builder = new SplatSetBuilder({
+    file,
+    shDegree,
+    shPrecision: options.shPrecision,
+    widePositions: vertex.properties.some(
+      ({ name, type }) => /^[xyz]$/.test(name) && WIDE_TYPES.includes(type),
+    ),
+    promisedCount: vertex.count,
+    // What only a server or a header promises may never come.
+    isHeld: input.isHeld,
+    isAntialiased,
+    fileFacts,
+  });
+  for (const [slot, value] of variant?.defaults ?? []) builder.row[slot] = value;
+  const readRows = header.format === 'ascii' ? readAsciiRows : readBinaryRows;
+  await readRows(reader, body, builder, progress);
+  progress.finish(builder.count);
+  const set = builder.finish();
+  variant?.complete?.(set);
+  return set;
+}
+
+/** The element that holds splats, and what stands for properties that are missing; throws if there is none. */
+function findVertex(
+  header: PlyHeader,
+  file: string,
+  variantOf: VariantOf | undefined,
+): { readonly vertexIndex: number; readonly variant: PlyVariant | undefined } {
+  const index = header.elements.findIndex((element) => element.name === 'vertex');
+  const vertex = header.elements[index];
+  const names = new Set(vertex?.properties.map((property) => property.name));
+  if (names.has('packed_position')) {
+    const advice = 'move the comments before its element chunk behind it';
+    throw new SplatFileError(
+      'unknown-format',
+      file,
+      `this is a compressed PLY (it has packed_position) with an unusual header; ${advice}.`,
+      { element: 'vertex', property: 'packed_position' },
+    );
+  }
+  const missing = [...SLOT_OF_CORE_PROPERTY.keys()].filter((name) => !names.has(name));
+  const variant = String(missing) === 'scale_2' ? FLAT : vertex && variantOf?.(header, vertex, missing);
+  if (missing.length > 0 && !variant) throw notSplatsError(header, vertex, missing, file);
+  return { vertexIndex: index, variant };
+}
+
+function notSplatsError(
+  header: PlyHeader,
+  vertex: PlyElement | undefined,
+  missing: readonly string[],
+  file: string,
+): SplatFileError {
+  if (vertex === undefined) {
+    const { elements } = header;
+    const listed = elements.slice(0, MOST_LISTED).map((element) => clip(element.name));
+    if (listed.length < elements.length) listed.push(`and ${elements.length - listed.length} others`);
+    const found = listed.join(', ') || 'none';
+    return new SplatFileError('not-splats', file, `there is no element vertex; elements found: ${found}.`);
+  }
+  const list = `its vertices lack ${missing.join(', ')}`;
+  const message = `${describeKind(header, missing)}: ${list}. Splats come from Gaussian-splatting training.`;
+  return new SplatFileError('not-splats', file, message, { element: 'vertex' });
+}
+
+function describeKind(header: PlyHeader, missing: readonly string[]): string {
+  const lacksShape = ['scale_0', 'rot_0', 'f_dc_0'].every((name) => missing.includes(name));
+  if (!lacksShape) return 'these are not complete splats';
+  const faces = header.elements.find(
+    ({ name, count }) => (name === 'face' || name === 'tristrips') && count > 0,
+  );
+  return faces
+    ? `this is a mesh (${faces.count} ${faces.name} rows), not splats`
+    : 'this is a plain point cloud, not splats';
+}
+
+/** For each property of `vertex`, its index in a builder's row; -1 if it is not needed. */
+function slotsOf(
+  vertex: PlyElement,
+  shDegree: ShDegree,
+  variant: PlyVariant | undefined,
+  file: string,
+): number[] {
+  const names = new Set(vertex.properties.map(({ name }) => name));
+  // Those that are missing have been made up for.
+  const slotOf = new Map([...SLOT_OF_CORE_PROPERTY].filter(([name]) => names.has(name)));
+  for (const [name, slot] of variant?.slotOf ?? []) slotOf.set(name, slot);
+  for (const [i, name] of shNames(shDegree).entries()) slotOf.set(name, ROW_SLOT.harmonics + i);
+  const fail = (property: string, message: string): never => {
+    throw new SplatFileError('bad-property', file, message, { element: 'vertex', property });
+  };
+  const seen = new Set<string>();
+  for (const { name, countType } of vertex.properties) {
+    if (!slotOf.has(name)) continue;
+    if (countType !== undefined) fail(name, `${name} is a list; it must be one number.`);
+    if (seen.has(name)) fail(name, `${name} is declared twice.`);
+    seen.add(name);
+  }
+  const missing = [...slotOf.keys()].find((name) => !seen.has(name));
+  if (missing !== undefined) fail(missing, `${missing} is missing though others of its kind are there.`);
+  return vertex.properties.map(({ name }) => slotOf.get(name) ?? -1);
+}
+
+/** The header of a file with nothing but uint16 in what is needed of its splats: these are halves. */
+function withHalves(header: PlyHeader, vertexIndex: number, slots: readonly number[]): PlyHeader {
+  const vertex = header.elements[vertexIndex];
+  const isPacked = vertex.properties.every(({ type }, i) => slots[i] < 0 || type === 'uint16');
+  if (!isPacked || header.format === 'ascii' || !slots.includes(ROW_SLOT.rotation)) return header;
+  const properties = vertex.properties.map((property, i): PlyProperty => {
+    return slots[i] < 0 ? property : { ...property, type: 'float16' };
+  });
+  const elements = header.elements.map((each) => (each === vertex ? { ...vertex, properties } : each));
+  return { ...header, elements };
+}
+
+function isBetween(count: number, { minRows, maxRows }: RowFiles): boolean {
+  return count >= minRows && count <= maxRows;
+}
+
+/** Whether a source may be as large as its header says. Memory for all rows is taken at once only then. */
+function mayHold({ totalBytes }: SplatInput, bytes: number): boolean {
+  return totalBytes !== undefined && totalBytes >= bytes;
+}
+
+/** Throws if the source is known to be too small for the promised rows, or if there are too many of them. */
+function checkCounts(
+  source: SplatInput,
+  header: PlyHeader,
+  vertexIndex: number,
+  bodyStart: number,
+  maxSplats: number,
+): void {
+  const vertex = header.elements[vertexIndex];
+  if (vertex.count > 0 && source.totalBytes !== undefined && source.totalBytesCertain) {
+    const elements = header.elements.slice(0, vertexIndex + 1);
+    const neededBytes = elements.reduce(
+      (sum, element) => sum + element.count * leastRowBytes(element, header),
+      0,
+    );
+    // A text body's last line may go without its line end.
+    const availableBytes = source.totalBytes - bodyStart + (header.format === 'ascii' ? 1 : 0);
+    if (neededBytes > availableBytes) {
+      throw new SplatFileError(
+        'truncated',
+        source.name,
+        `${vertex.count} splats need at least ${neededBytes} bytes after the header, the file has ${availableBytes}. ` +
+          'Download or export it again.',
+        { element: 'vertex', byte: source.totalBytes },
+      );
+    }
+  }
+  checkCount(vertex.count, source.name, maxSplats, { element: 'vertex' });
+}
+
+/** Least bytes of one row: lists are empty; in text each number is a digit and a separator. */
+function leastRowBytes(element: PlyElement, header: PlyHeader): number {
+  if (header.format === 'ascii') return 2 * element.properties.length;
+  return element.properties.reduce((sum, { type, countType }) => sum + TYPE_BYTES[countType ?? type], 0);
+}

@@ -1,0 +1,77 @@
+import { type Harmonics, readCoefficients } from '../../../packing/harmonics.ts';
+import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.ts';
+
+/**
+ * Encodes `set` as a PLY in the standard 3DGS layout: binary little-endian, float32 x y z, f_dc, f_rest (all of red,
+ * then green, then blue), opacity, scale, rot; no normals. A comment says what is known of an antialias filter. Rows keep the set's order; `fileIndices` and `dropped` are
+ * not kept.
+ *
+ * Where the origin is not 0, x y z are doubles with the origin added, since float32 could not hold them. Read again at
+ * shPrecision f32, a set that came from a file gives the same bits. Throws RangeError if no ArrayBuffer can be that
+ * large.
+ */
+export function encodePly(set: SplatSet<Harmonics>): Uint8Array<ArrayBuffer> {
+  const shValues = coefficientsPerSplat(set.harmonics.degree);
+  const isWide = set.origin.some((value) => value !== 0);
+  const positionBytes = isWide ? 8 : 4;
+  const header = new TextEncoder().encode(headerText(set, shValues, isWide ? 'double' : 'float'));
+  const stride = 3 * positionBytes + 4 * (3 + shValues + 1 + 3 + 4);
+  const bytes = new Uint8Array(header.length + set.count * stride);
+  bytes.set(header);
+  const view = new DataView(bytes.buffer);
+  const sh = new Float32Array(shValues);
+  let offset = header.length;
+  const put = (value: number) => {
+    view.setFloat32(offset, value, true);
+    offset += 4;
+  };
+  for (let i = 0; i < set.count; i++) {
+    for (let axis = 0; axis < 3; axis++) {
+      const position = absolute(set.positions[3 * i + axis], set.origin[axis]);
+      if (isWide) view.setFloat64(offset, position, true);
+      else view.setFloat32(offset, position, true);
+      offset += positionBytes;
+    }
+    for (let channel = 0; channel < 3; channel++) put(set.colorDc[3 * i + channel]);
+    readCoefficients(set.harmonics, i, sh);
+    for (let channel = 0; channel < 3; channel++) for (let k = channel; k < shValues; k += 3) put(sh[k]);
+    put(set.opacityLogits[i]);
+    for (let axis = 0; axis < 3; axis++) put(set.logScales[3 * i + axis]);
+    for (let part = 0; part < 4; part++) put(set.rotations[4 * i + part]);
+  }
+  return bytes;
+}
+
+/** −0 would become +0 if 0 were added. */
+function absolute(position: number, origin: number): number {
+  return origin === 0 ? position : position + origin;
+}
+
+function headerText(
+  { count, isAntialiased }: SplatSet<Harmonics>,
+  shValues: number,
+  positionType: 'float' | 'double',
+): string {
+  const floats = [
+    ...names('f_dc', 3),
+    ...names('f_rest', shValues),
+    'opacity',
+    ...names('scale', 3),
+    ...names('rot', 4),
+  ];
+  return [
+    'ply',
+    'format binary_little_endian 1.0',
+    // As Brush says it, and what reads its files understands.
+    ...(isAntialiased === undefined ? [] : [`comment SplatRenderMode: ${isAntialiased ? 'mip' : 'default'}`]),
+    `element vertex ${count}`,
+    ...['x', 'y', 'z'].map((name) => `property ${positionType} ${name}`),
+    ...floats.map((name) => `property float ${name}`),
+    'end_header',
+    '',
+  ].join('\n');
+}
+
+function names(stem: string, count: number): string[] {
+  return Array.from({ length: count }, (_, i) => `${stem}_${i}`);
+}

@@ -1,0 +1,32 @@
+import type { RowLayout } from '../../packing/row-layout.ts';
+
+/** Takes the rows of a file as they are, piece by piece. */
+export interface RowSink {
+  /** Whether its memory may move to another buffer while it is filled. */
+  readonly mayDetach: boolean;
+  /** Called first. */
+  begin(layout: RowLayout): Promise<void>;
+  /** Memory for the next piece, as soon as some is free; it has room for `pieceRows` rows, or for all. */
+  memory(): Promise<Uint8Array<ArrayBuffer>>;
+  /**
+   * Takes this many rows, at the beginning of that memory, which is no longer the caller's then. All pieces but the last are
+   * full.
+   *
+   * @param rows in the same buffer as the memory, or in the one that it has moved to.
+   */
+  take(rowCount: number, rows: Uint8Array<ArrayBuffer>): void;
+}
+
+/** Files whose rows go to a sink, if they are of that kind; it can be posted. */
+export interface RowFiles {
+  /** Files with fewer rows, or with more, are read as if there were no sink. */
+  readonly minRows: number;
+  readonly maxRows: number;
+  /** Bytes that are handed on at once, at most; but never less than a chunk of rows. */
+  readonly pieceBytes: number;
+}
+
+export interface RowsTo {
+  readonly sink: RowSink;
+  readonly files: RowFiles;
+}

@@ -1,0 +1,78 @@
+import { SplatFileError } from '../../../errors.ts';
+import { clip } from '../ply/ply-header.ts';
+
+/** The fields of an object in JSON from a file. Each method throws SplatFileError 'bad-header' for what it does not find. */
+export class JsonFields {
+  readonly #values: Readonly<Record<string, unknown>>;
+  /** Of this object within the file, with a dot at its end. */
+  readonly #path: string;
+  readonly #file: string;
+
+  constructor(json: unknown, path: string, file: string) {
+    this.#path = path;
+    this.#file = file;
+    if (typeof json !== 'object' || json === null || Array.isArray(json))
+      this.#fail(path.replace(/\.$/, ''), json, 'an object');
+    this.#values = json as Readonly<Record<string, unknown>>;
+  }
+
+  get(name: string): unknown {
+    return Object.hasOwn(this.#values, name) ? this.#values[name] : undefined;
+  }
+
+  has(name: string): boolean {
+    return (this.get(name) ?? null) !== null;
+  }
+
+  fields(name: string): JsonFields {
+    return new JsonFields(this.get(name), `${this.#path}${name}.`, this.#file);
+  }
+
+  number(name: string): number {
+    const value = this.get(name);
+    return Number.isFinite(value) ? (value as number) : this.fail(name, 'a number');
+  }
+
+  /** A whole number from 0. */
+  count(name: string): number {
+    const value = this.get(name);
+    return Number.isSafeInteger(value) && (value as number) >= 0
+      ? (value as number)
+      : this.fail(name, 'a count');
+  }
+
+  numbers(name: string, length: number): number[] {
+    const value = this.get(name);
+    if (Array.isArray(value) && value.length === length && value.every(Number.isFinite)) return value;
+    return this.fail(name, `a list of ${length} numbers`);
+  }
+
+  /** A list of file names. */
+  names(name: string): string[] {
+    const value = this.get(name);
+    if (Array.isArray(value) && value.every((each) => typeof each === 'string')) return value;
+    return this.fail(name, 'a list of file names');
+  }
+
+  /** Objects in a list. */
+  list(name: string): JsonFields[] {
+    const value = this.get(name);
+    if (!Array.isArray(value)) return this.fail(name, 'a list');
+    return value.map((each, i) => new JsonFields(each, `${this.#path}${name}[${i}].`, this.#file));
+  }
+
+  keys(): string[] {
+    return Object.keys(this.#values);
+  }
+
+  fail(name: string, expected: string): never {
+    return this.#fail(this.#path + name, this.get(name), expected);
+  }
+
+  #fail(property: string, value: unknown, expected: string): never {
+    const found = value === undefined ? 'missing' : clip(JSON.stringify(value) ?? String(value));
+    const what = property === '' ? 'it' : property;
+    const message = `it is no metadata of SOG: ${what} is ${found}; it must be ${expected}.`;
+    throw new SplatFileError('bad-header', this.#file, message, property === '' ? {} : { property });
+  }
+}

@@ -1,0 +1,48 @@
+import { SplatFileError } from '../../../errors.ts';
+import { readPart } from '../../sources/read-part.ts';
+import { clip } from '../ply/ply-header.ts';
+import type { ReadProgress } from '../progress.ts';
+import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
+
+/** Far above what any file system has, and short enough for a message. */
+const MOST_PATH = 1024;
+
+/** Reads the other files of a scene, each of them once: a few that are named again and again would make a large scene. */
+export class PartReader {
+  readonly #input: SplatInput;
+  readonly #options: SplatFormatOptions;
+  readonly #progress: ReadProgress;
+  readonly #paths = new Set<string>();
+
+  constructor(input: SplatInput, options: SplatFormatOptions, progress: ReadProgress) {
+    this.#input = input;
+    this.#options = options;
+    this.#progress = progress;
+  }
+
+  /**
+   * Rejects as `readPart`; and with SplatFileError 'damaged' for a file that has been read.
+   *
+   * @param path from the folder of the scene.
+   */
+  async read(path: string): Promise<Uint8Array<ArrayBuffer>> {
+    const { name } = this.#input;
+    if (path.length > MOST_PATH || path.split('/').some((part) => /^\.{0,2}$/.test(part))) {
+      const message = `it names a file "${clip(path)}", which may lie outside of its folder. Export the scene again.`;
+      throw new SplatFileError('damaged', name, message);
+    }
+    if (this.#paths.has(path)) {
+      const message = `it names the file ${path} twice. Export the scene again.`;
+      throw new SplatFileError('damaged', name, message);
+    }
+    this.#paths.add(path);
+    const bytes = await readPart(this.#input, path, this.#options);
+    this.#progress.addPart(bytes.length);
+    return bytes;
+  }
+
+  /** See `ByteReader`. */
+  pause(): Promise<void> {
+    return this.#input.reader.pause();
+  }
+}

@@ -1,0 +1,114 @@
+import { SplatFileError } from '../../../errors.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../splats/splat-set.ts';
+import { decodeWebp, openWebp, type WebpImage } from '../../containers/webp.ts';
+import { unpackedLimit } from '../../sources/read-limits.ts';
+import type { PartReader } from './part-reader.ts';
+import type { SogHarmonics, SogMeta } from './sog-meta.ts';
+
+/** Colours in a row of a palette's image. */
+const PALETTE_COLUMNS = 64;
+
+/** The images of a SOG, decoded: R, G, B, A of each splat in turn. */
+export interface SogImages {
+  readonly positionsLow: Uint8Array;
+  readonly positionsHigh: Uint8Array;
+  readonly rotations: Uint8Array;
+  readonly scales: Uint8Array;
+  readonly colors: Uint8Array;
+  readonly harmonics: SogPaletteImages | null;
+}
+
+export interface SogPaletteImages {
+  readonly degree: ShDegree;
+  /** Number of colours that there are. */
+  readonly size: number;
+  /** R, G, B, A of each coefficient of each colour in turn. */
+  readonly palette: Uint8Array;
+  /** Number of its colour, of each splat: the low byte in R, the high one in G. */
+  readonly labels: Uint8Array;
+}
+
+/** Counts what a scene's images unpack to, which few bytes must not make large. */
+export class ImageBudget {
+  #packedBytes = 0;
+  #unpackedBytes = 0;
+  readonly #maxBytes: number;
+
+  constructor(maxBytes: number) {
+    this.#maxBytes = maxBytes;
+  }
+
+  /** @throws SplatFileError 'too-large' */
+  take(images: readonly WebpImage[]): void {
+    for (const { file, data, width, height } of images) {
+      this.#packedBytes += data.length;
+      this.#unpackedBytes += 4 * width * height;
+      const most = Math.min(this.#maxBytes, unpackedLimit({}, { totalBytes: this.#packedBytes }));
+      if (this.#unpackedBytes <= most) continue;
+      const message = `with its ${width} x ${height} pixels, the images take ${this.#unpackedBytes} bytes, more than ${most}. `;
+      throw new SplatFileError('too-large', file, `${message}Pass a larger maxBytes if that is right.`);
+    }
+  }
+}
+
+/**
+ * Reads and decodes the images that a SOG's metadata names. All sizes are checked before any is decoded.
+ *
+ * Rejects with SplatFileError, SplatSourceError, or the signal's reason.
+ *
+ * @param folder of the metadata, from that of the scene; it ends with `/`, or is empty.
+ */
+export async function readSogImages(
+  parts: PartReader,
+  folder: string,
+  { count, files, harmonics }: SogMeta,
+  budget: ImageBudget,
+): Promise<SogImages> {
+  const names = [files.positionsLow, files.positionsHigh, files.rotations, files.scales, files.colors];
+  if (harmonics) names.push(harmonics.labelsFile, harmonics.paletteFile);
+  // All at once, since each may be a request.
+  const images = await Promise.all(
+    names.map(async (name) => openWebp(await parts.read(folder + name), folder + name)),
+  );
+  checkSizes(images.slice(0, harmonics ? -1 : undefined), count);
+  const degree = harmonics && degreeOf(harmonics, images[images.length - 1]);
+  budget.take(images);
+  const decoded: Uint8Array[] = [];
+  for (const image of images) {
+    decoded.push(decodeWebp(image));
+    await parts.pause();
+  }
+  const [positionsLow, positionsHigh, rotations, scales, colors, labels, palette] = decoded;
+  const size = harmonics && Math.min(harmonics.paletteSize ?? Infinity, PALETTE_COLUMNS * images[6].height);
+  return {
+    positionsLow,
+    positionsHigh,
+    rotations,
+    scales,
+    colors,
+    harmonics: degree && size !== null ? { degree, size, palette, labels } : null,
+  };
+}
+
+/** Throws unless each of the images has a pixel for every splat, at the same place. */
+function checkSizes(images: readonly WebpImage[], count: number): void {
+  const [{ width, height }] = images;
+  for (const image of images) {
+    const size = `${image.width} x ${image.height} pixels`;
+    if (image.width !== width || image.height !== height) {
+      const message = `it has ${size}, other images of the scene ${width} x ${height}. Export the scene again.`;
+      throw new SplatFileError('damaged', image.file, message);
+    }
+    if (width * height < count) {
+      const message = `it has ${size}, too few for ${count} splats. Export the scene again.`;
+      throw new SplatFileError('damaged', image.file, message);
+    }
+  }
+}
+
+function degreeOf({ degree }: SogHarmonics, { file, width }: WebpImage): ShDegree {
+  const found = ([1, 2, 3] as const).find((each) => PALETTE_COLUMNS * SH_REST_COEFFICIENTS[each] === width);
+  if (found !== undefined && found === (degree ?? found)) return found;
+  const message = `it is ${width} pixels wide, which is no palette of harmonics of degree ${degree ?? '1, 2 or 3'}. `;
+  throw new SplatFileError('damaged', file, `${message}Export the scene again.`);
+}

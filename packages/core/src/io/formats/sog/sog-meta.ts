@@ -1,0 +1,153 @@
+import { SplatFileError } from '../../../errors.ts';
+import type { ShDegree } from '../../../splats/splat-set.ts';
+import { clip } from '../ply/ply-header.ts';
+import { JsonFields } from './json-fields.ts';
+
+/** What the bytes of a channel mean, in the row of a splat. */
+export type ByteValues = Float32Array;
+
+/** Metadata of SOG, the same for both versions. */
+export interface SogMeta {
+  readonly count: number;
+  /** Undefined where the file does not say it. */
+  readonly isAntialiased: boolean | undefined;
+  /** Range of each axis, of sign(v) ln(|v| + 1). */
+  readonly positions: { readonly mins: readonly number[]; readonly maxs: readonly number[] };
+  /** Of red, green and blue: log scales of the three axes. */
+  readonly logScales: readonly ByteValues[];
+  /** Of red, green, blue and alpha: the base colour, and the opacity's logit. */
+  readonly colors: readonly ByteValues[];
+  readonly harmonics: SogHarmonics | null;
+  readonly files: {
+    readonly positionsLow: string;
+    readonly positionsHigh: string;
+    readonly rotations: string;
+    readonly scales: string;
+    readonly colors: string;
+  };
+}
+
+export interface SogHarmonics {
+  readonly values: ByteValues;
+  /** Undefined in version 1, where the width of the palette's image tells it. */
+  readonly degree: ShDegree | undefined;
+  /** Colours in the palette; undefined in version 1. */
+  readonly paletteSize: number | undefined;
+  readonly paletteFile: string;
+  readonly labelsFile: string;
+}
+
+/**
+ * Understands the metadata of SOG. Version 2 gives what each byte means in codebooks; version 1, which has no number, in ranges.
+ *
+ * @throws SplatFileError 'bad-header'; 'unknown-format' for other versions
+ */
+export function parseSogMeta(json: unknown, file: string): SogMeta {
+  const meta = new JsonFields(json, '', file);
+  const version = meta.get('version');
+  if (version !== undefined && version !== 2) {
+    const message = `it is SOG of version ${clip(String(version))}; versions 1 and 2 are read. Export the scene again.`;
+    throw new SplatFileError('unknown-format', file, message, { property: 'version' });
+  }
+  const means = meta.fields('means');
+  const scales = meta.fields('scales');
+  const sh0 = meta.fields('sh0');
+  const shN = meta.has('shN') ? meta.fields('shN') : null;
+  const [positionsLow, positionsHigh] = filesOf(means, 2);
+  const common = {
+    positions: { mins: means.numbers('mins', 3), maxs: means.numbers('maxs', 3) },
+    files: {
+      positionsLow,
+      positionsHigh,
+      rotations: filesOf(meta.fields('quats'), 1)[0],
+      scales: filesOf(scales, 1)[0],
+      colors: filesOf(sh0, 1)[0],
+    },
+  };
+  if (version === undefined) {
+    return {
+      ...common,
+      count: shapeCount(means),
+      isAntialiased: undefined,
+      logScales: rangedValues(scales, 3),
+      colors: rangedValues(sh0, 4),
+      harmonics: shN && {
+        values: valuesBetween(shN.number('mins'), shN.number('maxs')),
+        degree: undefined,
+        paletteSize: undefined,
+        ...paletteFiles(shN),
+      },
+    };
+  }
+  const scaleValues = codebookOf(scales);
+  const colorValues = codebookOf(sh0);
+  return {
+    ...common,
+    count: meta.count('count'),
+    isAntialiased: antialiasedBy(meta.get('model'), meta.get('antialias')),
+    logScales: [scaleValues, scaleValues, scaleValues],
+    colors: [colorValues, colorValues, colorValues, LOGITS],
+    harmonics: shN && {
+      values: codebookOf(shN),
+      degree: degreeIn(shN),
+      paletteSize: shN.count('count'),
+      ...paletteFiles(shN),
+    },
+  };
+}
+
+function filesOf(fields: JsonFields, count: number): string[] {
+  const names = fields.names('files');
+  return names.length === count ? names : fields.fail('files', `a list of ${count} file names`);
+}
+
+/** Version 1 says how many splats there are by the shape of an array. */
+function shapeCount(means: JsonFields): number {
+  const shape = means.get('shape');
+  const count = Array.isArray(shape) ? shape[0] : undefined;
+  return Number.isSafeInteger(count) && count >= 0
+    ? count
+    : means.fail('shape', 'a list that begins with a count');
+}
+
+/** The logit of each opacity of 8 bits. */
+const LOGITS = Float32Array.from({ length: 256 }, (_, byte) => Math.log(byte / (255 - byte)));
+
+/** Newer files have `model`, older ones `antialias`. */
+function antialiasedBy(model: unknown, antialias: unknown): boolean | undefined {
+  if (typeof model === 'string') return model === 'antialiased';
+  return typeof antialias === 'boolean' ? antialias : undefined;
+}
+
+function paletteFiles(shN: JsonFields): Pick<SogHarmonics, 'paletteFile' | 'labelsFile'> {
+  const [paletteFile, labelsFile] = filesOf(shN, 2);
+  return { paletteFile, labelsFile };
+}
+
+function rangedValues(fields: JsonFields, channels: number): ByteValues[] {
+  const mins = fields.numbers('mins', channels);
+  const maxs = fields.numbers('maxs', channels);
+  return mins.map((min, channel) => valuesBetween(min, maxs[channel]));
+}
+
+function valuesBetween(min: number, max: number): ByteValues {
+  return Float32Array.from({ length: 256 }, (_, byte) => min + (max - min) * (byte / 255));
+}
+
+function degreeIn(shN: JsonFields): ShDegree {
+  const bands = shN.count('bands');
+  return bands === 1 || bands === 2 || bands === 3 ? bands : shN.fail('bands', '1, 2 or 3');
+}
+
+/** What each byte means, by a codebook of version 2. */
+function codebookOf(fields: JsonFields): ByteValues {
+  const values = fields.get('codebook');
+  if (!Array.isArray(values) || values.length !== 256)
+    return fields.fail('codebook', 'a list of 256 numbers');
+  const [first, ...others] = values;
+  // Some writers left out the first value, for which readers go on from the next.
+  const all = [first === null ? others[0] + (others[0] - others[254]) / 255 : first, ...others];
+  return all.every(Number.isFinite)
+    ? Float32Array.from(all)
+    : fields.fail('codebook', 'a list of 256 numbers');
+}

@@ -1,0 +1,122 @@
+import { SplatFileError } from '../../../errors.ts';
+import { ROW_SLOT } from '../../../splats/splat-row.ts';
+import { coefficientsPerSplat, type ShDegree } from '../../../splats/splat-set.ts';
+import { type DecodedRows, rowLength } from '../decoded-rows.ts';
+import type { SogImages, SogPaletteImages } from './sog-images.ts';
+import type { ByteValues, SogMeta } from './sog-meta.ts';
+
+/** Values of the two bytes of a position. */
+const POSITION_STEPS = 65535;
+/** Alpha of a rotation whose w is left out; those without x, y and z follow. */
+const FIRST_MODE = 252;
+/** Each byte of a rotation as a component, from −√½ to √½. */
+const COMPONENTS = Float64Array.from({ length: 256 }, (_, byte) => (byte / 255 - 0.5) * Math.SQRT2);
+
+/**
+ * Decodes the splats of a SOG one after another.
+ *
+ * @param file its name in messages.
+ * @param shDegree of the rows, which may be higher than that of the file.
+ */
+export function sogRows(
+  file: string,
+  { positions, logScales, colors: colorValues, harmonics }: SogMeta,
+  images: SogImages,
+  shDegree: ShDegree,
+): DecodedRows['decode'] {
+  const { positionsLow, positionsHigh, rotations, scales, colors } = images;
+  const [x, y, z] = positions.mins.map((min, axis) => new Axis(min, positions.maxs[axis]));
+  const [scaleX, scaleY, scaleZ] = logScales;
+  const [reds, greens, blues, logits] = colorValues;
+  const palette = images.harmonics && paletteRows(images.harmonics, harmonics!.values);
+  const { labels, size: paletteSize = 0 } = images.harmonics ?? {};
+  const length = rowLength(shDegree);
+  const coefficients = images.harmonics ? coefficientsPerSplat(images.harmonics.degree) : 0;
+  let next = 0;
+  return (rows, rowCount) => {
+    for (let row = 0; row < rowCount * length; row += length, next++) {
+      const at = 4 * next;
+      const position = row + ROW_SLOT.position;
+      rows[position] = x.at(positionsLow[at] | (positionsHigh[at] << 8));
+      rows[position + 1] = y.at(positionsLow[at + 1] | (positionsHigh[at + 1] << 8));
+      rows[position + 2] = z.at(positionsLow[at + 2] | (positionsHigh[at + 2] << 8));
+
+      const logScale = row + ROW_SLOT.logScale;
+      rows[logScale] = scaleX[scales[at]];
+      rows[logScale + 1] = scaleY[scales[at + 1]];
+      rows[logScale + 2] = scaleZ[scales[at + 2]];
+
+      const mode = rotations[at + 3] - FIRST_MODE;
+      if (mode < 0) throw modeError(file, next, rotations[at + 3]);
+      const a = COMPONENTS[rotations[at]];
+      const b = COMPONENTS[rotations[at + 1]];
+      const c = COMPONENTS[rotations[at + 2]];
+      const rotation = row + ROW_SLOT.rotation;
+      // The largest is left out, and not negative; the others are in their order.
+      rows[rotation] = a;
+      rows[rotation + 1] = mode < 2 ? a : b;
+      rows[rotation + 2] = mode < 3 ? b : c;
+      rows[rotation + 3] = c;
+      rows[rotation + mode] = Math.sqrt(Math.max(0, 1 - a * a - b * b - c * c));
+
+      rows[row + ROW_SLOT.opacity] = logits[colors[at + 3]];
+      const color = row + ROW_SLOT.colorDc;
+      rows[color] = reds[colors[at]];
+      rows[color + 1] = greens[colors[at + 1]];
+      rows[color + 2] = blues[colors[at + 2]];
+
+      let harmonic = row + ROW_SLOT.harmonics;
+      if (palette && labels) {
+        const label = labels[at] | (labels[at + 1] << 8);
+        if (label >= paletteSize) throw labelError(file, next, label, paletteSize);
+        const from = label * coefficients;
+        for (let k = 0; k < coefficients; k++) rows[harmonic++] = palette[from + k];
+      }
+      // The memory may have been used before.
+      while (harmonic < row + length) rows[harmonic++] = 0;
+    }
+  };
+}
+
+/** The coordinates of one axis. Each is computed once, since scenes have many splats for every one that there can be. */
+class Axis {
+  readonly #min: number;
+  readonly #step: number;
+  readonly #values = new Float32Array(POSITION_STEPS + 1).fill(Number.NaN);
+
+  /** @param min and `max`: of sign(v) ln(|v| + 1) */
+  constructor(min: number, max: number) {
+    this.#min = min;
+    this.#step = (max - min) / POSITION_STEPS;
+  }
+
+  at(step: number): number {
+    const value = this.#values[step];
+    if (!Number.isNaN(value)) return value;
+    const n = this.#min + this.#step * step;
+    this.#values[step] = Math.sign(n) * Math.expm1(Math.abs(n));
+    return this.#values[step];
+  }
+}
+
+/** The coefficients of each colour of a palette, k-major as in rows. */
+function paletteRows({ degree, size, palette }: SogPaletteImages, values: ByteValues): Float32Array {
+  const pixels = (size * coefficientsPerSplat(degree)) / 3;
+  const rows = new Float32Array(3 * pixels);
+  for (let pixel = 0; pixel < pixels; pixel++) {
+    rows[3 * pixel] = values[palette[4 * pixel]];
+    rows[3 * pixel + 1] = values[palette[4 * pixel + 1]];
+    rows[3 * pixel + 2] = values[palette[4 * pixel + 2]];
+  }
+  return rows;
+}
+
+function modeError(file: string, row: number, mode: number): SplatFileError {
+  const message = `a rotation has the mode ${mode}; it must be ${FIRST_MODE} to 255. Export the scene again.`;
+  return new SplatFileError('damaged', file, message, { row });
+}
+
+function labelError(file: string, row: number, label: number, size: number): SplatFileError {
+  const message = `a splat has the harmonics ${label} of a palette of ${size}. Export the scene again.`;
+  return new SplatFileError('damaged', file, message, { row });
+}

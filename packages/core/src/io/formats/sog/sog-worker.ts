@@ -1,0 +1,7 @@
+import { type LoadPort, serveLoad } from '../../loading/serve-load.ts';
+import { openFiles } from '../../sources/open-files.ts';
+import { onlyOf } from '../splat-format.ts';
+import { readSog } from './sog.ts';
+import { sogFormat } from './sog-format.ts';
+
+serveLoad(self as unknown as LoadPort, { ...onlyOf(sogFormat, readSog), openFiles });

@@ -1,0 +1,127 @@
+import { SplatFileError } from '../../../errors.ts';
+import type { PackedHarmonics } from '../../../packing/harmonics.ts';
+import type { ShDegree, SplatSet } from '../../../splats/splat-set.ts';
+import { readAll } from '../../sources/read-all.ts';
+import { checkCount } from '../check-count.ts';
+import { type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
+import { ReadProgress } from '../progress.ts';
+import type { RowsTo } from '../row-sink.ts';
+import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
+import { finestLevel, isStreamedMeta } from './finest-level.ts';
+import { PartReader } from './part-reader.ts';
+import { ImageBudget, readSogImages, type SogImages } from './sog-images.ts';
+import { parseSogMeta, type SogMeta } from './sog-meta.ts';
+import { sogRows } from './sog-rows.ts';
+
+/** Most bytes of a file with metadata; those of large streamed scenes have some millions. */
+const MAX_META_BYTES = 2 ** 26;
+
+/** One SOG, which may be a part of a scene. */
+interface SogUnit {
+  /** Its metadata's name in messages. */
+  readonly file: string;
+  readonly meta: SogMeta;
+  readonly images: SogImages;
+}
+
+/**
+ * Reads SOG (Spatially Ordered Gaussians, by PlayCanvas), version 2 or 1: metadata in JSON, and images beside it, whose pixels are
+ * the splats. Of streamed SOG, reads the finest level of the whole scene, and its environment.
+ *
+ * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
+ */
+export async function readSog(
+  input: SplatInput,
+  options: SplatFormatOptions,
+  rowsTo?: RowsTo,
+): Promise<SplatSet<PackedHarmonics> | null> {
+  const stop = new AbortController();
+  // What fails stops what else is being read.
+  const signal = options.signal ? AbortSignal.any([options.signal, stop.signal]) : stop.signal;
+  try {
+    const progress = new ReadProgress(input, options.onProgress);
+    const units = await readUnits(input, { ...options, signal }, progress);
+    return await deliverRows(joinUnits(units), input, options, rowsTo, progress);
+  } finally {
+    stop.abort();
+  }
+}
+
+async function readUnits(
+  input: SplatInput,
+  options: SplatFormatOptions,
+  progress: ReadProgress,
+): Promise<SogUnit[]> {
+  const { name } = input;
+  const parts = new PartReader(input, options, progress);
+  const json = parseJson(await readAll(input.reader, MAX_META_BYTES + 1), name);
+  const budget = new ImageBudget(options.maxBytes ?? Number.POSITIVE_INFINITY);
+  const unitOf = async (
+    file: string,
+    folder: string,
+    unitJson: unknown,
+    count?: number,
+  ): Promise<SogUnit> => {
+    const meta = parseSogMeta(unitJson, file);
+    if (count !== undefined && meta.count !== count) {
+      const message = `it has ${meta.count} splats, where the scene says ${count}. Export the scene again.`;
+      throw new SplatFileError('damaged', file, message);
+    }
+    checkCount(meta.count, file, options.maxSplats);
+    return { file, meta, images: await readSogImages(parts, folder, meta, budget) };
+  };
+  if (!isStreamedMeta(json)) return [await unitOf(name, '', json)];
+  const files = finestLevel(json, name);
+  const total = files.reduce((sum, { count = 0 }) => sum + count, 0);
+  // Before all of it is fetched; an environment may be all there is.
+  if (total > 0 || files.length === 0) checkCount(total, name, options.maxSplats);
+  const units: SogUnit[] = [];
+  for (const { path, count } of files) {
+    const unitJson = parseJson(await parts.read(path), path);
+    units.push(await unitOf(path, path.replace(/[^/]*$/, ''), unitJson, count));
+  }
+  return units;
+}
+
+function parseJson(bytes: Uint8Array, file: string): unknown {
+  if (bytes.length > MAX_META_BYTES) {
+    const message = `its metadata has more than ${MAX_META_BYTES} bytes, which no scene needs.`;
+    throw new SplatFileError('too-large', file, message);
+  }
+  try {
+    return JSON.parse(new TextDecoder().decode(bytes));
+  } catch (cause) {
+    const message = `it is no valid JSON (${(cause as Error).message}). Download or export it again.`;
+    throw new SplatFileError('bad-header', file, message, {}, { cause });
+  }
+}
+
+/** The splats of several SOGs, one after the other. */
+function joinUnits(units: readonly SogUnit[]): DecodedRows {
+  const degrees = units.map(({ images }) => images.harmonics?.degree ?? 0);
+  const shDegree = Math.max(...degrees) as ShDegree;
+  const [{ meta }] = units;
+  const decoders = units.map((unit) => ({
+    left: unit.meta.count,
+    decode: sogRows(unit.file, unit.meta, unit.images, shDegree),
+  }));
+  const length = rowLength(shDegree);
+  return {
+    count: units.reduce((sum, unit) => sum + unit.meta.count, 0),
+    shDegree,
+    isAntialiased: units.every((unit) => unit.meta.isAntialiased === meta.isAntialiased)
+      ? meta.isAntialiased
+      : undefined,
+    decode(rows, rowCount) {
+      let done = 0;
+      while (done < rowCount) {
+        const decoder = decoders[0];
+        const count = Math.min(decoder.left, rowCount - done);
+        decoder.decode(rows.subarray(done * length), count);
+        decoder.left -= count;
+        done += count;
+        if (decoder.left === 0) decoders.shift();
+      }
+    },
+  };
+}

@@ -1,0 +1,76 @@
+import type { PackedHarmonics } from '../../packing/harmonics.ts';
+import type { ShPrecision } from '../../packing/precision.ts';
+import type { SplatSet } from '../../splats/splat-set.ts';
+import type { ByteReader } from '../sources/byte-reader.ts';
+import type { OpenedSource, ReadOptions, SceneFiles } from '../sources/splat-source.ts';
+import type { RowsTo } from './row-sink.ts';
+
+/** A file format as it can be told from others, without the code that reads it. */
+export interface SplatFormat {
+  /** Short lower-case name, also that of the format's folder. */
+  readonly name: string;
+  /** What people call it; kinds of a format share it. */
+  readonly title: string;
+  /** Ends of file names, in lower case, e.g. `.ply`; the usual one first. */
+  readonly extensions: readonly string[];
+  /** Of a format with several files: the name of the one that leads to the others. */
+  readonly leadingFile?: RegExp;
+  /**
+   * Whether a file is of this format.
+   *
+   * @param firstBytes `SNIFF_BYTES` of them, or all there are.
+   * @param fileName for formats that nothing in the bytes tells; others ignore it.
+   */
+  recognise(firstBytes: Uint8Array, fileName: string): boolean;
+}
+
+export interface SplatFormatOptions extends Pick<ReadOptions, 'signal' | 'onProgress'> {
+  /** Precision in which to pack the spherical harmonics above degree 0. */
+  readonly shPrecision: ShPrecision;
+  /** Files with more splats are refused. */
+  readonly maxSplats: number;
+  /** See `ReadLimits`; undefined for the default. */
+  readonly maxBytes: number | undefined;
+}
+
+/** Number of a file's first bytes that formats are told by. */
+export const SNIFF_BYTES = 512;
+
+/** A source that is being read. */
+export interface SplatInput extends Omit<OpenedSource, 'stream'> {
+  /** At the first byte. */
+  readonly reader: ByteReader;
+  /** The input that this one was unpacked from, if it was. */
+  readonly packed?: SplatInput;
+}
+
+/** The formats that a thread reads. */
+export interface FormatReaders {
+  /**
+   * Returns the code that reads a file; null if that is for other threads.
+   *
+   * @param firstBytes see `SplatFormat.recognise`.
+   * @param file its name in messages.
+   * @param fileName its own name.
+   */
+  pick(firstBytes: Uint8Array, file: string, fileName: string): Promise<ReadFormat> | ReadFormat | null;
+  /** For formats that have several files. */
+  readonly openFiles?: (source: SceneFiles, options: ReadOptions) => OpenedSource;
+}
+
+/**
+ * Reads all splats of an input. Where `rowsTo` is given and takes such files, their rows go there instead, and the result is
+ * null.
+ *
+ * Rejects with a `WebSplatterError` or the signal's reason.
+ */
+export type ReadFormat = (
+  input: SplatInput,
+  options: SplatFormatOptions,
+  rowsTo?: RowsTo,
+) => Promise<SplatSet<PackedHarmonics> | null>;
+
+/** A thread's readers if it reads a single format. */
+export function onlyOf({ recognise }: SplatFormat, read: ReadFormat): FormatReaders {
+  return { pick: (firstBytes, _file, fileName) => (recognise(firstBytes, fileName) ? read : null) };
+}

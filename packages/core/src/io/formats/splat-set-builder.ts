@@ -1,0 +1,207 @@
+import { SplatFileError } from '../../errors.ts';
+import { ShReachMeter } from '../../packing/band-reach.ts';
+import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../../packing/harmonics.ts';
+import { chooseOrigin } from '../../packing/origin.ts';
+import type { ShPrecision } from '../../packing/precision.ts';
+import { ROW_SLOT, reasonToDrop } from '../../splats/splat-row.ts';
+import {
+  coefficientsPerSplat,
+  type DropCounts,
+  type FileFacts,
+  type ShDegree,
+  type SplatSet,
+} from '../../splats/splat-set.ts';
+import { emptyError } from './empty-error.ts';
+
+const FIRST_CAPACITY = 4096;
+
+interface Columns {
+  positions: Float32Array | Float64Array;
+  logScales: Float32Array;
+  rotations: Float32Array;
+  opacityLogits: Float32Array;
+  colorDc: Float32Array;
+  shWords: Uint32Array;
+  fileIndices: Uint32Array;
+}
+
+export interface SplatSetBuilderOptions {
+  /** For messages. */
+  readonly file: string;
+  readonly shDegree: ShDegree;
+  readonly shPrecision: ShPrecision;
+  /** Whether positions have more precision than float32; it is kept until the origin is known. */
+  readonly widePositions: boolean;
+  /** Most rows that will be pushed. */
+  readonly promisedCount: number;
+  /** Whether as many rows are there already, so that memory for them may be taken at once. */
+  readonly isHeld: boolean;
+  /** See `SplatColumns`. */
+  readonly isAntialiased?: boolean;
+  readonly fileFacts?: FileFacts;
+}
+
+/**
+ * Collects splats row by row: fill `row`, call `push`. Harmonics are packed at once; rows that are not finite in
+ * float32 are dropped and counted.
+ */
+export class SplatSetBuilder {
+  /** The next splat's values, by `ROW_SLOT`. */
+  readonly row: Float64Array;
+  readonly #options: SplatSetBuilderOptions;
+  readonly #shRow: Float64Array;
+  readonly #wordsPerSplat: number;
+  readonly #reach: ShReachMeter;
+  readonly #dropped: DropCounts = {};
+  #columns: Columns;
+  #capacity = 0;
+  #count = 0;
+
+  constructor(options: SplatSetBuilderOptions) {
+    this.#options = options;
+    this.row = new Float64Array(ROW_SLOT.harmonics + coefficientsPerSplat(options.shDegree));
+    this.#shRow = this.row.subarray(ROW_SLOT.harmonics);
+    this.#wordsPerSplat = shWordsPerSplat(options.shDegree, options.shPrecision);
+    this.#reach = new ShReachMeter(options.shDegree);
+    this.#columns = {
+      positions: new (options.widePositions ? Float64Array : Float32Array)(0),
+      logScales: new Float32Array(0),
+      rotations: new Float32Array(0),
+      opacityLogits: new Float32Array(0),
+      colorDc: new Float32Array(0),
+      shWords: new Uint32Array(0),
+      fileIndices: new Uint32Array(0),
+    };
+    const { promisedCount, isHeld } = options;
+    this.#setCapacity(isHeld ? promisedCount : Math.min(FIRST_CAPACITY, promisedCount));
+  }
+
+  /** Splats kept so far. */
+  get count(): number {
+    return this.#count;
+  }
+
+  /** Takes the splat in `row`, which is row `fileIndex` of its file. */
+  push(fileIndex: number): void {
+    const { row } = this;
+    const reason = reasonToDrop(row);
+    if (reason !== undefined) {
+      this.#dropped[reason] = (this.#dropped[reason] ?? 0) + 1;
+      return;
+    }
+    if (this.#count === this.#capacity)
+      this.#setCapacity(Math.min(2 * this.#capacity, this.#options.promisedCount));
+    const index = this.#count++;
+    const { positions, logScales, rotations, opacityLogits, colorDc, shWords, fileIndices } = this.#columns;
+    for (let i = 0; i < 3; i++) {
+      positions[3 * index + i] = row[ROW_SLOT.position + i];
+      logScales[3 * index + i] = row[ROW_SLOT.logScale + i];
+      colorDc[3 * index + i] = row[ROW_SLOT.colorDc + i];
+    }
+    for (let i = 0; i < 4; i++) rotations[4 * index + i] = row[ROW_SLOT.rotation + i];
+    opacityLogits[index] = row[ROW_SLOT.opacity];
+    fileIndices[index] = fileIndex;
+    packCoefficients(
+      this.#options.shDegree,
+      this.#options.shPrecision,
+      this.#shRow,
+      shWords,
+      index * this.#wordsPerSplat,
+    );
+    // Measured before rounding: it decides which bands are stored, which must not depend on the precision.
+    this.#reach.include(this.#shRow, 0);
+  }
+
+  /** The finished set; throws `SplatFileError` 'empty' if no row was kept. */
+  finish(): SplatSet<PackedHarmonics> {
+    if (this.#count === 0) throw emptyError(this.#options.file, this.#dropped);
+    this.#setCapacity(this.#count);
+    const { positions, shWords, ...columns } = this.#columns;
+    const origin = originOfPositions(positions);
+    const { isAntialiased, fileFacts } = this.#options;
+    return {
+      ...columns,
+      count: this.#count,
+      origin,
+      positions: positionsFrom(positions, origin),
+      harmonics: {
+        degree: this.#options.shDegree,
+        precision: this.#options.shPrecision,
+        wordsPerSplat: this.#wordsPerSplat,
+        words: shWords,
+        bandReach: this.#reach.reaches(),
+      },
+      dropped: this.#dropped,
+      ...(isAntialiased !== undefined && { isAntialiased }),
+      ...(fileFacts && { fileFacts }),
+    };
+  }
+
+  #setCapacity(capacity: number): void {
+    if (capacity === this.#capacity) return;
+    const columns = this.#columns;
+    try {
+      // One after the other, so that only one column exists twice at a time.
+      columns.positions = resized(columns.positions, 3 * capacity);
+      columns.logScales = resized(columns.logScales, 3 * capacity);
+      columns.rotations = resized(columns.rotations, 4 * capacity);
+      columns.opacityLogits = resized(columns.opacityLogits, capacity);
+      columns.colorDc = resized(columns.colorDc, 3 * capacity);
+      columns.shWords = resized(columns.shWords, this.#wordsPerSplat * capacity);
+      columns.fileIndices = resized(columns.fileIndices, capacity);
+    } catch (cause) {
+      if (!(cause instanceof RangeError)) throw cause;
+      const { file, shPrecision } = this.#options;
+      const advice =
+        shPrecision === 'u8'
+          ? 'Read a smaller scene'
+          : `Read it with shPrecision u8 instead of ${shPrecision}`;
+      throw new SplatFileError(
+        'too-large',
+        file,
+        `no memory for ${capacity} splats. ${advice}.`,
+        {},
+        { cause },
+      );
+    }
+    this.#capacity = capacity;
+  }
+}
+
+function resized<T extends Float32Array | Float64Array | Uint32Array>(column: T, length: number): T {
+  const result = new (column.constructor as new (length: number) => T)(length);
+  result.set(column.subarray(0, length));
+  return result;
+}
+
+function positionsFrom(
+  positions: Float32Array | Float64Array,
+  origin: readonly [number, number, number],
+): Float32Array {
+  const unmoved = origin.every((value) => value === 0);
+  if (unmoved) return positions instanceof Float32Array ? positions : Float32Array.from(positions);
+  const relative = positions instanceof Float32Array ? positions : new Float32Array(positions.length);
+  for (let i = 0; i < positions.length; i++) relative[i] = positions[i] - origin[i % 3];
+  return relative;
+}
+
+function originOfPositions(positions: Float32Array | Float64Array): SplatSet['origin'] {
+  const min: [number, number, number] = [
+    Number.POSITIVE_INFINITY,
+    Number.POSITIVE_INFINITY,
+    Number.POSITIVE_INFINITY,
+  ];
+  const max: [number, number, number] = [
+    Number.NEGATIVE_INFINITY,
+    Number.NEGATIVE_INFINITY,
+    Number.NEGATIVE_INFINITY,
+  ];
+  for (let i = 0; i < positions.length; i += 3) {
+    for (let axis = 0; axis < 3; axis++) {
+      const value = positions[i + axis];
+      if (value < min[axis]) min[axis] = value;
+      if (value > max[axis]) max[axis] = value;
+    }
+  }
+  return chooseOrigin(min, max);
+}

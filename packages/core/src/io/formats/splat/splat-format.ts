@@ -1,0 +1,18 @@
+import { latin1 } from '../latin1.ts';
+import type { SplatFormat } from '../splat-format.ts';
+
+/** How files of other formats begin that people name like this: gzip, zip, Zstandard, .ksplat. */
+// biome-ignore lint/suspicious/noControlCharactersInRegex: they are what tells these
+const OTHERS = /^(\x1f\x8b\x08|PK\x03\x04|\x28\xb5\x2f\xfd|\0[^\0]\0\0)/;
+
+/** Rows of 32 bytes without a header, as antimatter15's viewer reads them. */
+export const splatFormat: SplatFormat = {
+  name: 'splat',
+  title: '.splat',
+  extensions: ['.splat'],
+  // Nothing in the bytes tells it. But no splat consists of letters, as PLY, a web page or a pointer to a file does.
+  recognise: (firstBytes, fileName) => {
+    const row = latin1(firstBytes.subarray(0, 32));
+    return /\.splat$/i.test(fileName) && /[^\t\n\r\x20-\x7e]/.test(row) && !OTHERS.test(row);
+  },
+};

@@ -1,0 +1,225 @@
+import { existsSync, readFileSync } from 'node:fs';
+import { resolve } from 'node:path';
+import { describe, expect, test } from 'vitest';
+import { SplatFileError } from '../../../errors.ts';
+import { fuzz } from '../../../testing/fuzz.ts';
+import { chunked, plyBytes, splatElement } from '../../../testing/ply-fixture.ts';
+import { damagedBytes, outcomeOf, passedRows } from '../../../testing/read-damaged.ts';
+import { seededRandom } from '../../../testing/seeded-random.ts';
+import { readSplats } from '../../loading/read-splats.ts';
+import { splatFormat } from './splat-format.ts';
+
+const SH_C0 = 0.28209479177387814;
+
+interface Row {
+  readonly position: readonly number[];
+  readonly scale: readonly number[];
+  /** Red, green, blue, opacity. */
+  readonly rgba: readonly number[];
+  readonly rotation: readonly number[];
+}
+
+const plain: Row = {
+  position: [1, 2, 3],
+  scale: [1, 2, 4],
+  rgba: [0, 128, 255, 128],
+  rotation: [255, 0, 128, 64],
+};
+
+function encode(rows: readonly Row[]): Uint8Array<ArrayBuffer> {
+  const bytes = new Uint8Array(32 * rows.length);
+  const view = new DataView(bytes.buffer);
+  for (const [i, { position, scale, rgba, rotation }] of rows.entries()) {
+    for (const [k, value] of [...position, ...scale].entries()) view.setFloat32(32 * i + 4 * k, value, true);
+    bytes.set([...rgba, ...rotation], 32 * i + 24);
+  }
+  return bytes;
+}
+
+const read = (bytes: Uint8Array, name = 'scene.splat') => readSplats(bytes, { name, shPrecision: 'f32' });
+
+async function failure(reading: Promise<unknown>): Promise<SplatFileError> {
+  const error = await reading.then(
+    () => undefined,
+    (reason) => reason,
+  );
+  expect(error).toBeInstanceOf(SplatFileError);
+  return error;
+}
+
+function randomRows(count: number, seed = 1): Row[] {
+  const random = seededRandom(seed);
+  const list = (length: number, next: () => number) => Array.from({ length }, next);
+  return list(count, random).map(() => ({
+    position: list(3, () => Math.fround(20 * random() - 10)),
+    scale: list(3, () => Math.fround(Math.exp(-8 * random()))),
+    rgba: list(4, () => Math.floor(256 * random())),
+    rotation: list(4, () => Math.floor(256 * random())),
+  }));
+}
+
+describe('what is read', () => {
+  test('every field', async () => {
+    const set = await read(
+      encode([plain, { ...plain, rgba: [1, 2, 3, 0] }, { ...plain, rgba: [1, 2, 3, 255] }]),
+    );
+    expect(set).toMatchObject({
+      count: 3,
+      dropped: {},
+      harmonics: { degree: 0 },
+      fileFacts: { format: 'splat' },
+    });
+    expect(set.isAntialiased).toBeUndefined();
+    expect([0, 1, 2].map((axis) => set.positions[axis] + set.origin[axis])).toEqual([1, 2, 3]);
+    expect([...set.logScales.subarray(0, 3)]).toEqual([0, Math.log(2), Math.log(4)].map(Math.fround));
+    expect([...set.rotations.subarray(0, 4)]).toEqual([127.5, -127.5, 0, -63.5].map((part) => part / 128));
+    const colors = [0, 128, 255].map((byte) => Math.fround((byte / 255 - 0.5) / SH_C0));
+    expect([...set.colorDc.subarray(0, 3)]).toEqual(colors);
+    expect([...set.opacityLogits]).toEqual([Math.fround(Math.log(128 / 127)), -Infinity, Infinity]);
+  });
+
+  test('the rows that go to the GPU are those of the set', async () => {
+    const bytes = encode(randomRows(1000));
+    const set = await read(bytes);
+    const { layout, rows } = await passedRows(bytes, 'a.SPLAT', 1 << 12);
+    expect(layout).toMatchObject({ count: 1000, shDegree: 0, strideBytes: 56, isBigEndian: false });
+    const column = (slot: number, length: number) =>
+      Array.from(
+        { length: 1000 * length },
+        (_, i) => rows[14 * Math.floor(i / length) + slot + (i % length)],
+      );
+    expect(column(3, 3)).toEqual([...set.logScales]);
+    expect(column(6, 4)).toEqual([...set.rotations]);
+    expect(column(10, 1)).toEqual([...set.opacityLogits]);
+    expect(column(11, 3)).toEqual([...set.colorDc]);
+  });
+
+  test('streams of unknown size', async () => {
+    const bytes = encode(randomRows(100));
+    const expected = await read(bytes);
+    expect(await readSplats(chunked(bytes, [7, 100]), { name: 'a.splat', shPrecision: 'f32' })).toEqual(
+      expected,
+    );
+  });
+
+  test('a scale of 0 is flat and changes nothing else; rows that are no numbers are dropped', async () => {
+    const rows = randomRows(6);
+    const expected = await read(encode(rows));
+    const changed = rows.with(1, { ...rows[1], scale: [0.5, 0, 0.25] });
+    const flat = await read(encode(changed));
+    expect([...flat.logScales.subarray(3, 6)]).toEqual([Math.log(0.5), -20, Math.log(0.25)].map(Math.fround));
+    expect([...flat.logScales.subarray(6)]).toEqual([...expected.logScales.subarray(6)]);
+    const bad = changed
+      .with(2, { ...rows[2], scale: [1, 1, -1] })
+      .with(3, { ...rows[3], scale: [Number.NaN, 1, 1] })
+      .with(4, { ...rows[4], position: [0, Number.POSITIVE_INFINITY, 0] });
+    expect(await read(encode(bad))).toMatchObject({
+      count: 3,
+      dropped: { 'non-finite-scale': 2, 'non-finite-position': 1 },
+    });
+  });
+
+  test('other files with that name are what they are', async () => {
+    const bytes = plyBytes({ format: 'ascii', elements: [splatElement(3)] });
+    expect((await read(bytes)).fileFacts?.format).not.toBe('splat');
+    for (const start of ['\x1f\x8b\x08\0', 'PK\x03\x04', '\x28\xb5\x2f\xfd', '\0\x01\0\0'])
+      expect(splatFormat.recognise(Buffer.from(start.padEnd(32, '\xff'), 'latin1'), 'a.splat')).toBe(false);
+    for (const x of [0, 1, -1e-9])
+      expect(splatFormat.recognise(encode([{ ...plain, position: [x, 0, 0] }]), 'a.SPLAT')).toBe(true);
+  });
+});
+
+describe('what is refused', () => {
+  test.each([
+    ['a web page', Buffer.from('<!doctype html><title>404</title>'.padEnd(64)), 'unknown-format', /web page/],
+    ['nothing', new Uint8Array(0), 'unknown-format', /is empty/],
+    [
+      'half a row',
+      encode([plain, plain]).subarray(0, 48),
+      'truncated',
+      /48 bytes are no whole number of splats/,
+    ],
+  ] as const)('%s', async (_, bytes, code, says) => {
+    const error = await failure(read(bytes));
+    expect(error.code).toBe(code);
+    expect(error.message).toMatch(says);
+  });
+
+  test('the same bytes by another name', async () => {
+    expect((await failure(read(encode([plain]), 'scene.bin'))).code).toBe('unknown-format');
+  });
+
+  test('more splats than allowed, as soon as that is known', async () => {
+    const bytes = encode(randomRows(100));
+    const options = { name: 'a.splat', maxSplats: 99 };
+    expect((await failure(readSplats(bytes, options))).code).toBe('too-large');
+    let given = 0;
+    const endless = new ReadableStream<Uint8Array>({
+      pull: (controller) => {
+        given++;
+        controller.enqueue(bytes.slice());
+      },
+    });
+    expect((await failure(readSplats(endless, options))).code).toBe('too-large');
+    expect(given).toBeLessThan(1000);
+  });
+
+  test('every truncation', async () => {
+    const bytes = encode(randomRows(5));
+    for (let length = 0; length < bytes.length; length++) {
+      for (const chunkBytes of [undefined, 64]) {
+        const outcome = await outcomeOf(bytes.slice(0, length), 'a.splat', chunkBytes);
+        if (length > 0 && length % 32 === 0) expect(outcome).toMatchObject({ count: length / 32 });
+        else expect(outcome).toMatchObject({ code: length === 0 ? 'unknown-format' : 'truncated' });
+      }
+    }
+  });
+});
+
+test('any damage gives splats or a typed error', { timeout: 600_000 }, async () => {
+  await fuzz({ few: 300, many: 20_000 }, async (choices) => {
+    const bytes = damagedBytes(encode(randomRows(1 + choices.below(5), choices.below(1000))), choices);
+    const outcomes = [
+      await outcomeOf(bytes, 'a.splat'),
+      await outcomeOf(bytes, 'a.splat', 1 + choices.below(200)),
+    ];
+    const codes = outcomes.map((each) => (each instanceof SplatFileError ? each.code : 'splats'));
+    expect(codes[0]).toBe(codes[1]);
+  });
+});
+
+const scenes = resolve(import.meta.dirname, '../../../../../../../shared/scenes');
+const hasScene = existsSync(resolve(scenes, 'playbot-lod3.splat'));
+if (!hasScene) console.info('skipped: ../shared/scenes/playbot-lod3.splat is not there');
+
+describe.skipIf(!hasScene)('a real scene', () => {
+  test('playbot-lod3.splat holds the splats of playbot-lod3.ply', async () => {
+    const set = await read(readFileSync(resolve(scenes, 'playbot-lod3.splat')));
+    const truth = await read(readFileSync(resolve(scenes, 'playbot-lod3.ply')));
+    expect(set).toMatchObject({ count: 31_000, dropped: {} });
+    expect(set.positions).toEqual(truth.positions);
+    let [scale, rotation, color, opacity] = [0, 0, 0, 0];
+    for (let i = 0; i < 3 * 31_000; i++) {
+      scale = Math.max(scale, Math.abs(set.logScales[i] - truth.logScales[i]));
+      // What no byte can hold is clamped.
+      const trained = Math.max(0, Math.min(1, truth.colorDc[i] * SH_C0 + 0.5));
+      color = Math.max(color, Math.abs(set.colorDc[i] * SH_C0 + 0.5 - trained));
+    }
+    const sigmoid = (logit: number) => 1 / (1 + Math.exp(-logit));
+    for (let i = 0; i < 31_000; i++) {
+      const [found, trained] = [set, truth].map(({ rotations }) => {
+        const parts = rotations.subarray(4 * i, 4 * i + 4);
+        return parts.map((part) => part / Math.hypot(...parts));
+      });
+      const sign = Math.sign(found.reduce((sum, part, k) => sum + part * trained[k], 0));
+      for (let k = 0; k < 4; k++) rotation = Math.max(rotation, Math.abs(sign * found[k] - trained[k]));
+      opacity = Math.max(opacity, Math.abs(sigmoid(set.opacityLogits[i]) - sigmoid(truth.opacityLogits[i])));
+    }
+    expect(scale).toBeLessThan(1e-6);
+    // The writer of this file cuts fractions off: a byte stands for up to one step more.
+    expect(color).toBeLessThan(1 / 255 + 1e-6);
+    expect(opacity).toBeLessThan(1 / 255 + 1e-6);
+    // Four parts that are half a step off, and one step at 0, turn what is then made as long as 1 again.
+    expect(rotation).toBeLessThan(2 / 128);
+  });
+});

@@ -1,0 +1,62 @@
+import { SplatFileError } from '../../../errors.ts';
+import { ROW_SLOT } from '../../../splats/splat-row.ts';
+import { readAll } from '../../sources/read-all.ts';
+import { checkCount } from '../check-count.ts';
+import { colorDcOf, logitOf, tableOfBytes } from '../color-values.ts';
+import { deliverRows, rowLength } from '../decoded-rows.ts';
+import { logScaleOf } from '../flat-scale.ts';
+import type { ReadFormat } from '../splat-format.ts';
+
+const ROW_BYTES = 32;
+const ROW_LENGTH = rowLength(0);
+
+const COLORS = tableOfBytes(colorDcOf);
+const LOGITS = tableOfBytes(logitOf);
+/**
+ * Parts of rotations were multiplied by 128 and moved by 128. Most writers then cut off the fraction, so that the middle of a step is
+ * nearest; 0 is too common to be moved, too.
+ */
+const ROTATIONS = Float32Array.from({ length: 256 }, (_, byte) => (byte === 128 ? 0 : (byte - 127.5) / 128));
+
+/**
+ * Reads a `.splat`, little-endian rows of: position, 3 × f32; scale as it is, 3 × f32; red, green, blue, opacity, a byte each; rotation
+ * w x y z, a byte each, where 128 is 0 and a step is 1/128, in which the middle is meant.
+ *
+ * An opacity of 0 or 255 is a logit of ±Infinity. A scale of 0 is read as flat (`logScaleOf`): splats of 2DGS, which lack the third, are
+ * written so. A row with a negative one is dropped, as one that is not finite is.
+ *
+ * Rejects with `SplatFileError`: 'truncated' if the last row is not whole; 'too-large', 'empty'.
+ */
+export const readSplat: ReadFormat = async (input, options, rowsTo) => {
+  const { name: file, reader, totalBytes, totalBytesCertain, isHeld } = input;
+  const check = (byteCount: number) => {
+    checkCount(Math.ceil(byteCount / ROW_BYTES), file, options.maxSplats);
+    if (byteCount % ROW_BYTES === 0) return;
+    const message = `${byteCount} bytes are no whole number of splats of ${ROW_BYTES}. It is cut off, or no .splat file at all.`;
+    throw new SplatFileError('truncated', file, message, { byte: byteCount });
+  };
+  const isKnown = totalBytesCertain && totalBytes !== undefined;
+  if (isKnown) check(totalBytes);
+  // One byte more than may be there tells that there are too many.
+  const bytes = await readAll(reader, options.maxSplats * ROW_BYTES + 1, isKnown && isHeld ? totalBytes : 0);
+  check(bytes.length);
+  const count = bytes.length / ROW_BYTES;
+  const rows = { count, shDegree: 0, fileFacts: { format: 'splat' }, decode: rowDecoder(bytes) } as const;
+  return deliverRows(rows, input, options, rowsTo);
+};
+
+function rowDecoder(bytes: Uint8Array): (rows: Float32Array, rowCount: number) => void {
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
+  let from = 0;
+  return (rows, rowCount) => {
+    for (let at = 0; at < rowCount * ROW_LENGTH; at += ROW_LENGTH, from += ROW_BYTES) {
+      for (let i = 0; i < 3; i++) {
+        rows[at + ROW_SLOT.position + i] = view.getFloat32(from + 4 * i, true);
+        rows[at + ROW_SLOT.logScale + i] = logScaleOf(view.getFloat32(from + 12 + 4 * i, true));
+        rows[at + ROW_SLOT.colorDc + i] = COLORS[bytes[from + 24 + i]];
+      }
+      rows[at + ROW_SLOT.opacity] = LOGITS[bytes[from + 27]];
+      for (let i = 0; i < 4; i++) rows[at + ROW_SLOT.rotation + i] = ROTATIONS[bytes[from + 28 + i]];
+    }
+  };
+}

@@ -1,0 +1,126 @@
+import { fromHalfBits } from '../../../layout/half.ts';
+import { ROW_SLOT } from '../../../splats/splat-row.ts';
+import { coefficientsPerSplat, type ShDegree } from '../../../splats/splat-set.ts';
+import { type DecodedRows, rowLength } from '../decoded-rows.ts';
+import type { SpzHeader } from './spz-header.ts';
+import { turnToPlyAxes } from './turn-axes.ts';
+
+/** Names of the attributes, in the order of the file. */
+const ATTRIBUTES = ['positions', 'alphas', 'colors', 'scales', 'rotations', 'harmonics'] as const;
+type Attribute = (typeof ATTRIBUTES)[number];
+/** Bytes of each attribute of all splats, one splat after another. */
+export type SpzAttributes = Record<Attribute, Uint8Array>;
+
+export function emptyAttributes(): SpzAttributes {
+  const none = new Uint8Array(0);
+  return { positions: none, alphas: none, colors: none, scales: none, rotations: none, harmonics: none };
+}
+
+/** Coefficients of harmonics above degree 0 for one channel; ours end at degree 3. */
+const FILE_COEFFICIENTS = [0, 3, 8, 15, 24];
+
+/** Factor of the first coefficients in the file, which are bytes about the middle. */
+const COLOR_SCALE = 0.15;
+const bytes = Array.from({ length: 256 }, (_, byte) => byte);
+const LOG_SCALES = Float32Array.from(bytes, (byte) => byte / 16 - 10);
+const COLORS = Float32Array.from(bytes, (byte) => (byte / 255 - 0.5) / COLOR_SCALE);
+/** Logits; those of 0 and 255 are infinite. */
+const OPACITIES = Float32Array.from(bytes, (byte) => Math.log(byte / (255 - byte)));
+const HARMONICS = Float32Array.from(bytes, (byte) => (byte - 128) / 128);
+
+/** Attributes of a file with the bytes that a splat takes of each. */
+export function spzAttributeBytes({
+  version,
+  fileShDegree,
+}: SpzHeader): { readonly attribute: Attribute; readonly splatBytes: number }[] {
+  const splatBytes: Readonly<Record<Attribute, number>> = {
+    positions: version === 1 ? 6 : 9,
+    alphas: 1,
+    colors: 3,
+    scales: 3,
+    rotations: version < 3 ? 3 : 4,
+    harmonics: 3 * FILE_COEFFICIENTS[fileShDegree],
+  };
+  return ATTRIBUTES.map((attribute) => ({ attribute, splatBytes: splatBytes[attribute] }));
+}
+
+/**
+ * The splats of a file whose attributes are all there. Harmonics of degree 4, the last ones of each splat, are left out.
+ *
+ * @param coordinateSystem its number, if the file names one; its axes are turned to those of PLY files.
+ */
+export function spzRows(
+  header: SpzHeader,
+  { positions, alphas, colors, scales, rotations, harmonics }: SpzAttributes,
+  coordinateSystem: number | null,
+): DecodedRows {
+  const { version, count, fileShDegree, fractionalBits, isAntialiased } = header;
+  const shDegree = Math.min(fileShDegree, 3) as ShDegree;
+  const length = rowLength(shDegree);
+  const coefficients = coefficientsPerSplat(shDegree);
+  const fileCoefficients = 3 * FILE_COEFFICIENTS[fileShDegree];
+  const step = 2 ** -fractionalBits;
+  const turn = coordinateSystem === null ? null : turnToPlyAxes(coordinateSystem);
+  let splat = 0;
+  return {
+    count,
+    shDegree,
+    isAntialiased,
+    decode(rows, rowCount) {
+      for (let at = 0; at < rowCount * length; at += length, splat++) {
+        if (version === 1) halfPosition(positions, 6 * splat, rows, at + ROW_SLOT.position);
+        else fixedPosition(positions, 9 * splat, step, rows, at + ROW_SLOT.position);
+        for (let i = 0; i < 3; i++) {
+          rows[at + ROW_SLOT.logScale + i] = LOG_SCALES[scales[3 * splat + i]];
+          rows[at + ROW_SLOT.colorDc + i] = COLORS[colors[3 * splat + i]];
+        }
+        if (version < 3) firstThree(rotations, 3 * splat, rows, at + ROW_SLOT.rotation);
+        else smallestThree(rotations, 4 * splat, rows, at + ROW_SLOT.rotation);
+        rows[at + ROW_SLOT.opacity] = OPACITIES[alphas[splat]];
+        const from = fileCoefficients * splat;
+        for (let i = 0; i < coefficients; i++)
+          rows[at + ROW_SLOT.harmonics + i] = HARMONICS[harmonics[from + i]];
+      }
+      turn?.(rows, length, rowCount);
+    },
+  };
+}
+
+function halfPosition(bytes: Uint8Array, from: number, rows: Float32Array, at: number): void {
+  for (let i = 0; i < 3; i++)
+    rows[at + i] = fromHalfBits(bytes[from + 2 * i] | (bytes[from + 2 * i + 1] << 8));
+}
+
+function fixedPosition(bytes: Uint8Array, from: number, step: number, rows: Float32Array, at: number): void {
+  for (let i = 0; i < 3; i++) {
+    const byte = from + 3 * i;
+    // Shifted to the top and back, for the sign.
+    rows[at + i] = step * (((bytes[byte] << 8) | (bytes[byte + 1] << 16) | (bytes[byte + 2] << 24)) >> 8);
+  }
+}
+
+/** x, y, z as a byte each; w is not negative. */
+function firstThree(bytes: Uint8Array, from: number, rows: Float32Array, at: number): void {
+  let squares = 0;
+  for (let i = 0; i < 3; i++) {
+    const value = bytes[from + i] / 127.5 - 1;
+    rows[at + 1 + i] = value;
+    squares += value * value;
+  }
+  rows[at] = Math.sqrt(Math.max(0, 1 - squares));
+}
+
+/** All of x, y, z, w but the largest: 9 bits and a sign each, of x the highest ones; the top two bits tell the largest. */
+function smallestThree(bytes: Uint8Array, from: number, rows: Float32Array, at: number): void {
+  let word = bytes[from] | (bytes[from + 1] << 8) | (bytes[from + 2] << 16) | (bytes[from + 3] << 24);
+  const largest = word >>> 30;
+  let squares = 0;
+  for (let i = 3; i >= 0; i--) {
+    if (i === largest) continue;
+    const magnitude = ((word & 511) / 511) * Math.SQRT1_2;
+    rows[at + ((i + 1) & 3)] = word & 512 ? -magnitude : magnitude;
+    squares += magnitude * magnitude;
+    word >>>= 10;
+  }
+  rows[at + ((largest + 1) & 3)] = Math.sqrt(Math.max(0, 1 - squares));
+}

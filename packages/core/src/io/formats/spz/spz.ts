@@ -1,0 +1,151 @@
+import { SplatFileError } from '../../../errors.ts';
+import { readGzipped } from '../../containers/gzip.ts';
+import { unpackZstd } from '../../containers/zstd.ts';
+import type { ByteReader } from '../../sources/byte-reader.ts';
+import { readAll } from '../../sources/read-all.ts';
+import { unpackedLimit } from '../../sources/read-limits.ts';
+import { deliverRows } from '../decoded-rows.ts';
+import { isGzip } from '../gzip/gzip-format.ts';
+import type { ReadFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
+import {
+  fillOrFail,
+  hasStreams,
+  readSpzExtensions,
+  readSpzHeader,
+  type SpzHeader,
+  truncated,
+} from './spz-header.ts';
+import { emptyAttributes, type SpzAttributes, spzAttributeBytes, spzRows } from './spz-rows.ts';
+
+/** What a file holds besides its header. */
+interface SpzBody {
+  readonly attributes: SpzAttributes;
+  /** Number of the coordinate system that the file names, if it does. */
+  readonly coordinateSystem: number | null;
+}
+
+const TABLE_ENTRY_BYTES = 16;
+
+/**
+ * Reads SPZ, versions 1 to 4. Values are decoded as the format's own library does. Of harmonics, those of degree 4 are left out and
+ * the others stay as they are.
+ *
+ * Splats are turned to the axes of PLY files (right, down, front) where the file names its coordinate system. Where it does not, they
+ * stay as they are: the library says that such files have y up and z to the back, but its own converter, splat-transform and Spark
+ * write the axes of the PLY file that they were given, so that the two land alike.
+ */
+export const readSpz: ReadFormat = async (input, options, rowsTo) => {
+  await input.reader.fill(2);
+  if (isGzip(input.reader.bytes.subarray(input.reader.start)))
+    return readGzipped(input, options, rowsTo, readSpz);
+  const header = await readSpzHeader(input.reader, input.name, options.maxSplats);
+  const { attributes, coordinateSystem } = hasStreams(header)
+    ? await readStreams(header, input, options)
+    : await readWhole(header, input);
+  return deliverRows(spzRows(header, attributes, coordinateSystem), input, options, rowsTo);
+};
+
+/** Versions 1 to 3: all attributes one after another, then the extensions. */
+async function readWhole(header: SpzHeader, input: SplatInput): Promise<SpzBody> {
+  const { reader, name } = input;
+  const sizes = spzAttributeBytes(header);
+  const splatBytes = sizes.reduce((sum, size) => sum + size.splatBytes, 0);
+  const what = `the ${header.count} splats that its header promises`;
+  const all = await readBytes(input, header.count * splatBytes, what);
+  const attributes = emptyAttributes();
+  let at = 0;
+  for (const { attribute, splatBytes } of sizes) {
+    const start = at;
+    at += header.count * splatBytes;
+    attributes[attribute] = all.subarray(start, at);
+  }
+  const coordinateSystem = header.hasExtensions ? await readSpzExtensions(reader, name) : null;
+  return { attributes, coordinateSystem };
+}
+
+/** From version 4 on: extensions, a table of sizes, and a stream for each attribute that takes any bytes. */
+async function readStreams(
+  header: SpzHeader,
+  input: SplatInput,
+  { maxBytes }: SplatFormatOptions,
+): Promise<SpzBody> {
+  const { reader, name } = input;
+  const { count, streamCount, tableByte, hasExtensions } = header;
+  const coordinateSystem = hasExtensions ? await readSpzExtensions(reader, name, tableByte) : null;
+  if (!(await reader.skip(tableByte - reader.byteOffset))) throw truncated(name, 'the extensions', reader);
+  const table = await readTable(reader, streamCount, name);
+  const sizes = spzAttributeBytes(header).filter(({ splatBytes }) => splatBytes > 0);
+  const attributes = emptyAttributes();
+  let packedBytes = 0;
+  let unpackedBytes = 0;
+  for (const [i, { attribute, splatBytes }] of sizes.entries()) {
+    const size = table[i];
+    if (size.unpackedBytes !== count * splatBytes) {
+      const message = `the ${attribute} of ${count} splats take ${count * splatBytes} bytes, but its table says ${size.unpackedBytes}.`;
+      throw new SplatFileError('damaged', name, message, { byte: size.byte });
+    }
+    const place = { byte: reader.byteOffset };
+    const packed = await readBytes(input, size.packedBytes, `the ${attribute}`);
+    packedBytes += packed.length;
+    unpackedBytes += size.unpackedBytes;
+    checkUnpacked(unpackedBytes, packedBytes, maxBytes, name);
+    attributes[attribute] = unpackZstd(packed, size.unpackedBytes, name, place);
+    await reader.pause();
+  }
+  if (await reader.fill(1)) {
+    const message = 'there are bytes after the last of its streams. Download or export it again.';
+    throw new SplatFileError('damaged', name, message, { byte: reader.byteOffset });
+  }
+  return { attributes, coordinateSystem };
+}
+
+interface StreamSize {
+  readonly packedBytes: number;
+  readonly unpackedBytes: number;
+  /** Where the table says so. */
+  readonly byte: number;
+}
+
+async function readTable(reader: ByteReader, streamCount: number, file: string): Promise<StreamSize[]> {
+  await fillOrFail(reader, streamCount * TABLE_ENTRY_BYTES, file, 'the table of its streams');
+  const { view, start, byteOffset } = reader;
+  const table = Array.from({ length: streamCount }, (_, i) => {
+    const at = i * TABLE_ENTRY_BYTES;
+    return {
+      packedBytes: Number(view.getBigUint64(start + at, true)),
+      unpackedBytes: Number(view.getBigUint64(start + at + 8, true)),
+      byte: byteOffset + at,
+    };
+  });
+  reader.advance(streamCount * TABLE_ENTRY_BYTES);
+  return table;
+}
+
+/**
+ * Reads as many bytes, into memory that grows with them unless it is sure that they are there.
+ *
+ * Rejects with SplatFileError 'truncated'.
+ */
+async function readBytes(
+  { reader, name, isHeld, totalBytes = 0 }: SplatInput,
+  byteCount: number,
+  what: string,
+): Promise<Uint8Array> {
+  const heldBytes = isHeld ? Math.max(0, totalBytes - reader.byteOffset) : 0;
+  const bytes = await readAll(reader, byteCount, Math.min(byteCount, heldBytes));
+  if (bytes.length < byteCount) throw truncated(name, what, reader);
+  return bytes;
+}
+
+/** @throws SplatFileError 'too-large' where more would be unpacked of so few bytes than may be. */
+function checkUnpacked(
+  unpackedBytes: number,
+  packedBytes: number,
+  maxBytes: number | undefined,
+  file: string,
+): void {
+  const limit = unpackedLimit({ maxBytes }, { totalBytes: packedBytes });
+  if (unpackedBytes <= limit) return;
+  const message = `it unpacks to ${unpackedBytes} bytes or more, and ${limit} are the limit. Pass a larger maxBytes if that is right.`;
+  throw new SplatFileError('too-large', file, message);
+}

@@ -1,0 +1,94 @@
+import { SplatFileError } from '../../../errors.ts';
+import type { PackedHarmonics } from '../../../packing/harmonics.ts';
+import type { SplatSet } from '../../../splats/splat-set.ts';
+import { openZipEntry, readZipDirectory, type ZipEntry } from '../../containers/zip.ts';
+import { ByteReader } from '../../sources/byte-reader.ts';
+import { readAll } from '../../sources/read-all.ts';
+import { unpackedLimit } from '../../sources/read-limits.ts';
+import type { OpenedSource } from '../../sources/splat-source.ts';
+import { readPly } from '../ply/ply.ts';
+import { plyFormat } from '../ply/ply-format.ts';
+import { clip } from '../ply/ply-header.ts';
+import type { RowsTo } from '../row-sink.ts';
+import { readSog } from '../sog/sog.ts';
+import { sogFormat } from '../sog/sog-format.ts';
+import type { ReadFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
+
+/** Most files that a message lists. */
+const MOST_LISTED = 8;
+
+/**
+ * Reads the scene in a zip archive, which is a folder packed into one file: SOG, or one PLY.
+ *
+ * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
+ */
+export async function readZip(
+  input: SplatInput,
+  options: SplatFormatOptions,
+  rowsTo?: RowsTo,
+): Promise<SplatSet<PackedHarmonics> | null> {
+  const { name, isHeld, totalBytes } = input;
+  const bytes = await readAll(input.reader, Number.POSITIVE_INFINITY, isHeld ? totalBytes : 0);
+  const entries = readZipDirectory(bytes, name).filter(({ path }) => !isByproduct(path));
+  const { entry: leading, read } = findScene(entries, name);
+  const folder = leading.path.replace(/[^/]*$/, '');
+  let leftBytes = unpackedLimit(options, { totalBytes: bytes.length });
+  const open = (entry: ZipEntry): OpenedSource => {
+    const entryName = `${name}/${clip(entry.path)}`;
+    leftBytes -= entry.unpackedBytes;
+    if (leftBytes >= 0) return openZipEntry(bytes, entry, entryName);
+    const message = `it unpacks to ${entry.unpackedBytes} bytes, more than may be in an archive of ${bytes.length}. `;
+    throw new SplatFileError('too-large', entryName, `${message}Unpack it if that is right.`);
+  };
+  const openPart = async (path: string): Promise<OpenedSource> => {
+    const entry = entries.find((each) => each.path === folder + path);
+    if (entry) return open(entry);
+    throw new SplatFileError(
+      'missing-part',
+      name,
+      `it needs ${clip(path)}, which is not in it. Export it again.`,
+    );
+  };
+  const { stream, ...about } = open(leading);
+  const reader = new ByteReader({ name: about.name, stream }, options.signal);
+  try {
+    return await read({ ...about, reader, packed: input, openPart }, options, rowsTo);
+  } finally {
+    reader.close();
+  }
+}
+
+/** What macOS adds. */
+function isByproduct(path: string): boolean {
+  return /^__MACOSX\/|(?:^|\/)\._[^/]*$/.test(path);
+}
+
+/** The file to begin with, and the code that reads it. */
+function findScene(entries: readonly ZipEntry[], file: string): { entry: ZipEntry; read: ReadFormat } {
+  const nameOf = ({ path }: ZipEntry) => path.replace(/^.*\//, '').toLowerCase();
+  const depthOf = ({ path }: ZipEntry) => path.split('/').length;
+  const leading = entries.filter((entry) => sogFormat.leadingFile?.test(nameOf(entry)));
+  if (leading.length > 0) {
+    // A streamed scene leads to others that are in folders of its own.
+    const least = Math.min(...leading.map(depthOf));
+    const outermost = leading.filter((entry) => depthOf(entry) === least);
+    if (outermost.length === 1) return { entry: outermost[0], read: readSog };
+    throw new SplatFileError('unknown-format', file, severalMessage(outermost));
+  }
+  const ply = entries.filter((entry) => plyFormat.extensions.some((end) => nameOf(entry).endsWith(end)));
+  if (ply.length === 1) return { entry: ply[0], read: readPly };
+  if (ply.length > 1) throw new SplatFileError('unknown-format', file, severalMessage(ply));
+  const found = entries.length === 0 ? 'nothing in it' : listOf(entries);
+  const message = `it is a zip archive with ${found}; SOG and PLY are read out of archives. Unpack it, and open what is in it.`;
+  throw new SplatFileError('unknown-format', file, message);
+}
+
+function severalMessage(entries: readonly ZipEntry[]): string {
+  return `it is a zip archive with ${entries.length} scenes: ${listOf(entries)}. Unpack it, and open one of them.`;
+}
+
+function listOf(entries: readonly ZipEntry[]): string {
+  const listed = entries.slice(0, MOST_LISTED).map(({ path }) => clip(path));
+  if (listed.length < entries.length) listed.push(`and ${entries.length - listed.length} others`);
+  return listed.join(', ');
+}

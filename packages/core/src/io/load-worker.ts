@@ -1,3 +1,0 @@
-import { type LoadPort, serveLoad } from './serve-load.ts';
-
-serveLoad(self as unknown as LoadPort);

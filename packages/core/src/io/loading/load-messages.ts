@@ -1,0 +1,100 @@
+import {
+  type FilePlace,
+  InvalidArgumentError,
+  SplatFileError,
+  type SplatFileErrorCode,
+  SplatSourceError,
+  WebSplatterError,
+} from '../../errors.ts';
+import type { PackedCloud } from '../../packing/packed-cloud.ts';
+import type { GeometryPrecision, ShPrecision } from '../../packing/precision.ts';
+import type { RowLayout } from '../../packing/row-layout.ts';
+import type { RowFiles } from '../formats/row-sink.ts';
+import type { LoadProgress, SourceOptions, SplatSource } from '../sources/splat-source.ts';
+
+/** Settings of a load besides its source; all of them can be posted. */
+export interface LoadSettings extends SourceOptions {
+  readonly name: string | undefined;
+  readonly shPrecision: ShPrecision;
+  readonly geometryPrecision: GeometryPrecision;
+}
+
+/** Page to worker. */
+export type LoadRequest =
+  /** A job. The next one comes after the outcome of this one. */
+  | {
+      readonly kind: 'load';
+      readonly source: SplatSource;
+      readonly settings: LoadSettings;
+      /** Which files are posted as rows, if they are of that kind; null: none. */
+      readonly rows: RowFiles | null;
+    }
+  /** Memory of rows that the page has taken, to be used again. */
+  | { readonly kind: 'memory'; readonly memory: ArrayBuffer };
+
+/** Worker to page. */
+export type LoadReply =
+  /** The worker's script is running. The job is posted only now, since a posted stream cannot be taken back. */
+  | { readonly kind: 'ready' }
+  | { readonly kind: 'progress'; readonly progress: LoadProgress }
+  | { readonly kind: 'cloud'; readonly cloud: PackedCloud }
+  /** The file has rows that the page takes as they are; they follow, in pieces, and then their end. */
+  | { readonly kind: 'layout'; readonly layout: RowLayout }
+  | { readonly kind: 'rows'; readonly memory: ArrayBuffer; readonly rowCount: number }
+  | { readonly kind: 'rows-end' }
+  /** The file is of another format than the worker reads. A stream goes on, from its beginning, with the one given back. */
+  | {
+      readonly kind: 'other-format';
+      readonly firstBytes: Uint8Array;
+      readonly stream: ReadableStream<Uint8Array> | null;
+    }
+  | { readonly kind: 'error'; readonly error: PostedError };
+
+/** An error as plain data: structured clone keeps neither classes nor fields. */
+export interface PostedError {
+  readonly className: string;
+  readonly message: string;
+  readonly code?: string;
+  readonly file?: string;
+  readonly place?: FilePlace;
+  readonly status?: number;
+  readonly argument?: string;
+  /** The cause's message. */
+  readonly cause?: string;
+}
+
+export function toPostedError(error: unknown): PostedError {
+  if (!(error instanceof Error)) return { className: 'Error', message: String(error) };
+  const cause = error.cause === undefined ? undefined : String(error.cause);
+  const common = { className: error.name, message: error.message, cause };
+  if (error instanceof SplatFileError)
+    return { ...common, code: error.code, file: error.file, place: error.place };
+  if (error instanceof SplatSourceError) return { ...common, file: error.file, status: error.status };
+  if (error instanceof InvalidArgumentError) return { ...common, argument: error.argument };
+  if (error instanceof WebSplatterError) return { ...common, code: error.code };
+  return common;
+}
+
+/** Turns a posted error back into one of its own class. */
+export function fromPostedError(posted: PostedError): Error {
+  const error = emptyError(posted, posted.cause === undefined ? {} : { cause: posted.cause });
+  // Constructors add file and place to a message; this message has them already.
+  error.message = posted.message;
+  return error;
+}
+
+function emptyError(
+  { className, code, file = '', place, status, argument = '' }: PostedError,
+  options: ErrorOptions,
+): Error {
+  switch (className) {
+    case 'SplatFileError':
+      return new SplatFileError(code as SplatFileErrorCode, file, '', place, options);
+    case 'SplatSourceError':
+      return new SplatSourceError(file, '', status, options);
+    case 'InvalidArgumentError':
+      return new InvalidArgumentError(argument, '');
+    default:
+      return code === undefined ? new Error('', options) : new WebSplatterError(code, '', options);
+  }
+}

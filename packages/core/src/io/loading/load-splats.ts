@@ -1,0 +1,275 @@
+import { WebSplatterError } from '../../errors.ts';
+import type { PackedCloud } from '../../packing/packed-cloud.ts';
+import type { GeometryPrecision } from '../../packing/precision.ts';
+import type { RowsTo } from '../formats/row-sink.ts';
+import {
+  baseUrl,
+  bytesOf,
+  fileNameOf,
+  isBlob,
+  isFiles,
+  isStream,
+  shortName,
+} from '../sources/source-kind.ts';
+import type { LastingSource, ReadOptions, ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
+import { fromPostedError, type LoadReply, type LoadRequest, type LoadSettings } from './load-messages.ts';
+import { OtherFormat } from './other-format.ts';
+import { endTurn, takeTurn } from './worker-turns.ts';
+
+export interface LoadSplatsOptions extends ReadSplatsOptions {
+  /** How positions, rotations and scales are stored; default `packed`. */
+  readonly geometryPrecision?: GeometryPrecision;
+}
+
+type PostedPiece = Extract<LoadReply, { kind: 'rows' }>;
+
+type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
+
+/**
+ * Reads splats and packs them for the GPU: in a worker where one can start, else in the calling thread (in Node, or
+ * under a content security policy that forbids workers). Buffers are copied to the worker, so that the caller's stay
+ * usable; a stream is consumed. As many loads run at once as the machine has threads, 2 to 8; others wait for their turn.
+ *
+ * Rejects as `readSplats` does; with `WebSplatterError` 'worker-failed' if the worker dies, mostly for lack of memory;
+ * and with the signal's reason, in which case the worker is stopped at once.
+ */
+export async function loadSplats(source: SplatSource, options: LoadSplatsOptions = {}): Promise<PackedCloud> {
+  // Without a sink there is always a cloud.
+  return (await loadOrPass(source, options, undefined))!;
+}
+
+/** As `loadSplats`; null if the rows of the file went to `rowsTo` as they are. */
+export async function loadOrPass(
+  source: SplatSource,
+  options: LoadSplatsOptions,
+  rowsTo: RowsTo | undefined,
+): Promise<PackedCloud | null> {
+  const { shPrecision = 'u8', geometryPrecision = 'packed', maxBytes, maxSplats, request } = options;
+  const { signal, onProgress } = options;
+  signal?.throwIfAborted();
+  const isUrl = typeof source === 'string' || source instanceof URL;
+  const name = options.name ?? (isUrl ? shortName(String(source)) : undefined);
+  const settings: LoadSettings = { name, shPrecision, geometryPrecision, maxBytes, maxSplats, request };
+  let worker = await takeTurn(signal);
+  let format: string | null = null;
+  let isDone = false;
+  // Always aborted at the end: a terminated worker does not tell a stream that nobody reads it any more.
+  const stop = new AbortController();
+  const onAbort = () => stop.abort(signal?.reason);
+  signal?.addEventListener('abort', onAbort, { once: true });
+  const watch = {
+    signal: stop.signal,
+    onProgress,
+    onDone: () => {
+      isDone = true;
+    },
+  };
+  try {
+    signal?.throwIfAborted();
+    let from = source;
+    if (isFiles(source) || isNamedOtherwise(fileNameOf(source, name))) {
+      const { likelyFormat, postableFiles } = await import('./format-workers.ts');
+      if (isFiles(source)) from = postableFiles(source);
+      format = likelyFormat(source, name);
+      if (format !== null) worker = endWorker(worker);
+    }
+    for (;;) {
+      worker ??= await startWorker(await newWorker(format), signal);
+      if (worker === null) return await readHere(from, settings, { signal, onProgress }, rowsTo);
+      try {
+        return await loadInWorker(worker, from, settings, watch, rowsTo);
+      } catch (error) {
+        if (!(error instanceof OtherFormat)) throw error;
+        worker = endWorker(worker);
+        from = error.stream ?? from;
+        format = (await import('./format-workers.ts')).formatOf(error, source, name);
+      }
+    }
+  } finally {
+    signal?.removeEventListener('abort', onAbort);
+    // Most loads are of PLY: only such workers are kept for the next.
+    if (!isDone || format !== null) worker = endWorker(worker);
+    endTurn(worker);
+    stop.abort();
+  }
+}
+
+/** Whether a name says that a file is no ordinary PLY, whose worker needs no more code to be started. */
+const isNamedOtherwise = (fileName: string) => /\.compressed\.ply$|\.(?!ply$)\w+$/i.test(fileName);
+
+function endWorker(worker: Worker | null): null {
+  worker?.terminate();
+  return null;
+}
+
+/** Reads in the calling thread. The code that reads is fetched only then: a page whose worker reads never needs it. */
+async function readHere(
+  source: SplatSource,
+  settings: LoadSettings,
+  watch: Watch,
+  rowsTo: RowsTo | undefined,
+): Promise<PackedCloud | null> {
+  const [{ readAndPack }, { ALL_READERS }] = await Promise.all([
+    import('./read-and-pack.ts'),
+    import('../formats/readers.ts'),
+  ]);
+  return readAndPack(source, settings, watch, ALL_READERS, rowsTo);
+}
+
+/** Resolves with `worker` when its script is running; with null where it cannot. */
+async function startWorker(worker: Worker | null, signal: AbortSignal | undefined): Promise<Worker | null> {
+  if (worker === null) return null;
+  if (signal?.aborted) {
+    worker.terminate();
+    throw signal.reason;
+  }
+  return new Promise((resolve, reject) => {
+    const onAbort = () => {
+      worker.terminate();
+      reject(signal?.reason);
+    };
+    signal?.addEventListener('abort', onAbort, { once: true });
+    worker.onmessage = () => {
+      signal?.removeEventListener('abort', onAbort);
+      resolve(worker);
+    };
+    worker.onerror = (event) => {
+      event.preventDefault();
+      signal?.removeEventListener('abort', onAbort);
+      resolve(endWorker(worker));
+    };
+  });
+}
+
+/** The worker that reads `format`, by default PLY; null where none can start. */
+async function newWorker(format: string | null): Promise<Worker | null> {
+  if (typeof Worker === 'undefined') return null;
+  try {
+    if (format !== null && format !== 'ply')
+      return (await import('./format-workers.ts')).newFormatWorker(format);
+    // In one piece, since this is the form that bundlers recognise.
+    return new Worker(new URL('./load-worker.ts', import.meta.url), { type: 'module' });
+  } catch {
+    return null;
+  }
+}
+
+/**
+ * Settles at the latest when `watch.signal` aborts, which stops a stream as well. Calls `watch.onDone` when the worker is free
+ * for another load.
+ */
+function loadInWorker(
+  worker: Worker,
+  source: SplatSource,
+  settings: LoadSettings,
+  watch: Watch & { readonly signal: AbortSignal; readonly onDone: () => void },
+  rowsTo: RowsTo | undefined,
+): Promise<PackedCloud | null> {
+  /** Settles when all rows so far have been taken. */
+  let taken: Promise<void> = Promise.resolve();
+  const takeRows = async ({ memory, rowCount }: PostedPiece) => {
+    const { sink } = rowsTo!;
+    const own = await sink.memory();
+    own.set(new Uint8Array(memory));
+    sink.take(rowCount, own);
+    worker.postMessage({ kind: 'memory', memory } satisfies LoadRequest, [memory]);
+  };
+  watch.signal.throwIfAborted();
+  return new Promise((resolve, reject) => {
+    watch.signal.addEventListener('abort', () => reject(watch.signal.reason), { once: true });
+    const fail = (event: Partial<ErrorEvent>) => {
+      const detail = event.message ? `: ${event.message}` : ', perhaps for lack of memory';
+      reject(
+        new WebSplatterError(
+          'worker-failed',
+          `${settings.name ?? 'source'}: the loading worker stopped${detail}.`,
+        ),
+      );
+    };
+    const finish = (cloud: PackedCloud | null) => {
+      watch.onDone();
+      resolve(cloud);
+    };
+    worker.onerror = fail;
+    worker.onmessageerror = fail;
+    worker.onmessage = ({ data }: MessageEvent<LoadReply>) => {
+      const then = (next: () => Promise<void> | void) => {
+        taken = taken.then(next);
+        taken.catch(reject);
+      };
+      if (data.kind === 'cloud') finish(data.cloud);
+      else if (data.kind === 'layout') then(() => rowsTo!.sink.begin(data.layout));
+      else if (data.kind === 'rows') then(() => takeRows(data));
+      else if (data.kind === 'rows-end') then(() => finish(null));
+      else if (data.kind === 'other-format') reject(new OtherFormat(data.firstBytes, data.stream));
+      else if (data.kind === 'error') reject(fromPostedError(data.error));
+      else if (data.kind === 'progress') callOrReject(() => watch.onProgress?.(data.progress), reject);
+    };
+    callOrReject(() => {
+      const unposted = post(worker, source, settings, rowsTo, watch.signal);
+      if (unposted) resolve(readHere(unposted, settings, watch, rowsTo));
+    }, reject);
+  });
+}
+
+function callOrReject(call: () => void, reject: (reason: unknown) => void): void {
+  try {
+    call();
+  } catch (error) {
+    reject(error);
+  }
+}
+
+/** Posts the job. If it cannot be posted, returns what to read in this thread instead. */
+function post(
+  worker: Worker,
+  source: SplatSource,
+  settings: LoadSettings,
+  rowsTo: RowsTo | undefined,
+  signal: AbortSignal,
+): SplatSource | undefined {
+  let posted = source;
+  let transfer: Transferable[] = [];
+  if (typeof source === 'string' || source instanceof URL) posted = absoluteUrl(String(source));
+  else if (isStream(source)) {
+    // Whoever opens it refuses it.
+    if (source.locked) return source;
+    // A pipe of our own in between, since a posted stream can no longer be cancelled from here.
+    const piped = source.pipeThrough(new TransformStream<Uint8Array, Uint8Array>(), { signal });
+    posted = piped;
+    transfer = [piped];
+  } else if (!isBlob(source) && !isFiles(source)) {
+    const copy = bytesOf(source).slice();
+    posted = copy;
+    transfer = [copy.buffer];
+  }
+  try {
+    const request: LoadRequest = { kind: 'load', source: posted, settings, rows: rowsTo?.files ?? null };
+    worker.postMessage(request, transfer);
+    return undefined;
+  } catch (error) {
+    // Safari cannot transfer streams, and options such as Headers are no data. The attempt leaves the source as it was.
+    if (error instanceof DOMException && error.name === 'DataCloneError') return posted;
+    throw error;
+  }
+}
+
+/**
+ * A source from which the same splats can be read again, any number of times: the absolute URL, or the very same Blob
+ * or Files. Null for streams, which are consumed, and for buffers, which would have to be kept in memory.
+ *
+ * @throws InvalidArgumentError for what is neither text nor an object, and so no source of any kind.
+ */
+export function lastingSource(source: SplatSource): LastingSource | null {
+  if (typeof source === 'string' || source instanceof URL) return absoluteUrl(String(source));
+  if (isBlob(source)) return source;
+  if (isFiles(source)) return { files: [...source.files], paths: source.paths && [...source.paths] };
+  if (Object(source) !== source) bytesOf(source as never);
+  return null;
+}
+
+/** A worker resolves relative URLs against its own script, the caller means the page. */
+function absoluteUrl(url: string): string {
+  const base = baseUrl();
+  return URL.canParse(url, base) ? new URL(url, base).href : url;
+}

@@ -1,0 +1,63 @@
+import type { PackedHarmonics } from '../../packing/harmonics.ts';
+import { checkPrecision } from '../../packing/precision.ts';
+import type { SplatSet } from '../../splats/splat-set.ts';
+import type { RowsTo } from '../formats/row-sink.ts';
+import { type FormatReaders, SNIFF_BYTES } from '../formats/splat-format.ts';
+import { ByteReader } from '../sources/byte-reader.ts';
+import { openSource } from '../sources/open-source.ts';
+import { checkSize, limitsOf } from '../sources/read-limits.ts';
+import { fileNameOf, isFiles, isStream } from '../sources/source-kind.ts';
+import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
+import { OtherFormat } from './other-format.ts';
+
+/**
+ * Does what `readSplats` promises, for the formats that `readers` has. It is a module of its own: a page whose worker reads never
+ * fetches it.
+ *
+ * Rejects with OtherFormat for a file that `readers` leaves to others.
+ */
+export async function readSource(
+  source: SplatSource,
+  options: ReadSplatsOptions,
+  readers: FormatReaders,
+): Promise<SplatSet<PackedHarmonics>>;
+/** Null if the rows of the file went to `rowsTo` as they are. */
+export async function readSource(
+  source: SplatSource,
+  options: ReadSplatsOptions,
+  readers: FormatReaders,
+  rowsTo: RowsTo | undefined,
+): Promise<SplatSet<PackedHarmonics> | null>;
+export async function readSource(
+  source: SplatSource,
+  options: ReadSplatsOptions,
+  { pick, openFiles }: FormatReaders,
+  rowsTo?: RowsTo,
+): Promise<SplatSet<PackedHarmonics> | null> {
+  const { signal, onProgress, shPrecision = 'u8' } = options;
+  checkPrecision({ shPrecision });
+  const opened =
+    openFiles && isFiles(source) ? openFiles(source, options) : await openSource(source, options);
+  let reader: ByteReader | undefined;
+  try {
+    const { maxBytes, maxSplats } = limitsOf(options, opened);
+    checkSize(opened, maxBytes);
+    reader = new ByteReader(opened, signal, maxBytes);
+    await reader.fill(SNIFF_BYTES);
+    const firstBytes = reader.bytes.subarray(
+      reader.start,
+      reader.start + Math.min(SNIFF_BYTES, reader.available),
+    );
+    const read = await pick(firstBytes, opened.name, fileNameOf(source, opened.name));
+    if (!read) throw new OtherFormat(firstBytes.slice(), isStream(source) ? reader.rest() : null);
+    const { stream, ...about } = opened;
+    return await read(
+      { ...about, reader },
+      { shPrecision, maxSplats, maxBytes: options.maxBytes, signal, onProgress },
+      rowsTo,
+    );
+  } finally {
+    if (reader) reader.close();
+    else opened.stream.cancel().catch(() => {});
+  }
+}

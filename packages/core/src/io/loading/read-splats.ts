@@ -1,0 +1,21 @@
+import type { PackedHarmonics } from '../../packing/harmonics.ts';
+import type { SplatSet } from '../../splats/splat-set.ts';
+import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
+
+/**
+ * Reads splats in the calling thread, from any source and in any format. Works in pages, workers and Node. Harmonics
+ * are packed in `options.shPrecision` as they are read.
+ *
+ * Rejects with `SplatSourceError` (cannot be fetched or read), `SplatFileError` (cannot be understood; says where),
+ * `InvalidArgumentError` (not a source), or the signal's reason.
+ */
+export async function readSplats(
+  source: SplatSource,
+  options: ReadSplatsOptions = {},
+): Promise<SplatSet<PackedHarmonics>> {
+  const [{ readSource }, { ALL_READERS }] = await Promise.all([
+    import('./read-source.ts'),
+    import('../formats/readers.ts'),
+  ]);
+  return readSource(source, options, ALL_READERS);
+}

@@ -1,0 +1,340 @@
+import { SplatFileError, SplatSourceError, WebSplatterError } from '../../errors.ts';
+import { nextTask } from './next-task.ts';
+import { lockedStreamError } from './source-kind.ts';
+import type { OpenedSource, ResumeSource } from './splat-source.ts';
+
+type ReaderSource = Pick<OpenedSource, 'name' | 'stream' | 'idleTimeoutMs' | 'resume'>;
+
+type Reader =
+  | { readonly kind: 'into'; readonly reader: ReadableStreamBYOBReader }
+  | { readonly kind: 'chunks'; readonly reader: ReadableStreamDefaultReader<Uint8Array> };
+
+/** Bytes held at once, unless one item needs more: bounds both memory and the work between two pauses. */
+const WINDOW_BYTES = 1 << 20;
+/** Most bytes of a read that is copied into the window. */
+const CHUNK_BYTES = 1 << 18;
+/** Longest time a page's thread is kept busy before its event loop gets a turn. */
+const MAX_BUSY_MS = 16;
+/** A server that gives less in the time that it has drips: it could hold a reader for days. */
+const LEAST_BYTES_IN_TIME = 1 << 14;
+
+const NO_BYTES = new Uint8Array(0);
+
+/**
+ * Shows a stream as a window of contiguous bytes that moves forward. Chunks are copied into the window, at most
+ * `WINDOW_BYTES` at a time, so that items which straddle chunks need no special case and a huge chunk is never doubled.
+ *
+ * A stream that fails, or that gives next to nothing for long, is resumed where its source can be.
+ *
+ * Rejects with the signal's reason once it aborts; with `SplatSourceError` if the stream fails for good or yields anything
+ * but bytes; and with `SplatFileError` 'too-large' if it gives more than `maxBytes`.
+ */
+export class ByteReader {
+  /** The window's memory; valid from `start` on for `available` bytes, until the next `fill` or `skip`. */
+  bytes: Uint8Array<ArrayBuffer> = new Uint8Array(WINDOW_BYTES);
+  /** The same memory as `bytes`. */
+  view = new DataView(this.bytes.buffer);
+  /** Index in `bytes` of the next byte. */
+  start = 0;
+
+  readonly #name: string;
+  readonly #signal: AbortSignal | undefined;
+  readonly #maxBytes: number;
+  readonly #idleTimeoutMs: number;
+  readonly #resumeSource: ResumeSource | undefined;
+  #reader: Reader;
+  /** Bytes at the beginning of the stream that have been read before. */
+  #toDrop = 0;
+  /** Time spent waiting, and bytes that came, since as many came as must. */
+  #waitedMs = 0;
+  #cameBytes = 0;
+  readonly #onAbort = () => this.#cancel(this.#signal?.reason);
+  #end = 0;
+  /** Offset in the file of `bytes[0]`. */
+  #base = 0;
+  /** The part of the last chunk that has not been copied yet. */
+  #pending: Uint8Array = NO_BYTES;
+  /** Where a stream that writes into given memory writes next. */
+  #chunkMemory = new ArrayBuffer(0);
+  #lastPauseMs = performance.now();
+  #isHandedOn = false;
+
+  constructor(source: ReaderSource, signal?: AbortSignal, maxBytes = Number.POSITIVE_INFINITY) {
+    this.#name = source.name;
+    this.#signal = signal;
+    this.#maxBytes = maxBytes;
+    this.#idleTimeoutMs = source.idleTimeoutMs ?? Number.POSITIVE_INFINITY;
+    this.#resumeSource = source.resume;
+    signal?.throwIfAborted();
+    if (source.stream.locked) throw lockedStreamError(source.name);
+    this.#reader = readerOf(source.stream);
+    // Cancelling ends a pending read at once, even one on a stream that would never deliver.
+    signal?.addEventListener('abort', this.#onAbort, { once: true });
+  }
+
+  /** Number of bytes in the window from `start` on. */
+  get available(): number {
+    return this.#end - this.start;
+  }
+
+  /** Offset in the file of the next byte. */
+  get byteOffset(): number {
+    return this.#base + this.start;
+  }
+
+  advance(byteCount: number): void {
+    this.start += byteCount;
+  }
+
+  /** Makes at least `byteCount` bytes available; false if the stream ends first. */
+  async fill(byteCount: number): Promise<boolean> {
+    if (this.available >= byteCount) return true;
+    this.#makeRoom(byteCount);
+    while (this.available < byteCount) {
+      if (this.#pending.length === 0 && !(await this.#readChunk())) return false;
+      const part = this.#pending.subarray(0, this.bytes.length - this.#end);
+      this.bytes.set(part, this.#end);
+      this.#end += part.length;
+      this.#pending = this.#pending.subarray(part.length);
+      await this.pause();
+    }
+    return true;
+  }
+
+  /**
+   * Fills `bytes` with what comes next, past the window; null if the stream ends first.
+   *
+   * @param mayDetach whether the memory of `bytes` may move to another buffer, of the same size, as it does where a stream
+   *   writes into it by itself.
+   * @param onPart called when some have arrived.
+   * @returns `bytes`, where they are now.
+   */
+  async readInto(
+    bytes: Uint8Array<ArrayBuffer>,
+    mayDetach: boolean,
+    onPart: () => void,
+  ): Promise<Uint8Array<ArrayBuffer> | null> {
+    const { byteOffset, length } = bytes;
+    const startOffset = this.byteOffset;
+    let target = bytes;
+    let detaches = mayDetach;
+    let at = 0;
+    const onMore = (byteCount: number) => {
+      at += byteCount;
+      onPart();
+    };
+    const held = Math.min(this.available, length);
+    target.set(this.bytes.subarray(this.start, this.start + held));
+    this.advance(held);
+    onMore(held);
+    while (at < length) {
+      if (this.#pending.length === 0 && detaches && this.#reader.kind === 'into' && this.#toDrop === 0) {
+        const memoryBytes = target.buffer.byteLength;
+        const read = await this.#readByReader(new Uint8Array(target.buffer, byteOffset + at, length - at));
+        if (read === undefined) return null;
+        if (read instanceof SplatSourceError) {
+          // The memory went with the stream, and with it what had been read. That must not happen again and again.
+          detaches = false;
+          await this.#resume(startOffset, read);
+          target = new Uint8Array(new ArrayBuffer(memoryBytes), byteOffset, length);
+          this.#base = startOffset - this.#end;
+          at = 0;
+          continue;
+        }
+        target = new Uint8Array(read.buffer as ArrayBuffer, byteOffset, length);
+        this.#base += read.length;
+        onMore(read.length);
+      } else {
+        if (this.#pending.length === 0 && !(await this.#readChunk())) return null;
+        const part = this.#pending.subarray(0, length - at);
+        target.set(part, at);
+        this.#base += part.length;
+        this.#pending = this.#pending.subarray(part.length);
+        onMore(part.length);
+      }
+      await this.pause();
+    }
+    return target;
+  }
+
+  /** Skips `byteCount` bytes without holding them; false if the stream ends first. */
+  async skip(byteCount: number): Promise<boolean> {
+    let left = byteCount;
+    for (;;) {
+      const step = Math.min(left, this.available);
+      this.advance(step);
+      left -= step;
+      if (left === 0) return true;
+      if (!(await this.fill(1))) return false;
+    }
+  }
+
+  /** Gives the event loop a turn if it has waited long; throws if aborted. */
+  async pause(): Promise<void> {
+    this.#signal?.throwIfAborted();
+    if (performance.now() - this.#lastPauseMs < MAX_BUSY_MS) return;
+    await nextTask();
+    this.#lastPauseMs = performance.now();
+    this.#signal?.throwIfAborted();
+  }
+
+  /** What has not been read yet, as a stream of its own, which ends this reader's use. */
+  rest(): ReadableStream<Uint8Array<ArrayBuffer>> {
+    this.#isHandedOn = true;
+    return new ReadableStream(
+      {
+        pull: async (controller) => {
+          if (!(await this.fill(1))) return controller.close();
+          controller.enqueue(this.bytes.slice(this.start, this.#end));
+          this.advance(this.available);
+        },
+        cancel: (reason) => this.#cancel(reason),
+      },
+      { highWaterMark: 0 },
+    );
+  }
+
+  /** Releases the stream and cancels what has not been read, unless that was handed on. */
+  close(): void {
+    if (!this.#isHandedOn) this.#cancel(undefined);
+  }
+
+  #cancel(reason: unknown): void {
+    this.#signal?.removeEventListener('abort', this.#onAbort);
+    // If the stream has failed already, this rejects with the error that the read has reported.
+    this.#reader.reader.cancel(reason).catch(() => {});
+  }
+
+  /** Moves the available bytes to the start of the window, so that `byteCount` bytes fit. */
+  #makeRoom(byteCount: number): void {
+    if (byteCount > this.bytes.length) {
+      const larger = new Uint8Array(Math.max(byteCount, 2 * this.bytes.length));
+      larger.set(this.bytes.subarray(this.start, this.#end));
+      this.bytes = larger;
+      this.view = new DataView(larger.buffer);
+    } else if (this.start > 0) {
+      // Only then: reading byte by byte must not move the whole window each time.
+      this.bytes.copyWithin(0, this.start, this.#end);
+    }
+    this.#base += this.start;
+    this.#end -= this.start;
+    this.start = 0;
+  }
+
+  /** False at the end of the stream. */
+  async #readChunk(): Promise<boolean> {
+    for (;;) {
+      const offset = this.#base + this.#end;
+      const chunk = await this.#readByReader();
+      if (chunk === undefined) return false;
+      if (chunk instanceof SplatSourceError) {
+        await this.#resume(offset, chunk);
+        continue;
+      }
+      if (!ArrayBuffer.isView(chunk) || !('subarray' in chunk) || chunk.BYTES_PER_ELEMENT !== 1) {
+        throw new SplatSourceError(
+          this.#name,
+          `the stream gave ${describeChunk(chunk)}; it must give Uint8Array chunks`,
+        );
+      }
+      const dropped = Math.min(this.#toDrop, chunk.length);
+      this.#toDrop -= dropped;
+      this.#pending = chunk.subarray(dropped);
+      if (this.#reader.kind === 'into') this.#chunkMemory = chunk.buffer as ArrayBuffer;
+      if (this.#pending.length > 0) return true;
+      // A stream may give empty chunks for ever, each without a task of its own.
+      await this.pause();
+    }
+  }
+
+  /** Goes on at byte `offset` after the stream has failed. */
+  async #resume(offset: number, failure: SplatSourceError): Promise<void> {
+    if (!this.#resumeSource) throw failure;
+    const { stream, startsAt } = await this.#resumeSource(offset, failure);
+    this.#reader = readerOf(stream);
+    this.#toDrop = offset - startsAt;
+    this.#waitedMs = 0;
+    this.#cameBytes = 0;
+    this.#signal?.addEventListener('abort', this.#onAbort, { once: true });
+    if (this.#signal?.aborted) this.#onAbort();
+  }
+
+  /** Reads some bytes, into `target` if the stream can; undefined at its end, or why the stream has failed. */
+  async #readByReader(target?: Uint8Array<ArrayBuffer>): Promise<Uint8Array | SplatSourceError | undefined> {
+    this.#signal?.throwIfAborted();
+    const startMs = performance.now();
+    const timeLeftMs = this.#idleTimeoutMs - this.#waitedMs;
+    let isLate = false;
+    const onLate = () => {
+      isLate = true;
+      this.#reader.reader.cancel().catch(() => {});
+    };
+    const timer = Number.isFinite(timeLeftMs) ? setTimeout(onLate, timeLeftMs) : undefined;
+    try {
+      const { done, value } = await this.#readSome(target);
+      if (done) this.#signal?.removeEventListener('abort', this.#onAbort);
+      this.#signal?.throwIfAborted();
+      if (isLate) {
+        const late = `the server sent less than ${LEAST_BYTES_IN_TIME} bytes in ${this.#idleTimeoutMs} ms`;
+        return new SplatSourceError(this.#name, `reading stopped: ${late}`);
+      }
+      if (!done) this.#noteArrival(value?.byteLength ?? 0, performance.now() - startMs);
+      return done ? undefined : value;
+    } catch (cause) {
+      this.#signal?.removeEventListener('abort', this.#onAbort);
+      this.#signal?.throwIfAborted();
+      if (cause instanceof WebSplatterError) throw cause;
+      return new SplatSourceError(this.#name, `reading stopped: ${messageOf(cause)}`, undefined, { cause });
+    } finally {
+      clearTimeout(timer);
+    }
+  }
+
+  #noteArrival(byteCount: number, waitedMs: number): void {
+    this.#waitedMs += waitedMs;
+    this.#cameBytes += byteCount;
+    if (this.#cameBytes >= LEAST_BYTES_IN_TIME) {
+      this.#waitedMs = 0;
+      this.#cameBytes = 0;
+    }
+    const givenBytes = this.#base + this.#end + byteCount - this.#toDrop;
+    if (givenBytes > this.#maxBytes) {
+      throw new SplatFileError(
+        'too-large',
+        this.#name,
+        `there are more than ${this.#maxBytes} bytes, unpacked. Pass a larger maxBytes if that is right.`,
+        { byte: this.#maxBytes },
+      );
+    }
+  }
+
+  async #readSome(target?: Uint8Array<ArrayBuffer>): Promise<{ done: boolean; value?: Uint8Array }> {
+    if (this.#reader.kind === 'chunks') return this.#reader.reader.read();
+    return this.#reader.reader.read(target ?? this.#chunkTarget());
+  }
+
+  /** Where the next chunk may be written: the one before has been used up. */
+  #chunkTarget(): Uint8Array<ArrayBuffer> {
+    if (this.#chunkMemory.byteLength !== CHUNK_BYTES) this.#chunkMemory = new ArrayBuffer(CHUNK_BYTES);
+    return new Uint8Array(this.#chunkMemory);
+  }
+}
+
+/** Files and responses write into memory that they are given, in most browsers; other streams give chunks. */
+function readerOf(stream: ReadableStream<Uint8Array>): Reader {
+  try {
+    return { kind: 'into', reader: stream.getReader({ mode: 'byob' }) };
+  } catch {
+    return { kind: 'chunks', reader: stream.getReader() };
+  }
+}
+
+export function messageOf(cause: unknown): string {
+  return cause instanceof Error ? cause.message : String(cause);
+}
+
+function describeChunk(chunk: unknown): string {
+  return typeof chunk === 'object' && chunk !== null
+    ? `a chunk of ${chunk.constructor?.name}`
+    : `a ${typeof chunk}`;
+}

@@ -1,0 +1,91 @@
+import { InvalidArgumentError, SplatFileError } from '../../errors.ts';
+import { SPLAT_FORMATS } from '../formats/formats.ts';
+import { openBlob } from './open-blob.ts';
+import { isBlob } from './source-kind.ts';
+import type { OpenedSource, ReadOptions, SceneFiles } from './splat-source.ts';
+
+/** Most names that a message lists. */
+const MOST_LISTED = 5;
+
+/**
+ * Opens the files of one scene at the one that leads to the others, such as `meta.json`.
+ *
+ * @throws InvalidArgumentError as `leadingPath`.
+ */
+export function openFiles(source: SceneFiles, { name }: ReadOptions): OpenedSource {
+  const leading = leadingPath(source);
+  const shownName = name ?? leading;
+  const folder = leading.replace(/[^/]*$/, '');
+  const { files, paths } = withPaths(source);
+  const byPath = new Map(files.map((file, i) => [normalized(paths[i]), file]));
+  const fileAt = (path: string): Blob => {
+    const file = byPath.get(normalized(path));
+    if (file) return file;
+    const message = `it needs ${path}, which is not among the files that were opened. Open them all together.`;
+    throw new SplatFileError('missing-part', shownName, message);
+  };
+  return {
+    ...openBlob(fileAt(leading), shownName),
+    openPart: async (path) => openBlob(fileAt(folder + path), path),
+  };
+}
+
+/**
+ * Path of the file that leads to the others.
+ *
+ * @throws InvalidArgumentError for anything but Blobs, or if several files have none that leads.
+ */
+export function leadingPath(source: SceneFiles): string {
+  const { files, paths } = withPaths(source);
+  const leading = files.length === 1 ? paths[0] : outermost(paths.filter(isLeading));
+  if (leading !== undefined) return leading;
+  const names = paths.slice(0, MOST_LISTED).join(', ');
+  const found = files.length === 0 ? 'source.files is empty' : `source has ${files.length} files (${names})`;
+  throw new InvalidArgumentError(
+    'source',
+    `${found}, and none of them leads to the others, as meta.json does; pass one scene at a time.`,
+  );
+}
+
+/**
+ * `source` with its paths written out: Files that are posted lose theirs.
+ *
+ * @throws InvalidArgumentError for anything but Blobs, or if there are fewer or more paths than files.
+ */
+export function withPaths({ files, paths = files.map(ownPath) }: SceneFiles): Required<SceneFiles> {
+  if (!files.every(isBlob))
+    throw new InvalidArgumentError(
+      'source',
+      'source.files has something else than Files; pass those of one scene.',
+    );
+  if (paths.length === files.length) return { files, paths };
+  throw new InvalidArgumentError(
+    'source',
+    `source has ${files.length} files and ${paths.length} paths; give each file its path.`,
+  );
+}
+
+function ownPath(file: Partial<File> | null): string {
+  return file?.webkitRelativePath || (file?.name ?? '');
+}
+
+/** Those of a streamed scene lead to files of their own. */
+function outermost(paths: readonly string[]): string | undefined {
+  const depthOf = (path: string) => path.split('/').length;
+  return paths.toSorted((a, b) => depthOf(a) - depthOf(b))[0];
+}
+
+function isLeading(path: string): boolean {
+  const fileName = path.replace(/^.*\//, '').toLowerCase();
+  return SPLAT_FORMATS.some(({ leadingFile }) => leadingFile?.test(fileName));
+}
+
+/** `path` without `.` and `..`. */
+function normalized(path: string): string {
+  const parts: string[] = [];
+  for (const part of path.split('/')) {
+    if (part === '..') parts.pop();
+    else if (part !== '.' && part !== '') parts.push(part);
+  }
+  return parts.join('/');
+}

@@ -1,0 +1,26 @@
+import { SplatFileError } from '../../errors.ts';
+import type { SplatInput } from '../formats/splat-format.ts';
+import { readAll } from './read-all.ts';
+
+/**
+ * Reads the next `byteCount` bytes into memory, which grows with what arrives.
+ *
+ * Rejects with SplatFileError 'truncated' if there are fewer, before it reads any where that is known.
+ *
+ * @param what the bytes, for messages: `the header`, `31000 splats`.
+ */
+export async function readExactly(
+  { name, reader, totalBytes, totalBytesCertain, isHeld }: SplatInput,
+  byteCount: number,
+  what: string,
+): Promise<Uint8Array<ArrayBuffer>> {
+  const startByte = reader.byteOffset;
+  const fail = (foundBytes: number): never => {
+    const message = `${what} take ${byteCount} bytes, the file has ${foundBytes} left. Download or export it again.`;
+    throw new SplatFileError('truncated', name, message, { byte: startByte + foundBytes });
+  };
+  const leftBytes = totalBytesCertain && totalBytes !== undefined ? totalBytes - startByte : undefined;
+  if (leftBytes !== undefined && leftBytes < byteCount) fail(leftBytes);
+  const bytes = await readAll(reader, byteCount, isHeld && leftBytes !== undefined ? byteCount : 0);
+  return bytes.length < byteCount ? fail(bytes.length) : bytes;
+}

@@ -1,0 +1,50 @@
+import { InvalidArgumentError, SplatFileError } from '../../errors.ts';
+import { shown } from '../../printable.ts';
+import type { OpenedSource, ReadLimits } from './splat-source.ts';
+
+/** Splats of degree 3 as they are trained, 248 bytes each, fit into as many bytes as `DEFAULT_MAX_BYTES`. */
+const DEFAULT_MAX_SPLATS = 2 ** 25;
+const DEFAULT_MAX_BYTES = 2 ** 33;
+/** Zeros pack a thousandfold; floats of a scene never do by nearly as much. */
+const MOST_UNPACKED = 64;
+/** Whatever it unpacks to, so few bytes do no harm. */
+const HARMLESS_BYTES = 2 ** 26;
+
+/**
+ * Returns the limits of reading `opened`.
+ *
+ * @throws InvalidArgumentError unless both are positive.
+ */
+export function limitsOf(
+  { maxBytes, maxSplats = DEFAULT_MAX_SPLATS }: ReadLimits,
+  { isHeld, sentBytes }: Pick<OpenedSource, 'isHeld' | 'sentBytes'>,
+): Required<ReadLimits> {
+  const fromServer = Math.max(HARMLESS_BYTES, MOST_UNPACKED * (sentBytes ?? Number.POSITIVE_INFINITY));
+  const usual = isHeld ? Number.POSITIVE_INFINITY : Math.min(DEFAULT_MAX_BYTES, fromServer);
+  const limits = { maxBytes: maxBytes ?? usual, maxSplats };
+  for (const [name, value] of Object.entries(limits)) checkLimit(name, value);
+  return limits;
+}
+
+/** Returns the most bytes that may be unpacked of a packed source. */
+export function unpackedLimit(
+  { maxBytes }: ReadLimits,
+  { totalBytes = Number.POSITIVE_INFINITY }: Pick<OpenedSource, 'totalBytes'>,
+): number {
+  return maxBytes ?? Math.min(DEFAULT_MAX_BYTES, Math.max(HARMLESS_BYTES, MOST_UNPACKED * totalBytes));
+}
+
+function checkLimit(argument: string, value: number): void {
+  if (typeof value === 'number' && value > 0) return;
+  throw new InvalidArgumentError(argument, `${argument} is ${shown(value)}; it must be a number above 0.`);
+}
+
+/** @throws SplatFileError 'too-large' if the source says itself that it has more bytes. */
+export function checkSize(
+  { name, totalBytes = 0 }: Pick<OpenedSource, 'name' | 'totalBytes'>,
+  maxBytes: number,
+): void {
+  if (totalBytes <= maxBytes) return;
+  const message = `it has ${totalBytes} bytes, more than maxBytes, ${maxBytes}. Pass a larger maxBytes if that is right.`;
+  throw new SplatFileError('too-large', name, message);
+}

@@ -1,0 +1,48 @@
+import { SplatFileError } from '../../errors.ts';
+import type { SplatFormatOptions, SplatInput } from '../formats/splat-format.ts';
+import { ByteReader } from './byte-reader.ts';
+import { openUrl } from './open-url.ts';
+import { readAll } from './read-all.ts';
+import { limitsOf } from './read-limits.ts';
+import { shortName } from './source-kind.ts';
+import type { OpenedSource } from './splat-source.ts';
+
+/**
+ * Reads another file of the scene of `input`.
+ *
+ * Rejects with SplatFileError 'missing-part' where the source is a single file, or has no such part; as `openSource`; and with the
+ * signal's reason.
+ *
+ * @param path from the folder of `input`.
+ */
+export async function readPart(
+  input: SplatInput,
+  path: string,
+  { signal, maxBytes }: Pick<SplatFormatOptions, 'signal' | 'maxBytes'>,
+): Promise<Uint8Array<ArrayBuffer>> {
+  const opened = await (input.openPart ? input.openPart(path) : openFetched(input, path, signal));
+  const reader = new ByteReader(opened, signal, limitsOf({ maxBytes }, opened).maxBytes);
+  try {
+    return await readAll(reader, Number.POSITIVE_INFINITY, opened.isHeld ? opened.totalBytes : 0);
+  } finally {
+    reader.close();
+  }
+}
+
+/** Parts come from the origin of the scene: credentials go with them. */
+function openFetched(
+  { name, fetched }: SplatInput,
+  path: string,
+  signal: AbortSignal | undefined,
+): Promise<OpenedSource> {
+  const missing = (message: string) => new SplatFileError('missing-part', name, message);
+  if (!fetched)
+    throw missing(`it needs ${path}, another file. Open all files of the scene together, or its address.`);
+  const { url: base, request } = fetched;
+  const url = URL.canParse(path, base) ? new URL(path, base) : null;
+  if (url?.origin !== new URL(base).origin) {
+    const advice = 'Put all files of the scene together';
+    throw missing(`it needs ${shortName(path)}, which lies on another server. ${advice}.`);
+  }
+  return openUrl(url.href, { name: shortName(path), request, signal });
+}

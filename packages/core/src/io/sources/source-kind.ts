@@ -1,0 +1,82 @@
+import { InvalidArgumentError, SplatSourceError } from '../../errors.ts';
+import { printable } from '../../printable.ts';
+import type { SceneFiles, SplatSource } from './splat-source.ts';
+
+/** Longest name shown in messages: data URLs can be megabytes. */
+const MAX_NAME_LENGTH = 200;
+
+/** Name of a source in messages, unless the caller gives one. */
+export function sourceName(source: SplatSource): string {
+  if (typeof source === 'string' || source instanceof URL) return shortName(String(source));
+  if (isStream(source)) return 'stream';
+  if (isBlob(source)) return shortName((source as Partial<File>).name ?? 'blob');
+  if (isFiles(source)) return 'files';
+  return 'buffer';
+}
+
+/**
+ * Name by which to tell the kind of file that `source` is: the file's own, or the last part of an address, without queries.
+ *
+ * @param name what the caller calls the source; taken where the source has no name.
+ */
+export function fileNameOf(source: SplatSource, name: string | undefined): string {
+  if (typeof source === 'string' || source instanceof URL) {
+    const address = String(source);
+    if (!/^(?:blob|data):/i.test(address)) return address.replace(/[?#].*$/s, '').replace(/^.*\//s, '');
+  }
+  const names: readonly unknown[] = [(source as Partial<File> | null)?.name, name];
+  return (names.find((each) => typeof each === 'string') as string | undefined) ?? '';
+}
+
+/** `text` as messages show it, shortened if it is long. */
+export function shortName(text: string): string {
+  const shown = printable(text);
+  return shown.length <= MAX_NAME_LENGTH ? shown : `${shown.slice(0, MAX_NAME_LENGTH)}…`;
+}
+
+/** What relative addresses are resolved against; undefined outside a page. */
+export function baseUrl(): string | undefined {
+  return typeof document === 'undefined' ? globalThis.location?.href : document.baseURI;
+}
+
+export function isStream(source: unknown): source is ReadableStream<Uint8Array> {
+  return typeof (source as Partial<ReadableStream>)?.getReader === 'function';
+}
+
+export function isBlob(source: unknown): source is Blob {
+  const blob = source as Partial<Blob> | null;
+  return typeof blob?.stream === 'function' && typeof blob.size === 'number';
+}
+
+/** Whether `source` has a list, of whatever. */
+export function isFiles(source: unknown): source is SceneFiles {
+  return Array.isArray((source as Partial<SceneFiles> | null)?.files);
+}
+
+/**
+ * The bytes of a buffer, or of the part that a view shows, without a copy. Throws `InvalidArgumentError` for anything
+ * else.
+ */
+export function bytesOf(source: ArrayBuffer | ArrayBufferView): Uint8Array {
+  // By its tag, since a buffer may come from another realm (an iframe, a test runner).
+  const tag = Object.prototype.toString.call(source).slice(8, -1);
+  try {
+    if (ArrayBuffer.isView(source))
+      return new Uint8Array(source.buffer, source.byteOffset, source.byteLength);
+    if (tag === 'ArrayBuffer' || tag === 'SharedArrayBuffer') return new Uint8Array(source);
+  } catch {
+    throw new InvalidArgumentError(
+      'source',
+      `source is a ${tag} that has been transferred away; pass it before, or a copy.`,
+    );
+  }
+  const expected = 'it must be a URL, Blob, File, { files }, ArrayBuffer, view or ReadableStream';
+  throw new InvalidArgumentError('source', `source is ${tag}; ${expected}.`);
+}
+
+export function lockedStreamError(name: string): SplatSourceError {
+  return new SplatSourceError(
+    name,
+    'the stream is locked: something else is reading it, or has read it. Pass a fresh stream, or the Blob or URL itself.',
+  );
+}

@@ -1,0 +1,126 @@
+import type { SplatSourceError } from '../../errors.ts';
+import type { ShPrecision } from '../../packing/precision.ts';
+
+/** The files of one scene that has several, such as `meta.json` and its images. */
+export interface SceneFiles {
+  readonly files: readonly Blob[];
+  /** Path of each, from any folder that holds them all; default their `webkitRelativePath`, or their names. */
+  readonly paths?: readonly string[];
+}
+
+/** What the same splats can be read from again, any number of times. */
+export type LastingSource = string | Blob | SceneFiles;
+
+/** Anything that splats can be read from. */
+export type SplatSource =
+  | string
+  | URL
+  | Blob
+  | SceneFiles
+  | ArrayBuffer
+  | ArrayBufferView
+  | ReadableStream<Uint8Array>;
+
+/** Progress of a load. */
+export interface LoadProgress {
+  readonly phase: 'read' | 'arrange' | 'upload';
+  /** Bytes read so far. */
+  readonly loadedBytes: number;
+  /** Size of the source in bytes; undefined if it is not known. */
+  readonly totalBytes: number | undefined;
+  /** Splats decoded so far. */
+  readonly splats: number;
+  /** Bytes that were read per second, on average since reading began; 0 as long as that cannot be told. */
+  readonly bytesPerSecond: number;
+}
+
+/** Most that is read of a source. */
+export interface ReadLimits {
+  /**
+   * Most bytes that a source may have, unpacked where a server packs them; Infinity for no limit, which is the default for
+   * Files, Blobs and buffers. For addresses and streams the default is 8 GiB, and where a server says how much it sends no
+   * more than 64 times that (but at least 64 MiB), so that a few packed bytes cannot fill the memory.
+   */
+  readonly maxBytes?: number;
+  /** Most splats that a source may have; Infinity for no limit. Default 33,554,432. */
+  readonly maxSplats?: number;
+}
+
+/** How an address is fetched. */
+export interface RequestOptions {
+  /** Headers of every request. Redirects are refused then, since another origin could be sent them. */
+  readonly headers?: Readonly<Record<string, string>>;
+  /** Default `same-origin`: other origins receive no cookies. */
+  readonly credentials?: RequestCredentials;
+  /**
+   * A server that sends less than 16 KiB in this time counts as gone, ms; Infinity to wait for ever. Default 30,000. Time in
+   * which nothing is read does not count.
+   */
+  readonly idleTimeoutMs?: number;
+  /**
+   * How often an overloaded server is asked again and a transfer that broke off is resumed, in all; default 4. The wait
+   * before doubles from half a second on, or is as long as the server says, up to 30 s.
+   */
+  readonly maxRetries?: number;
+}
+
+/** What holds for a source whenever it is read. */
+export interface SourceOptions extends ReadLimits {
+  /** For addresses. */
+  readonly request?: RequestOptions;
+}
+
+export interface ReadOptions extends SourceOptions {
+  /** Name for messages; by default the file's name or the URL. */
+  readonly name?: string;
+  readonly signal?: AbortSignal;
+  readonly onProgress?: (progress: LoadProgress) => void;
+}
+
+export interface ReadSplatsOptions extends ReadOptions {
+  /** Precision in which to pack the spherical harmonics above degree 0; default `u8`. */
+  readonly shPrecision?: ShPrecision;
+}
+
+/** A source as a stream that has not been read from. */
+export interface OpenedSource {
+  /** For messages: the option, the file's name or the URL. */
+  readonly name: string;
+  /** Size in bytes; undefined if it is not known. */
+  readonly totalBytes: number | undefined;
+  /**
+   * Whether the stream will really give `totalBytes`. False for responses from another origin: a page sees their
+   * Content-Length, which counts compressed bytes, but not their Content-Encoding. Then it is good for a progress bar
+   * only.
+   */
+  readonly totalBytesCertain: boolean;
+  /** Whether `totalBytes` are there already, not only promised: memory for what is in them may be taken at once. */
+  readonly isHeld: boolean;
+  /** Bytes that a server says it sends, which may be packed; undefined if it says nothing, and for other sources. */
+  readonly sentBytes?: number;
+  readonly stream: ReadableStream<Uint8Array>;
+  /** See `RequestOptions.idleTimeoutMs`; undefined where nobody can be late. */
+  readonly idleTimeoutMs?: number;
+  /** Undefined where a stream cannot be had again. */
+  readonly resume?: ResumeSource;
+  /** Address that answered, and how it was asked; undefined for what is not fetched. */
+  readonly fetched?: { readonly url: string; readonly request: RequestOptions };
+  /**
+   * Opens another file of the same scene, by its path from the folder of this one; undefined where there is none, and for what is
+   * fetched. Rejects with SplatFileError 'missing-part', and as `openSource`.
+   */
+  readonly openPart?: (path: string) => Promise<OpenedSource>;
+}
+
+/**
+ * Opens the source again after a stream of it has failed, to go on at byte `offset`.
+ *
+ * Rejects with `failure`, with a SplatSourceError that says why the rest cannot be had, or with the signal's reason.
+ */
+export type ResumeSource = (offset: number, failure: SplatSourceError) => Promise<ResumedStream>;
+
+export interface ResumedStream {
+  readonly stream: ReadableStream<Uint8Array>;
+  /** Where in the source the stream begins: at the offset asked for, or before. */
+  readonly startsAt: number;
+}

@@ -1,0 +1,88 @@
+import { WebSplatterError } from '../errors.ts';
+import { ALL_READERS } from '../io/formats/readers.ts';
+import type { RowsTo } from '../io/formats/row-sink.ts';
+import { readSource } from '../io/loading/read-source.ts';
+import { readSplats } from '../io/loading/read-splats.ts';
+import type { PackedHarmonics } from '../packing/harmonics.ts';
+import { packCloud } from '../packing/packed-cloud.ts';
+import type { RowLayout } from '../packing/row-layout.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
+import type { Choices } from './fuzz.ts';
+import { chunked } from './ply-fixture.ts';
+
+/** What a reader makes of a file: splats, or a typed error. */
+export type Outcome = SplatSet<PackedHarmonics> | WebSplatterError;
+
+/** Words that have broken readers: counts, offsets, NaN, infinity. */
+const EVIL_WORDS = [
+  ...[0, 1, 2, 255, 256, 65535, 65536, 0x7fffffff, 0x80000000, 0xfffffffe, 0xffffffff],
+  ...[0x7fc00000, 0x7f800000, 0xff800000, 0x7f7fffff, 0x80000001],
+];
+
+/** The bytes with some of them changed, moved or missing. */
+export function damagedBytes(bytes: Uint8Array, choices: Choices): Uint8Array<ArrayBuffer> {
+  let result = Uint8Array.from(bytes);
+  for (let i = choices.below(4); i >= 0; i--) {
+    const at = choices.below(result.length);
+    if (choices.isTrue(0.5) && at + 4 <= result.length)
+      new DataView(result.buffer).setUint32(at & ~3, choices.of(EVIL_WORDS), true);
+    else result[at] = choices.below(256);
+  }
+  if (choices.isTrue(0.2)) result = result.slice(0, choices.below(result.length + 1));
+  if (choices.isTrue(0.1)) {
+    const at = choices.below(result.length + 1);
+    result = Uint8Array.from([...result.slice(0, at), choices.below(256), ...result.slice(at)]);
+  }
+  return result;
+}
+
+/** Reads a file that may be damaged, at once or in chunks. Throws unless that gives splats that can be drawn, or a typed error. */
+export async function outcomeOf(
+  bytes: Uint8Array<ArrayBuffer>,
+  name: string,
+  chunkBytes?: number,
+): Promise<Outcome> {
+  const source = chunkBytes === undefined ? bytes : chunked(bytes, [chunkBytes]);
+  try {
+    const set = await readSplats(source, { name });
+    if (
+      !Object.values(packCloud(set, { geometryPrecision: 'packed' }).bounds)
+        .flat()
+        .every(Number.isFinite)
+    )
+      throw new Error('bounds that are not finite');
+    for (const column of [set.positions, set.logScales, set.rotations, set.colorDc])
+      if (!column.every(Number.isFinite)) throw new Error(`not finite: ${column}`);
+    if (set.opacityLogits.some(Number.isNaN)) throw new Error('an opacity that is no number');
+    return set;
+  } catch (error) {
+    if (error instanceof WebSplatterError) return error;
+    throw error;
+  }
+}
+
+/** What a file hands to the GPU: the layout of its rows, and all of them. */
+export async function passedRows(
+  bytes: Uint8Array<ArrayBuffer>,
+  name: string,
+  pieceBytes = 1 << 16,
+): Promise<{ readonly layout: RowLayout; readonly rows: Float32Array }> {
+  const pieces: number[] = [];
+  let layout: RowLayout | undefined;
+  const rowsTo: RowsTo = {
+    files: { minRows: 1, maxRows: Number.POSITIVE_INFINITY, pieceBytes },
+    sink: {
+      mayDetach: false,
+      begin: async (given) => {
+        layout = given;
+      },
+      memory: async () => new Uint8Array(layout!.pieceRows * layout!.strideBytes),
+      take: (rowCount, memory) => {
+        pieces.push(...new Float32Array(memory.buffer, 0, (rowCount * layout!.strideBytes) / 4));
+      },
+    },
+  };
+  const set = await readSource(new File([bytes], name), {}, ALL_READERS, rowsTo);
+  if (set !== null || !layout) throw new Error('The rows were not passed on.');
+  return { layout, rows: Float32Array.from(pieces) };
+}
