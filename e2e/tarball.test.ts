@@ -37,7 +37,7 @@ describe('the packed tarballs in a fresh Vite app', () => {
       // Fast Refresh keeps the Canvas and its renderer; if an effect ran anew, it would read the file again.
       await page.evaluate(() => Object.assign(document.querySelector('canvas')!, { isOfBefore: true }));
       await app.edit('src/app.tsx', '<Splats src', '<Splats opacity={0} src');
-      await expect.poll(async () => isAllWhite(await screenshot(page)), { timeout: 30_000 }).toBe(true);
+      await expect.poll(async () => isAllWhite(await screenshot(page)), { timeout: 60_000 }).toBe(true);
       expect(await page.evaluate(() => 'isOfBefore' in document.querySelector('canvas')!)).toBe(true);
     });
   });

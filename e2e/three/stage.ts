@@ -86,7 +86,7 @@ export async function drawn(
 
 function nextNeededFrame(scene: Object3D): Promise<void> {
   return new Promise((resolve, reject) => {
-    const timer = setTimeout(() => reject(new Error('No splat needed a frame within 10 s.')), 10_000);
+    const timer = setTimeout(() => reject(new Error('No splat needed a frame within a minute.')), 60_000);
     scene.traverse((object) => {
       if (!(object as SplatCloudObject).isSplatCloudObject) return;
       (object as SplatCloudObject).addEventListener('needsframe', () => {
