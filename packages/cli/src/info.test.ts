@@ -15,8 +15,20 @@ test('info describes a file', async () => {
     shBands: [{ band: 1, rms: 0.5, reach: expect.closeTo(0.75 / Math.sqrt(Math.PI), 9) }],
     droppedCount: 0,
     dropped: {},
+    file: { format: 'ply', variant: 'binary_little_endian' },
+    isAntialiased: null,
     gpuBytes: { reference: 3 * (64 + 36), high: 3 * (64 + 20), balanced: 3 * (32 + 12) },
   });
+});
+
+test('info says what a file says of itself', async () => {
+  const folder = new TestFolder();
+  const scene = folder.scene('trained.ply', { ...threeSplats(), isAntialiased: true });
+  const { out } = await runMain('info', scene);
+  expect(out).toMatch(/^antialiased +yes, it was trained so$/m);
+  // A scene that is made is of no file.
+  const made = await runMain('info', 'builtin:still-life-small');
+  expect(made.out).not.toMatch(/^format/m);
 });
 
 test('info counts what was left out, by reason', async () => {
@@ -29,6 +41,8 @@ test('info counts what was left out, by reason', async () => {
 test('without --json it is a table', async () => {
   const { status, out } = await runMain('info', new TestFolder().scene());
   expect(status).toBe(0);
+  expect(out).toMatch(/^format +ply, binary_little_endian$/m);
+  expect(out).not.toMatch(/^(?:note|antialiased)/m);
   expect(out).toMatch(/^splats +3$/m);
   expect(out).toMatch(/^SH degree +1$/m);
   expect(out).toMatch(/^SH band 1 +0\.500 rms, changes a colour by at most 0\.423$/m);

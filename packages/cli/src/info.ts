@@ -1,6 +1,7 @@
 import {
   cloudFacts,
   type DropCounts,
+  type FileFacts,
   type Harmonics,
   printable,
   type ShDegree,
@@ -39,6 +40,10 @@ export interface SceneInfo {
   /** Number of splats in the file that were left out. */
   readonly droppedCount: number;
   readonly dropped: DropCounts;
+  /** What the file says of itself; null for scenes that are made. */
+  readonly file: FileFacts | null;
+  /** Whether the file says that it was trained with an antialias filter; null if it does not say. */
+  readonly isAntialiased: boolean | null;
   readonly gpuBytes: Readonly<Record<string, number>>;
 }
 
@@ -55,7 +60,7 @@ export async function info(args: readonly string[], console: Console): Promise<v
 
 function describeScene(scene: string, set: SplatSet<Harmonics>): SceneInfo {
   const { count, dropped, origin } = set;
-  const { declaredShDegree, trueShDegree, shBandReach } = cloudFacts(set);
+  const { declaredShDegree, trueShDegree, shBandReach, fileFacts, isAntialiased } = cloudFacts(set);
   return {
     scene,
     count,
@@ -66,6 +71,8 @@ function describeScene(scene: string, set: SplatSet<Harmonics>): SceneInfo {
     shBands: shEnergyPerBand(set).map((band, i) => ({ ...band, reach: shBandReach[i] })),
     droppedCount: Object.values(dropped).reduce((sum, each) => sum + each, 0),
     dropped,
+    file: fileFacts,
+    isAntialiased,
     gpuBytes: gpuBytesPerPreset(count, trueShDegree),
   };
 }
@@ -86,11 +93,25 @@ function shDegreeText({ shDegree, trueShDegree }: SceneInfo): string {
   return trueShDegree === shDegree ? String(shDegree) : `${shDegree}, seen up to ${trueShDegree}`;
 }
 
+function fileRows({ file, isAntialiased }: SceneInfo): [string, string][] {
+  if (!file) return [];
+  const { format, variant, writer, notes = [] } = file;
+  const named = variant ? `${format}, ${variant}` : format;
+  return [
+    ['format', printable(writer ? `${named}, written by ${writer}` : named)],
+    ...notes.map((note): [string, string] => ['note', printable(note)]),
+    ...(isAntialiased === null
+      ? []
+      : ([['antialiased', isAntialiased ? 'yes, it was trained so' : 'no']] as [string, string][])),
+  ];
+}
+
 function table(found: SceneInfo): string {
   const point = (values: readonly number[]) => values.map((value) => Number(value.toPrecision(7))).join('  ');
   const drops = Object.entries(found.dropped).map(([reason, count]) => `${count} ${reason}`);
   const rows: [string, string][] = [
     ['scene', printable(found.scene)],
+    ...fileRows(found),
     ['splats', found.count.toLocaleString('en')],
     ['left out', drops.length === 0 ? 'none' : drops.join(', ')],
     ['bounds min', point(found.bounds.min)],

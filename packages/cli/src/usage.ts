@@ -18,7 +18,7 @@ websplatter render SCENE … --camera CAM.json --size WIDTHxHEIGHT --out image.p
                          which rasteriser drew them
 
 websplatter info SCENE [--json]
-  counts, bounds, spherical harmonics per band, dropped splats by reason, bytes needed on the GPU
+  format, version, writer and flags, counts, bounds, spherical harmonics per band, dropped splats by reason, bytes needed on the GPU
 
 websplatter accuracy SCENE … --camera CAM.json --size WIDTHxHEIGHT [options]
   measures each accuracy setting for this scene and view: milliseconds, and error against the reference

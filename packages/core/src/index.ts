@@ -86,6 +86,7 @@ export {
   coefficientsPerSplat,
   type DropCounts,
   type DropReason,
+  type FileFacts,
   type ShDegree,
   type SplatColumns,
   type SplatSet,

@@ -20,15 +20,16 @@ describe('without a remedy, one of its cases fails with each rasteriser that nee
     gpuTest(remedy, async ({ skip }) => {
       if (spareOnGpus && !runner.isSoftware) skip(spareOnGpus);
       for (const rasterizer of CASE_RASTERIZERS) {
-        const verdicts: string[] = [];
+        let fails = false;
         for (const name of cases) {
+          if (fails) break;
           const hardCase = HARD_CASES.find((each) => each.name === name);
           expect(hardCase, name).toBeDefined();
           const options = { presets: ['reference'], rasterizers: [rasterizer], mutation } as const;
-          verdicts.push((await runner.run(hardCase!, options)).verdict);
+          fails = (await runner.run(hardCase!, options)).verdict === 'fail';
         }
         const needsIt = only === undefined || only === rasterizer;
-        expect(verdicts.includes('fail'), `${rasterizer}: a case fails`).toBe(needsIt);
+        expect(fails, `${rasterizer}: a case fails`).toBe(needsIt);
       }
     });
   }

@@ -32,7 +32,12 @@ export async function loadScene(
     return { ...plain, clouds, firstView: cameras[0], isUpsideDown: false };
   }
   if (source.kind === 'hard-case') return loadHardCase(engine, source.name, options);
-  const sceneOf = (cloud: SplatCloud) => ({ ...plain, clouds: [{ cloud }], isUpsideDown: true });
+  const sceneOf = (cloud: SplatCloud) => ({
+    ...plain,
+    clouds: [{ cloud }],
+    // Captures mostly have y pointing down; glTF has it up by definition.
+    isUpsideDown: cloud.facts.fileFacts?.format !== 'gltf',
+  });
   const isFile = source.kind === 'file';
   const cloud = await engine.load(isFile ? source.source : source.url, {
     name: titleOf(source),

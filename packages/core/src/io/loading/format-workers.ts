@@ -4,7 +4,7 @@ import { leadingPath, withPaths } from '../sources/open-files.ts';
 import { fileNameOf, isFiles } from '../sources/source-kind.ts';
 import type { SceneFiles, SplatSource } from '../sources/splat-source.ts';
 
-import type { OtherFormat } from './other-format.ts';
+import type { GivenBack } from './load-splats.ts';
 
 /** A worker for each format but PLY, which `load-splats.ts` starts by itself. In one piece each, the form that bundlers recognise. */
 const WORKERS: Readonly<Record<string, () => Worker>> = {
@@ -35,7 +35,11 @@ export function likelyFormat(source: SplatSource, name: string | undefined): str
  *
  * @throws SplatFileError 'unknown-format'.
  */
-export function formatOf({ firstBytes }: OtherFormat, source: SplatSource, name: string | undefined): string {
+export function formatOf(
+  { firstBytes }: Pick<GivenBack, 'firstBytes'>,
+  source: SplatSource,
+  name: string | undefined,
+): string {
   return detectFormat(firstBytes, name, fileNameOf(source, name)).name;
 }
 

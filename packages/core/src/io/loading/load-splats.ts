@@ -13,13 +13,15 @@ import {
 } from '../sources/source-kind.ts';
 import type { LastingSource, ReadOptions, ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 import { fromPostedError, type LoadReply, type LoadRequest, type LoadSettings } from './load-messages.ts';
-import { OtherFormat } from './other-format.ts';
 import { endTurn, takeTurn } from './worker-turns.ts';
 
 export interface LoadSplatsOptions extends ReadSplatsOptions {
   /** How positions, rotations and scales are stored; default `packed`. */
   readonly geometryPrecision?: GeometryPrecision;
 }
+
+/** A file that a worker gives back. */
+export type GivenBack = Extract<LoadReply, { kind: 'other-format' }>;
 
 type PostedPiece = Extract<LoadReply, { kind: 'rows' }>;
 
@@ -73,18 +75,17 @@ export async function loadOrPass(
       format = likelyFormat(source, name);
       if (format !== null) worker = endWorker(worker);
     }
-    for (;;) {
+    // The worker that the name suggests, and then the one for what is in the file.
+    for (let attempt = 0; attempt < 2; attempt++) {
       worker ??= await startWorker(await newWorker(format), signal);
-      if (worker === null) return await readHere(from, settings, { signal, onProgress }, rowsTo);
-      try {
-        return await loadInWorker(worker, from, settings, watch, rowsTo);
-      } catch (error) {
-        if (!(error instanceof OtherFormat)) throw error;
-        worker = endWorker(worker);
-        from = error.stream ?? from;
-        format = (await import('./format-workers.ts')).formatOf(error, source, name);
-      }
+      if (worker === null) break;
+      const result = await loadInWorker(worker, from, settings, watch, rowsTo);
+      if (!result || !('firstBytes' in result)) return result;
+      worker = endWorker(worker);
+      from = result.stream ?? from;
+      format = (await import('./format-workers.ts')).formatOf(result, source, name);
     }
+    return await readHere(from, settings, { signal, onProgress }, rowsTo);
   } finally {
     signal?.removeEventListener('abort', onAbort);
     // Most loads are of PLY: only such workers are kept for the next.
@@ -164,7 +165,7 @@ function loadInWorker(
   settings: LoadSettings,
   watch: Watch & { readonly signal: AbortSignal; readonly onDone: () => void },
   rowsTo: RowsTo | undefined,
-): Promise<PackedCloud | null> {
+): Promise<PackedCloud | GivenBack | null> {
   /** Settles when all rows so far have been taken. */
   let taken: Promise<void> = Promise.resolve();
   const takeRows = async ({ memory, rowCount }: PostedPiece) => {
@@ -201,7 +202,7 @@ function loadInWorker(
       else if (data.kind === 'layout') then(() => rowsTo!.sink.begin(data.layout));
       else if (data.kind === 'rows') then(() => takeRows(data));
       else if (data.kind === 'rows-end') then(() => finish(null));
-      else if (data.kind === 'other-format') reject(new OtherFormat(data.firstBytes, data.stream));
+      else if (data.kind === 'other-format') resolve(data);
       else if (data.kind === 'error') reject(fromPostedError(data.error));
       else if (data.kind === 'progress') callOrReject(() => watch.onProgress?.(data.progress), reject);
     };

@@ -959,6 +959,7 @@ describe.skipIf(!playbotExists)('a real scene (playbot-lod3.ply)', () => {
       const expected = names.map((_, i) => body.readFloatLE((row * names.length + i) * 4));
       expect(names.map((name) => valueIn(set, name, row))).toEqual(expected);
     }
-    expect(await read(encodePly(set))).toEqual(set);
+    const again = await read(encodePly(set));
+    expect(Buffer.from(encodePly(again)).equals(encodePly(set))).toBe(true);
   });
 });

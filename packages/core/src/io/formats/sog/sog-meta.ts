@@ -8,6 +8,7 @@ export type ByteValues = Float32Array;
 
 /** Metadata of SOG, the same for both versions. */
 export interface SogMeta {
+  readonly version: number;
   readonly count: number;
   /** Undefined where the file does not say it. */
   readonly isAntialiased: boolean | undefined;
@@ -55,6 +56,7 @@ export function parseSogMeta(json: unknown, file: string): SogMeta {
   const shN = meta.has('shN') ? meta.fields('shN') : null;
   const [positionsLow, positionsHigh] = filesOf(means, 2);
   const common = {
+    version: version ?? 1,
     positions: { mins: means.numbers('mins', 3), maxs: means.numbers('maxs', 3) },
     files: {
       positionsLow,

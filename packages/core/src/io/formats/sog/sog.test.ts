@@ -58,6 +58,7 @@ describe('what is read', () => {
     const files = droppedFiles(sogFiles({ meta, images, rows }));
     const set = await readSource(files, { shPrecision: 'f32' }, ALL_READERS);
     expect(set).toMatchObject({ count: 5, dropped: {}, harmonics: { degree: 1 } });
+    expect(set.fileFacts).toEqual({ format: 'sog', variant: '2' });
     expect([...set.opacityLogits]).toEqual(rows.map((row) => Math.fround(row[ROW_SLOT.opacity])));
   });
 

@@ -112,6 +112,7 @@ function joinUnits(units: readonly SogUnit[]): DecodedRows {
     isAntialiased: units.every((unit) => unit.meta.isAntialiased === meta.isAntialiased)
       ? meta.isAntialiased
       : undefined,
+    fileFacts: { format: 'sog', variant: String(meta.version) },
     decode(rows, rowCount) {
       let done = 0;
       while (done < rowCount) {

@@ -66,6 +66,11 @@ export function spzRows(
     count,
     shDegree,
     isAntialiased,
+    fileFacts: {
+      format: 'spz',
+      variant: String(version),
+      ...(fileShDegree > 3 && { notes: ['Its harmonics of degree 4 are left out.'] }),
+    },
     decode(rows, rowCount) {
       for (let at = 0; at < rowCount * length; at += length, splat++) {
         if (version === 1) halfPosition(positions, 6 * splat, rows, at + ROW_SLOT.position);

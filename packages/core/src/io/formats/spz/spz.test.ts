@@ -59,6 +59,8 @@ describe('what is read', () => {
       expect(set).toMatchObject({ count: 5, isAntialiased: false, dropped: {} });
       // Degree 4 is left out.
       expect(set.harmonics.degree).toBe(Math.min(degree, 3));
+      expect(set.fileFacts).toMatchObject({ format: 'spz', variant: String(version) });
+      expect(set.fileFacts?.notes).toEqual(degree > 3 ? [expect.stringContaining('left out')] : undefined);
       const f32 = (values: readonly number[]) => values.map(Math.fround);
       for (const [row, { position, alpha, color, scale, harmonics }] of splats.entries()) {
         const at = position.map((value) => (version === 1 ? fromHalfBits(value) : value / 1024));
