@@ -6,7 +6,7 @@ export class OtherFormat extends Error {
   readonly stream: ReadableStream<Uint8Array> | null;
 
   constructor(firstBytes: Uint8Array, stream: ReadableStream<Uint8Array> | null) {
-    super('The file is of another format.');
+    super('other format');
     this.firstBytes = firstBytes;
     this.stream = stream;
   }

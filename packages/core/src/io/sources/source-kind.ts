@@ -24,8 +24,9 @@ export function fileNameOf(source: SplatSource, name: string | undefined): strin
     const address = String(source);
     if (!/^(?:blob|data):/i.test(address)) return address.replace(/[?#].*$/s, '').replace(/^.*\//s, '');
   }
-  const names: readonly unknown[] = [(source as Partial<File> | null)?.name, name];
-  return (names.find((each) => typeof each === 'string') as string | undefined) ?? '';
+  const own = (source as Partial<File> | null)?.name ?? name;
+  // What is no text is refused later.
+  return typeof own === 'string' ? own : '';
 }
 
 /** `text` as messages show it, shortened if it is long. */

@@ -50,7 +50,7 @@ const SLOT_OF_CORE_PROPERTY = new Map<string, number>([
 /** 2DGS: discs instead of ellipsoids. */
 const FLAT: PlyVariant = {
   defaults: [[ROW_SLOT.logScale + 2, FLAT_LOG_SCALE]],
-  note: 'Its splats have no third scale (2DGS) and are shown as flat ellipsoids.',
+  note: 'Its splats have no third scale (2DGS): they are flat.',
 };
 
 /** Most elements that a message names. */
