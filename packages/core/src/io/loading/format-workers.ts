@@ -4,7 +4,7 @@ import { leadingPath, withPaths } from '../sources/open-files.ts';
 import { fileNameOf, isFiles } from '../sources/source-kind.ts';
 import type { SceneFiles, SplatSource } from '../sources/splat-source.ts';
 
-import type { GivenBack } from './load-splats.ts';
+import type { GivenBack } from './load-messages.ts';
 
 /** A worker for each format but PLY, which `load-splats.ts` starts by itself. In one piece each, the form that bundlers recognise. */
 const WORKERS: Readonly<Record<string, () => Worker>> = {

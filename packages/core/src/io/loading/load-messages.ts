@@ -50,6 +50,9 @@ export type LoadReply =
     }
   | { readonly kind: 'error'; readonly error: PostedError };
 
+/** A file that a worker gives back. */
+export type GivenBack = Extract<LoadReply, { kind: 'other-format' }>;
+
 /** An error as plain data: structured clone keeps neither classes nor fields. */
 export interface PostedError {
   readonly className: string;

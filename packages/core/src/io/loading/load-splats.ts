@@ -12,16 +12,19 @@ import {
   shortName,
 } from '../sources/source-kind.ts';
 import type { LastingSource, ReadOptions, ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
-import { fromPostedError, type LoadReply, type LoadRequest, type LoadSettings } from './load-messages.ts';
+import {
+  fromPostedError,
+  type GivenBack,
+  type LoadReply,
+  type LoadRequest,
+  type LoadSettings,
+} from './load-messages.ts';
 import { endTurn, takeTurn } from './worker-turns.ts';
 
 export interface LoadSplatsOptions extends ReadSplatsOptions {
   /** How positions, rotations and scales are stored; default `packed`. */
   readonly geometryPrecision?: GeometryPrecision;
 }
-
-/** A file that a worker gives back. */
-export type GivenBack = Extract<LoadReply, { kind: 'other-format' }>;
 
 type PostedPiece = Extract<LoadReply, { kind: 'rows' }>;
 
