@@ -3,7 +3,7 @@ import { access, readdir, stat } from 'node:fs/promises';
 import { basename, dirname, join, relative } from 'node:path';
 import { Readable } from 'node:stream';
 import type { SplatSource } from '@websplatter/core';
-import { SPLAT_FORMATS } from '@websplatter/core/formats';
+import { isLeadingFile } from '@websplatter/core/formats';
 
 /** Bytes that are read from a file at once. */
 const READ_BYTES = 1 << 20;
@@ -20,17 +20,13 @@ const MOST_PARTS = 10_000;
 export async function openFile(path: string): Promise<SplatSource> {
   const found = await stat(path);
   if (found.isDirectory()) {
-    const leading = (await readdir(path)).find(isLeading);
+    const leading = (await readdir(path)).find(isLeadingFile);
     if (leading !== undefined) return openFile(join(path, leading));
     throw Object.assign(new Error(`${path} is a folder, not a file`), { code: 'EISDIR' });
   }
   await access(path, constants.R_OK);
   if (!found.isFile()) return streamOf(path);
-  return isLeading(basename(path)) ? openFolder(path) : fileOf(path, found.size);
-}
-
-function isLeading(fileName: string): boolean {
-  return SPLAT_FORMATS.some(({ leadingFile }) => leadingFile?.test(fileName.toLowerCase()));
+  return isLeadingFile(basename(path)) ? openFolder(path) : fileOf(path, found.size);
 }
 
 /** The file at `leading` with those that it may lead to, itself first. */

@@ -1,5 +1,5 @@
 import type { SceneFiles } from '@websplatter/core';
-import { SPLAT_FORMATS } from '@websplatter/core/formats';
+import { FORMAT_TITLES, formatByName, isLeadingFile, SPLAT_FORMATS } from '@websplatter/core/formats';
 
 /** Files that make one scene, and what to call it. */
 export interface OpenedFiles {
@@ -41,9 +41,7 @@ export const ACCEPTED_FILES = [
 ].join();
 
 /** What people may drop, e.g. `PLY, SPZ or SOG`. */
-export const READABLE_FORMATS = new Intl.ListFormat('en', { type: 'disjunction' }).format([
-  ...new Set(SPLAT_FORMATS.map(({ title }) => title)),
-]);
+export const READABLE_FORMATS = new Intl.ListFormat('en', { type: 'disjunction' }).format(FORMAT_TITLES);
 
 /** Lists the files of a drop, those in folders too. Call it within the event, after which the browser empties the items. */
 export async function droppedFiles(items: Iterable<DroppedItem>): Promise<FoundFile[]> {
@@ -92,13 +90,13 @@ export function chosenFiles(files: Iterable<File>): FoundFile[] {
 export function decideFiles(found: readonly FoundFile[]): FileDropDecision {
   if (found.length === 0)
     return { opened: null, notice: `There is no file in that; drop a scene: ${READABLE_FORMATS}.` };
-  const leading = found.find(({ path }) => isLeading(nameOf(path)));
+  const leading = found.find(({ path }) => isLeadingFile(nameOf(path)));
   if (leading && found.length > 1) {
     const source = { files: found.map(({ file }) => file), paths: found.map(({ path }) => path) };
     const folder = leading.path.split('/').at(-2);
     return { opened: { name: folder ?? leading.file.name, source }, notice: null };
   }
-  const { file } = found.find(({ path }) => isScene(nameOf(path))) ?? found[0];
+  const { file } = found.find(({ path }) => formatByName(nameOf(path))) ?? found[0];
   const opened = { name: file.name, source: file };
   const others = found.length - 1;
   if (others < 1) return { opened, notice: null };
@@ -106,9 +104,4 @@ export function decideFiles(found: readonly FoundFile[]): FileDropDecision {
   return { opened, notice: `One scene at a time: ${file.name} is opened, ${left} left out.` };
 }
 
-const nameOf = (path: string) => path.replace(/^.*\//, '').toLowerCase();
-
-const isLeading = (fileName: string) => SPLAT_FORMATS.some(({ leadingFile }) => leadingFile?.test(fileName));
-
-const isScene = (fileName: string) =>
-  SPLAT_FORMATS.some(({ extensions }) => extensions.some((end) => fileName.endsWith(end)));
+const nameOf = (path: string) => path.replace(/^.*\//, '');

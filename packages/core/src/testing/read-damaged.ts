@@ -1,11 +1,7 @@
 import { WebSplatterError } from '../errors.ts';
-import { ALL_READERS } from '../io/formats/readers.ts';
-import type { RowsTo } from '../io/formats/row-sink.ts';
-import { readSource } from '../io/loading/read-source.ts';
 import { readSplats } from '../io/loading/read-splats.ts';
 import type { PackedHarmonics } from '../packing/harmonics.ts';
 import { packCloud } from '../packing/packed-cloud.ts';
-import type { RowLayout } from '../packing/row-layout.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import type { Choices } from './fuzz.ts';
 import { chunked } from './ply-fixture.ts';
@@ -59,30 +55,4 @@ export async function outcomeOf(
     if (error instanceof WebSplatterError) return error;
     throw error;
   }
-}
-
-/** What a file hands to the GPU: the layout of its rows, and all of them. */
-export async function passedRows(
-  bytes: Uint8Array<ArrayBuffer>,
-  name: string,
-  pieceBytes = 1 << 16,
-): Promise<{ readonly layout: RowLayout; readonly rows: Float32Array }> {
-  const pieces: number[] = [];
-  let layout: RowLayout | undefined;
-  const rowsTo: RowsTo = {
-    files: { minRows: 1, maxRows: Number.POSITIVE_INFINITY, pieceBytes },
-    sink: {
-      mayDetach: false,
-      begin: async (given) => {
-        layout = given;
-      },
-      memory: async () => new Uint8Array(layout!.pieceRows * layout!.strideBytes),
-      take: (rowCount, memory) => {
-        pieces.push(...new Float32Array(memory.buffer, 0, (rowCount * layout!.strideBytes) / 4));
-      },
-    },
-  };
-  const set = await readSource(new File([bytes], name), {}, ALL_READERS, rowsTo);
-  if (set !== null || !layout) throw new Error('The rows were not passed on.');
-  return { layout, rows: Float32Array.from(pieces) };
 }

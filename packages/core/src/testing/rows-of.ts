@@ -13,10 +13,14 @@ export interface FileRows {
   readonly values: Float32Array;
 }
 
-/** Reads the rows of a source whose format decodes them. */
-export async function rowsOf(source: SplatSource, options: ReadSplatsOptions = {}): Promise<FileRows> {
+/** Reads the rows of a source as they are handed over, in pieces of so many bytes. */
+export async function rowsOf(
+  source: SplatSource,
+  options: ReadSplatsOptions = {},
+  pieceBytes = 1 << 16,
+): Promise<FileRows> {
   const sink = new Collector();
-  const files = { minRows: 0, maxRows: Number.POSITIVE_INFINITY, pieceBytes: 1 << 16 };
+  const files = { minRows: 0, maxRows: Number.POSITIVE_INFINITY, pieceBytes };
   const set: SplatSet<PackedHarmonics> | null = await readSource(source, options, ALL_READERS, {
     sink,
     files,

@@ -9,7 +9,7 @@ import {
 } from '../../splats/splat-set.ts';
 import { checkCount } from './check-count.ts';
 import { ReadProgress } from './progress.ts';
-import type { RowsTo } from './row-sink.ts';
+import { type RowsTo, takesCount } from './row-sink.ts';
 import type { SplatFormatOptions, SplatInput } from './splat-format.ts';
 import { SplatSetBuilder } from './splat-set-builder.ts';
 
@@ -50,7 +50,7 @@ export async function deliverRows(
 ): Promise<SplatSet<PackedHarmonics> | null> {
   const { count } = rows;
   checkCount(count, input.name, options.maxSplats);
-  const isPassed = rowsTo && count >= rowsTo.files.minRows && count <= rowsTo.files.maxRows;
+  const isPassed = rowsTo && takesCount(rowsTo.files, count);
   if (isPassed) await passRows(rows, input, rowsTo, progress);
   const set = isPassed ? null : await collectRows(rows, input, options, progress);
   progress.finish(count);

@@ -1,5 +1,5 @@
 import { SplatFileError } from '../../errors.ts';
-import { SPLAT_FORMATS } from './formats.ts';
+import { FORMAT_TITLES, SPLAT_FORMATS } from './formats.ts';
 import { latin1 } from './latin1.ts';
 import { SNIFF_BYTES, type SplatFormat } from './splat-format.ts';
 
@@ -42,10 +42,14 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
 export function detectFormat(firstBytes: Uint8Array, file = 'source', fileName = file): SplatFormat {
   const format = SPLAT_FORMATS.find((candidate) => candidate.recognise(firstBytes, fileName));
   if (format) return format;
-  const known = [...new Set(SPLAT_FORMATS.map(({ title }) => title))].join(', ');
-  throw new SplatFileError('unknown-format', file, `${describe(firstBytes)}. Formats read: ${known}.`, {
-    byte: 0,
-  });
+  throw new SplatFileError(
+    'unknown-format',
+    file,
+    `${describe(firstBytes)}. Formats read: ${FORMAT_TITLES.join(', ')}.`,
+    {
+      byte: 0,
+    },
+  );
 }
 
 function describe(firstBytes: Uint8Array): string {

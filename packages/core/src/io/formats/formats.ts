@@ -28,6 +28,15 @@ export const SPLAT_FORMATS: readonly SplatFormat[] = [
   splatFormat,
 ];
 
+/** What people call the formats, each once. */
+export const FORMAT_TITLES: readonly string[] = [...new Set(SPLAT_FORMATS.map(({ title }) => title))];
+
+/** Whether a file with this name, without folders, leads to the others of its scene. */
+export function isLeadingFile(fileName: string): boolean {
+  const lower = fileName.toLowerCase();
+  return SPLAT_FORMATS.some(({ leadingFile }) => leadingFile?.test(lower));
+}
+
 /** The format that files with this name usually have; undefined if the name does not tell. */
 export function formatByName(fileName: string): SplatFormat | undefined {
   const lower = fileName.toLowerCase();

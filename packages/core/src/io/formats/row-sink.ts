@@ -26,6 +26,11 @@ export interface RowFiles {
   readonly pieceBytes: number;
 }
 
+/** Whether files with this many rows go to the sink. */
+export function takesCount({ minRows, maxRows }: RowFiles, count: number): boolean {
+  return count >= minRows && count <= maxRows;
+}
+
 export interface RowsTo {
   readonly sink: RowSink;
   readonly files: RowFiles;

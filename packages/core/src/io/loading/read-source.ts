@@ -43,11 +43,7 @@ export async function readSource(
     const { maxBytes, maxSplats } = limitsOf(options, opened);
     checkSize(opened, maxBytes);
     reader = new ByteReader(opened, signal, maxBytes);
-    await reader.fill(SNIFF_BYTES);
-    const firstBytes = reader.bytes.subarray(
-      reader.start,
-      reader.start + Math.min(SNIFF_BYTES, reader.available),
-    );
+    const firstBytes = await reader.peek(SNIFF_BYTES);
     const read = await pick(firstBytes, opened.name, fileNameOf(source, opened.name));
     if (!read) throw new OtherFormat(firstBytes.slice(), isStream(source) ? reader.rest() : null);
     const { stream, ...about } = opened;

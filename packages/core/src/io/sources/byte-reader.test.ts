@@ -60,6 +60,21 @@ describe.each(STREAMS)('a stream that $kind', ({ kind, streamOf }) => {
     }
   });
 
+  test('peek shows what comes next, no more than asked for or than there is, and leaves it to be read', async () => {
+    const bytes = numbers(1_000_000);
+    for (const sizes of [[1_000_000], [70_001, 3]]) {
+      const reader = readerOf(streamOf, bytes, sizes);
+      expect(await reader.peek(100)).toEqual(bytes.subarray(0, 100));
+      expect(reader.byteOffset).toBe(0);
+      await reader.skip(999_990);
+      expect(await reader.peek(4)).toEqual(bytes.subarray(999_990, 999_994));
+      expect(await reader.peek(100)).toEqual(bytes.subarray(999_990));
+      expect(await reader.fill(10)).toBe(true);
+      await reader.skip(10);
+      expect(await reader.peek(1)).toEqual(new Uint8Array(0));
+    }
+  });
+
   test.each([{ mayDetach: true }, { mayDetach: false }])(
     'readInto gives the next bytes past the window ($mayDetach: memory may move), and tells of each part',
     async ({ mayDetach }) => {

@@ -157,6 +157,12 @@ export class ByteReader {
     return target;
   }
 
+  /** The next `byteCount` bytes, or all there are; they are still to be read. */
+  async peek(byteCount: number): Promise<Uint8Array<ArrayBuffer>> {
+    await this.fill(byteCount);
+    return this.bytes.subarray(this.start, this.start + Math.min(byteCount, this.available));
+  }
+
   /** Skips `byteCount` bytes without holding them; false if the stream ends first. */
   async skip(byteCount: number): Promise<boolean> {
     let left = byteCount;

@@ -1,5 +1,5 @@
 import { InvalidArgumentError, SplatFileError } from '../../errors.ts';
-import { SPLAT_FORMATS } from '../formats/formats.ts';
+import { isLeadingFile } from '../formats/formats.ts';
 import { openBlob } from './open-blob.ts';
 import { isBlob } from './source-kind.ts';
 import type { OpenedSource, ReadOptions, SceneFiles } from './splat-source.ts';
@@ -37,7 +37,10 @@ export function openFiles(source: SceneFiles, { name }: ReadOptions): OpenedSour
  */
 export function leadingPath(source: SceneFiles): string {
   const { files, paths } = withPaths(source);
-  const leading = files.length === 1 ? paths[0] : outermost(paths.filter(isLeading));
+  const leading =
+    files.length === 1
+      ? paths[0]
+      : outermost(paths.filter((path) => isLeadingFile(path.replace(/^.*\//, ''))));
   if (leading !== undefined) return leading;
   const names = paths.slice(0, MOST_LISTED).join(', ');
   const found = files.length === 0 ? 'source.files is empty' : `source has ${files.length} files (${names})`;
@@ -73,11 +76,6 @@ function ownPath(file: Partial<File> | null): string {
 function outermost(paths: readonly string[]): string | undefined {
   const depthOf = (path: string) => path.split('/').length;
   return paths.toSorted((a, b) => depthOf(a) - depthOf(b))[0];
-}
-
-function isLeading(path: string): boolean {
-  const fileName = path.replace(/^.*\//, '').toLowerCase();
-  return SPLAT_FORMATS.some(({ leadingFile }) => leadingFile?.test(fileName));
 }
 
 /** `path` without `.` and `..`. */

@@ -5,6 +5,7 @@ import { SplatFileError } from '../../../errors.ts';
 import { readCoefficients } from '../../../packing/harmonics.ts';
 import { ROW_SLOT } from '../../../splats/splat-row.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../splats/splat-set.ts';
+import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { fuzz } from '../../../testing/fuzz.ts';
 import {
   type Fixture,
@@ -12,7 +13,8 @@ import {
   type FixtureProperty,
   plyBytes,
 } from '../../../testing/ply-fixture.ts';
-import { damagedBytes, outcomeOf, passedRows } from '../../../testing/read-damaged.ts';
+import { damagedBytes, outcomeOf } from '../../../testing/read-damaged.ts';
+import { rowsOf } from '../../../testing/rows-of.ts';
 import { seededRandom } from '../../../testing/seeded-random.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 import { detectFormat } from '../detect.ts';
@@ -131,11 +133,7 @@ const read = (bytes: Uint8Array, shPrecision: 'f32' | 'u8' = 'f32') =>
   readSplats(bytes, { name: 'scene.compressed.ply', shPrecision });
 
 async function failure(bytes: Uint8Array): Promise<SplatFileError> {
-  const error = await read(bytes).then(
-    () => undefined,
-    (reason) => reason,
-  );
-  expect(error).toBeInstanceOf(SplatFileError);
+  const error = await fileErrorOf(read(bytes));
   expect(error.message.startsWith('scene.compressed.ply: ')).toBe(true);
   return error;
 }
@@ -208,7 +206,7 @@ describe('what is read', () => {
         { ...elements[1], properties: vertex },
       ],
     });
-    const { rows: found } = await passedRows(bytes, 'a.compressed.ply');
+    const { values: found } = await rowsOf(new File([bytes], 'a.compressed.ply'));
     const [first, second] = [found.subarray(0, 14), found.subarray(14)];
     expect([...first.subarray(0, 6)]).toEqual([0, -1, -2, -3, -4, -5]);
     expect([...second.subarray(0, 6)]).toEqual([6, 7, 8, 9, 10, 11]);
@@ -259,7 +257,7 @@ describe('what is read', () => {
     const splats = randomSplats(600, 2);
     const bytes = encode(splats);
     const set = await read(bytes);
-    const { layout, rows } = await passedRows(bytes, 'a.compressed.ply');
+    const { layout, values: rows } = await rowsOf(new File([bytes], 'a.compressed.ply'));
     expect(layout).toMatchObject({ count: 600, shDegree: 2, strideBytes: 4 * (14 + 24) });
     const column = (slot: number, length: number) =>
       Array.from({ length: 600 * length }, (_, i) => rows[Math.floor(i / length) * 38 + slot + (i % length)]);
@@ -294,7 +292,7 @@ describe('what is read', () => {
       fileFacts: { format: 'compressed-ply', variant: 'binary_little_endian', writer: 'SuperSplat 2.6.2' },
     };
     expect(await read(bytes)).toMatchObject(expected);
-    expect((await passedRows(bytes, 'a.ply')).layout).toMatchObject(expected);
+    expect((await rowsOf(new File([bytes], 'a.ply'))).layout).toMatchObject(expected);
   });
 
   test('it is told from other PLY by its first bytes, whatever its name', () => {

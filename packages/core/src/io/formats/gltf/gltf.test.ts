@@ -2,6 +2,7 @@ import { describe, expect, test } from 'vitest';
 import { SplatFileError, WebSplatterError } from '../../../errors.ts';
 import { type PackedHarmonics, readCoefficients } from '../../../packing/harmonics.ts';
 import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.ts';
+import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { type Choices, fuzz } from '../../../testing/fuzz.ts';
 import {
   type AnyJson,
@@ -26,14 +27,7 @@ const SPZ = 'KHR_gaussian_splatting_compression_spz_2';
 
 const read = (source: SplatSource) => readSplats(source, { shPrecision: 'f32', name: 'scene' });
 
-async function failure(source: SplatSource): Promise<SplatFileError> {
-  const error = await read(source).then(
-    () => undefined,
-    (reason) => reason,
-  );
-  expect(error).toBeInstanceOf(SplatFileError);
-  return error;
-}
+const failure = (source: SplatSource) => fileErrorOf(read(source));
 
 function coefficientsOf({ harmonics, count }: SplatSet<PackedHarmonics>): Float64Array {
   const perSplat = coefficientsPerSplat(harmonics.degree);

@@ -1,6 +1,7 @@
 import { shown } from '../../../printable.ts';
 import { ROW_SLOT } from '../../../splats/splat-row.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../splats/splat-set.ts';
+import { logitOf } from '../color-values.ts';
 import { type DecodedRows, rowLength } from '../decoded-rows.ts';
 import { logScaleOf } from '../flat-scale.ts';
 import { type AttributeRule, type Column, columnOf, copyRows, rowCountOf } from './accessor-column.ts';
@@ -130,8 +131,7 @@ export function attributeRows({ count, shDegree, columns }: SplatAttributes): De
 /** Makes what training has of what a renderer needs: logarithms, logits, and rotations that begin with w. */
 function undoActivations(values: Float32Array, at: number): void {
   for (let i = at + ROW_SLOT.logScale; i < at + ROW_SLOT.logScale + 3; i++) values[i] = logScaleOf(values[i]);
-  const opacity = values[at + ROW_SLOT.opacity];
-  values[at + ROW_SLOT.opacity] = Math.log(opacity / (1 - opacity));
+  values[at + ROW_SLOT.opacity] = logitOf(values[at + ROW_SLOT.opacity]);
   const rotation = at + ROW_SLOT.rotation;
   const w = values[rotation + 3];
   values[rotation + 3] = values[rotation + 2];

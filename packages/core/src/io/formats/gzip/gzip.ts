@@ -9,11 +9,9 @@ import { spzFormat } from '../spz/spz-format.ts';
 /** Reads what people pack by gzip: PLY, and SPZ under another name. Rejects with 'unknown-format' for anything else. */
 export const readGzip: ReadFormat = (packed, options, rowsTo) =>
   readGzipped(packed, options, rowsTo, async (input, options, rowsTo) => {
-    const { reader, name } = input;
-    await reader.fill(SNIFF_BYTES);
-    const firstBytes = reader.bytes.subarray(reader.start, reader.start + reader.available);
+    const firstBytes = await input.reader.peek(SNIFF_BYTES);
     if (plyFormat.recognise(firstBytes, '')) return readPly(input, options, rowsTo);
     if (spzFormat.recognise(firstBytes, '')) return readSpz(input, options, rowsTo);
     const message = 'it is packed by gzip, and what is in it is neither PLY nor SPZ; unpack it first.';
-    throw new SplatFileError('unknown-format', name, message, { byte: 0 });
+    throw new SplatFileError('unknown-format', input.name, message, { byte: 0 });
   });

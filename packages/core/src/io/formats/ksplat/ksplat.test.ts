@@ -4,9 +4,11 @@ import { fromHalfBits, toHalfBits } from '../../../layout/half.ts';
 import { readCoefficients } from '../../../packing/harmonics.ts';
 import { ROW_SLOT } from '../../../splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../splats/splat-set.ts';
+import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { fuzz } from '../../../testing/fuzz.ts';
 import { chunked } from '../../../testing/ply-fixture.ts';
-import { damagedBytes, outcomeOf, passedRows } from '../../../testing/read-damaged.ts';
+import { damagedBytes, outcomeOf } from '../../../testing/read-damaged.ts';
+import { rowsOf } from '../../../testing/rows-of.ts';
 import { seededRandom } from '../../../testing/seeded-random.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 import { detectFormat } from '../detect.ts';
@@ -149,15 +151,6 @@ const splatsOf = (sections: readonly Section[]) =>
   sections.flatMap(({ buckets }) => buckets.flatMap(({ splats }) => splats));
 const read = (bytes: Uint8Array) => readSplats(bytes, { name: 'scene.ksplat', shPrecision: 'f32' });
 
-async function failure(reading: Promise<unknown>): Promise<SplatFileError> {
-  const error = await reading.then(
-    () => undefined,
-    (reason) => reason,
-  );
-  expect(error).toBeInstanceOf(SplatFileError);
-  return error;
-}
-
 describe('what is read', () => {
   for (const level of [0, 1, 2] as const) {
     test.each([0, 1, 2] as const)(`level ${level}, SH degree %i`, async (degree) => {
@@ -240,7 +233,7 @@ describe('what is read', () => {
   test('the rows that go to the GPU are those of the set', async () => {
     const bytes = encode(randomSections(200, [2, 1]), 2);
     const set = await read(bytes);
-    const { layout, rows } = await passedRows(bytes, 'a.ksplat', 1 << 14);
+    const { layout, values: rows } = await rowsOf(new File([bytes], 'a.ksplat'), {}, 1 << 14);
     expect(layout).toMatchObject({ count: set.count, shDegree: 2, strideBytes: 4 * 38 });
     const column = (slot: number, length: number) =>
       Array.from(
@@ -307,7 +300,7 @@ describe('what is refused', () => {
   ] as const)('%s', async (_, bytes, code, says) => {
     const before = process.memoryUsage().arrayBuffers;
     for (const source of [bytes, chunked(bytes, [5000])]) {
-      const error = await failure(readSplats(source, { name: 'scene.ksplat' }));
+      const error = await fileErrorOf(readSplats(source, { name: 'scene.ksplat' }));
       expect(error.message).toMatch(says);
       expect(error.code).toBe(code);
     }
@@ -315,7 +308,9 @@ describe('what is refused', () => {
   });
 
   test('a web page with that name', async () => {
-    expect((await failure(read(Buffer.from('<!doctype html>'.padEnd(5000))))).message).toMatch(/web page/);
+    expect((await fileErrorOf(read(Buffer.from('<!doctype html>'.padEnd(5000))))).message).toMatch(
+      /web page/,
+    );
   });
 
   test('every truncation', async () => {

@@ -2,11 +2,12 @@ import { existsSync, readFileSync } from 'node:fs';
 import { resolve } from 'node:path';
 import fc from 'fast-check';
 import { describe, expect, test, vi } from 'vitest';
-import { SplatFileError, WebSplatterError } from '../../../errors.ts';
+import { WebSplatterError } from '../../../errors.ts';
 import { toHalfBits } from '../../../layout/half.ts';
 import { type PackedHarmonics, readCoefficients } from '../../../packing/harmonics.ts';
 import { packCloud } from '../../../packing/packed-cloud.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../../../splats/splat-set.ts';
+import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import {
   CORE_NAMES,
   chunked,
@@ -18,7 +19,7 @@ import {
   splatElement,
   splatNames,
 } from '../../../testing/ply-fixture.ts';
-import { passedRows } from '../../../testing/read-damaged.ts';
+import { rowsOf } from '../../../testing/rows-of.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 import { encodePly } from './write-ply.ts';
 
@@ -31,15 +32,6 @@ const LE = 'binary_little_endian';
 const read = (bytes: Uint8Array, shPrecision: 'f32' | 'f16' | 'u8' = 'f32') =>
   readSplats(bytes, { shPrecision });
 const readFixture = (...elements: FixtureElement[]) => read(plyBytes({ format: LE, elements }));
-
-async function failure(promise: Promise<unknown>): Promise<SplatFileError> {
-  const error = await promise.then(
-    () => undefined,
-    (reason) => reason,
-  );
-  expect(error).toBeInstanceOf(SplatFileError);
-  return error;
-}
 
 /** Text header and body, as a file would have them. */
 const textFile = (text: string) => new TextEncoder().encode(text);
@@ -256,7 +248,7 @@ describe('what is read', () => {
     for (const format of FORMATS)
       expect((await read(plyBytes({ ...fixture, format }))).isAntialiased).toBe(isAntialiased);
     const bytes = plyBytes({ ...fixture, format: LE });
-    expect((await passedRows(bytes, 'a.ply')).layout.isAntialiased).toBe(isAntialiased);
+    expect((await rowsOf(new File([bytes], 'a.ply'))).layout.isAntialiased).toBe(isAntialiased);
     const set = await read(bytes);
     expect(await read(encodePly(set))).toEqual(set);
   });
@@ -266,7 +258,7 @@ describe('what is read', () => {
     const bytes = plyBytes({ format: LE, elements: [splatElement(2)], comments });
     const expected = { format: 'ply', variant: LE, writer: 'SuperSplat 2.6.2' };
     expect((await read(bytes)).fileFacts).toEqual(expected);
-    expect((await passedRows(bytes, 'a.ply')).layout.fileFacts).toEqual(expected);
+    expect((await rowsOf(new File([bytes], 'a.ply'))).layout.fileFacts).toEqual(expected);
     const plain = await read(plyBytes({ format: 'ascii', elements: [splatElement(2)] }));
     expect(plain.fileFacts).toEqual({ format: 'ply', variant: 'ascii' });
   });
@@ -345,7 +337,7 @@ describe('rows that are not finite', () => {
 
   test('all left out: empty, with the counts', async () => {
     const splats = splatElement(3, 0, (name, row) => (name === (row < 2 ? 'x' : 'rot_1') ? Number.NaN : 1));
-    const error = await failure(readFixture(splats));
+    const error = await fileErrorOf(readFixture(splats));
     expect(error.code).toBe('empty');
     expect(error.message).toContain('2 non-finite-position, 1 non-finite-rotation');
   });
@@ -639,7 +631,7 @@ describe('what is refused', () => {
     },
   ];
   test.each(cases)('$name', async ({ bytes, code, says, place }) => {
-    const error = await failure(readSplats(bytes, { name: 'scene.ply' }));
+    const error = await fileErrorOf(readSplats(bytes, { name: 'scene.ply' }));
     expect(error.message).toMatch(says);
     expect(error.message.startsWith('scene.ply: ')).toBe(true);
     expect(error.code).toBe(code);
@@ -648,7 +640,7 @@ describe('what is refused', () => {
   });
 
   test('a cut-off stream of unknown size names the row and the byte', async () => {
-    const error = await failure(readSplats(chunked(whole.subarray(0, whole.length - 57), [100])));
+    const error = await fileErrorOf(readSplats(chunked(whole.subarray(0, whole.length - 57), [100])));
     expect(error.code).toBe('truncated');
     expect(error.place).toEqual({ element: 'vertex', row: 2, byte: whole.length - 57 });
   });
@@ -663,7 +655,7 @@ describe('what is refused', () => {
     const bytes = Uint8Array.from(text.replace('property char i', 'property list char int i'), (c) =>
       c.charCodeAt(0),
     );
-    expect((await failure(read(bytes))).message).toMatch(/list of -1 items/);
+    expect((await fileErrorOf(read(bytes))).message).toMatch(/list of -1 items/);
   });
 
   test.each([4_000_000_000, 2 ** 40])(
@@ -672,11 +664,11 @@ describe('what is refused', () => {
       const text = new TextDecoder('latin1').decode(whole).replace('vertex 4', `vertex ${count}`);
       const bytes = Uint8Array.from(text, (c) => c.charCodeAt(0));
       const before = process.memoryUsage().arrayBuffers;
-      expect((await failure(read(bytes))).code).toBe('truncated');
+      expect((await fileErrorOf(read(bytes))).code).toBe('truncated');
       const code = count > 2 ** 32 ? 'too-large' : 'truncated';
       const unlimited = { maxSplats: Number.POSITIVE_INFINITY };
-      expect((await failure(readSplats(chunked(bytes, [64]), unlimited))).code).toBe(code);
-      expect((await failure(readSplats(chunked(bytes, [64])))).code).toBe('too-large');
+      expect((await fileErrorOf(readSplats(chunked(bytes, [64]), unlimited))).code).toBe(code);
+      expect((await fileErrorOf(readSplats(chunked(bytes, [64])))).code).toBe('too-large');
       expect(process.memoryUsage().arrayBuffers - before).toBeLessThan(64e6);
     },
   );

@@ -5,7 +5,7 @@ import type { FileFacts, ShDegree, SplatColumns, SplatSet } from '../../../splat
 import { checkCount } from '../check-count.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import { ReadProgress } from '../progress.ts';
-import type { RowFiles, RowsTo } from '../row-sink.ts';
+import { type RowsTo, takesCount } from '../row-sink.ts';
 import type { ReadFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
 import { SplatSetBuilder } from '../splat-set-builder.ts';
 import { readAsciiRows } from './ply-ascii.ts';
@@ -105,7 +105,7 @@ export async function readPlyWith(
   if (
     rowsTo &&
     layout &&
-    isBetween(vertex.count, rowsTo.files) &&
+    takesCount(rowsTo.files, vertex.count) &&
     mayHold(input, vertex.count * layout.strideBytes)
   ) {
     await rowsTo.sink.begin({ ...layout, isAntialiased, fileFacts });
@@ -225,10 +225,6 @@ function withHalves(header: PlyHeader, vertexIndex: number, slots: readonly numb
   });
   const elements = header.elements.map((each) => (each === vertex ? { ...vertex, properties } : each));
   return { ...header, elements };
-}
-
-function isBetween(count: number, { minRows, maxRows }: RowFiles): boolean {
-  return count >= minRows && count <= maxRows;
 }
 
 /** Whether a source may be as large as its header says. Memory for all rows is taken at once only then. */

@@ -3,8 +3,8 @@ import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.t
 
 /**
  * Encodes `set` as a PLY in the standard 3DGS layout: binary little-endian, float32 x y z, f_dc, f_rest (all of red,
- * then green, then blue), opacity, scale, rot; no normals. A comment says what is known of an antialias filter. Rows keep the set's order; `fileIndices` and `dropped` are
- * not kept.
+ * then green, then blue), opacity, scale, rot; no normals. A comment says what is known of an antialias filter. Rows keep
+ * the set's order; `fileIndices` and `dropped` are not kept.
  *
  * Where the origin is not 0, x y z are doubles with the origin added, since float32 could not hold them. Read again at
  * shPrecision f32, a set that came from a file gives the same bits. Throws RangeError if no ArrayBuffer can be that

@@ -1,5 +1,6 @@
 import { SplatFileError } from '../../../errors.ts';
 import type { ShDegree } from '../../../splats/splat-set.ts';
+import { logitOf, tableOfBytes } from '../color-values.ts';
 import { clip } from '../ply/ply-header.ts';
 import { JsonFields } from './json-fields.ts';
 
@@ -113,7 +114,7 @@ function shapeCount(means: JsonFields): number {
 }
 
 /** The logit of each opacity of 8 bits. */
-const LOGITS = Float32Array.from({ length: 256 }, (_, byte) => Math.log(byte / (255 - byte)));
+const LOGITS = tableOfBytes(logitOf);
 
 /** Newer files have `model`, older ones `antialias`. */
 function antialiasedBy(model: unknown, antialias: unknown): boolean | undefined {

@@ -1,8 +1,9 @@
 import { existsSync, readFileSync } from 'node:fs';
 import { resolve } from 'node:path';
 import { describe, expect, test } from 'vitest';
-import { SplatFileError, WebSplatterError } from '../../../errors.ts';
+import { WebSplatterError } from '../../../errors.ts';
 import { ROW_SLOT } from '../../../splats/splat-row.ts';
+import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { Choices, fuzz } from '../../../testing/fuzz.ts';
 import { type FileRows, rowsOf } from '../../../testing/rows-of.ts';
 import {
@@ -33,15 +34,8 @@ function expectRows({ layout, values }: FileRows, rows: SogExample['rows']): voi
   });
 }
 
-async function failure(example: SogExample, options: ReadSplatsOptions = {}): Promise<SplatFileError> {
-  try {
-    await rowsOf(droppedFiles(sogFiles(example)), options);
-  } catch (error) {
-    expect(error).toBeInstanceOf(SplatFileError);
-    return error as SplatFileError;
-  }
-  throw new Error('It was read.');
-}
+const failure = (example: SogExample, options: ReadSplatsOptions = {}) =>
+  fileErrorOf(rowsOf(droppedFiles(sogFiles(example)), options));
 
 describe('what is read', () => {
   for (const version of [1, 2] as const) {

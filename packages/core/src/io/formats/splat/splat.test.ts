@@ -2,9 +2,11 @@ import { existsSync, readFileSync } from 'node:fs';
 import { resolve } from 'node:path';
 import { describe, expect, test } from 'vitest';
 import { SplatFileError } from '../../../errors.ts';
+import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { fuzz } from '../../../testing/fuzz.ts';
 import { chunked, plyBytes, splatElement } from '../../../testing/ply-fixture.ts';
-import { damagedBytes, outcomeOf, passedRows } from '../../../testing/read-damaged.ts';
+import { damagedBytes, outcomeOf } from '../../../testing/read-damaged.ts';
+import { rowsOf } from '../../../testing/rows-of.ts';
 import { seededRandom } from '../../../testing/seeded-random.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 import { splatFormat } from './splat-format.ts';
@@ -37,15 +39,6 @@ function encode(rows: readonly Row[]): Uint8Array<ArrayBuffer> {
 }
 
 const read = (bytes: Uint8Array, name = 'scene.splat') => readSplats(bytes, { name, shPrecision: 'f32' });
-
-async function failure(reading: Promise<unknown>): Promise<SplatFileError> {
-  const error = await reading.then(
-    () => undefined,
-    (reason) => reason,
-  );
-  expect(error).toBeInstanceOf(SplatFileError);
-  return error;
-}
 
 function randomRows(count: number, seed = 1): Row[] {
   const random = seededRandom(seed);
@@ -81,7 +74,7 @@ describe('what is read', () => {
   test('the rows that go to the GPU are those of the set', async () => {
     const bytes = encode(randomRows(1000));
     const set = await read(bytes);
-    const { layout, rows } = await passedRows(bytes, 'a.SPLAT', 1 << 12);
+    const { layout, values: rows } = await rowsOf(new File([bytes], 'a.SPLAT'), {}, 1 << 12);
     expect(layout).toMatchObject({ count: 1000, shDegree: 0, strideBytes: 56, isBigEndian: false });
     const column = (slot: number, length: number) =>
       Array.from(
@@ -140,19 +133,19 @@ describe('what is refused', () => {
       /48 bytes are no whole number of splats/,
     ],
   ] as const)('%s', async (_, bytes, code, says) => {
-    const error = await failure(read(bytes));
+    const error = await fileErrorOf(read(bytes));
     expect(error.code).toBe(code);
     expect(error.message).toMatch(says);
   });
 
   test('the same bytes by another name', async () => {
-    expect((await failure(read(encode([plain]), 'scene.bin'))).code).toBe('unknown-format');
+    expect((await fileErrorOf(read(encode([plain]), 'scene.bin'))).code).toBe('unknown-format');
   });
 
   test('more splats than allowed, as soon as that is known', async () => {
     const bytes = encode(randomRows(100));
     const options = { name: 'a.splat', maxSplats: 99 };
-    expect((await failure(readSplats(bytes, options))).code).toBe('too-large');
+    expect((await fileErrorOf(readSplats(bytes, options))).code).toBe('too-large');
     let given = 0;
     const endless = new ReadableStream<Uint8Array>({
       pull: (controller) => {
@@ -160,7 +153,7 @@ describe('what is refused', () => {
         controller.enqueue(bytes.slice());
       },
     });
-    expect((await failure(readSplats(endless, options))).code).toBe('too-large');
+    expect((await fileErrorOf(readSplats(endless, options))).code).toBe('too-large');
     expect(given).toBeLessThan(1000);
   });
 

@@ -1,6 +1,7 @@
 import { fromHalfBits } from '../../../layout/half.ts';
 import { ROW_SLOT } from '../../../splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../splats/splat-set.ts';
+import { logitOf, tableOfBytes } from '../color-values.ts';
 import { type DecodedRows, rowLength } from '../decoded-rows.ts';
 import type { SpzHeader } from './spz-header.ts';
 import { turnToPlyAxes } from './turn-axes.ts';
@@ -25,7 +26,7 @@ const bytes = Array.from({ length: 256 }, (_, byte) => byte);
 const LOG_SCALES = Float32Array.from(bytes, (byte) => byte / 16 - 10);
 const COLORS = Float32Array.from(bytes, (byte) => (byte / 255 - 0.5) / COLOR_SCALE);
 /** Logits; those of 0 and 255 are infinite. */
-const OPACITIES = Float32Array.from(bytes, (byte) => Math.log(byte / (255 - byte)));
+const OPACITIES = tableOfBytes(logitOf);
 const HARMONICS = Float32Array.from(bytes, (byte) => (byte - 128) / 128);
 
 /** Attributes of a file with the bytes that a splat takes of each. */

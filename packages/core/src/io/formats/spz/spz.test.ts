@@ -7,6 +7,7 @@ import { fromHalfBits } from '../../../layout/half.ts';
 import { type PackedHarmonics, readCoefficients } from '../../../packing/harmonics.ts';
 import { shRestBasis } from '../../../splats/spherical-harmonics.ts';
 import { SH_REST_COEFFICIENTS, type SplatSet } from '../../../splats/splat-set.ts';
+import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { fuzz } from '../../../testing/fuzz.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 import type { ReadLimits } from '../../sources/splat-source.ts';
@@ -34,15 +35,6 @@ function splatsOf(version: number, degree: number, count: number): SpzFixtureSpl
 
 const fileOf = (version: number, degree: number, more: Partial<SpzFixture> = {}) =>
   spzBytes({ version, degree, splats: splatsOf(version, degree, 3), ...more });
-
-async function failure(promise: Promise<unknown>): Promise<SplatFileError> {
-  const error = await promise.then(
-    () => undefined,
-    (reason) => reason,
-  );
-  expect(error).toBeInstanceOf(SplatFileError);
-  return error;
-}
 
 function harmonicsOf({ harmonics }: SplatSet<PackedHarmonics>, index: number): Float64Array {
   const values = new Float64Array(3 * SH_REST_COEFFICIENTS[harmonics.degree]);
@@ -366,7 +358,7 @@ describe('what is refused', () => {
       byte: 32,
     },
   ])('$name', async ({ bytes, code, says, byte }) => {
-    const error = await failure(read(bytes));
+    const error = await fileErrorOf(read(bytes));
     expect(error.code).toBe(code);
     expect(error.message).toMatch(says);
     if (byte !== undefined) expect(error.place).toEqual({ byte });
@@ -399,7 +391,7 @@ describe('what is refused', () => {
     ]);
     const header = changed(fileOf(4, 3).subarray(0, 32), 8, ...littleEndian(count, 4));
     const bomb = Uint8Array.from([...header, ...table, ...streams.flat()]);
-    const error = await failure(read(bomb));
+    const error = await fileErrorOf(read(bomb));
     expect(error).toMatchObject({ code: 'too-large' });
     expect(error.message).toMatch(/unpacks to .* are the limit/);
   });

@@ -35,9 +35,7 @@ const TABLE_ENTRY_BYTES = 16;
  * write the axes of the PLY file that they were given, so that the two land alike.
  */
 export const readSpz: ReadFormat = async (input, options, rowsTo) => {
-  await input.reader.fill(2);
-  if (isGzip(input.reader.bytes.subarray(input.reader.start)))
-    return readGzipped(input, options, rowsTo, readSpz);
+  if (isGzip(await input.reader.peek(2))) return readGzipped(input, options, rowsTo, readSpz);
   const header = await readSpzHeader(input.reader, input.name, options.maxSplats);
   const { attributes, coordinateSystem } = hasStreams(header)
     ? await readStreams(header, input, options)

@@ -1,5 +1,6 @@
 import { describe, expect, test } from 'vitest';
 import { SplatFileError, WebSplatterError } from '../../../errors.ts';
+import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { Choices, fuzz } from '../../../testing/fuzz.ts';
 import { plyBytes, splatElement } from '../../../testing/ply-fixture.ts';
 import { rowsOf } from '../../../testing/rows-of.ts';
@@ -17,15 +18,8 @@ const text = (value: string) => new TextEncoder().encode(value);
 const read = (bytes: Uint8Array<ArrayBuffer>, options: ReadSplatsOptions = {}) =>
   readSource(bytes, { name: 'scene.zip', ...options }, ALL_READERS);
 
-async function failure(bytes: Uint8Array<ArrayBuffer>, options?: ReadSplatsOptions): Promise<SplatFileError> {
-  try {
-    await read(bytes, options);
-  } catch (error) {
-    expect(error).toBeInstanceOf(SplatFileError);
-    return error as SplatFileError;
-  }
-  throw new Error('It was read.');
-}
+const failure = (bytes: Uint8Array<ArrayBuffer>, options?: ReadSplatsOptions) =>
+  fileErrorOf(read(bytes, options));
 
 /** A copy of `bytes`, changed. */
 function changed(bytes: Uint8Array, change: (view: DataView) => void): Uint8Array<ArrayBuffer> {
