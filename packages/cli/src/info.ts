@@ -60,7 +60,8 @@ export async function info(args: readonly string[], console: Console): Promise<v
 
 function describeScene(scene: string, set: SplatSet<Harmonics>): SceneInfo {
   const { count, dropped, origin } = set;
-  const { declaredShDegree, trueShDegree, shBandReach, fileFacts, isAntialiased } = cloudFacts(set);
+  const { declaredShDegree, trueShDegree, shBandReach, paletteEntries, fileFacts, isAntialiased } =
+    cloudFacts(set);
   return {
     scene,
     count,
@@ -73,7 +74,7 @@ function describeScene(scene: string, set: SplatSet<Harmonics>): SceneInfo {
     dropped,
     file: fileFacts,
     isAntialiased,
-    gpuBytes: gpuBytesPerPreset(count, trueShDegree),
+    gpuBytes: gpuBytesPerPreset(count, trueShDegree, paletteEntries),
   };
 }
 

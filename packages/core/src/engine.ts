@@ -40,7 +40,7 @@ import type { AccuracyChoice } from './measure/choose-accuracy.ts';
 import type { Harmonics } from './packing/harmonics.ts';
 import { packSet } from './packing/pack-set.ts';
 import type { PackedCloud } from './packing/packed-cloud.ts';
-import type { CloudPrecision } from './packing/precision.ts';
+import { type CloudPrecision, ownShPrecision } from './packing/precision.ts';
 import { foreseeTiles } from './shaders/later-source.ts';
 import type { ShaderMutation } from './shaders/link-shader.ts';
 import type { SplatSet } from './splats/splat-set.ts';
@@ -282,7 +282,14 @@ export class SplatEngine {
     const sourceOptions = { maxBytes, maxSplats, request };
     const made = { name, source: lastingSource(source), sourceOptions };
     const signal = AbortSignal.any([this.#ended.signal, options.signal ?? []].flat());
-    const rowsTo = this.#rowsTo({ geometryPrecision, shPrecision, name, onPreview, fit, signal });
+    const rowsTo = this.#rowsTo({
+      geometryPrecision,
+      shPrecision: ownShPrecision(shPrecision),
+      name,
+      onPreview,
+      fit,
+      signal,
+    });
     const ingest = rowsTo.sink;
     let cloud: SplatCloud;
     try {
@@ -606,10 +613,11 @@ export class SplatEngine {
 
   /** If compiling fails, the frame that needs the pipeline reports it. */
   async #compileFor(cloud: SplatCloud, precision: CloudPrecision): Promise<void> {
+    const shPrecision = cloud.planes.storedAs(precision.shPrecision);
     const stages = [...this.#views].flatMap(({ shape }) => {
       if (!shape?.clouds.some((each) => each.cloud === cloud)) return [];
       const clouds = shape.clouds.map((each) =>
-        each.cloud === cloud ? { ...each, planes: { ...each.planes, ...precision } } : each,
+        each.cloud === cloud ? { ...each, planes: { ...each.planes, ...precision, shPrecision } } : each,
       );
       return frameStages({ ...shape, clouds });
     });

@@ -2,10 +2,10 @@ import { GpuLimitError, SplatSourceError } from '../errors.ts';
 import type { RowFiles, RowSink } from '../io/formats/row-sink.ts';
 import { loadOrPass } from '../io/loading/load-splats.ts';
 import { Chunk } from '../layout/structs.ts';
-import type { Harmonics } from '../packing/harmonics.ts';
+import { entryCountOf, type Harmonics, isPalette } from '../packing/harmonics.ts';
 import { packSet } from '../packing/pack-set.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
-import type { CloudPrecision } from '../packing/precision.ts';
+import { type CloudPrecision, ownShPrecision, type RowPrecision } from '../packing/precision.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import type { MakeOptions } from './cloud-leases.ts';
 import {
@@ -27,7 +27,7 @@ export interface PlaneSink extends RowSink {
   destroy(): void;
 }
 
-export interface RowPlanesOptions extends CloudPrecision {
+export interface RowPlanesOptions extends RowPrecision {
   /** For labels and messages. */
   readonly name: string;
   /** Pages that the planes should have if there are as many splats. */
@@ -44,6 +44,8 @@ export type OpenRowPlanes = (options: RowPlanesOptions) => {
 
 /** Planes of a cloud that are not part of it yet. Those that are taken are the caller's; `destroy` frees all others. */
 export interface FreshPlanes extends CloudPrecision {
+  /** Of harmonics that are a palette. */
+  readonly paletteEntries?: number;
   readonly takeGeometry: () => Plane;
   readonly takeHarmonics: () => Plane;
   readonly destroy: () => void;
@@ -122,7 +124,13 @@ async function splatsOf(
   if (isSplatSet(source)) return fromPacked(packSet(source, wanted), planes.place);
   const { geometryPrecision, shPrecision } = wanted;
   const precision = { geometryPrecision, shPrecision };
-  const { sink, files } = openRowPlanes({ ...precision, name, pages: planes.ranges, signal: options.signal });
+  const { sink, files } = openRowPlanes({
+    geometryPrecision,
+    shPrecision: ownShPrecision(shPrecision),
+    name,
+    pages: planes.ranges,
+    signal: options.signal,
+  });
   try {
     const loadOptions = { ...sourceOptions, ...options, ...precision, name };
     const packed = await loadOrPass(source, loadOptions, { sink, files });
@@ -140,6 +148,7 @@ function fromPacked(packed: PackedCloud, place: PlanePlace): ReadSplats {
   const fresh: FreshPlanes = {
     geometryPrecision: geometry.precision,
     shPrecision: harmonics.precision,
+    ...(isPalette(harmonics) && { paletteEntries: entryCountOf(harmonics) }),
     takeGeometry: () => uploadGeometry(place, geometry),
     takeHarmonics: () => uploadHarmonics(place, harmonics),
     destroy: () => {},
@@ -174,10 +183,13 @@ function isSplatSet(source: CloudSource): source is SplatSet<Harmonics> {
 }
 
 /** @throws SplatSourceError if `fresh` is coarser than `wanted`. */
-function checkFine({ name, shDegree }: SplatCloud, wanted: CloudPrecision, fresh: FreshPlanes): void {
+function checkFine({ name, shDegree, planes }: SplatCloud, wanted: CloudPrecision, fresh: FreshPlanes): void {
   const isFine =
     isGeometryAsFine(fresh.geometryPrecision, wanted.geometryPrecision) &&
-    (shDegree === 0 || isShAsFine(fresh.shPrecision, wanted.shPrecision));
+    (shDegree === 0 ||
+      planes.hasOwnPalette ||
+      fresh.shPrecision === wanted.shPrecision ||
+      (wanted.shPrecision !== 'palette' && isShAsFine(fresh.shPrecision, wanted.shPrecision)));
   if (isFine) return;
   const message = `its source has only ${describePrecision(fresh)}, not ${describePrecision(wanted)}; load it with that, or from a URL, a File or a Blob.`;
   throw new SplatSourceError(name, message);

@@ -35,7 +35,7 @@ import { ingestLogScaleSteps } from '../packing/ingest-log-scale.ts';
 import { mortonFrame } from '../packing/morton-order.ts';
 import { chooseOrigin } from '../packing/origin.ts';
 import { chunkCountOf, robustBounds, totalBounds } from '../packing/packed-cloud.ts';
-import type { CloudPrecision } from '../packing/precision.ts';
+import { ownShPrecision, type RowPrecision } from '../packing/precision.ts';
 import type { RowLayout } from '../packing/row-layout.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import { ingestRows } from '../stages/ingest-rows.ts';
@@ -57,7 +57,7 @@ const ARRANGE_BYTES = 16;
 /** Pieces that may wait for shaders: reading goes on meanwhile. */
 const MOST_WAITING = 16;
 
-export interface RowIngestOptions extends CloudPrecision {
+export interface RowIngestOptions extends RowPrecision {
   /** For labels and messages. */
   readonly name: string;
   /** See `LoadOptions`. */
@@ -227,8 +227,8 @@ export class RowIngest implements RowSink {
       return layout;
     this.#fit = await fitSettings({ memory, name, bytesOf, signal }, wanted, fit);
     if (!this.#fit) return layout;
-    const { shDegree, ...precision } = this.#fit.taken;
-    this.#options = { ...this.#options, ...precision };
+    const { shDegree, ...taken } = this.#fit.taken;
+    this.#options = { ...this.#options, ...taken, shPrecision: ownShPrecision(taken.shPrecision) };
     return { ...layout, shDegree };
   }
 
@@ -514,12 +514,12 @@ function ingestBytes(layout: RowLayout, settings: FitSettings): number {
 }
 
 /** Stages that make a cloud of rows of this degree. */
-export function rowStages(variant: CloudPrecision & { readonly shDegree: ShDegree }): StageDefinition[] {
+export function rowStages(variant: RowPrecision & { readonly shDegree: ShDegree }): StageDefinition[] {
   return [ingestRows(variant), ...lateStages(variant)];
 }
 
 /** Stages that run after the last row. Whether rows were dropped is not known before. */
-function lateStages({ geometryPrecision }: CloudPrecision): StageDefinition[] {
+function lateStages({ geometryPrecision }: RowPrecision): StageDefinition[] {
   return [
     ingestSettle(geometryPrecision),
     ...arrangeStages({ geometryPrecision }, false),

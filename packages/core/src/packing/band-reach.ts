@@ -1,5 +1,6 @@
 import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
-import { type Harmonics, isPacked, readCoefficients } from './harmonics.ts';
+import { type Harmonics, isPacked, isPalette, readCoefficients } from './harmonics.ts';
+import { MAX_PALETTE_ENTRIES } from './harmonics-palette.ts';
 
 /**
  * For each band 1…degree, the most that it can change any colour channel of any splat, in any direction: at least 0, in
@@ -18,7 +19,12 @@ export function shBandReach(harmonics: Harmonics, count: number): readonly numbe
     for (let i = 0; i < count; i++) meter.include(floats, i * stride);
   } else {
     const values = new Float64Array(stride);
+    const isKnown = new Uint8Array(MAX_PALETTE_ENTRIES);
     for (let i = 0; i < count; i++) {
+      if (isPalette(harmonics)) {
+        if (isKnown[harmonics.indices[i]]) continue;
+        isKnown[harmonics.indices[i]] = 1;
+      }
       readCoefficients(harmonics, i, values);
       meter.include(values, 0);
     }
@@ -28,6 +34,7 @@ export function shBandReach(harmonics: Harmonics, count: number): readonly numbe
 
 /** The coefficients of all splats where they are float32 in memory, not copied. */
 function floatsOf(harmonics: Harmonics): Float32Array | null {
+  if (isPalette(harmonics)) return null;
   if (!isPacked(harmonics)) return harmonics.coefficients;
   const { precision, words } = harmonics;
   return precision === 'f32' ? new Float32Array(words.buffer, words.byteOffset, words.length) : null;

@@ -2,13 +2,16 @@ import { COEFFICIENT_MAX, clampCoefficient } from '../layout/half.ts';
 import { coefficientsPerSplat, type ShDegree, type TrainedHarmonics } from '../splats/splat-set.ts';
 import { shBandReach } from './band-reach.ts';
 import {
+  ENTRY_PRECISION,
   type PackedHarmonics,
+  type PackedPalette,
   packCoefficients,
   readCoefficients,
   shBytesPerSplat,
   shWordsPerSplat,
 } from './harmonics.ts';
-import type { ShPrecision } from './precision.ts';
+import type { HarmonicsPalette } from './harmonics-palette.ts';
+import type { OwnShPrecision } from './precision.ts';
 
 /**
  * `harmonics` as f32 words, clamped to ± COEFFICIENT_MAX. They are the memory of the coefficients themselves unless one
@@ -25,7 +28,7 @@ export function packHarmonics({ degree, coefficients }: TrainedHarmonics): Packe
 export function repackHarmonics(
   harmonics: PackedHarmonics,
   count: number,
-  precision: ShPrecision,
+  precision: OwnShPrecision,
 ): PackedHarmonics {
   if (harmonics.precision === precision) return harmonics;
   const bandReach = shBandReach(harmonics, count);
@@ -61,4 +64,15 @@ export function truncateHarmonics(
     words[to + wordsPerSplat - 1] &= lastWordMask;
   }
   return { degree, precision, wordsPerSplat, words, bandReach: bandReach?.slice(0, degree) };
+}
+
+/** Bands 1 to `degree` of a palette, packed. */
+export function packPalette(
+  { degree: whole, entries, indices }: HarmonicsPalette | PackedPalette,
+  degree: ShDegree,
+): PackedPalette {
+  const packed = 'words' in entries ? entries : packHarmonics({ degree: whole, coefficients: entries });
+  const count = packed.words.length / Math.max(1, packed.wordsPerSplat);
+  const kept = repackHarmonics(truncateHarmonics(packed, count, degree), count, ENTRY_PRECISION);
+  return { degree, precision: 'palette', entries: kept, indices };
 }

@@ -84,6 +84,7 @@ const NO_CONDITIONS: LinkInput['conditions'] = {
   SH_F32: false,
   SH_F16: false,
   SH_U8: false,
+  SH_PALETTE: false,
   REPACK_TO_U8: false,
   DEPTH_TEST: false,
   DEPTH_LOGARITHMIC: false,

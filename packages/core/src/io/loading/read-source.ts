@@ -1,5 +1,5 @@
-import type { PackedHarmonics } from '../../packing/harmonics.ts';
-import { checkPrecision } from '../../packing/precision.ts';
+import type { ReadHarmonics } from '../../packing/harmonics.ts';
+import { checkPrecision, ownShPrecision } from '../../packing/precision.ts';
 import type { SplatSet } from '../../splats/splat-set.ts';
 import type { RowsTo } from '../formats/row-sink.ts';
 import { type FormatReaders, SNIFF_BYTES } from '../formats/splat-format.ts';
@@ -20,20 +20,20 @@ export async function readSource(
   source: SplatSource,
   options: ReadSplatsOptions,
   readers: FormatReaders,
-): Promise<SplatSet<PackedHarmonics>>;
+): Promise<SplatSet<ReadHarmonics>>;
 /** Null if the rows of the file went to `rowsTo` as they are. */
 export async function readSource(
   source: SplatSource,
   options: ReadSplatsOptions,
   readers: FormatReaders,
   rowsTo: RowsTo | undefined,
-): Promise<SplatSet<PackedHarmonics> | null>;
+): Promise<SplatSet<ReadHarmonics> | null>;
 export async function readSource(
   source: SplatSource,
   options: ReadSplatsOptions,
   { pick, openFiles }: FormatReaders,
   rowsTo?: RowsTo,
-): Promise<SplatSet<PackedHarmonics> | null> {
+): Promise<SplatSet<ReadHarmonics> | null> {
   const { signal, onProgress, shPrecision = 'u8' } = options;
   checkPrecision({ shPrecision });
   const opened =
@@ -49,7 +49,7 @@ export async function readSource(
     const { stream, ...about } = opened;
     return await read(
       { ...about, reader },
-      { shPrecision, maxSplats, maxBytes: options.maxBytes, signal, onProgress },
+      { shPrecision: ownShPrecision(shPrecision), maxSplats, maxBytes: options.maxBytes, signal, onProgress },
       rowsTo,
     );
   } finally {

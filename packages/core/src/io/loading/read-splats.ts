@@ -1,10 +1,10 @@
-import type { PackedHarmonics } from '../../packing/harmonics.ts';
+import type { ReadHarmonics } from '../../packing/harmonics.ts';
 import type { SplatSet } from '../../splats/splat-set.ts';
 import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 
 /**
  * Reads splats in the calling thread, from any source and in any format. Works in pages, workers and Node. Harmonics
- * are packed in `options.shPrecision` as they are read.
+ * are packed in `options.shPrecision` as they are read; those that are a palette in the file stay one.
  *
  * Rejects with `SplatSourceError` (cannot be fetched or read), `SplatFileError` (cannot be understood; says where),
  * `InvalidArgumentError` (not a source), or the signal's reason.
@@ -12,7 +12,7 @@ import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts'
 export async function readSplats(
   source: SplatSource,
   options: ReadSplatsOptions = {},
-): Promise<SplatSet<PackedHarmonics>> {
+): Promise<SplatSet<ReadHarmonics>> {
   const [{ readSource }, { ALL_READERS }] = await Promise.all([
     import('./read-source.ts'),
     import('../formats/readers.ts'),

@@ -1,0 +1,94 @@
+import { createNodeGpu } from '@websplatter/node';
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { SplatEngine } from '../engine.ts';
+import { shPlaneBytes } from '../packing/harmonics.ts';
+import { MAX_PALETTE_ENTRIES } from '../packing/harmonics-palette.ts';
+import { type CloudPrecision, SH_PRECISIONS } from '../packing/precision.ts';
+import { compareImages, renderReference } from '../reference/index.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
+import { paletteSplats, withOwnCoefficients } from '../testing/palette-splats.ts';
+import { testCameras } from '../testing/test-cameras.ts';
+import type { SplatCloud } from './splat-cloud.ts';
+
+const SIZE = { widthPx: 64, heightPx: 64 };
+const CAMERA = testCameras(1).perspective;
+
+let device: GPUDevice;
+let engine: SplatEngine;
+beforeAll(async () => {
+  const blendable = 'float32-blendable' as GPUFeatureName;
+  const { adapter } = await createNodeGpu();
+  device = await createTestDevice({ requiredFeatures: adapter.features.has(blendable) ? [blendable] : [] });
+  engine = await SplatEngine.create({ device, accuracy: 'reference' });
+});
+afterAll(() => {
+  engine?.destroy();
+  device?.destroy();
+});
+
+async function imageOf(cloud: SplatCloud): Promise<Float32Array> {
+  const view = engine.createView();
+  view.render({ camera: CAMERA, clouds: [{ cloud }], ...SIZE });
+  const { data } = await view.readPixels();
+  view.destroy();
+  return data;
+}
+
+/** PSNR of an image of `cloud` against float64 of `set`, dB. */
+async function psnrDb(cloud: SplatCloud, set: SplatSet): Promise<number> {
+  const expected = renderReference({ clouds: [{ set }], camera: CAMERA, ...SIZE });
+  return compareImages(await imageOf(cloud), expected.data, SIZE).psnrDb;
+}
+
+describe('splats with a palette', () => {
+  for (const [what, options] of Object.entries({
+    'one entry': { count: 600, entryCount: 1 },
+    'a hundred entries, of degree 2': { count: 600, entryCount: 100, shDegree: 2 },
+    'as many entries as there can be, and an odd count': { count: 601, entryCount: MAX_PALETTE_ENTRIES },
+  } as const)) {
+    gpuTest(`${what}: are drawn as float64 draws their rows`, async () => {
+      const set = paletteSplats(options);
+      // The first splat has the last entry: large and in front, so that no other will do.
+      set.positions.set([0, 0, 0.9]);
+      set.logScales.fill(-1.5, 0, 3);
+      set.opacityLogits[0] = 3;
+      const cloud = engine.add(set);
+      expect(cloud.pagesFor(engine.accuracy).shPrecision).toBe('palette');
+      expect(await psnrDb(cloud, withOwnCoefficients(set))).toBeGreaterThan(90);
+      const { entries, degree } = set.harmonics;
+      const otherwise = { ...set, harmonics: { ...set.harmonics, entries: entries.map((value) => -value) } };
+      expect(await psnrDb(cloud, withOwnCoefficients(otherwise))).toBeLessThan(50);
+      const { shBytes } = engine.memory().scene.clouds[0];
+      expect(shBytes).toEqual({ palette: shPlaneBytes(set.count, degree, 'palette', options.entryCount) });
+      cloud.destroy();
+    });
+  }
+
+  gpuTest('keep it, whatever is asked for', async () => {
+    const cloud = engine.add(paletteSplats({ count: 300, entryCount: 20 }));
+    const before = await imageOf(cloud);
+    const { bytes } = cloud;
+    for (const shPrecision of SH_PRECISIONS) {
+      await engine.requestPrecision(cloud, { geometryPrecision: 'f32', shPrecision });
+      expect(cloud.precisions).toEqual({ geometry: ['f32'], sh: SH_PRECISIONS });
+      expect(cloud.pagesFor({ geometryPrecision: 'f32', shPrecision }).shPrecision).toBe('palette');
+      expect(cloud.bytes).toBe(bytes);
+    }
+    expect(await imageOf(cloud)).toEqual(before);
+    cloud.destroy();
+  });
+
+  gpuTest('keep it while their geometry is made coarser and read again', async () => {
+    const cloud = engine.add(paletteSplats({ count: 300, entryCount: 20 }));
+    const before = await imageOf(cloud);
+    const { bytes } = cloud;
+    await engine.requestPrecision(cloud, { geometryPrecision: 'packed', shPrecision: 'u8' });
+    expect(cloud.bytes).toBe(bytes - 32 * 300);
+    const finest: CloudPrecision = { geometryPrecision: 'f32', shPrecision: 'f32' };
+    await engine.requestPrecision(cloud, finest);
+    expect(cloud.bytes).toBe(bytes);
+    expect(await imageOf(cloud)).toEqual(before);
+    cloud.destroy();
+  });
+});
