@@ -122,8 +122,12 @@ fn viewDirection(position: vec3f) -> vec3f {
 
 @if(SH_1)
 fn shAboveBase(splatIndex: u32, direction: vec3f) -> vec3f {
-  @if(!SH_PALETTE) let first = splatIndex * SH_WORDS;
-  @if(SH_PALETTE) let first = paletteEntry(splatIndex) * SH_WORDS;
+  // All entries of a palette come first, then the entry of each splat of the page, two to a word.
+  // All entries of a palette come first, then the entry of each splat of the page, two to a word.
+  var entry = splatIndex;
+  @if(SH_PALETTE) entry = shRest[arrayLength(&shRest) - (page.splatCount + 1u) / 2u + splatIndex / 2u];
+  @if(SH_PALETTE) entry = (entry >> (16u * (splatIndex % 2u))) & 0xffffu;
+  let first = entry * SH_WORDS;
   var color = vec3f(0.0);
   let basis1 = shBasis1(direction);
   for (var k = 0u; k < 3u; k++) { color += basis1[k] * shCoefficient(first, k); }
@@ -133,13 +137,6 @@ fn shAboveBase(splatIndex: u32, direction: vec3f) -> vec3f {
   @if(SH_3) for (var k = 0u; k < 7u; k++) { color += basis3[k] * shCoefficient(first, k + 8u); }
   @if(SH_U8) color *= unpack2x16float(shRest[first]).x / 127.0;
   return color;
-}
-
-/// The entry of a splat. All entries of the palette come first, then the entry of each splat of the page, two to a word.
-@if(SH_PALETTE)
-fn paletteEntry(splatIndex: u32) -> u32 {
-  let first = arrayLength(&shRest) - (page.splatCount + 1u) / 2u;
-  return (shRest[first + splatIndex / 2u] >> (16u * (splatIndex % 2u))) & 0xffffu;
 }
 
 /// Coefficient `k` above degree 0, r, g, b, of the splat or entry whose words start at `first`; u8 coefficients are not scaled yet.

@@ -3,7 +3,8 @@ import {
   type AccuracyPreset,
   GEOMETRY_WORDS,
   type ShDegree,
-  shPlaneBytes,
+  type ShPrecision,
+  shWordsPerSplat,
 } from '@websplatter/core';
 
 /**
@@ -16,10 +17,15 @@ export function gpuBytesPerPreset(
   shDegree: ShDegree,
   paletteEntries: number | null,
 ): Record<AccuracyPreset, number> {
+  const shBytes = (precision: ShPrecision) => {
+    if (precision !== 'palette' && paletteEntries === null)
+      return 4 * count * shWordsPerSplat(shDegree, precision);
+    if (shDegree === 0) return 0;
+    return 4 * (paletteEntries ?? 0) * shWordsPerSplat(shDegree, 'f32') + 4 * Math.ceil(count / 2);
+  };
   const bytes = Object.entries(ACCURACY_PRESETS).map(([preset, { geometryPrecision, shPrecision }]) => [
     preset,
-    4 * count * GEOMETRY_WORDS[geometryPrecision] +
-      shPlaneBytes(count, shDegree, paletteEntries === null ? shPrecision : 'palette', paletteEntries ?? 0),
+    4 * count * GEOMETRY_WORDS[geometryPrecision] + shBytes(shPrecision),
   ]);
   return Object.fromEntries(bytes);
 }

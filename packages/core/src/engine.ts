@@ -613,11 +613,11 @@ export class SplatEngine {
 
   /** If compiling fails, the frame that needs the pipeline reports it. */
   async #compileFor(cloud: SplatCloud, precision: CloudPrecision): Promise<void> {
-    const shPrecision = cloud.planes.storedAs(precision.shPrecision);
+    const drawn = { ...precision, shPrecision: cloud.planes.storedAs(precision.shPrecision) };
     const stages = [...this.#views].flatMap(({ shape }) => {
       if (!shape?.clouds.some((each) => each.cloud === cloud)) return [];
       const clouds = shape.clouds.map((each) =>
-        each.cloud === cloud ? { ...each, planes: { ...each.planes, ...precision, shPrecision } } : each,
+        each.cloud === cloud ? { ...each, planes: { ...each.planes, ...drawn } } : each,
       );
       return frameStages({ ...shape, clouds });
     });

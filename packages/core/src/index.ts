@@ -74,7 +74,6 @@ export {
   type ReadHarmonics,
   readCoefficients,
   type StoredHarmonics,
-  shPlaneBytes,
   shWordsPerSplat,
 } from './packing/harmonics.ts';
 export type { HarmonicsPalette } from './packing/harmonics-palette.ts';

@@ -3,7 +3,7 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { Chunk } from '../layout/structs.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
-import { palettePage, type StoredHarmonics, shWordsPerSplat } from '../packing/harmonics.ts';
+import { paletteWordsOf, type StoredHarmonics, shWordsPerSplat } from '../packing/harmonics.ts';
 import { chunkCountOf, type PackedCloud } from '../packing/packed-cloud.ts';
 import {
   type CloudPrecision,
@@ -134,7 +134,7 @@ export class CloudPlanes {
     this.#memory = memory;
     this.#name = name;
     this.shDegree = made.shDegree;
-    this.hasOwnPalette = made.hasOwnPalette === true && made.shDegree > 0;
+    this.hasOwnPalette = made.hasOwnPalette ?? false;
     this.ranges = made.ranges;
     this.storage = made.geometry[0] ?? this;
     this.#chunks = made.chunks;
@@ -246,8 +246,8 @@ export class CloudPlanes {
       this.#drop(this.#geometry, precision, plane);
     }
     for (const [precision, plane] of this.#sh) {
-      if (this.shDegree === 0 || claims.some(({ shPrecision }) => this.storedAs(shPrecision) === precision))
-        continue;
+      if (this.shDegree === 0 || this.hasOwnPalette) continue;
+      if (claims.some(({ shPrecision }) => shPrecision === precision)) continue;
       this.#drop(this.#sh, precision, plane);
     }
     for (const [key, pages] of this.#pages) if (!isHeld(this.held, pages)) this.#pages.delete(key);
@@ -306,29 +306,29 @@ export interface PlanePlace {
 
 /** Uploads a plane that is not part of a cloud yet. */
 export function uploadGeometry(place: PlanePlace, { precision, words }: PackedGeometry): Plane {
-  return uploadPlane(place, words, GEOMETRY_WORDS[precision], 'geometry');
+  return uploadPlane(place, 'geometry', wordsOf(words, GEOMETRY_WORDS[precision]));
 }
 
 /** The same for harmonics; empty at degree 0. Each page of a palette has all of its entries. */
 export function uploadHarmonics(place: PlanePlace, harmonics: StoredHarmonics): Plane {
   if (harmonics.degree === 0) return [];
-  const what = 'spherical harmonics';
-  return harmonics.precision === 'palette'
-    ? uploadPages(place, what, (start, end) => palettePage(harmonics, start, end))
-    : uploadPlane(place, harmonics.words, harmonics.wordsPerSplat, what);
+  const page =
+    harmonics.precision === 'palette'
+      ? paletteWordsOf(harmonics)
+      : wordsOf(harmonics.words, harmonics.wordsPerSplat);
+  return uploadPlane(place, 'spherical harmonics', page);
 }
 
-function uploadPlane(place: PlanePlace, words: Uint32Array, wordsPerSplat: number, what: string): Plane {
-  return uploadPages(place, what, (start, end) => words.subarray(start * wordsPerSplat, end * wordsPerSplat));
+/** Returns the words of the page of splats `start` to `end`. */
+type WordsOfPage = (start: number, end: number) => Uint32Array;
+
+function wordsOf(words: Uint32Array, wordsPerSplat: number): WordsOfPage {
+  return (start, end) => words.subarray(start * wordsPerSplat, end * wordsPerSplat);
 }
 
-function uploadPages(
-  place: PlanePlace,
-  what: string,
-  wordsOf: (start: number, end: number) => Uint32Array,
-): Plane {
+function uploadPlane(place: PlanePlace, what: string, wordsOfPage: WordsOfPage): Plane {
   return planeOf(place, ({ start, end }, page) =>
-    place.memory.createFilledBuffer(`${place.name} ${what} ${page}`, wordsOf(start, end)),
+    place.memory.createFilledBuffer(`${place.name} ${what} ${page}`, wordsOfPage(start, end)),
   );
 }
 

@@ -3,10 +3,11 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import { probeMemory } from '../gpu/probe-memory.ts';
 import { Chunk } from '../layout/structs.ts';
 import { GEOMETRY_WORDS } from '../packing/geometry.ts';
-import { entryCountOf, isPalette, shPlaneBytes } from '../packing/harmonics.ts';
+import { entryCountOf, isPalette } from '../packing/harmonics.ts';
 import { chunkCountOf, type PackedCloud } from '../packing/packed-cloud.ts';
 import { type CloudPrecision, ownShPrecision, type ShPrecision } from '../packing/precision.ts';
 import { packPalette, repackHarmonics, truncateHarmonics } from '../packing/repack-harmonics.ts';
+import { shPlaneBytes } from '../packing/sh-plane-bytes.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 
 /** How a cloud may be loaded: what decides its bytes per splat. */

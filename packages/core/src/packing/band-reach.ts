@@ -1,6 +1,5 @@
 import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
-import { type Harmonics, isPacked, isPalette, readCoefficients } from './harmonics.ts';
-import { MAX_PALETTE_ENTRIES } from './harmonics-palette.ts';
+import { floatsOf, type Harmonics, isPacked, readCoefficients } from './harmonics.ts';
 
 /**
  * For each band 1…degree, the most that it can change any colour channel of any splat, in any direction: at least 0, in
@@ -14,17 +13,12 @@ export function shBandReach(harmonics: Harmonics, count: number): readonly numbe
   if (isPacked(harmonics) && harmonics.bandReach) return harmonics.bandReach;
   const stride = coefficientsPerSplat(harmonics.degree);
   const meter = new ShReachMeter(harmonics.degree);
-  const floats = floatsOf(harmonics);
+  const floats = storedFloats(harmonics);
   if (floats) {
-    for (let i = 0; i < count; i++) meter.include(floats, i * stride);
+    for (let at = 0; at < floats.length; at += stride) meter.include(floats, at);
   } else {
     const values = new Float64Array(stride);
-    const isKnown = new Uint8Array(MAX_PALETTE_ENTRIES);
     for (let i = 0; i < count; i++) {
-      if (isPalette(harmonics)) {
-        if (isKnown[harmonics.indices[i]]) continue;
-        isKnown[harmonics.indices[i]] = 1;
-      }
       readCoefficients(harmonics, i, values);
       meter.include(values, 0);
     }
@@ -32,10 +26,9 @@ export function shBandReach(harmonics: Harmonics, count: number): readonly numbe
   return meter.reaches();
 }
 
-/** The coefficients of all splats where they are float32 in memory, not copied. */
-function floatsOf(harmonics: Harmonics): Float32Array | null {
-  if (isPalette(harmonics)) return null;
-  if (!isPacked(harmonics)) return harmonics.coefficients;
+/** The coefficients of all splats, or of all entries that they may have, where they are float32 in memory; not copied. */
+function storedFloats(harmonics: Harmonics): Float32Array | null {
+  if (!isPacked(harmonics)) return floatsOf(harmonics);
   const { precision, words } = harmonics;
   return precision === 'f32' ? new Float32Array(words.buffer, words.byteOffset, words.length) : null;
 }

@@ -54,7 +54,7 @@ export function cloudFacts(set: SplatSet<Harmonics>): CloudFacts {
     declaredShDegree: set.harmonics.degree,
     trueShDegree: trueShDegree(reach),
     shBandReach: reach,
-    paletteEntries: isPalette(set.harmonics) && reach.length > 0 ? entryCountOf(set.harmonics) : null,
+    paletteEntries: isPalette(set.harmonics) ? entryCountOf(set.harmonics) : null,
     isIsotropic: isIsotropic(set),
     ...opacityFacts(set),
     isAntialiased: set.isAntialiased ?? null,

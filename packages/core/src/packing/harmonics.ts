@@ -1,7 +1,7 @@
 import { clampCoefficient, fromHalfBits, HALF_MAX, toHalfBits } from '../layout/half.ts';
 import { coefficientsPerSplat, type ShDegree, type TrainedHarmonics } from '../splats/splat-set.ts';
-import { type HarmonicsPalette, MAX_PALETTE_ENTRIES } from './harmonics-palette.ts';
-import type { OwnShPrecision, ShPrecision } from './precision.ts';
+import type { HarmonicsPalette } from './harmonics-palette.ts';
+import type { OwnShPrecision } from './precision.ts';
 
 /**
  * Spherical harmonics above degree 0 of N splats, as the GPU reads them: `wordsPerSplat` 32-bit words per splat, which
@@ -21,14 +21,9 @@ export interface PackedHarmonics {
   readonly bandReach?: readonly number[];
 }
 
-/** Spherical harmonics of a palette, as the GPU reads them. */
-export interface PackedPalette {
-  readonly degree: ShDegree;
+/** A palette whose entries have the values that the GPU reads. */
+export interface PackedPalette extends HarmonicsPalette {
   readonly precision: 'palette';
-  /** Coefficients of each of E entries. */
-  readonly entries: PackedHarmonics;
-  /** Entry of each of N splats, below E. */
-  readonly indices: Uint16Array;
 }
 
 /** Spherical harmonics above degree 0 as a reader gives them: packed, or the file's own palette, which is smaller than that. */
@@ -44,14 +39,18 @@ export function isPacked(harmonics: Harmonics): harmonics is PackedHarmonics {
   return 'words' in harmonics;
 }
 
-export function isPalette(harmonics: Harmonics): harmonics is HarmonicsPalette | PackedPalette {
+export function isPalette(harmonics: Harmonics): harmonics is HarmonicsPalette {
   return 'indices' in harmonics;
 }
 
-export function entryCountOf({ degree, entries }: HarmonicsPalette | PackedPalette): number {
-  return 'words' in entries
-    ? entries.words.length / entries.wordsPerSplat
-    : entries.length / coefficientsPerSplat(degree);
+/** The coefficients of all splats, or of all entries that they have. */
+export function floatsOf(harmonics: TrainedHarmonics | HarmonicsPalette): Float32Array {
+  return isPalette(harmonics) ? harmonics.entries : harmonics.coefficients;
+}
+
+/** Number of a palette's entries; 0 at degree 0, where they would be empty. */
+export function entryCountOf({ degree, entries }: HarmonicsPalette): number {
+  return entries.length / coefficientsPerSplat(degree) || 0;
 }
 
 /** 32-bit words of one splat's coefficients. */
@@ -74,28 +73,16 @@ export function shBytesPerSplat(degree: ShDegree, precision: OwnShPrecision): nu
 export const ENTRY_PRECISION = 'f32';
 
 /**
- * Bytes of the harmonics of `count` splats.
- *
- * @param entryCount of a palette; default as many as there can be.
+ * Returns a function that makes the words of a page of splats as the GPU reads them: all entries, then the entry of each splat from
+ * `start` to `end`, two to a word.
  */
-export function shPlaneBytes(
-  count: number,
-  degree: ShDegree,
-  precision: ShPrecision,
-  entryCount = MAX_PALETTE_ENTRIES,
-): number {
-  if (precision !== 'palette') return 4 * count * shWordsPerSplat(degree, precision);
-  if (degree === 0) return 0;
-  return 4 * (entryCount * shWordsPerSplat(degree, ENTRY_PRECISION) + Math.ceil(count / 2));
-}
-
-/** A page of splats as the GPU reads it: all entries, then the entry of each splat from `start` to `end`, two to a word. */
-export function palettePage({ entries, indices }: PackedPalette, start: number, end: number): Uint32Array {
-  const { words } = entries;
-  const page = new Uint32Array(words.length + Math.ceil((end - start) / 2));
-  page.set(words);
-  new Uint16Array(page.buffer, 4 * words.length).set(indices.subarray(start, end));
-  return page;
+export function paletteWordsOf({ entries, indices }: PackedPalette) {
+  return (start: number, end: number): Uint32Array => {
+    const words = new Uint32Array(entries.length + Math.ceil((end - start) / 2));
+    new Float32Array(words.buffer).set(entries);
+    new Uint16Array(words.buffer, entries.byteLength).set(indices.subarray(start, end));
+    return words;
+  };
 }
 
 const f32 = new Float32Array(1);
@@ -147,14 +134,10 @@ export function readCoefficients(
   values: Float64Array | Float32Array,
 ): void {
   const count = coefficientsPerSplat(harmonics.degree);
-  if (isPalette(harmonics)) {
-    const { entries, indices } = harmonics;
-    if ('words' in entries) readCoefficients(entries, indices[index], values);
-    else for (let i = 0; i < count; i++) values[i] = entries[indices[index] * count + i];
-    return;
-  }
   if (!isPacked(harmonics)) {
-    for (let i = 0; i < count; i++) values[i] = harmonics.coefficients[index * count + i];
+    const floats = floatsOf(harmonics);
+    const start = count * (isPalette(harmonics) ? harmonics.indices[index] : index);
+    for (let i = 0; i < count; i++) values[i] = floats[start + i];
     return;
   }
   const { words, precision, wordsPerSplat } = harmonics;

@@ -94,8 +94,9 @@ function packedHarmonics(
 
 /** The buffers of `cloud`, for posting it to another thread without a copy. */
 export function transferablesOf({ geometry, harmonics, chunks, fileIndices }: PackedCloud): ArrayBuffer[] {
-  const colors = isPalette(harmonics) ? [harmonics.entries.words, harmonics.indices] : [harmonics.words];
-  const buffers = [...[geometry.words, ...colors, fileIndices].map(({ buffer }) => buffer), chunks];
+  const colors = isPalette(harmonics) ? harmonics.entries : harmonics.words;
+  const buffers = [geometry.words.buffer, colors.buffer, chunks, fileIndices.buffer];
+  if (isPalette(harmonics)) buffers.push(harmonics.indices.buffer);
   return buffers as ArrayBuffer[];
 }
 

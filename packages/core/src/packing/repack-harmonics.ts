@@ -2,7 +2,6 @@ import { COEFFICIENT_MAX, clampCoefficient } from '../layout/half.ts';
 import { coefficientsPerSplat, type ShDegree, type TrainedHarmonics } from '../splats/splat-set.ts';
 import { shBandReach } from './band-reach.ts';
 import {
-  ENTRY_PRECISION,
   type PackedHarmonics,
   type PackedPalette,
   packCoefficients,
@@ -66,13 +65,12 @@ export function truncateHarmonics(
   return { degree, precision, wordsPerSplat, words, bandReach: bandReach?.slice(0, degree) };
 }
 
-/** Bands 1 to `degree` of a palette, packed. */
+/** Bands 1 to `degree` of a palette, clamped like all coefficients. */
 export function packPalette(
-  { degree: whole, entries, indices }: HarmonicsPalette | PackedPalette,
+  { degree: whole, entries, indices }: HarmonicsPalette,
   degree: ShDegree,
 ): PackedPalette {
-  const packed = 'words' in entries ? entries : packHarmonics({ degree: whole, coefficients: entries });
-  const count = packed.words.length / Math.max(1, packed.wordsPerSplat);
-  const kept = repackHarmonics(truncateHarmonics(packed, count, degree), count, ENTRY_PRECISION);
-  return { degree, precision: 'palette', entries: kept, indices };
+  const [before, kept] = [whole, degree].map(coefficientsPerSplat);
+  const values = entries.filter((_, i) => i % before < kept).map(clampCoefficient);
+  return { degree, precision: 'palette', entries: values, indices };
 }

@@ -60,7 +60,7 @@ export function project(variant: ProjectVariant): StageDefinition {
       SH_F32: shDegree >= 1 && shPrecision === 'f32',
       SH_F16: shDegree >= 1 && shPrecision === 'f16',
       SH_U8: shDegree >= 1 && shPrecision === 'u8',
-      SH_PALETTE: shDegree >= 1 && isPalette,
+      SH_PALETTE: isPalette,
       COLOR_CACHE: keepsColors,
       ISOTROPIC: variant.isIsotropic === true,
       SPLAT_EFFECTS: hasHook(effects, 'splat'),
