@@ -1,7 +1,7 @@
 import { CloudPlanes, type MadePlanes, type Plane } from '../clouds/cloud-planes.ts';
 import { GpuLimitError } from '../errors.ts';
 import { readWords } from '../gpu/read-buffer.ts';
-import { nextTask } from '../io/sources/next-task.ts';
+import { nextTask } from '../turns.ts';
 import { ChunkParameters } from '../layout/packing-structs.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { INGEST_LOG_SCALES } from '../packing/ingest-log-scale.ts';

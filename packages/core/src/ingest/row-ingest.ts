@@ -22,7 +22,7 @@ import { probeMemory } from '../gpu/probe-memory.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { emptyError } from '../io/formats/empty-error.ts';
 import type { RowSink } from '../io/formats/row-sink.ts';
-import { nextTask } from '../io/sources/next-task.ts';
+import { nextTask } from '../turns.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { roundUp } from '../layout/gpu-struct.ts';
 import { INGEST_FACTS } from '../layout/ingest-facts.ts';
