@@ -1,5 +1,5 @@
 import { SplatFileError, SplatSourceError, WebSplatterError } from '../../errors.ts';
-import { nextTask } from './next-task.ts';
+import { MAX_BUSY_MS, nextTask } from './next-task.ts';
 import { lockedStreamError } from './source-kind.ts';
 import type { OpenedSource, ResumeSource } from './splat-source.ts';
 
@@ -13,8 +13,6 @@ type Reader =
 const WINDOW_BYTES = 1 << 20;
 /** Most bytes of a read that is copied into the window. */
 const CHUNK_BYTES = 1 << 18;
-/** Longest time a page's thread is kept busy before its event loop gets a turn. */
-const MAX_BUSY_MS = 16;
 /** A server that gives less in the time that it has drips: it could hold a reader for days. */
 const LEAST_BYTES_IN_TIME = 1 << 14;
 
