@@ -63,6 +63,8 @@ export const ROOMS: Arrows = {
   measure: 'reference ledger frame clouds stages timing effects gpu camera accuracy packing layout math',
   /** Views: frames on a canvas or inside of another renderer. What measures is loaded only when it is asked for. */
   views: 'measure(types) ledger frame clouds stages timing gpu camera accuracy layout math',
+  /** Writing files: the interface of `@websplatter/core/write`. */
+  'write.ts': 'io',
   /** What callers give besides requests of frames. */
   'check-options.ts': 'clouds(types) packing',
   /** The engine: one device, its clouds and its views. */
