@@ -27,6 +27,24 @@ const WRITERS: readonly Writer[] = [
     extension: '.ply',
     load: async () => (await import('./ply/write-ply.ts')).writePly,
   },
+  {
+    name: 'compressed-ply',
+    title: 'Compressed PLY',
+    extension: '.compressed.ply',
+    load: async () => (await import('./compressed-ply/write-compressed-ply.ts')).writeCompressedPly,
+  },
+  {
+    name: 'spz',
+    title: 'SPZ',
+    extension: '.spz',
+    load: async () => (await import('./spz/write-spz.ts')).writeSpz,
+  },
+  {
+    name: 'gltf',
+    title: 'glTF',
+    extension: '.glb',
+    load: async () => (await import('./gltf/write-gltf.ts')).writeGltf,
+  },
 ];
 
 /** Every format that can be written. */

@@ -1,7 +1,8 @@
 import { shown } from '../../../printable.ts';
 import type { DecodedRows } from '../decoded-rows.ts';
 import type { GltfBuffers } from './gltf-buffers.ts';
-import { type GltfJson, type JsonObject, objectOf, SPLATTING, SPZ_COMPRESSIONS } from './gltf-json.ts';
+import { type GltfJson, type JsonObject, objectOf, SPZ_COMPRESSIONS } from './gltf-json.ts';
+import { SPLATTING } from './gltf-semantics.ts';
 import { attributeRows, splatAttributesOf } from './splat-attributes.ts';
 
 const POINTS = 0;
