@@ -5,11 +5,11 @@ import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.t
 import { packGzip } from '../../containers/pack-gzip.ts';
 import { opacityOf } from '../color-values.ts';
 import { fileMemory, type WriteFormat, writeInTurns } from '../write-format.ts';
+import { SPZ_MAGIC } from './spz-format.ts';
 import { COLOR_SCALE, FLAG_ANTIALIASED, HEADER_BYTES } from './spz-layout.ts';
 
 /** Later versions pack by Zstandard, for which there is no encoder here. */
 const VERSION = 3;
-const MAGIC = 0x5053474e;
 /** As every writer has it: positions are multiples of 1/4096, in 24 bits. */
 const FRACTIONAL_BITS = 12;
 const MOST_POSITION = 2 ** 23 - 1;
@@ -68,7 +68,7 @@ export const writeSpz: WriteFormat = async (set, { signal, onProgress }) => {
 };
 
 function putHeader({ count, harmonics, isAntialiased }: SplatSet<Harmonics>, view: DataView): void {
-  view.setUint32(0, MAGIC, true);
+  for (let i = 0; i < SPZ_MAGIC.length; i++) view.setUint8(i, SPZ_MAGIC.charCodeAt(i));
   view.setUint32(4, VERSION, true);
   view.setUint32(8, count, true);
   view.setUint8(12, harmonics.degree);
