@@ -7,7 +7,7 @@
 export type Arrows = Readonly<Record<string, string>>;
 
 /** Rooms that all others may import without saying so. */
-export const FOR_ALL_ROOMS = ['errors.ts', 'number-of.ts', 'printable.ts'] as const;
+export const FOR_ALL_ROOMS = ['errors.ts', 'number-of.ts', 'printable.ts', 'turns.ts'] as const;
 
 /**
  * The rooms of packages/core/src: folders, and files at its root. Tests and testing/ may import all of them, and nothing
@@ -20,6 +20,8 @@ export const ROOMS: Arrows = {
   'errors.ts': '',
   /** Numbers for objects, for keys made of text. */
   'number-of.ts': '',
+  /** Turns of the event loop during long work. */
+  'turns.ts': '',
   /** Vectors and matrices, in float64. */
   math: '',
   /** Every struct and constant that CPU and GPU share, defined once. */

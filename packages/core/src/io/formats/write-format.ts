@@ -1,7 +1,7 @@
 import { InvalidArgumentError } from '../../errors.ts';
 import type { Harmonics } from '../../packing/harmonics.ts';
 import type { SplatSet } from '../../splats/splat-set.ts';
-import { MAX_BUSY_MS, nextTask } from '../sources/next-task.ts';
+import { MAX_BUSY_MS, nextTask } from '../../turns.ts';
 
 export interface WriteOptions {
   /** Ends the writing, which then rejects with the signal's reason. */

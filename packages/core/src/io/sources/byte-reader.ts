@@ -1,5 +1,5 @@
 import { SplatFileError, SplatSourceError, WebSplatterError } from '../../errors.ts';
-import { MAX_BUSY_MS, nextTask } from './next-task.ts';
+import { Turns } from '../../turns.ts';
 import { lockedStreamError } from './source-kind.ts';
 import type { OpenedSource, ResumeSource } from './splat-source.ts';
 
@@ -54,12 +54,13 @@ export class ByteReader {
   #pending: Uint8Array = NO_BYTES;
   /** Where a stream that writes into given memory writes next. */
   #chunkMemory = new ArrayBuffer(0);
-  #lastPauseMs = performance.now();
+  readonly #turns: Turns;
   #isHandedOn = false;
 
   constructor(source: ReaderSource, signal?: AbortSignal, maxBytes = Number.POSITIVE_INFINITY) {
     this.#name = source.name;
     this.#signal = signal;
+    this.#turns = new Turns(signal);
     this.#maxBytes = maxBytes;
     this.#idleTimeoutMs = source.idleTimeoutMs ?? Number.POSITIVE_INFINITY;
     this.#resumeSource = source.resume;
@@ -174,12 +175,8 @@ export class ByteReader {
   }
 
   /** Gives the event loop a turn if it has waited long; throws if aborted. */
-  async pause(): Promise<void> {
-    this.#signal?.throwIfAborted();
-    if (performance.now() - this.#lastPauseMs < MAX_BUSY_MS) return;
-    await nextTask();
-    this.#lastPauseMs = performance.now();
-    this.#signal?.throwIfAborted();
+  pause(): Promise<void> {
+    return this.#turns.give();
   }
 
   /** What has not been read yet, as a stream of its own, which ends this reader's use. */
