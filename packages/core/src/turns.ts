@@ -1,5 +1,5 @@
 /** Longest time a page's thread is kept busy before its event loop gets a turn. */
-export const MAX_BUSY_MS = 16;
+const MAX_BUSY_MS = 16;
 
 /** Resolves in a new task. Uses a message, since timers are held back to 4 ms in pages and to 1 s in hidden ones. */
 export function nextTask(): Promise<void> {

@@ -30,6 +30,8 @@ export const ROOMS: Arrows = {
   splats: '',
   /** Splats as the GPU reads them: precisions, storage order, chunks with bounds. */
   packing: 'splats layout math',
+  /** Changes of whole sets on the CPU: merging, cropping, moving, fewer harmonics. */
+  editing: 'packing splats math',
   /** File formats, and reading them in a worker. */
   io: 'packing splats layout math',
   /** Every setting, cutoff and preset of accuracy. */
@@ -63,8 +65,8 @@ export const ROOMS: Arrows = {
   measure: 'reference ledger frame clouds stages timing effects gpu camera accuracy packing layout math',
   /** Views: frames on a canvas or inside of another renderer. What measures is loaded only when it is asked for. */
   views: 'measure(types) ledger frame clouds stages timing gpu camera accuracy layout math',
-  /** Writing files: the interface of `@websplatter/core/write`. */
-  'write.ts': 'io',
+  /** Changing splats and writing them as files: the interface of `@websplatter/core/write`. */
+  'write.ts': 'editing io',
   /** What callers give besides requests of frames. */
   'check-options.ts': 'clouds(types) packing',
   /** The engine: one device, its clouds and its views. */

@@ -1,7 +1,7 @@
 import { InvalidArgumentError } from '../../errors.ts';
 import type { Harmonics } from '../../packing/harmonics.ts';
 import type { SplatSet } from '../../splats/splat-set.ts';
-import { MAX_BUSY_MS, nextTask } from '../../turns.ts';
+import { Turns } from '../../turns.ts';
 
 export interface WriteOptions {
   /** Ends the writing, which then rejects with the signal's reason. */
@@ -36,18 +36,13 @@ export async function writeInTurns(
   work: (from: number, to: number) => void,
   until = 1,
 ): Promise<void> {
-  signal?.throwIfAborted();
-  let lastPauseMs = performance.now();
+  const turns = new Turns(signal);
   for (let from = 0; from < count; from += ROWS_AT_ONCE) {
+    await turns.give();
     const to = Math.min(count, from + ROWS_AT_ONCE);
     work(from, to);
-    if (performance.now() - lastPauseMs < MAX_BUSY_MS) continue;
     onProgress?.((until * to) / count);
-    await nextTask();
-    lastPauseMs = performance.now();
-    signal?.throwIfAborted();
   }
-  onProgress?.(until);
   signal?.throwIfAborted();
 }
 

@@ -12,6 +12,10 @@ export interface WritableFormat {
   readonly title: string;
   /** Usual end of a file's name, e.g. `.ply`. */
   readonly extension: string;
+  /** Whether a file can say that its splats were trained with an antialias filter. */
+  readonly tellsAntialiased: boolean;
+  /** Whether y points up in every file of this format; in others it mostly points down. */
+  readonly hasYUp: boolean;
 }
 
 interface Writer extends WritableFormat {
@@ -25,16 +29,38 @@ const WRITERS: readonly Writer[] = [
     name: 'ply',
     title: 'PLY',
     extension: '.ply',
+    tellsAntialiased: true,
+    hasYUp: false,
     load: async () => (await import('./ply/write-ply.ts')).writePly,
+  },
+  {
+    name: 'compressed-ply',
+    title: 'Compressed PLY',
+    extension: '.compressed.ply',
+    tellsAntialiased: true,
+    hasYUp: false,
+    load: async () => (await import('./compressed-ply/write-compressed-ply.ts')).writeCompressedPly,
+  },
+  {
+    name: 'spz',
+    title: 'SPZ',
+    extension: '.spz',
+    tellsAntialiased: true,
+    hasYUp: false,
+    load: async () => (await import('./spz/write-spz.ts')).writeSpz,
+  },
+  {
+    name: 'gltf',
+    title: 'glTF',
+    extension: '.glb',
+    tellsAntialiased: false,
+    hasYUp: true,
+    load: async () => (await import('./gltf/write-gltf.ts')).writeGltf,
   },
 ];
 
 /** Every format that can be written. */
-export const WRITABLE_FORMATS: readonly WritableFormat[] = WRITERS.map(({ name, title, extension }) => ({
-  name,
-  title,
-  extension,
-}));
+export const WRITABLE_FORMATS: readonly WritableFormat[] = WRITERS.map(({ load, ...facts }) => facts);
 
 /** The format that files with this name are written in; undefined if the name does not tell. */
 export function writableByName(fileName: string): WritableFormat | undefined {

@@ -8,7 +8,7 @@ import { spzFormat } from '../spz/spz-format.ts';
 
 /** Reads what people pack by gzip: PLY, and SPZ under another name. Rejects with 'unknown-format' for anything else. */
 export const readGzip: ReadFormat = (packed, options, rowsTo) =>
-  readGzipped(packed, options, rowsTo, async (input, options, rowsTo) => {
+  readGzipped(packed, options, async (input) => {
     const firstBytes = await input.reader.peek(SNIFF_BYTES);
     if (plyFormat.recognise(firstBytes, '')) return readPly(input, options, rowsTo);
     if (spzFormat.recognise(firstBytes, '')) return readSpz(input, options, rowsTo);
