@@ -78,7 +78,16 @@ export async function splitRows(
     const node = heap.pop();
     if (node < 0) break;
     const axis = children[node];
-    const middle = await partition(rows, ids, starts[node], ends[node], length, axis, thresholds[node], turns);
+    const middle = await partition(
+      rows,
+      ids,
+      starts[node],
+      ends[node],
+      length,
+      axis,
+      thresholds[node],
+      turns,
+    );
     // All are alike but for the rounding of their sums.
     if (middle === starts[node] || middle === ends[node]) continue;
     axes[node] = axis;

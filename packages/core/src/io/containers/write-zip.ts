@@ -21,7 +21,7 @@ export function zipFiles(files: Readonly<Record<string, Uint8Array>>): Uint8Arra
     crc: crc32(bytes),
   }));
   const headersBytes = LOCAL_HEADER.bytes + DIRECTORY_ENTRY.bytes;
-  const length = entries.reduce(
+  const length = entries.reduce<number>(
     (sum, { name, bytes }) => sum + headersBytes + 2 * name.length + bytes.length,
     DIRECTORY_END.bytes,
   );
