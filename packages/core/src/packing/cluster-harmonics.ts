@@ -13,14 +13,16 @@ import { squaredDistance } from './squared-distance.ts';
 export interface ClusterOptions {
   /** Most entries, 1 to MAX_PALETTE_ENTRIES; there are fewer where fewer harmonics differ. */
   readonly entryCount: number;
+  /** Most splats that entries are found from, which bounds memory; default 2²⁰. Others only look for their entry at the end. */
+  readonly mostSampled?: number;
   /** Ends the work, which then rejects with the signal's reason. */
   readonly signal?: AbortSignal;
   /** Told how much of the work is done, from 0 to 1. */
   readonly onProgress?: (fraction: number) => void;
 }
 
-/** Most splats that entries are found from. Fewer for each entry would miss rare harmonics, of which the error is made. */
-const MOST_SAMPLE = 2 ** 20;
+/** With 16 for each entry, rare harmonics of some scenes would be missed, of which most of the error is made. */
+const MOST_SAMPLED = 2 ** 20;
 /** Splats that tell along which axes harmonics vary. */
 const AXES_SAMPLE = 2 ** 14;
 const MOST_ROUNDS = 12;
@@ -35,19 +37,17 @@ const PROGRESS = { rounds: 0.2, lastPass: 0.9 } as const;
  * Finds a palette for the harmonics of `count` splats: k-means, with squares of differences of coefficients as the error. Where
  * there are no more different harmonics than entries, the palette has just those. Equal harmonics give equal palettes: nothing is random.
  *
- * A tree of cuts gives the first entries (`splitRows`); in each round then, splats move to nearer entries, and entries to the means of
- * their splats. Only neighbours of a splat's entry are looked at, in coordinates along the axes of largest variance, where a few
- * values tell that an entry is too far away. So a round takes time in proportion to N, and to E^1.5 for the neighbours, where comparing
- * each splat with each entry would take N·E; and a few times less than that once most splats stay. At most SAMPLE_PER_ENTRY splats for
- * each entry take part in rounds, evenly chosen, which also bounds memory: 12K bytes for each of them, and 36K for each entry. The others look for
- * their entry at the end.
+ * A tree of cuts gives the first entries (`splitRows`), in time N·log E. In each round then, splats move to nearer entries, and entries
+ * to the means of their splats. Only neighbours of a splat's entry are looked at, in coordinates along the axes of largest variance,
+ * where a few values tell that an entry is too far away; finding the neighbours takes time E^1.5. Comparing each splat with each entry
+ * would take N·E. Memory beyond the palette: 12K bytes for each splat of the sample, and 48K + 192 for each entry.
  *
  * Rejects with InvalidArgumentError 'entryCount', or with the signal's reason.
  */
 export async function clusterHarmonics(
   harmonics: Harmonics,
   count: number,
-  { entryCount, signal, onProgress }: ClusterOptions,
+  { entryCount, mostSampled = MOST_SAMPLED, signal, onProgress }: ClusterOptions,
 ): Promise<HarmonicsPalette> {
   if (!Number.isInteger(entryCount) || entryCount < 1 || entryCount > MAX_PALETTE_ENTRIES) {
     const message = `entryCount is ${shown(entryCount)}; it must be a whole number from 1 to ${MAX_PALETTE_ENTRIES}.`;
@@ -58,8 +58,8 @@ export async function clusterHarmonics(
   const indices = new Uint16Array(count);
   if (length === 0 || count === 0) return { degree, entries: new Float32Array(0), indices };
   const turns = new Turns(signal);
-  const sampleCount = Math.min(count, MOST_SAMPLE);
-  const ids = Uint32Array.from({ length: sampleCount }, (_, i) => Math.floor((i * count) / sampleCount));
+  const sampleCount = Math.min(count, mostSampled);
+  const ids = sampleOf(count, sampleCount);
   const frame = await Frame.of(harmonics, ids, turns);
   const rows = new Float32Array(sampleCount * length);
   for (let i = 0; i < sampleCount; i++) {
@@ -93,6 +93,14 @@ export async function clusterHarmonics(
   const entries = await entriesOf(harmonics, indices, clusters.entryCount, turns);
   onProgress?.(1);
   return { degree, entries, indices };
+}
+
+/** Numbers of `sampleCount` of `count` splats, ascending: all, or at uneven steps, so that nothing that recurs is missed. */
+function sampleOf(count: number, sampleCount: number): Uint32Array {
+  const goldenRatio = (Math.sqrt(5) - 1) / 2;
+  return Uint32Array.from({ length: sampleCount }, (_, i) =>
+    Math.floor(((i + ((i * goldenRatio) % 1)) * count) / sampleCount),
+  );
 }
 
 /** Coordinates along the axes of largest variance of some harmonics, about their mean. */
