@@ -123,7 +123,6 @@ fn viewDirection(position: vec3f) -> vec3f {
 @if(SH_1)
 fn shAboveBase(splatIndex: u32, direction: vec3f) -> vec3f {
   // All entries of a palette come first, then the entry of each splat of the page, two to a word.
-  // All entries of a palette come first, then the entry of each splat of the page, two to a word.
   var entry = splatIndex;
   @if(SH_PALETTE) entry = shRest[arrayLength(&shRest) - (page.splatCount + 1u) / 2u + splatIndex / 2u];
   @if(SH_PALETTE) entry = (entry >> (16u * (splatIndex % 2u))) & 0xffffu;

@@ -9,7 +9,6 @@ import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy/
 import { checkEngineNumbers, checkLoadOptions } from './check-options.ts';
 import type { HoldOptions } from './clouds/cloud-leases.ts';
 import { type CloudMemory, isHeld } from './clouds/cloud-planes.ts';
-import { emptyCloud } from './clouds/empty-cloud.ts';
 import type { CloudFit, FitMode } from './clouds/fit-settings.ts';
 import type { PlaneMaker } from './clouds/plane-maker.ts';
 import { type CloudSource, SplatCloud, type SplatCloudOptions } from './clouds/splat-cloud.ts';
@@ -40,7 +39,7 @@ import type { AccuracyChoice } from './measure/choose-accuracy.ts';
 import type { Harmonics } from './packing/harmonics.ts';
 import { packSet } from './packing/pack-set.ts';
 import type { PackedCloud } from './packing/packed-cloud.ts';
-import { type CloudPrecision, ownShPrecision } from './packing/precision.ts';
+import type { CloudPrecision } from './packing/precision.ts';
 import { foreseeTiles } from './shaders/later-source.ts';
 import type { ShaderMutation } from './shaders/link-shader.ts';
 import type { SplatSet } from './splats/splat-set.ts';
@@ -282,14 +281,7 @@ export class SplatEngine {
     const sourceOptions = { maxBytes, maxSplats, request };
     const made = { name, source: lastingSource(source), sourceOptions };
     const signal = AbortSignal.any([this.#ended.signal, options.signal ?? []].flat());
-    const rowsTo = this.#rowsTo({
-      geometryPrecision,
-      shPrecision: ownShPrecision(shPrecision),
-      name,
-      onPreview,
-      fit,
-      signal,
-    });
+    const rowsTo = this.#rowsTo({ geometryPrecision, shPrecision, name, onPreview, fit, signal });
     const ingest = rowsTo.sink;
     let cloud: SplatCloud;
     try {
@@ -448,7 +440,13 @@ export class SplatEngine {
 
   /** Compiles what a first frame is likely to need, while the page looks for its file. */
   #foreseeFrames(view: SplatView): void {
-    if (this.#compilesAhead) view.expectCloud(emptyCloud(this.#memory, LIKELY_SH_DEGREE, this.accuracy));
+    if (!this.#compilesAhead) return;
+    const foresee = async () => {
+      const { emptyCloud } = await import('./clouds/empty-cloud.ts');
+      if (this.#views.has(view)) view.expectCloud(emptyCloud(this.#memory, LIKELY_SH_DEGREE, this.accuracy));
+    };
+    // Without it, the first frame compiles them.
+    foresee().catch(() => {});
   }
 
   /** Compiles what the rows of `source` are likely to need, while it is opened. */
@@ -584,7 +582,7 @@ export class SplatEngine {
     // Most claims are for planes that were uploaded, and need no plane maker.
     while (isHeld(planes.held, wanted)) {
       const { held } = planes;
-      await this.#compileFor(cloud, wanted);
+      await this.#compileFor(cloud, planes.pagesFor(wanted));
       signal.throwIfAborted();
       this.#checkUsable();
       if (planes.held === held) return;
@@ -613,11 +611,10 @@ export class SplatEngine {
 
   /** If compiling fails, the frame that needs the pipeline reports it. */
   async #compileFor(cloud: SplatCloud, precision: CloudPrecision): Promise<void> {
-    const drawn = { ...precision, shPrecision: cloud.planes.storedAs(precision.shPrecision) };
     const stages = [...this.#views].flatMap(({ shape }) => {
       if (!shape?.clouds.some((each) => each.cloud === cloud)) return [];
       const clouds = shape.clouds.map((each) =>
-        each.cloud === cloud ? { ...each, planes: { ...each.planes, ...drawn } } : each,
+        each.cloud === cloud ? { ...each, planes: { ...each.planes, ...precision } } : each,
       );
       return frameStages({ ...shape, clouds });
     });

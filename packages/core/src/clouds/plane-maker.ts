@@ -115,7 +115,8 @@ export class PlaneMaker {
     const { geometryStage, shStage } = work;
     await this.#context.pipelines.prepare([geometryStage, shStage].filter((stage) => stage !== null));
     // Before the planes change: the old pipelines cannot draw the new planes.
-    await this.#context.compileFor(cloud, wanted);
+    const shPrecision = cloud.planes.storedAs(wanted.shPrecision);
+    await this.#context.compileFor(cloud, { ...wanted, shPrecision });
     this.#checkUsable(signal);
     // Another claim may have been met or released while shaders compiled.
     if (cloud.planes.held !== held) return this.#makeFrom(fresh, cloud, wanted, { signal });

@@ -5,7 +5,7 @@ import { Chunk } from '../layout/structs.ts';
 import { entryCountOf, type Harmonics, isPalette } from '../packing/harmonics.ts';
 import { packSet } from '../packing/pack-set.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
-import { type CloudPrecision, ownShPrecision, type RowPrecision } from '../packing/precision.ts';
+import type { CloudPrecision } from '../packing/precision.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import type { MakeOptions } from './cloud-leases.ts';
 import {
@@ -27,7 +27,7 @@ export interface PlaneSink extends RowSink {
   destroy(): void;
 }
 
-export interface RowPlanesOptions extends RowPrecision {
+export interface RowPlanesOptions extends CloudPrecision {
   /** For labels and messages. */
   readonly name: string;
   /** Pages that the planes should have if there are as many splats. */
@@ -124,13 +124,7 @@ async function splatsOf(
   if (isSplatSet(source)) return fromPacked(packSet(source, wanted), planes.place);
   const { geometryPrecision, shPrecision } = wanted;
   const precision = { geometryPrecision, shPrecision };
-  const { sink, files } = openRowPlanes({
-    geometryPrecision,
-    shPrecision: ownShPrecision(shPrecision),
-    name,
-    pages: planes.ranges,
-    signal: options.signal,
-  });
+  const { sink, files } = openRowPlanes({ ...precision, name, pages: planes.ranges, signal: options.signal });
   try {
     const loadOptions = { ...sourceOptions, ...options, ...precision, name };
     const packed = await loadOrPass(source, loadOptions, { sink, files });

@@ -22,7 +22,6 @@ import { probeMemory } from '../gpu/probe-memory.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { emptyError } from '../io/formats/empty-error.ts';
 import type { RowSink } from '../io/formats/row-sink.ts';
-import { nextTask } from '../io/sources/next-task.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { roundUp } from '../layout/gpu-struct.ts';
 import { INGEST_FACTS } from '../layout/ingest-facts.ts';
@@ -35,11 +34,12 @@ import { ingestLogScaleSteps } from '../packing/ingest-log-scale.ts';
 import { mortonFrame } from '../packing/morton-order.ts';
 import { chooseOrigin } from '../packing/origin.ts';
 import { chunkCountOf, robustBounds, totalBounds } from '../packing/packed-cloud.ts';
-import { ownShPrecision, type RowPrecision } from '../packing/precision.ts';
+import { type CloudPrecision, ownShPrecision, type RowPrecision } from '../packing/precision.ts';
 import type { RowLayout } from '../packing/row-layout.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import { ingestRows } from '../stages/ingest-rows.ts';
 import { ingestSettle } from '../stages/ingest-settle.ts';
+import { nextTask } from '../turns.ts';
 import { type ArrangeContext, arrangePlanes, arrangeStages, isRoomy } from './arrange-planes.ts';
 import { Arrivals } from './arrivals.ts';
 import { Dispatches } from './dispatches.ts';
@@ -57,7 +57,7 @@ const ARRANGE_BYTES = 16;
 /** Pieces that may wait for shaders: reading goes on meanwhile. */
 const MOST_WAITING = 16;
 
-export interface RowIngestOptions extends RowPrecision {
+export interface RowIngestOptions extends CloudPrecision {
   /** For labels and messages. */
   readonly name: string;
   /** See `LoadOptions`. */
@@ -115,7 +115,7 @@ export class RowIngest implements RowSink {
   /** Mapped memory cannot. */
   readonly mayDetach = false;
   readonly #context: ArrangeContext;
-  #options: RowIngestOptions;
+  #options: RowIngestOptions & RowPrecision;
   #fit: CloudFit | null = null;
   /** Null if nobody looks. */
   readonly #previews: LoadPreviews | null;
@@ -136,7 +136,7 @@ export class RowIngest implements RowSink {
 
   constructor(context: ArrangeContext, options: RowIngestOptions) {
     this.#context = context;
-    this.#options = options;
+    this.#options = asRows(options);
     const { name, onPreview } = options;
     this.#previews = onPreview ? new LoadPreviews(context.device, name, onPreview) : null;
   }
@@ -228,7 +228,7 @@ export class RowIngest implements RowSink {
     this.#fit = await fitSettings({ memory, name, bytesOf, signal }, wanted, fit);
     if (!this.#fit) return layout;
     const { shDegree, ...taken } = this.#fit.taken;
-    this.#options = { ...this.#options, ...taken, shPrecision: ownShPrecision(taken.shPrecision) };
+    this.#options = asRows({ ...this.#options, ...taken });
     return { ...layout, shDegree };
   }
 
@@ -514,8 +514,14 @@ function ingestBytes(layout: RowLayout, settings: FitSettings): number {
 }
 
 /** Stages that make a cloud of rows of this degree. */
-export function rowStages(variant: RowPrecision & { readonly shDegree: ShDegree }): StageDefinition[] {
+export function rowStages(wanted: CloudPrecision & { readonly shDegree: ShDegree }): StageDefinition[] {
+  const variant = asRows(wanted);
   return [ingestRows(variant), ...lateStages(variant)];
+}
+
+/** Rows are packed one by one, and so cannot be given a palette. */
+function asRows<Wanted extends CloudPrecision>(wanted: Wanted): Wanted & RowPrecision {
+  return { ...wanted, shPrecision: ownShPrecision(wanted.shPrecision) };
 }
 
 /** Stages that run after the last row. Whether rows were dropped is not known before. */
