@@ -53,9 +53,13 @@ export async function loadTimed(scene: SceneSource, accuracy: AccuracySettings):
   const gpu = await openGpu(accuracy);
   try {
     const startedMs = performance.now();
-    const cloud = gpu.engine.addPacked(packed, { name: scene.name });
+    const source = accuracy.shPrecision === 'palette' ? packed : null;
+    const cloud = gpu.engine.addPacked(packed, { name: scene.name, source });
     await gpu.engine.device.queue.onSubmittedWorkDone();
-    return { ...gpu, cloud, load: { ...read, uploadMs: performance.now() - startedMs } };
+    const uploadMs = performance.now() - startedMs;
+    // What is read has a palette only if the file has.
+    if (accuracy.shPrecision === 'palette') await gpu.engine.requestPrecision(cloud, accuracy);
+    return { ...gpu, cloud, load: { ...read, uploadMs } };
   } catch (error) {
     gpu.engine.destroy();
     throw error;
@@ -66,7 +70,11 @@ async function readTimed(
   { name, content }: SceneSource,
   { geometryPrecision, shPrecision }: AccuracySettings,
 ): Promise<{ packed: PackedCloud } & Omit<LoadTimes, 'uploadMs'>> {
-  const precision = { geometryPrecision, shPrecision };
+  // A palette is best found among the finest harmonics.
+  const precision = {
+    geometryPrecision,
+    shPrecision: shPrecision === 'palette' ? 'f32' : shPrecision,
+  } as const;
   const startedMs = performance.now();
   let readMs: number | null = null;
   const endReading = () => {

@@ -37,6 +37,8 @@ export interface SceneInfo {
   readonly trueShDegree: ShDegree;
   /** All bands of the file. */
   readonly shBands: readonly ShBandInfo[];
+  /** Entries of the palette that the file's harmonics are; null if each splat has its own. */
+  readonly paletteEntries: number | null;
   /** Number of splats in the file that were left out. */
   readonly droppedCount: number;
   readonly dropped: DropCounts;
@@ -70,6 +72,7 @@ function describeScene(scene: string, set: SplatSet<Harmonics>): SceneInfo {
     shDegree: declaredShDegree,
     trueShDegree,
     shBands: shEnergyPerBand(set).map((band, i) => ({ ...band, reach: shBandReach[i] })),
+    paletteEntries,
     droppedCount: Object.values(dropped).reduce((sum, each) => sum + each, 0),
     dropped,
     file: fileFacts,
@@ -119,6 +122,9 @@ function table(found: SceneInfo): string {
     ['bounds max', point(found.bounds.max)],
     ['origin', point(found.origin)],
     ['SH degree', shDegreeText(found)],
+    ...(found.paletteEntries
+      ? ([['SH palette', `${found.paletteEntries.toLocaleString('en')} entries`]] as [string, string][])
+      : []),
     ...found.shBands.map(({ band, rms, reach }): [string, string] => [
       `SH band ${band}`,
       `${rms.toPrecision(3)} rms, changes a colour by at most ${reach.toPrecision(3)}`,

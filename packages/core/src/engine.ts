@@ -91,7 +91,10 @@ const LIKELY_SH_DEGREE = 3;
 const PIECE_BYTES = 4 << 20;
 
 export interface LoadOptions extends ReadOptions {
-  /** Precision of the planes; default that of the engine's accuracy, also if it changes meanwhile. */
+  /**
+   * Precision of the planes; default that of the engine's accuracy, also if it changes meanwhile. Splats of a file without a
+   * palette get none while they are loaded: they are as `u8`, and under the engine's accuracy a palette follows.
+   */
   readonly precision?: CloudPrecision;
   /**
    * Called again and again while a large file arrives, with a cloud of the splats that are there. Show it instead of the one
@@ -299,7 +302,8 @@ export class SplatEngine {
       signal.throwIfAborted();
       throw error;
     }
-    if (!options.precision && accuracy !== this.accuracy) void this.#requestPrecisions([cloud]);
+    const isLater = accuracy !== this.accuracy || accuracy.shPrecision === 'palette';
+    if (!options.precision && isLater) void this.#requestPrecisions([cloud]);
     return cloud;
   }
 

@@ -100,7 +100,7 @@ export const ACCURACY_SETTINGS: {
     values: SH_PRECISIONS,
     stage: 'load',
     change: 'plane',
-    source: 'u8: one byte per coefficient, scaled per splat by the largest one',
+    source: 'u8: one byte per coefficient, scaled per splat by the largest one; palette: two bytes per splat',
   },
   shDegree: {
     label: 'Harmonics degree',

@@ -2,7 +2,10 @@ import { createNodeGpu } from '@websplatter/node';
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../engine.ts';
+import { SplatSourceError } from '../errors.ts';
+import { encodePly } from '../io/formats/ply/write-ply.ts';
 import { MAX_PALETTE_ENTRIES } from '../packing/harmonics-palette.ts';
+import { packSet } from '../packing/pack-set.ts';
 import { type CloudPrecision, SH_PRECISIONS } from '../packing/precision.ts';
 import { shPlaneBytes } from '../packing/sh-plane-bytes.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
@@ -89,6 +92,41 @@ describe('splats with a palette', () => {
     await engine.requestPrecision(cloud, finest);
     expect(cloud.bytes).toBe(bytes);
     expect(await imageOf(cloud)).toEqual(before);
+    cloud.destroy();
+  });
+});
+
+describe('splats without a palette', () => {
+  const FINEST: CloudPrecision = { geometryPrecision: 'f32', shPrecision: 'f32' };
+  const PALETTE: CloudPrecision = { geometryPrecision: 'f32', shPrecision: 'palette' };
+  // So few different harmonics that a palette has all of them.
+  const set = withOwnCoefficients(paletteSplats({ count: 600, entryCount: 20 }));
+
+  gpuTest('are given one, and have their own again', async () => {
+    const cloud = engine.add(set);
+    const { bytes } = cloud;
+    await engine.requestPrecision(cloud, PALETTE);
+    expect(cloud.precisions).toEqual({ geometry: ['f32'], sh: ['palette'] });
+    expect(bytes - cloud.bytes).toBe(600 * 180 - shPlaneBytes(600, 3, 'palette', 20));
+    expect(await psnrDb(cloud, set)).toBeGreaterThan(90);
+    await engine.requestPrecision(cloud, FINEST);
+    expect(cloud.precisions).toEqual({ geometry: ['f32'], sh: ['f32'] });
+    cloud.destroy();
+  });
+
+  gpuTest('of a file are given one after they were loaded', async () => {
+    const other = await SplatEngine.create({ device, accuracy: { shPrecision: 'palette' } });
+    const cloud = await other.load(new Blob([encodePly(set)]));
+    // The claim that the load has made.
+    await cloud.ownLease.met;
+    expect(cloud.precisions.sh).toEqual(['palette']);
+    other.destroy();
+  });
+
+  gpuTest('are given none if their source is gone', async () => {
+    const cloud = engine.addPacked(packSet(set, FINEST));
+    await expect(engine.requestPrecision(cloud, PALETTE)).rejects.toThrow(SplatSourceError);
+    expect(cloud.precisions.sh).toEqual(['f32']);
     cloud.destroy();
   });
 });

@@ -18,6 +18,7 @@ import {
   uploadGeometry,
   uploadHarmonics,
 } from './cloud-planes.ts';
+import { givePalette } from './give-palette.ts';
 import type { CloudContents, CloudSource, SplatCloud } from './splat-cloud.ts';
 
 /** Makes planes of the rows of a file on the GPU. `finish` follows the last row; `destroy` calls everything off. */
@@ -120,15 +121,23 @@ async function splatsOf(
   openRowPlanes: OpenRowPlanes,
   options: MakeOptions,
 ): Promise<ReadSplats> {
-  if (isPackedCloud(source)) return fromPacked(source, planes.place);
-  if (isSplatSet(source)) return fromPacked(packSet(source, wanted), planes.place);
-  const { geometryPrecision, shPrecision } = wanted;
+  const isPalette = wanted.shPrecision === 'palette';
+  const { signal } = options;
+  // A palette is found among the finest harmonics that there are, on the CPU.
+  const { geometryPrecision, shPrecision } = isPalette ? { ...wanted, shPrecision: 'f32' as const } : wanted;
+  const fresh = async (packed: PackedCloud) =>
+    fromPacked(isPalette ? await givePalette(packed, signal) : packed, planes.place);
+  if (isPackedCloud(source)) return fresh(source);
+  if (isSplatSet(source)) return fresh(packSet(source, { geometryPrecision, shPrecision }));
   const precision = { geometryPrecision, shPrecision };
-  const { sink, files } = openRowPlanes({ ...precision, name, pages: planes.ranges, signal: options.signal });
+  const { sink, files } = openRowPlanes({ ...precision, name, pages: planes.ranges, signal });
   try {
     const loadOptions = { ...sourceOptions, ...options, ...precision, name };
-    const packed = await loadOrPass(source, loadOptions, { sink, files });
-    if (packed) return fromPacked(packed, planes.place);
+    const packed = await loadOrPass(source, loadOptions, isPalette ? undefined : { sink, files });
+    if (packed) {
+      sink.destroy();
+      return await fresh(packed);
+    }
     const made = await sink.finish();
     return fromRows(made.contents, made.planes);
   } catch (error) {

@@ -10,7 +10,9 @@ export const harmonics: FoundInCloud = {
   bindings: ['shRest'],
   stages: ['project'],
   calledFor: (cloud) =>
-    cloud.shape.shDegree > 0 ? `colours depend on the viewing direction: ${limitOf(cloud)}` : null,
+    cloud.shape.shDegree > 0
+      ? `colours depend on the viewing direction: ${limitOf(cloud)}${isPalette(cloud) ? ', as a palette' : ''}`
+      : null,
   offReason: limitOf,
   // Includes stored bands that are not evaluated.
   bytes: ({ plan }) => {
@@ -18,6 +20,10 @@ export const harmonics: FoundInCloud = {
     return [...pages].reduce((sum, { shRest }) => sum + (shRest?.size ?? 0), 0);
   },
 };
+
+function isPalette({ shape }: DrawnCloud): boolean {
+  return shape.planes.shPrecision === 'palette';
+}
 
 /** Says what limits the degree. */
 function limitOf({ cloud: { instance }, shape }: DrawnCloud): string {
