@@ -4,7 +4,6 @@ import { basename, join } from 'node:path';
 import { stillLifeCameras } from '@websplatter/scenes';
 import { afterAll, beforeAll, expect, test } from 'vitest';
 import { BenchError } from './bench-error.ts';
-import type { BenchOptions } from './options.ts';
 import { readScene, sceneFiles } from './scenes.ts';
 
 /** A row of a .splat: position, scale, colour with opacity, rotation. */
@@ -27,15 +26,13 @@ beforeAll(async () => {
 afterAll(() => rm(folder, { recursive: true, force: true }));
 
 test('a folder stands for the scenes in it, by their names', async () => {
-  const options = { scenes: ['/x/c.ply', folder], synthetic: [] as number[] } as BenchOptions;
-  const files = await sceneFiles(options, folder);
+  const files = await sceneFiles({ scenes: ['/x/c.ply', folder], synthetic: [] }, folder);
   expect(files.map((file) => basename(file))).toEqual(['c.ply', 'a.compressed.ply', 'b.splat']);
 });
 
 test('a folder without scenes is an error', async () => {
   const empty = await mkdtemp(join(folder, 'empty-'));
-  const options = { scenes: [empty], synthetic: [] as number[] } as BenchOptions;
-  await expect(sceneFiles(options, folder)).rejects.toThrow(BenchError);
+  await expect(sceneFiles({ scenes: [empty], synthetic: [] }, folder)).rejects.toThrow(BenchError);
 });
 
 test('a scene is what its reader says, with the cameras of its name, or of its whole name', async () => {

@@ -34,7 +34,10 @@ export interface SceneFormat {
  *
  * @throws BenchError for numbers of splats that cannot be made, and for folders without scenes.
  */
-export async function sceneFiles({ scenes, synthetic }: BenchOptions, folder: string): Promise<string[]> {
+export async function sceneFiles(
+  { scenes, synthetic }: Pick<BenchOptions, 'scenes' | 'synthetic'>,
+  folder: string,
+): Promise<string[]> {
   const files = [];
   for (const path of scenes) {
     const isFolder = (await stat(path).catch(() => null))?.isDirectory() ?? false;
