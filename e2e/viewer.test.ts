@@ -1,8 +1,9 @@
 import { existsSync, readFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
-import { encodePly } from '@websplatter/core';
+import { encodePly, readSplats } from '@websplatter/core';
 import type { Page } from 'playwright-core';
+import { build, type Rolldown } from 'vite';
 import { describe, expect, it } from 'vitest';
 import { passTurns } from './at-rest.ts';
 import { skipRecoveryWaits } from './recovery-waits.ts';
@@ -36,6 +37,37 @@ function colorsIn({ data }: Screenshot): number {
   const colors = new Set<number>();
   for (let i = 0; i < data.length; i += 4) colors.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
   return colors.size;
+}
+
+/** Has the browser decode the images of a SOG, and Node, by our own decoder; all values must be the same. */
+async function expectSameSplats(page: Page, sog: Uint8Array<ArrayBuffer>): Promise<void> {
+  const entry = fileURLToPath(new URL('../packages/core/src/io/loading/read-splats.ts', import.meta.url));
+  const lib = { entry, formats: ['iife' as const], name: 'core' };
+  const built = await build({ configFile: false, logLevel: 'error', build: { write: false, lib } });
+  const [{ output }] = built as Rolldown.RolldownOutput[];
+  await page.evaluate(output[0].code);
+  const [decoded, ...found] = await page.evaluate(
+    async (bytes) => {
+      let images = 0;
+      const { decode } = ImageDecoder.prototype;
+      ImageDecoder.prototype.decode = function (...options) {
+        images++;
+        return decode.apply(this, options);
+      };
+      const { core } = window as unknown as { core: { readSplats: typeof readSplats } };
+      const set = await core.readSplats(Uint8Array.from(bytes), { shPrecision: 'f32' });
+      const { positions, logScales, rotations, opacityLogits, colorDc, harmonics } = set;
+      const columns = [positions, logScales, rotations, opacityLogits, colorDc, harmonics.words];
+      return [images, ...columns.map((column) => Array.from(column))];
+    },
+    [...sog],
+  );
+  const set = await readSplats(sog, { shPrecision: 'f32' });
+  const { positions, logScales, rotations, opacityLogits, colorDc, harmonics } = set;
+  const columns = [positions, logScales, rotations, opacityLogits, colorDc, harmonics.words];
+  // One of them is the decoder's probe.
+  expect(decoded).toBe(8);
+  expect(found).toEqual(columns.map((column) => Array.from(column)));
 }
 
 /** Waits for the first measurement. A busy machine takes more than a second for a frame, which is written with a comma. */
@@ -177,6 +209,7 @@ describe('viewer', () => {
     const scene = (end: string) => new Uint8Array(readFileSync(`${SCENES}playbot-lod3.${end}`));
     await open('misnamed.ply', scene('sog'), 'load', 'zip');
     expect(await textOf(page, 'scene')).toContain('31,000 splats');
+    await expectSameSplats(page, scene('sog'));
     if (process.env.WEBSPLATTER_FULL !== '1') return;
     await open('a.spz', scene('spz'), 'spz');
     await open('a.compressed.ply', scene('compressed.ply'), 'compressed-ply');
