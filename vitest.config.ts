@@ -88,6 +88,7 @@ export default defineConfig({
         ...node,
         test: {
           name: 'e2e',
+          globalSetup: 'e2e/built-apps.ts',
           // With those before: pages wait more than they compute.
           sequence: { groupOrder: 1 },
           maxWorkers: 2,

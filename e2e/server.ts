@@ -1,15 +1,9 @@
-import { execFile } from 'node:child_process';
-import { mkdtemp, rm } from 'node:fs/promises';
 import type { ServerResponse } from 'node:http';
-import { tmpdir } from 'node:os';
-import { join } from 'node:path';
-import { fileURLToPath } from 'node:url';
-import { promisify } from 'node:util';
 import { encodePly } from '@websplatter/core';
 import { type Plugin, preview } from 'vite';
+import { inject } from 'vitest';
+import { configFileOf } from './built-apps.ts';
 import { slowScene } from './test-scene.ts';
-
-const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 
 /**
  * Sent with every page. What breaks it is logged as an error, and so fails the test.
@@ -35,14 +29,13 @@ export interface AppServer {
 }
 
 /**
- * Builds an app as it is shipped, into a folder of its own, and serves it on a free port. Its file `endless.ply` begins
- * like a splat file and never continues; its file `slow.ply` pauses after three fifths of `slowScene`.
+ * Serves an app as it is shipped on a free port. Its file `endless.ply` begins like a splat file and never continues; its
+ * file `slow.ply` pauses after three fifths of `slowScene`.
  *
  * @param appFolder folder of the app's `vite.config.ts`, relative to the repository's root, e.g. `apps/viewer`
  */
 export async function startAppServer(appFolder: string, files: ServedFiles = {}): Promise<AppServer> {
-  const outDir = await mkdtemp(join(tmpdir(), 'websplatter-app-'));
-  await buildApp(appFolder, outDir);
+  const outDir = await builtApp(appFolder);
   const requests = new Map<string, number>();
   let dropped = withResolvers();
   let sendRest = () => {};
@@ -107,35 +100,16 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
     sendRestOfSlowFile: () => sendRest(),
     cutSlowFile: () => cut(),
     requests: (path) => requests.get(path) ?? 0,
-    close: async () => {
-      await server.close();
-      await rm(outDir, { recursive: true, force: true });
-    },
+    close: () => server.close(),
   };
 }
 
-function configFileOf(appFolder: string): string {
-  return join(repositoryRoot, appFolder, 'vite.config.ts');
-}
-
-/**
- * Builds an app into `outDir`, in a process of its own: NODE_ENV and the export conditions of Vitest's process change the
- * build.
- */
-export async function buildApp(appFolder: string, outDir: string): Promise<void> {
-  const vite = join(repositoryRoot, 'node_modules/vite/bin/vite.js');
-  const args = [
-    'build',
-    '--config',
-    configFileOf(appFolder),
-    '--outDir',
-    outDir,
-    '--emptyOutDir',
-    '--logLevel',
-    'error',
-  ];
-  const { NODE_ENV: _, NODE_OPTIONS: __, ...env } = process.env;
-  await promisify(execFile)(process.execPath, [vite, ...args], { env });
+/** Folder of an app built as it is shipped, once for all test files. */
+export async function builtApp(appFolder: string): Promise<string> {
+  const response = await fetch(`${inject('builtAppsUrl')}/${encodeURIComponent(appFolder)}`);
+  const answer = await response.text();
+  if (!response.ok) throw new Error(`${appFolder} does not build: ${answer}`);
+  return answer;
 }
 
 function endlessHeader(splats: number): string {

@@ -1,11 +1,9 @@
-import { mkdtemp, rm } from 'node:fs/promises';
-import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { HARD_CASES, type HardCaseReport } from '@websplatter/hardcases';
 import { runInDeno } from '@websplatter/tools/deno';
-import { afterAll, beforeAll, expect } from 'vitest';
+import { beforeAll, expect } from 'vitest';
 import { deno, lavapipe, testWith } from './second-webgpu.ts';
-import { buildApp } from './server.ts';
+import { builtApp } from './server.ts';
 import type { CompiledShaders } from './wgpu/shaders.ts';
 
 const wgpuTest = testWith({ Deno: deno, 'lavapipe (mesa-vulkan-drivers)': lavapipe });
@@ -32,10 +30,8 @@ const SHORT_CASES = [
 
 let folder: string;
 beforeAll(async () => {
-  folder = await mkdtemp(join(tmpdir(), 'websplatter-wgpu-'));
-  await buildApp('e2e/wgpu', folder);
+  folder = await builtApp('e2e/wgpu');
 });
-afterAll(() => rm(folder, { recursive: true, force: true }));
 
 async function resultOf<T>(script: string, args: readonly string[]): Promise<T> {
   return JSON.parse(await runInDeno(deno, join(folder, script), { driverFile: lavapipe, args }));

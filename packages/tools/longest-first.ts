@@ -11,6 +11,7 @@ const LONGEST = [
   'hardcases/src/mutations.gpu.test.ts',
   'views/steady-frames.gpu.test.ts',
   'e2e/firefox.test.ts',
+  'e2e/tarball.test.ts',
   'e2e/bench.test.ts',
   'e2e/hard-cases.test.ts',
 ];

@@ -75,7 +75,7 @@ export function linkModules({ modules, root, conditions, counts }: LinkInput): s
   function scopeOf(module: string): Scope {
     let scope = scopes.get(module);
     if (!scope) {
-      const met = selectMet(tokenize(module, modules[module]), conditions);
+      const met = selectMet(tokensOf(module, modules[module]), conditions);
       scope = readScope(new Cursor(unroll(met, conditions, counts)));
       scopes.set(module, scope);
       for (const named of scope.values()) {
@@ -132,6 +132,17 @@ function placeOf({ module, line }: Pick<Token, 'module' | 'line'>): string {
 
 function fail(place: Pick<Token, 'module' | 'line'>, problem: string): never {
   throw new RangeError(`${placeOf(place)}: ${problem}.`);
+}
+
+/** Modules that were read before: each shader of a page links the same libraries. */
+const known = new Map<string, { readonly source: string; readonly tokens: readonly Token[] }>();
+
+function tokensOf(module: string, source: string): readonly Token[] {
+  const before = known.get(module);
+  if (before?.source === source) return before.tokens;
+  const tokens = tokenize(module, source);
+  known.set(module, { source, tokens });
+  return tokens;
 }
 
 function tokenize(module: string, source: string): Token[] {

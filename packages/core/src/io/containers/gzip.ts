@@ -1,19 +1,17 @@
 import { SplatFileError, WebSplatterError } from '../../errors.ts';
-import type { RowsTo } from '../formats/row-sink.ts';
-import type { ReadFormat, SplatFormatOptions, SplatInput } from '../formats/splat-format.ts';
+import type { SplatFormatOptions, SplatInput } from '../formats/splat-format.ts';
 import { ByteReader, messageOf } from '../sources/byte-reader.ts';
 import { unpackedLimit } from '../sources/read-limits.ts';
 
 /** Reads what is in a gzip stream (RFC 1952) by `read`. */
-export async function readGzipped(
+export async function readGzipped<Result>(
   packed: SplatInput,
-  options: SplatFormatOptions,
-  rowsTo: RowsTo | undefined,
-  read: ReadFormat,
-): ReturnType<ReadFormat> {
+  options: Pick<SplatFormatOptions, 'signal' | 'maxBytes'>,
+  read: (input: SplatInput) => Promise<Result>,
+): Promise<Result> {
   const input = unpackGzip(packed, options.signal, unpackedLimit(options, packed));
   try {
-    return await read(input, options, rowsTo);
+    return await read(input);
   } finally {
     input.reader.close();
   }

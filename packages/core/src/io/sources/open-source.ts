@@ -35,7 +35,7 @@ export async function openSource(source: SplatSource, options: ReadOptions = {})
   };
 }
 
-function streamOfBytes(bytes: Uint8Array): ReadableStream<Uint8Array> {
+export function streamOfBytes(bytes: Uint8Array): ReadableStream<Uint8Array> {
   let offset = 0;
   return new ReadableStream<Uint8Array>(
     {

@@ -1,5 +1,8 @@
 import { shown } from '../../../printable.ts';
 import { decodeDataUri, isDataUri } from '../../containers/data-uri.ts';
+import { ByteReader } from '../../sources/byte-reader.ts';
+import { streamOfBytes } from '../../sources/open-source.ts';
+import { unpackedLimit } from '../../sources/read-limits.ts';
 import { readPart } from '../../sources/read-part.ts';
 import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
 import { type GltfJson, type JsonObject, objectOf } from './gltf-json.ts';
@@ -42,6 +45,11 @@ export class GltfBuffers {
     return this.#byteCount;
   }
 
+  /** Most bytes that may be unpacked of those. */
+  get mostUnpackedBytes(): number {
+    return unpackedLimit(this.#options, { totalBytes: this.#byteCount });
+  }
+
   /**
    * Reads a bufferView.
    *
@@ -59,6 +67,29 @@ export class GltfBuffers {
       return { bytes: buffer.subarray(start, start + length), strideBytes };
     const message = `${element} has bytes ${start} to ${start + length} of a buffer of ${buffer.length}. Export it again.`;
     throw json.error('damaged', message, { element });
+  }
+
+  /**
+   * A bufferView as a file of its own, for `read`.
+   *
+   * Rejects as `view` and `read` do.
+   *
+   * @param user names what refers to it, and the file in messages.
+   */
+  async readView<Result>(
+    index: unknown,
+    user: string,
+    read: (input: SplatInput, options: SplatFormatOptions) => Promise<Result>,
+  ): Promise<Result> {
+    const { bytes } = await this.view(index, user);
+    const name = `${this.#input.name}, ${user}`;
+    const reader = new ByteReader({ name, stream: streamOfBytes(bytes) }, this.#options.signal);
+    try {
+      const size = { totalBytes: bytes.length, totalBytesCertain: true, isHeld: true };
+      return await read({ name, ...size, reader }, this.#options);
+    } finally {
+      reader.close();
+    }
   }
 
   async #buffer(view: JsonObject, user: string): Promise<Uint8Array<ArrayBuffer>> {

@@ -1,3 +1,4 @@
+import { gzipSync } from 'node:zlib';
 import { describe, expect, test } from 'vitest';
 import { SplatFileError, WebSplatterError } from '../../../errors.ts';
 import { type PackedHarmonics, readCoefficients } from '../../../packing/harmonics.ts';
@@ -21,6 +22,7 @@ import type { SplatSource } from '../../sources/splat-source.ts';
 import { detectFormat } from '../detect.ts';
 import { ALL_READERS } from '../readers.ts';
 import type { RowSink } from '../row-sink.ts';
+import { distinctSplat, FLAG_ANTIALIASED, spzBytes } from '../spz/spz-fixture.ts';
 
 const SPLATTING = 'KHR_gaussian_splatting';
 const SPZ = 'KHR_gaussian_splatting_compression_spz_2';
@@ -240,6 +242,74 @@ test('what the file says of itself, and what is shown otherwise', async () => {
   expect((await read(glbBytes(fixture))).fileFacts).toEqual({ format: 'gltf', variant: 'glb' });
 });
 
+describe('splats that are an .spz in a buffer', () => {
+  const splats = [0, 1, 2].map((row) => distinctSplat(2, 1, row));
+  const spz = gzipSync(spzBytes({ version: 2, degree: 1, splats, flags: FLAG_ANTIALIASED }));
+
+  /** A file whose primitives are all the same .spz, and nothing else. */
+  function compressed(packed: Uint8Array, primitiveCount = 1, name = SPZ): Uint8Array<ArrayBuffer> {
+    const { json } = gltfOf(splatAttributes(randomSplats({ count: 1, shDegree: 0 })));
+    json.extensionsRequired = [SPLATTING, name];
+    const primitive = {
+      mode: 0,
+      attributes: {},
+      extensions: { [SPLATTING]: { extensions: { [name]: { bufferView: 0 } } } },
+    };
+    json.meshes[0].primitives = Array.from({ length: primitiveCount }, () => primitive);
+    json.accessors = [];
+    json.bufferViews = [{ buffer: 0, byteLength: packed.length }];
+    json.buffers = [{ byteLength: packed.length }];
+    return glbBytes({ json, binary: Uint8Array.from(packed) });
+  }
+
+  test.each([SPZ, 'KHR_gaussian_splatting_compression_spz'])(
+    '%s gives the splats of the .spz',
+    async (name) => {
+      const { fileFacts, ...set } = await read(compressed(spz, 1, name));
+      const { fileFacts: _, ...alone } = await read(spz);
+      expect(set).toEqual(alone);
+      expect(set.isAntialiased).toBe(true);
+      expect(fileFacts).toMatchObject({ format: 'gltf', variant: 'glb' });
+    },
+  );
+
+  test('several primitives give them one after another', async () => {
+    const [one, two] = [await read(compressed(spz)), await read(compressed(spz, 2))];
+    expect(two.count).toBe(2 * one.count);
+    expect(two.positions).toEqual(Float32Array.of(...one.positions, ...one.positions));
+    expect(two.isAntialiased).toBe(true);
+  });
+
+  test('what is unpacked is limited, for each primitive and for all', async () => {
+    const bytes = 3 * (9 + 1 + 3 + 3 + 3 + 9);
+    const readWithin = (file: Uint8Array, maxBytes: number) => readSplats(file, { maxBytes });
+    const file = compressed(spz, 4);
+    expect((await readWithin(file, Math.max(file.length, 4 * bytes))).count).toBe(12);
+    const zeros = spzBytes({
+      version: 2,
+      degree: 1,
+      splats: Array(500).fill({ ...splats[0], position: [0, 0, 0] }),
+    });
+    for (const count of [1, 4]) {
+      const bomb = compressed(gzipSync(zeros), count);
+      const maxBytes = Math.max(bomb.length, count === 1 ? zeros.length - 1 : 3 * zeros.length);
+      await expect(readWithin(bomb, maxBytes)).rejects.toMatchObject({ code: 'too-large' });
+    }
+  });
+
+  test('cut short at any length, it is refused where the .spz is, which is named', async () => {
+    for (let length = 0; length < spz.length; length++) {
+      const part = spz.subarray(0, length);
+      const isRead = await readSplats(part, { name: 'scene.spz' }).then(
+        () => true,
+        () => false,
+      );
+      if (isRead) expect((await read(compressed(part))).count).toBe(splats.length);
+      else expect((await failure(compressed(part))).message).toContain('meshes[0].primitives[0]');
+    }
+  });
+});
+
 describe('buffers', () => {
   const fixture = gltfOf(splatAttributes(randomSplats({ count: 3, shDegree: 1 })));
   const file = (name: string, bytes: Uint8Array<ArrayBuffer>) => new File([bytes], name);
@@ -364,9 +434,14 @@ describe('files that are refused', () => {
     ['bad-property', /projection/, (json) => (extensionOf(json).projection = 'fisheye')],
     ['bad-property', /sortingMethod/, (json) => (extensionOf(json).sortingMethod = 'none')],
     [
-      'unknown-format',
-      /as \.spz .* not read yet/,
+      'bad-header',
+      /scene, meshes\[0\]\.primitives\[0\].* is no SPZ/,
       (json) => (extensionOf(json).extensions = { [SPZ]: { bufferView: 0 } }),
+    ],
+    [
+      'damaged',
+      /refers to bufferViews\[undefined\]/,
+      (json) => (extensionOf(json).extensions = { [SPZ]: {} }),
     ],
     ['not-splats', /lacks \[POSITION\]/, (json) => delete primitiveOf(json).attributes.POSITION],
     [

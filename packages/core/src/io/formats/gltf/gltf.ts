@@ -51,6 +51,7 @@ async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplat
   const primitivesByMesh = new Map<unknown, SplatPrimitive[]>();
   const parts: DecodedRows[] = [];
   let isSortedByDistance = false;
+  let unpackedBytes = 0;
   let rowCount = 0;
   let otherCount = 0;
   for (const { mesh: index, element, matrix } of meshesOfScene(json)) {
@@ -61,10 +62,15 @@ async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplat
       for (const [i, entry] of json.listOf(mesh, 'primitives', `meshes[${index}]`).entries()) {
         const primitive = objectOf(entry);
         if (!isSplats(primitive)) otherCount++;
-        else
-          primitives.push(
-            await splatPrimitiveOf(json, buffers, primitive, `meshes[${index}].primitives[${i}]`),
-          );
+        else {
+          const name = `meshes[${index}].primitives[${i}]`;
+          primitives.push(await splatPrimitiveOf(json, buffers, primitive, name));
+          unpackedBytes += primitives.at(-1)!.unpackedBytes;
+          if (unpackedBytes > buffers.mostUnpackedBytes) {
+            const message = `its splats unpack to ${unpackedBytes} bytes or more, out of ${buffers.byteCount}. Pass a larger maxBytes if that is right.`;
+            throw json.error('too-large', message, { element: name });
+          }
+        }
       }
       primitivesByMesh.set(index, primitives);
     }
@@ -76,9 +82,10 @@ async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplat
     }
     for (const primitive of primitives) {
       rowCount += primitive.count;
-      const mostRows = Math.max(HARMLESS_ROWS, MOST_ROWS_PER_BYTE * buffers.byteCount);
+      const byteCount = buffers.byteCount + unpackedBytes;
+      const mostRows = Math.max(HARMLESS_ROWS, MOST_ROWS_PER_BYTE * byteCount);
       if (rowCount > mostRows || parts.length === MOST_PARTS) {
-        const message = `its nodes show ${rowCount} splats or more, in ${parts.length + 1} places, out of ${buffers.byteCount} bytes. Show them less often.`;
+        const message = `its nodes show ${rowCount} splats or more, in ${parts.length + 1} places, out of ${byteCount} bytes. Show them less often.`;
         throw json.error('too-large', message, { element });
       }
       isSortedByDistance ||= primitive.isSortedByDistance;

@@ -1,7 +1,10 @@
 import type { ShDegree } from '../../../splats/splat-set.ts';
 import { type DecodedRows, rowLength } from '../decoded-rows.ts';
 
-/** Rows of several parts, one part after another; those of lower degrees get zeros as their further harmonics. */
+/**
+ * Rows of several parts, one part after another; those of lower degrees get zeros as their further harmonics. Of an antialias filter
+ * is known what all parts agree on.
+ */
 export function joinedRows(parts: readonly DecodedRows[]): DecodedRows {
   const shDegree = parts.reduce<ShDegree>(
     (degree, part) => (part.shDegree > degree ? part.shDegree : degree),
@@ -14,6 +17,9 @@ export function joinedRows(parts: readonly DecodedRows[]): DecodedRows {
   return {
     count: parts.reduce((sum, { count }) => sum + count, 0),
     shDegree,
+    isAntialiased: parts.every((part) => part.isAntialiased === parts[0].isAntialiased)
+      ? parts[0].isAntialiased
+      : undefined,
     decode(values, rowCount) {
       for (let row = 0; row < rowCount; ) {
         const part = widened[index];

@@ -1,5 +1,7 @@
 import { shown } from '../../../printable.ts';
 import type { DecodedRows } from '../decoded-rows.ts';
+import { readSpzContents } from '../spz/spz.ts';
+import { spzRows } from '../spz/spz-rows.ts';
 import type { GltfBuffers } from './gltf-buffers.ts';
 import { type GltfJson, type JsonObject, objectOf, SPLATTING, SPZ_COMPRESSIONS } from './gltf-json.ts';
 import { attributeRows, splatAttributesOf } from './splat-attributes.ts';
@@ -24,6 +26,8 @@ const OPTIONAL: readonly string[] = ['projection', 'sortingMethod'];
 /** Splats of a primitive; their rows can be read any number of times. */
 export interface SplatPrimitive {
   readonly count: number;
+  /** Bytes that were unpacked of those in the buffers. */
+  readonly unpackedBytes: number;
   /** Whether they are to be blended in the order of their distances from the camera, not in that of their depths. */
   readonly isSortedByDistance: boolean;
   rows(): DecodedRows;
@@ -37,7 +41,7 @@ export function isSplats(primitive: JsonObject): boolean {
 /**
  * Finds the splats of a primitive.
  *
- * Rejects with SplatFileError 'bad-property', 'unknown-format' for compressions, and as `splatAttributesOf`.
+ * Rejects with SplatFileError 'bad-property', and as `splatAttributesOf` or, for splats that are an .spz, `readSpzContents`.
  *
  * @param element names the primitive.
  */
@@ -52,20 +56,36 @@ export async function splatPrimitiveOf(
     const message = `the mode of ${element} is ${shown(primitive.mode)}; that of splats is 0, points. Export it again.`;
     throw json.error('bad-property', message, { element, property: 'mode' });
   }
-  const compression = Object.keys(objectOf(extension.extensions)).find((name) =>
-    SPZ_COMPRESSIONS.includes(name),
-  );
-  if (compression) {
-    const message = `${element} has its splats as .spz (${compression}, a draft), which is not read yet inside of a glTF. Export it without compression, or as .spz.`;
-    throw json.error('unknown-format', message, { element, property: compression });
+  const [compression, spz] =
+    Object.entries(objectOf(extension.extensions)).find(([name]) => SPZ_COMPRESSIONS.includes(name)) ?? [];
+  for (const [property, read] of Object.entries(VALUES_READ)) {
+    // The draft of the compression leaves out what the extension requires.
+    const isOptional = OPTIONAL.includes(property) || compression !== undefined;
+    if (!(isOptional && extension[property] === undefined))
+      checkValue(json, extension, property, read, element);
   }
-  for (const [property, read] of Object.entries(VALUES_READ))
-    checkValue(json, extension, property, read, element);
+  const isSortedByDistance = (extension.sortingMethod ?? BY_DISTANCE) === BY_DISTANCE;
+  if (compression) return spzPrimitiveOf(buffers, objectOf(spz), element, isSortedByDistance);
   const splats = await splatAttributesOf(json, buffers, objectOf(primitive.attributes), element);
+  return { count: splats.count, unpackedBytes: 0, isSortedByDistance, rows: () => attributeRows(splats) };
+}
+
+/**
+ * Reads splats that are an .spz in a bufferView. The draft asks for other axes than the .spz has (left, up, front for right, up,
+ * back), but those who read such files take them as they are, and so do those who write them.
+ */
+async function spzPrimitiveOf(
+  buffers: GltfBuffers,
+  { bufferView }: JsonObject,
+  element: string,
+  isSortedByDistance: boolean,
+): Promise<SplatPrimitive> {
+  const { header, attributes } = await buffers.readView(bufferView, element, readSpzContents);
   return {
-    count: splats.count,
-    isSortedByDistance: (extension.sortingMethod ?? BY_DISTANCE) === BY_DISTANCE,
-    rows: () => attributeRows(splats),
+    count: header.count,
+    unpackedBytes: Object.values(attributes).reduce((sum, { length }) => sum + length, 0),
+    isSortedByDistance,
+    rows: () => spzRows(header, attributes, null),
   };
 }
 
@@ -77,7 +97,6 @@ function checkValue(
   element: string,
 ): void {
   const value = extension[property];
-  if (value === undefined && OPTIONAL.includes(property)) return;
   if (typeof value === 'string' && read.includes(value)) return;
   const message = `${property} of ${element} is ${shown(value)}; what can be drawn as it is meant is ${read.join(' or ')}.`;
   throw json.error('bad-property', message, { element, property });

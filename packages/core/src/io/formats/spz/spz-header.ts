@@ -1,6 +1,8 @@
 import { type FilePlace, SplatFileError } from '../../../errors.ts';
 import type { ByteReader } from '../../sources/byte-reader.ts';
 import { checkCount } from '../check-count.ts';
+import { latin1 } from '../latin1.ts';
+import { SPZ_MAGIC } from './spz-format.ts';
 import { LAST_COORDINATE_SYSTEM } from './turn-axes.ts';
 
 /** What the first bytes of a file say. */
@@ -45,6 +47,8 @@ export async function readSpzHeader(reader: ByteReader, file: string, maxSplats:
   const bad = (message: string, byte: number) => new SplatFileError('bad-header', file, message, { byte });
   await fillOrFail(reader, HEADER_BYTES, file, 'the header');
   const { view, start } = reader;
+  if (latin1(reader.bytes.subarray(start, start + 4)) !== SPZ_MAGIC)
+    throw bad(`it is no SPZ, which begins with ${SPZ_MAGIC}; it may be another format under this name.`, 0);
   const version = view.getUint32(start + 4, true);
   const count = view.getUint32(start + 8, true);
   const fileShDegree = view.getUint8(start + 12);

@@ -17,12 +17,15 @@ import {
 } from './spz-header.ts';
 import { emptyAttributes, type SpzAttributes, spzAttributeBytes, spzRows } from './spz-rows.ts';
 
-/** What a file holds besides its header. */
-interface SpzBody {
+/** What a file holds, unpacked. */
+export interface SpzContents {
+  readonly header: SpzHeader;
   readonly attributes: SpzAttributes;
   /** Number of the coordinate system that the file names, if it does. */
   readonly coordinateSystem: number | null;
 }
+
+type SpzBody = Omit<SpzContents, 'header'>;
 
 const TABLE_ENTRY_BYTES = 16;
 
@@ -35,13 +38,20 @@ const TABLE_ENTRY_BYTES = 16;
  * write the axes of the PLY file that they were given, so that the two land alike.
  */
 export const readSpz: ReadFormat = async (input, options, rowsTo) => {
-  if (isGzip(await input.reader.peek(2))) return readGzipped(input, options, rowsTo, readSpz);
-  const header = await readSpzHeader(input.reader, input.name, options.maxSplats);
-  const { attributes, coordinateSystem } = hasStreams(header)
-    ? await readStreams(header, input, options)
-    : await readWhole(header, input);
+  const { header, attributes, coordinateSystem } = await readSpzContents(input, options);
   return deliverRows(spzRows(header, attributes, coordinateSystem), input, options, rowsTo);
 };
+
+/** Reads all but the meaning of the splats, packed by gzip or not. Rejects with SplatFileError. */
+export async function readSpzContents(input: SplatInput, options: SplatFormatOptions): Promise<SpzContents> {
+  if (isGzip(await input.reader.peek(2)))
+    return readGzipped(input, options, (unpacked) => readSpzContents(unpacked, options));
+  const header = await readSpzHeader(input.reader, input.name, options.maxSplats);
+  const body = hasStreams(header)
+    ? await readStreams(header, input, options)
+    : await readWhole(header, input);
+  return { header, ...body };
+}
 
 /** Versions 1 to 3: all attributes one after another, then the extensions. */
 async function readWhole(header: SpzHeader, input: SplatInput): Promise<SpzBody> {

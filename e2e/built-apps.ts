@@ -1,0 +1,60 @@
+import { execFile } from 'node:child_process';
+import { mkdtemp, rm } from 'node:fs/promises';
+import { createServer } from 'node:http';
+import type { AddressInfo } from 'node:net';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { promisify } from 'node:util';
+import type { TestProject } from 'vitest/node';
+
+declare module 'vitest' {
+  interface ProvidedContext {
+    /** Where test files ask for a built app, by the app's folder; see `builtApp`. */
+    builtAppsUrl: string;
+  }
+}
+
+const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
+
+/** Builds each app that a test file asks for, once for all of them: each file runs in a process of its own. */
+export default async function provideBuiltApps(project: TestProject): Promise<() => Promise<void>> {
+  const root = await mkdtemp(join(tmpdir(), 'websplatter-apps-'));
+  const builds = new Map<string, Promise<string>>();
+  const built = (appFolder: string) => {
+    const build = builds.get(appFolder) ?? buildApp(appFolder, join(root, String(builds.size)));
+    builds.set(appFolder, build);
+    return build;
+  };
+  const server = createServer(async (request, response) => {
+    try {
+      response.end(await built(decodeURIComponent(request.url!.slice(1))));
+    } catch (error) {
+      response.writeHead(500).end(String(error));
+    }
+  });
+  await new Promise<void>((resolve) => server.listen(0, '127.0.0.1', resolve));
+  project.provide('builtAppsUrl', `http://127.0.0.1:${(server.address() as AddressInfo).port}`);
+  return async () => {
+    server.closeAllConnections();
+    server.close();
+    await rm(root, { recursive: true, force: true });
+  };
+}
+
+/** Path of the configuration of the app in `appFolder`, which is relative to the repository's root. */
+export function configFileOf(appFolder: string): string {
+  return join(repositoryRoot, appFolder, 'vite.config.ts');
+}
+
+/**
+ * Builds an app into `outDir` and returns that, in a process of its own: NODE_ENV and the export conditions of Vitest's
+ * process change the build.
+ */
+async function buildApp(appFolder: string, outDir: string): Promise<string> {
+  const vite = join(repositoryRoot, 'node_modules/vite/bin/vite.js');
+  const args = ['build', '--config', configFileOf(appFolder), '--outDir', outDir, '--logLevel', 'error'];
+  const { NODE_ENV: _, NODE_OPTIONS: __, ...env } = process.env;
+  await promisify(execFile)(process.execPath, [vite, ...args], { env });
+  return outDir;
+}
