@@ -1,9 +1,10 @@
+import { createHash } from 'node:crypto';
 import { existsSync, readFileSync } from 'node:fs';
+import { basename, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
 import { encodePly, readSplats } from '@websplatter/core';
 import type { Page } from 'playwright-core';
-import { build, type Rolldown } from 'vite';
 import { describe, expect, it } from 'vitest';
 import { passTurns } from './at-rest.ts';
 import { skipRecoveryWaits } from './recovery-waits.ts';
@@ -30,6 +31,9 @@ const BY_TILES = '?scene=still-life-small&accuracy=balanced,rasterizer:tiles';
 /** One scene in several formats; they are skipped where they are not there. */
 const SCENES = fileURLToPath(new URL('../../shared/scenes/', import.meta.url));
 
+/** Core as it is shipped. */
+const CORE = fileURLToPath(new URL('../packages/core/dist/', import.meta.url));
+
 const harness = viewerHarness();
 const { newPage, openViewer } = harness;
 
@@ -39,35 +43,38 @@ function colorsIn({ data }: Screenshot): number {
   return colors.size;
 }
 
+/** Columns of a set whose bits are compared. */
+const COLUMNS = ['positions', 'logScales', 'rotations', 'opacityLogits', 'colorDc'] as const;
+
 /** Has the browser decode the images of a SOG, and Node, by our own decoder; all values must be the same. */
 async function expectSameSplats(page: Page, sog: Uint8Array<ArrayBuffer>): Promise<void> {
-  const entry = fileURLToPath(new URL('../packages/core/src/io/loading/read-splats.ts', import.meta.url));
-  const lib = { entry, formats: ['iife' as const], name: 'core' };
-  const built = await build({ configFile: false, logLevel: 'error', build: { write: false, lib } });
-  const [{ output }] = built as Rolldown.RolldownOutput[];
-  await page.evaluate(output[0].code);
-  const [decoded, ...found] = await page.evaluate(
-    async (bytes) => {
-      let images = 0;
-      const { decode } = ImageDecoder.prototype;
-      ImageDecoder.prototype.decode = function (...options) {
-        images++;
-        return decode.apply(this, options);
-      };
-      const { core } = window as unknown as { core: { readSplats: typeof readSplats } };
-      const set = await core.readSplats(Uint8Array.from(bytes), { shPrecision: 'f32' });
-      const { positions, logScales, rotations, opacityLogits, colorDc, harmonics } = set;
-      const columns = [positions, logScales, rotations, opacityLogits, colorDc, harmonics.words];
-      return [images, ...columns.map((column) => Array.from(column))];
-    },
-    [...sog],
-  );
+  await page.route('**/core-dist/*', (route) => {
+    const file = basename(new URL(route.request().url()).pathname);
+    if (file === 'scene.sog') return route.fulfill({ body: Buffer.from(sog) });
+    return route.fulfill({ path: join(CORE, file), contentType: 'text/javascript' });
+  });
+  await page.evaluate("import('/core-dist/index.js').then((core) => Object.assign(window, { core }))");
+  const found = await page.evaluate(async (columns) => {
+    let decoded = 0;
+    const { decode } = ImageDecoder.prototype;
+    ImageDecoder.prototype.decode = function (...options) {
+      decoded++;
+      return decode.apply(this, options);
+    };
+    const { core } = window as unknown as { core: { readSplats: typeof readSplats } };
+    const set = await core.readSplats('/core-dist/scene.sog', { shPrecision: 'f32' });
+    const digests = [...columns.map((name) => set[name]), set.harmonics.words].map(async (column) => {
+      const digest = await crypto.subtle.digest('SHA-256', column as Float32Array<ArrayBuffer>);
+      return Array.from(new Uint8Array(digest));
+    });
+    return { decoded, digests: await Promise.all(digests) };
+  }, COLUMNS);
   const set = await readSplats(sog, { shPrecision: 'f32' });
-  const { positions, logScales, rotations, opacityLogits, colorDc, harmonics } = set;
-  const columns = [positions, logScales, rotations, opacityLogits, colorDc, harmonics.words];
+  const digests = [...COLUMNS.map((name) => set[name]), set.harmonics.words].map((column) => [
+    ...createHash('sha256').update(column).digest(),
+  ]);
   // One of them is the decoder's probe.
-  expect(decoded).toBe(8);
-  expect(found).toEqual(columns.map((column) => Array.from(column)));
+  expect(found).toEqual({ decoded: 8, digests });
 }
 
 /** Waits for the first measurement. A busy machine takes more than a second for a frame, which is written with a comma. */
