@@ -71,7 +71,7 @@ export class Saving {
 }
 
 /** Null for hard cases, which are several clouds and no file. */
-export function savedSource(source: SceneSource): SavedSource | null {
+function savedSource(source: SceneSource): SavedSource | null {
   switch (source.kind) {
     case 'builtin':
       return { kind: 'builtin', name: source.scene.name };
