@@ -257,6 +257,18 @@ describe('viewer', () => {
     expect(psnrAgainstReference(await viewerScreenshot(page), flipped, [testScene()])).toBeGreaterThanOrEqual(
       MIN_PSNR_DB,
     );
+
+    // This way up, as glTF wants it, nothing is turned.
+    await page.keyboard.press('x');
+    // By the page itself: in a window as small as this, buttons may be out of sight.
+    const click = (testId: string) =>
+      page.getByTestId(testId).evaluate((button: HTMLElement) => button.click());
+    await click('save-gltf');
+    const [saved] = await Promise.all([page.waitForEvent('download'), click('save-file')]);
+    expect(saved.suggestedFilename()).toBe('test scene.glb');
+    const { positions } = await readSplats(readFileSync(await saved.path()), { name: 'saved' });
+    expect(positions).toEqual(testScene().positions);
+    await page.getByText('Saved test scene.glb').waitFor();
   });
 
   it('shows a file whose rows the GPU takes', async () => {

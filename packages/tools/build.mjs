@@ -30,6 +30,7 @@ const PACKAGES = [
       inspect: 'src/inspect/index.ts',
       measure: 'src/measure/index.ts',
       formats: 'src/io/formats/formats.ts',
+      write: 'src/write.ts',
       'compressed-ply-worker': 'src/io/formats/compressed-ply/compressed-ply-worker.ts',
       'ksplat-worker': 'src/io/formats/ksplat/ksplat-worker.ts',
       'load-worker': 'src/io/loading/load-worker.ts',

@@ -26,6 +26,7 @@ binTest('--help lists the commands that exist', () => {
   expect([status, stderr]).toEqual([0, '']);
   expect(stdout).toContain('websplatter render SCENE');
   expect(stdout).toContain('websplatter info SCENE');
+  expect(stdout).toContain('websplatter convert IN');
   expect(stdout).toContain('websplatter accuracy SCENE');
   expect(stdout).toContain('websplatter bench SCENE');
 });

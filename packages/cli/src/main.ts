@@ -3,6 +3,7 @@ import packageJson from '../package.json' with { type: 'json' };
 import { accuracy } from './accuracy.ts';
 import { bench } from './bench.ts';
 import type { Console } from './console.ts';
+import { convert } from './convert.ts';
 import { hardcases } from './hardcases.ts';
 import { info } from './info.ts';
 import { describeSystemError, UsageError } from './input-error.ts';
@@ -13,7 +14,15 @@ import { USAGE } from './usage.ts';
 /** A command: does its work or throws. */
 type Command = (args: readonly string[], console: Console) => Promise<void>;
 
-const COMMANDS: Readonly<Record<string, Command>> = { render, info, accuracy, bench, hardcases, soak };
+const COMMANDS: Readonly<Record<string, Command>> = {
+  render,
+  info,
+  convert,
+  accuracy,
+  bench,
+  hardcases,
+  soak,
+};
 
 /** Codes of errors that the input did not cause. */
 const FAILURE_CODES = new Set([

@@ -1,6 +1,7 @@
 import { fileURLToPath } from 'node:url';
 import {
   type Harmonics,
+  type LoadProgress,
   type ReadLimits,
   readSplats,
   type ShPrecision,
@@ -45,10 +46,14 @@ export async function findScene(scene: string): Promise<SceneSource> {
 }
 
 /** Reads the splats of a scene into memory. */
-export async function readScene(scene: SceneSource, shPrecision: ShPrecision): Promise<SplatSet<Harmonics>> {
+export async function readScene(
+  scene: SceneSource,
+  shPrecision: ShPrecision,
+  onProgress?: (progress: LoadProgress) => void,
+): Promise<SplatSet<Harmonics>> {
   if ('make' in scene.content) return scene.content.make();
   const { source, ...limits } = scene.content;
-  return readSplats(source, { ...limits, name: scene.name, shPrecision });
+  return readSplats(source, { ...limits, name: scene.name, shPrecision, onProgress });
 }
 
 async function openNamed(scene: string): Promise<SplatSource> {

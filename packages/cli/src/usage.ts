@@ -1,4 +1,8 @@
-export const USAGE = `websplatter renders and inspects Gaussian-splat scenes.
+import { WRITABLE_FORMATS } from '@websplatter/core/write';
+
+const listOf = (values: readonly string[]) => values.join(', ');
+
+export const USAGE = `websplatter renders, inspects and converts Gaussian-splat scenes.
 
 websplatter render SCENE … --camera CAM.json --size WIDTHxHEIGHT --out image.png [options]
   SCENE                  a file, a URL, or builtin:still-life, builtin:still-life-small; several are sorted together
@@ -19,6 +23,20 @@ websplatter render SCENE … --camera CAM.json --size WIDTHxHEIGHT --out image.p
 
 websplatter info SCENE [--json]
   format, version, writer and flags, counts, bounds, spherical harmonics per band, dropped splats by reason, bytes needed on the GPU
+
+websplatter convert IN … OUT [options]
+  writes scenes as a file of another format, by the end of its name:
+  ${listOf(WRITABLE_FORMATS.map(({ extension }) => extension))}
+  IN                     a SCENE; several become one only with --merge
+  --format NAME          the format of OUT whatever its name: ${listOf(WRITABLE_FORMATS.map(({ name }) => name))}
+  --merge                puts all of them into OUT, one after another
+  --up AXIS              turns this axis, x, y or z or -x, -y or -z, to +y; -y for most captures
+  --scale 1              then makes all larger
+  --rotate 0,0,0         then turns all by these degrees about x, then y, then z
+  --translate 0,0,0      then shifts all
+  --crop a,b,c,d,e,f     then keeps what lies between a,b,c and d,e,f: minX,minY,minZ,maxX,maxY,maxZ
+  --sh 3                 keeps spherical harmonics up to this degree
+  --json                 prints splats, bytes and notes as JSON
 
 websplatter accuracy SCENE … --camera CAM.json --size WIDTHxHEIGHT [options]
   measures each accuracy setting for this scene and view: milliseconds, and error against the reference

@@ -7,7 +7,7 @@
 export type Arrows = Readonly<Record<string, string>>;
 
 /** Rooms that all others may import without saying so. */
-export const FOR_ALL_ROOMS = ['errors.ts', 'number-of.ts', 'printable.ts'] as const;
+export const FOR_ALL_ROOMS = ['errors.ts', 'number-of.ts', 'printable.ts', 'turns.ts'] as const;
 
 /**
  * The rooms of packages/core/src: folders, and files at its root. Tests and testing/ may import all of them, and nothing
@@ -20,6 +20,8 @@ export const ROOMS: Arrows = {
   'errors.ts': '',
   /** Numbers for objects, for keys made of text. */
   'number-of.ts': '',
+  /** Turns of the event loop during long work. */
+  'turns.ts': '',
   /** Vectors and matrices, in float64. */
   math: '',
   /** Every struct and constant that CPU and GPU share, defined once. */
@@ -28,6 +30,8 @@ export const ROOMS: Arrows = {
   splats: '',
   /** Splats as the GPU reads them: precisions, storage order, chunks with bounds. */
   packing: 'splats layout math',
+  /** Changes of whole sets on the CPU: merging, cropping, moving, fewer harmonics. */
+  editing: 'packing splats math',
   /** File formats, and reading them in a worker. */
   io: 'packing splats layout math',
   /** Every setting, cutoff and preset of accuracy. */
@@ -61,6 +65,8 @@ export const ROOMS: Arrows = {
   measure: 'reference ledger frame clouds stages timing effects gpu camera accuracy packing layout math',
   /** Views: frames on a canvas or inside of another renderer. What measures is loaded only when it is asked for. */
   views: 'measure(types) ledger frame clouds stages timing gpu camera accuracy layout math',
+  /** Changing splats and writing them as files: the interface of `@websplatter/core/write`. */
+  'write.ts': 'editing io',
   /** What callers give besides requests of frames. */
   'check-options.ts': 'clouds(types) packing',
   /** The engine: one device, its clouds and its views. */

@@ -1,13 +1,13 @@
 import { CloudPlanes, type MadePlanes, type Plane } from '../clouds/cloud-planes.ts';
 import { GpuLimitError } from '../errors.ts';
 import { readWords } from '../gpu/read-buffer.ts';
-import { nextTask } from '../io/sources/next-task.ts';
 import { ChunkParameters } from '../layout/packing-structs.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { INGEST_LOG_SCALES } from '../packing/ingest-log-scale.ts';
 import { type Bounds, chunkCountOf, robustBounds } from '../packing/packed-cloud.ts';
 import { ingestChunks } from '../stages/ingest-chunks.ts';
 import { ingestGather } from '../stages/ingest-gather.ts';
+import { nextTask } from '../turns.ts';
 import type { ArrangeContext } from './arrange-planes.ts';
 import { Dispatches } from './dispatches.ts';
 import type { LoadPreviews } from './load-previews.ts';

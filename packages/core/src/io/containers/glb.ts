@@ -56,3 +56,30 @@ function truncated({ length }: Uint8Array, file: string, neededBytes: number): S
   const message = `it must have ${neededBytes} bytes and has ${length}. Download or export it again.`;
   return new SplatFileError('truncated', file, message, { byte: length });
 }
+
+/**
+ * Begins a binary glTF 2.0: a file with its JSON, whose binary chunk is still to be filled. That chunk begins at a multiple of 4 bytes.
+ *
+ * @param memoryOf gives memory for the file, filled with zeros.
+ */
+export function beginGlb(
+  json: object,
+  binaryBytes: number,
+  memoryOf: (byteCount: number) => Uint8Array<ArrayBuffer>,
+): { readonly bytes: Uint8Array<ArrayBuffer>; readonly binary: Uint8Array<ArrayBuffer> } {
+  const padded = (byteCount: number) => 4 * Math.ceil(byteCount / 4);
+  const text = new TextEncoder().encode(JSON.stringify(json));
+  const jsonStart = HEADER_BYTES + CHUNK_HEADER_BYTES;
+  const binaryStart = jsonStart + padded(text.length) + CHUNK_HEADER_BYTES;
+  const bytes = memoryOf(binaryStart + padded(binaryBytes));
+  const view = new DataView(bytes.buffer);
+  const putWords = (at: number, words: readonly number[]) =>
+    words.forEach((word, i) => {
+      view.setUint32(at + 4 * i, word, true);
+    });
+  putWords(0, [MAGIC, 2, bytes.length, padded(text.length), JSON_CHUNK]);
+  // JSON is padded with spaces.
+  bytes.fill(0x20, jsonStart, jsonStart + padded(text.length)).set(text, jsonStart);
+  putWords(binaryStart - CHUNK_HEADER_BYTES, [padded(binaryBytes), BINARY_CHUNK]);
+  return { bytes, binary: bytes.subarray(binaryStart, binaryStart + binaryBytes) };
+}

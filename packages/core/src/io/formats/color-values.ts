@@ -6,9 +6,19 @@ export function colorDcOf(color: number): number {
   return (color - 0.5) / SH_C0;
 }
 
+/** The base colour of a coefficient of degree 0. */
+export function colorOf(colorDc: number): number {
+  return colorDc * SH_C0 + 0.5;
+}
+
 /** ±Infinity for opacities of 1 and 0. */
 export function logitOf(opacity: number): number {
   return Math.log(opacity / (1 - opacity));
+}
+
+/** The opacity, 0…1, of a logit. */
+export function opacityOf(logit: number): number {
+  return 1 / (1 + Math.exp(-logit));
 }
 
 /** The values of all bytes, where 255 stands for 1. */

@@ -1,5 +1,5 @@
 import { SplatFileError, SplatSourceError, WebSplatterError } from '../../errors.ts';
-import { nextTask } from './next-task.ts';
+import { Turns } from '../../turns.ts';
 import { lockedStreamError } from './source-kind.ts';
 import type { OpenedSource, ResumeSource } from './splat-source.ts';
 
@@ -13,8 +13,6 @@ type Reader =
 const WINDOW_BYTES = 1 << 20;
 /** Most bytes of a read that is copied into the window. */
 const CHUNK_BYTES = 1 << 18;
-/** Longest time a page's thread is kept busy before its event loop gets a turn. */
-const MAX_BUSY_MS = 16;
 /** A server that gives less in the time that it has drips: it could hold a reader for days. */
 const LEAST_BYTES_IN_TIME = 1 << 14;
 
@@ -56,12 +54,13 @@ export class ByteReader {
   #pending: Uint8Array = NO_BYTES;
   /** Where a stream that writes into given memory writes next. */
   #chunkMemory = new ArrayBuffer(0);
-  #lastPauseMs = performance.now();
+  readonly #turns: Turns;
   #isHandedOn = false;
 
   constructor(source: ReaderSource, signal?: AbortSignal, maxBytes = Number.POSITIVE_INFINITY) {
     this.#name = source.name;
     this.#signal = signal;
+    this.#turns = new Turns(signal);
     this.#maxBytes = maxBytes;
     this.#idleTimeoutMs = source.idleTimeoutMs ?? Number.POSITIVE_INFINITY;
     this.#resumeSource = source.resume;
@@ -176,12 +175,8 @@ export class ByteReader {
   }
 
   /** Gives the event loop a turn if it has waited long; throws if aborted. */
-  async pause(): Promise<void> {
-    this.#signal?.throwIfAborted();
-    if (performance.now() - this.#lastPauseMs < MAX_BUSY_MS) return;
-    await nextTask();
-    this.#lastPauseMs = performance.now();
-    this.#signal?.throwIfAborted();
+  pause(): Promise<void> {
+    return this.#turns.give();
   }
 
   /** What has not been read yet, as a stream of its own, which ends this reader's use. */

@@ -16,14 +16,11 @@ import {
 import { shDegreeOf, shNames } from '../ply/sh-properties.ts';
 import { takesCount } from '../row-sink.ts';
 import type { ReadFormat, SplatInput } from '../splat-format.ts';
+import { BOUNDED, boundsNames, CHUNK_ROWS, PACKED } from './chunk-layout.ts';
 
-/** Splats that share their bounds. */
-const CHUNK_ROWS = 256;
-
-/** Bounds of a chunk: least values, then greatest, of positions, log scales and base colours. */
-const GEOMETRY_BOUNDS = boundsNames(['x', 'y', 'z', 'scale_x', 'scale_y', 'scale_z']);
-const COLOR_BOUNDS = boundsNames(['r', 'g', 'b']);
-const PACKED = ['packed_position', 'packed_rotation', 'packed_scale', 'packed_color'];
+/** Bounds of a chunk: least values, then greatest. */
+const GEOMETRY_BOUNDS = boundsNames([...BOUNDED.position, ...BOUNDED.logScale]);
+const COLOR_BOUNDS = boundsNames(BOUNDED.color);
 
 const LOGITS = tableOfBytes(logitOf);
 
@@ -124,10 +121,6 @@ function arrivingHarmonics(
     },
   };
   return source;
-}
-
-function boundsNames(stems: readonly string[]): string[] {
-  return [...stems.map((stem) => `min_${stem}`), ...stems.map((stem) => `max_${stem}`)];
 }
 
 /** Finds what is needed in the body; throws if it is not there. */

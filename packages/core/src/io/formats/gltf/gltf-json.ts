@@ -1,6 +1,7 @@
 import { type FilePlace, SplatFileError, type SplatFileErrorCode } from '../../../errors.ts';
 import { shown } from '../../../printable.ts';
 import { messageOf } from '../../sources/byte-reader.ts';
+import { SPLATTING } from './gltf-semantics.ts';
 
 /** As many take up to 64 MiB when parsed. Scenes of splats have a few hundred. */
 const MOST_VALUES = 2 ** 20;
@@ -11,8 +12,6 @@ const BRACE = 0x7b;
 
 /** What is in these extensions is not splats, or is nothing that changes them. */
 const HARMLESS_EXTENSIONS = /^[A-Z]+_(?:materials|texture|lights)_|^KHR_draco_mesh_compression$/;
-/** Splats as attributes of points. */
-export const SPLATTING = 'KHR_gaussian_splatting';
 /** Draft: splats as an .spz in a bufferView. The second is an earlier name. */
 export const SPZ_COMPRESSIONS: readonly string[] = [
   'KHR_gaussian_splatting_compression_spz_2',

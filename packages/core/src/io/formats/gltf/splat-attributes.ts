@@ -6,7 +6,8 @@ import { type DecodedRows, rowLength } from '../decoded-rows.ts';
 import { logScaleOf } from '../flat-scale.ts';
 import { type AttributeRule, type Column, columnOf, copyRows, rowCountOf } from './accessor-column.ts';
 import type { GltfBuffers } from './gltf-buffers.ts';
-import { type GltfJson, type JsonObject, SPLATTING } from './gltf-json.ts';
+import type { GltfJson, JsonObject } from './gltf-json.ts';
+import { harmonicsSemantics, SPLATTING } from './gltf-semantics.ts';
 
 /**
  * What the extension's table of attributes allows; of POSITION, what KHR_mesh_quantization adds. Scales and opacities are linear,
@@ -62,7 +63,7 @@ export async function splatAttributesOf(
     { ...RULES.scale, slot: ROW_SLOT.logScale },
     { ...RULES.rotation, slot: ROW_SLOT.rotation },
     { ...RULES.opacity, slot: ROW_SLOT.opacity },
-    ...harmonicsOf(shDegree).map((semantic, k) => ({
+    ...harmonicsSemantics(shDegree).map((semantic, k) => ({
       semantic,
       type: 'VEC3' as const,
       kinds: ['float'] as const,
@@ -86,17 +87,10 @@ export async function splatAttributesOf(
   return { count, shDegree, columns };
 }
 
-/** Semantics of the coefficients up to a degree, in the order of rows. */
-function harmonicsOf(degree: number): string[] {
-  return Array.from({ length: degree + 1 }, (_, l) =>
-    Array.from({ length: 2 * l + 1 }, (_, n) => `${SPLATTING}:SH_DEGREE_${l}_COEF_${n}`),
-  ).flat();
-}
-
 function shDegreeOf(json: GltfJson, attributes: JsonObject, element: string): ShDegree {
   const found = Object.keys(attributes).filter((semantic) => HARMONICS.test(semantic));
   for (const degree of [0, 1, 2, 3] as const) {
-    const expected = harmonicsOf(degree);
+    const expected = harmonicsSemantics(degree);
     if (found.length > expected.length) continue;
     const missing = expected.filter((semantic) => attributes[semantic] === undefined);
     // What splats lack altogether is said with the rest of it.

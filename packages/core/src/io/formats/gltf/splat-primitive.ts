@@ -3,7 +3,8 @@ import type { DecodedRows } from '../decoded-rows.ts';
 import { readSpzContents } from '../spz/spz.ts';
 import { spzRows } from '../spz/spz-rows.ts';
 import type { GltfBuffers } from './gltf-buffers.ts';
-import { type GltfJson, type JsonObject, objectOf, SPLATTING, SPZ_COMPRESSIONS } from './gltf-json.ts';
+import { type GltfJson, type JsonObject, objectOf, SPZ_COMPRESSIONS } from './gltf-json.ts';
+import { SPLATTING } from './gltf-semantics.ts';
 import { attributeRows, splatAttributesOf } from './splat-attributes.ts';
 
 const POINTS = 0;

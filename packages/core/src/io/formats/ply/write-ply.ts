@@ -1,5 +1,6 @@
 import { type Harmonics, readCoefficients } from '../../../packing/harmonics.ts';
 import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.ts';
+import { fileMemory, type WriteFormat, writeInTurns } from '../write-format.ts';
 
 /**
  * Encodes `set` as a PLY in the standard 3DGS layout: binary little-endian, float32 x y z, f_dc, f_rest (all of red,
@@ -11,12 +12,36 @@ import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.t
  * large.
  */
 export function encodePly(set: SplatSet<Harmonics>): Uint8Array<ArrayBuffer> {
+  const { bytes, putRows } = plyOf(set);
+  putRows(0, set.count);
+  return bytes;
+}
+
+/** As `encodePly`, in turns with other work of the thread. */
+export const writePly: WriteFormat = async (set, options) => {
+  const { bytes, putRows } = plyOf(set, fileMemory);
+  await writeInTurns(set.count, options, putRows);
+  return bytes;
+};
+
+/** The line by which a PLY says whether its splats were trained with an antialias filter; none where that is not known. */
+export function antialiasComments({ isAntialiased }: SplatSet<Harmonics>): string[] {
+  if (isAntialiased === undefined) return [];
+  // As Brush says it, and what reads its files understands.
+  return [`comment SplatRenderMode: ${isAntialiased ? 'mip' : 'default'}`];
+}
+
+/** A file with its header, and what puts rows into it, which must be called for all of them in order. */
+function plyOf(
+  set: SplatSet<Harmonics>,
+  memoryOf = (byteCount: number) => new Uint8Array(byteCount),
+): { bytes: Uint8Array<ArrayBuffer>; putRows(from: number, to: number): void } {
   const shValues = coefficientsPerSplat(set.harmonics.degree);
   const isWide = set.origin.some((value) => value !== 0);
   const positionBytes = isWide ? 8 : 4;
   const header = new TextEncoder().encode(headerText(set, shValues, isWide ? 'double' : 'float'));
   const stride = 3 * positionBytes + 4 * (3 + shValues + 1 + 3 + 4);
-  const bytes = new Uint8Array(header.length + set.count * stride);
+  const bytes = memoryOf(header.length + set.count * stride);
   bytes.set(header);
   const view = new DataView(bytes.buffer);
   const sh = new Float32Array(shValues);
@@ -25,21 +50,23 @@ export function encodePly(set: SplatSet<Harmonics>): Uint8Array<ArrayBuffer> {
     view.setFloat32(offset, value, true);
     offset += 4;
   };
-  for (let i = 0; i < set.count; i++) {
-    for (let axis = 0; axis < 3; axis++) {
-      const position = absolute(set.positions[3 * i + axis], set.origin[axis]);
-      if (isWide) view.setFloat64(offset, position, true);
-      else view.setFloat32(offset, position, true);
-      offset += positionBytes;
+  const putRows = (from: number, to: number) => {
+    for (let i = from; i < to; i++) {
+      for (let axis = 0; axis < 3; axis++) {
+        const position = absolute(set.positions[3 * i + axis], set.origin[axis]);
+        if (isWide) view.setFloat64(offset, position, true);
+        else view.setFloat32(offset, position, true);
+        offset += positionBytes;
+      }
+      for (let channel = 0; channel < 3; channel++) put(set.colorDc[3 * i + channel]);
+      readCoefficients(set.harmonics, i, sh);
+      for (let channel = 0; channel < 3; channel++) for (let k = channel; k < shValues; k += 3) put(sh[k]);
+      put(set.opacityLogits[i]);
+      for (let axis = 0; axis < 3; axis++) put(set.logScales[3 * i + axis]);
+      for (let part = 0; part < 4; part++) put(set.rotations[4 * i + part]);
     }
-    for (let channel = 0; channel < 3; channel++) put(set.colorDc[3 * i + channel]);
-    readCoefficients(set.harmonics, i, sh);
-    for (let channel = 0; channel < 3; channel++) for (let k = channel; k < shValues; k += 3) put(sh[k]);
-    put(set.opacityLogits[i]);
-    for (let axis = 0; axis < 3; axis++) put(set.logScales[3 * i + axis]);
-    for (let part = 0; part < 4; part++) put(set.rotations[4 * i + part]);
-  }
-  return bytes;
+  };
+  return { bytes, putRows };
 }
 
 /** −0 would become +0 if 0 were added. */
@@ -47,11 +74,7 @@ function absolute(position: number, origin: number): number {
   return origin === 0 ? position : position + origin;
 }
 
-function headerText(
-  { count, isAntialiased }: SplatSet<Harmonics>,
-  shValues: number,
-  positionType: 'float' | 'double',
-): string {
+function headerText(set: SplatSet<Harmonics>, shValues: number, positionType: 'float' | 'double'): string {
   const floats = [
     ...names('f_dc', 3),
     ...names('f_rest', shValues),
@@ -62,9 +85,8 @@ function headerText(
   return [
     'ply',
     'format binary_little_endian 1.0',
-    // As Brush says it, and what reads its files understands.
-    ...(isAntialiased === undefined ? [] : [`comment SplatRenderMode: ${isAntialiased ? 'mip' : 'default'}`]),
-    `element vertex ${count}`,
+    ...antialiasComments(set),
+    `element vertex ${set.count}`,
     ...['x', 'y', 'z'].map((name) => `property ${positionType} ${name}`),
     ...floats.map((name) => `property float ${name}`),
     'end_header',

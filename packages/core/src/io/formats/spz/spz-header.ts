@@ -3,6 +3,7 @@ import type { ByteReader } from '../../sources/byte-reader.ts';
 import { checkCount } from '../check-count.ts';
 import { latin1 } from '../latin1.ts';
 import { SPZ_MAGIC } from './spz-format.ts';
+import { FLAG_ANTIALIASED, HEADER_BYTES } from './spz-layout.ts';
 import { LAST_COORDINATE_SYSTEM } from './turn-axes.ts';
 
 /** What the first bytes of a file say. */
@@ -24,11 +25,9 @@ const LAST_VERSION = 4;
 const FIRST_VERSION_OF_STREAMS = 4;
 const LAST_SH_DEGREE = 4;
 const MOST_FRACTIONAL_BITS = 31;
-const FLAG_ANTIALIASED = 1;
 const FLAG_EXTENSIONS = 2;
 /** Set by Spark for its trees of levels of detail, before version 4. */
 const FLAG_TREE = 0x80;
-const HEADER_BYTES = 16;
 const STREAMS_HEADER_BYTES = 32;
 
 const COORDINATE_SYSTEM_EXTENSION = 0xadbe0003;

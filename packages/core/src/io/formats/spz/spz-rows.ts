@@ -4,6 +4,7 @@ import { coefficientsPerSplat, type ShDegree } from '../../../splats/splat-set.t
 import { logitOf, tableOfBytes } from '../color-values.ts';
 import { type DecodedRows, rowLength } from '../decoded-rows.ts';
 import type { SpzHeader } from './spz-header.ts';
+import { COLOR_SCALE } from './spz-layout.ts';
 import { turnToPlyAxes } from './turn-axes.ts';
 
 /** Names of the attributes, in the order of the file. */
@@ -20,8 +21,6 @@ export function emptyAttributes(): SpzAttributes {
 /** Coefficients of harmonics above degree 0 for one channel; ours end at degree 3. */
 const FILE_COEFFICIENTS = [0, 3, 8, 15, 24];
 
-/** Factor of the first coefficients in the file, which are bytes about the middle. */
-const COLOR_SCALE = 0.15;
 const bytes = Array.from({ length: 256 }, (_, byte) => byte);
 const LOG_SCALES = Float32Array.from(bytes, (byte) => byte / 16 - 10);
 const COLORS = Float32Array.from(bytes, (byte) => (byte / 255 - 0.5) / COLOR_SCALE);

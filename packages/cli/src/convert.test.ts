@@ -1,0 +1,140 @@
+import { existsSync, readdirSync, readFileSync } from 'node:fs';
+import { type Harmonics, readCoefficients, readSplats, type SplatSet } from '@websplatter/core';
+import { WRITABLE_FORMATS } from '@websplatter/core/write';
+import { expect, test } from 'vitest';
+import { runMain, TestFolder, threeSplats } from './testing/test-folder.ts';
+
+const read = (path: string) => readSplats(readFileSync(path), { name: path, shPrecision: 'f32' });
+
+/** Centres in the scene's space, sorted by x: formats may have an order of their own. */
+function centersOf({ positions, origin, count }: SplatSet<Harmonics>): number[][] {
+  const centers = Array.from({ length: count }, (_, i) =>
+    origin.map((value, axis) => value + positions[3 * i + axis] + 0),
+  );
+  return centers.sort((a, b) => a[0] - b[0]);
+}
+
+test.each(WRITABLE_FORMATS)('a PLY becomes $name and comes back', async ({ name, extension }) => {
+  const folder = new TestFolder();
+  const [out, back] = [folder.file(`a${extension}`), folder.file('back.ply')];
+  const first = await runMain('convert', folder.scene(), out);
+  expect(first.status, first.err).toBe(0);
+  expect(first.out).toMatch(/a\.\S+: 3 splats, [\d,]+ bytes \(\d+\.\d % of what was read\), \d+\.\d s\n$/);
+  expect((await read(out)).fileFacts?.format).toBe(name);
+  expect((await runMain('convert', out, back)).status).toBe(0);
+  const [set, original] = [await read(back), threeSplats()];
+  for (const [i, center] of centersOf(original).entries())
+    for (const axis of [0, 1, 2]) expect(centersOf(set)[i][axis]).toBeCloseTo(center[axis], 3);
+  expect(set.harmonics.degree).toBe(1);
+  for (const [i, value] of original.logScales.entries())
+    expect(Math.abs(set.logScales[i] - value)).toBeLessThanOrEqual(1 / 32);
+  // All coefficients of all splats are alike; SPZ has the coarsest steps.
+  const row = new Float32Array(9);
+  readCoefficients(set.harmonics, 2, row);
+  for (const value of row) expect(Math.abs(value - 0.5)).toBeLessThanOrEqual(4 / 128);
+});
+
+test('--json says what was done; progress goes to standard error', async () => {
+  const folder = new TestFolder();
+  const [scene, out] = [folder.scene(), folder.file('b.bin')];
+  const { status, out: printed, err } = await runMain('convert', scene, out, '--format', 'spz', '--json');
+  expect(status).toBe(0);
+  const bytes = readFileSync(out).length;
+  expect(JSON.parse(printed)).toEqual({
+    ...{ scenes: [scene], out, format: 'spz', splats: 3, shDegree: 1, bytes, notes: [] },
+    inputBytes: readFileSync(scene).length,
+    elapsedMs: expect.any(Number),
+  });
+  expect(err).toMatch(
+    /^(\d+ %: reading \S+scene\.ply\n)+(\d+ %: writing \S+b\.bin\n)*100 %: writing \S+b\.bin\n$/,
+  );
+});
+
+test('several scenes are merged, moved, cropped and simplified, in this order', async () => {
+  const folder = new TestFolder();
+  const out = folder.file('out.ply');
+  const second = folder.scene('second.ply', { ...threeSplats(), origin: [10, 0, 0] });
+  const { status, err } = await runMain(
+    ...[
+      'convert',
+      folder.scene(),
+      second,
+      out,
+      '--merge',
+      '--up',
+      '-y',
+      '--scale',
+      '2',
+      '--rotate',
+      '0,0,-90',
+    ],
+    // As they are: x of -1, 0, 1, 9, 10, 11, of which 0 and 10 have z = 0.5.
+    ...['--translate', '-5,-1,0', '--crop', '-9,-23,-2,0,-1,1', '--sh', '0'],
+  );
+  expect(status, err).toBe(0);
+  const set = await read(out);
+  expect(set.harmonics.degree).toBe(0);
+  // Half a turn about x negates z; twice as large; x becomes -y; shifted; and y = 1, of x = -1, is cropped away.
+  const expected = [0, 1, 9, 10, 11].map((x) => [-5, -2 * x - 1, x % 10 === 0 ? -1 : 0]);
+  const found = centersOf(set).sort((a, b) => b[1] - a[1]);
+  expect(found).toEqual(expected);
+});
+
+test('notes say what may surprise', async () => {
+  const folder = new TestFolder();
+  const set = { ...threeSplats(), isAntialiased: true };
+  set.positions[0] = Number.NaN;
+  const scene = folder.scene('trained.ply', set);
+  const notesOf = async (...args: string[]) => {
+    const { out } = await runMain('convert', ...args, '--json');
+    return JSON.parse(out).notes;
+  };
+  const glb = folder.file('a.glb');
+  expect(await notesOf(scene, glb)).toEqual([
+    expect.stringMatching(/^1 rows of \S+trained\.ply are no splats/),
+    expect.stringContaining('antialias filter'),
+    expect.stringContaining('--up -y'),
+  ]);
+  // Of two scenes, one says that it was trained so.
+  const both = [scene, folder.scene('other.ply'), folder.file('both.ply'), '--merge'];
+  expect(await notesOf(...both)).toContainEqual(expect.stringContaining('antialias filter'));
+  // What the reader says of the file is said again.
+  const about = expect.stringContaining('a.glb: ');
+  const axes = expect.stringContaining('--up -y');
+  expect(await notesOf(glb, folder.file('back.spz'))).toEqual([about, axes]);
+  expect(await notesOf(glb, folder.file('turned.spz'), '--up=-y')).toEqual([about]);
+  expect(await notesOf('builtin:still-life-small', folder.file('made.glb'), '--sh', '0')).toEqual([]);
+});
+
+test('bad input gives one line, status 2 and no file', async () => {
+  const folder = new TestFolder();
+  const scene = folder.scene();
+  const out = folder.file('out.ply');
+  const cases: [string[], string][] = [
+    [[], 'convert needs an IN and an OUT, found 0'],
+    [[scene], 'convert needs an IN and an OUT, found 1'],
+    [[scene, scene, out], '2 scenes become one OUT only with --merge'],
+    [[scene, folder.file('out.ksplat')], 'it must end with one of .ply, .compressed.ply'],
+    [[scene, out, '--format', 'ksplat'], '--format is ksplat; it must be one of ply,'],
+    [[scene, scene], 'which is read too'],
+    [[scene, out, '--sh', '4'], '--sh is 4; it must be 0, 1, 2 or 3'],
+    [[scene, out, '--up', 'w'], '--up is w; it must be one of x, -x, y'],
+    [[scene, out, '--scale', '-1'], '--scale is -1; it must be a number above 0'],
+    [[scene, out, '--rotate', '1,2'], '--rotate is 1,2; it must be x,y,z'],
+    [[scene, out, '--translate', '-1,,2'], '--translate is -1,,2; it must be x,y,z'],
+    [[scene, out, '--crop', '0,0,0,1,1'], '--crop is 0,0,0,1,1; it must be minX'],
+    [[scene, out, '--crop', '5,5,5,6,6,6'], 'None of 3 splats is between 5, 5, 5 and 6, 6, 6'],
+    [[scene, out, '--crop', '5,5,5,4,6,6'], 'The least x of the box, 5, is above the greatest, 4'],
+    [[folder.write('text.ply', 'hello'), out], 'text.ply: '],
+    [[scene, folder.file('no/out.ply')], 'cannot be written'],
+    [[scene, folder.file('far.spz'), '--translate', '5000,0,0'], 'Splat 0 has x = 4999'],
+  ];
+  for (const [args, message] of cases) {
+    const { status, out: printed, err } = await runMain('convert', ...args);
+    expect([status, printed], message).toEqual([2, '']);
+    expect(err).toContain(message);
+    expect(err).toMatch(/^(\d+ %: [^\n]+\n)*websplatter: [^\n]+\n$/);
+  }
+  expect(readdirSync(folder.path).sort()).toEqual(['scene.ply', 'text.ply']);
+  expect(existsSync(out)).toBe(false);
+});

@@ -1,0 +1,45 @@
+import { InvalidArgumentError } from '../errors.ts';
+import type { Vec3 } from '../math/mat4.ts';
+import type { Harmonics } from '../packing/harmonics.ts';
+import { permuteSplats } from '../packing/morton-order.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
+import { checkNumbers } from './check-numbers.ts';
+
+/** A box in the scene's space, its sides included. */
+export interface CropBox {
+  readonly min: Vec3;
+  readonly max: Vec3;
+}
+
+/**
+ * The splats whose centres are in a box, in their order and bit for bit as they are.
+ *
+ * @throws InvalidArgumentError 'box' if it is none, or if nothing is in it.
+ */
+export function cropSplats<Kind extends Harmonics>(
+  set: SplatSet<Kind>,
+  { min, max }: CropBox,
+): SplatSet<Kind> {
+  checkNumbers('box', [...min, ...max], 6);
+  const flat = [0, 1, 2].find((axis) => min[axis] > max[axis]);
+  if (flat !== undefined) {
+    const message = `The least ${'xyz'[flat]} of the box, ${min[flat]}, is above the greatest, ${max[flat]}.`;
+    throw new InvalidArgumentError('box', message);
+  }
+  const { positions, origin, count } = set;
+  const inside = new Uint32Array(count);
+  let found = 0;
+  for (let i = 0; i < count; i++) {
+    let isInside = true;
+    for (let axis = 0; axis < 3; axis++) {
+      const value = positions[3 * i + axis] + origin[axis];
+      isInside &&= value >= min[axis] && value <= max[axis];
+    }
+    if (isInside) inside[found++] = i;
+  }
+  if (found === 0) {
+    const message = `None of ${count} splats is between ${min.join(', ')} and ${max.join(', ')}.`;
+    throw new InvalidArgumentError('box', message);
+  }
+  return permuteSplats(set, inside.subarray(0, found));
+}

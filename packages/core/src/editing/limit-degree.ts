@@ -1,0 +1,9 @@
+import type { Harmonics } from '../packing/harmonics.ts';
+import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
+import { trainedCoefficients } from './trained-coefficients.ts';
+
+/** The set without harmonics above `degree`; itself if it has none. */
+export function limitDegree(set: SplatSet<Harmonics>, degree: ShDegree): SplatSet<Harmonics> {
+  if (set.harmonics.degree <= degree) return set;
+  return { ...set, harmonics: { degree, coefficients: trainedCoefficients(set, degree) } };
+}

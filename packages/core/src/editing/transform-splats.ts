@@ -1,0 +1,94 @@
+import { InvalidArgumentError } from '../errors.ts';
+import type { Vec3 } from '../math/mat4.ts';
+import type { Harmonics } from '../packing/harmonics.ts';
+import { HarmonicsTurn } from '../splats/harmonics-turn.ts';
+import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
+import { checkNumbers } from './check-numbers.ts';
+import { placeSplats } from './place-splats.ts';
+import { IDENTITY, multiplyQuaternions, type Quaternion, rotationMatrixOf } from './quaternion.ts';
+import { trainedCoefficients } from './trained-coefficients.ts';
+
+/** How splats are moved: scaled about 0, then turned about 0, then shifted. */
+export interface SplatTransform {
+  /** Of any length above 0; default none. */
+  readonly rotation?: Quaternion;
+  /** The same along all axes, above 0; default 1. */
+  readonly scale?: number;
+  /** Default 0, 0, 0. */
+  readonly translation?: Vec3;
+}
+
+/**
+ * Moves splats with their harmonics, in float64; the origin is chosen anew. What is not changed keeps its bits.
+ *
+ * @throws InvalidArgumentError 'rotation', 'scale' or 'translation' if it is none; 'set' if a splat would be too far away for float32.
+ */
+export function transformSplats(
+  set: SplatSet<Harmonics>,
+  { rotation = IDENTITY, scale = 1, translation = [0, 0, 0] }: SplatTransform,
+): SplatSet<Harmonics> {
+  check(rotation, scale, translation);
+  const isTurned = rotation.slice(1).some((value) => value !== 0);
+  const isScaled = scale !== 1;
+  const isMoved = isTurned || isScaled || translation.some((value) => value !== 0);
+  if (!isMoved) return set;
+  const matrix = rotationMatrixOf(rotation);
+  return {
+    ...set,
+    ...placeSplats(movedPositions(set, matrix, scale, translation)),
+    ...(isScaled && { logScales: set.logScales.map((value) => value + Math.log(scale)) }),
+    ...(isTurned && {
+      rotations: turnedRotations(set, rotation),
+      harmonics: { degree: set.harmonics.degree, coefficients: turnedCoefficients(set, matrix) },
+    }),
+  };
+}
+
+function check(rotation: Quaternion, scale: number, translation: Vec3): void {
+  checkNumbers('rotation', rotation, 4);
+  checkNumbers('translation', translation, 3);
+  if (rotation.every((value) => value === 0))
+    throw new InvalidArgumentError('rotation', 'rotation is 0, 0, 0, 0; a quaternion has a length above 0.');
+  if (!(scale > 0 && scale < Number.POSITIVE_INFINITY))
+    throw new InvalidArgumentError('scale', `scale is ${scale}; it must be a number above 0.`);
+}
+
+function movedPositions(
+  { count, positions, origin }: SplatSet<Harmonics>,
+  m: Float64Array,
+  scale: number,
+  translation: Vec3,
+): Float64Array {
+  const moved = new Float64Array(3 * count);
+  for (let i = 0; i < 3 * count; i += 3) {
+    const x = scale * (positions[i] + origin[0]);
+    const y = scale * (positions[i + 1] + origin[1]);
+    const z = scale * (positions[i + 2] + origin[2]);
+    for (let axis = 0; axis < 3; axis++)
+      moved[i + axis] = m[axis] * x + m[3 + axis] * y + m[6 + axis] * z + translation[axis];
+  }
+  return moved;
+}
+
+function turnedRotations({ count, rotations }: SplatSet<Harmonics>, rotation: Quaternion): Float32Array {
+  const length = Math.hypot(...rotation);
+  const unit = rotation.map((value) => value / length) as unknown as Quaternion;
+  const turned = new Float32Array(4 * count);
+  for (let i = 0; i < 4 * count; i += 4) {
+    const [w, x, y, z] = rotations.subarray(i, i + 4);
+    // Zeros are the identity.
+    const isZero = w === 0 && x === 0 && y === 0 && z === 0;
+    turned.set(multiplyQuaternions(unit, [isZero ? 1 : w, x, y, z]), i);
+  }
+  return turned;
+}
+
+function turnedCoefficients(set: SplatSet<Harmonics>, matrix: Float64Array): Float32Array {
+  const { degree } = set.harmonics;
+  const coefficients = trainedCoefficients(set);
+  if (degree === 0) return coefficients;
+  const turn = new HarmonicsTurn(degree, matrix);
+  const width = coefficientsPerSplat(degree);
+  for (let at = 0; at < coefficients.length; at += width) turn.apply(coefficients, at);
+  return coefficients;
+}

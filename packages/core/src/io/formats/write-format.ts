@@ -1,0 +1,62 @@
+import { InvalidArgumentError } from '../../errors.ts';
+import type { Harmonics } from '../../packing/harmonics.ts';
+import type { SplatSet } from '../../splats/splat-set.ts';
+import { Turns } from '../../turns.ts';
+
+export interface WriteOptions {
+  /** Ends the writing, which then rejects with the signal's reason. */
+  readonly signal?: AbortSignal;
+  /** Told how much of the work is done, from 0 to 1. */
+  readonly onProgress?: (fraction: number) => void;
+}
+
+/**
+ * Writes all splats of a set as a file.
+ *
+ * Rejects with `InvalidArgumentError` 'set' if the format cannot hold them, or with the signal's reason.
+ */
+export type WriteFormat = (
+  set: SplatSet<Harmonics>,
+  options: WriteOptions,
+) => Promise<Uint8Array<ArrayBuffer>>;
+
+/** Rows between two looks at the clock. */
+const ROWS_AT_ONCE = 1024;
+
+/**
+ * Lets `work` write rows `from` up to but not including `to`, until all `count` are written; gives the event loop turns.
+ *
+ * @param until what `onProgress` is told at the end; less than 1 where other work follows.
+ *
+ * Rejects with the signal's reason once it aborts.
+ */
+export async function writeInTurns(
+  count: number,
+  { signal, onProgress }: WriteOptions,
+  work: (from: number, to: number) => void,
+  until = 1,
+): Promise<void> {
+  const turns = new Turns(signal);
+  for (let from = 0; from < count; from += ROWS_AT_ONCE) {
+    await turns.give();
+    const to = Math.min(count, from + ROWS_AT_ONCE);
+    work(from, to);
+    onProgress?.((until * to) / count);
+  }
+  signal?.throwIfAborted();
+}
+
+/**
+ * Memory for a file.
+ *
+ * @throws InvalidArgumentError 'set' if there is none.
+ */
+export function fileMemory(byteCount: number): Uint8Array<ArrayBuffer> {
+  try {
+    return new Uint8Array(byteCount);
+  } catch (cause) {
+    if (!(cause instanceof RangeError)) throw cause;
+    const message = `These splats make a file of ${byteCount} bytes, for which there is no memory. Write fewer of them, or fewer bands of harmonics.`;
+    throw new InvalidArgumentError('set', message);
+  }
+}

@@ -1,0 +1,33 @@
+/** Longest time a page's thread is kept busy before its event loop gets a turn. */
+const MAX_BUSY_MS = 16;
+
+/** Resolves in a new task. Uses a message, since timers are held back to 4 ms in pages and to 1 s in hidden ones. */
+export function nextTask(): Promise<void> {
+  return new Promise((resolve) => {
+    const { port1, port2 } = new MessageChannel();
+    port1.onmessage = () => {
+      port1.close();
+      resolve();
+    };
+    port2.postMessage(null);
+  });
+}
+
+/** Lets the event loop take its turns during long work, which a signal may call off. */
+export class Turns {
+  readonly #signal: AbortSignal | undefined;
+  #lastMs = performance.now();
+
+  constructor(signal: AbortSignal | undefined) {
+    this.#signal = signal;
+  }
+
+  /** Gives the event loop a turn if it has waited long; rejects with the signal's reason once it aborts. */
+  async give(): Promise<void> {
+    this.#signal?.throwIfAborted();
+    if (performance.now() - this.#lastMs < MAX_BUSY_MS) return;
+    await nextTask();
+    this.#lastMs = performance.now();
+    this.#signal?.throwIfAborted();
+  }
+}

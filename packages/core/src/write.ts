@@ -1,0 +1,17 @@
+/**
+ * Changing splats and writing them as files (`@websplatter/core/write`), apart from the engine: who only shows splats does not download
+ * it.
+ */
+export { type CropBox, cropSplats } from './editing/crop-splats.ts';
+export { limitDegree } from './editing/limit-degree.ts';
+export { mergeSplats } from './editing/merge-splats.ts';
+export {
+  AXIS_NAMES,
+  multiplyQuaternions,
+  type Quaternion,
+  rotationByDegrees,
+  uprightRotation,
+} from './editing/quaternion.ts';
+export { type SplatTransform, transformSplats } from './editing/transform-splats.ts';
+export type { WriteOptions } from './io/formats/write-format.ts';
+export { WRITABLE_FORMATS, type WritableFormat, writableByName, writeSplats } from './io/formats/writers.ts';
