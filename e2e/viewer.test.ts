@@ -1,7 +1,7 @@
 import { existsSync, readFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
-import { encodePly } from '@websplatter/core';
+import { encodePly, readSplats } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { passTurns } from './at-rest.ts';
@@ -217,6 +217,18 @@ describe('viewer', () => {
     expect(psnrAgainstReference(await viewerScreenshot(page), flipped, [testScene()])).toBeGreaterThanOrEqual(
       MIN_PSNR_DB,
     );
+
+    // This way up, as glTF wants it, nothing is turned.
+    await page.keyboard.press('x');
+    // By the page itself: in a window as small as this, buttons may be out of sight.
+    const click = (testId: string) =>
+      page.getByTestId(testId).evaluate((button: HTMLElement) => button.click());
+    await click('save-gltf');
+    const [saved] = await Promise.all([page.waitForEvent('download'), click('save-file')]);
+    expect(saved.suggestedFilename()).toBe('test scene.glb');
+    const { positions } = await readSplats(readFileSync(await saved.path()), { name: 'saved' });
+    expect(positions).toEqual(testScene().positions);
+    await page.getByText('Saved test scene.glb').waitFor();
   });
 
   it('shows a file whose rows the GPU takes', async () => {

@@ -1,7 +1,7 @@
-import { type AccuracyRequest, lastingSource, type SourceOptions } from '@websplatter/core';
+import { type AccuracyRequest, lastingSource, type SceneFiles, type SourceOptions } from '@websplatter/core';
 
 /** A source that can be loaded through the cache: URLs are compared by address, everything else by identity. */
-export type CacheableSource = string | URL | Blob | ArrayBuffer;
+export type CacheableSource = string | URL | Blob | ArrayBuffer | SceneFiles;
 
 /** A request for one file. */
 export interface SplatRequest {
@@ -184,7 +184,7 @@ function sourceKeyOf(source: CacheableSource): string {
   const lasting = lastingSource(source);
   // One address has one entry, however it is written.
   if (typeof lasting === 'string') return lasting;
-  const object = source as Blob | ArrayBuffer;
+  const object = source as Blob | ArrayBuffer | SceneFiles;
   let key = objectKeys.get(object);
   if (key === undefined) {
     key = `object ${++objectCount}`;

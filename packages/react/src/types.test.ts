@@ -1,4 +1,5 @@
 import { type CanvasProps, type ThreeElements, useLoader } from '@react-three/fiber';
+import type { SceneFiles } from '@websplatter/core';
 import type { Ref } from 'react';
 import { expectTypeOf, it } from 'vitest';
 import {
@@ -18,7 +19,9 @@ it('types the props of a Canvas and of <Splats>', () => {
   expectTypeOf((props: Parameters<typeof createSplatRenderer>[0]) =>
     createSplatRenderer({ ...props, accuracy: 'high' }),
   ).toExtend<NonNullable<CanvasProps['gl']>>();
-  expectTypeOf<SplatsProps['src']>().toEqualTypeOf<string | URL | Blob | ArrayBuffer | SplatData>();
+  expectTypeOf<SplatsProps['src']>().toEqualTypeOf<
+    string | URL | Blob | ArrayBuffer | SceneFiles | SplatData
+  >();
   expectTypeOf<SplatsProps['ref']>().toEqualTypeOf<Ref<SplatsObject> | undefined>();
   expectTypeOf<[number, number, number]>().toExtend<SplatsProps['position']>();
   expectTypeOf<SplatsProps['accuracy']>().toEqualTypeOf<AccuracyRequest | null | undefined>();

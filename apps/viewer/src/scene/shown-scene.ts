@@ -53,5 +53,6 @@ export function summaryOf(
     cameras,
     // Own cameras show the scene as it is; turned, it would be another one.
     canFlip: ownCameras === null,
+    canSave: source.kind !== 'hard-case',
   };
 }

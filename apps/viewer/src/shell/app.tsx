@@ -1,4 +1,4 @@
-import { useEffect, useMemo, useRef } from 'react';
+import { lazy, Suspense, useEffect, useMemo, useRef } from 'react';
 import { useStore } from 'zustand';
 import { AccuracyPanel } from '../accuracy/accuracy-panel.tsx';
 import { ErrorMapImage } from '../comparison/error-map-image.tsx';
@@ -15,6 +15,7 @@ import { LoadPanel } from '../messages/load-panel.tsx';
 import { Notice } from '../messages/notice.tsx';
 import { LostPage, UnavailablePage } from '../messages/status-pages.tsx';
 import { WarningPanel } from '../messages/warning-panel.tsx';
+import { Saving } from '../saving/saving.ts';
 import { SceneCaption } from '../scene/scene-caption.tsx';
 import type { ViewerStore } from '../state/store.ts';
 import { isGpuLost } from '../state/viewer-state.ts';
@@ -24,12 +25,17 @@ import { Help } from './help.tsx';
 import { Toolbar } from './toolbar.tsx';
 import { Viewport } from './viewport.tsx';
 
+/** With the list of formats, which most visitors do not need. */
+const SavePanel = lazy(async () => ({ default: (await import('../saving/save-panel.tsx')).SavePanel }));
+
 export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   const isUnavailable = useStore(store, (state) => state.status === 'unavailable');
   const isLost = useStore(store, isGpuLost);
+  const isSaveVisible = useStore(store, (state) => state.dock === 'save');
   const comparison = useStore(store, (state) => state.comparison);
   const fileInput = useRef<HTMLInputElement>(null);
   const run = useMemo(() => createCommands(viewer, store, () => fileInput.current?.click()), [viewer, store]);
+  const saving = useMemo(() => new Saving(store, () => viewer.scenes.newest?.source), [viewer, store]);
   const measurement = useMemo(() => new Measurement(viewer, store), [viewer, store]);
   const accuracyMeasurement = useMemo(
     () => new AccuracyMeasurement(viewer, store, measurement),
@@ -55,6 +61,7 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
         <Toolbar store={store} run={run} />
         <AccuracyPanel store={store} viewer={viewer} accuracyMeasurement={accuracyMeasurement} />
         <EffectsPanel store={store} measurement={measurement} />
+        <Suspense>{isSaveVisible && <SavePanel store={store} saving={saving} />}</Suspense>
         <SceneCaption store={store} onStep={(by) => viewer.camera.step(by)} />
         <div className="messages">
           <Notice store={store} />

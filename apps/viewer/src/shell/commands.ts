@@ -2,7 +2,16 @@ import type { ViewerStore } from '../state/store.ts';
 import { isGpuLost, type ViewerState } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 
-export type CommandName = 'open' | 'flip' | 'reset' | 'frame' | 'hud' | 'accuracy' | 'effects' | 'help';
+export type CommandName =
+  | 'open'
+  | 'flip'
+  | 'reset'
+  | 'frame'
+  | 'hud'
+  | 'accuracy'
+  | 'effects'
+  | 'save'
+  | 'help';
 
 export interface Command {
   readonly name: CommandName;
@@ -20,6 +29,7 @@ export const COMMANDS: readonly Command[] = [
   { name: 'hud', label: 'Show or hide figures', key: 'h' },
   { name: 'accuracy', label: 'Accuracy and its cost', key: 'c' },
   { name: 'effects', label: 'Effects and why', key: 'e' },
+  { name: 'save', label: 'Save in another format', key: 'x' },
   { name: 'help', label: 'Keys and gestures', key: '?' },
 ];
 
@@ -34,6 +44,7 @@ export function createCommands(viewer: Viewer, store: ViewerStore, chooseFile: (
     hud: () => store.setState(({ isHudVisible }) => ({ isHudVisible: !isHudVisible })),
     accuracy: () => store.setState(({ dock }) => ({ dock: dock === 'accuracy' ? null : 'accuracy' })),
     effects: () => store.setState(({ dock }) => ({ dock: dock === 'effects' ? null : 'effects' })),
+    save: () => store.setState(({ dock }) => ({ dock: dock === 'save' ? null : 'save' })),
     help: () => store.setState(({ isHelpVisible }) => ({ isHelpVisible: !isHelpVisible })),
   };
   return (name) => run[name]();

@@ -13,6 +13,7 @@ const scene = {
   about: null,
   cameras: [],
   canFlip: true,
+  canSave: true,
 };
 const load = {
   title: 'b.ply',

@@ -9,16 +9,19 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
   const dock = useStore(store, (state) => state.dock);
   const hasScene = useStore(store, (state) => state.scene !== null);
   const canFlip = useStore(store, (state) => state.scene?.canFlip ?? false);
+  const canSave = useStore(store, (state) => state.scene?.canSave ?? false);
   const pressed: Partial<Record<CommandName, boolean>> = {
     flip: isFlipped,
     hud: isHudVisible,
     accuracy: dock === 'accuracy',
     effects: dock === 'effects',
+    save: dock === 'save',
   };
   const disabled: Partial<Record<CommandName, boolean>> = {
     flip: !canFlip,
     reset: !hasScene,
     frame: !hasScene,
+    save: !canSave,
   };
   return (
     <div className="panel toolbar" role="toolbar" aria-label="Viewer">

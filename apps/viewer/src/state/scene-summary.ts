@@ -23,6 +23,8 @@ export interface SceneSummary {
   /** Names of the cameras that the scene comes with and that are to be shown as they are; mostly none. */
   readonly cameras: readonly string[];
   readonly canFlip: boolean;
+  /** Whether it can be read again to be written as a file. */
+  readonly canSave: boolean;
 }
 
 /** A problem of a scene that is shown nevertheless. */

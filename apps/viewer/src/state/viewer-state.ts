@@ -9,10 +9,11 @@ import type {
 import type { Comparison } from './comparison.ts';
 import type { FailureReport } from './failure.ts';
 import type { FailedMeasurement, MeasuredAccuracy, MeasuredEffects, RunningMeasurement } from './measured.ts';
+import type { SavingState } from './saving.ts';
 import type { LoadState, SceneSummary, SceneWarning } from './scene-summary.ts';
 
 /** Panels beside the image; one at a time. */
-export type DockName = 'accuracy' | 'effects';
+export type DockName = 'accuracy' | 'effects' | 'save';
 
 export const ACCURACY_TABS = ['measure', 'compare', 'settings'] as const;
 export type AccuracyTab = (typeof ACCURACY_TABS)[number];
@@ -56,6 +57,7 @@ export interface ViewerState {
   readonly retryWaitMs: number | null;
   readonly scene: SceneSummary | null;
   readonly load: LoadState | null;
+  readonly saving: SavingState | null;
   readonly failure: FailureReport | null;
   /** The problem of the scene that is shown; stays until it is dismissed. */
   readonly warning: SceneWarning | null;

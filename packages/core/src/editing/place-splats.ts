@@ -1,4 +1,5 @@
 import { InvalidArgumentError } from '../errors.ts';
+import { centerBounds } from '../packing/center-bounds.ts';
 import { chooseOrigin } from '../packing/origin.ts';
 import type { SplatColumns } from '../splats/splat-set.ts';
 
@@ -8,21 +9,7 @@ import type { SplatColumns } from '../splats/splat-set.ts';
  * @throws InvalidArgumentError 'set' if one of them is too large for float32.
  */
 export function placeSplats(positions: Float64Array): Pick<SplatColumns, 'origin' | 'positions'> {
-  const min: [number, number, number] = [
-    Number.POSITIVE_INFINITY,
-    Number.POSITIVE_INFINITY,
-    Number.POSITIVE_INFINITY,
-  ];
-  const max: [number, number, number] = [
-    Number.NEGATIVE_INFINITY,
-    Number.NEGATIVE_INFINITY,
-    Number.NEGATIVE_INFINITY,
-  ];
-  for (let i = 0; i < positions.length; i++) {
-    const axis = i % 3;
-    if (positions[i] < min[axis]) min[axis] = positions[i];
-    if (positions[i] > max[axis]) max[axis] = positions[i];
-  }
+  const { min, max } = centerBounds(positions, positions.length / 3);
   const origin = chooseOrigin(min, max);
   const relative = new Float32Array(positions.length);
   for (let i = 0; i < positions.length; i++) {

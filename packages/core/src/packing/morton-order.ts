@@ -1,5 +1,6 @@
 import type { Vec3 } from '../math/mat4.ts';
 import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
+import { centerBounds } from './center-bounds.ts';
 import { type Harmonics, isPacked } from './harmonics.ts';
 
 /** Bits per axis of a Morton code: 48 in all, three passes of a 16-bit radix sort. */
@@ -100,7 +101,8 @@ export function permuteSplats<Kind extends Harmonics>(
 
 /** The 48-bit codes as three columns of 16 bits, least significant first. */
 function mortonCodes(positions: Float32Array, count: number): Uint16Array[] {
-  const frame = frameOf(positions, count);
+  const { min, max } = centerBounds(positions, count);
+  const frame = mortonFrame(min, max);
   const columns = [new Uint16Array(count), new Uint16Array(count), new Uint16Array(count)];
   for (let i = 0; i < count; i++) {
     const x = mortonCell(positions[3 * i], 0, frame);
@@ -114,17 +116,6 @@ function mortonCodes(positions: Float32Array, count: number): Uint16Array[] {
     columns[2][i] = highBits >>> 8;
   }
   return columns;
-}
-
-function frameOf(positions: Float32Array, count: number): MortonFrame {
-  const min = [Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
-  const max = [Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY];
-  for (let i = 0; i < 3 * count; i++) {
-    const axis = i % 3;
-    if (positions[i] < min[axis]) min[axis] = positions[i];
-    if (positions[i] > max[axis]) max[axis] = positions[i];
-  }
-  return mortonFrame(min, max);
 }
 
 function vec3(component: (axis: number) => number): Vec3 {

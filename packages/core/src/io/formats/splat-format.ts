@@ -34,7 +34,7 @@ export interface SplatFormatOptions extends Pick<ReadOptions, 'signal' | 'onProg
 }
 
 /** Number of a file's first bytes that formats are told by. */
-export const SNIFF_BYTES = 512;
+export const SNIFF_BYTES = 4096;
 
 /** A source that is being read. */
 export interface SplatInput extends Omit<OpenedSource, 'stream'> {

@@ -1,5 +1,6 @@
 import { SplatFileError } from '../../errors.ts';
 import { ShReachMeter } from '../../packing/band-reach.ts';
+import { centerBounds } from '../../packing/center-bounds.ts';
 import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../../packing/harmonics.ts';
 import { chooseOrigin } from '../../packing/origin.ts';
 import type { ShPrecision } from '../../packing/precision.ts';
@@ -117,7 +118,8 @@ export class SplatSetBuilder {
     if (this.#count === 0) throw emptyError(this.#options.file, this.#dropped);
     this.#setCapacity(this.#count);
     const { positions, shWords, ...columns } = this.#columns;
-    const origin = originOfPositions(positions);
+    const { min, max } = centerBounds(positions, this.#count);
+    const origin = chooseOrigin(min, max);
     const { isAntialiased, fileFacts } = this.#options;
     return {
       ...columns,
@@ -183,25 +185,4 @@ function positionsFrom(
   const relative = positions instanceof Float32Array ? positions : new Float32Array(positions.length);
   for (let i = 0; i < positions.length; i++) relative[i] = positions[i] - origin[i % 3];
   return relative;
-}
-
-function originOfPositions(positions: Float32Array | Float64Array): SplatSet['origin'] {
-  const min: [number, number, number] = [
-    Number.POSITIVE_INFINITY,
-    Number.POSITIVE_INFINITY,
-    Number.POSITIVE_INFINITY,
-  ];
-  const max: [number, number, number] = [
-    Number.NEGATIVE_INFINITY,
-    Number.NEGATIVE_INFINITY,
-    Number.NEGATIVE_INFINITY,
-  ];
-  for (let i = 0; i < positions.length; i += 3) {
-    for (let axis = 0; axis < 3; axis++) {
-      const value = positions[i + axis];
-      if (value < min[axis]) min[axis] = value;
-      if (value > max[axis]) max[axis] = value;
-    }
-  }
-  return chooseOrigin(min, max);
 }

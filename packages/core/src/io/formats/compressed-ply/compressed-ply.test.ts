@@ -386,7 +386,7 @@ describe('what is refused', () => {
   });
 
   test('a PLY reader that meets one says what it is', async () => {
-    const comments = Array(10).fill(`comment ${'x'.repeat(60)}`);
+    const comments = Array(80).fill(`comment ${'x'.repeat(60)}`);
     const error = await failure(encode(randomSplats(2, 0), { comments }));
     expect(error.code).toBe('unknown-format');
     expect(error.message).toMatch(/compressed PLY \(it has packed_position\) with an unusual header/);

@@ -1,14 +1,14 @@
 import { expect, test } from 'vitest';
-import { mortonOrder, permuteSplats } from '../../../packing/morton-order.ts';
+import { permuteSplats } from '../../../packing/morton-order.ts';
 import type { ShDegree, SplatSet } from '../../../splats/splat-set.ts';
 import { randomSplats, splatsOf } from '../../../testing/random-splats.ts';
 import { splatErrors } from '../../../testing/splat-errors.ts';
 import { readSplats } from '../../loading/read-splats.ts';
-import { writeCompressedPly } from './write-compressed-ply.ts';
+import { chunkOrder, writeCompressedPly } from './write-compressed-ply.ts';
 
 const read = (bytes: Uint8Array) => readSplats(bytes, { name: 'scene', shPrecision: 'f32' });
 const again = async (set: SplatSet) => read(await writeCompressedPly(set, {}));
-const inOrder = (set: SplatSet) => permuteSplats(set, mortonOrder(set.positions, set.count));
+const inOrder = (set: SplatSet) => permuteSplats(set, chunkOrder(set));
 
 /** Rows of a chunk of 256. */
 const chunkOf = <Kind extends SplatSet['harmonics']>(set: SplatSet<Kind>, first: number) =>

@@ -1,3 +1,4 @@
+import { centerBounds } from '../../../packing/center-bounds.ts';
 import { type Harmonics, readCoefficients } from '../../../packing/harmonics.ts';
 import { mortonOrder } from '../../../packing/morton-order.ts';
 import { normalizedRotation } from '../../../packing/rotation.ts';
@@ -16,7 +17,7 @@ const MOST_LOG_SCALE = 20;
 const VERTEX_BYTES = 4 * PACKED.length;
 
 /**
- * Writes a compressed PLY, in chunks of 256 splats and in Morton order, which makes the chunks' bounds small. What is lost: positions
+ * Writes a compressed PLY, in chunks of 256 splats in the order of `chunkOrder`. What is lost: positions
  * and log scales keep 10 or 11 bits between the least and the greatest value of their chunk, base colours 8, opacities 8 between 0
  * and 1, components of rotations 10, harmonics 8 between −4 and 4; bounds are float32, so that coordinates far from 0 are coarser.
  */
@@ -30,7 +31,7 @@ export const writeCompressedPly: WriteFormat = async (set, options) => {
   const bytes = fileMemory(shStart + count * shValues);
   bytes.set(header);
   const view = new DataView(bytes.buffer);
-  const order = mortonOrder(set.positions, count);
+  const order = chunkOrder(set);
   const chunk = new Chunk(set);
   const sh = new Float32Array(shValues);
   await writeInTurns(count, options, (from, to) => {
@@ -46,6 +47,18 @@ export const writeCompressedPly: WriteFormat = async (set, options) => {
   });
   return bytes;
 };
+
+/**
+ * The splat of each row. In Morton order, chunks are small; and all the smaller if boxes of the scene's proportions are cut, and not cubes:
+ * by a tenth to a seventh in the scenes that were tried.
+ */
+export function chunkOrder({ positions, count }: SplatSet<Harmonics>): Uint32Array {
+  const { min, max } = centerBounds(positions, count);
+  // At least a little, for flat scenes.
+  const extents = max.map((value, axis) => Math.max(value - min[axis], Number.MIN_VALUE));
+  const unit = positions.map((value, i) => (value - min[i % 3]) / extents[i % 3]);
+  return mortonOrder(unit, count);
+}
 
 function headerText(set: SplatSet<Harmonics>): string {
   const shValues = coefficientsPerSplat(set.harmonics.degree);

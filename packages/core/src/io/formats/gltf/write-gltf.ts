@@ -1,4 +1,5 @@
 import { InvalidArgumentError } from '../../../errors.ts';
+import { centerBounds } from '../../../packing/center-bounds.ts';
 import { type Harmonics, readCoefficients } from '../../../packing/harmonics.ts';
 import { normalizedRotation } from '../../../packing/rotation.ts';
 import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.ts';
@@ -84,7 +85,7 @@ function describe(
     count,
     type: size === 1 ? 'SCALAR' : `VEC${size}`,
     // Bounds of positions are required.
-    ...(semantic === 'POSITION' && boundsOf(set)),
+    ...(semantic === 'POSITION' && centerBounds(set.positions, count)),
   }));
   const isMoved = origin.some((value) => value !== 0);
   const json = {
@@ -109,17 +110,6 @@ function describe(
     accessors,
   };
   return { json, binaryBytes };
-}
-
-function boundsOf({ count, positions }: SplatSet<Harmonics>): { min: number[]; max: number[] } {
-  const min = new Array(3).fill(Number.POSITIVE_INFINITY);
-  const max = new Array(3).fill(Number.NEGATIVE_INFINITY);
-  for (let i = 0; i < 3 * count; i++) {
-    const axis = i % 3;
-    if (positions[i] < min[axis]) min[axis] = positions[i];
-    if (positions[i] > max[axis]) max[axis] = positions[i];
-  }
-  return { min, max };
 }
 
 function tooLong(splat: number, logScale: number): InvalidArgumentError {

@@ -1,6 +1,6 @@
 import type { SplatFormat } from '../splat-format.ts';
 
-/** A PLY or SPZ that is packed by gzip, under any name. */
+/** A scene that is packed by gzip, under any name. */
 export const gzipFormat: SplatFormat = {
   name: 'gzip',
   title: 'gzip',

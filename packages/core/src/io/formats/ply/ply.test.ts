@@ -21,6 +21,7 @@ import {
 } from '../../../testing/ply-fixture.ts';
 import { rowsOf } from '../../../testing/rows-of.ts';
 import { readSplats } from '../../loading/read-splats.ts';
+import { SNIFF_BYTES } from '../splat-format.ts';
 import { encodePly } from './write-ply.ts';
 
 // Properties run hundreds of reads, on machines that may be busy with other tests.
@@ -567,7 +568,7 @@ describe('what is refused', () => {
       name: 'compressed, which nothing in the first bytes tells',
       bytes: header(
         `format ${LE} 1.0`,
-        `comment ${'x'.repeat(512)}`,
+        `comment ${'x'.repeat(SNIFF_BYTES)}`,
         'element chunk 1',
         'property float min_x',
         'element vertex 1',

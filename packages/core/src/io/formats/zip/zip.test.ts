@@ -91,8 +91,8 @@ describe('what is refused', () => {
     ['nothing', { 'a/': new Uint8Array(0) }, /nothing in it/],
     [
       'other files',
-      { 'a.spz': text('x'), 'b.txt': text('y') },
-      /with a\.spz, b\.txt; SOG and PLY are read.*Unpack it/,
+      { 'a.obj': text('x'), 'b.txt': text('y') },
+      /with a\.obj, b\.txt; read out of archives are SOG, PLY, .*Unpack it/,
     ],
     ['two PLYs', { 'a.ply': ply, 'b/c.ply': ply }, /2 scenes: a\.ply, b\/c\.ply/],
     ['two SOGs', { 'a/meta.json': text('{}'), 'b/meta.json': text('{}') }, /2 scenes/],

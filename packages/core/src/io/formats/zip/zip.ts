@@ -6,19 +6,18 @@ import { ByteReader } from '../../sources/byte-reader.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import type { OpenedSource } from '../../sources/splat-source.ts';
-import { readPly } from '../ply/ply.ts';
-import { plyFormat } from '../ply/ply-format.ts';
+import { isPackedScene, PACKED_TITLES, packedReaderOf } from '../packed-readers.ts';
 import { clip } from '../ply/ply-header.ts';
 import type { RowsTo } from '../row-sink.ts';
 import { readSog } from '../sog/sog.ts';
 import { sogFormat } from '../sog/sog-format.ts';
-import type { ReadFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
+import { SNIFF_BYTES, type SplatFormatOptions, type SplatInput } from '../splat-format.ts';
 
 /** Most files that a message lists. */
 const MOST_LISTED = 8;
 
 /**
- * Reads the scene in a zip archive, which is a folder packed into one file: SOG, or one PLY.
+ * Reads the scene in a zip archive, which is a folder packed into one file: SOG, or one file of another format.
  *
  * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
  */
@@ -30,7 +29,7 @@ export async function readZip(
   const { name, isHeld, totalBytes } = input;
   const bytes = await readAll(input.reader, Number.POSITIVE_INFINITY, isHeld ? totalBytes : 0);
   const entries = readZipDirectory(bytes, name).filter(({ path }) => !isByproduct(path));
-  const { entry: leading, read } = findScene(entries, name);
+  const leading = findScene(entries, name);
   const folder = leading.path.replace(/[^/]*$/, '');
   let leftBytes = unpackedLimit(options, { totalBytes: bytes.length });
   const open = (entry: ZipEntry): OpenedSource => {
@@ -52,6 +51,10 @@ export async function readZip(
   const { stream, ...about } = open(leading);
   const reader = new ByteReader({ name: about.name, stream }, options.signal);
   try {
+    const read = isSogLeading(leading)
+      ? readSog
+      : packedReaderOf(await reader.peek(SNIFF_BYTES), nameOf(leading));
+    if (!read) throw new SplatFileError('unknown-format', name, nothingReadMessage(entries));
     return await read({ ...about, reader, packed: input, openPart }, options, rowsTo);
   } finally {
     reader.close();
@@ -63,24 +66,34 @@ function isByproduct(path: string): boolean {
   return /^__MACOSX\/|(?:^|\/)\._[^/]*$/.test(path);
 }
 
-/** The file to begin with, and the code that reads it. */
-function findScene(entries: readonly ZipEntry[], file: string): { entry: ZipEntry; read: ReadFormat } {
-  const nameOf = ({ path }: ZipEntry) => path.replace(/^.*\//, '').toLowerCase();
+/** Without folders, in lower case. */
+function nameOf({ path }: ZipEntry): string {
+  return path.replace(/^.*\//, '').toLowerCase();
+}
+
+function isSogLeading(entry: ZipEntry): boolean {
+  return sogFormat.leadingFile?.test(nameOf(entry)) ?? false;
+}
+
+/** The file to begin with. */
+function findScene(entries: readonly ZipEntry[], file: string): ZipEntry {
   const depthOf = ({ path }: ZipEntry) => path.split('/').length;
-  const leading = entries.filter((entry) => sogFormat.leadingFile?.test(nameOf(entry)));
-  if (leading.length > 0) {
-    // A streamed scene leads to others that are in folders of its own.
-    const least = Math.min(...leading.map(depthOf));
-    const outermost = leading.filter((entry) => depthOf(entry) === least);
-    if (outermost.length === 1) return { entry: outermost[0], read: readSog };
-    throw new SplatFileError('unknown-format', file, severalMessage(outermost));
-  }
-  const ply = entries.filter((entry) => plyFormat.extensions.some((end) => nameOf(entry).endsWith(end)));
-  if (ply.length === 1) return { entry: ply[0], read: readPly };
-  if (ply.length > 1) throw new SplatFileError('unknown-format', file, severalMessage(ply));
-  const found = entries.length === 0 ? 'nothing in it' : listOf(entries);
-  const message = `it is a zip archive with ${found}; SOG and PLY are read out of archives. Unpack it, and open what is in it.`;
+  const leading = entries.filter(isSogLeading);
+  // A streamed scene leads to others that are in folders of its own.
+  const least = Math.min(...leading.map(depthOf));
+  const scenes =
+    leading.length > 0
+      ? leading.filter((entry) => depthOf(entry) === least)
+      : entries.filter((entry) => isPackedScene(nameOf(entry)));
+  if (scenes.length === 1) return scenes[0];
+  const message = scenes.length > 1 ? severalMessage(scenes) : nothingReadMessage(entries);
   throw new SplatFileError('unknown-format', file, message);
+}
+
+function nothingReadMessage(entries: readonly ZipEntry[]): string {
+  const found = entries.length === 0 ? 'nothing in it' : listOf(entries);
+  const titles = ['SOG', ...PACKED_TITLES].join(', ');
+  return `it is a zip archive with ${found}; read out of archives are ${titles}. Unpack it, and open what is in it.`;
 }
 
 function severalMessage(entries: readonly ZipEntry[]): string {

@@ -1,0 +1,116 @@
+import { encodePly, readSplats, type SplatSet } from '@websplatter/core';
+import { WRITABLE_FORMATS } from '@websplatter/core/write';
+import { afterEach, expect, test, vi } from 'vitest';
+import type { SceneSource } from '../scene/scene-source.ts';
+import { createViewerStore } from '../state/store.ts';
+import type { SaveReply } from './save.worker.ts';
+import { Saving, savedName } from './saving.ts';
+import { writeScene } from './write-scene.ts';
+
+const onePoint: SplatSet = {
+  count: 1,
+  origin: [0, 0, 0],
+  positions: Float32Array.of(1, 2, 3),
+  logScales: new Float32Array(3),
+  rotations: Float32Array.of(1, 0, 0, 0),
+  opacityLogits: new Float32Array(1),
+  colorDc: new Float32Array(3),
+  harmonics: { degree: 0, coefficients: new Float32Array() },
+  fileIndices: new Uint32Array(1),
+  dropped: {},
+};
+
+test.each([
+  { formatName: 'spz', isUpsideDown: true, isTurned: false },
+  { formatName: 'spz', isUpsideDown: false, isTurned: true },
+  { formatName: 'gltf', isUpsideDown: true, isTurned: true },
+  { formatName: 'gltf', isUpsideDown: false, isTurned: false },
+])(
+  '$formatName, upside down: $isUpsideDown, is turned: $isTurned',
+  async ({ formatName, isUpsideDown, isTurned }) => {
+    const source = { kind: 'file' as const, name: 'a.ply', source: new File([encodePly(onePoint)], 'a.ply') };
+    const phases = new Set<string>();
+    const bytes = await writeScene({ source, formatName, isUpsideDown }, ({ phase }) => phases.add(phase));
+    const { positions, origin } = await readSplats(bytes);
+    expect(origin.map((value, axis) => value + positions[axis])).toEqual(isTurned ? [1, -2, -3] : [1, 2, 3]);
+    expect([...phases]).toEqual(['read', 'write']);
+  },
+);
+
+test('built-in scenes are made again', async () => {
+  const source = { kind: 'builtin' as const, name: 'still-life-small' };
+  const bytes = await writeScene({ source, formatName: 'ply', isUpsideDown: true }, () => {});
+  expect((await readSplats(bytes)).count).toBe(10_000);
+});
+
+test.each([
+  ['garden.ply', 'garden.spz'],
+  ['garden.compressed.ply', 'garden.spz'],
+  ['My garden, v1.5.SPZ', 'My garden, v1.5.spz'],
+  ['Still life', 'Still life.spz'],
+])('%s is saved as %s', (title, name) => {
+  expect(savedName(title, { extension: '.spz' })).toBe(name);
+});
+
+class FakeWorker {
+  static readonly started: FakeWorker[] = [];
+  readonly posted: unknown[] = [];
+  isEnded = false;
+  onmessage: ((event: { data: SaveReply }) => void) | null = null;
+
+  constructor() {
+    FakeWorker.started.push(this);
+  }
+
+  postMessage(message: unknown): void {
+    this.posted.push(message);
+  }
+
+  terminate(): void {
+    this.isEnded = true;
+  }
+}
+
+afterEach(() => vi.unstubAllGlobals());
+
+function startSaving(source: SceneSource) {
+  vi.stubGlobal('Worker', FakeWorker);
+  const store = createViewerStore();
+  store.setState({ isFlipped: true });
+  const saving = new Saving(store, () => source);
+  FakeWorker.started.length = 0;
+  saving.start(WRITABLE_FORMATS[0]);
+  return { store, saving, worker: FakeWorker.started.at(0) };
+}
+
+test('progress is shown; saving can be cancelled, and started again', () => {
+  const { store, saving, worker } = startSaving({ kind: 'url', url: new URL('https://example.org/a.spz') });
+  const source = { kind: 'url', href: 'https://example.org/a.spz' };
+  expect(worker?.posted).toEqual([{ source, formatName: WRITABLE_FORMATS[0].name, isUpsideDown: true }]);
+  worker?.onmessage?.({ data: { kind: 'progress', phase: 'write', part: 0.5 } });
+  expect(store.getState().saving).toMatchObject({ phase: 'write', part: 0.5 });
+  // One at a time.
+  saving.start(WRITABLE_FORMATS[0]);
+  expect(FakeWorker.started.length).toBe(1);
+  saving.cancel();
+  expect(worker?.isEnded).toBe(true);
+  expect(store.getState()).toMatchObject({ saving: null, notice: expect.stringContaining('cancelled') });
+  saving.start(WRITABLE_FORMATS[0]);
+  expect(FakeWorker.started.length).toBe(2);
+});
+
+test('a scene that cannot be saved is told with the reason, and stays', () => {
+  const { store, worker } = startSaving({ kind: 'file', name: 'a.ply', source: new File([], 'a.ply') });
+  worker?.onmessage?.({ data: { kind: 'failed', message: 'Splat 3 is far away.', isFault: false } });
+  expect(store.getState()).toMatchObject({
+    saving: null,
+    failure: { message: 'Splat 3 is far away.', title: expect.stringContaining('cannot be saved') },
+  });
+  expect(worker?.isEnded).toBe(true);
+});
+
+test('a hard case is not saved', () => {
+  const { store, worker } = startSaving({ kind: 'hard-case', name: 'sort-1-keys' });
+  expect(worker).toBeUndefined();
+  expect(store.getState().saving).toBeNull();
+});

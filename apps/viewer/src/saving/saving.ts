@@ -1,0 +1,96 @@
+import type { WritableFormat } from '@websplatter/core/write';
+import { type SceneSource, titleOf } from '../scene/scene-source.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { formatBytes } from '../words/format.ts';
+import type { SaveReply } from './save.worker.ts';
+import type { SavedSource, SaveRequest } from './write-scene.ts';
+
+/** A page may still be fetching what it saves for so long, ms. */
+const DOWNLOAD_MS = 60_000;
+
+/** Saves the scene on the screen as a file, one at a time. */
+export class Saving {
+  readonly #store: ViewerStore;
+  readonly #sourceOf: () => SceneSource | undefined;
+  #worker: Worker | null = null;
+
+  /** @param sourceOf where the scene on the screen comes from. */
+  constructor(store: ViewerStore, sourceOf: () => SceneSource | undefined) {
+    this.#store = store;
+    this.#sourceOf = sourceOf;
+  }
+
+  /** Writes the scene in another format and hands the file to the browser. Does nothing where there is nothing to save. */
+  start(format: WritableFormat): void {
+    const sceneSource = this.#sourceOf();
+    const source = sceneSource && savedSource(sceneSource);
+    if (!source || this.#worker) return;
+    const fileName = savedName(titleOf(sceneSource), format);
+    const { isFlipped } = this.#store.getState();
+    this.#store.setState({ saving: { fileName, phase: 'read', part: undefined }, failure: null });
+    const worker = new Worker(new URL('./save.worker.ts', import.meta.url), { type: 'module' });
+    this.#worker = worker;
+    worker.onmessage = ({ data }: MessageEvent<SaveReply>) => this.#take(data, fileName);
+    worker.onerror = ({ message }) =>
+      this.#fail(fileName, message || 'The worker could not be started, or had no memory.', true);
+    worker.postMessage({ source, formatName: format.name, isUpsideDown: isFlipped } satisfies SaveRequest);
+  }
+
+  cancel(): void {
+    const { saving } = this.#store.getState();
+    this.#end();
+    if (saving) this.#store.setState({ notice: `Saving ${saving.fileName} was cancelled.` });
+  }
+
+  #take(reply: SaveReply, fileName: string): void {
+    if (reply.kind === 'progress') {
+      const { phase, part } = reply;
+      this.#store.setState({ saving: { fileName, phase, part } });
+      return;
+    }
+    if (reply.kind === 'failed') {
+      this.#fail(fileName, reply.message, reply.isFault);
+      return;
+    }
+    this.#end();
+    download(reply.bytes, fileName);
+    this.#store.setState({ notice: `Saved ${fileName} (${formatBytes(reply.bytes.length)}).` });
+  }
+
+  #fail(fileName: string, message: string, isFault: boolean): void {
+    this.#end();
+    const failure = { title: `${fileName} cannot be saved`, message, advice: '', isFault };
+    this.#store.setState({ failure });
+  }
+
+  #end(): void {
+    this.#worker?.terminate();
+    this.#worker = null;
+    this.#store.setState({ saving: null });
+  }
+}
+
+/** Null for hard cases, which are several clouds and no file. */
+function savedSource(source: SceneSource): SavedSource | null {
+  switch (source.kind) {
+    case 'builtin':
+      return { kind: 'builtin', name: source.scene.name };
+    case 'file':
+      return source;
+    case 'url':
+      return { kind: 'url', href: source.url.href };
+    case 'hard-case':
+      return null;
+  }
+}
+
+/** The name of a scene's file, or of what is in it, with another end. */
+export function savedName(title: string, { extension }: Pick<WritableFormat, 'extension'>): string {
+  return `${title.replace(/(\.compressed)?\.[a-z]+$/i, '') || 'scene'}${extension}`;
+}
+
+function download(bytes: Uint8Array<ArrayBuffer>, fileName: string): void {
+  const href = URL.createObjectURL(new Blob([bytes]));
+  Object.assign(document.createElement('a'), { href, download: fileName }).click();
+  setTimeout(() => URL.revokeObjectURL(href), DOWNLOAD_MS);
+}

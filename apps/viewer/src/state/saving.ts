@@ -1,0 +1,7 @@
+/** A scene that is being written as a file. */
+export interface SavingState {
+  readonly fileName: string;
+  readonly phase: 'read' | 'write';
+  /** 0…1 of the phase; undefined where that is not known. */
+  readonly part: number | undefined;
+}
