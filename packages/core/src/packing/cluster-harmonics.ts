@@ -211,8 +211,8 @@ class Clusters {
     let error = 0;
     for (let i = 0; i < owners.length; i++) {
       const owner = owners[i];
-      const { entry, distance } = search.nearest(this.#rows, i * length, owner, farDistance);
-      error += distance;
+      const entry = search.nearest(this.#rows, i * length, owner, farDistance);
+      error += search.distance;
       if (entry !== owner) {
         this.#give(i, owner, -1);
         this.#give(i, entry, 1);
@@ -250,7 +250,7 @@ async function assignOthers(
   const row = new Float32Array(length);
   for (let i = 0; i < splats.length; i++) {
     frame.turn(harmonics, splats[i], row, 0);
-    indices[splats[i]] = search.nearest(row, 0, leafOf(tree, row), 0).entry;
+    indices[splats[i]] = search.nearest(row, 0, leafOf(tree, row), 0);
     if (i % ROWS_AT_ONCE === 0) await turns.give();
   }
 }
