@@ -615,8 +615,8 @@ function lookUpColors(
   return argb;
 }
 
-/** Changes the order of the channels in place, and shows the pixels as bytes. */
-function toRgba(argb: Int32Array<ArrayBuffer>): Uint8Array<ArrayBuffer> {
+/** Changes the order of the channels in place, from B, G, R, A in memory, and shows the pixels as bytes. */
+export function toRgba(argb: Int32Array<ArrayBuffer>): Uint8Array<ArrayBuffer> {
   for (let i = 0; i < argb.length; i++) {
     const pixel = argb[i];
     argb[i] = (pixel & 0xff00ff00) | ((pixel >>> 16) & 255) | ((pixel & 255) << 16);

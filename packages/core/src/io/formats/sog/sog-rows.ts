@@ -67,7 +67,12 @@ export function sogRows(
         const label = labels[at] | (labels[at + 1] << 8);
         if (label >= paletteSize) throw labelError(file, next, label, paletteSize);
         const from = label * coefficients;
-        for (let k = 0; k < coefficients; k++) rows[harmonic++] = palette[from + k];
+        // Three at once, red, green and blue, take less time.
+        for (let k = 0; k < coefficients; k += 3, harmonic += 3) {
+          rows[harmonic] = palette[from + k];
+          rows[harmonic + 1] = palette[from + k + 1];
+          rows[harmonic + 2] = palette[from + k + 2];
+        }
       }
       // The memory may have been used before.
       while (harmonic < row + length) rows[harmonic++] = 0;
