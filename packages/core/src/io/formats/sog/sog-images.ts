@@ -4,10 +4,8 @@ import { browserDecoder } from '../../containers/browser-webp.ts';
 import { decodeWebp, openWebp, type WebpImage } from '../../containers/webp.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import type { PartReader } from './part-reader.ts';
+import { PALETTE_COLUMNS } from './sog-layout.ts';
 import type { SogHarmonics, SogMeta } from './sog-meta.ts';
-
-/** Colours in a row of a palette's image. */
-const PALETTE_COLUMNS = 64;
 
 /** The images of a SOG, decoded: R, G, B, A of each splat in turn. */
 export interface SogImages {
