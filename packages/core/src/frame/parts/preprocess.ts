@@ -309,39 +309,20 @@ function writeConstants(
   if (plans.byteLength > 0) queue.writeBuffer(buffers.pagePlans, 0, plans);
 }
 
-function cullSplatsStage(
-  { isOrthographic, accuracy }: FrameShape,
-  { planes, effects, isIsotropic, hasFaintSplats }: CloudShape,
-): StageDefinition {
-  const { extent, culling } = accuracy;
-  const { geometryPrecision } = planes;
-  return cullSplats({
-    isOrthographic,
-    geometryPrecision,
-    extent,
-    culling,
-    effects,
-    isIsotropic,
-    hasFaintSplats,
-  });
+/** What a stage's variant shares with shape, settings and planes has one name in all of them. */
+function cullSplatsStage(shape: FrameShape, cloud: CloudShape): StageDefinition {
+  return cullSplats({ ...shape.accuracy, ...shape, ...cloud.planes, ...cloud });
 }
 
-function projectStage(
-  { isOrthographic, accuracy, shortensKeys }: FrameShape,
-  { cloud, planes, effects, shDegree, keepsColors, isIsotropic }: CloudShape,
-): StageDefinition {
-  const { geometryPrecision, shPrecision } = planes;
+function projectStage(shape: FrameShape, cloud: CloudShape): StageDefinition {
+  const { accuracy, shortensKeys } = shape;
   return project({
-    isOrthographic,
-    geometryPrecision,
-    recordPrecision: accuracy.recordPrecision,
-    shPrecision,
+    ...accuracy,
+    ...shape,
+    ...cloud.planes,
+    ...cloud,
     shortKeyBits: shortensKeys ? accuracy.sortKeyBits : null,
     maxColor: maxColor(accuracy),
-    storedShDegree: cloud.shDegree,
-    shDegree,
-    effects,
-    keepsColors,
-    isIsotropic,
+    storedShDegree: cloud.cloud.shDegree,
   });
 }
