@@ -1,6 +1,6 @@
 import { createNodeGpu } from '@websplatter/node';
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
 import { orthographicCamera, perspectiveCamera } from '../camera/camera.ts';
 import { SplatEngine } from '../engine.ts';
 import { InvalidArgumentError } from '../errors.ts';
@@ -121,6 +121,25 @@ describe('the order of a frame', () => {
       for (const { cloud } of clouds) cloud.destroy();
     },
   );
+
+  gpuTest('stays that of the last frame while shaders for another compile', async () => {
+    const flat = { ...LARGE, logScales: [-0.5, -0.5, -2] };
+    const cloud = engine.add(splatsOf([{ ...flat, position: [0, 0, -2] }]));
+    const frame = { clouds: [{ cloud }], ...SIZE };
+    const other = engine.createView();
+    other.render({ ...frame, camera: PERSPECTIVE });
+    await other.whenDrawn();
+    const moved = perspectiveCamera({ ...PLACE, position: [0.1, 0, 0], fovYDegrees: 90 });
+    const submit = vi.spyOn(device.queue, 'submit');
+    other.render({ ...frame, camera: moved, sortBy: 'distance' });
+    expect(submit).toHaveBeenCalled();
+    submit.mockRestore();
+    expect(other.shape!.sortsByDistance).toBe(false);
+    await other.whenDrawn();
+    expect(other.shape!.sortsByDistance).toBe(true);
+    other.destroy();
+    cloud.destroy();
+  });
 
   gpuTest(
     'by distance leaves tiles to go on behind a surface of the host: what comes next may be before it',

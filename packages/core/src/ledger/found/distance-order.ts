@@ -9,13 +9,13 @@ export const distanceOrder: FoundInCloud = {
   conditions: ['DISTANCE_ORDER'],
   bindings: [],
   stages: ['cull-splats', 'project'],
-  calledFor: ({ plan: { shape, request }, cloud: { instance } }) => {
-    if (!shape.sortsByDistance) return null;
-    if (request.sortBy === 'distance') return 'the request asks for it';
-    return instance.cloud.facts.fileFacts?.isSortedByDistance ? 'its file asks for it' : null;
+  calledFor: ({ plan, shape: { cloud } }) => {
+    if (!plan.shape.sortsByDistance) return null;
+    if (plan.request.sortBy === 'distance') return 'the request asks for it';
+    return cloud.facts.fileFacts?.isSortedByDistance ? 'its file asks for it' : null;
   },
-  offReason: ({ plan: { shape, request } }) => {
-    if (shape.isOrthographic) return 'the camera has no perspective';
-    return request.sortBy === 'depth' ? 'the request asks for depths' : 'no file asks for it';
+  offReason: ({ plan }) => {
+    if (plan.shape.isOrthographic) return 'the camera has no perspective';
+    return plan.request.sortBy === 'depth' ? 'the request asks for depths' : 'no file asks for it';
   },
 };
