@@ -1,6 +1,6 @@
 import { readFileSync } from 'node:fs';
 import { expect, test } from 'vitest';
-import { runMain, TestFolder, threeSplats } from './testing/test-folder.ts';
+import { gltfOfOneSplat, runMain, TestFolder, threeSplats } from './testing/test-folder.ts';
 
 test('info describes a file', async () => {
   const scene = new TestFolder().scene();
@@ -34,42 +34,10 @@ test('info says what a file says of itself', async () => {
 test('info says by what a glTF is sorted', async () => {
   const folder = new TestFolder();
   const infoOf = async (sortingMethod?: string) =>
-    (await runMain('info', folder.write('splat.gltf', gltfOfOneSplat(sortingMethod)))).out;
+    (await runMain('info', folder.write('splat.gltf', gltfOfOneSplat({ sortingMethod })))).out;
   expect(await infoOf()).toMatch(/^sorted by +distance from the camera$/m);
   expect(await infoOf('zDepth')).not.toMatch(/^sorted by/m);
 });
-
-/** A glTF with one splat whose attributes are all ones. */
-function gltfOfOneSplat(sortingMethod: string | undefined): object {
-  const types = {
-    POSITION: 'VEC3',
-    ROTATION: 'VEC4',
-    SCALE: 'VEC3',
-    OPACITY: 'SCALAR',
-    SH_DEGREE_0_COEF_0: 'VEC3',
-  };
-  const names = Object.keys(types).map((name) =>
-    name === 'POSITION' ? name : `KHR_gaussian_splatting:${name}`,
-  );
-  const extension = { kernel: 'ellipse', colorSpace: 'srgb_rec709_display', sortingMethod };
-  const primitive = {
-    mode: 0,
-    attributes: Object.fromEntries(names.map((name, index) => [name, index])),
-    extensions: { KHR_gaussian_splatting: extension },
-  };
-  const ones = Buffer.from(new Float32Array(4).fill(1).buffer).toString('base64');
-  return {
-    asset: { version: '2.0' },
-    extensionsUsed: ['KHR_gaussian_splatting'],
-    scene: 0,
-    scenes: [{ nodes: [0] }],
-    nodes: [{ mesh: 0 }],
-    meshes: [{ primitives: [primitive] }],
-    buffers: [{ byteLength: 16, uri: `data:application/octet-stream;base64,${ones}` }],
-    bufferViews: [{ buffer: 0, byteLength: 16 }],
-    accessors: Object.values(types).map((type) => ({ bufferView: 0, componentType: 5126, count: 1, type })),
-  };
-}
 
 test('info counts what was left out, by reason', async () => {
   const set = threeSplats();
