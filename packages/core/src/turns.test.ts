@@ -5,8 +5,8 @@ test('other tasks have their turns during long work', async () => {
   const turns = new Turns(undefined);
   let others = 0;
   const other = nextTask().then(() => others++);
-  const end = performance.now() + 20;
-  while (performance.now() < end) await turns.give();
+  // Without end if it gave none.
+  for (let i = 0; i < 1e7 && others === 0; i++) await turns.give();
   expect(others).toBe(1);
   await other;
 });

@@ -40,7 +40,8 @@ const PROGRESS = { rounds: 0.2, lastPass: 0.9 } as const;
  * A tree of cuts gives the first entries (`splitRows`), in time N·log E. In each round then, splats move to nearer entries, and entries
  * to the means of their splats. Only neighbours of a splat's entry are looked at, in coordinates along the axes of largest variance,
  * where a few values tell that an entry is too far away; finding the neighbours takes time E^1.5. Comparing each splat with each entry
- * would take N·E. Memory beyond the palette: 12K bytes for each splat of the sample, and 48K + 192 for each entry.
+ * would take N·E. Memory beyond the palette: 4 bytes for each coefficient of the splats of the sample, 20 for each of the entries, and
+ * 400 for each entry.
  *
  * Rejects with InvalidArgumentError 'entryCount', or with the signal's reason.
  */
@@ -73,7 +74,7 @@ export async function clusterHarmonics(
   for (let round = 0; round < MOST_ROUNDS; round++) {
     const { rounds, lastPass } = PROGRESS;
     onProgress?.(rounds + ((lastPass - rounds) * round) / MOST_ROUNDS);
-    clusters.moveEntries();
+    await clusters.moveEntries(turns);
     const reaches = await clusters.reaches(turns);
     const { entries } = clusters;
     search = await EntrySearch.among(entries, length, tree.cells, reaches, search, turns);
@@ -84,7 +85,7 @@ export async function clusterHarmonics(
   onProgress?.(PROGRESS.lastPass);
   for (let i = 0; i < sampleCount; i++) indices[ids[i]] = clusters.owners[i];
   if (sampleCount < count) {
-    clusters.moveEntries();
+    await clusters.moveEntries(turns);
     const isSampled = new Uint8Array(count);
     for (const id of ids) isSampled[id] = 1;
     const others = Uint32Array.from({ length: count }, (_, i) => i).filter((i) => isSampled[i] === 0);
@@ -181,11 +182,13 @@ class Clusters {
   }
 
   /** To the means of their rows; those without rows stay. */
-  moveEntries(): void {
+  async moveEntries(turns: Turns): Promise<void> {
     const length = this.#length;
-    for (let i = 0; i < this.entries.length; i++) {
-      const count = this.#counts[Math.floor(i / length)];
-      if (count > 0) this.entries[i] = this.#sums[i] / count;
+    for (let entry = 0; entry < this.entryCount; entry++) {
+      const count = this.#counts[entry];
+      for (let k = entry * length; k < (entry + 1) * length && count > 0; k++)
+        this.entries[k] = this.#sums[k] / count;
+      if (entry % ROWS_AT_ONCE === 0) await turns.give();
     }
   }
 
@@ -211,8 +214,8 @@ class Clusters {
     let error = 0;
     for (let i = 0; i < owners.length; i++) {
       const owner = owners[i];
-      const { entry, distance } = search.nearest(this.#rows, i * length, owner, farDistance);
-      error += distance;
+      const entry = search.nearest(this.#rows, i * length, owner, farDistance);
+      error += search.distance;
       if (entry !== owner) {
         this.#give(i, owner, -1);
         this.#give(i, entry, 1);
@@ -250,7 +253,7 @@ async function assignOthers(
   const row = new Float32Array(length);
   for (let i = 0; i < splats.length; i++) {
     frame.turn(harmonics, splats[i], row, 0);
-    indices[splats[i]] = search.nearest(row, 0, leafOf(tree, row), 0).entry;
+    indices[splats[i]] = search.nearest(row, 0, leafOf(tree, row), 0);
     if (i % ROWS_AT_ONCE === 0) await turns.give();
   }
 }
@@ -280,7 +283,12 @@ async function entriesOf(
     for (let k = 0; k < length; k++) sums[entry * length + k] += values[k];
     if (i % ROWS_AT_ONCE === 0) await turns.give();
   }
-  return Float32Array.from(sums, (sum, i) => sum / counts[Math.floor(i / length)]);
+  const entries = new Float32Array(used * length);
+  for (let entry = 0; entry < used; entry++) {
+    for (let k = entry * length; k < (entry + 1) * length; k++) entries[k] = sums[k] / counts[entry];
+    if (entry % ROWS_AT_ONCE === 0) await turns.give();
+  }
+  return entries;
 }
 
 function readClamped(harmonics: Harmonics, splat: number, values: Float64Array): void {

@@ -20,6 +20,9 @@ export class EntrySearch {
   /** Squared distance from their entry. */
   readonly #distances: Float64Array;
   readonly #nearestCells: Nearest;
+  /** Squared distance of the entry that `nearest` found last. */
+  distance = 0;
+  #entry = 0;
 
   /**
    * @param entries of `length` values each.
@@ -69,9 +72,11 @@ export class EntrySearch {
       // They will be met again, and with them no others that are farther.
       nearest.clear(nearest.bound * (1 + Number.EPSILON));
       search.#findCells(entries, at);
-      for (const cell of search.#nearestCells.found())
+      for (let i = 0; i < search.#nearestCells.count; i++) {
+        const cell = search.#nearestCells.items[i];
         for (let other = cells[cell]; other < cells[cell + 1]; other++) if (other !== entry) look(other);
-      search.#neighbours.set(nearest.found(), entry * NEIGHBOURS);
+      }
+      search.#neighbours.set(nearest.items.subarray(0, nearest.count), entry * NEIGHBOURS);
       search.#distances.set(nearest.distances.subarray(0, nearest.count), entry * NEIGHBOURS);
     }
     return search;
@@ -79,41 +84,43 @@ export class EntrySearch {
 
   /**
    * The nearest entry to a row that is found: goes from entry to entry for as long as a neighbour is nearer, and looks through the
-   * nearest cells if that ends far away.
+   * nearest cells if that ends far away. `distance` tells how near it is.
    *
    * @param at Where the row begins in `rows`.
    * @param from Entry to begin with.
    * @param farDistance Squared.
    */
-  nearest(
-    rows: Float32Array,
-    at: number,
-    from: number,
-    farDistance: number,
-  ): { entry: number; distance: number } {
-    const entries = this.#entries;
-    const length = this.#length;
-    let entry = from;
-    let distance = squaredDistance(rows, at, entries, entry * length, length, Number.POSITIVE_INFINITY);
-    const look = (other: number) => {
-      const toOther = squaredDistance(rows, at, entries, other * length, length, distance);
-      if (toOther < distance) [entry, distance] = [other, toOther];
-    };
-    for (let left = -1; left !== entry; ) {
-      left = entry;
+  nearest(rows: Float32Array, at: number, from: number, farDistance: number): number {
+    this.#entry = from;
+    this.distance = Number.POSITIVE_INFINITY;
+    this.#look(rows, at, from);
+    for (let left = -1; left !== this.#entry; ) {
+      left = this.#entry;
       // None of those that follow can be nearer to the row than the entry itself.
-      const limit = 4 * distance;
+      const limit = 4 * this.distance;
       for (let i = left * NEIGHBOURS; i < (left + 1) * NEIGHBOURS; i++) {
         if (this.#neighbours[i] < 0 || this.#distances[i] >= limit) break;
-        look(this.#neighbours[i]);
+        this.#look(rows, at, this.#neighbours[i]);
       }
     }
-    if (distance > farDistance) {
+    if (this.distance > farDistance) {
       this.#findCells(rows, at);
-      for (const cell of this.#nearestCells.found())
-        for (let other = this.#cells[cell]; other < this.#cells[cell + 1]; other++) look(other);
+      for (let i = 0; i < this.#nearestCells.count; i++) {
+        const cell = this.#nearestCells.items[i];
+        for (let other = this.#cells[cell]; other < this.#cells[cell + 1]; other++)
+          this.#look(rows, at, other);
+      }
     }
-    return { entry, distance };
+    return this.#entry;
+  }
+
+  /** Takes an entry if it is nearer to a row than that which was found so far. */
+  #look(rows: Float32Array, at: number, entry: number): void {
+    const length = this.#length;
+    const distance = squaredDistance(rows, at, this.#entries, entry * length, length, this.distance);
+    if (distance >= this.distance) return;
+    this.distance = distance;
+    this.#entry = entry;
   }
 
   /** Those nearest to a row. */
@@ -140,38 +147,32 @@ function meansOf(entries: Float32Array, length: number, cells: Uint32Array): Flo
 
 /** The nearest few of what is offered, nearest first. */
 class Nearest {
-  readonly #items: Int32Array;
+  readonly items: Int32Array;
   readonly distances: Float64Array;
   count = 0;
-  #limit = 0;
+  /** What is not nearer is not among them. */
+  bound = 0;
 
   constructor(most: number) {
-    this.#items = new Int32Array(most);
+    this.items = new Int32Array(most);
     this.distances = new Float64Array(most);
   }
 
-  clear(limit: number): void {
+  clear(bound: number): void {
     this.count = 0;
-    this.#limit = limit;
-  }
-
-  found(): Int32Array {
-    return this.#items.subarray(0, this.count);
-  }
-
-  /** What is not nearer is not among them. */
-  get bound(): number {
-    return this.count < this.#items.length ? this.#limit : this.distances[this.count - 1];
+    this.bound = bound;
   }
 
   offer(item: number, distance: number): void {
     if (distance >= this.bound) return;
-    let at = this.count < this.#items.length ? this.count++ : this.count - 1;
-    for (; at > 0 && this.distances[at - 1] > distance; at--) {
-      this.#items[at] = this.#items[at - 1];
-      this.distances[at] = this.distances[at - 1];
+    const { items, distances } = this;
+    let at = this.count < items.length ? this.count++ : this.count - 1;
+    for (; at > 0 && distances[at - 1] > distance; at--) {
+      items[at] = items[at - 1];
+      distances[at] = distances[at - 1];
     }
-    this.#items[at] = item;
-    this.distances[at] = distance;
+    items[at] = item;
+    distances[at] = distance;
+    if (this.count === items.length) this.bound = distances[this.count - 1];
   }
 }

@@ -10,6 +10,11 @@ export interface Items {
   readonly distanceCodes: Uint32Array;
 }
 
+/** Each pixel by itself. */
+export function singlePixels(count: number): Items {
+  return { count, lengths: new Uint16Array(count).fill(1), distanceCodes: new Uint32Array(count) };
+}
+
 /** Fewer pixels are not worth a copy. */
 const LEAST_LENGTH = 3;
 const MOST_LENGTH = 4096;
@@ -75,13 +80,12 @@ export async function copiesOf(
       consider(from);
       from = before[from];
     }
-    if (bestLength < LEAST_LENGTH || bestLength * pixelBits < copyBits(bestLength, bestDistance))
-      bestLength = 0;
+    if (bestLength < LEAST_LENGTH) bestLength = 0;
   };
 
   let count = 0;
   let nextPause = PIXELS_AT_ONCE;
-  for (let at = 0; at < total; count++) {
+  for (let at = 0; at < total; ) {
     if (at >= nextPause) {
       nextPause = at + PIXELS_AT_ONCE;
       await turns.give();
@@ -89,21 +93,29 @@ export async function copiesOf(
     find(at);
     const distance = bestDistance;
     let length = bestLength;
-    if (length > 0 && length < LONG_ENOUGH) {
+    const isWorth = length * pixelBits >= copyBits(length, distance);
+    if (isWorth && length < LONG_ENOUGH) {
       // A longer copy may begin at the next pixel.
       find(at + 1);
       if (bestLength > length + 1) length = 0;
     }
-    lengths[count] = Math.max(1, length);
-    if (length > 0) distanceCodes[count] = codeOf.get(distance) ?? distance + NEIGHBOURS.length;
-    at += lengths[count];
+    if (isWorth && length > 0) {
+      lengths[count] = length;
+      distanceCodes[count++] = codeOf.get(distance) ?? distance + NEIGHBOURS.length;
+      at += length;
+    } else {
+      const singles = Math.max(1, length);
+      lengths.fill(1, count, count + singles);
+      count += singles;
+      at += singles;
+    }
   }
   return { count, lengths, distanceCodes };
 }
 
 /** About how many bits a copy takes: symbols of some bits, and the bits after them. */
 function copyBits(length: number, distance: number): number {
-  return 10 + Math.log2(length) + Math.log2(distance);
+  return length === 0 ? Number.POSITIVE_INFINITY : 10 + Math.log2(length) + Math.log2(distance);
 }
 
 function hashOf(first: number, second: number): number {

@@ -2,8 +2,9 @@
 import type { Turns } from '../../turns.ts';
 import { BitWriter } from './bit-writer.ts';
 import { codeLengths, codesOf } from './huffman-lengths.ts';
-import { copiesOf, type Items } from './vp8l-copies.ts';
+import { copiesOf, type Items, singlePixels } from './vp8l-copies.ts';
 import {
+  blocks,
   CACHE_FACTOR,
   CODE_LENGTH_ORDER,
   DISTANCE_CODES,
@@ -59,34 +60,45 @@ export async function encodeVp8l(
   }
   await turns.give();
   const { modes, rest } = await predict(colors, width, turns);
-  const isPredicted = entropyOf(rest) < entropyOf(colors);
+  const plan = await planOf(colors, width, turns);
+  const restPlan = await planOf(rest, width, turns);
+  const modesWidth = blocks(width, PREDICTOR_BITS);
+  const modesPlan = await planOf(modes, modesWidth, turns);
+  const isPredicted = restPlan.cost + modesPlan.cost < plan.cost;
   if (isPredicted) {
     bits.write(1, 1);
     bits.write(TRANSFORM.predictor, 2);
     bits.write(PREDICTOR_BITS - 2, 3);
-    await writePixels(bits, modes, Math.ceil(width / 2 ** PREDICTOR_BITS), false, turns);
+    await writePixels(bits, modes, modesPlan, false, turns);
   }
   bits.write(0, 1);
-  await writePixels(bits, isPredicted ? rest : colors, width, true, turns);
+  await writePixels(bits, isPredicted ? rest : colors, isPredicted ? restPlan : plan, true, turns);
   return bits.finish();
+}
+
+/** The best way that is found to write an image. */
+async function planOf(pixels: Int32Array, width: number, turns: Turns): Promise<Plan> {
+  const pixelBits = entropyOf(pixels) / pixels.length;
+  let best: Plan | null = null;
+  // A cache may tell pixels by fewer bits than copies would.
+  for (const items of [singlePixels(pixels.length), await copiesOf(pixels, width, pixelBits, turns)]) {
+    for (const cacheBits of CACHE_BITS) {
+      const plan: Plan = new Plan(pixels, items, cacheBits);
+      if (!best || plan.cost < best.cost) best = plan;
+      await turns.give();
+    }
+  }
+  return best!;
 }
 
 /** Writes an entropy-coded image (section 3.6), with one group of codes. */
 async function writePixels(
   bits: BitWriter,
   pixels: Int32Array,
-  width: number,
+  { items, cacheBits, green, red, blue, alpha, distance }: Plan,
   isMain: boolean,
   turns: Turns,
 ): Promise<void> {
-  const items = await copiesOf(pixels, width, entropyOf(pixels) / pixels.length, turns);
-  let best: Histogram | null = null;
-  for (const cacheBits of CACHE_BITS) {
-    const histogram = new Histogram(pixels, items, cacheBits);
-    if (!best || histogram.cost < best.cost) best = histogram;
-    await turns.give();
-  }
-  const { cacheBits, green, red, blue, alpha, distance } = best!;
   bits.write(cacheBits > 0 ? 1 : 0, 1);
   if (cacheBits > 0) bits.write(cacheBits, 4);
   if (isMain) bits.write(0, 1);
@@ -117,8 +129,9 @@ async function writePixels(
   }
 }
 
-/** How often each symbol of the five codes comes. */
-class Histogram {
+/** A way to write an image, and how often each symbol of the five codes comes then. */
+class Plan {
+  readonly items: Items;
   readonly cacheBits: number;
   readonly green: Uint32Array;
   readonly red = new Uint32Array(256);
@@ -128,15 +141,20 @@ class Histogram {
   /** About how many bits they take. */
   readonly cost: number;
 
-  constructor(pixels: Int32Array, { lengths, distanceCodes, count }: Items, cacheBits: number) {
+  constructor(pixels: Int32Array, items: Items, cacheBits: number) {
+    const { lengths, distanceCodes, count } = items;
+    this.items = items;
     this.cacheBits = cacheBits;
     this.green = new Uint32Array(GREEN_CODES + (cacheBits > 0 ? 1 << cacheBits : 0));
     const cache = new ColorCache(cacheBits);
     let pixel = 0;
+    let extraBits = 0;
     for (let i = 0; i < count; i++) {
       if (distanceCodes[i] > 0) {
-        this.green[256 + lengthSymbol(lengths[i])]++;
-        this.distance[lengthSymbol(distanceCodes[i])]++;
+        const symbols = [lengthSymbol(lengths[i]), lengthSymbol(distanceCodes[i])];
+        this.green[256 + symbols[0]]++;
+        this.distance[symbols[1]]++;
+        extraBits += extraBitsOf(symbols[0]) + extraBitsOf(symbols[1]);
         for (const end = pixel + lengths[i]; pixel < end; pixel++) cache.add(pixels[pixel]);
         continue;
       }
@@ -154,7 +172,7 @@ class Histogram {
     }
     this.cost = [this.green, this.red, this.blue, this.alpha, this.distance].reduce(
       (sum, counts) => sum + entropyOfCounts(counts) + LENGTH_BITS * usedOf(counts),
-      0,
+      extraBits,
     );
   }
 }
@@ -282,11 +300,15 @@ function lengthSymbol(value: number): number {
   return 2 * bits + (((value - 1) >> (bits - 1)) & 1);
 }
 
+/** Bits that follow such a symbol. */
+function extraBitsOf(symbol: number): number {
+  return symbol < 4 ? 0 : (symbol - 2) >> 1;
+}
+
 function writeLength(bits: BitWriter, value: number, firstSymbol: number, code: PrefixCode): void {
   const symbol = lengthSymbol(value);
   code.write(bits, firstSymbol + symbol);
-  if (symbol < 4) return;
-  const extraBits = (symbol - 2) >> 1;
+  const extraBits = extraBitsOf(symbol);
   bits.write((value - 1) & ((1 << extraBits) - 1), extraBits);
 }
 

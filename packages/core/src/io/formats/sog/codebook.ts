@@ -54,16 +54,37 @@ export async function findCodebook(values: Float32Array, turns: Turns): Promise<
     padded.set(different);
     return new Codebook(padded);
   }
-  const means = companded(values);
+  const leafMeans = new Float64Array(SIZE);
+  for (let leaf = 0; leaf < leafCount; leaf++)
+    leafMeans[leaf] = await meanOf(values, starts[leaf], starts[leaf + 1], turns);
+  leafMeans.fill(leafMeans[leafCount - 1], leafCount);
+  // The tree is better where some values lie far off, the other start elsewhere.
+  const found = [await improve(leafMeans, values, turns), await improve(companded(values), values, turns)];
+  found.sort((a, b) => a.error - b.error);
+  return new Codebook(found[0].means);
+}
+
+/** Rounds of k-means; returns the means, ascending, and the sum of squared differences from them. */
+async function improve(
+  start: Float64Array,
+  values: Float32Array,
+  turns: Turns,
+): Promise<{ means: Float64Array; error: number }> {
+  const means = start.slice();
+  let error = 0;
   for (let round = 0; round < ROUNDS; round++) {
     let from = 0;
+    error = 0;
     for (let i = 0; i < SIZE; i++) {
       const end = i < SIZE - 1 ? firstAbove(values, (means[i] + means[i + 1]) / 2) : values.length;
-      if (from < end) means[i] = await meanOf(values, from, end, turns);
+      if (from < end) {
+        means[i] = await meanOf(values, from, end, turns);
+        if (round === ROUNDS - 1) for (let k = from; k < end; k++) error += (values[k] - means[i]) ** 2;
+      }
       from = end;
     }
   }
-  return new Codebook(means);
+  return { means, error };
 }
 
 /**
