@@ -70,11 +70,6 @@ async function readTimed(
   { name, content }: SceneSource,
   { geometryPrecision, shPrecision }: AccuracySettings,
 ): Promise<{ packed: PackedCloud } & Omit<LoadTimes, 'uploadMs'>> {
-  // A palette is best found among the finest harmonics.
-  const precision = {
-    geometryPrecision,
-    shPrecision: shPrecision === 'palette' ? 'f32' : shPrecision,
-  } as const;
   const startedMs = performance.now();
   let readMs: number | null = null;
   const endReading = () => {
@@ -84,12 +79,17 @@ async function readTimed(
   if ('make' in content) {
     const set = content.make();
     endReading();
-    packed = packCloud(set, precision);
+    // A palette is best found among the finest harmonics.
+    packed = packCloud(set, {
+      geometryPrecision,
+      shPrecision: shPrecision === 'palette' ? 'f32' : shPrecision,
+    });
   } else {
     const { source, ...limits } = content;
     packed = await loadSplats(source, {
       ...limits,
-      ...precision,
+      geometryPrecision,
+      shPrecision,
       name,
       onProgress: ({ phase }) => {
         if (phase !== 'read') endReading();

@@ -56,7 +56,7 @@ export async function info(args: readonly string[], console: Console): Promise<v
     throw new UsageError('SCENE', `info needs one SCENE, found ${positionals.length}`);
   }
   const scene = await findScene(positionals[0]);
-  const found = describeScene(scene.name, await readScene(scene, 'f32'));
+  const found = describeScene(scene.name, await readScene(scene, 'palette'));
   console.out(values.json ? `${JSON.stringify(found, null, 2)}\n` : table(found));
 }
 
@@ -77,7 +77,7 @@ function describeScene(scene: string, set: SplatSet<Harmonics>): SceneInfo {
     dropped,
     file: fileFacts,
     isAntialiased,
-    gpuBytes: gpuBytesPerPreset(count, trueShDegree, paletteEntries),
+    gpuBytes: gpuBytesPerPreset(count, trueShDegree),
   };
 }
 

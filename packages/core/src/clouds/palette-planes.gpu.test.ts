@@ -10,8 +10,11 @@ import { type CloudPrecision, SH_PRECISIONS } from '../packing/precision.ts';
 import { shPlaneBytes } from '../packing/sh-plane-bytes.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
+import { Choices } from '../testing/fuzz.ts';
 import { paletteSplats, withOwnCoefficients } from '../testing/palette-splats.ts';
+import { sogExample, sogFiles } from '../testing/sog-fixture.ts';
 import { testCameras } from '../testing/test-cameras.ts';
+import { zipBytes } from '../testing/zip-fixture.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
 const SIZE = { widthPx: 64, heightPx: 64 };
@@ -121,6 +124,31 @@ describe('splats without a palette', () => {
     await cloud.ownLease.met;
     expect(cloud.precisions.sh).toEqual(['palette']);
     other.destroy();
+  });
+
+  gpuTest('of a SOG are rows by default, and have its palette where they are asked to', async () => {
+    const { meta, images, rows } = sogExample(
+      { version: 2, count: 600, shDegree: 3, paletteSize: 90 },
+      new Choices(1),
+    );
+    const sog = new Blob([zipBytes(sogFiles({ meta, images, rows }))]);
+    const cloud = await engine.load(sog);
+    expect(cloud.precisions.sh).toEqual(['f32']);
+    expect(cloud.facts.paletteEntries).toBeNull();
+    const before = await imageOf(cloud);
+    const { bytes } = cloud;
+    await engine.requestPrecision(cloud, PALETTE);
+    expect(cloud.precisions.sh).toEqual(['palette']);
+    expect(bytes - cloud.bytes).toBe(600 * 180 - shPlaneBytes(600, 3, 'palette', 90));
+    expect(await imageOf(cloud)).toEqual(before);
+    await engine.requestPrecision(cloud, FINEST);
+    expect(cloud.precisions.sh).toEqual(['f32']);
+    cloud.destroy();
+    const kept = await engine.load(sog, { precision: PALETTE });
+    expect(kept.facts.paletteEntries).toBe(90);
+    expect(kept.precisions.sh).toEqual(SH_PRECISIONS);
+    expect(await imageOf(kept)).toEqual(before);
+    kept.destroy();
   });
 
   gpuTest('are given none if their source is gone', async () => {

@@ -121,14 +121,15 @@ async function splatsOf(
   openRowPlanes: OpenRowPlanes,
   options: MakeOptions,
 ): Promise<ReadSplats> {
-  const isPalette = wanted.shPrecision === 'palette';
+  const { geometryPrecision, shPrecision } = wanted;
   const { signal } = options;
-  // A palette is found among the finest harmonics that there are, on the CPU.
-  const { geometryPrecision, shPrecision } = isPalette ? { ...wanted, shPrecision: 'f32' as const } : wanted;
+  const isPalette = shPrecision === 'palette';
   const fresh = async (packed: PackedCloud) =>
     fromPacked(isPalette ? await givePalette(packed, signal) : packed, planes.place);
   if (isPackedCloud(source)) return fresh(source);
-  if (isSplatSet(source)) return fresh(packSet(source, { geometryPrecision, shPrecision }));
+  // A palette is found among the finest harmonics that there are, on the CPU.
+  if (isSplatSet(source))
+    return fresh(packSet(source, { geometryPrecision, shPrecision: isPalette ? 'f32' : shPrecision }));
   const precision = { geometryPrecision, shPrecision };
   const { sink, files } = openRowPlanes({ ...precision, name, pages: planes.ranges, signal });
   try {

@@ -1,5 +1,5 @@
-import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
-import { floatsOf, type Harmonics, isPacked, readCoefficients } from './harmonics.ts';
+import { coefficientsPerSplat, type ShDegree, type TrainedHarmonics } from '../splats/splat-set.ts';
+import { type Harmonics, isPacked, isPalette, type PackedHarmonics, readCoefficients } from './harmonics.ts';
 
 /**
  * For each band 1…degree, the most that it can change any colour channel of any splat, in any direction: at least 0, in
@@ -13,9 +13,14 @@ export function shBandReach(harmonics: Harmonics, count: number): readonly numbe
   if (isPacked(harmonics) && harmonics.bandReach) return harmonics.bandReach;
   const stride = coefficientsPerSplat(harmonics.degree);
   const meter = new ShReachMeter(harmonics.degree);
-  const floats = storedFloats(harmonics);
+  if (isPalette(harmonics)) {
+    // A file may have entries that no splat has.
+    for (const entry of new Set(harmonics.indices)) meter.include(harmonics.entries, entry * stride);
+    return meter.reaches();
+  }
+  const floats = floatsOf(harmonics);
   if (floats) {
-    for (let at = 0; at < floats.length; at += stride) meter.include(floats, at);
+    for (let i = 0; i < count; i++) meter.include(floats, i * stride);
   } else {
     const values = new Float64Array(stride);
     for (let i = 0; i < count; i++) {
@@ -26,9 +31,9 @@ export function shBandReach(harmonics: Harmonics, count: number): readonly numbe
   return meter.reaches();
 }
 
-/** The coefficients of all splats, or of all entries that they may have, where they are float32 in memory; not copied. */
-function storedFloats(harmonics: Harmonics): Float32Array | null {
-  if (!isPacked(harmonics)) return floatsOf(harmonics);
+/** The coefficients of all splats where they are float32 in memory, not copied. */
+function floatsOf(harmonics: TrainedHarmonics | PackedHarmonics): Float32Array | null {
+  if (!isPacked(harmonics)) return harmonics.coefficients;
   const { precision, words } = harmonics;
   return precision === 'f32' ? new Float32Array(words.buffer, words.byteOffset, words.length) : null;
 }

@@ -43,11 +43,6 @@ export function isPalette(harmonics: Harmonics): harmonics is HarmonicsPalette {
   return 'indices' in harmonics;
 }
 
-/** The coefficients of all splats, or of all entries that they have. */
-export function floatsOf(harmonics: TrainedHarmonics | HarmonicsPalette): Float32Array {
-  return isPalette(harmonics) ? harmonics.entries : harmonics.coefficients;
-}
-
 /** Number of a palette's entries; 0 at degree 0, where they would be empty. */
 export function entryCountOf({ degree, entries }: HarmonicsPalette): number {
   return entries.length / coefficientsPerSplat(degree) || 0;
@@ -135,7 +130,7 @@ export function readCoefficients(
 ): void {
   const count = coefficientsPerSplat(harmonics.degree);
   if (!isPacked(harmonics)) {
-    const floats = floatsOf(harmonics);
+    const floats = isPalette(harmonics) ? harmonics.entries : harmonics.coefficients;
     const start = count * (isPalette(harmonics) ? harmonics.indices[index] : index);
     for (let i = 0; i < count; i++) values[i] = floats[start + i];
     return;

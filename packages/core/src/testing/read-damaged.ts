@@ -1,13 +1,13 @@
 import { WebSplatterError } from '../errors.ts';
 import { readSplats } from '../io/loading/read-splats.ts';
-import type { ReadHarmonics } from '../packing/harmonics.ts';
+import type { PackedHarmonics } from '../packing/harmonics.ts';
 import { packCloud } from '../packing/packed-cloud.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import type { Choices } from './fuzz.ts';
 import { chunked } from './ply-fixture.ts';
 
 /** What a reader makes of a file: splats, or a typed error. */
-export type Outcome = SplatSet<ReadHarmonics> | WebSplatterError;
+export type Outcome = SplatSet<PackedHarmonics> | WebSplatterError;
 
 /** Words that have broken readers: counts, offsets, NaN, infinity. */
 const EVIL_WORDS = [

@@ -2,10 +2,9 @@ import { ALL_READERS } from '../io/formats/readers.ts';
 import type { RowSink } from '../io/formats/row-sink.ts';
 import { readSource } from '../io/loading/read-source.ts';
 import type { ReadSplatsOptions, SplatSource } from '../io/sources/splat-source.ts';
-import { isPalette, type ReadHarmonics, readCoefficients } from '../packing/harmonics.ts';
+import type { ReadHarmonics } from '../packing/harmonics.ts';
 import type { RowLayout } from '../packing/row-layout.ts';
-import { ROW_SLOT } from '../splats/splat-row.ts';
-import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
 
 /** Rows of a file as they are handed over for the GPU. */
 export interface FileRows {
@@ -14,10 +13,7 @@ export interface FileRows {
   readonly values: Float32Array;
 }
 
-/**
- * Reads the rows of a source as they are handed over, in pieces of so many bytes; calls `onTake` with the rows of each. Those of a set
- * whose harmonics are a palette, which is never handed over, are taken from that.
- */
+/** Reads the rows of a source as they are handed over, in pieces of so many bytes; calls `onTake` with the rows of each. */
 export async function rowsOf(
   source: SplatSource,
   options: ReadSplatsOptions = {},
@@ -30,7 +26,6 @@ export async function rowsOf(
     sink,
     files,
   });
-  if (set !== null && isPalette(set.harmonics)) return rowsOfSet(set);
   if (set !== null || sink.layout === null) throw new Error('The rows were not handed over.');
   const values = new Float32Array(sink.pieces.reduce((sum, { length }) => sum + length, 0));
   let at = 0;
@@ -39,25 +34,6 @@ export async function rowsOf(
     at += piece.length;
   }
   return { layout: sink.layout, values };
-}
-
-/** Rows of a set without a row that was dropped. */
-function rowsOfSet(set: SplatSet<ReadHarmonics>): FileRows {
-  const { count, harmonics, isAntialiased, fileFacts } = set;
-  const length = ROW_SLOT.harmonics + coefficientsPerSplat(harmonics.degree);
-  const offsets = Array.from({ length }, (_, slot) => 4 * slot);
-  const values = new Float32Array(count * length);
-  for (let i = 0; i < count; i++) {
-    const row = values.subarray(i * length, (i + 1) * length);
-    row.set(set.positions.subarray(3 * i, 3 * i + 3).map((value, axis) => value + set.origin[axis]));
-    row.set(set.logScales.subarray(3 * i, 3 * i + 3), ROW_SLOT.logScale);
-    row.set(set.rotations.subarray(4 * i, 4 * i + 4), ROW_SLOT.rotation);
-    row[ROW_SLOT.opacity] = set.opacityLogits[i];
-    row.set(set.colorDc.subarray(3 * i, 3 * i + 3), ROW_SLOT.colorDc);
-    readCoefficients(harmonics, i, row.subarray(ROW_SLOT.harmonics));
-  }
-  const layout = { count, strideBytes: 4 * length, pieceRows: count, offsets, isBigEndian: false };
-  return { layout: { ...layout, shDegree: harmonics.degree, isAntialiased, fileFacts }, values };
 }
 
 class Collector implements RowSink {

@@ -25,8 +25,10 @@ export interface SplatFormat {
 }
 
 export interface SplatFormatOptions extends Pick<ReadOptions, 'signal' | 'onProgress'> {
-  /** Precision in which to pack the spherical harmonics above degree 0, unless they are a palette in the file. */
+  /** Precision in which to pack the spherical harmonics above degree 0. */
   readonly shPrecision: OwnShPrecision;
+  /** Whether harmonics that are a palette in the file stay one, and no rows are handed over; default false. */
+  readonly keepsPalette?: boolean;
   /** Files with more splats are refused. */
   readonly maxSplats: number;
   /** See `ReadLimits`; undefined for the default. */

@@ -1,5 +1,5 @@
 import type { ReadHarmonics } from '../../packing/harmonics.ts';
-import { checkPrecision, ownShPrecision } from '../../packing/precision.ts';
+import { checkPrecision } from '../../packing/precision.ts';
 import type { SplatSet } from '../../splats/splat-set.ts';
 import type { RowsTo } from '../formats/row-sink.ts';
 import { type FormatReaders, SNIFF_BYTES } from '../formats/splat-format.ts';
@@ -49,7 +49,15 @@ export async function readSource(
     const { stream, ...about } = opened;
     return await read(
       { ...about, reader },
-      { shPrecision: ownShPrecision(shPrecision), maxSplats, maxBytes: options.maxBytes, signal, onProgress },
+      {
+        // Where a file has no palette, one is best found among the finest harmonics.
+        shPrecision: shPrecision === 'palette' ? 'f32' : shPrecision,
+        keepsPalette: shPrecision === 'palette',
+        maxSplats,
+        maxBytes: options.maxBytes,
+        signal,
+        onProgress,
+      },
       rowsTo,
     );
   } finally {

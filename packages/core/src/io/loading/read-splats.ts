@@ -1,14 +1,23 @@
-import type { ReadHarmonics } from '../../packing/harmonics.ts';
+import type { PackedHarmonics, ReadHarmonics } from '../../packing/harmonics.ts';
+import type { OwnShPrecision } from '../../packing/precision.ts';
 import type { SplatSet } from '../../splats/splat-set.ts';
 import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 
 /**
  * Reads splats in the calling thread, from any source and in any format. Works in pages, workers and Node. Harmonics
- * are packed in `options.shPrecision` as they are read; those that are a palette in the file stay one.
+ * are packed in `options.shPrecision` as they are read.
  *
  * Rejects with `SplatSourceError` (cannot be fetched or read), `SplatFileError` (cannot be understood; says where),
  * `InvalidArgumentError` (not a source), or the signal's reason.
  */
+export async function readSplats(
+  source: SplatSource,
+  options?: ReadSplatsOptions & { readonly shPrecision?: OwnShPrecision },
+): Promise<SplatSet<PackedHarmonics>>;
+export async function readSplats(
+  source: SplatSource,
+  options: ReadSplatsOptions,
+): Promise<SplatSet<ReadHarmonics>>;
 export async function readSplats(
   source: SplatSource,
   options: ReadSplatsOptions = {},

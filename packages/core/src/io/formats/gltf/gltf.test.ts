@@ -1,7 +1,7 @@
 import { gzipSync } from 'node:zlib';
 import { describe, expect, test } from 'vitest';
 import { SplatFileError, WebSplatterError } from '../../../errors.ts';
-import { type ReadHarmonics, readCoefficients } from '../../../packing/harmonics.ts';
+import { type PackedHarmonics, readCoefficients } from '../../../packing/harmonics.ts';
 import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { type Choices, fuzz } from '../../../testing/fuzz.ts';
@@ -32,7 +32,7 @@ const read = (source: SplatSource) => readSplats(source, { shPrecision: 'f32', n
 
 const failure = (source: SplatSource) => fileErrorOf(read(source));
 
-function coefficientsOf({ harmonics, count }: SplatSet<ReadHarmonics>): Float64Array {
+function coefficientsOf({ harmonics, count }: SplatSet<PackedHarmonics>): Float64Array {
   const perSplat = coefficientsPerSplat(harmonics.degree);
   const all = new Float64Array(count * perSplat);
   for (let i = 0; i < count; i++)
@@ -637,7 +637,7 @@ describe('damage', () => {
     const found: Record<string, number> = {};
     await fuzz({ few: 300, many: 20_000 }, async (choices) => {
       const bytes = damaged(choices.of(fixtures), choices);
-      const outcome: SplatSet<ReadHarmonics> | WebSplatterError = await read(bytes).catch((error) => error);
+      const outcome: SplatSet<PackedHarmonics> | WebSplatterError = await read(bytes).catch((error) => error);
       const code =
         'count' in outcome ? 'splats' : outcome instanceof WebSplatterError ? outcome.code : 'other';
       found[code] = (found[code] ?? 0) + 1;

@@ -4,7 +4,7 @@ import fc from 'fast-check';
 import { describe, expect, test, vi } from 'vitest';
 import { WebSplatterError } from '../../../errors.ts';
 import { toHalfBits } from '../../../layout/half.ts';
-import { type ReadHarmonics, readCoefficients } from '../../../packing/harmonics.ts';
+import { type PackedHarmonics, readCoefficients } from '../../../packing/harmonics.ts';
 import { packCloud } from '../../../packing/packed-cloud.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../../../splats/splat-set.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
@@ -50,7 +50,7 @@ function withProperty(
 }
 
 /** What a set holds of one property of the file. */
-function valueIn(set: SplatSet<ReadHarmonics>, name: string, index: number): number {
+function valueIn(set: SplatSet<PackedHarmonics>, name: string, index: number): number {
   const axis = 'xyz'.indexOf(name);
   if (axis >= 0) return set.positions[3 * index + axis] + set.origin[axis];
   const number = Number(name.split('_').at(-1));
@@ -64,7 +64,7 @@ function valueIn(set: SplatSet<ReadHarmonics>, name: string, index: number): num
   return values[3 * (number % coefficients) + Math.floor(number / coefficients)];
 }
 
-function expectDistinctValues(set: SplatSet<ReadHarmonics>, count: number, degree: ShDegree): void {
+function expectDistinctValues(set: SplatSet<PackedHarmonics>, count: number, degree: ShDegree): void {
   expect(set.count).toBe(count);
   expect(set.harmonics.degree).toBe(degree);
   expect([...set.fileIndices]).toEqual(Array.from({ length: count }, (_, i) => i));

@@ -20,7 +20,7 @@ const MAX_META_BYTES = 2 ** 26;
 /**
  * Reads SOG (Spatially Ordered Gaussians, by PlayCanvas), version 2 or 1: metadata in JSON, and images beside it, whose pixels are
  * the splats. Of streamed SOG, reads the finest level of the whole scene, and its environment.
- * Harmonics stay the palette that they are in the file, unless the palettes of a streamed scene are too many for one.
+ * Where it is asked for, harmonics stay the palette that they are, unless those of a streamed scene have too many entries for one.
  *
  * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
  */
@@ -36,7 +36,7 @@ export async function readSog(
     const progress = new ReadProgress(input, options.onProgress);
     const units = await readUnits(input, { ...options, signal }, progress);
     const shDegree = Math.max(...units.map(({ images }) => images.harmonics?.degree ?? 0)) as ShDegree;
-    const palette = joinPalettes(units, shDegree);
+    const palette = options.keepsPalette ? joinPalettes(units, shDegree) : null;
     if (!palette) return await deliverRows(joinUnits(units, shDegree), input, options, rowsTo, progress);
     // Without a sink there is always a set.
     const set = (await deliverRows(joinUnits(units, 0), input, options, undefined, progress))!;

@@ -4,7 +4,7 @@ import { gzipSync } from 'node:zlib';
 import { describe, expect, test } from 'vitest';
 import { SplatFileError } from '../../../errors.ts';
 import { fromHalfBits } from '../../../layout/half.ts';
-import { type ReadHarmonics, readCoefficients } from '../../../packing/harmonics.ts';
+import { type PackedHarmonics, readCoefficients } from '../../../packing/harmonics.ts';
 import { shRestBasis } from '../../../splats/spherical-harmonics.ts';
 import { SH_REST_COEFFICIENTS, type SplatSet } from '../../../splats/splat-set.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
@@ -36,7 +36,7 @@ function splatsOf(version: number, degree: number, count: number): SpzFixtureSpl
 const fileOf = (version: number, degree: number, more: Partial<SpzFixture> = {}) =>
   spzBytes({ version, degree, splats: splatsOf(version, degree, 3), ...more });
 
-function harmonicsOf({ harmonics }: SplatSet<ReadHarmonics>, index: number): Float64Array {
+function harmonicsOf({ harmonics }: SplatSet<PackedHarmonics>, index: number): Float64Array {
   const values = new Float64Array(3 * SH_REST_COEFFICIENTS[harmonics.degree]);
   readCoefficients(harmonics, index, values);
   return values;
@@ -173,7 +173,7 @@ describe('coordinate systems', () => {
   const dot = (a: Vector, b: Vector) => a.reduce((sum, value, i) => sum + value * b[i], 0);
 
   /** Extent of a splat along a direction, squared. */
-  function extent({ logScales, rotations }: SplatSet<ReadHarmonics>, index: number, along: Vector): number {
+  function extent({ logScales, rotations }: SplatSet<PackedHarmonics>, index: number, along: Vector): number {
     const [w, x, y, z] = rotations.subarray(4 * index, 4 * index + 4);
     const axes = [
       [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)],
@@ -187,7 +187,7 @@ describe('coordinate systems', () => {
     );
   }
 
-  const green = (set: SplatSet<ReadHarmonics>, index: number, [x, y, z]: Vector) => {
+  const green = (set: SplatSet<PackedHarmonics>, index: number, [x, y, z]: Vector) => {
     const values = harmonicsOf(set, index);
     return dot(
       shRestBasis(3, x, y, z),
@@ -213,7 +213,7 @@ describe('coordinate systems', () => {
           ),
         );
       for (let index = 0; index < splats.length; index++) {
-        const at = (from: SplatSet<ReadHarmonics>) =>
+        const at = (from: SplatSet<PackedHarmonics>) =>
           [0, 1, 2].map((axis) => from.positions[3 * index + axis] + from.origin[axis]);
         expect(at(set)).toEqual(turned(at(file)).map((value) => value + 0));
         for (const direction of [
