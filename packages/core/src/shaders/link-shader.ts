@@ -7,7 +7,7 @@ import { type LinkInput, linkModules, type ShaderModules } from './shader-linker
 const files = import.meta.glob<string>(
   [
     '../../../../shaders/**/*.wgsl',
-    '!../../../../shaders/stages/{compare-images,copy-words,ingest-*,keep-colors,pick,repack-*,resolve-depth,tile-*,upscale}.wgsl',
+    '!../../../../shaders/stages/{compare-images,compose,copy-words,ingest-*,keep-colors,pick,repack-*,resolve-depth,tile-*,upscale}.wgsl',
     '!../../../../shaders/lib/{exact-exp,float-bits,harmonics-packing,pack-splat}.wgsl',
   ],
   { query: '?raw', import: 'default', eager: true },

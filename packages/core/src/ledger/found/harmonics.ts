@@ -6,8 +6,6 @@ export const harmonics: FoundInCloud = {
   name: 'harmonics',
   label: 'View-dependent colour',
   about: 'Evaluates spherical harmonics up to the highest visible degree.',
-  conditions: ['SH_1', 'SH_2', 'SH_3', 'SH_F32', 'SH_F16', 'SH_U8', 'SH_PALETTE'],
-  bindings: ['shRest'],
   stages: ['project'],
   calledFor: (cloud) =>
     cloud.shape.shDegree > 0
