@@ -1,4 +1,6 @@
+import { createHash } from 'node:crypto';
 import { existsSync, readFileSync } from 'node:fs';
+import { basename, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
 import { encodePly, readSplats } from '@websplatter/core';
@@ -29,6 +31,9 @@ const BY_TILES = '?scene=still-life-small&accuracy=balanced,rasterizer:tiles';
 /** One scene in several formats; they are skipped where they are not there. */
 const SCENES = fileURLToPath(new URL('../../shared/scenes/', import.meta.url));
 
+/** Core as it is shipped. */
+const CORE = fileURLToPath(new URL('../packages/core/dist/', import.meta.url));
+
 const harness = viewerHarness();
 const { newPage, openViewer } = harness;
 
@@ -36,6 +41,40 @@ function colorsIn({ data }: Screenshot): number {
   const colors = new Set<number>();
   for (let i = 0; i < data.length; i += 4) colors.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
   return colors.size;
+}
+
+/** Columns of a set whose bits are compared. */
+const COLUMNS = ['positions', 'logScales', 'rotations', 'opacityLogits', 'colorDc'] as const;
+
+/** Has the browser decode the images of a SOG, and Node, by our own decoder; all values must be the same. */
+async function expectSameSplats(page: Page, sog: Uint8Array<ArrayBuffer>): Promise<void> {
+  await page.route('**/core-dist/*', (route) => {
+    const file = basename(new URL(route.request().url()).pathname);
+    if (file === 'scene.sog') return route.fulfill({ body: Buffer.from(sog) });
+    return route.fulfill({ path: join(CORE, file), contentType: 'text/javascript' });
+  });
+  await page.evaluate("import('/core-dist/index.js').then((core) => Object.assign(window, { core }))");
+  const found = await page.evaluate(async (columns) => {
+    let decoded = 0;
+    const { decode } = ImageDecoder.prototype;
+    ImageDecoder.prototype.decode = function (...options) {
+      decoded++;
+      return decode.apply(this, options);
+    };
+    const { core } = window as unknown as { core: { readSplats: typeof readSplats } };
+    const set = await core.readSplats('/core-dist/scene.sog', { shPrecision: 'f32' });
+    const digests = [...columns.map((name) => set[name]), set.harmonics.words].map(async (column) => {
+      const digest = await crypto.subtle.digest('SHA-256', column as Float32Array<ArrayBuffer>);
+      return Array.from(new Uint8Array(digest));
+    });
+    return { decoded, digests: await Promise.all(digests) };
+  }, COLUMNS);
+  const set = await readSplats(sog, { shPrecision: 'f32' });
+  const digests = [...COLUMNS.map((name) => set[name]), set.harmonics.words].map((column) => [
+    ...createHash('sha256').update(column).digest(),
+  ]);
+  // One of them is the decoder's probe.
+  expect(found).toEqual({ decoded: 8, digests });
 }
 
 /** Waits for the first measurement. A busy machine takes more than a second for a frame, which is written with a comma. */
@@ -177,6 +216,7 @@ describe('viewer', () => {
     const scene = (end: string) => new Uint8Array(readFileSync(`${SCENES}playbot-lod3.${end}`));
     await open('misnamed.ply', scene('sog'), 'load', 'zip');
     expect(await textOf(page, 'scene')).toContain('31,000 splats');
+    await expectSameSplats(page, scene('sog'));
     if (process.env.WEBSPLATTER_FULL !== '1') return;
     await open('a.spz', scene('spz'), 'spz');
     await open('a.compressed.ply', scene('compressed.ply'), 'compressed-ply');

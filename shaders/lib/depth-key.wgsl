@@ -1,6 +1,15 @@
-// Maps depths to unsigned integers in the same order: the sort compares integers. Used by cull-splats and project, per splat.
+// What splats are sorted by, mapped to unsigned integers in the same order: the sort compares integers. Used by cull-splats and
+// project, per splat.
 // Twin: packages/core/src/layout/depth-key.ts.
 @if(SHORT_KEYS) import constants::SORT_KEY_BITS;
+
+/// What splats are sorted by, given their places from the camera: depth or distance.
+fn sortDepth(toward: vec3f) -> f32 {
+  @if(!DISTANCE_ORDER) return -toward.z;
+  // Scale first: the square of a length in a very large or very small scene leaves float32's range.
+  @if(DISTANCE_ORDER) let largest = max(abs(toward.x), max(abs(toward.y), abs(toward.z)));
+  @if(DISTANCE_ORDER) return largest * length(toward / max(largest, 1e-37));
+}
 
 /// Maps `depthView` (finite) so that orderedBits(a) < orderedBits(b) exactly if a < b, including negative depths (which
 /// orthographic cameras have).

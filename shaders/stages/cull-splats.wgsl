@@ -9,7 +9,7 @@ import constants::MASK_WORDS;
 import layout::View;
 import layout::Page;
 import layout::PagePlan;
-import package::lib::depth_key::orderedBits;
+import package::lib::depth_key::{orderedBits, sortDepth};
 import package::lib::dispatch::linearWorkgroup;
 import package::lib::packing::GEOMETRY_VECTORS;
 import package::lib::packing::Splat;
@@ -27,7 +27,7 @@ import package::lib::visible_ellipse::isInDepthRange;
 @group(0) @binding(4) var<storage, read> geometry: array<array<vec4u, GEOMETRY_VECTORS>>;
 @group(0) @binding(5) var<storage, read_write> visibilityMasks: array<u32>;
 @group(0) @binding(6) var<storage, read_write> splatOffsets: array<u32>;
-/// Ordered bits of the farthest and, inverted, of the nearest depth: both grow from 0. Atomic, but with integers, so the
+/// Ordered bits of the farthest and, inverted, of the nearest depth (`sortDepth`): both grow from 0. Atomic, but with integers, so the
 /// result does not depend on the order.
 @group(0) @binding(7) var<storage, read_write> depthRange: array<atomic<u32>, 2>;
 
@@ -53,7 +53,7 @@ fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
     @if(FAINT_SPLATS) let isCandidate = splat.opacity >= view.alphaCutoff && isInDepthRange(view, depthView);
     if (isCandidate) {
       if (isDrawn(splat, centerView)) {
-        let bits = orderedBits(depthView);
+        let bits = orderedBits(sortDepth(centerView));
         atomicOr(&mask[lane / 32u], 1u << (lane % 32u));
         atomicMax(&farthest, bits);
         atomicMax(&nearestInverted, ~bits);

@@ -16,6 +16,7 @@ import layout::View;
 import package::lib::covariance::screenAxes;
 @if(!SHORT_KEYS) import package::lib::depth_key::depthKey;
 @if(SHORT_KEYS) import package::lib::depth_key::shortDepthKey;
+import package::lib::depth_key::sortDepth;
 import package::lib::dispatch::linearWorkgroup;
 @if(COLOR_CACHE) import package::lib::kept_color::{colorOfKept, isKeptFor, keptColor};
 import package::lib::packing::GEOMETRY_VECTORS;
@@ -31,7 +32,7 @@ import package::lib::visible_ellipse::screenSplat;
 @group(0) @binding(1) var<uniform> page: Page;
 @group(0) @binding(2) var<storage, read> pagePlans: array<PagePlan>;
 @group(0) @binding(3) var<storage, read> visibleSplats: array<u32>;
-/// Ordered bits of the farthest and, inverted, of the nearest depth. A uniform because a stage may have no more than eight
+/// Ordered bits of the farthest and, inverted, of the nearest depth (`sortDepth`). A uniform because a stage may have no more than eight
 /// storage buffers.
 @group(0) @binding(4) var<uniform> depthRange: vec2u;
 @group(0) @binding(5) var<storage, read> geometry: array<array<vec4u, GEOMETRY_VECTORS>>;
@@ -77,8 +78,8 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
   @if(RECORD_PAPER) record.color = pack4x8unorm(rgba);
   @if(!RECORD_F32 && !RECORD_PAPER) record.color = vec2u(pack2x16float(rgba.xy), pack2x16float(rgba.zw));
   records[index] = record;
-  @if(!SHORT_KEYS) let key = depthKey(onScreen.depthView, depthRange[0]);
-  @if(SHORT_KEYS) let key = shortDepthKey(onScreen.depthView, depthRange[0], ~depthRange[1]);
+  @if(!SHORT_KEYS) let key = depthKey(sortDepth(centerView), depthRange[0]);
+  @if(SHORT_KEYS) let key = shortDepthKey(sortDepth(centerView), depthRange[0], ~depthRange[1]);
   keys[index] = key;
 }
 

@@ -1,6 +1,8 @@
 import * as SPLAT from 'gsplat';
 import { cameraAxes, nextTask } from '../src/adapter.ts';
 
+export const formats = ['ply', 'splat'];
+
 /** While its worker may still answer an earlier view, this many times its usual time without an answer mean that it rests. */
 const REST = 2;
 const MIN_REST_MS = 20;
@@ -18,14 +20,15 @@ globalThis.Worker = class extends PlainWorker {
 };
 
 /** @type {import('../src/adapter.ts').LoadPeer} */
-export default async function loadGsplat({ canvas, url }) {
+export default async function loadGsplat({ canvas, url, fileName }) {
   const { width, height } = canvas;
   const scene = new SPLAT.Scene();
   const camera = new SPLAT.Camera();
   // Without passes: one of the defaults fades the splats in.
   const renderer = new SPLAT.WebGLRenderer(canvas, []);
   renderer.setSize(width, height);
-  const splat = await SPLAT.PLYLoader.LoadAsync(url, scene);
+  const loader = /\.ply$/i.test(fileName) ? SPLAT.PLYLoader : SPLAT.Loader;
+  const splat = await loader.LoadAsync(url, scene);
 
   let isPrepared = false;
   let isResting = true;

@@ -2,11 +2,20 @@ import { LogLevel, RenderMode, SceneFormat, SceneRevealMode, Viewer } from '@mkk
 import { nextTask } from '../src/adapter.ts';
 import { threeWebGl } from './three-webgl.js';
 
+export const formats = ['ply', 'compressed-ply', 'spz 1', 'spz 2', 'splat', 'ksplat'];
+
+const SCENE_FORMATS = {
+  ply: SceneFormat.Ply,
+  spz: SceneFormat.Spz,
+  splat: SceneFormat.Splat,
+  ksplat: SceneFormat.KSplat,
+};
+
 /** The most that the library draws. */
 const SH_DEGREE = 2;
 
 /** @type {import('../src/adapter.ts').LoadPeer} */
-export default async function loadMkkellogg({ canvas, url }) {
+export default async function loadMkkellogg({ canvas, url, fileName }) {
   const { renderer, camera, setCamera } = threeWebGl(canvas);
   const viewer = new Viewer({
     renderer,
@@ -30,7 +39,7 @@ export default async function loadMkkellogg({ canvas, url }) {
     return run;
   };
   await viewer.addSplatScene(url, {
-    format: SceneFormat.Ply,
+    format: SCENE_FORMATS[fileName.replace(/^.*\./, '').toLowerCase()],
     showLoadingUI: false,
     progressiveLoad: false,
     splatAlphaRemovalThreshold: 1,

@@ -2,4 +2,6 @@
 import * as pc from 'playcanvas-2.19.7';
 import { playCanvasPeer } from './playcanvas-peer.js';
 
+export { formats } from './playcanvas-peer.js';
+
 export default playCanvasPeer(pc, 'GSPLAT_RENDERER_COMPUTE');

@@ -1,6 +1,9 @@
 // PlayCanvas's component for splats, whichever release `pc` is.
 import { nextTask } from '../src/adapter.ts';
 
+/** Told by the names of files. */
+export const formats = ['ply', 'compressed-ply', 'sog'];
+
 const MAX_FRAMES_TO_LOAD = 600;
 
 /**
@@ -11,7 +14,7 @@ const MAX_FRAMES_TO_LOAD = 600;
  */
 export const playCanvasPeer =
   (pc, renderer) =>
-  async ({ canvas, url, options }) => {
+  async ({ canvas, url, fileName, options }) => {
     const { width, height } = canvas;
     const graphicsDevice = await pc.createGraphicsDevice(canvas, {
       deviceTypes: ['webgpu'],
@@ -37,7 +40,7 @@ export const playCanvasPeer =
     const camera = new pc.Entity('camera');
     camera.addComponent('camera', { clearColor: new pc.Color(0, 0, 0, 1) });
     app.root.addChild(camera);
-    const asset = new pc.Asset('scene', 'gsplat', { url, filename: 'scene.ply' });
+    const asset = new pc.Asset('scene', 'gsplat', { url, filename: fileName });
     app.assets.add(asset);
     await new Promise((resolve, reject) => {
       asset.ready(resolve);

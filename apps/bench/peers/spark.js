@@ -3,17 +3,20 @@ import * as THREE from 'three';
 import { nextTask } from '../src/adapter.ts';
 import { threeWebGl } from './three-webgl.js';
 
+/** Of SPZ, those in gzip. */
+export const formats = ['ply', 'compressed-ply', 'spz 1', 'spz 2', 'spz 3', 'splat', 'ksplat', 'sog'];
+
 /** Spark takes an order as good enough for a wider range of views; here it must be this view's. */
 const MAX_DISTANCE = 1e-4;
 const MIN_COSINE = 0.999999;
 
 /** @type {import('../src/adapter.ts').LoadPeer} */
-export default async function loadSpark({ canvas, url }) {
+export default async function loadSpark({ canvas, url, fileName }) {
   const { renderer, camera, setCamera } = threeWebGl(canvas);
   const scene = new THREE.Scene();
   const spark = new SparkRenderer({ renderer });
   scene.add(spark);
-  const mesh = new SplatMesh({ url });
+  const mesh = new SplatMesh({ url, fileName });
   scene.add(mesh);
   await mesh.initialized;
 

@@ -4,8 +4,10 @@ import type { SceneCamera } from '@websplatter/scenes';
 export interface PeerHost {
   /** In the page, of the picture's size in CSS pixels and in device pixels. All drawing goes to it. */
   readonly canvas: HTMLCanvasElement;
-  /** Address of a PLY in the layout of 3DGS; where there is a file, a `blob:` address of its bytes. */
+  /** Address of the scene, a single file of one of the adapter's {@link PeerFormats}; where there is a file, a `blob:` address. */
   readonly url: string;
+  /** The scene's own name, without folders: its end tells the format, which a `blob:` address does not. */
+  readonly fileName: string;
   /** What somebody dropped onto the page, where the scene is not fetched. */
   readonly file: File | null;
   /** The one that `setCamera` gets first, for what is drawn while the scene loads. */
@@ -15,6 +17,12 @@ export interface PeerHost {
   /** Only where a part is shown while the rest loads: to be called when a frame with the first splats has been submitted. */
   shown(): void;
 }
+
+/**
+ * The export `formats` of an adapter: what its renderer reads, by the names of `SPLAT_FORMATS`, each with a variant where not all
+ * are read (`spz 3`); `any` for whatever this repository reads. Without it, PLY alone.
+ */
+export type PeerFormats = readonly string[] | 'any';
 
 /**
  * The default export of an adapter: loads the scene and prepares to draw it over black. Resolves when everything is there

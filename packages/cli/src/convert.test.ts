@@ -2,7 +2,7 @@ import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { type Harmonics, readCoefficients, readSplats, type SplatSet } from '@websplatter/core';
 import { WRITABLE_FORMATS } from '@websplatter/core/write';
 import { expect, test } from 'vitest';
-import { runMain, TestFolder, threeSplats } from './testing/test-folder.ts';
+import { gltfOfOneSplat, runMain, TestFolder, threeSplats } from './testing/test-folder.ts';
 
 const read = (path: string) => readSplats(readFileSync(path), { name: path, shPrecision: 'f32' });
 
@@ -98,11 +98,15 @@ test('notes say what may surprise', async () => {
   // Of two scenes, one says that it was trained so.
   const both = [scene, folder.scene('other.ply'), folder.file('both.ply'), '--merge'];
   expect(await notesOf(...both)).toContainEqual(expect.stringContaining('antialias filter'));
-  // What the reader says of the file is said again.
-  const about = expect.stringContaining('a.glb: ');
+  const order = expect.stringContaining('sorted by their distances');
   const axes = expect.stringContaining('--up -y');
-  expect(await notesOf(glb, folder.file('back.spz'))).toEqual([about, axes]);
-  expect(await notesOf(glb, folder.file('turned.spz'), '--up=-y')).toEqual([about]);
+  expect(await notesOf(glb, folder.file('back.spz'))).toEqual([order, axes]);
+  expect(await notesOf(glb, folder.file('turned.spz'), '--up=-y')).toEqual([order]);
+  expect(await notesOf(glb, folder.file('same.glb'))).toEqual([]);
+  // What the reader says of the file is said again.
+  const more = folder.write('more.gltf', gltfOfOneSplat({ sortingMethod: 'zDepth' }, [{ attributes: {} }]));
+  const about = expect.stringContaining('more.gltf: 1 other primitive');
+  expect(await notesOf(more, folder.file('more.ply'), '--up=-y')).toEqual([about]);
   expect(await notesOf('builtin:still-life-small', folder.file('made.glb'), '--sh', '0')).toEqual([]);
 });
 

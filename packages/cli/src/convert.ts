@@ -115,6 +115,8 @@ function notesOf(
   }
   if (inputs.some(({ set }) => set.isAntialiased) && !(format.tellsAntialiased && isAntialiased))
     notes.push('nothing in the new file says that splats were trained with an antialias filter');
+  if (inputs.some(({ set }) => set.fileFacts?.isSortedByDistance) && format.name !== 'gltf')
+    notes.push('nothing in the new file says that splats are sorted by their distances from the camera');
   const isTurned = ({ set }: Input) =>
     set.fileFacts !== undefined && hasYUp(set.fileFacts.format) !== format.hasYUp;
   if (!isTurnedUp && inputs.some(isTurned)) {

@@ -1,6 +1,6 @@
 import { readFileSync } from 'node:fs';
 import { expect, test } from 'vitest';
-import { runMain, TestFolder, threeSplats } from './testing/test-folder.ts';
+import { gltfOfOneSplat, runMain, TestFolder, threeSplats } from './testing/test-folder.ts';
 
 test('info describes a file', async () => {
   const scene = new TestFolder().scene();
@@ -29,6 +29,14 @@ test('info says what a file says of itself', async () => {
   // A scene that is made is of no file.
   const made = await runMain('info', 'builtin:still-life-small');
   expect(made.out).not.toMatch(/^format/m);
+});
+
+test('info says by what a glTF is sorted', async () => {
+  const folder = new TestFolder();
+  const infoOf = async (sortingMethod?: string) =>
+    (await runMain('info', folder.write('splat.gltf', gltfOfOneSplat({ sortingMethod })))).out;
+  expect(await infoOf()).toMatch(/^sorted by +distance from the camera$/m);
+  expect(await infoOf('zDepth')).not.toMatch(/^sorted by/m);
 });
 
 test('info counts what was left out, by reason', async () => {

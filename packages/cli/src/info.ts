@@ -95,11 +95,12 @@ function shDegreeText({ shDegree, trueShDegree }: SceneInfo): string {
 
 function fileRows({ file, isAntialiased }: SceneInfo): [string, string][] {
   if (!file) return [];
-  const { format, variant, writer, notes = [] } = file;
+  const { format, variant, writer, isSortedByDistance, notes = [] } = file;
   const named = variant ? `${format}, ${variant}` : format;
   return [
     ['format', printable(writer ? `${named}, written by ${writer}` : named)],
     ...notes.map((note): [string, string] => ['note', printable(note)]),
+    ...(isSortedByDistance ? ([['sorted by', 'distance from the camera']] as [string, string][]) : []),
     ...(isAntialiased === null
       ? []
       : ([['antialiased', isAntialiased ? 'yes, it was trained so' : 'no']] as [string, string][])),

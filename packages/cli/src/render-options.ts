@@ -6,6 +6,8 @@ import {
   type AccuracySettings,
   DEFAULT_ACCURACY,
   resolveAccuracy,
+  SORTED_BY,
+  type SortBy,
   type Vec3,
 } from '@websplatter/core';
 import { UsageError } from './input-error.ts';
@@ -24,6 +26,7 @@ export interface RenderOptions {
   readonly accuracy: AccuracySettings;
   /** The settings as the user wrote them. */
   readonly accuracyLabel: string;
+  readonly sortBy: SortBy;
   /** sRGB, 0…1. */
   readonly background: Vec3;
   readonly frames: number;
@@ -44,6 +47,7 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
     renderer: { type: 'string', default: 'gpu' },
     accuracy: { type: 'string' },
     set: { type: 'string', multiple: true, default: [] },
+    'sort-by': { type: 'string', default: 'auto' },
     background: { type: 'string', default: '0,0,0' },
     frames: { type: 'string', default: '1' },
     timings: { type: 'string' },
@@ -77,6 +81,7 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
     raw: values.raw,
     renderer,
     ...parseAccuracy(values.accuracy, values.set),
+    sortBy: parseSortBy(values['sort-by']),
     background: parseBackground(values.background),
     frames: parseFrames(values.frames),
     timings: values.timings,
@@ -123,6 +128,12 @@ export function parseSize(text: string): [number, number] {
     );
   }
   return size as [number, number];
+}
+
+function parseSortBy(text: string): SortBy {
+  const sortBy = SORTED_BY.find((each) => each === text);
+  if (sortBy) return sortBy;
+  throw new UsageError('--sort-by', `--sort-by is ${text}; it must be ${SORTED_BY.join(' or ')}`);
 }
 
 function parseBackground(text: string): Vec3 {

@@ -15,12 +15,12 @@ export async function renderOnReference(
   scenes: readonly SceneSource[],
   models: readonly Float64Array[],
   camera: Camera,
-  { widthPx, heightPx, accuracy, frames }: RenderOptions,
+  { sortBy, widthPx, heightPx, accuracy, frames }: RenderOptions,
 ): Promise<Rendered> {
   const sets: SplatSet<Harmonics>[] = [];
   for (const scene of scenes) sets.push(await readScene(scene, 'f32'));
   const clouds = sets.map((set, i) => ({ set, modelMatrix: models[i] }));
-  const draw = () => renderReference({ clouds, camera, widthPx, heightPx, settings: accuracy });
+  const draw = () => renderReference({ clouds, camera, sortBy, widthPx, heightPx, settings: accuracy });
 
   const timings: StageTimings[] = [];
   let first: ReturnType<typeof draw> | undefined;

@@ -1,7 +1,7 @@
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { decode } from 'fast-png';
 import { expect, test } from 'vitest';
-import { runMain, TestFolder } from './testing/test-folder.ts';
+import { runMain, TestFolder, threeSplats } from './testing/test-folder.ts';
 
 const SIZE = ['--size', '48x32'];
 const REFERENCE = ['--renderer', 'reference'];
@@ -98,4 +98,20 @@ test('bad input gives one line, status 2 and no file', async () => {
     expect(existsSync(out)).toBe(false);
   }
   expect(readdirSync(folder.path).filter((name) => name.startsWith('.'))).toEqual([]);
+});
+
+test('splats are sorted by what is asked for', async () => {
+  const folder = new TestFolder();
+  const set = { ...threeSplats(), logScales: new Float32Array(9).fill(0) };
+  // Red, on the left, is less deep than the others, and farther.
+  set.positions.set([-2.5, 0, 1, 0, 0, 0.8, 0, 0, 0.8]);
+  const scene = folder.scene('crossing.ply', set);
+  const redOf = async (sortBy: string) => {
+    const raw = folder.file(`${sortBy}.f32`);
+    const command = ['render', scene, '--camera', folder.camera(), ...SIZE, ...REFERENCE];
+    expect((await runMain(...command, '--raw', raw, '--sort-by', sortBy)).status).toBe(0);
+    return readRaw(raw)[at(16, 16)];
+  };
+  expect(await redOf('depth')).toBeGreaterThan(2 * (await redOf('distance')));
+  expect(await redOf('auto')).toBe(await redOf('depth'));
 });

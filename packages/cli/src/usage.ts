@@ -16,6 +16,7 @@ websplatter render SCENE … --camera CAM.json --size WIDTHxHEIGHT --out image.p
   --renderer gpu         or reference: float64 on the CPU, slow (all but precisions and formats apply)
   --accuracy balanced    or reference, high, fast, paper
   --set name=value       one accuracy setting; may be repeated
+  --sort-by auto         or depth, distance: what splats are sorted by; auto: distance where a scene's file asks for it
   --background 0,0,0     r,g,b, each 0 to 1, in the image's sRGB space
   --frames 1             renders this many times; fails if two frames differ in any bit
   --timings t.json       writes milliseconds per stage, median and 99th percentile over the frames, and

@@ -124,6 +124,7 @@ const CALLS: Record<string, Call> = {
         widthPx: 64,
         heightPx: 48,
         background: [0, 0.5, 1],
+        sortBy: 'distance',
       },
     ],
     call: (request: Parameters<typeof checkRequest>[0]) => {

@@ -82,6 +82,7 @@ export {
 } from './packing/packed-cloud.ts';
 export type { CloudPrecision, GeometryPrecision, ShPrecision } from './packing/precision.ts';
 export { printable } from './printable.ts';
+export { SORTED_BY, type SortBy } from './splats/sort-by.ts';
 export {
   coefficientsPerSplat,
   type DropCounts,

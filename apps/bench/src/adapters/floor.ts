@@ -1,4 +1,6 @@
-import type { LoadPeer } from '../adapter.ts';
+import type { LoadPeer, PeerFormats } from '../adapter.ts';
+
+export const formats: PeerFormats = 'any';
 
 /**
  * Draws nothing: fetches the file, throws its bytes away and clears the canvas. What it takes is the floor under all others.

@@ -1,8 +1,10 @@
 import type { AccuracyPreset } from '@websplatter/core';
 import { createSplatRenderer, SplatCloudObject, SplatLoader, splatEngineOf } from '@websplatter/three';
 import { REVISION } from 'three/webgpu';
-import { type LoadPeer, nextTask } from '../adapter.ts';
+import { type LoadPeer, nextTask, type PeerFormats } from '../adapter.ts';
 import { threeScene } from './three-scene.ts';
+
+export const formats: PeerFormats = 'any';
 
 /** This project's engine in three.js. `?accuracy=PRESET`. */
 const loadWebsplatterThree: LoadPeer = async ({ canvas, url, options }) => {

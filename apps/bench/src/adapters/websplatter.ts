@@ -1,6 +1,8 @@
 import { type AccuracyPreset, perspectiveCamera, type SplatCloud, SplatEngine } from '@websplatter/core';
 import type { SceneCamera } from '@websplatter/scenes';
-import type { LoadPeer } from '../adapter.ts';
+import type { LoadPeer, PeerFormats } from '../adapter.ts';
+
+export const formats: PeerFormats = 'any';
 
 /**
  * This project's engine on a canvas. `?accuracy=PRESET`; `?previews` shows what has arrived while the rest loads; `?undivided`

@@ -21,11 +21,12 @@ addEventListener('unhandledrejection', ({ reason }) => complain(String(reason?.s
 const ledger = new ByteLedger();
 const webgpu = watchWebGpu(ledger, complain);
 watchWebGl(ledger);
-const { default: loadPeer } = await import('virtual:bench-adapter');
+const { default: loadPeer, formats = ['ply'] } = await import('virtual:bench-adapter');
 
 let drawn: DrawnPeer | undefined;
 
 const page: BenchPage = {
+  formats: () => formats,
   async load(request) {
     const canvas = canvasOf(request);
     const file = request.url === null ? droppedFile() : null;
@@ -37,6 +38,7 @@ const page: BenchPage = {
     const peer = await loadPeer({
       canvas,
       url,
+      fileName: request.fileName,
       file,
       camera: request.camera,
       options: new URLSearchParams(location.search),

@@ -1,8 +1,11 @@
 import type { SceneCamera } from '@websplatter/scenes';
+import type { PeerFormats } from '../adapter.ts';
 import type { Wait } from './completion.ts';
 
 /** What the runner calls in a page, as `window.bench`. Everything is timed in the page: no message falls in between. */
 export interface BenchPage {
+  /** What the peer reads. */
+  formats(): PeerFormats;
   load(request: LoadRequest): Promise<Loaded>;
   measure(request: MeasureRequest): Promise<Measured>;
   /** The picture by each camera. */
@@ -13,6 +16,8 @@ export interface BenchPage {
 export interface LoadRequest {
   /** Null for the file that the page was given. */
   readonly url: string | null;
+  /** Without folders. */
+  readonly fileName: string;
   readonly widthPx: number;
   readonly heightPx: number;
   readonly wait: Wait;

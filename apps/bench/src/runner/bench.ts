@@ -1,11 +1,13 @@
 import { execFileSync } from 'node:child_process';
 import { mkdir, writeFile } from 'node:fs/promises';
 import os from 'node:os';
-import { join } from 'node:path';
+import { basename, join } from 'node:path';
+import type { PeerFormats } from '../adapter.ts';
 import { WAITS, type Wait } from '../page/completion.ts';
 import type { Loaded, LoadRequest, MeasureRequest, Picture } from '../page/protocol.ts';
 import { BLANK_PAGE, type BuiltPages, type BuiltPeer } from './built-pages.ts';
-import type { BenchOptions } from './options.ts';
+import type { BenchOptions, SizePx } from './options.ts';
+import { isReadBy } from './peer-formats.ts';
 import { psnrOf } from './picture-error.ts';
 import { drawReferences } from './references.ts';
 import type { Report, Row, SceneReport } from './report.ts';
@@ -39,10 +41,11 @@ export async function measurePeers(
   peers: readonly BuiltPeer[],
   setup: BenchSetup,
 ): Promise<Report> {
-  const { size, pictureSize, frames, jumps, timeLimitMs, budgetMs, isSoftware, isFromFile } = options;
+  const { size, pictureSize, frames, jumps, timeLimitMs, budgetMs, isSoftware, isFromFile, isLoads } =
+    options;
   const { executablePath, commandLine, pages, pagesFolder, workFolder, say } = setup;
-  const plyFiles = await sceneFiles(options, workFolder);
-  const addresses = new Map(plyFiles.map((file, i) => [`/scenes/${i}.ply`, file]));
+  const files = await sceneFiles(options, workFolder);
+  const addresses = new Map(files.map((file, i) => [`/scenes/${i}/${basename(file)}`, file]));
   const server = await serve(pagesFolder, addresses);
   const visitor = new Visitor({
     executablePath,
@@ -52,19 +55,22 @@ export async function measurePeers(
     blankUrl: `${server.url}/${BLANK_PAGE}`,
   });
   try {
+    const formatsOf = new Map<BuiltPeer, PeerFormats>();
     const pageOf = ({ page }: BuiltPeer) => `${server.url}/${page}`;
     let adapter: string | null = null;
     let wait: Wait = WAITS[0];
     const scenes: SceneReport[] = [];
-    for (const [i, file] of plyFiles.entries()) {
+    for (const [i, file] of files.entries()) {
       say(`${file}: reading …`);
       const scene = await readScene(file, options.camerasFile);
-      const bench = new SceneBench(options, scene, `${server.url}/scenes/${i}.ply`, visitor, pageOf, say);
+      const sceneUrl = `${server.url}/scenes/${i}/${encodeURIComponent(basename(file))}`;
+      const bench = new SceneBench(options, scene, sceneUrl, visitor, pageOf, formatsOf, say);
       if (i === 0) ({ wait, adapter } = await bench.quickestWait(pages.floor, `${server.url}/${BLANK_PAGE}`));
       const rows = peers.map(emptyRow);
       if (options.takesPictures) await bench.takePictures(rows, peers, wait);
       await bench.measure(rows, peers, wait);
-      scenes.push({ scene: scene.name, splats: scene.splats, shDegree: scene.shDegree, rows });
+      const { name, format, fileBytes, splats, shDegree } = scene;
+      scenes.push({ scene: name, format, fileBytes, splats, shDegree, rows });
     }
     return {
       date: new Date().toISOString(),
@@ -75,6 +81,7 @@ export async function measurePeers(
       adapter,
       wait,
       isFromFile,
+      isLoads,
       ...size,
       pictureWidthPx: pictureSize.widthPx,
       pictureHeightPx: pictureSize.heightPx,
@@ -88,7 +95,7 @@ export async function measurePeers(
 }
 
 function emptyRow({ name, isFloor, version }: BuiltPeer): Row {
-  return { peer: name, isFloor, version, rounds: [], pictures: [], failures: [] };
+  return { peer: name, isFloor, version, isReader: true, rounds: [], pictures: [], failures: [] };
 }
 
 /** All peers with one scene. */
@@ -98,6 +105,8 @@ class SceneBench {
   readonly #sceneUrl: string;
   readonly #visitor: Visitor;
   readonly #pageOf: (peer: BuiltPeer) => string;
+  /** What peers read, as their pages have said so far. */
+  readonly #formatsOf: Map<BuiltPeer, PeerFormats>;
   readonly #say: (line: string) => void;
 
   constructor(
@@ -106,6 +115,7 @@ class SceneBench {
     sceneUrl: string,
     visitor: Visitor,
     pageOf: (peer: BuiltPeer) => string,
+    formatsOf: Map<BuiltPeer, PeerFormats>,
     say: (line: string) => void,
   ) {
     this.#options = options;
@@ -113,6 +123,7 @@ class SceneBench {
     this.#sceneUrl = sceneUrl;
     this.#visitor = visitor;
     this.#pageOf = pageOf;
+    this.#formatsOf = formatsOf;
     this.#say = say;
   }
 
@@ -139,21 +150,22 @@ class SceneBench {
   /** Before anything is timed: who draws less than the others is seen first. Meanwhile threads draw in float64. */
   async takePictures(rows: readonly Row[], peers: readonly BuiltPeer[], wait: Wait): Promise<void> {
     const { pictureSize } = this.#options;
-    const { plyFile, cameras } = this.#scene;
+    const { cameras } = this.#scene;
     const taken: Picture[][] = rows.map(() => []);
     const takeAll = async () => {
       for (const [i, peer] of peers.entries()) {
         if (peer.isFloor) continue;
         await this.#try(rows[i], 'pictures', async () => {
-          taken[i] = await this.#visitor.visit(this.#pageOf(peer), pictureSize, async (page) => {
+          const use = async (page: OpenPage) => {
             await page.load(this.#load(pictureSize, wait));
             return page.pictures(cameras);
-          });
+          };
+          taken[i] = (await this.#visitReader(rows[i], peer, pictureSize, use)) ?? [];
           await this.#keep(taken[i], peer);
         });
       }
     };
-    const [references] = await Promise.all([drawReferences(plyFile, cameras, pictureSize), takeAll()]);
+    const [references] = await Promise.all([drawReferences(this.#scene, pictureSize), takeAll()]);
     for (const [i, { pictures }] of rows.entries())
       for (const [view, picture] of taken[i].entries())
         pictures.push({ camera: picture.camera, psnrDb: psnrOf(picture, references[view]) });
@@ -175,18 +187,38 @@ class SceneBench {
     for (let round = 0; round < this.#options.rounds; round++) {
       for (const i of round % 2 === 0 ? order : order.toReversed()) {
         await this.#try(rows[i], `round ${round + 1}`, async () => {
-          const { size } = this.#options;
-          const found = await this.#visitor.visit(this.#pageOf(peers[i]), size, async (page) => ({
+          const { size, isLoads } = this.#options;
+          const found = await this.#visitReader(rows[i], peers[i], size, async (page) => ({
             round,
             loaded: await this.#loadTimed(page, wait),
-            measured: await page.measure(this.#measureRequest),
+            measured: isLoads ? null : await page.measure(this.#measureRequest),
             state: await page.state(),
             heap: await page.heap(),
           }));
-          rows[i].rounds.push(found);
+          if (found) rows[i].rounds.push(found);
         });
       }
     }
+  }
+
+  /** Visits a peer's page; resolves with null for a peer that does not read the scene's format, and says so in its row. */
+  async #visitReader<Result>(
+    row: Row,
+    peer: BuiltPeer,
+    size: SizePx,
+    use: (page: OpenPage) => Promise<Result>,
+  ): Promise<Result | null> {
+    const isReader = (formats: PeerFormats) => {
+      row.isReader = isReadBy(formats, this.#scene.format);
+      return row.isReader;
+    };
+    const known = this.#formatsOf.get(peer);
+    if (known && !isReader(known)) return null;
+    return this.#visitor.visit(this.#pageOf(peer), size, async (page) => {
+      const formats = known ?? (await page.formats());
+      this.#formatsOf.set(peer, formats);
+      return isReader(formats) ? use(page) : null;
+    });
   }
 
   async #try(row: Row, what: string, work: () => Promise<void>): Promise<void> {
@@ -206,12 +238,13 @@ class SceneBench {
     const { size, isFromFile } = this.#options;
     const request = this.#load(size, wait);
     if (!isFromFile) return page.load(request);
-    await page.giveFile(this.#scene.plyFile);
+    await page.giveFile(this.#scene.file);
     return page.load({ ...request, url: null });
   }
 
-  #load(size: BenchOptions['size'], wait: Wait): LoadRequest {
-    return { url: this.#sceneUrl, ...size, wait, camera: this.#scene.cameras[0] };
+  #load(size: SizePx, wait: Wait): LoadRequest {
+    const { file, cameras } = this.#scene;
+    return { url: this.#sceneUrl, fileName: basename(file), ...size, wait, camera: cameras[0] };
   }
 
   get #measureRequest(): MeasureRequest {

@@ -18,6 +18,7 @@ describe('the options of the peer bench', () => {
       jumps: 16,
       peers: 'all',
       isFromFile: false,
+      isLoads: false,
       takesPictures: true,
       timeLimitMs: 300_000,
       budgetMs: Infinity,

@@ -5,7 +5,8 @@ import { PEER_NAMES } from './peer-list.ts';
 
 /** Behind the command's name. */
 export const USAGE = `--scenes FILE,… | --synthetic N,… [OPTION…]
-  --scenes FILE,…     PLY files; NAME.cameras.json beside NAME.ply has its cameras
+  --scenes FILE,…     files of any format that is read, or folders of them; NAME.cameras.json has the cameras of NAME.ply,
+                      NAME.spz and so on, unless NAME.spz.cameras.json has them
   --synthetic N,…     scenes made by code, of that many splats
   --cameras FILE      cameras for all scenes instead: a list of { name, position, target, up, fovYDegrees, near, far };
                       the first is turned about its target for the times, the pictures are taken by all
@@ -19,6 +20,7 @@ export const USAGE = `--scenes FILE,… | --synthetic N,… [OPTION…]
   --warm-up N         frames before it; default 20
   --jumps N           frames after jumps; default 16
   --from-file         gives pages the file, as if it had been dropped there, instead of its address
+  --loads             measures loads alone, without a turn or jumps
   --no-pictures       takes no pictures: float64 needs minutes for millions of splats
   --time-limit S      seconds that a peer may take in one round; default 300
   --budget S          seconds that all peers may take; what is not done then is left out of the table
@@ -49,6 +51,8 @@ export interface BenchOptions {
   readonly warmUpFrames: number;
   readonly jumps: number;
   readonly isFromFile: boolean;
+  /** Loads alone. */
+  readonly isLoads: boolean;
   readonly takesPictures: boolean;
   readonly timeLimitMs: number;
   /** Infinity without a limit. */
@@ -85,6 +89,7 @@ export function readOptions(args: readonly string[], folder: string): BenchOptio
     warmUpFrames: wholeNumber('warm-up', values['warm-up']),
     jumps: wholeNumber('jumps', values.jumps),
     isFromFile: values['from-file'],
+    isLoads: values.loads,
     takesPictures: !values['no-pictures'],
     timeLimitMs: 1000 * wholeNumber('time-limit', values['time-limit']),
     budgetMs: values.budget === undefined ? Infinity : 1000 * wholeNumber('budget', values.budget),
@@ -112,6 +117,7 @@ function parse(args: readonly string[]) {
         'warm-up': { type: 'string', default: '20' },
         jumps: { type: 'string', default: '16' },
         'from-file': { type: 'boolean', default: false },
+        loads: { type: 'boolean', default: false },
         'no-pictures': { type: 'boolean', default: false },
         'time-limit': { type: 'string', default: '300' },
         budget: { type: 'string' },

@@ -1,6 +1,7 @@
 import { existsSync } from 'node:fs';
 import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
+import { SPLAT_FORMATS } from '@websplatter/core/formats';
 import { describe, expect, test } from 'vitest';
 import { BenchError } from './bench-error.ts';
 import { choosePeers, PEER_NAMES, peersFolder } from './peer-list.ts';
@@ -19,6 +20,19 @@ describe('the peers that the bench knows', () => {
       if (!isOnDemand) continue;
       const folder = packageFile!.slice(join(peersFolder, 'node_modules/').length, -'/package.json'.length);
       expect(dependencies[folder], folder).toMatch(/(?:^|@)\d+\.\d+\.\d+$/);
+    }
+  });
+
+  test('say in their adapters which formats they read', async () => {
+    const names = new Set(SPLAT_FORMATS.map(({ name }) => name));
+    for (const { name, adapterPath } of all) {
+      let source = await readFile(adapterPath, 'utf8');
+      const [, from] = /export \{ formats \} from '(.*)'/.exec(source) ?? [];
+      if (from) source = await readFile(join(adapterPath, '..', from), 'utf8');
+      const [, list] = /export const formats(?:: PeerFormats)? = (\[.*\]|'any');/.exec(source) ?? [];
+      const entries = [...(list ?? '').matchAll(/'([\w-]+)(?: [^']*)?'/g)].map(([, entry]) => entry);
+      expect(entries, name).not.toEqual([]);
+      for (const entry of entries) expect(entry === 'any' || names.has(entry), entry).toBe(true);
     }
   });
 

@@ -5,8 +5,8 @@ import { renderReference } from '@websplatter/core/reference';
 import { openFile } from '@websplatter/node';
 
 /** @type {import('./references.ts').ReferenceRequest} */
-const { plyFile, camera, widthPx, heightPx } = workerData;
-const set = await readSplats(await openFile(plyFile), { name: plyFile, shPrecision: 'f32' });
+const { file, camera, widthPx, heightPx } = workerData;
+const set = await readSplats(await openFile(file), { name: file, shPrecision: 'f32' });
 const { data } = renderReference({
   clouds: [{ set }],
   camera: perspectiveCamera({ ...camera, aspect: widthPx / heightPx }),

@@ -1,34 +1,35 @@
-import { stat } from 'node:fs/promises';
 import os from 'node:os';
 import { Worker } from 'node:worker_threads';
 import type { SceneCamera } from '@websplatter/scenes';
 import type { SizePx } from './options.ts';
+import type { BenchScene } from './scenes.ts';
 
 /** What a thread is asked for. */
 export interface ReferenceRequest extends SizePx {
-  readonly plyFile: string;
+  readonly file: string;
   readonly camera: SceneCamera;
 }
 
-/** Memory that a thread needs at most, in terms of its file: splats, the same in Morton order, and those that are seen. */
-const MEMORY_PER_FILE = 4;
+/** Memory that a thread needs at most, in terms of its splats: themselves, the same in Morton order, and those that are seen. */
+const COPIES = 4;
+/** Of a splat in float32. */
+const SPLAT_BYTES = 4 * 62;
 /** Node's own limit is too low for the splats that are seen of the largest scenes. */
 const MAX_HEAP_MB = 16_384;
 
 /** Draws a scene by each camera in float64, as many at once as this machine can: premultiplied RGBA. */
 export async function drawReferences(
-  plyFile: string,
-  cameras: readonly SceneCamera[],
+  { file, splats, cameras }: Pick<BenchScene, 'file' | 'splats' | 'cameras'>,
   { widthPx, heightPx }: SizePx,
 ): Promise<Float64Array[]> {
-  const fitting = Math.floor(os.freemem() / (MEMORY_PER_FILE * (await stat(plyFile)).size));
+  const fitting = Math.floor(os.freemem() / (COPIES * SPLAT_BYTES * splats));
   const atOnce = Math.max(1, Math.min(cameras.length, os.availableParallelism(), fitting));
   const references: Float64Array[] = [];
   let next = 0;
   const drawSome = async () => {
     while (next < cameras.length) {
       const view = next++;
-      references[view] = await drawInThread({ plyFile, camera: cameras[view], widthPx, heightPx });
+      references[view] = await drawInThread({ file, camera: cameras[view], widthPx, heightPx });
     }
   };
   await Promise.all(Array.from({ length: atOnce }, drawSome));

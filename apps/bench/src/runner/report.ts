@@ -1,5 +1,6 @@
 import type { Wait } from '../page/completion.ts';
 import type { Loaded, Measured, PageState } from '../page/protocol.ts';
+import type { SceneFormat } from './scenes.ts';
 import type { Heap } from './visit.ts';
 
 /** One peer in one round, in a browser of its own. */
@@ -7,7 +8,8 @@ export interface Round {
   /** From 0; of a peer that failed in one, that is missing. */
   readonly round: number;
   readonly loaded: Loaded;
-  readonly measured: Measured;
+  /** Null where loads alone are measured. */
+  readonly measured: Measured | null;
   readonly state: PageState;
   readonly heap: Heap;
 }
@@ -18,12 +20,14 @@ export interface PictureError {
   readonly psnrDb: number;
 }
 
-/** One peer with one scene. */
+/** One peer with one scene, which is filled in as it is measured. */
 export interface Row {
   readonly peer: string;
   readonly isFloor: boolean;
   /** Null where the peer is no package. */
   readonly version: string | null;
+  /** Whether the peer reads the scene's format; it is left out where not. */
+  isReader: boolean;
   readonly rounds: Round[];
   readonly pictures: PictureError[];
   /** Why rounds or pictures are missing. */
@@ -32,6 +36,8 @@ export interface Row {
 
 export interface SceneReport {
   readonly scene: string;
+  readonly format: SceneFormat;
+  readonly fileBytes: number;
   readonly splats: number;
   readonly shDegree: number;
   readonly rows: readonly Row[];
@@ -50,6 +56,7 @@ export interface Report {
   readonly wait: Wait;
   /** Whether the page was given the scenes as files, instead of fetching them. */
   readonly isFromFile: boolean;
+  readonly isLoads: boolean;
   readonly widthPx: number;
   readonly heightPx: number;
   readonly pictureWidthPx: number;

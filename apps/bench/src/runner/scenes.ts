@@ -1,36 +1,63 @@
 import { existsSync } from 'node:fs';
-import { writeFile } from 'node:fs/promises';
+import { readdir, stat, writeFile } from 'node:fs/promises';
 import { basename, join } from 'node:path';
 import { readSplats } from '@websplatter/core';
+import { formatByName, isLeadingFile } from '@websplatter/core/formats';
 import { openFile } from '@websplatter/node';
 import { type SceneCamera, syntheticCamera, syntheticPly } from '@websplatter/scenes';
 import { BenchError } from './bench-error.ts';
 import { camerasAround, readCameras, viewsAround } from './cameras.ts';
 import type { BenchOptions } from './options.ts';
 
-/** A scene to measure. */
+/** A scene to measure: one file. */
 export interface BenchScene {
+  /** The file's name; that of a PLY without its end. */
   readonly name: string;
-  readonly plyFile: string;
+  readonly file: string;
+  readonly fileBytes: number;
+  readonly format: SceneFormat;
   readonly splats: number;
   readonly shDegree: number;
   readonly cameras: readonly SceneCamera[];
 }
 
+/** What a file is, as its reader says. */
+export interface SceneFormat {
+  /** One of `SPLAT_FORMATS`. */
+  readonly name: string;
+  /** Such as its version; empty where there is only one. */
+  readonly variant: string;
+}
+
 /**
- * Writes the synthetic scenes into `folder`; returns the paths of all scenes' files.
+ * Writes the synthetic scenes into `folder`; returns the paths of all scenes' files, those of folders by their names.
  *
- * @throws BenchError for numbers of splats that cannot be made.
+ * @throws BenchError for numbers of splats that cannot be made, and for folders without scenes.
  */
-export async function sceneFiles({ scenes, synthetic }: BenchOptions, folder: string): Promise<string[]> {
-  const written = [];
+export async function sceneFiles(
+  { scenes, synthetic }: Pick<BenchOptions, 'scenes' | 'synthetic'>,
+  folder: string,
+): Promise<string[]> {
+  const files = [];
+  for (const path of scenes) {
+    const isFolder = (await stat(path).catch(() => null))?.isDirectory() ?? false;
+    files.push(...(isFolder ? await filesIn(path) : [path]));
+  }
   for (const splats of synthetic) {
     const file = join(folder, `synthetic-${splats}.ply`);
     await writeFile(file, synthesize(splats));
     await writeFile(camerasFileOf(file), JSON.stringify(viewsAround(syntheticCamera)));
-    written.push(file);
+    files.push(file);
   }
-  return [...scenes, ...written];
+  return files;
+}
+
+/** A file that leads to others is left out: a page is given one. */
+async function filesIn(folder: string): Promise<string[]> {
+  const isScene = (name: string) => formatByName(name) !== undefined && !isLeadingFile(name);
+  const names = (await readdir(folder)).filter((name) => isScene(name) && !name.endsWith('.json')).sort();
+  if (names.length === 0) throw new BenchError(`--scenes: there is no scene in ${folder}.`);
+  return names.map((name) => join(folder, name));
 }
 
 function synthesize(splats: number): ReturnType<typeof syntheticPly> {
@@ -46,16 +73,24 @@ function synthesize(splats: number): ReturnType<typeof syntheticPly> {
  *
  * @throws BenchError if a file cannot be read.
  */
-export async function readScene(plyFile: string, camerasFile: string | null): Promise<BenchScene> {
-  const name = basename(plyFile).replace(/\.ply$/, '');
-  const set = await readPly(plyFile);
-  const ownCameras = camerasFileOf(plyFile);
-  const file = camerasFile ?? (existsSync(ownCameras) ? ownCameras : null);
-  const cameras = file ? await readCameras(file) : camerasAround(set);
-  return { name, plyFile, splats: set.count, shDegree: set.harmonics.degree, cameras };
+export async function readScene(file: string, camerasFile: string | null): Promise<BenchScene> {
+  const set = await readFile(file);
+  const beside = [`${file}.cameras.json`, camerasFileOf(file)].find((each) => existsSync(each));
+  const from = camerasFile ?? beside;
+  const cameras = from === undefined ? camerasAround(set) : await readCameras(from);
+  const { format: name = 'ply', variant = '' } = set.fileFacts ?? {};
+  return {
+    name: basename(file).replace(/(?<!\.compressed)\.ply$/, ''),
+    file,
+    fileBytes: (await stat(file)).size,
+    format: { name, variant },
+    splats: set.count,
+    shDegree: set.harmonics.degree,
+    cameras,
+  };
 }
 
-async function readPly(file: string) {
+async function readFile(file: string) {
   try {
     return await readSplats(await openFile(file), { name: file });
   } catch (error) {
@@ -63,6 +98,9 @@ async function readPly(file: string) {
   }
 }
 
-function camerasFileOf(plyFile: string): string {
-  return plyFile.replace(/\.ply$/, '.cameras.json');
+/** Files of one scene share their cameras, whatever their format. */
+function camerasFileOf(file: string): string {
+  const ends = formatByName(basename(file))?.extensions ?? [];
+  const end = ends.find((each) => file.toLowerCase().endsWith(each)) ?? '';
+  return `${file.slice(0, file.length - end.length)}.cameras.json`;
 }

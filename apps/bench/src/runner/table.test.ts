@@ -1,6 +1,6 @@
-import { expect, test } from 'vitest';
+import { describe, expect, test } from 'vitest';
 import type { Loaded } from '../page/protocol.ts';
-import type { Report, Round, Row } from './report.ts';
+import type { Report, Round, Row, SceneReport } from './report.ts';
 import { reportText } from './table.ts';
 
 const LOADED: Loaded = {
@@ -14,15 +14,16 @@ const LOADED: Loaded = {
 function round(fields: {
   correctMs: number[];
   index?: number;
+  isLoads?: boolean;
   loaded?: Partial<Loaded>;
   orders?: number;
   problems?: string[];
 }): Round {
-  const { correctMs, index = 0, loaded, orders = null, problems = [] } = fields;
+  const { correctMs, index = 0, isLoads = false, loaded, orders = null, problems = [] } = fields;
   return {
     round: index,
     loaded: { ...LOADED, ...loaded },
-    measured: { turnMs: [4, 5, 6], orders, correctMs },
+    measured: isLoads ? null : { turnMs: [4, 5, 6], orders, correctMs },
     state: {
       gpuBytes: 12e6,
       gpuPeakBytes: 3.2e8,
@@ -35,10 +36,31 @@ function round(fields: {
 }
 
 function row(peer: string, fields: Partial<Row>): Row {
-  return { peer, isFloor: false, version: null, rounds: [], pictures: [], failures: [], ...fields };
+  return {
+    peer,
+    isFloor: false,
+    version: null,
+    isReader: true,
+    rounds: [],
+    pictures: [],
+    failures: [],
+    ...fields,
+  };
 }
 
+const SCENE: Omit<SceneReport, 'rows'> = {
+  scene: 'a',
+  format: { name: 'ply', variant: 'ascii' },
+  fileBytes: 2e6,
+  splats: 12_345,
+  shDegree: 3,
+};
+
 function textOf(...rows: Row[]): string {
+  return textOfScenes([{ ...SCENE, rows }]);
+}
+
+function textOfScenes(scenes: SceneReport[], isLoads = false): string {
   const report: Report = {
     date: '2026-01-01T00:00:00.000Z',
     command: 'npm run bench:peers -- --scenes a.ply',
@@ -48,13 +70,14 @@ function textOf(...rows: Row[]): string {
     adapter: 'an adapter',
     wait: 'done',
     isFromFile: false,
+    isLoads,
     widthPx: 64,
     heightPx: 32,
     pictureWidthPx: 16,
     pictureHeightPx: 8,
     frames: 3,
     jumps: 2,
-    scenes: [{ scene: 'a', splats: 12_345, shDegree: 3, rows }],
+    scenes,
   };
   return reportText(report);
 }
@@ -114,6 +137,68 @@ test('loads are held against the floor of the same API, round by round', () => {
   for (const peer of ['floor-webgpu', 'without-rounds']) expect(cells(text, peer)[3]).toBe('–');
 });
 
+describe('loads alone', () => {
+  const loads = (peer: string, ...loadMs: number[]) =>
+    row(peer, {
+      rounds: loadMs.map((ms, index) =>
+        round({ index, correctMs: [], isLoads: true, loaded: { loadMs: ms } }),
+      ),
+    });
+  const floor = { ...loads('floor-webgpu', 10, 10, 10), isFloor: true };
+
+  test('have medians and tails, and ratios to the quickest other project', () => {
+    const rows = [
+      floor,
+      loads('websplatter', 100, 90, 80),
+      loads('slow', 300, 1, 300),
+      loads('quick', 200, 180, 100),
+    ];
+    const text = textOfScenes([{ ...SCENE, rows }], true);
+    expect(cells(text, 'websplatter')).toEqual([
+      'websplatter',
+      '–',
+      '90 / 100',
+      '9.00 (8.00–10.00)',
+      '0.50 (0.50–0.80)',
+      '321',
+      '60',
+      '12 / 320',
+      '4.6',
+      '–',
+    ]);
+    expect(cells(text, 'slow')[4]).toBe('1.50 (0.01–3.00)');
+    expect(cells(text, 'quick')[4]).toBe('1.00 (1.00–1.00)');
+    expect(cells(text, 'floor-webgpu')[4]).toBe('–');
+    expect(text).not.toContain('correct frame:');
+  });
+
+  test('are compared with no other project where there is none', () => {
+    const rows = [
+      floor,
+      loads('websplatter', 100),
+      loads('websplatter?accuracy=fast', 50),
+      loads('websplatter-three', 10),
+    ];
+    expect(cells(textOfScenes([{ ...SCENE, rows }], true), 'websplatter')[4]).toBe('–');
+  });
+
+  test('are summed up for all scenes; a peer that does not read a format is said not to', () => {
+    const spz = { ...SCENE, scene: 'a.spz', format: { name: 'spz', variant: '4' }, fileBytes: 25e6 };
+    const unread = row('old', { isReader: false });
+    const text = textOfScenes(
+      [
+        { ...SCENE, rows: [loads('websplatter', 100, 90, 80), loads('old', 300)] },
+        { ...spz, rows: [loads('websplatter', 50), unread] },
+      ],
+      true,
+    );
+    expect(cells(text, 'a')).toEqual(['a', 'ply ascii', '2.0', '90', '300']);
+    expect(cells(text, 'a.spz')).toEqual(['a.spz', 'spz 4', '25', '50', '–']);
+    expect(text).toContain('- old does not read spz 4');
+    expect(text.match(/^\| old /gm)).toHaveLength(1);
+  });
+});
+
 test('what failed has no figures but a reason, and complaints are shown once', () => {
   const complaining = row('loud', {
     rounds: [1, 2].map(() => round({ correctMs: [1], problems: ['WebGPU: invalid'] })),
@@ -131,5 +216,5 @@ test('the lines of a table are equally long', () => {
     .filter((line) => line.startsWith('|'))
     .map((line) => line.length);
   expect(new Set(lengths).size).toBe(1);
-  expect(text).toContain('### a: 12,345 splats, spherical harmonics of degree 3, 64×32');
+  expect(text).toContain('### a: ply ascii, 2.0 MB, 12,345 splats, spherical harmonics of degree 3, 64×32');
 });

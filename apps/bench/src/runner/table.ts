@@ -1,64 +1,169 @@
 import type { Report, Round, Row, SceneReport } from './report.ts';
-import { type Spread, spreadOf } from './spread.ts';
+import type { SceneFormat } from './scenes.ts';
+import { spreadOf } from './spread.ts';
 
-const HEADS = [
-  'peer',
-  'version',
-  'load',
-  '× fetch',
-  'first splats',
-  'longest task',
-  'correct frame',
-  '×',
-  'turn',
-  '± %',
-  'orders',
-  'GPU MB',
-  'JS MB',
-  'PSNR dB',
-] as const;
 const NONE = '–';
 /** Ratios are to this peer, or else to the first that draws. */
 const BASE = 'websplatter';
+/** This project, in whatever way. */
+const OWN = /^websplatter(?:[-?]|$)/;
+
+/** What a row is held against. */
+interface Others {
+  readonly base: Row | undefined;
+  /** The floor that draws by the same API. */
+  readonly floor: Row | undefined;
+  /** The other project that loads the scene in the least time. */
+  readonly quickest: Row | undefined;
+}
+
+interface Column {
+  readonly head: string;
+  cell(row: Row, others: Others): string;
+}
+
+const loadMsOf = ({ loaded }: Round) => loaded.loadMs;
+const lastOf = ({ rounds }: Row) => rounds.at(-1);
+
+const NAME_COLUMNS: readonly Column[] = [
+  { head: 'peer', cell: ({ peer }) => peer },
+  { head: 'version', cell: ({ version }) => version ?? NONE },
+];
+const FETCH_COLUMN: Column = {
+  head: '× fetch',
+  cell: (row, { floor }) => (row.isFloor || !floor ? NONE : ratioCell(row, floor, loadMsOf)),
+};
+const WAY_COLUMNS: readonly Column[] = [
+  {
+    head: 'first splats',
+    cell: ({ rounds }) => medianCell(rounds.map(({ loaded }) => loaded.firstSplatsMs)),
+  },
+  {
+    head: 'longest task',
+    cell: ({ rounds }) => medianCell(rounds.map(({ loaded }) => loaded.longestTaskMs)),
+  },
+];
+const MEMORY_COLUMNS: readonly Column[] = [
+  {
+    head: 'GPU MB',
+    cell: (row) => {
+      const { gpuBytes, gpuPeakBytes } = lastOf(row)?.state ?? {};
+      return gpuBytes === undefined ? NONE : `${megabytes(gpuBytes)} / ${megabytes(gpuPeakBytes!)}`;
+    },
+  },
+  {
+    head: 'JS MB',
+    cell: (row) => {
+      const heap = lastOf(row)?.heap;
+      return heap ? megabytes(heap.jsBytes) : NONE;
+    },
+  },
+  { head: 'PSNR dB', cell: ({ pictures }) => psnrCell(pictures.map(({ psnrDb }) => psnrDb)) },
+];
+
+const COLUMNS: readonly Column[] = [
+  ...NAME_COLUMNS,
+  { head: 'load', cell: ({ rounds }) => medianCell(rounds.map(loadMsOf)) },
+  FETCH_COLUMN,
+  ...WAY_COLUMNS,
+  { head: 'correct frame', cell: (row) => spreadCell(correctMsOf(row), 2) },
+  {
+    head: '×',
+    cell: (row, { base }) => (row.isFloor || !base ? NONE : ratioCell(row, base, medianCorrectMs)),
+  },
+  { head: 'turn', cell: (row) => spreadCell(turnMsOf(row), 2) },
+  {
+    head: '± %',
+    cell: (row) => {
+      const turn = spreadOf(turnMsOf(row));
+      return turn ? (100 * turn.deviation).toFixed(0) : NONE;
+    },
+  },
+  {
+    head: 'orders',
+    cell: (row) => {
+      const measured = lastOf(row)?.measured;
+      return measured ? String(measured.orders ?? 'each') : NONE;
+    },
+  },
+  ...MEMORY_COLUMNS,
+];
+
+/** Where loads alone are measured. */
+const LOAD_COLUMNS: readonly Column[] = [
+  ...NAME_COLUMNS,
+  { head: 'load', cell: ({ rounds }) => spreadCell(rounds.map(loadMsOf), 0) },
+  FETCH_COLUMN,
+  {
+    head: '× quickest',
+    cell: (row, { quickest }) => (row.isFloor || !quickest ? NONE : ratioCell(row, quickest, loadMsOf)),
+  },
+  ...WAY_COLUMNS,
+  ...MEMORY_COLUMNS,
+];
 
 /** Formats a report as Markdown that can also be read as it is. */
 export function reportText(report: Report): string {
-  const { widthPx, heightPx, pictureWidthPx, pictureHeightPx, frames, jumps, wait, isFromFile } = report;
+  const { widthPx, heightPx, pictureWidthPx, pictureHeightPx, frames, jumps, wait, isFromFile, isLoads } =
+    report;
   const source = isFromFile ? 'dropped file' : 'address';
   return [
     `${report.date}, commit ${report.commit ?? 'unknown'}: ${report.command}`,
     `${report.adapter ?? 'no adapter'}; ${report.browser}; ${report.machine}`,
     '',
-    ...report.scenes.flatMap((scene) => [...sceneLines(scene, `${widthPx}×${heightPx}`), '']),
+    ...report.scenes.flatMap((scene) => [...sceneLines(scene, `${widthPx}×${heightPx}`, isLoads), '']),
+    ...(isLoads ? [...markdownTable(loadsOf(report.scenes), [0, 1]), ''] : []),
     `Times are ms, median / P99 over all rounds, from the change of the camera to the end of the GPU's work (WebGPU by "${wait}").`,
     `load: from the ${source} to the first correct frame; × fetch: beside the floor of the same API, which throws the bytes away.`,
     `first splats: on the way there. longest task: of the page's thread meanwhile; 0 below 50 ms.`,
-    `correct frame: in the right order, after each of ${jumps} jumps; ×: its median beside the base's, the least and the most of any round.`,
-    `turn: ${frames} frames once around; ± %: their standard deviation; orders: how many were made in it, where frames do not make their own.`,
+    ...(isLoads
+      ? [
+          '× quickest: beside the other project that takes the least by its median, the least and the most of any round.',
+        ]
+      : [
+          `correct frame: in the right order, after each of ${jumps} jumps; ×: its median beside the base's, the least and the most of any round.`,
+          `turn: ${frames} frames once around; ± %: their standard deviation; orders: how many were made in it, where frames do not make their own.`,
+        ]),
     `GPU MB: what the page held at the end / at most, by the API's calls. JS MB: after a garbage collection.`,
     `PSNR, where pictures are taken: ${pictureWidthPx}×${pictureHeightPx} against float64, 8 bits, median and least over the cameras; a peer that leaves splats out has less.`,
     '',
   ].join('\n');
 }
 
-function sceneLines({ scene, splats, shDegree, rows }: SceneReport, size: string): string[] {
+function sceneLines(
+  { scene, format, fileBytes, splats, shDegree, rows }: SceneReport,
+  size: string,
+  isLoads: boolean,
+): string[] {
+  const columns = isLoads ? LOAD_COLUMNS : COLUMNS;
+  const readers = rows.filter(({ isReader }) => isReader);
   const base =
     rows.find(({ peer }) => peer === BASE) ?? rows.find(({ isFloor, rounds }) => !isFloor && rounds.length);
-  const cells = rows.map((row) => cellsOf(row, base, floorOf(row, rows)));
-  const notes = rows.flatMap(({ peer, rounds, failures }) => [
+  const quickest = quickestOf(rows);
+  const cells = readers.map((row) => {
+    const others = { base, floor: floorOf(row, rows), quickest };
+    return columns.map(({ cell }) => cell(row, others));
+  });
+  const notes = rows.flatMap(({ peer, isReader, rounds, failures }) => [
+    ...(isReader ? [] : [`${peer} does not read ${nameOf(format)}`]),
     ...(rounds.length ? [`${peer}: ${rounds[0].loaded.api}, ${rounds[0].loaded.note}`] : []),
     ...new Set(failures.map((failure) => `${peer} FAILED: ${failure}`)),
     ...new Set(
       rounds.flatMap(({ state }) => state.problems.map((problem) => `${peer} complains: ${problem}`)),
     ),
   ]);
+  const file = `${nameOf(format)}, ${megabytes(fileBytes)} MB`;
   return [
-    `### ${scene}: ${splats.toLocaleString('en')} splats, spherical harmonics of degree ${shDegree}, ${size}`,
+    `### ${scene}: ${file}, ${splats.toLocaleString('en')} splats, spherical harmonics of degree ${shDegree}, ${size}`,
     '',
-    ...markdownTable([HEADS, ...cells]),
+    ...markdownTable([columns.map(({ head }) => head), ...cells], [0, 1]),
     '',
     ...notes.map((note) => `- ${note}`),
   ];
+}
+
+function nameOf({ name, variant }: SceneFormat): string {
+  return variant ? `${name} ${variant}` : name;
 }
 
 /** The floor that draws by the same API. */
@@ -67,54 +172,47 @@ function floorOf(row: Row, rows: readonly Row[]): Row | undefined {
   return rows.find((each) => each.isFloor && apiOf(each) === apiOf(row));
 }
 
-function cellsOf(row: Row, base: Row | undefined, floor: Row | undefined): string[] {
-  const { rounds, pictures } = row;
-  const times = (of: (round: Round) => readonly number[]) => rounds.flatMap(of);
-  const correctMs = times(({ measured }) => measured.correctMs);
-  const turn = spreadOf(times(({ measured }) => measured.turnMs));
-  const last = rounds.at(-1);
-  return [
-    row.peer,
-    row.version ?? NONE,
-    spreadCell(
-      times(({ loaded }) => [loaded.loadMs]),
-      0,
-      { hasTail: false },
-    ),
-    row.isFloor || !floor ? NONE : ratioCell(row, floor, ({ loaded }) => loaded.loadMs),
-    spreadCell(
-      times(({ loaded }) => [loaded.firstSplatsMs]),
-      0,
-      { hasTail: false },
-    ),
-    spreadCell(
-      times(({ loaded }) => [loaded.longestTaskMs]),
-      0,
-      { hasTail: false },
-    ),
-    spreadCell(correctMs, 2),
-    row.isFloor || !base ? NONE : ratioCell(row, base, medianCorrectMs),
-    spreadText(turn, 2),
-    turn ? (100 * turn.deviation).toFixed(0) : NONE,
-    last ? String(last.measured.orders ?? 'each') : NONE,
-    last ? `${megabytes(last.state.gpuBytes)} / ${megabytes(last.state.gpuPeakBytes)}` : NONE,
-    last ? megabytes(last.heap.jsBytes) : NONE,
-    psnrCell(pictures.map(({ psnrDb }) => psnrDb)),
-  ];
+function quickestOf(rows: readonly Row[]): Row | undefined {
+  const medianOf = ({ rounds }: Row) => spreadOf(rounds.map(loadMsOf))!.median;
+  return rows
+    .filter(({ peer, isFloor, rounds }) => !isFloor && !OWN.test(peer) && rounds.length > 0)
+    .reduce<Row | undefined>(
+      (best, row) => (best && medianOf(best) <= medianOf(row) ? best : row),
+      undefined,
+    );
 }
 
-function spreadCell(values: readonly number[], digits: number, { hasTail = true } = {}): string {
-  return spreadText(spreadOf(values), digits, { hasTail });
+/** The medians of all scenes and peers. */
+function loadsOf(scenes: readonly SceneReport[]): string[][] {
+  const peers = [...new Set(scenes.flatMap(({ rows }) => rows.map(({ peer }) => peer)))];
+  const lines = scenes.map(({ scene, format, fileBytes, rows }) => {
+    const cells = peers.map((peer) =>
+      medianCell(rows.filter((row) => row.peer === peer).flatMap(({ rounds }) => rounds.map(loadMsOf))),
+    );
+    return [scene, nameOf(format), megabytes(fileBytes), ...cells];
+  });
+  return [['load', 'format', 'MB', ...peers], ...lines];
 }
 
-function spreadText(spread: Spread | null, digits: number, { hasTail = true } = {}): string {
-  if (!spread) return NONE;
-  const { median, p99 } = spread;
-  return hasTail ? `${median.toFixed(digits)} / ${p99.toFixed(digits)}` : median.toFixed(digits);
+function correctMsOf({ rounds }: Row): number[] {
+  return rounds.flatMap(({ measured }) => measured?.correctMs ?? []);
+}
+
+function turnMsOf({ rounds }: Row): number[] {
+  return rounds.flatMap(({ measured }) => measured?.turnMs ?? []);
+}
+
+function medianCell(values: readonly number[]): string {
+  return spreadOf(values)?.median.toFixed(0) ?? NONE;
+}
+
+function spreadCell(values: readonly number[], digits: number): string {
+  const spread = spreadOf(values);
+  return spread ? `${spread.median.toFixed(digits)} / ${spread.p99.toFixed(digits)}` : NONE;
 }
 
 function medianCorrectMs({ measured }: Round): number {
-  return spreadOf(measured.correctMs)!.median;
+  return spreadOf(measured!.correctMs)!.median;
 }
 
 /** Ratio of what rounds took, and how far they differ, in the rounds in which both peers were measured. */
@@ -137,9 +235,9 @@ function megabytes(bytes: number): string {
   return (bytes / 1e6).toFixed(bytes < 1e7 ? 1 : 0);
 }
 
-/** The first two columns hold words, the others figures. */
-function markdownTable(rows: readonly (readonly string[])[]): string[] {
-  const isWord = (column: number) => column < 2;
+/** @param words numbers of the columns that hold words; the others hold figures. */
+function markdownTable(rows: readonly (readonly string[])[], words: readonly number[]): string[] {
+  const isWord = (column: number) => words.includes(column);
   const widths = rows[0].map((_, column) => Math.max(...rows.map((row) => row[column].length), 3));
   const line = (cells: readonly string[]) => `| ${cells.join(' | ')} |`;
   const padded = rows.map((row) =>

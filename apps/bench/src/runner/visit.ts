@@ -1,6 +1,7 @@
 import type { SceneCamera } from '@websplatter/scenes';
 import { launchBrowser } from '@websplatter/tools/browser';
 import type { Browser, Page } from 'playwright-core';
+import type { PeerFormats } from '../adapter.ts';
 import type {
   BenchPage,
   Loaded,
@@ -43,6 +44,7 @@ declare const window: { readonly bench: BenchPage };
 export interface OpenPage {
   /** Gives the page a file, as if somebody had dropped it there. */
   giveFile(path: string): Promise<void>;
+  formats(): Promise<PeerFormats>;
   load(request: LoadRequest): Promise<Loaded>;
   measure(request: MeasureRequest): Promise<Measured>;
   pictures(cameras: readonly SceneCamera[]): Promise<Picture[]>;
@@ -99,6 +101,7 @@ function reasonOf(error: unknown): string {
 function openPage(page: Page): OpenPage {
   return {
     giveFile: (path) => page.setInputFiles('input', path),
+    formats: () => page.evaluate(() => window.bench.formats()),
     load: (request) => page.evaluate((asked) => window.bench.load(asked), request),
     measure: (request) => page.evaluate((asked) => window.bench.measure(asked), request),
     pictures: (cameras) => page.evaluate((by) => window.bench.pictures(by), cameras),

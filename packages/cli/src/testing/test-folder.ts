@@ -50,6 +50,43 @@ export function threeSplats(): SplatSet {
   };
 }
 
+/**
+ * A glTF with one splat whose attributes are all ones.
+ *
+ * @param properties of the extension, besides the required ones.
+ * @param others further primitives.
+ */
+export function gltfOfOneSplat(properties: object = {}, others: readonly object[] = []): object {
+  const types = {
+    POSITION: 'VEC3',
+    ROTATION: 'VEC4',
+    SCALE: 'VEC3',
+    OPACITY: 'SCALAR',
+    SH_DEGREE_0_COEF_0: 'VEC3',
+  };
+  const names = Object.keys(types).map((name) =>
+    name === 'POSITION' ? name : `KHR_gaussian_splatting:${name}`,
+  );
+  const extension = { kernel: 'ellipse', colorSpace: 'srgb_rec709_display', ...properties };
+  const primitive = {
+    mode: 0,
+    attributes: Object.fromEntries(names.map((name, index) => [name, index])),
+    extensions: { KHR_gaussian_splatting: extension },
+  };
+  const ones = Buffer.from(new Float32Array(4).fill(1).buffer).toString('base64');
+  return {
+    asset: { version: '2.0' },
+    extensionsUsed: ['KHR_gaussian_splatting'],
+    scene: 0,
+    scenes: [{ nodes: [0] }],
+    nodes: [{ mesh: 0 }],
+    meshes: [{ primitives: [primitive, ...others] }],
+    buffers: [{ byteLength: 16, uri: `data:application/octet-stream;base64,${ones}` }],
+    bufferViews: [{ buffer: 0, byteLength: 16 }],
+    accessors: Object.values(types).map((type) => ({ bufferView: 0, componentType: 5126, count: 1, type })),
+  };
+}
+
 /** Runs a command line in this process. */
 export async function runMain(...args: string[]): Promise<{ status: number; out: string; err: string }> {
   let out = '';

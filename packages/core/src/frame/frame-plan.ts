@@ -2,6 +2,7 @@ import { type AccuracySettings, type FrameRasterizer, layerSize, type SizePx } f
 import { type Camera, type Projection, projectionOf } from '../camera/camera.ts';
 import type { BallotDevice } from '../gpu/device.ts';
 import { binGrid } from '../layout/bin-grid.ts';
+import { asksForDistance } from '../splats/sort-by.ts';
 import type { RasterizeDepth } from '../stages/rasterize.ts';
 import { type CloudPlan, cloudShape, planCloud } from './cloud-plan.ts';
 import type { CloudInstance, FrameRequest } from './frame-request.ts';
@@ -74,11 +75,17 @@ export function planFrame(request: FrameRequest, options: PlanOptions): FramePla
   const clouds = request.clouds.map((instance) => planCloud(instance, camera, projection, accuracy));
   const isSameScene = last !== null && showsClouds(last, request.clouds);
   const recent = isSameScene ? options.recent : { visibleSplats: 0, depthBits: 0 };
-  const needs = { visibleSplats: mostVisibleSplats(clouds), depthBits: keyBitsFor(camera, clouds) };
+  const { isOrthographic } = projection;
+  const sortsByDistance = !isOrthographic && asksForDistance(request);
+  const needs = {
+    visibleSplats: mostVisibleSplats(clouds),
+    depthBits: keyBitsFor(camera, clouds, sortsByDistance),
+  };
   const rasterizer = rasterizerOf(options);
   const shape: FrameShape = {
     clouds: clouds.map((cloud) => cloudShape(cloud, accuracy, omitted)),
-    isOrthographic: projection.isOrthographic,
+    isOrthographic,
+    sortsByDistance,
     accuracy,
     dispatchRow,
     workgroupBytes,

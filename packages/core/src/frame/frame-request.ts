@@ -2,10 +2,11 @@ import type { AccuracyRequest } from '../accuracy/accuracy-wish.ts';
 import { type Camera, checkDepths } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { EffectUse } from '../effects/effect.ts';
-import { checkVector } from '../effects/option-checks.ts';
+import { checkVector, invalidOption } from '../effects/option-checks.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { shown } from '../printable.ts';
+import { SORTED_BY, type SortBy } from '../splats/sort-by.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree } from '../splats/splat-set.ts';
 
 /** A cloud, its place and how to draw it. */
@@ -39,6 +40,8 @@ export interface FrameRequest {
    * object is read once.
    */
   readonly accuracy?: AccuracyRequest;
+  /** The order in which splats are blended; default `auto`: what the clouds' files ask for. */
+  readonly sortBy?: SortBy;
   /** Draw even if nothing has changed, e.g. for a benchmark. */
   readonly force?: boolean;
 }
@@ -52,7 +55,7 @@ function isMatrix(values: ArrayLike<number>): boolean {
  *   for one that found no memory.
  */
 export function checkRequest(request: FrameRequest, device: GPUDevice): void {
-  const { camera, clouds, widthPx, heightPx, background = [0, 0, 0] } = request ?? {};
+  const { camera, clouds, widthPx, heightPx, background = [0, 0, 0], sortBy = 'auto' } = request ?? {};
   if (!(Number.isInteger(widthPx) && Number.isInteger(heightPx) && widthPx >= 0 && heightPx >= 0)) {
     throw new InvalidArgumentError(
       'widthPx',
@@ -65,6 +68,9 @@ export function checkRequest(request: FrameRequest, device: GPUDevice): void {
     }
   }
   checkDepths(camera.near, camera.far);
+  if (!SORTED_BY.includes(sortBy)) {
+    throw invalidOption('sortBy', sortBy, SORTED_BY.join(' or '));
+  }
   checkVector('background', background, 'the sRGB-encoded colour behind the splats');
   if (!Array.isArray(clouds) || [...clouds].some((instance) => !instance?.cloud)) {
     throw new InvalidArgumentError('clouds', `clouds is ${shown(clouds)}; it must be a list of { cloud }.`);

@@ -41,6 +41,8 @@ export interface FrameShape {
   /** In the request's order; a cloud may occur more than once. */
   readonly clouds: readonly CloudShape[];
   readonly isOrthographic: boolean;
+  /** Whether splats are sorted by their distances from the camera, not by their depths: only with perspective. */
+  readonly sortsByDistance: boolean;
   readonly accuracy: AccuracySettings;
   /** Most workgroups in one dimension of a dispatch. */
   readonly dispatchRow: number;
@@ -94,6 +96,7 @@ export function isSameShape(a: FrameShape, b: FrameShape): boolean {
     hasSameBuffers(a, b) &&
     a.keyBits === b.keyBits &&
     a.isOrthographic === b.isOrthographic &&
+    a.sortsByDistance === b.sortsByDistance &&
     a.shortensKeys === b.shortensKeys &&
     a.accuracy === b.accuracy &&
     a.dispatchRow === b.dispatchRow &&

@@ -1,6 +1,6 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
-import { perspectiveCamera } from '../camera/camera.ts';
+import { type Camera, perspectiveCamera } from '../camera/camera.ts';
 import { cloudView } from '../camera/cloud-view.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { orderedBits } from '../layout/depth-key.ts';
@@ -12,22 +12,30 @@ import { randomSplats } from '../testing/random-splats.ts';
 import { uniform } from '../testing/uniform.ts';
 import { keyBitsFor } from './key-bits.ts';
 
-function planned(set: SplatSet, modelMatrix: Mat4 = identity4()) {
+function planned({ viewMatrix }: Camera, set: SplatSet, modelMatrix: Mat4 = identity4()) {
   const cloud = packCloud(set, { geometryPrecision: 'f32' }) as unknown as SplatCloud;
-  return { instance: { cloud, modelMatrix }, modelMatrix, reach: { displacement: 0, growth: 1 } };
+  const view = cloudView(viewMatrix, modelMatrix, set.origin, false);
+  return { instance: { cloud }, view, reach: { displacement: 0, growth: 1 } };
 }
 
-/** Depths in float32, rounded after every operation, as on a GPU that fuses none. */
-function depthsOf(set: SplatSet, viewMatrix: ArrayLike<number>, modelMatrix: ArrayLike<number>): number[] {
+/** Keys of the splats between near and far: in float32, rounded after every operation, as on a GPU that fuses none. */
+function keysOf(set: SplatSet, camera: Camera, modelMatrix: Mat4, isByDistance: boolean): number[] {
   const f = Math.fround;
-  const { linear, translation } = cloudView(viewMatrix, modelMatrix, set.origin, false);
+  const { linear, translation } = cloudView(camera.viewMatrix, modelMatrix, set.origin, false);
   return Array.from({ length: set.count }, (_, i) => {
-    let depth = f(f(linear[2]) * set.positions[3 * i]);
-    depth = f(depth + f(f(linear[5]) * set.positions[3 * i + 1]));
-    depth = f(depth + f(f(linear[8]) * set.positions[3 * i + 2]));
-    return -f(depth + f(translation[2]));
-  });
+    const [x, y, z] = [0, 1, 2].map((row) => {
+      let sum = f(f(linear[row]) * set.positions[3 * i]);
+      sum = f(sum + f(f(linear[row + 3]) * set.positions[3 * i + 1]));
+      sum = f(sum + f(f(linear[row + 6]) * set.positions[3 * i + 2]));
+      return f(sum + f(translation[row]));
+    });
+    return { depth: -z, distance: f(Math.sqrt(f(f(f(x * x) + f(y * y)) + f(z * z)))) };
+  })
+    .filter(({ depth }) => depth > f(camera.near) && depth <= f(camera.far))
+    .map(({ depth, distance }) => orderedBits(isByDistance ? distance : depth));
 }
+
+const rangeOf = (keys: readonly number[]) => (keys.length > 0 ? Math.max(...keys) - Math.min(...keys) : 0);
 
 describe('keyBitsFor', () => {
   test('bounds the bits in which keys of any splats in the depth range differ', () => {
@@ -39,13 +47,10 @@ describe('keyBitsFor', () => {
       origin: fc.oneof(fc.constant([0, 0, 0] as const), fc.tuple(coordinate, coordinate, coordinate)),
     });
     fc.assert(
-      fc.property(anyCamera, anyModel, scene, (camera, modelMatrix, options) => {
+      fc.property(anyCamera, anyModel, scene, fc.boolean(), (camera, modelMatrix, options, isByDistance) => {
         const set = randomSplats({ count: 50, shDegree: 0, ...options });
-        const bits = keyBitsFor(camera, [planned(set, modelMatrix)]);
-        const keys = depthsOf(set, camera.viewMatrix, modelMatrix)
-          .filter((depth) => depth > Math.fround(camera.near) && depth <= Math.fround(camera.far))
-          .map(orderedBits);
-        if (keys.length > 0) expect(Math.max(...keys) - Math.min(...keys)).toBeLessThan(2 ** bits);
+        const bits = keyBitsFor(camera, [planned(camera, set, modelMatrix)], isByDistance);
+        expect(rangeOf(keysOf(set, camera, modelMatrix, isByDistance))).toBeLessThan(2 ** bits);
       }),
       { numRuns: 500 },
     );
@@ -58,7 +63,7 @@ describe('keyBitsFor', () => {
       .filter((d) => Math.hypot(d[0], d[2]) > 0.1);
     const distance = uniform(1e-4, 1e-2);
     fc.assert(
-      fc.property(direction, distance, fc.nat(), (d, far, seed) => {
+      fc.property(direction, distance, fc.nat(), fc.boolean(), (d, far, seed, isByDistance) => {
         const position = [d[0] * far, d[1] * far, d[2] * far] as const;
         const camera = perspectiveCamera({
           position,
@@ -71,11 +76,8 @@ describe('keyBitsFor', () => {
         const origin = [700, -1000, 900] as const;
         const set = randomSplats({ count: 100, shDegree: 0, halfExtent: 1e-4, origin, seed });
         for (let i = 0; i < 3 * set.count; i++) set.positions[i] -= origin[i % 3];
-        const keys = depthsOf(set, camera.viewMatrix, identity4())
-          .filter((depth) => depth > Math.fround(camera.near))
-          .map(orderedBits);
-        const bits = keyBitsFor(camera, [planned(set)]);
-        if (keys.length > 0) expect(Math.max(...keys) - Math.min(...keys)).toBeLessThan(2 ** bits);
+        const bits = keyBitsFor(camera, [planned(camera, set)], isByDistance);
+        expect(rangeOf(keysOf(set, camera, identity4(), isByDistance))).toBeLessThan(2 ** bits);
       }),
       { numRuns: 500 },
     );
@@ -84,23 +86,38 @@ describe('keyBitsFor', () => {
   test('is at most 27 bits for most scenes, less for shallow ones', () => {
     const camera = perspectiveCamera({ position: [0, 0, 3], target: [0, 0, 0], fovYDegrees: 60, aspect: 1 });
     const bitsAt = (halfExtent: number) =>
-      keyBitsFor(camera, [planned(randomSplats({ count: 100, shDegree: 0, halfExtent }))]);
+      keyBitsFor(camera, [planned(camera, randomSplats({ count: 100, shDegree: 0, halfExtent }))], false);
     expect(bitsAt(1e-5)).toBe(16);
     expect(bitsAt(0.5)).toBe(24);
     expect(bitsAt(100)).toBe(27);
     const wide = { ...camera, near: 1e-9 };
-    expect(keyBitsFor(wide, [planned(randomSplats({ count: 100, shDegree: 0, halfExtent: 100 }))])).toBe(32);
+    const large = planned(wide, randomSplats({ count: 100, shDegree: 0, halfExtent: 100 }));
+    expect(keyBitsFor(wide, [large], false)).toBe(32);
   });
 
   test('spans the depths of all clouds and ignores empty ones', () => {
     const camera = perspectiveCamera({ position: [0, 0, 3], target: [0, 0, 0], fovYDegrees: 60, aspect: 1 });
     const small = randomSplats({ count: 10, shDegree: 0, halfExtent: 1e-5 });
     const behind = Float64Array.of(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -90, 1);
-    expect(keyBitsFor(camera, [planned(small)])).toBe(16);
-    expect(keyBitsFor(camera, [planned(small), planned(small, behind)])).toBe(27);
-    const empty = planned(randomSplats({ count: 0, shDegree: 0 }));
-    expect(keyBitsFor(camera, [planned(small), empty, planned(small, behind)])).toBe(27);
-    expect(keyBitsFor(camera, [empty])).toBe(16);
-    expect(keyBitsFor(camera, [])).toBe(16);
+    expect(keyBitsFor(camera, [planned(camera, small)], false)).toBe(16);
+    expect(keyBitsFor(camera, [planned(camera, small), planned(camera, small, behind)], false)).toBe(27);
+    const empty = planned(camera, randomSplats({ count: 0, shDegree: 0 }));
+    expect(keyBitsFor(camera, [planned(camera, small), empty, planned(camera, small, behind)], false)).toBe(
+      27,
+    );
+    expect(keyBitsFor(camera, [empty], false)).toBe(16);
+    expect(keyBitsFor(camera, [], false)).toBe(16);
+  });
+
+  test('spans distances beyond the far plane, to the corners of what is wide and shallow', () => {
+    const camera = perspectiveCamera({
+      ...{ position: [0, 0, 3], target: [0, 0, 0], fovYDegrees: 60, aspect: 1 },
+      ...{ near: 1, far: 4 },
+    });
+    // A wall, 300 times as wide as it is away.
+    const wide = Float64Array.of(1000, 0, 0, 0, 0, 1000, 0, 0, 0, 0, 0.01, 0, 0, 0, 0, 1);
+    const clouds = [planned(camera, randomSplats({ count: 100, shDegree: 0, halfExtent: 1 }), wide)];
+    expect(keyBitsFor(camera, clouds, false)).toBe(24);
+    expect(keyBitsFor(camera, clouds, true)).toBe(27);
   });
 });

@@ -15,6 +15,7 @@ function shapeOf(rasterizer: 'tiles' | 'quads', output: FrameShape['output']): F
   return {
     clouds: [],
     isOrthographic: false,
+    sortsByDistance: false,
     accuracy: internAccuracy({ preset: 'balanced', rasterizer, resolutionScale: 0.5 }),
     dispatchRow: 65_535,
     workgroupBytes: WORKGROUP_BYTES,

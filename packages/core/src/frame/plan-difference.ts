@@ -10,6 +10,7 @@ export function isSameOrder(a: FramePlan, b: FramePlan): boolean {
     isSameNumber(a.camera.near, b.camera.near) &&
     isSameNumber(a.camera.far, b.camera.far) &&
     a.shape.accuracy === b.shape.accuracy &&
+    a.shape.sortsByDistance === b.shape.sortsByDistance &&
     isSameNumbers(a.camera.viewMatrix, b.camera.viewMatrix) &&
     isSameNumbers(a.camera.projectionMatrix, b.camera.projectionMatrix) &&
     a.clouds.length === b.clouds.length &&

@@ -2,11 +2,12 @@ import { type AccuracySettings, DILATION_PX2 } from '../accuracy/accuracy.ts';
 import type { Projection } from '../camera/camera.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { orderedBits } from '../layout/depth-key.ts';
-import { Chunk, SPLAT_RECORDS } from '../layout/structs.ts';
+import { Chunk } from '../layout/structs.ts';
 import { chunkClearance } from '../reference/cull-chunks.ts';
 import { cullSplat } from '../reference/cull-splats.ts';
 import { FLOAT32_ROUNDING, projectionErrors } from './error-bounds.ts';
 import type { InspectedCloud, InspectedFrame } from './inspected-frame.ts';
+import { sortDepths } from './sort-depths.ts';
 
 /** A splat that the GPU drew and the twin culls, or the reverse. */
 export interface CullingMismatch {
@@ -34,7 +35,7 @@ export async function compareCulling(frame: InspectedFrame): Promise<CullingComp
   const flaws: string[] = [];
   if (!visibleSplats.every((splat, i) => i === 0 || visibleSplats[i - 1] < splat))
     flaws.push('The visible splats are not listed exactly once each in storage order.');
-  flaws.push(...(await depthRangeFlaws(frame, visibleCount)));
+  flaws.push(...(await depthRangeFlaws(frame)));
 
   let unsureCount = 0;
   const mismatches: CullingMismatch[] = [];
@@ -113,22 +114,22 @@ function clearanceOfChunk({ packed, planes }: InspectedCloud, index: number): nu
   return chunkClearance(bounds, planes);
 }
 
-/** Compares the range of depths with the depths of the records: they must agree to the bit. */
-async function depthRangeFlaws(frame: InspectedFrame, visibleCount: number): Promise<string[]> {
-  if (visibleCount === 0) return [];
-  const { bytes, offsets } = SPLAT_RECORDS[frame.accuracy.recordPrecision];
-  const records = new Float32Array((await frame.words('records')).buffer);
-  let least = 0xffffffff;
-  let most = 0;
-  for (let i = 0; i < visibleCount; i++) {
-    const bits = orderedBits(records[(i * bytes + offsets.depthView) / 4]);
-    least = Math.min(least, bits);
-    most = Math.max(most, bits);
-  }
+/** Compares the range of depths with those of the visible splats: they must agree to the bit, distances within their bounds. */
+async function depthRangeFlaws(frame: InspectedFrame): Promise<string[]> {
+  const depths = await sortDepths(frame);
+  if (depths.length === 0) return [];
+  const least = depths.map((depth) => orderedBits(depth.least));
+  const most = depths.map((depth) => orderedBits(depth.most));
+  const pick = (choose: (a: number, b: number) => number) =>
+    [least, most].map((bits) => bits.reduce((a, b) => choose(a, b)));
   const [farthest, nearestInverted] = await frame.words('depthRange');
-  const nearest = ~nearestInverted >>> 0;
   const flaws: string[] = [];
-  if (farthest !== most) flaws.push(`The farthest depth has bits ${farthest}, expected ${most}.`);
-  if (nearest !== least) flaws.push(`The nearest depth has bits ${nearest}, expected ${least}.`);
+  for (const [name, bits, [from, to]] of [
+    ['farthest', farthest, pick(Math.max)],
+    ['nearest', ~nearestInverted >>> 0, pick(Math.min)],
+  ] as const) {
+    if (bits >= from && bits <= to) continue;
+    flaws.push(`The ${name} depth has bits ${bits}, expected ${from === to ? from : `${from} to ${to}`}.`);
+  }
   return flaws;
 }

@@ -1,33 +1,44 @@
 import { depthKey, shortDepthKey } from '../layout/depth-key.ts';
 import type { InspectedFrame } from './inspected-frame.ts';
-import { readRecords } from './read-records.ts';
+import { sortDepths } from './sort-depths.ts';
+
+/** The least and the largest key that a splat may have. */
+export interface KeyBounds {
+  readonly least: number;
+  readonly most: number;
+}
 
 /**
  * Lists the flaws of the frame's keys and order; empty if there are none. Integers leave no tolerance: the keys must be
  * those of the records' depths, shortened if the frame's accuracy requires it, and the order must be their stable ascending
- * order by as many low bits as the sort reads.
+ * order by as many low bits as the sort reads. Distances are known within the bounds of `sortDepths`: keys and order must be
+ * possible within those.
  */
 export async function compareOrder(frame: InspectedFrame): Promise<string[]> {
   const { passes, digitBits } = frame.parts.sort.sort.shape;
   const { shortensKeys } = frame.plan.shape;
   const [farthest, nearestInverted] = await frame.words('depthRange');
   const nearest = ~nearestInverted >>> 0;
-  const expected = Uint32Array.from(await readRecords(frame), ({ depthView }) =>
+  const keyOf = (depth: number) =>
     shortensKeys
-      ? shortDepthKey(depthView, farthest, nearest, frame.accuracy.sortKeyBits)
-      : depthKey(depthView, farthest),
+      ? shortDepthKey(depth, farthest, nearest, frame.accuracy.sortKeyBits)
+      : depthKey(depth, farthest);
+  // Far first: the most distant place has the least key.
+  let expected = (await sortDepths(frame)).map(
+    ({ least, most }): KeyBounds => ({ least: keyOf(most), most: keyOf(least) }),
   );
   const flaws: string[] = [];
   // With more than one pass, the keys are overwritten while they are sorted.
   if (passes === 1) {
     const keys = await frame.sorted('keys');
-    const at = expected.findIndex((key, i) => key !== keys[i]);
-    if (at >= 0) flaws.push(`key of visible splat ${at}: got ${keys[at]}, expected ${expected[at]}`);
+    const at = expected.findIndex(({ least, most }, i) => !(least <= keys[i] && keys[i] <= most));
+    if (at >= 0) flaws.push(`key of visible splat ${at}: got ${keys[at]}, expected ${named(expected[at])}`);
+    expected = Array.from(keys, (key) => ({ least: key, most: key }));
   }
   const sortedBits = Math.min(32, passes * digitBits);
   const order = await frame.sorted('order');
   const flaw = orderFlaw(
-    expected.map((key) => key % 2 ** sortedBits),
+    expected.map(({ least, most }) => ({ least: least % 2 ** sortedBits, most: most % 2 ** sortedBits })),
     order,
   );
   if (flaw) flaws.push(flaw);
@@ -37,19 +48,36 @@ export async function compareOrder(frame: InspectedFrame): Promise<string[]> {
   return flaws;
 }
 
-/** Describes the first flaw of `order`; null if it names every key once, in ascending order, equal keys in given order. */
-export function orderFlaw(keys: Uint32Array, order: Uint32Array): string | null {
+/**
+ * Describes the first flaw of `order`; null if it names every key once, in ascending order, equal keys in given order. Where
+ * keys are known within bounds, null if that is possible.
+ */
+export function orderFlaw(keys: ArrayLike<number> | readonly KeyBounds[], order: Uint32Array): string | null {
   if (order.length !== keys.length) return `${order.length} places for ${keys.length} keys`;
+  const bounds = Array.from<number | KeyBounds, KeyBounds>(keys, (key) =>
+    typeof key === 'number' ? { least: key, most: key } : key,
+  );
   const seen = new Uint8Array(keys.length);
+  /** The place before with the key that is surely the largest, the last of equal ones. */
+  let last = -1;
   for (const [place, index] of order.entries()) {
     if (index >= keys.length || seen[index])
       return `order: place ${place} holds ${index}, which is out of range or a duplicate`;
     seen[index] = 1;
-    if (place === 0) continue;
-    const before = order[place - 1];
-    const isOrdered = keys[before] < keys[index] || (keys[before] === keys[index] && before < index);
-    if (!isOrdered)
-      return `order: place ${place - 1} holds key ${keys[before]} (of ${before}), place ${place} holds ${keys[index]} (of ${index})`;
+    const key = bounds[index];
+    const before = order[last];
+    const { least, most } = bounds[before] ?? NO_KEY;
+    const isSure = key.least === key.most;
+    const isSame = isSure && least === most && least === key.least;
+    if (key.most < least || (isSame && index < before))
+      return `order: place ${last} holds key ${named(bounds[before])} (of ${before}), place ${place} holds ${named(key)} (of ${index})`;
+    if (key.least > least || (key.least === least && isSure)) last = place;
   }
   return null;
+}
+
+const NO_KEY: KeyBounds = { least: -1, most: -1 };
+
+function named({ least, most }: KeyBounds): string {
+  return least === most ? String(least) : `${least} to ${most}`;
 }

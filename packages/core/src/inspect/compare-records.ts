@@ -78,7 +78,11 @@ function compareRecord(frame: InspectedFrame, record: DecodedRecord, errors: Fie
 }
 
 /** The twin's record of a splat wherever it lies: every splat that the GPU kept must match its twin. */
-function twinOf({ projection }: InspectedFrame, { stored, view, effects }: InspectedCloud, index: number) {
+export function twinOf(
+  { projection }: InspectedFrame,
+  { stored, view, effects }: InspectedCloud,
+  index: number,
+): CulledSplat | null {
   const everywhere = {
     ...projection,
     near: Number.NEGATIVE_INFINITY,

@@ -13,6 +13,8 @@ const FLUSHED = 8 * 2 ** -126;
 export interface ProjectionErrors {
   /** Bound of the view depth, world units. */
   readonly depthView: number;
+  /** Bound of the distance from the camera, world units. */
+  readonly distance: number;
   readonly centerPx: readonly [number, number];
   /** Bound of the Frobenius norm of the error of the 2×3 matrix J·V·R·S, px. */
   readonly rowsPx: number;
@@ -24,6 +26,8 @@ export interface ProjectionErrors {
  * Forward error bounds of float32 arithmetic on float32 uniforms, in units of u = 2^-24.
  *
  * View coordinates: three products and three sums of rounded terms, 6u of the sum M of their magnitudes.
+ * Distance: all three view coordinates' errors, and 24u for division (2.5 ulp), squares, sums, root (`inverseSqrt`'s 2 ulp and a
+ * division) and product.
  * Centre: its two view coordinates' errors to first order, and 8u for division (2.5 ulp), product, sum and uniforms.
  * Direction: the error of the rounded difference; two unit vectors are never further apart than 2.
  * Rows: relative to R, the longest that a row can be for the splat's largest scale: 96u for rotation (about 8 roundings
@@ -75,6 +79,7 @@ export function projectionErrors(
   const far = view.camera ? Math.hypot(...position) + Math.hypot(...view.camera) : 1;
   return {
     depthView: errors[2],
+    distance: Math.hypot(...errors) + 24 * u * Math.hypot(...center),
     centerPx: [centerError(0), centerError(1)],
     rowsPx: Math.SQRT2 * longest * relative,
     direction: toward > 0 ? Math.min(2, 8 * u * (1 + far / toward)) : 2,

@@ -24,6 +24,7 @@ import { type PackedCloud, packCloud } from '../packing/packed-cloud.ts';
 import type { EffectTwin } from '../reference/effects/effect-twin.ts';
 import { twinsOf } from '../reference/effects/twins.ts';
 import { unpackSplat } from '../reference/packing.ts';
+import type { SortBy } from '../splats/sort-by.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { GpuTimer } from '../timing/gpu-timer.ts';
 
@@ -38,6 +39,8 @@ export interface InspectOptions {
     /** Largest number of splats per page of the cloud, a multiple of CHUNK_SPLATS; default: as many as fit a binding. */
     readonly splatsPerPage?: number;
   }[];
+  /** As in a frame request. */
+  readonly sortBy?: SortBy;
   readonly camera: Camera;
   readonly widthPx: number;
   readonly heightPx: number;
@@ -92,7 +95,7 @@ export class InspectedFrame {
   }
 
   static async draw(device: GPUDevice, options: InspectOptions): Promise<InspectedFrame> {
-    const { camera, widthPx, heightPx } = options;
+    const { camera, sortBy, widthPx, heightPx } = options;
     const accuracy = { ...resolveAccuracy('reference'), ...DEFAULTS, ...options.accuracy };
     const memory = new GpuMemory(device);
     const pipelines = options.pipelines ?? pipelinesOf(device);
@@ -107,7 +110,7 @@ export class InspectedFrame {
       effects,
     }));
     const asked = planFrame(
-      { camera, clouds: instances, widthPx, heightPx },
+      { camera, clouds: instances, sortBy, widthPx, heightPx },
       {
         accuracy,
         dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,

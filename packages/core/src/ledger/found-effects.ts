@@ -1,5 +1,6 @@
 import { depthTest } from './found/depth-test.ts';
 import { depthWrite } from './found/depth-write.ts';
+import { distanceOrder } from './found/distance-order.ts';
 import { faintSplats } from './found/faint-splats.ts';
 import { harmonics } from './found/harmonics.ts';
 import { isotropic } from './found/isotropic.ts';
@@ -16,6 +17,7 @@ export const FOUND_EFFECTS: readonly FoundEffect[] = [
   faintSplats,
   transform,
   orthographic,
+  distanceOrder,
   keptColors,
   depthTest,
   depthWrite,

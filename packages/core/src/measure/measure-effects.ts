@@ -52,7 +52,7 @@ const DEFAULT_FRAMES = 15;
  */
 export async function measureEffects(
   engine: MeasuredEngine,
-  frame: Pick<FrameRequest, 'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy'>,
+  frame: Pick<FrameRequest, 'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy' | 'sortBy'>,
   { frames = DEFAULT_FRAMES, signal, onProgress }: MeasureEffectsOptions = {},
 ): Promise<EffectCost[]> {
   checkOptions(frame, frames);

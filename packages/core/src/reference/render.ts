@@ -14,6 +14,7 @@ import { identity4, type Vec3 } from '../math/mat4.ts';
 import { dropNonFinite } from '../packing/drop-non-finite.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
 import { mortonOrder, permuteSplats } from '../packing/morton-order.ts';
+import { asksForDistance, type SortBy } from '../splats/sort-by.ts';
 import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
 import { cullSplat, type VisibleSplat } from './cull-splats.ts';
 import { type TwinFunction, twinsOf } from './effects/twins.ts';
@@ -34,6 +35,8 @@ export interface ReferenceFrame {
   }[];
   /** Twins of effects from outside this package, by name. */
   readonly effectTwins?: Readonly<Record<string, TwinFunction>>;
+  /** As in a frame request. */
+  readonly sortBy?: SortBy;
   readonly camera: Camera;
   readonly widthPx: number;
   readonly heightPx: number;
@@ -58,13 +61,15 @@ export interface RenderedReference extends ReferenceImage {
 }
 
 interface DrawnSplat extends VisibleSplat {
+  /** What the splats are sorted by: depth, or distance from the camera. */
+  readonly sortDepth: number;
   readonly color: Vec3;
 }
 
 /**
- * Renders the reference: the image that a frame must match, in float64 on the CPU, every splat in exact order of depth, ties
- * in storage order (Morton order, file order among equal codes, clouds in the order given). Takes seconds for a million
- * splats.
+ * Renders the reference: the image that a frame must match, in float64 on the CPU, every splat in exact order of depth or
+ * distance, ties in storage order (Morton order, file order among equal codes, clouds in the order given). Takes seconds for
+ * a million splats.
  */
 export function renderReference(frame: ReferenceFrame): RenderedReference {
   const settings = { ...resolveAccuracy('reference'), dilationPx2: DILATION_PX2, ...frame.settings };
@@ -95,10 +100,12 @@ type ReferenceSettings = Required<NonNullable<ReferenceFrame['settings']>>;
 
 /** Renders the layer: the image at the size that splats are blended at. */
 function renderLayer(frame: ReferenceFrame, settings: ReferenceSettings): RenderedReference {
-  const { camera, widthPx, heightPx, hostDepths } = frame;
+  const { camera, widthPx, heightPx, hostDepths, sortBy } = frame;
   const { alphaCutoff } = settings;
   const projection = projectionOf(camera, widthPx, heightPx);
   const image = { widthPx, heightPx, data: new Float64Array(4 * widthPx * heightPx) };
+  const files = frame.clouds.map(({ set: { fileFacts = null } }) => ({ cloud: { facts: { fileFacts } } }));
+  const isByDistance = !projection.isOrthographic && asksForDistance({ sortBy, clouds: files });
   const drawn: DrawnSplat[] = [];
   for (const instance of frame.clouds) {
     const { set, modelMatrix = identity4() } = instance;
@@ -111,8 +118,10 @@ function renderLayer(frame: ReferenceFrame, settings: ReferenceSettings): Render
     const effects = twinsOf(usesOf({ ...instance, cloud: { facts } }), place, frame.effectTwins);
     for (let index = 0; index < stored.count; index++) {
       const visible = cullSplat(stored, index, view, projection, { ...settings, effects });
-      if (visible)
-        drawn.push({ ...visible, color: splatColor(stored, index, view, shDegree, visible, effects) });
+      if (!visible) continue;
+      const sortDepth = isByDistance ? Math.hypot(...visible.centerView) : visible.depthView;
+      const color = splatColor(stored, index, view, shDegree, visible, effects);
+      drawn.push({ ...visible, sortDepth, color });
     }
   }
   const depths = hostDepths && { host: hostDepths, splats: new Float64Array(widthPx * heightPx) };
@@ -121,14 +130,14 @@ function renderLayer(frame: ReferenceFrame, settings: ReferenceSettings): Render
   return { ...image, visibleSplats: drawn.length, ...(depths && { depths: depths.splats }) };
 }
 
-/** Sorts by depth or, at fewer than 32 bits, by the GPU's keys. Array.prototype.sort keeps equal ones in their order. */
+/** Sorts by depth or distance or, at fewer than 32 bits, by the GPU's keys. Array.prototype.sort keeps equal ones in their order. */
 function backToFront(drawn: readonly DrawnSplat[], sortKeyBits: number): readonly DrawnSplat[] {
-  if (sortKeyBits === 32) return drawn.toSorted((a, b) => b.depthView - a.depthView);
-  const bits = drawn.map(({ depthView }) => orderedBits(depthView));
+  if (sortKeyBits === 32) return drawn.toSorted((a, b) => b.sortDepth - a.sortDepth);
+  const bits = drawn.map(({ sortDepth }) => orderedBits(sortDepth));
   const farthest = bits.reduce((most, each) => Math.max(most, each), 0);
   const nearest = bits.reduce((least, each) => Math.min(least, each), farthest);
   return drawn
-    .map((splat) => ({ splat, key: shortDepthKey(splat.depthView, farthest, nearest, sortKeyBits) }))
+    .map((splat) => ({ splat, key: shortDepthKey(splat.sortDepth, farthest, nearest, sortKeyBits) }))
     .sort((a, b) => a.key - b.key)
     .map(({ splat }) => splat);
 }

@@ -39,6 +39,8 @@ export interface FileFacts {
   readonly variant?: string;
   /** Program that wrote the file, if the file says so. */
   readonly writer?: string;
+  /** True where the file asks for splats to be sorted by their distances from the camera instead of their depths. */
+  readonly isSortedByDistance?: boolean;
   /** What is shown otherwise than the file has it, a sentence each; absent if nothing is. */
   readonly notes?: readonly string[];
 }

@@ -51,6 +51,13 @@ describe('cull-splats', () => {
     });
   }
 
+  gpuTest('the range of distances', async () => {
+    for (const name of ['perspective', 'inside'] as const) {
+      const clouds = [{ set: randomSplats({ count: SPLATS, shDegree: 0, seed: 7 }) }];
+      await check({ clouds, camera: testCameras(1.5)[name], sortBy: 'distance' });
+    }
+  });
+
   gpuTest('faint splats, large ones around the eye, and a high cutoff', async () => {
     const camera = testCameras(1.5).inside;
     const faint = randomSplats({ count: SPLATS, shDegree: 0, opacityLogits: [-5.7, -5.4] });

@@ -15,6 +15,8 @@ export interface CullSplatsVariant {
   readonly geometryPrecision: GeometryPrecision;
   readonly extent: Extent;
   readonly culling: Culling;
+  /** Whether splats are sorted by their distances from the camera, not by their depths; default false. */
+  readonly sortsByDistance?: boolean;
   /** Effects of the page's cloud; default none. */
   readonly effects?: EffectSet;
   /** Whether all splats are balls, even after effects; default false. */
@@ -24,26 +26,20 @@ export interface CullSplatsVariant {
 }
 
 /** Tests each splat of a page's visible chunks. */
-export function cullSplats({
-  isOrthographic,
-  geometryPrecision,
-  extent,
-  culling,
-  effects = NO_EFFECTS,
-  isIsotropic = false,
-  hasFaintSplats = true,
-}: CullSplatsVariant): StageDefinition {
+export function cullSplats(variant: CullSplatsVariant): StageDefinition {
+  const { extent, culling, effects = NO_EFFECTS } = variant;
   // Colours are not known yet.
   const acting = geometryEffects(effects);
   return {
     stage: 'cull-splats',
     entryPoint: 'cullSplats',
     conditions: {
-      ORTHOGRAPHIC: isOrthographic,
-      GEOMETRY_F32: geometryPrecision === 'f32',
+      ORTHOGRAPHIC: variant.isOrthographic,
+      GEOMETRY_F32: variant.geometryPrecision === 'f32',
       FRUSTUM_CULLING: culling === 'frustum',
-      FAINT_SPLATS: hasFaintSplats,
-      ISOTROPIC: isIsotropic,
+      DISTANCE_ORDER: variant.sortsByDistance === true,
+      FAINT_SPLATS: variant.hasFaintSplats !== false,
+      ISOTROPIC: variant.isIsotropic === true,
       FIXED_EXTENT: culling !== 'frustum' && extent === 'fixed',
       SPLAT_EFFECTS: hasHook(acting, 'splat'),
       OPACITY_EFFECTS: hasHook(acting, 'opacity'),

@@ -2,6 +2,8 @@ import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { DILATION_PX2 } from '../accuracy/accuracy.ts';
 import { perspectiveCamera } from '../camera/camera.ts';
+import { Pipelines } from '../gpu/pipelines.ts';
+import { compareCulling } from '../inspect/compare-culling.ts';
 import { compareOrder } from '../inspect/compare-order.ts';
 import { compareRecords, RECORD_FIELDS } from '../inspect/compare-records.ts';
 import { describeFieldError } from '../inspect/field-error.ts';
@@ -127,6 +129,43 @@ describe('project', () => {
       expect(Math.max(...keys)).toBeGreaterThanOrEqual(2 ** (sortKeyBits - 1));
       if (sortKeyBits === 16) expect(new Set(keys).size).toBeLessThan(depths.size);
       frame.destroy();
+    });
+  }
+
+  gpuTest('keys of distances, of packed geometry in a sheared model too', async () => {
+    const set = randomSplats({ count: SPLATS, seed: 18, shDegree: 0 });
+    const options = { camera: testCameras(1.5).inside, sortBy: 'distance' } as const;
+    await check({ ...options, clouds: [{ set }] });
+    const clouds = [{ set, modelMatrix: TEST_MODELS.sheared }];
+    await check({ ...options, clouds, accuracy: { geometryPrecision: 'packed' } });
+  });
+
+  for (const sortKeyBits of [32, 16] as const) {
+    gpuTest(`distances sorted by keys of ${sortKeyBits} bits, and what the comparison finds`, async () => {
+      const options = {
+        ...{
+          clouds: [{ set: randomSplats({ count: 3000, seed: 30, shDegree: 0, halfExtent: 40 }) }],
+          ...SIZE,
+        },
+        ...{ camera: testCameras(1.5).inside, accuracy: { sortKeyBits, alphaCutoff: 1 / 4096 } },
+        sortBy: 'distance',
+      } as const;
+      const frame = await InspectedFrame.draw(device, options);
+      expect(frame.parts.sort.sort.shape.passes).toBeGreaterThan(1);
+      expect(await compareOrder(frame)).toEqual([]);
+      frame.destroy();
+      const mutation = {
+        file: 'lib/depth-key',
+        find: 'return largest * length(',
+        replace: 'return -toward.z * length(',
+      };
+      for (const keyBits of [8, sortKeyBits]) {
+        const pipelines = new Pipelines(device, mutation);
+        const wrong = await InspectedFrame.draw(device, { ...options, keyBits, pipelines });
+        expect((await compareCulling(wrong)).flaws).not.toEqual([]);
+        expect(await compareOrder(wrong)).not.toEqual([]);
+        wrong.destroy();
+      }
     });
   }
 

@@ -20,6 +20,8 @@ export interface ProjectVariant {
   readonly storedShDegree: ShDegree;
   /** Degree that is evaluated, at most the stored one. */
   readonly shDegree: ShDegree;
+  /** Whether splats are sorted by their distances from the camera, not by their depths; default false. */
+  readonly sortsByDistance?: boolean;
   /** Effects of the page's cloud; default none. */
   readonly effects?: EffectSet;
   /** Whether all splats are balls, even after effects; default false. */
@@ -52,6 +54,7 @@ export function project(variant: ProjectVariant): StageDefinition {
       GEOMETRY_F32: variant.geometryPrecision === 'f32',
       ...recordConditions(variant.recordPrecision),
       SHORT_KEYS: shortKeyBits !== null,
+      DISTANCE_ORDER: variant.sortsByDistance === true,
       SH_1: shDegree >= 1,
       SH_2: shDegree >= 2,
       SH_3: shDegree >= 3,

@@ -13,13 +13,14 @@ export interface FileRows {
   readonly values: Float32Array;
 }
 
-/** Reads the rows of a source as they are handed over, in pieces of so many bytes. */
+/** Reads the rows of a source as they are handed over, in pieces of so many bytes; calls `onTake` with the rows of each. */
 export async function rowsOf(
   source: SplatSource,
   options: ReadSplatsOptions = {},
   pieceBytes = 1 << 16,
+  onTake: (rowCount: number) => void = () => {},
 ): Promise<FileRows> {
-  const sink = new Collector();
+  const sink = new Collector(onTake);
   const files = { minRows: 0, maxRows: Number.POSITIVE_INFINITY, pieceBytes };
   const set: SplatSet<PackedHarmonics> | null = await readSource(source, options, ALL_READERS, {
     sink,
@@ -39,6 +40,11 @@ class Collector implements RowSink {
   readonly mayDetach = false;
   layout: RowLayout | null = null;
   readonly pieces: Float32Array[] = [];
+  readonly #onTake: (rowCount: number) => void;
+
+  constructor(onTake: (rowCount: number) => void) {
+    this.#onTake = onTake;
+  }
 
   async begin(layout: RowLayout): Promise<void> {
     this.layout = layout;
@@ -52,6 +58,7 @@ class Collector implements RowSink {
 
   take(rowCount: number, rows: Uint8Array<ArrayBuffer>): void {
     const length = (rowCount * this.layout!.strideBytes) / 4;
+    this.#onTake(rowCount);
     this.pieces.push(new Float32Array(rows.buffer, rows.byteOffset, length).slice());
   }
 }

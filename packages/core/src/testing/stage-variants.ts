@@ -154,6 +154,7 @@ export function allStageVariants(): Promise<StageDefinition[]> {
           stages.push(
             cullSplats(variant),
             cullSplats({ ...variant, isIsotropic: true, hasFaintSplats: false }),
+            ...(isOrthographic ? [] : [cullSplats({ ...variant, sortsByDistance: true })]),
           );
         }
       }
@@ -178,11 +179,13 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     const frame = { isOrthographic: false, shortKeyBits: null, maxColor: 65504 } as const;
     stages.push(project({ ...frame, ...precisions, ...degrees, keepsColors: true }));
     stages.push(project({ ...frame, ...precisions, ...degrees, isIsotropic: true }));
+    stages.push(project({ ...frame, ...precisions, ...degrees, sortsByDistance: true }));
   }
   for (const shortKeyBits of SHORT_KEYS) {
     const precisions = { geometryPrecision: 'packed', recordPrecision: 'f16', shPrecision: 'u8' } as const;
     const degrees = { storedShDegree: 3, shDegree: 3 } as const;
-    stages.push(project({ isOrthographic: false, ...precisions, shortKeyBits, maxColor: 65504, ...degrees }));
+    const variant = { isOrthographic: false, ...precisions, shortKeyBits, maxColor: 65504, ...degrees };
+    stages.push(project(variant), project({ ...variant, sortsByDistance: true }));
   }
   return Promise.all(uniqueByText(stages).map(loadVariant));
 }

@@ -10,7 +10,7 @@ import { type ViewContext, ViewCore } from './view-core.ts';
 
 /** A frame request of an embedded view. */
 export interface EmbeddedFrameRequest
-  extends Pick<FrameRequest, 'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy'> {
+  extends Pick<FrameRequest, 'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy' | 'sortBy'> {
   /** How the host stores depth; absent: nothing hides splats. */
   readonly depth?: DepthConvention;
   /**

@@ -685,7 +685,8 @@ export abstract class ViewCore {
       );
       return { ...instance, shDegree, opacity, effects: before };
     });
-    const plan = this.#plan({ ...request, clouds }, last.shape.accuracy, depth);
+    const { sortBy } = last.request;
+    const plan = this.#plan({ ...request, clouds, sortBy }, last.shape.accuracy, depth);
     const stopgap = this.#keepingColors(plan);
     return this.#isReady(stopgap.shape) ? stopgap : null;
   }

@@ -1,5 +1,5 @@
 import { orthographicCamera } from '@websplatter/core';
-import type { HardCase } from '../hard-case.ts';
+import type { HardCase, HardCloud } from '../hard-case.ts';
 import { amongOrdinary, atOrigin, frontOnly, scenesOf } from '../make-cases.ts';
 import { logitOf, moved, ordinarySplats, type SplatValues, seededRandom, splatsOf } from '../make-splats.ts';
 
@@ -41,6 +41,22 @@ function interleaved(a: readonly SplatValues[], b: readonly SplatValues[]): Spla
 const orthographicAtOrigin = (aspect: number, range: { readonly near: number; readonly far: number }) => ({
   orthographic: orthographicCamera({ position: [0, 0, 0], target: [0, 0, -1], aspect, height: 8, ...range }),
 });
+
+/** A cloud whose file asks for the order of distances. */
+const byDistance = (splats: readonly SplatValues[], modelMatrix?: ArrayLike<number>): HardCloud => ({
+  set: { ...splatsOf(splats), fileFacts: { format: 'gltf', isSortedByDistance: true } },
+  modelMatrix,
+});
+
+/** A view full of large splats, many of them nearer by their depths than others that are nearer by their distances. */
+const crossing = (): SplatValues[] =>
+  Array.from({ length: 96 }, (_, i) => {
+    const [x, y] = [((i % 12) - 5.5) / 3, (Math.floor(i / 12) - 3.5) / 3];
+    return splat([x, y, -3 - ((i * 29) % 96) / 96], speckled(i), {
+      logScales: [-1, -1, -1],
+      opacityLogit: logitOf(0.7),
+    });
+  });
 
 export const DEPTH_CASES: readonly HardCase[] = [
   scene({
@@ -245,5 +261,48 @@ export const DEPTH_CASES: readonly HardCase[] = [
     ],
     cameras: (aspect) => orthographicAtOrigin(aspect, { near: -10, far: 10 }),
     identicalFrames: 100,
+  }),
+  scene({
+    name: 'depth-equal-distances',
+    breaks:
+      'Distances are rounded otherwise on one side of the image than on the other, and ties lose their storage order.',
+    clouds: () => [
+      byDistance([
+        ...backdrop(),
+        // Four of each distance, at the corners of a rectangle: the same numbers are squared and added.
+        ...Array.from({ length: 32 }, (_, i) => {
+          const k = i >> 2;
+          const [x, y] = [(0.25 + k / 16) * (i & 1 ? 1 : -1), (0.5 - k / 32) * (i & 2 ? 1 : -1)];
+          return splat([x, y, -2 - ((5 * k) % 8) / 64], speckled(i), { opacityLogit: logitOf(0.6) });
+        }),
+      ]),
+    ],
+    cameras: (aspect) => atOrigin(aspect, NEAR_AND_FAR),
+  }),
+  ...(
+    [
+      ['depth-order-of-distances', 1],
+      ['depth-order-of-distances-of-1e20', 2 ** 66],
+      ['depth-order-of-distances-of-1e-20', 2 ** -66],
+    ] as const
+  ).map(([name, size]) =>
+    scene({
+      name,
+      breaks: 'The squares of coordinates leave the range of float32, and all distances are infinite, or 0.',
+      clouds: () => [byDistance(crossing(), [size, 0, 0, 0, 0, size, 0, 0, 0, 0, size, 0, 0, 0, 0, 1])],
+      cameras: (aspect) => atOrigin(aspect, { near: 0.01 * size, far: Number.POSITIVE_INFINITY }),
+    }),
+  ),
+  scene({
+    name: 'depth-order-of-distances-of-two-clouds',
+    breaks: 'Clouds are sorted each by what its own file asks for, and no longer with one another.',
+    clouds: () => [
+      byDistance(crossing().filter((_, i) => i % 2 === 0)),
+      { set: splatsOf(crossing().filter((_, i) => i % 2 === 1)) },
+    ],
+    cameras: (aspect) => ({
+      ...atOrigin(aspect, NEAR_AND_FAR),
+      ...orthographicAtOrigin(aspect, NEAR_AND_FAR),
+    }),
   }),
 ];

@@ -133,6 +133,13 @@ export const MUTATIONS: readonly Mutation[] = [
     cases: ['depth-negative-zero'],
   },
   {
+    remedy: 'distance-scaled-first',
+    file: 'lib/depth-key',
+    find: 'return largest * length(toward / max(largest, 1e-37));',
+    replace: 'return length(toward);',
+    cases: ['depth-order-of-distances-of-1e20', 'depth-order-of-distances-of-1e-20'],
+  },
+  {
     remedy: 'direction-fallback',
     file: 'stages/project',
     find: 'if (!(largest > 1e-37)) { return vec3f(0.0, 0.0, 1.0); }',

@@ -29,7 +29,7 @@ import {
   useCompute,
 } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
-import { type CloudShape, type FrameShape, hasSameBuffers, perShape } from '../frame-shape.ts';
+import { type FrameShape, hasSameBuffers, perShape } from '../frame-shape.ts';
 import { viewUniforms, writePageUniforms } from '../frame-uniforms.ts';
 
 /** Names, sizes and usages of the part's buffers; stages bind them by these names. */
@@ -100,10 +100,20 @@ interface Groups {
 
 /** The stages that differ between clouds, by cloud of the frame. */
 const cloudStages = perShape((shape) =>
-  shape.clouds.map((cloud) => ({
-    cullSplats: cullSplatsStage(shape, cloud),
-    project: projectStage(shape, cloud),
-  })),
+  shape.clouds.map((cloud) => {
+    const { accuracy, shortensKeys } = shape;
+    // What their variants depend on has one name everywhere; the planes at hand may not be those of the settings.
+    const variant = { ...accuracy, ...shape, ...cloud.planes, ...cloud };
+    return {
+      cullSplats: cullSplats(variant),
+      project: project({
+        ...variant,
+        shortKeyBits: shortensKeys ? accuracy.sortKeyBits : null,
+        maxColor: maxColor(accuracy),
+        storedShDegree: cloud.cloud.shDegree,
+      }),
+    };
+  }),
 );
 
 const stagesOf = perShape((shape): readonly CompiledStage[] => [
@@ -307,41 +317,4 @@ function writeConstants(
     PagePlan.write(plans, { ...chunks, ...found }, index * PagePlan.bytes);
   }
   if (plans.byteLength > 0) queue.writeBuffer(buffers.pagePlans, 0, plans);
-}
-
-function cullSplatsStage(
-  { isOrthographic, accuracy }: FrameShape,
-  { planes, effects, isIsotropic, hasFaintSplats }: CloudShape,
-): StageDefinition {
-  const { extent, culling } = accuracy;
-  const { geometryPrecision } = planes;
-  return cullSplats({
-    isOrthographic,
-    geometryPrecision,
-    extent,
-    culling,
-    effects,
-    isIsotropic,
-    hasFaintSplats,
-  });
-}
-
-function projectStage(
-  { isOrthographic, accuracy, shortensKeys }: FrameShape,
-  { cloud, planes, effects, shDegree, keepsColors, isIsotropic }: CloudShape,
-): StageDefinition {
-  const { geometryPrecision, shPrecision } = planes;
-  return project({
-    isOrthographic,
-    geometryPrecision,
-    recordPrecision: accuracy.recordPrecision,
-    shPrecision,
-    shortKeyBits: shortensKeys ? accuracy.sortKeyBits : null,
-    maxColor: maxColor(accuracy),
-    storedShDegree: cloud.shDegree,
-    shDegree,
-    effects,
-    keepsColors,
-    isIsotropic,
-  });
 }

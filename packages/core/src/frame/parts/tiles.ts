@@ -7,14 +7,15 @@ import { type FrameShape, perShape } from '../frame-shape.ts';
 import { HostGroup } from '../host-group.ts';
 
 /** The stage that blends the tiles; null for shapes without tiles. */
-const stageOf = perShape(({ rasterizer, accuracy, depth, shortensKeys, hasNarrowSubgroups }) => {
+const stageOf = perShape((shape) => {
+  const { rasterizer, accuracy, depth, hasNarrowSubgroups } = shape;
   if (rasterizer !== 'tiles') return null;
   const { recordPrecision, colorTarget } = accuracy;
   return tileRasterize({
     recordPrecision,
     colorTarget,
     depth,
-    isExactOrder: !shortensKeys,
+    isExactOrder: !shape.shortensKeys && !shape.sortsByDistance,
     isNarrow: hasNarrowSubgroups,
   });
 });

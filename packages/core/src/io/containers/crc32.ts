@@ -1,13 +1,35 @@
-/** Of the reversed polynomial of ISO 3309, by the lowest byte. */
-const TABLE = Int32Array.from({ length: 256 }, (_, byte) => {
+/** Bytes that are taken at once, which takes half the time. */
+const AT_ONCE = 8;
+
+/** Of the reversed polynomial of ISO 3309: by a byte, then by a byte that a zero follows, and so on up to seven zeros. */
+const TABLE = new Int32Array(AT_ONCE * 256);
+for (let byte = 0; byte < 256; byte++) {
   let crc = byte;
   for (let bit = 0; bit < 8; bit++) crc = (crc >>> 1) ^ (crc & 1 ? 0xedb88320 : 0);
-  return crc;
-});
+  TABLE[byte] = crc;
+}
+for (let i = 256; i < TABLE.length; i++) TABLE[i] = withByte(TABLE[i - 256], 0);
 
 /** CRC-32 of `bytes`, or of bytes that have the CRC-32 `before` followed by them. */
 export function crc32(bytes: Uint8Array, before = 0): number {
   let crc = ~before;
-  for (let i = 0; i < bytes.length; i++) crc = (crc >>> 8) ^ TABLE[(crc ^ bytes[i]) & 255];
+  let at = 0;
+  for (const end = bytes.length - AT_ONCE; at <= end; at += AT_ONCE) {
+    crc ^= bytes[at] | (bytes[at + 1] << 8) | (bytes[at + 2] << 16) | (bytes[at + 3] << 24);
+    crc =
+      TABLE[0x700 + (crc & 255)] ^
+      TABLE[0x600 + ((crc >>> 8) & 255)] ^
+      TABLE[0x500 + ((crc >>> 16) & 255)] ^
+      TABLE[0x400 + (crc >>> 24)] ^
+      TABLE[0x300 + bytes[at + 4]] ^
+      TABLE[0x200 + bytes[at + 5]] ^
+      TABLE[0x100 + bytes[at + 6]] ^
+      TABLE[bytes[at + 7]];
+  }
+  for (; at < bytes.length; at++) crc = withByte(crc, bytes[at]);
   return ~crc >>> 0;
+}
+
+function withByte(crc: number, byte: number): number {
+  return (crc >>> 8) ^ TABLE[(crc ^ byte) & 255];
 }

@@ -1,4 +1,21 @@
-// Lossless WebP images (VP8L, RFC 9649 section 3). "Sections" in comments are of that document.
+// Reads lossless WebP images (VP8L, RFC 9649 section 3). "Sections" in comments are of that document.
+import {
+  average,
+  blocks,
+  CACHE_FACTOR,
+  CODE_LENGTH_ORDER,
+  clampedHalf,
+  clampedSum,
+  DISTANCE_CODES,
+  distanceTo,
+  LENGTH_CODES,
+  MAX_CACHE_BITS,
+  MAX_CODE_LENGTH,
+  NEIGHBOURS,
+  SIGNATURE,
+  select,
+  TRANSFORM,
+} from './vp8l-format.ts';
 
 /** Thrown for bytes that are no lossless image; `decodeWebp` makes it a SplatFileError. */
 export class Vp8lError extends Error {
@@ -12,24 +29,13 @@ export interface ImageSize {
 
 /** Bytes before the coded image: signature, width, height, alpha hint, version. */
 const HEADER_BYTES = 5;
-const SIGNATURE = 0x2f;
 /** Positions in bits must fit into an int32. */
 const MAX_BYTES = 2 ** 28 - 16;
 
-const TRANSFORM = { predictor: 0, crossColor: 1, subtractGreen: 2, colorIndexing: 3 } as const;
-
-const CODE_LENGTH_ORDER = [17, 18, 0, 1, 2, 3, 4, 5, 16, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
-const MAX_CODE_LENGTH = 15;
 /** Lengths of at most this many bits are found by one look into a table. */
 const ROOT_BITS = 8;
-const LENGTH_CODES = 24;
-const DISTANCE_CODES = 40;
-const MAX_CACHE_BITS = 11;
 /** Most entries of all tables of an image: encoders need far fewer, and a few bits could ask for many. */
 const MAX_TABLE_ENTRIES = 2 ** 23;
-
-/** Offsets [x, y] to the left and upwards of the distance codes 1 to 120 (section 3.6.2.2). */
-const NEIGHBOURS = neighboursByDistance();
 
 /**
  * Size of a lossless image.
@@ -158,11 +164,6 @@ function decodeTransformed(bits: BitReader, width: number, height: number): Int3
     else argb = lookUpColors(argb, transform, height);
   }
   return argb;
-}
-
-/** Number of blocks of 2^bits pixels that cover `size` pixels. */
-function blocks(size: number, bits: number): number {
-  return (size + (1 << bits) - 1) >> bits;
 }
 
 function readTransform(bits: BitReader, width: number, height: number): Transform {
@@ -305,7 +306,7 @@ function readPixels(
       }
     } else {
       for (; cached < at; cached++)
-        cache![Math.imul(0x1e35a7bd, pixels[cached]) >>> cacheShift] = pixels[cached];
+        cache![Math.imul(CACHE_FACTOR, pixels[cached]) >>> cacheShift] = pixels[cached];
       pixels[at++] = cache![symbol - 256 - LENGTH_CODES];
       if (++x === width) {
         x = 0;
@@ -332,8 +333,7 @@ function readLength(bits: BitReader, symbol: number): number {
 /** Distance in pixels, in the order of the scan. */
 function distanceOf(code: number, width: number): number {
   if (code > NEIGHBOURS.length) return code - NEIGHBOURS.length;
-  const [x, y] = NEIGHBOURS[code - 1];
-  return Math.max(1, x + y * width);
+  return distanceTo(NEIGHBOURS[code - 1], width);
 }
 
 /** Reads a prefix code, whose alphabet has as many symbols as `lengths` (section 3.7.2.1). */
@@ -560,46 +560,6 @@ function addPredictionsIn(argb: Int32Array, from: number, to: number, width: num
   }
 }
 
-/** Half of each channel's sum, rounded down. */
-function average(a: number, b: number): number {
-  return (((a ^ b) & 0xfefefefe) >>> 1) + (a & b);
-}
-
-/** `left` or `top`, whichever is nearer to left + top − topLeft. */
-function select(left: number, top: number, topLeft: number): number {
-  let toLeft = 0;
-  let toTop = 0;
-  for (let shift = 0; shift < 32; shift += 8) {
-    const corner = (topLeft >>> shift) & 255;
-    toLeft += Math.abs(((top >>> shift) & 255) - corner);
-    toTop += Math.abs(((left >>> shift) & 255) - corner);
-  }
-  return toLeft < toTop ? left : top;
-}
-
-function clampedSum(left: number, top: number, topLeft: number): number {
-  let result = 0;
-  for (let shift = 0; shift < 32; shift += 8) {
-    const sum = ((left >>> shift) & 255) + ((top >>> shift) & 255) - ((topLeft >>> shift) & 255);
-    result |= clamp(sum) << shift;
-  }
-  return result;
-}
-
-function clampedHalf(mean: number, topLeft: number): number {
-  let result = 0;
-  for (let shift = 0; shift < 32; shift += 8) {
-    const value = (mean >>> shift) & 255;
-    // Rounded towards zero.
-    result |= clamp(value + (((value - ((topLeft >>> shift) & 255)) / 2) | 0)) << shift;
-  }
-  return result;
-}
-
-function clamp(value: number): number {
-  return value < 0 ? 0 : value > 255 ? 255 : value;
-}
-
 /** Section 3.5.2. */
 function addCrossColor(argb: Int32Array, { bits, width, data }: Transform, height: number): void {
   const blocksPerRow = blocks(width, bits);
@@ -655,22 +615,11 @@ function lookUpColors(
   return argb;
 }
 
-/** Changes the order of the channels in place, and shows the pixels as bytes. */
-function toRgba(argb: Int32Array<ArrayBuffer>): Uint8Array<ArrayBuffer> {
+/** Changes the order of the channels in place, from B, G, R, A in memory, and shows the pixels as bytes. */
+export function toRgba(argb: Int32Array<ArrayBuffer>): Uint8Array<ArrayBuffer> {
   for (let i = 0; i < argb.length; i++) {
     const pixel = argb[i];
     argb[i] = (pixel & 0xff00ff00) | ((pixel >>> 16) & 255) | ((pixel & 255) << 16);
   }
   return new Uint8Array(argb.buffer);
-}
-
-/**
- * Neighbours up to 7 rows above, 8 columns to the left and 7 to the right, nearest first; of equally near ones that in the nearer
- * column, the left one before the right one.
- */
-function neighboursByDistance(): readonly (readonly [number, number])[] {
-  const neighbours: [number, number][] = [];
-  for (let y = 0; y <= 7; y++) for (let x = y === 0 ? 1 : -7; x <= 8; x++) neighbours.push([x, y]);
-  const squared = ([x, y]: readonly [number, number]) => x * x + y * y;
-  return neighbours.sort((a, b) => squared(a) - squared(b) || Math.abs(a[0]) - Math.abs(b[0]) || b[0] - a[0]);
 }

@@ -2,6 +2,7 @@ import { SplatFileError, type SplatFileErrorCode } from '../../errors.ts';
 import type { OpenedSource } from '../sources/splat-source.ts';
 import { crc32 } from './crc32.ts';
 import { gunzip } from './gzip.ts';
+import { DIRECTORY_END, DIRECTORY_ENTRY, LOCAL_HEADER, STORED } from './zip-format.ts';
 
 /** A file in a zip archive. */
 export interface ZipEntry {
@@ -15,35 +16,10 @@ export interface ZipEntry {
   readonly unpackedBytes: number;
 }
 
-const LOCAL_HEADER = { signature: 0x04034b50, bytes: 30, nameLength: 26, extraLength: 28 } as const;
-const DIRECTORY_ENTRY = {
-  signature: 0x02014b50,
-  bytes: 46,
-  flags: 8,
-  method: 10,
-  crc: 16,
-  packedBytes: 20,
-  unpackedBytes: 24,
-  nameLength: 28,
-  extraLength: 30,
-  commentLength: 32,
-  localHeader: 42,
-} as const;
-const DIRECTORY_END = {
-  signature: 0x06054b50,
-  bytes: 22,
-  disks: 4,
-  entriesHere: 8,
-  entries: 10,
-  directoryBytes: 12,
-  directory: 16,
-  commentLength: 20,
-} as const;
 const MOST_COMMENT = 0xffff;
 /** These stand for numbers of a zip64 archive. */
 const IN_ZIP64 = { uint16: 0xffff, uint32: 0xffffffff } as const;
 const ENCRYPTED = 1;
-const STORED = 0;
 const DEFLATED = 8;
 
 /** A packed stream is handed over in pieces of this size. */

@@ -16,14 +16,16 @@ import { SplatSetBuilder } from './splat-set-builder.ts';
 /** Rows between two chances of a page's thread to do something else. */
 const ROWS_AT_ONCE = 4096;
 
-/** Splats of a file whose bytes are there, to be decoded one after another. */
+/** Splats of a file whose bytes are there, or sure to come, to be decoded one after another. */
 export interface DecodedRows {
-  /** Number of rows. Memory for all of them is taken at once: there must be bytes for each. */
+  /** Number of rows. Memory for all of them is taken at once: there must be bytes for each, or a size that is certain. */
   readonly count: number;
   readonly shDegree: ShDegree;
   /** Whether the file says that its splats were trained with an antialias filter; undefined if it does not say. */
   readonly isAntialiased?: boolean;
   readonly fileFacts?: FileFacts;
+  /** Waits for the bytes of the next `rowCount` rows, where they may still be on their way. Rejects as `ReadFormat`. */
+  arrive?(rowCount: number): Promise<void>;
   /**
    * Writes the next `rowCount` rows into `rows`, which has room for them: each has `rowLength(shDegree)` values by `ROW_SLOT`, as
    * they were trained (log scales, logits, w x y z).
@@ -58,7 +60,7 @@ export async function deliverRows(
 }
 
 async function passRows(
-  { count, shDegree, isAntialiased, fileFacts, decode }: DecodedRows,
+  { count, shDegree, isAntialiased, fileFacts, arrive, decode }: DecodedRows,
   { reader }: SplatInput,
   { sink, files }: RowsTo,
   progress: ReadProgress,
@@ -83,7 +85,9 @@ async function passRows(
     const memory = await sink.memory();
     const values = new Float32Array(memory.buffer, memory.byteOffset, rowCount * length);
     for (let done = 0; done < rowCount; done += ROWS_AT_ONCE) {
-      decode(values.subarray(done * length), Math.min(ROWS_AT_ONCE, rowCount - done));
+      const nextRows = Math.min(ROWS_AT_ONCE, rowCount - done);
+      await arrive?.(nextRows);
+      decode(values.subarray(done * length), nextRows);
       progress.report(row + done);
       await reader.pause();
     }
@@ -92,7 +96,7 @@ async function passRows(
 }
 
 async function collectRows(
-  { count, shDegree, isAntialiased, fileFacts, decode }: DecodedRows,
+  { count, shDegree, isAntialiased, fileFacts, arrive, decode }: DecodedRows,
   { name, reader }: SplatInput,
   { shPrecision }: SplatFormatOptions,
   progress: ReadProgress,
@@ -111,6 +115,7 @@ async function collectRows(
   const values = new Float32Array(Math.min(count, ROWS_AT_ONCE) * length);
   for (let row = 0; row < count; row += ROWS_AT_ONCE) {
     const rowCount = Math.min(ROWS_AT_ONCE, count - row);
+    await arrive?.(rowCount);
     decode(values, rowCount);
     for (let i = 0; i < rowCount; i++) {
       builder.row.set(values.subarray(i * length, (i + 1) * length));

@@ -50,6 +50,14 @@ const WRITERS: readonly Writer[] = [
     load: async () => (await import('./spz/write-spz.ts')).writeSpz,
   },
   {
+    name: 'sog',
+    title: 'SOG',
+    extension: '.sog',
+    tellsAntialiased: true,
+    hasYUp: false,
+    load: async () => (await import('./sog/write-sog.ts')).writeSog,
+  },
+  {
     name: 'gltf',
     title: 'glTF',
     extension: '.glb',

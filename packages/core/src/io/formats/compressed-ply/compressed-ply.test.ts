@@ -132,6 +132,25 @@ function encode(
 const read = (bytes: Uint8Array, shPrecision: 'f32' | 'u8' = 'f32') =>
   readSplats(bytes, { name: 'scene.compressed.ply', shPrecision });
 
+/** A file of which the last of `parts` is given after `beforeLast`. */
+function slowFile(bytes: Uint8Array<ArrayBuffer>, parts: Uint8Array[], beforeLast = async () => {}): File {
+  const file = new File([bytes], 'a.compressed.ply');
+  const left = [...parts];
+  file.stream = () =>
+    new ReadableStream(
+      {
+        async pull(controller) {
+          if (left.length === 1) await beforeLast();
+          const part = left.shift();
+          if (part) controller.enqueue(part.slice());
+          else controller.close();
+        },
+      },
+      { highWaterMark: 0 },
+    );
+  return file;
+}
+
 async function failure(bytes: Uint8Array): Promise<SplatFileError> {
   const error = await fileErrorOf(read(bytes));
   expect(error.message.startsWith('scene.compressed.ply: ')).toBe(true);
@@ -272,6 +291,25 @@ describe('what is read', () => {
     }
   });
 
+  test('rows go to the GPU while the harmonics of others are on their way', async () => {
+    const bytes = encode(randomSplats(600, 2));
+    const pieceBytes = 256 * 4 * (14 + 24);
+    const lastAt = bytes.length - 100;
+    let taken = 0;
+    let takenBeforeLast = -1;
+    const file = slowFile(bytes, [bytes.subarray(0, lastAt), bytes.subarray(lastAt)], async () => {
+      // The last bytes come when nothing else can be done.
+      for (let turn = 0; turn < 10; turn++) await new Promise((resolve) => setImmediate(resolve));
+      takenBeforeLast = taken;
+    });
+    const { values } = await rowsOf(file, {}, pieceBytes, (rowCount) => {
+      taken += rowCount;
+    });
+    expect(takenBeforeLast).toBe(512);
+    const all = await rowsOf(new File([bytes], 'a.compressed.ply'), {}, pieceBytes);
+    expect(Buffer.from(values.buffer).equals(Buffer.from(all.values.buffer))).toBe(true);
+  });
+
   test('a chunk with a bound that is not finite loses its splats only', async () => {
     const elements = elementsOf(randomSplats(600, 0));
     const properties = elements[0].properties.map((property) =>
@@ -306,6 +344,14 @@ describe('what is read', () => {
 });
 
 describe('what is refused', () => {
+  test('a file that ends before the size that it has, while its rows are on their way to the GPU', async () => {
+    const bytes = encode(randomSplats(600, 2));
+    const error = await fileErrorOf(rowsOf(slowFile(bytes, [bytes.slice(0, bytes.length - 50)])));
+    expect(error.code).toBe('truncated');
+    expect(error.message).toMatch(/ends within the harmonics of its 600 splats/);
+    expect(error.place.byte).toBe(bytes.length - 50);
+  });
+
   const elements = elementsOf(randomSplats(300, 1));
   const [chunk, vertex, sh] = elements;
   const bytesOf = (...changed: FixtureElement[]) =>

@@ -17,6 +17,7 @@ import {
   splatAttributes,
 } from '../../../testing/gltf-fixture.ts';
 import { randomSplats } from '../../../testing/random-splats.ts';
+import { rowsOf } from '../../../testing/rows-of.ts';
 import { unpackGlb } from '../../containers/glb.ts';
 import { readSource } from '../../loading/read-source.ts';
 import { readSplats } from '../../loading/read-splats.ts';
@@ -223,6 +224,29 @@ describe('what is read', () => {
   });
 });
 
+test.each([
+  [['cameraDistance'], true],
+  [[undefined], true],
+  [['zDepth'], undefined],
+  [['zDepth', 'cameraDistance', 'zDepth'], true],
+  [['zDepth', undefined], true],
+] as const)(
+  'primitives with the sorting methods %j: by distance is %s',
+  async (methods, isSortedByDistance) => {
+    const { json, binary } = gltfOf(splatAttributes(randomSplats({ count: 1, shDegree: 0 })));
+    const [primitive] = json.meshes[0].primitives;
+    json.meshes[0].primitives = methods.map((sortingMethod) => {
+      const extension = { ...primitive.extensions[SPLATTING], sortingMethod };
+      return { ...primitive, extensions: { [SPLATTING]: extension } };
+    });
+    const bytes = glbBytes({ json, binary });
+    expect((await read(bytes)).fileFacts?.isSortedByDistance).toBe(isSortedByDistance);
+    expect((await rowsOf(new File([bytes], 'a.glb'))).layout.fileFacts?.isSortedByDistance).toBe(
+      isSortedByDistance,
+    );
+  },
+);
+
 test('what the file says of itself, and what is shown otherwise', async () => {
   const fixture = gltfOf(splatAttributes(randomSplats({ count: 1, shDegree: 0 })));
   const { json } = fixture;
@@ -235,7 +259,8 @@ test('what the file says of itself, and what is shown otherwise', async () => {
     format: 'gltf',
     variant: 'gltf',
     writer: 'a tool 1.2',
-    notes: [expect.stringMatching(/order of their depths/), expect.stringMatching(/^1 other primitive/)],
+    isSortedByDistance: true,
+    notes: [expect.stringMatching(/^1 other primitive/)],
   });
   extension.sortingMethod = 'zDepth';
   json.meshes[0].primitives.pop();

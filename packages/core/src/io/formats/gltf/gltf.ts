@@ -108,14 +108,13 @@ function factsOf(
 ): FileFacts {
   const { generator } = objectOf(json.root.asset);
   const notes: string[] = [];
-  if (isSortedByDistance)
-    notes.push('Splats are drawn in the order of their depths, not of their distances from the camera.');
   if (otherCount > 0)
     notes.push(`${otherCount} other primitive${otherCount === 1 ? ' is' : 's are'} left out.`);
   return {
     format: 'gltf',
     variant: isBinary ? 'glb' : 'gltf',
     ...(typeof generator === 'string' && { writer: shown(generator) }),
+    ...(isSortedByDistance && { isSortedByDistance }),
     ...(notes.length > 0 && { notes }),
   };
 }

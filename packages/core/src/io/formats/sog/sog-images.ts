@@ -1,12 +1,11 @@
 import { SplatFileError } from '../../../errors.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../splats/splat-set.ts';
+import { browserDecoder } from '../../containers/browser-webp.ts';
 import { decodeWebp, openWebp, type WebpImage } from '../../containers/webp.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import type { PartReader } from './part-reader.ts';
+import { PALETTE_COLUMNS } from './sog-layout.ts';
 import type { SogHarmonics, SogMeta } from './sog-meta.ts';
-
-/** Colours in a row of a palette's image. */
-const PALETTE_COLUMNS = 64;
 
 /** The images of a SOG, decoded: R, G, B, A of each splat in turn. */
 export interface SogImages {
@@ -73,11 +72,7 @@ export async function readSogImages(
   checkSizes(images.slice(0, harmonics ? -1 : undefined), count);
   const degree = harmonics && degreeOf(harmonics, images[images.length - 1]);
   budget.take(images);
-  const decoded: Uint8Array[] = [];
-  for (const image of images) {
-    decoded.push(decodeWebp(image));
-    await parts.pause();
-  }
+  const decoded = await decodeAll(images, parts);
   const [positionsLow, positionsHigh, rotations, scales, colors, labels, palette] = decoded;
   const size = harmonics && Math.min(harmonics.paletteSize ?? Infinity, PALETTE_COLUMNS * images[6].height);
   return {
@@ -88,6 +83,18 @@ export async function readSogImages(
     colors,
     harmonics: degree && size !== null ? { degree, size, palette, labels } : null,
   };
+}
+
+/** By the browser, if it can, and else one after another. */
+async function decodeAll(images: readonly WebpImage[], parts: PartReader): Promise<Uint8Array[]> {
+  const byBrowser = await browserDecoder();
+  const found = await Promise.all(images.map((image) => byBrowser?.(image)));
+  const decoded: Uint8Array[] = [];
+  for (const [i, image] of images.entries()) {
+    decoded.push(found[i] ?? decodeWebp(image));
+    await parts.pause();
+  }
+  return decoded;
 }
 
 /** Throws unless each of the images has a pixel for every splat, at the same place. */

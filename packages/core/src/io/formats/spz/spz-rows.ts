@@ -83,8 +83,13 @@ export function spzRows(
         else smallestThree(rotations, 4 * splat, rows, at + ROW_SLOT.rotation);
         rows[at + ROW_SLOT.opacity] = OPACITIES[alphas[splat]];
         const from = fileCoefficients * splat;
-        for (let i = 0; i < coefficients; i++)
-          rows[at + ROW_SLOT.harmonics + i] = HARMONICS[harmonics[from + i]];
+        const sh = at + ROW_SLOT.harmonics;
+        // Three at once, red, green and blue, take two thirds of the time; this is most of the work.
+        for (let i = 0; i < coefficients; i += 3) {
+          rows[sh + i] = HARMONICS[harmonics[from + i]];
+          rows[sh + i + 1] = HARMONICS[harmonics[from + i + 1]];
+          rows[sh + i + 2] = HARMONICS[harmonics[from + i + 2]];
+        }
       }
       turn?.(rows, length, rowCount);
     },

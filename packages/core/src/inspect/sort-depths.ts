@@ -1,0 +1,29 @@
+import { twinOf } from './compare-records.ts';
+import { projectionErrors } from './error-bounds.ts';
+import type { InspectedFrame } from './inspected-frame.ts';
+import { readRecords } from './read-records.ts';
+
+/** Bounds of what a visible splat is sorted by. */
+export interface SortDepth {
+  readonly least: number;
+  readonly most: number;
+}
+
+/**
+ * What the frame's visible splats are sorted by, in the order of `visibleSplats`: the depths of their records, to the bit, or the
+ * twin's distances, which the GPU's may miss by their rounding.
+ */
+export async function sortDepths(frame: InspectedFrame): Promise<SortDepth[]> {
+  const records = await readRecords(frame);
+  if (!frame.plan.shape.sortsByDistance)
+    return records.map(({ depthView }) => ({ least: depthView, most: depthView }));
+  return records.map(({ splat }) => {
+    const { cloud, index } = frame.locate(splat);
+    const twin = twinOf(frame, cloud, index);
+    // It should not have been drawn; that is for others to find.
+    if (!twin) return { least: 0, most: Number.POSITIVE_INFINITY };
+    const distance = Math.hypot(...twin.centerView);
+    const bound = projectionErrors(cloud.stored, index, cloud.view, frame.projection).distance;
+    return { least: Math.max(0, distance - bound), most: distance + bound };
+  });
+}

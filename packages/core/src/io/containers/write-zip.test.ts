@@ -1,0 +1,26 @@
+import { expect, test } from 'vitest';
+import { ByteReader } from '../sources/byte-reader.ts';
+import { readAll } from '../sources/read-all.ts';
+import { zipFiles } from './write-zip.ts';
+import { openZipEntry, readZipDirectory } from './zip.ts';
+
+test('files come back by their names', async () => {
+  const files: Record<string, Uint8Array> = {
+    'meta.json': new TextEncoder().encode('{}'),
+    'images/größe.webp': Uint8Array.from({ length: 300_000 }, (_, i) => i * i),
+    empty: new Uint8Array(0),
+  };
+  const zip = zipFiles(files);
+  const entries = readZipDirectory(zip, 'a.zip');
+  expect(entries.map(({ path }) => path)).toEqual(Object.keys(files));
+  for (const entry of entries) {
+    // CRC-32 and length are checked.
+    const reader = new ByteReader(openZipEntry(zip, entry, entry.path));
+    expect(Buffer.compare(await readAll(reader, 1e6), files[entry.path])).toBe(0);
+  }
+  expect(Buffer.compare(zipFiles(files), zip)).toBe(0);
+});
+
+test('an archive without files', () => {
+  expect(readZipDirectory(zipFiles({}), 'a.zip')).toEqual([]);
+});

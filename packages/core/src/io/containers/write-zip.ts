@@ -1,0 +1,68 @@
+import { crc32 } from './crc32.ts';
+import { DIRECTORY_END, DIRECTORY_ENTRY, LOCAL_HEADER, STORED } from './zip-format.ts';
+
+/** Version of the format that is needed to read what is only stored. */
+const VERSION = 20;
+/** Names are in UTF-8. */
+const UTF8 = 1 << 11;
+/** 1 January 1980, the earliest day that there is: equal files make equal archives. */
+const DATE = (1 << 5) | 1;
+
+/**
+ * Puts files into a zip archive, as they are: none is packed.
+ *
+ * @param files By path, with folders by `/`; at most 65,534, and less than 4 GiB in all.
+ * @throws RangeError if no ArrayBuffer can be that large
+ */
+export function zipFiles(files: Readonly<Record<string, Uint8Array>>): Uint8Array<ArrayBuffer> {
+  const entries = Object.entries(files).map(([path, bytes]) => ({
+    name: new TextEncoder().encode(path),
+    bytes,
+    crc: crc32(bytes),
+  }));
+  const headersBytes = LOCAL_HEADER.bytes + DIRECTORY_ENTRY.bytes;
+  const length = entries.reduce<number>(
+    (sum, { name, bytes }) => sum + headersBytes + 2 * name.length + bytes.length,
+    DIRECTORY_END.bytes,
+  );
+  const zip = new Uint8Array(length);
+  const view = new DataView(zip.buffer);
+  let at = 0;
+  const headerAts: number[] = [];
+  for (const { name, bytes, crc } of entries) {
+    headerAts.push(at);
+    view.setUint32(at, LOCAL_HEADER.signature, true);
+    view.setUint16(at + LOCAL_HEADER.version, VERSION, true);
+    view.setUint16(at + LOCAL_HEADER.flags, UTF8, true);
+    view.setUint16(at + LOCAL_HEADER.date, DATE, true);
+    view.setUint32(at + LOCAL_HEADER.crc, crc, true);
+    view.setUint32(at + LOCAL_HEADER.packedBytes, bytes.length, true);
+    view.setUint32(at + LOCAL_HEADER.unpackedBytes, bytes.length, true);
+    view.setUint16(at + LOCAL_HEADER.nameLength, name.length, true);
+    zip.set(name, at + LOCAL_HEADER.bytes);
+    zip.set(bytes, at + LOCAL_HEADER.bytes + name.length);
+    at += LOCAL_HEADER.bytes + name.length + bytes.length;
+  }
+  const directory = at;
+  entries.forEach(({ name, bytes, crc }, i) => {
+    view.setUint32(at, DIRECTORY_ENTRY.signature, true);
+    view.setUint16(at + DIRECTORY_ENTRY.writerVersion, VERSION, true);
+    view.setUint16(at + DIRECTORY_ENTRY.version, VERSION, true);
+    view.setUint16(at + DIRECTORY_ENTRY.flags, UTF8, true);
+    view.setUint16(at + DIRECTORY_ENTRY.method, STORED, true);
+    view.setUint16(at + DIRECTORY_ENTRY.date, DATE, true);
+    view.setUint32(at + DIRECTORY_ENTRY.crc, crc, true);
+    view.setUint32(at + DIRECTORY_ENTRY.packedBytes, bytes.length, true);
+    view.setUint32(at + DIRECTORY_ENTRY.unpackedBytes, bytes.length, true);
+    view.setUint16(at + DIRECTORY_ENTRY.nameLength, name.length, true);
+    view.setUint32(at + DIRECTORY_ENTRY.localHeader, headerAts[i], true);
+    zip.set(name, at + DIRECTORY_ENTRY.bytes);
+    at += DIRECTORY_ENTRY.bytes + name.length;
+  });
+  view.setUint32(at, DIRECTORY_END.signature, true);
+  view.setUint16(at + DIRECTORY_END.entriesHere, entries.length, true);
+  view.setUint16(at + DIRECTORY_END.entries, entries.length, true);
+  view.setUint32(at + DIRECTORY_END.directoryBytes, at - directory, true);
+  view.setUint32(at + DIRECTORY_END.directory, directory, true);
+  return zip;
+}

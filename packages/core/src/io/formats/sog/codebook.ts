@@ -1,0 +1,127 @@
+import { ROWS_AT_ONCE, splitRows } from '../../../packing/split-rows.ts';
+import type { Turns } from '../../../turns.ts';
+
+/** Values of a codebook. */
+const SIZE = 256;
+/** More move values by next to nothing. */
+const ROUNDS = 10;
+/** Into which values are divided to tell how dense they are. */
+const INTERVALS = 4096;
+
+/** 256 values by which others are told, each by the nearest. */
+export class Codebook {
+  /** Ascending, in float32; the last ones are alike where fewer suffice. */
+  readonly values: Float64Array;
+  /** Values above the one at `i` are nearer to `values[i + 1]`. */
+  readonly #middles: Float64Array;
+
+  constructor(values: Float64Array) {
+    this.values = values.map(Math.fround);
+    this.#middles = Float64Array.from(
+      { length: SIZE - 1 },
+      (_, i) => (this.values[i] + this.values[i + 1]) / 2,
+    );
+  }
+
+  /** Number of the nearest value. */
+  nearest(value: number): number {
+    let low = 0;
+    let high = SIZE - 1;
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (value > this.#middles[middle]) low = middle + 1;
+      else high = middle;
+    }
+    return low;
+  }
+}
+
+/**
+ * Finds the codebook of values by k-means in one dimension, with squares of differences as the error. Where there are no more than 256
+ * different values, it has just those.
+ *
+ * @param values Finite, one or more; put into ascending order.
+ */
+export async function findCodebook(values: Float32Array, turns: Turns): Promise<Codebook> {
+  const { leafCount, starts } = await splitRows(values, new Uint32Array(values.length), 1, SIZE, turns);
+  for (let leaf = 0; leaf < leafCount; leaf++) {
+    values.subarray(starts[leaf], starts[leaf + 1]).sort();
+    await turns.give();
+  }
+  const different = values.filter((value, i) => i === 0 || value !== values[i - 1]);
+  if (different.length <= SIZE) {
+    const padded = new Float64Array(SIZE).fill(different[different.length - 1]);
+    padded.set(different);
+    return new Codebook(padded);
+  }
+  const leafMeans = new Float64Array(SIZE);
+  for (let leaf = 0; leaf < leafCount; leaf++)
+    leafMeans[leaf] = await meanOf(values, starts[leaf], starts[leaf + 1], turns);
+  leafMeans.fill(leafMeans[leafCount - 1], leafCount);
+  // The tree is better where some values lie far off, the other start elsewhere.
+  const found = [await improve(leafMeans, values, turns), await improve(companded(values), values, turns)];
+  found.sort((a, b) => a.error - b.error);
+  return new Codebook(found[0].means);
+}
+
+/** Rounds of k-means; returns the means, ascending, and the sum of squared differences from them. */
+async function improve(
+  start: Float64Array,
+  values: Float32Array,
+  turns: Turns,
+): Promise<{ means: Float64Array; error: number }> {
+  const means = start.slice();
+  let error = 0;
+  for (let round = 0; round < ROUNDS; round++) {
+    let from = 0;
+    error = 0;
+    for (let i = 0; i < SIZE; i++) {
+      const end = i < SIZE - 1 ? firstAbove(values, (means[i] + means[i + 1]) / 2) : values.length;
+      if (from < end) {
+        means[i] = await meanOf(values, from, end, turns);
+        if (round === ROUNDS - 1) for (let k = from; k < end; k++) error += (values[k] - means[i]) ** 2;
+      }
+      from = end;
+    }
+  }
+  return { means, error };
+}
+
+/**
+ * Values for rounds to begin with: as dense as the cube root of the density of ascending `values`, which is best where there are many
+ * (Panter and Dite). Of equally many values each, intervals of width w thus get w^⅔ of them.
+ */
+function companded(values: Float32Array): Float64Array {
+  const at = (interval: number) => values[Math.floor((interval * (values.length - 1)) / INTERVALS)];
+  const shares = new Float64Array(INTERVALS + 1);
+  for (let i = 0; i < INTERVALS; i++) shares[i + 1] = shares[i] + Math.cbrt(at(i + 1) - at(i)) ** 2;
+  let interval = 0;
+  return Float64Array.from({ length: SIZE }, (_, k) => {
+    const share = ((k + 0.5) / SIZE) * shares[INTERVALS];
+    while (interval < INTERVALS - 1 && shares[interval + 1] < share) interval++;
+    const part = (share - shares[interval]) / (shares[interval + 1] - shares[interval]);
+    return at(interval) + (at(interval + 1) - at(interval)) * part;
+  });
+}
+
+async function meanOf(values: Float32Array, from: number, to: number, turns: Turns): Promise<number> {
+  let sum = 0;
+  for (let start = from; start < to; start += ROWS_AT_ONCE) {
+    const end = Math.min(to, start + ROWS_AT_ONCE);
+    for (let i = start; i < end; i++) sum += values[i];
+    await turns.give();
+  }
+  return sum / (to - from);
+}
+
+/** Index of the first of ascending values above `limit`. */
+function firstAbove(values: Float32Array, limit: number): number {
+  let low = 0;
+  let high = values.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (values[middle] > limit) high = middle;
+    else low = middle + 1;
+  }
+  return low;
+}

@@ -1,0 +1,225 @@
+import { InvalidArgumentError } from '../../../errors.ts';
+import { clusterHarmonics } from '../../../packing/cluster-harmonics.ts';
+import type { Harmonics } from '../../../packing/harmonics.ts';
+import { type HarmonicsPalette, MAX_PALETTE_ENTRIES } from '../../../packing/harmonics-palette.ts';
+import { mortonOrder } from '../../../packing/morton-order.ts';
+import { normalizedRotation } from '../../../packing/rotation.ts';
+import { ROWS_AT_ONCE } from '../../../packing/split-rows.ts';
+import { SH_REST_COEFFICIENTS, type SplatSet } from '../../../splats/splat-set.ts';
+import { Turns } from '../../../turns.ts';
+import { MAX_SIDE_PX } from '../../containers/write-vp8l.ts';
+import { encodeWebp } from '../../containers/write-webp.ts';
+import { zipFiles } from '../../containers/write-zip.ts';
+import { opacityOf } from '../color-values.ts';
+import type { WriteFormat } from '../write-format.ts';
+import { type Codebook, findCodebook } from './codebook.ts';
+import { FIRST_MODE, PALETTE_COLUMNS, POSITION_STEPS } from './sog-layout.ts';
+
+/** Sides of images are multiples of it, as GPUs compress textures in such blocks. */
+const SIDE_UNIT_PX = 4;
+/** Parts of the work that are done when the palette is found, and the codebooks. */
+const PROGRESS = { palette: 0.7, codebooks: 0.8 } as const;
+
+/**
+ * Writes SOG, version 2, as a zip archive: images, in Morton order of the centres. What is lost: positions are rounded to 65,536 steps
+ * of ln(|v| + 1) along each axis, components of rotations to 255 steps from −√½ to √½, opacities to 255 steps; log scales and base
+ * colours to the 256 values that suit each best; and splats share at most 65,536 sets of harmonics, of 256 values too. Equal sets give
+ * equal bytes.
+ *
+ * Rejects with InvalidArgumentError 'set' if there is no splat, if one is not finite, or if there are more than 2²⁸.
+ */
+export const writeSog: WriteFormat = async (set, { signal, onProgress }) => {
+  const turns = new Turns(signal);
+  const { count } = set;
+  const { width, height } = sizeOf(count);
+  checkFinite(set);
+  await turns.give();
+  const palette = await paletteOf(set, turns, {
+    signal,
+    onProgress: (fraction) => onProgress?.(PROGRESS.palette * fraction),
+  });
+  onProgress?.(PROGRESS.palette);
+  const scales = await findCodebook(set.logScales.slice(0, 3 * count), turns);
+  const colors = await findCodebook(set.colorDc.slice(0, 3 * count), turns);
+  const coefficients = palette && (await findCodebook(palette.entries.slice(), turns));
+  onProgress?.(PROGRESS.codebooks);
+
+  const order = mortonOrder(set.positions, count);
+  const { mins, maxs } = rangeOf(set);
+  const images: Record<string, Uint8Array> = {};
+  const imageCount = palette ? 7 : 5;
+  const addImage = async (name: string, pixels: Uint8Array, imageWidth = width, imageHeight = height) => {
+    images[name] = await encodeWebp(imageWidth, imageHeight, pixels, turns);
+    const done = Object.keys(images).length / imageCount;
+    onProgress?.(PROGRESS.codebooks + (1 - PROGRESS.codebooks) * done);
+    return name;
+  };
+  /** Adds an image with a pixel for every splat. */
+  const addSplats = async (name: string, put: (splat: number, pixels: Uint8Array, at: number) => void) => {
+    const pixels = new Uint8Array(4 * width * height).fill(255);
+    for (let i = 0; i < count; i++) {
+      put(order[i], pixels, 4 * i);
+      if (i % ROWS_AT_ONCE === 0) await turns.give();
+    }
+    // What follows the last splat repeats it, which takes no bytes.
+    for (let at = 4 * count; at < pixels.length; at++) pixels[at] = pixels[at - 4];
+    return addImage(name, pixels);
+  };
+
+  const stepOf = (splat: number, axis: number) => {
+    const range = maxs[axis] - mins[axis];
+    if (range === 0) return 0;
+    return Math.round((POSITION_STEPS * (coordinateOf(set, splat, axis) - mins[axis])) / range);
+  };
+  const meansFiles = [
+    await addSplats('means_l.webp', (splat, pixels, at) => {
+      for (let axis = 0; axis < 3; axis++) pixels[at + axis] = stepOf(splat, axis) & 255;
+    }),
+    await addSplats('means_u.webp', (splat, pixels, at) => {
+      for (let axis = 0; axis < 3; axis++) pixels[at + axis] = stepOf(splat, axis) >> 8;
+    }),
+  ];
+  const rotation = new Float64Array(4);
+  const quatsFiles = [
+    await addSplats('quats.webp', (splat, pixels, at) => {
+      normalizedRotation(set.rotations, 4 * splat, rotation);
+      putRotation(rotation, pixels, at);
+    }),
+  ];
+  const scalesFiles = [
+    await addSplats('scales.webp', (splat, pixels, at) => {
+      for (let axis = 0; axis < 3; axis++)
+        pixels[at + axis] = scales.nearest(set.logScales[3 * splat + axis]);
+    }),
+  ];
+  const sh0Files = [
+    await addSplats('sh0.webp', (splat, pixels, at) => {
+      for (let channel = 0; channel < 3; channel++)
+        pixels[at + channel] = colors.nearest(set.colorDc[3 * splat + channel]);
+      pixels[at + 3] = Math.round(255 * opacityOf(set.opacityLogits[splat]));
+    }),
+  ];
+  const meta = {
+    version: 2,
+    asset: { generator: 'WebSplatter' },
+    count,
+    ...(set.isAntialiased !== undefined && { model: set.isAntialiased ? 'antialiased' : 'default' }),
+    means: { mins, maxs, files: meansFiles },
+    scales: { codebook: listOf(scales), files: scalesFiles },
+    quats: { files: quatsFiles },
+    sh0: { codebook: listOf(colors), files: sh0Files },
+    ...(palette &&
+      coefficients && {
+        shN: {
+          count: entryCountOf(palette),
+          bands: palette.degree,
+          codebook: listOf(coefficients),
+          files: [
+            await addPalette(palette, coefficients, addImage),
+            await addSplats('shN_labels.webp', (splat, pixels, at) => {
+              pixels[at] = palette.indices[splat] & 255;
+              pixels[at + 1] = palette.indices[splat] >> 8;
+              pixels[at + 2] = 0;
+            }),
+          ],
+        },
+      }),
+  };
+  return zipFiles({ 'meta.json': new TextEncoder().encode(JSON.stringify(meta)), ...images });
+};
+
+/** Size of images with a pixel for every splat. */
+function sizeOf(count: number): { width: number; height: number } {
+  if (count === 0) throw new InvalidArgumentError('set', 'There are no splats to write.');
+  const rounded = (size: number) => SIDE_UNIT_PX * Math.ceil(size / SIDE_UNIT_PX);
+  const width = rounded(Math.sqrt(count));
+  if (width > MAX_SIDE_PX) {
+    const message = `There are ${count} splats; a SOG has at most ${MAX_SIDE_PX ** 2}. Crop the scene, or write another format.`;
+    throw new InvalidArgumentError('set', message);
+  }
+  return { width, height: rounded(count / width) };
+}
+
+/** @throws InvalidArgumentError */
+function checkFinite({ count, origin, positions, logScales, colorDc, rotations }: SplatSet<Harmonics>): void {
+  const check = (values: ArrayLike<number>, width: number, what: string) => {
+    for (let i = 0; i < width * count; i++) {
+      if (Number.isFinite(values[i])) continue;
+      const message = `Splat ${Math.floor(i / width)} has a ${what} that is not finite (${values[i]}). Leave it out.`;
+      throw new InvalidArgumentError('set', message);
+    }
+  };
+  if (!origin.every(Number.isFinite)) throw new InvalidArgumentError('set', 'Its origin is not finite.');
+  check(positions, 3, 'position');
+  check(logScales, 3, 'scale');
+  check(rotations, 4, 'rotation');
+  check(colorDc, 3, 'colour');
+}
+
+/** As many entries as a power of two has that is not above the number of splats: half of them or more. */
+async function paletteOf(
+  { harmonics, count }: SplatSet<Harmonics>,
+  turns: Turns,
+  options: { signal?: AbortSignal; onProgress: (fraction: number) => void },
+): Promise<HarmonicsPalette | null> {
+  await turns.give();
+  if (harmonics.degree === 0) return null;
+  const entryCount = Math.min(MAX_PALETTE_ENTRIES, 2 ** Math.floor(Math.log2(count)));
+  return clusterHarmonics(harmonics, count, { ...options, entryCount });
+}
+
+function entryCountOf({ degree, entries }: HarmonicsPalette): number {
+  return entries.length / (3 * SH_REST_COEFFICIENTS[degree]);
+}
+
+async function addPalette(
+  palette: HarmonicsPalette,
+  codebook: Codebook,
+  addImage: (name: string, pixels: Uint8Array, width: number, height: number) => Promise<string>,
+): Promise<string> {
+  const width = PALETTE_COLUMNS * SH_REST_COEFFICIENTS[palette.degree];
+  const height = Math.ceil(entryCountOf(palette) / PALETTE_COLUMNS);
+  const pixels = new Uint8Array(4 * width * height).fill(255);
+  palette.entries.forEach((value, i) => {
+    pixels[4 * Math.floor(i / 3) + (i % 3)] = codebook.nearest(value);
+  });
+  return addImage('shN_centroids.webp', pixels, width, height);
+}
+
+/** A coordinate as it is stored: sign(v) ln(|v| + 1). */
+function coordinateOf({ positions, origin }: SplatSet<Harmonics>, splat: number, axis: number): number {
+  const value = positions[3 * splat + axis] + origin[axis];
+  return Math.sign(value) * Math.log1p(Math.abs(value));
+}
+
+/** Least and largest coordinates by axis. */
+function rangeOf(set: SplatSet<Harmonics>): { mins: number[]; maxs: number[] } {
+  const mins = [0, 1, 2].map((axis) => coordinateOf(set, 0, axis));
+  const maxs = [...mins];
+  for (let i = 1; i < set.count; i++) {
+    for (let axis = 0; axis < 3; axis++) {
+      const value = coordinateOf(set, i, axis);
+      if (value < mins[axis]) mins[axis] = value;
+      if (value > maxs[axis]) maxs[axis] = value;
+    }
+  }
+  return { mins, maxs };
+}
+
+/** Three components of a unit quaternion, and which one is left out: the largest, taken to be positive. */
+function putRotation(rotation: Float64Array, pixels: Uint8Array, at: number): void {
+  let largest = 0;
+  for (let k = 1; k < 4; k++) if (Math.abs(rotation[k]) > Math.abs(rotation[largest])) largest = k;
+  const sign = rotation[largest] < 0 ? -1 : 1;
+  let to = at;
+  for (let k = 0; k < 4; k++) {
+    if (k === largest) continue;
+    pixels[to++] = Math.max(0, Math.min(255, Math.round(255 * ((sign * rotation[k]) / Math.SQRT2 + 0.5))));
+  }
+  pixels[at + 3] = FIRST_MODE + largest;
+}
+
+/** Nine digits tell any float32 from the next. */
+function listOf({ values }: Codebook): number[] {
+  return Array.from(values, (value) => Number(value.toPrecision(9)));
+}

@@ -1,0 +1,21 @@
+import type { FoundInCloud } from '../found-effect.ts';
+
+/** The order of distances. All clouds of a frame have one order; it is on for those that ask for this one. */
+export const distanceOrder: FoundInCloud = {
+  of: 'cloud',
+  name: 'distance-order',
+  label: 'Order of distances',
+  about: 'Sorts splats by their distances from the camera, not by their depths.',
+  conditions: ['DISTANCE_ORDER'],
+  bindings: [],
+  stages: ['cull-splats', 'project'],
+  calledFor: ({ plan, shape: { cloud } }) => {
+    if (!plan.shape.sortsByDistance) return null;
+    if (plan.request.sortBy === 'distance') return 'the request asks for it';
+    return cloud.facts.fileFacts?.isSortedByDistance ? 'its file asks for it' : null;
+  },
+  offReason: ({ plan }) => {
+    if (plan.shape.isOrthographic) return 'the camera has no perspective';
+    return plan.request.sortBy === 'depth' ? 'the request asks for depths' : 'no file asks for it';
+  },
+};
