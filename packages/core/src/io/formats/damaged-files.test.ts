@@ -5,6 +5,7 @@ import { WebSplatterError } from '../../errors.ts';
 import { allocatedBytes } from '../../testing/allocation-meter.ts';
 import { Choices, fuzz } from '../../testing/fuzz.ts';
 import { glbBytes, glbOfSpz, gltfBytes, gltfOf, splatAttributes } from '../../testing/gltf-fixture.ts';
+import { type KsplatLevel, ksplatBytes, randomSections } from '../../testing/ksplat-fixture.ts';
 import { chunked, plyBytes, splatElement } from '../../testing/ply-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { checkDrawable, damagedBytes } from '../../testing/read-damaged.ts';
@@ -14,7 +15,6 @@ import { readSplats } from '../loading/read-splats.ts';
 import type { SplatSource } from '../sources/splat-source.ts';
 import { writeCompressedPly } from './compressed-ply/write-compressed-ply.ts';
 import { SPLAT_FORMATS } from './formats.ts';
-import { type KsplatLevel, ksplatBytes, randomSections } from './ksplat/ksplat-fixture.ts';
 import { encodePly } from './ply/write-ply.ts';
 import { distinctSplat, spzBytes } from './spz/spz-fixture.ts';
 

@@ -6,11 +6,6 @@ import { ROW_SLOT } from '../../../splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../splats/splat-set.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { fuzz } from '../../../testing/fuzz.ts';
-import { chunked } from '../../../testing/ply-fixture.ts';
-import { damagedBytes, outcomeOf } from '../../../testing/read-damaged.ts';
-import { rowsOf } from '../../../testing/rows-of.ts';
-import { readSplats } from '../../loading/read-splats.ts';
-import { detectFormat } from '../detect.ts';
 import {
   BLOCK,
   type KsplatLevel,
@@ -20,7 +15,12 @@ import {
   SH_GREATEST,
   SH_LEAST,
   STEPS,
-} from './ksplat-fixture.ts';
+} from '../../../testing/ksplat-fixture.ts';
+import { chunked } from '../../../testing/ply-fixture.ts';
+import { damagedBytes, outcomeOf } from '../../../testing/read-damaged.ts';
+import { rowsOf } from '../../../testing/rows-of.ts';
+import { readSplats } from '../../loading/read-splats.ts';
+import { detectFormat } from '../detect.ts';
 
 const SH_C0 = 0.28209479177387814;
 

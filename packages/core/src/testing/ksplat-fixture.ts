@@ -1,7 +1,7 @@
 // Writes .ksplat for tests.
-import { toHalfBits } from '../../../layout/half.ts';
-import { coefficientsPerSplat, type ShDegree } from '../../../splats/splat-set.ts';
-import { seededRandom } from '../../../testing/seeded-random.ts';
+import { toHalfBits } from '../layout/half.ts';
+import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
+import { seededRandom } from './seeded-random.ts';
 
 export const BLOCK = 5;
 export const STEPS = 32767;
