@@ -16,6 +16,8 @@ const node = {
   ssr: { resolve: { conditions: nodeConditions, externalConditions: nodeConditions } },
 };
 
+/** Ends what hangs. No test waits for it, nor should a machine that does other things, too, ever come near. */
+const TEST_TIMEOUT_MS = 300_000;
 /** For `expect.poll`, which would wait for a second: a machine that does other things, too, takes much longer than usual. */
 const patience = { poll: { timeout: 60_000 } };
 
@@ -23,7 +25,7 @@ const unit = {
   // As many as there are cores in CI, where Vitest would take one of two.
   maxWorkers: 2,
   pool: 'threads',
-  testTimeout: 60_000,
+  testTimeout: TEST_TIMEOUT_MS,
   expect: patience,
   environment: 'node',
 } as const;
@@ -79,9 +81,9 @@ export default defineConfig({
           environment: 'node',
           include: ['packages/*/src/**/*.gpu.test.ts'],
           pool: 'forks',
-          testTimeout: 120_000,
+          testTimeout: TEST_TIMEOUT_MS,
           expect: patience,
-          hookTimeout: 120_000,
+          hookTimeout: TEST_TIMEOUT_MS,
         },
       },
       {
@@ -95,9 +97,9 @@ export default defineConfig({
           environment: 'node',
           include: ['e2e/**/*.test.ts'],
           pool: 'forks',
-          testTimeout: 180_000,
+          testTimeout: TEST_TIMEOUT_MS,
           expect: patience,
-          hookTimeout: 180_000,
+          hookTimeout: TEST_TIMEOUT_MS,
         },
       },
     ],

@@ -3,12 +3,15 @@
 // Twin: packages/core/src/layout/depth-key.ts.
 @if(SHORT_KEYS) import constants::SORT_KEY_BITS;
 
-/// What splats are sorted by, given their places from the camera: depth or distance.
-fn sortDepth(toward: vec3f) -> f32 {
+/// What splats are sorted by, given their places from the camera: depth, or the square of the distance, which tells apart what is
+/// half as far apart as the distance does. Its unit is the power of two below `near`, or 1 for a near of 0, so that neither large
+/// nor small scenes leave float32's range.
+fn sortDepth(toward: vec3f, near: f32) -> f32 {
   @if(!DISTANCE_ORDER) return -toward.z;
-  // Scale first: the square of a length in a very large or very small scene leaves float32's range.
-  @if(DISTANCE_ORDER) let largest = max(abs(toward.x), max(abs(toward.y), abs(toward.z)));
-  @if(DISTANCE_ORDER) return largest * length(toward / max(largest, 1e-37));
+  @if(DISTANCE_ORDER) let exponent = bitcast<u32>(near) & 0x7f800000u;
+  @if(DISTANCE_ORDER) let scale = select(bitcast<f32>(0x7f000000u - exponent), 1.0, exponent == 0u);
+  @if(DISTANCE_ORDER) let units = min(abs(toward) * scale, vec3f(1e19));
+  @if(DISTANCE_ORDER) return dot(units, units);
 }
 
 /// Maps `depthView` (finite) so that orderedBits(a) < orderedBits(b) exactly if a < b, including negative depths (which

@@ -53,7 +53,7 @@ fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
     @if(FAINT_SPLATS) let isCandidate = splat.opacity >= view.alphaCutoff && isInDepthRange(view, depthView);
     if (isCandidate) {
       if (isDrawn(splat, centerView)) {
-        let bits = orderedBits(sortDepth(centerView));
+        let bits = orderedBits(sortDepth(centerView, view.near));
         atomicOr(&mask[lane / 32u], 1u << (lane % 32u));
         atomicMax(&farthest, bits);
         atomicMax(&nearestInverted, ~bits);

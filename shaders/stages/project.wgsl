@@ -78,8 +78,8 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
   @if(RECORD_PAPER) record.color = pack4x8unorm(rgba);
   @if(!RECORD_F32 && !RECORD_PAPER) record.color = vec2u(pack2x16float(rgba.xy), pack2x16float(rgba.zw));
   records[index] = record;
-  @if(!SHORT_KEYS) let key = depthKey(sortDepth(centerView), depthRange[0]);
-  @if(SHORT_KEYS) let key = shortDepthKey(sortDepth(centerView), depthRange[0], ~depthRange[1]);
+  @if(!SHORT_KEYS) let key = depthKey(sortDepth(centerView, view.near), depthRange[0]);
+  @if(SHORT_KEYS) let key = shortDepthKey(sortDepth(centerView, view.near), depthRange[0], ~depthRange[1]);
   keys[index] = key;
 }
 

@@ -9,6 +9,7 @@ import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy/
 import { checkEngineNumbers, checkLoadOptions } from './check-options.ts';
 import type { HoldOptions } from './clouds/cloud-leases.ts';
 import { type CloudMemory, isHeld } from './clouds/cloud-planes.ts';
+import { emptyCloud } from './clouds/empty-cloud.ts';
 import type { CloudFit, FitMode } from './clouds/fit-settings.ts';
 import type { PlaneMaker } from './clouds/plane-maker.ts';
 import { type CloudSource, SplatCloud, type SplatCloudOptions } from './clouds/splat-cloud.ts';
@@ -444,13 +445,7 @@ export class SplatEngine {
 
   /** Compiles what a first frame is likely to need, while the page looks for its file. */
   #foreseeFrames(view: SplatView): void {
-    if (!this.#compilesAhead) return;
-    const foresee = async () => {
-      const { emptyCloud } = await import('./clouds/empty-cloud.ts');
-      if (this.#views.has(view)) view.expectCloud(emptyCloud(this.#memory, LIKELY_SH_DEGREE, this.accuracy));
-    };
-    // Without it, the first frame compiles them.
-    foresee().catch(() => {});
+    if (this.#compilesAhead) view.expectCloud(emptyCloud(this.#memory, LIKELY_SH_DEGREE, this.accuracy));
   }
 
   /** Compiles what the rows of `source` are likely to need, while it is opened. */

@@ -95,7 +95,7 @@ describe('effects', () => {
   }
 
   // Hundreds of variants, each linked twice.
-  test('that are not used leave all stages as in a build without effects', { timeout: 30_000 }, async () => {
+  test('that are not used leave all stages as in a build without effects', async () => {
     for (const stage of await allStageVariants()) expectNothingOf(CLOUD_EFFECTS, stage);
   });
 

@@ -3,7 +3,7 @@ import { describe, expect, test } from 'vitest';
 import { type Camera, perspectiveCamera } from '../camera/camera.ts';
 import { cloudView } from '../camera/cloud-view.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { orderedBits } from '../layout/depth-key.ts';
+import { orderedBits, sortDistance } from '../layout/depth-key.ts';
 import { identity4, type Mat4 } from '../math/mat4.ts';
 import { packCloud } from '../packing/packed-cloud.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
@@ -29,7 +29,9 @@ function keysOf(set: SplatSet, camera: Camera, modelMatrix: Mat4, isByDistance: 
       sum = f(sum + f(f(linear[row + 6]) * set.positions[3 * i + 2]));
       return f(sum + f(translation[row]));
     });
-    return { depth: -z, distance: f(Math.sqrt(f(f(f(x * x) + f(y * y)) + f(z * z)))) };
+    const scale = sortDistance(1, camera.near) ** 0.5;
+    const [a, b, c] = [x, y, z].map((value) => f(value * scale));
+    return { depth: -z, distance: f(f(f(a * a) + f(b * b)) + f(c * c)) };
   })
     .filter(({ depth }) => depth > f(camera.near) && depth <= f(camera.far))
     .map(({ depth, distance }) => orderedBits(isByDistance ? distance : depth));
@@ -114,8 +116,8 @@ describe('keyBitsFor', () => {
       ...{ position: [0, 0, 3], target: [0, 0, 0], fovYDegrees: 60, aspect: 1 },
       ...{ near: 1, far: 4 },
     });
-    // A wall, 300 times as wide as it is away.
-    const wide = Float64Array.of(1000, 0, 0, 0, 0, 1000, 0, 0, 0, 0, 0.01, 0, 0, 0, 0, 1);
+    // A wall, 30 times as wide as it is away.
+    const wide = Float64Array.of(100, 0, 0, 0, 0, 100, 0, 0, 0, 0, 0.01, 0, 0, 0, 0, 1);
     const clouds = [planned(camera, randomSplats({ count: 100, shDegree: 0, halfExtent: 1 }), wide)];
     expect(keyBitsFor(camera, clouds, false)).toBe(24);
     expect(keyBitsFor(camera, clouds, true)).toBe(27);

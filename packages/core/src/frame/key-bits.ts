@@ -1,11 +1,11 @@
 import type { Camera } from '../camera/camera.ts';
-import { orderedBits } from '../layout/depth-key.ts';
+import { orderedBits, sortDistance } from '../layout/depth-key.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 
 /**
  * Bounds the number of bits in which the sort keys of a frame can differ, from near, far and the clouds' bounds, which the
- * CPU knows. Depths, or distances, within a factor of 2^k of each other differ in fewer than 23 + k bits (each power of two
- * holds 2^23 floats), so most scenes need fewer passes than 32 bits would.
+ * CPU knows. Depths within a factor of 2^k of each other differ in fewer than 23 + k bits (each power of two holds 2^23 floats),
+ * and squares of distances in one more, so most scenes need fewer passes than 32 bits would.
  *
  * @param isByDistance whether splats are sorted by distance, with perspective.
  * @returns 16, 24, 27 or 32: the key widths that sorts are made for.
@@ -52,6 +52,7 @@ export function keyBitsFor(
   nearest = Math.max(nearest, camera.near);
   if (!isByDistance) farthest = Math.min(farthest, camera.far);
   if (!(farthest > nearest)) return 16;
-  const range = orderedBits(farthest) - orderedBits(nearest);
+  const bitsOf = (depth: number) => orderedBits(isByDistance ? sortDistance(depth, camera.near) : depth);
+  const range = bitsOf(farthest) - bitsOf(nearest);
   return [16, 24, 27].find((bits) => range < 2 ** bits) ?? 32;
 }

@@ -1,3 +1,4 @@
+import { sortDistance } from '../layout/depth-key.ts';
 import { twinOf } from './compare-records.ts';
 import { projectionErrors } from './error-bounds.ts';
 import type { InspectedFrame } from './inspected-frame.ts';
@@ -11,7 +12,7 @@ export interface SortDepth {
 
 /**
  * What the frame's visible splats are sorted by, in the order of `visibleSplats`: the depths of their records, to the bit, or the
- * twin's distances, which the GPU's may miss by their rounding.
+ * twin's distances (`sortDistance`), which the GPU's may miss by their rounding.
  */
 export async function sortDepths(frame: InspectedFrame): Promise<SortDepth[]> {
   const records = await readRecords(frame);
@@ -24,6 +25,10 @@ export async function sortDepths(frame: InspectedFrame): Promise<SortDepth[]> {
     if (!twin) return { least: 0, most: Number.POSITIVE_INFINITY };
     const distance = Math.hypot(...twin.centerView);
     const bound = projectionErrors(cloud.stored, index, cloud.view, frame.projection).distance;
-    return { least: Math.max(0, distance - bound), most: distance + bound };
+    const { near } = frame.projection;
+    return {
+      least: sortDistance(Math.max(0, distance - bound), near),
+      most: sortDistance(distance + bound, near),
+    };
   });
 }

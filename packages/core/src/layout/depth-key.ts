@@ -10,6 +10,20 @@ export function orderedBits(depthView: number): number {
   return (u32[0] & 0x80000000 ? ~u32[0] : u32[0] | 0x80000000) >>> 0;
 }
 
+/** Beyond it, squares would leave float32's range. */
+const MOST_UNITS = 1e19;
+
+/**
+ * What splats are sorted by where that is their distance: its square, in units of the power of two below `near`, or of 1 for a near
+ * of 0. Twin of `sortDepth` in shaders/lib/depth-key.wgsl.
+ */
+export function sortDistance(distance: number, near: number): number {
+  f32[0] = near;
+  const exponent = (u32[0] >>> 23) & 0xff;
+  const units = Math.min(distance * 2 ** (exponent === 0 ? 0 : 127 - exponent), MOST_UNITS);
+  return units * units;
+}
+
 /** Returns the sort key: far first, 0 for the farthest visible splat and for anything beyond it. */
 export function depthKey(depthView: number, farthestBits: number): number {
   return farthestBits - Math.min(farthestBits, orderedBits(depthView));

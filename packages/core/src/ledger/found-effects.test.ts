@@ -50,9 +50,7 @@ describe('found effects', () => {
     const { conditions, bindings } = FOUND_SHADERS[name];
     if (conditions.length === 0) continue;
     // Hundreds of variants, each linked twice.
-    test(`${name}: while off, all stages are as in a build without it`, {
-      timeout: 30_000,
-    }, () => {
+    test(`${name}: while off, all stages are as in a build without it`, () => {
       const without = variantsWithout([...conditions, ...(IMPLYING[name] ?? [])], OWN_STAGES[name]);
       expect(without.length).toBeGreaterThan(10);
       const stripped = new Map<string, string>();

@@ -9,7 +9,7 @@ import { type Camera, projectionOf } from '../camera/camera.ts';
 import { cloudView } from '../camera/cloud-view.ts';
 import type { EffectUse } from '../effects/effect.ts';
 import { usesOf } from '../effects/effects.ts';
-import { orderedBits, shortDepthKey } from '../layout/depth-key.ts';
+import { orderedBits, shortDepthKey, sortDistance } from '../layout/depth-key.ts';
 import { identity4, type Vec3 } from '../math/mat4.ts';
 import { dropNonFinite } from '../packing/drop-non-finite.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
@@ -125,19 +125,24 @@ function renderLayer(frame: ReferenceFrame, settings: ReferenceSettings): Render
     }
   }
   const depths = hostDepths && { host: hostDepths, splats: new Float64Array(widthPx * heightPx) };
-  for (const splat of backToFront(drawn, settings.sortKeyBits))
+  const keyed = (depth: number) => (isByDistance ? sortDistance(depth, camera.near) : depth);
+  for (const splat of backToFront(drawn, settings.sortKeyBits, keyed))
     rasterizeSplat(image, splat, splat.color, alphaCutoff, depths);
   return { ...image, visibleSplats: drawn.length, ...(depths && { depths: depths.splats }) };
 }
 
-/** Sorts by depth or distance or, at fewer than 32 bits, by the GPU's keys. Array.prototype.sort keeps equal ones in their order. */
-function backToFront(drawn: readonly DrawnSplat[], sortKeyBits: number): readonly DrawnSplat[] {
+/** Sorts by depth or distance or, at fewer than 32 bits, by the GPU's keys, made of what `keyed` gives. Array.prototype.sort keeps equal ones in their order. */
+function backToFront(
+  drawn: readonly DrawnSplat[],
+  sortKeyBits: number,
+  keyed: (sortDepth: number) => number,
+): readonly DrawnSplat[] {
   if (sortKeyBits === 32) return drawn.toSorted((a, b) => b.sortDepth - a.sortDepth);
-  const bits = drawn.map(({ sortDepth }) => orderedBits(sortDepth));
+  const bits = drawn.map(({ sortDepth }) => orderedBits(keyed(sortDepth)));
   const farthest = bits.reduce((most, each) => Math.max(most, each), 0);
   const nearest = bits.reduce((least, each) => Math.min(least, each), farthest);
   return drawn
-    .map((splat) => ({ splat, key: shortDepthKey(splat.sortDepth, farthest, nearest, sortKeyBits) }))
+    .map((splat) => ({ splat, key: shortDepthKey(keyed(splat.sortDepth), farthest, nearest, sortKeyBits) }))
     .sort((a, b) => a.key - b.key)
     .map(({ splat }) => splat);
 }

@@ -25,7 +25,7 @@ function spreadByStage<Variant extends { stage: string }>(variants: Variant[], c
 describe('the linker of shaders', () => {
   // wesl takes its time: in the short run, some variants of each stage stand for all.
   const variantsEach = process.env.WEBSPLATTER_FULL === '1' ? Number.POSITIVE_INFINITY : 6;
-  test('agrees with wesl on variants of every stage', { timeout: 60_000 }, async () => {
+  test('agrees with wesl on variants of every stage', async () => {
     for (const variant of spreadByStage(await allStageVariants(), variantsEach)) {
       const input = linkInput(variant);
       const label = `${variant.stage} ${JSON.stringify(variant.conditions)}`;

@@ -171,8 +171,8 @@ describe('project', () => {
       frame.destroy();
       const mutation = {
         file: 'lib/depth-key',
-        find: 'return largest * length(',
-        replace: 'return -toward.z * length(',
+        find: 'return dot(units, units);',
+        replace: 'return units.z * units.z;',
       };
       for (const keyBits of [8, sortKeyBits]) {
         const pipelines = new Pipelines(device, mutation);

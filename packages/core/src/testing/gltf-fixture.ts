@@ -1,4 +1,5 @@
 import { SH_REST_COEFFICIENTS, type SplatSet } from '../splats/splat-set.ts';
+import { randomSplats } from './random-splats.ts';
 
 /** JSON of a glTF, to be changed at will. */
 // biome-ignore lint/suspicious/noExplicitAny: tests change any part of it to anything
@@ -26,6 +27,7 @@ const COMPONENT_TYPES = new Map<unknown, number>([
   [Float32Array, 5126],
 ]);
 const EXTENSION = 'KHR_gaussian_splatting';
+export const SPZ_EXTENSION = 'KHR_gaussian_splatting_compression_spz_2';
 
 /** Attributes of splats as the extension wants them, all of them float32. */
 export function splatAttributes(set: SplatSet): Record<string, FixtureAttribute> {
@@ -129,6 +131,26 @@ export function glbBytes({ json, binary }: GltfFixture): Uint8Array<ArrayBuffer>
   view.setUint32(24 + jsonLength, 0x004e4942, true);
   bytes.set(binary, 28 + jsonLength);
   return bytes;
+}
+
+/** A file whose primitives are all the same .spz, and nothing else. */
+export function glbOfSpz(
+  packed: Uint8Array,
+  primitiveCount = 1,
+  name = SPZ_EXTENSION,
+): Uint8Array<ArrayBuffer> {
+  const { json } = gltfOf(splatAttributes(randomSplats({ count: 1, shDegree: 0 })));
+  json.extensionsRequired = [EXTENSION, name];
+  const primitive = {
+    mode: 0,
+    attributes: {},
+    extensions: { [EXTENSION]: { extensions: { [name]: { bufferView: 0 } } } },
+  };
+  json.meshes[0].primitives = Array.from({ length: primitiveCount }, () => primitive);
+  json.accessors = [];
+  json.bufferViews = [{ buffer: 0, byteLength: packed.length }];
+  json.buffers = [{ byteLength: packed.length }];
+  return glbBytes({ json, binary: Uint8Array.from(packed) });
 }
 
 /** The file as JSON, whose buffer is elsewhere. */

@@ -41,18 +41,23 @@ export async function outcomeOf(
   const source = chunkBytes === undefined ? bytes : chunked(bytes, [chunkBytes]);
   try {
     const set = await readSplats(source, { name });
-    if (
-      !Object.values(packCloud(set, { geometryPrecision: 'packed' }).bounds)
-        .flat()
-        .every(Number.isFinite)
-    )
-      throw new Error('bounds that are not finite');
-    for (const column of [set.positions, set.logScales, set.rotations, set.colorDc])
-      if (!column.every(Number.isFinite)) throw new Error(`not finite: ${column}`);
-    if (set.opacityLogits.some(Number.isNaN)) throw new Error('an opacity that is no number');
+    checkDrawable(set);
     return set;
   } catch (error) {
     if (error instanceof WebSplatterError) return error;
     throw error;
   }
+}
+
+/** Throws unless splats can be drawn: all that a splat has is finite, but for its opacity's logit. */
+export function checkDrawable(set: SplatSet<PackedHarmonics>): void {
+  if (
+    !Object.values(packCloud(set, { geometryPrecision: 'packed' }).bounds)
+      .flat()
+      .every(Number.isFinite)
+  )
+    throw new Error('bounds that are not finite');
+  for (const column of [set.positions, set.logScales, set.rotations, set.colorDc])
+    if (!column.every(Number.isFinite)) throw new Error(`not finite: ${column}`);
+  if (set.opacityLogits.some(Number.isNaN)) throw new Error('an opacity that is no number');
 }

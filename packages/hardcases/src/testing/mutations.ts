@@ -135,8 +135,8 @@ export const MUTATIONS: readonly Mutation[] = [
   {
     remedy: 'distance-scaled-first',
     file: 'lib/depth-key',
-    find: 'return largest * length(toward / max(largest, 1e-37));',
-    replace: 'return length(toward);',
+    find: 'let units = min(abs(toward) * scale, vec3f(1e19));',
+    replace: 'let units = toward;',
     cases: ['depth-order-of-distances-of-1e20', 'depth-order-of-distances-of-1e-20'],
   },
   {

@@ -93,6 +93,8 @@ async function passRows(
     }
     sink.take(rowCount, memory);
   }
+  // The bytes of the last rows are done with, too: progress counts them.
+  await arrive?.(0);
 }
 
 async function collectRows(

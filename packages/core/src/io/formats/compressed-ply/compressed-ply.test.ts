@@ -16,6 +16,7 @@ import {
 import { damagedBytes, outcomeOf } from '../../../testing/read-damaged.ts';
 import { rowsOf } from '../../../testing/rows-of.ts';
 import { seededRandom } from '../../../testing/seeded-random.ts';
+import { slowFile } from '../../../testing/slow-file.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 import { detectFormat } from '../detect.ts';
 
@@ -131,25 +132,6 @@ function encode(
 
 const read = (bytes: Uint8Array, shPrecision: 'f32' | 'u8' = 'f32') =>
   readSplats(bytes, { name: 'scene.compressed.ply', shPrecision });
-
-/** A file of which the last of `parts` is given after `beforeLast`. */
-function slowFile(bytes: Uint8Array<ArrayBuffer>, parts: Uint8Array[], beforeLast = async () => {}): File {
-  const file = new File([bytes], 'a.compressed.ply');
-  const left = [...parts];
-  file.stream = () =>
-    new ReadableStream(
-      {
-        async pull(controller) {
-          if (left.length === 1) await beforeLast();
-          const part = left.shift();
-          if (part) controller.enqueue(part.slice());
-          else controller.close();
-        },
-      },
-      { highWaterMark: 0 },
-    );
-  return file;
-}
 
 async function failure(bytes: Uint8Array): Promise<SplatFileError> {
   const error = await fileErrorOf(read(bytes));
@@ -297,11 +279,16 @@ describe('what is read', () => {
     const lastAt = bytes.length - 100;
     let taken = 0;
     let takenBeforeLast = -1;
-    const file = slowFile(bytes, [bytes.subarray(0, lastAt), bytes.subarray(lastAt)], async () => {
-      // The last bytes come when nothing else can be done.
-      for (let turn = 0; turn < 10; turn++) await new Promise((resolve) => setImmediate(resolve));
-      takenBeforeLast = taken;
-    });
+    const file = slowFile(
+      'a.compressed.ply',
+      bytes,
+      [bytes.subarray(0, lastAt), bytes.subarray(lastAt)],
+      async () => {
+        // The last bytes come when nothing else can be done.
+        for (let turn = 0; turn < 10; turn++) await new Promise((resolve) => setImmediate(resolve));
+        takenBeforeLast = taken;
+      },
+    );
     const { values } = await rowsOf(file, {}, pieceBytes, (rowCount) => {
       taken += rowCount;
     });
@@ -346,7 +333,9 @@ describe('what is read', () => {
 describe('what is refused', () => {
   test('a file that ends before the size that it has, while its rows are on their way to the GPU', async () => {
     const bytes = encode(randomSplats(600, 2));
-    const error = await fileErrorOf(rowsOf(slowFile(bytes, [bytes.slice(0, bytes.length - 50)])));
+    const error = await fileErrorOf(
+      rowsOf(slowFile('a.compressed.ply', bytes, [bytes.slice(0, bytes.length - 50)])),
+    );
     expect(error.code).toBe('truncated');
     expect(error.message).toMatch(/ends within the harmonics of its 600 splats/);
     expect(error.place.byte).toBe(bytes.length - 50);

@@ -10,8 +10,10 @@ import {
   type FixtureAttribute,
   type GltfFixture,
   glbBytes,
+  glbOfSpz,
   gltfBytes,
   gltfOf,
+  SPZ_EXTENSION,
   splatAttributes,
 } from '../../../testing/gltf-fixture.ts';
 import { randomSplats } from '../../../testing/random-splats.ts';
@@ -26,7 +28,6 @@ import type { RowSink } from '../row-sink.ts';
 import { distinctSplat, FLAG_ANTIALIASED, spzBytes } from '../spz/spz-fixture.ts';
 
 const SPLATTING = 'KHR_gaussian_splatting';
-const SPZ = 'KHR_gaussian_splatting_compression_spz_2';
 
 const read = (source: SplatSource) => readSplats(source, { shPrecision: 'f32', name: 'scene' });
 
@@ -271,26 +272,10 @@ describe('splats that are an .spz in a buffer', () => {
   const splats = [0, 1, 2].map((row) => distinctSplat(2, 1, row));
   const spz = gzipSync(spzBytes({ version: 2, degree: 1, splats, flags: FLAG_ANTIALIASED }));
 
-  /** A file whose primitives are all the same .spz, and nothing else. */
-  function compressed(packed: Uint8Array, primitiveCount = 1, name = SPZ): Uint8Array<ArrayBuffer> {
-    const { json } = gltfOf(splatAttributes(randomSplats({ count: 1, shDegree: 0 })));
-    json.extensionsRequired = [SPLATTING, name];
-    const primitive = {
-      mode: 0,
-      attributes: {},
-      extensions: { [SPLATTING]: { extensions: { [name]: { bufferView: 0 } } } },
-    };
-    json.meshes[0].primitives = Array.from({ length: primitiveCount }, () => primitive);
-    json.accessors = [];
-    json.bufferViews = [{ buffer: 0, byteLength: packed.length }];
-    json.buffers = [{ byteLength: packed.length }];
-    return glbBytes({ json, binary: Uint8Array.from(packed) });
-  }
-
-  test.each([SPZ, 'KHR_gaussian_splatting_compression_spz'])(
+  test.each([SPZ_EXTENSION, 'KHR_gaussian_splatting_compression_spz'])(
     '%s gives the splats of the .spz',
     async (name) => {
-      const { fileFacts, ...set } = await read(compressed(spz, 1, name));
+      const { fileFacts, ...set } = await read(glbOfSpz(spz, 1, name));
       const { fileFacts: _, ...alone } = await read(spz);
       expect(set).toEqual(alone);
       expect(set.isAntialiased).toBe(true);
@@ -299,7 +284,7 @@ describe('splats that are an .spz in a buffer', () => {
   );
 
   test('several primitives give them one after another', async () => {
-    const [one, two] = [await read(compressed(spz)), await read(compressed(spz, 2))];
+    const [one, two] = [await read(glbOfSpz(spz)), await read(glbOfSpz(spz, 2))];
     expect(two.count).toBe(2 * one.count);
     expect(two.positions).toEqual(Float32Array.of(...one.positions, ...one.positions));
     expect(two.isAntialiased).toBe(true);
@@ -308,7 +293,7 @@ describe('splats that are an .spz in a buffer', () => {
   test('what is unpacked is limited, for each primitive and for all', async () => {
     const bytes = 3 * (9 + 1 + 3 + 3 + 3 + 9);
     const readWithin = (file: Uint8Array, maxBytes: number) => readSplats(file, { maxBytes });
-    const file = compressed(spz, 4);
+    const file = glbOfSpz(spz, 4);
     expect((await readWithin(file, Math.max(file.length, 4 * bytes))).count).toBe(12);
     const zeros = spzBytes({
       version: 2,
@@ -316,7 +301,7 @@ describe('splats that are an .spz in a buffer', () => {
       splats: Array(500).fill({ ...splats[0], position: [0, 0, 0] }),
     });
     for (const count of [1, 4]) {
-      const bomb = compressed(gzipSync(zeros), count);
+      const bomb = glbOfSpz(gzipSync(zeros), count);
       const maxBytes = Math.max(bomb.length, count === 1 ? zeros.length - 1 : 3 * zeros.length);
       await expect(readWithin(bomb, maxBytes)).rejects.toMatchObject({ code: 'too-large' });
     }
@@ -329,8 +314,8 @@ describe('splats that are an .spz in a buffer', () => {
         () => true,
         () => false,
       );
-      if (isRead) expect((await read(compressed(part))).count).toBe(splats.length);
-      else expect((await failure(compressed(part))).message).toContain('meshes[0].primitives[0]');
+      if (isRead) expect((await read(glbOfSpz(part))).count).toBe(splats.length);
+      else expect((await failure(glbOfSpz(part))).message).toContain('meshes[0].primitives[0]');
     }
   });
 });
@@ -461,12 +446,12 @@ describe('files that are refused', () => {
     [
       'bad-header',
       /scene, meshes\[0\]\.primitives\[0\].* is no SPZ/,
-      (json) => (extensionOf(json).extensions = { [SPZ]: { bufferView: 0 } }),
+      (json) => (extensionOf(json).extensions = { [SPZ_EXTENSION]: { bufferView: 0 } }),
     ],
     [
       'damaged',
       /refers to bufferViews\[undefined\]/,
-      (json) => (extensionOf(json).extensions = { [SPZ]: {} }),
+      (json) => (extensionOf(json).extensions = { [SPZ_EXTENSION]: {} }),
     ],
     ['not-splats', /lacks \[POSITION\]/, (json) => delete primitiveOf(json).attributes.POSITION],
     [

@@ -6,148 +6,25 @@ import { ROW_SLOT } from '../../../splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../splats/splat-set.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { fuzz } from '../../../testing/fuzz.ts';
+import {
+  BLOCK,
+  type KsplatLevel,
+  type KsplatSection,
+  ksplatBytes,
+  randomSections,
+  SH_GREATEST,
+  SH_LEAST,
+  STEPS,
+} from '../../../testing/ksplat-fixture.ts';
 import { chunked } from '../../../testing/ply-fixture.ts';
 import { damagedBytes, outcomeOf } from '../../../testing/read-damaged.ts';
 import { rowsOf } from '../../../testing/rows-of.ts';
-import { seededRandom } from '../../../testing/seeded-random.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 import { detectFormat } from '../detect.ts';
 
 const SH_C0 = 0.28209479177387814;
-const BLOCK = 5;
-const STEPS = 32767;
-const [SH_LEAST, SH_GREATEST] = [-1.25, 2];
 
-type Level = 0 | 1 | 2;
-
-interface Splat {
-  readonly position: readonly number[];
-  readonly scale: readonly number[];
-  /** w, x, y, z. */
-  readonly rotation: readonly number[];
-  /** Red, green, blue, opacity. */
-  readonly rgba: readonly number[];
-  /** By coefficient, then by channel. */
-  readonly sh: readonly number[];
-}
-
-interface Bucket {
-  readonly center: readonly number[];
-  readonly splats: readonly Splat[];
-}
-
-/** Buckets in the order of the file: those with `bucketSize` splats come first. */
-interface Section {
-  readonly degree: ShDegree;
-  readonly bucketSize: number;
-  readonly buckets: readonly Bucket[];
-  /** Rows that are kept free. */
-  readonly spare?: number;
-}
-
-function randomSections(count: number, degrees: readonly ShDegree[], seed = 1): Section[] {
-  const random = seededRandom(seed);
-  const list = (length: number, next: () => number) => Array.from({ length }, next);
-  const splatsAbout = (center: readonly number[], length: number, degree: ShDegree): Splat[] =>
-    list(length, random).map(() => ({
-      position: center.map((value) => Math.fround(value + BLOCK * (random() - 0.5))),
-      scale: list(3, () => Math.fround(Math.exp(-8 * random()))),
-      rotation: list(4, () => Math.fround(random() - 0.5)),
-      rgba: list(4, () => Math.floor(256 * random())),
-      sh: list(coefficientsPerSplat(degree), () => Math.fround(3 * random() - 1.2)),
-    }));
-  return degrees.map((degree, i) => {
-    const bucketSize = Math.max(1, Math.floor(count / 4));
-    const sizes = [bucketSize, bucketSize, Math.ceil(bucketSize / 2), 0, count];
-    const buckets = sizes.map((size, bucket) => {
-      const center = [BLOCK * bucket, -BLOCK * i, 0.5];
-      return { center, splats: splatsAbout(center, size, degree) };
-    });
-    return { degree, bucketSize, buckets, spare: i };
-  });
-}
-
-/** Where a coefficient of `sh` stands in the file: each degree by channel. */
-function placeInFile(k: number): number {
-  const [coefficient, channel] = [Math.floor(k / 3), k % 3];
-  return coefficient < 3 ? 3 * channel + coefficient : 9 + 5 * channel + (coefficient - 3);
-}
-
-function encode(sections: readonly Section[], level: Level): Uint8Array<ArrayBuffer> {
-  const parts = sections.map((section) => encodeSection(section, level));
-  const counts = sections.map(({ buckets }) => buckets.flatMap(({ splats }) => splats).length);
-  const bytes = new Uint8Array(parts.reduce((sum, { body }) => sum + 1024 + body.length, 4096));
-  const view = new DataView(bytes.buffer);
-  const splats = counts.reduce((sum, count) => sum + count, 0);
-  bytes[1] = 1;
-  for (const [i, word] of [sections.length, sections.length, splats, splats].entries())
-    view.setUint32(4 + 4 * i, word, true);
-  view.setUint16(20, level, true);
-  view.setFloat32(36, SH_LEAST, true);
-  view.setFloat32(40, SH_GREATEST, true);
-  let at = 4096 + 1024 * parts.length;
-  for (const [i, { header, body }] of parts.entries()) {
-    bytes.set(header, 4096 + 1024 * i);
-    bytes.set(body, at);
-    at += body.length;
-  }
-  return bytes;
-}
-
-function encodeSection({ degree, bucketSize, buckets, spare = 0 }: Section, level: Level) {
-  const rows = buckets.flatMap(({ center, splats }) => splats.map((splat) => ({ center, splat })));
-  const full = buckets.filter(({ splats }) => splats.length === bucketSize);
-  const others = buckets.filter(({ splats }) => splats.length !== bucketSize);
-  const numberBytes = level === 0 ? 4 : 2;
-  const rowBytes = 10 * numberBytes + 4 + coefficientsPerSplat(degree) * [4, 2, 1][level];
-  const bucketBytes = level === 0 ? 0 : 4 * others.length + 12 * buckets.length;
-  const header = new Uint8Array(1024);
-  const about = new DataView(header.buffer);
-  about.setUint32(0, rows.length, true);
-  about.setUint32(4, rows.length + spare, true);
-  about.setUint16(40, degree, true);
-  const body = new Uint8Array(bucketBytes + (rows.length + spare) * rowBytes);
-  const view = new DataView(body.buffer);
-  if (level > 0) {
-    about.setUint32(8, bucketSize, true);
-    about.setUint32(12, buckets.length, true);
-    about.setFloat32(16, BLOCK, true);
-    about.setUint16(20, 12, true);
-    about.setUint32(24, STEPS, true);
-    about.setUint32(28, body.length, true);
-    about.setUint32(32, full.length, true);
-    about.setUint32(36, others.length, true);
-    for (const [i, { splats }] of others.entries()) view.setUint32(4 * i, splats.length, true);
-    for (const [i, { center }] of [...full, ...others].entries())
-      for (let axis = 0; axis < 3; axis++)
-        view.setFloat32(4 * others.length + 12 * i + 4 * axis, center[axis], true);
-  }
-  const put = (at: number, value: number) => {
-    if (level === 0) view.setFloat32(at, value, true);
-    else view.setUint16(at, toHalfBits(value), true);
-  };
-  for (const [row, { center, splat }] of rows.entries()) {
-    const start = bucketBytes + row * rowBytes;
-    for (let axis = 0; axis < 3; axis++) {
-      const steps = Math.round(((splat.position[axis] - center[axis]) / (BLOCK / 2)) * STEPS) + STEPS;
-      if (level === 0) put(start + 4 * axis, splat.position[axis]);
-      else view.setUint16(start + 2 * axis, Math.max(0, Math.min(2 * STEPS + 1, steps)), true);
-    }
-    for (const [i, value] of [...splat.scale, ...splat.rotation].entries())
-      put(start + (3 + i) * numberBytes, value);
-    const colors = start + 10 * numberBytes;
-    body.set(splat.rgba, colors);
-    for (const [k, value] of splat.sh.entries()) {
-      const place = placeInFile(k);
-      if (level === 2)
-        body[colors + 4 + place] = Math.floor(((value - SH_LEAST) / (SH_GREATEST - SH_LEAST)) * 255);
-      else put(colors + 4 + place * numberBytes, value);
-    }
-  }
-  return { header, body };
-}
-
-const splatsOf = (sections: readonly Section[]) =>
+const splatsOf = (sections: readonly KsplatSection[]) =>
   sections.flatMap(({ buckets }) => buckets.flatMap(({ splats }) => splats));
 const read = (bytes: Uint8Array) => readSplats(bytes, { name: 'scene.ksplat', shPrecision: 'f32' });
 
@@ -156,7 +33,7 @@ describe('what is read', () => {
     test.each([0, 1, 2] as const)(`level ${level}, SH degree %i`, async (degree) => {
       const sections = randomSections(12, [degree, degree]);
       const splats = splatsOf(sections);
-      const set = await read(encode(sections, level));
+      const set = await read(ksplatBytes(sections, level));
       const fileFacts = { format: 'ksplat', variant: `0.1, level ${level}` };
       expect(set).toMatchObject({ count: splats.length, dropped: {}, harmonics: { degree }, fileFacts });
       const half = (value: number) => (level === 0 ? value : fromHalfBits(toHalfBits(value)));
@@ -184,7 +61,7 @@ describe('what is read', () => {
 
   test('sections of different degrees: what is missing is 0', async () => {
     const sections = randomSections(8, [0, 2, 1]);
-    const set = await read(encode(sections, 1));
+    const set = await read(ksplatBytes(sections, 1));
     expect(set.harmonics.degree).toBe(2);
     const sh = new Float64Array(24);
     for (const [i, splat] of splatsOf(sections).entries()) {
@@ -195,7 +72,7 @@ describe('what is read', () => {
   });
 
   test('ranges that the header leaves at 0', async () => {
-    const bytes = encode(randomSections(4, [1]), 2);
+    const bytes = ksplatBytes(randomSections(4, [1]), 2);
     const view = new DataView(bytes.buffer);
     const expected = await read(bytes);
     view.setUint32(4096 + 24, 0, true);
@@ -221,17 +98,17 @@ describe('what is read', () => {
       ...section.buckets[0],
       splats: [{ ...first, scale: [1, 1e-9, 0.5] }],
     });
-    const bytes = encode([{ ...section, buckets }], 1);
+    const bytes = ksplatBytes([{ ...section, buckets }], 1);
     const set = await read(bytes);
     expect([...set.logScales.subarray(0, 3)]).toEqual([0, -20, Math.fround(Math.log(0.5))]);
     const negative = buckets.with(0, { ...buckets[0], splats: [{ ...first, scale: [1, -1, 1] }] });
-    expect((await read(encode([{ ...section, buckets: negative }], 1))).dropped).toEqual({
+    expect((await read(ksplatBytes([{ ...section, buckets: negative }], 1))).dropped).toEqual({
       'non-finite-scale': 1,
     });
   });
 
   test('the rows that go to the GPU are those of the set', async () => {
-    const bytes = encode(randomSections(200, [2, 1]), 2);
+    const bytes = ksplatBytes(randomSections(200, [2, 1]), 2);
     const set = await read(bytes);
     const { layout, values: rows } = await rowsOf(new File([bytes], 'a.ksplat'), {}, 1 << 14);
     expect(layout).toMatchObject({ count: set.count, shDegree: 2, strideBytes: 4 * 38 });
@@ -251,7 +128,7 @@ describe('what is read', () => {
   });
 
   test('it is told by its bytes, whatever its name; streams of unknown size', async () => {
-    const bytes = encode(randomSections(5, [1]), 1);
+    const bytes = ksplatBytes(randomSections(5, [1]), 1);
     expect(detectFormat(bytes.subarray(0, 512), 'a', 'a.bin').name).toBe('ksplat');
     const expected = await read(bytes);
     expect(await readSplats(chunked(bytes, [100, 3000]), { shPrecision: 'f32' })).toEqual(expected);
@@ -260,8 +137,8 @@ describe('what is read', () => {
 
 describe('what is refused', () => {
   const sections = randomSections(8, [1, 1]);
-  const changed = (level: Level, change: (view: DataView) => void) => {
-    const bytes = encode(sections, level);
+  const changed = (level: KsplatLevel, change: (view: DataView) => void) => {
+    const bytes = ksplatBytes(sections, level);
     change(new DataView(bytes.buffer));
     return bytes;
   };
@@ -314,7 +191,7 @@ describe('what is refused', () => {
   });
 
   test('every truncation', async () => {
-    const bytes = encode(randomSections(2, [1]), 2);
+    const bytes = ksplatBytes(randomSections(2, [1]), 2);
     const ends = 4096 + 1024;
     const lengths = Array.from({ length: bytes.length }, (_, i) => i);
     for (const length of lengths.filter((each) => each > ends - 20 || each % 100 === 0)) {
@@ -327,7 +204,7 @@ describe('what is refused', () => {
 test('any damage gives splats or a typed error', { timeout: 600_000 }, async () => {
   await fuzz({ few: 300, many: 20_000 }, async (choices) => {
     const degrees = choices.of<readonly ShDegree[]>([[0], [1, 0], [2]]);
-    const whole = encode(
+    const whole = ksplatBytes(
       randomSections(1 + choices.below(5), degrees, choices.below(1000)),
       choices.of([0, 1, 2]),
     );

@@ -1,6 +1,7 @@
 import { SplatFileError } from '../../../errors.ts';
 import type { ShDegree } from '../../../splats/splat-set.ts';
 import { logitOf, tableOfBytes } from '../color-values.ts';
+import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import { clip } from '../ply/ply-header.ts';
 import { JsonFields } from './json-fields.ts';
 
@@ -88,7 +89,7 @@ export function parseSogMeta(json: unknown, file: string): SogMeta {
     ...common,
     count: meta.count('count'),
     isAntialiased: antialiasedBy(meta.get('model'), meta.get('antialias')),
-    logScales: [scaleValues, scaleValues, scaleValues],
+    logScales: [scaleValues, scaleValues, meta.get('model') === '2dgs' ? FLAT_LOG_SCALES : scaleValues],
     colors: [colorValues, colorValues, colorValues, LOGITS],
     harmonics: shN && {
       values: codebookOf(shN),
@@ -112,6 +113,9 @@ function shapeCount(means: JsonFields): number {
     ? count
     : means.fail('shape', 'a list that begins with a count');
 }
+
+/** 2DGS has no third scale: what stands in its place is whatever the writer takes for almost nothing. */
+const FLAT_LOG_SCALES = tableOfBytes(() => FLAT_LOG_SCALE);
 
 /** The logit of each opacity of 8 bits. */
 const LOGITS = tableOfBytes(logitOf);

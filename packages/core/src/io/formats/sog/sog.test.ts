@@ -19,6 +19,7 @@ import { rgbaWebp, vp8lBytes, webpBytes } from '../../../testing/webp-fixture.ts
 import { zipBytes } from '../../../testing/zip-fixture.ts';
 import { readSource } from '../../loading/read-source.ts';
 import type { LoadProgress, ReadSplatsOptions, SplatSource } from '../../sources/splat-source.ts';
+import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import { ALL_READERS } from '../readers.ts';
 
 const exampleOf = (fixture: Partial<SogFixture> = {}, seed = 1) =>
@@ -131,6 +132,14 @@ describe('what is read', () => {
     const example = exampleOf();
     Object.assign(example.meta, flags);
     expect((await rowsOf(droppedFiles(sogFiles(example)))).layout.isAntialiased).toBe(isAntialiased);
+  });
+
+  test('splats of 2DGS are as flat as in a PLY', async () => {
+    const example = exampleOf({ shDegree: 0 });
+    example.meta.model = '2dgs';
+    const flat = (row: readonly number[]) =>
+      row.map((value, slot) => (slot === ROW_SLOT.logScale + 2 ? FLAT_LOG_SCALE : value));
+    expectRows(await rowsOf(droppedFiles(sogFiles(example))), example.rows.map(flat));
   });
 
   test('progress counts the bytes of all files', async () => {

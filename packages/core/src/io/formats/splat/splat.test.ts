@@ -8,7 +8,9 @@ import { chunked, plyBytes, splatElement } from '../../../testing/ply-fixture.ts
 import { damagedBytes, outcomeOf } from '../../../testing/read-damaged.ts';
 import { rowsOf } from '../../../testing/rows-of.ts';
 import { seededRandom } from '../../../testing/seeded-random.ts';
+import { slowFile } from '../../../testing/slow-file.ts';
 import { readSplats } from '../../loading/read-splats.ts';
+import type { LoadProgress } from '../../sources/splat-source.ts';
 import { splatFormat } from './splat-format.ts';
 
 const SH_C0 = 0.28209479177387814;
@@ -87,6 +89,27 @@ describe('what is read', () => {
     expect(column(11, 3)).toEqual([...set.colorDc]);
   });
 
+  test('rows go to the GPU while others are on their way, and all of the file is counted', async () => {
+    const bytes = encode(randomRows(10_000));
+    const lastAt = bytes.length - 40;
+    let taken = 0;
+    let takenBeforeLast = -1;
+    const file = slowFile('a.splat', bytes, [bytes.subarray(0, lastAt), bytes.subarray(lastAt)], async () => {
+      // The last bytes come when nothing else can be done.
+      for (let turn = 0; turn < 10; turn++) await new Promise((resolve) => setImmediate(resolve));
+      takenBeforeLast = taken;
+    });
+    const reports: LoadProgress[] = [];
+    const onProgress = (progress: LoadProgress) => reports.push(progress);
+    const { values } = await rowsOf(file, { onProgress }, 2048 * 56, (rowCount) => {
+      taken += rowCount;
+    });
+    expect(takenBeforeLast).toBe(4 * 2048);
+    expect(reports.at(-1)).toMatchObject({ loadedBytes: bytes.length, splats: 10_000 });
+    const all = await rowsOf(new File([bytes], 'a.splat'), {}, 2048 * 56);
+    expect(Buffer.from(values.buffer).equals(Buffer.from(all.values.buffer))).toBe(true);
+  });
+
   test('streams of unknown size', async () => {
     const bytes = encode(randomRows(100));
     const expected = await read(bytes);
@@ -155,6 +178,12 @@ describe('what is refused', () => {
     });
     expect((await fileErrorOf(readSplats(endless, options))).code).toBe('too-large');
     expect(given).toBeLessThan(1000);
+  });
+
+  test('a file that ends before the size that it has, while its rows are on their way to the GPU', async () => {
+    const bytes = encode(randomRows(100));
+    const error = await fileErrorOf(rowsOf(slowFile('a.splat', bytes, [bytes.slice(0, 3000)])));
+    expect(error).toMatchObject({ code: 'truncated', message: expect.stringContaining('ends at byte 3000') });
   });
 
   test('every truncation', async () => {

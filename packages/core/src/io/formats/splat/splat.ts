@@ -3,9 +3,10 @@ import { ROW_SLOT } from '../../../splats/splat-row.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { checkCount } from '../check-count.ts';
 import { colorDcOf, logitOf, tableOfBytes } from '../color-values.ts';
-import { deliverRows, rowLength } from '../decoded-rows.ts';
+import { type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
 import { logScaleOf } from '../flat-scale.ts';
-import type { ReadFormat } from '../splat-format.ts';
+import { takesCount } from '../row-sink.ts';
+import type { ReadFormat, SplatInput } from '../splat-format.ts';
 
 const ROW_BYTES = 32;
 const ROW_LENGTH = rowLength(0);
@@ -25,30 +26,63 @@ const ROTATIONS = Float32Array.from({ length: 256 }, (_, byte) => (byte === 128 
  * An opacity of 0 or 255 is a logit of ±Infinity. A scale of 0 is read as flat (`logScaleOf`): splats of 2DGS, which lack the third, are
  * written so. A row with a negative one is dropped, as one that is not finite is.
  *
+ * Rows that go to the GPU are decoded as they arrive, where the size of the file is certain.
+ *
  * Rejects with `SplatFileError`: 'truncated' if the last row is not whole; 'too-large', 'empty'.
  */
 export const readSplat: ReadFormat = async (input, options, rowsTo) => {
   const { name: file, reader, totalBytes, totalBytesCertain, isHeld } = input;
-  const check = (byteCount: number) => {
+  const countOf = (byteCount: number) => {
     checkCount(Math.ceil(byteCount / ROW_BYTES), file, options.maxSplats);
-    if (byteCount % ROW_BYTES === 0) return;
+    if (byteCount % ROW_BYTES === 0) return byteCount / ROW_BYTES;
     const message = `${byteCount} bytes are no whole number of splats of ${ROW_BYTES}. It is cut off, or no .splat file at all.`;
     throw new SplatFileError('truncated', file, message, { byte: byteCount });
   };
-  const isKnown = totalBytesCertain && totalBytes !== undefined;
-  if (isKnown) check(totalBytes);
+  const deliver = (count: number, source: RowSource, arrive?: DecodedRows['arrive']) => {
+    const rows = {
+      count,
+      shDegree: 0,
+      fileFacts: { format: 'splat' },
+      arrive,
+      decode: rowDecoder(source),
+    } as const;
+    return deliverRows(rows, input, options, rowsTo);
+  };
+  const knownCount = totalBytesCertain && totalBytes !== undefined ? countOf(totalBytes) : undefined;
+  if (knownCount !== undefined && rowsTo && takesCount(rowsTo.files, knownCount)) {
+    const source = { bytes: reader.bytes, start: reader.start };
+    return deliver(knownCount, source, (rowCount) => arrive(source, rowCount, input));
+  }
   // One byte more than may be there tells that there are too many.
-  const bytes = await readAll(reader, options.maxSplats * ROW_BYTES + 1, isKnown && isHeld ? totalBytes : 0);
-  check(bytes.length);
-  const count = bytes.length / ROW_BYTES;
-  const rows = { count, shDegree: 0, fileFacts: { format: 'splat' }, decode: rowDecoder(bytes) } as const;
-  return deliverRows(rows, input, options, rowsTo);
+  const mostBytes = options.maxSplats * ROW_BYTES + 1;
+  const bytes = await readAll(reader, mostBytes, isHeld && knownCount !== undefined ? totalBytes : 0);
+  return deliver(countOf(bytes.length), { bytes, start: 0 });
 };
 
-function rowDecoder(bytes: Uint8Array): (rows: Float32Array, rowCount: number) => void {
-  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
-  let from = 0;
+/** Where the next row is. */
+interface RowSource {
+  bytes: Uint8Array;
+  start: number;
+}
+
+/** Waits for the next rows, behind those that `source` has come to. */
+async function arrive(source: RowSource, rowCount: number, { name, reader }: SplatInput): Promise<void> {
+  reader.advance(source.start - reader.start);
+  if (!(await reader.fill(rowCount * ROW_BYTES))) {
+    const byte = reader.byteOffset + reader.available;
+    throw new SplatFileError('truncated', name, `it ends at byte ${byte}. Download or export it again.`, {
+      byte,
+    });
+  }
+  source.bytes = reader.bytes;
+  source.start = reader.start;
+}
+
+function rowDecoder(source: RowSource): (rows: Float32Array, rowCount: number) => void {
   return (rows, rowCount) => {
+    const { bytes } = source;
+    const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
+    let from = source.start;
     for (let at = 0; at < rowCount * ROW_LENGTH; at += ROW_LENGTH, from += ROW_BYTES) {
       for (let i = 0; i < 3; i++) {
         rows[at + ROW_SLOT.position + i] = view.getFloat32(from + 4 * i, true);
@@ -58,5 +92,6 @@ function rowDecoder(bytes: Uint8Array): (rows: Float32Array, rowCount: number) =
       rows[at + ROW_SLOT.opacity] = LOGITS[bytes[from + 27]];
       for (let i = 0; i < 4; i++) rows[at + ROW_SLOT.rotation + i] = ROTATIONS[bytes[from + 28 + i]];
     }
+    source.start = from;
   };
 }
