@@ -94,7 +94,8 @@ const PIECE_BYTES = 4 << 20;
 export interface LoadOptions extends ReadOptions {
   /**
    * Precision of the planes; default that of the engine's accuracy, also if it changes meanwhile. Splats of a file without a
-   * palette get none while they are loaded: they are as `u8`, and under the engine's accuracy a palette follows.
+   * palette get none while they are loaded: they are as `u8`, or `f32` where the CPU packs them, and under the engine's accuracy
+   * a palette follows.
    */
   readonly precision?: CloudPrecision;
   /**
