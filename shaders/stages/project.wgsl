@@ -123,7 +123,11 @@ fn viewDirection(position: vec3f) -> vec3f {
 
 @if(SH_1)
 fn shAboveBase(splatIndex: u32, direction: vec3f) -> vec3f {
-  let first = splatIndex * SH_WORDS;
+  // All entries of a palette come first, then the entry of each splat of the page, two to a word.
+  var entry = splatIndex;
+  @if(SH_PALETTE) entry = shRest[arrayLength(&shRest) - (page.splatCount + 1u) / 2u + splatIndex / 2u];
+  @if(SH_PALETTE) entry = (entry >> (16u * (splatIndex % 2u))) & 0xffffu;
+  let first = entry * SH_WORDS;
   var color = vec3f(0.0);
   let basis1 = shBasis1(direction);
   for (var k = 0u; k < 3u; k++) { color += basis1[k] * shCoefficient(first, k); }
@@ -135,7 +139,7 @@ fn shAboveBase(splatIndex: u32, direction: vec3f) -> vec3f {
   return color;
 }
 
-/// Coefficient `k` above degree 0, r, g, b, of the splat whose words start at `first`; u8 coefficients are not scaled yet.
+/// Coefficient `k` above degree 0, r, g, b, of the splat or entry whose words start at `first`; u8 coefficients are not scaled yet.
 @if(SH_1)
 fn shCoefficient(first: u32, k: u32) -> vec3f {
   return vec3f(shValue(first, 3u * k), shValue(first, 3u * k + 1u), shValue(first, 3u * k + 2u));

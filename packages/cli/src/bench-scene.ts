@@ -53,9 +53,13 @@ export async function loadTimed(scene: SceneSource, accuracy: AccuracySettings):
   const gpu = await openGpu(accuracy);
   try {
     const startedMs = performance.now();
-    const cloud = gpu.engine.addPacked(packed, { name: scene.name });
+    const source = accuracy.shPrecision === 'palette' ? packed : null;
+    const cloud = gpu.engine.addPacked(packed, { name: scene.name, source });
     await gpu.engine.device.queue.onSubmittedWorkDone();
-    return { ...gpu, cloud, load: { ...read, uploadMs: performance.now() - startedMs } };
+    const uploadMs = performance.now() - startedMs;
+    // What is read has a palette only if the file has.
+    if (accuracy.shPrecision === 'palette') await gpu.engine.requestPrecision(cloud, accuracy);
+    return { ...gpu, cloud, load: { ...read, uploadMs } };
   } catch (error) {
     gpu.engine.destroy();
     throw error;
@@ -66,7 +70,6 @@ async function readTimed(
   { name, content }: SceneSource,
   { geometryPrecision, shPrecision }: AccuracySettings,
 ): Promise<{ packed: PackedCloud } & Omit<LoadTimes, 'uploadMs'>> {
-  const precision = { geometryPrecision, shPrecision };
   const startedMs = performance.now();
   let readMs: number | null = null;
   const endReading = () => {
@@ -76,12 +79,17 @@ async function readTimed(
   if ('make' in content) {
     const set = content.make();
     endReading();
-    packed = packCloud(set, precision);
+    // A palette is best found among the finest harmonics.
+    packed = packCloud(set, {
+      geometryPrecision,
+      shPrecision: shPrecision === 'palette' ? 'f32' : shPrecision,
+    });
   } else {
     const { source, ...limits } = content;
     packed = await loadSplats(source, {
       ...limits,
-      ...precision,
+      geometryPrecision,
+      shPrecision,
       name,
       onProgress: ({ phase }) => {
         if (phase !== 'read') endReading();

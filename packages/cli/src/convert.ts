@@ -85,7 +85,8 @@ export async function convert(args: readonly string[], console: Console): Promis
 
 async function readInput(scene: SceneSource, onFraction: (fraction: number) => void): Promise<Input> {
   let bytes: number | null = null;
-  const set = await readScene(scene, 'f32', ({ loadedBytes, totalBytes }) => {
+  // A palette is written as it is where nothing changes it.
+  const set = await readScene(scene, 'palette', ({ loadedBytes, totalBytes }) => {
     bytes = loadedBytes;
     if (totalBytes) onFraction(loadedBytes / totalBytes);
   });

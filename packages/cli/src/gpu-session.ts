@@ -38,7 +38,11 @@ export async function openGpuSession(
   for (const scene of scenes) uploads.push(await readForUpload(scene, accuracy));
   const gpu = await openGpu(accuracy);
   try {
-    return { ...gpu, clouds: uploads.map((upload) => upload(gpu.engine)) };
+    const clouds = uploads.map((upload) => upload(gpu.engine));
+    // What is read has a palette only if the file has.
+    if (accuracy.shPrecision === 'palette')
+      for (const cloud of clouds) await gpu.engine.requestPrecision(cloud, accuracy);
+    return { ...gpu, clouds };
   } catch (error) {
     gpu.engine.destroy();
     throw error;

@@ -1,4 +1,5 @@
 import { readFileSync } from 'node:fs';
+import { writeSplats } from '@websplatter/core/write';
 import { expect, test } from 'vitest';
 import { gltfOfOneSplat, runMain, TestFolder, threeSplats } from './testing/test-folder.ts';
 
@@ -54,6 +55,19 @@ test('without --json it is a table', async () => {
   expect(out).toMatch(/^splats +3$/m);
   expect(out).toMatch(/^SH degree +1$/m);
   expect(out).toMatch(/^SH band 1 +0\.500 rms, changes a colour by at most 0\.423$/m);
+});
+
+test('a palette of harmonics is told', async () => {
+  const folder = new TestFolder();
+  const sog = folder.write('three.sog', await writeSplats(threeSplats(), 'sog'));
+  const { paletteEntries, gpuBytes } = JSON.parse((await runMain('info', sog, '--json')).out);
+  expect(paletteEntries).toBeGreaterThan(0);
+  // It is not drawn as one unless it is asked for.
+  expect(gpuBytes).toMatchObject({ reference: 3 * (64 + 36), balanced: 3 * (32 + 12) });
+  expect((await runMain('info', sog)).out).toMatch(
+    new RegExp(`^SH palette +${paletteEntries} entries$`, 'm'),
+  );
+  expect((await runMain('info', folder.scene())).out).not.toContain('palette');
 });
 
 test('invisible bands are reported and take no memory', async () => {

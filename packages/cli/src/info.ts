@@ -37,6 +37,8 @@ export interface SceneInfo {
   readonly trueShDegree: ShDegree;
   /** All bands of the file. */
   readonly shBands: readonly ShBandInfo[];
+  /** Entries of the palette that the file's harmonics are; null if each splat has its own. */
+  readonly paletteEntries: number | null;
   /** Number of splats in the file that were left out. */
   readonly droppedCount: number;
   readonly dropped: DropCounts;
@@ -54,13 +56,14 @@ export async function info(args: readonly string[], console: Console): Promise<v
     throw new UsageError('SCENE', `info needs one SCENE, found ${positionals.length}`);
   }
   const scene = await findScene(positionals[0]);
-  const found = describeScene(scene.name, await readScene(scene, 'f32'));
+  const found = describeScene(scene.name, await readScene(scene, 'palette'));
   console.out(values.json ? `${JSON.stringify(found, null, 2)}\n` : table(found));
 }
 
 function describeScene(scene: string, set: SplatSet<Harmonics>): SceneInfo {
   const { count, dropped, origin } = set;
-  const { declaredShDegree, trueShDegree, shBandReach, fileFacts, isAntialiased } = cloudFacts(set);
+  const { declaredShDegree, trueShDegree, shBandReach, paletteEntries, fileFacts, isAntialiased } =
+    cloudFacts(set);
   return {
     scene,
     count,
@@ -69,6 +72,7 @@ function describeScene(scene: string, set: SplatSet<Harmonics>): SceneInfo {
     shDegree: declaredShDegree,
     trueShDegree,
     shBands: shEnergyPerBand(set).map((band, i) => ({ ...band, reach: shBandReach[i] })),
+    paletteEntries,
     droppedCount: Object.values(dropped).reduce((sum, each) => sum + each, 0),
     dropped,
     file: fileFacts,
@@ -119,6 +123,9 @@ function table(found: SceneInfo): string {
     ['bounds max', point(found.bounds.max)],
     ['origin', point(found.origin)],
     ['SH degree', shDegreeText(found)],
+    ...(found.paletteEntries
+      ? ([['SH palette', `${found.paletteEntries.toLocaleString('en')} entries`]] as [string, string][])
+      : []),
     ...found.shBands.map(({ band, rms, reach }): [string, string] => [
       `SH band ${band}`,
       `${rms.toPrecision(3)} rms, changes a colour by at most ${reach.toPrecision(3)}`,

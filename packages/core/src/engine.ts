@@ -92,7 +92,11 @@ const LIKELY_SH_DEGREE = 3;
 const PIECE_BYTES = 4 << 20;
 
 export interface LoadOptions extends ReadOptions {
-  /** Precision of the planes; default that of the engine's accuracy, also if it changes meanwhile. */
+  /**
+   * Precision of the planes; default that of the engine's accuracy, also if it changes meanwhile. Splats of a file without a
+   * palette get none while they are loaded: they are as `u8`, or `f32` where the CPU packs them, and under the engine's accuracy
+   * a palette follows.
+   */
   readonly precision?: CloudPrecision;
   /**
    * Called again and again while a large file arrives, with a cloud of the splats that are there. Show it instead of the one
@@ -300,7 +304,8 @@ export class SplatEngine {
       signal.throwIfAborted();
       throw error;
     }
-    if (!options.precision && accuracy !== this.accuracy) void this.#requestPrecisions([cloud]);
+    const isLater = accuracy !== this.accuracy || accuracy.shPrecision === 'palette';
+    if (!options.precision && isLater) void this.#requestPrecisions([cloud]);
     return cloud;
   }
 
@@ -577,7 +582,7 @@ export class SplatEngine {
     // Most claims are for planes that were uploaded, and need no plane maker.
     while (isHeld(planes.held, wanted)) {
       const { held } = planes;
-      await this.#compileFor(cloud, wanted);
+      await this.#compileFor(cloud, planes.pagesFor(wanted));
       signal.throwIfAborted();
       this.#checkUsable();
       if (planes.held === held) return;

@@ -70,9 +70,13 @@ export { GEOMETRY_WORDS } from './packing/geometry.ts';
 export {
   type Harmonics,
   type PackedHarmonics,
+  type PackedPalette,
+  type ReadHarmonics,
   readCoefficients,
+  type StoredHarmonics,
   shWordsPerSplat,
 } from './packing/harmonics.ts';
+export type { HarmonicsPalette } from './packing/harmonics-palette.ts';
 export {
   type Bounds,
   type PackedCloud,

@@ -3,6 +3,7 @@ import { HALF_MAX } from '../layout/half.ts';
 import {
   GEOMETRY_PRECISIONS,
   type GeometryPrecision,
+  type RowPrecision,
   SH_PRECISIONS,
   type ShPrecision,
 } from '../packing/precision.ts';
@@ -100,7 +101,7 @@ export const ACCURACY_SETTINGS: {
     values: SH_PRECISIONS,
     stage: 'load',
     change: 'plane',
-    source: 'u8: one byte per coefficient, scaled per splat by the largest one',
+    source: 'u8: one byte per coefficient, scaled per splat by the largest one; palette: two bytes per splat',
   },
   shDegree: {
     label: 'Harmonics degree',
@@ -189,7 +190,7 @@ export const ACCURACY_SETTINGS: {
 };
 
 /** Settings by preset. Without `float32-blendable`, `reference` blends in rgba16float and a notice says so. */
-export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings>> = {
+export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings & RowPrecision>> = {
   /** The most exact settings that the GPU supports. */
   reference: {
     geometryPrecision: 'f32',

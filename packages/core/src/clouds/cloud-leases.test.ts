@@ -289,7 +289,7 @@ describe('a SplatCloud', () => {
 
   test('without harmonics holds them in every precision, whatever is claimed', async () => {
     const { cloud } = uploaded({ shDegree: 0 });
-    const sh = ['f32', 'f16', 'u8'];
+    const sh = ['f32', 'f16', 'u8', 'palette'];
     expect(cloud.precisions).toEqual({ geometry: ['packed'], sh });
     const lease = cloud.hold(FINEST);
     await lease.met;

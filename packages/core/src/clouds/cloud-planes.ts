@@ -3,12 +3,21 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { Chunk } from '../layout/structs.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
-import { type PackedHarmonics, shWordsPerSplat } from '../packing/harmonics.ts';
+import { paletteWordsOf, type StoredHarmonics, shWordsPerSplat } from '../packing/harmonics.ts';
 import { chunkCountOf, type PackedCloud } from '../packing/packed-cloud.ts';
-import type { CloudPrecision, GeometryPrecision, ShPrecision } from '../packing/precision.ts';
+import {
+  type CloudPrecision,
+  GEOMETRY_PRECISIONS,
+  type GeometryPrecision,
+  SH_PRECISIONS,
+  type ShPrecision,
+} from '../packing/precision.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 
-/** Precisions that a cloud holds on the GPU, finest first; at degree 0, which needs no planes, `sh` lists all. */
+/**
+ * Precisions that a cloud holds on the GPU, finest first. `sh` lists all at degree 0, which needs no planes, and where the source's
+ * own harmonics are a palette, which stands for every precision.
+ */
 export interface HeldPrecisions {
   readonly geometry: readonly GeometryPrecision[];
   readonly sh: readonly ShPrecision[];
@@ -56,16 +65,13 @@ export interface PageRange {
   readonly end: number;
 }
 
-const GEOMETRY_FINEST_FIRST: readonly GeometryPrecision[] = ['f32', 'packed'];
-const SH_FINEST_FIRST: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
-
 /** Whether `held` is as fine as `wanted`, or finer. */
 export function isGeometryAsFine(held: GeometryPrecision, wanted: GeometryPrecision): boolean {
-  return GEOMETRY_FINEST_FIRST.indexOf(held) <= GEOMETRY_FINEST_FIRST.indexOf(wanted);
+  return GEOMETRY_PRECISIONS.indexOf(held) <= GEOMETRY_PRECISIONS.indexOf(wanted);
 }
 
 export function isShAsFine(held: ShPrecision, wanted: ShPrecision): boolean {
-  return SH_FINEST_FIRST.indexOf(held) <= SH_FINEST_FIRST.indexOf(wanted);
+  return SH_PRECISIONS.indexOf(held) <= SH_PRECISIONS.indexOf(wanted);
 }
 
 type DeviceLimits = Pick<GPUSupportedLimits, 'maxBufferSize' | 'maxStorageBufferBindingSize'>;
@@ -96,6 +102,8 @@ export function nearestPrecision<Precision>(
 /** Planes of one precision, on the GPU. */
 export interface MadePlanes extends CloudPrecision {
   readonly shDegree: ShDegree;
+  /** Whether the source's own harmonics are a palette; default false. */
+  readonly hasOwnPalette?: boolean;
   readonly ranges: readonly PageRange[];
   readonly chunks: Plane;
   readonly geometry: Plane;
@@ -106,6 +114,8 @@ export interface MadePlanes extends CloudPrecision {
 /** The GPU buffers of one cloud, in each precision that it holds. */
 export class CloudPlanes {
   readonly shDegree: ShDegree;
+  /** Whether the source's own harmonics are a palette: nothing is finer, so it is drawn and kept whatever is asked for. */
+  readonly hasOwnPalette: boolean;
   /** Pages of every plane. */
   readonly ranges: readonly PageRange[];
   /** The same object for planes of the same buffers, as those of one load's previews are. */
@@ -124,11 +134,12 @@ export class CloudPlanes {
     this.#memory = memory;
     this.#name = name;
     this.shDegree = made.shDegree;
+    this.hasOwnPalette = made.hasOwnPalette ?? false;
     this.ranges = made.ranges;
     this.storage = made.geometry[0] ?? this;
     this.#chunks = made.chunks;
     this.#geometry.set(made.geometryPrecision, made.geometry);
-    if (this.shDegree === 0) for (const precision of SH_FINEST_FIRST) this.#sh.set(precision, []);
+    if (this.shDegree === 0) for (const precision of SH_PRECISIONS) this.#sh.set(precision, []);
     else this.#sh.set(made.shPrecision, made.harmonics);
   }
 
@@ -158,6 +169,7 @@ export class CloudPlanes {
       return new CloudPlanes(memory, name, {
         shDegree,
         shPrecision,
+        hasOwnPalette: shPrecision === 'palette' && packed.facts.paletteEntries !== null,
         geometryPrecision: packed.geometry.precision,
         ranges,
         chunks: keep(planeOf(place, uploadChunks)),
@@ -173,8 +185,8 @@ export class CloudPlanes {
   /** Precisions of the planes; the same object until a plane is added or freed. */
   get held(): HeldPrecisions {
     this.#held ??= {
-      geometry: GEOMETRY_FINEST_FIRST.filter((precision) => this.#geometry.has(precision)),
-      sh: SH_FINEST_FIRST.filter((precision) => this.#sh.has(precision)),
+      geometry: GEOMETRY_PRECISIONS.filter((precision) => this.#geometry.has(precision)),
+      sh: SH_PRECISIONS.filter((precision) => this.hasOwnPalette || this.#sh.has(precision)),
     };
     return this.#held;
   }
@@ -197,8 +209,8 @@ export class CloudPlanes {
    */
   pagesFor(wanted: CloudPrecision): CloudPages {
     const { geometry, sh } = this.held;
-    const geometryPrecision = nearestPrecision(geometry, wanted.geometryPrecision, GEOMETRY_FINEST_FIRST);
-    const shPrecision = nearestPrecision(sh, wanted.shPrecision, SH_FINEST_FIRST);
+    const geometryPrecision = nearestPrecision(geometry, wanted.geometryPrecision, GEOMETRY_PRECISIONS);
+    const shPrecision = this.storedAs(nearestPrecision(sh, wanted.shPrecision, SH_PRECISIONS));
     const key = `${geometryPrecision} ${shPrecision}`;
     const pages = this.#pages.get(key) ?? this.#pagesOf({ geometryPrecision, shPrecision });
     this.#pages.set(key, pages);
@@ -210,7 +222,12 @@ export class CloudPlanes {
   }
 
   shPlane(precision: ShPrecision): Plane | undefined {
-    return this.#sh.get(precision);
+    return this.#sh.get(this.storedAs(precision));
+  }
+
+  /** The precision of the plane that stands for one that is held. */
+  storedAs(held: ShPrecision): ShPrecision {
+    return this.hasOwnPalette ? 'palette' : held;
   }
 
   /** Makes `plane` part of the cloud, or frees it if the cloud already holds its precision. */
@@ -229,7 +246,8 @@ export class CloudPlanes {
       this.#drop(this.#geometry, precision, plane);
     }
     for (const [precision, plane] of this.#sh) {
-      if (this.shDegree === 0 || claims.some(({ shPrecision }) => shPrecision === precision)) continue;
+      if (this.shDegree === 0 || this.hasOwnPalette) continue;
+      if (claims.some(({ shPrecision }) => shPrecision === precision)) continue;
       this.#drop(this.#sh, precision, plane);
     }
     for (const [key, pages] of this.#pages) if (!isHeld(this.held, pages)) this.#pages.delete(key);
@@ -288,19 +306,29 @@ export interface PlanePlace {
 
 /** Uploads a plane that is not part of a cloud yet. */
 export function uploadGeometry(place: PlanePlace, { precision, words }: PackedGeometry): Plane {
-  return uploadPlane(place, words, GEOMETRY_WORDS[precision], 'geometry');
+  return uploadPlane(place, 'geometry', wordsOf(words, GEOMETRY_WORDS[precision]));
 }
 
-export function uploadHarmonics(place: PlanePlace, { words, wordsPerSplat }: PackedHarmonics): Plane {
-  return wordsPerSplat === 0 ? [] : uploadPlane(place, words, wordsPerSplat, 'spherical harmonics');
+/** The same for harmonics; empty at degree 0. Each page of a palette has all of its entries. */
+export function uploadHarmonics(place: PlanePlace, harmonics: StoredHarmonics): Plane {
+  if (harmonics.degree === 0) return [];
+  const page =
+    harmonics.precision === 'palette'
+      ? paletteWordsOf(harmonics)
+      : wordsOf(harmonics.words, harmonics.wordsPerSplat);
+  return uploadPlane(place, 'spherical harmonics', page);
 }
 
-function uploadPlane(place: PlanePlace, words: Uint32Array, wordsPerSplat: number, what: string): Plane {
+/** Returns the words of the page of splats `start` to `end`. */
+type WordsOfPage = (start: number, end: number) => Uint32Array;
+
+function wordsOf(words: Uint32Array, wordsPerSplat: number): WordsOfPage {
+  return (start, end) => words.subarray(start * wordsPerSplat, end * wordsPerSplat);
+}
+
+function uploadPlane(place: PlanePlace, what: string, wordsOfPage: WordsOfPage): Plane {
   return planeOf(place, ({ start, end }, page) =>
-    place.memory.createFilledBuffer(
-      `${place.name} ${what} ${page}`,
-      words.subarray(start * wordsPerSplat, end * wordsPerSplat),
-    ),
+    place.memory.createFilledBuffer(`${place.name} ${what} ${page}`, wordsOfPage(start, end)),
   );
 }
 

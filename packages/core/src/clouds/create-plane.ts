@@ -1,6 +1,6 @@
 import { GEOMETRY_WORDS } from '../packing/geometry.ts';
 import { shWordsPerSplat } from '../packing/harmonics.ts';
-import type { GeometryPrecision, ShPrecision } from '../packing/precision.ts';
+import type { GeometryPrecision, OwnShPrecision } from '../packing/precision.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import { type Plane, type PlanePlace, planeOf } from './cloud-planes.ts';
 
@@ -10,7 +10,7 @@ export function createGeometry(place: PlanePlace, precision: GeometryPrecision):
 }
 
 /** The same for harmonics; empty at degree 0. */
-export function createHarmonics(place: PlanePlace, degree: ShDegree, precision: ShPrecision): Plane {
+export function createHarmonics(place: PlanePlace, degree: ShDegree, precision: OwnShPrecision): Plane {
   return degree === 0 ? [] : createPlane(place, shWordsPerSplat(degree, precision), 'spherical harmonics');
 }
 

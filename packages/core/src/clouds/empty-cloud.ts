@@ -21,6 +21,7 @@ export function emptyCloud(memory: GpuMemory, shDegree: ShDegree, precision: Clo
       declaredShDegree: shDegree,
       trueShDegree: shDegree,
       shBandReach: [],
+      paletteEntries: null,
       isIsotropic: false,
       minOpacity: 0,
       faintCount: 0,

@@ -3,10 +3,11 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import { probeMemory } from '../gpu/probe-memory.ts';
 import { Chunk } from '../layout/structs.ts';
 import { GEOMETRY_WORDS } from '../packing/geometry.ts';
-import { shWordsPerSplat } from '../packing/harmonics.ts';
+import { entryCountOf, isPalette } from '../packing/harmonics.ts';
 import { chunkCountOf, type PackedCloud } from '../packing/packed-cloud.ts';
-import type { CloudPrecision, ShPrecision } from '../packing/precision.ts';
-import { repackHarmonics, truncateHarmonics } from '../packing/repack-harmonics.ts';
+import { type CloudPrecision, ownShPrecision, type ShPrecision } from '../packing/precision.ts';
+import { packPalette, repackHarmonics, truncateHarmonics } from '../packing/repack-harmonics.ts';
+import { shPlaneBytes } from '../packing/sh-plane-bytes.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 
 /** How a cloud may be loaded: what decides its bytes per splat. */
@@ -44,16 +45,21 @@ interface Fitting {
   readonly isGeometryFixed?: boolean;
 }
 
-/** Bytes of the planes and chunks of a cloud. */
-export function cloudBytes(count: number, { geometryPrecision, shPrecision, shDegree }: FitSettings): number {
-  const words = GEOMETRY_WORDS[geometryPrecision] + shWordsPerSplat(shDegree, shPrecision);
-  return 4 * words * count + Chunk.bytes * chunkCountOf(count);
+/** Bytes of the planes and chunks of a cloud. @param paletteEntries see `shPlaneBytes`. */
+export function cloudBytes(
+  count: number,
+  { geometryPrecision, shPrecision, shDegree }: FitSettings,
+  paletteEntries?: number,
+): number {
+  const shBytes = shPlaneBytes(count, shDegree, shPrecision, paletteEntries);
+  return 4 * GEOMETRY_WORDS[geometryPrecision] * count + shBytes + Chunk.bytes * chunkCountOf(count);
 }
 
 const COARSER_SH: Readonly<Record<ShPrecision, readonly ShPrecision[]>> = {
   f32: ['f16', 'u8'],
   f16: ['u8'],
   u8: [],
+  palette: [],
 };
 
 /**
@@ -133,11 +139,15 @@ export async function fitPacked(
     shPrecision: harmonics.precision,
     shDegree: harmonics.degree,
   };
-  const bytesOf = (settings: FitSettings) => cloudBytes(count, settings);
+  const entries = isPalette(harmonics) ? entryCountOf(harmonics) : undefined;
+  const bytesOf = (settings: FitSettings) => cloudBytes(count, settings, entries);
   // Null only where nothing has failed.
   const fit = (await fitSettings({ ...fitting, bytesOf, isGeometryFixed: true }, wanted, mode))!;
-  const whole = truncateHarmonics(harmonics, count, fit.taken.shDegree);
-  return { packed: { ...packed, harmonics: repackHarmonics(whole, count, fit.taken.shPrecision) }, fit };
+  const { shDegree, shPrecision } = fit.taken;
+  const fitted = isPalette(harmonics)
+    ? packPalette(harmonics, shDegree)
+    : repackHarmonics(truncateHarmonics(harmonics, count, shDegree), count, ownShPrecision(shPrecision));
+  return { packed: { ...packed, harmonics: fitted }, fit };
 }
 
 async function firstOf<Candidate>(

@@ -5,13 +5,13 @@ import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { RepackParameters } from '../layout/packing-structs.ts';
 import { GEOMETRY_WORDS } from '../packing/geometry.ts';
-import { shWordsPerSplat } from '../packing/harmonics.ts';
-import type { CloudPrecision } from '../packing/precision.ts';
+import { type CloudPrecision, ownShPrecision, type ShPrecision } from '../packing/precision.ts';
+import { shPlaneBytes } from '../packing/sh-plane-bytes.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
 import { repackGeometry } from '../stages/repack-geometry.ts';
 import { type RepackShVariant, repackSh } from '../stages/repack-sh.ts';
 import type { MakeOptions } from './cloud-leases.ts';
-import { isGeometryAsFine, isShAsFine, type Plane } from './cloud-planes.ts';
+import { type CloudPlanes, isGeometryAsFine, isShAsFine, type Plane } from './cloud-planes.ts';
 import { createGeometry, createHarmonics } from './create-plane.ts';
 import { describePrecision, type FreshPlanes, type OpenRowPlanes, readAgain } from './read-again.ts';
 import type { SplatCloud } from './splat-cloud.ts';
@@ -115,7 +115,8 @@ export class PlaneMaker {
     const { geometryStage, shStage } = work;
     await this.#context.pipelines.prepare([geometryStage, shStage].filter((stage) => stage !== null));
     // Before the planes change: the old pipelines cannot draw the new planes.
-    await this.#context.compileFor(cloud, wanted);
+    const shPrecision = cloud.planes.storedAs(wanted.shPrecision);
+    await this.#context.compileFor(cloud, { ...wanted, shPrecision });
     this.#checkUsable(signal);
     // Another claim may have been met or released while shaders compiled.
     if (cloud.planes.held !== held) return this.#makeFrom(fresh, cloud, wanted, { signal });
@@ -164,7 +165,7 @@ export class PlaneMaker {
     if (shStage) {
       const coarser = keepSh(
         wanted.shPrecision,
-        createHarmonics(planes.place, planes.shDegree, wanted.shPrecision),
+        createHarmonics(planes.place, planes.shDegree, ownShPrecision(wanted.shPrecision)),
       );
       this.#repack(cloud, shStage, sh, coarser);
     }
@@ -243,8 +244,13 @@ function missingOf(
   // Read whatever is not missing as coarsely as possible: at degree 3, the finest harmonics take four times the memory.
   return {
     geometryPrecision: isGeometryAsFine(geometry[0], geometryPrecision) ? 'packed' : geometryPrecision,
-    shPrecision: isShAsFine(sh[0], shPrecision) ? 'u8' : shPrecision,
+    shPrecision: needsPalette(planes, shPrecision) || !isShAsFine(sh[0], shPrecision) ? shPrecision : 'u8',
   };
+}
+
+/** Whether harmonics must be read again because a palette is wanted, which is found among all splats and not made on the GPU. */
+function needsPalette(planes: CloudPlanes, shPrecision: ShPrecision): boolean {
+  return shPrecision === 'palette' && !planes.shPlane('palette');
 }
 
 /** Returns the work until `cloud` holds `wanted`; null if both its planes and `fresh` are too coarse. */
@@ -256,10 +262,12 @@ function workFor(
   const [finestGeometry] = planes.held.geometry;
   const [finestSh] = planes.held.sh;
   const freshGeometry = fresh && !isGeometryAsFine(finestGeometry, geometryPrecision) ? fresh : null;
-  const freshSh = fresh && !isShAsFine(finestSh, shPrecision) ? fresh : null;
+  const isPaletteMissing = needsPalette(planes, shPrecision);
+  const freshSh = fresh && (isPaletteMissing || !isShAsFine(finestSh, shPrecision)) ? fresh : null;
   const isFineEnough =
     isGeometryAsFine(freshGeometry?.geometryPrecision ?? finestGeometry, geometryPrecision) &&
-    isShAsFine(freshSh?.shPrecision ?? finestSh, shPrecision);
+    isShAsFine(freshSh?.shPrecision ?? finestSh, shPrecision) &&
+    (!isPaletteMissing || freshSh?.shPrecision === 'palette');
   if (!isFineEnough) return null;
   const hasGeometry =
     planes.geometryPlane(geometryPrecision) || freshGeometry?.geometryPrecision === geometryPrecision;
@@ -277,16 +285,16 @@ function workFor(
 /** Bytes of what `work` takes of splats that were read again. */
 function freshBytes({ count, shDegree }: SplatCloud, { freshGeometry, freshSh }: Work): number {
   const geometryWords = freshGeometry ? GEOMETRY_WORDS[freshGeometry.geometryPrecision] : 0;
-  const shWords = freshSh ? shWordsPerSplat(shDegree, freshSh.shPrecision) : 0;
-  return 4 * count * (geometryWords + shWords);
+  const shBytes = freshSh ? shPlaneBytes(count, shDegree, freshSh.shPrecision, freshSh.paletteEntries) : 0;
+  return 4 * count * geometryWords + shBytes;
 }
 
 /** Bytes of the planes that `work` adds. */
 function bytesOf(cloud: SplatCloud, wanted: CloudPrecision, work: Work): number {
   const { count, shDegree } = cloud;
   const geometryWords = work.geometryStage ? GEOMETRY_WORDS[wanted.geometryPrecision] : 0;
-  const shWords = work.shStage ? shWordsPerSplat(shDegree, wanted.shPrecision) : 0;
-  return freshBytes(cloud, work) + 4 * count * (geometryWords + shWords);
+  const shBytes = work.shStage ? shPlaneBytes(count, shDegree, wanted.shPrecision) : 0;
+  return freshBytes(cloud, work) + 4 * count * geometryWords + shBytes;
 }
 
 function whenAborted(signal: AbortSignal): Promise<void> {

@@ -2,7 +2,7 @@ import { GpuLimitError, SplatSourceError } from '../errors.ts';
 import type { RowFiles, RowSink } from '../io/formats/row-sink.ts';
 import { loadOrPass } from '../io/loading/load-splats.ts';
 import { Chunk } from '../layout/structs.ts';
-import type { Harmonics } from '../packing/harmonics.ts';
+import { entryCountOf, type Harmonics, isPalette } from '../packing/harmonics.ts';
 import { packSet } from '../packing/pack-set.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
 import type { CloudPrecision } from '../packing/precision.ts';
@@ -18,6 +18,7 @@ import {
   uploadGeometry,
   uploadHarmonics,
 } from './cloud-planes.ts';
+import { givePalette } from './give-palette.ts';
 import type { CloudContents, CloudSource, SplatCloud } from './splat-cloud.ts';
 
 /** Makes planes of the rows of a file on the GPU. `finish` follows the last row; `destroy` calls everything off. */
@@ -44,6 +45,8 @@ export type OpenRowPlanes = (options: RowPlanesOptions) => {
 
 /** Planes of a cloud that are not part of it yet. Those that are taken are the caller's; `destroy` frees all others. */
 export interface FreshPlanes extends CloudPrecision {
+  /** Of harmonics that are a palette. */
+  readonly paletteEntries?: number;
   readonly takeGeometry: () => Plane;
   readonly takeHarmonics: () => Plane;
   readonly destroy: () => void;
@@ -118,15 +121,24 @@ async function splatsOf(
   openRowPlanes: OpenRowPlanes,
   options: MakeOptions,
 ): Promise<ReadSplats> {
-  if (isPackedCloud(source)) return fromPacked(source, planes.place);
-  if (isSplatSet(source)) return fromPacked(packSet(source, wanted), planes.place);
   const { geometryPrecision, shPrecision } = wanted;
+  const { signal } = options;
+  const isPalette = shPrecision === 'palette';
+  const fresh = async (packed: PackedCloud) =>
+    fromPacked(isPalette ? await givePalette(packed, signal) : packed, planes.place);
+  if (isPackedCloud(source)) return fresh(source);
+  // A palette is found among the finest harmonics that there are, on the CPU.
+  if (isSplatSet(source))
+    return fresh(packSet(source, { geometryPrecision, shPrecision: isPalette ? 'f32' : shPrecision }));
   const precision = { geometryPrecision, shPrecision };
-  const { sink, files } = openRowPlanes({ ...precision, name, pages: planes.ranges, signal: options.signal });
+  const { sink, files } = openRowPlanes({ ...precision, name, pages: planes.ranges, signal });
   try {
     const loadOptions = { ...sourceOptions, ...options, ...precision, name };
-    const packed = await loadOrPass(source, loadOptions, { sink, files });
-    if (packed) return fromPacked(packed, planes.place);
+    const packed = await loadOrPass(source, loadOptions, isPalette ? undefined : { sink, files });
+    if (packed) {
+      sink.destroy();
+      return await fresh(packed);
+    }
     const made = await sink.finish();
     return fromRows(made.contents, made.planes);
   } catch (error) {
@@ -140,6 +152,7 @@ function fromPacked(packed: PackedCloud, place: PlanePlace): ReadSplats {
   const fresh: FreshPlanes = {
     geometryPrecision: geometry.precision,
     shPrecision: harmonics.precision,
+    ...(isPalette(harmonics) && { paletteEntries: entryCountOf(harmonics) }),
     takeGeometry: () => uploadGeometry(place, geometry),
     takeHarmonics: () => uploadHarmonics(place, harmonics),
     destroy: () => {},
@@ -174,10 +187,13 @@ function isSplatSet(source: CloudSource): source is SplatSet<Harmonics> {
 }
 
 /** @throws SplatSourceError if `fresh` is coarser than `wanted`. */
-function checkFine({ name, shDegree }: SplatCloud, wanted: CloudPrecision, fresh: FreshPlanes): void {
+function checkFine({ name, shDegree, planes }: SplatCloud, wanted: CloudPrecision, fresh: FreshPlanes): void {
   const isFine =
     isGeometryAsFine(fresh.geometryPrecision, wanted.geometryPrecision) &&
-    (shDegree === 0 || isShAsFine(fresh.shPrecision, wanted.shPrecision));
+    (shDegree === 0 ||
+      planes.hasOwnPalette ||
+      fresh.shPrecision === wanted.shPrecision ||
+      (wanted.shPrecision !== 'palette' && isShAsFine(fresh.shPrecision, wanted.shPrecision)));
   if (isFine) return;
   const message = `its source has only ${describePrecision(fresh)}, not ${describePrecision(wanted)}; load it with that, or from a URL, a File or a Blob.`;
   throw new SplatSourceError(name, message);

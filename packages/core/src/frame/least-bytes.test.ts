@@ -99,3 +99,19 @@ describe('leastBytes', () => {
     expect(tiles('tiles', 'tile-rasterize')!.read).toBe((8 + 4) * PAIRS + 32 * VISIBLE);
   });
 });
+
+test('an entry of a palette counts once, and two bytes for each visible splat', () => {
+  const splatCount = 8000;
+  const entries = 30;
+  const page = { splatCount, shRest: { size: 4 * (45 * entries + splatCount / 2) } };
+  const cloudOf = (shPrecision: string) => ({
+    cloud: { count: splatCount, shDegree: 3 },
+    planes: { geometryPrecision: 'packed', shPrecision, pages: [page] },
+    shDegree: 3,
+  });
+  const readOf = (shPrecision: string) => {
+    const clouds = [cloudOf(shPrecision)] as unknown as FrameShape['clouds'];
+    return leastBytes(frameOf({ ...shapeOf('quads', image), clouds }))('pre-process', 'project')!.read;
+  };
+  expect(readOf('u8') - readOf('palette')).toBe(48 * VISIBLE - (2 * VISIBLE + 180 * entries));
+});

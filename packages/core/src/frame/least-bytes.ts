@@ -2,10 +2,10 @@ import { layerSize, type SizePx } from '../accuracy/accuracy.ts';
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../layout/constants.ts';
 import { Chunk, SPLAT_RECORDS } from '../layout/structs.ts';
 import { GEOMETRY_WORDS } from '../packing/geometry.ts';
-import { shWordsPerSplat } from '../packing/harmonics.ts';
+import { ENTRY_PRECISION, shWordsPerSplat } from '../packing/harmonics.ts';
 import { blockKeysOf, type SortShape } from '../stages/sort-shape.ts';
 import type { FrameStatistics } from '../timing/frame-statistics.ts';
-import type { FrameShape } from './frame-shape.ts';
+import type { CloudShape, FrameShape } from './frame-shape.ts';
 import { depthSortShape, pairSortShape } from './sort-shapes.ts';
 
 /** Bytes that a pass moves between the GPU's memory and its cores. */
@@ -44,6 +44,8 @@ interface Counts {
   /** Mean bytes of a splat's planes; visible splats of several clouds are taken to be spread over them as all splats are. */
   readonly geometryBytes: number;
   readonly harmonicsBytes: number;
+  /** Bytes of the entries of palettes that visible splats may have. */
+  readonly entryBytes: number;
   readonly recordBytes: number;
   readonly depthSort: SortShape;
   readonly pairSort: SortShape;
@@ -115,8 +117,8 @@ const RULES: Readonly<Record<string, Readonly<Record<string, Rule>>>> = {
       (CHUNK_MASK_BYTES + 2 * WORD_BYTES) * visibleChunks,
       WORD_BYTES * visible,
     ],
-    project: ({ visible, geometryBytes, harmonicsBytes, recordBytes }) => [
-      (WORD_BYTES + geometryBytes + harmonicsBytes) * visible,
+    project: ({ visible, geometryBytes, harmonicsBytes, entryBytes, recordBytes }) => [
+      (WORD_BYTES + geometryBytes + harmonicsBytes) * visible + entryBytes,
       (recordBytes + WORD_BYTES) * visible,
     ],
   },
@@ -191,7 +193,7 @@ function countsOf({ shape, statistics, size, pixelBytes }: DrawnFrame): Counts {
   const layer = layerSize(size, accuracy);
   const imagePixels = size.widthPx * size.heightPx;
   const splats = clouds.reduce((sum, { cloud }) => sum + cloud.count, 0);
-  const mean = (wordsOf: (cloud: FrameShape['clouds'][number]) => number) =>
+  const mean = (wordsOf: (cloud: CloudShape) => number) =>
     clouds.reduce((sum, each) => sum + WORD_BYTES * wordsOf(each) * each.cloud.count, 0) /
     Math.max(1, splats);
   return {
@@ -205,9 +207,23 @@ function countsOf({ shape, statistics, size, pixelBytes }: DrawnFrame): Counts {
     imagePixels,
     imageBytes: pixelBytes * imagePixels,
     geometryBytes: mean(({ planes }) => GEOMETRY_WORDS[planes.geometryPrecision]),
-    harmonicsBytes: mean(({ planes, shDegree }) => shWordsPerSplat(shDegree, planes.shPrecision)),
+    harmonicsBytes: mean(({ planes: { shPrecision }, shDegree }) => {
+      // Two indices to a word.
+      if (shPrecision === 'palette') return shDegree > 0 ? 0.5 : 0;
+      return shWordsPerSplat(shDegree, shPrecision);
+    }),
+    entryBytes: clouds.reduce((sum, each) => sum + entryBytesOf(each, visibleSplats), 0),
     recordBytes: SPLAT_RECORDS[accuracy.recordPrecision].bytes,
     depthSort: depthSortShape(shape),
     pairSort: pairSortShape(shape),
   };
+}
+
+/** Of each entry of a palette, or of as many as there are visible splats if those are fewer: once, on whatever page. */
+function entryBytesOf({ cloud, planes, shDegree }: CloudShape, visible: number): number {
+  const [page] = planes.pages;
+  if (planes.shPrecision !== 'palette' || !page?.shRest) return 0;
+  const entryWords = page.shRest.size / WORD_BYTES - Math.ceil(page.splatCount / 2);
+  const entries = entryWords / shWordsPerSplat(cloud.shDegree, ENTRY_PRECISION);
+  return WORD_BYTES * shWordsPerSplat(shDegree, ENTRY_PRECISION) * Math.min(visible, entries);
 }

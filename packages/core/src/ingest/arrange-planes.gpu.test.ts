@@ -9,7 +9,7 @@ import { GEOMETRY_WORDS, packGeometry } from '../packing/geometry.ts';
 import { shWordsPerSplat } from '../packing/harmonics.ts';
 import { mortonFrame, mortonOrder, permuteSplats } from '../packing/morton-order.ts';
 import { chunkBounds } from '../packing/packed-cloud.ts';
-import type { CloudPrecision } from '../packing/precision.ts';
+import type { RowPrecision } from '../packing/precision.ts';
 import { packHarmonics, repackHarmonics, truncateHarmonics } from '../packing/repack-harmonics.ts';
 import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
 import { expectSameChunks } from '../testing/expect-same-planes.ts';
@@ -38,7 +38,7 @@ afterAll(() => device.destroy());
 interface Rows {
   readonly set: SplatSet;
   readonly isDropped: (row: number) => boolean;
-  readonly precision: CloudPrecision;
+  readonly precision: RowPrecision;
   readonly keptShDegree: ShDegree;
   readonly pageSplats: number;
   /** Splats per page in storage order; null: as in the file. */

@@ -8,7 +8,7 @@ import { GEOMETRY_WORDS, type LogScaleRange } from '../packing/geometry.ts';
 import { shBytesPerSplat, shWordsPerSplat } from '../packing/harmonics.ts';
 import type { MortonFrame } from '../packing/morton-order.ts';
 import { chunkCountOf } from '../packing/packed-cloud.ts';
-import type { CloudPrecision } from '../packing/precision.ts';
+import type { RowPrecision } from '../packing/precision.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import { ingestChunks } from '../stages/ingest-chunks.ts';
 import { ingestGather } from '../stages/ingest-gather.ts';
@@ -26,7 +26,7 @@ export interface ArrangeContext {
 }
 
 /** Planes in the order of a file, with a slot for each of its rows. */
-export interface ArrivedPlanes extends CloudPrecision {
+export interface ArrivedPlanes extends RowPrecision {
   readonly name: string;
   /** Pages of the slots. */
   readonly ranges: readonly PageRange[];
@@ -76,7 +76,7 @@ function sortShapeOf(dropped: keyof typeof KEY_BITS): SortShape {
 
 /** Lists the stages that `arrangePlanes` runs. */
 export function arrangeStages(
-  { geometryPrecision }: Pick<CloudPrecision, 'geometryPrecision'>,
+  { geometryPrecision }: Pick<RowPrecision, 'geometryPrecision'>,
   hasDrops: boolean,
 ) {
   return [

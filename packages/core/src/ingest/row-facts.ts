@@ -55,6 +55,7 @@ export function readRowFacts(
       declaredShDegree: shDegree,
       trueShDegree: trueShDegree(shBandReach),
       shBandReach,
+      paletteEntries: null,
       isIsotropic: words[c.FACT_STRETCHED] === 0,
       minOpacity: count > 0 ? opacityOf(smallest(c.FACT_MIN_LOGIT)) : 1,
       faintCount: words[c.FACT_FAINT],

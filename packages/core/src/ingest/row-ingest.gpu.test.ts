@@ -9,6 +9,7 @@ import { packSet } from '../packing/pack-set.ts';
 import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 import { deviceWith } from '../testing/device-with.ts';
 import { expectSameChunks, expectSameGeometry, expectSameHarmonics } from '../testing/expect-same-planes.ts';
+import { ownHarmonics } from '../testing/own-harmonics.ts';
 import { planeWords } from '../testing/plane-words.ts';
 import { type Fixture, plyBytes, splatNames } from '../testing/ply-fixture.ts';
 import { randomSplats, splatsWithTies } from '../testing/random-splats.ts';
@@ -64,7 +65,8 @@ async function expectSame(
   expectSameChunks(cloud.chunks, expected.chunks);
   const [page] = cloud.pagesFor(precision).pages;
   expect(page.splatCount).toBeLessThanOrEqual(cloud.count);
-  const { geometry, harmonics } = expected;
+  const { geometry } = expected;
+  const harmonics = ownHarmonics(expected.harmonics);
   const geometryPlane = cloud.planes.geometryPlane(precision.geometryPrecision)!;
   const geometryWords = await planeWords(cloud, geometryPlane, geometry.words.length / cloud.count);
   expectSameGeometry({ ...geometry, words: geometryWords }, geometry);

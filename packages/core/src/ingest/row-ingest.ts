@@ -34,7 +34,7 @@ import { ingestLogScaleSteps } from '../packing/ingest-log-scale.ts';
 import { mortonFrame } from '../packing/morton-order.ts';
 import { chooseOrigin } from '../packing/origin.ts';
 import { chunkCountOf, robustBounds, totalBounds } from '../packing/packed-cloud.ts';
-import type { CloudPrecision } from '../packing/precision.ts';
+import { type CloudPrecision, ownShPrecision, type RowPrecision } from '../packing/precision.ts';
 import type { RowLayout } from '../packing/row-layout.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import { ingestRows } from '../stages/ingest-rows.ts';
@@ -115,7 +115,7 @@ export class RowIngest implements RowSink {
   /** Mapped memory cannot. */
   readonly mayDetach = false;
   readonly #context: ArrangeContext;
-  #options: RowIngestOptions;
+  #options: RowIngestOptions & RowPrecision;
   #fit: CloudFit | null = null;
   /** Null if nobody looks. */
   readonly #previews: LoadPreviews | null;
@@ -136,7 +136,7 @@ export class RowIngest implements RowSink {
 
   constructor(context: ArrangeContext, options: RowIngestOptions) {
     this.#context = context;
-    this.#options = options;
+    this.#options = asRows(options);
     const { name, onPreview } = options;
     this.#previews = onPreview ? new LoadPreviews(context.device, name, onPreview) : null;
   }
@@ -227,8 +227,8 @@ export class RowIngest implements RowSink {
       return layout;
     this.#fit = await fitSettings({ memory, name, bytesOf, signal }, wanted, fit);
     if (!this.#fit) return layout;
-    const { shDegree, ...precision } = this.#fit.taken;
-    this.#options = { ...this.#options, ...precision };
+    const { shDegree, ...taken } = this.#fit.taken;
+    this.#options = asRows({ ...this.#options, ...taken });
     return { ...layout, shDegree };
   }
 
@@ -514,12 +514,18 @@ function ingestBytes(layout: RowLayout, settings: FitSettings): number {
 }
 
 /** Stages that make a cloud of rows of this degree. */
-export function rowStages(variant: CloudPrecision & { readonly shDegree: ShDegree }): StageDefinition[] {
+export function rowStages(wanted: CloudPrecision & { readonly shDegree: ShDegree }): StageDefinition[] {
+  const variant = asRows(wanted);
   return [ingestRows(variant), ...lateStages(variant)];
 }
 
+/** Rows are packed one by one, and so cannot be given a palette. */
+function asRows<Wanted extends CloudPrecision>(wanted: Wanted): Wanted & RowPrecision {
+  return { ...wanted, shPrecision: ownShPrecision(wanted.shPrecision) };
+}
+
 /** Stages that run after the last row. Whether rows were dropped is not known before. */
-function lateStages({ geometryPrecision }: CloudPrecision): StageDefinition[] {
+function lateStages({ geometryPrecision }: RowPrecision): StageDefinition[] {
   return [
     ingestSettle(geometryPrecision),
     ...arrangeStages({ geometryPrecision }, false),

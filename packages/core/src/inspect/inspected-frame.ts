@@ -18,7 +18,7 @@ import { readTexture, type TextureImage } from '../gpu/read-texture.ts';
 import { clampCoefficient } from '../layout/half.ts';
 import { identity4 } from '../math/mat4.ts';
 import { dropNonFinite } from '../packing/drop-non-finite.ts';
-import type { Harmonics, PackedHarmonics } from '../packing/harmonics.ts';
+import type { Harmonics, StoredHarmonics } from '../packing/harmonics.ts';
 import { mortonOrder, permuteSplats } from '../packing/morton-order.ts';
 import { type PackedCloud, packCloud } from '../packing/packed-cloud.ts';
 import type { EffectTwin } from '../reference/effects/effect-twin.ts';
@@ -59,7 +59,7 @@ const DEFAULTS = { colorTarget: 'rgba16float' } as const;
 /** A cloud of an inspected frame as the float64 twins read it. */
 export interface InspectedCloud {
   /** In storage order, with the values that the GPU unpacks. */
-  readonly stored: SplatSet<PackedHarmonics>;
+  readonly stored: SplatSet<StoredHarmonics>;
   readonly packed: PackedCloud;
   readonly view: CloudView;
   readonly effects: readonly EffectTwin[];
@@ -225,15 +225,15 @@ function limitsFor(
 }
 
 /** Returns `stored` with the values of float32 geometry: only coefficients have a smaller range than the format. */
-function float32Set(stored: SplatSet<PackedHarmonics>): SplatSet<PackedHarmonics> {
+function float32Set(stored: SplatSet<StoredHarmonics>): SplatSet<StoredHarmonics> {
   return { ...stored, colorDc: stored.colorDc.map(clampCoefficient) };
 }
 
 /** Returns `stored` with the values that packing rounded it to. */
 function unpackedSet(
-  stored: SplatSet<PackedHarmonics>,
+  stored: SplatSet<StoredHarmonics>,
   { geometry }: PackedCloud,
-): SplatSet<PackedHarmonics> {
+): SplatSet<StoredHarmonics> {
   const splats = Array.from({ length: stored.count }, (_, i) => unpackSplat(geometry, i));
   return {
     ...stored,

@@ -38,10 +38,6 @@ interface FoundIn<Place> {
   readonly label: string;
   /** One sentence that says what the effect does. */
   readonly about: string;
-  /** Names of the conditions (`@if(NAME)`) that guard its code in shaders; all are false while it is off. */
-  readonly conditions: readonly string[];
-  /** Bindings that stages need for it, by their names in shaders. */
-  readonly bindings: readonly string[];
   /** Stages that it may take part in; none if it is not in any shader. */
   readonly stages: readonly string[];
   /** Returns why it is on, or null if it is off. */

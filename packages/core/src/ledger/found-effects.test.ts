@@ -3,6 +3,7 @@ import { CLOUD_EFFECTS } from '../effects/effects.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { linkInput } from '../shaders/link-shader.ts';
 import { linkModules } from '../shaders/shader-linker.ts';
+import { FOUND_SHADERS } from '../testing/found-shaders.ts';
 import { allStageVariants } from '../testing/stage-variants.ts';
 import { withoutConditions } from '../testing/without-conditions.ts';
 import { FOUND_EFFECTS } from './found-effects.ts';
@@ -41,7 +42,12 @@ describe('found effects', () => {
     for (const name of names) expect(name).toMatch(/^[a-z]+(-[a-z]+)*$/);
   });
 
-  for (const { name, conditions, bindings, stages } of FOUND_EFFECTS) {
+  test('are all known to these tests', () => {
+    expect(Object.keys(FOUND_SHADERS)).toEqual(FOUND_EFFECTS.map(({ name }) => name));
+  });
+
+  for (const { name, stages } of FOUND_EFFECTS) {
+    const { conditions, bindings } = FOUND_SHADERS[name];
     if (conditions.length === 0) continue;
     // Hundreds of variants, each linked twice.
     test(`${name}: while off, all stages are as in a build without it`, () => {

@@ -10,6 +10,7 @@ import { frameStages } from '../frame/frame.ts';
 import type { CloudInstance } from '../frame/frame-request.ts';
 import { identity4, multiply4 } from '../math/mat4.ts';
 import { EFFECT_EXAMPLES } from '../testing/effect-examples.ts';
+import { FOUND_SHADERS } from '../testing/found-shaders.ts';
 import { randomSplats, splatsOf } from '../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
 import type { SplatView } from '../views/splat-view.ts';
@@ -121,13 +122,14 @@ describe('the ledger of found effects', () => {
         const ledger = await ledgerOf(clouds, CAMERAS[camera], accuracy);
         const stages = frameStages(view.shape!).map((entry) => ('bindings' in entry ? entry : entry[0]));
         for (const effect of FOUND_EFFECTS) {
-          if (effect.conditions.length === 0) continue;
+          const own = FOUND_SHADERS[effect.name];
+          if (own.conditions.length === 0) continue;
           const isLinked = stages.some(({ conditions = {} }) =>
-            effect.conditions.some((each) => conditions[each]),
+            own.conditions.some((each) => conditions[each]),
           );
-          const isBound = stages.some(({ bindings }) => effect.bindings.some((each) => each in bindings));
+          const isBound = stages.some(({ bindings }) => own.bindings.some((each) => each in bindings));
           expect(ledger[effect.name].isOn, effect.name).toBe(isLinked);
-          if (effect.bindings.length > 0) expect(isBound, effect.name).toBe(isLinked);
+          if (own.bindings.length > 0) expect(isBound, effect.name).toBe(isLinked);
           expect(ledger[effect.name].reason).toMatch(/^[a-z].*[^.]$/);
         }
         cloud.destroy();

@@ -7,6 +7,7 @@ import {
   internAccuracy,
 } from '../accuracy/accuracy.ts';
 import { InvalidArgumentError } from '../errors.ts';
+import { SH_PRECISIONS } from '../packing/precision.ts';
 
 /** Name of one setting. */
 export type SettingName = keyof AccuracySettings;
@@ -22,10 +23,12 @@ export interface Candidate {
 
 const SETTING_NAMES = Object.keys(ACCURACY_SETTINGS) as SettingName[];
 
-/** Values to try of settings that are ranges. */
+/** Values to try of settings that are ranges, or of which others take too long to try. */
 const TRIED: { readonly [Name in SettingName]?: readonly AccuracySettings[Name][] } = {
   alphaCutoff: [1 / 1024, 1 / 255, 1 / 128, 1 / 64],
   resolutionScale: [1, 0.75, 0.5],
+  // Splats that have no palette must be read again for one, and searched.
+  shPrecision: ['f32', 'f16', 'u8'],
 };
 
 /** The paper's pipeline with one of its optimizations switched off. */
@@ -38,12 +41,14 @@ const ABLATIONS: Readonly<Record<string, Partial<AccuracySettings>>> = {
  * Lists the base, the presets, the paper's ablations if `withAblations`, and the base with one setting of `names` changed at
  * a time. Equal settings occur once, under the first of their names.
  *
+ * @param withPalettes whether harmonics as a palette are one of them.
  * @throws InvalidArgumentError for an unknown setting.
  */
 export function singleCandidates(
   base: Accuracy,
   names: readonly string[] = SETTING_NAMES,
   withAblations = true,
+  withPalettes = false,
 ): Candidate[] {
   const baseSettings = internAccuracy(base);
   const chosen = names.map((name) => {
@@ -59,7 +64,9 @@ export function singleCandidates(
       candidate(baseSettings, internAccuracy({ preset: 'paper', ...changes }), name),
     ),
     ...chosen.flatMap((name) =>
-      valuesTried(name).map((value) => candidate(baseSettings, changedTo(baseSettings, name, value))),
+      valuesTried(name, withPalettes).map((value) =>
+        candidate(baseSettings, changedTo(baseSettings, name, value)),
+      ),
     ),
   ];
   const first = new Map<AccuracySettings, Candidate>();
@@ -86,8 +93,9 @@ function candidate(base: AccuracySettings, settings: AccuracySettings, name?: st
   return { name: name ?? described, settings, changed };
 }
 
-function valuesTried(name: SettingName): readonly AccuracySettings[SettingName][] {
+function valuesTried(name: SettingName, withPalettes: boolean): readonly AccuracySettings[SettingName][] {
   const { values } = ACCURACY_SETTINGS[name];
+  if (name === 'shPrecision' && withPalettes) return SH_PRECISIONS;
   return TRIED[name] ?? ('min' in values ? [values.max, values.min] : values);
 }
 

@@ -31,7 +31,7 @@ export interface MeasureAccuracyOptions {
   readonly heightPx: number;
   /** Settings that are changed one at a time; default `balanced`. */
   readonly base?: Accuracy;
-  /** Names of the settings to change; default all. */
+  /** Names of the settings to change; default all, without giving clouds a palette of harmonics that have none. */
   readonly settings?: readonly string[];
   /** Whether to measure the paper's ablations too; default true. */
   readonly ablations?: boolean;
@@ -142,7 +142,10 @@ export async function measureThen<Result>(
 ): Promise<Result> {
   checkOptions(options);
   const { clouds, base = DEFAULT_ACCURACY, signal } = options;
-  const candidates = singleCandidates(base, options.settings, options.ablations);
+  // Finding a palette takes a while: only for who asks about harmonics, or where there is one.
+  const withPalettes =
+    options.settings !== undefined || clouds.every(({ cloud }) => cloud.facts.paletteEntries !== null);
+  const candidates = singleCandidates(base, options.settings, options.ablations, withPalettes);
   const reference = engine.resolveAccuracy('reference');
   const planes = await leasePlanes(
     clouds.map(({ cloud }) => cloud),

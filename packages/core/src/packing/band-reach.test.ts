@@ -5,10 +5,10 @@ import { SH_REST_COEFFICIENTS, type ShDegree } from '../splats/splat-set.ts';
 import { coefficientRows, packedRows } from '../testing/coefficient-rows.ts';
 import { uniform } from '../testing/uniform.ts';
 import { shBandReach } from './band-reach.ts';
-import type { ShPrecision } from './precision.ts';
+import type { OwnShPrecision } from './precision.ts';
 import { repackHarmonics } from './repack-harmonics.ts';
 
-const PRECISIONS: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
+const PRECISIONS: readonly OwnShPrecision[] = ['f32', 'f16', 'u8'];
 
 /** Unit vectors spread evenly over the sphere. */
 const DIRECTIONS = Array.from({ length: 400 }, (_, i) => {

@@ -1,5 +1,5 @@
-import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
-import { type Harmonics, isPacked, readCoefficients } from './harmonics.ts';
+import { coefficientsPerSplat, type ShDegree, type TrainedHarmonics } from '../splats/splat-set.ts';
+import { type Harmonics, isPacked, isPalette, type PackedHarmonics, readCoefficients } from './harmonics.ts';
 
 /**
  * For each band 1…degree, the most that it can change any colour channel of any splat, in any direction: at least 0, in
@@ -13,6 +13,11 @@ export function shBandReach(harmonics: Harmonics, count: number): readonly numbe
   if (isPacked(harmonics) && harmonics.bandReach) return harmonics.bandReach;
   const stride = coefficientsPerSplat(harmonics.degree);
   const meter = new ShReachMeter(harmonics.degree);
+  if (isPalette(harmonics)) {
+    // A file may have entries that no splat has.
+    for (const entry of new Set(harmonics.indices)) meter.include(harmonics.entries, entry * stride);
+    return meter.reaches();
+  }
   const floats = floatsOf(harmonics);
   if (floats) {
     for (let i = 0; i < count; i++) meter.include(floats, i * stride);
@@ -27,7 +32,7 @@ export function shBandReach(harmonics: Harmonics, count: number): readonly numbe
 }
 
 /** The coefficients of all splats where they are float32 in memory, not copied. */
-function floatsOf(harmonics: Harmonics): Float32Array | null {
+function floatsOf(harmonics: TrainedHarmonics | PackedHarmonics): Float32Array | null {
   if (!isPacked(harmonics)) return harmonics.coefficients;
   const { precision, words } = harmonics;
   return precision === 'f32' ? new Float32Array(words.buffer, words.byteOffset, words.length) : null;

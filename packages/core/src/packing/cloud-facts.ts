@@ -1,7 +1,7 @@
 import type { FileFacts, ShDegree, SplatColumns, SplatSet } from '../splats/splat-set.ts';
 import { shBandReach } from './band-reach.ts';
 import { opacityOf } from './geometry.ts';
-import type { Harmonics } from './harmonics.ts';
+import { entryCountOf, type Harmonics, isPalette } from './harmonics.ts';
 
 /** Facts about a cloud's splats that hold from any viewpoint, found in the data when they are packed. */
 export interface CloudFacts {
@@ -16,6 +16,8 @@ export interface CloudFacts {
    * For each band 1…declaredShDegree, the most that it can change a channel of any splat's colour, in any direction.
    */
   readonly shBandReach: readonly number[];
+  /** Number of entries of the palette that the harmonics were before packing; null if each splat had its own. */
+  readonly paletteEntries: number | null;
   /** Whether the three scales of each splat are equal, so that its rotation cannot be seen. */
   readonly isIsotropic: boolean;
   /** Lowest opacity of any splat, 0…1; 1 if there are no splats. */
@@ -52,6 +54,7 @@ export function cloudFacts(set: SplatSet<Harmonics>): CloudFacts {
     declaredShDegree: set.harmonics.degree,
     trueShDegree: trueShDegree(reach),
     shBandReach: reach,
+    paletteEntries: isPalette(set.harmonics) ? entryCountOf(set.harmonics) : null,
     isIsotropic: isIsotropic(set),
     ...opacityFacts(set),
     isAntialiased: set.isAntialiased ?? null,

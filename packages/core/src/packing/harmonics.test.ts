@@ -10,15 +10,21 @@ import {
   type TrainedHarmonics,
 } from '../splats/splat-set.ts';
 import { coefficientRows, packedRows } from '../testing/coefficient-rows.ts';
-import { type Harmonics, type PackedHarmonics, readCoefficients, shWordsPerSplat } from './harmonics.ts';
+import {
+  type Harmonics,
+  type PackedHarmonics,
+  readCoefficients,
+  type StoredHarmonics,
+  shWordsPerSplat,
+} from './harmonics.ts';
 import { type PackedCloud, packCloud } from './packed-cloud.ts';
-import type { ShPrecision } from './precision.ts';
+import type { OwnShPrecision } from './precision.ts';
 
 const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
-const PRECISIONS: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
+const PRECISIONS: readonly OwnShPrecision[] = ['f32', 'f16', 'u8'];
 
 /** How far a value may be from what was packed. */
-function bound(precision: ShPrecision, value: number, row: readonly number[]): number {
+function bound(precision: OwnShPrecision, value: number, row: readonly number[]): number {
   if (precision === 'f32') return 0;
   // Half a step of binary16: 2^-11 of the value, 2^-25 among the subnormals.
   if (precision === 'f16') return Math.max(Math.abs(value) * 2 ** -11, 2 ** -25);
@@ -98,7 +104,7 @@ describe('the type of a set', () => {
         packCloud(set, { geometryPrecision: 'packed' });
       }
       engine.add({ ...made, harmonics: packed });
-      const uploaded: PackedHarmonics = cloud.harmonics;
+      const uploaded: StoredHarmonics = cloud.harmonics;
       // @ts-expect-error what is read is packed
       const readAsTrained: SplatSet = read;
       // @ts-expect-error what is made is not

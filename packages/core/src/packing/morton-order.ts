@@ -1,7 +1,7 @@
 import type { Vec3 } from '../math/mat4.ts';
 import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 import { centerBounds } from './center-bounds.ts';
-import { type Harmonics, isPacked } from './harmonics.ts';
+import { type Harmonics, isPacked, isPalette } from './harmonics.ts';
 
 /** Bits per axis of a Morton code: 48 in all, three passes of a 16-bit radix sort. */
 const BITS_PER_AXIS = 16;
@@ -133,11 +133,12 @@ function permutedHarmonics<Kind extends Harmonics>(harmonics: Kind, order: Uint3
   if (isPacked(harmonics)) {
     return { ...harmonics, words: permuted(harmonics.words, order, harmonics.wordsPerSplat) };
   }
+  if (isPalette(harmonics)) return { ...harmonics, indices: permuted(harmonics.indices, order, 1) };
   const width = coefficientsPerSplat(harmonics.degree);
   return { ...harmonics, coefficients: permuted(harmonics.coefficients, order, width) };
 }
 
-function permuted<Column extends Float32Array | Uint32Array>(
+function permuted<Column extends Float32Array | Uint32Array | Uint16Array>(
   column: Column,
   order: Uint32Array,
   width: number,

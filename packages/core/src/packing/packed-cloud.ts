@@ -4,11 +4,11 @@ import type { Vec3 } from '../math/mat4.ts';
 import type { DropCounts, SplatColumns, SplatSet } from '../splats/splat-set.ts';
 import { type CloudFacts, cloudFacts } from './cloud-facts.ts';
 import { type PackedGeometry, packGeometry } from './geometry.ts';
-import { type Harmonics, isPacked, type PackedHarmonics } from './harmonics.ts';
+import { type Harmonics, isPacked, isPalette, type StoredHarmonics } from './harmonics.ts';
 import { clampLogScale } from './log-scale.ts';
 import { mortonOrder, permuteSplats } from './morton-order.ts';
-import { checkPrecision, type GeometryPrecision, type ShPrecision } from './precision.ts';
-import { packHarmonics, repackHarmonics, truncateHarmonics } from './repack-harmonics.ts';
+import { checkPrecision, type GeometryPrecision, ownShPrecision, type ShPrecision } from './precision.ts';
+import { packHarmonics, packPalette, repackHarmonics, truncateHarmonics } from './repack-harmonics.ts';
 
 /** An axis-aligned box, corners included. */
 export interface Bounds {
@@ -27,7 +27,7 @@ export interface PackedCloud {
   readonly robustBounds: Bounds;
   readonly geometry: PackedGeometry;
   /** Of degree `facts.trueShDegree`: bands above it cannot be seen and are left out. */
-  readonly harmonics: PackedHarmonics;
+  readonly harmonics: StoredHarmonics;
   /** One `Chunk` struct per chunk. */
   readonly chunks: ArrayBuffer;
   /** N: each stored splat's row in its file. */
@@ -39,7 +39,10 @@ export interface PackedCloud {
 
 export interface PackOptions {
   readonly geometryPrecision: GeometryPrecision;
-  /** Default: the precision of the set's harmonics; f32 if they are as trained. */
+  /**
+   * Default: the precision of the set's harmonics; f32 if they are as trained. Harmonics that are a palette stay one, whatever is
+   * wanted: nothing would be finer, and little smaller. Others become none: where one is wanted, they are packed as u8.
+   */
   readonly shPrecision?: ShPrecision;
 }
 
@@ -82,19 +85,18 @@ function packedHarmonics(
   { harmonics, count }: SplatSet<Harmonics>,
   { shBandReach: bandReach, trueShDegree }: CloudFacts,
   precision: ShPrecision,
-): PackedHarmonics {
+): StoredHarmonics {
+  if (isPalette(harmonics)) return packPalette(harmonics, trueShDegree);
   const packed = isPacked(harmonics) ? harmonics : packHarmonics(harmonics);
-  return repackHarmonics(truncateHarmonics({ ...packed, bandReach }, count, trueShDegree), count, precision);
+  const kept = truncateHarmonics({ ...packed, bandReach }, count, trueShDegree);
+  return repackHarmonics(kept, count, ownShPrecision(precision));
 }
 
 /** The buffers of `cloud`, for posting it to another thread without a copy. */
-export function transferablesOf(cloud: PackedCloud): ArrayBuffer[] {
-  const buffers = [
-    cloud.geometry.words.buffer,
-    cloud.harmonics.words.buffer,
-    cloud.chunks,
-    cloud.fileIndices.buffer,
-  ];
+export function transferablesOf({ geometry, harmonics, chunks, fileIndices }: PackedCloud): ArrayBuffer[] {
+  const colors = isPalette(harmonics) ? harmonics.entries : harmonics.words;
+  const buffers = [geometry.words.buffer, colors.buffer, chunks, fileIndices.buffer];
+  if (isPalette(harmonics)) buffers.push(harmonics.indices.buffer);
   return buffers as ArrayBuffer[];
 }
 

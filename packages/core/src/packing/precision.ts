@@ -4,18 +4,34 @@ import { shown } from '../printable.ts';
 /** From the finest on. */
 export const GEOMETRY_PRECISIONS = ['f32', 'packed'] as const;
 /** From the finest on. */
-export const SH_PRECISIONS = ['f32', 'f16', 'u8'] as const;
+export const SH_PRECISIONS = ['f32', 'f16', 'u8', 'palette'] as const;
 
 /** How centres, rotations, scales, base colours and opacities are stored: 64 or 32 bytes per splat. */
 export type GeometryPrecision = (typeof GEOMETRY_PRECISIONS)[number];
 
-/** How the coefficients above degree 0 are stored; `u8` is a signed byte times a scale of the splat's own. */
+/**
+ * How the coefficients above degree 0 are stored; `u8` is a signed byte times a scale of the splat's own, and `palette` the number
+ * of an entry that splats share.
+ */
 export type ShPrecision = (typeof SH_PRECISIONS)[number];
+
+/** Precisions in which each splat has coefficients of its own. */
+export type OwnShPrecision = Exclude<ShPrecision, 'palette'>;
+
+/** What splats are packed in one by one where a palette is wanted, which takes all of them at once: the next finer. */
+export function ownShPrecision(wanted: ShPrecision): OwnShPrecision {
+  return wanted === 'palette' ? 'u8' : wanted;
+}
 
 /** How a cloud is packed, or should be. */
 export interface CloudPrecision {
   readonly geometryPrecision: GeometryPrecision;
   readonly shPrecision: ShPrecision;
+}
+
+/** How rows are packed one by one. */
+export interface RowPrecision extends CloudPrecision {
+  readonly shPrecision: OwnShPrecision;
 }
 
 /** @throws InvalidArgumentError for a precision that there is not. */

@@ -3,11 +3,11 @@ import { describe, expect, test } from 'vitest';
 import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
 import { coefficientRows, packedRows } from '../testing/coefficient-rows.ts';
 import { readCoefficients, shWordsPerSplat } from './harmonics.ts';
-import type { ShPrecision } from './precision.ts';
+import type { OwnShPrecision } from './precision.ts';
 import { packHarmonics, repackHarmonics, truncateHarmonics } from './repack-harmonics.ts';
 
 const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
-const PRECISIONS: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
+const PRECISIONS: readonly OwnShPrecision[] = ['f32', 'f16', 'u8'];
 
 describe('harmonics as trained', () => {
   test('are f32 words where they lie: nothing is copied', () => {

@@ -3,12 +3,14 @@ import { coefficientsPerSplat, type ShDegree, type TrainedHarmonics } from '../s
 import { shBandReach } from './band-reach.ts';
 import {
   type PackedHarmonics,
+  type PackedPalette,
   packCoefficients,
   readCoefficients,
   shBytesPerSplat,
   shWordsPerSplat,
 } from './harmonics.ts';
-import type { ShPrecision } from './precision.ts';
+import type { HarmonicsPalette } from './harmonics-palette.ts';
+import type { OwnShPrecision } from './precision.ts';
 
 /**
  * `harmonics` as f32 words, clamped to ± COEFFICIENT_MAX. They are the memory of the coefficients themselves unless one
@@ -25,7 +27,7 @@ export function packHarmonics({ degree, coefficients }: TrainedHarmonics): Packe
 export function repackHarmonics(
   harmonics: PackedHarmonics,
   count: number,
-  precision: ShPrecision,
+  precision: OwnShPrecision,
 ): PackedHarmonics {
   if (harmonics.precision === precision) return harmonics;
   const bandReach = shBandReach(harmonics, count);
@@ -61,4 +63,14 @@ export function truncateHarmonics(
     words[to + wordsPerSplat - 1] &= lastWordMask;
   }
   return { degree, precision, wordsPerSplat, words, bandReach: bandReach?.slice(0, degree) };
+}
+
+/** Bands 1 to `degree` of a palette, clamped like all coefficients. */
+export function packPalette(
+  { degree: whole, entries, indices }: HarmonicsPalette,
+  degree: ShDegree,
+): PackedPalette {
+  const [before, kept] = [whole, degree].map(coefficientsPerSplat);
+  const values = entries.filter((_, i) => i % before < kept).map(clampCoefficient);
+  return { degree, precision: 'palette', entries: values, indices };
 }

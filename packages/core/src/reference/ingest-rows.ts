@@ -1,7 +1,7 @@
 import { type PackedGeometry, packGeometry } from '../packing/geometry.ts';
 import type { PackedHarmonics } from '../packing/harmonics.ts';
 import { INGEST_LOG_SCALES } from '../packing/ingest-log-scale.ts';
-import type { CloudPrecision } from '../packing/precision.ts';
+import type { RowPrecision } from '../packing/precision.ts';
 import { packHarmonics, repackHarmonics } from '../packing/repack-harmonics.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 
@@ -11,7 +11,7 @@ import type { SplatSet } from '../splats/splat-set.ts';
  */
 export function ingestRows(
   set: SplatSet,
-  { geometryPrecision, shPrecision }: CloudPrecision,
+  { geometryPrecision, shPrecision }: RowPrecision,
 ): { readonly geometry: PackedGeometry; readonly harmonics: PackedHarmonics } {
   return {
     geometry: packGeometry(set, geometryPrecision, INGEST_LOG_SCALES),

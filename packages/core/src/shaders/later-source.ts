@@ -1,11 +1,15 @@
+import type { LaterTexts } from './link-shader.ts';
 import type { RARE_TEXTS } from './rare-texts.ts';
 import type { TILE_TEXTS } from './tile-texts.ts';
 
 const loadTiles = () => import('./tile-texts.ts');
 
 /** Returns a function that loads the text of a stage of the tiles. All of them come together. */
-export function tileSource(stage: keyof typeof TILE_TEXTS): () => Promise<string> {
-  return async () => (await loadTiles()).TILE_TEXTS[stage];
+export function tileSource(stage: keyof typeof TILE_TEXTS): () => Promise<LaterTexts> {
+  return async () => {
+    const { TILE_TEXTS, TILE_LIBRARIES: libraries } = await loadTiles();
+    return { source: TILE_TEXTS[stage], libraries };
+  };
 }
 
 /** Starts loading the texts of the tiles, so that they arrive while a device is asked for. A failure is told to whoever needs them. */
@@ -14,6 +18,6 @@ export function foreseeTiles(): void {
 }
 
 /** Returns a function that loads the text of a stage that most pages never run. */
-export function rareSource(stage: keyof typeof RARE_TEXTS): () => Promise<string> {
-  return async () => (await import('./rare-texts.ts')).RARE_TEXTS[stage];
+export function rareSource(stage: keyof typeof RARE_TEXTS): () => Promise<LaterTexts> {
+  return async () => ({ source: (await import('./rare-texts.ts')).RARE_TEXTS[stage] });
 }

@@ -7,8 +7,8 @@ import { type LinkInput, linkModules, type ShaderModules } from './shader-linker
 const files = import.meta.glob<string>(
   [
     '../../../../shaders/**/*.wgsl',
-    '!../../../../shaders/stages/{compare-images,copy-words,ingest-*,keep-colors,pick,repack-*,resolve-depth,tile-*,upscale}.wgsl',
-    '!../../../../shaders/lib/{exact-exp,float-bits,harmonics-packing,pack-splat}.wgsl',
+    '!../../../../shaders/stages/{compare-images,compose,copy-words,ingest-*,keep-colors,pick,repack-*,resolve-depth,tile-*,upscale}.wgsl',
+    '!../../../../shaders/lib/{exact-exp,float-bits,harmonics-packing,pack-splat,splat-ellipse,tile-grid,workgroup-scan}.wgsl',
   ],
   { query: '?raw', import: 'default', eager: true },
 );
@@ -36,12 +36,18 @@ export function effectShader(name: string): string {
   return modules[moduleName(`effects/${name}`)];
 }
 
+/** What comes of a variant later. */
+export interface LaterTexts {
+  readonly source: string;
+  readonly libraries?: ShaderVariant['libraries'];
+}
+
 /** A shader to link; code whose condition is not met is not in its text. */
 export interface ShaderVariant {
   /** File in shaders/stages, without its ending. */
   readonly stage: string;
   /** Text of that file, or what loads it, if it is not among the engine's own modules. */
-  readonly source?: string | (() => Promise<string>);
+  readonly source?: string | (() => Promise<LaterTexts>);
   /** Texts of other files below shaders/ that are not among those modules, by their names without endings. */
   readonly libraries?: Readonly<Record<string, string>>;
   /** Structs that it may import besides those of all shaders. */
@@ -54,10 +60,10 @@ export interface ShaderVariant {
   readonly effects?: { readonly modules: ShaderModules };
 }
 
-/** Loads the variant's text where that is still to be loaded, as it must be before it is linked. */
+/** Loads the variant's texts where they are still to be loaded, as it must be before it is linked. */
 export async function loadVariant<Variant extends ShaderVariant>(variant: Variant): Promise<Variant> {
   const { source } = variant;
-  return { ...variant, source: typeof source === 'function' ? await source() : source };
+  return typeof source === 'function' ? { ...variant, ...(await source()) } : variant;
 }
 
 /**
@@ -84,6 +90,7 @@ const NO_CONDITIONS: LinkInput['conditions'] = {
   SH_F32: false,
   SH_F16: false,
   SH_U8: false,
+  SH_PALETTE: false,
   REPACK_TO_U8: false,
   DEPTH_TEST: false,
   DEPTH_LOGARITHMIC: false,

@@ -1,3 +1,6 @@
+import splatEllipse from '../../../../shaders/lib/splat-ellipse.wgsl?raw';
+import tileGrid from '../../../../shaders/lib/tile-grid.wgsl?raw';
+import workgroupScan from '../../../../shaders/lib/workgroup-scan.wgsl?raw';
 import tileCount from '../../../../shaders/stages/tile-count.wgsl?raw';
 import tileEmit from '../../../../shaders/stages/tile-emit.wgsl?raw';
 import tileMasks from '../../../../shaders/stages/tile-masks.wgsl?raw';
@@ -13,4 +16,11 @@ export const TILE_TEXTS = {
   'tile-plan': tilePlan,
   'tile-ranges': tileRanges,
   'tile-rasterize': tileRasterize,
+} as const;
+
+/** Texts of what only those stages import. */
+export const TILE_LIBRARIES = {
+  'lib/splat-ellipse': splatEllipse,
+  'lib/tile-grid': tileGrid,
+  'lib/workgroup-scan': workgroupScan,
 } as const;

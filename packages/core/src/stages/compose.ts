@@ -1,4 +1,5 @@
 import type { BindingKind, RenderState, StageDefinition } from '../gpu/pipelines.ts';
+import { rareSource } from '../shaders/later-source.ts';
 import type { RasterizeDepth } from './rasterize.ts';
 
 /** Formats of compose's targets: the image in linear light, and the splats' depth as the host stores it. */
@@ -23,6 +24,7 @@ export function compose(depth: RasterizeDepth | null, isMultisampled: boolean): 
   if (isMultisampled) bindings.hostDepths = [5, 'multisampled-depth-texture'];
   return {
     stage: 'compose',
+    source: rareSource('compose'),
     conditions: {
       DEPTH_LAYER: hasDepthLayer,
       MULTISAMPLED: isMultisampled,

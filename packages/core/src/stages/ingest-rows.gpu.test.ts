@@ -13,7 +13,7 @@ import { GEOMETRY_WORDS } from '../packing/geometry.ts';
 import { shWordsPerSplat } from '../packing/harmonics.ts';
 import { ingestLogScaleSteps } from '../packing/ingest-log-scale.ts';
 import { clampLogScale } from '../packing/log-scale.ts';
-import type { CloudPrecision } from '../packing/precision.ts';
+import type { RowPrecision } from '../packing/precision.ts';
 import { ingestRows as twin } from '../reference/ingest-rows.ts';
 import { DROP_REASONS, type SplatSet } from '../splats/splat-set.ts';
 import { expectSameGeometry, expectSameHarmonics } from '../testing/expect-same-planes.ts';
@@ -51,7 +51,7 @@ interface Taken {
 
 async function take(
   set: SplatSet,
-  precision: CloudPrecision,
+  precision: RowPrecision,
   options: FileRowsOptions = {},
   shaders = pipelines,
 ): Promise<Taken> {

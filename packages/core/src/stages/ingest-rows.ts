@@ -4,12 +4,12 @@ import { INGEST_FACTS } from '../layout/ingest-facts.ts';
 import { PACKING_STRUCTS } from '../layout/packing-structs.ts';
 import { GEOMETRY_WORDS } from '../packing/geometry.ts';
 import { shWordsPerSplat } from '../packing/harmonics.ts';
-import type { CloudPrecision } from '../packing/precision.ts';
+import type { RowPrecision } from '../packing/precision.ts';
 import { ROW_SLOT } from '../splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
 import { PACKING_LIBRARIES } from './packing-libraries.ts';
 
-export interface IngestVariant extends CloudPrecision {
+export interface IngestVariant extends RowPrecision {
   /** Degree of the file. */
   readonly shDegree: ShDegree;
 }

@@ -11,6 +11,7 @@ import { findNonFinite } from '../inspect/find-non-finite.ts';
 import { InspectedFrame, type InspectOptions } from '../inspect/inspected-frame.ts';
 import { readRecords } from '../inspect/read-records.ts';
 import { shortDepthKey } from '../layout/depth-key.ts';
+import { paletteSplats } from '../testing/palette-splats.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
 
@@ -71,6 +72,20 @@ describe('project', () => {
         }),
       );
     }
+  }
+
+  for (const shDegree of [1, 2, 3] as const) {
+    gpuTest(`palettes of degree ${shDegree}, several pages and clouds`, () =>
+      check({
+        clouds: [
+          { set: paletteSplats({ count: SPLATS + 1, entryCount: 37, shDegree }), splatsPerPage: 512 },
+          { set: randomSplats({ count: 100, seed: 13, shDegree: 1 }) },
+          { set: paletteSplats({ count: 1, entryCount: 1, shDegree, seed: 3, logScales: [-1, -1] }) },
+        ],
+        camera: testCameras(1.5).inside,
+        accuracy: { shPrecision: 'u8', shDegree: 2 },
+      }),
+    );
   }
 
   for (const [geometryPrecision, recordPrecision] of [

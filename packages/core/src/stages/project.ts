@@ -1,7 +1,7 @@
 import type { RecordPrecision, SortKeyBits } from '../accuracy/accuracy.ts';
 import { type EffectSet, effectBindings, hasHook, NO_EFFECTS } from '../effects/effect-set.ts';
 import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
-import { shWordsPerSplat } from '../packing/harmonics.ts';
+import { ENTRY_PRECISION, shWordsPerSplat } from '../packing/harmonics.ts';
 import type { GeometryPrecision, ShPrecision } from '../packing/precision.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import { recordConditions } from './record-conditions.ts';
@@ -32,7 +32,9 @@ export interface ProjectVariant {
 
 /** Writes the record and the sort key of each visible splat of a page. */
 export function project(variant: ProjectVariant): StageDefinition {
-  const { shDegree, shPrecision, shortKeyBits, effects = NO_EFFECTS, keepsColors = false } = variant;
+  const { shDegree, shortKeyBits, effects = NO_EFFECTS, keepsColors = false } = variant;
+  const isPalette = variant.shPrecision === 'palette';
+  const shPrecision = isPalette ? ENTRY_PRECISION : variant.shPrecision;
   const bindings: Record<string, readonly [number, BindingKind]> = {
     view: [0, 'uniform'],
     page: [1, 'uniform'],
@@ -61,6 +63,7 @@ export function project(variant: ProjectVariant): StageDefinition {
       SH_F32: shDegree >= 1 && shPrecision === 'f32',
       SH_F16: shDegree >= 1 && shPrecision === 'f16',
       SH_U8: shDegree >= 1 && shPrecision === 'u8',
+      SH_PALETTE: isPalette,
       COLOR_CACHE: keepsColors,
       ISOTROPIC: variant.isIsotropic === true,
       SPLAT_EFFECTS: hasHook(effects, 'splat'),

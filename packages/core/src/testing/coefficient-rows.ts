@@ -1,6 +1,6 @@
 import fc from 'fast-check';
 import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../packing/harmonics.ts';
-import type { ShPrecision } from '../packing/precision.ts';
+import type { OwnShPrecision } from '../packing/precision.ts';
 import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
 import { uniform } from './uniform.ts';
 
@@ -21,7 +21,7 @@ export function coefficientRows(degree: ShDegree): fc.Arbitrary<number[][]> {
 
 export function packedRows(
   degree: ShDegree,
-  precision: ShPrecision,
+  precision: OwnShPrecision,
   rows: readonly number[][],
 ): PackedHarmonics {
   const wordsPerSplat = shWordsPerSplat(degree, precision);

@@ -2,7 +2,7 @@ import { ALL_READERS } from '../io/formats/readers.ts';
 import type { RowSink } from '../io/formats/row-sink.ts';
 import { readSource } from '../io/loading/read-source.ts';
 import type { ReadSplatsOptions, SplatSource } from '../io/sources/splat-source.ts';
-import type { PackedHarmonics } from '../packing/harmonics.ts';
+import type { ReadHarmonics } from '../packing/harmonics.ts';
 import type { RowLayout } from '../packing/row-layout.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 
@@ -22,7 +22,7 @@ export async function rowsOf(
 ): Promise<FileRows> {
   const sink = new Collector(onTake);
   const files = { minRows: 0, maxRows: Number.POSITIVE_INFINITY, pieceBytes };
-  const set: SplatSet<PackedHarmonics> | null = await readSource(source, options, ALL_READERS, {
+  const set: SplatSet<ReadHarmonics> | null = await readSource(source, options, ALL_READERS, {
     sink,
     files,
   });

@@ -1,5 +1,5 @@
 import type { StageDefinition } from '../gpu/pipelines.ts';
-import type { ShPrecision } from '../packing/precision.ts';
+import type { OwnShPrecision } from '../packing/precision.ts';
 import { loadVariant } from '../shaders/link-shader.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import { compactChunks } from '../stages/compact-chunks.ts';
@@ -37,7 +37,7 @@ import { tileRasterize } from '../stages/tile-rasterize.ts';
 import { upscale } from '../stages/upscale.ts';
 
 const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
-const SH_PRECISIONS: readonly ShPrecision[] = ['f32', 'f16', 'u8'];
+const SH_PRECISIONS: readonly OwnShPrecision[] = ['f32', 'f16', 'u8'];
 const BOTH = [false, true] as const;
 const GEOMETRY = ['f32', 'packed'] as const;
 const RECORD = ['f32', 'f16', 'paper'] as const;
@@ -172,6 +172,12 @@ export function allStageVariants(): Promise<StageDefinition[]> {
         }
       }
     }
+  }
+  for (const degree of DEGREES.slice(1)) {
+    const precisions = { geometryPrecision: 'packed', recordPrecision: 'f16' } as const;
+    const degrees = { storedShDegree: degree, shDegree: degree };
+    const frame = { isOrthographic: false, shortKeyBits: null, maxColor: 65504 } as const;
+    stages.push(project({ ...frame, ...precisions, ...degrees, shPrecision: 'palette' }));
   }
   for (const recordPrecision of RECORD) {
     const precisions = { geometryPrecision: 'packed', recordPrecision, shPrecision: 'u8' } as const;

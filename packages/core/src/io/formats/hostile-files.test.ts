@@ -1,7 +1,7 @@
 import { gzipSync } from 'node:zlib';
 import { expect, test } from 'vitest';
 import { SplatFileError, WebSplatterError } from '../../errors.ts';
-import type { PackedHarmonics } from '../../packing/harmonics.ts';
+import type { ReadHarmonics } from '../../packing/harmonics.ts';
 import { packCloud } from '../../packing/packed-cloud.ts';
 import type { RowLayout } from '../../packing/row-layout.ts';
 import type { ShDegree, SplatSet } from '../../splats/splat-set.ts';
@@ -44,7 +44,7 @@ const EVIL_WORDS = [
 const EVIL_VALUES = ['nan', '-inf', '1e999', '.', '-', '1e', '--1', '1.#QNAN', '9'.repeat(3000), 'x', ''];
 
 /** What a reader makes of some bytes. */
-type Outcome = SplatSet<PackedHarmonics> | WebSplatterError;
+type Outcome = SplatSet<ReadHarmonics> | WebSplatterError;
 
 function fixtureOf(choices: Choices): Fixture {
   const count = 1 + choices.below(5);
@@ -168,7 +168,7 @@ class RowCounter implements RowSink {
   }
 }
 
-async function outcomeOf(reading: Promise<SplatSet<PackedHarmonics>>): Promise<Outcome> {
+async function outcomeOf(reading: Promise<SplatSet<ReadHarmonics>>): Promise<Outcome> {
   try {
     return await reading;
   } catch (error) {
@@ -234,7 +234,7 @@ test('any damage to a file gives splats or a typed error, however it comes', {
     const files = { minRows: 1, maxRows: 1000, pieceBytes: 1 + choices.below(1000) };
     const passed = readSource(new Blob([bytes]), limits, ALL_READERS, { sink, files });
     const rows = await outcomeOf(
-      passed.then((set) => set ?? ({ count: sink.rows } as SplatSet<PackedHarmonics>)),
+      passed.then((set) => set ?? ({ count: sink.rows } as SplatSet<ReadHarmonics>)),
     );
     // Rows that are passed on have not been looked at: all may turn out to be nothing.
     if (outcome instanceof SplatFileError && outcome.code === 'empty') return;

@@ -1,5 +1,5 @@
-import type { PackedHarmonics } from '../../packing/harmonics.ts';
-import type { ShPrecision } from '../../packing/precision.ts';
+import type { ReadHarmonics } from '../../packing/harmonics.ts';
+import type { OwnShPrecision } from '../../packing/precision.ts';
 import type { SplatSet } from '../../splats/splat-set.ts';
 import type { ByteReader } from '../sources/byte-reader.ts';
 import type { OpenedSource, ReadOptions, SceneFiles } from '../sources/splat-source.ts';
@@ -26,7 +26,9 @@ export interface SplatFormat {
 
 export interface SplatFormatOptions extends Pick<ReadOptions, 'signal' | 'onProgress'> {
   /** Precision in which to pack the spherical harmonics above degree 0. */
-  readonly shPrecision: ShPrecision;
+  readonly shPrecision: OwnShPrecision;
+  /** Whether harmonics that are a palette in the file stay one, and no rows are handed over; default false. */
+  readonly keepsPalette?: boolean;
   /** Files with more splats are refused. */
   readonly maxSplats: number;
   /** See `ReadLimits`; undefined for the default. */
@@ -68,7 +70,7 @@ export type ReadFormat = (
   input: SplatInput,
   options: SplatFormatOptions,
   rowsTo?: RowsTo,
-) => Promise<SplatSet<PackedHarmonics> | null>;
+) => Promise<SplatSet<ReadHarmonics> | null>;
 
 /** A thread's readers if it reads a single format. */
 export function onlyOf({ recognise }: SplatFormat, read: ReadFormat): FormatReaders {

@@ -3,7 +3,7 @@ import { ShReachMeter } from '../../packing/band-reach.ts';
 import { centerBounds } from '../../packing/center-bounds.ts';
 import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../../packing/harmonics.ts';
 import { chooseOrigin } from '../../packing/origin.ts';
-import type { ShPrecision } from '../../packing/precision.ts';
+import type { OwnShPrecision } from '../../packing/precision.ts';
 import { ROW_SLOT, reasonToDrop } from '../../splats/splat-row.ts';
 import {
   coefficientsPerSplat,
@@ -30,7 +30,7 @@ export interface SplatSetBuilderOptions {
   /** For messages. */
   readonly file: string;
   readonly shDegree: ShDegree;
-  readonly shPrecision: ShPrecision;
+  readonly shPrecision: OwnShPrecision;
   /** Whether positions have more precision than float32; it is kept until the origin is known. */
   readonly widePositions: boolean;
   /** Most rows that will be pushed. */

@@ -1,4 +1,4 @@
-import type { PackedHarmonics } from '../../packing/harmonics.ts';
+import type { ReadHarmonics } from '../../packing/harmonics.ts';
 import { checkPrecision } from '../../packing/precision.ts';
 import type { SplatSet } from '../../splats/splat-set.ts';
 import type { RowsTo } from '../formats/row-sink.ts';
@@ -20,20 +20,20 @@ export async function readSource(
   source: SplatSource,
   options: ReadSplatsOptions,
   readers: FormatReaders,
-): Promise<SplatSet<PackedHarmonics>>;
+): Promise<SplatSet<ReadHarmonics>>;
 /** Null if the rows of the file went to `rowsTo` as they are. */
 export async function readSource(
   source: SplatSource,
   options: ReadSplatsOptions,
   readers: FormatReaders,
   rowsTo: RowsTo | undefined,
-): Promise<SplatSet<PackedHarmonics> | null>;
+): Promise<SplatSet<ReadHarmonics> | null>;
 export async function readSource(
   source: SplatSource,
   options: ReadSplatsOptions,
   { pick, openFiles }: FormatReaders,
   rowsTo?: RowsTo,
-): Promise<SplatSet<PackedHarmonics> | null> {
+): Promise<SplatSet<ReadHarmonics> | null> {
   const { signal, onProgress, shPrecision = 'u8' } = options;
   checkPrecision({ shPrecision });
   const opened =
@@ -49,7 +49,15 @@ export async function readSource(
     const { stream, ...about } = opened;
     return await read(
       { ...about, reader },
-      { shPrecision, maxSplats, maxBytes: options.maxBytes, signal, onProgress },
+      {
+        // Where a file has no palette, one is best found among the finest harmonics.
+        shPrecision: shPrecision === 'palette' ? 'f32' : shPrecision,
+        keepsPalette: shPrecision === 'palette',
+        maxSplats,
+        maxBytes: options.maxBytes,
+        signal,
+        onProgress,
+      },
       rowsTo,
     );
   } finally {

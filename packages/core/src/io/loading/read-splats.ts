@@ -1,4 +1,5 @@
-import type { PackedHarmonics } from '../../packing/harmonics.ts';
+import type { PackedHarmonics, ReadHarmonics } from '../../packing/harmonics.ts';
+import type { OwnShPrecision } from '../../packing/precision.ts';
 import type { SplatSet } from '../../splats/splat-set.ts';
 import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 
@@ -11,8 +12,16 @@ import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts'
  */
 export async function readSplats(
   source: SplatSource,
+  options?: ReadSplatsOptions & { readonly shPrecision?: OwnShPrecision },
+): Promise<SplatSet<PackedHarmonics>>;
+export async function readSplats(
+  source: SplatSource,
+  options: ReadSplatsOptions,
+): Promise<SplatSet<ReadHarmonics>>;
+export async function readSplats(
+  source: SplatSource,
   options: ReadSplatsOptions = {},
-): Promise<SplatSet<PackedHarmonics>> {
+): Promise<SplatSet<ReadHarmonics>> {
   const [{ readSource }, { ALL_READERS }] = await Promise.all([
     import('./read-source.ts'),
     import('../formats/readers.ts'),

@@ -78,7 +78,10 @@ export interface ReadOptions extends SourceOptions {
 }
 
 export interface ReadSplatsOptions extends ReadOptions {
-  /** Precision in which to pack the spherical harmonics above degree 0; default `u8`. */
+  /**
+   * Precision in which to pack the spherical harmonics above degree 0; default `u8`. With `palette`, those that are a palette in
+   * the file stay one, and others are as `f32`.
+   */
   readonly shPrecision?: ShPrecision;
 }
 

@@ -6,8 +6,6 @@ export const depthTest: FoundInView = {
   name: 'depth-test',
   label: 'Hidden by meshes',
   about: 'Tests splats against the depth of meshes drawn before.',
-  conditions: ['DEPTH_TEST', 'DEPTH_LOGARITHMIC', 'MULTISAMPLED', 'REVERSED_DEPTH'],
-  bindings: ['hostDepth', 'hostDepths', 'testedDepth'],
   stages: ['resolve-depth', 'rasterize', 'tile-rasterize', 'compose'],
   calledFor: ({
     plan: {

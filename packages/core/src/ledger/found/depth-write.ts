@@ -6,8 +6,6 @@ export const depthWrite: FoundInView = {
   name: 'depth-write',
   label: 'Depth of splats',
   about: 'Blends the depth of splats along with their colours, for meshes drawn later.',
-  conditions: ['DEPTH_LAYER'],
-  bindings: ['depthLayer'],
   stages: ['rasterize', 'tile-rasterize', 'upscale', 'compose'],
   calledFor: ({
     plan: {

@@ -6,8 +6,6 @@ export const distanceOrder: FoundInCloud = {
   name: 'distance-order',
   label: 'Order of distances',
   about: 'Sorts splats by their distances from the camera, not by their depths.',
-  conditions: ['DISTANCE_ORDER'],
-  bindings: [],
   stages: ['cull-splats', 'project'],
   calledFor: ({ plan, shape: { cloud } }) => {
     if (!plan.shape.sortsByDistance) return null;

@@ -7,8 +7,6 @@ export const faintSplats: FoundInCloud = {
   name: 'faint-splats',
   label: 'Faint splats',
   about: 'Tests each splat’s opacity against the cutoff before anything else.',
-  conditions: ['FAINT_SPLATS'],
-  bindings: [],
   stages: ['cull-splats'],
   calledFor: (cloud) => {
     const { shape } = cloud;

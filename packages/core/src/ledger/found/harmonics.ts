@@ -6,11 +6,11 @@ export const harmonics: FoundInCloud = {
   name: 'harmonics',
   label: 'View-dependent colour',
   about: 'Evaluates spherical harmonics up to the highest visible degree.',
-  conditions: ['SH_1', 'SH_2', 'SH_3', 'SH_F32', 'SH_F16', 'SH_U8'],
-  bindings: ['shRest'],
   stages: ['project'],
   calledFor: (cloud) =>
-    cloud.shape.shDegree > 0 ? `colours depend on the viewing direction: ${limitOf(cloud)}` : null,
+    cloud.shape.shDegree > 0
+      ? `colours depend on the viewing direction: ${limitOf(cloud)}${isPalette(cloud) ? ', as a palette' : ''}`
+      : null,
   offReason: limitOf,
   // Includes stored bands that are not evaluated.
   bytes: ({ plan }) => {
@@ -18,6 +18,10 @@ export const harmonics: FoundInCloud = {
     return [...pages].reduce((sum, { shRest }) => sum + (shRest?.size ?? 0), 0);
   },
 };
+
+function isPalette({ shape }: DrawnCloud): boolean {
+  return shape.planes.shPrecision === 'palette';
+}
 
 /** Says what limits the degree. */
 function limitOf({ cloud: { instance }, shape }: DrawnCloud): string {

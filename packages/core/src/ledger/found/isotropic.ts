@@ -6,8 +6,6 @@ export const isotropic: FoundInCloud = {
   name: 'isotropic',
   label: 'Round splats',
   about: 'Ignores rotations if all splats are spheres.',
-  conditions: ['ISOTROPIC'],
-  bindings: [],
   stages: ['cull-splats', 'project'],
   calledFor: ({ shape }) => (shape.isIsotropic ? 'all splats are spheres' : null),
   offReason: ({ shape }) =>

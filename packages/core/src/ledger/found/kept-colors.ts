@@ -8,8 +8,6 @@ export const keptColors: FoundInCloud = {
   name: 'kept-colors',
   label: 'Kept colours',
   about: 'Keeps the colours of splats while they are seen from one place.',
-  conditions: ['COLOR_CACHE'],
-  bindings: ['keptColors'],
   stages: ['keep-colors', 'project'],
   calledFor: ({ shape }) => {
     if (!shape.keepsColors) return null;

@@ -6,8 +6,6 @@ export const orthographic: FoundInView = {
   name: 'orthographic',
   label: 'Orthographic view',
   about: 'Projects splats without perspective: all share one Jacobian.',
-  conditions: ['ORTHOGRAPHIC'],
-  bindings: [],
   stages: ['cull-splats', 'project', 'rasterize', 'tile-rasterize', 'compose'],
   calledFor: ({ plan }) => (plan.shape.isOrthographic ? 'the camera has no perspective' : null),
   offReason: () => 'the camera has perspective',

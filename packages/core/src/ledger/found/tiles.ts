@@ -7,8 +7,6 @@ export const tiles: FoundInView = {
   label: 'Tiles',
   about:
     'Blends splats tile by tile in compute shaders, front to back in float32, instead of drawing a quad each.',
-  conditions: [],
-  bindings: ['tileMasks'],
   stages: ['tile-count', 'tile-plan', 'tile-emit', 'tile-ranges', 'tile-masks', 'tile-rasterize'],
   calledFor: ({ plan, rasterizer }) => (plan.shape.rasterizer === 'tiles' ? rasterizer.reason : null),
   offReason: ({ rasterizer }) => rasterizer.reason,

@@ -10,8 +10,6 @@ export const transform: FoundInCloud = {
   name: 'transform',
   label: 'Placement',
   about: 'Places a cloud in the world, on the CPU: shaders always take one matrix.',
-  conditions: [],
-  bindings: [],
   stages: [],
   calledFor: ({
     cloud: {

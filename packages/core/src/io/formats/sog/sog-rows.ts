@@ -2,9 +2,8 @@ import { SplatFileError } from '../../../errors.ts';
 import { ROW_SLOT } from '../../../splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../splats/splat-set.ts';
 import { type DecodedRows, rowLength } from '../decoded-rows.ts';
-import type { SogImages, SogPaletteImages } from './sog-images.ts';
 import { FIRST_MODE, POSITION_STEPS } from './sog-layout.ts';
-import type { ByteValues, SogMeta } from './sog-meta.ts';
+import { labelsOf, paletteEntries, type SogUnit } from './sog-palette.ts';
 
 /** Each byte of a rotation as a component, from −√½ to √½. */
 const COMPONENTS = Float64Array.from({ length: 256 }, (_, byte) => (byte / 255 - 0.5) * Math.SQRT2);
@@ -12,23 +11,20 @@ const COMPONENTS = Float64Array.from({ length: 256 }, (_, byte) => (byte / 255 -
 /**
  * Decodes the splats of a SOG one after another.
  *
- * @param file its name in messages.
- * @param shDegree of the rows, which may be higher than that of the file.
+ * @param shDegree of the rows, which may be higher than that of the file; 0 for rows without harmonics.
  */
-export function sogRows(
-  file: string,
-  { positions, logScales, colors: colorValues, harmonics }: SogMeta,
-  images: SogImages,
-  shDegree: ShDegree,
-): DecodedRows['decode'] {
+export function sogRows(unit: SogUnit, shDegree: ShDegree): DecodedRows['decode'] {
+  const { file, meta, images } = unit;
+  const { positions, logScales, colors: colorValues } = meta;
   const { positionsLow, positionsHigh, rotations, scales, colors } = images;
   const [x, y, z] = positions.mins.map((min, axis) => new Axis(min, positions.maxs[axis]));
   const [scaleX, scaleY, scaleZ] = logScales;
   const [reds, greens, blues, logits] = colorValues;
-  const palette = images.harmonics && paletteRows(images.harmonics, harmonics!.values);
-  const { labels, size: paletteSize = 0 } = images.harmonics ?? {};
+  const harmonics = shDegree > 0 ? images.harmonics : null;
+  const palette = harmonics && paletteEntries(unit);
+  const labels = harmonics && labelsOf(unit);
   const length = rowLength(shDegree);
-  const coefficients = images.harmonics ? coefficientsPerSplat(images.harmonics.degree) : 0;
+  const coefficients = harmonics ? coefficientsPerSplat(harmonics.degree) : 0;
   let next = 0;
   return (rows, rowCount) => {
     for (let row = 0; row < rowCount * length; row += length, next++) {
@@ -64,9 +60,7 @@ export function sogRows(
 
       let harmonic = row + ROW_SLOT.harmonics;
       if (palette && labels) {
-        const label = labels[at] | (labels[at + 1] << 8);
-        if (label >= paletteSize) throw labelError(file, next, label, paletteSize);
-        const from = label * coefficients;
+        const from = labels[next] * coefficients;
         // Three at once, red, green and blue, take less time.
         for (let k = 0; k < coefficients; k += 3, harmonic += 3) {
           rows[harmonic] = palette[from + k];
@@ -101,24 +95,7 @@ class Axis {
   }
 }
 
-/** The coefficients of each colour of a palette, k-major as in rows. */
-function paletteRows({ degree, size, palette }: SogPaletteImages, values: ByteValues): Float32Array {
-  const pixels = (size * coefficientsPerSplat(degree)) / 3;
-  const rows = new Float32Array(3 * pixels);
-  for (let pixel = 0; pixel < pixels; pixel++) {
-    rows[3 * pixel] = values[palette[4 * pixel]];
-    rows[3 * pixel + 1] = values[palette[4 * pixel + 1]];
-    rows[3 * pixel + 2] = values[palette[4 * pixel + 2]];
-  }
-  return rows;
-}
-
 function modeError(file: string, row: number, mode: number): SplatFileError {
   const message = `a rotation has the mode ${mode}; it must be ${FIRST_MODE} to 255. Export the scene again.`;
-  return new SplatFileError('damaged', file, message, { row });
-}
-
-function labelError(file: string, row: number, label: number, size: number): SplatFileError {
-  const message = `a splat has the harmonics ${label} of a palette of ${size}. Export the scene again.`;
   return new SplatFileError('damaged', file, message, { row });
 }

@@ -2,7 +2,9 @@ import { existsSync, readFileSync } from 'node:fs';
 import { resolve } from 'node:path';
 import { describe, expect, test } from 'vitest';
 import { WebSplatterError } from '../../../errors.ts';
+import { isPalette, readCoefficients } from '../../../packing/harmonics.ts';
 import { ROW_SLOT } from '../../../splats/splat-row.ts';
+import { coefficientsPerSplat } from '../../../splats/splat-set.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { Choices, fuzz } from '../../../testing/fuzz.ts';
 import { type FileRows, rowsOf } from '../../../testing/rows-of.ts';
@@ -16,7 +18,7 @@ import {
 import { rgbaWebp, vp8lBytes, webpBytes } from '../../../testing/webp-fixture.ts';
 import { zipBytes } from '../../../testing/zip-fixture.ts';
 import { readSource } from '../../loading/read-source.ts';
-import type { LoadProgress, ReadSplatsOptions } from '../../sources/splat-source.ts';
+import type { LoadProgress, ReadSplatsOptions, SplatSource } from '../../sources/splat-source.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import { ALL_READERS } from '../readers.ts';
 
@@ -33,6 +35,25 @@ function expectRows({ layout, values }: FileRows, rows: SogExample['rows']): voi
     if (Math.abs(values[i] - value) > 2 ** -23 * Math.max(1e-3, Math.abs(value)))
       throw new Error(`value ${i % (values.length / rows.length)} of a row is ${values[i]}, not ${value}`);
   });
+}
+
+/** Reads with a palette kept, and compares the set with one of rows. @returns the number of its entries; null if it has no palette. */
+async function entriesKept(source: SplatSource): Promise<number | null> {
+  const kept = await readSource(source, { shPrecision: 'palette' }, ALL_READERS);
+  const own = await readSource(source, { shPrecision: 'f32' }, ALL_READERS);
+  expect(isPalette(own.harmonics)).toBe(false);
+  const coefficients = [kept, own].map(({ harmonics, count }) => {
+    const length = coefficientsPerSplat(harmonics.degree);
+    const all = new Float32Array(count * length);
+    for (let i = 0; i < count; i++)
+      readCoefficients(harmonics, i, all.subarray(i * length, (i + 1) * length));
+    return all;
+  });
+  expect(coefficients[0]).toEqual(coefficients[1]);
+  expect({ ...kept, harmonics: null }).toEqual({ ...own, harmonics: null });
+  return isPalette(kept.harmonics)
+    ? kept.harmonics.entries.length / coefficientsPerSplat(kept.harmonics.degree)
+    : null;
 }
 
 const failure = (example: SogExample, options: ReadSplatsOptions = {}) =>
@@ -60,6 +81,21 @@ describe('what is read', () => {
   test('a palette of a thousand colours', async () => {
     const example = exampleOf({ count: 300, shDegree: 1, paletteSize: 1000 });
     expectRows(await rowsOf(droppedFiles(sogFiles(example))), example.rows);
+  });
+
+  test.each([1, 2, 3] as const)('its palette of degree %i, where that is asked for', async (shDegree) => {
+    const example = exampleOf({ shDegree, count: 37, paletteSize: 130 });
+    expect(await entriesKept(droppedFiles(sogFiles(example)))).toBe(130);
+    const sink = {
+      mayDetach: false,
+      begin: () => expect.fail(),
+      memory: () => expect.fail(),
+      take: () => {},
+    };
+    const rowsTo = { sink, files: { minRows: 0, maxRows: 1000, pieceBytes: 1000 } };
+    const zipped = zipBytes(sogFiles(example));
+    expect(await readSource(zipped, { shPrecision: 'palette' }, ALL_READERS, rowsTo)).not.toBeNull();
+    expect(await entriesKept(droppedFiles(sogFiles(exampleOf({ shDegree: 0 }))))).toBeNull();
   });
 
   test('opacities of 0 and 1', async () => {
@@ -168,6 +204,15 @@ describe('streamed SOG', () => {
       await rowsOf(droppedFiles(filesOf({ ...old, environment: null }))),
       widened([...first.rows, ...second.rows]),
     );
+  });
+
+  test('as one palette, unless it would have too many entries', async () => {
+    const source = droppedFiles(filesOf(lodMeta));
+    // Files without harmonics have one entry, of zeros.
+    expect(await entriesKept(source)).toBe(70 + 1);
+    const large = { count: 9, shDegree: 2, width: 4, paletteSize: 2 ** 16 } as const;
+    const files = { ...filesOf(lodMeta), ...sogFiles(exampleOf(large, 2), 'scene/0_0/') };
+    expect(await entriesKept(droppedFiles(files))).toBeNull();
   });
 
   test.each<[string, object, string, RegExp]>([

@@ -1,5 +1,5 @@
 import { SplatFileError } from '../../../errors.ts';
-import type { PackedHarmonics } from '../../../packing/harmonics.ts';
+import type { ReadHarmonics } from '../../../packing/harmonics.ts';
 import type { ShDegree, SplatSet } from '../../../splats/splat-set.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { checkCount } from '../check-count.ts';
@@ -9,24 +9,18 @@ import type { RowsTo } from '../row-sink.ts';
 import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
 import { finestLevel, isStreamedMeta } from './finest-level.ts';
 import { PartReader } from './part-reader.ts';
-import { ImageBudget, readSogImages, type SogImages } from './sog-images.ts';
-import { parseSogMeta, type SogMeta } from './sog-meta.ts';
+import { ImageBudget, readSogImages } from './sog-images.ts';
+import { parseSogMeta } from './sog-meta.ts';
+import { joinPalettes, type SogUnit } from './sog-palette.ts';
 import { sogRows } from './sog-rows.ts';
 
 /** Most bytes of a file with metadata; those of large streamed scenes have some millions. */
 const MAX_META_BYTES = 2 ** 26;
 
-/** One SOG, which may be a part of a scene. */
-interface SogUnit {
-  /** Its metadata's name in messages. */
-  readonly file: string;
-  readonly meta: SogMeta;
-  readonly images: SogImages;
-}
-
 /**
  * Reads SOG (Spatially Ordered Gaussians, by PlayCanvas), version 2 or 1: metadata in JSON, and images beside it, whose pixels are
  * the splats. Of streamed SOG, reads the finest level of the whole scene, and its environment.
+ * Where it is asked for, harmonics stay the palette that they are, unless those of a streamed scene have too many entries for one.
  *
  * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
  */
@@ -34,14 +28,20 @@ export async function readSog(
   input: SplatInput,
   options: SplatFormatOptions,
   rowsTo?: RowsTo,
-): Promise<SplatSet<PackedHarmonics> | null> {
+): Promise<SplatSet<ReadHarmonics> | null> {
   const stop = new AbortController();
   // What fails stops what else is being read.
   const signal = options.signal ? AbortSignal.any([options.signal, stop.signal]) : stop.signal;
   try {
     const progress = new ReadProgress(input, options.onProgress);
     const units = await readUnits(input, { ...options, signal }, progress);
-    return await deliverRows(joinUnits(units), input, options, rowsTo, progress);
+    const shDegree = Math.max(...units.map(({ images }) => images.harmonics?.degree ?? 0)) as ShDegree;
+    const palette = options.keepsPalette ? joinPalettes(units, shDegree) : null;
+    if (!palette) return await deliverRows(joinUnits(units, shDegree), input, options, rowsTo, progress);
+    // Without a sink there is always a set.
+    const set = (await deliverRows(joinUnits(units, 0), input, options, undefined, progress))!;
+    const indices = Uint16Array.from(set.fileIndices, (row) => palette.indices[row]);
+    return { ...set, harmonics: { ...palette, indices } };
   } finally {
     stop.abort();
   }
@@ -96,14 +96,12 @@ function parseJson(bytes: Uint8Array, file: string): unknown {
   }
 }
 
-/** The splats of several SOGs, one after the other. */
-function joinUnits(units: readonly SogUnit[]): DecodedRows {
-  const degrees = units.map(({ images }) => images.harmonics?.degree ?? 0);
-  const shDegree = Math.max(...degrees) as ShDegree;
+/** The splats of several SOGs, one after the other. @param shDegree see `sogRows`. */
+function joinUnits(units: readonly SogUnit[], shDegree: ShDegree): DecodedRows {
   const [{ meta }] = units;
   const decoders = units.map((unit) => ({
     left: unit.meta.count,
-    decode: sogRows(unit.file, unit.meta, unit.images, shDegree),
+    decode: sogRows(unit, shDegree),
   }));
   const length = rowLength(shDegree);
   return {

@@ -3,6 +3,7 @@ import { InvalidArgumentError } from '../../../errors.ts';
 import type { Harmonics } from '../../../packing/harmonics.ts';
 import { mortonOrder, permuteSplats } from '../../../packing/morton-order.ts';
 import type { ShDegree, SplatSet } from '../../../splats/splat-set.ts';
+import { paletteSplats } from '../../../testing/palette-splats.ts';
 import { randomSplats, splatsOf } from '../../../testing/random-splats.ts';
 import { splatErrors } from '../../../testing/splat-errors.ts';
 import { readSplats } from '../../loading/read-splats.ts';
@@ -60,6 +61,17 @@ test('what comes from a SOG is written as it was', async () => {
   expect(errors.position).toBeLessThan(1e-6);
   // The component that is left out comes from the others, and may no longer be the largest.
   expect(errors.angle).toBeLessThanOrEqual(MOST_ANGLE);
+});
+
+test('a palette is written as it is', async () => {
+  const set = paletteSplats({ count: 300, shDegree: 3, entryCount: 70 });
+  // As few values as a codebook has, and exact in its bytes.
+  set.harmonics.entries.forEach((_, i, entries) => {
+    entries[i] = ((i * 7) % 256) / 256;
+  });
+  const found = await readSplats(await writeSog(set, {}), { shPrecision: 'palette' });
+  const { indices } = permuteSplats(set, mortonOrder(set.positions, set.count)).harmonics;
+  expect(found.harmonics).toEqual({ ...set.harmonics, indices });
 });
 
 describe('few splats', () => {

@@ -1,6 +1,6 @@
 import { InvalidArgumentError } from '../../../errors.ts';
 import { clusterHarmonics } from '../../../packing/cluster-harmonics.ts';
-import type { Harmonics } from '../../../packing/harmonics.ts';
+import { entryCountOf, type Harmonics, isPalette } from '../../../packing/harmonics.ts';
 import { type HarmonicsPalette, MAX_PALETTE_ENTRIES } from '../../../packing/harmonics-palette.ts';
 import { mortonOrder } from '../../../packing/morton-order.ts';
 import { normalizedRotation } from '../../../packing/rotation.ts';
@@ -156,7 +156,7 @@ function checkFinite({ count, origin, positions, logScales, colorDc, rotations }
   check(colorDc, 3, 'colour');
 }
 
-/** As many entries as a power of two has that is not above the number of splats: half of them or more. */
+/** The set's own palette, or one of as many entries as a power of two has that is not above the number of splats: half of them or more. */
 async function paletteOf(
   { harmonics, count }: SplatSet<Harmonics>,
   turns: Turns,
@@ -164,12 +164,9 @@ async function paletteOf(
 ): Promise<HarmonicsPalette | null> {
   await turns.give();
   if (harmonics.degree === 0) return null;
+  if (isPalette(harmonics)) return harmonics;
   const entryCount = Math.min(MAX_PALETTE_ENTRIES, 2 ** Math.floor(Math.log2(count)));
   return clusterHarmonics(harmonics, count, { ...options, entryCount });
-}
-
-function entryCountOf({ degree, entries }: HarmonicsPalette): number {
-  return entries.length / (3 * SH_REST_COEFFICIENTS[degree]);
 }
 
 async function addPalette(

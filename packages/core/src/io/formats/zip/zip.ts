@@ -1,5 +1,5 @@
 import { SplatFileError } from '../../../errors.ts';
-import type { PackedHarmonics } from '../../../packing/harmonics.ts';
+import type { ReadHarmonics } from '../../../packing/harmonics.ts';
 import type { SplatSet } from '../../../splats/splat-set.ts';
 import { openZipEntry, readZipDirectory, type ZipEntry } from '../../containers/zip.ts';
 import { ByteReader } from '../../sources/byte-reader.ts';
@@ -25,7 +25,7 @@ export async function readZip(
   input: SplatInput,
   options: SplatFormatOptions,
   rowsTo?: RowsTo,
-): Promise<SplatSet<PackedHarmonics> | null> {
+): Promise<SplatSet<ReadHarmonics> | null> {
   const { name, isHeld, totalBytes } = input;
   const bytes = await readAll(input.reader, Number.POSITIVE_INFINITY, isHeld ? totalBytes : 0);
   const entries = readZipDirectory(bytes, name).filter(({ path }) => !isByproduct(path));

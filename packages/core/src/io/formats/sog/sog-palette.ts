@@ -1,0 +1,81 @@
+import { SplatFileError } from '../../../errors.ts';
+import { type HarmonicsPalette, MAX_PALETTE_ENTRIES } from '../../../packing/harmonics-palette.ts';
+import { coefficientsPerSplat, type ShDegree } from '../../../splats/splat-set.ts';
+import type { SogImages, SogPaletteImages } from './sog-images.ts';
+import type { SogMeta } from './sog-meta.ts';
+
+/** One SOG, which may be a part of a scene. */
+export interface SogUnit {
+  /** Its metadata's name in messages. */
+  readonly file: string;
+  readonly meta: SogMeta;
+  readonly images: SogImages;
+}
+
+/**
+ * The palette of a scene, which those of its parts follow one another in; parts of a lower degree, or without harmonics, are
+ * padded with zeros. Null where it would have too many entries for its indices, or one that is not finite.
+ *
+ * @throws SplatFileError 'damaged'
+ */
+export function joinPalettes(units: readonly SogUnit[], degree: ShDegree): HarmonicsPalette | null {
+  const sizes = units.map(({ images }) => sizeOf(images));
+  const count = sizes.reduce((sum, size) => sum + size, 0);
+  if (degree === 0 || count > MAX_PALETTE_ENTRIES) return null;
+  const length = coefficientsPerSplat(degree);
+  const entries = new Float32Array(count * length);
+  const indices = new Uint16Array(units.reduce((sum, { meta }) => sum + meta.count, 0));
+  let firstEntry = 0;
+  let firstSplat = 0;
+  for (const [i, unit] of units.entries()) {
+    const own = unit.images.harmonics && paletteEntries(unit);
+    const ownLength = own ? own.length / sizes[i] : 0;
+    for (let entry = 0; own && entry < sizes[i]; entry++) {
+      const values = own.subarray(entry * ownLength, (entry + 1) * ownLength);
+      entries.set(values, (firstEntry + entry) * length);
+    }
+    const labels = labelsOf(unit);
+    for (let splat = 0; splat < labels.length; splat++)
+      indices[firstSplat + splat] = firstEntry + labels[splat];
+    firstEntry += sizes[i];
+    firstSplat += labels.length;
+  }
+  return entries.every(Number.isFinite) ? { degree, entries, indices } : null;
+}
+
+/** The coefficients of each entry, k-major as in rows. */
+export function paletteEntries({ meta, images }: SogUnit): Float32Array {
+  const { values } = meta.harmonics!;
+  const { degree, palette } = images.harmonics!;
+  const pixels = (sizeOf(images) * coefficientsPerSplat(degree)) / 3;
+  const entries = new Float32Array(3 * pixels);
+  for (let pixel = 0; pixel < pixels; pixel++) {
+    entries[3 * pixel] = values[palette[4 * pixel]];
+    entries[3 * pixel + 1] = values[palette[4 * pixel + 1]];
+    entries[3 * pixel + 2] = values[palette[4 * pixel + 2]];
+  }
+  return entries;
+}
+
+/** The entry of each splat; 0 for all where there is no palette. @throws SplatFileError 'damaged' */
+export function labelsOf({ file, meta: { count }, images: { harmonics } }: SogUnit): Uint16Array {
+  const indices = new Uint16Array(count);
+  if (!harmonics) return indices;
+  const { labels, size } = harmonics;
+  for (let splat = 0; splat < count; splat++) {
+    const label = labels[4 * splat] | (labels[4 * splat + 1] << 8);
+    if (label >= size) throw labelError(file, splat, label, size);
+    indices[splat] = label;
+  }
+  return indices;
+}
+
+/** Entries that labels can name; a part without harmonics has one, of zeros. */
+function sizeOf({ harmonics }: { readonly harmonics: SogPaletteImages | null }): number {
+  return harmonics ? Math.min(harmonics.size, MAX_PALETTE_ENTRIES) : 1;
+}
+
+function labelError(file: string, row: number, label: number, size: number): SplatFileError {
+  const message = `a splat has the harmonics ${label} of a palette of ${size}. Export the scene again.`;
+  return new SplatFileError('damaged', file, message, { row });
+}

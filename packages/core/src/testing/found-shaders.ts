@@ -1,0 +1,27 @@
+/** What shaders have for a found effect. */
+export interface FoundShaders {
+  /** Names of the conditions (`@if(NAME)`) that guard its code in shaders; all are false while it is off. */
+  readonly conditions: readonly string[];
+  /** Bindings that stages need for it, by their names in shaders. */
+  readonly bindings: readonly string[];
+}
+
+/** By names of found effects. All effects are listed: with no conditions, they are in no shader. */
+export const FOUND_SHADERS: Readonly<Record<string, FoundShaders>> = {
+  harmonics: {
+    conditions: ['SH_1', 'SH_2', 'SH_3', 'SH_F32', 'SH_F16', 'SH_U8', 'SH_PALETTE'],
+    bindings: ['shRest'],
+  },
+  isotropic: { conditions: ['ISOTROPIC'], bindings: [] },
+  'faint-splats': { conditions: ['FAINT_SPLATS'], bindings: [] },
+  transform: { conditions: [], bindings: [] },
+  orthographic: { conditions: ['ORTHOGRAPHIC'], bindings: [] },
+  'distance-order': { conditions: ['DISTANCE_ORDER'], bindings: [] },
+  'kept-colors': { conditions: ['COLOR_CACHE'], bindings: ['keptColors'] },
+  'depth-test': {
+    conditions: ['DEPTH_TEST', 'DEPTH_LOGARITHMIC', 'MULTISAMPLED', 'REVERSED_DEPTH'],
+    bindings: ['hostDepth', 'hostDepths', 'testedDepth'],
+  },
+  'depth-write': { conditions: ['DEPTH_LAYER'], bindings: ['depthLayer'] },
+  tiles: { conditions: [], bindings: ['tileMasks'] },
+};
