@@ -24,6 +24,13 @@ export async function createTestDevice(
   return device;
 }
 
+/** The same, with blending in float32 where the adapter has it: `reference` is then drawn as it is asked for. */
+export async function createBlendingDevice(): Promise<GPUDevice> {
+  const { adapter } = await createNodeGpu();
+  const blendable = 'float32-blendable' as GPUFeatureName;
+  return createTestDevice({ requiredFeatures: adapter.features.has(blendable) ? [blendable] : [] });
+}
+
 /** Fails the running test on any error or loss of `device`, for devices that a test makes itself. */
 export function watchDevice(device: GPUDevice): void {
   const errors: string[] = [];

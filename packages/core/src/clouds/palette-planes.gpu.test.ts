@@ -1,5 +1,4 @@
-import { createNodeGpu } from '@websplatter/node';
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { createBlendingDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../engine.ts';
 import { SplatSourceError } from '../errors.ts';
@@ -23,9 +22,7 @@ const CAMERA = testCameras(1).perspective;
 let device: GPUDevice;
 let engine: SplatEngine;
 beforeAll(async () => {
-  const blendable = 'float32-blendable' as GPUFeatureName;
-  const { adapter } = await createNodeGpu();
-  device = await createTestDevice({ requiredFeatures: adapter.features.has(blendable) ? [blendable] : [] });
+  device = await createBlendingDevice();
   engine = await SplatEngine.create({ device, accuracy: 'reference' });
 });
 afterAll(() => {

@@ -1,6 +1,13 @@
 import { InvalidArgumentError } from '../errors.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
-import type { DropCounts, DropReason, ShDegree, SplatColumns, SplatSet } from '../splats/splat-set.ts';
+import {
+  agreedAntialiasing,
+  type DropCounts,
+  type DropReason,
+  type ShDegree,
+  type SplatColumns,
+  type SplatSet,
+} from '../splats/splat-set.ts';
 import { placeSplats } from './place-splats.ts';
 import { trainedCoefficients } from './trained-coefficients.ts';
 
@@ -23,7 +30,7 @@ export function mergeSplats(sets: readonly SplatSet<Harmonics>[]): SplatSet<Harm
   );
   const column = (name: 'logScales' | 'rotations' | 'opacityLogits' | 'colorDc') =>
     joined(sets.map((set) => set[name]));
-  const { isAntialiased } = sets[0];
+  const isAntialiased = agreedAntialiasing(sets);
   return {
     count,
     ...placed(sets),
@@ -34,8 +41,7 @@ export function mergeSplats(sets: readonly SplatSet<Harmonics>[]): SplatSet<Harm
     harmonics: { degree, coefficients: joined(sets.map((set) => trainedCoefficients(set, degree))) },
     fileIndices: Uint32Array.from({ length: count }, (_, i) => i),
     dropped: totalOf(sets.map(({ dropped }) => dropped)),
-    ...(isAntialiased !== undefined &&
-      sets.every((set) => set.isAntialiased === isAntialiased) && { isAntialiased }),
+    ...(isAntialiased !== undefined && { isAntialiased }),
   };
 }
 

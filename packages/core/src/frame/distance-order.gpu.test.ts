@@ -1,5 +1,4 @@
-import { createNodeGpu } from '@websplatter/node';
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { createBlendingDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
 import { orthographicCamera, perspectiveCamera } from '../camera/camera.ts';
 import { SplatEngine } from '../engine.ts';
@@ -29,9 +28,7 @@ let device: GPUDevice;
 let engine: SplatEngine;
 let view: SplatView;
 beforeAll(async () => {
-  const { adapter } = await createNodeGpu();
-  const blendable = 'float32-blendable' as GPUFeatureName;
-  device = await createTestDevice({ requiredFeatures: adapter.features.has(blendable) ? [blendable] : [] });
+  device = await createBlendingDevice();
   engine = await SplatEngine.create({ device, accuracy: 'reference' });
   view = engine.createView();
 });

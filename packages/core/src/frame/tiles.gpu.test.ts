@@ -1,5 +1,4 @@
-import { createNodeGpu } from '@websplatter/node';
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { createBlendingDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { AccuracySettings, ColorTarget, RecordPrecision } from '../accuracy/accuracy.ts';
 import { type Camera, perspectiveCamera } from '../camera/camera.ts';
@@ -22,9 +21,7 @@ let device: GPUDevice;
 let engine: SplatEngine;
 let view: SplatView;
 beforeAll(async () => {
-  const { adapter } = await createNodeGpu();
-  const blendable = 'float32-blendable' as GPUFeatureName;
-  device = await createTestDevice({ requiredFeatures: adapter.features.has(blendable) ? [blendable] : [] });
+  device = await createBlendingDevice();
   engine = await SplatEngine.create({
     device,
     accuracy: { preset: 'reference', rasterizer: 'tiles' },

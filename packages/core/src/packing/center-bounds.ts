@@ -1,20 +1,20 @@
 import type { Vec3 } from '../math/mat4.ts';
 
+/** Bounds of nothing, to be widened in place. */
+export function emptyBounds(): {
+  readonly min: [number, number, number];
+  readonly max: [number, number, number];
+} {
+  const most = Number.POSITIVE_INFINITY;
+  return { min: [most, most, most], max: [-most, -most, -most] };
+}
+
 /** Least and greatest coordinates, by axis, of the first `count` positions; ±Infinity if there are none. */
 export function centerBounds(
   positions: Float32Array | Float64Array,
   count: number,
 ): { readonly min: Vec3; readonly max: Vec3 } {
-  const min: [number, number, number] = [
-    Number.POSITIVE_INFINITY,
-    Number.POSITIVE_INFINITY,
-    Number.POSITIVE_INFINITY,
-  ];
-  const max: [number, number, number] = [
-    Number.NEGATIVE_INFINITY,
-    Number.NEGATIVE_INFINITY,
-    Number.NEGATIVE_INFINITY,
-  ];
+  const { min, max } = emptyBounds();
   for (let i = 0; i < 3 * count; i++) {
     const axis = i % 3;
     if (positions[i] < min[axis]) min[axis] = positions[i];

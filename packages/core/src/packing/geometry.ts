@@ -2,7 +2,7 @@ import { clampCoefficient, toHalfBits } from '../layout/half.ts';
 import type { SplatColumns } from '../splats/splat-set.ts';
 import { clampLogScale } from './log-scale.ts';
 import type { GeometryPrecision } from './precision.ts';
-import { normalizedRotation } from './rotation.ts';
+import { largestComponent, normalizedRotation } from './rotation.ts';
 
 /** 32-bit words per splat, as in shaders/lib/packing.wgsl. */
 export const GEOMETRY_WORDS: Readonly<Record<GeometryPrecision, number>> = { f32: 16, packed: 8 };
@@ -111,8 +111,7 @@ function logScaleSteps(logScale: number, min: number, step: number): number {
 const ROTATION_STEPS = 16383;
 
 function packRotation(rotation: Float64Array): [low: number, high: number] {
-  let largest = 0;
-  for (let k = 1; k < 4; k++) if (Math.abs(rotation[k]) > Math.abs(rotation[largest])) largest = k;
+  const largest = largestComponent(rotation);
   // A quaternion and its negative are the same rotation: the one left out is made positive.
   const sign = rotation[largest] < 0 ? -1 : 1;
   const steps: number[] = [];

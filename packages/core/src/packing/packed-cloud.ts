@@ -2,6 +2,7 @@ import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { Chunk } from '../layout/structs.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { DropCounts, SplatColumns, SplatSet } from '../splats/splat-set.ts';
+import { emptyBounds } from './center-bounds.ts';
 import { type CloudFacts, cloudFacts } from './cloud-facts.ts';
 import { type PackedGeometry, packGeometry } from './geometry.ts';
 import { type Harmonics, isPacked, isPalette, type StoredHarmonics } from './harmonics.ts';
@@ -108,8 +109,7 @@ export function chunkCountOf(splatCount: number): number {
 export function chunkBounds({ count, positions, logScales }: SplatColumns): ArrayBuffer {
   const chunks = new ArrayBuffer(chunkCountOf(count) * Chunk.bytes);
   for (let chunk = 0; chunk < chunkCountOf(count); chunk++) {
-    const min = [Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
-    const max = [Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY];
+    const { min, max } = emptyBounds();
     let maxLogScale = Number.NEGATIVE_INFINITY;
     const end = Math.min(count, (chunk + 1) * CHUNK_SPLATS);
     for (let i = 3 * chunk * CHUNK_SPLATS; i < 3 * end; i++) {
@@ -131,16 +131,7 @@ export function totalBounds(chunks: ArrayBuffer, origin: Vec3): Bounds {
   const stride = Chunk.bytes / 4;
   const minAt = Chunk.offsets.minPosition / 4;
   const maxAt = Chunk.offsets.maxPosition / 4;
-  const min: [number, number, number] = [
-    Number.POSITIVE_INFINITY,
-    Number.POSITIVE_INFINITY,
-    Number.POSITIVE_INFINITY,
-  ];
-  const max: [number, number, number] = [
-    Number.NEGATIVE_INFINITY,
-    Number.NEGATIVE_INFINITY,
-    Number.NEGATIVE_INFINITY,
-  ];
+  const { min, max } = emptyBounds();
   for (let at = 0; at < values.length; at += stride) {
     for (let axis = 0; axis < 3; axis++) {
       min[axis] = Math.min(min[axis], values[at + minAt + axis] + origin[axis]);

@@ -20,3 +20,10 @@ export function normalizedRotation(rotations: Float32Array, at: number, result: 
   const inverse = 1 / Math.sqrt(length2);
   for (let k = 0; k < 4; k++) result[k] *= inverse;
 }
+
+/** Place of the component that is farthest from 0; the first of several. */
+export function largestComponent(rotation: Float64Array): number {
+  let largest = 0;
+  for (let k = 1; k < 4; k++) if (Math.abs(rotation[k]) > Math.abs(rotation[largest])) largest = k;
+  return largest;
+}

@@ -83,3 +83,11 @@ export interface SplatSet<Harmonics extends { readonly degree: ShDegree } = Trai
   /** Spherical harmonics above degree 0. */
   readonly harmonics: Harmonics;
 }
+
+/** What all parts of a scene say of an antialias filter; undefined where they differ, or say nothing. */
+export function agreedAntialiasing(
+  parts: readonly { readonly isAntialiased?: boolean }[],
+): boolean | undefined {
+  const [{ isAntialiased }] = parts;
+  return parts.every((part) => part.isAntialiased === isAntialiased) ? isAntialiased : undefined;
+}

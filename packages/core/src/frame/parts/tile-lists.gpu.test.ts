@@ -1,5 +1,4 @@
-import { createNodeGpu } from '@websplatter/node';
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { createBlendingDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { type Camera, orthographicCamera, perspectiveCamera } from '../../camera/camera.ts';
 import type { SplatCloud } from '../../clouds/splat-cloud.ts';
@@ -43,9 +42,7 @@ let device: GPUDevice;
 let reference: Float64Array;
 beforeAll(async () => {
   // Quads that blend 300 layers in halves may lose more than the tests allow.
-  const { adapter } = await createNodeGpu();
-  const blendable = 'float32-blendable' as GPUFeatureName;
-  device = await createTestDevice({ requiredFeatures: adapter.features.has(blendable) ? [blendable] : [] });
+  device = await createBlendingDevice();
   reference = renderReference({ clouds: [{ set: COVERING }], camera: CAMERA, ...SIZE }).data;
 });
 afterAll(() => device?.destroy());

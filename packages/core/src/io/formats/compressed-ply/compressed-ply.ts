@@ -2,9 +2,10 @@ import { SplatFileError, type SplatFileErrorCode } from '../../../errors.ts';
 import { ROW_SLOT } from '../../../splats/splat-row.ts';
 import type { ShDegree } from '../../../splats/splat-set.ts';
 import { readExactly } from '../../sources/read-exactly.ts';
+import { ArrivingRows, type RowSource } from '../arriving-rows.ts';
 import { checkCount } from '../check-count.ts';
 import { colorDcOf, logitOf, tableOfBytes } from '../color-values.ts';
-import { type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
+import { deliverRows, rowLength } from '../decoded-rows.ts';
 import {
   clip,
   type PlyElement,
@@ -74,9 +75,9 @@ export const readCompressedPly: ReadFormat = async (input, options, rowsTo) => {
   checkCount(count, file, options.maxSplats, { element: 'vertex' });
   const isPassed = rowsTo !== undefined && takesCount(rowsTo.files, count);
   const arriving = isPassed ? arrivingHarmonics(layout, input) : null;
-  const heldBytes = arriving ? arriving.start : totalBytes;
-  const bytes = await readExactly(input, heldBytes, `its ${count} splats`);
-  const sh: HarmonicsSource = arriving ?? { bytes, start: layout.harmonics?.start ?? 0 };
+  const shStart = layout.harmonics?.start ?? 0;
+  const bytes = await readExactly(input, arriving ? shStart : totalBytes, `its ${count} splats`);
+  const sh = arriving ?? { bytes, start: shStart };
   const decode = rowDecoder(bytes, sh, layout, header.format !== 'binary_big_endian');
   const { isAntialiased, format: variant, writer } = header;
   const fileFacts = { format: 'compressed-ply', variant, writer };
@@ -84,43 +85,18 @@ export const readCompressedPly: ReadFormat = async (input, options, rowsTo) => {
   return deliverRows(rows, input, options, rowsTo);
 };
 
-/** Where the harmonics of the next splat are. */
-interface HarmonicsSource {
-  bytes: Uint8Array;
-  start: number;
-}
-
 /**
  * Harmonics that come last, three quarters of a file, are decoded while they arrive. Null where they do not, or may not be there:
  * memory for all splats is taken before they are.
- *
- * @returns at first, how many bytes come before them; after `arrive`, where those that it has waited for are.
  */
 function arrivingHarmonics(
   { count, chunks, vertices, harmonics, totalBytes }: Layout,
-  { name, reader, totalBytes: fileBytes = 0, totalBytesCertain }: SplatInput,
-): (HarmonicsSource & Required<Pick<DecodedRows, 'arrive'>>) | null {
+  input: SplatInput,
+): ArrivingRows | null {
+  const { reader, totalBytes: fileBytes = 0, totalBytesCertain } = input;
   const isThere = totalBytesCertain && fileBytes - reader.byteOffset >= totalBytes;
   if (!harmonics || harmonics.start < Math.max(chunks.start, vertices.start) || !isThere) return null;
-  const { start, strideBytes } = harmonics;
-  let given = 0;
-  const source = {
-    bytes: new Uint8Array(0),
-    start,
-    async arrive(rowCount: number) {
-      // What it waited for before has been decoded.
-      reader.advance(given);
-      given = rowCount * strideBytes;
-      if (!(await reader.fill(given))) {
-        const byte = reader.byteOffset + reader.available;
-        const message = `it ends within the harmonics of its ${count} splats. Download or export it again.`;
-        throw new SplatFileError('truncated', name, message, { byte });
-      }
-      source.bytes = reader.bytes;
-      source.start = reader.start;
-    },
-  };
-  return source;
+  return new ArrivingRows(input, harmonics.strideBytes, () => `within the harmonics of its ${count} splats`);
 }
 
 /** Finds what is needed in the body; throws if it is not there. */
@@ -204,7 +180,7 @@ function offsetsOf(
 
 function rowDecoder(
   bytes: Uint8Array<ArrayBuffer>,
-  sh: HarmonicsSource,
+  sh: RowSource,
   { shDegree, hasColorBounds, chunks, vertices, harmonics }: Layout,
   isLittleEndian: boolean,
 ): (rows: Float32Array, rowCount: number) => void {

@@ -1,7 +1,7 @@
 import { centerBounds } from '../../../packing/center-bounds.ts';
 import { type Harmonics, readCoefficients } from '../../../packing/harmonics.ts';
 import { mortonOrder } from '../../../packing/morton-order.ts';
-import { normalizedRotation } from '../../../packing/rotation.ts';
+import { largestComponent, normalizedRotation } from '../../../packing/rotation.ts';
 import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.ts';
 import { colorOf, opacityOf } from '../color-values.ts';
 import { antialiasComments } from '../ply/write-ply.ts';
@@ -144,8 +144,7 @@ class Chunk {
 
 /** Which of w, x, y, z is largest, and the others where that one is positive: 10 bits each, from −√½ to √½. */
 function smallestThree(rotation: Float64Array): number {
-  let largest = 0;
-  for (let i = 1; i < 4; i++) if (Math.abs(rotation[i]) > Math.abs(rotation[largest])) largest = i;
+  const largest = largestComponent(rotation);
   const factor = (rotation[largest] < 0 ? -1 : 1) * Math.SQRT1_2;
   let packed = largest;
   for (let i = 0; i < 4; i++)

@@ -3,12 +3,12 @@ import type { FileFacts } from '../../../splats/splat-set.ts';
 import { isGlb, unpackGlb } from '../../containers/glb.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { type DecodedRows, deliverRows } from '../decoded-rows.ts';
+import { joinedRows } from '../joined-rows.ts';
 import type { ReadFormat } from '../splat-format.ts';
 import { GltfBuffers } from './gltf-buffers.ts';
 import { GltfJson, objectOf } from './gltf-json.ts';
 import { meshesOfScene } from './gltf-scene.ts';
 import { SPLATTING } from './gltf-semantics.ts';
-import { joinedRows } from './joined-rows.ts';
 import { placedRows, reasonNotToPlace } from './placed-rows.ts';
 import { isSplats, type SplatPrimitive, splatPrimitiveOf } from './splat-primitive.ts';
 

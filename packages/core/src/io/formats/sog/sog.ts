@@ -3,7 +3,8 @@ import type { ReadHarmonics } from '../../../packing/harmonics.ts';
 import type { ShDegree, SplatSet } from '../../../splats/splat-set.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { checkCount } from '../check-count.ts';
-import { type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
+import { type DecodedRows, deliverRows } from '../decoded-rows.ts';
+import { joinedRows } from '../joined-rows.ts';
 import { ReadProgress } from '../progress.ts';
 import type { RowsTo } from '../row-sink.ts';
 import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
@@ -98,29 +99,11 @@ function parseJson(bytes: Uint8Array, file: string): unknown {
 
 /** The splats of several SOGs, one after the other. @param shDegree see `sogRows`. */
 function joinUnits(units: readonly SogUnit[], shDegree: ShDegree): DecodedRows {
-  const [{ meta }] = units;
-  const decoders = units.map((unit) => ({
-    left: unit.meta.count,
+  const parts = units.map((unit) => ({
+    count: unit.meta.count,
+    shDegree,
+    isAntialiased: unit.meta.isAntialiased,
     decode: sogRows(unit, shDegree),
   }));
-  const length = rowLength(shDegree);
-  return {
-    count: units.reduce((sum, unit) => sum + unit.meta.count, 0),
-    shDegree,
-    isAntialiased: units.every((unit) => unit.meta.isAntialiased === meta.isAntialiased)
-      ? meta.isAntialiased
-      : undefined,
-    fileFacts: { format: 'sog', variant: String(meta.version) },
-    decode(rows, rowCount) {
-      let done = 0;
-      while (done < rowCount) {
-        const decoder = decoders[0];
-        const count = Math.min(decoder.left, rowCount - done);
-        decoder.decode(rows.subarray(done * length), count);
-        decoder.left -= count;
-        done += count;
-        if (decoder.left === 0) decoders.shift();
-      }
-    },
-  };
+  return { ...joinedRows(parts), fileFacts: { format: 'sog', variant: String(units[0].meta.version) } };
 }

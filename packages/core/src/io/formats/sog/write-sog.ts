@@ -3,7 +3,7 @@ import { clusterHarmonics } from '../../../packing/cluster-harmonics.ts';
 import { entryCountOf, type Harmonics, isPalette } from '../../../packing/harmonics.ts';
 import { type HarmonicsPalette, MAX_PALETTE_ENTRIES } from '../../../packing/harmonics-palette.ts';
 import { mortonOrder } from '../../../packing/morton-order.ts';
-import { normalizedRotation } from '../../../packing/rotation.ts';
+import { largestComponent, normalizedRotation } from '../../../packing/rotation.ts';
 import { ROWS_AT_ONCE } from '../../../packing/split-rows.ts';
 import { SH_REST_COEFFICIENTS, type SplatSet } from '../../../splats/splat-set.ts';
 import { Turns } from '../../../turns.ts';
@@ -205,8 +205,7 @@ function rangeOf(set: SplatSet<Harmonics>): { mins: number[]; maxs: number[] } {
 
 /** Three components of a unit quaternion, and which one is left out: the largest, taken to be positive. */
 function putRotation(rotation: Float64Array, pixels: Uint8Array, at: number): void {
-  let largest = 0;
-  for (let k = 1; k < 4; k++) if (Math.abs(rotation[k]) > Math.abs(rotation[largest])) largest = k;
+  const largest = largestComponent(rotation);
   const sign = rotation[largest] < 0 ? -1 : 1;
   let to = at;
   for (let k = 0; k < 4; k++) {

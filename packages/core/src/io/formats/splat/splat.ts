@@ -1,12 +1,13 @@
 import { SplatFileError } from '../../../errors.ts';
 import { ROW_SLOT } from '../../../splats/splat-row.ts';
 import { readAll } from '../../sources/read-all.ts';
+import { ArrivingRows, type RowSource } from '../arriving-rows.ts';
 import { checkCount } from '../check-count.ts';
 import { colorDcOf, logitOf, tableOfBytes } from '../color-values.ts';
 import { type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
 import { logScaleOf } from '../flat-scale.ts';
 import { takesCount } from '../row-sink.ts';
-import type { ReadFormat, SplatInput } from '../splat-format.ts';
+import type { ReadFormat } from '../splat-format.ts';
 
 const ROW_BYTES = 32;
 const ROW_LENGTH = rowLength(0);
@@ -50,33 +51,14 @@ export const readSplat: ReadFormat = async (input, options, rowsTo) => {
   };
   const knownCount = totalBytesCertain && totalBytes !== undefined ? countOf(totalBytes) : undefined;
   if (knownCount !== undefined && rowsTo && takesCount(rowsTo.files, knownCount)) {
-    const source = { bytes: reader.bytes, start: reader.start };
-    return deliver(knownCount, source, (rowCount) => arrive(source, rowCount, input));
+    const arriving = new ArrivingRows(input, ROW_BYTES, (byte) => `at byte ${byte}`);
+    return deliver(knownCount, arriving, arriving.arrive);
   }
   // One byte more than may be there tells that there are too many.
   const mostBytes = options.maxSplats * ROW_BYTES + 1;
   const bytes = await readAll(reader, mostBytes, isHeld && knownCount !== undefined ? totalBytes : 0);
   return deliver(countOf(bytes.length), { bytes, start: 0 });
 };
-
-/** Where the next row is. */
-interface RowSource {
-  bytes: Uint8Array;
-  start: number;
-}
-
-/** Waits for the next rows, behind those that `source` has come to. */
-async function arrive(source: RowSource, rowCount: number, { name, reader }: SplatInput): Promise<void> {
-  reader.advance(source.start - reader.start);
-  if (!(await reader.fill(rowCount * ROW_BYTES))) {
-    const byte = reader.byteOffset + reader.available;
-    throw new SplatFileError('truncated', name, `it ends at byte ${byte}. Download or export it again.`, {
-      byte,
-    });
-  }
-  source.bytes = reader.bytes;
-  source.start = reader.start;
-}
 
 function rowDecoder(source: RowSource): (rows: Float32Array, rowCount: number) => void {
   return (rows, rowCount) => {

@@ -1,6 +1,6 @@
 import { InvalidArgumentError } from '../../../errors.ts';
 import { type Harmonics, readCoefficients } from '../../../packing/harmonics.ts';
-import { normalizedRotation } from '../../../packing/rotation.ts';
+import { largestComponent, normalizedRotation } from '../../../packing/rotation.ts';
 import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.ts';
 import { packGzip } from '../../containers/pack-gzip.ts';
 import { opacityOf } from '../color-values.ts';
@@ -94,8 +94,7 @@ function putPosition({ positions, origin }: SplatSet<Harmonics>, i: number, byte
 
 /** All of x, y, z, w but the largest, where that one is positive: each a sign and 9 bits, up to √½. */
 function putRotation(rotation: Float64Array, bytes: Uint8Array, at: number): void {
-  let largest = 0;
-  for (let i = 1; i < 4; i++) if (Math.abs(rotation[i]) > Math.abs(rotation[largest])) largest = i;
+  const largest = largestComponent(rotation);
   const isReversed = rotation[largest] < 0;
   // In the file, w is the last.
   let word = (largest + 3) & 3;

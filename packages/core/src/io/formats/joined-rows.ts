@@ -1,5 +1,5 @@
-import type { ShDegree } from '../../../splats/splat-set.ts';
-import { type DecodedRows, rowLength } from '../decoded-rows.ts';
+import { agreedAntialiasing, type ShDegree } from '../../splats/splat-set.ts';
+import { type DecodedRows, rowLength } from './decoded-rows.ts';
 
 /**
  * Rows of several parts, one part after another; those of lower degrees get zeros as their further harmonics. Of an antialias filter
@@ -17,9 +17,7 @@ export function joinedRows(parts: readonly DecodedRows[]): DecodedRows {
   return {
     count: parts.reduce((sum, { count }) => sum + count, 0),
     shDegree,
-    isAntialiased: parts.every((part) => part.isAntialiased === parts[0].isAntialiased)
-      ? parts[0].isAntialiased
-      : undefined,
+    isAntialiased: agreedAntialiasing(parts),
     decode(values, rowCount) {
       for (let row = 0; row < rowCount; ) {
         const part = widened[index];
