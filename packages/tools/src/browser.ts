@@ -11,6 +11,30 @@ export interface BrowserOptions {
   readonly args?: readonly string[];
 }
 
+/**
+ * What Playwright leaves out, too, where it matters here: of several such arguments, Chromium heeds the last one. For each page,
+ * Chromium would load two of its own for the address bar, which nobody sees, and start a process for a page that may come: half
+ * as much work again as a page of ours takes.
+ */
+const DISABLED_FEATURES = [
+  'WebUIOmniboxPopup',
+  'WebUIOmniboxAimPopup',
+  'SpareRendererForSitePerProcess',
+  'AimEnabled',
+  'AvoidUnnecessaryBeforeUnloadCheckSync',
+  'AvoidCorsURLLoaderRestartOnRedirect',
+  'DestroyProfileOnBrowserClose',
+  'HttpsFirstBalancedModeAutoEnable',
+  'HttpsUpgrades',
+  'LensOverlay',
+  'MediaRouter',
+  'NetworkTimeServiceQuerying',
+  'OptimizationHints',
+  'PaintHolding',
+  'PreconnectToSearch',
+  'ThirdPartyStoragePartitioning',
+];
+
 const COMMON_ARGS = [
   '--headless=new',
   '--no-sandbox',
@@ -21,6 +45,7 @@ const COMMON_ARGS = [
   '--use-angle=vulkan',
   // Without it Chromium 156 finds no shared image that both WebGPU and the compositor can use.
   '--enable-features=Vulkan',
+  `--disable-features=${DISABLED_FEATURES.join()}`,
 ];
 
 /** WebGPU and canvases on SwiftShader: unless canvases use Vulkan too, the first `getCurrentTexture` ends WebGPU. */
@@ -30,6 +55,8 @@ const SWIFTSHADER_ARGS = [
   '--use-vulkan=swiftshader',
   // SwiftShader takes most of a second to compile a shader that zeroes 16 KiB of workgroup memory in this way.
   '--disable-dawn-features=use_vulkan_zero_initialize_workgroup_memory_extension',
+  // What surrounds canvases would be drawn by shaders, which take SwiftShader a second to compile in each browser.
+  '--disable-gpu-rasterization',
 ];
 
 /** Without a display there is no Vulkan surface, and the sandbox of the GPU process hides the driver's files. */
