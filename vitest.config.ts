@@ -3,6 +3,7 @@ import { join } from 'node:path';
 import { defaultClientConditions, defaultServerConditions } from 'vite';
 import { defineConfig } from 'vitest/config';
 import LongestFirst from './packages/tools/longest-first.ts';
+import { PATIENCE_MS } from './packages/tools/src/patience.ts';
 
 // Tests run on the sources, not on dist: every workspace package exports its src under this condition.
 const conditions = ['@websplatter/source', ...defaultClientConditions];
@@ -18,8 +19,8 @@ const node = {
 
 /** Ends what hangs. No test waits for it, nor should a machine that does other things, too, ever come near. */
 const TEST_TIMEOUT_MS = 300_000;
-/** For `expect.poll`, which would wait for a second: a machine that does other things, too, takes much longer than usual. */
-const patience = { poll: { timeout: 60_000 } };
+/** For `expect.poll`, which would wait for a second. */
+const patience = { poll: { timeout: PATIENCE_MS } };
 
 const unit = {
   // As many as there are cores in CI, where Vitest would take one of two.

@@ -1,4 +1,5 @@
 import { launchBrowser as launch } from '@websplatter/tools/browser';
+import { PATIENCE_MS } from '@websplatter/tools/patience';
 import type { Browser, BrowserContextOptions, Page } from 'playwright-core';
 
 /** `WEBSPLATTER_BROWSER_GPU=1` runs the tests on this machine's GPU; by default they run on the CPU, alike everywhere. */
@@ -33,6 +34,7 @@ export async function newWatchedPage(browser: Browser, options: BrowserContextOp
     reducedMotion: 'reduce',
     ...options,
   });
+  context.setDefaultTimeout(PATIENCE_MS);
   const page = await context.newPage();
   const problems: string[] = [];
   page.on('pageerror', (error) => problems.push(`page error: ${error.stack ?? error.message}`));

@@ -70,7 +70,7 @@ describe('effects in the viewer', () => {
     expect(await cautions.count()).toBe(0);
 
     await press('measure');
-    await cautions.waitFor({ state: 'attached', timeout: 60_000 });
+    await cautions.waitFor({ state: 'attached' });
     expect(await cautions.textContent()).toContain('software adapter');
     expect(await effect(page, 'harmonics').textContent()).toMatch(/\d ms · .*(of each frame|take the same)/);
     expect(await effect(page, 'fog').textContent()).not.toContain('ms');

@@ -17,8 +17,6 @@ import { type DrawnCamera, IMAGE_ALONE, isAtRestAfter, loseDeviceOnDemand } from
 
 const firefoxTest = testWith({ Firefox: firefox, 'lavapipe (mesa-vulkan-drivers)': lavapipe });
 const isFull = process.env.WEBSPLATTER_FULL === '1';
-/** Most time for anything that a page is waited for, ms: lavapipe compiles for seconds. */
-const PATIENCE_MS = 60_000;
 
 const scene = testScene();
 /** In the full run enough rows for the GPU to take them. */
@@ -60,9 +58,8 @@ const frameCount = (page: Page) =>
 
 /** Waits until the viewer has drawn more than `frames` frames and is at rest. */
 async function waitForFrameAfter(page: Page, frames: number): Promise<void> {
-  const least = { timeout: PATIENCE_MS };
-  await page.waitForSelector('html[data-state="ready"]', least);
-  await page.waitForFunction(isAtRestAfter, least, frames);
+  await page.waitForSelector('html[data-state="ready"]');
+  await page.waitForFunction(isAtRestAfter, {}, frames);
 }
 
 /** Does something that changes the viewer's image, and waits for it. */
@@ -110,7 +107,6 @@ firefoxTest(
     await redraw(page, () => input.uploadFile(path));
     await page.waitForFunction(
       () => document.querySelector('[data-testid=scene-title]')?.textContent === 'other.ply',
-      { timeout: PATIENCE_MS },
     );
     await expectViewerAsReference(page, other);
 
@@ -121,14 +117,14 @@ firefoxTest(
 
 firefoxTest('React draws, changes and leaves nothing behind', async () => {
   const page = await open('e2e/react');
-  await page.waitForFunction(() => 'page' in window, { timeout: PATIENCE_MS });
+  await page.waitForFunction(() => 'page' in window);
   const showAll = (canvases: CanvasDescription[]) =>
     page.evaluate((list) => window.page.show(list), canvases);
   const show = (splats: CanvasDescription['splats']) =>
     showAll([{ id: 'canvas', kind: 'splats', background: 'black', splats }]);
   const held = () => page.evaluate(() => window.page.countResources());
   const waitForLog = (entry: string) =>
-    page.waitForFunction((text) => window.page.log.includes(text), { timeout: PATIENCE_MS }, entry);
+    page.waitForFunction((text) => window.page.log.includes(text), {}, entry);
   const bytes = () => page.evaluate(() => window.page.engine('canvas').memory().totalBytes);
 
   const heldBefore = await held();
@@ -145,16 +141,14 @@ firefoxTest('React draws, changes and leaves nothing behind', async () => {
 
   await show([{ id: 'a', src: 'scene.ply', opacity: 0.3 }]);
   await expect
-    .poll(async () => changedPart(image, await screenshotOf(page, '[data-testid=canvas]')), {
-      timeout: PATIENCE_MS,
-    })
+    .poll(async () => changedPart(image, await screenshotOf(page, '[data-testid=canvas]')))
     .toBeGreaterThan(0.1);
 
   expect(await bytes()).toBeGreaterThan(0);
   await show([]);
-  await expect.poll(bytes, { timeout: PATIENCE_MS }).toBe(0);
+  await expect.poll(bytes).toBe(0);
   await showAll([]);
-  await expect.poll(held, { timeout: PATIENCE_MS }).toEqual(heldBefore);
+  await expect.poll(held).toEqual(heldBefore);
 });
 
 /** One of each kind, but for devices with fewer features, which Firefox's is by itself: a case takes seconds there. */

@@ -70,11 +70,10 @@ const logOf = (page: Page) => page.evaluate(() => window.page.log);
 /** Waits until the page has logged `entry`, `times` times. */
 async function waitForLog(page: Page, entry: string, times = 1): Promise<void> {
   await page
-    .waitForFunction(
-      ([text, least]) => window.page.log.filter((each) => each === text).length >= least,
-      [entry, times] as const,
-      { timeout: 60_000 },
-    )
+    .waitForFunction(([text, least]) => window.page.log.filter((each) => each === text).length >= least, [
+      entry,
+      times,
+    ] as const)
     .catch(async (error) => {
       throw new Error(`No "${entry}" among ${JSON.stringify(await logOf(page))}`, { cause: error });
     });
@@ -216,9 +215,8 @@ it('draws no frame unless asked, and then one, or one more where a shader has ye
   const opaque = await image(page);
   const changed = { ...SPLATS, opacity: 0.2, position: [0, 0.2, 0] as const };
   await show(page, { ...quiet, splats: [changed] });
-  const drawn = { timeout: 60_000 };
   // At once with the shaders at hand, and again with the one for opacity.
-  await expect.poll(() => framesOf(page), drawn).toEqual(plus(before, 5));
+  await expect.poll(() => framesOf(page)).toEqual(plus(before, 5));
   await passTurns(page);
   expect(await framesOf(page), 'frames after a shader was compiled').toEqual(plus(before, 5));
   expect(changedPart(opaque, await image(page))).toBeGreaterThan(0.1);
@@ -252,7 +250,7 @@ it('takes effects as props, and draws what revealing takes and no frame more', a
       return effects.find(({ name }) => name === 'reveal')?.isOn === false;
     });
   expect(await isRevealed()).toBe(false);
-  await expect.poll(isRevealed, { timeout: 60_000 }).toBe(true);
+  await expect.poll(isRevealed).toBe(true);
   const before = await atRest(page, () => framesOf(page));
   expect(before.splats).toBeGreaterThan(2);
   const whole = await image(page);
@@ -268,7 +266,7 @@ it('takes effects as props, and draws what revealing takes and no frame more', a
     return data.filter((value, i) => i % 4 !== 0 && i % 4 !== 3 && value > 0).length;
   };
   expect(whole.data.filter((value, i) => i % 4 === 2 && value > 50).length).toBeGreaterThan(1000);
-  await expect.poll(blueOrGreen, { timeout: 60_000 }).toBe(0);
+  await expect.poll(blueOrGreen).toBe(0);
 });
 
 it('reads a file once and uploads it once, however often it is shown, and keeps it while a new one is read', async () => {
@@ -335,9 +333,7 @@ it('reads a file once and uploads it once, however often it is shown, and keeps 
 async function waitForSplats(page: Page, times = 1): Promise<void> {
   await waitForLog(page, 'canvas resumed', times);
   await expect
-    .poll(async () => (await image(page)).data.filter((value, i) => i % 4 < 3 && value > 50).length, {
-      timeout: 60_000,
-    })
+    .poll(async () => (await image(page)).data.filter((value, i) => i % 4 < 3 && value > 50).length)
     .toBeGreaterThan(1000);
 }
 
@@ -372,14 +368,14 @@ it('leaves nothing of a part on screen, nor in memory, when it is unmounted or f
   await nextFrames(page);
   const empty = await image(page);
   const expectNothing = async () => {
-    await expect.poll(async () => changedPart(empty, await image(page), 0), { timeout: 60_000 }).toBe(0);
+    await expect.poll(async () => changedPart(empty, await image(page), 0)).toBe(0);
     const left = () =>
       page.evaluate(() => {
         const { totalBytes, frames } = window.page.engine('canvas').memory();
         const { workers } = window.page.countResources();
         return { workers, bytes: totalBytes - frames.totalBytes };
       });
-    await expect.poll(left, { timeout: 60_000 }).toEqual({ workers: 0, bytes: 0 });
+    await expect.poll(left).toEqual({ workers: 0, bytes: 0 });
   };
   await show(page, { ...quiet, splats: [SLOW] });
   await waitForSplats(page);

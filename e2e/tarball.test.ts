@@ -37,7 +37,7 @@ describe('the packed tarballs in a fresh Vite app', () => {
       // Fast Refresh keeps the Canvas and its renderer; if an effect ran anew, it would read the file again.
       await page.evaluate(() => Object.assign(document.querySelector('canvas')!, { isOfBefore: true }));
       await app.edit('src/app.tsx', '<Splats src', '<Splats opacity={0} src');
-      await expect.poll(async () => isAllWhite(await screenshot(page)), { timeout: 60_000 }).toBe(true);
+      await expect.poll(async () => isAllWhite(await screenshot(page))).toBe(true);
       expect(await page.evaluate(() => 'isOfBefore' in document.querySelector('canvas')!)).toBe(true);
     });
   });
@@ -81,7 +81,7 @@ async function expectSplats(
     };
     const psnrDb = referenceImage(drawn, [testScene()], { widthPx: 480, heightPx: 320 });
     await expect
-      .poll(async () => psnrDb(await screenshot(page)), { timeout: 60_000, interval: 250 })
+      .poll(async () => psnrDb(await screenshot(page)), { interval: 250 })
       .toBeGreaterThanOrEqual(MIN_PSNR_DB);
     await goOn(page);
     // If the worker does not start, the page reads the file itself and looks just the same.

@@ -31,9 +31,9 @@ export interface DrawnCamera {
   readonly background: [number, number, number];
 }
 
-/** Waits until the viewer is in `state` (`data-state` of the document), at most a minute: SwiftShader is slow. */
+/** Waits until the viewer is in `state` (`data-state` of the document). */
 export async function waitForState(page: Page, state: string): Promise<void> {
-  await page.waitForSelector(`html[data-state="${state}"]`, { timeout: 60_000 });
+  await page.waitForSelector(`html[data-state="${state}"]`);
 }
 
 export function frameCount(page: Page): Promise<number> {
@@ -51,7 +51,7 @@ export function isAtRestAfter(frames: number): boolean {
 
 /** Waits until the viewer has drawn more than `frames` frames and is at rest. */
 export async function waitForFrameAfter(page: Page, frames: number): Promise<void> {
-  await page.waitForFunction(isAtRestAfter, frames, { timeout: 60_000 });
+  await page.waitForFunction(isAtRestAfter, frames);
 }
 
 /** Waits for the first frame. */

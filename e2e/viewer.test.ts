@@ -290,23 +290,17 @@ describe('viewer', () => {
     // The rest comes only after the test has seen a part.
     await page.waitForFunction(
       () => document.querySelector('[data-testid=scene-title]')?.textContent === 'slow.ply',
-      null,
-      { timeout: 60_000 },
     );
     const part = Number(/([\d,]+) splats/.exec(await textOf(page, 'scene'))![1].replaceAll(',', ''));
     expect(part).toBeGreaterThan(10_000);
     expect(part).toBeLessThan(120_000);
     await waitForState(page, 'loading');
     expect(await page.getByTestId('load').isVisible()).toBe(true);
-    await expect
-      .poll(async () => colorsIn(await viewerScreenshot(page)), { timeout: 60_000 })
-      .toBeGreaterThan(50);
+    await expect.poll(async () => colorsIn(await viewerScreenshot(page))).toBeGreaterThan(50);
     const early = await viewerScreenshot(page);
     expect(changedPart(before, early)).toBeGreaterThan(0.1);
     await page.keyboard.press('ArrowRight');
-    await expect
-      .poll(async () => changedPart(early, await viewerScreenshot(page)), { timeout: 60_000 })
-      .toBeGreaterThan(0.02);
+    await expect.poll(async () => changedPart(early, await viewerScreenshot(page))).toBeGreaterThan(0.02);
 
     harness.server.sendRestOfSlowFile();
     await waitForState(page, 'ready');
@@ -333,15 +327,11 @@ describe('viewer', () => {
     await page.goto(`${harness.server.url}?file=/slow.ply`);
     await page.waitForFunction(
       () => document.querySelector('[data-testid=scene-title]')?.textContent === 'slow.ply',
-      null,
-      { timeout: 60_000 },
     );
     // The button lies outside of so small a window.
     await page.getByTestId('cancel-load').dispatchEvent('click');
-    await page.waitForFunction(
-      () => document.querySelector('[data-testid=scene-title]')?.textContent?.includes('Still life'),
-      null,
-      { timeout: 60_000 },
+    await page.waitForFunction(() =>
+      document.querySelector('[data-testid=scene-title]')?.textContent?.includes('Still life'),
     );
     await waitForImage(page);
     expect(colorsIn(await viewerScreenshot(page)), 'different colours').toBeGreaterThan(500);

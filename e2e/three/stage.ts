@@ -1,4 +1,5 @@
 import { createSplatRenderer, type SplatCloudObject, splatEngineOf } from '@websplatter/three';
+import { PATIENCE_MS } from '@websplatter/tools/patience';
 import {
   Color,
   NoToneMapping,
@@ -86,7 +87,7 @@ export async function drawn(
 
 function nextNeededFrame(scene: Object3D): Promise<void> {
   return new Promise((resolve, reject) => {
-    const timer = setTimeout(() => reject(new Error('No splat needed a frame within a minute.')), 60_000);
+    const timer = setTimeout(() => reject(new Error('No splat needed a frame.')), PATIENCE_MS);
     scene.traverse((object) => {
       if (!(object as SplatCloudObject).isSplatCloudObject) return;
       (object as SplatCloudObject).addEventListener('needsframe', () => {

@@ -24,9 +24,6 @@ import { readSplats } from '../../loading/read-splats.ts';
 import { SNIFF_BYTES } from '../splat-format.ts';
 import { encodePly } from './write-ply.ts';
 
-// Properties run hundreds of reads, on machines that may be busy with other tests.
-vi.setConfig({ testTimeout: 60_000 });
-
 const FORMATS = ['ascii', 'binary_little_endian', 'binary_big_endian'] as const;
 const LE = 'binary_little_endian';
 
