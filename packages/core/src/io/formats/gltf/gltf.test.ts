@@ -215,6 +215,7 @@ describe('what is read', () => {
       change: { projection: 'perspective', sortingMethod: 'cameraDistance' },
     },
     { accepts: 'the order of depths, of a draft', change: { sortingMethod: 'zDepth' } },
+    { accepts: 'extras of other programs', change: { extras: { sortBy: 'depth', websplatter: 1 } } },
     { accepts: 'extensions that need not be known', change: { extensions: { EXT_more: { x: 1 } } } },
   ])('$accepts', async ({ change }) => {
     const fixture = gltfOf(splatAttributes(randomSplats({ count: 1, shDegree: 0 })));
@@ -246,6 +247,13 @@ test.each([
     );
   },
 );
+
+test('colours for programs that draw points, COLOR_0, may be there and are not needed', async () => {
+  const attributes = splatAttributes(randomSplats({ count: 2, shDegree: 1 }));
+  const colors = { size: 4, isNormalized: true, values: new Uint8Array(8).fill(200) } as const;
+  const plain = await read(glbBytes(gltfOf(attributes)));
+  expect(await read(glbBytes(gltfOf({ ...attributes, COLOR_0: colors })))).toEqual(plain);
+});
 
 test('what the file says of itself, and what is shown otherwise', async () => {
   const fixture = gltfOf(splatAttributes(randomSplats({ count: 1, shDegree: 0 })));
