@@ -10,11 +10,13 @@ const FIRST_BYTES = 1 << 20;
  * Rejects with SplatFileError 'too-large' if there is no memory for it, which is one piece; and as the reader does.
  *
  * @param expectedBytes how much it will be, as far as that is sure: memory for it is taken at once.
+ * @param onArrived told how much is there, again and again.
  */
 export async function readAll(
   reader: ByteReader,
   maxBytes = Number.POSITIVE_INFINITY,
   expectedBytes = 0,
+  onArrived?: (loadedBytes: number) => void,
 ): Promise<Uint8Array<ArrayBuffer>> {
   let bytes = memoryFor(expectedBytes > 0 ? expectedBytes : Math.min(FIRST_BYTES, maxBytes), reader);
   let length = 0;
@@ -31,6 +33,7 @@ export async function readAll(
     bytes.set(part, length);
     reader.advance(part.length);
     length += part.length;
+    onArrived?.(length);
   }
   return bytes.subarray(0, length);
 }

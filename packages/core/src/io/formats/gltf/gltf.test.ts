@@ -21,7 +21,7 @@ import { rowsOf } from '../../../testing/rows-of.ts';
 import { unpackGlb } from '../../containers/glb.ts';
 import { readSource } from '../../loading/read-source.ts';
 import { readSplats } from '../../loading/read-splats.ts';
-import type { SplatSource } from '../../sources/splat-source.ts';
+import type { LoadProgress, SplatSource } from '../../sources/splat-source.ts';
 import { detectFormat } from '../detect.ts';
 import { ALL_READERS } from '../readers.ts';
 import type { RowSink } from '../row-sink.ts';
@@ -345,6 +345,15 @@ describe('buffers', () => {
     const base64 = Buffer.from(fixture.binary).toString('base64');
     for (const type of ['application/octet-stream', 'application/gltf-buffer', ''])
       expect(await read(gltfBytes(fixture, `data:${type};base64,${base64}`))).toEqual(plain);
+  });
+
+  test('progress counts the bytes of both files', async () => {
+    const gltf = file('scene.gltf', gltfBytes(fixture, 'scene.bin'));
+    const reports: LoadProgress[] = [];
+    const onProgress = (progress: LoadProgress) => void reports.push(progress);
+    await readSplats({ files: [gltf, file('scene.bin', fixture.binary)] }, { onProgress });
+    const bytes = gltf.size + fixture.binary.length;
+    expect(reports.at(-1)).toMatchObject({ loadedBytes: bytes, totalBytes: bytes });
   });
 
   test('one file for several buffers is read once, and buffers that splats do not need not at all', async () => {
