@@ -3,9 +3,10 @@ import {
   ACCURACY_SETTINGS,
   type AccuracyPreset,
   DEFAULT_ACCURACY,
+  type SortBy,
 } from '@websplatter/core';
 import { UsageError } from './input-error.ts';
-import { parseFrames, parseSize, parseStrictly } from './render-options.ts';
+import { parseFrames, parseSize, parseSortBy, parseStrictly } from './render-options.ts';
 
 /** Arguments of `websplatter accuracy`. */
 export interface AccuracyOptions {
@@ -13,6 +14,7 @@ export interface AccuracyOptions {
   readonly camera: string;
   readonly widthPx: number;
   readonly heightPx: number;
+  readonly sortBy: SortBy;
   readonly base: AccuracyPreset;
   /** Names of the settings to change; undefined means all. */
   readonly settings: readonly string[] | undefined;
@@ -27,6 +29,7 @@ export function parseAccuracyArguments(args: readonly string[]): AccuracyOptions
   const { values, positionals } = parseStrictly(args, {
     camera: { type: 'string' },
     size: { type: 'string' },
+    'sort-by': { type: 'string', default: 'auto' },
     base: { type: 'string', default: DEFAULT_ACCURACY },
     settings: { type: 'string' },
     frames: { type: 'string', default: '15' },
@@ -43,6 +46,7 @@ export function parseAccuracyArguments(args: readonly string[]): AccuracyOptions
     camera: values.camera,
     widthPx,
     heightPx,
+    sortBy: parseSortBy(values['sort-by']),
     base: parseBase(values.base),
     settings: parseNames(values.settings),
     frames: parseFrames(values.frames),

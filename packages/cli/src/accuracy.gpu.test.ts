@@ -43,6 +43,7 @@ gpuTest('refuses bad input with one line, and writes nothing', async () => {
     [[...common, '--size', '8x8', '--base', 'best'], '--base is best'],
     [[...common, '--size', '8x8', '--settings', 'sharpness'], '“sharpness”'],
     [[...common, '--size', '8x8', '--frames', '0'], '--frames is 0'],
+    [[...common, '--size', '8x8', '--sort-by', 'z'], '--sort-by is z'],
   ] as const) {
     const { status, out, err } = await runMain(...args);
     expect(err).toContain(message);

@@ -24,7 +24,7 @@ export async function accuracy(args: readonly string[], console: Console): Promi
 }
 
 async function measure(options: AccuracyOptions, console: Console): Promise<AccuracyTable> {
-  const { widthPx, heightPx, base, settings, frames } = options;
+  const { widthPx, heightPx, sortBy, base, settings, frames } = options;
   const camera = await readCameraFile(options.camera, widthPx / heightPx);
   const scenes = await Promise.all(options.scenes.map(findScene));
   const session = await openGpuSession(scenes, ACCURACY_PRESETS.reference);
@@ -37,6 +37,7 @@ async function measure(options: AccuracyOptions, console: Console): Promise<Accu
       cameras: [camera],
       widthPx,
       heightPx,
+      sortBy,
       base,
       settings,
       frames,

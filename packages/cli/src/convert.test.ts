@@ -98,11 +98,15 @@ test('notes say what may surprise', async () => {
   // Of two scenes, one says that it was trained so.
   const both = [scene, folder.scene('other.ply'), folder.file('both.ply'), '--merge'];
   expect(await notesOf(...both)).toContainEqual(expect.stringContaining('antialias filter'));
+  const far = folder.write('far.gltf', gltfOfOneSplat({}));
   const order = expect.stringContaining('sorted by their distances');
   const axes = expect.stringContaining('--up -y');
-  expect(await notesOf(glb, folder.file('back.spz'))).toEqual([order, axes]);
-  expect(await notesOf(glb, folder.file('turned.spz'), '--up=-y')).toEqual([order]);
-  expect(await notesOf(glb, folder.file('same.glb'))).toEqual([]);
+  expect(await notesOf(far, folder.file('back.spz'))).toEqual([order, axes]);
+  expect(await notesOf(far, folder.file('turned.spz'), '--up=-y')).toEqual([order]);
+  expect(await notesOf(far, folder.file('same.glb'))).toEqual([]);
+  expect(await notesOf(far, far, folder.file('merged.glb'), '--merge')).toEqual([order]);
+  // A PLY is sorted by depths, and so is the .glb made of it.
+  expect(await notesOf(glb, folder.file('back.ply'), '--up=-y')).toEqual([]);
   // What the reader says of the file is said again.
   const more = folder.write('more.gltf', gltfOfOneSplat({ sortingMethod: 'zDepth' }, [{ attributes: {} }]));
   const about = expect.stringContaining('more.gltf: 1 other primitive');

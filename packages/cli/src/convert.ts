@@ -105,7 +105,7 @@ function edited(
 
 function notesOf(
   inputs: readonly Input[],
-  { isAntialiased }: SplatSet<Harmonics>,
+  { isAntialiased, fileFacts }: SplatSet<Harmonics>,
   { format, isTurnedUp }: ConvertOptions,
 ): string[] {
   const notes: string[] = [];
@@ -116,7 +116,8 @@ function notesOf(
   }
   if (inputs.some(({ set }) => set.isAntialiased) && !(format.tellsAntialiased && isAntialiased))
     notes.push('nothing in the new file says that splats were trained with an antialias filter');
-  if (inputs.some(({ set }) => set.fileFacts?.isSortedByDistance) && format.name !== 'gltf')
+  const keepsDistances = format.name === 'gltf' && fileFacts?.isSortedByDistance;
+  if (inputs.some(({ set }) => set.fileFacts?.isSortedByDistance) && !keepsDistances)
     notes.push('nothing in the new file says that splats are sorted by their distances from the camera');
   const isTurned = ({ set }: Input) =>
     set.fileFacts !== undefined && hasYUp(set.fileFacts.format) !== format.hasYUp;

@@ -130,7 +130,8 @@ export function parseSize(text: string): [number, number] {
   return size as [number, number];
 }
 
-function parseSortBy(text: string): SortBy {
+/** Parses what splats are sorted by. */
+export function parseSortBy(text: string): SortBy {
   const sortBy = SORTED_BY.find((each) => each === text);
   if (sortBy) return sortBy;
   throw new UsageError('--sort-by', `--sort-by is ${text}; it must be ${SORTED_BY.join(' or ')}`);

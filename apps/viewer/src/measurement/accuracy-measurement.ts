@@ -41,12 +41,13 @@ export class AccuracyMeasurement {
   async measure(): Promise<void> {
     const measured = await this.#measurement.run('accuracy', async ({ engine, frame }, options) => {
       const { measureAccuracy } = await import('@websplatter/core/measure');
-      const { camera, clouds, widthPx, heightPx } = frame;
+      const { camera, clouds, widthPx, heightPx, sortBy } = frame;
       const table = await measureAccuracy(engine, {
         clouds,
         cameras: [camera],
         widthPx,
         heightPx,
+        sortBy,
         ...(isSoftwareAdapter(engine.device.adapterInfo) && { frames: SOFTWARE_FRAMES, combinations: false }),
         ...options,
       });

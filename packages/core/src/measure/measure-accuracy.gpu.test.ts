@@ -7,9 +7,12 @@ import { perspectiveCamera } from '../camera/camera.ts';
 import { SplatEngine } from '../engine.ts';
 import type { CloudInstance } from '../frame/frame-request.ts';
 import { compareImages } from '../reference/compare-images.ts';
+import type { SortBy } from '../splats/sort-by.ts';
 import { chooseAccuracy } from './choose-accuracy.ts';
 import { compareViews } from './compare-views.ts';
 import { type AccuracyPoint, type MeasureProgress, measureAccuracy } from './measure-accuracy.ts';
+import { measureWish } from './measure-wish.ts';
+import type { MeasuredEngine } from './measured-engine.ts';
 import { sampleCameras } from './sample-cameras.ts';
 
 // As small as possible: SwiftShader takes a second for some frames of the whole scene, and a measurement draws hundreds.
@@ -64,6 +67,41 @@ describe('measureAccuracy', () => {
       expect(await compareViews(views[1], views[0]), name).toEqual(error);
     }
     for (const view of views) view.destroy();
+  });
+
+  gpuTest('every frame is sorted as those are that it is measured for', async () => {
+    const orders = new Set<string>();
+    const options = { ...common, frames: 1, settings: [], ablations: false, combinations: false };
+    const watched: MeasuredEngine = {
+      ...{ device: engine.device, adapterLabel: engine.adapterLabel, lost: engine.lost },
+      accuracy: engine.accuracy,
+      resolveAccuracy: (accuracy) => engine.resolveAccuracy(accuracy),
+      memory: () => engine.memory(),
+      createView: () => {
+        const view = engine.createView();
+        const whenDrawn = view.whenDrawn.bind(view);
+        view.whenDrawn = async () => {
+          await whenDrawn();
+          const order = view.effects().find(({ name }) => name === 'distance-order');
+          orders.add(`${order?.isOn}: ${order?.reason}`);
+        };
+        return view;
+      },
+    };
+    const ordersBy = async (sortBy?: SortBy) => {
+      orders.clear();
+      await measureAccuracy(watched, { ...options, sortBy });
+      return [...orders];
+    };
+    expect(await ordersBy('distance')).toEqual(['true: the request asks for it']);
+    expect(await ordersBy('depth')).toEqual(['false: the request asks for depths']);
+    expect(await ordersBy()).toEqual(['false: no file asks for it']);
+
+    orders.clear();
+    const request = { ...common, camera: common.cameras[0], sortBy: 'distance' } as const;
+    const wish = { minPsnrDb: 20 };
+    await measureWish(watched, wish, request, { previous: null, signal: new AbortController().signal });
+    expect([...orders]).toEqual(['true: the request asks for it']);
   });
 
   gpuTest('two measurements rank points alike if their intervals do not overlap', async ({ skip }) => {

@@ -29,6 +29,8 @@ export interface MeasureAccuracyOptions {
   /** Whole numbers from 1, pixels. */
   readonly widthPx: number;
   readonly heightPx: number;
+  /** What splats are sorted by, as in `FrameRequest`: give what the frames have that are measured for. Default `auto`. */
+  readonly sortBy?: FrameRequest['sortBy'];
   /** Settings that are changed one at a time; default `balanced`. */
   readonly base?: Accuracy;
   /** Names of the settings to change; default all, without giving clouds a palette of harmonics that have none. */
@@ -358,8 +360,8 @@ class Measurement {
   }
 
   #frame(camera: Camera, accuracy: AccuracySettings): FrameRequest {
-    const { clouds, widthPx, heightPx } = this.#options;
-    return { camera, clouds, widthPx, heightPx, accuracy };
+    const { clouds, widthPx, heightPx, sortBy } = this.#options;
+    return { camera, clouds, widthPx, heightPx, sortBy, accuracy };
   }
 
   /** Notes about precisions in `settings` that the clouds do not hold. */

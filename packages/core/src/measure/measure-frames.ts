@@ -13,7 +13,8 @@ import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 import { clockNotes, drawMeasured, withView } from './measured-frames.ts';
 import { standardDeviation, type TimeSpread, timeSpread } from './time-spread.ts';
 
-export interface MeasureFramesOptions extends Pick<FrameRequest, 'clouds' | 'widthPx' | 'heightPx'> {
+export interface MeasureFramesOptions
+  extends Pick<FrameRequest, 'clouds' | 'widthPx' | 'heightPx' | 'sortBy'> {
   /** One camera per measured frame, each unlike the one before: see `orbitCameras`. */
   readonly cameras: readonly Camera[];
   /** Default the engine's; under a wish, the engine's settings. */
@@ -163,6 +164,7 @@ async function drawFrames(
     clouds,
     widthPx,
     heightPx,
+    sortBy,
     accuracy = engine.accuracy,
     signal,
     onProgress,
@@ -179,7 +181,7 @@ async function drawFrames(
   };
   let { settings } = asked;
   const frame = (camera: Camera): FrameRequest => ({
-    ...{ camera, clouds, widthPx, heightPx },
+    ...{ camera, clouds, widthPx, heightPx, sortBy },
     accuracy: settings,
     force: true,
   });

@@ -35,7 +35,7 @@ export interface WishOptions {
 export async function measureWish(
   engine: MeasuredEngine,
   wish: AccuracyWish,
-  { camera, clouds, widthPx, heightPx }: FrameRequest,
+  { camera, clouds, widthPx, heightPx, sortBy }: FrameRequest,
   { previous, signal, onProgress }: WishOptions,
 ): Promise<AccuracyChoice> {
   const isSoftware = isSoftwareAdapter(engine.device.adapterInfo);
@@ -44,6 +44,7 @@ export async function measureWish(
     cameras: isSoftware ? [camera] : sampleCameras(camera, worldBounds(clouds)),
     widthPx,
     heightPx,
+    sortBy,
     base: DEFAULT_ACCURACY,
     settings: isSoftware ? SOFTWARE_SETTINGS : SETTINGS,
     ablations: false,

@@ -14,11 +14,21 @@ export function centerBounds(
   positions: Float32Array | Float64Array,
   count: number,
 ): { readonly min: Vec3; readonly max: Vec3 } {
-  const { min, max } = emptyBounds();
-  for (let i = 0; i < 3 * count; i++) {
+  const bounds = emptyBounds();
+  widenBounds(bounds, positions, 0, count);
+  return bounds;
+}
+
+/** Widens bounds to hold positions `from` up to but not including `to`. */
+export function widenBounds(
+  { min, max }: ReturnType<typeof emptyBounds>,
+  positions: Float32Array | Float64Array,
+  from: number,
+  to: number,
+): void {
+  for (let i = 3 * from; i < 3 * to; i++) {
     const axis = i % 3;
     if (positions[i] < min[axis]) min[axis] = positions[i];
     if (positions[i] > max[axis]) max[axis] = positions[i];
   }
-  return { min, max };
 }

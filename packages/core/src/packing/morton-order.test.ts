@@ -2,7 +2,15 @@ import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
 import { randomSplats } from '../testing/random-splats.ts';
 import { uniform } from '../testing/uniform.ts';
-import { type MortonFrame, mortonCell, mortonFrame, mortonOrder, permuteSplats } from './morton-order.ts';
+import { Turns } from '../turns.ts';
+import {
+  type MortonFrame,
+  mortonCell,
+  mortonFrame,
+  mortonOrder,
+  mortonOrderInTurns,
+  permuteSplats,
+} from './morton-order.ts';
 
 /** 48-bit Morton code of cell coordinates, bit by bit. */
 function mortonCode(cell: readonly number[]): number {
@@ -106,6 +114,32 @@ describe('Morton order', () => {
       expect(Array.from(mortonOrder(new Float32Array(3 * count).fill(7.5), count))).toEqual(
         Array.from({ length: count }, (_, i) => i),
       );
+  });
+
+  test('is the same in turns, of which there are many, with progress that only grows', async () => {
+    const { positions, count } = randomSplats({ count: 100_000, shDegree: 0 });
+    class CountedTurns extends Turns {
+      count = 0;
+      override async give(): Promise<void> {
+        this.count++;
+      }
+    }
+    const turns = new CountedTurns(undefined);
+    const told: number[] = [];
+    const order = await mortonOrderInTurns(positions, count, turns, (fraction) => told.push(fraction));
+    const bytesOf = (values: Uint32Array) => Buffer.from(values.buffer);
+    expect(Buffer.compare(bytesOf(order), bytesOf(mortonOrder(positions, count)))).toBe(0);
+    // Seven steps of 16,384 rows, eight times.
+    expect(turns.count).toBe(56);
+    expect(told).toEqual(told.toSorted((a, b) => a - b));
+    expect([told[0] > 0, told.at(-1)]).toEqual([true, 1]);
+  });
+
+  test('ends in between when it is called off', async () => {
+    const { positions, count } = randomSplats({ count: 50_000, shDegree: 0 });
+    const stop = new AbortController();
+    const ordering = mortonOrderInTurns(positions, count, new Turns(stop.signal), () => stop.abort('enough'));
+    await expect(ordering).rejects.toBe('enough');
   });
 
   test('makes neighbours in space neighbours in memory: runs have small bounds', () => {

@@ -1,11 +1,18 @@
 import type { Vec3 } from '../math/mat4.ts';
 import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
-import { centerBounds } from './center-bounds.ts';
+import type { Turns } from '../turns.ts';
+import { emptyBounds, widenBounds } from './center-bounds.ts';
 import { type Harmonics, isPacked, isPalette } from './harmonics.ts';
 
 /** Bits per axis of a Morton code: 48 in all, three passes of a 16-bit radix sort. */
 const BITS_PER_AXIS = 16;
 const RADIX = 1 << BITS_PER_AXIS;
+/** Columns of 16 bits that hold a code. */
+const DIGITS = 3;
+/** Rows of a step, which takes a millisecond or so. */
+const STEP_ROWS = 1 << 14;
+/** Times that all rows are gone through: for bounds, for codes, and twice to sort by each digit. */
+const PASSES = 2 + 2 * DIGITS;
 /** Largest cell along an axis. */
 const LAST_CELL = RADIX - 1;
 
@@ -67,18 +74,78 @@ function withoutSubnormals(value: number): number {
  * @returns N indices into the given order.
  */
 export function mortonOrder(positions: Float32Array, count: number): Uint32Array {
-  const codes = mortonCodes(positions, count);
-  let order: Uint32Array = Uint32Array.from({ length: count }, (_, i) => i);
+  const steps = mortonSteps(positions, count);
+  for (;;) {
+    const { done, value } = steps.next();
+    if (done) return value;
+  }
+}
+
+/**
+ * As `mortonOrder`, with turns for the event loop. Rejects with the reason of the turns' signal.
+ *
+ * @param onProgress told how much of the work is done, from 0 to 1.
+ */
+export async function mortonOrderInTurns(
+  positions: Float32Array,
+  count: number,
+  turns: Turns,
+  onProgress?: (fraction: number) => void,
+): Promise<Uint32Array> {
+  const steps = mortonSteps(positions, count);
+  for (;;) {
+    const { done, value } = steps.next();
+    if (done) return value;
+    onProgress?.(value);
+    await turns.give();
+  }
+}
+
+/** Finds the storage order in short steps; yields how much is done after each. */
+function* mortonSteps(positions: Float32Array, count: number): Generator<number, Uint32Array, void> {
+  let pass = 0;
+  function* overRows(work: (from: number, to: number) => void): Generator<number, void, void> {
+    for (let from = 0; from < count; from += STEP_ROWS) {
+      const to = Math.min(count, from + STEP_ROWS);
+      work(from, to);
+      yield (pass + to / count) / PASSES;
+    }
+    pass++;
+  }
+  const bounds = emptyBounds();
+  yield* overRows((from, to) => widenBounds(bounds, positions, from, to));
+  const frame = mortonFrame(bounds.min, bounds.max);
+  const codes = Array.from({ length: DIGITS }, () => new Uint16Array(count));
+  let order: Uint32Array = new Uint32Array(count);
+  yield* overRows((from, to) => {
+    encodeRows(positions, frame, codes, from, to);
+    for (let i = from; i < to; i++) order[i] = i;
+  });
   let next: Uint32Array = new Uint32Array(count);
   // Least significant digit first; each pass is stable, so equal codes keep the given order.
   for (const digits of codes) {
     const offsets = new Uint32Array(RADIX + 1);
-    for (let i = 0; i < count; i++) offsets[digits[i] + 1]++;
+    yield* overRows((from, to) => countDigits(digits, offsets, from, to));
     for (let digit = 0; digit < RADIX; digit++) offsets[digit + 1] += offsets[digit];
-    for (let i = 0; i < count; i++) next[offsets[digits[order[i]]]++] = order[i];
+    yield* overRows((from, to) => scatterRows(digits, order, next, offsets, from, to));
     [order, next] = [next, order];
   }
   return order;
+}
+
+function countDigits(digits: Uint16Array, counts: Uint32Array, from: number, to: number): void {
+  for (let i = from; i < to; i++) counts[digits[i] + 1]++;
+}
+
+function scatterRows(
+  digits: Uint16Array,
+  order: Uint32Array,
+  next: Uint32Array,
+  offsets: Uint32Array,
+  from: number,
+  to: number,
+): void {
+  for (let i = from; i < to; i++) next[offsets[digits[order[i]]]++] = order[i];
 }
 
 /** The splats of `set` that `order` lists, in that order. */
@@ -99,23 +166,25 @@ export function permuteSplats<Kind extends Harmonics>(
   };
 }
 
-/** The 48-bit codes as three columns of 16 bits, least significant first. */
-function mortonCodes(positions: Float32Array, count: number): Uint16Array[] {
-  const { min, max } = centerBounds(positions, count);
-  const frame = mortonFrame(min, max);
-  const columns = [new Uint16Array(count), new Uint16Array(count), new Uint16Array(count)];
-  for (let i = 0; i < count; i++) {
+/** Writes the 48-bit codes of some rows into columns of 16 bits, least significant first. */
+function encodeRows(
+  positions: Float32Array,
+  frame: MortonFrame,
+  [low, middle, high]: readonly Uint16Array[],
+  from: number,
+  to: number,
+): void {
+  for (let i = from; i < to; i++) {
     const x = mortonCell(positions[3 * i], 0, frame);
     const y = mortonCell(positions[3 * i + 1], 1, frame);
     const z = mortonCell(positions[3 * i + 2], 2, frame);
     // 16 bits of code take 5⅓ bits of each axis: interleave bit by bit through a table of spread bytes.
     const lowBits = spread(x & 0xff) | (spread(y & 0xff) << 1) | (spread(z & 0xff) << 2);
     const highBits = spread(x >> 8) | (spread(y >> 8) << 1) | (spread(z >> 8) << 2);
-    columns[0][i] = lowBits & 0xffff;
-    columns[1][i] = (lowBits >>> 16) | ((highBits & 0xff) << 8);
-    columns[2][i] = highBits >>> 8;
+    low[i] = lowBits & 0xffff;
+    middle[i] = (lowBits >>> 16) | ((highBits & 0xff) << 8);
+    high[i] = highBits >>> 8;
   }
-  return columns;
 }
 
 function vec3(component: (axis: number) => number): Vec3 {

@@ -34,13 +34,36 @@ export const DIRECTORY_ENTRY = {
 export const DIRECTORY_END = {
   signature: 0x06054b50,
   bytes: 22,
-  disks: 4,
+  disk: 4,
+  directoryDisk: 6,
   entriesHere: 8,
   entries: 10,
   directoryBytes: 12,
   directory: 16,
   commentLength: 20,
 } as const;
+
+/** Before the end of archives whose numbers take more bits. */
+export const ZIP64_END = {
+  signature: 0x06064b50,
+  bytes: 56,
+  disk: 16,
+  directoryDisk: 20,
+  entriesHere: 24,
+  entries: 32,
+  directoryBytes: 40,
+  directory: 48,
+} as const;
+
+/** Right before `DIRECTORY_END`, and tells where `ZIP64_END` is. */
+export const ZIP64_LOCATOR = {
+  signature: 0x07064b50,
+  bytes: 20,
+  end: 8,
+} as const;
+
+/** The extra field with those numbers of an entry that take more bits. */
+export const ZIP64_EXTRA_ID = 1;
 
 /** The method of files that are not packed. */
 export const STORED = 0;

@@ -2,7 +2,15 @@ import { SplatFileError, type SplatFileErrorCode } from '../../errors.ts';
 import type { OpenedSource } from '../sources/splat-source.ts';
 import { crc32 } from './crc32.ts';
 import { gunzip } from './gzip.ts';
-import { DIRECTORY_END, DIRECTORY_ENTRY, LOCAL_HEADER, STORED } from './zip-format.ts';
+import {
+  DIRECTORY_END,
+  DIRECTORY_ENTRY,
+  LOCAL_HEADER,
+  STORED,
+  ZIP64_END,
+  ZIP64_EXTRA_ID,
+  ZIP64_LOCATOR,
+} from './zip-format.ts';
 
 /** A file in a zip archive. */
 export interface ZipEntry {
@@ -17,8 +25,10 @@ export interface ZipEntry {
 }
 
 const MOST_COMMENT = 0xffff;
-/** These stand for numbers of a zip64 archive. */
+/** These stand for numbers that are kept where there is room for them, in 64 bits. */
 const IN_ZIP64 = { uint16: 0xffff, uint32: 0xffffffff } as const;
+/** Of each extra field: what it is, and the bytes that follow. */
+const EXTRA_HEADER_BYTES = 4;
 const ENCRYPTED = 1;
 const DEFLATED = 8;
 
@@ -31,29 +41,16 @@ const UNPACK = 'unpack it, and open what is in it';
  * The files that the directory of a zip archive lists. No two of them share bytes, and none lies outside of the archive.
  *
  * @param bytes of the whole archive.
- * @throws SplatFileError 'truncated', 'damaged'; 'unknown-format' for encrypted, split and zip64 archives
+ * @throws SplatFileError 'truncated', 'damaged'; 'unknown-format' for encrypted and split archives
  */
 export function readZipDirectory(bytes: Uint8Array<ArrayBuffer>, file: string): ZipEntry[] {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const fail = (code: SplatFileErrorCode, message: string, byte: number): never => {
     throw new SplatFileError(code, file, message, { byte });
   };
-  const end = findDirectoryEnd(view);
-  if (end < 0)
-    return fail('truncated', `it is a zip archive without its last part. ${DOWNLOAD_AGAIN}.`, bytes.length);
-  const count = view.getUint16(end + DIRECTORY_END.entries, true);
-  const directoryBytes = view.getUint32(end + DIRECTORY_END.directoryBytes, true);
-  const directory = view.getUint32(end + DIRECTORY_END.directory, true);
-  if (count === IN_ZIP64.uint16 || directoryBytes === IN_ZIP64.uint32 || directory === IN_ZIP64.uint32)
-    fail('unknown-format', `it is a zip64 archive; ${UNPACK}.`, end);
-  const isSplit =
-    view.getUint32(end + DIRECTORY_END.disks, true) !== 0 ||
-    view.getUint16(end + DIRECTORY_END.entriesHere, true) !== count;
-  if (isSplit) fail('unknown-format', `it is one part of a zip archive that was split; ${UNPACK}.`, end);
-  if (directory + directoryBytes > end)
-    fail('damaged', `its directory lies outside of it. ${DOWNLOAD_AGAIN}.`, end);
-
+  const { count, directory, end } = directoryPlace(view, fail);
   const entries: ZipEntry[] = [];
+  const decoder = new TextDecoder();
   let at = directory;
   for (let i = 0; i < count; i++) {
     const hasHeader =
@@ -63,21 +60,60 @@ export function readZipDirectory(bytes: Uint8Array<ArrayBuffer>, file: string): 
     const nameEnd = at + DIRECTORY_ENTRY.bytes + view.getUint16(at + DIRECTORY_ENTRY.nameLength, true);
     if (nameEnd > end) fail('damaged', `its directory ends within a name. ${DOWNLOAD_AGAIN}.`, at);
     // Archives made by old programs of Windows have backslashes.
-    const path = new TextDecoder()
-      .decode(bytes.subarray(at + DIRECTORY_ENTRY.bytes, nameEnd))
-      .replaceAll('\\', '/');
-    const entry = entryAt(view, at, path, directory, fail);
+    const path = decoder.decode(bytes.subarray(at + DIRECTORY_ENTRY.bytes, nameEnd)).replaceAll('\\', '/');
+    const extraEnd = nameEnd + view.getUint16(at + DIRECTORY_ENTRY.extraLength, true);
+    if (extraEnd > end) fail('damaged', `its directory ends within ${path}. ${DOWNLOAD_AGAIN}.`, at);
+    const wide = zip64Field(view, nameEnd, extraEnd);
+    const entry = entryAt(view, at, path, wide, directory, fail);
     if (!path.endsWith('/')) entries.push(entry);
-    at =
-      nameEnd +
-      view.getUint16(at + DIRECTORY_ENTRY.extraLength, true) +
-      view.getUint16(at + DIRECTORY_ENTRY.commentLength, true);
+    at = extraEnd + view.getUint16(at + DIRECTORY_ENTRY.commentLength, true);
   }
   checkApart(entries, fail);
   return entries;
 }
 
 type Fail = (code: SplatFileErrorCode, message: string, byte: number) => never;
+
+interface DirectoryPlace {
+  readonly count: number;
+  /** Where the first entry begins. */
+  readonly directory: number;
+  /** Where the records after the directory begin. */
+  readonly end: number;
+}
+
+/** The directory that lies in the archive, as the records at its end tell. */
+function directoryPlace(view: DataView, fail: Fail): DirectoryPlace {
+  const end = findDirectoryEnd(view);
+  if (end < 0)
+    return fail(
+      'truncated',
+      `it is a zip archive without its last part. ${DOWNLOAD_AGAIN}.`,
+      view.byteLength,
+    );
+  const wide = findZip64End(view, end, fail);
+  const number16 = (at: number, wideAt: number, wideBytes: 4 | 8) => {
+    const value = view.getUint16(end + at, true);
+    if (wide === null || value !== IN_ZIP64.uint16) return value;
+    return wideBytes === 4 ? view.getUint32(wide + wideAt, true) : uint64(view, wide + wideAt);
+  };
+  const number32 = (at: number, wideAt: number) => {
+    const value = view.getUint32(end + at, true);
+    return wide === null || value !== IN_ZIP64.uint32 ? value : uint64(view, wide + wideAt);
+  };
+  const count = number16(DIRECTORY_END.entries, ZIP64_END.entries, 8);
+  const isSplit =
+    number16(DIRECTORY_END.disk, ZIP64_END.disk, 4) !== 0 ||
+    number16(DIRECTORY_END.directoryDisk, ZIP64_END.directoryDisk, 4) !== 0 ||
+    number16(DIRECTORY_END.entriesHere, ZIP64_END.entriesHere, 8) !== count;
+  if (isSplit) fail('unknown-format', `it is one part of a zip archive that was split; ${UNPACK}.`, end);
+  const directory = number32(DIRECTORY_END.directory, ZIP64_END.directory);
+  const directoryBytes = number32(DIRECTORY_END.directoryBytes, ZIP64_END.directoryBytes);
+  const recordsAt = wide ?? end;
+  if (directory + directoryBytes > recordsAt)
+    fail('damaged', `its directory lies outside of it. ${DOWNLOAD_AGAIN}.`, end);
+  return { count, directory, end: recordsAt };
+}
 
 /** Where the record at the end of an archive begins, which a comment may follow; −1 if there is none. */
 function findDirectoryEnd(view: DataView): number {
@@ -89,13 +125,58 @@ function findDirectoryEnd(view: DataView): number {
   return -1;
 }
 
-/** The entry that the directory describes at `at`. Files lie before `limit`. */
-function entryAt(view: DataView, at: number, path: string, limit: number, fail: Fail): ZipEntry {
-  const packedBytes = view.getUint32(at + DIRECTORY_ENTRY.packedBytes, true);
-  const unpackedBytes = view.getUint32(at + DIRECTORY_ENTRY.unpackedBytes, true);
-  const header = view.getUint32(at + DIRECTORY_ENTRY.localHeader, true);
-  if ([packedBytes, unpackedBytes, header].includes(IN_ZIP64.uint32))
-    fail('unknown-format', `its file ${path} is a zip64 one; ${UNPACK}.`, at);
+/** Where the record of a zip64 archive begins that has the numbers of its end; null if it is none. */
+function findZip64End(view: DataView, end: number, fail: Fail): number | null {
+  const locator = end - ZIP64_LOCATOR.bytes;
+  if (locator < 0 || view.getUint32(locator, true) !== ZIP64_LOCATOR.signature) return null;
+  const at = uint64(view, locator + ZIP64_LOCATOR.end);
+  const isThere = at + ZIP64_END.bytes <= locator && view.getUint32(at, true) === ZIP64_END.signature;
+  if (!isThere) fail('damaged', `its zip64 record is not where its end says. ${DOWNLOAD_AGAIN}.`, locator);
+  return at;
+}
+
+/** Where an extra field with 64-bit numbers lies, among those between `from` and `to`; null if there is none. */
+function zip64Field(view: DataView, from: number, to: number): { at: number; end: number } | null {
+  for (let at = from; at + EXTRA_HEADER_BYTES <= to; ) {
+    const start = at + EXTRA_HEADER_BYTES;
+    const end = start + view.getUint16(at + 2, true);
+    if (view.getUint16(at, true) === ZIP64_EXTRA_ID && end <= to) return { at: start, end };
+    at = end;
+  }
+  return null;
+}
+
+/** Exact below 2⁵³; whatever is larger lies outside of every archive. */
+function uint64(view: DataView, at: number): number {
+  return Number(view.getBigUint64(at, true));
+}
+
+/**
+ * The entry that the directory describes at `at`. Files lie before `limit`.
+ *
+ * @param wide its extra field with 64-bit numbers: of the three, those that do not fit into 32 bits, in the order in which they are
+ * read here.
+ */
+function entryAt(
+  view: DataView,
+  at: number,
+  path: string,
+  wide: { at: number; end: number } | null,
+  limit: number,
+  fail: Fail,
+): ZipEntry {
+  let wideAt = wide?.at ?? 0;
+  const numberAt = (field: number): number => {
+    const value = view.getUint32(at + field, true);
+    if (value !== IN_ZIP64.uint32) return value;
+    if (wide === null || wideAt + 8 > wide.end)
+      fail('damaged', `its file ${path} lacks a number that zip64 needs. ${DOWNLOAD_AGAIN}.`, at);
+    wideAt += 8;
+    return uint64(view, wideAt - 8);
+  };
+  const unpackedBytes = numberAt(DIRECTORY_ENTRY.unpackedBytes);
+  const packedBytes = numberAt(DIRECTORY_ENTRY.packedBytes);
+  const header = numberAt(DIRECTORY_ENTRY.localHeader);
   const flags = view.getUint16(at + DIRECTORY_ENTRY.flags, true);
   if ((flags & ENCRYPTED) !== 0) fail('unknown-format', `its file ${path} is encrypted; ${UNPACK}.`, at);
   const isThere =
@@ -207,8 +288,12 @@ function inflatedStream(
       if (last) controller.enqueue(last);
       last = piece;
     },
-    // Only now is it known that all are right.
+    // Only now is it known that all are right: the end of a gzip file has no more than 32 bits of the length.
     flush(controller) {
+      if (given < unpackedBytes) {
+        const message = `it unpacks to ${given} bytes, fewer than its ${unpackedBytes}. ${DOWNLOAD_AGAIN}.`;
+        throw new SplatFileError('damaged', name, message);
+      }
       if (last) controller.enqueue(last);
     },
   });

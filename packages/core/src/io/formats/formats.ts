@@ -11,8 +11,8 @@ import { spzFormat } from './spz/spz-format.ts';
 import { zipFormat } from './zip/zip-format.ts';
 
 /**
- * Every format that can be read, in the order in which files are tried. To add one, write its folder, list it here, and give its
- * code to `readers.ts` and its worker to `../loading/format-workers.ts`.
+ * Every format that can be read, in the order in which files are tried and people are told of them: common ones first, archives
+ * last. To add one, write its folder, list it here, and give its code to `readers.ts` and its worker to `../loading/format-workers.ts`.
  */
 export const SPLAT_FORMATS: readonly SplatFormat[] = [
   compressedPlyFormat,
@@ -21,11 +21,11 @@ export const SPLAT_FORMATS: readonly SplatFormat[] = [
   spzFormat,
   sogFormat,
   gltfFormat,
-  ksplatFormat,
-  gzipFormat,
-  zipFormat,
-  // By its name only.
+  // By its name only: it leaves to those below what they know by its first bytes.
   splatFormat,
+  ksplatFormat,
+  zipFormat,
+  gzipFormat,
 ];
 
 /** What people call the formats, each once. */

@@ -21,8 +21,8 @@ const PACKED_READERS: readonly { readonly format: SplatFormat; readonly read: Re
   { format: plyPointsFormat, read: readPlyPoints },
   { format: spzFormat, read: readSpz },
   { format: gltfFormat, read: readGltf },
-  { format: ksplatFormat, read: readKsplat },
   { format: splatFormat, read: readSplat },
+  { format: ksplatFormat, read: readKsplat },
 ];
 
 /** What people call them, each once. */

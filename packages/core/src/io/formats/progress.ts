@@ -4,25 +4,50 @@ import type { SplatInput } from './splat-format.ts';
 /** Shortest time between two reports. */
 const REPORT_EVERY_MS = 30;
 
-/** Passes on a reader's progress, no more often than a person can see. */
+/** Another file of a scene. */
+interface Part {
+  /** Undefined if it is not known. */
+  readonly totalBytes: number | undefined;
+  loadedBytes: number;
+}
+
+/**
+ * Passes on a reader's progress, no more often than a person can see. Of a scene with several files, the first of which has been read,
+ * the size is told from when it is known of all of them: a size that grew would make the part that is done shrink.
+ */
 export class ReadProgress {
   readonly #input: SplatInput;
   readonly #onProgress: ((progress: LoadProgress) => void) | undefined;
   readonly #startMs = performance.now();
   #lastReportMs = Number.NEGATIVE_INFINITY;
-  #partBytes = 0;
+  readonly #parts: Part[] = [];
+  #expectedParts: number | undefined;
 
   constructor(input: SplatInput, onProgress: ((progress: LoadProgress) => void) | undefined) {
     this.#input = input;
     this.#onProgress = onProgress;
   }
 
-  /** Counts another file of the scene, which has been read. */
-  addPart(bytes: number): void {
+  /** Says how many other files the scene has that will be read. */
+  expectParts(count: number): void {
+    this.#expectedParts = count;
+  }
+
+  /**
+   * Counts another file of the scene, as it arrives.
+   *
+   * @param totalBytes its size; undefined if that is not known.
+   * @returns to be told how many bytes of it are there.
+   */
+  beginPart(totalBytes: number | undefined): (loadedBytes: number) => void {
     // What is packed has them in it.
-    if (this.#input.packed) return;
-    this.#partBytes += bytes;
-    this.report(0);
+    if (this.#input.packed) return () => {};
+    const part: Part = { totalBytes, loadedBytes: 0 };
+    this.#parts.push(part);
+    return (loadedBytes) => {
+      part.loadedBytes = loadedBytes;
+      this.report(0);
+    };
   }
 
   report(splats: number): void {
@@ -32,11 +57,12 @@ export class ReadProgress {
   /** As `report`, but always. */
   finish(splats: number): void {
     // What is packed is counted as it arrives.
-    const { totalBytes, reader } = this.#input.packed ?? this.#input;
-    const loadedBytes = reader.byteOffset + this.#partBytes;
+    const { reader } = this.#input.packed ?? this.#input;
+    const loadedBytes = this.#parts.reduce((sum, part) => sum + part.loadedBytes, reader.byteOffset);
+    const totalBytes = this.#totalBytes();
     this.#lastReportMs = performance.now();
     const elapsedMs = this.#lastReportMs - this.#startMs;
-    // A stated size that has been exceeded was that of the compressed bytes, or of the first file of several.
+    // A stated size that has been exceeded was that of the compressed bytes.
     const known = totalBytes !== undefined && loadedBytes <= totalBytes;
     this.#onProgress?.({
       phase: 'read',
@@ -45,5 +71,16 @@ export class ReadProgress {
       splats,
       bytesPerSecond: elapsedMs > 0 ? (1000 * loadedBytes) / elapsedMs : 0,
     });
+  }
+
+  #totalBytes(): number | undefined {
+    const { packed, reader, totalBytes } = this.#input;
+    if (packed) return packed.totalBytes;
+    if (this.#parts.length === 0 && this.#expectedParts === undefined) return totalBytes;
+    if (this.#parts.length !== this.#expectedParts) return undefined;
+    return this.#parts.reduce<number | undefined>(
+      (sum, part) => (sum === undefined || part.totalBytes === undefined ? undefined : sum + part.totalBytes),
+      reader.byteOffset,
+    );
   }
 }

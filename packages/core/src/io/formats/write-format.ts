@@ -20,6 +20,11 @@ export type WriteFormat = (
   options: WriteOptions,
 ) => Promise<Uint8Array<ArrayBuffer>>;
 
+/** Options of a part of the work: its own progress, from 0 to 1, is `from` to `to` of the whole. */
+export function partOfProgress({ signal, onProgress }: WriteOptions, from: number, to: number): WriteOptions {
+  return { signal, onProgress: onProgress && ((fraction) => onProgress(from + (to - from) * fraction)) };
+}
+
 /** Rows between two looks at the clock. */
 const ROWS_AT_ONCE = 1024;
 

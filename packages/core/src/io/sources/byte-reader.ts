@@ -34,8 +34,9 @@ export class ByteReader {
   view = new DataView(this.bytes.buffer);
   /** Index in `bytes` of the next byte. */
   start = 0;
+  /** Of the source, for messages. */
+  readonly name: string;
 
-  readonly #name: string;
   readonly #signal: AbortSignal | undefined;
   readonly #maxBytes: number;
   readonly #idleTimeoutMs: number;
@@ -58,7 +59,7 @@ export class ByteReader {
   #isHandedOn = false;
 
   constructor(source: ReaderSource, signal?: AbortSignal, maxBytes = Number.POSITIVE_INFINITY) {
-    this.#name = source.name;
+    this.name = source.name;
     this.#signal = signal;
     this.#turns = new Turns(signal);
     this.#maxBytes = maxBytes;
@@ -234,7 +235,7 @@ export class ByteReader {
       }
       if (!ArrayBuffer.isView(chunk) || !('subarray' in chunk) || chunk.BYTES_PER_ELEMENT !== 1) {
         throw new SplatSourceError(
-          this.#name,
+          this.name,
           `the stream gave ${describeChunk(chunk)}; it must give Uint8Array chunks`,
         );
       }
@@ -277,7 +278,7 @@ export class ByteReader {
       this.#signal?.throwIfAborted();
       if (isLate) {
         const late = `the server sent less than ${LEAST_BYTES_IN_TIME} bytes in ${this.#idleTimeoutMs} ms`;
-        return new SplatSourceError(this.#name, `reading stopped: ${late}`);
+        return new SplatSourceError(this.name, `reading stopped: ${late}`);
       }
       if (!done) this.#noteArrival(value?.byteLength ?? 0, performance.now() - startMs);
       return done ? undefined : value;
@@ -285,7 +286,7 @@ export class ByteReader {
       this.#signal?.removeEventListener('abort', this.#onAbort);
       this.#signal?.throwIfAborted();
       if (cause instanceof WebSplatterError) throw cause;
-      return new SplatSourceError(this.#name, `reading stopped: ${messageOf(cause)}`, undefined, { cause });
+      return new SplatSourceError(this.name, `reading stopped: ${messageOf(cause)}`, undefined, { cause });
     } finally {
       clearTimeout(timer);
     }
@@ -302,7 +303,7 @@ export class ByteReader {
     if (givenBytes > this.#maxBytes) {
       throw new SplatFileError(
         'too-large',
-        this.#name,
+        this.name,
         `there are more than ${this.#maxBytes} bytes, unpacked. Pass a larger maxBytes if that is right.`,
         { byte: this.#maxBytes },
       );

@@ -3,7 +3,9 @@ import type { AddressInfo } from 'node:net';
 import { gzipSync } from 'node:zlib';
 import { afterAll, beforeAll, describe, expect, test } from 'vitest';
 import { InvalidArgumentError, SplatFileError, SplatSourceError } from '../../errors.ts';
+import { gltfBytes, gltfOf, splatAttributes } from '../../testing/gltf-fixture.ts';
 import { chunked, plyBytes, splatElement } from '../../testing/ply-fixture.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
 import { detectFormat } from '../formats/detect.ts';
 import { readSplats } from '../loading/read-splats.ts';
 import { ByteReader } from './byte-reader.ts';
@@ -12,6 +14,8 @@ import { sourceName } from './source-kind.ts';
 import type { LoadProgress, SplatSource } from './splat-source.ts';
 
 const ply = plyBytes({ format: 'binary_little_endian', elements: [splatElement(100, 1)] });
+const scene = gltfOf(splatAttributes(randomSplats({ count: 100, shDegree: 0 })));
+const gltf = gltfBytes(scene, 'scene.bin');
 
 const ROUTES: Record<string, (request: IncomingMessage, response: ServerResponse) => void> = {
   '/scene.ply': (_, response) => response.setHeader('content-length', ply.length).end(ply),
@@ -19,6 +23,9 @@ const ROUTES: Record<string, (request: IncomingMessage, response: ServerResponse
     const body = gzipSync(ply);
     response.setHeader('content-encoding', 'gzip').setHeader('content-length', body.length).end(body);
   },
+  // A server that packs text tells nothing of its size.
+  '/scene.gltf': (_, response) => response.setHeader('content-encoding', 'gzip').end(gzipSync(gltf)),
+  '/scene.bin': (_, response) => response.setHeader('content-length', scene.binary.length).end(scene.binary),
   '/page': (_, response) => response.end('<!DOCTYPE html><title>Sign in</title>'),
   '/broken.ply': (_, response) => {
     response.setHeader('content-length', ply.length).write(ply.subarray(0, 1000));
@@ -86,6 +93,14 @@ describe('sources', () => {
     expect((await readSplats(make())).count).toBe(100);
     const error = await failure(openSource(make(), { signal: AbortSignal.abort(new Error('no more')) }));
     expect(error.message).toBe('no more');
+  });
+
+  test('progress of a scene of several addresses is that of all of them, once their sizes are known', async () => {
+    const reports: LoadProgress[] = [];
+    await readSplats(`${base}/scene.gltf`, { onProgress: (progress) => reports.push(progress) });
+    const bytes = gltf.length + scene.binary.length;
+    expect(reports.at(-1)).toMatchObject({ loadedBytes: bytes, totalBytes: bytes });
+    for (const { totalBytes } of reports) expect([undefined, bytes]).toContain(totalBytes);
   });
 
   test('the name of an address has no credentials, however long they are', () => {

@@ -1,3 +1,4 @@
+import { SplatFileError } from '../../errors.ts';
 import type { ByteReader } from './byte-reader.ts';
 
 /** Memory to begin with, where nothing is known. */
@@ -6,14 +7,18 @@ const FIRST_BYTES = 1 << 20;
 /**
  * Reads up to `maxBytes` of what has not been read, into memory that grows with what arrives.
  *
+ * Rejects with SplatFileError 'too-large' if there is no memory for it, which is one piece; and as the reader does.
+ *
  * @param expectedBytes how much it will be, as far as that is sure: memory for it is taken at once.
+ * @param onArrived told how much is there, again and again.
  */
 export async function readAll(
   reader: ByteReader,
   maxBytes = Number.POSITIVE_INFINITY,
   expectedBytes = 0,
+  onArrived?: (loadedBytes: number) => void,
 ): Promise<Uint8Array<ArrayBuffer>> {
-  let bytes = new Uint8Array(expectedBytes > 0 ? expectedBytes : Math.min(FIRST_BYTES, maxBytes));
+  let bytes = memoryFor(expectedBytes > 0 ? expectedBytes : Math.min(FIRST_BYTES, maxBytes), reader);
   let length = 0;
   while (length < maxBytes && (await reader.fill(1))) {
     const part = reader.bytes.subarray(
@@ -21,13 +26,30 @@ export async function readAll(
       reader.start + Math.min(reader.available, maxBytes - length),
     );
     if (length + part.length > bytes.length) {
-      const larger = new Uint8Array(Math.max(length + part.length, 2 * bytes.length));
+      const larger = memoryFor(Math.max(length + part.length, 2 * bytes.length), reader);
       larger.set(bytes.subarray(0, length));
       bytes = larger;
     }
     bytes.set(part, length);
     reader.advance(part.length);
     length += part.length;
+    onArrived?.(length);
   }
   return bytes.subarray(0, length);
+}
+
+function memoryFor(byteCount: number, { name }: ByteReader): Uint8Array<ArrayBuffer> {
+  try {
+    return new Uint8Array(byteCount);
+  } catch (cause) {
+    if (!(cause instanceof RangeError)) throw cause;
+    const advice = 'Unpack it if it is an archive, or convert it to PLY, which is read piece by piece';
+    throw new SplatFileError(
+      'too-large',
+      name,
+      `no memory for ${byteCount} bytes in one piece. ${advice}.`,
+      {},
+      { cause },
+    );
+  }
 }

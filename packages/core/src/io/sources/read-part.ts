@@ -14,16 +14,19 @@ import type { OpenedSource } from './splat-source.ts';
  * signal's reason.
  *
  * @param path from the folder of `input`.
+ * @param begin told of its size once it is open; what it returns is told how much is there.
  */
 export async function readPart(
   input: SplatInput,
   path: string,
   { signal, maxBytes }: Pick<SplatFormatOptions, 'signal' | 'maxBytes'>,
+  begin: (totalBytes: number | undefined) => (loadedBytes: number) => void,
 ): Promise<Uint8Array<ArrayBuffer>> {
   const opened = await (input.openPart ? input.openPart(path) : openFetched(input, path, signal));
   const reader = new ByteReader(opened, signal, limitsOf({ maxBytes }, opened).maxBytes);
   try {
-    return await readAll(reader, Number.POSITIVE_INFINITY, opened.isHeld ? opened.totalBytes : 0);
+    const { isHeld, totalBytes } = opened;
+    return await readAll(reader, Number.POSITIVE_INFINITY, isHeld ? totalBytes : 0, begin(totalBytes));
   } finally {
     reader.close();
   }

@@ -24,9 +24,9 @@ export type SplatSource =
 /** Progress of a load. */
 export interface LoadProgress {
   readonly phase: 'read' | 'arrange' | 'upload';
-  /** Bytes read so far. */
+  /** Bytes read so far, of all files of a scene that has several. */
   readonly loadedBytes: number;
-  /** Size of the source in bytes; undefined if it is not known. */
+  /** Size of the source in bytes, all files of a scene together; undefined as long as it is not known. */
   readonly totalBytes: number | undefined;
   /** Splats decoded so far. */
   readonly splats: number;

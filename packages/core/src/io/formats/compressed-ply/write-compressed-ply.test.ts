@@ -8,7 +8,7 @@ import { chunkOrder, writeCompressedPly } from './write-compressed-ply.ts';
 
 const read = (bytes: Uint8Array) => readSplats(bytes, { name: 'scene', shPrecision: 'f32' });
 const again = async (set: SplatSet) => read(await writeCompressedPly(set, {}));
-const inOrder = (set: SplatSet) => permuteSplats(set, chunkOrder(set));
+const inOrder = async (set: SplatSet) => permuteSplats(set, await chunkOrder(set, {}));
 
 /** Rows of a chunk of 256. */
 const chunkOf = <Kind extends SplatSet['harmonics']>(set: SplatSet<Kind>, first: number) =>
@@ -29,7 +29,7 @@ test.each<ShDegree>([0, 1, 2, 3])('degree %i comes back within the steps of its 
   set.rotations.fill(0, 0, 4);
   const found = await again(set);
   expect(found.fileFacts).toMatchObject({ format: 'compressed-ply', variant: 'binary_little_endian' });
-  const expected = inOrder(set);
+  const expected = await inOrder(set);
   for (let first = 0; first < set.count; first += 256) {
     const chunk = chunkOf(expected, first);
     const errors = splatErrors(chunkOf(found as SplatSet<never>, first), chunk);
@@ -70,7 +70,7 @@ test.each([true, false, undefined])('antialiased: %s', async (isAntialiased) => 
 
 test('far from 0, coordinates are as coarse as float32', async () => {
   const set = randomSplats({ count: 300, origin: [4_500_000, -100_000, 0] });
-  const { position } = splatErrors(await again(set), inOrder(set));
+  const { position } = splatErrors(await again(set), await inOrder(set));
   // Both bounds and the result are rounded to half of 1/2 there, and the steps are small.
   expect(position).toBeLessThanOrEqual(3 * 0.25 + 2 / 1023);
 });

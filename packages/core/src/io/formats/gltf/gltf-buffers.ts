@@ -4,6 +4,7 @@ import { ByteReader } from '../../sources/byte-reader.ts';
 import { streamOfBytes } from '../../sources/open-source.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import { readPart } from '../../sources/read-part.ts';
+import type { ReadProgress } from '../progress.ts';
 import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
 import { type GltfJson, type JsonObject, objectOf } from './gltf-json.ts';
 
@@ -23,6 +24,7 @@ export class GltfBuffers {
   readonly #binary: Uint8Array<ArrayBuffer> | undefined;
   readonly #input: SplatInput;
   readonly #options: SplatFormatOptions;
+  readonly #progress: ReadProgress;
   readonly #buffers = new Map<number, Uint8Array<ArrayBuffer>>();
   readonly #files = new Map<string, Uint8Array<ArrayBuffer>>();
   #byteCount = 0;
@@ -33,11 +35,13 @@ export class GltfBuffers {
     binary: Uint8Array<ArrayBuffer> | undefined,
     input: SplatInput,
     options: SplatFormatOptions,
+    progress: ReadProgress,
   ) {
     this.#json = json;
     this.#binary = binary;
     this.#input = input;
     this.#options = options;
+    this.#progress = progress;
   }
 
   /** Bytes of all buffers that have been needed. */
@@ -136,9 +140,17 @@ export class GltfBuffers {
     if (known) return known;
     const { maxBytes: most } = this.#options;
     const maxBytes = most && Math.max(1, most - this.#byteCount);
-    const bytes = await readPart(this.#input, path, { ...this.#options, maxBytes });
+    if (this.#files.size === 0) this.#progress.expectParts(this.#fileCount());
+    const options = { ...this.#options, maxBytes };
+    const bytes = await readPart(this.#input, path, options, (size) => this.#progress.beginPart(size));
     this.#files.set(path, bytes);
     return this.#count(bytes);
+  }
+
+  /** Files that buffers are in. Some may be of other geometry and never be read: then the size of all stays unknown. */
+  #fileCount(): number {
+    const uris = this.#json.listOf(this.#json.root, 'buffers').map((buffer) => objectOf(buffer).uri);
+    return new Set(uris.filter(isFile)).size;
   }
 
   #count(bytes: Uint8Array<ArrayBuffer>): Uint8Array<ArrayBuffer> {

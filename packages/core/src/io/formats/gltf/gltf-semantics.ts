@@ -1,6 +1,14 @@
 /** Splats as attributes of points. */
 export const SPLATTING = 'KHR_gaussian_splatting';
 
+/**
+ * Key of the extension's `extras` for what it has no word for: it defines a single order, that of the distances from the camera, and
+ * leaves others to further extensions, of which there are none. Whoever does not know it takes the file as the extension says.
+ */
+export const OWN_EXTRAS = 'websplatter';
+/** The `sortBy` in them. */
+export const BY_DEPTH = 'depth';
+
 /** Semantics of the coefficients up to a degree, in the order of rows. */
 export function harmonicsSemantics(degree: number): string[] {
   return Array.from({ length: degree + 1 }, (_, l) =>

@@ -21,7 +21,7 @@ import { rowsOf } from '../../../testing/rows-of.ts';
 import { unpackGlb } from '../../containers/glb.ts';
 import { readSource } from '../../loading/read-source.ts';
 import { readSplats } from '../../loading/read-splats.ts';
-import type { SplatSource } from '../../sources/splat-source.ts';
+import type { LoadProgress, SplatSource } from '../../sources/splat-source.ts';
 import { detectFormat } from '../detect.ts';
 import { ALL_READERS } from '../readers.ts';
 import type { RowSink } from '../row-sink.ts';
@@ -215,6 +215,7 @@ describe('what is read', () => {
       change: { projection: 'perspective', sortingMethod: 'cameraDistance' },
     },
     { accepts: 'the order of depths, of a draft', change: { sortingMethod: 'zDepth' } },
+    { accepts: 'extras of other programs', change: { extras: { sortBy: 'depth', websplatter: 1 } } },
     { accepts: 'extensions that need not be known', change: { extensions: { EXT_more: { x: 1 } } } },
   ])('$accepts', async ({ change }) => {
     const fixture = gltfOf(splatAttributes(randomSplats({ count: 1, shDegree: 0 })));
@@ -246,6 +247,13 @@ test.each([
     );
   },
 );
+
+test('colours for programs that draw points, COLOR_0, may be there and are not needed', async () => {
+  const attributes = splatAttributes(randomSplats({ count: 2, shDegree: 1 }));
+  const colors = { size: 4, isNormalized: true, values: new Uint8Array(8).fill(200) } as const;
+  const plain = await read(glbBytes(gltfOf(attributes)));
+  expect(await read(glbBytes(gltfOf({ ...attributes, COLOR_0: colors })))).toEqual(plain);
+});
 
 test('what the file says of itself, and what is shown otherwise', async () => {
   const fixture = gltfOf(splatAttributes(randomSplats({ count: 1, shDegree: 0 })));
@@ -337,6 +345,15 @@ describe('buffers', () => {
     const base64 = Buffer.from(fixture.binary).toString('base64');
     for (const type of ['application/octet-stream', 'application/gltf-buffer', ''])
       expect(await read(gltfBytes(fixture, `data:${type};base64,${base64}`))).toEqual(plain);
+  });
+
+  test('progress counts the bytes of both files', async () => {
+    const gltf = file('scene.gltf', gltfBytes(fixture, 'scene.bin'));
+    const reports: LoadProgress[] = [];
+    const onProgress = (progress: LoadProgress) => void reports.push(progress);
+    await readSplats({ files: [gltf, file('scene.bin', fixture.binary)] }, { onProgress });
+    const bytes = gltf.size + fixture.binary.length;
+    expect(reports.at(-1)).toMatchObject({ loadedBytes: bytes, totalBytes: bytes });
   });
 
   test('one file for several buffers is read once, and buffers that splats do not need not at all', async () => {

@@ -4,6 +4,7 @@ import { isGlb, unpackGlb } from '../../containers/glb.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { type DecodedRows, deliverRows } from '../decoded-rows.ts';
 import { joinedRows } from '../joined-rows.ts';
+import { ReadProgress } from '../progress.ts';
 import type { ReadFormat } from '../splat-format.ts';
 import { GltfBuffers } from './gltf-buffers.ts';
 import { GltfJson, objectOf } from './gltf-json.ts';
@@ -39,13 +40,14 @@ interface GltfSplats {
  */
 export const readGltf: ReadFormat = async (input, options, rowsTo) => {
   const { reader, name, isHeld, totalBytes } = input;
+  const progress = new ReadProgress(input, options.onProgress);
   const bytes = await readAll(reader, undefined, isHeld ? totalBytes : 0);
   const isBinary = isGlb(bytes);
   const chunks = isBinary ? unpackGlb(bytes, name) : { json: bytes };
   const json = new GltfJson(chunks.json, name);
-  const splats = await splatsOf(json, new GltfBuffers(json, chunks.binary, input, options));
+  const splats = await splatsOf(json, new GltfBuffers(json, chunks.binary, input, options, progress));
   const fileFacts = factsOf(json, isBinary, splats);
-  return deliverRows({ ...splats.rows, fileFacts }, input, options, rowsTo);
+  return deliverRows({ ...splats.rows, fileFacts }, input, options, rowsTo, progress);
 };
 
 async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplats> {

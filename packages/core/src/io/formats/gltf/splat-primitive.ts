@@ -4,7 +4,7 @@ import { readSpzContents } from '../spz/spz.ts';
 import { spzRows } from '../spz/spz-rows.ts';
 import type { GltfBuffers } from './gltf-buffers.ts';
 import { type GltfJson, type JsonObject, objectOf, SPZ_COMPRESSIONS } from './gltf-json.ts';
-import { SPLATTING } from './gltf-semantics.ts';
+import { BY_DEPTH, OWN_EXTRAS, SPLATTING } from './gltf-semantics.ts';
 import { attributeRows, splatAttributesOf } from './splat-attributes.ts';
 
 const POINTS = 0;
@@ -65,7 +65,8 @@ export async function splatPrimitiveOf(
     if (!(isOptional && extension[property] === undefined))
       checkValue(json, extension, property, read, element);
   }
-  const isSortedByDistance = (extension.sortingMethod ?? BY_DISTANCE) === BY_DISTANCE;
+  const { sortBy } = objectOf(objectOf(extension.extras)[OWN_EXTRAS]);
+  const isSortedByDistance = (extension.sortingMethod ?? BY_DISTANCE) === BY_DISTANCE && sortBy !== BY_DEPTH;
   if (compression) return spzPrimitiveOf(buffers, objectOf(spz), element, isSortedByDistance);
   const splats = await splatAttributesOf(json, buffers, objectOf(primitive.attributes), element);
   return { count: splats.count, unpackedBytes: 0, isSortedByDistance, rows: () => attributeRows(splats) };

@@ -49,6 +49,18 @@ test('an origin is the node’s translation, and positions keep every bit', asyn
   expect((await jsonOf(randomSplats({ count: 4 }))).json.nodes).toEqual([{ mesh: 0 }]);
 });
 
+test('splats come back in the order in which they were drawn', async () => {
+  const set = randomSplats({ count: 4 });
+  const extensionOf = async (from: SplatSet) =>
+    (await jsonOf(from)).json.meshes[0].primitives[0].extensions.KHR_gaussian_splatting;
+  expect(await extensionOf(set)).toMatchObject({ extras: { websplatter: { sortBy: 'depth' } } });
+  expect((await again(set)).fileFacts).not.toHaveProperty('isSortedByDistance');
+  // The only order that the extension defines, and its default.
+  const byDistance = { ...set, fileFacts: { format: 'gltf', isSortedByDistance: true } };
+  expect(await extensionOf(byDistance)).toEqual({ kernel: 'ellipse', colorSpace: 'srgb_rec709_display' });
+  expect((await again(byDistance)).fileFacts).toMatchObject({ isSortedByDistance: true });
+});
+
 test('positions have their bounds, as glTF requires', async () => {
   const set = randomSplats({ count: 9 });
   const { json } = await jsonOf(set);

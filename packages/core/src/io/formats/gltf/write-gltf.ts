@@ -6,7 +6,7 @@ import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.t
 import { beginGlb } from '../../containers/glb.ts';
 import { opacityOf } from '../color-values.ts';
 import { fileMemory, type WriteFormat, writeInTurns } from '../write-format.ts';
-import { harmonicsSemantics, SPLATTING } from './gltf-semantics.ts';
+import { BY_DEPTH, harmonicsSemantics, OWN_EXTRAS, SPLATTING } from './gltf-semantics.ts';
 
 const POINTS = 0;
 const FLOAT = 5126;
@@ -23,7 +23,7 @@ interface Attribute {
  * Writes one binary glTF 2.0 with KHR_gaussian_splatting, all attributes float32, in the axes and the order of the set: glTF has y up,
  * and whoever writes must have turned the splats. An origin other than 0 becomes the node's translation. What is lost: rotations become
  * unit quaternions, scales and opacities are rounded after they were activated, and nothing says whether splats were trained with
- * an antialias filter.
+ * an antialias filter. That splats are drawn in the order of their depths stands in `extras`, which other programs need not know.
  *
  * Rejects with InvalidArgumentError 'set' if a scale is too large for float32, or if the file would have more than 4 GiB.
  */
@@ -88,6 +88,12 @@ function describe(
     ...(semantic === 'POSITION' && centerBounds(set.positions, count)),
   }));
   const isMoved = origin.some((value) => value !== 0);
+  const isByDepth = !set.fileFacts?.isSortedByDistance;
+  const extension = {
+    kernel: 'ellipse',
+    colorSpace: 'srgb_rec709_display',
+    ...(isByDepth && { extras: { [OWN_EXTRAS]: { sortBy: BY_DEPTH } } }),
+  };
   const json = {
     asset: { version: '2.0', generator: 'WebSplatter' },
     extensionsUsed: [SPLATTING],
@@ -100,7 +106,7 @@ function describe(
           {
             mode: POINTS,
             attributes: Object.fromEntries(attributes.map(({ semantic }, i) => [semantic, i])),
-            extensions: { [SPLATTING]: { kernel: 'ellipse', colorSpace: 'srgb_rec709_display' } },
+            extensions: { [SPLATTING]: extension },
           },
         ],
       },

@@ -48,8 +48,8 @@ export async function findCodebook(values: Float32Array, turns: Turns): Promise<
     values.subarray(starts[leaf], starts[leaf + 1]).sort();
     await turns.give();
   }
-  const different = values.filter((value, i) => i === 0 || value !== values[i - 1]);
-  if (different.length <= SIZE) {
+  const different = await fewDifferent(values, turns);
+  if (different) {
     const padded = new Float64Array(SIZE).fill(different[different.length - 1]);
     padded.set(different);
     return new Codebook(padded);
@@ -62,6 +62,18 @@ export async function findCodebook(values: Float32Array, turns: Turns): Promise<
   const found = [await improve(leafMeans, values, turns), await improve(companded(values), values, turns)];
   found.sort((a, b) => a.error - b.error);
   return new Codebook(found[0].means);
+}
+
+/** The different ones of ascending values, where they are no more than 256; else null. */
+async function fewDifferent(values: Float32Array, turns: Turns): Promise<number[] | null> {
+  const different: number[] = [];
+  for (let i = 0; i < values.length; i++) {
+    if (i % ROWS_AT_ONCE === 0) await turns.give();
+    if (i > 0 && values[i] === values[i - 1]) continue;
+    if (different.length === SIZE) return null;
+    different.push(values[i]);
+  }
+  return different;
 }
 
 /** Rounds of k-means; returns the means, ascending, and the sum of squared differences from them. */

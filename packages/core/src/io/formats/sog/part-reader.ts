@@ -36,9 +36,12 @@ export class PartReader {
       throw new SplatFileError('damaged', name, message);
     }
     this.#paths.add(path);
-    const bytes = await readPart(this.#input, path, this.#options);
-    this.#progress.addPart(bytes.length);
-    return bytes;
+    return readPart(this.#input, path, this.#options, (totalBytes) => this.#progress.beginPart(totalBytes));
+  }
+
+  /** See `ReadProgress`. */
+  expect(count: number): void {
+    this.#progress.expectParts(count);
   }
 
   /** See `ByteReader`. */

@@ -63,8 +63,7 @@ export async function readSogImages(
   { count, files, harmonics }: SogMeta,
   budget: ImageBudget,
 ): Promise<SogImages> {
-  const names = [files.positionsLow, files.positionsHigh, files.rotations, files.scales, files.colors];
-  if (harmonics) names.push(harmonics.labelsFile, harmonics.paletteFile);
+  const names = imageNames({ files, harmonics });
   // All at once, since each may be a request.
   const images = await Promise.all(
     names.map(async (name) => openWebp(await parts.read(folder + name), folder + name)),
@@ -83,6 +82,13 @@ export async function readSogImages(
     colors,
     harmonics: degree && size !== null ? { degree, size, palette, labels } : null,
   };
+}
+
+/** The images of a SOG, without folder. */
+export function imageNames({ files, harmonics }: Pick<SogMeta, 'files' | 'harmonics'>): string[] {
+  const names = [files.positionsLow, files.positionsHigh, files.rotations, files.scales, files.colors];
+  if (harmonics) names.push(harmonics.labelsFile, harmonics.paletteFile);
+  return names;
 }
 
 /** By the browser, if it can, and else one after another. */

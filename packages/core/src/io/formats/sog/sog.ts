@@ -10,7 +10,7 @@ import type { RowsTo } from '../row-sink.ts';
 import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
 import { finestLevel, isStreamedMeta } from './finest-level.ts';
 import { PartReader } from './part-reader.ts';
-import { ImageBudget, readSogImages } from './sog-images.ts';
+import { ImageBudget, imageNames, readSogImages } from './sog-images.ts';
 import { parseSogMeta } from './sog-meta.ts';
 import { joinPalettes, type SogUnit } from './sog-palette.ts';
 import { sogRows } from './sog-rows.ts';
@@ -69,6 +69,8 @@ async function readUnits(
       throw new SplatFileError('damaged', file, message);
     }
     checkCount(meta.count, file, options.maxSplats);
+    // Those of a streamed scene are known only when all of its metadata has been read.
+    if (unitJson === json) parts.expect(imageNames(meta).length);
     return { file, meta, images: await readSogImages(parts, folder, meta, budget) };
   };
   if (!isStreamedMeta(json)) return [await unitOf(name, '', json)];

@@ -2,7 +2,7 @@ import { InvalidArgumentError } from '../../../errors.ts';
 import { clusterHarmonics } from '../../../packing/cluster-harmonics.ts';
 import { entryCountOf, type Harmonics, isPalette } from '../../../packing/harmonics.ts';
 import { type HarmonicsPalette, MAX_PALETTE_ENTRIES } from '../../../packing/harmonics-palette.ts';
-import { mortonOrder } from '../../../packing/morton-order.ts';
+import { mortonOrderInTurns } from '../../../packing/morton-order.ts';
 import { largestComponent, normalizedRotation } from '../../../packing/rotation.ts';
 import { ROWS_AT_ONCE } from '../../../packing/split-rows.ts';
 import { SH_REST_COEFFICIENTS, type SplatSet } from '../../../splats/splat-set.ts';
@@ -11,14 +11,14 @@ import { MAX_SIDE_PX } from '../../containers/write-vp8l.ts';
 import { encodeWebp } from '../../containers/write-webp.ts';
 import { zipFiles } from '../../containers/write-zip.ts';
 import { opacityOf } from '../color-values.ts';
-import type { WriteFormat } from '../write-format.ts';
+import { partOfProgress, type WriteFormat } from '../write-format.ts';
 import { type Codebook, findCodebook } from './codebook.ts';
 import { FIRST_MODE, PALETTE_COLUMNS, POSITION_STEPS } from './sog-layout.ts';
 
 /** Sides of images are multiples of it, as GPUs compress textures in such blocks. */
 const SIDE_UNIT_PX = 4;
-/** Parts of the work that are done when the palette is found, and the codebooks. */
-const PROGRESS = { palette: 0.7, codebooks: 0.8 } as const;
+/** Parts of the work that are done when the palette is found, the codebooks, and the order. */
+const PROGRESS = { palette: 0.7, codebooks: 0.78, order: 0.8 } as const;
 
 /**
  * Writes SOG, version 2, as a zip archive: images, in Morton order of the centres. What is lost: positions are rounded to 65,536 steps
@@ -32,8 +32,7 @@ export const writeSog: WriteFormat = async (set, { signal, onProgress }) => {
   const turns = new Turns(signal);
   const { count } = set;
   const { width, height } = sizeOf(count);
-  checkFinite(set);
-  await turns.give();
+  await checkFinite(set, turns);
   const palette = await paletteOf(set, turns, {
     signal,
     onProgress: (fraction) => onProgress?.(PROGRESS.palette * fraction),
@@ -44,14 +43,15 @@ export const writeSog: WriteFormat = async (set, { signal, onProgress }) => {
   const coefficients = palette && (await findCodebook(palette.entries.slice(), turns));
   onProgress?.(PROGRESS.codebooks);
 
-  const order = mortonOrder(set.positions, count);
-  const { mins, maxs } = rangeOf(set);
+  const { onProgress: onOrdering } = partOfProgress({ onProgress }, PROGRESS.codebooks, PROGRESS.order);
+  const order = await mortonOrderInTurns(set.positions, count, turns, onOrdering);
+  const { mins, maxs } = await rangeOf(set, turns);
   const images: Record<string, Uint8Array> = {};
   const imageCount = palette ? 7 : 5;
   const addImage = async (name: string, pixels: Uint8Array, imageWidth = width, imageHeight = height) => {
     images[name] = await encodeWebp(imageWidth, imageHeight, pixels, turns);
     const done = Object.keys(images).length / imageCount;
-    onProgress?.(PROGRESS.codebooks + (1 - PROGRESS.codebooks) * done);
+    onProgress?.(PROGRESS.order + (1 - PROGRESS.order) * done);
     return name;
   };
   /** Adds an image with a pixel for every splat. */
@@ -115,7 +115,7 @@ export const writeSog: WriteFormat = async (set, { signal, onProgress }) => {
           bands: palette.degree,
           codebook: listOf(coefficients),
           files: [
-            await addPalette(palette, coefficients, addImage),
+            await addPalette(palette, coefficients, addImage, turns),
             await addSplats('shN_labels.webp', (splat, pixels, at) => {
               pixels[at] = palette.indices[splat] & 255;
               pixels[at + 1] = palette.indices[splat] >> 8;
@@ -140,20 +140,24 @@ function sizeOf(count: number): { width: number; height: number } {
   return { width, height: rounded(count / width) };
 }
 
-/** @throws InvalidArgumentError */
-function checkFinite({ count, origin, positions, logScales, colorDc, rotations }: SplatSet<Harmonics>): void {
-  const check = (values: ArrayLike<number>, width: number, what: string) => {
+/** Rejects with InvalidArgumentError, and with the reason of the turns' signal. */
+async function checkFinite(
+  { count, origin, positions, logScales, colorDc, rotations }: SplatSet<Harmonics>,
+  turns: Turns,
+): Promise<void> {
+  const check = async (values: ArrayLike<number>, width: number, what: string) => {
     for (let i = 0; i < width * count; i++) {
+      if (i % ROWS_AT_ONCE === 0) await turns.give();
       if (Number.isFinite(values[i])) continue;
       const message = `Splat ${Math.floor(i / width)} has a ${what} that is not finite (${values[i]}). Leave it out.`;
       throw new InvalidArgumentError('set', message);
     }
   };
   if (!origin.every(Number.isFinite)) throw new InvalidArgumentError('set', 'Its origin is not finite.');
-  check(positions, 3, 'position');
-  check(logScales, 3, 'scale');
-  check(rotations, 4, 'rotation');
-  check(colorDc, 3, 'colour');
+  await check(positions, 3, 'position');
+  await check(logScales, 3, 'scale');
+  await check(rotations, 4, 'rotation');
+  await check(colorDc, 3, 'colour');
 }
 
 /** The set's own palette, or one of as many entries as a power of two has that is not above the number of splats: half of them or more. */
@@ -173,13 +177,16 @@ async function addPalette(
   palette: HarmonicsPalette,
   codebook: Codebook,
   addImage: (name: string, pixels: Uint8Array, width: number, height: number) => Promise<string>,
+  turns: Turns,
 ): Promise<string> {
   const width = PALETTE_COLUMNS * SH_REST_COEFFICIENTS[palette.degree];
   const height = Math.ceil(entryCountOf(palette) / PALETTE_COLUMNS);
   const pixels = new Uint8Array(4 * width * height).fill(255);
-  palette.entries.forEach((value, i) => {
-    pixels[4 * Math.floor(i / 3) + (i % 3)] = codebook.nearest(value);
-  });
+  const { entries } = palette;
+  for (let i = 0; i < entries.length; i++) {
+    pixels[4 * Math.floor(i / 3) + (i % 3)] = codebook.nearest(entries[i]);
+    if (i % ROWS_AT_ONCE === 0) await turns.give();
+  }
   return addImage('shN_centroids.webp', pixels, width, height);
 }
 
@@ -190,10 +197,11 @@ function coordinateOf({ positions, origin }: SplatSet<Harmonics>, splat: number,
 }
 
 /** Least and largest coordinates by axis. */
-function rangeOf(set: SplatSet<Harmonics>): { mins: number[]; maxs: number[] } {
+async function rangeOf(set: SplatSet<Harmonics>, turns: Turns): Promise<{ mins: number[]; maxs: number[] }> {
   const mins = [0, 1, 2].map((axis) => coordinateOf(set, 0, axis));
   const maxs = [...mins];
   for (let i = 1; i < set.count; i++) {
+    if (i % ROWS_AT_ONCE === 0) await turns.give();
     for (let axis = 0; axis < 3; axis++) {
       const value = coordinateOf(set, i, axis);
       if (value < mins[axis]) mins[axis] = value;

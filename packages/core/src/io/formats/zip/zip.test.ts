@@ -36,6 +36,8 @@ function placeOf(bytes: Uint8Array, signature: number, last = true): number {
 const LOCAL = 0x0403;
 const CENTRAL = 0x0201;
 const END = 0x0605;
+const END64 = 0x0606;
+const LOCATOR64 = 0x0706;
 
 describe('what is read', () => {
   test.each<[string, ZipOptions]>([
@@ -45,6 +47,12 @@ describe('what is read', () => {
     [
       'deflated as a stream, with a comment',
       { isDeflated: true, hasDescriptors: true, comment: 'PK\x05\x06' },
+    ],
+    ['stored, with numbers of zip64', { isZip64: true }],
+    ['deflated, with numbers of zip64', { isZip64: true, isDeflated: true }],
+    [
+      'deflated as a stream, with numbers of zip64 and a comment',
+      { isZip64: true, isDeflated: true, hasDescriptors: true, comment: 'PK\x06\x07' },
     ],
   ])('SOG and PLY, %s', async (_, options) => {
     expect(await read(zipBytes({ 'scene.ply': ply }, options))).toEqual(await read(ply));
@@ -69,6 +77,40 @@ describe('what is read', () => {
       'read.me': text(''),
     });
     expect(await read(withPly)).toEqual(await read(ply));
+  });
+
+  test.each([false, true])(
+    'of a zip64 archive: only what does not fit elsewhere is in 64 bits (%s)',
+    async (isZip64) => {
+      const bytes = zipBytes({ 'scene.ply': ply }, { isZip64: true });
+      const [directory, end] = [placeOf(bytes, CENTRAL), placeOf(bytes, END)];
+      const end64 = placeOf(bytes, END64);
+      const { start, unpackedBytes } = readZipDirectory(bytes, 'scene.zip')[0];
+      const told = changed(bytes, (view) => {
+        if (isZip64) return;
+        // As Go writes them: sizes in 64 bits, and the place too, though it fits into 32.
+        view.setUint32(directory + 42, 0, true);
+        view.setUint16(end + 8, 1, true);
+        view.setUint16(end + 10, 1, true);
+        view.setUint32(end + 16, Number(view.getBigUint64(end64 + 48, true)), true);
+        view.setBigUint64(end64 + 32, 7n, true);
+      });
+      expect(readZipDirectory(told, 'scene.zip')).toMatchObject([
+        { path: 'scene.ply', start, unpackedBytes },
+      ]);
+      expect(await read(told)).toEqual(await read(ply));
+    },
+  );
+
+  test.each([
+    ['zip64', 70_000, true],
+    ['an old program, which cannot have more', 0xffff, false],
+  ])('of %s, with very many files beside the scene', async (_, count, isZip64) => {
+    const names = Array.from({ length: count - 1 }, (_, i) => `${i}.txt`);
+    const files = Object.fromEntries(names.map((name) => [name, new Uint8Array(0)]));
+    const bytes = zipBytes({ ...files, 'scene.ply': ply }, { isZip64 });
+    expect(readZipDirectory(bytes, 'scene.zip')).toHaveLength(count);
+    expect(await read(bytes)).toEqual(await read(ply));
   });
 
   test('progress is that of the archive', async () => {
@@ -152,12 +194,70 @@ describe('what is refused', () => {
     ],
     ['more files', (view) => view.setUint32(end + 8, 0x00020002, true), 'damaged', /2 files, of which 1/],
     ['a second disk', (view) => view.setUint16(end + 4, 1, true), 'unknown-format', /split/],
-    ['zip64', (view) => view.setUint32(end + 16, most, true), 'unknown-format', /zip64/],
-    ['a zip64 file', (view) => view.setUint32(central + 24, most, true), 'unknown-format', /zip64/],
+    ['a directory in zip64', (view) => view.setUint32(end + 16, most, true), 'damaged', /lies outside/],
+    ['a file in zip64', (view) => view.setUint32(central + 24, most, true), 'damaged', /lacks .* zip64/],
   ])('%s', async (_, change, code, message) => {
     const error = await failure(changed(stored, change));
     expect(error.code).toBe(code);
     expect(error.message).toMatch(message);
+  });
+
+  const zip64 = zipBytes({ 'a.ply': ply }, { isZip64: true });
+  const entry64 = placeOf(zip64, CENTRAL);
+  const [end64, locator64] = [placeOf(zip64, END64), placeOf(zip64, LOCATOR64)];
+  /** After the name and a field of 9 bytes: sizes and place, behind the 4 bytes that begin their field. */
+  const field64 = entry64 + 46 + 'a.ply'.length + 9;
+  const places64: readonly [string, number, bigint, string, RegExp][] = [
+    ['more bytes', field64 + 4, 2n ** 33n, 'damaged', /two sizes/],
+    ['more bytes than there are', field64 + 12, 2n ** 33n, 'damaged', /does not end where/],
+    ['a place outside', field64 + 20, 2n ** 33n, 'damaged', /not where/],
+    ['a place beyond all', field64 + 20, 2n ** 64n - 1n, 'damaged', /not where/],
+    ['more files', end64 + 32, 2n ** 63n, 'unknown-format', /split/],
+    ['a directory outside', end64 + 48, 2n ** 33n, 'damaged', /directory lies outside/],
+    ['a larger directory', end64 + 40, 2n ** 64n - 1n, 'damaged', /directory lies outside/],
+    ['its record elsewhere', locator64 + 8, 1n, 'damaged', /zip64 record is not where/],
+    ['its record outside', locator64 + 8, 2n ** 64n - 1n, 'damaged', /zip64 record is not where/],
+  ];
+  test.each(places64)('in a zip64 archive, %s', async (_, at, value, code, message) => {
+    const error = await failure(changed(zip64, (view) => view.setBigUint64(at, value, true)));
+    expect(error.code).toBe(code);
+    expect(error.message).toMatch(message);
+  });
+
+  test.each<[string, (view: DataView) => void, string, RegExp]>([
+    ['another field instead', (view) => view.setUint16(field64, 2, true), 'damaged', /lacks .* zip64/],
+    ['a short field', (view) => view.setUint16(field64 + 2, 16, true), 'damaged', /lacks .* zip64/],
+    ['a long field', (view) => view.setUint16(field64 + 2, 999, true), 'damaged', /lacks .* zip64/],
+    [
+      'fields that are too long',
+      (view) => view.setUint16(entry64 + 30, 999, true),
+      'damaged',
+      /ends within a.ply/,
+    ],
+  ])('in a zip64 archive, %s', async (_, change, code, message) => {
+    const error = await failure(changed(zip64, change));
+    expect(error.code).toBe(code);
+    expect(error.message).toMatch(message);
+  });
+
+  test('a disk of a split zip64 archive', async () => {
+    const bytes = changed(zip64, (view) => {
+      view.setUint16(placeOf(zip64, END) + 4, 0xffff, true);
+      view.setUint32(end64 + 16, 70_000, true);
+    });
+    expect(await failure(bytes)).toMatchObject({
+      code: 'unknown-format',
+      message: expect.stringMatching(/split/),
+    });
+  });
+
+  test('what unpacks to 4 GiB less than its zip64 archive says', async () => {
+    const deflated = zipBytes({ 'a.ply': ply }, { isZip64: true, isDeflated: true });
+    const field = placeOf(deflated, CENTRAL) + 46 + 'a.ply'.length + 9;
+    const size = BigInt(ply.length) + 2n ** 32n;
+    const bytes = changed(deflated, (view) => view.setBigUint64(field + 4, size, true));
+    expect(await failure(bytes)).toMatchObject({ code: 'too-large' });
+    expect(await failure(bytes, { maxBytes: 2 ** 40 })).toMatchObject({ code: 'damaged' });
   });
 
   test('deflated bytes that are others, or more than the directory says', async () => {
@@ -222,8 +322,8 @@ describe('what is refused', () => {
     const found: Record<string, number> = {};
     const small = sogFiles(sogExample({ version: 2, count: 1, shDegree: 0, width: 1 }, new Choices(2)));
     await fuzz({ few: 300, many: 20_000 }, async (choices) => {
-      const isDeflated = choices.isTrue(0.5);
-      const bytes = zipBytes(choices.isTrue(0.7) ? { 'a.ply': ply } : small, { isDeflated });
+      const options = { isDeflated: choices.isTrue(0.5), isZip64: choices.isTrue(0.3) };
+      const bytes = zipBytes(choices.isTrue(0.7) ? { 'a.ply': ply } : small, options);
       const directory = placeOf(bytes, CENTRAL, false);
       for (let i = choices.below(3); i >= 0; i--) {
         const from = choices.isTrue(0.7) ? directory : 0;

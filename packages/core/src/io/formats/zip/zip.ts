@@ -80,7 +80,7 @@ function findScene(entries: readonly ZipEntry[], file: string): ZipEntry {
   const depthOf = ({ path }: ZipEntry) => path.split('/').length;
   const leading = entries.filter(isSogLeading);
   // A streamed scene leads to others that are in folders of its own.
-  const least = Math.min(...leading.map(depthOf));
+  const least = leading.reduce((depth, entry) => Math.min(depth, depthOf(entry)), Number.POSITIVE_INFINITY);
   const scenes =
     leading.length > 0
       ? leading.filter((entry) => depthOf(entry) === least)

@@ -1,0 +1,84 @@
+import { afterEach, beforeEach, expect, test, vi } from 'vitest';
+import { ByteReader } from '../sources/byte-reader.ts';
+import type { LoadProgress } from '../sources/splat-source.ts';
+import { ReadProgress } from './progress.ts';
+import type { SplatInput } from './splat-format.ts';
+
+beforeEach(() => {
+  vi.useFakeTimers({ toFake: ['performance'] });
+});
+afterEach(() => {
+  vi.useRealTimers();
+});
+
+/** A file of 100 bytes that has been read, of a size that the server does not tell as it packs it. */
+async function readInput(about: Partial<SplatInput> = {}): Promise<SplatInput> {
+  const name = 'meta.json';
+  const reader = new ByteReader({ name, stream: new Blob([new Uint8Array(100)]).stream() });
+  await reader.fill(100);
+  reader.advance(100);
+  return { name, totalBytes: undefined, totalBytesCertain: false, isHeld: false, reader, ...about };
+}
+
+/** Time enough for another report passes before each call. */
+function watch(input: SplatInput) {
+  const reports: [loaded: number, total: number | undefined][] = [];
+  const onProgress = ({ loadedBytes, totalBytes }: LoadProgress) => reports.push([loadedBytes, totalBytes]);
+  const progress = new ReadProgress(input, onProgress);
+  const later = (arrived: (bytes: number) => void, bytes: number) => {
+    vi.advanceTimersByTime(1000);
+    arrived(bytes);
+  };
+  return { progress, reports, later };
+}
+
+test('of several files, what has arrived of each counts, and the size once it is known of all', async () => {
+  const { progress, reports, later } = watch(await readInput());
+  progress.expectParts(2);
+  const first = progress.beginPart(1000);
+  later(first, 10);
+  later(first, 200);
+  const second = progress.beginPart(500);
+  later(second, 50);
+  later(first, 1000);
+  later(second, 500);
+  expect(reports).toEqual([
+    [110, undefined],
+    [300, undefined],
+    [350, 1600],
+    [1150, 1600],
+    [1600, 1600],
+  ]);
+});
+
+test('the size stays unknown where that of one file does, or the number of files', async () => {
+  const packed = watch(await readInput());
+  packed.progress.expectParts(2);
+  packed.progress.beginPart(undefined);
+  packed.later(packed.progress.beginPart(500), 500);
+  const streamed = watch(await readInput({ totalBytes: 100 }));
+  streamed.later(streamed.progress.beginPart(500), 500);
+  for (const { reports } of [packed, streamed]) expect(reports).toEqual([[600, undefined]]);
+});
+
+test('a file that has more bytes than was said makes the size unknown', async () => {
+  const { progress, reports, later } = watch(await readInput());
+  progress.expectParts(1);
+  const arrived = progress.beginPart(50);
+  later(arrived, 50);
+  later(arrived, 60);
+  expect(reports).toEqual([
+    [150, 150],
+    [160, undefined],
+  ]);
+});
+
+test('files in an archive are counted as the archive arrives', async () => {
+  const archive = await readInput({ name: 'scene.zip', totalBytes: 4000 });
+  const { progress, reports, later } = watch(await readInput({ packed: archive }));
+  progress.expectParts(1);
+  later(progress.beginPart(500), 500);
+  vi.advanceTimersByTime(1000);
+  progress.report(3);
+  expect(reports).toEqual([[100, 4000]]);
+});
