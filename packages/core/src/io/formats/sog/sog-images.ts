@@ -7,6 +7,14 @@ import type { PartReader } from './part-reader.ts';
 import { PALETTE_COLUMNS } from './sog-layout.ts';
 import type { SogHarmonics, SogMeta } from './sog-meta.ts';
 
+/** Images of a SOG that have been read and checked. */
+export interface OpenedImages {
+  /** Of the harmonics; 0 where there are none. */
+  readonly shDegree: ShDegree;
+  /** Rejects with SplatFileError 'damaged', or with the signal's reason; nobody has to wait for it. */
+  readonly decoded: Promise<SogImages>;
+}
+
 /** The images of a SOG, decoded: R, G, B, A of each splat in turn. */
 export interface SogImages {
   readonly positionsLow: Uint8Array;
@@ -51,18 +59,18 @@ export class ImageBudget {
 }
 
 /**
- * Reads and decodes the images that a SOG's metadata names. All sizes are checked before any is decoded.
+ * Reads the images that a SOG's metadata names, and begins to decode them. All sizes are checked before.
  *
  * Rejects with SplatFileError, SplatSourceError, or the signal's reason.
  *
  * @param folder of the metadata, from that of the scene; it ends with `/`, or is empty.
  */
-export async function readSogImages(
+export async function openSogImages(
   parts: PartReader,
   folder: string,
   { count, files, harmonics }: SogMeta,
   budget: ImageBudget,
-): Promise<SogImages> {
+): Promise<OpenedImages> {
   const names = [files.positionsLow, files.positionsHigh, files.rotations, files.scales, files.colors];
   if (harmonics) names.push(harmonics.labelsFile, harmonics.paletteFile);
   // All at once, since each may be a request.
@@ -70,19 +78,24 @@ export async function readSogImages(
     names.map(async (name) => openWebp(await parts.read(folder + name), folder + name)),
   );
   checkSizes(images.slice(0, harmonics ? -1 : undefined), count);
-  const degree = harmonics && degreeOf(harmonics, images[images.length - 1]);
+  const shDegree = harmonics ? degreeOf(harmonics, images[images.length - 1]) : 0;
   budget.take(images);
-  const decoded = await decodeAll(images, parts);
-  const [positionsLow, positionsHigh, rotations, scales, colors, labels, palette] = decoded;
   const size = harmonics && Math.min(harmonics.paletteSize ?? Infinity, PALETTE_COLUMNS * images[6].height);
-  return {
-    positionsLow,
-    positionsHigh,
-    rotations,
-    scales,
-    colors,
-    harmonics: degree && size !== null ? { degree, size, palette, labels } : null,
+  const decode = async (): Promise<SogImages> => {
+    const decoded = await decodeAll(images, parts);
+    const [positionsLow, positionsHigh, rotations, scales, colors, labels, palette] = decoded;
+    return {
+      positionsLow,
+      positionsHigh,
+      rotations,
+      scales,
+      colors,
+      harmonics: size === null ? null : { degree: shDegree, size, palette, labels },
+    };
   };
+  const decoded = decode();
+  decoded.catch(() => {});
+  return { shDegree, decoded };
 }
 
 /** By the browser, if it can, and else one after another. */
