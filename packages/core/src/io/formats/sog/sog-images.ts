@@ -1,4 +1,5 @@
 import { SplatFileError } from '../../../errors.ts';
+import { MAX_PALETTE_ENTRIES } from '../../../packing/harmonics-palette.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../splats/splat-set.ts';
 import { browserDecoder } from '../../containers/browser-webp.ts';
 import { decodeWebp, openWebp, type WebpImage } from '../../containers/webp.ts';
@@ -11,6 +12,8 @@ import type { SogHarmonics, SogMeta } from './sog-meta.ts';
 export interface OpenedImages {
   /** Of the harmonics; 0 where there are none. */
   readonly shDegree: ShDegree;
+  /** Entries that labels can name; 0 where there are no harmonics. */
+  readonly paletteSize: number;
   /** Rejects with SplatFileError 'damaged', or with the signal's reason; nobody has to wait for it. */
   readonly decoded: Promise<SogImages>;
 }
@@ -27,7 +30,7 @@ export interface SogImages {
 
 export interface SogPaletteImages {
   readonly degree: ShDegree;
-  /** Number of colours that there are. */
+  /** Number of colours that labels can name. */
   readonly size: number;
   /** R, G, B, A of each coefficient of each colour in turn. */
   readonly palette: Uint8Array;
@@ -80,7 +83,13 @@ export async function openSogImages(
   checkSizes(images.slice(0, harmonics ? -1 : undefined), count);
   const shDegree = harmonics ? degreeOf(harmonics, images[images.length - 1]) : 0;
   budget.take(images);
-  const size = harmonics && Math.min(harmonics.paletteSize ?? Infinity, PALETTE_COLUMNS * images[6].height);
+  const paletteSize = harmonics
+    ? Math.min(
+        harmonics.paletteSize ?? MAX_PALETTE_ENTRIES,
+        PALETTE_COLUMNS * images[6].height,
+        MAX_PALETTE_ENTRIES,
+      )
+    : 0;
   const decode = async (): Promise<SogImages> => {
     const decoded = await decodeAll(images, parts);
     const [positionsLow, positionsHigh, rotations, scales, colors, labels, palette] = decoded;
@@ -90,12 +99,12 @@ export async function openSogImages(
       rotations,
       scales,
       colors,
-      harmonics: size === null ? null : { degree: shDegree, size, palette, labels },
+      harmonics: harmonics && { degree: shDegree, size: paletteSize, palette, labels },
     };
   };
   const decoded = decode();
   decoded.catch(() => {});
-  return { shDegree, decoded };
+  return { shDegree, paletteSize, decoded };
 }
 
 /** By the browser, if it can, and else one after another. */

@@ -1,6 +1,6 @@
 import { SplatFileError } from '../../../errors.ts';
 import type { ReadHarmonics } from '../../../packing/harmonics.ts';
-import type { ShDegree, SplatSet } from '../../../splats/splat-set.ts';
+import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../../../splats/splat-set.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { checkCount } from '../check-count.ts';
 import { type DecodedRows, deliverRows } from '../decoded-rows.ts';
@@ -12,8 +12,8 @@ import { finestLevel, isStreamedMeta } from './finest-level.ts';
 import { PartReader } from './part-reader.ts';
 import { ImageBudget, type OpenedImages, openSogImages } from './sog-images.ts';
 import { parseSogMeta, type SogMeta } from './sog-meta.ts';
-import { joinPalettes, type SogUnit } from './sog-palette.ts';
-import { sogRows } from './sog-rows.ts';
+import { joinPalettes, paletteEntries, type SogUnit } from './sog-palette.ts';
+import { sogRows, sogRowsOfPalette } from './sog-rows.ts';
 
 /** Most bytes of a file with metadata; those of large streamed scenes have some millions. */
 const MAX_META_BYTES = 2 ** 26;
@@ -114,25 +114,46 @@ async function decodedUnit({ file, meta, decoded }: OpenedUnit): Promise<SogUnit
 
 /** The splats of several SOGs, one after the other, once their images are decoded. @param shDegree see `sogRows`. */
 function joinUnits(units: readonly OpenedUnit[], shDegree: ShDegree): DecodedRows {
-  const decoders: DecodedRows['decode'][] = [];
-  const prepare = async (unit: OpenedUnit, i: number) => {
-    decoders[i] = sogRows(await decodedUnit(unit), shDegree);
+  const decoded: SogUnit[] = [];
+  const keepDecoded = async (unit: OpenedUnit, i: number) => {
+    decoded[i] = await decodedUnit(unit);
   };
+  const whenDecoded = Promise.all(units.map(keepDecoded));
+  // Who asks for rows hears of it.
+  whenDecoded.catch(() => {});
   const parts = units.map(({ meta: { count, isAntialiased } }, i) => ({
     count,
     shDegree,
     isAntialiased,
-    decode: (rows: Float32Array, rowCount: number) => decoders[i](rows, rowCount),
+    decode: madeLater(() => sogRows(decoded[i], shDegree)),
   }));
-  const prepared = Promise.all(units.map(prepare));
-  // Who asks for rows hears of it.
-  prepared.catch(() => {});
+  const rows = joinedRows(parts);
+  const [{ meta, paletteSize }] = units;
+  // Several palettes would be too large to be one.
+  const isShared = units.length === 1 && shDegree > 0 && paletteSize > 0 && paletteSize < rows.count;
   return {
-    ...joinedRows(parts),
-    fileFacts: { format: 'sog', variant: String(units[0].meta.version) },
+    ...rows,
+    fileFacts: { format: 'sog', variant: String(meta.version) },
     // Whoever takes the rows makes room for them while images are decoded.
     arrive: async () => {
-      await prepared;
+      await whenDecoded;
     },
+    ...(isShared && {
+      palette: {
+        entryCount: paletteSize,
+        entryValues: coefficientsPerSplat(shDegree),
+        values: () => paletteEntries(decoded[0]),
+        decode: madeLater(() => sogRowsOfPalette(decoded[0])),
+      },
+    }),
+  };
+}
+
+/** What `make` returns, made when it is first called. */
+function madeLater(make: () => DecodedRows['decode']): DecodedRows['decode'] {
+  let decode: DecodedRows['decode'] | undefined;
+  return (rows, rowCount) => {
+    decode ??= make();
+    decode(rows, rowCount);
   };
 }
