@@ -56,8 +56,10 @@ async function decode({
 }: Pick<WebpImage, 'data' | 'width' | 'height'>): Promise<Uint8Array<ArrayBuffer> | null> {
   const strideBytes = 4 * width;
   try {
+    const file = webpOf(data);
     const decoder = new ImageDecoder({
-      data: webpOf(data),
+      data: file,
+      transfer: [file.buffer],
       type: 'image/webp',
       colorSpaceConversion: 'none',
     });

@@ -7,20 +7,44 @@ import { limitsOf } from './read-limits.ts';
 import { shortName } from './source-kind.ts';
 import type { OpenedSource } from './splat-source.ts';
 
+type PartOptions = Pick<SplatFormatOptions, 'signal' | 'maxBytes'>;
+
 /**
  * Reads another file of the scene of `input`.
  *
- * Rejects with SplatFileError 'missing-part' where the source is a single file, or has no such part; as `openSource`; and with the
- * signal's reason.
+ * Rejects as `openPart`; and as `readSource` where it cannot be read.
  *
  * @param path from the folder of `input`.
  */
 export async function readPart(
   input: SplatInput,
   path: string,
-  { signal, maxBytes }: Pick<SplatFormatOptions, 'signal' | 'maxBytes'>,
+  options: PartOptions,
 ): Promise<Uint8Array<ArrayBuffer>> {
-  const opened = await (input.openPart ? input.openPart(path) : openFetched(input, path, signal));
+  return readOpenedPart(await openPart(input, path, options), options);
+}
+
+/**
+ * Opens another file of the scene of `input`.
+ *
+ * Rejects with SplatFileError 'missing-part' where the source is a single file, or has no such part; as `openSource`; and with the
+ * signal's reason.
+ *
+ * @param path from the folder of `input`.
+ */
+export async function openPart(
+  input: SplatInput,
+  path: string,
+  { signal }: PartOptions,
+): Promise<OpenedSource> {
+  return input.openPart ? input.openPart(path) : openFetched(input, path, signal);
+}
+
+/** Reads what `openPart` has opened. */
+export async function readOpenedPart(
+  opened: OpenedSource,
+  { signal, maxBytes }: PartOptions,
+): Promise<Uint8Array<ArrayBuffer>> {
   const reader = new ByteReader(opened, signal, limitsOf({ maxBytes }, opened).maxBytes);
   try {
     return await readAll(reader, Number.POSITIVE_INFINITY, opened.isHeld ? opened.totalBytes : 0);

@@ -4,7 +4,7 @@ import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../splats/splat-set.t
 import { browserDecoder } from '../../containers/browser-webp.ts';
 import { decodeWebp, openWebp, type WebpImage } from '../../containers/webp.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
-import type { PartReader } from './part-reader.ts';
+import type { PartReader, UncheckedPart } from './part-reader.ts';
 import { PALETTE_COLUMNS } from './sog-layout.ts';
 import type { SogHarmonics, SogMeta } from './sog-meta.ts';
 
@@ -76,35 +76,50 @@ export async function openSogImages(
 ): Promise<OpenedImages> {
   const names = [files.positionsLow, files.positionsHigh, files.rotations, files.scales, files.colors];
   if (harmonics) names.push(harmonics.labelsFile, harmonics.paletteFile);
-  // All at once, since each may be a request.
-  const images = await Promise.all(
-    names.map(async (name) => openWebp(await parts.read(folder + name), folder + name)),
-  );
-  checkSizes(images.slice(0, harmonics ? -1 : undefined), count);
-  const shDegree = harmonics ? degreeOf(harmonics, images[images.length - 1]) : 0;
-  budget.take(images);
-  const paletteSize = harmonics
-    ? Math.min(
-        harmonics.paletteSize ?? MAX_PALETTE_ENTRIES,
-        PALETTE_COLUMNS * images[6].height,
-        MAX_PALETTE_ENTRIES,
-      )
-    : 0;
-  const decode = async (): Promise<SogImages> => {
-    const decoded = await decodeAll(images, parts);
-    const [positionsLow, positionsHigh, rotations, scales, colors, labels, palette] = decoded;
-    return {
-      positionsLow,
-      positionsHigh,
-      rotations,
-      scales,
-      colors,
-      harmonics: harmonics && { degree: shDegree, size: paletteSize, palette, labels },
-    };
+  const read: UncheckedPart[] = [];
+  const openImage = async (name: string) => {
+    const part = await parts.readUnchecked(folder + name);
+    read.push(part);
+    return openWebp(part.bytes, folder + name);
   };
-  const decoded = decode();
-  decoded.catch(() => {});
-  return { shDegree, paletteSize, decoded };
+  /** That bytes are damaged is why anything else is wrong. */
+  const checkRead = async () => {
+    for (const part of read) await part.check();
+  };
+  try {
+    // All at once, since each may be a request.
+    const images = await Promise.all(names.map(openImage));
+    checkSizes(images.slice(0, harmonics ? -1 : undefined), count);
+    const shDegree = harmonics ? degreeOf(harmonics, images[images.length - 1]) : 0;
+    budget.take(images);
+    const paletteSize = harmonics ? paletteSizeOf(harmonics, images[images.length - 1]) : 0;
+    const decode = async (): Promise<SogImages> => {
+      const decoding = decodeAll(images, parts);
+      // Meanwhile, where other threads decode.
+      decoding.catch(() => {});
+      await checkRead();
+      const [positionsLow, positionsHigh, rotations, scales, colors, labels, palette] = await decoding;
+      return {
+        positionsLow,
+        positionsHigh,
+        rotations,
+        scales,
+        colors,
+        harmonics: harmonics && { degree: shDegree, size: paletteSize, palette, labels },
+      };
+    };
+    const decoded = decode();
+    decoded.catch(() => {});
+    return { shDegree, paletteSize, decoded };
+  } catch (error) {
+    await checkRead();
+    throw error;
+  }
+}
+
+/** Entries that labels can name. */
+function paletteSizeOf({ paletteSize }: SogHarmonics, { height }: WebpImage): number {
+  return Math.min(paletteSize ?? MAX_PALETTE_ENTRIES, PALETTE_COLUMNS * height, MAX_PALETTE_ENTRIES);
 }
 
 /** By the browser, if it can, and else one after another. */
