@@ -36,7 +36,7 @@ import { chooseOrigin } from '../packing/origin.ts';
 import { chunkCountOf, robustBounds, totalBounds } from '../packing/packed-cloud.ts';
 import { type CloudPrecision, ownShPrecision, type RowPrecision } from '../packing/precision.ts';
 import { paletteValues, type RowLayout } from '../packing/row-layout.ts';
-import type { ShDegree } from '../splats/splat-set.ts';
+import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
 import { ingestRows } from '../stages/ingest-rows.ts';
 import { ingestSettle } from '../stages/ingest-settle.ts';
 import { nextTask } from '../turns.ts';
@@ -542,10 +542,14 @@ function ingestBytes(layout: RowLayout, settings: FitSettings): number {
   return cloudBytes(count, settings) + Math.max(reading, ARRANGE_BYTES * count);
 }
 
-/** Stages that make a cloud of rows of this degree. */
-export function rowStages(wanted: CloudPrecision & { readonly shDegree: ShDegree }): StageDefinition[] {
+/** Stages that make a cloud of rows of this degree, which is that of their palette as well. */
+export function rowStages({
+  hasPalette,
+  ...wanted
+}: CloudPrecision & { readonly shDegree: ShDegree; readonly hasPalette: boolean }): StageDefinition[] {
   const variant = asRows(wanted);
-  return [ingestRows(variant), ...lateStages(variant)];
+  const entryValues = hasPalette ? coefficientsPerSplat(wanted.shDegree) : undefined;
+  return [ingestRows({ ...variant, entryValues }), ...lateStages(variant)];
 }
 
 /** Rows are packed one by one, and so cannot be given a palette. */
