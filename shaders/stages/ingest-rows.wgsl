@@ -1,8 +1,9 @@
 // Takes rows of a file as they arrive: drops those that are not finite, packs the others, and gathers facts about them.
-// Reads the rows' bytes; writes planes in the order of the file, a slot per row, and the facts. One thread per row.
+// Reads the rows' bytes, and the palette that some rows take their harmonics from; writes planes in the order of the file, a slot per row, and the facts. One thread per row.
 // Rows that are dropped leave their slot as it is, zero. Log scales are packed over all that a splat may have, since the
 // cloud's range is known only at the end: `ingest-settle` then rounds them anew, from these steps and their rests.
 import constants::CHUNK_SPLATS;
+import constants::ENTRY_VALUES;
 import constants::FACTS;
 import constants::FACT_DROPPED;
 import constants::FACT_FAINT;
@@ -45,6 +46,7 @@ import package::lib::pack_splat::packRotation;
 @if(SH_1) @group(0) @binding(4) var<storage, read_write> harmonics: array<u32>;
 @group(0) @binding(5) var<storage, read_write> dropMask: array<u32>;
 @group(0) @binding(6) var<storage, read_write> facts: array<atomic<u32>, FACTS>;
+@if(ROW_PALETTE) @group(0) @binding(7) var<storage, read> palette: array<u32>;
 
 var<workgroup> ownFacts: array<atomic<u32>, FACTS>;
 var<workgroup> ownMask: array<atomic<u32>, MASK_WORDS>;
@@ -261,8 +263,21 @@ fn valueBits3(row: u32, slot: u32) -> vec3u {
   return vec3u(valueBits(row, slot), valueBits(row, slot + 1u), valueBits(row, slot + 2u));
 }
 
-/// The four bytes of a value, which may begin anywhere, in the order of this machine.
+@if(!ROW_PALETTE)
 fn valueBits(row: u32, slot: u32) -> u32 {
+  return ownBits(row, slot);
+}
+
+/// Harmonics are those of an entry, whose index is the row's last value.
+@if(ROW_PALETTE)
+fn valueBits(row: u32, slot: u32) -> u32 {
+  if (slot < ROW_HARMONICS) { return ownBits(row, slot); }
+  let entry = u32(bitcast<f32>(ownBits(row, ROW_HARMONICS)));
+  return palette[entry * ENTRY_VALUES + slot - ROW_HARMONICS];
+}
+
+/// The four bytes of a value, which may begin anywhere, in the order of this machine.
+fn ownBits(row: u32, slot: u32) -> u32 {
   let at = row * parameters.strideBytes + parameters.offsets[slot / 4u][slot % 4u];
   let shift = 8u * (at % 4u);
   var bits = rows[at / 4u];

@@ -290,7 +290,7 @@ export class SplatEngine {
     const ingest = rowsTo.sink;
     let cloud: SplatCloud;
     try {
-      this.#foreseeRows(source, ingest);
+      this.#foreseeRows(source, name, ingest);
       const packed = await loadOrPass(source, { ...options, signal, geometryPrecision, shPrecision }, rowsTo);
       if (packed) ingest.destroy();
       cloud = packed
@@ -450,11 +450,11 @@ export class SplatEngine {
   }
 
   /** Compiles what the rows of `source` are likely to need, while it is opened. */
-  #foreseeRows(source: SplatSource, ingest: LazyIngest): void {
+  #foreseeRows(source: SplatSource, name: string, ingest: LazyIngest): void {
     const { size, byteLength } = (source ?? {}) as Partial<Blob & ArrayBuffer>;
     const bytes = size ?? byteLength ?? Number.POSITIVE_INFINITY;
     if (this.#compilesAhead && bytes >= this.#ingestMinRows * LEAST_ROW_BYTES)
-      ingest.foresee(LIKELY_SH_DEGREE);
+      ingest.foresee(LIKELY_SH_DEGREE, /\.sog$/i.test(name));
   }
 
   /** On a CPU, shaders that turn out not to be needed would take the time of those that are. */

@@ -22,11 +22,11 @@ export class LazyIngest implements RowSink {
     options.signal.addEventListener('abort', this.#stop);
   }
 
-  /** Fetches the code and compiles what rows of this degree need, in case that they come. */
-  foresee(shDegree: ShDegree): void {
+  /** Fetches the code and compiles what rows of this degree need, with a palette or not, in case that they come. */
+  foresee(shDegree: ShDegree, hasPalette: boolean): void {
     const prepare = async () => {
       const { rowStages } = await import('./row-ingest.ts');
-      await this.#context.pipelines.prepare(rowStages({ ...this.#options, shDegree }));
+      await this.#context.pipelines.prepare(rowStages({ ...this.#options, shDegree, hasPalette }));
     };
     prepare().catch(() => {});
   }

@@ -9,12 +9,15 @@ import { packSet } from '../packing/pack-set.ts';
 import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 import { deviceWith } from '../testing/device-with.ts';
 import { expectSameChunks, expectSameGeometry, expectSameHarmonics } from '../testing/expect-same-planes.ts';
+import { Choices } from '../testing/fuzz.ts';
 import { ownHarmonics } from '../testing/own-harmonics.ts';
 import { planeWords } from '../testing/plane-words.ts';
 import { type Fixture, plyBytes, splatNames } from '../testing/ply-fixture.ts';
 import { randomSplats, splatsWithTies } from '../testing/random-splats.ts';
 import { readableDevice } from '../testing/readable-device.ts';
 import { signalOf } from '../testing/signal.ts';
+import { sogExample, sogFiles } from '../testing/sog-fixture.ts';
+import { zipBytes } from '../testing/zip-fixture.ts';
 
 const PACKED = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
 const FINEST = { geometryPrecision: 'f32', shPrecision: 'f32' } as const;
@@ -111,6 +114,16 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
         set.harmonics.coefficients.fill(0, 45 * i + coefficientsPerSplat(trueDegree), 45 * (i + 1));
       await expectSame(plyOf(set), PACKED, small);
       await expectSame(plyOf(set), FINEST, small);
+    });
+  }
+
+  for (const shDegree of [1, 2, 3] as const) {
+    gpuTest(`of degree ${shDegree}, with harmonics that splats share`, async () => {
+      // The palette comes in several pieces.
+      const sog = sogExample({ version: 2, count: 600, shDegree, paletteSize: 400 }, new Choices(shDegree));
+      const file = new Blob([zipBytes(sogFiles(sog))]);
+      await expectSame(file, PACKED, small);
+      await expectSame(file, FINEST, small);
     });
   }
 

@@ -1,11 +1,11 @@
 import { describe, expect, test, vi } from 'vitest';
 import { DestroyedError } from '../errors.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
-import type { Pipelines } from '../gpu/pipelines.ts';
+import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import type { RowLayout } from '../packing/row-layout.ts';
 import { BUFFER_USAGE, deviceWithoutGpu } from '../testing/device-without-gpu.ts';
 import { signalOf } from '../testing/signal.ts';
-import { RowIngest } from './row-ingest.ts';
+import { RowIngest, rowStages } from './row-ingest.ts';
 
 vi.stubGlobal('GPUBufferUsage', BUFFER_USAGE);
 
@@ -26,7 +26,12 @@ function ingestOf(go: Promise<void>) {
     return go;
   });
   const memory = new GpuMemory(device);
-  const pipelines = { prepare: () => new Promise(() => {}) } as unknown as Pipelines;
+  const prepared: StageDefinition[] = [];
+  const prepare = (stages: readonly StageDefinition[]) => {
+    prepared.push(...stages);
+    return new Promise(() => {});
+  };
+  const pipelines = { prepare } as unknown as Pipelines;
   const caller = new AbortController();
   const options = {
     geometryPrecision: 'packed',
@@ -37,8 +42,25 @@ function ingestOf(go: Promise<void>) {
     fit: 'auto',
   } as const;
   const ingest = new RowIngest({ device, pipelines, memory, dispatchRow: 65_535 }, options);
-  return { ingest, memory, caller, whenAsked: asked.when };
+  return { ingest, memory, caller, prepared, whenAsked: asked.when };
 }
+
+test.each([
+  [0, false],
+  [3, false],
+  [3, true],
+] as const)(
+  'what is foreseen of degree %i, with a palette: %s, is what is compiled',
+  async (shDegree, hasPalette) => {
+    const { ingest, prepared } = ingestOf(Promise.resolve());
+    const palette = { entryCount: 10, entryValues: 45 };
+    await ingest.begin({ ...LAYOUT, shDegree, ...(hasPalette && { palette }) });
+    const precision = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
+    expect(prepared).toEqual(rowStages({ ...precision, shDegree, hasPalette }));
+    expect('palette' in prepared[0].bindings).toBe(hasPalette);
+    ingest.destroy();
+  },
+);
 
 /** A load ends by its signal, or by an error of whoever reads. */
 const ENDS = [

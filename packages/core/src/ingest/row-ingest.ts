@@ -35,8 +35,8 @@ import { mortonFrame } from '../packing/morton-order.ts';
 import { chooseOrigin } from '../packing/origin.ts';
 import { chunkCountOf, robustBounds, totalBounds } from '../packing/packed-cloud.ts';
 import { type CloudPrecision, ownShPrecision, type RowPrecision } from '../packing/precision.ts';
-import type { RowLayout } from '../packing/row-layout.ts';
-import type { ShDegree } from '../splats/splat-set.ts';
+import { paletteValues, type RowLayout } from '../packing/row-layout.ts';
+import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
 import { ingestRows } from '../stages/ingest-rows.ts';
 import { ingestSettle } from '../stages/ingest-settle.ts';
 import { nextTask } from '../turns.ts';
@@ -93,6 +93,8 @@ interface Held {
   readonly logScaleRests: GPUBuffer | null;
   /** A piece of the file. */
   readonly rows: GPUBuffer;
+  /** Null where rows have harmonics of their own. */
+  readonly palette: GPUBuffer | null;
   readonly offsets: Uint32Array;
   /** Null if nobody looks. */
   readonly arrivals: Arrivals | null;
@@ -126,6 +128,7 @@ export class RowIngest implements RowSink {
   #held: Held | null = null;
   #current: GPUBuffer | null = null;
   #rowsTaken = 0;
+  #paletteValuesTaken = 0;
   /** Settles when rows can be packed and `#waiting` has been. */
   #compiled: Promise<void> = Promise.resolve();
   /** Reject if memory was lacking for what has been allocated in the meantime. */
@@ -149,7 +152,7 @@ export class RowIngest implements RowSink {
     const { geometryPrecision, shPrecision, name } = this.#options;
     const { count, shDegree, strideBytes, pieceRows } = layout;
     const precision = { geometryPrecision, shPrecision };
-    const stage = ingestRows({ ...precision, shDegree });
+    const stage = ingestRows({ ...precision, shDegree, entryValues: layout.palette?.entryValues });
     const compiled = pipelines.prepare([stage]);
     // What is needed only at the end compiles while rows arrive.
     pipelines.prepare(lateStages(this.#options)).catch(() => {});
@@ -170,6 +173,7 @@ export class RowIngest implements RowSink {
         const geometry = keep(createGeometry(place, geometryPrecision));
         const harmonics = keep(createHarmonics(place, shDegree, shPrecision));
         const facts = create('facts', 4 * INGEST_FACTS.FACTS, COPY_SRC);
+        const paletteBytes = 4 * paletteValues(layout);
         let arrivals: Arrivals | null = null;
         if (this.#previews) {
           const chunks = planeOf(place, ({ start, end }, page) =>
@@ -189,6 +193,7 @@ export class RowIngest implements RowSink {
           logScaleRests: geometryPrecision === 'packed' ? create('log scale rests', 4 * count) : null,
           // A value that begins between words is read from two of them.
           rows: create('rows', pieceBytes + 4, COPY_DST),
+          palette: paletteBytes > 0 ? create('palette', paletteBytes, COPY_DST) : null,
           offsets,
           arrivals,
         };
@@ -244,8 +249,14 @@ export class RowIngest implements RowSink {
   }
 
   take(rowCount: number): void {
-    const piece = { staging: this.#current!, firstRow: this.#rowsTaken, rowCount };
+    const staging = this.#current!;
     this.#current = null;
+    const { layout, palette } = this.#held!;
+    if (palette && this.#paletteValuesTaken < paletteValues(layout)) {
+      this.#takeValues(staging, palette, rowCount);
+      return;
+    }
+    const piece = { staging, firstRow: this.#rowsTaken, rowCount };
     this.#rowsTaken += rowCount;
     if (this.#waiting) this.#waiting.push(piece);
     else this.#submit(piece);
@@ -264,9 +275,8 @@ export class RowIngest implements RowSink {
     try {
       await this.#compiled;
       await Promise.all(this.#checks);
-      const { layout, facts, rows, arrivals } = this.#live();
-      for (const staging of this.#staging) this.#destroy(staging);
-      this.#destroy(rows);
+      const { layout, facts, rows, palette, arrivals } = this.#live();
+      for (const buffer of [...this.#staging, rows, palette]) if (buffer) this.#destroy(buffer);
       await pipelines.prepare(lateStages(this.#options));
       this.#live();
       const found = readRowFacts(await readWords(device, facts), layout);
@@ -359,9 +369,26 @@ export class RowIngest implements RowSink {
     if (this.#buffers.delete(buffer)) this.#context.memory.destroy(buffer);
   }
 
+  /** Copies values of the palette, for which no shader has to be there. */
+  #takeValues(staging: GPUBuffer, palette: GPUBuffer, count: number): void {
+    const { queue } = this.#context.device;
+    staging.unmap();
+    const encoder = this.#context.device.createCommandEncoder({ label: 'ingest palette' });
+    encoder.copyBufferToBuffer(staging, 0, palette, 4 * this.#paletteValuesTaken, 4 * count);
+    queue.submit([encoder.finish()]);
+    this.#paletteValuesTaken += count;
+    this.#reuse(staging);
+  }
+
+  /** Staging memory that was made for a piece that had to wait is freed. */
+  #reuse(staging: GPUBuffer): void {
+    if (this.#staging.includes(staging)) this.#free.push(mapped(staging));
+    else this.#destroy(staging);
+  }
+
   #submit({ staging, firstRow, rowCount }: Piece): void {
     const { device, memory, pipelines, dispatchRow } = this.#context;
-    const { stage, ranges, layout, geometry, harmonics, rows, offsets, arrivals, ...shared } = this.#held!;
+    const { stage, ranges, layout, geometry, harmonics, offsets, arrivals, ...shared } = this.#held!;
     const endRow = firstRow + rowCount;
     staging.unmap();
     const { checked } = this.#allocate(() => {
@@ -381,7 +408,7 @@ export class RowIngest implements RowSink {
           faintLogit: orderedBits(FAINT_LOGIT),
           dispatchRow,
         });
-        const { dropMask, facts, logScaleRests } = shared;
+        const { rows, palette, dropMask, facts, logScaleRests } = shared;
         const bindings = {
           rows,
           dropMask,
@@ -389,18 +416,18 @@ export class RowIngest implements RowSink {
           geometry: geometry[page],
           harmonics: harmonics[page],
           ...(logScaleRests && { logScaleRests }),
+          ...(palette && { palette }),
         };
         dispatches.add(stage, parameters, bindings, Math.ceil(rowsOfPage / CHUNK_SPLATS));
       }
       const encoder = device.createCommandEncoder({ label: 'ingest rows' });
-      encoder.copyBufferToBuffer(staging, 0, rows, 0, roundUp(rowCount * layout.strideBytes, 4));
+      encoder.copyBufferToBuffer(staging, 0, shared.rows, 0, roundUp(rowCount * layout.strideBytes, 4));
       const parameters = dispatches.record(encoder, 'ingest rows');
       device.queue.submit([encoder.finish()]);
       memory.destroy(parameters);
     });
     this.#checks.push(checked);
-    if (this.#staging.includes(staging)) this.#free.push(mapped(staging));
-    else this.#destroy(staging);
+    this.#reuse(staging);
     arrivals?.add(endRow);
   }
 
@@ -509,14 +536,20 @@ function ingestBytes(layout: RowLayout, settings: FitSettings): number {
   const { count, strideBytes, pieceRows } = layout;
   const pieceBytes = Math.min(count, pieceRows) * strideBytes;
   const reading =
-    (1 + stagingCountOf(layout)) * pieceBytes + (settings.geometryPrecision === 'packed' ? 4 * count : 0);
+    (1 + stagingCountOf(layout)) * pieceBytes +
+    4 * paletteValues(layout) +
+    (settings.geometryPrecision === 'packed' ? 4 * count : 0);
   return cloudBytes(count, settings) + Math.max(reading, ARRANGE_BYTES * count);
 }
 
-/** Stages that make a cloud of rows of this degree. */
-export function rowStages(wanted: CloudPrecision & { readonly shDegree: ShDegree }): StageDefinition[] {
+/** Stages that make a cloud of rows of this degree, which is that of their palette as well. */
+export function rowStages({
+  hasPalette,
+  ...wanted
+}: CloudPrecision & { readonly shDegree: ShDegree; readonly hasPalette: boolean }): StageDefinition[] {
   const variant = asRows(wanted);
-  return [ingestRows(variant), ...lateStages(variant)];
+  const entryValues = hasPalette ? coefficientsPerSplat(wanted.shDegree) : undefined;
+  return [ingestRows({ ...variant, entryValues }), ...lateStages(variant)];
 }
 
 /** Rows are packed one by one, and so cannot be given a palette. */

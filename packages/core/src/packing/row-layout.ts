@@ -1,6 +1,16 @@
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import type { FileFacts, ShDegree } from '../splats/splat-set.ts';
 
+/**
+ * Harmonics that the splats of a file share. Their values are handed on before the rows, which have the index of an entry as a
+ * float32 in the place of their first coefficient, and no others.
+ */
+export interface RowPalette {
+  readonly entryCount: number;
+  /** Coefficients of an entry, float32 of this machine, as rows have them. */
+  readonly entryValues: number;
+}
+
 /** Where the values of splats stand in the rows of a file; all of them are float32. */
 export interface RowLayout {
   /** Number of rows. */
@@ -12,10 +22,17 @@ export interface RowLayout {
   readonly offsets: readonly number[];
   readonly isBigEndian: boolean;
   readonly shDegree: ShDegree;
+  /** Undefined where each row has harmonics of its own, or none. */
+  readonly palette?: RowPalette;
   /** See `SplatColumns`. */
   readonly isAntialiased?: boolean;
   /** See `SplatColumns`. */
   readonly fileFacts?: FileFacts;
+}
+
+/** Values of a layout's palette; 0 without one. */
+export function paletteValues({ palette }: Pick<RowLayout, 'palette'>): number {
+  return palette ? palette.entryCount * palette.entryValues : 0;
 }
 
 /** Rows in as many whole chunks as fit `bytes`, at least one. */

@@ -15,7 +15,7 @@ import { ingestLogScaleSteps } from '../packing/ingest-log-scale.ts';
 import { clampLogScale } from '../packing/log-scale.ts';
 import type { RowPrecision } from '../packing/precision.ts';
 import { ingestRows as twin } from '../reference/ingest-rows.ts';
-import { DROP_REASONS, type SplatSet } from '../splats/splat-set.ts';
+import { DROP_REASONS, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 import { expectSameGeometry, expectSameHarmonics } from '../testing/expect-same-planes.ts';
 import { type FileRowsOptions, fileRows } from '../testing/file-rows.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
@@ -40,6 +40,11 @@ beforeAll(async () => {
 });
 afterAll(() => device.destroy());
 
+interface TakeOptions extends FileRowsOptions {
+  /** Default that of the rows. */
+  readonly storedDegree?: ShDegree;
+}
+
 interface Taken {
   /** Of the rows alone. */
   readonly geometry: Uint32Array;
@@ -52,11 +57,12 @@ interface Taken {
 async function take(
   set: SplatSet,
   precision: RowPrecision,
-  options: FileRowsOptions = {},
+  options: TakeOptions = {},
   shaders = pipelines,
 ): Promise<Taken> {
-  const { bytes, layout } = fileRows(set, options);
-  const { count, shDegree } = layout;
+  const { bytes, layout, palette } = fileRows(set, options);
+  const { count } = layout;
+  const shDegree = options.storedDegree ?? layout.shDegree;
   const offsets = new Uint32Array(60);
   offsets.set(layout.offsets);
   const parameters = IngestParameters.pack({
@@ -83,8 +89,9 @@ async function take(
     harmonics: buffer((PAGE_SLOT + count) * shWords),
     dropMask: buffer((CLOUD_SLOT + 256 * Math.ceil(count / 256)) / 32),
     facts: buffer(INGEST_FACTS.FACTS),
+    ...(palette && { palette: storageBuffer(device, new Uint32Array(palette.buffer)) }),
   };
-  const stage = ingestRows({ ...precision, shDegree });
+  const stage = ingestRows({ ...precision, shDegree, entryValues: layout.palette?.entryValues });
   const workgroups = Math.ceil(count / CHUNK_SPLATS);
   await runStage(device, shaders, stage, bindings, dispatchSize(workgroups, DISPATCH_ROW));
   const [geometry, harmonics, rests, mask, facts] = await Promise.all(
@@ -141,6 +148,25 @@ describe('ingest-rows', () => {
       const plain = await take(set, PACKED);
       expect(await take(set, PACKED, options)).toEqual(plain);
     });
+  }
+
+  for (const storedDegree of [1, 2, 3] as const) {
+    for (const precision of [PACKED, FINEST]) {
+      gpuTest(
+        `takes harmonics from a palette: degree ${storedDegree} of 3, ${precision.shPrecision}`,
+        async () => {
+          const set = hardSplats(3);
+          // Every splat shares its harmonics with the one before or behind it, and some cannot be drawn.
+          for (let i = 1; i < set.count; i += 2)
+            set.harmonics.coefficients.copyWithin(45 * i, 45 * (i - 1), 45 * i);
+          set.harmonics.coefficients.fill(Number.NaN, 45 * 8, 45 * 8 + 1);
+          set.harmonics.coefficients.fill(Number.NaN, 45 * 9, 45 * 9 + 1);
+          const plain = await take(set, precision, { storedDegree });
+          expect(plain.dropped).toEqual([8, 9]);
+          expect(await take(set, precision, { storedDegree, sharedBy: 2 })).toEqual(plain);
+        },
+      );
+    }
   }
 
   gpuTest('drops rows that are not finite, and counts them by reason', async () => {

@@ -10,12 +10,20 @@ import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
 import { PACKING_LIBRARIES } from './packing-libraries.ts';
 
 export interface IngestVariant extends RowPrecision {
-  /** Degree of the file. */
+  /** Degree to store. */
   readonly shDegree: ShDegree;
+  /** Where rows share their harmonics: see `RowPalette`. */
+  readonly entryValues?: number;
 }
 
 /** Packs rows of a file as they arrive, and gathers facts about them. */
-export function ingestRows({ geometryPrecision, shPrecision, shDegree }: IngestVariant): StageDefinition {
+export function ingestRows({
+  geometryPrecision,
+  shPrecision,
+  shDegree,
+  entryValues = 0,
+}: IngestVariant): StageDefinition {
+  const hasPalette = shDegree >= 1 && entryValues > 0;
   const bindings: Record<string, readonly [number, BindingKind]> = {
     parameters: [0, 'uniform'],
     rows: [1, 'read'],
@@ -25,6 +33,7 @@ export function ingestRows({ geometryPrecision, shPrecision, shDegree }: IngestV
   };
   if (geometryPrecision === 'packed') bindings.logScaleRests = [3, 'read-write'];
   if (shDegree >= 1) bindings.harmonics = [4, 'read-write'];
+  if (hasPalette) bindings.palette = [7, 'read'];
   return {
     stage: 'ingest-rows',
     source,
@@ -34,6 +43,7 @@ export function ingestRows({ geometryPrecision, shPrecision, shDegree }: IngestV
     conditions: {
       GEOMETRY_F32: geometryPrecision === 'f32',
       SH_1: shDegree >= 1,
+      ROW_PALETTE: hasPalette,
       SH_F32: shPrecision === 'f32',
       SH_F16: shPrecision === 'f16',
       SH_U8: shPrecision === 'u8',
@@ -44,6 +54,7 @@ export function ingestRows({ geometryPrecision, shPrecision, shDegree }: IngestV
       SH_BANDS: shDegree,
       SH_VALUES: coefficientsPerSplat(shDegree),
       SH_WORDS: shWordsPerSplat(shDegree, shPrecision),
+      ENTRY_VALUES: entryValues,
       ROW_POSITION: ROW_SLOT.position,
       ROW_LOG_SCALE: ROW_SLOT.logScale,
       ROW_ROTATION: ROW_SLOT.rotation,

@@ -6,15 +6,23 @@ export interface FileRowsOptions {
   readonly isBigEndian?: boolean;
   /** Bytes before each value, which belong to something else; default 0. */
   readonly gapBytes?: number;
+  /** Of so many splats in a row, which have the same harmonics, these become an entry of a palette; default: none. */
+  readonly sharedBy?: number;
 }
 
 /** Writes splats as rows of a file, value by value in the order of `ROW_SLOT`. */
 export function fileRows(
   set: SplatSet,
-  { isBigEndian = false, gapBytes = 0 }: FileRowsOptions = {},
-): { readonly bytes: Uint8Array<ArrayBuffer>; readonly layout: RowLayout } {
+  { isBigEndian = false, gapBytes = 0, sharedBy }: FileRowsOptions = {},
+): {
+  readonly bytes: Uint8Array<ArrayBuffer>;
+  readonly layout: RowLayout;
+  readonly palette?: Float32Array<ArrayBuffer>;
+} {
   const coefficients = coefficientsPerSplat(set.harmonics.degree);
-  const values = ROW_SLOT.harmonics + coefficients;
+  const coefficientsOf = (row: number) =>
+    set.harmonics.coefficients.subarray(row * coefficients, (row + 1) * coefficients);
+  const values = ROW_SLOT.harmonics + (sharedBy ? 1 : coefficients);
   const strideBytes = values * (4 + gapBytes) + gapBytes;
   const offsets = Array.from({ length: values }, (_, slot) => slot * (4 + gapBytes) + gapBytes);
   const bytes = new Uint8Array(set.count * strideBytes).fill(0xff);
@@ -26,14 +34,17 @@ export function fileRows(
       ...set.rotations.subarray(4 * row, 4 * row + 4),
       set.opacityLogits[row],
       ...set.colorDc.subarray(3 * row, 3 * row + 3),
-      ...set.harmonics.coefficients.subarray(row * coefficients, (row + 1) * coefficients),
+      ...(sharedBy ? [Math.floor(row / sharedBy)] : coefficientsOf(row)),
     ];
     for (const [slot, value] of rowValues.entries())
       view.setFloat32(row * strideBytes + offsets[slot], value, !isBigEndian);
   }
   const { count, harmonics } = set;
-  return {
-    bytes,
-    layout: { count, strideBytes, pieceRows: count, offsets, isBigEndian, shDegree: harmonics.degree },
-  };
+  const layout = { count, strideBytes, pieceRows: count, offsets, isBigEndian, shDegree: harmonics.degree };
+  if (!sharedBy) return { bytes, layout };
+  const entryCount = Math.ceil(count / sharedBy);
+  const palette = new Float32Array(entryCount * coefficients);
+  for (let entry = 0; entry < entryCount; entry++)
+    palette.set(coefficientsOf(entry * sharedBy), entry * coefficients);
+  return { bytes, layout: { ...layout, palette: { entryCount, entryValues: coefficients } }, palette };
 }

@@ -1,12 +1,14 @@
+import { expect } from 'vitest';
 import { ALL_READERS } from '../io/formats/readers.ts';
 import type { RowSink } from '../io/formats/row-sink.ts';
 import { readSource } from '../io/loading/read-source.ts';
 import type { ReadSplatsOptions, SplatSource } from '../io/sources/splat-source.ts';
 import type { ReadHarmonics } from '../packing/harmonics.ts';
-import type { RowLayout } from '../packing/row-layout.ts';
+import { paletteValues, type RowLayout } from '../packing/row-layout.ts';
+import { ROW_SLOT } from '../splats/splat-row.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 
-/** Rows of a file as they are handed over for the GPU. */
+/** Rows of a file as they are handed over for the GPU, with what they take from a palette. */
 export interface FileRows {
   readonly layout: RowLayout;
   /** One after the other, each by `ROW_SLOT`. */
@@ -27,19 +29,50 @@ export async function rowsOf(
     files,
   });
   if (set !== null || sink.layout === null) throw new Error('The rows were not handed over.');
-  const values = new Float32Array(sink.pieces.reduce((sum, { length }) => sum + length, 0));
+  const values = joined(sink.pieces);
+  const { layout } = sink;
+  return {
+    layout,
+    values: layout.palette ? withHarmonics(values, joined(sink.palettePieces), layout) : values,
+  };
+}
+
+function joined(pieces: readonly Float32Array[]): Float32Array {
+  const values = new Float32Array(pieces.reduce((sum, { length }) => sum + length, 0));
   let at = 0;
-  for (const piece of sink.pieces) {
+  for (const piece of pieces) {
     values.set(piece, at);
     at += piece.length;
   }
-  return { layout: sink.layout, values };
+  return values;
+}
+
+/** Rows with the harmonics of the entries that they name. */
+function withHarmonics(
+  values: Float32Array,
+  entries: Float32Array,
+  { count, strideBytes, palette }: RowLayout,
+): Float32Array {
+  const { entryCount, entryValues } = palette!;
+  expect(entries.length).toBe(entryCount * entryValues);
+  const length = strideBytes / 4;
+  const rows = Array.from({ length: count }, (_, row) => {
+    const own = values.subarray(row * length, (row + 1) * length);
+    const entry = own[ROW_SLOT.harmonics];
+    return [
+      own.subarray(0, ROW_SLOT.harmonics),
+      entries.subarray(entry * entryValues, (entry + 1) * entryValues),
+    ];
+  });
+  return joined(rows.flat());
 }
 
 class Collector implements RowSink {
   readonly mayDetach = false;
   layout: RowLayout | null = null;
   readonly pieces: Float32Array[] = [];
+  readonly palettePieces: Float32Array[] = [];
+  #paletteValuesLeft = 0;
   readonly #onTake: (rowCount: number) => void;
 
   constructor(onTake: (rowCount: number) => void) {
@@ -48,6 +81,7 @@ class Collector implements RowSink {
 
   async begin(layout: RowLayout): Promise<void> {
     this.layout = layout;
+    this.#paletteValuesLeft = paletteValues(layout);
   }
 
   async memory(): Promise<Uint8Array<ArrayBuffer>> {
@@ -57,6 +91,11 @@ class Collector implements RowSink {
   }
 
   take(rowCount: number, rows: Uint8Array<ArrayBuffer>): void {
+    if (this.#paletteValuesLeft > 0) {
+      this.#paletteValuesLeft -= rowCount;
+      this.palettePieces.push(new Float32Array(rows.buffer, rows.byteOffset, rowCount).slice());
+      return;
+    }
     const length = (rowCount * this.layout!.strideBytes) / 4;
     this.#onTake(rowCount);
     this.pieces.push(new Float32Array(rows.buffer, rows.byteOffset, length).slice());

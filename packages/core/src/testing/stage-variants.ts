@@ -126,7 +126,11 @@ export function allStageVariants(): Promise<StageDefinition[]> {
       ingestKeys(geometryPrecision),
       ingestChunks(geometryPrecision),
       ...SH_PRECISIONS.flatMap((shPrecision) =>
-        DEGREES.map((shDegree) => ingestRows({ geometryPrecision, shPrecision, shDegree })),
+        DEGREES.flatMap((shDegree) =>
+          [undefined, 45].map((entryValues) =>
+            ingestRows({ geometryPrecision, shPrecision, shDegree, entryValues }),
+          ),
+        ),
       ),
     ]),
     ingestGather,

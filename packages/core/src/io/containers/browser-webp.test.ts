@@ -82,6 +82,16 @@ describe('images decoded by the browser', () => {
     expect(calls).toEqual({ made: 2, closed: 2, framesClosed: 2 });
   });
 
+  test('are asked for once, as long as it is the same decoder', async () => {
+    const calls = stubDecoder();
+    const both = await Promise.all([browserDecoder(), browserDecoder()]);
+    expect(both[0]).toBe(both[1]);
+    expect(await browserDecoder()).toBe(both[0]);
+    expect(calls.made).toBe(1);
+    stubDecoder({ failsAt: 0 });
+    expect(await browserDecoder()).toBeNull();
+  });
+
   test('are none where there is no such decoder', async () => {
     vi.stubGlobal('ImageDecoder', undefined);
     expect(await browserDecoder()).toBeNull();

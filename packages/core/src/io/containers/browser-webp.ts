@@ -15,15 +15,28 @@ const PROBE = Uint8Array.of(
 );
 const PROBE_SIDE = 4;
 
+/** What probes have found, by what they asked: something else may take the place of the browser's own. */
+const probed = new WeakMap<typeof ImageDecoder, Promise<typeof decode | null>>();
+
 /**
  * Returns what decodes lossless images by the browser, several of them at once in threads of its own, to the very bytes that
  * `decodeWebp` gives; null where the browser has nothing that does. An image's result is null where it fails.
  *
  * By WebCodecs, whose frames are not premultiplied and are copied as they are. Through a canvas or a texture, colours of faint
  * pixels would be lost, or depend on the browser.
+ *
+ * Probes once. Never rejects: whoever calls it before there are images has no need to wait.
  */
 export async function browserDecoder(): Promise<typeof decode | null> {
   if (typeof ImageDecoder === 'undefined') return null;
+  const known = probed.get(ImageDecoder);
+  if (known) return known;
+  const found = probe();
+  probed.set(ImageDecoder, found);
+  return found;
+}
+
+async function probe(): Promise<typeof decode | null> {
   const found = await decode({ data: PROBE, width: PROBE_SIDE, height: PROBE_SIDE });
   return found && probePixels().every((value, i) => found[i] === value) ? decode : null;
 }
@@ -43,8 +56,10 @@ async function decode({
 }: Pick<WebpImage, 'data' | 'width' | 'height'>): Promise<Uint8Array<ArrayBuffer> | null> {
   const strideBytes = 4 * width;
   try {
+    const file = webpOf(data);
     const decoder = new ImageDecoder({
-      data: webpOf(data),
+      data: file,
+      transfer: [file.buffer],
       type: 'image/webp',
       colorSpaceConversion: 'none',
     });

@@ -231,34 +231,39 @@ export function openZipEntry(bytes: Uint8Array<ArrayBuffer>, entry: ZipEntry, na
     throw new SplatFileError('unknown-format', name, message, { byte: start });
   }
   const packed = bytes.subarray(start, end);
+  const opened = { name, totalBytes: unpackedBytes, totalBytesCertain: true };
+  if (method === DEFLATED) return { ...opened, isHeld: false, stream: inflatedStream(packed, entry, name) };
+  const pieces = () => checkedPieces(packed, entry, name);
   return {
-    name,
-    totalBytes: unpackedBytes,
-    totalBytesCertain: true,
-    isHeld: method === STORED,
-    stream: method === STORED ? checkedStream(packed, entry, name) : inflatedStream(packed, entry, name),
+    ...opened,
+    isHeld: true,
+    stream: streamOf(pieces),
+    unchecked: {
+      bytes: packed,
+      async check(pause) {
+        for (const _ of pieces()) await pause();
+      },
+    },
   };
 }
 
 /** Checks the CRC-32 before the last piece: whoever has read enough may not ask for the end. */
-function checkedStream(
+function* checkedPieces(
   bytes: Uint8Array<ArrayBuffer>,
   entry: ZipEntry,
   name: string,
-): ReadableStream<Uint8Array> {
+): Generator<Uint8Array<ArrayBuffer>> {
   let crc = 0;
   let given = 0;
-  return streamOf(function* () {
-    for (const piece of piecesOf(bytes)) {
-      crc = crc32(piece, crc);
-      given += piece.length;
-      if (given === bytes.length && crc !== entry.crc) {
-        const message = `its bytes are not those that were packed (CRC-32 differs). ${DOWNLOAD_AGAIN}.`;
-        throw new SplatFileError('damaged', name, message);
-      }
-      yield piece;
+  for (const piece of piecesOf(bytes)) {
+    crc = crc32(piece, crc);
+    given += piece.length;
+    if (given === bytes.length && crc !== entry.crc) {
+      const message = `its bytes are not those that were packed (CRC-32 differs). ${DOWNLOAD_AGAIN}.`;
+      throw new SplatFileError('damaged', name, message);
     }
-  });
+    yield piece;
+  }
 }
 
 /** Puts the packed bytes into a gzip file, whose end has CRC-32 and length: the browser's own code checks them then. */

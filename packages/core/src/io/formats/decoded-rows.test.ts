@@ -126,6 +126,56 @@ describe('decoded rows', () => {
     }
   });
 
+  test('that share harmonics go to a sink after these, with the index of an entry each', async () => {
+    const [count, entryCount, length] = [600, 500, ROW_SLOT.harmonics + 1];
+    const { decode } = decodedRows(count, 0);
+    const entries = Float32Array.from({ length: entryCount * 9 }, (_, i) => i);
+    let row = 0;
+    const palette: DecodedRows['palette'] = {
+      entryCount,
+      entryValues: 9,
+      values: () => entries,
+      decode(values, rowCount) {
+        for (let i = 0; i < rowCount; i++) values.fill(row + i, i * length, (i + 1) * length);
+        row += rowCount;
+      },
+    };
+    const sink = new Taken();
+    const taken: number[] = [];
+    const take = (rowCount: number, memory: Uint8Array<ArrayBuffer>) => {
+      taken.push(rowCount);
+      const { palette: isNext } = taken.length <= 2 ? sink.layout! : {};
+      sink.bytes.push(...memory.subarray(0, 4 * (isNext ? rowCount : rowCount * length)));
+    };
+    const rowsTo = {
+      sink: { mayDetach: false, begin: sink.begin.bind(sink), memory: sink.memory.bind(sink), take },
+      files: { minRows: 1, maxRows: count, pieceBytes: 60 * 256 },
+    };
+    let arrivals = 0;
+    const rows: DecodedRows = {
+      count,
+      shDegree: 1,
+      palette,
+      decode,
+      arrive: async (rowCount) => {
+        expect(sink.layout).toBeDefined();
+        arrivals += rowCount;
+      },
+    };
+    expect(await deliverRows(rows, await inputOf(), OPTIONS, rowsTo)).toBeNull();
+    expect(sink.layout).toMatchObject({ strideBytes: 60, palette: { entryCount, entryValues: 9 } });
+    // As much of the palette as a piece of rows has values, twice; then the rows.
+    expect(taken).toEqual([3840, 660, 256, 256, 88]);
+    expect(arrivals).toBe(count);
+    const values = new Float32Array(Uint8Array.from(sink.bytes).buffer);
+    expect([...values.subarray(0, entries.length)]).toEqual([...entries]);
+    const indices = values.subarray(entries.length).filter((_, i) => i % length === length - 1);
+    expect([...indices]).toEqual(Array.from({ length: count }, (_, i) => i));
+
+    const set = await deliverRows({ ...rows, ...decodedRows(count, 1) }, await inputOf(), OPTIONS, undefined);
+    expect(set).toMatchObject({ count, harmonics: { degree: 1 } });
+  });
+
   test('say what the file says of an antialias filter', async () => {
     for (const isAntialiased of [true, false]) {
       const set = await deliverRows(decodedRows(1, 0, isAntialiased), await inputOf(), OPTIONS, undefined);

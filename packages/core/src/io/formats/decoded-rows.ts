@@ -1,5 +1,5 @@
 import type { PackedHarmonics } from '../../packing/harmonics.ts';
-import { type RowLayout, rowsWithin } from '../../packing/row-layout.ts';
+import { type RowLayout, type RowPalette, rowsWithin } from '../../packing/row-layout.ts';
 import { ROW_SLOT } from '../../splats/splat-row.ts';
 import {
   coefficientsPerSplat,
@@ -9,12 +9,20 @@ import {
 } from '../../splats/splat-set.ts';
 import { checkCount } from './check-count.ts';
 import { ReadProgress } from './progress.ts';
-import { type RowsTo, takesCount } from './row-sink.ts';
+import { type RowSink, type RowsTo, takesCount } from './row-sink.ts';
 import type { SplatFormatOptions, SplatInput } from './splat-format.ts';
 import { SplatSetBuilder } from './splat-set-builder.ts';
 
 /** Rows between two chances of a page's thread to do something else. */
 const ROWS_AT_ONCE = 4096;
+
+/** Harmonics that the splats of a file share, for whoever takes them so. */
+export interface DecodedPalette extends RowPalette {
+  /** The coefficients of all entries, as rows have them. Can be called once `arrive` has resolved. */
+  values(): Float32Array;
+  /** As that of `DecodedRows`, in whose stead it is called, but with the index of an entry for all harmonics. */
+  decode(rows: Float32Array, rowCount: number): void;
+}
 
 /** Splats of a file whose bytes are there, or sure to come, to be decoded one after another. */
 export interface DecodedRows {
@@ -31,6 +39,8 @@ export interface DecodedRows {
    * they were trained (log scales, logits, w x y z).
    */
   decode(rows: Float32Array, rowCount: number): void;
+  /** Where rows share their harmonics. Undefined where they do not, or are many more than is worth it. */
+  readonly palette?: DecodedPalette;
 }
 
 /** Values of a row. */
@@ -60,12 +70,13 @@ export async function deliverRows(
 }
 
 async function passRows(
-  { count, shDegree, isAntialiased, fileFacts, arrive, decode }: DecodedRows,
+  { count, shDegree, palette, isAntialiased, fileFacts, arrive, ...rows }: DecodedRows,
   { reader }: SplatInput,
   { sink, files }: RowsTo,
   progress: ReadProgress,
 ): Promise<void> {
-  const length = rowLength(shDegree);
+  const length = palette ? ROW_SLOT.harmonics + 1 : rowLength(shDegree);
+  const { decode } = palette ?? rows;
   const strideBytes = 4 * length;
   const pieceRows = rowsWithin(files.pieceBytes, strideBytes);
   const offsets = Array.from({ length }, (_, slot) => 4 * slot);
@@ -76,10 +87,15 @@ async function passRows(
     offsets,
     isBigEndian: false,
     shDegree,
+    ...(palette && { palette: { entryCount: palette.entryCount, entryValues: palette.entryValues } }),
     isAntialiased,
     fileFacts,
   };
   await sink.begin(layout);
+  if (palette) {
+    await arrive?.(0);
+    await passValues(palette.values(), Math.min(count, pieceRows) * length, sink);
+  }
   for (let row = 0; row < count; row += pieceRows) {
     const rowCount = Math.min(pieceRows, count - row);
     const memory = await sink.memory();
@@ -95,6 +111,15 @@ async function passRows(
   }
   // The bytes of the last rows are done with, too: progress counts them.
   await arrive?.(0);
+}
+
+async function passValues(values: Float32Array, atOnce: number, sink: RowSink): Promise<void> {
+  for (let at = 0; at < values.length; at += atOnce) {
+    const part = values.subarray(at, at + atOnce);
+    const memory = await sink.memory();
+    new Float32Array(memory.buffer, memory.byteOffset, part.length).set(part);
+    sink.take(part.length, memory);
+  }
 }
 
 async function collectRows(

@@ -1,6 +1,6 @@
 import type { RowLayout } from '../../packing/row-layout.ts';
 
-/** Takes the rows of a file as they are, piece by piece. */
+/** Takes the rows of a file as they are, piece by piece; before them, the values of their palette, where the layout has one. */
 export interface RowSink {
   /** Whether its memory may move to another buffer while it is filled. */
   readonly mayDetach: boolean;
@@ -10,7 +10,7 @@ export interface RowSink {
   memory(): Promise<Uint8Array<ArrayBuffer>>;
   /**
    * Takes this many rows, at the beginning of that memory, which is no longer the caller's then. All pieces but the last are
-   * full.
+   * full. Of a palette, takes this many values, in pieces of their own, of which all but the last are full as well.
    *
    * @param rows in the same buffer as the memory, or in the one that it has moved to.
    */

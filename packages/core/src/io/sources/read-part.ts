@@ -7,22 +7,50 @@ import { limitsOf } from './read-limits.ts';
 import { shortName } from './source-kind.ts';
 import type { OpenedSource } from './splat-source.ts';
 
+type PartOptions = Pick<SplatFormatOptions, 'signal' | 'maxBytes'>;
+
+/** Told of a file's size, if that is known; what it returns is told how many bytes are there. */
+type BeginPart = (totalBytes: number | undefined) => (loadedBytes: number) => void;
+
 /**
  * Reads another file of the scene of `input`.
+ *
+ * Rejects as `openPart`; and as `readSource` where it cannot be read.
+ *
+ * @param path from the folder of `input`.
+ * @param begin called once it is open.
+ */
+export async function readPart(
+  input: SplatInput,
+  path: string,
+  options: PartOptions,
+  begin: BeginPart,
+): Promise<Uint8Array<ArrayBuffer>> {
+  return readOpenedPart(await openPart(input, path, options), options, begin);
+}
+
+/**
+ * Opens another file of the scene of `input`.
  *
  * Rejects with SplatFileError 'missing-part' where the source is a single file, or has no such part; as `openSource`; and with the
  * signal's reason.
  *
  * @param path from the folder of `input`.
- * @param begin told of its size once it is open; what it returns is told how much is there.
  */
-export async function readPart(
+export async function openPart(
   input: SplatInput,
   path: string,
-  { signal, maxBytes }: Pick<SplatFormatOptions, 'signal' | 'maxBytes'>,
-  begin: (totalBytes: number | undefined) => (loadedBytes: number) => void,
+  { signal }: PartOptions,
+): Promise<OpenedSource> {
+  return input.openPart ? input.openPart(path) : openFetched(input, path, signal);
+}
+
+/** Reads what `openPart` has opened. @param begin see `readPart`. */
+export async function readOpenedPart(
+  opened: OpenedSource,
+  { signal, maxBytes }: PartOptions,
+  begin: BeginPart,
 ): Promise<Uint8Array<ArrayBuffer>> {
-  const opened = await (input.openPart ? input.openPart(path) : openFetched(input, path, signal));
   const reader = new ByteReader(opened, signal, limitsOf({ maxBytes }, opened).maxBytes);
   try {
     const { isHeld, totalBytes } = opened;

@@ -102,6 +102,8 @@ export interface OpenedSource {
   /** Bytes that a server says it sends, which may be packed; undefined if it says nothing, and for other sources. */
   readonly sentBytes?: number;
   readonly stream: ReadableStream<Uint8Array>;
+  /** What the stream would give, where it is in memory: to be used instead of the stream, or not at all. */
+  readonly unchecked?: UncheckedBytes;
   /** See `RequestOptions.idleTimeoutMs`; undefined where nobody can be late. */
   readonly idleTimeoutMs?: number;
   /** Undefined where a stream cannot be had again. */
@@ -113,6 +115,17 @@ export interface OpenedSource {
    * fetched. Rejects with SplatFileError 'missing-part', and as `openSource`.
    */
   readonly openPart?: (path: string) => Promise<OpenedSource>;
+}
+
+/** Bytes of which it is not known yet whether they are right. Whoever can wait for that works with them meanwhile. */
+export interface UncheckedBytes {
+  readonly bytes: Uint8Array<ArrayBuffer>;
+  /**
+   * Rejects as the stream of these bytes would, and as `pause`.
+   *
+   * @param pause gives others a turn.
+   */
+  check(pause: () => Promise<void>): Promise<void>;
 }
 
 /**

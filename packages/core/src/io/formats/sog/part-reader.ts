@@ -1,11 +1,19 @@
 import { SplatFileError } from '../../../errors.ts';
-import { readPart } from '../../sources/read-part.ts';
+import { checkSize, limitsOf } from '../../sources/read-limits.ts';
+import { openPart, readOpenedPart } from '../../sources/read-part.ts';
+import type { UncheckedBytes } from '../../sources/splat-source.ts';
 import { clip } from '../ply/ply-header.ts';
 import type { ReadProgress } from '../progress.ts';
 import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
 
 /** Far above what any file system has, and short enough for a message. */
 const MOST_PATH = 1024;
+
+/** A file whose bytes may turn out to be wrong. */
+export interface UncheckedPart extends Pick<UncheckedBytes, 'bytes'> {
+  /** Rejects with SplatFileError 'damaged', or with the signal's reason. */
+  check(): Promise<void>;
+}
 
 /** Reads the other files of a scene, each of them once: a few that are named again and again would make a large scene. */
 export class PartReader {
@@ -21,11 +29,18 @@ export class PartReader {
   }
 
   /**
-   * Rejects as `readPart`; and with SplatFileError 'damaged' for a file that has been read.
+   * Rejects as `openPart` and `readPart`; and with SplatFileError 'damaged' for a file that has been read.
    *
    * @param path from the folder of the scene.
    */
   async read(path: string): Promise<Uint8Array<ArrayBuffer>> {
+    const { bytes, check } = await this.readUnchecked(path);
+    await check();
+    return bytes;
+  }
+
+  /** As `read`, but what tells damaged bytes by themselves, as of an archive, rejects `check`. */
+  async readUnchecked(path: string): Promise<UncheckedPart> {
     const { name } = this.#input;
     if (path.length > MOST_PATH || path.split('/').some((part) => /^\.{0,2}$/.test(part))) {
       const message = `it names a file "${clip(path)}", which may lie outside of its folder. Export the scene again.`;
@@ -36,7 +51,14 @@ export class PartReader {
       throw new SplatFileError('damaged', name, message);
     }
     this.#paths.add(path);
-    return readPart(this.#input, path, this.#options, (totalBytes) => this.#progress.beginPart(totalBytes));
+    const opened = await openPart(this.#input, path, this.#options);
+    const { unchecked } = opened;
+    if (unchecked) {
+      checkSize(opened, limitsOf(this.#options, opened).maxBytes);
+      return { bytes: unchecked.bytes, check: () => unchecked.check(() => this.pause()) };
+    }
+    const begin = (totalBytes: number | undefined) => this.#progress.beginPart(totalBytes);
+    return { bytes: await readOpenedPart(opened, this.#options, begin), check: async () => {} };
   }
 
   /** See `ReadProgress`. */

@@ -1,11 +1,22 @@
 import { SplatFileError } from '../../../errors.ts';
+import { MAX_PALETTE_ENTRIES } from '../../../packing/harmonics-palette.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../splats/splat-set.ts';
 import { browserDecoder } from '../../containers/browser-webp.ts';
 import { decodeWebp, openWebp, type WebpImage } from '../../containers/webp.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
-import type { PartReader } from './part-reader.ts';
+import type { PartReader, UncheckedPart } from './part-reader.ts';
 import { PALETTE_COLUMNS } from './sog-layout.ts';
 import type { SogHarmonics, SogMeta } from './sog-meta.ts';
+
+/** Images of a SOG that have been read and checked. */
+export interface OpenedImages {
+  /** Of the harmonics; 0 where there are none. */
+  readonly shDegree: ShDegree;
+  /** Entries that labels can name; 0 where there are no harmonics. */
+  readonly paletteSize: number;
+  /** Rejects with SplatFileError 'damaged', or with the signal's reason; nobody has to wait for it. */
+  readonly decoded: Promise<SogImages>;
+}
 
 /** The images of a SOG, decoded: R, G, B, A of each splat in turn. */
 export interface SogImages {
@@ -19,7 +30,7 @@ export interface SogImages {
 
 export interface SogPaletteImages {
   readonly degree: ShDegree;
-  /** Number of colours that there are. */
+  /** Number of colours that labels can name. */
   readonly size: number;
   /** R, G, B, A of each coefficient of each colour in turn. */
   readonly palette: Uint8Array;
@@ -51,37 +62,62 @@ export class ImageBudget {
 }
 
 /**
- * Reads and decodes the images that a SOG's metadata names. All sizes are checked before any is decoded.
+ * Reads the images that a SOG's metadata names, and begins to decode them. All sizes are checked before.
  *
  * Rejects with SplatFileError, SplatSourceError, or the signal's reason.
  *
  * @param folder of the metadata, from that of the scene; it ends with `/`, or is empty.
  */
-export async function readSogImages(
+export async function openSogImages(
   parts: PartReader,
   folder: string,
   { count, files, harmonics }: SogMeta,
   budget: ImageBudget,
-): Promise<SogImages> {
-  const names = imageNames({ files, harmonics });
-  // All at once, since each may be a request.
-  const images = await Promise.all(
-    names.map(async (name) => openWebp(await parts.read(folder + name), folder + name)),
-  );
-  checkSizes(images.slice(0, harmonics ? -1 : undefined), count);
-  const degree = harmonics && degreeOf(harmonics, images[images.length - 1]);
-  budget.take(images);
-  const decoded = await decodeAll(images, parts);
-  const [positionsLow, positionsHigh, rotations, scales, colors, labels, palette] = decoded;
-  const size = harmonics && Math.min(harmonics.paletteSize ?? Infinity, PALETTE_COLUMNS * images[6].height);
-  return {
-    positionsLow,
-    positionsHigh,
-    rotations,
-    scales,
-    colors,
-    harmonics: degree && size !== null ? { degree, size, palette, labels } : null,
+): Promise<OpenedImages> {
+  const read: UncheckedPart[] = [];
+  const openImage = async (name: string) => {
+    const part = await parts.readUnchecked(folder + name);
+    read.push(part);
+    return openWebp(part.bytes, folder + name);
   };
+  /** That bytes are damaged is why anything else is wrong. */
+  const checkRead = async () => {
+    for (const part of read) await part.check();
+  };
+  try {
+    // All at once, since each may be a request.
+    const images = await Promise.all(imageNames({ files, harmonics }).map(openImage));
+    checkSizes(images.slice(0, harmonics ? -1 : undefined), count);
+    const shDegree = harmonics ? degreeOf(harmonics, images[images.length - 1]) : 0;
+    budget.take(images);
+    const paletteSize = harmonics ? paletteSizeOf(harmonics, images[images.length - 1]) : 0;
+    const decode = async (): Promise<SogImages> => {
+      const decoding = decodeAll(images, parts);
+      // Meanwhile, where other threads decode.
+      decoding.catch(() => {});
+      await checkRead();
+      const [positionsLow, positionsHigh, rotations, scales, colors, labels, palette] = await decoding;
+      return {
+        positionsLow,
+        positionsHigh,
+        rotations,
+        scales,
+        colors,
+        harmonics: harmonics && { degree: shDegree, size: paletteSize, palette, labels },
+      };
+    };
+    const decoded = decode();
+    decoded.catch(() => {});
+    return { shDegree, paletteSize, decoded };
+  } catch (error) {
+    await checkRead();
+    throw error;
+  }
+}
+
+/** Entries that labels can name. */
+function paletteSizeOf({ paletteSize }: SogHarmonics, { height }: WebpImage): number {
+  return Math.min(paletteSize ?? MAX_PALETTE_ENTRIES, PALETTE_COLUMNS * height, MAX_PALETTE_ENTRIES);
 }
 
 /** The images of a SOG, without folder. */

@@ -70,9 +70,9 @@ export function labelsOf({ file, meta: { count }, images: { harmonics } }: SogUn
   return indices;
 }
 
-/** Entries that labels can name; a part without harmonics has one, of zeros. */
+/** Entries of a palette; a part without harmonics has one, of zeros. */
 function sizeOf({ harmonics }: { readonly harmonics: SogPaletteImages | null }): number {
-  return harmonics ? Math.min(harmonics.size, MAX_PALETTE_ENTRIES) : 1;
+  return harmonics?.size ?? 1;
 }
 
 function labelError(file: string, row: number, label: number, size: number): SplatFileError {

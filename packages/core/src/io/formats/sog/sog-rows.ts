@@ -8,56 +8,25 @@ import { labelsOf, paletteEntries, type SogUnit } from './sog-palette.ts';
 /** Each byte of a rotation as a component, from −√½ to √½. */
 const COMPONENTS = Float64Array.from({ length: 256 }, (_, byte) => (byte / 255 - 0.5) * Math.SQRT2);
 
+/** Writes splats one after another: see `DecodedRows`. */
+type Decode = DecodedRows['decode'];
+
 /**
- * Decodes the splats of a SOG one after another.
+ * Decodes the splats of a SOG.
  *
  * @param shDegree of the rows, which may be higher than that of the file; 0 for rows without harmonics.
  */
-export function sogRows(unit: SogUnit, shDegree: ShDegree): DecodedRows['decode'] {
-  const { file, meta, images } = unit;
-  const { positions, logScales, colors: colorValues } = meta;
-  const { positionsLow, positionsHigh, rotations, scales, colors } = images;
-  const [x, y, z] = positions.mins.map((min, axis) => new Axis(min, positions.maxs[axis]));
-  const [scaleX, scaleY, scaleZ] = logScales;
-  const [reds, greens, blues, logits] = colorValues;
-  const harmonics = shDegree > 0 ? images.harmonics : null;
+export function sogRows(unit: SogUnit, shDegree: ShDegree): Decode {
+  const length = rowLength(shDegree);
+  const putGeometry = geometryOf(unit);
+  const harmonics = shDegree > 0 ? unit.images.harmonics : null;
   const palette = harmonics && paletteEntries(unit);
   const labels = harmonics && labelsOf(unit);
-  const length = rowLength(shDegree);
   const coefficients = harmonics ? coefficientsPerSplat(harmonics.degree) : 0;
   let next = 0;
   return (rows, rowCount) => {
     for (let row = 0; row < rowCount * length; row += length, next++) {
-      const at = 4 * next;
-      const position = row + ROW_SLOT.position;
-      rows[position] = x.at(positionsLow[at] | (positionsHigh[at] << 8));
-      rows[position + 1] = y.at(positionsLow[at + 1] | (positionsHigh[at + 1] << 8));
-      rows[position + 2] = z.at(positionsLow[at + 2] | (positionsHigh[at + 2] << 8));
-
-      const logScale = row + ROW_SLOT.logScale;
-      rows[logScale] = scaleX[scales[at]];
-      rows[logScale + 1] = scaleY[scales[at + 1]];
-      rows[logScale + 2] = scaleZ[scales[at + 2]];
-
-      const mode = rotations[at + 3] - FIRST_MODE;
-      if (mode < 0) throw modeError(file, next, rotations[at + 3]);
-      const a = COMPONENTS[rotations[at]];
-      const b = COMPONENTS[rotations[at + 1]];
-      const c = COMPONENTS[rotations[at + 2]];
-      const rotation = row + ROW_SLOT.rotation;
-      // The largest is left out, and not negative; the others are in their order.
-      rows[rotation] = a;
-      rows[rotation + 1] = mode < 2 ? a : b;
-      rows[rotation + 2] = mode < 3 ? b : c;
-      rows[rotation + 3] = c;
-      rows[rotation + mode] = Math.sqrt(Math.max(0, 1 - a * a - b * b - c * c));
-
-      rows[row + ROW_SLOT.opacity] = logits[colors[at + 3]];
-      const color = row + ROW_SLOT.colorDc;
-      rows[color] = reds[colors[at]];
-      rows[color + 1] = greens[colors[at + 1]];
-      rows[color + 2] = blues[colors[at + 2]];
-
+      putGeometry(rows, row, next);
       let harmonic = row + ROW_SLOT.harmonics;
       if (palette && labels) {
         const from = labels[next] * coefficients;
@@ -71,6 +40,61 @@ export function sogRows(unit: SogUnit, shDegree: ShDegree): DecodedRows['decode'
       // The memory may have been used before.
       while (harmonic < row + length) rows[harmonic++] = 0;
     }
+  };
+}
+
+/** Decodes the splats of a SOG that has a palette, with the index of its entry for the harmonics of each. */
+export function sogRowsOfPalette(unit: SogUnit): Decode {
+  const length = ROW_SLOT.harmonics + 1;
+  const putGeometry = geometryOf(unit);
+  const labels = labelsOf(unit);
+  let next = 0;
+  return (rows, rowCount) => {
+    for (let row = 0; row < rowCount * length; row += length, next++) {
+      putGeometry(rows, row, next);
+      rows[row + ROW_SLOT.harmonics] = labels[next];
+    }
+  };
+}
+
+/** Returns what writes everything but harmonics of a splat into the row that begins at `row`. */
+function geometryOf(unit: SogUnit) {
+  const { file, meta, images } = unit;
+  const { positions, logScales, colors: colorValues } = meta;
+  const { positionsLow, positionsHigh, rotations, scales, colors } = images;
+  const [x, y, z] = positions.mins.map((min, axis) => new Axis(min, positions.maxs[axis]));
+  const [scaleX, scaleY, scaleZ] = logScales;
+  const [reds, greens, blues, logits] = colorValues;
+  return (rows: Float32Array, row: number, splat: number): void => {
+    const at = 4 * splat;
+    const position = row + ROW_SLOT.position;
+    rows[position] = x.at(positionsLow[at] | (positionsHigh[at] << 8));
+    rows[position + 1] = y.at(positionsLow[at + 1] | (positionsHigh[at + 1] << 8));
+    rows[position + 2] = z.at(positionsLow[at + 2] | (positionsHigh[at + 2] << 8));
+
+    const logScale = row + ROW_SLOT.logScale;
+    rows[logScale] = scaleX[scales[at]];
+    rows[logScale + 1] = scaleY[scales[at + 1]];
+    rows[logScale + 2] = scaleZ[scales[at + 2]];
+
+    const mode = rotations[at + 3] - FIRST_MODE;
+    if (mode < 0) throw modeError(file, splat, rotations[at + 3]);
+    const a = COMPONENTS[rotations[at]];
+    const b = COMPONENTS[rotations[at + 1]];
+    const c = COMPONENTS[rotations[at + 2]];
+    const rotation = row + ROW_SLOT.rotation;
+    // The largest is left out, and not negative; the others are in their order.
+    rows[rotation] = a;
+    rows[rotation + 1] = mode < 2 ? a : b;
+    rows[rotation + 2] = mode < 3 ? b : c;
+    rows[rotation + 3] = c;
+    rows[rotation + mode] = Math.sqrt(Math.max(0, 1 - a * a - b * b - c * c));
+
+    rows[row + ROW_SLOT.opacity] = logits[colors[at + 3]];
+    const color = row + ROW_SLOT.colorDc;
+    rows[color] = reds[colors[at]];
+    rows[color + 1] = greens[colors[at + 1]];
+    rows[color + 2] = blues[colors[at + 2]];
   };
 }
 

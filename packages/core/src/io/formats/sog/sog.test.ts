@@ -3,6 +3,7 @@ import { resolve } from 'node:path';
 import { describe, expect, test } from 'vitest';
 import { WebSplatterError } from '../../../errors.ts';
 import { isPalette, readCoefficients } from '../../../packing/harmonics.ts';
+import type { RowLayout } from '../../../packing/row-layout.ts';
 import { ROW_SLOT } from '../../../splats/splat-row.ts';
 import { coefficientsPerSplat } from '../../../splats/splat-set.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
@@ -140,6 +141,24 @@ describe('what is read', () => {
     const flat = (row: readonly number[]) =>
       row.map((value, slot) => (slot === ROW_SLOT.logScale + 2 ? FLAT_LOG_SCALE : value));
     expectRows(await rowsOf(droppedFiles(sogFiles(example))), example.rows.map(flat));
+  });
+
+  test('who takes rows hears of them while images are decoded, some of which may be damaged', async () => {
+    const example = exampleOf({ count: 1, width: 1 });
+    const [riffBytes, headerBytes] = [20, 5];
+    const size = example.images['quats.webp'].slice(riffBytes, riffBytes + headerBytes);
+    example.images['quats.webp'] = webpBytes(size);
+    const layouts: RowLayout[] = [];
+    const sink = {
+      mayDetach: false,
+      begin: async (layout: RowLayout) => void layouts.push(layout),
+      memory: async () => new Uint8Array(layouts[0].pieceRows * layouts[0].strideBytes),
+      take: () => expect.fail(),
+    };
+    const rowsTo = { sink, files: { minRows: 0, maxRows: 10, pieceBytes: 1000 } };
+    const error = await fileErrorOf(readSource(zipBytes(sogFiles(example)), {}, ALL_READERS, rowsTo));
+    expect(error).toMatchObject({ code: 'damaged', message: expect.stringContaining('quats.webp') });
+    expect(layouts).toMatchObject([{ count: 1, shDegree: 1 }]);
   });
 
   test('progress counts the bytes of all files', async () => {

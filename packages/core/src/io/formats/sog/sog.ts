@@ -1,6 +1,6 @@
 import { SplatFileError } from '../../../errors.ts';
 import type { ReadHarmonics } from '../../../packing/harmonics.ts';
-import type { ShDegree, SplatSet } from '../../../splats/splat-set.ts';
+import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../../../splats/splat-set.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { checkCount } from '../check-count.ts';
 import { type DecodedRows, deliverRows } from '../decoded-rows.ts';
@@ -10,13 +10,19 @@ import type { RowsTo } from '../row-sink.ts';
 import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
 import { finestLevel, isStreamedMeta } from './finest-level.ts';
 import { PartReader } from './part-reader.ts';
-import { ImageBudget, imageNames, readSogImages } from './sog-images.ts';
-import { parseSogMeta } from './sog-meta.ts';
-import { joinPalettes, type SogUnit } from './sog-palette.ts';
-import { sogRows } from './sog-rows.ts';
+import { ImageBudget, imageNames, type OpenedImages, openSogImages } from './sog-images.ts';
+import { parseSogMeta, type SogMeta } from './sog-meta.ts';
+import { joinPalettes, paletteEntries, type SogUnit } from './sog-palette.ts';
+import { sogRows, sogRowsOfPalette } from './sog-rows.ts';
 
 /** Most bytes of a file with metadata; those of large streamed scenes have some millions. */
 const MAX_META_BYTES = 2 ** 26;
+
+/** A SOG whose images are being decoded. */
+interface OpenedUnit extends OpenedImages {
+  readonly file: string;
+  readonly meta: SogMeta;
+}
 
 /**
  * Reads SOG (Spatially Ordered Gaussians, by PlayCanvas), version 2 or 1: metadata in JSON, and images beside it, whose pixels are
@@ -35,9 +41,11 @@ export async function readSog(
   const signal = options.signal ? AbortSignal.any([options.signal, stop.signal]) : stop.signal;
   try {
     const progress = new ReadProgress(input, options.onProgress);
-    const units = await readUnits(input, { ...options, signal }, progress);
-    const shDegree = Math.max(...units.map(({ images }) => images.harmonics?.degree ?? 0)) as ShDegree;
-    const palette = options.keepsPalette ? joinPalettes(units, shDegree) : null;
+    const units = await openUnits(input, { ...options, signal }, progress);
+    const shDegree = Math.max(...units.map((unit) => unit.shDegree)) as ShDegree;
+    const palette = options.keepsPalette
+      ? joinPalettes(await Promise.all(units.map(decodedUnit)), shDegree)
+      : null;
     if (!palette) return await deliverRows(joinUnits(units, shDegree), input, options, rowsTo, progress);
     // Without a sink there is always a set.
     const set = (await deliverRows(joinUnits(units, 0), input, options, undefined, progress))!;
@@ -48,11 +56,11 @@ export async function readSog(
   }
 }
 
-async function readUnits(
+async function openUnits(
   input: SplatInput,
   options: SplatFormatOptions,
   progress: ReadProgress,
-): Promise<SogUnit[]> {
+): Promise<OpenedUnit[]> {
   const { name } = input;
   const parts = new PartReader(input, options, progress);
   const json = parseJson(await readAll(input.reader, MAX_META_BYTES + 1), name);
@@ -62,7 +70,7 @@ async function readUnits(
     folder: string,
     unitJson: unknown,
     count?: number,
-  ): Promise<SogUnit> => {
+  ): Promise<OpenedUnit> => {
     const meta = parseSogMeta(unitJson, file);
     if (count !== undefined && meta.count !== count) {
       const message = `it has ${meta.count} splats, where the scene says ${count}. Export the scene again.`;
@@ -71,17 +79,20 @@ async function readUnits(
     checkCount(meta.count, file, options.maxSplats);
     // Those of a streamed scene are known only when all of its metadata has been read.
     if (unitJson === json) parts.expect(imageNames(meta).length);
-    return { file, meta, images: await readSogImages(parts, folder, meta, budget) };
+    return { file, meta, ...(await openSogImages(parts, folder, meta, budget)) };
   };
   if (!isStreamedMeta(json)) return [await unitOf(name, '', json)];
   const files = finestLevel(json, name);
   const total = files.reduce((sum, { count = 0 }) => sum + count, 0);
   // Before all of it is fetched; an environment may be all there is.
   if (total > 0 || files.length === 0) checkCount(total, name, options.maxSplats);
-  const units: SogUnit[] = [];
+  const units: OpenedUnit[] = [];
   for (const { path, count } of files) {
     const unitJson = parseJson(await parts.read(path), path);
-    units.push(await unitOf(path, path.replace(/[^/]*$/, ''), unitJson, count));
+    const unit = await unitOf(path, path.replace(/[^/]*$/, ''), unitJson, count);
+    // What is damaged is known before the next is fetched.
+    await unit.decoded;
+    units.push(unit);
   }
   return units;
 }
@@ -99,13 +110,52 @@ function parseJson(bytes: Uint8Array, file: string): unknown {
   }
 }
 
-/** The splats of several SOGs, one after the other. @param shDegree see `sogRows`. */
-function joinUnits(units: readonly SogUnit[], shDegree: ShDegree): DecodedRows {
-  const parts = units.map((unit) => ({
-    count: unit.meta.count,
+async function decodedUnit({ file, meta, decoded }: OpenedUnit): Promise<SogUnit> {
+  return { file, meta, images: await decoded };
+}
+
+/** The splats of several SOGs, one after the other, once their images are decoded. @param shDegree see `sogRows`. */
+function joinUnits(units: readonly OpenedUnit[], shDegree: ShDegree): DecodedRows {
+  const decoded: SogUnit[] = [];
+  const keepDecoded = async (unit: OpenedUnit, i: number) => {
+    decoded[i] = await decodedUnit(unit);
+  };
+  const whenDecoded = Promise.all(units.map(keepDecoded));
+  // Who asks for rows hears of it.
+  whenDecoded.catch(() => {});
+  const parts = units.map(({ meta: { count, isAntialiased } }, i) => ({
+    count,
     shDegree,
-    isAntialiased: unit.meta.isAntialiased,
-    decode: sogRows(unit, shDegree),
+    isAntialiased,
+    decode: madeLater(() => sogRows(decoded[i], shDegree)),
   }));
-  return { ...joinedRows(parts), fileFacts: { format: 'sog', variant: String(units[0].meta.version) } };
+  const rows = joinedRows(parts);
+  const [{ meta, paletteSize }] = units;
+  // Several palettes would be too large to be one.
+  const isShared = units.length === 1 && shDegree > 0 && paletteSize > 0 && paletteSize < rows.count;
+  return {
+    ...rows,
+    fileFacts: { format: 'sog', variant: String(meta.version) },
+    // Whoever takes the rows makes room for them while images are decoded.
+    arrive: async () => {
+      await whenDecoded;
+    },
+    ...(isShared && {
+      palette: {
+        entryCount: paletteSize,
+        entryValues: coefficientsPerSplat(shDegree),
+        values: () => paletteEntries(decoded[0]),
+        decode: madeLater(() => sogRowsOfPalette(decoded[0])),
+      },
+    }),
+  };
+}
+
+/** What `make` returns, made when it is first called. */
+function madeLater(make: () => DecodedRows['decode']): DecodedRows['decode'] {
+  let decode: DecodedRows['decode'] | undefined;
+  return (rows, rowCount) => {
+    decode ??= make();
+    decode(rows, rowCount);
+  };
 }

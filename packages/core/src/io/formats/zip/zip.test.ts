@@ -260,6 +260,21 @@ describe('what is refused', () => {
     expect(await failure(bytes, { maxBytes: 2 ** 40 })).toMatchObject({ code: 'damaged' });
   });
 
+  test('a SOG of which any byte of an image differs', async () => {
+    const bytes = zipBytes({ 'meta.json': sog['meta.json'], ...sog });
+    const entries = readZipDirectory(bytes, 'scene.zip').filter(({ path }) => path.endsWith('.webp'));
+    expect(entries.length).toBe(7);
+    for (const { path, start, end } of entries) {
+      for (let at = start; at < end; at += at < start + 30 ? 1 : 53) {
+        const error = await failure(changed(bytes, (view) => view.setUint8(at, view.getUint8(at) ^ 0x24)));
+        expect(error, `${path}, byte ${at - start}`).toMatchObject({
+          code: 'damaged',
+          message: expect.stringContaining(`${path}: its bytes are not those that were packed`),
+        });
+      }
+    }
+  });
+
   test('deflated bytes that are others, or more than the directory says', async () => {
     const deflated = zipBytes({ 'a.ply': ply }, { isDeflated: true });
     const directory = placeOf(deflated, CENTRAL);
