@@ -7,6 +7,7 @@ const PHASES: Readonly<Record<LoadState['phase'], string>> = {
   make: 'Making',
   read: 'Reading',
   arrange: 'Arranging',
+  palette: 'Finding a palette of harmonics',
   upload: 'Uploading to the GPU',
 };
 
