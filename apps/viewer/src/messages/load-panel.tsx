@@ -7,7 +7,7 @@ const PHASES: Readonly<Record<LoadState['phase'], string>> = {
   make: 'Making',
   read: 'Reading',
   arrange: 'Arranging',
-  palette: 'Finding a palette of harmonics',
+  palette: 'Finding a palette',
   upload: 'Uploading to the GPU',
 };
 

@@ -97,7 +97,7 @@ export const ACCURACY_SETTINGS: {
   shPrecision: {
     label: 'Harmonics',
     about:
-      'Precision of the stored coefficients that make colours depend on the view; a palette shares up to 65,536 sets of them among all splats, which takes the fewest bytes, and seconds to find.',
+      'Precision of the stored coefficients that make colours depend on the view; a palette that splats share takes the fewest bytes, and seconds to find.',
     unit: 'storage',
     values: SH_PRECISIONS,
     stage: 'load',
