@@ -27,7 +27,7 @@ export async function findPalette(
 ): Promise<HarmonicsPalette> {
   const { entryCount, signal, onProgress } = options;
   signal?.throwIfAborted();
-  // What has read another file cannot do this.
+  // The spare worker of a load reads files, and nothing else.
   endWorker(await takeTurn(signal));
   let worker: Worker | null = null;
   try {

@@ -139,6 +139,30 @@ describe('splats without a palette', () => {
     cloud.destroy();
   });
 
+  gpuTest(
+    'are given one by a change of accuracy, which tells how far it is and can be called off',
+    async () => {
+      const other = await SplatEngine.create({ device });
+      const clouds = [other.add(set), other.add(set)];
+      const told = new Set<SplatCloud>();
+      const controller = new AbortController();
+      const calledOff = other.setAccuracy(
+        { shPrecision: 'palette' },
+        { signal: controller.signal, onProgress: () => controller.abort(new Error('enough')) },
+      );
+      expect(await calledOff).toEqual([]);
+      expect(clouds.map(({ precisions }) => precisions.sh)).toEqual([['u8'], ['u8']]);
+      const onProgress = ({ phase }: LoadProgress, cloud: SplatCloud) => {
+        expect(phase).toBe('palette');
+        told.add(cloud);
+      };
+      expect(await other.setAccuracy({ shPrecision: 'palette' }, { onProgress })).toEqual([]);
+      expect(clouds.map(({ precisions }) => precisions.sh)).toEqual([['palette'], ['palette']]);
+      expect(told).toEqual(new Set(clouds));
+      other.destroy();
+    },
+  );
+
   gpuTest('of a file are given one after they were loaded', async () => {
     const other = await SplatEngine.create({ device, accuracy: { shPrecision: 'palette' } });
     const cloud = await other.load(new Blob([encodePly(set)]));
