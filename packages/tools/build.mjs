@@ -34,6 +34,7 @@ const PACKAGES = [
       'compressed-ply-worker': 'src/io/formats/compressed-ply/compressed-ply-worker.ts',
       'ksplat-worker': 'src/io/formats/ksplat/ksplat-worker.ts',
       'load-worker': 'src/io/loading/load-worker.ts',
+      'palette-worker': 'src/clouds/palette-worker.ts',
       'spz-worker': 'src/io/formats/spz/spz-worker.ts',
       'gzip-worker': 'src/io/formats/gzip/gzip-worker.ts',
       'gltf-worker': 'src/io/formats/gltf/gltf-worker.ts',

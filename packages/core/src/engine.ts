@@ -34,7 +34,7 @@ import type { IngestedCloud, RowIngestOptions } from './ingest/row-ingest.ts';
 import type { RowFiles } from './io/formats/row-sink.ts';
 import { lastingSource, loadOrPass } from './io/loading/load-splats.ts';
 import { sourceName } from './io/sources/source-kind.ts';
-import type { ReadOptions, SourceOptions, SplatSource } from './io/sources/splat-source.ts';
+import type { LoadProgress, ReadOptions, SourceOptions, SplatSource } from './io/sources/splat-source.ts';
 import type { EffectEntry } from './ledger/ledger.ts';
 import type { AccuracyChoice } from './measure/choose-accuracy.ts';
 import type { Harmonics } from './packing/harmonics.ts';
@@ -140,6 +140,14 @@ export interface EngineMemory extends GpuMemoryReport {
     /** In the order in which the views were created. */
     readonly views: readonly GpuMemoryReport[];
   };
+}
+
+/** How `setAccuracy` gives clouds their precisions. */
+export interface SetAccuracyOptions {
+  /** Cancels that; clouds stay as they are, and the accuracy stays what was asked for. */
+  readonly signal?: AbortSignal;
+  /** Told of the progress of each cloud for which anything is read or a palette is found. */
+  readonly onProgress?: (progress: LoadProgress, cloud: SplatCloud) => void;
 }
 
 /** A cloud that could not be given the precision of the engine's accuracy, and why. */
@@ -248,11 +256,14 @@ export class SplatEngine {
    *   A later change replaces this one.
    * @throws InvalidArgumentError for unknown settings; nothing changes then.
    */
-  setAccuracy(accuracy: AccuracyRequest): Promise<readonly PrecisionProblem[]> {
+  setAccuracy(
+    accuracy: AccuracyRequest,
+    options: SetAccuracyOptions = {},
+  ): Promise<readonly PrecisionProblem[]> {
     this.#checkUsable();
     this.#takeAccuracy(accuracy);
     // The precision that a wish needs is unknown until it has been measured.
-    return this.#requestPrecisions(this.#wish ? [] : [...this.#clouds]);
+    return this.#requestPrecisions(this.#wish ? [] : [...this.#clouds], options);
   }
 
   /**
@@ -432,16 +443,26 @@ export class SplatEngine {
   }
 
   /** Requests the precisions of `accuracy`. Returns the clouds that could not get them, except for cancelled requests. */
-  async #requestPrecisions(clouds: readonly SplatCloud[]): Promise<PrecisionProblem[]> {
+  async #requestPrecisions(
+    clouds: readonly SplatCloud[],
+    { signal, onProgress }: SetAccuracyOptions = {},
+  ): Promise<PrecisionProblem[]> {
     const { accuracy } = this;
     const outcomes = clouds.map((cloud) =>
-      this.requestPrecision(cloud, accuracy).then(
+      this.requestPrecision(cloud, accuracy, {
+        signal,
+        onProgress: onProgress && ((progress) => onProgress(progress, cloud)),
+      }).then(
         () => null,
         (error: Error) => ({ cloud, error }),
       ),
     );
     const problems = (await Promise.all(outcomes)).filter((problem) => problem !== null);
-    return problems.filter(({ error }) => error.name !== 'AbortError' && !(error instanceof DestroyedError));
+    const isCancelled = (error: Error) =>
+      error.name === 'AbortError' ||
+      error instanceof DestroyedError ||
+      (signal?.aborted && error === signal.reason);
+    return problems.filter(({ error }) => !isCancelled(error));
   }
 
   /** Compiles what a first frame is likely to need, while the page looks for its file. */

@@ -37,6 +37,7 @@ export {
   type EngineOptions,
   type LoadOptions,
   type PrecisionProblem,
+  type SetAccuracyOptions,
   SplatEngine,
 } from './engine.ts';
 export * from './errors.ts';

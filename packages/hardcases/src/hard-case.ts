@@ -1,4 +1,4 @@
-import type { AccuracyPreset, Camera, DropCounts, SplatSet } from '@websplatter/core';
+import type { AccuracyPreset, Camera, DropCounts, Harmonics, SplatSet } from '@websplatter/core';
 
 /** Groups of the catalogue in its order: the part of rendering that a case strains. */
 export const HARD_CASE_GROUPS = [
@@ -10,6 +10,7 @@ export const HARD_CASE_GROUPS = [
   'camera',
   'world',
   'colour',
+  'palette',
   'accumulate',
   'tiles',
   'counts',
@@ -19,7 +20,13 @@ export const HARD_CASE_GROUPS = [
 export type HardCaseGroup = (typeof HARD_CASE_GROUPS)[number];
 
 /** Splats of a case: made by code, or the bytes of a file, which is read like any other. */
-export type HardSplats = { readonly set: SplatSet } | { readonly file: Uint8Array<ArrayBuffer> };
+export type HardSplats =
+  | {
+      readonly set: SplatSet<Harmonics>;
+      /** Whether its harmonics are given a palette, which the engine finds, before images are drawn. Default false. */
+      readonly isGivenPalette?: boolean;
+    }
+  | { readonly file: Uint8Array<ArrayBuffer> };
 
 export type HardCloud = HardSplats & {
   /** Column-major, float64; default the identity. */

@@ -53,7 +53,8 @@ export async function runScene(
 }
 
 async function readCloud(cloud: HardCloud): Promise<PlacedSet> {
-  const set = 'set' in cloud ? cloud.set : await readSplats(cloud.file, { shPrecision: 'f32' });
+  if ('set' in cloud) return cloud;
+  const set = await readSplats(cloud.file, { shPrecision: 'f32' });
   return { set, modelMatrix: cloud.modelMatrix };
 }
 

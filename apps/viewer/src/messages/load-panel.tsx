@@ -7,37 +7,80 @@ const PHASES: Readonly<Record<LoadState['phase'], string>> = {
   make: 'Making',
   read: 'Reading',
   arrange: 'Arranging',
+  palette: 'Finding a palette',
   upload: 'Uploading to the GPU',
 };
 
+interface PanelOptions {
+  readonly store: ViewerStore;
+  readonly onCancel: () => void;
+}
+
 /** How far the loading of a scene has come. */
-export function LoadPanel({ store, onCancel }: { store: ViewerStore; onCancel: () => void }) {
+export function LoadPanel({ store, onCancel }: PanelOptions) {
   const load = useStore(store, (state) => state.load);
-  if (!load) return null;
-  const { title, phase, loadedBytes, totalBytes, splats, bytesPerSecond } = load;
-  const part = phase === 'read' && totalBytes ? Math.min(1, loadedBytes / totalBytes) : undefined;
   return (
-    <section className="panel load" data-testid="load" aria-label={`Opening ${title}`}>
+    load && <ProgressPanel name="load" label={`Opening ${load.title}`} state={load} onCancel={onCancel} />
+  );
+}
+
+/** How far it has come to draw the scene on the screen with another accuracy, if that takes a while. */
+export function PreparingPanel({ store, onCancel }: PanelOptions) {
+  const preparing = useStore(store, (state) => state.preparing);
+  if (!preparing) return null;
+  const label = `Preparing ${preparing.title} for another accuracy`;
+  return <ProgressPanel name="preparing" label={label} state={preparing} onCancel={onCancel} />;
+}
+
+function ProgressPanel({
+  name,
+  label,
+  state,
+  onCancel,
+}: {
+  name: 'load' | 'preparing';
+  label: string;
+  state: LoadState;
+  onCancel: () => void;
+}) {
+  const { title, phase } = state;
+  return (
+    <section className={`panel load ${name}`} data-testid={name} aria-label={label}>
       <div className="load-row">
         <strong className="load-title">{title}</strong>
-        <button type="button" className="text-button" data-testid="cancel-load" onClick={onCancel}>
+        <button type="button" className="text-button" data-testid={`cancel-${name}`} onClick={onCancel}>
           Cancel
         </button>
       </div>
       {/* Without a value the bar is indeterminate: the phase's length is not known. */}
-      <progress aria-label={`${PHASES[phase]} ${title}`} value={part} max={1} />
+      <progress aria-label={`${PHASES[phase]} ${title}`} value={partOf(state)} max={1} />
       <div className="load-row figures">
-        <span data-testid="load-phase">{PHASES[phase]}</span>
-        <span data-testid="load-figures">
-          {loadedBytes > 0 &&
-            (totalBytes
-              ? `${formatBytes(loadedBytes)} of ${formatBytes(totalBytes)}`
-              : formatBytes(loadedBytes))}
-          {loadedBytes > 0 && splats > 0 && ' · '}
-          {splats > 0 && formatSplats(splats)}
-          {phase === 'read' && bytesPerSecond > 0 && ` · ${formatBytes(bytesPerSecond)}/s`}
-        </span>
+        <span data-testid={`${name}-phase`}>{PHASES[phase]}</span>
+        <span data-testid={`${name}-figures`}>{figuresOf(state)}</span>
       </div>
     </section>
   );
+}
+
+/** How much of the phase is done, 0…1; undefined where that is not known. */
+function partOf({ phase, part, loadedBytes, totalBytes }: LoadState): number | undefined {
+  // Until a palette has its first entries, there is no telling.
+  if (phase === 'palette') return part || undefined;
+  return phase === 'read' && totalBytes ? Math.min(1, loadedBytes / totalBytes) : undefined;
+}
+
+function figuresOf(state: LoadState): string {
+  const { phase, loadedBytes, totalBytes, splats, bytesPerSecond } = state;
+  const part = partOf(state);
+  const isPalette = phase === 'palette';
+  return [
+    isPalette && part !== undefined && `${Math.round(100 * part)} %`,
+    !isPalette &&
+      loadedBytes > 0 &&
+      (totalBytes ? `${formatBytes(loadedBytes)} of ${formatBytes(totalBytes)}` : formatBytes(loadedBytes)),
+    splats > 0 && formatSplats(splats),
+    phase === 'read' && bytesPerSecond > 0 && `${formatBytes(bytesPerSecond)}/s`,
+  ]
+    .filter(Boolean)
+    .join(' · ');
 }

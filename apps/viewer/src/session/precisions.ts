@@ -3,6 +3,7 @@ import {
   type AccuracySettings,
   type CloudLease,
   DestroyedError,
+  type LoadProgress,
   type SplatCloud,
 } from '@websplatter/core';
 import type { Comparison } from '../state/comparison.ts';
@@ -25,6 +26,8 @@ export interface PrecisionsOptions {
 export class Precisions {
   readonly #options: PrecisionsOptions;
   #held: Promise<void> = Promise.resolve();
+  /** What is being done, if it is. */
+  #work: AbortController | null = null;
   /** What the clouds are held in to be compared with the chosen accuracy. */
   #compared: readonly CloudLease[] = [];
 
@@ -45,29 +48,57 @@ export class Precisions {
     this.#held = this.#ask();
   }
 
+  /** Calls off what is being read or made; the image stays, and the store asks for the precisions that it is drawn with. */
+  cancel(): void {
+    const { store, clouds } = this.#options;
+    const { accuracy, comparison } = store.getState();
+    const [cloud] = clouds();
+    if (!this.#work || !cloud) return;
+    this.#work.abort();
+    const { geometryPrecision, shPrecision } = cloud.pagesFor(accuracy);
+    // What is compared is asked for once the accuracy itself is there.
+    const isThere = geometryPrecision === accuracy.geometryPrecision && shPrecision === accuracy.shPrecision;
+    store.setState(
+      isThere && comparison
+        ? { comparison: null }
+        : { accuracy: { ...accuracy, geometryPrecision, shPrecision } },
+    );
+    this.request();
+  }
+
   async #ask(): Promise<void> {
     const { store, sessions, clouds, onHeld } = this.#options;
     const session = sessions.current;
     if (!session) return;
     const { engine } = session;
-    const { wish, accuracy, comparison } = store.getState();
+    const { wish, accuracy, comparison, scene } = store.getState();
     const asked = wish ?? accuracy;
+    const work = new AbortController();
+    this.#work = work;
+    const options = {
+      signal: work.signal,
+      onProgress: (progress: LoadProgress) => {
+        if (this.#work === work) store.setState({ preparing: { title: scene?.title ?? '', ...progress } });
+      },
+    };
     const isCurrent = () => {
       const now = store.getState();
       return (
         sessions.current === session && (now.wish ?? now.accuracy) === asked && now.comparison === comparison
       );
     };
-    const request = engine.setAccuracy(asked);
+    const request = engine.setAccuracy(asked, options);
     store.setState({
       accuracyNotices: engine.notices,
       // Until the scene has been measured: what was chosen for the same wish before, or the default.
       ...(wish && { accuracy: engine.accuracy }),
     });
     const problems = (await request).map(({ error }) => error.message);
-    if (!isCurrent()) return;
+    if (!isCurrent()) return this.#end(work);
     const former = this.#compared;
-    this.#compared = comparedWith(comparison).flatMap((other) => clouds().map((cloud) => cloud.hold(other)));
+    this.#compared = comparedWith(comparison).flatMap((other) =>
+      clouds().map((cloud) => cloud.hold(other, options)),
+    );
     for (const { met } of this.#compared) {
       await met.catch((error: Error) => {
         const isOver = error.name === 'AbortError' || error instanceof DestroyedError;
@@ -76,9 +107,17 @@ export class Precisions {
     }
     // Replaced only now: an accuracy that is compared as before stays on the GPU all the while.
     for (const lease of former) lease.release();
+    this.#end(work);
     if (!isCurrent()) return;
     store.setState({ accuracyNotices: [...new Set([...engine.notices, ...problems])] });
     onHeld();
+  }
+
+  /** Unless something else is being done by now, nothing is. */
+  #end(work: AbortController): void {
+    if (this.#work !== work) return;
+    this.#work = null;
+    this.#options.store.setState({ preparing: null });
   }
 }
 

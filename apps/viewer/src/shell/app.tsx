@@ -11,7 +11,7 @@ import { Hud } from '../hud/hud.tsx';
 import { AccuracyMeasurement } from '../measurement/accuracy-measurement.ts';
 import { Measurement } from '../measurement/measurement.ts';
 import { FailurePanel } from '../messages/failure-panel.tsx';
-import { LoadPanel } from '../messages/load-panel.tsx';
+import { LoadPanel, PreparingPanel } from '../messages/load-panel.tsx';
 import { Notice } from '../messages/notice.tsx';
 import { LostPage, UnavailablePage } from '../messages/status-pages.tsx';
 import { WarningPanel } from '../messages/warning-panel.tsx';
@@ -68,6 +68,7 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
           <WarningPanel store={store} />
           <FailurePanel store={store} />
           <ErrorMapLegend store={store} viewer={viewer} />
+          <PreparingPanel store={store} onCancel={() => viewer.cancelPreparing()} />
           <LoadPanel store={store} onCancel={() => viewer.scenes.cancelLoad()} />
         </div>
       </div>

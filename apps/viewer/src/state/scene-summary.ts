@@ -33,13 +33,15 @@ export interface SceneWarning {
   readonly message: string;
 }
 
-/** A scene that is being loaded. */
+/** A scene that is being loaded, or read again. */
 export interface LoadState {
   readonly title: string;
   /** `make` for built-in scenes, which are computed instead of read. */
   readonly phase: LoadProgress['phase'] | 'make';
   readonly loadedBytes: number;
   readonly totalBytes: number | undefined;
+  /** How much of the phase `palette` is done, 0…1. */
+  readonly part?: number;
   readonly splats: number;
   readonly bytesPerSecond: number;
 }

@@ -11,6 +11,7 @@ export function createViewerStore(): ViewerStore {
     retryWaitMs: null,
     scene: null,
     load: null,
+    preparing: null,
     saving: null,
     failure: null,
     warning: null,

@@ -57,6 +57,8 @@ export interface ViewerState {
   readonly retryWaitMs: number | null;
   readonly scene: SceneSummary | null;
   readonly load: LoadState | null;
+  /** The scene on the screen, while it is read again, or a palette is found for it, to be drawn with another accuracy. */
+  readonly preparing: LoadState | null;
   readonly saving: SavingState | null;
   readonly failure: FailureReport | null;
   /** The problem of the scene that is shown; stays until it is dismissed. */

@@ -107,6 +107,12 @@ export class Viewer {
     this.#followAccuracy();
   }
 
+  /** Calls off what is being read or made so that the scene can be drawn with the accuracy asked for. */
+  cancelPreparing(): void {
+    this.#precisions.cancel();
+    this.#drawing.request();
+  }
+
   /** Draws each scene with settings that `chooseAccuracy` finds for `wish`, until settings are chosen by hand. */
   setWish(wish: AccuracyWish): void {
     this.#store.setState({ wish, choice: null });

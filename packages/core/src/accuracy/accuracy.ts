@@ -96,7 +96,8 @@ export const ACCURACY_SETTINGS: {
   },
   shPrecision: {
     label: 'Harmonics',
-    about: 'Precision of the stored coefficients that make colours depend on the view.',
+    about:
+      'Precision of the stored coefficients that make colours depend on the view; a palette that splats share takes the fewest bytes, and seconds to find.',
     unit: 'storage',
     values: SH_PRECISIONS,
     stage: 'load',

@@ -3,6 +3,7 @@ import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../engine.ts';
 import { SplatSourceError } from '../errors.ts';
 import { encodePly } from '../io/formats/ply/write-ply.ts';
+import type { LoadProgress } from '../io/sources/splat-source.ts';
 import { MAX_PALETTE_ENTRIES } from '../packing/harmonics-palette.ts';
 import { packSet } from '../packing/pack-set.ts';
 import { type CloudPrecision, SH_PRECISIONS } from '../packing/precision.ts';
@@ -113,6 +114,54 @@ describe('splats without a palette', () => {
     expect(cloud.precisions).toEqual({ geometry: ['f32'], sh: ['f32'] });
     cloud.destroy();
   });
+
+  gpuTest('tell how far they are read, and then how much of a palette is found', async () => {
+    const file = new Blob([encodePly(set)]);
+    const cloud = await engine.load(file);
+    const reports: LoadProgress[] = [];
+    const onProgress = (progress: LoadProgress) => reports.push(progress);
+    await engine.requestPrecision(cloud, PALETTE, { onProgress });
+    const phases = [...new Set(reports.map(({ phase }) => phase))];
+    expect(phases).toEqual(['read', 'arrange', 'palette']);
+    expect(reports.at(-1)).toMatchObject({ loadedBytes: file.size, splats: 600, part: 1 });
+    cloud.destroy();
+  });
+
+  gpuTest('stay as they are if their palette is called off while it is being found', async () => {
+    const cloud = engine.add(set);
+    const before = await imageOf(cloud);
+    const controller = new AbortController();
+    const onProgress = () => controller.abort(new Error('enough'));
+    const request = engine.requestPrecision(cloud, PALETTE, { signal: controller.signal, onProgress });
+    await expect(request).rejects.toThrow('enough');
+    expect(cloud.precisions).toEqual({ geometry: ['f32'], sh: ['f32'] });
+    expect(await imageOf(cloud)).toEqual(before);
+    cloud.destroy();
+  });
+
+  gpuTest(
+    'are given one by a change of accuracy, which tells how far it is and can be called off',
+    async () => {
+      const other = await SplatEngine.create({ device });
+      const clouds = [other.add(set), other.add(set)];
+      const told = new Set<SplatCloud>();
+      const controller = new AbortController();
+      const calledOff = other.setAccuracy(
+        { shPrecision: 'palette' },
+        { signal: controller.signal, onProgress: () => controller.abort(new Error('enough')) },
+      );
+      expect(await calledOff).toEqual([]);
+      expect(clouds.map(({ precisions }) => precisions.sh)).toEqual([['u8'], ['u8']]);
+      const onProgress = ({ phase }: LoadProgress, cloud: SplatCloud) => {
+        expect(phase).toBe('palette');
+        told.add(cloud);
+      };
+      expect(await other.setAccuracy({ shPrecision: 'palette' }, { onProgress })).toEqual([]);
+      expect(clouds.map(({ precisions }) => precisions.sh)).toEqual([['palette'], ['palette']]);
+      expect(told).toEqual(new Set(clouds));
+      other.destroy();
+    },
+  );
 
   gpuTest('of a file are given one after they were loaded', async () => {
     const other = await SplatEngine.create({ device, accuracy: { shPrecision: 'palette' } });

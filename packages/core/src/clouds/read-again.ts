@@ -1,6 +1,7 @@
 import { GpuLimitError, SplatSourceError } from '../errors.ts';
 import type { RowFiles, RowSink } from '../io/formats/row-sink.ts';
 import { loadOrPass } from '../io/loading/load-splats.ts';
+import type { LoadProgress } from '../io/sources/splat-source.ts';
 import { Chunk } from '../layout/structs.ts';
 import { entryCountOf, type Harmonics, isPalette } from '../packing/harmonics.ts';
 import { packSet } from '../packing/pack-set.ts';
@@ -18,7 +19,6 @@ import {
   uploadGeometry,
   uploadHarmonics,
 } from './cloud-planes.ts';
-import { givePalette } from './give-palette.ts';
 import type { CloudContents, CloudSource, SplatCloud } from './splat-cloud.ts';
 
 /** Makes planes of the rows of a file on the GPU. `finish` follows the last row; `destroy` calls everything off. */
@@ -116,7 +116,7 @@ async function readFrom(
 
 async function splatsOf(
   source: CloudSource,
-  { name, planes, sourceOptions }: SplatCloud,
+  { name, count, planes, sourceOptions }: SplatCloud,
   wanted: CloudPrecision,
   openRowPlanes: OpenRowPlanes,
   options: MakeOptions,
@@ -124,8 +124,24 @@ async function splatsOf(
   const { geometryPrecision, shPrecision } = wanted;
   const { signal } = options;
   const isPalette = shPrecision === 'palette';
-  const fresh = async (packed: PackedCloud) =>
-    fromPacked(isPalette ? await givePalette(packed, signal) : packed, planes.place);
+  let last: LoadProgress = {
+    phase: 'read',
+    loadedBytes: 0,
+    totalBytes: undefined,
+    splats: count,
+    bytesPerSecond: 0,
+  };
+  const onProgress = (progress: Partial<LoadProgress>) => {
+    last = { ...last, ...progress };
+    options.onProgress?.(last);
+  };
+  const fresh = async (packed: PackedCloud) => {
+    if (!isPalette) return fromPacked(packed, planes.place);
+    // Most clouds never have one.
+    const { givePalette } = await import('./give-palette.ts');
+    const isGiven = packed !== source;
+    return fromPacked(await givePalette(packed, { name, isGiven, signal, onProgress }), planes.place);
+  };
   if (isPackedCloud(source)) return fresh(source);
   // A palette is found among the finest harmonics that there are, on the CPU.
   if (isSplatSet(source))
@@ -133,7 +149,7 @@ async function splatsOf(
   const precision = { geometryPrecision, shPrecision };
   const { sink, files } = openRowPlanes({ ...precision, name, pages: planes.ranges, signal });
   try {
-    const loadOptions = { ...sourceOptions, ...options, ...precision, name };
+    const loadOptions = { ...sourceOptions, ...precision, name, signal, onProgress };
     const packed = await loadOrPass(source, loadOptions, isPalette ? undefined : { sink, files });
     if (packed) {
       sink.destroy();

@@ -228,4 +228,18 @@ export const MUTATIONS: readonly Mutation[] = [
     cases: ['tiles-bright-behind-almost-opaque'],
     rasterizer: 'tiles',
   },
+  {
+    remedy: 'number-of-an-entry-by-its-half-word',
+    file: 'stages/project',
+    find: 'entry = (entry >> (16u * (splatIndex % 2u))) & 0xffffu;',
+    replace: 'entry = entry & 0xffffu;',
+    cases: ['palette-degree-1', 'palette-degree-2', 'palette-degree-3'],
+  },
+  {
+    remedy: 'numbers-of-entries-without-a-sign',
+    file: 'stages/project',
+    find: 'entry = (entry >> (16u * (splatIndex % 2u))) & 0xffffu;',
+    replace: 'entry = (entry >> (16u * (splatIndex % 2u))) & 0x7fffu;',
+    cases: ['palette-of-65536-entries'],
+  },
 ];

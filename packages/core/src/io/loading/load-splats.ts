@@ -1,4 +1,3 @@
-import { WebSplatterError } from '../../errors.ts';
 import type { PackedCloud } from '../../packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../../packing/precision.ts';
 import type { RowsTo } from '../formats/row-sink.ts';
@@ -19,6 +18,7 @@ import {
   type LoadRequest,
   type LoadSettings,
 } from './load-messages.ts';
+import { endWorker, startWorker, workerStopped } from './start-worker.ts';
 import { endTurn, takeTurn } from './worker-turns.ts';
 
 export interface LoadSplatsOptions extends ReadSplatsOptions {
@@ -80,7 +80,8 @@ export async function loadOrPass(
     }
     // The worker that the name suggests, and then the one for what is in the file.
     for (let attempt = 0; attempt < 2; attempt++) {
-      worker ??= await startWorker(await newWorker(format), signal);
+      const likely = format;
+      worker ??= await startWorker(() => newWorker(likely), signal);
       if (worker === null) break;
       const result = await loadInWorker(worker, from, settings, watch, rowsTo);
       if (!result || !('firstBytes' in result)) return result;
@@ -101,11 +102,6 @@ export async function loadOrPass(
 /** Whether a name says that a file is no ordinary PLY, whose worker needs no more code to be started. */
 const isNamedOtherwise = (fileName: string) => /\.compressed\.ply$|\.(?!ply$)\w+$/i.test(fileName);
 
-function endWorker(worker: Worker | null): null {
-  worker?.terminate();
-  return null;
-}
-
 /** Reads in the calling thread. The code that reads is fetched only then: a page whose worker reads never needs it. */
 async function readHere(
   source: SplatSource,
@@ -120,42 +116,12 @@ async function readHere(
   return readAndPack(source, settings, watch, ALL_READERS, rowsTo);
 }
 
-/** Resolves with `worker` when its script is running; with null where it cannot. */
-async function startWorker(worker: Worker | null, signal: AbortSignal | undefined): Promise<Worker | null> {
-  if (worker === null) return null;
-  if (signal?.aborted) {
-    worker.terminate();
-    throw signal.reason;
-  }
-  return new Promise((resolve, reject) => {
-    const onAbort = () => {
-      worker.terminate();
-      reject(signal?.reason);
-    };
-    signal?.addEventListener('abort', onAbort, { once: true });
-    worker.onmessage = () => {
-      signal?.removeEventListener('abort', onAbort);
-      resolve(worker);
-    };
-    worker.onerror = (event) => {
-      event.preventDefault();
-      signal?.removeEventListener('abort', onAbort);
-      resolve(endWorker(worker));
-    };
-  });
-}
-
-/** The worker that reads `format`, by default PLY; null where none can start. */
-async function newWorker(format: string | null): Promise<Worker | null> {
-  if (typeof Worker === 'undefined') return null;
-  try {
-    if (format !== null && format !== 'ply')
-      return (await import('./format-workers.ts')).newFormatWorker(format);
-    // In one piece, since this is the form that bundlers recognise.
-    return new Worker(new URL('./load-worker.ts', import.meta.url), { type: 'module' });
-  } catch {
-    return null;
-  }
+/** The worker that reads `format`, by default PLY. */
+async function newWorker(format: string | null): Promise<Worker> {
+  if (format !== null && format !== 'ply')
+    return (await import('./format-workers.ts')).newFormatWorker(format);
+  // In one piece, since this is the form that bundlers recognise.
+  return new Worker(new URL('./load-worker.ts', import.meta.url), { type: 'module' });
 }
 
 /**
@@ -181,15 +147,8 @@ function loadInWorker(
   watch.signal.throwIfAborted();
   return new Promise((resolve, reject) => {
     watch.signal.addEventListener('abort', () => reject(watch.signal.reason), { once: true });
-    const fail = (event: Partial<ErrorEvent>) => {
-      const detail = event.message ? `: ${event.message}` : ', perhaps for lack of memory';
-      reject(
-        new WebSplatterError(
-          'worker-failed',
-          `${settings.name ?? 'source'}: the loading worker stopped${detail}.`,
-        ),
-      );
-    };
+    const fail = (event: Partial<ErrorEvent>) =>
+      reject(workerStopped(settings.name ?? 'source', 'loading worker', event));
     const finish = (cloud: PackedCloud | null) => {
       watch.onDone();
       resolve(cloud);
