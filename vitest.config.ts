@@ -27,6 +27,7 @@ const unit = {
   maxWorkers: 2,
   pool: 'threads',
   testTimeout: TEST_TIMEOUT_MS,
+  hookTimeout: TEST_TIMEOUT_MS,
   expect: patience,
   environment: 'node',
 } as const;
