@@ -48,7 +48,7 @@ export function Gallery({ cases, firstQuery }: { cases: readonly HardCase[]; fir
   return (
     <main className="gallery" ref={page} onKeyDown={onKeyDown} data-testid="gallery">
       <header className="gallery-head">
-        <a href="./" className="gallery-home">
+        <a href="?" className="gallery-home">
           WebSplatter
         </a>
         <h1>Hard cases</h1>
