@@ -53,39 +53,43 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   if (isUnavailable) return <UnavailablePage store={store} onRetry={() => viewer.recover()} />;
   return (
     <>
-      <Viewport store={store} viewer={viewer} />
-      {comparison?.kind === 'split' && <SplitImage store={store} viewer={viewer} split={comparison} />}
-      {comparison?.kind === 'error' && <ErrorMapImage store={store} viewer={viewer} />}
-      <div className="overlay">
-        <Hud store={store} />
-        <Toolbar store={store} run={run} />
-        <AccuracyPanel store={store} viewer={viewer} accuracyMeasurement={accuracyMeasurement} />
-        <EffectsPanel store={store} measurement={measurement} />
-        <Suspense>{isSaveVisible && <SavePanel store={store} saving={saving} />}</Suspense>
-        <SceneCaption store={store} onStep={(by) => viewer.camera.step(by)} />
-        <div className="messages">
-          <Notice store={store} />
-          <WarningPanel store={store} />
-          <FailurePanel store={store} />
-          <ErrorMapLegend store={store} viewer={viewer} />
-          <PreparingPanel store={store} onCancel={() => viewer.cancelPreparing()} />
-          <LoadPanel store={store} onCancel={() => viewer.scenes.cancelLoad()} />
+      <main>
+        <Viewport store={store} viewer={viewer} />
+        {comparison?.kind === 'split' && <SplitImage store={store} viewer={viewer} split={comparison} />}
+        {comparison?.kind === 'error' && <ErrorMapImage store={store} viewer={viewer} />}
+        <div className="overlay">
+          <Toolbar store={store} run={run} />
+          <AccuracyPanel store={store} viewer={viewer} accuracyMeasurement={accuracyMeasurement} />
+          <EffectsPanel store={store} measurement={measurement} />
+          <Suspense>{isSaveVisible && <SavePanel store={store} saving={saving} />}</Suspense>
+          <div className="overlay-side">
+            <Hud store={store} />
+            <div className="messages">
+              <Notice store={store} />
+              <WarningPanel store={store} />
+              <FailurePanel store={store} />
+              <ErrorMapLegend store={store} viewer={viewer} />
+              <PreparingPanel store={store} onCancel={() => viewer.cancelPreparing()} />
+              <LoadPanel store={store} onCancel={() => viewer.scenes.cancelLoad()} />
+            </div>
+            <SceneCaption store={store} onStep={(by) => viewer.camera.step(by)} />
+          </div>
         </div>
-      </div>
-      <input
-        ref={fileInput}
-        type="file"
-        accept={ACCEPTED_FILES}
-        multiple
-        hidden
-        data-testid="file-input"
-        onChange={(event) => {
-          follow(decideFiles(chosenFiles(event.target.files ?? [])));
-          // So that choosing the same file again is a change.
-          event.target.value = '';
-        }}
-      />
-      <DropZone onDrop={follow} />
+        <input
+          ref={fileInput}
+          type="file"
+          accept={ACCEPTED_FILES}
+          multiple
+          hidden
+          data-testid="file-input"
+          onChange={(event) => {
+            follow(decideFiles(chosenFiles(event.target.files ?? [])));
+            // So that choosing the same file again is a change.
+            event.target.value = '';
+          }}
+        />
+        <DropZone onDrop={follow} />
+      </main>
       <Help store={store} />
       {isLost && (
         <LostPage

@@ -1,5 +1,6 @@
 import { resolveAccuracy } from '@websplatter/core';
 import { createStore, type StoreApi } from 'zustand/vanilla';
+import { FIRST_SHEET_PART } from './sheet.ts';
 import type { ViewerState } from './viewer-state.ts';
 
 export type ViewerStore = StoreApi<ViewerState>;
@@ -22,6 +23,7 @@ export function createViewerStore(): ViewerStore {
     isHudVisible: true,
     isHelpVisible: false,
     dock: null,
+    sheetPart: FIRST_SHEET_PART,
     accuracyTab: 'measure',
     accuracy: resolveAccuracy(),
     wish: null,

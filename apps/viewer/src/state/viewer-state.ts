@@ -74,6 +74,8 @@ export interface ViewerState {
   readonly isHelpVisible: boolean;
   /** The panel that is shown beside the image. */
   readonly dock: DockName | null;
+  /** Height of a panel that is a sheet, as on phones, as a part of the window's. */
+  readonly sheetPart: number;
   readonly accuracyTab: AccuracyTab;
   /** Settings that frames are drawn with: asked for, or chosen because of the wish. */
   readonly accuracy: AccuracySettings;
