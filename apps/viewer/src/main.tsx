@@ -1,5 +1,7 @@
 import { type ReactNode, StrictMode } from 'react';
 import { createRoot } from 'react-dom/client';
+import type { FileDropDecision } from './file-drop/file-drop.ts';
+import { followDrop } from './file-drop/follow-drop.ts';
 import { GALLERY_SCENE, loadHardCases } from './hard-cases/catalogue.ts';
 import { GalleryFailedPage } from './messages/status-pages.tsx';
 import { mirrorToAddress } from './shell/address-mirror.ts';
@@ -7,7 +9,7 @@ import { App } from './shell/app.tsx';
 import { mirrorToDocument } from './shell/document-mirror.ts';
 import { createViewerStore } from './state/store.ts';
 import './styles.css';
-import { Viewer } from './viewer/viewer.ts';
+import { type StartOptions, Viewer } from './viewer/viewer.ts';
 
 const element = document.getElementById('root');
 if (!element) throw new Error('The page has no #root.');
@@ -23,16 +25,28 @@ if (scene === GALLERY_SCENE && !file) {
     show(<GalleryFailedPage />);
   });
 } else {
+  showViewer({ file, scene, accuracy: address.get('accuracy') });
+}
+
+function showViewer(start: StartOptions, dropped?: FileDropDecision): void {
   const store = createViewerStore();
   mirrorToDocument(store, document);
-  const viewer = new Viewer(store, { file, scene, accuracy: address.get('accuracy') });
+  const viewer = new Viewer(store, start);
   mirrorToAddress(store);
+  if (dropped) followDrop(dropped, store, viewer);
   show(<App store={store} viewer={viewer} />);
+}
+
+/** In place of the gallery, which is one step back in the browser's history. */
+function showDropped(dropped: FileDropDecision): void {
+  history.pushState(null, '', location.pathname);
+  addEventListener('popstate', () => location.reload(), { once: true });
+  showViewer({}, dropped);
 }
 
 async function showGallery(): Promise<void> {
   document.title = 'Hard cases · WebSplatter';
   const [{ Gallery }, cases] = await Promise.all([import('./hard-cases/gallery.tsx'), loadHardCases()]);
-  show(<Gallery cases={cases} firstQuery={address.get('q') ?? ''} />);
+  show(<Gallery cases={cases} firstQuery={address.get('q') ?? ''} onOpen={showDropped} />);
   document.documentElement.dataset.state = 'ready';
 }

@@ -1,4 +1,10 @@
-import type { CloudInstance, LoadOptions, SplatCloud, SplatEngine } from '@websplatter/core';
+import {
+  type CloudInstance,
+  type LoadOptions,
+  type SplatCloud,
+  type SplatEngine,
+  SplatFileError,
+} from '@websplatter/core';
 import type { CameraSubject } from '../camera/view-camera.ts';
 import { findHardCase, groupTitle, loadHardCases } from '../hard-cases/catalogue.ts';
 import type { SceneAbout } from '../state/scene-summary.ts';
@@ -9,6 +15,8 @@ import { type SceneSource, titleOf } from './scene-source.ts';
 export interface LoadedScene extends Pick<CameraSubject, 'firstView' | 'ownCameras' | 'isUpsideDown'> {
   readonly clouds: readonly CloudInstance[];
   readonly about: SceneAbout | null;
+  /** Why a file has no splats whose refusal is what the scene shows. */
+  readonly refusal?: SplatFileError;
 }
 
 export interface LoadSceneOptions extends Pick<LoadOptions, 'onProgress'> {
@@ -63,10 +71,16 @@ async function loadHardCase(
   const hardCase = findHardCase(await loadHardCases(), name);
   const loadFile = (file: Uint8Array) => engine.load(file, { name, signal, onProgress });
   const clouds: CloudInstance[] = [];
+  let refusal: SplatFileError | undefined;
   try {
     signal.throwIfAborted();
     if (hardCase.kind === 'refused-file') {
-      clouds.push({ cloud: await loadFile(hardCase.file()) });
+      try {
+        clouds.push({ cloud: await loadFile(hardCase.file()) });
+      } catch (error) {
+        if (!(error instanceof SplatFileError)) throw error;
+        refusal = error;
+      }
     } else {
       for (const splats of hardCase.clouds()) {
         const cloud = 'file' in splats ? await loadFile(splats.file) : engine.add(splats.set, { name });
@@ -82,6 +96,7 @@ async function loadHardCase(
     firstView: null,
     ownCameras: hardCase.kind === 'refused-file' ? null : hardCase.cameras,
     about: { topic: groupTitle(hardCase.group), text: hardCase.breaks },
+    refusal,
     isUpsideDown: false,
   };
 }

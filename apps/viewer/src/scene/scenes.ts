@@ -216,6 +216,7 @@ export class Scenes {
     this.#setNewest(scene);
     for (const { cloud } of loaded.clouds)
       if (cloud.fit) this.#options.store.setState({ notice: fitNotice(titleOf(source), cloud.fit) });
+    if (loaded.refusal) this.#fail(loaded.refusal, titleOf(source));
     onClouds();
     // After the device was lost the view goes on where it was.
     if (!isReopened) {

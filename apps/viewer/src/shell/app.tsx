@@ -7,6 +7,7 @@ import { SplitImage } from '../comparison/split-image.tsx';
 import { EffectsPanel } from '../effects/effects-panel.tsx';
 import { DropZone } from '../file-drop/drop-zone.tsx';
 import { ACCEPTED_FILES, chosenFiles, decideFiles, type FileDropDecision } from '../file-drop/file-drop.ts';
+import { followDrop } from '../file-drop/follow-drop.ts';
 import { Hud } from '../hud/hud.tsx';
 import { AccuracyMeasurement } from '../measurement/accuracy-measurement.ts';
 import { Measurement } from '../measurement/measurement.ts';
@@ -45,10 +46,7 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   useEffect(() => accuracyMeasurement.watch(), [accuracyMeasurement]);
   useEffect(() => listenToKeys(viewer, store, run), [viewer, store, run]);
 
-  const follow = ({ opened, notice }: FileDropDecision) => {
-    if (opened) viewer.scenes.open({ kind: 'file', ...opened });
-    if (notice) store.setState({ notice });
-  };
+  const follow = (decision: FileDropDecision) => followDrop(decision, store, viewer);
 
   if (isUnavailable) return <UnavailablePage store={store} onRetry={() => viewer.recover()} />;
   return (
