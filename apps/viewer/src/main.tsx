@@ -1,9 +1,10 @@
 import { type ReactNode, StrictMode } from 'react';
 import { createRoot } from 'react-dom/client';
 import type { FileDropDecision } from './file-drop/file-drop.ts';
-import { followDrop } from './file-drop/follow-drop.ts';
+import { followDrop, hasOpenedFile } from './file-drop/follow-drop.ts';
 import { GALLERY_SCENE, loadHardCases } from './hard-cases/catalogue.ts';
 import { GalleryFailedPage } from './messages/status-pages.tsx';
+import { addressedScene } from './scene/first-source.ts';
 import { mirrorToAddress } from './shell/address-mirror.ts';
 import { App } from './shell/app.tsx';
 import { mirrorToDocument } from './shell/document-mirror.ts';
@@ -17,15 +18,14 @@ const root = createRoot(element);
 const show = (page: ReactNode) => root.render(<StrictMode>{page}</StrictMode>);
 
 const address = new URLSearchParams(location.search);
-const file = address.get('file');
-const scene = address.get('scene');
-if (scene === GALLERY_SCENE && !file) {
+const addressed = addressedScene(address);
+if (addressed.scene === GALLERY_SCENE && addressed.addresses?.length === 0) {
   showGallery().catch((error) => {
     console.error(error);
     show(<GalleryFailedPage />);
   });
 } else {
-  showViewer({ file, scene, accuracy: address.get('accuracy') });
+  showViewer({ ...addressed, accuracy: address.get('accuracy') });
 }
 
 function showViewer(start: StartOptions, dropped?: FileDropDecision): void {
@@ -33,7 +33,9 @@ function showViewer(start: StartOptions, dropped?: FileDropDecision): void {
   mirrorToDocument(store, document);
   const viewer = new Viewer(store, start);
   mirrorToAddress(store);
+  const asksForNothing = !start.scene && !start.addresses?.length;
   if (dropped) followDrop(dropped, store, viewer);
+  else if (asksForNothing || hasOpenedFile()) void viewer.files.offer();
   show(<App store={store} viewer={viewer} />);
 }
 

@@ -8,6 +8,7 @@ import {
 import type { CameraSubject } from '../camera/view-camera.ts';
 import { findHardCase, groupTitle, loadHardCases } from '../hard-cases/catalogue.ts';
 import type { SceneAbout } from '../state/scene-summary.ts';
+import { baseName } from '../words/format.ts';
 import { makeBuiltinScene } from './builtin-scene.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
 
@@ -40,11 +41,11 @@ export async function loadScene(
     return { ...plain, clouds, firstView: cameras[0], isUpsideDown: false };
   }
   if (source.kind === 'hard-case') return loadHardCase(engine, source.name, options);
+  if (source.kind === 'urls') return { ...plain, ...(await loadUrls(engine, source.urls, options)) };
   const sceneOf = (cloud: SplatCloud) => ({
     ...plain,
     clouds: [{ cloud }],
-    // Captures mostly have y pointing down; glTF has it up by definition.
-    isUpsideDown: cloud.facts.fileFacts?.format !== 'gltf',
+    isUpsideDown: isUpsideDown(cloud),
   });
   const isFile = source.kind === 'file';
   const cloud = await engine.load(isFile ? source.source : source.url, {
@@ -61,6 +62,30 @@ export async function loadScene(
 
 export function destroyClouds({ clouds }: Pick<LoadedScene, 'clouds'>): void {
   for (const { cloud } of clouds) cloud.destroy();
+}
+
+/** Captures mostly have y pointing down; glTF has it up by definition. */
+function isUpsideDown({ facts }: SplatCloud): boolean {
+  return facts.fileFacts?.format !== 'gltf';
+}
+
+/** Loads files one after another; the scene stands as the first of them does. */
+async function loadUrls(
+  engine: SplatEngine,
+  urls: readonly URL[],
+  { signal, onProgress }: LoadSceneOptions,
+): Promise<Pick<LoadedScene, 'clouds' | 'isUpsideDown'>> {
+  const clouds: { readonly cloud: SplatCloud }[] = [];
+  try {
+    for (const url of urls) {
+      const name = baseName(url.href);
+      clouds.push({ cloud: await engine.load(url, { name, fit: 'auto', signal, onProgress }) });
+    }
+  } catch (error) {
+    destroyClouds({ clouds });
+    throw error;
+  }
+  return { clouds, isUpsideDown: isUpsideDown(clouds[0].cloud) };
 }
 
 async function loadHardCase(

@@ -54,6 +54,6 @@ export function summaryOf(
     // Own cameras show the scene as it is; turned, it would be another one.
     canFlip: ownCameras === null,
     isUpsideDown,
-    canSave: source.kind !== 'hard-case',
+    canSave: source.kind !== 'hard-case' && source.kind !== 'urls',
   };
 }

@@ -7,6 +7,7 @@ import { SplitImage } from '../comparison/split-image.tsx';
 import { EffectsPanel } from '../effects/effects-panel.tsx';
 import { DropZone } from '../file-drop/drop-zone.tsx';
 import { ACCEPTED_FILES, chosenFiles, decideFiles, type FileDropDecision } from '../file-drop/file-drop.ts';
+import { filesOf, pickHandles } from '../file-drop/file-handles.ts';
 import { followDrop } from '../file-drop/follow-drop.ts';
 import { Hud } from '../hud/hud.tsx';
 import { AccuracyMeasurement } from '../measurement/accuracy-measurement.ts';
@@ -14,6 +15,7 @@ import { Measurement } from '../measurement/measurement.ts';
 import { FailurePanel } from '../messages/failure-panel.tsx';
 import { LoadPanel, PreparingPanel } from '../messages/load-panel.tsx';
 import { Notice } from '../messages/notice.tsx';
+import { ReopenPanel } from '../messages/reopen-panel.tsx';
 import { LostPage, UnavailablePage } from '../messages/status-pages.tsx';
 import { WarningPanel } from '../messages/warning-panel.tsx';
 import { Saving } from '../saving/saving.ts';
@@ -35,7 +37,10 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   const isSaveVisible = useStore(store, (state) => state.dock === 'save');
   const comparison = useStore(store, (state) => state.comparison);
   const fileInput = useRef<HTMLInputElement>(null);
-  const run = useMemo(() => createCommands(viewer, store, () => fileInput.current?.click()), [viewer, store]);
+  const run = useMemo(
+    () => createCommands(viewer, store, () => void chooseFiles(viewer, store, fileInput.current)),
+    [viewer, store],
+  );
   const saving = useMemo(() => new Saving(store, () => viewer.scenes.newest?.source), [viewer, store]);
   const measurement = useMemo(() => new Measurement(viewer, store), [viewer, store]);
   const accuracyMeasurement = useMemo(
@@ -46,6 +51,14 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   useEffect(() => accuracyMeasurement.watch(), [accuracyMeasurement]);
   useEffect(() => listenToKeys(viewer, store, run), [viewer, store, run]);
 
+  const reopen = async () => {
+    if (!store.getState().lastFile?.isReachable) {
+      run('open');
+      return;
+    }
+    const decision = await viewer.files.reopen();
+    if (decision) follow(decision);
+  };
   const follow = (decision: FileDropDecision) => followDrop(decision, store, viewer);
 
   if (isUnavailable) return <UnavailablePage store={store} onRetry={() => viewer.recover()} />;
@@ -67,6 +80,11 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
               <WarningPanel store={store} />
               <FailurePanel store={store} />
               <ErrorMapLegend store={store} viewer={viewer} />
+              <ReopenPanel
+                store={store}
+                onReopen={() => void reopen()}
+                onForget={() => viewer.files.forget()}
+              />
               <PreparingPanel store={store} onCancel={() => viewer.cancelPreparing()} />
               <LoadPanel store={store} onCancel={() => viewer.scenes.cancelLoad()} />
             </div>
@@ -98,4 +116,17 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
       )}
     </>
   );
+}
+
+/** By the picker that gives handles, where there is one. */
+async function chooseFiles(
+  viewer: Viewer,
+  store: ViewerStore,
+  input: HTMLInputElement | null,
+): Promise<void> {
+  const handles = await pickHandles();
+  if (handles === null) input?.click();
+  if (!handles?.length) return;
+  const found = await filesOf(handles);
+  if (found) followDrop({ ...decideFiles(found), handles }, store, viewer);
 }

@@ -16,6 +16,7 @@ export function createViewerStore(): ViewerStore {
     saving: null,
     failure: null,
     warning: null,
+    lastFile: null,
     notice: null,
     cameraIndex: 0,
     isOwnCamera: false,

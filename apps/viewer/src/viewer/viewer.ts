@@ -12,6 +12,8 @@ import { observeBackground } from '../drawing/background.ts';
 import { observeDevicePixelSize } from '../drawing/canvas-size.ts';
 import { Drawing } from '../drawing/drawing.ts';
 import type { ImageOnBackground, ShownFrame } from '../drawing/drawn-frame.ts';
+import { FileMemory } from '../file-drop/file-memory.ts';
+import { KEPT_FILE } from '../file-drop/kept-file.ts';
 import type { AddressedScene } from '../scene/first-source.ts';
 import { Scenes } from '../scene/scenes.ts';
 import { Precisions } from '../session/precisions.ts';
@@ -34,6 +36,8 @@ export interface StartOptions extends AddressedScene {
 export class Viewer {
   readonly camera: ViewCamera;
   readonly scenes: Scenes;
+  /** The file that was opened last. */
+  readonly files: FileMemory;
   readonly #store: ViewerStore;
   readonly #sessions: SessionOwner;
   readonly #precisions: Precisions;
@@ -41,6 +45,7 @@ export class Viewer {
 
   constructor(store: ViewerStore, start: StartOptions = {}) {
     this.#store = store;
+    this.files = new FileMemory(store, KEPT_FILE);
     this.#readAccuracy(start.accuracy ?? null);
     const reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
     this.camera = new ViewCamera(store, {
