@@ -6,6 +6,7 @@ import type { ViewerState } from './viewer-state.ts';
 export type ViewerStore = StoreApi<ViewerState>;
 
 export function createViewerStore(): ViewerStore {
+  const defaultAccuracy = resolveAccuracy();
   return createStore<ViewerState>(() => ({
     status: 'starting',
     statusReason: '',
@@ -26,7 +27,8 @@ export function createViewerStore(): ViewerStore {
     dock: null,
     sheetPart: FIRST_SHEET_PART,
     accuracyTab: 'measure',
-    accuracy: resolveAccuracy(),
+    accuracy: defaultAccuracy,
+    defaultAccuracy,
     wish: null,
     choice: null,
     accuracyNotices: [],

@@ -88,6 +88,8 @@ export interface ViewerState {
   readonly accuracyTab: AccuracyTab;
   /** Settings that frames are drawn with: asked for, or chosen because of the wish. */
   readonly accuracy: AccuracySettings;
+  /** Settings that this device begins with; the page's address does not mention them. */
+  readonly defaultAccuracy: AccuracySettings;
   /** The outcome to keep in every scene; null if settings were chosen by hand. */
   readonly wish: AccuracyWish | null;
   /** The settings chosen because of the wish, and why; null until this scene has been measured. */

@@ -5,6 +5,7 @@ import {
   type ChooseAccuracyOptions,
   InvalidArgumentError,
   isAccuracyWish,
+  isSoftwareAdapter,
   type SplatEngine,
 } from '@websplatter/core';
 import { ViewCamera } from '../camera/view-camera.ts';
@@ -16,6 +17,7 @@ import { FileMemory } from '../file-drop/file-memory.ts';
 import { KEPT_FILE } from '../file-drop/kept-file.ts';
 import type { AddressedScene } from '../scene/first-source.ts';
 import { Scenes } from '../scene/scenes.ts';
+import { defaultAccuracyOn } from '../session/default-accuracy.ts';
 import { Precisions } from '../session/precisions.ts';
 import type { Session } from '../session/session.ts';
 import { SessionOwner } from '../session/session-owner.ts';
@@ -170,8 +172,17 @@ export class Viewer {
   }
 
   #startSession(session: Session): void {
+    this.#takeDefaultOf(session);
     this.#precisions.request();
     this.scenes.openFirst(session);
+  }
+
+  /** The device is known: takes what suits it, unless the address or a person has asked for something. */
+  #takeDefaultOf({ engine }: Session): void {
+    const { accuracy, defaultAccuracy, wish } = this.#store.getState();
+    const suited = defaultAccuracyOn(isSoftwareAdapter(engine.device.adapterInfo));
+    const isUntouched = wish === null && accuracy === defaultAccuracy;
+    this.#store.setState({ defaultAccuracy: suited, ...(isUntouched && { accuracy: suited }) });
   }
 
   #followAccuracy(): void {
@@ -187,6 +198,7 @@ export class Viewer {
   }
 
   #readAccuracy(text: string | null): void {
+    if (text === null) return;
     try {
       const accuracy = decodeAccuracy(text);
       this.#store.setState(isAccuracyWish(accuracy) ? { wish: accuracy } : { accuracy });
