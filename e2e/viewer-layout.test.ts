@@ -93,6 +93,12 @@ describe('the viewer in windows of any size', () => {
       const seen = [...TOOLBAR, ...rows, '[data-testid=error] h2', '[data-testid=dismiss-error]'];
       expect(await hiddenAmong(page, seen), `${size.width} × ${size.height}, error`).toEqual([]);
     }
+    await page.keyboard.press('c');
+    for (const size of SIZES.slice(0, 3)) {
+      await resize(page, size);
+      const seen = [...TOOLBAR, '.hud-pace', '.dock h2', '[data-testid=dismiss-error]'];
+      expect(await hiddenAmong(page, seen), `${size.width} × ${size.height}, error and panel`).toEqual([]);
+    }
   });
 
   it('has panels on phones whose height is changed by drags, taps and keys', async () => {
