@@ -92,11 +92,12 @@ export interface DroppedFile {
   readonly bytes: Uint8Array;
 }
 
-/** Drags `files` over the canvas, calls `whileHovering`, and drops them. */
+/** Drags `files` over the canvas or another element, calls `whileHovering`, and drops them. */
 export async function dropFiles(
   page: Page,
   files: readonly DroppedFile[],
   whileHovering: () => Promise<void> = async () => {},
+  testId = 'viewport',
 ): Promise<void> {
   const encoded = files.map(({ name, bytes }) => ({ name, base64: Buffer.from(bytes).toString('base64') }));
   const transfer = await page.evaluateHandle((list) => {
@@ -107,9 +108,9 @@ export async function dropFiles(
     }
     return dataTransfer;
   }, encoded);
-  const canvas = page.getByTestId('viewport');
-  await canvas.dispatchEvent('dragenter', { dataTransfer: transfer });
-  await canvas.dispatchEvent('dragover', { dataTransfer: transfer });
+  const target = page.getByTestId(testId);
+  await target.dispatchEvent('dragenter', { dataTransfer: transfer });
+  await target.dispatchEvent('dragover', { dataTransfer: transfer });
   await whileHovering();
-  await canvas.dispatchEvent('drop', { dataTransfer: transfer });
+  await target.dispatchEvent('drop', { dataTransfer: transfer });
 }

@@ -6,6 +6,8 @@ const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
 
 export default defineConfig({
   root: fileURLToPath(new URL('.', import.meta.url)),
+  // Works below any path of a web server.
+  base: './',
   plugins: [react()],
   // The engine and the scenes run from their sources, so that editing them reloads the page.
   resolve: { conditions: ['@websplatter/source', ...defaultClientConditions] },

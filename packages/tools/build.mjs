@@ -1,5 +1,6 @@
-// Builds the packages that run outside of this repository into their dist folders: JavaScript by Vite, declarations by
-// tsc. Skips packages whose inputs have not changed. Part of `npm ci` (the prepare script).
+// `npm run build`: builds the packages that run outside of this repository, and the viewer, into their dist folders:
+// JavaScript by Vite, declarations by tsc. Skips what has not changed. `--packages`, part of `npm ci` (the prepare script),
+// leaves out the viewer: nothing that is installed needs it, and installing stays quick.
 import { spawnSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
 import {
@@ -55,17 +56,23 @@ const PACKAGES = [
   { name: 'cli', entries: { main: 'src/main.ts' }, inputs: [], hasDeclarations: false },
 ];
 
+/** The viewer is bundled from the sources of these folders. */
+const VIEWER_INPUTS = ['apps/viewer', ...PACKAGES.map(({ name }) => `packages/${name}/src`), 'shaders'];
+
 const cacheFolder = join(repositoryRoot, 'node_modules/.cache/websplatter-build');
+
+/** What every build depends on. */
+const TOOLS = [
+  'packages/tools/build.mjs',
+  'packages/tools/tsconfig.library.json',
+  'tsconfig.json',
+  'node_modules/vite/package.json',
+  'node_modules/typescript/package.json',
+];
 
 /** Builds the packages that have changed. */
 export async function build() {
-  let hash = hashOf([
-    'packages/tools/build.mjs',
-    'packages/tools/tsconfig.library.json',
-    'tsconfig.json',
-    'node_modules/vite/package.json',
-    'node_modules/typescript/package.json',
-  ]);
+  let hash = hashOf(TOOLS);
   for (const item of PACKAGES) {
     const folder = `packages/${item.name}`;
     const sources = [
@@ -76,22 +83,33 @@ export async function build() {
     ];
     // Includes the hash so far: declarations are checked against those of the packages before.
     hash = hashOf(sources, hash);
-    if (isBuilt(item, hash)) continue;
-    const startedMs = performance.now();
-    await buildPackage(item);
-    mkdirSync(cacheFolder, { recursive: true });
-    writeFileSync(stampPath(item), hash);
-    console.log(
-      `Built @websplatter/${item.name} in ${((performance.now() - startedMs) / 1000).toFixed(1)} s`,
-    );
+    const built = Object.keys(item.entries).map((entry) => `${folder}/dist/${entry}.js`);
+    if (isBuilt(item.name, hash, built)) continue;
+    await timeBuild(item.name, hash, () => buildPackage(item));
   }
 }
 
-function isBuilt(item, hash) {
-  if (!existsSync(stampPath(item)) || readFileSync(stampPath(item), 'utf8') !== hash) return false;
-  return Object.keys(item.entries).every((entry) =>
-    existsSync(join(repositoryRoot, 'packages', item.name, 'dist', `${entry}.js`)),
-  );
+/** Builds the viewer if it has changed: files for any web server, under any path. */
+async function buildViewer() {
+  const hash = hashOf([...TOOLS, ...VIEWER_INPUTS, 'package-lock.json']);
+  if (isBuilt('viewer', hash, ['apps/viewer/dist/index.html'])) return;
+  const { build: buildApp } = await import('vite');
+  const configFile = join(repositoryRoot, 'apps/viewer/vite.config.ts');
+  await timeBuild('viewer', hash, () => buildApp({ configFile, logLevel: 'error' }));
+}
+
+/** Whether the files `built` are what was made from inputs of this `hash`. */
+function isBuilt(name, hash, built) {
+  if (!existsSync(stampPath(name)) || readFileSync(stampPath(name), 'utf8') !== hash) return false;
+  return built.every((path) => existsSync(join(repositoryRoot, path)));
+}
+
+async function timeBuild(name, hash, run) {
+  const startedMs = performance.now();
+  await run();
+  mkdirSync(cacheFolder, { recursive: true });
+  writeFileSync(stampPath(name), hash);
+  console.log(`Built @websplatter/${name} in ${((performance.now() - startedMs) / 1000).toFixed(1)} s`);
 }
 
 async function buildPackage(item) {
@@ -237,10 +255,11 @@ function filesIn(path) {
     .flatMap((name) => filesIn(join(path, name)));
 }
 
-function stampPath(item) {
-  return join(cacheFolder, `${item.name}.hash`);
+function stampPath(name) {
+  return join(cacheFolder, `${name}.hash`);
 }
 
 if (process.argv[1] && import.meta.url === pathToFileURL(process.argv[1]).href) {
-  await build().catch((error) => fail(error.message));
+  const all = process.argv.includes('--packages') ? build() : build().then(buildViewer);
+  await all.catch((error) => fail(error.message));
 }

@@ -1,13 +1,16 @@
 import { type ReactNode, StrictMode } from 'react';
 import { createRoot } from 'react-dom/client';
+import type { FileDropDecision } from './file-drop/file-drop.ts';
+import { followDrop, hasOpenedFile } from './file-drop/follow-drop.ts';
 import { GALLERY_SCENE, loadHardCases } from './hard-cases/catalogue.ts';
 import { GalleryFailedPage } from './messages/status-pages.tsx';
+import { addressedScene } from './scene/first-source.ts';
 import { mirrorToAddress } from './shell/address-mirror.ts';
 import { App } from './shell/app.tsx';
 import { mirrorToDocument } from './shell/document-mirror.ts';
 import { createViewerStore } from './state/store.ts';
 import './styles.css';
-import { Viewer } from './viewer/viewer.ts';
+import { type StartOptions, Viewer } from './viewer/viewer.ts';
 
 const element = document.getElementById('root');
 if (!element) throw new Error('The page has no #root.');
@@ -15,24 +18,37 @@ const root = createRoot(element);
 const show = (page: ReactNode) => root.render(<StrictMode>{page}</StrictMode>);
 
 const address = new URLSearchParams(location.search);
-const file = address.get('file');
-const scene = address.get('scene');
-if (scene === GALLERY_SCENE && !file) {
+const addressed = addressedScene(address);
+if (addressed.scene === GALLERY_SCENE && addressed.addresses?.length === 0) {
   showGallery().catch((error) => {
     console.error(error);
     show(<GalleryFailedPage />);
   });
 } else {
+  showViewer({ ...addressed, accuracy: address.get('accuracy') });
+}
+
+function showViewer(start: StartOptions, dropped?: FileDropDecision): void {
   const store = createViewerStore();
   mirrorToDocument(store, document);
-  const viewer = new Viewer(store, { file, scene, accuracy: address.get('accuracy') });
+  const viewer = new Viewer(store, start);
   mirrorToAddress(store);
+  const asksForNothing = !start.scene && !start.addresses?.length;
+  if (dropped) followDrop(dropped, store, viewer);
+  else if (asksForNothing || hasOpenedFile()) void viewer.files.offer();
   show(<App store={store} viewer={viewer} />);
+}
+
+/** In place of the gallery, which is one step back in the browser's history. */
+function showDropped(dropped: FileDropDecision): void {
+  history.pushState(null, '', location.pathname);
+  addEventListener('popstate', () => location.reload(), { once: true });
+  showViewer({}, dropped);
 }
 
 async function showGallery(): Promise<void> {
   document.title = 'Hard cases · WebSplatter';
   const [{ Gallery }, cases] = await Promise.all([import('./hard-cases/gallery.tsx'), loadHardCases()]);
-  show(<Gallery cases={cases} firstQuery={address.get('q') ?? ''} />);
+  show(<Gallery cases={cases} firstQuery={address.get('q') ?? ''} onOpen={showDropped} />);
   document.documentElement.dataset.state = 'ready';
 }

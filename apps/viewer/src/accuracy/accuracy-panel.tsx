@@ -7,6 +7,7 @@ import { Dock } from '../ui/dock.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { AccuracyPresets } from './accuracy-presets.tsx';
 import { AccuracySettingsForm } from './accuracy-settings.tsx';
+import { AccuracyStatus } from './accuracy-status.tsx';
 import { AccuracyTabs } from './accuracy-tabs.tsx';
 
 /** The accuracy of frames: presets, settings, comparisons, and what they cost. */
@@ -37,6 +38,7 @@ export const AccuracyPanel = memo(function AccuracyPanel({
         {tab === 'settings' && <AccuracySettingsForm store={store} viewer={viewer} />}
         {tab === 'compare' && <ComparisonForm store={store} viewer={viewer} />}
       </div>
+      <AccuracyStatus store={store} viewer={viewer} />
     </Dock>
   );
 });

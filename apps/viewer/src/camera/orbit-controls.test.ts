@@ -14,6 +14,7 @@ describe('OrbitControls', () => {
       clientHeight: 400,
       setPointerCapture: vi.fn(),
       focus: vi.fn(),
+      dataset: {},
     });
     const detach = controls.attach(element as unknown as HTMLElement);
     onChange.mockClear();

@@ -1,3 +1,4 @@
+import { focusByPointer } from '../ui/pointer-focus.ts';
 import {
   type DistanceRange,
   dollied,
@@ -175,7 +176,7 @@ export class OrbitControls {
     element.setPointerCapture(event.pointerId);
     // Keeps the middle button from scrolling the page. That prevents focus too, hence the call below.
     event.preventDefault();
-    element.focus({ preventScroll: true });
+    focusByPointer(element);
   }
 
   #pointerMove(event: PointerEvent): void {

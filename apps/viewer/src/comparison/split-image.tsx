@@ -1,6 +1,7 @@
 import { type KeyboardEvent, type PointerEvent, useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import { type Comparison, sideAccuracy } from '../state/comparison.ts';
+import { focusByPointer } from '../ui/pointer-focus.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { describeAccuracy } from '../words/accuracy-words.ts';
 import { movedSplit, splitText } from './split-line.ts';
@@ -13,6 +14,7 @@ export function SplitImage({
 }: PanelProps & { split: Extract<Comparison, { kind: 'split' }> }) {
   const accuracy = useStore(store, (state) => state.accuracy);
   const root = useRef<HTMLDivElement>(null);
+  const area = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
   const line = useRef<HTMLDivElement>(null);
   const left = describeAccuracy(sideAccuracy(split.left, accuracy));
@@ -35,7 +37,7 @@ export function SplitImage({
 
   const onPointerMove = (event: PointerEvent) => {
     if (!event.currentTarget.hasPointerCapture(event.pointerId)) return;
-    const box = root.current?.getBoundingClientRect();
+    const box = area.current?.getBoundingClientRect();
     if (box) store.setState({ splitPart: Math.min(1, Math.max(0, (event.clientX - box.left) / box.width)) });
   };
   const onKeyDown = (event: KeyboardEvent) => {
@@ -49,32 +51,38 @@ export function SplitImage({
   return (
     <div ref={root} className="split" data-testid="split">
       <canvas ref={canvas} className="split-right" data-testid="split-right" />
-      <div
-        ref={line}
-        className="split-line"
-        role="slider"
-        tabIndex={0}
-        aria-label="Line between the images"
-        aria-orientation="horizontal"
-        aria-valuemin={0}
-        aria-valuemax={100}
-        aria-valuenow={50}
-        data-testid="split-line"
-        onPointerDown={(event) => {
-          event.currentTarget.setPointerCapture(event.pointerId);
-          event.preventDefault();
-          event.currentTarget.focus({ preventScroll: true });
-        }}
-        onPointerMove={onPointerMove}
-        onKeyDown={onKeyDown}
-      >
-        <span className="split-label left" data-testid="split-label-left">
-          <b>A</b> {left}
-        </span>
-        <i className="split-handle" aria-hidden="true" />
-        <span className="split-label right" data-testid="split-label-right">
-          <b>B</b> {right}
-        </span>
+      <div ref={area} className="split-area">
+        <div
+          ref={line}
+          className="split-line"
+          role="slider"
+          tabIndex={0}
+          aria-label="Line between the images"
+          aria-orientation="horizontal"
+          aria-valuemin={0}
+          aria-valuemax={100}
+          aria-valuenow={50}
+          data-testid="split-line"
+          onPointerDown={(event) => {
+            event.currentTarget.setPointerCapture(event.pointerId);
+            event.preventDefault();
+            focusByPointer(event.currentTarget);
+          }}
+          onPointerMove={onPointerMove}
+          onKeyDown={onKeyDown}
+        >
+          <span className="split-label left" data-testid="split-label-left">
+            <span>
+              <b>A</b> {left}
+            </span>
+          </span>
+          <i className="split-handle" aria-hidden="true" />
+          <span className="split-label right" data-testid="split-label-right">
+            <span>
+              <b>B</b> {right}
+            </span>
+          </span>
+        </div>
       </div>
     </div>
   );

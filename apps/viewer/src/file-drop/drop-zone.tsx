@@ -1,5 +1,6 @@
 import { useEffect, useRef, useState } from 'react';
 import { decideFiles, droppedFiles, type FileDropDecision, READABLE_FORMATS } from './file-drop.ts';
+import { droppedHandles } from './file-handles.ts';
 
 /** Takes files that are dropped anywhere in the window, and shows so while they hover. */
 export function DropZone({ onDrop }: { onDrop: (decision: FileDropDecision) => void }) {
@@ -43,8 +44,9 @@ export function DropZone({ onDrop }: { onDrop: (decision: FileDropDecision) => v
     listen('drop', (event) => {
       depth = 0;
       setHovering(false);
-      droppedFiles(event.dataTransfer?.items ?? []).then(
-        (found) => latestOnDrop.current(decideFiles(found)),
+      const items = [...(event.dataTransfer?.items ?? [])];
+      Promise.all([droppedFiles(items), droppedHandles(items)]).then(
+        ([found, handles]) => latestOnDrop.current({ ...decideFiles(found), handles }),
         (error) => latestOnDrop.current({ opened: null, notice: `The folder cannot be read: ${error}` }),
       );
     });

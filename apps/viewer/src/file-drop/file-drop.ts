@@ -1,5 +1,7 @@
 import type { SceneFiles } from '@websplatter/core';
 import { FORMAT_TITLES, formatByName, isLeadingFile, SPLAT_FORMATS } from '@websplatter/core/formats';
+import type { AskedHandle } from './file-handles.ts';
+import { type FoundFile, MOST_FILES } from './found-file.ts';
 
 /** Files that make one scene, and what to call it. */
 export interface OpenedFiles {
@@ -11,12 +13,8 @@ export interface OpenedFiles {
 export interface FileDropDecision {
   readonly opened: OpenedFiles | null;
   readonly notice: string | null;
-}
-
-/** A file, and its path from the folder that was dropped or chosen. */
-export interface FoundFile {
-  readonly path: string;
-  readonly file: File;
+  /** By which the files can be read again later; none where the browser has none. */
+  readonly handles?: readonly AskedHandle[];
 }
 
 type DroppedEntry = Pick<FileSystemEntry, 'isDirectory' | 'fullPath'> &
@@ -28,9 +26,6 @@ interface DroppedItem {
   getAsFile(): File | null;
   webkitGetAsEntry?(): DroppedEntry | null;
 }
-
-/** A dropped folder may be a whole disk. */
-const MOST_FILES = 2000;
 
 /** Ends of names that an input for files accepts. */
 export const ACCEPTED_FILES = [

@@ -95,6 +95,16 @@ describe('hard catalogue', () => {
     ]);
   });
 
+  it('finds words by their beginnings, not in the middle of others', () => {
+    const cases = [
+      scene('input-nan', 'input', 'Rows of NaNs.'),
+      scene('flat', 'scale', 'The determinant is 0.'),
+    ];
+    expect(filteredCases(cases, 'nan')).toEqual([cases[0]]);
+    expect(filteredCases(cases, 'deter')).toEqual([cases[1]]);
+    expect(filteredCases(cases, 'input-nan')).toEqual([cases[0]]);
+  });
+
   it('makes addresses and reads them', () => {
     expect(addressOf('a b')).toBe('?scene=hard:a%20b');
     expect(hardCaseNameIn(new URLSearchParams(addressOf('a b')).get('scene'))).toBe('a b');

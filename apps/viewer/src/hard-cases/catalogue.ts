@@ -94,15 +94,20 @@ export function groupedCases(cases: readonly HardCase[]): CaseGroup[] {
   return [...groups].map(([group, members]) => ({ group, cases: members }));
 }
 
-/** The cases in whose name, group or description every word of `query` occurs, in any order. */
+/** The cases in whose name, group or description every word of `query` begins a word, in any order. */
 export function filteredCases(cases: readonly HardCase[], query: string): readonly HardCase[] {
-  const words = query.toLowerCase().split(/\s+/).filter(Boolean);
-  if (words.length === 0) return cases;
+  const asked = wordsOf(query);
+  if (asked.length === 0) return cases;
   return cases.filter((hardCase) => {
     const { name, group, breaks, kind } = hardCase;
-    const text = [name, group, breaks, kind, noteOn(hardCase)].join('\n').toLowerCase();
-    return words.every((word) => text.includes(word));
+    const words = wordsOf([name, group, breaks, kind, noteOn(hardCase)].join(' '));
+    return asked.every((each) => words.some((word) => word.startsWith(each)));
   });
+}
+
+/** Runs of letters and digits, lower case. */
+function wordsOf(text: string): string[] {
+  return text.toLowerCase().match(/[\p{L}\p{N}]+/gu) ?? [];
 }
 
 const MOST_CLOSEST = 3;

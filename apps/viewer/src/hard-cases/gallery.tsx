@@ -1,5 +1,7 @@
 import type { HardCase } from '@websplatter/hardcases';
 import { type KeyboardEvent, useDeferredValue, useEffect, useMemo, useRef, useState } from 'react';
+import { DropZone } from '../file-drop/drop-zone.tsx';
+import type { FileDropDecision } from '../file-drop/file-drop.ts';
 import { formatCount } from '../words/format.ts';
 import {
   addressOf,
@@ -13,7 +15,16 @@ import {
 import './gallery.css';
 
 /** The page that lists all hard cases, to be searched and opened. */
-export function Gallery({ cases, firstQuery }: { cases: readonly HardCase[]; firstQuery: string }) {
+export function Gallery({
+  cases,
+  firstQuery,
+  onOpen,
+}: {
+  cases: readonly HardCase[];
+  firstQuery: string;
+  /** Files were dropped. */
+  onOpen: (dropped: FileDropDecision) => void;
+}) {
   const [query, setQuery] = useState(firstQuery);
   const found = useMemo(() => filteredCases(cases, query), [cases, query]);
   // Read out when typing pauses, not with every letter.
@@ -48,7 +59,7 @@ export function Gallery({ cases, firstQuery }: { cases: readonly HardCase[]; fir
   return (
     <main className="gallery" ref={page} onKeyDown={onKeyDown} data-testid="gallery">
       <header className="gallery-head">
-        <a href="./" className="gallery-home">
+        <a href="?" className="gallery-home">
           WebSplatter
         </a>
         <h1>Hard cases</h1>
@@ -102,6 +113,7 @@ export function Gallery({ cases, firstQuery }: { cases: readonly HardCase[]; fir
           </p>
         )}
       </div>
+      <DropZone onDrop={onOpen} />
     </main>
   );
 }

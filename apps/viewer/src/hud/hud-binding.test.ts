@@ -69,6 +69,13 @@ describe('HUD', () => {
     expect(hudText(stateWith({ ...MEASURED, wallClockMs: 12 })).frameMs).toBe('12.0');
   });
 
+  it('gives a lone frame, as in a slow drag, the rate of such frames', () => {
+    expect(hudText(stateWith({ ...MEASURED, wallClockMs: 12.5 }, { isIdle: false }))).toMatchObject({
+      rate: '80',
+      rateUnit: 'fps',
+    });
+  });
+
   it('gives no frame rate while nothing is drawn', () => {
     const frameRate = { frameMs: 20, framesPerSecond: 50 };
     expect(hudText(stateWith(MEASURED, { frameRate, isIdle: true }))).toMatchObject({

@@ -32,10 +32,11 @@ const WRITE_INTERVAL_MS = 120;
 export function hudText(state: ViewerState): Record<HudFigure, string> {
   const { statistics, rasterizer, frameRate, scene, isIdle, widthPx, heightPx, adapterLabel } = state;
   const timing = statistics?.timing;
-  const rate = isIdle ? undefined : frameRate?.framesPerSecond;
+  // A lone frame has no pace, and a slow drag is a row of them: its own time is the next best.
+  const frameMs = frameRate?.frameMs ?? timing?.wallClockMs;
+  const rate = isIdle || frameMs === undefined ? undefined : 1000 / frameMs;
   return {
-    // A lone frame has no pace; its own time is the next best.
-    frameMs: formatMs(frameRate?.frameMs ?? timing?.wallClockMs ?? Number.NaN),
+    frameMs: formatMs(frameMs ?? Number.NaN),
     rate: rate === undefined ? '' : formatRate(rate),
     // Nothing is drawn while nothing changes: a rate would be wrong.
     rateUnit: rate === undefined ? (isIdle ? 'idle' : '') : 'fps',

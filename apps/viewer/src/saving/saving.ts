@@ -70,7 +70,7 @@ export class Saving {
   }
 }
 
-/** Null for hard cases, which are several clouds and no file. */
+/** Null for what is several clouds, and no one file. */
 function savedSource(source: SceneSource): SavedSource | null {
   switch (source.kind) {
     case 'builtin':
@@ -79,6 +79,7 @@ function savedSource(source: SceneSource): SavedSource | null {
       return source;
     case 'url':
       return { kind: 'url', href: source.url.href };
+    case 'urls':
     case 'hard-case':
       return null;
   }

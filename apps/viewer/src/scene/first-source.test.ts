@@ -1,19 +1,32 @@
 import { describe, expect, it } from 'vitest';
-import { builtinSource, firstSource } from './first-source.ts';
+import { addressedScene, builtinSource, firstSource } from './first-source.ts';
+import { titleOf } from './scene-source.ts';
 
 const BASE = 'http://localhost/viewer/?x=1';
 
 describe('first source', () => {
-  it('is the file of the address, relative to the page', () => {
-    const { source, notice } = firstSource({ file: 'a.ply', scene: 'hard:far-origin' }, BASE, true);
+  it.each(['src', 'url', 'file'])('is the file of the address, as ?%s=, relative to the page', (name) => {
+    const asked = addressedScene(new URLSearchParams(`${name}=a.ply&scene=hard:far-origin`));
+    const { source, notice, failure } = firstSource(asked, BASE, true);
     expect(source).toEqual({ kind: 'url', url: new URL('http://localhost/viewer/a.ply') });
-    expect(notice).toBeNull();
+    expect([notice, failure]).toEqual([null, null]);
+  });
+
+  it('is all files of the address together', () => {
+    const asked = addressedScene(new URLSearchParams('src=a.ply&src=/b.spz&src='));
+    const { source } = firstSource(asked, BASE, true);
+    const urls = [new URL('http://localhost/viewer/a.ply'), new URL('http://localhost/b.spz')];
+    expect(source).toEqual({ kind: 'urls', urls });
+    expect(titleOf(source)).toBe('a.ply and b.spz');
+    expect(titleOf({ kind: 'urls', urls: [...urls, ...urls] })).toBe('a.ply, b.spz, and 2 more');
   });
 
   it('is the named scene where the file has no address, and says so', () => {
-    const { source, notice } = firstSource({ file: 'http://[', scene: 'hard:far-origin' }, BASE, true);
+    const asked = { addresses: ['a.ply', 'http://['], scene: 'hard:far-origin' };
+    const { source, failure } = firstSource(asked, BASE, true);
     expect(source).toEqual({ kind: 'hard-case', name: 'far-origin' });
-    expect(notice).toBe('“http://[” is not an address.');
+    expect(failure?.message).toBe('“http://[” is not an address.');
+    expect(failure?.advice).toContain('?src=');
   });
 
   it.each([

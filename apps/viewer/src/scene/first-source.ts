@@ -1,32 +1,50 @@
 import { hardCaseNameIn } from '../hard-cases/catalogue.ts';
+import type { FailureReport } from '../state/failure.ts';
 import { defaultSceneName, findBuiltinScene } from './builtin-scene.ts';
 import type { SceneSource } from './scene-source.ts';
 
-/** The scene that the page's address asks for: `?file=URL`, `?scene=NAME` and `?scene=hard:NAME`. */
+/** The scene that the page's address asks for: `?src=ADDRESS`, once or several times, `?scene=NAME` and `?scene=hard:NAME`. */
 export interface AddressedScene {
-  readonly file?: string | null;
+  /** Of files, relative to the page or whole; together they are one scene. */
+  readonly addresses?: readonly string[];
   readonly scene?: string | null;
 }
 
+/** Names that addresses of files have in a page's address: other viewers use the others. */
+const ADDRESS_NAMES = ['src', 'url', 'file'] as const;
+
 export interface FirstSource {
   readonly source: SceneSource;
-  /** The problem with the address, in words. */
+  /** The problem with the name of a scene, in words. */
   readonly notice: string | null;
+  /** Why the files of the address cannot be opened. */
+  readonly failure: FailureReport | null;
+}
+
+/** What the query of the page's address asks for. */
+export function addressedScene(query: URLSearchParams): AddressedScene {
+  const addresses = ADDRESS_NAMES.flatMap((name) => query.getAll(name)).filter((address) => address !== '');
+  return { addresses, scene: query.get('scene') };
 }
 
 /** What to open first; relative addresses of files start from `base`. */
 export function firstSource(
-  { file, scene }: AddressedScene,
+  { addresses = [], scene }: AddressedScene,
   base: string,
   isSoftwareAdapter: boolean,
 ): FirstSource {
-  if (file && URL.canParse(file, base))
-    return { source: { kind: 'url', url: new URL(file, base) }, notice: null };
-  const notice = file ? `“${file}” is not an address.` : null;
+  const wrong = addresses.find((address) => !URL.canParse(address, base));
+  const urls = addresses.map((address) => (wrong === undefined ? new URL(address, base) : null));
+  const [url] = urls;
+  if (url) {
+    const all = urls as readonly URL[];
+    const source: SceneSource = all.length === 1 ? { kind: 'url', url } : { kind: 'urls', urls: all };
+    return { source, notice: null, failure: null };
+  }
+  const failure = wrong === undefined ? null : noAddress(wrong);
   const hardCase = hardCaseNameIn(scene);
-  if (hardCase !== null) return { source: { kind: 'hard-case', name: hardCase }, notice };
-  const builtin = builtinSource(scene, isSoftwareAdapter);
-  return { source: builtin.source, notice: builtin.notice ?? notice };
+  if (hardCase !== null) return { source: { kind: 'hard-case', name: hardCase }, notice: null, failure };
+  return { ...builtinSource(scene, isSoftwareAdapter), failure };
 }
 
 /** The built-in scene that no GPU is too small for. */
@@ -43,5 +61,16 @@ export function builtinSource(asked: string | null | undefined, isSoftwareAdapte
   return {
     source: { kind: 'builtin', scene },
     notice: name && !found ? `There is no built-in scene “${name}”.` : null,
+    failure: null,
+  };
+}
+
+function noAddress(text: string): FailureReport {
+  return {
+    title: 'The file cannot be opened',
+    message: `“${text}” is not an address.`,
+    advice:
+      'Write ?src= and the address of a scene, whole or relative to this page; ?src=…&src=… for several.',
+    isFault: false,
   };
 }

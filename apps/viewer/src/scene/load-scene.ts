@@ -1,7 +1,14 @@
-import type { CloudInstance, LoadOptions, SplatCloud, SplatEngine } from '@websplatter/core';
+import {
+  type CloudInstance,
+  type LoadOptions,
+  type SplatCloud,
+  type SplatEngine,
+  SplatFileError,
+} from '@websplatter/core';
 import type { CameraSubject } from '../camera/view-camera.ts';
 import { findHardCase, groupTitle, loadHardCases } from '../hard-cases/catalogue.ts';
 import type { SceneAbout } from '../state/scene-summary.ts';
+import { baseName } from '../words/format.ts';
 import { makeBuiltinScene } from './builtin-scene.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
 
@@ -9,6 +16,8 @@ import { type SceneSource, titleOf } from './scene-source.ts';
 export interface LoadedScene extends Pick<CameraSubject, 'firstView' | 'ownCameras' | 'isUpsideDown'> {
   readonly clouds: readonly CloudInstance[];
   readonly about: SceneAbout | null;
+  /** Why a file has no splats whose refusal is what the scene shows. */
+  readonly refusal?: SplatFileError;
 }
 
 export interface LoadSceneOptions extends Pick<LoadOptions, 'onProgress'> {
@@ -32,11 +41,11 @@ export async function loadScene(
     return { ...plain, clouds, firstView: cameras[0], isUpsideDown: false };
   }
   if (source.kind === 'hard-case') return loadHardCase(engine, source.name, options);
+  if (source.kind === 'urls') return { ...plain, ...(await loadUrls(engine, source.urls, options)) };
   const sceneOf = (cloud: SplatCloud) => ({
     ...plain,
     clouds: [{ cloud }],
-    // Captures mostly have y pointing down; glTF has it up by definition.
-    isUpsideDown: cloud.facts.fileFacts?.format !== 'gltf',
+    isUpsideDown: isUpsideDown(cloud),
   });
   const isFile = source.kind === 'file';
   const cloud = await engine.load(isFile ? source.source : source.url, {
@@ -55,6 +64,30 @@ export function destroyClouds({ clouds }: Pick<LoadedScene, 'clouds'>): void {
   for (const { cloud } of clouds) cloud.destroy();
 }
 
+/** Captures mostly have y pointing down; glTF has it up by definition. */
+function isUpsideDown({ facts }: SplatCloud): boolean {
+  return facts.fileFacts?.format !== 'gltf';
+}
+
+/** Loads files one after another; the scene stands as the first of them does. */
+async function loadUrls(
+  engine: SplatEngine,
+  urls: readonly URL[],
+  { signal, onProgress }: LoadSceneOptions,
+): Promise<Pick<LoadedScene, 'clouds' | 'isUpsideDown'>> {
+  const clouds: { readonly cloud: SplatCloud }[] = [];
+  try {
+    for (const url of urls) {
+      const name = baseName(url.href);
+      clouds.push({ cloud: await engine.load(url, { name, fit: 'auto', signal, onProgress }) });
+    }
+  } catch (error) {
+    destroyClouds({ clouds });
+    throw error;
+  }
+  return { clouds, isUpsideDown: isUpsideDown(clouds[0].cloud) };
+}
+
 async function loadHardCase(
   engine: SplatEngine,
   name: string,
@@ -63,10 +96,16 @@ async function loadHardCase(
   const hardCase = findHardCase(await loadHardCases(), name);
   const loadFile = (file: Uint8Array) => engine.load(file, { name, signal, onProgress });
   const clouds: CloudInstance[] = [];
+  let refusal: SplatFileError | undefined;
   try {
     signal.throwIfAborted();
     if (hardCase.kind === 'refused-file') {
-      clouds.push({ cloud: await loadFile(hardCase.file()) });
+      try {
+        clouds.push({ cloud: await loadFile(hardCase.file()) });
+      } catch (error) {
+        if (!(error instanceof SplatFileError)) throw error;
+        refusal = error;
+      }
     } else {
       for (const splats of hardCase.clouds()) {
         const cloud = 'file' in splats ? await loadFile(splats.file) : engine.add(splats.set, { name });
@@ -82,6 +121,7 @@ async function loadHardCase(
     firstView: null,
     ownCameras: hardCase.kind === 'refused-file' ? null : hardCase.cameras,
     about: { topic: groupTitle(hardCase.group), text: hardCase.breaks },
+    refusal,
     isUpsideDown: false,
   };
 }

@@ -41,7 +41,7 @@ function Figures({ store, scene }: { store: ViewerStore; scene: SceneSummary }) 
     <>
       <p className="caption-figures">
         {clouds > 1 && `${formatCount(clouds)} clouds · `}
-        {formatSplats(splats)} · {formatHarmonics(scene)}
+        {clouds > 0 ? `${formatSplats(splats)} · ${formatHarmonics(scene)}` : 'No splats'}
         {left > 0 && (
           <>
             {' · '}

@@ -1,4 +1,4 @@
-import type { SplatCloud } from '@websplatter/core';
+import { type SplatCloud, SplatFileError } from '@websplatter/core';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { ViewCamera } from '../camera/view-camera.ts';
 import type { Session } from '../session/session.ts';
@@ -193,4 +193,15 @@ describe('After the device was lost', () => {
     await startSession();
     expect(newestLoad().source.kind).toBe('builtin');
   });
+});
+
+it('shows a file that must be refused as a scene of its own, with its error', async () => {
+  await startSession();
+  scenes.open({ kind: 'hard-case', name: 'input-truncated' });
+  await settled();
+  const refusal = new SplatFileError('truncated', 'input-truncated', 'It ends.');
+  await loaded({ ...sceneOf(), clouds: [], about: { topic: 'Input', text: 'It is cut off.' }, refusal });
+  expect(store.getState().scene).toMatchObject({ title: 'input-truncated', clouds: 0, splats: 0 });
+  expect(store.getState().failure?.title).toBe('The file is incomplete');
+  expect(loads).toHaveLength(2);
 });

@@ -82,7 +82,7 @@ export class Scenes {
     const { store, sessions } = this.#options;
     const state = store.getState();
     if (state.status === 'unavailable') return;
-    store.setState({ failure: null, notice: null });
+    store.setState({ failure: null, notice: null, lastFile: null });
     if (!isGpuLost(state)) {
       void this.#load(source);
       return;
@@ -216,6 +216,7 @@ export class Scenes {
     this.#setNewest(scene);
     for (const { cloud } of loaded.clouds)
       if (cloud.fit) this.#options.store.setState({ notice: fitNotice(titleOf(source), cloud.fit) });
+    if (loaded.refusal) this.#fail(loaded.refusal, titleOf(source));
     onClouds();
     // After the device was lost the view goes on where it was.
     if (!isReopened) {
@@ -284,8 +285,9 @@ export class Scenes {
     return this.#withNotice(builtinSource(this.#options.addressed.scene, isSoftware(engine)));
   }
 
-  #withNotice({ source, notice }: FirstSource): SceneSource {
+  #withNotice({ source, notice, failure }: FirstSource): SceneSource {
     if (notice !== null) this.#options.store.setState({ notice });
+    if (failure !== null) this.#options.store.setState({ failure });
     return source;
   }
 }

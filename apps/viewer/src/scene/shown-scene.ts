@@ -39,7 +39,7 @@ export function shownScene(
 }
 
 export function summaryOf(
-  { clouds, source, about, ownCameras }: ShownScene,
+  { clouds, source, about, ownCameras, isUpsideDown }: ShownScene,
   cameras: readonly string[],
 ): SceneSummary {
   return {
@@ -53,6 +53,7 @@ export function summaryOf(
     cameras,
     // Own cameras show the scene as it is; turned, it would be another one.
     canFlip: ownCameras === null,
-    canSave: source.kind !== 'hard-case',
+    isUpsideDown,
+    canSave: source.kind !== 'hard-case' && source.kind !== 'urls',
   };
 }

@@ -8,8 +8,8 @@ const ADDRESS_DELAY_MS = 250;
 export function mirrorToAddress(store: ViewerStore): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   const write = () => {
-    const { wish, accuracy } = store.getState();
-    const address = addressWithAccuracy(new URL(location.href), wish ?? accuracy);
+    const { wish, accuracy, defaultAccuracy } = store.getState();
+    const address = addressWithAccuracy(new URL(location.href), wish ?? accuracy, defaultAccuracy);
     history.replaceState(history.state, '', address);
   };
   const unsubscribe = store.subscribe((state, before) => {

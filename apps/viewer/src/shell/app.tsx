@@ -7,12 +7,15 @@ import { SplitImage } from '../comparison/split-image.tsx';
 import { EffectsPanel } from '../effects/effects-panel.tsx';
 import { DropZone } from '../file-drop/drop-zone.tsx';
 import { ACCEPTED_FILES, chosenFiles, decideFiles, type FileDropDecision } from '../file-drop/file-drop.ts';
+import { filesOf, pickHandles } from '../file-drop/file-handles.ts';
+import { followDrop } from '../file-drop/follow-drop.ts';
 import { Hud } from '../hud/hud.tsx';
 import { AccuracyMeasurement } from '../measurement/accuracy-measurement.ts';
 import { Measurement } from '../measurement/measurement.ts';
 import { FailurePanel } from '../messages/failure-panel.tsx';
 import { LoadPanel, PreparingPanel } from '../messages/load-panel.tsx';
 import { Notice } from '../messages/notice.tsx';
+import { ReopenPanel } from '../messages/reopen-panel.tsx';
 import { LostPage, UnavailablePage } from '../messages/status-pages.tsx';
 import { WarningPanel } from '../messages/warning-panel.tsx';
 import { Saving } from '../saving/saving.ts';
@@ -34,7 +37,10 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   const isSaveVisible = useStore(store, (state) => state.dock === 'save');
   const comparison = useStore(store, (state) => state.comparison);
   const fileInput = useRef<HTMLInputElement>(null);
-  const run = useMemo(() => createCommands(viewer, store, () => fileInput.current?.click()), [viewer, store]);
+  const run = useMemo(
+    () => createCommands(viewer, store, () => void chooseFiles(viewer, store, fileInput.current)),
+    [viewer, store],
+  );
   const saving = useMemo(() => new Saving(store, () => viewer.scenes.newest?.source), [viewer, store]);
   const measurement = useMemo(() => new Measurement(viewer, store), [viewer, store]);
   const accuracyMeasurement = useMemo(
@@ -45,47 +51,61 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   useEffect(() => accuracyMeasurement.watch(), [accuracyMeasurement]);
   useEffect(() => listenToKeys(viewer, store, run), [viewer, store, run]);
 
-  const follow = ({ opened, notice }: FileDropDecision) => {
-    if (opened) viewer.scenes.open({ kind: 'file', ...opened });
-    if (notice) store.setState({ notice });
+  const reopen = async () => {
+    if (!store.getState().lastFile?.isReachable) {
+      run('open');
+      return;
+    }
+    const decision = await viewer.files.reopen();
+    if (decision) follow(decision);
   };
+  const follow = (decision: FileDropDecision) => followDrop(decision, store, viewer);
 
   if (isUnavailable) return <UnavailablePage store={store} onRetry={() => viewer.recover()} />;
   return (
     <>
-      <Viewport store={store} viewer={viewer} />
-      {comparison?.kind === 'split' && <SplitImage store={store} viewer={viewer} split={comparison} />}
-      {comparison?.kind === 'error' && <ErrorMapImage store={store} viewer={viewer} />}
-      <div className="overlay">
-        <Hud store={store} />
-        <Toolbar store={store} run={run} />
-        <AccuracyPanel store={store} viewer={viewer} accuracyMeasurement={accuracyMeasurement} />
-        <EffectsPanel store={store} measurement={measurement} />
-        <Suspense>{isSaveVisible && <SavePanel store={store} saving={saving} />}</Suspense>
-        <SceneCaption store={store} onStep={(by) => viewer.camera.step(by)} />
-        <div className="messages">
-          <Notice store={store} />
-          <WarningPanel store={store} />
-          <FailurePanel store={store} />
-          <ErrorMapLegend store={store} viewer={viewer} />
-          <PreparingPanel store={store} onCancel={() => viewer.cancelPreparing()} />
-          <LoadPanel store={store} onCancel={() => viewer.scenes.cancelLoad()} />
+      <main>
+        <Viewport store={store} viewer={viewer} />
+        {comparison?.kind === 'split' && <SplitImage store={store} viewer={viewer} split={comparison} />}
+        {comparison?.kind === 'error' && <ErrorMapImage store={store} viewer={viewer} />}
+        <div className="overlay">
+          <Toolbar store={store} run={run} />
+          <AccuracyPanel store={store} viewer={viewer} accuracyMeasurement={accuracyMeasurement} />
+          <EffectsPanel store={store} measurement={measurement} />
+          <Suspense>{isSaveVisible && <SavePanel store={store} saving={saving} />}</Suspense>
+          <div className="overlay-side">
+            <Hud store={store} />
+            <div className="messages">
+              <Notice store={store} />
+              <WarningPanel store={store} />
+              <FailurePanel store={store} />
+              <ErrorMapLegend store={store} viewer={viewer} />
+              <ReopenPanel
+                store={store}
+                onReopen={() => void reopen()}
+                onForget={() => viewer.files.forget()}
+              />
+              <PreparingPanel store={store} onCancel={() => viewer.cancelPreparing()} />
+              <LoadPanel store={store} onCancel={() => viewer.scenes.cancelLoad()} />
+            </div>
+            <SceneCaption store={store} onStep={(by) => viewer.camera.step(by)} />
+          </div>
         </div>
-      </div>
-      <input
-        ref={fileInput}
-        type="file"
-        accept={ACCEPTED_FILES}
-        multiple
-        hidden
-        data-testid="file-input"
-        onChange={(event) => {
-          follow(decideFiles(chosenFiles(event.target.files ?? [])));
-          // So that choosing the same file again is a change.
-          event.target.value = '';
-        }}
-      />
-      <DropZone onDrop={follow} />
+        <input
+          ref={fileInput}
+          type="file"
+          accept={ACCEPTED_FILES}
+          multiple
+          hidden
+          data-testid="file-input"
+          onChange={(event) => {
+            follow(decideFiles(chosenFiles(event.target.files ?? [])));
+            // So that choosing the same file again is a change.
+            event.target.value = '';
+          }}
+        />
+        <DropZone onDrop={follow} />
+      </main>
       <Help store={store} />
       {isLost && (
         <LostPage
@@ -96,4 +116,17 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
       )}
     </>
   );
+}
+
+/** By the picker that gives handles, where there is one. */
+async function chooseFiles(
+  viewer: Viewer,
+  store: ViewerStore,
+  input: HTMLInputElement | null,
+): Promise<void> {
+  const handles = await pickHandles();
+  if (handles === null) input?.click();
+  if (!handles?.length) return;
+  const found = await filesOf(handles);
+  if (found) followDrop({ ...decideFiles(found), handles }, store, viewer);
 }

@@ -54,20 +54,23 @@ export function createCommands(viewer: Viewer, store: ViewerStore, chooseFile: (
 export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand): () => void {
   const onKeyDown = (event: KeyboardEvent) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    if (isTyping(event.target) || isScrolling(event)) return;
+    const scope = keyScope(event.target);
     const state = store.getState();
     const { isHelpVisible, status } = state;
     if (event.key === 'Escape') {
+      // It closes the list first.
+      if (scope === 'open list') return;
       // The page that says so lies on top, and stays.
       if (isGpuLost(state)) event.preventDefault();
       else store.setState(withoutTopmost(state));
       return;
     }
-    if (status !== 'running') return;
+    if (status !== 'running' || scope === 'text' || scope === 'open list') return;
     const command = COMMANDS.find(({ key }) => key === event.key.toLowerCase());
     // A held key repeats, which suits moving but not switching.
     if (command && !event.repeat && (!isHelpVisible || command.name === 'help')) run(command.name);
-    else if (command || isHelpVisible || !viewer.camera.handleKey(event)) return;
+    else if (command || isHelpVisible || !mayMoveCamera(scope, event.key)) return;
+    else if (!viewer.camera.handleKey(event)) return;
     event.preventDefault();
   };
   window.addEventListener('keydown', onKeyDown);
@@ -84,15 +87,24 @@ function withoutTopmost(state: ViewerState): Partial<ViewerState> {
   return { dock: null };
 }
 
-/** In a panel, keys that move the camera elsewhere scroll the contents. */
-function isScrolling({ key, target }: KeyboardEvent): boolean {
-  const isInPanel = target instanceof HTMLElement && target.closest('.dock-body') !== null;
-  return isInPanel && /^(Arrow(Up|Down)|Page(Up|Down)|Home|End)$/.test(key);
+/** Elsewhere these move the focus, a slider or what scrolls. */
+const NAVIGATION_KEYS = /^(Arrow.*|Page(Up|Down)|Home|End)$/;
+
+function mayMoveCamera(scope: KeyScope, key: string): boolean {
+  return scope === 'scene' || !NAVIGATION_KEYS.test(key);
 }
 
-function isTyping(target: EventTarget | null): boolean {
-  return (
-    target instanceof HTMLElement &&
-    (target.isContentEditable || /^(input|textarea|select)$/i.test(target.tagName))
-  );
+/** What has the keyboard: the scene, text that is being written, a list that letters choose from, or another control. */
+type KeyScope = 'scene' | 'text' | 'open list' | 'control';
+
+function keyScope(target: EventTarget | null): KeyScope {
+  if (!(target instanceof HTMLElement) || target.matches('body, .viewport')) return 'scene';
+  if (target.matches('select')) return isOpen(target) ? 'open list' : 'text';
+  const isText = target.isContentEditable || target.matches('textarea, input:not([type="range"])');
+  return isText ? 'text' : 'control';
+}
+
+/** Browsers that cannot tell keep the key for the list. */
+function isOpen(select: HTMLElement): boolean {
+  return !CSS.supports('selector(:open)') || select.matches(':open');
 }

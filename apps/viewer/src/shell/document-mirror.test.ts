@@ -13,6 +13,7 @@ const scene = {
   about: null,
   cameras: [],
   canFlip: true,
+  isUpsideDown: false,
   canSave: true,
 };
 const load = {

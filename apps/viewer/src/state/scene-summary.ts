@@ -23,6 +23,8 @@ export interface SceneSummary {
   /** Names of the cameras that the scene comes with and that are to be shown as they are; mostly none. */
   readonly cameras: readonly string[];
   readonly canFlip: boolean;
+  /** Its y axis points down, so that the viewer turns it by itself. */
+  readonly isUpsideDown: boolean;
   /** Whether it can be read again to be written as a file. */
   readonly canSave: boolean;
 }

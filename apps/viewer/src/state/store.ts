@@ -1,10 +1,12 @@
 import { resolveAccuracy } from '@websplatter/core';
 import { createStore, type StoreApi } from 'zustand/vanilla';
+import { FIRST_SHEET_PART } from './sheet.ts';
 import type { ViewerState } from './viewer-state.ts';
 
 export type ViewerStore = StoreApi<ViewerState>;
 
 export function createViewerStore(): ViewerStore {
+  const defaultAccuracy = resolveAccuracy();
   return createStore<ViewerState>(() => ({
     status: 'starting',
     statusReason: '',
@@ -15,6 +17,7 @@ export function createViewerStore(): ViewerStore {
     saving: null,
     failure: null,
     warning: null,
+    lastFile: null,
     notice: null,
     cameraIndex: 0,
     isOwnCamera: false,
@@ -22,8 +25,10 @@ export function createViewerStore(): ViewerStore {
     isHudVisible: true,
     isHelpVisible: false,
     dock: null,
+    sheetPart: FIRST_SHEET_PART,
     accuracyTab: 'measure',
-    accuracy: resolveAccuracy(),
+    accuracy: defaultAccuracy,
+    defaultAccuracy,
     wish: null,
     choice: null,
     accuracyNotices: [],

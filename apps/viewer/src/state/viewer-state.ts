@@ -34,6 +34,13 @@ export function isGpuLost({ status }: Pick<ViewerState, 'status'>): boolean {
   return status === 'lost' || status === 'recovering';
 }
 
+/** A file that was open once. */
+export interface LastFile {
+  readonly name: string;
+  /** Whether the browser can open it by itself, once a person allows that; otherwise it has to be chosen again. */
+  readonly isReachable: boolean;
+}
+
 /** Pace of the newest run of frames. */
 export interface FrameRate {
   /** Mean time between frames. */
@@ -63,6 +70,8 @@ export interface ViewerState {
   readonly failure: FailureReport | null;
   /** The problem of the scene that is shown; stays until it is dismissed. */
   readonly warning: SceneWarning | null;
+  /** The file that was open before the page was loaded, to be opened again. */
+  readonly lastFile: LastFile | null;
   /** One sentence that needs no answer. */
   readonly notice: string | null;
   /** Which of the scene's cameras was chosen last. */
@@ -74,9 +83,13 @@ export interface ViewerState {
   readonly isHelpVisible: boolean;
   /** The panel that is shown beside the image. */
   readonly dock: DockName | null;
+  /** Height of a panel that is a sheet, as on phones, as a part of the window's. */
+  readonly sheetPart: number;
   readonly accuracyTab: AccuracyTab;
   /** Settings that frames are drawn with: asked for, or chosen because of the wish. */
   readonly accuracy: AccuracySettings;
+  /** Settings that this device begins with; the page's address does not mention them. */
+  readonly defaultAccuracy: AccuracySettings;
   /** The outcome to keep in every scene; null if settings were chosen by hand. */
   readonly wish: AccuracyWish | null;
   /** The settings chosen because of the wish, and why; null until this scene has been measured. */

@@ -5,6 +5,7 @@ import {
   type ChooseAccuracyOptions,
   InvalidArgumentError,
   isAccuracyWish,
+  isSoftwareAdapter,
   type SplatEngine,
 } from '@websplatter/core';
 import { ViewCamera } from '../camera/view-camera.ts';
@@ -12,8 +13,11 @@ import { observeBackground } from '../drawing/background.ts';
 import { observeDevicePixelSize } from '../drawing/canvas-size.ts';
 import { Drawing } from '../drawing/drawing.ts';
 import type { ImageOnBackground, ShownFrame } from '../drawing/drawn-frame.ts';
+import { FileMemory } from '../file-drop/file-memory.ts';
+import { KEPT_FILE } from '../file-drop/kept-file.ts';
 import type { AddressedScene } from '../scene/first-source.ts';
 import { Scenes } from '../scene/scenes.ts';
+import { defaultAccuracyOn } from '../session/default-accuracy.ts';
 import { Precisions } from '../session/precisions.ts';
 import type { Session } from '../session/session.ts';
 import { SessionOwner } from '../session/session-owner.ts';
@@ -34,6 +38,8 @@ export interface StartOptions extends AddressedScene {
 export class Viewer {
   readonly camera: ViewCamera;
   readonly scenes: Scenes;
+  /** The file that was opened last. */
+  readonly files: FileMemory;
   readonly #store: ViewerStore;
   readonly #sessions: SessionOwner;
   readonly #precisions: Precisions;
@@ -41,6 +47,7 @@ export class Viewer {
 
   constructor(store: ViewerStore, start: StartOptions = {}) {
     this.#store = store;
+    this.files = new FileMemory(store, KEPT_FILE);
     this.#readAccuracy(start.accuracy ?? null);
     const reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
     this.camera = new ViewCamera(store, {
@@ -165,8 +172,17 @@ export class Viewer {
   }
 
   #startSession(session: Session): void {
+    this.#takeDefaultOf(session);
     this.#precisions.request();
     this.scenes.openFirst(session);
+  }
+
+  /** The device is known: takes what suits it, unless the address or a person has asked for something. */
+  #takeDefaultOf({ engine }: Session): void {
+    const { accuracy, defaultAccuracy, wish } = this.#store.getState();
+    const suited = defaultAccuracyOn(isSoftwareAdapter(engine.device.adapterInfo));
+    const isUntouched = wish === null && accuracy === defaultAccuracy;
+    this.#store.setState({ defaultAccuracy: suited, ...(isUntouched && { accuracy: suited }) });
   }
 
   #followAccuracy(): void {
@@ -182,6 +198,7 @@ export class Viewer {
   }
 
   #readAccuracy(text: string | null): void {
+    if (text === null) return;
     try {
       const accuracy = decodeAccuracy(text);
       this.#store.setState(isAccuracyWish(accuracy) ? { wish: accuracy } : { accuracy });

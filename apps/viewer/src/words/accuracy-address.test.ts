@@ -26,6 +26,14 @@ describe('accuracy in the address', () => {
     expect(describeWish(wish)).toBe(words);
   });
 
+  it('names the usual default where the device has another, which it does not', () => {
+    const reference = resolveAccuracy('reference');
+    expect(encodeAccuracy(resolveAccuracy(), reference)).toBe('balanced');
+    expect(encodeAccuracy(resolveAccuracy('reference'), reference)).toBeNull();
+    const shared = addressWithAccuracy(address('/?accuracy=fast'), resolveAccuracy(), reference);
+    expect(shared).toBe('/?accuracy=balanced');
+  });
+
   it('takes changes of the default without its name', () => {
     expect(decodeAccuracy('shDegree:0')).toMatchObject({ shDegree: 0 });
   });

@@ -7,13 +7,16 @@ import {
   isAccuracyWish,
   resolveAccuracy,
 } from '@websplatter/core';
-import { nearestPreset } from './accuracy-words.ts';
+import { isSameAccuracy, nearestPreset } from './accuracy-words.ts';
 
-/** For the address, `fast,shDegree:1` or `minPsnrDb:45`; null for the default, which needs no mention. */
-export function encodeAccuracy(accuracy: AccuracySettings | AccuracyWish): string | null {
+/** For the address, `fast,shDegree:1` or `minPsnrDb:45`; null for the device's default, which needs no mention. */
+export function encodeAccuracy(
+  accuracy: AccuracySettings | AccuracyWish,
+  unmentioned: AccuracySettings = resolveAccuracy(),
+): string | null {
   if (isAccuracyWish(accuracy)) return Object.entries(accuracy)[0].join(':');
+  if (isSameAccuracy(accuracy, unmentioned)) return null;
   const { preset, changed } = nearestPreset(accuracy);
-  if (preset === DEFAULT_ACCURACY && changed.length === 0) return null;
   return [preset, ...changed.map((name) => `${name}:${accuracy[name]}`)].join(',');
 }
 
@@ -43,10 +46,14 @@ export function decodeAccuracy(text: string | null): AccuracySettings | Accuracy
   return resolveAccuracy({ ...asked, preset: preset as AccuracyPreset });
 }
 
-/** `address` with `accuracy` in its query, everything else unchanged. */
-export function addressWithAccuracy(address: URL, accuracy: AccuracySettings | AccuracyWish): string {
+/** `address` with `accuracy` in its query unless it is `unmentioned`, everything else unchanged. */
+export function addressWithAccuracy(
+  address: URL,
+  accuracy: AccuracySettings | AccuracyWish,
+  unmentioned?: AccuracySettings,
+): string {
   const parameters = new URLSearchParams(address.search);
-  const text = encodeAccuracy(accuracy);
+  const text = encodeAccuracy(accuracy, unmentioned);
   if (text === null) parameters.delete('accuracy');
   else parameters.set('accuracy', text);
   // A query may hold commas and colons unescaped, which is easier to read.

@@ -1,0 +1,73 @@
+import type { ViewerStore } from '../state/store.ts';
+import { decideFiles, type FileDropDecision } from './file-drop.ts';
+import { type AskedHandle, filesOf } from './file-handles.ts';
+
+/** What is kept of a file from one load of the page to the next. */
+export interface KeptFile {
+  readonly name: string;
+  /** Where the browser has such: of the file, its folder, or all files of the scene. */
+  readonly handles: readonly AskedHandle[];
+}
+
+/** Where the last file is kept. */
+export interface FileStore {
+  read(): Promise<KeptFile | null>;
+  write(file: KeptFile): Promise<void>;
+  clear(): Promise<void>;
+}
+
+/** Keeps the file that was opened last, and offers it again when the page has been loaded anew. */
+export class FileMemory {
+  readonly #store: ViewerStore;
+  readonly #kept: FileStore;
+  #offered: KeptFile | null = null;
+
+  constructor(store: ViewerStore, kept: FileStore) {
+    this.#store = store;
+    this.#kept = kept;
+  }
+
+  /** Offers the file that was opened last, if there is one. */
+  async offer(): Promise<void> {
+    // Some windows have no storage, private ones above all: then nothing is offered.
+    const file = await this.#kept.read().catch(() => null);
+    if (!file) return;
+    this.#offered = file;
+    this.#store.setState({ lastFile: { name: file.name, isReachable: file.handles.length > 0 } });
+  }
+
+  /** A file has been opened: it is the one to offer from now on. */
+  remember(file: KeptFile): void {
+    this.#offered = null;
+    void this.#kept.write(file).catch(() => {});
+  }
+
+  /** Nobody wants it again. */
+  forget(): void {
+    this.#offered = null;
+    this.#store.setState({ lastFile: null });
+    void this.#kept.clear().catch(() => {});
+  }
+
+  /** Reads the offered file again; call it by a person's click, who may be asked. Null where that did not come about. */
+  async reopen(): Promise<FileDropDecision | null> {
+    const file = this.#offered;
+    if (!file) return null;
+    try {
+      const found = await filesOf(file.handles);
+      if (found) return { ...decideFiles(found), handles: file.handles };
+      this.#store.setState({ notice: `The browser may not read ${file.name} without your permission.` });
+    } catch (error) {
+      this.#store.setState({
+        lastFile: null,
+        failure: {
+          title: `${file.name} cannot be opened again`,
+          message: error instanceof Error ? error.message : String(error),
+          advice: 'It may have been moved, renamed or removed. Open it from where it is now.',
+          isFault: false,
+        },
+      });
+    }
+    return null;
+  }
+}

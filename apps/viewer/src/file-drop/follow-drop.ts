@@ -1,0 +1,25 @@
+import type { ViewerStore } from '../state/store.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import type { FileDropDecision } from './file-drop.ts';
+
+/** Opens what was dropped or chosen, keeps it to be offered again, and says what is not opened. */
+export function followDrop(
+  { opened, notice, handles = [] }: FileDropDecision,
+  store: ViewerStore,
+  viewer: Viewer,
+): void {
+  if (opened) {
+    viewer.scenes.open({ kind: 'file', ...opened });
+    viewer.files.remember({ name: opened.name, handles });
+    // Kept by this entry of the history, so that a reload offers the file whatever else the address asks for.
+    history.replaceState({ ...history.state, [OPENED_FILE]: true }, '');
+  }
+  if (notice) store.setState({ notice });
+}
+
+const OPENED_FILE = 'openedFile';
+
+/** Whether a file was opened here before the page was reloaded. */
+export function hasOpenedFile(): boolean {
+  return history.state?.[OPENED_FILE] === true;
+}

@@ -1,0 +1,10 @@
+import { type AccuracySettings, DEFAULT_ACCURACY, resolveAccuracy } from '@websplatter/core';
+
+/**
+ * Settings for a device that nobody has chosen any for: the fastest known among those that are at least as exact as the
+ * engine's default. A CPU takes long to convert 16-bit floats, which save a GPU memory traffic: there the most exact settings
+ * take less time.
+ */
+export function defaultAccuracyOn(isSoftwareAdapter: boolean): AccuracySettings {
+  return resolveAccuracy(isSoftwareAdapter ? 'reference' : DEFAULT_ACCURACY);
+}

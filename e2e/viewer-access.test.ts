@@ -1,0 +1,111 @@
+import { readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { encodePly } from '@websplatter/core';
+import type { AxeResults } from 'axe-core';
+import type { Page } from 'playwright-core';
+import { describe, expect, it } from 'vitest';
+import { testScene } from './test-scene.ts';
+import { dropFiles, textOf, viewerHarness, waitForImage, waitForState } from './viewer-page.ts';
+
+const harness = viewerHarness();
+const { openViewer } = harness;
+const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const CHEAP = '?scene=still-life-small&accuracy=fast,shDegree:0,resolutionScale:0.25,rasterizer:quads';
+
+/** What axe-core finds wrong with the page as it is, in words. */
+async function violations(page: Page): Promise<string[]> {
+  const { violations: found } = await page.evaluate(() =>
+    (window as unknown as { axe: { run: () => Promise<AxeResults> } }).axe.run(),
+  );
+  return found.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join(' | ')}`);
+}
+
+/** Expects no violation in the light and in the dark theme. */
+async function expectAccessible(page: Page, state: string): Promise<void> {
+  for (const colorScheme of ['light', 'dark'] as const) {
+    await page.emulateMedia({ colorScheme });
+    expect(await violations(page), `${state}, ${colorScheme}`).toEqual([]);
+  }
+}
+
+describe('the viewer, to people who see, hear or point otherwise', () => {
+  it('has nothing that axe-core finds wrong, in any of its main states', async () => {
+    const page = await openViewer(CHEAP, { viewport: { width: 900, height: 600 } });
+    await page.evaluate(AXE);
+    await expectAccessible(page, 'at first');
+    await page.keyboard.press('c');
+    for (const tab of ['measure', 'settings', 'compare']) {
+      await page.getByTestId(`accuracy-tab-${tab}`).click();
+      await expectAccessible(page, tab);
+    }
+    await page.getByTestId('compare-split').click();
+    await expectAccessible(page, 'split image');
+    await page.getByTestId('compare-error').click();
+    await page.getByTestId('error-max').getByText('Largest').waitFor();
+    await expectAccessible(page, 'error map');
+    await page.setViewportSize({ width: 360, height: 640 });
+    await expectAccessible(page, 'a phone');
+    for (const [key, name] of [
+      ['e', 'effects'],
+      ['x', 'save'],
+      ['?', 'help'],
+    ]) {
+      await page.keyboard.press(key);
+      await page.getByTestId(name).waitFor();
+      await expectAccessible(page, name);
+    }
+    await page.keyboard.press('Escape');
+    await dropFiles(page, [{ name: 'cut.ply', bytes: new TextEncoder().encode('ply\nthat ends') }]);
+    await waitForState(page, 'error');
+    await expectAccessible(page, 'an error');
+  });
+
+  it('keeps swatches and what is pressed apart where the system chooses the colours', async () => {
+    const page = await openViewer(CHEAP, { viewport: { width: 900, height: 600 }, forcedColors: 'active' });
+    const backgrounds = (selectors: readonly string[]) =>
+      page.evaluate(
+        (list) => list.map((each) => getComputedStyle(document.querySelector(each)!).backgroundColor),
+        selectors,
+      );
+    const swatches = await backgrounds([
+      'dt .stage-preprocess',
+      'dt .stage-sort',
+      'dt .stage-rasterize',
+      '.hud',
+    ]);
+    expect(new Set(swatches).size).toBe(4);
+    const [pressed, released] = await backgrounds([
+      '[data-testid=command-hud]',
+      '[data-testid=command-accuracy]',
+    ]);
+    expect(pressed).not.toBe(released);
+  });
+});
+
+describe('the gallery of hard cases', () => {
+  it('has nothing that axe-core finds wrong, shows a refused file on a page of its own, and opens what is dropped', async () => {
+    const page = await harness.open('?scene=hard&q=truncated');
+    await page.getByTestId('gallery').waitFor();
+    await page.evaluate(AXE);
+    await expectAccessible(page, 'gallery');
+    await page.locator('[data-case=input-truncated]').click();
+    await waitForState(page, 'error');
+    expect(await textOf(page, 'scene-title')).toBe('input-truncated');
+    expect(await textOf(page, 'scene')).toContain('No splats');
+    expect(await textOf(page, 'error')).toContain('incomplete');
+    await page.getByRole('link', { name: 'All hard cases' }).click();
+
+    await page.getByTestId('gallery').waitFor();
+    await dropFiles(page, [{ name: 'dropped.ply', bytes: encodePly(testScene()) }], undefined, 'gallery');
+    await waitForImage(page);
+    expect(await textOf(page, 'scene-title')).toBe('dropped.ply');
+    expect(new URL(page.url()).search).toBe('');
+    // Files have y down and are turned; the button tells of what a person does.
+    const flip = page.getByTestId('command-flip');
+    expect(await flip.getAttribute('aria-pressed')).toBe('false');
+    await page.keyboard.press('u');
+    expect(await flip.getAttribute('aria-pressed')).toBe('true');
+    await page.goBack();
+    await page.getByTestId('gallery').waitFor();
+  });
+});

@@ -1,0 +1,128 @@
+import { encodePly } from '@websplatter/core';
+import { afterAll, beforeAll, describe, expect, it } from 'vitest';
+import { builtApp } from './server.ts';
+import { type StaticHost, startStaticHost } from './static-host.ts';
+import { testScene } from './test-scene.ts';
+import {
+  dropFiles,
+  frameCount,
+  textOf,
+  viewerHarness,
+  waitForFrameAfter,
+  waitForImage,
+} from './viewer-page.ts';
+
+const harness = viewerHarness();
+let host: StaticHost;
+
+beforeAll(async () => {
+  host = await startStaticHost(await builtApp('apps/viewer'), '/some/where/', {
+    'scenes/a.ply': encodePly(testScene()),
+    'b.ply': encodePly(testScene(100)),
+  });
+});
+afterAll(() => host?.close());
+
+describe('the viewer on plain static hosting, below a path', () => {
+  it('draws, and its links lead to the gallery, to a case and back', async () => {
+    const page = await harness.newPage();
+    await page.goto(`${host.url}index.html?scene=still-life-small`);
+    await waitForImage(page);
+    expect(await textOf(page, 'scene-title')).toContain('Still life');
+
+    await page.goto(`${host.url}index.html?scene=hard&q=camera-orthographic`);
+    await page.getByTestId('gallery-case').getByRole('link').first().click();
+    await waitForImage(page);
+    expect(await textOf(page, 'scene-title')).toBe('camera-orthographic');
+    await page.getByRole('link', { name: 'All hard cases' }).click();
+    await page.getByTestId('gallery').waitFor();
+    await page.getByRole('link', { name: 'WebSplatter' }).click();
+    await waitForImage(page);
+    expect(await textOf(page, 'scene-title')).toContain('Still life');
+  });
+});
+
+describe('files that the address of the viewer names', () => {
+  it('are opened relative to the page, one or several, and what cannot be is told', async () => {
+    const page = await harness.newPage();
+    await page.goto(`${host.url}index.html?src=scenes/a.ply&src=b.ply`);
+    await waitForImage(page);
+    expect(await textOf(page, 'scene-title')).toBe('a.ply and b.ply');
+    expect(await textOf(page, 'scene')).toContain('2 clouds · 500 splats');
+
+    await page.goto(`${host.url}index.html?url=b.ply`);
+    await waitForImage(page);
+    expect(await textOf(page, 'scene')).toContain('100 splats');
+
+    await page.goto(`${host.url}index.html?scene=still-life-small&src=b.ply&src=missing.ply`);
+    await page.getByTestId('error').waitFor();
+    expect(await textOf(page, 'error-message')).toContain('missing.ply');
+    await waitForFrameAfter(page, 0);
+    expect(await textOf(page, 'scene-title')).toContain('Still life');
+
+    await page.goto(`${host.url}index.html?scene=still-life-small&src=http://[`);
+    await page.getByTestId('error').waitFor();
+    expect(await textOf(page, 'error')).toContain('“http://[” is not an address.');
+    await waitForFrameAfter(page, 0);
+  });
+});
+
+/** For `addInitScript`: a picker whose handles are those of the origin's own file system, which need no permission. */
+function pickFromOwnFiles(): void {
+  Object.assign(window, {
+    showOpenFilePicker: async () => {
+      const folder = await navigator.storage.getDirectory();
+      return [await folder.getFileHandle('mine.ply')];
+    },
+  });
+}
+
+describe('the file that was open', () => {
+  it('is offered again after a reload: read by its handle where there is one, else to be chosen', async () => {
+    const page = await harness.newPage();
+    await page.addInitScript(pickFromOwnFiles);
+    await page.goto(`${host.url}index.html?scene=still-life-small`);
+    await waitForImage(page);
+    expect(await page.getByTestId('reopen').count()).toBe(0);
+    await page.evaluate(
+      async (bytes) => {
+        const folder = await navigator.storage.getDirectory();
+        const writable = await (await folder.getFileHandle('mine.ply', { create: true })).createWritable();
+        await writable.write(Uint8Array.from(bytes));
+        await writable.close();
+      },
+      Array.from(encodePly(testScene(50))),
+    );
+    const showsMine = async () => {
+      await page.getByTestId('scene-title').getByText('mine.ply').waitFor();
+      expect(await textOf(page, 'scene')).toContain('50 splats');
+    };
+    await page.getByTestId('command-open').click();
+    await showsMine();
+    await page.reload();
+    await page.getByTestId('reopen').getByText('mine.ply was open before').waitFor();
+    await page.getByTestId('reopen-file').click();
+    await showsMine();
+    expect(await page.getByTestId('reopen').count()).toBe(0);
+
+    // A drop that a script makes has no handles.
+    const frames = await frameCount(page);
+    await dropFiles(page, [{ name: 'dropped.ply', bytes: encodePly(testScene()) }]);
+    await waitForFrameAfter(page, frames);
+    await page.reload();
+    await page.getByTestId('reopen').getByText('dropped.ply').waitFor();
+    expect(await textOf(page, 'reopen-file')).toBe('Choose it again');
+    await page.getByTestId('reopen-file').click();
+    await showsMine();
+
+    await page.reload();
+    await page.getByTestId('forget-file').click();
+    await page.reload();
+    await waitForImage(page);
+    expect(await page.getByTestId('reopen').count()).toBe(0);
+    // Another page of this window asks for its own scene.
+    await page.goto(`${host.url}index.html?src=b.ply`);
+    await waitForImage(page);
+    expect(await page.getByTestId('reopen').count()).toBe(0);
+  });
+});

@@ -1,0 +1,194 @@
+import type { Page } from 'playwright-core';
+import { describe, expect, it } from 'vitest';
+import { frameCount, textOf, viewerHarness, waitForFrameAfter, waitForState } from './viewer-page.ts';
+
+const harness = viewerHarness();
+const { openViewer } = harness;
+/** Few pixels to draw, so that a page can be resized often. */
+const CHEAP = '?scene=still-life-small&accuracy=fast,shDegree:0,resolutionScale:0.25,rasterizer:quads';
+
+const SIZES = [
+  { width: 360, height: 640 },
+  { width: 640, height: 360 },
+  { width: 600, height: 420 },
+  { width: 900, height: 600 },
+  { width: 1440, height: 900 },
+] as const;
+
+/**
+ * Which of the elements that match `selectors` a person cannot see or touch: their middle, and what lies within 2 px of their
+ * corners, is outside of the window or covered by something else.
+ */
+function hiddenAmong(page: Page, selectors: readonly string[]): Promise<string[]> {
+  return page.evaluate((list) => {
+    const isReached = (element: Element, x: number, y: number) => {
+      const top = document.elementsFromPoint(x, y).find((each) => getComputedStyle(each).opacity !== '0');
+      return top !== undefined && (element.contains(top) || top.contains(element));
+    };
+    return list.filter((selector) => {
+      const element = document.querySelector<HTMLElement>(selector);
+      if (!element) return true;
+      // What lets pointers through is not found by its place.
+      element.style.pointerEvents = 'auto';
+      const { left, right, top, bottom, width, height } = element.getBoundingClientRect();
+      const points = [
+        [left + width / 2, top + height / 2],
+        [left + 2, top + height / 2],
+        [right - 2, top + height / 2],
+        [left + width / 2, bottom - 2],
+      ];
+      const isSeen = width > 0 && height > 0 && points.every(([x, y]) => isReached(element, x, y));
+      element.style.pointerEvents = '';
+      return !isSeen;
+    });
+  }, selectors);
+}
+
+/** Resizes the window and lets the layout follow. */
+async function resize(page: Page, size: (typeof SIZES)[number]): Promise<void> {
+  await page.setViewportSize(size);
+  await page.waitForFunction(({ width, height }) => innerWidth === width && innerHeight === height, size);
+}
+
+const TOOLBAR = ['open', 'frame', 'reset', 'flip', 'hud', 'accuracy', 'effects', 'save', 'help'].map(
+  (name) => `[data-testid=command-${name}]`,
+);
+
+const focused = (page: Page) =>
+  page.evaluate(() => (document.activeElement as HTMLElement | null)?.dataset.testid);
+
+const box = (page: Page, testId: string) =>
+  page.getByTestId(testId).evaluate((e) => e.getBoundingClientRect().toJSON());
+
+describe('the viewer in windows of any size', () => {
+  it('hides no control, no side of a split image and no figure behind panels and messages', async () => {
+    const page = await openViewer(CHEAP, { viewport: SIZES[3] });
+    await page.getByTestId('command-accuracy').click();
+    await page.getByTestId('accuracy-tab-compare').click();
+    await page.getByTestId('compare-split').click();
+    for (const size of SIZES) {
+      await resize(page, size);
+      const name = `${size.width} × ${size.height}`;
+      const panel = ['.dock h2', '.dock [aria-label=Close]', '[data-testid=accuracy-tab-settings]'];
+      const split = ['[data-testid=split-label-left]', '[data-testid=split-label-right]', '.split-handle'];
+      expect(await hiddenAmong(page, [...TOOLBAR, ...panel, ...split]), `${name}, split`).toEqual([]);
+      // The last control of the panel can be scrolled to.
+      await page.getByTestId('side-right').scrollIntoViewIfNeeded();
+      expect(await hiddenAmong(page, ['[data-testid=side-right]']), `${name}, scrolled`).toEqual([]);
+    }
+    await page.keyboard.press('Escape');
+    await page.evaluate(() => {
+      const transfer = new DataTransfer();
+      transfer.items.add(
+        new File(['ply\nthat ends'], 'a file whose name is long enough to need a second line.ply'),
+      );
+      const canvas = document.querySelector('canvas');
+      canvas?.dispatchEvent(new DragEvent('drop', { dataTransfer: transfer, bubbles: true }));
+    });
+    await waitForState(page, 'error');
+    for (const size of SIZES) {
+      await resize(page, size);
+      const rows = ['.hud-pace', '.hud-bar'];
+      if (size.width > 640) rows.push('[data-testid=loaded-splats]');
+      const seen = [...TOOLBAR, ...rows, '[data-testid=error] h2', '[data-testid=dismiss-error]'];
+      expect(await hiddenAmong(page, seen), `${size.width} × ${size.height}, error`).toEqual([]);
+    }
+    await page.keyboard.press('c');
+    for (const size of SIZES.slice(0, 3)) {
+      await resize(page, size);
+      const seen = [...TOOLBAR, '.hud-pace', '.dock h2', '[data-testid=dismiss-error]'];
+      expect(await hiddenAmong(page, seen), `${size.width} × ${size.height}, error and panel`).toEqual([]);
+    }
+  });
+
+  it('has panels on phones whose height is changed by drags, taps and keys', async () => {
+    const page = await openViewer(CHEAP, { viewport: SIZES[0] });
+    await page.getByTestId('command-effects').click();
+    const height = async () => Math.round((await box(page, 'effects')).height);
+    const grip = page.getByTestId('sheet-grip');
+    expect(await height()).toBe(320);
+    const { x, y, width } = await box(page, 'sheet-grip');
+    const middle = [x + width / 2, y + 8] as const;
+    await page.mouse.move(...middle);
+    await page.mouse.down();
+    await page.mouse.move(middle[0], 100, { steps: 4 });
+    await page.mouse.up();
+    expect(await grip.getAttribute('aria-valuetext')).toBe('full');
+    await expect.poll(height).toBeGreaterThan(480);
+    expect(await hiddenAmong(page, [...TOOLBAR, '.hud-pace', '.dock h2'])).toEqual([]);
+    await page.keyboard.press('Home');
+    expect(await grip.getAttribute('aria-valuetext')).toBe('low');
+    await expect.poll(height).toBe(192);
+    await page.mouse.click(middle[0], (await box(page, 'sheet-grip')).y + 8);
+    expect(await grip.getAttribute('aria-valuetext')).toBe('half');
+    // Thrown down, it closes.
+    const at = (await box(page, 'sheet-grip')).y + 8;
+    await page.mouse.move(middle[0], at);
+    await page.mouse.down();
+    await page.mouse.move(middle[0], 600, { steps: 4 });
+    await page.mouse.up();
+    await page.getByTestId('effects').waitFor({ state: 'detached' });
+  });
+});
+
+describe('the keyboard in the viewer', () => {
+  it('is shown where it is only when it is used, and moves what has it, not the scene', async () => {
+    const page = await openViewer(CHEAP, { viewport: SIZES[3] });
+    const outline = () =>
+      page.getByTestId('viewport').evaluate((canvas) => getComputedStyle(canvas).outlineStyle);
+    let frames = await frameCount(page);
+    await page.mouse.move(400, 300);
+    await page.mouse.down();
+    await page.mouse.move(430, 310);
+    await page.mouse.up();
+    await waitForFrameAfter(page, frames);
+    expect(await focused(page)).toBe('viewport');
+    expect(await outline()).toBe('none');
+    await page.keyboard.press('Tab');
+    await page.keyboard.press('Shift+Tab');
+    expect(await focused(page)).toBe('viewport');
+    expect(await outline()).toBe('solid');
+
+    // One stop of the Tab key for the whole toolbar; arrows go along it.
+    await page.keyboard.press('Tab');
+    expect(await focused(page)).toBe('command-open');
+    frames = await frameCount(page);
+    for (const [key, reached] of [
+      ['ArrowRight', 'command-frame'],
+      ['End', 'command-help'],
+      ['ArrowRight', 'command-open'],
+      ['ArrowLeft', 'command-help'],
+      ['Home', 'command-open'],
+    ]) {
+      await page.keyboard.press(key);
+      expect(await focused(page), key).toBe(reached);
+    }
+
+    await page.keyboard.press('c');
+    await page.getByTestId('accuracy-tab-settings').click();
+    expect(await frameCount(page), 'frames drawn because of arrows').toBe(frames);
+    const slider = page.getByTestId('setting-alphaCutoff');
+    await slider.focus();
+    const before = await box(page, 'setting-alphaCutoff');
+    for (const key of ['ArrowRight', 'PageUp', 'ArrowLeft']) {
+      await page.keyboard.press(key);
+      expect((await box(page, 'setting-alphaCutoff')).y, `the slider's place after ${key}`).toBe(before.y);
+    }
+    expect(await textOf(page, 'accuracy-custom')).toContain('Opacity cutoff');
+    const { viewMatrix } = await page
+      .getByTestId('viewport')
+      .evaluate((canvas) => JSON.parse(canvas.dataset.camera ?? '{}'));
+    await page.keyboard.press('?');
+    expect(await page.getByTestId('help').isVisible()).toBe(true);
+    await page.keyboard.press('Escape');
+    await page.getByTestId('help').waitFor({ state: 'hidden' });
+    expect(await focused(page)).toBe('setting-alphaCutoff');
+    await page.keyboard.press('Escape');
+    await page.getByTestId('accuracy').waitFor({ state: 'detached' });
+    await waitForFrameAfter(page, frames);
+    const after = await page
+      .getByTestId('viewport')
+      .evaluate((canvas) => JSON.parse(canvas.dataset.camera ?? '{}'));
+    expect(after.viewMatrix, 'the camera').toEqual(viewMatrix);
+  });
+});
