@@ -1,6 +1,7 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
 import { randomSplats } from '../testing/random-splats.ts';
+import { seededRandom } from '../testing/seeded-random.ts';
 import { uniform } from '../testing/uniform.ts';
 import { Turns } from '../turns.ts';
 import {
@@ -107,6 +108,22 @@ describe('Morton order', () => {
         expect(Array.from(order)).toEqual(expected);
       }),
     );
+  });
+
+  test('is the same with few splats and with many, whose digits are longer', () => {
+    const next = seededRandom(1);
+    const columns = [0, 1, 2].map(() => Uint16Array.from({ length: 40_000 }, () => 65_536 * next()));
+    const points = Array.from({ length: 40_000 }, (_, i) => columns.map((column) => column[i]));
+    [points[0], points[1]] = [
+      [0, 0, 0],
+      [65_535, 65_535, 65_535],
+    ];
+    const codes = points.map(mortonCode);
+    for (const count of [32_767, 32_768, 40_000]) {
+      const order = mortonOrder(Float32Array.from(points.slice(0, count).flat()), count);
+      const expected = Uint32Array.from({ length: count }, (_, i) => i).sort((a, b) => codes[a] - codes[b]);
+      expect(order.every((index, i) => index === expected[i])).toBe(true);
+    }
   });
 
   test('keeps the given order where all points are one, and for none and one', () => {

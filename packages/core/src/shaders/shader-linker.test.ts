@@ -1,7 +1,7 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
 import { link as linkByWesl } from 'wesl/core';
-import { allStageVariants } from '../testing/stage-variants.ts';
+import { allStageVariants, spreadByStage } from '../testing/stage-variants.ts';
 import { linkInput } from './link-shader.ts';
 import { type LinkInput, linkModules, type ShaderModules } from './shader-linker.ts';
 
@@ -10,16 +10,6 @@ const COUNTS = { THREE: 3, TWO: 2 };
 
 function linkRoot(root: string, modules: ShaderModules = {}): string {
   return linkModules({ modules: { ...modules, root }, root: 'root', conditions: CONDITIONS, counts: COUNTS });
-}
-
-/** At most `countEach` variants of each stage, spread evenly over all that it has. */
-function spreadByStage<Variant extends { stage: string }>(variants: Variant[], countEach: number): Variant[] {
-  const stages = [...new Set(variants.map(({ stage }) => stage))];
-  return stages.flatMap((stage) => {
-    const all = variants.filter((variant) => variant.stage === stage);
-    const stride = Math.max(1, all.length / countEach);
-    return all.filter((_, i) => Math.floor(i / stride) !== Math.floor((i - 1) / stride));
-  });
 }
 
 describe('the linker of shaders', () => {

@@ -203,3 +203,16 @@ export function allStageVariants(): Promise<StageDefinition[]> {
 function uniqueByText(stages: readonly StageDefinition[]): StageDefinition[] {
   return [...new Map(stages.map((stage) => [JSON.stringify(stage), stage])).values()];
 }
+
+/** At most `countEach` variants of each stage, spread evenly over all that it has. */
+export function spreadByStage<Variant extends { stage: string }>(
+  variants: readonly Variant[],
+  countEach: number,
+): Variant[] {
+  const stages = [...new Set(variants.map(({ stage }) => stage))];
+  return stages.flatMap((stage) => {
+    const all = variants.filter((variant) => variant.stage === stage);
+    const stride = Math.max(1, all.length / countEach);
+    return all.filter((_, i) => Math.floor(i / stride) !== Math.floor((i - 1) / stride));
+  });
+}
