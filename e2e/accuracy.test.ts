@@ -144,7 +144,7 @@ describe('accuracy in the viewer', () => {
   });
 
   it('finds a palette in a worker of its own, and goes on as before where that is called off', async () => {
-    const page = await openViewer(undefined, SMALL);
+    const page = await openViewer('?scene=still-life-small&accuracy=balanced', SMALL);
     const before = await viewerScreenshot(page);
     const workers: string[] = [];
     page.on('worker', (worker) => workers.push(worker.url()));
