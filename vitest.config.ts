@@ -31,6 +31,19 @@ const unit = {
   expect: patience,
   environment: 'node',
 } as const;
+/** For tests with Dawn in Node. Two files at a time: SwiftShader rests while twins compute. */
+const gpu = {
+  sequence: { groupOrder: 1 },
+  maxWorkers: 2,
+  environment: 'node',
+  pool: 'forks',
+  setupFiles: 'packages/node/src/testing/watch-devices.ts',
+  testTimeout: TEST_TIMEOUT_MS,
+  expect: patience,
+  hookTimeout: TEST_TIMEOUT_MS,
+} as const;
+const stageTests = 'packages/core/src/stages/*.gpu.test.ts';
+
 const unitTests = [
   'packages/*/src/**/*.test.ts',
   'packages/tools/**/*.test.mjs',
@@ -76,16 +89,22 @@ export default defineConfig({
         resolve,
         ssr,
         test: {
-          // Dawn keeps one device per process: a process per file. Two at a time: SwiftShader rests while twins compute.
+          ...gpu,
+          name: 'gpu-stages',
+          // Small tests of one shader each: starting a process and Vulkan for each would take a quarter of their time.
+          isolate: false,
+          include: [stageTests],
+        },
+      },
+      {
+        resolve,
+        ssr,
+        test: {
+          ...gpu,
           name: 'gpu',
-          sequence: { groupOrder: 1 },
-          maxWorkers: 2,
-          environment: 'node',
+          // A process per file: devices are kept for as long as it lives.
           include: ['packages/*/src/**/*.gpu.test.ts'],
-          pool: 'forks',
-          testTimeout: TEST_TIMEOUT_MS,
-          expect: patience,
-          hookTimeout: TEST_TIMEOUT_MS,
+          exclude: [stageTests],
         },
       },
       {

@@ -1,4 +1,4 @@
-import { afterEach, test } from 'vitest';
+import { test } from 'vitest';
 import { createNodeGpu } from './node-gpu.ts';
 
 /**
@@ -49,7 +49,8 @@ export function watchDevice(device: GPUDevice): void {
   });
 }
 
-afterEach(async () => {
+/** Throws what devices of the running test have complained about, and forgets it. */
+export async function throwDeviceErrors(): Promise<void> {
   const errors: string[] = [];
   for (const [device, found] of watched) {
     // Errors are reported before submitted work is done; a lost device reports nothing more.
@@ -59,7 +60,7 @@ afterEach(async () => {
     if (closing.has(device)) watched.delete(device);
   }
   if (errors.length > 0) throw new Error(`GPU errors during this test:\n${errors.join('\n')}`);
-});
+}
 
 async function isGpuUsable(): Promise<boolean> {
   try {
