@@ -3,6 +3,7 @@ import { createRoot } from 'react-dom/client';
 import type { FileDropDecision } from './file-drop/file-drop.ts';
 import { followDrop, hasOpenedFile } from './file-drop/follow-drop.ts';
 import { GALLERY_SCENE, loadHardCases } from './hard-cases/catalogue.ts';
+import { keepHud } from './hud/kept-hud.ts';
 import { GalleryFailedPage } from './messages/status-pages.tsx';
 import { addressedScene } from './scene/first-source.ts';
 import { mirrorToAddress } from './shell/address-mirror.ts';
@@ -31,6 +32,7 @@ if (addressed.scene === GALLERY_SCENE && addressed.addresses?.length === 0) {
 function showViewer(start: StartOptions, dropped?: FileDropDecision): void {
   const store = createViewerStore();
   mirrorToDocument(store, document);
+  keepHud(store);
   const viewer = new Viewer(store, start);
   mirrorToAddress(store);
   const asksForNothing = !start.scene && !start.addresses?.length;

@@ -614,6 +614,7 @@ describe('an engine', () => {
       preprocessMs: Number.NaN,
       sortMs: Number.NaN,
       rasterizeMs: Number.NaN,
+      passMs: {},
     });
     expect(statistics.timing.totalMs).toBeGreaterThan(0);
     const reference = renderReference({ ...smallScene, ...SIZE });
@@ -644,8 +645,13 @@ describe('an engine', () => {
   gpuTest('times its stages if the device has timestamps', async ({ skip }) => {
     if (!device.features.has('timestamp-query')) skip('this adapter has no timestamp-query');
     const { statistics } = await drawMeasured(engines.balanced, smallScene);
-    const { source, preprocessMs, sortMs, rasterizeMs, totalMs } = statistics.timing;
+    const { source, preprocessMs, sortMs, rasterizeMs, totalMs, passMs } = statistics.timing;
     expect(source).toBe('gpu-timestamps');
+    expect(passMs).toMatchObject({ preprocess: preprocessMs, sort: sortMs });
+    // What quads do as one pass, tiles do as two.
+    expect(Object.keys(passMs)).toContain(statistics.rasterizer === 'tiles' ? 'tiles' : 'rasterize');
+    expect('tile-lists' in passMs).toBe(statistics.rasterizer === 'tiles');
+    for (const ms of Object.values(passMs)) expect(ms).toBeLessThanOrEqual(totalMs);
     for (const ms of [preprocessMs, sortMs, rasterizeMs]) expect(ms).toBeGreaterThanOrEqual(0);
     expect(totalMs).toBeGreaterThan(0);
     expect(preprocessMs + sortMs + rasterizeMs).toBeLessThanOrEqual(totalMs * 1.001 + 1e-6);

@@ -102,6 +102,7 @@ export {
   type FrameStatistics,
   isPlausible,
   type StageTimings,
+  type TimedPass,
   wallClockTimings,
 } from './timing/frame-statistics.ts';
 export type { ChooseAccuracyOptions } from './views/accuracy-wishes.ts';

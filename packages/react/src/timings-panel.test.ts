@@ -9,6 +9,7 @@ const gpuTiming: StageTimings = {
   rasterizeMs: 12,
   totalMs: 13.734,
   wallClockMs: 15,
+  passMs: {},
 };
 const statistics = (timing: StageTimings): FrameStatistics => ({
   frame: 1,

@@ -9,6 +9,7 @@ import type { Session } from '../session/session.ts';
 import type { SessionOwner } from '../session/session-owner.ts';
 import { sideAccuracy } from '../state/comparison.ts';
 import type { ViewerStore } from '../state/store.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
 import { type DrawnFrame, imageKey } from './drawn-frame.ts';
 import { FrameLoop } from './frame-loop.ts';
 import { FrameMeter } from './frame-meter.ts';
@@ -82,9 +83,12 @@ export class Drawing {
     const { framesDrawn } = session.engine.counters();
     let frame: DrawnFrame['frame'];
     let isSubmitted: boolean;
+    let callMs: number;
     try {
       frame = this.#frameOf(scene, ownCamera ?? camera.orbitCamera);
+      const beganMs = performance.now();
       isSubmitted = this.#render(session, frame);
+      callMs = performance.now() - beganMs;
     } catch (error) {
       scenes.takeBack(error);
       return null;
@@ -95,7 +99,7 @@ export class Drawing {
     if (replaced.length > 0) void destroyWhenReplaced(session, replaced);
     if (!isSubmitted) return null;
     this.#frameCount++;
-    this.#report(session, ownCamera !== undefined);
+    this.#report(session, { isOwnCamera: ownCamera !== undefined, lastRender: { elapsedMs: callMs } });
     // While shaders compile, views go on with the old ones where they can; the loop does not wait for the new ones.
     const isDrawn = session.engine.counters().framesDrawn > framesDrawn;
     return isDrawn ? session.engine.device.queue.onSubmittedWorkDone() : null;
@@ -126,12 +130,11 @@ export class Drawing {
     return isLeftSubmitted || isRightSubmitted === true;
   }
 
-  #report({ views }: Session, isOwnCamera: boolean): void {
+  #report({ views }: Session, changes: Pick<ViewerState, 'isOwnCamera' | 'lastRender'>): void {
     const { store } = this.#options;
-    const { dock, isIdle, isOwnCamera: wasOwnCamera } = store.getState();
+    const { dock } = store.getState();
     if (dock === 'effects') this.#listEffects(views.main);
-    if (isIdle) store.setState({ isIdle: false });
-    if (isOwnCamera !== wasOwnCamera) store.setState({ isOwnCamera });
+    store.setState({ isIdle: false, ...changes });
   }
 
   /** The loop has paused. Frames whose shaders are still being compiled follow later. */

@@ -1,139 +1,198 @@
-import {
-  type FrameStatistics,
-  isPlausible,
-  type RasterizerReport,
-  type StageTimings,
-} from '@websplatter/core';
+import type { SplatEngine } from '@websplatter/core';
 import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
-import { formatCount, formatMs, formatRate, UNKNOWN } from '../words/format.ts';
+import type { FrameRecorder, Side } from './frame-recorder.ts';
+import { HistoryChart } from './history-chart.ts';
+import { hudText, stageShares } from './hud-figures.ts';
+import { cpuFigures, memoryFigures, sideFigures } from './large-figures.ts';
+import { summarize, type TimeSummary } from './time-summary.ts';
+import { LEAST_PAUSE_MS, pauseBetweenWrites } from './write-pace.ts';
 
-export type HudFigure =
-  | 'frameMs'
-  | 'rate'
-  | 'rateUnit'
-  | 'preprocess'
-  | 'sort'
-  | 'rasterize'
-  | 'total'
-  | 'source'
-  | 'rasterizer'
-  | 'otherRasterizer'
-  | 'rasterizerReason'
-  | 'visible'
-  | 'loaded'
-  | 'resolution'
-  | 'adapter';
+/** Of the newest write in the smoothed time of writes. */
+const NEWEST_WEIGHT = 0.2;
+/** Memory changes seldom, and listing it takes longer than all other figures. */
+const MEMORY_INTERVAL_MS = 1000;
 
-/** Figures that change faster than this cannot be read. */
-const WRITE_INTERVAL_MS = 120;
+/** Everything that figures follow from. Others change more often, such as a camera that is dragged. */
+const TOLD: readonly (keyof ViewerState)[] = [
+  'statistics',
+  'rasterizer',
+  'rightStatistics',
+  'rightRasterizer',
+  'frameRate',
+  'isIdle',
+  'scene',
+  'widthPx',
+  'heightPx',
+  'adapterLabel',
+  'accuracy',
+  'comparison',
+];
 
-/** The state as text. */
-export function hudText(state: ViewerState): Record<HudFigure, string> {
-  const { statistics, rasterizer, frameRate, scene, isIdle, widthPx, heightPx, adapterLabel } = state;
-  const timing = statistics?.timing;
-  // A lone frame has no pace, and a slow drag is a row of them: its own time is the next best.
-  const frameMs = frameRate?.frameMs ?? timing?.wallClockMs;
-  const rate = isIdle || frameMs === undefined ? undefined : 1000 / frameMs;
-  return {
-    frameMs: formatMs(frameMs ?? Number.NaN),
-    rate: rate === undefined ? '' : formatRate(rate),
-    // Nothing is drawn while nothing changes: a rate would be wrong.
-    rateUnit: rate === undefined ? (isIdle ? 'idle' : '') : 'fps',
-    preprocess: formatMs(timing?.preprocessMs ?? Number.NaN),
-    sort: formatMs(timing?.sortMs ?? Number.NaN),
-    rasterize: formatMs(timing?.rasterizeMs ?? Number.NaN),
-    total: formatMs(timing?.totalMs ?? Number.NaN),
-    source: timing ? sourceText(timing) : '',
-    rasterizer: statistics?.rasterizer ?? UNKNOWN,
-    otherRasterizer: statistics && rasterizer ? otherRasterizer(statistics, rasterizer) : '',
-    rasterizerReason: statistics && rasterizer ? rasterizerReason(statistics, rasterizer) : '',
-    visible: formatCount(statistics?.visibleSplats ?? Number.NaN),
-    loaded: formatCount(scene?.splats ?? Number.NaN),
-    resolution: widthPx > 0 ? `${widthPx} × ${heightPx}` : UNKNOWN,
-    adapter: adapterLabel || UNKNOWN,
-  };
-}
-
-function sourceText(timing: StageTimings): string {
-  if (timing.source === 'wall-clock') return 'wall clock';
-  return isPlausible(timing)
-    ? 'GPU timestamps'
-    : `GPU timestamps; the clock says ${formatMs(timing.wallClockMs)} ms`;
-}
-
-/** `(quads 22.0 ms)`: what did not draw the frame; empty while its time is unknown. The time of what did is the stage's. */
-function otherRasterizer({ rasterizer }: FrameStatistics, { tilesMs, quadsMs }: RasterizerReport): string {
-  const [other, otherMs] = rasterizer === 'tiles' ? ['quads', quadsMs] : ['tiles', tilesMs];
-  return otherMs === null ? '' : `(${other} ${formatMs(otherMs)} ms)`;
-}
-
-/** Why the frame was drawn by what drew it; where the next one will be drawn by the other, why that is so. */
-function rasterizerReason({ rasterizer, tilePairs }: FrameStatistics, report: RasterizerReport): string {
-  if (rasterizer === report.rasterizer) return capitalized(report.reason);
-  if (rasterizer === 'quads' && tilePairs !== null) return 'The lists of the tiles had no room in this frame';
-  return `${capitalized(report.rasterizer)} are next: ${report.reason}`;
-}
-
-function capitalized(text: string): string {
-  return text.charAt(0).toUpperCase() + text.slice(1);
-}
-
-/** Each stage's part of the time of all three, 0…1; all 0 if they are not measured. */
-export function stageShares({
-  statistics,
-}: ViewerState): Record<'preprocess' | 'sort' | 'rasterize', number> {
-  const timing = statistics?.timing;
-  const sum = timing ? timing.preprocessMs + timing.sortMs + timing.rasterizeMs : Number.NaN;
-  if (!timing || !(sum > 0)) return { preprocess: 0, sort: 0, rasterize: 0 };
-  return {
-    preprocess: timing.preprocessMs / sum,
-    sort: timing.sortMs / sum,
-    rasterize: timing.rasterizeMs / sum,
-  };
+export interface HudSources {
+  readonly store: ViewerStore;
+  readonly recorder: FrameRecorder;
+  /** Whose memory is shown; null while there is no GPU. */
+  readonly engine: () => SplatEngine | null;
 }
 
 /**
- * Writes the store's figures into the elements of `root` that carry `data-figure`, `data-title` and `data-share`, outside
- * React and slowly enough to be read. Returns what stops that.
+ * Writes the figures into the elements of `root`, outside React and slowly enough to be read. Returns what stops that.
+ *
+ * - `data-figure="NAME"` gets a text.
+ * - `data-title="NAME"` gets a title.
+ * - `data-row="NAME NAME"` is hidden while those figures are empty.
+ * - `data-share="NAME"` grows with a part of its parent's width.
+ * - `data-history="SIDE"`, a canvas, gets a chart of the last frames.
  */
-export function bindHud(root: HTMLElement, store: ViewerStore): () => void {
-  const figures = [...root.querySelectorAll<HTMLElement>('[data-figure]')].map((element) => {
-    const text = document.createTextNode('');
-    element.replaceChildren(text);
-    return { name: element.dataset.figure as HudFigure, text };
-  });
-  const titled = [...root.querySelectorAll<HTMLElement>('[data-title]')];
-  const bars = [...root.querySelectorAll<HTMLElement>('[data-share]')];
-  let timer: ReturnType<typeof setTimeout> | null = null;
+export function bindHud(root: HTMLElement, sources: HudSources): () => void {
+  const { store, recorder } = sources;
+  const binding = new HudBinding(root, sources, () => request());
+  let timer: ReturnType<typeof setTimeout> | undefined;
   let writtenMs = Number.NEGATIVE_INFINITY;
-
+  let pauseMs = LEAST_PAUSE_MS;
+  /** Smoothed, since a busy machine makes single writes long. */
+  let writeMs = 0;
   const write = () => {
-    timer = null;
+    clearTimeout(timer);
+    timer = undefined;
     writtenMs = performance.now();
-    const state = store.getState();
-    const texts = hudText(state);
-    for (const { name, text } of figures) {
-      if (text.data !== texts[name]) text.data = texts[name];
-    }
-    for (const element of titled) {
-      const title = texts[element.dataset.title as HudFigure];
-      if (element.title !== title) element.title = title;
-    }
-    const shares: Record<string, number> = stageShares(state);
-    for (const bar of bars) {
-      const share = shares[bar.dataset.share ?? ''];
-      bar.hidden = share === 0;
-      bar.style.flexGrow = String(share);
-    }
+    binding.write(writtenMs);
+    const elapsedMs = performance.now() - writtenMs;
+    recorder.spend(elapsedMs);
+    writeMs += NEWEST_WEIGHT * (elapsedMs - writeMs);
+    pauseMs = pauseBetweenWrites(writeMs, recorder.frameMs);
+  };
+  const request = (afterMs = pauseMs) => {
+    timer ??= setTimeout(write, Math.max(0, writtenMs + afterMs - performance.now()));
   };
   write();
-  const unsubscribe = store.subscribe(() => {
-    timer ??= setTimeout(write, Math.max(0, writtenMs + WRITE_INTERVAL_MS - performance.now()));
+  const unsubscribe = store.subscribe((state, before) => {
+    if (state.isHudFrozen !== before.isHudFrozen) write();
+    if (state.isHudFrozen || TOLD.every((name) => state[name] === before[name])) return;
+    // The last figures stay on the screen: they are not to come late.
+    if (state.isIdle && !before.isIdle) {
+      clearTimeout(timer);
+      timer = undefined;
+    }
+    request(state.isIdle ? LEAST_PAUSE_MS : pauseMs);
   });
   return () => {
     unsubscribe();
-    if (timer !== null) clearTimeout(timer);
-    for (const { text } of figures) text.remove();
+    clearTimeout(timer);
+    binding.destroy();
   };
+}
+
+const NOTHING = summarize([]);
+
+class HudBinding {
+  readonly #sources: HudSources;
+  readonly #figures: readonly { readonly name: string; readonly text: Text }[];
+  readonly #titled: readonly HTMLElement[];
+  readonly #rows: readonly HTMLElement[];
+  readonly #bars: readonly { readonly name: string; readonly element: HTMLElement; share: number }[];
+  readonly #charts: readonly { readonly side: Side; readonly chart: HistoryChart }[];
+  #paintedRevision = -1;
+  #summaries: Partial<Record<Side, TimeSummary>> = {};
+  #memory = memoryFigures(null, Number.NaN);
+  #memoryMs = Number.NEGATIVE_INFINITY;
+
+  constructor(root: HTMLElement, sources: HudSources, onStale: () => void) {
+    this.#sources = sources;
+    const all = (name: string) => [...root.querySelectorAll<HTMLElement>(`[data-${name}]`)];
+    this.#figures = all('figure').map((element) => {
+      const text = document.createTextNode('');
+      element.replaceChildren(text);
+      return { name: element.dataset.figure ?? '', text };
+    });
+    this.#titled = all('title');
+    this.#rows = all('row');
+    this.#bars = all('share').map((element) => ({
+      name: element.dataset.share ?? '',
+      element,
+      share: Number.NaN,
+    }));
+    this.#charts = all('history').map((element) => ({
+      side: element.dataset.history as Side,
+      chart: new HistoryChart(element as HTMLCanvasElement, root, onStale),
+    }));
+  }
+
+  write(nowMs: number): void {
+    const { recorder } = this.#sources;
+    const state = recorder.shown;
+    const shares: Record<string, number> = stageShares(state.statistics);
+    const right = Object.entries(stageShares(state.rightStatistics));
+    for (const [stage, share] of right) shares[`right.${stage}`] = share;
+    const texts: Record<string, string | undefined> = hudText(state);
+    // The chart is part of the largest size alone.
+    if (this.#charts.length > 0) {
+      this.#paint();
+      Object.assign(texts, this.#largeTexts(nowMs));
+      for (const [group, bytes] of Object.entries(this.#memory.bytes)) shares[`memory.${group}`] = bytes;
+    }
+    this.#writeTexts(texts);
+    this.#writeShares(shares);
+  }
+
+  destroy(): void {
+    for (const { chart } of this.#charts) chart.destroy();
+    for (const { text } of this.#figures) text.remove();
+  }
+
+  #largeTexts(nowMs: number): Record<string, string | undefined> {
+    const { recorder, engine } = this.#sources;
+    const state = recorder.shown;
+    if (!state.isHudFrozen && nowMs - this.#memoryMs >= MEMORY_INTERVAL_MS) {
+      const current = engine();
+      this.#memory = memoryFigures(
+        current?.memory() ?? null,
+        current?.device.limits.maxBufferSize ?? Number.NaN,
+      );
+      this.#memoryMs = nowMs;
+    }
+    const sides = this.#charts.map(({ side }) => sideFigures(side, state, this.#summaries[side] ?? NOTHING));
+    return {
+      ...sides[0],
+      ...sides[1],
+      ...cpuFigures(summarize(recorder.renderMs), summarize(recorder.ownMs)),
+      ...this.#memory.texts,
+    };
+  }
+
+  #paint(): void {
+    const { recorder } = this.#sources;
+    const { revision } = recorder;
+    for (const { side, chart } of this.#charts) {
+      if (revision === this.#paintedRevision && !chart.isStale) continue;
+      this.#summaries[side] = chart.paint(recorder.frames(side).map(({ timing }) => timing));
+    }
+    this.#paintedRevision = revision;
+  }
+
+  #writeTexts(texts: Readonly<Record<string, string | undefined>>): void {
+    for (const { name, text } of this.#figures) {
+      const words = texts[name] ?? '';
+      if (text.data !== words) text.data = words;
+    }
+    for (const element of this.#titled) {
+      const title = texts[element.dataset.title ?? ''] ?? '';
+      if (element.title !== title) element.title = title;
+    }
+    for (const row of this.#rows) {
+      const isEmpty = (row.dataset.row ?? '').split(' ').every((name) => !texts[name]);
+      if (row.hidden !== isEmpty) row.hidden = isEmpty;
+    }
+  }
+
+  #writeShares(shares: Readonly<Record<string, number>>): void {
+    for (const bar of this.#bars) {
+      const share = shares[bar.name] ?? 0;
+      if (bar.share === share) continue;
+      bar.share = share;
+      bar.element.hidden = share === 0;
+      bar.element.style.flexGrow = String(share);
+    }
+  }
 }

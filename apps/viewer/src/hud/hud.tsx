@@ -1,7 +1,12 @@
 import { memo, useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
-import type { ViewerStore } from '../state/store.ts';
+import { HUD_SIZES, type HudSize } from '../state/viewer-state.ts';
+import { Icon } from '../ui/icon.tsx';
+import type { PanelProps } from '../viewer/panel-props.ts';
+import type { FrameRecorder } from './frame-recorder.ts';
 import { bindHud } from './hud-binding.ts';
+import { HudDetails, HudHistory } from './hud-details.tsx';
+import { HudRow } from './hud-row.tsx';
 
 const STAGES = [
   ['preprocess', 'Pre-process'],
@@ -10,80 +15,175 @@ const STAGES = [
 ] as const;
 
 /** The cost of the frame. React renders it once; from then on the figures are written into it directly. */
-export const Hud = memo(function Hud({ store }: { store: ViewerStore }) {
-  const isVisible = useStore(store, (state) => state.isHudVisible);
+export const Hud = memo(function Hud({ store, viewer, recorder }: PanelProps & { recorder: FrameRecorder }) {
+  const size = useStore(store, (state) => state.hudSize);
+  const isSplit = useStore(store, (state) => state.comparison?.kind === 'split');
   const root = useRef<HTMLElement>(null);
+  // Another size or side has other elements.
+  // biome-ignore lint/correctness/useExhaustiveDependencies: see above.
   useEffect(() => {
-    if (isVisible && root.current) return bindHud(root.current, store);
-  }, [store, isVisible]);
-  if (!isVisible) return null;
+    if (root.current) return bindHud(root.current, { store, recorder, engine: () => viewer.engine });
+  }, [store, viewer, recorder, size, isSplit]);
+  const isLarge = size === 'large';
+  // Only the largest size says that figures are frozen.
+  const resize = (hudSize: HudSize) =>
+    store.setState({ hudSize, ...(hudSize !== 'large' && { isHudFrozen: false }) });
   return (
-    <section ref={root} className="panel hud" aria-label="Frame figures" data-testid="hud">
-      <p className="hud-pace">
+    <section
+      ref={root}
+      className="panel hud"
+      aria-label="Frame figures"
+      data-testid="hud"
+      data-size={size}
+      data-split={isSplit || undefined}
+    >
+      <div className="hud-pace">
         <span>
           <b data-figure="frameMs" /> ms
         </span>
-        <span>
+        <span className="hud-rate">
           <b data-figure="rate" /> <span data-figure="rateUnit" />
         </span>
-      </p>
-      <div className="hud-bar" aria-hidden="true">
-        {STAGES.map(([name]) => (
-          <i key={name} className={`stage-${name}`} data-share={name} />
-        ))}
+        <SizeButtons size={size} onChange={resize} />
       </div>
-      <dl>
-        {STAGES.map(([name, label]) => (
-          <div key={name}>
-            <dt>
-              <i className={`stage-${name}`} aria-hidden="true" />
-              {label}
-            </dt>
-            <dd>
-              <span data-figure={name} data-testid={`${name}-ms`} /> <small>ms</small>
-            </dd>
-          </div>
-        ))}
-        <div className="hud-total">
-          <dt>Total</dt>
-          <dd>
-            <span data-figure="total" data-testid="total-ms" /> <small>ms</small>
-          </dd>
-        </div>
-      </dl>
-      <p className="hud-source" data-figure="source" data-testid="timing-source" />
-      <dl>
-        <div data-title="rasterizerReason">
-          <dt>Rasteriser</dt>
-          <dd>
-            <span data-figure="rasterizer" data-testid="rasterizer" />{' '}
-            <small data-figure="otherRasterizer" data-testid="other-rasterizer" />{' '}
-            <span
-              className="visually-hidden"
-              data-figure="rasterizerReason"
-              data-testid="rasterizer-reason"
-            />
-          </dd>
-        </div>
-        <div>
-          <dt>Visible</dt>
-          <dd data-figure="visible" data-testid="visible-splats" />
-        </div>
-        <div>
-          <dt>Loaded</dt>
-          <dd data-figure="loaded" data-testid="loaded-splats" />
-        </div>
-      </dl>
-      <dl className="hud-device">
-        <div>
-          <dt>Image</dt>
-          <dd data-figure="resolution" data-testid="resolution" />
-        </div>
-        <div>
-          <dt>GPU</dt>
-          <dd data-figure="adapter" data-testid="adapter" />
-        </div>
-      </dl>
+      {size !== 'small' && (
+        <>
+          <StageBar prefix="" />
+          {isSplit && <StageBar prefix="right." />}
+          {isLarge && <HudHistory store={store} viewer={viewer} recorder={recorder} isSplit={isSplit} />}
+          <StageTimes isSplit={isSplit} isLarge={isLarge} />
+          <FrameFacts isSplit={isSplit} isLarge={isLarge} />
+          {isLarge && <HudDetails isSplit={isSplit} />}
+          <dl className="hud-device">
+            <HudRow label="Image" figure="resolution" testId="resolution" />
+            <HudRow label="GPU" figure="adapter" testId="adapter" />
+          </dl>
+        </>
+      )}
     </section>
   );
 });
+
+function SizeButtons({ size, onChange }: { size: HudSize; onChange: (size: HudSize) => void }) {
+  const at = HUD_SIZES.indexOf(size);
+  const steps = [
+    ['fewer', 'Fewer figures', at - 1],
+    ['moreFigures', 'More figures', at + 1],
+  ] as const;
+  return (
+    <span className="hud-sizes">
+      {steps.map(([icon, label, goal]) => (
+        <button
+          key={icon}
+          type="button"
+          className="icon-button"
+          aria-label={label}
+          title={label}
+          disabled={HUD_SIZES[goal] === undefined}
+          data-testid={`hud-${icon === 'fewer' ? 'fewer' : 'more'}`}
+          onClick={() => onChange(HUD_SIZES[goal])}
+        >
+          <Icon name={icon} />
+        </button>
+      ))}
+    </span>
+  );
+}
+
+function StageBar({ prefix }: { prefix: '' | 'right.' }) {
+  return (
+    <div className="hud-bar" aria-hidden="true">
+      {STAGES.map(([name]) => (
+        <i key={name} className={`stage-${name}`} data-share={`${prefix}${name}`} />
+      ))}
+    </div>
+  );
+}
+
+function StageTimes({ isSplit, isLarge }: { isSplit: boolean; isLarge: boolean }) {
+  return (
+    <>
+      <dl>
+        {isSplit && (
+          <div className="hud-sides">
+            <dt>Side</dt>
+            <dd>A</dd>
+            <dd>B</dd>
+          </div>
+        )}
+        {STAGES.map(([name, label]) => (
+          <HudRow
+            key={name}
+            label={label}
+            figure={name}
+            rightFigure={isSplit ? `right.${name}` : undefined}
+            unit="ms"
+            swatch={`stage-${name}`}
+            testId={`${name}-ms`}
+          />
+        ))}
+        {isLarge && (
+          <HudRow
+            label="Rest"
+            figure="left.rest"
+            rightFigure={isSplit ? 'right.rest' : undefined}
+            unit="ms"
+            swatch="stage-rest"
+            title="Between the stages; the whole frame where the GPU does not time them"
+          />
+        )}
+        <HudRow
+          label="Total"
+          figure="total"
+          rightFigure={isSplit ? 'right.total' : undefined}
+          unit="ms"
+          className="hud-total"
+          testId="total-ms"
+        />
+      </dl>
+      <p className="hud-source" data-figure="source" data-testid="timing-source" />
+    </>
+  );
+}
+
+function FrameFacts({ isSplit, isLarge }: { isSplit: boolean; isLarge: boolean }) {
+  return (
+    <dl>
+      <div data-title="rasterizerReason">
+        <dt>Rasteriser</dt>
+        <dd>
+          <span data-figure="rasterizer" data-testid="rasterizer" />{' '}
+          {!isSplit && <small data-figure="otherRasterizer" data-testid="other-rasterizer" />}{' '}
+          <span
+            className={isLarge && !isSplit ? 'hud-reason' : 'visually-hidden'}
+            data-figure="rasterizerReason"
+            data-testid="rasterizer-reason"
+          />
+        </dd>
+        {isSplit && (
+          <dd data-title="right.rasterizerReason">
+            <span data-figure="right.rasterizer" data-testid="right-rasterizer" />{' '}
+            <span className="visually-hidden" data-figure="right.rasterizerReason" />
+          </dd>
+        )}
+      </div>
+      {isLarge && (
+        <HudRow
+          label="Candidates"
+          figure="left.candidates"
+          rightFigure={isSplit ? 'right.candidates' : undefined}
+          title="Splats of the chunks that reach into the image (candidateSplats)"
+          testId="candidate-splats"
+        />
+      )}
+      <HudRow
+        label="Visible"
+        figure="visible"
+        rightFigure={isSplit ? 'right.visible' : undefined}
+        title="Splats that culling kept; all of them are drawn (visibleSplats)"
+        testId="visible-splats"
+      />
+      <HudRow label="Loaded" figure="loaded" testId="loaded-splats" />
+    </dl>
+  );
+}

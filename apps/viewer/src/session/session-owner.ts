@@ -67,10 +67,11 @@ export class SessionOwner {
   /** Draws the right side of split images to `canvas` from now on; returns what ends that. */
   attachRight(canvas: HTMLCanvasElement): () => void {
     this.#rightCanvas = canvas;
-    this.#current?.views.createRight(canvas);
+    if (this.#current) this.#createRight(this.#current.views, canvas);
     return () => {
       this.#rightCanvas = null;
       this.#current?.views.destroyRight();
+      this.#store.setState({ rightStatistics: null, rightRasterizer: null });
     };
   }
 
@@ -140,8 +141,15 @@ export class SessionOwner {
     views.main.onStatistics = (statistics) => {
       this.#store.setState({ statistics, rasterizer: views.main.rasterizer });
     };
-    if (this.#rightCanvas) views.createRight(this.#rightCanvas);
+    if (this.#rightCanvas) this.#createRight(views, this.#rightCanvas);
     return { canvas, engine, views };
+  }
+
+  #createRight(views: Views, canvas: HTMLCanvasElement): void {
+    const right = views.createRight(canvas);
+    right.onStatistics = (rightStatistics) => {
+      this.#store.setState({ rightStatistics, rightRasterizer: right.rasterizer });
+    };
   }
 
   #becomeLost(reason: string): void {

@@ -31,8 +31,9 @@ export class Views {
     return this.#probe;
   }
 
-  createRight(canvas: HTMLCanvasElement): void {
+  createRight(canvas: HTMLCanvasElement): SplatView {
     this.#right ??= this.#create(canvas);
+    return this.#right;
   }
 
   destroyRight(): void {

@@ -9,7 +9,7 @@ import { DropZone } from '../file-drop/drop-zone.tsx';
 import { ACCEPTED_FILES, chosenFiles, decideFiles, type FileDropDecision } from '../file-drop/file-drop.ts';
 import { filesOf, pickHandles } from '../file-drop/file-handles.ts';
 import { followDrop } from '../file-drop/follow-drop.ts';
-import { Hud } from '../hud/hud.tsx';
+import { FrameRecorder } from '../hud/frame-recorder.ts';
 import { AccuracyMeasurement } from '../measurement/accuracy-measurement.ts';
 import { Measurement } from '../measurement/measurement.ts';
 import { FailurePanel } from '../messages/failure-panel.tsx';
@@ -28,6 +28,8 @@ import { Help } from './help.tsx';
 import { Toolbar } from './toolbar.tsx';
 import { Viewport } from './viewport.tsx';
 
+/** The first picture does not wait for figures. */
+const Hud = lazy(async () => ({ default: (await import('../hud/hud.tsx')).Hud }));
 /** With the list of formats, which most visitors do not need. */
 const SavePanel = lazy(async () => ({ default: (await import('../saving/save-panel.tsx')).SavePanel }));
 
@@ -35,6 +37,7 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   const isUnavailable = useStore(store, (state) => state.status === 'unavailable');
   const isLost = useStore(store, isGpuLost);
   const isSaveVisible = useStore(store, (state) => state.dock === 'save');
+  const isHudVisible = useStore(store, (state) => state.isHudVisible);
   const comparison = useStore(store, (state) => state.comparison);
   const fileInput = useRef<HTMLInputElement>(null);
   const run = useMemo(
@@ -42,11 +45,13 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
     [viewer, store],
   );
   const saving = useMemo(() => new Saving(store, () => viewer.scenes.newest?.source), [viewer, store]);
+  const recorder = useMemo(() => new FrameRecorder(store), [store]);
   const measurement = useMemo(() => new Measurement(viewer, store), [viewer, store]);
   const accuracyMeasurement = useMemo(
     () => new AccuracyMeasurement(viewer, store, measurement),
     [viewer, store, measurement],
   );
+  useEffect(() => recorder.watch(), [recorder]);
   useEffect(() => measurement.watch(), [measurement]);
   useEffect(() => accuracyMeasurement.watch(), [accuracyMeasurement]);
   useEffect(() => listenToKeys(viewer, store, run), [viewer, store, run]);
@@ -74,7 +79,7 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
           <EffectsPanel store={store} measurement={measurement} />
           <Suspense>{isSaveVisible && <SavePanel store={store} saving={saving} />}</Suspense>
           <div className="overlay-side">
-            <Hud store={store} />
+            <Suspense>{isHudVisible && <Hud store={store} viewer={viewer} recorder={recorder} />}</Suspense>
             <div className="messages">
               <Notice store={store} />
               <WarningPanel store={store} />

@@ -23,6 +23,8 @@ export function createViewerStore(): ViewerStore {
     isOwnCamera: false,
     isFlipped: false,
     isHudVisible: true,
+    hudSize: 'medium',
+    isHudFrozen: false,
     isHelpVisible: false,
     dock: null,
     sheetPart: FIRST_SHEET_PART,
@@ -48,6 +50,9 @@ export function createViewerStore(): ViewerStore {
     restedFrames: 0,
     statistics: null,
     rasterizer: null,
+    rightStatistics: null,
+    rightRasterizer: null,
+    lastRender: null,
     frameRate: null,
     isIdle: true,
   }));

@@ -18,6 +18,10 @@ export type DockName = 'accuracy' | 'effects' | 'save';
 export const ACCURACY_TABS = ['measure', 'compare', 'settings'] as const;
 export type AccuracyTab = (typeof ACCURACY_TABS)[number];
 
+/** How much the figures of frames tell: only their pace, also their stages, or all that is known. */
+export const HUD_SIZES = ['small', 'medium', 'large'] as const;
+export type HudSize = (typeof HUD_SIZES)[number];
+
 export type ViewerStatus =
   /** Asking for a GPU. */
   | 'starting'
@@ -46,6 +50,12 @@ export interface FrameRate {
   /** Mean time between frames. */
   readonly frameMs: number;
   readonly framesPerSecond: number;
+}
+
+/** The calls that asked the engine for one frame: of both sides, in a split image. */
+export interface RenderCall {
+  /** CPU time until they returned. */
+  readonly elapsedMs: number;
 }
 
 /** The figures of an error map. */
@@ -80,6 +90,9 @@ export interface ViewerState {
   readonly isOwnCamera: boolean;
   readonly isFlipped: boolean;
   readonly isHudVisible: boolean;
+  readonly hudSize: HudSize;
+  /** Whether the figures stay as they are, to be read and copied. */
+  readonly isHudFrozen: boolean;
   readonly isHelpVisible: boolean;
   /** The panel that is shown beside the image. */
   readonly dock: DockName | null;
@@ -120,6 +133,10 @@ export interface ViewerState {
   readonly statistics: FrameStatistics | null;
   /** What draws after that frame, and what is known about both rasterisers. */
   readonly rasterizer: RasterizerReport | null;
+  /** The same of the right side of a split image; null without one. */
+  readonly rightStatistics: FrameStatistics | null;
+  readonly rightRasterizer: RasterizerReport | null;
+  readonly lastRender: RenderCall | null;
   /** Null after a single frame, which has no pace. */
   readonly frameRate: FrameRate | null;
   /** Nothing changes, so nothing is drawn. */

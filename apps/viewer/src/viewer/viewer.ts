@@ -150,6 +150,11 @@ export class Viewer {
     return choice;
   }
 
+  /** The engine; null while there is no GPU. */
+  get engine(): SplatEngine | null {
+    return this.#sessions.current?.engine ?? null;
+  }
+
   /** The frame on the screen; null if there is none. */
   get shownFrame(): ShownFrame | null {
     const shown = this.#drawing.shown;

@@ -1,5 +1,19 @@
 import type { FrameRasterizer } from '../accuracy/accuracy.ts';
 
+/** Timed passes of a frame, in the order in which they run; none runs all of them. */
+export const TIMED_PASSES = [
+  'preprocess',
+  'sort',
+  'tile-lists',
+  'resolve-depth',
+  'quads-sample',
+  'tiles',
+  'rasterize',
+  'upscale',
+  'composite',
+] as const;
+export type TimedPass = (typeof TIMED_PASSES)[number];
+
 /** Times of one frame, in milliseconds. */
 export interface StageTimings {
   /**
@@ -19,6 +33,8 @@ export interface StageTimings {
   readonly totalMs: number;
   /** From submission to completion by the CPU's clock: includes waiting for earlier frames and for the browser. */
   readonly wallClockMs: number;
+  /** Each pass that the frame ran; empty without timestamps. Tiles run as `tile-lists` and `tiles`, quads as `rasterize`. */
+  readonly passMs: Readonly<Partial<Record<TimedPass, number>>>;
 }
 
 /** Timings without timestamps: only the total is known, by the wall clock. */
@@ -31,6 +47,7 @@ export function wallClockTimings(wallClockMs: number): StageTimings {
     rasterizeMs: unknown,
     totalMs: wallClockMs,
     wallClockMs,
+    passMs: {},
   };
 }
 

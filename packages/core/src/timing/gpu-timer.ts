@@ -1,21 +1,13 @@
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { TilePlan } from '../layout/structs.ts';
-import { type FrameStatistics, type StageTimings, wallClockTimings } from './frame-statistics.ts';
-
-/** Timed passes, in the order in which a frame runs them. */
-const TIMED_PASSES = [
-  'preprocess',
-  'sort',
-  'tile-lists',
-  'resolve-depth',
-  'quads-sample',
-  'tiles',
-  'rasterize',
-  'upscale',
-  'composite',
-] as const;
-type TimedPass = (typeof TIMED_PASSES)[number];
+import {
+  type FrameStatistics,
+  type StageTimings,
+  TIMED_PASSES,
+  type TimedPass,
+  wallClockTimings,
+} from './frame-statistics.ts';
 
 /** Number of read-backs that may be pending at once; if none is free, a frame goes unmeasured instead of waiting. */
 const RING_SIZE = 4;
@@ -123,7 +115,7 @@ export class GpuTimer {
       const spanMs = isTimed
         ? spansOf(new BigUint64Array(contents, 0, 2 * TIMED_PASSES.length), passes)
         : null;
-      const timing = spanMs ? timingsOf(spanMs, wallClockMs) : wallClockTimings(wallClockMs);
+      const timing = spanMs ? timingsOf(spanMs, passes, wallClockMs) : wallClockTimings(wallClockMs);
       const quadsSampleMs = spanMs && passes.has('quads-sample') ? spanMs('quads-sample') : null;
       return {
         frame,
@@ -193,7 +185,7 @@ function spansOf(nanoseconds: BigUint64Array, passes: ReadonlySet<TimedPass>): S
   };
 }
 
-function timingsOf(spanMs: SpanMs, wallClockMs: number): StageTimings {
+function timingsOf(spanMs: SpanMs, passes: ReadonlySet<TimedPass>, wallClockMs: number): StageTimings {
   return {
     source: 'gpu-timestamps',
     preprocessMs: spanMs('preprocess'),
@@ -203,5 +195,6 @@ function timingsOf(spanMs: SpanMs, wallClockMs: number): StageTimings {
       spanMs('tile-lists') + spanMs('resolve-depth') + spanMs('tiles', 'rasterize', 'upscale', 'composite'),
     totalMs: spanMs(...TIMED_PASSES),
     wallClockMs,
+    passMs: Object.fromEntries([...passes].map((pass) => [pass, spanMs(pass)])),
   };
 }

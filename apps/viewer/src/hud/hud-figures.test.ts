@@ -2,7 +2,7 @@ import type { FrameStatistics, RasterizerReport } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
 import { createViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
-import { hudText, stageShares } from './hud-binding.ts';
+import { hudText, stageShares } from './hud-figures.ts';
 
 function stateWith(timing: object, changes: Partial<ViewerState> = {}): ViewerState {
   const statistics = {
@@ -62,7 +62,7 @@ describe('HUD', () => {
       total: '8.0',
       source: 'wall clock',
     });
-    expect(stageShares(stateWith(WALL_CLOCK))).toEqual({ preprocess: 0, sort: 0, rasterize: 0 });
+    expect(stageShares(stateWith(WALL_CLOCK).statistics)).toEqual({ preprocess: 0, sort: 0, rasterize: 0 });
   });
 
   it('gives a lone frame the time that it took', () => {
@@ -137,6 +137,10 @@ describe('HUD', () => {
   });
 
   it('shares the bar among the stages', () => {
-    expect(stageShares(stateWith(MEASURED))).toEqual({ preprocess: 0.125, sort: 0.25, rasterize: 0.625 });
+    expect(stageShares(stateWith(MEASURED).statistics)).toEqual({
+      preprocess: 0.125,
+      sort: 0.25,
+      rasterize: 0.625,
+    });
   });
 });

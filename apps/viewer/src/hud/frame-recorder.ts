@@ -1,0 +1,103 @@
+import type { FrameStatistics } from '@websplatter/core';
+import type { ViewerStore } from '../state/store.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
+import { Ring } from './ring.ts';
+
+/** Five seconds at 60 frames a second. */
+export const HISTORY_FRAMES = 300;
+
+export type Side = 'left' | 'right';
+
+/** Keeps what the store says of the last frames, of both sides of a split image, unless the figures are frozen. */
+export class FrameRecorder {
+  readonly #store: ViewerStore;
+  readonly #frames: Readonly<Record<Side, Ring<FrameStatistics>>> = {
+    left: new Ring(HISTORY_FRAMES),
+    right: new Ring(HISTORY_FRAMES),
+  };
+  readonly #renderMs = new Ring<number>(HISTORY_FRAMES);
+  readonly #ownMs = new Ring<number>(HISTORY_FRAMES);
+  /** CPU time of calls to the engine since the last frame. */
+  #calledMs = 0;
+  /** CPU time that the figures have taken since then. */
+  #spentMs = 0;
+  #revision = 0;
+  #frozen: ViewerState | null = null;
+
+  constructor(store: ViewerStore) {
+    this.#store = store;
+  }
+
+  /** Begins to record; returns what ends that. */
+  watch(): () => void {
+    return this.#store.subscribe((state, before) => {
+      const beganMs = performance.now();
+      this.#take(state, before);
+      this.spend(performance.now() - beganMs);
+    });
+  }
+
+  /** The state that the figures tell: of the moment at which they were frozen, or of now. */
+  get shown(): ViewerState {
+    return this.#frozen ?? this.#store.getState();
+  }
+
+  /** Another number whenever the frames have changed. */
+  get revision(): number {
+    return this.#revision;
+  }
+
+  /** Oldest first. */
+  frames(side: Side): readonly FrameStatistics[] {
+    return this.#frames[side].toArray();
+  }
+
+  /** Time from one frame to the next, as far as that is known, ms; else 0. */
+  get frameMs(): number {
+    const { frameRate, statistics } = this.#store.getState();
+    return frameRate?.frameMs ?? statistics?.timing.wallClockMs ?? 0;
+  }
+
+  /** CPU time of the calls to the engine between each of the last frames and the one before, ms. */
+  get renderMs(): readonly number[] {
+    return this.#renderMs.toArray();
+  }
+
+  /** CPU time that the figures themselves took of each frame, ms. */
+  get ownMs(): readonly number[] {
+    return this.#ownMs.toArray();
+  }
+
+  /** The figures have taken so much CPU time, ms. */
+  spend(elapsedMs: number): void {
+    this.#spentMs += elapsedMs;
+  }
+
+  #take(state: ViewerState, before: ViewerState): void {
+    if (state.isHudFrozen !== before.isHudFrozen) this.#frozen = state.isHudFrozen ? state : null;
+    if (this.#frozen) return;
+    if (state.scene !== before.scene) this.#clear();
+    if (state.rightStatistics === null && before.rightStatistics) this.#frames.right.clear();
+    if (state.rightStatistics !== before.rightStatistics) this.#add('right', state.rightStatistics);
+    if (state.lastRender !== before.lastRender) this.#calledMs += state.lastRender?.elapsedMs ?? 0;
+    if (state.statistics === before.statistics) return;
+    this.#add('left', state.statistics);
+    this.#renderMs.push(this.#calledMs);
+    this.#ownMs.push(this.#spentMs);
+    this.#calledMs = 0;
+    this.#spentMs = 0;
+  }
+
+  #add(side: Side, statistics: FrameStatistics | null): void {
+    this.#revision++;
+    if (statistics) this.#frames[side].push(statistics);
+  }
+
+  /** Another scene's frames say nothing about this one's. */
+  #clear(): void {
+    this.#revision++;
+    this.#frames.left.clear();
+    this.#frames.right.clear();
+    this.#renderMs.clear();
+  }
+}

@@ -1,0 +1,111 @@
+import {
+  type FrameStatistics,
+  isPlausible,
+  type RasterizerReport,
+  type StageTimings,
+} from '@websplatter/core';
+import type { ViewerState } from '../state/viewer-state.ts';
+import { formatCount, formatMs, formatRate, UNKNOWN } from '../words/format.ts';
+
+type StageFigure =
+  | 'preprocess'
+  | 'sort'
+  | 'rasterize'
+  | 'total'
+  | 'source'
+  | 'rasterizer'
+  | 'otherRasterizer'
+  | 'rasterizerReason'
+  | 'visible';
+
+type HudFigure =
+  | 'frameMs'
+  | 'rate'
+  | 'rateUnit'
+  | 'loaded'
+  | 'resolution'
+  | 'adapter'
+  | StageFigure
+  /** Of the right side of a split image. */
+  | `right.${StageFigure}`;
+
+/** The state as text; without the right side where there is none. */
+export function hudText(state: ViewerState): Partial<Record<HudFigure, string>> {
+  const { statistics, frameRate, scene, isIdle, widthPx, heightPx, adapterLabel } = state;
+  // A lone frame has no pace, and a slow drag is a row of them: its own time is the next best.
+  const frameMs = frameRate?.frameMs ?? statistics?.timing.wallClockMs;
+  const rate = isIdle || frameMs === undefined ? undefined : 1000 / frameMs;
+  return {
+    frameMs: formatMs(frameMs ?? Number.NaN),
+    rate: rate === undefined ? '' : formatRate(rate),
+    // Nothing is drawn while nothing changes: a rate would be wrong.
+    rateUnit: rate === undefined ? (isIdle ? 'idle' : '') : 'fps',
+    ...stageFigures(statistics, state.rasterizer),
+    ...(state.comparison?.kind === 'split' &&
+      onRight(stageFigures(state.rightStatistics, state.rightRasterizer))),
+    loaded: formatCount(scene?.splats ?? Number.NaN),
+    resolution: widthPx > 0 ? `${widthPx} × ${heightPx}` : UNKNOWN,
+    adapter: adapterLabel || UNKNOWN,
+  };
+}
+
+function stageFigures(
+  statistics: FrameStatistics | null,
+  rasterizer: RasterizerReport | null,
+): Record<StageFigure, string> {
+  const timing = statistics?.timing;
+  return {
+    preprocess: formatMs(timing?.preprocessMs ?? Number.NaN),
+    sort: formatMs(timing?.sortMs ?? Number.NaN),
+    rasterize: formatMs(timing?.rasterizeMs ?? Number.NaN),
+    total: formatMs(timing?.totalMs ?? Number.NaN),
+    source: timing ? sourceText(timing) : '',
+    rasterizer: statistics?.rasterizer ?? UNKNOWN,
+    otherRasterizer: statistics && rasterizer ? otherRasterizer(statistics, rasterizer) : '',
+    rasterizerReason: statistics && rasterizer ? rasterizerReason(statistics, rasterizer) : '',
+    visible: formatCount(statistics?.visibleSplats ?? Number.NaN),
+  };
+}
+
+function onRight(figures: Record<StageFigure, string>): Record<`right.${StageFigure}`, string> {
+  const renamed = Object.entries(figures).map(([name, text]) => [`right.${name}`, text]);
+  return Object.fromEntries(renamed);
+}
+
+function sourceText(timing: StageTimings): string {
+  if (timing.source === 'wall-clock') return 'wall clock';
+  return isPlausible(timing)
+    ? 'GPU timestamps'
+    : `GPU timestamps; the clock says ${formatMs(timing.wallClockMs)} ms`;
+}
+
+/** `(quads 22.0 ms)`: what did not draw the frame; empty while its time is unknown. The time of what did is the stage's. */
+function otherRasterizer({ rasterizer }: FrameStatistics, { tilesMs, quadsMs }: RasterizerReport): string {
+  const [other, otherMs] = rasterizer === 'tiles' ? ['quads', quadsMs] : ['tiles', tilesMs];
+  return otherMs === null ? '' : `(${other} ${formatMs(otherMs)} ms)`;
+}
+
+/** Why the frame was drawn by what drew it; where the next one will be drawn by the other, why that is so. */
+function rasterizerReason({ rasterizer, tilePairs }: FrameStatistics, report: RasterizerReport): string {
+  if (rasterizer === report.rasterizer) return capitalized(report.reason);
+  if (rasterizer === 'quads' && tilePairs !== null) return 'The lists of the tiles had no room in this frame';
+  return `${capitalized(report.rasterizer)} are next: ${report.reason}`;
+}
+
+function capitalized(text: string): string {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}
+
+/** Each stage's part of the time of all three, 0…1; all 0 if they are not measured. */
+export function stageShares(
+  statistics: FrameStatistics | null,
+): Record<'preprocess' | 'sort' | 'rasterize', number> {
+  const timing = statistics?.timing;
+  const sum = timing ? timing.preprocessMs + timing.sortMs + timing.rasterizeMs : Number.NaN;
+  if (!timing || !(sum > 0)) return { preprocess: 0, sort: 0, rasterize: 0 };
+  return {
+    preprocess: timing.preprocessMs / sum,
+    sort: timing.sortMs / sum,
+    rasterize: timing.rasterizeMs / sum,
+  };
+}

@@ -1,0 +1,189 @@
+import type { Page } from 'playwright-core';
+import { describe, expect, it } from 'vitest';
+import { frameCount, textOf, viewerHarness, waitForFrameAfter } from './viewer-page.ts';
+
+const harness = viewerHarness();
+const { openViewer } = harness;
+/** Few pixels to draw: the figures are looked at, not the image. */
+const CHEAP = '?scene=still-life-small&accuracy=fast,shDegree:0,resolutionScale:0.25,rasterizer:quads';
+const SIZE = { width: 660, height: 490 };
+
+/** Most writes of figures a second, plus some that lie at the ends of a measurement. */
+const WRITES_PER_MS = 1 / 120;
+const WRITES_AT_ENDS = 2;
+
+/** What a page counts: React's commits, and how often anything in the figures changes. */
+interface Counts {
+  commits: number;
+  writes: number;
+}
+
+/** For `addInitScript`: counts what React commits, as its developer tools do. */
+function countCommits(): void {
+  const counts: Counts = { commits: 0, writes: 0 };
+  const hook = {
+    supportsFiber: true,
+    renderers: new Map(),
+    inject: () => 1,
+    onCommitFiberRoot: () => counts.commits++,
+    onCommitFiberUnmount: () => {},
+    onPostCommitFiberRoot: () => {},
+  };
+  Object.assign(window, { counts, __REACT_DEVTOOLS_GLOBAL_HOOK__: hook });
+}
+
+function countsOf(page: Page): Promise<Counts> {
+  return page.evaluate(() => ({ ...(window as unknown as { counts: Counts }).counts }));
+}
+
+/** Drags the scene and draws a frame for each step. */
+async function drag(page: Page, frames: number): Promise<void> {
+  await page.mouse.move(450, 400);
+  await page.mouse.down();
+  for (let step = 1; step <= frames; step++) {
+    const before = await frameCount(page);
+    await page.mouse.move(450 + 4 * step, 400);
+    await waitForFrameAfter(page, before);
+  }
+  await page.mouse.up();
+}
+
+async function makeLarge(page: Page): Promise<void> {
+  await page.getByTestId('hud-more').click();
+  await page.getByTestId('left-peak').waitFor();
+}
+
+/** How many different colours the chart of a side has. */
+function chartColors(page: Page, side: 'left' | 'right'): Promise<number> {
+  return page.getByTestId(`history-${side}`).evaluate((canvas: HTMLCanvasElement) => {
+    const { data } = canvas.getContext('2d')!.getImageData(0, 0, canvas.width, canvas.height);
+    return new Set(new Uint32Array(data.buffer)).size;
+  });
+}
+
+describe('the figures of the viewer', () => {
+  it('tell all that is known of the last frames, and neither render by React nor write each frame', async () => {
+    const page = await harness.newPage({ viewport: SIZE });
+    await page.addInitScript(countCommits);
+    await page.goto(`${harness.server.url}${CHEAP}`);
+    await waitForFrameAfter(page, 0);
+    await makeLarge(page);
+    await drag(page, 2);
+    await page.waitForFunction(() =>
+      /\d/.test(document.querySelector('[data-testid=left-peak]')!.textContent),
+    );
+    await page.getByTestId('hud').evaluate((hud) => {
+      const { counts } = window as unknown as { counts: Counts };
+      new MutationObserver(() => counts.writes++).observe(hud, {
+        attributes: true,
+        characterData: true,
+        childList: true,
+        subtree: true,
+      });
+    });
+    const before = await countsOf(page);
+    const beganMs = performance.now();
+    await drag(page, 6);
+    const after = await countsOf(page);
+    const elapsedMs = performance.now() - beganMs;
+    expect(before.commits, 'commits of React so far').toBeGreaterThan(0);
+    expect(after.commits - before.commits, 'commits of React while frames were drawn').toBe(0);
+    expect(after.writes - before.writes, 'writes of figures').toBeLessThanOrEqual(
+      elapsedMs * WRITES_PER_MS + WRITES_AT_ENDS,
+    );
+    expect(await chartColors(page, 'left'), 'colours of the chart').toBeGreaterThan(3);
+
+    expect(await textOf(page, 'sort-keys')).toBe('16 bits');
+    expect(Number((await textOf(page, 'candidate-splats')).replaceAll(',', ''))).toBeGreaterThan(1000);
+    expect(await textOf(page, 'memory-total')).toMatch(/^[\d.]+ MB$/);
+    expect(await textOf(page, 'memory-limit')).toMatch(/^[\d.]+ [MG]B$/);
+    for (const name of ['own-ms', 'render-ms']) expect(await textOf(page, name)).toMatch(/^[\d.,]+$/);
+    // What quads run, tiles do not.
+    const passes = page.getByTestId('hud-passes');
+    expect(await page.getByTestId('pass-rasterize').isVisible()).toBe(false);
+    await passes.locator('summary').focus();
+    await page.keyboard.press('Enter');
+    await page.getByTestId('pass-rasterize').waitFor();
+    expect(await textOf(page, 'pass-upscale')).toMatch(/^[\d.,]+$/);
+    expect(await page.getByTestId('pass-tiles').isVisible()).toBe(false);
+
+    // Both sides of a split image.
+    await page.keyboard.press('c');
+    await page.getByTestId('accuracy-tab-compare').click();
+    await page.getByTestId('compare-split').click();
+    await page.getByTestId('side-right').selectOption('fast');
+    await page.waitForFunction(() =>
+      /tiles|quads/.test(document.querySelector('[data-testid=right-rasterizer]')?.textContent ?? ''),
+    );
+    await page.waitForFunction(() => {
+      const times = document.querySelectorAll('[data-figure="right.total"], [data-figure="right.peak"]');
+      return times.length === 2 && [...times].every(({ textContent }) => /\d/.test(textContent));
+    });
+    await page.keyboard.press('Escape');
+    expect(await chartColors(page, 'right')).toBeGreaterThan(2);
+  });
+
+  it('stand still when they are frozen, can be copied, and are as they were left after a reload', async () => {
+    const page = await openViewer(CHEAP, {
+      viewport: SIZE,
+      permissions: ['clipboard-read', 'clipboard-write'],
+    });
+    await makeLarge(page);
+    await drag(page, 2);
+    const read = () => page.evaluate(() => navigator.clipboard.readText());
+    const copy = async (format: 'json' | 'csv') => {
+      await page.getByTestId(`hud-copy-${format}`).click();
+      await page.getByText(`Copied as ${format.toUpperCase()}`).waitFor();
+      return await read();
+    };
+    await page.getByTestId('hud-freeze').click();
+    const frozen = JSON.parse(await copy('json'));
+    const numbers = frozen.sides.left.frames.map(({ frame }: { frame: number }) => frame);
+    expect(numbers.length).toBeGreaterThan(0);
+    expect(frozen.sides.left.accuracy).toMatchObject({ resolutionScale: 0.25 });
+    const peak = await textOf(page, 'left-peak');
+    await drag(page, 2);
+    expect(await textOf(page, 'left-peak')).toBe(peak);
+    const rows = (await copy('csv')).trim().split('\n');
+    expect(rows[0]).toMatch(/^side,frame,/);
+    expect(rows.slice(1).map((row) => Number(row.split(',')[1]))).toEqual(numbers);
+
+    // Some browsers do not let pages copy.
+    await page.evaluate(() => {
+      navigator.clipboard.writeText = () => Promise.reject(new DOMException('', 'NotAllowedError'));
+    });
+    await page.getByTestId('hud-copy-csv').click();
+    const report = page.getByTestId('hud-report');
+    await report.waitFor();
+    await page.waitForFunction(() => document.activeElement?.matches('[data-testid=hud-report]'));
+    const selected = await report.evaluate((text: HTMLTextAreaElement) =>
+      text.value.slice(text.selectionStart, text.selectionEnd),
+    );
+    expect(selected.trim().split('\n')).toEqual(rows);
+
+    await page.reload();
+    await page.getByTestId('hud').waitFor();
+    expect(await page.getByTestId('hud').getAttribute('data-size')).toBe('large');
+    expect(await page.getByTestId('hud-more').isDisabled()).toBe(true);
+    for (let size = 0; size < 2; size++) await page.getByTestId('hud-fewer').click();
+    expect(await page.getByTestId('total-ms').count()).toBe(0);
+    expect(await page.getByTestId('hud').getAttribute('data-size')).toBe('small');
+  });
+
+  it('are closed at first on phones', async () => {
+    const page = await harness.open(CHEAP, {
+      viewport: { width: 360, height: 640 },
+      hasTouch: true,
+      isMobile: true,
+    });
+    const button = page.getByTestId('command-hud');
+    expect(await button.getAttribute('aria-pressed')).toBe('false');
+    expect(await page.getByTestId('hud').count()).toBe(0);
+    await button.tap();
+    await page.getByTestId('hud').waitFor();
+    const { width, height } = await page
+      .getByTestId('hud-more')
+      .evaluate((each) => each.getBoundingClientRect().toJSON());
+    expect(Math.min(width, height), 'size of a button, px').toBeGreaterThanOrEqual(44);
+  });
+});
