@@ -1,7 +1,7 @@
 import { GpuLimitError } from '../errors.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
+import { CHUNK_WORDS } from '../layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
-import { Chunk } from '../layout/structs.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
 import { paletteWordsOf, type StoredHarmonics, shWordsPerSplat } from '../packing/harmonics.ts';
 import { chunkCountOf, type PackedCloud } from '../packing/packed-cloud.ts';
@@ -152,7 +152,7 @@ export class CloudPlanes {
   static upload(memory: GpuMemory, limits: DeviceLimits, packed: PackedCloud, name: string): CloudPlanes {
     const { degree: shDegree, precision: shPrecision } = packed.harmonics;
     const ranges = pagesOf(limits, packed.count, shDegree, name);
-    const chunkWords = Chunk.bytes / 4;
+    const chunkWords = CHUNK_WORDS.count;
     const words = new Uint32Array(packed.chunks);
     const place = { memory, name, ranges };
     const made: Plane[] = [];

@@ -1,4 +1,4 @@
-import { Chunk } from '../layout/structs.ts';
+import { CHUNK_WORDS } from '../layout/chunk-words.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
 import { BoxTree } from './box-tree.ts';
@@ -62,19 +62,18 @@ function longestBox(chunkCount: number): number {
 
 function chunkBoxes({ chunks, robustBounds }: CloudOutline): Float64Array {
   const values = new Float32Array(chunks);
-  const stride = Chunk.bytes / 4;
+  const { minPosition, maxPosition, maxScale, count: stride } = CHUNK_WORDS;
   const chunkCount = values.length / stride;
   const sceneSide = Math.max(...robustBounds.max.map((high, axis) => high - robustBounds.min[axis]));
   const longestSide = sceneSide > 0 ? sceneSide * longestBox(chunkCount) : Number.POSITIVE_INFINITY;
-  const { minPosition, maxPosition, maxScale } = Chunk.offsets;
   const boxes = new Float64Array(6 * chunkCount);
   let end = 0;
   for (let at = 0; at < values.length; at += stride) {
-    const min = values.subarray(at + minPosition / 4, at + minPosition / 4 + 3);
-    const max = values.subarray(at + maxPosition / 4, at + maxPosition / 4 + 3);
+    const min = values.subarray(at + minPosition, at + minPosition + 3);
+    const max = values.subarray(at + maxPosition, at + maxPosition + 3);
     const side = Math.max(max[0] - min[0], max[1] - min[1], max[2] - min[2]);
     if (side > longestSide) continue;
-    const deviation = values[at + maxScale / 4];
+    const deviation = values[at + maxScale];
     const widening = chunkCount > 1 && side > 0 ? Math.min(deviation, MOST_WIDENED * side) : deviation;
     for (let axis = 0; axis < 3; axis++) {
       boxes[end + axis] = min[axis] - widening;

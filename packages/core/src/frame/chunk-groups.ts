@@ -1,15 +1,12 @@
 import type { FrustumSide } from '../camera/frustum.ts';
-import { Chunk } from '../layout/structs.ts';
+import { CHUNK_WORDS } from '../layout/chunk-words.ts';
 
 /** Chunks per group. Chunks lie in Morton order, so that the chunks of a group are neighbours. */
 const GROUP_CHUNKS = 16;
 /** The GPU tests chunks in float32 with a slack of 1e-5; this test must keep every chunk that the GPU keeps. */
 const SLACK = 1e-4;
 
-const WORDS = Chunk.bytes / 4;
-const MIN = Chunk.offsets.minPosition / 4;
-const MAX = Chunk.offsets.maxPosition / 4;
-const SCALE = Chunk.offsets.maxScale / 4;
+const { minPosition: MIN, maxPosition: MAX, maxScale: SCALE, count: WORDS } = CHUNK_WORDS;
 
 /** Bounds of the groups of chunks, as `Chunk` structs too, by the chunks' buffer. */
 const known = new WeakMap<ArrayBuffer, Float32Array>();

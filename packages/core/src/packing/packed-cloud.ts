@@ -1,5 +1,5 @@
+import { CHUNK_WORDS } from '../layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
-import { Chunk } from '../layout/structs.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { DropCounts, SplatColumns, SplatSet } from '../splats/splat-set.ts';
 import { emptyBounds } from './center-bounds.ts';
@@ -107,7 +107,7 @@ export function chunkCountOf(splatCount: number): number {
 
 /** The `Chunk` structs of splats in storage order. */
 export function chunkBounds({ count, positions, logScales }: SplatColumns): ArrayBuffer {
-  const chunks = new ArrayBuffer(chunkCountOf(count) * Chunk.bytes);
+  const chunks = new Float32Array(chunkCountOf(count) * CHUNK_WORDS.count);
   for (let chunk = 0; chunk < chunkCountOf(count); chunk++) {
     const { min, max } = emptyBounds();
     let maxLogScale = Number.NEGATIVE_INFINITY;
@@ -120,22 +120,22 @@ export function chunkBounds({ count, positions, logScales }: SplatColumns): Arra
     }
     // A packed log scale may be rounded up by half a step.
     const maxScale = 1.001 * Math.exp(clampLogScale(maxLogScale));
-    Chunk.write(chunks, { minPosition: min, maxPosition: max, maxScale, padding: 0 }, chunk * Chunk.bytes);
+    const at = chunk * CHUNK_WORDS.count;
+    chunks.set(min, at + CHUNK_WORDS.minPosition);
+    chunks[at + CHUNK_WORDS.maxScale] = maxScale;
+    chunks.set(max, at + CHUNK_WORDS.maxPosition);
   }
-  return chunks;
+  return chunks.buffer;
 }
 
 /** Bounds of the centres, in scene space, from those of the chunks. */
 export function totalBounds(chunks: ArrayBuffer, origin: Vec3): Bounds {
   const values = new Float32Array(chunks);
-  const stride = Chunk.bytes / 4;
-  const minAt = Chunk.offsets.minPosition / 4;
-  const maxAt = Chunk.offsets.maxPosition / 4;
   const { min, max } = emptyBounds();
-  for (let at = 0; at < values.length; at += stride) {
+  for (let at = 0; at < values.length; at += CHUNK_WORDS.count) {
     for (let axis = 0; axis < 3; axis++) {
-      min[axis] = Math.min(min[axis], values[at + minAt + axis] + origin[axis]);
-      max[axis] = Math.max(max[axis], values[at + maxAt + axis] + origin[axis]);
+      min[axis] = Math.min(min[axis], values[at + CHUNK_WORDS.minPosition + axis] + origin[axis]);
+      max[axis] = Math.max(max[axis], values[at + CHUNK_WORDS.maxPosition + axis] + origin[axis]);
     }
   }
   return { min, max };
