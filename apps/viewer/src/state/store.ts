@@ -22,6 +22,7 @@ export function createViewerStore(): ViewerStore {
     cameraIndex: 0,
     isOwnCamera: false,
     isFlipped: false,
+    hasInterface: true,
     isHudVisible: true,
     hudSize: 'medium',
     isHudFrozen: false,

@@ -89,6 +89,8 @@ export interface ViewerState {
   /** Whether that camera itself is shown, not an orbit that went on from it. */
   readonly isOwnCamera: boolean;
   readonly isFlipped: boolean;
+  /** Whether there is more than the picture: toolbar, panels and their keys (`?noui` has none). */
+  readonly hasInterface: boolean;
   readonly isHudVisible: boolean;
   readonly hudSize: HudSize;
   /** Whether the figures stay as they are, to be read and copied. */
