@@ -1,3 +1,4 @@
+import { readFile } from 'node:fs/promises';
 import { encodePly } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
 import type { Screenshot } from './screenshot.ts';
@@ -71,5 +72,13 @@ describe('links of the viewer', () => {
     await page.getByTestId('notice').getByText('file of this device').waitFor();
     await page.keyboard.press('x');
     expect(await textOf(page, 'save')).toContain('file of this device');
+
+    await page.getByTestId('picture-width').fill('300');
+    const downloading = page.waitForEvent('download');
+    await page.getByTestId('save-picture').click();
+    const download = await downloading;
+    expect(download.suggestedFilename()).toBe('own.png');
+    const png = await readFile(await download.path());
+    expect([png.readUInt32BE(16), png.readUInt32BE(20)]).toEqual([300, 200]);
   });
 });

@@ -2,13 +2,14 @@ import { WRITABLE_FORMATS } from '@websplatter/core/write';
 import { useState } from 'react';
 import { useStore } from 'zustand';
 import { LinkSection } from '../links/link-section.tsx';
+import { PictureSection } from '../pictures/picture-section.tsx';
 import { Dock } from '../ui/dock.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import type { Saving } from './saving.ts';
 
 const PHASES = { read: 'Reading the scene again', write: 'Writing' } as const;
 
-/** A link to what is shown, and the scene in another format. */
+/** A link to what is shown, a picture of it, and the scene in another format. */
 export function SavePanel({ store, viewer, saving }: PanelProps & { saving: Saving }) {
   const running = useStore(store, (state) => state.saving);
   const canSave = useStore(store, (state) => state.scene?.canSave ?? false);
@@ -18,6 +19,7 @@ export function SavePanel({ store, viewer, saving }: PanelProps & { saving: Savi
     <Dock store={store} name="save" title="Save and share">
       <div className="dock-body">
         <LinkSection store={store} viewer={viewer} />
+        <PictureSection store={store} viewer={viewer} />
         <section>
           <h3>Scene</h3>
           <fieldset className="chips" aria-label="Format">

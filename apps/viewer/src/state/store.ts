@@ -15,6 +15,7 @@ export function createViewerStore(): ViewerStore {
     load: null,
     preparing: null,
     saving: null,
+    picturing: null,
     failure: null,
     warning: null,
     lastFile: null,

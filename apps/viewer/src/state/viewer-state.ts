@@ -9,7 +9,7 @@ import type {
 import type { Comparison } from './comparison.ts';
 import type { FailureReport } from './failure.ts';
 import type { FailedMeasurement, MeasuredAccuracy, MeasuredEffects, RunningMeasurement } from './measured.ts';
-import type { SavingState } from './saving.ts';
+import type { PicturingState, SavingState } from './saving.ts';
 import type { LoadState, SceneSummary, SceneWarning } from './scene-summary.ts';
 
 /** Panels beside the image; one at a time. */
@@ -77,6 +77,7 @@ export interface ViewerState {
   /** The scene on the screen, while it is read again, or a palette is found for it, to be drawn with another accuracy. */
   readonly preparing: LoadState | null;
   readonly saving: SavingState | null;
+  readonly picturing: PicturingState | null;
   readonly failure: FailureReport | null;
   /** The problem of the scene that is shown; stays until it is dismissed. */
   readonly warning: SceneWarning | null;
