@@ -4,9 +4,9 @@ import type { FileDropDecision } from './file-drop/file-drop.ts';
 import { followDrop, hasOpenedFile } from './file-drop/follow-drop.ts';
 import { GALLERY_SCENE, loadHardCases } from './hard-cases/catalogue.ts';
 import { keepHud } from './hud/kept-hud.ts';
+import { linkedStart } from './links/linked-start.ts';
 import { GalleryFailedPage } from './messages/status-pages.tsx';
 import { addressedScene } from './scene/first-source.ts';
-import { mirrorToAddress } from './shell/address-mirror.ts';
 import { App } from './shell/app.tsx';
 import { mirrorToDocument } from './shell/document-mirror.ts';
 import { createViewerStore } from './state/store.ts';
@@ -26,19 +26,21 @@ if (addressed.scene === GALLERY_SCENE && addressed.addresses?.length === 0) {
     show(<GalleryFailedPage />);
   });
 } else {
-  showViewer({ ...addressed, accuracy: address.get('accuracy') });
+  showViewer({ ...addressed, accuracy: address.get('accuracy'), linked: linkedStart(address) });
 }
 
 function showViewer(start: StartOptions, dropped?: FileDropDecision): void {
   const store = createViewerStore();
+  store.setState({ hasInterface: !address.has('noui') });
   mirrorToDocument(store, document);
   keepHud(store);
   const viewer = new Viewer(store, start);
-  mirrorToAddress(store);
+  // Nothing is written before the first picture, which does not wait for this.
+  void import('./links/address-mirror.ts').then(({ mirrorToAddress }) => mirrorToAddress(store, viewer));
   const asksForNothing = !start.scene && !start.addresses?.length;
   if (dropped) followDrop(dropped, store, viewer);
   else if (asksForNothing || hasOpenedFile()) void viewer.files.offer();
-  show(<App store={store} viewer={viewer} />);
+  show(<App store={store} viewer={viewer} poster={address.get('poster')} />);
 }
 
 /** In place of the gallery, which is one step back in the browser's history. */

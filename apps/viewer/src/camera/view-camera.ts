@@ -35,6 +35,9 @@ export interface CameraSnapshot {
   readonly isFlipped: boolean;
 }
 
+/** Where the camera is, without where it began: what a link tells. */
+export type LinkedCamera = Omit<CameraSnapshot, 'home'>;
+
 /** The camera of the scene that is shown: an orbit, or one of the scene's own cameras until the view is moved. */
 export class ViewCamera {
   readonly controls: OrbitControls;
@@ -42,6 +45,7 @@ export class ViewCamera {
   #subject: CameraSubject | null = null;
   /** Field of view over the image's shorter side while the camera orbits. */
   #fovDegrees = FIRST_FOV_DEGREES;
+  #first: CameraSnapshot | null = null;
 
   constructor(store: ViewerStore, options: OrbitControlsOptions) {
     this.#store = store;
@@ -55,9 +59,35 @@ export class ViewCamera {
     this.controls.distanceRange = { min: radius * 1e-3, max: radius * 100 };
   }
 
+  /** How the scene was shown at first; null before there is one. */
+  get first(): CameraSnapshot | null {
+    return this.#first;
+  }
+
   showFirstView(): void {
     const subject = this.#subject;
     if (!subject) return;
+    this.#placeFirst(subject);
+    this.#first = this.snapshot();
+  }
+
+  /** Shows the scene as `camera` did elsewhere; home is its first view nevertheless. */
+  showLinked(camera: LinkedCamera): void {
+    this.showFirstView();
+    const subject = this.#subject;
+    if (!subject) return;
+    if (subject.ownCameras) {
+      // They show the scene as it is.
+      this.#showOwnCamera(camera.cameraIndex);
+      const { cameraIndex, isFlipped, home } = this.snapshot();
+      this.restore({ ...camera, cameraIndex, isFlipped, home });
+      return;
+    }
+    if (camera.isFlipped !== this.snapshot().isFlipped) this.toggleFlip();
+    this.restore({ ...camera, cameraIndex: 0, home: this.controls.home });
+  }
+
+  #placeFirst(subject: CameraSubject): void {
     const { firstView, ownCameras, sphere, isUpsideDown } = subject;
     this.#store.setState({ isFlipped: isUpsideDown, cameraIndex: 0 });
     if (ownCameras) {
@@ -76,6 +106,7 @@ export class ViewCamera {
     const subject = this.#subject;
     if (!subject || !this.controls.isHome) return;
     this.controls.setPose(firstPose(this.#placed(subject.sphere), this.#fovYDegrees, this.#aspect));
+    this.#first = this.snapshot();
   }
 
   snapshot(): CameraSnapshot {

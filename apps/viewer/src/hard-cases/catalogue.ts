@@ -18,9 +18,14 @@ export function addressOf(name: string): string {
   return `${GALLERY_ADDRESS}:${encodeURIComponent(name)}`;
 }
 
+/** What `?scene=` says to ask for a case. */
+export function hardCaseScene(name: string): string {
+  return `${GALLERY_SCENE}:${name}`;
+}
+
 /** The case that `?scene=` asks for; null if it asks for another scene. */
 export function hardCaseNameIn(scene: string | null | undefined): string | null {
-  const prefix = `${GALLERY_SCENE}:`;
+  const prefix = hardCaseScene('');
   return scene?.startsWith(prefix) ? scene.slice(prefix.length) : null;
 }
 

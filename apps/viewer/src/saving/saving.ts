@@ -2,11 +2,9 @@ import type { WritableFormat } from '@websplatter/core/write';
 import { type SceneSource, titleOf } from '../scene/scene-source.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { formatBytes } from '../words/format.ts';
+import { download } from './download.ts';
 import type { SaveReply } from './save.worker.ts';
 import type { SavedSource, SaveRequest } from './write-scene.ts';
-
-/** A page may still be fetching what it saves for so long, ms. */
-const DOWNLOAD_MS = 60_000;
 
 /** Saves the scene on the screen as a file, one at a time. */
 export class Saving {
@@ -53,7 +51,7 @@ export class Saving {
       return;
     }
     this.#end();
-    download(reply.bytes, fileName);
+    download(new Blob([reply.bytes]), fileName);
     this.#store.setState({ notice: `Saved ${fileName} (${formatBytes(reply.bytes.length)}).` });
   }
 
@@ -88,10 +86,4 @@ function savedSource(source: SceneSource): SavedSource | null {
 /** The name of a scene's file, or of what is in it, with another end. */
 export function savedName(title: string, { extension }: Pick<WritableFormat, 'extension'>): string {
   return `${title.replace(/(\.compressed)?\.[a-z]+$/i, '') || 'scene'}${extension}`;
-}
-
-function download(bytes: Uint8Array<ArrayBuffer>, fileName: string): void {
-  const href = URL.createObjectURL(new Blob([bytes]));
-  Object.assign(document.createElement('a'), { href, download: fileName }).click();
-  setTimeout(() => URL.revokeObjectURL(href), DOWNLOAD_MS);
 }

@@ -11,7 +11,7 @@ export interface AddressedScene {
 }
 
 /** Names that addresses of files have in a page's address: other viewers use the others. */
-const ADDRESS_NAMES = ['src', 'url', 'file'] as const;
+export const ADDRESS_NAMES = ['src', 'url', 'file'] as const;
 
 export interface FirstSource {
   readonly source: SceneSource;

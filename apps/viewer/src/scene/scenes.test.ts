@@ -205,3 +205,40 @@ it('shows a file that must be refused as a scene of its own, with its error', as
   expect(store.getState().failure?.title).toBe('The file is incomplete');
   expect(loads).toHaveLength(2);
 });
+
+describe('The camera of a link', () => {
+  const linkedCamera = {
+    pose: { target: [0, 0, 0], distance: 7, azimuth: 1, polar: 1, up: [0, 1, 0] },
+    fovDegrees: 40,
+    cameraIndex: 0,
+    isFlipped: false,
+  } as const;
+  const scenesOf = (scene: string) =>
+    new Scenes({
+      store,
+      sessions,
+      camera,
+      addressed: { scene },
+      linkedCamera,
+      onClouds: () => {},
+      onShow: () => {},
+    });
+
+  it('looks at the scene of the link, and at no other', async () => {
+    scenes = scenesOf('still-life-small');
+    await startSession();
+    await loaded();
+    expect(camera.snapshot()).toMatchObject(linkedCamera);
+    scenes.open(a);
+    await settled();
+    await loaded();
+    expect(camera.snapshot().pose.distance).not.toBe(7);
+  });
+
+  it('does not look at what is shown because the scene of the link is not there', async () => {
+    scenes = scenesOf('nowhere');
+    await startSession();
+    await loaded();
+    expect(camera.snapshot().pose.distance).not.toBe(7);
+  });
+});

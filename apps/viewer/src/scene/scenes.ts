@@ -1,6 +1,6 @@
 import { isSoftwareAdapter, type SplatEngine } from '@websplatter/core';
 import type { Sphere } from '../camera/scene-bounds.ts';
-import type { CameraSnapshot, ViewCamera } from '../camera/view-camera.ts';
+import type { CameraSnapshot, LinkedCamera, ViewCamera } from '../camera/view-camera.ts';
 import { reportFailure } from '../messages/failure-report.ts';
 import type { Session } from '../session/session.ts';
 import type { SessionOwner } from '../session/session-owner.ts';
@@ -25,6 +25,8 @@ export interface ScenesOptions {
   readonly sessions: Pick<SessionOwner, 'current' | 'whenStarted' | 'recover'>;
   readonly camera: ViewCamera;
   readonly addressed: AddressedScene;
+  /** How to look at what the address asks for; otherwise its first view is shown. */
+  readonly linkedCamera?: LinkedCamera | null;
   /** The newest scene is another one: its clouds have to be prepared. The camera still looks at the one before. */
   readonly onClouds: () => void;
   /** The newest scene is ready to be drawn. */
@@ -54,6 +56,8 @@ export class Scenes {
   /** What a person has asked for, until it has been opened, has failed or was called off. */
   #asked: SceneSource | null = null;
   #shown = 0;
+  /** What the address has asked for, if it is the first to be opened. */
+  #addressed: SceneSource | null = null;
 
   constructor(options: ScenesOptions) {
     this.#options = options;
@@ -104,7 +108,12 @@ export class Scenes {
   openFirst({ engine }: Session): void {
     if (this.#loading) return;
     const { addressed } = this.#options;
-    const first = () => this.#withNotice(firstSource(addressed, location.href, isSoftware(engine)));
+    const first = () => {
+      const { source, ...problems } = firstSource(addressed, location.href, isSoftware(engine));
+      // Another scene in its place has no such view.
+      if (problems.notice === null && problems.failure === null) this.#addressed = source;
+      return this.#withNotice({ source, ...problems });
+    };
     void this.#load(this.#asked ?? this.#newest?.source ?? first());
   }
 
@@ -221,9 +230,16 @@ export class Scenes {
     // After the device was lost the view goes on where it was.
     if (!isReopened) {
       if (preview) camera.showFirstViewAgain();
-      else camera.showFirstView();
+      else this.#showFirstView(source);
     }
     onShow();
+  }
+
+  /** The first view of the newest scene, or that of the address if it is what that asks for. */
+  #showFirstView(source: SceneSource): void {
+    const { camera, linkedCamera } = this.#options;
+    if (linkedCamera && source === this.#addressed) camera.showLinked(linkedCamera);
+    else camera.showFirstView();
   }
 
   #showPreview(session: Session, source: SceneSource, loaded: LoadedScene): void {
@@ -239,7 +255,7 @@ export class Scenes {
     };
     this.#present(scene);
     if (!isReopened) {
-      if (!before) camera.showFirstView();
+      if (!before) this.#showFirstView(source);
       else if (hasMoved) camera.showFirstViewAgain();
     }
     onShow();

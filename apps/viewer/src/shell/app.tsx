@@ -22,9 +22,12 @@ import { Saving } from '../saving/saving.ts';
 import { SceneCaption } from '../scene/scene-caption.tsx';
 import type { ViewerStore } from '../state/store.ts';
 import { isGpuLost } from '../state/viewer-state.ts';
+import type { PanelProps } from '../viewer/panel-props.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { createCommands, listenToKeys } from './commands.ts';
 import { Help } from './help.tsx';
+import { PlainPicture } from './plain-picture.tsx';
+import { Poster } from './poster.tsx';
 import { Toolbar } from './toolbar.tsx';
 import { Viewport } from './viewport.tsx';
 
@@ -33,7 +36,9 @@ const Hud = lazy(async () => ({ default: (await import('../hud/hud.tsx')).Hud })
 /** With the list of formats, which most visitors do not need. */
 const SavePanel = lazy(async () => ({ default: (await import('../saving/save-panel.tsx')).SavePanel }));
 
-export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
+/** @param poster address of an image to show until there is a picture. */
+export function App({ store, viewer, poster }: PanelProps & { poster: string | null }) {
+  const hasInterface = useStore(store, (state) => state.hasInterface);
   const isUnavailable = useStore(store, (state) => state.status === 'unavailable');
   const isLost = useStore(store, isGpuLost);
   const isSaveVisible = useStore(store, (state) => state.dock === 'save');
@@ -67,17 +72,19 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   const follow = (decision: FileDropDecision) => followDrop(decision, store, viewer);
 
   if (isUnavailable) return <UnavailablePage store={store} onRetry={() => viewer.recover()} />;
+  if (!hasInterface) return <PlainPicture store={store} viewer={viewer} poster={poster} onDrop={follow} />;
   return (
     <>
       <main>
         <Viewport store={store} viewer={viewer} />
+        {poster && <Poster store={store} address={poster} />}
         {comparison?.kind === 'split' && <SplitImage store={store} viewer={viewer} split={comparison} />}
         {comparison?.kind === 'error' && <ErrorMapImage store={store} viewer={viewer} />}
         <div className="overlay">
           <Toolbar store={store} run={run} />
           <AccuracyPanel store={store} viewer={viewer} accuracyMeasurement={accuracyMeasurement} />
           <EffectsPanel store={store} measurement={measurement} />
-          <Suspense>{isSaveVisible && <SavePanel store={store} saving={saving} />}</Suspense>
+          <Suspense>{isSaveVisible && <SavePanel store={store} viewer={viewer} saving={saving} />}</Suspense>
           <div className="overlay-side">
             <Suspense>{isHudVisible && <Hud store={store} viewer={viewer} recorder={recorder} />}</Suspense>
             <div className="messages">

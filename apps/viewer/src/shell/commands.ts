@@ -11,6 +11,7 @@ export type CommandName =
   | 'accuracy'
   | 'effects'
   | 'save'
+  | 'link'
   | 'help';
 
 export interface Command {
@@ -18,18 +19,23 @@ export interface Command {
   readonly label: string;
   /** Compared with `KeyboardEvent.key`, lower case. */
   readonly key: string;
+  /** Its button is not in the toolbar but in a panel. */
+  readonly isInPanel?: boolean;
+  /** It moves the camera only, so that it is there without the interface too. */
+  readonly isOfCamera?: boolean;
 }
 
 /** Commands that have both a button and a key; the keys that move the camera belong to the controls. */
 export const COMMANDS: readonly Command[] = [
   { name: 'open', label: 'Open a file', key: 'o' },
-  { name: 'frame', label: 'Frame the scene', key: 'f' },
-  { name: 'reset', label: 'Reset the view', key: 'r' },
-  { name: 'flip', label: 'Turn upside down', key: 'u' },
+  { name: 'frame', label: 'Frame the scene', key: 'f', isOfCamera: true },
+  { name: 'reset', label: 'Reset the view', key: 'r', isOfCamera: true },
+  { name: 'flip', label: 'Turn upside down', key: 'u', isOfCamera: true },
   { name: 'hud', label: 'Show or hide figures', key: 'h' },
   { name: 'accuracy', label: 'Accuracy and its cost', key: 'c' },
   { name: 'effects', label: 'Effects and why', key: 'e' },
-  { name: 'save', label: 'Save in another format', key: 'x' },
+  { name: 'save', label: 'Save and share', key: 'x' },
+  { name: 'link', label: 'Copy a link to this view', key: 'l', isInPanel: true },
   { name: 'help', label: 'Keys and gestures', key: '?' },
 ];
 
@@ -45,6 +51,7 @@ export function createCommands(viewer: Viewer, store: ViewerStore, chooseFile: (
     accuracy: () => store.setState(({ dock }) => ({ dock: dock === 'accuracy' ? null : 'accuracy' })),
     effects: () => store.setState(({ dock }) => ({ dock: dock === 'effects' ? null : 'effects' })),
     save: () => store.setState(({ dock }) => ({ dock: dock === 'save' ? null : 'save' })),
+    link: () => void import('../links/copy-link.ts').then(({ copyLink }) => copyLink(viewer, store)),
     help: () => store.setState(({ isHelpVisible }) => ({ isHelpVisible: !isHelpVisible })),
   };
   return (name) => run[name]();
@@ -56,7 +63,7 @@ export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const scope = keyScope(event.target);
     const state = store.getState();
-    const { isHelpVisible, status } = state;
+    const { isHelpVisible, status, hasInterface } = state;
     if (event.key === 'Escape') {
       // It closes the list first.
       if (scope === 'open list') return;
@@ -66,7 +73,9 @@ export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand
       return;
     }
     if (status !== 'running' || scope === 'text' || scope === 'open list') return;
-    const command = COMMANDS.find(({ key }) => key === event.key.toLowerCase());
+    const command = COMMANDS.find(
+      ({ key, isOfCamera }) => key === event.key.toLowerCase() && (hasInterface || isOfCamera),
+    );
     // A held key repeats, which suits moving but not switching.
     if (command && !event.repeat && (!isHelpVisible || command.name === 'help')) run(command.name);
     else if (command || isHelpVisible || !mayMoveCamera(scope, event.key)) return;

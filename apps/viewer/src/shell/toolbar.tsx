@@ -4,6 +4,8 @@ import type { ViewerStore } from '../state/store.ts';
 import { Icon } from '../ui/icon.tsx';
 import { COMMANDS, type CommandName, type RunCommand } from './commands.ts';
 
+const BUTTONS = COMMANDS.filter(({ isInPanel }) => !isInPanel);
+
 /** The Tab key stops at one button only; arrow keys go to the others. */
 export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand }) {
   const isFlipped = useStore(store, (state) => state.isFlipped);
@@ -12,7 +14,6 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
   const dock = useStore(store, (state) => state.dock);
   const hasScene = useStore(store, (state) => state.scene !== null);
   const canFlip = useStore(store, (state) => state.scene?.canFlip ?? false);
-  const canSave = useStore(store, (state) => state.scene?.canSave ?? false);
   const [stop, setStop] = useState<CommandName>(COMMANDS[0].name);
   const root = useRef<HTMLDivElement>(null);
   const pressed: Partial<Record<CommandName, boolean>> = {
@@ -27,7 +28,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
     flip: !canFlip,
     reset: !hasScene,
     frame: !hasScene,
-    save: !canSave,
+    save: !hasScene,
   };
   const tabStop = disabled[stop] ? COMMANDS[0].name : stop;
   const onKeyDown = (event: KeyboardEvent) => {
@@ -48,7 +49,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
         data-testid="toolbar"
         onKeyDown={onKeyDown}
       >
-        {COMMANDS.map(({ name, label, key }) => (
+        {BUTTONS.map(({ name, label, key }) => (
           <button
             key={name}
             type="button"

@@ -1,3 +1,10 @@
+/** A picture that is being drawn as a file. */
+export interface PicturingState {
+  readonly fileName: string;
+  /** 0…1. */
+  readonly part: number;
+}
+
 /** A scene that is being written as a file. */
 export interface SavingState {
   readonly fileName: string;

@@ -9,7 +9,7 @@ import type {
 import type { Comparison } from './comparison.ts';
 import type { FailureReport } from './failure.ts';
 import type { FailedMeasurement, MeasuredAccuracy, MeasuredEffects, RunningMeasurement } from './measured.ts';
-import type { SavingState } from './saving.ts';
+import type { PicturingState, SavingState } from './saving.ts';
 import type { LoadState, SceneSummary, SceneWarning } from './scene-summary.ts';
 
 /** Panels beside the image; one at a time. */
@@ -77,6 +77,7 @@ export interface ViewerState {
   /** The scene on the screen, while it is read again, or a palette is found for it, to be drawn with another accuracy. */
   readonly preparing: LoadState | null;
   readonly saving: SavingState | null;
+  readonly picturing: PicturingState | null;
   readonly failure: FailureReport | null;
   /** The problem of the scene that is shown; stays until it is dismissed. */
   readonly warning: SceneWarning | null;
@@ -89,6 +90,8 @@ export interface ViewerState {
   /** Whether that camera itself is shown, not an orbit that went on from it. */
   readonly isOwnCamera: boolean;
   readonly isFlipped: boolean;
+  /** Whether there is more than the picture: toolbar, panels and their keys (`?noui` has none). */
+  readonly hasInterface: boolean;
   readonly isHudVisible: boolean;
   readonly hudSize: HudSize;
   /** Whether the figures stay as they are, to be read and copied. */

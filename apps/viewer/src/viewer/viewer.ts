@@ -15,6 +15,7 @@ import { Drawing } from '../drawing/drawing.ts';
 import type { ImageOnBackground, ShownFrame } from '../drawing/drawn-frame.ts';
 import { FileMemory } from '../file-drop/file-memory.ts';
 import { KEPT_FILE } from '../file-drop/kept-file.ts';
+import type { LinkedStart } from '../links/linked-start.ts';
 import type { AddressedScene } from '../scene/first-source.ts';
 import { Scenes } from '../scene/scenes.ts';
 import { defaultAccuracyOn } from '../session/default-accuracy.ts';
@@ -29,6 +30,7 @@ import { decodeAccuracy } from '../words/accuracy-address.ts';
 export interface StartOptions extends AddressedScene {
   /** As `encodeAccuracy` writes it. */
   readonly accuracy?: string | null;
+  readonly linked?: LinkedStart;
 }
 
 /**
@@ -48,6 +50,9 @@ export class Viewer {
   constructor(store: ViewerStore, start: StartOptions = {}) {
     this.#store = store;
     this.files = new FileMemory(store, KEPT_FILE);
+    const { linked } = start;
+    if (linked?.comparison) store.setState(linked.comparison);
+    if (linked?.notice) store.setState({ notice: linked.notice });
     this.#readAccuracy(start.accuracy ?? null);
     const reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
     this.camera = new ViewCamera(store, {
@@ -67,6 +72,7 @@ export class Viewer {
       sessions: this.#sessions,
       camera: this.camera,
       addressed: start,
+      linkedCamera: linked?.camera,
       onClouds: () => this.#precisions.request(),
       onShow: () => this.#drawing.request(),
     });

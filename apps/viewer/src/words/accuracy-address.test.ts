@@ -1,9 +1,7 @@
 import { resolveAccuracy } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
-import { addressWithAccuracy, decodeAccuracy, encodeAccuracy } from './accuracy-address.ts';
+import { decodeAccuracy, encodeAccuracy } from './accuracy-address.ts';
 import { describeWish } from './accuracy-words.ts';
-
-const address = (text: string) => new URL(text, 'http://localhost/');
 
 describe('accuracy in the address', () => {
   it.each([
@@ -30,8 +28,7 @@ describe('accuracy in the address', () => {
     const reference = resolveAccuracy('reference');
     expect(encodeAccuracy(resolveAccuracy(), reference)).toBe('balanced');
     expect(encodeAccuracy(resolveAccuracy('reference'), reference)).toBeNull();
-    const shared = addressWithAccuracy(address('/?accuracy=fast'), resolveAccuracy(), reference);
-    expect(shared).toBe('/?accuracy=balanced');
+    expect(encodeAccuracy(reference, null)).toBe('reference');
   });
 
   it('takes changes of the default without its name', () => {
@@ -47,14 +44,4 @@ describe('accuracy in the address', () => {
     'refuses the wish %j with what would do',
     (text) => expect(() => decodeAccuracy(text)).toThrow(/write minPsnrDb|there are/),
   );
-
-  it('keeps the rest of the address, and is silent about the default', () => {
-    const shared = addressWithAccuracy(
-      address('/x/?scene=hard:a,b#top'),
-      resolveAccuracy({ preset: 'high', shDegree: 0 }),
-    );
-    expect(shared).toBe('/x/?scene=hard:a,b&accuracy=high,shDegree:0#top');
-    expect(addressWithAccuracy(address(shared), resolveAccuracy('balanced'))).toBe('/x/?scene=hard:a,b#top');
-    expect(addressWithAccuracy(address('/?accuracy=fast'), resolveAccuracy())).toBe('/');
-  });
 });

@@ -9,13 +9,17 @@ import {
 } from '@websplatter/core';
 import { isSameAccuracy, nearestPreset } from './accuracy-words.ts';
 
-/** For the address, `fast,shDegree:1` or `minPsnrDb:45`; null for the device's default, which needs no mention. */
+/**
+ * For the address, `fast,shDegree:1` or `minPsnrDb:45`; null for the device's default, which needs no mention.
+ *
+ * @param unmentioned that default; null where other devices have to understand the address, which mentions all.
+ */
 export function encodeAccuracy(
   accuracy: AccuracySettings | AccuracyWish,
-  unmentioned: AccuracySettings = resolveAccuracy(),
+  unmentioned: AccuracySettings | null = resolveAccuracy(),
 ): string | null {
   if (isAccuracyWish(accuracy)) return Object.entries(accuracy)[0].join(':');
-  if (isSameAccuracy(accuracy, unmentioned)) return null;
+  if (unmentioned && isSameAccuracy(accuracy, unmentioned)) return null;
   const { preset, changed } = nearestPreset(accuracy);
   return [preset, ...changed.map((name) => `${name}:${accuracy[name]}`)].join(',');
 }
@@ -44,19 +48,4 @@ export function decodeAccuracy(text: string | null): AccuracySettings | Accuracy
   }
   // Names and values may be wrong: resolveAccuracy checks them.
   return resolveAccuracy({ ...asked, preset: preset as AccuracyPreset });
-}
-
-/** `address` with `accuracy` in its query unless it is `unmentioned`, everything else unchanged. */
-export function addressWithAccuracy(
-  address: URL,
-  accuracy: AccuracySettings | AccuracyWish,
-  unmentioned?: AccuracySettings,
-): string {
-  const parameters = new URLSearchParams(address.search);
-  const text = encodeAccuracy(accuracy, unmentioned);
-  if (text === null) parameters.delete('accuracy');
-  else parameters.set('accuracy', text);
-  // A query may hold commas and colons unescaped, which is easier to read.
-  const query = parameters.toString().replaceAll('%2C', ',').replaceAll('%3A', ':');
-  return `${address.pathname}${query && `?${query}`}${address.hash}`;
 }

@@ -1,0 +1,49 @@
+import type { ViewerStore } from '../state/store.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import { linkedViewOf } from './linked-view.ts';
+import { pageAddress } from './page-address.ts';
+
+/** The address is written this long after the last change: browsers limit how often it may be written. */
+const ADDRESS_DELAY_MS = 250;
+
+/**
+ * Keeps what is shown in the page's address, so that it can be shared and a reload brings it back; returns what stops that.
+ * The camera is written once it is at rest.
+ */
+export function mirrorToAddress(store: ViewerStore, viewer: Viewer): () => void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  const write = () => {
+    const state = store.getState();
+    // The rest that follows writes it.
+    if (!state.isIdle) return;
+    const page = new URL(location.href);
+    const unmentioned = { camera: viewer.camera.first, accuracy: state.defaultAccuracy };
+    const address = pageAddress(page, linkedViewOf(viewer, state), unmentioned);
+    if (address !== page.href.slice(page.origin.length)) history.replaceState(history.state, '', address);
+  };
+  const writeSoon = () => {
+    clearTimeout(timer);
+    timer = setTimeout(write, ADDRESS_DELAY_MS);
+  };
+  const unsubscribe = store.subscribe((state, before) => {
+    if (MIRRORED.some((name) => state[name] !== before[name])) writeSoon();
+  });
+  writeSoon();
+  return () => {
+    clearTimeout(timer);
+    unsubscribe();
+  };
+}
+
+/** Parts of the state after whose change the address may be another one. */
+const MIRRORED = [
+  'accuracy',
+  'wish',
+  'comparison',
+  'splitPart',
+  'scene',
+  'isFlipped',
+  'cameraIndex',
+  'restedFrames',
+  'isIdle',
+] as const;

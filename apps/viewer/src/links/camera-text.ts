@@ -1,0 +1,90 @@
+import { InvalidArgumentError } from '@websplatter/core';
+import { FIRST_FOV_DEGREES } from '../camera/framing.ts';
+import type { Vec3 } from '../camera/vec3.ts';
+import type { LinkedCamera } from '../camera/view-camera.ts';
+
+const USUAL_UP: Vec3 = [0, 1, 0];
+
+/** How far the length of `up` may be from 1, so that people can write addresses too. */
+const UNIT_TOLERANCE = 1e-3;
+
+const FORM = 'write camera=x,y,z,distance,azimuth,polar, then any of up:x:y:z, fov:50, flipped:1 and own:0';
+
+/**
+ * For the address: the target, the distance from it, and both angles in radians, then by name what is not as usual:
+ * `0,0.1,0,2.5,0.35,1.25,fov:40,flipped:1`. Numbers are the shortest that read back as the same float64, so that the same
+ * picture is drawn, bit for bit.
+ */
+export function encodeCamera({ pose, fovDegrees, cameraIndex, isFlipped }: LinkedCamera): string {
+  const { target, distance, azimuth, polar, up } = pose;
+  const parts: (number | string)[] = [...target, distance, azimuth, polar];
+  if (up.some((value, axis) => value !== USUAL_UP[axis])) parts.push(`up:${up.join(':')}`);
+  if (fovDegrees !== FIRST_FOV_DEGREES) parts.push(`fov:${fovDegrees}`);
+  if (isFlipped) parts.push('flipped:1');
+  if (cameraIndex > 0) parts.push(`own:${cameraIndex}`);
+  return parts.join(',');
+}
+
+/**
+ * Reads what `encodeCamera` wrote.
+ *
+ * @throws InvalidArgumentError naming the part that cannot be, and how a camera is written.
+ */
+export function decodeCamera(text: string): LinkedCamera {
+  const parts = text.split(',').map((part) => part.trim());
+  const [x, y, z, distance, azimuth, polar] = [0, 1, 2, 3, 4, 5].map((i) => numberIn(parts[i] ?? ''));
+  if (distance <= 0) throw refused(`its distance, ${distance}, is not above 0`);
+  if (polar <= 0 || polar >= Math.PI)
+    throw refused(`its polar angle, ${polar}, does not lie between 0 and π`);
+  const named = namedValues(parts.slice(6));
+  return {
+    pose: { target: [x, y, z], distance, azimuth, polar, up: upIn(named.up) },
+    fovDegrees: fovIn(named.fov),
+    cameraIndex: indexIn(named.own),
+    isFlipped: named.flipped === '1',
+  };
+}
+
+const NAMES = ['up', 'fov', 'flipped', 'own'];
+
+function namedValues(parts: readonly string[]): Readonly<Record<string, string | undefined>> {
+  const pairs = parts.map((part): [string, string] => {
+    const at = part.indexOf(':');
+    const name = part.slice(0, Math.max(0, at));
+    if (!NAMES.includes(name)) throw refused(`“${part}” is none of its parts`);
+    return [name, part.slice(at + 1)];
+  });
+  return Object.fromEntries(pairs);
+}
+
+function upIn(text: string | undefined): Vec3 {
+  if (text === undefined) return USUAL_UP;
+  const [x, y, z, ...others] = text.split(':').map(numberIn);
+  const up: Vec3 = [x, y, z];
+  // Not a number where one is missing, which no comparison holds for.
+  const isUnit = Math.abs(Math.hypot(...up) - 1) < UNIT_TOLERANCE;
+  if (!isUnit || others.length > 0) throw refused(`up:${text} is no direction of length 1`);
+  return up;
+}
+
+function fovIn(text: string | undefined): number {
+  const degrees = text === undefined ? FIRST_FOV_DEGREES : numberIn(text);
+  if (degrees <= 0 || degrees >= 180) throw refused(`fov:${text} does not lie between 0 and 180 degrees`);
+  return degrees;
+}
+
+function indexIn(text: string | undefined): number {
+  const index = text === undefined ? 0 : numberIn(text);
+  if (!Number.isInteger(index) || index < 0) throw refused(`own:${text} is not a whole number from 0`);
+  return index;
+}
+
+function numberIn(text: string): number {
+  const value = text === '' ? Number.NaN : Number(text);
+  if (!Number.isFinite(value)) throw refused(text === '' ? 'a number is missing' : `“${text}” is no number`);
+  return value;
+}
+
+function refused(why: string): InvalidArgumentError {
+  return new InvalidArgumentError('camera', `The camera cannot be read: ${why}; ${FORM}.`);
+}

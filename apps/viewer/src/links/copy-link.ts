@@ -1,0 +1,29 @@
+import type { ViewerStore } from '../state/store.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import { linkedViewOf } from './linked-view.ts';
+import { linkTo } from './page-address.ts';
+
+/** Why there is no link. */
+export const NO_LINK = 'This scene is a file of this device: only a file on a server can be linked (?src=…).';
+
+/** The whole address that shows this picture elsewhere; null where the scene is a file of this device. */
+export function linkOf(viewer: Viewer, store: ViewerStore): string | null {
+  return linkTo(new URL(location.href), linkedViewOf(viewer, store.getState()));
+}
+
+/** Copies the link, and says so. Where the browser does not allow that, opens the panel where it can be read. */
+export async function copyLink(viewer: Viewer, store: ViewerStore): Promise<void> {
+  const link = linkOf(viewer, store);
+  if (link === null) {
+    store.setState({ notice: NO_LINK });
+    return;
+  }
+  try {
+    // There is no clipboard where the page does not come by HTTPS.
+    await navigator.clipboard.writeText(link);
+    store.setState({ notice: 'The link is copied: it shows this picture in a window of the same size.' });
+  } catch {
+    const notice = 'The browser does not let this page copy. Copy the link from the panel “Save and share”.';
+    store.setState({ dock: 'save', notice });
+  }
+}

@@ -1,0 +1,41 @@
+import { useStore } from 'zustand';
+import { Icon } from '../ui/icon.tsx';
+import type { PanelProps } from '../viewer/panel-props.ts';
+import { copyLink, linkOf, NO_LINK } from './copy-link.ts';
+
+/** A link to what is shown: to be read, and to be copied. */
+export function LinkSection({ store, viewer }: PanelProps) {
+  // What the link tells changes with these; a camera that moves is told of when it is at rest.
+  useStore(store, ({ restedFrames }) => restedFrames);
+  useStore(store, ({ scene }) => scene);
+  useStore(store, ({ splitPart }) => splitPart);
+  const link = linkOf(viewer, store);
+  return (
+    <section className="link-section">
+      <h3 id="link-title">Link</h3>
+      {link === null ? (
+        <p>{NO_LINK}</p>
+      ) : (
+        <div className="link-row">
+          <input
+            type="text"
+            readOnly
+            value={link}
+            aria-labelledby="link-title"
+            data-testid="link"
+            onFocus={(event) => event.target.select()}
+          />
+          <button
+            type="button"
+            className="text-button primary"
+            data-testid="copy-link"
+            onClick={() => void copyLink(viewer, store)}
+          >
+            <Icon name="link" />
+            Copy
+          </button>
+        </div>
+      )}
+    </section>
+  );
+}

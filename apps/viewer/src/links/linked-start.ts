@@ -1,0 +1,31 @@
+import { InvalidArgumentError } from '@websplatter/core';
+import type { LinkedCamera } from '../camera/view-camera.ts';
+import { decodeCamera } from './camera-text.ts';
+import { decodeComparison, type LinkedComparison } from './comparison-text.ts';
+
+/** How the address asks for the scene to be shown. */
+export interface LinkedStart {
+  readonly camera: LinkedCamera | null;
+  readonly comparison: LinkedComparison | null;
+  /** What of that could not be read, in words; null if nothing. */
+  readonly notice: string | null;
+}
+
+/** Reads what `linkTo` wrote; what it cannot read is left out. */
+export function linkedStart(query: URLSearchParams): LinkedStart {
+  const notices: string[] = [];
+  const read = <T>(name: string, decode: (text: string) => T): T | null => {
+    const text = query.get(name);
+    if (text === null) return null;
+    try {
+      return decode(text);
+    } catch (error) {
+      if (!(error instanceof InvalidArgumentError)) throw error;
+      notices.push(error.message);
+      return null;
+    }
+  };
+  const camera = read('camera', decodeCamera);
+  const comparison = read('compare', decodeComparison);
+  return { camera, comparison, notice: notices.length > 0 ? notices.join(' ') : null };
+}

@@ -1,0 +1,88 @@
+import { resolveAccuracy } from '@websplatter/core';
+import { builtinScenes } from '@websplatter/scenes';
+import { describe, expect, it } from 'vitest';
+import { FRONT } from '../camera/orbit-pose.fixture.ts';
+import type { SceneSource } from '../scene/scene-source.ts';
+import { type LinkedView, linkTo, pageAddress, type UnmentionedView } from './page-address.ts';
+
+const page = (text: string) => new URL(text, 'http://localhost/');
+const first = { pose: FRONT, fovDegrees: 50, cameraIndex: 0, isFlipped: false };
+const moved = { ...first, pose: { ...FRONT, distance: 4, azimuth: 0.25, polar: 1 } };
+const unmentioned: UnmentionedView = { camera: first, accuracy: resolveAccuracy() };
+const [scene] = builtinScenes;
+const builtin: SceneSource = { kind: 'builtin', scene };
+const file: SceneSource = { kind: 'file', name: 'a.ply', source: new File([], 'a.ply') };
+const url: SceneSource = { kind: 'url', url: page('/scenes/a.ply') };
+
+function view(changes: Partial<LinkedView> = {}): LinkedView {
+  return { source: builtin, camera: first, accuracy: resolveAccuracy(), comparison: null, ...changes };
+}
+const written = (before: string, changes: Partial<LinkedView>) =>
+  pageAddress(page(before), view(changes), unmentioned);
+
+describe('the address of the page', () => {
+  it('says nothing about what the page begins with', () => {
+    expect(written('/', {})).toBe('/');
+    expect(written('/x/?noui#top', {})).toBe('/x/?noui#top');
+  });
+
+  it('names the camera once it is another one, and with it the scene', () => {
+    expect(written('/', { camera: moved })).toBe(`/?camera=0,0,0,4,0.25,1&scene=${scene.name}`);
+    expect(written('/?camera=0,0,0,4,0.25,1', {})).toBe('/');
+  });
+
+  it('names an accuracy and a comparison', () => {
+    const accuracy = resolveAccuracy({ preset: 'high', shDegree: 0 });
+    const comparison = {
+      comparison: { kind: 'split', left: 'current', right: accuracy },
+      splitPart: 0.25,
+    } as const;
+    expect(
+      written('/?scene=hard:a,b#top', { source: { kind: 'hard-case', name: 'a,b' }, accuracy, comparison }),
+    ).toBe('/?scene=hard:a,b&accuracy=high,shDegree:0&compare=current/high,shDegree:0/0.25#top');
+    expect(written('/?accuracy=fast&compare=error', {})).toBe('/');
+  });
+
+  it('keeps addresses of files as they were written', () => {
+    expect(written('/?src=scenes/a.ply', { source: url })).toBe('/?src=scenes/a.ply');
+    expect(written('/?url=scenes/a.ply', { source: url, camera: moved })).toBe(
+      '/?url=scenes/a.ply&camera=0,0,0,4,0.25,1',
+    );
+    const urls: SceneSource = { kind: 'urls', urls: [page('/a.ply'), page('/b.spz')] };
+    expect(written('/?src=a.ply&src=b.spz', { source: urls })).toBe('/?src=a.ply&src=b.spz');
+    expect(written('/?scene=still-life', { source: urls })).toBe(
+      '/?src=http://localhost/a.ply&src=http://localhost/b.spz',
+    );
+  });
+
+  it('names neither a scene nor a camera where a file of this device is shown', () => {
+    expect(
+      written('/?scene=still-life&camera=0,0,0,4,0.25,1&accuracy=fast', { source: file, camera: moved }),
+    ).toBe('/');
+    expect(written('/?src=a.ply', { source: file })).toBe('/');
+  });
+
+  it('stays where a built-in scene stands for what could not be opened, so that a reload tries again', () => {
+    expect(written('/?src=gone.ply&camera=0,0,0,4,0.25,1', { camera: moved })).toBe('/?src=gone.ply');
+    expect(written('/?scene=hard:gone', {})).toBe('/?scene=hard:gone');
+  });
+});
+
+describe('a link', () => {
+  it('tells everything, so that other devices show the same', () => {
+    expect(linkTo(page('/x/#top'), view())).toBe(
+      `http://localhost/x/?scene=${scene.name}&camera=0,0,0,10,0,1.5707963267948966&accuracy=balanced#top`,
+    );
+  });
+
+  it('names the built-in scene that is shown, not the file that could not be opened', () => {
+    const link = new URL(linkTo(page('/?src=gone.ply'), view()) ?? '');
+    expect(link.searchParams.get('src')).toBeNull();
+    expect(link.searchParams.get('scene')).toBe(scene.name);
+  });
+
+  it('is none to a file of this device', () => {
+    expect(linkTo(page('/'), view({ source: file }))).toBeNull();
+    expect(linkTo(page('/'), view({ source: null }))).toBeNull();
+  });
+});

@@ -1,0 +1,145 @@
+import { InvalidArgumentError, WebSplatterError } from '@websplatter/core';
+import type { Vec3 } from '../camera/vec3.ts';
+import type { ShownFrame } from '../drawing/drawn-frame.ts';
+import { download } from '../saving/download.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import { formatBytes } from '../words/format.ts';
+import { drawnSize, type PictureTile, pictureTiles, tileCamera } from './picture-tiles.ts';
+import { PngWriter, writePixels } from './png-writer.ts';
+
+/** PNG could be larger, but not what shows it. */
+export const MOST_SIDE_PX = 32_768;
+
+export interface PictureOptions {
+  readonly widthPx: number;
+  readonly heightPx: number;
+  readonly isTransparent: boolean;
+}
+
+/** Saves what is on the screen as a picture of any size, one at a time. */
+class Pictures {
+  readonly #viewer: Viewer;
+  readonly #store: ViewerStore;
+  #work: AbortController | null = null;
+
+  constructor(viewer: Viewer, store: ViewerStore) {
+    this.#viewer = viewer;
+    this.#store = store;
+  }
+
+  /** Draws the picture and hands it to the browser. Does nothing while nothing is on the screen, or another is being drawn. */
+  async start(options: PictureOptions): Promise<void> {
+    const shown = this.#viewer.shownFrame;
+    if (!shown || this.#work) return;
+    const work = new AbortController();
+    this.#work = work;
+    const store = this.#store;
+    const fileName = `${store.getState().scene?.title.replace(/\.[a-z]+$/i, '') || 'scene'}.png`;
+    const report = (part: number) => store.setState({ picturing: { fileName, part } });
+    report(0);
+    try {
+      const picture = await drawPicture(shown, store.getState().accuracy, options, report, work.signal);
+      download(picture, fileName);
+      store.setState({ notice: `Saved ${fileName} (${formatBytes(picture.size)}).` });
+    } catch (error) {
+      if (work.signal.aborted) store.setState({ notice: `Drawing ${fileName} was cancelled.` });
+      else this.#fail(fileName, error);
+    } finally {
+      this.#work = null;
+      store.setState({ picturing: null });
+    }
+  }
+
+  cancel(): void {
+    this.#work?.abort();
+  }
+
+  #fail(fileName: string, error: unknown): void {
+    const isFault = !(error instanceof WebSplatterError);
+    if (isFault) console.error(error);
+    const message = error instanceof Error ? error.message : String(error);
+    const advice = 'A smaller picture takes less memory.';
+    this.#store.setState({ failure: { title: `${fileName} cannot be drawn`, message, advice, isFault } });
+  }
+}
+
+const ALL_PICTURES = new WeakMap<Viewer, Pictures>();
+
+/** Those of a viewer, whose panel comes and goes while a picture is drawn. */
+export function picturesOf(viewer: Viewer, store: ViewerStore): Pictures {
+  const pictures = ALL_PICTURES.get(viewer) ?? new Pictures(viewer, store);
+  ALL_PICTURES.set(viewer, pictures);
+  return pictures;
+}
+
+/** @throws InvalidArgumentError for a size that no picture can have; what `SplatView.render` and `readPixels` throw. */
+async function drawPicture(
+  { engine, frame }: ShownFrame,
+  accuracy: ShownFrame['frame']['accuracy'],
+  { widthPx, heightPx, isTransparent }: PictureOptions,
+  onPart: (part: number) => void,
+  signal: AbortSignal,
+): Promise<Blob> {
+  checkSize(widthPx, heightPx);
+  const rows = pictureTiles(widthPx, heightPx, {
+    longestSidePx: engine.device.limits.maxTextureDimension2D,
+  });
+  const count = rows.length * rows[0].length;
+  const background = isTransparent ? null : (frame.background ?? [0, 0, 0]);
+  const channels = background ? 3 : 4;
+  const writer = new PngWriter(widthPx, heightPx, channels);
+  // One of its own: what is on the screen stays, and its memory goes when the picture is there.
+  const view = engine.createView();
+  let drawn = 0;
+  try {
+    for (const tiles of rows) {
+      const band = new Uint8Array(widthPx * tiles[0].heightPx * channels);
+      for (const tile of tiles) {
+        const [drawnWidthPx, drawnHeightPx] = drawnSize(tile);
+        const camera = tileCamera(frame.camera, widthPx, heightPx, tile);
+        view.render({ ...frame, accuracy, camera, widthPx: drawnWidthPx, heightPx: drawnHeightPx });
+        const { data } = await view.readPixels();
+        signal.throwIfAborted();
+        copyTile(data, band, tile, widthPx, background);
+        onPart(++drawn / count);
+      }
+      await writer.writeRows(band);
+      signal.throwIfAborted();
+    }
+    return await writer.finish();
+  } catch (error) {
+    writer.abort();
+    throw error;
+  } finally {
+    view.destroy();
+  }
+}
+
+/** Copies a drawn tile without its margin into the rows of the picture that it is in. */
+function copyTile(
+  drawn: Float32Array,
+  band: Uint8Array,
+  tile: PictureTile,
+  pictureWidthPx: number,
+  background: Vec3 | null,
+): void {
+  const channels = background ? 3 : 4;
+  const [drawnWidthPx] = drawnSize(tile);
+  for (let row = 0; row < tile.heightPx; row++) {
+    const from = 4 * ((row + tile.marginPx) * drawnWidthPx + tile.marginPx);
+    const to = channels * (row * pictureWidthPx + tile.xPx);
+    const pixels = drawn.subarray(from, from + 4 * tile.widthPx);
+    writePixels(pixels, band.subarray(to, to + channels * tile.widthPx), background);
+  }
+}
+
+function checkSize(widthPx: number, heightPx: number): void {
+  for (const [name, sidePx] of Object.entries({ widthPx, heightPx })) {
+    if (Number.isInteger(sidePx) && sidePx >= 1 && sidePx <= MOST_SIDE_PX) continue;
+    throw new InvalidArgumentError(
+      name,
+      `${name} is ${sidePx}; a side of a picture has from 1 to ${MOST_SIDE_PX} whole pixels.`,
+    );
+  }
+}

@@ -1,0 +1,84 @@
+import { readFile } from 'node:fs/promises';
+import { encodePly } from '@websplatter/core';
+import { describe, expect, it } from 'vitest';
+import type { Screenshot } from './screenshot.ts';
+import { testScene } from './test-scene.ts';
+import {
+  drawnCamera,
+  dropFiles,
+  frameCount,
+  textOf,
+  viewerHarness,
+  viewerScreenshot,
+  waitForFrameAfter,
+  waitForImage,
+} from './viewer-page.ts';
+
+/** Cheap, and by a rasteriser that does not follow from times: images are compared bit for bit. */
+const CHEAP = '?scene=still-life-small&accuracy=fast,resolutionScale:0.5,rasterizer:tiles';
+
+const harness = viewerHarness();
+
+const isSame = (a: Screenshot, b: Screenshot) => Buffer.from(a.data).equals(Buffer.from(b.data));
+
+/** For `addInitScript`: notes on the document that an image was shown before there was a picture. */
+function notePoster(): void {
+  new MutationObserver(() => {
+    if (document.querySelector('.poster')) document.documentElement.dataset.poster = 'seen';
+  }).observe(document, { childList: true, subtree: true });
+}
+
+describe('links of the viewer', () => {
+  it('show the same picture in another window, bit for bit', async () => {
+    const page = await harness.openViewer(CHEAP, { permissions: ['clipboard-read', 'clipboard-write'] });
+    const first = await viewerScreenshot(page);
+    const frames = await frameCount(page);
+    for (const key of ['ArrowLeft', 'ArrowUp', '+', 'w', 'u']) await page.keyboard.press(key);
+    await waitForFrameAfter(page, frames);
+    await page.waitForURL(/[?&]camera=[^&]*,flipped:1/);
+    const moved = await viewerScreenshot(page);
+    expect(isSame(moved, first)).toBe(false);
+
+    await page.keyboard.press('l');
+    await page.getByTestId('notice').getByText('copied').waitFor();
+    const link = await page.evaluate(() => navigator.clipboard.readText());
+    expect(link).toContain('accuracy=fast,rasterizer:tiles,resolutionScale:0.5');
+
+    // As it is embedded: without the interface, whose keys do nothing but move the camera.
+    const other = await harness.newPage();
+    await other.addInitScript(notePoster);
+    await other.route('**/poster.svg', (route) =>
+      route.fulfill({ body: '<svg xmlns="http://www.w3.org/2000/svg" />', contentType: 'image/svg+xml' }),
+    );
+    await other.goto(`${link}&noui&poster=poster.svg`);
+    await waitForImage(other);
+    expect(await other.locator('html').getAttribute('data-poster')).toBe('seen');
+    expect(await other.locator('.poster').count()).toBe(0);
+    expect(await drawnCamera(other)).toEqual(await drawnCamera(page));
+    expect(isSame(await viewerScreenshot(other), moved)).toBe(true);
+    expect(await other.getByTestId('toolbar').count()).toBe(0);
+    for (const key of ['Escape', '?', 'x', 'h']) await other.keyboard.press(key);
+    expect(await other.getByTestId('save').count()).toBe(0);
+    const beforeReset = await frameCount(other);
+    await other.keyboard.press('u');
+    await waitForFrameAfter(other, beforeReset);
+
+    // A file of this device cannot be linked, and its camera is no other scene's.
+    const beforeDrop = await frameCount(page);
+    await dropFiles(page, [{ name: 'own.ply', bytes: encodePly(testScene()) }]);
+    await waitForFrameAfter(page, beforeDrop);
+    await page.waitForURL((url) => !/camera|scene/.test(url.search));
+    await page.keyboard.press('l');
+    await page.getByTestId('notice').getByText('file of this device').waitFor();
+    await page.keyboard.press('x');
+    expect(await textOf(page, 'save')).toContain('file of this device');
+
+    await page.getByTestId('picture-width').fill('300');
+    const downloading = page.waitForEvent('download');
+    await page.getByTestId('save-picture').click();
+    const download = await downloading;
+    expect(download.suggestedFilename()).toBe('own.png');
+    const png = await readFile(await download.path());
+    expect([png.readUInt32BE(16), png.readUInt32BE(20)]).toEqual([300, 200]);
+  });
+});
