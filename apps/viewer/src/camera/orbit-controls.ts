@@ -1,7 +1,10 @@
 import { focusByPointer } from '../ui/pointer-focus.ts';
+import { DoubleTap } from './double-tap.ts';
 import {
   type DistanceRange,
   dollied,
+  dolliedAt,
+  type ImagePoint,
   isClose,
   mixed,
   moved,
@@ -33,6 +36,8 @@ export interface OrbitControlsOptions {
   readonly onChange: () => void;
   /** Whether steps must not glide, e.g. `prefers-reduced-motion`; asked at each step. */
   readonly isMotionReduced?: () => boolean;
+  /** A place was tapped twice, `xPart` and `yPart` of the image from its top left. */
+  readonly onDoubleTap?: (xPart: number, yPart: number) => void;
 }
 
 interface Pointer {
@@ -51,6 +56,8 @@ export class OrbitControls {
 
   readonly #onChange: () => void;
   readonly #isMotionReduced: () => boolean;
+  readonly #onDoubleTap: (xPart: number, yPart: number) => void;
+  readonly #doubleTap = new DoubleTap();
   readonly #pointers = new Map<number, Pointer>();
   #shown: OrbitPose = { target: [0, 0, 0], distance: 1, azimuth: 0, polar: Math.PI / 2, up: [0, 1, 0] };
   #goal: OrbitPose = this.#shown;
@@ -59,8 +66,9 @@ export class OrbitControls {
   #isPanning = false;
   #gestureScale = 1;
 
-  constructor({ onChange, isMotionReduced = () => false }: OrbitControlsOptions) {
+  constructor({ onChange, isMotionReduced = () => false, onDoubleTap = () => {} }: OrbitControlsOptions) {
     this.#onChange = onChange;
+    this.#onDoubleTap = onDoubleTap;
     this.#isMotionReduced = isMotionReduced;
   }
 
@@ -118,7 +126,7 @@ export class OrbitControls {
       element.addEventListener(type, handler as (event: Event) => void, { signal, passive: false });
     listen<PointerEvent>('pointerdown', (event) => this.#pointerDown(element, event));
     listen<PointerEvent>('pointermove', (event) => this.#pointerMove(event));
-    listen<PointerEvent>('pointerup', (event) => this.#pointers.delete(event.pointerId));
+    listen<PointerEvent>('pointerup', (event) => this.#pointerUp(element, event));
     listen<PointerEvent>('pointercancel', (event) => this.#pointers.delete(event.pointerId));
     listen<PointerEvent>('lostpointercapture', (event) => this.#pointers.delete(event.pointerId));
     listen<WheelEvent>('wheel', (event) => this.#wheel(element, event));
@@ -170,13 +178,21 @@ export class OrbitControls {
     // A third finger has no meaning; it would only make the image jump.
     if (this.#pointers.size === 2) return;
     if (event.pointerType === 'mouse' && event.button > 2) return;
-    if (this.#pointers.size === 0) this.#isPanning = event.button !== 0 || event.shiftKey;
+    const isAlone = this.#pointers.size === 0;
+    this.#doubleTap.pointerDown(event, isAlone && event.button === 0 && !event.shiftKey);
+    if (isAlone) this.#isPanning = event.button !== 0 || event.shiftKey;
     this.#heightPx = Math.max(1, element.clientHeight);
     this.#pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     element.setPointerCapture(event.pointerId);
     // Keeps the middle button from scrolling the page. That prevents focus too, hence the call below.
     event.preventDefault();
     focusByPointer(element);
+  }
+
+  #pointerUp(element: HTMLElement, event: PointerEvent): void {
+    this.#pointers.delete(event.pointerId);
+    if (this.#doubleTap.pointerUp(event))
+      this.#onDoubleTap(event.offsetX / element.clientWidth, event.offsetY / element.clientHeight);
   }
 
   #pointerMove(event: PointerEvent): void {
@@ -209,7 +225,14 @@ export class OrbitControls {
       -Math.LN2,
       Math.LN2,
     );
-    const pose = dollied(this.#goal, Math.exp(exponent), this.distanceRange);
+    const factor = Math.exp(exponent);
+    const pose = dolliedAt(
+      this.#goal,
+      factor,
+      this.distanceRange,
+      imagePoint(element, event),
+      this.fovYDegrees,
+    );
     if (event.ctrlKey) this.#drag(pose);
     else this.#step(pose);
   }
@@ -246,6 +269,12 @@ const MOVES: Readonly<Record<string, Vec3>> = {
   pagedown: [0, -1, 0],
   pageup: [0, 1, 0],
 };
+
+/** Where in the image an event is that `element` hears. */
+function imagePoint(element: HTMLElement, { offsetX, offsetY }: MouseEvent): ImagePoint {
+  const halfHeight = Math.max(1, element.clientHeight) / 2;
+  return { right: (offsetX - element.clientWidth / 2) / halfHeight, up: 1 - offsetY / halfHeight };
+}
 
 function spread([a, b]: readonly Pointer[]): number {
   return Math.hypot(a.x - b.x, a.y - b.y);

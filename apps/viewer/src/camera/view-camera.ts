@@ -4,8 +4,9 @@ import { flippedPoint, flippedPose } from './flip.ts';
 import { depthRange, FIRST_FOV_DEGREES, firstPose, framedPose, verticalFov } from './framing.ts';
 import { OrbitControls, type OrbitControlsOptions } from './orbit-controls.ts';
 import { orbitNear } from './orbit-near.ts';
-import { type LookAt, lookAt, type OrbitPose, poseFromLookAt } from './orbit-pose.ts';
+import { focused, type LookAt, lookAt, type OrbitPose, poseFromLookAt } from './orbit-pose.ts';
 import type { Sphere } from './scene-bounds.ts';
+import type { Vec3 } from './vec3.ts';
 
 /** The parts of a scene that its camera needs. */
 export interface CameraSubject {
@@ -131,6 +132,12 @@ export class ViewCamera {
     controls.glideTo(
       framedPose(controls.pose, this.#placed(subject.sphere), controls.fovYDegrees, this.#aspect),
     );
+  }
+
+  /** Brings `point`, of the scene as it is drawn, to the middle of the image, and turns around it from then on. */
+  focus(point: Vec3): void {
+    const { controls } = this;
+    controls.glideTo(focused(controls.pose, point, controls.distanceRange));
   }
 
   /** Shows the scene's next own camera, or with −1 the one before. */

@@ -9,7 +9,8 @@ import { COMMANDS } from './commands.ts';
 const GESTURES: readonly (readonly [string, string])[] = [
   ['Orbit', 'Left drag · one finger'],
   ['Pan', 'Right, middle or Shift drag · two fingers'],
-  ['Zoom', 'Wheel · pinch'],
+  ['Zoom', 'Wheel, to the cursor · pinch'],
+  ['Turn around a place', 'Double-click · double tap'],
 ];
 
 const CAMERA_KEYS: readonly (readonly [string, readonly string[]])[] = [

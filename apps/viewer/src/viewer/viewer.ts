@@ -53,6 +53,7 @@ export class Viewer {
     this.camera = new ViewCamera(store, {
       onChange: () => this.#drawing.request(),
       isMotionReduced: () => reducedMotion.matches,
+      onDoubleTap: (xPart, yPart) => void this.focusAt(xPart, yPart),
     });
     this.#sessions = new SessionOwner(store, {
       onStart: (session) => this.#startSession(session),
@@ -153,6 +154,20 @@ export class Viewer {
   /** The engine; null while there is no GPU. */
   get engine(): SplatEngine | null {
     return this.#sessions.current?.engine ?? null;
+  }
+
+  /**
+   * Brings the splat that is seen at a place of the image to its middle, and turns around it from then on; `xPart` and `yPart` of
+   * the image, from its top left. Does nothing where there is none.
+   */
+  async focusAt(xPart: number, yPart: number): Promise<void> {
+    const shown = this.#drawing.shown;
+    if (!shown) return;
+    const { views } = shown.scene.session;
+    const { widthPx, heightPx } = shown.frame;
+    // The session may end, or another scene be shown, before the GPU answers.
+    const pick = await views.main.pick(xPart * widthPx, yPart * heightPx).catch(() => null);
+    if (pick && this.#drawing.shown?.scene === shown.scene) this.camera.focus(pick.point);
   }
 
   /** The frame on the screen; null if there is none. */
