@@ -58,7 +58,7 @@ function sceneOf(radius = 1): LoadedScene {
   const facts = { declaredShDegree: 0 };
   const cloud = { count: 5, bounds, robustBounds: bounds, dropped: {}, shDegree: 0, facts };
   const clouds = [{ cloud: cloud as unknown as SplatCloud }];
-  return { clouds, firstView: null, ownCameras: null, about: null, isUpsideDown: false };
+  return { clouds, firstView: null, ownCameras: null, about: null, isUpsideDown: false, isZUp: false };
 }
 
 const settled = () => new Promise<void>((resolve) => setImmediate(resolve));

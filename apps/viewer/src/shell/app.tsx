@@ -33,11 +33,15 @@ const Hud = lazy(async () => ({ default: (await import('../hud/hud.tsx')).Hud })
 /** With the list of formats, which most visitors do not need. */
 const SavePanel = lazy(async () => ({ default: (await import('../saving/save-panel.tsx')).SavePanel }));
 
+/** With what is seldom changed of how a scene is looked at. */
+const ViewPanel = lazy(async () => ({ default: (await import('../looking/view-panel.tsx')).ViewPanel }));
+
 export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   const isUnavailable = useStore(store, (state) => state.status === 'unavailable');
   const isLost = useStore(store, isGpuLost);
   const isSaveVisible = useStore(store, (state) => state.dock === 'save');
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
+  const isViewVisible = useStore(store, (state) => state.dock === 'view');
   const comparison = useStore(store, (state) => state.comparison);
   const fileInput = useRef<HTMLInputElement>(null);
   const run = useMemo(
@@ -77,6 +81,7 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
           <Toolbar store={store} run={run} />
           <AccuracyPanel store={store} viewer={viewer} accuracyMeasurement={accuracyMeasurement} />
           <EffectsPanel store={store} measurement={measurement} />
+          <Suspense>{isViewVisible && <ViewPanel store={store} viewer={viewer} />}</Suspense>
           <Suspense>{isSaveVisible && <SavePanel store={store} saving={saving} />}</Suspense>
           <div className="overlay-side">
             <Suspense>{isHudVisible && <Hud store={store} viewer={viewer} recorder={recorder} />}</Suspense>

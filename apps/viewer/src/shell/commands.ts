@@ -5,6 +5,7 @@ import type { Viewer } from '../viewer/viewer.ts';
 export type CommandName =
   | 'open'
   | 'flip'
+  | 'view'
   | 'reset'
   | 'frame'
   | 'hud'
@@ -26,6 +27,7 @@ export const COMMANDS: readonly Command[] = [
   { name: 'frame', label: 'Frame the scene', key: 'f' },
   { name: 'reset', label: 'Reset the view', key: 'r' },
   { name: 'flip', label: 'Turn upside down', key: 'u' },
+  { name: 'view', label: 'View and camera', key: 'v' },
   { name: 'hud', label: 'Show or hide figures', key: 'h' },
   { name: 'accuracy', label: 'Accuracy and its cost', key: 'c' },
   { name: 'effects', label: 'Effects and why', key: 'e' },
@@ -41,6 +43,7 @@ export function createCommands(viewer: Viewer, store: ViewerStore, chooseFile: (
     flip: () => viewer.camera.toggleFlip(),
     reset: () => viewer.camera.controls.reset(),
     frame: () => viewer.camera.frameScene(),
+    view: () => store.setState(({ dock }) => ({ dock: dock === 'view' ? null : 'view' })),
     hud: () => store.setState(({ isHudVisible }) => ({ isHudVisible: !isHudVisible })),
     accuracy: () => store.setState(({ dock }) => ({ dock: dock === 'accuracy' ? null : 'accuracy' })),
     effects: () => store.setState(({ dock }) => ({ dock: dock === 'effects' ? null : 'effects' })),

@@ -1,5 +1,6 @@
 import { resolveAccuracy } from '@websplatter/core';
 import { createStore, type StoreApi } from 'zustand/vanilla';
+import { FIRST_LOOK } from './look.ts';
 import { FIRST_SHEET_PART } from './sheet.ts';
 import type { ViewerState } from './viewer-state.ts';
 
@@ -22,6 +23,8 @@ export function createViewerStore(): ViewerStore {
     cameraIndex: 0,
     isOwnCamera: false,
     isFlipped: false,
+    isZUp: false,
+    look: FIRST_LOOK,
     isHudVisible: true,
     hudSize: 'medium',
     isHudFrozen: false,

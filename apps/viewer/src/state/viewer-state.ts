@@ -8,12 +8,13 @@ import type {
 } from '@websplatter/core';
 import type { Comparison } from './comparison.ts';
 import type { FailureReport } from './failure.ts';
+import type { Look } from './look.ts';
 import type { FailedMeasurement, MeasuredAccuracy, MeasuredEffects, RunningMeasurement } from './measured.ts';
 import type { SavingState } from './saving.ts';
 import type { LoadState, SceneSummary, SceneWarning } from './scene-summary.ts';
 
 /** Panels beside the image; one at a time. */
-export type DockName = 'accuracy' | 'effects' | 'save';
+export type DockName = 'view' | 'accuracy' | 'effects' | 'save';
 
 export const ACCURACY_TABS = ['measure', 'compare', 'settings'] as const;
 export type AccuracyTab = (typeof ACCURACY_TABS)[number];
@@ -89,6 +90,9 @@ export interface ViewerState {
   /** Whether that camera itself is shown, not an orbit that went on from it. */
   readonly isOwnCamera: boolean;
   readonly isFlipped: boolean;
+  /** The z axis of what is drawn points up, not the y axis. */
+  readonly isZUp: boolean;
+  readonly look: Look;
   readonly isHudVisible: boolean;
   readonly hudSize: HudSize;
   /** Whether the figures stay as they are, to be read and copied. */

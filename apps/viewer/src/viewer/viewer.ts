@@ -84,7 +84,7 @@ export class Viewer {
   /** Draws to `canvas` from now on; returns what ends that and frees the GPU. */
   attach(canvas: HTMLCanvasElement): () => void {
     const stops = [
-      observeBackground(canvas, (color) => this.#drawing.setBackground(color)),
+      observeBackground(canvas, this.#store, (color) => this.#drawing.setBackground(color)),
       observeDevicePixelSize(canvas, ({ widthPx, heightPx }) => {
         this.#store.setState({ widthPx, heightPx });
         this.#drawing.request();
