@@ -53,6 +53,8 @@ export class OrbitControls {
   /** Vertical field of view of the camera that shows the pose. */
   fovYDegrees = 60;
   distanceRange: DistanceRange = { min: 1e-3, max: 1e5 };
+  /** Whether pointers and wheel mean something else for now. */
+  isPaused = false;
 
   readonly #onChange: () => void;
   readonly #isMotionReduced: () => boolean;
@@ -107,6 +109,13 @@ export class OrbitControls {
     else this.setPose(pose, this.#home);
   }
 
+  /** Follows what moves the camera: exactly, at once. */
+  moveTo(pose: OrbitPose): void {
+    this.#goal = pose;
+    this.#shown = pose;
+    this.#onChange();
+  }
+
   /** Glides `elapsedMs` further towards the goal; returns whether it has not arrived, so that another frame is needed. */
   update(elapsedMs: number): boolean {
     if (this.#shown === this.#goal) return false;
@@ -140,7 +149,7 @@ export class OrbitControls {
       event.preventDefault();
       // On a touch screen the same fingers arrive as pointers.
       if (this.#pointers.size === 0)
-        this.#drag(dollied(this.#goal, this.#gestureScale / event.scale, this.distanceRange));
+        this.moveTo(dollied(this.#goal, this.#gestureScale / event.scale, this.distanceRange));
       this.#gestureScale = event.scale;
     });
     return () => {
@@ -176,7 +185,7 @@ export class OrbitControls {
 
   #pointerDown(element: HTMLElement, event: PointerEvent): void {
     // A third finger has no meaning; it would only make the image jump.
-    if (this.#pointers.size === 2) return;
+    if (this.isPaused || this.#pointers.size === 2) return;
     if (event.pointerType === 'mouse' && event.button > 2) return;
     const isAlone = this.#pointers.size === 0;
     this.#doubleTap.pointerDown(event, isAlone && event.button === 0 && !event.shiftKey);
@@ -207,17 +216,18 @@ export class OrbitControls {
       const factor = spread(before) / spread(after);
       // The middle of both fingers moves half as far as one of them.
       const pose = panned(this.#goal, dx / 2, dy / 2, this.#heightPx, this.fovYDegrees);
-      this.#drag(dollied(pose, Number.isFinite(factor) && factor > 0 ? factor : 1, this.distanceRange));
+      this.moveTo(dollied(pose, Number.isFinite(factor) && factor > 0 ? factor : 1, this.distanceRange));
     } else if (this.#isPanning) {
-      this.#drag(panned(this.#goal, dx, dy, this.#heightPx, this.fovYDegrees));
+      this.moveTo(panned(this.#goal, dx, dy, this.#heightPx, this.fovYDegrees));
     } else {
       const radiansPerPx = ORBIT_RADIANS_PER_HEIGHT / this.#heightPx;
-      this.#drag(orbited(this.#goal, -dx * radiansPerPx, -dy * radiansPerPx));
+      this.moveTo(orbited(this.#goal, -dx * radiansPerPx, -dy * radiansPerPx));
     }
   }
 
   #wheel(element: HTMLElement, event: WheelEvent): void {
     event.preventDefault();
+    if (this.isPaused) return;
     const pxPerUnit = [1, WHEEL_LINE_PX, element.clientHeight][event.deltaMode] ?? 1;
     // Some mice send several notches at once; more than a factor of two in one event only disorients.
     const exponent = clamp(
@@ -233,15 +243,8 @@ export class OrbitControls {
       imagePoint(element, event),
       this.fovYDegrees,
     );
-    if (event.ctrlKey) this.#drag(pose);
+    if (event.ctrlKey) this.moveTo(pose);
     else this.#step(pose);
-  }
-
-  /** Follows a hand: exactly, at once. */
-  #drag(pose: OrbitPose): void {
-    this.#goal = pose;
-    this.#shown = pose;
-    this.#onChange();
   }
 
   /** A step that no hand makes: glides, unless motion is reduced. */

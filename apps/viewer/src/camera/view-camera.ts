@@ -39,12 +39,16 @@ export interface CameraSnapshot extends Uprightness {
   readonly cameraIndex: number;
 }
 
+/** What moves the camera: called before each frame; returns whether it goes on, so that another frame is needed. */
+export type CameraMotion = (elapsedMs: number) => boolean;
+
 /** The camera of the scene that is shown: an orbit, or one of the scene's own cameras until the view is moved. */
 export class ViewCamera {
   readonly controls: OrbitControls;
   readonly #store: ViewerStore;
   readonly #onChange: () => void;
   #subject: CameraSubject | null = null;
+  #motion: CameraMotion | null = null;
   /** Whether a person has said which way is up. */
   #isUpChosen = false;
 
@@ -99,7 +103,19 @@ export class ViewCamera {
   /** Glides `elapsedMs` further; returns whether it has not arrived, so that another frame is needed. */
   update(elapsedMs: number): boolean {
     this.controls.fovYDegrees = this.#fovYDegrees;
-    return this.controls.update(elapsedMs);
+    const isMoving = this.#motion?.(elapsedMs) ?? false;
+    return this.controls.update(elapsedMs) || isMoving;
+  }
+
+  /** Something moves the camera from now on, or with null nothing but the controls. */
+  setMotion(motion: CameraMotion | null): void {
+    this.#motion = motion;
+    this.#onChange();
+  }
+
+  /** Radius of what is looked at, world units. */
+  get subjectRadius(): number {
+    return this.#subject?.sphere.radius ?? 1;
   }
 
   /** The scene's own camera for this shape of the image, unless the view has been moved away from it. */

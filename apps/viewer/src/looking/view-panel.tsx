@@ -35,6 +35,17 @@ function Actions({ viewer }: PanelProps) {
       <button
         type="button"
         className="text-button outlined"
+        aria-keyshortcuts="G"
+        title="By W, A, S, D, Q, E and the mouse (G)"
+        data-testid="fly"
+        onClick={() => void viewer.toggleFlight()}
+      >
+        <Icon name="fly" />
+        Fly
+      </button>
+      <button
+        type="button"
+        className="text-button outlined"
         title="Turn around what is in the middle of the image"
         data-testid="focus-middle"
         onClick={() => void viewer.focusAt(0.5, 0.5)}

@@ -35,6 +35,9 @@ const SavePanel = lazy(async () => ({ default: (await import('../saving/save-pan
 
 /** With what is seldom changed of how a scene is looked at. */
 const ViewPanel = lazy(async () => ({ default: (await import('../looking/view-panel.tsx')).ViewPanel }));
+const FlightBanner = lazy(async () => ({
+  default: (await import('../looking/flight-banner.tsx')).FlightBanner,
+}));
 
 export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   const isUnavailable = useStore(store, (state) => state.status === 'unavailable');
@@ -42,6 +45,7 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   const isSaveVisible = useStore(store, (state) => state.dock === 'save');
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
   const isViewVisible = useStore(store, (state) => state.dock === 'view');
+  const isFlying = useStore(store, (state) => state.flightSpeed !== null);
   const comparison = useStore(store, (state) => state.comparison);
   const fileInput = useRef<HTMLInputElement>(null);
   const run = useMemo(
@@ -87,6 +91,7 @@ export function App({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
             <Suspense>{isHudVisible && <Hud store={store} viewer={viewer} recorder={recorder} />}</Suspense>
             <div className="messages">
               <Notice store={store} />
+              <Suspense>{isFlying && <FlightBanner store={store} viewer={viewer} />}</Suspense>
               <WarningPanel store={store} />
               <FailurePanel store={store} />
               <ErrorMapLegend store={store} viewer={viewer} />

@@ -6,6 +6,7 @@ export type CommandName =
   | 'open'
   | 'flip'
   | 'view'
+  | 'fly'
   | 'reset'
   | 'frame'
   | 'hud'
@@ -19,15 +20,18 @@ export interface Command {
   readonly label: string;
   /** Compared with `KeyboardEvent.key`, lower case. */
   readonly key: string;
+  /** Its button is in a panel, not in the toolbar. */
+  readonly isInPanel?: boolean;
 }
 
-/** Commands that have both a button and a key; the keys that move the camera belong to the controls. */
+/** Commands that have both a button and a key, in the toolbar's order; the keys that move the camera belong to the controls. */
 export const COMMANDS: readonly Command[] = [
   { name: 'open', label: 'Open a file', key: 'o' },
   { name: 'frame', label: 'Frame the scene', key: 'f' },
   { name: 'reset', label: 'Reset the view', key: 'r' },
   { name: 'flip', label: 'Turn upside down', key: 'u' },
   { name: 'view', label: 'View and camera', key: 'v' },
+  { name: 'fly', label: 'Fly', key: 'g', isInPanel: true },
   { name: 'hud', label: 'Show or hide figures', key: 'h' },
   { name: 'accuracy', label: 'Accuracy and its cost', key: 'c' },
   { name: 'effects', label: 'Effects and why', key: 'e' },
@@ -44,6 +48,7 @@ export function createCommands(viewer: Viewer, store: ViewerStore, chooseFile: (
     reset: () => viewer.camera.controls.reset(),
     frame: () => viewer.camera.frameScene(),
     view: () => store.setState(({ dock }) => ({ dock: dock === 'view' ? null : 'view' })),
+    fly: () => void viewer.toggleFlight(),
     hud: () => store.setState(({ isHudVisible }) => ({ isHudVisible: !isHudVisible })),
     accuracy: () => store.setState(({ dock }) => ({ dock: dock === 'accuracy' ? null : 'accuracy' })),
     effects: () => store.setState(({ dock }) => ({ dock: dock === 'effects' ? null : 'effects' })),

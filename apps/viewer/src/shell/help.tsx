@@ -79,6 +79,10 @@ export function Help({ store }: { store: ViewerStore }) {
           ))}
         </dl>
         <p>
+          In flight (G) the mouse looks around, W, A, S, D, Q and E move, Shift is faster, the wheel changes
+          the speed, and Escape ends it.
+        </p>
+        <p>
           Drop a Gaussian-splat scene ({READABLE_FORMATS}), or its folder, anywhere in the window. Captures
           often have y pointing down: U turns them.
         </p>

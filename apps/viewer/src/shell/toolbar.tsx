@@ -4,6 +4,8 @@ import type { ViewerStore } from '../state/store.ts';
 import { Icon } from '../ui/icon.tsx';
 import { COMMANDS, type CommandName, type RunCommand } from './commands.ts';
 
+const BUTTONS = COMMANDS.filter(({ isInPanel }) => !isInPanel);
+
 /** The Tab key stops at one button only; arrow keys go to the others. */
 export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand }) {
   const isFlipped = useStore(store, (state) => state.isFlipped);
@@ -50,7 +52,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
         data-testid="toolbar"
         onKeyDown={onKeyDown}
       >
-        {COMMANDS.map(({ name, label, key }) => (
+        {BUTTONS.map(({ name, label, key }) => (
           <button
             key={name}
             type="button"

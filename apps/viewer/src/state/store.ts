@@ -25,6 +25,7 @@ export function createViewerStore(): ViewerStore {
     isFlipped: false,
     isZUp: false,
     look: FIRST_LOOK,
+    flightSpeed: null,
     isHudVisible: true,
     hudSize: 'medium',
     isHudFrozen: false,

@@ -93,6 +93,8 @@ export interface ViewerState {
   /** The z axis of what is drawn points up, not the y axis. */
   readonly isZUp: boolean;
   readonly look: Look;
+  /** How fast the camera flies, 1 at first; null while nobody flies. */
+  readonly flightSpeed: number | null;
   readonly isHudVisible: boolean;
   readonly hudSize: HudSize;
   /** Whether the figures stay as they are, to be read and copied. */

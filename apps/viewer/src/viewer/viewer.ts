@@ -15,6 +15,7 @@ import { Drawing } from '../drawing/drawing.ts';
 import type { ImageOnBackground, ShownFrame } from '../drawing/drawn-frame.ts';
 import { FileMemory } from '../file-drop/file-memory.ts';
 import { KEPT_FILE } from '../file-drop/kept-file.ts';
+import type { Flight } from '../looking/flight.ts';
 import type { AddressedScene } from '../scene/first-source.ts';
 import { Scenes } from '../scene/scenes.ts';
 import { defaultAccuracyOn } from '../session/default-accuracy.ts';
@@ -44,6 +45,7 @@ export class Viewer {
   readonly #sessions: SessionOwner;
   readonly #precisions: Precisions;
   readonly #drawing: Drawing;
+  #flight: Flight | null = null;
 
   constructor(store: ViewerStore, start: StartOptions = {}) {
     this.#store = store;
@@ -168,6 +170,15 @@ export class Viewer {
     // The session may end, or another scene be shown, before the GPU answers.
     const pick = await views.main.pick(xPart * widthPx, yPart * heightPx).catch(() => null);
     if (pick && this.#drawing.shown?.scene === shown.scene) this.camera.focus(pick.point);
+  }
+
+  /** Begins to fly through the scene, or ends it. */
+  async toggleFlight(): Promise<void> {
+    const { Flight } = await import('../looking/flight.ts');
+    const canvas = this.#sessions.current?.canvas;
+    if (!canvas || !this.scenes.newest) return;
+    this.#flight ??= new Flight(this.#store, this.camera);
+    this.#flight.toggle(canvas);
   }
 
   /** The frame on the screen; null if there is none. */
