@@ -8,6 +8,8 @@ import { focusByPointer } from '../ui/pointer-focus.ts';
 const RADII_PER_S = 0.4;
 /** Shift makes everything so many times as fast. */
 const FAST_FACTOR = 4;
+/** A key that is only touched flies for so long. */
+const STEP_MS = 1000 / 60;
 const RADIANS_PER_PX = 0.0025;
 /** A mouse wheel's notch is about 100 px: a sixth faster. */
 const SPEED_PER_WHEEL_PX = 0.0015;
@@ -48,7 +50,7 @@ export class Flight {
     this.#camera.setLook({ isOrthographic: false });
     this.#camera.controls.isPaused = true;
     this.#camera.setMotion(this.#motion);
-    this.#store.setState({ flightSpeed: 1 });
+    this.#store.setState({ flightSpeed: 1, isPathPlaying: false });
     // Before everybody else: E and the arrows mean something else there.
     const keys = { signal, capture: true };
     window.addEventListener('keydown', (event) => this.#keyDown(event), keys);
@@ -84,12 +86,16 @@ export class Flight {
     if (event.key === 'Escape') this.end();
     else if (event.ctrlKey || event.metaKey || event.altKey) return;
     else if (event.key === 'Shift') this.#isFast = true;
-    else if (isFlightKey(event.code)) this.#held.add(event.code);
-    else return;
+    else if (!isFlightKey(event.code)) return;
+    else if (!event.repeat) this.#press(event.code);
     event.preventDefault();
     event.stopPropagation();
-    // Asks for a frame, with which the movement begins.
-    this.#camera.setMotion(this.#motion);
+  }
+
+  /** Moves a step at once: a key may be let go before the next frame. */
+  #press(code: string): void {
+    this.#held.add(code);
+    this.#move(STEP_MS);
   }
 
   #keyUp(event: KeyboardEvent): void {

@@ -5,6 +5,7 @@ import { type Background, FOV_DEGREES } from '../state/look.ts';
 import { Dock } from '../ui/dock.tsx';
 import { Icon } from '../ui/icon.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
+import { SavedViewsForm } from './saved-views-form.tsx';
 
 const BACKGROUNDS: readonly (readonly [string, Background])[] = [
   ['Theme', 'theme'],
@@ -23,6 +24,7 @@ export function ViewPanel({ store, viewer }: PanelProps) {
         <CameraForm store={store} viewer={viewer} />
         <UpForm store={store} viewer={viewer} />
         <BackgroundForm store={store} viewer={viewer} />
+        <SavedViewsForm store={store} viewer={viewer} />
       </div>
     </Dock>
   );

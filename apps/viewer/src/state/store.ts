@@ -25,6 +25,8 @@ export function createViewerStore(): ViewerStore {
     isFlipped: false,
     isZUp: false,
     look: FIRST_LOOK,
+    savedViews: [],
+    isPathPlaying: false,
     flightSpeed: null,
     isHudVisible: true,
     hudSize: 'medium',

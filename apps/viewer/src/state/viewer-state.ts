@@ -10,6 +10,7 @@ import type { Comparison } from './comparison.ts';
 import type { FailureReport } from './failure.ts';
 import type { Look } from './look.ts';
 import type { FailedMeasurement, MeasuredAccuracy, MeasuredEffects, RunningMeasurement } from './measured.ts';
+import type { SavedView } from './saved-view.ts';
 import type { SavingState } from './saving.ts';
 import type { LoadState, SceneSummary, SceneWarning } from './scene-summary.ts';
 
@@ -93,6 +94,10 @@ export interface ViewerState {
   /** The z axis of what is drawn points up, not the y axis. */
   readonly isZUp: boolean;
   readonly look: Look;
+  /** Views that a person has saved of this scene; read when the View panel is opened. */
+  readonly savedViews: readonly SavedView[];
+  /** Whether the camera follows the path through them. */
+  readonly isPathPlaying: boolean;
   /** How fast the camera flies, 1 at first; null while nobody flies. */
   readonly flightSpeed: number | null;
   readonly isHudVisible: boolean;
