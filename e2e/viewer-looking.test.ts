@@ -25,15 +25,25 @@ function positionOf({ viewMatrix: v }: DrawnCamera): number[] {
   return [0, 1, 2].map((axis) => -(v[4 * axis] * v[12] + v[4 * axis + 1] * v[13] + v[4 * axis + 2] * v[14]));
 }
 
+/** The columns of the camera's rotation. */
+const rotationOf = ({ viewMatrix }: DrawnCamera) => [0, 4, 8].flatMap((at) => viewMatrix.slice(at, at + 3));
+
+/** Expects the same but for rounding. */
+function expectClose(actual: readonly number[], expected: readonly number[]): void {
+  const errors = actual.map((value, i) => Math.abs(value - expected[i]));
+  expect(Math.max(...errors), `[${actual}] against [${expected}]`).toBeLessThan(1e-9);
+}
+
 describe('looking around in the viewer', () => {
   it('focuses, zooms to the cursor, changes projection, field of view, up and background, flies, and keeps views', async () => {
     const page = await openViewer(CHEAP, { viewport: { width: 480, height: 320 } });
-    const canvas = page.getByTestId('viewport');
+    // The figures cover much of so small an image.
+    await page.keyboard.press('h');
     const first = await drawnCamera(page);
 
-    const focused = await after(page, () => canvas.dblclick({ position: { x: 200, y: 200 } }));
+    const focused = await after(page, () => page.mouse.dblclick(270, 180));
     // It moves sideways and does not turn.
-    expect(focused.viewMatrix.slice(0, 3)).toEqual(first.viewMatrix.slice(0, 3));
+    expectClose(rotationOf(focused), rotationOf(first));
     expect(focused.viewMatrix.slice(12, 14)).not.toEqual(first.viewMatrix.slice(12, 14));
     expect(focused.viewMatrix[14]).toBeCloseTo(first.viewMatrix[14], 5);
 
@@ -42,7 +52,7 @@ describe('looking around in the viewer', () => {
     // Towards the right of the image.
     expect(zoomed.viewMatrix[12]).toBeLessThan(focused.viewMatrix[12]);
     const home = await after(page, () => page.keyboard.press('r'));
-    expect(home.viewMatrix).toEqual(first.viewMatrix);
+    expectClose(home.viewMatrix, first.viewMatrix);
 
     await page.keyboard.press('v');
     await after(page, () =>
@@ -65,8 +75,8 @@ describe('looking around in the viewer', () => {
 
     await page.getByTestId('saved-view-1').waitFor();
     const again = await after(page, () => page.getByTestId('saved-view-1').click());
-    expect(again.viewMatrix).toEqual(first.viewMatrix);
-    expect(again.projectionMatrix).toEqual(first.projectionMatrix);
+    expectClose(again.viewMatrix, first.viewMatrix);
+    expectClose(again.projectionMatrix, first.projectionMatrix);
     await page.keyboard.press('v');
 
     await page.keyboard.press('g');
@@ -79,7 +89,7 @@ describe('looking around in the viewer', () => {
     });
     expect(positionOf(flown)).not.toEqual(positionOf(again));
     // It goes on as it looked.
-    expect(flown.viewMatrix.slice(0, 3)).toEqual(again.viewMatrix.slice(0, 3));
+    expectClose(rotationOf(flown), rotationOf(again));
     await page.keyboard.press('Escape');
     await page.getByTestId('flight').waitFor({ state: 'detached' });
     expect(await page.evaluate(() => document.pointerLockElement)).toBeNull();
