@@ -16,6 +16,15 @@ describe('flip', () => {
     for (const axis of [0, 1, 2]) expect(twice[axis]).toBeCloseTo([3, 1, 7][axis]);
   });
 
+  it('faces the same side of a scene whose z axis points up', () => {
+    const pose = poseFromLookAt({ position: [3, 1, 7], target: [1, 2, 3], up: [0, 0, 1] });
+    const inScene = flippedPoint(lookAt(flippedPose(pose)).position);
+    expect(inScene[0]).toBeCloseTo(3);
+    expect(inScene[1]).toBeCloseTo(1);
+    // Mirrored in height around the target.
+    expect(inScene[2]).toBeCloseTo(-1);
+  });
+
   it('turns a cloud where it stands', () => {
     expect(flippedMatrix(undefined)[5]).toBe(-1);
     const moved = [1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 3, 0, 7, 8, 9, 1];

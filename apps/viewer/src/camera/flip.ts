@@ -20,5 +20,7 @@ export function flippedPoint([x, y, z]: Vec3): Vec3 {
 
 /** The pose from which a flipped scene shows the side that `pose` showed before, the other way up. */
 export function flippedPose(pose: OrbitPose): OrbitPose {
-  return { ...pose, target: flippedPoint(pose.target), azimuth: Math.PI - pose.azimuth };
+  // The half turn keeps x. An azimuth is counted from z towards x where y points up, from x towards y where z does.
+  const azimuth = pose.up[2] > 0.5 ? -pose.azimuth : Math.PI - pose.azimuth;
+  return { ...pose, target: flippedPoint(pose.target), azimuth };
 }

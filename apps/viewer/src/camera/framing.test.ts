@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { depthRange, firstPose, fitDistance, verticalFov } from './framing.ts';
+import { depthRange, firstPose, fitDistance, parallelView, verticalFov } from './framing.ts';
 
 const UNIT = { center: [0, 0, 0], radius: 1 } as const;
 
@@ -26,5 +26,21 @@ describe('framing', () => {
     const pose = firstPose(UNIT, 50, 1);
     const turned = { ...pose, azimuth: pose.azimuth + 1 };
     expect(depthRange(turned, UNIT, UNIT)).toEqual(depthRange(pose, UNIT, UNIT));
+  });
+
+  it('sees all of the scene in parallel, however near the pose is', () => {
+    const pose = { ...firstPose(UNIT, 50, 1), target: [0.5, 0, 0], distance: 0.01 } as const;
+    const { position, near, far, height } = parallelView(pose, UNIT, 90);
+    expect(height).toBeCloseTo(0.02);
+    const toCenter = Math.hypot(...position);
+    expect(toCenter - 1).toBeGreaterThanOrEqual(0);
+    expect(near).toBeGreaterThan(0);
+    expect(far).toBeGreaterThanOrEqual(toCenter + 1);
+  });
+
+  it('begins above the ground for any up', () => {
+    const { up, polar } = firstPose(UNIT, 50, 1, [0, 0, 1]);
+    expect(up).toEqual([0, 0, 1]);
+    expect(polar).toBeLessThan(Math.PI / 2);
   });
 });

@@ -1,8 +1,8 @@
-import { lookAt, type OrbitPose } from './orbit-pose.ts';
+import { type LookAt, lookAt, type OrbitPose } from './orbit-pose.ts';
 import type { Sphere } from './scene-bounds.ts';
+import { Y_UP } from './up-axis.ts';
+import type { Vec3 } from './vec3.ts';
 
-/** Field of view over the image's shorter side. */
-export const FIRST_FOV_DEGREES = 50;
 /** A little from the side and from above shows depth at once. */
 const FIRST_AZIMUTH = 0.35;
 const FIRST_POLAR = 1.25;
@@ -30,10 +30,10 @@ export function fitDistance(radius: number, fovYDegrees: number, aspect: number)
   return radius / Math.sin(half);
 }
 
-/** The first pose for a scene, with y up. */
-export function firstPose(sphere: Sphere, fovYDegrees: number, aspect: number): OrbitPose {
+/** The first pose for a scene. */
+export function firstPose(sphere: Sphere, fovYDegrees: number, aspect: number, up: Vec3 = Y_UP): OrbitPose {
   return framedPose(
-    { target: sphere.center, distance: 1, azimuth: FIRST_AZIMUTH, polar: FIRST_POLAR, up: [0, 1, 0] },
+    { target: sphere.center, distance: 1, azimuth: FIRST_AZIMUTH, polar: FIRST_POLAR, up },
     sphere,
     fovYDegrees,
     aspect,
@@ -54,4 +54,27 @@ export function depthRange(pose: OrbitPose, subject: Sphere, extent: Sphere): { 
   const offset = lookAt(pose).position.map((value, axis) => value - extent.center[axis]);
   const farthest = Math.hypot(...offset) + extent.radius;
   return { near, far: near * 2 ** Math.ceil(Math.log2(Math.max(2, farthest / near))) };
+}
+
+/** A parallel projection: where the camera stands, and the depths that it sees. */
+export interface ParallelView extends LookAt {
+  /** World units that the image is high. */
+  readonly height: number;
+  readonly near: number;
+  readonly far: number;
+}
+
+/**
+ * Shows the target of `pose` as large as perspective does there. The camera stands outside of `extent`, so that it sees all of it,
+ * however near the pose is.
+ */
+export function parallelView(pose: OrbitPose, extent: Sphere, fovYDegrees: number): ParallelView {
+  const offset = Math.hypot(...pose.target.map((value, axis) => value - extent.center[axis]));
+  const outside = (offset + extent.radius) * (1 + 2 * NEAR_RADII);
+  return {
+    ...lookAt({ ...pose, distance: outside }),
+    height: 2 * pose.distance * Math.tan((fovYDegrees * Math.PI) / 360),
+    near: outside * NEAR_RADII,
+    far: 2 * outside,
+  };
 }

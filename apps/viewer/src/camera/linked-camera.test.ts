@@ -12,6 +12,7 @@ const subject: CameraSubject = {
   firstView: null,
   ownCameras: null,
   isUpsideDown: true,
+  isZUp: false,
 };
 
 function cameraOf(what: CameraSubject) {
@@ -32,8 +33,12 @@ describe('a camera from a link', () => {
     const { camera } = cameraOf(subject);
     camera.showFirstView();
     const { home } = camera.snapshot();
-    camera.showLinked({ pose, fovDegrees: 33.3, cameraIndex: 0, isFlipped: true });
-    expect(camera.snapshot()).toEqual({ pose, home, fovDegrees: 33.3, cameraIndex: 0, isFlipped: true });
+    const linked = {
+      ...{ pose, fovDegrees: 33.3, isOrthographic: true, cameraIndex: 0 },
+      ...{ isFlipped: true, isZUp: false },
+    };
+    camera.showLinked(linked);
+    expect(camera.snapshot()).toEqual({ ...linked, home });
     expect(camera.first?.pose).toEqual(home);
   });
 
@@ -41,10 +46,19 @@ describe('a camera from a link', () => {
     const { camera, store } = cameraOf(subject);
     camera.showFirstView();
     const { home } = camera.snapshot();
-    camera.showLinked({ pose, fovDegrees: 50, cameraIndex: 0, isFlipped: false });
+    camera.showLinked({ ...camera.snapshot(), pose, fovDegrees: 50, isFlipped: false });
     expect(store.getState().isFlipped).toBe(false);
     expect(camera.snapshot()).toMatchObject({ pose, home: flippedPose(home) });
     expect(camera.first?.isFlipped).toBe(true);
+  });
+
+  it('shows the scene with the axis upwards that the link says', () => {
+    const { camera } = cameraOf(subject);
+    camera.showFirstView();
+    const zUp = { ...pose, up: [0, 0, 1] as const };
+    camera.showLinked({ ...camera.snapshot(), pose: zUp, isFlipped: false, isZUp: true });
+    expect(camera.snapshot()).toMatchObject({ pose: zUp, isFlipped: false, isZUp: true });
+    expect(camera.snapshot().home.up).toEqual([0, 0, 1]);
   });
 
   it('is one of the scene’s own where the link stood at it, and never turns that scene', () => {

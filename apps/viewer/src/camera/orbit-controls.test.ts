@@ -3,14 +3,16 @@ import { OrbitControls } from './orbit-controls.ts';
 import { expectClose, FRONT } from './orbit-pose.fixture.ts';
 
 describe('OrbitControls', () => {
-  /** A stand-in for an element of 400 px height, which only the events need. */
+  /** A stand-in for an element of 600 × 400 px, which only the events need; they are in its middle. */
   function mounted(isMotionReduced = true) {
     const onChange = vi.fn();
-    const controls = new OrbitControls({ onChange, isMotionReduced: () => isMotionReduced });
+    const onDoubleTap = vi.fn();
+    const controls = new OrbitControls({ onChange, isMotionReduced: () => isMotionReduced, onDoubleTap });
     controls.fovYDegrees = 90;
     controls.distanceRange = { min: 0.01, max: 1000 };
     controls.setPose(FRONT);
     const element = Object.assign(new EventTarget(), {
+      clientWidth: 600,
       clientHeight: 400,
       setPointerCapture: vi.fn(),
       focus: vi.fn(),
@@ -24,12 +26,13 @@ describe('OrbitControls', () => {
         Object.assign(
           event,
           { pointerId: 1, pointerType: 'mouse', button: 0, shiftKey: false, ctrlKey: false },
+          { offsetX: 300, offsetY: 200 },
           properties,
         ),
       );
       return event;
     };
-    return { controls, onChange, send, detach };
+    return { controls, onChange, onDoubleTap, send, detach };
   }
 
   it('orbits by a left drag: the whole height is half a turn', () => {
@@ -111,6 +114,25 @@ describe('OrbitControls', () => {
     expect(near).toBeLessThan(10);
     send('wheel', { deltaY: 6, deltaMode: 1 });
     expect(controls.pose.distance).toBeCloseTo(10);
+  });
+
+  it('tells where in the image it was tapped twice, without moving', () => {
+    const { controls, onDoubleTap, send } = mounted();
+    for (const _tap of [1, 2]) {
+      const place = { clientX: 160, clientY: 110, offsetX: 150, offsetY: 100 };
+      send('pointerdown', place);
+      send('pointerup', place);
+    }
+    expect(onDoubleTap).toHaveBeenCalledExactlyOnceWith(0.25, 0.25);
+    expect(controls.pose).toEqual(FRONT);
+  });
+
+  it('zooms towards the cursor', () => {
+    const { controls, send } = mounted();
+    // At the right edge of an image that is as high as twice the distance.
+    send('wheel', { deltaY: -1000, deltaMode: 0, offsetX: 600 });
+    expect(controls.pose.distance).toBeCloseTo(5);
+    expectClose(controls.pose.target, [7.5, 0, 0]);
   });
 
   it('dollies further per pixel for a trackpad pinch', () => {

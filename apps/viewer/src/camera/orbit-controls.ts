@@ -1,7 +1,10 @@
 import { focusByPointer } from '../ui/pointer-focus.ts';
+import { DoubleTap } from './double-tap.ts';
 import {
   type DistanceRange,
   dollied,
+  dolliedAt,
+  type ImagePoint,
   isClose,
   mixed,
   moved,
@@ -33,6 +36,8 @@ export interface OrbitControlsOptions {
   readonly onChange: () => void;
   /** Whether steps must not glide, e.g. `prefers-reduced-motion`; asked at each step. */
   readonly isMotionReduced?: () => boolean;
+  /** A place was tapped twice, `xPart` and `yPart` of the image from its top left. */
+  readonly onDoubleTap?: (xPart: number, yPart: number) => void;
 }
 
 interface Pointer {
@@ -48,9 +53,13 @@ export class OrbitControls {
   /** Vertical field of view of the camera that shows the pose. */
   fovYDegrees = 60;
   distanceRange: DistanceRange = { min: 1e-3, max: 1e5 };
+  /** Whether pointers and wheel mean something else for now. */
+  isPaused = false;
 
   readonly #onChange: () => void;
   readonly #isMotionReduced: () => boolean;
+  readonly #onDoubleTap: (xPart: number, yPart: number) => void;
+  readonly #doubleTap = new DoubleTap();
   readonly #pointers = new Map<number, Pointer>();
   #shown: OrbitPose = { target: [0, 0, 0], distance: 1, azimuth: 0, polar: Math.PI / 2, up: [0, 1, 0] };
   #goal: OrbitPose = this.#shown;
@@ -59,8 +68,9 @@ export class OrbitControls {
   #isPanning = false;
   #gestureScale = 1;
 
-  constructor({ onChange, isMotionReduced = () => false }: OrbitControlsOptions) {
+  constructor({ onChange, isMotionReduced = () => false, onDoubleTap = () => {} }: OrbitControlsOptions) {
     this.#onChange = onChange;
+    this.#onDoubleTap = onDoubleTap;
     this.#isMotionReduced = isMotionReduced;
   }
 
@@ -99,6 +109,13 @@ export class OrbitControls {
     else this.setPose(pose, this.#home);
   }
 
+  /** Follows what moves the camera: exactly, at once. */
+  moveTo(pose: OrbitPose): void {
+    this.#goal = pose;
+    this.#shown = pose;
+    this.#onChange();
+  }
+
   /** Glides `elapsedMs` further towards the goal; returns whether it has not arrived, so that another frame is needed. */
   update(elapsedMs: number): boolean {
     if (this.#shown === this.#goal) return false;
@@ -118,7 +135,7 @@ export class OrbitControls {
       element.addEventListener(type, handler as (event: Event) => void, { signal, passive: false });
     listen<PointerEvent>('pointerdown', (event) => this.#pointerDown(element, event));
     listen<PointerEvent>('pointermove', (event) => this.#pointerMove(event));
-    listen<PointerEvent>('pointerup', (event) => this.#pointers.delete(event.pointerId));
+    listen<PointerEvent>('pointerup', (event) => this.#pointerUp(element, event));
     listen<PointerEvent>('pointercancel', (event) => this.#pointers.delete(event.pointerId));
     listen<PointerEvent>('lostpointercapture', (event) => this.#pointers.delete(event.pointerId));
     listen<WheelEvent>('wheel', (event) => this.#wheel(element, event));
@@ -132,7 +149,7 @@ export class OrbitControls {
       event.preventDefault();
       // On a touch screen the same fingers arrive as pointers.
       if (this.#pointers.size === 0)
-        this.#drag(dollied(this.#goal, this.#gestureScale / event.scale, this.distanceRange));
+        this.moveTo(dollied(this.#goal, this.#gestureScale / event.scale, this.distanceRange));
       this.#gestureScale = event.scale;
     });
     return () => {
@@ -168,15 +185,23 @@ export class OrbitControls {
 
   #pointerDown(element: HTMLElement, event: PointerEvent): void {
     // A third finger has no meaning; it would only make the image jump.
-    if (this.#pointers.size === 2) return;
+    if (this.isPaused || this.#pointers.size === 2) return;
     if (event.pointerType === 'mouse' && event.button > 2) return;
-    if (this.#pointers.size === 0) this.#isPanning = event.button !== 0 || event.shiftKey;
+    const isAlone = this.#pointers.size === 0;
+    this.#doubleTap.pointerDown(event, isAlone && event.button === 0 && !event.shiftKey);
+    if (isAlone) this.#isPanning = event.button !== 0 || event.shiftKey;
     this.#heightPx = Math.max(1, element.clientHeight);
     this.#pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     element.setPointerCapture(event.pointerId);
     // Keeps the middle button from scrolling the page. That prevents focus too, hence the call below.
     event.preventDefault();
     focusByPointer(element);
+  }
+
+  #pointerUp(element: HTMLElement, event: PointerEvent): void {
+    this.#pointers.delete(event.pointerId);
+    if (this.#doubleTap.pointerUp(event))
+      this.#onDoubleTap(event.offsetX / element.clientWidth, event.offsetY / element.clientHeight);
   }
 
   #pointerMove(event: PointerEvent): void {
@@ -191,17 +216,18 @@ export class OrbitControls {
       const factor = spread(before) / spread(after);
       // The middle of both fingers moves half as far as one of them.
       const pose = panned(this.#goal, dx / 2, dy / 2, this.#heightPx, this.fovYDegrees);
-      this.#drag(dollied(pose, Number.isFinite(factor) && factor > 0 ? factor : 1, this.distanceRange));
+      this.moveTo(dollied(pose, Number.isFinite(factor) && factor > 0 ? factor : 1, this.distanceRange));
     } else if (this.#isPanning) {
-      this.#drag(panned(this.#goal, dx, dy, this.#heightPx, this.fovYDegrees));
+      this.moveTo(panned(this.#goal, dx, dy, this.#heightPx, this.fovYDegrees));
     } else {
       const radiansPerPx = ORBIT_RADIANS_PER_HEIGHT / this.#heightPx;
-      this.#drag(orbited(this.#goal, -dx * radiansPerPx, -dy * radiansPerPx));
+      this.moveTo(orbited(this.#goal, -dx * radiansPerPx, -dy * radiansPerPx));
     }
   }
 
   #wheel(element: HTMLElement, event: WheelEvent): void {
     event.preventDefault();
+    if (this.isPaused) return;
     const pxPerUnit = [1, WHEEL_LINE_PX, element.clientHeight][event.deltaMode] ?? 1;
     // Some mice send several notches at once; more than a factor of two in one event only disorients.
     const exponent = clamp(
@@ -209,16 +235,16 @@ export class OrbitControls {
       -Math.LN2,
       Math.LN2,
     );
-    const pose = dollied(this.#goal, Math.exp(exponent), this.distanceRange);
-    if (event.ctrlKey) this.#drag(pose);
+    const factor = Math.exp(exponent);
+    const pose = dolliedAt(
+      this.#goal,
+      factor,
+      this.distanceRange,
+      imagePoint(element, event),
+      this.fovYDegrees,
+    );
+    if (event.ctrlKey) this.moveTo(pose);
     else this.#step(pose);
-  }
-
-  /** Follows a hand: exactly, at once. */
-  #drag(pose: OrbitPose): void {
-    this.#goal = pose;
-    this.#shown = pose;
-    this.#onChange();
   }
 
   /** A step that no hand makes: glides, unless motion is reduced. */
@@ -246,6 +272,12 @@ const MOVES: Readonly<Record<string, Vec3>> = {
   pagedown: [0, -1, 0],
   pageup: [0, 1, 0],
 };
+
+/** Where in the image an event is that `element` hears. */
+function imagePoint(element: HTMLElement, { offsetX, offsetY }: MouseEvent): ImagePoint {
+  const halfHeight = Math.max(1, element.clientHeight) / 2;
+  return { right: (offsetX - element.clientWidth / 2) / halfHeight, up: 1 - offsetY / halfHeight };
+}
 
 function spread([a, b]: readonly Pointer[]): number {
   return Math.hypot(a.x - b.x, a.y - b.y);

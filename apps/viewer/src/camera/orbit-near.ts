@@ -1,5 +1,6 @@
 import { type Camera, cameraPosition } from '@websplatter/core';
-import { FIRST_FOV_DEGREES, firstPose, shorterSideFov, verticalFov } from './framing.ts';
+import { FIRST_LOOK } from '../state/look.ts';
+import { firstPose, shorterSideFov, verticalFov } from './framing.ts';
 import { type OrbitPose, poseFromLookAt } from './orbit-pose.ts';
 import type { Sphere } from './scene-bounds.ts';
 import type { Vec3 } from './vec3.ts';
@@ -31,7 +32,7 @@ export function orbitNear(camera: Camera, subject: Sphere, aspect: number): Orbi
   const target = along(position, depth);
   const isOrthographic = p[11] === 0;
   const fovYDegrees = isOrthographic
-    ? verticalFov(FIRST_FOV_DEGREES, aspect)
+    ? verticalFov(FIRST_LOOK.fovDegrees, aspect)
     : (Math.atan(Math.abs(p[11] / p[5])) * 360) / Math.PI;
   const fovDegrees = shorterSideFov(fovYDegrees, aspect);
   // At the middle of the scene, perspective shows things as large as the parallel projection does.

@@ -4,6 +4,8 @@ import { expectClose, FRONT } from './orbit-pose.fixture.ts';
 import {
   cameraAxes,
   dollied,
+  dolliedAt,
+  focused,
   lookAt,
   mixed,
   moved,
@@ -13,7 +15,7 @@ import {
   poseFromLookAt,
   unwound,
 } from './orbit-pose.ts';
-import type { Vec3 } from './vec3.ts';
+import { dot, subtract, type Vec3 } from './vec3.ts';
 
 const coordinate = fc.double({ min: -100, max: 100, noNaN: true });
 const point = fc.tuple(coordinate, coordinate, coordinate);
@@ -95,6 +97,40 @@ describe('poses', () => {
     expect(dollied(FRONT, 100, range).distance).toBe(20);
   });
 
+  it('keeps in its place in the image what a zoom goes towards', () => {
+    const anywhere = fc.double({ min: -2, max: 2, noNaN: true });
+    const factors = fc.double({ min: 0.1, max: 10, noNaN: true });
+    fc.assert(
+      fc.property(pose, anywhere, anywhere, factors, (before, right, up, factor) => {
+        const halfHeight = before.distance * Math.tan(Math.PI / 6);
+        const seen = moved(before, [right * halfHeight, up * halfHeight, 0]).target;
+        const after = dolliedAt(before, factor, { min: 0, max: Infinity }, { right, up }, 60);
+        const place = imagePlace(after, seen, 60);
+        expect(place[0]).toBeCloseTo(right, 6);
+        expect(place[1]).toBeCloseTo(up, 6);
+      }),
+    );
+  });
+
+  it('stands still where a zoom has come to its end', () => {
+    const range = { min: 1, max: 10 };
+    expect(dolliedAt(FRONT, 2, range, { right: 1, up: 1 }, 60)).toEqual(FRONT);
+  });
+
+  it('focuses a point by moving sideways, at the depth that it has', () => {
+    const range = { min: 0, max: Infinity };
+    expect(focused(FRONT, [3, 4, 5], range)).toEqual({ ...FRONT, target: [3, 4, 5], distance: 5 });
+    fc.assert(
+      fc.property(pose, point, (before, goal) => {
+        const after = focused(before, goal, range);
+        const way = subtract(lookAt(after).position, lookAt(before).position);
+        // Of a point behind the camera there is no depth to keep.
+        if (after.distance > 0) expect(dot(way, cameraAxes(before).back)).toBeCloseTo(0, 6);
+      }),
+    );
+    expect(focused(FRONT, [0, 0, 20], { min: 1, max: 9 }).distance).toBe(1);
+  });
+
   it('mixes from one pose to the other', () => {
     const to = { ...FRONT, azimuth: 1, distance: 40 };
     expect(mixed(FRONT, to, 0)).toEqual(FRONT);
@@ -106,3 +142,11 @@ describe('poses', () => {
     expect(unwound({ ...FRONT, azimuth: 0.1 }, 4 * Math.PI).azimuth).toBeCloseTo(4 * Math.PI + 0.1);
   });
 });
+
+/** Right and up of the image's middle, in halves of its height, where `point` is seen. */
+function imagePlace(from: OrbitPose, point: Vec3, fovYDegrees: number): [number, number] {
+  const { right, above, back } = cameraAxes(from);
+  const offset = subtract(point, lookAt(from).position);
+  const halfHeight = -dot(offset, back) * Math.tan((fovYDegrees * Math.PI) / 360);
+  return [dot(offset, right) / halfHeight, dot(offset, above) / halfHeight];
+}

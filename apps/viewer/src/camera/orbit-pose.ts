@@ -99,6 +99,39 @@ export function dollied(pose: OrbitPose, factor: number, range: DistanceRange): 
   return { ...pose, distance: clamp(pose.distance * factor, range.min, range.max) };
 }
 
+/** A place in the image: right and up of its middle, in halves of its height. */
+export interface ImagePoint {
+  readonly right: number;
+  readonly up: number;
+}
+
+/**
+ * `factor` times as far from what is seen at `at` in the target's depth, which stays where it is in the image. The target's
+ * distance stays within `range`.
+ */
+export function dolliedAt(
+  pose: OrbitPose,
+  factor: number,
+  range: DistanceRange,
+  at: ImagePoint,
+  fovYDegrees: number,
+): OrbitPose {
+  const { distance } = dollied(pose, factor, range);
+  const halfHeight = pose.distance * Math.tan((fovYDegrees * Math.PI) / 360);
+  const by = halfHeight * (1 - distance / pose.distance);
+  return { ...moved(pose, [at.right * by, at.up * by, 0]), distance };
+}
+
+/**
+ * Around `point`, which comes to the middle of the image at the depth that it has: the camera moves sideways and does not turn.
+ * What is nearer than `range` allows is looked at from there.
+ */
+export function focused(pose: OrbitPose, point: Vec3, range: DistanceRange): OrbitPose {
+  const { back } = cameraAxes(pose);
+  const depth = pose.distance - dot(subtract(point, pose.target), back);
+  return { ...pose, target: point, distance: clamp(depth, range.min, range.max) };
+}
+
 /** Between two poses with the same `up`: linear in angles and target, geometric in distance. */
 export function mixed(from: OrbitPose, to: OrbitPose, part: number): OrbitPose {
   return {

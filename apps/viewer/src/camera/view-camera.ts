@@ -1,11 +1,14 @@
-import { type Camera, perspectiveCamera } from '@websplatter/core';
+import { type Camera, orthographicCamera, perspectiveCamera } from '@websplatter/core';
+import { FIRST_LOOK, type Look } from '../state/look.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { flippedPoint, flippedPose } from './flip.ts';
-import { depthRange, FIRST_FOV_DEGREES, firstPose, framedPose, verticalFov } from './framing.ts';
+import { depthRange, firstPose, framedPose, parallelView, verticalFov } from './framing.ts';
 import { OrbitControls, type OrbitControlsOptions } from './orbit-controls.ts';
 import { orbitNear } from './orbit-near.ts';
-import { type LookAt, lookAt, type OrbitPose, poseFromLookAt } from './orbit-pose.ts';
+import { focused, type LookAt, lookAt, type OrbitPose, poseFromLookAt } from './orbit-pose.ts';
 import type { Sphere } from './scene-bounds.ts';
+import { type UpAxis, type Uprightness, upAxisOf, uprightnessOf, upVector } from './up-axis.ts';
+import type { Vec3 } from './vec3.ts';
 
 /** The parts of a scene that its camera needs. */
 export interface CameraSubject {
@@ -24,31 +27,39 @@ export interface CameraSubject {
   readonly ownCameras: ((aspect: number) => Readonly<Record<string, Camera>>) | null;
   /** Its y axis points down, as in captures that were solved with computer-vision conventions. */
   readonly isUpsideDown: boolean;
+  /** Its z axis probably points up. */
+  readonly isZUp: boolean;
 }
 
 /** The camera's state, so that it can come back to it. */
-export interface CameraSnapshot {
+export interface CameraSnapshot extends Uprightness {
   readonly pose: OrbitPose;
   readonly home: OrbitPose;
   readonly fovDegrees: number;
+  readonly isOrthographic: boolean;
   readonly cameraIndex: number;
-  readonly isFlipped: boolean;
 }
 
 /** Where the camera is, without where it began: what a link tells. */
 export type LinkedCamera = Omit<CameraSnapshot, 'home'>;
 
+/** What moves the camera: called before each frame; returns whether it goes on, so that another frame is needed. */
+export type CameraMotion = (elapsedMs: number) => boolean;
+
 /** The camera of the scene that is shown: an orbit, or one of the scene's own cameras until the view is moved. */
 export class ViewCamera {
   readonly controls: OrbitControls;
   readonly #store: ViewerStore;
+  readonly #onChange: () => void;
   #subject: CameraSubject | null = null;
-  /** Field of view over the image's shorter side while the camera orbits. */
-  #fovDegrees = FIRST_FOV_DEGREES;
   #first: CameraSnapshot | null = null;
+  #motion: CameraMotion | null = null;
+  /** Whether a person has said which way is up. */
+  #isUpChosen = false;
 
   constructor(store: ViewerStore, options: OrbitControlsOptions) {
     this.#store = store;
+    this.#onChange = options.onChange;
     this.controls = new OrbitControls(options);
   }
 
@@ -76,55 +87,69 @@ export class ViewCamera {
     this.showFirstView();
     const subject = this.#subject;
     if (!subject) return;
-    if (subject.ownCameras) {
-      // They show the scene as it is.
-      this.#showOwnCamera(camera.cameraIndex);
-      const { cameraIndex, isFlipped, home } = this.snapshot();
-      this.restore({ ...camera, cameraIndex, isFlipped, home });
-      return;
-    }
-    if (camera.isFlipped !== this.snapshot().isFlipped) this.toggleFlip();
-    this.restore({ ...camera, cameraIndex: 0, home: this.controls.home });
+    // Own cameras show the scene as it is.
+    if (subject.ownCameras) this.#showOwnCamera(camera.cameraIndex);
+    else this.setUpAxis(upAxisOf(camera));
+    const { cameraIndex, isFlipped, isZUp, home } = this.snapshot();
+    this.restore({ ...camera, cameraIndex, isFlipped, isZUp, home });
   }
 
   #placeFirst(subject: CameraSubject): void {
-    const { firstView, ownCameras, sphere, isUpsideDown } = subject;
-    this.#store.setState({ isFlipped: isUpsideDown, cameraIndex: 0 });
+    const { firstView, ownCameras } = subject;
+    this.#isUpChosen = false;
+    this.#takeUprightness();
+    this.#store.setState({ cameraIndex: 0 });
     if (ownCameras) {
       this.#showOwnCamera(0);
       return;
     }
-    this.#fovDegrees = firstView?.fovYDegrees ?? FIRST_FOV_DEGREES;
-    const pose = firstView
-      ? poseFromLookAt(firstView)
-      : firstPose(this.#placed(sphere), this.#fovYDegrees, this.#aspect);
-    this.controls.setPose(pose);
+    this.#setFov(firstView?.fovYDegrees ?? FIRST_LOOK.fovDegrees);
+    this.controls.setPose(firstView ? poseFromLookAt(firstView) : this.#firstPose(subject));
   }
 
   /** After `follow`, shows the first view of a scene of which more has become known, unless the view has been moved. */
   showFirstViewAgain(): void {
     const subject = this.#subject;
     if (!subject || !this.controls.isHome) return;
-    this.controls.setPose(firstPose(this.#placed(subject.sphere), this.#fovYDegrees, this.#aspect));
+    if (!this.#isUpChosen) this.#takeUprightness();
+    this.controls.setPose(this.#firstPose(subject));
     this.#first = this.snapshot();
   }
 
   snapshot(): CameraSnapshot {
     const { pose, home } = this.controls;
-    const { isFlipped, cameraIndex } = this.#store.getState();
-    return { pose, home, fovDegrees: this.#fovDegrees, cameraIndex, isFlipped };
+    const { isFlipped, isZUp, cameraIndex, look } = this.#store.getState();
+    const { fovDegrees, isOrthographic } = look;
+    return { pose, home, fovDegrees, isOrthographic, cameraIndex, isFlipped, isZUp };
   }
 
-  restore({ pose, home, fovDegrees, cameraIndex, isFlipped }: CameraSnapshot): void {
-    this.#fovDegrees = fovDegrees;
-    this.#store.setState({ cameraIndex, isFlipped });
+  restore(snapshot: CameraSnapshot): void {
+    const { pose, home, fovDegrees, isOrthographic, cameraIndex, isFlipped, isZUp } = snapshot;
+    this.#store.setState(({ look }) => ({
+      look: { ...look, fovDegrees, isOrthographic },
+      cameraIndex,
+      isFlipped,
+      isZUp,
+    }));
     this.controls.setPose(pose, home);
   }
 
   /** Glides `elapsedMs` further; returns whether it has not arrived, so that another frame is needed. */
   update(elapsedMs: number): boolean {
     this.controls.fovYDegrees = this.#fovYDegrees;
-    return this.controls.update(elapsedMs);
+    const isMoving = this.#motion?.(elapsedMs) ?? false;
+    return this.controls.update(elapsedMs) || isMoving;
+  }
+
+  /** Something moves the camera from now on, or with null nothing but the controls. */
+  setMotion(motion: CameraMotion | null): void {
+    this.#motion = motion;
+    this.#onChange();
+  }
+
+  /** Radius of what is looked at, world units. */
+  get subjectRadius(): number {
+    return this.#subject?.sphere.radius ?? 1;
   }
 
   /** The scene's own camera for this shape of the image, unless the view has been moved away from it. */
@@ -137,9 +162,12 @@ export class ViewCamera {
     const subject = this.#subject;
     if (!subject) throw new Error('The camera has no scene to look at.');
     const { pose, fovYDegrees } = this.controls;
-    const { near, far } =
-      subject.firstView ?? depthRange(pose, this.#placed(subject.sphere), this.#placed(subject.extent));
-    return perspectiveCamera({ ...lookAt(pose), fovYDegrees, aspect: this.#aspect, near, far });
+    const extent = this.#placed(subject.extent);
+    const aspect = this.#aspect;
+    if (this.#store.getState().look.isOrthographic)
+      return orthographicCamera({ ...parallelView(pose, extent, fovYDegrees), aspect });
+    const { near, far } = subject.firstView ?? depthRange(pose, this.#placed(subject.sphere), extent);
+    return perspectiveCamera({ ...lookAt(pose), fovYDegrees, aspect, near, far });
   }
 
   /** Names of the scene's own cameras. */
@@ -150,8 +178,28 @@ export class ViewCamera {
   /** Turns the scene the other way up; the view keeps facing the same side of it. */
   toggleFlip(): void {
     if (!this.#store.getState().scene?.canFlip) return;
+    this.#isUpChosen = true;
     this.#store.setState(({ isFlipped }) => ({ isFlipped: !isFlipped }));
     this.controls.setPose(flippedPose(this.controls.pose), flippedPose(this.controls.home));
+  }
+
+  /** Shows an axis of the scene's own upwards; what it is seen from turns with it. */
+  setUpAxis(axis: UpAxis): void {
+    const { scene, isFlipped } = this.#store.getState();
+    if (!scene?.canFlip) return;
+    const uprightness = uprightnessOf(axis);
+    if (uprightness.isFlipped !== isFlipped) this.toggleFlip();
+    this.#isUpChosen = true;
+    this.#store.setState({ isZUp: uprightness.isZUp });
+    const up = upVector(uprightness);
+    const { pose, home } = this.controls;
+    this.controls.setPose({ ...pose, up }, { ...home, up });
+  }
+
+  /** Looks in another way from where the camera is. */
+  setLook(change: Partial<Look>): void {
+    this.#store.setState(({ look }) => ({ look: { ...look, ...change } }));
+    this.#onChange();
   }
 
   /** Moves the camera, without turning it, so that the whole scene can be seen. */
@@ -162,6 +210,15 @@ export class ViewCamera {
     controls.glideTo(
       framedPose(controls.pose, this.#placed(subject.sphere), controls.fovYDegrees, this.#aspect),
     );
+  }
+
+  /** Brings `point`, of the scene as it is drawn, to the middle of the image, and turns around it from then on. */
+  focus(point: Vec3): void {
+    const { controls } = this;
+    const { pose, distanceRange } = controls;
+    // A parallel projection has no depth to keep.
+    const { isOrthographic } = this.#store.getState().look;
+    controls.glideTo(isOrthographic ? { ...pose, target: point } : focused(pose, point, distanceRange));
   }
 
   /** Shows the scene's next own camera, or with −1 the one before. */
@@ -184,7 +241,7 @@ export class ViewCamera {
     const camera = this.#ownCameraAt(index);
     if (!subject || !camera) return;
     const { pose, fovDegrees } = orbitNear(camera, subject.sphere, this.#aspect);
-    this.#fovDegrees = fovDegrees;
+    this.#setFov(fovDegrees);
     this.#store.setState({ cameraIndex: index });
     this.controls.setPose(pose);
   }
@@ -198,7 +255,22 @@ export class ViewCamera {
   }
 
   get #fovYDegrees(): number {
-    return verticalFov(this.#fovDegrees, this.#aspect);
+    return verticalFov(this.#store.getState().look.fovDegrees, this.#aspect);
+  }
+
+  #setFov(fovDegrees: number): void {
+    this.#store.setState(({ look }) => ({ look: { ...look, fovDegrees } }));
+  }
+
+  /** Shows the scene the way up that it comes with, as far as that is known. */
+  #takeUprightness(): void {
+    const { isUpsideDown = false, isZUp = false } = this.#subject ?? {};
+    this.#store.setState({ isFlipped: isUpsideDown && !isZUp, isZUp });
+  }
+
+  #firstPose({ sphere }: CameraSubject): OrbitPose {
+    const up = upVector(this.#store.getState());
+    return firstPose(this.#placed(sphere), this.#fovYDegrees, this.#aspect, up);
   }
 
   get #aspect(): number {

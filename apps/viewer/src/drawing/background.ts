@@ -1,15 +1,31 @@
 import type { Vec3 } from '../camera/vec3.ts';
+import type { Background } from '../state/look.ts';
+import type { ViewerStore } from '../state/store.ts';
 
 /**
- * Calls `onColor` with the style sheet's background of `element`, sRGB 0…1: now and when the colour scheme changes.
- * Returns what stops that.
+ * Gives `element` the background that was chosen, and calls `onColor` with it, sRGB 0…1: now, when another is chosen and, where it
+ * is the theme's, when the colour scheme changes. Returns what stops that.
  */
-export function observeBackground(element: Element, onColor: (color: Vec3) => void): () => void {
+export function observeBackground(
+  element: HTMLElement,
+  store: ViewerStore,
+  onColor: (color: Vec3) => void,
+): () => void {
   const report = () => onColor(backgroundOf(element));
-  report();
+  const take = (background: Background) => {
+    element.style.backgroundColor = background === 'theme' ? '' : background;
+    report();
+  };
+  take(store.getState().look.background);
+  const unsubscribe = store.subscribe(({ look }, before) => {
+    if (look.background !== before.look.background) take(look.background);
+  });
   const scheme = matchMedia('(prefers-color-scheme: dark)');
   scheme.addEventListener('change', report);
-  return () => scheme.removeEventListener('change', report);
+  return () => {
+    unsubscribe();
+    scheme.removeEventListener('change', report);
+  };
 }
 
 function backgroundOf(element: Element): Vec3 {

@@ -43,6 +43,8 @@ const MIRRORED = [
   'splitPart',
   'scene',
   'isFlipped',
+  'isZUp',
+  'look',
   'cameraIndex',
   'restedFrames',
   'isIdle',

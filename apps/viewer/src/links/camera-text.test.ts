@@ -1,12 +1,19 @@
 import { InvalidArgumentError } from '@websplatter/core';
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
-import { FIRST_FOV_DEGREES } from '../camera/framing.ts';
 import { FRONT } from '../camera/orbit-pose.fixture.ts';
 import type { LinkedCamera } from '../camera/view-camera.ts';
+import { FIRST_LOOK } from '../state/look.ts';
 import { decodeCamera, encodeCamera } from './camera-text.ts';
 
-const USUAL: LinkedCamera = { pose: FRONT, fovDegrees: FIRST_FOV_DEGREES, cameraIndex: 0, isFlipped: false };
+const USUAL: LinkedCamera = {
+  pose: FRONT,
+  fovDegrees: FIRST_LOOK.fovDegrees,
+  isOrthographic: false,
+  cameraIndex: 0,
+  isFlipped: false,
+  isZUp: false,
+};
 
 describe('a camera in the address', () => {
   it('is six numbers where all else is as usual', () => {
@@ -14,9 +21,9 @@ describe('a camera in the address', () => {
   });
 
   it('names what is not as usual', () => {
-    const camera = { ...USUAL, fovDegrees: 40, cameraIndex: 2, isFlipped: true };
+    const camera = { ...USUAL, fovDegrees: 40, cameraIndex: 2, isFlipped: true, isOrthographic: true };
     const text = encodeCamera({ ...camera, pose: { ...FRONT, up: [0, 0, 1] } });
-    expect(text).toBe('0,0,0,10,0,1.5707963267948966,up:0:0:1,fov:40,flipped:1,own:2');
+    expect(text).toBe('0,0,0,10,0,1.5707963267948966,up:0:0:1,fov:40,parallel:1,flipped:1,own:2');
     expect(decodeCamera(text)).toEqual({ ...camera, pose: { ...FRONT, up: [0, 0, 1] } });
   });
 
@@ -35,7 +42,9 @@ describe('a camera in the address', () => {
       }),
       fovDegrees: fc.double({ min: 1e-3, max: 179, noNaN: true }),
       cameraIndex: fc.nat(20),
+      isOrthographic: fc.boolean(),
       isFlipped: fc.boolean(),
+      isZUp: fc.boolean(),
     });
     fc.assert(
       fc.property(camera, (each) => {

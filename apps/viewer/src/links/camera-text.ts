@@ -1,26 +1,30 @@
 import { InvalidArgumentError } from '@websplatter/core';
-import { FIRST_FOV_DEGREES } from '../camera/framing.ts';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { LinkedCamera } from '../camera/view-camera.ts';
+import { FIRST_LOOK } from '../state/look.ts';
 
 const USUAL_UP: Vec3 = [0, 1, 0];
 
 /** How far the length of `up` may be from 1, so that people can write addresses too. */
 const UNIT_TOLERANCE = 1e-3;
 
-const FORM = 'write camera=x,y,z,distance,azimuth,polar, then any of up:x:y:z, fov:50, flipped:1 and own:0';
+const FORM =
+  'write camera=x,y,z,distance,azimuth,polar, then any of up:x:y:z, fov:50, parallel:1, flipped:1, zup:1 and own:0';
 
 /**
  * For the address: the target, the distance from it, and both angles in radians, then by name what is not as usual:
  * `0,0.1,0,2.5,0.35,1.25,fov:40,flipped:1`. Numbers are the shortest that read back as the same float64, so that the same
  * picture is drawn, bit for bit.
  */
-export function encodeCamera({ pose, fovDegrees, cameraIndex, isFlipped }: LinkedCamera): string {
+export function encodeCamera(camera: LinkedCamera): string {
+  const { pose, fovDegrees, isOrthographic, cameraIndex, isFlipped, isZUp } = camera;
   const { target, distance, azimuth, polar, up } = pose;
   const parts: (number | string)[] = [...target, distance, azimuth, polar];
   if (up.some((value, axis) => value !== USUAL_UP[axis])) parts.push(`up:${up.join(':')}`);
-  if (fovDegrees !== FIRST_FOV_DEGREES) parts.push(`fov:${fovDegrees}`);
+  if (fovDegrees !== FIRST_LOOK.fovDegrees) parts.push(`fov:${fovDegrees}`);
+  if (isOrthographic) parts.push('parallel:1');
   if (isFlipped) parts.push('flipped:1');
+  if (isZUp) parts.push('zup:1');
   if (cameraIndex > 0) parts.push(`own:${cameraIndex}`);
   return parts.join(',');
 }
@@ -41,11 +45,13 @@ export function decodeCamera(text: string): LinkedCamera {
     pose: { target: [x, y, z], distance, azimuth, polar, up: upIn(named.up) },
     fovDegrees: fovIn(named.fov),
     cameraIndex: indexIn(named.own),
+    isOrthographic: named.parallel === '1',
     isFlipped: named.flipped === '1',
+    isZUp: named.zup === '1',
   };
 }
 
-const NAMES = ['up', 'fov', 'flipped', 'own'];
+const NAMES = ['up', 'fov', 'parallel', 'flipped', 'zup', 'own'];
 
 function namedValues(parts: readonly string[]): Readonly<Record<string, string | undefined>> {
   const pairs = parts.map((part): [string, string] => {
@@ -68,7 +74,7 @@ function upIn(text: string | undefined): Vec3 {
 }
 
 function fovIn(text: string | undefined): number {
-  const degrees = text === undefined ? FIRST_FOV_DEGREES : numberIn(text);
+  const degrees = text === undefined ? FIRST_LOOK.fovDegrees : numberIn(text);
   if (degrees <= 0 || degrees >= 180) throw refused(`fov:${text} does not lie between 0 and 180 degrees`);
   return degrees;
 }

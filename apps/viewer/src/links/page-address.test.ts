@@ -6,7 +6,10 @@ import type { SceneSource } from '../scene/scene-source.ts';
 import { type LinkedView, linkTo, pageAddress, type UnmentionedView } from './page-address.ts';
 
 const page = (text: string) => new URL(text, 'http://localhost/');
-const first = { pose: FRONT, fovDegrees: 50, cameraIndex: 0, isFlipped: false };
+const first = {
+  ...{ pose: FRONT, fovDegrees: 50, isOrthographic: false, cameraIndex: 0 },
+  ...{ isFlipped: false, isZUp: false },
+};
 const moved = { ...first, pose: { ...FRONT, distance: 4, azimuth: 0.25, polar: 1 } };
 const unmentioned: UnmentionedView = { camera: first, accuracy: resolveAccuracy() };
 const [scene] = builtinScenes;

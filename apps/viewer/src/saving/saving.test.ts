@@ -21,25 +21,24 @@ const onePoint: SplatSet = {
 };
 
 test.each([
-  { formatName: 'spz', isUpsideDown: true, isTurned: false },
-  { formatName: 'spz', isUpsideDown: false, isTurned: true },
-  { formatName: 'gltf', isUpsideDown: true, isTurned: true },
-  { formatName: 'gltf', isUpsideDown: false, isTurned: false },
-])(
-  '$formatName, upside down: $isUpsideDown, is turned: $isTurned',
-  async ({ formatName, isUpsideDown, isTurned }) => {
-    const source = { kind: 'file' as const, name: 'a.ply', source: new File([encodePly(onePoint)], 'a.ply') };
-    const phases = new Set<string>();
-    const bytes = await writeScene({ source, formatName, isUpsideDown }, ({ phase }) => phases.add(phase));
-    const { positions, origin } = await readSplats(bytes);
-    expect(origin.map((value, axis) => value + positions[axis])).toEqual(isTurned ? [1, -2, -3] : [1, 2, 3]);
-    expect([...phases]).toEqual(['read', 'write']);
-  },
-);
+  { formatName: 'spz', up: '-y', place: [1, 2, 3] },
+  { formatName: 'spz', up: 'y', place: [1, -2, -3] },
+  { formatName: 'spz', up: 'z', place: [1, -3, 2] },
+  { formatName: 'gltf', up: '-y', place: [1, -2, -3] },
+  { formatName: 'gltf', up: 'y', place: [1, 2, 3] },
+  { formatName: 'gltf', up: 'z', place: [1, 3, -2] },
+] as const)('$formatName of a scene with $up up has a splat at $place', async ({ formatName, up, place }) => {
+  const source = { kind: 'file' as const, name: 'a.ply', source: new File([encodePly(onePoint)], 'a.ply') };
+  const phases = new Set<string>();
+  const bytes = await writeScene({ source, formatName, up }, ({ phase }) => phases.add(phase));
+  const { positions, origin } = await readSplats(bytes);
+  expect(origin.map((value, axis) => value + positions[axis])).toEqual(place);
+  expect([...phases]).toEqual(['read', 'write']);
+});
 
 test('built-in scenes are made again', async () => {
   const source = { kind: 'builtin' as const, name: 'still-life-small' };
-  const bytes = await writeScene({ source, formatName: 'ply', isUpsideDown: true }, () => {});
+  const bytes = await writeScene({ source, formatName: 'ply', up: '-y' }, () => {});
   expect((await readSplats(bytes)).count).toBe(10_000);
 });
 
@@ -86,7 +85,7 @@ function startSaving(source: SceneSource) {
 test('progress is shown; saving can be cancelled, and started again', () => {
   const { store, saving, worker } = startSaving({ kind: 'url', url: new URL('https://example.org/a.spz') });
   const source = { kind: 'url', href: 'https://example.org/a.spz' };
-  expect(worker?.posted).toEqual([{ source, formatName: WRITABLE_FORMATS[0].name, isUpsideDown: true }]);
+  expect(worker?.posted).toEqual([{ source, formatName: WRITABLE_FORMATS[0].name, up: '-y' }]);
   worker?.onmessage?.({ data: { kind: 'progress', phase: 'write', part: 0.5 } });
   expect(store.getState().saving).toMatchObject({ phase: 'write', part: 0.5 });
   // One at a time.

@@ -1,4 +1,5 @@
 import type { WritableFormat } from '@websplatter/core/write';
+import { upAxisOf } from '../camera/up-axis.ts';
 import { type SceneSource, titleOf } from '../scene/scene-source.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { formatBytes } from '../words/format.ts';
@@ -24,14 +25,14 @@ export class Saving {
     const source = sceneSource && savedSource(sceneSource);
     if (!source || this.#worker) return;
     const fileName = savedName(titleOf(sceneSource), format);
-    const { isFlipped } = this.#store.getState();
+    const up = upAxisOf(this.#store.getState());
     this.#store.setState({ saving: { fileName, phase: 'read', part: undefined }, failure: null });
     const worker = new Worker(new URL('./save.worker.ts', import.meta.url), { type: 'module' });
     this.#worker = worker;
     worker.onmessage = ({ data }: MessageEvent<SaveReply>) => this.#take(data, fileName);
     worker.onerror = ({ message }) =>
       this.#fail(fileName, message || 'The worker could not be started, or had no memory.', true);
-    worker.postMessage({ source, formatName: format.name, isUpsideDown: isFlipped } satisfies SaveRequest);
+    worker.postMessage({ source, formatName: format.name, up } satisfies SaveRequest);
   }
 
   cancel(): void {

@@ -1,5 +1,6 @@
 import { type Harmonics, readSplats, type SceneFiles, type SplatSet } from '@websplatter/core';
 import { transformSplats, uprightRotation, WRITABLE_FORMATS, writeSplats } from '@websplatter/core/write';
+import { oppositeAxis, type UpAxis } from '../camera/up-axis.ts';
 import { findBuiltinScene } from '../scene/builtin-scene.ts';
 import type { SavingState } from '../state/saving.ts';
 
@@ -13,23 +14,24 @@ export interface SaveRequest {
   readonly source: SavedSource;
   /** Of `WRITABLE_FORMATS`. */
   readonly formatName: string;
-  /** Whether y points down in the scene. */
-  readonly isUpsideDown: boolean;
+  /** The axis of the scene's own that is shown upwards. */
+  readonly up: UpAxis;
 }
 
 export type OnSaving = (progress: Pick<SavingState, 'phase' | 'part'>) => void;
 
 /** Reads a scene again and writes it as a file, turned so that other viewers show it the way up that this one does. */
 export async function writeScene(
-  { source, formatName, isUpsideDown }: SaveRequest,
+  { source, formatName, up }: SaveRequest,
   onProgress: OnSaving,
 ): Promise<Uint8Array<ArrayBuffer>> {
   onProgress({ phase: 'read', part: undefined });
   const set = await readAgain(source, (part) => onProgress({ phase: 'read', part }));
   onProgress({ phase: 'write', part: 0 });
   const hasYUp = WRITABLE_FORMATS.some((format) => format.name === formatName && format.hasYUp);
-  const isTurned = isUpsideDown === hasYUp;
-  const turned = isTurned ? transformSplats(set, { rotation: uprightRotation('-y') }) : set;
+  // In formats whose y axis points down, what is up goes there.
+  const toY = hasYUp ? up : oppositeAxis(up);
+  const turned = toY === 'y' ? set : transformSplats(set, { rotation: uprightRotation(toY) });
   return writeSplats(turned, formatName, { onProgress: (part) => onProgress({ phase: 'write', part }) });
 }
 

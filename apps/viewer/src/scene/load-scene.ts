@@ -5,6 +5,7 @@ import {
   type SplatEngine,
   SplatFileError,
 } from '@websplatter/core';
+import { isProbablyZUp } from '../camera/up-axis.ts';
 import type { CameraSubject } from '../camera/view-camera.ts';
 import { findHardCase, groupTitle, loadHardCases } from '../hard-cases/catalogue.ts';
 import type { SceneAbout } from '../state/scene-summary.ts';
@@ -13,7 +14,8 @@ import { makeBuiltinScene } from './builtin-scene.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
 
 /** A scene on the GPU, and how it is to be looked at. */
-export interface LoadedScene extends Pick<CameraSubject, 'firstView' | 'ownCameras' | 'isUpsideDown'> {
+export interface LoadedScene
+  extends Pick<CameraSubject, 'firstView' | 'ownCameras' | 'isUpsideDown' | 'isZUp'> {
   readonly clouds: readonly CloudInstance[];
   readonly about: SceneAbout | null;
   /** Why a file has no splats whose refusal is what the scene shows. */
@@ -33,7 +35,7 @@ export async function loadScene(
   options: LoadSceneOptions,
 ): Promise<LoadedScene> {
   const { signal, onProgress } = options;
-  const plain = { firstView: null, ownCameras: null, about: null };
+  const plain = { firstView: null, ownCameras: null, about: null, isZUp: false };
   if (source.kind === 'builtin') {
     const { name, title, cameras } = source.scene;
     const { packed, set } = await makeBuiltinScene(name, engine.accuracy, signal);
@@ -47,6 +49,8 @@ export async function loadScene(
     clouds: [{ cloud }],
     isUpsideDown: isUpsideDown(cloud),
   });
+  /** What is there of a file while it arrives need not have the shape of all of it. */
+  const wholeSceneOf = (cloud: SplatCloud) => ({ ...sceneOf(cloud), isZUp: isZUp(cloud) });
   const isFile = source.kind === 'file';
   const cloud = await engine.load(isFile ? source.source : source.url, {
     name: titleOf(source),
@@ -57,7 +61,7 @@ export async function loadScene(
     onProgress,
     onPreview: (preview) => options.onPreview(sceneOf(preview)),
   });
-  return sceneOf(cloud);
+  return wholeSceneOf(cloud);
 }
 
 export function destroyClouds({ clouds }: Pick<LoadedScene, 'clouds'>): void {
@@ -67,6 +71,11 @@ export function destroyClouds({ clouds }: Pick<LoadedScene, 'clouds'>): void {
 /** Captures mostly have y pointing down; glTF has it up by definition. */
 function isUpsideDown({ facts }: SplatCloud): boolean {
   return facts.fileFacts?.format !== 'gltf';
+}
+
+/** Where the file does not say which way is up, the shape of the scene may. */
+function isZUp(cloud: SplatCloud): boolean {
+  return isUpsideDown(cloud) && isProbablyZUp(cloud.robustBounds);
 }
 
 /** Loads files one after another; the scene stands as the first of them does. */
@@ -120,6 +129,7 @@ async function loadHardCase(
     clouds,
     firstView: null,
     ownCameras: hardCase.kind === 'refused-file' ? null : hardCase.cameras,
+    isZUp: false,
     about: { topic: groupTitle(hardCase.group), text: hardCase.breaks },
     refusal,
     isUpsideDown: false,

@@ -58,7 +58,7 @@ function sceneOf(radius = 1): LoadedScene {
   const facts = { declaredShDegree: 0 };
   const cloud = { count: 5, bounds, robustBounds: bounds, dropped: {}, shDegree: 0, facts };
   const clouds = [{ cloud: cloud as unknown as SplatCloud }];
-  return { clouds, firstView: null, ownCameras: null, about: null, isUpsideDown: false };
+  return { clouds, firstView: null, ownCameras: null, about: null, isUpsideDown: false, isZUp: false };
 }
 
 const settled = () => new Promise<void>((resolve) => setImmediate(resolve));
@@ -210,8 +210,10 @@ describe('The camera of a link', () => {
   const linkedCamera = {
     pose: { target: [0, 0, 0], distance: 7, azimuth: 1, polar: 1, up: [0, 1, 0] },
     fovDegrees: 40,
+    isOrthographic: false,
     cameraIndex: 0,
     isFlipped: false,
+    isZUp: false,
   } as const;
   const scenesOf = (scene: string) =>
     new Scenes({

@@ -45,6 +45,9 @@ interface Preview {
 /** By this part of their radius bounds may change before the camera follows. */
 const FRAMED_CHANGE = 0.1;
 
+const Z_UP_NOTICE =
+  'By its shape this is ground whose z axis points up. The View panel (V) shows it another way up.';
+
 /** Loads scenes, one at a time, and knows which is to be drawn. */
 export class Scenes {
   readonly #options: ScenesOptions;
@@ -225,6 +228,7 @@ export class Scenes {
     this.#setNewest(scene);
     for (const { cloud } of loaded.clouds)
       if (cloud.fit) this.#options.store.setState({ notice: fitNotice(titleOf(source), cloud.fit) });
+    if (loaded.isZUp) this.#options.store.setState({ notice: Z_UP_NOTICE });
     if (loaded.refusal) this.#fail(loaded.refusal, titleOf(source));
     onClouds();
     // After the device was lost the view goes on where it was.

@@ -36,6 +36,12 @@ const Hud = lazy(async () => ({ default: (await import('../hud/hud.tsx')).Hud })
 /** With the list of formats, which most visitors do not need. */
 const SavePanel = lazy(async () => ({ default: (await import('../saving/save-panel.tsx')).SavePanel }));
 
+/** With what is seldom changed of how a scene is looked at. */
+const ViewPanel = lazy(async () => ({ default: (await import('../looking/view-panel.tsx')).ViewPanel }));
+const FlightBanner = lazy(async () => ({
+  default: (await import('../looking/flight-banner.tsx')).FlightBanner,
+}));
+
 /** @param poster address of an image to show until there is a picture. */
 export function App({ store, viewer, poster }: PanelProps & { poster: string | null }) {
   const hasInterface = useStore(store, (state) => state.hasInterface);
@@ -43,6 +49,8 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   const isLost = useStore(store, isGpuLost);
   const isSaveVisible = useStore(store, (state) => state.dock === 'save');
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
+  const isViewVisible = useStore(store, (state) => state.dock === 'view');
+  const isFlying = useStore(store, (state) => state.flightSpeed !== null);
   const comparison = useStore(store, (state) => state.comparison);
   const fileInput = useRef<HTMLInputElement>(null);
   const run = useMemo(
@@ -84,11 +92,13 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
           <Toolbar store={store} run={run} />
           <AccuracyPanel store={store} viewer={viewer} accuracyMeasurement={accuracyMeasurement} />
           <EffectsPanel store={store} measurement={measurement} />
+          <Suspense>{isViewVisible && <ViewPanel store={store} viewer={viewer} />}</Suspense>
           <Suspense>{isSaveVisible && <SavePanel store={store} viewer={viewer} saving={saving} />}</Suspense>
           <div className="overlay-side">
             <Suspense>{isHudVisible && <Hud store={store} viewer={viewer} recorder={recorder} />}</Suspense>
             <div className="messages">
               <Notice store={store} />
+              <Suspense>{isFlying && <FlightBanner store={store} viewer={viewer} />}</Suspense>
               <WarningPanel store={store} />
               <FailurePanel store={store} />
               <ErrorMapLegend store={store} viewer={viewer} />

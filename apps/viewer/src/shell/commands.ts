@@ -5,6 +5,8 @@ import type { Viewer } from '../viewer/viewer.ts';
 export type CommandName =
   | 'open'
   | 'flip'
+  | 'view'
+  | 'fly'
   | 'reset'
   | 'frame'
   | 'hud'
@@ -25,12 +27,14 @@ export interface Command {
   readonly isOfCamera?: boolean;
 }
 
-/** Commands that have both a button and a key; the keys that move the camera belong to the controls. */
+/** Commands that have both a button and a key, in the toolbar's order; the keys that move the camera belong to the controls. */
 export const COMMANDS: readonly Command[] = [
   { name: 'open', label: 'Open a file', key: 'o' },
   { name: 'frame', label: 'Frame the scene', key: 'f', isOfCamera: true },
   { name: 'reset', label: 'Reset the view', key: 'r', isOfCamera: true },
   { name: 'flip', label: 'Turn upside down', key: 'u', isOfCamera: true },
+  { name: 'view', label: 'View and camera', key: 'v' },
+  { name: 'fly', label: 'Fly', key: 'g', isInPanel: true },
   { name: 'hud', label: 'Show or hide figures', key: 'h' },
   { name: 'accuracy', label: 'Accuracy and its cost', key: 'c' },
   { name: 'effects', label: 'Effects and why', key: 'e' },
@@ -47,6 +51,8 @@ export function createCommands(viewer: Viewer, store: ViewerStore, chooseFile: (
     flip: () => viewer.camera.toggleFlip(),
     reset: () => viewer.camera.controls.reset(),
     frame: () => viewer.camera.frameScene(),
+    view: () => store.setState(({ dock }) => ({ dock: dock === 'view' ? null : 'view' })),
+    fly: () => void viewer.toggleFlight(),
     hud: () => store.setState(({ isHudVisible }) => ({ isHudVisible: !isHudVisible })),
     accuracy: () => store.setState(({ dock }) => ({ dock: dock === 'accuracy' ? null : 'accuracy' })),
     effects: () => store.setState(({ dock }) => ({ dock: dock === 'effects' ? null : 'effects' })),

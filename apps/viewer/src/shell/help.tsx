@@ -9,7 +9,8 @@ import { COMMANDS } from './commands.ts';
 const GESTURES: readonly (readonly [string, string])[] = [
   ['Orbit', 'Left drag · one finger'],
   ['Pan', 'Right, middle or Shift drag · two fingers'],
-  ['Zoom', 'Wheel · pinch'],
+  ['Zoom', 'Wheel, to the cursor · pinch'],
+  ['Turn around a place', 'Double-click · double tap'],
 ];
 
 const CAMERA_KEYS: readonly (readonly [string, readonly string[]])[] = [
@@ -77,6 +78,10 @@ export function Help({ store }: { store: ViewerStore }) {
             </div>
           ))}
         </dl>
+        <p>
+          In flight (G) the mouse looks around, W, A, S, D, Q and E move, Shift is faster, the wheel changes
+          the speed, and Escape ends it.
+        </p>
         <p>
           Drop a Gaussian-splat scene ({READABLE_FORMATS}), or its folder, anywhere in the window. Captures
           often have y pointing down: U turns them.

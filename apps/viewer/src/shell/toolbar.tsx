@@ -9,7 +9,8 @@ const BUTTONS = COMMANDS.filter(({ isInPanel }) => !isInPanel);
 /** The Tab key stops at one button only; arrow keys go to the others. */
 export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand }) {
   const isFlipped = useStore(store, (state) => state.isFlipped);
-  const isUpsideDown = useStore(store, (state) => state.scene?.isUpsideDown ?? false);
+  // A scene with z up is upright as it is.
+  const isUpsideDown = useStore(store, (state) => !state.isZUp && (state.scene?.isUpsideDown ?? false));
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
   const dock = useStore(store, (state) => state.dock);
   const hasScene = useStore(store, (state) => state.scene !== null);
@@ -20,6 +21,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
     // A file that comes upside down is shown upright: that alone is no choice of anybody.
     flip: isFlipped !== isUpsideDown,
     hud: isHudVisible,
+    view: dock === 'view',
     accuracy: dock === 'accuracy',
     effects: dock === 'effects',
     save: dock === 'save',

@@ -1,5 +1,6 @@
 import { resolveAccuracy } from '@websplatter/core';
 import { createStore, type StoreApi } from 'zustand/vanilla';
+import { FIRST_LOOK } from './look.ts';
 import { FIRST_SHEET_PART } from './sheet.ts';
 import type { ViewerState } from './viewer-state.ts';
 
@@ -24,6 +25,11 @@ export function createViewerStore(): ViewerStore {
     isOwnCamera: false,
     isFlipped: false,
     hasInterface: true,
+    isZUp: false,
+    look: FIRST_LOOK,
+    savedViews: [],
+    isPathPlaying: false,
+    flightSpeed: null,
     isHudVisible: true,
     hudSize: 'medium',
     isHudFrozen: false,

@@ -8,12 +8,14 @@ import type {
 } from '@websplatter/core';
 import type { Comparison } from './comparison.ts';
 import type { FailureReport } from './failure.ts';
+import type { Look } from './look.ts';
 import type { FailedMeasurement, MeasuredAccuracy, MeasuredEffects, RunningMeasurement } from './measured.ts';
+import type { SavedView } from './saved-view.ts';
 import type { PicturingState, SavingState } from './saving.ts';
 import type { LoadState, SceneSummary, SceneWarning } from './scene-summary.ts';
 
 /** Panels beside the image; one at a time. */
-export type DockName = 'accuracy' | 'effects' | 'save';
+export type DockName = 'view' | 'accuracy' | 'effects' | 'save';
 
 export const ACCURACY_TABS = ['measure', 'compare', 'settings'] as const;
 export type AccuracyTab = (typeof ACCURACY_TABS)[number];
@@ -92,6 +94,15 @@ export interface ViewerState {
   readonly isFlipped: boolean;
   /** Whether there is more than the picture: toolbar, panels and their keys (`?noui` has none). */
   readonly hasInterface: boolean;
+  /** The z axis of what is drawn points up, not the y axis. */
+  readonly isZUp: boolean;
+  readonly look: Look;
+  /** Views that a person has saved of this scene; read when the View panel is opened. */
+  readonly savedViews: readonly SavedView[];
+  /** Whether the camera follows the path through them. */
+  readonly isPathPlaying: boolean;
+  /** How fast the camera flies, 1 at first; null while nobody flies. */
+  readonly flightSpeed: number | null;
   readonly isHudVisible: boolean;
   readonly hudSize: HudSize;
   /** Whether the figures stay as they are, to be read and copied. */

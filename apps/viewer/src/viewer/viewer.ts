@@ -16,6 +16,7 @@ import type { ImageOnBackground, ShownFrame } from '../drawing/drawn-frame.ts';
 import { FileMemory } from '../file-drop/file-memory.ts';
 import { KEPT_FILE } from '../file-drop/kept-file.ts';
 import type { LinkedStart } from '../links/linked-start.ts';
+import type { Flight } from '../looking/flight.ts';
 import type { AddressedScene } from '../scene/first-source.ts';
 import { Scenes } from '../scene/scenes.ts';
 import { defaultAccuracyOn } from '../session/default-accuracy.ts';
@@ -46,6 +47,7 @@ export class Viewer {
   readonly #sessions: SessionOwner;
   readonly #precisions: Precisions;
   readonly #drawing: Drawing;
+  #flight: Flight | null = null;
 
   constructor(store: ViewerStore, start: StartOptions = {}) {
     this.#store = store;
@@ -58,6 +60,7 @@ export class Viewer {
     this.camera = new ViewCamera(store, {
       onChange: () => this.#drawing.request(),
       isMotionReduced: () => reducedMotion.matches,
+      onDoubleTap: (xPart, yPart) => void this.focusAt(xPart, yPart),
     });
     this.#sessions = new SessionOwner(store, {
       onStart: (session) => this.#startSession(session),
@@ -89,7 +92,7 @@ export class Viewer {
   /** Draws to `canvas` from now on; returns what ends that and frees the GPU. */
   attach(canvas: HTMLCanvasElement): () => void {
     const stops = [
-      observeBackground(canvas, (color) => this.#drawing.setBackground(color)),
+      observeBackground(canvas, this.#store, (color) => this.#drawing.setBackground(color)),
       observeDevicePixelSize(canvas, ({ widthPx, heightPx }) => {
         this.#store.setState({ widthPx, heightPx });
         this.#drawing.request();
@@ -159,6 +162,29 @@ export class Viewer {
   /** The engine; null while there is no GPU. */
   get engine(): SplatEngine | null {
     return this.#sessions.current?.engine ?? null;
+  }
+
+  /**
+   * Brings the splat that is seen at a place of the image to its middle, and turns around it from then on; `xPart` and `yPart` of
+   * the image, from its top left. Does nothing where there is none.
+   */
+  async focusAt(xPart: number, yPart: number): Promise<void> {
+    const shown = this.#drawing.shown;
+    if (!shown) return;
+    const { views } = shown.scene.session;
+    const { widthPx, heightPx } = shown.frame;
+    // The session may end, or another scene be shown, before the GPU answers.
+    const pick = await views.main.pick(xPart * widthPx, yPart * heightPx).catch(() => null);
+    if (pick && this.#drawing.shown?.scene === shown.scene) this.camera.focus(pick.point);
+  }
+
+  /** Begins to fly through the scene, or ends it. */
+  async toggleFlight(): Promise<void> {
+    const { Flight } = await import('../looking/flight.ts');
+    const canvas = this.#sessions.current?.canvas;
+    if (!canvas || !this.scenes.newest) return;
+    this.#flight ??= new Flight(this.#store, this.camera);
+    this.#flight.toggle(canvas);
   }
 
   /** The frame on the screen; null if there is none. */

@@ -1,0 +1,27 @@
+import { useStore } from 'zustand';
+import type { PanelProps } from '../viewer/panel-props.ts';
+
+/** While somebody flies: how, and how fast. */
+export function FlightBanner({ store, viewer }: PanelProps) {
+  const speed = useStore(store, (state) => state.flightSpeed);
+  if (speed === null) return null;
+  return (
+    <div className="panel flight-banner" data-testid="flight">
+      <p>
+        <b>Flying at {speed.toFixed(speed < 1 ? 2 : 1)}×</b>
+        <span className="flight-keys">
+          <kbd>W</kbd> <kbd>A</kbd> <kbd>S</kbd> <kbd>D</kbd> move, <kbd>Q</kbd> <kbd>E</kbd> down and up,{' '}
+          <kbd>Shift</kbd> faster, wheel: speed
+        </span>
+      </p>
+      <button
+        type="button"
+        className="text-button"
+        data-testid="end-flight"
+        onClick={() => void viewer.toggleFlight()}
+      >
+        End <kbd>Esc</kbd>
+      </button>
+    </div>
+  );
+}

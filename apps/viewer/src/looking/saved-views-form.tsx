@@ -1,0 +1,86 @@
+import { useEffect, useMemo, useRef } from 'react';
+import { useStore } from 'zustand';
+import type { SavedView } from '../state/saved-view.ts';
+import { Icon } from '../ui/icon.tsx';
+import type { PanelProps } from '../viewer/panel-props.ts';
+import { SavedViews } from './saved-views.ts';
+import { drawThumbnail, showThumbnail } from './thumbnail.ts';
+
+/** The views that a person has saved of this scene. */
+export function SavedViewsForm({ store, viewer }: PanelProps) {
+  const list = useStore(store, (state) => state.savedViews);
+  const isPlaying = useStore(store, (state) => state.isPathPlaying);
+  const hasScene = useStore(store, (state) => state.scene !== null);
+  const views = useMemo(
+    () =>
+      new SavedViews({
+        store,
+        camera: viewer.camera,
+        draw: () => drawThumbnail(viewer, store.getState().accuracy),
+        storage: () => localStorage,
+      }),
+    [store, viewer],
+  );
+  useEffect(() => views.watch(), [views]);
+  return (
+    <fieldset className="view-field">
+      <legend>Saved views</legend>
+      {list.length > 0 && (
+        <ol className="saved-views" data-testid="saved-views">
+          {list.map((view, i) => (
+            // biome-ignore lint/suspicious/noArrayIndexKey: views have no other name than their place.
+            <li key={i}>
+              <button
+                type="button"
+                className="saved-view"
+                aria-label={`View ${i + 1}`}
+                data-testid={`saved-view-${i + 1}`}
+                onClick={() => views.show(view)}
+              >
+                <Thumbnail view={view} />
+              </button>
+              <button
+                type="button"
+                className="icon-button saved-view-remove"
+                aria-label={`Remove view ${i + 1}`}
+                onClick={() => views.remove(view)}
+              >
+                <Icon name="close" />
+              </button>
+            </li>
+          ))}
+        </ol>
+      )}
+      <div className="view-actions">
+        <button
+          type="button"
+          className="text-button outlined"
+          disabled={!hasScene}
+          data-testid="save-view"
+          onClick={() => void views.save()}
+        >
+          Save this view
+        </button>
+        {list.length > 1 && (
+          <button
+            type="button"
+            className="text-button outlined"
+            data-testid="play-path"
+            onClick={() => (isPlaying ? views.pause() : views.play())}
+          >
+            {isPlaying ? 'Pause' : 'Play as a path'}
+          </button>
+        )}
+      </div>
+      <p>Kept in this browser by the name of the scene.</p>
+    </fieldset>
+  );
+}
+
+function Thumbnail({ view }: { view: SavedView }) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  useEffect(() => {
+    if (canvas.current) void showThumbnail(canvas.current, view.thumbnail);
+  }, [view]);
+  return <canvas ref={canvas} />;
+}

@@ -1,0 +1,112 @@
+import { describe, expect, it, vi } from 'vitest';
+import { ViewCamera } from '../camera/view-camera.ts';
+import type { SceneSummary } from '../state/scene-summary.ts';
+import { createViewerStore } from '../state/store.ts';
+import { SavedViews } from './saved-views.ts';
+
+function opened(
+  kept = new Map<string, string>(),
+  setItem = (key: string, text: string) => void kept.set(key, text),
+) {
+  const store = createViewerStore();
+  store.setState({ widthPx: 300, heightPx: 200, scene: { title: 'a.ply', canFlip: true } as SceneSummary });
+  const camera = new ViewCamera(store, { onChange: () => {}, isMotionReduced: () => true });
+  const sphere = { center: [0, 0, 0], radius: 10 } as const;
+  const plain = { firstView: null, ownCameras: null, isUpsideDown: false, isZUp: false };
+  camera.follow({ sphere, extent: sphere, ...plain });
+  camera.showFirstView();
+  const draw = vi.fn(async (): Promise<string | null> => '/9j/');
+  const storage = {
+    getItem: (key: string) => kept.get(key) ?? null,
+    setItem,
+    removeItem: (key: string) => void kept.delete(key),
+  };
+  const views = new SavedViews({ store, camera, draw, storage: () => storage });
+  views.watch();
+  const turn = () =>
+    camera.controls.moveTo({ ...camera.controls.pose, azimuth: camera.controls.pose.azimuth + 1 });
+  return { store, camera, draw, views, turn, kept };
+}
+
+describe('saved views', () => {
+  it('are kept by the name of the scene, and go with the last of them', async () => {
+    const { store, views, kept } = opened();
+    await views.save();
+    const again = opened(kept).store;
+    expect(again.getState().savedViews).toEqual(store.getState().savedViews);
+    again.setState({ scene: { title: 'b.ply' } as SceneSummary });
+    expect(again.getState().savedViews).toEqual([]);
+    views.remove(store.getState().savedViews[0]);
+    expect(kept.size).toBe(0);
+  });
+
+  it('show again where the camera was, how it looked and which way was up', async () => {
+    const { store, camera, views, turn } = opened();
+    camera.setUpAxis('-z');
+    camera.setLook({ fovDegrees: 30, isOrthographic: true });
+    await views.save();
+    const saved = camera.snapshot();
+    camera.setUpAxis('y');
+    camera.setLook({ fovDegrees: 70, isOrthographic: false });
+    turn();
+    views.show(store.getState().savedViews[0]);
+    expect(camera.snapshot()).toMatchObject({
+      pose: saved.pose,
+      fovDegrees: 30,
+      isFlipped: true,
+      isZUp: true,
+    });
+    expect(store.getState().look.isOrthographic).toBe(true);
+  });
+
+  it('make a path that is played, paused, and ends at the last', async () => {
+    const { store, camera, views, turn } = opened();
+    await views.save();
+    turn();
+    await views.save();
+    const { azimuth } = camera.controls.pose;
+    views.play();
+    expect(camera.update(1250)).toBe(true);
+    const half = camera.controls.pose.azimuth;
+    expect(half).toBeCloseTo(azimuth - 0.5);
+    views.pause();
+    expect(camera.update(1250)).toBe(false);
+    expect(camera.controls.pose.azimuth).toBe(half);
+    views.play();
+    camera.update(5000);
+    expect(camera.controls.pose.azimuth).toBeCloseTo(azimuth);
+    expect(camera.update(16)).toBe(false);
+    expect(store.getState().isPathPlaying).toBe(false);
+  });
+
+  it('let go of the camera when somebody takes hold of the image', async () => {
+    const { store, camera, views, turn } = opened();
+    await views.save();
+    turn();
+    await views.save();
+    views.play();
+    camera.update(100);
+    turn();
+    expect(camera.update(16)).toBe(false);
+    expect(store.getState().isPathPlaying).toBe(false);
+  });
+
+  it('are not saved of another scene that came meanwhile, or of nothing', async () => {
+    const { store, draw, views } = opened();
+    draw.mockResolvedValueOnce(null);
+    await views.save();
+    const saving = views.save();
+    store.setState({ scene: { title: 'b.ply' } as SceneSummary });
+    await saving;
+    expect(store.getState().savedViews).toEqual([]);
+  });
+
+  it('tell where the browser has no room for them', async () => {
+    const { store, views } = opened(new Map(), () => {
+      throw new DOMException('Full.', 'QuotaExceededError');
+    });
+    await views.save();
+    expect(store.getState().savedViews.length).toBe(1);
+    expect(store.getState().notice).toContain('no room');
+  });
+});

@@ -1,0 +1,61 @@
+import type { AccuracySettings } from '@websplatter/core';
+import type { Viewer } from '../viewer/viewer.ts';
+
+const WIDTH_PX = 144;
+const MAX_HEIGHT_PX = 144;
+const JPEG_QUALITY = 0.8;
+
+/** Draws the frame on the screen again, small; returns a JPEG image, base64, or null if nothing is on the screen. */
+export async function drawThumbnail(
+  viewer: Pick<Viewer, 'shownFrame'>,
+  accuracy: AccuracySettings,
+): Promise<string | null> {
+  const shown = viewer.shownFrame;
+  if (!shown) return null;
+  const { frame, engine } = shown;
+  const scale = Math.min(WIDTH_PX / frame.widthPx, MAX_HEIGHT_PX / frame.heightPx);
+  const widthPx = Math.max(1, Math.round(frame.widthPx * scale));
+  const heightPx = Math.max(1, Math.round(frame.heightPx * scale));
+  const canvas = Object.assign(document.createElement('canvas'), { width: widthPx, height: heightPx });
+  // A view of its own: nobody else's images get into each other's way.
+  const view = engine.createView();
+  try {
+    view.render({ ...frame, widthPx, heightPx, accuracy });
+    const { data } = await view.readPixels();
+    const [red, green, blue] = frame.background ?? [0, 0, 0];
+    const pixels = onBackground(data, [red, green, blue]);
+    canvas.getContext('2d')?.putImageData(new ImageData(pixels, widthPx, heightPx), 0, 0);
+  } finally {
+    view.destroy();
+  }
+  return canvas.toDataURL('image/jpeg', JPEG_QUALITY).split(',')[1];
+}
+
+/** Puts an image with premultiplied alpha, 0…1, on an opaque background; returns bytes. */
+export function onBackground(
+  image: Float32Array,
+  background: readonly [number, number, number],
+): Uint8ClampedArray<ArrayBuffer> {
+  const bytes = new Uint8ClampedArray(image.length);
+  for (let at = 0; at < image.length; at += 4) {
+    const shownThrough = 1 - image[at + 3];
+    for (let channel = 0; channel < 3; channel++)
+      bytes[at + channel] = 255 * (image[at + channel] + shownThrough * background[channel]);
+    bytes[at + 3] = 255;
+  }
+  return bytes;
+}
+
+/** Shows a JPEG image, base64, on `canvas`; what is no image shows nothing. */
+export async function showThumbnail(canvas: HTMLCanvasElement, base64: string): Promise<void> {
+  try {
+    const bytes = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
+    // Not by an image element with a data address: those need a permission of the page's content security policy.
+    const image = await createImageBitmap(new Blob([bytes], { type: 'image/jpeg' }));
+    Object.assign(canvas, { width: image.width, height: image.height });
+    canvas.getContext('2d')?.drawImage(image, 0, 0);
+    image.close();
+  } catch {
+    canvas.width = 1;
+  }
+}

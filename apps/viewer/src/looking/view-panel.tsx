@@ -1,0 +1,194 @@
+import { useEffect, useId, useState } from 'react';
+import { useStore } from 'zustand';
+import { UP_AXES, upAxisOf } from '../camera/up-axis.ts';
+import { type Background, FOV_DEGREES } from '../state/look.ts';
+import { Dock } from '../ui/dock.tsx';
+import { Icon } from '../ui/icon.tsx';
+import type { PanelProps } from '../viewer/panel-props.ts';
+import { SavedViewsForm } from './saved-views-form.tsx';
+
+const BACKGROUNDS: readonly (readonly [string, Background])[] = [
+  ['Theme', 'theme'],
+  ['Black', '#000000'],
+  ['White', '#ffffff'],
+];
+/** What a choice of one's own begins with. */
+const OWN_COLOR = '#808080';
+
+/** How the scene is looked at: what has no gesture in the image. */
+export function ViewPanel({ store, viewer }: PanelProps) {
+  return (
+    <Dock store={store} name="view" title="View">
+      <div className="dock-body">
+        <Actions store={store} viewer={viewer} />
+        <CameraForm store={store} viewer={viewer} />
+        <UpForm store={store} viewer={viewer} />
+        <BackgroundForm store={store} viewer={viewer} />
+        <SavedViewsForm store={store} viewer={viewer} />
+      </div>
+    </Dock>
+  );
+}
+
+function Actions({ viewer }: PanelProps) {
+  const isFullscreen = useFullscreen();
+  return (
+    <div className="view-actions">
+      <button
+        type="button"
+        className="text-button outlined"
+        aria-keyshortcuts="G"
+        title="By W, A, S, D, Q, E and the mouse (G)"
+        data-testid="fly"
+        onClick={() => void viewer.toggleFlight()}
+      >
+        <Icon name="fly" />
+        Fly
+      </button>
+      <button
+        type="button"
+        className="text-button outlined"
+        title="Turn around what is in the middle of the image"
+        data-testid="focus-middle"
+        onClick={() => void viewer.focusAt(0.5, 0.5)}
+      >
+        <Icon name="focus" />
+        Turn around the middle
+      </button>
+      {document.fullscreenEnabled && (
+        <button
+          type="button"
+          className="text-button outlined"
+          aria-pressed={isFullscreen}
+          data-testid="fullscreen"
+          onClick={() => void toggleFullscreen()}
+        >
+          <Icon name="fullscreen" />
+          {isFullscreen ? 'Leave full screen' : 'Full screen'}
+        </button>
+      )}
+    </div>
+  );
+}
+
+function CameraForm({ store, viewer }: PanelProps) {
+  const { fovDegrees, isOrthographic } = useStore(store, (state) => state.look);
+  const isOwnCamera = useStore(store, (state) => state.isOwnCamera);
+  const fovId = useId();
+  const degrees = Math.round(fovDegrees);
+  return (
+    <>
+      <fieldset className="view-field" disabled={isOwnCamera}>
+        <legend>Projection</legend>
+        <div className="segments">
+          {([false, true] as const).map((value) => (
+            <button
+              key={String(value)}
+              type="button"
+              aria-pressed={isOrthographic === value}
+              data-testid={value ? 'orthographic' : 'perspective'}
+              onClick={() => viewer.camera.setLook({ isOrthographic: value })}
+            >
+              {value ? 'Orthographic' : 'Perspective'}
+            </button>
+          ))}
+        </div>
+      </fieldset>
+      <div className="view-field">
+        <label htmlFor={fovId}>Field of view</label>
+        <div className="setting-range">
+          <input
+            id={fovId}
+            type="range"
+            min={FOV_DEGREES.min}
+            max={FOV_DEGREES.max}
+            value={degrees}
+            aria-valuetext={`${degrees} degrees over the shorter side`}
+            disabled={isOwnCamera || isOrthographic}
+            data-testid="fov"
+            onChange={(event) => viewer.camera.setLook({ fovDegrees: event.target.valueAsNumber })}
+          />
+          <output htmlFor={fovId}>{degrees}°</output>
+        </div>
+        {isOwnCamera && <p>This case is shown by a camera of its own until the view is moved.</p>}
+      </div>
+    </>
+  );
+}
+
+function UpForm({ store, viewer }: PanelProps) {
+  const axis = useStore(store, upAxisOf);
+  const canFlip = useStore(store, (state) => state.scene?.canFlip ?? false);
+  return (
+    <fieldset className="view-field" disabled={!canFlip}>
+      <legend>Up is the axis</legend>
+      <div className="segments">
+        {UP_AXES.map((each) => (
+          <button
+            key={each}
+            type="button"
+            aria-pressed={each === axis}
+            data-testid={`up-${each}`}
+            onClick={() => viewer.camera.setUpAxis(each)}
+          >
+            {each.replace('-', '−')}
+          </button>
+        ))}
+      </div>
+      <p>of the scene’s own axes. Captures often have −y, maps z.</p>
+    </fieldset>
+  );
+}
+
+function BackgroundForm({ store, viewer }: PanelProps) {
+  const background = useStore(store, (state) => state.look.background);
+  const isOwn = BACKGROUNDS.every(([, value]) => value !== background);
+  const choose = (value: Background) => viewer.camera.setLook({ background: value });
+  return (
+    <fieldset className="view-field">
+      <legend>Background</legend>
+      <div className="view-background">
+        <div className="segments">
+          {BACKGROUNDS.map(([label, value]) => (
+            <button
+              key={value}
+              type="button"
+              aria-pressed={background === value}
+              data-testid={`background-${label.toLowerCase()}`}
+              onClick={() => choose(value)}
+            >
+              {label}
+            </button>
+          ))}
+        </div>
+        <label className="view-color" data-chosen={isOwn || undefined}>
+          Own
+          <input
+            type="color"
+            value={background === 'theme' ? OWN_COLOR : background}
+            data-testid="background-own"
+            onChange={(event) => choose(event.target.value as `#${string}`)}
+          />
+        </label>
+      </div>
+    </fieldset>
+  );
+}
+
+function useFullscreen(): boolean {
+  const [isFullscreen, setFullscreen] = useState(document.fullscreenElement !== null);
+  useEffect(() => {
+    const read = () => setFullscreen(document.fullscreenElement !== null);
+    document.addEventListener('fullscreenchange', read);
+    return () => document.removeEventListener('fullscreenchange', read);
+  }, []);
+  return isFullscreen;
+}
+
+/** Browsers may refuse, e.g. inside of another page: then nothing changes. */
+async function toggleFullscreen(): Promise<void> {
+  await (document.fullscreenElement
+    ? document.exitFullscreen()
+    : document.documentElement.requestFullscreen()
+  ).catch(() => {});
+}

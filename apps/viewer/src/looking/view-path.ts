@@ -1,0 +1,56 @@
+import { type OrbitPose, unwound } from '../camera/orbit-pose.ts';
+import { clamp } from '../camera/vec3.ts';
+
+/**
+ * The pose at `at` of a smooth path through `poses` with the same up, which it passes at 0, 1, 2…; before the first and after the
+ * last it stands still. A Catmull–Rom spline of the target, the logarithm of the distance and the angles, each by the shorter way
+ * round.
+ *
+ * @throws RangeError if there are no poses.
+ */
+export function poseOnPath(poses: readonly OrbitPose[], at: number): OrbitPose {
+  if (poses.length === 0) throw new RangeError('A path needs a view to pass.');
+  const last = poses.length - 1;
+  const from = clamp(Math.floor(at), 0, Math.max(0, last - 1));
+  const part = clamp(at - from, 0, 1);
+  const turned = withShortTurns(poses);
+  const [a, b, c, d] = [from - 1, from, from + 1, from + 2].map((i) => turned[clamp(i, 0, last)]);
+  const value = (of: (pose: OrbitPose) => number) => catmullRom(of(a), of(b), of(c), of(d), part);
+  return {
+    target: [
+      value((pose) => pose.target[0]),
+      value((pose) => pose.target[1]),
+      value((pose) => pose.target[2]),
+    ],
+    distance: Math.exp(value((pose) => Math.log(pose.distance))),
+    azimuth: value((pose) => pose.azimuth),
+    // Between two views near a pole the curve may swing past it.
+    polar: clamp(
+      value((pose) => pose.polar),
+      MIN_POLAR,
+      Math.PI - MIN_POLAR,
+    ),
+    up: b.up,
+  };
+}
+
+/** Radians from a pole at which there is a sideways direction. */
+const MIN_POLAR = 0.01;
+
+function withShortTurns(poses: readonly OrbitPose[]): readonly OrbitPose[] {
+  const turned: OrbitPose[] = [];
+  for (const pose of poses) turned.push(unwound(pose, turned.at(-1)?.azimuth ?? pose.azimuth));
+  return turned;
+}
+
+function catmullRom(a: number, b: number, c: number, d: number, part: number): number {
+  const [slopeB, slopeC] = [(c - a) / 2, (d - b) / 2];
+  const square = part * part;
+  const cube = square * part;
+  return (
+    (2 * cube - 3 * square + 1) * b +
+    (cube - 2 * square + part) * slopeB +
+    (3 * square - 2 * cube) * c +
+    (cube - square) * slopeC
+  );
+}
