@@ -13,7 +13,7 @@ export interface Uprightness {
 }
 
 export const Y_UP: Vec3 = [0, 1, 0];
-export const Z_UP: Vec3 = [0, 0, 1];
+const Z_UP: Vec3 = [0, 0, 1];
 
 export function upVector({ isZUp }: Pick<Uprightness, 'isZUp'>): Vec3 {
   return isZUp ? Z_UP : Y_UP;
