@@ -31,7 +31,7 @@ describe('effects in the viewer', () => {
     await page.keyboard.press('e');
     expect(await page.getByTestId('command-effects').getAttribute('aria-pressed')).toBe('true');
     expect(await isOn(page, 'harmonics')).toBe('true');
-    expect(await effect(page, 'harmonics').textContent()).toMatch(/kB.*degree 3.*Acts in project/);
+    expect(await effect(page, 'harmonics').textContent()).toMatch(/1\.8 MB.*degree 3.*Acts in project/);
     expect(await isOn(page, 'transform')).toBe('false');
     expect(await isOn(page, 'fog')).toBe('false');
     expect(await effect(page, 'fog').textContent()).toContain('no cloud asks for it');
