@@ -1,15 +1,14 @@
 import { test } from 'vitest';
 import { createNodeGpu } from './node-gpu.ts';
+import { watchDevice } from './testing/device-errors.ts';
+
+export { watchDevice };
 
 /**
  * `test` for tests that need a GPU. Where no adapter is found, they are skipped with a printed reason; in CI and under
  * `WEBSPLATTER_REQUIRE_GPU` the file fails instead.
  */
 export const gpuTest = (await isGpuUsable()) ? test : test.skip;
-
-/** Devices whose errors fail the running test. */
-const watched = new Map<GPUDevice, string[]>();
-const closing = new WeakSet<GPUDevice>();
 
 /**
  * Returns a device for tests. Any validation error, other uncaptured error or loss fails the test in which it happens.
@@ -29,37 +28,6 @@ export async function createBlendingDevice(): Promise<GPUDevice> {
   const { adapter } = await createNodeGpu();
   const blendable = 'float32-blendable' as GPUFeatureName;
   return createTestDevice({ requiredFeatures: adapter.features.has(blendable) ? [blendable] : [] });
-}
-
-/** Fails the running test on any error or loss of `device`, for devices that a test makes itself. */
-export function watchDevice(device: GPUDevice): void {
-  const errors: string[] = [];
-  watched.set(device, errors);
-  device.addEventListener('uncapturederror', (event) => {
-    event.preventDefault();
-    errors.push(`${event.error.constructor.name}: ${event.error.message}`);
-  });
-  const destroy = device.destroy.bind(device);
-  device.destroy = () => {
-    closing.add(device);
-    return destroy();
-  };
-  void device.lost.then((info) => {
-    if (!closing.has(device)) errors.push(`device lost (${info.reason}): ${info.message}`);
-  });
-}
-
-/** Throws what devices of the running test have complained about, and forgets it. */
-export async function throwDeviceErrors(): Promise<void> {
-  const errors: string[] = [];
-  for (const [device, found] of watched) {
-    // Errors are reported before submitted work is done; a lost device reports nothing more.
-    if (!closing.has(device))
-      await Promise.race([device.queue.onSubmittedWorkDone(), device.lost]).catch(() => {});
-    errors.push(...found.splice(0));
-    if (closing.has(device)) watched.delete(device);
-  }
-  if (errors.length > 0) throw new Error(`GPU errors during this test:\n${errors.join('\n')}`);
 }
 
 async function isGpuUsable(): Promise<boolean> {

@@ -1,5 +1,6 @@
 import { afterEach } from 'vitest';
-import { throwDeviceErrors } from '../gpu-test.ts';
+import { throwDeviceErrors } from './device-errors.ts';
 
-// Set up for each file of tests, also where several share a process and with it the modules that they import.
+// Set up for each file of tests, also where several share a process and with it the modules that they import. It imports nothing of
+// core: a test could not put another module in the place of one that is there before it.
 afterEach(throwDeviceErrors);

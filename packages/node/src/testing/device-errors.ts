@@ -1,0 +1,34 @@
+/** Devices whose errors fail the running test. */
+const watched = new Map<GPUDevice, string[]>();
+const closing = new WeakSet<GPUDevice>();
+
+/** Fails the running test on any error or loss of `device`, for devices that a test makes itself. */
+export function watchDevice(device: GPUDevice): void {
+  const errors: string[] = [];
+  watched.set(device, errors);
+  device.addEventListener('uncapturederror', (event) => {
+    event.preventDefault();
+    errors.push(`${event.error.constructor.name}: ${event.error.message}`);
+  });
+  const destroy = device.destroy.bind(device);
+  device.destroy = () => {
+    closing.add(device);
+    return destroy();
+  };
+  void device.lost.then((info) => {
+    if (!closing.has(device)) errors.push(`device lost (${info.reason}): ${info.message}`);
+  });
+}
+
+/** Throws what devices of the running test have complained about, and forgets it. */
+export async function throwDeviceErrors(): Promise<void> {
+  const errors: string[] = [];
+  for (const [device, found] of watched) {
+    // Errors are reported before submitted work is done; a lost device reports nothing more.
+    if (!closing.has(device))
+      await Promise.race([device.queue.onSubmittedWorkDone(), device.lost]).catch(() => {});
+    errors.push(...found.splice(0));
+    if (closing.has(device)) watched.delete(device);
+  }
+  if (errors.length > 0) throw new Error(`GPU errors during this test:\n${errors.join('\n')}`);
+}
