@@ -1,9 +1,7 @@
 import { lazy, Suspense, useEffect, useMemo, useRef } from 'react';
 import { useStore } from 'zustand';
 import { AccuracyPanel } from '../accuracy/accuracy-panel.tsx';
-import { ErrorMapImage } from '../comparison/error-map-image.tsx';
 import { ErrorMapLegend } from '../comparison/error-map-legend.tsx';
-import { SplitImage } from '../comparison/split-image.tsx';
 import { EffectsPanel } from '../effects/effects-panel.tsx';
 import { DropZone } from '../file-drop/drop-zone.tsx';
 import { ACCEPTED_FILES, chosenFiles, decideFiles, type FileDropDecision } from '../file-drop/file-drop.ts';
@@ -26,10 +24,9 @@ import type { PanelProps } from '../viewer/panel-props.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { createCommands, listenToKeys } from './commands.ts';
 import { Help } from './help.tsx';
+import { Picture } from './picture.tsx';
 import { PlainPicture } from './plain-picture.tsx';
-import { Poster } from './poster.tsx';
 import { Toolbar } from './toolbar.tsx';
-import { Viewport } from './viewport.tsx';
 
 /** The first picture does not wait for figures. */
 const Hud = lazy(async () => ({ default: (await import('../hud/hud.tsx')).Hud }));
@@ -51,7 +48,6 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
   const isViewVisible = useStore(store, (state) => state.dock === 'view');
   const isFlying = useStore(store, (state) => state.flightSpeed !== null);
-  const comparison = useStore(store, (state) => state.comparison);
   const fileInput = useRef<HTMLInputElement>(null);
   const run = useMemo(
     () => createCommands(viewer, store, () => void chooseFiles(viewer, store, fileInput.current)),
@@ -84,10 +80,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   return (
     <>
       <main>
-        <Viewport store={store} viewer={viewer} />
-        {poster && <Poster store={store} address={poster} />}
-        {comparison?.kind === 'split' && <SplitImage store={store} viewer={viewer} split={comparison} />}
-        {comparison?.kind === 'error' && <ErrorMapImage store={store} viewer={viewer} />}
+        <Picture store={store} viewer={viewer} poster={poster} />
         <div className="overlay">
           <Toolbar store={store} run={run} />
           <AccuracyPanel store={store} viewer={viewer} accuracyMeasurement={accuracyMeasurement} />
