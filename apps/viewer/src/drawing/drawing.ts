@@ -8,11 +8,13 @@ import type { ShownScene } from '../scene/shown-scene.ts';
 import type { Session } from '../session/session.ts';
 import type { SessionOwner } from '../session/session-owner.ts';
 import { sideAccuracy } from '../state/comparison.ts';
+import { NO_EFFECTS } from '../state/requested-effects.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import { type DrawnFrame, imageKey } from './drawn-frame.ts';
 import { FrameLoop } from './frame-loop.ts';
 import { FrameMeter } from './frame-meter.ts';
+import { joinedEffects } from './joined-effects.ts';
 import { clearRest, writeRest } from './test-hooks.ts';
 
 export interface DrawingOptions {
@@ -28,6 +30,8 @@ export class Drawing {
   readonly #loop: FrameLoop;
   readonly #meter = new FrameMeter();
   #background: Vec3 = [0, 0, 0];
+  /** Made anew when panels ask for something else. */
+  #joined = { requested: NO_EFFECTS, effects: joinedEffects(NO_EFFECTS) };
   #drawn: DrawnFrame | null = null;
   #frameCount = 0;
   /** How often the loop has paused. */
@@ -106,10 +110,13 @@ export class Drawing {
   }
 
   #frameOf(scene: ShownScene, camera: DrawnFrame['frame']['camera']): DrawnFrame['frame'] {
-    const { widthPx, heightPx, isFlipped } = this.#options.store.getState();
+    const { widthPx, heightPx, isFlipped, requested } = this.#options.store.getState();
+    if (requested !== this.#joined.requested) this.#joined = { requested, effects: joinedEffects(requested) };
+    const { effects } = this.#joined;
     const clouds = scene.clouds.map(({ cloud, modelMatrix }) => ({
       cloud,
       modelMatrix: isFlipped ? flippedMatrix(modelMatrix) : modelMatrix,
+      effects,
     }));
     return { camera, clouds, widthPx, heightPx, background: this.#background };
   }

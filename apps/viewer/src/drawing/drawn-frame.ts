@@ -26,7 +26,11 @@ export interface ImageOnBackground {
 export function imageKey({ scene, frame }: DrawnFrame): string {
   const { camera, clouds, widthPx, heightPx } = frame;
   const models = clouds.map(({ modelMatrix }) => modelMatrix && Array.from(modelMatrix));
+  // A selection is told by its reason: how many splats it has.
+  const effects = clouds.map((cloud) =>
+    cloud.effects?.map(({ effect, options, reason }) => [effect.name, options, reason]),
+  );
   const { viewMatrix, projectionMatrix } = camera;
   const matrices = [Array.from(viewMatrix), Array.from(projectionMatrix), models];
-  return JSON.stringify([scene.id, widthPx, heightPx, matrices]);
+  return JSON.stringify([scene.id, widthPx, heightPx, matrices, effects]);
 }

@@ -1,7 +1,9 @@
 import { type SplatCloud, SplatFileError } from '@websplatter/core';
+import { tint } from '@websplatter/core/effects';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { ViewCamera } from '../camera/view-camera.ts';
 import type { Session } from '../session/session.ts';
+import { NO_EFFECTS } from '../state/requested-effects.ts';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
 import { type LoadedScene, type LoadSceneOptions, loadScene } from './load-scene.ts';
 import type { SceneSource } from './scene-source.ts';
@@ -242,5 +244,39 @@ describe('The camera of a link', () => {
     await startSession();
     await loaded();
     expect(camera.snapshot().pose.distance).not.toBe(7);
+  });
+});
+
+describe('effects that panels ask for', () => {
+  const tinted = { ...NO_EFFECTS, effects: [tint([1, 0, 0])] };
+
+  it('end with the scene', async () => {
+    await show(a);
+    store.setState({ requested: tinted });
+    scenes.open(b);
+    await settled();
+    expect(store.getState().requested).toBe(tinted);
+    await loaded();
+    expect(store.getState().requested).toBe(NO_EFFECTS);
+  });
+
+  it('come back with it where another scene is called off that is there in part', async () => {
+    await show(a);
+    store.setState({ requested: tinted });
+    scenes.open(b);
+    await settled();
+    newestLoad().options.onPreview(sceneOf());
+    expect(store.getState().requested).toBe(NO_EFFECTS);
+    await calledOff();
+    expect(store.getState().requested).toBe(tinted);
+  });
+
+  it('stay where the same scene is opened again', async () => {
+    await show(a);
+    store.setState({ requested: tinted });
+    loseSession();
+    await startSession();
+    await loaded();
+    expect(store.getState().requested).toBe(tinted);
   });
 });

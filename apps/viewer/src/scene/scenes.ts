@@ -4,6 +4,7 @@ import type { CameraSnapshot, LinkedCamera, ViewCamera } from '../camera/view-ca
 import { reportFailure } from '../messages/failure-report.ts';
 import type { Session } from '../session/session.ts';
 import type { SessionOwner } from '../session/session-owner.ts';
+import { NO_EFFECTS, type RequestedEffects } from '../state/requested-effects.ts';
 import type { LoadState } from '../state/scene-summary.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { isGpuLost } from '../state/viewer-state.ts';
@@ -40,6 +41,8 @@ interface Preview {
   readonly framed: Sphere;
   /** How the camera looked at the scene before; null if there was none. */
   readonly camera: CameraSnapshot | null;
+  /** What panels asked for before it. */
+  readonly requested: RequestedEffects;
 }
 
 /** By this part of their radius bounds may change before the camera follows. */
@@ -241,13 +244,15 @@ export class Scenes {
 
   /** The first view of the newest scene, or that of the address if it is what that asks for. */
   #showFirstView(source: SceneSource): void {
-    const { camera, linkedCamera } = this.#options;
+    const { camera, linkedCamera, store } = this.#options;
+    // They were chosen for another scene, at its scale.
+    store.setState({ requested: NO_EFFECTS });
     if (linkedCamera && source === this.#addressed) camera.showLinked(linkedCamera);
     else camera.showFirstView();
   }
 
   #showPreview(session: Session, source: SceneSource, loaded: LoadedScene): void {
-    const { camera, onShow } = this.#options;
+    const { camera, store, onShow } = this.#options;
     const before = this.#preview;
     const isReopened = this.#newest?.source === source;
     const scene = shownScene(++this.#shown, session, source, loaded);
@@ -256,6 +261,7 @@ export class Scenes {
       scene,
       framed: hasMoved ? scene.sphere : before.framed,
       camera: before ? before.camera : this.#newest && camera.snapshot(),
+      requested: before ? before.requested : store.getState().requested,
     };
     this.#present(scene);
     if (!isReopened) {
@@ -274,6 +280,7 @@ export class Scenes {
     if (this.#newest) this.#present(this.#newest);
     else store.setState({ scene: null });
     if (preview.camera) camera.restore(preview.camera);
+    store.setState({ requested: preview.requested });
     onShow();
   }
 

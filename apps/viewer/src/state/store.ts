@@ -1,6 +1,7 @@
 import { resolveAccuracy } from '@websplatter/core';
 import { createStore, type StoreApi } from 'zustand/vanilla';
 import { FIRST_LOOK } from './look.ts';
+import { NO_EFFECTS } from './requested-effects.ts';
 import { FIRST_SHEET_PART } from './sheet.ts';
 import type { ViewerState } from './viewer-state.ts';
 
@@ -48,6 +49,7 @@ export function createViewerStore(): ViewerStore {
     measured: null,
     effects: [],
     effectCosts: null,
+    requested: NO_EFFECTS,
     errorFigures: null,
     splitPart: 0.5,
     isDroppedVisible: false,

@@ -10,6 +10,7 @@ import type { Comparison } from './comparison.ts';
 import type { FailureReport } from './failure.ts';
 import type { Look } from './look.ts';
 import type { FailedMeasurement, MeasuredAccuracy, MeasuredEffects, RunningMeasurement } from './measured.ts';
+import type { RequestedEffects } from './requested-effects.ts';
 import type { SavedView } from './saved-view.ts';
 import type { PicturingState, SavingState } from './saving.ts';
 import type { LoadState, SceneSummary, SceneWarning } from './scene-summary.ts';
@@ -131,6 +132,8 @@ export interface ViewerState {
   /** Effects that are on and off, and why: those of each frame while they are listed, else of the frame at rest. */
   readonly effects: readonly EffectEntry[];
   readonly effectCosts: MeasuredEffects | null;
+  /** Effects that panels ask for; another scene begins without any. */
+  readonly requested: RequestedEffects;
   /** How far the image on the screen is from `reference`, if that is asked for and known. */
   readonly errorFigures: ErrorFigures | null;
   /** Where the line of a split image is, 0…1 of its width. */

@@ -8,6 +8,7 @@ import {
   isSoftwareAdapter,
   type SplatEngine,
 } from '@websplatter/core';
+import type { EffectUse } from '@websplatter/core/effects';
 import { ViewCamera } from '../camera/view-camera.ts';
 import { observeBackground } from '../drawing/background.ts';
 import { observeDevicePixelSize } from '../drawing/canvas-size.ts';
@@ -24,6 +25,7 @@ import { Precisions } from '../session/precisions.ts';
 import type { Session } from '../session/session.ts';
 import { SessionOwner } from '../session/session-owner.ts';
 import type { Comparison } from '../state/comparison.ts';
+import type { EffectOwner } from '../state/requested-effects.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { decodeAccuracy } from '../words/accuracy-address.ts';
 
@@ -121,6 +123,12 @@ export class Viewer {
   setAccuracy(accuracy: AccuracySettings): void {
     this.#store.setState({ accuracy, wish: null, choice: null });
     this.#followAccuracy();
+  }
+
+  /** Draws with `uses` from the next frame on, in place of what `owner` asked for before. */
+  setEffects(owner: EffectOwner, uses: readonly EffectUse[]): void {
+    this.#store.setState(({ requested }) => ({ requested: { ...requested, [owner]: uses } }));
+    this.#drawing.request();
   }
 
   /** Calls off what is being read or made so that the scene can be drawn with the accuracy asked for. */

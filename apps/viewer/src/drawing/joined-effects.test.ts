@@ -1,0 +1,33 @@
+import { type ClipOptions, clip, type EffectUse, fog, tint } from '@websplatter/core/effects';
+import { expect, it } from 'vitest';
+import { NO_EFFECTS } from '../state/requested-effects.ts';
+import { joinedEffects } from './joined-effects.ts';
+
+const box = { shape: 'box', center: [0, 0, 0], size: [1, 1, 1] } as const;
+const plane = { shape: 'plane', point: [0, 0, 0], normal: [0, 1, 0] } as const;
+const namesOf = (uses: readonly EffectUse[]) => uses.map(({ effect }) => effect.name);
+
+it('is empty where nobody asks for anything', () => {
+  expect(joinedEffects(NO_EFFECTS)).toEqual([]);
+});
+
+it('joins what several panels ask for', () => {
+  const grey = fog({ color: [0.5, 0.5, 0.5], density: 1 });
+  const joined = joinedEffects({ ...NO_EFFECTS, effects: [grey], inspecting: [tint([1, 0, 0])] });
+  expect(namesOf(joined)).toEqual(['fog', 'tint']);
+});
+
+it('cuts with the volumes of all panels, with the softest edge', () => {
+  const joined = joinedEffects({
+    ...NO_EFFECTS,
+    effects: [clip({ volumes: [plane], softEdge: 0.25 })],
+    crop: [clip({ volumes: [box] })],
+  });
+  expect(namesOf(joined)).toEqual(['clip']);
+  expect(joined[0].options as ClipOptions).toEqual({ volumes: [plane, box], softEdge: 0.25 });
+});
+
+it('lets the last of several panels have any other effect', () => {
+  const red = tint([1, 0, 0]);
+  expect(joinedEffects({ ...NO_EFFECTS, effects: [tint([0, 1, 0])], inspecting: [red] })).toEqual([red]);
+});
