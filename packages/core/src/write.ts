@@ -13,5 +13,6 @@ export {
   uprightRotation,
 } from './editing/quaternion.ts';
 export { type SplatTransform, transformSplats } from './editing/transform-splats.ts';
+export { WRITABLE_FORMATS, type WritableFormat, writableByName } from './io/formats/writable-formats.ts';
 export type { WriteOptions } from './io/formats/write-format.ts';
-export { WRITABLE_FORMATS, type WritableFormat, writableByName, writeSplats } from './io/formats/writers.ts';
+export { writeSplats } from './io/formats/writers.ts';

@@ -3,7 +3,8 @@ import { InvalidArgumentError } from '../../errors.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { readSplats } from '../loading/read-splats.ts';
 import { SPLAT_FORMATS } from './formats.ts';
-import { WRITABLE_FORMATS, writableByName, writeSplats } from './writers.ts';
+import { WRITABLE_FORMATS, writableByName } from './writable-formats.ts';
+import { writeSplats } from './writers.ts';
 
 const NAMES = WRITABLE_FORMATS.map(({ name }) => name);
 
