@@ -1,5 +1,6 @@
 import type { ShDegree, SplatSet } from '@websplatter/core';
 import { makeOcclusionField, REFLECTED_BALLS, TABLE_RADIUS, TABLE_TINT } from './arrangement.ts';
+import { STILL_LIFE_SPLATS } from './builtin-scene-facts.ts';
 import { clothParts } from './cloth.ts';
 import { fruitParts } from './fruit.ts';
 import { landscapeParts } from './landscape.ts';
@@ -11,8 +12,6 @@ import { SplatBuilder } from './splat-builder.ts';
 import { apportion } from './surface-sampling.ts';
 import { tablewareParts } from './tableware.ts';
 
-/** Splats of the scene at its full size. */
-export const STILL_LIFE_SPLATS = 150_000;
 /** Fewer splats than this cannot close the scene's surfaces. */
 export const STILL_LIFE_MIN_SPLATS = 1_000;
 export const STILL_LIFE_MAX_SPLATS = 1_000_000;

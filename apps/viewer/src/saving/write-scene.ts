@@ -1,7 +1,7 @@
 import { type Harmonics, readSplats, type SceneFiles, type SplatSet } from '@websplatter/core';
 import { transformSplats, uprightRotation, WRITABLE_FORMATS, writeSplats } from '@websplatter/core/write';
 import { oppositeAxis, type UpAxis } from '../camera/up-axis.ts';
-import { findBuiltinScene } from '../scene/builtin-scene.ts';
+import { makeBuiltin } from '../scene/make-builtin.ts';
 import type { SavingState } from '../state/saving.ts';
 
 /** What a scene is read from again. */
@@ -39,11 +39,7 @@ async function readAgain(
   source: SavedSource,
   onPart: (part: number | undefined) => void,
 ): Promise<SplatSet<Harmonics>> {
-  if (source.kind === 'builtin') {
-    const scene = findBuiltinScene(source.name);
-    if (!scene) throw new Error(`There is no built-in scene "${source.name}".`);
-    return scene.make();
-  }
+  if (source.kind === 'builtin') return makeBuiltin(source.name);
   const isFile = source.kind === 'file';
   return readSplats(isFile ? source.source : new URL(source.href), {
     name: isFile ? source.name : undefined,

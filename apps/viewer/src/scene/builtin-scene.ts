@@ -1,9 +1,9 @@
 import type { AccuracySettings } from '@websplatter/core';
-import { type BuiltinScene, builtinScenes } from '@websplatter/scenes';
+import { type BuiltinSceneFacts, builtinSceneFacts } from '@websplatter/scenes';
 import type { MadeScene, SceneRequest } from './builtin-scene.worker.ts';
 
-export function findBuiltinScene(name: string): BuiltinScene | undefined {
-  return builtinScenes.find((scene) => scene.name === name);
+export function findBuiltinScene(name: string): BuiltinSceneFacts | undefined {
+  return builtinSceneFacts.find((scene) => scene.name === name);
 }
 
 /** A software rasteriser would need seconds per frame for the full scene. */

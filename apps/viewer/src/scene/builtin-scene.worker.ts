@@ -6,7 +6,7 @@ import {
   type SplatSet,
   transferablesOf,
 } from '@websplatter/core';
-import { builtinScenes } from '@websplatter/scenes';
+import { makeBuiltin } from './make-builtin.ts';
 
 export interface SceneRequest extends Pick<AccuracySettings, 'geometryPrecision' | 'shPrecision'> {
   readonly name: string;
@@ -20,9 +20,7 @@ export interface MadeScene {
 
 self.onmessage = ({ data }: MessageEvent<SceneRequest>) => {
   const { name, geometryPrecision, shPrecision } = data;
-  const scene = builtinScenes.find((candidate) => candidate.name === name);
-  if (!scene) throw new Error(`There is no built-in scene "${name}".`);
-  const set = scene.make();
+  const set = makeBuiltin(name);
   const packed = packCloud(set, { geometryPrecision, shPrecision });
   const columns = [
     set.positions,

@@ -1,10 +1,10 @@
 import type { SceneFiles } from '@websplatter/core';
-import type { BuiltinScene } from '@websplatter/scenes';
+import type { BuiltinSceneFacts } from '@websplatter/scenes';
 import { baseName } from '../words/format.ts';
 
 /** Where a scene comes from; kept, so that it can be read again. */
 export type SceneSource =
-  | { readonly kind: 'builtin'; readonly scene: BuiltinScene }
+  | { readonly kind: 'builtin'; readonly scene: BuiltinSceneFacts }
   | { readonly kind: 'file'; readonly name: string; readonly source: File | SceneFiles }
   | { readonly kind: 'url'; readonly url: URL }
   /** Two or more files, which are shown together. */
