@@ -366,19 +366,21 @@ function placeBlade(blade: number, t: number, out: Float64Array): void {
 }
 
 export const landscapeParts: readonly Part[] = [
-  { name: 'sky', weight: 5_500, role: 'sparse', emit: emitSky },
+  { name: 'sky', weight: 5_500, role: 'sparse', work: 0.1, emit: emitSky },
   ...RIDGES.map((ridge, index) => ({
     name: `ridge-${index}`,
     weight: 2_800,
     role: 'sparse' as const,
+    work: 0.2,
     emit: (count: number, studio: Studio) => emitRidge(ridge, count, studio),
   })),
-  { name: 'trees', weight: TREES * TREE_SPLATS, role: 'sparse', emit: emitTrees },
-  { name: 'haze', weight: HAZE_SPLATS, role: 'detail', emit: emitHaze },
+  { name: 'trees', weight: TREES * TREE_SPLATS, role: 'sparse', work: 0.1, emit: emitTrees },
+  { name: 'haze', weight: HAZE_SPLATS, role: 'detail', work: 0.1, emit: emitHaze },
   surfacePart({
     name: 'ground',
     weight: 24_000,
     role: 'ground',
+    work: 0.2,
     surface: new GroundSurface(),
     owner: 'ground',
     coverage: 0.8,
@@ -390,6 +392,7 @@ export const landscapeParts: readonly Part[] = [
     name: 'meadow-grass',
     weight: 9_000,
     role: 'detail',
+    work: 0.5,
     emit: (count, studio) => {
       emitFibres(count, studio, {
         segments: BLADE_SEGMENTS,
@@ -406,5 +409,5 @@ export const landscapeParts: readonly Part[] = [
       });
     },
   },
-  { name: 'contact-shadows', weight: CONTACT_SPLATS, emit: emitContactShadows },
+  { name: 'contact-shadows', weight: CONTACT_SPLATS, work: 0.1, emit: emitContactShadows },
 ];

@@ -28,6 +28,8 @@ export interface Part {
   readonly weight: number;
   /** How the part's share changes in small scenes; `subject` where absent. */
   readonly role?: PartRole;
+  /** Work per splat, compared with that of glossy discs among other objects; 1 where absent. */
+  readonly work?: number;
   /** Adds exactly `count` splats. */
   emit(count: number, studio: Studio): void;
 }
@@ -37,6 +39,8 @@ interface SurfacePart {
   readonly name: string;
   readonly weight: number;
   readonly role?: PartRole;
+  /** As in {@link Part}. */
+  readonly work?: number;
   readonly surface: Surface;
   readonly pose?: Pose;
   /** Object that the surface belongs to; it does not occlude itself. */
@@ -73,8 +77,8 @@ const FAINT_WIDENING = 1.35;
 const RELIEF_STEP_M = 2.5e-4;
 
 export function surfacePart(part: SurfacePart): Part {
-  const { name, weight, role } = part;
-  return { name, weight, role, emit: (count, studio) => emitSurface(part, count, studio) };
+  const { name, weight, role, work } = part;
+  return { name, weight, role, work, emit: (count, studio) => emitSurface(part, count, studio) };
 }
 
 function emitSurface(part: SurfacePart, count: number, { builder, shader, prng }: Studio): void {

@@ -105,6 +105,7 @@ export const plumeParts: readonly Part[] = [
     name: 'plumes',
     weight: 24_000,
     role: 'sparse',
+    work: 0.5,
     emit: (count, studio) => {
       const strand = new StrandPlacer();
       emitFibres(count, studio, {

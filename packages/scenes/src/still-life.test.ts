@@ -1,4 +1,5 @@
 import { coefficientsPerSplat, readCoefficients, type ShDegree, type SplatSet } from '@websplatter/core';
+import { mergeSplats } from '@websplatter/core/write';
 import { beforeAll, describe, expect, it } from 'vitest';
 import { builtinScenes, stillLife, stillLifeCameras } from './index.ts';
 import { evaluateShBasis, shBasisSize } from './sh-fit.ts';
@@ -68,6 +69,23 @@ describe('stillLife', () => {
     const hash = hashOf(small);
     expect(hashOf(stillLife({ splats: SMALL }))).toBe(hash);
     expect(hashOf(stillLife({ splats: SMALL, seed: 2 }))).not.toBe(hash);
+  });
+
+  it('is made in shares too, whose splats one after another are the same', () => {
+    const [scene] = builtinScenes.filter(({ splats }) => splats === SMALL);
+    for (const of of [1, 3, 40]) {
+      const shares = Array.from({ length: of }, (_, share) => scene.makeShare(share, of));
+      expect(hashOf(mergeSplats(shares) as SplatSet)).toBe(hashOf(small));
+    }
+  });
+
+  it.each([
+    [-1, 2],
+    [2, 2],
+    [0.5, 2],
+    [0, 0],
+  ])('has no share %d of %d', (share, of) => {
+    expect(() => builtinScenes[1].makeShare(share, of)).toThrow(`share is ${share} of ${of}`);
   });
 
   it.each([1_000, 1_237, 4_999, 20_011])('makes exactly %i splats, in consistent columns', (splats) => {

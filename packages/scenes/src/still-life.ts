@@ -52,27 +52,72 @@ const PARTS: readonly Part[] = [
  * @throws RangeError when `splats` is not a whole number in range
  */
 export function stillLife(options: StillLifeOptions = {}): SplatSet {
-  const { splats = STILL_LIFE_SPLATS, seed = 1, shDegree = 3 } = options;
+  return madeOf(countedParts(options), options);
+}
+
+/**
+ * One of `of` shares of the scene, of about equal work, to be made at the same time: `mergeSplats` of all of them in order is
+ * the scene, bit for bit.
+ *
+ * @param share 0 to `of` − 1
+ * @throws RangeError as {@link stillLife}, and for a share that does not exist
+ */
+export function stillLifeShare(share: number, of: number, options: StillLifeOptions = {}): SplatSet {
+  if (!(Number.isInteger(of) && Number.isInteger(share) && share >= 0 && share < of)) {
+    throw new RangeError(
+      `stillLifeShare: share is ${share} of ${of}; give whole numbers, 0 to one below the number of shares.`,
+    );
+  }
+  return madeOf(shareOf(countedParts(options), share, of), options);
+}
+
+interface CountedPart {
+  readonly part: Part;
+  readonly count: number;
+}
+
+/** All parts, with the numbers of their splats. */
+function countedParts({ splats = STILL_LIFE_SPLATS }: StillLifeOptions): readonly CountedPart[] {
   if (!Number.isInteger(splats) || splats < STILL_LIFE_MIN_SPLATS || splats > STILL_LIFE_MAX_SPLATS) {
     throw new RangeError(
       `stillLife: splats is ${splats}; give a whole number from ${STILL_LIFE_MIN_SPLATS} to ${STILL_LIFE_MAX_SPLATS}.`,
     );
   }
-  const builder = new SplatBuilder(splats, shDegree);
-  const shader = new Shader(shDegree, makeOcclusionField(), REFLECTED_BALLS, {
-    radius: TABLE_RADIUS,
-    color: TABLE_TINT,
-  });
   const size = Math.min(1, splats / STILL_LIFE_SPLATS);
   const counts = apportion(
     splats,
     PARTS.map((part) => part.weight * size ** ROLE_EXPONENT[part.role ?? 'subject']),
     MIN_PART_SPLATS,
   );
-  const fibreWidening = (STILL_LIFE_SPLATS / splats) ** 0.5;
-  PARTS.forEach((part, index) => {
-    const prng = new Prng(seedFor(seed, part.name));
-    part.emit(counts[index], { builder, shader, prng, fibreWidening });
+  return PARTS.map((part, index) => ({ part, count: counts[index] }));
+}
+
+/** Successive parts: those whose middle lies in the share, if all work stands in a row. */
+function shareOf(parts: readonly CountedPart[], share: number, of: number): readonly CountedPart[] {
+  const works = parts.map(({ part: { work = 1 }, count }) => work * count);
+  const total = works.reduce((sum, work) => sum + work, 0);
+  let before = 0;
+  return parts.filter((_, index) => {
+    const middle = before + works[index] / 2;
+    before += works[index];
+    return Math.floor((of * middle) / total) === share;
   });
+}
+
+function madeOf(parts: readonly CountedPart[], options: StillLifeOptions): SplatSet {
+  const { splats = STILL_LIFE_SPLATS, seed = 1, shDegree = 3 } = options;
+  const builder = new SplatBuilder(
+    parts.reduce((sum, { count }) => sum + count, 0),
+    shDegree,
+  );
+  const shader = new Shader(shDegree, makeOcclusionField(), REFLECTED_BALLS, {
+    radius: TABLE_RADIUS,
+    color: TABLE_TINT,
+  });
+  const fibreWidening = (STILL_LIFE_SPLATS / splats) ** 0.5;
+  for (const { part, count } of parts) {
+    const prng = new Prng(seedFor(seed, part.name));
+    part.emit(count, { builder, shader, prng, fibreWidening });
+  }
   return builder.build();
 }
