@@ -1,4 +1,4 @@
-/** Makes and packs a built-in scene off the main thread, so that the page stays responsive. */
+/** Makes and packs built-in scenes off the main thread, so that the page stays responsive. */
 import {
   type AccuracySettings,
   type PackedCloud,
@@ -8,20 +8,29 @@ import {
 } from '@websplatter/core';
 import { makeBuiltin } from './make-builtin.ts';
 
-export interface SceneRequest extends Pick<AccuracySettings, 'geometryPrecision' | 'shPrecision'> {
+export interface SceneRequest {
   readonly name: string;
+  /** Absent where the scene will probably be asked for, but nobody has yet: it is made and kept. */
+  readonly packing?: Pick<AccuracySettings, 'geometryPrecision' | 'shPrecision'>;
 }
 
 export interface MadeScene {
+  readonly name: string;
   readonly packed: PackedCloud;
   /** The splats as they were made, from which other precisions can be packed. */
   readonly set: SplatSet;
 }
 
+let kept: { readonly name: string; readonly set: SplatSet } | null = null;
+
 self.onmessage = ({ data }: MessageEvent<SceneRequest>) => {
-  const { name, geometryPrecision, shPrecision } = data;
-  const set = makeBuiltin(name);
-  const packed = packCloud(set, { geometryPrecision, shPrecision });
+  const { name, packing } = data;
+  const set = kept?.name === name ? kept.set : makeBuiltin(name);
+  kept = packing ? null : { name, set };
+  if (packing) post(name, set, packCloud(set, packing));
+};
+
+function post(name: string, set: SplatSet, packed: PackedCloud): void {
   const columns = [
     set.positions,
     set.logScales,
@@ -33,5 +42,5 @@ self.onmessage = ({ data }: MessageEvent<SceneRequest>) => {
   const buffers = [...columns, set.harmonics.coefficients].map(({ buffer }) => buffer);
   // Precisions that are the same may share a buffer, which can be given away once.
   const transfer = [...new Set([...transferablesOf(packed), ...buffers])];
-  self.postMessage({ packed, set } satisfies MadeScene, { transfer });
-};
+  self.postMessage({ name, packed, set } satisfies MadeScene, { transfer });
+}
