@@ -179,7 +179,7 @@ describe('the keyboard in the viewer', () => {
       .getByTestId('viewport')
       .evaluate((canvas) => JSON.parse(canvas.dataset.camera ?? '{}'));
     await page.keyboard.press('?');
-    expect(await page.getByTestId('help').isVisible()).toBe(true);
+    await page.getByTestId('help').waitFor();
     await page.keyboard.press('Escape');
     await page.getByTestId('help').waitFor({ state: 'hidden' });
     expect(await focused(page)).toBe('setting-alphaCutoff');

@@ -648,7 +648,7 @@ describe('viewer', () => {
   it('lists its keys and hides its figures', async () => {
     const page = await openViewer();
     await page.keyboard.press('?');
-    expect(await page.getByTestId('help').isVisible()).toBe(true);
+    await page.getByTestId('help').waitFor();
     await page.keyboard.press('Escape');
     await page.getByTestId('help').waitFor({ state: 'hidden' });
     await page.keyboard.press('h');

@@ -1,17 +1,30 @@
 import { fileURLToPath } from 'node:url';
 import react from '@vitejs/plugin-react';
-import { defaultClientConditions, defineConfig } from 'vite';
+import { defaultClientConditions, defineConfig, type Plugin } from 'vite';
+import { slimShaders } from '../../packages/tools/slim-shaders.mjs';
 
 const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
+
+/** Apart from the page's own scripts, so that those can be counted. */
+const WORKERS = 'assets/workers';
 
 export default defineConfig({
   root: fileURLToPath(new URL('.', import.meta.url)),
   // Works below any path of a web server.
   base: './',
-  plugins: [react()],
+  // The development server shows shaders as they were written.
+  plugins: [react(), { ...slimShaders(), apply: 'build' } satisfies Plugin],
   // The engine and the scenes run from their sources, so that editing them reloads the page.
   resolve: { conditions: ['@websplatter/source', ...defaultClientConditions] },
-  worker: { format: 'es' },
+  worker: {
+    format: 'es',
+    rolldownOptions: {
+      output: {
+        entryFileNames: `${WORKERS}/[name]-[hash].js`,
+        chunkFileNames: `${WORKERS}/[name]-[hash].js`,
+      },
+    },
+  },
   server: { fs: { allow: [repositoryRoot] } },
   // Found up front: a dependency that turns up late makes the development server reload the page.
   optimizeDeps: {

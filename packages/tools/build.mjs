@@ -16,6 +16,7 @@ import {
 import { basename, isAbsolute, join, relative } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { fail, repositoryRoot } from './setup.mjs';
+import { slimShaders } from './slim-shaders.mjs';
 
 /**
  * Packages in order of dependence. `entries` are the modules that may be imported, and the workers, which must be files of
@@ -64,6 +65,7 @@ const cacheFolder = join(repositoryRoot, 'node_modules/.cache/websplatter-build'
 /** What every build depends on. */
 const TOOLS = [
   'packages/tools/build.mjs',
+  'packages/tools/slim-shaders.mjs',
   'packages/tools/tsconfig.library.json',
   'tsconfig.json',
   'node_modules/vite/package.json',
@@ -178,32 +180,6 @@ function workerFiles(entries) {
       );
       // No line moves, so the previous source map still holds.
       return { code: replaced, map: null };
-    },
-  };
-}
-
-/** Strips comments and indentation from the shaders: a third of their bytes, which no bundler can remove later. */
-function slimShaders() {
-  return {
-    name: 'websplatter:slim-shaders',
-    enforce: 'pre',
-    load(id) {
-      if (!id.endsWith('.wgsl?raw')) return null;
-      const text = readFileSync(id.slice(0, -'?raw'.length), 'utf8');
-      if (text.includes('/*')) this.error(`${id}: only line comments are supported here`);
-      const lines = text.split('\n').map((line) =>
-        line
-          .replace(/\/\/.*$/, '')
-          .trim()
-          .replace(/ *([{}(),;:=*/<>&|%!^[\]]) */g, '$1')
-          // Two + or - in a row are another operator.
-          .replace(/(?<![-+]) *([-+]) *(?![-+])/g, '$1'),
-      );
-      const slim = lines
-        .filter((line) => line !== '')
-        .join('\n')
-        .replace(/([{}(),;])\n|\n([})])/g, '$1$2');
-      return `export default ${JSON.stringify(slim)};`;
     },
   };
 }

@@ -1,6 +1,7 @@
 // `npm run check:packages`: packs the published packages and checks the tarballs. publint, attw and a publication that npm
 // only pretends must report nothing, not even suggestions; README and LICENSE must be there, and manifests complete; no
-// script, nor any of the viewer's, may make code from text; sizes must stay within .size-limit.json.
+// script, nor any of the viewer's, may make code from text; sizes must stay within .size-limit.json, and those of the viewer's scripts
+// within VIEWER_LIMITS.
 import { spawn } from 'node:child_process';
 import { existsSync, mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -11,7 +12,18 @@ import { build } from 'vite';
 import { PUBLISHED, pack } from './pack.mjs';
 import { codeFromText } from './package-checks/code-from-text.mjs';
 import { manifestProblems } from './package-checks/manifests.mjs';
+import { scriptSizes } from './package-checks/script-sizes.mjs';
 import { fail, repositoryRoot } from './setup.mjs';
+
+/** Most bytes of the viewer's scripts, compressed by gzip. */
+const VIEWER_LIMITS = { initial: 180_000, all: 320_000 };
+
+/** Not counted among all of them: the hard cases, and the readers that stand in for workers where none can be started. */
+const VIEWER_APART = [
+  'hardcases/src/index.ts',
+  'core/src/io/formats/readers.ts',
+  'core/src/io/loading/read-and-pack.ts',
+].map((path) => `../../packages/${path}`);
 
 const folder = mkdtempSync(join(tmpdir(), 'websplatter-packages-'));
 process.on('exit', () => rmSync(folder, { recursive: true, force: true }));
@@ -23,7 +35,8 @@ const problems = (
     allManifestProblems(),
     changelogProblems(),
     publishProblems(),
-    scriptProblems(),
+    viewerProblems(),
+    PUBLISHED.flatMap((name) => scriptProblems(join(repositoryRoot, 'packages', name, 'dist'))),
     ...packed.map(({ tarball }) => publintProblems(tarball)),
     // One after the other, since each occupies a core.
     attwProblems(packed.map(({ tarball }) => tarball)),
@@ -87,21 +100,25 @@ async function publishProblems() {
   return warnings.filter((line) => !line.includes('requires you to be logged in'));
 }
 
-/** Looks at the scripts of the published packages and of the viewer, as they are built. */
-async function scriptProblems() {
-  const viewer = join(folder, 'viewer');
-  await build({
-    configFile: join(repositoryRoot, 'apps/viewer/vite.config.ts'),
-    logLevel: 'error',
-    build: { outDir: viewer },
-  });
-  const packed = PUBLISHED.map((name) => join(repositoryRoot, 'packages', name, 'dist'));
-  return [...packed, viewer].flatMap((built) =>
-    readdirSync(built, { recursive: true })
-      .filter((name) => name.endsWith('.js'))
-      .map((name) => join(built, name))
-      .flatMap((path) => codeFromText(relative(repositoryRoot, path), readFileSync(path, 'utf8'))),
-  );
+/** Builds the viewer, and looks at its scripts and what they weigh. */
+async function viewerProblems() {
+  const outDir = join(folder, 'viewer');
+  const configFile = join(repositoryRoot, 'apps/viewer/vite.config.ts');
+  await build({ configFile, logLevel: 'error', build: { outDir, manifest: true } });
+  const sizes = scriptSizes(outDir, VIEWER_APART);
+  console.log(`The viewer's scripts: ${sizes.initial} bytes at first, ${sizes.all} in all, by gzip.`);
+  const tooLarge = Object.entries(VIEWER_LIMITS)
+    .filter(([what, limit]) => sizes[what] > limit)
+    .map(([what, limit]) => `viewer: its scripts (${what}) have ${sizes[what]} bytes, of at most ${limit}`);
+  return [...tooLarge, ...scriptProblems(outDir)];
+}
+
+/** Looks at the scripts in a folder, as they are built. */
+function scriptProblems(built) {
+  return readdirSync(built, { recursive: true })
+    .filter((name) => name.endsWith('.js'))
+    .map((name) => join(built, name))
+    .flatMap((path) => codeFromText(relative(repositoryRoot, path), readFileSync(path, 'utf8')));
 }
 
 async function publintProblems(tarball) {

@@ -5,10 +5,10 @@ import { followDrop, hasOpenedFile } from './file-drop/follow-drop.ts';
 import { GALLERY_SCENE, loadHardCases } from './hard-cases/catalogue.ts';
 import { keepHud } from './hud/kept-hud.ts';
 import { linkedStart } from './links/linked-start.ts';
-import { GalleryFailedPage } from './messages/status-pages.tsx';
-import { addressedScene } from './scene/first-source.ts';
+import { addressedScene, foreseeFirst } from './scene/first-source.ts';
 import { App } from './shell/app.tsx';
 import { mirrorToDocument } from './shell/document-mirror.ts';
+import { fetchLateWhenIdle } from './shell/fetch-late.ts';
 import { createViewerStore } from './state/store.ts';
 import './styles.css';
 import { type StartOptions, Viewer } from './viewer/viewer.ts';
@@ -21,8 +21,9 @@ const show = (page: ReactNode) => root.render(<StrictMode>{page}</StrictMode>);
 const address = new URLSearchParams(location.search);
 const addressed = addressedScene(address);
 if (addressed.scene === GALLERY_SCENE && addressed.addresses?.length === 0) {
-  showGallery().catch((error) => {
+  showGallery().catch(async (error) => {
     console.error(error);
+    const { GalleryFailedPage } = await import('./messages/status-pages.tsx');
     show(<GalleryFailedPage />);
   });
 } else {
@@ -34,7 +35,11 @@ function showViewer(start: StartOptions, dropped?: FileDropDecision): void {
   store.setState({ hasInterface: !address.has('noui') });
   mirrorToDocument(store, document);
   keepHud(store);
+  fetchLateWhenIdle(store);
   const viewer = new Viewer(store, start);
+  // Both take their time, and need neither each other nor the page.
+  viewer.prepare();
+  if (!dropped) foreseeFirst(start, location.href);
   // Nothing is written before the first picture, which does not wait for this.
   void import('./links/address-mirror.ts').then(({ mirrorToAddress }) => mirrorToAddress(store, viewer));
   const asksForNothing = !start.scene && !start.addresses?.length;

@@ -114,6 +114,7 @@ export const PACKAGES: Arrows = {
 export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
   'packages/hardcases/src/host-mutations.gpu.test.ts':
     'replaces modules inside of core, to show that hard cases fail without them',
+  'apps/viewer/vite.config.ts': "strips shaders as the packages' build does",
   'e2e/wgpu/shaders.ts': "compiles every variant of core's shaders, which core exports to nobody",
   'e2e/examples.test.ts': "draws the examples' own scene and effect in float64; apps export nothing",
 };

@@ -16,10 +16,8 @@ export const AccuracyPanel = memo(function AccuracyPanel({
   viewer,
   accuracyMeasurement,
 }: PanelProps & { readonly accuracyMeasurement: AccuracyMeasurement }) {
-  const isVisible = useStore(store, (state) => state.dock === 'accuracy');
   const tab = useStore(store, (state) => state.accuracyTab);
   const id = useId();
-  if (!isVisible) return null;
   return (
     <Dock store={store} name="accuracy" title="Accuracy">
       <AccuracyPresets store={store} viewer={viewer} />

@@ -110,7 +110,8 @@ export class ViewCamera {
   /** After `follow`, shows the first view of a scene of which more has become known, unless the view has been moved. */
   showFirstViewAgain(): void {
     const subject = this.#subject;
-    if (!subject || !this.controls.isHome) return;
+    // One that the scene came with is the first view still.
+    if (!subject || subject.firstView || !this.controls.isHome) return;
     if (!this.#isUpChosen) this.#takeUprightness();
     this.controls.setPose(this.#firstPose(subject));
     this.#first = this.snapshot();

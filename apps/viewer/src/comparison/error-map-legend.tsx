@@ -6,10 +6,8 @@ import { ERROR_CLASSES } from './error-map.ts';
 
 /** The meaning of the error map's colours, and the part of the image that has each. */
 export function ErrorMapLegend({ store, viewer }: PanelProps) {
-  const isShown = useStore(store, (state) => state.comparison?.kind === 'error');
   const figures = useStore(store, (state) => state.errorFigures);
   const accuracy = useStore(store, (state) => state.accuracy);
-  if (!isShown) return null;
   return (
     <section className="panel error-legend" aria-label="Error map" data-testid="error-legend">
       <div className="error-legend-row">

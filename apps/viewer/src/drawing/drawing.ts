@@ -24,6 +24,9 @@ export interface DrawingOptions {
   readonly camera: ViewCamera;
 }
 
+/** The time from the navigation to the first picture of a scene, or of a part of it, among the page's `performance` entries. */
+const FIRST_PICTURE = 'first picture';
+
 /** Draws the scene when something has changed, and writes to the store when the image has come to rest. */
 export class Drawing {
   readonly #options: DrawingOptions;
@@ -34,6 +37,7 @@ export class Drawing {
   #joined = { requested: NO_EFFECTS, effects: joinedEffects(NO_EFFECTS) };
   #drawn: DrawnFrame | null = null;
   #frameCount = 0;
+  #hasPicture = false;
   /** How often the loop has paused. */
   #pauses = 0;
   /** `imageKey` of the image that came to rest last. */
@@ -43,7 +47,10 @@ export class Drawing {
     this.#options = options;
     this.#loop = new FrameLoop({
       draw: (elapsedMs) => this.#draw(elapsedMs),
-      onDrawn: (completedMs) => options.store.setState({ frameRate: this.#meter.add(completedMs) }),
+      onDrawn: (completedMs) => {
+        this.#notePicture();
+        options.store.setState({ frameRate: this.#meter.add(completedMs) });
+      },
       onIdle: () => void this.#rest(),
       onWake: () => options.sessions.current && clearRest(options.sessions.current.canvas),
     });
@@ -151,7 +158,12 @@ export class Drawing {
     const pause = ++this.#pauses;
     const session = sessions.current;
     // The device has reported a shader that does not compile.
-    if (session) await session.views.whenComplete().catch(() => {});
+    if (session) {
+      await session.views.whenComplete().then(
+        () => this.#notePicture(),
+        () => {},
+      );
+    }
     // Only the newest pause may report. An older one knows nothing of frames that were asked for later: it may have begun
     // before there was a scene. On a busy machine it ended while the shaders of the first frame were compiling.
     if (pause === this.#pauses && session === sessions.current && this.#loop.isResting) this.#becomeIdle();
@@ -179,6 +191,13 @@ export class Drawing {
     }));
     sessions.confirmRecovery();
     writeRest(session.canvas, drawn, this.#frameCount);
+  }
+
+  /** A picture is on the screen. */
+  #notePicture(): void {
+    if (this.#hasPicture || !this.#drawn) return;
+    this.#hasPicture = true;
+    performance.measure(FIRST_PICTURE);
   }
 
   #listEffects(view: SplatView): void {

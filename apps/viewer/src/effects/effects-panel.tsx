@@ -18,11 +18,9 @@ interface EffectsProps {
 
 /** Lists the effects that are on and those that are off, with the reason, the memory and the cost of each. */
 export const EffectsPanel = memo(function EffectsPanel({ store, measurement }: EffectsProps) {
-  const isVisible = useStore(store, (state) => state.dock === 'effects');
   const effects = useStore(store, (state) => state.effects);
   const measured = useStore(store, (state) => state.effectCosts);
   const hasSeveralClouds = useStore(store, (state) => (state.scene?.clouds ?? 0) > 1);
-  if (!isVisible) return null;
   const listed = { costs: measured?.costs ?? [], hasSeveralClouds };
   return (
     <Dock store={store} name="effects" title="Effects">

@@ -13,8 +13,10 @@ import { mergeSplats } from '@websplatter/core/write';
 import { builtinScene } from './make-builtin.ts';
 import { numberOfShares } from './scene-shares.ts';
 
-export interface SceneRequest extends Pick<AccuracySettings, 'geometryPrecision' | 'shPrecision'> {
+export interface SceneRequest {
   readonly name: string;
+  /** Absent where the scene will probably be asked for, but nobody has yet: it is made and kept. */
+  readonly packing?: Pick<AccuracySettings, 'geometryPrecision' | 'shPrecision'>;
 }
 
 interface ShareRequest {
@@ -24,36 +26,41 @@ interface ShareRequest {
 }
 
 export interface MadeScene {
+  readonly name: string;
   readonly packed: PackedCloud;
   /** The splats as they were made, from which other precisions can be packed. */
   readonly set: SplatSet;
 }
 
+/** Requests are answered one after another. */
+let turn = Promise.resolve();
+let kept: { readonly name: string; readonly set: SplatSet } | null = null;
+
 self.onmessage = ({ data }: MessageEvent<SceneRequest | ShareRequest>) => {
-  // So that whoever asked learns of an error.
-  answer(data).catch(reportError);
+  // Whoever asked learns of an error.
+  turn = turn.then(() => answer(data)).catch(reportError);
 };
 
 async function answer(request: SceneRequest | ShareRequest): Promise<void> {
+  const { name } = request;
   if ('share' in request) {
-    const set = builtinScene(request.name).makeShare(request.share, request.of);
+    const set = builtinScene(name).makeShare(request.share, request.of);
     self.postMessage(set, { transfer: buffersOf(set) });
     return;
   }
-  const { name, geometryPrecision, shPrecision } = request;
-  const set = await makeInShares(name);
-  const packed = packCloud(set, { geometryPrecision, shPrecision });
-  // Precisions that are the same may share a buffer, which can be given away once.
-  const transfer = [...new Set([...transferablesOf(packed), ...buffersOf(set)])];
-  self.postMessage({ packed, set } satisfies MadeScene, { transfer });
+  const set = kept?.name === name ? kept.set : await makeInShares(name);
+  const { packing } = request;
+  kept = packing ? null : { name, set };
+  if (packing) post(name, set, packCloud(set, packing));
 }
 
 async function makeInShares(name: string): Promise<SplatSet> {
   const { splats } = builtinScene(name);
   const of = numberOfShares(splats, navigator.hardwareConcurrency);
-  const others = Array.from({ length: of - 1 }, (_, i) => shareOfWorker({ name, share: i + 1, of }));
-  const own = builtinScene(name).makeShare(0, of);
-  return mergeSplats([own, ...(await Promise.all(others))]) as SplatSet;
+  if (of === 1) return builtinScene(name).make();
+  // This one makes none: a worker that is busy cannot start others.
+  const shares = Array.from({ length: of }, (_, share) => shareOfWorker({ name, share, of }));
+  return mergeSplats(await Promise.all(shares)) as SplatSet;
 }
 
 /** Made here where no worker can start, as in a page that may run no other script. */
@@ -74,6 +81,12 @@ function shareOfWorker(request: ShareRequest): Promise<SplatSet> {
     worker.onerror = makeHere;
     worker.postMessage(request);
   });
+}
+
+function post(name: string, set: SplatSet, packed: PackedCloud): void {
+  // Precisions that are the same may share a buffer, which can be given away once.
+  const transfer = [...new Set([...transferablesOf(packed), ...buffersOf(set)])];
+  self.postMessage({ name, packed, set } satisfies MadeScene, { transfer });
 }
 
 function buffersOf(set: SplatSet): ArrayBufferLike[] {

@@ -1,6 +1,6 @@
 import { hardCaseNameIn } from '../hard-cases/catalogue.ts';
 import type { FailureReport } from '../state/failure.ts';
-import { defaultSceneName, findBuiltinScene } from './builtin-scene.ts';
+import { defaultSceneName, findBuiltinScene, foreseeBuiltinScene } from './builtin-scene.ts';
 import type { SceneSource } from './scene-source.ts';
 
 /** The scene that the page's address asks for: `?src=ADDRESS`, once or several times, `?scene=NAME` and `?scene=hard:NAME`. */
@@ -45,6 +45,12 @@ export function firstSource(
   const hardCase = hardCaseNameIn(scene);
   if (hardCase !== null) return { source: { kind: 'hard-case', name: hardCase }, notice: null, failure };
   return { ...builtinSource(scene, isSoftwareAdapter), failure };
+}
+
+/** Before it is known what draws: begins to make the scene that will probably be opened first, if it is a built-in one. */
+export function foreseeFirst(addressed: AddressedScene, base: string): void {
+  const { source } = firstSource(addressed, base, true);
+  if (source.kind === 'builtin') foreseeBuiltinScene(source.scene.name);
 }
 
 /** The built-in scene that no GPU is too small for. */

@@ -5,13 +5,18 @@ import {
   type SplatEngine,
   SplatFileError,
 } from '@websplatter/core';
+import type { BuiltinSceneFacts } from '@websplatter/scenes';
 import { isProbablyZUp } from '../camera/up-axis.ts';
 import type { CameraSubject } from '../camera/view-camera.ts';
 import { findHardCase, groupTitle, loadHardCases } from '../hard-cases/catalogue.ts';
 import type { SceneAbout } from '../state/scene-summary.ts';
 import { baseName } from '../words/format.ts';
 import { makeBuiltinScene } from './builtin-scene.ts';
+import type { MadeScene } from './builtin-scene.worker.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
+
+/** Of most scenes. */
+const PLAIN = { firstView: null, ownCameras: null, about: null, isZUp: false };
 
 /** A scene on the GPU, and how it is to be looked at. */
 export interface LoadedScene
@@ -35,17 +40,11 @@ export async function loadScene(
   options: LoadSceneOptions,
 ): Promise<LoadedScene> {
   const { signal, onProgress } = options;
-  const plain = { firstView: null, ownCameras: null, about: null, isZUp: false };
-  if (source.kind === 'builtin') {
-    const { name, title, cameras } = source.scene;
-    const { packed, set } = await makeBuiltinScene(name, engine.accuracy, signal);
-    const clouds = [{ cloud: engine.addPacked(packed, { name: title, source: set }) }];
-    return { ...plain, clouds, firstView: cameras[0], isUpsideDown: false };
-  }
+  if (source.kind === 'builtin') return loadBuiltin(engine, source.scene, options);
   if (source.kind === 'hard-case') return loadHardCase(engine, source.name, options);
-  if (source.kind === 'urls') return { ...plain, ...(await loadUrls(engine, source.urls, options)) };
+  if (source.kind === 'urls') return { ...PLAIN, ...(await loadUrls(engine, source.urls, options)) };
   const sceneOf = (cloud: SplatCloud) => ({
-    ...plain,
+    ...PLAIN,
     clouds: [{ cloud }],
     isUpsideDown: isUpsideDown(cloud),
   });
@@ -62,6 +61,32 @@ export async function loadScene(
     onPreview: (preview) => options.onPreview(sceneOf(preview)),
   });
   return wholeSceneOf(cloud);
+}
+
+/** Makes a built-in scene. Where that takes long, what looks like it is shown until then. */
+async function loadBuiltin(
+  engine: SplatEngine,
+  { name, title, cameras }: BuiltinSceneFacts,
+  { signal, onPreview }: LoadSceneOptions,
+): Promise<LoadedScene> {
+  const upload = ({ packed, set }: MadeScene) => engine.addPacked(packed, { name: title, source: set });
+  const sceneOf = (cloud: SplatCloud) => ({
+    ...PLAIN,
+    clouds: [{ cloud }],
+    firstView: cameras[0],
+    isUpsideDown: false,
+  });
+  let draft: SplatCloud | undefined;
+  try {
+    const made = await makeBuiltinScene(name, engine.accuracy, signal, (each) => {
+      draft = upload(each);
+      onPreview(sceneOf(draft));
+    });
+    return sceneOf(upload(made));
+  } finally {
+    // Its image stays on the screen until another is drawn.
+    draft?.destroy();
+  }
 }
 
 export function destroyClouds({ clouds }: Pick<LoadedScene, 'clouds'>): void {

@@ -47,6 +47,30 @@ function passMs(durationMs: number): Promise<unknown> {
 }
 
 describe('SessionOwner', () => {
+  it('asks for the GPU before there is a canvas, if told to, and not once more for the first', async () => {
+    sessions.prepare();
+    expect(createEngine).toHaveBeenCalledTimes(1);
+    expect(onStart).not.toHaveBeenCalled();
+    const detach = sessions.attach(canvas);
+    await passMs(0);
+    expect(onStart).toHaveBeenCalledTimes(1);
+    expect(createEngine).toHaveBeenCalledTimes(1);
+    detach();
+    sessions.attach(canvas);
+    await passMs(0);
+    expect(createEngine).toHaveBeenCalledTimes(2);
+  });
+
+  it('says why there is no GPU once there is a canvas, where it was asked for before', async () => {
+    createEngine.mockRejectedValueOnce(NO_GPU);
+    sessions.prepare();
+    await passMs(0);
+    expect(store.getState().status).toBe('starting');
+    sessions.attach(canvas);
+    await passMs(0);
+    expect(store.getState()).toMatchObject({ status: 'unavailable', statusReason: NO_GPU.message });
+  });
+
   it('asks for a lost GPU again by itself, at once and then ever more slowly, and then leaves it to a person', async () => {
     sessions.attach(canvas);
     await passMs(0);

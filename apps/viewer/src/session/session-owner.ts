@@ -28,6 +28,8 @@ export class SessionOwner {
   /** Starts a session on the mounted canvas; null while none is mounted. */
   #restart: (() => void) | null = null;
   #rightCanvas: HTMLCanvasElement | null = null;
+  /** The engine of the first session, if it was asked for before there was a canvas. */
+  #prepared: Promise<SplatEngine> | null = null;
   #waiters: ((session: Session) => void)[] = [];
   /** Whether there has been a GPU. */
   #hasStarted = false;
@@ -44,6 +46,13 @@ export class SessionOwner {
   /** Null while the GPU is asked for, and after it was lost. */
   get current(): Session | null {
     return this.#current;
+  }
+
+  /** Asks for the GPU, so that it is there when a canvas is. */
+  prepare(): void {
+    this.#prepared = this.#askForEngine();
+    // Whoever takes it finds out.
+    this.#prepared.catch(() => {});
   }
 
   whenStarted(): Promise<Session> {
@@ -100,8 +109,9 @@ export class SessionOwner {
     let engine: SplatEngine | null = null;
     let session: Session;
     try {
-      const { wish, accuracy } = store.getState();
-      engine = await this.#createEngine({ accuracy: wish ?? accuracy });
+      const prepared = this.#prepared;
+      this.#prepared = null;
+      engine = await (prepared ?? this.#askForEngine());
       if (signal.aborted) {
         engine.destroy();
         return;
@@ -131,6 +141,11 @@ export class SessionOwner {
     });
     this.#events.onStart(session);
     for (const resolve of this.#waiters.splice(0)) resolve(session);
+  }
+
+  #askForEngine(): Promise<SplatEngine> {
+    const { wish, accuracy } = this.#store.getState();
+    return this.#createEngine({ accuracy: wish ?? accuracy });
   }
 
   #sessionOf(engine: SplatEngine, canvas: HTMLCanvasElement): Session {

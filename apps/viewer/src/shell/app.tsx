@@ -1,8 +1,5 @@
-import { lazy, Suspense, useEffect, useMemo, useRef } from 'react';
+import { Suspense, useEffect, useMemo, useRef, useState } from 'react';
 import { useStore } from 'zustand';
-import { AccuracyPanel } from '../accuracy/accuracy-panel.tsx';
-import { ErrorMapLegend } from '../comparison/error-map-legend.tsx';
-import { EffectsPanel } from '../effects/effects-panel.tsx';
 import { DropZone } from '../file-drop/drop-zone.tsx';
 import { ACCEPTED_FILES, chosenFiles, decideFiles, type FileDropDecision } from '../file-drop/file-drop.ts';
 import { filesOf, pickHandles } from '../file-drop/file-handles.ts';
@@ -13,40 +10,45 @@ import { Measurement } from '../measurement/measurement.ts';
 import { FailurePanel } from '../messages/failure-panel.tsx';
 import { LoadPanel, PreparingPanel } from '../messages/load-panel.tsx';
 import { Notice } from '../messages/notice.tsx';
-import { ReopenPanel } from '../messages/reopen-panel.tsx';
-import { LostPage, UnavailablePage } from '../messages/status-pages.tsx';
 import { WarningPanel } from '../messages/warning-panel.tsx';
 import { Saving } from '../saving/saving.ts';
 import { SceneCaption } from '../scene/scene-caption.tsx';
 import type { ViewerStore } from '../state/store.ts';
 import { isGpuLost } from '../state/viewer-state.ts';
+import { late } from '../ui/late.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { createCommands, listenToKeys } from './commands.ts';
-import { Help } from './help.tsx';
 import { Picture } from './picture.tsx';
 import { PlainPicture } from './plain-picture.tsx';
 import { Toolbar } from './toolbar.tsx';
 
-/** The first picture does not wait for figures. */
-const Hud = lazy(async () => ({ default: (await import('../hud/hud.tsx')).Hud }));
-/** With the list of formats, which most visitors do not need. */
-const SavePanel = lazy(async () => ({ default: (await import('../saving/save-panel.tsx')).SavePanel }));
-
-/** With what is seldom changed of how a scene is looked at. */
-const ViewPanel = lazy(async () => ({ default: (await import('../looking/view-panel.tsx')).ViewPanel }));
-const FlightBanner = lazy(async () => ({
-  default: (await import('../looking/flight-banner.tsx')).FlightBanner,
-}));
+// In the order in which they are fetched after the first picture.
+const Hud = late(async () => (await import('../hud/hud.tsx')).Hud);
+const ViewPanel = late(async () => (await import('../looking/view-panel.tsx')).ViewPanel);
+const AccuracyPanel = late(async () => (await import('../accuracy/accuracy-panel.tsx')).AccuracyPanel);
+const EffectsPanel = late(async () => (await import('../effects/effects-panel.tsx')).EffectsPanel);
+const SavePanel = late(async () => (await import('../saving/save-panel.tsx')).SavePanel);
+const Help = late(async () => (await import('./help.tsx')).Help);
+const ReopenPanel = late(async () => (await import('../messages/reopen-panel.tsx')).ReopenPanel);
+const FlightBanner = late(async () => (await import('../looking/flight-banner.tsx')).FlightBanner);
+const ErrorMapLegend = late(async () => (await import('../comparison/error-map-legend.tsx')).ErrorMapLegend);
+const UnavailablePage = late(async () => (await import('../messages/status-pages.tsx')).UnavailablePage);
+const LostPage = late(async () => (await import('../messages/status-pages.tsx')).LostPage);
 
 /** @param poster address of an image to show until there is a picture. */
 export function App({ store, viewer, poster }: PanelProps & { poster: string | null }) {
   const hasInterface = useStore(store, (state) => state.hasInterface);
   const isUnavailable = useStore(store, (state) => state.status === 'unavailable');
   const isLost = useStore(store, isGpuLost);
-  const isSaveVisible = useStore(store, (state) => state.dock === 'save');
+  const dock = useStore(store, (state) => state.dock);
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
-  const isViewVisible = useStore(store, (state) => state.dock === 'view');
+  const hasErrorMap = useStore(store, (state) => state.comparison?.kind === 'error');
+  const hasLastFile = useStore(store, (state) => state.lastFile !== null);
+  const isHelpVisible = useStore(store, (state) => state.isHelpVisible);
+  // It stays, so that closing it gives the keyboard back to what had it.
+  const [hasHelp, setHasHelp] = useState(isHelpVisible);
+  if (isHelpVisible && !hasHelp) setHasHelp(true);
   const isFlying = useStore(store, (state) => state.flightSpeed !== null);
   const fileInput = useRef<HTMLInputElement>(null);
   const run = useMemo(
@@ -75,7 +77,13 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   };
   const follow = (decision: FileDropDecision) => followDrop(decision, store, viewer);
 
-  if (isUnavailable) return <UnavailablePage store={store} onRetry={() => viewer.recover()} />;
+  if (isUnavailable) {
+    return (
+      <Suspense>
+        <UnavailablePage store={store} onRetry={() => viewer.recover()} />
+      </Suspense>
+    );
+  }
   if (!hasInterface) return <PlainPicture store={store} viewer={viewer} poster={poster} onDrop={follow} />;
   return (
     <>
@@ -83,10 +91,18 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
         <Picture store={store} viewer={viewer} poster={poster} />
         <div className="overlay">
           <Toolbar store={store} run={run} />
-          <AccuracyPanel store={store} viewer={viewer} accuracyMeasurement={accuracyMeasurement} />
-          <EffectsPanel store={store} measurement={measurement} />
-          <Suspense>{isViewVisible && <ViewPanel store={store} viewer={viewer} />}</Suspense>
-          <Suspense>{isSaveVisible && <SavePanel store={store} viewer={viewer} saving={saving} />}</Suspense>
+          <Suspense>{dock === 'view' && <ViewPanel store={store} viewer={viewer} />}</Suspense>
+          <Suspense>
+            {dock === 'accuracy' && (
+              <AccuracyPanel store={store} viewer={viewer} accuracyMeasurement={accuracyMeasurement} />
+            )}
+          </Suspense>
+          <Suspense>
+            {dock === 'effects' && <EffectsPanel store={store} measurement={measurement} />}
+          </Suspense>
+          <Suspense>
+            {dock === 'save' && <SavePanel store={store} viewer={viewer} saving={saving} />}
+          </Suspense>
           <div className="overlay-side">
             <Suspense>{isHudVisible && <Hud store={store} viewer={viewer} recorder={recorder} />}</Suspense>
             <div className="messages">
@@ -94,12 +110,16 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
               <Suspense>{isFlying && <FlightBanner store={store} viewer={viewer} />}</Suspense>
               <WarningPanel store={store} />
               <FailurePanel store={store} />
-              <ErrorMapLegend store={store} viewer={viewer} />
-              <ReopenPanel
-                store={store}
-                onReopen={() => void reopen()}
-                onForget={() => viewer.files.forget()}
-              />
+              <Suspense>{hasErrorMap && <ErrorMapLegend store={store} viewer={viewer} />}</Suspense>
+              <Suspense>
+                {hasLastFile && (
+                  <ReopenPanel
+                    store={store}
+                    onReopen={() => void reopen()}
+                    onForget={() => viewer.files.forget()}
+                  />
+                )}
+              </Suspense>
               <PreparingPanel store={store} onCancel={() => viewer.cancelPreparing()} />
               <LoadPanel store={store} onCancel={() => viewer.scenes.cancelLoad()} />
             </div>
@@ -121,14 +141,16 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
         />
         <DropZone onDrop={follow} />
       </main>
-      <Help store={store} />
-      {isLost && (
-        <LostPage
-          store={store}
-          onRecover={() => viewer.recover()}
-          onSmallScene={() => viewer.scenes.openSmallScene()}
-        />
-      )}
+      <Suspense>{hasHelp && <Help store={store} />}</Suspense>
+      <Suspense>
+        {isLost && (
+          <LostPage
+            store={store}
+            onRecover={() => viewer.recover()}
+            onSmallScene={() => viewer.scenes.openSmallScene()}
+          />
+        )}
+      </Suspense>
     </>
   );
 }

@@ -1,9 +1,12 @@
+import { Suspense } from 'react';
 import { useStore } from 'zustand';
-import { ErrorMapImage } from '../comparison/error-map-image.tsx';
-import { SplitImage } from '../comparison/split-image.tsx';
+import { late } from '../ui/late.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { Poster } from './poster.tsx';
 import { Viewport } from './viewport.tsx';
+
+const SplitImage = late(async () => (await import('../comparison/split-image.tsx')).SplitImage);
+const ErrorMapImage = late(async () => (await import('../comparison/error-map-image.tsx')).ErrorMapImage);
 
 /**
  * The picture, and what is compared with it.
@@ -16,8 +19,10 @@ export function Picture({ store, viewer, poster }: PanelProps & { poster: string
     <>
       <Viewport store={store} viewer={viewer} />
       {poster && <Poster store={store} address={poster} />}
-      {comparison?.kind === 'split' && <SplitImage store={store} viewer={viewer} split={comparison} />}
-      {comparison?.kind === 'error' && <ErrorMapImage store={store} viewer={viewer} />}
+      <Suspense>
+        {comparison?.kind === 'split' && <SplitImage store={store} viewer={viewer} split={comparison} />}
+        {comparison?.kind === 'error' && <ErrorMapImage store={store} viewer={viewer} />}
+      </Suspense>
     </>
   );
 }

@@ -91,6 +91,11 @@ export class Viewer {
     this.#drawing = new Drawing({ store, sessions: this.#sessions, scenes, camera });
   }
 
+  /** Asks for the GPU before there is a canvas to draw to. */
+  prepare(): void {
+    this.#sessions.prepare();
+  }
+
   /** Draws to `canvas` from now on; returns what ends that and frees the GPU. */
   attach(canvas: HTMLCanvasElement): () => void {
     const stops = [

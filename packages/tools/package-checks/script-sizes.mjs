@@ -1,0 +1,32 @@
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { gzipSync } from 'node:zlib';
+
+/**
+ * Bytes of a built page's scripts, each compressed by gzip as web servers do. Workers are not among them: they are built apart.
+ *
+ * @param {string} folder what Vite built, with its manifest.
+ * @param {readonly string[]} apart modules, as the manifest names them, whose dynamic imports are not followed.
+ * @returns {{ initial: number, all: number }} of what `index.html` names, static imports included, and with all that these may fetch
+ *   later.
+ */
+export function scriptSizes(folder, apart) {
+  const manifest = JSON.parse(readFileSync(join(folder, '.vite/manifest.json'), 'utf8'));
+  const missing = apart.filter((key) => !manifest[key]);
+  if (missing.length > 0) throw new Error(`There is no script of its own for ${missing.join(', ')}.`);
+  const bytesOf = (keys) =>
+    [...keys].reduce((sum, key) => sum + gzipSync(readFileSync(join(folder, manifest[key].file))).length, 0);
+  const all = reached(manifest, ({ imports = [], dynamicImports = [] }) => [
+    ...imports,
+    ...dynamicImports.filter((key) => !apart.includes(key)),
+  ]);
+  return { initial: bytesOf(reached(manifest, ({ imports = [] }) => imports)), all: bytesOf(all) };
+}
+
+/** Keys of the manifest that are reached from the page by `next`. */
+function reached(manifest, next) {
+  const keys = new Set(['index.html']);
+  // A set goes on to those that are added meanwhile.
+  for (const key of keys) for (const each of next(manifest[key])) keys.add(each);
+  return keys;
+}

@@ -1,0 +1,46 @@
+import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { gzipSync } from 'node:zlib';
+import { afterAll, expect, test } from 'vitest';
+import { scriptSizes } from './script-sizes.mjs';
+
+const MANIFEST = {
+  'index.html': { file: 'index.js', imports: ['_shared.js'], dynamicImports: ['panel.ts', 'cases.ts'] },
+  '_shared.js': { file: 'shared.js' },
+  'panel.ts': { file: 'panel.js', imports: ['index.html', '_shared.js', '_panel-part.js'] },
+  '_panel-part.js': { file: 'panel-part.js' },
+  'cases.ts': { file: 'cases.js', imports: ['_case-data.js'] },
+  '_case-data.js': { file: 'case-data.js' },
+};
+
+const folder = mkdtempSync(join(tmpdir(), 'websplatter-script-sizes-'));
+afterAll(() => rmSync(folder, { recursive: true, force: true }));
+
+mkdirSync(join(folder, '.vite'));
+writeFileSync(join(folder, '.vite/manifest.json'), JSON.stringify(MANIFEST));
+for (const { file } of Object.values(MANIFEST)) writeFileSync(join(folder, file), scriptOf(file));
+
+function scriptOf(file) {
+  return `// ${file.repeat(file.length)}`;
+}
+
+function sizeOf(...files) {
+  return files.reduce((sum, file) => sum + gzipSync(scriptOf(file)).length, 0);
+}
+
+test('scripts count once, and those that are fetched later not at first', () => {
+  expect(scriptSizes(folder, [])).toEqual({
+    initial: sizeOf('index.js', 'shared.js'),
+    all: sizeOf('index.js', 'shared.js', 'panel.js', 'panel-part.js', 'cases.js', 'case-data.js'),
+  });
+});
+
+test('what is apart does not count, nor what only that needs', () => {
+  const { all } = scriptSizes(folder, ['cases.ts']);
+  expect(all).toBe(sizeOf('index.js', 'shared.js', 'panel.js', 'panel-part.js'));
+});
+
+test('a module that is no script of its own cannot be apart', () => {
+  expect(() => scriptSizes(folder, ['cases.tsx'])).toThrow('no script of its own for cases.tsx');
+});
