@@ -156,8 +156,19 @@ export class Arrivals {
 /** Robust bounds of sampled slots. @param centres as in the file. */
 function robustCentres(centres: readonly Float32Array[], { min, max }: RowFacts): Bounds {
   // Slots of dropped rows lie at 0, which may be far from all splats.
-  const isInside = (i: number) =>
-    centres.every((values, axis) => values[i] >= min[axis] && values[i] <= max[axis]);
-  const inside = centres.map((values) => values.filter((_, i) => isInside(i)));
-  return inside[0].length > 0 ? robustBounds(inside, [0, 0, 0]) : { min, max };
+  const inside = centres.map(({ length }) => new Float32Array(length));
+  const [x, y, z] = centres;
+  let count = 0;
+  // In one pass: this runs on the page's thread while a scene arrives.
+  for (let i = 0; i < x.length; i++) {
+    if (!(x[i] >= min[0] && x[i] <= max[0] && y[i] >= min[1] && y[i] <= max[1])) continue;
+    if (!(z[i] >= min[2] && z[i] <= max[2])) continue;
+    for (let axis = 0; axis < 3; axis++) inside[axis][count] = centres[axis][i];
+    count++;
+  }
+  if (count === 0) return { min, max };
+  return robustBounds(
+    inside.map((values) => values.subarray(0, count)),
+    [0, 0, 0],
+  );
 }

@@ -1,6 +1,7 @@
 import { CHUNK_WORDS } from '../layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import type { Vec3 } from '../math/mat4.ts';
+import { selectValue } from '../math/select-value.ts';
 import type { DropCounts, SplatColumns, SplatSet } from '../splats/splat-set.ts';
 import { emptyBounds } from './center-bounds.ts';
 import { type CloudFacts, cloudFacts } from './cloud-facts.ts';
@@ -155,9 +156,10 @@ export function boundsSamples(count: number): Uint32Array {
 /** Bounds of most of the sampled centres, in scene space. @param axes the samples' x, y and z about `origin`. */
 export function robustBounds(axes: readonly Float32Array[], origin: Vec3): Bounds {
   const [x, y, z] = axes.map((samples, axis) => {
-    const sorted = samples.toSorted();
-    const low = Math.floor(OUTER_PART * (sorted.length - 1));
-    return [sorted[low] + origin[axis], sorted[sorted.length - 1 - low] + origin[axis]];
+    const values = samples.slice();
+    const outer = Math.floor(OUTER_PART * (values.length - 1));
+    const low = selectValue(values, outer);
+    return [low + origin[axis], selectValue(values, values.length - 1 - outer) + origin[axis]];
   });
   return { min: [x[0], y[0], z[0]], max: [x[1], y[1], z[1]] };
 }
