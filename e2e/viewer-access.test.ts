@@ -33,6 +33,9 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
     const page = await openViewer(CHEAP, { viewport: { width: 900, height: 600 } });
     await page.evaluate(AXE);
     await expectAccessible(page, 'at first');
+    for (let presses = 0; presses < 3; presses++) await page.keyboard.press('m');
+    await page.getByTestId('mode-scale').waitFor();
+    await expectAccessible(page, 'a view mode');
     await page.keyboard.press('c');
     for (const tab of ['measure', 'settings', 'compare']) {
       await page.getByTestId(`accuracy-tab-${tab}`).click();

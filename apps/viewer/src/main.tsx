@@ -11,6 +11,7 @@ import { mirrorToDocument } from './shell/document-mirror.ts';
 import { fetchLateWhenIdle } from './shell/fetch-late.ts';
 import { createViewerStore } from './state/store.ts';
 import './styles.css';
+import { followViewMode } from './view-modes/follow-view-mode.ts';
 import { type StartOptions, Viewer } from './viewer/viewer.ts';
 
 const element = document.getElementById('root');
@@ -40,6 +41,7 @@ function showViewer(start: StartOptions, dropped?: FileDropDecision): void {
   // Both take their time, and need neither each other nor the page.
   viewer.prepare();
   if (!dropped) foreseeFirst(start, location.href);
+  followViewMode(store, viewer);
   // Nothing is written before the first picture, which does not wait for this.
   void import('./links/address-mirror.ts').then(({ mirrorToAddress }) => mirrorToAddress(store, viewer));
   const asksForNothing = !start.scene && !start.addresses?.length;

@@ -116,5 +116,6 @@ export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
     'replaces modules inside of core, to show that hard cases fail without them',
   'apps/viewer/vite.config.ts': "strips shaders as the packages' build does",
   'e2e/wgpu/shaders.ts': "compiles every variant of core's shaders, which core exports to nobody",
+  'e2e/viewer-modes.test.ts': "draws the viewer's own effects in float64; apps export nothing",
   'e2e/examples.test.ts': "draws the examples' own scene and effect in float64; apps export nothing",
 };

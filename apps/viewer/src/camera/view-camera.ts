@@ -153,6 +153,11 @@ export class ViewCamera {
     return this.#subject?.sphere.radius ?? 1;
   }
 
+  /** Bounds of what is looked at, as it is drawn, without stray splats; null before there is a scene. */
+  get subjectSphere(): Sphere | null {
+    return this.#subject && this.#placed(this.#subject.sphere);
+  }
+
   /** The scene's own camera for this shape of the image, unless the view has been moved away from it. */
   get ownCamera(): Camera | undefined {
     return this.controls.isHome ? this.#ownCameraAt(this.#store.getState().cameraIndex) : undefined;

@@ -1,7 +1,9 @@
+import { opacity } from '@websplatter/core/effects';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import type { ViewCamera } from '../camera/view-camera.ts';
 import type { Scenes } from '../scene/scenes.ts';
 import type { Session } from '../session/session.ts';
+import { NO_EFFECTS } from '../state/requested-effects.ts';
 import { createViewerStore } from '../state/store.ts';
 import { Drawing } from './drawing.ts';
 
@@ -11,8 +13,9 @@ beforeEach(() => {
 });
 afterEach(() => void vi.unstubAllGlobals());
 
-it('has recovered when a whole scene is at rest on the screen, not with a part of it', async () => {
-  const main = { render: () => true, effects: () => [] };
+/** Draws a scene of which only a part is there. */
+function setUp() {
+  const main = { render: vi.fn(() => true), effects: () => [] };
   const whenComplete = vi.fn(async () => {});
   const counters = { framesDrawn: 0 };
   const engine = { counters: () => counters, device: { queue: { onSubmittedWorkDone: async () => {} } } };
@@ -38,6 +41,11 @@ it('has recovered when a whole scene is at rest on the screen, not with a part o
     scenes: scenes as unknown as Scenes,
     camera: camera as unknown as ViewCamera,
   });
+  return { drawing, store, main, session, scene, scenes, whenComplete, confirmRecovery };
+}
+
+it('has recovered when a whole scene is at rest on the screen, not with a part of it', async () => {
+  const { drawing, session, scene, scenes, whenComplete, confirmRecovery } = setUp();
   drawing.request();
   await expect.poll(() => whenComplete).toHaveBeenCalled();
   await new Promise((resolve) => setImmediate(resolve));
@@ -46,4 +54,15 @@ it('has recovered when a whole scene is at rest on the screen, not with a part o
   drawing.request();
   await expect.poll(() => confirmRecovery).toHaveBeenCalledOnce();
   expect(session.canvas.dataset.resting).toBe('');
+});
+
+it('draws nothing while the code of the view mode is on its way', async () => {
+  const { drawing, store, main, whenComplete } = setUp();
+  store.setState({ viewMode: 'opacity' });
+  drawing.request();
+  await expect.poll(() => whenComplete).toHaveBeenCalled();
+  expect(main.render).not.toHaveBeenCalled();
+  store.setState({ requested: { ...NO_EFFECTS, 'view-mode': [opacity(0.5)] } });
+  drawing.request();
+  await expect.poll(() => main.render).toHaveBeenCalled();
 });

@@ -10,7 +10,7 @@ import type { SessionOwner } from '../session/session-owner.ts';
 import { sideAccuracy } from '../state/comparison.ts';
 import { NO_EFFECTS } from '../state/requested-effects.ts';
 import type { ViewerStore } from '../state/store.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
+import { awaitsViewMode, type ViewerState } from '../state/viewer-state.ts';
 import { type DrawnFrame, imageKey } from './drawn-frame.ts';
 import { FrameLoop } from './frame-loop.ts';
 import { FrameMeter } from './frame-meter.ts';
@@ -89,6 +89,7 @@ export class Drawing {
     const scene = scenes.drawable;
     const { widthPx } = store.getState();
     if (!session || scene?.session !== session || widthPx === 0) return null;
+    if (awaitsViewMode(store.getState())) return null;
     if (camera.update(elapsedMs)) this.#loop.request();
     const { ownCamera } = camera;
     const { framesDrawn } = session.engine.counters();

@@ -1,4 +1,14 @@
-import { type ClipOptions, clip, type EffectUse, fog, tint } from '@websplatter/core/effects';
+import {
+  antialias,
+  type ClipOptions,
+  clip,
+  defineEffect,
+  type EffectUse,
+  fog,
+  highlight,
+  SplatSelection,
+  tint,
+} from '@websplatter/core/effects';
 import { expect, it } from 'vitest';
 import { NO_EFFECTS } from '../state/requested-effects.ts';
 import { joinedEffects } from './joined-effects.ts';
@@ -30,4 +40,22 @@ it('cuts with the volumes of all panels, with the softest edge', () => {
 it('lets the last of several panels have any other effect', () => {
   const red = tint([1, 0, 0]);
   expect(joinedEffects({ ...NO_EFFECTS, effects: [tint([0, 1, 0])], inspecting: [red] })).toEqual([red]);
+});
+
+it('leaves the colours of a view mode as they are, but for marks', () => {
+  const mode = defineEffect<undefined>({
+    name: 'own-colors',
+    label: 'Own colours',
+    about: 'Colours splats.',
+    hooks: { color: 'ownColor' },
+    wgsl: '',
+    calledFor: () => 'the mode asks for it',
+  })();
+  const marked = highlight({ selection: new SplatSelection(), color: [1, 0, 0], strength: 1 });
+  const effects = [antialias(true), tint([1, 0, 0]), clip({ volumes: [box] }), marked];
+  const joined = joinedEffects({ ...NO_EFFECTS, effects, 'view-mode': [mode, antialias(false)] });
+  expect(namesOf(joined)).toEqual(['antialias', 'clip', 'highlight', 'own-colors']);
+  expect(joined[0].options).toBe(false);
+  const unmarked = joinedEffects({ ...NO_EFFECTS, effects, 'view-mode': [antialias(false)] });
+  expect(namesOf(unmarked)).toEqual(['antialias', 'tint', 'clip', 'highlight']);
 });

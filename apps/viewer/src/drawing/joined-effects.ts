@@ -3,16 +3,24 @@ import type { RequestedEffects } from '../state/requested-effects.ts';
 
 /**
  * What all panels together ask for. Clip volumes of several panels cut together; of any other effect that several ask for, the
- * panel acts that stands last in `EFFECT_OWNERS`.
+ * panel acts that stands last in `EFFECT_OWNERS`. Where a view mode gives splats colours of its own, nothing else changes them
+ * but what marks a selection.
  */
 export function joinedEffects(requested: RequestedEffects): readonly EffectUse[] {
   const byName = new Map<string, EffectUse>();
+  const own = requested['view-mode'];
+  const isColored = own.some(({ effect }) => effect.hooks.color !== undefined);
   for (const use of Object.values(requested).flat()) {
+    if (isColored && !own.includes(use) && recolorsAll(use)) continue;
     const { name } = use.effect;
     const before = byName.get(name);
     byName.set(name, before && use.effect === clip.effect ? joinedClip(before, use) : use);
   }
   return [...byName.values()];
+}
+
+function recolorsAll({ effect }: EffectUse): boolean {
+  return effect.hooks.color !== undefined && !effect.takesSelection;
 }
 
 function joinedClip(...uses: readonly EffectUse[]): EffectUse {

@@ -45,6 +45,7 @@ const MIRRORED = [
   'isFlipped',
   'isZUp',
   'look',
+  'viewMode',
   'cameraIndex',
   'restedFrames',
   'isIdle',

@@ -6,21 +6,27 @@ describe('the start from a link', () => {
     expect(linkedStart(new URLSearchParams('scene=still-life'))).toEqual({
       camera: null,
       comparison: null,
+      viewMode: 'colours',
       notice: null,
     });
   });
 
-  it('has the camera and the comparison of the address', () => {
-    const { camera, comparison, notice } = linkedStart(
-      new URLSearchParams('camera=0,0,0,2,0,1&compare=error'),
+  it('has the camera, the comparison and the view mode of the address', () => {
+    const { camera, comparison, viewMode, notice } = linkedStart(
+      new URLSearchParams('camera=0,0,0,2,0,1&compare=error&mode=centres'),
     );
+    expect(viewMode).toBe('centres');
     expect(camera?.pose.distance).toBe(2);
     expect(comparison?.comparison.kind).toBe('error');
     expect(notice).toBeNull();
   });
 
   it('leaves out what cannot be read, and says so', () => {
-    const { camera, comparison, notice } = linkedStart(new URLSearchParams('camera=near&compare=fast/high'));
+    const { camera, comparison, viewMode, notice } = linkedStart(
+      new URLSearchParams('camera=near&compare=fast/high&mode=x-ray'),
+    );
+    expect(viewMode).toBe('colours');
+    expect(notice).toContain('“x-ray”; there are colours, ellipsoids,');
     expect(camera).toBeNull();
     expect(comparison?.comparison.kind).toBe('split');
     expect(notice).toContain('“near” is no number');

@@ -1,12 +1,15 @@
 import { InvalidArgumentError } from '@websplatter/core';
 import type { LinkedCamera } from '../camera/view-camera.ts';
+import type { ViewModeName } from '../state/view-mode.ts';
 import { decodeCamera } from './camera-text.ts';
 import { decodeComparison, type LinkedComparison } from './comparison-text.ts';
+import { decodeViewMode } from './view-mode-text.ts';
 
 /** How the address asks for the scene to be shown. */
 export interface LinkedStart {
   readonly camera: LinkedCamera | null;
   readonly comparison: LinkedComparison | null;
+  readonly viewMode: ViewModeName;
   /** What of that could not be read, in words; null if nothing. */
   readonly notice: string | null;
 }
@@ -27,5 +30,6 @@ export function linkedStart(query: URLSearchParams): LinkedStart {
   };
   const camera = read('camera', decodeCamera);
   const comparison = read('compare', decodeComparison);
-  return { camera, comparison, notice: notices.length > 0 ? notices.join(' ') : null };
+  const viewMode = read('mode', decodeViewMode) ?? 'colours';
+  return { camera, comparison, viewMode, notice: notices.length > 0 ? notices.join(' ') : null };
 }

@@ -18,7 +18,14 @@ const file: SceneSource = { kind: 'file', name: 'a.ply', source: new File([], 'a
 const url: SceneSource = { kind: 'url', url: page('/scenes/a.ply') };
 
 function view(changes: Partial<LinkedView> = {}): LinkedView {
-  return { source: builtin, camera: first, accuracy: resolveAccuracy(), comparison: null, ...changes };
+  return {
+    source: builtin,
+    camera: first,
+    accuracy: resolveAccuracy(),
+    comparison: null,
+    viewMode: 'colours',
+    ...changes,
+  };
 }
 const written = (before: string, changes: Partial<LinkedView>) =>
   pageAddress(page(before), view(changes), unmentioned);
@@ -44,6 +51,12 @@ describe('the address of the page', () => {
       written('/?scene=hard:a,b#top', { source: { kind: 'hard-case', name: 'a,b' }, accuracy, comparison }),
     ).toBe('/?scene=hard:a,b&accuracy=high,shDegree:0&compare=current/high,shDegree:0/0.25#top');
     expect(written('/?accuracy=fast&compare=error', {})).toBe('/');
+  });
+
+  it('names the view mode', () => {
+    expect(written('/', { viewMode: 'depth' })).toBe('/?mode=depth');
+    expect(written('/?mode=depth', {})).toBe('/');
+    expect(linkTo(page('/'), view({ viewMode: 'overdraw' }))).toContain('&mode=overdraw');
   });
 
   it('keeps addresses of files as they were written', () => {

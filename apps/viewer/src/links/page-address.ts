@@ -3,9 +3,11 @@ import type { LinkedCamera } from '../camera/view-camera.ts';
 import { hardCaseNameIn, hardCaseScene } from '../hard-cases/catalogue.ts';
 import { ADDRESS_NAMES, addressedScene } from '../scene/first-source.ts';
 import type { SceneSource } from '../scene/scene-source.ts';
+import type { ViewModeName } from '../state/view-mode.ts';
 import { encodeAccuracy } from '../words/accuracy-address.ts';
 import { encodeCamera } from './camera-text.ts';
 import { encodeComparison, type LinkedComparison } from './comparison-text.ts';
+import { encodeViewMode } from './view-mode-text.ts';
 
 /** What an address tells of the viewer. */
 export interface LinkedView {
@@ -14,6 +16,7 @@ export interface LinkedView {
   readonly camera: LinkedCamera;
   readonly accuracy: AccuracySettings | AccuracyWish;
   readonly comparison: LinkedComparison | null;
+  readonly viewMode: ViewModeName;
 }
 
 /** What this device and this window begin with, which the address of the page need not mention. */
@@ -37,6 +40,7 @@ export function pageAddress(page: URL, view: LinkedView, unmentioned: Unmentione
   }
   write(query, 'accuracy', encodeAccuracy(view.accuracy, unmentioned.accuracy));
   write(query, 'compare', view.comparison && encodeComparison(view.comparison));
+  write(query, 'mode', encodeViewMode(view.viewMode));
   return addressWith(page, query);
 }
 
@@ -51,6 +55,7 @@ export function linkTo(page: URL, view: LinkedView): string | null {
   write(query, 'camera', encodeCamera(view.camera));
   write(query, 'accuracy', encodeAccuracy(view.accuracy, null));
   write(query, 'compare', view.comparison && encodeComparison(view.comparison));
+  write(query, 'mode', encodeViewMode(view.viewMode));
   return page.origin + addressWith(page, query);
 }
 

@@ -4,6 +4,7 @@ import { UP_AXES, upAxisOf } from '../camera/up-axis.ts';
 import { type Background, FOV_DEGREES } from '../state/look.ts';
 import { Dock } from '../ui/dock.tsx';
 import { Icon } from '../ui/icon.tsx';
+import { ModeForm } from '../view-modes/mode-form.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { SavedViewsForm } from './saved-views-form.tsx';
 
@@ -20,6 +21,7 @@ export function ViewPanel({ store, viewer }: PanelProps) {
   return (
     <Dock store={store} name="view" title="View">
       <div className="dock-body">
+        <ModeForm store={store} />
         <Actions store={store} viewer={viewer} />
         <CameraForm store={store} viewer={viewer} />
         <UpForm store={store} viewer={viewer} />

@@ -32,6 +32,7 @@ const SavePanel = late(async () => (await import('../saving/save-panel.tsx')).Sa
 const Help = late(async () => (await import('./help.tsx')).Help);
 const ReopenPanel = late(async () => (await import('../messages/reopen-panel.tsx')).ReopenPanel);
 const FlightBanner = late(async () => (await import('../looking/flight-banner.tsx')).FlightBanner);
+const ModeLegend = late(async () => (await import('../view-modes/mode-legend.tsx')).ModeLegend);
 const ErrorMapLegend = late(async () => (await import('../comparison/error-map-legend.tsx')).ErrorMapLegend);
 const UnavailablePage = late(async () => (await import('../messages/status-pages.tsx')).UnavailablePage);
 const LostPage = late(async () => (await import('../messages/status-pages.tsx')).LostPage);
@@ -44,6 +45,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   const dock = useStore(store, (state) => state.dock);
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
   const hasErrorMap = useStore(store, (state) => state.comparison?.kind === 'error');
+  const hasViewMode = useStore(store, (state) => state.viewMode !== 'colours');
   const hasLastFile = useStore(store, (state) => state.lastFile !== null);
   const isHelpVisible = useStore(store, (state) => state.isHelpVisible);
   // It stays, so that closing it gives the keyboard back to what had it.
@@ -111,6 +113,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
               <WarningPanel store={store} />
               <FailurePanel store={store} />
               <Suspense>{hasErrorMap && <ErrorMapLegend store={store} viewer={viewer} />}</Suspense>
+              <Suspense>{hasViewMode && <ModeLegend store={store} viewer={viewer} />}</Suspense>
               <Suspense>
                 {hasLastFile && (
                   <ReopenPanel

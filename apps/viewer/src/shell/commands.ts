@@ -1,4 +1,5 @@
 import type { ViewerStore } from '../state/store.ts';
+import { viewModeAfter } from '../state/view-mode.ts';
 import { isGpuLost, type ViewerState } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 
@@ -7,6 +8,7 @@ export type CommandName =
   | 'flip'
   | 'view'
   | 'fly'
+  | 'mode'
   | 'reset'
   | 'frame'
   | 'hud'
@@ -35,6 +37,7 @@ export const COMMANDS: readonly Command[] = [
   { name: 'flip', label: 'Turn upside down', key: 'u', isOfCamera: true },
   { name: 'view', label: 'View and camera', key: 'v' },
   { name: 'fly', label: 'Fly', key: 'g', isInPanel: true },
+  { name: 'mode', label: 'Next view mode', key: 'm', isInPanel: true },
   { name: 'hud', label: 'Show or hide figures', key: 'h' },
   { name: 'accuracy', label: 'Accuracy and its cost', key: 'c' },
   { name: 'effects', label: 'Effects and why', key: 'e' },
@@ -53,6 +56,7 @@ export function createCommands(viewer: Viewer, store: ViewerStore, chooseFile: (
     frame: () => viewer.camera.frameScene(),
     view: () => store.setState(({ dock }) => ({ dock: dock === 'view' ? null : 'view' })),
     fly: () => void viewer.toggleFlight(),
+    mode: () => store.setState(({ viewMode }) => ({ viewMode: viewModeAfter(viewMode, 1) })),
     hud: () => store.setState(({ isHudVisible }) => ({ isHudVisible: !isHudVisible })),
     accuracy: () => store.setState(({ dock }) => ({ dock: dock === 'accuracy' ? null : 'accuracy' })),
     effects: () => store.setState(({ dock }) => ({ dock: dock === 'effects' ? null : 'effects' })),

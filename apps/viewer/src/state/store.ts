@@ -28,6 +28,7 @@ export function createViewerStore(): ViewerStore {
     hasInterface: true,
     isZUp: false,
     look: FIRST_LOOK,
+    viewMode: 'colours',
     savedViews: [],
     isPathPlaying: false,
     flightSpeed: null,

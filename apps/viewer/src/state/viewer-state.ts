@@ -14,6 +14,7 @@ import type { RequestedEffects } from './requested-effects.ts';
 import type { SavedView } from './saved-view.ts';
 import type { PicturingState, SavingState } from './saving.ts';
 import type { LoadState, SceneSummary, SceneWarning } from './scene-summary.ts';
+import type { ViewModeName } from './view-mode.ts';
 
 /** Panels beside the image; one at a time. */
 export type DockName = 'view' | 'accuracy' | 'effects' | 'save';
@@ -39,6 +40,14 @@ export type ViewerStatus =
 /** Whether a page over the viewer says that the GPU was taken away. */
 export function isGpuLost({ status }: Pick<ViewerState, 'status'>): boolean {
   return status === 'lost' || status === 'recovering';
+}
+
+/** Whether the code of the view mode is still on its way: until then there is no picture. */
+export function awaitsViewMode({
+  viewMode,
+  requested,
+}: Pick<ViewerState, 'viewMode' | 'requested'>): boolean {
+  return viewMode !== 'colours' && requested['view-mode'].length === 0;
 }
 
 /** A file that was open once. */
@@ -98,6 +107,7 @@ export interface ViewerState {
   /** The z axis of what is drawn points up, not the y axis. */
   readonly isZUp: boolean;
   readonly look: Look;
+  readonly viewMode: ViewModeName;
   /** Views that a person has saved of this scene; read when the View panel is opened. */
   readonly savedViews: readonly SavedView[];
   /** Whether the camera follows the path through them. */

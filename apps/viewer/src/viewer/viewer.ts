@@ -55,7 +55,7 @@ export class Viewer {
     this.#store = store;
     this.files = new FileMemory(store, KEPT_FILE);
     const { linked } = start;
-    if (linked?.comparison) store.setState(linked.comparison);
+    if (linked) store.setState({ ...linked.comparison, viewMode: linked.viewMode });
     if (linked?.notice) store.setState({ notice: linked.notice });
     this.#readAccuracy(start.accuracy ?? null);
     const reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');

@@ -1,0 +1,18 @@
+/** What the picture shows of its splats; the first is the picture as the scene was trained. */
+export const VIEW_MODE_NAMES = [
+  'colours',
+  'ellipsoids',
+  'centres',
+  'depth',
+  'opacity',
+  'harmonics',
+  'overdraw',
+] as const;
+
+export type ViewModeName = (typeof VIEW_MODE_NAMES)[number];
+
+/** The mode `steps` further in the list, which begins again behind its end. */
+export function viewModeAfter(name: ViewModeName, steps: number): ViewModeName {
+  const count = VIEW_MODE_NAMES.length;
+  return VIEW_MODE_NAMES[(VIEW_MODE_NAMES.indexOf(name) + steps + count) % count];
+}

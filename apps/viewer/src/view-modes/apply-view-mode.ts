@@ -1,0 +1,37 @@
+import type { EffectUse } from '@websplatter/core/effects';
+import type { Sphere } from '../camera/scene-bounds.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { ViewModeName } from '../state/view-mode.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import { viewModeOf } from './view-modes.ts';
+
+/** Draws with the effects of the mode that is chosen, in each scene anew. */
+export function applyViewMode(store: ViewerStore, viewer: Viewer): void {
+  let made: { mode: ViewModeName; bounds: Sphere; uses: readonly EffectUse[] } | null = null;
+  const focusDistance = () => viewer.camera.controls.pose.distance;
+  const apply = () => {
+    const { viewMode, requested } = store.getState();
+    const bounds = viewer.camera.subjectSphere;
+    if (!bounds) return;
+    if (made?.mode !== viewMode || !isSameSphere(made.bounds, bounds))
+      made = { mode: viewMode, bounds, uses: viewModeOf(viewMode).uses({ bounds, focusDistance }) };
+    // Another scene begins without effects.
+    const isAsked = requested['view-mode'].length > 0;
+    if (requested['view-mode'] !== made.uses && (isAsked || made.uses.length > 0))
+      viewer.setEffects('view-mode', made.uses);
+  };
+  apply();
+  store.subscribe((state, before) => {
+    const { viewMode, scene, isFlipped, requested } = state;
+    const isSame =
+      viewMode === before.viewMode &&
+      scene === before.scene &&
+      isFlipped === before.isFlipped &&
+      requested === before.requested;
+    if (!isSame) apply();
+  });
+}
+
+function isSameSphere(a: Sphere, b: Sphere): boolean {
+  return a.radius === b.radius && a.center.every((value, axis) => value === b.center[axis]);
+}

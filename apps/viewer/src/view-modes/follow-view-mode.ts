@@ -1,0 +1,32 @@
+import type { ViewerStore } from '../state/store.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+
+/**
+ * Fetches what draws view modes once one is chosen that needs it, and draws with that from then on.
+ *
+ * @param fetchCode for tests.
+ */
+export function followViewMode(
+  store: ViewerStore,
+  viewer: Viewer,
+  fetchCode = () => import('./apply-view-mode.ts'),
+): void {
+  let isFetched = false;
+  const follow = async () => {
+    if (isFetched || store.getState().viewMode === 'colours') return;
+    isFetched = true;
+    try {
+      const { applyViewMode } = await fetchCode();
+      applyViewMode(store, viewer);
+    } catch (error) {
+      console.error(error);
+      isFetched = false;
+      const notice = 'The view mode could not be fetched, so the picture shows colours. Try again later.';
+      store.setState({ viewMode: 'colours', notice });
+    }
+  };
+  void follow();
+  store.subscribe((state, before) => {
+    if (state.viewMode !== before.viewMode) void follow();
+  });
+}

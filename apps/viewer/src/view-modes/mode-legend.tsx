@@ -1,0 +1,99 @@
+import { useStore } from 'zustand';
+import { type ComparisonSide, sideAccuracy } from '../state/comparison.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { viewModeAfter } from '../state/view-mode.ts';
+import { Icon } from '../ui/icon.tsx';
+import type { PanelProps } from '../viewer/panel-props.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import type { RampEnd } from './ramp.ts';
+import { type ColorScale, cautionsOf, type PictureFacts, viewModeOf } from './view-modes.ts';
+
+/** What the picture shows instead of colours, what its colours mean, and the way back. */
+export function ModeLegend({ store, viewer }: PanelProps) {
+  const name = useStore(store, (state) => state.viewMode);
+  const isIdle = useStore(store, (state) => state.isIdle);
+  // Another number whenever a picture comes to rest; scales follow from what it was drawn from.
+  useStore(store, (state) => state.restedFrames);
+  const mode = viewModeOf(name);
+  const sides = sidesOf(store, viewer);
+  const step = (by: number) => store.setState({ viewMode: viewModeAfter(name, by) });
+  return (
+    <section className="panel mode-legend" aria-label="View mode" data-testid="mode-legend">
+      <div className="mode-legend-row">
+        <button
+          type="button"
+          className="icon-button"
+          aria-label="Previous view mode"
+          onClick={() => step(-1)}
+        >
+          <Icon name="previous" />
+        </button>
+        <div role="status">
+          <h2>{mode.label}</h2>
+        </div>
+        <button
+          type="button"
+          className="icon-button"
+          aria-label="Next view mode"
+          aria-keyshortcuts="M"
+          title="Next view mode (M)"
+          onClick={() => step(1)}
+        >
+          <Icon name="next" />
+        </button>
+        <button
+          type="button"
+          className="icon-button"
+          aria-label="Back to colours"
+          title="Back to colours"
+          onClick={() => store.setState({ viewMode: 'colours' })}
+        >
+          <Icon name="close" />
+        </button>
+      </div>
+      <p>{mode.about}</p>
+      {sides[0] && mode.scale && <Scale scale={mode.scale(sides[0])} isCurrent={isIdle} />}
+      {cautionsOf(mode, sides).map((caution) => (
+        <p key={caution}>{caution}</p>
+      ))}
+    </section>
+  );
+}
+
+/** @param isCurrent whether the numbers are those of the picture; while it moves they may be others. */
+function Scale({ scale: { title, low, high, ticks }, isCurrent }: { scale: ColorScale; isCurrent: boolean }) {
+  return (
+    <figure className="mode-scale" aria-busy={!isCurrent} data-testid="mode-scale">
+      <figcaption>
+        {title}, from {low.name} to {high.name}
+      </figcaption>
+      <i
+        style={{ backgroundImage: `linear-gradient(to right, ${css(low)}, ${css(high)})` }}
+        aria-hidden="true"
+      />
+      <ol>
+        {ticks.map(({ part, text }) => (
+          <li key={part} style={{ left: `${100 * part}%` }}>
+            <span style={{ translate: `${-100 * part}%` }}>{text}</span>
+          </li>
+        ))}
+      </ol>
+    </figure>
+  );
+}
+
+const css = ({ color }: RampEnd) => `rgb(${color.map(Math.round).join(' ')})`;
+
+/** What the sides of the picture at rest were drawn from, of which most have one; none before there is a picture. */
+function sidesOf(store: ViewerStore, viewer: Viewer): readonly PictureFacts[] {
+  const frame = viewer.shownFrame?.frame;
+  const bounds = viewer.camera.subjectSphere;
+  const { accuracy, comparison, scene } = store.getState();
+  if (!frame || !bounds || !scene) return [];
+  const { camera, background = [0, 0, 0] } = frame;
+  const subject = { bounds, focusDistance: viewer.camera.controls.pose.distance };
+  const facts = { viewMatrix: camera.viewMatrix, background, subject, shDegree: scene.shDegree };
+  const sides: readonly ComparisonSide[] =
+    comparison?.kind === 'split' ? [comparison.left, comparison.right] : ['current'];
+  return sides.map((side) => ({ ...facts, accuracy: sideAccuracy(side, accuracy) }));
+}

@@ -1,0 +1,34 @@
+import type { Vec3 } from '../camera/vec3.ts';
+
+/**
+ * Colours for the numbers of a scale: a straight line between those of its ends. Blending splats mixes their colours in the same
+ * space (sRGB-encoded), so that a pixel has just the colour of the mean of its splats' numbers, which no curved scale would give.
+ */
+export interface Ramp {
+  readonly low: RampEnd;
+  readonly high: RampEnd;
+}
+
+export interface RampEnd {
+  /** sRGB, 0…255. */
+  readonly color: Vec3;
+  /** In words, for those who do not see it. */
+  readonly name: string;
+}
+
+/** From plum to yellow: the lightness rises all the way, for people who see few hues. */
+export const VALUE_RAMP: Ramp = {
+  low: { color: [106, 8, 112], name: 'plum' },
+  high: { color: [255, 228, 92], name: 'yellow' },
+};
+
+/** Near is bright, as by a lamp at the camera. */
+export const DEPTH_RAMP: Ramp = { low: VALUE_RAMP.high, high: VALUE_RAMP.low };
+
+/** What fills up with overdraw; tells itself from light and from dark backgrounds. */
+export const OVERDRAW_COLOR: RampEnd = { color: [235, 80, 24], name: 'orange' };
+
+/** As shaders take it, 0…1. */
+export function shaderColor({ color: [red, green, blue] }: RampEnd): Vec3 {
+  return [red / 255, green / 255, blue / 255];
+}

@@ -1,0 +1,184 @@
+import type { AccuracySettings } from '@websplatter/core';
+import { antialias, type EffectUse } from '@websplatter/core/effects';
+import type { Vec3 } from '../camera/vec3.ts';
+import type { ViewModeName } from '../state/view-mode.ts';
+import { type DepthSubject, depthAt, viewDepthsOf } from './depth-range.ts';
+import { formatLength } from './format-length.ts';
+import {
+  CENTRE_RADIUS_PX,
+  centres,
+  type DepthOptions,
+  depthColors,
+  ELLIPSOID_EDGE,
+  ellipsoids,
+  harmonicsColors,
+  MOST_STEPS,
+  OVERDRAW_OPACITY,
+  opacityColors,
+  overdraw,
+} from './mode-effects.ts';
+import { DEPTH_RAMP, OVERDRAW_COLOR, type Ramp, VALUE_RAMP } from './ramp.ts';
+
+/** What a picture at rest, or one side of it, was drawn from, as far as legends tell of it. */
+export interface PictureFacts {
+  /** World to view, column-major. */
+  readonly viewMatrix: ArrayLike<number>;
+  /** sRGB, 0…1. */
+  readonly background: Vec3;
+  readonly subject: DepthSubject;
+  readonly accuracy: Pick<AccuracySettings, 'alphaCutoff' | 'recordPrecision' | 'shDegree'>;
+  /** Degree of the scene's harmonics. */
+  readonly shDegree: number;
+}
+
+/** A number beside a scale. */
+export interface Tick {
+  /** Place on the scale, 0…1. */
+  readonly part: number;
+  readonly text: string;
+}
+
+/** What the colours of a mode mean. */
+export interface ColorScale extends Ramp {
+  /** The quantity and its unit. */
+  readonly title: string;
+  /** From the low end to the high one. */
+  readonly ticks: readonly Tick[];
+}
+
+/** One way to look at the splats. */
+export interface ViewMode {
+  readonly name: ViewModeName;
+  readonly label: string;
+  /** What the picture shows. */
+  readonly about: string;
+  /** The effects that show it. */
+  readonly uses: (subject: DepthOptions) => readonly EffectUse[];
+  readonly scale?: (facts: PictureFacts) => ColorScale;
+  /** What is to be known of this picture besides; null if nothing. */
+  readonly caution?: (facts: PictureFacts) => string | null;
+}
+
+/** Files may ask for an antialiasing that makes thin splats fainter: where opacities mean something else, it would falsify them. */
+const WITHOUT_ANTIALIAS = antialias(false);
+
+/** Records that hold no opacity above 1 make soft edges of hard ones. */
+const cautionOfEdges = ({ accuracy }: PictureFacts) =>
+  accuracy.recordPrecision === 'paper'
+    ? 'The splat records “paper” end at an opacity of 1, so that edges are soft here.'
+    : null;
+
+/** All modes, in the order in which they are offered. */
+export const VIEW_MODES: readonly ViewMode[] = [
+  {
+    name: 'colours',
+    label: 'Colours',
+    about: 'The picture as the scene was trained.',
+    uses: () => [],
+  },
+  {
+    name: 'ellipsoids',
+    label: 'Ellipsoids',
+    about: `Every splat is solid up to ${ELLIPSOID_EDGE} standard deviations, whatever its opacity; neighbours differ in lightness, and none is thinner than 4 px.`,
+    uses: () => [ellipsoids(), WITHOUT_ANTIALIAS],
+    caution: cautionOfEdges,
+  },
+  {
+    name: 'centres',
+    label: 'Centres',
+    about: `Every splat is a dot, ${2 * CENTRE_RADIUS_PX} px wide, in its colour, whatever its size and opacity.`,
+    uses: () => [centres(), WITHOUT_ANTIALIAS],
+    caution: cautionOfEdges,
+  },
+  {
+    name: 'depth',
+    label: 'Depth',
+    about:
+      'How far away the centres of splats are: the mean of 1/depth over a pixel’s splats, weighted by what each contributes.',
+    uses: (subject) => [depthColors(subject)],
+    scale({ subject, viewMatrix }) {
+      const range = viewDepthsOf(subject, viewMatrix);
+      const title = 'Depth along the view, in the scene’s units';
+      return { title, ...DEPTH_RAMP, ticks: evenTicks((part) => formatLength(depthAt(range, part))) };
+    },
+  },
+  {
+    name: 'opacity',
+    label: 'Opacity',
+    about:
+      'How opaque splats are at their centres: the mean over a pixel’s splats, weighted by what each contributes.',
+    uses: () => [opacityColors()],
+    scale: () => ({
+      title: 'Opacity',
+      ...VALUE_RAMP,
+      ticks: evenTicks(String),
+    }),
+  },
+  {
+    name: 'harmonics',
+    label: 'Harmonics',
+    about:
+      'How far spherical harmonics change the base colours of splats, seen from here: the mean over a pixel’s splats, weighted by what each contributes.',
+    uses: () => [harmonicsColors()],
+    scale: () => ({
+      title: 'Largest change of a channel, in steps of 1/255',
+      ...VALUE_RAMP,
+      ticks: evenTicks((part) => (part < 1 ? String(part * MOST_STEPS) : `≥ ${MOST_STEPS}`)),
+    }),
+    caution({ accuracy, shDegree }) {
+      const highest = Math.min(accuracy.shDegree, shDegree);
+      if (highest === 0) return 'No harmonics above degree 0 are drawn: no colour depends on the view.';
+      return `Harmonics of degree ${highest > 1 ? `1 to ${highest}` : '1'} are drawn.`;
+    },
+  },
+  {
+    name: 'overdraw',
+    label: 'Overdraw',
+    about:
+      'The more splats lie over each other, the fuller the colour. A splat counts as 1 at its centre and as e^(−d²/2) at d standard deviations from there.',
+    uses: () => [overdraw(), WITHOUT_ANTIALIAS],
+    scale: ({ background }) => ({
+      title: 'Splats over each other',
+      low: { color: steps(background), name: 'the background' },
+      high: OVERDRAW_COLOR,
+      ticks: OVERDRAW_TICKS.map((count) => ({ part: overdrawPart(count), text: String(count) })),
+    }),
+    caution({ accuracy: { alphaCutoff } }) {
+      const least = alphaCutoff / OVERDRAW_OPACITY;
+      return least > 1
+        ? 'The opacity cutoff is so high that nothing is counted; choose a lower one (Accuracy, C).'
+        : `What counts as less than ${least.toFixed(2)} is left out, by the opacity cutoff.`;
+    },
+  },
+];
+
+const OVERDRAW_TICKS = [0, 10, 20, 40, 80];
+
+/** How full the colour is where splats that count as `count` lie over each other, 0…1. */
+export function overdrawPart(count: number): number {
+  return 1 - (1 - OVERDRAW_OPACITY) ** count;
+}
+
+export function viewModeOf(name: ViewModeName): ViewMode {
+  return VIEW_MODES.find((mode) => mode.name === name)!;
+}
+
+/** What is to be known of a picture with one side or two, each told once. */
+export function cautionsOf(mode: ViewMode, sides: readonly PictureFacts[]): readonly string[] {
+  const texts = sides.map((facts) => mode.caution?.(facts) ?? null);
+  const isSame = texts.every((text) => text === texts[0]);
+  return texts.flatMap((text, i) => {
+    if (text === null || (isSame && i > 0)) return [];
+    return isSame ? [text] : [`Side ${'AB'[i]}: ${text}`];
+  });
+}
+
+/** Five numbers at equal distances; `write` tells that at a part of the scale. */
+function evenTicks(write: (part: number) => string): readonly Tick[] {
+  return [0, 0.25, 0.5, 0.75, 1].map((part) => ({ part, text: write(part) }));
+}
+
+/** sRGB, 0…255. */
+function steps([red, green, blue]: Vec3): Vec3 {
+  return [255 * red, 255 * green, 255 * blue];
+}

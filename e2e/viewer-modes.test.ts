@@ -1,0 +1,137 @@
+import { encodePly } from '@websplatter/core';
+import type { EffectUse } from '@websplatter/core/effects';
+import type { EffectTwin, TwinFunction } from '@websplatter/core/reference';
+import type { Page } from 'playwright-core';
+import { describe, expect, it } from 'vitest';
+import {
+  CENTRE_RADIUS_PX,
+  centres,
+  depthColors,
+  ELLIPSOID_DARKEST,
+  ELLIPSOID_EDGE,
+  ELLIPSOID_SHRINKING,
+  ellipsoids,
+  harmonicsColors,
+  MOST_STEPS,
+  OVERDRAW_OPACITY,
+  opacityColors,
+  overdraw,
+} from '../apps/viewer/src/view-modes/mode-effects.ts';
+import { DEPTH_RAMP, OVERDRAW_COLOR, type Ramp, VALUE_RAMP } from '../apps/viewer/src/view-modes/ramp.ts';
+import { MIN_PSNR_DB, referenceImage } from './reference.ts';
+import type { Screenshot } from './screenshot.ts';
+import { testScene } from './test-scene.ts';
+import {
+  drawnCamera,
+  dropFiles,
+  frameCount,
+  textOf,
+  viewerHarness,
+  viewerScreenshot,
+  waitForFrameAfter,
+} from './viewer-page.ts';
+
+const { openViewer } = viewerHarness();
+
+const SCENE = testScene();
+type Color = readonly [number, number, number];
+
+const mapped = (map: (channel: number) => number): Color => [map(0), map(1), map(2)];
+const along = ({ low, high }: Ramp, part: number) =>
+  mapped((c) => (low.color[c] + (high.color[c] - low.color[c]) * Math.min(1, Math.max(0, part))) / 255);
+
+/** The splat shrunk by `factor`, and with another opacity. */
+function solid(factor: number, opacity: (dilationPx2: number) => number): EffectTwin {
+  return {
+    changeSplat(splat) {
+      const [x, y, z] = splat.logScales.map((value) => value + Math.log(factor));
+      return { ...splat, logScales: [x, y, z] };
+    },
+    changeOpacity: (_, { dilationPx2 }) => opacity(dilationPx2),
+  };
+}
+
+/** What each mode says that it shows, in float64 and from what its legend says. */
+const TWINS = {
+  ellipsoids: () => ({
+    ...solid(ELLIPSOID_SHRINKING, () => 0.5 / Math.exp(-0.5 * (ELLIPSOID_EDGE / ELLIPSOID_SHRINKING) ** 2)),
+    changeColor(color, _, index) {
+      const part = (Math.imul(index, 2654435769) >>> 8) / 2 ** 24;
+      return mapped((c) => color[c] * (ELLIPSOID_DARKEST + (1 - ELLIPSOID_DARKEST) * part));
+    },
+  }),
+  // Smaller than float32 tells from 0 beside the dilation.
+  centres: () => solid(1e-9, (dilationPx2) => 0.5 / Math.exp((-0.5 * CENTRE_RADIUS_PX ** 2) / dilationPx2)),
+  depth: ([near, , , , far]) => ({
+    changeColor: (_color, _splat, _index, [, , z]) =>
+      along(DEPTH_RAMP, (1 / near - 1 / Math.max(-z, near)) / (1 / near - 1 / far)),
+  }),
+  opacity: () => ({ changeColor: (_, { opacity }) => along(VALUE_RAMP, opacity) }),
+  harmonics: () => ({
+    changeColor(color, { row }) {
+      const base = mapped((c) => Math.max(0, 0.5 + SCENE.colorDc[3 * row + c] * Math.sqrt(0.25 / Math.PI)));
+      return along(VALUE_RAMP, (255 / MOST_STEPS) * Math.max(...mapped((c) => Math.abs(color[c] - base[c]))));
+    },
+  }),
+  overdraw: () => ({
+    changeOpacity: () => OVERDRAW_OPACITY,
+    changeColor: () => mapped((c) => OVERDRAW_COLOR.color[c] / 255),
+  }),
+} as const satisfies Record<string, (ticks: readonly number[]) => EffectTwin>;
+
+const anywhere = { bounds: { center: [0, 0, 0], radius: 1 }, focusDistance: () => 1 } as const;
+const USES: Readonly<Record<keyof typeof TWINS, EffectUse>> = {
+  ellipsoids: ellipsoids(),
+  centres: centres(),
+  depth: depthColors(anywhere),
+  opacity: opacityColors(),
+  harmonics: harmonicsColors(),
+  overdraw: overdraw(),
+};
+
+/** Draws the frame on the screen as `mode` shows it, in float64; returns a function that gives the PSNR of a screenshot. */
+async function reference(page: Page, mode: keyof typeof TWINS, size: Screenshot) {
+  const ticks = await page.getByTestId('mode-scale').locator('li').allTextContents();
+  const twin: TwinFunction = () => TWINS[mode](ticks.map((text) => Number.parseFloat(text)));
+  const use = USES[mode];
+  const effects = { effects: [use], effectTwins: { [use.effect.name]: twin } };
+  return referenceImage(await drawnCamera(page), [SCENE], size, effects);
+}
+
+/** Does what changes the picture, and waits for it. */
+async function after(page: Page, act: () => Promise<unknown>): Promise<void> {
+  const frames = await frameCount(page);
+  await act();
+  await waitForFrameAfter(page, frames);
+}
+
+describe('view modes of the viewer', () => {
+  it('show what their legends say, as float64 does, in the address and in the next scene too', async () => {
+    const accuracy = 'accuracy=reference,rasterizer:tiles';
+    const page = await openViewer(`?scene=still-life-small&mode=ellipsoids&${accuracy}`, {
+      viewport: { width: 300, height: 200 },
+    });
+    await after(page, () => dropFiles(page, [{ name: 'own.ply', bytes: encodePly(SCENE) }]));
+    let before: Screenshot | null = null;
+    for (const mode of Object.keys(TWINS) as (keyof typeof TWINS)[]) {
+      if (mode !== 'ellipsoids') await after(page, () => page.keyboard.press('m'));
+      expect((await textOf(page, 'mode-legend')).toLowerCase()).toContain(mode);
+      await page.waitForURL(new RegExp(`[?&]mode=${mode}(&|$)`));
+      const shot = await viewerScreenshot(page);
+      const psnrDb = await reference(page, mode, shot);
+      expect(psnrDb(shot), mode).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+      if (before) expect(psnrDb(before), `what was shown before ${mode}`).toBeLessThan(MIN_PSNR_DB - 10);
+      before = shot;
+    }
+    await after(page, () => page.keyboard.press('m'));
+    await page.getByTestId('mode-legend').waitFor({ state: 'detached' });
+    await page.waitForURL((url) => !url.searchParams.has('mode'));
+
+    await page.setViewportSize({ width: 900, height: 600 });
+    await page.keyboard.press('v');
+    await after(page, () => page.getByTestId('mode-depth').click());
+    expect(await page.getByTestId('mode-depth').getAttribute('aria-pressed')).toBe('true');
+    await after(page, () => page.getByRole('button', { name: 'Back to colours' }).click());
+    expect(await page.getByTestId('mode-colours').getAttribute('aria-pressed')).toBe('true');
+  });
+});
