@@ -2,6 +2,7 @@ import { fileURLToPath } from 'node:url';
 import react from '@vitejs/plugin-react';
 import { defaultClientConditions, defineConfig, type Plugin } from 'vite';
 import { slimShaders } from '../../packages/tools/slim-shaders.mjs';
+import { definedBuildFacts } from '../../packages/tools/src/build-facts.ts';
 
 const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
 
@@ -16,6 +17,7 @@ export default defineConfig({
   plugins: [react(), { ...slimShaders(), apply: 'build' } satisfies Plugin],
   // The engine and the scenes run from their sources, so that editing them reloads the page.
   resolve: { conditions: ['@websplatter/source', ...defaultClientConditions] },
+  define: { ...definedBuildFacts() },
   worker: {
     format: 'es',
     rolldownOptions: {

@@ -112,9 +112,11 @@ export const PACKAGES: Arrows = {
 
 /** Files that reach into another package by path, and why. All others import what a package exports. */
 export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
+  'apps/conformance/vite.config.ts': 'asks which version it builds, which no browser runs',
   'packages/hardcases/src/host-mutations.gpu.test.ts':
     'replaces modules inside of core, to show that hard cases fail without them',
-  'apps/viewer/vite.config.ts': "strips shaders as the packages' build does",
+  'apps/viewer/vite.config.ts':
+    "strips shaders as the packages' build does, and asks which version it builds, both of which no browser runs",
   'e2e/wgpu/shaders.ts': "compiles every variant of core's shaders, which core exports to nobody",
   'e2e/viewer-modes.test.ts': "draws the viewer's own effects in float64; apps export nothing",
   'e2e/examples.test.ts': "draws the examples' own scene and effect in float64; apps export nothing",
