@@ -19,7 +19,11 @@ const MEASUREMENT: FrameMeasurement = {
   timing: 'gpu-timestamps',
   gpuMs: { ...spread(4), standardDeviation: 0.2 },
   wallClockMs: { ...spread(5), standardDeviation: 1 },
-  stageMs: { preprocess: spread(1), sort: spread(0.5), rasterize: spread(2) },
+  stageMs: {
+    preprocess: { ...spread(1), standardDeviation: 0.1 },
+    sort: { ...spread(0.5), standardDeviation: 0.1 },
+    rasterize: { ...spread(2), standardDeviation: 0.1 },
+  },
   passes: [
     {
       part: 'pre-process',

@@ -76,7 +76,7 @@ export interface FrameMeasurement {
   /** From submission to completion, by the CPU's clock; no frame begins before the last is complete. */
   readonly wallClockMs: FrameSpread;
   /** GPU time of each stage; null without timestamps. */
-  readonly stageMs: Readonly<Record<'preprocess' | 'sort' | 'rasterize', TimeSpread>> | null;
+  readonly stageMs: Readonly<Record<'preprocess' | 'sort' | 'rasterize', FrameSpread>> | null;
   /**
    * Each stage by itself, in the order of the frame, from as many further frames of the same cameras; null without timestamps.
    * The GPU pauses between passes: their sum exceeds the time of the undivided frame. Browsers round timestamps, to about a
@@ -117,7 +117,7 @@ export async function measureFrames(
     const timings = drawn.map(({ timing }) => timing);
     const hasTimestamps = profiled !== null;
     const stageMs = (stage: 'preprocessMs' | 'sortMs' | 'rasterizeMs') =>
-      timeSpread(timings.map((timing) => timing[stage]));
+      frameSpread(timings.map((timing) => timing[stage]));
     const pairs = drawn.flatMap(({ tilePairs }) => tilePairs ?? []);
     return {
       adapter: engine.adapterLabel,
