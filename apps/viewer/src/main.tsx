@@ -9,6 +9,7 @@ import { addressedScene, foreseeFirst } from './scene/first-source.ts';
 import { App } from './shell/app.tsx';
 import { mirrorToDocument } from './shell/document-mirror.ts';
 import { fetchLateWhenIdle } from './shell/fetch-late.ts';
+import { lonePage } from './shell/lone-page.tsx';
 import { createViewerStore } from './state/store.ts';
 import './styles.css';
 import { followViewMode } from './view-modes/follow-view-mode.ts';
@@ -21,11 +22,13 @@ const show = (page: ReactNode) => root.render(<StrictMode>{page}</StrictMode>);
 
 const address = new URLSearchParams(location.search);
 const addressed = addressedScene(address);
-if (addressed.scene === GALLERY_SCENE && addressed.addresses?.length === 0) {
-  showGallery().catch(async (error) => {
+const isGallery = addressed.scene === GALLERY_SCENE && addressed.addresses?.length === 0;
+const page = lonePage(address) ?? (isGallery ? galleryPage : null);
+if (page) {
+  page().then(show, async (error) => {
     console.error(error);
-    const { GalleryFailedPage } = await import('./messages/status-pages.tsx');
-    show(<GalleryFailedPage />);
+    const { PageFailedPage } = await import('./messages/status-pages.tsx');
+    show(<PageFailedPage />);
   });
 } else {
   showViewer({ ...addressed, accuracy: address.get('accuracy'), linked: linkedStart(address) });
@@ -57,9 +60,8 @@ function showDropped(dropped: FileDropDecision): void {
   showViewer({}, dropped);
 }
 
-async function showGallery(): Promise<void> {
+async function galleryPage(): Promise<ReactNode> {
   document.title = 'Hard cases · WebSplatter';
   const [{ Gallery }, cases] = await Promise.all([import('./hard-cases/gallery.tsx'), loadHardCases()]);
-  show(<Gallery cases={cases} firstQuery={address.get('q') ?? ''} onOpen={showDropped} />);
-  document.documentElement.dataset.state = 'ready';
+  return <Gallery cases={cases} firstQuery={address.get('q') ?? ''} onOpen={showDropped} />;
 }

@@ -3,11 +3,15 @@ import { describe, expect, it } from 'vitest';
 import { reportFailure } from '../messages/failure-report.ts';
 import {
   addressOf,
+  caseAddress,
   closestNames,
+  conformanceAddress,
   filteredCases,
   findHardCase,
   groupedCases,
   hardCaseNameIn,
+  hasImage,
+  neighboursOf,
 } from './catalogue.ts';
 
 const scene = (name: string, group: HardCase['group'], breaks: string): HardCase => ({
@@ -105,7 +109,29 @@ describe('hard catalogue', () => {
     expect(filteredCases(cases, 'input-nan')).toEqual([cases[0]]);
   });
 
+  it('knows what comes before and after a case', () => {
+    expect(neighboursOf(CASES, 'needle-aspect-1e6')).toEqual({ previous: null, next: 'needle-edge-on' });
+    expect(neighboursOf(CASES, 'far-origin')).toEqual({ previous: 'needle-edge-on', next: 'cut-off' });
+    expect(neighboursOf(CASES, 'equal-keys')).toEqual({ previous: 'cut-off', next: null });
+    expect(neighboursOf(CASES, 'zzz')).toEqual({ previous: null, next: null });
+  });
+
+  it('knows which cases have an image', () => {
+    const empty = { ...scene('viewport-0x64', 'camera', 'x'), size: { widthPx: 0, heightPx: 64 } };
+    expect([...CASES, empty].map((each) => hasImage(each as HardCase))).toEqual([
+      true,
+      true,
+      true,
+      false,
+      false,
+      false,
+    ]);
+  });
+
   it('makes addresses and reads them', () => {
+    expect(caseAddress('a b')).toBe('?scene=hard&case=a%20b');
+    expect(conformanceAddress()).toBe('?conformance');
+    expect(conformanceAddress('a b')).toBe('?conformance&cases=a%20b');
     expect(addressOf('a b')).toBe('?scene=hard:a%20b');
     expect(hardCaseNameIn(new URLSearchParams(addressOf('a b')).get('scene'))).toBe('a b');
     expect(hardCaseNameIn('still-life')).toBeNull();

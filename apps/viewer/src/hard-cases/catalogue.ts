@@ -18,6 +18,16 @@ export function addressOf(name: string): string {
   return `${GALLERY_ADDRESS}:${encodeURIComponent(name)}`;
 }
 
+/** The page of a case: what is expected of it, and what this device draws. */
+export function caseAddress(name: string): string {
+  return `${GALLERY_ADDRESS}&case=${encodeURIComponent(name)}`;
+}
+
+/** The page that runs this case, or all of them, on this device. */
+export function conformanceAddress(name?: string): string {
+  return name === undefined ? '?conformance' : `?conformance&cases=${encodeURIComponent(name)}`;
+}
+
 /** What `?scene=` says to ask for a case. */
 export function hardCaseScene(name: string): string {
   return `${GALLERY_SCENE}:${name}`;
@@ -58,8 +68,25 @@ export function findHardCase(cases: readonly HardCase[], name: string): Openable
   );
 }
 
+/** The cases before and after `name` among `cases`; null at the ends, and where it is not among them. */
+export function neighboursOf(
+  cases: readonly HardCase[],
+  name: string,
+): { readonly previous: string | null; readonly next: string | null } {
+  const index = cases.findIndex((candidate) => candidate.name === name);
+  const nameAt = (at: number) => (index < 0 ? null : (cases[at]?.name ?? null));
+  return { previous: nameAt(index - 1), next: nameAt(index + 1) };
+}
+
 export function isOpenable(hardCase: HardCase): hardCase is OpenableCase {
   return hardCase.kind !== 'sort' && hardCase.kind !== 'arithmetic';
+}
+
+/** Whether a case is about images, which this device can draw. */
+export function hasImage(hardCase: HardCase): hardCase is SceneCase | DeviceCase {
+  if (hardCase.kind !== 'scene' && hardCase.kind !== 'device') return false;
+  const { widthPx, heightPx } = hardCase.size ?? { widthPx: 1, heightPx: 1 };
+  return widthPx * heightPx > 0;
 }
 
 /** A remark on opening a case, or the reason why it cannot be opened; empty for ordinary cases. */

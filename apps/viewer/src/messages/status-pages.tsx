@@ -47,11 +47,11 @@ export function UnavailablePage({ store, onRetry }: { store: ViewerStore; onRetr
   );
 }
 
-/** In place of the gallery if its catalogue could not be loaded. */
-export function GalleryFailedPage() {
+/** In place of a page whose code could not be loaded. */
+export function PageFailedPage() {
   return (
     <main className="status-page">
-      <h1>The hard cases could not be loaded</h1>
+      <h1>This page could not be loaded</h1>
       <p role="alert">Check the connection; the browser’s console has the particulars.</p>
       <p className="actions">
         <button type="button" className="text-button primary" onClick={() => location.reload()}>

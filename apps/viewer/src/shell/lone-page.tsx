@@ -1,0 +1,16 @@
+import type { ReactNode } from 'react';
+
+/**
+ * A page in place of the viewer, with code of its own, that the address asks for: the hard cases run on this
+ * device (`?conformance`). Null where it asks for the viewer.
+ */
+export function lonePage(query: URLSearchParams): (() => Promise<ReactNode>) | null {
+  if (query.has('conformance')) {
+    return async () => {
+      document.title = 'Conformance · WebSplatter';
+      const { ConformancePage } = await import('../conformance/conformance-page.tsx');
+      return <ConformancePage query={query} />;
+    };
+  }
+  return null;
+}
