@@ -1,5 +1,6 @@
 import { useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
+import { benchAddress } from '../bench/bench-address.ts';
 import { READABLE_FORMATS } from '../file-drop/file-drop.ts';
 import { GALLERY_ADDRESS } from '../hard-cases/catalogue.ts';
 import type { ViewerStore } from '../state/store.ts';
@@ -87,7 +88,9 @@ export function Help({ store }: { store: ViewerStore }) {
           often have y pointing down: U turns them.
         </p>
         <p>
-          Scenes that break splat renderers: <a href={GALLERY_ADDRESS}>all hard cases</a>.
+          Scenes that break splat renderers: <a href={GALLERY_ADDRESS}>all hard cases</a>. How fast this
+          device draws, to be compared with others:{' '}
+          <a href={benchAddress(new URLSearchParams(location.search))}>benchmark</a>.
         </p>
       </div>
     </dialog>
