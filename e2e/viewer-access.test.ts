@@ -85,6 +85,19 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
   });
 });
 
+describe('the pages beside the viewer', () => {
+  it.each([
+    ['a hard case', '?scene=hard&case=scale-zero-all', 'case-legend'],
+    ['the hard cases on a device', '?conformance&cases=scale-unti', 'conformance-failure'],
+    ['the benchmark', '?bench&size=9', 'bench-failure'],
+  ])('have nothing that axe-core finds wrong: %s', async (name, address, testId) => {
+    const page = await harness.open(address);
+    await page.getByTestId(testId).waitFor();
+    await page.evaluate(AXE);
+    await expectAccessible(page, name);
+  });
+});
+
 describe('the gallery of hard cases', () => {
   it('has nothing that axe-core finds wrong, shows a refused file on a page of its own, and opens what is dropped', async () => {
     const page = await harness.open('?scene=hard&q=truncated');
@@ -92,6 +105,9 @@ describe('the gallery of hard cases', () => {
     await page.evaluate(AXE);
     await expectAccessible(page, 'gallery');
     await page.locator('[data-case=input-truncated]').click();
+    await page.getByTestId('case-refusal').getByText('Refused').waitFor();
+    await expectAccessible(page, 'a refused file');
+    await page.getByTestId('case-open').click();
     await waitForState(page, 'error');
     expect(await textOf(page, 'scene-title')).toBe('input-truncated');
     expect(await textOf(page, 'scene')).toContain('No splats');

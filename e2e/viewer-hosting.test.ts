@@ -32,6 +32,7 @@ describe('the viewer on plain static hosting, below a path', () => {
 
     await page.goto(`${host.url}index.html?scene=hard&q=camera-orthographic`);
     await page.getByTestId('gallery-case').getByRole('link').first().click();
+    await page.getByTestId('case-open').click();
     await waitForImage(page);
     expect(await textOf(page, 'scene-title')).toBe('camera-orthographic');
     await page.getByRole('link', { name: 'All hard cases' }).click();

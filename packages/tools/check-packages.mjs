@@ -5,7 +5,7 @@
 import { spawn } from 'node:child_process';
 import { existsSync, mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
-import { basename, join, relative } from 'node:path';
+import { basename, join, posix, relative } from 'node:path';
 import { publint } from 'publint';
 import { formatMessage } from 'publint/utils';
 import { build } from 'vite';
@@ -18,12 +18,18 @@ import { fail, repositoryRoot } from './setup.mjs';
 /** Most bytes of the viewer's scripts, compressed by gzip. */
 const VIEWER_LIMITS = { initial: 180_000, all: 320_000 };
 
-/** Not counted among all of them: the hard cases, and the readers that stand in for workers where none can be started. */
+/**
+ * Not counted among all of them: the hard cases, pages in place of the viewer, which it never loads, and the readers that stand in
+ * for workers where none can be started.
+ */
 const VIEWER_APART = [
-  'hardcases/src/index.ts',
-  'core/src/io/formats/readers.ts',
-  'core/src/io/loading/read-and-pack.ts',
-].map((path) => `../../packages/${path}`);
+  'apps/viewer/src/hard-cases/all-cases.ts',
+  'apps/viewer/src/hard-cases/hard-case-pages.tsx',
+  'apps/viewer/src/conformance/conformance-page.tsx',
+  'apps/viewer/src/bench/bench-page.tsx',
+  'packages/core/src/io/formats/readers.ts',
+  'packages/core/src/io/loading/read-and-pack.ts',
+].map((path) => posix.relative('apps/viewer', path));
 
 const folder = mkdtempSync(join(tmpdir(), 'websplatter-packages-'));
 process.on('exit', () => rmSync(folder, { recursive: true, force: true }));

@@ -62,6 +62,9 @@ function showDropped(dropped: FileDropDecision): void {
 
 async function galleryPage(): Promise<ReactNode> {
   document.title = 'Hard cases · WebSplatter';
-  const [{ Gallery }, cases] = await Promise.all([import('./hard-cases/gallery.tsx'), loadHardCases()]);
-  return <Gallery cases={cases} firstQuery={address.get('q') ?? ''} onOpen={showDropped} />;
+  const [{ HardCasePages }, cases] = await Promise.all([
+    import('./hard-cases/hard-case-pages.tsx'),
+    loadHardCases(),
+  ]);
+  return <HardCasePages cases={cases} onOpen={showDropped} />;
 }

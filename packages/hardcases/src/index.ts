@@ -14,6 +14,7 @@ export {
 } from './report.ts';
 export { HardCaseRunner, type HardCaseRunnerOptions, type HardCaseRunOptions } from './run.ts';
 export { DEFAULT_SIZE_PX, type HardCasesOptions, runHardCases } from './run-all.ts';
+export { type ImageTarget, minPsnrOf } from './run-images.ts';
 export {
   CASE_RASTERIZERS,
   type HardCaseResult,
@@ -23,3 +24,4 @@ export {
   type StageError,
 } from './run-result.ts';
 export { type SoakOptions, type SoakReport, soak } from './soak/soak.ts';
+export { truncatesHalves } from './truncates-halves.ts';

@@ -6,7 +6,7 @@ export type OpenableCase = SceneCase | DeviceCase | RefusedFileCase;
 
 /** Loaded when a hard case or the gallery is asked for, so that the viewer does not carry the catalogue. */
 export async function loadHardCases(): Promise<readonly HardCase[]> {
-  const { HARD_CASES } = await import('@websplatter/hardcases');
+  const { HARD_CASES } = await import('./all-cases.ts');
   return HARD_CASES;
 }
 

@@ -1,51 +1,54 @@
 import type { HardCase } from '@websplatter/hardcases';
-import { type KeyboardEvent, useDeferredValue, useEffect, useMemo, useRef, useState } from 'react';
-import { DropZone } from '../file-drop/drop-zone.tsx';
-import type { FileDropDecision } from '../file-drop/file-drop.ts';
+import { type KeyboardEvent, memo, useDeferredValue, useRef } from 'react';
 import { formatCount } from '../words/format.ts';
+import type { CaseImages } from './case-images.ts';
+import { inPlace } from './case-page.tsx';
+import { CaseThumbnail } from './case-thumbnail.tsx';
 import {
-  addressOf,
   type CaseGroup,
-  filteredCases,
+  caseAddress,
+  conformanceAddress,
   groupedCases,
   groupTitle,
-  isOpenable,
+  hasImage,
   noteOn,
 } from './catalogue.ts';
 import './gallery.css';
 
+/** What each case needs of the gallery. */
+interface CaseProps {
+  readonly images: CaseImages;
+  readonly onGo: (name: string) => void;
+}
+
 /** The page that lists all hard cases, to be searched and opened. */
 export function Gallery({
   cases,
-  firstQuery,
-  onOpen,
-}: {
+  found,
+  query,
+  onQuery,
+  isHidden,
+  ...caseProps
+}: CaseProps & {
   cases: readonly HardCase[];
-  firstQuery: string;
-  /** Files were dropped. */
-  onOpen: (dropped: FileDropDecision) => void;
+  /** Those that `query` finds. */
+  found: readonly HardCase[];
+  query: string;
+  onQuery: (query: string) => void;
+  /** A case is shown in its place, from which one comes back to where one was. */
+  isHidden: boolean;
 }) {
-  const [query, setQuery] = useState(firstQuery);
-  const found = useMemo(() => filteredCases(cases, query), [cases, query]);
   // Read out when typing pauses, not with every letter.
   const count = useDeferredValue(found.length);
   const page = useRef<HTMLElement>(null);
   const search = useRef<HTMLInputElement>(null);
-
-  useEffect(() => {
-    // Coming back from a case, or sending the address to somebody, finds the same list.
-    const address = new URL(location.href);
-    if (query) address.searchParams.set('q', query);
-    else address.searchParams.delete('q');
-    history.replaceState(history.state, '', address);
-  }, [query]);
 
   const onKeyDown = (event: KeyboardEvent) => {
     if (event.ctrlKey || event.metaKey || event.altKey || !page.current) return;
     const isSearching = event.target === search.current;
     if (event.key === '/' && !isSearching) search.current?.focus();
     else if (event.key === 'Escape' && query) {
-      setQuery('');
+      onQuery('');
       search.current?.focus();
     } else if (event.key === 'ArrowDown' || event.key === 'ArrowUp') {
       const stops = [search.current, ...page.current.querySelectorAll<HTMLElement>('[data-case]')];
@@ -57,7 +60,7 @@ export function Gallery({
   };
 
   return (
-    <main className="gallery" ref={page} onKeyDown={onKeyDown} data-testid="gallery">
+    <main className="gallery" ref={page} hidden={isHidden} onKeyDown={onKeyDown} data-testid="gallery">
       <header className="gallery-head">
         <a href="?" className="gallery-home">
           WebSplatter
@@ -65,7 +68,7 @@ export function Gallery({
         <h1>Hard cases</h1>
         <p>
           Small scenes that break splat renderers, each with the fault that it provokes. Tests compare every
-          image with float64.
+          image with float64. <a href={conformanceAddress()}>Run all of them on this device</a>
         </p>
       </header>
       <search className="gallery-search">
@@ -76,7 +79,7 @@ export function Gallery({
           aria-keyshortcuts="/"
           placeholder="Name, group or fault"
           value={query}
-          onChange={(event) => setQuery(event.target.value)}
+          onChange={(event) => onQuery(event.target.value)}
           // biome-ignore lint/a11y/noAutofocus: searching is what the page is for, and nothing comes before it.
           autoFocus
           autoComplete="off"
@@ -102,23 +105,22 @@ export function Gallery({
       </nav>
       <div className="gallery-list">
         {groupedCases(found).map((group) => (
-          <GallerySection key={group.group} {...group} />
+          <GallerySection key={group.group} {...group} {...caseProps} />
         ))}
         {found.length === 0 && (
           <p className="gallery-none">
             No case has “{query}” in its name, group or description.{' '}
-            <button type="button" className="disclosure" onClick={() => setQuery('')}>
+            <button type="button" className="disclosure" onClick={() => onQuery('')}>
               Show all
             </button>
           </p>
         )}
       </div>
-      <DropZone onDrop={onOpen} />
     </main>
   );
 }
 
-function GallerySection({ group, cases }: CaseGroup) {
+function GallerySection({ group, cases, ...caseProps }: CaseGroup & CaseProps) {
   return (
     <section id={group} aria-labelledby={`${group}-title`} className="gallery-section">
       <h2 id={`${group}-title`}>
@@ -127,7 +129,7 @@ function GallerySection({ group, cases }: CaseGroup) {
       <ul>
         {cases.map((hardCase) => (
           <li key={hardCase.name} data-testid="gallery-case">
-            <CaseEntry hardCase={hardCase} />
+            <CaseEntry hardCase={hardCase} {...caseProps} />
           </li>
         ))}
       </ul>
@@ -135,21 +137,33 @@ function GallerySection({ group, cases }: CaseGroup) {
   );
 }
 
-function CaseEntry({ hardCase }: { hardCase: HardCase }) {
+/** Typing in the search must not render every case anew. */
+const CaseEntry = memo(function CaseEntry({ hardCase, images, onGo }: CaseProps & { hardCase: HardCase }) {
   const { name, breaks } = hardCase;
   const note = noteOn(hardCase);
-  const text = (
-    <>
-      <strong>{name}</strong>
-      <span>{breaks}</span>
-      {note && <em>{note}</em>}
-    </>
-  );
-  return isOpenable(hardCase) ? (
-    <a className="gallery-case" href={addressOf(name)} data-case={name}>
-      {text}
+  return (
+    <a className="gallery-case" href={caseAddress(name)} data-case={name} onClick={inPlace(() => onGo(name))}>
+      {hasImage(hardCase) ? (
+        <CaseThumbnail hardCase={hardCase} images={images} />
+      ) : (
+        <span className="gallery-thumbnail" aria-hidden="true">
+          {WITHOUT_IMAGE[hardCase.kind]}
+        </span>
+      )}
+      <span>
+        <strong>{name}</strong>
+        <span>{breaks}</span>
+        {note && <em>{note}</em>}
+      </span>
     </a>
-  ) : (
-    <div className="gallery-case">{text}</div>
   );
-}
+});
+
+/** Stands where the image would be. */
+const WITHOUT_IMAGE: Readonly<Record<HardCase['kind'], string>> = {
+  scene: 'no pixels',
+  device: 'no pixels',
+  'refused-file': 'refused',
+  sort: 'keys',
+  arithmetic: 'numbers',
+};

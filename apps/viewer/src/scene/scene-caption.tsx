@@ -1,6 +1,6 @@
 import { useId } from 'react';
 import { useStore } from 'zustand';
-import { GALLERY_ADDRESS } from '../hard-cases/catalogue.ts';
+import { caseAddress, GALLERY_ADDRESS } from '../hard-cases/catalogue.ts';
 import type { SceneAbout, SceneSummary } from '../state/scene-summary.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { Icon } from '../ui/icon.tsx';
@@ -13,7 +13,7 @@ export function SceneCaption({ store, onStep }: { store: ViewerStore; onStep: (b
   const { title, about, cameras } = scene;
   return (
     <section className="panel caption" aria-label="Scene" data-testid="scene">
-      {about && <About about={about} />}
+      {about && <About about={about} name={title} />}
       <h1 data-testid="scene-title">{title}</h1>
       {about && <p data-testid="scene-about">{about.text}</p>}
       <Figures store={store} scene={scene} />
@@ -22,10 +22,12 @@ export function SceneCaption({ store, onStep }: { store: ViewerStore; onStep: (b
   );
 }
 
-function About({ about }: { about: SceneAbout }) {
+/** @param name of the hard case. */
+function About({ about, name }: { about: SceneAbout; name: string }) {
   return (
     <p className="caption-topic">
       <span data-testid="scene-topic">{about.topic}</span>
+      <a href={caseAddress(name)}>Expected and actual</a>
       <a href={GALLERY_ADDRESS}>All hard cases</a>
     </p>
   );

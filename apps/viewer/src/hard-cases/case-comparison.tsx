@@ -1,0 +1,248 @@
+import { ACCURACY_PRESETS, type AccuracyPreset, type FrameRasterizer } from '@websplatter/core';
+import { compareImages } from '@websplatter/core/reference';
+import { CASE_RASTERIZERS, DEFAULT_SIZE_PX } from '@websplatter/hardcases';
+import { useEffect, useMemo, useRef, useState } from 'react';
+import { formatDb } from '../words/format.ts';
+import type { CaseImage, CaseImages, ImageCase, SizePx } from './case-images.ts';
+import { DIFFERENCE_COLORS, type Difference, differenceOf, pixelsOnBlack } from './difference.ts';
+import type { ExpectedImage } from './expected.worker.ts';
+import { ExpectedImages } from './expected-images.ts';
+
+/** How the images are made. */
+interface Choice {
+  readonly cameraName: string;
+  readonly preset: AccuracyPreset;
+  readonly rasterizer: FrameRasterizer;
+  /** Times as wide and high as the tests draw it. */
+  readonly scale: number;
+}
+
+const PRESETS = Object.keys(ACCURACY_PRESETS) as AccuracyPreset[];
+const LARGER = 4;
+/** Larger images would take float64 too long. */
+const MOST_PX = 1024;
+
+/** The expected image, what this device draws, and their difference, side by side. */
+export function CaseComparison({ hardCase, images }: { hardCase: ImageCase; images: CaseImages }) {
+  const own = hardCase.size ?? { widthPx: DEFAULT_SIZE_PX, heightPx: DEFAULT_SIZE_PX };
+  const cameraNames = Object.keys(hardCase.cameras(own.widthPx / own.heightPx));
+  const [choice, setChoice] = useState<Choice>({
+    cameraName: cameraNames[0],
+    preset: 'reference',
+    rasterizer: CASE_RASTERIZERS[0],
+    scale: 1,
+  });
+  const change = (part: Partial<Choice>) => setChoice({ ...choice, ...part });
+  const size = useMemo(
+    () => ({ widthPx: choice.scale * own.widthPx, heightPx: choice.scale * own.heightPx }),
+    [choice.scale, own.widthPx, own.heightPx],
+  );
+  const canBeLarger = LARGER * Math.max(own.widthPx, own.heightPx) <= MOST_PX;
+  const { expected, actual, problem } = useComparedImages(hardCase, images, choice, size);
+  const difference = useMemo(
+    () => (expected && actual ? differenceOf(actual.data, expected, size) : null),
+    [expected, actual, size],
+  );
+  const expectedPixels = useMemo(() => expected && pixelsOnBlack(expected), [expected]);
+  const actualPixels = useMemo(() => actual && pixelsOnBlack(actual.data), [actual]);
+  return (
+    <section className="case-comparison" aria-label="Expected and actual">
+      <div className="case-images">
+        <Shown title="Expected" note="float64" pixels={expectedPixels} size={size} />
+        <Shown
+          title="This device"
+          note={`${choice.preset}, ${choice.rasterizer}`}
+          pixels={actualPixels}
+          size={size}
+        />
+        <Shown title="Difference" note={gainOf(difference)} pixels={difference?.pixels ?? null} size={size} />
+      </div>
+      {difference && <Legend difference={difference} />}
+      <p role="status" className="case-verdict" data-testid="case-verdict">
+        {problem ??
+          (expected && actual
+            ? verdictOf(hardCase, actual, expected, choice, size)
+            : 'Drawing, and working it out in float64…')}
+      </p>
+      {hardCase.decidesAtThreshold !== undefined && (
+        <p className="page-note">
+          Rounding may decide either way here, so the tests compare no images: {hardCase.decidesAtThreshold}
+        </p>
+      )}
+      <div className="case-choices">
+        {cameraNames.length > 1 && (
+          <Segments
+            label="Camera"
+            values={cameraNames}
+            chosen={choice.cameraName}
+            onChoose={(cameraName) => change({ cameraName })}
+          />
+        )}
+        <Segments
+          label="Accuracy"
+          values={PRESETS}
+          chosen={choice.preset}
+          onChoose={(preset) => change({ preset })}
+        />
+        <Segments
+          label="Drawn by"
+          values={CASE_RASTERIZERS}
+          chosen={choice.rasterizer}
+          onChoose={(rasterizer) => change({ rasterizer })}
+        />
+        {canBeLarger && (
+          <Segments
+            label="Pixels"
+            values={[1, LARGER]}
+            chosen={choice.scale}
+            onChoose={(scale) => change({ scale })}
+            nameOf={(scale) => `${scale * own.widthPx}×${scale * own.heightPx}`}
+          />
+        )}
+      </div>
+    </section>
+  );
+}
+
+interface Compared {
+  /** Size of both images. */
+  readonly size: SizePx;
+  readonly expected: ExpectedImage | null;
+  readonly actual: CaseImage | null;
+  /** Why there is no image of this device, or none to compare it with. */
+  readonly problem: string | null;
+}
+
+/** The images of a choice, as they come. */
+function useComparedImages(hardCase: ImageCase, images: CaseImages, choice: Choice, size: SizePx): Compared {
+  const { cameraName, preset, rasterizer } = choice;
+  const nothingYet = useMemo(() => ({ size, expected: null, actual: null, problem: null }), [size]);
+  const [compared, setCompared] = useState<Compared>(nothingYet);
+  const [expectedImages] = useState(() => new ExpectedImages());
+  useEffect(() => () => expectedImages.destroy(), [expectedImages]);
+  useEffect(() => {
+    const changed = new AbortController();
+    const add = (part: Partial<Compared>) => {
+      if (!changed.signal.aborted) setCompared((before) => ({ ...before, ...part }));
+    };
+    const tell = (what: string) => (error: unknown) => {
+      const reason = error instanceof Error ? error.message : String(error);
+      add({ problem: `${what}: ${reason}` });
+    };
+    setCompared(nothingYet);
+    const camera = hardCase.cameras(size.widthPx / size.heightPx)[cameraName];
+    images
+      .draw({ hardCase, camera, preset, rasterizer, ...size }, changed.signal)
+      .then((actual) => add({ actual }), tell('This device draws nothing'));
+    expectedImages
+      .ask({ name: hardCase.name, cameraName, ...size })
+      .then((expected) => add({ expected }), tell('There is no image in float64'));
+    return () => changed.abort();
+  }, [hardCase, images, expectedImages, cameraName, preset, rasterizer, size, nothingYet]);
+  // Images of the size before do not fit any more.
+  return compared.size === size ? compared : nothingYet;
+}
+
+function gainOf(difference: Difference | null): string {
+  if (!difference) return '';
+  const { fullSteps } = difference;
+  return fullSteps > 0 ? `× ${Number((255 / fullSteps).toPrecision(3)).toLocaleString('en')}` : 'none at all';
+}
+
+/** PSNR in words, and what the tests demand where they draw the same. */
+function verdictOf(
+  hardCase: ImageCase,
+  { data, minPsnrDb }: CaseImage,
+  expected: ExpectedImage,
+  { scale, preset }: Choice,
+  size: SizePx,
+): string {
+  const { psnrDb } = compareImages(data, expected, size);
+  const found =
+    psnrDb === Number.POSITIVE_INFINITY ? 'The images are equal.' : `PSNR ${formatDb(psnrDb)} dB.`;
+  if (scale !== 1 || hardCase.decidesAtThreshold !== undefined) return found;
+  if (minPsnrDb === null) return `${found} The tests only report it at ${preset}.`;
+  const cause = hardCase.bounds?.[preset]?.cause;
+  const demand = `The tests demand ${minPsnrDb} dB${cause ? `: ${cause}` : '.'}`;
+  return `${found} ${psnrDb >= minPsnrDb ? '✓' : '✕'} ${demand}`;
+}
+
+function Shown(props: {
+  title: string;
+  note: string;
+  pixels: Uint8ClampedArray<ArrayBuffer> | null;
+  size: SizePx;
+}) {
+  const { title, note, pixels, size } = props;
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const { widthPx, heightPx } = size;
+  useEffect(() => {
+    const context = canvas.current?.getContext('2d');
+    if (pixels) context?.putImageData(new ImageData(pixels, widthPx, heightPx), 0, 0);
+    else context?.clearRect(0, 0, widthPx, heightPx);
+  }, [pixels, widthPx, heightPx]);
+  return (
+    <figure>
+      <canvas
+        ref={canvas}
+        width={widthPx}
+        height={heightPx}
+        role="img"
+        aria-label={`${title}, ${note}`}
+        data-shown={pixels !== null}
+      />
+      <figcaption>
+        <b>{title}</b> <span>{note}</span>
+      </figcaption>
+    </figure>
+  );
+}
+
+/** The meaning of the difference's colours. */
+function Legend({ difference: { fullSteps, maxSteps } }: { difference: Difference }) {
+  const stops = DIFFERENCE_COLORS.map((color) => `rgb(${color.join(' ')})`);
+  return (
+    <p className="case-legend" data-testid="case-legend">
+      <span>0</span>
+      <i style={{ background: `linear-gradient(90deg, ${stops.join(', ')})` }} aria-hidden="true" />
+      <span>{fullSteps > 0 ? fullSteps : 'any'} of 255</span>
+      <span>
+        Largest difference of a channel: <b>{Number(maxSteps.toPrecision(2))}</b> of 255
+      </span>
+    </p>
+  );
+}
+
+function Segments<Value extends string | number>({
+  label,
+  values,
+  chosen,
+  onChoose,
+  nameOf = String,
+}: {
+  label: string;
+  values: readonly Value[];
+  chosen: Value;
+  onChoose: (value: Value) => void;
+  nameOf?: (value: Value) => string;
+}) {
+  return (
+    <div className="case-choice">
+      <span id={`case-${label}`}>{label}</span>
+      {/* biome-ignore lint/a11y/useSemanticElements: a fieldset cannot be a flexible row in every browser. */}
+      <div className="segments" role="group" aria-labelledby={`case-${label}`}>
+        {values.map((value) => (
+          <button
+            key={value}
+            type="button"
+            aria-pressed={value === chosen}
+            onClick={() => onChoose(value)}
+            data-testid={`case-choose-${value}`}
+          >
+            {nameOf(value)}
+          </button>
+        ))}
+      </div>
+    </div>
+  );
+}

@@ -1,0 +1,100 @@
+import {
+  type AccuracyPreset,
+  type Camera,
+  type CloudInstance,
+  type FrameRasterizer,
+  packCloud,
+  readSplats,
+  SplatEngine,
+} from '@websplatter/core';
+import { type DeviceCase, minPsnrOf, type SceneCase, truncatesHalves } from '@websplatter/hardcases';
+import { Turns } from './turns.ts';
+
+/** A case that is about images. */
+export type ImageCase = SceneCase | DeviceCase;
+
+export interface SizePx {
+  readonly widthPx: number;
+  readonly heightPx: number;
+}
+
+export interface CaseImageRequest extends SizePx {
+  readonly hardCase: ImageCase;
+  readonly camera: Camera;
+  readonly preset: AccuracyPreset;
+  readonly rasterizer: FrameRasterizer;
+}
+
+/** What this device drew. */
+export interface CaseImage {
+  /** Premultiplied RGBA, top row first. */
+  readonly data: Float32Array;
+  /** Least PSNR that the tests demand of such an image at their size, dB; null if it is only reported. */
+  readonly minPsnrDb: number | null;
+}
+
+/** What draws the images, and what it was found to do. */
+interface Draughtsman {
+  readonly engine: SplatEngine;
+  readonly isTruncating: boolean;
+}
+
+/** Draws the images of cases in turns, all by one engine, which is asked for with the first of them. */
+export class CaseImages {
+  readonly #turns = new Turns();
+  #draughtsman: Promise<Draughtsman> | null = null;
+  #isDestroyed = false;
+
+  /** Rejects where there is no GPU, with what drawing throws, and with the reason of `signal`. */
+  draw(request: CaseImageRequest, signal: AbortSignal): Promise<CaseImage> {
+    return this.#turns.take(async () => {
+      this.#draughtsman ??= this.#create();
+      return drawCase(await this.#draughtsman, request);
+    }, signal);
+  }
+
+  destroy(): void {
+    this.#isDestroyed = true;
+    this.#draughtsman?.then(
+      ({ engine }) => engine.destroy(),
+      () => {},
+    );
+  }
+
+  async #create(): Promise<Draughtsman> {
+    if (this.#isDestroyed) throw new Error('The page of the cases is closed.');
+    const engine = await SplatEngine.create({ accuracy: 'reference' });
+    void engine.lost.then(() => {
+      // The next image asks for another device.
+      this.#draughtsman = null;
+    });
+    return { engine, isTruncating: await truncatesHalves(engine.device) };
+  }
+}
+
+async function drawCase(
+  { engine, isTruncating }: Draughtsman,
+  { hardCase, camera, widthPx, heightPx, preset, rasterizer }: CaseImageRequest,
+): Promise<CaseImage> {
+  const { settings } = engine.resolveAccuracy({ preset, rasterizer });
+  const clouds: CloudInstance[] = [];
+  const view = engine.createView();
+  try {
+    for (const given of hardCase.clouds()) {
+      const set = 'set' in given ? given.set : await readSplats(given.file, { shPrecision: 'f32' });
+      const { geometryPrecision, shPrecision } = settings;
+      const packed = packCloud(set, { geometryPrecision, shPrecision });
+      const cloud = engine.addPacked(packed, { name: hardCase.name, source: set });
+      clouds.push({ cloud, modelMatrix: given.modelMatrix });
+      if ('set' in given && given.isGivenPalette)
+        await engine.requestPrecision(cloud, { geometryPrecision, shPrecision: 'palette' });
+    }
+    view.render({ camera, clouds, widthPx, heightPx, accuracy: settings });
+    const { data } = await view.readPixels();
+    const { colorTarget } = settings;
+    return { data, minPsnrDb: minPsnrOf(hardCase, { preset, rasterizer, colorTarget, isTruncating }) };
+  } finally {
+    view.destroy();
+    for (const { cloud } of clouds) cloud.destroy();
+  }
+}

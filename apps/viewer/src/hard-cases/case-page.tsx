@@ -1,0 +1,132 @@
+import type { HardCase } from '@websplatter/hardcases';
+import { type MouseEvent, useEffect, useRef } from 'react';
+import { Icon } from '../ui/icon.tsx';
+import { CaseComparison } from './case-comparison.tsx';
+import type { CaseImages } from './case-images.ts';
+import './case-page.css';
+import {
+  addressOf,
+  caseAddress,
+  conformanceAddress,
+  GALLERY_ADDRESS,
+  groupTitle,
+  hasImage,
+  isOpenable,
+  noteOn,
+} from './catalogue.ts';
+import { RefusedFile } from './refused-file.tsx';
+
+/** The page of one hard case: what is expected, what this device makes of it, and the way to the next one. */
+export function CasePage({
+  hardCase,
+  previous,
+  next,
+  images,
+  onGo,
+}: {
+  hardCase: HardCase;
+  previous: string | null;
+  next: string | null;
+  images: CaseImages;
+  /** Goes to another case, or with null to all of them. */
+  onGo: (name: string | null) => void;
+}) {
+  const { name, group, breaks } = hardCase;
+  const heading = useRef<HTMLHeadingElement>(null);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: another case is another page, which is read from its top.
+  useEffect(() => heading.current?.focus(), [name]);
+  useEffect(() => {
+    const onKeyDown = (event: KeyboardEvent) => {
+      if (event.ctrlKey || event.metaKey || event.altKey || event.shiftKey) return;
+      if (event.key === 'ArrowLeft' && previous !== null) onGo(previous);
+      else if (event.key === 'ArrowRight' && next !== null) onGo(next);
+      else if (event.key === 'Escape') onGo(null);
+      else return;
+      event.preventDefault();
+    };
+    window.addEventListener('keydown', onKeyDown);
+    return () => window.removeEventListener('keydown', onKeyDown);
+  }, [previous, next, onGo]);
+
+  return (
+    <main className="page case" data-testid="case">
+      <header className="page-head">
+        <div className="case-trail">
+          <p className="page-trail">
+            <a href={GALLERY_ADDRESS} onClick={inPlace(() => onGo(null))} data-testid="case-all">
+              All hard cases
+            </a>
+          </p>
+          <nav className="case-steps" aria-label="Cases">
+            <Step icon="previous" label="Case before" keyName="ArrowLeft" name={previous} onGo={onGo} />
+            <Step icon="next" label="Next case" keyName="ArrowRight" name={next} onGo={onGo} />
+          </nav>
+        </div>
+        <p data-testid="case-group">{groupTitle(group)}</p>
+        <h1 ref={heading} tabIndex={-1} data-testid="case-name">
+          {name}
+        </h1>
+        <p data-testid="case-breaks">{breaks}</p>
+      </header>
+      <Contents key={name} hardCase={hardCase} images={images} />
+      <div className="page-actions">
+        {isOpenable(hardCase) && (
+          <a className="text-button primary" href={addressOf(name)} data-testid="case-open">
+            Open it in the viewer
+          </a>
+        )}
+        <a className="text-button outlined" href={conformanceAddress(name)}>
+          Run its tests on this device
+        </a>
+      </div>
+    </main>
+  );
+}
+
+function Contents({ hardCase, images }: { hardCase: HardCase; images: CaseImages }) {
+  if (hasImage(hardCase)) return <CaseComparison hardCase={hardCase} images={images} />;
+  if (hardCase.kind === 'refused-file') return <RefusedFile hardCase={hardCase} />;
+  const note =
+    noteOn(hardCase) || 'An image without pixels: there is nothing to show, and nothing must fail.';
+  return <p className="page-note">{note}</p>;
+}
+
+function Step(props: {
+  icon: 'previous' | 'next';
+  label: string;
+  keyName: string;
+  /** Null at the end of the list. */
+  name: string | null;
+  onGo: (name: string) => void;
+}) {
+  const { icon, label, keyName, name, onGo } = props;
+  if (name === null) {
+    return (
+      <button type="button" className="icon-button" aria-label={label} disabled data-testid={`case-${icon}`}>
+        <Icon name={icon} />
+      </button>
+    );
+  }
+  return (
+    <a
+      className="icon-button"
+      href={caseAddress(name)}
+      aria-label={`${label}: ${name}`}
+      aria-keyshortcuts={keyName}
+      title={`${label}: ${name} (${icon === 'next' ? '→' : '←'})`}
+      onClick={inPlace(() => onGo(name))}
+      data-testid={`case-${icon}`}
+    >
+      <Icon name={icon} />
+    </a>
+  );
+}
+
+/** Follows a link without loading the page anew, unless it is to be opened elsewhere. */
+export function inPlace(go: () => void): (event: MouseEvent) => void {
+  return (event) => {
+    if (event.button !== 0 || event.ctrlKey || event.metaKey || event.shiftKey || event.altKey) return;
+    event.preventDefault();
+    go();
+  };
+}

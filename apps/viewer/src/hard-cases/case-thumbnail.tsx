@@ -1,0 +1,52 @@
+import { useEffect, useRef } from 'react';
+import type { CaseImages, ImageCase } from './case-images.ts';
+import { pixelsOnBlack } from './difference.ts';
+
+/** Pixels of a thumbnail: twice those that style sheets give it, for dense screens. */
+const SIZE = { widthPx: 208, heightPx: 156 };
+/** Thumbnails are drawn this long before they come into view. */
+const AHEAD = '300px';
+
+/** What the first camera of a case sees, as this device draws it: once it comes into view. */
+export function CaseThumbnail({ hardCase, images }: { hardCase: ImageCase; images: CaseImages }) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  useEffect(() => {
+    const element = canvas.current;
+    if (!element) return;
+    const isGone = new AbortController();
+    let isInView: AbortController | null = null;
+    const draw = async (signal: AbortSignal) => {
+      const [camera] = Object.values(hardCase.cameras(SIZE.widthPx / SIZE.heightPx));
+      const request = { hardCase, camera, ...SIZE, preset: 'reference', rasterizer: 'quads' } as const;
+      const { data } = await images.draw(request, signal);
+      show(element, data);
+      observer.disconnect();
+    };
+    const observer = new IntersectionObserver(
+      (entries) => {
+        isInView?.abort();
+        if (!entries.at(-1)?.isIntersecting) return;
+        isInView = new AbortController();
+        // Without a GPU, or a picture in time, the place stays empty: the page of the case says why.
+        draw(AbortSignal.any([isInView.signal, isGone.signal])).catch(() => {});
+      },
+      { root: element.closest('.gallery'), rootMargin: AHEAD },
+    );
+    observer.observe(element);
+    return () => {
+      observer.disconnect();
+      isGone.abort();
+    };
+  }, [hardCase, images]);
+  return (
+    <span className="gallery-thumbnail" aria-hidden="true">
+      <canvas ref={canvas} width={SIZE.widthPx} height={SIZE.heightPx} />
+    </span>
+  );
+}
+
+function show(canvas: HTMLCanvasElement, data: Float32Array): void {
+  const { widthPx, heightPx } = SIZE;
+  canvas.getContext('2d')?.putImageData(new ImageData(pixelsOnBlack(data), widthPx, heightPx), 0, 0);
+  canvas.dataset.drawn = '';
+}

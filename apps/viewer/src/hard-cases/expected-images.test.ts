@@ -1,0 +1,64 @@
+import { describe, expect, it } from 'vitest';
+import { ExpectedImages } from './expected-images.ts';
+
+/** A worker that answers when it is told to. */
+class TestWorker {
+  onmessage: ((event: { data: unknown }) => void) | null = null;
+  onerror: ((event: { message: string }) => void) | null = null;
+  readonly asked: unknown[] = [];
+  isTerminated = false;
+
+  postMessage(request: unknown): void {
+    this.asked.push(request);
+  }
+
+  terminate(): void {
+    this.isTerminated = true;
+  }
+}
+
+function setUp() {
+  const workers: TestWorker[] = [];
+  const images = new ExpectedImages(() => {
+    const worker = new TestWorker();
+    workers.push(worker);
+    return worker as unknown as Worker;
+  });
+  return { workers, images };
+}
+
+const request = (name: string) => ({ name, cameraName: 'front', widthPx: 1, heightPx: 1 });
+
+describe('the images that float64 defines', () => {
+  it('come from one worker, and the last one is kept', async () => {
+    const { workers, images } = setUp();
+    const first = images.ask(request('a'));
+    workers[0].onmessage?.({ data: [1] });
+    expect(await first).toEqual([1]);
+    expect(await images.ask(request('a'))).toEqual([1]);
+    expect(workers[0].asked).toHaveLength(1);
+    const second = images.ask(request('b'));
+    workers[0].onmessage?.({ data: [2] });
+    expect(await second).toEqual([2]);
+    expect(workers).toHaveLength(1);
+  });
+
+  it('give up what takes long when another is asked for', async () => {
+    const { workers, images } = setUp();
+    void images.ask(request('slow'));
+    const other = images.ask(request('other'));
+    expect(workers.map(({ isTerminated }) => isTerminated)).toEqual([true, false]);
+    workers[1].onmessage?.({ data: [3] });
+    expect(await other).toEqual([3]);
+  });
+
+  it('reject where the worker fails, and can be asked for again', async () => {
+    const { workers, images } = setUp();
+    const failing = images.ask(request('a'));
+    workers[0].onerror?.({ message: 'It broke.' });
+    await expect(failing).rejects.toThrow('It broke.');
+    const again = images.ask(request('a'));
+    workers[0].onmessage?.({ data: [1] });
+    expect(await again).toEqual([1]);
+  });
+});

@@ -1,0 +1,46 @@
+import type { ExpectedImage, ExpectedRequest } from './expected.worker.ts';
+
+/** Asks a worker for the images that float64 defines, one at a time; the last one is kept. */
+export class ExpectedImages {
+  readonly #createWorker: () => Worker;
+  #worker: Worker | null = null;
+  #isBusy = false;
+  #kept: { readonly key: string; readonly image: ExpectedImage } | null = null;
+
+  /** @param createWorker for tests. */
+  constructor(createWorker = startWorker) {
+    this.#createWorker = createWorker;
+  }
+
+  /** Gives up what was asked for before: it may take long, and nobody waits for it any more; that never settles. */
+  async ask(request: ExpectedRequest): Promise<ExpectedImage> {
+    const key = JSON.stringify(request);
+    if (this.#isBusy) this.destroy();
+    if (this.#kept?.key === key) return this.#kept.image;
+    this.#isBusy = true;
+    this.#worker ??= this.#createWorker();
+    const image = await answerOf(this.#worker, request).finally(() => {
+      this.#isBusy = false;
+    });
+    this.#kept = { key, image };
+    return image;
+  }
+
+  destroy(): void {
+    this.#worker?.terminate();
+    this.#worker = null;
+    this.#isBusy = false;
+  }
+}
+
+function startWorker(): Worker {
+  return new Worker(new URL('./expected.worker.ts', import.meta.url), { type: 'module' });
+}
+
+function answerOf(worker: Worker, request: ExpectedRequest): Promise<ExpectedImage> {
+  return new Promise((resolve, reject) => {
+    worker.onmessage = ({ data }: MessageEvent<ExpectedImage>) => resolve(data);
+    worker.onerror = (event) => reject(new Error(event.message || 'The worker could not be started.'));
+    worker.postMessage(request);
+  });
+}

@@ -1,0 +1,137 @@
+import type { HardCase } from '@websplatter/hardcases';
+import { useCallback, useEffect, useMemo, useState } from 'react';
+import { DropZone } from '../file-drop/drop-zone.tsx';
+import type { FileDropDecision } from '../file-drop/file-drop.ts';
+import '../ui/page.css';
+import { CaseImages } from './case-images.ts';
+import { CasePage } from './case-page.tsx';
+import { caseAddress, closestNames, filteredCases, GALLERY_ADDRESS, neighboursOf } from './catalogue.ts';
+import { Gallery } from './gallery.tsx';
+
+/** The gallery of hard cases (`?scene=hard`, `&q=` searched) and the page of each (`&case=`), between which one goes without a load. */
+export function HardCasePages({
+  cases,
+  onOpen,
+}: {
+  cases: readonly HardCase[];
+  /** Files were dropped. */
+  onOpen: (dropped: FileDropDecision) => void;
+}) {
+  const [query, setQuery] = useState(() => parameter('q') ?? '');
+  const [name, setName] = useState(() => parameter('case'));
+  const images = useCaseImages();
+  const found = useMemo(() => filteredCases(cases, query), [cases, query]);
+  const go = useCallback((to: string | null) => {
+    history.pushState(null, '', addressWith('case', to));
+    setName(to);
+  }, []);
+
+  useEffect(() => {
+    const onPopState = () => {
+      setName(parameter('case'));
+      setQuery(parameter('q') ?? '');
+    };
+    window.addEventListener('popstate', onPopState);
+    return () => window.removeEventListener('popstate', onPopState);
+  }, []);
+  useEffect(() => {
+    // Sending the address to somebody finds the same list.
+    history.replaceState(history.state, '', addressWith('q', query || null));
+  }, [query]);
+  useEffect(() => {
+    document.title = `${name ?? 'Hard cases'} · WebSplatter`;
+    document.documentElement.dataset.state = 'ready';
+    // Back from a case to the list: where that was.
+    return () => {
+      if (name !== null) requestAnimationFrame(() => entryOf(name)?.focus());
+    };
+  }, [name]);
+
+  if (!images) return null;
+  return (
+    <>
+      <Gallery
+        cases={cases}
+        found={found}
+        query={query}
+        onQuery={setQuery}
+        isHidden={name !== null}
+        images={images}
+        onGo={go}
+      />
+      {name !== null && <CaseOrNone cases={cases} found={found} name={name} images={images} onGo={go} />}
+      <DropZone onDrop={onOpen} />
+    </>
+  );
+}
+
+function CaseOrNone(props: {
+  cases: readonly HardCase[];
+  found: readonly HardCase[];
+  name: string;
+  images: CaseImages;
+  onGo: (name: string | null) => void;
+}) {
+  const { cases, found, name, images, onGo } = props;
+  const hardCase = cases.find((candidate) => candidate.name === name);
+  if (!hardCase) return <NoCase name={name} cases={cases} />;
+  // A case that the search does not find has been linked to: it stands among all.
+  const neighbours = neighboursOf(found.includes(hardCase) ? found : cases, name);
+  return <CasePage hardCase={hardCase} {...neighbours} images={images} onGo={onGo} />;
+}
+
+function NoCase({ name, cases }: { name: string; cases: readonly HardCase[] }) {
+  const similar = closestNames(
+    cases.map((candidate) => candidate.name),
+    name,
+  );
+  return (
+    <main className="page" data-testid="no-case">
+      <header className="page-head">
+        <p className="page-trail">
+          <a href={GALLERY_ADDRESS}>All hard cases</a>
+        </p>
+        <h1>No such case</h1>
+        <p role="alert">
+          There is no hard case “{name}”{similar.length > 0 ? '. These have similar names:' : '.'}
+        </p>
+        <p className="page-trail">
+          {similar.map((each) => (
+            <a key={each} href={caseAddress(each)}>
+              {each}
+            </a>
+          ))}
+        </p>
+      </header>
+    </main>
+  );
+}
+
+/** Freed when the page goes. */
+function useCaseImages(): CaseImages | null {
+  const [images, setImages] = useState<CaseImages | null>(null);
+  useEffect(() => {
+    const made = new CaseImages();
+    setImages(made);
+    return () => made.destroy();
+  }, []);
+  return images;
+}
+
+function entryOf(name: string): HTMLElement | null {
+  return document.querySelector<HTMLElement>(`[data-case="${CSS.escape(name)}"]`);
+}
+
+function parameter(name: 'q' | 'case'): string | null {
+  return new URLSearchParams(location.search).get(name);
+}
+
+/** This page's address with a parameter changed, or with null without it. */
+function addressWith(name: 'q' | 'case', value: string | null): string {
+  const address = new URL(location.href);
+  if (value === null) address.searchParams.delete(name);
+  else address.searchParams.set(name, value);
+  // Groups are places in the list.
+  if (name === 'case') address.hash = '';
+  return address.href;
+}

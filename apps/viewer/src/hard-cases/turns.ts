@@ -1,0 +1,35 @@
+/** Runs pieces of work one after the other, in the order in which they were asked for, each when the page has nothing better to do. */
+export class Turns {
+  readonly #whenIdle: () => Promise<void>;
+  #last: Promise<unknown> = Promise.resolve();
+
+  /** @param whenIdle resolves when the page has time; for tests. */
+  constructor(whenIdle = pageIsIdle) {
+    this.#whenIdle = whenIdle;
+  }
+
+  /** Resolves as `work` does. Rejects with the reason of `signal` where that is given up before its turn. */
+  take<Result>(work: () => Promise<Result>, signal: AbortSignal): Promise<Result> {
+    const turn = this.#last.then(async () => {
+      signal.throwIfAborted();
+      await this.#whenIdle();
+      signal.throwIfAborted();
+      return work();
+    });
+    // Whoever comes next does not mind what became of this.
+    this.#last = turn.catch(() => {});
+    return turn;
+  }
+}
+
+/** A page that never rests still gets its work done. */
+const LONGEST_WAIT_MS = 500;
+
+function pageIsIdle(): Promise<void> {
+  return new Promise((resolve) => {
+    // Safari has none.
+    if (typeof requestIdleCallback === 'function')
+      requestIdleCallback(() => resolve(), { timeout: LONGEST_WAIT_MS });
+    else setTimeout(resolve);
+  });
+}
