@@ -27,6 +27,15 @@ export default defineConfig({
       },
     },
   },
+  build: {
+    rolldownOptions: {
+      output: {
+        // Pages that share parts of the engine with the viewer would otherwise break what it needs at first into dozens of scripts,
+        // which compress worse apart: 189 kB by gzip instead of 171.
+        codeSplitting: { groups: [{ name: 'initial', tags: ['$initial'] }] },
+      },
+    },
+  },
   server: { fs: { allow: [repositoryRoot] } },
   // Found up front: a dependency that turns up late makes the development server reload the page.
   optimizeDeps: {
