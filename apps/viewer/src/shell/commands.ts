@@ -40,7 +40,7 @@ export const COMMANDS: readonly Command[] = [
   { name: 'mode', label: 'Next view mode', key: 'm', isInPanel: true },
   { name: 'hud', label: 'Show or hide figures', key: 'h' },
   { name: 'accuracy', label: 'Accuracy and its cost', key: 'c' },
-  { name: 'effects', label: 'Effects and why', key: 'e' },
+  { name: 'effects', label: 'Effects and their cost', key: 'e' },
   { name: 'save', label: 'Save and share', key: 'x' },
   { name: 'link', label: 'Copy a link to this view', key: 'l', isInPanel: true },
   { name: 'help', label: 'Keys and gestures', key: '?' },
