@@ -69,8 +69,12 @@ describe('effects in the viewer', () => {
     await page.getByTestId('measure').waitFor({ state: 'attached' });
     expect(await cautions.count()).toBe(0);
 
+    const beforeBrightness = await frameCount(page);
+    await press('switch-brightness');
+    await waitForFrameAfter(page, beforeBrightness);
     await press('measure');
     await cautions.waitFor({ state: 'attached' });
+    expect(await textOf(page, 'cost-brightness')).toMatch(/^[±−]?[\d.,]+ ms$/);
     expect(await cautions.textContent()).toContain('software adapter');
     expect(await effect(page, 'harmonics').textContent()).toMatch(/\d ms · .*(of each frame|take the same)/);
     expect(await effect(page, 'fog').textContent()).not.toContain('ms');

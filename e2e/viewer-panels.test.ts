@@ -94,6 +94,10 @@ describe('effects that are asked for', () => {
     await page.waitForURL((url) => !url.searchParams.has('effects'));
     expect(await page.getByTestId('switch-clip').isChecked()).toBe(false);
     expect(await page.getByTestId('clip-gizmo').count()).toBe(0);
+    // Keys mean the same on a switch.
+    await page.getByTestId('switch-clip').focus();
+    await page.keyboard.press('e');
+    await page.getByTestId('effects').waitFor({ state: 'detached' });
   });
 
   it('are refused with a reason where the address cannot be read', async () => {

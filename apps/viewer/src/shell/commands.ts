@@ -116,10 +116,12 @@ function mayMoveCamera(scope: KeyScope, key: string): boolean {
 /** What has the keyboard: the scene, text that is being written, a list that letters choose from, or another control. */
 type KeyScope = 'scene' | 'text' | 'open list' | 'control';
 
+const TEXT_FIELDS = 'textarea, input:not([type="range"], [type="checkbox"], [type="color"])';
+
 function keyScope(target: EventTarget | null): KeyScope {
   if (!(target instanceof HTMLElement) || target.matches('body, .viewport')) return 'scene';
   if (target.matches('select')) return isOpen(target) ? 'open list' : 'text';
-  const isText = target.isContentEditable || target.matches('textarea, input:not([type="range"])');
+  const isText = target.isContentEditable || target.matches(TEXT_FIELDS);
   return isText ? 'text' : 'control';
 }
 
