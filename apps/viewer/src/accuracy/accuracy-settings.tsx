@@ -85,5 +85,6 @@ function Setting({
 /** `16-bit floats (f16)`: plain words, and the identifier where that is another. */
 function optionWords(name: SettingName, value: SettingValue): string {
   const words = valueWords(name, value);
-  return words.includes(String(value)) ? words : `${words} (${value})`;
+  const isSaid = words.replaceAll(' ', '-').includes(String(value));
+  return isSaid ? words : `${words} (${value})`;
 }

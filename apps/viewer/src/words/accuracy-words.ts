@@ -52,7 +52,7 @@ const VALUE_WORDS: Readonly<Record<string, string>> = {
   opacity: 'by opacity',
   'bounding-box': 'by bounding box',
   frustum: 'by chunk only',
-  auto: 'the faster one',
+  auto: 'the faster',
 };
 
 /** `16 bits`, `1/128`, `32-bit floats`: a setting's value as people read it. */
