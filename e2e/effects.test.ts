@@ -40,7 +40,7 @@ describe('effects in the viewer', () => {
     await open(page, withEmptyHarmonics(testScene()));
     expect(await isOn(page, 'harmonics')).toBe('false');
     expect(await effect(page, 'harmonics').textContent()).toContain('nothing above 0 could be seen');
-    expect(await textOf(page, 'scene')).toContain('SH 1, seen up to 0');
+    expect(await textOf(page, 'scene')).toContain('harmonics degree 1, seen up to 0');
     expect(await isOn(page, 'transform')).toBe('true');
     expect(await effect(page, 'transform').textContent()).toContain('Acts in no shader');
     const frames = await frameCount(page);

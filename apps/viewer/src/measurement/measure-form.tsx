@@ -1,6 +1,7 @@
 import { useStore } from 'zustand';
 import type { MeasuredAccuracy } from '../state/measured.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
+import { inPlainWords } from '../words/accuracy-words.ts';
 import { formatDuration } from '../words/format.ts';
 import type { AccuracyMeasurement } from './accuracy-measurement.ts';
 import { MeasuredResults } from './measured-results.tsx';
@@ -33,7 +34,7 @@ export function MeasureForm({
       />
       {choice && (
         <p className="choice" role="status" data-testid="choice" data-met={choice.isMet}>
-          {choice.why}
+          {inPlainWords(choice.why, choice.point)}
         </p>
       )}
       <PsnrExplained />

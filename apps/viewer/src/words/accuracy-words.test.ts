@@ -4,6 +4,7 @@ import {
   describeAccuracy,
   describeMeasured,
   formatValue,
+  inPlainWords,
   nearestPreset,
   PRESET_NAMES,
   valueWords,
@@ -47,6 +48,9 @@ describe('accuracy in words', () => {
     expect(describeMeasured({ name: 'shDegree 1, sortKeyBits 20', settings, changed })).toBe(
       'Harmonics degree 1, Sort keys 20 bits',
     );
+    expect(
+      inPlainWords('“shDegree 1” is the fastest.', { name: 'shDegree 1', settings, changed: ['shDegree'] }),
+    ).toBe('“Harmonics degree 1” is the fastest.');
     const ablation = resolveAccuracy({ preset: 'paper', culling: 'frustum' });
     expect(describeMeasured({ name: 'paper −CULL', settings: ablation, changed: ['culling'] })).toBe(
       'paper, Culling by chunk only',

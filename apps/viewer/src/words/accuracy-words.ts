@@ -81,6 +81,11 @@ export function describeMeasured({ name, settings, changed }: MeasuredSettings):
     : changed.map((each) => describeSetting(each, settings)).join(', ');
 }
 
+/** What the engine says of settings that were measured, by their plain name. */
+export function inPlainWords(text: string, measured: MeasuredSettings): string {
+  return text.replaceAll(`“${measured.name}”`, `“${describeMeasured(measured)}”`);
+}
+
 interface MeasuredSettings {
   /** As the engine calls them. */
   readonly name: string;
