@@ -9,10 +9,15 @@ import { chosenUses } from './effect-uses.ts';
 import { firstChoice } from './first-choice.ts';
 import { scenePlaceOf } from './scene-place.ts';
 
-/** Draws with what was chosen from the next frame on. */
+/**
+ * Draws with what was chosen from the next frame on.
+ *
+ * @throws InvalidArgumentError for numbers that an effect cannot have; then nothing changes.
+ */
 export function chooseEffects({ store, viewer }: PanelProps, choices: EffectChoices): void {
+  const uses = chosenUses(choices);
   store.setState(({ requested }) => ({ requested: { ...requested, choices } }));
-  viewer.setEffects('effects', chosenUses(choices));
+  viewer.setEffects('effects', uses);
 }
 
 /** Switches an effect on, with what was chosen for it before, or off. */
