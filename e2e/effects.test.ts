@@ -40,7 +40,7 @@ describe('effects in the viewer', () => {
     await open(page, withEmptyHarmonics(testScene()));
     expect(await isOn(page, 'harmonics')).toBe('false');
     expect(await effect(page, 'harmonics').textContent()).toContain('nothing above 0 could be seen');
-    expect(await textOf(page, 'scene')).toContain('SH 1, seen up to 0');
+    expect(await textOf(page, 'scene')).toContain('harmonics degree 1, seen up to 0');
     expect(await isOn(page, 'transform')).toBe('true');
     expect(await effect(page, 'transform').textContent()).toContain('Acts in no shader');
     const frames = await frameCount(page);
@@ -69,8 +69,12 @@ describe('effects in the viewer', () => {
     await page.getByTestId('measure').waitFor({ state: 'attached' });
     expect(await cautions.count()).toBe(0);
 
+    const beforeBrightness = await frameCount(page);
+    await press('switch-brightness');
+    await waitForFrameAfter(page, beforeBrightness);
     await press('measure');
     await cautions.waitFor({ state: 'attached' });
+    expect(await textOf(page, 'cost-brightness')).toMatch(/^[±−]?[\d.,]+ ms$/);
     expect(await cautions.textContent()).toContain('software adapter');
     expect(await effect(page, 'harmonics').textContent()).toMatch(/\d ms · .*(of each frame|take the same)/);
     expect(await effect(page, 'fog').textContent()).not.toContain('ms');

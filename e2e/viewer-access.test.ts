@@ -48,13 +48,14 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
     await expectAccessible(page, 'error map');
     await page.setViewportSize({ width: 360, height: 640 });
     await expectAccessible(page, 'a phone');
-    for (const [key, name] of [
-      ['e', 'effects'],
+    for (const [key, name, ...switches] of [
+      ['e', 'effects', 'switch-clip', 'switch-reveal', 'switch-fog'],
       ['x', 'save'],
       ['?', 'help'],
     ]) {
       await page.keyboard.press(key);
       await page.getByTestId(name).waitFor();
+      for (const each of switches) await page.getByTestId(each).click();
       await expectAccessible(page, name);
     }
     await page.keyboard.press('Escape');

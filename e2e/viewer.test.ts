@@ -386,7 +386,7 @@ describe('viewer', () => {
     await dropFiles(page, [{ name: 'half.ply', bytes: encodePly(set) }]);
     await waitForFrameAfter(page, frames);
     await waitForState(page, 'ready');
-    expect(await textOf(page, 'scene')).toContain('198 splats · SH 1 · 202 left out');
+    expect(await textOf(page, 'scene')).toContain('198 splats · harmonics degree 1 · 202 left out');
     expect(await textOf(page, 'warning')).toContain('More than half of the splats were left out');
     expect(await textOf(page, 'warning')).toContain('202 of the 400 rows in half.ply');
     expect(await page.getByRole('status').getByTestId('warning').isVisible()).toBe(true);

@@ -47,6 +47,11 @@ function showViewer(start: StartOptions, dropped?: FileDropDecision): void {
   followViewMode(store, viewer);
   // Nothing is written before the first picture, which does not wait for this.
   void import('./links/address-mirror.ts').then(({ mirrorToAddress }) => mirrorToAddress(store, viewer));
+  const effects = address.get('effects');
+  if (effects !== null && !dropped)
+    void import('./links/linked-effects.ts').then(({ followLinkedEffects }) =>
+      followLinkedEffects({ store, viewer }, effects, address),
+    );
   const asksForNothing = !start.scene && !start.addresses?.length;
   if (dropped) followDrop(dropped, store, viewer);
   else if (asksForNothing || hasOpenedFile()) void viewer.files.offer();

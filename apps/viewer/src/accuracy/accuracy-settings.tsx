@@ -2,7 +2,13 @@ import { ACCURACY_SETTINGS, type AccuracySetting, type AccuracySettings } from '
 import { useId } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../viewer/panel-props.ts';
-import { formatValue, SETTING_NAMES, type SettingName, type SettingValue } from '../words/accuracy-words.ts';
+import {
+  formatValue,
+  SETTING_NAMES,
+  type SettingName,
+  type SettingValue,
+  valueWords,
+} from '../words/accuracy-words.ts';
 import { positionOf, SLIDER_STEPS, valueAt } from './setting-slider.ts';
 
 /** Every setting with what it does. */
@@ -39,7 +45,9 @@ function Setting({
   const described = { id, 'aria-describedby': `${id}-about`, 'data-testid': `setting-${name}` };
   return (
     <div className="setting">
-      <label htmlFor={id}>{label}</label>
+      <span className="setting-name">
+        <label htmlFor={id}>{label}</label> <code>{name}</code>
+      </span>
       {range ? (
         <span className="setting-range">
           <input
@@ -64,7 +72,7 @@ function Setting({
         >
           {(values as readonly SettingValue[]).map((each) => (
             <option key={each} value={String(each)}>
-              {unit === 'bits' ? `${each} bits` : each}
+              {optionWords(name, each)}
             </option>
           ))}
         </select>
@@ -72,4 +80,11 @@ function Setting({
       <p id={`${id}-about`}>{about}</p>
     </div>
   );
+}
+
+/** `16-bit floats (f16)`: plain words, and the identifier where that is another. */
+function optionWords(name: SettingName, value: SettingValue): string {
+  const words = valueWords(name, value);
+  const isSaid = words.replaceAll(' ', '-').includes(String(value));
+  return isSaid ? words : `${words} (${value})`;
 }

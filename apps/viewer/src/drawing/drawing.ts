@@ -148,7 +148,7 @@ export class Drawing {
   #report({ views }: Session, changes: Pick<ViewerState, 'isOwnCamera' | 'lastRender'>): void {
     const { store } = this.#options;
     const { dock } = store.getState();
-    if (dock === 'effects') this.#listEffects(views.main);
+    if (dock === 'effects') this.#listChangedEffects(views.main);
     store.setState({ isIdle: false, ...changes });
   }
 
@@ -199,6 +199,16 @@ export class Drawing {
     if (this.#hasPicture || !this.#drawn) return;
     this.#hasPicture = true;
     performance.measure(FIRST_PICTURE);
+  }
+
+  /** While frames are drawn: reasons that only have other figures, as while a slider is dragged, wait for the rest. */
+  #listChangedEffects(view: SplatView): void {
+    const { store } = this.#options;
+    const effects = view.effects();
+    const before = store.getState().effects;
+    const isSame =
+      effects.length === before.length && effects.every(({ isOn }, i) => isOn === before[i].isOn);
+    if (!isSame) store.setState({ effects });
   }
 
   #listEffects(view: SplatView): void {

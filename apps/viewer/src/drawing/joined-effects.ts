@@ -1,5 +1,5 @@
 import { type ClipOptions, clip, type EffectUse } from '@websplatter/core/effects';
-import type { RequestedEffects } from '../state/requested-effects.ts';
+import { EFFECT_OWNERS, type RequestedEffects } from '../state/requested-effects.ts';
 
 /**
  * What all panels together ask for. Clip volumes of several panels cut together; of any other effect that several ask for, the
@@ -10,7 +10,7 @@ export function joinedEffects(requested: RequestedEffects): readonly EffectUse[]
   const byName = new Map<string, EffectUse>();
   const own = requested['view-mode'];
   const isColored = own.some(({ effect }) => effect.hooks.color !== undefined);
-  for (const use of Object.values(requested).flat()) {
+  for (const use of EFFECT_OWNERS.flatMap((owner) => requested[owner])) {
     if (isColored && !own.includes(use) && recolorsAll(use)) continue;
     const { name } = use.effect;
     const before = byName.get(name);

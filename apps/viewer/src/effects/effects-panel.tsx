@@ -7,19 +7,22 @@ import { MeasurementRunner } from '../measurement/measurement-runner.tsx';
 import { timingCautions } from '../measurement/timing-cautions.ts';
 import type { MeasuredEffects } from '../state/measured.ts';
 import type { ViewerStore } from '../state/store.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
 import { Dock } from '../ui/dock.tsx';
+import type { PanelProps } from '../viewer/panel-props.ts';
 import { formatBytes, formatCount } from '../words/format.ts';
 import { describeCost, formatCost, measureEffectCosts } from './effect-costs.ts';
+import { RequestedEffectsForm } from './requested-effects-form.tsx';
 
-interface EffectsProps {
-  readonly store: ViewerStore;
+interface EffectsProps extends PanelProps {
   readonly measurement: Measurement;
 }
 
-/** Lists the effects that are on and those that are off, with the reason, the memory and the cost of each. */
-export const EffectsPanel = memo(function EffectsPanel({ store, measurement }: EffectsProps) {
+/** Asks for effects, and lists those that are on and those that are off, with the reason, the memory and the cost of each. */
+export const EffectsPanel = memo(function EffectsPanel({ store, viewer, measurement }: EffectsProps) {
   const effects = useStore(store, (state) => state.effects);
   const measured = useStore(store, (state) => state.effectCosts);
+  const isStale = useStore(store, areCostsStale);
   const hasSeveralClouds = useStore(store, (state) => (state.scene?.clouds ?? 0) > 1);
   const listed = { costs: measured?.costs ?? [], hasSeveralClouds };
   return (
@@ -30,6 +33,7 @@ export const EffectsPanel = memo(function EffectsPanel({ store, measurement }: E
         // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, so keys must reach it.
         tabIndex={0}
       >
+        <RequestedEffectsForm store={store} viewer={viewer} costs={listed.costs} isStale={isStale} />
         <EffectList title="In this frame" entries={effects.filter(({ isOn }) => isOn)} {...listed} />
         <MeasurementRunner
           store={store}
@@ -39,20 +43,33 @@ export const EffectsPanel = memo(function EffectsPanel({ store, measurement }: E
           onStart={() => void measureEffectCosts(store, measurement)}
           onCancel={() => measurement.stop()}
         />
-        {measured && <Cautions store={store} measured={measured} />}
+        {measured && <Cautions store={store} measured={measured} isStale={isStale} />}
         <EffectList title="Not called for" entries={effects.filter(({ isOn }) => !isOn)} {...listed} />
       </section>
     </Dock>
   );
 });
 
-function Cautions({ store, measured }: { store: ViewerStore; measured: MeasuredEffects }) {
-  const { imageId, accuracy, isSoftware } = measured;
-  const isStale = useStore(store, (state) => state.imageId !== imageId || state.accuracy !== accuracy);
+/** Whether costs were measured for another picture than the one on the screen. */
+function areCostsStale({ effectCosts, imageId, accuracy }: ViewerState): boolean {
+  return effectCosts !== null && (effectCosts.imageId !== imageId || effectCosts.accuracy !== accuracy);
+}
+
+function Cautions({
+  store,
+  measured: { isSoftware },
+  isStale,
+}: {
+  store: ViewerStore;
+  measured: MeasuredEffects;
+  isStale: boolean;
+}) {
   const source = useStore(store, (state) => state.statistics?.timing.source ?? 'gpu-timestamps');
   return (
     <div className="circumstances" data-testid="effect-cautions" data-stale={isStale}>
-      {isStale && <p className="stale">Costs are those of another view, size or accuracy.</p>}
+      {isStale && (
+        <p className="stale">Costs are those of another view, size, accuracy or choice of effects.</p>
+      )}
       {timingCautions(isSoftware, source).map((caution) => (
         <p key={caution}>{caution}</p>
       ))}

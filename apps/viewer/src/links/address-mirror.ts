@@ -41,6 +41,7 @@ const MIRRORED = [
   'wish',
   'comparison',
   'splitPart',
+  'requested',
   'scene',
   'isFlipped',
   'isZUp',

@@ -23,10 +23,12 @@ function view(changes: Partial<LinkedView> = {}): LinkedView {
     camera: first,
     accuracy: resolveAccuracy(),
     comparison: null,
+    effects: {},
     viewMode: 'colours',
     ...changes,
   };
 }
+const tinted = { tint: { isOn: true, choice: { color: '#ff0000' } } } as const;
 const written = (before: string, changes: Partial<LinkedView>) =>
   pageAddress(page(before), view(changes), unmentioned);
 
@@ -51,6 +53,13 @@ describe('the address of the page', () => {
       written('/?scene=hard:a,b#top', { source: { kind: 'hard-case', name: 'a,b' }, accuracy, comparison }),
     ).toBe('/?scene=hard:a,b&accuracy=high,shDegree:0&compare=current/high,shDegree:0/0.25#top');
     expect(written('/?accuracy=fast&compare=error', {})).toBe('/');
+  });
+
+  it('names effects that are on, and with them the scene', () => {
+    expect(written('/', { effects: tinted })).toBe(`/?effects=tint:ff0000&scene=${scene.name}`);
+    expect(written('/?effects=tint:ff0000', {})).toBe('/');
+    expect(written('/?effects=tint:ff0000', { source: file, effects: tinted })).toBe('/');
+    expect(written('/?src=gone.ply&effects=tint:ff0000', {})).toBe('/?src=gone.ply');
   });
 
   it('names the view mode', () => {
@@ -95,6 +104,11 @@ describe('a link', () => {
     const link = new URL(linkTo(page('/?src=gone.ply'), view()) ?? '');
     expect(link.searchParams.get('src')).toBeNull();
     expect(link.searchParams.get('scene')).toBe(scene.name);
+  });
+
+  it('tells the effects that are on', () => {
+    const link = new URL(linkTo(page('/'), view({ effects: tinted })) ?? '');
+    expect(link.searchParams.get('effects')).toBe('tint:ff0000');
   });
 
   it('is none to a file of this device', () => {

@@ -3,10 +3,12 @@ import type { LinkedCamera } from '../camera/view-camera.ts';
 import { hardCaseNameIn, hardCaseScene } from '../hard-cases/catalogue.ts';
 import { ADDRESS_NAMES, addressedScene } from '../scene/first-source.ts';
 import type { SceneSource } from '../scene/scene-source.ts';
+import type { EffectChoices } from '../state/effect-choices.ts';
 import type { ViewModeName } from '../state/view-mode.ts';
 import { encodeAccuracy } from '../words/accuracy-address.ts';
 import { encodeCamera } from './camera-text.ts';
 import { encodeComparison, type LinkedComparison } from './comparison-text.ts';
+import { encodeEffects } from './effects-text.ts';
 import { encodeViewMode } from './view-mode-text.ts';
 
 /** What an address tells of the viewer. */
@@ -16,6 +18,7 @@ export interface LinkedView {
   readonly camera: LinkedCamera;
   readonly accuracy: AccuracySettings | AccuracyWish;
   readonly comparison: LinkedComparison | null;
+  readonly effects: EffectChoices;
   readonly viewMode: ViewModeName;
 }
 
@@ -26,17 +29,23 @@ export interface UnmentionedView {
   readonly accuracy: AccuracySettings;
 }
 
+/** Names in the query of what belongs to the scene that it was chosen for, at that scene's scale. */
+const OF_ONE_SCENE = ['camera', 'effects'];
+
 /** `page` as it is to be while `view` is shown: path, query and fragment. What it says besides stays. */
 export function pageAddress(page: URL, view: LinkedView, unmentioned: UnmentionedView): string {
   const query = new URLSearchParams(page.search);
   const camera = encodeCamera(view.camera);
   const isFirstView = unmentioned.camera !== null && camera === encodeCamera(unmentioned.camera);
-  if (isFallback(view, query)) query.delete('camera');
+  if (isFallback(view.source, query)) for (const name of OF_ONE_SCENE) query.delete(name);
   else {
-    // Nobody else has a file of this device: its camera would be that of another scene.
-    const isMentioned = !isFirstView && view.source !== null && view.source.kind !== 'file';
+    // Nobody else has a file of this device: its camera and effects would be those of another scene.
+    const isShared = view.source !== null && view.source.kind !== 'file';
+    const isMentioned = isShared && !isFirstView;
+    const effects = isShared ? encodeEffects(view.effects) : null;
     write(query, 'camera', isMentioned ? camera : null);
-    writeSource(query, view.source, page, isMentioned);
+    write(query, 'effects', effects);
+    writeSource(query, view.source, page, isMentioned || effects !== null);
   }
   write(query, 'accuracy', encodeAccuracy(view.accuracy, unmentioned.accuracy));
   write(query, 'compare', view.comparison && encodeComparison(view.comparison));
@@ -53,6 +62,7 @@ export function linkTo(page: URL, view: LinkedView): string | null {
   const query = new URLSearchParams(page.search);
   writeSource(query, view.source, page, true);
   write(query, 'camera', encodeCamera(view.camera));
+  write(query, 'effects', encodeEffects(view.effects));
   write(query, 'accuracy', encodeAccuracy(view.accuracy, null));
   write(query, 'compare', view.comparison && encodeComparison(view.comparison));
   write(query, 'mode', encodeViewMode(view.viewMode));
@@ -60,7 +70,7 @@ export function linkTo(page: URL, view: LinkedView): string | null {
 }
 
 /** Whether a built-in scene is shown in place of what the address names, which could not be opened. */
-function isFallback({ source }: LinkedView, query: URLSearchParams): boolean {
+export function isFallback(source: SceneSource | null, query: URLSearchParams): boolean {
   const { addresses = [], scene } = addressedScene(query);
   return source?.kind === 'builtin' && (addresses.length > 0 || hardCaseNameIn(scene) !== null);
 }

@@ -52,8 +52,8 @@ export class AccuracyChart {
       return;
     }
     this.#layout = chartLayout(contents.points);
-    const { front } = this.#layout;
-    this.#plot.setData([front.map(({ xMs }) => xMs), front.map(({ yDb }) => yDb)]);
+    const { frontLine } = this.#layout;
+    this.#plot.setData([frontLine.map(({ xMs }) => xMs), frontLine.map(({ yDb }) => yDb)]);
   }
 
   destroy(): void {
@@ -85,7 +85,14 @@ export class AccuracyChart {
       },
       axes: [
         { ...axis, label: 'milliseconds a frame', size: 24, space: 44 },
-        { ...axis, label: 'dB, higher is better', size: 30, space: 30 },
+        {
+          ...axis,
+          label: 'PSNR in dB, higher is better',
+          size: 34,
+          space: 30,
+          filter: (_, splits) => this.#belowBand(splits),
+          grid: { ...axis.grid, filter: (_, splits) => this.#belowBand(splits) },
+        },
       ],
       series: [
         {},
@@ -96,8 +103,31 @@ export class AccuracyChart {
           paths: uPlot.paths.stepped?.({ align: 1 }),
         },
       ],
-      hooks: { draw: [() => this.#placePoints()] },
+      hooks: { drawClear: [() => this.#drawBand()], draw: [() => this.#placePoints()] },
     };
+  }
+
+  /** There are no decibels in the band of points that equal the reference. */
+  #belowBand(splits: readonly number[]): (number | null)[] {
+    const { equalFromDb } = this.#layout;
+    return splits.map((value) => (equalFromDb === null || value < equalFromDb ? value : null));
+  }
+
+  #drawBand(): void {
+    const { equalFromDb } = this.#layout;
+    if (equalFromDb === null) return;
+    const { ctx, bbox } = this.#plot;
+    const { color, borderTopColor } = getComputedStyle(this.#root);
+    const bottom = this.#plot.valToPos(equalFromDb, 'y', true);
+    ctx.save();
+    ctx.fillStyle = borderTopColor;
+    ctx.fillRect(bbox.left, bbox.top, bbox.width, bottom - bbox.top);
+    ctx.fillStyle = color;
+    ctx.font = `${LABEL_FONT_PX * devicePixelRatio}px system-ui, sans-serif`;
+    ctx.textAlign = 'right';
+    ctx.textBaseline = 'middle';
+    ctx.fillText('equal', bbox.left - 4 * devicePixelRatio, (bbox.top + bottom) / 2);
+    ctx.restore();
   }
 
   #resize(): void {
@@ -118,19 +148,19 @@ export class AccuracyChart {
     const boxes = placeLabels(
       labelled.map((point) => ({
         ...place(point),
-        width: this.#textWidth(point.name),
+        width: this.#textWidth(point.label),
         height: LABEL_HEIGHT_PX,
       })),
       { left: 2, top: 0, width: over.clientWidth - 4, height: over.clientHeight },
     );
-    const labels = boxes.flatMap((box, i) => (box ? [labelAt(labelled[i].name, box.left, box.top)] : []));
+    const labels = boxes.flatMap((box, i) => (box ? [labelAt(labelled[i].label, box.left, box.top)] : []));
     over.replaceChildren(...labels, ...buttons);
     this.#mark();
     if (focused) over.querySelector<HTMLElement>(`[data-index="${focused}"]`)?.focus();
   }
 
   #button(point: PlacedPoint, { x, y }: { x: number; y: number }): HTMLButtonElement {
-    const { index, name, lowMs, highMs, isOnFront, words } = point;
+    const { index, name, label, lowMs, highMs, isOnFront, words } = point;
     const button = document.createElement('button');
     button.type = 'button';
     button.className = isOnFront ? 'chart-point on-front' : 'chart-point';
@@ -138,7 +168,8 @@ export class AccuracyChart {
     button.style.top = `${y}px`;
     button.dataset.index = String(index);
     button.dataset.testid = 'accuracy-point';
-    button.setAttribute('aria-label', `${name}: ${words}`);
+    button.dataset.name = name;
+    button.setAttribute('aria-label', `${label}: ${words}`);
     const interval = document.createElement('i');
     const left = this.#plot.valToPos(lowMs, 'x');
     interval.style.left = `calc(50% + ${left - x}px)`;

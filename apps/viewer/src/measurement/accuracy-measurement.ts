@@ -1,4 +1,6 @@
 import { type AccuracySettings, isSoftwareAdapter } from '@websplatter/core';
+import type { AccuracyTable, MeasureAccuracyOptions } from '@websplatter/core/measure';
+import type { MeasuredAccuracy } from '../state/measured.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
@@ -37,32 +39,50 @@ export class AccuracyMeasurement {
     });
   }
 
-  /** Measures the present view: presets, settings one at a time away from the default, and promising combinations. */
-  async measure(): Promise<void> {
-    const measured = await this.#measurement.run('accuracy', async ({ engine, frame }, options) => {
-      const { measureAccuracy } = await import('@websplatter/core/measure');
-      const { camera, clouds, widthPx, heightPx, sortBy } = frame;
-      const table = await measureAccuracy(engine, {
-        clouds,
-        cameras: [camera],
-        widthPx,
-        heightPx,
-        sortBy,
-        ...(isSoftwareAdapter(engine.device.adapterInfo) && { frames: SOFTWARE_FRAMES, combinations: false }),
-        ...options,
-      });
-      return { table };
-    });
-    if (measured) this.#store.setState({ measured });
+  /**
+   * Measures the present view: the presets; or also settings one at a time away from the default, and promising combinations.
+   * What was measured stays if it is called off.
+   */
+  async measure(sweep: 'presets' | 'settings'): Promise<void> {
+    let timed: AccuracyTable | null = null;
+    const measured = await this.#measurement.run(
+      'accuracy',
+      async ({ engine, frame }, options) => {
+        const { measureAccuracy, countMeasureSteps } = await import('@websplatter/core/measure');
+        const { camera, clouds, widthPx, heightPx, sortBy } = frame;
+        const isSoftware = isSoftwareAdapter(engine.device.adapterInfo);
+        const image = { clouds, cameras: [camera], widthPx, heightPx, sortBy };
+        const asked = { ...image, ...sweepOptions(sweep, isSoftware) };
+        const onTable = (table: AccuracyTable) => {
+          timed = table;
+        };
+        const table = await measureAccuracy(engine, { ...asked, ...options, onTable });
+        const all = countMeasureSteps({ ...image, ...sweepOptions('settings', isSoftware) });
+        const allSettingsMs = sweep === 'presets' ? (table.elapsedMs * all) / countMeasureSteps(asked) : null;
+        return { table, sweep, isCutShort: false, allSettingsMs };
+      },
+      () => timed && { table: timed, sweep, isCutShort: true, allSettingsMs: null },
+    );
+    if (measured) this.#take(measured);
   }
 
   /** Measures which settings meet the wish, and draws with them. */
   async choose(): Promise<void> {
     const measured = await this.#measurement.run('accuracy', async (_, options) => {
       const { table } = await this.#viewer.chooseAccuracy(options);
-      return { table };
+      return { table, sweep: 'wish' as const, isCutShort: false, allSettingsMs: null };
     });
-    if (measured) this.#store.setState({ measured });
+    if (measured) this.#take(measured);
+  }
+
+  /** What was called off replaces nothing that tells more of the same image. */
+  #take(measured: MeasuredAccuracy): void {
+    const before = this.#store.getState().measured;
+    const tellsLess =
+      measured.isCutShort &&
+      before?.imageId === measured.imageId &&
+      before.table.points.length >= measured.table.points.length;
+    if (!tellsLess) this.#store.setState({ measured });
   }
 
   /** An earlier choice stays; a wish without one ends. */
@@ -76,6 +96,15 @@ export class AccuracyMeasurement {
     if (wish && !choice) this.#viewer.setAccuracy(this.#fallback);
   }
 }
+
+function sweepOptions(sweep: 'presets' | 'settings', isSoftware: boolean): SweepOptions {
+  const presets = sweep === 'presets' ? { settings: [], ablations: false } : {};
+  // Combinations are those of settings, and take many frames to find.
+  const combinations = sweep === 'settings' && !isSoftware;
+  return { ...presets, combinations, ...(isSoftware && { frames: SOFTWARE_FRAMES }) };
+}
+
+type SweepOptions = Pick<MeasureAccuracyOptions, 'settings' | 'ablations' | 'combinations' | 'frames'>;
 
 /** Whether there are an image at rest and a wish, but nothing was chosen for it. */
 function lacksChoice({ wish, choice, status, scene, isIdle }: ViewerState): boolean {

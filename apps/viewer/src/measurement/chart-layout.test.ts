@@ -27,22 +27,40 @@ describe('chart of accuracy', () => {
   ];
 
   it('orders points by time and knows their places in the table', () => {
-    const { placed, front } = chartLayout(points);
+    const { placed } = chartLayout(points);
     expect(placed.map(({ name, index }) => [name, index])).toEqual([
       ['balanced', 1],
       ['shDegree 0', 2],
       ['reference', 0],
     ]);
-    expect(front.map(({ name }) => name)).toEqual(['balanced', 'reference']);
   });
 
-  it('puts what equals the reference above everything else, in sight', () => {
-    const { placed, yRange } = chartLayout(points);
+  it('has the front as a line from its fastest point up to its most exact, and on to the end', () => {
+    const { frontLine, placed, xRange, yRange } = chartLayout(points);
+    const exactDb = placed[2].yDb;
+    expect(frontLine.map(({ xMs, yDb }) => [xMs, yDb])).toEqual([
+      [2, yRange[0]],
+      [2, 50],
+      [4, exactDb],
+      [xRange[1], exactDb],
+    ]);
+    expect(chartLayout([]).frontLine).toEqual([]);
+  });
+
+  it('puts what equals the reference into a band above everything else, in sight', () => {
+    const { placed, yRange, equalFromDb } = chartLayout(points);
     const exact = placed[2].yDb;
-    expect(exact).toBeGreaterThan(50);
+    expect(equalFromDb).toBeGreaterThan(50);
+    expect(exact).toBeGreaterThan(equalFromDb ?? Infinity);
     expect(yRange[1]).toBeGreaterThan(exact);
     expect(yRange[1]).toBeLessThan(80);
-    expect(placed[2].words).toBe('∞ dB, 4.0 ms');
+    expect(placed[2].words).toBe('equal to reference, 4.0 ms');
+  });
+
+  it('has no band where nothing equals the reference', () => {
+    const { yRange, equalFromDb } = chartLayout(points.slice(1));
+    expect(equalFromDb).toBeNull();
+    expect(yRange[1]).toBeLessThan(55);
   });
 
   it('leaves room around all points, and never shows times before 0', () => {
@@ -73,6 +91,6 @@ describe('chart of accuracy', () => {
 
   it('writes decibels', () => {
     expect(formatDb(48.26)).toBe('48.3');
-    expect(formatDb(Number.POSITIVE_INFINITY)).toBe('∞');
+    expect(formatDb(Number.POSITIVE_INFINITY)).toBe('equal');
   });
 });

@@ -1,17 +1,21 @@
 import { ACCURACY_PRESETS } from '@websplatter/core';
 import type { AccuracyPoint } from '@websplatter/core/measure';
-import { formatDb, formatMs } from '../words/format.ts';
+import { describeMeasured } from '../words/accuracy-words.ts';
+import { formatMs, formatPsnr } from '../words/format.ts';
 
 /** A point of the chart. */
 export interface PlacedPoint {
   /** Its place in the table. */
   readonly index: number;
+  /** As the engine calls it. */
   readonly name: string;
+  /** In plain words. */
+  readonly label: string;
   readonly xMs: number;
   /** Interval of the median. */
   readonly lowMs: number;
   readonly highMs: number;
-  /** Finite: images that equal the reference stand above all others. */
+  /** Finite: points whose images equal the reference stand in the middle of the band. */
   readonly yDb: number;
   readonly isOnFront: boolean;
   /** Labels of more important points are placed first. */
@@ -23,44 +27,55 @@ export interface PlacedPoint {
 export interface ChartLayout {
   /** In order of time. */
   readonly placed: readonly PlacedPoint[];
-  /** Points on the front, in order of time. */
-  readonly front: readonly PlacedPoint[];
+  /** The best that a frame of a given time can show: corners of a line of steps through the points on the front. */
+  readonly frontLine: readonly Pick<PlacedPoint, 'xMs' | 'yDb'>[];
   readonly xRange: readonly [number, number];
   readonly yRange: readonly [number, number];
+  /** From where on the band of points is whose images equal the reference, up to the end of the range; null: there is none. */
+  readonly equalFromDb: number | null;
 }
 
-/** How far an image that equals the reference stands above the next. */
-const EXACT_ABOVE_DB = 8;
+/** Of the range of the other points, the height of the band of those that equal the reference. */
+const BAND_PART = 0.22;
 /** Parts of the range left free at its ends. */
 const MARGIN = 0.08;
 
 /** Places the points of a table in its chart. */
 export function chartLayout(points: readonly AccuracyPoint[]): ChartLayout {
-  const finite = points.map(({ error }) => error.psnrDb).filter(Number.isFinite);
-  const exactDb = (finite.length > 0 ? Math.max(...finite) : 60) + EXACT_ABOVE_DB;
+  const decibels = points.map(({ error }) => error.psnrDb);
+  const finiteRange = rangeOf(decibels.filter(Number.isFinite));
+  const equalFromDb = decibels.every(Number.isFinite) ? null : finiteRange[1];
+  const bandDb = equalFromDb === null ? 0 : BAND_PART * (finiteRange[1] - finiteRange[0]);
   const placed = points
     .map((point, index): PlacedPoint => {
       const { name, error, timeMs, isOnFront } = point;
+      const isEqual = !Number.isFinite(error.psnrDb);
       const isPreset = Object.hasOwn(ACCURACY_PRESETS, name);
       return {
         index,
         name,
+        label: describeMeasured(point),
         xMs: timeMs.total.median,
         lowMs: timeMs.total.low,
         highMs: timeMs.total.high,
-        yDb: Math.min(error.psnrDb, exactDb),
+        yDb: isEqual ? finiteRange[1] + bandDb / 2 : error.psnrDb,
         isOnFront,
         importance: (isPreset ? 2 : 0) + (isOnFront ? 1 : 0),
-        words: `${formatDb(error.psnrDb)} dB, ${formatMs(timeMs.total.median)} ms`,
+        words: `${formatPsnr(error.psnrDb)}, ${formatMs(timeMs.total.median)} ms`,
       };
     })
     .sort((a, b) => a.xMs - b.xMs);
-  return {
-    placed,
-    front: placed.filter(({ isOnFront }) => isOnFront),
-    xRange: rangeOf(placed.map(({ xMs }) => xMs)),
-    yRange: rangeOf(placed.map(({ yDb }) => yDb)),
-  };
+  const xRange = rangeOf(placed.map(({ xMs }) => xMs));
+  const yRange = [finiteRange[0], finiteRange[1] + bandDb] as const;
+  const front = placed.filter(({ isOnFront }) => isOnFront);
+  return { placed, frontLine: frontLine(front, xRange[1], yRange[0]), xRange, yRange, equalFromDb };
+}
+
+/** @param front in order of time. Faster than its first point nothing can be had, and beyond its last nothing more. */
+function frontLine(front: readonly PlacedPoint[], endMs: number, bottomDb: number): ChartLayout['frontLine'] {
+  const [first, last] = [front.at(0), front.at(-1)];
+  if (!first || !last) return [];
+  return [{ xMs: first.xMs, yDb: bottomDb }, ...front, { xMs: endMs, yDb: last.yDb }];
 }
 
 function rangeOf(values: readonly number[]): readonly [number, number] {

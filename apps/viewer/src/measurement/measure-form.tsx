@@ -1,8 +1,12 @@
 import { useStore } from 'zustand';
+import type { MeasuredAccuracy } from '../state/measured.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
+import { inPlainWords } from '../words/accuracy-words.ts';
+import { formatDuration } from '../words/format.ts';
 import type { AccuracyMeasurement } from './accuracy-measurement.ts';
 import { MeasuredResults } from './measured-results.tsx';
 import { MeasurementRunner } from './measurement-runner.tsx';
+import { PsnrExplained } from './psnr-explained.tsx';
 import { WishForm } from './wish-form.tsx';
 
 /** Measures the cost and the error of each setting for the frame on the screen, and offers them to choose from. */
@@ -12,27 +16,63 @@ export function MeasureForm({
   accuracyMeasurement,
 }: PanelProps & { readonly accuracyMeasurement: AccuracyMeasurement }) {
   const measured = useStore(store, (state) => state.measured);
+  const imageId = useStore(store, (state) => state.imageId);
   const choice = useStore(store, (state) => state.choice);
   const hasWish = useStore(store, (state) => state.wish !== null);
+  const next = nextSweep(measured?.imageId === imageId ? measured : null, hasWish);
+  const start = (sweep: NextSweep['sweep']) =>
+    void (sweep === 'wish' ? accuracyMeasurement.choose() : accuracyMeasurement.measure(sweep));
   return (
     <div className="measure-form">
       <MeasurementRunner
         store={store}
         of="accuracy"
-        label={measured ? 'Measure again' : 'Measure this view'}
-        about={
-          measured ? null : 'Draws this view with every setting, and shows the time and the error of each.'
-        }
-        onStart={() => void (hasWish ? accuracyMeasurement.choose() : accuracyMeasurement.measure())}
+        label={next.label}
+        about={next.about}
+        onStart={() => start(next.sweep)}
         onCancel={() => accuracyMeasurement.cancel()}
       />
       {choice && (
         <p className="choice" role="status" data-testid="choice" data-met={choice.isMet}>
-          {choice.why}
+          {inPlainWords(choice.why, choice.point)}
         </p>
       )}
+      <PsnrExplained />
       {measured && <MeasuredResults store={store} viewer={viewer} measured={measured} />}
       <WishForm store={store} viewer={viewer} />
     </div>
   );
+}
+
+interface NextSweep {
+  readonly sweep: MeasuredAccuracy['sweep'];
+  readonly label: string;
+  readonly about: string | null;
+}
+
+/**
+ * What there is to measure next: the presets first, which do not take long, and then the rest.
+ *
+ * @param fresh what is known of the image on the screen; null: nothing.
+ */
+function nextSweep(fresh: MeasuredAccuracy | null, hasWish: boolean): NextSweep {
+  if (hasWish) return { sweep: 'wish', label: fresh ? 'Measure again' : 'Measure this view', about: null };
+  if (fresh === null || (fresh.sweep === 'presets' && fresh.isCutShort))
+    return {
+      sweep: 'presets',
+      label: 'Measure the presets',
+      about: 'Draws this view with each preset, and shows the time and the error of each.',
+    };
+  const { allSettingsMs } = fresh;
+  if (allSettingsMs === null && !fresh.isCutShort && fresh.sweep === 'settings')
+    return { sweep: 'settings', label: 'Measure again', about: null };
+  const estimate =
+    allSettingsMs === null
+      ? ''
+      : ` About ${formatDuration(allSettingsMs)}, by the time that the presets took.`;
+  return {
+    sweep: 'settings',
+    label: 'Measure every setting',
+    about: `Also changes settings one at a time.${estimate} What is measured stays if you cancel.`,
+  };
 }

@@ -3,9 +3,10 @@ import { useState } from 'react';
 import { useStore } from 'zustand';
 import type { MeasuredAccuracy } from '../state/measured.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
-import { isSameAccuracy } from '../words/accuracy-words.ts';
-import { formatBytes, formatCount, formatDb, formatMs, formatSplats } from '../words/format.ts';
+import { describeMeasured, isSameAccuracy } from '../words/accuracy-words.ts';
+import { formatBytes, formatCount, formatDb, formatMs, formatPsnr, formatSplats } from '../words/format.ts';
 import { ErrorTimeChart } from './error-time-chart.tsx';
+import { FIRST_ORDER, orderAfter, POINT_COLUMNS, type PointColumn, sortedPoints } from './sorted-points.ts';
 import { timingCautions } from './timing-cautions.ts';
 
 /** The newest table of measured settings: as a chart, and as a table to choose from. */
@@ -36,16 +37,16 @@ export function MeasuredResults({
 
 /** The figures of one point, with the interval of its time. */
 function Details({ point }: { point: AccuracyPoint }) {
-  const { name, error, timeMs, rasterizers, bytes, notes } = point;
+  const { error, timeMs, rasterizers, bytes, notes } = point;
   const { total, preprocess, sort, rasterize } = timeMs;
   const stages = [preprocess, sort, rasterize].map((spread) => (spread ? formatMs(spread.median) : null));
   return (
     <div className="details" data-testid="point-details">
       <p>
-        <b>{name}</b>
+        <b>{describeMeasured(point)}</b>
       </p>
       <p>
-        {formatDb(error.psnrDb)} dB · largest error {(255 * error.maxError).toFixed(1)} of 255 · 99.9 % under{' '}
+        {formatPsnr(error.psnrDb)} · largest error {(255 * error.maxError).toFixed(1)} of 255 · 99.9 % under{' '}
         {(255 * error.p999Error).toFixed(1)} · SSIM {error.ssim.toFixed(4)}
       </p>
       <p>
@@ -60,6 +61,12 @@ function Details({ point }: { point: AccuracyPoint }) {
   );
 }
 
+const COLUMN_TITLES: Readonly<Record<PointColumn, string>> = {
+  name: 'Setting',
+  psnr: 'PSNR (dB)',
+  time: 'Time (ms)',
+};
+
 function PointTable({
   points,
   current,
@@ -69,35 +76,67 @@ function PointTable({
   current: number;
   onPick: (index: number) => void;
 }) {
+  const [order, setOrder] = useState(FIRST_ORDER);
+  const sorting = order.isDescending ? 'descending' : 'ascending';
   return (
     <table data-testid="point-table">
       <thead>
         <tr>
-          <th scope="col">Setting</th>
-          <th scope="col">dB</th>
-          <th scope="col">ms</th>
+          {POINT_COLUMNS.map((column) => (
+            <th key={column} scope="col" aria-sort={order.by === column ? sorting : undefined}>
+              <button
+                type="button"
+                data-testid={`sort-${column}`}
+                onClick={() => setOrder(orderAfter(order, column))}
+              >
+                {COLUMN_TITLES[column]}
+              </button>
+            </th>
+          ))}
         </tr>
       </thead>
       <tbody>
-        {points.map(({ name, error, timeMs, isOnFront }, index) => (
-          <tr key={name} className={isOnFront ? 'on-front' : undefined}>
-            <th scope="row">
-              <button type="button" aria-pressed={index === current} onClick={() => onPick(index)}>
-                {name}
-              </button>
-            </th>
-            <td>{formatDb(error.psnrDb)}</td>
-            <td>{formatMs(timeMs.total.median)}</td>
-          </tr>
+        {sortedPoints(points, order).map((index) => (
+          <PointRow
+            key={points[index].name}
+            point={points[index]}
+            isCurrent={index === current}
+            onPick={() => onPick(index)}
+          />
         ))}
       </tbody>
     </table>
   );
 }
 
+function PointRow({
+  point,
+  isCurrent,
+  onPick,
+}: {
+  point: AccuracyPoint;
+  isCurrent: boolean;
+  onPick: () => void;
+}) {
+  const { name, error, timeMs, isOnFront } = point;
+  const words = describeMeasured(point);
+  return (
+    <tr className={isOnFront ? 'on-front' : undefined}>
+      <th scope="row">
+        <button type="button" aria-pressed={isCurrent} onClick={onPick}>
+          {words}
+          {words !== name && <code>{name}</code>}
+        </button>
+      </th>
+      <td>{formatDb(error.psnrDb)}</td>
+      <td>{formatMs(timeMs.total.median)}</td>
+    </tr>
+  );
+}
+
 /** Where and how the table was measured, and why it is not exact. */
 function Circumstances({ measured }: { measured: MeasuredAccuracy }) {
-  const { table, isSoftware } = measured;
+  const { table, isSoftware, isCutShort } = measured;
   const { adapter, timing, widthPx, heightPx, splats, views, frames, reference, notes } = table;
   const facts = [
     adapter,
@@ -108,6 +147,7 @@ function Circumstances({ measured }: { measured: MeasuredAccuracy }) {
     `${formatCount(frames)} frames each`,
   ];
   const cautions = [
+    ...(isCutShort ? [`Called off: ${formatCount(table.points.length)} settings were measured.`] : []),
     ...timingCautions(isSoftware, timing),
     ...reference.notes.map((note) => `Reference: ${note}`),
     ...notes,

@@ -35,10 +35,14 @@ export class Measurement {
     };
   }
 
-  /** @returns null without a frame on the screen, beside another measurement, and on failure; the store then says why. */
+  /**
+   * @param salvage what there is of a measurement that was called off; null if nothing.
+   * @returns null without a frame on the screen, beside another measurement, and on failure; the store then says why.
+   */
   async run<T>(
     of: MeasuredThing,
     work: (shown: ShownFrame, options: MeasurementOptions) => Promise<T>,
+    salvage: () => T | null = () => null,
   ): Promise<(T & MeasuredImage) | null> {
     const shown = this.#viewer.shownFrame;
     if (!shown || this.#running) return null;
@@ -46,18 +50,20 @@ export class Measurement {
     const running = new AbortController();
     this.#running = running;
     const { signal } = running;
-    const { imageId } = store.getState();
+    const { imageId, scene } = store.getState();
+    const isSoftware = isSoftwareAdapter(shown.engine.device.adapterInfo);
+    const measured = (result: T | null) =>
+      result && store.getState().scene === scene ? { ...result, imageId, isSoftware } : null;
     store.setState({ measuring: { of, done: 0, total: 1, label: 'Preparing' }, failedMeasurement: null });
     try {
       const onProgress = (progress: MeasureProgress) => {
         if (!signal.aborted) store.setState({ measuring: { of, ...progress } });
       };
       const result = await work(shown, { signal, onProgress });
-      const isSoftware = isSoftwareAdapter(shown.engine.device.adapterInfo);
-      return signal.aborted ? null : { ...result, imageId, isSoftware };
+      return measured(signal.aborted ? salvage() : result);
     } catch (error) {
       // The engine calls off measurements for views that have gone on to show something else.
-      if (signal.aborted || (error as Error).name === 'AbortError') return null;
+      if (signal.aborted || (error as Error).name === 'AbortError') return measured(salvage());
       if (!(error instanceof WebSplatterError)) console.error(error);
       const text = error instanceof Error ? error.message : String(error);
       store.setState({ failedMeasurement: { of, text } });

@@ -37,7 +37,7 @@ export function WishForm({ store, viewer }: PanelProps) {
         </select>
         <input
           type="number"
-          aria-label={kind === 'minPsnrDb' ? 'Decibels' : 'Milliseconds'}
+          aria-label={kind === 'minPsnrDb' ? 'Decibels of PSNR' : 'Milliseconds a frame'}
           min={kind === 'minPsnrDb' ? 1 : 0.1}
           step="any"
           required

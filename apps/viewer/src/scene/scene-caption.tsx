@@ -75,10 +75,10 @@ function Figures({ store, scene }: { store: ViewerStore; scene: SceneSummary }) 
   );
 }
 
-/** `SH 3`, or `SH 3, seen up to 1` if the bands above change nothing visible. */
+/** `harmonics degree 3`, or `harmonics degree 3, seen up to 1` if the bands above change nothing visible. */
 function formatHarmonics({ declaredShDegree, shDegree }: SceneSummary): string {
   const seen = shDegree < declaredShDegree ? `, seen up to ${shDegree}` : '';
-  return `SH ${declaredShDegree}${seen}`;
+  return `harmonics degree ${declaredShDegree}${seen}`;
 }
 
 /** The cameras that the scene comes with; one alone can be gone back to. */

@@ -28,6 +28,7 @@ const Hud = late(async () => (await import('../hud/hud.tsx')).Hud);
 const ViewPanel = late(async () => (await import('../looking/view-panel.tsx')).ViewPanel);
 const AccuracyPanel = late(async () => (await import('../accuracy/accuracy-panel.tsx')).AccuracyPanel);
 const EffectsPanel = late(async () => (await import('../effects/effects-panel.tsx')).EffectsPanel);
+const ClipGizmo = late(async () => (await import('../effects/clip-gizmo.tsx')).ClipGizmo);
 const SavePanel = late(async () => (await import('../saving/save-panel.tsx')).SavePanel);
 const Help = late(async () => (await import('./help.tsx')).Help);
 const ReopenPanel = late(async () => (await import('../messages/reopen-panel.tsx')).ReopenPanel);
@@ -43,6 +44,10 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   const isUnavailable = useStore(store, (state) => state.status === 'unavailable');
   const isLost = useStore(store, isGpuLost);
   const dock = useStore(store, (state) => state.dock);
+  const isClipVisible = useStore(
+    store,
+    (state) => state.dock === 'effects' && state.requested.choices.clip?.isOn === true,
+  );
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
   const hasErrorMap = useStore(store, (state) => state.comparison?.kind === 'error');
   const hasViewMode = useStore(store, (state) => state.viewMode !== 'colours');
@@ -91,6 +96,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
     <>
       <main>
         <Picture store={store} viewer={viewer} poster={poster} />
+        <Suspense>{isClipVisible && <ClipGizmo store={store} viewer={viewer} />}</Suspense>
         <div className="overlay">
           <Toolbar store={store} run={run} />
           <Suspense>{dock === 'view' && <ViewPanel store={store} viewer={viewer} />}</Suspense>
@@ -100,7 +106,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
             )}
           </Suspense>
           <Suspense>
-            {dock === 'effects' && <EffectsPanel store={store} measurement={measurement} />}
+            {dock === 'effects' && <EffectsPanel store={store} viewer={viewer} measurement={measurement} />}
           </Suspense>
           <Suspense>
             {dock === 'save' && <SavePanel store={store} viewer={viewer} saving={saving} />}

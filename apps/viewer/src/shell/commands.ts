@@ -40,7 +40,7 @@ export const COMMANDS: readonly Command[] = [
   { name: 'mode', label: 'Next view mode', key: 'm', isInPanel: true },
   { name: 'hud', label: 'Show or hide figures', key: 'h' },
   { name: 'accuracy', label: 'Accuracy and its cost', key: 'c' },
-  { name: 'effects', label: 'Effects and why', key: 'e' },
+  { name: 'effects', label: 'Effects and their cost', key: 'e' },
   { name: 'save', label: 'Save and share', key: 'x' },
   { name: 'link', label: 'Copy a link to this view', key: 'l', isInPanel: true },
   { name: 'help', label: 'Keys and gestures', key: '?' },
@@ -116,10 +116,12 @@ function mayMoveCamera(scope: KeyScope, key: string): boolean {
 /** What has the keyboard: the scene, text that is being written, a list that letters choose from, or another control. */
 type KeyScope = 'scene' | 'text' | 'open list' | 'control';
 
+const TEXT_FIELDS = 'textarea, input:not([type="range"], [type="checkbox"], [type="color"])';
+
 function keyScope(target: EventTarget | null): KeyScope {
   if (!(target instanceof HTMLElement) || target.matches('body, .viewport')) return 'scene';
   if (target.matches('select')) return isOpen(target) ? 'open list' : 'text';
-  const isText = target.isContentEditable || target.matches('textarea, input:not([type="range"])');
+  const isText = target.isContentEditable || target.matches(TEXT_FIELDS);
   return isText ? 'text' : 'control';
 }
 

@@ -22,9 +22,17 @@ export interface MeasuredImage {
   readonly isSoftware: boolean;
 }
 
+/** What is measured of accuracy: the presets, every setting, or what a wish needs to know. */
+export type AccuracySweep = 'presets' | 'settings' | 'wish';
+
 /** What accuracy was measured to cost. */
 export interface MeasuredAccuracy extends MeasuredImage {
   readonly table: AccuracyTable;
+  readonly sweep: AccuracySweep;
+  /** Whether it was called off before all of it was measured. */
+  readonly isCutShort: boolean;
+  /** How long every setting would take by the times of the presets, ms; null where it was not them that were measured. */
+  readonly allSettingsMs: number | null;
 }
 
 /** What effects were measured to cost. */

@@ -51,6 +51,7 @@ export function createViewerStore(): ViewerStore {
     effects: [],
     effectCosts: null,
     requested: NO_EFFECTS,
+    isRevealPlaying: false,
     errorFigures: null,
     splitPart: 0.5,
     isDroppedVisible: false,

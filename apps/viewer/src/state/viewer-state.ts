@@ -144,6 +144,8 @@ export interface ViewerState {
   readonly effectCosts: MeasuredEffects | null;
   /** Effects that panels ask for; another scene begins without any. */
   readonly requested: RequestedEffects;
+  /** Whether the effect `reveal` lets the scene appear by itself. */
+  readonly isRevealPlaying: boolean;
   /** How far the image on the screen is from `reference`, if that is asked for and known. */
   readonly errorFigures: ErrorFigures | null;
   /** Where the line of a split image is, 0…1 of its width. */

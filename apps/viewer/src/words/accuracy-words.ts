@@ -2,6 +2,7 @@ import {
   ACCURACY_PRESETS,
   ACCURACY_SETTINGS,
   type AccuracyPreset,
+  type AccuracySetting,
   type AccuracySettings,
   type AccuracyWish,
   DEFAULT_ACCURACY,
@@ -39,11 +40,61 @@ export function formatValue(value: SettingValue): string {
   return isUnitFraction ? `1/${denominator}` : String(Number(value.toPrecision(3)));
 }
 
-/** `balanced`, or `balanced, SH degree 1`: the nearest preset and what differs from it. */
+/** Values that are identifiers, in plain words; those of all settings together, since none means two things. */
+const VALUE_WORDS: Readonly<Record<string, string>> = {
+  f32: '32-bit floats',
+  f16: '16-bit floats',
+  u8: 'bytes',
+  rgba32float: '32-bit floats',
+  rgba16float: '16-bit floats',
+  rgba8unorm: '8-bit integers',
+  paper: 'as in the paper',
+  opacity: 'by opacity',
+  'bounding-box': 'by bounding box',
+  frustum: 'by chunk only',
+  auto: 'the faster',
+};
+
+/** `16 bits`, `1/128`, `32-bit floats`: a setting's value as people read it. */
+export function valueWords(name: SettingName, value: SettingValue): string {
+  const { unit }: AccuracySetting<unknown> = ACCURACY_SETTINGS[name];
+  if (unit === 'bits') return `${value} bits`;
+  return VALUE_WORDS[String(value)] ?? formatValue(value);
+}
+
+/** `balanced`, or `balanced, Harmonics degree 1`: the nearest preset and what differs from it. */
 export function describeAccuracy(settings: AccuracySettings): string {
   const { preset, changed } = nearestPreset(settings);
-  const changes = changed.map((name) => `${ACCURACY_SETTINGS[name].label} ${formatValue(settings[name])}`);
-  return [preset, ...changes].join(', ');
+  return [preset, ...changed.map((name) => describeSetting(name, settings))].join(', ');
+}
+
+/**
+ * What settings that were measured are called: `fast`, `Harmonics degree 1`, `paper, Culling by chunk only`. The engine calls
+ * them by the identifiers of its interface.
+ */
+export function describeMeasured({ name, settings, changed }: MeasuredSettings): string {
+  if (Object.hasOwn(ACCURACY_PRESETS, name)) return name;
+  // The others differ from the base, but these from a preset.
+  const isVariant = changed.length === 0 || name.startsWith('paper ');
+  return isVariant
+    ? describeAccuracy(settings)
+    : changed.map((each) => describeSetting(each, settings)).join(', ');
+}
+
+/** What the engine says of settings that were measured, by their plain name. */
+export function inPlainWords(text: string, measured: MeasuredSettings): string {
+  return text.replaceAll(`“${measured.name}”`, `“${describeMeasured(measured)}”`);
+}
+
+interface MeasuredSettings {
+  /** As the engine calls them. */
+  readonly name: string;
+  readonly settings: AccuracySettings;
+  readonly changed: readonly SettingName[];
+}
+
+function describeSetting(name: SettingName, settings: AccuracySettings): string {
+  return `${ACCURACY_SETTINGS[name].label} ${valueWords(name, settings[name])}`;
 }
 
 /** `at least 45 dB`, `at most 8 ms`. */

@@ -23,9 +23,21 @@ export function formatRate(framesPerSecond: number): string {
   return framesPerSecond < 9.95 ? framesPerSecond.toFixed(1) : wholeNumber.format(framesPerSecond);
 }
 
-/** `48.3`; `∞` if the images are equal. */
+/** `48.3`, of decibels; `equal` for equal images. */
 export function formatDb(psnrDb: number): string {
-  return Number.isFinite(psnrDb) ? psnrDb.toFixed(1) : '∞';
+  return Number.isFinite(psnrDb) ? psnrDb.toFixed(1) : 'equal';
+}
+
+/** `48.3 dB`, or `equal to reference`. */
+export function formatPsnr(psnrDb: number): string {
+  return Number.isFinite(psnrDb) ? `${formatDb(psnrDb)} dB` : 'equal to reference';
+}
+
+/** `0.8 s`, `12 s`, `3 min`: how long something takes, roughly. */
+export function formatDuration(elapsedMs: number): string {
+  const seconds = elapsedMs / 1000;
+  if (seconds >= 99.5) return `${Math.round(seconds / 60)} min`;
+  return `${seconds < 9.95 ? seconds.toFixed(1) : Math.round(seconds)} s`;
 }
 
 const BYTE_UNITS = ['B', 'kB', 'MB', 'GB', 'TB'];

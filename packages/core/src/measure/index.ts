@@ -8,6 +8,7 @@ export { type CopyBandwidthOptions, measureCopyBandwidth } from './copy-bandwidt
 export {
   type AccuracyPoint,
   type AccuracyTable,
+  countMeasureSteps,
   type MeasureAccuracyOptions,
   type MeasureProgress,
   measureAccuracy,

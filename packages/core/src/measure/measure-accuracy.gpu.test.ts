@@ -10,7 +10,13 @@ import { compareImages } from '../reference/compare-images.ts';
 import type { SortBy } from '../splats/sort-by.ts';
 import { chooseAccuracy } from './choose-accuracy.ts';
 import { compareViews } from './compare-views.ts';
-import { type AccuracyPoint, type MeasureProgress, measureAccuracy } from './measure-accuracy.ts';
+import {
+  type AccuracyPoint,
+  type AccuracyTable,
+  countMeasureSteps,
+  type MeasureProgress,
+  measureAccuracy,
+} from './measure-accuracy.ts';
 import { measureWish } from './measure-wish.ts';
 import type { MeasuredEngine } from './measured-engine.ts';
 import { sampleCameras } from './sample-cameras.ts';
@@ -158,12 +164,9 @@ describe('measureAccuracy', () => {
     const before = engine.memory().totalBytes;
     const progress: MeasureProgress[] = [];
     const { accuracy } = engine;
-    const table = await measureAccuracy(engine, {
-      ...common,
-      frames: 2,
-      settings: ['shDegree', 'alphaCutoff'],
-      onProgress: (each) => progress.push(each),
-    });
+    const options = { ...common, frames: 2, settings: ['shDegree', 'alphaCutoff'] };
+    const table = await measureAccuracy(engine, { ...options, onProgress: (each) => progress.push(each) });
+    expect(progress[0].total).toBe(countMeasureSteps(options));
     expect(engine.memory().totalBytes).toBe(before);
     expect(engine.accuracy).toBe(accuracy);
     expect(progress.map(({ done }) => done)).toEqual(progress.map((_, i) => i));
@@ -184,6 +187,22 @@ describe('measureAccuracy', () => {
       for (const setting of changed) expect(settings[setting]).not.toBe(table.base[setting]);
     }
     expect(table.points.filter(({ isOnFront }) => isOnFront).length).toBeGreaterThan(0);
+  });
+
+  gpuTest('tells what has been timed each time that there is more, the whole table at last', async () => {
+    const told: AccuracyTable[] = [];
+    const options = { ...common, frames: 4, settings: [], ablations: false, combinations: false };
+    const table = await measureAccuracy(engine, { ...options, onTable: (each) => told.push(each) });
+    const names = table.points.map(({ name }) => name);
+    // Two rounds, of which the second runs backwards.
+    const counts = told.map(({ points }) => points.length);
+    expect(counts).toEqual([...names.map((_, i) => i + 1), ...names.map(() => names.length)]);
+    for (const { points, base } of told) {
+      expect(points.map(({ name }) => name)).toEqual(names.slice(0, points.length));
+      expect(points.some(({ isOnFront }) => isOnFront)).toBe(true);
+      expect(base).toBe(table.base);
+    }
+    expect({ ...told.at(-1), elapsedMs: 0 }).toEqual({ ...table, elapsedMs: 0 });
   });
 
   gpuTest('ends when its signal is aborted, and frees its views', async () => {

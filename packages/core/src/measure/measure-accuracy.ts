@@ -44,6 +44,11 @@ export interface MeasureAccuracyOptions {
   /** Ends the measurement: it rejects with the signal's reason and frees what it holds. */
   readonly signal?: AbortSignal;
   readonly onProgress?: (progress: MeasureProgress) => void;
+  /**
+   * Takes the points that have been timed so far, each time that there is more to tell: what to keep of a measurement that is
+   * ended. Times of few frames have wide intervals, and points may leave the front as others are timed.
+   */
+  readonly onTable?: (table: AccuracyTable) => void;
 }
 
 export interface MeasureProgress {
@@ -131,6 +136,49 @@ export async function measureAccuracy(
 }
 
 /**
+ * Returns how many steps `measureAccuracy` takes with these options, at most: `total` of its first progress. Settings that the
+ * device or the clouds cannot show take none. From the time of one measurement, that of another follows, roughly: steps are of
+ * about the same length.
+ *
+ * @throws InvalidArgumentError for an unknown setting.
+ */
+export function countMeasureSteps(
+  options: Pick<
+    MeasureAccuracyOptions,
+    'clouds' | 'cameras' | 'base' | 'settings' | 'ablations' | 'combinations' | 'frames'
+  >,
+): number {
+  return stepsOf(options, candidatesFor(options).length);
+}
+
+/** Steps for this number of presets, ablations and single changes, and the most for combinations of them. */
+function stepsOf(
+  { cameras, combinations = true, frames = DEFAULT_FRAMES }: Parameters<typeof countMeasureSteps>[0],
+  candidates: number,
+): number {
+  const combining = combinations ? MAX_COMBINATIONS * stepsPerPoint(cameras.length, frames) : 0;
+  const looking = combinations ? candidates * cameras.length : 0;
+  return candidates * stepsPerPoint(cameras.length, frames) + combining + looking;
+}
+
+/** A comparison with the reference, and rounds of timing, for each camera. */
+function stepsPerPoint(cameras: number, frames: number): number {
+  return cameras * (1 + Math.ceil(frames / FRAMES_PER_VISIT));
+}
+
+function candidatesFor({
+  clouds,
+  base = DEFAULT_ACCURACY,
+  settings,
+  ablations,
+}: Parameters<typeof countMeasureSteps>[0]): Candidate[] {
+  // Finding a palette takes a while: only for who asks about harmonics, or where there is one.
+  const withPalettes =
+    settings !== undefined || clouds.every(({ cloud }) => cloud.facts.paletteEntries !== null);
+  return singleCandidates(base, settings, ablations, withPalettes);
+}
+
+/**
  * Measures as `measureAccuracy` does, but lets the clouds keep a precision.
  *
  * @param conclude makes the result from the table.
@@ -143,11 +191,8 @@ export async function measureThen<Result>(
   keep: (result: Result) => CloudPrecision | null,
 ): Promise<Result> {
   checkOptions(options);
-  const { clouds, base = DEFAULT_ACCURACY, signal } = options;
-  // Finding a palette takes a while: only for who asks about harmonics, or where there is one.
-  const withPalettes =
-    options.settings !== undefined || clouds.every(({ cloud }) => cloud.facts.paletteEntries !== null);
-  const candidates = singleCandidates(base, options.settings, options.ablations, withPalettes);
+  const { clouds, signal } = options;
+  const candidates = candidatesFor(options);
   const reference = engine.resolveAccuracy('reference');
   const planes = await leasePlanes(
     clouds.map(({ cloud }) => cloud),
@@ -181,6 +226,7 @@ class Measurement {
   readonly #reference: AccuracyTable['reference'];
   readonly #candidates: readonly Candidate[];
   readonly #notes: string[];
+  readonly #startedMs = performance.now();
   #done = 0;
   #total = 0;
 
@@ -200,22 +246,15 @@ class Measurement {
   }
 
   async run(): Promise<AccuracyTable> {
-    const startedMs = performance.now();
-    const engine = this.#engine;
-    const { clouds, cameras, widthPx, heightPx } = this.#options;
+    const { cameras, onTable } = this.#options;
     const withCombinations = this.#options.combinations ?? true;
     const candidates = this.#candidates.filter((each) => this.#isPossible(each));
-
-    const rounds = Math.ceil(this.#frames / FRAMES_PER_VISIT);
-    const stepsEach = cameras.length * (1 + rounds);
-    const singles = candidates.length;
-    this.#total = (singles + (withCombinations ? MAX_COMBINATIONS : 0)) * stepsEach;
-    if (withCombinations) this.#total += singles * cameras.length;
+    this.#total = stepsOf(this.#options, candidates.length);
 
     const measured = await this.#measureErrors(candidates);
     if (withCombinations) {
       const more = await this.#findCombinations(measured);
-      this.#total -= (MAX_COMBINATIONS - more.length) * stepsEach;
+      this.#total -= (MAX_COMBINATIONS - more.length) * stepsPerPoint(cameras.length, this.#frames);
       measured.push(...(await this.#measureErrors(more)));
     }
     for (const [round, frames] of visits(this.#frames).entries()) {
@@ -224,17 +263,21 @@ class Measurement {
       for (const each of order) {
         for (const [view, some] of (await this.#visit(each, frames)).entries())
           each.frames[view].push(...some);
+        onTable?.(this.#tableOf(measured.filter(isTimed)));
       }
     }
+    return this.#tableOf(measured);
+  }
 
-    const points = toPoints(measured);
+  #tableOf(measured: readonly Measured[]): AccuracyTable {
+    const engine = this.#engine;
+    const { clouds, cameras, widthPx, heightPx } = this.#options;
     const sources = measured.flatMap(({ frames }) => frames.flat().map(({ timing }) => timing));
-    this.#notes.push(...clockNotes(sources));
     return {
-      points,
-      base: measured[0].candidate.settings,
+      points: toPoints(measured),
+      base: this.#candidates[0].settings,
       reference: this.#reference,
-      notes: this.#notes,
+      notes: [...this.#notes, ...clockNotes(sources)],
       timing: sources[0].source,
       adapter: engine.adapterLabel,
       widthPx,
@@ -242,7 +285,7 @@ class Measurement {
       splats: clouds.reduce((sum, { cloud }) => sum + cloud.count, 0),
       views: cameras.length,
       frames: this.#frames,
-      elapsedMs: performance.now() - startedMs,
+      elapsedMs: performance.now() - this.#startedMs,
     };
   }
 
@@ -398,6 +441,10 @@ class Measurement {
 function visits(frames: number): number[] {
   const full = Array<number>(Math.floor(frames / FRAMES_PER_VISIT)).fill(FRAMES_PER_VISIT);
   return frames % FRAMES_PER_VISIT === 0 ? full : [...full, frames % FRAMES_PER_VISIT];
+}
+
+function isTimed({ frames }: Measured): boolean {
+  return frames.every((some) => some.length > 0);
 }
 
 function worstOf(errors: readonly ImageDifference[]): ImageDifference {

@@ -1,0 +1,63 @@
+import { add, cross, normalize, scale, type Vec3 } from '../camera/vec3.ts';
+import type { ClipChoice } from '../state/effect-choices.ts';
+import { planeNormal } from './effect-uses.ts';
+
+/** Lines of the world, each a row of points. */
+export type Outline = readonly (readonly Vec3[])[];
+
+const CIRCLE_POINTS = 48;
+
+/**
+ * Lines that show where a clip cuts: the edges of its box, three circles of its sphere, a square in its plane.
+ *
+ * @param planeRadius half the length of that square.
+ */
+export function clipOutline(choice: ClipChoice, planeRadius: number): Outline {
+  const { shape, center } = choice;
+  if (shape === 'box') return boxOutline(center, choice.size);
+  if (shape === 'sphere') return AXIS_PAIRS.map(([u, v]) => circle(center, u, v, choice.radius));
+  return planeOutline(center, planeNormal(choice), planeRadius, choice.keep === 'inside' ? 1 : -1);
+}
+
+const [X, Y, Z]: readonly Vec3[] = [
+  [1, 0, 0],
+  [0, 1, 0],
+  [0, 0, 1],
+];
+const AXIS_PAIRS = [
+  [X, Y],
+  [Y, Z],
+  [Z, X],
+] as const;
+
+function boxOutline(center: Vec3, size: Vec3): Outline {
+  const corner = (x: number, y: number, z: number): Vec3 =>
+    add(center, [(x * size[0]) / 2, (y * size[1]) / 2, (z * size[2]) / 2]);
+  const level = (y: number) => [
+    corner(-1, y, -1),
+    corner(1, y, -1),
+    corner(1, y, 1),
+    corner(-1, y, 1),
+    corner(-1, y, -1),
+  ];
+  const [below, above] = [level(-1), level(1)];
+  return [below, above, ...below.slice(1).map((point, i) => [point, above[i + 1]])];
+}
+
+function circle(center: Vec3, u: Vec3, v: Vec3, radius: number): Vec3[] {
+  return Array.from({ length: CIRCLE_POINTS + 1 }, (_, i) => {
+    const angle = (2 * Math.PI * i) / CIRCLE_POINTS;
+    return add(center, add(scale(u, radius * Math.cos(angle)), scale(v, radius * Math.sin(angle))));
+  });
+}
+
+/** A square, and a line from its middle to the side that stays. */
+function planeOutline(center: Vec3, normal: Vec3, radius: number, side: 1 | -1): Outline {
+  const u = normalize(cross(Math.abs(normal[1]) > 0.9 ? X : Y, normal));
+  const v = cross(normal, u);
+  const corner = (a: number, b: number) => add(center, add(scale(u, a * radius), scale(v, b * radius)));
+  return [
+    [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1), corner(-1, -1)],
+    [center, add(center, scale(normal, (side * radius) / 3))],
+  ];
+}

@@ -1,0 +1,45 @@
+import { describe, expect, it } from 'vitest';
+import { NO_CHOICES } from '../state/effect-choices.ts';
+import { chosenUses, clipVolume } from './effect-uses.ts';
+import { firstChoice } from './first-choice.ts';
+
+const place = { center: [0, 0, 0], radius: 1, viewDepth: 2 } as const;
+const clip = firstChoice('clip', place);
+const fog = firstChoice('fog', place);
+
+describe('what the engine is asked for', () => {
+  it('is nothing at first', () => expect(chosenUses(NO_CHOICES)).toEqual([]));
+
+  it('is what is switched on, with the options of the engine', () => {
+    const uses = chosenUses({
+      fog: { isOn: true, choice: { ...fog, color: '#ff8000' } },
+      tint: { isOn: false, choice: { color: '#00ff00' } },
+      brightness: { isOn: true, choice: { stops: -1 } },
+      antialias: { isOn: true, choice: { isAntialiased: false } },
+    });
+    expect(uses.map(({ effect, options }) => [effect.name, options])).toEqual([
+      ['antialias', false],
+      ['brightness', 0.5],
+      ['fog', { color: [1, 128 / 255, 0], near: 1, far: 3.5 }],
+    ]);
+  });
+
+  it('is fog by density instead of depths', () => {
+    const [use] = chosenUses({ fog: { isOn: true, choice: { ...fog, kind: 'density' } } });
+    expect(use.options).toMatchObject({ density: 0.3 });
+  });
+
+  it.each([
+    [{ shape: 'box' }, { shape: 'box', center: [0, 0, 0], size: [1, 1, 1], keep: 'inside' }],
+    [
+      { shape: 'sphere', keep: 'outside' },
+      { shape: 'sphere', center: [0, 0, 0], radius: 0.6, keep: 'outside' },
+    ],
+    [
+      { turnDegrees: 90, tiltDegrees: 0 },
+      { shape: 'plane', normal: [1, 0, expect.closeTo(0, 12)] },
+    ],
+  ] as const)('is a volume: %o', (changes, volume) => {
+    expect(clipVolume({ ...clip, ...changes })).toMatchObject(volume);
+  });
+});

@@ -1,0 +1,34 @@
+import { perspectiveCamera } from '@websplatter/core';
+import { describe, expect, it } from 'vitest';
+import { firstChoice } from './first-choice.ts';
+import { movedClip, stepOfKey } from './move-clip.ts';
+
+const camera = perspectiveCamera({
+  ...{ position: [0, 0, 5], target: [0, 0, 0], up: [0, 1, 0] },
+  ...{ fovYDegrees: 90, aspect: 1, near: 0.1, far: 100 },
+});
+const space = { camera, width: 200, height: 200 };
+const choice = firstChoice('clip', { center: [0, 0, 0], radius: 1, viewDepth: 5 });
+
+describe('a clip that is moved', () => {
+  it('goes with the pointer, and away', () => {
+    const sphere = { ...choice, shape: 'sphere' } as const;
+    expect(movedClip(space, sphere, [20, -10, 0], 1).center).toEqual([1, 0.5, 0]);
+    expect(movedClip(space, sphere, [0, 0, 20], 1).center).toEqual([0, 0, -1]);
+  });
+
+  it('goes along the normal if it is a plane', () => {
+    expect(movedClip(space, choice, [20, -10, 0], 1).center).toEqual([0, 0.5, 0]);
+  });
+
+  it('has a place that is short to write', () => {
+    const sphere = { ...choice, shape: 'sphere' } as const;
+    expect(movedClip(space, sphere, [1.2345, 0, 0], 1).center).toEqual([0.0615, 0, 0]);
+  });
+
+  it('is moved by keys, farther with Shift', () => {
+    expect(stepOfKey('ArrowUp', false)).toEqual([0, -8, 0]);
+    expect(stepOfKey('PageDown', true)).toEqual([0, 0, -40]);
+    expect(stepOfKey('a', false)).toBeNull();
+  });
+});

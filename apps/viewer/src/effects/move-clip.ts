@@ -1,0 +1,46 @@
+import type { Vec3 } from '../camera/vec3.ts';
+import type { ClipChoice } from '../state/effect-choices.ts';
+import { planeNormal } from './effect-uses.ts';
+import { roundedTo, stepFor } from './nice-steps.ts';
+import { movedAlong, movedAway, movedInPicture, type PictureSpace } from './picture-space.ts';
+
+/** CSS pixels that a key moves a clip by. */
+const STEP_PX = 8;
+const LARGE_STEP_PX = 40;
+/** Places are as exact as a tenth of a slider's step. */
+const EXACTNESS = 0.1;
+
+const DIRECTIONS: Readonly<Record<string, Vec3>> = {
+  ArrowLeft: [-1, 0, 0],
+  ArrowRight: [1, 0, 0],
+  ArrowUp: [0, -1, 0],
+  ArrowDown: [0, 1, 0],
+  PageUp: [0, 0, 1],
+  PageDown: [0, 0, -1],
+};
+
+/** By how many CSS pixels a key moves what it has the focus of: right, down and away; null: it does not. */
+export function stepOfKey(key: string, isLarge: boolean): Vec3 | null {
+  const direction = DIRECTIONS[key];
+  const px = isLarge ? LARGE_STEP_PX : STEP_PX;
+  return direction ? [direction[0] * px, direction[1] * px, direction[2] * px] : null;
+}
+
+/** A clip that is moved in the picture by CSS pixels to the right, down and away. Planes only move along their normal. */
+export function movedClip(
+  space: PictureSpace,
+  choice: ClipChoice,
+  [rightPx, downPx, awayPx]: Vec3,
+  sceneRadius: number,
+): ClipChoice {
+  const { shape, center } = choice;
+  const moved =
+    shape === 'plane'
+      ? movedAlong(space, center, planeNormal(choice), rightPx, downPx)
+      : movedAway(space, movedInPicture(space, center, rightPx, downPx), awayPx);
+  const step = EXACTNESS * stepFor(sceneRadius);
+  return {
+    ...choice,
+    center: [roundedTo(moved[0], step), roundedTo(moved[1], step), roundedTo(moved[2], step)],
+  };
+}

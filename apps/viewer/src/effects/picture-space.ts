@@ -1,0 +1,118 @@
+import type { Camera } from '@websplatter/core';
+import { add, scale, type Vec3 } from '../camera/vec3.ts';
+
+/** A camera, and the size of its picture in CSS pixels. */
+export interface PictureSpace {
+  readonly camera: Pick<Camera, 'viewMatrix' | 'projectionMatrix'>;
+  readonly width: number;
+  readonly height: number;
+}
+
+/** CSS pixels from the picture's top left. */
+export type PicturePoint = readonly [x: number, y: number];
+
+/** Homogeneous coordinates of a point as the camera projects it. */
+type ClipPoint = readonly [x: number, y: number, z: number, w: number];
+
+/** Where a point of the world is in the picture; null where it is not in front of the camera. */
+export function pictureOf(space: PictureSpace, point: Vec3): PicturePoint | null {
+  const projected = clipPoint(space, point);
+  return isInFront(projected) ? onPicture(space, projected) : null;
+}
+
+/** The part of a line of the world that is in front of the camera; null where nothing of it is. */
+export function lineInPicture(
+  space: PictureSpace,
+  from: Vec3,
+  to: Vec3,
+): readonly [PicturePoint, PicturePoint] | null {
+  const [a, b] = [clipPoint(space, from), clipPoint(space, to)];
+  if (!isInFront(a) && !isInFront(b)) return null;
+  return [onPicture(space, cutToFront(a, b)), onPicture(space, cutToFront(b, a))];
+}
+
+/** Lines of the world as the path of an SVG in the picture. */
+export function pathInPicture(space: PictureSpace, lines: readonly (readonly Vec3[])[]): string {
+  const parts = lines.flatMap((points) =>
+    points.slice(1).map((point, i) => {
+      const line = lineInPicture(space, points[i], point);
+      return line ? `M${line.map(([x, y]) => `${x.toFixed(1)} ${y.toFixed(1)}`).join('L')}` : '';
+    }),
+  );
+  return parts.join('');
+}
+
+/** `point` moved so that it is by these CSS pixels farther right and down in the picture, in the same depth. */
+export function movedInPicture(space: PictureSpace, point: Vec3, rightPx: number, downPx: number): Vec3 {
+  const { viewMatrix, projectionMatrix } = space.camera;
+  const [, , , w] = clipPoint(space, point);
+  const right = (2 * rightPx * w) / (space.width * projectionMatrix[0]);
+  const up = (-2 * downPx * w) / (space.height * projectionMatrix[5]);
+  return add(point, add(scale(rowOf(viewMatrix, 0), right), scale(rowOf(viewMatrix, 1), up)));
+}
+
+/** `point` moved away from the camera, as far as these CSS pixels are long where it is. */
+export function movedAway(space: PictureSpace, point: Vec3, awayPx: number): Vec3 {
+  const sideways = movedInPicture(space, point, awayPx, 0);
+  const distance = Math.sign(awayPx) * Math.hypot(...sideways.map((value, axis) => value - point[axis]));
+  return add(point, scale(rowOf(space.camera.viewMatrix, 2), -distance));
+}
+
+/** Seen less than this much from the side, a direction is one of depth: moving up the picture goes along it. CSS pixels. */
+const SHORTEST_PX = 8;
+
+/**
+ * `point` moved along `direction`, of length 1, as far as a pointer moves along it that goes by these CSS pixels right and down.
+ */
+export function movedAlong(
+  space: PictureSpace,
+  point: Vec3,
+  direction: Vec3,
+  rightPx: number,
+  downPx: number,
+): Vec3 {
+  // A hundred pixels far, where the point is.
+  const reference = 100;
+  const sideways = movedInPicture(space, point, reference, 0);
+  const length = Math.hypot(...sideways.map((value, axis) => value - point[axis]));
+  const from = pictureOf(space, point);
+  const to = pictureOf(space, add(point, scale(direction, length)));
+  const [x, y] = from && to ? [to[0] - from[0], to[1] - from[1]] : [0, 0];
+  const seenPx = Math.hypot(x, y);
+  const part = seenPx < SHORTEST_PX ? -downPx / reference : (rightPx * x + downPx * y) / (seenPx * seenPx);
+  return add(point, scale(direction, part * length));
+}
+
+function clipPoint({ camera }: PictureSpace, [x, y, z]: Vec3): ClipPoint {
+  return transformed(camera.projectionMatrix, transformed(camera.viewMatrix, [x, y, z, 1]));
+}
+
+function transformed(m: ArrayLike<number>, [x, y, z, w]: ClipPoint): ClipPoint {
+  const row = (i: number) => m[i] * x + m[4 + i] * y + m[8 + i] * z + m[12 + i] * w;
+  return [row(0), row(1), row(2), row(3)];
+}
+
+function isInFront(point: ClipPoint): boolean {
+  return point[3] > 0 && beyondNear(point) >= 0;
+}
+
+/** Above 0 beyond the near plane, which is at depth −1 of the clip space that cameras are given in. */
+function beyondNear([, , z, w]: ClipPoint): number {
+  return z + w;
+}
+
+/** `a`, or where the line from it to `b` passes the near plane. */
+function cutToFront(a: ClipPoint, b: ClipPoint): ClipPoint {
+  if (isInFront(a)) return a;
+  const part = beyondNear(a) / (beyondNear(a) - beyondNear(b));
+  return a.map((value, i) => value + part * (b[i] - value)) as unknown as ClipPoint;
+}
+
+function onPicture({ width, height }: PictureSpace, [x, y, , w]: ClipPoint): PicturePoint {
+  return [((x / w + 1) / 2) * width, ((1 - y / w) / 2) * height];
+}
+
+/** Where an axis of the camera points in the world: 0 right, 1 up, 2 back. */
+function rowOf(viewMatrix: ArrayLike<number>, row: number): Vec3 {
+  return [viewMatrix[row], viewMatrix[4 + row], viewMatrix[8 + row]];
+}

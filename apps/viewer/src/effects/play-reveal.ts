@@ -1,0 +1,39 @@
+import type { PanelProps } from '../viewer/panel-props.ts';
+import { changeEffect } from './choose-effects.ts';
+import { revealReach } from './effect-sliders.ts';
+import { scenePlaceOf } from './scene-place.ts';
+
+/** From nothing to the whole scene. */
+const REVEAL_MS = 3000;
+
+type RequestFrame = (step: (nowMs: number) => void) => void;
+
+/**
+ * Lets the scene appear from nothing. It ends when all of it is there, when `isRevealPlaying` is set to false, and when
+ * something else changes the effect.
+ */
+export function playReveal(panel: PanelProps, requestFrame: RequestFrame = requestAnimationFrame): void {
+  const { store, viewer } = panel;
+  const chosen = () => store.getState().requested.choices.reveal;
+  const place = scenePlaceOf(viewer);
+  let beganMs: number | null = null;
+  let last = chosen();
+  const step = (nowMs: number) => {
+    const isOurs = last?.isOn && chosen() === last;
+    if (!isOurs || !store.getState().isRevealPlaying) {
+      store.setState({ isRevealPlaying: false });
+      return;
+    }
+    beganMs ??= nowMs;
+    const part = (nowMs - beganMs) / REVEAL_MS;
+    changeEffect(panel, 'reveal', (choice) => ({
+      ...choice,
+      radius: part < 1 ? part * revealReach(choice.from, place) : Infinity,
+    }));
+    last = chosen();
+    if (part < 1) requestFrame(step);
+    else store.setState({ isRevealPlaying: false });
+  };
+  store.setState({ isRevealPlaying: true });
+  requestFrame(step);
+}

@@ -1,0 +1,31 @@
+import type { Vec3 } from '../camera/vec3.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+
+/** Where and how large what is looked at is, as it is drawn: what effects are scaled to. World units. */
+export interface ScenePlace {
+  readonly center: Vec3;
+  readonly radius: number;
+  /** Of the middle, in the view that is shown. */
+  readonly viewDepth: number;
+}
+
+/** How far away cameras usually are, in radii of what they look at. */
+const USUAL_DEPTH = 2;
+
+/**
+ * The scene, or what its first view looks at where that is much smaller: captures have a background far away, by which
+ * sliders would be of no use.
+ */
+export function scenePlaceOf({ camera, shownFrame }: Pick<Viewer, 'camera' | 'shownFrame'>): ScenePlace {
+  const { target, distance } = camera.controls.home;
+  const sphere = camera.subjectSphere ?? { center: target, radius: 1 };
+  const seenRadius = distance / USUAL_DEPTH;
+  const { center, radius } = seenRadius < sphere.radius ? { center: target, radius: seenRadius } : sphere;
+  const viewMatrix = shownFrame?.frame.camera.viewMatrix;
+  const depth = viewMatrix ? depthIn(viewMatrix, center) : USUAL_DEPTH * radius;
+  return { center, radius, viewDepth: Math.max(depth, radius) };
+}
+
+function depthIn(viewMatrix: ArrayLike<number>, [x, y, z]: Vec3): number {
+  return -(viewMatrix[2] * x + viewMatrix[6] * y + viewMatrix[10] * z + viewMatrix[14]);
+}

@@ -1,0 +1,51 @@
+import { InvalidArgumentError } from '@websplatter/core';
+import { chooseEffects } from '../effects/choose-effects.ts';
+import { firstChoice } from '../effects/first-choice.ts';
+import { scenePlaceOf } from '../effects/scene-place.ts';
+import { CHOSEN_EFFECTS, type EffectChoices } from '../state/effect-choices.ts';
+import type { PanelProps } from '../viewer/panel-props.ts';
+import { decodeEffects, type LinkedEffects } from './effects-text.ts';
+import { isFallback } from './page-address.ts';
+
+/**
+ * Draws the first scene with the effects that the address asks for, unless another scene is shown than it names: lengths would
+ * be those of another scene. What cannot be read is said.
+ */
+export function followLinkedEffects(panel: PanelProps, text: string, query: URLSearchParams): void {
+  const { store, viewer } = panel;
+  const take = () => {
+    const source = viewer.scenes.drawable?.source;
+    if (!source || source.kind === 'file' || isFallback(source, query)) return;
+    saying(panel, () => chooseEffects(panel, completed(decodeEffects(text), panel)));
+  };
+  if (store.getState().scene) {
+    take();
+    return;
+  }
+  const unsubscribe = store.subscribe(({ scene }) => {
+    if (scene === null) return;
+    unsubscribe();
+    // The scene begins without effects, and its first frame comes later than this.
+    queueMicrotask(take);
+  });
+}
+
+/** What the address does not tell is as an effect begins with. */
+function completed(linked: LinkedEffects, { viewer }: PanelProps): EffectChoices {
+  const place = scenePlaceOf(viewer);
+  const names = CHOSEN_EFFECTS.filter((name) => linked[name] !== undefined);
+  return Object.fromEntries(
+    names.map((name) => [name, { isOn: true, choice: { ...firstChoice(name, place), ...linked[name] } }]),
+  );
+}
+
+function saying({ store }: PanelProps, work: () => void): void {
+  try {
+    work();
+  } catch (error) {
+    // The engine refuses numbers that an effect cannot have.
+    if (!(error instanceof InvalidArgumentError)) throw error;
+    const { message } = error;
+    store.setState(({ notice }) => ({ notice: notice === null ? message : `${notice} ${message}` }));
+  }
+}
