@@ -50,6 +50,7 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
     await expectAccessible(page, 'a phone');
     for (const [key, name, ...switches] of [
       ['e', 'effects', 'switch-clip', 'switch-reveal', 'switch-fog'],
+      ['i', 'inspect'],
       ['x', 'save'],
       ['?', 'help'],
     ]) {

@@ -43,10 +43,12 @@ fn pick(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index
     }
     transmittance *= 1.0 - alphas[place];
   }
-  var found = PickBlock(transmittance, weight, 0u, 0.0, 0.0);
+  var found = PickBlock(transmittance, weight, 0u, 0.0, 0.0, 0u);
   if (weight > 0.0) {
-    let index = order[first + heaviest];
-    found = PickBlock(transmittance, weight, visibleSplats[index], alphas[heaviest], records[index].depthView);
+    let place = first + heaviest;
+    let index = order[place];
+    let rank = visibleCount - 1u - place;
+    found = PickBlock(transmittance, weight, visibleSplats[index], alphas[heaviest], records[index].depthView, rank);
   }
   blocks[block] = found;
 }

@@ -3,12 +3,19 @@ import { useStore } from 'zustand';
 import { ComparisonForm } from '../comparison/comparison-form.tsx';
 import type { AccuracyMeasurement } from '../measurement/accuracy-measurement.ts';
 import { MeasureForm } from '../measurement/measure-form.tsx';
+import type { AccuracyTab } from '../state/viewer-state.ts';
 import { Dock } from '../ui/dock.tsx';
+import { Tabs } from '../ui/tabs.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { AccuracyPresets } from './accuracy-presets.tsx';
 import { AccuracySettingsForm } from './accuracy-settings.tsx';
 import { AccuracyStatus } from './accuracy-status.tsx';
-import { AccuracyTabs } from './accuracy-tabs.tsx';
+
+const TABS: Readonly<Record<AccuracyTab, string>> = {
+  measure: 'Measure',
+  compare: 'Compare',
+  settings: 'Settings',
+};
 
 /** The accuracy of frames: presets, settings, comparisons, and what they cost. */
 export const AccuracyPanel = memo(function AccuracyPanel({
@@ -21,7 +28,14 @@ export const AccuracyPanel = memo(function AccuracyPanel({
   return (
     <Dock store={store} name="accuracy" title="Accuracy">
       <AccuracyPresets store={store} viewer={viewer} />
-      <AccuracyTabs id={id} tab={tab} onTab={(accuracyTab) => store.setState({ accuracyTab })} />
+      <Tabs
+        id={id}
+        label="Accuracy"
+        tabs={TABS}
+        tab={tab}
+        onTab={(accuracyTab) => store.setState({ accuracyTab })}
+        testId="accuracy-tab"
+      />
       <div
         className="dock-body"
         id={`${id}-body`}

@@ -34,7 +34,8 @@ function cornersOf({ min, max }: Bounds): Vec3[] {
   ]);
 }
 
-function transformedPoint(m: ArrayLike<number>, [x, y, z]: Vec3): Vec3 {
+/** `point` under a column-major 4×4 matrix without projection. */
+export function transformedPoint(m: ArrayLike<number>, [x, y, z]: Vec3): Vec3 {
   const row = (i: number) => m[i] * x + m[4 + i] * y + m[8 + i] * z + m[12 + i];
   return [row(0), row(1), row(2)];
 }

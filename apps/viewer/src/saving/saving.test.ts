@@ -3,7 +3,7 @@ import { WRITABLE_FORMATS } from '@websplatter/core/write';
 import { afterEach, expect, test, vi } from 'vitest';
 import type { SceneSource } from '../scene/scene-source.ts';
 import { createViewerStore } from '../state/store.ts';
-import type { SaveReply } from './save.worker.ts';
+import type { SaveReply } from './save-messages.ts';
 import { Saving, savedName } from './saving.ts';
 import { writeScene } from './write-scene.ts';
 
@@ -30,7 +30,7 @@ test.each([
 ] as const)('$formatName of a scene with $up up has a splat at $place', async ({ formatName, up, place }) => {
   const source = { kind: 'file' as const, name: 'a.ply', source: new File([encodePly(onePoint)], 'a.ply') };
   const phases = new Set<string>();
-  const bytes = await writeScene({ source, formatName, up }, ({ phase }) => phases.add(phase));
+  const bytes = await writeScene({ source, formatName, up, crop: null }, ({ phase }) => phases.add(phase));
   const { positions, origin } = await readSplats(bytes);
   expect(origin.map((value, axis) => value + positions[axis])).toEqual(place);
   expect([...phases]).toEqual(['read', 'write']);
@@ -38,8 +38,17 @@ test.each([
 
 test('built-in scenes are made again', async () => {
   const source = { kind: 'builtin' as const, name: 'still-life-small' };
-  const bytes = await writeScene({ source, formatName: 'ply', up: '-y' }, () => {});
+  const bytes = await writeScene({ source, formatName: 'ply', up: '-y', crop: null }, () => {});
   expect((await readSplats(bytes)).count).toBe(10_000);
+});
+
+test('what is cropped is cut before it is turned', async () => {
+  const source = { kind: 'file' as const, name: 'a.ply', source: new File([encodePly(onePoint)], 'a.ply') };
+  const crop = { min: [0, 1, 2], max: [2, 3, 4], keep: 'inside' } as const;
+  const written = (keep: 'inside' | 'outside') =>
+    writeScene({ source, formatName: 'ply', up: 'y', crop: { ...crop, keep } }, () => {});
+  expect((await readSplats(await written('inside'))).count).toBe(1);
+  await expect(written('outside')).rejects.toThrow('None of 1 splats');
 });
 
 test.each([
@@ -85,7 +94,9 @@ function startSaving(source: SceneSource) {
 test('progress is shown; saving can be cancelled, and started again', () => {
   const { store, saving, worker } = startSaving({ kind: 'url', url: new URL('https://example.org/a.spz') });
   const source = { kind: 'url', href: 'https://example.org/a.spz' };
-  expect(worker?.posted).toEqual([{ source, formatName: WRITABLE_FORMATS[0].name, up: '-y' }]);
+  expect(worker?.posted).toEqual([
+    { kind: 'save', source, formatName: WRITABLE_FORMATS[0].name, up: '-y', crop: null },
+  ]);
   worker?.onmessage?.({ data: { kind: 'progress', phase: 'write', part: 0.5 } });
   expect(store.getState().saving).toMatchObject({ phase: 'write', part: 0.5 });
   // One at a time.

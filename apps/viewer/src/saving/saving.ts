@@ -1,11 +1,11 @@
 import type { WritableFormat } from '@websplatter/core/write';
 import { upAxisOf } from '../camera/up-axis.ts';
+import { lastingScene } from '../rereading/lasting-scene.ts';
 import { type SceneSource, titleOf } from '../scene/scene-source.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { formatBytes } from '../words/format.ts';
 import { download } from './download.ts';
-import type { SaveReply } from './save.worker.ts';
-import type { SavedSource, SaveRequest } from './write-scene.ts';
+import type { SaveReply, SaveRequest } from './save-messages.ts';
 
 /** Saves the scene on the screen as a file, one at a time. */
 export class Saving {
@@ -22,17 +22,20 @@ export class Saving {
   /** Writes the scene in another format and hands the file to the browser. Does nothing where there is nothing to save. */
   start(format: WritableFormat): void {
     const sceneSource = this.#sourceOf();
-    const source = sceneSource && savedSource(sceneSource);
+    const source = sceneSource && lastingScene(sceneSource);
     if (!source || this.#worker) return;
     const fileName = savedName(titleOf(sceneSource), format);
-    const up = upAxisOf(this.#store.getState());
+    const state = this.#store.getState();
+    const up = upAxisOf(state);
+    const { crop } = state.inspecting;
     this.#store.setState({ saving: { fileName, phase: 'read', part: undefined }, failure: null });
-    const worker = new Worker(new URL('./save.worker.ts', import.meta.url), { type: 'module' });
+    const worker = new Worker(new URL('../rereading/scene.worker.ts', import.meta.url), { type: 'module' });
     this.#worker = worker;
     worker.onmessage = ({ data }: MessageEvent<SaveReply>) => this.#take(data, fileName);
     worker.onerror = ({ message }) =>
       this.#fail(fileName, message || 'The worker could not be started, or had no memory.', true);
-    worker.postMessage({ source, formatName: format.name, up } satisfies SaveRequest);
+    const request: SaveRequest = { kind: 'save', source, formatName: format.name, up, crop };
+    worker.postMessage(request);
   }
 
   cancel(): void {
@@ -66,21 +69,6 @@ export class Saving {
     this.#worker?.terminate();
     this.#worker = null;
     this.#store.setState({ saving: null });
-  }
-}
-
-/** Null for what is several clouds, and no one file. */
-function savedSource(source: SceneSource): SavedSource | null {
-  switch (source.kind) {
-    case 'builtin':
-      return { kind: 'builtin', name: source.scene.name };
-    case 'file':
-      return source;
-    case 'url':
-      return { kind: 'url', href: source.url.href };
-    case 'urls':
-    case 'hard-case':
-      return null;
   }
 }
 

@@ -3,6 +3,7 @@ import { tint } from '@websplatter/core/effects';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { ViewCamera } from '../camera/view-camera.ts';
 import type { Session } from '../session/session.ts';
+import { type Inspecting, NOTHING_INSPECTED } from '../state/inspecting.ts';
 import { NO_EFFECTS } from '../state/requested-effects.ts';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
 import { type LoadedScene, type LoadSceneOptions, loadScene } from './load-scene.ts';
@@ -247,36 +248,38 @@ describe('The camera of a link', () => {
   });
 });
 
-describe('effects that panels ask for', () => {
-  const tinted = { ...NO_EFFECTS, effects: [tint([1, 0, 0])] };
+describe('effects that panels ask for, and what is inspected', () => {
+  const requested = { ...NO_EFFECTS, effects: [tint([1, 0, 0])] };
+  const inspecting: Inspecting = { ...NOTHING_INSPECTED, rulerStart: [1, 2, 3] };
+  const kept = () => [store.getState().requested, store.getState().inspecting];
 
   it('end with the scene', async () => {
     await show(a);
-    store.setState({ requested: tinted });
+    store.setState({ requested, inspecting });
     scenes.open(b);
     await settled();
-    expect(store.getState().requested).toBe(tinted);
+    expect(kept()).toEqual([requested, inspecting]);
     await loaded();
-    expect(store.getState().requested).toBe(NO_EFFECTS);
+    expect(kept()).toEqual([NO_EFFECTS, NOTHING_INSPECTED]);
   });
 
   it('come back with it where another scene is called off that is there in part', async () => {
     await show(a);
-    store.setState({ requested: tinted });
+    store.setState({ requested, inspecting });
     scenes.open(b);
     await settled();
     newestLoad().options.onPreview(sceneOf());
-    expect(store.getState().requested).toBe(NO_EFFECTS);
+    expect(kept()).toEqual([NO_EFFECTS, NOTHING_INSPECTED]);
     await calledOff();
-    expect(store.getState().requested).toBe(tinted);
+    expect(kept()).toEqual([requested, inspecting]);
   });
 
   it('stay where the same scene is opened again', async () => {
     await show(a);
-    store.setState({ requested: tinted });
+    store.setState({ requested, inspecting });
     loseSession();
     await startSession();
     await loaded();
-    expect(store.getState().requested).toBe(tinted);
+    expect(kept()).toEqual([requested, inspecting]);
   });
 });

@@ -4,6 +4,7 @@ import type { CameraSnapshot, LinkedCamera, ViewCamera } from '../camera/view-ca
 import { reportFailure } from '../messages/failure-report.ts';
 import type { Session } from '../session/session.ts';
 import type { SessionOwner } from '../session/session-owner.ts';
+import { type Inspecting, NOTHING_INSPECTED } from '../state/inspecting.ts';
 import { NO_EFFECTS, type RequestedEffects } from '../state/requested-effects.ts';
 import type { LoadState } from '../state/scene-summary.ts';
 import type { ViewerStore } from '../state/store.ts';
@@ -43,6 +44,7 @@ interface Preview {
   readonly camera: CameraSnapshot | null;
   /** What panels asked for before it. */
   readonly requested: RequestedEffects;
+  readonly inspecting: Inspecting;
 }
 
 /** By this part of their radius bounds may change before the camera follows. */
@@ -246,7 +248,7 @@ export class Scenes {
   #showFirstView(source: SceneSource): void {
     const { camera, linkedCamera, store } = this.#options;
     // They were chosen for another scene, at its scale.
-    store.setState({ requested: NO_EFFECTS });
+    store.setState({ requested: NO_EFFECTS, inspecting: NOTHING_INSPECTED });
     if (linkedCamera && source === this.#addressed) camera.showLinked(linkedCamera);
     else camera.showFirstView();
   }
@@ -262,6 +264,7 @@ export class Scenes {
       framed: hasMoved ? scene.sphere : before.framed,
       camera: before ? before.camera : this.#newest && camera.snapshot(),
       requested: before ? before.requested : store.getState().requested,
+      inspecting: before ? before.inspecting : store.getState().inspecting,
     };
     this.#present(scene);
     if (!isReopened) {
@@ -280,7 +283,7 @@ export class Scenes {
     if (this.#newest) this.#present(this.#newest);
     else store.setState({ scene: null });
     if (preview.camera) camera.restore(preview.camera);
-    store.setState({ requested: preview.requested });
+    store.setState({ requested: preview.requested, inspecting: preview.inspecting });
     onShow();
   }
 

@@ -29,6 +29,8 @@ const ViewPanel = late(async () => (await import('../looking/view-panel.tsx')).V
 const AccuracyPanel = late(async () => (await import('../accuracy/accuracy-panel.tsx')).AccuracyPanel);
 const EffectsPanel = late(async () => (await import('../effects/effects-panel.tsx')).EffectsPanel);
 const ClipGizmo = late(async () => (await import('../effects/clip-gizmo.tsx')).ClipGizmo);
+// It draws over the image too, and goes on with a crop when its panel is closed.
+const Inspect = late(async () => (await import('../inspecting/inspect.tsx')).Inspect);
 const SavePanel = late(async () => (await import('../saving/save-panel.tsx')).SavePanel);
 const Help = late(async () => (await import('./help.tsx')).Help);
 const ReopenPanel = late(async () => (await import('../messages/reopen-panel.tsx')).ReopenPanel);
@@ -56,6 +58,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   // It stays, so that closing it gives the keyboard back to what had it.
   const [hasHelp, setHasHelp] = useState(isHelpVisible);
   if (isHelpVisible && !hasHelp) setHasHelp(true);
+  const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
   const isFlying = useStore(store, (state) => state.flightSpeed !== null);
   const fileInput = useRef<HTMLInputElement>(null);
   const run = useMemo(
@@ -107,6 +110,9 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
           </Suspense>
           <Suspense>
             {dock === 'effects' && <EffectsPanel store={store} viewer={viewer} measurement={measurement} />}
+          </Suspense>
+          <Suspense>
+            {(dock === 'inspect' || isCropped) && <Inspect store={store} viewer={viewer} />}
           </Suspense>
           <Suspense>
             {dock === 'save' && <SavePanel store={store} viewer={viewer} saving={saving} />}

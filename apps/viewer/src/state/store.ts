@@ -1,5 +1,6 @@
 import { resolveAccuracy } from '@websplatter/core';
 import { createStore, type StoreApi } from 'zustand/vanilla';
+import { NOTHING_INSPECTED } from './inspecting.ts';
 import { FIRST_LOOK } from './look.ts';
 import { NO_EFFECTS } from './requested-effects.ts';
 import { FIRST_SHEET_PART } from './sheet.ts';
@@ -52,6 +53,7 @@ export function createViewerStore(): ViewerStore {
     effectCosts: null,
     requested: NO_EFFECTS,
     isRevealPlaying: false,
+    inspecting: NOTHING_INSPECTED,
     errorFigures: null,
     splitPart: 0.5,
     isDroppedVisible: false,

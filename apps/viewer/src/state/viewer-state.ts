@@ -8,6 +8,7 @@ import type {
 } from '@websplatter/core';
 import type { Comparison } from './comparison.ts';
 import type { FailureReport } from './failure.ts';
+import type { Inspecting } from './inspecting.ts';
 import type { Look } from './look.ts';
 import type { FailedMeasurement, MeasuredAccuracy, MeasuredEffects, RunningMeasurement } from './measured.ts';
 import type { RequestedEffects } from './requested-effects.ts';
@@ -17,10 +18,9 @@ import type { LoadState, SceneSummary, SceneWarning } from './scene-summary.ts';
 import type { ViewModeName } from './view-mode.ts';
 
 /** Panels beside the image; one at a time. */
-export type DockName = 'view' | 'accuracy' | 'effects' | 'save';
+export type DockName = 'view' | 'inspect' | 'accuracy' | 'effects' | 'save';
 
-export const ACCURACY_TABS = ['measure', 'compare', 'settings'] as const;
-export type AccuracyTab = (typeof ACCURACY_TABS)[number];
+export type AccuracyTab = 'measure' | 'compare' | 'settings';
 
 /** How much the figures of frames tell: only their pace, also their stages, or all that is known. */
 export const HUD_SIZES = ['small', 'medium', 'large'] as const;
@@ -146,6 +146,8 @@ export interface ViewerState {
   readonly requested: RequestedEffects;
   /** Whether the effect `reveal` lets the scene appear by itself. */
   readonly isRevealPlaying: boolean;
+  /** What of this scene is inspected, measured and cropped; another scene begins without any. */
+  readonly inspecting: Inspecting;
   /** How far the image on the screen is from `reference`, if that is asked for and known. */
   readonly errorFigures: ErrorFigures | null;
   /** Where the line of a split image is, 0…1 of its width. */

@@ -26,6 +26,14 @@ describe('cropSplats', () => {
     expect(cropped.origin).toBe(set.origin);
   });
 
+  test('keeps the others where the box is what goes', () => {
+    const set = splatsOf([{ position: [0, 0, 0] }, { position: [1, 2, 3] }, { position: [5, 5, 5] }]);
+    const cropped = cropSplats(set, { min: [1, 2, 3], max: [2, 3, 4], keep: 'outside' });
+    expect([...cropped.fileIndices]).toEqual([0, 2]);
+    expectInvalid('box', () => cropSplats(set, { min: [0, 0, 0], max: [5, 5, 5], keep: 'outside' }));
+    expectInvalid('box', () => cropSplats(set, { min: [0, 0, 0], max: [9, 9, 9], keep: 'both' as 'inside' }));
+  });
+
   test('wants a box with something in it', () => {
     const set = splatsOf([{ position: [1, 2, 3] }]);
     expect(cropSplats(set, { min: [1, 2, 3], max: [1, 2, 3] }).count).toBe(1);

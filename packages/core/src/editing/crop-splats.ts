@@ -2,32 +2,39 @@ import { InvalidArgumentError } from '../errors.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
 import { permuteSplats } from '../packing/morton-order.ts';
+import { shown } from '../printable.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { checkNumbers } from './check-numbers.ts';
 
-/** A box in the scene's space, its sides included. */
+/** A box in the scene's space, to which its sides belong. */
 export interface CropBox {
   readonly min: Vec3;
   readonly max: Vec3;
+  /** Which splats stay: those in the box, or all others; default `inside`. */
+  readonly keep?: 'inside' | 'outside';
 }
 
 /**
- * The splats whose centres are in a box, in their order and bit for bit as they are.
+ * The splats whose centres are in a box, or outside of it, in their order and bit for bit as they are.
  *
- * @throws InvalidArgumentError 'box' if it is none, or if nothing is in it.
+ * @throws InvalidArgumentError 'box' if it is none, or if nothing stays.
  */
 export function cropSplats<Kind extends Harmonics>(
   set: SplatSet<Kind>,
-  { min, max }: CropBox,
+  { min, max, keep = 'inside' }: CropBox,
 ): SplatSet<Kind> {
   checkNumbers('box', [...min, ...max], 6);
+  if (keep !== 'inside' && keep !== 'outside') {
+    const message = `The box keeps ${shown(keep)}; it keeps "inside" or "outside".`;
+    throw new InvalidArgumentError('box', message);
+  }
   const flat = [0, 1, 2].find((axis) => min[axis] > max[axis]);
   if (flat !== undefined) {
     const message = `The least ${'xyz'[flat]} of the box, ${min[flat]}, is above the greatest, ${max[flat]}.`;
     throw new InvalidArgumentError('box', message);
   }
   const { positions, origin, count } = set;
-  const inside = new Uint32Array(count);
+  const kept = new Uint32Array(count);
   let found = 0;
   for (let i = 0; i < count; i++) {
     let isInside = true;
@@ -35,11 +42,13 @@ export function cropSplats<Kind extends Harmonics>(
       const value = positions[3 * i + axis] + origin[axis];
       isInside &&= value >= min[axis] && value <= max[axis];
     }
-    if (isInside) inside[found++] = i;
+    if (isInside === (keep === 'inside')) kept[found++] = i;
   }
   if (found === 0) {
-    const message = `None of ${count} splats is between ${min.join(', ')} and ${max.join(', ')}.`;
+    const place = keep === 'inside' ? 'between' : 'outside of the box from';
+    const end = keep === 'inside' ? 'and' : 'to';
+    const message = `None of ${count} splats is ${place} ${min.join(', ')} ${end} ${max.join(', ')}.`;
     throw new InvalidArgumentError('box', message);
   }
-  return permuteSplats(set, inside.subarray(0, found));
+  return permuteSplats(set, kept.subarray(0, found));
 }

@@ -15,6 +15,8 @@ export const PickBlock = gpuStruct('PickBlock', {
   /** Its opacity at the pixel. */
   alpha: 'f32',
   depthView: 'f32',
+  /** Its rank. */
+  rank: 'u32',
 });
 
 /** Constants of the stage `pick`, which come with it. */

@@ -3,3 +3,4 @@ export type { EffectTwin, ScreenValues, SplatValues } from './effects/effect-twi
 export type { TwinFunction } from './effects/twins.ts';
 export type { ReferenceImage } from './rasterize.ts';
 export { type ReferenceFrame, renderReference } from './render.ts';
+export { type TracedSplat, type TraceOptions, traceSplat } from './trace-splat.ts';

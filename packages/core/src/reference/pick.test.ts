@@ -19,12 +19,14 @@ test('picks the splat that contributes most, in front or behind', () => {
     alpha: 0.75,
     weight: 0.75,
     totalOpacity: 0.875,
+    rank: 0,
   });
   expect(pickSplat([splatOf(0.5), splatOf(0.25)], 2, 1, CUTOFF)).toEqual({
     index: 0,
     alpha: 0.5,
     weight: 0.375,
     totalOpacity: 0.625,
+    rank: 1,
   });
 });
 

@@ -11,6 +11,8 @@ export interface ReferencePick {
   readonly weight: number;
   /** Opacity of all splats together at the pixel. */
   readonly totalOpacity: number;
+  /** How many splats of the list are in front of it. */
+  readonly rank: number;
 }
 
 /**
@@ -31,7 +33,8 @@ export function pickSplat(
     if (weight > heaviest.weight) heaviest = { index, alpha, weight };
     transmittance *= 1 - alpha;
   }
-  return heaviest.weight > 0 ? { ...heaviest, totalOpacity: 1 - transmittance } : null;
+  if (heaviest.weight === 0) return null;
+  return { ...heaviest, totalOpacity: 1 - transmittance, rank: backToFront.length - 1 - heaviest.index };
 }
 
 /** Rasterizes the splat alone into an image of this one pixel, so that its opacity has a single definition. */

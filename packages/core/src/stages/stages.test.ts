@@ -22,6 +22,7 @@ const EXCEPTIONS: Readonly<Record<string, string>> = {
   'stages/sort-shape.ts': 'is shared by the stages of the sort',
   'reference/index.ts': 'is the entry point @websplatter/core/reference',
   'reference/render.ts': 'combines the twins into the reference renderer',
+  'reference/trace-splat.ts': 'combines the twins for one splat',
 };
 
 interface Folders {

@@ -38,6 +38,8 @@ export interface SplatPick {
   readonly weight: number;
   /** Opacity of all splats at the pixel together. */
   readonly totalOpacity: number;
+  /** Place of the splat among all visible ones in the order of drawing, 0 for the nearest. */
+  readonly rank: number;
 }
 
 interface PickContext {
@@ -148,9 +150,9 @@ function heaviestOf(blocks: ArrayBuffer) {
   const floats = new Float32Array(blocks);
   const words = new Uint32Array(blocks);
   const stride = PickBlock.bytes / 4;
-  const { transmittance, weight, splat, alpha, depthView } = PickBlock.offsets;
+  const { transmittance, weight, splat, alpha, depthView, rank } = PickBlock.offsets;
   let through = 1;
-  let heaviest = { splat: 0, alpha: 0, depthView: 0, weight: 0 };
+  let heaviest = { splat: 0, alpha: 0, depthView: 0, rank: 0, weight: 0 };
   for (let at = floats.length - stride; at >= 0; at -= stride) {
     const share = through * floats[at + weight / 4];
     if (share > heaviest.weight) {
@@ -158,6 +160,7 @@ function heaviestOf(blocks: ArrayBuffer) {
         splat: words[at + splat / 4],
         alpha: floats[at + alpha / 4],
         depthView: floats[at + depthView / 4],
+        rank: words[at + rank / 4],
         weight: share,
       };
     }

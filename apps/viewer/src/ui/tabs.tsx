@@ -1,37 +1,33 @@
 import { type KeyboardEvent, useRef } from 'react';
-import { ACCURACY_TABS, type AccuracyTab } from '../state/viewer-state.ts';
 
-const TAB_LABELS: Readonly<Record<AccuracyTab, string>> = {
-  measure: 'Measure',
-  compare: 'Compare',
-  settings: 'Settings',
-};
+export interface TabsProps<Name extends string> {
+  /** The tabs' ids begin with it; that of what they show is `ID-body`. */
+  readonly id: string;
+  readonly label: string;
+  readonly tabs: Readonly<Record<Name, string>>;
+  readonly tab: Name;
+  readonly onTab: (tab: Name) => void;
+  /** What the tabs' `data-testid` begins with. */
+  readonly testId: string;
+}
 
 /** The Tab key stops at the chosen tab only; arrow keys go to the others. */
-export function AccuracyTabs({
-  id,
-  tab,
-  onTab,
-}: {
-  id: string;
-  tab: AccuracyTab;
-  onTab: (tab: AccuracyTab) => void;
-}) {
+export function Tabs<Name extends string>({ id, label, tabs, tab, onTab, testId }: TabsProps<Name>) {
   const list = useRef<HTMLDivElement>(null);
+  const names = Object.keys(tabs) as Name[];
   const onKeyDown = (event: KeyboardEvent) => {
     const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     if (!by) return;
     event.preventDefault();
     // Arrows elsewhere turn the scene.
     event.stopPropagation();
-    const count = ACCURACY_TABS.length;
-    const next = (ACCURACY_TABS.indexOf(tab) + by + count) % count;
-    onTab(ACCURACY_TABS[next]);
+    const next = (names.indexOf(tab) + by + names.length) % names.length;
+    onTab(names[next]);
     list.current?.querySelectorAll('button')[next].focus();
   };
   return (
-    <div ref={list} className="tabs" role="tablist" aria-label="Accuracy" onKeyDown={onKeyDown}>
-      {ACCURACY_TABS.map((name) => (
+    <div ref={list} className="tabs" role="tablist" aria-label={label} onKeyDown={onKeyDown}>
+      {names.map((name) => (
         <button
           key={name}
           type="button"
@@ -40,10 +36,10 @@ export function AccuracyTabs({
           aria-selected={name === tab}
           aria-controls={`${id}-body`}
           tabIndex={name === tab ? 0 : -1}
-          data-testid={`accuracy-tab-${name}`}
+          data-testid={`${testId}-${name}`}
           onClick={() => onTab(name)}
         >
-          {TAB_LABELS[name]}
+          {tabs[name]}
         </button>
       ))}
     </div>

@@ -1,0 +1,124 @@
+import { encodePly, perspectiveCamera, readSplats, type SplatSet } from '@websplatter/core';
+import { cropSplats } from '@websplatter/core/write';
+import { describe, expect, it } from 'vitest';
+import { boundsInImage, cropCount, histogramsOf, rowsInBin, splatInRow } from './scene-answers.ts';
+
+const ORIGIN = [10, 0, 0] as const;
+
+/** Splats at `positions` about an origin away from zero, the first in row 3, with larger and larger scales. */
+function setOf(positions: readonly (readonly [number, number, number])[]): SplatSet {
+  const count = positions.length;
+  return {
+    count,
+    origin: ORIGIN,
+    positions: Float32Array.from(positions.flat()),
+    logScales: Float32Array.from(
+      { length: 3 * count },
+      (_, i) => Math.log(10 ** Math.floor(i / 3)) + (i % 3),
+    ),
+    rotations: Float32Array.from({ length: 4 * count }, (_, i) => i),
+    opacityLogits: Float32Array.from({ length: count }, (_, i) => (i === 0 ? -Infinity : 3)),
+    colorDc: Float32Array.from({ length: 3 * count }, (_, i) => i),
+    harmonics: { degree: 1, coefficients: Float32Array.from({ length: 9 * count }, (_, i) => i) },
+    fileIndices: Uint32Array.from({ length: count }, (_, i) => i + 3),
+    dropped: {},
+  };
+}
+
+const three = setOf([
+  [-10, 0, 0],
+  [-9, 2, 0],
+  [-8, 0, -50],
+]);
+const clouds = [{ set: three, modelMatrix: null }];
+const SHIFTED = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 7, 0, 1];
+
+describe('a splat by its row', () => {
+  it('comes alone, with all of its values', () => {
+    const splat = splatInRow(clouds[0], 4);
+    expect(splat).toMatchObject({ count: 1, origin: ORIGIN, dropped: {} });
+    expect([...splat!.positions]).toEqual([-9, 2, 0]);
+    expect([...splat!.rotations]).toEqual([4, 5, 6, 7]);
+    expect([...splat!.colorDc]).toEqual([3, 4, 5]);
+    expect([...splat!.harmonics.coefficients]).toEqual([9, 10, 11, 12, 13, 14, 15, 16, 17]);
+    expect([...splat!.fileIndices]).toEqual([4]);
+  });
+
+  it('comes from packed harmonics too', async () => {
+    const read = await readSplats(encodePly(three), { shPrecision: 'f32' });
+    const splat = splatInRow({ set: read, modelMatrix: null }, 2);
+    expect([...splat!.harmonics.coefficients]).toEqual([18, 19, 20, 21, 22, 23, 24, 25, 26]);
+  });
+
+  it('is none where the row was dropped or is beyond the file', () => {
+    expect(splatInRow(clouds[0], 0)).toBeNull();
+    expect(splatInRow(clouds[0], 6)).toBeNull();
+  });
+});
+
+describe('histograms', () => {
+  it('count every splat of every cloud once, and their bins list the rows', () => {
+    const twice = [...clouds, { set: setOf([[0, 0, 0]]), modelMatrix: SHIFTED }];
+    const histograms = histogramsOf(twice);
+    for (const { counts, edges } of Object.values(histograms)) {
+      expect(counts.reduce((sum, count) => sum + count, 0)).toBe(4);
+      expect(edges).toHaveLength(counts.length + 1);
+    }
+    expect(histograms.opacity.counts[0]).toBe(2);
+    expect([...rowsInBin(twice, histograms, { quantity: 'opacity', bin: 0 })]).toEqual([3, 3]);
+    expect([...rowsInBin(twice, histograms, { quantity: 'opacity', bin: 19 })]).toEqual([4, 5]);
+    const { edges, counts } = histograms.longest;
+    expect(counts.at(-1)).toBe(1);
+    expect(edges.at(-1)).toBeGreaterThan(100 * Math.exp(2));
+    expect([...rowsInBin(twice, histograms, { quantity: 'longest', bin: counts.length - 1 })]).toEqual([5]);
+  });
+});
+
+describe('a crop', () => {
+  it('counts what cropSplats keeps, inside and outside', () => {
+    for (const keep of ['inside', 'outside'] as const) {
+      const crop = { min: [0, 0, -50], max: [1, 2, 0], keep } as const;
+      expect(cropCount(clouds, crop)).toEqual({ kept: cropSplats(three, crop).count, total: 3 });
+    }
+  });
+
+  it('counts clouds where they stand', () => {
+    const shifted = [{ set: three, modelMatrix: SHIFTED }];
+    expect(cropCount(shifted, { min: [0, 7, 0], max: [1, 9, 0], keep: 'inside' })).toEqual({
+      kept: 2,
+      total: 3,
+    });
+  });
+});
+
+describe('the box around what is seen', () => {
+  const { viewMatrix, projectionMatrix } = perspectiveCamera({
+    position: [0.5, 1, 9],
+    target: [0.5, 1, 0],
+    aspect: 1,
+    fovYDegrees: 30,
+  });
+  const look = {
+    viewMatrix: Array.from(viewMatrix),
+    projectionMatrix: Array.from(projectionMatrix),
+    isFlipped: false,
+  };
+
+  it('has the centres within the image, however deep', () => {
+    expect(boundsInImage(clouds, look)).toEqual({ min: [0, 0, -50], max: [2, 2, 0] });
+    const near = [...look.viewMatrix];
+    near[14] += 20;
+    // Two are behind the camera.
+    expect(boundsInImage(clouds, { ...look, viewMatrix: near })).toEqual({
+      min: [2, 0, -50],
+      max: [2, 0, -50],
+    });
+  });
+
+  it('follows the way up that the scene is shown, in the scene’s own space', () => {
+    expect(boundsInImage(clouds, { ...look, isFlipped: true })).toEqual({ min: [0, 0, 0], max: [0, 0, 0] });
+    const away = [...look.viewMatrix];
+    away[14] = 500;
+    expect(boundsInImage(clouds, { ...look, viewMatrix: away })).toBeNull();
+  });
+});

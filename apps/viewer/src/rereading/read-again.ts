@@ -1,0 +1,34 @@
+import { type Harmonics, readSplats, type SplatSet } from '@websplatter/core';
+import { makeBuiltin } from '../scene/make-builtin.ts';
+import type { StoredSource } from './stored-source.ts';
+
+/**
+ * Reads a cloud's splats as they were shown, harmonics in float32.
+ *
+ * @param onPart called with the part that has been read, 0…1, or undefined where that is not known.
+ */
+export async function readAgain(
+  source: StoredSource,
+  onPart: (part: number | undefined) => void,
+): Promise<SplatSet<Harmonics>> {
+  if (source.kind === 'set') return source.set;
+  if (source.kind === 'builtin') return makeBuiltin(source.name);
+  const isFile = source.kind === 'file';
+  return readSplats(bytesOf(source), {
+    name: isFile ? source.name : undefined,
+    maxSplats: isFile ? Number.POSITIVE_INFINITY : undefined,
+    shPrecision: 'f32',
+    onProgress: ({ loadedBytes, totalBytes }) => onPart(totalBytes ? loadedBytes / totalBytes : undefined),
+  });
+}
+
+function bytesOf(source: Exclude<StoredSource, { kind: 'set' | 'builtin' }>) {
+  switch (source.kind) {
+    case 'file':
+      return source.source;
+    case 'url':
+      return new URL(source.href);
+    case 'bytes':
+      return source.bytes;
+  }
+}

@@ -1,0 +1,26 @@
+import type { Harmonics, SplatSet } from '@websplatter/core';
+import { findHardCase, loadHardCases } from '../hard-cases/catalogue.ts';
+import type { SceneSource } from '../scene/scene-source.ts';
+import { type LastingScene, lastingScene } from './lasting-scene.ts';
+
+/** What a cloud is read from again; can be sent to a worker. */
+export type StoredSource =
+  | LastingScene
+  | { readonly kind: 'bytes'; readonly bytes: Uint8Array<ArrayBuffer> }
+  | { readonly kind: 'set'; readonly set: SplatSet<Harmonics> };
+
+/** What each cloud of a scene is read from, in their order. */
+export async function cloudSources(source: SceneSource): Promise<readonly StoredSource[]> {
+  if (source.kind === 'urls') return source.urls.map(({ href }) => ({ kind: 'url', href }));
+  if (source.kind === 'hard-case') {
+    const hardCase = findHardCase(await loadHardCases(), source.name);
+    if (hardCase.kind === 'refused-file') return [{ kind: 'bytes', bytes: hardCase.file() }];
+    return hardCase
+      .clouds()
+      .map((splats) =>
+        'file' in splats ? { kind: 'bytes', bytes: splats.file } : { kind: 'set', set: splats.set },
+      );
+  }
+  const lasting = lastingScene(source);
+  return lasting ? [lasting] : [];
+}

@@ -1,0 +1,17 @@
+import { WebSplatterError } from '@websplatter/core';
+import type { SaveReply, SaveRequest } from './save-messages.ts';
+import { writeScene } from './write-scene.ts';
+
+/** Reads a scene again and writes it as a file; every outcome is replied, none is thrown. */
+export async function save(
+  request: SaveRequest,
+  reply: (message: SaveReply, transfer: Transferable[]) => void,
+): Promise<void> {
+  try {
+    const bytes = await writeScene(request, (progress) => reply({ kind: 'progress', ...progress }, []));
+    reply({ kind: 'done', bytes }, [bytes.buffer]);
+  } catch (error) {
+    const message = error instanceof Error ? error.message : String(error);
+    reply({ kind: 'failed', message, isFault: !(error instanceof WebSplatterError) }, []);
+  }
+}

@@ -1,0 +1,125 @@
+import type { SplatSet } from '@websplatter/core';
+import type { TracedSplat } from '@websplatter/core/reference';
+import type { Vec3 } from '../camera/vec3.ts';
+
+/** What the panel shows, and what a click in the image does meanwhile. */
+export type InspectTab = 'splat' | 'distance' | 'histogram' | 'crop';
+
+/** Reading the scene's files again, whose values the GPU has no more. */
+export type Reading =
+  | { readonly kind: 'none' }
+  /** `part`: 0…1; undefined where that is not known. */
+  | { readonly kind: 'running'; readonly part: number | undefined }
+  | { readonly kind: 'done' }
+  | { readonly kind: 'failed'; readonly message: string };
+
+/** What a splat has of the pixel that was clicked. */
+export interface PixelShare {
+  /** Opacity of the splat at the pixel. */
+  readonly alpha: number;
+  /** `alpha` times what the splats in front let through. */
+  readonly weight: number;
+  /** Opacity of all splats together. */
+  readonly totalOpacity: number;
+  /** Place in the order of drawing, 0 for the nearest. */
+  readonly rank: number;
+  /** Splats that were drawn; null if that is not known. */
+  readonly visible: number | null;
+}
+
+/** The splat that is inspected. */
+export interface InspectedSplat {
+  readonly cloudIndex: number;
+  /** Its row in the file. */
+  readonly row: number;
+  /** Null where it was asked for by its row. */
+  readonly share: PixelShare | null;
+  /** A set of this splat alone, as the file has it; null until it has been read. */
+  readonly set: SplatSet | null;
+  /** How the image at rest shows it; null if it does not, or before the image is at rest. */
+  readonly seen: TracedSplat | null;
+}
+
+/** A distance that was measured between two points of the scene's own space. */
+export interface Ruler {
+  readonly id: number;
+  readonly ends: readonly [Vec3, Vec3];
+}
+
+/** How long a unit of the scene is. */
+export interface LengthScale {
+  /** In `unit`, above 0. */
+  readonly perSceneUnit: number;
+  /** One of `LENGTH_UNITS`. */
+  readonly unit: LengthUnit;
+}
+
+export const LENGTH_UNITS = ['mm', 'cm', 'm', 'km', 'in', 'ft'] as const;
+export type LengthUnit = (typeof LENGTH_UNITS)[number];
+
+/** What splats are counted by. */
+export const QUANTITIES = ['longest', 'shortest', 'opacity'] as const;
+export type Quantity = (typeof QUANTITIES)[number];
+
+/** How many splats have a value in each bin. */
+export interface Histogram {
+  /** One more than there are bins, ascending. */
+  readonly edges: readonly number[];
+  readonly counts: readonly number[];
+  /** Whether the edges are equally far apart by ratio. */
+  readonly isByRatio: boolean;
+}
+
+export type Histograms = Readonly<Record<Quantity, Histogram>>;
+
+export interface MarkedBin {
+  readonly quantity: Quantity;
+  readonly bin: number;
+}
+
+/** The box that splats are cropped to, in the scene's own space. */
+export interface Crop {
+  readonly min: Vec3;
+  readonly max: Vec3;
+  /** Which splats stay. */
+  readonly keep: 'inside' | 'outside';
+}
+
+export interface CropCount {
+  readonly kept: number;
+  readonly total: number;
+}
+
+export interface Inspecting {
+  readonly tab: InspectTab;
+  readonly reading: Reading;
+  readonly splat: InspectedSplat | null;
+  /** Why the last click or row came to nothing. */
+  readonly problem: string | null;
+  readonly rulers: readonly Ruler[];
+  /** The first end of the next ruler. */
+  readonly rulerStart: Vec3 | null;
+  /** Null until a known length has been set. */
+  readonly scale: LengthScale | null;
+  readonly histograms: Histograms | null;
+  /** The bin whose splats are marked in the image. */
+  readonly marked: MarkedBin | null;
+  readonly crop: Crop | null;
+  /** Null until it has been counted. */
+  readonly cropCount: CropCount | null;
+}
+
+/** What every scene begins with. */
+export const NOTHING_INSPECTED: Inspecting = {
+  tab: 'splat',
+  reading: { kind: 'none' },
+  splat: null,
+  problem: null,
+  rulers: [],
+  rulerStart: null,
+  scale: null,
+  histograms: null,
+  marked: null,
+  crop: null,
+  cropCount: null,
+};

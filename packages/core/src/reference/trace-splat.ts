@@ -1,0 +1,60 @@
+import { DILATION_PX2 } from '../accuracy/accuracy.ts';
+import { type Camera, projectionOf } from '../camera/camera.ts';
+import { cloudView } from '../camera/cloud-view.ts';
+import { identity4, type Vec3 } from '../math/mat4.ts';
+import type { Harmonics } from '../packing/harmonics.ts';
+import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
+import { screenAxes } from './covariance.ts';
+import { cullSplat } from './cull-splats.ts';
+import { splatColor } from './project.ts';
+
+/** The frame that a splat is traced in. */
+export interface TraceOptions {
+  readonly camera: Camera;
+  /** Size of the image. */
+  readonly widthPx: number;
+  readonly heightPx: number;
+  /** Cloud to world, column-major; default the identity. */
+  readonly modelMatrix?: ArrayLike<number>;
+  /** Opacity at which splats end; default 1/255. */
+  readonly alphaCutoff?: number;
+}
+
+/** How a splat is seen from a camera, without effects. Lengths in pixels from the image's top left, y down. */
+export interface TracedSplat {
+  /** View depth of the centre, world units. */
+  readonly depthView: number;
+  readonly centerPx: readonly [number, number];
+  /** Half axes of the ellipse at whose edge the opacity has fallen to the cutoff. */
+  readonly majorPx: readonly [number, number];
+  readonly minorPx: readonly [number, number];
+  /** Red, green and blue with harmonics up to degree 0, 1 and so on to that of the set; sRGB-encoded, 0 or more. */
+  readonly colors: readonly Vec3[];
+}
+
+/**
+ * Computes how splat `index` of `set` is seen, in float64. It need not be within the image.
+ *
+ * @returns null if it cannot be seen: fainter than the cutoff, nearer than the camera's near plane, or beyond its far plane.
+ */
+export function traceSplat(
+  set: SplatSet<Harmonics>,
+  index: number,
+  options: TraceOptions,
+): TracedSplat | null {
+  const { camera, widthPx, heightPx, modelMatrix = identity4(), alphaCutoff = 1 / 255 } = options;
+  const projection = projectionOf(camera, widthPx, heightPx);
+  const view = cloudView(camera.viewMatrix, modelMatrix, set.origin, projection.isOrthographic);
+  const settings = { alphaCutoff, dilationPx2: DILATION_PX2, culling: 'frustum' } as const;
+  const seen = cullSplat(set, index, view, projection, settings);
+  if (!seen) return null;
+  const { depthView, centerPx, opacity, covariance } = seen;
+  const { majorPx, minorPx } = screenAxes(covariance);
+  // Axes end where the Gaussian has fallen to 1/e.
+  const reach = Math.sqrt(Math.log(opacity / alphaCutoff));
+  const scaled = ([x, y]: readonly [number, number]) => [reach * x, reach * y] as const;
+  const colors = Array.from({ length: set.harmonics.degree + 1 }, (_, degree) =>
+    splatColor(set, index, view, degree as ShDegree, seen),
+  );
+  return { depthView, centerPx, majorPx: scaled(majorPx), minorPx: scaled(minorPx), colors };
+}
