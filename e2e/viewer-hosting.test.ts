@@ -4,6 +4,8 @@ import { builtApp } from './server.ts';
 import { type StaticHost, startStaticHost } from './static-host.ts';
 import { testScene } from './test-scene.ts';
 import {
+  CHEAP,
+  CHEAPLY,
   dropFiles,
   frameCount,
   textOf,
@@ -26,11 +28,11 @@ afterAll(() => host?.close());
 describe('the viewer on plain static hosting, below a path', () => {
   it('draws, and its links lead to the gallery, to a case and back', async () => {
     const page = await harness.newPage();
-    await page.goto(`${host.url}index.html?scene=still-life-small`);
+    await page.goto(`${host.url}index.html${CHEAP}`);
     await waitForImage(page);
     expect(await textOf(page, 'scene-title')).toContain('Still life');
 
-    await page.goto(`${host.url}index.html?scene=hard&q=camera-orthographic`);
+    await page.goto(`${host.url}index.html?scene=hard&q=camera-orthographic&${CHEAPLY}`);
     await page.getByTestId('gallery-case').getByRole('link').first().click();
     await waitForImage(page);
     expect(await textOf(page, 'scene-title')).toBe('camera-orthographic');
@@ -45,22 +47,22 @@ describe('the viewer on plain static hosting, below a path', () => {
 describe('files that the address of the viewer names', () => {
   it('are opened relative to the page, one or several, and what cannot be is told', async () => {
     const page = await harness.newPage();
-    await page.goto(`${host.url}index.html?src=scenes/a.ply&src=b.ply`);
+    await page.goto(`${host.url}index.html?src=scenes/a.ply&src=b.ply&${CHEAPLY}`);
     await waitForImage(page);
     expect(await textOf(page, 'scene-title')).toBe('a.ply and b.ply');
     expect(await textOf(page, 'scene')).toContain('2 clouds · 500 splats');
 
-    await page.goto(`${host.url}index.html?url=b.ply`);
+    await page.goto(`${host.url}index.html?url=b.ply&${CHEAPLY}`);
     await waitForImage(page);
     expect(await textOf(page, 'scene')).toContain('100 splats');
 
-    await page.goto(`${host.url}index.html?scene=still-life-small&src=b.ply&src=missing.ply`);
+    await page.goto(`${host.url}index.html${CHEAP}&src=b.ply&src=missing.ply`);
     await page.getByTestId('error').waitFor();
     expect(await textOf(page, 'error-message')).toContain('missing.ply');
     await waitForFrameAfter(page, 0);
     expect(await textOf(page, 'scene-title')).toContain('Still life');
 
-    await page.goto(`${host.url}index.html?scene=still-life-small&src=http://[`);
+    await page.goto(`${host.url}index.html${CHEAP}&src=http://[`);
     await page.getByTestId('error').waitFor();
     expect(await textOf(page, 'error')).toContain('“http://[” is not an address.');
     await waitForFrameAfter(page, 0);
@@ -81,7 +83,7 @@ describe('the file that was open', () => {
   it('is offered again after a reload: read by its handle where there is one, else to be chosen', async () => {
     const page = await harness.newPage();
     await page.addInitScript(pickFromOwnFiles);
-    await page.goto(`${host.url}index.html?scene=still-life-small`);
+    await page.goto(`${host.url}index.html${CHEAP}`);
     await waitForImage(page);
     expect(await page.getByTestId('reopen').count()).toBe(0);
     await page.evaluate(
@@ -121,7 +123,7 @@ describe('the file that was open', () => {
     await waitForImage(page);
     expect(await page.getByTestId('reopen').count()).toBe(0);
     // Another page of this window asks for its own scene.
-    await page.goto(`${host.url}index.html?src=b.ply`);
+    await page.goto(`${host.url}index.html?src=b.ply&${CHEAPLY}`);
     await waitForImage(page);
     expect(await page.getByTestId('reopen').count()).toBe(0);
   });
