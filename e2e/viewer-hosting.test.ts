@@ -1,4 +1,5 @@
 import { encodePly } from '@websplatter/core';
+import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { builtApp } from './server.ts';
 import { type StaticHost, startStaticHost } from './static-host.ts';
@@ -79,6 +80,24 @@ function pickFromOwnFiles(): void {
   });
 }
 
+/** Waits until the viewer has kept the file of this name, or none: a reload that came before would not find it so. */
+async function waitForKept(page: Page, name: string | null): Promise<void> {
+  await page.waitForFunction(async (expected) => {
+    const ask = <T>(request: IDBRequest<T>) =>
+      new Promise<T>((resolve, reject) => {
+        request.onsuccess = () => resolve(request.result);
+        request.onerror = () => reject(request.error);
+      });
+    // To open one that is not there would make it.
+    const databases = await indexedDB.databases();
+    if (!databases.some((each) => each.name === 'websplatter')) return expected === null;
+    const database = await ask(indexedDB.open('websplatter'));
+    const kept = await ask(database.transaction('files').objectStore('files').get('last'));
+    database.close();
+    return (kept?.name ?? null) === expected;
+  }, name);
+}
+
 describe('the file that was open', () => {
   it('is offered again after a reload: read by its handle where there is one, else to be chosen', async () => {
     const page = await harness.newPage();
@@ -98,6 +117,7 @@ describe('the file that was open', () => {
     const showsMine = async () => {
       await page.getByTestId('scene-title').getByText('mine.ply').waitFor();
       expect(await textOf(page, 'scene')).toContain('50 splats');
+      await waitForKept(page, 'mine.ply');
     };
     await page.getByTestId('command-open').click();
     await showsMine();
@@ -111,6 +131,7 @@ describe('the file that was open', () => {
     const frames = await frameCount(page);
     await dropFiles(page, [{ name: 'dropped.ply', bytes: encodePly(testScene()) }]);
     await waitForFrameAfter(page, frames);
+    await waitForKept(page, 'dropped.ply');
     await page.reload();
     await page.getByTestId('reopen').getByText('dropped.ply').waitFor();
     expect(await textOf(page, 'reopen-file')).toBe('Choose it again');
@@ -119,6 +140,7 @@ describe('the file that was open', () => {
 
     await page.reload();
     await page.getByTestId('forget-file').click();
+    await waitForKept(page, null);
     await page.reload();
     await waitForImage(page);
     expect(await page.getByTestId('reopen').count()).toBe(0);
