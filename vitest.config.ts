@@ -42,7 +42,6 @@ const gpu = {
   expect: patience,
   hookTimeout: TEST_TIMEOUT_MS,
 } as const;
-const stageTests = 'packages/core/src/stages/*.gpu.test.ts';
 
 const unitTests = [
   'packages/*/src/**/*.test.ts',
@@ -55,9 +54,15 @@ const unitTests = [
 const mockingTests = ['packages', 'apps'].flatMap((room) =>
   readdirSync(room, { recursive: true, encoding: 'utf8' })
     .map((path) => join(room, path))
-    .filter((path) => /^[^/]+\/[^/]+\/src\/.*(?<!\.gpu)\.test\.tsx?$/.test(path))
+    .filter((path) => /^[^/]+\/[^/]+\/src\/.*\.test\.tsx?$/.test(path))
     .filter((path) => /\bvi\.(?:do)?[mM]ock\(/.test(readFileSync(path, 'utf8'))),
 );
+const gpuTests = 'packages/*/src/**/*.gpu.test.ts';
+/** Tests that must have a process of their own: the terminal's, too, since a process knows which rasteriser was faster before. */
+const apartGpuTests = [
+  ...mockingTests.filter((path) => path.endsWith('.gpu.test.ts')),
+  'packages/cli/src/*.gpu.test.ts',
+];
 
 export default defineConfig({
   test: {
@@ -73,7 +78,7 @@ export default defineConfig({
           // The same two threads take file after file: importing the sources again for each would take as long as the tests.
           isolate: false,
           include: unitTests,
-          exclude: ['**/*.gpu.test.ts', ...mockingTests],
+          exclude: [gpuTests, ...mockingTests],
         },
       },
       {
@@ -83,17 +88,7 @@ export default defineConfig({
           ...unit,
           name: 'unit-mocking',
           include: mockingTests,
-        },
-      },
-      {
-        resolve,
-        ssr,
-        test: {
-          ...gpu,
-          name: 'gpu-stages',
-          // Small tests of one shader each: starting a process and Vulkan for each would take a quarter of their time.
-          isolate: false,
-          include: [stageTests],
+          exclude: [gpuTests],
         },
       },
       {
@@ -102,9 +97,19 @@ export default defineConfig({
         test: {
           ...gpu,
           name: 'gpu',
-          // A process per file: devices are kept for as long as it lives.
-          include: ['packages/*/src/**/*.gpu.test.ts'],
-          exclude: [stageTests],
+          // Two processes take file after file: each by itself would start Vulkan, and import and compile core, again.
+          isolate: false,
+          include: [gpuTests],
+          exclude: apartGpuTests,
+        },
+      },
+      {
+        resolve,
+        ssr,
+        test: {
+          ...gpu,
+          name: 'gpu-apart',
+          include: apartGpuTests,
         },
       },
       {
@@ -116,6 +121,8 @@ export default defineConfig({
           sequence: { groupOrder: 1 },
           maxWorkers: 2,
           environment: 'node',
+          // Each file would import Vite, Playwright and the sources again.
+          isolate: false,
           include: ['e2e/**/*.test.ts'],
           pool: 'forks',
           testTimeout: TEST_TIMEOUT_MS,

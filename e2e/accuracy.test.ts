@@ -9,6 +9,7 @@ import {
   dropFiles,
   frameCount,
   loseDeviceOnDemand,
+  SMALL,
   textOf,
   viewerHarness,
   viewerScreenshot,
@@ -19,7 +20,6 @@ import {
 
 const harness = viewerHarness();
 const { newPage, openViewer } = harness;
-const SMALL = { viewport: { width: 240, height: 160 } };
 /** A measurement draws a hundred frames, on the CPU. */
 const TINY = { viewport: { width: 160, height: 120 } };
 const ATTACHED = { state: 'attached' } as const;

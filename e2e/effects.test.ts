@@ -2,10 +2,9 @@ import { encodePly, type SplatSet } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { testScene } from './test-scene.ts';
-import { dropFiles, frameCount, textOf, viewerHarness, waitForFrameAfter } from './viewer-page.ts';
+import { dropFiles, frameCount, SMALL, textOf, viewerHarness, waitForFrameAfter } from './viewer-page.ts';
 
 const { openViewer } = viewerHarness();
-const SMALL = { viewport: { width: 240, height: 160 } };
 
 /** The test scene with spherical harmonics that are all zero. */
 function withEmptyHarmonics(set: SplatSet): SplatSet {

@@ -10,11 +10,12 @@ import { atRest, passTurns } from './at-rest.ts';
 import { appHarness } from './harness.ts';
 import { MIN_PSNR_DB, type ReferenceEffects, referenceImage } from './reference.ts';
 import { changedPart, type Screenshot, screenshot } from './screenshot.ts';
+import { slowDisplay } from './slow-display.ts';
 import { testScene } from './test-scene.ts';
 import { splatSet } from './three/splats.ts';
 import type { DrawnCamera } from './viewer-page.ts';
 
-const harness = appHarness('apps/examples');
+const harness = appHarness('apps/examples', {}, slowDisplay);
 
 /** For screenshots: SwiftShader draws these pages at a few frames per second. */
 const SELDOM = { interval: 250 };

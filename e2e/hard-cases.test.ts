@@ -7,6 +7,7 @@ import { type AppServer, startAppServer } from './server.ts';
 import {
   drawnCamera,
   frameCount,
+  SMALL,
   textOf,
   viewerHarness,
   viewerScreenshot,
@@ -16,7 +17,7 @@ import {
 } from './viewer-page.ts';
 
 const harness = viewerHarness();
-const ASPECT = 480 / 320;
+const ASPECT = SMALL.viewport.width / SMALL.viewport.height;
 
 function sceneCase(name: string): SceneCase {
   const found = HARD_CASES.find((hardCase) => hardCase.name === name);
@@ -36,7 +37,7 @@ function setsOf({ clouds }: SceneCase): Promise<SplatSet<Harmonics>[]> {
 describe('hard cases', () => {
   it('are listed, searched by keyboard, opened, and seen from each of their cameras', async () => {
     // Images are compared bit for bit: their rasteriser must not follow from times.
-    const page = await harness.open('?scene=hard&accuracy=balanced,rasterizer:tiles');
+    const page = await harness.open('?scene=hard&accuracy=balanced,rasterizer:tiles', SMALL);
     const entries = page.getByTestId('gallery-case');
     await entries.first().waitFor();
     expect(await entries.count()).toBe(HARD_CASES.length);
@@ -94,7 +95,7 @@ describe('hard cases', () => {
   it.each(['camera-off-centre', 'depth-all-equal-two-clouds', 'input-half-of-all-rows-nan'])(
     'shows %s as float64 defines it',
     async (name) => {
-      const page = await harness.openViewer(`?scene=hard:${name}`);
+      const page = await harness.openViewer(`?scene=hard:${name}`, SMALL);
       const hardCase = sceneCase(name);
       const drawn = await drawnCamera(page);
       const [camera] = Object.values(hardCase.cameras(ASPECT));
@@ -111,7 +112,7 @@ describe('hard cases', () => {
   );
 
   it('offers similar names for one that does not exist', async () => {
-    const page = await harness.open('?scene=hard:camera-ortographic');
+    const page = await harness.open('?scene=hard:camera-ortographic', SMALL);
     await page.getByTestId('error').waitFor();
     await waitForFrameAfter(page, 0);
     await waitForState(page, 'error');
@@ -125,7 +126,7 @@ describe('hard cases', () => {
   it('shows the error of a file that must be refused', async () => {
     const refused = HARD_CASES.find(({ kind }) => kind === 'refused-file');
     if (!refused) throw new Error('There is no refused file.');
-    const page = await harness.open(`?scene=hard:${refused.name}`);
+    const page = await harness.open(`?scene=hard:${refused.name}`, SMALL);
     await page.getByTestId('error').waitFor();
     await waitForFrameAfter(page, 0);
     expect(await textOf(page, 'error-message')).toContain(refused.name);

@@ -17,8 +17,14 @@ export interface Harness {
 /**
  * Starts a browser, and a server of the app in `appFolder` (relative to the repository's root; see `startAppServer`), for the
  * tests of a file. A test fails if its pages log warnings or errors.
+ *
+ * @param initScript runs in each page before the page's own scripts.
  */
-export function appHarness(appFolder: string, files: ServedFiles = {}): Harness {
+export function appHarness(
+  appFolder: string,
+  files: ServedFiles = {},
+  initScript: (() => void) | null = null,
+): Harness {
   let browser: Browser;
   let server: AppServer;
   let watchedPages: WatchedPage[] = [];
@@ -49,6 +55,7 @@ export function appHarness(appFolder: string, files: ServedFiles = {}): Harness 
   const newPage = async (options: BrowserContextOptions = {}) => {
     const watched = await newWatchedPage(browser, options);
     watchedPages.push(watched);
+    if (initScript) await watched.page.addInitScript(initScript);
     return watched.page;
   };
   return {

@@ -10,8 +10,8 @@ import { changedPart, screenshot } from './screenshot.ts';
 import { slowScene, testScene } from './test-scene.ts';
 
 const isFull = process.env.WEBSPLATTER_FULL === '1';
-/** Each takes a tenth of a second, and what a mount leaves is seen after two. */
-const MOUNTS = isFull ? 50 : 15;
+/** What a mount leaves is seen after two; every fifth is unmounted while it loads. */
+const MOUNTS = isFull ? 50 : 6;
 
 /** Rows of `dots.ply`: small opaque splats, far enough apart for each to have pixels of its own. */
 const DOTS = [

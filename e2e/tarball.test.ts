@@ -5,6 +5,7 @@ import { launchBrowser, newWatchedPage } from './browser.ts';
 import { type FreshApp, makeFreshApp } from './fresh-app.ts';
 import { MIN_PSNR_DB, referenceImage } from './reference.ts';
 import { type Screenshot, screenshot } from './screenshot.ts';
+import { slowDisplay } from './slow-display.ts';
 import { testScene } from './test-scene.ts';
 
 let app: FreshApp;
@@ -50,6 +51,7 @@ async function expectSplats(
 ): Promise<void> {
   const server = await app.serve(command);
   const { page, problems } = await newWatchedPage(browser, {});
+  await page.addInitScript(slowDisplay);
   await page.addInitScript(() => {
     const replies: string[] = [];
     Object.assign(window, { replies });

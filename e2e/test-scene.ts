@@ -57,5 +57,5 @@ function randomNumbers(seed: number): () => number {
 
 /** A scene whose file is large enough to be shown while it arrives. */
 export function slowScene(): SplatSet {
-  return testScene(120_000);
+  return testScene(80_000);
 }

@@ -1,9 +1,12 @@
 import { encodePly } from '@websplatter/core';
+import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { builtApp } from './server.ts';
 import { type StaticHost, startStaticHost } from './static-host.ts';
 import { testScene } from './test-scene.ts';
 import {
+  CHEAP,
+  CHEAPLY,
   dropFiles,
   frameCount,
   textOf,
@@ -26,11 +29,11 @@ afterAll(() => host?.close());
 describe('the viewer on plain static hosting, below a path', () => {
   it('draws, and its links lead to the gallery, to a case and back', async () => {
     const page = await harness.newPage();
-    await page.goto(`${host.url}index.html?scene=still-life-small`);
+    await page.goto(`${host.url}index.html${CHEAP}`);
     await waitForImage(page);
     expect(await textOf(page, 'scene-title')).toContain('Still life');
 
-    await page.goto(`${host.url}index.html?scene=hard&q=camera-orthographic`);
+    await page.goto(`${host.url}index.html?scene=hard&q=camera-orthographic&${CHEAPLY}`);
     await page.getByTestId('gallery-case').getByRole('link').first().click();
     await page.getByTestId('case-open').click();
     await waitForImage(page);
@@ -46,22 +49,22 @@ describe('the viewer on plain static hosting, below a path', () => {
 describe('files that the address of the viewer names', () => {
   it('are opened relative to the page, one or several, and what cannot be is told', async () => {
     const page = await harness.newPage();
-    await page.goto(`${host.url}index.html?src=scenes/a.ply&src=b.ply`);
+    await page.goto(`${host.url}index.html?src=scenes/a.ply&src=b.ply&${CHEAPLY}`);
     await waitForImage(page);
     expect(await textOf(page, 'scene-title')).toBe('a.ply and b.ply');
     expect(await textOf(page, 'scene')).toContain('2 clouds · 500 splats');
 
-    await page.goto(`${host.url}index.html?url=b.ply`);
+    await page.goto(`${host.url}index.html?url=b.ply&${CHEAPLY}`);
     await waitForImage(page);
     expect(await textOf(page, 'scene')).toContain('100 splats');
 
-    await page.goto(`${host.url}index.html?scene=still-life-small&src=b.ply&src=missing.ply`);
+    await page.goto(`${host.url}index.html${CHEAP}&src=b.ply&src=missing.ply`);
     await page.getByTestId('error').waitFor();
     expect(await textOf(page, 'error-message')).toContain('missing.ply');
     await waitForFrameAfter(page, 0);
     expect(await textOf(page, 'scene-title')).toContain('Still life');
 
-    await page.goto(`${host.url}index.html?scene=still-life-small&src=http://[`);
+    await page.goto(`${host.url}index.html${CHEAP}&src=http://[`);
     await page.getByTestId('error').waitFor();
     expect(await textOf(page, 'error')).toContain('“http://[” is not an address.');
     await waitForFrameAfter(page, 0);
@@ -78,11 +81,29 @@ function pickFromOwnFiles(): void {
   });
 }
 
+/** Waits until the viewer has kept the file of this name, or none: a reload that came before would not find it so. */
+async function waitForKept(page: Page, name: string | null): Promise<void> {
+  await page.waitForFunction(async (expected) => {
+    const ask = <T>(request: IDBRequest<T>) =>
+      new Promise<T>((resolve, reject) => {
+        request.onsuccess = () => resolve(request.result);
+        request.onerror = () => reject(request.error);
+      });
+    // To open one that is not there would make it.
+    const databases = await indexedDB.databases();
+    if (!databases.some((each) => each.name === 'websplatter')) return expected === null;
+    const database = await ask(indexedDB.open('websplatter'));
+    const kept = await ask(database.transaction('files').objectStore('files').get('last'));
+    database.close();
+    return (kept?.name ?? null) === expected;
+  }, name);
+}
+
 describe('the file that was open', () => {
   it('is offered again after a reload: read by its handle where there is one, else to be chosen', async () => {
     const page = await harness.newPage();
     await page.addInitScript(pickFromOwnFiles);
-    await page.goto(`${host.url}index.html?scene=still-life-small`);
+    await page.goto(`${host.url}index.html${CHEAP}`);
     await waitForImage(page);
     expect(await page.getByTestId('reopen').count()).toBe(0);
     await page.evaluate(
@@ -97,6 +118,7 @@ describe('the file that was open', () => {
     const showsMine = async () => {
       await page.getByTestId('scene-title').getByText('mine.ply').waitFor();
       expect(await textOf(page, 'scene')).toContain('50 splats');
+      await waitForKept(page, 'mine.ply');
     };
     await page.getByTestId('command-open').click();
     await showsMine();
@@ -110,6 +132,7 @@ describe('the file that was open', () => {
     const frames = await frameCount(page);
     await dropFiles(page, [{ name: 'dropped.ply', bytes: encodePly(testScene()) }]);
     await waitForFrameAfter(page, frames);
+    await waitForKept(page, 'dropped.ply');
     await page.reload();
     await page.getByTestId('reopen').getByText('dropped.ply').waitFor();
     expect(await textOf(page, 'reopen-file')).toBe('Choose it again');
@@ -118,11 +141,12 @@ describe('the file that was open', () => {
 
     await page.reload();
     await page.getByTestId('forget-file').click();
+    await waitForKept(page, null);
     await page.reload();
     await waitForImage(page);
     expect(await page.getByTestId('reopen').count()).toBe(0);
     // Another page of this window asks for its own scene.
-    await page.goto(`${host.url}index.html?src=b.ply`);
+    await page.goto(`${host.url}index.html?src=b.ply&${CHEAPLY}`);
     await waitForImage(page);
     expect(await page.getByTestId('reopen').count()).toBe(0);
   });

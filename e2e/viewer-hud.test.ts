@@ -1,11 +1,9 @@
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
-import { frameCount, textOf, viewerHarness, waitForFrameAfter } from './viewer-page.ts';
+import { CHEAP, frameCount, textOf, viewerHarness, waitForFrameAfter } from './viewer-page.ts';
 
 const harness = viewerHarness();
 const { openViewer } = harness;
-/** Few pixels to draw: the figures are looked at, not the image. */
-const CHEAP = '?scene=still-life-small&accuracy=fast,shDegree:0,resolutionScale:0.25,rasterizer:quads';
 const SIZE = { width: 660, height: 490 };
 
 /** Most writes of figures a second, plus some that lie at the ends of a measurement. */

@@ -2,6 +2,13 @@ import type { BrowserContextOptions, Page } from 'playwright-core';
 import { appHarness, type Harness } from './harness.ts';
 import { type Screenshot, screenshot } from './screenshot.ts';
 
+/** For pages whose picture is not what is tested, in an address: few pixels to draw, by few shaders. */
+export const CHEAPLY = 'accuracy=fast,shDegree:0,resolutionScale:0.25,rasterizer:quads';
+/** Address of a small scene, drawn so. */
+export const CHEAP = `?scene=still-life-small&${CHEAPLY}`;
+/** A window for pictures that are compared: SwiftShader takes its time for every pixel. */
+export const SMALL = { viewport: { width: 240, height: 160 } } as const;
+
 /** A harness that serves the viewer. */
 export interface ViewerHarness extends Harness {
   /** Opens a page at the viewer's `address`, by default a small scene, and waits for its first image. */

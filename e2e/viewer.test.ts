@@ -13,10 +13,13 @@ import { changedPart, type Screenshot } from './screenshot.ts';
 import { CONTENT_SECURITY_POLICY } from './server.ts';
 import { slowScene, testScene } from './test-scene.ts';
 import {
+  CHEAP,
+  CHEAPLY,
   drawnCamera,
   dropFiles,
   frameCount,
   loseDeviceOnDemand,
+  SMALL,
   textOf,
   viewerHarness,
   viewerScreenshot,
@@ -26,7 +29,7 @@ import {
 } from './viewer-page.ts';
 
 /** For images that are compared bit for bit: their rasteriser must not follow from times. */
-const BY_TILES = '?scene=still-life-small&accuracy=balanced,rasterizer:tiles';
+const BY_TILES = '?scene=still-life-small&accuracy=balanced,rasterizer:tiles,resolutionScale:0.5';
 
 /** One scene in several formats; they are skipped where they are not there. */
 const SCENES = fileURLToPath(new URL('../../shared/scenes/', import.meta.url));
@@ -182,7 +185,7 @@ describe('viewer', () => {
   });
 
   it('counts no frame and is not at rest while the shaders of its first frame compile', async () => {
-    const page = await newPage();
+    const page = await newPage(SMALL);
     await page.addInitScript(holdBackGpu);
     await page.goto(`${harness.server.url}?scene=still-life-small`);
     // The wait of a page that has nothing to show yet goes on until the first frame has been asked for.
@@ -224,7 +227,7 @@ describe('viewer', () => {
   });
 
   it('shows a PLY that is dropped, as the float64 reference does', async () => {
-    const page = await openViewer();
+    const page = await openViewer(undefined, SMALL);
     const before = await viewerScreenshot(page);
     const frames = await frameCount(page);
     const file = { name: 'test scene.ply', bytes: encodePly(testScene()) };
@@ -293,7 +296,7 @@ describe('viewer', () => {
     );
     const part = Number(/([\d,]+) splats/.exec(await textOf(page, 'scene'))![1].replaceAll(',', ''));
     expect(part).toBeGreaterThan(10_000);
-    expect(part).toBeLessThan(120_000);
+    expect(part).toBeLessThan(slowScene().count);
     await waitForState(page, 'loading');
     expect(await page.getByTestId('load').isVisible()).toBe(true);
     await expect.poll(async () => colorsIn(await viewerScreenshot(page))).toBeGreaterThan(50);
@@ -304,7 +307,7 @@ describe('viewer', () => {
 
     harness.server.sendRestOfSlowFile();
     await waitForState(page, 'ready');
-    expect(await textOf(page, 'scene')).toContain('120,000 splats');
+    expect(await textOf(page, 'scene')).toContain('80,000 splats');
     expect(await page.getByTestId('load').count()).toBe(0);
     await waitForFrameAfter(page, 0);
     const drawn = await drawnCamera(page);
@@ -344,7 +347,7 @@ describe('viewer', () => {
   });
 
   it('keeps the old scene on the screen, and movable, while a file is loading', async () => {
-    const page = await newPage();
+    const page = await newPage(SMALL);
     await page.addInitScript(() => {
       const target = window as unknown as { isHolding: boolean; release: () => void };
       const post = Worker.prototype.postMessage;
@@ -376,7 +379,7 @@ describe('viewer', () => {
   });
 
   it('says how many splats of a file were left out, and why', async () => {
-    const page = await openViewer();
+    const page = await openViewer(CHEAP);
     const set = testScene();
     // Rows 0, 2, 4, … have no position, row 1 no opacity, row 3 an infinite colour.
     for (let i = 0; i < set.count; i += 2) set.positions[3 * i + 1] = Number.NaN;
@@ -417,7 +420,7 @@ describe('viewer', () => {
   });
 
   it('opens the first PLY of several and says so', async () => {
-    const page = await openViewer();
+    const page = await openViewer(CHEAP);
     const bytes = encodePly(testScene());
     await dropFiles(page, [
       { name: 'readme.txt', bytes: new Uint8Array(3) },
@@ -429,7 +432,7 @@ describe('viewer', () => {
   });
 
   it('says what is wrong with a file that is cut off, and keeps the scene', async () => {
-    const page = await openViewer();
+    const page = await openViewer(CHEAP);
     const before = await viewerScreenshot(page);
     const bytes = encodePly(testScene());
     await dropFiles(page, [{ name: 'cut.ply', bytes: bytes.subarray(0, Math.floor(bytes.length * 0.6)) }]);
@@ -446,7 +449,7 @@ describe('viewer', () => {
   });
 
   it('says so where the address leads to no splats, and shows the built-in scene', async () => {
-    const page = await harness.open('?scene=still-life-small&file=index.html');
+    const page = await harness.open(`${CHEAP}&file=index.html`);
     await page.getByTestId('error').waitFor();
     await waitForFrameAfter(page, 0);
     await waitForState(page, 'error');
@@ -514,7 +517,7 @@ describe('viewer', () => {
       Object.assign(window, { request: GPU.prototype.requestAdapter });
       GPU.prototype.requestAdapter = async () => null;
     });
-    await page.goto(`${harness.server.url}?scene=still-life-small`);
+    await page.goto(harness.server.url + CHEAP);
     await waitForState(page, 'unavailable');
     expect(await textOf(page, 'status-reason')).toContain('no GPU');
     await page.evaluate(() => {
@@ -594,7 +597,7 @@ describe('viewer', () => {
   });
 
   it('draws with the default accuracy, and says so, where the address asks for none that exists', async () => {
-    const page = await openViewer('?scene=still-life-small&accuracy=minPsnrDb:1e999');
+    const page = await openViewer('?scene=still-life-small&accuracy=minPsnrDb:1e999', SMALL);
     expect(await textOf(page, 'notice')).toContain('minPsnrDb:1e999');
   });
 
@@ -609,7 +612,7 @@ describe('viewer', () => {
         return request(callback);
       };
     });
-    await page.goto(`${harness.server.url}?scene=still-life-small`);
+    await page.goto(harness.server.url + CHEAP);
     await waitForImage(page);
     // The first measurement arrives after the frame, and checks whether there is more to draw.
     await waitForTimes(page);
@@ -625,7 +628,7 @@ describe('viewer', () => {
   });
 
   it('stops a load that is cancelled, and shows the built-in scene in place of the file', async () => {
-    const page = await harness.open('?scene=still-life-small&file=/endless.ply');
+    const page = await harness.open(`${CHEAP}&file=/endless.ply`);
     await page.getByTestId('load-figures').getByText('of 100 MB').waitFor();
     expect(await page.evaluate(() => document.documentElement.dataset.state)).toBe('loading');
     await page.getByTestId('cancel-load').click();
@@ -637,7 +640,7 @@ describe('viewer', () => {
   });
 
   it('stops a load when another file is dropped', async () => {
-    const page = await harness.open('?file=/endless.ply');
+    const page = await harness.open(`?${CHEAPLY}&file=/endless.ply`);
     await page.getByTestId('load-figures').getByText('of 100 MB').waitFor();
     await dropFiles(page, [{ name: 'next.ply', bytes: encodePly(testScene()) }]);
     await harness.server.whenEndlessFileIsDropped();
@@ -646,7 +649,7 @@ describe('viewer', () => {
   });
 
   it('lists its keys and hides its figures', async () => {
-    const page = await openViewer();
+    const page = await openViewer(CHEAP);
     await page.keyboard.press('?');
     await page.getByTestId('help').waitFor();
     await page.keyboard.press('Escape');

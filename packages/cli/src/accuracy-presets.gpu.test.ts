@@ -23,7 +23,7 @@ import { afterAll, beforeAll, describe, expect } from 'vitest';
 
 /**
  * Compares every preset with float64, and with the reference image of the terminal and the viewer, and times it.
- * `npm run test:full` uses the whole built-in scene, larger images, and enough frames for the times to mean something.
+ * `npm run test:full` adds a real scene, the whole built-in one, larger images, and enough frames for the times to mean something.
  */
 
 const IS_FULL = process.env.WEBSPLATTER_FULL !== undefined;
@@ -178,6 +178,7 @@ describe('presets against float64, with what they cost', () => {
   gpuTest(
     'a real scene',
     async ({ skip }) => {
+      if (!IS_FULL) skip('set WEBSPLATTER_FULL=1');
       const path = fileURLToPath(new URL('../../../../shared/scenes/playbot-lod3.ply', import.meta.url));
       if (!existsSync(path)) skip('../shared/scenes/playbot-lod3.ply is not here');
       const set = await readSplats(readFileSync(path), { shPrecision: 'f32' });

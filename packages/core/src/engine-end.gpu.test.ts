@@ -152,7 +152,7 @@ describe('the end of an engine', () => {
 
 /** The seed of the first round; each further round has the next. */
 const SEED = Number(process.env.WEBSPLATTER_SEED ?? 1);
-const ROUNDS = process.env.WEBSPLATTER_FULL ? 200 : 6;
+const ROUNDS = process.env.WEBSPLATTER_FULL ? 200 : 3;
 /** Longest time that a round runs, in turns of the event loop. */
 const MOST_TURNS = 400;
 
