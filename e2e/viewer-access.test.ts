@@ -50,6 +50,7 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
     await expectAccessible(page, 'a phone');
     for (const [key, name] of [
       ['e', 'effects'],
+      ['i', 'inspect'],
       ['x', 'save'],
       ['?', 'help'],
     ]) {

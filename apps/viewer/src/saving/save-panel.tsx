@@ -13,6 +13,7 @@ const PHASES = { read: 'Reading the scene again', write: 'Writing' } as const;
 export function SavePanel({ store, viewer, saving }: PanelProps & { saving: Saving }) {
   const running = useStore(store, (state) => state.saving);
   const canSave = useStore(store, (state) => state.scene?.canSave ?? false);
+  const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
   const [name, setName] = useState(WRITABLE_FORMATS[0].name);
   const chosen = WRITABLE_FORMATS.find((format) => format.name === name) ?? WRITABLE_FORMATS[0];
   return (
@@ -57,6 +58,9 @@ export function SavePanel({ store, viewer, saving }: PanelProps & { saving: Savi
           ) : (
             <div className="runner">
               <p>
+                {canSave && isCropped && (
+                  <strong data-testid="save-cropped">Only what the crop leaves is saved. </strong>
+                )}
                 {canSave
                   ? 'Reads all splats again, without effects, and turns them so that other viewers show them this way up.'
                   : 'There is no file behind this scene.'}

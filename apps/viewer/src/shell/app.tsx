@@ -28,6 +28,8 @@ const Hud = late(async () => (await import('../hud/hud.tsx')).Hud);
 const ViewPanel = late(async () => (await import('../looking/view-panel.tsx')).ViewPanel);
 const AccuracyPanel = late(async () => (await import('../accuracy/accuracy-panel.tsx')).AccuracyPanel);
 const EffectsPanel = late(async () => (await import('../effects/effects-panel.tsx')).EffectsPanel);
+// It draws over the image too, and goes on with a crop when its panel is closed.
+const Inspect = late(async () => (await import('../inspecting/inspect.tsx')).Inspect);
 const SavePanel = late(async () => (await import('../saving/save-panel.tsx')).SavePanel);
 const Help = late(async () => (await import('./help.tsx')).Help);
 const ReopenPanel = late(async () => (await import('../messages/reopen-panel.tsx')).ReopenPanel);
@@ -51,6 +53,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   // It stays, so that closing it gives the keyboard back to what had it.
   const [hasHelp, setHasHelp] = useState(isHelpVisible);
   if (isHelpVisible && !hasHelp) setHasHelp(true);
+  const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
   const isFlying = useStore(store, (state) => state.flightSpeed !== null);
   const fileInput = useRef<HTMLInputElement>(null);
   const run = useMemo(
@@ -101,6 +104,9 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
           </Suspense>
           <Suspense>
             {dock === 'effects' && <EffectsPanel store={store} measurement={measurement} />}
+          </Suspense>
+          <Suspense>
+            {(dock === 'inspect' || isCropped) && <Inspect store={store} viewer={viewer} />}
           </Suspense>
           <Suspense>
             {dock === 'save' && <SavePanel store={store} viewer={viewer} saving={saving} />}

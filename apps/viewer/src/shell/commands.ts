@@ -8,6 +8,7 @@ export type CommandName =
   | 'flip'
   | 'view'
   | 'fly'
+  | 'inspect'
   | 'mode'
   | 'reset'
   | 'frame'
@@ -38,6 +39,7 @@ export const COMMANDS: readonly Command[] = [
   { name: 'view', label: 'View and camera', key: 'v' },
   { name: 'fly', label: 'Fly', key: 'g', isInPanel: true },
   { name: 'mode', label: 'Next view mode', key: 'm', isInPanel: true },
+  { name: 'inspect', label: 'Inspect, measure, crop', key: 'i' },
   { name: 'hud', label: 'Show or hide figures', key: 'h' },
   { name: 'accuracy', label: 'Accuracy and its cost', key: 'c' },
   { name: 'effects', label: 'Effects and why', key: 'e' },
@@ -57,6 +59,7 @@ export function createCommands(viewer: Viewer, store: ViewerStore, chooseFile: (
     view: () => store.setState(({ dock }) => ({ dock: dock === 'view' ? null : 'view' })),
     fly: () => void viewer.toggleFlight(),
     mode: () => store.setState(({ viewMode }) => ({ viewMode: viewModeAfter(viewMode, 1) })),
+    inspect: () => store.setState(({ dock }) => ({ dock: dock === 'inspect' ? null : 'inspect' })),
     hud: () => store.setState(({ isHudVisible }) => ({ isHudVisible: !isHudVisible })),
     accuracy: () => store.setState(({ dock }) => ({ dock: dock === 'accuracy' ? null : 'accuracy' })),
     effects: () => store.setState(({ dock }) => ({ dock: dock === 'effects' ? null : 'effects' })),

@@ -11,6 +11,7 @@ const GESTURES: readonly (readonly [string, string])[] = [
   ['Pan', 'Right, middle or Shift drag · two fingers'],
   ['Zoom', 'Wheel, to the cursor · pinch'],
   ['Turn around a place', 'Double-click · double tap'],
+  ['Inspect, measure (I)', 'Click · tap'],
 ];
 
 const CAMERA_KEYS: readonly (readonly [string, readonly string[]])[] = [

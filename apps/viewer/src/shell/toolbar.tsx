@@ -22,6 +22,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
     flip: isFlipped !== isUpsideDown,
     hud: isHudVisible,
     view: dock === 'view',
+    inspect: dock === 'inspect',
     accuracy: dock === 'accuracy',
     effects: dock === 'effects',
     save: dock === 'save',
@@ -30,6 +31,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
     flip: !canFlip,
     reset: !hasScene,
     frame: !hasScene,
+    inspect: !hasScene,
     save: !hasScene,
   };
   const tabStop = disabled[stop] ? COMMANDS[0].name : stop;

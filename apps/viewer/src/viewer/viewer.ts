@@ -7,6 +7,7 @@ import {
   isAccuracyWish,
   isSoftwareAdapter,
   type SplatEngine,
+  type SplatPick,
 } from '@websplatter/core';
 import type { EffectUse } from '@websplatter/core/effects';
 import { ViewCamera } from '../camera/view-camera.ts';
@@ -182,13 +183,19 @@ export class Viewer {
    * the image, from its top left. Does nothing where there is none.
    */
   async focusAt(xPart: number, yPart: number): Promise<void> {
+    const pick = await this.pickAt(xPart, yPart);
+    if (pick) this.camera.focus(pick.point);
+  }
+
+  /** The splat that contributes most to a place of the image, `xPart` and `yPart` of it from its top left; null where there is none. */
+  async pickAt(xPart: number, yPart: number): Promise<SplatPick | null> {
     const shown = this.#drawing.shown;
-    if (!shown) return;
+    if (!shown) return null;
     const { views } = shown.scene.session;
     const { widthPx, heightPx } = shown.frame;
     // The session may end, or another scene be shown, before the GPU answers.
     const pick = await views.main.pick(xPart * widthPx, yPart * heightPx).catch(() => null);
-    if (pick && this.#drawing.shown?.scene === shown.scene) this.camera.focus(pick.point);
+    return this.#drawing.shown?.scene === shown.scene ? pick : null;
   }
 
   /** Begins to fly through the scene, or ends it. */

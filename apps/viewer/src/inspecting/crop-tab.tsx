@@ -1,0 +1,170 @@
+import { useId, useState } from 'react';
+import { useStore } from 'zustand';
+import { clamp } from '../camera/vec3.ts';
+import type { Crop } from '../state/inspecting.ts';
+import { formatCount } from '../words/format.ts';
+import { SLIDER_STEPS, sliderPosition, sliderValue, withSide } from './cropping.ts';
+import type { InspectProps } from './inspect-props.ts';
+import './crop-tab.css';
+
+/** How far sliders go beyond the scene's box, as a part of its size. */
+const MARGIN = 0.25;
+
+/** Crops the scene to a box. */
+export function CropTab({ store, inspection }: InspectProps) {
+  const { crop, cropCount } = useStore(store, (state) => state.inspecting);
+  const canSave = useStore(store, (state) => state.scene?.canSave ?? false);
+  const { cropping } = inspection;
+  if (!crop) {
+    return (
+      <div className="inspect-sections">
+        <p>Shows and saves only what is within a box, or only what is outside of it.</p>
+        <div className="inspect-actions">
+          <button
+            type="button"
+            className="text-button primary"
+            data-testid="crop-begin"
+            onClick={() => cropping.begin()}
+          >
+            Crop to a box
+          </button>
+          <CropToView inspection={inspection} />
+        </div>
+      </div>
+    );
+  }
+  return (
+    <div className="inspect-sections">
+      <fieldset className="segments" aria-label="What stays">
+        {(['inside', 'outside'] as const).map((keep) => (
+          <button
+            key={keep}
+            type="button"
+            aria-pressed={crop.keep === keep}
+            data-testid={`crop-${keep}`}
+            onClick={() => cropping.set({ ...crop, keep })}
+          >
+            {keep === 'inside' ? 'Keep the inside' : 'Keep the outside'}
+          </button>
+        ))}
+      </fieldset>
+      {[0, 1, 2].map((axis) => (
+        <Sides key={axis} inspection={inspection} crop={crop} axis={axis} />
+      ))}
+      <p data-testid="crop-count" role="status">
+        {cropCount && `${formatCount(cropCount.kept)} of ${formatCount(cropCount.total)} splats stay.`}
+      </p>
+      <div className="inspect-actions">
+        <CropToView inspection={inspection} />
+        <button type="button" className="text-button outlined" onClick={() => cropping.begin()}>
+          Box around the scene
+        </button>
+        <button
+          type="button"
+          className="text-button outlined"
+          data-testid="crop-end"
+          onClick={() => cropping.set(null)}
+        >
+          Show everything
+        </button>
+        {canSave && (
+          <button
+            type="button"
+            className="text-button primary"
+            data-testid="crop-save"
+            onClick={() => store.setState({ dock: 'save' })}
+          >
+            Save what is left
+          </button>
+        )}
+      </div>
+    </div>
+  );
+}
+
+function CropToView({ inspection }: Pick<InspectProps, 'inspection'>) {
+  return (
+    <button
+      type="button"
+      className="text-button outlined"
+      title="The smallest box around all splats that are within the image, however deep"
+      data-testid="crop-to-view"
+      onClick={() => void inspection.cropping.cropToView()}
+    >
+      Crop to what is seen
+    </button>
+  );
+}
+
+interface AxisProps extends Pick<InspectProps, 'inspection'> {
+  readonly crop: Crop;
+  readonly axis: number;
+}
+
+/** Both ends of the box along an axis. */
+function Sides({ inspection, crop, axis }: AxisProps) {
+  const { cropping } = inspection;
+  const scene = cropping.sceneBox ?? crop;
+  const margin = MARGIN * (scene.max[axis] - scene.min[axis]) || 1;
+  const low = Math.min(crop.min[axis], scene.min[axis] - margin);
+  const high = Math.max(crop.max[axis], scene.max[axis] + margin);
+  const range = { low, high, middle: clamp(cropping.subject[axis], low, high) };
+  return (
+    <fieldset className="inspect-sides">
+      <legend>{'xyz'[axis]}</legend>
+      {(['min', 'max'] as const).map((side) => (
+        <Side
+          key={side}
+          name={`${side === 'min' ? 'Least' : 'Greatest'} ${'xyz'[axis]}`}
+          value={crop[side][axis]}
+          range={range}
+          testId={`crop-${side}-${'xyz'[axis]}`}
+          onValue={(value) => cropping.set(withSide(crop, side, axis, value))}
+        />
+      ))}
+    </fieldset>
+  );
+}
+
+interface SideProps {
+  readonly name: string;
+  readonly value: number;
+  readonly range: Parameters<typeof sliderValue>[1];
+  readonly testId: string;
+  readonly onValue: (value: number) => void;
+}
+
+/** One side of the box, by a slider or as a number. */
+function Side({ name, value, range, testId, onValue }: SideProps) {
+  const id = useId();
+  /** What is being typed; null when nothing is. */
+  const [text, setText] = useState<string | null>(null);
+  const shown = Number(value.toPrecision(5));
+  return (
+    <div>
+      <label htmlFor={id}>{name}</label>
+      <input
+        id={id}
+        type="range"
+        min={0}
+        max={SLIDER_STEPS}
+        value={sliderPosition(value, range)}
+        aria-valuetext={String(shown)}
+        data-testid={testId}
+        onChange={({ target }) => onValue(sliderValue(target.valueAsNumber, range))}
+      />
+      <input
+        type="number"
+        step="any"
+        aria-label={`${name}, as a number`}
+        value={text ?? shown}
+        data-testid={`${testId}-number`}
+        onChange={({ target }) => {
+          setText(target.value);
+          if (target.value !== '' && Number.isFinite(target.valueAsNumber)) onValue(target.valueAsNumber);
+        }}
+        onBlur={() => setText(null)}
+      />
+    </div>
+  );
+}

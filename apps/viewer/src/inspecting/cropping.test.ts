@@ -1,0 +1,123 @@
+import { perspectiveCamera } from '@websplatter/core';
+import type { ClipOptions } from '@websplatter/core/effects';
+import fc from 'fast-check';
+import { describe, expect, it } from 'vitest';
+import type { Crop } from '../state/inspecting.ts';
+import { Cropping, clipVolume, SLIDER_STEPS, sliderPosition, sliderValue, withSide } from './cropping.ts';
+import { fakeTools } from './inspect-tools.fixture.ts';
+
+const crop: Crop = { min: [0, -1, 2], max: [1, 1, 6], keep: 'inside' };
+
+describe('the volume that is drawn', () => {
+  it('is the box, turned with the scene', () => {
+    expect(clipVolume(crop, false)).toEqual({
+      shape: 'box',
+      center: [0.5, 0, 4],
+      size: [1, 2, 4],
+      keep: 'inside',
+    });
+    const { center, size } = clipVolume({ ...crop, keep: 'outside' }, true);
+    expect(center.map(Math.abs)).toEqual([0.5, 0, 4]);
+    expect(center[2]).toBe(-4);
+    expect(size).toEqual([1, 2, 4]);
+  });
+});
+
+describe('a side that is moved', () => {
+  it('takes the other along where they would pass each other', () => {
+    expect(withSide(crop, 'max', 1, 0.5)).toEqual({ ...crop, max: [1, 0.5, 6] });
+    expect(withSide(crop, 'min', 2, 7)).toEqual({ ...crop, min: [0, -1, 7], max: [1, 1, 7] });
+    expect(withSide(crop, 'max', 2, 1)).toEqual({ ...crop, min: [0, -1, 1], max: [1, 1, 1] });
+  });
+});
+
+describe('a slider', () => {
+  it('has a value at each position, which has that position', () => {
+    fc.assert(
+      fc.property(
+        fc.integer({ min: 0, max: SLIDER_STEPS }),
+        fc.double({ min: 0.01, max: 0.99, noNaN: true }),
+        (position, part) => {
+          const range = { low: -3, high: 5, middle: -3 + 8 * part };
+          expect(sliderPosition(sliderValue(position, range), range)).toBe(position);
+        },
+      ),
+    );
+  });
+
+  it('ends where its range does, and stays finite where that has no side', () => {
+    const range = { low: -3, high: 5, middle: 0 };
+    expect([0, SLIDER_STEPS / 2, SLIDER_STEPS].map((each) => sliderValue(each, range))).toEqual([-3, 0, 5]);
+    const oneSided = { low: 0, high: 5, middle: 0 };
+    expect(sliderPosition(0, oneSided)).toBe(SLIDER_STEPS / 2);
+    expect(sliderValue(0, oneSided)).toBe(0);
+  });
+});
+
+describe('cropping', () => {
+  const volumesOf = ({ viewer }: ReturnType<typeof fakeTools>) =>
+    viewer.setEffects.mock.lastCall?.[1].flatMap(({ options }) => (options as ClipOptions).volumes);
+
+  it('draws what stays at once, and counts it', async () => {
+    const fake = fakeTools();
+    fake.ask.mockResolvedValue({ kept: 3, total: 9 });
+    const cropping = new Cropping(fake.tools);
+    cropping.set(crop);
+    expect(volumesOf(fake)).toEqual([clipVolume(crop, false)]);
+    await expect.poll(() => fake.inspecting().cropCount).toEqual({ kept: 3, total: 9 });
+    fake.store.setState({
+      isFlipped: true,
+      requested: { ...fake.store.getState().requested, crop: [{} as never] },
+    });
+    cropping.draw();
+    expect(volumesOf(fake)).toEqual([clipVolume(crop, true)]);
+    cropping.set(null);
+    expect(volumesOf(fake)).toEqual([]);
+    expect(fake.inspecting()).toMatchObject({ crop: null, cropCount: null });
+  });
+
+  it('counts the newest box only, once a count is done', async () => {
+    const fake = fakeTools();
+    const answers: ((count: unknown) => void)[] = [];
+    fake.ask.mockImplementation(() => new Promise((resolve) => answers.push(resolve)));
+    const cropping = new Cropping(fake.tools);
+    const boxes = [1, 2, 3].map((x) => withSide(crop, 'max', 0, x));
+    for (const each of boxes) cropping.set(each);
+    expect(fake.ask).toHaveBeenCalledOnce();
+    answers[0]({ kept: 1, total: 9 });
+    await expect.poll(() => fake.ask.mock.calls.length).toBe(2);
+    expect(fake.ask.mock.lastCall).toEqual(['count', boxes[2]]);
+    expect(fake.inspecting().cropCount).toBeNull();
+    answers[1]({ kept: 2, total: 9 });
+    await expect.poll(() => fake.inspecting().cropCount).toEqual({ kept: 2, total: 9 });
+  });
+
+  it('begins around the scene, and goes to what is seen', async () => {
+    const fake = fakeTools();
+    const cropping = new Cropping(fake.tools);
+    cropping.begin();
+    await cropping.cropToView();
+    expect(fake.inspecting().crop).toBeNull();
+    const cloud = { count: 1, robustBounds: { min: [0, 0, 0], max: [2, 3, 4] } };
+    Object.assign(fake.viewer.scenes, { newest: { clouds: [{ cloud }] } });
+    fake.ask.mockResolvedValue({ kept: 1, total: 1 });
+    cropping.begin();
+    expect(fake.inspecting().crop).toEqual({ min: [0, 0, 0], max: [2, 3, 4], keep: 'inside' });
+    const camera = perspectiveCamera({ position: [0, 0, 5], target: [0, 0, 0], aspect: 1, fovYDegrees: 50 });
+    Object.assign(fake.viewer, { shownFrame: { frame: { camera } } });
+    fake.ask.mockResolvedValue({ min: [0, 1, 2], max: [1, 2, 3] });
+    await cropping.cropToView();
+    expect(fake.inspecting().crop).toEqual({ min: [0, 1, 2], max: [1, 2, 3], keep: 'inside' });
+    fake.ask.mockResolvedValue(null);
+    await cropping.cropToView();
+    expect(fake.inspecting().problem).toContain('No splat');
+  });
+
+  it('has sliders whose steps are finest around the subject', () => {
+    const fake = fakeTools();
+    const cropping = new Cropping(fake.tools);
+    expect(cropping.subject).toEqual([1, 2, 3]);
+    fake.store.setState({ isFlipped: true });
+    expect(cropping.subject).toEqual([1, -2, -3]);
+  });
+});

@@ -1,0 +1,130 @@
+import { clip } from '@websplatter/core/effects';
+import { flippedPoint } from '../camera/flip.ts';
+import { boundsOf } from '../camera/scene-bounds.ts';
+import type { Vec3 } from '../camera/vec3.ts';
+import type { Crop } from '../state/inspecting.ts';
+import type { InspectTools } from './inspect-tools.ts';
+
+type Box = Pick<Crop, 'min' | 'max'>;
+
+/** The volume that is drawn: around the box as the scene is shown. */
+export function clipVolume({ min, max, keep }: Crop, isFlipped: boolean) {
+  const center: Vec3 = [(min[0] + max[0]) / 2, (min[1] + max[1]) / 2, (min[2] + max[2]) / 2];
+  // Half a turn around x leaves its edges along the axes.
+  return {
+    shape: 'box',
+    center: isFlipped ? flippedPoint(center) : center,
+    size: [max[0] - min[0], max[1] - min[1], max[2] - min[2]],
+    keep,
+  } as const;
+}
+
+/** `box` with another least or greatest value along an axis; the other end gives way. */
+export function withSide<Boxed extends Box>(
+  box: Boxed,
+  side: 'min' | 'max',
+  axis: number,
+  value: number,
+): Boxed {
+  const moved = (values: Vec3, limit: (a: number, b: number) => number): Vec3 =>
+    values.map((each, i) => (i === axis ? limit(each, value) : each)) as unknown as Vec3;
+  const only = (_: number, next: number) => next;
+  return side === 'min'
+    ? { ...box, min: moved(box.min, only), max: moved(box.max, Math.max) }
+    : { ...box, max: moved(box.max, only), min: moved(box.min, Math.min) };
+}
+
+/** Positions of a slider run from 0 to this. */
+export const SLIDER_STEPS = 400;
+
+interface SliderRange {
+  readonly low: number;
+  readonly high: number;
+  /** Between them; steps are finest around it. */
+  readonly middle: number;
+}
+
+/** The value at a slider's `position`: the cube of the way from the slider's middle to its end. */
+export function sliderValue(position: number, { low, high, middle }: SliderRange): number {
+  const way = (2 * position) / SLIDER_STEPS - 1;
+  return middle + (way < 0 ? middle - low : high - middle) * way ** 3;
+}
+
+/** The slider's position for `value`. */
+export function sliderPosition(value: number, { low, high, middle }: SliderRange): number {
+  const side = value < middle ? middle - low : high - middle;
+  const way = side > 0 ? Math.cbrt((value - middle) / side) : 0;
+  return Math.round((SLIDER_STEPS * (1 + way)) / 2);
+}
+
+/** Crops the scene to a box, in the image at once and when it is saved. */
+export class Cropping {
+  readonly #tools: InspectTools;
+  #isCounting = false;
+
+  constructor(tools: InspectTools) {
+    this.#tools = tools;
+  }
+
+  /** The box around the scene without stray splats, in its own space; null without a scene. */
+  get sceneBox(): Box | null {
+    const scene = this.#tools.viewer.scenes.newest;
+    return scene && boundsOf(scene.clouds, 'robustBounds');
+  }
+
+  /** What the scene's first view looks at, in the scene's own space. */
+  get subject(): Vec3 {
+    const { store, viewer } = this.#tools;
+    const { target } = viewer.camera.controls.home;
+    return store.getState().isFlipped ? flippedPoint(target) : target;
+  }
+
+  /** Crops to `crop` from the next frame on, or with null not at all. */
+  set(crop: Crop | null): void {
+    this.#tools.update({ crop, cropCount: null, problem: null });
+    this.draw();
+    if (crop) void this.#count();
+  }
+
+  /** Begins with a box around nearly all splats. */
+  begin(): void {
+    const { sceneBox } = this;
+    if (sceneBox) this.set({ ...sceneBox, keep: 'inside' });
+  }
+
+  /** Draws what stays, the way up that the scene is shown. */
+  draw(): void {
+    const { store, viewer } = this.#tools;
+    const { isFlipped, inspecting, requested } = store.getState();
+    const { crop } = inspecting;
+    if (crop) viewer.setEffects('crop', [clip({ volumes: [clipVolume(crop, isFlipped)] })]);
+    else if (requested.crop.length > 0) viewer.setEffects('crop', []);
+  }
+
+  /** Crops to the smallest box that has all splats whose centres are within the image. */
+  async cropToView(): Promise<void> {
+    const { store, viewer, reader, update } = this.#tools;
+    const camera = viewer.shownFrame?.frame.camera;
+    if (!camera) return;
+    const { isFlipped } = store.getState();
+    const viewMatrix = Array.from(camera.viewMatrix);
+    const projectionMatrix = Array.from(camera.projectionMatrix);
+    const bounds = await reader.ask('seen', { viewMatrix, projectionMatrix, isFlipped });
+    if (bounds === null) update({ problem: 'No splat is within the image.' });
+    if (bounds) this.set({ min: bounds.min, max: bounds.max, keep: 'inside' });
+  }
+
+  /** Counts what stays; while a box is dragged, only the newest after each count. */
+  async #count(): Promise<void> {
+    if (this.#isCounting) return;
+    const { store, reader, update } = this.#tools;
+    const { crop } = store.getState().inspecting;
+    if (!crop) return;
+    this.#isCounting = true;
+    const cropCount = await reader.ask('count', crop);
+    this.#isCounting = false;
+    const now = store.getState().inspecting.crop;
+    if (now === crop && cropCount) update({ cropCount });
+    else if (now !== crop && cropCount) void this.#count();
+  }
+}

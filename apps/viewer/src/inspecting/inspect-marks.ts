@@ -1,0 +1,121 @@
+import type { Camera } from '@websplatter/core';
+import { type TracedSplat, traceSplat } from '@websplatter/core/reference';
+import { flippedPoint } from '../camera/flip.ts';
+import type { Vec3 } from '../camera/vec3.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import { formatLength } from './length-scale.ts';
+import { rulerLength } from './rulers.ts';
+import { boxEdges, type ImageBox, type Place, seenLine, seenPoint } from './seen-line.ts';
+
+/**
+ * Draws what is inspected over the image, into `svg`, which covers it: the ellipse of the splat, rulers, the box of the crop. It
+ * follows the camera with each frame. Returns what stops that.
+ */
+export function drawInspectMarks(svg: SVGSVGElement, viewer: Viewer, store: ViewerStore): () => void {
+  const draw = () => {
+    const state = store.getState();
+    const frame = viewer.shownFrame?.frame;
+    svg.toggleAttribute('hidden', state.dock !== 'inspect' || !frame);
+    if (state.dock !== 'inspect' || !frame) return;
+    const box = { width: svg.clientWidth, height: svg.clientHeight };
+    svg.replaceChildren(...marksOf(state, frame, box));
+  };
+  draw();
+  const unsubscribe = store.subscribe((state, before) => {
+    const isOther =
+      state.lastRender !== before.lastRender ||
+      state.inspecting !== before.inspecting ||
+      state.dock !== before.dock ||
+      state.restedFrames !== before.restedFrames;
+    if (isOther) draw();
+  });
+  return () => {
+    unsubscribe();
+    svg.replaceChildren();
+  };
+}
+
+type ShownCamera = NonNullable<Viewer['shownFrame']>['frame'];
+
+function marksOf(state: ViewerState, frame: ShownCamera, box: ImageBox): SVGElement[] {
+  const { inspecting, isFlipped } = state;
+  const world = (point: Vec3) => (isFlipped ? flippedPoint(point) : point);
+  switch (inspecting.tab) {
+    case 'splat':
+      return splatMarks(state, frame, box);
+    case 'distance':
+      return rulerMarks(state, frame.camera, box, world);
+    case 'crop':
+      return inspecting.crop
+        ? linesOf(
+            'box',
+            boxEdges(inspecting.crop).map(([a, b]) => seenLine(frame.camera, box, world(a), world(b))),
+          )
+        : [];
+    case 'histogram':
+      return [];
+  }
+}
+
+function splatMarks({ inspecting, accuracy }: ViewerState, frame: ShownCamera, box: ImageBox): SVGElement[] {
+  const { splat } = inspecting;
+  const cloud = splat && frame.clouds[splat.cloudIndex];
+  if (!splat?.set || !cloud) return [];
+  const { alphaCutoff } = accuracy;
+  const seen = traceSplat(splat.set, 0, { ...frame, modelMatrix: cloud.modelMatrix, alphaCutoff });
+  return seen ? ellipseOf(seen, box.width / frame.widthPx) : [];
+}
+
+/** A circle under a matrix, so that its line is as wide everywhere. */
+function ellipseOf({ centerPx, majorPx, minorPx }: TracedSplat, cssPerPx: number): SVGElement[] {
+  const values = [...majorPx, ...minorPx, ...centerPx].map((px) => (px * cssPerPx).toFixed(2));
+  const transform = `matrix(${values.join(' ')})`;
+  return ['halo', 'line'].map((layer) => element('circle', { class: `mark-${layer}`, r: '1', transform }));
+}
+
+function rulerMarks(
+  { inspecting }: ViewerState,
+  camera: Camera,
+  box: ImageBox,
+  world: (point: Vec3) => Vec3,
+): SVGElement[] {
+  const { rulers, rulerStart, scale } = inspecting;
+  const points = [...rulers.flatMap(({ ends }) => ends), ...(rulerStart ? [rulerStart] : [])];
+  const dots = points
+    .map((point) => seenPoint(camera, box, world(point)))
+    .filter((place) => place !== null)
+    .map(([x, y]) => element('circle', { class: 'mark-dot', cx: x.toFixed(1), cy: y.toFixed(1), r: '4' }));
+  const lines = rulers.map(({ ends }) => seenLine(camera, box, world(ends[0]), world(ends[1])));
+  const labels = rulers.flatMap((ruler, i) => {
+    const line = lines[i];
+    return line ? [labelOf(line, formatLength(rulerLength(ruler), scale))] : [];
+  });
+  return [...linesOf('ruler', lines), ...dots, ...labels];
+}
+
+function labelOf([[x1, y1], [x2, y2]]: readonly [Place, Place], text: string): SVGElement {
+  const label = element('text', {
+    class: 'mark-label',
+    x: ((x1 + x2) / 2).toFixed(1),
+    y: ((y1 + y2) / 2 - 8).toFixed(1),
+  });
+  label.textContent = text;
+  return label;
+}
+
+/** White over dark: visible on every image. */
+function linesOf(name: string, lines: readonly (readonly [Place, Place] | null)[]): SVGElement[] {
+  const d = lines
+    .filter((line) => line !== null)
+    .map(([[x1, y1], [x2, y2]]) => `M${x1.toFixed(1)} ${y1.toFixed(1)}L${x2.toFixed(1)} ${y2.toFixed(1)}`)
+    .join('');
+  return ['halo', 'line'].map((layer) => element('path', { class: `mark-${layer}`, 'data-mark': name, d }));
+}
+
+function element(name: string, attributes: Readonly<Record<string, string>>): SVGElement {
+  const made = document.createElementNS('http://www.w3.org/2000/svg', name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  return made;
+}

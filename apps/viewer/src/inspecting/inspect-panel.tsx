@@ -1,0 +1,69 @@
+import { useId } from 'react';
+import { useStore } from 'zustand';
+import type { InspectTab } from '../state/inspecting.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { Dock } from '../ui/dock.tsx';
+import { Tabs } from '../ui/tabs.tsx';
+import { CropTab } from './crop-tab.tsx';
+import { DistanceTab } from './distance-tab.tsx';
+import { HistogramTab } from './histogram-tab.tsx';
+import './inspect-panel.css';
+import type { InspectProps } from './inspect-props.ts';
+import { SplatTab } from './splat-tab.tsx';
+
+const TABS: Readonly<Record<InspectTab, string>> = {
+  splat: 'Splat',
+  distance: 'Distance',
+  histogram: 'Histogram',
+  crop: 'Crop',
+};
+
+const CONTENTS = { splat: SplatTab, distance: DistanceTab, histogram: HistogramTab, crop: CropTab } as const;
+
+/** Explains splats one by one and all together, measures distances, and crops. */
+export function InspectPanel({ store, inspection }: InspectProps) {
+  const tab = useStore(store, (state) => state.inspecting.tab);
+  const problem = useStore(store, (state) => state.inspecting.problem);
+  const id = useId();
+  const Contents = CONTENTS[tab];
+  const onTab = (next: InspectTab) =>
+    store.setState(({ inspecting }) => ({ inspecting: { ...inspecting, tab: next, problem: null } }));
+  return (
+    <Dock store={store} name="inspect" title="Inspect">
+      <Tabs id={id} label="Inspect" tabs={TABS} tab={tab} onTab={onTab} testId="inspect-tab" />
+      <div
+        className="dock-body"
+        id={`${id}-body`}
+        role="tabpanel"
+        aria-labelledby={`${id}-${tab}`}
+        // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, so keys must reach it.
+        tabIndex={0}
+      >
+        <Contents store={store} inspection={inspection} />
+        <p className="inspect-problem" role="status" data-testid="inspect-problem">
+          {problem}
+        </p>
+        <ReadingStatus store={store} />
+      </div>
+    </Dock>
+  );
+}
+
+/** The values of a file are not on the GPU: it is read again when they are asked for. */
+function ReadingStatus({ store }: { store: ViewerStore }) {
+  const reading = useStore(store, (state) => state.inspecting.reading);
+  if (reading.kind === 'running') {
+    return (
+      <div className="inspect-reading" data-testid="inspect-reading">
+        <p>Reading the scene again for its values</p>
+        <progress aria-label="Reading the scene again" value={reading.part} max={1} />
+      </div>
+    );
+  }
+  if (reading.kind !== 'failed') return null;
+  return (
+    <p className="inspect-problem" role="alert">
+      The scene cannot be read again. {reading.message}
+    </p>
+  );
+}

@@ -1,0 +1,13 @@
+import type { Inspecting } from '../state/inspecting.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import type { SceneReader } from './scene-reader.ts';
+
+/** What the parts of the panel work with. */
+export interface InspectTools {
+  readonly store: ViewerStore;
+  readonly viewer: Pick<Viewer, 'pickAt' | 'shownFrame' | 'setEffects' | 'scenes' | 'camera'>;
+  readonly reader: Pick<SceneReader, 'ask'>;
+  /** Changes what is inspected. */
+  readonly update: (change: Partial<Inspecting>) => void;
+}

@@ -1,0 +1,22 @@
+import { useEffect, useMemo, useRef } from 'react';
+import { useStore } from 'zustand';
+import type { PanelProps } from '../viewer/panel-props.ts';
+import { drawInspectMarks } from './inspect-marks.ts';
+import './inspect-marks.css';
+import { InspectPanel } from './inspect-panel.tsx';
+import { Inspection } from './inspection.ts';
+
+/** The panel that inspects, and what it draws over the image. Without the panel a crop goes on. */
+export function Inspect({ store, viewer }: PanelProps) {
+  const isOpen = useStore(store, (state) => state.dock === 'inspect');
+  const inspection = useMemo(() => new Inspection(viewer, store), [viewer, store]);
+  const svg = useRef<SVGSVGElement>(null);
+  useEffect(() => inspection.watch(), [inspection]);
+  useEffect(() => (svg.current ? drawInspectMarks(svg.current, viewer, store) : undefined), [viewer, store]);
+  return (
+    <>
+      <svg ref={svg} className="inspect-marks" aria-hidden="true" data-testid="inspect-marks" />
+      {isOpen && <InspectPanel store={store} inspection={inspection} />}
+    </>
+  );
+}

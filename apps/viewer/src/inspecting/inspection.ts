@@ -1,0 +1,154 @@
+import { highlight, SplatSelection } from '@websplatter/core/effects';
+import { Tap } from '../camera/tap.ts';
+import { cloudSources } from '../rereading/stored-source.ts';
+import { type Inspecting, NOTHING_INSPECTED } from '../state/inspecting.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import { Cropping } from './cropping.ts';
+import { HistogramMarks } from './histogram-marks.ts';
+import type { CloudToRead } from './inspect-messages.ts';
+import type { InspectTools } from './inspect-tools.ts';
+import { Rulers } from './rulers.ts';
+import { SceneReader } from './scene-reader.ts';
+import { SplatInspector } from './splat-inspector.ts';
+
+/** The colour in which splats are marked, sRGB, and its share. */
+const MARK = { color: [1, 0.36, 0.05], strength: 0.7 } as const;
+
+/** What the panel Inspect does, without its interface. */
+export class Inspection {
+  readonly splats: SplatInspector;
+  readonly rulers: Rulers;
+  readonly histograms: HistogramMarks;
+  readonly cropping: Cropping;
+  readonly #store: ViewerStore;
+  readonly #viewer: Viewer;
+  readonly #reader: SceneReader;
+  /** What `#mark` drew last. */
+  #drawnMark: readonly unknown[] = [];
+
+  constructor(viewer: Viewer, store: ViewerStore) {
+    this.#store = store;
+    this.#viewer = viewer;
+    const update = (change: Partial<Inspecting>) =>
+      store.setState(({ inspecting }) => ({ inspecting: { ...inspecting, ...change } }));
+    this.#reader = new SceneReader(
+      () => this.#clouds(),
+      (reading) => update({ reading }),
+    );
+    const tools: InspectTools = { store, viewer, reader: this.#reader, update };
+    this.splats = new SplatInspector(tools);
+    this.rulers = new Rulers({ ...tools, storage: () => localStorage });
+    this.histograms = new HistogramMarks(tools);
+    this.cropping = new Cropping(tools);
+  }
+
+  /** Follows the store and the pointer; returns what stops that. */
+  watch(): () => void {
+    const listeners = new AbortController();
+    const { signal } = listeners;
+    const tap = new Tap();
+    addEventListener('pointerdown', (event) => tap.pointerDown(event, isPicking(event)), { signal });
+    addEventListener('pointerup', (event) => tap.pointerUp(event) && this.#tapped(event), { signal });
+    this.#open(this.#store.getState());
+    const unsubscribe = this.#store.subscribe((state, before) => this.#follow(state, before));
+    return () => {
+      unsubscribe();
+      listeners.abort();
+      this.#close();
+    };
+  }
+
+  /** Does in the middle of the image what a click does elsewhere. */
+  pickMiddle(): void {
+    this.#pick(0.5, 0.5);
+  }
+
+  #tapped({ target, offsetX, offsetY }: PointerEvent): void {
+    const { dock, flightSpeed } = this.#store.getState();
+    if (dock !== 'inspect' || flightSpeed !== null || !(target instanceof HTMLElement)) return;
+    this.#pick(offsetX / target.clientWidth, offsetY / target.clientHeight);
+  }
+
+  #pick(xPart: number, yPart: number): void {
+    const { tab } = this.#store.getState().inspecting;
+    if (tab === 'distance') void this.rulers.markAt(xPart, yPart);
+    else if (tab === 'splat') void this.splats.pickAt(xPart, yPart);
+  }
+
+  #follow(state: ViewerState, before: ViewerState): void {
+    const isOpen = state.dock === 'inspect';
+    const { inspecting } = state;
+    if (state.dock !== before.dock && before.dock === 'inspect') this.#close();
+    // Also where the page begins anew with another scene, which has other splats.
+    const isAnew = inspecting === NOTHING_INSPECTED && before.inspecting !== NOTHING_INSPECTED;
+    if (isAnew) {
+      this.#reader.close();
+      this.histograms.forget();
+    }
+    if (isOpen && (before.dock !== 'inspect' || isAnew)) this.#open(state);
+    if (isOpen && inspecting.tab !== before.inspecting.tab) this.#showTab(state);
+    if (state.isFlipped !== before.isFlipped) this.cropping.draw();
+    if (isOpen && state.restedFrames !== before.restedFrames) this.splats.trace();
+    if (inspecting !== before.inspecting) this.#mark();
+  }
+
+  #open(state: ViewerState): void {
+    if (state.dock !== 'inspect') return;
+    this.rulers.readScale();
+    this.splats.resume();
+    this.#showTab(state);
+    this.#mark();
+  }
+
+  /** The worker's memory goes; a crop stays. */
+  #close(): void {
+    this.#reader.close();
+    this.#mark();
+  }
+
+  #showTab({ inspecting }: ViewerState): void {
+    if (inspecting.tab === 'histogram') void this.histograms.count();
+  }
+
+  /** Marks the inspected splat, or those of a bin, while the panel shows them. */
+  #mark(): void {
+    const { dock, inspecting, scene, requested } = this.#store.getState();
+    const { tab, splat, marked } = inspecting;
+    const isShown = dock === 'inspect' && scene?.clouds === 1;
+    const rows = !isShown
+      ? null
+      : tab === 'splat' && splat
+        ? splat.row
+        : tab === 'histogram' && marked
+          ? this.histograms.rows
+          : null;
+    const mark = [scene, rows];
+    if (mark.every((each, i) => each === this.#drawnMark[i])) return;
+    this.#drawnMark = mark;
+    if (rows === null) {
+      if (requested.inspecting.length > 0) this.#viewer.setEffects('inspecting', []);
+      return;
+    }
+    const selection = new SplatSelection();
+    selection.add(typeof rows === 'number' ? [rows] : rows);
+    this.#viewer.setEffects('inspecting', [highlight({ selection, ...MARK })]);
+  }
+
+  async #clouds(): Promise<readonly CloudToRead[]> {
+    const scene = this.#viewer.scenes.newest;
+    if (!scene) return [];
+    const sources = await cloudSources(scene.source);
+    return sources.map((source, i) => {
+      const modelMatrix = scene.clouds[i]?.modelMatrix;
+      return { source, modelMatrix: modelMatrix ? Array.from(modelMatrix) : null };
+    });
+  }
+}
+
+function isPicking({ target, isPrimary, button, shiftKey }: PointerEvent): boolean {
+  return (
+    isPrimary && button === 0 && !shiftKey && target instanceof HTMLElement && target.matches('.viewport')
+  );
+}

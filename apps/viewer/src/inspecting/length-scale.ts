@@ -1,0 +1,44 @@
+import { LENGTH_UNITS, type LengthScale, type LengthUnit } from '../state/inspecting.ts';
+
+/** Under which key the scale of a scene is kept in the browser. */
+export function lengthScaleKey(sceneTitle: string): string {
+  return `websplatter:length-scale:${sceneTitle}`;
+}
+
+/** Reads what was kept; null for anything else. */
+export function readLengthScale(text: string | null): LengthScale | null {
+  if (text === null) return null;
+  try {
+    const { perSceneUnit, unit } = JSON.parse(text) ?? {};
+    return isLength(perSceneUnit) && LENGTH_UNITS.includes(unit) ? { perSceneUnit, unit } : null;
+  } catch {
+    return null;
+  }
+}
+
+/** The scale in which `distance`, in scene units, is `length`; null if either is no length. */
+export function scaleFrom(distance: number, length: number, unit: LengthUnit): LengthScale | null {
+  const perSceneUnit = length / distance;
+  return isLength(length) && isLength(perSceneUnit) ? { perSceneUnit, unit } : null;
+}
+
+function isLength(value: unknown): value is number {
+  return typeof value === 'number' && Number.isFinite(value) && value > 0;
+}
+
+/** `1.37 m`, or `2.41 units` without a scale; four significant digits at most. */
+export function formatLength(distance: number, scale: LengthScale | null): string {
+  const length = scale ? distance * scale.perSceneUnit : distance;
+  return `${formatFigure(length, 4)} ${scale ? scale.unit : 'units'}`;
+}
+
+/** `digits` significant ones, as a decimal where that is short: `0.00213`, `−12.4`, `1.30e-7`. */
+export function formatFigure(value: number, digits = 5): string {
+  if (!Number.isFinite(value)) return value > 0 ? '∞' : value < 0 ? '−∞' : '–';
+  const magnitude = Math.abs(value);
+  const text =
+    magnitude !== 0 && (magnitude < 1e-4 || magnitude >= 1e7)
+      ? value.toExponential(digits - 1)
+      : Number(value.toPrecision(digits)).toString();
+  return text.replace('-', '−').replace('e−', 'e-');
+}

@@ -1,0 +1,70 @@
+import { traceSplat } from '@websplatter/core/reference';
+import type { InspectedSplat } from '../state/inspecting.ts';
+import type { InspectTools } from './inspect-tools.ts';
+
+/** Finds out about one splat at a time. */
+export class SplatInspector {
+  readonly #tools: InspectTools;
+
+  constructor(tools: InspectTools) {
+    this.#tools = tools;
+  }
+
+  /** Inspects the splat that contributes most to a place of the image; `xPart` and `yPart` of it, from its top left. */
+  async pickAt(xPart: number, yPart: number): Promise<void> {
+    const { viewer, store, update } = this.#tools;
+    const pick = await viewer.pickAt(xPart, yPart);
+    if (!pick) {
+      update({ splat: null, problem: 'No splat is drawn there.' });
+      return;
+    }
+    const { cloudIndex, splatIndex, alpha, weight, totalOpacity, rank } = pick;
+    const visible = store.getState().statistics?.visibleSplats ?? null;
+    const share = { alpha, weight, totalOpacity, rank, visible };
+    await this.#take({ cloudIndex, row: splatIndex, share, set: null, seen: null });
+  }
+
+  /** Inspects the splat in a row of the first cloud's file. */
+  async showRow(row: number): Promise<void> {
+    await this.#take({ cloudIndex: 0, row, share: null, set: null, seen: null });
+  }
+
+  /** Computes how the image on the screen shows the splat. */
+  trace(): void {
+    const { viewer, store, update } = this.#tools;
+    const { inspecting, accuracy } = store.getState();
+    const { splat } = inspecting;
+    if (!splat?.set) return;
+    const frame = viewer.shownFrame?.frame;
+    const cloud = frame?.clouds[splat.cloudIndex];
+    const { alphaCutoff } = accuracy;
+    const seen =
+      frame && cloud
+        ? traceSplat(splat.set, 0, { ...frame, modelMatrix: cloud.modelMatrix, alphaCutoff })
+        : null;
+    update({ splat: { ...splat, seen } });
+  }
+
+  /** Goes on with a splat whose values were not read when the panel was closed. */
+  resume(): void {
+    const { splat } = this.#tools.store.getState().inspecting;
+    if (splat && !splat.set) void this.#take(splat);
+    else this.trace();
+  }
+
+  async #take(splat: InspectedSplat): Promise<void> {
+    const { store, reader, update } = this.#tools;
+    update({ splat, problem: null });
+    const { cloudIndex, row } = splat;
+    const set = await reader.ask('splat', { cloudIndex, row });
+    const now = store.getState().inspecting.splat;
+    // Another one was asked for meanwhile, or the file cannot be read, which the panel says.
+    if (set === undefined || now?.row !== row || now.cloudIndex !== cloudIndex) return;
+    if (set === null) {
+      update({ splat: null, problem: `The file has no splat in row ${row}.` });
+      return;
+    }
+    update({ splat: { ...now, set } });
+    this.trace();
+  }
+}
