@@ -91,7 +91,7 @@ export class Inspection {
     if (isOpen && inspecting.tab !== before.inspecting.tab) this.#showTab(state);
     if (state.isFlipped !== before.isFlipped) this.cropping.draw();
     if (isOpen && state.restedFrames !== before.restedFrames) this.splats.trace();
-    if (inspecting !== before.inspecting) this.#mark(state);
+    if (inspecting !== before.inspecting) this.#mark();
   }
 
   #open(state: ViewerState): void {
@@ -99,13 +99,13 @@ export class Inspection {
     this.rulers.readScale();
     this.splats.resume();
     this.#showTab(state);
-    this.#mark(state);
+    this.#mark();
   }
 
   /** The worker's memory goes; a crop stays. */
   #close(): void {
     this.#reader.close();
-    this.#mark(this.#store.getState());
+    this.#mark();
   }
 
   #showTab({ inspecting }: ViewerState): void {
@@ -113,7 +113,8 @@ export class Inspection {
   }
 
   /** Marks the inspected splat, or those of a bin, while the panel shows them. */
-  #mark({ dock, inspecting, scene }: ViewerState): void {
+  #mark(): void {
+    const { dock, inspecting, scene, requested } = this.#store.getState();
     const { tab, splat, marked } = inspecting;
     const isShown = dock === 'inspect' && scene?.clouds === 1;
     const rows = !isShown
@@ -127,7 +128,7 @@ export class Inspection {
     if (mark.every((each, i) => each === this.#drawnMark[i])) return;
     this.#drawnMark = mark;
     if (rows === null) {
-      if (this.#store.getState().requested.inspecting.length > 0) this.#viewer.setEffects('inspecting', []);
+      if (requested.inspecting.length > 0) this.#viewer.setEffects('inspecting', []);
       return;
     }
     const selection = new SplatSelection();
