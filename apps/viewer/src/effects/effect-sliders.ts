@@ -32,24 +32,6 @@ export type SliderUnit = 'units' | 'degrees' | 'stops' | 'per unit';
 const FARTHEST_RADII = 6;
 const AXES = ['x', 'y', 'z'] as const;
 
-/** The sliders of an effect with this choice, in a scene at `place`. */
-export function slidersOf<Name extends ChosenEffect>(
-  name: Name,
-  choice: EffectChoice<Name>,
-  place: ScenePlace,
-): readonly EffectSlider<EffectChoice<Name>>[] {
-  const all: { readonly [Each in ChosenEffect]?: (each: EffectChoice<Each>, at: ScenePlace) => unknown } = {
-    clip: clipSliders,
-    reveal: revealSliders,
-    brightness: () => [STOPS],
-    fog: fogSliders,
-  };
-  const list = all[name] as
-    | ((each: EffectChoice<Name>, at: ScenePlace) => EffectSlider<EffectChoice<Name>>[])
-    | undefined;
-  return list?.(choice, place) ?? [];
-}
-
 const STOPS: EffectSlider<BrightnessChoice> = {
   name: 'factor',
   label: 'Exposure',
@@ -146,6 +128,29 @@ function fogSliders({ kind }: FogChoice, { radius }: ScenePlace): readonly Effec
       write: (choice, far) => ({ ...choice, far, near: Math.min(choice.near, far - depth.step) }),
     },
   ];
+}
+
+const SLIDERS: {
+  readonly [Name in ChosenEffect]: (
+    choice: EffectChoice<Name>,
+    place: ScenePlace,
+  ) => readonly EffectSlider<EffectChoice<Name>>[];
+} = {
+  clip: clipSliders,
+  reveal: revealSliders,
+  antialias: () => [],
+  brightness: () => [STOPS],
+  tint: () => [],
+  fog: fogSliders,
+};
+
+/** The sliders of an effect with this choice, in a scene at `place`. */
+export function slidersOf<Name extends ChosenEffect>(
+  name: Name,
+  choice: EffectChoice<Name>,
+  place: ScenePlace,
+): readonly EffectSlider<EffectChoice<Name>>[] {
+  return SLIDERS[name](choice, place);
 }
 
 type NumberOf<Choice> = { [Key in keyof Choice]: Choice[Key] extends number ? Key : never }[keyof Choice];

@@ -26,8 +26,8 @@ export function RequestedEffectsForm({ store, viewer, ...costs }: PanelProps & C
   const highlight = useStore(store, ({ effects }) => effects.find(({ name }) => name === 'highlight'));
   return (
     <>
-      <h3 className="requests-title">
-        Change the picture
+      <div className="requests-title">
+        <h3>Change the picture</h3>
         <button
           type="button"
           className="text-button"
@@ -37,7 +37,7 @@ export function RequestedEffectsForm({ store, viewer, ...costs }: PanelProps & C
         >
           Reset all
         </button>
-      </h3>
+      </div>
       <fieldset className="requests" disabled={!hasScene} aria-label="Effects to ask for">
         {CHOSEN_EFFECTS.map((name) => (
           <Request key={name} store={store} viewer={viewer} name={name} {...costs} />
