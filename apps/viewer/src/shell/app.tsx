@@ -1,7 +1,8 @@
 import { Suspense, useEffect, useMemo, useRef, useState } from 'react';
 import { useStore } from 'zustand';
+import { decideFiles } from '../file-drop/decide-files.ts';
 import { DropZone } from '../file-drop/drop-zone.tsx';
-import { ACCEPTED_FILES, chosenFiles, decideFiles, type FileDropDecision } from '../file-drop/file-drop.ts';
+import { ACCEPTED_FILES, chosenFiles, type FileDropDecision } from '../file-drop/file-drop.ts';
 import { filesOf, pickHandles } from '../file-drop/file-handles.ts';
 import { followDrop } from '../file-drop/follow-drop.ts';
 import { FrameRecorder } from '../hud/frame-recorder.ts';
@@ -44,6 +45,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   const isLost = useStore(store, isGpuLost);
   const dock = useStore(store, (state) => state.dock);
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
+  const hasScene = useStore(store, (state) => state.scene !== null);
   const hasErrorMap = useStore(store, (state) => state.comparison?.kind === 'error');
   const hasViewMode = useStore(store, (state) => state.viewMode !== 'colours');
   const hasLastFile = useStore(store, (state) => state.lastFile !== null);
@@ -57,7 +59,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
     () => createCommands(viewer, store, () => void chooseFiles(viewer, store, fileInput.current)),
     [viewer, store],
   );
-  const saving = useMemo(() => new Saving(store, () => viewer.scenes.newest?.source), [viewer, store]);
+  const saving = useMemo(() => new Saving(store, () => viewer.scenes.newest?.parts ?? []), [viewer, store]);
   const recorder = useMemo(() => new FrameRecorder(store), [store]);
   const measurement = useMemo(() => new Measurement(viewer, store), [viewer, store]);
   const accuracyMeasurement = useMemo(
@@ -142,7 +144,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
             event.target.value = '';
           }}
         />
-        <DropZone onDrop={follow} />
+        <DropZone canAdd={hasScene} onDrop={follow} />
       </main>
       <Suspense>{hasHelp && <Help store={store} />}</Suspense>
       <Suspense>
