@@ -51,6 +51,7 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
     for (const [key, name] of [
       ['e', 'effects'],
       ['x', 'save'],
+      ['n', 'clouds'],
       ['?', 'help'],
     ]) {
       await page.keyboard.press(key);

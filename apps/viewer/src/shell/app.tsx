@@ -27,6 +27,8 @@ import { Toolbar } from './toolbar.tsx';
 // In the order in which they are fetched after the first picture.
 const Hud = late(async () => (await import('../hud/hud.tsx')).Hud);
 const ViewPanel = late(async () => (await import('../looking/view-panel.tsx')).ViewPanel);
+const CloudsPanel = late(async () => (await import('../placing/clouds-panel.tsx')).CloudsPanel);
+const PlaceGizmo = late(async () => (await import('../placing/place-gizmo.tsx')).PlaceGizmo);
 const AccuracyPanel = late(async () => (await import('../accuracy/accuracy-panel.tsx')).AccuracyPanel);
 const EffectsPanel = late(async () => (await import('../effects/effects-panel.tsx')).EffectsPanel);
 const SavePanel = late(async () => (await import('../saving/save-panel.tsx')).SavePanel);
@@ -55,8 +57,14 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   if (isHelpVisible && !hasHelp) setHasHelp(true);
   const isFlying = useStore(store, (state) => state.flightSpeed !== null);
   const fileInput = useRef<HTMLInputElement>(null);
+  /** Whether the files that are being chosen join what is shown. */
+  const isAdding = useRef(false);
   const run = useMemo(
-    () => createCommands(viewer, store, () => void chooseFiles(viewer, store, fileInput.current)),
+    () =>
+      createCommands(viewer, store, (isAdded) => {
+        isAdding.current = isAdded;
+        void chooseFiles(viewer, store, fileInput.current, isAdded);
+      }),
     [viewer, store],
   );
   const saving = useMemo(() => new Saving(store, () => viewer.scenes.newest?.parts ?? []), [viewer, store]);
@@ -93,8 +101,12 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
     <>
       <main>
         <Picture store={store} viewer={viewer} poster={poster} />
+        <Suspense>{dock === 'clouds' && <PlaceGizmo store={store} viewer={viewer} />}</Suspense>
         <div className="overlay">
           <Toolbar store={store} run={run} />
+          <Suspense>
+            {dock === 'clouds' && <CloudsPanel store={store} viewer={viewer} onAdd={() => run('add')} />}
+          </Suspense>
           <Suspense>{dock === 'view' && <ViewPanel store={store} viewer={viewer} />}</Suspense>
           <Suspense>
             {dock === 'accuracy' && (
@@ -139,7 +151,8 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
           hidden
           data-testid="file-input"
           onChange={(event) => {
-            follow(decideFiles(chosenFiles(event.target.files ?? [])));
+            const decision = decideFiles(chosenFiles(event.target.files ?? []));
+            follow({ ...decision, isAdded: isAdding.current });
             // So that choosing the same file again is a change.
             event.target.value = '';
           }}
@@ -165,10 +178,11 @@ async function chooseFiles(
   viewer: Viewer,
   store: ViewerStore,
   input: HTMLInputElement | null,
+  isAdded: boolean,
 ): Promise<void> {
   const handles = await pickHandles();
   if (handles === null) input?.click();
   if (!handles?.length) return;
   const found = await filesOf(handles);
-  if (found) followDrop({ ...decideFiles(found), handles }, store, viewer);
+  if (found) followDrop({ ...decideFiles(found), isAdded, handles }, store, viewer);
 }

@@ -21,6 +21,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
     // A file that comes upside down is shown upright: that alone is no choice of anybody.
     flip: isFlipped !== isUpsideDown,
     hud: isHudVisible,
+    clouds: dock === 'clouds',
     view: dock === 'view',
     accuracy: dock === 'accuracy',
     effects: dock === 'effects',
@@ -31,6 +32,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
     reset: !hasScene,
     frame: !hasScene,
     save: !hasScene,
+    clouds: !hasScene,
   };
   const tabStop = disabled[stop] ? COMMANDS[0].name : stop;
   const onKeyDown = (event: KeyboardEvent) => {
