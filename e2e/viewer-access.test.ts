@@ -59,6 +59,7 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
       ['e', 'effects', 'switch-clip', 'switch-reveal', 'switch-fog'],
       ['i', 'inspect'],
       ['x', 'save'],
+      ['n', 'clouds'],
       ['?', 'help'],
     ]) {
       await page.keyboard.press(key);

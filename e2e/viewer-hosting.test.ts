@@ -58,7 +58,7 @@ describe('files that the address of the viewer names', () => {
     await waitForImage(page);
     expect(await textOf(page, 'scene')).toContain('100 splats');
 
-    await page.goto(`${host.url}index.html${CHEAP}&src=b.ply&src=missing.ply`);
+    await page.goto(`${host.url}index.html${CHEAP}&src=missing.ply`);
     await page.getByTestId('error').waitFor();
     expect(await textOf(page, 'error-message')).toContain('missing.ply');
     await waitForFrameAfter(page, 0);

@@ -77,7 +77,7 @@ export function drawnCamera(page: Page): Promise<DrawnCamera> {
 
 /** Style that hides the viewer's interface. */
 export const IMAGE_ALONE =
-  '.overlay, .drop-overlay { visibility: hidden !important; } canvas { outline: none !important; }';
+  '.overlay, .drop-overlay, .place-gizmo { visibility: hidden !important; } canvas { outline: none !important; }';
 
 /** Captures the image as shown on the screen, without the interface over it; `style` (CSS) may hide more. */
 export function viewerScreenshot(page: Page, style = ''): Promise<Screenshot> {
@@ -99,12 +99,17 @@ export interface DroppedFile {
   readonly bytes: Uint8Array;
 }
 
-/** Drags `files` over the canvas or another element, calls `whileHovering`, and drops them. */
+/**
+ * Drags `files` over the canvas or another element, calls `whileHovering`, and drops them.
+ *
+ * @param held keys that are held, and the place in the window.
+ */
 export async function dropFiles(
   page: Page,
   files: readonly DroppedFile[],
   whileHovering: () => Promise<void> = async () => {},
   testId = 'viewport',
+  held: Pick<DragEventInit, 'shiftKey' | 'clientX' | 'clientY'> = {},
 ): Promise<void> {
   const encoded = files.map(({ name, bytes }) => ({ name, base64: Buffer.from(bytes).toString('base64') }));
   const transfer = await page.evaluateHandle((list) => {
@@ -116,8 +121,9 @@ export async function dropFiles(
     return dataTransfer;
   }, encoded);
   const target = page.getByTestId(testId);
-  await target.dispatchEvent('dragenter', { dataTransfer: transfer });
-  await target.dispatchEvent('dragover', { dataTransfer: transfer });
+  const init = { ...held, dataTransfer: transfer };
+  await target.dispatchEvent('dragenter', init);
+  await target.dispatchEvent('dragover', init);
   await whileHovering();
-  await target.dispatchEvent('drop', { dataTransfer: transfer });
+  await target.dispatchEvent('drop', init);
 }

@@ -419,7 +419,7 @@ describe('viewer', () => {
     expect(await page.getByTestId('dropped').count()).toBe(0);
   });
 
-  it('opens the first PLY of several and says so', async () => {
+  it('opens all scenes of several files and says what is left out', async () => {
     const page = await openViewer(CHEAP);
     const bytes = encodePly(testScene());
     await dropFiles(page, [
@@ -427,8 +427,8 @@ describe('viewer', () => {
       { name: 'a.ply', bytes },
       { name: 'b.ply', bytes },
     ]);
-    await page.getByTestId('scene-title').getByText('a.ply').waitFor();
-    expect(await textOf(page, 'notice')).toContain('One scene at a time');
+    await page.getByTestId('scene-title').getByText('a.ply and b.ply').waitFor();
+    expect(await textOf(page, 'notice')).toContain('The other file is left out');
   });
 
   it('says what is wrong with a file that is cut off, and keeps the scene', async () => {

@@ -10,6 +10,7 @@ export {
   multiplyQuaternions,
   type Quaternion,
   rotationByDegrees,
+  rotationMatrixOf,
   uprightRotation,
 } from './editing/quaternion.ts';
 export { type SplatTransform, transformSplats } from './editing/transform-splats.ts';

@@ -3,7 +3,7 @@ import { measureFrames } from '@websplatter/core/measure';
 import { addressedScene, firstSource } from '../scene/first-source.ts';
 import { fitNotice } from '../scene/fit-notice.ts';
 import { type LoadedScene, loadScene } from '../scene/load-scene.ts';
-import { type SceneSource, titleOf } from '../scene/scene-source.ts';
+import { type SceneSource, titleOfAll } from '../scene/scene-source.ts';
 import { BUILD } from '../words/build.ts';
 import { benchCameras } from './bench-path.ts';
 import type { BenchReport } from './bench-report.ts';
@@ -35,7 +35,7 @@ export interface BenchOptions {
  */
 export async function runBench({ query, signal, onProgress }: BenchOptions): Promise<BenchReport> {
   const request = benchRequest(query);
-  const source = sourceOf(query);
+  const sources = sourcesOf(query);
   onProgress({ label: 'Asking for the GPU', part: undefined });
   const engine = await SplatEngine.create({ accuracy: request.accuracy });
   const errors: string[] = [];
@@ -44,12 +44,18 @@ export async function runBench({ query, signal, onProgress }: BenchOptions): Pro
   try {
     signal.throwIfAborted();
     const startedMs = performance.now();
-    const scene = await loadScene(engine, source, {
-      signal,
-      onProgress: ({ loadedBytes, totalBytes }) =>
-        onProgress({ label: 'Loading', part: totalBytes ? loadedBytes / totalBytes : undefined }),
-      onPreview: () => {},
-    });
+    const scenes: LoadedScene[] = [];
+    for (const source of sources)
+      scenes.push(
+        await loadScene(engine, source, {
+          signal,
+          onProgress: ({ loadedBytes, totalBytes }) =>
+            onProgress({ label: 'Loading', part: totalBytes ? loadedBytes / totalBytes : undefined }),
+          onPreview: () => {},
+        }),
+      );
+    // It stands as the first of its files does.
+    const scene = { ...scenes[0], clouds: scenes.flatMap(({ clouds }) => clouds) };
     await settle(engine, scene, request);
     const loadMs = performance.now() - startedMs;
     const measurement = await measureFrames(engine, {
@@ -63,7 +69,7 @@ export async function runBench({ query, signal, onProgress }: BenchOptions): Pro
     });
     const [error] = errors;
     if (error !== undefined) throw new Error(`The GPU reported an error: ${error}`);
-    const title = titleOf(source);
+    const title = titleOfAll(sources);
     return {
       ...BUILD,
       madeAt: new Date().toISOString(),
@@ -82,12 +88,12 @@ export async function runBench({ query, signal, onProgress }: BenchOptions): Pro
 }
 
 /** Measuring another scene than was asked for would say nothing. */
-function sourceOf(query: URLSearchParams): SceneSource {
+function sourcesOf(query: URLSearchParams): readonly SceneSource[] {
   // The same scene on every device, however slow.
-  const { source, notice, failure } = firstSource(addressedScene(query), location.href, false);
+  const { sources, notice, failure } = firstSource(addressedScene(query), location.href, false);
   if (failure) throw new InvalidArgumentError('src', `${failure.message} ${failure.advice}`);
   if (notice !== null) throw new InvalidArgumentError('scene', notice);
-  return source;
+  return sources;
 }
 
 /** Waits until the GPU has all of the scene, in the precision that is to be measured. */

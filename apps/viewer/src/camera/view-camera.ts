@@ -70,9 +70,14 @@ export class ViewCamera {
     this.controls.distanceRange = { min: radius * 1e-3, max: radius * 100 };
   }
 
-  /** How the scene was shown at first; null before there is one. */
+  /** How the scene was shown at first; null before there is one, and where it would be shown otherwise by now. */
   get first(): CameraSnapshot | null {
     return this.#first;
+  }
+
+  /** After `follow`, of a scene whose files stand elsewhere: opened like that, it would be shown otherwise at first. */
+  forgetFirst(): void {
+    this.#first = null;
   }
 
   showFirstView(): void {
@@ -115,6 +120,19 @@ export class ViewCamera {
     if (!this.#isUpChosen) this.#takeUprightness();
     this.controls.setPose(this.#firstPose(subject));
     this.#first = this.snapshot();
+  }
+
+  /** After `follow`, of a scene that other files have joined: home shows all of it, and so does the view, unless it has been moved. */
+  showGrown(): void {
+    const subject = this.#subject;
+    if (!subject) return;
+    if (this.controls.isHome) {
+      this.showFirstViewAgain();
+      return;
+    }
+    const home = this.#firstPose(subject);
+    this.controls.setPose(this.controls.pose, home);
+    this.#first = { ...this.snapshot(), pose: home };
   }
 
   snapshot(): CameraSnapshot {

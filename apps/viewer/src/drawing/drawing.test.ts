@@ -24,7 +24,7 @@ function setUp() {
     engine,
     views: { main, whenComplete },
   } as unknown as Session;
-  const scene = { id: 1, session, clouds: [] };
+  const scene = { id: 1, session, parts: [], clouds: [] };
   const scenes = {
     drawable: scene,
     newest: null as typeof scene | null,

@@ -1,8 +1,7 @@
-import type { SplatView } from '@websplatter/core';
+import type { SplatCloud, SplatView } from '@websplatter/core';
 import { flippedMatrix } from '../camera/flip.ts';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { ViewCamera } from '../camera/view-camera.ts';
-import { destroyClouds } from '../scene/load-scene.ts';
 import type { Scenes } from '../scene/scenes.ts';
 import type { ShownScene } from '../scene/shown-scene.ts';
 import type { Session } from '../session/session.ts';
@@ -121,8 +120,9 @@ export class Drawing {
     const { widthPx, heightPx, isFlipped, requested } = this.#options.store.getState();
     if (requested !== this.#joined.requested) this.#joined = { requested, effects: joinedEffects(requested) };
     const { effects } = this.#joined;
-    const clouds = scene.clouds.map(({ cloud, modelMatrix }) => ({
+    const clouds = scene.clouds.map(({ cloud, modelMatrix, opacity }) => ({
       cloud,
+      opacity,
       modelMatrix: isFlipped ? flippedMatrix(modelMatrix) : modelMatrix,
       effects,
     }));
@@ -219,12 +219,12 @@ export class Drawing {
   }
 }
 
-async function destroyWhenReplaced({ views }: Session, replaced: readonly ShownScene[]): Promise<void> {
+async function destroyWhenReplaced({ views }: Session, replaced: readonly SplatCloud[]): Promise<void> {
   try {
     await views.whenComplete();
   } catch {
     // The new scene's shaders do not compile: the old one stays.
     return;
   }
-  for (const scene of replaced) destroyClouds(scene);
+  for (const cloud of replaced) cloud.destroy();
 }

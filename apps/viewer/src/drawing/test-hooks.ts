@@ -14,6 +14,7 @@ export function writeRest(canvas: HTMLCanvasElement, { frame }: DrawnFrame, fram
     near: camera.near,
     far: camera.far,
     modelMatrices: clouds.map(({ modelMatrix }) => (modelMatrix ? Array.from(modelMatrix) : null)),
+    opacities: clouds.map(({ opacity = 1 }) => opacity),
     background,
   });
 }

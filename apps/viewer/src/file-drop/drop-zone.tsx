@@ -1,10 +1,25 @@
 import { useEffect, useRef, useState } from 'react';
-import { decideFiles, droppedFiles, type FileDropDecision, READABLE_FORMATS } from './file-drop.ts';
+import { decideFiles } from './decide-files.ts';
+import { droppedFiles, type FileDropDecision, READABLE_FORMATS } from './file-drop.ts';
 import { droppedHandles } from './file-handles.ts';
 
-/** Takes files that are dropped anywhere in the window, and shows so while they hover. */
-export function DropZone({ onDrop }: { onDrop: (decision: FileDropDecision) => void }) {
-  const [isHovering, setHovering] = useState(false);
+/** What a drop does: opens the files in place of what is shown, or adds them to it. */
+type DropAim = 'open' | 'add';
+
+/**
+ * Takes files that are dropped anywhere in the window, and shows so while they hover.
+ *
+ * @param canAdd whether they may join what is shown: over a place of its own, or with Shift.
+ */
+export function DropZone({
+  canAdd = false,
+  onDrop,
+}: {
+  canAdd?: boolean;
+  onDrop: (decision: FileDropDecision) => void;
+}) {
+  const [aim, setAim] = useState<DropAim | null>(null);
+  const addArea = useRef<HTMLParagraphElement>(null);
   const latestOnDrop = useRef(onDrop);
   useEffect(() => {
     latestOnDrop.current = onDrop;
@@ -15,6 +30,13 @@ export function DropZone({ onDrop }: { onDrop: (decision: FileDropDecision) => v
     const { signal } = listeners;
     // Every element that the pointer crosses sends an enter and a leave; the files are gone when they balance.
     let depth = 0;
+    const aimOf = ({ shiftKey, clientX, clientY }: DragEvent): DropAim => {
+      const area = addArea.current?.getBoundingClientRect();
+      if (!area) return 'open';
+      const isOver =
+        clientX >= area.left && clientX < area.right && clientY >= area.top && clientY < area.bottom;
+      return shiftKey || isOver ? 'add' : 'open';
+    };
     const hasFiles = (event: DragEvent) => event.dataTransfer?.types.includes('Files') ?? false;
     const listen = (
       type: 'dragenter' | 'dragover' | 'dragleave' | 'drop',
@@ -30,35 +52,43 @@ export function DropZone({ onDrop }: { onDrop: (decision: FileDropDecision) => v
         },
         { signal },
       );
-    listen('dragenter', () => {
+    listen('dragenter', (event) => {
       depth++;
-      setHovering(true);
+      setAim(aimOf(event));
     });
     listen('dragover', (event) => {
+      setAim(aimOf(event));
       if (event.dataTransfer) event.dataTransfer.dropEffect = 'copy';
     });
     listen('dragleave', () => {
       depth = Math.max(0, depth - 1);
-      if (depth === 0) setHovering(false);
+      if (depth === 0) setAim(null);
     });
     listen('drop', (event) => {
       depth = 0;
-      setHovering(false);
+      const isAdded = aimOf(event) === 'add';
+      setAim(null);
       const items = [...(event.dataTransfer?.items ?? [])];
       Promise.all([droppedFiles(items), droppedHandles(items)]).then(
-        ([found, handles]) => latestOnDrop.current({ ...decideFiles(found), handles }),
-        (error) => latestOnDrop.current({ opened: null, notice: `The folder cannot be read: ${error}` }),
+        ([found, handles]) => latestOnDrop.current({ ...decideFiles(found), isAdded, handles }),
+        (error) => latestOnDrop.current({ opened: [], notice: `The folder cannot be read: ${error}` }),
       );
     });
     return () => listeners.abort();
   }, []);
 
   return (
-    <div className="drop-overlay" data-testid="drop-overlay" hidden={!isHovering}>
-      <p>
+    <div className="drop-overlay" data-testid="drop-overlay" hidden={aim === null}>
+      <p data-aimed={aim === 'open'}>
         <strong>Drop to open</strong>
-        <span>A Gaussian-splat scene: {READABLE_FORMATS}</span>
+        <span>Gaussian-splat scenes: {READABLE_FORMATS}</span>
       </p>
+      {canAdd && (
+        <p ref={addArea} data-aimed={aim === 'add'} data-testid="drop-add">
+          <strong>Drop to add</strong>
+          <span>Beside what is shown; anywhere with Shift</span>
+        </p>
+      )}
     </div>
   );
 }

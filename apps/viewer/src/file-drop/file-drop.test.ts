@@ -1,5 +1,7 @@
 import { describe, expect, it } from 'vitest';
-import { chosenFiles, decideFiles, droppedFiles } from './file-drop.ts';
+import { decideFiles } from './decide-files.ts';
+import { chosenFiles, droppedFiles } from './file-drop.ts';
+import type { FoundFile } from './found-file.ts';
 
 const fileNamed = (name: string) => new File([], name);
 const item = (name: string) => ({
@@ -31,14 +33,54 @@ const named = (...names: string[]) => chosenFiles(names.map(fileNamed));
 describe('dropped files', () => {
   it('open one file without a word', async () => {
     const { opened, notice } = decideFiles(await droppedFiles([item('garden.ply')]));
-    expect(opened).toMatchObject({ name: 'garden.ply', source: { name: 'garden.ply' } });
+    expect(opened).toMatchObject([{ name: 'garden.ply', source: { name: 'garden.ply' } }]);
     expect(notice).toBeNull();
   });
 
-  it('open the first scene of several and say so', () => {
+  const namesOf = (found: readonly FoundFile[]) => decideFiles(found).opened.map(({ name }) => name);
+  const inFolder = (...paths: string[]): FoundFile[] =>
+    paths.map((path) => ({ path, file: fileNamed(path.replace(/^.*\//, '')) }));
+
+  it('open every scene of several, and say what is left out', () => {
     const { opened, notice } = decideFiles(named('notes.txt', 'a.PLY', 'b.ply'));
-    expect(opened?.name).toBe('a.PLY');
-    expect(notice).toBe('One scene at a time: a.PLY is opened, the other 2 files were left out.');
+    expect(opened.map(({ name }) => name)).toEqual(['a.PLY', 'b.ply']);
+    expect(notice).toBe('The other file is left out: by its name it is no scene.');
+    expect(decideFiles(named('notes.txt', 'x.doc', 'a.ply')).notice).toBe(
+      'The other 2 files are left out: by their names they are no scenes.',
+    );
+    expect(decideFiles(named('notes.txt', 'x.doc'))).toMatchObject({
+      opened: [{ name: 'notes.txt' }],
+      notice: 'The other file is left out: by its name it is no scene.',
+    });
+  });
+
+  it('that belong together are one scene, also beside others', () => {
+    const sog = ['scans/a/meta.json', 'scans/a/means_l.webp', 'scans/a/sh/labels.webp'];
+    const [whole] = decideFiles(inFolder('scans/notes.txt', ...sog)).opened;
+    expect(whole).toMatchObject({ name: 'a', source: { paths: ['scans/notes.txt', ...sog] } });
+    const { opened, notice } = decideFiles(
+      inFolder(...sog, 'scans/b/meta.json', 'scans/b/means_l.webp', 'c.ply'),
+    );
+    expect(opened.map(({ name }) => name)).toEqual(['a', 'b', 'c.ply']);
+    expect(opened[0].source).toMatchObject({ paths: sog });
+    expect(notice).toBeNull();
+    expect(namesOf(named('meta.json', 'means_l.webp', 'c.ply'))).toEqual(['meta.json', 'c.ply']);
+    // A streamed SOG leads to files that lead to others.
+    expect(namesOf(inFolder('x/lod-meta.json', 'x/0_0/meta.json', 'x/0_0/means_l.webp'))).toEqual(['x']);
+  });
+
+  it('of the same name are told apart by their folders', () => {
+    expect(namesOf(inFolder('7000/point_cloud.ply', '30000/point_cloud.ply', 'a.ply'))).toEqual([
+      '7000/point_cloud.ply',
+      '30000/point_cloud.ply',
+      'a.ply',
+    ]);
+  });
+
+  it('are opened up to a number', () => {
+    const { opened, notice } = decideFiles(named(...Array.from({ length: 40 }, (_, i) => `${i}.ply`)));
+    expect(opened).toHaveLength(32);
+    expect(notice).toBe('At most 32 scenes are opened at once. The other 8 files are left out.');
   });
 
   it('are looked for in folders', async () => {
@@ -49,13 +91,13 @@ describe('dropped files', () => {
     const dropped = { kind: 'file', getAsFile: () => fileNamed('scans'), webkitGetAsEntry: () => scans };
     const found = await droppedFiles([dropped] as never);
     expect(found.map(({ path }) => path)).toEqual(['scans/notes.txt', 'scans/a/hall.ply']);
-    expect(decideFiles(found).opened?.name).toBe('hall.ply');
+    expect(decideFiles(found).opened[0].name).toBe('hall.ply');
   });
 
   it('say what is missing where there is none', async () => {
     const found = await droppedFiles([{ kind: 'string', getAsFile: () => null }]);
     expect(decideFiles(found)).toMatchObject({
-      opened: null,
+      opened: [],
       notice: expect.stringMatching(/no file in that; drop a scene: PLY, SPZ, SOG/),
     });
   });

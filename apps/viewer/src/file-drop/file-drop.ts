@@ -1,5 +1,5 @@
 import type { SceneFiles } from '@websplatter/core';
-import { FORMAT_TITLES, formatByName, isLeadingFile, SPLAT_FORMATS } from '@websplatter/core/formats';
+import { FORMAT_TITLES, SPLAT_FORMATS } from '@websplatter/core/formats';
 import type { AskedHandle } from './file-handles.ts';
 import { type FoundFile, MOST_FILES } from './found-file.ts';
 
@@ -9,10 +9,13 @@ export interface OpenedFiles {
   readonly source: File | SceneFiles;
 }
 
-/** The answer to dropped or chosen files: a scene to open, a reason why not, or both. */
+/** The answer to dropped or chosen files: what to open, a reason why not, or both. */
 export interface FileDropDecision {
-  readonly opened: OpenedFiles | null;
+  /** Each is shown as a part of one scene; none where there is nothing to open. */
+  readonly opened: readonly OpenedFiles[];
   readonly notice: string | null;
+  /** Whether they join what is shown, instead of taking its place. */
+  readonly isAdded?: boolean;
   /** By which the files can be read again later; none where the browser has none. */
   readonly handles?: readonly AskedHandle[];
 }
@@ -80,23 +83,3 @@ async function addFolder(folder: DroppedEntry, files: FoundFile[]): Promise<void
 export function chosenFiles(files: Iterable<File>): FoundFile[] {
   return Array.from(files, (file) => ({ path: file.webkitRelativePath || file.name, file }));
 }
-
-/** Opens the scene that several files make, else the first that may be a scene: the viewer shows one at a time. */
-export function decideFiles(found: readonly FoundFile[]): FileDropDecision {
-  if (found.length === 0)
-    return { opened: null, notice: `There is no file in that; drop a scene: ${READABLE_FORMATS}.` };
-  const leading = found.find(({ path }) => isLeadingFile(nameOf(path)));
-  if (leading && found.length > 1) {
-    const source = { files: found.map(({ file }) => file), paths: found.map(({ path }) => path) };
-    const folder = leading.path.split('/').at(-2);
-    return { opened: { name: folder ?? leading.file.name, source }, notice: null };
-  }
-  const { file } = found.find(({ path }) => formatByName(nameOf(path))) ?? found[0];
-  const opened = { name: file.name, source: file };
-  const others = found.length - 1;
-  if (others < 1) return { opened, notice: null };
-  const left = others === 1 ? 'the other file was' : `the other ${others} files were`;
-  return { opened, notice: `One scene at a time: ${file.name} is opened, ${left} left out.` };
-}
-
-const nameOf = (path: string) => path.replace(/^.*\//, '');

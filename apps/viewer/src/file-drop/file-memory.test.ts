@@ -44,40 +44,48 @@ describe('the memory of files', () => {
     };
     const without = new FileMemory(store, { read: denied, write: denied, clear: denied });
     await without.offer();
-    without.remember({ name: 'a.ply', handles: [] });
+    without.remember({ names: ['a.ply'], handles: [] }, false);
     without.forget();
     expect(store.getState().lastFile).toBeNull();
   });
 
   it('offers the file that was opened last, and reads it when that is allowed', async () => {
     const handle = fileHandle('a.ply');
-    memory.remember({ name: 'a.ply', handles: [handle] });
+    memory.remember({ names: ['a.ply'], handles: [handle] }, false);
     await memory.offer();
     expect(store.getState().lastFile).toEqual({ name: 'a.ply', isReachable: true });
     const decision = await memory.reopen();
     expect(handle.requestPermission).toHaveBeenCalledWith({ mode: 'read' });
-    expect(decision?.opened).toMatchObject({ name: 'a.ply', source: expect.any(File) });
+    expect(decision?.opened).toMatchObject([{ name: 'a.ply', source: expect.any(File) }]);
     expect(decision?.handles).toEqual([handle]);
+  });
+
+  it('offers together what was added one after another', async () => {
+    const handles = ['a.ply', 'b.ply'].map((name) => fileHandle(name));
+    for (const handle of handles) memory.remember({ names: [handle.name], handles: [handle] }, true);
+    await memory.offer();
+    expect(store.getState().lastFile?.name).toBe('a.ply and b.ply');
+    expect((await memory.reopen())?.opened.map(({ name }) => name)).toEqual(['a.ply', 'b.ply']);
   });
 
   it('finds the files of a folder', async () => {
     const files = [fileHandle('meta.json'), fileHandle('means_l.webp')];
     const folder: AskedHandle = { kind: 'directory', name: 'scene', values: () => listed(files) };
-    memory.remember({ name: 'scene', handles: [folder] });
+    memory.remember({ names: ['scene'], handles: [folder] }, false);
     await memory.offer();
-    const opened = (await memory.reopen())?.opened;
+    const opened = (await memory.reopen())?.opened[0];
     expect(opened?.name).toBe('scene');
     expect(opened?.source).toMatchObject({ paths: ['scene/meta.json', 'scene/means_l.webp'] });
   });
 
   it('has a file without a handle chosen again', async () => {
-    memory.remember({ name: 'a.ply', handles: [] });
+    memory.remember({ names: ['a.ply'], handles: [] }, false);
     await memory.offer();
     expect(store.getState().lastFile).toEqual({ name: 'a.ply', isReachable: false });
   });
 
   it('goes on offering a file that it was not allowed to read', async () => {
-    memory.remember({ name: 'a.ply', handles: [fileHandle('a.ply', 'denied')] });
+    memory.remember({ names: ['a.ply'], handles: [fileHandle('a.ply', 'denied')] }, false);
     await memory.offer();
     expect(await memory.reopen()).toBeNull();
     expect(store.getState().notice).toContain('permission');
@@ -87,7 +95,7 @@ describe('the memory of files', () => {
   it('says so where the file is gone', async () => {
     const handle = fileHandle('a.ply');
     handle.getFile.mockRejectedValue(new DOMException('It could not be found.', 'NotFoundError'));
-    memory.remember({ name: 'a.ply', handles: [handle] });
+    memory.remember({ names: ['a.ply'], handles: [handle] }, false);
     await memory.offer();
     expect(await memory.reopen()).toBeNull();
     expect(store.getState().failure).toMatchObject({
@@ -98,7 +106,7 @@ describe('the memory of files', () => {
   });
 
   it('forgets on demand', async () => {
-    memory.remember({ name: 'a.ply', handles: [] });
+    memory.remember({ names: ['a.ply'], handles: [] }, false);
     await memory.offer();
     memory.forget();
     expect(store.getState().lastFile).toBeNull();

@@ -1,12 +1,19 @@
+import { joinedNames } from '../scene/scene-source.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { decideFiles, type FileDropDecision } from './file-drop.ts';
+import { decideFiles } from './decide-files.ts';
+import type { FileDropDecision } from './file-drop.ts';
 import { type AskedHandle, filesOf } from './file-handles.ts';
 
-/** What is kept of a file from one load of the page to the next. */
+/** What is kept of the files of a scene from one load of the page to the next. */
 export interface KeptFile {
   readonly name: string;
   /** Where the browser has such: of the file, its folder, or all files of the scene. */
   readonly handles: readonly AskedHandle[];
+}
+
+/** Files that a person has opened. */
+export interface OpenedNames extends Pick<KeptFile, 'handles'> {
+  readonly names: readonly string[];
 }
 
 /** Where the last file is kept. */
@@ -21,6 +28,8 @@ export class FileMemory {
   readonly #store: ViewerStore;
   readonly #kept: FileStore;
   #offered: KeptFile | null = null;
+  /** What has been opened since the page was loaded, and what has been added to that. */
+  #opened: OpenedNames = { names: [], handles: [] };
 
   constructor(store: ViewerStore, kept: FileStore) {
     this.#store = store;
@@ -36,10 +45,14 @@ export class FileMemory {
     this.#store.setState({ lastFile: { name: file.name, isReachable: file.handles.length > 0 } });
   }
 
-  /** A file has been opened: it is the one to offer from now on. */
-  remember(file: KeptFile): void {
+  /** Files have been opened: they are the ones to offer from now on, with those that they were added to. */
+  remember(opened: OpenedNames, isAdded: boolean): void {
     this.#offered = null;
-    void this.#kept.write(file).catch(() => {});
+    const before = isAdded ? this.#opened : { names: [], handles: [] };
+    const names = [...before.names, ...opened.names];
+    const handles = [...before.handles, ...opened.handles];
+    this.#opened = { names, handles };
+    void this.#kept.write({ name: joinedNames(names), handles }).catch(() => {});
   }
 
   /** Nobody wants it again. */

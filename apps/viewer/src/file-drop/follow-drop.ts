@@ -1,16 +1,19 @@
+import type { SceneSource } from '../scene/scene-source.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import type { FileDropDecision } from './file-drop.ts';
 
 /** Opens what was dropped or chosen, keeps it to be offered again, and says what is not opened. */
 export function followDrop(
-  { opened, notice, handles = [] }: FileDropDecision,
+  { opened, notice, isAdded = false, handles = [] }: FileDropDecision,
   store: ViewerStore,
   viewer: Viewer,
 ): void {
-  if (opened) {
-    viewer.scenes.open({ kind: 'file', ...opened });
-    viewer.files.remember({ name: opened.name, handles });
+  if (opened.length > 0) {
+    const sources = opened.map((files): SceneSource => ({ kind: 'file', ...files }));
+    if (isAdded) viewer.scenes.add(...sources);
+    else viewer.scenes.open(...sources);
+    viewer.files.remember({ names: opened.map(({ name }) => name), handles }, isAdded);
     // Kept by this entry of the history, so that a reload offers the file whatever else the address asks for.
     history.replaceState({ ...history.state, [OPENED_FILE]: true }, '');
   }

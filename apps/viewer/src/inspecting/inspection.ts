@@ -83,7 +83,8 @@ export class Inspection {
     if (state.dock !== before.dock && before.dock === 'inspect') this.#close();
     // Also where the page begins anew with another scene, which has other splats.
     const isAnew = inspecting === NOTHING_INSPECTED && before.inspecting !== NOTHING_INSPECTED;
-    if (isAnew) {
+    const hasOtherParts = state.scene?.parts !== before.scene?.parts && before.scene !== null;
+    if (isAnew || hasOtherParts) {
       this.#reader.close();
       this.histograms.forget();
     }
@@ -139,8 +140,9 @@ export class Inspection {
   async #clouds(): Promise<readonly CloudToRead[]> {
     const scene = this.#viewer.scenes.newest;
     if (!scene) return [];
-    const sources = await cloudSources(scene.source);
-    return sources.map((source, i) => {
+    const shown = scene.parts.filter(({ look }) => !look.isHidden);
+    const sources = await Promise.all(shown.map(({ source }) => cloudSources(source)));
+    return sources.flat().map((source, i) => {
       const modelMatrix = scene.clouds[i]?.modelMatrix;
       return { source, modelMatrix: modelMatrix ? Array.from(modelMatrix) : null };
     });

@@ -14,8 +14,8 @@ export function mirrorToAddress(store: ViewerStore, viewer: Viewer): () => void 
   let timer: ReturnType<typeof setTimeout> | undefined;
   const write = () => {
     const state = store.getState();
-    // The rest that follows writes it.
-    if (!state.isIdle) return;
+    // The rest that follows writes it, when all of the scene is there.
+    if (!state.isIdle || state.load) return;
     const page = new URL(location.href);
     const unmentioned = { camera: viewer.camera.first, accuracy: state.defaultAccuracy };
     const address = pageAddress(page, linkedViewOf(viewer, state), unmentioned);
@@ -50,4 +50,5 @@ const MIRRORED = [
   'cameraIndex',
   'restedFrames',
   'isIdle',
+  'load',
 ] as const;

@@ -3,10 +3,14 @@ import type { Viewer } from '../viewer/viewer.ts';
 import { linkedViewOf } from './linked-view.ts';
 import { linkTo } from './page-address.ts';
 
-/** Why there is no link. */
-export const NO_LINK = 'This scene is a file of this device: only a file on a server can be linked (?src=…).';
+/** Why there is no link to the scene that is shown. */
+export function noLink(viewer: Viewer): string {
+  return viewer.scenes.newest?.parts.some(({ source }) => source.kind === 'file')
+    ? 'This scene is a file of this device: only a file on a server can be linked (?src=…).'
+    : 'Only files on servers can be linked together (?src=…&src=…): this scene has another one.';
+}
 
-/** The whole address that shows this picture elsewhere; null where the scene is a file of this device. */
+/** The whole address that shows this picture elsewhere; null where an address cannot name its files. */
 export function linkOf(viewer: Viewer, store: ViewerStore): string | null {
   return linkTo(new URL(location.href), linkedViewOf(viewer, store.getState()));
 }
@@ -15,7 +19,7 @@ export function linkOf(viewer: Viewer, store: ViewerStore): string | null {
 export async function copyLink(viewer: Viewer, store: ViewerStore): Promise<void> {
   const link = linkOf(viewer, store);
   if (link === null) {
-    store.setState({ notice: NO_LINK });
+    store.setState({ notice: noLink(viewer) });
     return;
   }
   try {

@@ -1,7 +1,7 @@
 import { useStore } from 'zustand';
 import { Icon } from '../ui/icon.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
-import { copyLink, linkOf, NO_LINK } from './copy-link.ts';
+import { copyLink, linkOf, noLink } from './copy-link.ts';
 
 /** A link to what is shown: to be read, and to be copied. */
 export function LinkSection({ store, viewer }: PanelProps) {
@@ -14,7 +14,7 @@ export function LinkSection({ store, viewer }: PanelProps) {
     <section className="link-section">
       <h3 id="link-title">Link</h3>
       {link === null ? (
-        <p>{NO_LINK}</p>
+        <p>{noLink(viewer)}</p>
       ) : (
         <div className="link-row">
           <input

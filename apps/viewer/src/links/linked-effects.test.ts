@@ -12,7 +12,7 @@ const file: SceneSource = { kind: 'file', name: 'a.ply', source: new File([], 'a
 
 let store: ViewerStore;
 let asked: readonly EffectUse[];
-let drawable: { source: SceneSource } | null;
+let drawable: { parts: readonly { source: SceneSource }[] } | null;
 const names = () => asked.map(({ effect }) => effect.name);
 
 /** Opens the page at `address`; its first scene is `source`. */
@@ -32,7 +32,7 @@ async function open(address: string, source: SceneSource): Promise<void> {
   } as unknown as Viewer;
   followLinkedEffects({ store, viewer }, query.get('effects') ?? '', query);
   expect(asked).toEqual([]);
-  drawable = { source };
+  drawable = { parts: [{ source }] };
   store.setState({ scene: {} as never });
   await Promise.resolve();
 }

@@ -5,7 +5,7 @@ import { scenePlaceOf } from '../effects/scene-place.ts';
 import { CHOSEN_EFFECTS, type EffectChoices } from '../state/effect-choices.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { decodeEffects, type LinkedEffects } from './effects-text.ts';
-import { isFallback } from './page-address.ts';
+import { canLink, isFallback } from './page-address.ts';
 
 /**
  * Draws the first scene with the effects that the address asks for, unless another scene is shown than it names: lengths would
@@ -14,8 +14,8 @@ import { isFallback } from './page-address.ts';
 export function followLinkedEffects(panel: PanelProps, text: string, query: URLSearchParams): void {
   const { store, viewer } = panel;
   const take = () => {
-    const source = viewer.scenes.drawable?.source;
-    if (!source || source.kind === 'file' || isFallback(source, query)) return;
+    const sources = viewer.scenes.drawable?.parts.map(({ source }) => source) ?? [];
+    if (!canLink(sources) || isFallback(sources, query)) return;
     saying(panel, () => chooseEffects(panel, completed(decodeEffects(text), panel)));
   };
   if (store.getState().scene) {

@@ -7,6 +7,7 @@ describe('the start from a link', () => {
       camera: null,
       comparison: null,
       viewMode: 'colours',
+      looks: [],
       notice: null,
     });
   });
@@ -19,6 +20,11 @@ describe('the start from a link', () => {
     expect(camera?.pose.distance).toBe(2);
     expect(comparison?.comparison.kind).toBe('error');
     expect(notice).toBeNull();
+  });
+
+  it('has the look of each file, in their order', () => {
+    const { looks } = linkedStart(new URLSearchParams('place&place=hidden:1'));
+    expect(looks).toEqual(['', 'hidden:1']);
   });
 
   it('leaves out what cannot be read, and says so', () => {

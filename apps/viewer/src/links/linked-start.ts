@@ -5,11 +5,16 @@ import { decodeCamera } from './camera-text.ts';
 import { decodeComparison, type LinkedComparison } from './comparison-text.ts';
 import { decodeViewMode } from './view-mode-text.ts';
 
+/** Name that the look of a file has in the page's address. */
+export const LOOK_NAME = 'place';
+
 /** How the address asks for the scene to be shown. */
 export interface LinkedStart {
   readonly camera: LinkedCamera | null;
   readonly comparison: LinkedComparison | null;
   readonly viewMode: ViewModeName;
+  /** How each file of the scene is drawn, in their order, as `encodeLook` writes it; none where they are drawn as they come. */
+  readonly looks: readonly string[];
   /** What of that could not be read, in words; null if nothing. */
   readonly notice: string | null;
 }
@@ -31,5 +36,6 @@ export function linkedStart(query: URLSearchParams): LinkedStart {
   const camera = read('camera', decodeCamera);
   const comparison = read('compare', decodeComparison);
   const viewMode = read('mode', decodeViewMode) ?? 'colours';
-  return { camera, comparison, viewMode, notice: notices.length > 0 ? notices.join(' ') : null };
+  const looks = query.getAll(LOOK_NAME);
+  return { camera, comparison, viewMode, looks, notice: notices.length > 0 ? notices.join(' ') : null };
 }

@@ -1,3 +1,5 @@
+import { encodeLook } from '../placing/look-text.ts';
+import { ownUp, type ShownPart } from '../scene/shown-scene.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import type { LinkedView } from './page-address.ts';
@@ -5,12 +7,22 @@ import type { LinkedView } from './page-address.ts';
 /** What an address has to tell so that what is shown now is shown again. */
 export function linkedViewOf(viewer: Viewer, state: ViewerState): LinkedView {
   const { wish, accuracy, comparison, splitPart, requested, viewMode } = state;
+  const parts = viewer.scenes.newest?.parts ?? [];
   return {
-    source: viewer.scenes.newest?.source ?? null,
+    sources: parts.map(({ source }) => source),
+    looks: looksOf(parts),
     camera: viewer.camera.snapshot(),
     accuracy: wish ?? accuracy,
     comparison: comparison && { comparison, splitPart },
     effects: requested.choices,
     viewMode,
   };
+}
+
+/** None where all files are drawn as they come when they are opened together. */
+function looksOf(parts: readonly ShownPart[]): readonly string[] {
+  const looks = parts.map(({ look }) => encodeLook(look));
+  // Files that have another way up than the first are turned by themselves.
+  const areAllAlike = new Set(parts.map(({ loaded }) => ownUp(loaded))).size < 2;
+  return areAllAlike && looks.every((look) => look === '') ? [] : looks;
 }

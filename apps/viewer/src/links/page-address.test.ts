@@ -19,7 +19,8 @@ const url: SceneSource = { kind: 'url', url: page('/scenes/a.ply') };
 
 function view(changes: Partial<LinkedView> = {}): LinkedView {
   return {
-    source: builtin,
+    sources: [builtin],
+    looks: [],
     camera: first,
     accuracy: resolveAccuracy(),
     comparison: null,
@@ -50,7 +51,11 @@ describe('the address of the page', () => {
       splitPart: 0.25,
     } as const;
     expect(
-      written('/?scene=hard:a,b#top', { source: { kind: 'hard-case', name: 'a,b' }, accuracy, comparison }),
+      written('/?scene=hard:a,b#top', {
+        sources: [{ kind: 'hard-case', name: 'a,b' }],
+        accuracy,
+        comparison,
+      }),
     ).toBe('/?scene=hard:a,b&accuracy=high,shDegree:0&compare=current/high,shDegree:0/0.25#top');
     expect(written('/?accuracy=fast&compare=error', {})).toBe('/');
   });
@@ -58,7 +63,7 @@ describe('the address of the page', () => {
   it('names effects that are on, and with them the scene', () => {
     expect(written('/', { effects: tinted })).toBe(`/?effects=tint:ff0000&scene=${scene.name}`);
     expect(written('/?effects=tint:ff0000', {})).toBe('/');
-    expect(written('/?effects=tint:ff0000', { source: file, effects: tinted })).toBe('/');
+    expect(written('/?effects=tint:ff0000', { sources: [file], effects: tinted })).toBe('/');
     expect(written('/?src=gone.ply&effects=tint:ff0000', {})).toBe('/?src=gone.ply');
   });
 
@@ -69,22 +74,37 @@ describe('the address of the page', () => {
   });
 
   it('keeps addresses of files as they were written', () => {
-    expect(written('/?src=scenes/a.ply', { source: url })).toBe('/?src=scenes/a.ply');
-    expect(written('/?url=scenes/a.ply', { source: url, camera: moved })).toBe(
+    expect(written('/?src=scenes/a.ply', { sources: [url] })).toBe('/?src=scenes/a.ply');
+    expect(written('/?url=scenes/a.ply', { sources: [url], camera: moved })).toBe(
       '/?url=scenes/a.ply&camera=0,0,0,4,0.25,1',
     );
-    const urls: SceneSource = { kind: 'urls', urls: [page('/a.ply'), page('/b.spz')] };
-    expect(written('/?src=a.ply&src=b.spz', { source: urls })).toBe('/?src=a.ply&src=b.spz');
-    expect(written('/?scene=still-life', { source: urls })).toBe(
+    const urls = ['/a.ply', '/b.spz'].map((path): SceneSource => ({ kind: 'url', url: page(path) }));
+    expect(written('/?src=a.ply&src=b.spz', { sources: urls })).toBe('/?src=a.ply&src=b.spz');
+    expect(written('/?scene=still-life', { sources: urls })).toBe(
       '/?src=http://localhost/a.ply&src=http://localhost/b.spz',
     );
   });
 
+  it('names the addresses that are left of several, and how files are drawn', () => {
+    const [a, b] = ['/a.ply', '/b.ply'].map((path): SceneSource => ({ kind: 'url', url: page(path) }));
+    const looks = ['', 'move:1:0:0'];
+    expect(written('/?src=a.ply&src=b.ply', { sources: [b] })).toBe('/?src=b.ply');
+    expect(written('/?src=a.ply', { sources: [a, b], looks })).toBe(
+      '/?src=a.ply&src=http://localhost/b.ply&place&place=move:1:0:0',
+    );
+    expect(written('/?place=hidden:1', { looks: ['opacity:0.5'] })).toBe(
+      `/?place=opacity:0.5&scene=${scene.name}`,
+    );
+    expect(written('/?src=a.ply&place=hidden:1', { sources: [a] })).toBe('/?src=a.ply');
+    // No address can name all of them.
+    expect(written('/?src=a.ply&place=hidden:1', { sources: [a, file], looks })).toBe('/');
+  });
+
   it('names neither a scene nor a camera where a file of this device is shown', () => {
     expect(
-      written('/?scene=still-life&camera=0,0,0,4,0.25,1&accuracy=fast', { source: file, camera: moved }),
+      written('/?scene=still-life&camera=0,0,0,4,0.25,1&accuracy=fast', { sources: [file], camera: moved }),
     ).toBe('/');
-    expect(written('/?src=a.ply', { source: file })).toBe('/');
+    expect(written('/?src=a.ply', { sources: [file] })).toBe('/');
   });
 
   it('stays where a built-in scene stands for what could not be opened, so that a reload tries again', () => {
@@ -112,7 +132,8 @@ describe('a link', () => {
   });
 
   it('is none to a file of this device', () => {
-    expect(linkTo(page('/'), view({ source: file }))).toBeNull();
-    expect(linkTo(page('/'), view({ source: null }))).toBeNull();
+    expect(linkTo(page('/'), view({ sources: [file] }))).toBeNull();
+    expect(linkTo(page('/'), view({ sources: [] }))).toBeNull();
+    expect(linkTo(page('/'), view({ sources: [builtin, url] }))).toBeNull();
   });
 });

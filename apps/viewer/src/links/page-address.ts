@@ -9,12 +9,15 @@ import { encodeAccuracy } from '../words/accuracy-address.ts';
 import { encodeCamera } from './camera-text.ts';
 import { encodeComparison, type LinkedComparison } from './comparison-text.ts';
 import { encodeEffects } from './effects-text.ts';
+import { LOOK_NAME } from './linked-start.ts';
 import { encodeViewMode } from './view-mode-text.ts';
 
 /** What an address tells of the viewer. */
 export interface LinkedView {
-  /** Null before there is a scene. */
-  readonly source: SceneSource | null;
+  /** Of the files of the scene; none before there is one. */
+  readonly sources: readonly SceneSource[];
+  /** How each of them is drawn, as `encodeLook` writes it; none where all are drawn as they come. */
+  readonly looks: readonly string[];
   readonly camera: LinkedCamera;
   readonly accuracy: AccuracySettings | AccuracyWish;
   readonly comparison: LinkedComparison | null;
@@ -37,15 +40,15 @@ export function pageAddress(page: URL, view: LinkedView, unmentioned: Unmentione
   const query = new URLSearchParams(page.search);
   const camera = encodeCamera(view.camera);
   const isFirstView = unmentioned.camera !== null && camera === encodeCamera(unmentioned.camera);
-  if (isFallback(view.source, query)) for (const name of OF_ONE_SCENE) query.delete(name);
+  if (isFallback(view.sources, query)) for (const name of OF_ONE_SCENE) query.delete(name);
   else {
     // Nobody else has a file of this device: its camera and effects would be those of another scene.
-    const isShared = view.source !== null && view.source.kind !== 'file';
+    const isShared = canLink(view.sources);
     const isMentioned = isShared && !isFirstView;
     const effects = isShared ? encodeEffects(view.effects) : null;
     write(query, 'camera', isMentioned ? camera : null);
     write(query, 'effects', effects);
-    writeSource(query, view.source, page, isMentioned || effects !== null);
+    writeSources(query, view, page, isMentioned || effects !== null);
   }
   write(query, 'accuracy', encodeAccuracy(view.accuracy, unmentioned.accuracy));
   write(query, 'compare', view.comparison && encodeComparison(view.comparison));
@@ -54,13 +57,13 @@ export function pageAddress(page: URL, view: LinkedView, unmentioned: Unmentione
 }
 
 /**
- * A whole address that shows the same picture on any device, in a window of the same size; null where the scene is a file
- * of this one.
+ * A whole address that shows the same picture on any device, in a window of the same size; null where there is none: see
+ * `canLink`.
  */
 export function linkTo(page: URL, view: LinkedView): string | null {
-  if (view.source === null || view.source.kind === 'file') return null;
+  if (!canLink(view.sources)) return null;
   const query = new URLSearchParams(page.search);
-  writeSource(query, view.source, page, true);
+  writeSources(query, view, page, true);
   write(query, 'camera', encodeCamera(view.camera));
   write(query, 'effects', encodeEffects(view.effects));
   write(query, 'accuracy', encodeAccuracy(view.accuracy, null));
@@ -70,32 +73,47 @@ export function linkTo(page: URL, view: LinkedView): string | null {
 }
 
 /** Whether a built-in scene is shown in place of what the address names, which could not be opened. */
-export function isFallback(source: SceneSource | null, query: URLSearchParams): boolean {
+export function isFallback(sources: readonly SceneSource[], query: URLSearchParams): boolean {
   const { addresses = [], scene } = addressedScene(query);
-  return source?.kind === 'builtin' && (addresses.length > 0 || hardCaseNameIn(scene) !== null);
+  return (
+    sources.length === 1 &&
+    sources[0].kind === 'builtin' &&
+    (addresses.length > 0 || hardCaseNameIn(scene) !== null)
+  );
+}
+
+/** Whether an address can name what is shown: files on servers, or one scene that has a name. */
+export function canLink(sources: readonly SceneSource[]): boolean {
+  const areOnServers = sources.every(({ kind }) => kind === 'url');
+  return sources.length > 0 && (areOnServers || (sources.length === 1 && sources[0].kind !== 'file'));
 }
 
 /** @param isNamed whether a built-in scene is named even where the query names none. */
-function writeSource(query: URLSearchParams, source: SceneSource | null, page: URL, isNamed: boolean): void {
-  if (source === null) return;
-  const urls = urlsOf(source);
-  const named = (addressedScene(query).addresses ?? []).map((each) =>
-    URL.canParse(each, page) ? new URL(each, page).href : each,
-  );
+function writeSources(
+  query: URLSearchParams,
+  { sources, looks }: Pick<LinkedView, 'sources' | 'looks'>,
+  page: URL,
+  isNamed: boolean,
+): void {
+  if (sources.length === 0) return;
+  const isLinkable = canLink(sources);
+  const urls = isLinkable
+    ? sources.flatMap((source) => (source.kind === 'url' ? [source.url.href] : []))
+    : [];
   // Addresses stay as they were written: they may be relative to the page.
-  const areNamed = urls.length > 0 && urls.join('\n') === named.join('\n');
-  if (!areNamed) {
+  const written = addressedScene(query).addresses ?? [];
+  const textOf = (url: string) => written.find((each) => URL.parse(each, page)?.href === url) ?? url;
+  const texts = urls.map(textOf);
+  if (texts.join('\n') !== written.join('\n')) {
     for (const name of ADDRESS_NAMES) query.delete(name);
-    for (const url of urls) query.append('src', url);
+    for (const text of texts) query.append('src', text);
   }
-  const scene = sceneName(source);
+  query.delete(LOOK_NAME);
+  if (isLinkable) for (const look of looks) query.append(LOOK_NAME, look);
+  const scene = isLinkable ? sceneName(sources[0]) : null;
   if (scene === null) query.delete('scene');
-  else if (isNamed || source.kind !== 'builtin' || query.has('scene')) query.set('scene', scene);
-}
-
-function urlsOf(source: SceneSource): readonly string[] {
-  if (source.kind === 'url') return [source.url.href];
-  return source.kind === 'urls' ? source.urls.map(({ href }) => href) : [];
+  else if (isNamed || looks.length > 0 || sources[0].kind !== 'builtin' || query.has('scene'))
+    query.set('scene', scene);
 }
 
 /** As `?scene=` names it; null where it is not by a name that it is found. */

@@ -60,3 +60,14 @@ export function reportFailure(error: unknown, title: string): FailureReport {
     isFault: true,
   };
 }
+
+/** What is to be said of files that could not be opened, one after another. */
+export function joinedFailures(failures: readonly FailureReport[]): FailureReport {
+  if (failures.length === 1) return failures[0];
+  return {
+    title: `${failures.length} files cannot be opened`,
+    message: failures.map(({ title, message }) => `${title}: ${message}`).join(' '),
+    advice: '',
+    isFault: failures.some(({ isFault }) => isFault),
+  };
+}

@@ -1,13 +1,13 @@
 import type { SceneFiles } from '@websplatter/core';
 import type { SceneSource } from '../scene/scene-source.ts';
 
-/** Where a scene of one cloud can be read again. */
+/** Where a file of a scene can be read again. */
 export type LastingScene =
   | { readonly kind: 'builtin'; readonly name: string }
   | { readonly kind: 'file'; readonly name: string; readonly source: File | SceneFiles }
   | { readonly kind: 'url'; readonly href: string };
 
-/** Null for what is several clouds, and no one file. */
+/** Null for what is no file. */
 export function lastingScene(source: SceneSource): LastingScene | null {
   switch (source.kind) {
     case 'builtin':
@@ -16,7 +16,6 @@ export function lastingScene(source: SceneSource): LastingScene | null {
       return source;
     case 'url':
       return { kind: 'url', href: source.url.href };
-    case 'urls':
     case 'hard-case':
       return null;
   }

@@ -25,15 +25,6 @@ it('a scene of one file can be read again where it is', async () => {
   }
 });
 
-it('several files are a cloud each, and no one file', async () => {
-  const source = { kind: 'urls', urls: [url, new URL('https://example.org/b.spz')] } as const;
-  expect(lastingScene(source)).toBeNull();
-  expect(await cloudSources(source)).toEqual([
-    { kind: 'url', href: 'https://example.org/a.ply' },
-    { kind: 'url', href: 'https://example.org/b.spz' },
-  ]);
-});
-
 it('a hard case is made again, from its file or its splats', async () => {
   const [made] = await cloudSources({ kind: 'hard-case', name: 'camera-inside-a-splat' });
   expect(made.kind).toBe('set');

@@ -9,9 +9,8 @@ export type StoredSource =
   | { readonly kind: 'bytes'; readonly bytes: Uint8Array<ArrayBuffer> }
   | { readonly kind: 'set'; readonly set: SplatSet<Harmonics> };
 
-/** What each cloud of a scene is read from, in their order. */
+/** What each cloud of a file, or of a hard case, is read from, in their order. */
 export async function cloudSources(source: SceneSource): Promise<readonly StoredSource[]> {
-  if (source.kind === 'urls') return source.urls.map(({ href }) => ({ kind: 'url', href }));
   if (source.kind === 'hard-case') {
     const hardCase = findHardCase(await loadHardCases(), source.name);
     if (hardCase.kind === 'refused-file') return [{ kind: 'bytes', bytes: hardCase.file() }];

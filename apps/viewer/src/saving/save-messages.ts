@@ -2,15 +2,26 @@ import type { CropBox } from '@websplatter/core/write';
 import type { UpAxis } from '../camera/up-axis.ts';
 import type { LastingScene } from '../rereading/lasting-scene.ts';
 import type { SavingState } from '../state/saving.ts';
+import type { Placement } from '../state/scene-part.ts';
+
+/** A file of a scene, and how it is drawn. */
+export interface SavedPart {
+  readonly source: LastingScene;
+  /** Null where it stands as it was saved. */
+  readonly placement: Placement | null;
+  /** Above 0, at most 1. */
+  readonly opacity: number;
+}
 
 export interface SaveRequest {
   readonly kind: 'save';
-  readonly source: LastingScene;
+  /** One or more; their splats are written one after another. */
+  readonly parts: readonly SavedPart[];
   /** Of `WRITABLE_FORMATS`. */
   readonly formatName: string;
   /** The axis of the scene's own that is shown upwards. */
   readonly up: UpAxis;
-  /** What of the scene is saved; null: all of it. */
+  /** What of the scene is saved, in its own space; null: all of it. */
   readonly crop: CropBox | null;
 }
 

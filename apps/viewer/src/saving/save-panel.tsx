@@ -62,7 +62,7 @@ export function SavePanel({ store, viewer, saving }: PanelProps & { saving: Savi
                   <strong data-testid="save-cropped">Only what the crop leaves is saved. </strong>
                 )}
                 {canSave
-                  ? 'Reads all splats again, without effects, and turns them so that other viewers show them this way up.'
+                  ? 'Reads all splats again that are not hidden, without effects, and turns them so that other viewers show them this way up.'
                   : 'There is no file behind this scene.'}
               </p>
               <button

@@ -2,6 +2,8 @@ import { encodePly, readSplats, type SplatSet } from '@websplatter/core';
 import { WRITABLE_FORMATS } from '@websplatter/core/write';
 import { afterEach, expect, test, vi } from 'vitest';
 import type { SceneSource } from '../scene/scene-source.ts';
+import type { ShownPart } from '../scene/shown-scene.ts';
+import { PLAIN_LOOK, type Placement } from '../state/scene-part.ts';
 import { createViewerStore } from '../state/store.ts';
 import type { SaveReply } from './save-messages.ts';
 import { Saving, savedName } from './saving.ts';
@@ -30,15 +32,46 @@ test.each([
 ] as const)('$formatName of a scene with $up up has a splat at $place', async ({ formatName, up, place }) => {
   const source = { kind: 'file' as const, name: 'a.ply', source: new File([encodePly(onePoint)], 'a.ply') };
   const phases = new Set<string>();
-  const bytes = await writeScene({ source, formatName, up, crop: null }, ({ phase }) => phases.add(phase));
+  const bytes = await writeScene(
+    { parts: [{ source, placement: null, opacity: 1 }], formatName, up, crop: null },
+    ({ phase }) => phases.add(phase),
+  );
   const { positions, origin } = await readSplats(bytes);
   expect(origin.map((value, axis) => value + positions[axis])).toEqual(place);
   expect([...phases]).toEqual(['read', 'write']);
 });
 
+test('files of a scene are merged where they stand, as opaque as they are drawn', async () => {
+  const file = new File([encodePly(onePoint)], 'a.ply');
+  const source = { kind: 'file' as const, name: 'a.ply', source: file };
+  const placement: Placement = {
+    ...{ move: [10, 0, 0], turnDegrees: [0, 0, 90], scale: 2, about: [1, 0, 0] },
+    ...{ up: '-y', sceneUp: '-y' },
+  };
+  const parts = [
+    { source, placement: null, opacity: 1 },
+    { source, placement, opacity: 0.5 },
+  ];
+  const read: (number | undefined)[] = [];
+  const bytes = await writeScene({ parts, formatName: 'ply', up: '-y', crop: null }, ({ phase, part }) => {
+    if (phase === 'read') read.push(part);
+  });
+  const { count, positions, origin, opacityLogits } = await readSplats(bytes);
+  expect(count).toBe(2);
+  const places = Array.from(positions, (value, i) => value + origin[i % 3]);
+  // The second: 0, 2, 3 from its middle, turned to −2, 0, 3, doubled, moved.
+  expect(places).toEqual([1, 2, 3, 7, 0, 6]);
+  expect(opacityLogits[0]).toBe(0);
+  expect(opacityLogits[1]).toBeCloseTo(Math.log(0.25 / 0.75), 6);
+  expect(read.at(-1)).toBe(1);
+});
+
 test('built-in scenes are made again', async () => {
   const source = { kind: 'builtin' as const, name: 'still-life-small' };
-  const bytes = await writeScene({ source, formatName: 'ply', up: '-y', crop: null }, () => {});
+  const bytes = await writeScene(
+    { parts: [{ source, placement: null, opacity: 1 }], formatName: 'ply', up: '-y', crop: null },
+    () => {},
+  );
   expect((await readSplats(bytes)).count).toBe(10_000);
 });
 
@@ -46,18 +79,27 @@ test('what is cropped is cut before it is turned', async () => {
   const source = { kind: 'file' as const, name: 'a.ply', source: new File([encodePly(onePoint)], 'a.ply') };
   const crop = { min: [0, 1, 2], max: [2, 3, 4], keep: 'inside' } as const;
   const written = (keep: 'inside' | 'outside') =>
-    writeScene({ source, formatName: 'ply', up: 'y', crop: { ...crop, keep } }, () => {});
+    writeScene(
+      {
+        parts: [{ source, placement: null, opacity: 1 }],
+        formatName: 'ply',
+        up: 'y',
+        crop: { ...crop, keep },
+      },
+      () => {},
+    );
   expect((await readSplats(await written('inside'))).count).toBe(1);
   await expect(written('outside')).rejects.toThrow('None of 1 splats');
 });
 
 test.each([
-  ['garden.ply', 'garden.spz'],
-  ['garden.compressed.ply', 'garden.spz'],
-  ['My garden, v1.5.SPZ', 'My garden, v1.5.spz'],
-  ['Still life', 'Still life.spz'],
-])('%s is saved as %s', (title, name) => {
-  expect(savedName(title, { extension: '.spz' })).toBe(name);
+  [['garden.ply'], 'garden.spz'],
+  [['garden.compressed.ply'], 'garden.spz'],
+  [['My garden, v1.5.SPZ'], 'My garden, v1.5.spz'],
+  [['Still life'], 'Still life.spz'],
+  [['a.ply', 'b.spz'], 'a and b.spz'],
+])('%s is saved as %s', (titles, name) => {
+  expect(savedName(titles, { extension: '.spz' })).toBe(name);
 });
 
 class FakeWorker {
@@ -81,11 +123,18 @@ class FakeWorker {
 
 afterEach(() => vi.unstubAllGlobals());
 
-function startSaving(source: SceneSource) {
+const partOf = (source: SceneSource, look = PLAIN_LOOK): ShownPart => ({
+  key: 1,
+  source,
+  look,
+  loaded: {} as ShownPart['loaded'],
+});
+
+function startSaving(source: SceneSource, look = PLAIN_LOOK) {
   vi.stubGlobal('Worker', FakeWorker);
   const store = createViewerStore();
   store.setState({ isFlipped: true });
-  const saving = new Saving(store, () => source);
+  const saving = new Saving(store, () => [partOf(source, look)]);
   FakeWorker.started.length = 0;
   saving.start(WRITABLE_FORMATS[0]);
   return { store, saving, worker: FakeWorker.started.at(0) };
@@ -95,7 +144,10 @@ test('progress is shown; saving can be cancelled, and started again', () => {
   const { store, saving, worker } = startSaving({ kind: 'url', url: new URL('https://example.org/a.spz') });
   const source = { kind: 'url', href: 'https://example.org/a.spz' };
   expect(worker?.posted).toEqual([
-    { kind: 'save', source, formatName: WRITABLE_FORMATS[0].name, up: '-y', crop: null },
+    {
+      ...{ kind: 'save', parts: [{ source, placement: null, opacity: 1 }] },
+      ...{ formatName: WRITABLE_FORMATS[0].name, up: '-y', crop: null },
+    },
   ]);
   worker?.onmessage?.({ data: { kind: 'progress', phase: 'write', part: 0.5 } });
   expect(store.getState().saving).toMatchObject({ phase: 'write', part: 0.5 });
@@ -119,7 +171,10 @@ test('a scene that cannot be saved is told with the reason, and stays', () => {
   expect(worker?.isEnded).toBe(true);
 });
 
-test('a hard case is not saved', () => {
+test('neither a hard case nor what is hidden is saved', () => {
+  const file: SceneSource = { kind: 'file', name: 'a.ply', source: new File([], 'a.ply') };
+  expect(startSaving(file, { ...PLAIN_LOOK, isHidden: true }).worker).toBeUndefined();
+  expect(startSaving(file, { ...PLAIN_LOOK, opacity: 0 }).worker).toBeUndefined();
   const { store, worker } = startSaving({ kind: 'hard-case', name: 'sort-1-keys' });
   expect(worker).toBeUndefined();
   expect(store.getState().saving).toBeNull();

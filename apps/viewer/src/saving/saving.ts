@@ -1,30 +1,34 @@
 import type { WritableFormat } from '@websplatter/core/write';
 import { upAxisOf } from '../camera/up-axis.ts';
 import { lastingScene } from '../rereading/lasting-scene.ts';
-import { type SceneSource, titleOf } from '../scene/scene-source.ts';
+import { joinedNames, titleOf } from '../scene/scene-source.ts';
+import type { ShownPart } from '../scene/shown-scene.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { formatBytes } from '../words/format.ts';
 import { download } from './download.ts';
-import type { SaveReply, SaveRequest } from './save-messages.ts';
+import type { SavedPart, SaveReply, SaveRequest } from './save-messages.ts';
 
 /** Saves the scene on the screen as a file, one at a time. */
 export class Saving {
   readonly #store: ViewerStore;
-  readonly #sourceOf: () => SceneSource | undefined;
+  readonly #partsOf: () => readonly ShownPart[];
   #worker: Worker | null = null;
 
-  /** @param sourceOf where the scene on the screen comes from. */
-  constructor(store: ViewerStore, sourceOf: () => SceneSource | undefined) {
+  /** @param partsOf the files of the scene on the screen. */
+  constructor(store: ViewerStore, partsOf: () => readonly ShownPart[]) {
     this.#store = store;
-    this.#sourceOf = sourceOf;
+    this.#partsOf = partsOf;
   }
 
   /** Writes the scene in another format and hands the file to the browser. Does nothing where there is nothing to save. */
   start(format: WritableFormat): void {
-    const sceneSource = this.#sourceOf();
-    const source = sceneSource && lastingScene(sceneSource);
-    if (!source || this.#worker) return;
-    const fileName = savedName(titleOf(sceneSource), format);
+    const seen = this.#partsOf().filter(({ look }) => !look.isHidden && look.opacity > 0);
+    const parts = seen.map(savedPart).filter((part) => part !== null);
+    if (parts.length === 0 || this.#worker) return;
+    const fileName = savedName(
+      seen.map(({ source }) => titleOf(source)),
+      format,
+    );
     const state = this.#store.getState();
     const up = upAxisOf(state);
     const { crop } = state.inspecting;
@@ -34,7 +38,7 @@ export class Saving {
     worker.onmessage = ({ data }: MessageEvent<SaveReply>) => this.#take(data, fileName);
     worker.onerror = ({ message }) =>
       this.#fail(fileName, message || 'The worker could not be started, or had no memory.', true);
-    const request: SaveRequest = { kind: 'save', source, formatName: format.name, up, crop };
+    const request: SaveRequest = { kind: 'save', parts, formatName: format.name, up, crop };
     worker.postMessage(request);
   }
 
@@ -72,7 +76,17 @@ export class Saving {
   }
 }
 
-/** The name of a scene's file, or of what is in it, with another end. */
-export function savedName(title: string, { extension }: Pick<WritableFormat, 'extension'>): string {
-  return `${title.replace(/(\.compressed)?\.[a-z]+$/i, '') || 'scene'}${extension}`;
+/** Null for what is no file. */
+function savedPart({ source: shown, look: { opacity, placement } }: ShownPart): SavedPart | null {
+  const source = lastingScene(shown);
+  return source && { source, opacity, placement };
+}
+
+/** The names of a scene's files, or of what is in them, with another end. */
+export function savedName(
+  titles: readonly string[],
+  { extension }: Pick<WritableFormat, 'extension'>,
+): string {
+  const names = titles.map((title) => title.replace(/(\.compressed)?\.[a-z]+$/i, '') || 'scene');
+  return `${joinedNames(names)}${extension}`;
 }

@@ -5,7 +5,7 @@ import type { SceneSource } from './scene-source.ts';
 
 /** The scene that the page's address asks for: `?src=ADDRESS`, once or several times, `?scene=NAME` and `?scene=hard:NAME`. */
 export interface AddressedScene {
-  /** Of files, relative to the page or whole; together they are one scene. */
+  /** Of files, relative to the page or whole; they are shown together. */
   readonly addresses?: readonly string[];
   readonly scene?: string | null;
 }
@@ -13,8 +13,10 @@ export interface AddressedScene {
 /** Names that addresses of files have in a page's address: other viewers use the others. */
 export const ADDRESS_NAMES = ['src', 'url', 'file'] as const;
 
+/** What to open first. */
 export interface FirstSource {
-  readonly source: SceneSource;
+  /** One or more, which are shown together. */
+  readonly sources: readonly SceneSource[];
   /** The problem with the name of a scene, in words. */
   readonly notice: string | null;
   /** Why the files of the address cannot be opened. */
@@ -34,28 +36,25 @@ export function firstSource(
   isSoftwareAdapter: boolean,
 ): FirstSource {
   const wrong = addresses.find((address) => !URL.canParse(address, base));
-  const urls = addresses.map((address) => (wrong === undefined ? new URL(address, base) : null));
-  const [url] = urls;
-  if (url) {
-    const all = urls as readonly URL[];
-    const source: SceneSource = all.length === 1 ? { kind: 'url', url } : { kind: 'urls', urls: all };
-    return { source, notice: null, failure: null };
+  if (wrong === undefined && addresses.length > 0) {
+    const sources = addresses.map((address): SceneSource => ({ kind: 'url', url: new URL(address, base) }));
+    return { sources, notice: null, failure: null };
   }
   const failure = wrong === undefined ? null : noAddress(wrong);
   const hardCase = hardCaseNameIn(scene);
-  if (hardCase !== null) return { source: { kind: 'hard-case', name: hardCase }, notice: null, failure };
+  if (hardCase !== null) return { sources: [{ kind: 'hard-case', name: hardCase }], notice: null, failure };
   return { ...builtinSource(scene, isSoftwareAdapter), failure };
 }
 
 /** Before it is known what draws: begins to make the scene that will probably be opened first, if it is a built-in one. */
 export function foreseeFirst(addressed: AddressedScene, base: string): void {
-  const { source } = firstSource(addressed, base, true);
+  const [source] = firstSource(addressed, base, true).sources;
   if (source.kind === 'builtin') foreseeBuiltinScene(source.scene.name);
 }
 
 /** The built-in scene that no GPU is too small for. */
 export function smallSource(): SceneSource {
-  return builtinSource(null, true).source;
+  return builtinSource(null, true).sources[0];
 }
 
 /** The built-in scene that `?scene=` asks for, or the default. */
@@ -65,7 +64,7 @@ export function builtinSource(asked: string | null | undefined, isSoftwareAdapte
   const scene = found ?? findBuiltinScene(defaultSceneName(isSoftwareAdapter));
   if (!scene) throw new Error('The default scene is missing.');
   return {
-    source: { kind: 'builtin', scene },
+    sources: [{ kind: 'builtin', scene }],
     notice: name && !found ? `There is no built-in scene “${name}”.` : null,
     failure: null,
   };

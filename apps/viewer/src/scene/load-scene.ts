@@ -10,7 +10,6 @@ import { isProbablyZUp } from '../camera/up-axis.ts';
 import type { CameraSubject } from '../camera/view-camera.ts';
 import { findHardCase, groupTitle, loadHardCases } from '../hard-cases/catalogue.ts';
 import type { SceneAbout } from '../state/scene-summary.ts';
-import { baseName } from '../words/format.ts';
 import { makeBuiltinScene } from './builtin-scene.ts';
 import type { MadeScene } from './builtin-scene.worker.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
@@ -42,7 +41,6 @@ export async function loadScene(
   const { signal, onProgress } = options;
   if (source.kind === 'builtin') return loadBuiltin(engine, source.scene, options);
   if (source.kind === 'hard-case') return loadHardCase(engine, source.name, options);
-  if (source.kind === 'urls') return { ...PLAIN, ...(await loadUrls(engine, source.urls, options)) };
   const sceneOf = (cloud: SplatCloud) => ({
     ...PLAIN,
     clouds: [{ cloud }],
@@ -101,25 +99,6 @@ function isUpsideDown({ facts }: SplatCloud): boolean {
 /** Where the file does not say which way is up, the shape of the scene may. */
 function isZUp(cloud: SplatCloud): boolean {
   return isUpsideDown(cloud) && isProbablyZUp(cloud.robustBounds);
-}
-
-/** Loads files one after another; the scene stands as the first of them does. */
-async function loadUrls(
-  engine: SplatEngine,
-  urls: readonly URL[],
-  { signal, onProgress }: LoadSceneOptions,
-): Promise<Pick<LoadedScene, 'clouds' | 'isUpsideDown'>> {
-  const clouds: { readonly cloud: SplatCloud }[] = [];
-  try {
-    for (const url of urls) {
-      const name = baseName(url.href);
-      clouds.push({ cloud: await engine.load(url, { name, fit: 'auto', signal, onProgress }) });
-    }
-  } catch (error) {
-    destroyClouds({ clouds });
-    throw error;
-  }
-  return { clouds, isUpsideDown: isUpsideDown(clouds[0].cloud) };
 }
 
 async function loadHardCase(

@@ -59,7 +59,10 @@ afterEach(() => {
 function sceneOf(radius = 1): LoadedScene {
   const bounds = { min: [-radius, -radius, -radius], max: [radius, radius, radius] };
   const facts = { declaredShDegree: 0 };
-  const cloud = { count: 5, bounds, robustBounds: bounds, dropped: {}, shDegree: 0, facts };
+  const cloud = {
+    ...{ count: 5, bounds, robustBounds: bounds, dropped: {}, shDegree: 0, facts },
+    destroy: vi.fn(),
+  };
   const clouds = [{ cloud: cloud as unknown as SplatCloud }];
   return { clouds, firstView: null, ownCameras: null, about: null, isUpsideDown: false, isZUp: false };
 }
@@ -127,7 +130,7 @@ describe('After the device was lost', () => {
     await startSession();
     await loaded();
     expect(openedKinds()).toEqual(['a.ply']);
-    expect(scenes.drawable).toMatchObject({ source: a, session: sessions.current });
+    expect(scenes.drawable).toMatchObject({ parts: [{ source: a }], session: sessions.current });
     expect(camera.controls.pose.distance).toBe(7);
   });
 
@@ -147,7 +150,7 @@ describe('After the device was lost', () => {
       await end();
       expect(openedKinds()).toEqual(['b.ply', 'b.ply', 'a.ply']);
       await loaded();
-      expect(scenes.drawable).toMatchObject({ source: a, session: sessions.current });
+      expect(scenes.drawable).toMatchObject({ parts: [{ source: a }], session: sessions.current });
       expect(camera.controls.pose.distance).toBe(7);
       expect(store.getState()).toMatchObject({ load: null, scene: { title: 'a.ply' } });
     }
@@ -191,7 +194,10 @@ describe('After the device was lost', () => {
     await startSession();
     expect(newestLoad().source).toMatchObject({ kind: 'builtin', scene: { name: 'still-life-small' } });
     await loaded();
-    expect(scenes.drawable).toMatchObject({ source: newestLoad().source, session: sessions.current });
+    expect(scenes.drawable).toMatchObject({
+      parts: [{ source: newestLoad().source }],
+      session: sessions.current,
+    });
     loseSession();
     await startSession();
     expect(newestLoad().source.kind).toBe('builtin');
@@ -281,5 +287,196 @@ describe('effects that panels ask for, and what is inspected', () => {
     await startSession();
     await loaded();
     expect(kept()).toEqual([requested, inspecting]);
+  });
+});
+
+describe('Several files', () => {
+  /** Waits for the load of `source`; code that stands files beside others comes first. */
+  const whenAsked = (source: SceneSource) => vi.waitFor(() => expect(newestLoad()?.source).toBe(source));
+  const titles = () => store.getState().scene?.parts.map(({ title }) => title);
+  const keyOf = (title: string) => store.getState().scene!.parts.find((part) => part.title === title)!.key;
+
+  /** Opens `sources` in a running session, each `radius` large. */
+  async function openAll(sources: readonly SceneSource[], radius = 1): Promise<void> {
+    scenes.open(...sources);
+    for (const source of sources) {
+      await whenAsked(source);
+      await loaded(sceneOf(radius));
+    }
+  }
+
+  beforeEach(async () => {
+    await startSession();
+    await loaded();
+    loads.length = 0;
+  });
+
+  it('are opened one after another, and the picture grows', async () => {
+    scenes.open(a, b);
+    await settled();
+    expect(store.getState()).toMatchObject({ load: { title: 'a.ply' }, waiting: [{ title: 'b.ply' }] });
+    await loaded();
+    await whenAsked(b);
+    expect(titles()).toEqual(['a.ply']);
+    expect(store.getState()).toMatchObject({ load: { title: 'b.ply' }, waiting: [] });
+    const { distance } = camera.controls.pose;
+    newestLoad().options.onPreview(sceneOf(20));
+    expect(titles()).toEqual(['a.ply', 'b.ply']);
+    expect(scenes.isPartial).toBe(true);
+    expect(camera.controls.pose.distance).toBeGreaterThan(5 * distance);
+    await loaded(sceneOf(20));
+    expect(scenes.isPartial).toBe(false);
+    expect(store.getState()).toMatchObject({
+      load: null,
+      scene: { title: 'a.ply and b.ply', clouds: 2, splats: 10, isUpsideDown: false },
+    });
+    expect(scenes.newest?.clouds).toHaveLength(2);
+  });
+
+  it('join what is shown, and leave a view that a person has moved', async () => {
+    await openAll([a]);
+    camera.controls.setPose({ ...camera.controls.pose, distance: 7 }, camera.controls.home);
+    scenes.add(b);
+    await whenAsked(b);
+    newestLoad().options.onPreview(sceneOf(20));
+    await loaded(sceneOf(20));
+    expect(titles()).toEqual(['a.ply', 'b.ply']);
+    expect(camera.controls.pose.distance).toBe(7);
+    expect(camera.controls.home.distance).toBeGreaterThan(20);
+    const [first] = scenes.newest!.clouds;
+    expect(scenes.takeReplaced()).not.toContain(first.cloud);
+  });
+
+  it('without those that fail, of which all are told', async () => {
+    scenes.open(a, b, c);
+    await whenAsked(a);
+    await failed();
+    await whenAsked(b);
+    await failed();
+    // The first that can be opened replaces what was shown.
+    expect(titles()).toEqual(['Still life']);
+    await whenAsked(c);
+    await loaded();
+    expect(titles()).toEqual(['c.ply']);
+    expect(store.getState().failure).toMatchObject({ title: '2 files cannot be opened' });
+    expect(store.getState().failure?.message).toContain('a.ply cannot be shown: offline');
+  });
+
+  it('can be called off one by one', async () => {
+    scenes.open(a, b, c);
+    await whenAsked(a);
+    await loaded();
+    await whenAsked(b);
+    newestLoad().options.onPreview(sceneOf(20));
+    const [waiting] = store.getState().waiting;
+    scenes.remove(waiting.key);
+    expect(store.getState().waiting).toEqual([]);
+    await calledOff();
+    expect(titles()).toEqual(['a.ply']);
+    expect(store.getState()).toMatchObject({ load: null, notice: 'Opening b.ply was cancelled.' });
+  });
+
+  it('can be drawn otherwise while they arrive, and called off there', async () => {
+    await openAll([a]);
+    scenes.add(b);
+    await whenAsked(b);
+    newestLoad().options.onPreview(sceneOf());
+    scenes.setLook(keyOf('b.ply'), { opacity: 0.5 });
+    scenes.setLook(keyOf('a.ply'), { isHidden: true });
+    expect(scenes.drawable?.clouds).toMatchObject([{ opacity: 0.5 }]);
+    newestLoad().options.onPreview(sceneOf());
+    await loaded();
+    expect(scenes.newest?.clouds).toMatchObject([{ opacity: 0.5 }]);
+    scenes.add(c);
+    await whenAsked(c);
+    newestLoad().options.onPreview(sceneOf());
+    scenes.remove(keyOf('c.ply'));
+    await settled();
+    expect(titles()).toEqual(['a.ply', 'b.ply']);
+  });
+
+  it('are opened again as they were drawn after the device was lost', async () => {
+    await openAll([a, b]);
+    scenes.setLook(keyOf('b.ply'), { opacity: 0.5 });
+    camera.controls.setPose({ ...camera.controls.pose, distance: 7 }, camera.controls.home);
+    scenes.add(c);
+    await whenAsked(c);
+    loseSession();
+    loads.length = 0;
+    await startSession();
+    for (const source of [a, b, c]) {
+      await whenAsked(source);
+      await loaded();
+    }
+    expect(titles()).toEqual(['a.ply', 'b.ply', 'c.ply']);
+    expect(scenes.newest?.session).toBe(sessions.current);
+    expect(scenes.newest?.parts.map(({ look }) => look.opacity)).toEqual([1, 0.5, 1]);
+    expect(camera.controls.pose.distance).toBe(7);
+  });
+
+  it('can be hidden, and left out but for the last', async () => {
+    await openAll([a, b]);
+    const clouds = scenes.newest!.clouds.map(({ cloud }) => cloud);
+    const { id } = scenes.newest!;
+    scenes.takeReplaced();
+    scenes.setLook(keyOf('a.ply'), { isHidden: true });
+    // A link must tell where the camera is.
+    expect(camera.first).toBeNull();
+    expect(scenes.newest).toMatchObject({ id, clouds: [{ cloud: clouds[1] }] });
+    expect(store.getState().scene).toMatchObject({ clouds: 2, canSave: true });
+    scenes.remove(keyOf('a.ply'));
+    expect(titles()).toEqual(['b.ply']);
+    expect(scenes.newest!.id).not.toBe(id);
+    // Kept until a frame without it has been drawn.
+    expect(scenes.takeReplaced()).toEqual([clouds[0]]);
+    scenes.remove(keyOf('b.ply'));
+    expect(titles()).toEqual(['b.ply']);
+  });
+
+  it('that cannot be drawn together are drawn as before the last of them', async () => {
+    await openAll([a, b]);
+    const [, second] = scenes.newest!.clouds;
+    scenes.takeBack(new Error('no memory'));
+    expect(titles()).toEqual(['a.ply']);
+    expect(store.getState().failure?.title).toBe('b.ply cannot be shown');
+    expect(second.cloud.destroy).toHaveBeenCalled();
+  });
+
+  it('stand the same way up as the first', async () => {
+    await openAll([a]);
+    scenes.add(b);
+    await whenAsked(b);
+    await loaded({ ...sceneOf(), isUpsideDown: true });
+    const [first, second] = scenes.newest!.clouds;
+    expect(first.modelMatrix).toBeUndefined();
+    // Half a turn around x.
+    expect(Array.from(second.modelMatrix!)).toEqual([1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1]);
+  });
+
+  it('take the place of a hard case, which is shown alone', async () => {
+    scenes.open({ kind: 'hard-case', name: 'far-origin' });
+    await settled();
+    await loaded();
+    scenes.add(a);
+    await whenAsked(a);
+    await loaded();
+    expect(titles()).toEqual(['a.ply']);
+  });
+
+  it('of a link are drawn as it says, and what it says wrongly is told', async () => {
+    loseSession();
+    loads.length = 0;
+    scenes = new Scenes({
+      ...{ store, sessions, camera, onClouds: () => {}, onShow: () => {} },
+      addressed: { addresses: ['a.ply', 'b.ply'] },
+      linkedLooks: ['opacity:0.25', 'move:1'],
+    });
+    await startSession();
+    await vi.waitFor(() => expect(loads).toHaveLength(1));
+    await loaded();
+    await vi.waitFor(() => expect(loads).toHaveLength(2));
+    await loaded();
+    expect(scenes.newest?.parts.map(({ look }) => look.opacity)).toEqual([0.25, 1]);
+    expect(store.getState().notice).toContain('move:1 is not three numbers');
   });
 });

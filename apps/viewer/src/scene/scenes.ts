@@ -1,14 +1,17 @@
-import { isSoftwareAdapter, type SplatEngine } from '@websplatter/core';
+import { isSoftwareAdapter, type SplatCloud, type SplatEngine } from '@websplatter/core';
 import type { Sphere } from '../camera/scene-bounds.ts';
 import type { CameraSnapshot, LinkedCamera, ViewCamera } from '../camera/view-camera.ts';
-import { reportFailure } from '../messages/failure-report.ts';
+import { joinedFailures, reportFailure } from '../messages/failure-report.ts';
 import type { Session } from '../session/session.ts';
 import type { SessionOwner } from '../session/session-owner.ts';
-import { type Inspecting, NOTHING_INSPECTED } from '../state/inspecting.ts';
+import type { FailureReport } from '../state/failure.ts';
+import { type Inspecting, NOTHING_INSPECTED, withoutSplats } from '../state/inspecting.ts';
 import { NO_EFFECTS, type RequestedEffects } from '../state/requested-effects.ts';
+import { type PartLook, PLAIN_LOOK } from '../state/scene-part.ts';
 import type { LoadState } from '../state/scene-summary.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { isGpuLost } from '../state/viewer-state.ts';
+import { type AskedPart, askedAgain, waitingOf } from './asked-part.ts';
 import { droppedWarning } from './dropped-splats.ts';
 import {
   type AddressedScene,
@@ -20,7 +23,15 @@ import {
 import { fitNotice } from './fit-notice.ts';
 import { destroyClouds, type LoadedScene, loadScene } from './load-scene.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
-import { type ReplacedScene, type ShownScene, shownScene, summaryOf } from './shown-scene.ts';
+import {
+  allClouds,
+  ownUp,
+  type ReplacedScene,
+  type ShownPart,
+  type ShownScene,
+  shownScene,
+  summaryOf,
+} from './shown-scene.ts';
 
 export interface ScenesOptions {
   readonly store: ViewerStore;
@@ -29,15 +40,18 @@ export interface ScenesOptions {
   readonly addressed: AddressedScene;
   /** How to look at what the address asks for; otherwise its first view is shown. */
   readonly linkedCamera?: LinkedCamera | null;
+  /** How its files are drawn, in their order, as links write it; otherwise as they come. */
+  readonly linkedLooks?: readonly string[];
   /** The newest scene is another one: its clouds have to be prepared. The camera still looks at the one before. */
   readonly onClouds: () => void;
   /** The newest scene is ready to be drawn. */
   readonly onShow: () => void;
 }
 
-/** What can be shown of the scene that is being loaded. */
+/** What can be shown of the file that is being loaded, with those that it joins. */
 interface Preview {
   readonly scene: ShownScene;
+  readonly part: ShownPart;
   /** Bounds that the camera shows. */
   readonly framed: Sphere;
   /** How the camera looked at the scene before; null if there was none. */
@@ -53,7 +67,7 @@ const FRAMED_CHANGE = 0.1;
 const Z_UP_NOTICE =
   'By its shape this is ground whose z axis points up. The View panel (V) shows it another way up.';
 
-/** Loads scenes, one at a time, and knows which is to be drawn. */
+/** Loads files one after another, into a scene of their own or beside others, and knows what is to be drawn. */
 export class Scenes {
   readonly #options: ScenesOptions;
   #newest: ShownScene | null = null;
@@ -61,17 +75,20 @@ export class Scenes {
   /** Scenes that are no longer asked for, but stay on the screen until the newest has been drawn. */
   #replaced: ReplacedScene[] = [];
   #loading: AbortController | null = null;
-  /** What a person has asked for, until it has been opened, has failed or was called off. */
-  #asked: SceneSource | null = null;
+  /** What is asked for; the first is being loaded. A file leaves it when it has been opened, has failed or was called off. */
+  #queue: AskedPart[] = [];
+  /** Whether the first of them that can be opened is shown in place of the newest scene, not beside it. */
+  #isInPlace = true;
+  /** What of the queue could not be opened. */
+  #failures: FailureReport[] = [];
   #shown = 0;
-  /** What the address has asked for, if it is the first to be opened. */
-  #addressed: SceneSource | null = null;
+  #keys = 0;
 
   constructor(options: ScenesOptions) {
     this.#options = options;
   }
 
-  /** The scene that was opened last, as a whole; its session may have ended. */
+  /** The scene that was opened last, with all of its files that are there whole; its session may have ended. */
   get newest(): ShownScene | null {
     return this.#newest;
   }
@@ -87,20 +104,24 @@ export class Scenes {
   }
 
   /**
-   * Opens `source` in place of what is shown, which stays until then; calls off what is being loaded. Where the GPU was lost,
-   * asks for it again first.
+   * Opens `sources` in place of what is shown, which stays until the first of them is there; calls off what is being loaded.
+   * Where the GPU was lost, asks for it again first.
    */
-  open(source: SceneSource): void {
-    const { store, sessions } = this.#options;
-    const state = store.getState();
-    if (state.status === 'unavailable') return;
-    store.setState({ failure: null, notice: null, lastFile: null });
-    if (!isGpuLost(state)) {
-      void this.#load(source);
-      return;
-    }
-    this.#asked = source;
-    sessions.recover();
+  open(...sources: readonly SceneSource[]): void {
+    if (!this.#begin(sources)) return;
+    this.#loading?.abort();
+    this.#loading = null;
+    this.#endPreview();
+    this.#isInPlace = true;
+    this.#queue = [];
+    this.#ask(sources);
+  }
+
+  /** Opens `sources` beside what is shown or being loaded; in its place where that is a hard case, which is shown alone. */
+  add(...sources: readonly SceneSource[]): void {
+    const last = this.#queue.at(-1) ?? this.#newest?.parts[0];
+    if (!last || last.source.kind === 'hard-case') this.open(...sources);
+    else if (this.#begin(sources)) this.#ask(sources);
   }
 
   /** Where the GPU was lost: forgets what was shown, which may be what takes the GPU down, and opens a scene that does not. */
@@ -115,23 +136,54 @@ export class Scenes {
    */
   openFirst({ engine }: Session): void {
     if (this.#loading) return;
-    const { addressed } = this.#options;
-    const first = () => {
-      const { source, ...problems } = firstSource(addressed, location.href, isSoftware(engine));
-      // Another scene in its place has no such view.
-      if (problems.notice === null && problems.failure === null) this.#addressed = source;
-      return this.#withNotice({ source, ...problems });
-    };
-    void this.#load(this.#asked ?? this.#newest?.source ?? first());
+    if (!this.#isInPlace || this.#queue.length === 0) {
+      this.#queue.unshift(...(this.#newest?.parts.map(askedAgain) ?? []));
+      this.#isInPlace = true;
+    }
+    if (this.#queue.length === 0) this.#queue = this.#askedByAddress(engine);
+    this.#openNext();
   }
 
-  /** Calls off what is being loaded; what is shown stays. */
+  /** Calls off what is being loaded, and goes on with what waits; what is shown stays. */
   cancelLoad(): void {
     const { store } = this.#options;
     const { load } = store.getState();
     if (!this.#loading || !load) return;
     store.setState({ notice: `Opening ${load.title} was cancelled.` });
     this.#loading.abort();
+  }
+
+  /** Leaves a file out of the scene, or of what is to be opened. The only one of a scene stays. */
+  remove(key: number): void {
+    const place = this.#queue.findIndex((asked) => asked.key === key);
+    if (place === 0) {
+      this.cancelLoad();
+      return;
+    }
+    if (place > 0) {
+      this.#queue = this.#queue.filter((asked) => asked.key !== key);
+      this.#tellQueue();
+      return;
+    }
+    const parts = this.#newest?.parts ?? [];
+    const left = parts.filter((part) => part.key !== key);
+    if (left.length < parts.length && left.length > 0) this.#change(left);
+  }
+
+  /** Draws a file of the scene otherwise, also one of which only a part is there. */
+  setLook(key: number, change: Partial<PartLook>): void {
+    const preview = this.#preview;
+    if (preview?.part.key === key) {
+      const look = { ...preview.part.look, ...change };
+      this.#queue = this.#queue.map((asked) => (asked.key === key ? { ...asked, look } : asked));
+      this.#changePreview({ ...preview.part, look });
+      return;
+    }
+    const parts = this.#newest?.parts ?? [];
+    if (parts.some((part) => part.key === key))
+      this.#change(
+        parts.map((part) => (part.key === key ? { ...part, look: { ...part.look, ...change } } : part)),
+      );
   }
 
   /** The session ends: loading stops, and its scenes cannot come back. The camera goes back to the newest, which is opened again. */
@@ -142,37 +194,78 @@ export class Scenes {
     this.#replaced = [];
   }
 
-  /** The newest scene has been asked of the GPU; the caller destroys the returned scenes when it has been drawn. */
-  takeReplaced(): readonly ShownScene[] {
+  /** The newest scene has been asked of the GPU; the caller destroys the returned clouds when it has been drawn. */
+  takeReplaced(): readonly SplatCloud[] {
     // If loading fails, the one before is shown again.
     if (this.#preview) return [];
-    return this.#replaced.splice(0).map(({ scene }) => scene);
+    const kept = this.#newest ? allClouds(this.#newest) : [];
+    return cloudsBesides(
+      this.#replaced.splice(0).map(({ scene }) => scene),
+      kept,
+    );
   }
 
   /** The drawable scene cannot be drawn: goes back to the one before it. */
   takeBack(error: unknown): void {
     if (this.#preview) {
-      this.#fail(error, titleOf(this.#preview.scene.source));
+      this.#fail(error, titleOf(this.#preview.part.source));
       this.#loading?.abort();
       this.#endPreview();
       return;
     }
     const failed = this.#newest;
     const last = this.#replaced.pop();
-    this.#fail(error, failed ? titleOf(failed.source) : 'The scene');
+    const source = failed?.parts.at(-1)?.source;
+    this.#fail(error, source ? titleOf(source) : 'The scene');
     if (!last) return;
     this.#setNewest(last.scene);
     this.#options.camera.restore(last.camera);
-    if (failed) destroyClouds(failed);
+    if (failed) for (const cloud of cloudsBesides([failed], allClouds(last.scene))) cloud.destroy();
   }
 
-  async #load(source: SceneSource): Promise<void> {
+  /** A person asks for something: what was said before is over. Returns whether it can be opened. */
+  #begin(sources: readonly SceneSource[]): boolean {
+    const { store } = this.#options;
+    if (store.getState().status === 'unavailable' || sources.length === 0) return false;
+    this.#failures = [];
+    store.setState({ failure: null, notice: null, lastFile: null });
+    return true;
+  }
+
+  #ask(sources: readonly SceneSource[]): void {
     const { store, sessions } = this.#options;
-    this.#loading?.abort();
-    this.#endPreview();
+    this.#queue.push(...sources.map((source) => ({ key: ++this.#keys, source, look: null })));
+    if (isGpuLost(store.getState())) sessions.recover();
+    else if (this.#loading) this.#tellQueue();
+    else this.#openNext();
+  }
+
+  #askedByAddress(engine: SplatEngine): AskedPart[] {
+    const { addressed, linkedLooks = [] } = this.#options;
+    const { sources, ...problems } = firstSource(addressed, location.href, isSoftware(engine));
+    this.#tell(problems);
+    // Another scene in its place has no such view.
+    const isAddressed = problems.notice === null && problems.failure === null;
+    return sources.map((source, i) => ({
+      key: ++this.#keys,
+      source,
+      look: null,
+      isAddressed,
+      // Hard cases are shown as they are.
+      linkedLook: isAddressed && source.kind !== 'hard-case' ? linkedLooks[i] : undefined,
+    }));
+  }
+
+  #openNext(): void {
+    this.#tellQueue();
+    void this.#load(this.#queue[0]);
+  }
+
+  async #load(asked: AskedPart): Promise<void> {
+    const { store, sessions } = this.#options;
     const loading = new AbortController();
     this.#loading = loading;
-    this.#asked = source;
+    const { source } = asked;
     const title = titleOf(source);
     const report = (progress: Omit<LoadState, 'title'>) => {
       if (this.#loading === loading) store.setState({ load: { title, ...progress } });
@@ -186,45 +279,93 @@ export class Scenes {
     });
     try {
       const session = await sessions.whenStarted();
+      const lookOf = await this.#lookFinder(asked);
+      const partOf = (loaded: LoadedScene): ShownPart => ({
+        key: asked.key,
+        source,
+        loaded,
+        // Meanwhile a person may have said how.
+        look: this.#queue[0].look ?? lookOf(loaded),
+      });
       const loaded = await loadScene(session.engine, source, {
         signal: loading.signal,
         onProgress: report,
         onPreview: (preview) => {
           if (!loading.signal.aborted && session === sessions.current)
-            this.#showPreview(session, source, preview);
+            this.#showPreview(session, asked, partOf(preview));
         },
       });
       if (loading.signal.aborted || session !== sessions.current) destroyClouds(loaded);
-      else this.#show(session, source, loaded);
+      else this.#show(session, asked, partOf(loaded));
     } catch (error) {
       if (this.#loading === loading) this.#endPreview();
-      if (this.#loading === loading && !loading.signal.aborted) this.#fail(error, title);
+      if (this.#loading === loading && !loading.signal.aborted) {
+        this.#failures.push(this.#reported(error, title));
+        store.setState({ failure: joinedFailures(this.#failures) });
+      }
     }
     // A newer load, or the end of the session, has taken over.
     if (this.#loading !== loading) return;
     this.#loading = null;
-    this.#asked = null;
+    this.#queue.shift();
+    if (this.#queue.length > 0) {
+      this.#openNext();
+      return;
+    }
+    this.#failures = [];
+    this.#isInPlace = false;
     store.setState({ load: null });
     const session = sessions.current;
-    if (session && this.#newest?.session !== session) this.#fillWindow(session, source);
+    if (session && this.#newest?.session !== session) this.#fillWindow(session, asked);
+  }
+
+  /** Finds how a file is drawn when it is there. */
+  async #lookFinder({ look, linkedLook }: AskedPart): Promise<(loaded: LoadedScene) => PartLook> {
+    if (look) return () => look;
+    const sceneUp = this.#isInPlace || !this.#newest ? null : ownUp(this.#newest);
+    if (sceneUp === null && linkedLook === undefined) return () => PLAIN_LOOK;
+    const { lookFinder } = await import('../placing/first-look.ts');
+    const { lookOf, notice } = lookFinder(linkedLook, sceneUp);
+    if (notice !== null) this.#options.store.setState({ notice });
+    return lookOf;
   }
 
   /** An empty window helps nobody: opens what was shown before the device was lost, or the built-in scene, in place of `failed`. */
-  #fillWindow({ engine }: Session, failed: SceneSource): void {
-    const shown = this.#newest?.source;
-    if (failed.kind !== 'builtin') {
-      void this.#load(shown && shown !== failed ? shown : this.#builtinSource(engine));
+  #fillWindow({ engine }: Session, failed: AskedPart): void {
+    const shown = this.#newest?.parts ?? [];
+    const hasShown = shown.length > 0 && shown.every(({ key }) => key !== failed.key);
+    if (failed.source.kind !== 'builtin') {
+      this.#isInPlace = true;
+      this.#queue = hasShown ? shown.map(askedAgain) : [this.#builtinPart(engine)];
+      this.#openNext();
       return;
     }
     this.#newest = null;
     this.#options.store.setState({ scene: null });
   }
 
-  #show(session: Session, source: SceneSource, loaded: LoadedScene): void {
-    const { camera, onClouds, onShow } = this.#options;
+  /** The scene with one more file, or with it alone. */
+  #sceneWith(session: Session, part: ShownPart): ShownScene {
+    const newest = this.#newest;
+    // Clouds of an ended session are gone with it.
+    const joins = !this.#isInPlace && newest?.session === session;
+    const isReopened = newest?.parts.some(({ key }) => key === part.key);
+    return shownScene(
+      ++this.#shown,
+      session,
+      joins ? [...newest.parts, part] : [part],
+      joins || isReopened ? (newest ?? undefined) : undefined,
+    );
+  }
+
+  #show(session: Session, asked: AskedPart, part: ShownPart): void {
+    const { camera, store, onClouds, onShow } = this.#options;
+    const { loaded, source } = part;
     const previous = this.#newest;
-    const isReopened = previous?.source === source;
-    const scene = shownScene(++this.#shown, session, source, loaded);
+    const isReopened = previous?.parts.some(({ key }) => key === part.key);
+    const scene = this.#sceneWith(session, part);
+    const joins = scene.parts.length > 1;
+    this.#isInPlace = false;
     const preview = this.#preview;
     this.#preview = null;
     // Clouds of an ended session are gone with it and cannot come back.
@@ -232,43 +373,50 @@ export class Scenes {
       this.#replaced.push({ scene: previous, camera: preview?.camera ?? camera.snapshot() });
     this.#setNewest(scene);
     for (const { cloud } of loaded.clouds)
-      if (cloud.fit) this.#options.store.setState({ notice: fitNotice(titleOf(source), cloud.fit) });
-    if (loaded.isZUp) this.#options.store.setState({ notice: Z_UP_NOTICE });
+      if (cloud.fit) store.setState({ notice: fitNotice(titleOf(source), cloud.fit) });
+    if (loaded.isZUp && !joins) store.setState({ notice: Z_UP_NOTICE });
     if (loaded.refusal) this.#fail(loaded.refusal, titleOf(source));
     onClouds();
+    if (joins) {
+      store.setState(({ inspecting }) => ({ inspecting: withoutSplats(inspecting) }));
+      camera.showGrown();
+    }
     // After the device was lost the view goes on where it was.
-    if (!isReopened) {
+    else if (!isReopened) {
       if (preview) camera.showFirstViewAgain();
-      else this.#showFirstView(source);
+      else this.#showFirstView(asked);
     }
     onShow();
   }
 
   /** The first view of the newest scene, or that of the address if it is what that asks for. */
-  #showFirstView(source: SceneSource): void {
+  #showFirstView({ isAddressed }: AskedPart): void {
     const { camera, linkedCamera, store } = this.#options;
     // They were chosen for another scene, at its scale.
-    store.setState({ requested: NO_EFFECTS, inspecting: NOTHING_INSPECTED });
-    if (linkedCamera && source === this.#addressed) camera.showLinked(linkedCamera);
+    store.setState({ requested: NO_EFFECTS, inspecting: NOTHING_INSPECTED, selectedPart: null });
+    if (linkedCamera && isAddressed) camera.showLinked(linkedCamera);
     else camera.showFirstView();
   }
 
-  #showPreview(session: Session, source: SceneSource, loaded: LoadedScene): void {
+  #showPreview(session: Session, asked: AskedPart, part: ShownPart): void {
     const { camera, store, onShow } = this.#options;
     const before = this.#preview;
-    const isReopened = this.#newest?.source === source;
-    const scene = shownScene(++this.#shown, session, source, loaded);
+    const isReopened = this.#newest?.parts.some(({ key }) => key === part.key);
+    const scene = this.#sceneWith(session, part);
     const hasMoved = !before || isOtherSphere(before.framed, scene.sphere);
     this.#preview = {
       scene,
+      part,
       framed: hasMoved ? scene.sphere : before.framed,
       camera: before ? before.camera : this.#newest && camera.snapshot(),
       requested: before ? before.requested : store.getState().requested,
       inspecting: before ? before.inspecting : store.getState().inspecting,
     };
     this.#present(scene);
-    if (!isReopened) {
-      if (!before) this.#showFirstView(source);
+    if (scene.parts.length > 1) {
+      if (hasMoved) camera.showGrown();
+    } else if (!isReopened) {
+      if (!before) this.#showFirstView(asked);
       else if (hasMoved) camera.showFirstViewAgain();
     }
     onShow();
@@ -282,8 +430,48 @@ export class Scenes {
     this.#preview = null;
     if (this.#newest) this.#present(this.#newest);
     else store.setState({ scene: null });
-    if (preview.camera) camera.restore(preview.camera);
-    store.setState({ requested: preview.requested, inspecting: preview.inspecting });
+    // Beside others it has moved neither the camera, unless that was at home, nor anybody's effects.
+    const hasJoined = preview.scene.parts.length > 1;
+    const { isHome } = camera.controls;
+    if (preview.camera)
+      camera.restore(
+        hasJoined && !isHome ? { ...camera.snapshot(), home: preview.camera.home } : preview.camera,
+      );
+    if (!hasJoined) store.setState({ requested: preview.requested, inspecting: preview.inspecting });
+    onShow();
+  }
+
+  /** Shows the newest scene with fewer files, or with files that look otherwise. */
+  #change(parts: readonly ShownPart[]): void {
+    const { camera } = this.#options;
+    const before = this.#newest;
+    if (!before) return;
+    const isSmaller = parts.length < before.parts.length;
+    if (isSmaller) this.#replaced.push({ scene: before, camera: camera.snapshot() });
+    const id = isSmaller ? ++this.#shown : before.id;
+    this.#newest = shownScene(id, before.session, parts, before);
+    const preview = this.#preview;
+    // A scene in its place shows none of it.
+    if (preview && this.#isInPlace) return;
+    if (preview) this.#changePreview(preview.part);
+    else this.#presentChanged(this.#newest);
+  }
+
+  #changePreview(part: ShownPart): void {
+    const preview = this.#preview;
+    if (!preview) return;
+    this.#preview = { ...preview, part, scene: this.#sceneWith(preview.scene.session, part) };
+    this.#presentChanged(this.#preview.scene);
+  }
+
+  #presentChanged(scene: ShownScene): void {
+    const { camera, store, onShow } = this.#options;
+    camera.follow(scene);
+    camera.forgetFirst();
+    store.setState(({ inspecting }) => ({
+      scene: summaryOf(scene, camera.ownCameraNames),
+      inspecting: withoutSplats(inspecting),
+    }));
     onShow();
   }
 
@@ -306,20 +494,34 @@ export class Scenes {
   }
 
   #fail(error: unknown, title: string): void {
+    this.#options.store.setState({ failure: this.#reported(error, title) });
+  }
+
+  #reported(error: unknown, title: string): FailureReport {
     const report = reportFailure(error, title);
     if (report.isFault) console.error(error);
-    this.#options.store.setState({ failure: report });
+    return report;
   }
 
-  #builtinSource(engine: SplatEngine): SceneSource {
-    return this.#withNotice(builtinSource(this.#options.addressed.scene, isSoftware(engine)));
+  #builtinPart(engine: SplatEngine): AskedPart {
+    const { sources, ...problems } = builtinSource(this.#options.addressed.scene, isSoftware(engine));
+    this.#tell(problems);
+    return { key: ++this.#keys, source: sources[0], look: null };
   }
 
-  #withNotice({ source, notice, failure }: FirstSource): SceneSource {
+  #tell({ notice, failure }: Pick<FirstSource, 'notice' | 'failure'>): void {
     if (notice !== null) this.#options.store.setState({ notice });
     if (failure !== null) this.#options.store.setState({ failure });
-    return source;
   }
+
+  #tellQueue(): void {
+    this.#options.store.setState({ waiting: waitingOf(this.#queue.slice(1)) });
+  }
+}
+
+/** What those scenes have on the GPU besides what is `kept`. */
+function cloudsBesides(scenes: readonly ShownScene[], kept: readonly SplatCloud[]): SplatCloud[] {
+  return [...new Set(scenes.flatMap(allClouds))].filter((cloud) => !kept.includes(cloud));
 }
 
 function isOtherSphere(a: Sphere, b: Sphere): boolean {

@@ -1,18 +1,37 @@
+import type { CloudInstance, SplatCloud } from '@websplatter/core';
 import { boundingSphere, boundsOf } from '../camera/scene-bounds.ts';
+import { type UpAxis, upAxisOf } from '../camera/up-axis.ts';
 import type { CameraSnapshot, CameraSubject } from '../camera/view-camera.ts';
 import type { Session } from '../session/session.ts';
-import type { SceneSummary } from '../state/scene-summary.ts';
+import type { PartLook, ScenePartSummary } from '../state/scene-part.ts';
+import type { SceneAbout, SceneSummary } from '../state/scene-summary.ts';
 import { mergedDrops } from './dropped-splats.ts';
 import type { LoadedScene } from './load-scene.ts';
-import { type SceneSource, titleOf } from './scene-source.ts';
+import { type SceneSource, titleOf, titleOfAll } from './scene-source.ts';
+
+/** A file of a scene: what was loaded of it, and how it is drawn. */
+export interface ShownPart {
+  /** The same as long as the file is a part of the scene, also when it is opened again. */
+  readonly key: number;
+  readonly source: SceneSource;
+  readonly loaded: LoadedScene;
+  readonly look: PartLook;
+}
+
+/** Which way up a scene comes. */
+export type SceneFrame = Pick<CameraSubject, 'isUpsideDown' | 'isZUp'>;
 
 /** A scene that is on the screen, or will be with the next frame. */
-export interface ShownScene extends LoadedScene, CameraSubject {
-  /** Another number for each scene that this page has shown. */
+export interface ShownScene extends CameraSubject {
+  /** Another number for each scene that this page has shown; the same while parts of it only look otherwise. */
   readonly id: number;
   /** The clouds go with their session. */
   readonly session: Session;
-  readonly source: SceneSource;
+  /** One or more, in the order in which they were opened. */
+  readonly parts: readonly ShownPart[];
+  /** What is drawn: without hidden parts. */
+  readonly clouds: readonly CloudInstance[];
+  readonly about: SceneAbout | null;
 }
 
 /** A scene that is no longer asked for, and how the camera looked at it. */
@@ -21,39 +40,83 @@ export interface ReplacedScene {
   readonly camera: CameraSnapshot;
 }
 
+/** @param frame that of the first file, unless the scene has begun with another one. */
 export function shownScene(
   id: number,
   session: Session,
-  source: SceneSource,
-  loaded: LoadedScene,
+  parts: readonly ShownPart[],
+  frame: SceneFrame = parts[0].loaded,
 ): ShownScene {
-  const { clouds } = loaded;
+  const clouds = parts.filter(({ look }) => !look.isHidden).flatMap(drawnClouds);
+  // Where all is hidden, the camera stays where it can be seen again.
+  const bounded = clouds.length > 0 ? clouds : parts.flatMap(drawnClouds);
+  const [{ loaded, look }] = parts;
+  const isAlone = parts.length === 1;
   return {
-    ...loaded,
     id,
     session,
-    source,
-    sphere: boundingSphere(boundsOf(clouds, 'robustBounds')),
-    extent: boundingSphere(boundsOf(clouds, 'bounds')),
+    parts,
+    clouds,
+    about: isAlone ? loaded.about : null,
+    ownCameras: isAlone ? loaded.ownCameras : null,
+    firstView: isAlone && look.placement === null ? loaded.firstView : null,
+    isUpsideDown: frame.isUpsideDown,
+    isZUp: frame.isZUp,
+    sphere: boundingSphere(boundsOf(bounded, 'robustBounds')),
+    extent: boundingSphere(boundsOf(bounded, 'bounds')),
   };
 }
 
-export function summaryOf(
-  { clouds, source, about, ownCameras, isUpsideDown }: ShownScene,
-  cameras: readonly string[],
-): SceneSummary {
+function drawnClouds({ loaded, look }: ShownPart): readonly CloudInstance[] {
+  const { opacity, modelMatrix } = look;
+  if (opacity === 1 && !modelMatrix) return loaded.clouds;
+  return loaded.clouds.map((instance) => ({
+    ...instance,
+    modelMatrix: modelMatrix ?? instance.modelMatrix,
+    opacity,
+  }));
+}
+
+/** Of all parts, hidden ones too. */
+export function allClouds({ parts }: Pick<ShownScene, 'parts'>): SplatCloud[] {
+  return parts.flatMap(({ loaded }) => loaded.clouds.map(({ cloud }) => cloud));
+}
+
+/** The axis that points up in a scene as its file tells it. */
+export function ownUp({ isUpsideDown, isZUp }: SceneFrame): UpAxis {
+  return upAxisOf({ isFlipped: isUpsideDown && !isZUp, isZUp });
+}
+
+export function summaryOf(scene: ShownScene, cameras: readonly string[]): SceneSummary {
+  const { parts, about, ownCameras, isUpsideDown } = scene;
+  const clouds = allClouds(scene);
   return {
-    title: titleOf(source),
+    title: titleOfAll(parts.map(({ source }) => source)),
+    parts: parts.map(partSummary),
     clouds: clouds.length,
-    splats: clouds.reduce((sum, { cloud }) => sum + cloud.count, 0),
-    declaredShDegree: Math.max(0, ...clouds.map(({ cloud }) => cloud.facts.declaredShDegree)),
-    shDegree: Math.max(0, ...clouds.map(({ cloud }) => cloud.shDegree)),
-    dropped: mergedDrops(clouds.map(({ cloud }) => cloud.dropped)),
+    splats: clouds.reduce((sum, { count }) => sum + count, 0),
+    declaredShDegree: Math.max(0, ...clouds.map(({ facts }) => facts.declaredShDegree)),
+    shDegree: Math.max(0, ...clouds.map(({ shDegree }) => shDegree)),
+    dropped: mergedDrops(clouds.map(({ dropped }) => dropped)),
     about,
     cameras,
     // Own cameras show the scene as it is; turned, it would be another one.
     canFlip: ownCameras === null,
     isUpsideDown,
-    canSave: source.kind !== 'hard-case' && source.kind !== 'urls',
+    canSave: parts.some(({ source, look }) => source.kind !== 'hard-case' && !look.isHidden),
+  };
+}
+
+function partSummary({ key, source, loaded, look }: ShownPart): ScenePartSummary {
+  const { center, radius } = boundingSphere(boundsOf(loaded.clouds, 'robustBounds'));
+  return {
+    key,
+    title: titleOf(source),
+    splats: loaded.clouds.reduce((sum, { cloud }) => sum + cloud.count, 0),
+    look,
+    canPlace: source.kind !== 'hard-case',
+    ownUp: ownUp(loaded),
+    middle: center,
+    radius,
   };
 }

@@ -1,7 +1,8 @@
 import { Suspense, useEffect, useMemo, useRef, useState } from 'react';
 import { useStore } from 'zustand';
+import { decideFiles } from '../file-drop/decide-files.ts';
 import { DropZone } from '../file-drop/drop-zone.tsx';
-import { ACCEPTED_FILES, chosenFiles, decideFiles, type FileDropDecision } from '../file-drop/file-drop.ts';
+import { ACCEPTED_FILES, chosenFiles, type FileDropDecision } from '../file-drop/file-drop.ts';
 import { filesOf, pickHandles } from '../file-drop/file-handles.ts';
 import { followDrop } from '../file-drop/follow-drop.ts';
 import { FrameRecorder } from '../hud/frame-recorder.ts';
@@ -26,6 +27,8 @@ import { Toolbar } from './toolbar.tsx';
 // In the order in which they are fetched after the first picture.
 const Hud = late(async () => (await import('../hud/hud.tsx')).Hud);
 const ViewPanel = late(async () => (await import('../looking/view-panel.tsx')).ViewPanel);
+const CloudsPanel = late(async () => (await import('../placing/clouds-panel.tsx')).CloudsPanel);
+const PlaceGizmo = late(async () => (await import('../placing/place-gizmo.tsx')).PlaceGizmo);
 const AccuracyPanel = late(async () => (await import('../accuracy/accuracy-panel.tsx')).AccuracyPanel);
 const EffectsPanel = late(async () => (await import('../effects/effects-panel.tsx')).EffectsPanel);
 const ClipGizmo = late(async () => (await import('../effects/clip-gizmo.tsx')).ClipGizmo);
@@ -51,6 +54,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
     (state) => state.dock === 'effects' && state.requested.choices.clip?.isOn === true,
   );
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
+  const hasScene = useStore(store, (state) => state.scene !== null);
   const hasErrorMap = useStore(store, (state) => state.comparison?.kind === 'error');
   const hasViewMode = useStore(store, (state) => state.viewMode !== 'colours');
   const hasLastFile = useStore(store, (state) => state.lastFile !== null);
@@ -61,11 +65,17 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
   const isFlying = useStore(store, (state) => state.flightSpeed !== null);
   const fileInput = useRef<HTMLInputElement>(null);
+  /** Whether the files that are being chosen join what is shown. */
+  const isAdding = useRef(false);
   const run = useMemo(
-    () => createCommands(viewer, store, () => void chooseFiles(viewer, store, fileInput.current)),
+    () =>
+      createCommands(viewer, store, (isAdded) => {
+        isAdding.current = isAdded;
+        void chooseFiles(viewer, store, fileInput.current, isAdded);
+      }),
     [viewer, store],
   );
-  const saving = useMemo(() => new Saving(store, () => viewer.scenes.newest?.source), [viewer, store]);
+  const saving = useMemo(() => new Saving(store, () => viewer.scenes.newest?.parts ?? []), [viewer, store]);
   const recorder = useMemo(() => new FrameRecorder(store), [store]);
   const measurement = useMemo(() => new Measurement(viewer, store), [viewer, store]);
   const accuracyMeasurement = useMemo(
@@ -100,8 +110,12 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
       <main>
         <Picture store={store} viewer={viewer} poster={poster} />
         <Suspense>{isClipVisible && <ClipGizmo store={store} viewer={viewer} />}</Suspense>
+        <Suspense>{dock === 'clouds' && <PlaceGizmo store={store} viewer={viewer} />}</Suspense>
         <div className="overlay">
           <Toolbar store={store} run={run} />
+          <Suspense>
+            {dock === 'clouds' && <CloudsPanel store={store} viewer={viewer} onAdd={() => run('add')} />}
+          </Suspense>
           <Suspense>{dock === 'view' && <ViewPanel store={store} viewer={viewer} />}</Suspense>
           <Suspense>
             {dock === 'accuracy' && (
@@ -149,12 +163,13 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
           hidden
           data-testid="file-input"
           onChange={(event) => {
-            follow(decideFiles(chosenFiles(event.target.files ?? [])));
+            const decision = decideFiles(chosenFiles(event.target.files ?? []));
+            follow({ ...decision, isAdded: isAdding.current });
             // So that choosing the same file again is a change.
             event.target.value = '';
           }}
         />
-        <DropZone onDrop={follow} />
+        <DropZone canAdd={hasScene} onDrop={follow} />
       </main>
       <Suspense>{hasHelp && <Help store={store} />}</Suspense>
       <Suspense>
@@ -175,10 +190,11 @@ async function chooseFiles(
   viewer: Viewer,
   store: ViewerStore,
   input: HTMLInputElement | null,
+  isAdded: boolean,
 ): Promise<void> {
   const handles = await pickHandles();
   if (handles === null) input?.click();
   if (!handles?.length) return;
   const found = await filesOf(handles);
-  if (found) followDrop({ ...decideFiles(found), handles }, store, viewer);
+  if (found) followDrop({ ...decideFiles(found), isAdded, handles }, store, viewer);
 }

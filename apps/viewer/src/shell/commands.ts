@@ -5,7 +5,9 @@ import type { Viewer } from '../viewer/viewer.ts';
 
 export type CommandName =
   | 'open'
+  | 'add'
   | 'flip'
+  | 'clouds'
   | 'view'
   | 'fly'
   | 'inspect'
@@ -32,10 +34,12 @@ export interface Command {
 
 /** Commands that have both a button and a key, in the toolbar's order; the keys that move the camera belong to the controls. */
 export const COMMANDS: readonly Command[] = [
-  { name: 'open', label: 'Open a file', key: 'o' },
+  { name: 'open', label: 'Open files', key: 'o' },
+  { name: 'add', label: 'Add files to the scene', key: 'j', isInPanel: true },
   { name: 'frame', label: 'Frame the scene', key: 'f', isOfCamera: true },
   { name: 'reset', label: 'Reset the view', key: 'r', isOfCamera: true },
   { name: 'flip', label: 'Turn upside down', key: 'u', isOfCamera: true },
+  { name: 'clouds', label: 'Files of the scene', key: 'n' },
   { name: 'view', label: 'View and camera', key: 'v' },
   { name: 'fly', label: 'Fly', key: 'g', isInPanel: true },
   { name: 'mode', label: 'Next view mode', key: 'm', isInPanel: true },
@@ -50,9 +54,16 @@ export const COMMANDS: readonly Command[] = [
 
 export type RunCommand = (name: CommandName) => void;
 
-export function createCommands(viewer: Viewer, store: ViewerStore, chooseFile: () => void): RunCommand {
+/** @param chooseFiles lets a person choose what to open, or to add to what is shown. */
+export function createCommands(
+  viewer: Viewer,
+  store: ViewerStore,
+  chooseFiles: (isAdded: boolean) => void,
+): RunCommand {
   const run: Record<CommandName, () => void> = {
-    open: chooseFile,
+    open: () => chooseFiles(false),
+    add: () => chooseFiles(true),
+    clouds: () => store.setState(({ dock }) => ({ dock: dock === 'clouds' ? null : 'clouds' })),
     flip: () => viewer.camera.toggleFlip(),
     reset: () => viewer.camera.controls.reset(),
     frame: () => viewer.camera.frameScene(),

@@ -5,6 +5,7 @@ import { documentState, documentTitle, mirrorToDocument } from './document-mirro
 
 const scene = {
   title: 'Garden',
+  parts: [],
   clouds: 1,
   splats: 3,
   declaredShDegree: 0,

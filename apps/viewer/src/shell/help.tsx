@@ -85,8 +85,9 @@ export function Help({ store }: { store: ViewerStore }) {
           the speed, and Escape ends it.
         </p>
         <p>
-          Drop a Gaussian-splat scene ({READABLE_FORMATS}), or its folder, anywhere in the window. Captures
-          often have y pointing down: U turns them.
+          Drop Gaussian-splat scenes ({READABLE_FORMATS}), or their folders, anywhere in the window: several
+          at once are shown together, and with Shift they are added to what is shown. Captures often have y
+          pointing down: U turns them.
         </p>
         <p>
           Scenes that break splat renderers: <a href={GALLERY_ADDRESS}>all hard cases</a>. How fast this

@@ -21,6 +21,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
     // A file that comes upside down is shown upright: that alone is no choice of anybody.
     flip: isFlipped !== isUpsideDown,
     hud: isHudVisible,
+    clouds: dock === 'clouds',
     view: dock === 'view',
     inspect: dock === 'inspect',
     accuracy: dock === 'accuracy',
@@ -33,6 +34,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
     frame: !hasScene,
     inspect: !hasScene,
     save: !hasScene,
+    clouds: !hasScene,
   };
   const tabStop = disabled[stop] ? COMMANDS[0].name : stop;
   const onKeyDown = (event: KeyboardEvent) => {

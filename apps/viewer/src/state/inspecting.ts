@@ -123,3 +123,11 @@ export const NOTHING_INSPECTED: Inspecting = {
   crop: null,
   cropCount: null,
 };
+
+/** After files have joined the scene, left it or moved: what was told of its splats no longer holds; distances and crop stay. */
+export function withoutSplats(inspecting: Inspecting): Inspecting {
+  const { splat, problem, histograms, marked, cropCount } = NOTHING_INSPECTED;
+  const hasNone = inspecting.splat === splat && inspecting.histograms === histograms;
+  if (hasNone && inspecting.cropCount === cropCount) return inspecting;
+  return { ...inspecting, splat, problem, histograms, marked, cropCount };
+}

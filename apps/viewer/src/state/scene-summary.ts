@@ -1,4 +1,5 @@
 import type { DropCounts, LoadProgress } from '@websplatter/core';
+import type { ScenePartSummary } from './scene-part.ts';
 
 /** What a scene is for, if it is there to show something. */
 export interface SceneAbout {
@@ -8,8 +9,10 @@ export interface SceneAbout {
 
 /** The scene that is on the screen. */
 export interface SceneSummary {
-  /** For people: a built-in scene's title, a file's name. */
+  /** For people: a built-in scene's title, a file's name, or several. */
   readonly title: string;
+  /** Its files, in the order in which they were opened. */
+  readonly parts: readonly ScenePartSummary[];
   readonly clouds: number;
   /** Of all clouds. */
   readonly splats: number;
@@ -35,7 +38,7 @@ export interface SceneWarning {
   readonly message: string;
 }
 
-/** A scene that is being loaded, or read again. */
+/** A file that is being loaded, or a scene that is read again. */
 export interface LoadState {
   readonly title: string;
   /** `make` for built-in scenes, which are computed instead of read. */

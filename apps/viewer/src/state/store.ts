@@ -16,6 +16,8 @@ export function createViewerStore(): ViewerStore {
     retryWaitMs: null,
     scene: null,
     load: null,
+    waiting: [],
+    selectedPart: null,
     preparing: null,
     saving: null,
     picturing: null,

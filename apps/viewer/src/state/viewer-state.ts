@@ -14,11 +14,12 @@ import type { FailedMeasurement, MeasuredAccuracy, MeasuredEffects, RunningMeasu
 import type { RequestedEffects } from './requested-effects.ts';
 import type { SavedView } from './saved-view.ts';
 import type { PicturingState, SavingState } from './saving.ts';
+import type { WaitingPart } from './scene-part.ts';
 import type { LoadState, SceneSummary, SceneWarning } from './scene-summary.ts';
 import type { ViewModeName } from './view-mode.ts';
 
 /** Panels beside the image; one at a time. */
-export type DockName = 'view' | 'inspect' | 'accuracy' | 'effects' | 'save';
+export type DockName = 'view' | 'clouds' | 'inspect' | 'accuracy' | 'effects' | 'save';
 
 export type AccuracyTab = 'measure' | 'compare' | 'settings';
 
@@ -86,6 +87,10 @@ export interface ViewerState {
   readonly retryWaitMs: number | null;
   readonly scene: SceneSummary | null;
   readonly load: LoadState | null;
+  /** Files that are opened when the one that is being loaded is there. */
+  readonly waiting: readonly WaitingPart[];
+  /** Key of the file that the Scene panel moves; null for none. */
+  readonly selectedPart: number | null;
   /** The scene on the screen, while it is read again, or a palette is found for it, to be drawn with another accuracy. */
   readonly preparing: LoadState | null;
   readonly saving: SavingState | null;

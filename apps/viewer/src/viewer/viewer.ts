@@ -21,6 +21,7 @@ import type { LinkedStart } from '../links/linked-start.ts';
 import type { Flight } from '../looking/flight.ts';
 import type { AddressedScene } from '../scene/first-source.ts';
 import { Scenes } from '../scene/scenes.ts';
+import { allClouds } from '../scene/shown-scene.ts';
 import { defaultAccuracyOn } from '../session/default-accuracy.ts';
 import { Precisions } from '../session/precisions.ts';
 import type { Session } from '../session/session.ts';
@@ -79,13 +80,14 @@ export class Viewer {
       camera: this.camera,
       addressed: start,
       linkedCamera: linked?.camera,
+      linkedLooks: linked?.looks,
       onClouds: () => this.#precisions.request(),
       onShow: () => this.#drawing.request(),
     });
     this.#precisions = new Precisions({
       store,
       sessions: this.#sessions,
-      clouds: () => this.scenes.newest?.clouds.map(({ cloud }) => cloud) ?? [],
+      clouds: () => (this.scenes.newest ? allClouds(this.scenes.newest) : []),
       onHeld: () => this.#drawing.request(),
     });
     const { camera, scenes } = this;

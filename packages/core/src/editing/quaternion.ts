@@ -54,7 +54,7 @@ export function multiplyQuaternions(a: Quaternion, b: Quaternion): Quaternion {
   ];
 }
 
-/** Column-major 3×3 matrix. */
+/** The matrix of a rotation, 3×3, column-major. */
 export function rotationMatrixOf([w, x, y, z]: Quaternion): Float64Array {
   const twice = 2 / (w * w + x * x + y * y + z * z);
   return Float64Array.of(

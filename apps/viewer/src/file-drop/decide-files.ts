@@ -1,0 +1,80 @@
+import { formatByName, isLeadingFile } from '@websplatter/core/formats';
+import { type FileDropDecision, type OpenedFiles, READABLE_FORMATS } from './file-drop.ts';
+import type { FoundFile } from './found-file.ts';
+
+/** So many scenes are opened at once: a dropped folder may have thousands. */
+const MOST_SCENES = 32;
+
+/** Opens every scene among the files: one by itself, or one that several of them make. */
+export function decideFiles(found: readonly FoundFile[]): FileDropDecision {
+  if (found.length === 0)
+    return { opened: [], notice: `There is no file in that; drop a scene: ${READABLE_FORMATS}.` };
+  if (found.length === 1) return { opened: [alone(found[0])], notice: null };
+  const leading = leadingFiles(found);
+  const isOfSeveral = (file: FoundFile) => leading.some((lead) => file === lead || isCompanion(file, lead));
+  const lone = found.filter((file) => !isOfSeveral(file) && formatByName(nameOf(file.path)));
+  if (leading.length === 1 && lone.length === 0)
+    return { opened: [sceneOf(leading[0], found)], notice: null };
+  const scenes = [
+    ...leading.map((lead) =>
+      sceneOf(lead, [lead, ...found.filter((file) => file !== lead && isCompanion(file, lead))]),
+    ),
+    ...lone.map(alone),
+  ];
+  // The bytes may tell what no name does.
+  if (scenes.length === 0) scenes.push(alone(found[0]));
+  const opened = distinct(scenes.slice(0, MOST_SCENES));
+  return { opened, notice: leftOut(found, opened, scenes.length) };
+}
+
+/** Files that lead to others, but for those that are others of one of them. */
+function leadingFiles(found: readonly FoundFile[]): FoundFile[] {
+  const leading = found.filter(({ path }) => isLeadingFile(nameOf(path)));
+  return leading.filter((file) =>
+    leading.every((other) => other === file || !isInside(folderOf(file.path), folderOf(other.path))),
+  );
+}
+
+/** Whether a file may be one that `lead` leads to: it lies in its folder and is no scene by itself, or lies deeper. */
+function isCompanion({ path }: FoundFile, lead: FoundFile): boolean {
+  const [folder, leadFolder] = [folderOf(path), folderOf(lead.path)];
+  if (isInside(folder, leadFolder)) return isLeadingFile(nameOf(path)) || !formatByName(nameOf(path));
+  return folder === leadFolder && !formatByName(nameOf(path));
+}
+
+/** Whether a folder lies in another one, at any depth. */
+function isInside(folder: string, outer: string): boolean {
+  return folder !== outer && folder.startsWith(outer);
+}
+
+const alone = ({ path, file }: FoundFile): NamedFiles => ({ name: file.name, path, source: file });
+
+function sceneOf(lead: FoundFile, files: readonly FoundFile[]): NamedFiles {
+  const source = { files: files.map(({ file }) => file), paths: files.map(({ path }) => path) };
+  return { name: lead.path.split('/').at(-2) ?? lead.file.name, path: lead.path, source };
+}
+
+interface NamedFiles extends OpenedFiles {
+  readonly path: string;
+}
+
+/** Scenes of the same name are told apart by their folders. */
+function distinct(scenes: readonly NamedFiles[]): OpenedFiles[] {
+  const isOnly = (name: string) => scenes.filter((scene) => scene.name === name).length === 1;
+  return scenes.map(({ name, path, source }) => ({ name: isOnly(name) ? name : path, source }));
+}
+
+/** Says how many files are not opened; null if none. */
+function leftOut(found: readonly FoundFile[], opened: readonly OpenedFiles[], scenes: number): string | null {
+  const files = opened.reduce((sum, { source }) => sum + ('files' in source ? source.files.length : 1), 0);
+  const left = found.length - files;
+  if (left < 1) return null;
+  const isOne = left === 1;
+  const what = isOne ? 'The other file is left out' : `The other ${left} files are left out`;
+  if (scenes > opened.length) return `At most ${MOST_SCENES} scenes are opened at once. ${what}.`;
+  return `${what}: by ${isOne ? 'its name it is no scene' : 'their names they are no scenes'}.`;
+}
+
+const nameOf = (path: string) => path.replace(/^.*\//, '');
+/** With a slash at the end; empty for the outermost. */
+const folderOf = (path: string) => path.replace(/[^/]*$/, '');

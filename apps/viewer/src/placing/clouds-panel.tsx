@@ -1,0 +1,126 @@
+import { useStore } from 'zustand';
+import type { ScenePartSummary } from '../state/scene-part.ts';
+import { Dock } from '../ui/dock.tsx';
+import { Icon } from '../ui/icon.tsx';
+import type { PanelProps } from '../viewer/panel-props.ts';
+import { formatSplats } from '../words/format.ts';
+import { PartForm } from './part-form.tsx';
+import { selectedPartOf } from './selected-part.ts';
+
+/** The files of the scene: what is shown of each, where it stands, and what is still to come. */
+export function CloudsPanel({ store, viewer, onAdd }: PanelProps & { onAdd: () => void }) {
+  const parts = useStore(store, (state) => state.scene?.parts);
+  return (
+    <Dock store={store} name="clouds" title="Scene">
+      <div className="dock-body">
+        <ul className="parts">
+          {parts?.map((part) => (
+            <Part key={part.key} store={store} viewer={viewer} part={part} isOnly={parts.length === 1} />
+          ))}
+        </ul>
+        <Coming store={store} viewer={viewer} />
+        <button
+          type="button"
+          className="text-button outlined"
+          aria-keyshortcuts="J"
+          title="Add files (J)"
+          data-testid="add-files"
+          onClick={onAdd}
+        >
+          <Icon name="add" />
+          Add files
+        </button>
+        <p>The handles in the picture move the chosen file along the scene’s axes.</p>
+        <p className="drop-hint">Dropped with Shift, files are added too.</p>
+      </div>
+    </Dock>
+  );
+}
+
+function Part({
+  store,
+  viewer,
+  part,
+  isOnly,
+}: PanelProps & { readonly part: ScenePartSummary; readonly isOnly: boolean }) {
+  const isSelected = useStore(store, (state) => selectedPartOf(state)?.key === part.key);
+  const { key, title, splats, look } = part;
+  const verb = look.isHidden ? 'Show' : 'Hide';
+  return (
+    <li className="part" data-hidden={look.isHidden || undefined} data-testid="part">
+      <div className="part-row">
+        <button
+          type="button"
+          className="icon-button"
+          aria-label={`${verb} ${title}`}
+          title={verb}
+          data-testid="part-visible"
+          onClick={() => viewer.scenes.setLook(key, { isHidden: !look.isHidden })}
+        >
+          <Icon name={look.isHidden ? 'hidden' : 'view'} />
+        </button>
+        <button
+          type="button"
+          className="part-name"
+          aria-expanded={isSelected}
+          disabled={isOnly}
+          data-testid="part-name"
+          onClick={() => store.setState({ selectedPart: isSelected ? null : key })}
+        >
+          <span>{title}</span>
+          <small>{formatSplats(splats)}</small>
+          {!isOnly && <Icon name="more" />}
+        </button>
+        {!isOnly && (
+          <button
+            type="button"
+            className="icon-button"
+            aria-label={`Remove ${title}`}
+            title="Remove"
+            data-testid="part-remove"
+            onClick={() => viewer.scenes.remove(key)}
+          >
+            <Icon name="close" />
+          </button>
+        )}
+      </div>
+      {isSelected && <PartForm viewer={viewer} part={part} />}
+    </li>
+  );
+}
+
+/** What is being opened, and what waits. */
+function Coming({ store, viewer }: PanelProps) {
+  const title = useStore(store, (state) => state.load?.title);
+  const waiting = useStore(store, (state) => state.waiting);
+  if (title === undefined) return null;
+  return (
+    <ul className="parts" aria-label="Still to come">
+      <li className="part-row">
+        <p className="part-name">
+          <span>{title}</span>
+          <small>Being opened</small>
+        </p>
+        <button type="button" className="text-button" onClick={() => viewer.scenes.cancelLoad()}>
+          Cancel
+        </button>
+      </li>
+      {waiting.map((part) => (
+        <li key={part.key} className="part-row" data-testid="waiting">
+          <p className="part-name">
+            <span>{part.title}</span>
+            <small>Waits</small>
+          </p>
+          <button
+            type="button"
+            className="icon-button"
+            aria-label={`Do not open ${part.title}`}
+            onClick={() => viewer.scenes.remove(part.key)}
+          >
+            <Icon name="close" />
+          </button>
+        </li>
+      ))}
+    </ul>
+  );
+}

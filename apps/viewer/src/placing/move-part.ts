@@ -1,0 +1,33 @@
+import type { Vec3 } from '../camera/vec3.ts';
+import type { Placement, ScenePartSummary } from '../state/scene-part.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import { changedPlacement, placedLook, placementOf } from './placement.ts';
+
+/** Stands a file elsewhere in the scene. */
+export function placePart(
+  { scenes }: Viewer,
+  part: ScenePartSummary,
+  change: Partial<Omit<Placement, 'about'>>,
+): void {
+  const placement = changedPlacement(placementOf(part), change, part);
+  scenes.setLook(part.key, placedLook(part.look, placement, part));
+}
+
+export function movePart(viewer: Viewer, part: ScenePartSummary, axis: number, to: number): void {
+  const move = placementOf(part).move.map((value, i) => (i === axis ? to : value));
+  placePart(viewer, part, { move: move as unknown as Vec3 });
+}
+
+/** A power of ten that is about a hundredth of a file: by so much one step moves it. */
+export function moveStep({ radius, look }: Pick<ScenePartSummary, 'radius' | 'look'>): number {
+  const shown = radius * (look.placement?.scale ?? 1);
+  return 10 ** Math.floor(Math.log10(shown / 50));
+}
+
+/** `value` to a tenth of a step, so that drags leave numbers that can be read. */
+export function roundedMove(value: number, step: number): number {
+  const unit = step / 10;
+  const rounded = Math.round(value / unit) * unit;
+  // As decimal fractions are written, without what binary ones leave behind them; −0 becomes 0.
+  return Number(rounded.toPrecision(12)) + 0;
+}

@@ -1,0 +1,131 @@
+import { useId } from 'react';
+import { UP_AXES } from '../camera/up-axis.ts';
+import type { Vec3 } from '../camera/vec3.ts';
+import { PLAIN_LOOK, type ScenePartSummary } from '../state/scene-part.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import { movePart, moveStep, placePart } from './move-part.ts';
+import { NumberField } from './number-field.tsx';
+import { placedLook, placementOf, uprightPlacement } from './placement.ts';
+
+const AXES = ['x', 'y', 'z'] as const;
+/** A splat set cannot be scaled to nothing. */
+const LEAST_SCALE = 1e-6;
+
+/** Where a file stands in the scene, and how opaque it is. */
+export function PartForm({ viewer, part }: { viewer: Viewer; part: ScenePartSummary }) {
+  const opacityId = useId();
+  const { look, canPlace } = part;
+  const { turnDegrees, move, scale, up, sceneUp } = placementOf(part);
+  const percent = Math.round(100 * look.opacity);
+  const turn = (axis: number, degrees: number) => {
+    const turned = turnDegrees.map((value, i) => (i === axis ? degrees : value));
+    placePart(viewer, part, { turnDegrees: turned as unknown as Vec3 });
+  };
+  return (
+    <div className="part-form">
+      <div className="part-opacity">
+        <label htmlFor={opacityId}>Opacity</label>
+        <input
+          id={opacityId}
+          type="range"
+          min={0}
+          max={100}
+          value={percent}
+          aria-valuetext={`${percent} percent`}
+          data-testid="part-opacity"
+          onChange={({ target }) => viewer.scenes.setLook(part.key, { opacity: target.valueAsNumber / 100 })}
+        />
+        <output htmlFor={opacityId}>{percent} %</output>
+      </div>
+      {canPlace ? (
+        <>
+          <Vector
+            name="Move"
+            unit="scene units"
+            value={move}
+            step={moveStep(part)}
+            onChange={(axis, value) => movePart(viewer, part, axis, value)}
+          />
+          <Vector name="Turn" unit="degrees" value={turnDegrees} step={5} onChange={turn} />
+          <fieldset className="part-numbers">
+            <legend>Scale</legend>
+            <NumberField
+              label="Scale"
+              value={scale}
+              step={0.1}
+              min={LEAST_SCALE}
+              testId="part-scale"
+              onChange={(value) => placePart(viewer, part, { scale: value })}
+            />
+          </fieldset>
+          <fieldset className="part-up">
+            <legend>Up is its axis</legend>
+            <div className="segments">
+              {UP_AXES.map((axis) => (
+                <button
+                  key={axis}
+                  type="button"
+                  aria-pressed={axis === up}
+                  data-testid={`part-up-${axis}`}
+                  onClick={() => placePart(viewer, part, { up: axis })}
+                >
+                  {axis.replace('-', '−')}
+                </button>
+              ))}
+            </div>
+          </fieldset>
+          <button
+            type="button"
+            className="text-button outlined"
+            disabled={look.placement === null && look.opacity === 1}
+            data-testid="part-reset"
+            onClick={() =>
+              viewer.scenes.setLook(part.key, {
+                ...placedLook(PLAIN_LOOK, uprightPlacement(part, sceneUp), part),
+                isHidden: look.isHidden,
+              })
+            }
+          >
+            As it came
+          </button>
+        </>
+      ) : (
+        <p>A hard case stands as it is.</p>
+      )}
+    </div>
+  );
+}
+
+function Vector({
+  name,
+  unit,
+  value,
+  step,
+  onChange,
+}: {
+  name: 'Move' | 'Turn';
+  unit: string;
+  value: Vec3;
+  step: number;
+  onChange: (axis: number, value: number) => void;
+}) {
+  return (
+    <fieldset className="part-numbers">
+      <legend>
+        {name} <small>{unit}</small>
+      </legend>
+      {AXES.map((axis, i) => (
+        <span key={axis} className={`part-number axis-${axis}`}>
+          <b aria-hidden="true">{axis}</b>
+          <NumberField
+            label={`${name} ${axis}, ${unit}`}
+            value={value[i]}
+            step={step}
+            testId={`part-${name.toLowerCase()}-${axis}`}
+            onChange={(changed) => onChange(i, changed)}
+          />
+        </span>
+      ))}
+    </fieldset>
+  );
+}

@@ -1,0 +1,11 @@
+import type { ScenePartSummary } from '../state/scene-part.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
+
+/** The file of the scene that is moved: the one that was chosen, or the only one. */
+export function selectedPartOf({
+  scene,
+  selectedPart,
+}: Pick<ViewerState, 'scene' | 'selectedPart'>): ScenePartSummary | undefined {
+  const parts = scene?.parts ?? [];
+  return parts.find(({ key }) => key === selectedPart) ?? (parts.length === 1 ? parts[0] : undefined);
+}

@@ -1,0 +1,55 @@
+import type { UpAxis } from '../camera/up-axis.ts';
+import type { Vec3 } from '../camera/vec3.ts';
+
+/** Where a file of the scene stands: set upright, scaled and turned about its middle, then moved. */
+export interface Placement {
+  /** Scene units, along the scene's own axes. */
+  readonly move: Vec3;
+  /** Degrees about the scene's x, then y, then z axis. */
+  readonly turnDegrees: Vec3;
+  /** The same along all axes, above 0. */
+  readonly scale: number;
+  /** What it is scaled and turned about: its middle once it is upright, before it is moved. */
+  readonly about: Vec3;
+  /** The axis of its own that comes to point along `sceneUp`, by a turn about its file's origin. */
+  readonly up: UpAxis;
+  /** The axis of the scene's own that points up. */
+  readonly sceneUp: UpAxis;
+}
+
+/** How a file of the scene is drawn. */
+export interface PartLook {
+  readonly isHidden: boolean;
+  /** Multiplies the opacity of every splat, 0…1. */
+  readonly opacity: number;
+  /** Null where it stands as it was saved. */
+  readonly placement: Placement | null;
+  /** The matrix of `placement`, column-major; absent without one. */
+  readonly modelMatrix?: ArrayLike<number>;
+}
+
+/** As files come. */
+export const PLAIN_LOOK: PartLook = { isHidden: false, opacity: 1, placement: null };
+
+/** A file of the scene, as panels see it. */
+export interface ScenePartSummary {
+  /** The same as long as the file is a part of the scene, also after the device was lost. */
+  readonly key: number;
+  readonly title: string;
+  readonly splats: number;
+  readonly look: PartLook;
+  /** Whether it may stand elsewhere: hard cases are shown as they are. */
+  readonly canPlace: boolean;
+  /** The axis of its own that points up, as far as its file tells. */
+  readonly ownUp: UpAxis;
+  /** The middle of its bounds without stray splats, as it was saved. */
+  readonly middle: Vec3;
+  /** Of a sphere around those bounds, in its own units. */
+  readonly radius: number;
+}
+
+/** A file that is to be opened after the one that is being read. */
+export interface WaitingPart {
+  readonly key: number;
+  readonly title: string;
+}

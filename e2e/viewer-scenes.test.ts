@@ -1,0 +1,148 @@
+import { readFile } from 'node:fs/promises';
+import { encodePly, readSplats } from '@websplatter/core';
+import type { Page } from 'playwright-core';
+import { describe, expect, it } from 'vitest';
+import { appHarness } from './harness.ts';
+import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
+import { testScene } from './test-scene.ts';
+import {
+  drawnCamera,
+  dropFiles,
+  frameCount,
+  loseDeviceOnDemand,
+  textOf,
+  viewerScreenshot,
+  waitForFrameAfter,
+  waitForImage,
+  waitForState,
+} from './viewer-page.ts';
+
+const [a, b] = [testScene(200), testScene(60)];
+const [A, B] = [encodePly(a), encodePly(b)];
+const harness = appHarness('apps/viewer', { 'a.ply': A, 'b.ply': B });
+/** A size at which the float64 reference is quick, with a rasteriser that does not follow from times. */
+const WINDOW = { viewport: { width: 420, height: 280 } };
+const ADDRESS = '?src=a.ply&src=gone.ply&src=b.ply&accuracy=reference,rasterizer:tiles';
+
+const CHEAP = '?scene=still-life-small&accuracy=fast,shDegree:0,resolutionScale:0.25,rasterizer:quads';
+
+const titles = (page: Page) => page.getByTestId('part-name').locator('span').allTextContents();
+const matrices = async (page: Page) => (await drawnCamera(page)).modelMatrices;
+const movedAlongX = async (page: Page) => Number(await page.getByTestId('part-move-x').inputValue());
+
+/** Does something, and waits for the image that follows. */
+async function drawnAfter(page: Page, change: () => Promise<unknown>): Promise<void> {
+  const frames = await frameCount(page);
+  await change();
+  await waitForFrameAfter(page, frames);
+}
+
+describe('several files in the viewer', () => {
+  it('are shown together, stand where they are put, and are linked, saved and opened again so', async () => {
+    const page = await harness.newPage(WINDOW);
+    await page.addInitScript(loseDeviceOnDemand);
+    await page.goto(harness.server.url + ADDRESS);
+    // One that fails leaves the others.
+    await waitForState(page, 'error');
+    await waitForFrameAfter(page, 0);
+    expect(await textOf(page, 'error-message')).toContain('gone.ply');
+    expect(await textOf(page, 'scene-title')).toBe('a.ply and b.ply');
+    expect(await textOf(page, 'scene')).toContain('2 clouds · 260 splats');
+    await page.keyboard.press('Escape');
+    await page.waitForURL((url) => url.searchParams.getAll('src').join() === 'a.ply,b.ply');
+
+    await page.keyboard.press('n');
+    await page.getByTestId('part-name').nth(1).click();
+    await drawnAfter(page, () => page.getByTestId('part-move-x').fill('1.5'));
+    await drawnAfter(page, () => page.getByTestId('part-turn-y').fill('90'));
+    await drawnAfter(page, () => page.getByTestId('part-scale').fill('0.5'));
+    await page.getByTestId('part-opacity').focus();
+    await drawnAfter(page, () => page.keyboard.press('PageDown'));
+    const placed = await drawnCamera(page);
+    expect(placed.opacities).toEqual([1, 0.9]);
+    const shot = await viewerScreenshot(page);
+    expect(psnrAgainstReference(shot, placed, [a, b])).toBeGreaterThan(MIN_PSNR_DB);
+
+    // The handles in the picture, by key and by pointer.
+    await page.getByTestId('gizmo-x').focus();
+    await drawnAfter(page, () => page.keyboard.press('Shift+ArrowRight'));
+    const byKey = await movedAlongX(page);
+    expect(byKey).toBeGreaterThan(1.5);
+    const handle = (await page.getByTestId('gizmo-y').locator('span').boundingBox())!;
+    const [x, y] = [handle.x + handle.width / 2, handle.y + handle.height / 2];
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await drawnAfter(page, () => page.mouse.move(x, y + 40));
+    await page.mouse.up();
+    expect(await movedAlongX(page)).toBe(byKey);
+    const moveY = Number(await page.getByTestId('part-move-y').inputValue());
+    expect(moveY).toBeGreaterThan(0);
+    const followed = (await page.getByTestId('gizmo-y').locator('span').boundingBox())!;
+    // But for perspective, which shows the axis shorter or longer elsewhere.
+    expect(Math.abs(followed.y - handle.y - 40)).toBeLessThan(6);
+
+    // The address tells all of that.
+    const move = `move:${byKey}:${moveY}:0,`;
+    await page.waitForURL((url) => url.searchParams.getAll('place').at(1)?.startsWith(move) === true);
+    const drawn = await drawnCamera(page);
+    const link = page.url();
+    const other = await harness.newPage(WINDOW);
+    await other.goto(`${link}&noui`);
+    await waitForImage(other);
+    expect(await drawnCamera(other)).toEqual(drawn);
+
+    await page.evaluate(() => dispatchEvent(new Event('lose-device')));
+    await page.getByTestId('notice').getByText('GPU was lost').waitFor();
+    await waitForImage(page);
+    expect(await matrices(page)).toEqual(drawn.modelMatrices);
+
+    await page.keyboard.press('x');
+    const downloading = page.waitForEvent('download');
+    await page.getByTestId('save-file').click();
+    const download = await downloading;
+    expect(download.suggestedFilename()).toBe('a and b.ply');
+    expect((await readSplats(await readFile(await download.path()))).count).toBe(260);
+  });
+
+  it('can be added, hidden and removed', async () => {
+    const page = await harness.open(CHEAP, WINDOW);
+    await waitForImage(page);
+    await page.keyboard.press('n');
+    const files = [
+      { name: 'a.ply', bytes: A },
+      { name: 'b.ply', bytes: B },
+    ];
+    await drawnAfter(page, () => dropFiles(page, files, undefined, 'viewport', { shiftKey: true }));
+    await waitForState(page, 'ready');
+    await expect.poll(() => titles(page)).toEqual(['Still life, small', 'a.ply', 'b.ply']);
+    // In the right part of the window there is a place to add.
+    const inRightPart = { clientX: 400, clientY: 100 };
+    await drawnAfter(page, () =>
+      dropFiles(
+        page,
+        files.slice(0, 1),
+        async () => {
+          expect(await page.getByTestId('drop-add').getAttribute('data-aimed')).toBe('true');
+        },
+        'viewport',
+        inRightPart,
+      ),
+    );
+    await expect.poll(() => titles(page)).toHaveLength(4);
+
+    await waitForState(page, 'ready');
+    await drawnAfter(page, () => page.getByTestId('part-visible').first().click());
+    expect(await matrices(page)).toHaveLength(3);
+    // Nothing is seen of a hidden one.
+    await page.getByTestId('part-remove').first().click();
+    await expect.poll(() => titles(page)).toHaveLength(3);
+    for (const left of [2, 1]) {
+      await drawnAfter(page, () => page.getByTestId('part-remove').first().click());
+      expect(await matrices(page)).toHaveLength(left);
+    }
+    expect(await page.getByTestId('part-remove').count()).toBe(0);
+    await drawnAfter(page, () => dropFiles(page, files));
+    await waitForState(page, 'ready');
+    await expect.poll(() => titles(page)).toEqual(['a.ply', 'b.ply']);
+  });
+});
