@@ -1,0 +1,59 @@
+import { join } from 'node:path';
+import { pathToFileURL } from 'node:url';
+import { encodePly } from '@websplatter/core';
+import type { Frame, Page } from 'playwright-core';
+import { beforeAll, describe, expect, it } from 'vitest';
+import { builtApp } from './server.ts';
+import { testScene } from './test-scene.ts';
+import { isAtRestAfter, textOf, viewerHarness, waitForImage } from './viewer-page.ts';
+
+const harness = viewerHarness();
+const SMALL_WINDOW = { viewport: { width: 320, height: 240 } };
+
+/** How often, and after how many milliseconds, the page has noted its first picture. */
+function firstPictures(page: Page): Promise<number[]> {
+  return page.evaluate(() => performance.getEntriesByName('first picture').map(({ duration }) => duration));
+}
+
+describe('the viewer as one file', () => {
+  let file: string;
+  beforeAll(async () => {
+    file = join(await builtApp('apps/viewer/vite.embed.config.ts'), 'embed.html');
+  });
+
+  it('works from a disk, with workers and panels, and notes when its first picture was there', async () => {
+    const page = await harness.newPage(SMALL_WINDOW);
+    await page.goto(pathToFileURL(file).href);
+    await waitForImage(page);
+    expect(await textOf(page, 'scene-title')).toContain('Still life');
+    const [afterMs, ...others] = await firstPictures(page);
+    expect(afterMs).toBeGreaterThan(0);
+    expect(others).toEqual([]);
+    await page.keyboard.press('e');
+    await page.getByTestId('effects').waitFor();
+    await page.getByTestId('file-input').setInputFiles({
+      name: 'a.ply',
+      mimeType: 'application/octet-stream',
+      buffer: Buffer.from(encodePly(testScene())),
+    });
+    await page.waitForFunction(() => document.title.startsWith('a.ply'));
+    await waitForImage(page);
+  });
+
+  it('shows a file of the page that embeds it, without an interface', async () => {
+    const page = await harness.newPage(SMALL_WINDOW);
+    const embedding = '<iframe src="embed.html?src=scene.ply&noui" title="A scene"></iframe>';
+    // Browsers ask for an icon.
+    await page.route('https://pages.example/**', (route) => route.fulfill({ status: 204 }));
+    await page.route('**/index.html', (route) =>
+      route.fulfill({ body: embedding, contentType: 'text/html' }),
+    );
+    await page.route('**/embed.html?*', (route) => route.fulfill({ path: file, contentType: 'text/html' }));
+    await page.route('**/scene.ply', (route) => route.fulfill({ body: Buffer.from(encodePly(testScene())) }));
+    await page.goto('https://pages.example/index.html');
+    const frame = page.frames().find((each) => each !== page.mainFrame()) as Frame;
+    await frame.waitForFunction(isAtRestAfter, 0);
+    expect(await frame.title()).toBe('scene.ply · WebSplatter');
+    expect(await frame.getByRole('toolbar').count()).toBe(0);
+  });
+});
