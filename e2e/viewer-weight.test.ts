@@ -8,6 +8,9 @@ import { testScene } from './test-scene.ts';
 import { isAtRestAfter, textOf, viewerHarness, waitForImage } from './viewer-page.ts';
 
 const harness = viewerHarness();
+const { openViewer } = harness;
+/** Few pixels to draw. */
+const CHEAP = '?scene=still-life-small&accuracy=fast,shDegree:0,resolutionScale:0.25,rasterizer:quads';
 const SMALL_WINDOW = { viewport: { width: 320, height: 240 } };
 
 /** How often, and after how many milliseconds, the page has noted its first picture. */
@@ -55,5 +58,56 @@ describe('the viewer as one file', () => {
     await frame.waitForFunction(isAtRestAfter, 0);
     expect(await frame.title()).toBe('scene.ply · WebSplatter');
     expect(await frame.getByRole('toolbar').count()).toBe(0);
+  });
+});
+
+describe('the toolbar of small windows', () => {
+  it('has a menu of the commands that do not fit, for fingers and keys', async () => {
+    const page = await openViewer(CHEAP, { viewport: { width: 360, height: 640 }, hasTouch: true });
+    const focused = () => page.evaluate(() => (document.activeElement as HTMLElement).dataset.testid);
+    const more = page.getByTestId('more');
+    const menu = page.getByTestId('more-menu');
+    const small = await page.evaluate(() =>
+      [...document.querySelectorAll('nav button:not(.menu-item)')]
+        .map((button) => button.getBoundingClientRect())
+        .filter(({ width, height }) => Math.min(width, height) < 44),
+    );
+    expect(small, 'buttons that are too small for fingers').toEqual([]);
+    expect(await page.getByTestId('toolbar').innerText()).toBe('Open\nFrame\nView\nMore');
+    await more.focus();
+    await page.keyboard.press('ArrowDown');
+    expect(await menu.isVisible()).toBe(true);
+    for (const [key, reached] of [
+      ['ArrowDown', 'command-flip'],
+      ['End', 'command-help'],
+      ['ArrowDown', 'command-reset'],
+      ['ArrowUp', 'command-help'],
+      ['Home', 'command-reset'],
+    ]) {
+      await page.keyboard.press(key);
+      expect(await focused(), key).toBe(reached);
+    }
+    await page.keyboard.press('Escape');
+    expect(await menu.isVisible()).toBe(false);
+    expect(await focused()).toBe('more');
+
+    // A key runs its command here too, and closes the menu.
+    await page.keyboard.press('Enter');
+    expect(await menu.isVisible()).toBe(true);
+    await page.keyboard.press('v');
+    expect(await menu.isVisible()).toBe(false);
+    await page.getByTestId('view').waitFor();
+    await more.tap();
+    await page.getByTestId('command-save').tap();
+    await page.getByTestId('save').waitFor();
+    await more.tap();
+    expect(await page.getByTestId('command-save').getAttribute('aria-checked')).toBe('true');
+    // What lies beside it closes it.
+    await page.touchscreen.tap(180, 40);
+    expect(await menu.isVisible()).toBe(false);
+    // Wider windows have all buttons.
+    await page.setViewportSize({ width: 1440, height: 600 });
+    await more.waitFor({ state: 'detached' });
+    expect(await page.getByTestId('command-help').isVisible()).toBe(true);
   });
 });

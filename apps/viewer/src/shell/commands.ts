@@ -24,6 +24,8 @@ export interface Command {
   readonly label: string;
   /** Compared with `KeyboardEvent.key`, lower case. */
   readonly key: string;
+  /** On small screens its button stays in the toolbar, with this word. */
+  readonly word?: string;
   /** Its button is not in the toolbar but in a panel. */
   readonly isInPanel?: boolean;
   /** It moves the camera only, so that it is there without the interface too. */
@@ -32,11 +34,11 @@ export interface Command {
 
 /** Commands that have both a button and a key, in the toolbar's order; the keys that move the camera belong to the controls. */
 export const COMMANDS: readonly Command[] = [
-  { name: 'open', label: 'Open a file', key: 'o' },
-  { name: 'frame', label: 'Frame the scene', key: 'f', isOfCamera: true },
+  { name: 'open', label: 'Open a file', key: 'o', word: 'Open' },
+  { name: 'frame', label: 'Frame the scene', key: 'f', word: 'Frame', isOfCamera: true },
   { name: 'reset', label: 'Reset the view', key: 'r', isOfCamera: true },
   { name: 'flip', label: 'Turn upside down', key: 'u', isOfCamera: true },
-  { name: 'view', label: 'View and camera', key: 'v' },
+  { name: 'view', label: 'View and camera', key: 'v', word: 'View' },
   { name: 'fly', label: 'Fly', key: 'g', isInPanel: true },
   { name: 'mode', label: 'Next view mode', key: 'm', isInPanel: true },
   { name: 'inspect', label: 'Inspect, measure, crop', key: 'i' },
