@@ -61,6 +61,36 @@ describe('the viewer as one file', () => {
   });
 });
 
+describe('the settings.json of SuperSplat', () => {
+  it('gives the first scene its camera and its background, or is refused in words', async () => {
+    const page = await harness.newPage(SMALL_WINDOW);
+    const settings = {
+      version: 2,
+      background: { color: [1, 0.5, 0] },
+      cameras: [{ initial: { position: [1, 2, 3], target: [0, 0, 0], fov: 60 } }],
+      animTracks: [],
+      startMode: 'default',
+    };
+    await page.route('**/scene.ply', (route) => route.fulfill({ body: Buffer.from(encodePly(testScene())) }));
+    await page.route('**/settings.json', (route) => route.fulfill({ json: settings }));
+    await page.route('**/broken.json', (route) => route.fulfill({ json: { ...settings, background: 1 } }));
+    await page.goto(`${harness.server.url}?src=scene.ply&settings=settings.json`);
+    await waitForImage(page);
+    await page.waitForFunction(() => {
+      const { background, viewMatrix } = JSON.parse(document.querySelector('canvas')?.dataset.camera ?? '{}');
+      if (background?.[0] !== 1) return false;
+      // Where the camera stands: SuperSplat's [1, 2, 3], which turns the file another way.
+      const position = [0, 1, 2].map((row) =>
+        [0, 1, 2].reduce((sum, k) => sum - viewMatrix[4 * row + k] * viewMatrix[12 + k], 0),
+      );
+      return [-1, 2, -3].every((value, axis) => Math.abs(position[axis] - value) < 1e-4);
+    });
+    await page.goto(`${harness.server.url}?src=scene.ply&settings=broken.json`);
+    await page.getByTestId('error').waitFor();
+    expect(await textOf(page, 'error-message')).toBe('background is 1, but must be an object.');
+  });
+});
+
 describe('the toolbar of small windows', () => {
   it('has a menu of the commands that do not fit, for fingers and keys', async () => {
     const page = await openViewer(CHEAP, { viewport: { width: 360, height: 640 }, hasTouch: true });
