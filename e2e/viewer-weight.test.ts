@@ -5,7 +5,7 @@ import type { Frame, Page } from 'playwright-core';
 import { beforeAll, describe, expect, it } from 'vitest';
 import { builtApp } from './server.ts';
 import { testScene } from './test-scene.ts';
-import { isAtRestAfter, textOf, viewerHarness, waitForImage } from './viewer-page.ts';
+import { drawnCamera, isAtRestAfter, textOf, viewerHarness, waitForImage } from './viewer-page.ts';
 
 const harness = viewerHarness();
 const { openViewer } = harness;
@@ -92,7 +92,7 @@ describe('the settings.json of SuperSplat', () => {
 });
 
 describe('the toolbar of small windows', () => {
-  it('has a menu of the commands that do not fit, for fingers and keys', async () => {
+  it('has a menu of the commands that do not fit, for fingers and keys, and gamepads move the view', async () => {
     const page = await openViewer(CHEAP, { viewport: { width: 360, height: 640 }, hasTouch: true });
     const focused = () => page.evaluate(() => (document.activeElement as HTMLElement).dataset.testid);
     const more = page.getByTestId('more');
@@ -135,6 +135,21 @@ describe('the toolbar of small windows', () => {
     // What lies beside it closes it.
     await page.touchscreen.tap(180, 40);
     expect(await menu.isVisible()).toBe(false);
+    // A gamepad whose right stick is held to the right turns the view.
+    const before = await drawnCamera(page);
+    await page.evaluate(() => {
+      const buttons = Array.from({ length: 17 }, () => ({ value: 0, pressed: false, touched: false }));
+      const pad = { index: 0, connected: true, mapping: 'standard', axes: [0, 0, 1, 0], buttons };
+      navigator.getGamepads = () => (pad.connected ? [pad] : []) as unknown as Gamepad[];
+      addEventListener('let-go', () => {
+        pad.connected = false;
+      });
+      dispatchEvent(new Event('gamepadconnected'));
+    });
+    await page.waitForFunction(() => document.querySelector('canvas')?.dataset.resting === undefined);
+    await page.evaluate(() => void dispatchEvent(new Event('let-go')));
+    await page.waitForFunction(() => document.querySelector('canvas')?.dataset.resting !== undefined);
+    expect((await drawnCamera(page)).viewMatrix).not.toEqual(before.viewMatrix);
     // Wider windows have all buttons.
     await page.setViewportSize({ width: 1440, height: 600 });
     await more.waitFor({ state: 'detached' });

@@ -85,6 +85,10 @@ export function Help({ store }: { store: ViewerStore }) {
           the speed, and Escape ends it.
         </p>
         <p>
+          On a gamepad the right stick turns, the left one moves, the triggers come nearer and go away; A
+          frames the scene, B resets the view, and Y flies.
+        </p>
+        <p>
           Drop a Gaussian-splat scene ({READABLE_FORMATS}), or its folder, anywhere in the window. Captures
           often have y pointing down: U turns them.
         </p>
