@@ -42,9 +42,9 @@ export default async function provideBuiltApps(project: TestProject): Promise<()
   };
 }
 
-/** Path of the configuration of the app in `appFolder`, which is relative to the repository's root. */
-export function configFileOf(appFolder: string): string {
-  return join(repositoryRoot, appFolder, 'vite.config.ts');
+/** Path of the configuration of an app: the one in its folder, or a file; both relative to the repository's root. */
+export function configFileOf(app: string): string {
+  return join(repositoryRoot, app.endsWith('.ts') ? app : `${app}/vite.config.ts`);
 }
 
 /**

@@ -79,7 +79,7 @@ async function expectViewerAsReference(page: Page, set: typeof scene): Promise<D
 }
 
 firefoxTest(
-  'the viewer opens, moves, resizes, takes a file and comes back from the loss of its device',
+  'the viewer opens, moves, resizes, opens panels, takes a file and comes back from the loss of its device',
   async () => {
     const page = await open('apps/viewer', '?file=/scene.ply');
     await waitForFrameAfter(page, 0);
@@ -99,6 +99,14 @@ firefoxTest(
     await redraw(page, () => page.setViewport({ width: 160, height: 200 }));
     const resized = await expectViewerAsReference(page, scene);
     expect(resized.projectionMatrix[5] / resized.projectionMatrix[0]).toBeCloseTo(160 / 200);
+
+    await page.keyboard.press('e');
+    await page.waitForSelector('[data-testid=effect-harmonics]');
+    // Without a clipboard, the link is in a panel.
+    await page.keyboard.press('l');
+    await page.waitForSelector('[data-testid=notice]');
+    expect(await page.$eval('[data-testid=notice]', ({ textContent }) => textContent)).toMatch(/[Tt]he link/);
+    await page.keyboard.press('Escape');
 
     // The file stays: it is read again for another device.
     const path = join(folder, 'other.ply');

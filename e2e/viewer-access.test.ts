@@ -55,6 +55,9 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
     await expectAccessible(page, 'error map');
     await page.setViewportSize({ width: 360, height: 640 });
     await expectAccessible(page, 'a phone');
+    await page.getByTestId('more').click();
+    await expectAccessible(page, 'the menu of a phone');
+    await page.keyboard.press('Escape');
     for (const [key, name, ...switches] of [
       ['e', 'effects', 'switch-clip', 'switch-reveal', 'switch-fog'],
       ['i', 'inspect'],

@@ -174,10 +174,11 @@ describe('the figures of the viewer', () => {
       hasTouch: true,
       isMobile: true,
     });
-    const button = page.getByTestId('command-hud');
-    expect(await button.getAttribute('aria-pressed')).toBe('false');
+    const item = page.getByTestId('command-hud');
+    expect(await item.getAttribute('aria-checked')).toBe('false');
     expect(await page.getByTestId('hud').count()).toBe(0);
-    await button.tap();
+    await page.getByTestId('more').tap();
+    await item.tap();
     await page.getByTestId('hud').waitFor();
     const { width, height } = await page
       .getByTestId('hud-more')

@@ -51,11 +51,20 @@ function hiddenAmong(page: Page, selectors: readonly string[]): Promise<string[]
 async function resize(page: Page, size: (typeof SIZES)[number]): Promise<void> {
   await page.setViewportSize(size);
   await page.waitForFunction(({ width, height }) => innerWidth === width && innerHeight === height, size);
+  // The window has its size before the page is told.
+  await page.evaluate(() => new Promise(requestAnimationFrame));
 }
 
-const TOOLBAR = ['open', 'frame', 'reset', 'flip', 'hud', 'accuracy', 'effects', 'save', 'help'].map(
-  (name) => `[data-testid=command-${name}]`,
+/** Commands whose buttons are in the toolbar even of the smallest windows. */
+const KEPT = ['command-open', 'command-frame', 'command-view'];
+const OTHERS = ['reset', 'flip', 'hud', 'accuracy', 'effects', 'save', 'help'].map(
+  (name) => `command-${name}`,
 );
+
+/** The toolbar's buttons where the window has this width. */
+function toolbarAt({ width }: { readonly width: number }): string[] {
+  return [...KEPT, ...(width <= 430 ? ['more'] : OTHERS)].map((testId) => `[data-testid=${testId}]`);
+}
 
 const focused = (page: Page) =>
   page.evaluate(() => (document.activeElement as HTMLElement | null)?.dataset.testid);
@@ -74,7 +83,7 @@ describe('the viewer in windows of any size', () => {
       const name = `${size.width} × ${size.height}`;
       const panel = ['.dock h2', '.dock [aria-label=Close]', '[data-testid=accuracy-tab-settings]'];
       const split = ['[data-testid=split-label-left]', '[data-testid=split-label-right]', '.split-handle'];
-      expect(await hiddenAmong(page, [...TOOLBAR, ...panel, ...split]), `${name}, split`).toEqual([]);
+      expect(await hiddenAmong(page, [...toolbarAt(size), ...panel, ...split]), `${name}, split`).toEqual([]);
       // The last control of the panel can be scrolled to.
       await page.getByTestId('side-right').scrollIntoViewIfNeeded();
       expect(await hiddenAmong(page, ['[data-testid=side-right]']), `${name}, scrolled`).toEqual([]);
@@ -93,19 +102,20 @@ describe('the viewer in windows of any size', () => {
       await resize(page, size);
       const rows = ['.hud-pace', '.hud-bar'];
       if (size.width > 640) rows.push('[data-testid=loaded-splats]');
-      const seen = [...TOOLBAR, ...rows, '[data-testid=error] h2', '[data-testid=dismiss-error]'];
+      const seen = [...toolbarAt(size), ...rows, '[data-testid=error] h2', '[data-testid=dismiss-error]'];
       expect(await hiddenAmong(page, seen), `${size.width} × ${size.height}, error`).toEqual([]);
     }
     await page.keyboard.press('c');
     for (const size of SWEPT.filter(({ width }) => width < 900)) {
       await resize(page, size);
-      const seen = [...TOOLBAR, '.hud-pace', '.dock h2', '[data-testid=dismiss-error]'];
+      const seen = [...toolbarAt(size), '.hud-pace', '.dock h2', '[data-testid=dismiss-error]'];
       expect(await hiddenAmong(page, seen), `${size.width} × ${size.height}, error and panel`).toEqual([]);
     }
   });
 
   it('has panels on phones whose height is changed by drags, taps and keys', async () => {
     const page = await openViewer(CHEAP, { viewport: SIZES[0] });
+    await page.getByTestId('more').click();
     await page.getByTestId('command-effects').click();
     const height = async () => Math.round((await box(page, 'effects')).height);
     const grip = page.getByTestId('sheet-grip');
@@ -118,7 +128,7 @@ describe('the viewer in windows of any size', () => {
     await page.mouse.up();
     expect(await grip.getAttribute('aria-valuetext')).toBe('full');
     await expect.poll(height).toBeGreaterThan(480);
-    expect(await hiddenAmong(page, [...TOOLBAR, '.hud-pace', '.dock h2'])).toEqual([]);
+    expect(await hiddenAmong(page, [...toolbarAt(SIZES[0]), '.hud-pace', '.dock h2'])).toEqual([]);
     await page.keyboard.press('Home');
     expect(await grip.getAttribute('aria-valuetext')).toBe('low');
     await expect.poll(height).toBe(192);

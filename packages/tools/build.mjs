@@ -91,13 +91,15 @@ export async function build() {
   }
 }
 
-/** Builds the viewer if it has changed: files for any web server, under any path. */
+/** Builds the viewer if it has changed: files for any web server, under any path, and the viewer as one file. */
 async function buildViewer() {
   const hash = hashOf([...TOOLS, ...VIEWER_INPUTS, 'package-lock.json']);
-  if (isBuilt('viewer', hash, ['apps/viewer/dist/index.html'])) return;
+  if (isBuilt('viewer', hash, ['apps/viewer/dist/index.html', 'apps/viewer/dist/embed.html'])) return;
   const { build: buildApp } = await import('vite');
-  const configFile = join(repositoryRoot, 'apps/viewer/vite.config.ts');
-  await timeBuild('viewer', hash, () => buildApp({ configFile, logLevel: 'error' }));
+  await timeBuild('viewer', hash, async () => {
+    for (const config of ['vite.config.ts', 'vite.embed.config.ts'])
+      await buildApp({ configFile: join(repositoryRoot, 'apps/viewer', config), logLevel: 'error' });
+  });
 }
 
 /** Whether the files `built` are what was made from inputs of this `hash`. */

@@ -52,6 +52,13 @@ function showViewer(start: StartOptions, dropped?: FileDropDecision): void {
     void import('./links/linked-effects.ts').then(({ followLinkedEffects }) =>
       followLinkedEffects({ store, viewer }, effects, address),
     );
+  const settings = address.get('settings');
+  if (settings !== null && !dropped) {
+    const isCameraLinked = start.linked?.camera != null;
+    void import('./supersplat/follow-settings.ts').then(({ followSettings }) =>
+      followSettings(settings, isCameraLinked, store, viewer),
+    );
+  }
   const asksForNothing = !start.scene && !start.addresses?.length;
   if (dropped) followDrop(dropped, store, viewer);
   else if (asksForNothing || hasOpenedFile()) void viewer.files.offer();

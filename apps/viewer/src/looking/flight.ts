@@ -5,7 +5,7 @@ import type { ViewerStore } from '../state/store.ts';
 import { focusByPointer } from '../ui/pointer-focus.ts';
 
 /** Radii of the scene that are flown in a second at speed 1. */
-const RADII_PER_S = 0.4;
+export const RADII_PER_S = 0.4;
 /** Shift makes everything so many times as fast. */
 const FAST_FACTOR = 4;
 /** A key that is only touched flies for so long. */

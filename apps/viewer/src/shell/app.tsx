@@ -20,6 +20,7 @@ import { late } from '../ui/late.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { createCommands, listenToKeys } from './commands.ts';
+import { listenForGamepads } from './gamepad-listener.ts';
 import { Picture } from './picture.tsx';
 import { PlainPicture } from './plain-picture.tsx';
 import { Toolbar } from './toolbar.tsx';
@@ -86,6 +87,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   useEffect(() => measurement.watch(), [measurement]);
   useEffect(() => accuracyMeasurement.watch(), [accuracyMeasurement]);
   useEffect(() => listenToKeys(viewer, store, run), [viewer, store, run]);
+  useEffect(() => listenForGamepads(viewer, store, run), [viewer, store, run]);
 
   const reopen = async () => {
     if (!store.getState().lastFile?.isReachable) {

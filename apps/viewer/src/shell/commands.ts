@@ -26,6 +26,8 @@ export interface Command {
   readonly label: string;
   /** Compared with `KeyboardEvent.key`, lower case. */
   readonly key: string;
+  /** On small screens its button stays in the toolbar, with this word. */
+  readonly word?: string;
   /** Its button is not in the toolbar but in a panel. */
   readonly isInPanel?: boolean;
   /** It moves the camera only, so that it is there without the interface too. */
@@ -34,13 +36,13 @@ export interface Command {
 
 /** Commands that have both a button and a key, in the toolbar's order; the keys that move the camera belong to the controls. */
 export const COMMANDS: readonly Command[] = [
-  { name: 'open', label: 'Open files', key: 'o' },
+  { name: 'open', label: 'Open files', key: 'o', word: 'Open' },
   { name: 'add', label: 'Add files to the scene', key: 'j', isInPanel: true },
-  { name: 'frame', label: 'Frame the scene', key: 'f', isOfCamera: true },
+  { name: 'frame', label: 'Frame the scene', key: 'f', word: 'Frame', isOfCamera: true },
   { name: 'reset', label: 'Reset the view', key: 'r', isOfCamera: true },
   { name: 'flip', label: 'Turn upside down', key: 'u', isOfCamera: true },
   { name: 'clouds', label: 'Files of the scene', key: 'n' },
-  { name: 'view', label: 'View and camera', key: 'v' },
+  { name: 'view', label: 'View and camera', key: 'v', word: 'View' },
   { name: 'fly', label: 'Fly', key: 'g', isInPanel: true },
   { name: 'mode', label: 'Next view mode', key: 'm', isInPanel: true },
   { name: 'inspect', label: 'Inspect, measure, crop', key: 'i' },

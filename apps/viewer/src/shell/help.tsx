@@ -85,6 +85,10 @@ export function Help({ store }: { store: ViewerStore }) {
           the speed, and Escape ends it.
         </p>
         <p>
+          On a gamepad the right stick turns, the left one moves, the triggers come nearer and go away; A
+          frames the scene, B resets the view, and Y flies.
+        </p>
+        <p>
           Drop Gaussian-splat scenes ({READABLE_FORMATS}), or their folders, anywhere in the window: several
           at once are shown together, and with Shift they are added to what is shown. Captures often have y
           pointing down: U turns them.

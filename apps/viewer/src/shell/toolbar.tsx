@@ -1,12 +1,19 @@
-import { type KeyboardEvent, useRef, useState } from 'react';
+import { type KeyboardEvent, useRef, useState, useSyncExternalStore } from 'react';
 import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
 import { Icon } from '../ui/icon.tsx';
+import { MenuButton } from '../ui/menu-button.tsx';
 import { COMMANDS, type CommandName, type RunCommand } from './commands.ts';
+import { inlineCommands } from './inline-commands.ts';
 
 const BUTTONS = COMMANDS.filter(({ isInPanel }) => !isInPanel);
 
-/** The Tab key stops at one button only; arrow keys go to the others. */
+/** The button of the menu, among those where the Tab key may stop. */
+const MENU = 'menu';
+/** Those of the bar itself; what is in the menu is not along it. */
+const BAR_BUTTONS = 'button:not(:disabled, .menu-item)';
+
+/** The Tab key stops at one button only; arrow keys go to the others. What does not fit is in a menu at the end. */
 export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand }) {
   const isFlipped = useStore(store, (state) => state.isFlipped);
   // A scene with z up is upright as it is.
@@ -15,7 +22,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
   const dock = useStore(store, (state) => state.dock);
   const hasScene = useStore(store, (state) => state.scene !== null);
   const canFlip = useStore(store, (state) => state.scene?.canFlip ?? false);
-  const [stop, setStop] = useState<CommandName>(COMMANDS[0].name);
+  const [stop, setStop] = useState<CommandName | typeof MENU>(COMMANDS[0].name);
   const root = useRef<HTMLDivElement>(null);
   const pressed: Partial<Record<CommandName, boolean>> = {
     // A file that comes upside down is shown upright: that alone is no choice of anybody.
@@ -36,9 +43,16 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
     save: !hasScene,
     clouds: !hasScene,
   };
-  const tabStop = disabled[stop] ? COMMANDS[0].name : stop;
+  const inline = inlineCommands(
+    BUTTONS,
+    useSyncExternalStore(onResize, () => innerWidth),
+  );
+  const others = BUTTONS.filter((command) => !inline.includes(command));
+  const isReachable =
+    stop === MENU ? others.length > 0 : inline.some(({ name }) => name === stop) && !disabled[stop];
+  const tabStop = isReachable ? stop : COMMANDS[0].name;
   const onKeyDown = (event: KeyboardEvent) => {
-    const buttons = [...(root.current?.querySelectorAll<HTMLElement>('button:not(:disabled)') ?? [])];
+    const buttons = [...(root.current?.querySelectorAll<HTMLElement>(BAR_BUTTONS) ?? [])];
     const at = buttons.indexOf(event.target as HTMLElement);
     const goal = { ArrowRight: at + 1, ArrowLeft: at - 1, Home: 0, End: -1 }[event.key];
     if (at < 0 || goal === undefined) return;
@@ -55,7 +69,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
         data-testid="toolbar"
         onKeyDown={onKeyDown}
       >
-        {BUTTONS.map(({ name, label, key }) => (
+        {inline.map(({ name, label, key, word }) => (
           <button
             key={name}
             type="button"
@@ -71,10 +85,43 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
             onClick={() => run(name)}
           >
             <Icon name={name} />
-            {name === 'open' && <span aria-hidden="true">Open</span>}
+            {word && <Word>{word}</Word>}
           </button>
         ))}
+        {others.length > 0 && (
+          <MenuButton
+            label="More"
+            items={others.map(({ name, label, key }) => ({
+              name,
+              label,
+              icon: name,
+              shortcut: key.toUpperCase(),
+              isOn: pressed[name],
+              isDisabled: disabled[name],
+            }))}
+            tabIndex={tabStop === MENU ? 0 : -1}
+            onFocus={() => setStop(MENU)}
+            onChoose={run}
+          >
+            <Icon name="menu" />
+            <Word>More</Word>
+          </MenuButton>
+        )}
       </div>
     </nav>
   );
+}
+
+/** The words of small toolbars; wide ones have one for the first button alone. */
+function Word({ children }: { children: string }) {
+  return (
+    <span className="toolbar-word" aria-hidden="true">
+      {children}
+    </span>
+  );
+}
+
+function onResize(listener: () => void): () => void {
+  addEventListener('resize', listener);
+  return () => removeEventListener('resize', listener);
 }

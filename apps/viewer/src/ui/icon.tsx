@@ -24,13 +24,16 @@ const PATHS = {
   link: 'M8.3 11.7a3.2 3.2 0 0 0 4.6 0l3-3a3.2 3.2 0 0 0-4.6-4.6l-1 1M11.7 8.3a3.2 3.2 0 0 0-4.6 0l-3 3a3.2 3.2 0 0 0 4.6 4.6l1-1',
   help: 'M7.4 7.4a2.7 2.7 0 1 1 4 2.4c-.9.5-1.4 1.1-1.4 2.1M10 14.6v.2M10 2.5a7.5 7.5 0 1 0 0 15 7.5 7.5 0 1 0 0-15',
   more: 'm6 8 4 4 4-4',
+  menu: 'M4.3 10a.7.7 0 1 0 1.4 0 .7.7 0 1 0-1.4 0M9.3 10a.7.7 0 1 0 1.4 0 .7.7 0 1 0-1.4 0M14.3 10a.7.7 0 1 0 1.4 0 .7.7 0 1 0-1.4 0',
   previous: 'M12 5.5 7.5 10l4.5 4.5',
   next: 'm8 5.5 4.5 4.5L8 14.5',
   close: 'm5.5 5.5 9 9m0-9-9 9',
   warning: 'M10 3.2 18 16.8H2zM10 8.2v4M10 14.4v.2',
 } as const;
 
-export function Icon({ name }: { name: keyof typeof PATHS }) {
+export type IconName = keyof typeof PATHS;
+
+export function Icon({ name }: { name: IconName }) {
   return (
     <svg
       viewBox="0 0 20 20"

@@ -1,0 +1,79 @@
+import { flown, turnedInPlace } from './fly-pose.ts';
+import { type DistanceRange, dollied, type OrbitPose, orbited, panned } from './orbit-pose.ts';
+
+/** Where the sticks and triggers of a gamepad are, after their dead zones: −1…1, and 0…1 for triggers. */
+export interface GamepadSticks {
+  /** To the right and down. */
+  readonly left: readonly [number, number];
+  readonly right: readonly [number, number];
+  readonly leftTrigger: number;
+  readonly rightTrigger: number;
+}
+
+/** A stick that nobody touches rests anywhere within this part of its way. */
+const DEAD_ZONE = 0.15;
+const TURN_RADIANS_PER_S = 2;
+/** Parts of the image's height. */
+const PAN_HEIGHTS_PER_S = 0.8;
+/** Natural logarithm of the distance. */
+const DOLLY_PER_S = 1.5;
+
+/** Reads a gamepad with the standard mapping; null while nothing is touched. */
+export function sticksOf({ axes, buttons }: Pick<Gamepad, 'axes' | 'buttons'>): GamepadSticks | null {
+  const sticks = {
+    left: withDeadZone(axes[0] ?? 0, axes[1] ?? 0),
+    right: withDeadZone(axes[2] ?? 0, axes[3] ?? 0),
+    leftTrigger: triggerOf(buttons[6]),
+    rightTrigger: triggerOf(buttons[7]),
+  };
+  const all = [...sticks.left, ...sticks.right, sticks.leftTrigger, sticks.rightTrigger];
+  return all.some((value) => value !== 0) ? sticks : null;
+}
+
+/**
+ * A stick's place without its dead zone, which is round so that no direction is favoured. Small ways from there count less, so that
+ * the camera can be placed exactly.
+ */
+export function withDeadZone(x: number, y: number): readonly [number, number] {
+  const length = Math.hypot(x, y);
+  if (length <= DEAD_ZONE) return [0, 0];
+  const part = Math.min(1, (length - DEAD_ZONE) / (1 - DEAD_ZONE));
+  return [(x / length) * part * part, (y / length) * part * part];
+}
+
+function triggerOf(button: GamepadButton | undefined): number {
+  const value = button?.value ?? 0;
+  return value <= DEAD_ZONE ? 0 : (value - DEAD_ZONE) / (1 - DEAD_ZONE);
+}
+
+/** Around the scene: the right stick turns, the left one pans, the triggers come nearer and go away. */
+export function orbitedBy(
+  pose: OrbitPose,
+  { left, right, leftTrigger, rightTrigger }: GamepadSticks,
+  elapsedS: number,
+  fovYDegrees: number,
+  range: DistanceRange,
+): OrbitPose {
+  const turn = TURN_RADIANS_PER_S * elapsedS;
+  const pan = PAN_HEIGHTS_PER_S * elapsedS;
+  const turned = orbited(pose, right[0] * turn, right[1] * turn);
+  const moved = panned(turned, -left[0] * pan, -left[1] * pan, 1, fovYDegrees);
+  return dollied(moved, Math.exp((leftTrigger - rightTrigger) * DOLLY_PER_S * elapsedS), range);
+}
+
+/**
+ * In flight: the right stick looks around, the left one moves ahead and sideways, the triggers go up and down.
+ *
+ * @param unitsPerS of a stick that is pushed all the way.
+ */
+export function flownBy(
+  pose: OrbitPose,
+  { left, right, leftTrigger, rightTrigger }: GamepadSticks,
+  elapsedS: number,
+  unitsPerS: number,
+): OrbitPose {
+  const turn = TURN_RADIANS_PER_S * elapsedS;
+  const way = unitsPerS * elapsedS;
+  const looking = turnedInPlace(pose, -right[0] * turn, right[1] * -turn);
+  return flown(looking, [left[0] * way, (rightTrigger - leftTrigger) * way, -left[1] * way]);
+}

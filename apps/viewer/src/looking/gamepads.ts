@@ -1,0 +1,73 @@
+import { flownBy, orbitedBy, sticksOf } from '../camera/gamepad-motion.ts';
+import type { CommandName, RunCommand } from '../shell/commands.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import { RADII_PER_S } from './flight.ts';
+
+/** Commands of buttons, by their place in the standard mapping: the lower, the right and the upper one of the four. */
+const BUTTON_COMMANDS: Readonly<Record<number, CommandName>> = { 0: 'frame', 1: 'reset', 3: 'fly' };
+/** After a longer pause, as when the page was hidden, the camera does not jump. */
+const LONGEST_STEP_S = 0.1;
+
+/**
+ * Moves the camera by gamepads from now on: around the scene, or through it in flight. They have no events and are asked with each
+ * refresh of the screen, as long as one is connected. Returns what stops that.
+ */
+export function followGamepads(viewer: Viewer, store: ViewerStore, run: RunCommand): () => void {
+  let handle = 0;
+  let lastMs: number | null = null;
+  const held = new Set<number>();
+
+  const step = (nowMs: number) => {
+    const pads = connectedGamepads();
+    handle = pads.length > 0 ? requestAnimationFrame(step) : 0;
+    const elapsedS = lastMs === null ? 0 : Math.min(LONGEST_STEP_S, (nowMs - lastMs) / 1000);
+    lastMs = handle === 0 ? null : nowMs;
+    const { status, scene, isHelpVisible } = store.getState();
+    if (status !== 'running' || !scene || isHelpVisible) return;
+    for (const pad of pads) {
+      move(pad, elapsedS);
+      press(pad);
+    }
+  };
+
+  const move = (pad: Gamepad, elapsedS: number) => {
+    const sticks = sticksOf(pad);
+    if (!sticks) return;
+    const { controls, subjectRadius } = viewer.camera;
+    const { flightSpeed } = store.getState();
+    const { pose, fovYDegrees, distanceRange } = controls;
+    controls.moveTo(
+      flightSpeed === null
+        ? orbitedBy(pose, sticks, elapsedS, fovYDegrees, distanceRange)
+        : flownBy(pose, sticks, elapsedS, flightSpeed * RADII_PER_S * subjectRadius),
+    );
+  };
+
+  const press = ({ index, buttons }: Gamepad) => {
+    for (const [button, command] of Object.entries(BUTTON_COMMANDS)) {
+      const id = 100 * index + Number(button);
+      const isPressed = buttons[Number(button)]?.pressed ?? false;
+      if (isPressed && !held.has(id)) run(command);
+      if (isPressed) held.add(id);
+      else held.delete(id);
+    }
+  };
+
+  const begin = () => {
+    if (handle === 0) handle = requestAnimationFrame(step);
+  };
+  begin();
+  window.addEventListener('gamepadconnected', begin);
+  return () => {
+    window.removeEventListener('gamepadconnected', begin);
+    cancelAnimationFrame(handle);
+  };
+}
+
+/** Those whose sticks and buttons are where they are expected. */
+function connectedGamepads(): Gamepad[] {
+  return [...navigator.getGamepads()].filter(
+    (pad): pad is Gamepad => pad?.mapping === 'standard' && pad.connected,
+  );
+}

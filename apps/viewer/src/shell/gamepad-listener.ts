@@ -1,0 +1,15 @@
+import type { ViewerStore } from '../state/store.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import type { RunCommand } from './commands.ts';
+
+/** Fetches what follows gamepads when the first is connected, which most visitors have none of; returns what stops that. */
+export function listenForGamepads(viewer: Viewer, store: ViewerStore, run: RunCommand): () => void {
+  const ending = new AbortController();
+  const { signal } = ending;
+  const follow = async () => {
+    const { followGamepads } = await import('../looking/gamepads.ts');
+    if (!signal.aborted) signal.addEventListener('abort', followGamepads(viewer, store, run));
+  };
+  window.addEventListener('gamepadconnected', () => void follow(), { once: true, signal });
+  return () => ending.abort();
+}

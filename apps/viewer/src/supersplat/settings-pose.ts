@@ -1,0 +1,31 @@
+import { flippedPoint } from '../camera/flip.ts';
+import { type OrbitPose, poseFromLookAt } from '../camera/orbit-pose.ts';
+import { Y_UP } from '../camera/up-axis.ts';
+import type { Vec3 } from '../camera/vec3.ts';
+import type { Background } from '../state/look.ts';
+import type { SettingsPose } from './scene-settings.ts';
+
+/** The pose that shows an upright file as SuperSplat does, which turns files around z where this viewer turns them around x. */
+export function poseOf({ position, target }: SettingsPose): OrbitPose {
+  return poseFromLookAt({ position: uprightPoint(position), target: uprightPoint(target), up: Y_UP });
+}
+
+function uprightPoint([x, y, z]: Vec3): Vec3 {
+  // Back to the file's own coordinates, and from there.
+  return flippedPoint([-x, -y, z]);
+}
+
+/** SuperSplat's field of view lies over the longer side of the image, this viewer's over the shorter one. */
+export function shorterFov(fovDegrees: number, aspect: number): number {
+  const half = Math.tan((fovDegrees * Math.PI) / 360) / Math.max(aspect, 1 / aspect);
+  return (Math.atan(half) * 360) / Math.PI;
+}
+
+export function backgroundOf(color: Vec3): Background {
+  const hex = color.map((value) =>
+    Math.round(255 * Math.min(1, Math.max(0, value)))
+      .toString(16)
+      .padStart(2, '0'),
+  );
+  return `#${hex.join('')}`;
+}

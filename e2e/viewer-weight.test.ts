@@ -1,0 +1,158 @@
+import { join } from 'node:path';
+import { pathToFileURL } from 'node:url';
+import { encodePly } from '@websplatter/core';
+import type { Frame, Page } from 'playwright-core';
+import { beforeAll, describe, expect, it } from 'vitest';
+import { builtApp } from './server.ts';
+import { testScene } from './test-scene.ts';
+import { drawnCamera, isAtRestAfter, textOf, viewerHarness, waitForImage } from './viewer-page.ts';
+
+const harness = viewerHarness();
+const { openViewer } = harness;
+/** Few pixels to draw. */
+const CHEAP = '?scene=still-life-small&accuracy=fast,shDegree:0,resolutionScale:0.25,rasterizer:quads';
+const SMALL_WINDOW = { viewport: { width: 320, height: 240 } };
+
+/** How often, and after how many milliseconds, the page has noted its first picture. */
+function firstPictures(page: Page): Promise<number[]> {
+  return page.evaluate(() => performance.getEntriesByName('first picture').map(({ duration }) => duration));
+}
+
+describe('the viewer as one file', () => {
+  let file: string;
+  beforeAll(async () => {
+    file = join(await builtApp('apps/viewer/vite.embed.config.ts'), 'embed.html');
+  });
+
+  it('works from a disk, with workers and panels, and notes when its first picture was there', async () => {
+    const page = await harness.newPage(SMALL_WINDOW);
+    await page.goto(pathToFileURL(file).href);
+    await waitForImage(page);
+    expect(await textOf(page, 'scene-title')).toContain('Still life');
+    const [afterMs, ...others] = await firstPictures(page);
+    expect(afterMs).toBeGreaterThan(0);
+    expect(others).toEqual([]);
+    await page.keyboard.press('e');
+    await page.getByTestId('effects').waitFor();
+    await page.getByTestId('file-input').setInputFiles({
+      name: 'a.ply',
+      mimeType: 'application/octet-stream',
+      buffer: Buffer.from(encodePly(testScene())),
+    });
+    await page.waitForFunction(() => document.title.startsWith('a.ply'));
+    await waitForImage(page);
+  });
+
+  it('shows a file of the page that embeds it, without an interface', async () => {
+    const page = await harness.newPage(SMALL_WINDOW);
+    const embedding = '<iframe src="embed.html?src=scene.ply&noui" title="A scene"></iframe>';
+    // Browsers ask for an icon.
+    await page.route('https://pages.example/**', (route) => route.fulfill({ status: 204 }));
+    await page.route('**/index.html', (route) =>
+      route.fulfill({ body: embedding, contentType: 'text/html' }),
+    );
+    await page.route('**/embed.html?*', (route) => route.fulfill({ path: file, contentType: 'text/html' }));
+    await page.route('**/scene.ply', (route) => route.fulfill({ body: Buffer.from(encodePly(testScene())) }));
+    await page.goto('https://pages.example/index.html');
+    const frame = page.frames().find((each) => each !== page.mainFrame()) as Frame;
+    await frame.waitForFunction(isAtRestAfter, 0);
+    expect(await frame.title()).toBe('scene.ply · WebSplatter');
+    expect(await frame.getByRole('toolbar').count()).toBe(0);
+  });
+});
+
+describe('the settings.json of SuperSplat', () => {
+  it('gives the first scene its camera and its background, or is refused in words', async () => {
+    const page = await harness.newPage(SMALL_WINDOW);
+    const settings = {
+      version: 2,
+      background: { color: [1, 0.5, 0] },
+      cameras: [{ initial: { position: [1, 2, 3], target: [0, 0, 0], fov: 60 } }],
+      animTracks: [],
+      startMode: 'default',
+    };
+    await page.route('**/scene.ply', (route) => route.fulfill({ body: Buffer.from(encodePly(testScene())) }));
+    await page.route('**/settings.json', (route) => route.fulfill({ json: settings }));
+    await page.route('**/broken.json', (route) => route.fulfill({ json: { ...settings, background: 1 } }));
+    await page.goto(`${harness.server.url}?src=scene.ply&settings=settings.json`);
+    await waitForImage(page);
+    await page.waitForFunction(() => {
+      const { background, viewMatrix } = JSON.parse(document.querySelector('canvas')?.dataset.camera ?? '{}');
+      if (background?.[0] !== 1) return false;
+      // Where the camera stands: SuperSplat's [1, 2, 3], which turns the file another way.
+      const position = [0, 1, 2].map((row) =>
+        [0, 1, 2].reduce((sum, k) => sum - viewMatrix[4 * row + k] * viewMatrix[12 + k], 0),
+      );
+      return [-1, 2, -3].every((value, axis) => Math.abs(position[axis] - value) < 1e-4);
+    });
+    await page.goto(`${harness.server.url}?src=scene.ply&settings=broken.json`);
+    await page.getByTestId('error').waitFor();
+    expect(await textOf(page, 'error-message')).toBe('background is 1, but must be an object.');
+  });
+});
+
+describe('the toolbar of small windows', () => {
+  it('has a menu of the commands that do not fit, for fingers and keys, and gamepads move the view', async () => {
+    const page = await openViewer(CHEAP, { viewport: { width: 360, height: 640 }, hasTouch: true });
+    const focused = () => page.evaluate(() => (document.activeElement as HTMLElement).dataset.testid);
+    const more = page.getByTestId('more');
+    const menu = page.getByTestId('more-menu');
+    const small = await page.evaluate(() =>
+      [...document.querySelectorAll('nav button:not(.menu-item)')]
+        .map((button) => button.getBoundingClientRect())
+        .filter(({ width, height }) => Math.min(width, height) < 44),
+    );
+    expect(small, 'buttons that are too small for fingers').toEqual([]);
+    expect(await page.getByTestId('toolbar').innerText()).toBe('Open\nFrame\nView\nMore');
+    await more.focus();
+    await page.keyboard.press('ArrowDown');
+    expect(await menu.isVisible()).toBe(true);
+    for (const [key, reached] of [
+      ['ArrowDown', 'command-flip'],
+      ['End', 'command-help'],
+      ['ArrowDown', 'command-reset'],
+      ['ArrowUp', 'command-help'],
+      ['Home', 'command-reset'],
+    ]) {
+      await page.keyboard.press(key);
+      expect(await focused(), key).toBe(reached);
+    }
+    await page.keyboard.press('Escape');
+    expect(await menu.isVisible()).toBe(false);
+    expect(await focused()).toBe('more');
+
+    // A key runs its command here too, and closes the menu.
+    await page.keyboard.press('Enter');
+    expect(await menu.isVisible()).toBe(true);
+    await page.keyboard.press('v');
+    expect(await menu.isVisible()).toBe(false);
+    await page.getByTestId('view').waitFor();
+    await more.tap();
+    await page.getByTestId('command-save').tap();
+    await page.getByTestId('save').waitFor();
+    await more.tap();
+    expect(await page.getByTestId('command-save').getAttribute('aria-checked')).toBe('true');
+    // What lies beside it closes it.
+    await page.touchscreen.tap(180, 40);
+    expect(await menu.isVisible()).toBe(false);
+    // A gamepad whose right stick is held to the right turns the view.
+    const before = await drawnCamera(page);
+    await page.evaluate(() => {
+      const buttons = Array.from({ length: 17 }, () => ({ value: 0, pressed: false, touched: false }));
+      const pad = { index: 0, connected: true, mapping: 'standard', axes: [0, 0, 1, 0], buttons };
+      navigator.getGamepads = () => (pad.connected ? [pad] : []) as unknown as Gamepad[];
+      addEventListener('let-go', () => {
+        pad.connected = false;
+      });
+      dispatchEvent(new Event('gamepadconnected'));
+    });
+    await page.waitForFunction(() => document.querySelector('canvas')?.dataset.resting === undefined);
+    await page.evaluate(() => void dispatchEvent(new Event('let-go')));
+    await page.waitForFunction(() => document.querySelector('canvas')?.dataset.resting !== undefined);
+    expect((await drawnCamera(page)).viewMatrix).not.toEqual(before.viewMatrix);
+    // Wider windows have all buttons.
+    await page.setViewportSize({ width: 1440, height: 600 });
+    await more.waitFor({ state: 'detached' });
+    expect(await page.getByTestId('command-help').isVisible()).toBe(true);
+  });
+});
