@@ -49,6 +49,7 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
       await expectAccessible(page, tab);
     }
     await page.getByTestId('compare-split').click();
+    await page.getByTestId('split-line').waitFor();
     await expectAccessible(page, 'split image');
     await page.getByTestId('compare-error').click();
     await page.getByTestId('error-max').getByText('Largest').waitFor();

@@ -118,7 +118,7 @@ describe('the figures of the viewer', () => {
       return times.length === 2 && [...times].every(({ textContent }) => /\d/.test(textContent));
     });
     await page.keyboard.press('Escape');
-    expect(await chartColors(page, 'right')).toBeGreaterThan(2);
+    await expect.poll(() => chartColors(page, 'right')).toBeGreaterThan(2);
   });
 
   it('stand still when they are frozen, can be copied, and are as they were left after a reload', async () => {

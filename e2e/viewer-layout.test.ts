@@ -78,6 +78,7 @@ describe('the viewer in windows of any size', () => {
     await page.getByTestId('command-accuracy').click();
     await page.getByTestId('accuracy-tab-compare').click();
     await page.getByTestId('compare-split').click();
+    await page.getByTestId('split-line').waitFor();
     for (const size of SWEPT) {
       await resize(page, size);
       const name = `${size.width} × ${size.height}`;
