@@ -21,7 +21,8 @@ const [a, b] = [testScene(200), testScene(60)];
 const [A, B] = [encodePly(a), encodePly(b)];
 const harness = appHarness('apps/viewer', { 'a.ply': A, 'b.ply': B });
 /** A size at which the float64 reference is quick, with a rasteriser that does not follow from times. */
-const WINDOW = { viewport: { width: 420, height: 280 } };
+/** Wide enough for the panel to stand beside the picture, whose handles it would cover as a sheet. */
+const WINDOW = { viewport: { width: 660, height: 300 } };
 const ADDRESS = '?src=a.ply&src=gone.ply&src=b.ply&accuracy=reference,rasterizer:tiles';
 
 const CHEAP = '?scene=still-life-small&accuracy=fast,shDegree:0,resolutionScale:0.25,rasterizer:quads';
