@@ -21,8 +21,8 @@ const [a, b] = [testScene(200), testScene(60)];
 const [A, B] = [encodePly(a), encodePly(b)];
 const harness = appHarness('apps/viewer', { 'a.ply': A, 'b.ply': B });
 /** A size at which the float64 reference is quick, with a rasteriser that does not follow from times. */
-/** Wide enough for the panel to stand beside the picture, whose handles it would cover as a sheet. */
-const WINDOW = { viewport: { width: 660, height: 300 } };
+/** Wide enough for the panel to leave the handles in the middle of the picture. */
+const WINDOW = { viewport: { width: 900, height: 260 } };
 const ADDRESS = '?src=a.ply&src=gone.ply&src=b.ply&accuracy=reference,rasterizer:tiles';
 
 const CHEAP = '?scene=still-life-small&accuracy=fast,shDegree:0,resolutionScale:0.25,rasterizer:quads';
@@ -117,7 +117,7 @@ describe('several files in the viewer', () => {
     await waitForState(page, 'ready');
     await expect.poll(() => titles(page)).toEqual(['Still life, small', 'a.ply', 'b.ply']);
     // In the right part of the window there is a place to add.
-    const inRightPart = { clientX: 400, clientY: 100 };
+    const inRightPart = { clientX: 850, clientY: 100 };
     await drawnAfter(page, () =>
       dropFiles(
         page,
