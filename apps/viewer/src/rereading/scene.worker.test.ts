@@ -1,20 +1,7 @@
-import type { SplatSet } from '@websplatter/core';
 import { afterEach, expect, it, vi } from 'vitest';
 import type { InspectReply } from '../inspecting/inspect-messages.ts';
+import { oneSplat } from './one-splat.fixture.ts';
 import type { SceneRequest } from './scene.worker.ts';
-
-const set: SplatSet = {
-  count: 1,
-  origin: [0, 0, 0],
-  positions: Float32Array.of(1, 2, 3),
-  logScales: new Float32Array(3),
-  rotations: Float32Array.of(1, 0, 0, 0),
-  opacityLogits: new Float32Array(1),
-  colorDc: new Float32Array(3),
-  harmonics: { degree: 0, coefficients: new Float32Array() },
-  fileIndices: new Uint32Array(1),
-  dropped: {},
-};
 
 afterEach(() => vi.unstubAllGlobals());
 
@@ -27,7 +14,7 @@ it('answers about the scene that it was told to read before, however early it is
   vi.stubGlobal('self', worker);
   await import('./scene.worker.ts');
   worker.onmessage?.({
-    data: { kind: 'read', clouds: [{ source: { kind: 'set', set }, modelMatrix: null }] },
+    data: { kind: 'read', clouds: [{ source: { kind: 'set', set: oneSplat }, modelMatrix: null }] },
   });
   worker.onmessage?.({ data: { kind: 'ask', id: 1, about: 'splat', question: { cloudIndex: 0, row: 0 } } });
   worker.onmessage?.({ data: { kind: 'ask', id: 2, about: 'splat', question: { cloudIndex: 0, row: 5 } } });

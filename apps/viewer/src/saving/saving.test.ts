@@ -1,6 +1,7 @@
-import { encodePly, readSplats, type SplatSet } from '@websplatter/core';
+import { encodePly, readSplats } from '@websplatter/core';
 import { WRITABLE_FORMATS } from '@websplatter/core/write';
 import { afterEach, expect, test, vi } from 'vitest';
+import { oneSplat } from '../rereading/one-splat.fixture.ts';
 import type { SceneSource } from '../scene/scene-source.ts';
 import type { ShownPart } from '../scene/shown-scene.ts';
 import { PLAIN_LOOK, type Placement } from '../state/scene-part.ts';
@@ -8,19 +9,6 @@ import { createViewerStore } from '../state/store.ts';
 import type { SaveReply } from './save-messages.ts';
 import { Saving, savedName } from './saving.ts';
 import { writeScene } from './write-scene.ts';
-
-const onePoint: SplatSet = {
-  count: 1,
-  origin: [0, 0, 0],
-  positions: Float32Array.of(1, 2, 3),
-  logScales: new Float32Array(3),
-  rotations: Float32Array.of(1, 0, 0, 0),
-  opacityLogits: new Float32Array(1),
-  colorDc: new Float32Array(3),
-  harmonics: { degree: 0, coefficients: new Float32Array() },
-  fileIndices: new Uint32Array(1),
-  dropped: {},
-};
 
 test.each([
   { formatName: 'spz', up: '-y', place: [1, 2, 3] },
@@ -30,7 +18,7 @@ test.each([
   { formatName: 'gltf', up: 'y', place: [1, 2, 3] },
   { formatName: 'gltf', up: 'z', place: [1, 3, -2] },
 ] as const)('$formatName of a scene with $up up has a splat at $place', async ({ formatName, up, place }) => {
-  const source = { kind: 'file' as const, name: 'a.ply', source: new File([encodePly(onePoint)], 'a.ply') };
+  const source = { kind: 'file' as const, name: 'a.ply', source: new File([encodePly(oneSplat)], 'a.ply') };
   const phases = new Set<string>();
   const bytes = await writeScene(
     { parts: [{ source, placement: null, opacity: 1 }], formatName, up, crop: null },
@@ -42,7 +30,7 @@ test.each([
 });
 
 test('files of a scene are merged where they stand, as opaque as they are drawn', async () => {
-  const file = new File([encodePly(onePoint)], 'a.ply');
+  const file = new File([encodePly(oneSplat)], 'a.ply');
   const source = { kind: 'file' as const, name: 'a.ply', source: file };
   const placement: Placement = {
     ...{ move: [10, 0, 0], turnDegrees: [0, 0, 90], scale: 2, about: [1, 0, 0] },
@@ -76,7 +64,7 @@ test('built-in scenes are made again', async () => {
 });
 
 test('what is cropped is cut before it is turned', async () => {
-  const source = { kind: 'file' as const, name: 'a.ply', source: new File([encodePly(onePoint)], 'a.ply') };
+  const source = { kind: 'file' as const, name: 'a.ply', source: new File([encodePly(oneSplat)], 'a.ply') };
   const crop = { min: [0, 1, 2], max: [2, 3, 4], keep: 'inside' } as const;
   const written = (keep: 'inside' | 'outside') =>
     writeScene(
