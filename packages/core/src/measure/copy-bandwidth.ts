@@ -13,9 +13,9 @@ export interface CopyBandwidthOptions {
 
 const DEFAULT_BYTES = 256 * 2 ** 20;
 const DEFAULT_SAMPLES = 7;
-/** A sample repeats the copy until it takes about this long: far longer than a submission and the answer to it vary. */
+/** A sample repeats the copy until it takes this long: far longer than a submission and the answer to it vary. */
 const SAMPLE_MS = 50;
-const MOST_COPIES = 256;
+const MOST_COPIES = 2 ** 13;
 
 /**
  * Measures how many bytes per second the device moves when a shader copies one large buffer into another: bytes read plus bytes
@@ -64,7 +64,9 @@ export async function measureCopyBandwidth(
     };
     // The first touches memory that the driver may not have given yet.
     await copyMs(2);
-    const copies = Math.min(MOST_COPIES, Math.max(2, Math.round(SAMPLE_MS / (await copyMs(1)))));
+    // Not as many as one copy's time suggests: that is the submission's where a copy is short.
+    let copies = 2;
+    while (copies < MOST_COPIES && (await copyMs(copies)) < SAMPLE_MS) copies *= 2;
     const eachMs: number[] = [];
     for (let sample = 0; sample < samples; sample++) {
       const oneMs = await copyMs(1);
