@@ -226,6 +226,35 @@ describe('a view', () => {
     for (const cloud of clouds) cloud.destroy();
   });
 
+  gpuTest(
+    'shows a part of a larger image as that image shows it, and is drawn again for another whole',
+    async () => {
+      const set = randomSplats({ count: 300, logScales: [-3, -0.5], opacityLogits: [-4, -1] });
+      const cloud = engines.reference.add(set);
+      const view = engines.reference.createView();
+      const { viewMatrix, projectionMatrix, near, far } = CAMERA;
+      // The right third of the image, 64 of 192 pixels wide.
+      const ofPart = Float64Array.from(projectionMatrix);
+      for (const column of [0, 4, 8, 12]) ofPart[column] = 3 * ofPart[column] - 2 * ofPart[column + 3];
+      const part = cameraFromMatrices(viewMatrix, ofPart, { near, far });
+      const camera = { ...part, wholeProjectionMatrix: projectionMatrix };
+      const whole = renderReference({ clouds: [{ set }], camera: CAMERA, widthPx: 192, heightPx: 64 }).data;
+      const expected = Float64Array.from(
+        { length: 4 * 64 * 64 },
+        (_, i) => whole[4 * (192 * Math.floor(i / 256) + 128) + (i % 256)],
+      );
+      const drawn = await draw(view, { camera, clouds: [{ cloud }], ...SIZE });
+      expect(compareImages(drawn, expected, SIZE).psnrDb).toBeGreaterThanOrEqual(MIN_PSNR_DB.reference);
+
+      const alone = await draw(view, { camera: part, clouds: [{ cloud }], ...SIZE });
+      const referenceAlone = renderReference({ clouds: [{ set }], camera: part, ...SIZE }).data;
+      expect(compareImages(alone, referenceAlone, SIZE).psnrDb).toBeGreaterThanOrEqual(MIN_PSNR_DB.reference);
+      expect(compareImages(alone, expected, SIZE).psnrDb).toBeLessThan(MIN_PSNR_DB.balanced);
+      view.destroy();
+      cloud.destroy();
+    },
+  );
+
   gpuTest('picks the splat that contributes most to a pixel of the last frame', async () => {
     const engine = engines.balanced;
     const view = engine.createView();
@@ -381,6 +410,9 @@ describe('a view', () => {
       expect(() => view.render({ ...frame, camera: { ...CAMERA, ...depths } })).toThrow(
         /near is .* and far is .*; far must be greater/,
       );
+    expect(() => view.render({ ...frame, camera: { ...CAMERA, wholeProjectionMatrix: [1] } })).toThrow(
+      "The camera's wholeProjectionMatrix must be 16 finite numbers",
+    );
     expect(view.render({ ...frame, camera: { ...CAMERA, far: Number.POSITIVE_INFINITY } })).toBe(true);
     const elsewhere = await SplatEngine.create({ device: await createTestDevice() });
     const stranger = elsewhere.add(randomSplats({ count: 10 }), { name: 'stranger' });

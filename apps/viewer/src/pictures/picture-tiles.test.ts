@@ -5,7 +5,7 @@ import { drawnSize, pictureTiles, tileCamera } from './picture-tiles.ts';
 
 const WIDTH_PX = 72;
 const HEIGHT_PX = 50;
-const SMALL_TILES = { mostPixels: 100, tilePx: 32, marginPx: 16 };
+const SMALL_TILES = { mostPixels: 100, tilePx: 32, marginPx: 2 };
 
 describe('tiles of a picture', () => {
   it('are one, without a margin, where the picture can be drawn at once', () => {
@@ -33,7 +33,7 @@ describe('tiles of a picture', () => {
     ['orthographic', orthographicCamera({ ...from, height: 1.2 }), 1e-9],
     ['perspective', perspectiveCamera({ ...from, fovYDegrees: 50 }), 1e-9],
   ])('join into the picture that one drawing shows, of an %s camera', (_, camera, tolerance) => {
-    const clouds = [{ set: sparse() }];
+    const clouds = [{ set: largeAndSmall() }];
     const whole = renderReference({ clouds, camera, widthPx: WIDTH_PX, heightPx: HEIGHT_PX }).data;
     expect(whole.some((value) => value > 0.2)).toBe(true);
     let largest = 0;
@@ -56,8 +56,8 @@ describe('tiles of a picture', () => {
   });
 });
 
-/** Small splats in a cube: none reaches further than the margin. */
-function sparse() {
+/** Splats in a cube, of which every tenth reaches across tiles. */
+function largeAndSmall() {
   const count = 300;
   const spread = (i: number, factor: number) => ((i * factor) % 1) - 0.5;
   const positions = Float32Array.from({ length: 3 * count }, (_, i) =>
@@ -67,9 +67,9 @@ function sparse() {
     count,
     origin: [0, 0, 0] as const,
     positions,
-    logScales: new Float32Array(3 * count).fill(Math.log(0.03)),
+    logScales: Float32Array.from({ length: 3 * count }, (_, i) => Math.log(i % 30 < 3 ? 0.3 : 0.03)),
     rotations: Float32Array.from({ length: 4 * count }, (_, i) => (i % 4 === 0 ? 1 : 0)),
-    opacityLogits: new Float32Array(count).fill(1),
+    opacityLogits: new Float32Array(count).fill(-1),
     colorDc: Float32Array.from({ length: 3 * count }, (_, i) => spread(i, 0.37)),
     harmonics: { degree: 0 as const, coefficients: new Float32Array(0) },
     fileIndices: Uint32Array.from({ length: count }, (_, i) => i),

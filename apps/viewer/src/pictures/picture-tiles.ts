@@ -13,11 +13,8 @@ export interface PictureTile {
 /** Up to this size a picture is drawn at once: its layer and the copy that is read take some 200 MB. */
 const MOST_PIXELS_AT_ONCE = 2 ** 23;
 const TILE_PX = 2048;
-/**
- * The projection of a splat is made linear about its centre, but not about one far outside the image. A margin keeps such
- * centres apart from what is seen: only splats that reach further than it may look otherwise than in one drawing.
- */
-const MARGIN_PX = 256;
+/** More than upscaling from a lower resolution mixes, which at a tile's edge knows no neighbours. */
+const MARGIN_PX = 32;
 
 /** Divides a picture into rows of tiles, from the top; one tile where it can be drawn at once. */
 export function pictureTiles(
@@ -57,7 +54,11 @@ export function tileCamera(camera: Camera, widthPx: number, heightPx: number, ti
     matrix[column] = scaleX * matrix[column] + shiftX * matrix[column + 3];
     matrix[column + 1] = scaleY * matrix[column + 1] + shiftY * matrix[column + 3];
   }
-  return cameraFromMatrices(camera.viewMatrix, matrix, { near: camera.near, far: camera.far });
+  const { viewMatrix, projectionMatrix, near, far } = camera;
+  return {
+    ...cameraFromMatrices(viewMatrix, matrix, { near, far }),
+    wholeProjectionMatrix: projectionMatrix,
+  };
 }
 
 /** Width and height of what is drawn for a tile. */

@@ -119,6 +119,18 @@ describe('cameras', () => {
     });
   }
 
+  test('a part of an image has the clamp of the whole', () => {
+    const whole = projectionOf(perspective, 300, 200);
+    const half = Float64Array.from(perspective.projectionMatrix);
+    for (const column of [0, 4, 8, 12]) half[column] = 2 * half[column] - half[column + 3];
+    const camera = { ...perspective, projectionMatrix: half };
+    const alone = projectionOf(camera, 150, 200);
+    const part = projectionOf({ ...camera, wholeProjectionMatrix: perspective.projectionMatrix }, 150, 200);
+    expect(part).toEqual({ ...alone, clampX: whole.clampX, clampY: whole.clampY });
+    expect(part.edgesX[1]).toBeCloseTo(whole.edgesX[1], 12);
+    expect(alone.clampX[0]).toBeGreaterThan(whole.clampX[0]);
+  });
+
   test('a centred clamp is 1.3 times the tangent of half the field of view', () => {
     const { clampY } = projectionOf(perspective, 300, 200);
     expect(clampY[1]).toBeCloseTo(1.3 * Math.tan((20 * Math.PI) / 180), 12);

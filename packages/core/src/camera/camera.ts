@@ -11,6 +11,11 @@ export interface Camera {
   readonly viewMatrix: ArrayLike<number>;
   /** View to clip. Only x, y and w are used, so either depth convention works. */
   readonly projectionMatrix: ArrayLike<number>;
+  /**
+   * Projection of the whole image, if this camera shows a part of it, such as a tile of a large picture: splats that reach into
+   * the part from outside then look as they do in the whole. Default: `projectionMatrix`.
+   */
+  readonly wholeProjectionMatrix?: ArrayLike<number> | undefined;
   /** View depth up to which nothing is drawn, world units. */
   readonly near: number;
   /** View depth beyond which nothing is drawn, world units; Infinity allowed. */
@@ -132,36 +137,42 @@ export interface Projection {
 }
 
 /**
- * How far outside the image the Jacobian follows x/depth, as a fraction of the image's width. For a centred view the clamp is
+ * How far outside the whole image the Jacobian follows x/depth, as a fraction of its width. For a centred view the clamp is
  * at 1.3 times the tangent of half the field of view, as in the affine approximation of the original implementation.
  */
 const JACOBIAN_MARGIN = 0.15;
 
 /** Returns the projection of `camera` for an image of `widthPx` × `heightPx`. */
 export function projectionOf(camera: Camera, widthPx: number, heightPx: number): Projection {
-  const p = camera.projectionMatrix;
-  const isOrthographic = p[11] === 0;
-  // Perspective: w = depth, so ndc x = p0·x/depth − p8. Orthographic: w = p15, ndc x = (p0·x + p12) / p15.
-  const w = isOrthographic ? p[15] : -p[11];
-  const scaleX = p[0] / w;
-  const scaleY = p[5] / w;
-  const shiftX = isOrthographic ? p[12] / w : -p[8] / w;
-  const shiftY = isOrthographic ? p[13] / w : -p[9] / w;
-  const edgesX = [(-1 - shiftX) / scaleX, (1 - shiftX) / scaleX] as const;
-  const edgesY = [(-1 - shiftY) / scaleY, (1 - shiftY) / scaleY] as const;
+  const { projectionMatrix, wholeProjectionMatrix = projectionMatrix, near, far } = camera;
+  const [scaleX, shiftX, edgesX] = axisOf(projectionMatrix, 0);
+  const [scaleY, shiftY, edgesY] = axisOf(projectionMatrix, 1);
   return {
-    isOrthographic,
+    isOrthographic: projectionMatrix[11] === 0,
     widthPx,
     heightPx,
     focalPx: [(scaleX * widthPx) / 2, (scaleY * heightPx) / 2],
     centerPx: [((1 + shiftX) * widthPx) / 2, ((1 - shiftY) * heightPx) / 2],
     edgesX,
     edgesY,
-    clampX: widened(edgesX),
-    clampY: widened(edgesY),
-    near: camera.near,
-    far: camera.far,
+    clampX: widened(axisOf(wholeProjectionMatrix, 0)[2]),
+    clampY: widened(axisOf(wholeProjectionMatrix, 1)[2]),
+    near,
+    far,
   };
+}
+
+/** Along x or y: the scale and shift from tangent (orthographic: length) to ndc, and what is seen at ndc −1 and 1. */
+function axisOf(
+  p: ArrayLike<number>,
+  axis: 0 | 1,
+): readonly [scale: number, shift: number, edges: readonly [number, number]] {
+  // Perspective: w = depth, so ndc x = p0·x/depth − p8. Orthographic: w = p15, ndc x = (p0·x + p12) / p15.
+  const isOrthographic = p[11] === 0;
+  const w = isOrthographic ? p[15] : -p[11];
+  const scale = p[5 * axis] / w;
+  const shift = isOrthographic ? p[12 + axis] / w : -p[8 + axis] / w;
+  return [scale, shift, [(-1 - shift) / scale, (1 - shift) / scale]];
 }
 
 /** A line of sight in world space: its point at view depth d is origin + d·direction. */

@@ -154,6 +154,7 @@ function copied(camera: Camera): Camera {
     ...camera,
     viewMatrix: new Float64Array(camera.viewMatrix),
     projectionMatrix: new Float64Array(camera.projectionMatrix),
+    wholeProjectionMatrix: camera.wholeProjectionMatrix && new Float64Array(camera.wholeProjectionMatrix),
   };
 }
 

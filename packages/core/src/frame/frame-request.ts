@@ -46,7 +46,7 @@ export interface FrameRequest {
   readonly force?: boolean;
 }
 
-function isMatrix(values: ArrayLike<number>): boolean {
+function isMatrix(values: ArrayLike<number> | undefined): boolean {
   return values?.length === 16 && Array.prototype.every.call(values, Number.isFinite);
 }
 
@@ -62,8 +62,9 @@ export function checkRequest(request: FrameRequest, device: GPUDevice): void {
       `The image size is ${shown(widthPx)}×${shown(heightPx)}; use whole numbers of pixels.`,
     );
   }
-  for (const name of ['viewMatrix', 'projectionMatrix'] as const) {
-    if (!isMatrix(camera?.[name])) {
+  for (const name of ['viewMatrix', 'projectionMatrix', 'wholeProjectionMatrix'] as const) {
+    const isLeftOut = name === 'wholeProjectionMatrix' && camera[name] === undefined;
+    if (!isLeftOut && !isMatrix(camera?.[name])) {
       throw new InvalidArgumentError(name, `The camera's ${name} must be 16 finite numbers, column-major.`);
     }
   }

@@ -13,6 +13,7 @@ export function isSameOrder(a: FramePlan, b: FramePlan): boolean {
     a.shape.sortsByDistance === b.shape.sortsByDistance &&
     isSameNumbers(a.camera.viewMatrix, b.camera.viewMatrix) &&
     isSameNumbers(a.camera.projectionMatrix, b.camera.projectionMatrix) &&
+    isSameNumbers(wholeOf(a), wholeOf(b)) &&
     a.clouds.length === b.clouds.length &&
     a.clouds.every((cloud, i) => {
       const other = b.clouds[i];
@@ -71,6 +72,10 @@ function isSameValues(a: GpuValues<GpuFields> | null, b: GpuValues<GpuFields> | 
       ? isSameNumber(value as number, other as number)
       : isSameNumbers(value, other);
   });
+}
+
+function wholeOf({ camera }: FramePlan): ArrayLike<number> {
+  return camera.wholeProjectionMatrix ?? camera.projectionMatrix;
 }
 
 function isSameNumbers(a: ArrayLike<number>, b: ArrayLike<number>): boolean {
