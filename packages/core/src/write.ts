@@ -3,6 +3,7 @@
  * it.
  */
 export { type CropBox, cropSplats } from './editing/crop-splats.ts';
+export { filterSplats } from './editing/filter-splats.ts';
 export { limitDegree } from './editing/limit-degree.ts';
 export { mergeSplats } from './editing/merge-splats.ts';
 export {

@@ -1,10 +1,10 @@
 import { InvalidArgumentError } from '../errors.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
-import { permuteSplats } from '../packing/morton-order.ts';
 import { shown } from '../printable.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { checkNumbers } from './check-numbers.ts';
+import { filterSplats } from './filter-splats.ts';
 
 /** A box in the scene's space, to which its sides belong. */
 export interface CropBox {
@@ -34,21 +34,19 @@ export function cropSplats<Kind extends Harmonics>(
     throw new InvalidArgumentError('box', message);
   }
   const { positions, origin, count } = set;
-  const kept = new Uint32Array(count);
-  let found = 0;
-  for (let i = 0; i < count; i++) {
+  const cropped = filterSplats(set, (i) => {
     let isInside = true;
     for (let axis = 0; axis < 3; axis++) {
       const value = positions[3 * i + axis] + origin[axis];
       isInside &&= value >= min[axis] && value <= max[axis];
     }
-    if (isInside === (keep === 'inside')) kept[found++] = i;
-  }
-  if (found === 0) {
+    return isInside === (keep === 'inside');
+  });
+  if (cropped.count === 0) {
     const place = keep === 'inside' ? 'between' : 'outside of the box from';
     const end = keep === 'inside' ? 'and' : 'to';
     const message = `None of ${count} splats is ${place} ${min.join(', ')} ${end} ${max.join(', ')}.`;
     throw new InvalidArgumentError('box', message);
   }
-  return permuteSplats(set, kept.subarray(0, found));
+  return cropped;
 }

@@ -25,7 +25,7 @@ export const NO_EFFECTS: EffectSet = {
 
 /** Binding of the parameters, in every stage that applies effects. */
 const PARAMETERS_BINDING = 16;
-/** Binding of one bit per splat of the page, in stages with hooks that take `selected`. */
+/** Binding of one bit per splat of the page and selection, in stages with hooks that take `selected`. */
 const SELECTED_BINDING = 17;
 /** Structs in a uniform buffer begin at multiples of this many bytes. */
 export const STRUCT_ALIGNMENT = 16;
@@ -48,6 +48,11 @@ export function effectSetOf(uses: readonly EffectUse[]): EffectSet {
 /** Whether a stage with these hooks needs the selection. */
 export function takesSelection({ effects }: EffectSet, hooks: readonly SelectionHook[]): boolean {
   return effects.some((effect) => effect.takesSelection && hooks.some((hook) => effect.hooks[hook]));
+}
+
+/** How many effects of the set take a selection, each of its own. */
+export function selectionsOf({ effects }: Pick<EffectSet, 'effects'>): number {
+  return effects.filter((effect) => effect.takesSelection).length;
 }
 
 /** Whether any effect of the set uses this hook. */
@@ -119,6 +124,7 @@ const HOOK_FUNCTIONS: Readonly<
  */
 function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
   const withParameters = effects.filter(({ parameters }) => parameters !== null);
+  const selecting = effects.filter((effect) => effect.takesSelection);
   const structs = withParameters.map(({ parameters }) => parameters!.wgsl);
   const members = withParameters.map(
     (effect) =>
@@ -135,7 +141,10 @@ function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
     const { name, type, others } = HOOK_FUNCTIONS[hook];
     const passed = others.map((parameter) => parameter.split(':')[0]);
     const steps = acting.map((effect) => {
-      const selected = effect.takesSelection && hook !== 'opacity' ? ['isSelected(splatIndex)'] : [];
+      const selected =
+        effect.takesSelection && hook !== 'opacity'
+          ? [`isSelected(splatIndex, ${selecting.indexOf(effect)}u)`]
+          : [];
       const own = effect.parameters ? [`effects.${memberOf(effect)}`] : [];
       return `  changed = ${effect.hooks[hook]}(${['changed', ...passed, ...selected, ...own].join(', ')});`;
     });
@@ -155,14 +164,17 @@ function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
           `@group(0) @binding(${PARAMETERS_BINDING}) var<uniform> effects: Effects;`,
         ]
       : [];
-  const selection = effects.some(({ takesSelection }) => takesSelection)
-    ? [
-        `@group(0) @binding(${SELECTED_BINDING}) var<storage, read> selectedBits: array<u32>;`,
-        'fn isSelected(splatIndex: u32) -> bool {',
-        '  return extractBits(selectedBits[splatIndex / 32u], splatIndex % 32u, 1u) == 1u;',
-        '}',
-      ]
-    : [];
+  // The bits of one selection after those of another.
+  const selection =
+    selecting.length > 0
+      ? [
+          `@group(0) @binding(${SELECTED_BINDING}) var<storage, read> selectedBits: array<u32>;`,
+          'fn isSelected(splatIndex: u32, selection: u32) -> bool {',
+          `  let first = selection * (arrayLength(&selectedBits) / ${selecting.length}u);`,
+          '  return extractBits(selectedBits[first + splatIndex / 32u], splatIndex % 32u, 1u) == 1u;',
+          '}',
+        ]
+      : [];
   return {
     effects: [...imports, ...uniform, ...selection, ...functions].join('\n'),
     parameters: [...structs, `struct Effects {\n${members.join('\n')}\n}`].join('\n'),

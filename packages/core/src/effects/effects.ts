@@ -37,7 +37,7 @@ interface EffectSource {
  * Returns the effects that a cloud is drawn with, in order: the caller's own in the given order, since they may move splats,
  * then those of CLOUD_EFFECTS, including the ones that the cloud itself needs.
  *
- * @throws InvalidArgumentError if an effect is used twice, two take different selections, or the opacity is out of range.
+ * @throws InvalidArgumentError if an effect is used twice, or the opacity is out of range.
  */
 export function usesOf(source: EffectSource): readonly EffectUse[] {
   const { effects: requested = [] } = source;
@@ -59,11 +59,6 @@ export function usesOf(source: EffectSource): readonly EffectUse[] {
     throw new InvalidArgumentError('effects', message);
   }
   const acting = uses.filter(({ reason }) => reason !== null);
-  const selecting = acting.filter(({ selection }) => selection !== null);
-  if (selecting.some(({ selection }) => selection !== selecting[0].selection)) {
-    const message = `The effects ${selecting.map(({ effect }) => effect.name).join(', ')} of one cloud take different selections; give all of them the same one.`;
-    throw new InvalidArgumentError('effects', message);
-  }
   return acting.toSorted((a, b) => CLOUD_EFFECTS.indexOf(a.effect) - CLOUD_EFFECTS.indexOf(b.effect));
 }
 

@@ -112,6 +112,30 @@ describe('a highlight', () => {
   });
 });
 
+gpuTest('effects of one cloud act on selections of their own, which change one by one', async () => {
+  const engine = await SplatEngine.create({ device, accuracy: 'high' });
+  const view = engine.createView();
+  const cloud = engine.add(SET, { splatsPerPage: 256 });
+  const [hidden, shown] = [new SplatSelection(), new SplatSelection()];
+  const effects = [hide(hidden), marked(shown)];
+  const bits = Math.ceil(SET.count / 256) * 32;
+  for (const [from, every] of [
+    [0, 3],
+    [1, 2],
+  ]) {
+    hidden.setWords(Uint32Array.of(0xffff));
+    shown.clear();
+    shown.add(Array.from({ length: 200 }, (_, i) => from + every * i));
+    view.render({ camera, clouds: [{ cloud, effects }], ...SIZE });
+    const { data } = await view.readPixels();
+    const twin = renderReference({ clouds: [{ set: SET, effects }], effectTwins, camera, ...SIZE });
+    expect(compareImages(data, twin.data, SIZE).psnrDb).toBeGreaterThan(60);
+    const held = engine.memory().resources.find(({ label }) => label === 'frame selections');
+    expect(held?.bytes).toBeGreaterThanOrEqual(2 * (bits - 32));
+  }
+  engine.destroy();
+});
+
 gpuTest('effects that change splats also take the selection', async () => {
   const engine = await SplatEngine.create({ device, accuracy: 'high' });
   const view = engine.createView();

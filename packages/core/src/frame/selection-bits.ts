@@ -1,5 +1,5 @@
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { takesSelection } from '../effects/effect-set.ts';
+import { selectionsOf, takesSelection } from '../effects/effect-set.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { roundUp } from '../layout/gpu-struct.ts';
@@ -18,18 +18,21 @@ interface PageSlice {
   readonly splatStart: number;
   readonly splatCount: number;
   readonly byteOffset: number;
+  /** How many selections have their bits there, one after another. */
+  readonly selections: number;
+  /** Of one selection. */
   readonly bytes: number;
 }
 
-/** One bit per splat for the clouds of a frame whose effects take a selection. */
+/** One bit per splat and selection for the clouds of a frame whose effects take selections. */
 export class SelectionBits {
   readonly #memory: GpuMemory;
   readonly #queue: GPUQueue;
   #buffer: GPUBuffer | null = null;
   /** By page of the frame; null for clouds whose effects take no selection. */
   #slices: readonly (PageSlice | null)[] = [];
-  /** By cloud of the frame: the version of the selection that the buffer holds. */
-  readonly #written = new Map<number, number>();
+  /** By cloud of the frame: the versions of the selections that the buffer holds. */
+  readonly #written = new Map<number, readonly number[]>();
 
   constructor(memory: GpuMemory, queue: GPUQueue) {
     this.#memory = memory;
@@ -45,7 +48,7 @@ export class SelectionBits {
     this.#buffer = null;
     this.#written.clear();
     this.#slices = [];
-    const bytes = Math.max(0, ...slices.map((slice) => (slice ? slice.byteOffset + slice.bytes : 0)));
+    const bytes = Math.max(0, ...slices.map((slice) => (slice ? slice.byteOffset + sizeOf(slice) : 0)));
     const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_DST;
     if (bytes > 0) this.#buffer = this.#memory.createBuffer('frame selections', bytes, usage);
     this.#slices = slices;
@@ -54,10 +57,10 @@ export class SelectionBits {
   /** Returns the binding of a page's stages, or null if they need none. */
   bindingOf(pageIndex: number): GPUBufferBinding | null {
     const slice = this.#slices[pageIndex];
-    return slice && { buffer: this.#buffer!, offset: slice.byteOffset, size: slice.bytes };
+    return slice && { buffer: this.#buffer!, offset: slice.byteOffset, size: sizeOf(slice) };
   }
 
-  /** Bytes of one cloud's bits. */
+  /** Bytes of one selection of a cloud. */
   bytesOf(cloudIndex: number): number {
     return this.#slices.reduce((sum, slice) => sum + (slice?.cloudIndex === cloudIndex ? slice.bytes : 0), 0);
   }
@@ -66,15 +69,21 @@ export class SelectionBits {
   write(clouds: readonly CloudPlan[]): void {
     if (!this.#buffer) return;
     for (const [cloudIndex, { instance, uses }] of clouds.entries()) {
-      const selection = uses.find(({ use }) => use.selection)?.use.selection;
-      if (!selection || this.#written.get(cloudIndex) === selection.version) continue;
+      const selections = uses.map(({ use }) => use.selection).filter((selection) => selection !== null);
+      const written = this.#written.get(cloudIndex);
       for (const slice of this.#slices) {
         if (slice?.cloudIndex !== cloudIndex) continue;
-        const { splatStart, splatCount, byteOffset } = slice;
+        const { splatStart, splatCount, byteOffset, bytes } = slice;
         const rows = instance.cloud.fileIndices.subarray(splatStart, splatStart + splatCount);
-        this.#queue.writeBuffer(this.#buffer, byteOffset, selection.bitsOf(rows));
+        for (const [i, selection] of selections.entries()) {
+          if (written?.[i] === selection.version) continue;
+          this.#queue.writeBuffer(this.#buffer, byteOffset + i * bytes, selection.bitsOf(rows));
+        }
       }
-      this.#written.set(cloudIndex, selection.version);
+      this.#written.set(
+        cloudIndex,
+        selections.map(({ version }) => version),
+      );
     }
   }
 }
@@ -82,15 +91,21 @@ export class SelectionBits {
 function slicesOf(clouds: readonly CloudShape[], pages: readonly FramePage[]): (PageSlice | null)[] {
   let byteOffset = 0;
   return pages.map(({ cloudIndex, chunkStart, splatCount }) => {
-    if (!takesSelection(clouds[cloudIndex].effects, ['splat', 'color'])) return null;
+    const { effects } = clouds[cloudIndex];
+    if (!takesSelection(effects, ['splat', 'color'])) return null;
     const first = pages.find((page) => page.cloudIndex === cloudIndex)!;
     const splatStart = (chunkStart - first.chunkStart) * CHUNK_SPLATS;
     const bytes = 4 * Math.ceil(splatCount / 32);
     const { cloud } = clouds[cloudIndex];
-    const slice = { cloud, cloudIndex, splatStart, splatCount, byteOffset, bytes };
-    byteOffset = roundUp(byteOffset + bytes, STORAGE_ALIGNMENT);
+    const selections = selectionsOf(effects);
+    const slice = { cloud, cloudIndex, splatStart, splatCount, byteOffset, selections, bytes };
+    byteOffset = roundUp(byteOffset + sizeOf(slice), STORAGE_ALIGNMENT);
     return slice;
   });
+}
+
+function sizeOf({ selections, bytes }: PageSlice): number {
+  return selections * bytes;
 }
 
 function isSame(a: PageSlice | null, b: PageSlice | null): boolean {
@@ -99,6 +114,7 @@ function isSame(a: PageSlice | null, b: PageSlice | null): boolean {
     a.cloud === b.cloud &&
     a.cloudIndex === b.cloudIndex &&
     a.splatStart === b.splatStart &&
-    a.splatCount === b.splatCount
+    a.splatCount === b.splatCount &&
+    a.selections === b.selections
   );
 }

@@ -26,6 +26,26 @@ describe('a selection', () => {
     );
   });
 
+  test('takes all rows at once as bits, of which it keeps a copy', () => {
+    fc.assert(
+      fc.property(fc.uint32Array({ maxLength: 5 }), (words) => {
+        const selection = new SplatSelection();
+        selection.add([7, 500]);
+        const { version } = selection;
+        selection.setWords(words);
+        const rows = Array.from({ length: 32 * words.length }, (_, row) => row);
+        const selected = rows.filter((row) => (words[Math.floor(row / 32)] >>> (row % 32)) & 1);
+        expect(selection.count).toBe(selected.length);
+        expect(selection.version).not.toBe(version);
+        expect(rows.filter((row) => selection.has(row))).toEqual(selected);
+        expect(selection.has(500)).toBe(false);
+        const before = words.slice();
+        selection.add([0]);
+        expect(words).toEqual(before);
+      }),
+    );
+  });
+
   test('has another version after every change, and only then', () => {
     const selection = new SplatSelection();
     const versions = [selection.version];

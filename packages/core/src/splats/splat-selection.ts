@@ -39,6 +39,16 @@ export class SplatSelection {
     this.#set(rows, false);
   }
 
+  /**
+   * Selects exactly the rows whose bits are set: bit `row % 32` of word `row / 32`; rows beyond the words are not selected. For
+   * millions of rows, much faster than one by one.
+   */
+  setWords(words: Uint32Array): void {
+    this.#words = words.slice();
+    this.#count = countOfBits(words);
+    this.#version = ++versionsGiven;
+  }
+
   clear(): void {
     if (this.#count === 0) return;
     this.#words = new Uint32Array();
@@ -49,7 +59,8 @@ export class SplatSelection {
   /** @internal One bit per entry of `rows`, lowest bit first: whether that row is selected. */
   bitsOf(rows: Uint32Array): Uint32Array<ArrayBuffer> {
     const bits = new Uint32Array(Math.ceil(rows.length / 32));
-    for (let i = 0; i < rows.length; i++) if (this.has(rows[i])) bits[Math.floor(i / 32)] |= 1 << (i % 32);
+    const words = this.#words;
+    for (let i = 0; i < rows.length; i++) bits[i >>> 5] |= ((words[rows[i] >>> 5] >>> (rows[i] & 31)) & 1) << (i & 31);
     return bits;
   }
 
@@ -77,4 +88,15 @@ export class SplatSelection {
     larger.set(this.#words);
     this.#words = larger;
   }
+}
+
+/** How many bits of `words` are set. */
+export function countOfBits(words: Uint32Array): number {
+  let count = 0;
+  for (const word of words) {
+    const pairs = word - ((word >>> 1) & 0x55555555);
+    const nibbles = (pairs & 0x33333333) + ((pairs >>> 2) & 0x33333333);
+    count += Math.imul((nibbles + (nibbles >>> 4)) & 0x0f0f0f0f, 0x01010101) >>> 24;
+  }
+  return count;
 }
