@@ -1,9 +1,10 @@
 import type { SplatCloud, SplatView } from '@websplatter/core';
+import type { EffectUse } from '@websplatter/core/effects';
 import { flippedMatrix } from '../camera/flip.ts';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { ViewCamera } from '../camera/view-camera.ts';
 import type { Scenes } from '../scene/scenes.ts';
-import type { ShownScene } from '../scene/shown-scene.ts';
+import { cloudKeys, type ShownScene } from '../scene/shown-scene.ts';
 import type { Session } from '../session/session.ts';
 import type { SessionOwner } from '../session/session-owner.ts';
 import { sideAccuracy } from '../state/comparison.ts';
@@ -33,7 +34,7 @@ export class Drawing {
   readonly #meter = new FrameMeter();
   #background: Vec3 = [0, 0, 0];
   /** Made anew when panels ask for something else. */
-  #joined = { requested: NO_EFFECTS, effects: joinedEffects(NO_EFFECTS) };
+  #joined = { requested: NO_EFFECTS, byCloud: new Map<string, readonly EffectUse[]>() };
   #drawn: DrawnFrame | null = null;
   #frameCount = 0;
   #hasPicture = false;
@@ -118,15 +119,22 @@ export class Drawing {
 
   #frameOf(scene: ShownScene, camera: DrawnFrame['frame']['camera']): DrawnFrame['frame'] {
     const { widthPx, heightPx, isFlipped, requested } = this.#options.store.getState();
-    if (requested !== this.#joined.requested) this.#joined = { requested, effects: joinedEffects(requested) };
-    const { effects } = this.#joined;
-    const clouds = scene.clouds.map(({ cloud, modelMatrix, opacity }) => ({
+    if (requested !== this.#joined.requested) this.#joined = { requested, byCloud: new Map() };
+    const keys = cloudKeys(scene);
+    const clouds = scene.clouds.map(({ cloud, modelMatrix, opacity }, i) => ({
       cloud,
       opacity,
       modelMatrix: isFlipped ? flippedMatrix(modelMatrix) : modelMatrix,
-      effects,
+      effects: this.#effectsOf(keys[i]),
     }));
     return { camera, clouds, widthPx, heightPx, background: this.#background };
+  }
+
+  #effectsOf(cloudKey: string): readonly EffectUse[] {
+    const { requested, byCloud } = this.#joined;
+    const effects = byCloud.get(cloudKey) ?? joinedEffects(requested, cloudKey);
+    byCloud.set(cloudKey, effects);
+    return effects;
   }
 
   /** Draws both sides of a split image, or the only one; returns whether anything was, or will be, submitted. */

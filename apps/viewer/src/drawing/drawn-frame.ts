@@ -27,9 +27,13 @@ export function imageKey({ scene, frame }: DrawnFrame): string {
   const { camera, clouds, widthPx, heightPx } = frame;
   const models = clouds.map(({ modelMatrix }) => modelMatrix && Array.from(modelMatrix));
   const parts = scene.parts.map(({ key, look }) => [key, look.isHidden, look.opacity]);
-  // A selection is told by its reason: how many splats it has.
   const effects = clouds.map((cloud) =>
-    cloud.effects?.map(({ effect, options, reason }) => [effect.name, options, reason]),
+    cloud.effects?.map(({ effect, options, selection, reason }) => [
+      effect.name,
+      options,
+      selection?.version,
+      reason,
+    ]),
   );
   const { viewMatrix, projectionMatrix } = camera;
   const matrices = [Array.from(viewMatrix), Array.from(projectionMatrix), models];

@@ -18,28 +18,33 @@ const plane = { shape: 'plane', point: [0, 0, 0], normal: [0, 1, 0] } as const;
 const namesOf = (uses: readonly EffectUse[]) => uses.map(({ effect }) => effect.name);
 
 it('is empty where nobody asks for anything', () => {
-  expect(joinedEffects(NO_EFFECTS)).toEqual([]);
+  expect(joinedEffects(NO_EFFECTS, '1/0')).toEqual([]);
 });
 
 it('joins what several panels ask for', () => {
   const grey = fog({ color: [0.5, 0.5, 0.5], density: 1 });
-  const joined = joinedEffects({ ...NO_EFFECTS, effects: [grey], inspecting: [tint([1, 0, 0])] });
-  expect(namesOf(joined)).toEqual(['fog', 'tint']);
+  const marked = new Map([['1/0', [tint([1, 0, 0])]]]);
+  const requested = { ...NO_EFFECTS, effects: [grey], marked };
+  expect(namesOf(joinedEffects(requested, '1/0'))).toEqual(['fog', 'tint']);
+  // Other clouds have other marks, or none.
+  expect(namesOf(joinedEffects(requested, '2/0'))).toEqual(['fog']);
 });
 
 it('cuts with the volumes of all panels, with the softest edge', () => {
-  const joined = joinedEffects({
+  const requested = {
     ...NO_EFFECTS,
     effects: [clip({ volumes: [plane], softEdge: 0.25 })],
     crop: [clip({ volumes: [box] })],
-  });
+  };
+  const joined = joinedEffects(requested, '1/0');
   expect(namesOf(joined)).toEqual(['clip']);
   expect(joined[0].options as ClipOptions).toEqual({ volumes: [plane, box], softEdge: 0.25 });
 });
 
 it('lets the last of several panels have any other effect', () => {
   const red = tint([1, 0, 0]);
-  expect(joinedEffects({ ...NO_EFFECTS, effects: [tint([0, 1, 0])], inspecting: [red] })).toEqual([red]);
+  const marked = new Map([['1/0', [red]]]);
+  expect(joinedEffects({ ...NO_EFFECTS, effects: [tint([0, 1, 0])], marked }, '1/0')).toEqual([red]);
 });
 
 it('leaves the colours of a view mode as they are, but for marks', () => {
@@ -53,9 +58,9 @@ it('leaves the colours of a view mode as they are, but for marks', () => {
   })();
   const marked = highlight({ selection: new SplatSelection(), color: [1, 0, 0], strength: 1 });
   const effects = [antialias(true), tint([1, 0, 0]), clip({ volumes: [box] }), marked];
-  const joined = joinedEffects({ ...NO_EFFECTS, effects, 'view-mode': [mode, antialias(false)] });
+  const joined = joinedEffects({ ...NO_EFFECTS, effects, 'view-mode': [mode, antialias(false)] }, '1/0');
   expect(namesOf(joined)).toEqual(['antialias', 'clip', 'highlight', 'own-colors']);
   expect(joined[0].options).toBe(false);
-  const unmarked = joinedEffects({ ...NO_EFFECTS, effects, 'view-mode': [antialias(false)] });
+  const unmarked = joinedEffects({ ...NO_EFFECTS, effects, 'view-mode': [antialias(false)] }, '1/0');
   expect(namesOf(unmarked)).toEqual(['antialias', 'tint', 'clip', 'highlight']);
 });

@@ -1,16 +1,22 @@
 import { type ClipOptions, clip, type EffectUse } from '@websplatter/core/effects';
-import { EFFECT_OWNERS, type RequestedEffects } from '../state/requested-effects.ts';
+import { CLOUD_EFFECT_OWNERS, EFFECT_OWNERS, type RequestedEffects } from '../state/requested-effects.ts';
 
 /**
- * What all panels together ask for. Clip volumes of several panels cut together; of any other effect that several ask for, the
- * panel acts that stands last in `EFFECT_OWNERS`. Where a view mode gives splats colours of its own, nothing else changes them
+ * What all panels together ask for of a cloud. Clip volumes of several panels cut together; of any other effect that several ask for, the
+ * panel acts that stands last in the lists of owners. Where a view mode gives splats colours of its own, nothing else changes them
  * but what marks a selection.
+ *
+ * @param cloudKey of `cloudKeys`.
  */
-export function joinedEffects(requested: RequestedEffects): readonly EffectUse[] {
+export function joinedEffects(requested: RequestedEffects, cloudKey: string): readonly EffectUse[] {
   const byName = new Map<string, EffectUse>();
   const own = requested['view-mode'];
   const isColored = own.some(({ effect }) => effect.hooks.color !== undefined);
-  for (const use of EFFECT_OWNERS.flatMap((owner) => requested[owner])) {
+  const uses = [
+    ...EFFECT_OWNERS.flatMap((owner) => requested[owner]),
+    ...CLOUD_EFFECT_OWNERS.flatMap((owner) => requested[owner].get(cloudKey) ?? []),
+  ];
+  for (const use of uses) {
     if (isColored && !own.includes(use) && recolorsAll(use)) continue;
     const { name } = use.effect;
     const before = byName.get(name);

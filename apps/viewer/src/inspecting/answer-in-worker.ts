@@ -1,14 +1,8 @@
 import { readAgain } from '../rereading/read-again.ts';
+import { rowsWithin } from '../selecting/rows-within.ts';
 import type { Histograms } from '../state/inspecting.ts';
 import type { AskRequest, CloudToRead, InspectReply, InspectRequest } from './inspect-messages.ts';
-import {
-  boundsInImage,
-  cropCount,
-  histogramsOf,
-  type ReadCloud,
-  rowsInBin,
-  splatInRow,
-} from './scene-answers.ts';
+import { boundsInImage, cropCount, histogramsOf, type ReadCloud, splatInRow } from './scene-answers.ts';
 
 type Reply = (message: InspectReply) => void;
 
@@ -47,14 +41,19 @@ function answerOf(clouds: readonly ReadCloud[], request: AskRequest) {
       return splatInRow(clouds[cloudIndex], row);
     }
     case 'histograms':
-      histograms ??= histogramsOf(clouds);
-      return histograms;
-    case 'rows':
-      histograms ??= histogramsOf(clouds);
-      return rowsInBin(clouds, histograms, request.question);
+      return counted(clouds);
+    case 'within': {
+      const { region, crop } = request.question;
+      return rowsWithin(clouds, region, crop, () => counted(clouds));
+    }
     case 'count':
       return cropCount(clouds, request.question);
     case 'seen':
       return boundsInImage(clouds, request.question);
   }
+}
+
+function counted(clouds: readonly ReadCloud[]): Histograms {
+  histograms ??= histogramsOf(clouds);
+  return histograms;
 }

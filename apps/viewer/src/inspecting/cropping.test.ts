@@ -1,5 +1,5 @@
 import { perspectiveCamera } from '@websplatter/core';
-import type { ClipOptions } from '@websplatter/core/effects';
+import type { ClipOptions, EffectUse } from '@websplatter/core/effects';
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
 import type { Crop } from '../state/inspecting.ts';
@@ -56,7 +56,9 @@ describe('a slider', () => {
 
 describe('cropping', () => {
   const volumesOf = ({ viewer }: ReturnType<typeof fakeTools>) =>
-    viewer.setEffects.mock.lastCall?.[1].flatMap(({ options }) => (options as ClipOptions).volumes);
+    (viewer.setEffects.mock.lastCall?.[1] as EffectUse[] | undefined)?.flatMap(
+      ({ options }) => (options as ClipOptions).volumes,
+    );
 
   it('draws what stays at once, and counts it', async () => {
     const fake = fakeTools();

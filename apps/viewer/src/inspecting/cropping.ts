@@ -4,6 +4,7 @@ import { boundsOf } from '../camera/scene-bounds.ts';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { Crop } from '../state/inspecting.ts';
 import type { InspectTools } from './inspect-tools.ts';
+import { shownLook } from './shown-look.ts';
 
 type Box = Pick<Crop, 'min' | 'max'>;
 
@@ -103,13 +104,10 @@ export class Cropping {
 
   /** Crops to the smallest box that has all splats whose centres are within the image. */
   async cropToView(): Promise<void> {
-    const { store, viewer, reader, update } = this.#tools;
-    const camera = viewer.shownFrame?.frame.camera;
-    if (!camera) return;
-    const { isFlipped } = store.getState();
-    const viewMatrix = Array.from(camera.viewMatrix);
-    const projectionMatrix = Array.from(camera.projectionMatrix);
-    const bounds = await reader.ask('seen', { viewMatrix, projectionMatrix, isFlipped });
+    const { reader, update } = this.#tools;
+    const look = shownLook(this.#tools);
+    if (!look) return;
+    const bounds = await reader.ask('seen', look);
     if (bounds === null) update({ problem: 'No splat is within the image.' });
     if (bounds) this.set({ min: bounds.min, max: bounds.max, keep: 'inside' });
   }

@@ -1,17 +1,19 @@
+import { cloudKeys } from '../scene/shown-scene.ts';
 import type { MarkedBin } from '../state/inspecting.ts';
+import type { RowMasks } from '../state/selecting.ts';
 import type { InspectTools } from './inspect-tools.ts';
 
 /** Counts splats by their values, and finds those of a bin. */
 export class HistogramMarks {
   readonly #tools: InspectTools;
   /** Rows of the marked bin, once they are known. */
-  #rows: Uint32Array<ArrayBuffer> | null = null;
+  #rows: RowMasks | null = null;
 
   constructor(tools: InspectTools) {
     this.#tools = tools;
   }
 
-  get rows(): Uint32Array<ArrayBuffer> | null {
+  get rows(): RowMasks | null {
     return this.#rows;
   }
 
@@ -32,13 +34,15 @@ export class HistogramMarks {
 
   /** Marks the splats of a bin in the image, or with null none. */
   async mark(marked: MarkedBin | null): Promise<void> {
-    const { store, reader, update } = this.#tools;
+    const { store, reader, viewer, update } = this.#tools;
     if (!marked) this.forget();
     update({ marked });
-    if (!marked) return;
-    const rows = await reader.ask('rows', marked);
-    if (!rows || store.getState().inspecting.marked !== marked) return;
-    this.#rows = rows;
+    const scene = viewer.scenes.newest;
+    if (!marked || !scene) return;
+    const masks = await reader.ask('within', { region: { kind: 'bin', marked }, crop: null });
+    if (!masks || store.getState().inspecting.marked !== marked) return;
+    const keys = cloudKeys(scene);
+    this.#rows = new Map(masks.map((words, i) => [keys[i], words]));
     // The same bin, whose splats are known now.
     update({ marked: { ...marked } });
   }

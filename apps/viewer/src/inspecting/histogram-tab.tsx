@@ -16,12 +16,11 @@ const TITLES: Readonly<Record<Quantity, string>> = {
 /** How many splats of the scene have which size and opacity. */
 export function HistogramTab({ store, inspection }: InspectProps) {
   const histograms = useStore(store, (state) => state.inspecting.histograms);
-  const canMark = useStore(store, (state) => state.scene?.clouds === 1);
   return (
     <div className="inspect-sections">
       <p>
-        Standard deviations are in scene units. The height of a bar is the logarithm of its count.
-        {canMark && ' Move a slider to mark the splats of a bar in the image.'}
+        Standard deviations are in scene units. The height of a bar is the logarithm of its count. Move a
+        slider to mark the splats of a bar in the image.
       </p>
       {histograms &&
         QUANTITIES.map((quantity) => (
@@ -31,7 +30,6 @@ export function HistogramTab({ store, inspection }: InspectProps) {
             inspection={inspection}
             quantity={quantity}
             histogram={histograms[quantity]}
-            canMark={canMark}
           />
         ))}
     </div>
@@ -43,8 +41,7 @@ function HistogramChart({
   inspection,
   quantity,
   histogram,
-  canMark,
-}: InspectProps & { quantity: Quantity; histogram: Histogram; canMark: boolean }) {
+}: InspectProps & { quantity: Quantity; histogram: Histogram }) {
   const marked = useStore(store, (state) => state.inspecting.marked);
   const id = useId();
   const { edges, counts } = histogram;
@@ -65,18 +62,16 @@ function HistogramChart({
           />
         ))}
       </div>
-      {canMark && (
-        <input
-          type="range"
-          min={0}
-          max={counts.length - 1}
-          value={shown}
-          aria-labelledby={id}
-          aria-valuetext={textOf(shown)}
-          data-testid={`mark-${quantity}`}
-          onChange={({ target }) => void inspection.histograms.mark({ quantity, bin: target.valueAsNumber })}
-        />
-      )}
+      <input
+        type="range"
+        min={0}
+        max={counts.length - 1}
+        value={shown}
+        aria-labelledby={id}
+        aria-valuetext={textOf(shown)}
+        data-testid={`mark-${quantity}`}
+        onChange={({ target }) => void inspection.histograms.mark({ quantity, bin: target.valueAsNumber })}
+      />
       <div className="inspect-axis" aria-hidden="true">
         <span>{formatFigure(edges[0], 2)}</span>
         <span>{formatFigure(edges[edges.length - 1], 2)}</span>

@@ -2,6 +2,7 @@ import type { Camera } from '@websplatter/core';
 import { type TracedSplat, traceSplat } from '@websplatter/core/reference';
 import { flippedPoint } from '../camera/flip.ts';
 import type { Vec3 } from '../camera/vec3.ts';
+import type { DragRegion } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
@@ -10,7 +11,7 @@ import { rulerLength } from './rulers.ts';
 import { boxEdges, type ImageBox, type Place, seenLine, seenPoint } from './seen-line.ts';
 
 /**
- * Draws what is inspected over the image, into `svg`, which covers it: the ellipse of the splat, rulers, the box of the crop. It
+ * Draws what is inspected over the image, into `svg`, which covers it: the ellipse of the splat, rulers, the box of the crop, what a drag selects. It
  * follows the camera with each frame. Returns what stops that.
  */
 export function drawInspectMarks(svg: SVGSVGElement, viewer: Viewer, store: ViewerStore): () => void {
@@ -54,6 +55,8 @@ function marksOf(state: ViewerState, frame: ShownCamera, box: ImageBox): SVGElem
             boxEdges(inspecting.crop).map(([a, b]) => seenLine(frame.camera, box, world(a), world(b))),
           )
         : [];
+    case 'select':
+      return inspecting.selecting.dragged ? regionMarks(inspecting.selecting.dragged) : [];
     case 'histogram':
       return [];
   }
@@ -103,6 +106,22 @@ function labelOf([[x1, y1], [x2, y2]]: readonly [Place, Place], text: string): S
   });
   label.textContent = text;
   return label;
+}
+
+function regionMarks(dragged: DragRegion): SVGElement[] {
+  if (dragged.kind === 'brush') {
+    const { points, radius } = dragged;
+    // A line of no length has round ends too.
+    const d = `M${points[0]} ${points[1]}L${points.join(' ')}`;
+    return [
+      element('path', { class: 'mark-brush', 'data-mark': 'region', d, 'stroke-width': String(2 * radius) }),
+    ];
+  }
+  const { from, to } = dragged;
+  const d = `M${from[0]} ${from[1]}H${to[0]}V${to[1]}H${from[0]}Z`;
+  return ['halo', 'line', 'region'].map((layer) =>
+    element('path', { class: `mark-${layer}`, 'data-mark': 'region', d }),
+  );
 }
 
 /** White over dark: visible on every image. */

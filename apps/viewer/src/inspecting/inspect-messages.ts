@@ -1,6 +1,7 @@
 import type { Bounds, SplatSet } from '@websplatter/core';
 import type { StoredSource } from '../rereading/stored-source.ts';
 import type { Crop, CropCount, Histograms, MarkedBin } from '../state/inspecting.ts';
+import type { DragRegion } from '../state/selecting.ts';
 
 /** A cloud of the scene, to be read again. */
 export interface CloudToRead {
@@ -18,6 +19,20 @@ export interface Look {
   readonly isFlipped: boolean;
 }
 
+/** Which splats are asked for. */
+export type Region =
+  | { readonly kind: 'all' }
+  /** Those of a bin of the histograms. */
+  | { readonly kind: 'bin'; readonly marked: MarkedBin }
+  /** Those whose centres a drag has covered in an image of this size, CSS px. */
+  | {
+      readonly kind: 'dragged';
+      readonly dragged: DragRegion;
+      readonly width: number;
+      readonly height: number;
+      readonly look: Look;
+    };
+
 /** What can be asked of a scene, and the answer to each. */
 export interface Answers {
   /** A set of the splat in a row alone; null if there is none. */
@@ -26,8 +41,11 @@ export interface Answers {
     answer: SplatSet | null;
   };
   histograms: { readonly question: null; answer: Histograms };
-  /** The rows of the splats in a bin, of all clouds. */
-  rows: { readonly question: MarkedBin; answer: Uint32Array<ArrayBuffer> };
+  /** Of each cloud a bit per row: whether its splat is in the region, and left by the crop. */
+  within: {
+    readonly question: { readonly region: Region; readonly crop: Crop | null };
+    answer: readonly Uint32Array<ArrayBuffer>[];
+  };
   count: { readonly question: Crop; answer: CropCount };
   /** The box around all centres that are within the image; null if there are none. */
   seen: { readonly question: Look; answer: Bounds | null };

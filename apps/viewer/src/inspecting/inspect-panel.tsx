@@ -1,5 +1,6 @@
 import { useId } from 'react';
 import { useStore } from 'zustand';
+import { SelectTab } from '../selecting/select-tab.tsx';
 import type { InspectTab } from '../state/inspecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { Dock } from '../ui/dock.tsx';
@@ -15,12 +16,19 @@ const TABS: Readonly<Record<InspectTab, string>> = {
   splat: 'Splat',
   distance: 'Distance',
   histogram: 'Histogram',
+  select: 'Select',
   crop: 'Crop',
 };
 
-const CONTENTS = { splat: SplatTab, distance: DistanceTab, histogram: HistogramTab, crop: CropTab } as const;
+const CONTENTS = {
+  splat: SplatTab,
+  distance: DistanceTab,
+  histogram: HistogramTab,
+  select: SelectTab,
+  crop: CropTab,
+} as const;
 
-/** Explains splats one by one and all together, measures distances, and crops. */
+/** Explains splats one by one and all together, measures distances, selects and crops. */
 export function InspectPanel({ store, inspection }: InspectProps) {
   const tab = useStore(store, (state) => state.inspecting.tab);
   const problem = useStore(store, (state) => state.inspecting.problem);

@@ -1,7 +1,12 @@
-import { highlight, SplatSelection } from '@websplatter/core/effects';
+import { highlight } from '@websplatter/core/effects';
 import { Tap } from '../camera/tap.ts';
 import { cloudSources } from '../rereading/stored-source.ts';
-import { type Inspecting, NOTHING_INSPECTED } from '../state/inspecting.ts';
+import { cloudKeys } from '../scene/shown-scene.ts';
+import { selectionOf } from '../selecting/row-masks.ts';
+import { listenToSelectDrags } from '../selecting/select-drag.ts';
+import { SplatSelecting } from '../selecting/splat-selecting.ts';
+import { type InspectedSplat, type Inspecting, NOTHING_INSPECTED } from '../state/inspecting.ts';
+import { NOTHING_SELECTED, type RowMasks } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
@@ -22,6 +27,7 @@ export class Inspection {
   readonly rulers: Rulers;
   readonly histograms: HistogramMarks;
   readonly cropping: Cropping;
+  readonly selecting: SplatSelecting;
   readonly #store: ViewerStore;
   readonly #viewer: Viewer;
   readonly #reader: SceneReader;
@@ -42,6 +48,7 @@ export class Inspection {
     this.rulers = new Rulers({ ...tools, storage: () => localStorage });
     this.histograms = new HistogramMarks(tools);
     this.cropping = new Cropping(tools);
+    this.selecting = new SplatSelecting(tools);
   }
 
   /** Follows the store and the pointer; returns what stops that. */
@@ -51,6 +58,7 @@ export class Inspection {
     const tap = new Tap();
     addEventListener('pointerdown', (event) => tap.pointerDown(event, isPicking(event)), { signal });
     addEventListener('pointerup', (event) => tap.pointerUp(event) && this.#tapped(event), { signal });
+    listenToSelectDrags(this.#store, (...dragged) => void this.selecting.selectDragged(...dragged), signal);
     this.#open(this.#store.getState());
     const unsubscribe = this.#store.subscribe((state, before) => this.#follow(state, before));
     return () => {
@@ -113,28 +121,35 @@ export class Inspection {
     if (inspecting.tab === 'histogram') void this.histograms.count();
   }
 
-  /** Marks the inspected splat, or those of a bin, while the panel shows them. */
+  /** Marks the inspected splat, those of a bin, or the selected ones while the panel shows them. */
   #mark(): void {
     const { dock, inspecting, scene, requested } = this.#store.getState();
-    const { tab, splat, marked } = inspecting;
-    const isShown = dock === 'inspect' && scene?.clouds === 1;
+    const { tab, splat, marked, selecting } = inspecting;
+    const isShown = dock === 'inspect' && scene !== null;
+    const row = isShown && tab === 'splat' && splat ? splat : null;
     const rows = !isShown
       ? null
-      : tab === 'splat' && splat
-        ? splat.row
-        : tab === 'histogram' && marked
-          ? this.histograms.rows
+      : tab === 'histogram' && marked
+        ? this.histograms.rows
+        : tab === 'select'
+          ? selecting.selected
           : null;
-    const mark = [scene, rows];
+    const mark = [scene, row?.row, row?.cloudIndex, rows];
     if (mark.every((each, i) => each === this.#drawnMark[i])) return;
     this.#drawnMark = mark;
-    if (rows === null) {
-      if (requested.inspecting.length > 0) this.#viewer.setEffects('inspecting', []);
-      return;
-    }
-    const selection = new SplatSelection();
-    selection.add(typeof rows === 'number' ? [rows] : rows);
-    this.#viewer.setEffects('inspecting', [highlight({ selection, ...MARK })]);
+    const masks = row ? this.#maskOf(row) : (rows ?? NOTHING_SELECTED.selected);
+    if (masks.size === 0 && requested.marked.size === 0) return;
+    const uses = [...masks].map(
+      ([key, words]) => [key, [highlight({ selection: selectionOf(words), ...MARK })]] as const,
+    );
+    this.#viewer.setEffects('marked', new Map(uses));
+  }
+
+  #maskOf({ cloudIndex, row }: InspectedSplat): RowMasks {
+    const scene = this.#viewer.scenes.newest;
+    const words = new Uint32Array((row >>> 5) + 1);
+    words[row >>> 5] = 1 << (row & 31);
+    return new Map(scene ? [[cloudKeys(scene)[cloudIndex], words]] : []);
   }
 
   async #clouds(): Promise<readonly CloudToRead[]> {

@@ -2,7 +2,7 @@ import { type Bounds, type Harmonics, readCoefficients, type SplatSet } from '@w
 import { flippedPoint } from '../camera/flip.ts';
 import { transformedPoint } from '../camera/scene-bounds.ts';
 import type { Vec3 } from '../camera/vec3.ts';
-import type { Crop, CropCount, Histogram, Histograms, MarkedBin, Quantity } from '../state/inspecting.ts';
+import type { Crop, CropCount, Histogram, Histograms, Quantity } from '../state/inspecting.ts';
 import { binOf, opacityEdges, scaleEdges } from './histogram.ts';
 import type { Look } from './inspect-messages.ts';
 
@@ -41,7 +41,7 @@ export function splatInRow({ set }: ReadCloud, row: number): SplatSet | null {
 }
 
 /** A splat's value of each quantity: standard deviations along its longest and shortest axis, and its opacity. */
-const VALUES: Readonly<Record<Quantity, (set: SplatSet<Harmonics>, index: number) => number>> = {
+export const VALUES: Readonly<Record<Quantity, (set: SplatSet<Harmonics>, index: number) => number>> = {
   longest: ({ logScales }, i) =>
     Math.exp(Math.max(logScales[3 * i], logScales[3 * i + 1], logScales[3 * i + 2])),
   shortest: ({ logScales }, i) =>
@@ -78,54 +78,32 @@ function counted(
   return { ...bins, counts };
 }
 
-function eachValue(
-  clouds: readonly ReadCloud[],
-  quantity: Quantity,
-  take: (value: number, row: number) => void,
-): void {
-  for (const { set } of clouds)
-    for (let i = 0; i < set.count; i++) take(VALUES[quantity](set, i), set.fileIndices[i]);
-}
-
-/** The rows of the splats in a bin of `histograms`, of all clouds. */
-export function rowsInBin(
-  clouds: readonly ReadCloud[],
-  histograms: Histograms,
-  { quantity, bin }: MarkedBin,
-): Uint32Array<ArrayBuffer> {
-  const histogram = histograms[quantity];
-  const rows = new Uint32Array(histogram.counts[bin]);
-  let found = 0;
-  eachValue(clouds, quantity, (value, row) => {
-    if (binOf(value, histogram) === bin) rows[found++] = row;
-  });
-  return rows;
+function eachValue(clouds: readonly ReadCloud[], quantity: Quantity, take: (value: number) => void): void {
+  for (const { set } of clouds) for (let i = 0; i < set.count; i++) take(VALUES[quantity](set, i));
 }
 
 /** How many splats of the scene stay when it is cropped: those that `cropSplats` keeps. */
-export function cropCount(clouds: readonly ReadCloud[], { min, max, keep }: Crop): CropCount {
-  let [inside, total] = [0, 0];
-  eachCenter(clouds, ([x, y, z]) => {
+export function cropCount(clouds: readonly ReadCloud[], crop: Crop): CropCount {
+  let [kept, total] = [0, 0];
+  eachCenter(clouds, (center) => {
     total++;
-    const isInside = x >= min[0] && x <= max[0] && y >= min[1] && y <= max[1] && z >= min[2] && z <= max[2];
-    if (isInside) inside++;
+    if (isKept(crop, center)) kept++;
   });
-  return { kept: keep === 'inside' ? inside : total - inside, total };
+  return { kept, total };
+}
+
+/** Whether a splat with this centre, in the scene's own space, stays. */
+export function isKept({ min, max, keep }: Crop, [x, y, z]: Vec3): boolean {
+  const isInside = x >= min[0] && x <= max[0] && y >= min[1] && y <= max[1] && z >= min[2] && z <= max[2];
+  return isInside === (keep === 'inside');
 }
 
 /** The box around all centres that are within the image, in the scene's own space; null if there are none. */
-export function boundsInImage(
-  clouds: readonly ReadCloud[],
-  { viewMatrix, projectionMatrix: p, isFlipped }: Look,
-): Bounds | null {
+export function boundsInImage(clouds: readonly ReadCloud[], look: Look): Bounds | null {
   const min: [number, number, number] = [Infinity, Infinity, Infinity];
   const max: [number, number, number] = [-Infinity, -Infinity, -Infinity];
   eachCenter(clouds, (center) => {
-    const [x, y, z] = transformedPoint(viewMatrix, isFlipped ? flippedPoint(center) : center);
-    const w = p[11] * z + p[15];
-    const isWithin =
-      w > 0 && Math.abs(p[0] * x + p[8] * z + p[12]) <= w && Math.abs(p[5] * y + p[9] * z + p[13]) <= w;
-    if (!isWithin) return;
+    if (imagePlace(look, center) === null) return;
     for (const axis of [0, 1, 2]) {
       min[axis] = Math.min(min[axis], center[axis]);
       max[axis] = Math.max(max[axis], center[axis]);
@@ -134,8 +112,20 @@ export function boundsInImage(
   return min[0] <= max[0] ? { min, max } : null;
 }
 
-/** Calls `take` with the centre of each splat, in the scene's own space. */
-function eachCenter(clouds: readonly ReadCloud[], take: (center: Vec3) => void): void {
+/** Where in the image a point of the scene's own space is: right and up, −1…1; null where it is beyond its sides, or behind the camera. */
+export function imagePlace(
+  { viewMatrix, projectionMatrix: p, isFlipped }: Look,
+  point: Vec3,
+): readonly [right: number, up: number] | null {
+  const [x, y, z] = transformedPoint(viewMatrix, isFlipped ? flippedPoint(point) : point);
+  const w = p[11] * z + p[15];
+  const right = p[0] * x + p[8] * z + p[12];
+  const up = p[5] * y + p[9] * z + p[13];
+  return w > 0 && Math.abs(right) <= w && Math.abs(up) <= w ? [right / w, up / w] : null;
+}
+
+/** Calls `take` with the centre of each splat, in the scene's own space, and its index in its cloud. */
+export function eachCenter(clouds: readonly ReadCloud[], take: (center: Vec3, index: number) => void): void {
   for (const { set, modelMatrix } of clouds) {
     const { positions, origin, count } = set;
     for (let i = 0; i < count; i++) {
@@ -144,7 +134,7 @@ function eachCenter(clouds: readonly ReadCloud[], take: (center: Vec3) => void):
         origin[1] + positions[3 * i + 1],
         origin[2] + positions[3 * i + 2],
       ];
-      take(modelMatrix ? transformedPoint(modelMatrix, center) : center);
+      take(modelMatrix ? transformedPoint(modelMatrix, center) : center, i);
     }
   }
 }

@@ -4,6 +4,13 @@ import type { LastingScene } from '../rereading/lasting-scene.ts';
 import type { SavingState } from '../state/saving.ts';
 import type { Placement } from '../state/scene-part.ts';
 
+/** Rows of a file, of which only those are saved, or all others. */
+export interface SavedRows {
+  /** Bit `row % 32` of word `row / 32`. */
+  readonly words: Uint32Array<ArrayBuffer>;
+  readonly areSaved: boolean;
+}
+
 /** A file of a scene, and how it is drawn. */
 export interface SavedPart {
   readonly source: LastingScene;
@@ -11,6 +18,8 @@ export interface SavedPart {
   readonly placement: Placement | null;
   /** Above 0, at most 1. */
   readonly opacity: number;
+  /** Which of its rows are saved; null: all. */
+  readonly rows: SavedRows | null;
 }
 
 export interface SaveRequest {

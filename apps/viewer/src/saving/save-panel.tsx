@@ -5,7 +5,7 @@ import { LinkSection } from '../links/link-section.tsx';
 import { PictureSection } from '../pictures/picture-section.tsx';
 import { Dock } from '../ui/dock.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
-import type { Saving } from './saving.ts';
+import { type Saving, savesSelection } from './saving.ts';
 
 const PHASES = { read: 'Reading the scene again', write: 'Writing' } as const;
 
@@ -14,6 +14,8 @@ export function SavePanel({ store, viewer, saving }: PanelProps & { saving: Savi
   const running = useStore(store, (state) => state.saving);
   const canSave = useStore(store, (state) => state.scene?.canSave ?? false);
   const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
+  const selecting = useStore(store, (state) => state.inspecting.selecting);
+  const isSelection = savesSelection(selecting);
   const [name, setName] = useState(WRITABLE_FORMATS[0].name);
   const chosen = WRITABLE_FORMATS.find((format) => format.name === name) ?? WRITABLE_FORMATS[0];
   return (
@@ -38,6 +40,25 @@ export function SavePanel({ store, viewer, saving }: PanelProps & { saving: Savi
               </button>
             ))}
           </fieldset>
+          {selecting.selected.size > 0 && (
+            <fieldset className="segments" aria-label="Which splats are saved">
+              {[false, true].map((each) => (
+                <button
+                  key={String(each)}
+                  type="button"
+                  aria-pressed={isSelection === each}
+                  data-testid={each ? 'save-selection' : 'save-all'}
+                  onClick={() =>
+                    store.setState(({ inspecting }) => ({
+                      inspecting: { ...inspecting, selecting: { ...selecting, savesSelection: each } },
+                    }))
+                  }
+                >
+                  {each ? 'The selection' : 'All that is left'}
+                </button>
+              ))}
+            </fieldset>
+          )}
           {running ? (
             <div className="runner" data-testid="saving">
               <div className="runner-row">
@@ -60,6 +81,11 @@ export function SavePanel({ store, viewer, saving }: PanelProps & { saving: Savi
               <p>
                 {canSave && isCropped && (
                   <strong data-testid="save-cropped">Only what the crop leaves is saved. </strong>
+                )}
+                {canSave && (isSelection || selecting.removed.size > 0) && (
+                  <strong data-testid="save-edited">
+                    {isSelection ? 'Only the selected splats are saved. ' : 'Removed splats are not saved. '}
+                  </strong>
                 )}
                 {canSave
                   ? 'Reads all splats again that are not hidden, without effects, and turns them so that other viewers show them this way up.'

@@ -1,5 +1,5 @@
 import { encodePly, readSplats } from '@websplatter/core';
-import { WRITABLE_FORMATS } from '@websplatter/core/write';
+import { mergeSplats, WRITABLE_FORMATS } from '@websplatter/core/write';
 import { afterEach, expect, test, vi } from 'vitest';
 import { oneSplat } from '../rereading/one-splat.fixture.ts';
 import type { SceneSource } from '../scene/scene-source.ts';
@@ -21,7 +21,7 @@ test.each([
   const source = { kind: 'file' as const, name: 'a.ply', source: new File([encodePly(oneSplat)], 'a.ply') };
   const phases = new Set<string>();
   const bytes = await writeScene(
-    { parts: [{ source, placement: null, opacity: 1 }], formatName, up, crop: null },
+    { parts: [{ source, placement: null, opacity: 1, rows: null }], formatName, up, crop: null },
     ({ phase }) => phases.add(phase),
   );
   const { positions, origin } = await readSplats(bytes);
@@ -37,8 +37,8 @@ test('files of a scene are merged where they stand, as opaque as they are drawn'
     ...{ up: '-y', sceneUp: '-y' },
   };
   const parts = [
-    { source, placement: null, opacity: 1 },
-    { source, placement, opacity: 0.5 },
+    { source, placement: null, opacity: 1, rows: null },
+    { source, placement, opacity: 0.5, rows: null },
   ];
   const read: (number | undefined)[] = [];
   const bytes = await writeScene({ parts, formatName: 'ply', up: '-y', crop: null }, ({ phase, part }) => {
@@ -57,7 +57,7 @@ test('files of a scene are merged where they stand, as opaque as they are drawn'
 test('built-in scenes are made again', async () => {
   const source = { kind: 'builtin' as const, name: 'still-life-small' };
   const bytes = await writeScene(
-    { parts: [{ source, placement: null, opacity: 1 }], formatName: 'ply', up: '-y', crop: null },
+    { parts: [{ source, placement: null, opacity: 1, rows: null }], formatName: 'ply', up: '-y', crop: null },
     () => {},
   );
   expect((await readSplats(bytes)).count).toBe(10_000);
@@ -69,7 +69,7 @@ test('what is cropped is cut before it is turned', async () => {
   const written = (keep: 'inside' | 'outside') =>
     writeScene(
       {
-        parts: [{ source, placement: null, opacity: 1 }],
+        parts: [{ source, placement: null, opacity: 1, rows: null }],
         formatName: 'ply',
         up: 'y',
         crop: { ...crop, keep },
@@ -78,6 +78,32 @@ test('what is cropped is cut before it is turned', async () => {
     );
   expect((await readSplats(await written('inside'))).count).toBe(1);
   await expect(written('outside')).rejects.toThrow('None of 1 splats');
+});
+
+test('of a file only the rows asked for are saved, bit for bit where nothing is turned', async () => {
+  const rows = [0.1, -7e-8, 3e5].map((x) => ({ ...oneSplat, positions: Float32Array.of(x, 1 / 3, -x) }));
+  const file = encodePly(mergeSplats(rows));
+  const source = { kind: 'file' as const, name: 'a.ply', source: new File([file], 'a.ply') };
+  const rowBytes = (bytes: Uint8Array) => {
+    const end = new TextDecoder('latin1').decode(bytes).indexOf('end_header\n') + 'end_header\n'.length;
+    return bytes.slice(end);
+  };
+  const written = (words: number[], areSaved: boolean) =>
+    writeScene(
+      {
+        parts: [{ source, placement: null, opacity: 1, rows: { words: Uint32Array.from(words), areSaved } }],
+        formatName: 'ply',
+        up: '-y',
+        crop: null,
+      },
+      () => {},
+    );
+  const whole = rowBytes(file);
+  const size = whole.length / 3;
+  expect(rowBytes(await written([0b10], true))).toEqual(whole.slice(size, 2 * size));
+  expect(rowBytes(await written([0b1], false))).toEqual(whole.slice(size));
+  expect(rowBytes(await written([], false))).toEqual(whole);
+  await expect(written([], true)).rejects.toThrow('None of its splats is left');
 });
 
 test.each([
@@ -133,7 +159,7 @@ test('progress is shown; saving can be cancelled, and started again', () => {
   const source = { kind: 'url', href: 'https://example.org/a.spz' };
   expect(worker?.posted).toEqual([
     {
-      ...{ kind: 'save', parts: [{ source, placement: null, opacity: 1 }] },
+      ...{ kind: 'save', parts: [{ source, placement: null, opacity: 1, rows: null }] },
       ...{ formatName: WRITABLE_FORMATS[0].name, up: '-y', crop: null },
     },
   ]);

@@ -2,11 +2,12 @@ import type { WritableFormat } from '@websplatter/core/write';
 import { upAxisOf } from '../camera/up-axis.ts';
 import { lastingScene } from '../rereading/lasting-scene.ts';
 import { joinedNames, titleOf } from '../scene/scene-source.ts';
-import type { ShownPart } from '../scene/shown-scene.ts';
+import { cloudKey, type ShownPart } from '../scene/shown-scene.ts';
+import type { Selecting } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { formatBytes } from '../words/format.ts';
 import { download } from './download.ts';
-import type { SavedPart, SaveReply, SaveRequest } from './save-messages.ts';
+import type { SavedPart, SavedRows, SaveReply, SaveRequest } from './save-messages.ts';
 
 /** Saves the scene on the screen as a file, one at a time. */
 export class Saving {
@@ -22,16 +23,16 @@ export class Saving {
 
   /** Writes the scene in another format and hands the file to the browser. Does nothing where there is nothing to save. */
   start(format: WritableFormat): void {
+    const state = this.#store.getState();
+    const { crop, selecting } = state.inspecting;
     const seen = this.#partsOf().filter(({ look }) => !look.isHidden && look.opacity > 0);
-    const parts = seen.map(savedPart).filter((part) => part !== null);
+    const parts = seen.map((part) => savedPart(part, selecting)).filter((part) => part !== null);
     if (parts.length === 0 || this.#worker) return;
     const fileName = savedName(
       seen.map(({ source }) => titleOf(source)),
       format,
     );
-    const state = this.#store.getState();
     const up = upAxisOf(state);
-    const { crop } = state.inspecting;
     this.#store.setState({ saving: { fileName, phase: 'read', part: undefined }, failure: null });
     const worker = new Worker(new URL('../rereading/scene.worker.ts', import.meta.url), { type: 'module' });
     this.#worker = worker;
@@ -77,9 +78,25 @@ export class Saving {
 }
 
 /** Null for what is no file. */
-function savedPart({ source: shown, look: { opacity, placement } }: ShownPart): SavedPart | null {
+function savedPart(
+  { key, source: shown, look: { opacity, placement } }: ShownPart,
+  selecting: Selecting,
+): SavedPart | null {
   const source = lastingScene(shown);
-  return source && { source, opacity, placement };
+  // What lasts has one cloud each.
+  return source && { source, opacity, placement, rows: savedRows(cloudKey(key, 0), selecting) };
+}
+
+function savedRows(key: string, selecting: Selecting): SavedRows | null {
+  if (savesSelection(selecting))
+    return { words: selecting.selected.get(key) ?? new Uint32Array(), areSaved: true };
+  const words = selecting.removed.get(key);
+  return words ? { words, areSaved: false } : null;
+}
+
+/** Whether only the selected splats are saved. */
+export function savesSelection({ savesSelection: isAsked, selected }: Selecting): boolean {
+  return isAsked && selected.size > 0;
 }
 
 /** The names of a scene's files, or of what is in them, with another end. */

@@ -1,6 +1,7 @@
-import type { Harmonics, SplatSet } from '@websplatter/core';
+import { type Harmonics, InvalidArgumentError, type SplatSet } from '@websplatter/core';
 import {
   cropSplats,
+  filterSplats,
   mergeSplats,
   transformSplats,
   uprightRotation,
@@ -11,7 +12,7 @@ import { oppositeAxis } from '../camera/up-axis.ts';
 import { transformOf } from '../placing/placement.ts';
 import { readAgain } from '../rereading/read-again.ts';
 import type { SavingState } from '../state/saving.ts';
-import type { SaveRequest } from './save-messages.ts';
+import type { SavedRows, SaveRequest } from './save-messages.ts';
 
 export type OnSaving = (progress: Pick<SavingState, 'phase' | 'part'>) => void;
 
@@ -22,12 +23,15 @@ export async function writeScene(
 ): Promise<Uint8Array<ArrayBuffer>> {
   onProgress({ phase: 'read', part: undefined });
   const sets: SplatSet<Harmonics>[] = [];
-  for (const [i, { source, placement, opacity }] of parts.entries()) {
-    const set = await readAgain(source, (part) => {
+  for (const [i, { source, placement, opacity, rows }] of parts.entries()) {
+    const whole = await readAgain(source, (part) => {
       onProgress({ phase: 'read', part: part === undefined ? undefined : (i + part) / parts.length });
     });
-    sets.push(fadedSplats(placement ? transformSplats(set, transformOf(placement)) : set, opacity));
+    const set = rows ? savedSplats(whole, rows) : whole;
+    if (set.count > 0)
+      sets.push(fadedSplats(placement ? transformSplats(set, transformOf(placement)) : set, opacity));
   }
+  if (sets.length === 0) throw new InvalidArgumentError('scene', 'None of its splats is left to be saved.');
   const merged = mergeSplats(sets);
   onProgress({ phase: 'write', part: 0 });
   const set = crop ? cropSplats(merged, crop) : merged;
@@ -36,6 +40,15 @@ export async function writeScene(
   const toY = hasYUp ? up : oppositeAxis(up);
   const turned = toY === 'y' ? set : transformSplats(set, { rotation: uprightRotation(toY) });
   return writeSplats(turned, formatName, { onProgress: (part) => onProgress({ phase: 'write', part }) });
+}
+
+function savedSplats(set: SplatSet<Harmonics>, { words, areSaved }: SavedRows): SplatSet<Harmonics> {
+  const { fileIndices } = set;
+  // Undefined beyond the words, which is no bit either.
+  return filterSplats(
+    set,
+    (i) => (((words[fileIndices[i] >>> 5] >>> (fileIndices[i] & 31)) & 1) === 1) === areSaved,
+  );
 }
 
 /** With every opacity multiplied. */

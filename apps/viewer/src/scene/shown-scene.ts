@@ -82,6 +82,17 @@ export function allClouds({ parts }: Pick<ShownScene, 'parts'>): SplatCloud[] {
   return parts.flatMap(({ loaded }) => loaded.clouds.map(({ cloud }) => cloud));
 }
 
+/** A name of each cloud that is drawn, the same as long as its file is a part of the scene. */
+export function cloudKeys({ parts }: Pick<ShownScene, 'parts'>): string[] {
+  const drawn = parts.filter(({ look }) => !look.isHidden);
+  return drawn.flatMap(({ key, loaded }) => loaded.clouds.map((_, i) => cloudKey(key, i)));
+}
+
+/** That of the cloud with this place in a file of the scene. */
+export function cloudKey(partKey: number, index: number): string {
+  return `${partKey}/${index}`;
+}
+
 /** The axis that points up in a scene as its file tells it. */
 export function ownUp({ isUpsideDown, isZUp }: SceneFrame): UpAxis {
   return upAxisOf({ isFlipped: isUpsideDown && !isZUp, isZUp });

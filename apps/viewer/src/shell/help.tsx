@@ -13,6 +13,7 @@ const GESTURES: readonly (readonly [string, string])[] = [
   ['Zoom', 'Wheel, to the cursor · pinch'],
   ['Turn around a place', 'Double-click · double tap'],
   ['Inspect, measure (I)', 'Click · tap'],
+  ['Select (I)', 'Drag · one finger'],
 ];
 
 const CAMERA_KEYS: readonly (readonly [string, readonly string[]])[] = [

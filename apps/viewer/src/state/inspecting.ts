@@ -1,9 +1,10 @@
 import type { SplatSet } from '@websplatter/core';
 import type { TracedSplat } from '@websplatter/core/reference';
 import type { Vec3 } from '../camera/vec3.ts';
+import { NOTHING_SELECTED, type Selecting } from './selecting.ts';
 
 /** What the panel shows, and what a click in the image does meanwhile. */
-export type InspectTab = 'splat' | 'distance' | 'histogram' | 'crop';
+export type InspectTab = 'splat' | 'distance' | 'histogram' | 'select' | 'crop';
 
 /** Reading the scene's files again, whose values the GPU has no more. */
 export type Reading =
@@ -107,6 +108,7 @@ export interface Inspecting {
   readonly crop: Crop | null;
   /** Null until it has been counted. */
   readonly cropCount: CropCount | null;
+  readonly selecting: Selecting;
 }
 
 /** What every scene begins with. */
@@ -122,9 +124,10 @@ export const NOTHING_INSPECTED: Inspecting = {
   marked: null,
   crop: null,
   cropCount: null,
+  selecting: NOTHING_SELECTED,
 };
 
-/** After files have joined the scene, left it or moved: what was told of its splats no longer holds; distances and crop stay. */
+/** After files have joined the scene, left it or moved: what was told of its splats no longer holds; distances, crop and selection stay. */
 export function withoutSplats(inspecting: Inspecting): Inspecting {
   const { splat, problem, histograms, marked, cropCount } = NOTHING_INSPECTED;
   const hasNone = inspecting.splat === splat && inspecting.histograms === histograms;

@@ -9,7 +9,6 @@ import {
   type SplatEngine,
   type SplatPick,
 } from '@websplatter/core';
-import type { EffectUse } from '@websplatter/core/effects';
 import { ViewCamera } from '../camera/view-camera.ts';
 import { observeBackground } from '../drawing/background.ts';
 import { observeDevicePixelSize } from '../drawing/canvas-size.ts';
@@ -27,7 +26,7 @@ import { Precisions } from '../session/precisions.ts';
 import type { Session } from '../session/session.ts';
 import { SessionOwner } from '../session/session-owner.ts';
 import type { Comparison } from '../state/comparison.ts';
-import type { EffectOwner } from '../state/requested-effects.ts';
+import type { EffectOwner, RequestedEffects } from '../state/requested-effects.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { decodeAccuracy } from '../words/accuracy-address.ts';
 
@@ -134,7 +133,7 @@ export class Viewer {
   }
 
   /** Draws with `uses` from the next frame on, in place of what `owner` asked for before. */
-  setEffects(owner: EffectOwner, uses: readonly EffectUse[]): void {
+  setEffects<Owner extends EffectOwner>(owner: Owner, uses: RequestedEffects[Owner]): void {
     this.#store.setState(({ requested }) => ({ requested: { ...requested, [owner]: uses } }));
     this.#drawing.request();
   }

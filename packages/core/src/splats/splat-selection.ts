@@ -60,7 +60,8 @@ export class SplatSelection {
   bitsOf(rows: Uint32Array): Uint32Array<ArrayBuffer> {
     const bits = new Uint32Array(Math.ceil(rows.length / 32));
     const words = this.#words;
-    for (let i = 0; i < rows.length; i++) bits[i >>> 5] |= ((words[rows[i] >>> 5] >>> (rows[i] & 31)) & 1) << (i & 31);
+    for (let i = 0; i < rows.length; i++)
+      bits[i >>> 5] |= ((words[rows[i] >>> 5] >>> (rows[i] & 31)) & 1) << (i & 31);
     return bits;
   }
 

@@ -1,0 +1,57 @@
+import { SplatSelection } from '@websplatter/core/effects';
+import type { RowMasks, SelectMode, SplatEdit } from '../state/selecting.ts';
+
+/** What is selected once `found` has been, which is never what is removed. */
+export function selectedWith(mode: SelectMode, { selected, removed }: SplatEdit, found: RowMasks): RowMasks {
+  switch (mode) {
+    case 'replace':
+      return without(found, removed);
+    case 'add':
+      return joined(selected, without(found, removed));
+    case 'subtract':
+      return without(selected, found);
+  }
+}
+
+/** Rows of either. */
+export function joined(a: RowMasks, b: RowMasks): RowMasks {
+  const masks = new Map(a);
+  for (const [key, words] of b) {
+    const [short, long] = [words, masks.get(key) ?? words].toSorted(
+      (one, other) => one.length - other.length,
+    );
+    masks.set(
+      key,
+      long.map((word, i) => word | (short[i] ?? 0)),
+    );
+  }
+  return masks;
+}
+
+/** Rows of `a` that are not in `b`. */
+export function without(a: RowMasks, b: RowMasks): RowMasks {
+  return new Map(
+    [...a].flatMap(([key, words]) => {
+      const others = b.get(key);
+      const left = others ? words.map((word, i) => word & ~(others[i] ?? 0)) : words;
+      return left.some((word) => word !== 0) ? [[key, left]] : [];
+    }),
+  );
+}
+
+/** One selection for each mask, so that engine and counts look at its bits once. */
+const selections = new WeakMap<Uint32Array, SplatSelection>();
+
+/** The rows of a mask as effects take them; not to be changed. */
+export function selectionOf(words: Uint32Array): SplatSelection {
+  const known = selections.get(words);
+  if (known) return known;
+  const selection = new SplatSelection();
+  selection.setWords(words);
+  selections.set(words, selection);
+  return selection;
+}
+
+export function countOf(masks: RowMasks): number {
+  return [...masks.values()].reduce((sum, words) => sum + selectionOf(words).count, 0);
+}

@@ -1,0 +1,98 @@
+import { perspectiveCamera, type SplatSet } from '@websplatter/core';
+import { describe, expect, it } from 'vitest';
+import type { Region } from '../inspecting/inspect-messages.ts';
+import { histogramsOf } from '../inspecting/scene-answers.ts';
+import type { DragRegion } from '../state/selecting.ts';
+import { rowsWithin } from './rows-within.ts';
+
+/** Splats at x, y in the plane z = 0 or at a depth of their own, in rows 30, 31, 32 … of their file. */
+function setOf(positions: readonly (readonly [number, number, number])[]): SplatSet {
+  const count = positions.length;
+  return {
+    count,
+    origin: [0, 0, 0],
+    positions: Float32Array.from(positions.flat()),
+    logScales: Float32Array.from({ length: 3 * count }, (_, i) => Math.floor(i / 3)),
+    rotations: new Float32Array(4 * count),
+    opacityLogits: new Float32Array(count),
+    colorDc: new Float32Array(3 * count),
+    harmonics: { degree: 0, coefficients: new Float32Array() },
+    fileIndices: Uint32Array.from({ length: count }, (_, i) => i + 30),
+    dropped: {},
+  };
+}
+
+const MOVED = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -6, 0, 1];
+const plane = setOf([
+  [0, 0, 0],
+  [4, 0, 0],
+  [0, 3, 0],
+  // Behind the first, and behind the camera.
+  [0, 0, -20],
+  [0, 0, 20],
+]);
+const clouds = [
+  { set: plane, modelMatrix: null },
+  { set: setOf([[0, 3, 0]]), modelMatrix: MOVED },
+];
+// A unit is 10 px at z = 0.
+const camera = perspectiveCamera({
+  position: [0, 0, 10],
+  target: [0, 0, 0],
+  aspect: 1.5,
+  fovYDegrees: 90,
+  near: 1,
+});
+const look = {
+  viewMatrix: Array.from(camera.viewMatrix),
+  projectionMatrix: Array.from(camera.projectionMatrix),
+  isFlipped: false,
+};
+const size = { width: 300, height: 200 };
+
+const rowsIn = (words: Uint32Array) =>
+  Array.from({ length: 32 * words.length }, (_, row) => row).filter(
+    (row) => (words[row >>> 5] >>> (row & 31)) & 1,
+  );
+const within = (region: Region, crop: Parameters<typeof rowsWithin>[2] = null) =>
+  rowsWithin(clouds, region, crop, () => histogramsOf(clouds)).map(rowsIn);
+const dragged = (region: DragRegion, isFlipped = false) =>
+  within({ kind: 'dragged', dragged: region, ...size, look: { ...look, isFlipped } });
+
+describe('the rows of a region', () => {
+  it('are those of a rectangle, whichever way it was drawn, however deep', () => {
+    const [from, to] = [
+      [140, 90],
+      [160, 110],
+    ] as const;
+    expect(dragged({ kind: 'rectangle', from, to })).toEqual([[30, 33], []]);
+    expect(dragged({ kind: 'rectangle', from: to, to: from })).toEqual([[30, 33], []]);
+    expect(dragged({ kind: 'rectangle', from: [185, 95], to: [195, 105] })).toEqual([[31], []]);
+    // Below the middle is the splat of the other cloud, where it stands.
+    expect(dragged({ kind: 'rectangle', from: [140, 120], to: [160, 140] })).toEqual([[], [30]]);
+    expect(dragged({ kind: 'rectangle', from: [140, 120], to: [160, 140] }, true)).toEqual([[32], []]);
+    expect(dragged({ kind: 'rectangle', from: [0, 0], to: [20, 20] })).toEqual([[], []]);
+  });
+
+  it('are those that the brush has touched', () => {
+    expect(dragged({ kind: 'brush', points: [190, 100], radius: 4 })).toEqual([[31], []]);
+    expect(dragged({ kind: 'brush', points: [100, 70, 200, 70], radius: 4 })).toEqual([[32], []]);
+    expect(dragged({ kind: 'brush', points: [100, 80, 200, 80], radius: 4 })).toEqual([[], []]);
+    // It may go beyond the image.
+    expect(dragged({ kind: 'brush', points: [-50, 100, 400, 100], radius: 40 })).toEqual([
+      [30, 31, 32, 33],
+      [30],
+    ]);
+  });
+
+  it('are all, or those of a bin, but for what a crop leaves out', () => {
+    expect(within({ kind: 'all' })).toEqual([[30, 31, 32, 33, 34], [30]]);
+    const crop = { min: [-1, -9, -1], max: [5, 9, 1] } as const;
+    expect(within({ kind: 'all' }, { ...crop, keep: 'inside' })).toEqual([[30, 31, 32], [30]]);
+    expect(within({ kind: 'all' }, { ...crop, keep: 'outside' })).toEqual([[33, 34], []]);
+    const { counts } = histogramsOf(clouds).longest;
+    const marked = { quantity: 'longest', bin: counts.length - 1 } as const;
+    expect(within({ kind: 'bin', marked })).toEqual([[34], []]);
+    expect(within({ kind: 'bin', marked: { ...marked, bin: 0 } })).toEqual([[30], [30]]);
+  });
+});

@@ -1,0 +1,156 @@
+import { useId } from 'react';
+import { useStore } from 'zustand';
+import type { InspectProps } from '../inspecting/inspect-props.ts';
+import { SELECT_MODES, type SelectMode, type SelectTool } from '../state/selecting.ts';
+import { formatCount, formatSplats } from '../words/format.ts';
+import { countOf } from './row-masks.ts';
+import './select-tab.css';
+
+const TOOLS: readonly (readonly [SelectTool, string])[] = [
+  ['rectangle', 'Rectangle'],
+  ['brush', 'Brush'],
+  [null, 'Turn the view'],
+];
+const MODES: Readonly<Record<SelectMode, string>> = { replace: 'New', add: 'Add', subtract: 'Subtract' };
+const BRUSH_PX = { least: 4, most: 120 } as const;
+
+/** Selects splats in the picture, removes them, and saves them or what is left. */
+export function SelectTab({ store, inspection }: InspectProps) {
+  const { selected, removed, past, tool, mode } = useStore(store, (state) => state.inspecting.selecting);
+  const marked = useStore(store, (state) => state.inspecting.marked);
+  const total = useStore(store, (state) => state.scene?.splats ?? 0);
+  const canSave = useStore(store, (state) => state.scene?.canSave ?? false);
+  const { selecting } = inspection;
+  const save = (savesSelection: boolean) => {
+    selecting.choose({ savesSelection });
+    store.setState({ dock: 'save' });
+  };
+  const [selectedCount, removedCount] = [countOf(selected), countOf(removed)];
+  return (
+    <div className="inspect-sections">
+      <fieldset className="segments" aria-label="What a drag over the picture does">
+        {TOOLS.map(([each, title]) => (
+          <button
+            key={title}
+            type="button"
+            aria-pressed={tool === each}
+            data-testid={`select-${each ?? 'turn'}`}
+            onClick={() => selecting.choose({ tool: each })}
+          >
+            {title}
+          </button>
+        ))}
+      </fieldset>
+      <p>
+        {tool
+          ? 'A drag over the picture selects splats by their centres, however deep: Shift adds, Alt subtracts. Two fingers, the right button and keys move the camera.'
+          : 'A drag turns the scene.'}
+      </p>
+      {tool === 'brush' && <BrushSize store={store} inspection={inspection} />}
+      <fieldset className="segments" aria-label="What becomes of the selection before">
+        {SELECT_MODES.map((each) => (
+          <button
+            key={each}
+            type="button"
+            aria-pressed={mode === each}
+            data-testid={`select-mode-${each}`}
+            onClick={() => selecting.choose({ mode: each })}
+          >
+            {MODES[each]}
+          </button>
+        ))}
+      </fieldset>
+      <div className="inspect-actions">
+        <Action testId="select-seen" title="All whose centres are within the picture" onClick={() => void selecting.selectSeen()}>
+          In view
+        </Action>
+        <Action testId="select-all" onClick={() => void selecting.select({ kind: 'all' })}>
+          All
+        </Action>
+        <Action testId="select-none" isOff={selected.size === 0} onClick={() => selecting.clear()}>
+          None
+        </Action>
+        <Action testId="select-invert" onClick={() => void selecting.invert()}>
+          Invert
+        </Action>
+        {marked && (
+          <Action testId="select-marked" onClick={() => void selecting.select({ kind: 'bin', marked })}>
+            The histogram’s bar
+          </Action>
+        )}
+      </div>
+      <p className="select-count" role="status" data-testid="select-count">
+        {`${formatCount(selectedCount)} of ${formatCount(total)} splats are selected.`}
+        {removedCount > 0 && ` ${formatSplats(removedCount)} removed.`}
+      </p>
+      <div className="inspect-actions">
+        <Action testId="select-remove" isOff={selected.size === 0} onClick={() => selecting.remove()}>
+          Remove
+        </Action>
+        <Action testId="select-undo" isOff={past.length === 0} onClick={() => selecting.undo()}>
+          Undo
+        </Action>
+        {removed.size > 0 && (
+          <Action testId="select-restore" onClick={() => selecting.restore()}>
+            Bring all back
+          </Action>
+        )}
+      </div>
+      {canSave && (
+        <div className="inspect-actions">
+          <Action testId="select-save" isOff={selected.size === 0} onClick={() => save(true)}>
+            Save the selection
+          </Action>
+          <Action testId="select-save-left" isOff={removed.size === 0} onClick={() => save(false)}>
+            Save what is left
+          </Action>
+        </div>
+      )}
+    </div>
+  );
+}
+
+function BrushSize({ store, inspection }: InspectProps) {
+  const id = useId();
+  const radius = useStore(store, (state) => state.inspecting.selecting.brushRadius);
+  return (
+    <div className="select-brush">
+      <label htmlFor={id}>Brush</label>
+      <input
+        id={id}
+        type="range"
+        min={BRUSH_PX.least}
+        max={BRUSH_PX.most}
+        value={2 * radius}
+        aria-valuetext={`${2 * radius} pixels wide`}
+        data-testid="select-brush-size"
+        onChange={({ target }) => inspection.selecting.choose({ brushRadius: target.valueAsNumber / 2 })}
+      />
+      <span>{2 * radius} px</span>
+    </div>
+  );
+}
+
+interface ActionProps {
+  readonly testId: string;
+  readonly title?: string;
+  /** It stays where the keyboard is. */
+  readonly isOff?: boolean;
+  readonly onClick: () => void;
+  readonly children: string;
+}
+
+function Action({ testId, title, isOff = false, onClick, children }: ActionProps) {
+  return (
+    <button
+      type="button"
+      className="text-button outlined"
+      title={title}
+      aria-disabled={isOff || undefined}
+      data-testid={testId}
+      onClick={isOff ? undefined : onClick}
+    >
+      {children}
+    </button>
+  );
+}
