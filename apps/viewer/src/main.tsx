@@ -47,10 +47,9 @@ function showViewer(start: StartOptions, dropped?: FileDropDecision): void {
   followViewMode(store, viewer);
   // Nothing is written before the first picture, which does not wait for this.
   void import('./links/address-mirror.ts').then(({ mirrorToAddress }) => mirrorToAddress(store, viewer));
-  const effects = address.get('effects');
-  if (effects !== null && !dropped)
+  if ((address.has('effects') || address.has('crop')) && !dropped)
     void import('./links/linked-effects.ts').then(({ followLinkedEffects }) =>
-      followLinkedEffects({ store, viewer }, effects, address),
+      followLinkedEffects({ store, viewer }, address),
     );
   const settings = address.get('settings');
   if (settings !== null && !dropped) {

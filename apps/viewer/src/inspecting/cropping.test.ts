@@ -3,7 +3,8 @@ import type { ClipOptions, EffectUse } from '@websplatter/core/effects';
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
 import type { Crop } from '../state/inspecting.ts';
-import { Cropping, clipVolume, SLIDER_STEPS, sliderPosition, sliderValue, withSide } from './cropping.ts';
+import { Cropping, SLIDER_STEPS, sliderPosition, sliderValue, withSide } from './cropping.ts';
+import { clipVolume } from './draw-crop.ts';
 import { fakeTools } from './inspect-tools.fixture.ts';
 
 const crop: Crop = { min: [0, -1, 2], max: [1, 1, 6], keep: 'inside' };

@@ -1,24 +1,12 @@
-import { clip } from '@websplatter/core/effects';
 import { flippedPoint } from '../camera/flip.ts';
 import { boundsOf } from '../camera/scene-bounds.ts';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { Crop } from '../state/inspecting.ts';
+import { drawCrop } from './draw-crop.ts';
 import type { InspectTools } from './inspect-tools.ts';
 import { shownLook } from './shown-look.ts';
 
 type Box = Pick<Crop, 'min' | 'max'>;
-
-/** The volume that is drawn: around the box as the scene is shown. */
-export function clipVolume({ min, max, keep }: Crop, isFlipped: boolean) {
-  const center: Vec3 = [(min[0] + max[0]) / 2, (min[1] + max[1]) / 2, (min[2] + max[2]) / 2];
-  // Half a turn around x leaves its edges along the axes.
-  return {
-    shape: 'box',
-    center: isFlipped ? flippedPoint(center) : center,
-    size: [max[0] - min[0], max[1] - min[1], max[2] - min[2]],
-    keep,
-  } as const;
-}
 
 /** `box` with another least or greatest value along an axis; the other end gives way. */
 export function withSide<Boxed extends Box>(
@@ -95,11 +83,13 @@ export class Cropping {
 
   /** Draws what stays, the way up that the scene is shown. */
   draw(): void {
-    const { store, viewer } = this.#tools;
-    const { isFlipped, inspecting, requested } = store.getState();
-    const { crop } = inspecting;
-    if (crop) viewer.setEffects('crop', [clip({ volumes: [clipVolume(crop, isFlipped)] })]);
-    else if (requested.crop.length > 0) viewer.setEffects('crop', []);
+    drawCrop(this.#tools);
+  }
+
+  /** Counts what stays, unless it is known already. */
+  count(): void {
+    const { crop, cropCount } = this.#tools.store.getState().inspecting;
+    if (crop && !cropCount) void this.#count();
   }
 
   /** Crops to the smallest box that has all splats whose centres are within the image. */

@@ -59,6 +59,8 @@ export class Inspection {
     addEventListener('pointerdown', (event) => tap.pointerDown(event, isPicking(event)), { signal });
     addEventListener('pointerup', (event) => tap.pointerUp(event) && this.#tapped(event), { signal });
     listenToSelectDrags(this.#store, (...dragged) => void this.selecting.selectDragged(...dragged), signal);
+    // A crop of the address, in a scene that was flipped before this came.
+    if (this.#store.getState().inspecting.crop) this.cropping.draw();
     this.#open(this.#store.getState());
     const unsubscribe = this.#store.subscribe((state, before) => this.#follow(state, before));
     return () => {
@@ -119,6 +121,7 @@ export class Inspection {
 
   #showTab({ inspecting }: ViewerState): void {
     if (inspecting.tab === 'histogram') void this.histograms.count();
+    if (inspecting.tab === 'crop') this.cropping.count();
   }
 
   /** Marks the inspected splat, those of a bin, or the selected ones while the panel shows them. */

@@ -1,4 +1,4 @@
-import type { EffectUse } from '@websplatter/core/effects';
+import type { ClipOptions, EffectUse } from '@websplatter/core/effects';
 import { builtinScenes } from '@websplatter/scenes';
 import { beforeEach, describe, expect, it } from 'vitest';
 import type { SceneSource } from '../scene/scene-source.ts';
@@ -30,7 +30,7 @@ async function open(address: string, source: SceneSource): Promise<void> {
       asked = uses;
     },
   } as unknown as Viewer;
-  followLinkedEffects({ store, viewer }, query.get('effects') ?? '', query);
+  followLinkedEffects({ store, viewer }, query);
   expect(asked).toEqual([]);
   drawable = { parts: [{ source }] };
   store.setState({ scene: {} as never });
@@ -58,6 +58,22 @@ describe('the effects of a link', () => {
     store = createViewerStore();
     await open('src=gone.ply&effects=tint:ff0000', builtin);
     expect(names()).toEqual([]);
+  });
+
+  it('come with its crop, which is drawn the way up that the scene is shown', async () => {
+    store.setState({ isFlipped: true });
+    await open('effects=tint:ff0000&crop=-1:0:2:1:2:4:outside', builtin);
+    expect(store.getState().inspecting.crop).toEqual({ min: [-1, 0, 2], max: [1, 2, 4], keep: 'outside' });
+    expect(names()).toEqual(['clip']);
+    expect((asked[0].options as ClipOptions).volumes).toEqual([
+      { shape: 'box', center: [0, -1, -3], size: [2, 2, 2], keep: 'outside' },
+    ]);
+    store = createViewerStore();
+    drawable = null;
+    asked = [];
+    await open('crop=1:2:3', builtin);
+    expect(store.getState().inspecting.crop).toBeNull();
+    expect(store.getState().notice).toContain('crop=x:y:z');
   });
 
   it('are refused with a reason where they cannot be read, beside what else there is to say', async () => {

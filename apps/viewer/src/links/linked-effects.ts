@@ -2,21 +2,26 @@ import { InvalidArgumentError } from '@websplatter/core';
 import { chooseEffects } from '../effects/choose-effects.ts';
 import { firstChoice } from '../effects/first-choice.ts';
 import { scenePlaceOf } from '../effects/scene-place.ts';
+import { drawCrop } from '../inspecting/draw-crop.ts';
 import { CHOSEN_EFFECTS, type EffectChoices } from '../state/effect-choices.ts';
+import type { Crop } from '../state/inspecting.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
+import { decodeCrop } from './crop-text.ts';
 import { decodeEffects, type LinkedEffects } from './effects-text.ts';
 import { canLink, isFallback } from './page-address.ts';
 
 /**
- * Draws the first scene with the effects that the address asks for, unless another scene is shown than it names: lengths would
- * be those of another scene. What cannot be read is said.
+ * Draws the first scene with the effects and the crop that the address asks for, unless another scene is shown than it names:
+ * lengths would be those of another scene. What cannot be read is said.
  */
-export function followLinkedEffects(panel: PanelProps, text: string, query: URLSearchParams): void {
+export function followLinkedEffects(panel: PanelProps, query: URLSearchParams): void {
   const { store, viewer } = panel;
+  const [effects, crop] = [query.get('effects'), query.get('crop')];
   const take = () => {
     const sources = viewer.scenes.drawable?.parts.map(({ source }) => source) ?? [];
     if (!canLink(sources) || isFallback(sources, query)) return;
-    saying(panel, () => chooseEffects(panel, completed(decodeEffects(text), panel)));
+    if (effects !== null) saying(panel, () => chooseEffects(panel, completed(decodeEffects(effects), panel)));
+    if (crop !== null) saying(panel, () => cropTo(panel, decodeCrop(crop)));
   };
   if (store.getState().scene) {
     take();
@@ -28,6 +33,11 @@ export function followLinkedEffects(panel: PanelProps, text: string, query: URLS
     // The scene begins without effects, and its first frame comes later than this.
     queueMicrotask(take);
   });
+}
+
+function cropTo(panel: PanelProps, crop: Crop): void {
+  panel.store.setState(({ inspecting }) => ({ inspecting: { ...inspecting, crop } }));
+  drawCrop(panel);
 }
 
 /** What the address does not tell is as an effect begins with. */

@@ -6,7 +6,7 @@ import type { LinkedView } from './page-address.ts';
 
 /** What an address has to tell so that what is shown now is shown again. */
 export function linkedViewOf(viewer: Viewer, state: ViewerState): LinkedView {
-  const { wish, accuracy, comparison, splitPart, requested, viewMode } = state;
+  const { wish, accuracy, comparison, splitPart, requested, viewMode, inspecting } = state;
   const parts = viewer.scenes.newest?.parts ?? [];
   return {
     sources: parts.map(({ source }) => source),
@@ -15,6 +15,7 @@ export function linkedViewOf(viewer: Viewer, state: ViewerState): LinkedView {
     accuracy: wish ?? accuracy,
     comparison: comparison && { comparison, splitPart },
     effects: requested.choices,
+    crop: inspecting.crop,
     viewMode,
   };
 }

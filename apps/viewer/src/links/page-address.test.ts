@@ -25,6 +25,7 @@ function view(changes: Partial<LinkedView> = {}): LinkedView {
     accuracy: resolveAccuracy(),
     comparison: null,
     effects: {},
+    crop: null,
     viewMode: 'colours',
     ...changes,
   };
@@ -65,6 +66,16 @@ describe('the address of the page', () => {
     expect(written('/?effects=tint:ff0000', {})).toBe('/');
     expect(written('/?effects=tint:ff0000', { sources: [file], effects: tinted })).toBe('/');
     expect(written('/?src=gone.ply&effects=tint:ff0000', {})).toBe('/?src=gone.ply');
+  });
+
+  it('names a crop, and with it the scene', () => {
+    const crop = { min: [-1, 0, 0.1], max: [1, 2, 3], keep: 'outside' } as const;
+    const text = 'crop=-1:0:0.1:1:2:3:outside';
+    expect(written('/', { crop })).toBe(`/?${text}&scene=${scene.name}`);
+    expect(written(`/?${text}`, {})).toBe('/');
+    expect(written(`/?${text}`, { sources: [file], crop })).toBe('/');
+    expect(written(`/?src=gone.ply&${text}`, { crop })).toBe('/?src=gone.ply');
+    expect(linkTo(page('/'), view({ crop }))).toContain(text);
   });
 
   it('names the view mode', () => {

@@ -4,10 +4,12 @@ import { hardCaseNameIn, hardCaseScene } from '../hard-cases/catalogue.ts';
 import { ADDRESS_NAMES, addressedScene } from '../scene/first-source.ts';
 import type { SceneSource } from '../scene/scene-source.ts';
 import type { EffectChoices } from '../state/effect-choices.ts';
+import type { Crop } from '../state/inspecting.ts';
 import type { ViewModeName } from '../state/view-mode.ts';
 import { encodeAccuracy } from '../words/accuracy-address.ts';
 import { encodeCamera } from './camera-text.ts';
 import { encodeComparison, type LinkedComparison } from './comparison-text.ts';
+import { encodeCrop } from './crop-text.ts';
 import { encodeEffects } from './effects-text.ts';
 import { LOOK_NAME } from './linked-start.ts';
 import { encodeViewMode } from './view-mode-text.ts';
@@ -22,6 +24,7 @@ export interface LinkedView {
   readonly accuracy: AccuracySettings | AccuracyWish;
   readonly comparison: LinkedComparison | null;
   readonly effects: EffectChoices;
+  readonly crop: Crop | null;
   readonly viewMode: ViewModeName;
 }
 
@@ -33,7 +36,7 @@ export interface UnmentionedView {
 }
 
 /** Names in the query of what belongs to the scene that it was chosen for, at that scene's scale. */
-const OF_ONE_SCENE = ['camera', 'effects'];
+const OF_ONE_SCENE = ['camera', 'effects', 'crop'];
 
 /** `page` as it is to be while `view` is shown: path, query and fragment. What it says besides stays. */
 export function pageAddress(page: URL, view: LinkedView, unmentioned: UnmentionedView): string {
@@ -42,13 +45,15 @@ export function pageAddress(page: URL, view: LinkedView, unmentioned: Unmentione
   const isFirstView = unmentioned.camera !== null && camera === encodeCamera(unmentioned.camera);
   if (isFallback(view.sources, query)) for (const name of OF_ONE_SCENE) query.delete(name);
   else {
-    // Nobody else has a file of this device: its camera and effects would be those of another scene.
+    // Nobody else has a file of this device: its camera, effects and crop would be those of another scene.
     const isShared = canLink(view.sources);
     const isMentioned = isShared && !isFirstView;
     const effects = isShared ? encodeEffects(view.effects) : null;
     write(query, 'camera', isMentioned ? camera : null);
+    const crop = isShared && view.crop ? encodeCrop(view.crop) : null;
     write(query, 'effects', effects);
-    writeSources(query, view, page, isMentioned || effects !== null);
+    write(query, 'crop', crop);
+    writeSources(query, view, page, isMentioned || effects !== null || crop !== null);
   }
   write(query, 'accuracy', encodeAccuracy(view.accuracy, unmentioned.accuracy));
   write(query, 'compare', view.comparison && encodeComparison(view.comparison));
@@ -66,6 +71,7 @@ export function linkTo(page: URL, view: LinkedView): string | null {
   writeSources(query, view, page, true);
   write(query, 'camera', encodeCamera(view.camera));
   write(query, 'effects', encodeEffects(view.effects));
+  write(query, 'crop', view.crop && encodeCrop(view.crop));
   write(query, 'accuracy', encodeAccuracy(view.accuracy, null));
   write(query, 'compare', view.comparison && encodeComparison(view.comparison));
   write(query, 'mode', encodeViewMode(view.viewMode));

@@ -61,7 +61,11 @@ export function SelectTab({ store, inspection }: InspectProps) {
         ))}
       </fieldset>
       <div className="inspect-actions">
-        <Action testId="select-seen" title="All whose centres are within the picture" onClick={() => void selecting.selectSeen()}>
+        <Action
+          testId="select-seen"
+          title="All whose centres are within the picture"
+          onClick={() => void selecting.selectSeen()}
+        >
           In view
         </Action>
         <Action testId="select-all" onClick={() => void selecting.select({ kind: 'all' })}>
