@@ -5,8 +5,20 @@ import type { FoundFile } from './found-file.ts';
 /** So many scenes are opened at once: a dropped folder may have thousands. */
 const MOST_SCENES = 32;
 
-/** Opens every scene among the files: one by itself, or one that several of them make. */
+/** What SuperSplat calls the camera and the background that go with a scene. */
+const SETTINGS_NAME = 'settings.json';
+
+/** Opens every scene among the files, one by itself, or one that several of them make, with the settings that are among them. */
 export function decideFiles(found: readonly FoundFile[]): FileDropDecision {
+  const isSettings = ({ path }: FoundFile) => nameOf(path).toLowerCase() === SETTINGS_NAME;
+  const [settings] = found.filter(isSettings).toSorted((a, b) => a.path.length - b.path.length);
+  if (!settings) return decideScenes(found);
+  const others = found.filter((file) => !isSettings(file));
+  const scenes = others.length > 0 ? decideScenes(others) : { opened: [], notice: null };
+  return { ...scenes, settings: settings.file };
+}
+
+function decideScenes(found: readonly FoundFile[]): FileDropDecision {
   if (found.length === 0)
     return { opened: [], notice: `There is no file in that; drop a scene: ${READABLE_FORMATS}.` };
   if (found.length === 1) return { opened: [alone(found[0])], notice: null };

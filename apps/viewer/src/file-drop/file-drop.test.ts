@@ -69,6 +69,19 @@ describe('dropped files', () => {
     expect(namesOf(inFolder('x/lod-meta.json', 'x/0_0/meta.json', 'x/0_0/means_l.webp'))).toEqual(['x']);
   });
 
+  it('may have settings of SuperSplat’s beside them, or be those alone', () => {
+    const decision = decideFiles(inFolder('x/scene.ply', 'x/y/settings.json', 'x/Settings.json'));
+    expect(decision).toMatchObject({
+      opened: [{ name: 'scene.ply' }],
+      notice: null,
+      settings: { name: 'Settings.json' },
+    });
+    expect(decideFiles(named('settings.json'))).toMatchObject({ opened: [], notice: null, settings: {} });
+    expect(decideFiles(named('a.ply')).settings).toBeUndefined();
+    const { opened } = decideFiles(inFolder('a/meta.json', 'a/settings.json', 'a/means_l.webp'));
+    expect(opened).toMatchObject([{ name: 'a', source: { paths: ['a/meta.json', 'a/means_l.webp'] } }]);
+  });
+
   it('of the same name are told apart by their folders', () => {
     expect(namesOf(inFolder('7000/point_cloud.ply', '30000/point_cloud.ply', 'a.ply'))).toEqual([
       '7000/point_cloud.ply',

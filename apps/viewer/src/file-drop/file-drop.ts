@@ -14,6 +14,8 @@ export interface FileDropDecision {
   /** Each is shown as a part of one scene; none where there is nothing to open. */
   readonly opened: readonly OpenedFiles[];
   readonly notice: string | null;
+  /** A `settings.json` of SuperSplat's, for what is opened, or else for what is shown. */
+  readonly settings?: File;
   /** Whether they join what is shown, instead of taking its place. */
   readonly isAdded?: boolean;
   /** By which the files can be read again later; none where the browser has none. */

@@ -3,12 +3,14 @@ import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import type { FileDropDecision } from './file-drop.ts';
 
-/** Opens what was dropped or chosen, keeps it to be offered again, and says what is not opened. */
+/** Opens what was dropped or chosen, keeps it to be offered again, shows it as the settings beside it say, and says what is not opened. */
 export function followDrop(
-  { opened, notice, isAdded = false, handles = [] }: FileDropDecision,
+  { opened, notice, settings, isAdded = false, handles = [] }: FileDropDecision,
   store: ViewerStore,
   viewer: Viewer,
 ): void {
+  // What is dropped with files that take its place is not meant for what is shown.
+  const replaced = opened.length > 0 && !isAdded ? store.getState().scene : null;
   if (opened.length > 0) {
     const sources = opened.map((files): SceneSource => ({ kind: 'file', ...files }));
     if (isAdded) viewer.scenes.add(...sources);
@@ -17,6 +19,10 @@ export function followDrop(
     // Kept by this entry of the history, so that a reload offers the file whatever else the address asks for.
     history.replaceState({ ...history.state, [OPENED_FILE]: true }, '');
   }
+  if (settings)
+    void import('../supersplat/follow-settings.ts').then(({ followDroppedSettings }) =>
+      followDroppedSettings(settings, replaced, store, viewer),
+    );
   if (notice) store.setState({ notice });
 }
 

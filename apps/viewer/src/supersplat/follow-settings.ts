@@ -1,3 +1,4 @@
+import type { SceneSummary } from '../state/scene-summary.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { isAtEnd, poseOnTrack } from './camera-track.ts';
@@ -24,19 +25,52 @@ export async function followSettings(
   store: ViewerStore,
   viewer: Viewer,
 ): Promise<void> {
-  let settings: SceneSettings;
+  const advice = 'Write ?settings= and the address of a settings.json of SuperSplat.';
+  const settings = await readOr(() => textAt(new URL(address, location.href)), advice, store);
+  if (settings) show(settings, isCameraLinked, null, store, viewer);
+}
+
+/**
+ * The same for a file that was dropped.
+ *
+ * @param replaced the scene in whose place another one is opened, which it is for; null for what is shown.
+ */
+export async function followDroppedSettings(
+  file: File,
+  replaced: SceneSummary | null,
+  store: ViewerStore,
+  viewer: Viewer,
+): Promise<void> {
+  const advice = 'Drop a settings.json of SuperSplat.';
+  const settings = await readOr(() => textOf(file, file.name), advice, store);
+  if (settings) show(settings, false, replaced, store, viewer);
+}
+
+/** Null where they cannot be used, which the store then says. */
+async function readOr(
+  read: () => Promise<string>,
+  advice: string,
+  store: ViewerStore,
+): Promise<SceneSettings | null> {
   try {
-    settings = readSceneSettings(await textAt(new URL(address, location.href)));
+    return readSceneSettings(await read());
   } catch (error) {
     const message = error instanceof Error ? error.message : String(error);
-    const advice = 'Write ?settings= and the address of a settings.json of SuperSplat.';
     store.setState({ failure: { title: 'The settings cannot be used', message, advice, isFault: false } });
-    return;
+    return null;
   }
-  const { background, camera, track } = settings;
+}
+
+function show(
+  { background, camera, track }: SceneSettings,
+  isCameraLinked: boolean,
+  replaced: SceneSummary | null,
+  store: ViewerStore,
+  viewer: Viewer,
+): void {
   if (background) viewer.camera.setLook({ background: backgroundOf(background) });
   if (isCameraLinked || !(camera ?? track)) return;
-  whenSceneIsThere(store, (isWhole) => {
+  whenSceneIsThere(store, replaced, (isWhole) => {
     showPose(camera ?? (track as CameraTrack).keys[0].pose, store, viewer);
     if (isWhole && track && !matchMedia('(prefers-reduced-motion: reduce)').matches)
       play(track, store, viewer);
@@ -51,13 +85,23 @@ async function textAt(url: URL): Promise<string> {
       `${url.href} cannot be read${status}: check the address; the server must allow reading from this page.`,
     );
   }
-  const { size, text } = await response.blob().then((blob) => ({ size: blob.size, text: () => blob.text() }));
-  if (size > MOST_BYTES) throw new Error(`${url.href} has ${size} bytes: that is no settings.json.`);
-  return text();
+  return textOf(await response.blob(), url.href);
 }
 
-/** Calls `then` for each preview of the first scene, and for all of it; each time after it was given its first view. */
-function whenSceneIsThere(store: ViewerStore, then: (isWhole: boolean) => void): void {
+async function textOf(blob: Blob, name: string): Promise<string> {
+  if (blob.size > MOST_BYTES) throw new Error(`${name} has ${blob.size} bytes: that is no settings.json.`);
+  return blob.text();
+}
+
+/**
+ * Calls `then` for each preview of the first scene that is not `replaced`, and for all of it; each time after it was given its
+ * first view. Gives up where none comes in the place of that.
+ */
+function whenSceneIsThere(
+  store: ViewerStore,
+  replaced: SceneSummary | null,
+  then: (isWhole: boolean) => void,
+): void {
   const take = () => {
     const isWhole = store.getState().load === null;
     if (isWhole) unsubscribe();
@@ -65,9 +109,14 @@ function whenSceneIsThere(store: ViewerStore, then: (isWhole: boolean) => void):
   };
   const unsubscribe = store.subscribe((state, before) => {
     const isLoaded = state.load === null && before.load !== null;
-    if (state.scene && (state.scene !== before.scene || isLoaded)) queueMicrotask(take);
+    if (state.scene === replaced && replaced !== null) {
+      if (isLoaded) unsubscribe();
+    } else if (state.scene && (state.scene !== before.scene || isLoaded)) queueMicrotask(take);
   });
-  if (store.getState().scene) take();
+  const { scene, load } = store.getState();
+  if (scene && scene !== replaced) take();
+  // It could not be opened, sooner than this was read.
+  else if (replaced && !load) unsubscribe();
 }
 
 function showPose(shown: SettingsPose, store: ViewerStore, viewer: Viewer): void {
