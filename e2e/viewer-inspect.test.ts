@@ -2,7 +2,14 @@ import { readFile } from 'node:fs/promises';
 import { readSplats } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
-import { frameCount, textOf, viewerHarness, viewerScreenshot, waitForFrameAfter } from './viewer-page.ts';
+import {
+  drawnCamera,
+  frameCount,
+  textOf,
+  viewerHarness,
+  viewerScreenshot,
+  waitForFrameAfter,
+} from './viewer-page.ts';
 
 const { openViewer } = viewerHarness();
 const CHEAP = '?scene=still-life-small&accuracy=fast,shDegree:0,resolutionScale:0.25,rasterizer:quads';
@@ -20,6 +27,10 @@ const marks = (page: Page, selector: string) =>
     .getByTestId('inspect-marks')
     .evaluate((svg, wanted) => [...svg.querySelectorAll(wanted)].map((mark) => mark.outerHTML), selector);
 
+/** The number that a text begins with. */
+const countIn = async (page: Page, testId: string) =>
+  Number((await textOf(page, testId)).replaceAll(',', '').match(/^\d+/)?.[0]);
+
 /** How many pixels differ between two screenshots. */
 function differing(a: { data: Uint8Array }, b: { data: Uint8Array }): number {
   let count = 0;
@@ -29,7 +40,7 @@ function differing(a: { data: Uint8Array }, b: { data: Uint8Array }): number {
 }
 
 describe('inspecting a scene in the viewer', () => {
-  it('explains a splat, measures, counts, crops, and saves what is left', async () => {
+  it('explains a splat, measures, counts, selects, crops, and saves what is left', async () => {
     const page = await openViewer(CHEAP, { viewport: { width: 660, height: 490 } });
     await page.keyboard.press('h');
     const whole = await viewerScreenshot(page);
@@ -86,13 +97,54 @@ describe('inspecting a scene in the viewer', () => {
     await draw(page, () => page.getByTestId('mark-opacity').press('End'));
     await page.getByText(`0.95 to 1: ${counts.at(-1)} splats`).waitFor();
 
-    await draw(page, () => page.getByTestId('inspect-tab-crop').click());
+    // What is selected is marked; what is removed is not drawn, and comes back.
+    await draw(page, () => page.getByTestId('inspect-tab-select').click());
+    await draw(page, () => page.getByTestId('select-marked').click());
+    await page.getByText(`${counts.at(-1)} of 10,000 splats are selected`).waitFor();
+    await draw(page, () => page.getByTestId('select-none').click());
+    const turned = await viewerScreenshot(page);
+    const camera = await drawnCamera(page);
+    await page.mouse.move(120, 250);
+    await page.mouse.down();
+    await page.mouse.move(240, 350);
+    expect(await marks(page, '[data-mark=region]')).toHaveLength(3);
+    await draw(page, () => page.mouse.up());
+    expect(await marks(page, '[data-mark=region]')).toEqual([]);
+    // The drag has turned nothing.
+    expect(await drawnCamera(page)).toEqual(camera);
+    const selected = await countIn(page, 'select-count');
+    expect(selected).toBeGreaterThan(10);
+    expect(differing(await viewerScreenshot(page), turned)).toBeGreaterThan(1000);
+    await page.getByTestId('select-brush').click();
+    await page.keyboard.down('Alt');
+    await page.mouse.move(130, 300);
+    await page.mouse.down();
+    await page.mouse.move(230, 300);
+    await draw(page, () => page.mouse.up());
+    await page.keyboard.up('Alt');
+    const fewer = await countIn(page, 'select-count');
+    expect(fewer).toBeLessThan(selected);
+    await draw(page, () => page.getByTestId('select-undo').click());
+    expect(await countIn(page, 'select-count')).toBe(selected);
+    await draw(page, () => page.getByTestId('select-remove').click());
+    await page.getByText(`${selected.toLocaleString('en')} splats removed`).waitFor();
+    expect(differing(await viewerScreenshot(page), turned)).toBeGreaterThan(1000);
+    await page.getByTestId('select-save-left').click();
+    await page.getByTestId('save-edited').waitFor();
+    const [left] = await Promise.all([page.waitForEvent('download'), page.getByTestId('save-file').click()]);
+    expect((await readSplats(await readFile(await left.path()))).count).toBe(10_000 - selected);
+    await page.keyboard.press('i');
+    await draw(page, () => page.getByTestId('select-undo').click());
+    await draw(page, () => page.getByTestId('select-none').click());
+    expect(differing(await viewerScreenshot(page), turned)).toBe(0);
+
+    await page.getByTestId('inspect-tab-crop').click();
     await draw(page, () => page.getByTestId('crop-begin').click());
     await page.getByTestId('crop-max-x').press('PageDown');
     expect(await marks(page, '[data-mark=box]')).toHaveLength(2);
     await draw(page, () => page.getByTestId('crop-max-x-number').fill('0'));
     await page.getByText('splats stay').waitFor();
-    const kept = Number((await textOf(page, 'crop-count')).replaceAll(',', '').match(/^\d+/)?.[0]);
+    const kept = await countIn(page, 'crop-count');
     expect(kept).toBeLessThan(10_000);
     expect(differing(await viewerScreenshot(page), whole)).toBeGreaterThan(1000);
     await draw(page, () => page.getByTestId('crop-outside').click());

@@ -16,6 +16,7 @@ import {
 
 /** Cheap, and by a rasteriser that does not follow from times: images are compared bit for bit. */
 const CHEAP = '?scene=still-life-small&accuracy=fast,resolutionScale:0.5,rasterizer:tiles';
+const CROP = 'crop=-0.1:-2:-1e3:2:2:1000:inside';
 
 const harness = viewerHarness();
 
@@ -30,7 +31,9 @@ function notePoster(): void {
 
 describe('links of the viewer', () => {
   it('show the same picture in another window, bit for bit', async () => {
-    const page = await harness.openViewer(CHEAP, { permissions: ['clipboard-read', 'clipboard-write'] });
+    const page = await harness.openViewer(`${CHEAP}&${CROP}`, {
+      permissions: ['clipboard-read', 'clipboard-write'],
+    });
     const first = await viewerScreenshot(page);
     const frames = await frameCount(page);
     for (const key of ['ArrowLeft', 'ArrowUp', '+', 'w', 'u']) await page.keyboard.press(key);
@@ -43,6 +46,7 @@ describe('links of the viewer', () => {
     await page.getByTestId('notice').getByText('copied').waitFor();
     const link = await page.evaluate(() => navigator.clipboard.readText());
     expect(link).toContain('accuracy=fast,rasterizer:tiles,resolutionScale:0.5');
+    expect(link).toContain('crop=-0.1:-2:-1000:2:2:1000:inside');
 
     // As it is embedded: without the interface, whose keys do nothing but move the camera.
     const other = await harness.newPage();
@@ -67,7 +71,7 @@ describe('links of the viewer', () => {
     const beforeDrop = await frameCount(page);
     await dropFiles(page, [{ name: 'own.ply', bytes: encodePly(testScene()) }]);
     await waitForFrameAfter(page, beforeDrop);
-    await page.waitForURL((url) => !/camera|scene/.test(url.search));
+    await page.waitForURL((url) => !/camera|scene|crop/.test(url.search));
     await page.keyboard.press('l');
     await page.getByTestId('notice').getByText('file of this device').waitFor();
     await page.keyboard.press('x');

@@ -19,6 +19,15 @@ import {
 
 const [a, b] = [testScene(200), testScene(60)];
 const [A, B] = [encodePly(a), encodePly(b)];
+const SETTINGS = new TextEncoder().encode(
+  JSON.stringify({
+    version: 2,
+    background: { color: [1, 0, 0] },
+    cameras: [{ initial: { position: [0, 0.5, 3], target: [0, 0, 0], fov: 60 } }],
+    animTracks: [],
+    startMode: 'default',
+  }),
+);
 const harness = appHarness('apps/viewer', { 'a.ply': A, 'b.ply': B });
 /** A size at which the float64 reference is quick, with a rasteriser that does not follow from times. */
 /** Wide enough for the panel to leave the handles in the middle of the picture. */
@@ -92,22 +101,43 @@ describe('several files in the viewer', () => {
     await waitForImage(other);
     expect(await drawnCamera(other)).toEqual(drawn);
 
+    // Splats of both files are selected; those that are removed stay so, whatever happens to the GPU.
+    await page.keyboard.press('i');
+    await page.getByTestId('inspect-tab-select').click();
+    await drawnAfter(page, () => page.getByTestId('select-all').click());
+    await page.getByText('260 of 260 splats are selected').waitFor();
+    await page.mouse.move(300, 10);
+    await page.mouse.down();
+    await page.mouse.move(420, 250);
+    await drawnAfter(page, () => page.mouse.up());
+    const selected = Number((await textOf(page, 'select-count')).match(/^\d+/)?.[0]);
+    expect(selected).toBeGreaterThan(0);
+    expect(selected).toBeLessThan(260);
+    await drawnAfter(page, () => page.getByTestId('select-remove').click());
+
     await page.evaluate(() => dispatchEvent(new Event('lose-device')));
     await page.getByTestId('notice').getByText('GPU was lost').waitFor();
     await waitForImage(page);
     expect(await matrices(page)).toEqual(drawn.modelMatrices);
 
     await page.keyboard.press('x');
+    await page.getByText('Removed splats are not saved').waitFor();
     const downloading = page.waitForEvent('download');
     await page.getByTestId('save-file').click();
     const download = await downloading;
     expect(download.suggestedFilename()).toBe('a and b.ply');
-    expect((await readSplats(await readFile(await download.path()))).count).toBe(260);
+    expect((await readSplats(await readFile(await download.path()))).count).toBe(260 - selected);
   });
 
   it('can be added, hidden and removed', async () => {
     const page = await harness.open(CHEAP, WINDOW);
     await waitForImage(page);
+    // Settings of SuperSplat's alone are for what is shown.
+    const { viewMatrix } = await drawnCamera(page);
+    await drawnAfter(page, () => dropFiles(page, [{ name: 'settings.json', bytes: SETTINGS }]));
+    const { background, ...asSet } = await drawnCamera(page);
+    expect(background).toEqual([1, 0, 0]);
+    expect(asSet.viewMatrix).not.toEqual(viewMatrix);
     await page.keyboard.press('n');
     const files = [
       { name: 'a.ply', bytes: A },
