@@ -72,6 +72,10 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
       await expectAccessible(page, name);
     }
     await page.keyboard.press('Escape');
+    await page.keyboard.press('i');
+    await page.getByTestId('inspect-tab-select').click();
+    await page.getByTestId('select-brush').click();
+    await expectAccessible(page, 'selecting');
     await dropFiles(page, [{ name: 'cut.ply', bytes: new TextEncoder().encode('ply\nthat ends') }]);
     await waitForState(page, 'error');
     await expectAccessible(page, 'an error');

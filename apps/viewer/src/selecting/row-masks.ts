@@ -17,26 +17,26 @@ export function selectedWith(mode: SelectMode, { selected, removed }: SplatEdit,
 export function joined(a: RowMasks, b: RowMasks): RowMasks {
   const masks = new Map(a);
   for (const [key, words] of b) {
-    const [short, long] = [words, masks.get(key) ?? words].toSorted(
-      (one, other) => one.length - other.length,
-    );
-    masks.set(
-      key,
-      long.map((word, i) => word | (short[i] ?? 0)),
-    );
+    const others = masks.get(key) ?? words;
+    const both = new Uint32Array(Math.max(words.length, others.length));
+    both.set(words);
+    for (let i = 0; i < others.length; i++) both[i] |= others[i];
+    masks.set(key, both);
   }
   return masks;
 }
 
 /** Rows of `a` that are not in `b`. */
 export function without(a: RowMasks, b: RowMasks): RowMasks {
-  return new Map(
-    [...a].flatMap(([key, words]) => {
-      const others = b.get(key);
-      const left = others ? words.map((word, i) => word & ~(others[i] ?? 0)) : words;
-      return left.some((word) => word !== 0) ? [[key, left]] : [];
-    }),
-  );
+  const masks = new Map<string, Uint32Array<ArrayBuffer>>();
+  for (const [key, words] of a) {
+    const others = b.get(key);
+    const left = words.slice();
+    const shared = Math.min(left.length, others?.length ?? 0);
+    for (let i = 0; others && i < shared; i++) left[i] &= ~others[i];
+    if (left.some((word) => word !== 0)) masks.set(key, left);
+  }
+  return masks;
 }
 
 /** One selection for each mask, so that engine and counts look at its bits once. */

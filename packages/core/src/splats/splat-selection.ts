@@ -60,8 +60,15 @@ export class SplatSelection {
   bitsOf(rows: Uint32Array): Uint32Array<ArrayBuffer> {
     const bits = new Uint32Array(Math.ceil(rows.length / 32));
     const words = this.#words;
-    for (let i = 0; i < rows.length; i++)
-      bits[i >>> 5] |= ((words[rows[i] >>> 5] >>> (rows[i] & 31)) & 1) << (i & 31);
+    // A word at a time: millions of rows are looked up between two frames.
+    for (let word = 0, i = 0; word < bits.length; word++) {
+      let gathered = 0;
+      for (const end = Math.min(rows.length, i + 32); i < end; i++) {
+        const row = rows[i];
+        gathered |= ((words[row >>> 5] >>> row) & 1) << i;
+      }
+      bits[word] = gathered;
+    }
     return bits;
   }
 
