@@ -99,7 +99,7 @@ export class SplatSelection {
 }
 
 /** How many bits of `words` are set. */
-export function countOfBits(words: Uint32Array): number {
+function countOfBits(words: Uint32Array): number {
   let count = 0;
   for (const word of words) {
     const pairs = word - ((word >>> 1) & 0x55555555);
