@@ -1,4 +1,5 @@
-import { type Camera, cameraFromMatrices } from '@websplatter/core';
+import type { Camera } from '@websplatter/core';
+import { reprojected } from '../camera/reprojected.ts';
 
 /** A part of a picture, and what is drawn for it. Lengths in pixels from the picture's top left corner. */
 export interface PictureTile {
@@ -44,20 +45,11 @@ export function tileCamera(camera: Camera, widthPx: number, heightPx: number, ti
   if (drawnWidthPx === widthPx && drawnHeightPx === heightPx) return camera;
   const leftPx = tile.xPx - marginPx;
   const topPx = tile.yPx - marginPx;
-  // From the whole picture's clip space to the tile's: a scale, and a shift that counts w times.
-  const scaleX = widthPx / drawnWidthPx;
-  const scaleY = heightPx / drawnHeightPx;
   const shiftX = (widthPx - 2 * leftPx - drawnWidthPx) / drawnWidthPx;
   const shiftY = (drawnHeightPx - heightPx + 2 * topPx) / drawnHeightPx;
-  const matrix = Float64Array.from(camera.projectionMatrix);
-  for (let column = 0; column < 16; column += 4) {
-    matrix[column] = scaleX * matrix[column] + shiftX * matrix[column + 3];
-    matrix[column + 1] = scaleY * matrix[column + 1] + shiftY * matrix[column + 3];
-  }
-  const { viewMatrix, projectionMatrix, near, far } = camera;
   return {
-    ...cameraFromMatrices(viewMatrix, matrix, { near, far }),
-    wholeProjectionMatrix: projectionMatrix,
+    ...reprojected(camera, [widthPx / drawnWidthPx, heightPx / drawnHeightPx], [shiftX, shiftY]),
+    wholeProjectionMatrix: camera.projectionMatrix,
   };
 }
 
