@@ -43,10 +43,9 @@ describe('inspecting a scene in the viewer', () => {
   it('explains a splat, measures, counts, selects, crops, and saves what is left', async () => {
     const page = await openViewer(CHEAP, { viewport: { width: 660, height: 490 } });
     await page.keyboard.press('h');
-    const whole = await viewerScreenshot(page);
-
-    await page.keyboard.press('i');
+    await draw(page, () => page.keyboard.press('i'));
     await page.getByTestId('inspect').waitFor();
+    const whole = await viewerScreenshot(page);
     // Another frame, in which the splat itself has another colour.
     await draw(page, () => page.mouse.click(180, 300));
     await page.getByTestId('inspect-position').waitFor();

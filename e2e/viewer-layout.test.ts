@@ -123,7 +123,16 @@ describe('the viewer in windows of any size', () => {
     const height = async () => Math.round((await box(page, 'effects')).height);
     const grip = page.getByTestId('sheet-grip');
     expect(await height()).toBe(320);
-    const { x, y, width } = await box(page, 'sheet-grip');
+    // The picture has moved above the sheet, and what is drawn over it.
+    await page.getByTestId('switch-clip').click();
+    await page.getByTestId('clip-handle').waitFor();
+    await page.waitForFunction(
+      () => document.querySelector('.clip-handle')!.getBoundingClientRect().bottom < 240,
+    );
+    expect(await hiddenAmong(page, ['[data-testid=clip-handle]'])).toEqual([]);
+    await page.getByTestId('switch-clip').click();
+    const { x, y, width, height: gripHeight } = await box(page, 'sheet-grip');
+    expect(Math.min(width, gripHeight)).toBeGreaterThanOrEqual(44);
     const middle = [x + width / 2, y + 8] as const;
     await page.mouse.move(...middle);
     await page.mouse.down();
@@ -180,9 +189,9 @@ describe('the keyboard in the viewer', () => {
       expect(await focused(page), key).toBe(reached);
     }
 
+    expect(await frameCount(page), 'frames drawn because of arrows').toBe(frames);
     await page.keyboard.press('c');
     await page.getByTestId('accuracy-tab-settings').click();
-    expect(await frameCount(page), 'frames drawn because of arrows').toBe(frames);
     const slider = page.getByTestId('setting-alphaCutoff');
     await slider.focus();
     const before = await box(page, 'setting-alphaCutoff');

@@ -1,7 +1,7 @@
 import { readFile } from 'node:fs/promises';
 import { encodePly } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
-import type { Screenshot } from './screenshot.ts';
+import { changedPart, decodePng, type Screenshot } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
 import {
   drawnCamera,
@@ -74,15 +74,22 @@ describe('links of the viewer', () => {
     await page.waitForURL((url) => !/camera|scene|crop/.test(url.search));
     await page.keyboard.press('l');
     await page.getByTestId('notice').getByText('file of this device').waitFor();
+    const alone = await viewerScreenshot(page);
+    const beforePanel = await frameCount(page);
     await page.keyboard.press('x');
     expect(await textOf(page, 'save')).toContain('file of this device');
+    await waitForFrameAfter(page, beforePanel);
+    expect(changedPart(await viewerScreenshot(page), alone)).toBeGreaterThan(0.1);
 
-    await page.getByTestId('picture-width').fill('300');
+    // As it is without the panel.
     const downloading = page.waitForEvent('download');
     await page.getByTestId('save-picture').click();
     const download = await downloading;
     expect(download.suggestedFilename()).toBe('own.png');
     const png = await readFile(await download.path());
-    expect([png.readUInt32BE(16), png.readUInt32BE(20)]).toEqual([300, 200]);
+    const picture = await decodePng(png.toString('base64'), (decode, encoded) =>
+      page.evaluate(decode, encoded),
+    );
+    expect(changedPart(picture, alone)).toBe(0);
   });
 });

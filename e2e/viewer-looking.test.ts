@@ -34,6 +34,16 @@ function expectClose(actual: readonly number[], expected: readonly number[]): vo
   expect(Math.max(...errors), `[${actual}] against [${expected}]`).toBeLessThan(1e-9);
 }
 
+/** The part of the picture that a panel leaves free, and where the camera shows there what it turns around. */
+async function freeArea(page: Page, { projectionMatrix: p }: DrawnCamera) {
+  const free = await page.locator('.free-area').evaluate((e) => e.getBoundingClientRect().toJSON());
+  const { width, height } = page.viewportSize()!;
+  const middle = [((1 - p[8]) * width) / 2, ((1 + p[9]) * height) / 2];
+  // Tangents of half the angles of view over its sides.
+  const tangents = [free.width / width / p[0], free.height / height / p[5]];
+  return { middle, freeMiddle: [free.width / 2, free.height / 2], tangent: Math.min(...tangents) };
+}
+
 describe('looking around in the viewer', () => {
   it('focuses, zooms to the cursor, changes projection, field of view, up and background, flies, and keeps views', async () => {
     const page = await openViewer(CHEAP, { viewport: { width: 480, height: 320 } });
@@ -54,7 +64,21 @@ describe('looking around in the viewer', () => {
     const home = await after(page, () => page.keyboard.press('r'));
     expectClose(home.viewMatrix, first.viewMatrix);
 
-    await page.keyboard.press('v');
+    // The picture makes room for the panel; the camera stays where it is.
+    const beside = await after(page, () => page.keyboard.press('v'));
+    expect(beside.viewMatrix).toEqual(home.viewMatrix);
+    const area = await freeArea(page, beside);
+    expect(area.freeMiddle[0]).toBeLessThan(200);
+    expectClose(area.middle, area.freeMiddle);
+    expect(area.tangent).toBeCloseTo(1 / home.projectionMatrix[5], 9);
+    // Places are picked where they are seen.
+    const middle = [Math.round(area.middle[0]), Math.round(area.middle[1])] as const;
+    const near = await after(page, () => page.mouse.dblclick(middle[0] + 40, middle[1] + 40));
+    const [right, down] = [12, 13].map((i) => near.viewMatrix[i] - beside.viewMatrix[i]);
+    expect(right).toBeLessThan(0);
+    // As far down as to the right, but for the pixels of the layer, which are 4 px wide.
+    expect(Math.abs(down / -right - 1)).toBeLessThan(0.2);
+    await after(page, () => page.keyboard.press('r'));
     await after(page, () =>
       page
         .getByTestId('save-view')
@@ -65,7 +89,7 @@ describe('looking around in the viewer', () => {
     expect(parallel.projectionMatrix[11]).toBe(0);
     await after(page, () => page.getByTestId('perspective').click());
     const wide = await after(page, () => page.getByTestId('fov').fill('90'));
-    expect(wide.projectionMatrix[5]).toBeCloseTo(1, 5);
+    expect((await freeArea(page, wide)).tangent).toBeCloseTo(1, 5);
     const black = await after(page, () => page.getByTestId('background-black').click());
     expect(black.background).toEqual([0, 0, 0]);
     const turned = await after(page, () => page.getByTestId('up-z').click());
@@ -76,8 +100,9 @@ describe('looking around in the viewer', () => {
     await page.getByTestId('saved-view-1').waitFor();
     const again = await after(page, () => page.getByTestId('saved-view-1').click());
     expectClose(again.viewMatrix, first.viewMatrix);
-    expectClose(again.projectionMatrix, first.projectionMatrix);
-    await page.keyboard.press('v');
+    expectClose(again.projectionMatrix, beside.projectionMatrix);
+    const alone = await after(page, () => page.keyboard.press('v'));
+    expect(alone.projectionMatrix).toEqual(first.projectionMatrix);
 
     await page.keyboard.press('g');
     await page.getByTestId('flight').waitFor();

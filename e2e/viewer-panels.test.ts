@@ -33,9 +33,9 @@ describe('effects that are asked for', () => {
       ...SIZE,
       permissions: ['clipboard-read', 'clipboard-write'],
     });
-    const first = await picture(page);
     await page.keyboard.press('h');
-    await page.keyboard.press('e');
+    await redraw(page, () => page.keyboard.press('e'));
+    const first = await picture(page);
     const click = (testId: string) => page.getByTestId(testId).click();
     expect(await textOf(page, 'request-highlight')).toContain('Not available: no splats are selected');
 

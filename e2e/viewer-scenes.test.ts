@@ -94,8 +94,13 @@ describe('several files in the viewer', () => {
     // The address tells all of that.
     const move = `move:${byKey}:${moveY}:0,`;
     await page.waitForURL((url) => url.searchParams.getAll('place').at(1)?.startsWith(move) === true);
-    const drawn = await drawnCamera(page);
+    const beside = await drawnCamera(page);
     const link = page.url();
+    // The panel, for which the picture has made room, is no part of it.
+    await drawnAfter(page, () => page.keyboard.press('n'));
+    const drawn = await drawnCamera(page);
+    expect(drawn.viewMatrix).toEqual(beside.viewMatrix);
+    expect(drawn.projectionMatrix).not.toEqual(beside.projectionMatrix);
     const other = await harness.newPage(WINDOW);
     await other.goto(`${link}&noui`);
     await waitForImage(other);

@@ -141,6 +141,23 @@ describe('OrbitControls', () => {
     expect(controls.pose.distance).toBeCloseTo(10 * Math.exp(-0.1));
   });
 
+  it('pans and zooms in the area that panels leave free', () => {
+    const { controls, send } = mounted();
+    controls.covered = { right: 0.5, bottom: 0.5 };
+    // In the middle of the area: the target stays.
+    send('wheel', { deltaY: -100, deltaMode: 0, offsetX: 150, offsetY: 100 });
+    expectClose(controls.pose.target, [0, 0, 0]);
+    controls.setPose(FRONT);
+    // At its right edge: 1.5 halves of its height.
+    send('wheel', { deltaY: -1000, deltaMode: 0, offsetX: 300, offsetY: 100 });
+    expectClose(controls.pose.target, [7.5, 0, 0]);
+    controls.setPose(FRONT);
+    // 200 px high, it shows 20 units in the depth of the target.
+    send('pointerdown', { clientX: 0, clientY: 0, button: 2 });
+    send('pointermove', { clientX: 50, clientY: 0 });
+    expectClose(controls.pose.target, [-5, 0, 0]);
+  });
+
   it('turns, pans, zooms, walks and resets by keys', () => {
     const { controls } = mounted();
     const press = (key: string, shiftKey = false) =>

@@ -1,4 +1,5 @@
 import { focusByPointer } from '../ui/pointer-focus.ts';
+import { type Covered, NOTHING_COVERED } from './covered.ts';
 import { DoubleTap } from './double-tap.ts';
 import {
   type DistanceRange,
@@ -50,8 +51,10 @@ interface Pointer {
  * no renderer: the caller draws `lookAt(pose)`.
  */
 export class OrbitControls {
-  /** Vertical field of view of the camera that shows the pose. */
+  /** Vertical field of view of the camera that shows the pose, in the free area. */
   fovYDegrees = 60;
+  /** What lies outside of the free area, in whose middle the target is seen. */
+  covered = NOTHING_COVERED;
   distanceRange: DistanceRange = { min: 1e-3, max: 1e5 };
   /** Whether pointers and wheel mean something else for now. */
   isPaused = false;
@@ -64,6 +67,7 @@ export class OrbitControls {
   #shown: OrbitPose = { target: [0, 0, 0], distance: 1, azimuth: 0, polar: Math.PI / 2, up: [0, 1, 0] };
   #goal: OrbitPose = this.#shown;
   #home: OrbitPose = this.#shown;
+  /** Of the element. */
   #heightPx = 1;
   #isPanning = false;
   #gestureScale = 1;
@@ -211,14 +215,15 @@ export class OrbitControls {
     this.#pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     const dx = event.clientX - last.x;
     const dy = event.clientY - last.y;
+    const freePx = this.#heightPx * (1 - this.covered.bottom);
     if (before.length === 2) {
       const after = [...this.#pointers.values()];
       const factor = spread(before) / spread(after);
       // The middle of both fingers moves half as far as one of them.
-      const pose = panned(this.#goal, dx / 2, dy / 2, this.#heightPx, this.fovYDegrees);
+      const pose = panned(this.#goal, dx / 2, dy / 2, freePx, this.fovYDegrees);
       this.moveTo(dollied(pose, Number.isFinite(factor) && factor > 0 ? factor : 1, this.distanceRange));
     } else if (this.#isPanning) {
-      this.moveTo(panned(this.#goal, dx, dy, this.#heightPx, this.fovYDegrees));
+      this.moveTo(panned(this.#goal, dx, dy, freePx, this.fovYDegrees));
     } else {
       const radiansPerPx = ORBIT_RADIANS_PER_HEIGHT / this.#heightPx;
       this.moveTo(orbited(this.#goal, -dx * radiansPerPx, -dy * radiansPerPx));
@@ -240,7 +245,7 @@ export class OrbitControls {
       this.#goal,
       factor,
       this.distanceRange,
-      imagePoint(element, event),
+      freePoint(element, event, this.covered),
       this.fovYDegrees,
     );
     if (event.ctrlKey) this.moveTo(pose);
@@ -273,10 +278,15 @@ const MOVES: Readonly<Record<string, Vec3>> = {
   pageup: [0, 1, 0],
 };
 
-/** Where in the image an event is that `element` hears. */
-function imagePoint(element: HTMLElement, { offsetX, offsetY }: MouseEvent): ImagePoint {
-  const halfHeight = Math.max(1, element.clientHeight) / 2;
-  return { right: (offsetX - element.clientWidth / 2) / halfHeight, up: 1 - offsetY / halfHeight };
+/** Where an event is that `element` hears, from the middle of the free area. */
+function freePoint(
+  { clientWidth, clientHeight }: HTMLElement,
+  { offsetX, offsetY }: MouseEvent,
+  { right, bottom }: Covered,
+): ImagePoint {
+  const halfWidth = (clientWidth * (1 - right)) / 2;
+  const halfHeight = (Math.max(1, clientHeight) * (1 - bottom)) / 2;
+  return { right: (offsetX - halfWidth) / halfHeight, up: 1 - offsetY / halfHeight };
 }
 
 function spread([a, b]: readonly Pointer[]): number {

@@ -1,3 +1,4 @@
+import { perspectiveCamera } from '@websplatter/core';
 import { describe, expect, it, vi } from 'vitest';
 import type { SceneSummary } from '../state/scene-summary.ts';
 import { createViewerStore } from '../state/store.ts';
@@ -13,11 +14,11 @@ const GROUND: CameraSubject = {
   isZUp: true,
 };
 
-function shown(subject: CameraSubject) {
+function shown(subject: CameraSubject, isMotionReduced = true) {
   const store = createViewerStore();
   store.setState({ widthPx: 300, heightPx: 200, scene: { canFlip: true } as SceneSummary });
   const onChange = vi.fn();
-  const camera = new ViewCamera(store, { onChange, isMotionReduced: () => true });
+  const camera = new ViewCamera(store, { onChange, isMotionReduced: () => isMotionReduced });
   camera.follow(subject);
   camera.showFirstView();
   return { store, camera, onChange };
@@ -63,6 +64,59 @@ describe('the camera of a scene', () => {
     const parallel = camera.orbitCamera.projectionMatrix;
     expect(parallel[11]).toBe(0);
     expect(parallel[5]).toBeCloseTo(perspective[5] / distance);
+  });
+
+  it('makes room for a panel and stays where it is', () => {
+    const { camera, onChange } = shown(GROUND);
+    camera.update(16);
+    const before = camera.snapshot();
+    const alone = camera.orbitCamera;
+    onChange.mockClear();
+    camera.setCovered({ right: 0.5, bottom: 0.4 }, false);
+    expect(onChange).toHaveBeenCalledOnce();
+    expect(camera.update(16)).toBe(false);
+    expect(camera.snapshot()).toEqual(before);
+    expect(camera.middle).toEqual([0.25, 0.3]);
+    const { viewMatrix, projectionMatrix } = camera.orbitCamera;
+    expect(viewMatrix).toEqual(alone.viewMatrix);
+    // What was 200 px high is 120 px high now: the free area's shorter side.
+    expect(projectionMatrix[5] / alone.projectionMatrix[5]).toBeCloseTo(120 / 200);
+    expect(projectionMatrix[0] / alone.projectionMatrix[0]).toBeCloseTo(120 / 200);
+    expect(camera.centredCamera).toEqual(alone);
+    // Home and the whole scene are where they would be without the panel.
+    camera.frameScene();
+    camera.update(16);
+    expect(camera.controls.isHome).toBe(true);
+    camera.setCovered({ right: 0, bottom: 0 }, false);
+    camera.update(16);
+    expect(camera.orbitCamera).toEqual(alone);
+  });
+
+  it('glides aside, but not where the window has another size', () => {
+    const { camera } = shown(GROUND, false);
+    camera.setCovered({ right: 0.5, bottom: 0 }, false);
+    expect(camera.update(100)).toBe(true);
+    const [x] = camera.middle;
+    expect(x).toBeLessThan(0.5);
+    expect(x).toBeGreaterThan(0.25);
+    expect(camera.update(100)).toBe(false);
+    camera.setCovered({ right: 0, bottom: 0.5 }, true);
+    expect(camera.update(16)).toBe(false);
+    expect(camera.middle).toEqual([0.5, 0.25]);
+  });
+
+  it('leaves the images of the scene’s own cameras as they are, until the view is moved', () => {
+    const own = perspectiveCamera({ position: [0, 0, 4], target: [0, 0, 0], aspect: 1.5, fovYDegrees: 50 });
+    const { camera } = shown({ ...GROUND, ownCameras: () => ({ own }) });
+    camera.setCovered({ right: 0.5, bottom: 0 }, false);
+    camera.update(16);
+    expect(camera.ownCamera).toBe(own);
+    expect(camera.centredCamera).toBe(own);
+    expect(camera.middle).toEqual([0.5, 0.5]);
+    camera.controls.handleKey({ key: '+', shiftKey: false, ctrlKey: false, metaKey: false, altKey: false });
+    camera.update(16);
+    expect(camera.ownCamera).toBeUndefined();
+    expect(camera.middle).toEqual([0.25, 0.5]);
   });
 
   it('comes back to what it was', () => {

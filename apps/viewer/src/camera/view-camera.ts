@@ -1,6 +1,7 @@
 import { type Camera, orthographicCamera, perspectiveCamera } from '@websplatter/core';
 import { FIRST_LOOK, type Look } from '../state/look.ts';
 import type { ViewerStore } from '../state/store.ts';
+import { besideCovered, type Covered, CoveredGlide, freeAspect, NOTHING_COVERED } from './covered.ts';
 import { flippedPoint, flippedPose } from './flip.ts';
 import { depthRange, firstPose, framedPose, parallelView, verticalFov } from './framing.ts';
 import { OrbitControls, type OrbitControlsOptions } from './orbit-controls.ts';
@@ -51,6 +52,9 @@ export class ViewCamera {
   readonly controls: OrbitControls;
   readonly #store: ViewerStore;
   readonly #onChange: () => void;
+  readonly #isMotionReduced: () => boolean;
+  readonly #glide = new CoveredGlide();
+  #covered = NOTHING_COVERED;
   #subject: CameraSubject | null = null;
   #first: CameraSnapshot | null = null;
   #motion: CameraMotion | null = null;
@@ -60,6 +64,7 @@ export class ViewCamera {
   constructor(store: ViewerStore, options: OrbitControlsOptions) {
     this.#store = store;
     this.#onChange = options.onChange;
+    this.#isMotionReduced = options.isMotionReduced ?? (() => false);
     this.controls = new OrbitControls(options);
   }
 
@@ -155,9 +160,39 @@ export class ViewCamera {
 
   /** Glides `elapsedMs` further; returns whether it has not arrived, so that another frame is needed. */
   update(elapsedMs: number): boolean {
-    this.controls.fovYDegrees = this.#fovYDegrees;
-    const isMoving = this.#motion?.(elapsedMs) ?? false;
-    return this.controls.update(elapsedMs) || isMoving;
+    const isMoved = this.#motion?.(elapsedMs) ?? false;
+    const isGliding = this.controls.update(elapsedMs);
+    return this.#makeRoom(elapsedMs) || isMoved || isGliding;
+  }
+
+  /**
+   * A panel covers something else from now on. The camera stays as it is: its image moves over, and shows in the free area what it
+   * would show in a window of that size.
+   *
+   * @param isAtOnce whether the picture has another size too.
+   */
+  setCovered(covered: Covered, isAtOnce: boolean): void {
+    const { right, bottom } = this.#covered;
+    if (covered.right === right && covered.bottom === bottom) return;
+    this.#covered = covered;
+    if (isAtOnce) this.#glide.goTo(covered, true);
+    this.#onChange();
+  }
+
+  #makeRoom(elapsedMs: number): boolean {
+    // The images of the scene's own cameras are about each pixel.
+    const isOwn = this.ownCamera !== undefined;
+    this.#glide.goTo(isOwn ? NOTHING_COVERED : this.#covered, isOwn || this.#isMotionReduced());
+    const isGliding = this.#glide.update(elapsedMs);
+    this.controls.covered = this.#glide.now;
+    this.controls.fovYDegrees = this.#fovYDegreesAt(freeAspect(this.#aspect, this.#glide.now));
+    return isGliding;
+  }
+
+  /** Where what is looked at is seen, in parts of the image from its top left. */
+  get middle(): readonly [xPart: number, yPart: number] {
+    const { right, bottom } = this.#glide.now;
+    return [(1 - right) / 2, (1 - bottom) / 2];
   }
 
   /** Something moves the camera from now on, or with null nothing but the controls. */
@@ -181,13 +216,23 @@ export class ViewCamera {
     return this.controls.isHome ? this.#ownCameraAt(this.#store.getState().cameraIndex) : undefined;
   }
 
-  /** The camera that shows the pose of the controls. */
+  /** The camera that shows the pose of the controls in the free area. */
   get orbitCamera(): Camera {
+    const { now } = this.#glide;
+    return besideCovered(this.#orbitCameraAt(freeAspect(this.#aspect, now)), now);
+  }
+
+  /** The camera that is shown, as it is where nothing covers the picture. */
+  get centredCamera(): Camera {
+    return this.ownCamera ?? this.#orbitCameraAt(this.#aspect);
+  }
+
+  #orbitCameraAt(aspect: number): Camera {
     const subject = this.#subject;
     if (!subject) throw new Error('The camera has no scene to look at.');
-    const { pose, fovYDegrees } = this.controls;
+    const { pose } = this.controls;
+    const fovYDegrees = this.#fovYDegreesAt(aspect);
     const extent = this.#placed(subject.extent);
-    const aspect = this.#aspect;
     if (this.#store.getState().look.isOrthographic)
       return orthographicCamera({ ...parallelView(pose, extent, fovYDegrees), aspect });
     const { near, far } = subject.firstView ?? depthRange(pose, this.#placed(subject.sphere), extent);
@@ -232,11 +277,11 @@ export class ViewCamera {
     const subject = this.#subject;
     if (!subject) return;
     controls.glideTo(
-      framedPose(controls.pose, this.#placed(subject.sphere), controls.fovYDegrees, this.#aspect),
+      framedPose(controls.pose, this.#placed(subject.sphere), this.#fovYDegrees, this.#aspect),
     );
   }
 
-  /** Brings `point`, of the scene as it is drawn, to the middle of the image, and turns around it from then on. */
+  /** Brings `point`, of the scene as it is drawn, to the middle of the free area, and turns around it from then on. */
   focus(point: Vec3): void {
     const { controls } = this;
     const { pose, distanceRange } = controls;
@@ -278,8 +323,13 @@ export class ViewCamera {
     return Object.values(this.#ownCameras())[index];
   }
 
+  /** Where nothing covers the picture. Poses that show all of a sphere then do so in any free area. */
   get #fovYDegrees(): number {
-    return verticalFov(this.#store.getState().look.fovDegrees, this.#aspect);
+    return this.#fovYDegreesAt(this.#aspect);
+  }
+
+  #fovYDegreesAt(aspect: number): number {
+    return verticalFov(this.#store.getState().look.fovDegrees, aspect);
   }
 
   #setFov(fovDegrees: number): void {

@@ -13,6 +13,8 @@ beforeEach(() => {
 });
 afterEach(() => void vi.unstubAllGlobals());
 
+const SEEN = { viewMatrix: [], projectionMatrix: [] };
+
 /** Draws a scene of which only a part is there. */
 function setUp() {
   const main = { render: vi.fn(() => true), effects: () => [] };
@@ -31,7 +33,7 @@ function setUp() {
     isPartial: true,
     takeReplaced: () => [],
   };
-  const camera = { update: () => false, orbitCamera: { viewMatrix: [], projectionMatrix: [] } };
+  const camera = { update: () => false, orbitCamera: SEEN, centredCamera: SEEN };
   const confirmRecovery = vi.fn();
   const store = createViewerStore();
   store.setState({ widthPx: 30, heightPx: 20 });

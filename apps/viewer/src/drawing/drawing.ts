@@ -106,7 +106,7 @@ export class Drawing {
       return null;
     }
     // Also if nothing has to be drawn: a whole scene looks as its last part does.
-    this.#drawn = { scene, frame };
+    this.#drawn = { scene, frame, centred: ownCamera ?? camera.centredCamera };
     const replaced = scenes.takeReplaced();
     if (replaced.length > 0) void destroyWhenReplaced(session, replaced);
     if (!isSubmitted) return null;

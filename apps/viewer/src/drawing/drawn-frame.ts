@@ -1,4 +1,4 @@
-import type { FrameRequest, SplatEngine, TextureImage } from '@websplatter/core';
+import type { Camera, FrameRequest, SplatEngine, TextureImage } from '@websplatter/core';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { ShownScene } from '../scene/shown-scene.ts';
 
@@ -7,6 +7,8 @@ export interface DrawnFrame {
   readonly scene: ShownScene;
   /** Everything but its accuracy. */
   readonly frame: FrameRequest & { readonly background: Vec3 };
+  /** Its camera where no panel covers the picture. */
+  readonly centred: Camera;
 }
 
 /** The frame on the screen, and the engine that can draw others like it. */
@@ -14,6 +16,8 @@ export interface ShownFrame {
   readonly engine: SplatEngine;
   /** Without accuracy. */
   readonly frame: FrameRequest;
+  /** The same where no panel covers the picture: what is saved of it. */
+  readonly centred: FrameRequest;
 }
 
 /** An image as it was read back, without its background, and the background that it is to be shown on. */
@@ -22,9 +26,9 @@ export interface ImageOnBackground {
   readonly background: Vec3;
 }
 
-/** Everything that an image depends on but its accuracy and background, as text. */
-export function imageKey({ scene, frame }: DrawnFrame): string {
-  const { camera, clouds, widthPx, heightPx } = frame;
+/** Everything that an image depends on but its accuracy, its background and what panels cover of it, as text. */
+export function imageKey({ scene, frame, centred }: DrawnFrame): string {
+  const { clouds, widthPx, heightPx } = frame;
   const models = clouds.map(({ modelMatrix }) => modelMatrix && Array.from(modelMatrix));
   const parts = scene.parts.map(({ key, look }) => [key, look.isHidden, look.opacity]);
   const effects = clouds.map((cloud) =>
@@ -35,7 +39,7 @@ export function imageKey({ scene, frame }: DrawnFrame): string {
       reason,
     ]),
   );
-  const { viewMatrix, projectionMatrix } = camera;
+  const { viewMatrix, projectionMatrix } = centred;
   const matrices = [Array.from(viewMatrix), Array.from(projectionMatrix), models];
   return JSON.stringify([scene.id, widthPx, heightPx, matrices, parts, effects]);
 }

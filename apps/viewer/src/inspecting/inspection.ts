@@ -72,7 +72,7 @@ export class Inspection {
 
   /** Does in the middle of the image what a click does elsewhere. */
   pickMiddle(): void {
-    this.#pick(0.5, 0.5);
+    this.#pick(...this.#viewer.camera.middle);
   }
 
   #tapped({ target, offsetX, offsetY }: PointerEvent): void {

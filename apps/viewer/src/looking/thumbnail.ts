@@ -5,14 +5,14 @@ const WIDTH_PX = 144;
 const MAX_HEIGHT_PX = 144;
 const JPEG_QUALITY = 0.8;
 
-/** Draws the frame on the screen again, small; returns a JPEG image, base64, or null if nothing is on the screen. */
+/** Draws the frame on the screen again, small and as without panels; returns a JPEG image, base64, or null if nothing is on the screen. */
 export async function drawThumbnail(
   viewer: Pick<Viewer, 'shownFrame'>,
   accuracy: AccuracySettings,
 ): Promise<string | null> {
   const shown = viewer.shownFrame;
   if (!shown) return null;
-  const { frame, engine } = shown;
+  const { centred: frame, engine } = shown;
   const scale = Math.min(WIDTH_PX / frame.widthPx, MAX_HEIGHT_PX / frame.heightPx);
   const widthPx = Math.max(1, Math.round(frame.widthPx * scale));
   const heightPx = Math.max(1, Math.round(frame.heightPx * scale));

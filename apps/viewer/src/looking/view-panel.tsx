@@ -52,7 +52,7 @@ function Actions({ viewer }: PanelProps) {
         className="text-button outlined"
         title="Turn around what is in the middle of the image"
         data-testid="focus-middle"
-        onClick={() => void viewer.focusAt(0.5, 0.5)}
+        onClick={() => void viewer.focusMiddle()}
       >
         <Icon name="focus" />
         Turn around the middle

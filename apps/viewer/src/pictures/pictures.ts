@@ -75,7 +75,7 @@ export function picturesOf(viewer: Viewer, store: ViewerStore): Pictures {
 
 /** @throws InvalidArgumentError for a size that no picture can have; what `SplatView.render` and `readPixels` throw. */
 async function drawPicture(
-  { engine, frame }: ShownFrame,
+  { engine, centred: frame }: ShownFrame,
   accuracy: ShownFrame['frame']['accuracy'],
   { widthPx, heightPx, isTransparent }: PictureOptions,
   onPart: (part: number) => void,

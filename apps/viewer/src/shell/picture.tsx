@@ -2,6 +2,7 @@ import { Suspense } from 'react';
 import { useStore } from 'zustand';
 import { late } from '../ui/late.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
+import { FreeArea } from './free-area.tsx';
 import { Poster } from './poster.tsx';
 import { Viewport } from './viewport.tsx';
 
@@ -18,6 +19,7 @@ export function Picture({ store, viewer, poster }: PanelProps & { poster: string
   return (
     <>
       <Viewport store={store} viewer={viewer} />
+      <FreeArea viewer={viewer} />
       {poster && <Poster store={store} address={poster} />}
       <Suspense>
         {comparison?.kind === 'split' && <SplitImage store={store} viewer={viewer} split={comparison} />}

@@ -179,6 +179,11 @@ export class Viewer {
     return this.#sessions.current?.engine ?? null;
   }
 
+  /** Does `focusAt` with what is seen in the middle. */
+  async focusMiddle(): Promise<void> {
+    await this.focusAt(...this.camera.middle);
+  }
+
   /**
    * Brings the splat that is seen at a place of the image to its middle, and turns around it from then on; `xPart` and `yPart` of
    * the image, from its top left. Does nothing where there is none.
@@ -211,7 +216,9 @@ export class Viewer {
   /** The frame on the screen; null if there is none. */
   get shownFrame(): ShownFrame | null {
     const shown = this.#drawing.shown;
-    return shown && { engine: shown.scene.session.engine, frame: shown.frame };
+    if (!shown) return null;
+    const { scene, frame, centred } = shown;
+    return { engine: scene.session.engine, frame, centred: { ...frame, camera: centred } };
   }
 
   /**

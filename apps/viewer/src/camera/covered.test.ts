@@ -1,0 +1,81 @@
+import { type Camera, orthographicCamera, perspectiveCamera } from '@websplatter/core';
+import { describe, expect, it } from 'vitest';
+import { besideCovered, CoveredGlide, coveredBeside, freeAspect, NOTHING_COVERED } from './covered.ts';
+import type { Vec3 } from './vec3.ts';
+
+const PICTURE = { width: 900, height: 600 };
+const FREE = { width: 512, height: 420 };
+const COVERED = coveredBeside(FREE, PICTURE);
+
+/** Where a camera shows a point, px from the top left of an image of this size. */
+function placeIn({ width, height }: typeof FREE, camera: Camera, [x, y, z]: Vec3): readonly [number, number] {
+  const times = (m: ArrayLike<number>, v: readonly number[]) =>
+    [0, 1, 2, 3].map((row) => v.reduce((sum, value, column) => sum + m[4 * column + row] * value, 0));
+  const [clipX, clipY, , w] = times(camera.projectionMatrix, times(camera.viewMatrix, [x, y, z, 1]));
+  return [((1 + clipX / w) * width) / 2, ((1 - clipY / w) * height) / 2];
+}
+
+describe('what is covered of the picture', () => {
+  it('is told by what is free, in parts of the sides', () => {
+    expect(COVERED.right).toBeCloseTo(388 / 900);
+    expect(COVERED.bottom).toBeCloseTo(0.3);
+    expect(coveredBeside(PICTURE, PICTURE)).toEqual(NOTHING_COVERED);
+    expect(freeAspect(900 / 600, COVERED)).toBeCloseTo(512 / 420);
+  });
+
+  it('leaves some of the picture, however little is free', () => {
+    expect(coveredBeside({ width: 360, height: 0 }, { width: 360, height: 640 })).toEqual({
+      right: 0,
+      bottom: 0.7,
+    });
+  });
+
+  const from = { position: [1, 2, 4], target: [0.1, -0.2, 0.3], aspect: FREE.width / FREE.height } as const;
+  it.each([
+    ['perspective', perspectiveCamera({ ...from, fovYDegrees: 50 })],
+    ['orthographic', orthographicCamera({ ...from, height: 3 })],
+  ])('leaves free what a window of that size shows, in %s', (_, camera) => {
+    const beside = besideCovered(camera, COVERED);
+    for (const point of [from.target, [0, 0, 0], [1, -1, 1], [-2, 0.5, -3]] as const) {
+      const [x, y] = placeIn(PICTURE, beside, point);
+      const [freeX, freeY] = placeIn(FREE, camera, point);
+      expect(x).toBeCloseTo(freeX, 9);
+      expect(y).toBeCloseTo(freeY, 9);
+    }
+    const [x, y] = placeIn(PICTURE, beside, from.target);
+    expect([x, y]).toEqual([expect.closeTo(FREE.width / 2), expect.closeTo(FREE.height / 2)]);
+    expect(beside).toMatchObject({ viewMatrix: camera.viewMatrix, near: camera.near, far: camera.far });
+  });
+
+  it('changes no camera where it is nothing', () => {
+    const camera = perspectiveCamera({ ...from, fovYDegrees: 50 });
+    expect(besideCovered(camera, NOTHING_COVERED)).toBe(camera);
+  });
+});
+
+describe('the picture that makes room', () => {
+  it('arrives after 200 ms, faster at first, from wherever it is', () => {
+    const glide = new CoveredGlide();
+    expect(glide.update(16)).toBe(false);
+    glide.goTo({ right: 0.4, bottom: 0 }, false);
+    expect(glide.now).toEqual(NOTHING_COVERED);
+    expect(glide.update(100)).toBe(true);
+    const half = glide.now.right;
+    expect(half).toBeGreaterThan(0.2);
+    glide.goTo(NOTHING_COVERED, false);
+    expect(glide.now.right).toBeCloseTo(half);
+    expect(glide.update(199)).toBe(true);
+    expect(glide.now.right).toBeLessThan(0.001);
+    expect(glide.update(1)).toBe(false);
+    expect(glide.now).toBe(NOTHING_COVERED);
+  });
+
+  it('is there at once where that is asked for, in the middle of a glide too', () => {
+    const glide = new CoveredGlide();
+    glide.goTo(COVERED, false);
+    glide.update(20);
+    glide.goTo(COVERED, true);
+    expect(glide.now).toBe(COVERED);
+    expect(glide.update(16)).toBe(false);
+  });
+});
