@@ -115,6 +115,7 @@ const NO_CONDITIONS: LinkInput['conditions'] = {
   SPLAT_EFFECTS: false,
   OPACITY_EFFECTS: false,
   COLOR_EFFECTS: false,
+  CONTRIBUTIONS: false,
 };
 
 /** Returns the WGSL of one stage with everything that it imports. */

@@ -28,6 +28,7 @@ import { repackGeometry } from '../stages/repack-geometry.ts';
 import { repackSh } from '../stages/repack-sh.ts';
 import { resolveDepth } from '../stages/resolve-depth.ts';
 import { pairSortShapeFor, sortShapeFor } from '../stages/sort-shape.ts';
+import { tileCosts } from '../stages/tile-costs.ts';
 import { tileCount } from '../stages/tile-count.ts';
 import { tileEmit } from '../stages/tile-emit.ts';
 import { tileMasks } from '../stages/tile-masks.ts';
@@ -120,6 +121,10 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     ...PAIR_SORTS.flatMap((shape) => [tilePlan(shape), ...radixSortStages(shape)]),
     ...BOTH.map(upscale),
     ...RECORD.map(pick),
+    ...RECORD.flatMap((recordPrecision) => [
+      tileCosts(recordPrecision, 'counts'),
+      tileCosts(recordPrecision, 'map'),
+    ]),
     ...RECORD.map(keepColors),
     ...GEOMETRY.flatMap((geometryPrecision) => [
       ingestSettle(geometryPrecision),

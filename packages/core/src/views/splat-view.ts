@@ -1,6 +1,7 @@
 import { perspectiveCamera } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { InvalidArgumentError } from '../errors.ts';
+import type { FrameParts } from '../frame/frame.ts';
 import type { Destination } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
@@ -153,10 +154,15 @@ export class SplatView extends ViewCore {
     return super.chooseAccuracy(options);
   }
 
-  /** @internal The texture of the last image, for comparisons on the GPU: see measure/. */
-  blended(): { readonly context: ViewContext; readonly color: GPUTexture | null } {
+  /** @internal The texture and the buffers of the last image, for what compares and counts on the GPU: see measure/ and inspect/. */
+  blended(): {
+    readonly context: ViewContext;
+    readonly color: GPUTexture | null;
+    readonly parts: FrameParts;
+  } {
     this.checkUsable();
-    return { context: this.context, color: this.parts.shared.image?.color ?? null };
+    const { context, parts } = this;
+    return { context, color: parts.shared.image?.color ?? null, parts };
   }
 
   /** Frees the view's GPU memory; the clouds stay. */

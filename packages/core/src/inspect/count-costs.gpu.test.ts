@@ -1,0 +1,149 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { resolveAccuracy } from '../accuracy/accuracy.ts';
+import { orthographicCamera } from '../camera/camera.ts';
+import { type EngineOptions, SplatEngine } from '../engine.ts';
+import { GpuLimitError, InvalidArgumentError } from '../errors.ts';
+import { UNSEEN_PX } from '../stages/tile-costs.ts';
+import { randomSplats, type SplatValues, splatsOf } from '../testing/random-splats.ts';
+import { countCosts, mapContributions } from './count-costs.ts';
+
+const SIZE = { widthPx: 20, heightPx: 12 };
+const PIXELS = SIZE.widthPx * SIZE.heightPx;
+/** A world unit of height; the picture's middle is the origin, seen from z = 5. */
+const camera = orthographicCamera({
+  position: [0, 0, 5],
+  target: [0, 0, 0],
+  aspect: SIZE.widthPx / SIZE.heightPx,
+  height: 1,
+});
+const accuracy = resolveAccuracy('reference');
+
+let device: GPUDevice;
+beforeAll(async () => {
+  device = await createTestDevice();
+});
+afterAll(() => device.destroy());
+
+async function withEngine(
+  options: EngineOptions,
+  use: (engine: SplatEngine) => Promise<void>,
+): Promise<void> {
+  const engine = await SplatEngine.create({ ...options, device });
+  await use(engine);
+  expect(engine.memory().frames.views).toEqual([]);
+  engine.destroy();
+}
+
+/** Splats that fill the picture, at successive depths. */
+const layers = (count: number, opacityLogit: number, from: number): SplatValues[] =>
+  Array.from({ length: count }, (_, i) => ({
+    position: [0, 0, from - 0.001 * i],
+    logScales: [5, 5, 5],
+    opacityLogit,
+  }));
+
+describe('counting what a frame costs', () => {
+  gpuTest('tells steps until pixels end, what they blend, what quads would blend, and lists', async () => {
+    await withEngine({}, async (engine) => {
+      // Ten opaque layers, of which four leave less than 2⁻¹⁶: of 0.01 each, (0.01)² > 2⁻¹⁶ > (0.01)³.
+      const cloud = engine.add(splatsOf(layers(10, 20, 0)));
+      for (const rasterizer of ['quads', 'tiles'] as const) {
+        const costs = await countCosts(engine, {
+          camera,
+          clouds: [{ cloud }],
+          ...SIZE,
+          accuracy: { ...accuracy, rasterizer },
+        });
+        const all = (count: number, value: number) => Array.from({ length: count }, () => value);
+        expect(costs).toMatchObject({ ...SIZE, tileColumns: 3, tilePx: 8 });
+        expect([...costs.steps]).toEqual(all(PIXELS, 3));
+        expect([...costs.blended]).toEqual(all(PIXELS, 3));
+        expect([...costs.fragments]).toEqual(all(PIXELS, 10));
+        expect([...costs.tileEntries]).toEqual(all(6, 10));
+      }
+    });
+  });
+
+  gpuTest('counts pixels of the layer where the resolution is scaled', async () => {
+    await withEngine({}, async (engine) => {
+      const cloud = engine.add(splatsOf(layers(2, 0, 0)));
+      const request = {
+        camera,
+        clouds: [{ cloud }],
+        ...SIZE,
+        accuracy: { ...accuracy, resolutionScale: 0.5 },
+      };
+      const costs = await countCosts(engine, request);
+      expect(costs).toMatchObject({ widthPx: 10, heightPx: 6, tileColumns: 2 });
+      expect(costs.fragments.length).toBe(60);
+    });
+  });
+
+  gpuTest(
+    'draws again where the lists had no room, and says what they take where they never have',
+    async () => {
+      // More pairs than are guessed for so few splats: each is a line across all of forty bins.
+      const request = { camera, widthPx: 2560, heightPx: 64, accuracy };
+      const lines = (count: number) =>
+        splatsOf(layers(count, 0, 0).map((splat) => ({ ...splat, logScales: [5, -9, -9] })));
+      await withEngine({}, async (engine) => {
+        const costs = await countCosts(engine, { ...request, clouds: [{ cloud: engine.add(lines(500)) }] });
+        expect(Math.max(...costs.tileEntries)).toBe(500);
+      });
+      await withEngine({ tileBudgetBytes: 2e4 }, async (engine) => {
+        const counting = countCosts(engine, { ...request, clouds: [{ cloud: engine.add(lines(50)) }] });
+        await expect(counting).rejects.toThrow(/tiles would need .* tileBudgetBytes/);
+        await expect(counting).rejects.toBeInstanceOf(GpuLimitError);
+      });
+    },
+  );
+
+  gpuTest('refuses a frame without pixels, and counts none without splats', async () => {
+    await withEngine({}, async (engine) => {
+      const request = { camera, clouds: [], ...SIZE, accuracy };
+      await expect(countCosts(engine, { ...request, widthPx: 0 })).rejects.toThrow(InvalidArgumentError);
+      expect(Math.max(...(await countCosts(engine, request)).tileEntries)).toBe(0);
+      const { contributionsPx, opacity } = await mapContributions(engine, request);
+      expect(contributionsPx.length).toBe(0);
+      expect(Math.max(...opacity)).toBe(0);
+    });
+  });
+});
+
+describe('contributions of splats', () => {
+  gpuTest('are their shares of all pixels, and tell which are not seen', async () => {
+    await withEngine({}, async (engine) => {
+      const hidden: SplatValues = { position: [0.1, 0.1, -1], logScales: [-5, -5, -5], opacityLogit: 20 };
+      const cloud = engine.add(splatsOf([...layers(4, 20, 0), hidden]));
+      const map = await mapContributions(engine, { camera, clouds: [{ cloud }], ...SIZE, accuracy });
+      const sorted = map.contributionsPx.toSorted((a, b) => b - a);
+      expect(sorted[0]).toBeCloseTo(0.99 * PIXELS, 2);
+      expect(sorted[1]).toBeCloseTo(0.0099 * PIXELS, 3);
+      expect(sorted[2]).toBeCloseTo(0.000099 * PIXELS, 3);
+      // The fourth layer, and what is behind it.
+      expect([sorted[3], sorted[4]]).toEqual([0, 0]);
+      expect(sorted.filter((px) => px < UNSEEN_PX).length).toBe(2);
+      const places = [...map.unseen.keys()].filter((i) => map.unseen[i] > 0);
+      expect(places).toEqual([(6 - 2) * SIZE.widthPx + 11, 6 * SIZE.widthPx + 10].sort((a, b) => a - b));
+      const mean = [0, 1, 2].reduce((sum, i) => sum + sorted[i] * Math.log2(sorted[i]), 0) / PIXELS;
+      for (const value of map.meanLog2) expect(value).toBeCloseTo(mean, 3);
+      for (const value of map.opacity) expect(value).toBeCloseTo(1, 5);
+    });
+  });
+
+  gpuTest('add up to the opacity of the picture', async () => {
+    await withEngine({}, async (engine) => {
+      const cloud = engine.add(randomSplats({ count: 600, shDegree: 0, halfExtent: 0.5 }));
+      const { opacity, contributionsPx } = await mapContributions(engine, {
+        camera,
+        clouds: [{ cloud }],
+        ...SIZE,
+        accuracy,
+      });
+      const sum = (values: Float32Array) => values.reduce((total, value) => total + value, 0);
+      expect(sum(opacity)).toBeGreaterThan(PIXELS / 2);
+      expect(sum(contributionsPx) / sum(opacity)).toBeCloseTo(1, 4);
+    });
+  });
+});

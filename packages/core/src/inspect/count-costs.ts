@@ -1,0 +1,209 @@
+import type { AccuracySettings } from '../accuracy/accuracy.ts';
+import { GpuLimitError, InvalidArgumentError } from '../errors.ts';
+import type { FrameParts } from '../frame/frame.ts';
+import { useCompute } from '../frame/frame-part.ts';
+import type { FrameRequest } from '../frame/frame-request.ts';
+import { PAIR_BYTES } from '../frame/pair-capacity.ts';
+import type { GpuMemory } from '../gpu/gpu-memory.ts';
+import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
+import { readBack } from '../gpu/read-back.ts';
+import { SHADER_CONSTANTS } from '../layout/constants.ts';
+import { TilePlan } from '../layout/structs.ts';
+import { dispatchSize } from '../stages/dispatch.ts';
+import { CONTRIBUTION_UNITS, COST_PLANES, tileCosts } from '../stages/tile-costs.ts';
+
+/** The frame to count: with settings, not a wish. */
+export interface CostRequest extends FrameRequest {
+  /** Tiles list the splats of the frame, whatever its rasteriser. */
+  readonly accuracy: AccuracySettings;
+}
+
+/** A number for each pixel of the layer that a frame's splats are blended in: smaller than the image if the resolution is scaled. */
+interface PixelMap {
+  readonly widthPx: number;
+  readonly heightPx: number;
+}
+
+/** What a frame costs; counts per pixel, top row first. */
+export interface FrameCosts extends PixelMap {
+  /** Entries of its tile's list that are gone through until next to no light passes through the pixel. */
+  readonly steps: Uint32Array;
+  /** Splats among them that reach the cutoff there, and are blended. */
+  readonly blended: Uint32Array;
+  /** All splats that reach the cutoff there, also those that nothing is seen of: what quads blend. */
+  readonly fragments: Uint32Array;
+  /** Length of each tile's list, row by row. */
+  readonly tileEntries: Uint32Array;
+  /** Tiles in a row. */
+  readonly tileColumns: number;
+  /** Side of a tile. */
+  readonly tilePx: number;
+}
+
+/** What the splats of a frame contribute to its image. */
+export interface FrameContributions extends PixelMap {
+  /** Per pixel: log₂ of what its splats contribute to the whole image, px; the mean, weighted by what each contributes here. */
+  readonly meanLog2: Float32Array;
+  /** Per pixel, 0…1. */
+  readonly opacity: Float32Array;
+  /** Per pixel: splats with their centres there that contribute less than `UNSEEN_PX` to the whole image. */
+  readonly unseen: Uint32Array;
+  /** Of each splat that culling kept: the sum over all pixels of its opacity times the transmittance of those in front of it, px. */
+  readonly contributionsPx: Float32Array;
+}
+
+/** The parts of an engine that counting needs; every `SplatEngine` has them. */
+export interface CountedEngine {
+  createView(): CountedView;
+}
+
+interface CountContext {
+  readonly device: GPUDevice;
+  readonly pipelines: Pipelines;
+  readonly memory: GpuMemory;
+}
+
+/** The parts of a view that counting needs; every `SplatView` has them. */
+export interface CountedView {
+  render(request: FrameRequest): boolean;
+  whenDrawn(): Promise<void>;
+  blended(): { readonly context: CountContext; readonly parts: FrameParts };
+  destroy(): void;
+}
+
+/**
+ * Counts what the frame of `request` costs: draws it by tiles once more, in a view of its own.
+ *
+ * @throws GpuLimitError if memory is lacking or the tiles' lists exceed the engine's budget for them; what `SplatView.render`
+ *   and `whenDrawn` throw.
+ */
+export async function countCosts(engine: CountedEngine, request: CostRequest): Promise<FrameCosts> {
+  const { pixels, rest, ...size } = await walkTiles(engine, request, 'counts');
+  const [steps, blended, fragments] = planesOf(pixels);
+  const { TILE_PX } = SHADER_CONSTANTS;
+  const tileColumns = Math.ceil(size.widthPx / TILE_PX);
+  return { ...size, steps, blended, fragments, tileEntries: rest, tileColumns, tilePx: TILE_PX };
+}
+
+/**
+ * Adds up what each splat contributes to the frame of `request`: draws it by tiles once more, in a view of its own.
+ *
+ * @throws as `countCosts`.
+ */
+export async function mapContributions(
+  engine: CountedEngine,
+  request: CostRequest,
+): Promise<FrameContributions> {
+  const { pixels, rest, widthPx, heightPx } = await walkTiles(engine, request, 'map');
+  const [meanLog2, opacity, unseen] = planesOf(pixels);
+  const floats = ({ buffer, byteOffset, length }: Uint32Array<ArrayBuffer>) =>
+    new Float32Array(buffer, byteOffset, length);
+  const contributionsPx = Float32Array.from(
+    { length: rest.length / 2 },
+    (_, i) => (rest[2 * i] + 2 ** 32 * rest[2 * i + 1]) / CONTRIBUTION_UNITS,
+  );
+  return { widthPx, heightPx, meanLog2: floats(meanLog2), opacity: floats(opacity), unseen, contributionsPx };
+}
+
+type Words = Uint32Array<ArrayBuffer>;
+
+function planesOf(pixels: Words): readonly Words[] {
+  const length = pixels.length / COST_PLANES;
+  return Array.from({ length: COST_PLANES }, (_, i) => pixels.subarray(i * length, (i + 1) * length));
+}
+
+/** What one walk over a frame's tiles gives. */
+interface Walk extends PixelMap {
+  readonly pixels: Words;
+  /** Of counts, the lengths of the tiles' lists; of maps, two words per visible splat. */
+  readonly rest: Words;
+}
+
+async function walkTiles(engine: CountedEngine, request: CostRequest, pass: 'counts' | 'map'): Promise<Walk> {
+  const view = engine.createView();
+  const accuracy = { ...request.accuracy, rasterizer: 'tiles' } as const;
+  const { recordPrecision } = accuracy;
+  const counts = tileCosts(recordPrecision, 'counts');
+  const stages = pass === 'map' ? [counts, tileCosts(recordPrecision, 'map')] : [counts];
+  try {
+    for (let force = false; ; force = true) {
+      view.render({ ...request, accuracy, force });
+      await view.whenDrawn();
+      const { context, parts } = view.blended();
+      if (!parts.shape) throw new InvalidArgumentError('widthPx', 'The frame has no pixels to count.');
+      await context.pipelines.prepare(stages);
+      const { neededPairs, fits, ...walk } = await readWalk(context, parts, stages);
+      if (fits) return walk;
+      makeRoom(parts, neededPairs);
+    }
+  } finally {
+    view.destroy();
+  }
+}
+
+/** The next frame has room for so many pairs. @throws GpuLimitError if it never has. */
+function makeRoom({ tileLists }: FrameParts, neededPairs: number): void {
+  const reason = tileLists.whyTooMany(neededPairs);
+  if (reason !== null) {
+    const message = `Nothing can be counted, because ${reason}. Count at a smaller size, or create the engine with a larger tileBudgetBytes.`;
+    throw new GpuLimitError('tileBudgetBytes', neededPairs * PAIR_BYTES, 0, message);
+  }
+  tileLists.expect(neededPairs, performance.now());
+}
+
+/** Runs the stages, each with what the one before has written, and reads back what they found. */
+async function readWalk(
+  { device, pipelines, memory }: CountContext,
+  { shape, shared }: FrameParts,
+  stages: readonly StageDefinition[],
+): Promise<Walk & { readonly neededPairs: number; readonly fits: boolean }> {
+  const { width: widthPx, height: heightPx } = shared.blended!.color;
+  const { visibleCapacity, dispatchRow } = shape!;
+  const { TILE_PX } = SHADER_CONSTANTS;
+  const tiles = Math.ceil(widthPx / TILE_PX) * Math.ceil(heightPx / TILE_PX);
+  const pixelBytes = 4 * COST_PLANES * widthPx * heightPx;
+  const { buffers } = shared;
+  const made: GPUBuffer[] = [];
+  const create = (label: string, bytes: number) => {
+    const buffer = memory.createBuffer(label, bytes, GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC);
+    made.push(buffer);
+    return buffer;
+  };
+  const walk = () => {
+    const pixels = create('costs per pixel', pixelBytes);
+    const tileEntries = create('costs per tile', 4 * tiles);
+    const contributions = create('contributions', 8 * Math.max(1, visibleCapacity));
+    const rest = stages.length > 1 ? contributions : tileEntries;
+    const bound = { ...buffers, grid: buffers.tileGrid, pixels, tileEntries, contributions };
+    return readBack(device, TilePlan.bytes + pixelBytes + rest.size, (encoder, target) => {
+      const pass = encoder.beginComputePass({ label: 'costs' });
+      for (const stage of stages) {
+        useCompute(pass, pipelines, stage, pipelines.bindGroup(stage, bound));
+        pass.dispatchWorkgroups(...dispatchSize(tiles, dispatchRow));
+      }
+      pass.end();
+      encoder.copyBufferToBuffer(buffers.tilePlan, 0, target, 0, TilePlan.bytes);
+      encoder.copyBufferToBuffer(pixels, 0, target, TilePlan.bytes, pixelBytes);
+      encoder.copyBufferToBuffer(rest, 0, target, TilePlan.bytes + pixelBytes, rest.size);
+    });
+  };
+  try {
+    const { result, checked } = memory.guard('Counting costs', 'Count at a smaller size.', walk);
+    result.catch(() => {});
+    await checked;
+    const bytes = await result;
+    const plan = new Uint32Array(bytes, 0, TilePlan.bytes / 4);
+    const planned = (field: keyof typeof TilePlan.offsets) => plan[TilePlan.offsets[field] / 4];
+    const restWords = stages.length > 1 ? 2 * planned('visibleCount') : tiles;
+    return {
+      widthPx,
+      heightPx,
+      pixels: new Uint32Array(bytes, TilePlan.bytes, pixelBytes / 4),
+      rest: new Uint32Array(bytes, TilePlan.bytes + pixelBytes, restWords),
+      neededPairs: planned('neededPairs'),
+      fits: planned('fits') === 1,
+    };
+  } finally {
+    for (const buffer of made) memory.destroy(buffer);
+  }
+}
