@@ -105,6 +105,31 @@ async function after(page: Page, act: () => Promise<unknown>): Promise<void> {
   await waitForFrameAfter(page, frames);
 }
 
+/** What legends of maps must say, with numbers of a scene of so many splats. */
+const NOTES = {
+  'tile-cost': /^At most (\d+), (\d+) on average in a list\.$/,
+  'pixel-cost': /^At most (\d+), (\d+) on average at a pixel; (\d+) % of them are blended/,
+  contribution: /^(\d+) of (\d+) splats in the picture \((?:< )?(\d+) %\) contribute less/,
+} as const;
+
+/** Waits for the map of a mode, and looks at its size, at its colours and at its numbers. */
+async function checkMap(page: Page, mode: keyof typeof NOTES): Promise<void> {
+  const notes = page.getByTestId('map-notes');
+  await notes.filter({ hasText: NOTES[mode] }).waitFor();
+  const found = NOTES[mode].exec((await notes.textContent()) ?? '') ?? [];
+  const [first, second] = found.slice(1).map(Number);
+  if (mode === 'contribution') expect(first).toBeLessThan(second);
+  else expect(first).toBeGreaterThan(second);
+  expect(second).toBeLessThanOrEqual(SCENE.count);
+  const map = await page.getByTestId('mode-map').evaluate((canvas: HTMLCanvasElement) => {
+    const { width, height, hidden } = canvas;
+    const { data } = canvas.getContext('2d')!.getImageData(0, 0, width, height);
+    return { width, height, hidden, colors: new Set(new Uint32Array(data.buffer)).size };
+  });
+  expect(map).toMatchObject({ width: 300, height: 200, hidden: false });
+  expect(map.colors, mode).toBeGreaterThan(10);
+}
+
 describe('view modes of the viewer', () => {
   it('show what their legends say, as float64 does, in the address and in the next scene too', async () => {
     const accuracy = 'accuracy=reference,rasterizer:tiles';
@@ -124,6 +149,12 @@ describe('view modes of the viewer', () => {
       before = shot;
     }
     await after(page, () => page.keyboard.press('m'));
+    for (const mode of ['tile-cost', 'pixel-cost', 'contribution'] as const) {
+      if (mode !== 'tile-cost') await page.keyboard.press('m');
+      await page.waitForURL(new RegExp(`[?&]mode=${mode}(&|$)`));
+      await checkMap(page, mode);
+    }
+    await page.keyboard.press('m');
     await page.getByTestId('mode-legend').waitFor({ state: 'detached' });
     await page.waitForURL((url) => !url.searchParams.has('mode'));
 

@@ -1,5 +1,6 @@
 import { Suspense } from 'react';
 import { useStore } from 'zustand';
+import { isMapMode } from '../state/view-mode.ts';
 import { late } from '../ui/late.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { FreeArea } from './free-area.tsx';
@@ -7,6 +8,7 @@ import { Poster } from './poster.tsx';
 import { Viewport } from './viewport.tsx';
 
 const SplitImage = late(async () => (await import('../comparison/split-image.tsx')).SplitImage);
+const ModeMap = late(async () => (await import('../view-modes/mode-map.tsx')).ModeMap);
 const ErrorMapImage = late(async () => (await import('../comparison/error-map-image.tsx')).ErrorMapImage);
 
 /**
@@ -16,11 +18,14 @@ const ErrorMapImage = late(async () => (await import('../comparison/error-map-im
  */
 export function Picture({ store, viewer, poster }: PanelProps & { poster: string | null }) {
   const comparison = useStore(store, (state) => state.comparison);
+  const hasMap = useStore(store, (state) => isMapMode(state.viewMode));
   return (
     <>
       <Viewport store={store} viewer={viewer} />
       <FreeArea viewer={viewer} />
       {poster && <Poster store={store} address={poster} />}
+      {/* Below the right side of a split image: the map is that of the left one. */}
+      <Suspense>{hasMap && <ModeMap store={store} viewer={viewer} />}</Suspense>
       <Suspense>
         {comparison?.kind === 'split' && <SplitImage store={store} viewer={viewer} split={comparison} />}
         {comparison?.kind === 'error' && <ErrorMapImage store={store} viewer={viewer} />}

@@ -57,6 +57,7 @@ export function createViewerStore(): ViewerStore {
     isRevealPlaying: false,
     inspecting: NOTHING_INSPECTED,
     errorFigures: null,
+    mapFigures: null,
     splitPart: 0.5,
     isDroppedVisible: false,
     adapterLabel: '',

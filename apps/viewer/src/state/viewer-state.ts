@@ -3,6 +3,7 @@ import type {
   AccuracySettings,
   AccuracyWish,
   EffectEntry,
+  FrameRasterizer,
   FrameStatistics,
   RasterizerReport,
 } from '@websplatter/core';
@@ -16,7 +17,7 @@ import type { SavedView } from './saved-view.ts';
 import type { PicturingState, SavingState } from './saving.ts';
 import type { WaitingPart } from './scene-part.ts';
 import type { LoadState, SceneSummary, SceneWarning } from './scene-summary.ts';
-import type { ViewModeName } from './view-mode.ts';
+import { isMapMode, type MapModeName, type ViewModeName } from './view-mode.ts';
 
 /** Panels beside the image; one at a time. */
 export type DockName = 'view' | 'clouds' | 'inspect' | 'accuracy' | 'effects' | 'save';
@@ -48,7 +49,7 @@ export function awaitsViewMode({
   viewMode,
   requested,
 }: Pick<ViewerState, 'viewMode' | 'requested'>): boolean {
-  return viewMode !== 'colours' && requested['view-mode'].length === 0;
+  return viewMode !== 'colours' && !isMapMode(viewMode) && requested['view-mode'].length === 0;
 }
 
 /** A file that was open once. */
@@ -78,6 +79,30 @@ export interface ErrorFigures {
   /** Part of the pixels in each class of errors, 0…1. */
   readonly parts: readonly number[];
 }
+
+/** The figures of a view mode's map. */
+export type MapFigures = { readonly mode: MapModeName } & (
+  | {
+      readonly kind: 'cost';
+      /** Who draws the picture: tiles go through lists, quads blend everything. */
+      readonly rasterizer: FrameRasterizer;
+      readonly max: number;
+      readonly mean: number;
+      /** Where the scale ends; 1 % of tiles or pixels may have more. */
+      readonly end: number;
+      /** Part of the steps that blend a splat, 0…1. */
+      readonly blendedPart: number;
+    }
+  | {
+      readonly kind: 'contribution';
+      /** Splats that culling kept. */
+      readonly splats: number;
+      /** Those of them that contribute too little to be seen. */
+      readonly unseen: number;
+    }
+  /** Why there is no map. */
+  | { readonly kind: 'failure'; readonly message: string }
+);
 
 export interface ViewerState {
   readonly status: ViewerStatus;
@@ -155,6 +180,8 @@ export interface ViewerState {
   readonly inspecting: Inspecting;
   /** How far the image on the screen is from `reference`, if that is asked for and known. */
   readonly errorFigures: ErrorFigures | null;
+  /** What the map of the view mode shows, if one is asked for and has been made; that of the last rest while the picture moves. */
+  readonly mapFigures: MapFigures | null;
   /** Where the line of a split image is, 0…1 of its width. */
   readonly splitPart: number;
   /** Whether the list of reasons for which splats were left out is open. */

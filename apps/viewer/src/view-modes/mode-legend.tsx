@@ -6,7 +6,8 @@ import { Icon } from '../ui/icon.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import type { RampEnd } from './ramp.ts';
-import { type ColorScale, cautionsOf, type PictureFacts, viewModeOf } from './view-modes.ts';
+import type { ColorScale } from './scale.ts';
+import { cautionsOf, type PictureFacts, type ViewMode, viewModeOf } from './view-modes.ts';
 
 /** What the picture shows instead of colours, what its colours mean, and the way back. */
 export function ModeLegend({ store, viewer }: PanelProps) {
@@ -52,11 +53,36 @@ export function ModeLegend({ store, viewer }: PanelProps) {
         </button>
       </div>
       <p>{mode.about}</p>
+      {mode.map && <MapLegend store={store} mode={mode} map={mode.map} />}
       {sides[0] && mode.scale && <Scale scale={mode.scale(sides[0])} isCurrent={isIdle} />}
       {cautionsOf(mode, sides).map((caution) => (
         <p key={caution}>{caution}</p>
       ))}
     </section>
+  );
+}
+
+/** What the map of a mode shows; that of the last rest while the picture moves. */
+function MapLegend({
+  store,
+  mode,
+  map,
+}: Pick<PanelProps, 'store'> & { mode: ViewMode; map: NonNullable<ViewMode['map']> }) {
+  const figures = useStore(store, ({ mapFigures }) => (mapFigures?.mode === mode.name ? mapFigures : null));
+  const isIdle = useStore(store, (state) => state.isIdle);
+  const isSplit = useStore(store, (state) => state.comparison?.kind === 'split');
+  const scale = figures && map.scale(figures);
+  return (
+    <>
+      {scale && <Scale scale={scale} isCurrent />}
+      <p role="status" data-testid="map-notes">
+        {!figures && 'Counting, once the picture is at rest…'}
+        {figures?.kind === 'failure' && `There is no map. ${figures.message}`}
+        {figures && !isIdle && 'As of the last rest: '}
+        {figures && map.notes(figures).join(' ')}
+      </p>
+      {isSplit && <p>The map is that of side A.</p>}
+    </>
   );
 }
 

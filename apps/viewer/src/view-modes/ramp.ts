@@ -28,6 +28,9 @@ export const DEPTH_RAMP: Ramp = { low: VALUE_RAMP.high, high: VALUE_RAMP.low };
 /** What fills up with overdraw; tells itself from light and from dark backgrounds. */
 export const OVERDRAW_COLOR: RampEnd = { color: [235, 80, 24], name: 'orange' };
 
+/** Where splats are that are not seen; no colour between the ends of `VALUE_RAMP` is like it. */
+export const UNSEEN_COLOR: RampEnd = { color: [20, 105, 255], name: 'blue' };
+
 /** As shaders take it, 0…1. */
 export function shaderColor({ color: [red, green, blue] }: RampEnd): Vec3 {
   return [red / 255, green / 255, blue / 255];

@@ -1,7 +1,7 @@
 import { resolveAccuracy } from '@websplatter/core';
 import { antialias } from '@websplatter/core/effects';
 import { describe, expect, it } from 'vitest';
-import { VIEW_MODE_NAMES, type ViewModeName, viewModeAfter } from '../state/view-mode.ts';
+import { isMapMode, VIEW_MODE_NAMES, type ViewModeName, viewModeAfter } from '../state/view-mode.ts';
 import { formatLength } from './format-length.ts';
 import { cautionsOf, overdrawPart, type PictureFacts, VIEW_MODES, viewModeOf } from './view-modes.ts';
 
@@ -27,14 +27,15 @@ describe('the view modes', () => {
   it('are all there, in one order, which begins again behind its end', () => {
     expect(VIEW_MODES.map(({ name }) => name)).toEqual(VIEW_MODE_NAMES);
     expect(viewModeAfter('colours', 1)).toBe('ellipsoids');
-    expect(viewModeAfter('colours', -1)).toBe('overdraw');
-    expect(viewModeAfter('overdraw', 1)).toBe('colours');
+    expect(viewModeAfter('colours', -1)).toBe('contribution');
+    expect(viewModeAfter('contribution', 1)).toBe('colours');
   });
 
-  it('ask for effects, but for the trained colours', () => {
-    for (const { name, uses } of VIEW_MODES) {
+  it('ask for effects, but for the trained colours and those with maps', () => {
+    for (const { name, uses, map } of VIEW_MODES) {
+      expect(map !== undefined, name).toBe(isMapMode(name));
       const asked = uses({ bounds, focusDistance: () => 10 });
-      expect(asked.length > 0, name).toBe(name !== 'colours');
+      expect(asked.length > 0, name).toBe(name !== 'colours' && !map);
       // Compensating for dilation would falsify opacities that are not the scene's.
       const setsOpacity = asked.some(({ effect }) => effect.hooks.opacity && effect !== antialias.effect);
       expect(

@@ -2,8 +2,10 @@ import type { AccuracySettings } from '@websplatter/core';
 import { antialias, type EffectUse } from '@websplatter/core/effects';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { ViewModeName } from '../state/view-mode.ts';
+import type { MapFigures } from '../state/viewer-state.ts';
 import { type DepthSubject, depthAt, viewDepthsOf } from './depth-range.ts';
 import { formatLength } from './format-length.ts';
+import { contributionNotes, contributionScale, costScale, pixelNotes, tileNotes } from './map-scales.ts';
 import {
   CENTRE_RADIUS_PX,
   centres,
@@ -17,7 +19,8 @@ import {
   opacityColors,
   overdraw,
 } from './mode-effects.ts';
-import { DEPTH_RAMP, OVERDRAW_COLOR, type Ramp, VALUE_RAMP } from './ramp.ts';
+import { DEPTH_RAMP, OVERDRAW_COLOR, VALUE_RAMP } from './ramp.ts';
+import { type ColorScale, evenTicks } from './scale.ts';
 
 /** What a picture at rest, or one side of it, was drawn from, as far as legends tell of it. */
 export interface PictureFacts {
@@ -31,21 +34,6 @@ export interface PictureFacts {
   readonly shDegree: number;
 }
 
-/** A number beside a scale. */
-export interface Tick {
-  /** Place on the scale, 0…1. */
-  readonly part: number;
-  readonly text: string;
-}
-
-/** What the colours of a mode mean. */
-export interface ColorScale extends Ramp {
-  /** The quantity and its unit. */
-  readonly title: string;
-  /** From the low end to the high one. */
-  readonly ticks: readonly Tick[];
-}
-
 /** One way to look at the splats. */
 export interface ViewMode {
   readonly name: ViewModeName;
@@ -55,6 +43,11 @@ export interface ViewMode {
   /** The effects that show it. */
   readonly uses: (subject: DepthOptions) => readonly EffectUse[];
   readonly scale?: (facts: PictureFacts) => ColorScale;
+  /** Of modes that lay a map over the picture: what the map's colours mean, and what else it tells. */
+  readonly map?: {
+    readonly scale: (figures: MapFigures) => ColorScale | null;
+    readonly notes: (figures: MapFigures) => readonly string[];
+  };
   /** What is to be known of this picture besides; null if nothing. */
   readonly caution?: (facts: PictureFacts) => string | null;
 }
@@ -150,6 +143,29 @@ export const VIEW_MODES: readonly ViewMode[] = [
         : `What counts as less than ${least.toFixed(2)} is left out, by the opacity cutoff.`;
     },
   },
+  {
+    name: 'tile-cost',
+    label: 'Tile cost',
+    about: 'How many splats each tile of 8×8 pixels has to go through: the length of its list.',
+    uses: () => [],
+    map: { scale: (figures) => costScale('Splats in a tile’s list', figures), notes: tileNotes },
+  },
+  {
+    name: 'pixel-cost',
+    label: 'Pixel cost',
+    about:
+      'What each pixel takes: by tiles, the splats of its list until next to no light passes through; by quads, all splats that reach it.',
+    uses: () => [],
+    map: { scale: (figures) => costScale('Splats gone through at a pixel', figures), notes: pixelNotes },
+  },
+  {
+    name: 'contribution',
+    label: 'Contribution',
+    about:
+      'How much splats contribute to this picture: the sum of their shares of all pixels. Each pixel shows the mean over its splats, weighted by their shares there.',
+    uses: () => [],
+    map: { scale: contributionScale, notes: contributionNotes },
+  },
 ];
 
 const OVERDRAW_TICKS = [0, 10, 20, 40, 80];
@@ -171,11 +187,6 @@ export function cautionsOf(mode: ViewMode, sides: readonly PictureFacts[]): read
     if (text === null || (isSame && i > 0)) return [];
     return isSame ? [text] : [`Side ${'AB'[i]}: ${text}`];
   });
-}
-
-/** Five numbers at equal distances; `write` tells that at a part of the scale. */
-function evenTicks(write: (part: number) => string): readonly Tick[] {
-  return [0, 0.25, 0.5, 0.75, 1].map((part) => ({ part, text: write(part) }));
 }
 
 /** sRGB, 0…255. */

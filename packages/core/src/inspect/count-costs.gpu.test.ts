@@ -1,12 +1,17 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { resolveAccuracy } from '../accuracy/accuracy.ts';
+import { DILATION_PX2, resolveAccuracy } from '../accuracy/accuracy.ts';
 import { orthographicCamera } from '../camera/camera.ts';
 import { type EngineOptions, SplatEngine } from '../engine.ts';
 import { GpuLimitError, InvalidArgumentError } from '../errors.ts';
+import { screenAxes } from '../reference/covariance.ts';
+import { cullSplat } from '../reference/cull-splats.ts';
+import { pixelCosts } from '../reference/tile-costs.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
 import { UNSEEN_PX } from '../stages/tile-costs.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../testing/random-splats.ts';
 import { countCosts, mapContributions } from './count-costs.ts';
+import { InspectedFrame } from './inspected-frame.ts';
 
 const SIZE = { widthPx: 20, heightPx: 12 };
 const PIXELS = SIZE.widthPx * SIZE.heightPx;
@@ -147,3 +152,47 @@ describe('contributions of splats', () => {
     });
   });
 });
+
+gpuTest('fragments and contributions are those that float64 finds in the whole scene', async () => {
+  await withEngine({}, async (engine) => {
+    const set = randomSplats({ count: 400, shDegree: 0, halfExtent: 0.5, logScales: [-4, -1.5] });
+    const request = { camera, clouds: [{ cloud: engine.add(set) }], ...SIZE, accuracy };
+    const costs = await countCosts(engine, request);
+    const { contributionsPx } = await mapContributions(engine, request);
+    const splats = await visibleByTwin(set);
+    expect(contributionsPx.length).toBe(splats.length);
+    const nearestFirst = [...splats.keys()].sort((a, b) => splats[a].depthView - splats[b].depthView);
+    const ranked = nearestFirst.map((i) => splats[i]);
+    const expectedPx = splats.map(() => 0);
+    let differing = 0;
+    for (let at = 0; at < PIXELS; at++) {
+      const pixel = [at % SIZE.widthPx, Math.floor(at / SIZE.widthPx)] as const;
+      const { weights, blended, fragments } = pixelCosts(ranked, pixel, accuracy.alphaCutoff);
+      for (const [rank, weight] of weights.entries()) expectedPx[nearestFirst[rank]] += weight;
+      expect(costs.blended[at]).toBeLessThanOrEqual(costs.steps[at]);
+      // Where a splat just reaches the cutoff, float32 may decide otherwise.
+      expect(Math.abs(costs.fragments[at] - fragments)).toBeLessThanOrEqual(1);
+      differing += Number(costs.fragments[at] !== fragments || costs.blended[at] !== blended);
+    }
+    expect(differing).toBeLessThan(PIXELS / 50);
+    for (const [i, expected] of expectedPx.entries())
+      expect(Math.abs(contributionsPx[i] - expected), `splat ${i}`).toBeLessThan(0.005 + 1e-3 * expected);
+  });
+});
+
+/** The splats that culling keeps, in storage order, in float64. */
+async function visibleByTwin(set: SplatSet) {
+  const frame = await InspectedFrame.draw(device, { clouds: [{ set }], camera, ...SIZE });
+  const [{ stored, view }] = frame.clouds;
+  const settings = { alphaCutoff: accuracy.alphaCutoff, dilationPx2: DILATION_PX2, effects: [] };
+  const culled = Array.from({ length: stored.count }, (_, i) =>
+    cullSplat(stored, i, view, frame.projection, settings),
+  );
+  frame.destroy();
+  return culled
+    .filter((splat) => splat !== null)
+    .map(({ centerPx, depthView, opacity, covariance }) => {
+      const axes = screenAxes(covariance);
+      return { centerPx, depthView, ...axes, color: [1, 1, 1, opacity] };
+    });
+}

@@ -122,15 +122,15 @@ interface Walk extends PixelMap {
 async function walkTiles(engine: CountedEngine, request: CostRequest, pass: 'counts' | 'map'): Promise<Walk> {
   const view = engine.createView();
   const accuracy = { ...request.accuracy, rasterizer: 'tiles' } as const;
-  const { recordPrecision } = accuracy;
-  const counts = tileCosts(recordPrecision, 'counts');
-  const stages = pass === 'map' ? [counts, tileCosts(recordPrecision, 'map')] : [counts];
   try {
     for (let force = false; ; force = true) {
       view.render({ ...request, accuracy, force });
       await view.whenDrawn();
       const { context, parts } = view.blended();
       if (!parts.shape) throw new InvalidArgumentError('widthPx', 'The frame has no pixels to count.');
+      const { recordPrecision } = parts.shape.accuracy;
+      const counts = tileCosts(recordPrecision, 'counts');
+      const stages = pass === 'map' ? [counts, tileCosts(recordPrecision, 'map')] : [counts];
       await context.pipelines.prepare(stages);
       const { neededPairs, fits, ...walk } = await readWalk(context, parts, stages);
       if (fits) return walk;
