@@ -69,7 +69,7 @@ describe('the map of contributions', () => {
     const map: FrameContributions = {
       widthPx: 5,
       heightPx: 1,
-      meanLog2: Float32Array.of(-8, 17, 16, -8, -8),
+      meanLog2: Float32Array.of(-8, 13, 12, -8, -8),
       opacity: Float32Array.of(1, 1, 0.5, 0, 0),
       unseen: Uint32Array.of(0, 0, 0, 0, 40),
       contributionsPx: Float32Array.of(),

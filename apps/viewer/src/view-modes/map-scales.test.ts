@@ -41,12 +41,12 @@ describe('maps of contributions', () => {
   it('have a scale of powers of two', () => {
     expect(contributionScale(CONTRIBUTION)?.ticks.map(({ text }) => text)).toEqual([
       '≤ 1/256',
-      '1/4',
-      '16',
-      '1,024',
-      '≥ 65,536',
+      '1/8',
+      '4',
+      '128',
+      '≥ 4,096',
     ]);
-    expect([-8, 4, 16].map(logPart)).toEqual([0, 0.5, 1]);
+    expect([-8, 2, 12].map(logPart)).toEqual([0, 0.5, 1]);
   });
 
   it('tell how many splats are not seen', () => {

@@ -4,7 +4,7 @@ import { type ColorScale, evenTicks } from './scale.ts';
 
 /** log₂ of the contributions, px, at the ends of their scale. The least ones cannot change a pixel by a step of 8 bits. */
 const LEAST_LOG = -8;
-const MOST_LOG = 16;
+const MOST_LOG = 12;
 
 /** Place on the scale of contributions of one whose log₂ is given, 0…1 within the scale. */
 export function logPart(log2Px: number): number {

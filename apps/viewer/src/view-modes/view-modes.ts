@@ -162,7 +162,7 @@ export const VIEW_MODES: readonly ViewMode[] = [
     name: 'contribution',
     label: 'Contribution',
     about:
-      'How much splats contribute to this picture: the sum of their shares of all pixels. Each pixel shows the mean over its splats, weighted by their shares there.',
+      'How much splats contribute to this picture: the sum of their shares of all pixels. A pixel shows the mean over its splats, weighted by their shares.',
     uses: () => [],
     map: { scale: contributionScale, notes: contributionNotes },
   },
