@@ -154,6 +154,16 @@ describe('view modes of the viewer', () => {
       await page.waitForURL(new RegExp(`[?&]mode=${mode}(&|$)`));
       await checkMap(page, mode);
     }
+    const notes = page.getByTestId('map-notes');
+    await notes.evaluate((element) => {
+      const note = () => {
+        if (element.textContent?.startsWith('As of the last rest: ')) element.dataset.wasOlder = '';
+      };
+      new MutationObserver(note).observe(element, { childList: true, characterData: true, subtree: true });
+    });
+    await after(page, () => page.getByTestId('viewport').press('ArrowLeft'));
+    await checkMap(page, 'contribution');
+    expect(await notes.getAttribute('data-was-older')).toBe('');
     await page.keyboard.press('m');
     await page.getByTestId('mode-legend').waitFor({ state: 'detached' });
     await page.waitForURL((url) => !url.searchParams.has('mode'));

@@ -81,7 +81,11 @@ export interface ErrorFigures {
 }
 
 /** The figures of a view mode's map. */
-export type MapFigures = { readonly mode: MapModeName } & (
+export type MapFigures = {
+  readonly mode: MapModeName;
+  /** `restedFrames` of the picture that was counted. */
+  readonly restedFrames: number;
+} & (
   | {
       readonly kind: 'cost';
       /** Who draws the picture: tiles go through lists, quads blend everything. */

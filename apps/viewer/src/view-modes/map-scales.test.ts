@@ -11,6 +11,7 @@ import {
 
 const COST: MapFigures = {
   mode: 'tile-cost',
+  restedFrames: 1,
   kind: 'cost',
   rasterizer: 'tiles',
   max: 4321,
@@ -19,8 +20,14 @@ const COST: MapFigures = {
   blendedPart: 0.6,
 };
 const QUADS: MapFigures = { ...COST, rasterizer: 'quads' };
-const CONTRIBUTION: MapFigures = { mode: 'contribution', kind: 'contribution', splats: 5000, unseen: 1250 };
-const FAILURE: MapFigures = { mode: 'tile-cost', kind: 'failure', message: 'Too many.' };
+const CONTRIBUTION: MapFigures = {
+  mode: 'contribution',
+  restedFrames: 1,
+  kind: 'contribution',
+  splats: 5000,
+  unseen: 1250,
+};
+const FAILURE: MapFigures = { mode: 'tile-cost', restedFrames: 1, kind: 'failure', message: 'Too many.' };
 
 describe('maps of costs', () => {
   it('have a scale of whole numbers, which says where there are higher ones', () => {

@@ -69,7 +69,10 @@ function MapLegend({
   map,
 }: Pick<PanelProps, 'store'> & { mode: ViewMode; map: NonNullable<ViewMode['map']> }) {
   const figures = useStore(store, ({ mapFigures }) => (mapFigures?.mode === mode.name ? mapFigures : null));
-  const isIdle = useStore(store, (state) => state.isIdle);
+  const isCurrent = useStore(
+    store,
+    ({ mapFigures, isIdle, restedFrames }) => isIdle && mapFigures?.restedFrames === restedFrames,
+  );
   const isSplit = useStore(store, (state) => state.comparison?.kind === 'split');
   const scale = figures && map.scale(figures);
   return (
@@ -78,7 +81,7 @@ function MapLegend({
       <p role="status" data-testid="map-notes">
         {!figures && 'Counting, once the picture is at rest…'}
         {figures?.kind === 'failure' && `There is no map. ${figures.message}`}
-        {figures && !isIdle && 'As of the last rest: '}
+        {figures && !isCurrent && 'As of the last rest: '}
         {figures && map.notes(figures).join(' ')}
       </p>
       {isSplit && <p>The map is that of side A.</p>}

@@ -19,7 +19,7 @@ function setUp() {
         const give = (unseen: number) =>
           resolve({
             image: IMAGE,
-            figures: { mode, kind: 'contribution', splats: 9, unseen },
+            figures: { mode, restedFrames: 1, kind: 'contribution', splats: 9, unseen },
           } as never);
         asked.push({ mode, give, refuse: reject });
       }),
@@ -43,6 +43,11 @@ it('counts the picture at rest, hides the map while it moves, and keeps its figu
   store.setState({ isIdle: false });
   expect(canvas.hidden).toBe(true);
   expect(unseen()).toBe(4);
+  // Nothing was drawn: the picture is still the one that was counted.
+  store.setState({ isIdle: true });
+  expect(canvas.hidden).toBe(false);
+  expect(asked.length).toBe(1);
+  store.setState({ isIdle: false });
   store.setState({ isIdle: true, restedFrames: 2 });
   expect(asked.length).toBe(2);
   asked[1].give(5);
@@ -70,13 +75,28 @@ it('counts one picture at a time, then the newest, and shows none that has been 
   stop();
 });
 
+it('counts a picture again that moved while it was counted, and came back to rest as it was', async () => {
+  const { store, canvas, asked, stop, unseen } = setUp();
+  store.setState({ isIdle: false });
+  asked[0].give(4);
+  await vi.waitFor(() => expect(canvas.hidden).toBe(true));
+  await Promise.resolve();
+  expect(unseen()).toBeNull();
+  store.setState({ isIdle: true });
+  await expect.poll(() => asked.length).toBe(2);
+  asked[1].give(5);
+  await expect.poll(unseen).toBe(5);
+  expect(canvas.hidden).toBe(false);
+  stop();
+});
+
 it('says why there is no map, unless the device has gone', async () => {
   const log = vi.spyOn(console, 'error').mockImplementation(() => {});
   const { store, asked, stop } = setUp();
   asked[0].refuse(new Error('Too many.'));
   await expect
     .poll(() => store.getState().mapFigures)
-    .toEqual({ mode: 'tile-cost', kind: 'failure', message: 'Too many.' });
+    .toEqual({ mode: 'tile-cost', restedFrames: 1, kind: 'failure', message: 'Too many.' });
   expect(log).toHaveBeenCalledOnce();
   store.setState({ restedFrames: 2, mapFigures: null, status: 'lost' });
   asked[1].refuse(new Error('Lost.'));

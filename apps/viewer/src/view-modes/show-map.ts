@@ -23,8 +23,8 @@ export function showMap(
   store: ViewerStore,
   makeMap = countedMap,
 ): () => void {
-  /** The image and the mode that were counted last, or are being counted. */
-  let counted = '';
+  /** The picture at rest and the mode that were counted last, or are being counted; those on the canvas. */
+  let [counted, drawn] = ['', ''];
   let isBusy = false;
   let isStopped = false;
   const asked = () => {
@@ -34,8 +34,8 @@ export function showMap(
 
   const follow = async () => {
     const key = asked();
-    if (key !== counted) canvas.hidden = true;
-    const { viewMode } = store.getState();
+    canvas.hidden = key === '' || key !== drawn;
+    const { viewMode, restedFrames } = store.getState();
     const shown = viewer.shownFrame;
     if (!key || key === counted || isBusy || !shown || !isMapMode(viewMode)) return;
     counted = key;
@@ -45,6 +45,7 @@ export function showMap(
       const { image, figures } = await makeMap(viewMode, shown.engine, shown.frame, store);
       if (isNeeded()) {
         draw(canvas, image);
+        drawn = key;
         store.setState({ mapFigures: figures });
       }
     } catch (error) {
@@ -52,10 +53,12 @@ export function showMap(
       if (isNeeded() && store.getState().status === 'running') {
         console.error(error);
         const { message } = error as Error;
-        store.setState({ mapFigures: { mode: viewMode, kind: 'failure', message } });
+        store.setState({ mapFigures: { mode: viewMode, restedFrames, kind: 'failure', message } });
       }
     } finally {
       isBusy = false;
+      // The same picture may come to rest again.
+      if (!isNeeded()) counted = '';
     }
     if (!isStopped && asked() !== counted) void follow();
   };
@@ -90,7 +93,7 @@ async function countedMap(
   frame: FrameRequest,
   store: ViewerStore,
 ): Promise<ModeMap> {
-  const { accuracy: current, comparison, rasterizer: report } = store.getState();
+  const { accuracy: current, comparison, rasterizer: report, restedFrames } = store.getState();
   const accuracy = comparison?.kind === 'split' ? sideAccuracy(comparison.left, current) : current;
   const { countCosts, mapContributions, UNSEEN_PX } = await import('@websplatter/core/inspect');
   const request = { ...frame, accuracy };
@@ -98,7 +101,13 @@ async function countedMap(
     const map = await mapContributions(engine, request);
     const { contributionsPx } = map;
     const unseen = contributionsPx.reduce((count, px) => count + Number(px < UNSEEN_PX), 0);
-    const figures = { mode, kind: 'contribution', splats: contributionsPx.length, unseen } as const;
+    const figures = {
+      mode,
+      restedFrames,
+      kind: 'contribution',
+      splats: contributionsPx.length,
+      unseen,
+    } as const;
     return { image: contributionImage(map, frame.background ?? [0, 0, 0]), figures };
   }
   const costs = await countCosts(engine, request);
@@ -109,7 +118,7 @@ async function countedMap(
   const figures = countFigures(counts);
   const image = mode === 'tile-cost' ? tileImage(costs, figures.end) : pixelImage(costs, counts, figures.end);
   const blendedPart = sum(costs.blended) / Math.max(1, sum(costs.steps));
-  return { image, figures: { mode, kind: 'cost', rasterizer, blendedPart, ...figures } };
+  return { image, figures: { mode, restedFrames, kind: 'cost', rasterizer, blendedPart, ...figures } };
 }
 
 function sum(counts: Uint32Array): number {
