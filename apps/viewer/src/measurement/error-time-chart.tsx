@@ -1,8 +1,30 @@
 import type { AccuracyPoint } from '@websplatter/core/measure';
-import { useEffect, useRef } from 'react';
-import { AccuracyChart } from './accuracy-chart.ts';
+import { type KeyboardEvent, memo, type RefObject, useEffect, useMemo, useRef, useState } from 'react';
+import { type ChartLayout, chartLayout, type PlacedPoint } from './chart-layout.ts';
+import { ticksIn } from './chart-ticks.ts';
+import { placeLabels } from './place-labels.ts';
 
-/** uPlot's chart as a component. */
+const HEIGHT_PX = 230;
+/** Around the area of the points: axes with their values and titles. */
+const MARGIN_PX = { left: 50, right: 8, top: 8, bottom: 40 };
+const AREA_HEIGHT_PX = HEIGHT_PX - MARGIN_PX.top - MARGIN_PX.bottom;
+const AREA_INSET = [MARGIN_PX.top, MARGIN_PX.right, MARGIN_PX.bottom, MARGIN_PX.left]
+  .map((px) => `${px}px`)
+  .join(' ');
+/** Between two values of an axis, at least. */
+const TICK_SPACE_PX = { x: 44, y: 30 };
+/** As the sheet has them. */
+const LABEL_FONT = '11px system-ui, sans-serif';
+const LABEL_HEIGHT_PX = 14;
+
+/** Where things are in the area of the points: CSS pixels, y down. */
+interface Scales {
+  readonly widthPx: number;
+  xOf(ms: number): number;
+  yOf(db: number): number;
+}
+
+/** Error against time, with the front as a line of steps. Points are buttons, for pointers and keys alike. */
 export function ErrorTimeChart({
   points,
   current,
@@ -10,29 +32,179 @@ export function ErrorTimeChart({
   onLook,
 }: {
   points: readonly AccuracyPoint[];
+  /** The point whose settings are drawn now; −1 for none. */
   current: number;
+  /** A point was clicked, or chosen by Enter. */
   onPick: (index: number) => void;
+  /** A point is under the pointer or has the focus; null when it no longer is. */
   onLook: (index: number | null) => void;
 }) {
   const root = useRef<HTMLDivElement>(null);
-  const chart = useRef<AccuracyChart | null>(null);
-  const events = useRef({ onPick, onLook });
-  events.current = { onPick, onLook };
-  useEffect(() => {
-    if (!root.current) return;
-    const made = new AccuracyChart(root.current, {
-      onPick: (index) => events.current.onPick(index),
-      onLook: (index) => events.current.onLook(index),
-    });
-    chart.current = made;
-    return () => {
-      chart.current = null;
-      made.destroy();
-    };
-  }, []);
-  useEffect(() => chart.current?.show({ points, current }), [points, current]);
+  const widthPx = useWidthPx(root);
+  const layout = useMemo(() => chartLayout(points), [points]);
+  const scales = useMemo(() => scalesOf(layout, widthPx), [layout, widthPx]);
+  const { placed } = layout;
+  /** Where the Tab key stops; arrow keys go from there from point to point, in order of time. */
+  const stop = placed.some(({ index }) => index === current) ? current : placed[0]?.index;
+  const moveFocus = (event: KeyboardEvent, at: number) => {
+    const by = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+    if (!by) return;
+    event.preventDefault();
+    // Arrows elsewhere turn the scene.
+    event.stopPropagation();
+    const next = placed[(at + by + placed.length) % placed.length].index;
+    root.current?.querySelector<HTMLElement>(`[data-index="${next}"]`)?.focus();
+  };
   return (
-    // biome-ignore lint/a11y/useSemanticElements: a fieldset would bring its own layout into uPlot's.
-    <div ref={root} className="chart" role="group" aria-label="Error against time" data-testid="chart" />
+    // biome-ignore lint/a11y/useSemanticElements: a fieldset would bring a layout of its own.
+    <div ref={root} className="chart" role="group" aria-label="Error against time" data-testid="chart">
+      <Axes layout={layout} scales={scales} />
+      <div className="chart-area" style={{ inset: AREA_INSET }}>
+        <Labels placed={placed} scales={scales} />
+        {placed.map(({ index, name, label, words, isOnFront, ...point }, at) => (
+          <button
+            key={index}
+            type="button"
+            className={isOnFront ? 'chart-point on-front' : 'chart-point'}
+            style={{ left: scales.xOf(point.xMs), top: scales.yOf(point.yDb) }}
+            data-testid="accuracy-point"
+            data-index={index}
+            data-name={name}
+            aria-label={`${label}: ${words}`}
+            aria-pressed={index === current}
+            tabIndex={index === stop ? 0 : -1}
+            onClick={() => onPick(index)}
+            onKeyDown={(event) => moveFocus(event, at)}
+            onPointerEnter={() => onLook(index)}
+            onFocus={() => onLook(index)}
+            onPointerLeave={() => onLook(null)}
+            onBlur={() => onLook(null)}
+          >
+            <Interval point={point} scales={scales} />
+          </button>
+        ))}
+      </div>
+    </div>
   );
+}
+
+/** Of the median of a point's time. */
+function Interval({
+  point: { xMs, lowMs, highMs },
+  scales: { xOf },
+}: {
+  point: Pick<PlacedPoint, 'xMs' | 'lowMs' | 'highMs'>;
+  scales: Scales;
+}) {
+  return <i style={{ left: `calc(50% + ${xOf(lowMs) - xOf(xMs)}px)`, width: xOf(highMs) - xOf(lowMs) }} />;
+}
+
+/** Round values with their lines, the band of points that equal the reference, and the front. */
+const Axes = memo(function Axes({
+  layout: { frontLine, xRange, yRange, equalFromDb },
+  scales: { widthPx, xOf, yOf },
+}: {
+  layout: ChartLayout;
+  scales: Scales;
+}) {
+  const xTicks = ticksIn(xRange, Math.max(1, Math.floor(widthPx / TICK_SPACE_PX.x)));
+  // There are no decibels in the band.
+  const yTicks = ticksIn(yRange, Math.floor(AREA_HEIGHT_PX / TICK_SPACE_PX.y)).filter(
+    ({ value }) => equalFromDb === null || value < equalFromDb,
+  );
+  const bandPx = equalFromDb === null ? 0 : yOf(equalFromDb);
+  const front = frontLine.map(({ xMs, yDb }, i) =>
+    i > 0 ? `H${xOf(xMs)}V${yOf(yDb)}` : `M${xOf(xMs)} ${yOf(yDb)}`,
+  );
+  return (
+    // What it says, the points say.
+    <svg width="100%" height={HEIGHT_PX} aria-hidden="true">
+      <g transform={`translate(${MARGIN_PX.left} ${MARGIN_PX.top})`}>
+        <rect className="chart-band" width={widthPx} height={bandPx} />
+        {xTicks.map(({ value, text }) => (
+          <g key={text} transform={`translate(${xOf(value)} ${AREA_HEIGHT_PX})`}>
+            <path d={`M0 0v${-AREA_HEIGHT_PX}`} />
+            <text y={15} textAnchor="middle">
+              {text}
+            </text>
+          </g>
+        ))}
+        {yTicks.map(({ value, text }) => (
+          <g key={text} transform={`translate(0 ${yOf(value)})`}>
+            <path d={`M0 0h${widthPx}`} />
+            <text x={-4} y={4} textAnchor="end">
+              {text}
+            </text>
+          </g>
+        ))}
+        {equalFromDb !== null && (
+          <text x={-4} y={bandPx / 2 + 4} textAnchor="end">
+            equal
+          </text>
+        )}
+        <path className="chart-front" d={front.join('')} />
+        <text x={widthPx / 2} y={AREA_HEIGHT_PX + 34} textAnchor="middle">
+          milliseconds a frame
+        </text>
+        <text transform={`translate(-38 ${AREA_HEIGHT_PX / 2}) rotate(-90)`} textAnchor="middle">
+          PSNR in dB, higher is better
+        </text>
+      </g>
+    </svg>
+  );
+});
+
+/** Names beside their points, of those that find room. */
+const Labels = memo(function Labels({ placed, scales }: { placed: readonly PlacedPoint[]; scales: Scales }) {
+  const labelled = [...placed].sort((a, b) => b.importance - a.importance);
+  const boxes = placeLabels(
+    labelled.map(({ xMs, yDb, label }) => ({
+      x: scales.xOf(xMs),
+      y: scales.yOf(yDb),
+      width: textWidthPx(label),
+      height: LABEL_HEIGHT_PX,
+    })),
+    { left: 2, top: 0, width: scales.widthPx - 4, height: AREA_HEIGHT_PX },
+  );
+  return labelled.map(({ index, label }, i) => {
+    const box = boxes[i];
+    if (!box) return null;
+    return (
+      // The point itself says it.
+      <span key={index} className="chart-label" style={{ left: box.left, top: box.top }} aria-hidden="true">
+        {label}
+      </span>
+    );
+  });
+});
+
+/** @param chartPx width of the chart with its axes. */
+function scalesOf({ xRange, yRange }: ChartLayout, chartPx: number): Scales {
+  const widthPx = Math.max(1, chartPx - MARGIN_PX.left - MARGIN_PX.right);
+  return {
+    widthPx,
+    xOf: (ms) => ((ms - xRange[0]) / (xRange[1] - xRange[0])) * widthPx,
+    yOf: (db) => ((yRange[1] - db) / (yRange[1] - yRange[0])) * AREA_HEIGHT_PX,
+  };
+}
+
+/** The width of an element, CSS pixels, as it changes; 0 before it is laid out. */
+function useWidthPx(element: RefObject<HTMLElement | null>): number {
+  const [widthPx, setWidthPx] = useState(0);
+  useEffect(() => {
+    if (!element.current) return;
+    const resize = new ResizeObserver(([{ contentRect }]) => setWidthPx(contentRect.width));
+    resize.observe(element.current);
+    return () => resize.disconnect();
+  }, [element]);
+  return widthPx;
+}
+
+let context: CanvasRenderingContext2D | null = null;
+
+function textWidthPx(text: string): number {
+  context ??= document.createElement('canvas').getContext('2d');
+  if (!context) return 0;
+  context.font = LABEL_FONT;
+  return context.measureText(text).width + 2;
 }
