@@ -54,7 +54,12 @@ const PACKAGES = [
   { name: 'hardcases', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   { name: 'three', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   { name: 'react', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
-  { name: 'cli', entries: { main: 'src/main.ts' }, inputs: [], hasDeclarations: false },
+  {
+    name: 'cli',
+    entries: { main: 'src/main.ts' },
+    inputs: ['packages/tools/src/commit.ts'],
+    hasDeclarations: false,
+  },
 ];
 
 /** The viewer is bundled from the sources of these folders. */

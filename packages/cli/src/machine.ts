@@ -1,5 +1,5 @@
-import { execFileSync } from 'node:child_process';
 import os from 'node:os';
+import { commitOf } from '../../tools/src/commit.ts';
 
 /** Describes this machine, for measurements. */
 export function describeMachine() {
@@ -13,18 +13,7 @@ export function describeMachine() {
   };
 }
 
-/** Commit of the working copy that this program runs from, with `+changes` if files differ; null outside of git. */
+/** Commit of the working copy that this program runs from, as apps that are built name theirs. */
 export function currentCommit(): string | null {
-  const git = (...args: string[]) =>
-    execFileSync('git', args, {
-      cwd: import.meta.dirname,
-      encoding: 'utf8',
-      stdio: ['ignore', 'pipe', 'ignore'],
-    }).trim();
-  try {
-    const commit = git('rev-parse', 'HEAD');
-    return git('status', '--porcelain', '--untracked-files=no') === '' ? commit : `${commit}+changes`;
-  } catch {
-    return null;
-  }
+  return commitOf(import.meta.dirname);
 }

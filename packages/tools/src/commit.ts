@@ -1,0 +1,13 @@
+import { execFileSync } from 'node:child_process';
+
+/** Commit of the working copy that `folder` belongs to, with `+changes` if files differ; null outside of git. */
+export function commitOf(folder: string): string | null {
+  const git = (...args: string[]) =>
+    execFileSync('git', args, { cwd: folder, encoding: 'utf8', stdio: ['ignore', 'pipe', 'ignore'] }).trim();
+  try {
+    const commit = git('rev-parse', 'HEAD');
+    return git('status', '--porcelain', '--untracked-files=no') === '' ? commit : `${commit}+changes`;
+  } catch {
+    return null;
+  }
+}
