@@ -14,6 +14,7 @@ import { defineEffect, type SplatEffect } from './effect.ts';
 import { type EffectSet, effectSetOf } from './effect-set.ts';
 import { CLOUD_EFFECTS, reachOf, usesOf } from './effects.ts';
 import { opacity } from './opacity.ts';
+import { tint } from './tint.ts';
 
 const CULL: CullSplatsVariant = {
   isOrthographic: false,
@@ -93,6 +94,10 @@ describe('effects', () => {
       for (const stage of stagesWith(others)) expectNothingOf([effect], stage);
     });
   }
+
+  test('that are given fractions without an end say them in three digits', () => {
+    expect(tint([1 / 3, 1, 2 / 3]).reason).toBe('colours are multiplied by 0.333, 1, 0.667');
+  });
 
   // Hundreds of variants, each linked twice: in the short run, some of each stage stand for all.
   const linkedEach = process.env.WEBSPLATTER_FULL === '1' ? Number.POSITIVE_INFINITY : 12;

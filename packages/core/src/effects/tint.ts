@@ -15,6 +15,11 @@ export const tint = /* @__PURE__ */ defineEffect<Vec3, { color: 'vec3f' }>({
     checkVector('tint', color, 'a factor for red, green and blue', { isNonNegative: true });
   },
   calledFor: (color) =>
-    color.every((value) => value === 1) ? null : `colours are multiplied by ${color.join(', ')}`,
+    color.every((value) => value === 1)
+      ? null
+      : `colours are multiplied by ${color.map(shortened).join(', ')}`,
   valuesAt: (color) => ({ color }),
 });
+
+/** Sliders and pickers of colours give fractions without an end. */
+const shortened = (factor: number) => Number(factor.toPrecision(3));
