@@ -78,7 +78,10 @@ function shareOfWorker(request: ShareRequest): Promise<SplatSet> {
       worker.terminate();
       resolve(data);
     };
-    worker.onerror = makeHere;
+    worker.onerror = () => {
+      worker.terminate();
+      makeHere();
+    };
     worker.postMessage(request);
   });
 }
