@@ -15,12 +15,12 @@ import { WarningPanel } from '../messages/warning-panel.tsx';
 import { Saving } from '../saving/saving.ts';
 import { SceneCaption } from '../scene/scene-caption.tsx';
 import type { ViewerStore } from '../state/store.ts';
-import { isGpuLost } from '../state/viewer-state.ts';
 import { late } from '../ui/late.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { createCommands, listenToKeys } from './commands.ts';
 import { listenForGamepads } from './gamepad-listener.ts';
+import { LostGpu } from './lost-gpu.tsx';
 import { Picture } from './picture.tsx';
 import { PlainPicture } from './plain-picture.tsx';
 import { Toolbar } from './toolbar.tsx';
@@ -42,13 +42,11 @@ const FlightBanner = late(async () => (await import('../looking/flight-banner.ts
 const ModeLegend = late(async () => (await import('../view-modes/mode-legend.tsx')).ModeLegend);
 const ErrorMapLegend = late(async () => (await import('../comparison/error-map-legend.tsx')).ErrorMapLegend);
 const UnavailablePage = late(async () => (await import('../messages/status-pages.tsx')).UnavailablePage);
-const LostPage = late(async () => (await import('../messages/status-pages.tsx')).LostPage);
 
 /** @param poster address of an image to show until there is a picture. */
 export function App({ store, viewer, poster }: PanelProps & { poster: string | null }) {
   const hasInterface = useStore(store, (state) => state.hasInterface);
   const isUnavailable = useStore(store, (state) => state.status === 'unavailable');
-  const isLost = useStore(store, isGpuLost);
   const dock = useStore(store, (state) => state.dock);
   const isClipVisible = useStore(
     store,
@@ -174,15 +172,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
         <DropZone canAdd={hasScene} onDrop={follow} />
       </main>
       <Suspense>{hasHelp && <Help store={store} />}</Suspense>
-      <Suspense>
-        {isLost && (
-          <LostPage
-            store={store}
-            onRecover={() => viewer.recover()}
-            onSmallScene={() => viewer.scenes.openSmallScene()}
-          />
-        )}
-      </Suspense>
+      <LostGpu store={store} viewer={viewer} />
     </>
   );
 }

@@ -1,14 +1,9 @@
-import { Suspense } from 'react';
-import { useStore } from 'zustand';
 import { DropZone } from '../file-drop/drop-zone.tsx';
 import type { FileDropDecision } from '../file-drop/file-drop.ts';
 import { FailurePanel } from '../messages/failure-panel.tsx';
-import { isGpuLost } from '../state/viewer-state.ts';
-import { late } from '../ui/late.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
+import { LostGpu } from './lost-gpu.tsx';
 import { Picture } from './picture.tsx';
-
-const LostPage = late(async () => (await import('../messages/status-pages.tsx')).LostPage);
 
 /** The picture without an interface, as `?noui` asks for it. What fails is said: silence would look like a long load. */
 export function PlainPicture({
@@ -17,7 +12,6 @@ export function PlainPicture({
   poster,
   onDrop,
 }: PanelProps & { poster: string | null; onDrop: (decision: FileDropDecision) => void }) {
-  const isLost = useStore(store, isGpuLost);
   return (
     <>
       <main>
@@ -31,15 +25,7 @@ export function PlainPicture({
         </div>
         <DropZone onDrop={onDrop} />
       </main>
-      <Suspense>
-        {isLost && (
-          <LostPage
-            store={store}
-            onRecover={() => viewer.recover()}
-            onSmallScene={() => viewer.scenes.openSmallScene()}
-          />
-        )}
-      </Suspense>
+      <LostGpu store={store} viewer={viewer} />
     </>
   );
 }

@@ -1,0 +1,23 @@
+import { Suspense } from 'react';
+import { useStore } from 'zustand';
+import { isGpuLost } from '../state/viewer-state.ts';
+import { late } from '../ui/late.tsx';
+import type { PanelProps } from '../viewer/panel-props.ts';
+
+const LostPage = late(async () => (await import('../messages/status-pages.tsx')).LostPage);
+
+/** Over the picture while there is no GPU. */
+export function LostGpu({ store, viewer }: PanelProps) {
+  const isLost = useStore(store, isGpuLost);
+  return (
+    <Suspense>
+      {isLost && (
+        <LostPage
+          store={store}
+          onRecover={() => viewer.recover()}
+          onSmallScene={() => viewer.scenes.openSmallScene()}
+        />
+      )}
+    </Suspense>
+  );
+}
