@@ -112,8 +112,13 @@ describe('the benchmark', () => {
     await waitForState(page, 'done');
     expect(await textOf(page, 'bench-times')).toContain('Of 3 frames');
     expect(await textOf(page, 'bench-facts')).toContain('3 frames over 15°, 32×24 px');
-    // Nothing of the viewer is there.
+    // Nothing of the viewer is there, nor was it fetched.
     expect(await page.locator('.viewport, .overlay').count()).toBe(0);
+    const fetched = await page.evaluate(() =>
+      performance.getEntriesByType('resource').map(({ name }) => name),
+    );
+    const has = (script: string) => fetched.some((name) => name.includes(`/assets/${script}-`));
+    expect([has('bench-page'), has('shared'), has('viewer')]).toEqual([true, true, false]);
     await page.getByTestId('bench-copy-json').click();
     await expect.poll(copied).toContain('"measurement"');
     expect(JSON.parse(await copied())).toMatchObject({

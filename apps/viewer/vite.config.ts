@@ -1,6 +1,6 @@
 import { fileURLToPath } from 'node:url';
 import react from '@vitejs/plugin-react';
-import { defaultClientConditions, defineConfig, type Plugin } from 'vite';
+import { defaultClientConditions, defineConfig, normalizePath, type Plugin, type Rolldown } from 'vite';
 import { slimShaders } from '../../packages/tools/slim-shaders.mjs';
 import { definedBuildFacts } from '../../packages/tools/src/build-facts.ts';
 
@@ -9,12 +9,24 @@ const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
 /** Apart from the page's own scripts, so that those can be counted. */
 const WORKERS = 'assets/workers';
 
+/** What chooses a page, the page of the viewer, and those in its place. */
+const CHOICE = 'src/main.ts';
+const VIEWER = 'src/viewer-page.tsx';
+const LONE_PAGES = [
+  'src/lone-pages.tsx',
+  'src/bench/bench-page.tsx',
+  'src/conformance/conformance-page.tsx',
+  'src/hard-cases/hard-case-pages.tsx',
+];
+/** The script of what the viewer and another page begin with. */
+const SHARED = 'shared';
+
 export default defineConfig({
   root: fileURLToPath(new URL('.', import.meta.url)),
   // Works below any path of a web server.
   base: './',
   // The development server shows shaders as they were written.
-  plugins: [react(), { ...slimShaders(), apply: 'build' } satisfies Plugin],
+  plugins: [react(), { ...slimShaders(), apply: 'build' } satisfies Plugin, preloadShared()],
   // The engine and the scenes run from their sources, so that editing them reloads the page.
   resolve: { conditions: ['@websplatter/source', ...defaultClientConditions] },
   define: { ...definedBuildFacts() },
@@ -28,11 +40,13 @@ export default defineConfig({
     },
   },
   build: {
+    // Every browser with WebGPU does this itself.
+    modulePreload: { polyfill: false },
     rolldownOptions: {
       output: {
-        // Pages that share parts of the engine with the viewer would otherwise break what it needs at first into dozens of scripts,
-        // which compress worse apart: 189 kB by gzip instead of 171.
-        codeSplitting: { groups: [{ name: 'initial', tags: ['$initial'] }] },
+        // Otherwise pages that share parts of the engine would break what the viewer needs at first into dozens of scripts, which
+        // compress worse apart.
+        codeSplitting: { groups: [{ name: firstScript, includeDependenciesRecursively: false }] },
       },
     },
   },
@@ -42,3 +56,46 @@ export default defineConfig({
     include: ['react', 'react-dom/client', 'react/jsx-dev-runtime', 'zustand', 'zustand/vanilla'],
   },
 });
+
+/** The script that a module is in: one for what the viewer alone begins with, one for what other pages begin with too. */
+function firstScript(id: string, graph: Rolldown.ChunkingContext): string | null {
+  const begins = (page: string) =>
+    needsAtFirst(normalizePath(fileURLToPath(new URL(page, import.meta.url))), graph);
+  if (begins(CHOICE).has(id) || !begins(VIEWER).has(id)) return null;
+  return LONE_PAGES.some((page) => begins(page).has(id)) ? SHARED : 'viewer';
+}
+
+/** By module, of one build. */
+const needed = new Map<string, ReadonlySet<string>>();
+
+/** A module with all that it imports, but for what it fetches later. */
+function needsAtFirst(id: string, graph: Rolldown.ChunkingContext): ReadonlySet<string> {
+  const known = needed.get(id);
+  if (known) return known;
+  const all = new Set([id]);
+  // A set goes on to those that are added meanwhile.
+  for (const each of all)
+    for (const imported of graph.getModuleInfo(each)?.importedIds ?? []) all.add(imported);
+  needed.set(id, all);
+  return all;
+}
+
+/** Has the browser fetch the shared script at once, while the first one still chooses a page. */
+function preloadShared(): Plugin {
+  return {
+    name: 'viewer:preload-shared',
+    apply: 'build',
+    buildStart: () => needed.clear(),
+    transformIndexHtml: {
+      order: 'post',
+      handler: (_, { bundle = {} }) =>
+        Object.values(bundle)
+          .filter((file) => file.type === 'chunk' && file.name === SHARED)
+          .map(({ fileName }) => ({
+            tag: 'link',
+            attrs: { rel: 'modulepreload', crossorigin: true, href: `./${fileName}` },
+            injectTo: 'head',
+          })),
+    },
+  };
+}

@@ -6,13 +6,16 @@ import { gzipSync } from 'node:zlib';
  * Bytes of a built page's scripts, each compressed by gzip as web servers do. Workers are not among them: they are built apart.
  *
  * @param {string} folder what Vite built, with its manifest.
+ * @param {string | null} first name of a script that the page fetches at once, although it imports it dynamically; null: there is none.
  * @param {readonly string[]} apart modules, as the manifest names them, whose dynamic imports are not followed.
- * @returns {{ initial: number, all: number }} of what `index.html` names, static imports included, and with all that these may fetch
- *   later.
+ * @returns {{ initial: number, all: number }} of what `index.html` names and `first`, static imports included, and with all that these
+ *   may fetch later.
  */
-export function scriptSizes(folder, apart) {
+export function scriptSizes(folder, first, apart) {
   const manifest = JSON.parse(readFileSync(join(folder, '.vite/manifest.json'), 'utf8'));
+  const firstKey = Object.keys(manifest).find((key) => first !== null && manifest[key].name === first);
   const missing = apart.filter((key) => !manifest[key]);
+  if (first !== null && !firstKey) missing.push(first);
   if (missing.length > 0) throw new Error(`There is no script of its own for ${missing.join(', ')}.`);
   const bytesOf = (keys) =>
     [...keys].reduce((sum, key) => sum + gzipSync(readFileSync(join(folder, manifest[key].file))).length, 0);
@@ -20,7 +23,11 @@ export function scriptSizes(folder, apart) {
     ...imports,
     ...dynamicImports.filter((key) => !apart.includes(key)),
   ]);
-  return { initial: bytesOf(reached(manifest, ({ imports = [] }) => imports)), all: bytesOf(all) };
+  const initial = reached(manifest, ({ imports = [], dynamicImports = [] }) => [
+    ...imports,
+    ...dynamicImports.filter((key) => key === firstKey),
+  ]);
+  return { initial: bytesOf(initial), all: bytesOf(all) };
 }
 
 /** Keys of the manifest that are reached from the page by `next`. */

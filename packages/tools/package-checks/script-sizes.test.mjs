@@ -8,7 +8,7 @@ import { scriptSizes } from './script-sizes.mjs';
 const MANIFEST = {
   'index.html': { file: 'index.js', imports: ['_shared.js'], dynamicImports: ['panel.ts', 'cases.ts'] },
   '_shared.js': { file: 'shared.js' },
-  'panel.ts': { file: 'panel.js', imports: ['index.html', '_shared.js', '_panel-part.js'] },
+  'panel.ts': { file: 'panel.js', name: 'panel', imports: ['index.html', '_shared.js', '_panel-part.js'] },
   '_panel-part.js': { file: 'panel-part.js' },
   'cases.ts': { file: 'cases.js', imports: ['_case-data.js'] },
   '_case-data.js': { file: 'case-data.js' },
@@ -30,17 +30,23 @@ function sizeOf(...files) {
 }
 
 test('scripts count once, and those that are fetched later not at first', () => {
-  expect(scriptSizes(folder, [])).toEqual({
+  expect(scriptSizes(folder, null, [])).toEqual({
     initial: sizeOf('index.js', 'shared.js'),
     all: sizeOf('index.js', 'shared.js', 'panel.js', 'panel-part.js', 'cases.js', 'case-data.js'),
   });
 });
 
+test('what is always fetched counts at first', () => {
+  const { initial } = scriptSizes(folder, 'panel', []);
+  expect(initial).toBe(sizeOf('index.js', 'shared.js', 'panel.js', 'panel-part.js'));
+});
+
 test('what is apart does not count, nor what only that needs', () => {
-  const { all } = scriptSizes(folder, ['cases.ts']);
+  const { all } = scriptSizes(folder, null, ['cases.ts']);
   expect(all).toBe(sizeOf('index.js', 'shared.js', 'panel.js', 'panel-part.js'));
 });
 
-test('a module that is no script of its own cannot be apart', () => {
-  expect(() => scriptSizes(folder, ['cases.tsx'])).toThrow('no script of its own for cases.tsx');
+test('a module that is no script of its own cannot be apart or fetched first', () => {
+  expect(() => scriptSizes(folder, null, ['cases.tsx'])).toThrow('no script of its own for cases.tsx');
+  expect(() => scriptSizes(folder, 'pane', [])).toThrow('no script of its own for pane');
 });

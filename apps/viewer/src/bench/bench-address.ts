@@ -1,4 +1,4 @@
-import { ADDRESS_NAMES } from '../scene/first-source.ts';
+import { ADDRESS_NAMES } from '../scene/addressed-scene.ts';
 
 /** What the viewer and the benchmark both read of an address: scene and accuracy. */
 const SHARED_NAMES: readonly string[] = [...ADDRESS_NAMES, 'scene', 'accuracy'];

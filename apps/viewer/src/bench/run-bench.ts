@@ -1,6 +1,7 @@
 import { InvalidArgumentError, SplatEngine } from '@websplatter/core';
 import { measureFrames } from '@websplatter/core/measure';
-import { addressedScene, firstSource } from '../scene/first-source.ts';
+import { addressedScene } from '../scene/addressed-scene.ts';
+import { firstSource } from '../scene/first-source.ts';
 import { fitNotice } from '../scene/fit-notice.ts';
 import { type LoadedScene, loadScene } from '../scene/load-scene.ts';
 import { type SceneSource, titleOfAll } from '../scene/scene-source.ts';

@@ -10,7 +10,8 @@ import {
   textReport,
 } from '@websplatter/hardcases';
 import { memo, useEffect, useMemo, useRef, useState } from 'react';
-import { caseAddress, GALLERY_ADDRESS, groupTitle } from '../hard-cases/catalogue.ts';
+import { caseAddress, GALLERY_ADDRESS } from '../hard-cases/case-addresses.ts';
+import { groupTitle } from '../hard-cases/catalogue.ts';
 import { CopyReports } from '../ui/copy-reports.tsx';
 import '../ui/page.css';
 import { BUILD } from '../words/build.ts';

@@ -4,16 +4,8 @@ import { Icon } from '../ui/icon.tsx';
 import { CaseComparison } from './case-comparison.tsx';
 import type { CaseImages } from './case-images.ts';
 import './case-page.css';
-import {
-  addressOf,
-  caseAddress,
-  conformanceAddress,
-  GALLERY_ADDRESS,
-  groupTitle,
-  hasImage,
-  isOpenable,
-  noteOn,
-} from './catalogue.ts';
+import { addressOf, caseAddress, conformanceAddress, GALLERY_ADDRESS } from './case-addresses.ts';
+import { groupTitle, hasImage, isOpenable, noteOn } from './catalogue.ts';
 import { RefusedFile } from './refused-file.tsx';
 
 /** The page of one hard case: what is expected, what this device makes of it, and the way to the next one. */

@@ -1,15 +1,12 @@
 import type { HardCase } from '@websplatter/hardcases';
 import { describe, expect, it } from 'vitest';
 import { reportFailure } from '../messages/failure-report.ts';
+import { addressOf, caseAddress, conformanceAddress, hardCaseNameIn } from './case-addresses.ts';
 import {
-  addressOf,
-  caseAddress,
   closestNames,
-  conformanceAddress,
   filteredCases,
   findHardCase,
   groupedCases,
-  hardCaseNameIn,
   hasImage,
   neighboursOf,
 } from './catalogue.ts';

@@ -1,5 +1,5 @@
 import type { DeviceCase, HardCase, HardCaseGroup, RefusedFileCase, SceneCase } from '@websplatter/hardcases';
-import type { Link } from '../state/failure.ts';
+import { HardCaseError } from './case-addresses.ts';
 
 /** Cases that can be opened: images, and files whose refusal is the point. */
 export type OpenableCase = SceneCase | DeviceCase | RefusedFileCase;
@@ -8,47 +8,6 @@ export type OpenableCase = SceneCase | DeviceCase | RefusedFileCase;
 export async function loadHardCases(): Promise<readonly HardCase[]> {
   const { HARD_CASES } = await import('./all-cases.ts');
   return HARD_CASES;
-}
-
-/** `?scene=hard` is the gallery, `?scene=hard:NAME` a case. */
-export const GALLERY_SCENE = 'hard';
-export const GALLERY_ADDRESS = `?scene=${GALLERY_SCENE}`;
-
-export function addressOf(name: string): string {
-  return `${GALLERY_ADDRESS}:${encodeURIComponent(name)}`;
-}
-
-/** The page of a case: what is expected of it, and what this device draws. */
-export function caseAddress(name: string): string {
-  return `${GALLERY_ADDRESS}&case=${encodeURIComponent(name)}`;
-}
-
-/** The page that runs this case, or all of them, on this device. */
-export function conformanceAddress(name?: string): string {
-  return name === undefined ? '?conformance' : `?conformance&cases=${encodeURIComponent(name)}`;
-}
-
-/** What `?scene=` says to ask for a case. */
-export function hardCaseScene(name: string): string {
-  return `${GALLERY_SCENE}:${name}`;
-}
-
-/** The case that `?scene=` asks for; null if it asks for another scene. */
-export function hardCaseNameIn(scene: string | null | undefined): string | null {
-  const prefix = hardCaseScene('');
-  return scene?.startsWith(prefix) ? scene.slice(prefix.length) : null;
-}
-
-/** The case does not exist or cannot be opened. */
-export class HardCaseError extends Error {
-  override readonly name = 'HardCaseError';
-  readonly links: readonly Link[];
-
-  constructor(message: string, closest: readonly string[] = []) {
-    super(message);
-    const links = closest.map((name) => ({ label: name, href: addressOf(name) }));
-    this.links = [...links, { label: 'All hard cases', href: GALLERY_ADDRESS }];
-  }
 }
 
 /** @throws HardCaseError if there is no such case or it cannot be opened. */

@@ -1,18 +1,11 @@
 import type { HardCase } from '@websplatter/hardcases';
 import { type KeyboardEvent, memo, useDeferredValue, useRef } from 'react';
 import { formatCount } from '../words/format.ts';
+import { caseAddress, conformanceAddress } from './case-addresses.ts';
 import type { CaseImages } from './case-images.ts';
 import { inPlace } from './case-page.tsx';
 import { CaseThumbnail } from './case-thumbnail.tsx';
-import {
-  type CaseGroup,
-  caseAddress,
-  conformanceAddress,
-  groupedCases,
-  groupTitle,
-  hasImage,
-  noteOn,
-} from './catalogue.ts';
+import { type CaseGroup, groupedCases, groupTitle, hasImage, noteOn } from './catalogue.ts';
 import './gallery.css';
 
 /** What each case needs of the gallery. */

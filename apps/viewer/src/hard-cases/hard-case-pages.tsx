@@ -3,9 +3,10 @@ import { useCallback, useEffect, useMemo, useState } from 'react';
 import { DropZone } from '../file-drop/drop-zone.tsx';
 import type { FileDropDecision } from '../file-drop/file-drop.ts';
 import '../ui/page.css';
+import { caseAddress, GALLERY_ADDRESS } from './case-addresses.ts';
 import { CaseImages } from './case-images.ts';
 import { CasePage } from './case-page.tsx';
-import { caseAddress, closestNames, filteredCases, GALLERY_ADDRESS, neighboursOf } from './catalogue.ts';
+import { closestNames, filteredCases, neighboursOf } from './catalogue.ts';
 import { Gallery } from './gallery.tsx';
 
 /** The gallery of hard cases (`?scene=hard`, `&q=` searched) and the page of each (`&case=`), between which one goes without a load. */

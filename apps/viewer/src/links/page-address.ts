@@ -1,7 +1,7 @@
 import type { AccuracySettings, AccuracyWish } from '@websplatter/core';
 import type { LinkedCamera } from '../camera/view-camera.ts';
-import { hardCaseNameIn, hardCaseScene } from '../hard-cases/catalogue.ts';
-import { ADDRESS_NAMES, addressedScene } from '../scene/first-source.ts';
+import { hardCaseNameIn, hardCaseScene } from '../hard-cases/case-addresses.ts';
+import { ADDRESS_NAMES, addressedScene } from '../scene/addressed-scene.ts';
 import type { SceneSource } from '../scene/scene-source.ts';
 import type { EffectChoices } from '../state/effect-choices.ts';
 import type { Crop } from '../state/inspecting.ts';

@@ -5,7 +5,7 @@ import {
   SplatSourceError,
   WebSplatterError,
 } from '@websplatter/core';
-import { HardCaseError } from '../hard-cases/catalogue.ts';
+import { HardCaseError } from '../hard-cases/case-addresses.ts';
 import type { FailureReport } from '../state/failure.ts';
 import { formatBytes } from '../words/format.ts';
 

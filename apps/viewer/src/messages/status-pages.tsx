@@ -47,21 +47,6 @@ export function UnavailablePage({ store, onRetry }: { store: ViewerStore; onRetr
   );
 }
 
-/** In place of a page whose code could not be loaded. */
-export function PageFailedPage() {
-  return (
-    <main className="status-page">
-      <h1>This page could not be loaded</h1>
-      <p role="alert">Check the connection; the browser’s console has the particulars.</p>
-      <p className="actions">
-        <button type="button" className="text-button primary" onClick={() => location.reload()}>
-          Try again
-        </button>
-      </p>
-    </main>
-  );
-}
-
 /** Over the viewer when the GPU was taken away, until there is one again. */
 export function LostPage(props: { store: ViewerStore; onRecover: () => void; onSmallScene: () => void }) {
   const { store, onRecover, onSmallScene } = props;

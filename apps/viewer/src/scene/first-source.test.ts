@@ -1,5 +1,6 @@
 import { describe, expect, it } from 'vitest';
-import { addressedScene, builtinSource, firstSource } from './first-source.ts';
+import { addressedScene } from './addressed-scene.ts';
+import { builtinSource, firstSource } from './first-source.ts';
 import { titleOfAll } from './scene-source.ts';
 
 const BASE = 'http://localhost/viewer/?x=1';

@@ -1,17 +1,8 @@
-import { hardCaseNameIn } from '../hard-cases/catalogue.ts';
+import { hardCaseNameIn } from '../hard-cases/case-addresses.ts';
 import type { FailureReport } from '../state/failure.ts';
+import type { AddressedScene } from './addressed-scene.ts';
 import { defaultSceneName, findBuiltinScene, foreseeBuiltinScene } from './builtin-scene.ts';
 import type { SceneSource } from './scene-source.ts';
-
-/** The scene that the page's address asks for: `?src=ADDRESS`, once or several times, `?scene=NAME` and `?scene=hard:NAME`. */
-export interface AddressedScene {
-  /** Of files, relative to the page or whole; they are shown together. */
-  readonly addresses?: readonly string[];
-  readonly scene?: string | null;
-}
-
-/** Names that addresses of files have in a page's address: other viewers use the others. */
-export const ADDRESS_NAMES = ['src', 'url', 'file'] as const;
 
 /** What to open first. */
 export interface FirstSource {
@@ -21,12 +12,6 @@ export interface FirstSource {
   readonly notice: string | null;
   /** Why the files of the address cannot be opened. */
   readonly failure: FailureReport | null;
-}
-
-/** What the query of the page's address asks for. */
-export function addressedScene(query: URLSearchParams): AddressedScene {
-  const addresses = ADDRESS_NAMES.flatMap((name) => query.getAll(name)).filter((address) => address !== '');
-  return { addresses, scene: query.get('scene') };
 }
 
 /** What to open first; relative addresses of files start from `base`. */

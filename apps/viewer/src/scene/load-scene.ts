@@ -8,7 +8,6 @@ import {
 import type { BuiltinSceneFacts } from '@websplatter/scenes';
 import { isProbablyZUp } from '../camera/up-axis.ts';
 import type { CameraSubject } from '../camera/view-camera.ts';
-import { findHardCase, groupTitle, loadHardCases } from '../hard-cases/catalogue.ts';
 import type { SceneAbout } from '../state/scene-summary.ts';
 import { makeBuiltinScene } from './builtin-scene.ts';
 import type { MadeScene } from './builtin-scene.worker.ts';
@@ -106,6 +105,7 @@ async function loadHardCase(
   name: string,
   { signal, onProgress }: LoadSceneOptions,
 ): Promise<LoadedScene> {
+  const { findHardCase, groupTitle, loadHardCases } = await import('../hard-cases/catalogue.ts');
   const hardCase = findHardCase(await loadHardCases(), name);
   const loadFile = (file: Uint8Array) => engine.load(file, { name, signal, onProgress });
   const clouds: CloudInstance[] = [];

@@ -1,6 +1,6 @@
 import { useId } from 'react';
 import { useStore } from 'zustand';
-import { caseAddress, GALLERY_ADDRESS } from '../hard-cases/catalogue.ts';
+import { caseAddress, GALLERY_ADDRESS } from '../hard-cases/case-addresses.ts';
 import type { SceneAbout, SceneSummary } from '../state/scene-summary.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { Icon } from '../ui/icon.tsx';

@@ -11,15 +11,10 @@ import { type PartLook, PLAIN_LOOK } from '../state/scene-part.ts';
 import type { LoadState } from '../state/scene-summary.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { isGpuLost } from '../state/viewer-state.ts';
+import type { AddressedScene } from './addressed-scene.ts';
 import { type AskedPart, askedAgain, waitingOf } from './asked-part.ts';
 import { droppedWarning } from './dropped-splats.ts';
-import {
-  type AddressedScene,
-  builtinSource,
-  type FirstSource,
-  firstSource,
-  smallSource,
-} from './first-source.ts';
+import { builtinSource, type FirstSource, firstSource, smallSource } from './first-source.ts';
 import { fitNotice } from './fit-notice.ts';
 import { destroyClouds, type LoadedScene, loadScene } from './load-scene.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';

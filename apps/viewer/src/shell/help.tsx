@@ -2,7 +2,7 @@ import { useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import { benchAddress } from '../bench/bench-address.ts';
 import { READABLE_FORMATS } from '../file-drop/file-drop.ts';
-import { GALLERY_ADDRESS } from '../hard-cases/catalogue.ts';
+import { GALLERY_ADDRESS } from '../hard-cases/case-addresses.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { Icon } from '../ui/icon.tsx';
 import { COMMANDS } from './commands.ts';

@@ -18,7 +18,7 @@ import { FileMemory } from '../file-drop/file-memory.ts';
 import { KEPT_FILE } from '../file-drop/kept-file.ts';
 import type { LinkedStart } from '../links/linked-start.ts';
 import type { Flight } from '../looking/flight.ts';
-import type { AddressedScene } from '../scene/first-source.ts';
+import type { AddressedScene } from '../scene/addressed-scene.ts';
 import { Scenes } from '../scene/scenes.ts';
 import { allClouds } from '../scene/shown-scene.ts';
 import { defaultAccuracyOn } from '../session/default-accuracy.ts';

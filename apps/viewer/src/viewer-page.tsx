@@ -1,40 +1,25 @@
-import { type ReactNode, StrictMode } from 'react';
-import { createRoot } from 'react-dom/client';
 import type { FileDropDecision } from './file-drop/file-drop.ts';
 import { followDrop, hasOpenedFile } from './file-drop/follow-drop.ts';
-import { GALLERY_SCENE, loadHardCases } from './hard-cases/catalogue.ts';
 import { keepHud } from './hud/kept-hud.ts';
 import { linkedStart } from './links/linked-start.ts';
-import { addressedScene, foreseeFirst } from './scene/first-source.ts';
+import { addressedScene } from './scene/addressed-scene.ts';
+import { foreseeFirst } from './scene/first-source.ts';
 import { App } from './shell/app.tsx';
 import { mirrorToDocument } from './shell/document-mirror.ts';
 import { fetchLateWhenIdle } from './shell/fetch-late.ts';
-import { lonePage } from './shell/lone-page.tsx';
+import { show } from './shell/show.tsx';
 import { createViewerStore } from './state/store.ts';
-import './styles.css';
 import { followViewMode } from './view-modes/follow-view-mode.ts';
 import { type StartOptions, Viewer } from './viewer/viewer.ts';
 
-const element = document.getElementById('root');
-if (!element) throw new Error('The page has no #root.');
-const root = createRoot(element);
-const show = (page: ReactNode) => root.render(<StrictMode>{page}</StrictMode>);
-
-const address = new URLSearchParams(location.search);
-const addressed = addressedScene(address);
-const isGallery = addressed.scene === GALLERY_SCENE && addressed.addresses?.length === 0;
-const page = lonePage(address) ?? (isGallery ? galleryPage : null);
-if (page) {
-  page().then(show, async (error) => {
-    console.error(error);
-    const { PageFailedPage } = await import('./messages/status-pages.tsx');
-    show(<PageFailedPage />);
-  });
-} else {
-  showViewer({ ...addressed, accuracy: address.get('accuracy'), linked: linkedStart(address) });
-}
-
-function showViewer(start: StartOptions, dropped?: FileDropDecision): void {
+/**
+ * Shows the viewer.
+ *
+ * @param address query of the page's address.
+ * @param dropped files to show in place of what the address asks for.
+ */
+export function showViewer(address: URLSearchParams, dropped?: FileDropDecision): void {
+  const start = dropped ? {} : startOf(address);
   const store = createViewerStore();
   store.setState({ hasInterface: !address.has('noui') });
   mirrorToDocument(store, document);
@@ -64,18 +49,6 @@ function showViewer(start: StartOptions, dropped?: FileDropDecision): void {
   show(<App store={store} viewer={viewer} poster={address.get('poster')} />);
 }
 
-/** In place of the gallery, which is one step back in the browser's history. */
-function showDropped(dropped: FileDropDecision): void {
-  history.pushState(null, '', location.pathname);
-  addEventListener('popstate', () => location.reload(), { once: true });
-  showViewer({}, dropped);
-}
-
-async function galleryPage(): Promise<ReactNode> {
-  document.title = 'Hard cases · WebSplatter';
-  const [{ HardCasePages }, cases] = await Promise.all([
-    import('./hard-cases/hard-case-pages.tsx'),
-    loadHardCases(),
-  ]);
-  return <HardCasePages cases={cases} onOpen={showDropped} />;
+function startOf(address: URLSearchParams): StartOptions {
+  return { ...addressedScene(address), accuracy: address.get('accuracy'), linked: linkedStart(address) };
 }

@@ -1,0 +1,14 @@
+/** In place of a page whose code could not be loaded. */
+export function PageFailedPage() {
+  return (
+    <main className="status-page">
+      <h1>This page could not be loaded</h1>
+      <p role="alert">Check the connection; the browser’s console has the particulars.</p>
+      <p className="actions">
+        <button type="button" className="text-button primary" onClick={() => location.reload()}>
+          Try again
+        </button>
+      </p>
+    </main>
+  );
+}

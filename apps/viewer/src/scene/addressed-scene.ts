@@ -1,0 +1,24 @@
+/** The scene that the page's address asks for: `?src=ADDRESS`, once or several times, `?scene=NAME` and `?scene=hard:NAME`. */
+export interface AddressedScene {
+  /** Of files, relative to the page or whole; they are shown together. */
+  readonly addresses?: readonly string[];
+  readonly scene?: string | null;
+}
+
+/** Names that addresses of files have in a page's address: other viewers use the others. */
+export const ADDRESS_NAMES = ['src', 'url', 'file'] as const;
+
+/** `?scene=hard` is the gallery, `?scene=hard:NAME` a case. */
+export const GALLERY_SCENE = 'hard';
+
+/** What the query of the page's address asks for. */
+export function addressedScene(query: URLSearchParams): AddressedScene {
+  const addresses = ADDRESS_NAMES.flatMap((name) => query.getAll(name)).filter((address) => address !== '');
+  return { addresses, scene: query.get('scene') };
+}
+
+/** Whether the query of the page's address asks for the gallery of hard cases. */
+export function asksForGallery(query: URLSearchParams): boolean {
+  const { addresses, scene } = addressedScene(query);
+  return scene === GALLERY_SCENE && addresses?.length === 0;
+}
