@@ -79,7 +79,7 @@ async function expectViewerAsReference(page: Page, set: typeof scene): Promise<D
 }
 
 firefoxTest(
-  'the viewer opens, moves, resizes, opens panels, takes a file and comes back from the loss of its device',
+  'the viewer opens, moves, resizes, opens panels, takes files, explains a splat and comes back from the loss of its device',
   async () => {
     const page = await open('apps/viewer', '?file=/scene.ply');
     await waitForFrameAfter(page, 0);
@@ -120,8 +120,33 @@ firefoxTest(
 
     await redraw(page, () => page.evaluate(() => void dispatchEvent(new Event('lose-device'))));
     await expectViewerAsReference(page, other);
+
+    await redraw(page, () => page.keyboard.press('m'));
+    await page.waitForSelector('[data-testid=mode-legend]');
+    await page.keyboard.press('i');
+    await page.waitForSelector('[data-testid=inspect]');
+    await page.mouse.click(80, 100);
+    await page.waitForSelector('[data-testid=inspect-position]');
+
+    await redraw(page, () => dropFiles(page, ['a.ply', 'b.ply'], encodePly(scene)));
+    await page.waitForFunction(
+      () => document.querySelector('[data-testid=scene-title]')?.textContent === 'a.ply and b.ply',
+    );
   },
 );
+
+/** Drops files of these names on the picture. */
+async function dropFiles(page: Page, names: readonly string[], bytes: Uint8Array): Promise<void> {
+  const drop = (list: readonly string[], base64: string) => {
+    const dataTransfer = new DataTransfer();
+    const contents = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
+    for (const name of list) dataTransfer.items.add(new File([contents], name));
+    const target = document.querySelector('[data-testid=viewport]');
+    for (const type of ['dragenter', 'dragover', 'drop'])
+      target?.dispatchEvent(new DragEvent(type, { dataTransfer, bubbles: true, cancelable: true }));
+  };
+  await page.evaluate(drop, names, Buffer.from(bytes).toString('base64'));
+}
 
 firefoxTest('React draws, changes and leaves nothing behind', async () => {
   const page = await open('e2e/react');
