@@ -78,7 +78,7 @@ describe('without a remedy of the host, its case fails', () => {
       const runner = await HardCaseRunner.create({ gpu, renderReference });
       const verdicts: string[] = [];
       for (const rasterizer of CASE_RASTERIZERS) {
-        const options = { presets: ['reference'], rasterizers: [rasterizer] } as const;
+        const options = { presets: ['reference'], rasterizers: [rasterizer], endsAtFailure: true } as const;
         verdicts.push((await runner.run(hardCase, options)).verdict);
       }
       runner.destroy();

@@ -25,7 +25,12 @@ describe('without a remedy, one of its cases fails with each rasteriser that nee
           if (fails) break;
           const hardCase = HARD_CASES.find((each) => each.name === name);
           expect(hardCase, name).toBeDefined();
-          const options = { presets: ['reference'], rasterizers: [rasterizer], mutation } as const;
+          const options = {
+            presets: ['reference'],
+            rasterizers: [rasterizer],
+            endsAtFailure: true,
+            mutation,
+          } as const;
           fails = (await runner.run(hardCase!, options)).verdict === 'fail';
         }
         const needsIt = only === undefined || only === rasterizer;

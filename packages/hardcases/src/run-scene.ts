@@ -10,7 +10,7 @@ import type { DeviceCase, HardCloud, SceneCase } from './hard-case.ts';
 import type { RunVariant, WatchedDevice } from './run-device.ts';
 import { checkImage, drawFrames, firstDifference, minPsnrOf } from './run-images.ts';
 import type { ResultBuilder } from './run-result.ts';
-import { type CaseFrame, checkStages, type PlacedSet } from './run-stages.ts';
+import { type CaseFrame, checkStages, type PlacedSet, STAGE_CHECKS } from './run-stages.ts';
 
 export interface SceneRun {
   readonly watched: WatchedDevice;
@@ -25,6 +25,9 @@ export interface SceneRun {
   readonly sizePx: number;
   /** Which images are drawn twice, to see that they do not differ. */
   readonly repeats: 'all' | 'few';
+  /** Tells which of the checks are made that take turns; undefined for all. */
+  readonly turn: number | undefined;
+  readonly endsAtFailure: boolean;
   readonly renderReference: typeof renderReference;
 }
 
@@ -45,11 +48,27 @@ export async function runScene(
   await checkDropped(hardCase, run, clouds, result);
   // An image without pixels has no aspect ratio: any will do.
   const aspect = widthPx / heightPx || 1;
-  for (const [cameraName, camera] of Object.entries(hardCase.cameras(aspect))) {
+  for (const [index, [cameraName, camera]] of Object.entries(hardCase.cameras(aspect)).entries()) {
     const caseFrame = { caseName: hardCase.name, cameraName, camera, clouds, widthPx, heightPx };
-    if (widthPx * heightPx > 0) await checkStages(run.watched, run.variant, caseFrame, result);
-    await checkImages(hardCase, run, caseFrame, result);
+    const isFirst = index === 0;
+    const isDone = () => run.endsAtFailure && result.failures.length > 0;
+    if (widthPx * heightPx > 0)
+      for (const check of inTurn(STAGE_CHECKS, isFirst ? 1 : 0, run.turn)) {
+        if (isDone()) return;
+        await checkStages(run.watched, run.variant, caseFrame, check, result);
+      }
+    if (isDone()) return;
+    const rasterizers = isFirst ? run.rasterizers : inTurn(run.rasterizers, 0, run.turn);
+    await checkImages(hardCase, { ...run, rasterizers }, caseFrame, result);
+    if (isDone()) return;
   }
+}
+
+/** The first `always` of `all`, and of the others the one whose turn it is; all of them where there are no turns. */
+function inTurn<T>(all: readonly T[], always: number, turn: number | undefined): readonly T[] {
+  if (turn === undefined) return all;
+  const others = all.slice(always);
+  return [...all.slice(0, always), others[turn % others.length]];
 }
 
 async function readCloud(cloud: HardCloud): Promise<PlacedSet> {

@@ -34,6 +34,13 @@ export interface HardCaseRunOptions {
    * `few`, those of the first, and no more often than 20 times.
    */
   readonly repeats?: 'all' | 'few';
+  /**
+   * For a short run: the first camera's stages are checked in two of the ways of `STAGE_CHECKS`, those of others in one, and
+   * their images with one rasteriser, in turns from one number to the next. Default: each camera is checked in all ways.
+   */
+  readonly turn?: number;
+  /** Whether the rest is left out once something has failed, for tests that something does; default false. */
+  readonly endsAtFailure?: boolean;
   /** A remedy of the shaders to switch off, for tests that the cases notice it. */
   readonly mutation?: ShaderMutation;
 }
@@ -126,7 +133,7 @@ export class HardCaseRunner {
     result: ResultBuilder,
   ): Promise<void> {
     const { sizePx = 64, presets = COMPARED_PRESETS, rasterizers = CASE_RASTERIZERS } = options;
-    const { repeats = 'all', mutation } = options;
+    const { repeats = 'all', turn, endsAtFailure = false, mutation } = options;
     const variant: RunVariant = { maxWorkgroupsPerDimension: hardCase.maxWorkgroupsPerDimension, mutation };
     return runScene(
       hardCase,
@@ -143,6 +150,8 @@ export class HardCaseRunner {
         rasterizers,
         sizePx,
         repeats,
+        turn,
+        endsAtFailure,
         renderReference: this.#options.renderReference ?? renderReference,
       },
       result,
