@@ -1,7 +1,7 @@
 import { encodePly, type SplatSet } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
-import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
+import { MIN_PSNR_DB, psnrAgainstReference, referenceImage } from './reference.ts';
 import { changedPart, type Screenshot } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
 import {
@@ -140,9 +140,9 @@ describe('accuracy in the viewer', () => {
     await expect.poll(() => bytesHeld(page, 'many.ply geometry 0')).toEqual([64 * set.count]);
     expect(await buffersMade(page, 'ingest rows')).toBe(2);
     expect(await bytesHeld(page, 'ingest rows')).toEqual([]);
-    const psnrDb = async () =>
-      psnrAgainstReference(await viewerScreenshot(page), await drawnCamera(page), [set]);
-    await expect.poll(psnrDb).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    const { width: widthPx, height: heightPx } = TINY.viewport;
+    const psnrDb = referenceImage(await drawnCamera(page), [set], { widthPx, heightPx });
+    await expect.poll(async () => psnrDb(await viewerScreenshot(page))).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
   it('finds a palette in a worker of its own, and goes on as before where that is called off', async () => {

@@ -62,6 +62,8 @@ describe('effects in the viewer', () => {
 
   it('measures what effects cost, and can be called off', async () => {
     const page = await openViewer(undefined, { viewport: { width: 120, height: 90 } });
+    // A measurement draws many frames: of few splats.
+    await open(page, testScene());
     await page.keyboard.press('e');
     const press = (testId: string) =>
       page.getByTestId(testId).evaluate((button: HTMLElement) => button.click());

@@ -1,6 +1,5 @@
 import { encodePly, perspectiveCamera, type SplatSet, type Vec3 } from '@websplatter/core';
 import { brightness, clip, opacity, tint } from '@websplatter/core/effects';
-import { stillLife } from '@websplatter/scenes';
 import type { BrowserContextOptions, Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { ring } from '../apps/examples/scenes/ring.ts';
@@ -204,7 +203,7 @@ describe('examples', () => {
   });
 
   it('demand-loop draws one frame for each that is asked for, and none besides', async () => {
-    const page = await openExample('demand-loop', stillLife({ splats: 5000, shDegree: 0 }));
+    const page = await openExample('demand-loop', testScene());
     const frames = async () => Number(await page.locator('output').textContent());
     await expect.poll(async () => new Set((await image(page)).data).size, SELDOM).toBeGreaterThan(100);
     // Shaders and data request frames when they become ready.

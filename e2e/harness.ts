@@ -10,6 +10,17 @@ export interface Harness {
   newPage(options?: BrowserContextOptions): Promise<Page>;
   /** Opens a page at `address`, e.g. `?scene=still-life-small`, without waiting for what it shows. */
   open(address: string, options?: BrowserContextOptions): Promise<Page>;
+  /**
+   * Opens a page at `address` for all tests that ask for it with these `options`: each gets it as the one before has left it, and
+   * a new one after a test that failed.
+   *
+   * @param whenOpened waits for what a new page shows.
+   */
+  openShared(
+    address: string,
+    options: BrowserContextOptions,
+    whenOpened: (page: Page) => Promise<void>,
+  ): Promise<Page>;
   /** Expects a warning or error that matches `pattern` from the pages of this test. */
   expectProblem(pattern: RegExp): void;
 }
@@ -29,6 +40,8 @@ export function appHarness(
   let server: AppServer;
   let watchedPages: WatchedPage[] = [];
   let expectedProblems: RegExp[] = [];
+  const sharedPages = new Map<string, WatchedPage>();
+  let problemsOfShared = 0;
 
   beforeAll(async () => {
     [browser, server] = await Promise.all([launchBrowser(), startAppServer(appFolder, files)]);
@@ -39,23 +52,34 @@ export function appHarness(
     await server?.close();
   });
 
-  afterEach(async () => {
+  afterEach(async ({ task }) => {
     const watched = watchedPages;
     const expected = expectedProblems;
     watchedPages = [];
     expectedProblems = [];
     for (const { page } of watched) await page.context().close();
-    const problems = watched.flatMap((each) => each.problems);
+    const ofShared = [...sharedPages.values()].flatMap((each) => each.problems);
+    const problems = [...watched.flatMap((each) => each.problems), ...ofShared.slice(problemsOfShared)];
+    problemsOfShared = ofShared.length;
+    if (task.result?.state === 'fail' || problems.length > 0) {
+      for (const { page } of sharedPages.values()) await page.context().close();
+      sharedPages.clear();
+      problemsOfShared = 0;
+    }
     const unexpected = problems.filter((problem) => !expected.some((pattern) => pattern.test(problem)));
     expect(unexpected, 'what the page complained about').toEqual([]);
     for (const pattern of expected)
       expect(problems.join('\n'), 'what the page complained about').toMatch(pattern);
   });
 
-  const newPage = async (options: BrowserContextOptions = {}) => {
+  const newWatched = async (options: BrowserContextOptions): Promise<WatchedPage> => {
     const watched = await newWatchedPage(browser, options);
-    watchedPages.push(watched);
     if (initScript) await watched.page.addInitScript(initScript);
+    return watched;
+  };
+  const newPage = async (options: BrowserContextOptions = {}) => {
+    const watched = await newWatched(options);
+    watchedPages.push(watched);
     return watched.page;
   };
   return {
@@ -70,6 +94,16 @@ export function appHarness(
       const page = await newPage(options);
       await page.goto(`${server.url}${address}`);
       return page;
+    },
+    openShared: async (address, options, whenOpened) => {
+      const key = JSON.stringify([address, options]);
+      const made = sharedPages.get(key);
+      if (made) return made.page;
+      const watched = await newWatched(options);
+      sharedPages.set(key, watched);
+      await watched.page.goto(`${server.url}${address}`);
+      await whenOpened(watched.page);
+      return watched.page;
     },
     expectProblem: (pattern) => {
       expectedProblems.push(pattern);

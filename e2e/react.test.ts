@@ -584,7 +584,8 @@ it('says what to do in a Canvas with a WebGLRenderer', async () => {
     );
 });
 
-it('comes back from the end of the GPU process', async () => {
+// In the short run, the viewer does, and the test of a lost device above: React hears of both in the same way.
+it.runIf(isFull)('comes back from the end of the GPU process', async () => {
   const page = await open(canvas({ background: 'black', accuracy: BY_TILES }));
   await waitForLog(page, 'a firstframe');
   const before = await image(page);

@@ -155,7 +155,7 @@ function neighborhood(pixel: number, widthPx: number, heightPx: number): number[
 }
 
 /** Enough for the GPU to pack them. */
-const KEPT_SPLATS = 100_000;
+const KEPT_SPLATS = 70_000;
 
 const GREY: Rgba = [128, 128, 128, 255];
 const RED: Rgba = [255, 0, 0, 255];
@@ -641,7 +641,7 @@ describe('three 0.185', () => {
     expectBetweenMeshes(await run('betweenMeshes', parameters));
   });
 
-  test.each([{}, { samples: 4 }])('render target %o', async (options) => {
+  test.each([{}, ...(isFull ? [{ samples: 4 }] : [])])('render target %o', async (options) => {
     const linear = decoded(127.5);
     expectPixel(leftOf(await run('renderTarget', options)), [linear, linear, linear, 1], 1e-3);
   });
@@ -666,7 +666,7 @@ describe('three 0.185', () => {
     expectPixel(leftOf(await run('depthWriteBack', true, {})), [230, 230, 230, 255]);
   });
 
-  test('lit meshes with shadows', async () => {
+  test.runIf(isFull)('lit meshes with shadows', async () => {
     const images = await run('overLitMeshes', {});
     expectEachPixel(images.with, images.without, underHalfWhite);
   });
@@ -676,7 +676,7 @@ describe('three 0.185', () => {
     expectBetweenMeshes(await run('bundleGroup', {}));
   });
 
-  test('compiled before they are first drawn', async () => {
+  test.runIf(isFull)('compiled before they are first drawn', async () => {
     for (const pixels of await run('compileAsync')) expectPixel(leftOf(pixels), GREY);
   });
 

@@ -11,8 +11,11 @@ const harness = viewerHarness();
 const { openViewer } = harness;
 const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
+const isFull = process.env.WEBSPLATTER_FULL === '1';
 /** In the short run, what does not follow from colours is looked at in the light theme only. */
-const RULES_OF_DARK = process.env.WEBSPLATTER_FULL === '1' ? null : ['cat.color'];
+const RULES_OF_DARK = isFull ? null : ['cat.color'];
+/** States that the short run passes through without a look: others have controls of the same kinds. */
+const LOOKED_AT_IN_FULL = ['a view mode', 'compare', 'split image', 'a phone', 'save', 'clouds', 'help'];
 
 /** What axe-core finds wrong with the page as it is, in words; `tags`: of these kinds of rules only. */
 async function violations(page: Page, tags: readonly string[] | null): Promise<string[]> {
@@ -28,6 +31,7 @@ async function violations(page: Page, tags: readonly string[] | null): Promise<s
 
 /** Expects no violation in the light and in the dark theme. */
 async function expectAccessible(page: Page, state: string): Promise<void> {
+  if (!isFull && LOOKED_AT_IN_FULL.includes(state)) return;
   for (const colorScheme of ['light', 'dark'] as const) {
     await page.emulateMedia({ colorScheme });
     const tags = colorScheme === 'dark' ? RULES_OF_DARK : null;
@@ -123,7 +127,10 @@ describe('the gallery of hard cases', () => {
     await page.evaluate(AXE);
     await expectAccessible(page, 'gallery');
     await page.locator('[data-case=input-truncated]').click();
-    await page.getByTestId('case-refusal').getByText('Refused').waitFor();
+    await page
+      .getByTestId('case-refusal')
+      .getByText(/^Refused/)
+      .waitFor();
     await expectAccessible(page, 'a refused file');
     await page.getByTestId('case-open').click();
     await waitForState(page, 'error');

@@ -1,4 +1,5 @@
 import type { BrowserContextOptions, Page } from 'playwright-core';
+import { atRest } from './at-rest.ts';
 import { appHarness, type Harness } from './harness.ts';
 import { type Screenshot, screenshot } from './screenshot.ts';
 
@@ -13,6 +14,8 @@ export const SMALL = { viewport: { width: 240, height: 160 } } as const;
 export interface ViewerHarness extends Harness {
   /** Opens a page at the viewer's `address`, by default a small scene, and waits for its first image. */
   openViewer(address?: string, options?: BrowserContextOptions): Promise<Page>;
+  /** The same, once for all tests that ask for it: they find the scene that was open last. */
+  shareViewer(address: string, options?: BrowserContextOptions): Promise<Page>;
 }
 
 export function viewerHarness(): ViewerHarness {
@@ -22,7 +25,13 @@ export function viewerHarness(): ViewerHarness {
     await waitForImage(page);
     return page;
   };
-  return Object.assign(harness, { openViewer });
+  const shareViewer = async (address: string, options: BrowserContextOptions = {}) => {
+    const page = await harness.openShared(address, options, waitForImage);
+    // The test before may not have waited for the last picture that it caused.
+    await atRest(page, () => frameCount(page));
+    return page;
+  };
+  return Object.assign(harness, { openViewer, shareViewer });
 }
 
 /** State that the viewer writes on its canvas when it has come to rest (`data-camera`). */
