@@ -14,6 +14,8 @@ import { testScene } from './test-scene.ts';
 import { splatSet } from './three/splats.ts';
 import type { DrawnCamera } from './viewer-page.ts';
 
+const isFull = process.env.WEBSPLATTER_FULL === '1';
+
 const harness = appHarness('apps/examples', {}, slowDisplay);
 
 /** For screenshots: SwiftShader draws these pages at a few frames per second. */
@@ -152,7 +154,7 @@ describe('examples', () => {
       .toSatisfy((color: number[]) => color.every((value, i) => Math.abs(value - veiled[i]) < 12));
   });
 
-  it('two-clouds sorts both as one, each with its transform and opacity', async () => {
+  it.runIf(isFull)('two-clouds sorts both as one, each with its transform and opacity', async () => {
     const page = await openExample('two-clouds', testScene());
     const size = await sizeOf(page);
     const drawn: DrawnCamera = {
@@ -218,7 +220,7 @@ describe('examples', () => {
     expect(changedPart(shotAtRest, await image(page), 0)).toBe(0);
   });
 
-  it('suspense shows a placeholder and a progress bar until the file is there', async () => {
+  it.runIf(isFull)('suspense shows a placeholder and a progress bar until the file is there', async () => {
     let deliver = (_scene: SplatSet) => {};
     const page = await openExample(
       'suspense',
@@ -237,31 +239,34 @@ describe('examples', () => {
     await expect.poll(async () => psnrDb(await image(page)), SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
-  it('accuracy takes settings by name, or an outcome, and says what it chose for that and why', async () => {
-    // Splats so small that half the resolution does not suffice.
-    const scale = [0.01, 0.01, 0.01] as const;
-    const positions = Array.from({ length: 25 }, (_, i): Vec3 => [(i % 5) / 5 - 0.4, i / 25 - 0.4, 0]);
-    const color = [0.1, 0.2, 0.4] as const;
-    const scene = splatSet(positions.map((position) => ({ position, scale, color, opacity: 0.9 })));
-    const page = await openExample('accuracy', scene);
-    const size = await sizeOf(page);
-    const psnrDb = referenceImage(drawnFrom([0.12, 0.45, 1.44], size), [scene], size);
-    const shownDb = async () => psnrDb(await image(page));
-    await expect.poll(shownDb, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
-    const request = page.getByRole('combobox', { name: 'Accuracy' });
-    await request.selectOption('Half the resolution');
-    await expect.poll(shownDb, SELDOM).toBeLessThan(MIN_PSNR_DB);
-    await request.selectOption('At least 45 dB');
-    const why = page.getByRole('status');
-    expect(await why.textContent()).toContain('Measuring');
-    await expect.poll(() => why.textContent(), SELDOM).toMatch(/^“.*” is the fastest .*45 dB: .* in .* ms/);
-    await expect.poll(shownDb, SELDOM).toBeGreaterThanOrEqual(44);
-    await request.selectOption('Balanced');
-    await why.waitFor({ state: 'detached' });
-    await expect.poll(shownDb, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
-  });
+  it.runIf(isFull)(
+    'accuracy takes settings by name, or an outcome, and says what it chose for that and why',
+    async () => {
+      // Splats so small that half the resolution does not suffice.
+      const scale = [0.01, 0.01, 0.01] as const;
+      const positions = Array.from({ length: 25 }, (_, i): Vec3 => [(i % 5) / 5 - 0.4, i / 25 - 0.4, 0]);
+      const color = [0.1, 0.2, 0.4] as const;
+      const scene = splatSet(positions.map((position) => ({ position, scale, color, opacity: 0.9 })));
+      const page = await openExample('accuracy', scene);
+      const size = await sizeOf(page);
+      const psnrDb = referenceImage(drawnFrom([0.12, 0.45, 1.44], size), [scene], size);
+      const shownDb = async () => psnrDb(await image(page));
+      await expect.poll(shownDb, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+      const request = page.getByRole('combobox', { name: 'Accuracy' });
+      await request.selectOption('Half the resolution');
+      await expect.poll(shownDb, SELDOM).toBeLessThan(MIN_PSNR_DB);
+      await request.selectOption('At least 45 dB');
+      const why = page.getByRole('status');
+      expect(await why.textContent()).toContain('Measuring');
+      await expect.poll(() => why.textContent(), SELDOM).toMatch(/^“.*” is the fastest .*45 dB: .* in .* ms/);
+      await expect.poll(shownDb, SELDOM).toBeGreaterThanOrEqual(44);
+      await request.selectOption('Balanced');
+      await why.waitFor({ state: 'detached' });
+      await expect.poll(shownDb, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    },
+  );
 
-  it('several-views shows each camera its own image', async () => {
+  it.runIf(isFull)('several-views shows each camera its own image', async () => {
     const page = await openExample('several-views', testScene());
     const positions: Vec3[] = [
       [0.1, 0.45, 1.5],
@@ -311,7 +316,7 @@ describe('examples of effects', () => {
     await expect.poll(changed, SELDOM).toBe(0);
   });
 
-  it('clip cuts off what lies beyond a plane, or within a ball', async () => {
+  it.runIf(isFull)('clip cuts off what lies beyond a plane, or within a ball', async () => {
     const { page, psnrWith } = await openWithTestScene('clip');
     const plane = { shape: 'plane', point: [0.2, 0, 0], normal: [-1, 0, 0] } as const;
     const cut = psnrWith({ effects: [clip({ volumes: [plane], softEdge: 0.05 })] });
@@ -324,7 +329,7 @@ describe('examples of effects', () => {
     await expect.poll(outside, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
-  it('reveal ends with the whole scene, every time', async () => {
+  it.runIf(isFull)('reveal ends with the whole scene, every time', async () => {
     const { page, psnrWith } = await openWithTestScene('reveal');
     const whole = psnrWith();
     // With reduced motion it appears at once.
@@ -334,7 +339,7 @@ describe('examples of effects', () => {
     await expect.poll(whole, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
-  it('selection highlights what lies around the splat that was clicked', async () => {
+  it.runIf(isFull)('selection highlights what lies around the splat that was clicked', async () => {
     const scale = [0.05, 0.05, 0.05] as const;
     const rows: Vec3[] = [
       [0, 0, 0],
@@ -362,7 +367,7 @@ describe('examples of effects', () => {
     await expect.poll(() => redAt(0), SELDOM).toBeLessThan(40);
   });
 
-  it('fog hides splats, or meshes alone', async () => {
+  it.runIf(isFull)('fog hides splats, or meshes alone', async () => {
     const page = await openExample(
       'fog',
       splatSet([{ color: [0, 0, 0], opacity: 0.98, position: [0, 0, -1] }]),
@@ -373,7 +378,7 @@ describe('examples of effects', () => {
     await expect.poll(green, SELDOM).toBeLessThan(40);
   });
 
-  it('depth-write hides the ring behind splats', async () => {
+  it.runIf(isFull)('depth-write hides the ring behind splats', async () => {
     const page = await openExample('depth-write', splatSet([{ opacity: 0.98, position: [0, 0, -0.2] }]));
     const size = await sizeOf(page);
     const { xPx, yPx } = projected(drawnFrom([0.12, 0.45, 1.44], size), [-0.2, 0.222, -0.278], size);

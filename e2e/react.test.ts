@@ -339,54 +339,62 @@ async function waitForSplats(page: Page, times = 1): Promise<void> {
 
 const SLOW: SplatsDescription = { id: 'slow', src: 'slow.ply' };
 
-it('shows what has arrived of a file, and then all of it', async () => {
-  const page = await open(canvas({ background: 'black', frameloop: 'demand', splats: [SLOW] }));
-  // The rest comes only after the test has seen a part.
-  await waitForSplats(page);
-  expect(await logOf(page)).toEqual([
-    'canvas created',
-    'manager start slow.ply',
-    'canvas suspended',
-    'canvas resumed',
-  ]);
-  const countOf = () => page.evaluate(() => window.page.objects.get('slow')!.data!.count);
-  expect(await countOf()).toBeLessThan(slowScene().count);
-  expect(await pickAt(page, 'slow', await projected(page, [0, 0, 0]))).toBeNull();
-  harness.server.sendRestOfSlowFile();
-  await waitForLog(page, 'slow firstframe');
-  expect((await logOf(page)).slice(4)).toEqual(['manager idle', 'slow load slow.ply', 'slow firstframe']);
-  expect(await countOf()).toBe(slowScene().count);
-  await nextFrames(page);
-  const drawn = { ...(await cameraOf(page)), background: [0, 0, 0] as [number, number, number] };
-  expect(psnrAgainstReference(await image(page), drawn, [slowScene()])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
-}, 120_000);
+it.runIf(isFull)(
+  'shows what has arrived of a file, and then all of it',
+  async () => {
+    const page = await open(canvas({ background: 'black', frameloop: 'demand', splats: [SLOW] }));
+    // The rest comes only after the test has seen a part.
+    await waitForSplats(page);
+    expect(await logOf(page)).toEqual([
+      'canvas created',
+      'manager start slow.ply',
+      'canvas suspended',
+      'canvas resumed',
+    ]);
+    const countOf = () => page.evaluate(() => window.page.objects.get('slow')!.data!.count);
+    expect(await countOf()).toBeLessThan(slowScene().count);
+    expect(await pickAt(page, 'slow', await projected(page, [0, 0, 0]))).toBeNull();
+    harness.server.sendRestOfSlowFile();
+    await waitForLog(page, 'slow firstframe');
+    expect((await logOf(page)).slice(4)).toEqual(['manager idle', 'slow load slow.ply', 'slow firstframe']);
+    expect(await countOf()).toBe(slowScene().count);
+    await nextFrames(page);
+    const drawn = { ...(await cameraOf(page)), background: [0, 0, 0] as [number, number, number] };
+    expect(psnrAgainstReference(await image(page), drawn, [slowScene()])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  },
+  120_000,
+);
 
-it('leaves nothing of a part on screen, nor in memory, when it is unmounted or fails', async () => {
-  const quiet = canvas({ background: 'black', frameloop: 'demand', splats: [] });
-  const page = await open(quiet);
-  await waitForLog(page, 'canvas created');
-  await nextFrames(page);
-  const empty = await image(page);
-  const expectNothing = async () => {
-    await expect.poll(async () => changedPart(empty, await image(page), 0)).toBe(0);
-    const left = () =>
-      page.evaluate(() => {
-        const { totalBytes, frames } = window.page.engine('canvas').memory();
-        const { workers } = window.page.countResources();
-        return { workers, bytes: totalBytes - frames.totalBytes };
-      });
-    await expect.poll(left).toEqual({ workers: 0, bytes: 0 });
-  };
-  await show(page, { ...quiet, splats: [SLOW] });
-  await waitForSplats(page);
-  await show(page, quiet);
-  await expectNothing();
-  await show(page, { ...quiet, splats: [{ ...SLOW, hasErrors: true }] });
-  await waitForSplats(page, 2);
-  harness.server.cutSlowFile();
-  await waitForLog(page, 'slow error SplatSourceError');
-  await expectNothing();
-}, 120_000);
+it.runIf(isFull)(
+  'leaves nothing of a part on screen, nor in memory, when it is unmounted or fails',
+  async () => {
+    const quiet = canvas({ background: 'black', frameloop: 'demand', splats: [] });
+    const page = await open(quiet);
+    await waitForLog(page, 'canvas created');
+    await nextFrames(page);
+    const empty = await image(page);
+    const expectNothing = async () => {
+      await expect.poll(async () => changedPart(empty, await image(page), 0)).toBe(0);
+      const left = () =>
+        page.evaluate(() => {
+          const { totalBytes, frames } = window.page.engine('canvas').memory();
+          const { workers } = window.page.countResources();
+          return { workers, bytes: totalBytes - frames.totalBytes };
+        });
+      await expect.poll(left).toEqual({ workers: 0, bytes: 0 });
+    };
+    await show(page, { ...quiet, splats: [SLOW] });
+    await waitForSplats(page);
+    await show(page, quiet);
+    await expectNothing();
+    await show(page, { ...quiet, splats: [{ ...SLOW, hasErrors: true }] });
+    await waitForSplats(page, 2);
+    harness.server.cutSlowFile();
+    await waitForLog(page, 'slow error SplatSourceError');
+    await expectNothing();
+  },
+  120_000,
+);
 
 it('shows what useLoader has loaded for the renderer, which packs it', async () => {
   const requests = harness.server.requests('slow.ply');
@@ -517,31 +525,34 @@ it('comes back from the loss of its device by itself, and tells where it cannot'
   expect(['canvas', 'bare'].map((id) => times(`${id} created`))).toEqual([2, 1]);
 });
 
-it('gives up where the device is lost again and again, or there is no adapter any more', async () => {
-  harness.expectProblem(/lost again and again/);
-  const page = await harness.newPage();
-  await page.addInitScript(skipRecoveryWaits);
-  await page.goto(harness.server.url);
-  await page.waitForFunction(() => 'page' in window);
-  await show(page, canvas({ splats: [] }));
-  for (let losses = 1; losses <= 5; losses++) {
-    await waitForLog(page, 'canvas created', losses);
-    await page.evaluate(() => window.page.engine('canvas').device.destroy());
-  }
-  const message = /^canvas fallback WebGpuUnavailableError: The GPU device was lost again and again/;
-  await expect.poll(() => logOf(page)).toContainEqual(expect.stringMatching(message));
+it.runIf(isFull)(
+  'gives up where the device is lost again and again, or there is no adapter any more',
+  async () => {
+    harness.expectProblem(/lost again and again/);
+    const page = await harness.newPage();
+    await page.addInitScript(skipRecoveryWaits);
+    await page.goto(harness.server.url);
+    await page.waitForFunction(() => 'page' in window);
+    await show(page, canvas({ splats: [] }));
+    for (let losses = 1; losses <= 5; losses++) {
+      await waitForLog(page, 'canvas created', losses);
+      await page.evaluate(() => window.page.engine('canvas').device.destroy());
+    }
+    const message = /^canvas fallback WebGpuUnavailableError: The GPU device was lost again and again/;
+    await expect.poll(() => logOf(page)).toContainEqual(expect.stringMatching(message));
 
-  // Another one begins anew.
-  harness.expectProblem(/found no GPU/);
-  await show(page, canvas({ id: 'next', splats: [] }));
-  await waitForLog(page, 'next created');
-  await page.evaluate(() => {
-    GPU.prototype.requestAdapter = async () => null;
-    window.page.engine('next').device.destroy();
-  });
-  const noGpu = /^next fallback WebGpuUnavailableError: WebGPU found no GPU/;
-  await expect.poll(() => logOf(page)).toContainEqual(expect.stringMatching(noGpu));
-});
+    // Another one begins anew.
+    harness.expectProblem(/found no GPU/);
+    await show(page, canvas({ id: 'next', splats: [] }));
+    await waitForLog(page, 'next created');
+    await page.evaluate(() => {
+      GPU.prototype.requestAdapter = async () => null;
+      window.page.engine('next').device.destroy();
+    });
+    const noGpu = /^next fallback WebGpuUnavailableError: WebGPU found no GPU/;
+    await expect.poll(() => logOf(page)).toContainEqual(expect.stringMatching(noGpu));
+  },
+);
 
 it('sends pointer events to splats, and picks the row of the file under a pixel', async () => {
   const dot = { id: 'dot', src: 'dot.ply', hasEvents: true };

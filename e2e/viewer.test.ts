@@ -320,7 +320,7 @@ describe('viewer', () => {
     );
   });
 
-  it('goes back to a whole scene if the rest of a file is called off', async () => {
+  it.runIf(isFull)('goes back to a whole scene if the rest of a file is called off', async () => {
     const page = await newPage(TINY);
     await page.addInitScript(() => {
       const titles: (string | undefined)[] = [];
