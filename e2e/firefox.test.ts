@@ -121,11 +121,17 @@ firefoxTest(
     await redraw(page, () => page.evaluate(() => void dispatchEvent(new Event('lose-device'))));
     await expectViewerAsReference(page, other);
 
+    await redraw(page, () => page.setViewport({ width: 320, height: 320 }));
     await redraw(page, () => page.keyboard.press('m'));
     await page.waitForSelector('[data-testid=mode-legend]');
-    await page.keyboard.press('i');
+    await redraw(page, () => page.keyboard.press('i'));
     await page.waitForSelector('[data-testid=inspect]');
-    await page.mouse.click(80, 100);
+    // The middle of what the panel leaves free, where the scene goes.
+    const [x, y] = await page.$eval('.free-area', (area) => {
+      const { x, y, width, height } = area.getBoundingClientRect();
+      return [x + width / 2, y + height / 2];
+    });
+    await page.mouse.click(x, y);
     await page.waitForSelector('[data-testid=inspect-position]');
 
     await redraw(page, () => dropFiles(page, ['a.ply', 'b.ply'], encodePly(scene)));

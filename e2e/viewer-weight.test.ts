@@ -5,7 +5,15 @@ import type { Frame, Page } from 'playwright-core';
 import { beforeAll, describe, expect, it } from 'vitest';
 import { builtApp } from './server.ts';
 import { testScene } from './test-scene.ts';
-import { drawnCamera, isAtRestAfter, textOf, viewerHarness, waitForImage } from './viewer-page.ts';
+import {
+  drawnCamera,
+  frameCount,
+  isAtRestAfter,
+  textOf,
+  viewerHarness,
+  waitForFrameAfter,
+  waitForImage,
+} from './viewer-page.ts';
 
 const harness = viewerHarness();
 const { openViewer } = harness;
@@ -124,6 +132,7 @@ describe('the toolbar of small windows', () => {
     // A key runs its command here too, and closes the menu.
     await page.keyboard.press('Enter');
     expect(await menu.isVisible()).toBe(true);
+    const framesOfWhole = await frameCount(page);
     await page.keyboard.press('v');
     expect(await menu.isVisible()).toBe(false);
     await page.getByTestId('view').waitFor();
@@ -135,6 +144,8 @@ describe('the toolbar of small windows', () => {
     // What lies beside it closes it.
     await page.touchscreen.tap(180, 40);
     expect(await menu.isVisible()).toBe(false);
+    // The picture has gone where the panels leave room.
+    await waitForFrameAfter(page, framesOfWhole);
     // A gamepad whose right stick is held to the right turns the view.
     const before = await drawnCamera(page);
     await page.evaluate(() => {
