@@ -59,13 +59,16 @@ export class SplatSelection {
   /** @internal One bit per entry of `rows`, lowest bit first: whether that row is selected. */
   bitsOf(rows: Uint32Array): Uint32Array<ArrayBuffer> {
     const bits = new Uint32Array(Math.ceil(rows.length / 32));
-    const words = this.#words;
+    // Looking beyond the end of an array takes five times as long: zeros stand for the rows that the words do not reach.
+    const words = new Uint32Array(Math.max(this.#words.length, bits.length));
+    words.set(this.#words);
     // A word at a time: millions of rows are looked up between two frames.
     for (let word = 0, i = 0; word < bits.length; word++) {
       let gathered = 0;
       for (const end = Math.min(rows.length, i + 32); i < end; i++) {
         const row = rows[i];
-        gathered |= ((words[row >>> 5] >>> row) & 1) << i;
+        const at = row >>> 5;
+        if (at < words.length) gathered |= ((words[at] >>> row) & 1) << i;
       }
       bits[word] = gathered;
     }
