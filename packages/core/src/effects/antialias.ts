@@ -1,4 +1,4 @@
-import { effectShader } from '../shaders/link-shader.ts';
+import wgsl from '../../../../shaders/effects/antialias.wgsl?raw';
 import { defineEffect } from './effect.ts';
 import { invalidOption } from './option-checks.ts';
 
@@ -13,7 +13,7 @@ export const antialias = /* @__PURE__ */ defineEffect<boolean | undefined>({
   label: 'Antialiasing',
   about: 'Makes splats thinner than a pixel fainter, by the factor that they are drawn wider.',
   hooks: { opacity: 'compensateDilation' },
-  wgsl: effectShader('antialias'),
+  wgsl,
   check(isOn = true) {
     if (typeof isOn !== 'boolean') throw invalidOption('antialias', isOn, 'true or false');
   },

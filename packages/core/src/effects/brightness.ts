@@ -1,4 +1,4 @@
-import { effectShader } from '../shaders/link-shader.ts';
+import wgsl from '../../../../shaders/effects/brightness.wgsl?raw';
 import { defineEffect } from './effect.ts';
 import { checkRange } from './option-checks.ts';
 
@@ -14,7 +14,7 @@ export const brightness = /* @__PURE__ */ defineEffect<number, { factor: 'f32' }
   label: 'Brightness',
   about: 'Makes a cloud brighter or darker, like an exposure.',
   hooks: { color: 'exposeColor' },
-  wgsl: effectShader('brightness'),
+  wgsl,
   fields: { factor: 'f32' },
   check(factor) {
     checkRange('brightness', factor, LARGEST_FACTOR, 'a factor of linear light');

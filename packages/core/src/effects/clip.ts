@@ -1,6 +1,6 @@
+import wgsl from '../../../../shaders/effects/clip.wgsl?raw';
 import { InvalidArgumentError } from '../errors.ts';
 import { type Mat4, translated4, type Vec3 } from '../math/mat4.ts';
-import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
 import { checkLength, checkOptions, checkVector, invalidOption } from './option-checks.ts';
 
@@ -80,7 +80,7 @@ export const clip = /* @__PURE__ */ defineEffect<ClipOptions, typeof FIELDS>({
   label: 'Clip',
   about: 'Cuts a cloud off at boxes, spheres and planes.',
   hooks: { splat: 'clipSplat' },
-  wgsl: effectShader('clip'),
+  wgsl,
   fields: FIELDS,
   check(options) {
     checkOptions('clip', options);

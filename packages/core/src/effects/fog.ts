@@ -1,5 +1,5 @@
+import wgsl from '../../../../shaders/effects/fog.wgsl?raw';
 import type { Vec3 } from '../math/mat4.ts';
-import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
 import { checkOptions, checkVector, invalidOption, isFiniteF32 } from './option-checks.ts';
 
@@ -36,7 +36,7 @@ export const fog = /* @__PURE__ */ defineEffect<
   label: 'Fog',
   about: 'Hides distant splats in fog.',
   hooks: { color: 'fogColor' },
-  wgsl: effectShader('fog'),
+  wgsl,
   fields: { color: 'vec3f', near: 'f32', range: 'f32', density: 'f32' },
   check(options) {
     checkOptions('fog', options);

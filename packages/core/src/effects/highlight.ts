@@ -1,5 +1,5 @@
+import wgsl from '../../../../shaders/effects/highlight.wgsl?raw';
 import type { Vec3 } from '../math/mat4.ts';
-import { effectShader } from '../shaders/link-shader.ts';
 import type { SplatSelection } from '../splats/splat-selection.ts';
 import { defineEffect } from './effect.ts';
 import { checkOptions, checkRange, checkVector, invalidOption } from './option-checks.ts';
@@ -19,7 +19,7 @@ export const highlight = /* @__PURE__ */ defineEffect<HighlightOptions, { color:
   label: 'Highlight',
   about: 'Shows which splats are selected.',
   hooks: { color: 'highlightColor' },
-  wgsl: effectShader('highlight'),
+  wgsl,
   fields: { color: 'vec3f', strength: 'f32' },
   check(options) {
     checkOptions('highlight', options);

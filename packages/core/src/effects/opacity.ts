@@ -1,4 +1,4 @@
-import { effectShader } from '../shaders/link-shader.ts';
+import wgsl from '../../../../shaders/effects/opacity.wgsl?raw';
 import { defineEffect } from './effect.ts';
 import { checkRange } from './option-checks.ts';
 
@@ -8,7 +8,7 @@ export const opacity = /* @__PURE__ */ defineEffect<number, { factor: 'f32' }>({
   label: 'Opacity',
   about: 'Makes a whole cloud fainter.',
   hooks: { splat: 'fadeSplat' },
-  wgsl: effectShader('opacity'),
+  wgsl,
   fields: { factor: 'f32' },
   check(factor) {
     checkRange('opacity', factor, 1, 'a factor of every splat’s opacity');

@@ -1,5 +1,5 @@
+import wgsl from '../../../../shaders/effects/reveal.wgsl?raw';
 import { linearPart, multiply4, translated4, type Vec3 } from '../math/mat4.ts';
-import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
 import { checkLength, checkOptions, checkVector, invalidOption } from './option-checks.ts';
 
@@ -26,7 +26,7 @@ export const reveal = /* @__PURE__ */ defineEffect<
   label: 'Reveal',
   about: 'Lets a cloud appear outward from a point or from the camera.',
   hooks: { splat: 'revealSplat' },
-  wgsl: effectShader('reveal'),
+  wgsl,
   fields: { linear: 'mat3x3f', offset: 'vec3f', radius: 'f32', softEdge: 'f32', grows: 'u32' },
   check(options) {
     checkOptions('reveal', options);

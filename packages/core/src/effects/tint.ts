@@ -1,5 +1,5 @@
+import wgsl from '../../../../shaders/effects/tint.wgsl?raw';
 import type { Vec3 } from '../math/mat4.ts';
-import { effectShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './effect.ts';
 import { checkVector } from './option-checks.ts';
 
@@ -9,7 +9,7 @@ export const tint = /* @__PURE__ */ defineEffect<Vec3, { color: 'vec3f' }>({
   label: 'Tint',
   about: 'Colours a cloud, like a filter in front of it.',
   hooks: { color: 'tintColor' },
-  wgsl: effectShader('tint'),
+  wgsl,
   fields: { color: 'vec3f' },
   check(color) {
     checkVector('tint', color, 'a factor for red, green and blue', { isNonNegative: true });

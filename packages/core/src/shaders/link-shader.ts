@@ -3,10 +3,13 @@ import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { SHADER_STRUCTS, type ShaderStruct, SPLAT_RECORDS } from '../layout/structs.ts';
 import { type LinkInput, linkModules, type ShaderModules } from './shader-linker.ts';
 
-/** All shader files except those that come later: with code that only some pages need, or see `later-source.ts`. */
+/**
+ * All shader files, except those of effects, which bring their own, and those that come later: with code that only some pages need, or
+ * see `later-source.ts`.
+ */
 const files = import.meta.glob<string>(
   [
-    '../../../../shaders/**/*.wgsl',
+    '../../../../shaders/{lib,stages}/*.wgsl',
     '!../../../../shaders/stages/{compare-images,compose,copy-words,ingest-*,keep-colors,pick,repack-*,resolve-depth,tile-*,upscale}.wgsl',
     '!../../../../shaders/lib/{exact-exp,float-bits,harmonics-packing,pack-splat,splat-ellipse,tile-grid,workgroup-scan}.wgsl',
   ],
@@ -25,15 +28,6 @@ function modulesOf(texts: Readonly<Record<string, string>>): ShaderModules {
 /** Returns `package::stages::cull_splats` for `stages/cull-splats`: WGSL identifiers have no hyphens. */
 function moduleName(file: string): string {
   return `package::${file.replaceAll('/', '::').replaceAll('-', '_')}`;
-}
-
-/**
- * Returns the shader text of one of this package's own effects.
- *
- * @__NO_SIDE_EFFECTS__
- */
-export function effectShader(name: string): string {
-  return modules[moduleName(`effects/${name}`)];
 }
 
 /** What comes of a variant later. */
