@@ -513,6 +513,16 @@ describe('viewer', () => {
     for (const name of ['Chrome', 'Safari', 'Firefox']) expect(message).toContain(name);
   });
 
+  it('says so where the code of the engine cannot be fetched', async () => {
+    harness.expectProblem(/Failed to load resource/);
+    harness.expectProblem(/The code of the engine could not be fetched/);
+    const page = await newPage();
+    await page.route('**/engine-*.js', (route) => route.abort());
+    await page.goto(harness.server.url + CHEAP);
+    await waitForState(page, 'unavailable');
+    expect(await textOf(page, 'page-failed')).toContain('could not be loaded');
+  });
+
   it('says so where there is WebGPU but no GPU for it', async () => {
     const page = await newPage();
     await page.addInitScript(() => {

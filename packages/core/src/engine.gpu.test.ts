@@ -6,7 +6,7 @@ import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { Accuracy, AccuracyPreset } from './accuracy/accuracy.ts';
 import { type Camera, cameraFromMatrices, perspectiveCamera } from './camera/camera.ts';
 import { SplatCloud } from './clouds/splat-cloud.ts';
-import { SplatEngine } from './engine.ts';
+import { SplatEngine } from './create-engine.ts';
 import { DestroyedError, GpuLimitError, InvalidArgumentError } from './errors.ts';
 import type { FrameRequest } from './frame/frame-request.ts';
 import { GpuMemory } from './gpu/gpu-memory.ts';

@@ -6,7 +6,7 @@ import {
   type PossibleAccuracy,
 } from './accuracy/accuracy.ts';
 import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy/accuracy-wish.ts';
-import { checkEngineNumbers, checkLoadOptions } from './check-options.ts';
+import { checkLoadOptions } from './check-options.ts';
 import type { HoldOptions } from './clouds/cloud-leases.ts';
 import { type CloudMemory, isHeld } from './clouds/cloud-planes.ts';
 import { emptyCloud } from './clouds/empty-cloud.ts';
@@ -24,7 +24,6 @@ import {
   type DeviceOptions,
   hasNarrowSubgroups,
   isSoftwareAdapter,
-  requestSplatDevice,
 } from './gpu/device.ts';
 import { type EngineCounters, zeroCounters } from './gpu/engine-counters.ts';
 import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
@@ -41,7 +40,6 @@ import type { Harmonics } from './packing/harmonics.ts';
 import { packSet } from './packing/pack-set.ts';
 import type { PackedCloud } from './packing/packed-cloud.ts';
 import type { CloudPrecision } from './packing/precision.ts';
-import { foreseeTiles } from './shaders/later-source.ts';
 import type { ShaderMutation } from './shaders/link-shader.ts';
 import type { SplatSet } from './splats/splat-set.ts';
 import { AccuracyWishes } from './views/accuracy-wishes.ts';
@@ -157,7 +155,7 @@ export interface PrecisionProblem {
   readonly error: Error;
 }
 
-/** Draws Gaussian splats on one WebGPU device. */
+/** Draws Gaussian splats on one WebGPU device. Made by `SplatEngine.create`. */
 export class SplatEngine {
   readonly device: GPUDevice;
   /** Human-readable name of the adapter. */
@@ -190,7 +188,8 @@ export class SplatEngine {
   /** Aborts when the engine or its device ends. */
   readonly #ended = new AbortController();
 
-  private constructor(device: GPUDevice, ownsDevice: boolean, options: EngineOptions) {
+  /** @internal Use `SplatEngine.create`, which checks the options. */
+  constructor(device: GPUDevice, ownsDevice: boolean, options: EngineOptions) {
     this.device = device;
     this.adapterLabel = adapterLabel(device.adapterInfo);
     this.hasGpuTimestamps = device.features.has('timestamp-query');
@@ -216,22 +215,6 @@ export class SplatEngine {
       this.#stopWork(this.#destroyedBecause);
       return info;
     });
-  }
-
-  /**
-   * Creates an engine on `options.device`, or on a device of its own.
-   *
-   * @throws WebGpuUnavailableError if WebGPU is not available, InvalidArgumentError for unknown accuracy settings and for a
-   *   limit or a budget that is none.
-   */
-  static async create(options: EngineOptions = {}): Promise<SplatEngine> {
-    // Reject unknown settings before a device is requested in vain.
-    const { accuracy = DEFAULT_ACCURACY } = options;
-    if (!internWish(accuracy)) internAccuracy(accuracy as Accuracy);
-    checkEngineNumbers(options);
-    foreseeTiles();
-    const device = options.device ?? (await requestSplatDevice(options));
-    return new SplatEngine(device, options.device === undefined, options);
   }
 
   /**

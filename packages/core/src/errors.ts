@@ -153,6 +153,22 @@ export class DestroyedError extends WebSplatterError {
   }
 }
 
+/** Code of this package that is fetched when it is needed could not be fetched. */
+export class CodeUnavailableError extends WebSplatterError {
+  override readonly name = 'CodeUnavailableError';
+
+  /** @param what the code is of, e.g. `engine`. */
+  constructor(what: string, options: { readonly cause: unknown }) {
+    const { message } = options.cause as Error;
+    super(
+      'code-unavailable',
+      `The code of the ${what} could not be fetched (${message}). Check the connection and try again; if the page has been ` +
+        'published anew meanwhile, reload it.',
+      options,
+    );
+  }
+}
+
 function describePlace(place: FilePlace): string {
   const parts: string[] = [];
   if (place.line !== undefined) parts.push(`line ${place.line}`);

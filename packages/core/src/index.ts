@@ -32,13 +32,13 @@ export type { CloudMemory, CloudPage, CloudPages, HeldPrecisions } from './cloud
 export type { CloudFit, FitMode, FitSettings } from './clouds/fit-settings.ts';
 export { type CloudHit, type CloudOutline, raycastCloud } from './clouds/raycast-cloud.ts';
 export type { CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
-export {
-  type EngineMemory,
-  type EngineOptions,
-  type LoadOptions,
-  type PrecisionProblem,
-  type SetAccuracyOptions,
-  SplatEngine,
+export { foreseeEngine, SplatEngine } from './create-engine.ts';
+export type {
+  EngineMemory,
+  EngineOptions,
+  LoadOptions,
+  PrecisionProblem,
+  SetAccuracyOptions,
 } from './engine.ts';
 export * from './errors.ts';
 export type { HostPass } from './frame/frame-part.ts';

@@ -15,7 +15,7 @@ export interface SplatRendererParameters
   readonly gpu?: GPU;
 }
 
-/** Features that three requests for a device of its own if the adapter has them. */
+/** Features that three requests for a device of its own if the adapter has them, but for those that the engine requests as well. */
 const THREE_FEATURES = [
   'depth-clip-control',
   'depth32float-stencil8',
@@ -27,11 +27,9 @@ const THREE_FEATURES = [
   'indirect-first-instance',
   'shader-f16',
   'rg11b10ufloat-renderable',
-  'bgra8unorm-storage',
   'float32-filterable',
   'clip-distances',
   'dual-source-blending',
-  'subgroups',
   'texture-formats-tier1',
   'texture-formats-tier2',
 ] as readonly GPUFeatureName[];
@@ -48,8 +46,8 @@ const states = new WeakMap<object, RendererState>();
  * Creates and initialises three's WebGPURenderer on a device with room for large scenes. `<Canvas gl={…}>` of
  * react-three-fiber accepts this function. `renderer.dispose()` also frees the device and all splats on it.
  *
- * @throws WebGpuUnavailableError if there is no WebGPU, InvalidArgumentError for an unknown accuracy,
- *   SplatsUnsupportedRendererError if three does not draw with WebGPU on the device.
+ * @throws WebGpuUnavailableError if there is no WebGPU, InvalidArgumentError for an unknown accuracy, CodeUnavailableError if the
+ *   engine's code cannot be fetched, SplatsUnsupportedRendererError if three does not draw with WebGPU on the device.
  */
 export async function createSplatRenderer({
   accuracy,

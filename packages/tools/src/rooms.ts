@@ -72,8 +72,11 @@ export const ROOMS: Arrows = {
   /** The engine: one device, its clouds and its views. */
   'engine.ts':
     'check-options.ts views measure ledger frame ingest clouds gpu shaders accuracy io packing splats',
+  /** Checks options, and fetches the engine's code while a device is asked for. */
+  'create-engine.ts': 'engine.ts check-options.ts gpu shaders accuracy',
   /** The public interface. */
-  'index.ts': 'engine.ts views measure ledger frame clouds timing gpu camera accuracy io packing splats math',
+  'index.ts':
+    'create-engine.ts engine.ts(types) views measure ledger frame clouds timing gpu camera accuracy io packing splats math',
 };
 
 /** Packages and apps by folder name. Each line agrees with the dependencies of its package.json. */

@@ -1,7 +1,7 @@
 /** In place of a page whose code could not be loaded. */
 export function PageFailedPage() {
   return (
-    <main className="status-page">
+    <main className="status-page" data-testid="page-failed">
       <h1>This page could not be loaded</h1>
       <p role="alert">Check the connection; the browser’s console has the particulars.</p>
       <p className="actions">

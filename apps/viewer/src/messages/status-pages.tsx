@@ -2,10 +2,13 @@ import { useEffect, useLayoutEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
+import { PageFailedPage } from './page-failed-page.tsx';
 
-/** In place of the viewer if the browser offers no WebGPU. */
+/** In place of the viewer if the browser offers no WebGPU, or the engine's code could not be fetched. */
 export function UnavailablePage({ store, onRetry }: { store: ViewerStore; onRetry: () => void }) {
   const reason = useStore(store, (state) => state.statusReason);
+  const isCodeMissing = useStore(store, (state) => state.isCodeMissing);
+  if (isCodeMissing) return <PageFailedPage />;
   return (
     <main className="status-page" data-testid="webgpu-unavailable">
       <h1>This page needs WebGPU</h1>

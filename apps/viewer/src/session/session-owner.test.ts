@@ -1,4 +1,9 @@
-import { DestroyedError, type SplatEngine, WebGpuUnavailableError } from '@websplatter/core';
+import {
+  CodeUnavailableError,
+  DestroyedError,
+  type SplatEngine,
+  WebGpuUnavailableError,
+} from '@websplatter/core';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
 import { SessionOwner } from './session-owner.ts';
@@ -68,7 +73,26 @@ describe('SessionOwner', () => {
     expect(store.getState().status).toBe('starting');
     sessions.attach(canvas);
     await passMs(0);
-    expect(store.getState()).toMatchObject({ status: 'unavailable', statusReason: NO_GPU.message });
+    expect(store.getState()).toMatchObject({
+      status: 'unavailable',
+      statusReason: NO_GPU.message,
+      isCodeMissing: false,
+    });
+  });
+
+  it('tells a GPU that is not there from code that is not there', async () => {
+    const log = vi.spyOn(console, 'error').mockImplementation(() => {});
+    const error = new CodeUnavailableError('engine', { cause: new TypeError('offline') });
+    createEngine.mockRejectedValueOnce(error);
+    sessions.attach(canvas);
+    await passMs(0);
+    expect(store.getState()).toMatchObject({
+      status: 'unavailable',
+      statusReason: error.message,
+      isCodeMissing: true,
+    });
+    expect(log).toHaveBeenCalledExactlyOnceWith(error);
+    log.mockRestore();
   });
 
   it('asks for a lost GPU again by itself, at once and then ever more slowly, and then leaves it to a person', async () => {

@@ -1,5 +1,6 @@
 import {
   type AccuracyChoice,
+  CodeUnavailableError,
   DestroyedError,
   RecoveryPace,
   SplatEngine,
@@ -125,7 +126,10 @@ export class SessionOwner {
       if (!(error instanceof WebGpuUnavailableError || error instanceof DestroyedError)) console.error(error);
       // A GPU that was there may come back.
       if (this.#hasStarted) this.#becomeLost(reason);
-      else store.setState({ status: 'unavailable', statusReason: reason, load: null });
+      else {
+        const isCodeMissing = error instanceof CodeUnavailableError;
+        store.setState({ status: 'unavailable', statusReason: reason, isCodeMissing, load: null });
+      }
       return;
     }
     this.#current = session;

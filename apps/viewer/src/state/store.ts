@@ -13,6 +13,7 @@ export function createViewerStore(): ViewerStore {
   return createStore<ViewerState>(() => ({
     status: 'starting',
     statusReason: '',
+    isCodeMissing: false,
     retryWaitMs: null,
     scene: null,
     load: null,

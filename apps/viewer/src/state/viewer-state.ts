@@ -32,7 +32,7 @@ export type ViewerStatus =
   /** Asking for a GPU. */
   | 'starting'
   | 'running'
-  /** There is no WebGPU here. */
+  /** There is no WebGPU here, or no code of the engine. */
   | 'unavailable'
   /** The GPU was taken away, and could not be had again yet: nothing can be drawn until it is asked for again. */
   | 'lost'
@@ -112,6 +112,8 @@ export interface ViewerState {
   readonly status: ViewerStatus;
   /** Why there is no GPU, in the browser's words. */
   readonly statusReason: string;
+  /** Whether the reason is that the engine's code could not be fetched. */
+  readonly isCodeMissing: boolean;
   /** After what wait the viewer asks for a lost GPU again by itself, ms; null if it does not. */
   readonly retryWaitMs: number | null;
   readonly scene: SceneSummary | null;

@@ -1,7 +1,7 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { type Accuracy, resolveAccuracy } from '../accuracy/accuracy.ts';
-import { SplatEngine } from '../engine.ts';
+import { SplatEngine } from '../create-engine.ts';
 import { DestroyedError, GpuLimitError, InvalidArgumentError, SplatSourceError } from '../errors.ts';
 import { encodePly } from '../io/formats/ply/write-ply.ts';
 import { packSet } from '../packing/pack-set.ts';

@@ -1,6 +1,6 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, beforeEach, describe, expect } from 'vitest';
-import { SplatEngine } from '../engine.ts';
+import { SplatEngine } from '../create-engine.ts';
 import { DestroyedError, GpuLimitError, SplatFileError, SplatSourceError } from '../errors.ts';
 import { encodePly } from '../io/formats/ply/write-ply.ts';
 import { readSplats } from '../io/loading/read-splats.ts';

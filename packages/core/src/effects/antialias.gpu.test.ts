@@ -1,7 +1,7 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { DILATION_PX2 } from '../accuracy/accuracy.ts';
-import { SplatEngine } from '../engine.ts';
+import { SplatEngine } from '../create-engine.ts';
 import type { CloudInstance } from '../frame/frame-request.ts';
 import { findNonFinite } from '../inspect/find-non-finite.ts';
 import { InspectedFrame } from '../inspect/inspected-frame.ts';

@@ -2,7 +2,7 @@ import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { Camera } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { SplatEngine } from '../engine.ts';
+import { SplatEngine } from '../create-engine.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import { EFFECT_EXAMPLES } from '../testing/effect-examples.ts';
 import { randomSplats } from '../testing/random-splats.ts';

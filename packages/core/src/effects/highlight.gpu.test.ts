@@ -1,6 +1,6 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { SplatEngine } from '../engine.ts';
+import { SplatEngine } from '../create-engine.ts';
 import type { TwinFunction } from '../reference/effects/twins.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import { SplatSelection } from '../splats/splat-selection.ts';

@@ -1,7 +1,7 @@
 import { createBlendingDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { ACCURACY_PRESETS, type AccuracySettings } from '../accuracy/accuracy.ts';
-import { SplatEngine } from '../engine.ts';
+import { SplatEngine } from '../create-engine.ts';
 import { InspectedFrame } from '../inspect/inspected-frame.ts';
 import { readRecords } from '../inspect/read-records.ts';
 import { compareImages, renderReference } from '../reference/index.ts';

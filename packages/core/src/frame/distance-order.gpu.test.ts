@@ -1,7 +1,7 @@
 import { createBlendingDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
 import { orthographicCamera, perspectiveCamera } from '../camera/camera.ts';
-import { SplatEngine } from '../engine.ts';
+import { SplatEngine } from '../create-engine.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import { compareImages } from '../reference/compare-images.ts';
 import { renderReference } from '../reference/render.ts';

@@ -2,7 +2,7 @@ import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, afterEach, beforeAll, describe, expect, vi } from 'vitest';
 import { type Camera, perspectiveCamera } from '../camera/camera.ts';
 import { SplatCloud } from '../clouds/splat-cloud.ts';
-import { SplatEngine } from '../engine.ts';
+import { SplatEngine } from '../create-engine.ts';
 import { GpuLimitError, InvalidArgumentError } from '../errors.ts';
 import { drawMeasured } from '../measure/measured-frames.ts';
 import { deviceWith } from '../testing/device-with.ts';

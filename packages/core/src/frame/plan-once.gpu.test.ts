@@ -1,8 +1,8 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, beforeEach, describe, expect, vi } from 'vitest';
 import { perspectiveCamera } from '../camera/camera.ts';
+import { SplatEngine } from '../create-engine.ts';
 import { defineEffect, fog, tint } from '../effects/index.ts';
-import { SplatEngine } from '../engine.ts';
 import { identity4 } from '../math/mat4.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 

@@ -2,7 +2,7 @@ import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { perspectiveCamera } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { SplatEngine } from '../engine.ts';
+import { SplatEngine } from '../create-engine.ts';
 import { DestroyedError, SplatFileError, SplatSourceError } from '../errors.ts';
 import { encodePly } from '../io/formats/ply/write-ply.ts';
 import { randomSplats } from '../testing/random-splats.ts';

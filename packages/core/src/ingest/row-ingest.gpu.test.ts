@@ -1,7 +1,7 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { SplatEngine } from '../engine.ts';
+import { SplatEngine } from '../create-engine.ts';
 import { GpuLimitError, SplatFileError } from '../errors.ts';
 import { encodePly } from '../io/formats/ply/write-ply.ts';
 import { readSplats } from '../io/loading/read-splats.ts';

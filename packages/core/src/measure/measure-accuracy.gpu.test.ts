@@ -4,7 +4,7 @@ import { STILL_LIFE_MIN_SPLATS, stillLife, stillLifeCameras } from '@websplatter
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { AccuracySettings } from '../accuracy/accuracy.ts';
 import { perspectiveCamera } from '../camera/camera.ts';
-import { SplatEngine } from '../engine.ts';
+import { SplatEngine } from '../create-engine.ts';
 import type { CloudInstance } from '../frame/frame-request.ts';
 import { compareImages } from '../reference/compare-images.ts';
 import type { SortBy } from '../splats/sort-by.ts';

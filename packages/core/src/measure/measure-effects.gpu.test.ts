@@ -1,7 +1,7 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
+import { SplatEngine } from '../create-engine.ts';
 import { tint } from '../effects/index.ts';
-import { SplatEngine } from '../engine.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import { randomSplats } from '../testing/random-splats.ts';

@@ -1,7 +1,7 @@
 import { createNodeGpu } from '@websplatter/node';
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
-import { SplatEngine } from '../engine.ts';
+import { SplatEngine } from '../create-engine.ts';
 import { GpuLimitError, InvalidArgumentError } from '../errors.ts';
 import { frameStages } from '../frame/frame.ts';
 import { failingDevice } from '../testing/failing-device.ts';

@@ -1,7 +1,7 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect, onTestFinished } from 'vitest';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { SplatEngine } from '../engine.ts';
+import { SplatEngine } from '../create-engine.ts';
 import type { GpuMemoryReport } from '../gpu/gpu-memory.ts';
 import { compareRecords } from '../inspect/compare-records.ts';
 import { describeFieldError } from '../inspect/field-error.ts';

@@ -1,7 +1,7 @@
 import { createNodeGpu } from '@websplatter/node';
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { SplatEngine } from '../engine.ts';
+import { SplatEngine } from '../create-engine.ts';
 import { frameStages } from '../frame/frame.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';

@@ -5,7 +5,7 @@ import type { AccuracySettings, FrameRasterizer } from '../accuracy/accuracy.ts'
 import { type Camera, perspectiveCamera } from '../camera/camera.ts';
 import { type DepthConvention, storedDepth } from '../camera/depth-convention.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { SplatEngine } from '../engine.ts';
+import { SplatEngine } from '../create-engine.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
 import type { EmbeddedImage } from '../frame/parts/compose.ts';
 import { readWords } from '../gpu/read-buffer.ts';

@@ -1,0 +1,92 @@
+import { beforeEach, expect, test, vi } from 'vitest';
+
+/** How long to wait for a module to be asked for. */
+const PATIENCE_MS = 60_000;
+
+const device = { destroy: vi.fn() } as unknown as GPUDevice;
+
+beforeEach(() => {
+  vi.resetModules();
+  vi.unstubAllGlobals();
+  vi.mocked(device.destroy).mockClear();
+});
+
+/** The module under test, with an engine whose code arrives or does not. */
+async function loaded(code: () => object) {
+  const askedFor = vi.fn(code);
+  const foreseeTiles = vi.fn();
+  vi.doMock('./engine.ts', askedFor);
+  vi.doMock('./shaders/later-source.ts', () => ({ foreseeTiles }));
+  const errors = await import('./errors.ts');
+  return { ...(await import('./create-engine.ts')), ...errors, askedFor, foreseeTiles };
+}
+
+const CODE = () => ({
+  SplatEngine: class {
+    readonly given: unknown[];
+
+    constructor(...given: unknown[]) {
+      this.given = given;
+    }
+  },
+});
+
+const OFFLINE = () => {
+  throw new TypeError('offline');
+};
+
+function adapterOf(requestDevice: () => Promise<GPUDevice> = async () => device): GPUAdapter {
+  return { features: new Set(), limits: {}, requestDevice } as unknown as GPUAdapter;
+}
+
+test('the code of an engine is fetched while a device is asked for', async () => {
+  const { SplatEngine, askedFor, foreseeTiles } = await loaded(CODE);
+  const adapter = adapterOf(async () => {
+    // Were it asked for afterwards, there never would be a device.
+    await vi.waitFor(() => expect(askedFor).toHaveBeenCalledTimes(1), PATIENCE_MS);
+    expect(foreseeTiles).toHaveBeenCalledTimes(1);
+    return device;
+  });
+  expect(await SplatEngine.create({ adapter })).toMatchObject({ given: [device, true, { adapter }] });
+  const own = await SplatEngine.create({ device });
+  expect(own).toMatchObject({ given: [device, false, { device }] });
+});
+
+test('bad options are refused before anything is asked for', async () => {
+  const { SplatEngine, InvalidArgumentError, askedFor } = await loaded(CODE);
+  const requestDevice = vi.fn<() => Promise<GPUDevice>>();
+  const options = { adapter: adapterOf(requestDevice), memoryBudgetBytes: -1 };
+  await expect(SplatEngine.create(options)).rejects.toThrow(InvalidArgumentError);
+  expect(requestDevice).not.toHaveBeenCalled();
+  expect(askedFor).not.toHaveBeenCalled();
+});
+
+test('code that cannot be fetched is an error that says so, and the device that was made for it ends', async () => {
+  const { SplatEngine, CodeUnavailableError } = await loaded(OFFLINE);
+  const failure = await SplatEngine.create({ adapter: adapterOf() }).catch((error) => error);
+  expect(failure).toBeInstanceOf(CodeUnavailableError);
+  expect(failure).toMatchObject({ name: 'CodeUnavailableError', code: 'code-unavailable' });
+  expect(failure.message).toMatch(
+    /^The code of the engine could not be fetched \(.*\)\. Check the connection/s,
+  );
+  expect(device.destroy).toHaveBeenCalledTimes(1);
+  await expect(SplatEngine.create({ device })).rejects.toThrow(CodeUnavailableError);
+  expect(device.destroy, 'of the caller').toHaveBeenCalledTimes(1);
+});
+
+test('where there is neither a device nor code, the device is what is missing', async () => {
+  const { SplatEngine, WebGpuUnavailableError } = await loaded(OFFLINE);
+  const adapter = adapterOf(() => Promise.reject(new Error('none')));
+  await expect(SplatEngine.create({ adapter })).rejects.toThrow(WebGpuUnavailableError);
+});
+
+test('code is foreseen where there is WebGPU, and nowhere else; its failure is told by create', async () => {
+  const { foreseeEngine, foreseeTiles, askedFor } = await loaded(OFFLINE);
+  vi.stubGlobal('navigator', {});
+  foreseeEngine();
+  expect(foreseeTiles).not.toHaveBeenCalled();
+  vi.stubGlobal('navigator', { gpu: {} });
+  foreseeEngine();
+  expect(foreseeTiles).toHaveBeenCalledTimes(1);
+  await vi.waitFor(() => expect(askedFor).toHaveBeenCalledTimes(1), PATIENCE_MS);
+});

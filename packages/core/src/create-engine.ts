@@ -1,0 +1,51 @@
+import { type Accuracy, DEFAULT_ACCURACY, internAccuracy } from './accuracy/accuracy.ts';
+import { internWish } from './accuracy/accuracy-wish.ts';
+import { checkEngineNumbers } from './check-options.ts';
+import type { SplatEngine as Engine, EngineOptions } from './engine.ts';
+import { CodeUnavailableError } from './errors.ts';
+import { requestSplatDevice } from './gpu/device.ts';
+import { foreseeTiles } from './shaders/later-source.ts';
+
+const fetchEngine = async () => (await import('./engine.ts')).SplatEngine;
+
+/** Draws Gaussian splats on one WebGPU device. Made by `SplatEngine.create`. */
+export type SplatEngine = Engine;
+
+export const SplatEngine = {
+  /**
+   * Creates an engine on `options.device`, or on a device of its own. Most of the engine's code is fetched while that is asked for.
+   *
+   * @throws WebGpuUnavailableError if WebGPU is not available, InvalidArgumentError for unknown accuracy settings and for a
+   *   limit or a budget that is none, CodeUnavailableError if that code cannot be fetched.
+   */
+  async create(options: EngineOptions = {}): Promise<SplatEngine> {
+    // Reject unknown settings before a device is requested in vain.
+    const { accuracy = DEFAULT_ACCURACY } = options;
+    if (!internWish(accuracy)) internAccuracy(accuracy as Accuracy);
+    checkEngineNumbers(options);
+    foreseeTiles();
+    const implementation = fetchEngine().catch((cause) => {
+      throw new CodeUnavailableError('engine', { cause });
+    });
+    // Told below, unless there is no device either.
+    implementation.catch(() => {});
+    const ownsDevice = options.device === undefined;
+    const device = options.device ?? (await requestSplatDevice(options));
+    try {
+      return new (await implementation)(device, ownsDevice, options);
+    } catch (error) {
+      if (ownsDevice) device.destroy();
+      throw error;
+    }
+  },
+};
+
+/**
+ * Starts to fetch the code that `SplatEngine.create` needs, where there is WebGPU: for pages that know that they will draw before they
+ * ask for an engine. Never throws; `create` tells of a failure.
+ */
+export function foreseeEngine(): void {
+  if (!globalThis.navigator?.gpu) return;
+  fetchEngine().catch(() => {});
+  foreseeTiles();
+}
