@@ -6,6 +6,7 @@ export {
   type AccuracyChoice,
   type AccuracyRequest,
   type AccuracyWish,
+  CodeUnavailableError,
   type FrameStatistics,
   GpuLimitError,
   RecoveryPace,

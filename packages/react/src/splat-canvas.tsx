@@ -3,6 +3,7 @@ import {
   type AccuracyRequest,
   DEFAULT_ACCURACY,
   DestroyedError,
+  foreseeEngine,
   RecoveryPace,
   WebGpuUnavailableError,
 } from '@websplatter/core';
@@ -36,7 +37,7 @@ interface Life {
  * lost: the camera that it made or was given stays, its contents mount again, and their files are read again. If the device is
  * lost again less than a minute after all splats of a `<Splats>` have been drawn, it waits for 1, 4 and then 16 seconds.
  *
- * @throws WebGpuUnavailableError to the nearest error boundary if there is no WebGPU, or if the device is lost once more. To
+ * @throws CodeUnavailableError to the nearest error boundary if the engine's code cannot be fetched; WebGpuUnavailableError if there is no WebGPU, or if the device is lost once more. To
  *   try again, mount another one.
  */
 export function SplatCanvas({
@@ -45,7 +46,11 @@ export function SplatCanvas({
   children,
   ...props
 }: SplatCanvasProps): ReactNode {
-  const [pace] = useState(() => new RecoveryPace());
+  const [pace] = useState(() => {
+    // Canvas measures itself before it asks for a renderer.
+    foreseeEngine();
+    return new RecoveryPace();
+  });
   const [{ generation, waitMs, camera }, setLife] = useState<Life>({ generation: 0, waitMs: 0 });
   const created = useRef<RootState>(null);
   const replace = (error: unknown) => {
