@@ -15,12 +15,14 @@ import {
 } from 'node:fs';
 import { basename, isAbsolute, join, relative } from 'node:path';
 import { pathToFileURL } from 'node:url';
+import { coreChunk } from './core-chunks.mjs';
 import { fail, repositoryRoot } from './setup.mjs';
 import { slimShaders } from './slim-shaders.mjs';
 
 /**
  * Packages in order of dependence. `entries` are the modules that may be imported, and the workers, which must be files of
- * their own. `inputs` are bundled besides the package's own sources.
+ * their own. `inputs` are bundled besides the package's own sources. `chunkOf` names the file that a module is in, where modules that
+ * several entries need should not be left to the bundler, which makes a file for every set of entries.
  */
 const PACKAGES = [
   {
@@ -47,6 +49,7 @@ const PACKAGES = [
     },
     inputs: ['shaders'],
     hasDeclarations: true,
+    chunkOf: coreChunk,
   },
   { name: 'charts', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   { name: 'node', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
@@ -70,6 +73,7 @@ const cacheFolder = join(repositoryRoot, 'node_modules/.cache/websplatter-build'
 /** What every build depends on. */
 const TOOLS = [
   'packages/tools/build.mjs',
+  'packages/tools/core-chunks.mjs',
   'packages/tools/slim-shaders.mjs',
   'packages/tools/tsconfig.library.json',
   'tsconfig.json',
@@ -159,7 +163,22 @@ async function bundle(item, folder, outDir) {
         // Directives inside a bundle have no effect; checkDirectives checks those of the entries.
         checks: { moduleLevelDirective: false },
         external: (id) => !id.startsWith('.') && !id.startsWith('\0') && !isAbsolute(id),
-        output: { format: 'es', entryFileNames: '[name].js', chunkFileNames: '[name]-[hash].js' },
+        output: {
+          format: 'es',
+          entryFileNames: '[name].js',
+          chunkFileNames: '[name]-[hash].js',
+          ...(item.chunkOf && {
+            codeSplitting: {
+              groups: [
+                {
+                  name: item.chunkOf(folder, item.entries),
+                  debugName: 'chunkOf',
+                  includeDependenciesRecursively: false,
+                },
+              ],
+            },
+          }),
+        },
       },
     },
     plugins: [workerFiles(item.entries), slimShaders()],
