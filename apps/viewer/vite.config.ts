@@ -1,6 +1,7 @@
 import { fileURLToPath } from 'node:url';
 import react from '@vitejs/plugin-react';
 import { defaultClientConditions, defineConfig, normalizePath, type Plugin, type Rolldown } from 'vite';
+import { START } from '../../packages/tools/core-chunks.mjs';
 import { slimShaders } from '../../packages/tools/slim-shaders.mjs';
 import { definedBuildFacts } from '../../packages/tools/src/build-facts.ts';
 
@@ -20,13 +21,19 @@ const LONE_PAGES = [
 ];
 /** The script of what the viewer and another page begin with. */
 const SHARED = 'shared';
+const CORE = '../../packages/core';
+/** The script of the engine, which is needed as soon as there is a GPU: its name, and its first module. */
+const ENGINE = 'engine';
+const ENGINE_ITSELF = `${CORE}/src/engine.ts`;
+/** Public, and so among what the viewer imports, but used by the engine or by other pages alone. */
+const PACKING = [`${CORE}/src/packing/packed-cloud.ts`, `${CORE}/src/io/formats/ply/write-ply.ts`];
 
 export default defineConfig({
   root: fileURLToPath(new URL('.', import.meta.url)),
   // Works below any path of a web server.
   base: './',
   // The development server shows shaders as they were written.
-  plugins: [react(), { ...slimShaders(), apply: 'build' } satisfies Plugin, preloadShared()],
+  plugins: [react(), { ...slimShaders(), apply: 'build' } satisfies Plugin, preloadScripts()],
   // The engine and the scenes run from their sources, so that editing them reloads the page.
   resolve: { conditions: ['@websplatter/source', ...defaultClientConditions] },
   define: { ...definedBuildFacts() },
@@ -57,12 +64,22 @@ export default defineConfig({
   },
 });
 
-/** The script that a module is in: one for what the viewer alone begins with, one for what other pages begin with too. */
+/**
+ * The script that a module is in: one for what the viewer alone begins with, one for what other pages begin with too, and one for
+ * the engine, for all pages.
+ */
 function firstScript(id: string, graph: Rolldown.ChunkingContext): string | null {
   const begins = (page: string) =>
     needsAtFirst(normalizePath(fileURLToPath(new URL(page, import.meta.url))), graph);
-  if (begins(CHOICE).has(id) || !begins(VIEWER).has(id)) return null;
+  if (begins(CHOICE).has(id)) return null;
+  const isEarly = begins(VIEWER).has(id) && !isOnlyPacking(id, begins);
+  if (!isEarly) return begins(ENGINE_ITSELF).has(id) ? ENGINE : null;
   return LONE_PAGES.some((page) => begins(page).has(id)) ? SHARED : 'viewer';
+}
+
+function isOnlyPacking(id: string, begins: (file: string) => ReadonlySet<string>): boolean {
+  const isPacking = PACKING.some((file) => begins(file).has(id));
+  return isPacking && !START.some((file) => begins(`${CORE}/${file}`).has(id));
 }
 
 /** By module, of one build. */
@@ -80,17 +97,20 @@ function needsAtFirst(id: string, graph: Rolldown.ChunkingContext): ReadonlySet<
   return all;
 }
 
-/** Has the browser fetch the shared script at once, while the first one still chooses a page. */
-function preloadShared(): Plugin {
+/** Has the browser fetch what every page needs at once, while the first script still chooses a page. */
+function preloadScripts(): Plugin {
   return {
-    name: 'viewer:preload-shared',
+    name: 'viewer:preload-scripts',
     apply: 'build',
     buildStart: () => needed.clear(),
     transformIndexHtml: {
       order: 'post',
       handler: (_, { bundle = {} }) =>
-        Object.values(bundle)
-          .filter((file) => file.type === 'chunk' && file.name === SHARED)
+        // In the order in which they are needed.
+        [SHARED, ENGINE]
+          .flatMap((name) =>
+            Object.values(bundle).filter((file) => file.type === 'chunk' && file.name === name),
+          )
           .map(({ fileName }) => ({
             tag: 'link',
             attrs: { rel: 'modulepreload', crossorigin: true, href: `./${fileName}` },

@@ -15,8 +15,8 @@ import { manifestProblems } from './package-checks/manifests.mjs';
 import { scriptSizes } from './package-checks/script-sizes.mjs';
 import { fail, repositoryRoot } from './setup.mjs';
 
-/** Most bytes of the viewer's scripts, compressed by gzip. */
-const VIEWER_LIMITS = { initial: 180_000, all: 320_000 };
+/** Most bytes of the viewer's scripts, compressed by gzip: what runs before a GPU is asked for, what the first picture needs, all. */
+const VIEWER_LIMITS = { start: 125_000, initial: 180_000, all: 320_000 };
 
 /**
  * Not counted among all of them: the hard cases, pages in place of the viewer, which it never loads, and the readers that these use, and
@@ -110,8 +110,12 @@ async function viewerProblems() {
   const outDir = join(folder, 'viewer');
   const configFile = join(repositoryRoot, 'apps/viewer/vite.config.ts');
   await build({ configFile, logLevel: 'error', build: { outDir, manifest: true } });
-  const sizes = scriptSizes(outDir, 'viewer', VIEWER_APART);
-  console.log(`The viewer's scripts: ${sizes.initial} bytes at first, ${sizes.all} in all, by gzip.`);
+  const { initial: start } = scriptSizes(outDir, ['viewer'], VIEWER_APART);
+  const sizes = { start, ...scriptSizes(outDir, ['viewer', 'engine'], VIEWER_APART) };
+  console.log(
+    `The viewer's scripts: ${sizes.start} bytes before a GPU is asked for, ${sizes.initial} for the first picture, ` +
+      `${sizes.all} in all, by gzip.`,
+  );
   const tooLarge = Object.entries(VIEWER_LIMITS)
     .filter(([what, limit]) => sizes[what] > limit)
     .map(([what, limit]) => `viewer: its scripts (${what}) have ${sizes[what]} bytes, of at most ${limit}`);

@@ -30,23 +30,23 @@ function sizeOf(...files) {
 }
 
 test('scripts count once, and those that are fetched later not at first', () => {
-  expect(scriptSizes(folder, null, [])).toEqual({
+  expect(scriptSizes(folder, [], [])).toEqual({
     initial: sizeOf('index.js', 'shared.js'),
     all: sizeOf('index.js', 'shared.js', 'panel.js', 'panel-part.js', 'cases.js', 'case-data.js'),
   });
 });
 
 test('what is always fetched counts at first', () => {
-  const { initial } = scriptSizes(folder, 'panel', []);
+  const { initial } = scriptSizes(folder, ['panel'], []);
   expect(initial).toBe(sizeOf('index.js', 'shared.js', 'panel.js', 'panel-part.js'));
 });
 
 test('what is apart does not count, nor what only that needs', () => {
-  const { all } = scriptSizes(folder, null, ['cases.ts']);
+  const { all } = scriptSizes(folder, [], ['cases.ts']);
   expect(all).toBe(sizeOf('index.js', 'shared.js', 'panel.js', 'panel-part.js'));
 });
 
 test('a module that is no script of its own cannot be apart or fetched first', () => {
-  expect(() => scriptSizes(folder, null, ['cases.tsx'])).toThrow('no script of its own for cases.tsx');
-  expect(() => scriptSizes(folder, 'pane', [])).toThrow('no script of its own for pane');
+  expect(() => scriptSizes(folder, [], ['cases.tsx'])).toThrow('no script of its own for cases.tsx');
+  expect(() => scriptSizes(folder, ['panel', 'pane'], [])).toThrow('no script of its own for pane');
 });
