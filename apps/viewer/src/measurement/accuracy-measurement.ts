@@ -1,13 +1,10 @@
-import { type AccuracySettings, isSoftwareAdapter } from '@websplatter/core';
-import type { AccuracyTable, MeasureAccuracyOptions } from '@websplatter/core/measure';
+import type { AccuracySettings } from '@websplatter/core';
+import type { AccuracyTable } from '@websplatter/core/measure';
 import type { MeasuredAccuracy } from '../state/measured.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import type { Measurement } from './measurement.ts';
-
-/** A software rasteriser takes as long for a frame as a GPU for a hundred, and varies less. */
-const SOFTWARE_FRAMES = 3;
 
 /**
  * Measures what accuracy costs for the frame on the screen. A wish is measured as soon as it is made, and again for each
@@ -47,19 +44,13 @@ export class AccuracyMeasurement {
     let timed: AccuracyTable | null = null;
     const measured = await this.#measurement.run(
       'accuracy',
-      async ({ engine, frame }, options) => {
-        const { measureAccuracy, countMeasureSteps } = await import('@websplatter/core/measure');
-        const { camera, clouds, widthPx, heightPx, sortBy } = frame;
-        const isSoftware = isSoftwareAdapter(engine.device.adapterInfo);
-        const image = { clouds, cameras: [camera], widthPx, heightPx, sortBy };
-        const asked = { ...image, ...sweepOptions(sweep, isSoftware) };
+      async (drawn, options) => {
+        const { measureSweep } = await import('./measure-sweep.ts');
         const onTable = (table: AccuracyTable) => {
           timed = table;
         };
-        const table = await measureAccuracy(engine, { ...asked, ...options, onTable });
-        const all = countMeasureSteps({ ...image, ...sweepOptions('settings', isSoftware) });
-        const allSettingsMs = sweep === 'presets' ? (table.elapsedMs * all) / countMeasureSteps(asked) : null;
-        return { table, sweep, isCutShort: false, allSettingsMs };
+        const measured = await measureSweep(drawn, sweep, { ...options, onTable });
+        return { ...measured, sweep, isCutShort: false };
       },
       () => timed && { table: timed, sweep, isCutShort: true, allSettingsMs: null },
     );
@@ -96,15 +87,6 @@ export class AccuracyMeasurement {
     if (wish && !choice) this.#viewer.setAccuracy(this.#fallback);
   }
 }
-
-function sweepOptions(sweep: 'presets' | 'settings', isSoftware: boolean): SweepOptions {
-  const presets = sweep === 'presets' ? { settings: [], ablations: false } : {};
-  // Combinations are those of settings, and take many frames to find.
-  const combinations = sweep === 'settings' && !isSoftware;
-  return { ...presets, combinations, ...(isSoftware && { frames: SOFTWARE_FRAMES }) };
-}
-
-type SweepOptions = Pick<MeasureAccuracyOptions, 'settings' | 'ablations' | 'combinations' | 'frames'>;
 
 /** Whether there are an image at rest and a wish, but nothing was chosen for it. */
 function lacksChoice({ wish, choice, status, scene, isIdle }: ViewerState): boolean {
