@@ -47,8 +47,12 @@ export default defineConfig({
     },
   },
   build: {
-    // Every browser with WebGPU does this itself.
-    modulePreload: { polyfill: false },
+    modulePreload: {
+      // Every browser with WebGPU does this itself.
+      polyfill: false,
+      resolveDependencies: (_, files, { hostId, hostType }) =>
+        hostType === 'html' ? files : files.filter((file) => isPreloaded(file, hostId)),
+    },
     rolldownOptions: {
       output: {
         // Otherwise pages that share parts of the engine would break what the viewer needs at first into dozens of scripts, which
@@ -63,6 +67,16 @@ export default defineConfig({
     include: ['react', 'react-dom/client', 'react/jsx-dev-runtime', 'zustand', 'zustand/vanilla'],
   },
 });
+
+/** Scripts and styles that are there before any other is fetched. */
+const ALWAYS_THERE = new RegExp(`/(index|rolldown-runtime|${SHARED}|${ENGINE})-[^/]*$`);
+/** Fetches panels while there is nothing else to do: theirs need no lists of scripts, which the first picture would wait for. */
+const FETCHES_LATE = /\/viewer-[^/]*$/;
+
+/** Whether the script `host`, as it fetches another, names `file` for the browser to fetch beside it. */
+function isPreloaded(file: string, host: string): boolean {
+  return !ALWAYS_THERE.test(file) && !(FETCHES_LATE.test(host) && file.endsWith('.js'));
+}
 
 /**
  * The script that a module is in: one for what the viewer alone begins with, one for what other pages begin with too, and one for
