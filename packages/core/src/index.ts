@@ -16,7 +16,12 @@ export {
   resolveAccuracy,
   type SortKeyBits,
 } from './accuracy/accuracy.ts';
-export { type AccuracyRequest, type AccuracyWish, isAccuracyWish } from './accuracy/accuracy-wish.ts';
+export {
+  type AccuracyRequest,
+  type AccuracyWish,
+  checkAccuracy,
+  isAccuracyWish,
+} from './accuracy/accuracy-wish.ts';
 export { combineAccuracies, mostExact } from './accuracy/combine-accuracies.ts';
 export {
   type Camera,

@@ -108,6 +108,9 @@ describe('a load', () => {
     loader.setAccuracy({ minPsnrDb: 60 });
     expect(await precision()).toBe('packed');
     expect(() => loader.setAccuracy('perfect' as never)).toThrow(/perfect/);
+    expect(() => loader.setAccuracy({ minPsnrDb: 60, maxFrameMs: 8 } as never)).toThrow(
+      /minPsnrDb: 60, maxFrameMs: 8/,
+    );
   });
 
   test('records the source to read again, and how', async () => {

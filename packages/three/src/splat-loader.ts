@@ -1,9 +1,9 @@
 import {
   type AccuracyRequest,
   type AccuracySettings,
+  checkAccuracy,
   DEFAULT_ACCURACY,
   DestroyedError,
-  isAccuracyWish,
   type LoadProgress,
   lastingSource,
   loadSplats,
@@ -56,10 +56,10 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
    * Packs later loads for renderers or clouds of this accuracy; default that of the renderer in `detectSupport`, else
    * `balanced`. A wish counts as the default, because its settings are unknown before anything is drawn.
    *
-   * @throws InvalidArgumentError for unknown settings.
+   * @throws InvalidArgumentError for unknown settings and invalid wishes.
    */
   setAccuracy(accuracy: AccuracyRequest): this {
-    this.#accuracy = isAccuracyWish(accuracy) ? null : resolveAccuracy(accuracy);
+    this.#accuracy = checkAccuracy(accuracy);
     return this;
   }
 

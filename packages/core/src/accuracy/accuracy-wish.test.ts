@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 import { InvalidArgumentError } from '../errors.ts';
-import { type AccuracyRequest, internWish, isAccuracyWish } from './accuracy-wish.ts';
+import { type AccuracyRequest, checkAccuracy, internWish, isAccuracyWish } from './accuracy-wish.ts';
 
 test('distinguishes wishes from settings', () => {
   for (const wish of [{ minPsnrDb: 45 }, { maxFrameMs: 8 }]) expect(isAccuracyWish(wish)).toBe(true);
@@ -29,4 +29,21 @@ test('rejects values that are not positive, finite numbers, and settings next to
   ];
   for (const wish of [...refused, { minPsnrDb: 45, maxFrameMs: 8 }, { minPsnrDb: 45, preset: 'high' }])
     expect(() => internWish(wish as never), JSON.stringify(wish)).toThrow(InvalidArgumentError);
+});
+
+test('checks requests: returns settings, null for a wish, and names the accuracy and what was found in it', () => {
+  expect(checkAccuracy({ preset: 'fast', shDegree: 1 })).toMatchObject({ shDegree: 1 });
+  expect(checkAccuracy({ maxFrameMs: 8 })).toBeNull();
+  const both = { minPsnrDb: 45, maxFrameMs: 8 };
+  // @ts-expect-error: the types refuse it, too.
+  const check = () => checkAccuracy(both);
+  expect(check).toThrow(
+    expect.objectContaining({
+      argument: 'accuracy',
+      message: expect.stringContaining('The accuracy is { minPsnrDb: 45, maxFrameMs: 8 }'),
+    }),
+  );
+  // @ts-expect-error: so is a wish with settings.
+  expect(() => checkAccuracy({ preset: 'high', minPsnrDb: 45 })).toThrow(InvalidArgumentError);
+  expect(() => checkAccuracy('best' as never)).toThrow(InvalidArgumentError);
 });
