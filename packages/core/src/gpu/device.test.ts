@@ -26,11 +26,11 @@ test.each([
     'llvmpipe (LLVM 15.0.6, 256 bits)',
     { vendor: '65541', device: '0', description: 'llvmpipe (LLVM 15.0.6, 256 bits)' },
   ],
-  ['65541 0', { vendor: '65541', device: '0' }],
+  ['GPU 0 of vendor 65541', { vendor: '65541', device: '0' }],
   ['NVIDIA H200', { description: 'NVIDIA H200' }],
   // Firefox 153.
-  ['unnamed software adapter', { isFallbackAdapter: true }],
-  ['unnamed adapter', {}],
+  ['software renderer that the browser does not name', { isFallbackAdapter: true }],
+  ['GPU that the browser does not name', {}],
 ])('adapters are labelled, %s', (label, info) => {
   expect(adapterLabel({ ...NOTHING, ...info } as GPUAdapterInfo)).toBe(label);
 });

@@ -75,14 +75,15 @@ async function requestAdapter({
 }
 
 /**
- * Returns a human-readable name of the adapter, e.g. "nvidia hopper" or "google swiftshader". Deno names vendors by number
- * and describes the adapter besides; Firefox names nothing.
+ * Returns a human-readable name of the adapter, e.g. "nvidia hopper" or "google swiftshader". wgpu names vendors and devices by
+ * number, and mostly describes the adapter besides; Firefox names nothing.
  */
 export function adapterLabel(info: GPUAdapterInfo): string {
   const { vendor, architecture, device, description, isFallbackAdapter } = info;
-  if (/^\d+$/.test(vendor) && description) return description;
+  if (/^\d+$/.test(vendor)) return description || `GPU ${device} of vendor ${vendor}`;
   const name = [vendor, architecture || device].filter(Boolean).join(' ');
-  return name || description || (isFallbackAdapter ? 'unnamed software adapter' : 'unnamed adapter');
+  const kind = isFallbackAdapter ? 'software renderer' : 'GPU';
+  return name || description || `${kind} that the browser does not name`;
 }
 
 /** Whether the adapter is a (slow) software renderer on the CPU. */
