@@ -324,10 +324,10 @@ export const cases = {
   },
 
   /** An almost opaque splat, and behind it a wall that is drawn later. */
-  depthWriteBack: async (writesDepth: boolean, parameters: RendererParameters = {}) => {
+  depthWriteBack: async (depthWrite: boolean, parameters: RendererParameters = {}) => {
     const stage = await newStage(parameters);
     const cloud = splatCloud({ opacity: 0.9 });
-    cloud.writesDepth = writesDepth;
+    cloud.depthWrite = depthWrite;
     const later = { transparent: true };
     const behind = wall(0x00ff00, -0.5, later);
     const front = rightHalf(wall(0xff0000, 0.5, later));

@@ -13,7 +13,7 @@ import type { Box3, Camera, Object3D, Scene } from 'three/webgpu';
 export interface LayerCloud extends Object3D {
   readonly opacity: number;
   readonly shDegree: ShDegree;
-  readonly writesDepth: boolean;
+  readonly depthWrite: boolean;
   readonly accuracy: AccuracyRequest | null;
   readonly worldBounds: Box3;
   leave(layer: CloudLayer): void;

@@ -57,6 +57,8 @@ test.each<[string, Partial<RevealAnimation>]>([
   ['durationMs', { durationMs: Number.NaN }],
   ['from', { from: [0, 1, Number.NaN] }],
   ['softEdge', { softEdge: -1 }],
+  // Of a reveal without a time.
+  ['reveal', { radius: 3 } as never],
 ])('rejects an invalid %s', (argument, options) => {
   const make = () => new Revealing({ from: 'camera', durationMs: 1, ...options });
   expect(make).toThrow(InvalidArgumentError);

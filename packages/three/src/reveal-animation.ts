@@ -16,10 +16,14 @@ const SOFT_PART = 0.3;
 /**
  * Checks an animation that is set later, and returns it.
  *
- * @throws InvalidArgumentError for an invalid place, width or time.
+ * @throws InvalidArgumentError for an invalid place, width or time, and for a radius, which only the effect `reveal` has.
  */
 export function checkedReveal(animation: RevealAnimation): RevealAnimation {
-  const { durationMs, ...options } = animation;
+  const { durationMs, radius, ...options } = animation as RevealAnimation & Partial<RevealOptions>;
+  if (radius !== undefined) {
+    const message = 'reveal has both a radius and a durationMs. Leave one out.';
+    throw new InvalidArgumentError('reveal', message);
+  }
   reveal({ ...options, radius: 0 });
   if (Number.isFinite(durationMs) && durationMs > 0) return animation;
   const found = typeof durationMs === 'number' ? durationMs : `a ${typeof durationMs}`;

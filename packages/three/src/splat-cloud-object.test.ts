@@ -212,7 +212,7 @@ describe('data', () => {
   test('is copied to a clone, and so are the other properties', () => {
     const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
     cloud.opacity = 0.5;
-    cloud.writesDepth = true;
+    cloud.depthWrite = true;
     cloud.accuracy = 'high';
     cloud.shDegree = 1;
     cloud.effects = [brightness(2)];
@@ -220,9 +220,10 @@ describe('data', () => {
     cloud.reveal = { from: 'camera', durationMs: 100 };
     cloud.position.x = 2;
     const { data, effects, reveal } = cloud;
-    expect(cloud.clone()).toMatchObject({ data, opacity: 0.5, writesDepth: true, accuracy: 'high' });
+    expect(cloud.clone()).toMatchObject({ data, opacity: 0.5, depthWrite: true, accuracy: 'high' });
     expect(cloud.clone()).toMatchObject({ shDegree: 1, effects, fog: false, reveal });
     expect(cloud.clone().position.x).toBe(2);
+    expect(cloud.toJSON().object.type).toBe('SplatCloudObject');
   });
 
   test('counts when objects are measured', () => {

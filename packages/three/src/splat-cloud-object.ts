@@ -63,6 +63,7 @@ export interface SplatCloudEventMap extends Object3DEventMap {
  * theirs. Transforms may shear, mirror and scale; `visible` and `layers` work as on meshes.
  */
 export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements LayerCloud {
+  override readonly type: string = 'SplatCloudObject';
   readonly isSplatCloudObject = true;
   /** Multiplies every splat's opacity, 0…1. */
   opacity = 1;
@@ -76,7 +77,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
    * Whether splats that cover more than half of a pixel hide objects that are drawn after them, and are visible to effects
    * that read depth. Clouds in view share one layer: if one writes depth, all do.
    */
-  writesDepth = false;
+  depthWrite = false;
   /**
    * How exactly and how fast to draw splats: settings, or a wish (`{ minPsnrDb: 45 }`, `{ maxFrameMs: 8 }`) for which
    * settings are measured and chosen; null: the renderer's accuracy. All clouds in view share one frame and its accuracy. In
@@ -200,8 +201,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
 
   override copy(source: this, recursive?: boolean): this {
     super.copy(source, recursive);
-    const { data, opacity, shDegree, effects, fog, reveal, writesDepth, accuracy } = source;
-    return Object.assign(this, { data, opacity, shDegree, effects, fog, reveal, writesDepth, accuracy });
+    const { data, opacity, shDegree, effects, fog, reveal, depthWrite, accuracy } = source;
+    return Object.assign(this, { data, opacity, shDegree, effects, fog, reveal, depthWrite, accuracy });
   }
 
   /** Removes the cloud from the screen and releases its GPU copy, which goes with its last user. Drawing uploads it again. */

@@ -112,7 +112,7 @@ describe('the layer of a scene', () => {
     const depthMesh = layer.children[0] as Mesh;
     expect(depthMesh).toBeInstanceOf(Mesh);
     expect([layer.renderOrder, depthMesh.renderOrder, depthMesh.visible]).toEqual([3, 3, false]);
-    second.writesDepth = true;
+    second.depthWrite = true;
     scene.updateMatrixWorld();
     expect(depthMesh.visible).toBe(true);
     first.removeFromParent();

@@ -129,16 +129,16 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   #arrange(): void {
     const box = new Box3();
     let renderOrder: number | null = null;
-    let writesDepth = false;
+    let depthWrite = false;
     for (const cloud of this.#clouds) {
       box.union(cloud.worldBounds);
       renderOrder = Math.max(renderOrder ?? cloud.renderOrder, cloud.renderOrder);
-      writesDepth ||= cloud.writesDepth;
+      depthWrite ||= cloud.depthWrite;
     }
     if (!box.isEmpty()) this.matrixWorld.setPosition(box.getCenter(new Vector3()));
     this.renderOrder = renderOrder ?? 0;
     this.#depthMesh.renderOrder = this.renderOrder;
-    this.#depthMesh.visible = writesDepth;
+    this.#depthMesh.visible = depthWrite;
   }
 
   #draw(renderer: object, scene: Scene, camera: Camera): void {
@@ -189,7 +189,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
         heightPx: pass.heightPx,
         depth: pass.depth,
         hasOccluders: pass.hasOccluders,
-        writesDepth: [...drawn.keys()].some(({ writesDepth }) => writesDepth),
+        writesDepth: [...drawn.keys()].some(({ depthWrite }) => depthWrite),
         accuracy: accuracyOf(drawn.keys()),
       });
     const wasThere = ([object, { cloud }]: [LayerCloud, CloudInstance]) =>

@@ -4,7 +4,7 @@ import { createSplatRenderer, Splats } from '@websplatter/react';
 import { Suspense, useState } from 'react';
 
 export default function DepthWrite() {
-  const [writesDepth, setWritesDepth] = useState(true);
+  const [depthWrite, setDepthWrite] = useState(true);
   return (
     <>
       <Canvas
@@ -14,7 +14,7 @@ export default function DepthWrite() {
         camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
       >
         <Suspense>
-          <Splats src="still-life.ply" writesDepth={writesDepth} />
+          <Splats src="still-life.ply" depthWrite={depthWrite} />
         </Suspense>
         {/* Transparent objects are drawn after opaque ones, and this one after the splats: only their depth can hide it. */}
         <mesh position={[-0.2, 0.16, -0.12]} rotation-x={-1.2} renderOrder={1}>
@@ -27,8 +27,8 @@ export default function DepthWrite() {
         <label>
           <input
             type="checkbox"
-            checked={writesDepth}
-            onChange={({ target }) => setWritesDepth(target.checked)}
+            checked={depthWrite}
+            onChange={({ target }) => setDepthWrite(target.checked)}
           />{' '}
           Splats hide objects that are drawn after them
         </label>
