@@ -6,17 +6,16 @@ import {
   type FrameStatistics,
   type RevealAnimation,
   SplatCanvas,
+  type SplatCloudObject,
   SplatLoader,
   Splats,
   SplatsFallback,
-  type SplatsObject,
   type SplatsSource,
-  StageTimings,
-  type StageTimingsSource,
   splatEngineOf,
   useSplats,
-  useStageTimings,
 } from '@websplatter/react';
+import { StageTimings } from '@websplatter/react/components';
+import { type StageTimingsSource, useStageTimings } from '@websplatter/react/hooks';
 import { type ReactNode, StrictMode, Suspense, useEffect, useRef, useState } from 'react';
 import { createRoot } from 'react-dom/client';
 import { DefaultLoadingManager } from 'three';
@@ -66,7 +65,7 @@ const page = {
   log: [] as string[],
   /** By id, the newest of each Canvas. */
   canvases: new Map<string, RootState>(),
-  objects: new Map<string, SplatsObject>(),
+  objects: new Map<string, SplatCloudObject>(),
   statistics: [] as FrameStatistics[],
   /** What useStageTimings has returned. */
   timings: null as StageTimingsSource | null,
@@ -201,7 +200,7 @@ function OneSplats({
   handedOnBy: _,
   ...props
 }: Omit<SplatsDescription, 'src'> & { src: SplatsSource }): ReactNode {
-  const object = useRef<SplatsObject>(null);
+  const object = useRef<SplatCloudObject>(null);
   useEffect(() => {
     page.effects++;
     page.objects.set(id, object.current!);

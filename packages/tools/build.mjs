@@ -56,7 +56,12 @@ const PACKAGES = [
   { name: 'scenes', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   { name: 'hardcases', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   { name: 'three', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
-  { name: 'react', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
+  {
+    name: 'react',
+    entries: { index: 'src/index.ts', components: 'src/components.ts', hooks: 'src/hooks.ts' },
+    inputs: [],
+    hasDeclarations: true,
+  },
   {
     name: 'cli',
     entries: { main: 'src/main.ts' },

@@ -13,7 +13,7 @@ import {
   tint,
 } from '@websplatter/core/effects';
 import { checkedReveal, clipVolumeOf, encodedColor, type RevealAnimation } from '@websplatter/three';
-import { Box3, type ColorRepresentation, Plane, Sphere } from 'three';
+import type { Box3, ColorRepresentation, Plane, Sphere } from 'three';
 
 /** One prop per effect. Shaders contain only the effects in use; the others cost nothing. */
 export interface EffectProps {
@@ -29,7 +29,9 @@ export interface EffectProps {
    * Shows only splats within a radius. With `durationMs` in place of `radius`, makes the splats appear over time: when they
    * are first drawn, and again whenever these options or `src` change.
    */
-  reveal?: RevealOptions | RevealAnimation;
+  reveal?:
+    | (RevealOptions & { readonly durationMs?: never })
+    | (RevealAnimation & { readonly radius?: never });
   /** Mixes another colour into selected splats. After changing the selection, request a frame with `invalidate()`. */
   highlight?: Omit<HighlightOptions, 'color'> & { readonly color: ColorRepresentation };
   /** More effects, from `@websplatter/core/effects` or your own. */
@@ -45,12 +47,7 @@ export function usesOfProps(props: EffectProps): EffectUse[] {
   const uses: EffectUse[] = [];
   if (props.clip) {
     const { volumes } = props.clip;
-    uses.push(
-      clip({
-        ...props.clip,
-        volumes: Array.isArray(volumes) ? volumes.map((volume) => toVolume(volume)) : [],
-      }),
-    );
+    uses.push(clip({ ...props.clip, volumes: Array.isArray(volumes) ? volumes.map(toVolume) : [] }));
   }
   if (props.reveal && !isAnimation(props.reveal)) uses.push(reveal(props.reveal));
   if (props.antialias !== undefined) uses.push(antialias(props.antialias));
@@ -100,10 +97,11 @@ function isPlain(value: unknown): value is Record<string, unknown> {
 }
 
 function isAnimation(options: RevealOptions | RevealAnimation): options is RevealAnimation {
-  return typeof options === 'object' && 'durationMs' in options;
+  return (options as RevealAnimation).durationMs !== undefined;
 }
 
 function toVolume(volume: ClipVolume | Box3 | Sphere | Plane): ClipVolume {
-  const isShape = volume instanceof Box3 || volume instanceof Sphere || volume instanceof Plane;
-  return isShape ? clipVolumeOf(volume) : volume;
+  // three's shapes can be cloned, options cannot. `clip` refuses what is neither.
+  const isShape = (volume as Box3 | null)?.clone;
+  return isShape ? clipVolumeOf(volume as Box3) : (volume as ClipVolume);
 }

@@ -25,7 +25,6 @@ export {
   isSupported,
   onDeviceLost,
   type RevealAnimation,
-  SplatCloudObject,
   SplatData,
   type SplatHit,
   SplatLoader,
@@ -39,10 +38,7 @@ export { type CanvasRendererParameters, createSplatRenderer } from './create-spl
 export type { EffectProps } from './effect-props.ts';
 export type { CacheableSource } from './splat-cache.ts';
 export { SplatCanvas, type SplatCanvasProps } from './splat-canvas.tsx';
+export { SplatCloudObject } from './splat-cloud-object.ts';
 export { Splats, type SplatsProps, type SplatsSource } from './splats.tsx';
 export { SplatsFallback, type SplatsFallbackProps } from './splats-fallback.tsx';
-export { SplatsObject } from './splats-object.ts';
-export { StageTimings, type StageTimingsProps } from './stage-timings.tsx';
-export type { PanelCorner } from './timings-panel.ts';
 export { type UseSplatsOptions, useSplats } from './use-splats.ts';
-export { type StageTimingsSource, useStageTimings } from './use-stage-timings.ts';

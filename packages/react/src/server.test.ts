@@ -1,7 +1,10 @@
+import { Writable } from 'node:stream';
 import { createElement, Suspense } from 'react';
-import { renderToString } from 'react-dom/server';
-import { expect, it } from 'vitest';
-import { isSupported, SplatCanvas, Splats, SplatsFallback, StageTimings, useSplats } from './index.ts';
+import { renderToPipeableStream, renderToString } from 'react-dom/server';
+import { prerender } from 'react-dom/static';
+import { describe, expect, it } from 'vitest';
+import { StageTimings } from './components.ts';
+import { isSupported, SplatCanvas, Splats, SplatsFallback, useSplats } from './index.ts';
 
 it('renders a page on a server', async () => {
   useSplats.preload('garden.ply');
@@ -17,10 +20,49 @@ it('renders a page on a server', async () => {
   expect(await isSupported()).toBe(false);
 });
 
-it('leaves components that need a file to the browser', () => {
+describe('leaves components that need a file to the browser', () => {
   function Count() {
     return useSplats('garden.ply').count;
   }
   const page = createElement(Suspense, { fallback: 'Loading' }, createElement(Count));
-  expect(renderToString(page)).toContain('Loading');
+  /** What Next looks at to tell the wish to go on in the browser from an error, on the server and in the page. */
+  const DIGEST = 'BAILOUT_TO_CLIENT_SIDE_RENDERING';
+  const errors: unknown[] = [];
+  /** As in Next: what is returned goes into the page. */
+  const onError = (error: unknown) => {
+    errors.push(error);
+    return (error as { digest?: string }).digest;
+  };
+  const expectFallback = (html: string) => {
+    expect(html).toContain('Loading');
+    expect(html).toContain(`data-dgst="${DIGEST}"`);
+    expect(errors.splice(0)).toMatchObject([{ code: 'server', digest: DIGEST, reason: 'useSplats()' }]);
+  };
+
+  it('in one piece', () => {
+    expect(renderToString(page)).toContain('Loading');
+  });
+
+  it('in a page that is rendered in advance', async () => {
+    const { prelude } = await prerender(page, { onError });
+    expectFallback(await new Response(prelude).text());
+  });
+
+  it('in a page that is streamed, which ends', async () => {
+    let html = '';
+    await new Promise<void>((resolve) => {
+      const write = (chunk: Buffer, _: unknown, next: () => void) => {
+        html += chunk;
+        next();
+      };
+      const stream = renderToPipeableStream(page, { onError });
+      stream.pipe(new Writable({ write })).once('finish', resolve);
+    });
+    expectFallback(html);
+  });
+
+  it('and asks for no file where there is none', () => {
+    const None = () => String(useSplats(null));
+    expect(renderToString(createElement(None))).toBe('null');
+  });
 });

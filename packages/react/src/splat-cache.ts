@@ -1,4 +1,10 @@
-import { type AccuracyRequest, lastingSource, type SceneFiles, type SourceOptions } from '@websplatter/core';
+import {
+  type AccuracyRequest,
+  InvalidArgumentError,
+  lastingSource,
+  type SceneFiles,
+  type SourceOptions,
+} from '@websplatter/core';
 
 /** A source that can be loaded through the cache: URLs are compared by address, everything else by identity. */
 export type CacheableSource = string | URL | Blob | ArrayBuffer | SceneFiles;
@@ -167,13 +173,19 @@ export class SplatCache<Data> {
   }
 }
 
-/** Returns the request for `source`. */
+/**
+ * Returns the request for `source`.
+ *
+ * @throws InvalidArgumentError for an empty address, which would be that of the page.
+ */
 export function requestFor(
   source: CacheableSource,
   accuracy?: AccuracyRequest | null,
   renderer?: object,
   sourceOptions?: SourceOptions,
 ): SplatRequest {
+  if (source === '')
+    throw new InvalidArgumentError('source', 'The address is empty. Pass null for no splats.');
   return { source, accuracy, renderer, sourceOptions, key: sourceKeyOf(source) };
 }
 

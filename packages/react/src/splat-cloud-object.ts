@@ -1,10 +1,10 @@
 import { getRootState, type ThreeElement } from '@react-three/fiber';
-import { SplatCloudObject, type SplatHit } from '@websplatter/three';
+import { SplatCloudObject as ObjectOfThree, type SplatHit } from '@websplatter/three';
 import type { Camera, WebGPURenderer } from 'three/webgpu';
 import { rendererOf } from './use-renderer.ts';
 
-/** The object of a `<Splats>`: a SplatCloudObject that knows its Canvas. */
-export class SplatsObject extends SplatCloudObject {
+/** The object of a `<Splats>`: a SplatCloudObject of @websplatter/three that knows its Canvas. */
+export class SplatCloudObject extends ObjectOfThree {
   /**
    * Returns the splat that contributes most to a pixel of the last frame from the Canvas's camera; null if there is none, or
    * if it belongs to another cloud.

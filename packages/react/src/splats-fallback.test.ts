@@ -16,9 +16,10 @@ it('shows its children until they fail', () => {
   expect(renderToStaticMarkup(new SplatsFallback({ children: 'splats' }).render())).toBe('splats');
 });
 
-it('says why there is nothing to see, or shows its fallback', () => {
-  const sentence = '<p role="alert">This 3D view cannot be shown here. WebGPU is not available here.</p>';
-  expect(shownAfter(unavailable, { children: 'splats' })).toBe(sentence);
+it('tells visitors what to try, and nothing that only developers could use, or shows its fallback', () => {
+  const sentence = shownAfter(unavailable, { children: 'splats' });
+  expect(sentence).toMatch(/^<p role="alert">This 3D view cannot be shown here\. Try .+ Safari\.<\/p>$/);
+  expect(sentence).not.toContain(unavailable.message);
   expect(shownAfter(unavailable, { fallback: 'a photograph' })).toBe('a photograph');
   expect(shownAfter(unavailable, { fallback: ({ code }) => code })).toBe('webgpu-unavailable');
   expect(shownAfter(unavailable, { fallback: null })).toBe('');

@@ -6,13 +6,14 @@ type SupportError = WebGpuUnavailableError | SplatsUnsupportedRendererError;
 
 export interface SplatsFallbackProps {
   children?: ReactNode;
-  /** Shown in place of children that cannot draw; default: a sentence that says why. */
+  /** Shown in place of children that cannot draw; default: a sentence for visitors, which says what to try. */
   fallback?: ReactNode | ((error: SupportError) => ReactNode);
 }
 
 /**
  * An error boundary for a `<Canvas>` or `<SplatCanvas>`: if there is no WebGPU, or the Canvas has a renderer that cannot draw
- * splats, it shows `fallback` instead. Other errors pass through to the next error boundary.
+ * splats, it shows `fallback` instead; React logs the error, which says more. Other errors pass through to the next error
+ * boundary.
  */
 export class SplatsFallback extends Component<SplatsFallbackProps, { readonly error: unknown }> {
   override state: { readonly error: unknown } = { error: null };
@@ -29,7 +30,9 @@ export class SplatsFallback extends Component<SplatsFallbackProps, { readonly er
       throw error;
     if (typeof fallback === 'function') return fallback(error);
     return fallback === undefined ? (
-      <p role="alert">This 3D view cannot be shown here. {error.message}</p>
+      <p role="alert">
+        This 3D view cannot be shown here. Try a recent version of Chrome, Edge, Firefox or Safari.
+      </p>
     ) : (
       fallback
     );

@@ -305,11 +305,17 @@ it('resets props that become undefined, like props that are left out', async () 
   }
 });
 
+const BOTH_REVEALS = { from: 'camera', radius: 1, durationMs: 9 } as never;
+const BOTH_WISHES = { minPsnrDb: 45, maxFrameMs: 8 } as never;
+
 it.each<Partial<SplatsProps>>([
   { brightness: -1 },
   { reveal: { from: 'camera', radius: -1 } },
   { reveal: { from: 'camera', durationMs: 0 } },
-])('passes errors of invalid effects to the error boundary: %o', async (props) => {
+  { reveal: BOTH_REVEALS },
+  { accuracy: BOTH_WISHES },
+  { accuracy: 'best' as never },
+])('passes errors of invalid effects and accuracies to the error boundary: %o', async (props) => {
   const src = splatData('a');
   await show(splats({ src, ...props }));
   expect(caught).toBeInstanceOf(InvalidArgumentError);
@@ -321,7 +327,27 @@ it.each<Partial<SplatsProps>>([
   expect(caught).toBeInstanceOf(InvalidArgumentError);
 });
 
-it.each([null, 5, true, Symbol('s')])('passes on what is wrong with a src that is none: %s', async (src) => {
+it.each([undefined, null, ''])('without a source, draws, fetches and awaits nothing: %j', async (src) => {
+  const onLoad = vi.fn();
+  await show(splats({ src, onLoad }));
+  expect(isFallbackShown()).toBe(false);
+  expect(object()).toMatchObject({ data: null, visible: true });
+  const a = splatData('a');
+  await show(splats({ src: 'a.ply', onLoad }));
+  expect(isFallbackShown()).toBe(true);
+  await act(async () => test.loads[0].resolve(a));
+  expect(object().data).toBe(a);
+  const before = object();
+  await show(splats({ src, onLoad }));
+  expect(isFallbackShown()).toBe(false);
+  expect(object()).toBe(before);
+  expect(before.data).toBeNull();
+  expect(test.loads).toHaveLength(1);
+  expect(onLoad).toHaveBeenCalledExactlyOnceWith(a);
+  expect(caught).toBeUndefined();
+});
+
+it.each([5, true, Symbol('s')])('passes on what is wrong with a src that is none: %s', async (src) => {
   await show(splats({ src: src as never }));
   expect(caught).toBeInstanceOf(InvalidArgumentError);
   expect(caught).toMatchObject({ argument: 'source' });
@@ -332,6 +358,29 @@ it('aborts the load when it is unmounted', async () => {
   await show();
   await vi.advanceTimersByTimeAsync(GRACE_MS);
   expect(test.loads.map((load) => load.isAborted())).toEqual([true]);
+});
+
+it('says which prop contradicts itself', async () => {
+  const src = splatData('a');
+  await show(splats({ src, reveal: BOTH_REVEALS }));
+  expect(caught).toMatchObject({ argument: 'reveal' });
+  attempt++;
+  await show(splats({ src, accuracy: BOTH_WISHES }));
+  expect(caught).toMatchObject({ argument: 'accuracy' });
+});
+
+it('frees its splats when it is unmounted, also below a dispose of null, but not when its object moves', async () => {
+  const src = splatData('a');
+  await show(createElement('group', { dispose: null }, splats({ src, dispose: null })));
+  const [group] = scene.children;
+  const cloud = group.children[0];
+  const dispose = vi.spyOn(cloud, 'dispose' as never);
+  scene.attach(cloud);
+  group.attach(cloud);
+  await act(async () => {});
+  expect(dispose).not.toHaveBeenCalled();
+  await show();
+  expect(dispose).toHaveBeenCalled();
 });
 
 it('passes a failure to the error boundary, and tries again when mounted again', async () => {

@@ -1,5 +1,10 @@
 import { extend, type ThreeElement, useThree } from '@react-three/fiber';
-import type { AccuracyChoice, AccuracyRequest, SourceOptions } from '@websplatter/core';
+import {
+  type AccuracyChoice,
+  type AccuracyRequest,
+  checkAccuracy,
+  type SourceOptions,
+} from '@websplatter/core';
 import {
   onDeviceLost as listenForDeviceLoss,
   type SplatData,
@@ -13,15 +18,15 @@ import {
   useEffect,
   useImperativeHandle,
   useLayoutEffect,
-  useReducer,
   useRef,
   useState,
 } from 'react';
+import type { Object3D } from 'three';
 import { canvasStates } from './canvas-states.ts';
 import { type EffectProps, isSameUses, isSameValue, revealAnimationOf, usesOfProps } from './effect-props.ts';
 import { isServer } from './is-server.ts';
 import type { CacheableSource } from './splat-cache.ts';
-import { SplatsObject } from './splats-object.ts';
+import { SplatCloudObject } from './splat-cloud-object.ts';
 import { useLatest } from './use-latest.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 import { useSame } from './use-same.ts';
@@ -33,14 +38,23 @@ export type SplatsSource = CacheableSource | SplatData;
 export interface SplatsProps
   extends EffectProps,
     Omit<
-      ThreeElement<typeof SplatsObject>,
-      'accuracy' | 'args' | 'attach' | 'data' | 'dispose' | 'effects' | 'onError' | 'ref' | 'reveal'
+      ThreeElement<typeof SplatCloudObject>,
+      | 'accuracy'
+      | 'args'
+      | 'attach'
+      | 'castShadow'
+      | 'data'
+      | 'effects'
+      | 'onError'
+      | 'receiveShadow'
+      | 'ref'
+      | 'reveal'
     > {
   /**
    * The splats to show. A new source replaces the splats on screen as soon as it has been read; if there are none, what has
-   * arrived of it is shown before.
+   * arrived of it is shown before. Without a source, or with `''`, nothing is fetched or drawn.
    */
-  src: SplatsSource;
+  src?: SplatsSource | null;
   /**
    * How exactly and how fast to draw: settings, or a wish such as `{ minPsnrDb: 45 }`; default: the Canvas's. All clouds in
    * view share one frame and its accuracy: `SplatCloudObject.accuracy` of @websplatter/three says which. A change suspends
@@ -50,7 +64,7 @@ export interface SplatsProps
   /** Limits of reading `src`, and how it is fetched if it is an address; the first request for a file decides. */
   sourceOptions?: SourceOptions;
   /** The object in the scene. */
-  ref?: Ref<SplatsObject>;
+  ref?: Ref<SplatCloudObject>;
   /** Called when all splats have been read and are about to be drawn. */
   onLoad?: (splats: SplatData) => void;
   /** Reports progress: `loaded` and `total` are bytes; `lengthComputable` is false if the total is not known. */
@@ -68,6 +82,10 @@ export interface SplatsProps
   onDeviceLost?: (info: GPUDeviceLostInfo) => void;
   /** Shown if the Canvas has a renderer that cannot draw splats; without it, such a renderer is an error. */
   fallback?: ReactNode;
+  /** Splats cast no shadows. */
+  castShadow?: false;
+  /** Splats receive no shadows, except those that they were trained with. */
+  receiveShadow?: false;
 }
 
 /**
@@ -75,16 +93,14 @@ export interface SplatsProps
  * changes, the old splats stay until the new ones have been read. All other props are set on the object as they change.
  *
  * @throws SplatsUnsupportedRendererError if the Canvas was not made with `gl={createSplatRenderer}` and there is no
- *   `fallback`; InvalidArgumentError for effects with invalid options; SplatFileError, SplatSourceError, GpuLimitError if
- *   there is no `onError`.
+ *   `fallback`; InvalidArgumentError for an invalid `accuracy` and for effects with invalid options; SplatFileError,
+ *   SplatSourceError, GpuLimitError if there is no `onError`.
  */
 export function Splats({ fallback, ...props }: SplatsProps): ReactNode {
   const renderer = useCanvasRenderer();
   if (!renderer) {
     if (isServer()) return null;
-    throw new SplatsUnsupportedRendererError(
-      '<Splats> is outside of a Canvas: put it into <Canvas gl={createSplatRenderer}> or <SplatCanvas>.',
-    );
+    throw new SplatsUnsupportedRendererError('<Splats> is outside of a Canvas: put it into a <SplatCanvas>.');
   }
   try {
     splatEngineOf(renderer);
@@ -96,7 +112,16 @@ export function Splats({ fallback, ...props }: SplatsProps): ReactNode {
 }
 
 // Passed to `extend` as a class, not by name, so that it overrides no application's `<splatCloudObject>`.
-const CloudElement = /* @__PURE__ */ extend(SplatsObject);
+const CloudElement = /* @__PURE__ */ extend(SplatCloudObject);
+
+/**
+ * Releases the splats of an object that has left the scene. react-three-fiber does not below a `dispose={null}`, which protects
+ * what others use, too; splats are counted by their users.
+ */
+function freeIfUnmounted({ target }: { target: Object3D }): void {
+  // Deferred: an object that changes its parent is removed first.
+  queueMicrotask(() => target.parent || target.dispose?.());
+}
 
 function Cloud({
   renderer,
@@ -119,7 +144,8 @@ function Cloud({
   effects,
   ...objectProps
 }: Omit<SplatsProps, 'fallback'> & { renderer: object }): ReactNode {
-  const object = useRef<SplatsObject>(null);
+  if (accuracy) checkAccuracy(accuracy);
+  const object = useRef<SplatCloudObject>(null);
   useImperativeHandle(ref, () => object.current!, []);
   const invalidate = useThree((state) => state.invalidate);
   const latest = useLatest({ onLoad, onFirstFrame, onAccuracyChosen, onError, onDeviceLost });
@@ -128,7 +154,7 @@ function Cloud({
   const uses = useSame(usesOfProps(effectProps), isSameUses);
   const animation = useSame(revealAnimationOf(effectProps), isSameValue);
 
-  const { splats, load } = useSource(src, renderer, accuracy, sourceOptions, onProgress);
+  const { splats, load } = useSource(src || null, renderer, accuracy, sourceOptions, onProgress);
   useEffect(() => {
     if (load?.status === 'failed') latest.current.onError?.(load.error);
   }, [load, latest]);
@@ -143,16 +169,18 @@ function Cloud({
   const [drawError, setDrawError] = useState<{ readonly error: unknown } | null>(null);
   useLayoutEffect(() => {
     const cloud = object.current!;
-    const reportFirstFrame = () => {
-      canvasStates.get(renderer)?.pace.recovered();
-      latest.current.onFirstFrame?.();
+    const listeners = {
+      firstframe: () => {
+        canvasStates.get(renderer)?.pace.recovered();
+        latest.current.onFirstFrame?.();
+      },
+      accuracychosen: ({ choice }: { choice: AccuracyChoice }) => latest.current.onAccuracyChosen?.(choice),
+      needsframe: () => invalidate(),
     };
-    cloud.addEventListener('firstframe', reportFirstFrame);
-    const reportChoice = ({ choice }: { choice: AccuracyChoice }) =>
-      latest.current.onAccuracyChosen?.(choice);
-    cloud.addEventListener('accuracychosen', reportChoice);
-    const requestFrame = () => invalidate();
-    cloud.addEventListener('needsframe', requestFrame);
+    const all = Object.entries(listeners) as [keyof typeof listeners, () => void][];
+    for (const [type, listener] of all) cloud.addEventListener(type, listener);
+    // Stays when this effect ends, which it also does where React only hides the cloud.
+    cloud.addEventListener('removed', freeIfUnmounted);
     cloud.onError = (error) => {
       if (latest.current.onError) latest.current.onError(error);
       // Drawing goes on.
@@ -160,9 +188,7 @@ function Cloud({
       else setDrawError({ error });
     };
     return () => {
-      cloud.removeEventListener('firstframe', reportFirstFrame);
-      cloud.removeEventListener('accuracychosen', reportChoice);
-      cloud.removeEventListener('needsframe', requestFrame);
+      for (const [type, listener] of all) cloud.removeEventListener(type, listener);
       cloud.onError = null;
     };
   }, [renderer, latest, invalidate]);
@@ -174,8 +200,8 @@ function Cloud({
 
   // React does not notify a component that suspended before its first mount when it is discarded, so its load could not be
   // aborted. It therefore mounts without splats first, and suspends before that is painted.
-  const [, suspendNow] = useReducer(() => true, false);
-  useLayoutEffect(suspendNow, []);
+  const [, suspend] = useState(false);
+  useLayoutEffect(() => suspend(true), []);
   if (drawError) throw drawError.error;
   if (load?.status === 'failed' && !onError) throw load.error;
   // Thrown for the reason given in useSplats.

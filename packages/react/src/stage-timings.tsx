@@ -1,7 +1,9 @@
-import { type ReactNode, useEffect, useRef } from 'react';
+import type { FrameStatistics } from '@websplatter/core';
+import { onStageTimings } from '@websplatter/three';
+import { type ReactNode, useEffect } from 'react';
+import type { WebGPURenderer } from 'three/webgpu';
 import type { PanelCorner, TimingsPanel } from './timings-panel.ts';
-import { useCanvasRenderer } from './use-renderer.ts';
-import { useStageTimings } from './use-stage-timings.ts';
+import { useMeasuredRenderer } from './use-renderer.ts';
 
 export interface StageTimingsProps {
   /** Needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`); null while there is none. */
@@ -13,37 +15,35 @@ export interface StageTimingsProps {
 /**
  * Shows what the splats cost per frame, in a corner over the canvas: an HTML overlay, wherever in the tree this component is.
  * Updates it at most four times a second, and renders nothing for that, in React or on the canvas.
+ *
+ * @throws InvalidArgumentError outside of a Canvas without `renderer`.
  */
 export function StageTimings({ renderer, corner = 'top-left' }: StageTimingsProps): ReactNode {
-  const canvasRenderer = useCanvasRenderer();
-  if (renderer === null) return null;
-  // `useStageTimings` throws if there is no renderer.
-  return <Overlay renderer={(renderer ?? canvasRenderer) as MeasuredRenderer} corner={corner} />;
-}
-
-interface MeasuredRenderer {
-  readonly domElement: HTMLCanvasElement;
-}
-
-function Overlay({ renderer, corner }: { renderer: MeasuredRenderer; corner: PanelCorner }): ReactNode {
-  const panel = useRef<TimingsPanel>(null);
+  const measured = useMeasuredRenderer(renderer, '<StageTimings>');
   useEffect(() => {
+    if (!measured) return;
     let isGone = false;
+    let latest: FrameStatistics | null = null;
+    let panel: TimingsPanel | null = null;
+    const stop = onStageTimings(measured, (statistics) => {
+      latest = statistics;
+      panel?.show(statistics);
+    });
     // Imported when the panel is shown: pages whose users never see it do not load it.
     import('./timings-panel.ts')
       .then(({ createTimingsPanel }) => {
         if (isGone) return;
-        const { ownerDocument, parentElement } = renderer.domElement;
-        panel.current = createTimingsPanel(ownerDocument, corner);
-        parentElement?.append(panel.current.element);
+        const { ownerDocument, parentElement } = (measured as WebGPURenderer).domElement;
+        panel = createTimingsPanel(ownerDocument, corner);
+        if (latest) panel.show(latest);
+        parentElement?.append(panel.element);
       })
       .catch((error: unknown) => console.error(error));
     return () => {
       isGone = true;
-      panel.current?.remove();
-      panel.current = null;
+      stop();
+      panel?.remove();
     };
-  }, [renderer, corner]);
-  useStageTimings((statistics) => panel.current?.show(statistics), renderer);
+  }, [measured, corner]);
   return null;
 }

@@ -7,10 +7,11 @@ import {
   createSplatRenderer,
   type EffectUse,
   type RevealAnimation,
+  type SplatCloudObject,
   type SplatData,
   SplatLoader,
-  type SplatsObject,
   type SplatsProps,
+  useSplats,
 } from './index.ts';
 
 // Checked by the compiler; at run time these do nothing.
@@ -20,9 +21,9 @@ it('types the props of a Canvas and of <Splats>', () => {
     createSplatRenderer({ ...props, accuracy: 'high' }),
   ).toExtend<NonNullable<CanvasProps['gl']>>();
   expectTypeOf<SplatsProps['src']>().toEqualTypeOf<
-    string | URL | Blob | ArrayBuffer | SceneFiles | SplatData
+    string | URL | Blob | ArrayBuffer | SceneFiles | SplatData | null | undefined
   >();
-  expectTypeOf<SplatsProps['ref']>().toEqualTypeOf<Ref<SplatsObject> | undefined>();
+  expectTypeOf<SplatsProps['ref']>().toEqualTypeOf<Ref<SplatCloudObject> | undefined>();
   expectTypeOf<[number, number, number]>().toExtend<SplatsProps['position']>();
   expectTypeOf<SplatsProps['accuracy']>().toEqualTypeOf<AccuracyRequest | null | undefined>();
   expectTypeOf<SplatsProps['opacity']>().toEqualTypeOf<number | undefined>();
@@ -31,11 +32,31 @@ it('types the props of a Canvas and of <Splats>', () => {
   expectTypeOf<RevealAnimation>().toExtend<SplatsProps['reveal']>();
   expectTypeOf<SplatsProps['onClick']>().not.toBeAny();
   expectTypeOf<SplatsProps>().not.toHaveProperty('data');
+  expectTypeOf<null>().toExtend<SplatsProps['dispose']>();
+});
+
+it('refuses props that contradict each other or do nothing', () => {
+  expectTypeOf<{ minPsnrDb: number; maxFrameMs: number }>().not.toExtend<SplatsProps['accuracy']>();
+  expectTypeOf<{ minPsnrDb: number; preset: 'high' }>().not.toExtend<SplatsProps['accuracy']>();
+  expectTypeOf<{ from: 'camera'; radius: number; durationMs: number }>().not.toExtend<
+    SplatsProps['reveal']
+  >();
+  expectTypeOf<true>().not.toExtend<SplatsProps['castShadow']>();
+  expectTypeOf<true>().not.toExtend<SplatsProps['receiveShadow']>();
+});
+
+it('types useSplats without a source', () => {
+  expectTypeOf(() => useSplats('garden.ply')).returns.toEqualTypeOf<SplatData>();
+  expectTypeOf(() => useSplats(null)).returns.toEqualTypeOf<SplatData | null>();
 });
 
 it('types useLoader with a SplatLoader', () => {
   const load = () => useLoader(SplatLoader, 'garden.ply', (loader) => loader.setAccuracy('high'));
   expectTypeOf(load).returns.toEqualTypeOf<SplatData>();
+  const loadAny = (address: string) => useLoader(SplatLoader, address);
+  expectTypeOf(loadAny).returns.toEqualTypeOf<SplatData>();
+  const loadAll = (addresses: string[]) => useLoader(SplatLoader, addresses);
+  expectTypeOf(loadAll).returns.toEqualTypeOf<SplatData[]>();
   expectTypeOf<SplatLoader['loadAsync']>().toBeCallableWith(new Blob());
 });
 

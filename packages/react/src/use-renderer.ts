@@ -1,4 +1,5 @@
 import { context, type RootState } from '@react-three/fiber';
+import { InvalidArgumentError } from '@websplatter/core';
 import { useContext } from 'react';
 
 /** Returns the renderer of a Canvas, which @react-three/fiber 10 calls `renderer`. */
@@ -10,4 +11,20 @@ export function rendererOf(state: RootState & { readonly renderer?: object }): o
 export function useCanvasRenderer(): object | undefined {
   const store = useContext(context);
   return store ? rendererOf(store.getState()) : undefined;
+}
+
+/**
+ * Returns `given`, or the renderer of the surrounding Canvas if it is undefined.
+ *
+ * @param who needs it, for messages.
+ * @throws InvalidArgumentError if there is neither.
+ */
+export function useMeasuredRenderer<Given extends object | null>(
+  given: Given | undefined,
+  who: string,
+): object | Given {
+  const renderer = useCanvasRenderer();
+  const measured = given === undefined ? renderer : given;
+  if (measured !== undefined) return measured;
+  throw new InvalidArgumentError('renderer', `Outside of a Canvas, ${who} needs its renderer.`);
 }

@@ -5,7 +5,7 @@ import { sharedCache } from './shared-cache.ts';
 import { type CacheableSource, type LoadState, requestFor } from './splat-cache.ts';
 import { useLatest } from './use-latest.ts';
 
-/** Progress of a source. */
+/** Progress of a source, or of none. */
 export interface SourceState {
   /** Splats to show; null if there are none yet. */
   readonly splats: SplatData | null;
@@ -13,11 +13,11 @@ export interface SourceState {
   readonly load: LoadState<SplatData> | undefined;
 }
 
-type Source = CacheableSource | SplatData;
+type Source = CacheableSource | SplatData | null;
 
 /**
- * Loads `src` for `renderer`, packed for `accuracy` or the renderer's own unless it was requested before. Keeps the previous
- * splats until then; if there are none, returns previews.
+ * Loads `src`, if there is one, for `renderer`, packed for `accuracy` or the renderer's own unless it was requested before.
+ * Keeps the previous splats until then; if there are none, returns previews.
  */
 export function useSource(
   src: Source,
@@ -30,7 +30,8 @@ export function useSource(
   const [shown, setShown] = useState(src);
   // Also holds the file on screen in the cache: `src` may change back.
   const onScreen = useLoadState(shown, renderer, accuracy, sourceOptions);
-  if (shown !== src && (load?.status === 'loaded' || onScreen?.status !== 'loaded')) setShown(src);
+  const takesOver = !src || load?.status === 'loaded' || onScreen?.status !== 'loaded';
+  if (shown !== src && takesOver) setShown(src);
   // Previews are on one renderer alone.
   const isHere =
     onScreen?.status === 'loaded' || (onScreen?.status === 'pending' && onScreen.renderer === renderer);
@@ -49,7 +50,8 @@ function useLoadState(
   onProgress?: (event: ProgressEvent) => void,
 ): LoadState<SplatData> | undefined {
   const latest = useLatest(onProgress);
-  const request = src instanceof SplatData ? null : requestFor(src, accuracy, renderer, sourceOptions);
+  const request =
+    !src || src instanceof SplatData ? null : requestFor(src, accuracy, renderer, sourceOptions);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the key stands for the request.
   const watch = useCallback(
     (onChange: () => void) => {

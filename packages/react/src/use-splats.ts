@@ -1,4 +1,4 @@
-import type { AccuracyRequest, SourceOptions } from '@websplatter/core';
+import { type AccuracyRequest, type SourceOptions, WebSplatterError } from '@websplatter/core';
 import { type SplatData, splatEngineOf } from '@websplatter/three';
 import { useEffect } from 'react';
 import { isServer } from './is-server.ts';
@@ -17,22 +17,46 @@ export interface UseSplatsOptions {
 }
 
 /**
+ * What React puts into a page in place of an error on the server. Next knows this one: it neither ends the build of a static page
+ * nor logs anything, but shows the fallback until the browser has the splats.
+ */
+const DIGEST = 'BAILOUT_TO_CLIENT_SIDE_RENDERING';
+
+/**
  * Returns the splats of a file, for `<Splats src={splats}>` or for their number and bounds. Suspends until they are read, and
  * throws the errors of reading (`SplatFileError`, `SplatSourceError`). All components with the same source share its splats.
+ * Without a source, returns null and reads nothing.
  *
  * A component that is unmounted before it has appeared leaves its load running, because React does not notify it;
- * `<Splats src="…">` aborts it. On a server it throws, so that the nearest Suspense boundary shows its fallback there.
+ * `<Splats src="…">` aborts it. On a server it throws a WebSplatterError with the code `server`, so that the nearest Suspense
+ * boundary shows its fallback there, also in a page that is rendered in advance; the browser reads the file.
+ *
+ * @throws InvalidArgumentError for an empty address.
  */
-export function useSplats(source: CacheableSource, options: UseSplatsOptions = {}): SplatData {
+export function useSplats(source: CacheableSource, options?: UseSplatsOptions): SplatData;
+export function useSplats(
+  source: CacheableSource | null | undefined,
+  options?: UseSplatsOptions,
+): SplatData | null;
+export function useSplats(
+  source: CacheableSource | null | undefined,
+  options: UseSplatsOptions = {},
+): SplatData | null {
   const renderer = useCanvasRenderer();
   // Fails here where it has to, and not in a load that other Canvases share.
   if (renderer) splatEngineOf(renderer);
-  const request = requestFor(source, options.accuracy, renderer, options.sourceOptions);
-  if (isServer())
-    throw new Error(`useSplats(${source}) can only read in a browser: put a <Suspense> around it.`);
-  const state = sharedCache.ask(request);
+  const request =
+    source == null ? null : requestFor(source, options.accuracy, renderer, options.sourceOptions);
+  if (request && isServer()) {
+    const reason = 'useSplats()';
+    const message = `${reason} reads in browsers only: put a <Suspense> around it.`;
+    // Next writes the reason where there is no <Suspense>.
+    throw Object.assign(new WebSplatterError('server', message), { digest: DIGEST, reason });
+  }
+  const state = request && sharedCache.ask(request);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the key stands for the request.
-  useEffect(() => sharedCache.watch(request, {}), [request.key]);
+  useEffect(() => (request ? sharedCache.watch(request, {}) : undefined), [request?.key]);
+  if (!state) return null;
   if (state.status === 'loaded') return state.data;
   // Not `use(state.settled)`: React would then expect `use` again when it renders again, with nothing left to wait for.
   throw state.status === 'failed' ? state.error : state.settled;

@@ -1,8 +1,8 @@
-import { type FrameStatistics, InvalidArgumentError } from '@websplatter/core';
+import type { FrameStatistics } from '@websplatter/core';
 import { onStageTimings } from '@websplatter/three';
 import { useEffect, useMemo } from 'react';
 import { useLatest } from './use-latest.ts';
-import { useCanvasRenderer } from './use-renderer.ts';
+import { useMeasuredRenderer } from './use-renderer.ts';
 
 /** The newest measurement of a renderer. It can be read at any time and never causes a render. */
 export interface StageTimingsSource {
@@ -17,18 +17,13 @@ export interface StageTimingsSource {
  * use `current` and `subscribe` of the result.
  *
  * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
- * @throws InvalidArgumentError outside of a Canvas without `renderer`; SplatsUnsupportedRendererError for renderers that
- *   `createSplatRenderer` did not make.
+ * @throws InvalidArgumentError outside of a Canvas without `renderer`.
  */
 export function useStageTimings(
   listener?: (statistics: FrameStatistics) => void,
   renderer?: object,
 ): StageTimingsSource {
-  const canvasRenderer = useCanvasRenderer();
-  const measured = renderer ?? canvasRenderer;
-  if (!measured) {
-    throw new InvalidArgumentError('renderer', 'Outside of a Canvas, useStageTimings needs its renderer.');
-  }
+  const measured = useMeasuredRenderer(renderer, 'useStageTimings');
   const latest = useLatest(listener);
   const source = useMemo(() => {
     const subscribe = (each: (statistics: FrameStatistics) => void) => onStageTimings(measured, each);

@@ -1,9 +1,9 @@
 import { Canvas, type ThreeEvent } from '@react-three/fiber';
-import { createSplatRenderer, type SplatHit, Splats, type SplatsObject } from '@websplatter/react';
+import { createSplatRenderer, type SplatCloudObject, type SplatHit, Splats } from '@websplatter/react';
 import { useRef, useState } from 'react';
 
 export default function Picking() {
-  const splats = useRef<SplatsObject>(null);
+  const splats = useRef<SplatCloudObject>(null);
   const [hit, setHit] = useState<SplatHit | null>(null);
   const pick = async ({ nativeEvent: { offsetX, offsetY } }: ThreeEvent<MouseEvent>) => {
     setHit((await splats.current?.pick(offsetX, offsetY)) ?? null);

@@ -1,10 +1,10 @@
 import { Canvas, invalidate, type ThreeEvent } from '@react-three/fiber';
-import { createSplatRenderer, SplatSelection, Splats, type SplatsObject } from '@websplatter/react';
+import { createSplatRenderer, type SplatCloudObject, SplatSelection, Splats } from '@websplatter/react';
 import { Suspense, useRef, useState } from 'react';
 import { Sphere } from 'three';
 
 export default function Selection() {
-  const splats = useRef<SplatsObject>(null);
+  const splats = useRef<SplatCloudObject>(null);
   const [selection] = useState(() => new SplatSelection());
   const [color, setColor] = useState('#ff8a00');
   const [radius, setRadius] = useState(0.1);

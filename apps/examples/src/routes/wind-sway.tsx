@@ -1,13 +1,13 @@
 import { OrbitControls } from '@react-three/drei';
 import { Canvas, useFrame } from '@react-three/fiber';
-import { createSplatRenderer, Splats, type SplatsObject } from '@websplatter/react';
+import { createSplatRenderer, type SplatCloudObject, Splats } from '@websplatter/react';
 import { type RefObject, Suspense, useRef, useState } from 'react';
 import { windSway } from '../effects/wind-sway.ts';
 
 const prefersStillness = matchMedia('(prefers-reduced-motion: reduce)').matches;
 
 export default function WindSway() {
-  const splats = useRef<SplatsObject>(null);
+  const splats = useRef<SplatCloudObject>(null);
   const [amplitude, setAmplitude] = useState(0.06);
   const [isMoving, setMoving] = useState(!prefersStillness);
   return (
@@ -40,7 +40,7 @@ export default function WindSway() {
 }
 
 interface WindProps {
-  splats: RefObject<SplatsObject | null>;
+  splats: RefObject<SplatCloudObject | null>;
   amplitude: number;
   isMoving: boolean;
 }

@@ -1,0 +1,187 @@
+import { createRoot } from '@react-three/fiber';
+import { InvalidArgumentError, type SplatEngine } from '@websplatter/core';
+import { onStageTimings, type SplatData, splatEngineOf } from '@websplatter/three';
+import { act, createElement, type ReactNode } from 'react';
+import { renderToString } from 'react-dom/server';
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { type SplatsLoad, useSplatEffects, useSplatMemory, useSplatsLoad, useStageTimings } from './hooks.ts';
+import { GRACE_MS } from './splat-cache.ts';
+
+interface Load {
+  readonly source: unknown;
+  readonly renderer: unknown;
+  readonly isAborted: () => boolean;
+  readonly onProgress: (progress: Partial<ProgressEvent>) => void;
+  readonly resolve: (data: SplatData) => void;
+  readonly reject: (error: Error) => void;
+}
+
+const test = vi.hoisted(() => ({ loads: [] as Load[], measured: new Set<(statistics: object) => void>() }));
+
+// Loading and drawing are tested with three; here files are read, and frames measured, when a test says so.
+vi.mock('@websplatter/three', () => ({
+  onStageTimings: vi.fn((_renderer: object, listener: (statistics: object) => void) => {
+    test.measured.add(listener);
+    return () => test.measured.delete(listener);
+  }),
+  splatEngineOf: vi.fn(),
+  SplatLoader: class {
+    #renderer: unknown;
+    #isAborted = false;
+    detectSupport(renderer: unknown) {
+      this.#renderer = renderer;
+    }
+    abort() {
+      this.#isAborted = true;
+    }
+    loadAsync(source: unknown, onProgress: (progress: object) => void) {
+      const isAborted = () => this.#isAborted;
+      return new Promise<SplatData>((resolve, reject) => {
+        test.loads.push({ source, renderer: this.#renderer, isAborted, onProgress, resolve, reject });
+      });
+    }
+  },
+}));
+
+const renderer = { render() {}, setPixelRatio() {}, setSize() {}, dispose() {} };
+/** What the engine has, which a test changes. */
+const engine = { memory: { totalBytes: 1 }, effects: [] as object[] };
+
+let root: ReturnType<typeof createRoot>;
+
+beforeEach(async () => {
+  vi.useFakeTimers();
+  vi.stubGlobal('IS_REACT_ACT_ENVIRONMENT', true);
+  vi.stubGlobal('document', { baseURI: 'https://example.org/' });
+  Object.assign(engine, { memory: { totalBytes: 1 }, effects: [] });
+  const found = { memory: () => ({ ...engine.memory }), effects: () => [...engine.effects] };
+  vi.mocked(splatEngineOf).mockReturnValue(found as unknown as SplatEngine);
+  vi.mocked(onStageTimings).mockClear();
+  test.loads.length = 0;
+  // three logs that it is imported twice.
+  vi.spyOn(console, 'warn').mockImplementation(() => {});
+  const canvas = { addEventListener() {}, removeEventListener() {} } as unknown as HTMLCanvasElement;
+  root = createRoot(canvas);
+  const size = { width: 96, height: 64, top: 0, left: 0 };
+  await root.configure({ gl: renderer as never, frameloop: 'never', size, dpr: 1 });
+});
+
+afterEach(async () => {
+  await act(async () => root.unmount());
+  await vi.advanceTimersByTimeAsync(2 * GRACE_MS);
+  expect(vi.getTimerCount(), 'timers left').toBe(0);
+  expect(test.measured.size, 'listeners left').toBe(0);
+  vi.unstubAllGlobals();
+  vi.restoreAllMocks();
+  vi.useRealTimers();
+});
+
+/** Renders a component that calls `use`, in a Canvas; returns what it has returned, render by render. */
+async function rendersOf<Result>(use: () => Result): Promise<Result[]> {
+  const results: Result[] = [];
+  function Caller(): ReactNode {
+    results.push(use());
+    return null;
+  }
+  await act(async () => {
+    root.render(createElement(Caller));
+  });
+  return results;
+}
+
+async function measureFrames(count: number): Promise<void> {
+  await act(async () => {
+    for (let i = 0; i < count; i++) for (const listener of [...test.measured]) listener({ frame: i });
+    await vi.advanceTimersByTimeAsync(250);
+  });
+}
+
+describe.each([
+  ['useSplatMemory', useSplatMemory, () => Object.assign(engine, { memory: { totalBytes: 2 } })],
+  ['useSplatEffects', useSplatEffects, () => Object.assign(engine, { effects: [{ name: 'tint' }] })],
+])('%s', (name, use: (renderer?: object) => unknown, change) => {
+  it('renders again some time after frames, if something has changed', async () => {
+    const renders = await rendersOf(() => use());
+    expect(renders).toHaveLength(2);
+    expect(renders[0]).toBeNull();
+    await measureFrames(3);
+    expect(renders).toHaveLength(2);
+    change();
+    await measureFrames(3);
+    expect(renders).toHaveLength(3);
+    expect(renders[2]).toEqual(name === 'useSplatMemory' ? { totalBytes: 2 } : [{ name: 'tint' }]);
+  });
+
+  it('takes a renderer outside of a Canvas, and asks for one', async () => {
+    const other = {};
+    const Caller = ({ given }: { given?: object }) => String(use(given));
+    expect(() => renderToString(createElement(Caller))).toThrow(InvalidArgumentError);
+    expect(() => renderToString(createElement(Caller))).toThrow(`Outside of a Canvas, ${name} needs`);
+    expect(renderToString(createElement(Caller, { given: other }))).toBe('null');
+    expect(splatEngineOf).toHaveBeenLastCalledWith(other);
+  });
+});
+
+it('useStageTimings passes each measured frame on, and causes no render', async () => {
+  const listener = vi.fn();
+  const renders = await rendersOf(() => useStageTimings(listener));
+  expect(renders[0].current).toBeNull();
+  await measureFrames(2);
+  expect(listener.mock.calls).toEqual([[{ frame: 0 }], [{ frame: 1 }]]);
+  expect(renders[0].current).toEqual({ frame: 1 });
+  expect(renders).toHaveLength(1);
+});
+
+describe('useSplatsLoad', () => {
+  const data = { name: 'a', dispose() {} } as SplatData;
+
+  it('tells how far a file has been read, without suspending', async () => {
+    const renders = await rendersOf(() => useSplatsLoad('a.ply'));
+    const pending: SplatsLoad = {
+      status: 'pending',
+      splats: null,
+      error: undefined,
+      loadedBytes: 0,
+      totalBytes: null,
+    };
+    expect(renders.at(-1)).toEqual(pending);
+    expect(test.loads).toMatchObject([{ source: 'a.ply', renderer }]);
+    await act(async () => test.loads[0].onProgress({ loaded: 1, total: 0, lengthComputable: false }));
+    expect(renders.at(-1)).toEqual({ ...pending, loadedBytes: 1 });
+    await act(async () => test.loads[0].onProgress({ loaded: 3, total: 4, lengthComputable: true }));
+    expect(renders.at(-1)).toEqual({ ...pending, loadedBytes: 3, totalBytes: 4 });
+    await act(async () => test.loads[0].resolve(data));
+    const loaded = { ...pending, status: 'loaded', splats: data, loadedBytes: 3, totalBytes: 4 };
+    expect(renders.at(-1)).toEqual(loaded);
+    // What has been read before is there at once.
+    const others = await rendersOf(() => useSplatsLoad('a.ply'));
+    expect(others.at(-1)).toMatchObject({ status: 'loaded', splats: data });
+    expect(test.loads).toHaveLength(1);
+  });
+
+  it('returns the error of a load that has failed', async () => {
+    const renders = await rendersOf(() => useSplatsLoad('b.ply'));
+    const error = new Error('no such file');
+    await act(async () => test.loads[0].reject(error));
+    expect(renders.at(-1)).toMatchObject({ status: 'failed', error, splats: null });
+  });
+
+  it('aborts a load that nobody wants any more', async () => {
+    await rendersOf(() => useSplatsLoad('c.ply'));
+    await act(async () => root.render(null));
+    await vi.advanceTimersByTimeAsync(GRACE_MS);
+    expect(test.loads[0].isAborted()).toBe(true);
+  });
+
+  it.each([undefined, null, ''])('reads nothing where there is no source: %j', async (source) => {
+    expect(await rendersOf(() => useSplatsLoad(source))).toMatchObject([{ status: 'none', splats: null }]);
+    expect(test.loads).toHaveLength(0);
+  });
+
+  it('leaves reading to the browser', () => {
+    Reflect.deleteProperty(globalThis, 'document');
+    const Caller = () => useSplatsLoad('d.ply').status;
+    expect(renderToString(createElement(Caller))).toBe('none');
+    expect(test.loads).toHaveLength(0);
+  });
+});

@@ -1,0 +1,72 @@
+import { type SplatData, splatEngineOf } from '@websplatter/three';
+import { useEffect, useState } from 'react';
+import { isServer } from './is-server.ts';
+import { sharedCache } from './shared-cache.ts';
+import { type CacheableSource, requestFor } from './splat-cache.ts';
+import { useCanvasRenderer } from './use-renderer.ts';
+import type { UseSplatsOptions } from './use-splats.ts';
+
+/** How far a file has been read. */
+export interface SplatsLoad {
+  /** `none` without a source, and on a server. */
+  readonly status: 'none' | 'pending' | 'loaded' | 'failed';
+  /** Null until the whole file has been read. */
+  readonly splats: SplatData | null;
+  /** What `useSplats` would throw; undefined unless the load has failed. */
+  readonly error: unknown;
+  /** Bytes that have arrived. */
+  readonly loadedBytes: number;
+  /** Null if it is not known. */
+  readonly totalBytes: number | null;
+}
+
+const NO_LOAD: SplatsLoad = {
+  status: 'none',
+  splats: null,
+  error: undefined,
+  loadedBytes: 0,
+  totalBytes: null,
+};
+
+/**
+ * Reads a file as `useSplats` does, but neither suspends nor throws its errors: returns how far that is, for a bar of one's own
+ * and `<Splats src={load.splats}>`. Bytes cause renders as they arrive. The load is aborted half a second after its last user is
+ * unmounted.
+ *
+ * @param source of which a change begins another load; none with null, undefined or `''`.
+ * @throws SplatsUnsupportedRendererError in a Canvas whose renderer `createSplatRenderer` did not make.
+ */
+export function useSplatsLoad(
+  source: CacheableSource | null | undefined,
+  { accuracy, sourceOptions }: UseSplatsOptions = {},
+): SplatsLoad {
+  const renderer = useCanvasRenderer();
+  // Fails here where it has to, and not in a load that other Canvases share.
+  if (renderer) splatEngineOf(renderer);
+  const request = source && !isServer() ? requestFor(source, accuracy, renderer, sourceOptions) : null;
+  const [known, setKnown] = useState<{ readonly key: string; readonly load: SplatsLoad } | null>(null);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the key stands for the request.
+  useEffect(() => {
+    if (!request) return;
+    const { key } = request;
+    let load: SplatsLoad = { ...NO_LOAD, status: 'pending' };
+    const take = (change: Partial<SplatsLoad>) => {
+      load = { ...load, ...change };
+      setKnown({ key, load });
+    };
+    const takeState = () => {
+      const state = sharedCache.stateOf(request);
+      if (state?.status === 'loaded') take({ status: 'loaded', splats: state.data });
+      if (state?.status === 'failed') take({ status: 'failed', error: state.error });
+    };
+    const stop = sharedCache.watch(request, {
+      onChange: takeState,
+      onProgress: ({ loaded, total, lengthComputable }) =>
+        take({ loadedBytes: loaded, totalBytes: lengthComputable ? total : null }),
+    });
+    takeState();
+    return stop;
+  }, [request?.key]);
+  if (!request) return NO_LOAD;
+  return known?.key === request.key ? known.load : { ...NO_LOAD, status: 'pending' };
+}
