@@ -1,0 +1,106 @@
+// Examples of READMEs are what people copy: they must pass the strictest compiler.
+import { spawnSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { expect, test } from 'vitest';
+import { completedExample, examplesIn } from './readme-examples.ts';
+
+const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
+
+/** READMEs by the package that they are about, and what their examples take as given. */
+const READMES: Readonly<
+  Record<string, { readonly of: string; readonly given: Readonly<Record<string, string>> }>
+> = {
+  'README.md': {
+    of: '@websplatter/react',
+    given: { canvas: 'HTMLCanvasElement' },
+  },
+  'packages/react/README.md': {
+    of: '@websplatter/react',
+    given: {
+      Placeholder: "() => import('react').ReactNode",
+      OrbitControls:
+        "(props: { target: import('three').Vector3; onChange: (event?: { target: { target: import('three').Vector3 } }) => void }) => import('react').ReactNode",
+      splats: "import('react').RefObject<import('@websplatter/react').SplatCloudObject | null>",
+      center: "import('three').Vector3",
+      radius: 'number',
+    },
+  },
+  'packages/three/README.md': {
+    of: '@websplatter/three',
+    given: {
+      canvas: 'HTMLCanvasElement',
+      renderer: "import('three/webgpu').WebGPURenderer",
+      cloud: "import('@websplatter/three').SplatCloudObject",
+      min: "import('three').Vector3",
+      max: "import('three').Vector3",
+    },
+  },
+};
+
+/** Compiles modules by name, strictly; returns what the compiler says. */
+function compile(modules: Readonly<Record<string, string>>): string {
+  const folder = mkdtempSync(join(tmpdir(), 'websplatter-readmes-'));
+  try {
+    symlinkSync(join(repositoryRoot, 'node_modules'), join(folder, 'node_modules'), 'junction');
+    for (const [name, text] of Object.entries(modules)) writeFileSync(join(folder, name), text);
+    const compilerOptions = {
+      target: 'ES2022',
+      module: 'ESNext',
+      moduleResolution: 'bundler',
+      // The sources, whether or not they are built.
+      customConditions: ['@websplatter/source'],
+      allowImportingTsExtensions: true,
+      lib: ['ES2023', 'DOM', 'DOM.Iterable', 'DOM.AsyncIterable'],
+      types: ['@webgpu/types', 'vite/client', 'node'],
+      jsx: 'react-jsx',
+      strict: true,
+      skipLibCheck: true,
+      noEmit: true,
+    };
+    writeFileSync(
+      join(folder, 'tsconfig.json'),
+      JSON.stringify({ compilerOptions, files: Object.keys(modules) }),
+    );
+    const tsc = join(repositoryRoot, 'node_modules/typescript/bin/tsc');
+    const args = [tsc, '-p', folder, '--pretty', 'false'];
+    return spawnSync(process.execPath, args, { cwd: folder, encoding: 'utf8' }).stdout;
+  } finally {
+    rmSync(folder, { recursive: true, force: true });
+  }
+}
+
+test('examples of READMEs type-check, strictly; a wrong one is found', () => {
+  const modules: Record<string, string> = {};
+  for (const [path, { of, given }] of Object.entries(READMES)) {
+    const examples = examplesIn(readFileSync(join(repositoryRoot, path), 'utf8'));
+    expect(examples.length, path).toBeGreaterThan(1);
+    for (const { line, language, code } of examples)
+      modules[`${path.replaceAll('/', '-')}-line-${line}.${language}`] = completedExample(code, of, given);
+  }
+  const wrong = 'const cloud = useRef<SplatCloudObject>(null);\ncloud.current.pick(1, 2);\n';
+  modules['wrong.tsx'] = completedExample(wrong, '@websplatter/react', {});
+  const said = compile(modules).trim().split('\n');
+  expect(said).toEqual([
+    expect.stringMatching(/^wrong\.tsx\(3,1\): error TS18047: 'cloud\.current' is possibly/),
+  ]);
+});
+
+test('an example gets the names that it lacks, and no others', () => {
+  const code =
+    "import { Canvas } from '@react-three/fiber';\nconst splats = useRef(Splats), more = a.tint;\n";
+  const { 0: first, length } = completedExample(code, '@websplatter/react', {
+    splats: 'never',
+    a: 'any',
+  }).split('\n');
+  expect(first).toBe(
+    "import { Splats } from '@websplatter/react'; import { useRef } from 'react'; declare const a: any; export {};",
+  );
+  expect(length).toBe(4);
+  expect(examplesIn('# A\n\n```ts\na\n```\n\n```\nno\n```\n```tsx\n<b />\n```\n')).toEqual([
+    { line: 4, language: 'ts', code: 'a\n' },
+    { line: 11, language: 'tsx', code: '<b />\n' },
+  ]);
+});
