@@ -21,8 +21,9 @@ import { slimShaders } from './slim-shaders.mjs';
 
 /**
  * Packages in order of dependence. `entries` are the modules that may be imported, and the workers, which must be files of
- * their own. `inputs` are bundled besides the package's own sources. `chunkOf` names the file that a module is in, where modules that
- * several entries need should not be left to the bundler, which makes a file for every set of entries.
+ * their own. `hosted` are scripts that others serve as they are: each is one minified file without imports. `inputs` are bundled
+ * besides the package's own sources. `chunkOf` names the file that a module is in, where modules that several entries need should not
+ * be left to the bundler, which makes a file for every set of entries.
  */
 const PACKAGES = [
   {
@@ -37,7 +38,7 @@ const PACKAGES = [
       write: 'src/write.ts',
       'compressed-ply-worker': 'src/io/formats/compressed-ply/compressed-ply-worker.ts',
       'ksplat-worker': 'src/io/formats/ksplat/ksplat-worker.ts',
-      'load-worker': 'src/io/loading/load-worker.ts',
+      'ply-worker': 'src/io/formats/ply/ply-worker.ts',
       'palette-worker': 'src/clouds/palette-worker.ts',
       'spz-worker': 'src/io/formats/spz/spz-worker.ts',
       'gzip-worker': 'src/io/formats/gzip/gzip-worker.ts',
@@ -47,6 +48,7 @@ const PACKAGES = [
       'ply-points-worker': 'src/io/formats/ply-points/ply-points-worker.ts',
       'splat-worker': 'src/io/formats/splat/splat-worker.ts',
     },
+    hosted: { 'load-worker': 'src/load-worker.ts' },
     inputs: ['shaders'],
     hasDeclarations: true,
     chunkOf: coreChunk,
@@ -99,7 +101,9 @@ export async function build() {
     ];
     // Includes the hash so far: declarations are checked against those of the packages before.
     hash = hashOf(sources, hash);
-    const built = Object.keys(item.entries).map((entry) => `${folder}/dist/${entry}.js`);
+    const built = Object.keys({ ...item.entries, ...item.hosted }).map(
+      (entry) => `${folder}/dist/${entry}.js`,
+    );
     if (isBuilt(item.name, hash, built)) continue;
     await timeBuild(item.name, hash, () => buildPackage(item));
   }
@@ -135,7 +139,10 @@ async function buildPackage(item) {
   // Build into another folder first, so that a failed build leaves the previous dist.
   const aside = join(cacheFolder, `${item.name}-${process.pid}`);
   try {
-    await bundle(item, folder, aside);
+    const chunkOf = item.chunkOf?.(folder, item.entries);
+    await bundle(item.entries, folder, aside, { minify: false, emptyOutDir: true, chunkOf });
+    for (const [name, path] of Object.entries(item.hosted ?? {}))
+      await bundle({ [name]: path }, folder, aside, { minify: true, emptyOutDir: false });
     checkDirectives(item, folder, aside);
     if (item.hasDeclarations) emitDeclarations(folder, aside);
     rmSync(join(folder, 'dist'), { recursive: true, force: true });
@@ -145,11 +152,10 @@ async function buildPackage(item) {
   }
 }
 
-async function bundle(item, folder, outDir) {
+/** Writes `entries` of the package in `folder` into `outDir`; minified, each is one file with all that it imports. */
+async function bundle(entries, folder, outDir, { minify, emptyOutDir, chunkOf }) {
   const vite = await import('vite');
-  const input = Object.fromEntries(
-    Object.entries(item.entries).map(([name, path]) => [name, join(folder, path)]),
-  );
+  const input = Object.fromEntries(Object.entries(entries).map(([name, path]) => [name, join(folder, path)]));
   await vite.build({
     configFile: false,
     root: folder,
@@ -160,8 +166,8 @@ async function bundle(item, folder, outDir) {
       ssr: true,
       target: 'es2022',
       outDir,
-      emptyOutDir: true,
-      minify: false,
+      emptyOutDir,
+      minify,
       sourcemap: true,
       rolldownOptions: {
         input,
@@ -172,21 +178,13 @@ async function bundle(item, folder, outDir) {
           format: 'es',
           entryFileNames: '[name].js',
           chunkFileNames: '[name]-[hash].js',
-          ...(item.chunkOf && {
-            codeSplitting: {
-              groups: [
-                {
-                  name: item.chunkOf(folder, item.entries),
-                  debugName: 'chunkOf',
-                  includeDependenciesRecursively: false,
-                },
-              ],
-            },
-          }),
+          codeSplitting: chunkOf
+            ? { groups: [{ name: chunkOf, debugName: 'chunkOf', includeDependenciesRecursively: false }] }
+            : !minify,
         },
       },
     },
-    plugins: [workerFiles(item.entries), slimShaders()],
+    plugins: [workerFiles(entries), slimShaders()],
   });
 }
 

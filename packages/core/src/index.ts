@@ -55,6 +55,7 @@ export type { GpuMemoryReport } from './gpu/gpu-memory.ts';
 export type { TextureImage } from './gpu/read-texture.ts';
 export { RecoveryPace } from './gpu/recovery-pace.ts';
 export { encodePly } from './io/formats/ply/write-ply.ts';
+export { setWorkerUrl } from './io/loading/hosted-worker.ts';
 export { type LoadSplatsOptions, lastingSource, loadSplats } from './io/loading/load-splats.ts';
 export { readSplats } from './io/loading/read-splats.ts';
 export type {

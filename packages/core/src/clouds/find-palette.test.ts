@@ -1,6 +1,7 @@
 import { MessageChannel, type MessagePort } from 'node:worker_threads';
-import { afterEach, describe, expect, test, vi } from 'vitest';
+import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
 import { InvalidArgumentError, WebSplatterError } from '../errors.ts';
+import { setWorkerUrl } from '../io/loading/hosted-worker.ts';
 import { clusterHarmonics } from '../packing/cluster-harmonics.ts';
 import type { PackedHarmonics } from '../packing/harmonics.ts';
 import { packHarmonics } from '../packing/repack-harmonics.ts';
@@ -15,6 +16,7 @@ type Behaviour = 'works' | 'throws' | 'does not start' | 'never starts' | 'never
 class FakeWorker {
   static behaviour: Behaviour = 'works';
   static started: FakeWorker[] = [];
+  static scripts: string[] = [];
   onmessage: ((event: MessageEvent) => void) | null = null;
   onerror: ((event: Partial<ErrorEvent>) => void) | null = null;
   onmessageerror: (() => void) | null = null;
@@ -22,8 +24,8 @@ class FakeWorker {
   wasAsked = false;
   readonly #page: MessagePort;
 
-  constructor(url: URL, options: WorkerOptions) {
-    expect(url.pathname).toMatch(/palette-worker\.ts$/);
+  constructor(url: URL | string, options: WorkerOptions) {
+    FakeWorker.scripts.push(/[^/]+$/.exec(String(url))![0]);
     expect(options.type).toBe('module');
     if (FakeWorker.behaviour === 'throws') throw new DOMException('not allowed here', 'SecurityError');
     FakeWorker.started.push(this);
@@ -60,9 +62,15 @@ function useWorkers(behaviour: Behaviour): void {
   vi.stubGlobal('Worker', FakeWorker);
 }
 
+beforeEach(() => {
+  vi.spyOn(console, 'warn').mockImplementation(() => {});
+});
+
 afterEach(() => {
+  vi.restoreAllMocks();
   for (const worker of FakeWorker.started) expect(worker.isTerminated).toBe(true);
   FakeWorker.started = [];
+  FakeWorker.scripts = [];
   vi.unstubAllGlobals();
 });
 
@@ -102,6 +110,14 @@ describe.each<Behaviour>(['works', 'throws', 'does not start'])('a worker that %
     };
     await expect(find(harmonics(), { onProgress })).rejects.toThrow('bad callback');
   });
+});
+
+test('the worker is the one for palettes, or the one that the page hosts', async () => {
+  useWorkers('works');
+  await find(harmonics());
+  setWorkerUrl('https://example.org/load-worker.js');
+  await find(harmonics()).finally(() => setWorkerUrl(null));
+  expect(FakeWorker.scripts).toEqual(['palette-worker.ts', 'load-worker.js']);
 });
 
 test('memory is given away only where it may be', async () => {

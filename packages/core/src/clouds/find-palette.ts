@@ -1,5 +1,7 @@
+import { hostedWorker } from '../io/loading/hosted-worker.ts';
 import { fromPostedError } from '../io/loading/load-messages.ts';
-import { endWorker, startWorker, workerStopped } from '../io/loading/start-worker.ts';
+import { startWorker, workerStopped } from '../io/loading/start-worker.ts';
+import { endWorker } from '../io/loading/try-worker.ts';
 import { endTurn, takeTurn } from '../io/loading/worker-turns.ts';
 import type { ClusterOptions } from '../packing/cluster-harmonics.ts';
 import type { PackedHarmonics } from '../packing/harmonics.ts';
@@ -33,7 +35,7 @@ export async function findPalette(
   try {
     // In one piece, since this is the form that bundlers recognise.
     const make = () => new Worker(new URL('./palette-worker.ts', import.meta.url), { type: 'module' });
-    worker = await startWorker(make, signal);
+    worker = await startWorker(hostedWorker() ?? make, signal);
     if (worker) return await findInWorker(worker, harmonics, count, options);
     const { clusterHarmonics } = await import('../packing/cluster-harmonics.ts');
     return await clusterHarmonics(harmonics, count, { entryCount, signal, onProgress });

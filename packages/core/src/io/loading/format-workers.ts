@@ -7,7 +7,7 @@ import type { SceneFiles, SplatSource } from '../sources/splat-source.ts';
 import type { GivenBack } from './load-messages.ts';
 
 /** A worker for each format but PLY, which `load-splats.ts` starts by itself. In one piece each, the form that bundlers recognise. */
-const WORKERS: Readonly<Record<string, () => Worker>> = {
+export const WORKERS: Readonly<Record<string, () => Worker>> = {
   spz: () => new Worker(new URL('../formats/spz/spz-worker.ts', import.meta.url), { type: 'module' }),
   gzip: () => new Worker(new URL('../formats/gzip/gzip-worker.ts', import.meta.url), { type: 'module' }),
   gltf: () => new Worker(new URL('../formats/gltf/gltf-worker.ts', import.meta.url), { type: 'module' }),
@@ -41,11 +41,6 @@ export function formatOf(
   name: string | undefined,
 ): string {
   return detectFormat(firstBytes, name, fileNameOf(source, name)).name;
-}
-
-/** The worker that reads a format other than PLY. */
-export function newFormatWorker(format: string): Worker {
-  return WORKERS[format]();
 }
 
 /**

@@ -1,6 +1,6 @@
 import { MessageChannel, type MessagePort } from 'node:worker_threads';
 import { gzipSync } from 'node:zlib';
-import { afterEach, describe, expect, test, vi } from 'vitest';
+import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
 import { InvalidArgumentError, SplatFileError, SplatSourceError, WebSplatterError } from '../../errors.ts';
 import type { RowLayout } from '../../packing/row-layout.ts';
 import { chunked, plyBytes, splatElement } from '../../testing/ply-fixture.ts';
@@ -10,9 +10,11 @@ import { gzipFormat } from '../formats/gzip/gzip-format.ts';
 import { readPly } from '../formats/ply/ply.ts';
 import { plyFormat } from '../formats/ply/ply-format.ts';
 import { encodePly } from '../formats/ply/write-ply.ts';
+import { ALL_READERS } from '../formats/readers.ts';
 import type { RowSink } from '../formats/row-sink.ts';
 import { type FormatReaders, onlyOf } from '../formats/splat-format.ts';
 import type { LoadProgress, SplatSource } from '../sources/splat-source.ts';
+import { setWorkerUrl } from './hosted-worker.ts';
 import { fromPostedError, type LoadRequest, toPostedError } from './load-messages.ts';
 import { lastingSource, loadOrPass, loadSplats } from './load-splats.ts';
 import { type LoadPort, serveLoad } from './serve-load.ts';
@@ -21,8 +23,9 @@ const ply = plyBytes({ format: 'binary_little_endian', elements: [splatElement(3
 
 /** What each worker reads, by the beginning of its name. */
 const READERS: Readonly<Record<string, FormatReaders>> = {
-  load: onlyOf(plyFormat, readPly),
+  ply: onlyOf(plyFormat, readPly),
   gzip: onlyOf(gzipFormat, readGzip),
+  load: ALL_READERS,
 };
 
 type Behaviour = 'works' | 'throws' | 'does not start' | 'never starts' | 'dies' | 'takes no streams';
@@ -68,8 +71,8 @@ class FakeWorker {
   readonly #page: MessagePort;
   readonly #inside: MessagePort;
 
-  constructor(url: URL, options: WorkerOptions) {
-    this.kind = /([a-z-]+)-worker/.exec(url.pathname)![1];
+  constructor(url: URL | string, options: WorkerOptions) {
+    this.kind = /([a-z-]+)-worker/.exec(String(url))![1];
     expect(options.type).toBe('module');
     if (FakeWorker.behaviour === 'throws') throw new DOMException('not allowed here', 'SecurityError');
     FakeWorker.started.push(this);
@@ -113,7 +116,13 @@ function useWorkers(behaviour: Behaviour): void {
   vi.stubGlobal('Worker', FakeWorker);
 }
 
+beforeEach(() => {
+  vi.spyOn(console, 'warn').mockImplementation(() => {});
+});
+
 afterEach(() => {
+  setWorkerUrl(null);
+  vi.restoreAllMocks();
   for (const worker of FakeWorker.started) expect(worker.isTerminated).toBe(true);
   FakeWorker.started = [];
   vi.unstubAllGlobals();
@@ -183,11 +192,11 @@ describe.each<Behaviour>(['works', 'throws', 'does not start', 'takes no streams
     });
 
     test.each([
-      { name: 'Blob', make: () => new Blob([packed]), kinds: ['load', 'gzip'] },
+      { name: 'Blob', make: () => new Blob([packed]), kinds: ['ply', 'gzip'] },
       { name: 'named File', make: () => new File([packed], 'A.PLY.GZ'), kinds: ['gzip'] },
-      { name: 'misnamed File', make: () => new File([ply], 'a.gz'), kinds: ['gzip', 'load'] },
+      { name: 'misnamed File', make: () => new File([ply], 'a.gz'), kinds: ['gzip', 'ply'] },
       { name: 'list of one', make: () => ({ files: [new File([packed], 'a.gz')] }), kinds: ['gzip'] },
-      { name: 'stream', make: () => chunked(packed, [700]), kinds: ['load', 'gzip'] },
+      { name: 'stream', make: () => chunked(packed, [700]), kinds: ['ply', 'gzip'] },
     ])('$name of another format', async ({ name, make, kinds }) => {
       const here = await loadSplats(make());
       useWorkers(behaviour);
@@ -254,6 +263,29 @@ describe.each<Behaviour>(['works', 'throws', 'does not start', 'takes no streams
     });
   },
 );
+
+describe('a worker that the page hosts', () => {
+  test.each<[string, SplatSource]>([
+    ['PLY', new Blob([ply])],
+    ['another format', new Blob([packed])],
+    ['another format by its name', new File([packed], 'a.ply.gz')],
+    ['a list of files', { files: [new File([packed], 'a.ply.gz')] }],
+  ])('reads %s at the first attempt', async (_, source) => {
+    const here = await loadSplats(source);
+    useWorkers('works');
+    setWorkerUrl('https://example.org/load-worker.js');
+    expect(await loadSplats(source)).toEqual(here);
+    expect(FakeWorker.started.map(({ kind }) => kind)).toEqual(['load']);
+  });
+
+  test('is forgotten by null', async () => {
+    useWorkers('works');
+    setWorkerUrl('https://example.org/load-worker.js');
+    setWorkerUrl(null);
+    await loadSplats(ply);
+    expect(FakeWorker.started.map(({ kind }) => kind)).toEqual(['ply']);
+  });
+});
 
 test('URLs are resolved against the page, not the worker, and keep the name that was given', async () => {
   useWorkers('works');

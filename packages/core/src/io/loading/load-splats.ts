@@ -11,6 +11,7 @@ import {
   shortName,
 } from '../sources/source-kind.ts';
 import type { LastingSource, ReadOptions, ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
+import { hostedWorker } from './hosted-worker.ts';
 import {
   fromPostedError,
   type GivenBack,
@@ -18,7 +19,8 @@ import {
   type LoadRequest,
   type LoadSettings,
 } from './load-messages.ts';
-import { endWorker, startWorker, workerStopped } from './start-worker.ts';
+import { startWorker, workerStopped } from './start-worker.ts';
+import { endWorker } from './try-worker.ts';
 import { endTurn, takeTurn } from './worker-turns.ts';
 
 export interface LoadSplatsOptions extends ReadSplatsOptions {
@@ -80,8 +82,7 @@ export async function loadOrPass(
     }
     // The worker that the name suggests, and then the one for what is in the file.
     for (let attempt = 0; attempt < 2; attempt++) {
-      const likely = format;
-      worker ??= await startWorker(() => newWorker(likely), signal);
+      worker ??= await startWorker(await makerOf(format), signal);
       if (worker === null) break;
       const result = await loadInWorker(worker, from, settings, watch, rowsTo);
       if (!result || !('firstBytes' in result)) return result;
@@ -116,12 +117,13 @@ async function readHere(
   return readAndPack(source, settings, watch, ALL_READERS, rowsTo);
 }
 
-/** The worker that reads `format`, by default PLY. */
-async function newWorker(format: string | null): Promise<Worker> {
-  if (format !== null && format !== 'ply')
-    return (await import('./format-workers.ts')).newFormatWorker(format);
+/** What makes the worker that reads `format`, by default PLY. */
+async function makerOf(format: string | null): Promise<() => Worker> {
+  const hosted = hostedWorker();
+  if (hosted) return hosted;
+  if (format !== null && format !== 'ply') return (await import('./format-workers.ts')).WORKERS[format];
   // In one piece, since this is the form that bundlers recognise.
-  return new Worker(new URL('./load-worker.ts', import.meta.url), { type: 'module' });
+  return () => new Worker(new URL('../formats/ply/ply-worker.ts', import.meta.url), { type: 'module' });
 }
 
 /**

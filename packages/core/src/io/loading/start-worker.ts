@@ -1,49 +1,22 @@
 import { WebSplatterError } from '../../errors.ts';
+import { tryWorker } from './try-worker.ts';
 
 /**
  * Starts a worker, which posts a message as soon as its script is running. Resolves with it then, and with null where none can
- * start: in Node, or under a content security policy that forbids workers.
+ * start: in Node, or where a bundler left the script out or a content security policy forbids workers, which the console says once.
  *
  * Rejects with the signal's reason.
  *
- * @param make throws or rejects where it cannot make one.
+ * @param make throws where it cannot make one.
  */
 export async function startWorker(
-  make: () => Worker | Promise<Worker>,
+  make: () => Worker,
   signal: AbortSignal | undefined,
 ): Promise<Worker | null> {
   if (typeof Worker === 'undefined') return null;
-  let worker: Worker;
-  try {
-    worker = await make();
-  } catch {
-    return null;
-  }
-  if (signal?.aborted) {
-    worker.terminate();
-    throw signal.reason;
-  }
-  return new Promise((resolve, reject) => {
-    const onAbort = () => {
-      worker.terminate();
-      reject(signal?.reason);
-    };
-    signal?.addEventListener('abort', onAbort, { once: true });
-    worker.onmessage = () => {
-      signal?.removeEventListener('abort', onAbort);
-      resolve(worker);
-    };
-    worker.onerror = (event) => {
-      event.preventDefault();
-      signal?.removeEventListener('abort', onAbort);
-      resolve(endWorker(worker));
-    };
-  });
-}
-
-export function endWorker(worker: Worker | null): null {
-  worker?.terminate();
-  return null;
+  return (
+    (await tryWorker(make, signal)) ?? (await import('./start-elsewhere.ts')).startElsewhere(make, signal)
+  );
 }
 
 /**

@@ -1,0 +1,69 @@
+import { WebSplatterError } from '../../errors.ts';
+import { baseUrl } from '../sources/source-kind.ts';
+import { tryWorker } from './try-worker.ts';
+
+// What is done about a worker that does not start. It is fetched only then.
+
+let wasReported = false;
+
+/**
+ * Starts the worker that `make` could not start because its script is of another origin: from a Blob of the page's own, which imports
+ * the script. Resolves with null where that fails too; the first time, the console says how to mend it.
+ *
+ * Rejects with the signal's reason.
+ */
+export async function startElsewhere(
+  make: () => Worker,
+  signal: AbortSignal | undefined,
+): Promise<Worker | null> {
+  const address = addressOf(make);
+  const worker = address && isOfOtherOrigin(address) ? await startFromBlob(address, signal) : null;
+  if (!worker && !wasReported) {
+    wasReported = true;
+    console.warn(workerUnavailable(address));
+  }
+  return worker;
+}
+
+/** The script that `make` asks for, which only the bundler knows that wrote it there; null if `make` gets no further than that. */
+function addressOf(make: () => Worker): URL | null {
+  let asked: string | URL | null = null;
+  const { Worker } = globalThis;
+  globalThis.Worker = class {
+    constructor(url: string | URL) {
+      asked = url;
+    }
+  } as unknown as typeof Worker;
+  try {
+    make();
+    return asked && new URL(asked, baseUrl());
+  } catch {
+    return null;
+  } finally {
+    globalThis.Worker = Worker;
+  }
+}
+
+function isOfOtherOrigin({ protocol, origin }: URL): boolean {
+  return /^https?:$/.test(protocol) && origin !== globalThis.location?.origin;
+}
+
+async function startFromBlob(address: URL, signal: AbortSignal | undefined): Promise<Worker | null> {
+  const script = new Blob([`import ${JSON.stringify(address.href)};`], { type: 'text/javascript' });
+  const url = URL.createObjectURL(script);
+  try {
+    return await tryWorker(() => new Worker(url, { type: 'module' }), signal);
+  } finally {
+    URL.revokeObjectURL(url);
+  }
+}
+
+function workerUnavailable(address: URL | null): WebSplatterError {
+  const found = address ? `${address.href} did not start as a worker` : 'the bundler left the workers out';
+  return new WebSplatterError(
+    'worker-unavailable',
+    `WebSplatter: ${found}, so files are read on the page's own thread, which then stutters. Serve the file ` +
+      '@websplatter/core/load-worker, pass its address to setWorkerUrl, and let the Content-Security-Policy, if there ' +
+      'is one, allow it (worker-src). The README of @websplatter/core says how, bundler by bundler, under “The worker”.',
+  );
+}

@@ -1,0 +1,47 @@
+import { afterEach, beforeEach, expect, test, vi } from 'vitest';
+import type { PaletteRequest } from './clouds/palette-messages.ts';
+import { encodePly } from './io/formats/ply/write-ply.ts';
+import type { LoadRequest } from './io/loading/load-messages.ts';
+import { packHarmonics } from './packing/repack-harmonics.ts';
+import { randomSplats } from './testing/random-splats.ts';
+
+interface Port {
+  onmessage: ((event: { data: LoadRequest | PaletteRequest }) => void) | null;
+  readonly postMessage: (reply: { kind: string }) => void;
+}
+
+let replies: string[];
+let port: Port;
+
+beforeEach(async () => {
+  replies = [];
+  port = { onmessage: null, postMessage: ({ kind }) => replies.push(kind) };
+  vi.stubGlobal('self', port);
+  vi.resetModules();
+  await import('./load-worker.ts');
+});
+
+afterEach(() => {
+  vi.unstubAllGlobals();
+});
+
+test('the worker that pages host says that it runs, and reads file after file', async () => {
+  expect(replies).toEqual(['ready']);
+  const settings = {
+    name: undefined,
+    shPrecision: 'u8',
+    geometryPrecision: 'packed',
+  } as const;
+  const source = encodePly(randomSplats({ count: 20 }));
+  for (let loads = 1; loads <= 2; loads++) {
+    port.onmessage?.({ data: { kind: 'load', source, settings, rows: null } });
+    await expect.poll(() => replies.filter((kind) => kind === 'cloud')).toHaveLength(loads);
+  }
+  expect(replies).not.toContain('error');
+});
+
+test('the worker that pages host finds a palette', async () => {
+  const harmonics = packHarmonics(randomSplats({ count: 40 }).harmonics);
+  port.onmessage?.({ data: { harmonics, count: 40, entryCount: 8 } });
+  await expect.poll(() => replies.at(-1)).toBe('palette');
+});
