@@ -4,6 +4,7 @@ import { checkEngineNumbers } from './check-options.ts';
 import type { SplatEngine as Engine, EngineOptions } from './engine.ts';
 import { CodeUnavailableError } from './errors.ts';
 import { requestSplatDevice } from './gpu/device.ts';
+import { foreseeWorkers } from './io/loading/load-splats.ts';
 import { foreseeTiles } from './shaders/later-source.ts';
 
 const fetchEngine = async () => (await import('./engine.ts')).SplatEngine;
@@ -24,6 +25,7 @@ export const SplatEngine = {
     if (!internWish(accuracy)) internAccuracy(accuracy as Accuracy);
     checkEngineNumbers(options);
     foreseeTiles();
+    foreseeWorkers();
     const implementation = fetchEngine().catch((cause) => {
       throw new CodeUnavailableError('engine', { cause });
     });
@@ -48,4 +50,5 @@ export function foreseeEngine(): void {
   if (!globalThis.navigator?.gpu) return;
   fetchEngine().catch(() => {});
   foreseeTiles();
+  foreseeWorkers();
 }

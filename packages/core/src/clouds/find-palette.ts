@@ -35,7 +35,7 @@ export async function findPalette(
   try {
     // In one piece, since this is the form that bundlers recognise.
     const make = () => new Worker(new URL('./palette-worker.ts', import.meta.url), { type: 'module' });
-    worker = await startWorker(hostedWorker() ?? make, signal);
+    worker = await startWorker(async () => hostedWorker() ?? make, signal);
     if (worker) return await findInWorker(worker, harmonics, count, options);
     const { clusterHarmonics } = await import('../packing/cluster-harmonics.ts');
     return await clusterHarmonics(harmonics, count, { entryCount, signal, onProgress });

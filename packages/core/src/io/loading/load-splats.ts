@@ -82,7 +82,8 @@ export async function loadOrPass(
     }
     // The worker that the name suggests, and then the one for what is in the file.
     for (let attempt = 0; attempt < 2; attempt++) {
-      worker ??= await startWorker(await makerOf(format), signal);
+      const likely = format;
+      worker ??= await startWorker(() => makerOf(likely), signal);
       if (worker === null) break;
       const result = await loadInWorker(worker, from, settings, watch, rowsTo);
       if (!result || !('firstBytes' in result)) return result;
@@ -117,13 +118,17 @@ async function readHere(
   return readAndPack(source, settings, watch, ALL_READERS, rowsTo);
 }
 
+const loadWorkers = () => import('./workers.ts');
+
+/** Fetches what starts workers, ahead of the first load. */
+export function foreseeWorkers(): void {
+  // The load says what is wrong.
+  loadWorkers().catch(() => {});
+}
+
 /** What makes the worker that reads `format`, by default PLY. */
 async function makerOf(format: string | null): Promise<() => Worker> {
-  const hosted = hostedWorker();
-  if (hosted) return hosted;
-  if (format !== null && format !== 'ply') return (await import('./format-workers.ts')).WORKERS[format];
-  // In one piece, since this is the form that bundlers recognise.
-  return () => new Worker(new URL('../formats/ply/ply-worker.ts', import.meta.url), { type: 'module' });
+  return hostedWorker() ?? (await loadWorkers()).WORKERS[format ?? 'ply'];
 }
 
 /**

@@ -41,7 +41,8 @@ const warn = vi.spyOn(console, 'warn');
 /** A page in which no worker has failed yet. */
 async function freshStartWorker() {
   vi.resetModules();
-  return (await import('./start-worker.ts')).startWorker;
+  const { startWorker } = await import('./start-worker.ts');
+  return (make: () => Worker, signal?: AbortSignal) => startWorker(async () => make, signal);
 }
 
 const maker = (url: string) => () => new Worker(new URL(url), { type: 'module' });
@@ -61,7 +62,7 @@ afterEach(() => {
 describe('a worker of another origin', () => {
   test('starts from a Blob that imports it, without a word', async () => {
     const startWorker = await freshStartWorker();
-    expect(await startWorker(maker(FOREIGN), undefined)).toBeInstanceOf(FakeWorker);
+    expect(await startWorker(maker(FOREIGN))).toBeInstanceOf(FakeWorker);
     expect(FakeWorker.imported).toEqual([`import "${FOREIGN}";`]);
     expect(globalThis.Worker).toBe(FakeWorker);
     const blobUrl = FakeWorker.asked.at(-1)!;
@@ -72,7 +73,7 @@ describe('a worker of another origin', () => {
   test('that cannot be imported is named on the console', async () => {
     const startWorker = await freshStartWorker();
     FakeWorker.areThere = false;
-    expect(await startWorker(maker(FOREIGN), undefined)).toBeNull();
+    expect(await startWorker(maker(FOREIGN))).toBeNull();
     expect(warn.mock.calls[0][0].message).toContain(`${FOREIGN} did not start as a worker`);
   });
 
@@ -88,7 +89,7 @@ describe('a worker that does not start', () => {
   test('is reported once, as a typed error that says what to do', async () => {
     const startWorker = await freshStartWorker();
     FakeWorker.areThere = false;
-    for (let i = 0; i < 3; i++) expect(await startWorker(maker(OWN), undefined)).toBeNull();
+    for (let i = 0; i < 3; i++) expect(await startWorker(maker(OWN))).toBeNull();
     expect(FakeWorker.imported).toEqual([]);
     expect(warn).toHaveBeenCalledTimes(1);
     const [error] = warn.mock.calls[0];
@@ -100,7 +101,7 @@ describe('a worker that does not start', () => {
   test('because a bundler removed its address is reported too', async () => {
     const startWorker = await freshStartWorker();
     const make = () => new Worker(new URL('./ply-worker.js', undefined), { type: 'module' });
-    expect(await startWorker(make, undefined)).toBeNull();
+    expect(await startWorker(make)).toBeNull();
     expect(warn.mock.calls[0][0].message).toContain('the bundler left the workers out');
     expect(globalThis.Worker).toBe(FakeWorker);
   });
@@ -108,7 +109,7 @@ describe('a worker that does not start', () => {
   test('where there are none, as in Node, is no matter', async () => {
     const startWorker = await freshStartWorker();
     vi.stubGlobal('Worker', undefined);
-    expect(await startWorker(maker(OWN), undefined)).toBeNull();
+    expect(await startWorker(maker(OWN))).toBeNull();
     expect(warn).not.toHaveBeenCalled();
   });
 });

@@ -7,13 +7,14 @@ import { tryWorker } from './try-worker.ts';
  *
  * Rejects with the signal's reason.
  *
- * @param make throws where it cannot make one.
+ * @param find resolves with what makes the worker, and throws where it cannot make one. It is not called where there are no workers.
  */
 export async function startWorker(
-  make: () => Worker,
+  find: () => Promise<() => Worker>,
   signal: AbortSignal | undefined,
 ): Promise<Worker | null> {
   if (typeof Worker === 'undefined') return null;
+  const make = await find();
   return (
     (await tryWorker(make, signal)) ?? (await import('./start-elsewhere.ts')).startElsewhere(make, signal)
   );
