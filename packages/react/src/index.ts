@@ -12,6 +12,7 @@ export {
   RecoveryPace,
   SplatFileError,
   SplatSourceError,
+  setWorkerUrl,
   WebGpuUnavailableError,
   WebSplatterError,
 } from '@websplatter/core';

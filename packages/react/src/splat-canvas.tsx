@@ -5,6 +5,7 @@ import {
   DestroyedError,
   foreseeEngine,
   RecoveryPace,
+  setWorkerUrl,
   WebGpuUnavailableError,
 } from '@websplatter/core';
 import { onDeviceLost, splatEngineOf } from '@websplatter/three';
@@ -18,6 +19,11 @@ export interface SplatCanvasProps extends Omit<CanvasProps, 'gl'> {
   accuracy?: AccuracyRequest;
   /** Further options of `createSplatRenderer`, read when the renderer is made. */
   gl?: Omit<CanvasRendererParameters, 'accuracy' | 'canvas'>;
+  /**
+   * Where the page hosts `@websplatter/core/load-worker`, for bundlers that leave workers out; as `setWorkerUrl`, and so for
+   * the whole page. Read when the renderer is made.
+   */
+  workerUrl?: string | URL;
 }
 
 const LOST_REPEATEDLY =
@@ -43,6 +49,7 @@ interface Life {
 export function SplatCanvas({
   accuracy = DEFAULT_ACCURACY,
   gl: parameters,
+  workerUrl,
   children,
   ...props
 }: SplatCanvasProps): ReactNode {
@@ -65,8 +72,9 @@ export function SplatCanvas({
       if (generation > 0) {
         // Here, not in an effect: a hidden `<Activity>` and Fast Refresh end effects.
         await new Promise((resolve) => setTimeout(resolve, waitMs));
-        if (!(defaults.canvas as HTMLCanvasElement).isConnected) throw new Error('unmounted');
+        if (!(defaults.canvas as HTMLCanvasElement).isConnected) throw new Error('gone');
       }
+      if (workerUrl) setWorkerUrl(workerUrl);
       const renderer = await createSplatRenderer({ ...defaults, ...parameters, accuracy });
       canvasStates.set(renderer, { pace, accuracyKey: JSON.stringify(accuracy) });
       onDeviceLost(renderer, () => replace(new WebGpuUnavailableError(LOST_REPEATEDLY)));

@@ -38,7 +38,7 @@ export function StageTimings({ renderer, corner = 'top-left' }: StageTimingsProp
         if (latest) panel.show(latest);
         parentElement?.append(panel.element);
       })
-      .catch((error: unknown) => console.error(error));
+      .catch(console.error);
     return () => {
       isGone = true;
       stop();

@@ -1,3 +1,5 @@
+// Where a page hosts the worker is a matter of core; applications that install only this package set it too.
+export { setWorkerUrl } from '@websplatter/core';
 export {
   createSplatRenderer,
   isSupported,
