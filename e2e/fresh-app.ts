@@ -4,101 +4,54 @@ import { tmpdir } from 'node:os';
 import { basename, dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { promisify } from 'node:util';
-import { CONTENT_SECURITY_POLICY } from './server.ts';
 
 const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 
-/** Packages of this repository that the app depends on; core comes with them. */
-const OURS = ['@websplatter/react'];
+/** Packages of this repository that every app depends on; core comes with them. */
+const OURS = ['@websplatter/react', '@websplatter/three'];
+/** At the versions of this repository's lockfile. */
 const DEPENDENCIES = ['@react-three/fiber', 'react', 'react-dom', 'three'];
-const DEV_DEPENDENCIES = [
-  '@types/react',
-  '@types/react-dom',
-  '@types/three',
-  '@vitejs/plugin-react',
-  'typescript',
-  'vite',
-];
 
-const SOURCES: Readonly<Record<string, string>> = {
-  'index.html': `<!doctype html>
-<html lang="en">
-  <head>
-    <title>Fresh</title>
-    <link rel="icon" href="/icon.svg" />
-    <link rel="stylesheet" href="/src/page.css" />
-  </head>
-  <body>
-    <div id="root"></div>
-    <script type="module" src="/src/main.tsx"></script>
-  </body>
-</html>
-`,
-  'vite.config.ts': `import react from '@vitejs/plugin-react';
-import { defineConfig } from 'vite';
-
-export default defineConfig({
-  plugins: [react()],
-  preview: { headers: { 'content-security-policy': "${CONTENT_SECURITY_POLICY}" } },
-});
-`,
-  'public/icon.svg': '<svg xmlns="http://www.w3.org/2000/svg" />',
-  'src/page.css': `body { margin: 0; }
-#root { height: 100vh; }
-`,
-  // Strict, and without skipLibCheck, so that the declarations of dependencies are checked too.
-  'tsconfig.json': `{
-  "compilerOptions": {
-    "target": "ES2022",
-    "module": "ESNext",
-    "moduleResolution": "bundler",
-    "lib": ["ES2022", "DOM", "DOM.Iterable"],
-    "jsx": "react-jsx",
-    "types": [],
-    "strict": true,
-    "noEmit": true
-  },
-  "include": ["src"]
+/** What an app is made of besides React, three and our packages. */
+export interface FreshAppParts {
+  /** Packages at the versions of this repository's lockfile. */
+  readonly lockedPackages?: readonly string[];
+  /** Other packages, each with its exact version. */
+  readonly packages?: Readonly<Record<string, string>>;
+  /** Further entries of package.json. */
+  readonly manifest?: Readonly<Record<string, unknown>>;
+  /** Texts by path. */
+  readonly sources: Readonly<Record<string, string>>;
+  /** By name, below `public`. */
+  readonly files?: Readonly<Record<string, Uint8Array>>;
 }
-`,
-  'src/main.tsx': `import { StrictMode } from 'react';
-import { createRoot } from 'react-dom/client';
-import { App } from './app';
-
-createRoot(document.getElementById('root')!).render(
-  <StrictMode>
-    <App />
-  </StrictMode>,
-);
-`,
-  'src/app.tsx': `import { Canvas } from '@react-three/fiber';
-import { createSplatRenderer, Splats } from '@websplatter/react';
-
-export function App() {
-  return (
-    <Canvas gl={createSplatRenderer} flat>
-      <Splats src="scene.ply" />
-    </Canvas>
-  );
-}
-`,
-};
 
 export interface FreshApp {
   /** Runs a tool of the app's node_modules; rejects with its output if it fails. */
   run(script: string, args: readonly string[]): Promise<void>;
   /** Replaces a piece of one of the app's files, as a developer would. */
   edit(path: string, find: string, replacement: string): Promise<void>;
-  /** Starts one of Vite's servers on a free port. */
-  serve(command: 'dev' | 'preview'): Promise<{ readonly url: string; readonly close: () => Promise<void> }>;
+  /** Starts a server of a tool of the app's node_modules, which prints its address. */
+  serve(
+    script: string,
+    args: readonly string[],
+  ): Promise<{ readonly url: string; readonly close: () => Promise<void> }>;
+  /** Where the app is. */
+  readonly folder: string;
   remove(): Promise<void>;
 }
 
 /**
  * Makes an app outside of this repository, as a newcomer would: installs the published packages from packed tarballs, and
- * everything else at the versions of this repository's lockfile. The app's public folder holds `files`.
+ * everything else in versions that are told exactly.
  */
-export async function makeFreshApp(files: Readonly<Record<string, Uint8Array>>): Promise<FreshApp> {
+export async function makeFreshApp({
+  lockedPackages = [],
+  packages: pinned = {},
+  manifest: more = {},
+  sources,
+  files = {},
+}: FreshAppParts): Promise<FreshApp> {
   const folder = await mkdtemp(join(tmpdir(), 'websplatter-fresh-'));
   const env = toolEnvironment();
   const runNode = async (path: string, args: readonly string[]) => {
@@ -130,9 +83,10 @@ export async function makeFreshApp(files: Readonly<Record<string, Uint8Array>>):
       ...OURS.map((name) => [name, packed.get(name)]),
       ...versionsOf(DEPENDENCIES),
     ]),
-    devDependencies: Object.fromEntries(versionsOf(DEV_DEPENDENCIES)),
+    devDependencies: { ...Object.fromEntries(versionsOf(lockedPackages)), ...pinned },
     // The packages depend on each other, and no registry has them.
     overrides: Object.fromEntries(packed),
+    ...more,
   };
   // npm takes the versions that this app needs from it, without asking a registry.
   const lock = {
@@ -147,7 +101,7 @@ export async function makeFreshApp(files: Readonly<Record<string, Uint8Array>>):
     },
   };
   const texts = {
-    ...SOURCES,
+    ...sources,
     'package.json': JSON.stringify(manifest),
     'package-lock.json': JSON.stringify(lock),
   };
@@ -175,29 +129,23 @@ export async function makeFreshApp(files: Readonly<Record<string, Uint8Array>>):
       if (!text.includes(find)) throw new Error(`There is no ${find} in ${path}.`);
       await writeFile(file, text.replace(find, replacement));
     },
-    serve: async (command) => {
-      const args = [
-        tool('vite/bin/vite.js'),
-        command,
-        '--host',
-        '127.0.0.1',
-        '--port',
-        '0',
-        '--logLevel',
-        'info',
-      ];
-      const child = spawn(process.execPath, args, { cwd: folder, env, stdio: ['ignore', 'pipe', 'pipe'] });
+    serve: async (script, args) => {
+      const child = spawn(process.execPath, [tool(script), ...args], {
+        cwd: folder,
+        env,
+        stdio: ['ignore', 'pipe', 'pipe'],
+      });
       const ended = new Promise<void>((resolve) => child.once('close', () => resolve()));
       const url = await new Promise<string>((resolve, reject) => {
         let printed = '';
         const read = (text: string) => {
           printed += text;
-          const address = /http:\/\/127\.0\.0\.1:\d+\//.exec(printed);
-          if (address) resolve(address[0]);
+          const address = /http:\/\/127\.0\.0\.1:\d+/.exec(printed);
+          if (address) resolve(`${address[0]}/`);
         };
         child.stdout.setEncoding('utf8').on('data', read);
         child.stderr.setEncoding('utf8').on('data', read);
-        child.once('close', () => reject(new Error(`vite ${command} ended:\n${printed}`)));
+        child.once('close', () => reject(new Error(`${script} ended:\n${printed}`)));
       });
       return {
         url,
@@ -207,6 +155,7 @@ export async function makeFreshApp(files: Readonly<Record<string, Uint8Array>>):
         },
       };
     },
+    folder,
     remove: () => rm(folder, { recursive: true, force: true }),
   };
 }
@@ -214,5 +163,5 @@ export async function makeFreshApp(files: Readonly<Record<string, Uint8Array>>):
 /** The environment without the variables that Vitest and npm set for their own scripts. */
 function toolEnvironment(): NodeJS.ProcessEnv {
   const { NODE_ENV: _, NODE_OPTIONS: __, npm_config_local_prefix: ___, ...env } = process.env;
-  return { ...env, NO_COLOR: '1' };
+  return { ...env, NO_COLOR: '1', NEXT_TELEMETRY_DISABLED: '1' };
 }

@@ -20,27 +20,25 @@ const CONTENT_TYPES: Readonly<Record<string, string>> = {
 
 /**
  * Serves the files of `folder` below `path` (`/some/where/`), as a plain web server does: what is not a file is not found,
- * folders and addresses at the root included. `files` lie beside them.
+ * folders and addresses at the root included. `files` lie beside them. `headers` are sent with all.
  */
 export async function startStaticHost(
   folder: string,
   path: string,
   files: ServedFiles = {},
+  headers: Readonly<Record<string, string>> = { 'content-security-policy': CONTENT_SECURITY_POLICY },
 ): Promise<StaticHost> {
   const server = createServer(async (request, response) => {
     const { pathname } = new URL(request.url ?? '/', 'http://localhost');
     const name = decodeURIComponent(pathname).slice(path.length);
-    const headers = {
-      'content-type': CONTENT_TYPES[extname(name)] ?? 'application/octet-stream',
-      'content-security-policy': CONTENT_SECURITY_POLICY,
-    };
+    const all = { 'content-type': CONTENT_TYPES[extname(name)] ?? 'application/octet-stream', ...headers };
     if (pathname.startsWith(path) && Object.hasOwn(files, name)) {
-      response.writeHead(200, headers).end(files[name]);
+      response.writeHead(200, all).end(files[name]);
       return;
     }
     const file = join(folder, name);
     const isFile = pathname.startsWith(path) && (await stat(file).catch(() => null))?.isFile();
-    if (isFile) createReadStream(file).pipe(response.writeHead(200, headers));
+    if (isFile) createReadStream(file).pipe(response.writeHead(200, all));
     // Browsers ask for it where a page has no icon of its own.
     else response.writeHead(pathname === '/favicon.ico' ? 204 : 404).end();
   });

@@ -1,19 +1,133 @@
-import { encodePly, perspectiveCamera } from '@websplatter/core';
-import type { Browser, Page } from 'playwright-core';
+import { copyFile } from 'node:fs/promises';
+import { join } from 'node:path';
+import { encodePly } from '@websplatter/core';
+import type { Browser } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import { launchBrowser, newWatchedPage } from './browser.ts';
+import { launchBrowser } from './browser.ts';
+import { type ExpectSplatsOptions, expectSplats } from './expect-splats.ts';
 import { type FreshApp, makeFreshApp } from './fresh-app.ts';
-import { MIN_PSNR_DB, referenceImage } from './reference.ts';
 import { type Screenshot, screenshot } from './screenshot.ts';
-import { slowDisplay } from './slow-display.ts';
+import { CONTENT_SECURITY_POLICY } from './server.ts';
+import { type StaticHost, startStaticHost } from './static-host.ts';
 import { testScene } from './test-scene.ts';
 
+const PACKAGES = [
+  '@types/react',
+  '@types/react-dom',
+  '@types/three',
+  '@vitejs/plugin-react',
+  'esbuild',
+  'typescript',
+  'vite',
+];
+
+/** The app as `npm create vite` makes it, more or less. */
+const SOURCES: Readonly<Record<string, string>> = {
+  'index.html': `<!doctype html>
+<html lang="en">
+  <head>
+    <title>Fresh</title>
+    <link rel="icon" href="/icon.svg" />
+    <link rel="stylesheet" href="/src/page.css" />
+  </head>
+  <body>
+    <div id="root"></div>
+    <script type="module" src="/src/main.tsx"></script>
+  </body>
+</html>
+`,
+  'vite.config.ts': `import react from '@vitejs/plugin-react';
+import { defineConfig } from 'vite';
+
+export default defineConfig({
+  plugins: [react()],
+  preview: { headers: { 'content-security-policy': "${CONTENT_SECURITY_POLICY}" } },
+});
+`,
+  'public/icon.svg': '<svg xmlns="http://www.w3.org/2000/svg" />',
+  'src/page.css': `body { margin: 0; }
+#root { height: 100vh; }
+`,
+  // Strict, and without skipLibCheck, so that the declarations of dependencies are checked too.
+  'tsconfig.json': `{
+  "compilerOptions": {
+    "target": "ES2022",
+    "module": "ESNext",
+    "moduleResolution": "bundler",
+    "lib": ["ES2022", "DOM", "DOM.Iterable"],
+    "jsx": "react-jsx",
+    "types": [],
+    "strict": true,
+    "noEmit": true
+  },
+  "include": ["src"]
+}
+`,
+  'src/main.tsx': `import { StrictMode } from 'react';
+import { createRoot } from 'react-dom/client';
+import { App } from './app';
+
+createRoot(document.getElementById('root')!).render(
+  <StrictMode>
+    <App />
+  </StrictMode>,
+);
+`,
+  'src/app.tsx': `import { Canvas } from '@react-three/fiber';
+import { createSplatRenderer, Splats } from '@websplatter/react';
+
+export function App() {
+  return (
+    <Canvas gl={createSplatRenderer} flat>
+      <Splats src="scene.ply" />
+    </Canvas>
+  );
+}
+`,
+};
+
+/** esbuild understands no workers, so the app hosts the one that reads all formats. */
+const ESBUILD_SOURCES: Readonly<Record<string, string>> = {
+  'esbuild/main.js': `import { Canvas } from '@react-three/fiber';
+import { createSplatRenderer, setWorkerUrl, Splats } from '@websplatter/react';
+import { createElement } from 'react';
+import { createRoot } from 'react-dom/client';
+
+if (!location.search) setWorkerUrl('load-worker.js');
+createRoot(document.getElementById('root')).render(
+  createElement(
+    Canvas,
+    { gl: createSplatRenderer, flat: true },
+    createElement(Splats, { src: 'scene.ply' }),
+  ),
+);
+`,
+  'esbuild/load-worker.js': "import '@websplatter/core/load-worker';\n",
+  'esbuild/index.html': `<!doctype html>
+<html lang="en">
+  <head>
+    <title>Fresh</title>
+    <link rel="stylesheet" href="page.css" />
+  </head>
+  <body>
+    <div id="root"></div>
+    <script type="module" src="main.js"></script>
+  </body>
+</html>
+`,
+};
+
+const scene = encodePly(testScene());
 let app: FreshApp;
 let browser: Browser;
 
 beforeAll(async () => {
   [app, browser] = await Promise.all([
-    makeFreshApp({ 'scene.ply': encodePly(testScene()) }),
+    makeFreshApp({
+      lockedPackages: PACKAGES,
+      sources: { ...SOURCES, ...ESBUILD_SOURCES },
+      files: { 'scene.ply': scene },
+    }),
     launchBrowser(),
   ]);
 });
@@ -30,11 +144,11 @@ describe('the packed tarballs in a fresh Vite app', () => {
 
   it('build, and show splats that a worker has read', async () => {
     await app.run('vite/bin/vite.js', ['build', '--logLevel', 'warn']);
-    await expectSplats('preview');
+    await expectVite('preview');
   });
 
   it('show splats under the development server, without any configuration, and as they are edited', async () => {
-    await expectSplats('dev', async (page) => {
+    await expectVite('dev', async (page) => {
       // Fast Refresh keeps the Canvas and its renderer; if an effect ran anew, it would read the file again.
       await page.evaluate(() => Object.assign(document.querySelector('canvas')!, { isOfBefore: true }));
       await app.edit('src/app.tsx', '<Splats src', '<Splats opacity={0} src');
@@ -44,54 +158,42 @@ describe('the packed tarballs in a fresh Vite app', () => {
   });
 });
 
-/** Checks the app under one of Vite's servers: the right image, read by a worker, without warnings or errors. */
-async function expectSplats(
-  command: 'dev' | 'preview',
-  goOn: (page: Page) => Promise<void> = async () => {},
-): Promise<void> {
-  const server = await app.serve(command);
-  const { page, problems } = await newWatchedPage(browser, {});
-  await page.addInitScript(slowDisplay);
-  await page.addInitScript(() => {
-    const replies: string[] = [];
-    Object.assign(window, { replies });
-    window.Worker = class extends Worker {
-      constructor(...options: ConstructorParameters<typeof Worker>) {
-        super(...options);
-        this.addEventListener('message', ({ data }) => replies.push(data.kind));
-      }
-    };
+describe('the packed tarballs in a fresh app by esbuild', () => {
+  let host: StaticHost;
+
+  beforeAll(async () => {
+    const bundled = ['esbuild/main.js', 'esbuild/load-worker.js'];
+    const flags = ['--bundle', '--splitting', '--format=esm', '--minify', '--outdir=esbuild-built'];
+    await app.run('esbuild/bin/esbuild', [...bundled, ...flags, '--log-level=warning']);
+    const built = join(app.folder, 'esbuild-built');
+    await copyFile(join(app.folder, 'esbuild/index.html'), join(built, 'index.html'));
+    await copyFile(join(app.folder, 'src/page.css'), join(built, 'page.css'));
+    host = await startStaticHost(built, '/', { 'scene.ply': scene });
   });
-  try {
-    await page.goto(server.url);
-    // Defaults of a Canvas.
-    const camera = perspectiveCamera({
-      position: [0, 0, 5],
-      target: [0, 0, 0],
-      fovYDegrees: 75,
-      aspect: 480 / 320,
-      near: 0.1,
-      far: 1000,
+
+  afterAll(() => host?.close());
+
+  it('show splats that the worker has read which the app hosts', async () => {
+    await expectSplats(browser, `${host.url}index.html`);
+  });
+
+  it('say once that the bundler left the workers out, and show the same', async () => {
+    const warnings = [/ply-worker\.js did not start as a worker.*setWorkerUrl/];
+    await expectSplats(browser, `${host.url}index.html?none`, {
+      hasWorker: false,
+      warnings,
+      expected: [/404/],
     });
-    const drawn = {
-      viewMatrix: Array.from(camera.viewMatrix),
-      projectionMatrix: Array.from(camera.projectionMatrix),
-      near: 0.1,
-      far: 1000,
-      modelMatrices: [null],
-      background: [1, 1, 1] as [number, number, number],
-    };
-    const psnrDb = referenceImage(drawn, [testScene()], { widthPx: 480, heightPx: 320 });
-    await expect
-      .poll(async () => psnrDb(await screenshot(page)), { interval: 250 })
-      .toBeGreaterThanOrEqual(MIN_PSNR_DB);
-    await goOn(page);
-    // If the worker does not start, the page reads the file itself and looks just the same.
-    const replies = await page.evaluate(() => (window as unknown as { replies: string[] }).replies);
-    expect(replies.filter((kind) => kind === 'cloud')).toHaveLength(1);
-    expect(problems).toEqual([]);
+  });
+});
+
+/** Checks the app under one of Vite's servers. */
+async function expectVite(command: 'dev' | 'preview', goOn?: ExpectSplatsOptions['goOn']): Promise<void> {
+  const args = [command, '--host', '127.0.0.1', '--port', '0', '--logLevel', 'info'];
+  const server = await app.serve('vite/bin/vite.js', args);
+  try {
+    await expectSplats(browser, server.url, { goOn });
   } finally {
-    await page.context().close();
     await server.close();
   }
 }

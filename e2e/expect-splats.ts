@@ -1,0 +1,79 @@
+import { perspectiveCamera } from '@websplatter/core';
+import type { Browser, Page } from 'playwright-core';
+import { expect } from 'vitest';
+import { newWatchedPage } from './browser.ts';
+import { MIN_PSNR_DB, referenceImage } from './reference.ts';
+import { screenshot } from './screenshot.ts';
+import { slowDisplay } from './slow-display.ts';
+import { testScene } from './test-scene.ts';
+
+export interface ExpectSplatsOptions {
+  /** Goes on with the page once it shows the right image. */
+  readonly goOn?: (page: Page) => Promise<void>;
+  /** Whether a worker reads the scene. If it does not start, the page reads the file itself and looks just the same. */
+  readonly hasWorker?: boolean;
+  /** Warnings that the page must log, each once. */
+  readonly warnings?: readonly RegExp[];
+  /** Errors that the page may log. */
+  readonly expected?: readonly RegExp[];
+}
+
+/** Checks that the page at `url` shows `testScene` as a Canvas does by default: the right image, read by a worker, without errors. */
+export async function expectSplats(
+  browser: Browser,
+  url: string,
+  { goOn = async () => {}, hasWorker = true, warnings = [], expected = [] }: ExpectSplatsOptions = {},
+): Promise<void> {
+  const { page, problems: all } = await newWatchedPage(browser, {});
+  const problems = () => all.filter((problem) => !expected.some((pattern) => pattern.test(problem)));
+  const warned: string[] = [];
+  page.on('console', (message) => {
+    if (message.type() === 'warning') warned.push(message.text());
+  });
+  await page.addInitScript(slowDisplay);
+  await page.addInitScript(() => {
+    const replies: string[] = [];
+    Object.assign(window, { replies });
+    window.Worker = class extends Worker {
+      constructor(...options: ConstructorParameters<typeof Worker>) {
+        super(...options);
+        this.addEventListener('message', ({ data }) => replies.push(data.kind));
+      }
+    };
+  });
+  try {
+    await page.goto(url);
+    // Defaults of a Canvas.
+    const camera = perspectiveCamera({
+      position: [0, 0, 5],
+      target: [0, 0, 0],
+      fovYDegrees: 75,
+      aspect: 480 / 320,
+      near: 0.1,
+      far: 1000,
+    });
+    const drawn = {
+      viewMatrix: Array.from(camera.viewMatrix),
+      projectionMatrix: Array.from(camera.projectionMatrix),
+      near: 0.1,
+      far: 1000,
+      modelMatrices: [null],
+      background: [1, 1, 1] as [number, number, number],
+    };
+    const psnrDb = referenceImage(drawn, [testScene()], { widthPx: 480, heightPx: 320 });
+    await expect
+      .poll(async () => Math.max(psnrDb(await screenshot(page)), problems().length > 0 ? Infinity : 0), {
+        interval: 250,
+      })
+      .toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    expect(problems()).toEqual([]);
+    await goOn(page);
+    const replies = await page.evaluate(() => (window as unknown as { replies: string[] }).replies);
+    expect(replies.filter((kind) => kind === 'cloud')).toHaveLength(hasWorker ? 1 : 0);
+    for (const warning of warnings) expect(warned.filter((text) => warning.test(text))).toHaveLength(1);
+    if (hasWorker) expect(warned.filter((text) => text.includes('load-worker'))).toEqual([]);
+    expect(problems()).toEqual([]);
+  } finally {
+    await page.context().close();
+  }
+}
