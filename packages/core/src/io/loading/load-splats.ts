@@ -33,9 +33,10 @@ type PostedPiece = Extract<LoadReply, { kind: 'rows' }>;
 type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
 
 /**
- * Reads splats and packs them for the GPU: in a worker where one can start, else in the calling thread (in Node, or
- * under a content security policy that forbids workers). Buffers are copied to the worker, so that the caller's stay
- * usable; a stream is consumed. As many loads run at once as the machine has threads, 2 to 8; others wait for their turn.
+ * Reads splats and packs them for the GPU: in a worker where one can start, else in the calling thread (in Node, or where a
+ * bundler left the worker out or a content security policy forbids it, which the console says once; see `setWorkerUrl`).
+ * Buffers are copied to the worker, so that the caller's stay usable; a stream is consumed. As many loads run at once as the
+ * machine has threads, 2 to 8; others wait for their turn.
  *
  * Rejects as `readSplats` does; with `WebSplatterError` 'worker-failed' if the worker dies, mostly for lack of memory;
  * and with the signal's reason, in which case the worker is stopped at once.

@@ -1,0 +1,218 @@
+import { execFile } from 'node:child_process';
+import { join } from 'node:path';
+import { promisify } from 'node:util';
+import { encodePly } from '@websplatter/core';
+import type { Browser } from 'playwright-core';
+import { afterAll, beforeAll, describe, expect, it } from 'vitest';
+import { launchBrowser } from './browser.ts';
+import { expectSplats } from './expect-splats.ts';
+import { type FreshApp, type FreshAppParts, makeFreshApp } from './fresh-app.ts';
+import { APP_KINDS } from './fresh-apps.ts';
+import { startStaticHost } from './static-host.ts';
+import { testScene } from './test-scene.ts';
+
+// These install and build for minutes: `npm run test:full` has them.
+const isFull = process.env.WEBSPLATTER_FULL === '1';
+const scene = { 'scene.ply': encodePly(testScene()) };
+
+/** Calls `use` with a fresh app, and removes it. */
+async function inFreshApp(parts: FreshAppParts, use: (app: FreshApp) => Promise<void>): Promise<void> {
+  const app = await makeFreshApp(parts);
+  try {
+    await use(app);
+  } finally {
+    await app.remove();
+  }
+}
+
+describe.runIf(isFull)('the packed tarballs in a fresh app show splats that a worker has read', () => {
+  let browser: Browser;
+
+  beforeAll(async () => {
+    browser = await launchBrowser();
+  });
+
+  afterAll(() => browser?.close());
+
+  it.each(APP_KINDS)('$name', async ({ build, shown, headers = {}, ...parts }) => {
+    await inFreshApp({ ...parts, files: scene }, async (app) => {
+      for (const [script, ...args] of build) await app.run(script, args);
+      const host =
+        'folder' in shown
+          ? await startStaticHost(join(app.folder, shown.folder), '/', scene, headers)
+          : await app.serve(shown.server[0], shown.server.slice(1));
+      try {
+        await expectSplats(browser, 'folder' in shown ? `${host.url}index.html` : host.url);
+      } finally {
+        await host.close();
+      }
+    });
+  });
+
+  it('an import map, with packages and workers of another origin', async () => {
+    await inFreshApp({ sources: {} }, async (app) => {
+      const cors = { 'access-control-allow-origin': '*' };
+      const network = await startStaticHost(join(app.folder, 'node_modules'), '/', {}, cors);
+      const page = new TextEncoder().encode(importMapPage(network.url));
+      const host = await startStaticHost(app.folder, '/', { ...scene, 'index.html': page }, {});
+      try {
+        await expectSplats(browser, `${host.url}index.html`);
+      } finally {
+        await Promise.all([host.close(), network.close()]);
+      }
+    });
+  });
+});
+
+/** React has no ES modules, so the page uses three alone. */
+const importMapPage = (packages: string) => `<!doctype html>
+<html lang="en">
+  <head>
+    <title>Fresh</title>
+    <script type="importmap">
+      {
+        "imports": {
+          "three/webgpu": "${packages}three/build/three.webgpu.js",
+          "three/tsl": "${packages}three/build/three.tsl.js",
+          "@websplatter/three": "${packages}@websplatter/three/dist/index.js",
+          "@websplatter/core": "${packages}@websplatter/core/dist/index.js",
+          "@websplatter/core/effects": "${packages}@websplatter/core/dist/effects.js"
+        }
+      }
+    </script>
+  </head>
+  <body style="margin: 0">
+    <canvas width="480" height="320"></canvas>
+    <script type="module">
+      import { createSplatRenderer, SplatCloudObject, SplatLoader } from '@websplatter/three';
+      import { Color, PerspectiveCamera, Scene } from 'three/webgpu';
+
+      const canvas = document.querySelector('canvas');
+      const renderer = await createSplatRenderer({ canvas, antialias: true });
+      const scene = new Scene();
+      scene.background = new Color('white');
+      const camera = new PerspectiveCamera(75, 480 / 320, 0.1, 1000);
+      camera.position.set(0, 0, 5);
+      const loader = new SplatLoader().detectSupport(renderer);
+      scene.add(new SplatCloudObject(await loader.loadAsync('scene.ply')));
+      renderer.setAnimationLoop(() => renderer.render(scene, camera));
+    </script>
+  </body>
+</html>
+`;
+
+const TYPED = `import { perspectiveCamera, setWorkerUrl } from '@websplatter/core';
+import { tint } from '@websplatter/core/effects';
+import { SPLAT_FORMATS } from '@websplatter/core/formats';
+import { countCosts } from '@websplatter/core/inspect';
+import '@websplatter/core/load-worker';
+import { measureFrames } from '@websplatter/core/measure';
+import { renderReference } from '@websplatter/core/reference';
+import { writeSplats } from '@websplatter/core/write';
+import { SplatCanvas, Splats } from '@websplatter/react';
+import { SplatLoader } from '@websplatter/three';
+
+export const all = [countCosts, measureFrames, perspectiveCamera, renderReference, SPLAT_FORMATS, tint, writeSplats];
+setWorkerUrl('/load-worker.js');
+// @ts-expect-error: no address. What is not found has any type.
+setWorkerUrl(5);
+// @ts-expect-error: no source.
+new SplatLoader().load(5, () => {});
+export const view = <SplatCanvas flat><Splats src="garden.ply" opacity={0.5} /></SplatCanvas>;
+// @ts-expect-error: no opacity.
+export const wrong = <Splats src="garden.ply" opacity="half" />;
+`;
+
+/** As `create-next-app` and others write it: declarations of dependencies are their own affair. */
+const tsconfig = (module: string, moduleResolution: string) =>
+  JSON.stringify({
+    compilerOptions: {
+      target: 'ES2022',
+      module,
+      moduleResolution,
+      jsx: 'react-jsx',
+      lib: ['ES2022', 'DOM', 'DOM.Iterable'],
+      types: ['@webgpu/types'],
+      strict: true,
+      skipLibCheck: true,
+      esModuleInterop: true,
+      noEmit: true,
+    },
+    files: ['typed.tsx'],
+  });
+
+const UNIT_TEST = `import { createElement } from 'react';
+import { perspectiveCamera } from '@websplatter/core';
+import { SplatLoader, Splats } from '@websplatter/react';
+
+test('uses the packages', async () => {
+  expect(createElement(Splats, { src: 'garden.ply' }).props.src).toBe('garden.ply');
+  expect(perspectiveCamera({ position: [0, 0, 5], target: [0, 0, 0], fovYDegrees: 75, aspect: 1 }).near).toBeGreaterThan(0);
+  const header = 'ply\\nformat ascii 1.0\\nelement vertex 0\\nend_header\\n';
+  await expect(new SplatLoader().loadAsync(new TextEncoder().encode(header))).rejects.toThrow();
+});
+`;
+
+describe.runIf(isFull)('the packed tarballs in a fresh app', () => {
+  it('type-check under every module resolution', async () => {
+    const resolutions = [
+      ['ESNext', 'bundler'],
+      ['Node16', 'node16'],
+      ['ESNext', 'node'],
+    ];
+    const configs = resolutions.map(([module, resolution]): [string, string] => [
+      `tsconfig.${resolution}.json`,
+      tsconfig(module, resolution),
+    ]);
+    await inFreshApp(
+      {
+        // The last that knows all three.
+        packages: { typescript: '5.9.3' },
+        lockedPackages: ['@types/react', '@types/three', '@webgpu/types'],
+        sources: { 'typed.tsx': TYPED, ...Object.fromEntries(configs) },
+      },
+      async (app) => {
+        for (const [config] of configs) await app.run('typescript/bin/tsc', ['-p', config]);
+      },
+    );
+  });
+
+  it('are found by require', async () => {
+    await inFreshApp({ sources: {} }, async ({ folder }) => {
+      const script =
+        "console.log(typeof require('@websplatter/react').Splats, typeof require('@websplatter/core/effects').tint)";
+      const { stdout } = await promisify(execFile)(process.execPath, ['--eval', script], {
+        cwd: folder,
+        env: { PATH: process.env.PATH },
+      });
+      expect(stdout.trim()).toBe('function function');
+    });
+  });
+
+  it('run in unit tests by Jest', async () => {
+    await inFreshApp(
+      {
+        packages: { jest: '30.5.2', '@babel/preset-env': '7.29.14' },
+        manifest: { type: 'commonjs' },
+        sources: {
+          'babel.config.js':
+            "module.exports = { presets: [['@babel/preset-env', { targets: { node: 'current' } }]] };\n",
+          'jest.config.js':
+            "module.exports = { transformIgnorePatterns: ['/node_modules/(?!(@websplatter|three)/)'] };\n",
+          'packages.test.js': UNIT_TEST,
+        },
+      },
+      (app) => app.run('jest/bin/jest.js', ['--watchman=false']),
+    );
+  });
+
+  it('run in unit tests by Vitest', async () => {
+    await inFreshApp(
+      {
+        lockedPackages: ['vitest'],
+        sources: { 'packages.test.js': UNIT_TEST },
+      },
+      (app) => app.run('vitest/vitest.mjs', ['run', '--globals']),
+    );
+  });
+});

@@ -1,0 +1,228 @@
+import { CONTENT_SECURITY_POLICY } from './server.ts';
+
+/** A fresh app by one bundler or framework, as its own documentation has it. */
+export interface AppKind {
+  readonly name: string;
+  /** Each with its exact version. */
+  readonly packages: Readonly<Record<string, string>>;
+  readonly manifest?: Readonly<Record<string, unknown>>;
+  readonly sources: Readonly<Record<string, string>>;
+  /** Tools of node_modules with their arguments, one after another. */
+  readonly build: readonly (readonly [script: string, ...args: string[]])[];
+  /** Folder that any host of static files can serve, or a tool that serves the app. */
+  readonly shown:
+    | { readonly folder: string }
+    | { readonly server: readonly [script: string, ...args: string[]] };
+  /** Headers of static files. */
+  readonly headers?: Readonly<Record<string, string>>;
+}
+
+const STRICT = { 'content-security-policy': CONTENT_SECURITY_POLICY };
+
+const PAGE_CSS = 'body { margin: 0; }\n#root { height: 100vh; }\n';
+
+const html = (script: string) => `<!doctype html>
+<html lang="en">
+  <head>
+    <title>Fresh</title>
+    <link rel="stylesheet" href="./page.css" />
+  </head>
+  <body>
+    <div id="root"></div>
+    <script type="module" src="${script}"></script>
+  </body>
+</html>
+`;
+
+/** Without JSX, so that bundlers need nothing to translate it. */
+const main = (ahead = '') => `import { Canvas } from '@react-three/fiber';
+import { createSplatRenderer, setWorkerUrl, Splats } from '@websplatter/react';
+import { createElement } from 'react';
+import { createRoot } from 'react-dom/client';
+
+${ahead}
+createRoot(document.getElementById('root')).render(
+  createElement(
+    Canvas,
+    { gl: createSplatRenderer, flat: true },
+    createElement(Splats, { src: 'scene.ply' }),
+  ),
+);
+`;
+
+/** An app whose bundler writes one script into \`built\`, beside the page. */
+const bundled = (ahead?: string) => ({
+  'src/main.js': main(ahead),
+  'built/index.html': html('./main.js'),
+  'built/page.css': PAGE_CSS,
+});
+
+const VITE_SOURCES = {
+  'index.html': html('/src/main.js'),
+  'public/page.css': PAGE_CSS,
+  'src/main.js': main(),
+};
+
+/** Unminified: that would take most of the time, and bundlers do it in the same way. */
+const WEBPACK_CONFIG = `export default {
+  mode: 'production',
+  entry: './src/main.js',
+  optimization: { minimize: false },
+  performance: { hints: false },
+  output: { path: import.meta.dirname + '/built' },
+};
+`;
+
+const ROLLUP_CONFIG = `import commonjs from '@rollup/plugin-commonjs';
+import { nodeResolve } from '@rollup/plugin-node-resolve';
+import replace from '@rollup/plugin-replace';
+
+export default {
+  input: { main: 'src/main.js', 'load-worker': '@websplatter/core/load-worker' },
+  output: { dir: 'built' },
+  plugins: [
+    replace({ 'process.env.NODE_ENV': '"production"', preventAssignment: true }),
+    nodeResolve({ browser: true }),
+    commonjs(),
+  ],
+  onwarn: () => {},
+};
+`;
+
+const nextSources = (page: string, config: string) => ({
+  'app/layout.jsx': `import './page.css';
+
+export default function Layout({ children }) {
+  return (
+    <html lang="en">
+      <body>{children}</body>
+    </html>
+  );
+}
+`,
+  'app/page.css': 'body { margin: 0; height: 100vh; }\n',
+  'app/page.jsx': `import { View } from './view.jsx';
+
+${page}
+export default function Page() {
+  return <View />;
+}
+`,
+  'app/view.jsx': `'use client';
+
+import { SplatCanvas, Splats } from '@websplatter/react';
+
+export function View() {
+  return (
+    <SplatCanvas flat>
+      <Splats src="/scene.ply" />
+    </SplatCanvas>
+  );
+}
+`,
+  'next.config.mjs': `export default { ${config} };\n`,
+});
+
+const STATIC = "output: 'export'";
+const DYNAMIC = "export const dynamic = 'force-dynamic';\n";
+const NEXT = 'next/dist/bin/next';
+const NEXT_SERVER = [NEXT, 'start', '--hostname', '127.0.0.1', '--port', '0'] as const;
+
+export const APP_KINDS: readonly AppKind[] = [
+  {
+    name: 'Vite 7',
+    packages: { vite: '7.3.8' },
+    sources: VITE_SOURCES,
+    build: [['vite/bin/vite.js', 'build']],
+    shown: { folder: 'dist' },
+    headers: STRICT,
+  },
+  {
+    name: 'the development server of Vite 7, which must leave core as it is',
+    packages: { vite: '7.3.8' },
+    sources: {
+      ...VITE_SOURCES,
+      'vite.config.js': "export default { optimizeDeps: { exclude: ['@websplatter/core'] } };\n",
+    },
+    build: [],
+    shown: { server: ['vite/bin/vite.js', '--host', '127.0.0.1', '--port', '0'] },
+  },
+  {
+    name: 'webpack 5',
+    packages: { webpack: '5.112.2', 'webpack-cli': '7.3.1' },
+    sources: { ...bundled(), 'webpack.config.mjs': WEBPACK_CONFIG },
+    build: [['webpack-cli/bin/cli.js', 'build']],
+    shown: { folder: 'built' },
+    headers: STRICT,
+  },
+  {
+    name: 'Rspack',
+    packages: { '@rspack/core': '2.3.2', '@rspack/cli': '2.2.8' },
+    sources: { ...bundled(), 'rspack.config.mjs': WEBPACK_CONFIG },
+    build: [['@rspack/cli/bin/rspack.js', 'build']],
+    shown: { folder: 'built' },
+    headers: STRICT,
+  },
+  {
+    name: 'Rollup, which leaves workers out',
+    packages: {
+      rollup: '4.68.7',
+      '@rollup/plugin-commonjs': '29.0.3',
+      '@rollup/plugin-node-resolve': '16.0.3',
+      '@rollup/plugin-replace': '6.0.3',
+    },
+    sources: { ...bundled("setWorkerUrl('load-worker.js');"), 'rollup.config.mjs': ROLLUP_CONFIG },
+    build: [['rollup/dist/bin/rollup', '--config', 'rollup.config.mjs', '--silent']],
+    shown: { folder: 'built' },
+    headers: STRICT,
+  },
+  {
+    name: 'Parcel, which must be told of exports',
+    packages: { parcel: '2.16.4' },
+    manifest: { '@parcel/resolver-default': { packageExports: true } },
+    sources: { 'src/main.js': main(), 'src/page.css': PAGE_CSS, 'src/index.html': html('./main.js') },
+    build: [['parcel/lib/bin.js', 'build', 'src/index.html', '--dist-dir', 'built', '--no-cache']],
+    shown: { folder: 'built' },
+    headers: STRICT,
+  },
+  {
+    name: 'Next 15, static pages',
+    packages: { next: '15.5.29' },
+    manifest: { type: 'commonjs' },
+    sources: nextSources('', STATIC),
+    build: [[NEXT, 'build']],
+    shown: { folder: 'out' },
+  },
+  {
+    name: 'Next 15, dynamic pages',
+    packages: { next: '15.5.29' },
+    manifest: { type: 'commonjs' },
+    sources: nextSources(DYNAMIC, ''),
+    build: [[NEXT, 'build']],
+    shown: { server: NEXT_SERVER },
+  },
+  {
+    name: 'Next 16 by Turbopack, static pages',
+    packages: { next: '16.4.6' },
+    manifest: { type: 'commonjs' },
+    sources: nextSources('', STATIC),
+    build: [[NEXT, 'build']],
+    shown: { folder: 'out' },
+  },
+  {
+    name: 'Next 16 by Turbopack, dynamic pages',
+    packages: { next: '16.4.6' },
+    manifest: { type: 'commonjs' },
+    sources: nextSources(DYNAMIC, ''),
+    build: [[NEXT, 'build']],
+    shown: { server: NEXT_SERVER },
+  },
+  {
+    name: 'Next 16 by webpack, static pages',
+    packages: { next: '16.4.6' },
+    manifest: { type: 'commonjs' },
+    sources: nextSources('', STATIC),
+    build: [[NEXT, 'build', '--webpack']],
+    shown: { folder: 'out' },
+  },
+];
