@@ -110,15 +110,25 @@ import { measureFrames } from '@websplatter/core/measure';
 import { renderReference } from '@websplatter/core/reference';
 import { writeSplats } from '@websplatter/core/write';
 import { SplatCanvas, Splats } from '@websplatter/react';
-import { SplatLoader } from '@websplatter/three';
+import { isSupported } from '@websplatter/three';
 
 export const all = [countCosts, measureFrames, perspectiveCamera, renderReference, SPLAT_FORMATS, tint, writeSplats];
 setWorkerUrl('/load-worker.js');
 // @ts-expect-error: no address. What is not found has any type.
 setWorkerUrl(5);
+// @ts-expect-error: a promise.
+export const supported: boolean = isSupported();
+export const view = <SplatCanvas flat><Splats src="garden.ply" opacity={0.5} /></SplatCanvas>;
+// @ts-expect-error: no address.
+export const wrong = <SplatCanvas workerUrl={5} />;
+`;
+
+/** Under `node`, the types of three/webgpu are not found, and three's classes have any type. */
+const TYPED_BY_THREE = `import { Splats } from '@websplatter/react';
+import { SplatLoader } from '@websplatter/three';
+
 // @ts-expect-error: no source.
 new SplatLoader().load(5, () => {});
-export const view = <SplatCanvas flat><Splats src="garden.ply" opacity={0.5} /></SplatCanvas>;
 // @ts-expect-error: no opacity.
 export const wrong = <Splats src="garden.ply" opacity="half" />;
 `;
@@ -138,7 +148,7 @@ const tsconfig = (module: string, moduleResolution: string) =>
       esModuleInterop: true,
       noEmit: true,
     },
-    files: ['typed.tsx'],
+    files: moduleResolution === 'node' ? ['typed.tsx'] : ['typed.tsx', 'typed-by-three.tsx'],
   });
 
 const UNIT_TEST = `import { createElement } from 'react';
@@ -169,7 +179,7 @@ describe.runIf(isFull)('the packed tarballs in a fresh app', () => {
         // The last that knows all three.
         packages: { typescript: '5.9.3' },
         lockedPackages: ['@types/react', '@types/three', '@webgpu/types'],
-        sources: { 'typed.tsx': TYPED, ...Object.fromEntries(configs) },
+        sources: { 'typed.tsx': TYPED, 'typed-by-three.tsx': TYPED_BY_THREE, ...Object.fromEntries(configs) },
       },
       async (app) => {
         for (const [config] of configs) await app.run('typescript/bin/tsc', ['-p', config]);
