@@ -558,6 +558,7 @@ it('sends pointer events to splats, and picks the row of the file under a pixel'
   const dot = { id: 'dot', src: 'dot.ply', hasEvents: true };
   const page = await open(canvas({ kind: 'bare', splats: [dot], frameloop: 'demand', timings: 'outside' }));
   await waitForLog(page, 'dot firstframe');
+  await page.evaluate(() => window.page.objects.get('dot')!.data!.prepareRays());
   const middle = await projected(page, [0, 0, 0]);
   await page.mouse.move(...middle);
   await page.mouse.click(...middle);

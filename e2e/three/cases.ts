@@ -895,6 +895,7 @@ export const cases = {
     const middle = SIZE_PX / 2;
     const xPx = middle - (1 / Math.sqrt(3)) * middle * (1 / 1.0) * (1 / 1.0);
     const hit = await left.pick(renderer, camera, xPx, middle);
+    await left.data!.prepareRays();
     const caster = new Raycaster();
     caster.setFromCamera(new Vector2(-1 / Math.sqrt(3), 0), camera);
     const [ray] = caster.intersectObjects(scene.children);

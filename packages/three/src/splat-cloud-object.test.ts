@@ -6,8 +6,27 @@ import {
   type SplatCloud,
   SplatSourceError,
 } from '@websplatter/core';
-import { brightness, type EffectUse, fog, type RevealOptions, tint } from '@websplatter/core/effects';
-import { Box3, Fog, Matrix4, PerspectiveCamera, Raycaster, Scene, Vector3 } from 'three/webgpu';
+import {
+  brightness,
+  clip,
+  type EffectUse,
+  fog,
+  type RevealOptions,
+  reveal,
+  tint,
+} from '@websplatter/core/effects';
+import {
+  Box3,
+  Fog,
+  Matrix4,
+  Mesh,
+  PerspectiveCamera,
+  PlaneGeometry,
+  Raycaster,
+  Scene,
+  Vector2,
+  Vector3,
+} from 'three/webgpu';
 import { describe, expect, test, vi } from 'vitest';
 import { SplatsPrecisionError } from './errors.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
@@ -17,11 +36,24 @@ import { packedCloudAt, splatDataAt } from './testing/test-clouds.ts';
 
 describe('rays', () => {
   /** A cloud of one splat at x = 1. */
-  function cloudUnder(matrix: Matrix4): SplatCloudObject {
+  async function cloudUnder(matrix: Matrix4): Promise<SplatCloudObject> {
     const cloud = new SplatCloudObject(splatDataAt([1, 0, 0]));
     cloud.matrixAutoUpdate = false;
     cloud.matrix.copy(matrix);
     cloud.updateMatrixWorld(true);
+    await cloud.data!.prepareRays();
+    return cloud;
+  }
+
+  /** A ray from z = 5 along −z. */
+  const casterAt = (x: number, y = 0) => new Raycaster(new Vector3(x, y, 5), new Vector3(0, 0, -1));
+
+  /** Splats at z = 0, −1 and −2, at x = 0 and x = 1. */
+  async function rows(): Promise<SplatCloudObject> {
+    const places = [0, -1, -2].flatMap((z) => [[0, 0, z] as const, [1, 0, z] as const]);
+    const cloud = new SplatCloudObject(splatDataAt(...places));
+    cloud.updateMatrixWorld(true);
+    await cloud.data!.prepareRays();
     return cloud;
   }
 
@@ -33,8 +65,8 @@ describe('rays', () => {
     'far away': new Matrix4().makeTranslation(100, -200, 300),
   };
 
-  test.each(Object.entries(transforms))('hit a cloud that is %s at the right distance', (_, matrix) => {
-    const cloud = cloudUnder(matrix);
+  test.each(Object.entries(transforms))('hit a cloud that is %s at the right distance', async (_, matrix) => {
+    const cloud = await cloudUnder(matrix);
     const center = new Vector3(1, 0, 0).applyMatrix4(matrix);
     const from = center.clone().add(new Vector3(3, 4, 12));
     const caster = new Raycaster(from, center.clone().sub(from).normalize());
@@ -42,29 +74,126 @@ describe('rays', () => {
     expect(others).toEqual([]);
     expect(hit.object).toBe(cloud);
     expect(hit.distance).toBeCloseTo(from.distanceTo(hit.point), 9);
-    // Within three standard deviations, which the matrix may stretch.
-    expect(hit.distance).toBeGreaterThan(13 - 0.03 * 20);
-    expect(hit.distance).toBeLessThanOrEqual(13);
+    expect(hit.distance).toBeCloseTo(13, 3);
     expect(caster.ray.distanceToPoint(hit.point)).toBeLessThan(1e-9);
   });
 
-  test('miss clouds beside them, and clouds out of their range', () => {
-    const cloud = cloudUnder(new Matrix4());
-    const caster = new Raycaster(new Vector3(0, 0, 5), new Vector3(0, 0, -1));
-    expect(caster.intersectObject(cloud)).toEqual([]);
-    caster.ray.origin.x = 1;
+  test('miss clouds beside them, out of their range, and on other layers', async () => {
+    const cloud = await cloudUnder(new Matrix4());
+    expect(casterAt(0).intersectObject(cloud)).toEqual([]);
+    const caster = casterAt(1);
     expect(caster.intersectObject(cloud)).toHaveLength(1);
     caster.far = 4;
     expect(caster.intersectObject(cloud)).toEqual([]);
     caster.far = 10;
     caster.near = 6;
     expect(caster.intersectObject(cloud)).toEqual([]);
+    caster.near = 0;
+    cloud.layers.set(3);
+    expect(caster.intersectObject(cloud)).toEqual([]);
+    caster.layers.enable(3);
+    expect(caster.intersectObject(cloud)).toHaveLength(1);
   });
 
-  test('hit no cloud without data or extent', () => {
-    const caster = new Raycaster(new Vector3(1, 0, 5), new Vector3(0, 0, -1));
+  test('pass what is nearer than they begin', async () => {
+    const caster = casterAt(0);
+    caster.near = 5.5;
+    const [hit] = caster.intersectObject(await rows());
+    expect(hit.distance).toBeCloseTo(6, 3);
+  });
+
+  test('of a camera hit what the camera draws', async () => {
+    const cloud = await rows();
+    const camera = new PerspectiveCamera(50, 1, 5.5, 6.5);
+    camera.position.z = 5;
+    camera.updateMatrixWorld();
+    const caster = new Raycaster();
+    caster.setFromCamera(new Vector2(0, 0), camera);
+    expect(caster.intersectObject(cloud)[0].distance).toBeCloseTo(6, 3);
+    camera.near = 0.1;
+    expect(caster.intersectObject(cloud)[0].distance).toBeCloseTo(5, 3);
+    camera.far = 4;
+    expect(caster.intersectObject(cloud)).toEqual([]);
+  });
+
+  test('meet a mesh in front of splats first, and one behind them last', async () => {
+    const cloud = await rows();
+    const meshes = [0.5, -3].map((z) => {
+      const mesh = new Mesh(new PlaneGeometry(9, 9));
+      // Not met on the diagonal, which is in both triangles.
+      mesh.position.set(0.5, 0, z);
+      mesh.updateMatrixWorld();
+      return mesh;
+    });
+    const hits = casterAt(0).intersectObjects([cloud, ...meshes]);
+    expect(hits.map(({ object }) => object)).toEqual([meshes[0], cloud, meshes[1]]);
+  });
+
+  test('hit no cloud without data, extent or opacity', async () => {
+    const caster = casterAt(1);
     expect(caster.intersectObject(new SplatCloudObject())).toEqual([]);
-    expect(caster.intersectObject(cloudUnder(new Matrix4().makeScale(1, 1, 0)))).toEqual([]);
+    expect(caster.intersectObject(await cloudUnder(new Matrix4().makeScale(1, 1, 0)))).toEqual([]);
+    const cloud = await cloudUnder(new Matrix4());
+    cloud.opacity = 0.5;
+    expect(caster.intersectObject(cloud)).toEqual([]);
+  });
+
+  const box = { shape: 'box', center: [0, 0, -1], size: [1, 1, 1] } as const;
+  const turned = { ...box, size: [1, 0.1, 9], rotation: [0, Math.SQRT1_2, 0, Math.SQRT1_2] } as const;
+  const sphere = { shape: 'sphere', center: [0, 0, 0], radius: 0.5 } as const;
+  const plane = { shape: 'plane', point: [0, 0, -1.5], normal: [0, 0, -2] } as const;
+
+  test.each([
+    ['inside a box', [box], 6],
+    ['inside a turned box, which another covers', [turned, box], 6],
+    ['outside a sphere', [{ ...sphere, keep: 'outside' }], 6],
+    ['inside a sphere', [sphere], 5],
+    ['behind a plane', [plane], 7],
+    ['on the other side of it', [{ ...plane, keep: 'outside' }], 5],
+  ] as const)('hit what a clip leaves %s', async (_, volumes, distance) => {
+    const cloud = await rows();
+    cloud.effects = [clip({ volumes })];
+    expect(casterAt(0).intersectObject(cloud)[0].distance).toBeCloseTo(distance, 3);
+    cloud.effects = [clip({ volumes: [...volumes, { ...sphere, radius: 0.1, center: [9, 9, 9] }] })];
+    expect(casterAt(0).intersectObject(cloud)).toEqual([]);
+  });
+
+  test('miss what has not appeared yet', async () => {
+    const cloud = await rows();
+    cloud.effects = [reveal({ from: [0, 0, -2], radius: 0.9 })];
+    expect(casterAt(0).intersectObject(cloud)[0].distance).toBeCloseTo(7, 3);
+    cloud.effects = [reveal({ from: 'camera', radius: 4 })];
+    expect(casterAt(0).intersectObject(cloud)).toEqual([]);
+    cloud.effects = [];
+    cloud.reveal = { from: 'camera', durationMs: 1000 };
+    expect(casterAt(0).intersectObject(cloud)).toEqual([]);
+  });
+
+  test('miss until they are prepared, which the first ray begins', async () => {
+    const cloud = new SplatCloudObject(splatDataAt([1, 0, 0]));
+    const caster = casterAt(1);
+    expect(caster.intersectObject(cloud)).toEqual([]);
+    await expect.poll(() => caster.intersectObject(cloud)).toHaveLength(1);
+  });
+
+  test('are prepared by the first frame', async () => {
+    const cloud = new SplatCloudObject(splatDataAt([1, 0, 0]));
+    cloud.announceDrawn(0);
+    const prepareRays = vi.spyOn(cloud.data!, 'prepareRays');
+    await expect.poll(() => prepareRays).toHaveBeenCalledTimes(1);
+  });
+
+  test('cannot be prepared for splats that have been freed, and can once these are back', async () => {
+    const { engine, load } = fakeEngine();
+    load.mockResolvedValue(Object.assign(fakeEngine().cloud, packedCloudAt([1, 0, 0])));
+    const data = new SplatData(packedCloudAt([1, 0, 0]), 'garden', 'https://a.test/garden.ply');
+    data.acquire(engine, engine);
+    data.release(engine);
+    await expect(data.prepareRays()).rejects.toThrow(DestroyedError);
+    data.acquire(engine, engine);
+    await data.prepareRays();
+    const cloud = new SplatCloudObject(data);
+    expect(casterAt(1).intersectObject(cloud)).toHaveLength(1);
   });
 });
 
@@ -161,6 +290,7 @@ describe('data', () => {
     );
     const packed = packedCloudAt([1, 0, 0]);
     const cloud = new SplatCloudObject(new SplatData(packed, 'garden', 'https://a.test/garden.ply'));
+    void cloud.data!.prepareRays();
     cloud.uploadedTo(fake.engine);
     cloud.dispose();
     const [onError, needsFrame] = [vi.fn(), vi.fn()];
@@ -192,6 +322,7 @@ describe('data', () => {
     await expect.poll(() => onError).toHaveBeenCalledExactlyOnceWith(error);
     expect(object.uploadedTo(engine)).toBeNull();
     expect(load).toHaveBeenCalledTimes(1);
+    await object.data!.prepareRays();
     const caster = new Raycaster(new Vector3(1, 0, 5), new Vector3(0, 0, -1));
     expect(caster.intersectObject(object)).toHaveLength(1);
   });

@@ -5,7 +5,6 @@ import {
   type ChooseAccuracyOptions,
   DestroyedError,
   InvalidArgumentError,
-  raycastCloud,
   type ShDegree,
   type SplatCloud,
   type SplatEngine,
@@ -18,10 +17,8 @@ import {
   type Fog,
   type FogExp2,
   type Intersection,
-  Matrix4,
   Object3D,
   type Object3DEventMap,
-  Ray,
   type Raycaster,
   type Scene,
   Sphere,
@@ -158,18 +155,13 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     layer.place(this);
   }
 
-  /** Adds the nearest hit of the ray with the bounds of the cloud's chunks; `pick` finds the exact splat. */
+  /**
+   * Adds where the ray meets splats that are drawn, unless all of them along it have less than 30 % opacity: where the splats are
+   * that contribute most, approximately; `pick` finds the exact splat. Splats that the ray begins inside of are left out. Misses
+   * until `data.prepareRays()` is done, which begins after the first frame; and misses previews.
+   */
   override raycast(raycaster: Raycaster, intersects: Intersection[]): void {
-    if (!this.#data || this.matrixWorld.determinant() === 0) return;
-    const { origin, direction } = new Ray()
-      .copy(raycaster.ray)
-      .applyMatrix4(new Matrix4().copy(this.matrixWorld).invert());
-    const hit = raycastCloud(this.#data.outline, origin.toArray(), direction.toArray());
-    if (!hit) return;
-    const point = new Vector3(...hit.point).applyMatrix4(this.matrixWorld);
-    const distance = raycaster.ray.origin.distanceTo(point);
-    if (distance >= raycaster.near && distance <= raycaster.far)
-      intersects.push({ distance, point, object: this });
+    this.#data?.raycast(this, raycaster, intersects);
   }
 
   /**
@@ -306,8 +298,12 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   #announceFirstFrame(): void {
     if (this.#isAnnounced || this.#data!.isPreview) return;
     this.#isAnnounced = true;
+    const data = this.#data!;
     // three is in the middle of its frame.
-    queueMicrotask(() => this.dispatchEvent({ type: 'firstframe' }));
+    queueMicrotask(() => {
+      this.dispatchEvent({ type: 'firstframe' });
+      data.prepareRays().catch(() => {});
+    });
   }
 
   /** @internal Called with the settings chosen for a frame with this cloud. */

@@ -1,6 +1,5 @@
 import {
   type CloudLease,
-  type CloudOutline,
   type CloudPrecision,
   type LastingSource,
   lastingSource,
@@ -10,7 +9,9 @@ import {
   type SplatCloud,
   type SplatEngine,
 } from '@websplatter/core';
-import { Box3, type Sphere, Vector3 } from 'three/webgpu';
+import { Box3, type Intersection, type Raycaster, type Sphere, Vector3 } from 'three/webgpu';
+import type { CastRay } from './cast-ray.ts';
+import type { SplatCloudObject } from './splat-cloud-object.ts';
 
 /** The splats on one engine. */
 interface Upload {
@@ -49,8 +50,6 @@ export class SplatData {
   readonly bounds: Box3;
   /** Bounds without the outermost splats, which enclose the scene itself. */
   readonly robustBounds: Box3;
-  /** @internal What rays are tested against. */
-  readonly outline: CloudOutline;
   /** @internal Keeps the last upload until `dispose`, because a cache may hand the splats to another user. */
   isCached = false;
   /** Where the splats can be read again; null: nowhere, so that they stay in memory. */
@@ -60,6 +59,8 @@ export class SplatData {
   readonly #precision: CloudPrecision;
   readonly #uploads = new Map<SplatEngine, Upload>();
   #packed: PackedCloud | null;
+  #castRay: CastRay | null = null;
+  #preparing: Promise<void> | null = null;
 
   /**
    * @param splats packed; or on an engine, where they are freed after their last user, or by `dispose` if there is none.
@@ -74,13 +75,12 @@ export class SplatData {
     sourceOptions: SourceOptions = {},
   ) {
     const isLoaded = 'engine' in splats;
-    const { count, origin, chunks, bounds, robustBounds } = isLoaded ? splats.cloud : splats;
+    const { count, bounds, robustBounds } = isLoaded ? splats.cloud : splats;
     this.name = name;
     this.count = count;
     this.isPreview = isLoaded && splats.cloud.isPreview;
     this.bounds = boxOf(bounds);
     this.robustBounds = boxOf(robustBounds);
-    this.outline = { origin, chunks, robustBounds };
     this.#source = source && lastingSource(source);
     this.#sourceOptions = sourceOptions;
     this.#packed = isLoaded ? null : splats;
@@ -110,6 +110,35 @@ export class SplatData {
     } finally {
       this.release(user);
     }
+  }
+
+  /**
+   * Makes what rays are tested against, 770 kB for up to a million splats, in tasks of about 5 ms. It comes by itself after the
+   * first frame, or after the first ray; rays miss the splats until then. Does nothing for a preview.
+   *
+   * @throws DestroyedError if the engine that holds the splats ends or frees them; GpuLimitError if memory is lacking. A later
+   *   call tries again.
+   */
+  prepareRays(): Promise<void> {
+    this.#preparing ??= this.#makeRays().catch((error: Error) => {
+      this.#preparing = null;
+      throw error;
+    });
+    return this.#preparing;
+  }
+
+  /** @internal Adds the hit of a ray with these splats, as `object` shows them. */
+  raycast(object: SplatCloudObject, raycaster: Raycaster, intersects: Intersection[]): void {
+    if (this.#castRay) this.#castRay(object, raycaster, intersects);
+    else this.prepareRays().catch(() => {});
+  }
+
+  async #makeRays(): Promise<void> {
+    if (this.isPreview) return;
+    // They may leave memory meanwhile.
+    const packed = this.#packed;
+    const { rayCaster } = await import('./cast-ray.ts');
+    this.#castRay = await rayCaster(this.name, packed, this.#uploads.values());
   }
 
   /**

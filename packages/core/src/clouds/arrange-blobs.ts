@@ -1,0 +1,143 @@
+import type { Turns } from '../turns.ts';
+import { COVARIANCE, LEAST_OPACITY, LOOSE_VALUES, MOST_OPACITY, OPACITY } from './ray-blobs.ts';
+
+/** Blobs of a node of the lowest level, and nodes of a node of any other. */
+export const ARITY = 8;
+/** Unsigned 16-bit values of a blob: mean 3, standard deviation 3, correlation 3, opacity. */
+export const BLOB_VALUES = 10;
+/** Means are steps between the faces of their node's box. */
+export const MEAN_STEPS = 65535;
+/** Standard deviations are powers of two, in steps of 1/512 about 1. */
+export const DEVIATION_STEPS = 512;
+export const DEVIATION_ZERO = 32768;
+/** Correlations −1…1. */
+export const CORRELATION_ZERO = 32768;
+export const CORRELATION_STEPS = 32767;
+
+/** Blobs in an order in which neighbours are near each other, and the boxes around each run of ARITY. */
+export interface RayBlobs {
+  readonly count: number;
+  /** BLOB_VALUES each. */
+  readonly values: Uint16Array;
+  /** Min x, y, z and max x, y, z around all that a run of blobs reaches. */
+  readonly boxes: Float32Array;
+}
+
+/**
+ * Puts blobs, LOOSE_VALUES each, into an order in which each run of ARITY is compact, each run of ARITY such runs as well, and so
+ * on; and rounds them.
+ */
+export async function arrangeBlobs(blobs: Float32Array, turns: Turns): Promise<RayBlobs> {
+  const count = blobs.length / LOOSE_VALUES;
+  const keys = keysOf(blobs);
+  const order = new Uint32Array(count);
+  for (let i = 0; i < count; i++) order[i] = i;
+  const ranges: [start: number, end: number][] = [[0, count]];
+  for (let range = ranges.pop(); range; range = ranges.pop()) {
+    const [start, end] = range;
+    if (end - start <= ARITY) continue;
+    await turns.give();
+    // At the border of a run, nearest to the middle.
+    const run = ARITY ** Math.ceil(Math.log(end - start) / Math.log(ARITY) - 1 - 1e-9);
+    const middle = start + run * Math.max(1, Math.round((end - start) / run / 2));
+    split(keys[widestAxis(keys, order, start, end)], order, start, middle, end);
+    ranges.push([start, middle], [middle, end]);
+  }
+  const values = new Uint16Array(BLOB_VALUES * count);
+  const boxes = new Float32Array(6 * Math.ceil(count / ARITY));
+  for (let node = 0; 6 * node < boxes.length; node++) {
+    await turns.give();
+    const members = order.subarray(ARITY * node, ARITY * (node + 1));
+    const box = boxes.subarray(6 * node, 6 * (node + 1));
+    bound(blobs, members, box);
+    for (const [i, blob] of members.entries())
+      round(blobs.subarray(LOOSE_VALUES * blob), box, values.subarray(BLOB_VALUES * (ARITY * node + i)));
+  }
+  return { count, values, boxes };
+}
+
+/** x, y, z and size of each blob. Large and small blobs are kept apart, so that the large ones widen few boxes. */
+function keysOf(blobs: Float32Array): Float32Array[] {
+  const count = blobs.length / LOOSE_VALUES;
+  const keys = [0, 1, 2, 3].map(() => new Float32Array(count));
+  for (let i = 0, at = 0; i < count; i++, at += LOOSE_VALUES) {
+    for (let axis = 0; axis < 3; axis++) keys[axis][i] = blobs[at + axis];
+    const variances = blobs[at + COVARIANCE] + blobs[at + COVARIANCE + 1] + blobs[at + COVARIANCE + 2];
+    keys[3][i] = 2 * Math.sqrt(variances);
+  }
+  return keys;
+}
+
+function widestAxis(keys: readonly Float32Array[], order: Uint32Array, start: number, end: number): number {
+  let widest = 0;
+  let most = -1;
+  for (const [axis, key] of keys.entries()) {
+    let min = Number.POSITIVE_INFINITY;
+    let max = Number.NEGATIVE_INFINITY;
+    for (let i = start; i < end; i++) {
+      const value = key[order[i]];
+      if (value < min) min = value;
+      if (value > max) max = value;
+    }
+    if (max - min > most) {
+      most = max - min;
+      widest = axis;
+    }
+  }
+  return widest;
+}
+
+/** Brings the smallest keys of a range before `middle`: Hoare's selection. */
+function split(key: Float32Array, order: Uint32Array, start: number, middle: number, end: number): void {
+  let low = start;
+  let high = end - 1;
+  while (low < high) {
+    const pivot = key[order[(low + high) >> 1]];
+    let i = low;
+    let j = high;
+    while (i <= j) {
+      while (key[order[i]] < pivot) i++;
+      while (key[order[j]] > pivot) j--;
+      if (i > j) break;
+      const swapped = order[i];
+      order[i++] = order[j];
+      order[j--] = swapped;
+    }
+    if (middle <= j) high = j;
+    else if (middle >= i) low = i;
+    else return;
+  }
+}
+
+/** Writes the box around all that blobs reach. */
+function bound(blobs: Float32Array, members: Uint32Array, box: Float32Array): void {
+  for (let axis = 0; axis < 3; axis++) {
+    let min = Number.POSITIVE_INFINITY;
+    let max = Number.NEGATIVE_INFINITY;
+    for (const blob of members) {
+      const at = LOOSE_VALUES * blob;
+      const deviations = Math.sqrt(2 * Math.log(blobs[at + OPACITY] / LEAST_OPACITY));
+      const reach = deviations * Math.sqrt(blobs[at + COVARIANCE + axis]);
+      min = Math.min(min, blobs[at + axis] - reach);
+      max = Math.max(max, blobs[at + axis] + reach);
+    }
+    box[axis] = min;
+    box[3 + axis] = max;
+  }
+}
+
+function round(blob: Float32Array, box: Float32Array, values: Uint16Array): void {
+  const deviations = [0, 1, 2].map((axis) => Math.sqrt(Math.max(1e-38, blob[COVARIANCE + axis])));
+  for (let axis = 0; axis < 3; axis++) {
+    const side = box[3 + axis] - box[axis];
+    values[axis] = side > 0 ? Math.round(((blob[axis] - box[axis]) / side) * MEAN_STEPS) : 0;
+    values[3 + axis] = Math.round(Math.log2(deviations[axis]) * DEVIATION_STEPS) + DEVIATION_ZERO;
+  }
+  // xy, xz, yz.
+  for (let k = 0; k < 3; k++) {
+    const scale = deviations[k >> 1] * deviations[k === 0 ? 1 : 2];
+    const correlation = Math.max(-1, Math.min(1, blob[COVARIANCE + 3 + k] / scale));
+    values[6 + k] = Math.round(correlation * CORRELATION_STEPS) + CORRELATION_ZERO;
+  }
+  values[9] = Math.round((blob[OPACITY] / MOST_OPACITY) * 65535);
+}

@@ -1,0 +1,70 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { SplatEngine } from '../engine.ts';
+import { DestroyedError, SplatSourceError } from '../errors.ts';
+import { encodePly } from '../io/formats/ply/write-ply.ts';
+import { packCloud } from '../packing/packed-cloud.ts';
+import { deviceWith, limitsWith } from '../testing/device-with.ts';
+import { randomSplats } from '../testing/random-splats.ts';
+import { makeRayTree } from './rays.ts';
+
+const SPLATS = randomSplats({ count: 1500, shDegree: 1, logScales: [-3, -2] });
+const FILE = new Blob([encodePly(SPLATS)]);
+
+let device: GPUDevice;
+let engine: SplatEngine;
+beforeAll(async () => {
+  device = await createTestDevice();
+  // Several pages, and rows that are packed on the GPU.
+  const limited = deviceWith(device, {
+    limits: limitsWith(device, { maxStorageBufferBindingSize: 180 * 512 }),
+  });
+  engine = await SplatEngine.create({ device: limited, ingestMinRows: 1 });
+});
+afterAll(() => {
+  engine?.destroy();
+  device?.destroy();
+});
+
+describe('rays', () => {
+  for (const geometryPrecision of ['packed', 'f32'] as const) {
+    gpuTest(
+      `hit splats that are ${geometryPrecision} on the GPU where they hit those in memory`,
+      async () => {
+        const packed = packCloud(SPLATS, { geometryPrecision, shPrecision: 'u8' });
+        const precision = { geometryPrecision, shPrecision: 'u8' } as const;
+        const cloud = await engine.load(FILE, { name: 'rows', precision });
+        const trees = await Promise.all([makeRayTree(packed), makeRayTree(cloud)]);
+        expect(trees[1].count).toBe(trees[0].count);
+        let hits = 0;
+        for (let i = 0; i < 200; i++) {
+          const angle = 0.31 * i;
+          const origin = [4 * Math.cos(angle), Math.sin(3 * angle), 4 * Math.sin(angle)] as const;
+          const target = [0.3 * Math.sin(7 * i), 0.3 * Math.cos(5 * i), 0] as const;
+          const direction = [target[0] - origin[0], target[1] - origin[1], -origin[2]] as const;
+          const [inMemory, onGpu] = trees.map((tree) => tree.cast(origin, direction));
+          if (!inMemory) continue;
+          hits++;
+          // The GPU may round a size to the next step.
+          expect(onGpu!.distance).toBeCloseTo(inMemory.distance, 2);
+        }
+        expect(hits).toBeGreaterThan(50);
+        cloud.destroy();
+      },
+    );
+  }
+
+  gpuTest('wait for previews, and end with their cloud', async () => {
+    const refused: Promise<unknown>[] = [];
+    const cloud = await engine.load(FILE, {
+      onPreview: (preview) => {
+        refused.push(makeRayTree(preview).catch((error: unknown) => error));
+      },
+    });
+    expect(refused.length).toBeGreaterThan(0);
+    for (const error of await Promise.all(refused)) expect(error).toBeInstanceOf(SplatSourceError);
+    const making = makeRayTree(cloud);
+    cloud.destroy();
+    await expect(making).rejects.toThrow(DestroyedError);
+  });
+});

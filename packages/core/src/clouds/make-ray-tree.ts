@@ -1,0 +1,113 @@
+import { DestroyedError, SplatSourceError } from '../errors.ts';
+import { readBack } from '../gpu/read-back.ts';
+import { CHUNK_WORDS } from '../layout/chunk-words.ts';
+import { CHUNK_SPLATS } from '../layout/constants.ts';
+import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
+import type { PackedCloud } from '../packing/packed-cloud.ts';
+import { Turns } from '../turns.ts';
+import { arrangeBlobs } from './arrange-blobs.ts';
+import { BlobCollector } from './ray-blobs.ts';
+import { RayTree } from './ray-tree.ts';
+import type { SplatCloud } from './splat-cloud.ts';
+
+/** Clouds of fewer splats have a blob for each. */
+const MOST_SMALL_BLOBS = 32_768;
+/** Splats of a blob in large clouds. */
+const SPLATS_PER_BLOB = 32;
+/** Splats that are copied to the CPU at once: 1 MiB where they are packed. */
+const PIECE_SPLATS = 1 << 15;
+/** Longest that the calling thread is kept busy at a time. */
+const MAX_BUSY_MS = 5;
+
+export interface MakeRayTreeOptions {
+  /** Calls the work off. */
+  readonly signal?: AbortSignal;
+  /** @internal For tests: most blobs of a small cloud. */
+  readonly mostBlobs?: number;
+}
+
+/** See `makeRayTree` of the index. */
+export async function makeRayTree(
+  splats: SplatCloud | PackedCloud,
+  { signal, mostBlobs = MOST_SMALL_BLOBS }: MakeRayTreeOptions,
+): Promise<RayTree> {
+  const { count, origin } = splats;
+  const blobs = Math.max(mostBlobs, count / SPLATS_PER_BLOB);
+  const shares = blobsOfChunks(splats, blobs);
+  const collector = new BlobCollector(shares.reduce((sum, share) => sum + share, 0));
+  let chunk = 0;
+  const turns = new Turns(signal, MAX_BUSY_MS);
+  for await (const piece of 'geometry' in splats ? [splats.geometry] : piecesOnGpu(splats)) {
+    const end = piece.words.length / GEOMETRY_WORDS[piece.precision];
+    for (let from = 0; from < end; from += CHUNK_SPLATS) {
+      await turns.give();
+      collector.add(piece, from, Math.min(end, from + CHUNK_SPLATS), shares[chunk++]);
+    }
+  }
+  return new RayTree(origin, await arrangeBlobs(collector.blobs, turns));
+}
+
+/** How much the angle matters. At 0, all chunks would have as many blobs; at 2, all blobs would be seen under one angle. */
+const ANGLE_EXPONENT = 2 / 3;
+
+/**
+ * Shares blobs out to chunks by the angle under which each is seen from within the scene. What is far away has few splats, which
+ * all matter; what is near has many for each pixel.
+ */
+function blobsOfChunks(
+  { chunks, robustBounds: { min, max }, origin }: Pick<PackedCloud, 'chunks' | 'robustBounds' | 'origin'>,
+  blobs: number,
+): Uint16Array {
+  const values = new Float32Array(chunks);
+  const { minPosition, maxPosition, count: stride } = CHUNK_WORDS;
+  const nearest = Math.max(max[0] - min[0], max[1] - min[1], max[2] - min[2]) / 2;
+  const angles = new Float64Array(values.length / stride);
+  for (let chunk = 0; chunk < angles.length; chunk++) {
+    let extent2 = 0;
+    let distance2 = 0;
+    for (let axis = 0; axis < 3; axis++) {
+      const low = values[stride * chunk + minPosition + axis];
+      const high = values[stride * chunk + maxPosition + axis];
+      extent2 += (high - low) ** 2;
+      distance2 += (origin[axis] + (low + high) / 2 - (min[axis] + max[axis]) / 2) ** 2;
+    }
+    const distance = Math.max(Math.sqrt(distance2), nearest, 1e-30);
+    angles[chunk] = Math.max((Math.sqrt(extent2) / distance) ** ANGLE_EXPONENT, 1e-12);
+  }
+  // The factor by which as many blobs are shared out as there are: no chunk has use for more than it has splats.
+  const shareAt = (angle: number, factor: number) => Math.max(1, Math.min(CHUNK_SPLATS, angle * factor));
+  let low = 1e-3;
+  let high = 1e15;
+  for (let i = 0; i < 30; i++) {
+    const factor = Math.sqrt(low * high);
+    let sum = 0;
+    for (const angle of angles) sum += shareAt(angle, factor);
+    if (sum > blobs) high = factor;
+    else low = factor;
+  }
+  return Uint16Array.from(angles, (angle) => shareAt(angle, low));
+}
+
+/** Geometry of a cloud on the GPU, piece by piece. */
+async function* piecesOnGpu(cloud: SplatCloud): AsyncGenerator<PackedGeometry> {
+  const { device, name, logScaleRange } = cloud;
+  if (cloud.isPreview)
+    throw new SplatSourceError(name, 'it is still loading: rays can be cast once it is whole.');
+  await cloud.uploaded;
+  // Other planes may take their place while a piece is worked on; those nearest to packed are the smallest.
+  const planes = () => {
+    if (cloud.isDestroyed) throw new DestroyedError(`The cloud ${name}`, 'it was destroyed');
+    return cloud.pagesFor({ geometryPrecision: 'packed', shPrecision: 'u8' });
+  };
+  for (const [page, { splatCount }] of planes().pages.entries()) {
+    for (let at = 0; at < splatCount; at += PIECE_SPLATS) {
+      const { pages, geometryPrecision: precision } = planes();
+      const stride = 4 * GEOMETRY_WORDS[precision];
+      const bytes = stride * Math.min(PIECE_SPLATS, splatCount - at);
+      const copied = await readBack(device, bytes, (encoder, target) =>
+        encoder.copyBufferToBuffer(pages[page].geometry, stride * at, target, 0, bytes),
+      );
+      yield { precision, words: new Uint32Array(copied), logScaleRange };
+    }
+  }
+}

@@ -1,0 +1,255 @@
+import { CHUNK_SPLATS } from '../layout/constants.ts';
+import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
+
+/** A blob may be more opaque in its middle than any splat: it stays opaque farther out, as what it stands for does. */
+export const MOST_OPACITY = 3;
+/** Opacity below which splats are left out, and blobs end. */
+export const LEAST_OPACITY = 0.02;
+
+/** Values of a splat on its way into a blob. */
+const X = 0;
+export const COVARIANCE = 3;
+export const OPACITY = 9;
+/** Largest standard deviation. */
+const SIZE = 10;
+/** How much of what is seen the splat is: its opacity times its area. */
+const WEIGHT = 11;
+const SPLAT_VALUES = 12;
+/** What is kept of them once they are blobs. */
+export const LOOSE_VALUES = 10;
+/** What sets splats apart: x, y, z and size. A floor and the haze above it lie in one place but make no blob together. */
+const AXES = [X, X + 1, X + 2, SIZE] as const;
+
+interface Cluster {
+  readonly start: number;
+  readonly end: number;
+  /** What a split would gain. */
+  score: number;
+  axis: number;
+  middle: number;
+}
+
+/**
+ * Makes blobs of a cloud's splats. A blob is one Gaussian that stands for neighbouring splats: as opaque as they are
+ * together, with their common mean and covariance.
+ */
+export class BlobCollector {
+  #count = 0;
+  /** Means, covariances and opacities. */
+  readonly #blobs: Float32Array;
+  /** Splats that wait for blobs, SPLAT_VALUES each. */
+  readonly #splats = new Float64Array(CHUNK_SPLATS * SPLAT_VALUES);
+  readonly #order = new Uint16Array(CHUNK_SPLATS);
+
+  /** @param most the sum of what `add` may make. */
+  constructor(most: number) {
+    this.#blobs = new Float32Array(LOOSE_VALUES * most);
+  }
+
+  /** Makes at most `wanted` blobs of splats `from`…`end` of `geometry`, at most CHUNK_SPLATS, neighbours in storage order. */
+  add(geometry: PackedGeometry, from: number, end: number, wanted: number): void {
+    let kept = 0;
+    for (let i = from; i < end; i++) if (unpack(geometry, i, this.#splats, SPLAT_VALUES * kept)) kept++;
+    if (kept === 0) return;
+    if (wanted >= kept) {
+      for (let i = 0; i < kept; i++)
+        this.#put(this.#splats.subarray(SPLAT_VALUES * i, SPLAT_VALUES * (i + 1)));
+      return;
+    }
+    for (let i = 0; i < kept; i++) this.#order[i] = i;
+    for (const { start, end } of this.#clusters(kept, wanted)) this.#put(this.#merged(start, end));
+  }
+
+  /** Returns means, covariances and opacities of the blobs so far, LOOSE_VALUES each. */
+  get blobs(): Float32Array {
+    return this.#blobs.subarray(0, LOOSE_VALUES * this.#count);
+  }
+
+  /** Splits the first `count` splats into `wanted` clusters, or fewer where splats coincide; those next to each other touch. */
+  #clusters(count: number, wanted: number): Cluster[] {
+    const clusters = [this.#cluster(0, count)];
+    while (clusters.length < wanted) {
+      let worst = 0;
+      for (let i = 1; i < clusters.length; i++) if (clusters[i].score > clusters[worst].score) worst = i;
+      const { start, end, score, axis, middle } = clusters[worst];
+      if (!(score > 0)) break;
+      const between = this.#partition(start, end, axis, middle);
+      if (between === start || between === end) {
+        // The mean was rounded onto the outermost splat.
+        clusters[worst].score = 0;
+        continue;
+      }
+      clusters.splice(worst, 1, this.#cluster(start, between), this.#cluster(between, end));
+    }
+    return clusters;
+  }
+
+  #cluster(start: number, end: number): Cluster {
+    const cluster: Cluster = { start, end, score: 0, axis: 0, middle: 0 };
+    if (end - start < 2) return cluster;
+    const splats = this.#splats;
+    for (const axis of AXES) {
+      let weight = 0;
+      let sum = 0;
+      let squares = 0;
+      const base = splats[SPLAT_VALUES * this.#order[start] + axis];
+      for (let i = start; i < end; i++) {
+        const at = SPLAT_VALUES * this.#order[i];
+        const w = splats[at + WEIGHT];
+        const value = splats[at + axis] - base;
+        weight += w;
+        sum += w * value;
+        squares += w * value * value;
+      }
+      const score = squares - (sum * sum) / weight;
+      if (score > cluster.score) {
+        cluster.score = score;
+        cluster.axis = axis;
+        cluster.middle = base + sum / weight;
+      }
+    }
+    return cluster;
+  }
+
+  /** Brings splats up to `middle` before the others. @returns where the others begin. */
+  #partition(start: number, end: number, axis: number, middle: number): number {
+    const order = this.#order;
+    let low = start;
+    let high = end;
+    while (low < high) {
+      const splat = order[low];
+      if (this.#splats[SPLAT_VALUES * splat + axis] <= middle) low++;
+      else {
+        high--;
+        order[low] = order[high];
+        order[high] = splat;
+      }
+    }
+    return low;
+  }
+
+  #merged(start: number, end: number): Float64Array {
+    const splats = this.#splats;
+    const first = SPLAT_VALUES * this.#order[start];
+    if (end - start === 1) return splats.subarray(first, first + SPLAT_VALUES);
+    const merged = new Float64Array(SPLAT_VALUES);
+    let weight = 0;
+    for (let i = start; i < end; i++) {
+      const at = SPLAT_VALUES * this.#order[i];
+      const w = splats[at + WEIGHT];
+      weight += w;
+      // About the first splat: moments about 0 would lose the digits of the covariance.
+      const dx = splats[at] - splats[first];
+      const dy = splats[at + 1] - splats[first + 1];
+      const dz = splats[at + 2] - splats[first + 2];
+      merged[X] += w * dx;
+      merged[X + 1] += w * dy;
+      merged[X + 2] += w * dz;
+      merged[COVARIANCE] += w * (splats[at + COVARIANCE] + dx * dx);
+      merged[COVARIANCE + 1] += w * (splats[at + COVARIANCE + 1] + dy * dy);
+      merged[COVARIANCE + 2] += w * (splats[at + COVARIANCE + 2] + dz * dz);
+      merged[COVARIANCE + 3] += w * (splats[at + COVARIANCE + 3] + dx * dy);
+      merged[COVARIANCE + 4] += w * (splats[at + COVARIANCE + 4] + dx * dz);
+      merged[COVARIANCE + 5] += w * (splats[at + COVARIANCE + 5] + dy * dz);
+    }
+    for (let k = 0; k < OPACITY; k++) merged[k] /= weight;
+    const [x, y, z] = merged;
+    merged[COVARIANCE] -= x * x;
+    merged[COVARIANCE + 1] -= y * y;
+    merged[COVARIANCE + 2] -= z * z;
+    merged[COVARIANCE + 3] -= x * y;
+    merged[COVARIANCE + 4] -= x * z;
+    merged[COVARIANCE + 5] -= y * z;
+    for (let axis = 0; axis < 3; axis++) merged[axis] += splats[first + axis];
+    // As much opacity times area as the splats have together.
+    merged[OPACITY] = Math.min(MOST_OPACITY, weight / areaOf(merged, COVARIANCE));
+    return merged;
+  }
+
+  #put(blob: Float64Array): void {
+    if (!(blob[OPACITY] > LEAST_OPACITY)) return;
+    this.#blobs.set(blob.subarray(0, LOOSE_VALUES), LOOSE_VALUES * this.#count++);
+  }
+}
+
+/** Area of an ellipsoid as seen from the sides of it, on average and but for a constant. */
+function areaOf(values: Float64Array, covariance: number): number {
+  const xx = values[covariance];
+  const yy = values[covariance + 1];
+  const zz = values[covariance + 2];
+  const xy = values[covariance + 3];
+  const xz = values[covariance + 4];
+  const yz = values[covariance + 5];
+  // The sum of squares of the three areas between two axes each, which no rotation changes.
+  const squares = xx * yy - xy * xy + xx * zz - xz * xz + yy * zz - yz * yz;
+  return Math.sqrt(Math.max(1e-80, squares));
+}
+
+/** Writes splat `index` of `geometry` to `target`; returns whether it can be seen at all. */
+function unpack(
+  { precision, words, logScaleRange: { min, step } }: PackedGeometry,
+  index: number,
+  target: Float64Array,
+  at: number,
+): boolean {
+  const from = index * GEOMETRY_WORDS[precision];
+  const floats = new Float32Array(words.buffer, words.byteOffset, words.length);
+  const isF32 = precision === 'f32';
+  const opacity = isF32 ? floats[from + 3] : (words[from + 4] >>> 16) / 65535;
+  if (!(opacity >= LEAST_OPACITY)) return false;
+  let sx: number;
+  let sy: number;
+  let sz: number;
+  const q = QUATERNION;
+  if (isF32) {
+    for (let k = 0; k < 4; k++) q[k] = floats[from + 4 + k];
+    sx = floats[from + 8];
+    sy = floats[from + 9];
+    sz = floats[from + 10];
+  } else {
+    sx = Math.exp(min + step * (words[from + 5] & 0xffff));
+    sy = Math.exp(min + step * (words[from + 5] >>> 16));
+    sz = Math.exp(min + step * (words[from + 6] & 0xffff));
+    unpackRotation(words[from + 6] >>> 16, words[from + 7]);
+  }
+  const [w, x, y, z] = q;
+  const xxs = 1 - 2 * (y * y + z * z);
+  const xys = 2 * (x * y - w * z);
+  const xzs = 2 * (x * z + w * y);
+  const yxs = 2 * (x * y + w * z);
+  const yys = 1 - 2 * (x * x + z * z);
+  const yzs = 2 * (y * z - w * x);
+  const zxs = 2 * (x * z - w * y);
+  const zys = 2 * (y * z + w * x);
+  const zzs = 1 - 2 * (x * x + y * y);
+  const vx = sx * sx;
+  const vy = sy * sy;
+  const vz = sz * sz;
+  const c = at + COVARIANCE;
+  for (let axis = 0; axis < 3; axis++) target[at + axis] = floats[from + axis];
+  target[c] = vx * xxs * xxs + vy * xys * xys + vz * xzs * xzs;
+  target[c + 1] = vx * yxs * yxs + vy * yys * yys + vz * yzs * yzs;
+  target[c + 2] = vx * zxs * zxs + vy * zys * zys + vz * zzs * zzs;
+  target[c + 3] = vx * xxs * yxs + vy * xys * yys + vz * xzs * yzs;
+  target[c + 4] = vx * xxs * zxs + vy * xys * zys + vz * xzs * zzs;
+  target[c + 5] = vx * yxs * zxs + vy * yys * zys + vz * yzs * zzs;
+  target[at + OPACITY] = opacity;
+  target[at + SIZE] = Math.max(sx, sy, sz);
+  target[at + WEIGHT] = opacity * areaOf(target, c);
+  return true;
+}
+
+const QUATERNION = new Float64Array(4);
+
+/** As packed geometry has it: see `packGeometry`. */
+function unpackRotation(low: number, high: number): void {
+  const largest = (low >>> 15) | (((high >>> 15) & 1) << 1);
+  const steps = [low & 0x7fff, high & 0x7fff, (high >>> 16) & 0x7fff];
+  let left = 1;
+  for (let k = 0, step = 0; k < 4; k++) {
+    if (k === largest) continue;
+    QUATERNION[k] = ((steps[step++] - 16383) * Math.SQRT1_2) / 16383;
+    left -= QUATERNION[k] * QUATERNION[k];
+  }
+  QUATERNION[largest] = Math.sqrt(Math.max(0, left));
+}

@@ -1,0 +1,180 @@
+import { stillLife, stillLifeCameras } from '@websplatter/scenes';
+import { beforeAll, describe, expect, test } from 'vitest';
+import { perspectiveCamera } from '../camera/camera.ts';
+import type { Vec3 } from '../math/mat4.ts';
+import { packCloud } from '../packing/packed-cloud.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
+import { randomSplats, type SplatValues, splatsOf } from '../testing/random-splats.ts';
+import { seededRandom } from '../testing/seeded-random.ts';
+import { type TrueRay, trueRays } from '../testing/true-rays.ts';
+import { makeRayTree } from './make-ray-tree.ts';
+import type { RayTree } from './ray-tree.ts';
+
+const pack = (set: SplatSet) => packCloud(set, { geometryPrecision: 'packed' });
+const treeOf = (splats: readonly SplatValues[]) => makeRayTree(pack(splatsOf(splats)), {});
+const small = { logScales: [-3, -3, -3], opacityLogit: 9 } as const;
+
+describe('a ray', () => {
+  test('hits a splat at its middle, in units of the direction, about the origin of the cloud', async () => {
+    const tree = await makeRayTree(
+      pack({ ...splatsOf([{ position: [0.5, 1, 3], ...small }]), origin: [6.4e6, 0, 0] }),
+      {},
+    );
+    const hit = tree.cast([6.4e6 + 0.5, 1, 10], [0, 0, -2]);
+    expect(hit?.distance).toBeCloseTo(3.5, 3);
+    expect(hit?.point[0]).toBe(6.4e6 + 0.5);
+    expect(hit?.point[2]).toBeCloseTo(3, 3);
+    expect(tree.cast([6.4e6 + 0.5, 1, 10], [0, 0, 1])).toBeNull();
+    // Half as wide as three standard deviations.
+    expect(tree.cast([6.4e6 + 0.55, 1, 10], [0, 0, -1])?.distance).toBeCloseTo(7, 3);
+    expect(tree.cast([6.4e6 + 0.7, 1, 10], [0, 0, -1])).toBeNull();
+  });
+
+  test('that is not finite or has no direction, and rays at nothing, hit nothing', async () => {
+    const one = await treeOf([{ position: [0, 0, 0], ...small }]);
+    expect(one.cast([0, 0, 5], [0, 0, 0])).toBeNull();
+    expect(one.cast([0, 0, Number.NaN], [0, 0, -1])).toBeNull();
+    expect(one.cast([0, 0, 5], [0, 0, Number.NEGATIVE_INFINITY])).toBeNull();
+    expect((await treeOf([])).cast([0, 0, 5], [0, 0, -1])).toBeNull();
+  });
+
+  test('begins outside of what it is inside of', async () => {
+    const tree = await treeOf([
+      { position: [0, 0, 0.1], logScales: [1, 1, 1], opacityLogit: 9 },
+      { position: [0, 0, -9], ...small },
+    ]);
+    expect(tree.cast([0, 0, 0], [0, 0, -1])?.distance).toBeCloseTo(9, 3);
+    expect(tree.cast([0, 0, 0.5], [0, 0, -1])?.distance).toBeCloseTo(9.5, 3);
+    expect(tree.cast([0, 0, 20], [0, 0, -1])?.distance).toBeCloseTo(19.9, 3);
+  });
+
+  test('passes what is too faint, and hits what is opaque enough together', async () => {
+    const faint = { logScales: [-3, -3, -3], opacityLogit: Math.log(0.2 / 0.8) } as const;
+    const tree = await treeOf([
+      { position: [0, 0, 0], ...faint },
+      { position: [0, 0, -1], ...faint },
+      { position: [1, 0, 0], ...faint },
+    ]);
+    expect(tree.cast([0, 0, 5], [0, 0, -1])?.distance).toBeCloseTo(5, 3);
+    expect(tree.cast([1, 0, 5], [0, 0, -1])).toBeNull();
+    expect(tree.cast([1, 0, 5], [0, 0, -1], { minOpacity: 0.1 })?.distance).toBeCloseTo(5, 3);
+    expect(tree.cast([0, 0, 5], [0, 0, -1], { opacity: 0.5 })).toBeNull();
+    expect(tree.cast([0, 0, 5], [0, 0, -1], { opacity: 0, minOpacity: 0 })).toBeNull();
+  });
+
+  test('has a range, and passes what is not shown', async () => {
+    const tree = await treeOf([
+      { position: [0, 0, 0], ...small },
+      { position: [0, 0, -3], ...small },
+    ]);
+    const cast = (options: Parameters<RayTree['cast']>[2]) =>
+      tree.cast([0, 0, 10], [0, 0, -2], options)?.distance;
+    expect(cast({ near: 5.1 })).toBeCloseTo(6.5, 3);
+    expect(cast({ near: 4.9, far: 5.1 })).toBeCloseTo(5, 3);
+    expect(cast({ far: 4.9 })).toBeUndefined();
+    expect(cast({ shownAt: (_x, _y, z) => (z < -1 ? 1 : 0) })).toBeCloseTo(6.5, 3);
+  });
+
+  test('along an axis meets splats on the faces of boxes', async () => {
+    const splats = Array.from({ length: 64 }, (_, i) => ({
+      position: [i % 8, i >> 3, 0] as const,
+      ...small,
+    }));
+    const tree = await treeOf(splats);
+    for (const { position } of splats) {
+      const [x, y] = position;
+      expect(tree.cast([x, y, 4], [0, 0, -1])?.distance).toBeCloseTo(4, 3);
+      expect(tree.cast([x, y, -4], [0, -0, 1])?.distance).toBeCloseTo(4, 3);
+    }
+    expect(tree.cast([-4, 3, 0], [1, 0, 0])?.distance).toBeCloseTo(4, 3);
+  });
+});
+
+describe('a tree', () => {
+  test('has a blob for each splat that can be seen, where there are few', async () => {
+    const splats = randomSplats({ count: 700, shDegree: 0, logScales: [-5, -4] });
+    splats.opacityLogits.fill(2);
+    splats.opacityLogits.fill(-6, 0, 100);
+    expect((await makeRayTree(pack(splats), {})).count).toBe(600);
+  });
+
+  test('takes no more memory for more splats than it may', async () => {
+    const splats = randomSplats({ count: 40_000, shDegree: 0, logScales: [-5, -4] });
+    const tree = await makeRayTree(pack(splats), { mostBlobs: 2000 });
+    expect(tree.count).toBeLessThanOrEqual(2000);
+    expect(tree.bytes / tree.count).toBeLessThan(25);
+  });
+
+  test('is not made once its signal aborts', async () => {
+    const stop = AbortSignal.abort(new Error('enough'));
+    await expect(makeRayTree(pack(splatsOf([{}])), { signal: stop })).rejects.toThrow('enough');
+  });
+});
+
+describe('1,000 random rays at a still life of 20,000 splats, against what the reference picks', () => {
+  const SIZE = [640, 480] as const;
+  const rays: TrueRay[] = [];
+  let tree: RayTree;
+  beforeAll(async () => {
+    // Without its surroundings, so that there is something to miss.
+    const set = within(stillLife({ splats: 20_000 }), [0, 0.3, 0], 0.8);
+    // As many splats to a blob as where 150,000 have the usual memory.
+    tree = await makeRayTree(pack(set), { mostBlobs: Math.round(set.count / 4.6) });
+    const random = seededRandom(11);
+    for (const camera of stillLifeCameras.slice(0, 5)) {
+      const pixels = Array.from({ length: 200 }, () => {
+        return [Math.floor(random() * SIZE[0]), Math.floor(random() * SIZE[1])] as const;
+      });
+      rays.push(...trueRays(set, perspectiveCamera({ ...camera, aspect: 4 / 3 }), ...SIZE, pixels));
+    }
+  });
+
+  test('miss where fewer than 10 % is covered, and hit where more than half is', () => {
+    const bare = rays.filter(({ opacity }) => opacity < 0.1);
+    const covered = rays.filter(({ opacity }) => opacity > 0.5);
+    expect(bare.length).toBeGreaterThan(100);
+    expect(covered.length).toBeGreaterThan(300);
+    const right = [
+      ...bare.filter(({ origin, direction }) => tree.cast(origin, direction) === null),
+      ...covered.filter(({ origin, direction }) => tree.cast(origin, direction) !== null),
+    ];
+    expect(right.length / (bare.length + covered.length)).toBeGreaterThan(0.97);
+  });
+
+  test('hit within 2 % of the distance', () => {
+    const errors = rays
+      .filter(({ opacity }) => opacity > 0.5)
+      .map(({ origin, direction, depthView }) => {
+        const hit = tree.cast(origin, direction);
+        return hit ? Math.abs(hit.distance / depthView - 1) : 0;
+      })
+      .sort((a, b) => a - b);
+    expect(errors[Math.floor(0.5 * errors.length)]).toBeLessThan(0.01);
+    expect(errors.filter((error) => error <= 0.02).length / errors.length).toBeGreaterThan(0.9);
+  });
+});
+
+/** The splats within `radius` of `center`. */
+function within(set: SplatSet, center: Vec3, radius: number): SplatSet {
+  const kept = Array.from({ length: set.count }, (_, i) => i).filter((i) => {
+    const offset = center.map((c, axis) => set.positions[3 * i + axis] - c);
+    return Math.hypot(...offset) < radius;
+  });
+  const pickOf = (values: Float32Array, width: number) =>
+    Float32Array.from(
+      { length: width * kept.length },
+      (_, i) => values[width * kept[Math.floor(i / width)] + (i % width)],
+    );
+  const width = set.harmonics.coefficients.length / set.count;
+  return {
+    ...set,
+    count: kept.length,
+    positions: pickOf(set.positions, 3),
+    logScales: pickOf(set.logScales, 3),
+    rotations: pickOf(set.rotations, 4),
+    opacityLogits: pickOf(set.opacityLogits, 1),
+    colorDc: pickOf(set.colorDc, 3),
+    harmonics: { ...set.harmonics, coefficients: pickOf(set.harmonics.coefficients, width) },
+    fileIndices: Uint32Array.from(kept),
+  };
+}

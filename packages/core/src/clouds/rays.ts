@@ -1,0 +1,20 @@
+import type { PackedCloud } from '../packing/packed-cloud.ts';
+import type { MakeRayTreeOptions } from './make-ray-tree.ts';
+import type { RayTree } from './ray-tree.ts';
+import type { SplatCloud } from './splat-cloud.ts';
+
+/**
+ * Makes what rays are tested against, on this thread: some 150 ms for a million splats, in tasks of about 5 ms. Reads the
+ * positions, sizes and opacities of a cloud on the GPU back, in pieces of at most 2 MiB.
+ *
+ * @throws SplatSourceError for a preview, DestroyedError if cloud, engine or device end first, GpuLimitError if memory is
+ *   lacking, the signal's reason.
+ */
+export async function makeRayTree(
+  splats: SplatCloud | PackedCloud,
+  options: MakeRayTreeOptions = {},
+): Promise<RayTree> {
+  // Pages that cast no rays do not load this module.
+  const trees = await import('./make-ray-tree.ts');
+  return trees.makeRayTree(splats, options);
+}

@@ -1,0 +1,50 @@
+import { DILATION_PX2, resolveAccuracy } from '../accuracy/accuracy.ts';
+import { type Camera, pixelRay, projectionOf } from '../camera/camera.ts';
+import { cloudView } from '../camera/cloud-view.ts';
+import { identity4, type Vec3 } from '../math/mat4.ts';
+import { type CulledSplat, cullSplat } from '../reference/cull-splats.ts';
+import { pickSplat } from '../reference/pick.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
+
+/** A ray through the middle of a pixel, and what the pixel shows. */
+export interface TrueRay {
+  readonly origin: Vec3;
+  /** Of such a length that distances are view depths. */
+  readonly direction: Vec3;
+  /** Opacity of all splats at the pixel. */
+  readonly opacity: number;
+  /** View depth of the splat that contributes most; Infinity if there is none. */
+  readonly depthView: number;
+}
+
+/** Returns the rays through `pixels` with what the reference shows there, in float64. */
+export function trueRays(
+  set: SplatSet,
+  camera: Camera,
+  widthPx: number,
+  heightPx: number,
+  pixels: readonly (readonly [xPx: number, yPx: number])[],
+): TrueRay[] {
+  const { alphaCutoff } = resolveAccuracy('reference');
+  const projection = projectionOf(camera, widthPx, heightPx);
+  const view = cloudView(camera.viewMatrix, identity4(), set.origin, projection.isOrthographic);
+  const visible: CulledSplat[] = [];
+  for (let index = 0; index < set.count; index++) {
+    const splat = cullSplat(set, index, view, projection, { alphaCutoff, dilationPx2: DILATION_PX2 });
+    if (splat) visible.push(splat);
+  }
+  visible.sort((a, b) => b.depthView - a.depthView);
+  return pixels.map(([x, y]) => {
+    const there = visible.filter(
+      ({ centerPx, extentPx }) =>
+        Math.abs(centerPx[0] - x - 0.5) <= extentPx[0] && Math.abs(centerPx[1] - y - 0.5) <= extentPx[1],
+    );
+    const picked = pickSplat(there, x, y, alphaCutoff);
+    const ray = pixelRay(camera, projection, [x + 0.5, y + 0.5]);
+    return {
+      ...ray,
+      opacity: picked?.totalOpacity ?? 0,
+      depthView: picked ? there[picked.index].depthView : Number.POSITIVE_INFINITY,
+    };
+  });
+}

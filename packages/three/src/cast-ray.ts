@@ -1,0 +1,142 @@
+import {
+  DestroyedError,
+  makeRayTree,
+  type PackedCloud,
+  type RayTree,
+  type SplatCloud,
+} from '@websplatter/core';
+import { type ClipVolume, clip, type EffectUse, type RevealOptions, reveal } from '@websplatter/core/effects';
+import {
+  Camera,
+  type Intersection,
+  Matrix4,
+  PerspectiveCamera,
+  Quaternion,
+  type Ray,
+  type Raycaster,
+  Scene,
+  Vector3,
+} from 'three/webgpu';
+import type { SplatCloudObject } from './splat-cloud-object.ts';
+
+/** Adds the hit of a ray with the splats of `object`, if there is one. */
+export type CastRay = (object: SplatCloudObject, raycaster: Raycaster, intersects: Intersection[]) => void;
+
+/** What part of its opacity a splat at a point of the world has, 0…1. */
+type ShownAt = (point: Vector3) => number;
+
+/** No fog, which does not stop rays. */
+const NO_SCENE = new Scene();
+
+/**
+ * Makes what rays are tested against, from splats in memory or on the first engine that has them.
+ *
+ * @throws DestroyedError if the splats are nowhere, and as `makeRayTree` does.
+ */
+export async function rayCaster(
+  name: string,
+  packed: PackedCloud | null,
+  places: Iterable<{ readonly cloud: SplatCloud | Promise<SplatCloud> }>,
+): Promise<CastRay> {
+  const [cloud] = [...places].map((place) => place.cloud);
+  if (!packed && !cloud) throw new DestroyedError(`The cloud ${name}`, 'it has been freed');
+  const tree = await makeRayTree(packed ?? (await cloud));
+  return (object, raycaster, intersects) => castRay(tree, object, raycaster, intersects);
+}
+
+function castRay(
+  tree: RayTree,
+  object: SplatCloudObject,
+  { ray, near, far, camera }: Raycaster,
+  intersects: Intersection[],
+): void {
+  const { matrixWorld, opacity } = object;
+  if (matrixWorld.determinant() === 0) return;
+  const toLocal = new Matrix4().copy(matrixWorld).invert();
+  const origin = ray.origin.clone().applyMatrix4(toLocal);
+  // As long as one unit of the world is there, so that distances are the world's.
+  const direction = ray.origin.clone().add(ray.direction).applyMatrix4(toLocal).sub(origin);
+  const drawn = drawnRange(ray, camera);
+  const shownAt = shownBy(object, ray, camera);
+  const point = new Vector3();
+  const hit = tree.cast(origin.toArray(), direction.toArray(), {
+    near: Math.max(near, drawn.near),
+    far: Math.min(far, drawn.far),
+    opacity,
+    shownAt: shownAt && ((x, y, z) => shownAt(point.set(x, y, z).applyMatrix4(matrixWorld))),
+  });
+  if (!hit) return;
+  const { distance } = hit;
+  intersects.push({ distance, point: ray.at(distance, new Vector3()), object });
+}
+
+/** Distances between which a camera that looks along the ray draws. Rays of an orthographic camera begin where it draws. */
+function drawnRange(ray: Ray, camera: Camera | null | undefined): { near: number; far: number } {
+  if (camera instanceof PerspectiveCamera) {
+    const { matrixWorld, near, far } = camera;
+    const forward = new Vector3().setFromMatrixColumn(matrixWorld, 2).normalize().negate();
+    const along = forward.dot(ray.direction);
+    const isFromCamera = ray.origin.distanceTo(new Vector3().setFromMatrixPosition(matrixWorld)) <= near;
+    if (isFromCamera && along > 0) return { near: near / along, far: far / along };
+  }
+  return { near: 0, far: Number.POSITIVE_INFINITY };
+}
+
+/** Returns what the effects that hide splats by their place leave; undefined if there are none. */
+function shownBy(object: SplatCloudObject, ray: Ray, camera: Camera | null | undefined): ShownAt | undefined {
+  const viewer = camera ?? viewerAt(ray.origin);
+  const factors = object
+    .effectsAt(performance.now(), NO_SCENE, viewer)
+    .map((use) => shownByEffect(use, viewer))
+    .filter((factor) => factor !== null);
+  if (factors.length === 0) return undefined;
+  return (point) => factors.reduce((shown, factor) => shown * factor(point), 1);
+}
+
+function viewerAt(position: Vector3): Camera {
+  const camera = new Camera();
+  camera.matrixWorld.setPosition(position);
+  return camera;
+}
+
+function shownByEffect({ effect, options }: EffectUse, viewer: Camera): ShownAt | null {
+  if (effect === reveal.effect) {
+    const { from, radius, softEdge = 0 } = options as RevealOptions;
+    const start =
+      from === 'camera' ? new Vector3().setFromMatrixPosition(viewer.matrixWorld) : new Vector3(...from);
+    return (point) => edgeFade(radius - point.distanceTo(start), softEdge);
+  }
+  if (effect !== clip.effect) return null;
+  const { volumes, softEdge = 0 } = options as Parameters<typeof clip>[0];
+  const depths = volumes.map(depthIn);
+  return (point) => depths.reduce((shown, depth) => Math.min(shown, edgeFade(depth(point), softEdge)), 1);
+}
+
+/** Part that is left at a distance inside of an edge: smoothstep over its width. */
+function edgeFade(depth: number, softEdge: number): number {
+  if (depth <= 0) return 0;
+  if (depth >= softEdge) return 1;
+  const t = depth / softEdge;
+  return t * t * (3 - 2 * t);
+}
+
+/** Returns how far a point is from the surface of a volume, positive on the side that is kept. */
+function depthIn(volume: ClipVolume): (point: Vector3) => number {
+  const side = volume.keep === 'outside' ? -1 : 1;
+  if (volume.shape === 'plane') {
+    const normal = new Vector3(...volume.normal).normalize();
+    const start = new Vector3(...volume.point);
+    return (point) => side * (normal.dot(point) - normal.dot(start));
+  }
+  const center = new Vector3(...volume.center);
+  if (volume.shape === 'sphere') return (point) => side * (volume.radius - point.distanceTo(center));
+  const half = new Vector3(...volume.size).multiplyScalar(0.5);
+  const back = new Quaternion(...(volume.rotation ?? [0, 0, 0, 1])).normalize().invert();
+  const offset = new Vector3();
+  return (point) => {
+    const { x, y, z } = offset.copy(point).sub(center).applyQuaternion(back);
+    const beyond = [Math.abs(x) - half.x, Math.abs(y) - half.y, Math.abs(z) - half.z];
+    const outside = Math.hypot(...beyond.map((distance) => Math.max(0, distance)));
+    return side * (outside > 0 ? -outside : -Math.max(...beyond));
+  };
+}
