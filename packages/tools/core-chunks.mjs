@@ -5,7 +5,6 @@ export const START = [
   'src/create-engine.ts',
   'src/effects/index.ts',
   'src/io/loading/load-splats.ts',
-  'src/clouds/raycast-cloud.ts',
 ];
 const INDEX = 'src/index.ts';
 /** What it runs from then on, and fetches meanwhile. */

@@ -101,7 +101,7 @@ export interface LoadOptions extends ReadOptions {
    * before, which is destroyed as soon as this returns. The last one lasts until the load fails, or else as long as the cloud
    * that `load` resolves with, and looks the same; those before it show at most 786,432 visible splats, the first in the file,
    * so that loading takes no more memory than showing the cloud. Only binary PLYs whose size is known have previews. They have
-   * no `fileIndices`, are missed by rays and picks, and cannot be given another precision.
+   * no `fileIndices`, are missed by picks and refused by `makeRayTree`, and cannot be given another precision.
    */
   readonly onPreview?: (preview: SplatCloud) => void;
   /**

@@ -1,6 +1,6 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { SplatEngine } from '../engine.ts';
+import { SplatEngine } from '../create-engine.ts';
 import { DestroyedError, SplatSourceError } from '../errors.ts';
 import { encodePly } from '../io/formats/ply/write-ply.ts';
 import { packCloud } from '../packing/packed-cloud.ts';

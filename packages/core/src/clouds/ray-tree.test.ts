@@ -152,6 +152,21 @@ describe('1,000 random rays at a still life of 20,000 splats, against what the r
     expect(errors[Math.floor(0.5 * errors.length)]).toBeLessThan(0.01);
     expect(errors.filter((error) => error <= 0.02).length / errors.length).toBeGreaterThan(0.9);
   });
+
+  test('tell which labels are hidden', () => {
+    // A label a tenth of its distance before or behind what is seen.
+    const isRight = ({ origin, direction, opacity, depthView }: TrueRay, side: number) => {
+      const isHidden = opacity > 0.5 && side > 1;
+      const label = (opacity > 0.5 ? depthView : 1) * side;
+      const hit = tree.cast(origin, direction);
+      return (hit !== null && hit.distance < label) === isHidden;
+    };
+    const clear = rays.filter(({ opacity }) => opacity < 0.1 || opacity > 0.5);
+    const right = [0.9, 1.1].flatMap((side) => clear.filter((ray) => isRight(ray, side)));
+    expect(right.length / (2 * clear.length)).toBeGreaterThan(0.98);
+    const sides = clear.slice(0, 20).map((ray, i) => isRight(ray, i % 2 === 0 ? 0.9 : 1.1));
+    expect(sides).not.toContain(false);
+  });
 });
 
 /** The splats within `radius` of `center`. */
