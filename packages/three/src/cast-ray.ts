@@ -10,6 +10,7 @@ import {
   Camera,
   type Intersection,
   Matrix4,
+  type Object3D,
   PerspectiveCamera,
   Quaternion,
   type Ray,
@@ -17,10 +18,15 @@ import {
   Scene,
   Vector3,
 } from 'three/webgpu';
-import type { SplatCloudObject } from './splat-cloud-object.ts';
+
+/** What shows splats to rays: a SplatCloudObject. */
+export interface RayTarget extends Object3D {
+  readonly opacity: number;
+  effectsAt(nowMs: number, scene: Scene, camera: Camera): readonly EffectUse[];
+}
 
 /** Adds the hit of a ray with the splats of `object`, if there is one. */
-export type CastRay = (object: SplatCloudObject, raycaster: Raycaster, intersects: Intersection[]) => void;
+export type CastRay = (object: RayTarget, raycaster: Raycaster, intersects: Intersection[]) => void;
 
 /** What part of its opacity a splat at a point of the world has, 0…1. */
 type ShownAt = (point: Vector3) => number;
@@ -46,7 +52,7 @@ export async function rayCaster(
 
 function castRay(
   tree: RayTree,
-  object: SplatCloudObject,
+  object: RayTarget,
   { ray, near, far, camera }: Raycaster,
   intersects: Intersection[],
 ): void {
@@ -83,7 +89,7 @@ function drawnRange(ray: Ray, camera: Camera | null | undefined): { near: number
 }
 
 /** Returns what the effects that hide splats by their place leave; undefined if there are none. */
-function shownBy(object: SplatCloudObject, ray: Ray, camera: Camera | null | undefined): ShownAt | undefined {
+function shownBy(object: RayTarget, ray: Ray, camera: Camera | null | undefined): ShownAt | undefined {
   const viewer = camera ?? viewerAt(ray.origin);
   const factors = object
     .effectsAt(performance.now(), NO_SCENE, viewer)

@@ -10,8 +10,7 @@ import {
   type SplatEngine,
 } from '@websplatter/core';
 import { Box3, type Intersection, type Raycaster, type Sphere, Vector3 } from 'three/webgpu';
-import type { CastRay } from './cast-ray.ts';
-import type { SplatCloudObject } from './splat-cloud-object.ts';
+import type { CastRay, RayTarget } from './cast-ray.ts';
 
 /** The splats on one engine. */
 interface Upload {
@@ -128,7 +127,7 @@ export class SplatData {
   }
 
   /** @internal Adds the hit of a ray with these splats, as `object` shows them. */
-  raycast(object: SplatCloudObject, raycaster: Raycaster, intersects: Intersection[]): void {
+  raycast(object: RayTarget, raycaster: Raycaster, intersects: Intersection[]): void {
     if (this.#castRay) this.#castRay(object, raycaster, intersects);
     else this.prepareRays().catch(() => {});
   }
