@@ -692,6 +692,7 @@ export const cases = {
     kept = new SplatCloudObjectClass(await loader.loadAsync(source));
     stage.scene.add(kept);
     await shot(stage);
+    await kept.data!.prepareRays();
     kept.removeFromParent();
   },
 
