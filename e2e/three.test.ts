@@ -356,6 +356,18 @@ describe('three 0.187', () => {
       expectPixel(rightOf(cut), RED);
     });
 
+    test('in parts, as in the whole', async () => {
+      const { whole, parts } = await run('viewOffset');
+      parts.forEach((part, i) => {
+        const [left, top] = [(i % 2) * part.widthPx, Math.floor(i / 2) * part.heightPx];
+        for (let y = 0; y < part.heightPx; y++)
+          for (let x = 0; x < part.widthPx; x++) {
+            const expected = rgbaAt(whole, 4 * ((top + y) * whole.widthPx + left + x));
+            expectPixel(rgbaAt(part, 4 * (y * part.widthPx + x)), expected, 1);
+          }
+      });
+    });
+
     test('a part of a render target', async () => {
       const pixels = await run('renderTargetViewport');
       const linear = decoded(127.5);
@@ -603,12 +615,38 @@ describe('three 0.187', () => {
       expectPixel(right[1], [0, 0, 0, 255]);
     });
 
+    test('that are invalid hide their own cloud alone, and are told on it', async () => {
+      const { errors, othersErrors, images } = await run('invalidOptions');
+      expect(errors).toEqual({
+        opacity: [expect.stringMatching(/^InvalidArgumentError: .*opacity/)],
+        accuracy: [expect.stringMatching(/^InvalidArgumentError: .*slow/)],
+        wish: [expect.stringMatching(/^InvalidArgumentError: .*maxFrameMs/)],
+        shDegree: [expect.stringMatching(/^InvalidArgumentError: .*degree 7/)],
+        twice: [expect.stringMatching(/^InvalidArgumentError: .*tint is used twice/)],
+      });
+      expect(othersErrors).toEqual([]);
+      for (const pixels of Object.values(images)) {
+        expect(pixelAt(pixels, 0.27, 0.5)[0]).toBeGreaterThan(200);
+        expectPixel(pixelAt(pixels, 0.73, 0.5), [0, 0, 0, 255]);
+      }
+    });
+
+    test('cut splats off at the planes of clipping groups, as three does meshes', async () => {
+      const { splats, meshes } = await run('clippingGroup');
+      for (const pixels of [splats, meshes]) {
+        const [left, right] = [0.27, 0.73].map((x) => pixelAt(pixels, x, 0.5));
+        expect(left[0]).toBeGreaterThan(200);
+        expectPixel(right, [0, 0, 0, 255]);
+      }
+    });
+
     test('of a cloud that joins others take nothing away while their shaders are compiled', async () => {
       const { alone, atOnce, both, replacedAtOnce, replaced } = await run('joining');
       expect(atOnce).toEqual(alone);
       expectPixel(pixelAt(both, 0.27, 0.5), [252, 252, 252, 255], 8);
       expect(pixelAt(both, 0.73, 0.5)[0]).toBeGreaterThan(200);
-      expect(replacedAtOnce).toEqual(alone);
+      // What it was before stays as well.
+      expect(replacedAtOnce).toEqual(both);
       expect(pixelAt(replaced, 0.5, 0.5)[0]).toBeGreaterThan(200);
       expect(pixelAt(replaced, 0.73, 0.5)[0]).toBeLessThan(50);
     });

@@ -17,6 +17,7 @@ import {
   ArrayCamera,
   BoxGeometry,
   BundleGroup,
+  ClippingGroup,
   Color,
   CubeCamera,
   CubeRenderTarget,
@@ -439,6 +440,76 @@ export const cases = {
     ];
     const tintedAndClipped = await shotWith(stage, { tint: true, clip: true });
     return { plain, tintedAndClipped };
+  },
+
+  /** A valid cloud on the left beside one on the right, one option of which is invalid: errors and images by option. */
+  invalidOptions: async () => {
+    const stage = await newStage();
+    const small = (x: number) => splatCloud({ scale: [0.3, 0.3, 0.3], opacity: 0.99, position: [x, 0, 0] });
+    const other = small(-0.8);
+    const othersErrors = errorsOf(other);
+    stage.scene.add(other);
+    const errors: Record<string, string[]> = {};
+    const images: Record<string, Pixels> = {};
+    const invalid = {
+      opacity: { opacity: 2 },
+      accuracy: { accuracy: 'slow' },
+      wish: { accuracy: { maxFrameMs: -1 } },
+      shDegree: { shDegree: 7 },
+      twice: { effects: [tint([1, 1, 0]), tint([1, 0, 0])] },
+    };
+    for (const [name, options] of Object.entries(invalid)) {
+      const cloud = Object.assign(small(0.8), options) as SplatCloudObject;
+      errors[name] = errorsOf(cloud);
+      stage.scene.add(cloud);
+      images[name] = await shot(stage);
+      cloud.removeFromParent();
+    }
+    return { errors, othersErrors, images };
+  },
+
+  /** Two splats, and two boxes, in a group that keeps what is on the left. */
+  clippingGroup: async () => {
+    const stage = await newStage();
+    const group = new ClippingGroup();
+    group.clippingPlanes = [new Plane(new Vector3(-1, 0, 0), 0)];
+    stage.scene.add(group);
+    const boxes = [-0.8, 0.8].map((x) => {
+      const box = new Mesh(new BoxGeometry(0.6, 0.6, 0.6), new MeshBasicMaterial());
+      box.position.x = x;
+      return box;
+    });
+    group.add(...boxes);
+    const meshes = await meshShot(stage);
+    group.remove(...boxes);
+    const small = { scale: [0.3, 0.3, 0.3], opacity: 0.99 } as const;
+    group.add(splatCloud({ ...small, position: [-0.8, 0, 0] }, { ...small, position: [0.8, 0, 0] }));
+    return { splats: await shot(stage), meshes };
+  },
+
+  /** The test scene in one image, and in four parts of it. */
+  viewOffset: async () => {
+    const stage = await newStage();
+    const packed = packCloud(testScene(), { geometryPrecision: 'packed' });
+    stage.scene.add(new SplatCloudObjectClass(new SplatData(packed, 'test scene')));
+    // Wide, and close enough for splats that reach far beyond the middle of a part.
+    stage.camera.fov = 100;
+    stage.camera.position.set(0.5, 0, 3);
+    stage.camera.updateProjectionMatrix();
+    const whole = await shot(stage);
+    const half = SIZE_PX / 2;
+    stage.renderer.setSize(half, half, false);
+    const parts: Pixels[] = [];
+    for (const [x, y] of [
+      [0, 0],
+      [half, 0],
+      [0, half],
+      [half, half],
+    ]) {
+      stage.camera.setViewOffset(SIZE_PX, SIZE_PX, x, y, half, half);
+      parts.push(await shot(stage));
+    }
+    return { whole, parts };
   },
 
   /** A cloud; and, at once and in the end, when another with shaders of its own joins it, and when that becomes yet another. */

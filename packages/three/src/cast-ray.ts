@@ -22,7 +22,8 @@ import {
 /** What shows splats to rays: a SplatCloudObject. */
 export interface RayTarget extends Object3D {
   readonly opacity: number;
-  effectsAt(nowMs: number, scene: Scene, camera: Camera): readonly EffectUse[];
+  /** Null where they are not known yet, and the splats not drawn. */
+  effectsAt(nowMs: number, scene: Scene, camera: Camera): readonly EffectUse[] | null;
 }
 
 /** Adds the hit of a ray with the splats of `object`, if there is one. */
@@ -91,10 +92,9 @@ function drawnRange(ray: Ray, camera: Camera | null | undefined): { near: number
 /** Returns what the effects that hide splats by their place leave; undefined if there are none. */
 function shownBy(object: RayTarget, ray: Ray, camera: Camera | null | undefined): ShownAt | undefined {
   const viewer = camera ?? viewerAt(ray.origin);
-  const factors = object
-    .effectsAt(performance.now(), NO_SCENE, viewer)
-    .map((use) => shownByEffect(use, viewer))
-    .filter((factor) => factor !== null);
+  const uses = object.effectsAt(performance.now(), NO_SCENE, viewer);
+  if (!uses) return () => 0;
+  const factors = uses.map((use) => shownByEffect(use, viewer)).filter((factor) => factor !== null);
   if (factors.length === 0) return undefined;
   return (point) => factors.reduce((shown, factor) => shown * factor(point), 1);
 }

@@ -133,9 +133,9 @@ function stateOf(renderer: object): RendererState {
   if (state) return state;
   const found = (renderer as { isWebGLRenderer?: boolean }).isWebGLRenderer
     ? 'is three’s WebGLRenderer'
-    : 'was not made by createSplatRenderer';
+    : 'is another';
   throw new SplatsUnsupportedRendererError(
-    `This renderer ${found}, and splats need WebGPU on a device made for them. Use ` +
-      '`await createSplatRenderer({ canvas })`; in react-three-fiber, `<Canvas gl={createSplatRenderer}>`.',
+    'Splats need a renderer from `await createSplatRenderer({ canvas })`, in react-three-fiber from ' +
+      `\`<Canvas gl={createSplatRenderer}>\`; this one ${found}.`,
   );
 }

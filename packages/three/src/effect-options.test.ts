@@ -1,7 +1,7 @@
-import { clip, fog } from '@websplatter/core/effects';
-import { Box3, Color, Fog, FogExp2, Plane, Sphere, Vector3 } from 'three/webgpu';
+import { clip } from '@websplatter/core/effects';
+import { Box3, Color, Plane, Sphere, Vector3 } from 'three/webgpu';
 import { expect, test } from 'vitest';
-import { clipVolumeOf, encodedColor, fogOptionsOf } from './effect-options.ts';
+import { clipVolumeOf, encodedColor } from './effect-options.ts';
 
 // three rounds the exponents of the encoding.
 test('colours keep their written values, however three stores them', () => {
@@ -28,15 +28,3 @@ test('volumes of shapes keep the side that three would keep', () => {
   expect(plane.distanceToPoint(new Vector3(0, 2, 0))).toBeGreaterThan(0);
   expect(() => clip({ volumes })).not.toThrow();
 });
-
-test('fog has the options of the scene’s fog', () => {
-  expect(fogOptionsOf(new Fog('white', 2, 5))).toEqual({ color: [1, 1, 1], near: 2, far: 5 });
-  expect(fogOptionsOf(new FogExp2('black', 0.1))).toEqual({ color: [0, 0, 0], density: 0.1 });
-});
-
-test.each([new Fog('white', 5, 5), new Fog('white', 5, 2)])(
-  'fog that three accepts is accepted: %o',
-  (ofScene) => {
-    expect(() => fog(fogOptionsOf(ofScene))).not.toThrow();
-  },
-);

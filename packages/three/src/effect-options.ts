@@ -1,12 +1,10 @@
-// Converts three's colours, shapes and fog into the options of effects.
+// Converts three's colours and shapes into the options of effects.
 import { InvalidArgumentError, type Vec3 } from '@websplatter/core';
-import type { ClipVolume, FogOptions } from '@websplatter/core/effects';
+import type { ClipVolume } from '@websplatter/core/effects';
 import {
   Box3,
   Color,
   type ColorRepresentation,
-  type Fog,
-  type FogExp2,
   type Plane,
   Sphere,
   SRGBColorSpace,
@@ -45,12 +43,4 @@ export function clipVolumeOf(
     return { shape: 'sphere', center: shape.center.toArray(), radius: shape.radius, keep };
   const point = shape.coplanarPoint(new Vector3()).toArray();
   return { shape: 'plane', point, normal: shape.normal.toArray(), keep };
-}
-
-/** Converts a scene's fog into the options of `fog`. */
-export function fogOptionsOf(fog: Fog | FogExp2): FogOptions {
-  const color = encodedColor(fog.color);
-  if ('density' in fog) return { color, density: fog.density };
-  // three accepts any numbers: if `far` is not beyond `near`, its fog is a wall at `near`.
-  return { color, near: fog.near, far: Math.max(fog.far, fog.near + 1e-6) };
 }

@@ -6,11 +6,12 @@ import type {
   SplatCloud,
   SplatEngine,
 } from '@websplatter/core';
-import type { EffectUse } from '@websplatter/core/effects';
+import type { EffectUse, SplatEffect } from '@websplatter/core/effects';
 import type { Box3, Camera, Object3D, Scene } from 'three/webgpu';
 
 /** The part of `SplatCloudObject` that a layer knows and uses to draw it. */
 export interface LayerCloud extends Object3D {
+  readonly data: object | null;
   readonly opacity: number;
   readonly shDegree: ShDegree;
   readonly depthWrite: boolean;
@@ -19,9 +20,9 @@ export interface LayerCloud extends Object3D {
   leave(layer: CloudLayer): void;
   uploadedTo(engine: SplatEngine): SplatCloud | null;
   hold(engine: SplatEngine, settings: AccuracySettings | null): void;
-  effectsAt(nowMs: number, scene: Scene, camera: Camera): readonly EffectUse[];
+  effectsAt(nowMs: number, scene: Scene, camera: Camera): readonly EffectUse[] | null;
   requestFrame(): void;
-  announceDrawn(nowMs: number): void;
+  announceDrawn(nowMs: number, drawn: readonly SplatEffect[]): void;
   announceAccuracy(choice: AccuracyChoice): void;
   tell(error: unknown): boolean;
 }

@@ -1,26 +1,21 @@
 import {
   type AccuracyChoice,
   DestroyedError,
+  GpuLimitError,
   InvalidArgumentError,
   resolveAccuracy,
   type SplatCloud,
   SplatSourceError,
 } from '@websplatter/core';
-import {
-  brightness,
-  clip,
-  type EffectUse,
-  fog,
-  type RevealOptions,
-  reveal,
-  tint,
-} from '@websplatter/core/effects';
+import { brightness, clip, fog, type RevealOptions, reveal, tint } from '@websplatter/core/effects';
 import {
   Box3,
+  ClippingGroup,
   Fog,
   Matrix4,
   Mesh,
   PerspectiveCamera,
+  Plane,
   PlaneGeometry,
   Raycaster,
   Scene,
@@ -178,7 +173,7 @@ describe('rays', () => {
 
   test('are prepared by the first frame', async () => {
     const cloud = new SplatCloudObject(splatDataAt([1, 0, 0]));
-    cloud.announceDrawn(0);
+    cloud.announceDrawn(0, []);
     const prepareRays = vi.spyOn(cloud.data!, 'prepareRays');
     await expect.poll(() => prepareRays).toHaveBeenCalledTimes(1);
   });
@@ -233,6 +228,57 @@ describe('data', () => {
     cloud.dispose();
     expect(first.destroyed).toHaveBeenCalledTimes(1);
     expect(second.destroyed).toHaveBeenCalledTimes(1);
+  });
+
+  test('stays until other data are drawn in its place, or none are to be', () => {
+    const { engine, destroyed } = fakeEngine();
+    const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
+    const show = (data: SplatData | null) => {
+      cloud.data = data;
+      cloud.uploadedTo(engine);
+    };
+    cloud.uploadedTo(engine);
+    cloud.announceDrawn(0, []);
+    show(splatDataAt([1, 0, 0]));
+    expect(destroyed, 'shaders compile').not.toHaveBeenCalled();
+    show(splatDataAt([2, 0, 0]));
+    expect(destroyed, 'what was never drawn').toHaveBeenCalledTimes(1);
+    cloud.announceDrawn(0, []);
+    expect(destroyed, 'what was drawn before').toHaveBeenCalledTimes(2);
+    show(splatDataAt([3, 0, 0]));
+    show(null);
+    expect(destroyed).toHaveBeenCalledTimes(4);
+  });
+
+  test('may come back before others were drawn, and stays', () => {
+    const { engine, destroyed } = fakeEngine();
+    const data = splatDataAt([0, 0, 0]);
+    const cloud = new SplatCloudObject(data);
+    cloud.uploadedTo(engine);
+    cloud.announceDrawn(0, []);
+    cloud.data = splatDataAt([1, 0, 0]);
+    cloud.data = data;
+    cloud.announceDrawn(0, []);
+    expect(destroyed).not.toHaveBeenCalled();
+  });
+
+  test('gives up what is on the screen where there is no memory for both', () => {
+    const { engine, addPacked, destroyed } = fakeEngine();
+    const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
+    const [onError, needsFrame] = [vi.fn(), vi.fn()];
+    cloud.onError = onError;
+    cloud.uploadedTo(engine);
+    cloud.announceDrawn(0, []);
+    cloud.data = splatDataAt([1, 0, 0]);
+    cloud.addEventListener('needsframe', needsFrame);
+    addPacked.mockImplementationOnce(() => {
+      throw new GpuLimitError('memory', 2, 1, 'no room for both');
+    });
+    expect(cloud.uploadedTo(engine)).toBeNull();
+    expect(destroyed).toHaveBeenCalledTimes(1);
+    expect(needsFrame).toHaveBeenCalledTimes(1);
+    expect(cloud.uploadedTo(engine)).not.toBeNull();
+    expect(onError).not.toHaveBeenCalled();
   });
 
   test('that does not fit is reported once, and not tried again', () => {
@@ -441,16 +487,21 @@ test('the first frame is announced once for each data, after three’s frame', a
   const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
   const first = vi.fn();
   cloud.addEventListener('firstframe', first);
-  cloud.announceDrawn(0);
+  cloud.announceDrawn(0, []);
   expect(first).not.toHaveBeenCalled();
-  cloud.announceDrawn(0);
+  cloud.announceDrawn(0, []);
   await Promise.resolve();
   expect(first).toHaveBeenCalledTimes(1);
   cloud.data = splatDataAt([1, 0, 0]);
-  cloud.announceDrawn(0);
+  cloud.announceDrawn(0, []);
   await Promise.resolve();
   expect(first).toHaveBeenCalledTimes(2);
 });
+
+/** Waits for the code of effects that come from a scene or change with time, as a cloud in that scene does. */
+async function loadedEffects(cloud: SplatCloudObject, scene = new Scene()): Promise<void> {
+  await expect.poll(() => cloud.effectsAt(0, scene, new PerspectiveCamera())).not.toBeNull();
+}
 
 describe('previews', () => {
   function previewOn({ engine, cloud }: ReturnType<typeof fakeEngine>): SplatData {
@@ -469,30 +520,31 @@ describe('previews', () => {
     for (let i = 1; i <= 2; i++) {
       cloud.data = previewOn(fake);
       expect(needsFrame).toHaveBeenCalledTimes(i);
-      cloud.announceDrawn(0);
+      cloud.announceDrawn(0, []);
     }
     await Promise.resolve();
     expect(first).not.toHaveBeenCalled();
     cloud.data = splatDataAt([0, 0, 0]);
-    cloud.announceDrawn(0);
+    cloud.announceDrawn(0, []);
     await Promise.resolve();
     expect(first).toHaveBeenCalledTimes(1);
   });
 
-  test('are revealed once, with what follows them', () => {
+  test('are revealed once, with what follows them', async () => {
     const fake = fakeEngine();
     const [scene, camera] = [new Scene(), new PerspectiveCamera()];
     const cloud = new SplatCloudObject();
     cloud.reveal = { from: [0, 0, 0], durationMs: 100 };
+    await loadedEffects(cloud);
     const radiusAt = (nowMs: number) => {
-      const [{ options }] = cloud.effectsAt(nowMs, scene, camera);
-      return (options as RevealOptions).radius;
+      const [use] = cloud.effectsAt(nowMs, scene, camera)!;
+      return (use?.options as RevealOptions | undefined)?.radius;
     };
     cloud.data = previewOn(fake);
-    cloud.announceDrawn(1000);
+    cloud.announceDrawn(1000, [reveal.effect]);
     cloud.data = previewOn(fake);
     cloud.data = splatDataAt([1, 2, 3]);
-    expect(radiusAt(1100)).toBe(Number.POSITIVE_INFINITY);
+    expect(radiusAt(1100)).toBeUndefined();
     cloud.data = splatDataAt([1, 2, 3]);
     expect(radiusAt(1100)).toBe(0);
   });
@@ -522,17 +574,18 @@ describe('previews', () => {
 describe('effects', () => {
   const camera = new PerspectiveCamera();
 
-  function cloudInFog(): { cloud: SplatCloudObject; scene: Scene; names: () => string[] } {
+  async function cloudInFog(): Promise<{ cloud: SplatCloudObject; scene: Scene; names: () => string[] }> {
     const cloud = new SplatCloudObject(splatDataAt([0, 0, 0], [3, 4, 0]));
     const scene = new Scene();
     scene.fog = new Fog('white', 1, 2);
     scene.add(cloud);
     scene.updateMatrixWorld();
-    return { cloud, scene, names: () => cloud.effectsAt(0, scene, camera).map(({ effect }) => effect.name) };
+    await loadedEffects(cloud, scene);
+    return { cloud, scene, names: () => cloud.effectsAt(0, scene, camera)!.map(({ effect }) => effect.name) };
   }
 
-  test('are the cloud’s own and the scene’s fog, unless the cloud has its own fog or none', () => {
-    const { cloud, scene, names } = cloudInFog();
+  test('are the cloud’s own and the scene’s fog, unless the cloud has its own fog or none', async () => {
+    const { cloud, scene, names } = await cloudInFog();
     cloud.effects = [tint([1, 0, 0])];
     expect(names()).toEqual(['tint', 'fog']);
     const own = fog({ color: [0, 0, 0], density: 1 });
@@ -546,28 +599,42 @@ describe('effects', () => {
     expect(names()).toEqual([]);
   });
 
+  test('are cut off by the groups that the cloud is in', async () => {
+    const { cloud, scene, names } = await cloudInFog();
+    const group = new ClippingGroup();
+    group.clippingPlanes = [new Plane(new Vector3(1, 0, 0), 0)];
+    scene.fog = null;
+    scene.add(group);
+    group.add(cloud);
+    expect(names()).toEqual(['clipping-groups']);
+    group.enabled = false;
+    expect(names()).toEqual([]);
+  });
+
   test('reveal requests frames until it is over, and begins again with other data', async () => {
-    const { cloud, scene } = cloudInFog();
+    const { cloud, scene } = await cloudInFog();
     cloud.fog = false;
     cloud.reveal = { from: [0, 0, 0], durationMs: 100, softEdge: 0 };
     const needsFrame = vi.fn();
     cloud.addEventListener('needsframe', needsFrame);
     const radiusAt = (nowMs: number) => {
-      const [use] = cloud.effectsAt(nowMs, scene, camera) as [EffectUse];
-      return (use.options as RevealOptions).radius;
+      const [use] = cloud.effectsAt(nowMs, scene, camera)!;
+      return (use?.options as RevealOptions | undefined)?.radius;
     };
-    const draw = async (nowMs: number) => {
+    const draw = async (nowMs: number, drawn = [reveal.effect]) => {
       needsFrame.mockClear();
-      cloud.announceDrawn(nowMs);
+      cloud.announceDrawn(nowMs, drawn);
       expect(needsFrame, 'in the middle of three’s frame').not.toHaveBeenCalled();
       await Promise.resolve();
       return needsFrame.mock.calls.length;
     };
+    expect(radiusAt(900)).toBe(0);
+    expect(await draw(900, []), 'while shaders for it compile').toBe(0);
     expect(radiusAt(1000)).toBe(0);
     expect(await draw(1000)).toBe(1);
     expect(radiusAt(1050)).toBeCloseTo(5 / 8, 2);
     expect(await draw(1050)).toBe(1);
-    expect(radiusAt(1100)).toBe(Number.POSITIVE_INFINITY);
+    expect(radiusAt(1100)).toBeUndefined();
     expect(await draw(1100)).toBe(0);
     cloud.data = splatDataAt([1, 0, 0]);
     expect(radiusAt(1200)).toBe(0);

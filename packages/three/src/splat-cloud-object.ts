@@ -4,18 +4,17 @@ import {
   type AccuracySettings,
   type ChooseAccuracyOptions,
   DestroyedError,
+  GpuLimitError,
   InvalidArgumentError,
   type ShDegree,
   type SplatCloud,
   type SplatEngine,
 } from '@websplatter/core';
-import { type EffectUse, fog } from '@websplatter/core/effects';
+import { type EffectUse, reveal, type SplatEffect } from '@websplatter/core/effects';
 import {
   Box3,
   BufferGeometry,
   type Camera,
-  type Fog,
-  type FogExp2,
   type Intersection,
   Object3D,
   type Object3DEventMap,
@@ -25,12 +24,14 @@ import {
   Vector3,
   type WebGPURenderer,
 } from 'three/webgpu';
-import { fogOptionsOf } from './effect-options.ts';
 import { SplatsPrecisionError } from './errors.ts';
 import type { CloudLayer, LayerCloud } from './layer-cloud.ts';
-import { type RevealAnimation, Revealing } from './reveal-animation.ts';
+import { checkedReveal, type RevealAnimation } from './reveal-animation.ts';
 import type { SplatData } from './splat-data.ts';
 import { layerOf, rootOf, type SplatLayer } from './splat-layer.ts';
+
+/** Code for effects that come from the scene or change with time: loaded when a cloud has some. */
+let later: typeof import('./scene-effects.ts') | null = null;
 
 /** The splat that contributes most to a pixel. */
 export interface SplatHit {
@@ -68,7 +69,10 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   shDegree: ShDegree = 3;
   /** Effects from `@websplatter/core/effects` or your own, each at most once: `[tint([1, 0.8, 0.6])]`. Effects cost time. */
   effects: readonly EffectUse[] = [];
-  /** Whether the scene's fog (Fog, FogExp2) hides splats as it does meshes, unless `effects` has a `fog` of its own. */
+  /**
+   * Whether the scene's fog (Fog, FogExp2) hides splats as it does meshes, unless `effects` has a `fog` of its own. Splats
+   * cannot follow a `fogNode`: they take the scene's `fog` then, which meshes ignore beside a node.
+   */
   fog = true;
   /**
    * Whether splats that cover more than half of a pixel hide objects that are drawn after them, and are visible to effects
@@ -97,7 +101,11 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   readonly #handled = new WeakSet<Promise<unknown>>();
   readonly #reported = new Set<string>();
   #data: SplatData | null = null;
-  #revealing: Revealing | null = null;
+  /** The splats on the screen, which stay there until others take their place. */
+  #drawn: SplatData | null = null;
+  #reveal: RevealAnimation | null = null;
+  /** Time of the first frame that shows how the cloud appears. */
+  #revealBeganMs: number | null = null;
   #layer: SplatLayer | null = null;
   #isAnnounced = false;
   #choice: AccuracyChoice | null = null;
@@ -109,20 +117,24 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   }
 
   /**
-   * The splats to draw. Replace them at any time; the GPU copy of the old ones is freed with its last user. Draws no preview of
-   * a load that has failed.
+   * The splats to draw. Replace them at any time: the old ones stay on the screen until the new ones are drawn, which takes
+   * their upload and shaders for them, or until the GPU has no memory for both. Then their GPU copy is freed with its last
+   * user. Null: nothing. Draws no preview of a load that has failed.
    */
   get data(): SplatData | null {
     return this.#data;
   }
 
   set data(data: SplatData | null) {
-    if (data === this.#data) return;
+    const before = this.#data;
+    if (data === before) return;
     // What takes the place of a preview goes on appearing.
-    if (!this.#data?.isPreview) this.#revealing &&= new Revealing(this.#revealing.animation);
-    this.#releaseUploads();
+    if (!before?.isPreview) this.#revealBeganMs = null;
     this.#data = data;
     this.#isAnnounced = false;
+    if (before !== this.#drawn) before?.release(this);
+    if (!data) this.#replaceDrawn(null);
+    this.#forgetErrors();
     withBounds(this.geometry, data?.robustBounds.clone() ?? new Box3());
     this.requestFrame();
   }
@@ -135,11 +147,12 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
    * @throws InvalidArgumentError for an invalid place, width or time.
    */
   get reveal(): RevealAnimation | null {
-    return this.#revealing?.animation ?? null;
+    return this.#reveal;
   }
 
   set reveal(animation: RevealAnimation | null) {
-    this.#revealing = animation && new Revealing(animation);
+    this.#reveal = animation && checkedReveal(animation);
+    this.#revealBeganMs = null;
   }
 
   override updateMatrixWorld(force?: boolean): void {
@@ -166,13 +179,13 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
 
   /**
    * Returns the splat that contributes most to a pixel of the frame that `renderer` drew last from `camera`. Null if it
-   * belongs to another cloud or a preview, if there is none, and before the first frame.
+   * belongs to another cloud or a preview, if there is none, and before the first frame with these data.
    *
    * @param xPx, yPx physical pixels from the canvas's top left.
    */
   async pick(renderer: WebGPURenderer, camera: Camera, xPx: number, yPx: number): Promise<SplatHit | null> {
     const hit = await this.#layer?.pick(renderer, camera, xPx, yPx);
-    if (hit?.object !== this) return null;
+    if (hit?.object !== this || this.#drawn !== this.#data) return null;
     const { splatIndex, point, depthView, alpha } = hit;
     return { object: this, splatIndex, point: new Vector3(...point), depthView, alpha };
   }
@@ -200,7 +213,9 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   /** Removes the cloud from the screen and releases its GPU copy, which goes with its last user. Drawing uploads it again. */
   override dispose(): void {
     if (this.#layer) this.leave(this.#layer);
-    this.#releaseUploads();
+    this.#data?.release(this);
+    this.#replaceDrawn(null);
+    this.#forgetErrors();
     // three's objects have no `dispose` before 0.187.
     super.dispose?.();
   }
@@ -220,6 +235,12 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     if (!data || this.#failed.has(engine)) return null;
     const fail = (error: Error) => {
       if (this.#data !== data || error.name === 'AbortError') return;
+      // There may be room for these once those on the screen are gone.
+      if (error instanceof GpuLimitError && this.#drawn && this.#drawn !== data) {
+        this.#replaceDrawn(null);
+        this.requestFrame();
+        return;
+      }
       this.#failed.add(engine);
       // The renderer reports a lost device.
       if (!(error instanceof DestroyedError || this.tell(error))) console.error(error);
@@ -277,33 +298,52 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     this.dispatchEvent({ type: 'needsframe' });
   }
 
-  /** @internal Returns the effects for a frame of `scene` at `nowMs`. */
-  effectsAt(nowMs: number, scene: Scene, camera: Camera): readonly EffectUse[] {
-    const uses = [...this.effects];
-    if (this.#revealing) uses.push(this.#revealing.useAt(nowMs, this.worldBounds, camera));
-    const hasOwnFog = uses.some(({ effect }) => effect === fog.effect);
-    if (scene.fog && this.fog && !hasOwnFog) uses.push(fog(fogOptionsOf(scene.fog as Fog | FogExp2)));
-    return uses;
+  /**
+   * @internal Returns the effects for a frame of `scene` at `nowMs`; null while code for them is loaded.
+   *
+   * @throws InvalidArgumentError for invalid options.
+   */
+  effectsAt(nowMs: number, scene: Scene, camera: Camera): readonly EffectUse[] | null {
+    const progress = this.#revealedAt(nowMs);
+    const isInFog = this.fog && (scene.fog || (scene as { fogNode?: object | null }).fogNode);
+    if (progress >= 1 && !isInFog && !isInClippingGroup(this)) return this.effects;
+    if (later) return later.sceneEffects(this, progress, scene, camera);
+    import('./scene-effects.ts').then(
+      (loaded) => {
+        later = loaded;
+        this.requestFrame();
+      },
+      (error) => this.tell(error),
+    );
+    return null;
   }
 
-  /** @internal Called while a frame with the cloud's current state is recorded. */
-  announceDrawn(nowMs: number): void {
-    this.#announceFirstFrame();
-    if (!this.#revealing || this.#revealing.isOver(nowMs)) return;
-    this.#revealing.begin(nowMs);
-    // three is in the middle of its frame.
+  /**
+   * @internal Called while a frame with the current data is recorded.
+   *
+   * @param drawn the effects of that frame; others while shaders for the current ones compile.
+   */
+  announceDrawn(nowMs: number, drawn: readonly SplatEffect[]): void {
+    const data = this.#data!;
+    this.#replaceDrawn(data);
+    if (!this.#isAnnounced && !data.isPreview) {
+      this.#isAnnounced = true;
+      // three is in the middle of its frame.
+      queueMicrotask(() => {
+        this.dispatchEvent({ type: 'firstframe' });
+        data.prepareRays().catch(() => {});
+      });
+    }
+    // Otherwise shaders compile: a frame is asked for when they are ready.
+    if (this.#revealedAt(nowMs) >= 1 || !drawn.includes(reveal.effect)) return;
+    this.#revealBeganMs ??= nowMs;
     queueMicrotask(() => this.requestFrame());
   }
 
-  #announceFirstFrame(): void {
-    if (this.#isAnnounced || this.#data!.isPreview) return;
-    this.#isAnnounced = true;
-    const data = this.#data!;
-    // three is in the middle of its frame.
-    queueMicrotask(() => {
-      this.dispatchEvent({ type: 'firstframe' });
-      data.prepareRays().catch(() => {});
-    });
+  /** Part of the time of appearing that has passed: 0 before its first frame, 1 or more where all is shown. */
+  #revealedAt(nowMs: number): number {
+    if (!this.#reveal) return 1;
+    return (nowMs - (this.#revealBeganMs ?? nowMs)) / this.#reveal.durationMs;
   }
 
   /** @internal Called with the settings chosen for a frame with this cloud. */
@@ -314,11 +354,22 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     this.dispatchEvent({ type: 'accuracychosen', choice });
   }
 
-  #releaseUploads(): void {
-    this.#data?.release(this);
+  /** Lets go of the splats on the screen, unless they are `data`, which take their place. */
+  #replaceDrawn(data: SplatData | null): void {
+    if (this.#drawn !== data) this.#drawn?.release(this);
+    this.#drawn = data;
+  }
+
+  #forgetErrors(): void {
     this.#failed = new WeakSet();
     this.#reported.clear();
   }
+}
+
+function isInClippingGroup(object: Object3D): boolean {
+  for (let at: Object3D | null = object; at; at = at.parent)
+    if ((at as { isClippingGroup?: boolean }).isClippingGroup) return true;
+  return false;
 }
 
 function withBounds(geometry: BufferGeometry, bounds: Box3): BufferGeometry {

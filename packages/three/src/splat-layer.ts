@@ -1,6 +1,7 @@
 import {
   type AccuracyChoice,
   type AccuracyRequest,
+  type AccuracySettings,
   type ChooseAccuracyOptions,
   type CloudInstance,
   cameraFromMatrices,
@@ -18,6 +19,7 @@ import {
   Float32BufferAttribute,
   Mesh,
   type Object3D,
+  type PerspectiveCamera,
   type Scene,
   Sphere,
   Vector3,
@@ -28,7 +30,7 @@ import type { LayerCloud } from './layer-cloud.ts';
 import { ColorLayerMaterial, DepthLayerMaterial } from './layer-material.ts';
 import { type LayerView, LayerViews } from './layer-view.ts';
 import { reportStageTimings } from './stage-timings.ts';
-import { type OpenPass, openPass } from './three-bridge.ts';
+import { type OpenPass, openPass, PassRefusal } from './three-bridge.ts';
 
 const layers = new WeakMap<Object3D, SplatLayer>();
 
@@ -151,8 +153,10 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       const pass = openPass(renderer as WebGPURenderer, scene, camera, this);
       if (pass) this.#drawInto(pass, renderer as WebGPURenderer, engine, scene, camera);
     } catch (error) {
+      if (error instanceof PassRefusal)
+        void import('./pass-errors.ts').then(({ passError }) => this.#report(passError(error.reason)));
       // The renderer reports a lost device.
-      if (!(error instanceof DestroyedError)) this.#report(error);
+      else if (!(error instanceof DestroyedError)) this.#report(error);
       // A WebGLRenderer can show nothing of this library, and it does not know the layer's material either.
       if ((renderer as { isWebGLRenderer?: boolean }).isWebGLRenderer) throw error;
     }
@@ -167,9 +171,74 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   ): void {
     const nowMs = performance.now();
     const shown = this.#shownClouds();
-    const clouds = instancesFor(shown, engine, camera, (object) => object.effectsAt(nowMs, scene, camera));
-    if (clouds.size === 0) return;
-    holdPlanes(shown, clouds.keys(), engine);
+    if (shown.length === 0) return;
+    const view = this.#viewFor(pass, renderer, engine, camera);
+    const { embedded } = view;
+    const wantedOf = (object: LayerCloud) =>
+      instanceOf(object, engine, object.effectsAt(nowMs, scene, camera));
+    const isReady = (clouds: Clouds, widthPx = pass.widthPx) =>
+      embedded.prepare({
+        camera: engineCamera(camera, pass.depth?.compare === 'greater-equal'),
+        clouds: [...clouds.values()],
+        widthPx,
+        heightPx: pass.heightPx,
+        depth: pass.depth,
+        hasOccluders: pass.hasOccluders,
+        writesDepth: [...clouds.keys()].some(({ depthWrite }) => depthWrite),
+        accuracy: accuracyOf(clouds.keys()),
+      });
+    const prepare = (objects: readonly LayerCloud[]) => {
+      const settings = planesFor(objects, engine);
+      const clouds: Clouds = new Map();
+      /** The clouds of the last frame, which stay while others are uploaded and shaders for them compile. */
+      const lasting: Clouds = new Map();
+      for (const object of objects) {
+        if (!object.layers.test(camera.layers)) continue;
+        const wanted = wantedOf(object);
+        if (wanted) object.hold(engine, settings);
+        const last = view.clouds.get(object);
+        const before = last?.cloud === wanted?.cloud ? wanted : last;
+        if (object.data && before && !before.cloud.isDestroyed) lasting.set(object, before);
+        const drawn = wanted ?? lasting.get(object);
+        if (drawn) clouds.set(object, drawn);
+      }
+      return isReady(clouds) ? clouds : isReady(lasting) ? lasting : null;
+    };
+    const isValid = (object: LayerCloud) => {
+      try {
+        const wanted = wantedOf(object);
+        // Without pixels, options are checked and nothing is prepared.
+        if (wanted) isReady(new Map([[object, wanted]]), 0);
+        return true;
+      } catch (error) {
+        this.#report(error, [object]);
+        return false;
+      }
+    };
+    let drawn: Clouds | null;
+    try {
+      drawn = prepare(shown);
+    } catch (error) {
+      const valid = shown.filter(isValid);
+      if (valid.length === shown.length) throw error;
+      drawn = prepare(valid);
+    }
+    if (!drawn) return;
+    view.clouds = drawn;
+    pass.interrupt((encoder, host) => {
+      view.show(embedded.draw(encoder, host), pass.xPx, pass.yPx);
+    });
+    this.#shown = view;
+    this.material.show(view.color!, view.xPx, view.yPx);
+    [...drawn.keys()].forEach((object, i) => {
+      // The view may have drawn its last frame instead.
+      const shape = embedded.shape!.clouds[i];
+      if (shape && object.uploadedTo(engine) === shape.cloud)
+        object.announceDrawn(nowMs, shape.effects.effects);
+    });
+  }
+
+  #viewFor(pass: OpenPass, renderer: WebGPURenderer, engine: SplatEngine, camera: Camera): LayerView {
     const view: LayerView = this.#views.use(renderer, camera, pass.target, () => {
       const embedded = engine.createEmbeddedView();
       embedded.onReady = () => {
@@ -181,29 +250,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       embedded.onStatistics = (statistics) => reportStageTimings(renderer, statistics);
       return embedded;
     });
-    const isReady = (drawn: Clouds) =>
-      view.embedded.prepare({
-        camera: engineCamera(camera, pass.depth?.compare === 'greater-equal'),
-        clouds: [...drawn.values()],
-        widthPx: pass.widthPx,
-        heightPx: pass.heightPx,
-        depth: pass.depth,
-        hasOccluders: pass.hasOccluders,
-        writesDepth: [...drawn.keys()].some(({ depthWrite }) => depthWrite),
-        accuracy: accuracyOf(drawn.keys()),
-      });
-    const wasThere = ([object, { cloud }]: [LayerCloud, CloudInstance]) =>
-      view.clouds.get(object)?.cloud === cloud;
-    // The clouds of the last frame stay while shaders for added clouds compile.
-    const drawn = [clouds, new Map([...clouds].filter(wasThere))].find(isReady);
-    if (!drawn) return;
-    view.clouds = drawn;
-    pass.interrupt((encoder, host) => {
-      view.show(view.embedded.draw(encoder, host), pass.xPx, pass.yPx);
-    });
-    this.#shown = view;
-    this.material.show(view.color!, view.xPx, view.yPx);
-    for (const cloud of drawn.keys()) cloud.announceDrawn(nowMs);
+    return view;
   }
 
   #showDepth(): void {
@@ -218,10 +265,13 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     return [...this.#clouds].filter((object) => object.opacity !== 0 && isShown(object));
   }
 
-  /** If a callback throws, three abandons this frame and every later one, so errors are reported instead, each once. */
-  #report(error: unknown): void {
+  /**
+   * Tells an error to the `clouds` that it keeps from being drawn, once: if a callback threw, three would abandon this frame
+   * and every later one.
+   */
+  #report(error: unknown, clouds: Iterable<LayerCloud> = this.#clouds): void {
     let hasListener = false;
-    for (const cloud of this.#clouds) hasListener = cloud.tell(error) || hasListener;
+    for (const cloud of clouds) hasListener = cloud.tell(error) || hasListener;
     const text = String(error);
     if (hasListener || this.#reported.has(text)) return;
     this.#reported.add(text);
@@ -230,7 +280,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
 }
 
 /** Clouds in the scene, and their instances in a frame request. */
-type Clouds = LayerView['clouds'];
+type Clouds = Map<LayerCloud, CloudInstance>;
 
 /** Whether `object` and all of its ancestors are visible. */
 function isShown(object: Object3D): boolean {
@@ -238,35 +288,27 @@ function isShown(object: Object3D): boolean {
   return true;
 }
 
-/** Returns the instances of those `objects` that share a layer with `camera` and are uploaded. */
-function instancesFor(
-  objects: readonly LayerCloud[],
+/** Returns what a frame draws of `object`; null as long as that is uploaded, or what its effects need is loaded. */
+function instanceOf(
+  object: LayerCloud,
   engine: SplatEngine,
-  camera: Camera,
-  effectsOf: (object: LayerCloud) => CloudInstance['effects'],
-): Clouds {
-  const found = new Map<LayerCloud, CloudInstance>();
-  for (const object of objects) {
-    if (!object.layers.test(camera.layers)) continue;
-    const cloud = object.uploadedTo(engine);
-    if (!cloud) continue;
-    const { opacity, shDegree, matrixWorld } = object;
-    const effects = effectsOf(object);
-    found.set(object, { cloud, modelMatrix: matrixWorld.elements, opacity, shDegree, effects });
-  }
-  return found;
+  effects: CloudInstance['effects'] | null,
+): CloudInstance | null {
+  const cloud = object.uploadedTo(engine);
+  if (!cloud || !effects) return null;
+  const { opacity, shDegree, matrixWorld } = object;
+  return { cloud, modelMatrix: matrixWorld.elements, opacity, shDegree, effects };
 }
 
 /**
- * Makes the `drawn` clouds hold the planes for the accuracy of all shown clouds, even if this camera sees only some of them:
- * otherwise several cameras with different clouds would claim different planes in turn.
+ * Returns the settings whose planes each drawn cloud is to hold: those for all `shown` clouds, even if a camera sees only some
+ * of them. Otherwise several cameras with different clouds would claim different planes in turn. Null under a wish: the view
+ * itself claims the planes for the settings that it has chosen.
  */
-function holdPlanes(shown: Iterable<LayerCloud>, drawn: Iterable<LayerCloud>, engine: SplatEngine): void {
+function planesFor(shown: Iterable<LayerCloud>, engine: SplatEngine): AccuracySettings | null {
   const accuracy = accuracyOf(shown);
-  // Under a wish, the view itself claims the planes for the settings that it has chosen.
   const isWish = accuracy !== undefined && isAccuracyWish(accuracy);
-  const settings = isWish ? null : engine.resolveAccuracy(accuracy).settings;
-  for (const object of drawn) object.hold(engine, settings);
+  return isWish ? null : engine.resolveAccuracy(accuracy).settings;
 }
 
 function accuracyOf(clouds: Iterable<LayerCloud>): AccuracyRequest | undefined {
@@ -277,8 +319,20 @@ function accuracyOf(clouds: Iterable<LayerCloud>): AccuracyRequest | undefined {
 function engineCamera(camera: Camera, isReversed: boolean): EngineCamera {
   const projection = camera.projectionMatrix.elements;
   const inMatrix = depthRange(projection, isReversed);
-  const { near = inMatrix.near, far = inMatrix.far }: Camera & { near?: number; far?: number } = camera;
-  return cameraFromMatrices(camera.matrixWorldInverse.elements, projection, { near, far });
+  const parametric = camera as PerspectiveCamera;
+  const { near = inMatrix.near, far = inMatrix.far, view }: Partial<PerspectiveCamera> = parametric;
+  return {
+    ...cameraFromMatrices(camera.matrixWorldInverse.elements, projection, { near, far }),
+    wholeProjectionMatrix: view?.enabled ? wholeProjection(parametric) : undefined,
+  };
+}
+
+/** Returns the projection of the image that `camera.setViewOffset` shows a part of. */
+function wholeProjection(camera: PerspectiveCamera): number[] {
+  // Without children; three's types do not know the argument.
+  const whole = (camera as Object3D).clone(false) as PerspectiveCamera;
+  whole.clearViewOffset();
+  return whole.projectionMatrix.elements;
 }
 
 /** Returns near and far of a camera that has only a matrix: the depths at which its clip depth is 0 and 1. */

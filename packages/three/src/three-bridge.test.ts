@@ -1,6 +1,6 @@
 import { ArrayCamera, Object3D, PerspectiveCamera, Scene, type WebGPURenderer } from 'three/webgpu';
 import { describe, expect, test, vi } from 'vitest';
-import { SplatsPassError, ThreeInternalsError } from './errors.ts';
+import { ThreeInternalsError } from './errors.ts';
 import { hasWebGpuBackend, openPass } from './three-bridge.ts';
 
 const scene = new Scene();
@@ -165,7 +165,9 @@ describe('the open pass', () => {
 
   test('for several cameras at once throws', () => {
     const { renderer } = fakeRenderer();
-    expect(() => openPass(renderer, scene, new ArrayCamera(), drawn)).toThrow(SplatsPassError);
+    expect(() => openPass(renderer, scene, new ArrayCamera(), drawn)).toThrow(
+      expect.objectContaining({ reason: 'several-cameras' }),
+    );
   });
 });
 
@@ -297,23 +299,25 @@ describe('an interruption', () => {
   });
 
   test.each([
-    ['samples that are not kept', { storeOp: 'discard' }, {}],
-    ['samples that are not resolved', {}, { msaaTexture: {} }],
-    ['slices', {}, { texture: { dimension: '3d' } }],
-  ])('is refused, with the pass untouched, for %s', (_, attachment, textureData) => {
+    ['samples that are not kept', 'lost-samples', { storeOp: 'discard' }, {}],
+    ['samples that are not resolved', 'unresolved-samples', {}, { msaaTexture: {} }],
+    ['slices', 'part-of-texture', {}, { texture: { dimension: '3d' } }],
+  ])('is refused, with the pass untouched, for %s', (_, reason, attachment, textureData) => {
     const fake = fakeRenderer();
     const { colorAttachments } = fake.data.descriptor as { colorAttachments: object[] };
     Object.assign(colorAttachments[1], attachment);
     fake.kept.set(fake.colorTexture, { texture: gpuTexture('color'), ...textureData });
-    expect(() => open(fake).interrupt(() => {})).toThrow(SplatsPassError);
+    expect(() => open(fake).interrupt(() => {})).toThrow(expect.objectContaining({ reason }));
     expect(fake.calls).toEqual([]);
     expect(fake.data.currentPass).toBe(fake.oldPass);
   });
 
-  test('throws for a mip level', () => {
+  test('is refused for a mip level', () => {
     const fake = fakeRenderer();
     fake.context.activeMipmapLevel = 1;
-    expect(() => open(fake).interrupt(() => {})).toThrow(/mip level/);
+    expect(() => open(fake).interrupt(() => {})).toThrow(
+      expect.objectContaining({ reason: 'part-of-texture' }),
+    );
   });
 });
 

@@ -2,7 +2,18 @@
 // pass. The properties used here have kept their names from 0.170 to 0.187; each is checked before it is used.
 import type { DepthConvention, HostPass } from '@websplatter/core';
 import { type Camera, type Object3D, REVISION, type Scene, type WebGPURenderer } from 'three/webgpu';
-import { SplatsPassError, ThreeInternalsError } from './errors.ts';
+import { ThreeInternalsError } from './errors.ts';
+
+/** Why a pass cannot be interrupted. */
+export type RefusalReason = 'several-cameras' | 'lost-samples' | 'unresolved-samples' | 'part-of-texture';
+
+/** Thrown for a pass that cannot be interrupted; pass-errors.ts has the words for callers, and is loaded for them. */
+export class PassRefusal {
+  readonly reason: RefusalReason;
+  constructor(reason: RefusalReason) {
+    this.reason = reason;
+  }
+}
 
 /** One of three's render passes while it is recorded. */
 export interface OpenPass {
@@ -24,7 +35,7 @@ export interface OpenPass {
 /**
  * Returns the pass that `renderer` is recording during the `onBeforeRender` of `drawn`, or null if it only compiles shaders.
  *
- * @throws ThreeInternalsError if three has changed; SplatsPassError if the pass cannot be interrupted.
+ * @throws ThreeInternalsError if three has changed; PassRefusal if the pass cannot be interrupted.
  */
 export function openPass(
   renderer: WebGPURenderer,
@@ -38,10 +49,7 @@ export function openPass(
   const { backend } = internals;
   const data = probedData(backend.get(context));
   if ((camera as { isArrayCamera?: boolean }).isArrayCamera) {
-    throw new SplatsPassError(
-      'Splats cannot be drawn with an ArrayCamera or in XR, for several cameras in a pass. Render each ' +
-        'camera alone, in a viewport of its own, or hide the splats.',
-    );
+    throw new PassRefusal('several-cameras');
   }
   if (!data.currentPass) return null;
   probe(context, 'context', CONTEXT_SHAPE);
@@ -106,19 +114,10 @@ interface RenderContext {
 }
 
 const CONTEXT_SHAPE = {
-  textures: 'object',
-  depth: 'boolean',
-  stencil: 'boolean',
-  width: 'number',
-  height: 'number',
-  viewport: 'boolean',
-  viewportValue: 'object',
-  scissor: 'boolean',
-  scissorValue: 'object',
-  activeCubeFace: 'number',
-  activeMipmapLevel: 'number',
-  occlusionQueryCount: 'number',
-} as const;
+  object: ['textures', 'viewportValue', 'scissorValue'],
+  boolean: ['depth', 'stencil', 'viewport', 'scissor'],
+  number: ['width', 'height', 'activeCubeFace', 'activeMipmapLevel', 'occlusionQueryCount'],
+};
 
 /** The backend's data about a RenderContext while it is drawn. */
 interface RenderContextData extends OcclusionData {
@@ -132,12 +131,7 @@ interface RenderContextData extends OcclusionData {
   readonly currentBlendAlpha?: number;
 }
 
-const DATA_SHAPE = {
-  encoder: 'object',
-  descriptor: 'object',
-  currentSets: 'object',
-  renderBundles: 'object',
-} as const;
+const DATA_SHAPE = { object: ['encoder', 'descriptor', 'currentSets', 'renderBundles'] };
 
 interface OcclusionData {
   lastOcclusionObject?: { readonly occlusionTest?: boolean } | null;
@@ -196,13 +190,11 @@ function internalsOf(renderer: WebGPURenderer): RendererInternals {
   const internals = renderer as unknown as RendererInternals;
   if (!probedRenderers.has(renderer)) {
     probe(internals, 'renderer', {
-      _currentRenderContext: 'object',
-      _compilationPromises: 'object',
-      backend: 'object',
-      getCanvasTarget: 'function',
+      object: ['_currentRenderContext', '_compilationPromises', 'backend'],
+      function: ['getCanvasTarget'],
     });
-    probe(internals.backend, 'renderer.backend', { get: 'function', textureUtils: 'object' });
-    probe(internals.backend.textureUtils, 'renderer.backend.textureUtils', { getDepthBuffer: 'function' });
+    probe(internals.backend, 'renderer.backend', { function: ['get'], object: ['textureUtils'] });
+    probe(internals.backend.textureUtils, 'renderer.backend.textureUtils', { function: ['getDepthBuffer'] });
     probedRenderers.add(renderer);
   }
   return internals;
@@ -212,18 +204,18 @@ function probedData(data: object): RenderContextData {
   const found = data as RenderContextData;
   if (found.currentPass && !probedContexts.has(found)) {
     probe(found, 'backend.get(context)', DATA_SHAPE);
-    probe(found.descriptor, 'backend.get(context).descriptor', { colorAttachments: 'object' });
+    probe(found.descriptor, 'backend.get(context).descriptor', { object: ['colorAttachments'] });
     probedContexts.add(found);
   }
   return found;
 }
 
-function probe(object: object, path: string, shape: Readonly<Record<string, string>>): void {
-  for (const [name, type] of Object.entries(shape)) {
-    if (typeof (object as Record<string, unknown>)[name] !== type) {
-      throw new ThreeInternalsError(`${path}.${name} (${type})`, REVISION);
-    }
-  }
+/** @param shape names of properties, by type. */
+function probe(object: object, path: string, shape: Readonly<Record<string, readonly string[]>>): void {
+  for (const type in shape)
+    for (const name of shape[type])
+      if (typeof (object as Record<string, unknown>)[name] !== type)
+        throw new ThreeInternalsError(`${path}.${name} (${type})`, REVISION);
 }
 
 /** Returns the object that identifies the target: three draws frames for a canvas into a target of its own first. */
@@ -267,10 +259,7 @@ function checkResumable({ colorAttachments, depthStencilAttachment }: PassDescri
     depthStencilAttachment?.depthStoreOp === 'discard' ||
     depthStencilAttachment?.stencilStoreOp === 'discard';
   if (isDiscarded) {
-    throw new SplatsPassError(
-      'Splats cannot be drawn into a RenderTarget that loses its samples when they interrupt three’s pass. Leave its ' +
-        'storeMultisampledColorBuffer, storeMultisampledDepthBuffer and storeMultisampledStencilBuffer on.',
-    );
+    throw new PassRefusal('lost-samples');
   }
 }
 
@@ -286,15 +275,10 @@ function colorOf(backend: Backend, context: RenderContext, descriptor: PassDescr
   const { texture, msaaTexture, msaaTextures } = backend.get(textures[index]) as TextureData;
   if (!texture) throw new ThreeInternalsError('backend.get(texture).texture', REVISION);
   if ((msaaTexture || msaaTextures) && !descriptor.colorAttachments[index].resolveTarget) {
-    throw new SplatsPassError(
-      'Splats cannot be drawn into a multisampled RenderTarget that is not resolved: set its resolveColorBuffer.',
-    );
+    throw new PassRefusal('unresolved-samples');
   }
   if (texture.dimension !== '2d' || context.activeMipmapLevel > 0) {
-    throw new SplatsPassError(
-      'Splats cannot be drawn into a slice or a mip level of a texture. Draw into a RenderTarget of its own and copy it, ' +
-        'or hide the splats from this camera by layers.',
-    );
+    throw new PassRefusal('part-of-texture');
   }
   return texture;
 }

@@ -1,4 +1,5 @@
-import type { AccuracySettings } from '../accuracy/accuracy.ts';
+import type { Accuracy, AccuracySettings } from '../accuracy/accuracy.ts';
+import { internWish } from '../accuracy/accuracy-wish.ts';
 import { DestroyedError, type GpuLimitError, InvalidArgumentError } from '../errors.ts';
 import { effectsOf } from '../frame/cloud-plan.ts';
 import { FrameParts, frameStages } from '../frame/frame.ts';
@@ -303,8 +304,10 @@ export abstract class ViewCore {
     // Before anything is planned: another size may need other shaders.
     checkSize(this.context.device, request.widthPx, request.heightPx);
     if (request.widthPx > 0 && request.heightPx > 0) return true;
-    // Without pixels there is no plan, which would check the effects.
+    // Without pixels there is no plan, which would check these.
     for (const instance of request.clouds) effectsOf(instance);
+    const { accuracy } = request;
+    if (accuracy && !internWish(accuracy)) this.context.accuracyFor(accuracy as Accuracy);
     return false;
   }
 

@@ -1,0 +1,32 @@
+import { type EffectUse, type FogOptions, fog } from '@websplatter/core/effects';
+import type { Fog, FogExp2, Scene } from 'three/webgpu';
+import { encodedColor } from './effect-options.ts';
+
+const warned = new WeakSet<Scene>();
+
+/**
+ * Returns the fog of a scene as an effect; none without fog. A `fogNode` is code for meshes, which splats cannot follow: they
+ * take the scene's `fog` beside it, and if there is none, that is said on the console, once per scene.
+ *
+ * @throws InvalidArgumentError for fog whose distances or density are no numbers.
+ */
+export function sceneFog(scene: Scene): EffectUse[] {
+  if (scene.fog) return [fog(fogOptionsOf(scene.fog as Fog | FogExp2))];
+  const { fogNode } = scene as { fogNode?: object | null };
+  if (fogNode && !warned.has(scene)) {
+    warned.add(scene);
+    console.warn(
+      'Splats do not follow scene.fogNode. Set scene.fog, too, to the Fog or FogExp2 that comes nearest: splats take that, ' +
+        'and meshes go on following the node. With fog = false on the clouds, they stay clear without this warning.',
+    );
+  }
+  return [];
+}
+
+/** Converts a scene's fog into the options of `fog`. */
+function fogOptionsOf(fog: Fog | FogExp2): FogOptions {
+  const color = encodedColor(fog.color);
+  if ('density' in fog) return { color, density: fog.density };
+  // three accepts any numbers: if `far` is not beyond `near`, its fog is a wall at `near`.
+  return { color, near: fog.near, far: Math.max(fog.far, fog.near + 1e-6) };
+}
